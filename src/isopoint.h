@@ -455,11 +455,12 @@ typedef struct iso_render_opts {
     /* Of translucent surfaces. Every crossing of a ray is composited, in order. */
     bool constant_opacity; /* the same at every angle. Else a surface is a thin slab, of which slanting rays
                               pass more: it stops 1 - (1 - opacity)^(1 / cos) (Kay and Greenberg 1979) */
-    double absorption;     /* mm of the solid after which 1/e of the light is left, the rest becomes the
-                              surface's colour; of surfaces of one volume; 0: the solid is clear */
-    int most_layers;       /* only the first so many crossings of each surface are drawn; 0: all. Not with
-                              absorption, which must know where rays leave the solid */
-    iso_aov *aov;          /* gets depth, normals and coverage as well; NULL: not wanted */
+    double absorption_length; /* mm of the solid after which 1/e of the light is left, the rest becomes the
+                                 surface's colour; of surfaces of one volume, not by splats; 0: the solid is
+                                 clear */
+    int most_layers;          /* only the first so many crossings of each surface are drawn; 0: all. Not with
+                                 absorption, which must know where rays leave the solid */
+    iso_aov *aov;             /* gets depth, normals and coverage as well; NULL: not wanted */
 } iso_render_opts;
 
 /* Renders a surface on the cpu. `image` (and opts->aov) hold zeros or an earlier picture, whose memory is

@@ -49,6 +49,9 @@ iso_status isorender_backend_check(isorender_settings *settings, iso_error *erro
         return iso_fail(error, ISO_ERR_BACKEND, "there is no backend '%s' (see --list-backends)", name);
     if (gl && settings->ior > 0)
         return iso_fail(error, ISO_ERR_USAGE, "--backend %s draws no glass: --ior needs the cpu", name);
+    if (gl && isorender_is_translucent(settings))
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "--backend %s draws no translucent surfaces: --opacity below 1 needs the cpu", name);
     if ((gl || needed) && settings->method == ISORENDER_METHOD_UNCHOSEN)
         settings->method = settings->strips ? ISO_METHOD_MESH : ISO_METHOD_POINTS;
     if (gl && !has_gl(settings))

@@ -229,7 +229,7 @@ static const iso_option options[] = {
      "the solid of a translucent surface takes light away: after this many mm 1/e of it is left, the rest "
      "has "
      "the surface's colour (with --opacity 0 only the solid is seen, as in an X-ray image)",
-     .group = SURFACE, REAL(absorption, 1e-6, 1e9)},
+     .group = SURFACE, REAL(absorption_length, 1e-6, 1e9)},
     {"layers", NULL, "N",
      "draw only the first N crossings of each translucent surface: 1 is the skin without what lies behind it",
      .group = SURFACE, .standard = "all", INT(layers, 1, 1000000)},
@@ -558,14 +558,14 @@ bool isorender_is_translucent(const isorender_settings *settings) {
 
 static iso_status check_opacity(const isorender_settings *settings, iso_error *error) {
     const int surfaces = settings->isovalue_count ? settings->isovalue_count : 1;
-    const char *needs = settings->absorption > 0                               ? "--absorption"
+    const char *needs = settings->absorption_length > 0                        ? "--absorption"
                         : settings->layers                                     ? "--layers"
                         : settings->opacity_mode != ISORENDER_OPACITY_BY_ANGLE ? "--opacity-mode"
                                                                                : NULL;
     if (needs && !isorender_is_translucent(settings))
         return iso_fail(error, ISO_ERR_USAGE, "%s is for translucent surfaces: it needs --opacity below 1",
                         needs);
-    if (settings->absorption > 0 && settings->layers)
+    if (settings->absorption_length > 0 && settings->layers)
         return iso_fail(error, ISO_ERR_USAGE,
                         "--layers leaves out where rays leave the solid, which --absorption must know");
     if (!settings->opacity_count) return ISO_OK;
@@ -578,7 +578,7 @@ static iso_status check_opacity(const isorender_settings *settings, iso_error *e
                         iso_method_name((iso_method)settings->method));
     if (settings->mesh)
         return iso_fail(error, ISO_ERR_USAGE, "--mesh writes no opacities: --opacity is for pictures");
-    bool seen = settings->absorption > 0;
+    bool seen = settings->absorption_length > 0;
     for (int i = 0; i < settings->opacity_count; i++) seen |= settings->opacities[i] > 0;
     return seen ? ISO_OK : iso_fail(error, ISO_ERR_EMPTY, "all opacities are 0: nothing would be seen");
 }

@@ -43,12 +43,12 @@ typedef struct isorender_settings {
     int color_count;
     double opacities[ISORENDER_SURFACES];
     int opacity_count;
-    int opacity_mode;        /* isorender_opacity_mode */
-    double absorption;       /* mm; 0: not given */
-    int layers;              /* crossings of each surface that are drawn; 0: all */
-    double ior;              /* 0: not given, the surface is no glass */
-    int refraction;          /* iso_refraction */
-    const char *environment; /* NULL: the built-in studio */
+    int opacity_mode;         /* isorender_opacity_mode */
+    double absorption_length; /* mm; 0: not given */
+    int layers;               /* crossings of each surface that are drawn; 0: all */
+    double ior;               /* 0: not given, the surface is no glass */
+    int refraction;           /* iso_refraction */
+    const char *environment;  /* NULL: the built-in studio */
     iso_rgb attenuation_color;
     int attenuation_colored;     /* attenuation_color is given */
     double attenuation_distance; /* mm; 0: not given */

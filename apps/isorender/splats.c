@@ -17,7 +17,7 @@ static iso_status check_transparency(const isorender_settings *settings, iso_err
         return iso_fail(error, ISO_ERR_USAGE, "--transparency is for --method splats with --opacity below 1");
     if (!sorted && settings->layers)
         return iso_fail(error, ISO_ERR_USAGE, "--layers needs --transparency sorted");
-    if (settings->method == ISO_METHOD_SPLATS && settings->absorption > 0)
+    if (settings->method == ISO_METHOD_SPLATS && settings->absorption_length > 0)
         return iso_fail(error, ISO_ERR_USAGE,
                         "--method splats knows no solids: --absorption is for exact and raycast");
     return ISO_OK;

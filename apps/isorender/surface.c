@@ -74,7 +74,7 @@ static void choose_opacities(isorender_job *job) {
         job->surfaces[i].translucency =
             (iso_translucency){.opacity = (float)opacity,
                                .constant = settings->opacity_mode == ISORENDER_OPACITY_CONSTANT,
-                               .mean_path = (float)settings->absorption,
+                               .absorption_length = (float)settings->absorption_length,
                                .most_layers = settings->layers};
         job->translucent |= job->surfaces[i].translucency.opacity < 1;
     }

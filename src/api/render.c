@@ -161,17 +161,20 @@ static void set_up(rendering *r, const iso_render_opts *opts) {
 }
 
 static iso_status check_layers(const rendering *r, const iso_render_opts *opts, iso_error *error) {
-    if (!(opts->absorption >= 0) || !isfinite(opts->absorption) || opts->most_layers < 0)
-        return iso_fail(error, ISO_ERR_USAGE, "an absorption of %g mm, %d layers", opts->absorption,
-                        opts->most_layers);
-    if (opts->absorption > 0 && opts->most_layers)
+    const bool absorbs = opts->absorption_length > 0;
+    if (!(opts->absorption_length >= 0) || !isfinite(opts->absorption_length) || opts->most_layers < 0)
+        return iso_fail(error, ISO_ERR_USAGE, "an absorption length of %g mm, %d layers",
+                        opts->absorption_length, opts->most_layers);
+    if (absorbs && opts->most_layers)
         return iso_fail(error, ISO_ERR_USAGE,
                         "most_layers leaves out where rays leave the solid, which absorption must know");
     if (r->translucent && !iso_method_has_layers(r->renderer->method))
         return iso_fail(error, ISO_ERR_USAGE,
                         "the method %s draws no translucent surfaces: exact, raycast and splats do",
                         r->renderer->name);
-    for (int i = 1; i < r->count && r->translucent && opts->absorption > 0; i++)
+    if (absorbs && r->renderer->method == ISO_METHOD_SPLATS)
+        return iso_fail(error, ISO_ERR_USAGE, "splats know no solids: absorption is for exact and raycast");
+    for (int i = 1; i < r->count && r->translucent && absorbs; i++)
         if (r->surfaces[i]->volume != r->surfaces[0]->volume)
             return iso_fail(error, ISO_ERR_USAGE, "absorption is for surfaces of one volume");
     return ISO_OK;
@@ -183,7 +186,7 @@ static iso_status set_up_layers(rendering *r, const iso_render_opts *opts, iso_e
         r->layered[i] = (iso_layered_surface){&r->surfaces[i]->subject,
                                               {.opacity = (float)r->surfaces[i]->opacity,
                                                .constant = opts->constant_opacity,
-                                               .mean_path = (float)opts->absorption,
+                                               .absorption_length = (float)opts->absorption_length,
                                                .most_layers = opts->most_layers}};
         r->translucent |= r->layered[i].translucency.opacity < 1;
     }

@@ -86,7 +86,7 @@ static void gather_sums(work *w) {
     const iso_strip strip = {w->view, &size, 1, 0};
     const iso_raycast_layer layer = {w->subject->caster, w->look->color, {.constant = true}};
     const iso_raycast_layers picture = {
-        .layers = &layer, .count = 1, .strip = &strip, .pool = w->subject->pool};
+        .layers = &layer, .count = 1, .picture = {.strip = &strip, .pool = w->subject->pool}};
     const iso_raycast_reader reader = {add_crossing, w};
     iso_read_raycast_layers(&picture, &reader);
 }

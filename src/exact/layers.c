@@ -5,10 +5,10 @@
 #include <math.h>
 #include <string.h>
 
-#include "base/exponential.h"
 #include "base/memory.h"
 #include "exact/frame.h"
 #include "grids/ray/ray_tracer.h"
+#include "render/layers/bands.h"
 #include "render/shading/phong_vectors.h"
 
 enum {
@@ -35,11 +35,10 @@ typedef struct worker {
     iso_layer_composer composer;
     iso_layer_rays rays; /* NULL without absorbing solids */
     iso_exact_layers_totals totals;
-    bool failed; /* out of memory */
 } worker;
 
 typedef struct layers_draw {
-    const iso_exact_layers *picture;
+    const iso_exact_layers *input;
     iso_target target;
     iso_gbuffer size; /* the size of the strip's gbuffer */
     float *slopes;    /* of the rays: u by column, v by row */
@@ -77,7 +76,7 @@ static iso_status make_tracer(layer *l, iso_error *error) {
 
 static void set_up_layer(layers_draw *draw, int number) {
     layer *l = &draw->layers[number];
-    l->input = &draw->picture->layers[number];
+    l->input = &draw->input->layers[number];
     const iso_translucency *translucency = &l->input->translucency;
     l->paint = (iso_exact_paint){.u = draw->slopes, .v = draw->slopes + draw->size.width + ISO_LANES_MAX};
     set_base(l->input->color, l->paint.base);
@@ -87,18 +86,16 @@ static void set_up_layer(layers_draw *draw, int number) {
     l->frame.projection.paint = &l->paint;
     l->frame.projection.fragments = &l->fragments;
     l->frame.kernel = iso_exact_layers_kernel_get(iso_cpu_best());
-    l->fragments = (iso_exact_fragments){.opacity = translucency->opacity,
-                                         .normals = draw->picture->reader != NULL,
-                                         .by_angle = !translucency->constant,
-                                         .log_through = (float)iso_log2(1 - (double)translucency->opacity),
+    l->fragments = (iso_exact_fragments){.opacity = iso_layer_opacity_make(translucency),
+                                         .normals = draw->input->reader != NULL,
                                          .surface = number,
                                          .fall_leaves = l->input->exact->surface.normal_sign < 0};
     l->pass = (iso_layer_pass){.surface = number,
                                .most_layers = translucency->most_layers,
                                .tolerance = (float)(SAME_CROSSING * 2 * l->frame.projection.half_depth)};
-    if (translucency->mean_path > 0) {
+    if (translucency->absorption_length > 0) {
         draw->absorbs = draw->needs_rays = true;
-        draw->media[number].per_mm = 1 / translucency->mean_path;
+        draw->media[number].per_mm = 1 / translucency->absorption_length;
         set_base(l->input->color, draw->media[number].color);
     }
 }
@@ -114,9 +111,10 @@ static iso_status set_up_rays(worker *w, size_t samples, iso_error *error) {
 }
 
 static iso_status set_up_workers(layers_draw *draw, iso_error *error) {
-    const size_t count = (size_t)iso_pool_threads(draw->picture->pool);
-    const int width = draw->size.width, factor = draw->picture->strip->factor;
-    draw->band_rows = (BAND_ROWS + factor - 1) / factor * factor;
+    const iso_layer_picture *picture = &draw->input->picture;
+    const size_t count = (size_t)iso_pool_threads(picture->pool);
+    const int width = draw->size.width, factor = picture->strip->factor;
+    draw->band_rows = iso_layer_band_rows(picture->strip, BAND_ROWS);
     draw->scratch = iso_exact_scratch_create(count, width, draw->band_rows);
     draw->workers = iso_alloc_zero(count, sizeof *draw->workers);
     if (!draw->scratch || !draw->workers)
@@ -133,16 +131,16 @@ static iso_status set_up_workers(layers_draw *draw, iso_error *error) {
 }
 
 static iso_status set_up(layers_draw *draw, iso_error *error) {
-    const iso_view *view = draw->picture->strip->view;
+    const iso_view *view = draw->target.view;
     const size_t width = (size_t)view->width, height = (size_t)view->height;
     draw->slopes = iso_alloc((width + ISO_LANES_MAX + height) * sizeof *draw->slopes);
-    draw->layers = iso_alloc_zero((size_t)draw->picture->count, sizeof *draw->layers);
+    draw->layers = iso_alloc_zero((size_t)draw->input->count, sizeof *draw->layers);
     if (!draw->slopes || !draw->layers)
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory for drawing layers");
     float *v = draw->slopes + width + ISO_LANES_MAX;
     for (int x = 0; x < view->width + ISO_LANES_MAX; x++) draw->slopes[x] = iso_slope_of_column(view, x);
     for (int y = 0; y < view->height; y++) v[y] = iso_slope_of_row(view, y);
-    for (int i = 0; i < draw->picture->count; i++) {
+    for (int i = 0; i < draw->input->count; i++) {
         set_up_layer(draw, i);
         ISO_TRY(make_tracer(&draw->layers[i], error));
         ISO_TRY(iso_exact_frame_start(&draw->layers[i].frame, error));
@@ -151,11 +149,11 @@ static iso_status set_up(layers_draw *draw, iso_error *error) {
 }
 
 static void free_draw(layers_draw *draw) {
-    for (int i = 0; draw->layers && i < draw->picture->count; i++) {
+    for (int i = 0; draw->layers && i < draw->input->count; i++) {
         iso_exact_frame_free(&draw->layers[i].frame);
         iso_ray_tracer_destroy(draw->layers[i].tracer);
     }
-    for (int i = 0; draw->workers && i < iso_pool_threads(draw->picture->pool); i++) {
+    for (int i = 0; draw->workers && i < iso_pool_threads(draw->target.pool); i++) {
         iso_layer_lists_free(&draw->workers[i].lists);
         iso_layer_composer_free(&draw->workers[i].composer);
         iso_free(draw->workers[i].rays.begin);
@@ -183,18 +181,12 @@ static iso_fragment make_fragment(const layers_draw *draw, const layer *l, int x
     const float normal[3] = {(float)n.x, (float)n.y, (float)n.z},
                 to_eye[3] = {-l->paint.u[x], -l->paint.v[y], -1};
     iso_fragment fragment = {.depth = (float)(hit->t - l->frame.projection.middle),
-                             .opacity = l->fragments.opacity,
+                             .opacity = iso_layer_opacity_at(&l->fragments.opacity, normal, to_eye),
                              .surface = l->fragments.surface,
                              .leaves = hit->falls == l->fragments.fall_leaves};
     iso_shade_sample(normal, to_eye, l->input->color, fragment.color);
     for (int k = 0; k < 3 && l->fragments.normals; k++)
         fragment.color[k] = normal[k] * ISO_LAYER_NORMAL_SCALE + ISO_LAYER_NORMAL_SCALE;
-    if (l->fragments.by_angle) {
-        const float length = sqrtf(to_eye[0] * to_eye[0] + to_eye[1] * to_eye[1] + to_eye[2] * to_eye[2]);
-        const float cosine =
-            fabsf(normal[0] * to_eye[0] + normal[1] * to_eye[1] + normal[2] * to_eye[2]) / length;
-        fragment.opacity = 1 - iso_exp2(l->fragments.log_through / fmaxf(cosine, ISO_EXACT_LEAST_COSINE));
-    }
     return fragment;
 }
 
@@ -233,7 +225,7 @@ static void set_ray(const layers_draw *draw, worker *w, int x, int y, ptrdiff_t 
     w->rays.inside[at] = 0;
     w->rays.begin[at] = w->rays.end[at] = 0;
     w->rays.length[at] = sqrtf(u * u + v * v + 1);
-    for (int i = 0; i < draw->picture->count; i++) {
+    for (int i = 0; i < draw->input->count; i++) {
         const layer *l = &draw->layers[i];
         if (!start_ray(draw, l, x, y, &ray)) continue;
         const bool above = iso_ray_starts_above(l->tracer, &ray), inside = above == l->fragments.fall_leaves;
@@ -251,88 +243,60 @@ static void set_rays(const layers_draw *draw, worker *w, iso_rows rows) {
 
 /* ---- bands */
 
-/* Lists the fragments of all surfaces in a band; false: the lists are full. */
-static bool list_band(const layers_draw *draw, worker *w, iso_exact_scratch *scratch, iso_rows rows) {
-    const iso_gbuffer *opaque = draw->picture->strip->gbuffer;
+/* iso_layer_bands.list: lists the fragments of all surfaces. */
+static bool list_rows(void *context, int number, size_t band, iso_rows rows, bool least) {
+    (void)band;
+    const layers_draw *draw = context;
+    const iso_gbuffer *opaque = draw->input->picture.strip->gbuffer;
+    worker *w = &draw->workers[number];
     iso_layer_lists *lists = &w->lists;
+    size_t retraced = 0;
+    lists->most_chunks = least ? 0 : BAND_CHUNKS;
     iso_layer_lists_clear(lists, rows.last - rows.first + 1);
     lists->limit = opaque->depth ? opaque->depth + (ptrdiff_t)rows.first * opaque->width : NULL;
-    size_t retraced = 0;
-    for (int i = 0; i < draw->picture->count && !lists->full; i++) {
+    for (int i = 0; i < draw->input->count && !lists->full; i++) {
         iso_layer_lists_begin(lists, &draw->layers[i].pass);
-        iso_exact_frame_draw(&draw->layers[i].frame, rows, scratch);
+        iso_exact_frame_draw(&draw->layers[i].frame, rows, &draw->scratch[number]);
         retraced += retrace_doubtful(draw, &draw->layers[i], lists, rows.first);
     }
     if (!lists->full) w->totals.retraced += retraced;
     return !lists->full;
 }
 
-/* Composites the listed fragments of a band, or passes them on. */
-static void use_band(const layers_draw *draw, worker *w, iso_rows rows) {
-    const iso_exact_layers_reader *reader = draw->picture->reader;
+/* iso_layer_bands.use: composites the listed fragments, or passes them on. */
+static void use_rows(void *context, int number, iso_rows rows) {
+    const layers_draw *draw = context;
+    const iso_exact_layers_reader *reader = draw->input->reader;
+    worker *w = &draw->workers[number];
     if (draw->needs_rays) set_rays(draw, w, rows);
     if (reader) {
         reader->read(reader->context, &w->lists, &w->rays, rows.first);
         return;
     }
-    const iso_layer_picture picture = {.strip = draw->picture->strip,
-                                       .shading = draw->picture->shading,
-                                       .image = draw->picture->image,
-                                       .media = draw->absorbs ? draw->media : NULL,
-                                       .media_count = draw->picture->count,
-                                       .layers = draw->picture->layer_counts,
-                                       .coverage = draw->picture->coverage};
-    iso_layers_compose(&picture, &w->lists, &w->rays, rows.first, &w->composer, &w->totals.layers);
+    const iso_layer_media media = {draw->media, draw->input->count, &w->rays};
+    iso_layers_compose(&draw->input->picture, &w->lists, draw->absorbs ? &media : NULL, rows.first,
+                       &w->composer, &w->totals.layers);
 }
 
-/* Draws a band, in two halves if its fragments are too many. */
-static void draw_rows(const layers_draw *draw, worker *w, iso_exact_scratch *scratch, iso_rows rows) {
-    const int factor = draw->picture->strip->factor, pixels = (rows.last - rows.first + 1) / factor;
-    w->lists.most_chunks = pixels > 1 ? BAND_CHUNKS : 0;
-    if (list_band(draw, w, scratch, rows)) {
-        use_band(draw, w, rows);
-    } else if (pixels > 1) {
-        const int half = rows.first + pixels / 2 * factor;
-        draw_rows(draw, w, scratch, (iso_rows){rows.first, half - 1});
-        draw_rows(draw, w, scratch, (iso_rows){half, rows.last});
-    } else {
-        w->failed = true;
+static void sum_totals(const layers_draw *draw, iso_exact_layers_totals *totals) {
+    for (int i = 0; i < iso_pool_threads(draw->target.pool); i++) {
+        totals->retraced += draw->workers[i].totals.retraced;
+        iso_layer_totals_add(&totals->layers, &draw->workers[i].totals.layers);
     }
 }
 
-static void draw_band(void *context, size_t index, int worker_index) {
-    const layers_draw *draw = context;
-    const int first = (int)index * draw->band_rows, end = first + draw->band_rows, height = draw->size.height;
-    draw_rows(draw, &draw->workers[worker_index], &draw->scratch[worker_index],
-              (iso_rows){first, (end < height ? end : height) - 1});
-}
-
-/* Adds up what the workers counted. */
-static iso_status sum_totals(const layers_draw *draw, iso_exact_layers_totals *totals, iso_error *error) {
-    for (int i = 0; i < iso_pool_threads(draw->picture->pool); i++) {
-        const worker *w = &draw->workers[i];
-        if (w->failed) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the layers of a picture");
-        totals->retraced += w->totals.retraced;
-        totals->layers.covered += w->totals.layers.covered;
-        totals->layers.layers += w->totals.layers.layers;
-        if (w->totals.layers.most > totals->layers.most) totals->layers.most = w->totals.layers.most;
-    }
-    return ISO_OK;
-}
-
-iso_status iso_shade_exact_layers(const iso_exact_layers *picture, iso_exact_layers_totals *totals,
+iso_status iso_shade_exact_layers(const iso_exact_layers *input, iso_exact_layers_totals *totals,
                                   iso_error *error) {
-    const iso_view *view = picture->strip->view;
-    layers_draw draw = {.picture = picture,
-                        .size = {.width = view->width, .height = view->height},
-                        .needs_rays = picture->reader != NULL};
-    draw.target = (iso_target){.view = view, .gbuffer = &draw.size, .pool = picture->pool};
+    const iso_strip *strip = input->picture.strip;
+    iso_pool *pool = input->picture.pool;
+    layers_draw draw = {.input = input,
+                        .size = {.width = strip->view->width, .height = strip->view->height},
+                        .needs_rays = input->reader != NULL};
+    draw.target = (iso_target){.view = strip->view, .gbuffer = &draw.size, .pool = pool};
     iso_status status = set_up(&draw, error);
-    if (status == ISO_OK) {
-        const size_t bands = (size_t)((view->height + draw.band_rows - 1) / draw.band_rows);
-        iso_parallel_for(picture->pool, bands, draw_band, &draw);
-        status = sum_totals(&draw, totals, error);
-    }
+    const iso_layer_bands bands = {strip, draw.band_rows, pool, list_rows, use_rows, &draw};
+    if (status == ISO_OK) status = iso_layer_bands_draw(&bands, error);
+    if (status == ISO_OK) sum_totals(&draw, totals);
     free_draw(&draw);
     return status;
 }

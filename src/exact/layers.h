@@ -35,16 +35,13 @@ typedef struct iso_exact_layers_reader {
     void *context;
 } iso_exact_layers_reader;
 
-/* What is drawn into; all pointers are borrowed for the call. */
+/* What is drawn, and into what; all pointers are borrowed for the call. */
 typedef struct iso_exact_layers {
-    const iso_exact_layer *layers;  /* the picture's translucent surfaces */
-    int count;                      /* 1 .. ISO_EXACT_LAYERS_MAX */
-    const iso_strip *strip;         /* its gbuffer has the opaque surfaces, or but its size: depth is NULL */
-    const iso_shading *shading;     /* colours of the opaque surfaces, and background */
-    iso_image *image;               /* gets the strip's rows; unused with a reader */
-    float *layer_counts, *coverage; /* NULL, or planes of the image's size: iso_layer_picture */
-    iso_pool *pool;                 /* NULL: the calling thread */
-    const iso_exact_layers_reader *reader; /* NULL: the layers are composited */
+    const iso_exact_layer *layers; /* the picture's translucent surfaces */
+    int count;                     /* 1 .. ISO_EXACT_LAYERS_MAX */
+    iso_layer_picture picture;
+    const iso_exact_layers_reader *reader; /* NULL: the layers are composited; else of the picture only
+                                              strip and pool are used */
 } iso_exact_layers;
 
 typedef struct iso_exact_layers_totals {
@@ -54,7 +51,7 @@ typedef struct iso_exact_layers_totals {
 
 /* Draws and composites a strip. Adds to *totals. The picture gets the same bytes with every number of threads
  * and instruction set, and when drawn in strips of any height. ISO_ERR_NOMEM. */
-iso_status iso_shade_exact_layers(const iso_exact_layers *picture, iso_exact_layers_totals *totals,
+iso_status iso_shade_exact_layers(const iso_exact_layers *input, iso_exact_layers_totals *totals,
                                   iso_error *error);
 
 #ifdef __cplusplus

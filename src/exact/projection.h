@@ -10,6 +10,7 @@
 
 #include "exact/gradient.h"
 #include "exact/set.h"
+#include "render/layers/opacity.h"
 #include "render/project.h"
 
 /* The picture of iso_paint_exact: pixels are shaded as soon as they are found, without a gbuffer. */
@@ -20,15 +21,10 @@ typedef struct iso_exact_paint {
     int32_t empty;      /* RGBA of a pixel without a surface */
 } iso_exact_paint;
 
-/* The least cosine of the angle between normal and ray for which an opacity by angle is computed. */
-#define ISO_EXACT_LEAST_COSINE 1e-6f
-
 /* How the crossings of a translucent surface become fragments (render/layers). */
 typedef struct iso_exact_fragments {
-    float opacity;       /* where the surface is seen face on */
+    iso_layer_opacity opacity;
     bool normals;        /* fragments get the normal (view space) instead of the shaded colour */
-    bool by_angle;       /* the opacity depends on the angle: 1 - 2^(log_through / cos) */
-    float log_through;   /* logarithm to base 2 of 1 - opacity */
     int32_t surface;     /* number of the surface */
     int32_t fall_leaves; /* 1: where the field falls along a ray, the ray leaves the solid; 0: it enters it */
 } iso_exact_fragments;

@@ -23,8 +23,8 @@ static iso_status draw_opaque(void *context, const iso_view *view, iso_gbuffer *
     return ISO_OK;
 }
 
-static iso_status shade_exact(iso_layered_picture *picture, const iso_strip *strip, iso_image *image,
-                              iso_aov *aov, iso_error *error) {
+static iso_status shade_exact(iso_layered_picture *picture, const iso_layer_picture *output,
+                              iso_error *error) {
     iso_exact_layer layers[ISO_LAYERED_MAX];
     int count = 0;
     for (int i = 0; i < picture->count; i++)
@@ -32,19 +32,11 @@ static iso_status shade_exact(iso_layered_picture *picture, const iso_strip *str
             layers[count++] =
                 (iso_exact_layer){picture->surfaces[i].subject->exact, picture->shading->colors[i],
                                   picture->surfaces[i].translucency};
-    const iso_exact_layers input = {.layers = layers,
-                                    .count = count,
-                                    .strip = strip,
-                                    .shading = picture->shading,
-                                    .image = image,
-                                    .layer_counts = aov ? aov->layers : NULL,
-                                    .coverage = aov ? aov->coverage : NULL,
-                                    .pool = picture->pool};
+    const iso_exact_layers input = {.layers = layers, .count = count, .picture = *output};
     return iso_shade_exact_layers(&input, &picture->totals, error);
 }
 
-static void shade_raycast(iso_layered_picture *picture, const iso_strip *strip, iso_image *image,
-                          iso_aov *aov) {
+static void shade_raycast(iso_layered_picture *picture, const iso_layer_picture *output) {
     iso_raycast_layer layers[ISO_LAYERED_MAX];
     int count = 0;
     for (int i = 0; i < picture->count; i++)
@@ -52,19 +44,12 @@ static void shade_raycast(iso_layered_picture *picture, const iso_strip *strip, 
             layers[count++] =
                 (iso_raycast_layer){picture->surfaces[i].subject->caster, picture->shading->colors[i],
                                     picture->surfaces[i].translucency};
-    const iso_raycast_layers input = {.layers = layers,
-                                      .count = count,
-                                      .strip = strip,
-                                      .shading = picture->shading,
-                                      .image = image,
-                                      .layer_counts = aov ? aov->layers : NULL,
-                                      .coverage = aov ? aov->coverage : NULL,
-                                      .pool = picture->pool};
+    const iso_raycast_layers input = {.layers = layers, .count = count, .picture = *output};
     iso_shade_raycast_layers(&input, &picture->totals.layers);
 }
 
-static iso_status shade_splats(iso_layered_picture *picture, const iso_strip *strip, iso_image *image,
-                               iso_aov *aov, iso_error *error) {
+static iso_status shade_splats(iso_layered_picture *picture, const iso_layer_picture *output,
+                               iso_error *error) {
     iso_splat_layer layers[ISO_LAYERED_MAX];
     int count = 0;
     for (int i = 0; i < picture->count; i++)
@@ -72,15 +57,8 @@ static iso_status shade_splats(iso_layered_picture *picture, const iso_strip *st
             layers[count++] = (iso_splat_layer){
                 iso_subject_points(picture->surfaces[i].subject), &picture->surfaces[i].subject->groups,
                 picture->shading->colors[i], picture->surfaces[i].translucency};
-    const iso_splat_layers input = {.transparency = picture->transparency,
-                                    .layers = layers,
-                                    .count = count,
-                                    .strip = strip,
-                                    .shading = picture->shading,
-                                    .image = image,
-                                    .layer_counts = aov ? aov->layers : NULL,
-                                    .coverage = aov ? aov->coverage : NULL,
-                                    .pool = picture->pool};
+    const iso_splat_layers input = {
+        .transparency = picture->transparency, .layers = layers, .count = count, .picture = *output};
     return iso_shade_splat_layers(&input, &picture->totals.layers, error);
 }
 
@@ -88,13 +66,19 @@ static iso_status shade_splats(iso_layered_picture *picture, const iso_strip *st
 static iso_status shade(void *context, const iso_strip *strip, iso_image *image, iso_aov *aov,
                         size_t *covered, iso_error *error) {
     iso_layered_picture *picture = context;
+    const iso_layer_picture output = {.strip = strip,
+                                      .shading = picture->shading,
+                                      .image = image,
+                                      .layer_counts = aov ? aov->layers : NULL,
+                                      .coverage = aov ? aov->coverage : NULL,
+                                      .pool = picture->pool};
     const size_t before = picture->totals.layers.covered;
     if (picture->method == ISO_METHOD_EXACT)
-        ISO_TRY(shade_exact(picture, strip, image, aov, error));
+        ISO_TRY(shade_exact(picture, &output, error));
     else if (picture->method == ISO_METHOD_SPLATS)
-        ISO_TRY(shade_splats(picture, strip, image, aov, error));
+        ISO_TRY(shade_splats(picture, &output, error));
     else
-        shade_raycast(picture, strip, image, aov);
+        shade_raycast(picture, &output);
     *covered = picture->totals.layers.covered - before;
     return ISO_OK;
 }

@@ -10,7 +10,7 @@
 
 /* The ray of a sample. */
 typedef struct sample_ray {
-    const iso_raycast_layers *picture;
+    const iso_raycast_layers *input;
     iso_vec3 direction; /* world space */
     float to_eye[3];    /* view space */
     double length;      /* mm of the ray per mm of depth */
@@ -31,7 +31,7 @@ typedef struct light {
 } light;
 
 static void next_hit(sample_ray *s, int i) {
-    const iso_raycast_layer *layer = &s->picture->layers[i];
+    const iso_raycast_layer *layer = &s->input->layers[i];
     const int most = layer->translucency.most_layers;
     s->more[i] = (!most || s->listed[i] < most) &&
                  iso_ray_next(layer->caster->tracer, &s->ray[i], &s->hit[i]) &&
@@ -39,13 +39,13 @@ static void next_hit(sample_ray *s, int i) {
     s->listed[i]++;
 }
 
-static void start_ray(sample_ray *s, const iso_raycast_layers *picture, int x, int y) {
-    const iso_view *view = picture->strip->view;
-    const iso_gbuffer *opaque = picture->strip->gbuffer;
+static void start_ray(sample_ray *s, const iso_raycast_layers *input, int x, int y) {
+    const iso_view *view = input->picture.strip->view;
+    const iso_gbuffer *opaque = input->picture.strip->gbuffer;
     iso_vec3 origin;
     iso_view_ray(view, x + 0.5, y + 0.5, &origin, &s->direction);
     const iso_vec3 along = iso_view_vector(view, s->direction);
-    s->picture = picture;
+    s->input = input;
     s->to_eye[0] = -(float)along.x;
     s->to_eye[1] = -(float)along.y;
     s->to_eye[2] = -(float)along.z;
@@ -53,8 +53,8 @@ static void start_ray(sample_ray *s, const iso_raycast_layers *picture, int x, i
     s->limit =
         opaque->depth ? (double)opaque->depth[(size_t)y * (size_t)opaque->width + (size_t)x] : INFINITY;
     s->depth = s->end = 0;
-    for (int i = 0; i < picture->count; i++) {
-        const iso_raycaster *caster = picture->layers[i].caster;
+    for (int i = 0; i < input->count; i++) {
+        const iso_raycaster *caster = input->layers[i].caster;
         s->listed[i] = 0;
         s->more[i] = s->inside[i] = false;
         if (!iso_ray_start(caster->tracer, origin, s->direction, view->near, &s->ray[i])) continue;
@@ -68,7 +68,7 @@ static void start_ray(sample_ray *s, const iso_raycast_layers *picture, int x, i
 /* The surface with the nearest crossing; -1: there are no more. */
 static int nearest_hit(const sample_ray *s) {
     int nearest = -1;
-    for (int i = 0; i < s->picture->count; i++)
+    for (int i = 0; i < s->input->count; i++)
         if (s->more[i] && (nearest < 0 || s->hit[i].t < s->hit[nearest].t)) nearest = i;
     return nearest;
 }
@@ -76,10 +76,10 @@ static int nearest_hit(const sample_ray *s) {
 /* Takes the light to a depth, through the solids that absorb it. */
 static void absorb(sample_ray *s, light *l, double depth) {
     double rate = 0, color[3] = {0, 0, 0};
-    for (int i = 0; i < s->picture->count; i++) {
-        const iso_raycast_layer *layer = &s->picture->layers[i];
-        if (!s->inside[i] || !(layer->translucency.mean_path > 0)) continue;
-        const double per_mm = 1 / (double)layer->translucency.mean_path;
+    for (int i = 0; i < s->input->count; i++) {
+        const iso_raycast_layer *layer = &s->input->layers[i];
+        if (!s->inside[i] || !(layer->translucency.absorption_length > 0)) continue;
+        const double per_mm = 1 / (double)layer->translucency.absorption_length;
         rate += per_mm;
         color[0] += per_mm * layer->color.r / 255;
         color[1] += per_mm * layer->color.g / 255;
@@ -106,10 +106,10 @@ static double opacity_of(const iso_translucency *translucency, const float norma
 
 /* The next crossing of surface i, shaded. */
 static iso_raycast_crossing crossing_of(const sample_ray *s, int i) {
-    const iso_raycast_layer *layer = &s->picture->layers[i];
+    const iso_raycast_layer *layer = &s->input->layers[i];
     const iso_ray_hit *hit = &s->hit[i];
-    const iso_vec3 n =
-        iso_view_vector(s->picture->strip->view, iso_ray_hit_normal(layer->caster->tracer, &s->ray[i], hit));
+    const iso_vec3 n = iso_view_vector(s->input->picture.strip->view,
+                                       iso_ray_hit_normal(layer->caster->tracer, &s->ray[i], hit));
     const float normal[3] = {(float)n.x, (float)n.y, (float)n.z};
     iso_raycast_crossing crossing = {.depth = hit->t,
                                      .opacity = opacity_of(&layer->translucency, normal, s->to_eye)};
@@ -124,14 +124,14 @@ static void add_layer(sample_ray *s, int i, light *l) {
     for (int k = 0; k < 3; k++) l->color[k] += l->through * crossing.opacity * (double)crossing.rgb[k];
     l->through *= 1 - crossing.opacity;
     l->layers++;
-    s->inside[i] = s->hit[i].falls == s->picture->layers[i].caster->level_set;
+    s->inside[i] = s->hit[i].falls == s->input->layers[i].caster->level_set;
     next_hit(s, i);
 }
 
 /* Adds what is opaque behind the layers. Returns whether something is. */
 static bool add_opaque(const sample_ray *s, int x, int y, light *l) {
-    const iso_shading *shading = s->picture->shading;
-    const iso_gbuffer *opaque = s->picture->strip->gbuffer;
+    const iso_shading *shading = s->input->picture.shading;
+    const iso_gbuffer *opaque = s->input->picture.strip->gbuffer;
     if (!opaque->depth) return false;
     const size_t at = (size_t)y * (size_t)opaque->width + (size_t)x;
     const int surface = opaque->surface[at];
@@ -147,9 +147,9 @@ static bool add_opaque(const sample_ray *s, int x, int y, light *l) {
 }
 
 /* Composites a sample; returns whether it shows a surface. */
-static bool cast_sample(const iso_raycast_layers *picture, int x, int y, light *l) {
+static bool cast_sample(const iso_raycast_layers *input, int x, int y, light *l) {
     sample_ray s;
-    start_ray(&s, picture, x, y);
+    start_ray(&s, input, x, y);
     *l = (light){.through = 1};
     for (int i; l->through >= (double)ISO_LAYER_CUT && (i = nearest_hit(&s)) >= 0;) add_layer(&s, i, l);
     if (l->through >= (double)ISO_LAYER_CUT) absorb(&s, l, fmin(s.end, s.limit));
@@ -159,7 +159,7 @@ static bool cast_sample(const iso_raycast_layers *picture, int x, int y, light *
 /* ---- the picture */
 
 typedef struct layers_cast {
-    const iso_raycast_layers *picture;
+    const iso_raycast_layers *input;
     atomic_size_t covered, layers;
     atomic_int most;
 } layers_cast;
@@ -168,7 +168,7 @@ static uint8_t to_byte(double value) {
     return (uint8_t)(fmin(value, 1) * 255 + 0.5);
 }
 
-static void write_pixel(const iso_raycast_layers *picture, const light *mean, size_t at) {
+static void write_pixel(const iso_layer_picture *picture, const light *mean, size_t at) {
     const iso_rgb c = picture->shading->background;
     const double background[3] = {c.r / 255.0, c.g / 255.0, c.b / 255.0}, alpha = 1 - mean->through;
     uint8_t *rgba = picture->image->rgba + 4 * at;
@@ -189,14 +189,14 @@ static void count_layers(layers_cast *cast, int layers, bool shows) {
 }
 
 static void cast_pixel(layers_cast *cast, int x, int y) {
-    const iso_raycast_layers *picture = cast->picture;
+    const iso_layer_picture *picture = &cast->input->picture;
     const int factor = picture->strip->factor;
     const size_t at = (size_t)(picture->strip->y0 + y) * (size_t)picture->image->width + (size_t)x;
     light mean = {.through = 0};
     for (int sample = 0; sample < factor * factor; sample++) {
         light l;
         const bool shows =
-            cast_sample(picture, x * factor + sample % factor, y * factor + sample / factor, &l);
+            cast_sample(cast->input, x * factor + sample % factor, y * factor + sample / factor, &l);
         count_layers(cast, l.layers, shows);
         for (int k = 0; k < 3; k++) mean.color[k] += l.color[k] / (factor * factor);
         mean.through += l.through / (factor * factor);
@@ -209,31 +209,30 @@ static void cast_pixel(layers_cast *cast, int x, int y) {
 static void cast_row(void *context, size_t row, int worker) {
     (void)worker;
     layers_cast *cast = context;
-    for (int x = 0; x < cast->picture->image->width; x++) cast_pixel(cast, x, (int)row);
+    for (int x = 0; x < cast->input->picture.image->width; x++) cast_pixel(cast, x, (int)row);
 }
 
-void iso_shade_raycast_layers(const iso_raycast_layers *picture, iso_layer_totals *totals) {
-    layers_cast cast = {.picture = picture};
-    iso_parallel_for(picture->pool, (size_t)(picture->strip->view->height / picture->strip->factor), cast_row,
-                     &cast);
-    totals->covered += cast.covered;
-    totals->layers += cast.layers;
-    if (cast.most > totals->most) totals->most = cast.most;
+void iso_shade_raycast_layers(const iso_raycast_layers *input, iso_layer_totals *totals) {
+    const iso_strip *strip = input->picture.strip;
+    layers_cast cast = {.input = input};
+    iso_parallel_for(input->picture.pool, (size_t)(strip->view->height / strip->factor), cast_row, &cast);
+    const iso_layer_totals counted = {cast.covered, cast.layers, cast.most};
+    iso_layer_totals_add(totals, &counted);
 }
 
 /* ---- the crossings themselves */
 
 typedef struct layers_reading {
-    const iso_raycast_layers *picture;
+    const iso_raycast_layers *input;
     const iso_raycast_reader *reader;
 } layers_reading;
 
 static void read_row(void *context, size_t row, int worker) {
     (void)worker;
     const layers_reading *reading = context;
-    for (int x = 0; x < reading->picture->strip->view->width; x++) {
+    for (int x = 0; x < reading->input->picture.strip->view->width; x++) {
         sample_ray s;
-        start_ray(&s, reading->picture, x, (int)row);
+        start_ray(&s, reading->input, x, (int)row);
         for (int i; (i = nearest_hit(&s)) >= 0; next_hit(&s, i)) {
             const iso_raycast_crossing crossing = crossing_of(&s, i);
             reading->reader->read(reading->reader->context, x, (int)row, &crossing);
@@ -241,7 +240,7 @@ static void read_row(void *context, size_t row, int worker) {
     }
 }
 
-void iso_read_raycast_layers(const iso_raycast_layers *picture, const iso_raycast_reader *reader) {
-    layers_reading reading = {picture, reader};
-    iso_parallel_for(picture->pool, (size_t)picture->strip->view->height, read_row, &reading);
+void iso_read_raycast_layers(const iso_raycast_layers *input, const iso_raycast_reader *reader) {
+    layers_reading reading = {input, reader};
+    iso_parallel_for(input->picture.pool, (size_t)input->picture.strip->view->height, read_row, &reading);
 }

@@ -19,20 +19,15 @@ typedef struct iso_raycast_layer {
 
 enum { ISO_RAYCAST_LAYERS_MAX = 64 }; /* surfaces in a picture */
 
-/* What is drawn into; all pointers are borrowed for the call. The members mean what those of iso_exact_layers
- * mean. */
+/* What is drawn, and into what; all pointers are borrowed for the call. */
 typedef struct iso_raycast_layers {
     const iso_raycast_layer *layers;
     int count; /* 1 .. ISO_RAYCAST_LAYERS_MAX */
-    const iso_strip *strip;
-    const iso_shading *shading;
-    iso_image *image;
-    float *layer_counts, *coverage;
-    iso_pool *pool;
+    iso_layer_picture picture;
 } iso_raycast_layers;
 
 /* Draws and composites a strip. Adds to *totals. Cannot fail. */
-void iso_shade_raycast_layers(const iso_raycast_layers *picture, iso_layer_totals *totals);
+void iso_shade_raycast_layers(const iso_raycast_layers *input, iso_layer_totals *totals);
 
 /* A crossing of a sample's ray. */
 typedef struct iso_raycast_crossing {
@@ -49,9 +44,9 @@ typedef struct iso_raycast_reader {
     void *context;
 } iso_raycast_reader;
 
-/* Gives all crossings of a strip to a reader, those too that nothing is left to be seen of. The picture's
- * image, layer_counts and coverage are not used. Cannot fail. */
-void iso_read_raycast_layers(const iso_raycast_layers *picture, const iso_raycast_reader *reader);
+/* Gives all crossings of a strip to a reader, those too that nothing is left to be seen of. Of the picture
+ * only strip and pool are used. Cannot fail. */
+void iso_read_raycast_layers(const iso_raycast_layers *input, const iso_raycast_reader *reader);
 
 #ifdef __cplusplus
 }

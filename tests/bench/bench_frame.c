@@ -73,12 +73,11 @@ static iso_status paint_layers(bench_frame *frame, bool constant, size_t *covere
     const iso_strip strip = {.view = &frame->view.view, .gbuffer = &size, .factor = 1};
     const iso_exact_layer layer = {
         frame->exact, COLOR, {.opacity = (float)BENCH_OPACITY, .constant = constant}};
-    const iso_exact_layers picture = {.layers = &layer,
-                                      .count = 1,
-                                      .strip = &strip,
-                                      .shading = &SHADING,
-                                      .image = &frame->subject->image,
-                                      .pool = frame->pool};
+    const iso_exact_layers picture = {
+        .layers = &layer,
+        .count = 1,
+        .picture = {
+            .strip = &strip, .shading = &SHADING, .image = &frame->subject->image, .pool = frame->pool}};
     frame->totals = (iso_exact_layers_totals){.retraced = 0};
     ISO_TRY(iso_shade_exact_layers(&picture, &frame->totals, error));
     *covered = frame->totals.layers.covered;

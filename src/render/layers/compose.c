@@ -99,12 +99,18 @@ static void write_row(const iso_layer_picture *picture, const iso_layer_kernel *
     const float *const color[3] = {line->color[0], line->color[1], line->color[2]};
     kernel->write(color, line->through, picture->shading->transparent, picture->image->width,
                   (int32_t *)picture->image->rgba + at);
-    if (picture->layers) memcpy(picture->layers + at, line->layers, width * sizeof(float));
+    if (picture->layer_counts) memcpy(picture->layer_counts + at, line->layers, width * sizeof(float));
     for (size_t x = 0; picture->coverage && x < width; x++) picture->coverage[at + x] = 1 - line->through[x];
 }
 
+void iso_layer_totals_add(iso_layer_totals *totals, const iso_layer_totals *more) {
+    totals->covered += more->covered;
+    totals->layers += more->layers;
+    if (more->most > totals->most) totals->most = more->most;
+}
+
 void iso_layers_compose(const iso_layer_picture *picture, const iso_layer_lists *lists,
-                        const iso_layer_rays *rays, int first, iso_layer_composer *composer,
+                        const iso_layer_media *media, int first, iso_layer_composer *composer,
                         iso_layer_totals *totals) {
     const iso_layer_kernel *kernel = iso_layer_kernel_get(iso_cpu_best());
     const iso_strip *strip = picture->strip;
@@ -114,8 +120,8 @@ void iso_layers_compose(const iso_layer_picture *picture, const iso_layer_lists 
     assert(first % factor == 0 && lists->rows % factor == 0 && lists->width == width * factor);
     for (int row = 0; row < lists->rows; row++) {
         if (row % factor == 0) memset(sums.color[0], 0, 5 * composer->line_floats * sizeof(float));
-        if (picture->media)
-            iso_layers_absorb(picture, lists, rays, row, &line, totals);
+        if (media)
+            iso_layers_absorb(media, lists, row, &line, totals);
         else
             kernel->compose(lists, row, &line, totals);
         back.v = iso_slope_of_row(strip->view, first + row);

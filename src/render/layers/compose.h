@@ -18,21 +18,27 @@ typedef struct iso_layer_rays {
     uint64_t *inside;   /* bit by surface number, below 64: the ray begins in the surface's solid */
 } iso_layer_rays;
 
-/* A solid that absorbs light (iso_translucency.mean_path). */
+/* A solid that absorbs light (iso_translucency.absorption_length). */
 typedef struct iso_layer_medium {
-    float per_mm;   /* 1 / mean_path; 0: clear */
+    float per_mm;   /* 1 / absorption_length; 0: clear */
     float color[3]; /* 0 .. 1 */
 } iso_layer_medium;
 
-/* What a band of lists is composited into. All pointers are borrowed. */
+/* The solids of a picture that absorb light. All pointers are borrowed. */
+typedef struct iso_layer_media {
+    const iso_layer_medium *solids; /* by surface number */
+    int count;                      /* at most 64 */
+    const iso_layer_rays *rays;     /* of the band */
+} iso_layer_media;
+
+/* What layers are drawn into, by whatever renderer. All pointers are borrowed. */
 typedef struct iso_layer_picture {
     const iso_strip *strip;     /* its gbuffer has the opaque surfaces, or but its size: depth is NULL */
     const iso_shading *shading; /* of the opaque surfaces, by number, and the background */
-    iso_image *image;
-    const iso_layer_medium *media; /* by surface number; NULL: all solids are clear */
-    int media_count;               /* at most 64 */
-    float *layers;   /* NULL, or a plane of the image's size for the mean number of layers of a pixel */
-    float *coverage; /* NULL, or a plane for its alpha */
+    iso_image *image;           /* gets the strip's rows */
+    float *layer_counts; /* NULL, or a plane of the image's size for the mean number of layers of a pixel */
+    float *coverage;     /* NULL, or a plane for its alpha */
+    iso_pool *pool;      /* NULL: the calling thread */
 } iso_layer_picture;
 
 /* Counts of a picture. */
@@ -41,6 +47,8 @@ typedef struct iso_layer_totals {
     size_t layers;  /* fragments that were composited, of all samples */
     int most;       /* of one sample */
 } iso_layer_totals;
+
+void iso_layer_totals_add(iso_layer_totals *totals, const iso_layer_totals *more);
 
 /* The working memory of a worker. Zero-initialise, iso_layer_composer_free when done. */
 typedef struct iso_layer_composer {
@@ -53,10 +61,10 @@ iso_status iso_layer_composer_reserve(iso_layer_composer *composer, int width, i
 void iso_layer_composer_free(iso_layer_composer *composer);
 
 /* Composites a band into the image: the lists' rows are the strip's rows of samples from `first` on, a
- * multiple of strip->factor. rays: needed with media. Adds to *totals. The result has the same bytes for
- * every instruction set. */
+ * multiple of strip->factor. media: NULL: all solids are clear. Adds to *totals. The result has the same
+ * bytes for every instruction set. */
 void iso_layers_compose(const iso_layer_picture *picture, const iso_layer_lists *lists,
-                        const iso_layer_rays *rays, int first, iso_layer_composer *composer,
+                        const iso_layer_media *media, int first, iso_layer_composer *composer,
                         iso_layer_totals *totals);
 
 #ifdef __cplusplus

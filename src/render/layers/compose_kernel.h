@@ -38,8 +38,7 @@ typedef struct iso_layer_kernel {
 const iso_layer_kernel *iso_layer_kernel_get(iso_cpu_level level);
 
 /* Does what iso_layer_kernel.compose does, with solids that absorb light, sample by sample. */
-void iso_layers_absorb(const iso_layer_picture *picture, const iso_layer_lists *lists,
-                       const iso_layer_rays *rays, int row, const iso_layer_line *line,
-                       iso_layer_totals *totals);
+void iso_layers_absorb(const iso_layer_media *media, const iso_layer_lists *lists, int row,
+                       const iso_layer_line *line, iso_layer_totals *totals);
 
 #endif

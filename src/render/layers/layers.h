@@ -25,12 +25,12 @@ extern "C" {
 
 /* How light passes a surface and its solid. */
 typedef struct iso_translucency {
-    float opacity;   /* share of the light that the surface stops where it is seen face on, 0 .. 1 */
-    bool constant;   /* the same share at every angle. Else the surface is a thin slab, of which slanting rays
-                      pass more: it stops 1 - (1 - opacity)^(1 / cos) (Kay and Greenberg 1979) */
-    float mean_path; /* mm of the solid after which 1/e of the light is left (Beer and Lambert); the rest of
-                        it becomes the surface's colour. 0: the solid is clear */
-    int most_layers; /* only the first so many crossings along a ray are drawn; 0: all */
+    float opacity; /* share of the light that the surface stops where it is seen face on, 0 .. 1 */
+    bool constant; /* the same share at every angle. Else the surface is a thin slab, of which slanting
+                      rays pass more: it stops 1 - (1 - opacity)^(1 / cos) (Kay and Greenberg 1979) */
+    float absorption_length; /* mm of the solid after which 1/e of the light is left (Beer and Lambert); the
+                                rest of it becomes the surface's colour. 0: the solid is clear */
+    int most_layers;         /* only the first so many crossings along a ray are drawn; 0: all */
 } iso_translucency;
 
 /* Compositing ends when less than this share of the light is left to see. */

@@ -2,6 +2,7 @@
 #ifndef ISO_RENDER_SPLATS_LAYER_LISTS_H
 #define ISO_RENDER_SPLATS_LAYER_LISTS_H
 
+#include "render/layers/opacity.h"
 #include "render/splats/layers.h"
 #include "render/splats/slots.h"
 
@@ -9,10 +10,10 @@
 typedef struct iso_splat_surface {
     const iso_splat_layer *input;
     int number;
-    iso_discs discs;   /* sorted: front to back */
-    iso_discs wide;    /* groups and nearest: discs that cover the surface with each group; back to front */
-    float log_through; /* log2(1 - opacity) */
-    float bin;         /* mm: width of the bins of depth */
+    iso_discs discs; /* sorted: front to back */
+    iso_discs wide;  /* groups and nearest: discs that cover the surface with each group; back to front */
+    iso_layer_opacity opacity;
+    float bin; /* mm: width of the bins of depth */
 } iso_splat_surface;
 
 /* The rows of a band, and a worker's memory. */

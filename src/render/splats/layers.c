@@ -3,13 +3,10 @@
 
 #include <string.h>
 
-#include "base/exponential.h"
+#include "render/layers/bands.h"
 #include "render/splats/layer_lists.h"
 
 enum { BAND_ROWS = 16 }; /* of samples, about; more when a pixel has several rows of them */
-
-/* Cosines between rays and normals are taken as this when they are smaller. */
-static const float LEAST_COSINE = 1e-6f;
 
 /* The working memory of a worker. */
 typedef struct worker {
@@ -17,11 +14,10 @@ typedef struct worker {
     iso_layer_composer composer;
     iso_buffer memory, starts;
     iso_layer_totals totals;
-    bool failed; /* out of memory */
 } worker;
 
 typedef struct layers_draw {
-    const iso_splat_layers *picture;
+    const iso_splat_layers *input;
     iso_splat_surface *surfaces;
     int band_rows;
     worker *workers;
@@ -29,21 +25,13 @@ typedef struct layers_draw {
 
 /* ---- fragments */
 
-/* The opacity of a layer, given the cosine between ray and normal: iso_translucency. */
-static float opacity_of(const iso_splat_surface *surface, float cosine) {
-    if (surface->input->translucency.constant) return surface->input->translucency.opacity;
-    return 1 - iso_exp2(surface->log_through / (cosine < LEAST_COSINE ? LEAST_COSINE : cosine));
-}
-
 iso_fragment iso_splat_fragment(const iso_splat_surface *surface, const float normal[3], float depth,
                                 const uint8_t *rgb, float x, float y) {
-    const float slope = surface->discs.view.slope, to_eye[3] = {-x * slope, -y * slope, -1},
-                length = sqrtf(to_eye[0] * to_eye[0] + to_eye[1] * to_eye[1] + 1),
-                cosine =
-                    fabsf(normal[0] * to_eye[0] + normal[1] * to_eye[1] + normal[2] * to_eye[2]) / length;
+    const float slope = surface->discs.view.slope, to_eye[3] = {-x * slope, -y * slope, -1};
     const iso_rgb color = rgb ? (iso_rgb){rgb[0], rgb[1], rgb[2]} : surface->input->color;
-    iso_fragment fragment = {
-        .depth = depth, .opacity = opacity_of(surface, cosine), .surface = surface->number};
+    iso_fragment fragment = {.depth = depth,
+                             .opacity = iso_layer_opacity_at(&surface->opacity, normal, to_eye),
+                             .surface = surface->number};
     iso_shade_sample(normal, to_eye, color, fragment.color);
     return fragment;
 }
@@ -84,34 +72,35 @@ static float bin_width(const iso_point_view *points) {
 /* Projects the points as discs of `factor` times their radii, and assigns them to bands. */
 static iso_status make_discs(const layers_draw *draw, const iso_point_view *points, float factor,
                              iso_disc_order order, iso_discs *discs, iso_error *error) {
-    const iso_view *view = draw->picture->strip->view;
-    ISO_TRY(iso_discs_project(discs, view, points, factor, draw->picture->pool, error));
+    const iso_layer_picture *picture = &draw->input->picture;
+    const iso_view *view = picture->strip->view;
+    ISO_TRY(iso_discs_project(discs, view, points, factor, picture->pool, error));
     return iso_discs_assign(discs, view->height, draw->band_rows, order, error);
 }
 
 static iso_status set_up_surface(const layers_draw *draw, int number, iso_error *error) {
     iso_splat_surface *s = &draw->surfaces[number];
-    s->input = &draw->picture->layers[number];
+    s->input = &draw->input->layers[number];
     s->number = number;
-    s->log_through = (float)iso_log2(1 - (double)s->input->translucency.opacity);
+    s->opacity = iso_layer_opacity_make(&s->input->translucency);
     iso_point_view points = s->input->points;
     points.closed = false; /* both sides are seen */
     ISO_TRY(make_discs(draw, &points, ISO_SPLATS_DISC, ISO_DISCS_FRONT_TO_BACK, &s->discs, error));
-    if (draw->picture->transparency == ISO_TRANSPARENCY_SORTED) return ISO_OK;
+    if (draw->input->transparency == ISO_TRANSPARENCY_SORTED) return ISO_OK;
     s->bin = bin_width(&points);
     return make_discs(draw, &points, ISO_SPLATS_DISC * widening(s->input->groups), ISO_DISCS_BACK_TO_FRONT,
                       &s->wide, error);
 }
 
 static iso_status set_up(layers_draw *draw, iso_error *error) {
-    const iso_splat_layers *picture = draw->picture;
+    const iso_layer_picture *picture = &draw->input->picture;
     const int factor = picture->strip->factor;
-    draw->band_rows = (BAND_ROWS + factor - 1) / factor * factor;
-    draw->surfaces = iso_alloc_zero((size_t)picture->count, sizeof *draw->surfaces);
+    draw->band_rows = iso_layer_band_rows(picture->strip, BAND_ROWS);
+    draw->surfaces = iso_alloc_zero((size_t)draw->input->count, sizeof *draw->surfaces);
     draw->workers = iso_alloc_zero((size_t)iso_pool_threads(picture->pool), sizeof *draw->workers);
     if (!draw->surfaces || !draw->workers)
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory for drawing layers");
-    for (int i = 0; i < picture->count; i++) ISO_TRY(set_up_surface(draw, i, error));
+    for (int i = 0; i < draw->input->count; i++) ISO_TRY(set_up_surface(draw, i, error));
     for (int i = 0; i < iso_pool_threads(picture->pool); i++) {
         worker *w = &draw->workers[i];
         ISO_TRY(iso_layer_lists_reserve(&w->lists, picture->strip->view->width, draw->band_rows, error));
@@ -121,11 +110,11 @@ static iso_status set_up(layers_draw *draw, iso_error *error) {
 }
 
 static void free_draw(layers_draw *draw) {
-    for (int i = 0; draw->surfaces && i < draw->picture->count; i++) {
+    for (int i = 0; draw->surfaces && i < draw->input->count; i++) {
         iso_discs_free(&draw->surfaces[i].discs);
         iso_discs_free(&draw->surfaces[i].wide);
     }
-    for (int i = 0; draw->workers && i < iso_pool_threads(draw->picture->pool); i++) {
+    for (int i = 0; draw->workers && i < iso_pool_threads(draw->input->picture.pool); i++) {
         iso_layer_lists_free(&draw->workers[i].lists);
         iso_layer_composer_free(&draw->workers[i].composer);
         iso_buffer_free(&draw->workers[i].memory);
@@ -139,7 +128,7 @@ static void free_draw(layers_draw *draw) {
 
 static bool list_surface(const layers_draw *draw, int number, const iso_splat_band *band) {
     const iso_splat_surface *surface = &draw->surfaces[number];
-    const iso_transparency transparency = draw->picture->transparency;
+    const iso_transparency transparency = draw->input->transparency;
     const bool sorted = transparency == ISO_TRANSPARENCY_SORTED;
     const iso_layer_pass pass = {.surface = number,
                                  .most_layers = sorted ? surface->input->translucency.most_layers : 0,
@@ -150,60 +139,24 @@ static bool list_surface(const layers_draw *draw, int number, const iso_splat_ba
     return iso_splats_list_images(surface, band, transparency == ISO_TRANSPARENCY_NEAREST);
 }
 
-/* Lists all surfaces in the rows of a band; false: they do not fit into memory. */
-static bool list_rows(const layers_draw *draw, worker *w, size_t number, iso_rows rows) {
-    const iso_gbuffer *opaque = draw->picture->strip->gbuffer;
-    const iso_splat_band band = {number,
-                                 rows,
-                                 opaque->width,
-                                 &w->lists,
-                                 &w->memory,
-                                 &w->starts,
-                                 rows.last - rows.first < draw->picture->strip->factor};
+/* iso_layer_bands.list */
+static bool list_rows(void *context, int number, size_t band_number, iso_rows rows, bool least) {
+    const layers_draw *draw = context;
+    const iso_gbuffer *opaque = draw->input->picture.strip->gbuffer;
+    worker *w = &draw->workers[number];
+    const iso_splat_band band = {band_number, rows, opaque->width, &w->lists, &w->memory, &w->starts, least};
     iso_layer_lists_clear(&w->lists, rows.last - rows.first + 1);
     w->lists.limit = opaque->depth ? opaque->depth + (ptrdiff_t)rows.first * opaque->width : NULL;
-    for (int i = 0; i < draw->picture->count; i++)
+    for (int i = 0; i < draw->input->count; i++)
         if (!list_surface(draw, i, &band)) return false;
     return true;
 }
 
-/* Draws rows of a band, in two halves if their discs are too many. */
-static void draw_rows(const layers_draw *draw, worker *w, size_t number, iso_rows rows) {
-    const int factor = draw->picture->strip->factor, pixels = (rows.last - rows.first + 1) / factor;
-    if (list_rows(draw, w, number, rows)) {
-        const iso_layer_picture picture = {.strip = draw->picture->strip,
-                                           .shading = draw->picture->shading,
-                                           .image = draw->picture->image,
-                                           .layers = draw->picture->layer_counts,
-                                           .coverage = draw->picture->coverage};
-        iso_layers_compose(&picture, &w->lists, NULL, rows.first, &w->composer, &w->totals);
-    } else if (pixels > 1) {
-        const int half = rows.first + pixels / 2 * factor;
-        draw_rows(draw, w, number, (iso_rows){rows.first, half - 1});
-        draw_rows(draw, w, number, (iso_rows){half, rows.last});
-    } else {
-        w->failed = true;
-    }
-}
-
-static void draw_band(void *context, size_t index, int worker_index) {
+/* iso_layer_bands.use */
+static void compose_rows(void *context, int number, iso_rows rows) {
     const layers_draw *draw = context;
-    const int first = (int)index * draw->band_rows, end = first + draw->band_rows,
-              height = draw->picture->strip->view->height;
-    draw_rows(draw, &draw->workers[worker_index], index,
-              (iso_rows){first, (end < height ? end : height) - 1});
-}
-
-/* Adds up what the workers counted. */
-static iso_status sum_totals(const layers_draw *draw, iso_layer_totals *totals, iso_error *error) {
-    for (int i = 0; i < iso_pool_threads(draw->picture->pool); i++) {
-        const worker *w = &draw->workers[i];
-        if (w->failed) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the layers of a picture");
-        totals->covered += w->totals.covered;
-        totals->layers += w->totals.layers;
-        if (w->totals.most > totals->most) totals->most = w->totals.most;
-    }
-    return ISO_OK;
+    worker *w = &draw->workers[number];
+    iso_layers_compose(&draw->input->picture, &w->lists, NULL, rows.first, &w->composer, &w->totals);
 }
 
 iso_groups_opts iso_splat_layers_grouping(iso_pool *pool) {
@@ -213,16 +166,15 @@ iso_groups_opts iso_splat_layers_grouping(iso_pool *pool) {
     return opts;
 }
 
-iso_status iso_shade_splat_layers(const iso_splat_layers *picture, iso_layer_totals *totals,
-                                  iso_error *error) {
-    layers_draw draw = {.picture = picture};
+iso_status iso_shade_splat_layers(const iso_splat_layers *input, iso_layer_totals *totals, iso_error *error) {
+    const iso_layer_picture *picture = &input->picture;
+    layers_draw draw = {.input = input};
     iso_status status = set_up(&draw, error);
-    if (status == ISO_OK) {
-        const int height = picture->strip->view->height;
-        iso_parallel_for(picture->pool, (size_t)((height + draw.band_rows - 1) / draw.band_rows), draw_band,
-                         &draw);
-        status = sum_totals(&draw, totals, error);
-    }
+    const iso_layer_bands bands = {picture->strip, draw.band_rows, picture->pool,
+                                   list_rows,      compose_rows,   &draw};
+    if (status == ISO_OK) status = iso_layer_bands_draw(&bands, error);
+    for (int i = 0; status == ISO_OK && i < iso_pool_threads(picture->pool); i++)
+        iso_layer_totals_add(totals, &draw.workers[i].totals);
     free_draw(&draw);
     return status;
 }

@@ -38,7 +38,8 @@ enum { ISO_SPLAT_LAYERS_GROUPS = 4 };
 /* The options for iso_groups_make with which algorithms 2 and 3 are drawn when none are given. */
 iso_groups_opts iso_splat_layers_grouping(iso_pool *pool);
 
-/* A translucent surface. Its opacity is below 1. mean_path is not used, and most_layers by sorted only. */
+/* A translucent surface. Its opacity is below 1. absorption_length is not used, and most_layers by sorted
+ * only. */
 typedef struct iso_splat_layer {
     iso_point_view points;    /* borrowed for the call */
     const iso_groups *groups; /* of the points, with discs of ISO_SPLATS_DISC; not used by sorted */
@@ -46,22 +47,17 @@ typedef struct iso_splat_layer {
     iso_translucency translucency;
 } iso_splat_layer;
 
-/* What is drawn into; all pointers are borrowed for the call. */
+/* What is drawn, and into what; all pointers are borrowed for the call. */
 typedef struct iso_splat_layers {
     iso_transparency transparency;
-    const iso_splat_layer *layers;  /* the picture's translucent surfaces */
-    int count;                      /* 1 or more */
-    const iso_strip *strip;         /* its gbuffer has the opaque surfaces, or but its size: depth is NULL */
-    const iso_shading *shading;     /* colours of the opaque surfaces, and background */
-    iso_image *image;               /* gets the strip's rows */
-    float *layer_counts, *coverage; /* NULL, or planes of the image's size: iso_layer_picture */
-    iso_pool *pool;                 /* NULL: the calling thread */
+    const iso_splat_layer *layers; /* the picture's translucent surfaces */
+    int count;                     /* 1 or more */
+    iso_layer_picture picture;
 } iso_splat_layers;
 
 /* Draws and composites a strip. Adds to *totals. The picture gets the same bytes with every number of
  * threads and when drawn in strips of any height. ISO_ERR_NOMEM; ISO_ERR_LIMIT: 2^32 - 1 points or more. */
-iso_status iso_shade_splat_layers(const iso_splat_layers *picture, iso_layer_totals *totals,
-                                  iso_error *error);
+iso_status iso_shade_splat_layers(const iso_splat_layers *input, iso_layer_totals *totals, iso_error *error);
 
 #ifdef __cplusplus
 }

@@ -371,7 +371,7 @@ static void test_layers(void **state) {
     const iso_surface_opts what = {.isovalue = ISOVALUE, .opacity = 0.4};
     assert_int_equal(iso_surface_create(f->volume, &what, &outer, NULL), ISO_OK);
     iso_surface *both[2] = {outer, inner};
-    iso_render_opts opts = {.width = 64, .height = 48, .aov = &aov, .absorption = 20};
+    iso_render_opts opts = {.width = 64, .height = 48, .aov = &aov, .absorption_length = 20};
     assert_int_equal(iso_render_surfaces(both, 2, &opts, &exact, NULL), ISO_OK);
     const size_t middle = 24 * 64 + 32;
     assert_true(aov.layers && aov.layers[middle] == 1 && aov.coverage[middle] == 1);
@@ -385,11 +385,13 @@ static void test_layers(void **state) {
     assert_memory_not_equal(exact.rgba, opaque.rgba, 64 * 48 * 4);
     opts.method = ISO_METHOD_MESH;
     assert_int_equal(iso_render(outer, &opts, &opaque, NULL), ISO_ERR_USAGE);
+    opts.method = ISO_METHOD_SPLATS;
+    assert_int_equal(iso_render(outer, &opts, &opaque, NULL), ISO_ERR_USAGE); /* splats absorb nothing */
     opts.method = ISO_METHOD_EXACT;
     opts.most_layers = 1;
     assert_int_equal(iso_render(outer, &opts, &opaque, NULL), ISO_ERR_USAGE);
     opts.most_layers = 0;
-    opts.absorption = -1;
+    opts.absorption_length = -1;
     assert_int_equal(iso_render(outer, &opts, &opaque, NULL), ISO_ERR_USAGE);
     iso_image_free(&exact);
     iso_image_free(&truth);

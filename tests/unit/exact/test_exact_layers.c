@@ -84,8 +84,11 @@ static void draw_layers(const test_scene *scene, const iso_strip *strip, iso_poo
     for (int i = 0; i < scene->count; i++)
         layers[i] = (iso_exact_layer){make_exact(scene->grid, scene->isovalue[i], NULL), colors[i],
                                       scene->translucency[i]};
-    const iso_exact_layers input = {layers,          scene->count,      strip, &shading, &picture->image,
-                                    picture->counts, picture->coverage, pool,  NULL};
+    const iso_exact_layers input = {
+        layers,
+        scene->count,
+        {strip, &shading, &picture->image, picture->counts, picture->coverage, pool},
+        NULL};
     iso_exact_layers_totals totals = {.retraced = 0};
     test_ok(iso_shade_exact_layers(&input, &totals, &error), &error);
     picture->totals = totals.layers;
@@ -114,8 +117,8 @@ static test_picture truth_of_layers(const test_scene *scene, const iso_view *vie
         test_ok(iso_raycaster_create(scene->grid, scene->isovalue[i], NULL, &caster, &error), &error);
         layers[i] = (iso_raycast_layer){caster, colors[i], scene->translucency[i]};
     }
-    const iso_raycast_layers input = {layers,         scene->count,   &strip,           &shading,
-                                      &picture.image, picture.counts, picture.coverage, NULL};
+    const iso_raycast_layers input = {
+        layers, scene->count, {&strip, &shading, &picture.image, picture.counts, picture.coverage, NULL}};
     iso_shade_raycast_layers(&input, &picture.totals);
     for (int i = 0; i < scene->count; i++) iso_raycaster_destroy((iso_raycaster *)layers[i].caster);
     if (opaque.depth) iso_gbuffer_free(&opaque);
@@ -181,7 +184,7 @@ static test_scene make_scene(const iso_grid *grid, int round) {
         scene.isovalue[i] = middle + i * step;
         scene.translucency[i] = (iso_translucency){.opacity = 0.05f + 0.3f * (float)((round + i) % 4),
                                                    .constant = round / 2 % 2 == 1,
-                                                   .mean_path = round % 7 == 3 ? 30 : 0,
+                                                   .absorption_length = round % 7 == 3 ? 30 : 0,
                                                    .most_layers = round % 6 == 5 ? 2 + i : 0};
     }
     if (round % 4 == 1) scene.opaque = middle + 1.7 * step;
@@ -415,7 +418,7 @@ static void a_ball_absorbs_by_its_chord(void **state) {
     const iso_vec3 centre = iso_vec3_make(63.4, 63.7, 63.2);
     iso_grid grid = test_ball_grid(size, centre, radius, 1);
     test_scene scene = {.grid = &grid, .count = 1, .opaque = NAN, .factor = 1, .transparent = true};
-    scene.translucency[0] = (iso_translucency){.opacity = 0, .mean_path = 40};
+    scene.translucency[0] = (iso_translucency){.opacity = 0, .absorption_length = 40};
     const iso_view view = test_axis_view(2, true, 0.5, 0.1, 240);
     test_picture picture = picture_of_layers(&scene, &view, NULL);
     double worst = 0;

@@ -38,10 +38,7 @@ static iso_layer_totals draw_rows(const drawing *d, const iso_view *view, int y0
     const iso_splat_layers picture = {.transparency = d->transparency,
                                       .layers = d->layers,
                                       .count = d->count,
-                                      .strip = &strip,
-                                      .shading = &shading,
-                                      .image = image,
-                                      .pool = d->pool};
+                                      .picture = {&strip, &shading, image, NULL, NULL, d->pool}};
     iso_layer_totals totals = {0};
     test_ok(iso_shade_splat_layers(&picture, &totals, &error), &error);
     iso_gbuffer_free(&g);

@@ -62,9 +62,7 @@ static iso_status draw_layers(scene *s, iso_transparency transparency) {
     const iso_splat_layers picture = {.transparency = transparency,
                                       .layers = &layer,
                                       .count = 1,
-                                      .strip = &strip,
-                                      .shading = &shading,
-                                      .image = &s->image};
+                                      .picture = {&strip, &shading, &s->image, NULL, NULL, NULL}};
     iso_layer_totals totals = {0};
     return iso_shade_splat_layers(&picture, &totals, NULL);
 }
