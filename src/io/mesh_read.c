@@ -32,7 +32,7 @@ typedef struct reading {
 static iso_status report_progress(const reading *r, iso_error *error) {
     double done = 0;
     if (r->file) done = (double)ftello(r->file);
-    if (r->ply) done = r->bytes - (double)r->ply->remaining;
+    if (r->ply) done = r->bytes - (double)r->ply->in.remaining;
     return iso_progress_tell(r->progress, r->path, r->bytes > 0 ? done / r->bytes : 0, error);
 }
 
@@ -223,7 +223,7 @@ static iso_status read_ply_face(reading *r, iso_ply *ply, const iso_ply_element 
 static iso_status read_ply_elements(reading *r, iso_ply *ply, iso_error *error) {
     ISO_TRY(iso_ply_open(r->path, ply, error));
     r->ply = ply;
-    r->bytes = (double)ply->remaining;
+    r->bytes = (double)ply->in.remaining;
     for (int i = 0; i < ply->element_count; i++) {
         const iso_ply_element *element = &ply->elements[i];
         const bool vertices = strcmp(element->name, "vertex") == 0,

@@ -5,52 +5,8 @@
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-
-#include "base/file.h"
 
 static const int type_size[] = {1, 1, 2, 2, 4, 4, 4, 8};
-
-/* ---- bytes */
-
-static iso_status fail_end(const iso_ply *ply, iso_error *error) {
-    if (ferror(ply->stream))
-        return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", ply->path, strerror(errno));
-    return iso_fail(error, ISO_ERR_IO, "%s: truncated", ply->path);
-}
-
-/* Makes at least `bytes` bytes (far fewer than the buffer has) available; false at the end of the file. */
-static bool fill_buffer(iso_ply *ply, size_t bytes) {
-    size_t have = ply->end - ply->place;
-    if (have >= bytes) return true;
-    memmove(ply->buffer, ply->buffer + ply->place, have);
-    ply->place = 0;
-    ply->end = have + fread(ply->buffer + have, 1, sizeof ply->buffer - have, ply->stream);
-    return ply->end >= bytes;
-}
-
-static void advance(iso_ply *ply, size_t bytes) {
-    ply->place += bytes;
-    ply->remaining -= bytes < ply->remaining ? bytes : ply->remaining;
-}
-
-/* The next byte, or -1 at the end. */
-static int next_byte(iso_ply *ply) {
-    if (!fill_buffer(ply, 1)) return -1;
-    int byte = ply->buffer[ply->place];
-    advance(ply, 1);
-    return byte;
-}
-
-static iso_status skip_bytes(iso_ply *ply, uint64_t bytes, iso_error *error) {
-    while (bytes > 0) {
-        if (!fill_buffer(ply, 1)) return fail_end(ply, error);
-        size_t have = ply->end - ply->place, step = bytes < have ? (size_t)bytes : have;
-        advance(ply, step);
-        bytes -= step;
-    }
-    return ISO_OK;
-}
 
 /* ---- values */
 
@@ -61,20 +17,21 @@ static bool is_space(int byte) {
 static iso_status read_text_value(iso_ply *ply, double *value, iso_error *error) {
     char token[64];
     size_t length = 0;
-    int byte = next_byte(ply);
-    while (is_space(byte)) byte = next_byte(ply);
-    if (byte < 0) return fail_end(ply, error);
-    for (; byte >= 0 && !is_space(byte); byte = next_byte(ply)) {
+    int byte = iso_stream_byte(&ply->in);
+    while (is_space(byte)) byte = iso_stream_byte(&ply->in);
+    if (byte < 0) return iso_stream_fail(&ply->in, error);
+    for (; byte >= 0 && !is_space(byte); byte = iso_stream_byte(&ply->in)) {
         if (byte == 0 || length + 1 == sizeof token)
-            return iso_fail(error, ISO_ERR_FORMAT, "%s: damaged: not a number in its ASCII data", ply->path);
+            return iso_fail(error, ISO_ERR_FORMAT, "%s: damaged: not a number in its ASCII data",
+                            ply->in.path);
         token[length++] = (char)byte;
     }
     token[length] = 0;
     char *end;
     *value = strtod(token, &end);
     if (!*end) return ISO_OK;
-    if (byte < 0) return fail_end(ply, error); /* the file ends within the number */
-    return iso_fail(error, ISO_ERR_FORMAT, "%s: damaged: \"%s\" is not a number", ply->path, token);
+    if (byte < 0) return iso_stream_fail(&ply->in, error); /* the file ends within the number */
+    return iso_fail(error, ISO_ERR_FORMAT, "%s: damaged: \"%s\" is not a number", ply->in.path, token);
 }
 
 static double to_signed(uint64_t bits, uint64_t sign) {
@@ -108,13 +65,13 @@ static double decode_value(iso_ply_type type, uint64_t bits) {
 iso_status iso_ply_read_value(iso_ply *ply, iso_ply_type type, double *value, iso_error *error) {
     if (ply->format == ISO_PLY_ASCII) return read_text_value(ply, value, error);
     int size = type_size[type];
-    if (!fill_buffer(ply, (size_t)size)) return fail_end(ply, error);
+    if (!iso_stream_fill(&ply->in, (size_t)size)) return iso_stream_fail(&ply->in, error);
     uint64_t bits = 0;
     for (int i = 0; i < size; i++) {
-        uint64_t byte = ply->buffer[ply->place + (size_t)i];
+        uint64_t byte = ply->in.buffer[ply->in.place + (size_t)i];
         bits |= byte << 8 * (ply->format == ISO_PLY_LITTLE ? i : size - 1 - i);
     }
-    advance(ply, (size_t)size);
+    iso_stream_advance(&ply->in, (size_t)size);
     *value = decode_value(type, bits);
     return ISO_OK;
 }
@@ -136,19 +93,19 @@ iso_status iso_ply_check_size(const iso_ply *ply, const iso_ply_element *element
     uint64_t least = least_bytes(ply, element);
     /* the last separator may be missing */
     uint64_t spare = ply->format == ISO_PLY_ASCII ? 1 : 0;
-    if (least == 0 || element->count <= (ply->remaining + spare) / least) return ISO_OK;
-    return iso_fail(error, ISO_ERR_IO, "%s: truncated: its header promises %llu of element \"%s\"", ply->path,
-                    (unsigned long long)element->count, element->name);
+    if (least == 0 || element->count <= (ply->in.remaining + spare) / least) return ISO_OK;
+    return iso_fail(error, ISO_ERR_IO, "%s: truncated: its header promises %llu of element \"%s\"",
+                    ply->in.path, (unsigned long long)element->count, element->name);
 }
 
 iso_status iso_ply_skip_list(iso_ply *ply, const iso_ply_property *list, iso_error *error) {
     double count, ignored;
     ISO_TRY(iso_ply_read_value(ply, list->count_type, &count, error));
     if (!(count >= 0 && count <= UINT32_MAX))
-        return iso_fail(error, ISO_ERR_FORMAT, "%s: damaged: a list \"%s\" of %g items", ply->path,
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: damaged: a list \"%s\" of %g items", ply->in.path,
                         list->name, count);
     if (ply->format != ISO_PLY_ASCII)
-        return skip_bytes(ply, (uint64_t)count * (uint64_t)type_size[list->type], error);
+        return iso_stream_skip(&ply->in, (uint64_t)count * (uint64_t)type_size[list->type], error);
     for (uint64_t i = 0; i < (uint64_t)count; i++) ISO_TRY(read_text_value(ply, &ignored, error));
     return ISO_OK;
 }
@@ -187,10 +144,10 @@ typedef struct header_line {
 static iso_status read_line(iso_ply *ply, header_line *line, size_t *header_bytes, iso_error *error) {
     size_t length = 0;
     int byte;
-    while ((byte = next_byte(ply)) != '\n') {
-        if (byte < 0) return iso_fail(error, ISO_ERR_IO, "%s: truncated in its PLY header", ply->path);
+    while ((byte = iso_stream_byte(&ply->in)) != '\n') {
+        if (byte < 0) return iso_fail(error, ISO_ERR_IO, "%s: truncated in its PLY header", ply->in.path);
         if (++*header_bytes > HEADER_LIMIT)
-            return iso_fail(error, ISO_ERR_FORMAT, "%s: its PLY header does not end", ply->path);
+            return iso_fail(error, ISO_ERR_FORMAT, "%s: its PLY header does not end", ply->in.path);
         if (length + 1 < LINE) line->text[length++] = (char)byte;
     }
     line->text[length] = 0;
@@ -207,7 +164,7 @@ static bool is_word(const header_line *line, int index, const char *word) {
 }
 
 static iso_status fail_line(const iso_ply *ply, const header_line *line, iso_error *error) {
-    return iso_fail(error, ISO_ERR_FORMAT, "%s: bad \"%.40s\" line in its PLY header", ply->path,
+    return iso_fail(error, ISO_ERR_FORMAT, "%s: bad \"%.40s\" line in its PLY header", ply->in.path,
                     line->words[0]);
 }
 
@@ -287,33 +244,29 @@ static iso_status read_header(iso_ply *ply, iso_error *error) {
             good = parse_property(ply, &line);
         if (!good) return fail_line(ply, &line, error);
     }
-    if (!has_format) return iso_fail(error, ISO_ERR_FORMAT, "%s: its PLY header names no format", ply->path);
+    if (!has_format)
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: its PLY header names no format", ply->in.path);
     return ISO_OK;
 }
 
 static bool read_magic(iso_ply *ply) {
-    if (!fill_buffer(ply, 4) || memcmp(ply->buffer, "ply", 3) != 0) return false;
-    advance(ply, 3);
-    int byte = next_byte(ply);
-    while (byte == '\r' || byte == ' ') byte = next_byte(ply);
+    if (!iso_stream_fill(&ply->in, 4) || memcmp(ply->in.buffer, "ply", 3) != 0) return false;
+    iso_stream_advance(&ply->in, 3);
+    int byte = iso_stream_byte(&ply->in);
+    while (byte == '\r' || byte == ' ') byte = iso_stream_byte(&ply->in);
     return byte == '\n';
 }
 
 iso_status iso_ply_open(const char *path, iso_ply *ply, iso_error *error) {
-    ply->path = path;
     ply->element_count = ply->property_count = 0;
-    ply->place = ply->end = 0;
-    ply->stream = NULL;
-    ISO_TRY(iso_file_open(path, &ply->stream, &ply->remaining, error));
-    setvbuf(ply->stream, NULL, _IONBF, 0); /* buffered here */
+    ISO_TRY(iso_stream_open(path, &ply->in, error));
     if (!read_magic(ply)) {
-        if (ferror(ply->stream)) return fail_end(ply, error);
+        if (ferror(ply->in.file)) return iso_stream_fail(&ply->in, error);
         return iso_fail(error, ISO_ERR_FORMAT, "%s: not a PLY file", path);
     }
     return read_header(ply, error);
 }
 
 void iso_ply_close(iso_ply *ply) {
-    if (ply->stream) fclose(ply->stream);
-    ply->stream = NULL;
+    iso_stream_close(&ply->in);
 }

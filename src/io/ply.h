@@ -11,15 +11,15 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
-#include <stdio.h>
 
 #include "base/status.h"
+#include "io/stream.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-enum { ISO_PLY_NAME = 64, ISO_PLY_ELEMENTS = 32, ISO_PLY_PROPERTIES = 512, ISO_PLY_BUFFER = 1 << 16 };
+enum { ISO_PLY_NAME = 64, ISO_PLY_ELEMENTS = 32, ISO_PLY_PROPERTIES = 512 };
 
 typedef enum iso_ply_format { ISO_PLY_ASCII, ISO_PLY_LITTLE, ISO_PLY_BIG } iso_ply_format;
 
@@ -49,15 +49,11 @@ typedef struct iso_ply_element {
 
 /* A file that is being read. More than 64 KiB: allocate it on the heap. */
 typedef struct iso_ply {
-    const char *path; /* borrowed */
-    FILE *stream;
+    iso_stream in;
     iso_ply_format format;
     int element_count, property_count;
     iso_ply_element elements[ISO_PLY_ELEMENTS];
     iso_ply_property properties[ISO_PLY_PROPERTIES];
-    uint64_t remaining; /* bytes that are not read yet */
-    size_t place, end;  /* the unread part of the buffer */
-    unsigned char buffer[ISO_PLY_BUFFER];
 } iso_ply;
 
 /* Opens `path` and reads the header; the first item of the first element is read next. Call iso_ply_close

@@ -50,7 +50,7 @@ static iso_status assign_values(const iso_ply *ply, const iso_ply_element *eleme
         }
     if (!*missing) return ISO_OK;
     return iso_fail(error, ISO_ERR_FORMAT, "%s: its points have no%s (needed: x y z nx ny nz radius)",
-                    ply->path, missing);
+                    ply->in.path, missing);
 }
 
 static iso_status read_values(iso_ply *ply, const iso_ply_element *element, const int *slot,
@@ -130,9 +130,9 @@ static iso_status read_points(iso_ply *ply, const iso_ply_element *element, coll
     ISO_TRY(assign_values(ply, element, slot, &points->colored, error));
     ISO_TRY(iso_ply_check_size(ply, element, error));
     if (element->count > UINT32_MAX)
-        return iso_fail(error, ISO_ERR_LIMIT, "%s: more than %lu points", ply->path,
+        return iso_fail(error, ISO_ERR_LIMIT, "%s: more than %lu points", ply->in.path,
                         (unsigned long)UINT32_MAX);
-    ISO_TRY(reserve_points(points, (size_t)element->count, ply->path, error));
+    ISO_TRY(reserve_points(points, (size_t)element->count, ply->in.path, error));
     for (uint64_t i = 0; i < element->count; i++) {
         double values[VALUES] = {0};
         ISO_TRY(read_values(ply, element, slot, values, error));
@@ -143,7 +143,7 @@ static iso_status read_points(iso_ply *ply, const iso_ply_element *element, coll
         points->count++;
     }
     if (points->count == 0)
-        return iso_fail(error, ISO_ERR_FORMAT, "%s: none of its %llu points is usable", ply->path,
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: none of its %llu points is usable", ply->in.path,
                         (unsigned long long)element->count);
     return ISO_OK;
 }
@@ -162,7 +162,7 @@ static iso_status read_file(iso_ply *ply, const char *path, collector *points, i
 iso_status iso_points_read_ply(const char *path, uint64_t max_memory, iso_points *out, iso_error *error) {
     iso_ply *ply = malloc(sizeof *ply);
     if (!ply) return iso_fail_memory(error, path);
-    ply->stream = NULL;
+    ply->in.file = NULL;
     collector points = {.max_memory = max_memory};
     void *numbers = iso_encode_numbers_begin();
     iso_status status = read_file(ply, path, &points, error);

@@ -1,0 +1,28 @@
+/* lines_read: reads lines: tracts, vessels, neurons, streamlines.
+ *
+ *   .tck    MRtrix3 tracks, 32 and 64 bit, both byte orders; RAS
+ *   .trk    TrackVis tracks, versions 1 and 2, both byte orders, with scalars and properties; RAS
+ *
+ * The format is found from the content, and from the name if the content does not tell. Vertices that are not
+ * finite or beyond 1e12 mm are left out, and their line is split there; radii that are negative or not finite
+ * become 0: the report counts both. */
+#ifndef ISO_IO_LINES_LINES_READ_H
+#define ISO_IO_LINES_LINES_READ_H
+
+#include "base/lines.h"
+#include "io/read_opts.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Reads lines; iso_lines_free when done. `opts` may be NULL. A file without lines is no error: line_count is
+ * then 0. Errors: ISO_ERR_IO (missing, unreadable, shorter than it says), ISO_ERR_FORMAT (damaged, or not a
+ * file of lines), ISO_ERR_UNSUPPORTED, ISO_ERR_LIMIT (over max_memory, checked before memory is allocated),
+ * ISO_ERR_NOMEM. Each text names the file. Thread-safe for different reports and file sets. */
+iso_status iso_lines_read(const char *path, const iso_read_opts *opts, iso_lines *lines, iso_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

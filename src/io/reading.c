@@ -1,0 +1,117 @@
+/* reading: memory, notes and attributes of a set that is being read. */
+#include "io/reading.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "base/text.h"
+#include "grids/volume/format.h"
+
+iso_reading iso_reading_begin(const char *path, const iso_read_opts *opts, iso_read_report *report) {
+    iso_reading reading = {.path = path, .opts = opts ? *opts : (iso_read_opts){0}};
+    reading.report = reading.opts.report ? reading.opts.report : report;
+    *reading.report = (iso_read_report){.items = 0};
+    reading.limit = iso_memory_limit(reading.opts.max_memory);
+    if (reading.opts.every < 1) reading.opts.every = 1;
+    iso_file_set_read(reading.opts.files, path);
+    return reading;
+}
+
+/* ---- memory */
+
+static iso_status check_limit(const iso_reading *reading, uint64_t bytes, iso_error *error) {
+    const iso_volume_opts opts = {.max_memory = reading->limit};
+    return iso_format_check_memory(reading->path, &opts, bytes, "in memory", error);
+}
+
+iso_status iso_reading_reserve(iso_reading *reading, iso_buffer *buffer, size_t count, size_t each,
+                               size_t keep, iso_error *error) {
+    size_t bytes;
+    if (!iso_size_multiply(count, each, &bytes) || bytes > SIZE_MAX / 4)
+        return check_limit(reading, UINT64_MAX, error);
+    if (bytes <= buffer->bytes) return ISO_OK;
+    const size_t before = buffer->bytes, grown = before + before / 2;
+    ISO_TRY(check_limit(reading, reading->used + (bytes > grown ? bytes : grown), error));
+    iso_status status = iso_buffer_reserve(buffer, bytes, keep * each, NULL);
+    if (status != ISO_OK) return iso_fail_memory(error, reading->path);
+    reading->used += buffer->bytes - before;
+    return ISO_OK;
+}
+
+void iso_reading_free(iso_reading *reading, iso_buffer *buffer) {
+    reading->used -= buffer->bytes;
+    iso_buffer_free(buffer);
+}
+
+/* ---- the report */
+
+void iso_reading_note(iso_reading *reading, const char *format, ...) {
+    iso_read_report *report = reading->report;
+    if (report->note_count == ISO_READ_NOTES) return;
+    va_list arguments;
+    va_start(arguments, format);
+    iso_text_format(report->notes[report->note_count++], ISO_READ_TEXT, format, arguments);
+    va_end(arguments);
+}
+
+bool iso_reading_is_ras(iso_reading *reading, iso_space stated) {
+    const iso_space asked = reading->opts.space, space = asked == ISO_SPACE_FILE ? stated : asked;
+    reading->report->space = space == ISO_SPACE_RAS ? ISO_SPACE_RAS : ISO_SPACE_LPS;
+    reading->report->space_stated = asked == ISO_SPACE_FILE && stated != ISO_SPACE_FILE;
+    return space == ISO_SPACE_RAS;
+}
+
+iso_vec3 iso_origin_for(const double first[3]) {
+    double origin[3];
+    for (int axis = 0; axis < 3; axis++)
+        origin[axis] = fabs(first[axis]) > 4096 ? floor(first[axis] + 0.5) : 0;
+    return iso_vec3_make(origin[0], origin[1], origin[2]);
+}
+
+/* ---- columns */
+
+static bool is_taken(const iso_attribute *attributes, int count, const char *name) {
+    for (int i = 0; i < count; i++)
+        if (strcmp(attributes[i].name, name) == 0) return true;
+    return false;
+}
+
+/* A printable name that no attribute before has. NULL without memory. */
+static char *unique_name(const iso_attribute *attributes, int count, const char *name) {
+    enum { ROOM = 4 * ISO_COLUMN_NAME + 16 };
+    char clean[4 * ISO_COLUMN_NAME], *unique = iso_alloc(ROOM);
+    if (!unique) return NULL;
+    iso_text_clean(*name ? name : "unnamed", clean, sizeof clean);
+    snprintf(unique, ROOM, "%s", clean);
+    for (int i = 2; is_taken(attributes, count, unique); i++) snprintf(unique, ROOM, "%s %d", clean, i);
+    return unique;
+}
+
+iso_status iso_columns_take(iso_column *columns, int count, iso_attribute **attributes, int *attribute_count,
+                            iso_error *error) {
+    iso_attribute *made = iso_alloc_zero(count ? (size_t)count : 1, sizeof *made);
+    int used = 0;
+    bool complete = made != NULL;
+    for (int i = 0; i < count && complete; i++) {
+        if (!columns[i].values.data) continue;
+        made[used] = (iso_attribute){.name = unique_name(made, used, columns[i].name),
+                                     .components = columns[i].components,
+                                     .per_line = columns[i].per_line};
+        complete = made[used++].name != NULL;
+    }
+    if (!complete) {
+        if (made) iso_attributes_free(made, used);
+        return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the names of attributes");
+    }
+    used = 0;
+    for (int i = 0; i < count; i++) {
+        if (!columns[i].values.data) continue;
+        made[used++].values = columns[i].values.data;
+        columns[i].values = (iso_buffer){0};
+    }
+    *attributes = made;
+    *attribute_count = used;
+    return ISO_OK;
+}

@@ -1,0 +1,72 @@
+/* reading: what the readers of lines and of glyphs share: the options, the memory that they have taken, and
+ * named columns of numbers that become attributes. Internal to src/io. */
+#ifndef ISO_IO_READING_H
+#define ISO_IO_READING_H
+
+#include "base/lines.h"
+#include "base/memory.h"
+#include "io/read_opts.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* A file that is being read. */
+typedef struct iso_reading {
+    const char *path; /* borrowed; messages begin with it */
+    iso_read_opts opts;
+    iso_read_report *report; /* never NULL */
+    uint64_t limit, used;    /* bytes that may be taken, and that buffers take now */
+} iso_reading;
+
+/* Starts reading `path` by `opts`, which may be NULL; `report` is used when the caller wants none. Adds the
+ * file to opts->files. */
+iso_reading iso_reading_begin(const char *path, const iso_read_opts *opts, iso_read_report *report);
+
+/* iso_buffer_reserve for `count` items of `each` bytes, keeping the first `keep` items. ISO_ERR_LIMIT: all
+ * buffers of this file together would take more than the limit. ISO_ERR_NOMEM. */
+iso_status iso_reading_reserve(iso_reading *reading, iso_buffer *buffer, size_t count, size_t each,
+                               size_t keep, iso_error *error);
+/* Frees a buffer that iso_reading_reserve has filled. */
+void iso_reading_free(iso_reading *reading, iso_buffer *buffer);
+
+/* Adds a line to the report's notes, or drops it when there are too many. Arguments may contain any bytes. */
+#if defined(__GNUC__)
+__attribute__((format(printf, 2, 3)))
+#endif
+void iso_reading_note(iso_reading *reading, const char *format, ...);
+
+/* Whether coordinates are RAS and must be converted. `stated` is what the format or the file says:
+ * ISO_SPACE_FILE for nothing. The caller's option decides. Sets the report's space. */
+bool iso_reading_is_ras(iso_reading *reading, iso_space stated);
+
+/* The largest coordinate and radius, mm, the same as for volumes (grids/volume/volume.c): beyond it no camera
+ * can be placed. */
+#define ISO_FARTHEST 1e12
+
+/* The origin of a set whose first vertex is `first`: its coordinates beyond 4096 mm rounded to whole
+ * millimetres, the others 0, so that vertices relative to it keep at least a half micrometre in floats
+ * wherever the set lies. */
+iso_vec3 iso_origin_for(const double first[3]);
+
+/* ---- columns */
+
+enum { ISO_COLUMN_NAME = 64 };
+
+/* A column of a file that becomes an attribute: `components` floats an item, one item after the other. */
+typedef struct iso_column {
+    char name[ISO_COLUMN_NAME];
+    int components;
+    bool per_line;
+    iso_buffer values;
+} iso_column;
+
+/* Makes attributes of the columns that have values: those move out of the buffers. Names are made printable
+ * and unique. ISO_ERR_NOMEM: nothing has moved. */
+iso_status iso_columns_take(iso_column *columns, int count, iso_attribute **attributes, int *attribute_count,
+                            iso_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
