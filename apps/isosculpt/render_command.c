@@ -80,9 +80,25 @@ static void put_color(writer *w, const char *option, iso_rgb color) {
     put(w, " %s %02X%02X%02X", option, color.r, color.g, color.b);
 }
 
+/* The opacities of a picture that is seen through; two opaque surfaces need none. */
+static void put_opacities(writer *w, const isosculpt_viewport *viewport) {
+    const isosculpt_see_through *how = &viewport->see_through;
+    const bool two = isosculpt_viewport_has_second(viewport);
+    if (!isosculpt_viewport_is_see_through(viewport)) return;
+    if (!(how->opacity < 1) && !(two && how->second_opacity < 1)) return;
+    put(w, " --opacity=");
+    put_number(w, how->opacity);
+    if (!two) return;
+    put(w, ",");
+    put_number(w, how->second_opacity);
+}
+
 bool isosculpt_render_command_text(const isosculpt_render_command *command, char *text, size_t room) {
     const isosculpt_viewport *viewport = command->viewport;
     const iso_camera *camera = &viewport->camera;
+    const isosculpt_see_through *how = &viewport->see_through;
+    const iso_rgb second = how->second_color;
+    const bool two = isosculpt_viewport_has_second(viewport);
     writer w = {.text = text, .room = room};
     put(&w, "isorender ");
     put_quoted(&w, command->path);
@@ -90,9 +106,15 @@ bool isosculpt_render_command_text(const isosculpt_render_command *command, char
     put_output(&w, command->path);
     put(&w, " --isovalue=");
     put_number(&w, viewport->lod ? viewport->isovalue : 0);
+    if (two) {
+        put(&w, ",");
+        put_number(&w, how->second_isovalue);
+    }
+    put_opacities(&w, viewport);
     put(&w, " --method %s --backend cpu --samples 4 --resolution %dx%d",
-        iso_method_name(viewport->mode.method), command->width, command->height);
+        iso_method_name(isosculpt_viewport_method(viewport)), command->width, command->height);
     put_color(&w, "--color", viewport->mode.material.color);
+    if (two) put(&w, ",%02X%02X%02X", second.r, second.g, second.b);
     put_color(&w, "--background", viewport->mode.material.background);
     put_vector(&w, "--camera-position", camera->position);
     put_vector(&w, "--camera-focal-point", camera->focal_point);

@@ -16,22 +16,6 @@ open_display
 cd "$work" || exit 1
 cp "$volumes/stent.nrrd" "$work/stent.nrrd"
 
-# copies X Y: presses the button; whether there is a new command on the clipboard, in $command
-copies() {
-    press "$1" "$2"
-    command=$("$tools/window_clipboard") && [ "${command#isorender }" != "$command" ] && [ "$command" != "$before_command" ]
-}
-copy_command() {
-    before_command=${command:-}
-    until_ "a command on the clipboard" copies "$@"
-}
-# draws NAME N: fails unless the command draws the picture NAME, except for at most N pixels
-draws() {
-    rm -f ./*-view.png
-    (PATH=$bin:$PATH && eval "$command --quiet") || fail "$command"
-    mv ./*-view.png "drawn.png"
-    look same "$work/$1.png" drawn.png "$2" || fail "$1: another picture is drawn by $command"
-}
 box_of() { look box "$work/$1.png"; }
 
 # ---- a volume: the left button orbits until a brush is chosen
@@ -47,7 +31,7 @@ until_ "a drag on a volume orbits" orbits
 journal_is_there && fail "a drag on a volume sculpts it"
 key ctrl+shift+s # refused at once, not after a name was typed
 until_ "a volume cannot be saved" says "Not saved: there is nothing to save"
-copy_command 97 377
+copy_command 97 423
 draws orbit 0
 key M # the same view by the other methods: pixels at edges may differ
 picture pullpush

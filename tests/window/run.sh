@@ -196,7 +196,7 @@ slides() {
 }
 until_ "another isovalue" slides
 is_sculpted() {
-    press 58 239 # "Sculpt this"
+    press 58 285 # "Sculpt this"
     journal_is_there
 }
 until_ "a field" is_sculpted

@@ -134,3 +134,19 @@ with open(name, "w") as file:
         file.write("f %d %d %d\nf %d %d %d\n" % (a, b, c, a, c, d))
 PYTHON
 }
+# copies X Y: presses the button; whether there is a new command on the clipboard, in $command
+copies() {
+    press "$1" "$2"
+    command=$("$tools/window_clipboard") && [ "${command#isorender }" != "$command" ] && [ "$command" != "$before_command" ]
+}
+copy_command() {
+    before_command=${command:-}
+    until_ "a command on the clipboard" copies "$@"
+}
+# draws NAME N: fails unless the command draws the picture NAME, except for at most N pixels
+draws() {
+    rm -f ./*-view.png
+    (PATH=$bin:$PATH && eval "$command --quiet") || fail "$command"
+    mv ./*-view.png "drawn.png"
+    look same "$work/$1.png" drawn.png "$2" || fail "$1: another picture is drawn by $command"
+}

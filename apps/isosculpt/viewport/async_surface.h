@@ -12,12 +12,12 @@ extern "C" {
 /* The part of a surface (points, mesh or cells) that a method draws from. */
 iso_part isosculpt_method_part(iso_method method);
 
-/* Whether a part of a volume is up to date with the viewport's isovalue. Always false for a field, whose
- * parts isosculpt_async_surface_update brings up to date with every edit. */
-bool isosculpt_async_surface_has(const isosculpt_viewport *viewport, iso_part part);
+/* Whether a part (iso_part, or ISOSCULPT_PART_SECOND) of a volume is up to date with its isovalue. Always
+ * false for a field, whose parts isosculpt_async_surface_update brings up to date with every edit. */
+bool isosculpt_async_surface_has(const isosculpt_viewport *viewport, int part);
 
 /* Brings a part up to date now; waits first for the background thread, if it runs. ISO_ERR_NOMEM. */
-iso_status isosculpt_async_surface_update(isosculpt_viewport *viewport, iso_part part, iso_error *error);
+iso_status isosculpt_async_surface_update(isosculpt_viewport *viewport, int part, iso_error *error);
 
 /* Waits until the background thread is done, if it runs, and takes over its results. */
 void isosculpt_async_surface_wait(isosculpt_viewport *viewport);

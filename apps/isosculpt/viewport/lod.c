@@ -21,6 +21,7 @@ struct isosculpt_lod {
     iso_rgrid
         *grid[ISOSCULPT_LOD_LEVELS]; /* [0] is borrowed; NULL: the level before is too small to be halved */
     iso_point_set *points[ISOSCULPT_LOD_LEVELS];
+    iso_point_set *second_points[ISOSCULPT_LOD_LEVELS]; /* NULL until they are needed */
     iso_pool *pool;
     int level; /* current; 0 is the full resolution */
 };
@@ -71,11 +72,16 @@ static bool can_be_halved(const iso_rgrid *grid) {
     return grid->dims[0] >= 4 && grid->dims[1] >= 4 && grid->dims[2] >= 4;
 }
 
-static iso_status create_level(isosculpt_lod *lod, int level, double isovalue, iso_error *error) {
+static iso_status create_points(const isosculpt_lod *lod, int level, double isovalue, iso_point_set **points,
+                                iso_error *error) {
     const iso_grid grid = {.rgrid = lod->grid[level]};
     const iso_points_opts opts = {.isovalue = isovalue, .pool = lod->pool};
+    return iso_point_set_create(&grid, &opts, points, error);
+}
+
+static iso_status create_level(isosculpt_lod *lod, int level, double isovalue, iso_error *error) {
     ISO_TRY(iso_brick_index_of(lod->grid[level], lod->pool, NULL, error));
-    return iso_point_set_create(&grid, &opts, &lod->points[level], error);
+    return create_points(lod, level, isovalue, &lod->points[level], error);
 }
 
 static double voxel_count(const iso_rgrid *grid) {
@@ -110,6 +116,7 @@ void isosculpt_lod_destroy(isosculpt_lod *lod) {
     if (!lod) return;
     for (int level = 0; level < ISOSCULPT_LOD_LEVELS; level++) {
         iso_point_set_destroy(lod->points[level]);
+        iso_point_set_destroy(lod->second_points[level]);
         if (level && lod->grid[level]) iso_rgrid_destroy(lod->grid[level]);
     }
     iso_free(lod);
@@ -124,6 +131,17 @@ iso_status isosculpt_lod_update(isosculpt_lod *lod, double isovalue, iso_error *
 
 iso_point_set *isosculpt_lod_points(const isosculpt_lod *lod) {
     return lod->points[lod->level];
+}
+
+iso_status isosculpt_lod_update_second(isosculpt_lod *lod, double isovalue, iso_error *error) {
+    iso_point_set **points = &lod->second_points[lod->level];
+    if (!*points) ISO_TRY(create_points(lod, lod->level, isovalue, points, error));
+    iso_point_set_isovalue(*points, isovalue);
+    return iso_point_set_update(*points, error);
+}
+
+iso_point_set *isosculpt_lod_second_points(const isosculpt_lod *lod) {
+    return lod->second_points[lod->level];
 }
 
 int isosculpt_lod_level(const isosculpt_lod *lod) {

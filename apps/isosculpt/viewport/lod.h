@@ -26,7 +26,12 @@ void isosculpt_lod_destroy(isosculpt_lod *lod); /* NULL is fine */
  * ISO_ERR_NOMEM. */
 iso_status isosculpt_lod_update(isosculpt_lod *lod, double isovalue, iso_error *error);
 iso_point_set *isosculpt_lod_points(const isosculpt_lod *lod); /* borrowed */
-int isosculpt_lod_level(const isosculpt_lod *lod);             /* 0: full resolution */
+
+/* The same for a second isovalue, on the same level; its points are separate. */
+iso_status isosculpt_lod_update_second(isosculpt_lod *lod, double isovalue, iso_error *error);
+iso_point_set *isosculpt_lod_second_points(const isosculpt_lod *lod); /* borrowed */
+
+int isosculpt_lod_level(const isosculpt_lod *lod); /* 0: full resolution */
 
 /* Reports how many seconds the last step took; chooses the level of the next step. */
 void isosculpt_lod_record_times(isosculpt_lod *lod, double extract, double draw);

@@ -4,43 +4,19 @@
 #include <string.h>
 
 #include "apps/isosculpt/viewport/async_surface.h"
-#include "apps/isosculpt/viewport/viewport.h"
+#include "apps/isosculpt/viewport/room.h"
+#include "apps/isosculpt/viewport/see_through.h"
 #include "base/clock.h"
 
 /* Seconds of a picture while the camera moves: the next one gets fewer samples above the first limit, and
  * more below the second one. */
 static const double TOO_SLOW = 0.020, FAST = 0.006;
+/* Above this, with the fewest samples, translucent surfaces are not drawn with all layers while the camera
+ * moves, until another isovalue is chosen. */
+static const double MUCH_TOO_SLOW = 0.060;
 /* A picture at rest is refined in tiles of so many pixels, so that events are handled between two tiles;
  * samples along a refined pixel. */
 enum { TILE_PIXELS = 1 << 17, TILE_FACTOR = 2 };
-
-/* ---- memory */
-
-static iso_status reserve_samples(iso_gbuffer *gbuffer, int width, int height, iso_error *error) {
-    iso_gbuffer larger;
-    if (gbuffer->samples < (size_t)width * (size_t)height) {
-        ISO_TRY(iso_gbuffer_create(width, height, &larger, error));
-        iso_gbuffer_free(gbuffer);
-        *gbuffer = larger;
-    }
-    gbuffer->width = width;
-    gbuffer->height = height;
-    return ISO_OK;
-}
-
-static iso_status reserve_pixels(iso_image *image, size_t *room, int width, int height, iso_error *error) {
-    iso_image larger;
-    size_t pixels = (size_t)width * (size_t)height;
-    if (*room < pixels) {
-        ISO_TRY(iso_image_create(width, height, &larger, error));
-        iso_image_free(image);
-        *image = larger;
-        *room = pixels;
-    }
-    image->width = width;
-    image->height = height;
-    return ISO_OK;
-}
 
 /* ---- extracting */
 
@@ -51,6 +27,8 @@ static iso_status extract_part(isosculpt_viewport *viewport, iso_part part, bool
         ISO_TRY(isosculpt_lod_update(viewport->lod, viewport->isovalue, error));
     else
         ISO_TRY(isosculpt_async_surface_update(viewport, part, error));
+    if (!quick && isosculpt_viewport_has_second(viewport))
+        ISO_TRY(isosculpt_async_surface_update(viewport, ISOSCULPT_PART_SECOND, error));
     if (iso_change_log_now(iso_grid_log(&viewport->grid)) != viewport->drawn_edit ||
         viewport->isovalue != viewport->drawn_isovalue)
         isosculpt_latency_add(&viewport->extract, iso_clock_seconds() - start);
@@ -116,6 +94,15 @@ static void shade_strip(isosculpt_viewport *viewport, const iso_strip *strip, is
     iso_parallel_for(viewport->pool, (size_t)image->height, darken_masked_row, &m);
 }
 
+/* Draws and shades the surface into the strip's rows of an image; `gbuffer` is the strip's. */
+static iso_status draw_and_shade(isosculpt_viewport *viewport, iso_method method, const iso_strip *strip,
+                                 iso_gbuffer *gbuffer, iso_image *image, iso_error *error) {
+    const iso_target target = {.view = strip->view, .gbuffer = gbuffer, .pool = viewport->pool};
+    ISO_TRY(draw_surface(viewport, method, &target, error));
+    shade_strip(viewport, strip, image);
+    return ISO_OK;
+}
+
 static isosculpt_rectangle whole_image(const isosculpt_viewport *viewport) {
     return (isosculpt_rectangle){0, 0, viewport->image.width, viewport->image.height};
 }
@@ -135,6 +122,20 @@ static void finish_whole(isosculpt_viewport *viewport) {
     viewport->drawn_camera = viewport->camera;
     viewport->drawn_mode = viewport->mode;
     viewport->drawn_isovalue = viewport->isovalue;
+    viewport->drawn_see_through = viewport->see_through;
+    viewport->drawn_opaque = viewport->opaque;
+}
+
+/* Draws the surfaces of a picture of viewport->drawn.view, and shades it. `quick`: from the points of a level
+ * of detail. `picks`: also draws samples to pick from; else there are none. */
+static iso_status draw_see_through(isosculpt_viewport *viewport, bool quick, bool picks, iso_error *error) {
+    isosculpt_layer *drawn = &viewport->drawn;
+    const iso_strip strip = {.view = &drawn->view, .gbuffer = &drawn->gbuffer, .factor = 1};
+    if (quick) return isosculpt_see_through_draw_quick(viewport, error);
+    ISO_TRY(isosculpt_see_through_shade(viewport, &strip, &drawn->gbuffer, &viewport->image, error));
+    if (!picks) iso_gbuffer_clear_bands(&drawn->gbuffer, viewport->pool);
+    if (!picks) return ISO_OK;
+    return isosculpt_see_through_draw_samples(viewport, &drawn->view, &drawn->gbuffer, error);
 }
 
 /* Draws the whole picture by the cpu engine, one sample for factor x factor pixels. */
@@ -142,12 +143,13 @@ static iso_status draw_whole(isosculpt_viewport *viewport, iso_method method, in
     isosculpt_layer *drawn = &viewport->drawn;
     begin_whole(viewport, factor);
     const int width = drawn->view.width, height = drawn->view.height;
-    ISO_TRY(reserve_samples(&drawn->gbuffer, width, height, error));
-    ISO_TRY(reserve_pixels(&viewport->image, &viewport->image_room, width, height, error));
-    iso_target target = {.view = &drawn->view, .gbuffer = &drawn->gbuffer, .pool = viewport->pool};
-    ISO_TRY(draw_surface(viewport, method, &target, error));
+    ISO_TRY(isosculpt_reserve_samples(&drawn->gbuffer, width, height, error));
+    ISO_TRY(isosculpt_reserve_pixels(&viewport->image, &viewport->image_room, width, height, error));
     iso_strip strip = {.view = &drawn->view, .gbuffer = &drawn->gbuffer, .factor = 1};
-    shade_strip(viewport, &strip, &viewport->image);
+    if (isosculpt_viewport_is_see_through(viewport))
+        ISO_TRY(draw_see_through(viewport, method != ISO_METHOD_EXACT, factor == 1, error));
+    else
+        ISO_TRY(draw_and_shade(viewport, method, &strip, &drawn->gbuffer, &viewport->image, error));
     finish_whole(viewport);
     viewport->drawn_exactly = method == ISO_METHOD_EXACT && factor == 1;
     viewport->redrawn = viewport->unrefined =
@@ -160,7 +162,7 @@ static iso_status draw_whole(isosculpt_viewport *viewport, iso_method method, in
 static bool is_by_gl(const isosculpt_viewport *viewport, bool moving) {
     const isosculpt_display_mode *mode = &viewport->mode;
     return viewport->gl && mode->engine == ISOSCULPT_ENGINE_GL && !viewport->mask.at &&
-           (mode->method != ISO_METHOD_EXACT || moving);
+           !isosculpt_viewport_is_see_through(viewport) && (mode->method != ISO_METHOD_EXACT || moving);
 }
 
 /* Draws the picture of drawn.view with factor x factor samples a pixel. */
@@ -211,7 +213,7 @@ static bool draw_whole_by_gl(isosculpt_viewport *viewport, iso_method method, in
 iso_status isosculpt_viewport_read_back(isosculpt_viewport *viewport, iso_error *error) {
     const iso_view *v = &viewport->drawn.view;
     if (!viewport->drawn.canvas) return ISO_OK;
-    ISO_TRY(reserve_pixels(&viewport->image, &viewport->image_room, v->width, v->height, error));
+    ISO_TRY(isosculpt_reserve_pixels(&viewport->image, &viewport->image_room, v->width, v->height, error));
     return iso_gl_canvas_read(viewport->drawn.canvas, &viewport->image, error);
 }
 
@@ -251,12 +253,14 @@ static void copy_tile_samples(isosculpt_viewport *viewport, isosculpt_rectangle 
 static iso_status draw_tile(isosculpt_viewport *viewport, iso_method method, isosculpt_rectangle r,
                             int factor, iso_error *error) {
     iso_view pixels = tile_view(&viewport->drawn.view, r), samples = iso_view_scaled(&pixels, factor);
-    ISO_TRY(reserve_samples(&viewport->tile, samples.width, samples.height, error));
-    ISO_TRY(reserve_pixels(&viewport->tile_image, &viewport->tile_room, pixels.width, pixels.height, error));
-    iso_target target = {.view = &samples, .gbuffer = &viewport->tile, .pool = viewport->pool};
-    ISO_TRY(draw_surface(viewport, method, &target, error));
+    ISO_TRY(isosculpt_reserve_samples(&viewport->tile, samples.width, samples.height, error));
+    ISO_TRY(isosculpt_reserve_pixels(&viewport->tile_image, &viewport->tile_room, pixels.width, pixels.height,
+                                     error));
     iso_strip strip = {.view = &samples, .gbuffer = &viewport->tile, .factor = factor};
-    shade_strip(viewport, &strip, &viewport->tile_image);
+    if (isosculpt_viewport_is_see_through(viewport))
+        ISO_TRY(isosculpt_see_through_shade(viewport, &strip, &viewport->tile, &viewport->tile_image, error));
+    else
+        ISO_TRY(draw_and_shade(viewport, method, &strip, &viewport->tile, &viewport->tile_image, error));
     copy_tile_pixels(viewport, r);
     if (factor == 1) copy_tile_samples(viewport, r);
     return ISO_OK;
@@ -280,17 +284,28 @@ static bool same_mode(const isosculpt_display_mode *a, const isosculpt_display_m
            iso_rgb_equal(a->material.background, b->material.background);
 }
 
+static bool same_see_through(const isosculpt_see_through *a, const isosculpt_see_through *b) {
+    if (a->opacity != b->opacity || a->has_second != b->has_second) return false;
+    return !a->has_second ||
+           (a->second_isovalue == b->second_isovalue && a->second_opacity == b->second_opacity &&
+            iso_rgb_equal(a->second_color, b->second_color));
+}
+
 /* Whether nothing but edits has changed since the last picture. */
 static bool is_still(const isosculpt_viewport *viewport, int width, int height) {
     return viewport->drawn.samples > 0 && viewport->width == width && viewport->height == height &&
            same_camera(&viewport->camera, &viewport->drawn_camera) &&
            same_mode(&viewport->mode, &viewport->drawn_mode) &&
-           viewport->isovalue == viewport->drawn_isovalue;
+           viewport->isovalue == viewport->drawn_isovalue &&
+           same_see_through(&viewport->see_through, &viewport->drawn_see_through) &&
+           viewport->opaque == viewport->drawn_opaque;
 }
 
-static void adapt_moving_factor(isosculpt_viewport *viewport, double seconds) {
-    if (seconds > TOO_SLOW && viewport->moving_factor < ISOSCULPT_MOVING_FACTOR_MAX)
-        viewport->moving_factor++;
+static void adapt_moving_factor(isosculpt_viewport *viewport, bool layers, double seconds) {
+    const int most = layers ? ISOSCULPT_LAYERS_FACTOR_MAX : ISOSCULPT_MOVING_FACTOR_MAX;
+    if (layers && viewport->moving_factor == most && seconds > MUCH_TOO_SLOW) viewport->slow_layers = true;
+    if (seconds > TOO_SLOW && viewport->moving_factor < most) viewport->moving_factor++;
+    if (viewport->moving_factor > most) viewport->moving_factor = most;
     if (seconds < FAST && viewport->moving_factor > 1) viewport->moving_factor--;
 }
 
@@ -301,13 +316,21 @@ static void choose_points(isosculpt_viewport *viewport, bool quick) {
     viewport->drawn_points = points;
 }
 
+/* Whether the surfaces of a volume's picture need not be extracted first. */
+static bool is_ready(const isosculpt_viewport *viewport, iso_method method) {
+    return isosculpt_async_surface_has(viewport, isosculpt_method_part(method)) &&
+           (!isosculpt_viewport_has_second(viewport) ||
+            isosculpt_async_surface_has(viewport, ISOSCULPT_PART_SECOND));
+}
+
 static iso_status draw_again(isosculpt_viewport *viewport, bool moving, iso_error *error) {
     const bool gl = is_by_gl(viewport, moving);
-    const iso_method chosen = viewport->mode.method, stand_in = gl ? ISO_METHOD_MESH : ISO_METHOD_EXACT,
+    const iso_method chosen = isosculpt_viewport_method(viewport),
+                     stand_in = gl ? ISO_METHOD_MESH : ISO_METHOD_EXACT,
                      best = chosen == ISO_METHOD_EXACT ? stand_in : chosen;
-    const bool quick =
-        moving && viewport->lod &&
-        (viewport->sliding || !isosculpt_async_surface_has(viewport, isosculpt_method_part(best)));
+    const bool layers = isosculpt_viewport_is_see_through(viewport),
+               quick = moving && viewport->lod &&
+                       (viewport->sliding || (layers && viewport->slow_layers) || !is_ready(viewport, best));
     const iso_method method = quick ? ISO_METHOD_PULLPUSH : best;
     const double extract_start = iso_clock_seconds();
     ISO_TRY(extract_part(viewport, isosculpt_method_part(method), quick, error));
@@ -320,7 +343,7 @@ static iso_status draw_again(isosculpt_viewport *viewport, bool moving, iso_erro
         return draw_again(viewport, moving, error);
     viewport->quality =
         factor > 1 || quick || method != chosen ? ISOSCULPT_QUALITY_MOVING : ISOSCULPT_QUALITY_REST;
-    if (moving) adapt_moving_factor(viewport, iso_clock_seconds() - start);
+    if (moving) adapt_moving_factor(viewport, layers && !quick, iso_clock_seconds() - start);
     if (moving) isosculpt_latency_add(&viewport->draw, iso_clock_seconds() - start);
     if (quick) isosculpt_lod_record_times(viewport->lod, start - extract_start, iso_clock_seconds() - start);
     return ISO_OK;
@@ -352,8 +375,11 @@ iso_status isosculpt_viewport_draw(isosculpt_viewport *viewport, int width, int 
                                    iso_error *error) {
     const uint64_t now = iso_change_log_now(iso_grid_log(&viewport->grid));
     const bool still = is_still(viewport, width, height);
-    const bool exact = viewport->mode.method == ISO_METHOD_EXACT,
-               at_once = !viewport->lod || isosculpt_async_surface_has(viewport, ISO_PART_CELLS);
+    const bool exact = isosculpt_viewport_method(viewport) == ISO_METHOD_EXACT,
+               at_once = !viewport->lod || is_ready(viewport, ISO_METHOD_EXACT);
+    if (viewport->isovalue != viewport->drawn_isovalue ||
+        viewport->see_through.second_isovalue != viewport->drawn_see_through.second_isovalue)
+        viewport->slow_layers = false;
     viewport->width = width;
     viewport->height = height;
     if (still && exact && viewport->drawn_exactly)
@@ -380,7 +406,7 @@ static isosculpt_rectangle take_tile(isosculpt_damage *unrefined, bool all) {
 }
 
 iso_status isosculpt_viewport_refine(isosculpt_viewport *viewport, iso_error *error) {
-    const iso_method method = viewport->mode.method;
+    const iso_method method = isosculpt_viewport_method(viewport);
     iso_error reason = {ISO_OK, ""};
     if (viewport->quality != ISOSCULPT_QUALITY_REST) return ISO_OK;
     viewport->redrawn = (isosculpt_damage){.count = 0};

@@ -39,8 +39,8 @@ iso_status isosculpt_viewport_init(isosculpt_viewport *viewport, iso_hgrid *grid
 }
 
 static iso_status create_lod(isosculpt_viewport *viewport, iso_error *error) {
-    for (int part = 0; part < ISO_PART_COUNT; part++) viewport->surface_isovalues[part] = NAN;
-    viewport->failed_isovalue = NAN;
+    for (int part = 0; part < ISOSCULPT_PARTS; part++) viewport->surface_isovalues[part] = NAN;
+    viewport->failed_isovalues[0] = viewport->failed_isovalues[1] = NAN;
     ISO_TRY(iso_pool_create(iso_pool_threads(viewport->pool), &viewport->async_surface_pool, error));
     return isosculpt_lod_create(viewport->grid.rgrid, viewport->isovalue, viewport->pool, &viewport->lod,
                                 error);
@@ -48,9 +48,11 @@ static iso_status create_lod(isosculpt_viewport *viewport, iso_error *error) {
 
 iso_status isosculpt_viewport_init_grid(isosculpt_viewport *viewport, const iso_grid *grid, double isovalue,
                                         iso_pool *pool, iso_error *error) {
-    const iso_rgb clay = {206, 142, 112}, dusk = {46, 50, 56};
-    *viewport = (isosculpt_viewport){
-        .mode = {.material = {.color = clay, .background = dusk}}, .moving_factor = 1, .pool = pool};
+    const iso_rgb clay = {206, 142, 112}, bone = {238, 230, 208}, dusk = {46, 50, 56};
+    *viewport = (isosculpt_viewport){.mode = {.material = {.color = clay, .background = dusk}},
+                                     .see_through = {.opacity = 1, .second_opacity = 1, .second_color = bone},
+                                     .moving_factor = 1,
+                                     .pool = pool};
     viewport->grid = *grid;
     viewport->isovalue = viewport->drawn_isovalue = isovalue;
     viewport->camera.view_angle = 30;
@@ -71,6 +73,7 @@ void isosculpt_viewport_free(isosculpt_viewport *viewport) {
     iso_point_set_destroy(viewport->points);
     iso_mesh_set_destroy(viewport->mesh);
     iso_exact_destroy(viewport->exact);
+    iso_exact_destroy(viewport->second);
     iso_pullpush_destroy(viewport->workspace);
     iso_gbuffer_free(&viewport->drawn.gbuffer);
     iso_gbuffer_free(&viewport->pick_layer.gbuffer);

@@ -65,6 +65,18 @@ typedef struct isosculpt_mask {
     const void *context; /* borrowed */
 } isosculpt_mask;
 
+/* How much of the surfaces of a viewed volume is seen through, and a second isosurface in the same picture.
+ */
+typedef struct isosculpt_see_through {
+    double opacity; /* of the surface, 0 .. 1 */
+    bool has_second;
+    double second_isovalue, second_opacity; /* physical; 0 .. 1 */
+    iso_rgb second_color;
+} isosculpt_see_through;
+
+/* Parts of the surface, and beside them the cells of the second isosurface. */
+enum { ISOSCULPT_PART_SECOND = ISO_PART_COUNT, ISOSCULPT_PARTS };
+
 typedef struct isosculpt_async_surface isosculpt_async_surface;
 
 /* The samples of a picture, for picking. */
@@ -76,13 +88,16 @@ typedef struct isosculpt_layer {
     double samples; /* along a pixel of the full picture; 0: nothing was drawn yet */
 } isosculpt_layer;
 
-/* Zero-initialise. camera, mode, mask, sliding and gl may be changed between calls; the rest is read only. */
+/* Zero-initialise. camera, mode, mask, see_through, opaque, sliding and gl may be changed between calls; the
+ * rest is read only. */
 typedef struct isosculpt_viewport {
     iso_camera camera;
     isosculpt_display_mode mode;
     isosculpt_mask mask;
-    double isovalue;   /* physical; of volumes: isosculpt_viewport_set_isovalue */
-    bool sliding;      /* the user is dragging the isovalue */
+    double isovalue;                   /* physical; of volumes: isosculpt_viewport_set_isovalue */
+    isosculpt_see_through see_through; /* of volumes; does not count for fields */
+    bool opaque;       /* only the first surface is drawn, and opaque: it is becoming a field */
+    bool sliding;      /* the user is dragging an isovalue */
     int moving_factor; /* pixels to a sample and axis while the camera moves, 1 ..
                           ISOSCULPT_MOVING_FACTOR_MAX; adapted to how long pictures take */
 
@@ -93,18 +108,19 @@ typedef struct isosculpt_viewport {
     iso_point_set *points;
     iso_mesh_set *mesh;
     iso_exact *exact;
+    iso_exact *second; /* of the second isosurface; NULL: not needed yet */
     iso_pullpush *workspace;
     isosculpt_matcap matcap;
 
     /* Volumes only. While the surface of the current isovalue is not there, the points of `lod` are drawn; a
      * background thread may be making the surface. */
-    isosculpt_lod *lod;                       /* NULL: the grid is a field */
-    isosculpt_async_surface *async_surface;   /* being made; NULL: none */
-    iso_pool *async_surface_pool;             /* the background thread's, owned */
-    double surface_isovalues[ISO_PART_COUNT]; /* of each part as last extracted; NAN: none */
-    double failed_isovalue; /* at which the background thread failed: drawing tries again and
-                               returns the error; NAN: none */
-    size_t point_count;     /* of the points as last extracted */
+    isosculpt_lod *lod;                        /* NULL: the grid is a field */
+    isosculpt_async_surface *async_surface;    /* being made; NULL: none */
+    iso_pool *async_surface_pool;              /* the background thread's, owned */
+    double surface_isovalues[ISOSCULPT_PARTS]; /* of each part as last extracted; NAN: none */
+    double failed_isovalues[2]; /* at which the background thread failed, the first and the second surface's:
+                                   drawing tries again and returns the error; NAN: none */
+    size_t point_count;         /* of the points as last extracted */
 
     const iso_point_set
         *drawn_points; /* borrowed: `points`, or those of `lod`; the only set in OpenGL's buffers */
@@ -122,6 +138,9 @@ typedef struct isosculpt_viewport {
     iso_camera drawn_camera;
     isosculpt_display_mode drawn_mode;
     double drawn_isovalue;
+    isosculpt_see_through drawn_see_through;
+    bool drawn_opaque;
+    bool slow_layers; /* translucent surfaces of these isovalues take too long while the camera moves */
     isosculpt_quality quality;
     bool drawn_exactly;         /* the exact surface, with one sample a pixel or more */
     uint64_t drawn_edit;        /* number of the last edit that the picture shows */
@@ -132,7 +151,8 @@ typedef struct isosculpt_viewport {
     isosculpt_latency extract, draw; /* draw: while the camera moves, and of strokes */
 } isosculpt_viewport;
 
-enum { ISOSCULPT_MOVING_FACTOR_MAX = 3 };
+/* The second limit is of pictures with translucent surfaces. */
+enum { ISOSCULPT_MOVING_FACTOR_MAX = 3, ISOSCULPT_LAYERS_FACTOR_MAX = 4 };
 
 /* A viewport of a field, with the camera in front of the whole surface. `grid` and `pool` are borrowed until
  * free. ISO_ERR_NOMEM. */
@@ -144,6 +164,13 @@ iso_status isosculpt_viewport_init_grid(isosculpt_viewport *viewport, const iso_
 /* Chooses another isovalue; the next drawing shows it. */
 void isosculpt_viewport_set_isovalue(isosculpt_viewport *viewport, double isovalue);
 void isosculpt_viewport_free(isosculpt_viewport *viewport);
+
+/* Whether a second isosurface is in the picture; whether the picture has one, or a translucent surface. Such
+ * pictures are drawn by the cpu engine with the method exact, and lit by lamps. */
+bool isosculpt_viewport_has_second(const isosculpt_viewport *viewport);
+bool isosculpt_viewport_is_see_through(const isosculpt_viewport *viewport);
+/* The method of the picture at rest: the chosen one, or exact. */
+iso_method isosculpt_viewport_method(const isosculpt_viewport *viewport);
 
 /* Draws the picture, as far as it has changed: into viewport->image, which may be a factor smaller than width
  * x height while the camera moves, or into viewport->drawn.canvas. `moving`: speed matters more than quality.

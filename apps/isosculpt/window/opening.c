@@ -188,7 +188,8 @@ static bool must_ask_again(const window *w) {
 
 /* Ends the conversion of a volume into a field, whether it succeeded or not. */
 static void end_sculpting(window *w) {
-    w->sculpting = w->screen.sculpting = w->controller.field_pending = false;
+    if (w->viewport.opaque) w->controller.commands |= ISOSCULPT_COMMAND_REDRAW;
+    w->sculpting = w->screen.sculpting = w->controller.field_pending = w->viewport.opaque = false;
     isosculpt_strokes_free(&w->controller.queued_strokes);
 }
 
@@ -284,7 +285,8 @@ void isosculpt_window_start_sculpting(window *w) {
     iso_error reason = {0};
     if (!w->volume || w->sculpting || isosculpt_window_is_opening(w)) return;
     w->sculpting = start_converting(w, &reason) == ISO_OK;
-    w->screen.sculpting = w->controller.field_pending = w->sculpting;
+    w->screen.sculpting = w->controller.field_pending = w->viewport.opaque = w->sculpting;
+    w->controller.commands |= ISOSCULPT_COMMAND_REDRAW;
     if (!w->sculpting)
         isosculpt_window_set_status(w, true, reason.text);
     else

@@ -123,7 +123,7 @@ static void draw_brush_section(const isosculpt_screen *screen) {
     ImGui::Checkbox("strength##pen", &controller->brush.pressure_strength);
 }
 
-static bool edit_color(const char *label, iso_rgb *color) {
+bool panel_edit_color(const char *label, iso_rgb *color) {
     float rgb[3] = {(float)color->r / 255, (float)color->g / 255, (float)color->b / 255};
     if (!ImGui::ColorEdit3(label, rgb, ImGuiColorEditFlags_NoInputs)) return false;
     *color = iso_rgb{(uint8_t)std::lround(255 * rgb[0]), (uint8_t)std::lround(255 * rgb[1]),
@@ -202,9 +202,9 @@ static void draw_picture_section(isosculpt_screen *screen) {
             }
         ImGui::EndCombo();
     }
-    changed |= edit_color("surface", &mode->material.color);
+    changed |= panel_edit_color("surface", &mode->material.color);
     ImGui::SameLine();
-    changed |= edit_color("background", &mode->material.background);
+    changed |= panel_edit_color("background", &mode->material.background);
     ImGui::SameLine();
     changed |= choose_engine(controller->viewport);
     if (changed) controller->commands |= ISOSCULPT_COMMAND_REDRAW;

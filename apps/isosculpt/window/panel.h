@@ -64,7 +64,8 @@ typedef struct isosculpt_screen {
     const isosculpt_volume *volume; /* the viewed volume; NULL: there is a field */
     bool sculpting;                 /* the volume is being converted into a field */
     double isovalue;                /* of the volume, physical, as chosen in the panel */
-    bool isovalue_dragged;          /* in this frame */
+    bool isovalue_dragged;          /* in this frame, or the second isovalue */
+    bool second_line_dragged;       /* of the histogram, the last time that one of its lines was dragged */
     char message[600];              /* the status message; "": none */
     double message_seconds;         /* iso_clock_seconds when it was set */
     bool message_is_error;          /* it stays until the user dismisses it; others vanish after a while */

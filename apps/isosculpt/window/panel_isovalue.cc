@@ -1,9 +1,20 @@
-/* The panel's section of a viewed volume: its histogram and the isovalue. */
+/* The panel's section of a viewed volume: its histogram, one or two isovalues, and how opaque their surfaces
+ * are. */
 #include <cmath>
 #include <cstdio>
 
 #include "apps/isosculpt/window/axis.h"
 #include "apps/isosculpt/window/panel_parts.hpp"
+
+/* Of the lines at the isovalues, and of the words beside their sliders. */
+static const ImVec4 FIRST{1.0f, 0.745f, 0.353f, 1.0f}, SECOND{0.94f, 0.56f, 0.86f, 1.0f};
+/* Of a surface that becomes translucent because another one is to be seen in it; the least that a slider
+ * gives. */
+static const double SKIN_OPACITY = 0.35, LEAST_OPACITY = 0.05;
+
+static isosculpt_see_through *see_through_of(const isosculpt_screen *screen) {
+    return &screen->controller->viewport->see_through;
+}
 
 /* The columns of the histogram, as high as the logarithms of the counts. When less than half of the bins are
  * used, a column is widened to the next used bin. */
@@ -80,7 +91,24 @@ static void draw_marks(const plot &p, const isosculpt_volume *volume, ImDrawList
     }
 }
 
-/* The histogram, with the isovalue as a line that can be dragged. */
+static void draw_line(const plot &p, ImDrawList *list, double value, const ImVec4 &color, float scale) {
+    const float x = p.x(value);
+    list->AddLine(ImVec2(x, p.at.y), ImVec2(x, p.at.y + p.size.y), ImGui::GetColorU32(color), 2 * scale);
+}
+
+/* Moves the line that the mouse drags: the one that was nearer when the button was pressed. */
+static void drag_line(isosculpt_screen *screen, const plot &p) {
+    isosculpt_see_through *how = see_through_of(screen);
+    const float x = ImGui::GetIO().MousePos.x;
+    if (ImGui::IsItemActivated())
+        screen->second_line_dragged = how->has_second && std::fabs(x - p.x(how->second_isovalue)) <
+                                                             std::fabs(x - p.x(screen->isovalue));
+    screen->isovalue_dragged = ImGui::IsItemActive();
+    if (screen->isovalue_dragged && p.range > 0)
+        (screen->second_line_dragged ? how->second_isovalue : screen->isovalue) = p.value(x);
+}
+
+/* The histogram, with the isovalues as lines that can be dragged. */
 static void draw_histogram(isosculpt_screen *screen, float scale) {
     const isosculpt_volume *volume = screen->volume;
     const iso_histogram *histogram = &volume->histogram;
@@ -88,16 +116,16 @@ static void draw_histogram(isosculpt_screen *screen, float scale) {
                     histogram->low, histogram->high - histogram->low};
     ImDrawList *list = ImGui::GetWindowDrawList();
     ImGui::InvisibleButton("histogram", p.size);
-    screen->isovalue_dragged = ImGui::IsItemActive();
-    if (screen->isovalue_dragged && p.range > 0) screen->isovalue = p.value(ImGui::GetIO().MousePos.x);
+    drag_line(screen, p);
     if (ImGui::IsItemHovered() && !screen->isovalue_dragged)
         ImGui::SetTooltip("isovalue %.6g; marked: Otsu's threshold and those of three classes",
                           p.value(ImGui::GetIO().MousePos.x));
     list->AddRectFilled(p.at, ImVec2(p.at.x + p.size.x, p.at.y + p.size.y), IM_COL32(20, 24, 30, 255));
     draw_columns(*histogram, list, p.at, p.size);
     draw_marks(p, volume, list, scale);
-    const float x = p.x(screen->isovalue);
-    list->AddLine(ImVec2(x, p.at.y), ImVec2(x, p.at.y + p.size.y), IM_COL32(255, 190, 90, 255), 2 * scale);
+    if (see_through_of(screen)->has_second)
+        draw_line(p, list, see_through_of(screen)->second_isovalue, SECOND, scale);
+    draw_line(p, list, screen->isovalue, FIRST, scale);
     draw_axis(p, list, scale);
     ImGui::Dummy(ImVec2(0, ImGui::GetTextLineHeight()));
 }
@@ -114,13 +142,80 @@ static void draw_suggestions(isosculpt_screen *screen) {
     }
 }
 
+/* ---- a second isovalue, and opacities */
+
+/* The highest suggested isovalue, if it is above the first one: what lies deepest inside. Else a value
+ * between the first one and the highest. */
+static double suggest_second(const isosculpt_screen *screen) {
+    const isosculpt_volume *volume = screen->volume;
+    double most = screen->isovalue;
+    for (size_t i = 0; i < volume->candidate_count; i++) most = std::fmax(most, volume->candidates[i]);
+    return most > screen->isovalue ? most : most + (volume->histogram.high - most) / 3;
+}
+
+/* The first surface becomes translucent, since the second one lies inside it. */
+static void add_second(isosculpt_screen *screen) {
+    isosculpt_see_through *how = see_through_of(screen);
+    how->second_isovalue = suggest_second(screen);
+    if (how->opacity >= 1) how->opacity = SKIN_OPACITY;
+}
+
+static bool slide(const char *label, double *value, double low, double high, const char *format) {
+    return ImGui::SliderScalar(label, ImGuiDataType_Double, value, &low, &high, format,
+                               ImGuiSliderFlags_AlwaysClamp);
+}
+
+/* A slider whose label has the colour of a line in the histogram; returns whether it is being dragged. */
+static bool slide_in_color(const char *label, const ImVec4 &color, double *value, double low, double high,
+                           const char *format) {
+    char name[40];
+    snprintf(name, sizeof name, "##%s", label);
+    slide(name, value, low, high, format);
+    const bool active = ImGui::IsItemActive();
+    ImGui::SameLine(0, ImGui::GetStyle().ItemInnerSpacing.x);
+    ImGui::TextColored(color, "%s", label);
+    return active;
+}
+
+/* Returns whether something has changed. */
+static bool choose_second(isosculpt_screen *screen) {
+    isosculpt_see_through *how = see_through_of(screen);
+    const iso_histogram *histogram = &screen->volume->histogram;
+    bool changed = ImGui::Checkbox("second isovalue", &how->has_second);
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("another surface in the same picture: bone in the skin");
+    if (changed && how->has_second) add_second(screen);
+    if (!how->has_second) return changed;
+    ImGui::SameLine();
+    changed |= panel_edit_color("colour", &how->second_color);
+    screen->isovalue_dragged |=
+        slide_in_color("second", SECOND, &how->second_isovalue, histogram->low, histogram->high, "%.6g");
+    changed |= slide("opacity##second", &how->second_opacity, LEAST_OPACITY, 1, "%.2f");
+    return changed;
+}
+
+/* What is chosen elsewhere in the panel and does not count for this picture. */
+static void draw_note(const isosculpt_viewport *viewport) {
+    const isosculpt_display_mode *mode = &viewport->mode;
+    const bool lamps = mode->material.shading == ISOSCULPT_SHADING_LAMPS,
+               exact = mode->method == ISO_METHOD_EXACT,
+               cpu = mode->engine == ISOSCULPT_ENGINE_CPU || !viewport->gl;
+    if (isosculpt_viewport_is_see_through(viewport) && !(lamps && exact && cpu))
+        ImGui::TextColored(GREY, "drawn by exact on the cpu, with lamps");
+}
+
 void panel_draw_isovalue(isosculpt_screen *screen, float scale) {
     const iso_histogram *histogram = &screen->volume->histogram;
+    isosculpt_see_through *how = see_through_of(screen);
+    const double second = how->second_isovalue;
     draw_histogram(screen, scale);
-    ImGui::SliderScalar("isovalue", ImGuiDataType_Double, &screen->isovalue, &histogram->low,
-                        &histogram->high, "%.6g", ImGuiSliderFlags_AlwaysClamp);
-    screen->isovalue_dragged |= ImGui::IsItemActive();
+    screen->isovalue_dragged |=
+        slide_in_color("isovalue", how->has_second ? FIRST : ImGui::GetStyleColorVec4(ImGuiCol_Text),
+                       &screen->isovalue, histogram->low, histogram->high, "%.6g");
     draw_suggestions(screen);
+    bool changed = slide("opacity", &how->opacity, LEAST_OPACITY, 1, "%.2f");
+    changed |= choose_second(screen);
+    if (changed || how->second_isovalue != second) screen->controller->commands |= ISOSCULPT_COMMAND_REDRAW;
+    draw_note(screen->controller->viewport);
     if (ImGui::Button("Sculpt this")) screen->controller->commands |= ISOSCULPT_COMMAND_SCULPT;
     ImGui::SameLine();
     ImGui::TextColored(GREY, "or pick a brush: 1 .. 9");

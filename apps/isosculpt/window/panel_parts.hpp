@@ -15,6 +15,9 @@ static const ImVec4 RED{1.0f, 0.42f, 0.36f, 1.0f}, GREY{0.72f, 0.74f, 0.77f, 1.0
 void panel_draw_isovalue(isosculpt_screen *screen, float scale);
 void panel_draw_files(isosculpt_screen *screen);
 
+/* A field that shows a colour and changes it; returns whether it was changed. */
+bool panel_edit_color(const char *label, iso_rgb *color);
+
 /* Behind the panel (panel_overlay.cc): the picture with the mirror planes and the queued strokes; the brush's
  * ring. */
 void panel_draw_picture(const isosculpt_screen *screen, float scale);

@@ -1,0 +1,199 @@
+/* Pictures with translucent surfaces or two isovalues: exact with all layers, or quickly with the front ones.
+ *
+ * The quick picture blends the front layer of each surface over what is behind it, with the opacity by angle
+ * of Kay and Greenberg 1979, as the layers of the exact picture do. */
+#include "apps/isosculpt/viewport/see_through.h"
+
+#include <math.h>
+
+#include "apps/isosculpt/viewport/room.h"
+#include "base/exponential.h"
+#include "methods/layers.h"
+
+enum { SURFACES = 2 };
+
+bool isosculpt_viewport_has_second(const isosculpt_viewport *viewport) {
+    const isosculpt_see_through *s = &viewport->see_through;
+    return viewport->lod && !viewport->opaque && s->has_second && s->second_isovalue != viewport->isovalue;
+}
+
+bool isosculpt_viewport_is_see_through(const isosculpt_viewport *viewport) {
+    return isosculpt_viewport_has_second(viewport) ||
+           (viewport->lod && !viewport->opaque && viewport->see_through.opacity < 1);
+}
+
+iso_method isosculpt_viewport_method(const isosculpt_viewport *viewport) {
+    return isosculpt_viewport_is_see_through(viewport) ? ISO_METHOD_EXACT : viewport->mode.method;
+}
+
+/* ---- with all layers */
+
+/* The surfaces of a picture, in the form that methods/layers.h takes. */
+typedef struct surfaces {
+    iso_subject subjects[SURFACES];
+    iso_layered_surface layered[SURFACES];
+    iso_rgb colors[SURFACES];
+    iso_shading shading;
+    iso_layered_picture picture;
+} surfaces;
+
+static void list_surfaces(const isosculpt_viewport *viewport, surfaces *s) {
+    const isosculpt_see_through *how = &viewport->see_through;
+    const int count = isosculpt_viewport_has_second(viewport) ? SURFACES : 1;
+    *s = (surfaces){.subjects = {{.exact = viewport->exact}, {.exact = viewport->second}},
+                    .layered = {{.translucency = {.opacity = (float)how->opacity}},
+                                {.translucency = {.opacity = (float)how->second_opacity}}},
+                    .colors = {viewport->mode.material.color, how->second_color}};
+    for (int i = 0; i < count; i++) s->layered[i].subject = &s->subjects[i];
+    s->shading = (iso_shading){
+        .colors = s->colors, .color_count = count, .background = viewport->mode.material.background};
+    s->picture = (iso_layered_picture){.method = ISO_METHOD_EXACT,
+                                       .surfaces = s->layered,
+                                       .count = count,
+                                       .shading = &s->shading,
+                                       .pool = viewport->pool};
+}
+
+static bool is_translucent(const surfaces *s) {
+    for (int i = 0; i < s->picture.count; i++)
+        if (s->layered[i].translucency.opacity < 1) return true;
+    return false;
+}
+
+/* Draws the opaque surfaces into a cleared gbuffer, if there are any; *some: whether there are. */
+static iso_status draw_opaque(surfaces *s, const iso_view *view, iso_gbuffer *gbuffer,
+                              iso_picture_layers *callbacks, bool *some, iso_error *error) {
+    ISO_TRY(iso_layered_picture_callbacks(&s->picture, callbacks, error));
+    *some = callbacks->draw_opaque;
+    if (!*some) return ISO_OK;
+    iso_gbuffer_clear_bands(gbuffer, s->picture.pool);
+    return callbacks->draw_opaque(callbacks->context, view, gbuffer, error);
+}
+
+iso_status isosculpt_see_through_shade(const isosculpt_viewport *viewport, const iso_strip *strip,
+                                       iso_gbuffer *gbuffer, iso_image *image, iso_error *error) {
+    const iso_gbuffer size = {.width = strip->view->width, .height = strip->view->height};
+    surfaces s;
+    iso_picture_layers callbacks;
+    bool some;
+    size_t covered;
+    list_surfaces(viewport, &s);
+    ISO_TRY(draw_opaque(&s, strip->view, gbuffer, &callbacks, &some, error));
+    iso_strip behind = *strip;
+    behind.gbuffer = some ? gbuffer : &size;
+    if (is_translucent(&s)) return callbacks.shade(callbacks.context, &behind, image, NULL, &covered, error);
+    iso_shade(&s.shading, &behind, image, viewport->pool);
+    return ISO_OK;
+}
+
+iso_status isosculpt_see_through_draw_samples(const isosculpt_viewport *viewport, const iso_view *view,
+                                              iso_gbuffer *gbuffer, iso_error *error) {
+    surfaces s;
+    iso_picture_layers callbacks;
+    bool some;
+    list_surfaces(viewport, &s);
+    for (int i = 0; i < s.picture.count; i++) s.layered[i].translucency.opacity = 1;
+    return draw_opaque(&s, view, gbuffer, &callbacks, &some, error);
+}
+
+/* ---- with the front layers */
+
+/* The front layer of a surface. */
+typedef struct front_layer {
+    const iso_gbuffer *gbuffer;
+    const iso_image *image; /* the surface as if it were opaque */
+    float opacity, log_through;
+} front_layer;
+
+/* What the threads that blend rows read and write. */
+typedef struct blending {
+    const iso_view *view;
+    front_layer layers[SURFACES];
+    int count;
+    iso_rgb background;
+    iso_image *image; /* may be that of a layer */
+} blending;
+
+static float opacity_at(const front_layer *layer, size_t at, float u, float v) {
+    const iso_gbuffer *g = layer->gbuffer;
+    if (layer->opacity >= 1) return 1;
+    const float length = sqrtf(u * u + v * v + 1),
+                cosine = fabsf(g->normal[0][at] * u + g->normal[1][at] * v + g->normal[2][at]) / length;
+    return 1 - iso_exp2(layer->log_through / fmaxf(cosine, 1e-6f));
+}
+
+/* Blends the layer of a sample over the colour behind it. */
+static void blend(const front_layer *layer, size_t at, float u, float v, float rgb[3]) {
+    if (layer->gbuffer->surface[at] == ISO_SURFACE_NONE) return;
+    const float opacity = opacity_at(layer, at, u, v);
+    const uint8_t *front = layer->image->rgba + 4 * at;
+    for (int k = 0; k < 3; k++) rgb[k] += opacity * ((float)front[k] - rgb[k]);
+}
+
+static void blend_row(void *context, size_t row, int worker) {
+    (void)worker;
+    const blending *b = context;
+    const iso_view *view = b->view;
+    const iso_rgb empty = b->background;
+    const size_t width = (size_t)view->width;
+    const float v = view->orthographic ? 0 : (float)(((double)row + 0.5 - view->cy) / view->focal);
+    for (size_t x = 0; x < width; x++) {
+        const size_t at = row * width + x;
+        const float u = view->orthographic ? 0 : (float)(((double)x + 0.5 - view->cx) / view->focal);
+        const bool second_behind =
+            b->count > 1 && b->layers[1].gbuffer->depth[at] > b->layers[0].gbuffer->depth[at];
+        float rgb[3] = {empty.r, empty.g, empty.b};
+        for (int i = 0; i < b->count; i++) blend(&b->layers[second_behind ? 1 - i : i], at, u, v, rgb);
+        for (int k = 0; k < 3; k++) b->image->rgba[4 * at + (size_t)k] = (uint8_t)(rgb[k] + 0.5f);
+    }
+}
+
+/* Draws points as if they were opaque, into a gbuffer and an image of the picture's size. */
+static iso_status draw_points(isosculpt_viewport *viewport, iso_point_set *set, iso_rgb color,
+                              iso_gbuffer *gbuffer, iso_image *image, iso_error *error) {
+    const iso_view *view = &viewport->drawn.view;
+    const iso_point_view points = iso_point_set_view(set);
+    const iso_target target = {.view = view, .gbuffer = gbuffer, .pool = viewport->pool};
+    const iso_pullpush_opts opts = {.workspace = viewport->workspace};
+    const iso_strip strip = {.view = view, .gbuffer = gbuffer, .factor = 1};
+    const iso_shading shading = {
+        .colors = &color, .color_count = 1, .background = viewport->mode.material.background};
+    iso_gbuffer_clear_bands(gbuffer, viewport->pool);
+    ISO_TRY(iso_draw_pullpush(&target, &points, &opts, error));
+    iso_shade(&shading, &strip, image, viewport->pool);
+    return ISO_OK;
+}
+
+static front_layer make_layer(const iso_gbuffer *gbuffer, const iso_image *image, double opacity) {
+    const float log_through = opacity < 1 ? (float)iso_log2(1 - opacity) : 0;
+    return (front_layer){gbuffer, image, (float)opacity, log_through};
+}
+
+static iso_status draw_second(isosculpt_viewport *viewport, iso_error *error) {
+    const iso_view *view = &viewport->drawn.view;
+    const isosculpt_see_through *how = &viewport->see_through;
+    ISO_TRY(isosculpt_reserve_samples(&viewport->tile, view->width, view->height, error));
+    ISO_TRY(isosculpt_reserve_pixels(&viewport->tile_image, &viewport->tile_room, view->width, view->height,
+                                     error));
+    ISO_TRY(isosculpt_lod_update_second(viewport->lod, how->second_isovalue, error));
+    return draw_points(viewport, isosculpt_lod_second_points(viewport->lod), how->second_color,
+                       &viewport->tile, &viewport->tile_image, error);
+}
+
+iso_status isosculpt_see_through_draw_quick(isosculpt_viewport *viewport, iso_error *error) {
+    const isosculpt_see_through *how = &viewport->see_through;
+    const isosculpt_material *material = &viewport->mode.material;
+    const bool two = isosculpt_viewport_has_second(viewport);
+    iso_gbuffer *gbuffer = &viewport->drawn.gbuffer;
+    if (two) ISO_TRY(draw_second(viewport, error));
+    ISO_TRY(draw_points(viewport, isosculpt_lod_points(viewport->lod), material->color, gbuffer,
+                        &viewport->image, error));
+    blending b = {.view = &viewport->drawn.view,
+                  .layers = {make_layer(gbuffer, &viewport->image, how->opacity),
+                             make_layer(&viewport->tile, &viewport->tile_image, how->second_opacity)},
+                  .count = two ? 2 : 1,
+                  .background = material->background,
+                  .image = &viewport->image};
+    iso_parallel_for(viewport->pool, (size_t)viewport->drawn.view.height, blend_row, &b);
+    return ISO_OK;
+}

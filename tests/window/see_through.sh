@@ -1,0 +1,91 @@
+#!/bin/bash
+# See-through pictures in a real window under Xvfb: the opacity of a volume's surface and a second isovalue in its histogram.
+# see_through.sh BIN TOOLS: the folders of the programs and of the tests' own programs. Exit status 77: skipped, as something
+# needed is missing.
+set -u
+bin=$(cd "$1" && pwd)
+tools=$(realpath -m "$2")
+volumes=$(cd "$(dirname "$0")/../../volumes" && pwd)
+. "$(dirname "$0")/support.sh"
+[ -x "$tools/window_clipboard" ] || { echo "skipped: built without X11"; exit 77; }
+require_window
+open_display
+cd "$work" || exit 1
+cp "$volumes/stent.nrrd" "$work/stent.nrrd"
+
+# slide X Y DX: drags in the panel, slowly enough that its frames see it
+slide() {
+    xdotool mousemove "$1" "$2" sleep 0.2 mousedown 1 sleep 0.2 mousemove $(($1 + $3 / 2)) "$2" sleep 0.2 \
+        mousemove $(($1 + $3)) "$2" sleep 0.2 mouseup 1 sleep 0.2
+}
+# the values in the command that draws the picture; the button is lower when there is a second isovalue
+command_of() {
+    before_command=
+    command=
+    until_ "a command on the clipboard" copies 97 "$1"
+}
+isovalues() { grep -o -- '--isovalue=[^ ]*' <<<"$command" | cut -d= -f2; }
+opacities() { grep -o -- '--opacity=[^ ]*' <<<"$command" | cut -d= -f2; }
+
+# ---- opacity: what is drawn by the command is what the window shows, at rest
+window_program stent.nrrd --isovalue 600
+until_ "the volume" title_is 'stent.nrrd'
+picture opaque
+translucent() {
+    slide 213 239 -120
+    picture translucent
+    differ opaque translucent
+}
+until_ "a translucent surface" translucent
+command_of 423
+awk -v a="$(opacities)" 'BEGIN { exit !(a > 0.2 && a < 0.6) }' || fail "the opacity is $(opacities)"
+draws translucent 0
+
+# ---- a second isovalue
+two() {
+    press 25 262
+    whole_window two
+    look color two.png 240 143 219 16,56,296,170 60
+}
+until_ "a second line in the histogram" two
+command_of 469
+second=$(isovalues | cut -d, -f2)
+awk -v a="$second" 'BEGIN { exit !(a > 600) }' || fail "isovalues $(isovalues)"
+picture second
+draws second 0
+differ second translucent || fail "a second isovalue is not to be seen"
+
+# ---- its line is dragged, and the first one stays; then the first one, and the second one stays
+line=$(awk -v v="$second" 'BEGIN { printf "%d", 16 + 280 * v / 2000 }')
+second_moves() {
+    slide "$line" 130 20
+    command_of 469
+    [ "$(isovalues | cut -d, -f1)" = 600 ] && [ "$(isovalues | cut -d, -f2)" != "$second" ]
+}
+until_ "the second isovalue dragged" second_moves
+second=$(isovalues | cut -d, -f2)
+first_moves() {
+    slide 100 130 -20
+    command_of 469
+    [ "$(isovalues | cut -d, -f2)" = "$second" ] && [ "$(isovalues | cut -d, -f1)" != 600 ]
+}
+until_ "the first isovalue dragged" first_moves
+picture dragged
+draws dragged 0
+
+# ---- both are opaque
+both() {
+    slide 120 239 100
+    command_of 469
+    [ -z "$(opacities)" ]
+}
+until_ "two opaque surfaces" both
+picture both
+draws both 0
+
+# ---- a brush is chosen: the first surface becomes a field, and is opaque
+key 2
+until_ "a field" journal_is_there
+picture field
+stop
+echo "passed"
