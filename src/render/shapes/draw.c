@@ -1,0 +1,90 @@
+/* draw: deals the bins of a picture to threads. */
+#include <math.h>
+#include <string.h>
+
+#include "base/memory.h"
+#include "render/shapes/kernel.h"
+
+typedef struct shapes_draw {
+    iso_shapes_frame frame;
+    const iso_shapes_kernel *kernel;
+    iso_shapes_bin *bins; /* by worker */
+} shapes_draw;
+
+/* Depths of the target, so that what is hidden there costs nothing; none of the shapes. */
+static void open_bin(iso_shapes_bin *bin) {
+    const iso_gbuffer *g = bin->frame->target->gbuffer;
+    const iso_shapes_rect *r = &bin->rect;
+    for (int i = 0; i < ISO_SHAPES_PIXELS; i++) bin->depth[i] = -INFINITY;
+    for (int i = 0; i < ISO_SHAPES_PIXELS; i++) bin->record[i] = ISO_SHAPES_NONE;
+    for (int y = r->y0; y <= r->y1; y++) {
+        const float *from = g->depth + (size_t)(y - bin->frame->top) * (size_t)g->width + r->x0;
+        memcpy(bin->depth + iso_shapes_pixel(bin, r->x0, y), from,
+               (size_t)(r->x1 - r->x0 + 1) * sizeof *from);
+    }
+    bin->record_count = bin->near_count = 0;
+}
+
+/* Makes room for all shapes of a block. */
+static iso_status reserve(iso_shapes_bin *bin, uint32_t shapes) {
+    const size_t record = iso_shapes_record_floats(bin->frame->shapes) * sizeof(float),
+                 kept = bin->record_count * record, near = bin->near_count * sizeof(iso_near_shape);
+    ISO_TRY(iso_buffer_reserve(&bin->records, kept + shapes * record, kept, NULL));
+    return iso_buffer_reserve(&bin->near, near + shapes * sizeof(iso_near_shape), near, NULL);
+}
+
+static iso_shapes_rect meet(const iso_shapes_rect *a, const iso_shapes_rect *b) {
+    return (iso_shapes_rect){a->x0 > b->x0 ? a->x0 : b->x0, a->y0 > b->y0 ? a->y0 : b->y0,
+                             a->x1 < b->x1 ? a->x1 : b->x1, a->y1 < b->y1 ? a->y1 : b->y1};
+}
+
+static void draw_bin(void *context, size_t index, int worker) {
+    const shapes_draw *draw = context;
+    const iso_shapes_frame *frame = &draw->frame;
+    iso_shapes_bin *bin = &draw->bins[worker];
+    const size_t begin = index ? frame->bin_end[index - 1] : 0, end = frame->bin_end[index];
+    if (begin == end || bin->status != ISO_OK) return;
+    bin->rect = iso_shapes_bin_rect(frame, index);
+    open_bin(bin);
+    draw->kernel->measure(bin);
+    for (size_t i = begin; i < end && bin->status == ISO_OK; i++) {
+        const iso_shapes_seen *seen = &frame->seen[frame->bin_blocks[i]];
+        const iso_shapes_rect rect = meet(&seen->rect, &bin->rect);
+        if (draw->kernel->hidden(bin, &rect, seen->nearest)) continue;
+        bin->status = reserve(bin, frame->shapes->blocks[seen->block].count);
+        if (bin->status == ISO_OK) draw->kernel->draw(bin, seen);
+    }
+    draw->kernel->resolve(bin);
+    iso_near_resolve(bin);
+}
+
+static iso_status draw_bins(shapes_draw *draw, iso_error *error) {
+    const iso_shapes_frame *frame = &draw->frame;
+    const int workers = iso_pool_threads(frame->target->pool);
+    draw->bins = iso_alloc((size_t)workers * sizeof *draw->bins);
+    if (!draw->bins) return iso_fail_memory(error, "shapes");
+    for (int i = 0; i < workers; i++) {
+        iso_shapes_bin *bin = &draw->bins[i];
+        bin->frame = frame;
+        bin->records = bin->near = (iso_buffer){0};
+        bin->status = ISO_OK;
+    }
+    iso_parallel_for(frame->target->pool, (size_t)frame->columns * (size_t)frame->rows, draw_bin, draw);
+    iso_status status = ISO_OK;
+    for (int i = 0; i < workers; i++) {
+        if (draw->bins[i].status != ISO_OK) status = draw->bins[i].status;
+        iso_buffer_free(&draw->bins[i].records);
+        iso_buffer_free(&draw->bins[i].near);
+    }
+    iso_free(draw->bins);
+    return status == ISO_OK ? ISO_OK : iso_fail_memory(error, "shapes");
+}
+
+iso_status iso_draw_shapes(const iso_target *target, const iso_shapes *shapes, iso_error *error) {
+    if (shapes->colors) ISO_TRY(iso_gbuffer_add_color(target->gbuffer, error));
+    shapes_draw draw = {.kernel = iso_shapes_kernel_get(iso_cpu_best())};
+    iso_status status = iso_shapes_frame_make(target, shapes, &draw.frame, error);
+    if (status == ISO_OK) status = draw_bins(&draw, error);
+    iso_shapes_frame_free(&draw.frame);
+    return status;
+}

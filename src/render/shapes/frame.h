@@ -1,0 +1,62 @@
+/* frame: what is prepared once per picture: the view in the numbers that kernels use, and the blocks in
+ * sight, front to back, dealt to rectangles of the picture (bins). Internal to shapes.
+ *
+ * Rows are counted from the top of the whole picture, of which the target may be a strip: so that no number
+ * depends on how the picture is cut. */
+#ifndef ISO_RENDER_SHAPES_FRAME_H
+#define ISO_RENDER_SHAPES_FRAME_H
+
+#include "render/shapes/set.h"
+
+enum { ISO_SHAPES_BIN = 256 }; /* pixels on a bin's side */
+
+/* A rectangle of pixels, all inclusive. */
+typedef struct iso_shapes_rect {
+    int x0, y0, x1, y1;
+} iso_shapes_rect;
+
+/* A block in sight. */
+typedef struct iso_shapes_seen {
+    double centre[3]; /* the block's origin in view space */
+    float nearest;    /* no sample of the block is nearer */
+    uint32_t block;
+    iso_shapes_rect rect; /* that its shapes can cover, within the picture */
+    /* Its shapes are placed one by one in double precision: the block crosses the near plane or is so large
+     * in the picture that floats relative to its origin are too coarse. */
+    bool apart;
+} iso_shapes_seen;
+
+typedef struct iso_shapes_frame {
+    const iso_shapes *shapes;
+    const iso_target *target;
+    iso_vec3 eye;
+    double rotation[9], focal, cx, cy, near;
+    bool parallel;
+    /* The same for kernels. The pixel at (dx, dy) from the projection of a point at depth z has the ray
+     * (k dx, k dy, z) + s (u, v, 1) with k = z * slope + fixed, u = slope * (pixel - cx), v alike. */
+    float turn[9], length, slope, fixed, center_x, center_y; /* length: focal length */
+    int top;                                                 /* the target's first row in the picture */
+    int columns, rows;                                       /* numbers of bins */
+    iso_shapes_seen *seen;
+    size_t seen_count;
+    size_t *bin_end;      /* by bin: where its list in bin_blocks ends, and the next bin's begins */
+    uint32_t *bin_blocks; /* indices into `seen`, front to back */
+} iso_shapes_frame;
+
+/* ISO_ERR_NOMEM. The caller frees the frame, also after errors. */
+iso_status iso_shapes_frame_make(const iso_target *target, const iso_shapes *shapes, iso_shapes_frame *frame,
+                                 iso_error *error);
+void iso_shapes_frame_free(iso_shapes_frame *frame);
+
+/* The pixels of a bin. */
+iso_shapes_rect iso_shapes_bin_rect(const iso_shapes_frame *frame, size_t bin);
+
+/* The view position of a point that is given relative to a block's origin. */
+static inline void iso_shapes_to_view(const iso_shapes_frame *frame, const double origin[3],
+                                      const double offset[3], double view[3]) {
+    const double *m = frame->rotation, x = origin[0] - frame->eye.x + offset[0],
+                 y = origin[1] - frame->eye.y + offset[1], z = origin[2] - frame->eye.z + offset[2];
+    for (int a = 0; a < 3; a++) view[a] = m[3 * a] * x + m[3 * a + 1] * y + m[3 * a + 2] * z;
+}
+
+#endif

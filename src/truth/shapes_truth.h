@@ -1,0 +1,39 @@
+/* shapes_truth: one ray through all shapes of a set, in extended precision: what render/shapes is judged by.
+ *
+ * Simple rather than fast: every shape is intersected with every ray that meets its bounding sphere. It
+ * shares no code with render/shapes but the options. */
+#ifndef ISO_TRUTH_SHAPES_TRUTH_H
+#define ISO_TRUTH_SHAPES_TRUTH_H
+
+#include "image/camera.h"
+#include "render/shapes/shapes.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* The shapes of a set as one view sees them. */
+typedef struct iso_shapes_truth iso_shapes_truth;
+
+/* The view is borrowed until iso_shapes_truth_destroy. ISO_ERR_NOMEM. */
+iso_status iso_shapes_truth_create(const iso_glyphs *glyphs, const iso_shapes_opts *opts,
+                                   const iso_view *view, iso_shapes_truth **truth, iso_error *error);
+void iso_shapes_truth_destroy(iso_shapes_truth *truth);
+
+/* Where a ray first meets the surface of a shape at or behind the view's near plane. A shape that the near
+ * plane cuts is seen from inside. */
+typedef struct iso_shapes_hit {
+    bool hit;
+    double depth;     /* view z */
+    double normal[3]; /* unit, view space, out of the shape */
+    double size;      /* the shape's smallest radius, mm: what errors are compared with */
+    size_t shape;     /* number of the glyph */
+} iso_shapes_hit;
+
+/* The hit of the ray through the position (px, py) of the picture, in pixels. */
+iso_shapes_hit iso_shapes_truth_ray(const iso_shapes_truth *truth, double px, double py);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
