@@ -92,6 +92,9 @@ size_t iso_scalar_size(iso_scalar scalar);
 const char *iso_scalar_name(iso_scalar scalar);
 iso_type iso_scalar_stored_type(iso_scalar scalar); /* int8 -> int16, 32/64-bit and double -> float32 */
 
+/* The type that legacy VTK files call `word`, in any case; false: they have no such type of number. */
+bool iso_scalar_of_vtk(const char *word, iso_scalar *scalar);
+
 /* Whether the stored type is the type in the file. */
 bool iso_scalar_is_stored(iso_scalar scalar);
 

@@ -90,7 +90,7 @@ static iso_status read_doubles(vtk_file *f, double numbers[3]) {
     return ISO_OK;
 }
 
-static bool scalar_of(const char *word, iso_scalar *scalar) {
+bool iso_scalar_of_vtk(const char *word, iso_scalar *scalar) {
     static const struct {
         const char *name;
         iso_scalar scalar;
@@ -121,7 +121,7 @@ static bool scalar_of(const char *word, iso_scalar *scalar) {
 static iso_status read_type(vtk_file *f, iso_scalar *scalar) {
     char word[MAX_NAME], text[128];
     if (!next_word(f->stream, word)) return ends(f, "its header");
-    if (scalar_of(word, scalar)) return ISO_OK;
+    if (iso_scalar_of_vtk(word, scalar)) return ISO_OK;
     snprintf(text, sizeof text, "values of type %.80s", word);
     return bad(f, text);
 }

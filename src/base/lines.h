@@ -28,7 +28,7 @@ typedef struct iso_lines {
     size_t *starts;       /* line_count + 1: line i has the vertices starts[i] .. starts[i + 1] - 1 */
     size_t vertex_count, line_count;
     float *radii;         /* one per vertex, mm, not negative; NULL: the file has none */
-    float (*normals)[3];  /* one per vertex, unit, across a ribbon's face; NULL: the file has none */
+    float (*normals)[3];  /* one per vertex, across a ribbon's face, unit or (no direction) 0; NULL: none */
     uint8_t (*colors)[3]; /* one per vertex, red green blue, display values; NULL: the file has none */
     iso_attribute *attributes;
     int attribute_count;

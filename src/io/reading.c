@@ -1,11 +1,15 @@
 /* reading: memory, notes and attributes of a set that is being read. */
+#define _POSIX_C_SOURCE 200809L
 #include "io/reading.h"
 
+#include <errno.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
+#include <strings.h>
 
+#include "base/file.h"
 #include "base/text.h"
 #include "grids/volume/format.h"
 
@@ -43,6 +47,21 @@ iso_status iso_reading_reserve(iso_reading *reading, iso_buffer *buffer, size_t 
 void iso_reading_free(iso_reading *reading, iso_buffer *buffer) {
     reading->used -= buffer->bytes;
     iso_buffer_free(buffer);
+}
+
+iso_status iso_reading_load(iso_reading *reading, iso_buffer *text, size_t *bytes, iso_error *error) {
+    FILE *file;
+    uint64_t size;
+    ISO_TRY(iso_file_open(reading->path, &file, &size, error));
+    iso_status status = iso_reading_reserve(reading, text, (size_t)size + 1, 1, 0, error);
+    if (status == ISO_OK && fread(text->data, 1, (size_t)size, file) != size)
+        status = iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", reading->path,
+                          ferror(file) ? strerror(errno) : "changed while it was read");
+    fclose(file);
+    ISO_TRY(status);
+    ((char *)text->data)[size] = 0;
+    *bytes = (size_t)size;
+    return ISO_OK;
 }
 
 /* ---- the report */
@@ -114,4 +133,91 @@ iso_status iso_columns_take(iso_column *columns, int count, iso_attribute **attr
     *attributes = made;
     *attribute_count = used;
     return ISO_OK;
+}
+
+/* ---- roles */
+
+static bool is_called(const iso_column *column, const char *name) {
+    return strcasecmp(column->name, name) == 0;
+}
+
+void iso_column_set_role(iso_column *column) {
+    if (column->role != ISO_ROLE_NONE) return;
+    /* the second name is the Vascular Modeling Toolkit's */
+    if (column->components == 1 &&
+        (is_called(column, "radius") || is_called(column, "MaximumInscribedSphereRadius")))
+        column->role = ISO_ROLE_RADIUS;
+    if (column->components == 9) column->role = ISO_ROLE_TENSOR;
+}
+
+iso_column *iso_column_find(iso_column *columns, int count, iso_role role) {
+    for (int i = 0; i < count; i++)
+        if (columns[i].role == role && !columns[i].per_line && columns[i].values.data) return &columns[i];
+    return NULL;
+}
+
+/* Turning by 180 degrees about z negates x and y: of a tensor the entries in which one of them meets z. */
+void iso_column_turn(iso_column *column, size_t items) {
+    static const int vector[] = {0, 1}, tensor[] = {2, 5, 6, 7};
+    const bool is_tensor = column->role == ISO_ROLE_TENSOR;
+    if (!is_tensor && column->role != ISO_ROLE_VECTOR && column->role != ISO_ROLE_NORMAL) return;
+    const int *turned = is_tensor ? tensor : vector, count = is_tensor ? 4 : 2;
+    float *values = column->values.data;
+    for (size_t i = 0; i < items && values; i++)
+        for (int k = 0; k < count; k++) {
+            float *value = &values[i * (size_t)column->components + (size_t)turned[k]];
+            *value = -*value;
+        }
+}
+
+/* Moves the values out of a column. */
+static float *take_values(iso_column *column) {
+    float *values = column->values.data;
+    column->values = (iso_buffer){0};
+    return values;
+}
+
+float *iso_column_take_radii(iso_reading *reading, iso_column *column, size_t items) {
+    float *radii = take_values(column);
+    for (size_t i = 0; i < items; i++) {
+        if (radii[i] >= 0 && (double)radii[i] <= ISO_FARTHEST) continue;
+        radii[i] = 0;
+        reading->report->mended_radii++;
+    }
+    return radii;
+}
+
+iso_status iso_column_take_colors(iso_reading *reading, iso_column *column, size_t items,
+                                  uint8_t (**colors)[3], iso_error *error) {
+    iso_buffer bytes = {0};
+    ISO_TRY(iso_reading_reserve(reading, &bytes, items, 3, 0, error));
+    const float *values = column->values.data;
+    uint8_t(*to)[3] = bytes.data;
+    for (size_t i = 0; i < items; i++, values += column->components)
+        for (int k = 0; k < 3; k++)
+            to[i][k] = (uint8_t)(values[k] > 0 ? values[k] < 255 ? values[k] + 0.5f : 255 : 0);
+    iso_reading_free(reading, &column->values);
+    *colors = to;
+    return ISO_OK;
+}
+
+/* Normalises a vector, scaled first: the squares of tiny components would underflow. */
+static void make_unit(float v[3]) {
+    const double x = (double)v[0], y = (double)v[1], z = (double)v[2],
+                 largest = fmax(fabs(x), fmax(fabs(y), fabs(z)));
+    if (!(largest > 0)) return;
+    const iso_vec3 unit = iso_vec3_unit(iso_vec3_make(x / largest, y / largest, z / largest));
+    v[0] = (float)unit.x;
+    v[1] = (float)unit.y;
+    v[2] = (float)unit.z;
+}
+
+float (*iso_column_take_vectors(iso_column *column, size_t items, bool unit))[3] {
+    float(*vectors)[3] = (float(*)[3])(void *)take_values(column);
+    for (size_t i = 0; i < items; i++) {
+        float *v = vectors[i];
+        if (!isfinite(v[0]) || !isfinite(v[1]) || !isfinite(v[2])) v[0] = v[1] = v[2] = 0;
+        if (unit) make_unit(v);
+    }
+    return vectors;
 }

@@ -30,6 +30,10 @@ iso_status iso_reading_reserve(iso_reading *reading, iso_buffer *buffer, size_t 
 /* Frees a buffer that iso_reading_reserve has filled. */
 void iso_reading_free(iso_reading *reading, iso_buffer *buffer);
 
+/* Reads the whole file into `text`, followed by a zero that *bytes does not count. ISO_ERR_IO, ISO_ERR_LIMIT,
+ * ISO_ERR_NOMEM. */
+iso_status iso_reading_load(iso_reading *reading, iso_buffer *text, size_t *bytes, iso_error *error);
+
 /* Adds a line to the report's notes, or drops it when there are too many. Arguments may contain any bytes. */
 #if defined(__GNUC__)
 __attribute__((format(printf, 2, 3)))
@@ -53,13 +57,45 @@ iso_vec3 iso_origin_for(const double first[3]);
 
 enum { ISO_COLUMN_NAME = 64 };
 
+/* What the numbers of a column are. The first column of a role that a set has an array for fills that array;
+ * every other column becomes an attribute. */
+typedef enum iso_role {
+    ISO_ROLE_NONE,
+    ISO_ROLE_RADIUS, /* mm */
+    ISO_ROLE_NORMAL, /* three components */
+    ISO_ROLE_VECTOR, /* three components */
+    ISO_ROLE_TENSOR, /* nine components, row by row */
+    ISO_ROLE_COLOR   /* red, green and blue, 0 .. 255; further components are ignored */
+} iso_role;
+
 /* A column of a file that becomes an attribute: `components` floats an item, one item after the other. */
 typedef struct iso_column {
     char name[ISO_COLUMN_NAME];
     int components;
     bool per_line;
+    iso_role role;
     iso_buffer values;
 } iso_column;
+
+/* Sets the role of a column by its name ("radius", "nx", ..) and number of components, if it has none. */
+void iso_column_set_role(iso_column *column);
+
+/* The first column with this role, not per line, that has values; NULL if there is none. */
+iso_column *iso_column_find(iso_column *columns, int count, iso_role role);
+
+/* Turns vectors and tensors from RAS to LPS. `items`: vertices, glyphs or lines. */
+void iso_column_turn(iso_column *column, size_t items);
+
+/* Moves the radii out of a column; those that are negative or not finite become 0, and are counted. */
+float *iso_column_take_radii(iso_reading *reading, iso_column *column, size_t items);
+
+/* Converts colours to bytes and frees the column's values. ISO_ERR_NOMEM. */
+iso_status iso_column_take_colors(iso_reading *reading, iso_column *column, size_t items,
+                                  uint8_t (**colors)[3], iso_error *error);
+
+/* Moves the vectors out of a column. Those that are not finite become 0; `unit`: the others are normalised.
+ */
+float (*iso_column_take_vectors(iso_column *column, size_t items, bool unit))[3];
 
 /* Makes attributes of the columns that have values: those move out of the buffers. Names are made printable
  * and unique. ISO_ERR_NOMEM: nothing has moved. */

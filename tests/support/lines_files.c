@@ -7,6 +7,7 @@
 
 #include "base/memory.h"
 #include "check_support.h"
+#include "file_support.h"
 
 iso_lines random_lines(int count, uint32_t seed) {
     iso_lines lines = {.line_count = (size_t)count};
@@ -180,4 +181,141 @@ void write_trk(const char *path, const iso_lines *lines, const trk_layout *layou
         for (int p = 0; p < layout->properties; p++) put_float(file, (double)trk_property(p, i), layout->big);
     }
     assert_int_equal(fclose(file), 0);
+}
+
+/* ---- .vtk */
+
+typedef struct vtk_writer {
+    FILE *file;
+    const iso_lines *lines;
+    const vtk_layout *layout;
+} vtk_writer;
+
+/* A number as text or as `size` big-endian bytes of it. */
+static void put_whole(const vtk_writer *w, int64_t value, int size) {
+    if (w->layout->binary)
+        put_number(w->file, &value, size, true);
+    else
+        fprintf(w->file, "%lld ", (long long)value);
+}
+
+static void put_real(const vtk_writer *w, double value, bool is_double) {
+    if (!w->layout->binary)
+        fprintf(w->file, "%.17g\n", value);
+    else if (is_double)
+        put_number(w->file, &value, 8, true);
+    else
+        put_float(w->file, value, true);
+}
+
+static void put_cells(const vtk_writer *w, const char *name, size_t count, const size_t *starts,
+                      size_t last) {
+    const bool split = w->layout->version >= 5;
+    const size_t size = starts[count];
+    fprintf(w->file, "%s %zu %zu\n", name, split ? count + 1 : count, split ? size : size + count);
+    if (split) {
+        fprintf(w->file, "OFFSETS vtktypeint64\n");
+        for (size_t i = 0; i <= count; i++) put_whole(w, (int64_t)starts[i], 8);
+        fprintf(w->file, "\nCONNECTIVITY vtktypeint64\n");
+    }
+    for (size_t i = 0; i < count; i++) {
+        if (!split) put_whole(w, (int64_t)(starts[i + 1] - starts[i]), 4);
+        for (size_t k = starts[i]; k < starts[i + 1]; k++) put_whole(w, (int64_t)(last - k), split ? 8 : 4);
+    }
+    fputc('\n', w->file);
+}
+
+static void put_points(const vtk_writer *w) {
+    const size_t count = w->lines->vertex_count;
+    fprintf(w->file, "POINTS %zu %s\n", count, w->layout->doubles ? "double" : "float");
+    for (size_t i = count; i-- > 0;)
+        for (int axis = 0; axis < 3; axis++)
+            put_real(w, (double)w->lines->vertices[i][axis], w->layout->doubles);
+    fputc('\n', w->file);
+}
+
+/* Three numbers of each point. */
+static void put_triples(const vtk_writer *w, bool color) {
+    for (size_t i = w->lines->vertex_count; i-- > 0;)
+        for (int s = 0; s < 3; s++) {
+            const int level = s == 0 ? (int)trk_scalar(0, i) % 256 : s == 1 ? 7 : 255;
+            if (!color)
+                put_real(w, (double)trk_scalar(s, i), false);
+            else if (w->layout->binary)
+                fputc(level, w->file);
+            else
+                fprintf(w->file, "%.9g ", level / 255.0);
+        }
+    fputc('\n', w->file);
+}
+
+static void put_arrays(const vtk_writer *w) {
+    const size_t points = w->lines->vertex_count, lines = w->lines->line_count;
+    fprintf(w->file, "CELL_DATA %zu\nFIELD FieldData 1\np0 1 %zu float\n", lines + 2, lines + 2);
+    put_real(w, -1, false);
+    for (size_t i = 0; i < lines; i++) put_real(w, (double)trk_property(0, i), false);
+    put_real(w, -1, false);
+    fprintf(w->file, "\nPOINT_DATA %zu\nSCALARS s0 short\nLOOKUP_TABLE default\n", points);
+    for (size_t i = points; i-- > 0;) put_whole(w, (int64_t)trk_scalar(0, i), 2);
+    fprintf(w->file, "\nFIELD FieldData 2\ns%%31 1 %zu double\n", points);
+    for (size_t i = points; i-- > 0;) put_real(w, (double)trk_scalar(1, i), true);
+    fprintf(w->file, "\nMETADATA\nINFORMATION 0\n\nradius 1 %zu float\n", points);
+    for (size_t i = points; i-- > 0;) put_real(w, (double)trk_scalar(0, i), false);
+    fprintf(w->file, "\nVECTORS v float\n");
+    put_triples(w, false);
+    fprintf(w->file, "COLOR_SCALARS c 3\n");
+    put_triples(w, true);
+}
+
+void write_vtk(const char *path, const iso_lines *lines, const vtk_layout *layout) {
+    static const size_t vertex[] = {0, 1}, triangle[] = {0, 3};
+    const vtk_writer w = {fopen(path, "wb"), lines, layout};
+    const size_t last = lines->vertex_count - 1;
+    assert_non_null(w.file);
+    fprintf(w.file, "# vtk DataFile Version %d.0\nlines\n%s\nDATASET POLYDATA\n", layout->version,
+            layout->binary ? "BINARY" : "ASCII");
+    put_points(&w);
+    if (layout->arrays) put_cells(&w, "VERTICES", 1, vertex, last);
+    put_cells(&w, "LINES", lines->line_count, lines->starts, last);
+    if (layout->arrays) put_cells(&w, "POLYGONS", 1, triangle, last);
+    if (layout->arrays) put_arrays(&w);
+    assert_int_equal(fclose(w.file), 0);
+}
+
+/* ---- reading */
+
+iso_lines read_lines(const char *path, const iso_read_opts *opts) {
+    iso_lines lines;
+    iso_error error = {0};
+    test_ok(iso_lines_read(path, opts, &lines, &error), &error);
+    return lines;
+}
+
+void refuse_lines(const char *path, const iso_read_opts *opts, iso_status wanted, const char *reason) {
+    iso_lines lines;
+    iso_error error = {0};
+    const iso_status status = iso_lines_read(path, opts, &lines, &error);
+    if (status != wanted || !strstr(error.text, path) || !strstr(error.text, reason))
+        fail_msg("%s: status %d, wanted %d with \"%s\": %s", path, status, wanted, reason, error.text);
+}
+
+void check_every_cut(const char *path, const char *cut, size_t tail) {
+    size_t size;
+    char *bytes = slurp(path, &size);
+    for (size_t length = 0; length + tail < size; length++) {
+        spill(cut, bytes, length);
+        iso_lines lines;
+        iso_error error = {0};
+        const iso_status status = iso_lines_read(cut, NULL, &lines, &error);
+        if (status != ISO_ERR_IO && status != ISO_ERR_FORMAT)
+            fail_msg("%s: %zu of %zu bytes: status %d", path, length, size, status);
+        assert_non_null(strstr(error.text, cut));
+    }
+    free(bytes);
+}
+
+iso_box own_box(const iso_lines *lines, iso_space space) {
+    const iso_box box = iso_lines_bounds(lines);
+    if (space != ISO_SPACE_RAS) return box;
+    return (iso_box){{-box.hi.x, -box.hi.y, box.lo.z}, {-box.lo.x, -box.lo.y, box.hi.z}};
 }

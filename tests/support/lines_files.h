@@ -1,11 +1,11 @@
-/* lines_files: writes lines as .tck and .trk files, for tests of their readers. The writers share nothing
- * with the readers. Lines are in LPS, as in memory. */
+/* lines_files: writes lines as .tck, .trk and legacy .vtk files, for tests of their readers. The writers
+ * share nothing with the readers. Lines are in LPS, as in memory. */
 #ifndef ISO_TESTS_LINES_FILES_H
 #define ISO_TESTS_LINES_FILES_H
 
 #include <stdbool.h>
 
-#include "base/lines.h"
+#include "io/lines/lines_read.h"
 
 /* Lines of 1 to 9 random vertices in [-100, 100) mm, rounded to 1/1024 mm. iso_lines_free. */
 iso_lines random_lines(int count, uint32_t seed);
@@ -28,8 +28,33 @@ typedef struct trk_layout {
 
 void write_trk(const char *path, const iso_lines *lines, const trk_layout *layout);
 
+typedef struct vtk_layout {
+    int version; /* 1 to 5; 5 has offsets of 64 bits */
+    bool binary, doubles;
+    bool arrays; /* see write_vtk */
+} vtk_layout;
+
+/* Points are in reverse order, and lines name them. With arrays: points have SCALARS s0 (short), FIELD arrays
+ * s1 (double) and "radius" (float, equal to s0), VECTORS "v" (float: s0, s1, s2) and COLOR_SCALARS "c" (s0
+ * modulo 256, 7, 255), and lines the FIELD array p0. A vertex cell and a polygon come before and after the
+ * lines, and have numbers in p0 too. */
+void write_vtk(const char *path, const iso_lines *lines, const vtk_layout *layout);
+
 /* Scalar s of vertex i, and property p of line i. */
 float trk_scalar(int s, size_t i);
 float trk_property(int p, size_t i);
+
+/* Reads lines; fails the test on errors. */
+iso_lines read_lines(const char *path, const iso_read_opts *opts);
+
+/* Expects an error whose text names the file and contains `reason`. */
+void refuse_lines(const char *path, const iso_read_opts *opts, iso_status wanted, const char *reason);
+
+/* Cuts a file off at every byte but the last `tail` ones, in a file `cut`: reading it must fail, so that no
+ * part of it is taken for the whole. */
+void check_every_cut(const char *path, const char *cut, size_t tail);
+
+/* The box in the file's own coordinates. */
+iso_box own_box(const iso_lines *lines, iso_space space);
 
 #endif

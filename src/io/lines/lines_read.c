@@ -20,6 +20,10 @@ typedef struct lines_format {
 static const lines_format formats[] = {
     {"tck", ".tck", "mrtrix track", iso_lines_read_tck},
     {"trk", ".trk", "TRACK", iso_lines_read_trk},
+    {"vtk", ".vtk", "# vtk DataFile", iso_lines_read_vtk},
+    {"ply", ".ply", "ply", iso_lines_read_ply},
+    {"swc", ".swc", NULL, iso_lines_read_swc},
+    {"obj", ".obj", NULL, iso_lines_read_obj},
 };
 enum { FORMATS = sizeof formats / sizeof *formats };
 

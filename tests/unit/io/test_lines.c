@@ -15,22 +15,6 @@
 #define FILE_TCK ISO_TEST_TMP "/test_lines.tck"
 #define FILE_TRK ISO_TEST_TMP "/test_lines.trk"
 
-static iso_lines read_lines(const char *path, const iso_read_opts *opts) {
-    iso_lines lines;
-    iso_error error = {0};
-    test_ok(iso_lines_read(path, opts, &lines, &error), &error);
-    return lines;
-}
-
-/* Expects an error whose text names the file and contains `reason`. */
-static void refuse(const char *path, const iso_read_opts *opts, iso_status wanted, const char *reason) {
-    iso_lines lines;
-    iso_error error = {0};
-    const iso_status status = iso_lines_read(path, opts, &lines, &error);
-    if (status != wanted || !strstr(error.text, path) || !strstr(error.text, reason))
-        fail_msg("%s: status %d, wanted %d with \"%s\": %s", path, status, wanted, reason, error.text);
-}
-
 /* ---- .tck */
 
 static void test_tck_round_trip(void **state) {
@@ -142,22 +126,6 @@ static void test_bad_vertices(void **state) {
     iso_lines_free(&lines);
 }
 
-/* A file that is cut off anywhere is refused; no part of it is taken for the whole. */
-static void check_every_cut(const char *path, const char *cut) {
-    size_t size;
-    char *bytes = slurp(path, &size);
-    for (size_t length = 0; length < size; length++) {
-        spill(cut, bytes, length);
-        iso_lines lines;
-        iso_error error = {0};
-        const iso_status status = iso_lines_read(cut, NULL, &lines, &error);
-        if (status != ISO_ERR_IO && status != ISO_ERR_FORMAT)
-            fail_msg("%s: %zu of %zu bytes: status %d", path, length, size, status);
-        assert_non_null(strstr(error.text, cut));
-    }
-    free(bytes);
-}
-
 static void test_cut_off(void **state) {
     (void)state;
     const trk_layout layout = {.version = 2,
@@ -167,9 +135,9 @@ static void test_cut_off(void **state) {
                                .properties = 1};
     iso_lines lines = random_lines(4, 3);
     write_tck(FILE_TCK, &lines, 4, false);
-    check_every_cut(FILE_TCK, ISO_TEST_TMP "/test_lines_cut.tck");
+    check_every_cut(FILE_TCK, ISO_TEST_TMP "/test_lines_cut.tck", 0);
     write_trk(FILE_TRK, &lines, &layout);
-    check_every_cut(FILE_TRK, ISO_TEST_TMP "/test_lines_cut.trk");
+    check_every_cut(FILE_TRK, ISO_TEST_TMP "/test_lines_cut.trk", 0);
     iso_lines_free(&lines);
 }
 
@@ -177,8 +145,8 @@ static void test_limit(void **state) {
     (void)state;
     iso_lines lines = random_lines(20000, 3);
     write_tck(FILE_TCK, &lines, 4, false);
-    refuse(FILE_TCK, &(iso_read_opts){.max_memory = 400000}, ISO_ERR_LIMIT, "--max-memory");
-    refuse(FILE_TCK, &(iso_read_opts){.max_memory = 400000, .every = 2}, ISO_ERR_LIMIT, "--max-memory");
+    refuse_lines(FILE_TCK, &(iso_read_opts){.max_memory = 400000}, ISO_ERR_LIMIT, "--max-memory");
+    refuse_lines(FILE_TCK, &(iso_read_opts){.max_memory = 400000, .every = 2}, ISO_ERR_LIMIT, "--max-memory");
     iso_lines few = read_lines(FILE_TCK, &(iso_read_opts){.max_memory = 400000, .every = 100});
     assert_int_equal(few.line_count, 200);
     iso_lines_free(&few);
@@ -194,10 +162,10 @@ static void test_no_lines(void **state) {
     assert_int_equal(got.starts[0], 0);
     iso_lines_free(&got);
     iso_lines_free(&none);
-    refuse(ISO_TEST_TMP "/no such file.tck", NULL, ISO_ERR_IO, "cannot read");
-    refuse(ISO_TEST_TMP, NULL, ISO_ERR_IO, "not a regular file");
+    refuse_lines(ISO_TEST_TMP "/no such file.tck", NULL, ISO_ERR_IO, "cannot read");
+    refuse_lines(ISO_TEST_TMP, NULL, ISO_ERR_IO, "not a regular file");
     spill(ISO_TEST_TMP "/test_lines.txt", "hello", 5);
-    refuse(ISO_TEST_TMP "/test_lines.txt", NULL, ISO_ERR_FORMAT, "not a file of lines");
+    refuse_lines(ISO_TEST_TMP "/test_lines.txt", NULL, ISO_ERR_FORMAT, "not a file of lines");
 }
 
 /* The content tells the format, whatever the name. */
@@ -324,13 +292,6 @@ static void test_trk_names(void **state) {
 
 /* ---- files of other programs */
 
-/* The box in the file's own coordinates. */
-static iso_box own_box(const iso_lines *lines, iso_space space) {
-    const iso_box box = iso_lines_bounds(lines);
-    if (space != ISO_SPACE_RAS) return box;
-    return (iso_box){{-box.hi.x, -box.hi.y, box.lo.z}, {-box.lo.x, -box.lo.y, box.hi.z}};
-}
-
 static void check_row(const index_row *row) {
     iso_read_report report;
     iso_lines lines = read_lines(row->path, &(iso_read_opts){.report = &report});
@@ -425,7 +386,7 @@ static void test_odd_files(void **state) {
     for (size_t i = 0; i < sizeof odd / sizeof *odd; i++) {
         const char *path = index_path("lines", odd[i].name);
         if (odd[i].status != ISO_OK) {
-            refuse(path, NULL, odd[i].status, odd[i].reason);
+            refuse_lines(path, NULL, odd[i].status, odd[i].reason);
             continue;
         }
         iso_read_report report;

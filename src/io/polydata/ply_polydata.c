@@ -1,0 +1,120 @@
+/* ply_polydata: vertices of PLY files with their properties, and the polylines of their edges (Turk 1994:
+ * element "edge" with vertex1 and vertex2). */
+#include <stdlib.h>
+#include <string.h>
+
+#include "io/ply.h"
+#include "io/polydata/polydata.h"
+
+/* What is needed beside the polydata. */
+typedef struct ply_reader {
+    iso_ply ply;
+    iso_polydata *data;
+    iso_slot slots[ISO_PLY_PROPERTIES];
+    double factors[ISO_PLY_PROPERTIES]; /* colours are stored as 0 .. 1, 0 .. 255 or 0 .. 65535 */
+    double values[ISO_PLY_PROPERTIES];
+    iso_buffer edges; /* uint32_t[2] */
+    size_t edge_count;
+} ply_reader;
+
+static double color_factor(iso_ply_type type) {
+    if (type == ISO_PLY_FLOAT32 || type == ISO_PLY_FLOAT64) return 255;
+    return type == ISO_PLY_UINT16 ? 1 / 257.0 : 1;
+}
+
+static bool is_named(const iso_ply_element *element, const char *name) {
+    return strcmp(element->name, name) == 0;
+}
+
+static iso_status name_columns(ply_reader *r, const iso_ply_element *element, iso_error *error) {
+    const iso_ply_property *property = &r->ply.properties[element->first_property];
+    const char *names[ISO_PLY_PROPERTIES];
+    r->data->keep_floats = true;
+    for (int i = 0; i < element->property_count; i++)
+        names[i] = property[i].is_list ? NULL : property[i].name;
+    ISO_TRY(iso_polydata_name_columns(r->data, names, element->property_count, r->slots, error));
+    for (int i = 0; i < element->property_count; i++) {
+        const iso_slot slot = r->slots[i];
+        const bool point = slot.column == ISO_SLOT_POINT,
+                   color =
+                       slot.column >= 0 && iso_polydata_column(r->data, slot.column)->role == ISO_ROLE_COLOR;
+        if (point && property[i].type != ISO_PLY_FLOAT32) r->data->keep_floats = false;
+        r->factors[i] = color ? color_factor(property[i].type) : 1;
+    }
+    return ISO_OK;
+}
+
+static iso_status read_vertices(ply_reader *r, const iso_ply_element *element, iso_error *error) {
+    ISO_TRY(name_columns(r, element, error));
+    ISO_TRY(iso_ply_check_size(&r->ply, element, error));
+    ISO_TRY(iso_polydata_reserve(r->data, (size_t)element->count, error));
+    for (uint64_t i = 0; i < element->count; i++) {
+        ISO_TRY(iso_ply_read_item(&r->ply, element, r->values, error));
+        for (int k = 0; k < element->property_count; k++) r->values[k] *= r->factors[k];
+        iso_polydata_add_row(r->data, r->slots, r->values, element->property_count);
+    }
+    return ISO_OK;
+}
+
+static int find_property(const iso_ply *ply, const iso_ply_element *element, const char *name) {
+    for (int i = 0; i < element->property_count; i++) {
+        const iso_ply_property *property = &ply->properties[element->first_property + i];
+        if (!property->is_list && strcmp(property->name, name) == 0) return i;
+    }
+    return -1;
+}
+
+static iso_status read_edges(ply_reader *r, const iso_ply_element *element, iso_error *error) {
+    const int ends[2] = {find_property(&r->ply, element, "vertex1"),
+                         find_property(&r->ply, element, "vertex2")};
+    if (ends[0] < 0 || ends[1] < 0)
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: its edges have no vertex1 and vertex2", r->ply.in.path);
+    ISO_TRY(iso_ply_check_size(&r->ply, element, error));
+    ISO_TRY(iso_reading_reserve(r->data->reading, &r->edges, (size_t)element->count, 2 * sizeof(uint32_t), 0,
+                                error));
+    uint32_t *to = r->edges.data;
+    for (uint64_t i = 0; i < element->count; i++) {
+        ISO_TRY(iso_ply_read_item(&r->ply, element, r->values, error));
+        for (int k = 0; k < 2; k++) {
+            const double point = r->values[ends[k]];
+            if (!(point >= 0 && point < UINT32_MAX))
+                return iso_fail(error, ISO_ERR_FORMAT, "%s: damaged: an edge names point %g", r->ply.in.path,
+                                point);
+            *to++ = (uint32_t)point;
+        }
+    }
+    r->edge_count = (size_t)element->count;
+    return ISO_OK;
+}
+
+static iso_status read_elements(ply_reader *r, iso_error *error) {
+    bool has_points = false, has_edges = false;
+    ISO_TRY(iso_ply_open(r->data->reading->path, &r->ply, error));
+    for (int i = 0; i < r->ply.element_count; i++) {
+        const iso_ply_element *element = &r->ply.elements[i];
+        const bool points = is_named(element, "vertex") && !has_points,
+                   edges = is_named(element, "edge") && !has_edges && !r->data->points_only;
+        if (points)
+            ISO_TRY(read_vertices(r, element, error));
+        else if (edges)
+            ISO_TRY(read_edges(r, element, error));
+        else
+            ISO_TRY(iso_ply_skip_element(&r->ply, element, error));
+        has_points = has_points || points;
+        has_edges = has_edges || edges;
+        if (has_points && (has_edges || r->data->points_only)) break;
+    }
+    if (!has_points) return iso_fail(error, ISO_ERR_FORMAT, "%s: holds no points", r->ply.in.path);
+    return iso_polydata_add_edges(r->data, r->edges.data, r->edge_count, false, error);
+}
+
+iso_status iso_polydata_read_ply(iso_polydata *data, iso_error *error) {
+    ply_reader *r = iso_alloc_zero(1, sizeof *r);
+    if (!r) return iso_fail_memory(error, data->reading->path);
+    r->data = data;
+    iso_status status = read_elements(r, error);
+    iso_ply_close(&r->ply);
+    iso_reading_free(data->reading, &r->edges);
+    iso_free(r);
+    return status;
+}

@@ -1,0 +1,166 @@
+/* polydata_glyphs: the points of polydata as glyphs. Points that are not usable are left out in place.
+ *
+ * Files of Gaussian splats (Kerbl et al. 2023, "3D Gaussian Splatting for Real-Time Radiance Field
+ * Rendering") are recognised by their columns f_dc: their scales are natural logarithms of standard
+ * deviations, and the colour is .5 + .28209479 f_dc, the constant term of spherical harmonics. */
+#include <math.h>
+#include <string.h>
+#include <strings.h>
+
+#include "base/exponential.h"
+#include "io/polydata/polydata.h"
+
+/* Moves the numbers of item `from` to the place of item `to`, which is not behind it. */
+static void move_item(iso_buffer *buffer, size_t floats, size_t from, size_t to) {
+    float *values = buffer->data;
+    if (values && from != to) memcpy(values + to * floats, values + from * floats, floats * sizeof(float));
+}
+
+static void keep_usable(iso_polydata *data) {
+    iso_read_report *report = data->reading->report;
+    const size_t every = (size_t)data->reading->opts.every, count = data->point_count;
+    const float(*points)[3] = data->points.data;
+    size_t kept = 0;
+    report->items = count;
+    for (size_t i = 0; i < count; i++) {
+        if (i % every) continue;
+        if (isnan(points[i][0])) {
+            report->dropped++;
+            continue;
+        }
+        move_item(&data->points, 3, i, kept);
+        for (int k = 0; k < data->column_count; k++) {
+            iso_column *column = iso_polydata_column(data, k);
+            if (!column->per_line) move_item(&column->values, (size_t)column->components, i, kept);
+        }
+        kept++;
+    }
+    data->point_count = kept;
+}
+
+/* ---- axes */
+
+static iso_column *find_column(iso_polydata *data, const char *name, int components) {
+    for (int i = 0; i < data->column_count; i++) {
+        iso_column *column = iso_polydata_column(data, i);
+        if (column->components == components && strcmp(column->name, name) == 0 && column->values.data)
+            return column;
+    }
+    return NULL;
+}
+
+/* The rotation matrix of a quaternion (w, x, y, z), row by row; the identity when it has no direction. */
+static void rotation_of(const float quaternion[4], double m[9]) {
+    double w = (double)quaternion[0], x = (double)quaternion[1], y = (double)quaternion[2],
+           z = (double)quaternion[3];
+    const double square = w * w + x * x + y * y + z * z;
+    if (!(square > 0 && isfinite(square))) {
+        w = 1;
+        x = y = z = 0;
+    } else {
+        const double scale = 1 / sqrt(square);
+        w *= scale, x *= scale, y *= scale, z *= scale;
+    }
+    const double rows[9] = {1 - 2 * (y * y + z * z), 2 * (x * y - w * z),     2 * (x * z + w * y),
+                            2 * (x * y + w * z),     1 - 2 * (x * x + z * z), 2 * (y * z - w * x),
+                            2 * (x * z - w * y),     2 * (y * z + w * x),     1 - 2 * (x * x + y * y)};
+    memcpy(m, rows, sizeof rows);
+}
+
+/* The length of a half axis; 0, and counted, when the file's number is none. */
+static double length_of(iso_reading *reading, float scale, bool logarithmic) {
+    const double log2_e = 1.4426950408889634;
+    double length = (double)scale;
+    if (logarithmic && isfinite(length)) length = (double)iso_exp2((float)fmin(length * log2_e, 127));
+    if (length >= 0 && length <= ISO_FARTHEST) return length;
+    reading->report->mended_radii++;
+    return 0;
+}
+
+static void make_axes(iso_reading *reading, const float *scale, const float *quaternion, bool logarithmic,
+                      bool ras, float axes[9]) {
+    double m[9];
+    rotation_of(quaternion, m);
+    for (int k = 0; k < 3; k++) {
+        const double length = length_of(reading, scale[k], logarithmic);
+        for (int row = 0; row < 3; row++)
+            axes[3 * k + row] = (float)(m[3 * row + k] * length * (ras && row < 2 ? -1 : 1));
+    }
+}
+
+static iso_status take_axes(iso_polydata *data, bool ras, iso_glyphs *glyphs, iso_error *error) {
+    iso_column *scale = find_column(data, "scale", 3), *rot = find_column(data, "rot", 4);
+    if (!scale || !rot) return ISO_OK;
+    const bool logarithmic = find_column(data, "f_dc", 3) != NULL;
+    iso_buffer axes = {0};
+    ISO_TRY(iso_reading_reserve(data->reading, &axes, data->point_count, 9 * sizeof(float), 0, error));
+    glyphs->axes = axes.data;
+    for (size_t i = 0; i < data->point_count; i++)
+        make_axes(data->reading, (const float *)scale->values.data + 3 * i,
+                  (const float *)rot->values.data + 4 * i, logarithmic, ras, glyphs->axes[i]);
+    iso_reading_free(data->reading, &scale->values);
+    iso_reading_free(data->reading, &rot->values);
+    return ISO_OK;
+}
+
+/* ---- roles */
+
+/* Turns the constant terms of splats' colours into colours. */
+static void color_splats(iso_polydata *data) {
+    iso_column *column = find_column(data, "f_dc", 3);
+    if (!column) return;
+    float *values = column->values.data;
+    for (size_t i = 0; i < 3 * data->point_count; i++) values[i] = 255 * (0.5f + 0.28209479f * values[i]);
+    column->role = ISO_ROLE_COLOR;
+}
+
+static iso_status take_roles(iso_polydata *data, bool ras, iso_glyphs *glyphs, iso_error *error) {
+    iso_column *columns = data->column_array.data;
+    const int count = data->column_count;
+    const size_t points = data->point_count;
+    ISO_TRY(take_axes(data, ras, glyphs, error));
+    color_splats(data);
+    iso_column *colors = iso_column_find(columns, count, ISO_ROLE_COLOR);
+    if (colors) ISO_TRY(iso_column_take_colors(data->reading, colors, points, &glyphs->colors, error));
+    for (int i = 0; i < count && ras; i++) iso_column_turn(&columns[i], points);
+    iso_column *radii = iso_column_find(columns, count, ISO_ROLE_RADIUS),
+               *vectors = iso_column_find(columns, count, ISO_ROLE_VECTOR);
+    if (!vectors) vectors = iso_column_find(columns, count, ISO_ROLE_NORMAL);
+    if (radii) glyphs->radii = iso_column_take_radii(data->reading, radii, points);
+    if (vectors) glyphs->directions = iso_column_take_vectors(vectors, points, false);
+    return ISO_OK;
+}
+
+static void turn_points(iso_polydata *data) {
+    float(*points)[3] = data->points.data;
+    for (size_t i = 0; i < data->point_count; i++)
+        for (int axis = 0; axis < 2; axis++) points[i][axis] = -points[i][axis];
+    data->origin = iso_vec3_make(-data->origin.x, -data->origin.y, data->origin.z);
+}
+
+static void free_line_columns(iso_polydata *data) {
+    for (int i = 0; i < data->column_count; i++)
+        if (iso_polydata_column(data, i)->per_line)
+            iso_reading_free(data->reading, &iso_polydata_column(data, i)->values);
+}
+
+iso_status iso_polydata_to_glyphs(iso_polydata *data, iso_glyphs *glyphs, iso_error *error) {
+    const bool ras = iso_reading_is_ras(data->reading, data->stated);
+    free_line_columns(data);
+    ISO_TRY(iso_polydata_reserve(data, data->point_count ? data->point_count : 1, error));
+    keep_usable(data);
+    if (ras) turn_points(data);
+    iso_glyphs made = {.origin = data->origin, .count = data->point_count};
+    iso_status status = take_roles(data, ras, &made, error);
+    if (status == ISO_OK)
+        status = iso_columns_take(data->column_array.data, data->column_count, &made.attributes,
+                                  &made.attribute_count, error);
+    if (status != ISO_OK) {
+        iso_glyphs_free(&made);
+        return status;
+    }
+    made.positions = data->points.data;
+    data->points = (iso_buffer){0};
+    *glyphs = made;
+    return ISO_OK;
+}
