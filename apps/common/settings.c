@@ -3,6 +3,8 @@
 
 #include <string.h>
 
+#include "base/memory.h"
+
 iso_status iso_settings_apply_json(void *target, const char *value, iso_error *error) {
     iso_common_settings *settings = target;
     if (value && !*value) return iso_fail(error, ISO_ERR_USAGE, "the value is empty");
@@ -32,6 +34,16 @@ void iso_settings_record_option(void *target, const iso_option *option, const ch
     const size_t used = strlen(settings->record);
     if (length < (int)sizeof text && used + (size_t)length < sizeof settings->record)
         memcpy(settings->record + used, text, (size_t)length + 1);
+}
+
+void iso_settings_limit_memory(const iso_common_settings *settings) {
+    iso_memory_set_limit(iso_memory_limit(settings->input.max_memory));
+}
+
+void iso_settings_explain_memory(const iso_common_settings *settings, iso_error *error) {
+    if (error->status != ISO_ERR_NOMEM || !iso_memory_was_refused()) return;
+    iso_fail(error, ISO_ERR_LIMIT, "%s, limit is %.0f MB (--max-memory)", error->text,
+             (double)iso_memory_limit(settings->input.max_memory) / 1e6);
 }
 
 bool iso_settings_print_help(const iso_common_settings *settings, const iso_program *program) {

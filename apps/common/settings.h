@@ -44,6 +44,12 @@ iso_status iso_settings_apply_version(void *settings, const char *value, iso_err
  * ISO_OPTION_UNRECORDED. */
 void iso_settings_record_option(void *settings, const iso_option *option, const char *value);
 
+/* Limits the memory of this program to --max-memory (iso_memory_set_limit). */
+void iso_settings_limit_memory(const iso_common_settings *settings);
+
+/* Names --max-memory in the message of a run that failed because of it. */
+void iso_settings_explain_memory(const iso_common_settings *settings, iso_error *error);
+
 /* Prints the help or the version to standard output if the settings ask for one of them; returns whether they
  * do. */
 bool iso_settings_print_help(const iso_common_settings *settings, const iso_program *program);

@@ -5,6 +5,7 @@
 
 static iso_status run_command(const isocompare_settings *settings, iso_error *error) {
     iso_pool *pool = NULL;
+    iso_settings_limit_memory(&settings->common);
     ISO_TRY(iso_pool_create(settings->common.threads, &pool, error));
     iso_status status = settings->command == ISOCOMPARE_IMAGES ? isocompare_images(settings, pool, error)
                                                                : isocompare_report(settings, pool, error);
@@ -22,6 +23,7 @@ static int run_program(int argc, char **argv) {
     if (status == ISO_OK && !iso_settings_print_help(&settings.common, program))
         status = run_command(&settings, &error);
     free(operands.values);
+    iso_settings_explain_memory(&settings.common, &error);
     int code = status == ISO_OK ? 0 : iso_program_fail(program, &error, status);
     return iso_program_finish(program, code);
 }

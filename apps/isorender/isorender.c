@@ -24,6 +24,7 @@ static int render_each(const isorender_settings *settings, const isorender_plan 
         iso_error error = {0};
         iso_status status = isorender_run(settings, &plans[i], pool, backend, environment, &error);
         if (status == ISO_OK) continue;
+        iso_settings_explain_memory(&settings->common, &error);
         int code = fail(&error, status);
         if (worst == 0) worst = code;
     }
@@ -60,6 +61,7 @@ static iso_status render_inputs(const isorender_settings *settings, int *code, i
     isorender_plan *plans = NULL;
     iso_pool *pool = NULL;
     iso_environment *environment = NULL;
+    iso_settings_limit_memory(&settings->common);
     ISO_TRY(isorender_plans_make(settings, &plans, error));
     isorender_backend backend = isorender_backend_cpu();
     for (int i = 0; settings->input_count > 1 && i < settings->input_count; i++)

@@ -2,6 +2,7 @@
 #define _GNU_SOURCE
 #include "base/memory.h"
 
+#include <stdatomic.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,6 +10,9 @@
 #include <sys/mman.h>
 #include <sys/resource.h>
 
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 #ifdef __SSE2__
 #include <emmintrin.h>
 #endif
@@ -26,6 +30,41 @@ void iso_advise_huge(void *block, size_t bytes) {
 #endif
 }
 
+/* ---- the limit of all blocks */
+
+static atomic_llong allocated; /* bytes of all blocks */
+static atomic_llong most_allocated = INT64_MAX;
+static atomic_bool refused;
+
+static long long size_of(void *block) {
+#ifdef __GLIBC__
+    return (long long)malloc_usable_size(block);
+#else
+    (void)block;
+    return 0;
+#endif
+}
+
+/* Counts a fresh block, or frees it and returns NULL when it goes beyond the limit. */
+static void *count_block(void *block) {
+    const long long bytes = block ? size_of(block) : 0;
+    if (atomic_fetch_add(&allocated, bytes) + bytes <= atomic_load(&most_allocated)) return block;
+    atomic_fetch_sub(&allocated, bytes);
+    atomic_store(&refused, true);
+    free(block);
+    return NULL;
+}
+
+void iso_memory_set_limit(uint64_t bytes) {
+    atomic_store(&most_allocated, bytes < INT64_MAX ? (long long)bytes : INT64_MAX);
+}
+
+bool iso_memory_was_refused(void) {
+    return atomic_load(&refused);
+}
+
+/* ---- blocks */
+
 void *iso_alloc(size_t bytes) {
     size_t alignment = bytes >= HUGE_PAGE ? HUGE_PAGE : ISO_ALIGNMENT;
     if (bytes > SIZE_MAX - alignment) return NULL;
@@ -33,14 +72,16 @@ void *iso_alloc(size_t bytes) {
     void *block = NULL;
     if (posix_memalign(&block, alignment, rounded ? rounded : ISO_ALIGNMENT) != 0) return NULL;
     iso_advise_huge(block, rounded);
-    return block;
+    return count_block(block);
 }
 
 void *iso_alloc_zero(size_t count, size_t size) {
-    return calloc(count ? count : 1, size ? size : 1);
+    return count_block(calloc(count ? count : 1, size ? size : 1));
 }
 
 void iso_free(void *block) {
+    if (!block) return;
+    atomic_fetch_sub(&allocated, size_of(block));
     free(block);
 }
 

@@ -31,6 +31,14 @@ void iso_advise_huge(void *block, size_t bytes);
  * without memory. */
 void *iso_alloc_zero(size_t count, size_t size);
 
+/* Limits what all blocks of iso_alloc and iso_alloc_zero may take together, in this process, those that exist
+ * already included; what goes beyond it is refused as if there were no memory. For programs, once at their
+ * start. UINT64_MAX: no limit, as before the first call. Where the C library does not tell the sizes of
+ * blocks (it is not glibc) there is no limit. */
+void iso_memory_set_limit(uint64_t bytes);
+/* Whether the limit has ever refused a block. */
+bool iso_memory_was_refused(void);
+
 /* Releases a block of iso_alloc or iso_alloc_zero; NULL is ignored. */
 void iso_free(void *block);
 
@@ -58,7 +66,8 @@ bool iso_size_multiply(size_t a, size_t b, size_t *out);
  * UINT64_MAX when the system does not say. */
 uint64_t iso_memory_available(void);
 
-/* The limit for the option --max-memory: `asked` bytes or, when that is 0, 80 % of the available memory. */
+/* The number of bytes for the option --max-memory: `asked` bytes or, when that is 0, 80 % of the available
+ * memory. */
 uint64_t iso_memory_limit(uint64_t asked);
 
 /* Largest resident size of this process so far, in bytes. */

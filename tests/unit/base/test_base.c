@@ -430,6 +430,29 @@ static void buffers_keep_their_contents(void **state) {
     assert_true(iso_memory_peak() > 0);
 }
 
+/* All blocks together stay below the limit; what is freed can be had again. */
+static void memory_is_limited(void **state) {
+    (void)state;
+    enum { MEGABYTE = 1 << 20 };
+    iso_memory_set_limit(20 * MEGABYTE);
+    void *first = iso_alloc(12 * MEGABYTE);
+    assert_non_null(first);
+    assert_false(iso_memory_was_refused());
+    assert_null(iso_alloc(12 * MEGABYTE));
+    assert_null(iso_alloc_zero(12, MEGABYTE));
+    assert_true(iso_memory_was_refused());
+    iso_free(first);
+    for (int i = 0; i < 100; i++) {
+        void *block = i % 2 ? iso_alloc(12 * MEGABYTE) : iso_alloc_zero(12, MEGABYTE);
+        assert_non_null(block);
+        iso_free(block);
+    }
+    iso_memory_set_limit(UINT64_MAX);
+    first = iso_alloc(50 * MEGABYTE);
+    assert_non_null(first);
+    iso_free(first);
+}
+
 static void cpu_level_can_be_limited(void **state) {
     (void)state;
     iso_cpu_level best = iso_cpu_best();
@@ -456,6 +479,7 @@ int main(void) {
         cmocka_unit_test(results_are_placed_in_order),
         cmocka_unit_test(sinks_write_all_or_nothing),
         cmocka_unit_test(buffers_keep_their_contents),
+        cmocka_unit_test(memory_is_limited),
         cmocka_unit_test(cpu_level_can_be_limited),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
