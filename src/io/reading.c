@@ -23,6 +23,35 @@ iso_reading iso_reading_begin(const char *path, const iso_read_opts *opts, iso_r
     return reading;
 }
 
+/* ---- formats */
+
+/* The number of the format whose magic a file begins with; -1: none of them. */
+static int format_of_content(FILE *file, const iso_format_name *formats, int count) {
+    char head[32];
+    const size_t bytes = fread(head, 1, sizeof head, file);
+    for (int i = 0; i < count; i++) {
+        const size_t length = formats[i].magic ? strlen(formats[i].magic) : 0;
+        if (length && bytes >= length && memcmp(head, formats[i].magic, length) == 0) return i;
+    }
+    return -1;
+}
+
+iso_status iso_reading_find_format(iso_reading *reading, const iso_format_name *formats, int count,
+                                   const char *what, int *format, iso_error *error) {
+    FILE *file;
+    ISO_TRY(iso_file_open(reading->path, &file, NULL, error));
+    int found = format_of_content(file, formats, count);
+    fclose(file);
+    for (int i = 0; i < count && found < 0; i++)
+        if (iso_text_has_extension(reading->path, formats[i].suffix)) found = i;
+    if (found < 0)
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: not a file of %s that isopoint can read", reading->path,
+                        what);
+    snprintf(reading->report->format, sizeof reading->report->format, "%s", formats[found].name);
+    *format = found;
+    return ISO_OK;
+}
+
 /* ---- memory */
 
 static iso_status check_limit(const iso_reading *reading, uint64_t bytes, iso_error *error) {
@@ -38,7 +67,7 @@ iso_status iso_reading_reserve(iso_reading *reading, iso_buffer *buffer, size_t 
     if (bytes <= buffer->bytes) return ISO_OK;
     const size_t before = buffer->bytes, grown = before + before / 2;
     ISO_TRY(check_limit(reading, reading->used + (bytes > grown ? bytes : grown), error));
-    iso_status status = iso_buffer_reserve(buffer, bytes, keep * each, NULL);
+    iso_status status = iso_buffer_reserve(buffer, bytes, before ? keep * each : 0, NULL);
     if (status != ISO_OK) return iso_fail_memory(error, reading->path);
     reading->used += buffer->bytes - before;
     return ISO_OK;

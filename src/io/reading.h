@@ -23,6 +23,17 @@ typedef struct iso_reading {
  * file to opts->files. */
 iso_reading iso_reading_begin(const char *path, const iso_read_opts *opts, iso_read_report *report);
 
+/* A format that files are recognised as. `magic`: what they begin with, whatever their name; NULL: only the
+ * name tells. */
+typedef struct iso_format_name {
+    const char *name, *suffix, *magic;
+} iso_format_name;
+
+/* Finds the format by the content, or else by the name, and sets the report's. `what` is for messages:
+ * "lines". ISO_ERR_IO, ISO_ERR_FORMAT: none of these formats. */
+iso_status iso_reading_find_format(iso_reading *reading, const iso_format_name *formats, int count,
+                                   const char *what, int *format, iso_error *error);
+
 /* iso_buffer_reserve for `count` items of `each` bytes, keeping the first `keep` items. ISO_ERR_LIMIT: all
  * buffers of this file together would take more than the limit. ISO_ERR_NOMEM. */
 iso_status iso_reading_reserve(iso_reading *reading, iso_buffer *buffer, size_t count, size_t each,

@@ -42,15 +42,16 @@ static void copy_values(const iso_polydata *data, iso_line_sink *sink, bool per_
 static iso_status gather_line(const iso_polydata *data, size_t line, iso_line_sink *sink, iso_error *error) {
     const size_t *starts = data->starts.data, first = starts[line], count = starts[line + 1] - first;
     const float(*points)[3] = data->points.data;
-    const uint32_t *indices = (const uint32_t *)data->indices.data + first;
+    const uint32_t *indices = data->indices.data;
     iso_line_sink_begin(sink);
     if (sink->skips) return ISO_OK;
     ISO_TRY(iso_line_sink_reserve(sink, count, error));
     for (size_t i = 0; i < count; i++) {
-        const float *point = points[indices[i]];
+        const uint32_t index = indices[first + i];
+        const float *point = points[index];
         const double p[3] = {(double)point[0], (double)point[1], (double)point[2]};
         if (iso_line_sink_vertex(sink, p))
-            copy_values(data, sink, false, indices[i], sink->vertex_count - 1);
+            copy_values(data, sink, false, index, sink->vertex_count - 1);
         else {
             data->reading->report->dropped++;
             ISO_TRY(iso_line_sink_split(sink, error));

@@ -1,0 +1,153 @@
+/* csv: points in a table: a row of names, among them x y z, and a row for each point. Columns are separated
+ * by commas, semicolons or tabs, whichever the first row has most of; values may be in double quotes. A
+ * column whose first value is no number holds words: they are numbered in order of appearance. */
+#define _POSIX_C_SOURCE 200809L
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "io/glyphs/glyphs_format.h"
+#include "io/polydata/polydata.h"
+#include "io/rows.h"
+
+enum { WORDS = 64, COLUMNS = ISO_POLYDATA_COLUMNS };
+
+/* The words of a column, which point into the text. */
+typedef struct dictionary {
+    const char *words[WORDS];
+    int count;
+    bool used;
+} dictionary;
+
+typedef struct csv {
+    iso_rows rows;
+    iso_polydata data;
+    char separator;
+    int columns;
+    char *cells[COLUMNS]; /* of a row */
+    iso_slot slots[COLUMNS];
+    double numbers[COLUMNS];
+    dictionary dictionaries[COLUMNS];
+} csv;
+
+static bool is_blank(char c) {
+    return c == ' ' || (c == '\t');
+}
+
+/* Ends the cell at *row by a zero and moves behind it; returns the cell without quotes and blanks around it.
+ */
+static char *next_cell(const csv *c, char **row) {
+    char *cell = *row, *end, *after;
+    while (is_blank(*cell) && *cell != c->separator) cell++;
+    if (*cell == '"') {
+        cell++;
+        end = cell + strcspn(cell, "\"");
+        after = *end ? end + 1 : end;
+        while (*after && *after != c->separator) after++;
+    } else {
+        end = after = strchr(cell, c->separator) ? strchr(cell, c->separator) : cell + strlen(cell);
+        while (end > cell && is_blank(end[-1])) end--;
+    }
+    *row = *after ? after + 1 : NULL;
+    *end = 0;
+    return cell;
+}
+
+/* Splits a row into cells; returns how many it has, at most COLUMNS. */
+static int split_row(csv *c, char *row) {
+    int count = 0;
+    while (row && count < COLUMNS) c->cells[count++] = next_cell(c, &row);
+    return count;
+}
+
+static char separator_of(const char *row) {
+    static const char candidates[] = ",;\t";
+    char best = ',';
+    int most = 0;
+    for (int k = 0; k < 3; k++) {
+        int count = 0;
+        for (const char *at = row; *at; at++) count += *at == candidates[k];
+        if (count > most) {
+            most = count;
+            best = candidates[k];
+        }
+    }
+    return best;
+}
+
+/* The number of a word in its column; NaN when there are too many words. */
+static double number_of_word(dictionary *words, const char *word) {
+    for (int i = 0; i < words->count; i++)
+        if (strcmp(words->words[i], word) == 0) return i;
+    if (words->count == WORDS) return (double)NAN;
+    words->words[words->count] = word;
+    return words->count++;
+}
+
+/* An empty cell, or one that is no number, is NaN. */
+static double parse_cell(csv *c, int column) {
+    char *cell = c->cells[column];
+    double number;
+    if (c->dictionaries[column].used) return number_of_word(&c->dictionaries[column], cell);
+    return iso_row_number(&cell, "", &number) && *cell == 0 ? number : (double)NAN;
+}
+
+/* Which columns hold words: those whose cell in the first row of data is none, but has something in it. */
+static void find_words(csv *c) {
+    for (int i = 0; i < c->columns; i++) {
+        const bool position = c->slots[i].column == ISO_SLOT_POINT;
+        c->dictionaries[i].used =
+            !position && *c->cells[i] && isnan(parse_cell(c, i)) && strcasecmp(c->cells[i], "nan") != 0;
+    }
+}
+
+static iso_status take_row(csv *c, char *row, iso_error *error) {
+    if (split_row(c, row) != c->columns)
+        return iso_rows_fail(&c->rows, "not as many values as there are names", error);
+    if (c->data.point_count == 0) find_words(c);
+    ISO_TRY(iso_polydata_reserve(&c->data, c->data.point_count + 1, error));
+    for (int i = 0; i < c->columns; i++) c->numbers[i] = parse_cell(c, i);
+    iso_polydata_add_row(&c->data, c->slots, c->numbers, c->columns);
+    return ISO_OK;
+}
+
+static void note_words(csv *c) {
+    for (int i = 0; i < c->columns; i++) {
+        const dictionary *words = &c->dictionaries[i];
+        if (!words->used) continue;
+        iso_reading_note(c->data.reading, "column %d has words: '%.40s' is 0%s%.40s%s%s", i + 1,
+                         words->words[0], words->count > 1 ? ", '" : "",
+                         words->count > 1 ? words->words[1] : "", words->count > 1 ? "' is 1" : "",
+                         words->count > 2 ? ", .." : "");
+    }
+}
+
+static bool is_empty(const char *row) {
+    return row[strspn(row, " \t")] == 0;
+}
+
+static iso_status read_csv(csv *c, iso_glyphs *glyphs, iso_error *error) {
+    ISO_TRY(iso_rows_load(c->data.reading, &c->rows, error));
+    char *row = iso_rows_next(&c->rows);
+    if (!row) return iso_fail(error, ISO_ERR_FORMAT, "%s: the file is empty", c->rows.reading->path);
+    if (strncmp(row, "\xef\xbb\xbf", 3) == 0) row += 3; /* a byte order mark */
+    c->separator = separator_of(row);
+    c->columns = split_row(c, row);
+    ISO_TRY(iso_polydata_name_columns(&c->data, (const char *const *)c->cells, c->columns, c->slots, error));
+    for (row = iso_rows_next(&c->rows); row; row = iso_rows_next(&c->rows))
+        if (!is_empty(row)) ISO_TRY(take_row(c, row, error));
+    note_words(c);
+    return iso_polydata_to_glyphs(&c->data, glyphs, error);
+}
+
+iso_status iso_glyphs_read_csv(iso_reading *reading, iso_glyphs *glyphs, iso_error *error) {
+    csv *c = iso_alloc_zero(1, sizeof *c);
+    if (!c) return iso_fail_memory(error, reading->path);
+    c->data.reading = reading;
+    iso_status status = read_csv(c, glyphs, error);
+    iso_rows_free(&c->rows);
+    iso_polydata_free(&c->data);
+    iso_free(c);
+    return status;
+}

@@ -1,0 +1,35 @@
+/* glyphs_read: reads points with sizes and directions: molecules, particles, splats, tensors.
+ *
+ *   .ply    vertices: radius; or scale_0 .. 2 and rot_0 .. 3; nx ny nz or vx vy vz; red green blue
+ *   .vtk    VTK's legacy polygonal data: points with their arrays
+ *   .xyz    molecules (the first frame), or rows of x y z or x y z nx ny nz
+ *   .pdb    molecules: the first model, the first of alternate locations, and the copies that the first
+ *           assembly (REMARK 350) makes of the chains
+ *   .csv    a row of names with x y z, then numbers, or words that are numbered
+ *
+ * Atoms have van der Waals radii and colours by element; an ångström is a millimetre of the world. Columns
+ * that fill no array of iso_glyphs become attributes; of directions, vx vy vz precede nx ny nz. None of the
+ * formats states a space: LPS, but for .vtk files of 3D Slicer, whose title states it.
+ *
+ * The format is found from the content, and from the name if the content does not tell. Glyphs with a
+ * position that is not finite or beyond 1e12 mm are left out; radii and half axes that are negative or not
+ * finite become 0: the report counts both. */
+#ifndef ISO_IO_GLYPHS_GLYPHS_READ_H
+#define ISO_IO_GLYPHS_GLYPHS_READ_H
+
+#include "base/glyphs.h"
+#include "io/read_opts.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Reads glyphs; iso_glyphs_free when done. `opts` may be NULL. A file without points is no error: count is
+ * then 0. Errors as iso_lines_read; ISO_ERR_USAGE: no such assembly. Thread-safe for different reports and
+ * file sets. */
+iso_status iso_glyphs_read(const char *path, const iso_read_opts *opts, iso_glyphs *glyphs, iso_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,306 @@
+/* pdb: molecules (wwPDB, "Atomic Coordinate Entry Format Version 3.3"): ATOM and HETATM rows of the first
+ * model, with numbers in fixed columns, which may touch. Coordinates are in ångström.
+ *
+ * An element column that is empty is made up for by the atom's name: its first two columns hold the element,
+ * to the right: "CA" from the first column on is calcium, from the second on a carbon. Of alternate locations
+ * of an atom the first is read. The copies of the wanted assembly are made by its matrices (assembly.h).
+ *
+ * Attributes: the number of the chain in order of appearance, the temperature factor, and, where there are
+ * several, the number of the copy; all from 0. */
+#include <ctype.h>
+#include <string.h>
+
+#include "io/glyphs/assembly.h"
+#include "io/glyphs/elements.h"
+#include "io/glyphs/glyphs_format.h"
+#include "io/rows.h"
+
+/* First characters of columns, from 0. */
+enum {
+    AT_NAME = 12,
+    AT_LOCATION = 16,
+    AT_RESIDUE = 17,
+    AT_CHAIN = 21,
+    AT_X = 30,
+    AT_TEMPERATURE = 60,
+    AT_ELEMENT = 76,
+    ROW = 80,
+    /* Locations of one atom are looked for among that many atoms before: residues are smaller. */
+    NEAR = 256
+};
+
+typedef struct atom {
+    double position[3];
+    float temperature;
+    uint8_t element, chain;
+    char location;
+    char name[4], residue[10]; /* residue: its name, chain and number */
+} atom;
+
+enum { CHAIN, TEMPERATURE, COPY, COLUMNS };
+
+typedef struct pdb {
+    iso_reading *reading;
+    iso_rows rows;
+    iso_buffer atom_buffer;
+    atom *atoms;
+    size_t count;
+    uint64_t unknown, alternates; /* atoms of unknown elements; left out as further locations */
+    int chain_numbers[256];       /* by character; 0: not seen yet */
+    int chains;
+    iso_assembly assembly;
+    iso_buffer positions, radii, colors;
+    iso_column columns[COLUMNS];
+} pdb;
+
+/* ---- atoms */
+
+/* The element of an atom's name, four characters; see above. */
+static int element_of_name(const char name[4]) {
+    if (!isalpha((unsigned char)name[0])) return iso_element_of(name + 1, 1);
+    /* hydrogens with four characters begin in the first column */
+    const bool two = isalpha((unsigned char)name[1]) && !(name[0] == 'H' && name[3] != ' ');
+    const int element = two ? iso_element_of(name, 2) : 0;
+    return element ? element : iso_element_of(name, 1);
+}
+
+static int element_of_row(const char row[ROW]) {
+    const char *field = row + AT_ELEMENT;
+    const int element =
+        field[0] == ' ' ? iso_element_of(field + 1, 1) : iso_element_of(field, field[1] == ' ' ? 1 : 2);
+    return element ? element : element_of_name(row + AT_NAME);
+}
+
+/* Whether an atom before, of the same residue, is another location of this one: it has the same name, or the
+ * residue itself has alternatives. */
+static bool is_alternate(const pdb *p, const atom *a) {
+    if (a->location == ' ') return false;
+    for (size_t i = p->count; i-- > 0 && p->count - i <= NEAR;) {
+        const atom *b = &p->atoms[i];
+        if (memcmp(a->residue + 3, b->residue + 3, sizeof a->residue - 3) != 0) continue;
+        if (b->location == a->location || b->location == ' ') continue;
+        if (memcmp(a->name, b->name, sizeof a->name) == 0 || memcmp(a->residue, b->residue, 3) != 0)
+            return true;
+    }
+    return false;
+}
+
+static uint8_t chain_of(pdb *p, char name) {
+    int *number = &p->chain_numbers[(unsigned char)name];
+    if (*number == 0) *number = ++p->chains;
+    return (uint8_t)(*number - 1);
+}
+
+/* Copies a row, filled up with blanks. Some programs write names of four characters one column too far to the
+ * right, as " H111": their last digit would be taken for a location. */
+static void pad_row(const char *row, char padded[ROW + 1]) {
+    const size_t length = strlen(row);
+    memset(padded, ' ', ROW);
+    memcpy(padded, row, length < ROW ? length : ROW);
+    padded[ROW] = 0;
+    if (padded[AT_NAME] != ' ' || padded[AT_NAME + 3] == ' ' || !isdigit((unsigned char)padded[AT_LOCATION]))
+        return;
+    memmove(padded + AT_NAME, padded + AT_NAME + 1, 4);
+    padded[AT_LOCATION] = ' ';
+}
+
+static iso_status take_atom(pdb *p, const char *row, iso_error *error) {
+    char padded[ROW + 1];
+    double temperature = 0;
+    ISO_TRY(iso_reading_reserve(p->reading, &p->atom_buffer, p->count + 1, sizeof(atom), p->count, error));
+    p->atoms = p->atom_buffer.data;
+    pad_row(row, padded);
+    atom a = {.location = padded[AT_LOCATION], .element = (uint8_t)element_of_row(padded)};
+    for (int axis = 0; axis < 3; axis++)
+        if (!iso_pdb_number(padded, AT_X + 8 * axis, AT_X + 8 * axis + 8, &a.position[axis]))
+            return iso_rows_fail(&p->rows, "an atom without three coordinates", error);
+    memcpy(a.name, padded + AT_NAME, sizeof a.name);
+    memcpy(a.residue, padded + AT_RESIDUE, sizeof a.residue);
+    if (is_alternate(p, &a)) {
+        p->alternates++;
+        return ISO_OK;
+    }
+    if (iso_pdb_number(padded, AT_TEMPERATURE, AT_TEMPERATURE + 6, &temperature))
+        a.temperature = (float)temperature;
+    a.chain = chain_of(p, padded[AT_CHAIN]);
+    p->unknown += a.element == 0;
+    p->reading->report->items++;
+    const iso_vec3 place = iso_vec3_make(a.position[0], a.position[1], a.position[2]);
+    if (!(iso_vec3_length(place) <= ISO_FARTHEST))
+        p->reading->report->dropped++;
+    else
+        p->atoms[p->count++] = a;
+    return ISO_OK;
+}
+
+static bool begins(const char *row, const char *record) {
+    return strncmp(row, record, strlen(record)) == 0;
+}
+
+/* Reads up to the end of the first model; *known: a row of the format has been found. */
+static iso_status read_model(pdb *p, bool *known, iso_error *error) {
+    for (char *row = iso_rows_next(&p->rows); row; row = iso_rows_next(&p->rows)) {
+        const bool is_atom = begins(row, "ATOM  ") || begins(row, "HETATM");
+        *known = *known || is_atom || begins(row, "REMARK") || begins(row, "HEADER") || begins(row, "CRYST1");
+        if (is_atom) ISO_TRY(take_atom(p, row, error));
+        if (begins(row, "REMARK 350")) ISO_TRY(iso_assembly_take(&p->assembly, &p->rows, row, error));
+        if (begins(row, "ENDMDL")) break;
+    }
+    return ISO_OK;
+}
+
+static iso_status read_rows(pdb *p, iso_error *error) {
+    bool known = false, more = false;
+    ISO_TRY(read_model(p, &known, error));
+    if (!known) return iso_fail(error, ISO_ERR_FORMAT, "%s: not a .pdb file", p->reading->path);
+    for (char *row = iso_rows_next(&p->rows); row && !more; row = iso_rows_next(&p->rows))
+        more = begins(row, "MODEL ");
+    if (more) iso_reading_note(p->reading, "further models follow: only the first is read");
+    return ISO_OK;
+}
+
+/* ---- copies */
+
+/* Without an assembly, every atom once where it is. */
+static void stand_alone(iso_assembly_copy *copy) {
+    *copy = (iso_assembly_copy){.matrix = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
+    memset(copy->chains, true, sizeof copy->chains);
+}
+
+static size_t count_atoms(const pdb *p, const iso_assembly_copy *copy) {
+    size_t count = 0;
+    for (size_t i = 0; i < p->count; i++)
+        count += copy->chains[(unsigned char)p->atoms[i].residue[AT_CHAIN - AT_RESIDUE]];
+    return count;
+}
+
+static iso_status reserve_glyphs(pdb *p, size_t count, bool copies, iso_error *error) {
+    static const char *const names[COLUMNS] = {"chain", "temperature", "copy"};
+    ISO_TRY(iso_reading_reserve(p->reading, &p->positions, count + 1, 3 * sizeof(float), 0, error));
+    ISO_TRY(iso_reading_reserve(p->reading, &p->radii, count + 1, sizeof(float), 0, error));
+    ISO_TRY(iso_reading_reserve(p->reading, &p->colors, count + 1, 3, 0, error));
+    for (int i = 0; i < COLUMNS - !copies; i++) {
+        p->columns[i].components = 1;
+        strcpy(p->columns[i].name, names[i]);
+        ISO_TRY(iso_reading_reserve(p->reading, &p->columns[i].values, count + 1, sizeof(float), 0, error));
+    }
+    return ISO_OK;
+}
+
+static void move_atom(const iso_assembly_copy *copy, const atom *a, double world[3]) {
+    for (int row = 0; row < 3; row++) {
+        const double *m = copy->matrix + 4 * row;
+        world[row] = m[0] * a->position[0] + m[1] * a->position[1] + m[2] * a->position[2] + m[3];
+    }
+}
+
+/* Writes atom a of copy `number` as glyph `to`. */
+static void write_glyph(pdb *p, const atom *a, const iso_assembly_copy *copy, size_t number, iso_vec3 origin,
+                        size_t to) {
+    float *position = (float *)p->positions.data + 3 * to;
+    double world[3];
+    move_atom(copy, a, world);
+    position[0] = (float)(world[0] - origin.x);
+    position[1] = (float)(world[1] - origin.y);
+    position[2] = (float)(world[2] - origin.z);
+    ((float *)p->radii.data)[to] = iso_element_radius(a->element);
+    iso_element_color(a->element, (uint8_t *)p->colors.data + 3 * to);
+    ((float *)p->columns[CHAIN].values.data)[to] = a->chain;
+    ((float *)p->columns[TEMPERATURE].values.data)[to] = a->temperature;
+    if (p->columns[COPY].values.data) ((float *)p->columns[COPY].values.data)[to] = (float)number;
+}
+
+static size_t write_copy(pdb *p, const iso_assembly_copy *copy, size_t number, iso_vec3 origin, size_t to) {
+    for (size_t i = 0; i < p->count; i++) {
+        const atom *a = &p->atoms[i];
+        if (copy->chains[(unsigned char)a->residue[AT_CHAIN - AT_RESIDUE]])
+            write_glyph(p, a, copy, number, origin, to++);
+    }
+    return to;
+}
+
+static void note_oddities(pdb *p, size_t made) {
+    if (p->unknown)
+        iso_reading_note(p->reading, "%llu atoms are of unknown elements", (unsigned long long)p->unknown);
+    if (p->alternates)
+        iso_reading_note(p->reading, "%llu alternate locations are left out",
+                         (unsigned long long)p->alternates);
+    if (p->assembly.count > 1)
+        iso_reading_note(p->reading, "assembly %d: %zu copies make %zu atoms of %zu", p->assembly.wanted,
+                         p->assembly.count, made, p->count);
+    else if (made < p->count)
+        iso_reading_note(p->reading, "assembly %d leaves out the chains of %zu atoms", p->assembly.wanted,
+                         p->count - made);
+}
+
+/* Turns what copies make from RAS to LPS. */
+static void turn_copies(iso_assembly_copy *copies, size_t count) {
+    for (size_t i = 0; i < count; i++)
+        for (int k = 0; k < 8; k++) copies[i].matrix[k] = -copies[i].matrix[k];
+}
+
+static iso_vec3 origin_of(const pdb *p, const iso_assembly_copy *copy) {
+    double world[3] = {0};
+    if (p->count) move_atom(copy, p->atoms, world);
+    return iso_origin_for(world);
+}
+
+static iso_status make_glyphs(pdb *p, iso_assembly_copy *copies, size_t count, iso_glyphs *glyphs,
+                              iso_error *error) {
+    size_t total = 0, made = 0;
+    if (iso_reading_is_ras(p->reading, ISO_SPACE_FILE)) turn_copies(copies, count);
+    for (size_t i = 0; i < count; i++)
+        if (__builtin_add_overflow(total, count_atoms(p, &copies[i]), &total)) total = SIZE_MAX / 8;
+    ISO_TRY(reserve_glyphs(p, total, count > 1, error));
+    const iso_vec3 origin = origin_of(p, copies);
+    for (size_t i = 0; i < count; i++) made = write_copy(p, &copies[i], i, origin, made);
+    iso_glyphs result = {.origin = origin, .count = made};
+    ISO_TRY(iso_columns_take(p->columns, COLUMNS, &result.attributes, &result.attribute_count, error));
+    result.positions = p->positions.data;
+    result.radii = p->radii.data;
+    result.colors = p->colors.data;
+    p->positions = p->radii = p->colors = (iso_buffer){0};
+    note_oddities(p, made);
+    *glyphs = result;
+    return ISO_OK;
+}
+
+/* An assembly that has none of the file's chains is as good as none. */
+static bool has_atoms(const pdb *p) {
+    size_t atoms = 0;
+    for (size_t i = 0; i < p->assembly.count && atoms == 0; i++)
+        atoms = count_atoms(p, &p->assembly.copies[i]);
+    return atoms > 0;
+}
+
+static iso_status read_pdb(pdb *p, iso_glyphs *glyphs, iso_error *error) {
+    const int asked = p->reading->opts.assembly;
+    iso_assembly_copy alone;
+    stand_alone(&alone);
+    p->assembly.wanted = asked > 0 ? asked : 1;
+    ISO_TRY(iso_rows_load(p->reading, &p->rows, error));
+    ISO_TRY(read_rows(p, error));
+    if (p->assembly.next_row != 0)
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: a BIOMT matrix is not complete", p->reading->path);
+    if (asked > 0 && p->assembly.count == 0)
+        return iso_fail(error, ISO_ERR_USAGE, "%s: no assembly %d: there %s %d", p->reading->path, asked,
+                        p->assembly.current == 1 ? "is" : "are", p->assembly.current);
+    if (asked < 0 || !has_atoms(p)) return make_glyphs(p, &alone, 1, glyphs, error);
+    return make_glyphs(p, p->assembly.copies, p->assembly.count, glyphs, error);
+}
+
+iso_status iso_glyphs_read_pdb(iso_reading *reading, iso_glyphs *glyphs, iso_error *error) {
+    pdb *p = iso_alloc_zero(1, sizeof *p);
+    if (!p) return iso_fail_memory(error, reading->path);
+    p->reading = reading;
+    iso_status status = read_pdb(p, glyphs, error);
+    iso_rows_free(&p->rows);
+    iso_assembly_free(&p->assembly, reading);
+    iso_buffer_free(&p->atom_buffer);
+    iso_buffer_free(&p->positions);
+    iso_buffer_free(&p->radii);
+    iso_buffer_free(&p->colors);
+    for (int i = 0; i < COLUMNS; i++) iso_buffer_free(&p->columns[i].values);
+    iso_free(p);
+    return status;
+}

@@ -1,0 +1,129 @@
+/* xyz: two formats under one extension. A molecule: the number of atoms, a row of comment, and a row for each
+ * atom: its element, or atomic number, and x y z in ångström. Or points: rows of three numbers, or of six:
+ * a point and a direction. A first row of one whole number tells them apart.
+ *
+ * Of several frames the first is read. Text after a molecule's coordinates is ignored. */
+#include <ctype.h>
+#include <string.h>
+
+#include "io/glyphs/elements.h"
+#include "io/glyphs/glyphs_format.h"
+#include "io/polydata/polydata.h"
+#include "io/rows.h"
+
+static const char separators[] = ",;";
+
+typedef struct xyz {
+    iso_rows rows;
+    iso_polydata data;
+} xyz;
+
+static bool is_empty(const char *row) {
+    row += strspn(row, " \t");
+    return *row == 0 || *row == '#';
+}
+
+/* The next row that has anything in it; NULL at the end. */
+static char *next_row(xyz *x) {
+    char *row = iso_rows_next(&x->rows);
+    while (row && is_empty(row)) row = iso_rows_next(&x->rows);
+    return row;
+}
+
+/* Parses the numbers of a row; returns how many there are, at most `most`. */
+static int parse_row(char *row, double *numbers, int most) {
+    int count = 0;
+    while (count < most && iso_row_number(&row, separators, &numbers[count])) count++;
+    return *row ? -1 : count;
+}
+
+/* ---- molecules */
+
+/* The element of the first word, "C", "6", or a label such as "C12"; 0: unknown. */
+static int element_of(const char *word) {
+    int letters = 0;
+    double number = 0;
+    char *rest = (char *)word;
+    if (iso_row_number(&rest, "", &number)) return iso_element_of_number(number);
+    while (isalpha((unsigned char)word[letters])) letters++;
+    return iso_element_of(word, letters);
+}
+
+static iso_status take_atom(xyz *x, char *row, float *radius, float color[3], uint64_t *unknown,
+                            iso_error *error) {
+    double p[3];
+    uint8_t bytes[3];
+    char *word = row ? iso_row_word(&row) : NULL;
+    if (!row) return iso_fail(error, ISO_ERR_IO, "%s: truncated: atoms are missing", x->rows.reading->path);
+    if (!word) return iso_rows_fail(&x->rows, "not an atom", error);
+    for (int axis = 0; axis < 3; axis++)
+        if (!iso_row_number(&row, separators, &p[axis])) return iso_rows_fail(&x->rows, "not an atom", error);
+    const int element = element_of(word);
+    *unknown += element == 0;
+    *radius = iso_element_radius(element);
+    iso_element_color(element, bytes);
+    for (int k = 0; k < 3; k++) color[k] = bytes[k];
+    iso_polydata_add_point(&x->data, p);
+    return ISO_OK;
+}
+
+static iso_status read_molecule(xyz *x, double atoms, iso_error *error) {
+    int radius, colors;
+    uint64_t unknown = 0;
+    /* an atom takes at least eight bytes: "C 0 0 0" and the end of the row, but for the last */
+    if (atoms > (double)(x->rows.end - x->rows.at + 1) / 8)
+        return iso_fail(error, ISO_ERR_IO, "%s: truncated: it promises %.0f atoms", x->rows.reading->path,
+                        atoms);
+    const size_t count = (size_t)atoms;
+    iso_rows_next(&x->rows); /* the comment */
+    ISO_TRY(iso_polydata_add_column(&x->data, "radius", 1, false, ISO_ROLE_RADIUS, &radius, error));
+    ISO_TRY(iso_polydata_add_column(&x->data, "colors", 3, false, ISO_ROLE_COLOR, &colors, error));
+    ISO_TRY(iso_polydata_reserve(&x->data, count, error));
+    float *radii = iso_polydata_column(&x->data, radius)->values.data,
+          *rgb = iso_polydata_column(&x->data, colors)->values.data;
+    for (size_t i = 0; i < count; i++)
+        ISO_TRY(take_atom(x, iso_rows_next(&x->rows), &radii[i], &rgb[3 * i], &unknown, error));
+    if (unknown)
+        iso_reading_note(x->data.reading, "%llu atoms are of unknown elements", (unsigned long long)unknown);
+    if (next_row(x)) iso_reading_note(x->data.reading, "further frames follow: only the first is read");
+    x->data.reading->opts.every = 1;
+    return ISO_OK;
+}
+
+/* ---- points */
+
+static iso_status read_points(xyz *x, char *row, iso_error *error) {
+    static const char *const names[6] = {"x", "y", "z", "nx", "ny", "nz"};
+    double numbers[7];
+    iso_slot slots[6];
+    const int count = parse_row(row, numbers, 7);
+    if (count != 3 && count != 6)
+        return iso_rows_fail(&x->rows, "neither the number of atoms, nor three or six numbers", error);
+    ISO_TRY(iso_polydata_name_columns(&x->data, names, count, slots, error));
+    for (int same = count; row; row = next_row(x)) {
+        if (x->data.point_count) same = parse_row(row, numbers, 7);
+        if (same != count) return iso_rows_fail(&x->rows, "not as many numbers as in the first row", error);
+        ISO_TRY(iso_polydata_reserve(&x->data, x->data.point_count + 1, error));
+        iso_polydata_add_row(&x->data, slots, numbers, count);
+    }
+    return ISO_OK;
+}
+
+static iso_status read_xyz(xyz *x, iso_glyphs *glyphs, iso_error *error) {
+    double atoms;
+    ISO_TRY(iso_rows_load(x->data.reading, &x->rows, error));
+    char *first = next_row(x), *rest = first;
+    if (!first) return iso_fail(error, ISO_ERR_FORMAT, "%s: the file is empty", x->rows.reading->path);
+    const bool molecule = iso_row_number(&rest, "", &atoms) && *rest == 0 && atoms >= 0 && atoms < 1e15 &&
+                          (double)(uint64_t)atoms == atoms;
+    ISO_TRY(molecule ? read_molecule(x, atoms, error) : read_points(x, first, error));
+    return iso_polydata_to_glyphs(&x->data, glyphs, error);
+}
+
+iso_status iso_glyphs_read_xyz(iso_reading *reading, iso_glyphs *glyphs, iso_error *error) {
+    xyz x = {.data = {.reading = reading}};
+    iso_status status = read_xyz(&x, glyphs, error);
+    iso_rows_free(&x.rows);
+    iso_polydata_free(&x.data);
+    return status;
+}

@@ -1,0 +1,68 @@
+/* fuzz: any bytes as a file of glyphs: the first byte chooses the format, every how many glyphs are kept, the
+ * space, and the assembly. What a reader accepts must be sound; what it refuses must be refused in one line
+ * that names the file. */
+#define _GNU_SOURCE
+#include <math.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include "io/glyphs/glyphs_read.h"
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+static double total; /* so that every value is read */
+
+static void check_floats(const float *values, size_t count) {
+    for (size_t i = 0; values && i < count; i++)
+        if (!isfinite(values[i])) abort();
+}
+
+static void check_glyphs(const iso_glyphs *glyphs) {
+    if (!iso_vec3_is_finite(glyphs->origin)) abort();
+    check_floats((const float *)glyphs->positions, 3 * glyphs->count);
+    check_floats((const float *)glyphs->directions, 3 * glyphs->count);
+    check_floats((const float *)glyphs->axes, 9 * glyphs->count);
+    for (size_t i = 0; glyphs->radii && i < glyphs->count; i++)
+        if (!(glyphs->radii[i] >= 0 && glyphs->radii[i] <= 1e12f)) abort();
+    for (size_t i = 0; glyphs->colors && i < glyphs->count; i++) total += glyphs->colors[i][2];
+    for (int a = 0; a < glyphs->attribute_count; a++) {
+        const iso_attribute *attribute = &glyphs->attributes[a];
+        if (attribute->components < 1 || attribute->per_line || !*attribute->name) abort();
+        for (size_t i = 0; i < glyphs->count * (size_t)attribute->components; i++)
+            total += (double)attribute->values[i];
+    }
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
+    static const char *const suffixes[] = {"ply", "vtk", "xyz", "pdb", "csv"};
+    if (size < 1) return 0;
+    char memory[64], path[64];
+    int descriptor = memfd_create("fuzz_glyphs", 0);
+    if (descriptor < 0 || write(descriptor, data + 1, size - 1) != (ssize_t)(size - 1)) abort();
+    snprintf(memory, sizeof memory, "/proc/self/fd/%d", descriptor);
+    snprintf(path, sizeof path, "/tmp/fuzz_glyphs_%d.%s", (int)getpid(), suffixes[data[0] % 5]);
+    unlink(path);
+    if (symlink(memory, path)) abort(); /* (the name says what it is) */
+    const int choice = data[0] / 5;
+    iso_read_report report;
+    const iso_read_opts opts = {.max_memory = 1 << 26,
+                                .every = choice % 3,
+                                .space = choice / 3 % 3,
+                                .assembly = choice / 9 % 4 - 1,
+                                .report = &report};
+    iso_glyphs glyphs;
+    iso_error error = {0};
+    if (iso_glyphs_read(path, &opts, &glyphs, &error) == ISO_OK) {
+        check_glyphs(&glyphs);
+        iso_glyphs_free(&glyphs);
+    } else if (!strstr(error.text, path) || strchr(error.text, '\n'))
+        abort(); /* every error is one line that names the file */
+    unlink(path);
+    close(descriptor);
+    return 0;
+}
