@@ -15,9 +15,16 @@ extern "C" {
 /* The shapes of a set as one view sees them. */
 typedef struct iso_shapes_truth iso_shapes_truth;
 
-/* The view is borrowed until iso_shapes_truth_destroy. ISO_ERR_NOMEM. */
-iso_status iso_shapes_truth_create(const iso_glyphs *glyphs, const iso_shapes_opts *opts,
-                                   const iso_view *view, iso_shapes_truth **truth, iso_error *error);
+/* What is drawn; all borrowed for the call. */
+typedef struct iso_shapes_scene {
+    const iso_glyphs *glyphs; /* NULL: lines */
+    const iso_lines *lines;
+    iso_shapes_opts opts;
+} iso_shapes_scene;
+
+/* The view is borrowed until iso_shapes_truth_destroy. Numbers must be finite. ISO_ERR_NOMEM. */
+iso_status iso_shapes_truth_create(const iso_shapes_scene *scene, const iso_view *view,
+                                   iso_shapes_truth **truth, iso_error *error);
 void iso_shapes_truth_destroy(iso_shapes_truth *truth);
 
 /* Where a ray first meets the surface of a shape at or behind the view's near plane. A shape that the near
@@ -25,9 +32,10 @@ void iso_shapes_truth_destroy(iso_shapes_truth *truth);
 typedef struct iso_shapes_hit {
     bool hit;
     double depth;     /* view z */
+    double behind;    /* of the next shape whose surface the ray meets; INFINITY: of none */
     double normal[3]; /* unit, view space, out of the shape */
     double size;      /* the shape's smallest radius, mm: what errors are compared with */
-    size_t shape;     /* number of the glyph */
+    size_t shape;     /* number of the glyph, or of the segment's first vertex */
 } iso_shapes_hit;
 
 /* The hit of the ray through the position (px, py) of the picture, in pixels. */

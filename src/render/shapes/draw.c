@@ -5,6 +5,19 @@
 #include "base/memory.h"
 #include "render/shapes/kernel.h"
 
+void iso_shapes_write_color(const iso_shapes_frame *frame, size_t sample, uint32_t id, float along) {
+    const iso_target *target = frame->target;
+    const uint8_t(*colors)[3] = frame->shapes->colors;
+    if (!colors) return;
+    uint32_t word = (uint32_t)(target->surface + 1) << 24;
+    for (int k = 0; k < 3; k++) {
+        float value = (float)colors[id][k];
+        if (frame->shapes->kind == ISO_SHAPE_TUBE) value += along * ((float)colors[id + 1][k] - value);
+        word |= (uint32_t)(value + 0.5f) << 8 * k;
+    }
+    target->gbuffer->color[sample] = word;
+}
+
 typedef struct shapes_draw {
     iso_shapes_frame frame;
     const iso_shapes_kernel *kernel;
@@ -26,7 +39,8 @@ static void open_bin(iso_shapes_bin *bin) {
 }
 
 /* Makes room for all shapes of a block. */
-static iso_status reserve(iso_shapes_bin *bin, uint32_t shapes) {
+static iso_status reserve(iso_shapes_bin *bin) {
+    const size_t shapes = ISO_SHAPES_BLOCK;
     const size_t record = iso_shapes_record_floats(bin->frame->shapes) * sizeof(float),
                  kept = bin->record_count * record, near = bin->near_count * sizeof(iso_near_shape);
     ISO_TRY(iso_buffer_reserve(&bin->records, kept + shapes * record, kept, NULL));
@@ -51,14 +65,14 @@ static void draw_bin(void *context, size_t index, int worker) {
         const iso_shapes_seen *seen = &frame->seen[frame->bin_blocks[i]];
         const iso_shapes_rect rect = meet(&seen->rect, &bin->rect);
         if (draw->kernel->hidden(bin, &rect, seen->nearest)) continue;
-        bin->status = reserve(bin, frame->shapes->blocks[seen->block].count);
+        bin->status = reserve(bin);
         if (bin->status == ISO_OK) draw->kernel->draw(bin, seen);
     }
     draw->kernel->resolve(bin);
     iso_near_resolve(bin);
 }
 
-static iso_status draw_bins(shapes_draw *draw, iso_error *error) {
+static iso_status draw_bins(shapes_draw *draw, iso_shapes_drawn *drawn, iso_error *error) {
     const iso_shapes_frame *frame = &draw->frame;
     const int workers = iso_pool_threads(frame->target->pool);
     draw->bins = iso_alloc((size_t)workers * sizeof *draw->bins);
@@ -67,12 +81,17 @@ static iso_status draw_bins(shapes_draw *draw, iso_error *error) {
         iso_shapes_bin *bin = &draw->bins[i];
         bin->frame = frame;
         bin->records = bin->near = (iso_buffer){0};
+        bin->drawn = (iso_shapes_drawn){0};
         bin->status = ISO_OK;
     }
     iso_parallel_for(frame->target->pool, (size_t)frame->columns * (size_t)frame->rows, draw_bin, draw);
     iso_status status = ISO_OK;
     for (int i = 0; i < workers; i++) {
         if (draw->bins[i].status != ISO_OK) status = draw->bins[i].status;
+        if (drawn) {
+            drawn->samples += draw->bins[i].drawn.samples;
+            drawn->widened += draw->bins[i].drawn.widened;
+        }
         iso_buffer_free(&draw->bins[i].records);
         iso_buffer_free(&draw->bins[i].near);
     }
@@ -80,11 +99,12 @@ static iso_status draw_bins(shapes_draw *draw, iso_error *error) {
     return status == ISO_OK ? ISO_OK : iso_fail_memory(error, "shapes");
 }
 
-iso_status iso_draw_shapes(const iso_target *target, const iso_shapes *shapes, iso_error *error) {
+iso_status iso_draw_shapes(const iso_target *target, const iso_shapes *shapes, iso_shapes_drawn *drawn,
+                           iso_error *error) {
     if (shapes->colors) ISO_TRY(iso_gbuffer_add_color(target->gbuffer, error));
     shapes_draw draw = {.kernel = iso_shapes_kernel_get(iso_cpu_best())};
     iso_status status = iso_shapes_frame_make(target, shapes, &draw.frame, error);
-    if (status == ISO_OK) status = draw_bins(&draw, error);
+    if (status == ISO_OK) status = draw_bins(&draw, drawn, error);
     iso_shapes_frame_free(&draw.frame);
     return status;
 }

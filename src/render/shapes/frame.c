@@ -19,7 +19,7 @@ static iso_shapes_frame frame_of(const iso_target *target, const iso_shapes *sha
     const iso_view *view = target->view;
     iso_shapes_frame frame = {.shapes = shapes,
                               .target = target,
-                              .eye = view->eye,
+                              .eye = iso_vec3_sub(view->eye, shapes->origin),
                               .focal = view->focal,
                               .cx = view->cx,
                               .cy = view->cy + view->above,
@@ -35,6 +35,7 @@ static iso_shapes_frame frame_of(const iso_target *target, const iso_shapes *sha
     for (int i = 0; i < 9; i++) frame.turn[i] = (float)view->rotation[i];
     frame.center_x = (float)frame.cx;
     frame.center_y = (float)frame.cy;
+    *(frame.parallel ? &frame.least_fixed : &frame.least_slope) = shapes->min_pixels / (2 * frame.focal);
     return frame;
 }
 
@@ -71,14 +72,25 @@ static bool clip(range pixels, double axis, int first, int last, int *from, int 
     return true;
 }
 
-static bool see(const iso_shapes_frame *frame, const iso_shapes_block *block, iso_shapes_seen *seen) {
-    const iso_gbuffer *g = frame->target->gbuffer;
-    const double *m = frame->rotation, reach = (double)block->reach;
-    double half[3];
-    iso_shapes_to_view(frame, block->origin, (const double[3]){0}, seen->centre);
+/* Half the size of a block's box in view space, shapes included. */
+static void turn_box(const iso_shapes_frame *frame, const iso_shapes_block *block, double depth,
+                     double half[3]) {
+    const double *m = frame->rotation;
     for (int a = 0; a < 3; a++)
         half[a] = fabs(m[3 * a]) * (double)block->half[0] + fabs(m[3 * a + 1]) * (double)block->half[1] +
-                  fabs(m[3 * a + 2]) * (double)block->half[2] + reach;
+                  fabs(m[3 * a + 2]) * (double)block->half[2];
+    const double far = depth + half[2] > frame->near ? depth + half[2] : frame->near,
+                 least = far * frame->least_slope + frame->least_fixed;
+    const double reach = (double)block->reach > least ? (double)block->reach : least;
+    for (int a = 0; a < 3; a++) half[a] += reach;
+}
+
+static bool see(const iso_shapes_frame *frame, const iso_shapes_block *block, iso_shapes_seen *seen) {
+    const iso_gbuffer *g = frame->target->gbuffer;
+    const double origin[3] = {(double)block->origin[0], (double)block->origin[1], (double)block->origin[2]};
+    double half[3];
+    iso_shapes_to_view(frame, origin, seen->centre);
+    turn_box(frame, block, seen->centre[2], half);
     const double margin = 1e-6 * (fabs(seen->centre[2]) + half[2]);
     const range depth = {seen->centre[2] - half[2] - margin, seen->centre[2] + half[2] + margin};
     if (depth.high < frame->near) return false;

@@ -29,14 +29,16 @@ typedef struct iso_shapes_seen {
 typedef struct iso_shapes_frame {
     const iso_shapes *shapes;
     const iso_target *target;
-    iso_vec3 eye;
+    iso_vec3 eye; /* relative to the set's origin, as all positions */
     double rotation[9], focal, cx, cy, near;
     bool parallel;
     /* The same for kernels. The pixel at (dx, dy) from the projection of a point at depth z has the ray
      * (k dx, k dy, z) + s (u, v, 1) with k = z * slope + fixed, u = slope * (pixel - cx), v alike. */
     float turn[9], length, slope, fixed, center_x, center_y; /* length: focal length */
-    int top;                                                 /* the target's first row in the picture */
-    int columns, rows;                                       /* numbers of bins */
+    /* A tube's least radius at depth z is z * least_slope + least_fixed. */
+    double least_slope, least_fixed;
+    int top;           /* the target's first row in the picture */
+    int columns, rows; /* numbers of bins */
     iso_shapes_seen *seen;
     size_t seen_count;
     size_t *bin_end;      /* by bin: where its list in bin_blocks ends, and the next bin's begins */
@@ -51,11 +53,11 @@ void iso_shapes_frame_free(iso_shapes_frame *frame);
 /* The pixels of a bin. */
 iso_shapes_rect iso_shapes_bin_rect(const iso_shapes_frame *frame, size_t bin);
 
-/* The view position of a point that is given relative to a block's origin. */
-static inline void iso_shapes_to_view(const iso_shapes_frame *frame, const double origin[3],
-                                      const double offset[3], double view[3]) {
-    const double *m = frame->rotation, x = origin[0] - frame->eye.x + offset[0],
-                 y = origin[1] - frame->eye.y + offset[1], z = origin[2] - frame->eye.z + offset[2];
+/* The view position of a point. */
+static inline void iso_shapes_to_view(const iso_shapes_frame *frame, const double position[3],
+                                      double view[3]) {
+    const double *m = frame->rotation, x = position[0] - frame->eye.x, y = position[1] - frame->eye.y,
+                 z = position[2] - frame->eye.z;
     for (int a = 0; a < 3; a++) view[a] = m[3 * a] * x + m[3 * a + 1] * y + m[3 * a + 2] * z;
 }
 

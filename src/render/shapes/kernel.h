@@ -23,27 +23,60 @@ enum {
     ISO_SHAPES_TILE_PITCH = ISO_SHAPES_TILES + ISO_LANES_MAX, /* vectors of tiles may be read past a row */
     ISO_SHAPES_CHUNK = ISO_SHAPES_BLOCK + 2 * ISO_LANES_MAX,
     ISO_SHAPES_LARGE =
-        20000,             /* pixels: the radius from which on floats are too coarse for a shape's outline */
-    ISO_SHAPES_FIELDS = 4, /* the most fields of a kind of shape */
-    ISO_SHAPES_NONE = -1   /* the record of a pixel that shows none of the shapes */
+        20000,           /* pixels: the radius from which on floats are too coarse for a shape's outline */
+    ISO_SHAPES_NONE = -1 /* the record of a pixel that shows none of the shapes */
 };
 
-/* The fields of a sphere: what its record holds after pixel x, pixel y, number and a word that is unused. */
+/* The fields of a shape. A record is a head (the pixel of the shape's centre, x and y; its number; flags) and
+ * the fields. */
 enum {
-    ISO_FIELD_X, /* the centre's place in its pixel, 0 to 1 */
+    ISO_FIELD_X, /* the centre's place in its pixel, 0 to 1; of a tube, the first vertex's */
     ISO_FIELD_Y,
     ISO_FIELD_Z, /* its depth */
-    ISO_FIELD_R,
-    ISO_SPHERE_FIELDS
+    ISO_FIELD_R, /* its radius */
+    ISO_SPHERE_FIELDS,
+    /* Tubes: the second vertex; an orthonormal frame (E1, E2, A) with A along the axis and E1 perpendicular
+     * to the ray through the first vertex, of which E2 and A have the given components. */
+    ISO_FIELD_Z1 = ISO_SPHERE_FIELDS,
+    ISO_FIELD_X1, /* pixels from the first vertex */
+    ISO_FIELD_Y1,
+    ISO_FIELD_R1,
+    ISO_FIELD_E1X,
+    ISO_FIELD_E1Y,
+    ISO_FIELD_E2X,
+    ISO_FIELD_E2Y,
+    ISO_FIELD_AX,
+    ISO_FIELD_AY,
+    ISO_FIELD_RAY_E2,
+    ISO_FIELD_RAY_A,
+    ISO_FIELD_LENGTH,
+    ISO_FIELD_SINE, /* difference of the radii / length */
+    ISO_FIELD_COSINE2,
+    ISO_FIELD_CONE, /* radius * slope - sine * k * RAY_A */
+    ISO_TUBE_FIELDS,
+    ISO_SHAPES_FIELDS = ISO_TUBE_FIELDS /* the most */
 };
-enum { ISO_RECORD_HEAD = 4, ISO_SPHERE_RECORD = ISO_RECORD_HEAD + ISO_SPHERE_FIELDS };
+enum {
+    ISO_RECORD_HEAD = 4,
+    ISO_SPHERE_RECORD = ISO_RECORD_HEAD + ISO_SPHERE_FIELDS,
+    ISO_TUBE_RECORD = ISO_RECORD_HEAD + ISO_TUBE_FIELDS
+};
+
+/* Flags of tubes. */
+enum {
+    ISO_TUBE_CUT_FIRST = 1, /* flat caps */
+    ISO_TUBE_CUT_LAST = 2,
+    ISO_TUBE_WIDENED = 4,    /* to the least width */
+    ISO_TUBE_SECOND_ONLY = 8 /* the second vertex's sphere holds the first's */
+};
 
 /* Shapes of a block that remain after culling, with their boxes; fields apart. */
 typedef struct iso_shapes_chunk {
     int count;
     int32_t x0[ISO_SHAPES_CHUNK], y0[ISO_SHAPES_CHUNK], x1[ISO_SHAPES_CHUNK], y1[ISO_SHAPES_CHUNK];
     float nearest[ISO_SHAPES_CHUNK];
-    int32_t pixel_x[ISO_SHAPES_CHUNK], pixel_y[ISO_SHAPES_CHUNK], id[ISO_SHAPES_CHUNK];
+    int32_t pixel_x[ISO_SHAPES_CHUNK], pixel_y[ISO_SHAPES_CHUNK], id[ISO_SHAPES_CHUNK],
+        flags[ISO_SHAPES_CHUNK];
     float field[ISO_SHAPES_FIELDS][ISO_SHAPES_CHUNK];
 } iso_shapes_chunk;
 
@@ -57,6 +90,7 @@ typedef struct iso_shapes_bin {
     iso_shapes_chunk chunk;
     iso_buffer records, near; /* floats; iso_near_shape */
     size_t record_count, near_count;
+    iso_shapes_drawn drawn;
     iso_status status; /* ISO_ERR_NOMEM: a buffer could not grow */
 } iso_shapes_bin;
 
@@ -67,8 +101,8 @@ typedef struct iso_shapes_kernel {
     bool (*hidden)(const iso_shapes_bin *bin, const iso_shapes_rect *rect, float nearest);
     /* Draws a block. The buffers must have room for all its shapes. */
     void (*draw)(iso_shapes_bin *bin, const iso_shapes_seen *seen);
-    /* Writes the pixels that show one of the records into the target's gbuffer. */
-    void (*resolve)(const iso_shapes_bin *bin);
+    /* Writes the pixels that show one of the records into the target's gbuffer, and counts them. */
+    void (*resolve)(iso_shapes_bin *bin);
 } iso_shapes_kernel;
 
 /* The kernel for an instruction set, or for the best below it that this build has. Never NULL. */
@@ -76,8 +110,7 @@ const iso_shapes_kernel *iso_shapes_kernel_get(iso_cpu_level level);
 
 /* Floats of a record. */
 static inline size_t iso_shapes_record_floats(const iso_shapes *shapes) {
-    (void)shapes;
-    return ISO_SPHERE_RECORD;
+    return shapes->kind == ISO_SHAPE_TUBE ? ISO_TUBE_RECORD : ISO_SPHERE_RECORD;
 }
 
 /* The index of a pixel of the bin in `depth` and `record`. */
@@ -85,13 +118,8 @@ static inline size_t iso_shapes_pixel(const iso_shapes_bin *bin, int x, int y) {
     return (size_t)(y - bin->rect.y0) * ISO_SHAPES_PITCH + (size_t)(x - bin->rect.x0);
 }
 
-/* Writes the colour of a sample, if the set has colours. */
-static inline void iso_shapes_write_color(const iso_shapes_frame *frame, size_t sample, uint32_t id) {
-    const iso_target *target = frame->target;
-    if (!frame->shapes->colors) return;
-    const uint8_t *rgb = frame->shapes->colors[id];
-    target->gbuffer->color[sample] = (uint32_t)rgb[0] | (uint32_t)rgb[1] << 8 | (uint32_t)rgb[2] << 16 |
-                                     (uint32_t)(target->surface + 1) << 24;
-}
+/* Writes the colour of a sample, if the set has colours: of a glyph, or at `along` (0 to 1) of the segment
+ * between the vertices `id` and `id` + 1. */
+void iso_shapes_write_color(const iso_shapes_frame *frame, size_t sample, uint32_t id, float along);
 
 #endif

@@ -5,20 +5,29 @@
 
 #include "render/shapes/frame.h"
 
+/* A sphere (both ends are equal) or a rounded cone. */
 typedef struct iso_near_shape {
-    double centre[3], radius; /* view space */
+    double end[2][3], radius[2]; /* view space */
+    double nearest;              /* no visible sample is nearer */
     uint32_t id;
-    double nearest; /* no visible sample is nearer */
+    int flags; /* ISO_TUBE_... */
+    bool tube;
 } iso_near_shape;
 
 struct iso_shapes_bin;
 
-/* The shape of a sphere, with its `nearest`. */
+/* Whether floats suffice for a shape whose points are at the depth `front` or farther, and which reaches
+ * `reach` mm from its centre or axis. */
+bool iso_near_fits(const iso_shapes_frame *frame, double front, double reach);
+
 iso_near_shape iso_near_sphere(const iso_shapes_frame *frame, const double centre[3], double radius,
                                uint32_t id);
-/* Draws a shape that has just been added to bin->near into the bin. */
-void iso_near_draw(struct iso_shapes_bin *bin, size_t index);
-/* Writes the pixels that show one of the near shapes into the target's gbuffer. */
-void iso_near_resolve(const struct iso_shapes_bin *bin);
+/* The segment between the vertices `id` and `id` + 1, with the least width of tubes. */
+iso_near_shape iso_near_tube(const iso_shapes_frame *frame, uint32_t id, int flags);
+
+/* Draws a shape into the bin and keeps it in bin->near, which must have room for it. */
+void iso_near_draw(struct iso_shapes_bin *bin, const iso_near_shape *shape);
+/* Writes the pixels that show one of the near shapes into the target's gbuffer, and counts them. */
+void iso_near_resolve(struct iso_shapes_bin *bin);
 
 #endif

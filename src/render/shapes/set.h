@@ -6,26 +6,43 @@
 
 /* Neighbouring shapes that are culled as one. */
 typedef struct iso_shapes_block {
-    double origin[3]; /* world; positions are relative to it */
-    float half[3];    /* all positions are in the box origin +- half */
-    float reach;      /* the farthest that a shape reaches from its position, mm */
-    uint32_t first, count;
+    float origin[3];       /* relative to the set's origin */
+    float half[3];         /* all centres or vertices are in the box origin +- half */
+    float reach;           /* the farthest that a shape reaches from them, mm */
+    uint32_t first, count; /* glyphs, or runs of segments */
 } iso_shapes_block;
 
-enum { ISO_SHAPES_BLOCK = 256 }; /* the most glyphs of a block */
+enum {
+    ISO_SHAPES_BLOCK = 256, /* the most glyphs or segments of a block */
+    ISO_SHAPES_RUN = 8      /* the most segments of a run */
+};
+
+typedef enum iso_shape_kind { ISO_SHAPE_SPHERE, ISO_SHAPE_TUBE } iso_shape_kind;
+
+/* Consecutive segments of a line: vertices first .. first + length. */
+typedef struct iso_shapes_runs {
+    uint32_t *first;
+    uint8_t *length;
+    uint8_t *ends; /* ISO_RUN_...: which ends of the line the run has */
+} iso_shapes_runs;
+enum { ISO_RUN_STARTS = 1, ISO_RUN_ENDS = 2 };
 
 struct iso_shapes {
-    iso_glyph glyph;
-    double radius, scale;
+    iso_shape_kind kind;
+    double radius, scale, min_pixels;
+    iso_caps caps;
+    iso_vec3 origin; /* world; everything is relative to it */
     iso_shapes_block *blocks;
-    size_t block_count, count, skipped;
-    /* By place in the order of blocks: positions relative to their block's origin, and the glyph's number.
-     * ISO_LANES_MAX values more can be read. One allocation, which begins with x. */
+    size_t block_count, count, skipped, bytes;
+    iso_box bounds;
+    /* Glyphs, by place in the order of blocks: positions relative to their block's origin, and the glyph's
+     * number. ISO_LANES_MAX values more can be read. One allocation, which begins with x. */
     float *x, *y, *z;
     uint32_t *id;
-    iso_box bounds;
-    size_t bytes;
-    /* Borrowed, by the glyph's number; NULL: none. */
+    /* Lines: x, y, z and radius of each vertex, and the runs in the order of blocks (one allocation). */
+    float (*vertices)[4];
+    iso_shapes_runs runs;
+    /* Borrowed, by the number of the glyph or vertex; NULL: none. */
     const float *radii;
     const uint8_t (*colors)[3];
 };

@@ -1,6 +1,9 @@
-/* shapes: draws the solids of a set of glyphs into a gbuffer by intersecting the rays of pixels with the
- * solids' equations, inside their exact boxes in the picture: depth, normal and outline are exact, at any
+/* shapes: draws solids of glyphs, and lines as tubes, into a gbuffer by intersecting the rays of pixels with
+ * the solids' equations, inside their exact boxes in the picture: depth, normal and outline are exact, at any
  * distance, with perspective and parallel views, the eye inside a solid and the near plane through it.
+ *
+ * A tube is a chain of rounded cones: each segment is the convex hull of the spheres around its vertices, so
+ * that joints have no gaps.
  *
  * Source: Gumhold 2003, "Splatting illuminated ellipsoids with depth correction" (VMV), for splatting
  * quadrics by their boxes with the depth of each pixel; the discriminants are written relative to each
@@ -9,16 +12,23 @@
 #define ISO_RENDER_SHAPES_SHAPES_H
 
 #include "base/glyphs.h"
+#include "base/lines.h"
 #include "render/raster/raster.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
+typedef enum iso_caps { ISO_CAPS_ROUND, ISO_CAPS_FLAT } iso_caps;
+
 typedef struct iso_shapes_opts {
+    double radius;   /* mm; of glyphs and lines without radii */
+    double scale;    /* factor of all sizes, of lines: of their radii; 0 means 1 */
     iso_glyph glyph; /* the solid that is drawn at each point */
-    double radius;   /* mm; of glyphs without radii */
-    double scale;    /* factor of all sizes; 0 means 1 */
+    /* Lines: a tube that would be narrower than so many pixels at a vertex has this width there; 0: tubes are
+     * drawn as they are, with gaps where they miss the centres of pixels. */
+    double min_pixels;
+    iso_caps caps; /* of the ends of lines */
 } iso_shapes_opts;
 
 /* A set of shapes that is prepared for drawing: sorted into blocks of neighbours, which are culled as one.
@@ -32,11 +42,17 @@ typedef struct iso_shapes iso_shapes;
  * is out of range; ISO_ERR_LIMIT when there are 2^31 glyphs or more; ISO_ERR_NOMEM. */
 iso_status iso_shapes_from_glyphs(const iso_glyphs *glyphs, const iso_shapes_opts *opts, iso_shapes **shapes,
                                   iso_error *error);
+/* Prepares lines as tubes. The colours of `lines` are borrowed until iso_shapes_destroy; vertices are copied.
+ * Takes 16 bytes a vertex and less than one a segment. Segments are left out when a vertex is not finite, a
+ * radius is not a finite number of at least 0, or both are 0 without a least width. Errors: as for glyphs;
+ * ISO_ERR_LIMIT when there are 2^29 vertices or more. */
+iso_status iso_shapes_from_lines(const iso_lines *lines, const iso_shapes_opts *opts, iso_shapes **shapes,
+                                 iso_error *error);
 void iso_shapes_destroy(iso_shapes *shapes);
 
 typedef struct iso_shapes_totals {
-    size_t shapes;  /* that can be drawn */
-    size_t skipped; /* glyphs that were left out */
+    size_t shapes;  /* glyphs or segments that can be drawn */
+    size_t skipped; /* that were left out */
     size_t blocks;
     size_t bytes; /* memory that the set takes */
 } iso_shapes_totals;
@@ -46,11 +62,18 @@ iso_shapes_totals iso_shapes_stats(const iso_shapes *shapes);
  * are none. */
 iso_box iso_shapes_bounds(const iso_shapes *shapes);
 
+/* What calls of iso_draw_shapes have drawn: they add to it. Zero-initialise. */
+typedef struct iso_shapes_drawn {
+    size_t samples; /* that show a shape of the set */
+    size_t widened; /* of these, samples of segments that were widened to the least width */
+} iso_shapes_drawn;
+
 /* Draws the shapes into a gbuffer: a sample is replaced when a shape is nearer than what it shows. Of equal
- * depths the earlier surface is kept. Where glyphs have colours, the gbuffer gets a plane of colours. The
- * gbuffer gets the same bytes for every instruction set and number of threads, and when drawn in strips of
- * any height. ISO_ERR_NOMEM. */
-iso_status iso_draw_shapes(const iso_target *target, const iso_shapes *shapes, iso_error *error);
+ * depths the earlier surface is kept. Where the set has colours, the gbuffer gets a plane of colours; those
+ * of lines are interpolated between vertices. The gbuffer gets the same bytes for every instruction set and
+ * number of threads, and when drawn in strips of any height. `drawn` may be NULL. ISO_ERR_NOMEM. */
+iso_status iso_draw_shapes(const iso_target *target, const iso_shapes *shapes, iso_shapes_drawn *drawn,
+                           iso_error *error);
 
 #ifdef __cplusplus
 }

@@ -1,15 +1,8 @@
 /* Shapes against rays in extended precision: outlines, depths and normals of glyphs of all sizes in the
  * picture and at all distances; and the same bytes for every instruction set, number of threads and strip. */
-#include <float.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include "base/cpu.h"
-#include "base/memory.h"
 #include "check_support.h"
 #include "scene_support.h"
-#include "truth/shapes_truth.h"
+#include "shapes_support.h"
 
 /* ---- glyphs */
 
@@ -42,172 +35,45 @@ static void add_random(cloud *c, int count, double half, double low, double high
     }
 }
 
-/* ---- views */
-
-enum { SIDE = 96 };
-
-/* A view of the origin's surroundings from `away`, in which `height` mm at the origin fill the picture. */
-static iso_view view_of(iso_vec3 origin, iso_vec3 away, double height, bool parallel) {
-    const iso_camera camera = {.position = iso_vec3_add(origin, away),
-                               .focal_point = origin,
-                               .view_up = iso_vec3_make(0.1, 1, 0.2),
-                               .view_angle = 2 * iso_atan2(height / 2, iso_vec3_length(away)) * 180 / ISO_PI,
-                               .parallel_scale = height / 2,
-                               .orthographic = parallel};
-    return iso_view_make(&camera, SIDE, SIDE - 7);
-}
-
-static iso_gbuffer drawn(const iso_view *view, const iso_shapes *shapes, iso_pool *pool) {
-    iso_error error = {0};
-    iso_gbuffer g = test_clear_gbuffer(view->width, view->height, false);
-    const iso_target target = {view, &g, pool, 3};
-    test_ok(iso_draw_shapes(&target, shapes, &error), &error);
-    return g;
-}
-
-/* ---- against the truth */
-
-typedef struct verdict {
-    size_t covered, outline, depth, normal; /* samples; of those wrong: hit or missed, depth, normal */
-    const iso_view *view;
-    size_t plain; /* wrong and no ray within 1e-3 pixel agrees */
-} verdict;
-
-static double depth_tolerance(const iso_shapes_hit *hit) {
-    return 1e-4 * hit->size + fabs(hit->depth) * FLT_EPSILON;
-}
-
-static bool agrees(const iso_shapes_hit *hit, float depth) {
-    if (!hit->hit || !isfinite(depth)) return hit->hit == isfinite(depth);
-    return fabs((double)depth - hit->depth) <= depth_tolerance(hit);
-}
-
-/* Whether a ray nearly through the sample's centre agrees. */
-static bool is_grazing(const iso_shapes_truth *truth, double x, double y, float depth) {
-    for (int way = 0; way < 9; way++) {
-        const iso_shapes_hit hit =
-            iso_shapes_truth_ray(truth, x + (way % 3 - 1) * 1e-3, y + (way / 3 - 1) * 1e-3);
-        if (agrees(&hit, depth)) return true;
-    }
-    return false;
-}
-
-/* How far two depths within the tolerance can lie apart in the picture. */
-static double crease_pixels(const iso_view *view, const iso_shapes_hit *hit) {
-    return 1e-3 + 4 * depth_tolerance(hit) * view->focal / (view->orthographic ? 1 : fabs(hit->depth));
-}
-
-/* Whether two shapes cut each other so near to the sample that a depth's rounding decides which is seen. */
-static bool is_crease(const iso_shapes_truth *truth, double x, double y, const iso_shapes_hit *hit,
-                      double pixels) {
-    for (int way = 0; way < 9; way++) {
-        const iso_shapes_hit other =
-            iso_shapes_truth_ray(truth, x + (way % 3 - 1) * pixels, y + (way / 3 - 1) * pixels);
-        if (other.hit && other.shape != hit->shape) return true;
-    }
-    return false;
-}
-
-static double normal_error(const iso_gbuffer *g, size_t sample, const iso_shapes_hit *hit) {
-    double cross = 0;
-    for (int a = 0; a < 3; a++) {
-        const int b = (a + 1) % 3, c = (a + 2) % 3;
-        const double x =
-            (double)g->normal[b][sample] * hit->normal[c] - (double)g->normal[c][sample] * hit->normal[b];
-        cross += x * x;
-    }
-    return sqrt(cross) * 180 / ISO_PI;
-}
-
-static void judge_sample(const iso_shapes_truth *truth, const iso_gbuffer *g, int x, int y, verdict *v) {
-    const size_t sample = (size_t)y * (size_t)g->width + (size_t)x;
-    const float depth = g->depth[sample];
-    const iso_shapes_hit hit = iso_shapes_truth_ray(truth, x + 0.5, y + 0.5);
-    v->covered += hit.hit;
-    assert_int_equal(g->surface[sample], isfinite(depth) ? 3 : ISO_SURFACE_NONE);
-    if (!agrees(&hit, depth)) {
-        ++*(hit.hit == isfinite(depth) ? &v->depth : &v->outline);
-        v->plain += !is_grazing(truth, x + 0.5, y + 0.5, depth);
-    } else if (hit.hit && normal_error(g, sample, &hit) > 0.02) {
-        v->normal += !is_crease(truth, x + 0.5, y + 0.5, &hit, crease_pixels(v->view, &hit));
-    }
-}
-
-/* Fails unless at most two outline samples and one in 10,000 depths and normals are wrong, each where a ray
- * nearly touches a shape. */
-static verdict judge(const iso_shapes_truth *truth, const iso_view *view, const iso_gbuffer *g,
-                     const char *name) {
-    verdict v = {.view = view};
-    for (int y = 0; y < g->height; y++)
-        for (int x = 0; x < g->width; x++) judge_sample(truth, g, x, y, &v);
-    const size_t few = v.covered / 10000 + 1;
-    if (getenv("ISO_VERBOSE"))
-        printf("%s: covered %zu, wrong: outline %zu, depth %zu, normal %zu\n", name, v.covered, v.outline,
-               v.depth, v.normal);
-    if (v.outline > 2 || v.depth > few || v.normal > few || v.plain)
-        fail_msg("%s: covered %zu, wrong: outline %zu, depth %zu, normal %zu, of these plainly %zu", name,
-                 v.covered, v.outline, v.depth, v.normal, v.plain);
-    return v;
-}
-
-static size_t compare(const cloud *c, const iso_shapes_opts *opts, const iso_view *view, const char *name) {
-    iso_error error = {0};
-    iso_shapes *shapes;
-    test_ok(iso_shapes_from_glyphs(&c->glyphs, opts, &shapes, &error), &error);
-    iso_gbuffer g = drawn(view, shapes, NULL);
-    iso_shapes_truth *truth;
-    test_ok(iso_shapes_truth_create(&c->glyphs, opts, view, &truth, &error), &error);
-    const verdict v = judge(truth, view, &g, name);
-    iso_shapes_truth_destroy(truth);
-    iso_gbuffer_free(&g);
-    iso_shapes_destroy(shapes);
-    return v.covered;
-}
-
-/* Three zooms, perspective and parallel. */
-static void compare_views(const cloud *c, const iso_shapes_opts *opts, iso_vec3 away, double height,
-                          const char *name) {
-    char text[128];
-    size_t covered = 0;
-    for (int zoom = 0; zoom < 3; zoom++)
-        for (int parallel = 0; parallel < 2; parallel++) {
-            const double factor = zoom == 0 ? 1 : zoom == 1 ? 0.3 : 4;
-            const iso_view view = view_of(c->glyphs.origin, away, height * factor, parallel);
-            snprintf(text, sizeof text, "%s, zoom %d, %s", name, zoom, parallel ? "parallel" : "perspective");
-            covered += compare(c, opts, &view, text);
-        }
-    assert_true(covered > 0);
-}
-
 static const iso_shapes_opts SPHERES = {.glyph = ISO_GLYPH_SPHERE};
 
 static cloud scene;
+
+static void compare(const iso_view *view, const char *name) {
+    const iso_shapes_scene judged = {&scene.glyphs, NULL, SPHERES};
+    test_shapes_compare(&judged, view, name);
+}
+
+static void compare_views(iso_vec3 away, double height, const char *name) {
+    const iso_shapes_scene judged = {&scene.glyphs, NULL, SPHERES};
+    test_shapes_compare_views(&judged, away, height, name);
+}
 
 static void test_spheres(void **state) {
     (void)state;
     const iso_vec3 away = iso_vec3_make(60, 35, -80), zero = {0};
     cloud_start(&scene, zero); /* about a pixel to ten */
     add_random(&scene, 1500, 10, 0.1, 1, 1);
-    compare_views(&scene, &SPHERES, away, 24, "small spheres");
+    compare_views(away, 24, "small spheres");
     cloud_start(&scene, zero); /* below a pixel */
     add_random(&scene, 3000, 10, 0.01, 0.1, 2);
-    compare_views(&scene, &SPHERES, away, 24, "tiny spheres");
+    compare_views(away, 24, "tiny spheres");
     cloud_start(&scene, zero); /* cut by each other */
     add_random(&scene, 200, 5, 1, 6, 3);
-    compare_views(&scene, &SPHERES, away, 24, "large spheres");
+    compare_views(away, 24, "large spheres");
     cloud_start(&scene, zero); /* one, up to 10,000 pixels */
     add(&scene, 0, 0, 0, 10);
-    compare_views(&scene, &SPHERES, away, 22, "one sphere");
+    compare_views(away, 22, "one sphere");
     add(&scene, 1, 2, -3, 0.5);
-    compare_views(&scene, &SPHERES, iso_vec3_make(0, 0, -10.4), 0.09, "a sphere seen from close");
+    compare_views(iso_vec3_make(0, 0, -10.4), 0.09, "a sphere seen from close");
     cloud_start(&scene, zero); /* clustered, so that blocks are sorted again */
     for (int i = 0; i < 12; i++) {
         add_random(&scene, 200, 0.004 * (1 << i), 0.0002 * (1 << i), 0.0005 * (1 << i), (uint32_t)(90 + i));
     }
-    compare_views(&scene, &SPHERES, away, 2, "clustered spheres");
+    compare_views(away, 2, "clustered spheres");
     cloud_start(&scene, zero); /* in one place: the first is seen */
     for (int i = 0; i < 600; i++) add(&scene, 1, 1, 1, 2);
-    compare_views(&scene, &SPHERES, away, 8, "spheres in one place");
+    compare_views(away, 8, "spheres in one place");
 }
 
 static void test_far_spheres(void **state) {
@@ -215,15 +81,15 @@ static void test_far_spheres(void **state) {
     const iso_vec3 zero = {0};
     cloud_start(&scene, zero); /* radius / distance down to 1e-5 */
     add_random(&scene, 300, 10, 0.4, 1.5, 4);
-    compare_views(&scene, &SPHERES, iso_vec3_make(4e4, 5e4, -6e4), 24, "distant spheres");
+    compare_views(iso_vec3_make(4e4, 5e4, -6e4), 24, "distant spheres");
     cloud_start(&scene, iso_vec3_make(1e7, -2e7, 3e7)); /* far from the world's origin */
     add_random(&scene, 500, 10, 0.1, 1.5, 5);
-    compare_views(&scene, &SPHERES, iso_vec3_make(60, 35, -80), 24, "spheres at 1e7 mm");
+    compare_views(iso_vec3_make(60, 35, -80), 24, "spheres at 1e7 mm");
     cloud_start(&scene, zero); /* metres, kilometres and micrometres in one picture */
     add(&scene, 0, 0, 0, 1e-4);
     add(&scene, 1e6, 0, 2e6, 5e5);
     add_random(&scene, 50, 1e-2, 1e-4, 1e-3, 6);
-    compare_views(&scene, &SPHERES, iso_vec3_make(0.01, 0.02, -0.1), 0.04, "spheres of many sizes");
+    compare_views(iso_vec3_make(0.01, 0.02, -0.1), 0.04, "spheres of many sizes");
 }
 
 static void test_near_spheres(void **state) {
@@ -231,39 +97,13 @@ static void test_near_spheres(void **state) {
     const iso_vec3 zero = {0};
     cloud_start(&scene, zero); /* the eye among and within them */
     add_random(&scene, 400, 10, 0.5, 4, 7);
-    compare_views(&scene, &SPHERES, iso_vec3_make(0.5, 0.2, -0.3), 1.5, "eye inside");
-    compare_views(&scene, &SPHERES, iso_vec3_make(4, -3, 5), 12, "eye among spheres");
+    compare_views(iso_vec3_make(0.5, 0.2, -0.3), 1.5, "eye inside");
+    compare_views(iso_vec3_make(4, -3, 5), 12, "eye among spheres");
     for (int plane = 0; plane < 2; plane++) { /* the near plane through them */
-        iso_view view = view_of(zero, iso_vec3_make(0, 3, -20), 20, plane);
+        iso_view view = test_shapes_view(zero, iso_vec3_make(0, 3, -20), 20, plane);
         view.near = 17;
-        compare(&scene, &SPHERES, &view, plane ? "cut, parallel" : "cut, perspective");
+        compare(&view, plane ? "cut, parallel" : "cut, perspective");
     }
-}
-
-/* ---- the same bytes */
-
-static void check_variants(const iso_shapes *shapes, const iso_view *view) {
-    iso_gbuffer wanted = drawn(view, shapes, NULL);
-    for (int level = ISO_CPU_GENERIC; level <= (int)iso_cpu_supported(); level++)
-        for (int threads = 1; threads <= 3; threads++) {
-            iso_pool *pool = NULL;
-            iso_cpu_limit((iso_cpu_level)level);
-            if (threads > 1) assert_int_equal(iso_pool_create(threads, &pool, NULL), ISO_OK);
-            iso_gbuffer g = drawn(view, shapes, pool);
-            test_same_rows(&wanted, 0, &g);
-            iso_gbuffer_free(&g);
-            iso_pool_destroy(pool);
-        }
-    iso_cpu_limit(ISO_CPU_AVX512);
-    for (int rows = 1; rows < view->height; rows = rows * 5 + 2)
-        for (int y = 0; y < view->height; y += rows) {
-            const int height = view->height - y < rows ? view->height - y : rows;
-            const iso_view strip = iso_view_rows(view, y, height);
-            iso_gbuffer g = drawn(&strip, shapes, NULL);
-            test_same_rows(&wanted, y, &g);
-            iso_gbuffer_free(&g);
-        }
-    iso_gbuffer_free(&wanted);
 }
 
 static void test_same_bytes(void **state) {
@@ -279,9 +119,9 @@ static void test_same_bytes(void **state) {
     for (int parallel = 0; parallel < 2; parallel++)
         for (int close = 0; close < 2; close++) {
             const iso_vec3 away = close ? iso_vec3_make(1, 2, -4) : iso_vec3_make(60, 35, -80);
-            iso_view view = view_of(zero, away, close ? 5 : 24, parallel);
+            iso_view view = test_shapes_view(zero, away, close ? 5 : 24, parallel);
             view = iso_view_scaled(&view, 4); /* several bins */
-            check_variants(shapes, &view);
+            test_shapes_variants(shapes, &view);
         }
     iso_shapes_destroy(shapes);
 }
@@ -297,17 +137,19 @@ static void test_layers(void **state) {
     iso_error error = {0};
     iso_shapes *shapes;
     test_ok(iso_shapes_from_glyphs(&scene.glyphs, &SPHERES, &shapes, &error), &error);
-    const iso_view view = view_of(zero, iso_vec3_make(60, 35, -80), 24, false);
-    iso_gbuffer alone = drawn(&view, shapes, NULL), g = test_clear_gbuffer(view.width, view.height, true);
+    const iso_view view = test_shapes_view(zero, iso_vec3_make(60, 35, -80), 24, false);
+    iso_gbuffer alone = test_shapes_drawn(&view, shapes, NULL),
+                g = test_clear_gbuffer(view.width, view.height, true);
     for (int i = 0; i < view.width * view.height; i++)
         if (i % 3) { /* in front of, or exactly where the shapes are */
             g.depth[i] = i % 3 == 1 ? 1 : alone.depth[i];
             g.surface[i] = 7;
         }
     const iso_target target = {&view, &g, NULL, 3};
-    test_ok(iso_draw_shapes(&target, shapes, &error), &error);
+    test_ok(iso_draw_shapes(&target, shapes, NULL, &error), &error);
+    const iso_shapes_scene judged = {&scene.glyphs, NULL, SPHERES};
     iso_shapes_truth *truth;
-    test_ok(iso_shapes_truth_create(&scene.glyphs, &SPHERES, &view, &truth, &error), &error);
+    test_ok(iso_shapes_truth_create(&judged, &view, &truth, &error), &error);
     for (int i = 0; i < view.width * view.height; i++) {
         const bool seen = i % 3 == 0 && isfinite(alone.depth[i]);
         assert_int_equal(g.surface[i], i % 3 ? 7 : seen ? 3 : ISO_SURFACE_NONE);
@@ -346,8 +188,8 @@ static void test_bad_glyphs(void **state) {
     test_ok(iso_shapes_from_glyphs(&scene.glyphs, &one, &shapes, &error), &error);
     const iso_box bounds = iso_shapes_bounds(shapes);
     assert_true(iso_box_is_empty(&bounds));
-    const iso_view view = view_of(zero, iso_vec3_make(0, 0, -10), 5, false);
-    iso_gbuffer g = drawn(&view, shapes, NULL);
+    const iso_view view = test_shapes_view(zero, iso_vec3_make(0, 0, -10), 5, false);
+    iso_gbuffer g = test_shapes_drawn(&view, shapes, NULL);
     iso_gbuffer_free(&g);
     iso_shapes_destroy(shapes);
 }

@@ -1,0 +1,98 @@
+/* prepare_glyphs: sorts glyphs into blocks and stores their positions relative to them. */
+#include <math.h>
+#include <string.h>
+
+#include "base/memory.h"
+#include "base/simd.h"
+#include "render/shapes/prepare.h"
+
+enum {
+    WANTED = 128,             /* glyphs of a block, on average */
+    SLACK = 2 * ISO_LANES_MAX /* values that can be read past the end of each array */
+};
+
+static bool is_drawable(const iso_shapes *shapes, const iso_glyphs *glyphs, uint32_t id) {
+    const float *p = glyphs->positions[id], radius = iso_shapes_radius(shapes, id);
+    return isfinite(p[0]) && isfinite(p[1]) && isfinite(p[2]) && radius > 0 && isfinite(radius);
+}
+
+/* Keeps the numbers of glyphs that can be drawn. */
+static uint32_t keep_drawable(const iso_shapes *shapes, const iso_glyphs *glyphs, uint32_t *order) {
+    uint32_t count = 0;
+    for (size_t i = 0; i < glyphs->count; i++)
+        if (is_drawable(shapes, glyphs, order[i])) order[count++] = order[i];
+    return count;
+}
+
+/* Sets a block's box, and its glyphs' positions relative to it. */
+static void fill_block(iso_shapes *shapes, const iso_glyphs *glyphs, iso_shapes_block *block) {
+    const uint32_t end = block->first + block->count;
+    iso_box box = iso_box_empty();
+    for (uint32_t i = block->first; i < end; i++) {
+        const float *p = glyphs->positions[shapes->id[i]], radius = iso_shapes_radius(shapes, shapes->id[i]);
+        iso_box_add(&box, iso_vec3_make((double)p[0], (double)p[1], (double)p[2]));
+        if (radius > block->reach) block->reach = radius;
+    }
+    iso_shapes_set_box(shapes, block, &box);
+    for (uint32_t i = block->first; i < end; i++) {
+        const float *p = glyphs->positions[shapes->id[i]];
+        shapes->x[i] = p[0] - block->origin[0];
+        shapes->y[i] = p[1] - block->origin[1];
+        shapes->z[i] = p[2] - block->origin[2];
+    }
+}
+
+static iso_status store(iso_shapes *shapes, const iso_glyphs *glyphs, const iso_shapes_sort *sort,
+                        iso_error *error) {
+    const size_t stride = shapes->count + SLACK;
+    ISO_TRY(iso_shapes_make_blocks(shapes, sort, (uint32_t)shapes->count, error));
+    shapes->x = iso_alloc_zero(stride, 4 * sizeof *shapes->x);
+    if (!shapes->x) return iso_fail_memory(error, "shapes");
+    shapes->y = shapes->x + stride;
+    shapes->z = shapes->y + stride;
+    shapes->id = (uint32_t *)(shapes->z + stride);
+    shapes->bytes += 4 * stride * sizeof *shapes->x;
+    memcpy(shapes->id, sort->order, shapes->count * sizeof *shapes->id);
+    for (size_t i = 0; i < shapes->block_count; i++) fill_block(shapes, glyphs, &shapes->blocks[i]);
+    return ISO_OK;
+}
+
+static iso_status sort_glyphs(iso_shapes *shapes, const iso_glyphs *glyphs, iso_shapes_sort *sort,
+                              iso_error *error) {
+    ISO_TRY(iso_shapes_sort_make((const float(*)[3])glyphs->positions, glyphs->count, sort, error));
+    sort->wanted = WANTED;
+    sort->most = ISO_SHAPES_BLOCK;
+    shapes->count = keep_drawable(shapes, glyphs, sort->order);
+    shapes->skipped = glyphs->count - shapes->count;
+    ISO_TRY(iso_shapes_sort_run(sort, (uint32_t)shapes->count, error));
+    return store(shapes, glyphs, sort, error);
+}
+
+static iso_status check(const iso_glyphs *glyphs, const iso_shapes_opts *opts, iso_error *error) {
+    ISO_TRY(iso_shapes_check(opts, error));
+    if (opts->glyph != ISO_GLYPH_SPHERE)
+        return iso_fail(error, ISO_ERR_UNSUPPORTED, "only spheres are drawn as glyphs");
+    if (!glyphs->radii && !(opts->radius > 0))
+        return iso_fail(error, ISO_ERR_USAGE, "the glyphs have no radii, and no radius is given");
+    if (glyphs->count >= (size_t)1 << 31)
+        return iso_fail(error, ISO_ERR_LIMIT, "%zu glyphs; 2^31 - 1 at most", glyphs->count);
+    return ISO_OK;
+}
+
+iso_status iso_shapes_from_glyphs(const iso_glyphs *glyphs, const iso_shapes_opts *opts, iso_shapes **shapes,
+                                  iso_error *error) {
+    ISO_TRY(check(glyphs, opts, error));
+    iso_shapes *made = iso_shapes_make(opts, glyphs->origin);
+    if (!made) return iso_fail_memory(error, "shapes");
+    made->kind = ISO_SHAPE_SPHERE;
+    made->radii = glyphs->radii;
+    made->colors = (const uint8_t(*)[3])glyphs->colors;
+    iso_shapes_sort sort = {0};
+    const iso_status status = sort_glyphs(made, glyphs, &sort, error);
+    iso_shapes_sort_free(&sort);
+    if (status == ISO_OK)
+        *shapes = made;
+    else
+        iso_shapes_destroy(made);
+    return status;
+}

@@ -1,0 +1,162 @@
+/* prepare_lines: cuts lines into runs of segments and sorts the runs into blocks by their middle vertices. */
+#include <math.h>
+#include <string.h>
+
+#include "base/memory.h"
+#include "render/shapes/prepare.h"
+
+enum {
+    WANTED = 12, /* runs of a block, on average */
+    MOST = ISO_SHAPES_BLOCK / ISO_SHAPES_RUN
+};
+static const size_t MOST_VERTICES = ((size_t)1 << 29) - 1; /* their floats are counted in 31 bits */
+
+/* ---- vertices */
+
+static iso_status copy_vertices(iso_shapes *shapes, const iso_lines *lines, iso_error *error) {
+    const size_t count = lines->vertex_count;
+    shapes->vertices = iso_alloc((count + 1) * sizeof *shapes->vertices);
+    if (!shapes->vertices) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for %zu vertices", count);
+    for (size_t i = 0; i < count; i++) {
+        memcpy(shapes->vertices[i], lines->vertices[i], 3 * sizeof(float));
+        shapes->vertices[i][3] =
+            (float)((lines->radii ? (double)lines->radii[i] : shapes->radius) * shapes->scale);
+    }
+    shapes->bytes += (count + 1) * sizeof *shapes->vertices;
+    return ISO_OK;
+}
+
+static bool is_vertex(const float v[4]) {
+    return isfinite(v[0]) && isfinite(v[1]) && isfinite(v[2]) && v[3] >= 0 && isfinite(v[3]);
+}
+
+static bool is_segment(const iso_shapes *shapes, size_t first) {
+    const float *a = shapes->vertices[first], *b = shapes->vertices[first + 1];
+    return is_vertex(a) && is_vertex(b) && (a[3] > 0 || b[3] > 0 || shapes->min_pixels > 0);
+}
+
+/* ---- runs */
+
+/* Runs in the order of lines, and the point that each is sorted by. */
+typedef struct runs {
+    iso_buffer first, length, ends, points;
+    size_t count;
+} runs;
+
+static iso_status append(iso_buffer *buffer, size_t index, const void *item, size_t bytes, iso_error *error) {
+    ISO_TRY(iso_buffer_reserve(buffer, (index + 1) * bytes, index * bytes, error));
+    memcpy((char *)buffer->data + index * bytes, item, bytes);
+    return ISO_OK;
+}
+
+static iso_status add_run(iso_shapes *shapes, runs *r, size_t first, size_t length, uint8_t ends,
+                          iso_error *error) {
+    const uint32_t vertex = (uint32_t)first;
+    const uint8_t segments = (uint8_t)length;
+    ISO_TRY(append(&r->first, r->count, &vertex, sizeof vertex, error));
+    ISO_TRY(append(&r->length, r->count, &segments, sizeof segments, error));
+    ISO_TRY(append(&r->ends, r->count, &ends, sizeof ends, error));
+    ISO_TRY(append(&r->points, r->count, shapes->vertices[first + length / 2], 3 * sizeof(float), error));
+    shapes->count += length;
+    r->count++;
+    return ISO_OK;
+}
+
+/* Cuts one line, whose vertices are begin .. end - 1, into runs of segments that can be drawn. */
+static iso_status cut_line(iso_shapes *shapes, runs *r, size_t begin, size_t end, iso_error *error) {
+    for (size_t at = begin; at + 1 < end;) {
+        size_t length = 0;
+        while (length < ISO_SHAPES_RUN && at + length + 1 < end && is_segment(shapes, at + length)) length++;
+        if (!length) {
+            shapes->skipped++;
+            at++;
+            continue;
+        }
+        const int ends = (at == begin ? ISO_RUN_STARTS : 0) | (at + length + 1 == end ? ISO_RUN_ENDS : 0);
+        ISO_TRY(add_run(shapes, r, at, length, (uint8_t)ends, error));
+        at += length;
+    }
+    return ISO_OK;
+}
+
+static iso_status cut_lines(iso_shapes *shapes, const iso_lines *lines, runs *r, iso_error *error) {
+    for (size_t i = 0; i < lines->line_count; i++)
+        ISO_TRY(cut_line(shapes, r, lines->starts[i], lines->starts[i + 1], error));
+    if (r->count > UINT32_MAX) return iso_fail(error, ISO_ERR_LIMIT, "more than 2^32 - 1 runs of segments");
+    return ISO_OK;
+}
+
+/* ---- blocks */
+
+static void fill_block(iso_shapes *shapes, iso_shapes_block *block) {
+    iso_box box = iso_box_empty();
+    for (uint32_t i = block->first; i < block->first + block->count; i++)
+        for (uint32_t k = 0; k <= shapes->runs.length[i]; k++) {
+            const float *v = shapes->vertices[shapes->runs.first[i] + k];
+            iso_box_add(&box, iso_vec3_make((double)v[0], (double)v[1], (double)v[2]));
+            if (v[3] > block->reach) block->reach = v[3];
+        }
+    iso_shapes_set_box(shapes, block, &box);
+}
+
+static iso_status store(iso_shapes *shapes, const runs *r, const iso_shapes_sort *sort, iso_error *error) {
+    ISO_TRY(iso_shapes_make_blocks(shapes, sort, (uint32_t)r->count, error));
+    const size_t bytes = r->count * (sizeof(uint32_t) + 2);
+    shapes->runs.first = iso_alloc(bytes);
+    if (!shapes->runs.first) return iso_fail_memory(error, "shapes");
+    shapes->runs.length = (uint8_t *)(shapes->runs.first + r->count);
+    shapes->runs.ends = shapes->runs.length + r->count;
+    shapes->bytes += bytes;
+    for (size_t i = 0; i < r->count; i++) {
+        const uint32_t run = sort->order[i];
+        shapes->runs.first[i] = ((const uint32_t *)r->first.data)[run];
+        shapes->runs.length[i] = ((const uint8_t *)r->length.data)[run];
+        shapes->runs.ends[i] = ((const uint8_t *)r->ends.data)[run];
+    }
+    for (size_t i = 0; i < shapes->block_count; i++) fill_block(shapes, &shapes->blocks[i]);
+    return ISO_OK;
+}
+
+static iso_status sort_lines(iso_shapes *shapes, const iso_lines *lines, runs *r, iso_shapes_sort *sort,
+                             iso_error *error) {
+    ISO_TRY(copy_vertices(shapes, lines, error));
+    ISO_TRY(cut_lines(shapes, lines, r, error));
+    ISO_TRY(iso_shapes_sort_make((const float(*)[3])r->points.data, r->count, sort, error));
+    sort->wanted = WANTED;
+    sort->most = MOST;
+    ISO_TRY(iso_shapes_sort_run(sort, (uint32_t)r->count, error));
+    return store(shapes, r, sort, error);
+}
+
+static iso_status check(const iso_lines *lines, const iso_shapes_opts *opts, iso_error *error) {
+    ISO_TRY(iso_shapes_check(opts, error));
+    if (!lines->radii && !(opts->radius > 0) && !(opts->min_pixels > 0))
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "the lines have no radii, and neither radius nor width is given");
+    if (lines->vertex_count > MOST_VERTICES)
+        return iso_fail(error, ISO_ERR_LIMIT, "%zu vertices; %zu at most", lines->vertex_count,
+                        MOST_VERTICES);
+    return ISO_OK;
+}
+
+iso_status iso_shapes_from_lines(const iso_lines *lines, const iso_shapes_opts *opts, iso_shapes **shapes,
+                                 iso_error *error) {
+    ISO_TRY(check(lines, opts, error));
+    iso_shapes *made = iso_shapes_make(opts, lines->origin);
+    if (!made) return iso_fail_memory(error, "shapes");
+    made->kind = ISO_SHAPE_TUBE;
+    made->colors = (const uint8_t(*)[3])lines->colors;
+    runs r = {.count = 0};
+    iso_shapes_sort sort = {0};
+    const iso_status status = sort_lines(made, lines, &r, &sort, error);
+    iso_shapes_sort_free(&sort);
+    iso_buffer_free(&r.first);
+    iso_buffer_free(&r.length);
+    iso_buffer_free(&r.ends);
+    iso_buffer_free(&r.points);
+    if (status == ISO_OK)
+        *shapes = made;
+    else
+        iso_shapes_destroy(made);
+    return status;
+}
