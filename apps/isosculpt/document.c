@@ -247,12 +247,18 @@ iso_status isosculpt_document_init_empty(isosculpt_document *document, iso_error
     return create_session(document, grid, &(iso_session_opts){0}, error);
 }
 
-/* The field that a stroke file began with. */
-static iso_status reopen_start_field(isosculpt_document *document, const char *journal,
-                                     const iso_progress *progress, iso_hgrid **grid, iso_error *error) {
-    if (strcmp(document->start.source, "ball") == 0) return iso_session_ball(&document->start, grid, error);
-    const isosculpt_source how = {.pool = document->pool, .progress = progress};
-    return isosculpt_source_reopen(journal, &how, &document->start, grid, error);
+/* The field that a session began with; its header is brought up to date. */
+static iso_status make_first_field(iso_journal_start *start, const char *journal, iso_pool *pool,
+                                   const iso_progress *progress, iso_hgrid **grid, iso_error *error) {
+    if (strcmp(start->source, "ball") == 0) return iso_session_ball(start, grid, error);
+    const isosculpt_source how = {.pool = pool, .progress = progress};
+    return isosculpt_source_reopen(journal, &how, start, grid, error);
+}
+
+iso_status isosculpt_document_first_field(const iso_journal_start *start, const char *journal, iso_pool *pool,
+                                          const iso_progress *progress, iso_hgrid **grid, iso_error *error) {
+    iso_journal_start copy = *start;
+    return make_first_field(&copy, journal, pool, progress, grid, error);
 }
 
 /* The target of a stroke file that is continued lies beside it; for a journal in the state folder, where
@@ -281,7 +287,7 @@ iso_status isosculpt_document_open(isosculpt_document *document, const char *jou
     const iso_progress reading = iso_progress_part(progress, 0, 0.3),
                        playing = iso_progress_part(progress, 0.3, 1);
     const iso_session_opts opts = {.journal = journal, .resume = true, .progress = &playing};
-    iso_status status = reopen_start_field(document, journal, &reading, &grid, error);
+    iso_status status = make_first_field(&document->start, journal, document->pool, &reading, &grid, error);
     if (status == ISO_OK) status = create_session(document, grid, &opts, error);
     document->was_unclosed = was_unclosed;
     if (status == ISO_OK) {

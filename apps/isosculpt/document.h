@@ -71,6 +71,11 @@ void isosculpt_document_remember_target(const isosculpt_document *document);
 iso_status isosculpt_document_open(isosculpt_document *document, const char *journal,
                                    const iso_progress *progress, iso_error *error);
 
+/* Makes the field that a session began with, from its journal's header and path ("": it has none); the caller
+ * owns *grid. For any thread. Errors: those of isosculpt_source_reopen. */
+iso_status isosculpt_document_first_field(const iso_journal_start *start, const char *journal, iso_pool *pool,
+                                          const iso_progress *progress, iso_hgrid **grid, iso_error *error);
+
 /* Opens an empty field without a journal, for a window that has nothing to show yet. */
 iso_status isosculpt_document_init_empty(isosculpt_document *document, iso_error *error);
 

@@ -20,6 +20,13 @@ typedef enum isosculpt_backend {
     ISOSCULPT_BACKEND_GL
 } isosculpt_backend;
 
+/* Where the reference is seen: in front of the sculpture, or through it. */
+typedef enum isosculpt_x_ray {
+    ISOSCULPT_X_RAY_OFF,
+    ISOSCULPT_X_RAY_UNDER,
+    ISOSCULPT_X_RAY_OVER
+} isosculpt_x_ray;
+
 /* Strings are borrowed from argv. */
 typedef struct isosculpt_settings {
     iso_common_settings common; /* first; `input` says how the opened file is read */
@@ -28,6 +35,7 @@ typedef struct isosculpt_settings {
     int headless, recover, extract, draw;
     int closed;           /* meshes that are written are capped at the border of the grid */
     int backend;          /* isosculpt_backend */
+    int x_ray;            /* isosculpt_x_ray */
     int resolution[2];    /* pixels, of the pictures of --draw; 0: 1280 x 800 */
     double voxel_size;    /* mm; 0: not given */
     double isovalue;      /* physical; NAN: not given */

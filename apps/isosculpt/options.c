@@ -33,6 +33,7 @@ static iso_status apply_close_holes(void *target, const char *value, iso_error *
 }
 
 static const char *const backends[] = {"auto", "cpu", "gl", NULL};
+static const char *const x_rays[] = {"off", "under", "over", NULL};
 
 #define AT(member) .offset = offsetof(isosculpt_settings, member)
 
@@ -84,6 +85,11 @@ static const iso_option options[] = {
      "moves); "
      "auto is gl where a GPU does it; the panel changes it",
      .group = RUNNING, .kind = ISO_OPTION_CHOICE, AT(backend), .choices = backends, .standard = "auto"},
+    {"x-ray", NULL, "NAME",
+     "show the surface as it was when the session began, translucent: over the sculpture, or under it, where "
+     "it "
+     "lies in front; in a window, which can change it, or with --draw",
+     .group = RUNNING, .kind = ISO_OPTION_CHOICE, AT(x_ray), .choices = x_rays, .standard = "off"},
     {"threads", NULL, "N", "threads to use; the result does not depend on it", .group = RUNNING,
      .kind = ISO_OPTION_INT, AT(common.threads), .standard = "one a processor", .low = 1, .high = 1024},
 #include "apps/common/running_options.inc"
@@ -209,6 +215,8 @@ iso_status isosculpt_settings_parse(int argc, char *const *argv, isosculpt_setti
         return iso_fail(error, ISO_ERR_USAGE, "--headless needs --replay FILE or --open FILE");
     if (settings->stamp)
         return iso_fail(error, ISO_ERR_USAGE, "--stamp is for a window: strokes hold their stamps");
+    if (settings->x_ray && !settings->draw)
+        return iso_fail(error, ISO_ERR_USAGE, "--x-ray is for pictures: with --headless it needs --draw");
     ISO_TRY(check_opened(settings, error));
     if (settings->output && !has_suffix(settings->output, ".vdb .ply .stl .obj"))
         return iso_fail(error, ISO_ERR_USAGE, "%s: the result is written as .vdb, .ply, .stl or .obj",

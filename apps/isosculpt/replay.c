@@ -10,7 +10,7 @@
 #include "apps/isosculpt/isosculpt.h"
 #include "apps/isosculpt/mesh_file.h"
 #include "apps/isosculpt/source.h"
-#include "apps/isosculpt/viewport/viewport.h"
+#include "apps/isosculpt/viewport/reference.h"
 #include "base/clock.h"
 #include "base/file.h"
 #include "base/memory.h"
@@ -127,6 +127,8 @@ static iso_status draw_timed(player *p, iso_error *error) {
     double start = iso_clock_seconds();
     ISO_TRY(isosculpt_viewport_draw(p->viewport, p->report->resolution[0], p->report->resolution[1], true,
                                     error));
+    if (p->viewport->reference_error.text[0])
+        return iso_fail(error, ISO_ERR_NOMEM, "%s", p->viewport->reference_error.text);
     return add_time(&p->report->draw, iso_clock_seconds() - start, error);
 }
 
@@ -288,6 +290,20 @@ static iso_status check_outputs(const isosculpt_settings *settings, iso_file_set
     return ISO_OK;
 }
 
+/* The reference is a copy of the field, on which nothing was played yet. */
+static iso_status add_reference(player *p, iso_error *error) {
+    const iso_grid grid = {.hgrid = iso_session_grid(p->session)};
+    iso_grid copy;
+    isosculpt_reference *reference;
+    if (p->settings->x_ray == ISOSCULPT_X_RAY_OFF) return ISO_OK;
+    ISO_TRY(iso_grid_copy(&grid, p->pool, &copy, error));
+    ISO_TRY(isosculpt_reference_create(copy.hgrid, iso_pool_threads(p->pool), &reference, error));
+    isosculpt_viewport_set_reference(p->viewport, reference);
+    p->viewport->reference_mode.shown = true;
+    p->viewport->reference_mode.over = p->settings->x_ray == ISOSCULPT_X_RAY_OVER;
+    return ISO_OK;
+}
+
 /* Extracts and draws what a window would have before the first stroke. */
 static iso_status prepare(player *p, iso_error *error) {
     const int *size = p->report->resolution;
@@ -299,6 +315,7 @@ static iso_status prepare(player *p, iso_error *error) {
     }
     if (!p->viewport) return ISO_OK;
     ISO_TRY(isosculpt_viewport_init(p->viewport, grid.hgrid, p->pool, error));
+    ISO_TRY(add_reference(p, error));
     return isosculpt_viewport_draw(p->viewport, size[0], size[1], false, error);
 }
 

@@ -35,7 +35,7 @@ iso_status iso_exact_map_glass(const iso_exact *exact, const iso_glass_map *map,
     const iso_gbuffer size = {.width = map->view->width, .height = map->view->height};
     const iso_strip strip = {.view = map->view, .gbuffer = &size, .factor = 1};
     const iso_exact_layer layer = {.exact = exact, .translucency = {.constant = true}};
-    const iso_exact_layers_reader reader = {read_band, (void *)map};
+    const iso_exact_layers_reader reader = {.read = read_band, .context = (void *)map};
     const iso_exact_layers layers = {
         .layers = &layer, .count = 1, .picture = {.strip = &strip, .pool = pool}, .reader = &reader};
     iso_exact_layers_totals totals = {.retraced = 0};

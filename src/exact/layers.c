@@ -52,6 +52,10 @@ typedef struct layers_draw {
 
 /* ---- setting up */
 
+static bool wants_normals(const iso_exact_layers *input) {
+    return input->reader && !input->reader->shaded;
+}
+
 static void set_base(iso_rgb color, float base[3]) {
     base[0] = (float)color.r / 255;
     base[1] = (float)color.g / 255;
@@ -87,7 +91,7 @@ static void set_up_layer(layers_draw *draw, int number) {
     l->frame.projection.fragments = &l->fragments;
     l->frame.kernel = iso_exact_layers_kernel_get(iso_cpu_best());
     l->fragments = (iso_exact_fragments){.opacity = iso_layer_opacity_make(translucency),
-                                         .normals = draw->input->reader != NULL,
+                                         .normals = wants_normals(draw->input),
                                          .surface = number,
                                          .fall_leaves = l->input->exact->surface.normal_sign < 0};
     l->pass = (iso_layer_pass){.surface = number,
@@ -291,7 +295,7 @@ iso_status iso_shade_exact_layers(const iso_exact_layers *input, iso_exact_layer
     iso_pool *pool = input->picture.pool;
     layers_draw draw = {.input = input,
                         .size = {.width = strip->view->width, .height = strip->view->height},
-                        .needs_rays = input->reader != NULL};
+                        .needs_rays = wants_normals(input)};
     draw.target = (iso_target){.view = strip->view, .gbuffer = &draw.size, .pool = pool};
     iso_status status = set_up(&draw, error);
     const iso_layer_bands bands = {strip, draw.band_rows, pool, list_rows, use_rows, &draw};

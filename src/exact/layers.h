@@ -27,9 +27,11 @@ enum { ISO_EXACT_LAYERS_BYTES = 32 << 20 };
 
 enum { ISO_EXACT_LAYERS_MAX = 64 }; /* surfaces in a picture */
 
-/* Takes the fragments of a band of rows instead of having them composited: their colours are the unit normals
- * at the crossings (view space, out of the solid). */
+/* Takes the fragments of a band of rows instead of having them composited. */
 typedef struct iso_exact_layers_reader {
+    /* Their colours are shaded ones, and no rays are set. Else their colours are the unit normals at the
+     * crossings (view space, out of the solid). */
+    bool shaded;
     /* Called once for each band by any worker. first: the band's first row of samples in the strip. */
     void (*read)(void *context, const iso_layer_lists *lists, const iso_layer_rays *rays, int first);
     void *context;

@@ -253,6 +253,16 @@ void iso_camera_zoom(iso_camera *camera, double factor) {
     camera->parallel_scale /= factor;
 }
 
+static bool equal_vectors(iso_vec3 a, iso_vec3 b) {
+    return a.x == b.x && a.y == b.y && a.z == b.z;
+}
+
+bool iso_camera_equal(const iso_camera *a, const iso_camera *b) {
+    return equal_vectors(a->position, b->position) && equal_vectors(a->focal_point, b->focal_point) &&
+           equal_vectors(a->view_up, b->view_up) && a->view_angle == b->view_angle &&
+           a->orthographic == b->orthographic && a->parallel_scale == b->parallel_scale;
+}
+
 iso_status iso_camera_check(const iso_camera *camera, iso_error *error) {
     if (!iso_vec3_is_finite(camera->position) || !iso_vec3_is_finite(camera->focal_point) ||
         !iso_vec3_is_finite(camera->view_up))

@@ -65,6 +65,9 @@ double iso_camera_mm_per_pixel(const iso_camera *camera, int height);
  * the angle instead, which is not exact). */
 void iso_camera_zoom(iso_camera *camera, double factor);
 
+/* Whether two cameras have the same values. */
+bool iso_camera_equal(const iso_camera *a, const iso_camera *b);
+
 /* ISO_ERR_USAGE when the camera cannot see: eye at the focal point, view_up parallel to the view, a bad
  * angle, a value that is not finite. */
 iso_status iso_camera_check(const iso_camera *camera, iso_error *error);

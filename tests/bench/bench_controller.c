@@ -21,6 +21,7 @@ static const double RADII_A_SAMPLE = 0.25;
 typedef struct hand_scene {
     int side; /* voxels, of 1 mm */
     double ball, brush;
+    const char *x_ray; /* isosculpt's option: how the ball as it was at the beginning is seen; "off" */
 } hand_scene;
 
 typedef struct controller {
@@ -78,8 +79,8 @@ static iso_status open_hand(bench_row *row, iso_error *error) {
     if (!h) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
     row->context = h;
     const char *folder = getenv("TMPDIR");
-    snprintf(h->strokes, sizeof h->strokes, "%.400s/isopoint-bench-%ld-%d.strokes", folder ? folder : "/tmp",
-             (long)getpid(), row->threads);
+    snprintf(h->strokes, sizeof h->strokes, "%.400s/isopoint-bench-%ld-%d-%s.strokes",
+             folder ? folder : "/tmp", (long)getpid(), row->threads, ((const hand_scene *)row->plan)->x_ray);
     snprintf(h->report, sizeof h->report, "%s.json", h->strokes);
     return write_strokes(row->plan, h->strokes, error);
 }
@@ -105,13 +106,14 @@ static iso_status read_report(controller *h, bench_sample *sample, iso_error *er
 /* The time of a run is that of its middle step. */
 static iso_status run_hand(bench_row *row, bench_sample *sample, iso_error *error) {
     controller *h = row->context;
+    const hand_scene *scene = row->plan;
     char program[1100], threads[16], report[560];
     bench_child *child = NULL;
     ISO_TRY(bench_sibling("isosculpt", program, sizeof program, error));
     snprintf(threads, sizeof threads, "%d", row->threads);
     snprintf(report, sizeof report, "--json=%s", h->report);
-    const char *const argv[] = {program, "--replay",  h->strokes, "--headless", "--draw",
-                                report,  "--threads", threads,    "--quiet",    NULL};
+    const char *const argv[] = {program,     "--replay", h->strokes, "--headless", "--draw",     report,
+                                "--threads", threads,    "--quiet",  "--x-ray",    scene->x_ray, NULL};
     ISO_TRY(bench_child_start(argv, row->threads, NULL, &child, error));
     if (!bench_child_end(child)) return iso_fail(error, ISO_ERR_UNSUPPORTED, "isosculpt failed");
     ISO_TRY(read_report(h, sample, error));
@@ -143,19 +145,32 @@ static void close_hand(bench_row *row) {
 static const bench_kind hand_kind = {
     .open = open_hand, .run = run_hand, .finish = finish_hand, .close = close_hand, .batch = 1, .rounds = 5};
 
+static bench_row *add_hand(bench_state *bench, const hand_scene *scene, int threads) {
+    const bool x_ray = strcmp(scene->x_ray, "off") != 0;
+    bench_row *row = bench_add(bench, &hand_kind, "sculpt/hand/ball%d/r%g%s%s/threads:%d", scene->side,
+                               scene->brush, x_ray ? "/x-ray-" : "", x_ray ? scene->x_ray : "", threads);
+    hand_scene *plan = calloc(1, sizeof *plan);
+    if (!plan) abort(); /* (as bench_add does when there are too many rows) */
+    *plan = *scene;
+    row->plan = plan;
+    row->size = scene->side;
+    row->threads = threads;
+    return row;
+}
+
 iso_status bench_controller_group(bench_state *bench, iso_error *error) {
     const bench_settings *settings = bench->settings;
     /* the large ball has 3 million points */
-    const hand_scene scene = settings->small ? (hand_scene){64, 24, 6} : (hand_scene){1024, 400, 32};
+    const hand_scene scene =
+        settings->small ? (hand_scene){64, 24, 6, "off"} : (hand_scene){1024, 400, 32, "off"};
+    static const char *const x_rays[] = {"under", "over"};
     for (int t = 0; t < settings->thread_count; t++) {
-        bench_row *row = bench_add(bench, &hand_kind, "sculpt/hand/ball%d/r%g/threads:%d", scene.side,
-                                   scene.brush, settings->threads[t]);
-        hand_scene *plan = calloc(1, sizeof *plan);
-        if (!plan) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
-        *plan = scene;
-        row->plan = plan;
-        row->size = scene.side;
-        row->threads = settings->threads[t];
+        bench_row *row = add_hand(bench, &scene, settings->threads[t]);
+        for (int i = 0; i < 2; i++) {
+            hand_scene with = scene;
+            with.x_ray = x_rays[i];
+            bench_compare(add_hand(bench, &with, settings->threads[t]), row, "ratio_vs_off", NULL, 0);
+        }
     }
     return bench_run_group(bench, "from a sample of the hand to the finished picture, 1280x800", error);
 }

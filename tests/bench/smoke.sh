@@ -41,7 +41,7 @@ wanted += [f"render/{method}/{what}/generic/threads:{n}" for method in ("points"
            for what in [*spheres, "25k", *views] for n in (1, 2)]
 wanted += [f"render/exact/{what}/generic/threads:{n}" for what in views for n in (1, 2)]
 wanted += [f"process/isorender_{method}/ct48.vti/threads:{n}" for method in ("mesh", "exact") for n in (1, 2)]
-wanted += [f"sculpt/hand/ball64/r6/threads:{n}" for n in (1, 2)]
+wanted += [f"sculpt/hand/ball64/r6{seen}/threads:{n}" for n in (1, 2) for seen in ("", "/x-ray-under", "/x-ray-over")]
 drawn_by = next((name.rsplit("/", 1)[1] for name in listed if name.startswith("render/gl_points/")), None)
 if drawn_by:
     wanted += [f"render/gl_{method}/{what}/{drawn_by}" for method in ("points", "pullpush") for what in [*spheres, "25k"]]

@@ -175,7 +175,7 @@ awk "BEGIN { exit !($a0 + $a1 - $x0 - $x1 <= 3 && $x0 + $x1 - $a0 - $a1 <= 3) }"
 # ---- another file begins without a mirror, and has its own middle
 make_box other.obj -60 7 0 12
 before=$journal
-press 90 413 # the box for a name, one row lower now that the mirror has one
+press 90 436 # the box for a name, one row lower now that the mirror has one
 xdotool key --delay 100 ctrl+a
 xdotool type "$work/other.obj"
 xdotool sleep 0.2 key Return

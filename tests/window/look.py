@@ -4,6 +4,7 @@ modal FILE              a question or the browser: the rest of the window is dar
 color FILE R G B BOX N  at least N pixels of about that colour in BOX (X0,Y0,X1,Y1)
 box FILE                prints the box around what is not background: X0 Y0 X1 Y1 (X1, Y1 are outside)
 same A B N              at most N pixels differ; prints how many do
+near A B N              no channel of a pixel differs by more than N; prints by how much one does
 """
 import os
 import sys
@@ -44,4 +45,12 @@ def same(a, b, count):
     return len(first.rows) == len(second.rows) and len(first.rows[0]) == len(second.rows[0]) and differ <= int(count)
 
 
-sys.exit(not {"modal": modal, "color": color, "box": box, "same": same}[sys.argv[1]](*sys.argv[2:]))
+def near(a, b, most):
+    first, second = Png(a), Png(b)
+    rows = zip(first.rows, second.rows)
+    largest = max(abs(x - y) for r, s in rows for p, q in zip(r, s) for x, y in zip(p, q))
+    print("differ by", largest)
+    return len(first.rows) == len(second.rows) and largest <= int(most)
+
+
+sys.exit(not {"modal": modal, "color": color, "box": box, "same": same, "near": near}[sys.argv[1]](*sys.argv[2:]))

@@ -140,7 +140,7 @@ has_events end 1 || fail "strokes on an opened file: $(events end)"
 # ---- opening another file by its name in the panel; a name that does not exist changes nothing
 before=$journal
 open_by_name() {
-    press 90 390
+    press 90 413
     xdotool key --delay 100 ctrl+a
     xdotool type "$1"
     xdotool sleep 0.2 key Return

@@ -26,7 +26,7 @@ save_as() {
     enter "$1"
 }
 export_as() {
-    until_ "the browser" opens_browser 172 413
+    until_ "the browser" opens_browser 172 436
     enter "$1"
 }
 is_stl() { # whole: as long as its number of triangles says

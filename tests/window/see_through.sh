@@ -1,5 +1,6 @@
 #!/bin/bash
-# See-through pictures in a real window under Xvfb: the opacity of a volume's surface and a second isovalue in its histogram.
+# See-through pictures in a real window under Xvfb: the opacity of a volume's surface, a second isovalue in its histogram,
+# and the reference of the field that is made of it.
 # see_through.sh BIN TOOLS: the folders of the programs and of the tests' own programs. Exit status 77: skipped, as something
 # needed is missing.
 set -u
@@ -86,6 +87,17 @@ draws both 0
 # ---- a brush is chosen: the first surface becomes a field, and is opaque
 key 2
 until_ "a field" journal_is_there
+until_ "its title" title_is "$(basename "$journal")"
 picture field
+
+# ---- the reference: nothing of it lies in front of what was not changed (samples are rounded before they are averaged)
+key r
+referenced() {
+    whole_window panel
+    look color panel.png 130 190 240 270,380,300,400 50
+}
+until_ "the reference's colour in the panel" referenced
+picture unchanged
+look near field.png unchanged.png 1 || fail "the reference is seen in front of an unchanged sculpture"
 stop
 echo "passed"

@@ -4,6 +4,8 @@
 #include <string.h>
 
 #include "apps/isosculpt/viewport/async_surface.h"
+#include "apps/isosculpt/viewport/masked.h"
+#include "apps/isosculpt/viewport/reference.h"
 #include "apps/isosculpt/viewport/room.h"
 #include "apps/isosculpt/viewport/see_through.h"
 #include "base/clock.h"
@@ -52,46 +54,9 @@ static iso_status draw_surface(isosculpt_viewport *viewport, iso_method method, 
                                        : iso_draw_pullpush(target, &points, &opts, error);
 }
 
-/* What the threads that darken masked voxels read. */
-typedef struct mask_pass {
-    const isosculpt_viewport *viewport;
-    const iso_strip *strip;
-    const iso_image *image;
-    iso_affine affine;
-} mask_pass;
-
-static bool is_masked(const mask_pass *m, size_t sample, double x, double y) {
-    const int *dims = iso_grid_dims(&m->viewport->grid);
-    iso_vec3 origin, direction;
-    if (m->strip->gbuffer->surface[sample] == ISO_SURFACE_NONE) return false;
-    iso_view_ray(m->strip->view, x, y, &origin, &direction);
-    iso_vec3 world =
-        iso_vec3_add(origin, iso_vec3_scale(direction, (double)m->strip->gbuffer->depth[sample]));
-    iso_vec3 p = iso_affine_point_to_index(&m->affine, world);
-    const double at[3] = {p.x, p.y, p.z};
-    int voxel[3];
-    for (int axis = 0; axis < 3; axis++)
-        voxel[axis] = (int)fmin(fmax(floor(at[axis] + 0.5), 0), dims[axis] - 1);
-    return m->viewport->mask.at(m->viewport->mask.context, voxel[0], voxel[1], voxel[2]);
-}
-
-static void darken_masked_row(void *context, size_t row, int worker) {
-    (void)worker;
-    const mask_pass *m = context;
-    const size_t factor = (size_t)m->strip->factor, width = (size_t)m->image->width;
-    for (size_t column = 0; column < width; column++) {
-        size_t x = column * factor + factor / 2, y = row * factor + factor / 2;
-        uint8_t *rgba = m->image->rgba + (row * width + column) * 4;
-        if (!is_masked(m, y * width * factor + x, (double)x + 0.5, (double)y + 0.5)) continue;
-        for (int k = 0; k < 3; k++) rgba[k] = (uint8_t)(rgba[k] * 3 / 5);
-    }
-}
-
 static void shade_strip(isosculpt_viewport *viewport, const iso_strip *strip, iso_image *image) {
     isosculpt_material_strip(&viewport->mode.material, &viewport->matcap, strip, image, viewport->pool);
-    if (!viewport->mask.at) return;
-    mask_pass m = {viewport, strip, image, iso_transform_affine(iso_grid_transform(&viewport->grid))};
-    iso_parallel_for(viewport->pool, (size_t)image->height, darken_masked_row, &m);
+    if (viewport->mask.at) isosculpt_darken_masked(viewport, strip, image);
 }
 
 /* Draws and shades the surface into the strip's rows of an image; `gbuffer` is the strip's. */
@@ -117,6 +82,13 @@ static void begin_whole(isosculpt_viewport *viewport, int factor) {
     viewport->drawn_exactly = false;
 }
 
+/* How the reference is drawn now; not shown, unless there is one. */
+static isosculpt_reference_mode shown_reference(const isosculpt_viewport *viewport) {
+    isosculpt_reference_mode mode = viewport->reference_mode;
+    mode.shown = isosculpt_viewport_shows_reference(viewport);
+    return mode;
+}
+
 static void finish_whole(isosculpt_viewport *viewport) {
     viewport->drawn.samples = (double)viewport->drawn.view.width / viewport->width;
     viewport->drawn_camera = viewport->camera;
@@ -124,6 +96,7 @@ static void finish_whole(isosculpt_viewport *viewport) {
     viewport->drawn_isovalue = viewport->isovalue;
     viewport->drawn_see_through = viewport->see_through;
     viewport->drawn_opaque = viewport->opaque;
+    viewport->drawn_reference_mode = shown_reference(viewport);
 }
 
 /* Draws the surfaces of a picture of viewport->drawn.view, and shades it. `quick`: from the points of a level
@@ -138,8 +111,10 @@ static iso_status draw_see_through(isosculpt_viewport *viewport, bool quick, boo
     return isosculpt_see_through_draw_samples(viewport, &drawn->view, &drawn->gbuffer, error);
 }
 
-/* Draws the whole picture by the cpu engine, one sample for factor x factor pixels. */
-static iso_status draw_whole(isosculpt_viewport *viewport, iso_method method, int factor, iso_error *error) {
+/* Draws the whole picture by the cpu engine, one sample for factor x factor pixels. `hurried`: the reference
+ * may have fewer. */
+static iso_status draw_whole(isosculpt_viewport *viewport, iso_method method, int factor, bool hurried,
+                             iso_error *error) {
     isosculpt_layer *drawn = &viewport->drawn;
     begin_whole(viewport, factor);
     const int width = drawn->view.width, height = drawn->view.height;
@@ -150,6 +125,7 @@ static iso_status draw_whole(isosculpt_viewport *viewport, iso_method method, in
         ISO_TRY(draw_see_through(viewport, method != ISO_METHOD_EXACT, factor == 1, error));
     else
         ISO_TRY(draw_and_shade(viewport, method, &strip, &drawn->gbuffer, &viewport->image, error));
+    isosculpt_reference_blend_whole(viewport, hurried);
     finish_whole(viewport);
     viewport->drawn_exactly = method == ISO_METHOD_EXACT && factor == 1;
     viewport->redrawn = viewport->unrefined =
@@ -162,7 +138,8 @@ static iso_status draw_whole(isosculpt_viewport *viewport, iso_method method, in
 static bool is_by_gl(const isosculpt_viewport *viewport, bool moving) {
     const isosculpt_display_mode *mode = &viewport->mode;
     return viewport->gl && mode->engine == ISOSCULPT_ENGINE_GL && !viewport->mask.at &&
-           !isosculpt_viewport_is_see_through(viewport) && (mode->method != ISO_METHOD_EXACT || moving);
+           !isosculpt_viewport_is_see_through(viewport) && !isosculpt_viewport_shows_reference(viewport) &&
+           (mode->method != ISO_METHOD_EXACT || moving);
 }
 
 /* Draws the picture of drawn.view with factor x factor samples a pixel. */
@@ -249,6 +226,32 @@ static void copy_tile_samples(isosculpt_viewport *viewport, isosculpt_rectangle 
     }
 }
 
+static void average_pixel(const iso_image *samples, int factor, size_t first, uint8_t rgba[4]) {
+    const unsigned count = (unsigned)(factor * factor);
+    for (size_t k = 0; k < 4; k++) {
+        unsigned sum = 0;
+        for (int i = 0; i < factor * factor; i++)
+            sum += samples->rgba[4 * (first + (size_t)(i / factor * samples->width + i % factor)) + k];
+        rgba[k] = (uint8_t)((sum + count / 2) / count);
+    }
+}
+
+/* Draws and shades a tile with the reference: it is blended over every sample, then the samples of a pixel
+ * are averaged. */
+static iso_status draw_fine_tile(isosculpt_viewport *viewport, iso_method method, const iso_view *view,
+                                 int factor, iso_error *error) {
+    iso_image *fine = &viewport->fine_image, *pixels = &viewport->tile_image;
+    const iso_strip strip = {.view = view, .gbuffer = &viewport->tile, .factor = 1};
+    ISO_TRY(isosculpt_reserve_pixels(fine, &viewport->fine_room, view->width, view->height, error));
+    ISO_TRY(draw_and_shade(viewport, method, &strip, &viewport->tile, fine, error));
+    isosculpt_reference_blend_fine(viewport, view, fine);
+    for (int y = 0; y < pixels->height; y++)
+        for (int x = 0; x < pixels->width; x++)
+            average_pixel(fine, factor, (size_t)(y * factor) * (size_t)fine->width + (size_t)(x * factor),
+                          pixels->rgba + 4 * ((size_t)y * (size_t)pixels->width + (size_t)x));
+    return ISO_OK;
+}
+
 /* Draws a part of the picture with factor x factor samples a pixel. */
 static iso_status draw_tile(isosculpt_viewport *viewport, iso_method method, isosculpt_rectangle r,
                             int factor, iso_error *error) {
@@ -259,24 +262,17 @@ static iso_status draw_tile(isosculpt_viewport *viewport, iso_method method, iso
     iso_strip strip = {.view = &samples, .gbuffer = &viewport->tile, .factor = factor};
     if (isosculpt_viewport_is_see_through(viewport))
         ISO_TRY(isosculpt_see_through_shade(viewport, &strip, &viewport->tile, &viewport->tile_image, error));
+    else if (factor > 1 && isosculpt_viewport_shows_reference(viewport))
+        ISO_TRY(draw_fine_tile(viewport, method, &samples, factor, error));
     else
         ISO_TRY(draw_and_shade(viewport, method, &strip, &viewport->tile, &viewport->tile_image, error));
+    if (factor == 1) isosculpt_reference_blend_tile(viewport, r);
     copy_tile_pixels(viewport, r);
     if (factor == 1) copy_tile_samples(viewport, r);
     return ISO_OK;
 }
 
 /* ---- what has to be drawn */
-
-static bool same_vec(iso_vec3 a, iso_vec3 b) {
-    return a.x == b.x && a.y == b.y && a.z == b.z;
-}
-
-static bool same_camera(const iso_camera *a, const iso_camera *b) {
-    return same_vec(a->position, b->position) && same_vec(a->focal_point, b->focal_point) &&
-           same_vec(a->view_up, b->view_up) && a->view_angle == b->view_angle &&
-           a->orthographic == b->orthographic && a->parallel_scale == b->parallel_scale;
-}
 
 static bool same_mode(const isosculpt_display_mode *a, const isosculpt_display_mode *b) {
     return a->method == b->method && a->engine == b->engine && a->material.shading == b->material.shading &&
@@ -294,7 +290,7 @@ static bool same_see_through(const isosculpt_see_through *a, const isosculpt_see
 /* Whether nothing but edits has changed since the last picture. */
 static bool is_still(const isosculpt_viewport *viewport, int width, int height) {
     return viewport->drawn.samples > 0 && viewport->width == width && viewport->height == height &&
-           same_camera(&viewport->camera, &viewport->drawn_camera) &&
+           iso_camera_equal(&viewport->camera, &viewport->drawn_camera) &&
            same_mode(&viewport->mode, &viewport->drawn_mode) &&
            viewport->isovalue == viewport->drawn_isovalue &&
            same_see_through(&viewport->see_through, &viewport->drawn_see_through) &&
@@ -323,7 +319,8 @@ static bool is_ready(const isosculpt_viewport *viewport, iso_method method) {
             isosculpt_async_surface_has(viewport, ISOSCULPT_PART_SECOND));
 }
 
-static iso_status draw_again(isosculpt_viewport *viewport, bool moving, iso_error *error) {
+/* `hurried`: speed matters more than the reference's quality. */
+static iso_status draw_again(isosculpt_viewport *viewport, bool moving, bool hurried, iso_error *error) {
     const bool gl = is_by_gl(viewport, moving);
     const iso_method chosen = isosculpt_viewport_method(viewport),
                      stand_in = gl ? ISO_METHOD_MESH : ISO_METHOD_EXACT,
@@ -338,11 +335,11 @@ static iso_status draw_again(isosculpt_viewport *viewport, bool moving, iso_erro
     double start = iso_clock_seconds();
     const int factor = moving ? viewport->moving_factor : 1;
     if (!gl)
-        ISO_TRY(draw_whole(viewport, method, factor, error));
+        ISO_TRY(draw_whole(viewport, method, factor, hurried, error));
     else if (!draw_whole_by_gl(viewport, method, factor))
-        return draw_again(viewport, moving, error);
-    viewport->quality =
-        factor > 1 || quick || method != chosen ? ISOSCULPT_QUALITY_MOVING : ISOSCULPT_QUALITY_REST;
+        return draw_again(viewport, moving, hurried, error);
+    const bool coarse = factor > 1 || quick || method != chosen || isosculpt_reference_is_coarse(viewport);
+    viewport->quality = coarse ? ISOSCULPT_QUALITY_MOVING : ISOSCULPT_QUALITY_REST;
     if (moving) adapt_moving_factor(viewport, layers && !quick, iso_clock_seconds() - start);
     if (moving) isosculpt_latency_add(&viewport->draw, iso_clock_seconds() - start);
     if (quick) isosculpt_lod_record_times(viewport->lod, start - extract_start, iso_clock_seconds() - start);
@@ -350,23 +347,51 @@ static iso_status draw_again(isosculpt_viewport *viewport, bool moving, iso_erro
 }
 
 /* Redraws the parts of an exact picture that edits have changed; all of it when they are more than half. */
-static iso_status draw_edits(isosculpt_viewport *viewport, iso_error *error) {
+static iso_status draw_damage(isosculpt_viewport *viewport, bool moving, iso_error *error) {
+    const isosculpt_damage *redrawn = &viewport->redrawn;
+    if (2 * isosculpt_damage_area(redrawn) > isosculpt_rectangle_area(whole_image(viewport)))
+        return draw_whole(viewport, ISO_METHOD_EXACT, 1, moving, error);
+    for (int i = 0; i < redrawn->count; i++) {
+        ISO_TRY(draw_tile(viewport, ISO_METHOD_EXACT, redrawn->rectangle[i], 1, error));
+        isosculpt_damage_add(&viewport->unrefined, redrawn->rectangle[i]);
+    }
+    return ISO_OK;
+}
+
+/* Whether the reference is to look different from that in the picture. */
+static bool has_other_reference(const isosculpt_viewport *viewport, bool moving) {
+    const isosculpt_reference_mode now = shown_reference(viewport), *drawn = &viewport->drawn_reference_mode;
+    if (!moving && isosculpt_reference_is_coarse(viewport)) return true;
+    if (!now.shown && !drawn->shown) return false;
+    return now.shown != drawn->shown || now.over != drawn->over || now.opacity != drawn->opacity ||
+           !iso_rgb_equal(now.color, drawn->color);
+}
+
+/* Shades the samples of an exact picture again, and blends the reference over it. */
+static void shade_again(isosculpt_viewport *viewport, bool moving) {
+    const iso_strip strip = {.view = &viewport->drawn.view, .gbuffer = &viewport->drawn.gbuffer, .factor = 1};
+    shade_strip(viewport, &strip, &viewport->image);
+    isosculpt_reference_blend_whole(viewport, moving);
+    viewport->drawn_reference_mode = shown_reference(viewport);
+    viewport->redrawn = viewport->unrefined =
+        (isosculpt_damage){.rectangle = {whole_image(viewport)}, .count = 1};
+}
+
+/* Brings an exact picture up to date after edits, or after a change of the reference. */
+static iso_status draw_changes(isosculpt_viewport *viewport, bool moving, iso_error *error) {
     ISO_TRY(extract_part(viewport, ISO_PART_CELLS, false, error));
-    double start = iso_clock_seconds();
+    const double start = iso_clock_seconds();
+    const bool other_reference = has_other_reference(viewport, moving);
     viewport->redrawn = (isosculpt_damage){.count = 0};
     if (viewport->grid.hgrid) /* other grids are not edited */
         isosculpt_damage_add_edits(&viewport->redrawn, &viewport->drawn.view, viewport->grid.hgrid,
                                    viewport->drawn_edit);
     if (viewport->mask_changed) isosculpt_damage_add(&viewport->redrawn, whole_image(viewport));
-    if (!viewport->redrawn.count) return ISO_OK;
-    viewport->quality = ISOSCULPT_QUALITY_REST;
-    if (2 * isosculpt_damage_area(&viewport->redrawn) > isosculpt_rectangle_area(whole_image(viewport)))
-        ISO_TRY(draw_whole(viewport, ISO_METHOD_EXACT, 1, error));
-    else
-        for (int i = 0; i < viewport->redrawn.count; i++) {
-            ISO_TRY(draw_tile(viewport, ISO_METHOD_EXACT, viewport->redrawn.rectangle[i], 1, error));
-            isosculpt_damage_add(&viewport->unrefined, viewport->redrawn.rectangle[i]);
-        }
+    if (!viewport->redrawn.count && !other_reference) return ISO_OK;
+    ISO_TRY(draw_damage(viewport, moving, error));
+    if (other_reference) shade_again(viewport, moving);
+    viewport->quality =
+        isosculpt_reference_is_coarse(viewport) ? ISOSCULPT_QUALITY_MOVING : ISOSCULPT_QUALITY_REST;
     isosculpt_latency_add(&viewport->draw, iso_clock_seconds() - start);
     return ISO_OK;
 }
@@ -383,9 +408,9 @@ iso_status isosculpt_viewport_draw(isosculpt_viewport *viewport, int width, int 
     viewport->width = width;
     viewport->height = height;
     if (still && exact && viewport->drawn_exactly)
-        ISO_TRY(draw_edits(viewport, error));
+        ISO_TRY(draw_changes(viewport, moving, error));
     else
-        ISO_TRY(draw_again(viewport, moving && !(still && exact && at_once), error));
+        ISO_TRY(draw_again(viewport, moving && !(still && exact && at_once), moving, error));
     viewport->drawn_edit = now;
     viewport->mask_changed = false;
     return ISO_OK;
@@ -420,7 +445,7 @@ iso_status isosculpt_viewport_refine(isosculpt_viewport *viewport, iso_error *er
         ISO_TRY(draw_tile(viewport, method, tile, TILE_FACTOR, error));
         isosculpt_damage_add(&viewport->redrawn, tile);
     }
-    if (viewport->unrefined.count) return ISO_OK;
+    if (viewport->unrefined.count || viewport->quality != ISOSCULPT_QUALITY_REST) return ISO_OK;
     viewport->quality = ISOSCULPT_QUALITY_FINE;
     return extract_part(viewport, ISO_PART_POINTS, false, error); /* for isosculpt_viewport_point_count */
 }

@@ -4,11 +4,9 @@
  * of Kay and Greenberg 1979, as the layers of the exact picture do. */
 #include "apps/isosculpt/viewport/see_through.h"
 
-#include <math.h>
-
 #include "apps/isosculpt/viewport/room.h"
-#include "base/exponential.h"
 #include "methods/layers.h"
+#include "render/layers/opacity.h"
 
 enum { SURFACES = 2 };
 
@@ -102,7 +100,7 @@ iso_status isosculpt_see_through_draw_samples(const isosculpt_viewport *viewport
 typedef struct front_layer {
     const iso_gbuffer *gbuffer;
     const iso_image *image; /* the surface as if it were opaque */
-    float opacity, log_through;
+    iso_layer_opacity opacity;
 } front_layer;
 
 /* What the threads that blend rows read and write. */
@@ -114,19 +112,13 @@ typedef struct blending {
     iso_image *image; /* may be that of a layer */
 } blending;
 
-static float opacity_at(const front_layer *layer, size_t at, float u, float v) {
-    const iso_gbuffer *g = layer->gbuffer;
-    if (layer->opacity >= 1) return 1;
-    const float length = sqrtf(u * u + v * v + 1),
-                cosine = fabsf(g->normal[0][at] * u + g->normal[1][at] * v + g->normal[2][at]) / length;
-    return 1 - iso_exp2(layer->log_through / fmaxf(cosine, 1e-6f));
-}
-
 /* Blends the layer of a sample over the colour behind it. */
-static void blend(const front_layer *layer, size_t at, float u, float v, float rgb[3]) {
-    if (layer->gbuffer->surface[at] == ISO_SURFACE_NONE) return;
-    const float opacity = opacity_at(layer, at, u, v);
+static void blend(const front_layer *layer, size_t at, const float to_eye[3], float rgb[3]) {
+    const iso_gbuffer *g = layer->gbuffer;
     const uint8_t *front = layer->image->rgba + 4 * at;
+    if (g->surface[at] == ISO_SURFACE_NONE) return;
+    const float normal[3] = {g->normal[0][at], g->normal[1][at], g->normal[2][at]},
+                opacity = iso_layer_opacity_at(&layer->opacity, normal, to_eye);
     for (int k = 0; k < 3; k++) rgb[k] += opacity * ((float)front[k] - rgb[k]);
 }
 
@@ -142,8 +134,9 @@ static void blend_row(void *context, size_t row, int worker) {
         const float u = view->orthographic ? 0 : (float)(((double)x + 0.5 - view->cx) / view->focal);
         const bool second_behind =
             b->count > 1 && b->layers[1].gbuffer->depth[at] > b->layers[0].gbuffer->depth[at];
+        const float to_eye[3] = {-u, -v, -1};
         float rgb[3] = {empty.r, empty.g, empty.b};
-        for (int i = 0; i < b->count; i++) blend(&b->layers[second_behind ? 1 - i : i], at, u, v, rgb);
+        for (int i = 0; i < b->count; i++) blend(&b->layers[second_behind ? 1 - i : i], at, to_eye, rgb);
         for (int k = 0; k < 3; k++) b->image->rgba[4 * at + (size_t)k] = (uint8_t)(rgb[k] + 0.5f);
     }
 }
@@ -165,8 +158,8 @@ static iso_status draw_points(isosculpt_viewport *viewport, iso_point_set *set, 
 }
 
 static front_layer make_layer(const iso_gbuffer *gbuffer, const iso_image *image, double opacity) {
-    const float log_through = opacity < 1 ? (float)iso_log2(1 - opacity) : 0;
-    return (front_layer){gbuffer, image, (float)opacity, log_through};
+    const iso_translucency translucency = {.opacity = (float)opacity, .constant = !(opacity < 1)};
+    return (front_layer){gbuffer, image, iso_layer_opacity_make(&translucency)};
 }
 
 static iso_status draw_second(isosculpt_viewport *viewport, iso_error *error) {

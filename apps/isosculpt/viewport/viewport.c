@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "apps/isosculpt/viewport/async_surface.h"
+#include "apps/isosculpt/viewport/reference.h"
 #include "base/memory.h"
 #include "base/numbers.h"
 
@@ -48,9 +49,10 @@ static iso_status create_lod(isosculpt_viewport *viewport, iso_error *error) {
 
 iso_status isosculpt_viewport_init_grid(isosculpt_viewport *viewport, const iso_grid *grid, double isovalue,
                                         iso_pool *pool, iso_error *error) {
-    const iso_rgb clay = {206, 142, 112}, bone = {238, 230, 208}, dusk = {46, 50, 56};
+    const iso_rgb clay = {206, 142, 112}, bone = {238, 230, 208}, dusk = {46, 50, 56}, ice = {130, 190, 240};
     *viewport = (isosculpt_viewport){.mode = {.material = {.color = clay, .background = dusk}},
                                      .see_through = {.opacity = 1, .second_opacity = 1, .second_color = bone},
+                                     .reference_mode = {.opacity = 0.35, .color = ice},
                                      .moving_factor = 1,
                                      .pool = pool};
     viewport->grid = *grid;
@@ -80,6 +82,8 @@ void isosculpt_viewport_free(isosculpt_viewport *viewport) {
     iso_gbuffer_free(&viewport->tile);
     iso_image_free(&viewport->image);
     iso_image_free(&viewport->tile_image);
+    iso_image_free(&viewport->fine_image);
+    isosculpt_reference_destroy(viewport->reference);
     iso_pool_destroy(viewport->async_surface_pool);
     *viewport = (isosculpt_viewport){0};
 }

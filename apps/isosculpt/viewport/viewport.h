@@ -74,6 +74,15 @@ typedef struct isosculpt_see_through {
     iso_rgb second_color;
 } isosculpt_see_through;
 
+/* How the surface of the session's beginning is drawn with a field. */
+typedef struct isosculpt_reference_mode {
+    bool shown;
+    bool over;      /* all of it is seen through the sculpture; else only what lies in front of it */
+    double opacity; /* where it is seen face on, 0 .. 1 */
+    iso_rgb color;
+} isosculpt_reference_mode;
+typedef struct isosculpt_reference isosculpt_reference; /* reference.h */
+
 /* Parts of the surface, and beside them the cells of the second isosurface. */
 enum { ISOSCULPT_PART_SECOND = ISO_PART_COUNT, ISOSCULPT_PARTS };
 
@@ -88,8 +97,8 @@ typedef struct isosculpt_layer {
     double samples; /* along a pixel of the full picture; 0: nothing was drawn yet */
 } isosculpt_layer;
 
-/* Zero-initialise. camera, mode, mask, see_through, opaque, sliding and gl may be changed between calls; the
- * rest is read only. */
+/* Zero-initialise. camera, mode, mask, see_through, opaque, sliding, reference_mode and gl may be changed
+ * between calls; the rest is read only. */
 typedef struct isosculpt_viewport {
     iso_camera camera;
     isosculpt_display_mode mode;
@@ -100,6 +109,10 @@ typedef struct isosculpt_viewport {
     bool sliding;      /* the user is dragging an isovalue */
     int moving_factor; /* pixels to a sample and axis while the camera moves, 1 ..
                           ISOSCULPT_MOVING_FACTOR_MAX; adapted to how long pictures take */
+
+    isosculpt_reference_mode reference_mode; /* of fields */
+    isosculpt_reference *reference;          /* owned; NULL: none */
+    iso_error reference_error;               /* why the reference was hidden; text[0] == 0: it was not */
 
     iso_grid grid;      /* borrowed */
     iso_pool *pool;     /* borrowed */
@@ -131,7 +144,9 @@ typedef struct isosculpt_viewport {
     size_t image_room; /* pixels allocated */
     iso_gbuffer tile;  /* room for a part of the picture */
     iso_image tile_image;
-    size_t tile_room; /* pixels allocated */
+    size_t tile_room;     /* pixels allocated */
+    iso_image fine_image; /* a part of the picture with a pixel for every sample */
+    size_t fine_room;     /* pixels allocated */
 
     /* The state that the last picture shows: */
     int width, height; /* of the full picture */
@@ -140,6 +155,7 @@ typedef struct isosculpt_viewport {
     double drawn_isovalue;
     isosculpt_see_through drawn_see_through;
     bool drawn_opaque;
+    isosculpt_reference_mode drawn_reference_mode;
     bool slow_layers; /* translucent surfaces of these isovalues take too long while the camera moves */
     isosculpt_quality quality;
     bool drawn_exactly;         /* the exact surface, with one sample a pixel or more */
@@ -171,6 +187,11 @@ bool isosculpt_viewport_has_second(const isosculpt_viewport *viewport);
 bool isosculpt_viewport_is_see_through(const isosculpt_viewport *viewport);
 /* The method of the picture at rest: the chosen one, or exact. */
 iso_method isosculpt_viewport_method(const isosculpt_viewport *viewport);
+
+/* Shows another reference, or none (NULL), from the next drawing on; takes it over. */
+void isosculpt_viewport_set_reference(isosculpt_viewport *viewport, isosculpt_reference *reference);
+/* Whether the reference is in the picture. Then the cpu engine draws it. */
+bool isosculpt_viewport_shows_reference(const isosculpt_viewport *viewport);
 
 /* Draws the picture, as far as it has changed: into viewport->image, which may be a factor smaller than width
  * x height while the camera moves, or into viewport->drawn.canvas. `moving`: speed matters more than quality.

@@ -7,6 +7,7 @@
 #include <GLFW/glfw3.h>
 
 #include "apps/isosculpt/window/opening.h"
+#include "apps/isosculpt/window/reference.h"
 #include "apps/isosculpt/window/saving.h"
 #include "base/clock.h"
 
@@ -149,5 +150,6 @@ iso_status isosculpt_window_process_commands(window *w, iso_error *error) {
     apply_isovalue(w);
     show_controller_errors(w);
     isosculpt_window_load_first_stamp(w);
+    isosculpt_window_update_reference(w);
     return isosculpt_window_finish_opening(w, error);
 }

@@ -8,6 +8,7 @@
 
 #include "apps/isosculpt/window/commands.h"
 #include "apps/isosculpt/window/opening.h"
+#include "apps/isosculpt/window/reference.h"
 
 static window *window_of(GLFWwindow *glfw) {
     return glfwGetWindowUserPointer(glfw);
@@ -111,6 +112,8 @@ static bool change_display_mode(window *w, int key) {
         choose_next_method(&w->viewport.mode);
     else if (key == 'g')
         toggle_engine(w);
+    else if (key == 'r')
+        isosculpt_window_toggle_reference(w);
     else
         return false;
     w->controller.commands |= ISOSCULPT_COMMAND_REDRAW;

@@ -8,6 +8,8 @@
 
 #include <GLFW/glfw3.h>
 
+#include "apps/isosculpt/window/reference.h"
+
 /* ---- the document and its viewport */
 
 static void show_title(window *w) {
@@ -44,6 +46,8 @@ static void adopt_document(window *w) {
 
 static iso_status show_document(window *w, iso_error *error) {
     ISO_TRY(isosculpt_viewport_init(&w->viewport, iso_session_grid(w->document.session), w->pool, error));
+    w->viewport.reference_mode.shown = w->settings->x_ray != ISOSCULPT_X_RAY_OFF;
+    w->viewport.reference_mode.over = w->settings->x_ray == ISOSCULPT_X_RAY_OVER;
     adopt_document(w);
     return ISO_OK;
 }
@@ -136,9 +140,11 @@ static iso_status show_loaded(window *w, isosculpt_loaded *loaded, iso_error *er
     const isosculpt_display_mode mode = w->viewport.mode;
     const iso_camera camera = w->viewport.camera;
     const bool same_camera = w->volume && !loaded->volume && w->sculpting;
+    const isosculpt_reference_mode reference_mode = w->viewport.reference_mode;
     const iso_brush brush = w->controller.brush;
     isosculpt_strokes queued = w->controller.queued_strokes;
     w->controller.queued_strokes = (isosculpt_strokes){0};
+    isosculpt_window_cancel_reference(w);
     isosculpt_viewport_free(&w->viewport);
     isosculpt_document_close(&w->document);
     isosculpt_volume_free(w->volume);
@@ -150,6 +156,7 @@ static iso_status show_loaded(window *w, isosculpt_loaded *loaded, iso_error *er
     w->screen.isovalue = w->viewport.isovalue;
     w->screen.blank = false;
     w->viewport.mode = mode;
+    w->viewport.reference_mode = reference_mode;
     if (same_camera) w->viewport.camera = camera;
     if (w->volume) {
         w->document.pool = w->pool;

@@ -214,13 +214,14 @@ static void draw_picture_section(isosculpt_screen *screen) {
     ImGui::SameLine();
     if (ImGui::Button("Picture...")) screen->browse_request = ISOSCULPT_BROWSE_PICTURE;
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("save it under a name; F12: beside the file, at once");
+    if (!screen->volume) panel_draw_reference(screen);
 }
 
 static void draw_history_section(isosculpt_controller *controller, float scale) {
     const iso_history *history = iso_session_history(controller->document->session);
     const size_t position = iso_history_position(history), count = iso_history_count(history);
     size_t wanted = position;
-    ImGui::BeginChild("steps", ImVec2(0, 110 * scale), true);
+    ImGui::BeginChild("steps", ImVec2(0, 96 * scale), true);
     if (ImGui::Selectable("the beginning", position == 0)) wanted = 0;
     ImGuiListClipper clipper;
     clipper.Begin((int)count);

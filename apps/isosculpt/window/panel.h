@@ -62,6 +62,7 @@ typedef struct isosculpt_screen {
     isosculpt_purpose chosen_purpose;
     char chosen_path[ISOSCULPT_PATH];
     const isosculpt_volume *volume; /* the viewed volume; NULL: there is a field */
+    bool reference_pending;         /* the reference is being made */
     bool sculpting;                 /* the volume is being converted into a field */
     double isovalue;                /* of the volume, physical, as chosen in the panel */
     bool isovalue_dragged;          /* in this frame, or the second isovalue */

@@ -151,9 +151,12 @@ void isosculpt_window_copy_command(window *w) {
         isosculpt_window_set_status(w, true, "No command: the file's name is too long.");
     else {
         glfwSetClipboardString(w->glfw, text);
-        isosculpt_window_set_status(w, false,
-                                    w->viewport.mode.material.shading == ISOSCULPT_SHADING_LAMPS
-                                        ? "The isorender command is on the clipboard."
-                                        : "The isorender command is on the clipboard; it draws with lamps.");
+        isosculpt_window_set_status(
+            w, false,
+            isosculpt_viewport_shows_reference(&w->viewport)
+                ? "The isorender command is on the clipboard; it draws no x-ray of the beginning."
+            : w->viewport.mode.material.shading == ISOSCULPT_SHADING_LAMPS
+                ? "The isorender command is on the clipboard."
+                : "The isorender command is on the clipboard; it draws with lamps.");
     }
 }

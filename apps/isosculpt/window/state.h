@@ -1,13 +1,15 @@
 /* state: the state of isosculpt's window, and what all its parts need. The parts include each other only
  * downwards:
  *
- *     window.c (the loop) -> events.c -> commands.c -> opening.c, saving.c, picture.c -> state.c
+ *     window.c (the loop) -> events.c -> commands.c -> opening.c, saving.c, picture.c -> reference.c ->
+ * state.c
  */
 #ifndef ISO_APPS_ISOSCULPT_WINDOW_STATE_H
 #define ISO_APPS_ISOSCULPT_WINDOW_STATE_H
 
 #include "apps/isosculpt/isosculpt.h"
 #include "apps/isosculpt/load_job.h"
+#include "apps/isosculpt/reference_job.h"
 #include "apps/isosculpt/save.h"
 #include "apps/isosculpt/window/panel.h"
 #include "apps/isosculpt/window/pen.h"
@@ -42,11 +44,12 @@ typedef struct window {
     int frames_left;    /* to be drawn before the loop waits for events */
     double last_change; /* iso_clock_seconds when the picture last had to be drawn */
 
-    isosculpt_load_job *load_job;   /* a file is being opened; or NULL */
-    char next_path[ISOSCULPT_PATH]; /* to be opened when the user agrees to lose unsaved changes */
-    size_t agreed_changes;          /* document.change_count that the user agreed to lose */
-    bool sculpting;                 /* load_job converts the viewed volume into a field */
-    bool stamp_loaded;              /* the mesh of --stamp was opened, or tried */
+    isosculpt_load_job *load_job;           /* a file is being opened; or NULL */
+    char next_path[ISOSCULPT_PATH];         /* to be opened when the user agrees to lose unsaved changes */
+    size_t agreed_changes;                  /* document.change_count that the user agreed to lose */
+    isosculpt_reference_job *reference_job; /* the reference is being made; or NULL */
+    bool sculpting;                         /* load_job converts the viewed volume into a field */
+    bool stamp_loaded;                      /* the mesh of --stamp was opened, or tried */
 
     isosculpt_purpose pending_save; /* ISOSCULPT_BROWSE_SAVE or _EXPORT to save_path as soon as no stroke is
                                        drawn; ISOSCULPT_BROWSE_NOTHING */

@@ -10,6 +10,7 @@
 #include "apps/isosculpt/window/events.h"
 #include "apps/isosculpt/window/opening.h"
 #include "apps/isosculpt/window/picture.h"
+#include "apps/isosculpt/window/reference.h"
 #include "base/clock.h"
 
 enum { WIDTH = 1280, HEIGHT = 800 };
@@ -132,6 +133,7 @@ iso_status isosculpt_window(const isosculpt_settings *settings, iso_pool *pool, 
     if (!glfwInit()) return fail_window(error, "no window system");
     iso_status status = run_window(&w, error);
     if (w.load_job) isosculpt_window_cancel_load(&w);
+    isosculpt_window_cancel_reference(&w);
     isosculpt_controller_free(&w.controller);
     isosculpt_browser_close(&w.screen.browser);
     isosculpt_viewport_free(&w.viewport);

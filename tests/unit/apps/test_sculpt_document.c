@@ -13,8 +13,10 @@
 #include <cmocka.h>
 
 #include "apps/isosculpt/load_job.h"
+#include "apps/isosculpt/reference_job.h"
 #include "apps/isosculpt/save.h"
 #include "grids/level_set.h"
+#include "sculpt_support.h"
 #include "session_support.h"
 
 /* Refuses when it was asked so often. */
@@ -380,6 +382,54 @@ static void cancelled_recoveries_are_offered_again(void **state) {
     rmdir(folder);
 }
 
+/* The field that a session began with can be made again after strokes, whatever it began with. */
+static void first_fields_can_be_made_again(void **state) {
+    (void)state;
+    const char *volume = session_path("first.nrrd"), *mesh = session_path("first.obj");
+    iso_pool *pool;
+    assert_int_equal(iso_pool_create(2, &pool, NULL), ISO_OK);
+    write_volume(volume);
+    write_mesh(mesh);
+    const isosculpt_source sources[] = {{.path = volume, .isovalue = 170, .pool = pool},
+                                        {.path = mesh, .isovalue = NAN, .voxel = 0.5, .pool = pool}};
+    for (int i = 0; i < 3; i++) {
+        isosculpt_document document = {.pool = pool};
+        isosculpt_reference_job *job;
+        isosculpt_reference *reference;
+        iso_hgrid *again;
+        const iso_brush brush = {.tool = ISO_TOOL_CARVE, .radius = 8, .strength = 1};
+        const double inside = i == 1 ? 20 : 3;
+        const iso_sample sample = {.position = {inside, inside, inside}, .normal = {0, 0, 1}, .pressure = 1};
+        assert_int_equal(isosculpt_document_new(&document, NULL, i ? &sources[i - 1] : NULL, NULL), ISO_OK);
+        iso_hgrid *first = sculpt_copy(iso_session_grid(document.session));
+        assert_int_equal(iso_session_begin(document.session, &brush, &sample, NULL, NULL), ISO_OK);
+        assert_int_equal(iso_session_end(document.session, NULL), ISO_OK);
+        assert_int_equal(
+            isosculpt_document_first_field(&document.start, document.journal, pool, NULL, &again, NULL),
+            ISO_OK);
+        assert_true(sculpt_same(first, again));
+        assert_false(sculpt_same(iso_session_grid(document.session), again));
+        iso_hgrid_destroy(first);
+        iso_hgrid_destroy(again);
+        assert_int_equal(isosculpt_reference_job_start(&document, 1, NULL, &job, NULL), ISO_OK);
+        assert_int_equal(isosculpt_reference_job_finish(job, &reference, NULL), ISO_OK);
+        isosculpt_reference_destroy(reference);
+        assert_int_equal(isosculpt_reference_job_start(&document, 1, NULL, &job, NULL), ISO_OK);
+        isosculpt_reference_job_cancel(job);
+        if (i == 2) { /* the file is another one now */
+            iso_error error = {0};
+            write_volume(mesh);
+            assert_int_equal(isosculpt_reference_job_start(&document, 1, NULL, &job, NULL), ISO_OK);
+            assert_int_equal(isosculpt_reference_job_finish(job, &reference, &error), ISO_ERR_FORMAT);
+            assert_non_null(strstr(error.text, "checksum"));
+        }
+        isosculpt_document_close(&document);
+    }
+    unlink(volume);
+    unlink(mesh);
+    iso_pool_destroy(pool);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(cancelled_writing_leaves_no_file),
                                        cmocka_unit_test(cancelled_saves_keep_the_file_before),
@@ -388,6 +438,7 @@ int main(void) {
                                        cmocka_unit_test(openings),
                                        cmocka_unit_test(recovered_work_is_unsaved),
                                        cmocka_unit_test(recovered_work_is_saved_where_it_was),
-                                       cmocka_unit_test(cancelled_recoveries_are_offered_again)};
+                                       cmocka_unit_test(cancelled_recoveries_are_offered_again),
+                                       cmocka_unit_test(first_fields_can_be_made_again)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,163 @@
+/* Lists of layers in memory, and blending them (Porter and Duff 1984, "Compositing digital images": over).
+ *
+ * The layers are listed at a low opacity, at which no layer hides those behind it. The opacity by angle is
+ * 1 - (1 - a)^(1 / cos) for a surface of opacity a (Kay and Greenberg 1979), so that the opacity at which a
+ * layer was listed tells 1 / cos, and from it follows the opacity for any other a. */
+#include "apps/isosculpt/viewport/layer_store.h"
+
+#include <math.h>
+
+#include "base/exponential.h"
+#include "base/memory.h"
+#include "exact/layers.h"
+
+/* The opacity at which layers are listed. */
+static const double LISTED_OPACITY = 0.1;
+
+/* ---- listing */
+
+static bool has_room(isosculpt_layer_store *store, size_t bytes) {
+    const size_t before = atomic_fetch_add_explicit(&store->bytes, bytes, memory_order_relaxed);
+    return before + bytes <= store->most_bytes;
+}
+
+static isosculpt_stored_layer store_layer(const iso_packed_fragment *packed, float middle) {
+    const iso_fragment fragment = iso_fragment_unpack(packed);
+    isosculpt_stored_layer layer = {.depth = fragment.depth + middle,
+                                    .slant = (uint16_t)(fragment.opacity * (ISOSCULPT_SLANTS - 1) + 0.5f)};
+    for (int k = 0; k < 3; k++) layer.color[k] = (uint16_t)(fragment.color[k] * 65535 + 0.5f);
+    return layer;
+}
+
+/* Copies the layers of sample x behind layer number `end` of the row. */
+static uint32_t store_sample(const iso_layer_lists *lists, int x, int row, uint32_t end,
+                             isosculpt_stored_layer *layers) {
+    const iso_layer_group *group = iso_layer_group_at(lists, x, row);
+    const int column = x % ISO_LAYER_GROUP, count = group->list[column].count;
+    for (int k = 0; k < count; k++)
+        layers[end++] = store_layer(&iso_layer_at(group, k)[column], lists->middle);
+    return end;
+}
+
+static void store_row(isosculpt_layer_store *store, const iso_layer_lists *lists, int row, int y) {
+    const size_t width = (size_t)lists->width;
+    size_t count = 0;
+    for (int x = 0; x < lists->width; x++)
+        count += (size_t)iso_layer_group_at(lists, x, row)->list[x % ISO_LAYER_GROUP].count;
+    const size_t bytes = width * sizeof(uint32_t) + count * sizeof(isosculpt_stored_layer);
+    isosculpt_layer_row *to = &store->rows[y];
+    to->ends = has_room(store, bytes) ? iso_alloc(bytes) : NULL;
+    if (!to->ends) {
+        atomic_store(&store->full, true);
+        return;
+    }
+    to->layers = (isosculpt_stored_layer *)(to->ends + width);
+    uint32_t end = 0;
+    for (int x = 0; x < lists->width; x++) to->ends[x] = end = store_sample(lists, x, row, end, to->layers);
+}
+
+/* iso_exact_layers_reader.read. */
+static void store_band(void *context, const iso_layer_lists *lists, const iso_layer_rays *rays, int first) {
+    isosculpt_layer_store *store = context;
+    (void)rays;
+    for (int row = 0; row < lists->rows && !atomic_load(&store->full); row++)
+        store_row(store, lists, row, first + row);
+}
+
+static void free_layers(isosculpt_layer_store *store) {
+    for (int y = 0; y < store->height; y++) iso_free(store->rows[y].ends);
+    store->width = store->height = 0;
+    atomic_store(&store->bytes, 0);
+    atomic_store(&store->full, false);
+}
+
+static iso_status reserve_rows(isosculpt_layer_store *store, int height, iso_error *error) {
+    if (store->row_room < height) {
+        iso_free(store->rows);
+        store->row_room = 0;
+        store->rows = iso_alloc((size_t)height * sizeof *store->rows);
+        if (!store->rows) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for layers");
+        store->row_room = height;
+    }
+    for (int y = 0; y < height; y++) store->rows[y] = (isosculpt_layer_row){.ends = NULL};
+    return ISO_OK;
+}
+
+iso_status isosculpt_layer_store_list(isosculpt_layer_store *store, const iso_exact *exact, iso_rgb color,
+                                      const iso_view *view, iso_pool *pool, iso_error *error) {
+    const iso_gbuffer size = {.width = view->width, .height = view->height};
+    const iso_strip strip = {.view = view, .gbuffer = &size, .factor = 1};
+    const iso_exact_layer layer = {exact, color, {.opacity = (float)LISTED_OPACITY}};
+    const iso_exact_layers_reader reader = {.shaded = true, .read = store_band, .context = store};
+    const iso_exact_layers layers = {
+        .layers = &layer, .count = 1, .picture = {.strip = &strip, .pool = pool}, .reader = &reader};
+    iso_exact_layers_totals totals = {.retraced = 0};
+    free_layers(store);
+    ISO_TRY(reserve_rows(store, view->height, error));
+    store->width = view->width;
+    store->height = view->height;
+    iso_status status = iso_shade_exact_layers(&layers, &totals, error);
+    if (status == ISO_OK && atomic_load(&store->full))
+        status = iso_fail(error, ISO_ERR_NOMEM, "out of memory for layers: %.3g MB are needed, or more",
+                          1e-6 * (double)atomic_load(&store->bytes));
+    if (status != ISO_OK) free_layers(store);
+    return status;
+}
+
+void isosculpt_layer_store_free(isosculpt_layer_store *store) {
+    free_layers(store);
+    iso_free(store->rows);
+    store->rows = NULL;
+    store->row_room = 0;
+}
+
+/* ---- blending */
+
+void isosculpt_slant_opacities_set(isosculpt_slant_opacities *opacities, double face_on) {
+    if (opacities->face_on == (float)face_on) return;
+    opacities->face_on = (float)face_on;
+    const double listed = iso_log2(1 - LISTED_OPACITY);
+    for (int i = 0; i < ISOSCULPT_SLANTS; i++) {
+        const double stopped = fmin((double)i / (ISOSCULPT_SLANTS - 1), 1 - 0.5 / ISOSCULPT_SLANTS);
+        const double thickness = iso_log2(1 - stopped) / listed; /* 1 / cos */
+        opacities->opacity[i] = face_on < 1 ? 1 - iso_exp2((float)(thickness * iso_log2(1 - face_on))) : 1;
+    }
+}
+
+/* Blends the layers of a sample that lie before `limit` over the colour. */
+static void blend_sample(const isosculpt_layer_row *row, int x, const float *opacities, float limit,
+                         uint8_t rgba[4]) {
+    const isosculpt_stored_layer *layer = row->layers + (x ? row->ends[x - 1] : 0),
+                                 *end = row->layers + row->ends[x];
+    if (layer == end || !(layer->depth < limit)) return;
+    float through = 1, rgb[3] = {0, 0, 0};
+    for (; layer < end && layer->depth < limit && through >= ISO_LAYER_CUT; layer++) {
+        const float stopped = through * opacities[layer->slant];
+        for (int k = 0; k < 3; k++) rgb[k] += stopped * layer->color[k];
+        through -= stopped;
+    }
+    for (int k = 0; k < 3; k++) rgba[k] = (uint8_t)(rgb[k] * (255 / 65535.0f) + through * rgba[k] + 0.5f);
+}
+
+/* The sample of the store that lies at the middle of pixel `at` of `pixels`. */
+static int find_sample(int at, int pixels, int samples) {
+    return pixels == samples ? at : (int)((2 * (int64_t)at + 1) * samples / (2 * (int64_t)pixels));
+}
+
+static void blend_row(void *context, size_t index, int worker) {
+    (void)worker;
+    const isosculpt_layer_blend *b = context;
+    const isosculpt_layer_store *store = b->store;
+    const isosculpt_layer_row *row = &store->rows[find_sample(b->y0 + (int)index, b->height, store->height)];
+    const size_t first = index * (size_t)b->image->width;
+    for (int x = 0; x < b->image->width; x++) {
+        const size_t at = first + (size_t)x;
+        const float limit = b->surface ? b->surface->depth[at] - b->behind : INFINITY;
+        blend_sample(row, find_sample(b->x0 + x, b->width, store->width), b->opacities->opacity, limit,
+                     b->image->rgba + 4 * at);
+    }
+}
+
+void isosculpt_layer_store_blend(const isosculpt_layer_blend *blend) {
+    iso_parallel_for(blend->pool, (size_t)blend->image->height, blend_row, (void *)blend);
+}

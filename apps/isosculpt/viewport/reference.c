@@ -1,0 +1,206 @@
+/* The reference in a viewport's pictures: which layers are listed when, and how they are blended. */
+#include "apps/isosculpt/viewport/reference.h"
+
+#include "apps/isosculpt/viewport/layer_store.h"
+#include "base/clock.h"
+#include "base/memory.h"
+
+/* Pixels to a sample and axis while the camera moves, adapted to how long listing takes: fewer samples above
+ * the first limit (seconds), more below the second one. With the fewest, and above the third limit, the
+ * reference is left out until the camera rests. */
+enum { FACTOR_LEAST = 2, FACTOR_MOST = 6 };
+static const double TOO_SLOW = 0.020, FAST = 0.006, MUCH_TOO_SLOW = 0.060;
+
+/* The layers of a fine picture are listed for about so many samples at a time, which bounds their memory. */
+enum { FINE_SAMPLES = 1 << 18 };
+
+/* How much nearer (voxels) a layer must be than the sculpture to lie in front of it: what is equal in both
+ * would flicker, as the surface of an edited brick moves by rounding. */
+static const double IN_FRONT = 0.1;
+
+struct isosculpt_reference {
+    iso_hgrid *grid;
+    iso_pool *pool; /* that extracted the surface */
+    iso_exact *exact;
+    isosculpt_slant_opacities opacities;
+    isosculpt_layer_store kept, fine;
+    /* What `kept` was listed for, if anything: */
+    iso_camera camera;
+    int width, height, factor; /* of the picture; pixels to a sample and axis */
+    iso_rgb color;
+    int moving_factor;
+    bool left_out; /* while the camera moves */
+};
+
+/* ---- creating and destroying */
+
+static iso_status extract(isosculpt_reference *reference, int threads, iso_error *error) {
+    const iso_grid grid = {.hgrid = reference->grid};
+    ISO_TRY(iso_pool_create(threads, &reference->pool, error));
+    const iso_exact_opts opts = {.pool = reference->pool};
+    ISO_TRY(iso_exact_create(&grid, &opts, &reference->exact, error));
+    return iso_exact_update(reference->exact, error);
+}
+
+iso_status isosculpt_reference_create(iso_hgrid *grid, int threads, isosculpt_reference **out,
+                                      iso_error *error) {
+    isosculpt_reference *reference = iso_alloc_zero(1, sizeof *reference);
+    if (!reference) {
+        iso_hgrid_destroy(grid);
+        return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the reference");
+    }
+    reference->grid = grid;
+    reference->moving_factor = FACTOR_LEAST;
+    reference->kept.most_bytes = reference->fine.most_bytes = ISOSCULPT_REFERENCE_BYTES;
+    iso_status status = extract(reference, threads, error);
+    if (status == ISO_OK)
+        *out = reference;
+    else
+        isosculpt_reference_destroy(reference);
+    return status;
+}
+
+void isosculpt_reference_destroy(isosculpt_reference *reference) {
+    if (!reference) return;
+    isosculpt_layer_store_free(&reference->kept);
+    isosculpt_layer_store_free(&reference->fine);
+    iso_exact_destroy(reference->exact);
+    iso_pool_destroy(reference->pool);
+    iso_hgrid_destroy(reference->grid);
+    iso_free(reference);
+}
+
+void isosculpt_viewport_set_reference(isosculpt_viewport *viewport, isosculpt_reference *reference) {
+    isosculpt_reference_destroy(viewport->reference);
+    viewport->reference = reference;
+}
+
+bool isosculpt_viewport_shows_reference(const isosculpt_viewport *viewport) {
+    return viewport->reference && viewport->reference_mode.shown && !viewport->lod;
+}
+
+/* ---- listing */
+
+/* After a failure the reference is hidden, and its layers are freed. */
+static void hide(isosculpt_viewport *viewport, const iso_error *reason) {
+    viewport->reference_error = *reason;
+    viewport->reference_mode.shown = false;
+    viewport->quality = ISOSCULPT_QUALITY_MOVING; /* so that it is drawn without soon */
+    isosculpt_layer_store_free(&viewport->reference->kept);
+    isosculpt_layer_store_free(&viewport->reference->fine);
+}
+
+/* Whether the kept layers are those of the viewport's camera, for any number of samples. */
+static bool has_layers(const isosculpt_viewport *viewport) {
+    const isosculpt_reference *r = viewport->reference;
+    return r->kept.width && r->width == viewport->width && r->height == viewport->height &&
+           iso_camera_equal(&r->camera, &viewport->camera) &&
+           iso_rgb_equal(r->color, viewport->reference_mode.color);
+}
+
+bool isosculpt_reference_is_coarse(const isosculpt_viewport *viewport) {
+    return isosculpt_viewport_shows_reference(viewport) &&
+           (!has_layers(viewport) || viewport->reference->factor > 1);
+}
+
+static iso_status list_kept(isosculpt_viewport *viewport, int factor, iso_error *error) {
+    isosculpt_reference *r = viewport->reference;
+    const iso_view view = iso_view_make(&viewport->camera, (viewport->width + factor - 1) / factor,
+                                        (viewport->height + factor - 1) / factor);
+    r->camera = viewport->camera;
+    r->width = viewport->width;
+    r->height = viewport->height;
+    r->factor = factor;
+    r->color = viewport->reference_mode.color;
+    return isosculpt_layer_store_list(&r->kept, r->exact, r->color, &view, viewport->pool, error);
+}
+
+static void adapt_moving_factor(isosculpt_reference *r, double seconds) {
+    r->left_out = r->moving_factor == FACTOR_MOST && seconds > MUCH_TOO_SLOW;
+    if (seconds > TOO_SLOW && r->moving_factor < FACTOR_MOST) r->moving_factor++;
+    if (seconds < FAST && r->moving_factor > FACTOR_LEAST) r->moving_factor--;
+}
+
+/* Lists the layers of the viewport's camera unless they are there; false: there are none. */
+static bool prepare(isosculpt_viewport *viewport, bool moving) {
+    isosculpt_reference *r = viewport->reference;
+    iso_error reason = {ISO_OK, ""};
+    const bool listed = has_layers(viewport);
+    if (listed && (moving || r->factor == 1)) return true;
+    if (moving && r->left_out) return false;
+    const double start = iso_clock_seconds();
+    if (list_kept(viewport, moving ? r->moving_factor : 1, &reason) != ISO_OK) {
+        hide(viewport, &reason);
+        return false;
+    }
+    r->left_out = false;
+    if (moving) adapt_moving_factor(r, iso_clock_seconds() - start);
+    return true;
+}
+
+/* ---- blending */
+
+/* What is blended of a store over an image with the samples of `gbuffer`; it covers the whole picture. */
+static isosculpt_layer_blend make_blend(const isosculpt_viewport *viewport,
+                                        const isosculpt_layer_store *store, const iso_gbuffer *gbuffer,
+                                        iso_image *image) {
+    isosculpt_reference *r = viewport->reference;
+    const isosculpt_reference_mode *mode = &viewport->reference_mode;
+    isosculpt_slant_opacities_set(&r->opacities, mode->opacity);
+    return (isosculpt_layer_blend){.store = store,
+                                   .opacities = &r->opacities,
+                                   .width = image->width,
+                                   .height = image->height,
+                                   .surface = mode->over ? NULL : gbuffer,
+                                   .behind = (float)(IN_FRONT * r->grid->transform.spacing[0]),
+                                   .image = image,
+                                   .pool = viewport->pool};
+}
+
+void isosculpt_reference_blend_whole(isosculpt_viewport *viewport, bool moving) {
+    if (!isosculpt_viewport_shows_reference(viewport) || !prepare(viewport, moving)) return;
+    const isosculpt_layer_blend blend =
+        make_blend(viewport, &viewport->reference->kept, &viewport->drawn.gbuffer, &viewport->image);
+    isosculpt_layer_store_blend(&blend);
+}
+
+void isosculpt_reference_blend_tile(isosculpt_viewport *viewport, isosculpt_rectangle part) {
+    if (!isosculpt_viewport_shows_reference(viewport) || !has_layers(viewport)) return;
+    isosculpt_layer_blend blend =
+        make_blend(viewport, &viewport->reference->kept, &viewport->tile, &viewport->tile_image);
+    blend.width = viewport->image.width;
+    blend.height = viewport->image.height;
+    blend.x0 = part.x0;
+    blend.y0 = part.y0;
+    isosculpt_layer_store_blend(&blend);
+}
+
+/* The rows `first` .. first + rows - 1 of a gbuffer. */
+static iso_gbuffer gbuffer_rows(const iso_gbuffer *gbuffer, int first, int rows) {
+    const size_t at = (size_t)first * (size_t)gbuffer->width;
+    return (iso_gbuffer){.width = gbuffer->width, .height = rows, .depth = gbuffer->depth + at};
+}
+
+static iso_status blend_rows(isosculpt_viewport *viewport, const iso_view *view, iso_image *image, int first,
+                             int rows, iso_error *error) {
+    isosculpt_reference *r = viewport->reference;
+    const iso_view part = iso_view_rows(view, first, rows);
+    iso_image pixels = {.width = image->width,
+                        .height = rows,
+                        .rgba = image->rgba + 4 * (size_t)first * (size_t)image->width};
+    const iso_gbuffer surface = gbuffer_rows(&viewport->tile, first, rows);
+    ISO_TRY(isosculpt_layer_store_list(&r->fine, r->exact, viewport->reference_mode.color, &part,
+                                       viewport->pool, error));
+    const isosculpt_layer_blend blend = make_blend(viewport, &r->fine, &surface, &pixels);
+    isosculpt_layer_store_blend(&blend);
+    return ISO_OK;
+}
+
+void isosculpt_reference_blend_fine(isosculpt_viewport *viewport, const iso_view *view, iso_image *image) {
+    const int most = FINE_SAMPLES / view->width + 1;
+    iso_error reason = {ISO_OK, ""};
+    for (int first = 0; first < view->height && isosculpt_viewport_shows_reference(viewport); first += most) {
+        const int rows = view->height - first < most ? view->height - first : most;
+        if (blend_rows(viewport, view, image, first, rows, &reason) != ISO_OK) hide(viewport, &reason);
+    }
+}

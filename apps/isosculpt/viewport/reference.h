@@ -1,0 +1,43 @@
+/* reference: the surface as it was when the session began, drawn translucent over the sculpture, or where it
+ * lies in front of the sculpture (its x-ray). Picks never find it.
+ *
+ * Its layers are listed once for each camera and kept (layer_store.h); a stroke blends them anew only where
+ * it changed the picture. While the camera moves they are listed for fewer samples, or, where even that takes
+ * too long, not at all. Pictures with four samples a pixel list them tile by tile and keep none. */
+#ifndef ISO_APPS_ISOSCULPT_VIEWPORT_REFERENCE_H
+#define ISO_APPS_ISOSCULPT_VIEWPORT_REFERENCE_H
+
+#include "apps/isosculpt/viewport/viewport.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* The most memory for kept layers, in bytes. */
+enum { ISOSCULPT_REFERENCE_BYTES = 512 << 20 };
+
+/* Takes over the grid, also after an error, and extracts its surface with so many threads (0: one for each
+ * processor). ISO_ERR_NOMEM. */
+iso_status isosculpt_reference_create(iso_hgrid *grid, int threads, isosculpt_reference **reference,
+                                      iso_error *error);
+void isosculpt_reference_destroy(isosculpt_reference *reference); /* NULL is fine */
+
+/* The functions below are for the files of viewport/. When memory for layers is short they hide the reference
+ * and set viewport->reference_error; the next drawing then shows the picture without it. */
+
+/* Blends the reference over viewport->image, the whole picture with the samples in viewport->drawn. `moving`:
+ * layers that were listed for fewer samples will do. */
+void isosculpt_reference_blend_whole(isosculpt_viewport *viewport, bool moving);
+/* The same for a part of that picture: viewport->tile_image, with the samples in viewport->tile. The layers
+ * are those of the whole picture. */
+void isosculpt_reference_blend_tile(isosculpt_viewport *viewport, isosculpt_rectangle part);
+/* The same for an image of viewport->tile's size and of any view; lists layers for this alone. */
+void isosculpt_reference_blend_fine(isosculpt_viewport *viewport, const iso_view *view, iso_image *image);
+
+/* Whether the reference is shown, but was not listed for every pixel of the picture. */
+bool isosculpt_reference_is_coarse(const isosculpt_viewport *viewport);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

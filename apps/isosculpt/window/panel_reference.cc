@@ -1,0 +1,56 @@
+/* The part of the panel that shows the reference: whether, how, and how opaque. */
+#include <initializer_list>
+
+#include "apps/isosculpt/window/panel_parts.hpp"
+
+/* Where the reference is seen. */
+static bool choose_place(isosculpt_reference_mode *mode, float width) {
+    static const char *const names[] = {"in front", "through"};
+    bool changed = false;
+    ImGui::SetNextItemWidth(width);
+    if (ImGui::BeginCombo("##place", names[mode->over])) {
+        for (bool over : {false, true})
+            if (ImGui::Selectable(names[over], over == mode->over)) {
+                mode->over = over;
+                changed = true;
+            }
+        ImGui::EndCombo();
+    } else if (ImGui::IsItemHovered())
+        ImGui::SetTooltip("in front: what lies in front of the sculpture; through: all of it");
+    return changed;
+}
+
+/* Place, opacity and colour in a row. */
+static bool choose_look(isosculpt_reference_mode *mode) {
+    const double least = 0.05, most = 1;
+    const float gap = ImGui::GetStyle().ItemInnerSpacing.x, place = 0.36f * ImGui::GetContentRegionAvail().x;
+    bool changed = choose_place(mode, place);
+    ImGui::SameLine(0, gap);
+    ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - ImGui::GetFrameHeight() - gap);
+    changed |= ImGui::SliderScalar("##opacity", ImGuiDataType_Double, &mode->opacity, &least, &most,
+                                   "opacity %.2f", ImGuiSliderFlags_AlwaysClamp);
+    ImGui::SameLine(0, gap);
+    return panel_edit_color("##colour", &mode->color) || changed;
+}
+
+static void draw_note(const isosculpt_screen *screen) {
+    const isosculpt_viewport *viewport = screen->controller->viewport;
+    if (screen->reference_pending)
+        ImGui::TextColored(GREY, "being made ..");
+    else if (viewport->gl && viewport->mode.engine == ISOSCULPT_ENGINE_GL)
+        ImGui::TextColored(GREY, "drawn by the cpu engine");
+}
+
+void panel_draw_reference(isosculpt_screen *screen) {
+    isosculpt_reference_mode *mode = &screen->controller->viewport->reference_mode;
+    bool changed = ImGui::Checkbox("x-ray of the beginning", &mode->shown);
+    if (ImGui::IsItemHovered())
+        ImGui::SetTooltip("R: the surface as it was when the session began, translucent");
+    if (mode->shown) {
+        ImGui::PushID("reference");
+        changed |= choose_look(mode);
+        ImGui::PopID();
+        draw_note(screen);
+    }
+    if (changed) screen->controller->commands |= ISOSCULPT_COMMAND_REDRAW;
+}

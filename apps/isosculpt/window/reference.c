@@ -1,0 +1,51 @@
+/* The reference in isosculpt's window: made in the background when it is first shown. */
+#include "apps/isosculpt/window/reference.h"
+
+#include <stdio.h>
+
+void isosculpt_window_toggle_reference(window *w) {
+    if (w->volume || w->screen.blank) return;
+    w->viewport.reference_mode.shown = !w->viewport.reference_mode.shown;
+    w->controller.commands |= ISOSCULPT_COMMAND_REDRAW;
+}
+
+static void fail(window *w, const char *reason) {
+    char text[sizeof w->screen.message];
+    snprintf(text, sizeof text, "No reference: %.500s", reason);
+    isosculpt_window_set_status(w, true, text);
+    w->viewport.reference_mode.shown = false;
+}
+
+static void start(window *w) {
+    iso_error reason = {0};
+    if (isosculpt_reference_job_start(&w->document, w->settings->common.threads, isosculpt_window_wake,
+                                      &w->reference_job, &reason) != ISO_OK)
+        fail(w, reason.text);
+}
+
+static void finish(window *w) {
+    iso_error reason = {0};
+    isosculpt_reference *reference;
+    iso_status status = isosculpt_reference_job_finish(w->reference_job, &reference, &reason);
+    w->reference_job = NULL;
+    if (status == ISO_OK)
+        isosculpt_viewport_set_reference(&w->viewport, reference);
+    else
+        fail(w, reason.text);
+    w->controller.commands |= ISOSCULPT_COMMAND_REDRAW;
+}
+
+void isosculpt_window_update_reference(window *w) {
+    iso_error *reason = &w->viewport.reference_error;
+    if (reason->text[0]) fail(w, reason->text);
+    reason->text[0] = 0;
+    const bool wanted = w->viewport.reference_mode.shown && !w->volume && !w->screen.blank;
+    if (w->reference_job && isosculpt_reference_job_done(w->reference_job)) finish(w);
+    if (wanted && !w->viewport.reference && !w->reference_job) start(w);
+    w->screen.reference_pending = w->reference_job != NULL;
+}
+
+void isosculpt_window_cancel_reference(window *w) {
+    isosculpt_reference_job_cancel(w->reference_job);
+    w->reference_job = NULL;
+}

@@ -1,0 +1,310 @@
+/* isosculpt's reference: the field's first surface, translucent over the sculpture or in front of it. However
+ * it came about, a picture with it is the picture drawn from scratch, to the byte; its layers are those of
+ * exact; and picks do not know it. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "apps/isosculpt/viewport/reference.h"
+#include "exact/layers.h"
+#include "refused_memory.h"
+#include "sculpt/session/session.h"
+#include "sculpt_support.h"
+
+enum { WIDTH = 333, HEIGHT = 250, PIXELS = WIDTH * HEIGHT };
+
+static const iso_journal_start START = {.source = "ball",
+                                        .voxel_size = 0.5,
+                                        .dims = {96, 96, 96},
+                                        .origin = {-23.75, -23.75, -23.75},
+                                        .radius = 15};
+
+static iso_session *open_session(iso_pool *pool) {
+    iso_hgrid *grid;
+    iso_session *session;
+    const iso_session_opts opts = {.pool = pool};
+    assert_int_equal(iso_session_ball(&START, &grid, NULL), ISO_OK);
+    assert_int_equal(iso_session_create(grid, &START, &opts, &session, NULL), ISO_OK);
+    return session;
+}
+
+static void add_reference(isosculpt_viewport *view) {
+    iso_hgrid *grid;
+    isosculpt_reference *reference;
+    assert_int_equal(iso_session_ball(&START, &grid, NULL), ISO_OK);
+    assert_int_equal(isosculpt_reference_create(grid, 2, &reference, NULL), ISO_OK);
+    isosculpt_viewport_set_reference(view, reference);
+}
+
+static void open_view(isosculpt_viewport *view, iso_session *session, iso_pool *pool) {
+    assert_int_equal(isosculpt_viewport_init(view, iso_session_grid(session), pool, NULL), ISO_OK);
+    view->width = WIDTH;
+    view->height = HEIGHT;
+    isosculpt_viewport_set_direction(view, ISO_FRONT);
+}
+
+static void draw(isosculpt_viewport *view, bool moving) {
+    iso_error error = {0};
+    if (isosculpt_viewport_draw(view, WIDTH, HEIGHT, moving, &error) != ISO_OK) fail_msg("%s", error.text);
+}
+
+static void refine(isosculpt_viewport *view) {
+    while (view->quality != ISOSCULPT_QUALITY_FINE)
+        assert_int_equal(isosculpt_viewport_refine(view, NULL), ISO_OK);
+}
+
+static void show(isosculpt_viewport *view, bool over, double opacity) {
+    view->reference_mode.shown = true;
+    view->reference_mode.over = over;
+    view->reference_mode.opacity = opacity;
+}
+
+static void assert_same_samples(const isosculpt_viewport *a, const isosculpt_viewport *b) {
+    const iso_gbuffer *x = &a->drawn.gbuffer, *y = &b->drawn.gbuffer;
+    assert_memory_equal(x->depth, y->depth, PIXELS * sizeof(float));
+    assert_memory_equal(x->surface, y->surface, PIXELS);
+    for (size_t i = 0; i < PIXELS; i++)
+        for (int axis = 0; axis < 3 && x->surface[i] != ISO_SURFACE_NONE; axis++)
+            if (x->normal[axis][i] != y->normal[axis][i]) fail_msg("normal of pixel %zu", i);
+}
+
+/* A new viewport draws the same picture; one without the reference has the same samples to pick from. */
+static void assert_as_new(isosculpt_viewport *view, iso_session *session, iso_pool *pool, bool fine) {
+    isosculpt_viewport fresh, plain;
+    open_view(&fresh, session, pool);
+    open_view(&plain, session, pool);
+    add_reference(&fresh);
+    fresh.camera = plain.camera = view->camera;
+    fresh.reference_mode = view->reference_mode;
+    draw(&fresh, false);
+    draw(&plain, false);
+    if (fine) refine(&fresh);
+    assert_int_equal(view->quality, fresh.quality);
+    assert_memory_equal(view->image.rgba, fresh.image.rgba, 4 * PIXELS);
+    if (view->reference_mode.over) assert_memory_not_equal(view->image.rgba, plain.image.rgba, 4 * PIXELS);
+    assert_same_samples(view, &plain);
+    isosculpt_viewport_free(&fresh);
+    isosculpt_viewport_free(&plain);
+}
+
+static iso_sample on_ball(uint32_t *seed) {
+    iso_vec3 out = iso_vec3_make(uniform(seed) - 0.5, uniform(seed) - 0.8, uniform(seed) - 0.5);
+    out = iso_vec3_unit(out);
+    return (iso_sample){.position = iso_vec3_scale(out, START.radius), .normal = out, .pressure = 1};
+}
+
+static size_t stroke(iso_session *session, isosculpt_viewport *view, uint32_t *seed) {
+    const iso_brush brush = {.tool = uniform(seed) < 0.5 ? ISO_TOOL_CARVE : ISO_TOOL_ADD,
+                             .radius = 1 + 3 * uniform(seed),
+                             .strength = 0.5};
+    iso_sample sample = on_ball(seed);
+    size_t drawn = 0;
+    assert_int_equal(iso_session_begin(session, &brush, &sample, NULL, NULL), ISO_OK);
+    for (int i = 0; i < 3; i++) {
+        draw(view, true);
+        drawn += isosculpt_damage_area(&view->redrawn);
+        sample.position.x += 0.7;
+        assert_int_equal(iso_session_sample(session, &sample, NULL, NULL), ISO_OK);
+    }
+    assert_int_equal(iso_session_end(session, NULL), ISO_OK);
+    draw(view, true);
+    return drawn;
+}
+
+static void strokes_leave_the_picture_drawn_from_scratch(void **state) {
+    (void)state;
+    iso_pool *pool;
+    isosculpt_viewport view;
+    uint32_t seed = 7;
+    size_t drawn = 0;
+    assert_int_equal(iso_pool_create(2, &pool, NULL), ISO_OK);
+    iso_session *session = open_session(pool);
+    open_view(&view, session, pool);
+    add_reference(&view);
+    show(&view, false, 0.4);
+    for (int i = 0; i < 24; i++) {
+        if (i % 6 == 0) { /* another camera; for its first stroke there are only few layers */
+            isosculpt_viewport_orbit(&view, 20, 5);
+            isosculpt_viewport_zoom(&view, 1.2);
+            view.moving_factor = 2;
+            draw(&view, true);
+            assert_int_equal(view.quality, ISOSCULPT_QUALITY_MOVING);
+            stroke(session, &view, &seed);
+            assert_int_equal(view.quality, ISOSCULPT_QUALITY_MOVING);
+            draw(&view, false);
+        } else
+            drawn += stroke(session, &view, &seed);
+        assert_int_equal(view.quality, ISOSCULPT_QUALITY_REST);
+        const bool fine = i % 3 == 1; /* all but the stroke was refined before */
+        if (fine) refine(&view);
+        assert_as_new(&view, session, pool, fine);
+        show(&view, i % 2, 0.2 + 0.03 * i);
+        draw(&view, true); /* its layers are there: this is the picture at rest */
+        assert_as_new(&view, session, pool, false);
+        if (i % 3) continue;
+        refine(&view);
+        assert_as_new(&view, session, pool, true);
+        assert_int_equal(iso_session_undo(session, NULL), ISO_OK);
+        draw(&view, true);
+        refine(&view);
+        if (i) assert_as_new(&view, session, pool, true);
+    }
+    print_message("of the pictures %.1f %% was drawn again\n", 100.0 * (double)drawn / (60.0 * PIXELS));
+    assert_true(drawn < 60 * PIXELS / 4);
+    isosculpt_viewport_free(&view);
+    iso_session_destroy(session);
+    iso_pool_destroy(pool);
+}
+
+/* Where nothing was changed, nothing lies in front of the sculpture. */
+static void what_is_unchanged_looks_unchanged(void **state) {
+    (void)state;
+    isosculpt_viewport view, plain;
+    iso_session *session = open_session(NULL);
+    open_view(&view, session, NULL);
+    open_view(&plain, session, NULL);
+    add_reference(&view);
+    show(&view, false, 0.5);
+    for (int i = 0; i < 5; i++) {
+        isosculpt_viewport_orbit(&view, 31, 7);
+        isosculpt_viewport_zoom(&view, i % 2 ? 0.3 : 2);
+        plain.camera = view.camera;
+        draw(&view, false);
+        draw(&plain, false);
+        assert_memory_equal(view.image.rgba, plain.image.rgba, 4 * PIXELS);
+    }
+    view.reference_mode.over = true;
+    draw(&view, false);
+    assert_memory_not_equal(view.image.rgba, plain.image.rgba, 4 * PIXELS);
+    view.reference_mode.shown = false;
+    draw(&view, false);
+    assert_memory_equal(view.image.rgba, plain.image.rgba, 4 * PIXELS);
+    isosculpt_viewport_free(&view);
+    isosculpt_viewport_free(&plain);
+    iso_session_destroy(session);
+}
+
+/* What iso_shade_exact_layers draws of the reference over what is in `strip`'s gbuffer. */
+static void draw_layers(const isosculpt_viewport *view, const iso_exact *exact, const iso_gbuffer *gbuffer,
+                        iso_image *image) {
+    const iso_rgb colors[] = {view->mode.material.color};
+    const iso_strip strip = {.view = &view->drawn.view, .gbuffer = gbuffer, .factor = 1};
+    const iso_shading shading = {
+        .colors = colors, .color_count = 1, .background = view->mode.material.background};
+    const iso_exact_layer layer = {
+        exact, view->reference_mode.color, {.opacity = (float)view->reference_mode.opacity}};
+    const iso_exact_layers layers = {
+        .layers = &layer, .count = 1, .picture = {.strip = &strip, .shading = &shading, .image = image}};
+    iso_exact_layers_totals totals = {.retraced = 0};
+    assert_int_equal(iso_shade_exact_layers(&layers, &totals, NULL), ISO_OK);
+}
+
+static int largest_difference(const uint8_t *a, const uint8_t *b) {
+    int most = 0;
+    for (size_t i = 0; i < 4 * PIXELS; i++) most = abs(a[i] - b[i]) > most ? abs(a[i] - b[i]) : most;
+    return most;
+}
+
+/* The sculpture is a smaller ball, so that all layers lie clearly in front of it or behind it. */
+static void layers_are_those_of_exact(void **state) {
+    (void)state;
+    static const double opacities[] = {0.05, 0.35, 0.7, 0.95};
+    isosculpt_viewport view;
+    iso_journal_start small = START;
+    iso_hgrid *ball, *start;
+    iso_exact *exact;
+    iso_image image;
+    const iso_exact_opts opts = {.isovalue = 0};
+    small.radius = 9;
+    assert_int_equal(iso_session_ball(&small, &ball, NULL), ISO_OK);
+    assert_int_equal(iso_session_ball(&START, &start, NULL), ISO_OK);
+    const iso_grid grid = {.hgrid = start};
+    assert_int_equal(iso_exact_create(&grid, &opts, &exact, NULL), ISO_OK);
+    assert_int_equal(iso_exact_update(exact, NULL), ISO_OK);
+    assert_int_equal(iso_image_create(WIDTH, HEIGHT, &image, NULL), ISO_OK);
+    assert_int_equal(isosculpt_viewport_init(&view, ball, NULL, NULL), ISO_OK);
+    add_reference(&view);
+    for (int i = 0; i < 4; i++) {
+        show(&view, false, opacities[i]);
+        isosculpt_viewport_orbit(&view, 17, 3);
+        draw(&view, false);
+        draw_layers(&view, exact, &view.drawn.gbuffer, &image);
+        assert_true(largest_difference(view.image.rgba, image.rgba) <= (opacities[i] < 0.1 ? 2 : 1));
+    }
+    show(&view, true, 1); /* as if the reference were drawn alone, opaque */
+    draw(&view, false);
+    const iso_target target = {.view = &view.drawn.view, .gbuffer = &view.tile};
+    if (view.tile.samples < PIXELS) {
+        iso_gbuffer_free(&view.tile);
+        assert_int_equal(iso_gbuffer_create(WIDTH, HEIGHT, &view.tile, NULL), ISO_OK);
+    }
+    view.tile.width = WIDTH;
+    view.tile.height = HEIGHT;
+    iso_gbuffer_clear(&view.tile);
+    assert_int_equal(iso_draw_exact(&target, exact, NULL), ISO_OK);
+    const iso_strip strip = {.view = &view.drawn.view, .gbuffer = &view.tile, .factor = 1};
+    const iso_shading shading = {
+        .colors = &view.reference_mode.color, .color_count = 1, .background = view.mode.material.background};
+    iso_shade(&shading, &strip, &image, NULL);
+    assert_true(largest_difference(view.image.rgba, image.rgba) <= 1);
+    iso_image_free(&image);
+    isosculpt_viewport_free(&view);
+    iso_exact_destroy(exact);
+    iso_hgrid_destroy(start);
+    iso_hgrid_destroy(ball);
+}
+
+/* Out of memory for layers: the picture is drawn without the reference, and it is said. */
+static void without_memory_the_reference_is_hidden(void **state) {
+    (void)state;
+    isosculpt_viewport view, plain;
+    iso_session *session = open_session(NULL);
+    int hidden = 0;
+    open_view(&view, session, NULL);
+    open_view(&plain, session, NULL);
+    add_reference(&view);
+    draw(&view, false);
+    draw(&plain, false);
+    refine(&plain);
+    for (long calls = 0;; calls += 1 + calls / 16) {
+        show(&view, true, 0.5);
+        view.reference_error.text[0] = 0;
+        test_refuse_memory_after(calls);
+        iso_status status = isosculpt_viewport_draw(&view, WIDTH, HEIGHT, false, NULL);
+        while (status == ISO_OK && view.quality == ISOSCULPT_QUALITY_REST)
+            status = isosculpt_viewport_refine(&view, NULL);
+        const long refusals = test_refusals();
+        test_grant_memory();
+        if (!refusals) break;
+        if (status == ISO_OK && !view.reference_mode.shown) {
+            assert_non_null(strstr(view.reference_error.text, "out of memory"));
+            draw(&view, false);
+            refine(&view);
+            assert_memory_equal(view.image.rgba, plain.image.rgba, 4 * PIXELS);
+            hidden++;
+        }
+        view.reference_mode.shown = false;
+        draw(&view, false);
+    }
+    assert_true(hidden > 10);
+    refine(&view);
+    assert_as_new(&view, session, NULL, true);
+    isosculpt_viewport_free(&view);
+    isosculpt_viewport_free(&plain);
+    iso_session_destroy(session);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(strokes_leave_the_picture_drawn_from_scratch),
+        cmocka_unit_test(what_is_unchanged_looks_unchanged),
+        cmocka_unit_test(layers_are_those_of_exact),
+        cmocka_unit_test(without_memory_the_reference_is_hidden),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
