@@ -17,8 +17,12 @@ static const double LISTED_OPACITY = 0.1;
 /* ---- listing */
 
 static bool has_room(isosculpt_layer_store *store, size_t bytes) {
-    const size_t before = atomic_fetch_add_explicit(&store->bytes, bytes, memory_order_relaxed);
+    const size_t before = __atomic_fetch_add(&store->bytes, bytes, __ATOMIC_RELAXED);
     return before + bytes <= store->most_bytes;
+}
+
+static bool is_full(const isosculpt_layer_store *store) {
+    return __atomic_load_n(&store->full, __ATOMIC_RELAXED);
 }
 
 static isosculpt_stored_layer store_layer(const iso_packed_fragment *packed, float middle) {
@@ -48,7 +52,7 @@ static void store_row(isosculpt_layer_store *store, const iso_layer_lists *lists
     isosculpt_layer_row *to = &store->rows[y];
     to->ends = has_room(store, bytes) ? iso_alloc(bytes) : NULL;
     if (!to->ends) {
-        atomic_store(&store->full, true);
+        __atomic_store_n(&store->full, true, __ATOMIC_RELAXED);
         return;
     }
     to->layers = (isosculpt_stored_layer *)(to->ends + width);
@@ -60,15 +64,14 @@ static void store_row(isosculpt_layer_store *store, const iso_layer_lists *lists
 static void store_band(void *context, const iso_layer_lists *lists, const iso_layer_rays *rays, int first) {
     isosculpt_layer_store *store = context;
     (void)rays;
-    for (int row = 0; row < lists->rows && !atomic_load(&store->full); row++)
-        store_row(store, lists, row, first + row);
+    for (int row = 0; row < lists->rows && !is_full(store); row++) store_row(store, lists, row, first + row);
 }
 
 static void free_layers(isosculpt_layer_store *store) {
     for (int y = 0; y < store->height; y++) iso_free(store->rows[y].ends);
     store->width = store->height = 0;
-    atomic_store(&store->bytes, 0);
-    atomic_store(&store->full, false);
+    store->bytes = 0;
+    store->full = false;
 }
 
 static iso_status reserve_rows(isosculpt_layer_store *store, int height, iso_error *error) {
@@ -97,9 +100,9 @@ iso_status isosculpt_layer_store_list(isosculpt_layer_store *store, const iso_ex
     store->width = view->width;
     store->height = view->height;
     iso_status status = iso_shade_exact_layers(&layers, &totals, error);
-    if (status == ISO_OK && atomic_load(&store->full))
+    if (status == ISO_OK && store->full)
         status = iso_fail(error, ISO_ERR_NOMEM, "out of memory for layers: %.3g MB are needed, or more",
-                          1e-6 * (double)atomic_load(&store->bytes));
+                          1e-6 * (double)store->bytes);
     if (status != ISO_OK) free_layers(store);
     return status;
 }

@@ -4,10 +4,12 @@
 #ifndef ISO_APPS_ISOSCULPT_VIEWPORT_LAYER_STORE_H
 #define ISO_APPS_ISOSCULPT_VIEWPORT_LAYER_STORE_H
 
-#include <stdatomic.h>
-
 #include "exact/exact.h"
 #include "render/gbuffer.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
 
 /* A layer behind a sample: 12 bytes. */
 typedef struct isosculpt_stored_layer {
@@ -27,9 +29,9 @@ typedef struct isosculpt_layer_store {
     int width, height;         /* samples; 0: nothing is stored */
     isosculpt_layer_row *rows; /* room for row_room of them */
     int row_room;
-    atomic_size_t bytes; /* of all rows */
-    size_t most_bytes;   /* more are not stored; set by the owner */
-    atomic_bool full;    /* memory, or most_bytes, did not suffice */
+    size_t bytes;      /* of all rows */
+    size_t most_bytes; /* more are not stored; set by the owner */
+    bool full;         /* memory, or most_bytes, did not suffice */
 } isosculpt_layer_store;
 
 /* Lists the layers of the surface in a view. Those behind 60 or more others are left out. Other layers are
@@ -62,5 +64,9 @@ typedef struct isosculpt_layer_blend {
     iso_pool *pool;
 } isosculpt_layer_blend;
 void isosculpt_layer_store_blend(const isosculpt_layer_blend *blend);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif
