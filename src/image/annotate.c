@@ -1,5 +1,5 @@
-/* annotate: draws lines with antialiasing by 64 samples a pixel, and composes scale bar and orientation
- * marker of them. */
+/* annotate: draws lines with antialiasing by 64 samples a pixel, and composes scale bar, orientation
+ * marker and colour bars of them. */
 #include "image/annotate.h"
 
 #include <math.h>
@@ -302,8 +302,58 @@ static iso_status draw_marker(const pen *p, const iso_annotation *a, iso_error *
     return draw_outlined(p, &letters, p->radius, &p->ink, error);
 }
 
+/* ---- colour bars */
+
+enum { BAR_LABELS = 3 };
+
+/* Fills a rectangle of pixels with the colours of a map, the highest at the top. */
+static void fill_bar(iso_image *image, iso_colormap map, int left, int right, int top, int bottom) {
+    for (int y = top; y < bottom; y++) {
+        const iso_rgb c = iso_colormap_at(map, 1 - (y + 0.5 - top) / (bottom - top));
+        for (int x = left; x < right; x++) {
+            uint8_t *rgba = image->rgba + 4 * ((size_t)y * (size_t)image->width + (size_t)x);
+            rgba[0] = c.r, rgba[1] = c.g, rgba[2] = c.b, rgba[3] = 255;
+        }
+    }
+}
+
+/* Adds the numbers at the ends and in the middle of a bar, which end at `right`; returns the widest. */
+static double add_labels(drawing *d, const pen *p, const iso_color_bar *bar, double right, double top,
+                         double bottom) {
+    double widest = 0;
+    for (int i = 0; i < BAR_LABELS; i++) {
+        const double part = (double)i / (BAR_LABELS - 1), y = bottom + (top - bottom) * part;
+        char label[32];
+        snprintf(label, sizeof label, "%.4g", bar->low + (bar->high - bar->low) * part);
+        const double width = iso_font_width(label) * p->unit;
+        add_line(d, right + 0.3 * p->text, y, right + 0.6 * p->text, y);
+        add_text(d, p, label, right - width / 2, y);
+        widest = fmax(widest, width);
+    }
+    return widest;
+}
+
+/* Draws a bar whose right end is *right, and moves *right to the left of it. */
+static iso_status draw_color_bar(const pen *p, const iso_color_bar *bar, double *right, iso_error *error) {
+    const double top = 0.25 * p->image->height, bottom = 0.75 * p->image->height, left = *right - p->text;
+    const int x0 = bounded(left, p->image->width), x1 = bounded(*right, p->image->width);
+    drawing frame = {.count = 0}, labels = {.count = 0};
+    add_line(&frame, left, top, *right, top);
+    add_line(&frame, *right, top, *right, bottom);
+    add_line(&frame, *right, bottom, left, bottom);
+    add_line(&frame, left, bottom, left, top);
+    const double widest = add_labels(&labels, p, bar, left - 0.8 * p->text, top, bottom);
+    ISO_TRY(draw_outlined(p, &frame, p->radius, &p->ink, error));
+    fill_bar(p->image, bar->map, x0, x1, bounded(top, p->image->height), bounded(bottom, p->image->height));
+    *right = left - 2 * p->text - widest;
+    return draw_outlined(p, &labels, p->radius, &p->ink, error);
+}
+
 iso_status iso_annotate(iso_image *image, const iso_annotation *annotation, iso_error *error) {
     const pen p = pen_of(image, annotation->dark);
     if (annotation->orientation_marker) ISO_TRY(draw_marker(&p, annotation, error));
+    double right = image->width - 1.2 * p.text;
+    for (int i = 0; i < annotation->color_bar_count; i++)
+        ISO_TRY(draw_color_bar(&p, &annotation->color_bars[i], &right, error));
     return annotation->scale_bar ? draw_scale_bar(&p, annotation->camera, error) : ISO_OK;
 }

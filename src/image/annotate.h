@@ -1,6 +1,6 @@
-/* annotate: draws a scale bar and an orientation marker over a finished picture.
+/* annotate: draws a scale bar, an orientation marker and colour bars over a finished picture.
  *
- * Both are outlined in the contrasting colour, so that they are legible on any background. Their size is
+ * Lines are outlined in the contrasting colour, so that they are legible on any background. Their size is
  * relative to the picture's. Lines are sampled at 8 x 8 points a pixel and blended in integers, so that the
  * bytes are the same on every machine. */
 #ifndef ISO_IMAGE_ANNOTATE_H
@@ -10,18 +10,27 @@
 #include <stdint.h>
 
 #include "image/camera.h"
+#include "image/colormap.h"
 #include "image/image.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
+/* What colours stand for which numbers. */
+typedef struct iso_color_bar {
+    iso_colormap map;
+    double low, high; /* the numbers at its ends */
+} iso_color_bar;
+
 typedef struct iso_annotation {
-    const iso_camera *camera; /* of the picture; borrowed */
-    bool scale_bar;           /* bottom right, with its length; for orthographic cameras only */
-    bool orientation_marker;  /* bottom left: the world's axes as the camera sees them */
-    bool anatomical;          /* the axes are L R, A P and H F (the world is LPS); else x y z */
-    bool dark;                /* the background is dark: light lines */
+    const iso_camera *camera;        /* of the picture; borrowed */
+    bool scale_bar;                  /* bottom right, with its length; for orthographic cameras only */
+    bool orientation_marker;         /* bottom left: the world's axes as the camera sees them */
+    bool anatomical;                 /* the axes are L R, A P and H F (the world is LPS); else x y z */
+    const iso_color_bar *color_bars; /* at the right, beside each other; borrowed */
+    int color_bar_count;
+    bool dark; /* the background is dark: light lines */
 } iso_annotation;
 
 /* Draws the wanted annotations; parts beyond the picture are cut off. ISO_ERR_NOMEM. */

@@ -113,14 +113,59 @@ static void markers_follow_the_camera(void **state) {
     assert_true(left[0] > 1.3 * left[1] && left[1] > 40); /* an R has more ink than an L */
 }
 
+static bool same_color(iso_rgb a, iso_rgb b) {
+    return a.r == b.r && a.g == b.g && a.b == b.b;
+}
+
+/* The ends of the published tables; lightness that only grows. */
+static void colormaps_are_those_published(void **state) {
+    (void)state;
+    assert_true(same_color(iso_colormap_at(ISO_COLORMAP_VIRIDIS, 0), (iso_rgb){0x44, 0x01, 0x54}));
+    assert_true(same_color(iso_colormap_at(ISO_COLORMAP_VIRIDIS, 7), (iso_rgb){0xFD, 0xE7, 0x25}));
+    assert_true(same_color(iso_colormap_at(ISO_COLORMAP_COOLWARM, -1), (iso_rgb){0x3B, 0x4C, 0xC0}));
+    assert_true(same_color(iso_colormap_at(ISO_COLORMAP_COOLWARM, 1), (iso_rgb){0xB4, 0x04, 0x26}));
+    assert_true(same_color(iso_colormap_at(ISO_COLORMAP_TURBO, NAN), (iso_rgb){128, 128, 128}));
+    static const iso_colormap rising[] = {ISO_COLORMAP_VIRIDIS, ISO_COLORMAP_INFERNO, ISO_COLORMAP_GRAY};
+    for (int i = 0; i < 3; i++)
+        for (int k = 0, before = -1, light; k <= 50; k++, before = light) {
+            const iso_rgb c = iso_colormap_at(rising[i], k / 50.0);
+            light = 299 * c.r + 587 * c.g + 114 * c.b;
+            assert_true(light > before);
+        }
+}
+
+/* Down the middle of the bar run the colours of its map, highest first. */
+static void color_bars_show_their_map(void **state) {
+    (void)state;
+    enum { SIZE = 500, TEXT = 12, X = SIZE - 14 - TEXT / 2 };
+    static const uint8_t white[4] = {255, 255, 255, 255};
+    const iso_camera camera = camera_at(iso_vec3_make(0, -1, 0), 1);
+    const iso_color_bar bar = {ISO_COLORMAP_TURBO, -0.5, 1e6};
+    const iso_annotation annotation = {.camera = &camera, .color_bars = &bar, .color_bar_count = 1};
+    iso_image image = annotated(&annotation, SIZE, SIZE, white);
+    for (int y = SIZE / 4 + 1; y < 3 * SIZE / 4; y++) {
+        const uint8_t *p = image.rgba + 4 * (y * SIZE + X);
+        const iso_rgb wanted = iso_colormap_at(ISO_COLORMAP_TURBO, 1 - (y + 0.5 - SIZE / 4.0) / (SIZE / 2.0));
+        assert_true(same_color((iso_rgb){p[0], p[1], p[2]}, wanted));
+    }
+    assert_true(marks(&image, SIZE - 150, SIZE / 4 - 20, 100) > 100); /* numbers beside it */
+    assert_int_equal(marks(&image, 0, 100, 300), 0);
+    iso_image_free(&image);
+}
+
 static void small_pictures_are_cut_off(void **state) {
     (void)state;
+    const iso_color_bar bars[2] = {{ISO_COLORMAP_GRAY, 0, 1}, {ISO_COLORMAP_VIRIDIS, -1e-9, 3}};
     static const uint8_t clear[4] = {0};
     for (int width = 1; width < 60; width += 7)
         for (int height = 1; height < 60; height += 7) {
             const iso_camera camera = camera_at(iso_vec3_make(-1, -1, 1), 10);
-            const iso_annotation annotation = {
-                .camera = &camera, .scale_bar = true, .orientation_marker = true, .anatomical = height % 2};
+            const iso_annotation annotation = {.camera = &camera,
+                                               .scale_bar = true,
+                                               .orientation_marker = true,
+                                               .anatomical = height % 2,
+                                               .color_bars = bars,
+                                               .color_bar_count = 2};
             iso_image image = annotated(&annotation, width, height, clear);
             iso_image_free(&image);
         }
@@ -129,7 +174,7 @@ static void small_pictures_are_cut_off(void **state) {
 /* Every character of labels and markers has lines, within its width. */
 static void characters_have_lines(void **state) {
     (void)state;
-    for (const char *c = "0123456789.kmnuLRAPHFxyz"; *c; c++) {
+    for (const char *c = "0123456789.-+ekmnuLRAPHFxyz"; *c; c++) {
         const char text[2] = {*c, 0};
         iso_font_line lines[16];
         const int count = iso_font_lines(text, lines, 16);
@@ -145,8 +190,12 @@ static void characters_have_lines(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(lengths_are_round),         cmocka_unit_test(bars_have_their_length),
-        cmocka_unit_test(markers_follow_the_camera), cmocka_unit_test(small_pictures_are_cut_off),
+        cmocka_unit_test(lengths_are_round),
+        cmocka_unit_test(bars_have_their_length),
+        cmocka_unit_test(markers_follow_the_camera),
+        cmocka_unit_test(small_pictures_are_cut_off),
+        cmocka_unit_test(colormaps_are_those_published),
+        cmocka_unit_test(color_bars_show_their_map),
         cmocka_unit_test(characters_have_lines),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
