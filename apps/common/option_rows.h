@@ -9,6 +9,7 @@
 
 #define FLAG(field) .kind = ISO_OPTION_FLAG, FIELD(field)
 #define TEXT(field) .kind = ISO_OPTION_TEXT, FIELD(field)
+#define TEXTS(field) .kind = ISO_OPTION_TEXTS, FIELD(field), .flags = ISO_OPTION_REPEATABLE
 #define INT(field, from, to) .kind = ISO_OPTION_INT, FIELD(field), .low = (from), .high = (to)
 #define REAL(field, from, to) .kind = ISO_OPTION_REAL, FIELD(field), .low = (from), .high = (to)
 #define REALS(field, n) .kind = ISO_OPTION_REALS, FIELD(field), .count = (n)

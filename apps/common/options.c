@@ -261,6 +261,12 @@ static iso_status store_choice(const iso_option *option, const char *value, int 
     return iso_fail(error, ISO_ERR_USAGE, "'%s' is not one of %s", value, known);
 }
 
+static iso_status append_text(const char *value, iso_texts *texts, iso_error *error) {
+    if (texts->count == ISO_TEXTS) return iso_fail(error, ISO_ERR_USAGE, "more than %d values", ISO_TEXTS);
+    texts->values[texts->count++] = value;
+    return ISO_OK;
+}
+
 iso_status iso_option_store(const iso_option *option, const char *value, void *settings, iso_error *error) {
     void *field = (char *)settings + option->offset;
     switch (option->kind) {
@@ -271,6 +277,8 @@ iso_status iso_option_store(const iso_option *option, const char *value, void *s
         if (!*value) return iso_fail(error, ISO_ERR_USAGE, "the value is empty");
         *(const char **)field = value;
         return ISO_OK;
+    case ISO_OPTION_TEXTS:
+        return append_text(value, field, error);
     case ISO_OPTION_INT:
         if (!value) *(int *)field = 1;
         if (!value) return ISO_OK;

@@ -22,6 +22,7 @@ extern "C" {
 typedef enum iso_option_kind {
     ISO_OPTION_FLAG,   /* int, set to 1; takes no value */
     ISO_OPTION_TEXT,   /* const char *, borrowed from argv */
+    ISO_OPTION_TEXTS,  /* iso_texts: every value that is given */
     ISO_OPTION_INT,    /* int in low .. high */
     ISO_OPTION_REAL,   /* double in low .. high */
     ISO_OPTION_REALS,  /* double[count], separated by commas */
@@ -31,11 +32,18 @@ typedef enum iso_option_kind {
     ISO_OPTION_CALL    /* `apply` parses and stores it */
 } iso_option_kind;
 
+/* The values of a repeatable option, borrowed from argv. */
+enum { ISO_TEXTS = 32 };
+typedef struct iso_texts {
+    const char *values[ISO_TEXTS];
+    int count;
+} iso_texts;
+
 enum {
     ISO_OPTION_HIDDEN = 1,         /* parsed, but in no help */
     ISO_OPTION_VALUE_OPTIONAL = 2, /* `--name` alone is allowed; a value only as `--name=value`;
                                       an ISO_OPTION_INT is 1 without */
-    ISO_OPTION_REPEATABLE = 4,     /* for the help; `apply` does the collecting */
+    ISO_OPTION_REPEATABLE = 4,     /* for the help; the kind or `apply` does the collecting */
     ISO_OPTION_UNRECORDED = 8      /* changes how the program runs, not what it makes */
 };
 

@@ -15,10 +15,10 @@
 #error "ISO_VERSION comes from CMake"
 #endif
 
-enum group { INPUT, SURFACE, PICTURE, CAMERA, OUTPUT, RUNNING };
+enum group { INPUT, SURFACE, OBJECTS, PICTURE, CAMERA, OUTPUT, RUNNING };
 
-static const char *const groups[] = {"Input",         "Surface", "Picture", "Camera",
-                                     "Other outputs", "Running", NULL};
+static const char *const groups[] = {"Input",  "Surface",       "Lines and glyphs", "Picture",
+                                     "Camera", "Other outputs", "Running",          NULL};
 
 static const char *const usage[] = {"[options] IN [OUT.png]", "[options] --output TEMPLATE IN ...",
                                     "[options] --scene NAME[:SIZE] [OUT.png]", NULL};
@@ -103,6 +103,24 @@ static iso_status apply_opacity(void *target, const char *value, iso_error *erro
         if (!at[length]) return ISO_OK;
         at += length + 1;
     }
+}
+
+static iso_status add_object(isorender_settings *settings, bool lines, const char *path, iso_error *error) {
+    isorender_object_options *options = &settings->object_options;
+    if (!*path) return iso_fail(error, ISO_ERR_USAGE, "the value is empty");
+    if (options->count == ISORENDER_OBJECTS)
+        return iso_fail(error, ISO_ERR_USAGE, "more than %d files of lines and glyphs", ISORENDER_OBJECTS);
+    options->lines[options->count] = lines;
+    options->paths[options->count++] = path;
+    return ISO_OK;
+}
+
+static iso_status apply_lines(void *target, const char *value, iso_error *error) {
+    return add_object(target, true, value, error);
+}
+
+static iso_status apply_glyphs(void *target, const char *value, iso_error *error) {
+    return add_object(target, false, value, error);
 }
 
 static iso_status apply_background(void *target, const char *value, iso_error *error) {
@@ -271,6 +289,8 @@ static const iso_option options[] = {
      "the solid ends at the volume's border and is capped there, so that meshes are closed; voxels that are "
      "no numbers are outside it",
      .group = SURFACE, FLAG(closed)},
+
+#include "apps/isorender/object_options.inc"
 
     {"method", NULL, "NAME",
      "how the surface is drawn: exact (the trilinear surface itself, at any zoom: choose it for pictures), "
@@ -618,6 +638,17 @@ static iso_status check_glass(const isorender_settings *settings, iso_error *err
     return ISO_OK;
 }
 
+static iso_status check_objects(isorender_settings *settings, iso_error *error) {
+    ISO_TRY(isorender_objects_resolve(&settings->object_options, settings->objects, error));
+    if (!settings->object_options.count) return ISO_OK;
+    if (settings->ior > 0)
+        return iso_fail(error, ISO_ERR_USAGE, "--ior draws glass alone: no --lines and --glyphs beside it");
+    if (strcmp(settings->backend, "egl") == 0 || strcmp(settings->backend, "osmesa") == 0)
+        return iso_fail(error, ISO_ERR_USAGE, "--backend %s draws no --lines and --glyphs: they need the cpu",
+                        settings->backend);
+    return ISO_OK;
+}
+
 iso_status isorender_settings_parse(int argc, char *const *argv, isorender_settings *settings,
                                     iso_operands *operands, iso_error *error) {
     *settings = (isorender_settings){.method = ISORENDER_METHOD_UNCHOSEN,
@@ -630,6 +661,7 @@ iso_status isorender_settings_parse(int argc, char *const *argv, isorender_setti
                                      .refraction = ISO_REFRACTION_TRACED,
                                      .up = {0, 0, 1},
                                      .zoom = 1,
+                                     .line_min_pixels = 1,
                                      .margin = NAN,
                                      .view_angle = 30};
     for (int i = 0; i < 3; i++) settings->position[i] = settings->focal_point[i] = settings->view_up[i] = NAN;
@@ -644,5 +676,6 @@ iso_status isorender_settings_parse(int argc, char *const *argv, isorender_setti
     ISO_TRY(check_outputs(settings, error));
     ISO_TRY(check_surfaces(settings, error));
     ISO_TRY(check_glass(settings, error));
+    ISO_TRY(check_objects(settings, error));
     return check_opacity(settings, error);
 }

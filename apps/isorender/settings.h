@@ -3,6 +3,7 @@
 #define ISO_APPS_ISORENDER_SETTINGS_H
 
 #include "apps/common/settings.h"
+#include "apps/isorender/object_settings.h"
 #include "base/geometry.h"
 #include "isopoint.h"
 
@@ -55,6 +56,11 @@ typedef struct isorender_settings {
     int primitive;               /* iso_primitive */
     int closed;                  /* the solid ends at the volume's border and is capped there */
     const char *points, *mesh, *aov;
+
+    isorender_object_options object_options;
+    isorender_object_settings objects[ISORENDER_OBJECTS]; /* object_options.count */
+    double line_min_pixels;                               /* least width of lines in the picture, pixels */
+    int color_bar;
 
     /* ISO_METHOD_EXACT, _POINTS, _PULLPUSH, _SPLATS, _MESH, _RAYCAST or ISORENDER_METHOD_UNCHOSEN */
     int method;

@@ -1,0 +1,168 @@
+/* object_settings: deals the values of repeated options to the objects they belong to, and parses them. */
+#include "apps/isorender/object_settings.h"
+
+#include <math.h>
+#include <string.h>
+
+/* The value of an option for object `number` of those that it is for; NULL: the option is not given. */
+static const char *value_for(const iso_texts *texts, int number) {
+    if (!texts->count) return NULL;
+    return texts->values[number < texts->count ? number : texts->count - 1];
+}
+
+/* The index of a value in a list of names that ends with NULL. */
+static iso_status choose(const char *option, const char *value, const char *const *names, int *index,
+                         iso_error *error) {
+    char known[256] = "";
+    for (int i = 0; names[i]; i++) {
+        const size_t used = strlen(known);
+        if (strcmp(names[i], value) == 0) {
+            *index = i;
+            return ISO_OK;
+        }
+        snprintf(known + used, sizeof known - used, "%s%s", i ? ", " : "", names[i]);
+    }
+    return iso_fail(error, ISO_ERR_USAGE, "--%s: '%s' is not one of %s", option, value, known);
+}
+
+/* A number of mm above 0, or the name of an attribute. */
+static iso_status set_radius(const char *option, const char *value, isorender_object_settings *object,
+                             iso_error *error) {
+    object->radius = NAN;
+    if (!value) return ISO_OK;
+    if (!iso_parse_real(value, &object->radius))
+        object->radius_column = value;
+    else if (!(object->radius > 0))
+        return iso_fail(error, ISO_ERR_USAGE, "--%s: a radius of %s mm", option, value);
+    return ISO_OK;
+}
+
+static iso_status set_color(const char *option, const char *value, isorender_object_settings *object,
+                            iso_error *error) {
+    uint8_t rgb[3];
+    if (!value) return ISO_OK;
+    if (object->lines && strcmp(value, "direction") == 0) {
+        object->by_direction = true;
+        return ISO_OK;
+    }
+    if (!iso_parse_color(value, rgb))
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "--%s: '%s' is neither RRGGBB in hexadecimal nor a colour name of CSS%s", option,
+                        value, object->lines ? " nor 'direction'" : "");
+    object->colored = true;
+    object->color = (iso_rgb){rgb[0], rgb[1], rgb[2]};
+    return ISO_OK;
+}
+
+static iso_status set_map(const char *value, isorender_object_settings *object, iso_error *error) {
+    const char *names[ISO_COLORMAP_COUNT + 1] = {NULL};
+    int map = ISO_COLORMAP_VIRIDIS;
+    for (int i = 0; i < ISO_COLORMAP_COUNT; i++) names[i] = iso_colormap_name((iso_colormap)i);
+    if (value) ISO_TRY(choose("colormap", value, names, &map, error));
+    object->map = (iso_colormap)map;
+    return ISO_OK;
+}
+
+static iso_status set_range(const char *value, isorender_object_settings *object, iso_error *error) {
+    object->range[0] = object->range[1] = NAN;
+    if (!value) return ISO_OK;
+    if (!iso_parse_reals(value, 2, object->range) || !(object->range[0] < object->range[1]))
+        return iso_fail(error, ISO_ERR_USAGE, "--range: '%s' is not two numbers, the smaller one first",
+                        value);
+    return ISO_OK;
+}
+
+static iso_status set_reading(const isorender_object_options *options, int number,
+                              isorender_object_settings *object, iso_error *error) {
+    static const char *const spaces[] = {"file", "lps", "ras", NULL};
+    const char *space = value_for(&options->spaces, number), *every = value_for(&options->every, number);
+    int chosen = ISO_SPACE_FILE;
+    if (space) ISO_TRY(choose("space", space, spaces, &chosen, error));
+    object->space = (iso_space)chosen;
+    object->every = 1;
+    if (every && (!iso_parse_int(every, &object->every) || object->every < 1))
+        return iso_fail(error, ISO_ERR_USAGE, "--every: '%s' is not a whole number above 0", every);
+    return ISO_OK;
+}
+
+/* What every object has; number: of the object. */
+static iso_status set_common(const isorender_object_options *options, int number,
+                             isorender_object_settings *object, iso_error *error) {
+    object->color_by = value_for(&options->color_by, number);
+    ISO_TRY(set_map(value_for(&options->maps, number), object, error));
+    ISO_TRY(set_range(value_for(&options->ranges, number), object, error));
+    return set_reading(options, number, object, error);
+}
+
+/* number: of the lines. */
+static iso_status set_lines(const isorender_object_options *options, int number,
+                            isorender_object_settings *object, iso_error *error) {
+    static const char *const names[] = {"round", "flat", NULL};
+    const char *value = value_for(&options->caps, number);
+    int caps = 0;
+    if (value) ISO_TRY(choose("caps", value, names, &caps, error));
+    object->flat_caps = caps == 1;
+    ISO_TRY(set_radius("tube-radius", value_for(&options->tube_radii, number), object, error));
+    return set_color("line-color", value_for(&options->line_colors, number), object, error);
+}
+
+/* number: of the glyphs. */
+static iso_status set_glyphs(const isorender_object_options *options, int number,
+                             isorender_object_settings *object, iso_error *error) {
+#define GLYPH_TEXT(name, text) text,
+    static const char *const names[] = {ISO_GLYPHS(GLYPH_TEXT) NULL};
+#undef GLYPH_TEXT
+    const char *value = value_for(&options->glyphs, number);
+    int glyph = ISO_GLYPH_SPHERE;
+    if (value) ISO_TRY(choose("glyph", value, names, &glyph, error));
+    object->glyph = (iso_glyph)glyph;
+    ISO_TRY(set_radius("glyph-radius", value_for(&options->glyph_radii, number), object, error));
+    return set_color("glyph-color", value_for(&options->glyph_colors, number), object, error);
+}
+
+static iso_status check_count(const char *option, const iso_texts *texts, const char *objects, int count,
+                              iso_error *error) {
+    if (texts->count <= count) return ISO_OK;
+    if (count == 0)
+        return iso_fail(error, ISO_ERR_USAGE, "--%s is for %s, which are not given", option, objects);
+    return iso_fail(error, ISO_ERR_USAGE, "--%s is given %d times for %d %s", option, texts->count, count,
+                    objects);
+}
+
+static iso_status check_counts(const isorender_object_options *o, int lines, iso_error *error) {
+    const int glyphs = o->count - lines;
+    const struct {
+        const char *name;
+        const iso_texts *texts;
+        const char *objects;
+        int count;
+    } options[] = {{"tube-radius", &o->tube_radii, "--lines", lines},
+                   {"line-color", &o->line_colors, "--lines", lines},
+                   {"caps", &o->caps, "--lines", lines},
+                   {"glyph", &o->glyphs, "--glyphs", glyphs},
+                   {"glyph-radius", &o->glyph_radii, "--glyphs", glyphs},
+                   {"glyph-color", &o->glyph_colors, "--glyphs", glyphs},
+                   {"color-by", &o->color_by, "--lines and --glyphs", o->count},
+                   {"colormap", &o->maps, "--lines and --glyphs", o->count},
+                   {"range", &o->ranges, "--lines and --glyphs", o->count},
+                   {"space", &o->spaces, "--lines and --glyphs", o->count},
+                   {"every", &o->every, "--lines and --glyphs", o->count}};
+    for (size_t i = 0; i < sizeof options / sizeof *options; i++)
+        ISO_TRY(check_count(options[i].name, options[i].texts, options[i].objects, options[i].count, error));
+    return ISO_OK;
+}
+
+iso_status isorender_objects_resolve(const isorender_object_options *options,
+                                     isorender_object_settings objects[ISORENDER_OBJECTS], iso_error *error) {
+    int lines = 0;
+    for (int i = 0; i < options->count; i++) lines += options->lines[i];
+    ISO_TRY(check_counts(options, lines, error));
+    for (int i = 0, line = 0, glyph = 0; i < options->count; i++) {
+        isorender_object_settings *object = &objects[i];
+        *object = (isorender_object_settings){.lines = options->lines[i], .path = options->paths[i]};
+        ISO_TRY(object->lines ? set_lines(options, line++, object, error)
+                              : set_glyphs(options, glyph++, object, error));
+        ISO_TRY(set_common(options, i, object, error));
+    }
+    return ISO_OK;
+}

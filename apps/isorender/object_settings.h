@@ -1,0 +1,53 @@
+/* object_settings: the options of lines and glyphs that are drawn in the same picture as the surfaces. A
+ * *object* is one such file. */
+#ifndef ISO_APPS_ISORENDER_OBJECT_SETTINGS_H
+#define ISO_APPS_ISORENDER_OBJECT_SETTINGS_H
+
+#include "apps/common/options.h"
+#include "base/glyphs.h"
+#include "image/colormap.h"
+#include "io/read_opts.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum { ISORENDER_OBJECTS = 32 }; /* in a picture */
+
+/* What the options say of one object. Strings are borrowed from argv. */
+typedef struct isorender_object_settings {
+    bool lines; /* else glyphs */
+    const char *path;
+    double radius;             /* mm; NAN: not given */
+    const char *radius_column; /* the attribute with the radii; NULL: none */
+    bool colored, by_direction;
+    iso_rgb color;        /* if colored */
+    const char *color_by; /* the attribute with numbers to be coloured; NULL: none */
+    iso_colormap map;
+    double range[2]; /* of the colormap; NAN: that of the numbers */
+    bool flat_caps;  /* of lines */
+    iso_glyph glyph; /* of glyphs */
+    iso_space space;
+    int every;
+} isorender_object_settings;
+
+/* The options as they are given: the n-th value belongs to the n-th object, of those of the option's kind,
+ * and the last one to all that follow. Zero-initialise. */
+typedef struct isorender_object_options {
+    const char *paths[ISORENDER_OBJECTS];
+    bool lines[ISORENDER_OBJECTS];
+    int count;
+    iso_texts tube_radii, line_colors, caps;         /* by number of the lines */
+    iso_texts glyph_radii, glyph_colors, glyphs;     /* by number of the glyphs */
+    iso_texts color_by, maps, ranges, spaces, every; /* by number of the object */
+} isorender_object_options;
+
+/* Sets `objects`, in the order of the command line. ISO_ERR_USAGE: a value that cannot be, more values of an
+ * option than there are objects it is for. */
+iso_status isorender_objects_resolve(const isorender_object_options *options,
+                                     isorender_object_settings objects[ISORENDER_OBJECTS], iso_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
