@@ -20,7 +20,8 @@ static iso_status draw_opaque(void *context, const iso_view *view, iso_gbuffer *
         if (!is_opaque(&picture->surfaces[i])) continue;
         ISO_TRY(renderer->draw(picture->surfaces[i].subject, &target, error));
     }
-    return ISO_OK;
+    return picture->draw_others ? picture->draw_others(picture->others_context, view, gbuffer, error)
+                                : ISO_OK;
 }
 
 static iso_status shade_exact(iso_layered_picture *picture, const iso_layer_picture *output,
@@ -90,6 +91,7 @@ iso_status iso_layered_picture_callbacks(iso_layered_picture *picture, iso_pictu
     if (picture->count - opaque > ISO_LAYERED_MAX)
         return iso_fail(error, ISO_ERR_LIMIT, "%d translucent surfaces: a picture has up to %d",
                         picture->count - opaque, ISO_LAYERED_MAX);
-    *callbacks = (iso_picture_layers){opaque ? draw_opaque : NULL, shade, picture};
+    const bool draws = opaque || picture->draw_others;
+    *callbacks = (iso_picture_layers){draws ? draw_opaque : NULL, shade, picture};
     return ISO_OK;
 }

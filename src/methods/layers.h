@@ -28,6 +28,8 @@ typedef struct iso_layered_picture {
     iso_method method; /* iso_method_has_layers */
     const iso_layered_surface *surfaces;
     int count;
+    iso_draw_fn *draw_others; /* draws what else is opaque, such as lines; NULL: nothing */
+    void *others_context;
     iso_transparency transparency; /* of splats */
     const iso_shading *shading;    /* a colour for each surface, and the background */
     iso_pool *pool;

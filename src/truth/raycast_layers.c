@@ -139,8 +139,12 @@ static bool add_opaque(const sample_ray *s, int x, int y, light *l) {
     const iso_vec3 n = iso_gbuffer_normal(opaque, at);
     const float normal[3] = {(float)n.x, (float)n.y, (float)n.z};
     const int last = shading->color_count - 1;
+    const uint32_t own = opaque->color ? opaque->color[at] : 0;
+    const bool has_own = own >> 24 == (uint32_t)surface + 1;
+    const iso_rgb color = has_own ? (iso_rgb){own & 255, own >> 8 & 255, own >> 16 & 255}
+                                  : shading->colors[surface < last ? surface : last];
     float rgb[3];
-    iso_shade_sample(normal, s->to_eye, shading->colors[surface < last ? surface : last], rgb);
+    iso_shade_sample(normal, s->to_eye, color, rgb);
     for (int k = 0; k < 3; k++) l->color[k] += l->through * (double)rgb[k];
     l->through = 0;
     return true;

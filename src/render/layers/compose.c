@@ -10,7 +10,7 @@
 
 /* The lines of a composer: what iso_layer_line has, by sample and summed by pixel; the rays' slopes; copies
  * of a row of the gbuffer, whose last vector would reach beyond its end; the colours of 256 surfaces. */
-enum { LINE_SAMPLES, LINE_SUMS = 5, LINE_U = 10, LINE_NORMAL = 11, LINE_SURFACE = 14, LINES };
+enum { LINE_SAMPLES, LINE_SUMS = 5, LINE_U = 10, LINE_NORMAL = 11, LINE_SURFACE = 14, LINE_OWN = 15, LINES };
 enum { SURFACES = ISO_SURFACE_NONE + 1 };
 
 iso_status iso_layer_composer_reserve(iso_layer_composer *composer, int width, int factor, iso_error *error) {
@@ -72,6 +72,10 @@ static void copy_row(const iso_gbuffer *gbuffer, int y, const iso_layer_composer
     memcpy(surface, gbuffer->surface + at, width);
     memset(surface + width, ISO_SURFACE_NONE, ISO_LANES_MAX);
     back->surface = surface;
+    if (!gbuffer->color) return;
+    float *own = line_of(composer, LINE_OWN);
+    memcpy(own, gbuffer->color + at, width * sizeof *gbuffer->color);
+    back->own_color = (const uint32_t *)own;
 }
 
 /* Adds a row of samples to the sums of its pixels. */

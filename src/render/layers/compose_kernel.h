@@ -14,12 +14,13 @@ typedef struct iso_layer_line {
 
 /* What is behind the layers of a row. */
 typedef struct iso_layer_back {
-    const float *normal[3]; /* of the opaque surfaces, by sample */
-    const uint8_t *surface; /* their numbers; NULL: there are no opaque surfaces */
-    const float *color[3];  /* of surfaces, by number: 256 each */
-    const float *u;         /* rays (u, v, 1): u by column, with ISO_LANES_MAX readable items more */
-    float v, background[3]; /* 0 .. 1 */
-    bool transparent;       /* the background is */
+    const float *normal[3];    /* of the opaque surfaces, by sample */
+    const uint8_t *surface;    /* their numbers; NULL: there are no opaque surfaces */
+    const uint32_t *own_color; /* iso_gbuffer.color; NULL: no sample has a colour of its own */
+    const float *color[3];     /* of surfaces, by number: 256 each */
+    const float *u;            /* rays (u, v, 1): u by column, with ISO_LANES_MAX readable items more */
+    float v, background[3];    /* 0 .. 1 */
+    bool transparent;          /* the background is */
 } iso_layer_back;
 
 typedef struct iso_layer_kernel {
