@@ -17,11 +17,21 @@ static double degrees_between_frames(const isorender_settings *settings) {
 
 /* ---- framing */
 
-/* The surfaces' box in the space of three world vectors: iso_fit.bounds. */
+/* Adds the corners of an object's world box, in the space of three world vectors. */
+static void add_object(const isorender_object *object, const iso_vec3 vectors[3], iso_box *box) {
+    const iso_box world = object->bounds;
+    for (int corner = 0; corner < 8 && !iso_box_is_empty(&world); corner++) {
+        const iso_vec3 p = iso_box_corner(&world, corner);
+        iso_box_add(box, iso_vec3_make(iso_vec3_dot(vectors[0], p), iso_vec3_dot(vectors[1], p),
+                                       iso_vec3_dot(vectors[2], p)));
+    }
+}
+
+/* The box of surfaces and objects in the space of three world vectors: iso_fit.bounds. */
 static iso_box bounds_along(void *context, const iso_vec3 vectors[3]) {
     const isorender_job *job = context;
     const iso_transform transform =
-        job->loader.has_points ? iso_transform_identity() : *iso_grid_transform(&job->surfaces[0].grid);
+        job->has_volume ? *iso_grid_transform(&job->surfaces[0].grid) : iso_transform_identity();
     const iso_affine world = iso_transform_affine(&transform);
     iso_affine along = {.determinant = 1}; /* only points are taken there */
     for (int row = 0; row < 3; row++) {
@@ -31,7 +41,9 @@ static iso_box bounds_along(void *context, const iso_vec3 vectors[3]) {
                 v.x * world.m[column] + v.y * world.m[3 + column] + v.z * world.m[6 + column];
         along.origin[row] = v.x * world.origin[0] + v.y * world.origin[1] + v.z * world.origin[2];
     }
-    return isorender_bounds(job, &along);
+    iso_box box = isorender_bounds(job, &along);
+    for (int i = 0; i < job->object_count; i++) add_object(&job->objects[i], vectors, &box);
+    return box;
 }
 
 static iso_vec3 middle_of(const iso_box *box) {

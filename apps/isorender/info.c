@@ -38,6 +38,7 @@ static void print_memory(const isorender_job *job) {
 
 void isorender_info_header(const isorender_job *job) {
     const iso_volume_info *info = &job->loader.volume.info;
+    if (job->settings->objects_only) return;
     iso_text_put(stdout, isorender_input_name(job));
     putchar('\n');
     if (job->loader.has_points) {
@@ -90,7 +91,8 @@ static void print_isovalues(const isorender_job *job) {
     printf("\n");
 }
 
-void isorender_info_values(const isorender_job *job) {
+/* What the voxels or points say. */
+static void print_values(const isorender_job *job) {
     if (job->loader.has_points) {
         iso_point_view view = iso_points_view(&job->loader.points);
         iso_box box = iso_point_view_bounds(&view);
@@ -112,4 +114,9 @@ void isorender_info_values(const isorender_job *job) {
                (unsigned long long)histogram->padding, histogram->padding_value);
     if (histogram->low < histogram->high) print_histogram(histogram);
     print_isovalues(job);
+}
+
+void isorender_info_values(const isorender_job *job) {
+    if (!job->settings->objects_only) print_values(job);
+    for (int i = 0; i < job->object_count; i++) isorender_object_info(&job->objects[i]);
 }

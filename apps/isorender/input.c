@@ -1,5 +1,7 @@
 /* The input of one run: opened, checked against the options and the memory limit, and read. */
+#include <inttypes.h>
 #include <math.h>
+#include <string.h>
 
 #include "apps/isorender/isorender.h"
 #include "base/memory.h"
@@ -86,6 +88,25 @@ static void choose_method(isorender_job *job) {
     job->renderer = find_renderer(job);
 }
 
+/* Options that need a surface, for pictures of objects only. */
+static iso_status check_objects_options(const isorender_settings *settings, iso_error *error) {
+    const iso_input *input = &settings->common.input;
+    const char *option = settings->method != ISORENDER_METHOD_UNCHOSEN ? "--method"
+                         : settings->isovalue_count                    ? "--isovalue"
+                         : settings->opacity_count                     ? "--opacity"
+                         : settings->color_count                       ? "--color"
+                         : settings->points                            ? "--points"
+                         : settings->mesh                              ? "--mesh"
+                         : settings->closed                            ? "--closed"
+                         : input->cropped                              ? "--crop"
+                         : input->cropped_mm                           ? "--crop-mm"
+                         : input->largest                              ? "--largest"
+                         : input->min_size > 0                         ? "--min-size"
+                                                                       : NULL;
+    if (!option) return ISO_OK;
+    return iso_fail(error, ISO_ERR_USAGE, "%s is for surfaces: there are lines or glyphs only", option);
+}
+
 iso_status isorender_open(isorender_job *job, iso_error *error) {
     iso_loader *loader = &job->loader;
     *loader = (iso_loader){.input = job->plan->input,
@@ -94,8 +115,13 @@ iso_status isorender_open(isorender_job *job, iso_error *error) {
                            .pool = job->pool,
                            .progress = report_reading,
                            .progress_context = job};
-    ISO_TRY(iso_loader_open(loader, error));
+    if (!job->settings->objects_only) ISO_TRY(iso_loader_open(loader, error));
+    job->has_volume = !loader->has_points && !job->settings->objects_only;
     choose_method(job);
+    if (job->settings->objects_only) {
+        ISO_TRY(check_objects_options(job->settings, error));
+        return check_picture(job, error);
+    }
     /* When the volume alone is over the limit, iso_loader_read refuses it with a better message than
      * check_picture would. */
     const bool is_file = isnan(loader->scene_isovalue) && !loader->has_points;
@@ -112,8 +138,35 @@ static void log_notes(const isorender_job *job) {
                       job->settings->closed ? "outside the solid" : "no surface is made next to them");
 }
 
+static void log_object(const isorender_job *job, const isorender_object *object) {
+    const iso_read_report *report = &object->report;
+    const bool is_input =
+        strcmp(object->settings->path, job->plan->input) == 0; /* then it is named already */
+    const char *path = is_input ? "" : object->settings->path, *colon = is_input ? "" : ": ";
+    for (int i = 0; i < report->note_count; i++)
+        isorender_log(job, "note: %s%s%s", path, colon, report->notes[i]);
+    if (report->dropped)
+        isorender_log(job, "note: %s%s%" PRIu64 " positions are not finite and are left out", path, colon,
+                      report->dropped);
+    if (report->mended_radii)
+        isorender_log(job, "note: %s%s%" PRIu64 " radii are negative or not finite and became 0", path, colon,
+                      report->mended_radii);
+}
+
+/* Reads the files of --lines and --glyphs. */
+static iso_status read_objects(isorender_job *job, iso_error *error) {
+    const isorender_settings *settings = job->settings;
+    for (int i = 0; i < settings->object_options.count; i++) {
+        isorender_object *object = &job->objects[job->object_count++];
+        ISO_TRY(isorender_object_read(object, &settings->objects[i], memory_limit(settings), job->plan->files,
+                                      error));
+        log_object(job, object);
+    }
+    return job->object_count ? iso_file_set_check(job->plan->files, error) : ISO_OK;
+}
+
 iso_status isorender_read(isorender_job *job, iso_error *error) {
-    ISO_TRY(iso_loader_read(&job->loader, error));
-    if (!job->loader.has_points) log_notes(job);
-    return ISO_OK;
+    if (!job->settings->objects_only) ISO_TRY(iso_loader_read(&job->loader, error));
+    if (job->has_volume) log_notes(job);
+    return read_objects(job, error);
 }

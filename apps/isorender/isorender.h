@@ -6,6 +6,7 @@
 #include "apps/common/json.h"
 #include "apps/common/loader.h"
 #include "apps/isorender/backend.h"
+#include "apps/isorender/objects.h"
 #include "apps/isorender/plan.h"
 #include "apps/isorender/settings.h"
 #include "exact/exact.h"
@@ -59,7 +60,8 @@ typedef struct isorender_job {
     iso_pool *pool;
     const isorender_backend *backend;
     const iso_environment *environment; /* of glass, else NULL */
-    iso_loader loader;
+    iso_loader loader;                  /* not opened when the picture has objects only */
+    bool has_volume;                    /* else the loader has points, or there are objects only */
 
     iso_method method;            /* as --method names it: ISO_METHOD_PULLPUSH with any reconstruction */
     const iso_renderer *renderer; /* of the method with its reconstruction */
@@ -67,6 +69,8 @@ typedef struct isorender_job {
     isorender_surface surfaces[ISORENDER_SURFACES];
     iso_point_view read_points; /* of a file of points */
     int surface_count;
+    isorender_object objects[ISORENDER_OBJECTS]; /* their surface numbers follow those of the surfaces */
+    int object_count;
     bool translucent;                                /* at least one surface is */
     iso_gl_surface *gl_surfaces[ISORENDER_SURFACES]; /* of OpenGL; NULL before isorender_gl_upload */
     uint64_t point_count, rejected, vertex_count, triangle_count, cell_count; /* of all surfaces */
@@ -113,7 +117,7 @@ iso_status isorender_export(isorender_job *job, iso_error *error);
 /* The points of a surface, extracted or read. Borrowed from the job. */
 iso_point_view isorender_points_view(const isorender_job *job, int surface);
 
-/* The box of all surfaces in the space to which `affine` maps index coordinates. */
+/* The box of all surfaces, not of objects, in the space to which `affine` maps index coordinates. */
 iso_box isorender_bounds(const isorender_job *job, const iso_affine *affine);
 
 /* ---- splats.c */

@@ -28,7 +28,6 @@ static iso_status choose(const char *option, const char *value, const char *cons
 /* A number of mm above 0, or the name of an attribute. */
 static iso_status set_radius(const char *option, const char *value, isorender_object_settings *object,
                              iso_error *error) {
-    object->radius = NAN;
     if (!value) return ISO_OK;
     if (!iso_parse_real(value, &object->radius))
         object->radius_column = value;
@@ -41,14 +40,15 @@ static iso_status set_color(const char *option, const char *value, isorender_obj
                             iso_error *error) {
     uint8_t rgb[3];
     if (!value) return ISO_OK;
-    if (object->lines && strcmp(value, "direction") == 0) {
+    const bool lines = object->kind == ISORENDER_LINES;
+    if (lines && strcmp(value, "direction") == 0) {
         object->by_direction = true;
         return ISO_OK;
     }
     if (!iso_parse_color(value, rgb))
         return iso_fail(error, ISO_ERR_USAGE,
                         "--%s: '%s' is neither RRGGBB in hexadecimal nor a colour name of CSS%s", option,
-                        value, object->lines ? " nor 'direction'" : "");
+                        value, lines ? " nor 'direction'" : "");
     object->colored = true;
     object->color = (iso_rgb){rgb[0], rgb[1], rgb[2]};
     return ISO_OK;
@@ -72,26 +72,28 @@ static iso_status set_range(const char *value, isorender_object_settings *object
     return ISO_OK;
 }
 
-static iso_status set_reading(const isorender_object_options *options, int number,
-                              isorender_object_settings *object, iso_error *error) {
+static iso_status set_space(const char *value, isorender_object_settings *object, iso_error *error) {
     static const char *const spaces[] = {"file", "lps", "ras", NULL};
-    const char *space = value_for(&options->spaces, number), *every = value_for(&options->every, number);
-    int chosen = ISO_SPACE_FILE;
-    if (space) ISO_TRY(choose("space", space, spaces, &chosen, error));
-    object->space = (iso_space)chosen;
+    int space = ISO_SPACE_FILE;
+    if (value) ISO_TRY(choose("space", value, spaces, &space, error));
+    object->space = (iso_space)space;
+    return ISO_OK;
+}
+
+static iso_status set_every(const char *every, isorender_object_settings *object, iso_error *error) {
     object->every = 1;
     if (every && (!iso_parse_int(every, &object->every) || object->every < 1))
         return iso_fail(error, ISO_ERR_USAGE, "--every: '%s' is not a whole number above 0", every);
     return ISO_OK;
 }
 
-/* What every object has; number: of the object. */
+/* What lines and glyphs have; number: of the object. */
 static iso_status set_common(const isorender_object_options *options, int number,
                              isorender_object_settings *object, iso_error *error) {
     object->color_by = value_for(&options->color_by, number);
     ISO_TRY(set_map(value_for(&options->maps, number), object, error));
     ISO_TRY(set_range(value_for(&options->ranges, number), object, error));
-    return set_reading(options, number, object, error);
+    return set_every(value_for(&options->every, number), object, error);
 }
 
 /* number: of the lines. */
@@ -101,7 +103,7 @@ static iso_status set_lines(const isorender_object_options *options, int number,
     const char *value = value_for(&options->caps, number);
     int caps = 0;
     if (value) ISO_TRY(choose("caps", value, names, &caps, error));
-    object->flat_caps = caps == 1;
+    object->caps = (iso_caps)caps;
     ISO_TRY(set_radius("tube-radius", value_for(&options->tube_radii, number), object, error));
     return set_color("line-color", value_for(&options->line_colors, number), object, error);
 }
@@ -124,13 +126,17 @@ static iso_status check_count(const char *option, const iso_texts *texts, const 
                               iso_error *error) {
     if (texts->count <= count) return ISO_OK;
     if (count == 0)
-        return iso_fail(error, ISO_ERR_USAGE, "--%s is for %s, which are not given", option, objects);
+        return iso_fail(error, ISO_ERR_USAGE, "--%s is for %s, which is not given", option, objects);
     return iso_fail(error, ISO_ERR_USAGE, "--%s is given %d times for %d %s", option, texts->count, count,
                     objects);
 }
 
-static iso_status check_counts(const isorender_object_options *o, int lines, iso_error *error) {
-    const int glyphs = o->count - lines;
+/* counts: of objects by kind. */
+static iso_status check_counts(const isorender_object_options *o, const int counts[ISORENDER_OBJECT_KINDS],
+                               iso_error *error) {
+    const int lines = counts[ISORENDER_LINES], glyphs = counts[ISORENDER_GLYPHS],
+              meshes = counts[ISORENDER_MESH];
+    static const char both[] = "--lines or --glyphs";
     const struct {
         const char *name;
         const iso_texts *texts;
@@ -142,27 +148,35 @@ static iso_status check_counts(const isorender_object_options *o, int lines, iso
                    {"glyph", &o->glyphs, "--glyphs", glyphs},
                    {"glyph-radius", &o->glyph_radii, "--glyphs", glyphs},
                    {"glyph-color", &o->glyph_colors, "--glyphs", glyphs},
-                   {"color-by", &o->color_by, "--lines and --glyphs", o->count},
-                   {"colormap", &o->maps, "--lines and --glyphs", o->count},
-                   {"range", &o->ranges, "--lines and --glyphs", o->count},
-                   {"space", &o->spaces, "--lines and --glyphs", o->count},
-                   {"every", &o->every, "--lines and --glyphs", o->count}};
+                   {"surface-color", &o->mesh_colors, "--surface", meshes},
+                   {"color-by", &o->color_by, both, lines + glyphs},
+                   {"colormap", &o->maps, both, lines + glyphs},
+                   {"range", &o->ranges, both, lines + glyphs},
+                   {"every", &o->every, both, lines + glyphs},
+                   {"space", &o->spaces, "--lines, --glyphs or --surface", o->count}};
     for (size_t i = 0; i < sizeof options / sizeof *options; i++)
         ISO_TRY(check_count(options[i].name, options[i].texts, options[i].objects, options[i].count, error));
     return ISO_OK;
 }
 
+/* number: of the object, of those of its kind. */
+static iso_status set_kind(const isorender_object_options *options, int number,
+                           isorender_object_settings *object, iso_error *error) {
+    object->radius = NAN;
+    if (object->kind == ISORENDER_LINES) return set_lines(options, number, object, error);
+    if (object->kind == ISORENDER_GLYPHS) return set_glyphs(options, number, object, error);
+    return set_color("surface-color", value_for(&options->mesh_colors, number), object, error);
+}
+
 iso_status isorender_objects_resolve(const isorender_object_options *options,
                                      isorender_object_settings objects[ISORENDER_OBJECTS], iso_error *error) {
-    int lines = 0;
-    for (int i = 0; i < options->count; i++) lines += options->lines[i];
-    ISO_TRY(check_counts(options, lines, error));
-    for (int i = 0, line = 0, glyph = 0; i < options->count; i++) {
+    int counts[ISORENDER_OBJECT_KINDS] = {0}, common = 0;
+    for (int i = 0; i < options->count; i++) {
         isorender_object_settings *object = &objects[i];
-        *object = (isorender_object_settings){.lines = options->lines[i], .path = options->paths[i]};
-        ISO_TRY(object->lines ? set_lines(options, line++, object, error)
-                              : set_glyphs(options, glyph++, object, error));
-        ISO_TRY(set_common(options, i, object, error));
+        *object = (isorender_object_settings){.kind = options->kinds[i], .path = options->paths[i]};
+        ISO_TRY(set_kind(options, counts[object->kind]++, object, error));
+        ISO_TRY(set_space(value_for(&options->spaces, i), object, error));
+        if (object->kind != ISORENDER_MESH) ISO_TRY(set_common(options, common++, object, error));
     }
-    return ISO_OK;
+    return check_counts(options, counts, error);
 }

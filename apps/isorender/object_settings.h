@@ -1,5 +1,5 @@
-/* object_settings: the options of lines and glyphs that are drawn in the same picture as the surfaces. A
- * *object* is one such file. */
+/* object_settings: the options of files that are drawn in the same picture as the isosurfaces: lines, glyphs
+ * and meshes. An *object* is one such file. */
 #ifndef ISO_APPS_ISORENDER_OBJECT_SETTINGS_H
 #define ISO_APPS_ISORENDER_OBJECT_SETTINGS_H
 
@@ -7,6 +7,7 @@
 #include "base/glyphs.h"
 #include "image/colormap.h"
 #include "io/read_opts.h"
+#include "render/shapes/shapes.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -14,9 +15,16 @@ extern "C" {
 
 enum { ISORENDER_OBJECTS = 32 }; /* in a picture */
 
+typedef enum isorender_object_kind {
+    ISORENDER_LINES,
+    ISORENDER_GLYPHS,
+    ISORENDER_MESH,
+    ISORENDER_OBJECT_KINDS
+} isorender_object_kind;
+
 /* What the options say of one object. Strings are borrowed from argv. */
 typedef struct isorender_object_settings {
-    bool lines; /* else glyphs */
+    isorender_object_kind kind;
     const char *path;
     double radius;             /* mm; NAN: not given */
     const char *radius_column; /* the attribute with the radii; NULL: none */
@@ -25,7 +33,7 @@ typedef struct isorender_object_settings {
     const char *color_by; /* the attribute with numbers to be coloured; NULL: none */
     iso_colormap map;
     double range[2]; /* of the colormap; NAN: that of the numbers */
-    bool flat_caps;  /* of lines */
+    iso_caps caps;   /* of lines */
     iso_glyph glyph; /* of glyphs */
     iso_space space;
     int every;
@@ -35,11 +43,13 @@ typedef struct isorender_object_settings {
  * and the last one to all that follow. Zero-initialise. */
 typedef struct isorender_object_options {
     const char *paths[ISORENDER_OBJECTS];
-    bool lines[ISORENDER_OBJECTS];
+    isorender_object_kind kinds[ISORENDER_OBJECTS];
     int count;
-    iso_texts tube_radii, line_colors, caps;         /* by number of the lines */
-    iso_texts glyph_radii, glyph_colors, glyphs;     /* by number of the glyphs */
-    iso_texts color_by, maps, ranges, spaces, every; /* by number of the object */
+    iso_texts tube_radii, line_colors, caps;     /* by number of the lines */
+    iso_texts glyph_radii, glyph_colors, glyphs; /* by number of the glyphs */
+    iso_texts mesh_colors;                       /* by number of the mesh */
+    iso_texts color_by, maps, ranges, every;     /* by number of the object that is no mesh */
+    iso_texts spaces;                            /* by number of the object */
 } isorender_object_options;
 
 /* Sets `objects`, in the order of the command line. ISO_ERR_USAGE: a value that cannot be, more values of an

@@ -17,11 +17,12 @@
 
 enum group { INPUT, SURFACE, OBJECTS, PICTURE, CAMERA, OUTPUT, RUNNING };
 
-static const char *const groups[] = {"Input",  "Surface",       "Lines and glyphs", "Picture",
-                                     "Camera", "Other outputs", "Running",          NULL};
+static const char *const groups[] = {
+    "Input", "Surface", "Lines, glyphs and meshes", "Picture", "Camera", "Other outputs", "Running", NULL};
 
 static const char *const usage[] = {"[options] IN [OUT.png]", "[options] --output TEMPLATE IN ...",
-                                    "[options] --scene NAME[:SIZE] [OUT.png]", NULL};
+                                    "[options] --scene NAME[:SIZE] [OUT.png]",
+                                    "[options] --lines FILE [--glyphs FILE ...] [OUT.png]", NULL};
 
 /* The reconstructions of pullpush have an option of their own. The names come from the table of renderers. */
 enum { METHODS = 6 };
@@ -105,22 +106,28 @@ static iso_status apply_opacity(void *target, const char *value, iso_error *erro
     }
 }
 
-static iso_status add_object(isorender_settings *settings, bool lines, const char *path, iso_error *error) {
-    isorender_object_options *options = &settings->object_options;
+static iso_status add_object(isorender_settings *settings, isorender_object_kind kind, const char *path,
+                             iso_error *error) {
+    isorender_object_options *objects = &settings->object_options;
     if (!*path) return iso_fail(error, ISO_ERR_USAGE, "the value is empty");
-    if (options->count == ISORENDER_OBJECTS)
-        return iso_fail(error, ISO_ERR_USAGE, "more than %d files of lines and glyphs", ISORENDER_OBJECTS);
-    options->lines[options->count] = lines;
-    options->paths[options->count++] = path;
+    if (objects->count == ISORENDER_OBJECTS)
+        return iso_fail(error, ISO_ERR_USAGE, "more than %d files of lines, glyphs and meshes",
+                        ISORENDER_OBJECTS);
+    objects->kinds[objects->count] = kind;
+    objects->paths[objects->count++] = path;
     return ISO_OK;
 }
 
 static iso_status apply_lines(void *target, const char *value, iso_error *error) {
-    return add_object(target, true, value, error);
+    return add_object(target, ISORENDER_LINES, value, error);
 }
 
 static iso_status apply_glyphs(void *target, const char *value, iso_error *error) {
-    return add_object(target, false, value, error);
+    return add_object(target, ISORENDER_GLYPHS, value, error);
+}
+
+static iso_status apply_surface(void *target, const char *value, iso_error *error) {
+    return add_object(target, ISORENDER_MESH, value, error);
 }
 
 static iso_status apply_background(void *target, const char *value, iso_error *error) {
@@ -416,6 +423,8 @@ static const char *const inputs_text[] = {".vti, legacy .vtk, .nrrd .nhdr, .mha 
                                           ".vdb, a DICOM folder or file, raw data with --raw,",
                                           "a .ply of points as --points writes it, scene:NAME[:SIZE], and - "
                                           "for stdin (the content tells the format).",
+                                          "A .tck, .trk, .swc, .pdb, .xyz, .csv or .stl is drawn as --lines, "
+                                          "--glyphs and --surface draw it.",
                                           "Without OUT the picture is IN's name with .png, in the current "
                                           "folder. World axes are LPS: front looks along +y.",
                                           NULL};
@@ -436,6 +445,8 @@ static const char *const example_text[] = {
     "isorender brain.nrrd --isovalue 40 --turntable 90 -o frame_{n:3}.png",
     "isorender --output '{model}.png' *.vti --json='{model}.json'",
     "isorender sphere.vdb --points sphere.ply --no-image",
+    "isorender t1.nii.gz brain.png --isovalue 60 --opacity 0.3 --lines tracts.tck --line-color direction",
+    "isorender protein.pdb --samples 4",
     NULL};
 
 static const iso_section sections[] = {
@@ -460,27 +471,80 @@ const iso_program *isorender_program(void) {
 
 /* ---- checks between options ---- */
 
+/* The kind of object that a file holds by its name; false: it is a volume, or only its content tells. */
+static bool is_object_name(const char *name, isorender_object_kind *kind) {
+    static const struct {
+        const char *ending;
+        isorender_object_kind kind;
+    } endings[] = {{".tck", ISORENDER_LINES},  {".trk", ISORENDER_LINES},  {".swc", ISORENDER_LINES},
+                   {".pdb", ISORENDER_GLYPHS}, {".xyz", ISORENDER_GLYPHS}, {".csv", ISORENDER_GLYPHS},
+                   {".stl", ISORENDER_MESH}};
+    for (size_t i = 0; i < sizeof endings / sizeof *endings; i++)
+        if (iso_text_ends_with(name, endings[i].ending)) {
+            *kind = endings[i].kind;
+            return true;
+        }
+    return false;
+}
+
+/* Takes an input that is an object: it becomes the first one. */
+static iso_status take_object(isorender_settings *settings, iso_error *error) {
+    isorender_object_options *objects = &settings->object_options;
+    isorender_object_kind kind;
+    if (settings->objects_only || settings->scene || !is_object_name(settings->inputs[0], &kind))
+        return ISO_OK;
+    if (settings->input_count > 1)
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "%s: lines, glyphs and meshes are drawn one file at a time, or together with "
+                        "--lines, --glyphs and --surface",
+                        settings->inputs[0]);
+    ISO_TRY(add_object(settings, kind, settings->inputs[0], error));
+    for (int i = objects->count - 1; i > 0; i--) {
+        objects->paths[i] = objects->paths[i - 1];
+        objects->kinds[i] = objects->kinds[i - 1];
+    }
+    objects->paths[0] = settings->inputs[0];
+    objects->kinds[0] = kind;
+    settings->objects_only = 1;
+    return ISO_OK;
+}
+
+/* Whether the only operand is the name of a picture of --lines, --glyphs and --surface, which need no input.
+ */
+static bool is_only_picture(const isorender_settings *settings, const iso_operands *operands) {
+    return settings->object_options.count && !settings->scene &&
+           (operands->count == 0 ||
+            (operands->count == 1 && !settings->output && iso_text_ends_with(operands->values[0], ".png")));
+}
+
+/* Takes the output from the operands: the last of them, when it is one more than there are inputs. */
+static iso_status take_output(isorender_settings *settings, const iso_operands *operands, int inputs,
+                              int *count, iso_error *error) {
+    if (settings->output || *count != inputs + 1) return ISO_OK;
+    settings->output = operands->values[--*count];
+    if (strcmp(settings->output, "-") != 0 && !iso_text_ends_with(settings->output, ".png"))
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "%s: a picture's name must end in .png (several inputs need --output TEMPLATE)",
+                        settings->output);
+    return ISO_OK;
+}
+
 static iso_status take_operands(isorender_settings *settings, const iso_operands *operands,
                                 iso_error *error) {
     int count = operands->count;
-    int inputs = settings->scene ? 0 : 1;
-    if (!settings->output && count == inputs + 1) {
-        settings->output = operands->values[count - 1];
-        count--;
-        if (strcmp(settings->output, "-") != 0 && !iso_text_ends_with(settings->output, ".png"))
-            return iso_fail(error, ISO_ERR_USAGE,
-                            "%s: a picture's name must end in .png (several inputs need --output TEMPLATE)",
-                            settings->output);
-    }
-    if (count == 0 && !settings->scene) return iso_fail(error, ISO_ERR_USAGE, "no input (see --help)");
+    settings->objects_only = is_only_picture(settings, operands);
+    ISO_TRY(
+        take_output(settings, operands, settings->scene || settings->objects_only ? 0 : 1, &count, error));
+    if (count == 0 && !settings->scene && !settings->objects_only)
+        return iso_fail(error, ISO_ERR_USAGE, "no input (see --help)");
     if (settings->scene && count > 0)
         return iso_fail(error, ISO_ERR_USAGE, "%s: --scene takes no other input", operands->values[0]);
     if (count > 1 && !settings->output && !settings->info && !settings->no_image)
         return iso_fail(error, ISO_ERR_USAGE, "%d inputs need --output TEMPLATE, such as '{model}.png'",
                         count);
-    settings->inputs = operands->values;
-    settings->input_count = settings->scene ? 1 : count;
-    return ISO_OK;
+    settings->inputs = settings->objects_only ? settings->object_options.paths : operands->values;
+    settings->input_count = settings->scene || settings->objects_only ? 1 : count;
+    return take_object(settings, error);
 }
 
 static bool is_vector_given(const double v[3]) {
@@ -640,11 +704,15 @@ static iso_status check_glass(const isorender_settings *settings, iso_error *err
 
 static iso_status check_objects(isorender_settings *settings, iso_error *error) {
     ISO_TRY(isorender_objects_resolve(&settings->object_options, settings->objects, error));
+    if (settings->color_bar && !settings->object_options.color_by.count)
+        return iso_fail(error, ISO_ERR_USAGE, "--color-bar shows what --color-by colours: give both");
     if (!settings->object_options.count) return ISO_OK;
     if (settings->ior > 0)
-        return iso_fail(error, ISO_ERR_USAGE, "--ior draws glass alone: no --lines and --glyphs beside it");
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "--ior draws glass alone: no --lines, --glyphs and --surface beside it");
     if (strcmp(settings->backend, "egl") == 0 || strcmp(settings->backend, "osmesa") == 0)
-        return iso_fail(error, ISO_ERR_USAGE, "--backend %s draws no --lines and --glyphs: they need the cpu",
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "--backend %s draws no --lines, --glyphs and --surface: they need the cpu",
                         settings->backend);
     return ISO_OK;
 }

@@ -24,7 +24,17 @@ static iso_subject subject_of(const isorender_job *job, const isorender_surface 
                          .bins = job->settings->group_bins};
 }
 
-/* Draws all surfaces: iso_picture_opts.draw. */
+/* Draws lines, glyphs and meshes: iso_layered_picture.draw_others. */
+static iso_status draw_objects(void *context, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
+    isorender_job *job = context;
+    for (int i = 0; i < job->object_count; i++) {
+        const iso_target target = {view, gbuffer, job->pool, (uint8_t)(job->surface_count + i)};
+        ISO_TRY(isorender_object_draw(&job->objects[i], &target, error));
+    }
+    return ISO_OK;
+}
+
+/* Draws everything: iso_picture_opts.draw. */
 static iso_status draw(void *context, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
     const isorender_job *job = context;
     if (job->backend->engine) return isorender_gl_draw(job, view, gbuffer, error);
@@ -34,7 +44,7 @@ static iso_status draw(void *context, const iso_view *view, iso_gbuffer *gbuffer
         const iso_subject subject = subject_of(job, surface);
         ISO_TRY(job->renderer->draw(&subject, &target, error));
     }
-    return ISO_OK;
+    return draw_objects(context, view, gbuffer, error);
 }
 
 /* FNV-1a, 64 bits, over width and height as 4 little-endian bytes each and the pixels. */
@@ -60,7 +70,7 @@ static void make_labels(const isorender_job *job, labels *l) {
     snprintf(l->software, sizeof l->software, "%s %s", program->name, program->version);
     size_t used = 0;
     l->isovalues[0] = 0;
-    for (int i = 0; i < job->surface_count && !job->loader.has_points && used + 32 < sizeof l->isovalues; i++)
+    for (int i = 0; i < job->surface_count && job->has_volume && used + 32 < sizeof l->isovalues; i++)
         used += (size_t)snprintf(l->isovalues + used, sizeof l->isovalues - used, "%s%.10g",
                                  i ? ", " : "isovalue ", job->surfaces[i].isovalue);
     snprintf(l->command, sizeof l->command, "%s %s%s", program->name, job->plan->model,
@@ -103,7 +113,7 @@ typedef struct canvas {
  */
 static bool is_drawn_directly(const isorender_job *job, const iso_picture_opts *opts) {
     return job->method == ISO_METHOD_EXACT && !job->backend->engine && job->surface_count == 1 &&
-           opts->samples <= 1 && !opts->aov;
+           !job->object_count && opts->samples <= 1 && !opts->aov;
 }
 
 static iso_status draw_directly(const isorender_job *job, const iso_picture_opts *opts, iso_image *image,
@@ -122,17 +132,22 @@ static bool is_dark(const isorender_settings *settings) {
 static iso_status annotate(const isorender_job *job, const iso_camera *camera, iso_image *image,
                            iso_error *error) {
     const isorender_settings *settings = job->settings;
+    iso_color_bar bars[ISORENDER_OBJECTS];
+    int bar_count = 0;
+    for (int i = 0; settings->color_bar && i < job->object_count; i++)
+        if (job->objects[i].has_bar) bars[bar_count++] = job->objects[i].bar;
     const iso_annotation annotation = {.camera = camera,
                                        .scale_bar = settings->scale_bar != 0,
                                        .orientation_marker = settings->orientation_marker != 0,
-                                       .anatomical =
-                                           !job->loader.has_points && job->loader.volume.info.anatomical,
+                                       .anatomical = job->has_volume && job->loader.volume.info.anatomical,
+                                       .color_bars = bars,
+                                       .color_bar_count = bar_count,
                                        .dark = is_dark(settings)};
     return iso_annotate(image, &annotation, error);
 }
 
 /* Renders a picture with translucent surfaces. */
-static iso_status render_layers(const isorender_job *job, iso_picture_opts *opts, iso_image *image,
+static iso_status render_layers(isorender_job *job, iso_picture_opts *opts, iso_image *image,
                                 isorender_frame *frame, iso_error *error) {
     iso_subject subjects[ISORENDER_SURFACES];
     iso_layered_surface surfaces[ISORENDER_SURFACES];
@@ -144,6 +159,8 @@ static iso_status render_layers(const isorender_job *job, iso_picture_opts *opts
     iso_layered_picture picture = {.method = job->method,
                                    .surfaces = surfaces,
                                    .count = job->surface_count,
+                                   .draw_others = job->object_count ? draw_objects : NULL,
+                                   .others_context = job,
                                    .transparency = (iso_transparency)job->settings->transparency,
                                    .shading = &opts->shading,
                                    .pool = job->pool};
@@ -175,7 +192,7 @@ static iso_status render_glass(const isorender_job *job, iso_picture_opts *opts,
     return status;
 }
 
-static iso_status render_picture(const isorender_job *job, iso_picture_opts *opts, iso_image *image,
+static iso_status render_picture(isorender_job *job, iso_picture_opts *opts, iso_image *image,
                                  isorender_frame *frame, iso_error *error) {
     if (job->environment) return render_glass(job, opts, image, frame, error);
     if (job->translucent) return render_layers(job, opts, image, frame, error);
@@ -186,18 +203,20 @@ static iso_status render_picture(const isorender_job *job, iso_picture_opts *opt
 static iso_status render_frame(isorender_job *job, int frame, canvas *c, iso_error *error) {
     const isorender_settings *settings = job->settings;
     iso_camera camera = isorender_camera_of_frame(job, frame);
-    iso_rgb colors[ISORENDER_SURFACES];
-    for (int i = 0; i < job->surface_count; i++) colors[i] = job->surfaces[i].color;
-    iso_picture_opts opts = {
-        .camera = &camera,
-        .width = settings->width,
-        .height = settings->height,
-        .samples = settings->samples,
-        .shading = {colors, job->surface_count, settings->background, settings->transparent},
-        .draw = draw,
-        .draw_context = job,
-        .pool = job->pool,
-        .aov = c->aov.depth ? &c->aov : NULL};
+    iso_rgb colors[ISORENDER_SURFACES + ISORENDER_OBJECTS];
+    const int count = job->surface_count + job->object_count;
+    for (int i = 0; i < count; i++)
+        colors[i] =
+            i < job->surface_count ? job->surfaces[i].color : job->objects[i - job->surface_count].color;
+    iso_picture_opts opts = {.camera = &camera,
+                             .width = settings->width,
+                             .height = settings->height,
+                             .samples = settings->samples,
+                             .shading = {colors, count, settings->background, settings->transparent},
+                             .draw = draw,
+                             .draw_context = job,
+                             .pool = job->pool,
+                             .aov = c->aov.depth ? &c->aov : NULL};
     double start = iso_clock_seconds();
     ISO_TRY(render_picture(job, &opts, &c->image, &job->frames[frame], error));
     job->seconds.render += iso_clock_seconds() - start;
@@ -245,7 +264,7 @@ static iso_status render_frames(isorender_job *job, canvas *c, iso_error *error)
 /* ---- all pictures ---- */
 
 static float smallest_spacing(const isorender_job *job) {
-    if (job->loader.has_points) return 0;
+    if (!job->has_volume) return 0;
     const double *s = job->loader.volume.info.transform.spacing;
     return (float)fmin(s[0], fmin(s[1], s[2]));
 }

@@ -88,6 +88,8 @@ static iso_status add_files(const isorender_settings *settings, const isorender_
 static iso_status check_all(const isorender_settings *settings, const isorender_plan *plans,
                             iso_error *error) {
     if (settings->environment) iso_file_set_read(plans->files, settings->environment);
+    for (int i = 0; i < settings->object_options.count; i++)
+        iso_file_set_read(plans->files, settings->objects[i].path);
     for (int i = 0; i < settings->input_count; i++) ISO_TRY(add_files(settings, &plans[i], error));
     return iso_file_set_check(plans->files, error);
 }

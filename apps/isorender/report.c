@@ -25,7 +25,7 @@ static void put_volume(iso_json *json, const isorender_job *job) {
     iso_json_begin_object(json, "volume");
     iso_json_string(json, "path", job->plan->input);
     iso_json_string(json, "format", job->loader.has_points ? "ply" : info->format);
-    if (!job->loader.has_points) {
+    if (job->has_volume) {
         iso_json_string(json, "name", info->name);
         iso_json_ints(json, "dims", info->dims, 3);
         iso_json_string(json, "type", iso_type_name(info->type));
@@ -70,7 +70,7 @@ static void put_histogram(iso_json *json, const isorender_job *job) {
 }
 
 static void put_info(iso_json *json, const isorender_job *job) {
-    if (!job->loader.has_points) {
+    if (job->has_volume) {
         iso_affine affine = iso_transform_affine(&job->loader.volume.info.transform);
         double matrix[12];
         for (int row = 0; row < 3; row++) {
@@ -95,6 +95,14 @@ static void put_glass(iso_json *json, const isorender_settings *settings) {
     iso_json_end_object(json);
 }
 
+static void put_objects(iso_json *json, const isorender_job *job) {
+    if (!job->object_count) return;
+    iso_json_begin_array(json, "objects");
+    for (int i = 0; i < job->object_count; i++) isorender_object_put(json, &job->objects[i]);
+    iso_json_end_array(json);
+}
+
+/* Isovalues, colours and counts of the surfaces. */
 static void put_surfaces(iso_json *json, const isorender_job *job) {
     iso_json_real(json, "isovalue", job->surfaces[0].isovalue);
     double isovalues[ISORENDER_SURFACES];
@@ -129,6 +137,12 @@ static void put_surfaces(iso_json *json, const isorender_job *job) {
     isorender_report_groups(json, job);
     isorender_report_solid(json, job);
     put_box(json, "bounds_local", &job->bounds_local);
+}
+
+/* What the picture shows. */
+static void put_contents(iso_json *json, const isorender_job *job) {
+    if (job->surface_count) put_surfaces(json, job);
+    put_objects(json, job);
     put_box(json, "bounds_world", &job->bounds_world);
 }
 
@@ -255,16 +269,16 @@ static iso_status put_report(iso_json *json, const isorender_job *job, iso_error
     iso_json_begin_object(json, NULL);
     iso_json_string(json, "schema", "isorender/1");
     iso_json_string(json, "version", isorender_program()->version);
-    put_volume(json, job);
+    if (!settings->objects_only) put_volume(json, job);
     if (job->loader.has_histogram) {
         const double range[2] = {job->loader.histogram.minimum, job->loader.histogram.maximum};
         iso_json_reals(json, "value_range", range, 2);
     }
-    iso_json_integer(json, "nonfinite", job->loader.nonfinite);
+    if (!settings->objects_only) iso_json_integer(json, "nonfinite", job->loader.nonfinite);
     if (settings->info)
         put_info(json, job);
     else
-        put_surfaces(json, job);
+        put_contents(json, job);
     put_files(json, job);
     put_seconds(json, &job->seconds);
     iso_json_integer(json, "peak_bytes", iso_memory_peak());

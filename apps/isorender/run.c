@@ -14,7 +14,7 @@ static iso_status print_info(isorender_job *job, iso_error *error) {
     if (text) isorender_info_header(job);
     ISO_TRY(isorender_read(job, error));
     job->seconds.load += iso_clock_seconds() - start;
-    if (!job->loader.has_points) {
+    if (job->has_volume) {
         iso_status status = iso_loader_histogram(&job->loader, error);
         if (status != ISO_OK && status != ISO_ERR_EMPTY) return status;
     }
@@ -114,6 +114,7 @@ static void free_surfaces(isorender_job *job) {
         iso_groups_free(&job->surfaces[i].groups);
         iso_grid_destroy(&job->surfaces[i].own_grid);
     }
+    for (int i = 0; i < job->object_count; i++) isorender_object_free(&job->objects[i]);
     free(job->frames);
 }
 

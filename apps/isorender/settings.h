@@ -58,6 +58,7 @@ typedef struct isorender_settings {
     const char *points, *mesh, *aov;
 
     isorender_object_options object_options;
+    int objects_only; /* there is no input: the picture has lines and glyphs only */
     isorender_object_settings objects[ISORENDER_OBJECTS]; /* object_options.count */
     double line_min_pixels;                               /* least width of lines in the picture, pixels */
     int color_bar;

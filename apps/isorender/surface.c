@@ -49,6 +49,7 @@ static iso_status check_isovalues(isorender_job *job, iso_error *error) {
 
 static iso_status choose_isovalues(isorender_job *job, iso_error *error) {
     const isorender_settings *settings = job->settings;
+    if (settings->objects_only) return ISO_OK;
     job->surface_count = settings->isovalue_count ? settings->isovalue_count : 1;
     if (settings->isovalue_count) return check_isovalues(job, error);
     if (job->loader.has_points)
@@ -196,7 +197,7 @@ static iso_box to_local(const isorender_job *job, const iso_box *index) {
     const int *crop = job->loader.crop;
     const int around = job->settings->closed ? 1 : 0; /* voxels that --closed adds */
     iso_transform transform = iso_transform_identity();
-    if (!job->loader.has_points) {
+    if (job->has_volume) {
         transform = iso_transform_local(iso_grid_transform(&job->surfaces[0].grid));
         for (int axis = 0; axis < 3; axis++)
             transform.origin[axis] = (crop[2 * axis] - around) * transform.spacing[axis];
@@ -264,7 +265,7 @@ static void clip_to_volume(isorender_job *job, iso_box *index, const iso_affine 
 
 static void find_bounds(isorender_job *job) {
     iso_transform transform =
-        job->loader.has_points ? iso_transform_identity() : *iso_grid_transform(&job->surfaces[0].grid);
+        job->has_volume ? *iso_grid_transform(&job->surfaces[0].grid) : iso_transform_identity();
     iso_affine affine = iso_transform_affine(&transform);
     iso_box index = index_bounds(job);
     job->bounds_world = iso_bounds_is_oblique(&transform) ? isorender_bounds(job, &affine)
@@ -273,7 +274,38 @@ static void find_bounds(isorender_job *job) {
     job->bounds_local = to_local(job, &index);
 }
 
+static bool overlap(const iso_box *a, const iso_box *b) {
+    return a->lo.x <= b->hi.x && b->lo.x <= a->hi.x && a->lo.y <= b->hi.y && b->lo.y <= a->hi.y &&
+           a->lo.z <= b->hi.z && b->lo.z <= a->hi.z;
+}
+
+/* Most files of lines do not say which axes they have: what lies beside everything else may be mirrored. */
+static void warn_of_space(const isorender_job *job, const isorender_object *object) {
+    const iso_box box = object->bounds, *all = &job->bounds_world;
+    if (iso_box_is_empty(all) || overlap(&box, all)) return;
+    isorender_log(
+        job,
+        "note: %s lies beside the surface: %.4g %.4g %.4g .. %.4g %.4g %.4g mm, the surface %.4g %.4g "
+        "%.4g .. %.4g %.4g %.4g: should it be read with --space %s?",
+        object->settings->path, box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y, box.hi.z, all->lo.x,
+        all->lo.y, all->lo.z, all->hi.x, all->hi.y, all->hi.z,
+        object->report.space == ISO_SPACE_RAS ? "lps" : "ras");
+}
+
+/* Objects without a colour get one each, after those of the surfaces. */
+static iso_status prepare_objects(isorender_job *job, iso_error *error) {
+    for (int i = 0; i < job->object_count; i++) {
+        isorender_object *object = &job->objects[i];
+        if (!object->settings->colored) object->color = iso_shading_palette(job->surface_count + i);
+        ISO_TRY(isorender_object_prepare(object, job->settings->line_min_pixels, error));
+        warn_of_space(job, object);
+    }
+    for (int i = 0; i < job->object_count; i++) iso_bounds_add(&job->bounds_world, &job->objects[i].bounds);
+    return ISO_OK;
+}
+
 iso_status isorender_extract(isorender_job *job, iso_error *error) {
+    job->bounds_local = job->bounds_world = iso_box_empty();
     ISO_TRY(choose_isovalues(job, error));
     choose_colors(job);
     choose_opacities(job);
@@ -282,15 +314,15 @@ iso_status isorender_extract(isorender_job *job, iso_error *error) {
         job->point_count = iso_point_view_count(&job->read_points);
         if (job->point_count == 0) return iso_fail(error, ISO_ERR_EMPTY, "holds no usable point");
     }
-    for (int i = 0; i < job->surface_count && !job->loader.has_points; i++) {
+    for (int i = 0; i < job->surface_count && job->has_volume; i++) {
         isorender_progress(job, "extracting", (double)i / job->surface_count);
         ISO_TRY(extract_surface(job, &job->surfaces[i], error));
     }
     for (int i = 0; i < job->surface_count && is_drawn(job, ISO_PART_GROUPS); i++)
         ISO_TRY(isorender_groups_make(job, i, error));
     isorender_progress(job, "extracting", 1);
-    find_bounds(job);
-    return ISO_OK;
+    if (job->surface_count) find_bounds(job);
+    return prepare_objects(job, error);
 }
 
 /* ---- files ---- */

@@ -1,0 +1,131 @@
+/* object_colors: colours of lines and glyphs: of one colour, by the direction of lines, or by the numbers of
+ * an attribute. */
+#include <math.h>
+#include <string.h>
+
+#include "apps/isorender/objects.h"
+#include "base/memory.h"
+
+const iso_attribute *isorender_attribute_find(const iso_attribute *attributes, int count, const char *name) {
+    for (int i = 0; i < count; i++)
+        if (strcmp(attributes[i].name, name) == 0) return &attributes[i];
+    return NULL;
+}
+
+/* An attribute's number: the length of its vector when it has several components. */
+static double number_at(const iso_attribute *attribute, size_t index) {
+    const float *v = attribute->values + index * (size_t)attribute->components;
+    if (attribute->components == 1) return (double)v[0];
+    double square = 0;
+    for (int k = 0; k < attribute->components; k++) square += (double)v[k] * (double)v[k];
+    return sqrt(square);
+}
+
+bool isorender_attribute_range(const iso_attribute *attribute, size_t count, double range[2]) {
+    range[0] = INFINITY;
+    range[1] = -INFINITY;
+    for (size_t i = 0; i < count; i++) {
+        const double number = number_at(attribute, i);
+        if (!isfinite(number)) continue;
+        range[0] = fmin(range[0], number);
+        range[1] = fmax(range[1], number);
+    }
+    return range[0] <= range[1];
+}
+
+static iso_rgb color_of(const iso_color_bar *bar, double number) {
+    const double width = bar->high - bar->low;
+    return iso_colormap_at(bar->map, width > 0 ? (number - bar->low) / width : 0.5);
+}
+
+static void store(uint8_t to[3], iso_rgb color) {
+    to[0] = color.r;
+    to[1] = color.g;
+    to[2] = color.b;
+}
+
+/* Colours every vertex of every line by the number of the vertex, or of its line. */
+static void color_lines(const isorender_object *object, const iso_attribute *attribute,
+                        uint8_t (*colors)[3]) {
+    const iso_lines *lines = &object->lines;
+    for (size_t line = 0; line < lines->line_count; line++)
+        for (size_t i = lines->starts[line]; i < lines->starts[line + 1]; i++)
+            store(colors[i], color_of(&object->bar, number_at(attribute, attribute->per_line ? line : i)));
+}
+
+static void color_glyphs(const isorender_object *object, const iso_attribute *attribute,
+                         uint8_t (*colors)[3]) {
+    for (size_t i = 0; i < object->glyphs.count; i++)
+        store(colors[i], color_of(&object->bar, number_at(attribute, i)));
+}
+
+/* The axes of the world as red, green and blue, as tractography shows directions (Pajevic and Pierpaoli 1999,
+ * "Color schemes to represent the orientation of anisotropic tissues"). */
+static iso_rgb color_of_direction(const float a[3], const float b[3]) {
+    double d[3], square = 0;
+    for (int k = 0; k < 3; k++) {
+        d[k] = fabs((double)b[k] - (double)a[k]);
+        square += d[k] * d[k];
+    }
+    const double scale = square > 0 ? 255 / sqrt(square) : 0;
+    return (iso_rgb){(uint8_t)(d[0] * scale + 0.5), (uint8_t)(d[1] * scale + 0.5),
+                     (uint8_t)(d[2] * scale + 0.5)};
+}
+
+/* A vertex has the direction from the one before it to the one after it. */
+static void color_by_direction(const iso_lines *lines, uint8_t (*colors)[3]) {
+    for (size_t line = 0; line < lines->line_count; line++) {
+        const size_t first = lines->starts[line], end = lines->starts[line + 1];
+        for (size_t i = first; i < end; i++)
+            store(colors[i], color_of_direction(lines->vertices[i > first ? i - 1 : i],
+                                                lines->vertices[i + 1 < end ? i + 1 : i]));
+    }
+}
+
+static iso_status find_range(isorender_object *object, const iso_attribute *attribute, size_t count,
+                             iso_error *error) {
+    const isorender_object_settings *settings = object->settings;
+    double range[2] = {settings->range[0], settings->range[1]};
+    if (isnan(range[0]) && !isorender_attribute_range(attribute, count, range))
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: column '%s' has no finite number", settings->path,
+                        settings->color_by);
+    object->has_bar = true;
+    object->bar = (iso_color_bar){settings->map, range[0], range[1]};
+    return ISO_OK;
+}
+
+static iso_status allocate(size_t count, uint8_t (**colors)[3], iso_error *error) {
+    *colors = iso_alloc(count * sizeof **colors);
+    return *colors ? ISO_OK : iso_fail(error, ISO_ERR_NOMEM, "out of memory for %zu colours", count);
+}
+
+static iso_status color_by_attribute(isorender_object *object, uint8_t (**colors)[3], iso_error *error) {
+    const bool of_lines = object->settings->kind == ISORENDER_LINES;
+    const iso_attribute *attribute =
+        of_lines ? isorender_attribute_find(object->lines.attributes, object->lines.attribute_count,
+                                            object->settings->color_by)
+                 : isorender_attribute_find(object->glyphs.attributes, object->glyphs.attribute_count,
+                                            object->settings->color_by);
+    const size_t items = of_lines ? object->lines.vertex_count : object->glyphs.count;
+    ISO_TRY(find_range(object, attribute, of_lines && attribute->per_line ? object->lines.line_count : items,
+                       error));
+    ISO_TRY(allocate(items, colors, error));
+    (of_lines ? color_lines : color_glyphs)(object, attribute, *colors);
+    return ISO_OK;
+}
+
+iso_status isorender_object_color(isorender_object *object, iso_error *error) {
+    const isorender_object_settings *settings = object->settings;
+    uint8_t(*colors)[3] = NULL;
+    if (!settings->color_by && !settings->by_direction && !settings->colored) return ISO_OK;
+    if (settings->color_by) {
+        ISO_TRY(color_by_attribute(object, &colors, error));
+    } else if (settings->by_direction) {
+        ISO_TRY(allocate(object->lines.vertex_count, &colors, error));
+        color_by_direction(&object->lines, colors);
+    }
+    uint8_t(**place)[3] = settings->kind == ISORENDER_LINES ? &object->lines.colors : &object->glyphs.colors;
+    iso_free(*place);
+    *place = colors;
+    return ISO_OK;
+}

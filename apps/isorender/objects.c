@@ -1,0 +1,290 @@
+/* objects: reads files of lines, glyphs and meshes, chooses radii, and prepares them for drawing. */
+#include "apps/isorender/objects.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "base/memory.h"
+#include "base/text.h"
+#include "io/glyphs/glyphs_read.h"
+#include "io/lines/lines_read.h"
+
+static bool has_lines(const isorender_object *object) {
+    return object->settings->kind == ISORENDER_LINES;
+}
+
+/* ---- columns that options name */
+
+static const iso_attribute *attributes_of(const isorender_object *object, int *count) {
+    const bool lines = has_lines(object);
+    *count = lines ? object->lines.attribute_count : object->glyphs.attribute_count;
+    return lines ? object->lines.attributes : object->glyphs.attributes;
+}
+
+/* The attribute of a name that an option gives. ISO_ERR_USAGE lists the names that there are. */
+static iso_status find_attribute(const isorender_object *object, const char *name,
+                                 const iso_attribute **attribute, iso_error *error) {
+    int count;
+    const iso_attribute *attributes = attributes_of(object, &count);
+    *attribute = isorender_attribute_find(attributes, count, name);
+    if (*attribute) return ISO_OK;
+    char names[256] = "none";
+    for (int i = 0, used = 0; i < count && used < (int)sizeof names; i++)
+        used +=
+            snprintf(names + used, sizeof names - (size_t)used, "%s%s", i ? ", " : "", attributes[i].name);
+    return iso_fail(error, ISO_ERR_USAGE, "%s: has no column '%s'; its columns: %s", object->settings->path,
+                    name, names);
+}
+
+/* ---- radii */
+
+/* Radii of an attribute; what is no usable number becomes 0, as in the readers. */
+static iso_status take_radii(const isorender_object *object, float **radii, iso_error *error) {
+    const iso_attribute *attribute;
+    const iso_lines *lines = &object->lines;
+    const size_t count = has_lines(object) ? lines->vertex_count : object->glyphs.count;
+    ISO_TRY(find_attribute(object, object->settings->radius_column, &attribute, error));
+    if (attribute->components != 1)
+        return iso_fail(error, ISO_ERR_USAGE, "%s: column '%s' has %d numbers, not a radius",
+                        object->settings->path, attribute->name, attribute->components);
+    float *taken = iso_alloc(count * sizeof *taken);
+    if (!taken) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for %zu radii", count);
+    for (size_t line = 0; attribute->per_line && line < lines->line_count; line++)
+        for (size_t i = lines->starts[line]; i < lines->starts[line + 1]; i++)
+            taken[i] = attribute->values[line];
+    if (!attribute->per_line) memcpy(taken, attribute->values, count * sizeof *taken);
+    for (size_t i = 0; i < count; i++)
+        if (!(taken[i] >= 0 && isfinite(taken[i]))) taken[i] = 0;
+    iso_free(*radii);
+    *radii = taken;
+    return ISO_OK;
+}
+
+static iso_status set_radii(isorender_object *object, iso_error *error) {
+    float **radii = has_lines(object) ? &object->lines.radii : &object->glyphs.radii;
+    if (object->settings->radius_column) return take_radii(object, radii, error);
+    if (isnan(object->settings->radius)) return ISO_OK;
+    iso_free(*radii); /* one radius is given for all */
+    *radii = NULL;
+    return ISO_OK;
+}
+
+static double diagonal(const iso_box *box) {
+    return iso_vec3_length(iso_vec3_sub(box->hi, box->lo));
+}
+
+/* The radius of lines without radii: half the mean length of a segment, so that every bend is seen, but not
+ * more than a 300th of the whole. */
+static double usual_tube_radius(const iso_lines *lines) {
+    double length = 0;
+    for (size_t line = 0; line < lines->line_count; line++)
+        for (size_t i = lines->starts[line] + 1; i < lines->starts[line + 1]; i++) {
+            const float *a = lines->vertices[i - 1], *b = lines->vertices[i];
+            const double d[3] = {(double)b[0] - (double)a[0], (double)b[1] - (double)a[1],
+                                 (double)b[2] - (double)a[2]};
+            length += sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+        }
+    const iso_box box = iso_lines_bounds(lines);
+    const size_t segments = iso_lines_segment_count(lines);
+    const double half = segments ? length / (double)segments / 2 : 0, most = diagonal(&box) / 300;
+    const double radius = fmin(half, most);
+    return radius > 0 ? radius : 1; /* a single point, of no size */
+}
+
+/* The radius of glyphs without sizes: a seventh of their mean distance if they fill their box evenly, but not
+ * more than a 150th of the whole. */
+static double usual_glyph_radius(const iso_glyphs *glyphs) {
+    const iso_box box = iso_glyphs_bounds(glyphs);
+    const double size = diagonal(&box), radius = fmin(size / cbrt((double)glyphs->count) / 7, size / 150);
+    return radius > 0 ? radius : 1;
+}
+
+/* ---- reading and preparing */
+
+/* Files of meshes do not say which axes they have. */
+static iso_status read_mesh(isorender_object *object, iso_error *error) {
+    ISO_TRY(iso_mesh_read(object->settings->path, NULL, &object->mesh, error));
+    object->report.space = object->settings->space == ISO_SPACE_RAS ? ISO_SPACE_RAS : ISO_SPACE_LPS;
+    for (size_t i = 0; i < object->mesh.vertex_count && object->report.space == ISO_SPACE_RAS; i++) {
+        object->mesh.vertices[i][0] = -object->mesh.vertices[i][0];
+        object->mesh.vertices[i][1] = -object->mesh.vertices[i][1];
+    }
+    return ISO_OK;
+}
+
+static iso_status read_file(isorender_object *object, const iso_read_opts *opts, iso_error *error) {
+    const char *path = object->settings->path;
+    size_t count = 0;
+    if (object->settings->kind == ISORENDER_MESH) {
+        iso_file_set_read(opts->files, path);
+        return read_mesh(object, error);
+    }
+    if (has_lines(object)) {
+        ISO_TRY(iso_lines_read(path, opts, &object->lines, error));
+        count = object->lines.line_count;
+    } else {
+        ISO_TRY(iso_glyphs_read(path, opts, &object->glyphs, error));
+        count = object->glyphs.count;
+    }
+    if (count) return ISO_OK;
+    return iso_fail(error, ISO_ERR_EMPTY, "%s: holds no %s", path, has_lines(object) ? "lines" : "points");
+}
+
+iso_status isorender_object_read(isorender_object *object, const isorender_object_settings *settings,
+                                 uint64_t max_memory, iso_file_set *files, iso_error *error) {
+    object->settings = settings;
+    object->color = settings->color;
+    const iso_read_opts opts = {.max_memory = max_memory,
+                                .space = settings->space,
+                                .every = settings->every,
+                                .files = files,
+                                .report = &object->report};
+    const iso_attribute *attribute;
+    ISO_TRY(read_file(object, &opts, error));
+    if (settings->kind == ISORENDER_MESH) return ISO_OK;
+    if (settings->color_by) ISO_TRY(find_attribute(object, settings->color_by, &attribute, error));
+    ISO_TRY(set_radii(object, error));
+    return isorender_object_color(object, error);
+}
+
+static iso_status prepare_lines(isorender_object *object, double line_min_pixels, iso_error *error) {
+    const double given = object->settings->radius;
+    const iso_shapes_opts opts = {.radius = isnan(given) ? usual_tube_radius(&object->lines) : given,
+                                  .min_pixels = line_min_pixels,
+                                  .caps = object->settings->caps};
+    return iso_shapes_from_lines(&object->lines, &opts, &object->shapes, error);
+}
+
+static iso_status prepare_glyphs(isorender_object *object, iso_error *error) {
+    const double given = object->settings->radius;
+    const iso_shapes_opts opts = {.glyph = object->settings->glyph,
+                                  .radius = isnan(given) ? usual_glyph_radius(&object->glyphs) : given};
+    return iso_shapes_from_glyphs(&object->glyphs, &opts, &object->shapes, error);
+}
+
+static iso_box mesh_bounds(const isorender_object *object) {
+    const iso_mesh_view view = iso_triangle_spans_view(&object->spans);
+    return iso_mesh_view_bounds(&view);
+}
+
+iso_status isorender_object_prepare(isorender_object *object, double line_min_pixels, iso_error *error) {
+    if (object->settings->kind == ISORENDER_MESH) {
+        ISO_TRY(iso_triangle_spans_make(&object->mesh, &object->spans, error));
+        object->bounds = mesh_bounds(object);
+        return ISO_OK;
+    }
+    ISO_TRY(has_lines(object) ? prepare_lines(object, line_min_pixels, error)
+                              : prepare_glyphs(object, error));
+    object->bounds = iso_shapes_bounds(object->shapes);
+    return ISO_OK;
+}
+
+iso_status isorender_object_draw(isorender_object *object, const iso_target *target, iso_error *error) {
+    if (object->settings->kind != ISORENDER_MESH)
+        return iso_draw_shapes(target, object->shapes, &object->drawn, error);
+    const iso_mesh_view view = iso_triangle_spans_view(&object->spans);
+    return iso_draw_mesh(target, &view, error);
+}
+
+void isorender_object_free(isorender_object *object) {
+    iso_shapes_destroy(object->shapes);
+    iso_triangle_spans_free(&object->spans);
+    iso_triangles_free(&object->mesh);
+    iso_lines_free(&object->lines);
+    iso_glyphs_free(&object->glyphs);
+    *object = (isorender_object){.shapes = NULL};
+}
+
+/* ---- reports */
+
+static const char *space_name(iso_space space) {
+    return space == ISO_SPACE_RAS ? "ras" : "lps";
+}
+
+/* Members of lines and glyphs. */
+static void put_shapes(iso_json *json, const isorender_object *object) {
+    const iso_shapes_totals totals = iso_shapes_stats(object->shapes);
+    iso_json_string(json, "format", object->report.format);
+    iso_json_string(json, "space", space_name(object->report.space));
+    if (has_lines(object)) {
+        iso_json_integer(json, "lines", object->lines.line_count);
+        iso_json_integer(json, "vertices", object->lines.vertex_count);
+    } else {
+        iso_json_integer(json, "glyphs", object->glyphs.count);
+    }
+    iso_json_integer(json, "shapes", totals.shapes);
+    iso_json_integer(json, "skipped", totals.skipped);
+    iso_json_integer(json, "dropped", object->report.dropped);
+    if (has_lines(object)) iso_json_integer(json, "widened_samples", object->drawn.widened);
+    if (object->has_bar) {
+        const double range[2] = {object->bar.low, object->bar.high};
+        iso_json_reals(json, "range", range, 2);
+    }
+}
+
+void isorender_object_put(iso_json *json, const isorender_object *object) {
+    const iso_box *box = &object->bounds;
+    const double bounds[6] = {box->lo.x, box->hi.x, box->lo.y, box->hi.y, box->lo.z, box->hi.z};
+    iso_json_begin_object(json, NULL);
+    iso_json_string(json, "path", object->settings->path);
+    if (object->settings->kind == ISORENDER_MESH)
+        iso_json_integer(json, "triangles", object->mesh.triangle_count);
+    else
+        put_shapes(json, object);
+    iso_json_reals(json, "bounds_world", bounds, 6);
+    iso_json_end_object(json);
+}
+
+static void print_attributes(const isorender_object *object) {
+    int count;
+    const iso_attribute *attributes = attributes_of(object, &count);
+    for (int i = 0; i < count; i++) {
+        const iso_attribute *a = &attributes[i];
+        const size_t items = !has_lines(object) ? object->glyphs.count
+                             : a->per_line      ? object->lines.line_count
+                                                : object->lines.vertex_count;
+        double range[2];
+        printf("  %-11s ", i ? "" : "columns");
+        iso_text_put(stdout, a->name);
+        if (a->components > 1) printf(", %d numbers", a->components);
+        printf(a->per_line ? ", of lines: " : ": ");
+        if (isorender_attribute_range(a, items, range))
+            printf("%.6g .. %.6g%s\n", range[0], range[1], a->components > 1 ? " (lengths)" : "");
+        else
+            printf("no finite number\n");
+    }
+}
+
+static void print_contents(const isorender_object *object) {
+    printf("  %-11s %s, %s%s\n", "format", object->report.format, space_name(object->report.space),
+           object->report.space_stated ? "" : " (not stated in the file)");
+    if (has_lines(object))
+        printf("  %-11s %zu, %zu vertices%s\n", "lines", object->lines.line_count, object->lines.vertex_count,
+               object->lines.radii ? ", with radii" : "");
+    else
+        printf("  %-11s %zu%s\n", "glyphs", object->glyphs.count, object->glyphs.radii ? ", with radii" : "");
+}
+
+static iso_box contents_bounds(const isorender_object *object) {
+    iso_box box = iso_box_empty();
+    if (has_lines(object)) return iso_lines_bounds(&object->lines);
+    if (object->settings->kind == ISORENDER_GLYPHS) return iso_glyphs_bounds(&object->glyphs);
+    for (size_t i = 0; i < object->mesh.vertex_count; i++) {
+        const float *p = object->mesh.vertices[i];
+        iso_box_add(&box, iso_vec3_make((double)p[0], (double)p[1], (double)p[2]));
+    }
+    return box;
+}
+
+void isorender_object_info(const isorender_object *object) {
+    const iso_box box = contents_bounds(object);
+    iso_text_put(stdout, object->settings->path);
+    printf("\n");
+    if (object->settings->kind == ISORENDER_MESH)
+        printf("  %-11s %zu\n", "triangles", object->mesh.triangle_count);
+    else
+        print_contents(object);
+    printf("  %-11s %.6g %.6g %.6g .. %.6g %.6g %.6g mm\n", "bounds", box.lo.x, box.lo.y, box.lo.z, box.hi.x,
+           box.hi.y, box.hi.z);
+    print_attributes(object);
+}

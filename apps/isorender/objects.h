@@ -1,0 +1,70 @@
+/* objects: lines, glyphs and meshes of further files that are drawn in the picture. */
+#ifndef ISO_APPS_ISORENDER_OBJECTS_H
+#define ISO_APPS_ISORENDER_OBJECTS_H
+
+#include "apps/common/json.h"
+#include "apps/isorender/object_settings.h"
+#include "base/parallel.h"
+#include "image/annotate.h"
+#include "io/mesh_read.h"
+#include "io/read_opts.h"
+#include "render/raster/raster.h"
+#include "render/raster/triangles.h"
+#include "render/shapes/shapes.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* One file. Zero-initialise, isorender_object_free when done. */
+typedef struct isorender_object {
+    const isorender_object_settings *settings; /* borrowed */
+    /* What the file holds, by settings->kind; lines and glyphs with the radii and colours that are drawn. */
+    iso_lines lines;
+    iso_glyphs glyphs;
+    iso_triangles mesh;
+    iso_read_report report;   /* of lines and glyphs */
+    iso_shapes *shapes;       /* of lines and glyphs; NULL before isorender_object_prepare */
+    iso_shapes_drawn drawn;   /* of lines and glyphs: in all frames */
+    iso_triangle_spans spans; /* of meshes */
+    iso_box bounds;           /* world box of what is drawn */
+    iso_rgb color;            /* of what has no colour of its own */
+    bool has_bar;
+    iso_color_bar bar; /* if has_bar: what its colours stand for */
+} isorender_object;
+
+/* Reads the file, adds it to `files`, and gives lines or glyphs the radii and colours that the settings say.
+ * ISO_ERR_EMPTY: the file holds nothing; ISO_ERR_USAGE: it has no column of a name that was given; the errors
+ * of iso_lines_read, iso_glyphs_read and iso_mesh_read. Messages name the file. */
+iso_status isorender_object_read(isorender_object *object, const isorender_object_settings *settings,
+                                 uint64_t max_memory, iso_file_set *files, iso_error *error);
+
+/* Prepares what was read for drawing, and finds its bounds. line_min_pixels: least width of lines.
+ * ISO_ERR_NOMEM. */
+iso_status isorender_object_prepare(isorender_object *object, double line_min_pixels, iso_error *error);
+
+void isorender_object_free(isorender_object *object);
+
+/* Draws it, as iso_draw_shapes and iso_draw_mesh do. */
+iso_status isorender_object_draw(isorender_object *object, const iso_target *target, iso_error *error);
+
+/* A member of the report: file, format, counts, box. */
+void isorender_object_put(iso_json *json, const isorender_object *object);
+/* The same as text on standard output, with the names and ranges of the columns. */
+void isorender_object_info(const isorender_object *object);
+
+/* ---- object_colors.c */
+
+/* The attribute of a name, or NULL. */
+const iso_attribute *isorender_attribute_find(const iso_attribute *attributes, int count, const char *name);
+
+/* The range of `count` numbers, lengths of vectors if it has several components; false: none is finite. */
+bool isorender_attribute_range(const iso_attribute *attribute, size_t count, double range[2]);
+
+/* Colours by the settings: replaces the colours of the file. */
+iso_status isorender_object_color(isorender_object *object, iso_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,56 @@
+# lines, glyphs and a mesh in one picture with a translucent isosurface: right places, right order, right colours
+python3 - <<'P'
+from check import *
+ball("in/ball.mha")
+open("in/axis.swc", "w").write("# a line along x with growing radius\n1 1 -40 0 0 1 -1\n2 1 0 0 0 2 1\n3 1 40 0 0 4 2\n")
+open("in/two.obj", "w").write("v 0 0 -30\nv 0 0 30\nv 0 -30 0\nv 0 30 0\nl 1 2\nl 3 4\n")
+open("in/dots.csv", "w").write("x,y,z,radius,heat\n0,0,30,3,1\n0,0,-30,3,2\n30,0,0,6,5\n")
+P
+isorender --lines in/axis.swc axis.png --camera front --orthographic --resolution 200x200 --json=axis.json --quiet
+isorender --lines in/two.obj --tube-radius 2 --line-color direction two.png --camera left --resolution 200x200 --quiet
+isorender --glyphs in/dots.csv dots.png --color-by heat --colormap gray --range 0,10 --color-bar --json=dots.json --quiet
+isorender in/ball.mha alone.png --isovalue 500 --mesh ball.stl --quiet
+isorender in/ball.mha all.png --isovalue 500 --opacity 0.3 --lines in/axis.swc --lines in/two.obj --line-color red \
+    --line-color 00FF00 --tube-radius 1 --glyphs in/dots.csv --json=all.json --quiet
+isorender in/ball.mha one.png --isovalue 500 --opacity 0.3 --lines in/axis.swc --lines in/two.obj --line-color red \
+    --line-color 00FF00 --tube-radius 1 --glyphs in/dots.csv --threads 1 --quiet
+cmp all.png one.png
+isorender --surface ball.stl mesh.png --camera front --quiet --json=mesh.json
+isorender in/ball.mha truth.png --isovalue 500 --method mesh --camera front --quiet
+isocompare images truth.png mesh.png --fail-under psnr=35 >/dev/null
+python3 - <<'P'
+import json
+axis, dots, every, mesh = (json.load(open(n + ".json")) for n in ("axis", "dots", "all", "mesh"))
+line = axis["objects"][0]
+assert line["lines"] == 1 and line["vertices"] == 3 and line["format"] == "swc", line
+low_x, high_x, low_y, high_y = line["bounds_world"][:4]
+assert -44.01 < low_x < -40.99 and abs(high_x - 44) < 1e-3 and abs(high_y - 4) < 1e-3, line
+assert dots["objects"][0]["glyphs"] == 3 and dots["objects"][0]["range"] == [0, 10], dots["objects"]
+assert [o["path"] for o in every["objects"]] == ["in/axis.swc", "in/two.obj", "in/dots.csv"]
+assert every["image"]["layers"]["most"] >= 2 and mesh["objects"][0]["triangles"] > 1000
+P
+isorender --info --glyphs in/dots.csv >info
+isorender --info --lines in/two.obj >>info
+grep -q "heat: 1 .. 5" info
+grep -q "lps (not stated in the file)" info
+fails() {
+    local part=$1 code=0
+    shift
+    isorender "$@" bad.png --quiet 2>said || code=$?
+    [ $code -eq 2 ] && [ "$(wc -l <said)" -eq 1 ] && grep -q -- "$part" said && return
+    echo "isorender $*: exit $code, '$(cat said)' does not say '$part'"
+    return 1
+}
+fails "has no column 'warmth'; its columns: .*heat" --glyphs in/dots.csv --color-by warmth
+fails "given 2 times for 1" --lines in/two.obj --tube-radius 1 --tube-radius 2
+fails "is for --lines, which is not given" --glyphs in/dots.csv --caps flat
+fails "not one of round, flat" --lines in/two.obj --caps square
+fails "not two numbers" --glyphs in/dots.csv --color-by heat --range 3,1
+fails "they need the cpu" --glyphs in/dots.csv --backend osmesa
+fails "needs\|glass" in/ball.mha --glyphs in/dots.csv --ior 1.5
+fails "is for surfaces" --glyphs in/dots.csv --isovalue 5
+isorender in/axis.swc input.png --camera front --orthographic --resolution 200x200 --quiet
+isocompare images axis.png input.png --fail-under psnr=100 >/dev/null
+fails "give both" --glyphs in/dots.csv --color-bar
+fails "a radius of -1 mm" --lines in/two.obj --tube-radius -1
+rm -f said
