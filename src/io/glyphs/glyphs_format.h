@@ -11,6 +11,7 @@
 extern "C" {
 #endif
 
+iso_status iso_glyphs_read_vtp(iso_reading *reading, iso_glyphs *glyphs, iso_error *error);
 iso_status iso_glyphs_read_vtk(iso_reading *reading, iso_glyphs *glyphs, iso_error *error);
 iso_status iso_glyphs_read_ply(iso_reading *reading, iso_glyphs *glyphs, iso_error *error);
 iso_status iso_glyphs_read_xyz(iso_reading *reading, iso_glyphs *glyphs, iso_error *error);

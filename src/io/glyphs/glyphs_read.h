@@ -2,6 +2,7 @@
  *
  *   .ply    vertices: radius; or scale_0 .. 2 and rot_0 .. 3; nx ny nz or vx vy vz; red green blue
  *   .vtk    VTK's legacy polygonal data: points with their arrays
+ *   .vtp    the same in XML
  *   .xyz    molecules (the first frame), or rows of x y z or x y z nx ny nz
  *   .pdb    molecules: the first model, the first of alternate locations, and the copies that the first
  *           assembly (REMARK 350) makes of the chains

@@ -18,3 +18,7 @@ iso_status iso_glyphs_read_vtk(iso_reading *reading, iso_glyphs *glyphs, iso_err
 iso_status iso_glyphs_read_ply(iso_reading *reading, iso_glyphs *glyphs, iso_error *error) {
     return read_as(iso_polydata_read_ply, reading, glyphs, error);
 }
+
+iso_status iso_glyphs_read_vtp(iso_reading *reading, iso_glyphs *glyphs, iso_error *error) {
+    return read_as(iso_polydata_read_vtp, reading, glyphs, error);
+}

@@ -8,9 +8,11 @@ typedef iso_status read_fn(iso_reading *reading, iso_lines *lines, iso_error *er
 
 static const iso_format_name names[] = {
     {"tck", ".tck", "mrtrix track"}, {"trk", ".trk", "TRACK"}, {"vtk", ".vtk", "# vtk DataFile"},
-    {"ply", ".ply", "ply"},          {"swc", ".swc", NULL},    {"obj", ".obj", NULL}};
+    {"ply", ".ply", "ply"},          {"swc", ".swc", NULL},    {"obj", ".obj", NULL},
+    {"vtp", ".vtp", "<VTKFile"},     {"vtp", ".vtp", "<?xml"}};
 static read_fn *const readers[] = {iso_lines_read_tck, iso_lines_read_trk, iso_lines_read_vtk,
-                                   iso_lines_read_ply, iso_lines_read_swc, iso_lines_read_obj};
+                                   iso_lines_read_ply, iso_lines_read_swc, iso_lines_read_obj,
+                                   iso_lines_read_vtp, iso_lines_read_vtp};
 
 iso_status iso_lines_read(const char *path, const iso_read_opts *opts, iso_lines *lines, iso_error *error) {
     iso_read_report unused;

@@ -3,12 +3,13 @@
  *   .tck    MRtrix3 tracks, 32 and 64 bit, both byte orders; RAS
  *   .trk    TrackVis tracks, versions 1 and 2, both byte orders, with scalars and properties; RAS
  *   .vtk    VTK's legacy polygonal data, versions 1 to 5, text and binary; arrays over points and lines
+ *   .vtp    the same in XML: text, base64 and raw, with or without zlib
  *   .swc    neurons: radii; lines run from branch to branch; the column of types is an attribute
  *   .obj    elements l; colours behind the coordinates
  *   .ply    elements vertex and edge; lines run through all points with two edges
  *
- * .vtk, .swc, .obj and .ply state no space and are taken as LPS, but for .vtk files of 3D Slicer, whose title
- * states it. Columns named radius, normals and colours fill the arrays of iso_lines; the others become
+ * .vtk, .vtp, .swc, .obj and .ply state no space and are taken as LPS, but for .vtk files of 3D Slicer, whose
+ * title states it. Columns named radius, normals and colours fill the arrays of iso_lines; the others become
  * attributes. Vectors and tensors turn with the space.
  *
  * The format is found from the content, and from the name if the content does not tell. Vertices that are not

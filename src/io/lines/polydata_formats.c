@@ -18,3 +18,7 @@ iso_status iso_lines_read_vtk(iso_reading *reading, iso_lines *lines, iso_error 
 iso_status iso_lines_read_ply(iso_reading *reading, iso_lines *lines, iso_error *error) {
     return read_as(iso_polydata_read_ply, reading, lines, error);
 }
+
+iso_status iso_lines_read_vtp(iso_reading *reading, iso_lines *lines, iso_error *error) {
+    return read_as(iso_polydata_read_vtp, reading, lines, error);
+}

@@ -11,8 +11,8 @@
 #include <string.h>
 #include <strings.h>
 
-#include "grids/volume/format.h"
 #include "io/polydata/polydata.h"
+#include "io/polydata/scalar_load.h"
 #include "io/rows.h"
 
 enum { WORD = 128 };
@@ -93,39 +93,10 @@ static iso_status begin_numbers(vtk_file *f, iso_scalar scalar, uint64_t count, 
     return check_numbers(f, scalar, count, error);
 }
 
-static double load_binary(const char *bytes, iso_scalar scalar) {
-    const size_t size = iso_scalar_size(scalar);
-    uint64_t bits = 0;
-    for (size_t i = 0; i < size; i++) bits = bits << 8 | (unsigned char)bytes[i];
-    switch (scalar) {
-    case ISO_SCALAR_INT8:
-        return (int8_t)bits;
-    case ISO_SCALAR_INT16:
-        return (int16_t)bits;
-    case ISO_SCALAR_INT32:
-        return (int32_t)bits;
-    case ISO_SCALAR_INT64:
-        return (double)(int64_t)bits;
-    case ISO_SCALAR_FLOAT: {
-        const uint32_t half = (uint32_t)bits;
-        float value;
-        memcpy(&value, &half, sizeof value);
-        return (double)value;
-    }
-    case ISO_SCALAR_DOUBLE: {
-        double value;
-        memcpy(&value, &bits, sizeof value);
-        return value;
-    }
-    default:
-        return (double)bits;
-    }
-}
-
 /* Reads the next number. Binary ones are there: check_numbers. */
 static iso_status read_number(vtk_file *f, iso_scalar scalar, double *number, iso_error *error) {
     if (f->binary) {
-        *number = load_binary(f->rows.at, scalar);
+        *number = iso_scalar_load(f->rows.at, scalar, true);
         f->rows.at += iso_scalar_size(scalar);
         return ISO_OK;
     }

@@ -325,6 +325,11 @@ static void test_ply_splats(void **state) {
     assert_int_equal(glyphs.colors[0][2], 56);
     assert_int_equal(glyphs.attribute_count, 0);
     iso_glyphs_free(&glyphs);
+    glyphs = read_with(FILE_PLY, (iso_read_opts){.space = ISO_SPACE_RAS});
+    check_vector(glyphs.axes[0], 0, -1, 0);
+    check_vector(glyphs.axes[0] + 3, exp(1), 0, 0);
+    check_vector(glyphs.axes[0] + 6, 0, 0, exp(-2));
+    iso_glyphs_free(&glyphs);
     /* without the colours of splats, scales are lengths */
     snprintf(text, sizeof text, "%sproperty float a\nproperty float b\nproperty float c\n%s", head, body);
     glyphs = read_text(FILE_PLY, text);
@@ -419,8 +424,8 @@ static int check_table(const char *folder, const char *const *formats, int count
 
 static void test_index(void **state) {
     (void)state;
-    static const char *const points[] = {"ply", "xyz", "pdb"}, *const tables[] = {"csv"};
-    assert_true(check_table("points", points, 3) >= 18);
+    static const char *const points[] = {"ply", "xyz", "pdb", "vtp"}, *const tables[] = {"csv"};
+    assert_true(check_table("points", points, 4) >= 19);
     assert_int_equal(check_table("lines", tables, 1), 1);
 }
 

