@@ -88,6 +88,23 @@ picture thawed
 cmp "$work/free.png" "$work/thawed.png" || fail "thawed: another picture"
 key m
 
+# ---- with the reference, the cpu engine draws all methods
+key r
+through() {
+    press 65 390
+    press 50 432
+    picture through
+    differ through gl_sculpted_exact
+}
+until_ "the reference through the sculpture" through
+for method in exact pullpush; do
+    both "reference_$method"
+    cmp "$work/gl_reference_$method.png" "$work/cpu_reference_$method.png" || fail "reference, $method: not the cpu engine's"
+    differ "gl_reference_$method" "gl_sculpted_$method" || fail "reference, $method: it is not to be seen"
+    key m
+done
+key r m m
+
 # ---- another size
 xdotool search --onlyvisible --name '^isosculpt' windowsize --sync 701 523
 has_size() { picture resized && [ "$(size_of resized)" = 000002bd0000020b ]; }
