@@ -33,12 +33,16 @@ static bool choose_look(isosculpt_reference_mode *mode) {
     return panel_edit_color("##colour", &mode->color) || changed;
 }
 
+/* Beside the checkbox: that it takes a while, or what draws. */
 static void draw_note(const isosculpt_screen *screen) {
     const isosculpt_viewport *viewport = screen->controller->viewport;
-    if (screen->reference_pending)
-        ImGui::TextColored(GREY, "being made ..");
-    else if (viewport->gl && viewport->mode.engine == ISOSCULPT_ENGINE_GL)
-        ImGui::TextColored(GREY, "drawn by the cpu engine");
+    const bool gl = viewport->gl && viewport->mode.engine == ISOSCULPT_ENGINE_GL;
+    const char *note = screen->reference_pending ? "being made .." : gl ? "(by the cpu)" : nullptr;
+    if (!note) return;
+    ImGui::SameLine();
+    ImGui::TextColored(GREY, "%s", note);
+    if (ImGui::IsItemHovered() && !screen->reference_pending)
+        ImGui::SetTooltip("with the x-ray, the cpu engine draws the picture");
 }
 
 void panel_draw_reference(isosculpt_screen *screen) {
@@ -47,10 +51,10 @@ void panel_draw_reference(isosculpt_screen *screen) {
     if (ImGui::IsItemHovered())
         ImGui::SetTooltip("R: the surface as it was when the session began, translucent");
     if (mode->shown) {
+        draw_note(screen);
         ImGui::PushID("reference");
         changed |= choose_look(mode);
         ImGui::PopID();
-        draw_note(screen);
     }
     if (changed) screen->controller->commands |= ISOSCULPT_COMMAND_REDRAW;
 }
