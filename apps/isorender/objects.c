@@ -176,7 +176,9 @@ iso_status isorender_object_prepare(isorender_object *object, double line_min_pi
     ISO_TRY(has_lines(object) ? prepare_lines(object, line_min_pixels, error)
                               : prepare_glyphs(object, error));
     object->bounds = iso_shapes_bounds(object->shapes);
-    return ISO_OK;
+    if (!iso_box_is_empty(&object->bounds)) return ISO_OK;
+    return iso_fail(error, ISO_ERR_EMPTY, "%s: nothing to draw: every %s", object->settings->path,
+                    has_lines(object) ? "line has one vertex, or radii of 0" : "size is 0");
 }
 
 iso_status isorender_object_draw(isorender_object *object, const iso_target *target, iso_error *error) {

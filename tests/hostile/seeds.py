@@ -119,6 +119,17 @@ def corpus_seeds(corpus):
                 yield name, {"a." + name.split("-")[0]: file.read()[1:]}
 
 
+def object_seeds(source, kind, option, picture):
+    """Files of lines or glyphs: their fuzzer's, less those that are damaged already."""
+    corpus = os.path.join(source, "tests/fuzz/corpus", kind)
+    for name in sorted(os.listdir(corpus)):
+        if name in ("cycle.swc", "short.pdb"):
+            continue
+        with open(os.path.join(corpus, name), "rb") as file:
+            yield Seed("isorender %s %s" % (kind, name), {"a." + name.rsplit(".", 1)[1]: file.read()[1:]},
+                       "isorender " + option, picture)
+
+
 def make(programs, source, folder):
     """All seeds. `source` is the project's folder, `folder` one for what programs write."""
     picture = ["-o", "out.png", "--resolution", "24x24"]
@@ -136,6 +147,8 @@ def make(programs, source, folder):
               for label, files in volumes if label in ("nrrd", "mhd")]
     points = written(programs, folder, "p.ply", "isorender", "scene:sphere:16", "--no-image", "--points")
     seeds.append(Seed("isorender ply", {"a.ply": points}, "isorender", picture))
+    seeds += object_seeds(source, "lines", "--lines", picture)
+    seeds += object_seeds(source, "glyphs", "--glyphs", picture)
     for kind in ("stl", "ply", "obj"):
         mesh = written(programs, folder, "m." + kind, "isorender", "scene:sphere:16", "--no-image", "--mesh")
         seeds.append(Seed("isosculpt " + kind, {"a." + kind: mesh}, "isosculpt",
