@@ -151,8 +151,9 @@ iso_status bench_render(bench_state *bench, iso_error *error);
 /* bench_sculpt.c */
 iso_status bench_sculpt(bench_state *bench, iso_error *error);
 
-/* Parts of bench_extract in files of their own: bench_edit.c and bench_process.c. */
+/* Parts of bench_extract in files of their own: bench_edit.c, bench_lines.c and bench_process.c. */
 iso_status bench_edit_group(bench_state *bench, iso_error *error);
+iso_status bench_lines_group(bench_state *bench, iso_error *error);
 iso_status bench_process_groups(bench_state *bench, iso_error *error);
 /* From a file to a picture: the end of bench_render. */
 iso_status bench_picture_group(bench_state *bench, iso_error *error);

@@ -33,7 +33,8 @@ for name, row in rows.items():
 
 wanted = [f"extract/edge_points/{t}/48/generic/threads:{n}" for t in ("uint8", "int16", "uint16", "float") for n in (1, 2)]
 wanted += [f"extract/{what}/generic/threads:{n}" for what in ("foot_points/head64", "marching_cubes/uint8/48") for n in (1, 2)]
-wanted += ["extract/isovalue/ct48/212.5", "extract/dirty/head64/r8", "extract/memory/uint8/48"]
+wanted += ["extract/isovalue/ct48/212.5", "extract/dirty/head64/r8", "extract/memory/uint8/48",
+           "read/tck/10k/lines", "read/trk/10k/lines"]
 spheres, views = ("4k", "8k", "14k"), [f"{ct}/{view}" for ct in ("ct32", "ct48") for view in ("fit", "4x")]
 wanted += [f"render/mesh/{what}/threads:{n}" for what in [*spheres, *views] for n in (1, 2)]
 wanted += [f"render/raycast/{what}/threads:{n}" for what in views for n in (1, 2)]
@@ -54,6 +55,7 @@ assert edge["primitives"] > 0 and edge["ratio_vs_marching_cubes"] > 0
 assert "scaling" in rows["extract/edge_points/uint8/48/generic/threads:2"]
 assert rows["extract/isovalue/ct48/212.5"]["ratio_vs_full"] > 0
 assert rows["extract/dirty/head64/r8"]["brick_time_vs_full"] > 0
+assert rows["read/tck/10k/lines"]["ratio_vs_copy"] > 0 and rows["read/trk/10k/lines"]["primitives"] == 10000
 assert rows["extract/memory/uint8/48"]["peak_bytes"] > 48**3
 peer = rows.get("extract/vtkFlyingEdges3D/uint8/48/threads:1")
 if peer:
