@@ -399,6 +399,9 @@ static void test_obj(void **state) {
     assert_int_equal(lines.colors[0][1], 128);
     assert_int_equal(lines.colors[2][2], 255);
     iso_lines_free(&lines);
+    lines = read_text(FILE_OBJ, "v 0 0 0\nl \n", NULL);
+    assert_int_equal(lines.line_count, 0);
+    iso_lines_free(&lines);
     refuse_text(FILE_OBJ, "v 0 0 0\nl 1 2\n", ISO_ERR_FORMAT, "point 1 of 1");
     refuse_text(FILE_OBJ, "v 0 0 0\nl 0 1\n", ISO_ERR_FORMAT, "row 2");
     refuse_text(FILE_OBJ, "v 0 0 0\nl -2\n", ISO_ERR_FORMAT, "row 2");
