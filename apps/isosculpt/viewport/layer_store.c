@@ -10,6 +10,7 @@
 #include "base/exponential.h"
 #include "base/memory.h"
 #include "exact/layers.h"
+#include "render/layers/opacity.h"
 
 /* The opacity at which layers are listed. */
 static const double LISTED_OPACITY = 0.1;
@@ -25,12 +26,17 @@ static bool is_full(const isosculpt_layer_store *store) {
     return __atomic_load_n(&store->full, __ATOMIC_RELAXED);
 }
 
+/* color: 0 .. 1; opacity: the one at which the layer was listed. */
+static isosculpt_stored_layer make_layer(float depth, const float color[3], float opacity) {
+    isosculpt_stored_layer layer = {.depth = depth,
+                                    .slant = (uint16_t)(opacity * (ISOSCULPT_SLANTS - 1) + 0.5f)};
+    for (int k = 0; k < 3; k++) layer.color[k] = (uint16_t)(color[k] * 65535 + 0.5f);
+    return layer;
+}
+
 static isosculpt_stored_layer store_layer(const iso_packed_fragment *packed, float middle) {
     const iso_fragment fragment = iso_fragment_unpack(packed);
-    isosculpt_stored_layer layer = {.depth = fragment.depth + middle,
-                                    .slant = (uint16_t)(fragment.opacity * (ISOSCULPT_SLANTS - 1) + 0.5f)};
-    for (int k = 0; k < 3; k++) layer.color[k] = (uint16_t)(fragment.color[k] * 65535 + 0.5f);
-    return layer;
+    return make_layer(fragment.depth + middle, fragment.color, fragment.opacity);
 }
 
 /* Copies the layers of sample x behind layer number `end` of the row. */
@@ -43,19 +49,25 @@ static uint32_t store_sample(const iso_layer_lists *lists, int x, int row, uint3
     return end;
 }
 
+/* Makes room for so many layers in a row; NULL, and store->full, without memory. */
+static isosculpt_layer_row *make_row(isosculpt_layer_store *store, int y, size_t count) {
+    const size_t width = (size_t)store->width,
+                 bytes = width * sizeof(uint32_t) + count * sizeof(isosculpt_stored_layer);
+    isosculpt_layer_row *row = &store->rows[y];
+    row->ends = has_room(store, bytes) ? iso_alloc(bytes) : NULL;
+    if (row->ends)
+        row->layers = (isosculpt_stored_layer *)(row->ends + width);
+    else
+        __atomic_store_n(&store->full, true, __ATOMIC_RELAXED);
+    return row->ends ? row : NULL;
+}
+
 static void store_row(isosculpt_layer_store *store, const iso_layer_lists *lists, int row, int y) {
-    const size_t width = (size_t)lists->width;
     size_t count = 0;
     for (int x = 0; x < lists->width; x++)
         count += (size_t)iso_layer_group_at(lists, x, row)->list[x % ISO_LAYER_GROUP].count;
-    const size_t bytes = width * sizeof(uint32_t) + count * sizeof(isosculpt_stored_layer);
-    isosculpt_layer_row *to = &store->rows[y];
-    to->ends = has_room(store, bytes) ? iso_alloc(bytes) : NULL;
-    if (!to->ends) {
-        __atomic_store_n(&store->full, true, __ATOMIC_RELAXED);
-        return;
-    }
-    to->layers = (isosculpt_stored_layer *)(to->ends + width);
+    isosculpt_layer_row *to = make_row(store, y, count);
+    if (!to) return;
     uint32_t end = 0;
     for (int x = 0; x < lists->width; x++) to->ends[x] = end = store_sample(lists, x, row, end, to->layers);
 }
@@ -86,6 +98,23 @@ static iso_status reserve_rows(isosculpt_layer_store *store, int height, iso_err
     return ISO_OK;
 }
 
+/* Frees the layers, and makes room for the rows of another view. */
+static iso_status begin_list(isosculpt_layer_store *store, const iso_view *view, iso_error *error) {
+    free_layers(store);
+    ISO_TRY(reserve_rows(store, view->height, error));
+    store->width = view->width;
+    store->height = view->height;
+    return ISO_OK;
+}
+
+static iso_status end_list(isosculpt_layer_store *store, iso_status status, iso_error *error) {
+    if (status == ISO_OK && store->full)
+        status = iso_fail(error, ISO_ERR_NOMEM, "out of memory for layers: %.3g MB are needed, or more",
+                          1e-6 * (double)store->bytes);
+    if (status != ISO_OK) free_layers(store);
+    return status;
+}
+
 iso_status isosculpt_layer_store_list(isosculpt_layer_store *store, const iso_exact *exact, iso_rgb color,
                                       const iso_view *view, iso_pool *pool, iso_error *error) {
     const iso_gbuffer size = {.width = view->width, .height = view->height};
@@ -95,16 +124,63 @@ iso_status isosculpt_layer_store_list(isosculpt_layer_store *store, const iso_ex
     const iso_exact_layers layers = {
         .layers = &layer, .count = 1, .picture = {.strip = &strip, .pool = pool}, .reader = &reader};
     iso_exact_layers_totals totals = {.retraced = 0};
-    free_layers(store);
-    ISO_TRY(reserve_rows(store, view->height, error));
-    store->width = view->width;
-    store->height = view->height;
-    iso_status status = iso_shade_exact_layers(&layers, &totals, error);
-    if (status == ISO_OK && store->full)
-        status = iso_fail(error, ISO_ERR_NOMEM, "out of memory for layers: %.3g MB are needed, or more",
-                          1e-6 * (double)store->bytes);
-    if (status != ISO_OK) free_layers(store);
-    return status;
+    ISO_TRY(begin_list(store, view, error));
+    return end_list(store, iso_shade_exact_layers(&layers, &totals, error), error);
+}
+
+/* ---- listing the front layer */
+
+/* What the threads that store rows of samples read and write. */
+typedef struct front_pass {
+    isosculpt_layer_store *store;
+    const iso_view *view;
+    const iso_gbuffer *gbuffer;
+    iso_layer_opacity opacity;
+    iso_rgb color;
+} front_pass;
+
+static isosculpt_stored_layer shade_front(const front_pass *pass, size_t at, const float to_eye[3]) {
+    const iso_gbuffer *g = pass->gbuffer;
+    const float normal[3] = {g->normal[0][at], g->normal[1][at], g->normal[2][at]};
+    float rgb[3];
+    iso_shade_sample(normal, to_eye, pass->color, rgb);
+    for (int k = 0; k < 3; k++) rgb[k] = fminf(rgb[k], 1);
+    return make_layer(g->depth[at], rgb, iso_layer_opacity_at(&pass->opacity, normal, to_eye));
+}
+
+static void store_front_row(void *context, size_t y, int worker) {
+    (void)worker;
+    const front_pass *pass = context;
+    const iso_view *view = pass->view;
+    const size_t width = (size_t)view->width;
+    isosculpt_layer_row *row = make_row(pass->store, (int)y, width);
+    if (!row) return;
+    const float v = view->orthographic ? 0 : (float)(((double)y + 0.5 - view->cy) / view->focal);
+    uint32_t end = 0;
+    for (size_t x = 0; x < width; x++) {
+        const float u = view->orthographic ? 0 : (float)(((double)x + 0.5 - view->cx) / view->focal);
+        const float to_eye[3] = {-u, -v, -1};
+        if (pass->gbuffer->surface[y * width + x] != ISO_SURFACE_NONE)
+            row->layers[end++] = shade_front(pass, y * width + x, to_eye);
+        row->ends[x] = end;
+    }
+}
+
+iso_status isosculpt_layer_store_list_front(isosculpt_layer_store *store, const iso_exact *exact,
+                                            iso_rgb color, const iso_view *view, iso_pool *pool,
+                                            iso_error *error) {
+    const iso_translucency translucency = {.opacity = (float)LISTED_OPACITY};
+    iso_gbuffer gbuffer;
+    front_pass pass = {store, view, &gbuffer, iso_layer_opacity_make(&translucency), color};
+    ISO_TRY(begin_list(store, view, error));
+    iso_status status = iso_gbuffer_create(view->width, view->height, &gbuffer, error);
+    if (status != ISO_OK) return end_list(store, status, error);
+    const iso_target target = {.view = view, .gbuffer = &gbuffer, .pool = pool};
+    iso_gbuffer_clear(&gbuffer);
+    status = iso_draw_exact(&target, exact, error);
+    if (status == ISO_OK) iso_parallel_for(pool, (size_t)view->height, store_front_row, &pass);
+    iso_gbuffer_free(&gbuffer);
+    return end_list(store, status, error);
 }
 
 void isosculpt_layer_store_free(isosculpt_layer_store *store) {

@@ -39,6 +39,11 @@ typedef struct isosculpt_layer_store {
  * stored. */
 iso_status isosculpt_layer_store_list(isosculpt_layer_store *store, const iso_exact *exact, iso_rgb color,
                                       const iso_view *view, iso_pool *pool, iso_error *error);
+/* The same for the layer in front only, which takes a fraction of the time: cells behind others are skipped.
+ */
+iso_status isosculpt_layer_store_list_front(isosculpt_layer_store *store, const iso_exact *exact,
+                                            iso_rgb color, const iso_view *view, iso_pool *pool,
+                                            iso_error *error);
 void isosculpt_layer_store_free(isosculpt_layer_store *store);
 
 /* The opacity of a layer by its slant, for a surface with an opacity of 0 .. 1 where it is seen face on; by

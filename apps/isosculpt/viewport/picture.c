@@ -16,9 +16,9 @@ static const double TOO_SLOW = 0.020, FAST = 0.006;
 /* Above this, with the fewest samples, translucent surfaces are not drawn with all layers while the camera
  * moves, until another isovalue is chosen. */
 static const double MUCH_TOO_SLOW = 0.060;
-/* A picture at rest is refined in tiles of so many pixels, so that events are handled between two tiles;
- * samples along a refined pixel. */
-enum { TILE_PIXELS = 1 << 17, TILE_FACTOR = 2 };
+/* A picture at rest is refined in tiles of so many pixels, so that events are handled between two tiles (with
+ * layers, which take longer, of fewer); samples along a refined pixel. */
+enum { TILE_PIXELS = 1 << 17, LAYERS_TILE_PIXELS = 1 << 15, TILE_FACTOR = 2 };
 
 /* ---- extracting */
 
@@ -418,12 +418,15 @@ iso_status isosculpt_viewport_draw(isosculpt_viewport *viewport, int width, int 
 
 /* ---- refining */
 
-/* Removes the next tile from `unrefined`, or with `all` a whole rectangle: for methods that fill pixels from
- * their neighbours, which would leave seams between tiles. */
-static isosculpt_rectangle take_tile(isosculpt_damage *unrefined, bool all) {
+/* Removes the next tile from viewport->unrefined; a whole rectangle for methods that fill pixels from their
+ * neighbours, which would leave seams between tiles. */
+static isosculpt_rectangle take_tile(isosculpt_viewport *viewport, iso_method method) {
+    isosculpt_damage *unrefined = &viewport->unrefined;
     isosculpt_rectangle *last = &unrefined->rectangle[unrefined->count - 1], tile = *last;
-    int rows = TILE_PIXELS / (tile.x1 - tile.x0) + 1;
-    if (all || tile.y1 - tile.y0 <= rows)
+    const bool layers =
+        isosculpt_viewport_is_see_through(viewport) || isosculpt_viewport_shows_reference(viewport);
+    const int rows = (layers ? LAYERS_TILE_PIXELS : TILE_PIXELS) / (tile.x1 - tile.x0) + 1;
+    if (method != ISO_METHOD_EXACT || tile.y1 - tile.y0 <= rows)
         unrefined->count--;
     else
         tile.y1 = last->y0 = tile.y0 + rows;
@@ -441,7 +444,7 @@ iso_status isosculpt_viewport_refine(isosculpt_viewport *viewport, iso_error *er
             return isosculpt_viewport_draw(viewport, viewport->width, viewport->height, false, error);
         }
     } else if (viewport->unrefined.count) {
-        isosculpt_rectangle tile = take_tile(&viewport->unrefined, method != ISO_METHOD_EXACT);
+        isosculpt_rectangle tile = take_tile(viewport, method);
         ISO_TRY(draw_tile(viewport, method, tile, TILE_FACTOR, error));
         isosculpt_damage_add(&viewport->redrawn, tile);
     }

@@ -6,8 +6,8 @@
 #include "base/memory.h"
 
 /* Pixels to a sample and axis while the camera moves, adapted to how long listing takes: fewer samples above
- * the first limit (seconds), more below the second one. With the fewest, and above the third limit, the
- * reference is left out until the camera rests. */
+ * the first limit (seconds), more below the second one. With the fewest, and above the third limit, only the
+ * front layers are listed, then none. */
 enum { FACTOR_LEAST = 2, FACTOR_MOST = 6 };
 static const double TOO_SLOW = 0.020, FAST = 0.006, MUCH_TOO_SLOW = 0.060;
 
@@ -17,6 +17,9 @@ enum { FINE_SAMPLES = 1 << 18 };
 /* How much nearer (voxels) a layer must be than the sculpture to lie in front of it: what is equal in both
  * would flicker, as the surface of an edited brick moves by rounding. */
 static const double IN_FRONT = 0.1;
+
+/* What is listed while the camera moves. */
+typedef enum listing { LIST_ALL, LIST_FRONT, LIST_NOTHING } listing;
 
 struct isosculpt_reference {
     iso_hgrid *grid;
@@ -29,7 +32,7 @@ struct isosculpt_reference {
     int width, height, factor; /* of the picture; pixels to a sample and axis */
     iso_rgb color;
     int moving_factor;
-    bool left_out; /* while the camera moves */
+    listing moving_listing;
 };
 
 /* ---- creating and destroying */
@@ -103,7 +106,7 @@ bool isosculpt_reference_is_coarse(const isosculpt_viewport *viewport) {
            (!has_layers(viewport) || viewport->reference->factor > 1);
 }
 
-static iso_status list_kept(isosculpt_viewport *viewport, int factor, iso_error *error) {
+static iso_status list_kept(isosculpt_viewport *viewport, int factor, listing what, iso_error *error) {
     isosculpt_reference *r = viewport->reference;
     const iso_view view = iso_view_make(&viewport->camera, (viewport->width + factor - 1) / factor,
                                         (viewport->height + factor - 1) / factor);
@@ -112,13 +115,16 @@ static iso_status list_kept(isosculpt_viewport *viewport, int factor, iso_error 
     r->height = viewport->height;
     r->factor = factor;
     r->color = viewport->reference_mode.color;
-    return isosculpt_layer_store_list(&r->kept, r->exact, r->color, &view, viewport->pool, error);
+    return (what == LIST_ALL ? isosculpt_layer_store_list : isosculpt_layer_store_list_front)(
+        &r->kept, r->exact, r->color, &view, viewport->pool, error);
 }
 
-static void adapt_moving_factor(isosculpt_reference *r, double seconds) {
-    r->left_out = r->moving_factor == FACTOR_MOST && seconds > MUCH_TOO_SLOW;
-    if (seconds > TOO_SLOW && r->moving_factor < FACTOR_MOST) r->moving_factor++;
-    if (seconds < FAST && r->moving_factor > FACTOR_LEAST) r->moving_factor--;
+static void adapt_moving(isosculpt_reference *r, double seconds) {
+    const bool fewest = r->moving_factor == FACTOR_MOST, most = r->moving_factor == FACTOR_LEAST;
+    if (fewest && seconds > MUCH_TOO_SLOW && r->moving_listing != LIST_NOTHING) r->moving_listing++;
+    if (most && seconds < FAST && r->moving_listing != LIST_ALL) r->moving_listing--;
+    if (!fewest && seconds > TOO_SLOW) r->moving_factor++;
+    if (!most && seconds < FAST) r->moving_factor--;
 }
 
 /* Lists the layers of the viewport's camera unless they are there; false: there are none. */
@@ -127,14 +133,17 @@ static bool prepare(isosculpt_viewport *viewport, bool moving) {
     iso_error reason = {ISO_OK, ""};
     const bool listed = has_layers(viewport);
     if (listed && (moving || r->factor == 1)) return true;
-    if (moving && r->left_out) return false;
+    if (moving && r->moving_listing == LIST_NOTHING) return false;
     const double start = iso_clock_seconds();
-    if (list_kept(viewport, moving ? r->moving_factor : 1, &reason) != ISO_OK) {
+    if (list_kept(viewport, moving ? r->moving_factor : 1, moving ? r->moving_listing : LIST_ALL, &reason) !=
+        ISO_OK) {
         hide(viewport, &reason);
         return false;
     }
-    r->left_out = false;
-    if (moving) adapt_moving_factor(r, iso_clock_seconds() - start);
+    if (moving)
+        adapt_moving(r, iso_clock_seconds() - start);
+    else if (r->moving_listing == LIST_NOTHING)
+        r->moving_listing = LIST_FRONT; /* tried again for this camera */
     return true;
 }
 

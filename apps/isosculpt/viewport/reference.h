@@ -3,7 +3,7 @@
  *
  * Its layers are listed once for each camera and kept (layer_store.h); a stroke blends them anew only where
  * it changed the picture. While the camera moves they are listed for fewer samples, or, where even that takes
- * too long, not at all. Pictures with four samples a pixel list them tile by tile and keep none. */
+ * too long, only the front ones. Pictures with four samples a pixel list them tile by tile and keep none. */
 #ifndef ISO_APPS_ISOSCULPT_VIEWPORT_REFERENCE_H
 #define ISO_APPS_ISOSCULPT_VIEWPORT_REFERENCE_H
 

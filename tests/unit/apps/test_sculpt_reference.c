@@ -1,6 +1,7 @@
 /* isosculpt's reference: the field's first surface, translucent over the sculpture or in front of it. However
  * it came about, a picture with it is the picture drawn from scratch, to the byte; its layers are those of
  * exact; and picks do not know it. */
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -10,6 +11,7 @@
 
 #include <cmocka.h>
 
+#include "apps/isosculpt/viewport/layer_store.h"
 #include "apps/isosculpt/viewport/reference.h"
 #include "exact/layers.h"
 #include "refused_memory.h"
@@ -259,6 +261,74 @@ static void layers_are_those_of_exact(void **state) {
     iso_hgrid_destroy(ball);
 }
 
+/* The front layers are the first of all layers. */
+static void front_layers_are_the_first_ones(void **state) {
+    (void)state;
+    iso_hgrid *ball;
+    iso_exact *exact;
+    iso_camera camera = {.position = {3, -60, 9}, .view_up = {0, 0, 1}, .view_angle = 40};
+    const iso_exact_opts opts = {.isovalue = 0};
+    const iso_rgb color = {10, 200, 120};
+    isosculpt_layer_store all = {.most_bytes = SIZE_MAX}, front = {.most_bytes = SIZE_MAX};
+    assert_int_equal(iso_session_ball(&START, &ball, NULL), ISO_OK);
+    const iso_grid grid = {.hgrid = ball};
+    assert_int_equal(iso_exact_create(&grid, &opts, &exact, NULL), ISO_OK);
+    assert_int_equal(iso_exact_update(exact, NULL), ISO_OK);
+    for (int i = 0; i < 2; i++) {
+        camera.orthographic = i;
+        camera.parallel_scale = 18;
+        const iso_view view = iso_view_make(&camera, WIDTH, HEIGHT);
+        assert_int_equal(isosculpt_layer_store_list(&all, exact, color, &view, NULL, NULL), ISO_OK);
+        assert_int_equal(isosculpt_layer_store_list_front(&front, exact, color, &view, NULL, NULL), ISO_OK);
+        size_t layers = 0, differ = 0;
+        for (int y = 0; y < HEIGHT; y++)
+            for (int x = 0; x < WIDTH; x++) {
+                const uint32_t begin = x ? all.rows[y].ends[x - 1] : 0,
+                               begin_front = x ? front.rows[y].ends[x - 1] : 0,
+                               count = front.rows[y].ends[x] - begin_front;
+                assert_int_equal(count, all.rows[y].ends[x] > begin);
+                if (!count) continue;
+                const isosculpt_stored_layer *a = &all.rows[y].layers[begin],
+                                             *b = &front.rows[y].layers[begin_front];
+                layers++;
+                differ += fabsf(a->depth - b->depth) > 1e-3f || abs(a->slant - b->slant) > 1 ||
+                          abs(a->color[1] - b->color[1]) > 64;
+            }
+        assert_true(layers > PIXELS / 10);
+        assert_int_equal(differ, 0);
+    }
+    isosculpt_layer_store_free(&all);
+    isosculpt_layer_store_free(&front);
+    iso_exact_destroy(exact);
+    iso_hgrid_destroy(ball);
+}
+
+/* With too little room nothing is stored, and the next view is listed as if nothing had happened. */
+static void room_is_bounded(void **state) {
+    (void)state;
+    iso_hgrid *ball;
+    iso_exact *exact;
+    iso_error error = {0};
+    const iso_camera camera = {.position = {3, -60, 9}, .view_up = {0, 0, 1}, .view_angle = 40};
+    const iso_view view = iso_view_make(&camera, WIDTH, HEIGHT);
+    const iso_exact_opts opts = {.isovalue = 0};
+    const iso_rgb color = {10, 200, 120};
+    isosculpt_layer_store store = {.most_bytes = 4 * PIXELS + 1000};
+    assert_int_equal(iso_session_ball(&START, &ball, NULL), ISO_OK);
+    const iso_grid grid = {.hgrid = ball};
+    assert_int_equal(iso_exact_create(&grid, &opts, &exact, NULL), ISO_OK);
+    assert_int_equal(iso_exact_update(exact, NULL), ISO_OK);
+    assert_int_equal(isosculpt_layer_store_list(&store, exact, color, &view, NULL, &error), ISO_ERR_NOMEM);
+    assert_non_null(strstr(error.text, "out of memory for layers"));
+    assert_int_equal(store.width, 0);
+    store.most_bytes = SIZE_MAX;
+    assert_int_equal(isosculpt_layer_store_list(&store, exact, color, &view, NULL, NULL), ISO_OK);
+    assert_true(store.width == WIDTH && store.bytes > 4 * PIXELS + 1000);
+    isosculpt_layer_store_free(&store);
+    iso_exact_destroy(exact);
+    iso_hgrid_destroy(ball);
+}
+
 /* Out of memory for layers: the picture is drawn without the reference, and it is said. */
 static void without_memory_the_reference_is_hidden(void **state) {
     (void)state;
@@ -304,6 +374,8 @@ int main(void) {
         cmocka_unit_test(strokes_leave_the_picture_drawn_from_scratch),
         cmocka_unit_test(what_is_unchanged_looks_unchanged),
         cmocka_unit_test(layers_are_those_of_exact),
+        cmocka_unit_test(front_layers_are_the_first_ones),
+        cmocka_unit_test(room_is_bounded),
         cmocka_unit_test(without_memory_the_reference_is_hidden),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
