@@ -146,6 +146,115 @@ static bool cone_piece(const ray *r, const cone *c, piece *p) {
     return true;
 }
 
+/* ---- other glyphs: images of unit solids, which are unions of convex ones (see the options' glyph). Where a
+ * convex function of the place is negative, the place is inside: its least value along the ray is searched,
+ * then where it changes its sign on both sides. */
+
+typedef struct unit {
+    iso_glyph glyph; /* ellipsoid, box, cylinder or cone */
+    real radius, low, high;
+} unit;
+
+/* The function, and its gradient if that is not NULL. */
+static real outside(const unit *u, const real p[3], real gradient[3]) {
+    const real off = sqrtl(p[0] * p[0] + p[1] * p[1]), taper = 1 / (u->high - u->low);
+    real most = -INFINITY, value[6];
+    for (int i = 0; i < 6; i++) value[i] = -INFINITY;
+    if (u->glyph == ISO_GLYPH_BOX)
+        for (int i = 0; i < 6; i++) value[i] = (i % 2 ? p[i / 2] : -p[i / 2]) - 1;
+    else if (u->glyph == ISO_GLYPH_ELLIPSOID)
+        value[0] = sqrtl(dot(p, p)) - 1;
+    else {
+        value[0] = u->glyph == ISO_GLYPH_CONE ? off - u->radius * (u->high - p[2]) * taper : off - u->radius;
+        value[4] = u->low - p[2];
+        value[5] = p[2] - u->high;
+    }
+    int active = 0;
+    for (int i = 0; i < 6; i++)
+        if (value[i] > most) most = value[active = i];
+    if (!gradient) return most;
+    for (int a = 0; a < 3; a++) gradient[a] = 0;
+    gradient[active / 2] = active % 2 ? 1 : -1;
+    if (u->glyph == ISO_GLYPH_ELLIPSOID || (u->glyph != ISO_GLYPH_BOX && active == 0)) {
+        for (int a = 0; a < 3; a++) gradient[a] = p[a];
+        if (u->glyph != ISO_GLYPH_ELLIPSOID)
+            gradient[2] = u->glyph == ISO_GLYPH_CONE ? off * u->radius * taper : 0;
+    }
+    return most;
+}
+
+static real outside_at(const unit *u, const ray *r, real t) {
+    real p[3];
+    point_at(r, t, p);
+    return outside(u, p, NULL);
+}
+
+static bool convex_piece(const unit *u, const ray *r, piece *out) {
+    const real dd = dot(r->direction, r->direction), middle = -dot(r->origin, r->direction) / dd,
+               reach = 2 / sqrtl(dd);
+    real low = middle - reach, high = middle + reach;
+    for (int step = 0; step < 2 * STEPS && outside_at(u, r, (low + high) / 2) > 0; step++) {
+        const real a = (2 * low + high) / 3, b = (low + 2 * high) / 3;
+        const real at_a = outside_at(u, r, a), at_b = outside_at(u, r, b);
+        *(at_a < at_b ? &high : &low) = at_a < at_b ? b : a;
+    }
+    const real inside = (low + high) / 2;
+    if (!(outside_at(u, r, inside) <= 0)) return false;
+    for (int end = 0; end < 2; end++) {
+        real in = inside, beyond = end ? middle + reach : middle - reach, p[3];
+        for (int step = 0; step < 64; step++) {
+            const real half = (in + beyond) / 2;
+            *(outside_at(u, r, half) <= 0 ? &in : &beyond) = half;
+        }
+        out->t[end] = in;
+        point_at(r, in, p);
+        outside(u, p, out->normal[end]);
+    }
+    return true;
+}
+
+static bool disc_piece(const ray *r, piece *out) {
+    const real t = -r->origin[2] / r->direction[2];
+    real p[3];
+    point_at(r, t, p);
+    if (!(p[0] * p[0] + p[1] * p[1] <= 1)) return false;
+    for (int end = 0; end < 2; end++) {
+        out->t[end] = t;
+        out->normal[end][0] = out->normal[end][1] = 0;
+        out->normal[end][2] = r->direction[2] > 0 ? -1 : 1;
+    }
+    return true;
+}
+
+/* The pieces of a ray in a unit solid, merged where they touch. */
+static int unit_pieces(iso_glyph glyph, const ray *r, piece out[2]) {
+    const unit whole = {glyph, 1, -1, 1}, shaft = {ISO_GLYPH_CYLINDER, 0.3L, -1, 0.3L},
+               head = {ISO_GLYPH_CONE, 1, 0.3L, 1};
+    if (glyph == ISO_GLYPH_DISC) return disc_piece(r, out);
+    if (glyph != ISO_GLYPH_ARROW) return convex_piece(&whole, r, out);
+    int count = convex_piece(&shaft, r, out);
+    count += convex_piece(&head, r, out + count);
+    if (count < 2 || out[0].t[0] > out[1].t[1] + 1e-12L || out[1].t[0] > out[0].t[1] + 1e-12L) return count;
+    const piece a = out[0], b = out[1];
+    const piece *ends[2] = {a.t[0] < b.t[0] ? &a : &b, a.t[1] > b.t[1] ? &a : &b};
+    for (int end = 0; end < 2; end++) {
+        out[0].t[end] = ends[end]->t[end];
+        for (int k = 0; k < 3; k++) out[0].normal[end][k] = ends[end]->normal[end][k];
+    }
+    return 1;
+}
+
+/* Rows of the inverse of the matrix with these columns. */
+static void invert(const real columns[3][3], real rows[3][3]) {
+    for (int i = 0; i < 3; i++) {
+        const real *b = columns[(i + 1) % 3], *c = columns[(i + 2) % 3];
+        const real cross[3] = {b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2],
+                               b[0] * c[1] - b[1] * c[0]};
+        const real determinant = dot(cross, columns[i]);
+        for (int a = 0; a < 3; a++) rows[i][a] = cross[a] / determinant;
+    }
+}
+
 /* Takes the piece's first end at or behind the near plane, if it is nearer than the hit so far. */
 static bool take(const iso_view *view, const piece *p, iso_shapes_hit *hit) {
     const int end = p->t[0] >= (real)view->near ? 0 : 1;
@@ -166,9 +275,11 @@ static bool take(const iso_view *view, const piece *p, iso_shapes_hit *hit) {
 
 typedef struct solid {
     cone shape;         /* without path and taper: a sphere */
+    real inverse[3][3]; /* of other glyphs, from view space */
+    iso_glyph glyph;
     real size, largest; /* its smallest and largest radius */
     bool is_cone;
-    size_t number;
+    size_t number; /* of the glyph, or of the first vertex */
 } solid;
 
 struct iso_shapes_truth {
@@ -177,9 +288,61 @@ struct iso_shapes_truth {
     size_t count;
 };
 
+/* Vectors along the axes of a glyph's unit solid, in the world, and from its position to its center. */
+static void axes_of(const iso_glyphs *glyphs, size_t i, const iso_shapes_opts *opts, real axis[3][3],
+                    real center[3]) {
+    const real scale = opts->scale > 0 ? (real)opts->scale : 1;
+    real radius = scale * (real)(glyphs->radii ? (double)glyphs->radii[i] : opts->radius), along[3] = {0},
+         length;
+    for (int a = 0; a < 3; a++) center[a] = 0;
+    if (opts->glyph == ISO_GLYPH_ELLIPSOID || opts->glyph == ISO_GLYPH_BOX) {
+        for (int k = 0; k < 9; k++)
+            axis[k / 3][k % 3] = glyphs->axes ? scale * (real)glyphs->axes[i][k] : k % 4 ? 0 : radius;
+        return;
+    }
+    for (int a = 0; a < 3; a++) along[a] = scale * (real)glyphs->directions[i][a];
+    length = sqrtl(dot(along, along));
+    if (!(radius > 0)) radius = length * (opts->glyph == ISO_GLYPH_CONE ? 1 / 3.0L : 0.1L);
+    const bool disc = opts->glyph == ISO_GLYPH_DISC;
+    for (int a = 0; a < 3; a++) {
+        axis[2][a] = disc ? along[a] / length * radius : along[a] / 2;
+        center[a] = disc ? 0 : along[a] / 2;
+    }
+    /* any two vectors across the direction: solids are round */
+    const int k = fabsl(along[0]) < length / 2 ? 0 : 1;
+    for (int a = 0; a < 3; a++) axis[0][a] = (a == k) - along[k] * along[a] / (length * length);
+    const real size = sqrtl(dot(axis[0], axis[0]));
+    for (int a = 0; a < 3; a++) axis[0][a] *= radius / size;
+    for (int a = 0; a < 3; a++)
+        axis[1][a] =
+            (along[(a + 1) % 3] * axis[0][(a + 2) % 3] - along[(a + 2) % 3] * axis[0][(a + 1) % 3]) / length;
+}
+
+static void add_solid(iso_shapes_truth *truth, const iso_glyphs *glyphs, size_t i,
+                      const iso_shapes_opts *opts) {
+    solid *s = &truth->solids[truth->count++];
+    real axis[3][3], offset[3], columns[3][3], shift[3];
+    *s = (solid){.number = i, .glyph = opts->glyph, .size = INFINITY};
+    axes_of(glyphs, i, opts, axis, offset);
+    to_view(truth->view, glyphs->origin, glyphs->positions[i], s->shape.center);
+    turn(truth->view, offset, shift);
+    for (int k = 0; k < 3; k++) {
+        turn(truth->view, axis[k], columns[k]);
+        const real length = sqrtl(dot(axis[k], axis[k]));
+        s->size = length < s->size ? length : s->size;
+        s->largest += length;
+        s->shape.center[k] += shift[k];
+    }
+    invert((const real(*)[3])columns, s->inverse);
+}
+
 static void add_glyphs(iso_shapes_truth *truth, const iso_glyphs *glyphs, const iso_shapes_opts *opts) {
     const double scale = opts->scale > 0 ? opts->scale : 1;
     for (size_t i = 0; i < glyphs->count; i++) {
+        if (opts->glyph != ISO_GLYPH_SPHERE) {
+            add_solid(truth, glyphs, i, opts);
+            continue;
+        }
         solid *s = &truth->solids[truth->count];
         *s = (solid){.number = i};
         s->largest = s->size = (real)scale * (real)(glyphs->radii ? (double)glyphs->radii[i] : opts->radius);
@@ -272,18 +435,49 @@ static bool passes(const ray *r, const solid *s) {
     return away > reach * reach;
 }
 
+/* The pieces of a ray in a glyph that is neither a sphere nor a part of a line. */
+static int solid_pieces(const solid *s, const ray *r, piece out[2]) {
+    ray local;
+    real to[3];
+    for (int a = 0; a < 3; a++) to[a] = s->shape.center[a] - r->origin[a];
+    /* from the point nearest to the center, for precision */
+    const real shift = dot(to, r->direction) / dot(r->direction, r->direction);
+    for (int a = 0; a < 3; a++) to[a] = shift * r->direction[a] - to[a];
+    for (int i = 0; i < 3; i++) {
+        local.origin[i] = dot(s->inverse[i], to);
+        local.direction[i] = dot(s->inverse[i], r->direction);
+    }
+    const int count = unit_pieces(s->glyph, &local, out);
+    for (int i = 0; i < count; i++)
+        for (int end = 0; end < 2; end++) {
+            const real n[3] = {out[i].normal[end][0], out[i].normal[end][1], out[i].normal[end][2]};
+            out[i].t[end] += shift;
+            for (int a = 0; a < 3; a++)
+                out[i].normal[end][a] =
+                    n[0] * s->inverse[0][a] + n[1] * s->inverse[1][a] + n[2] * s->inverse[2][a];
+        }
+    return count;
+}
+
+static int pieces_of(const solid *s, const ray *r, piece out[2]) {
+    if (s->is_cone) return cone_piece(r, &s->shape, out);
+    if (s->glyph == ISO_GLYPH_SPHERE) return sphere_piece(r, s->shape.center, s->shape.radius, out);
+    return solid_pieces(s, r, out);
+}
+
 iso_shapes_hit iso_shapes_truth_ray(const iso_shapes_truth *truth, double px, double py) {
     const ray r = ray_of(truth->view, px, py);
     iso_shapes_hit hit = {.behind = INFINITY};
     for (size_t i = 0; i < truth->count; i++) {
         const solid *s = &truth->solids[i];
-        piece p;
+        piece p[2];
         if (passes(&r, s)) continue;
-        const bool met = s->is_cone ? cone_piece(&r, &s->shape, &p)
-                                    : sphere_piece(&r, s->shape.center, s->shape.radius, &p);
-        if (!met || !take(truth->view, &p, &hit)) continue;
-        hit.size = (double)s->size;
-        hit.shape = s->number;
+        const int count = pieces_of(s, &r, p);
+        for (int k = 0; k < count; k++)
+            if (take(truth->view, &p[k], &hit)) {
+                hit.size = (double)s->size;
+                hit.shape = s->number;
+            }
     }
     return hit;
 }

@@ -9,7 +9,7 @@
 #include "check_support.h"
 #include "scene_support.h"
 
-enum { SIDE = 72 };
+enum { SIDE = 60 };
 
 iso_view test_shapes_view(iso_vec3 origin, iso_vec3 away, double height, bool parallel) {
     const iso_camera camera = {.position = iso_vec3_add(origin, away),

@@ -41,7 +41,7 @@ static void open_bin(iso_shapes_bin *bin) {
 /* Makes room for all shapes of a block. */
 static iso_status reserve(iso_shapes_bin *bin) {
     const size_t shapes = ISO_SHAPES_BLOCK;
-    const size_t record = iso_shapes_record_floats(bin->frame->shapes) * sizeof(float),
+    const size_t record = (size_t)iso_shapes_record_floats(bin->frame->shapes->kind) * sizeof(float),
                  kept = bin->record_count * record, near = bin->near_count * sizeof(iso_near_shape);
     ISO_TRY(iso_buffer_reserve(&bin->records, kept + shapes * record, kept, NULL));
     return iso_buffer_reserve(&bin->near, near + shapes * sizeof(iso_near_shape), near, NULL);
@@ -80,6 +80,7 @@ static iso_status draw_bins(shapes_draw *draw, iso_shapes_drawn *drawn, iso_erro
     for (int i = 0; i < workers; i++) {
         iso_shapes_bin *bin = &draw->bins[i];
         bin->frame = frame;
+        bin->kernel = draw->kernel;
         bin->records = bin->near = (iso_buffer){0};
         bin->drawn = (iso_shapes_drawn){0};
         bin->status = ISO_OK;

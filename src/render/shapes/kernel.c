@@ -1,5 +1,5 @@
 /* kernel: patches of pixels for each instruction set, and the kernel's body once for each. */
-#include "render/shapes/kernel.h"
+#include "render/shapes/solid.h"
 
 /* A patch is a vector of pixels: one row of them, or two rows of eight where vectors have sixteen lanes. For
  * each level: its width and height; the places of its pixels' centres; loading depths; and storing depth and

@@ -54,12 +54,19 @@ enum {
     ISO_FIELD_COSINE2,
     ISO_FIELD_CONE, /* radius * slope - sine * k * RAY_A */
     ISO_TUBE_FIELDS,
+    /* Solids: what the inverse of the glyph's map makes of the picture's x and y axes and of the centre's ray
+     */
+    ISO_FIELD_UNIT_X = ISO_FIELD_Z + 1,
+    ISO_FIELD_UNIT_Y = ISO_FIELD_UNIT_X + 3,
+    ISO_FIELD_UNIT_RAY = ISO_FIELD_UNIT_Y + 3,
+    ISO_SOLID_FIELDS = ISO_FIELD_UNIT_RAY + 3,
     ISO_SHAPES_FIELDS = ISO_TUBE_FIELDS /* the most */
 };
 enum {
     ISO_RECORD_HEAD = 4,
     ISO_SPHERE_RECORD = ISO_RECORD_HEAD + ISO_SPHERE_FIELDS,
-    ISO_TUBE_RECORD = ISO_RECORD_HEAD + ISO_TUBE_FIELDS
+    ISO_TUBE_RECORD = ISO_RECORD_HEAD + ISO_TUBE_FIELDS,
+    ISO_SOLID_RECORD = ISO_RECORD_HEAD + ISO_SOLID_FIELDS
 };
 
 /* Flags of tubes. */
@@ -83,6 +90,7 @@ typedef struct iso_shapes_chunk {
 /* The memory of one worker, and the bin that it draws. */
 typedef struct iso_shapes_bin {
     const iso_shapes_frame *frame;
+    const struct iso_shapes_kernel *kernel;
     iso_shapes_rect rect;
     float depth[ISO_SHAPES_PIXELS];    /* -INFINITY outside the bin: nothing is drawn there */
     int32_t record[ISO_SHAPES_PIXELS]; /* number of a record; ISO_SHAPES_NONE; or -2 - number in `near` */
@@ -109,8 +117,10 @@ typedef struct iso_shapes_kernel {
 const iso_shapes_kernel *iso_shapes_kernel_get(iso_cpu_level level);
 
 /* Floats of a record. */
-static inline size_t iso_shapes_record_floats(const iso_shapes *shapes) {
-    return shapes->kind == ISO_SHAPE_TUBE ? ISO_TUBE_RECORD : ISO_SPHERE_RECORD;
+static inline int iso_shapes_record_floats(iso_shape_kind kind) {
+    return kind == ISO_SHAPE_TUBE    ? ISO_TUBE_RECORD
+           : kind == ISO_SHAPE_SOLID ? ISO_SOLID_RECORD
+                                     : ISO_SPHERE_RECORD;
 }
 
 /* The index of a pixel of the bin in `depth` and `record`. */

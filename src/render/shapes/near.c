@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-#include "render/shapes/kernel.h"
+#include "render/shapes/solid.h"
 
 /* A ray: origin + t * direction, t the depth. */
 typedef struct ray {
@@ -114,16 +114,129 @@ static bool meet_tube(const ray *r, const iso_near_shape *s, piece *p) {
     return p->t[0] <= p->t[1];
 }
 
+/* ---- solids, in the coordinates of the unit solid */
+
+/* Keeps the part of the piece where low <= coordinate <= high. */
+static void meet_slab(const ray *r, int axis, double low, double high, piece *p) {
+    const double d = r->direction[axis], o = r->origin[axis];
+    if (d == 0) {
+        if (o < low || o > high) p->t[1] = -INFINITY;
+        return;
+    }
+    for (int end = 0; end < 2; end++) {
+        const double t = ((end ? d > 0 : d < 0) ? high - o : low - o) / d;
+        if (end ? !(t < p->t[1]) : !(t > p->t[0])) continue;
+        p->t[end] = t;
+        for (int a = 0; a < 3; a++) p->normal[end][a] = 0;
+        p->normal[end][axis] = (end ? d > 0 : d < 0) ? 1 : -1;
+    }
+}
+
+/* Keeps the part of the piece where x^2 + y^2 + round z^2 <= (radius + slant z)^2 and the right side's root
+ * is not negative. */
+static void meet_quadric(const ray *r, double round, double radius, double slant, piece *p) {
+    const double *o = r->origin, *d = r->direction, w = radius + slant * o[2], dw = slant * d[2];
+    const double a = d[0] * d[0] + d[1] * d[1] + round * d[2] * d[2] - dw * dw,
+                 b = o[0] * d[0] + o[1] * d[1] + round * o[2] * d[2] - w * dw,
+                 c = o[0] * o[0] + o[1] * o[1] + round * o[2] * o[2] - w * w, discriminant = b * b - a * c;
+    if (a == 0 && b == 0 && c <= 0) return; /* along a cylinder */
+    if (!(discriminant >= 0)) {
+        p->t[1] = -INFINITY;
+        return;
+    }
+    const double q = -(b + copysign(sqrt(discriminant), b)), x = q / a, y = c / q;
+    double roots[2] = {fmin(x, y), fmax(x, y)};
+    if (a < 0) { /* the ray passes through the cone's wide end */
+        const bool widens = dw > 0;
+        roots[0] = widens ? roots[1] : -INFINITY;
+        roots[1] = widens ? INFINITY : fmin(x, y);
+    }
+    for (int end = 0; end < 2; end++) {
+        if (end ? !(roots[1] < p->t[1]) : !(roots[0] > p->t[0])) continue;
+        const double t = p->t[end] = roots[end], z = o[2] + t * d[2];
+        for (int k = 0; k < 2; k++) p->normal[end][k] = o[k] + t * d[k];
+        p->normal[end][2] = round * z - slant * (radius + slant * z);
+    }
+}
+
+static piece whole_ray(void) {
+    return (piece){.t = {-INFINITY, INFINITY}};
+}
+
+static piece meet_cone_from(const ray *r, double base) {
+    piece p = whole_ray();
+    meet_quadric(r, 0, 1 / (1 - base), -1 / (1 - base), &p);
+    meet_slab(r, 2, base, 1, &p);
+    return p;
+}
+
+static piece meet_cylinder(const ray *r, double radius, double low, double high) {
+    piece p = whole_ray();
+    meet_quadric(r, 0, radius, 0, &p);
+    meet_slab(r, 2, low, high, &p);
+    return p;
+}
+
+/* The first piece behind the near plane of an arrow: head and shaft touch, so that a piece may continue in
+ * the other. */
+static piece meet_arrow(const ray *r, double near) {
+    piece a = meet_cylinder(r, ISO_ARROW_SHAFT, -1, ISO_ARROW_NECK), b = meet_cone_from(r, ISO_ARROW_NECK);
+    if (!(a.t[0] <= a.t[1])) return b;
+    if (!(b.t[0] <= b.t[1])) return a;
+    if (b.t[0] < a.t[0]) {
+        const piece first = b;
+        b = a;
+        a = first;
+    }
+    if (a.t[1] < b.t[0] - 1e-9 * fabs(b.t[0])) return a.t[1] >= near ? a : b;
+    if (b.t[1] > a.t[1]) {
+        a.t[1] = b.t[1];
+        for (int k = 0; k < 3; k++) a.normal[1][k] = b.normal[1][k];
+    }
+    return a;
+}
+
+static piece meet_unit(iso_glyph glyph, const ray *r, double near) {
+    piece p = whole_ray();
+    if (glyph == ISO_GLYPH_CONE) return meet_cone_from(r, -1);
+    if (glyph == ISO_GLYPH_CYLINDER) return meet_cylinder(r, 1, -1, 1);
+    if (glyph == ISO_GLYPH_ARROW) return meet_arrow(r, near);
+    if (glyph == ISO_GLYPH_ELLIPSOID) meet_quadric(r, 1, 1, 0, &p);
+    if (glyph == ISO_GLYPH_DISC) return meet_cylinder(r, 1, 0, 0);
+    for (int axis = 0; axis < 3 && glyph == ISO_GLYPH_BOX; axis++) meet_slab(r, axis, -1, 1, &p);
+    return p;
+}
+
+/* The ray is taken from the point nearest to the solid's centre. */
+static void meet_solid(const iso_shapes_frame *frame, const iso_near_shape *s, const ray *r, piece *p) {
+    double to[3], from[3];
+    for (int a = 0; a < 3; a++) to[a] = s->end[0][a] - r->origin[a];
+    const double shift = dot(to, r->direction) / dot(r->direction, r->direction);
+    for (int a = 0; a < 3; a++) from[a] = shift * r->direction[a] - to[a];
+    ray unit;
+    for (int i = 0; i < 3; i++) {
+        unit.origin[i] = dot(s->inverse[i], from);
+        unit.direction[i] = dot(s->inverse[i], r->direction);
+    }
+    *p = meet_unit(frame->shapes->glyph, &unit, frame->near - shift);
+    for (int end = 0; end < 2; end++) {
+        double n[3] = {0};
+        p->t[end] += shift;
+        for (int i = 0; i < 3; i++)
+            for (int a = 0; a < 3; a++) n[a] += s->inverse[i][a] * p->normal[end][i];
+        const double length = sqrt(dot(n, n));
+        for (int a = 0; a < 3; a++) p->normal[end][a] = n[a] / length;
+    }
+}
+
 /* Where the ray meets the shape; *end: which of the piece's ends is the first at or behind the near plane. */
 static bool meet(const iso_shapes_frame *frame, const iso_near_shape *shape, const ray *r, piece *p,
                  int *end) {
     p->t[0] = INFINITY;
     p->t[1] = -INFINITY;
-    if (shape->tube) {
-        if (!meet_tube(r, shape, p)) return false;
-    } else {
-        meet_sphere(r, shape->end[0], shape->radius[0], 0, p);
-    }
+    if (shape->kind == ISO_SHAPE_SOLID) meet_solid(frame, shape, r, p);
+    if (shape->kind == ISO_SHAPE_SPHERE) meet_sphere(r, shape->end[0], shape->radius[0], 0, p);
+    if (shape->kind == ISO_SHAPE_TUBE && !meet_tube(r, shape, p)) return false;
     *end = !(p->t[0] >= frame->near);
     return p->t[0] <= p->t[1] && p->t[*end] >= frame->near;
 }
@@ -158,7 +271,7 @@ iso_near_shape iso_near_sphere(const iso_shapes_frame *frame, const double centr
 }
 
 iso_near_shape iso_near_tube(const iso_shapes_frame *frame, uint32_t id, int flags) {
-    iso_near_shape shape = {.id = id, .flags = flags, .tube = true};
+    iso_near_shape shape = {.id = id, .flags = flags, .kind = ISO_SHAPE_TUBE};
     double front = INFINITY;
     for (int end = 0; end < 2; end++) {
         const float *v = frame->shapes->vertices[id + (uint32_t)end];

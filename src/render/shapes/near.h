@@ -5,13 +5,14 @@
 
 #include "render/shapes/frame.h"
 
-/* A sphere (both ends are equal) or a rounded cone. */
+/* A sphere (both ends are equal), a rounded cone, or a solid with its centre at the first end. */
 typedef struct iso_near_shape {
     double end[2][3], radius[2]; /* view space */
+    double inverse[3][3];        /* of a solid's map: rows */
     double nearest;              /* no visible sample is nearer */
     uint32_t id;
     int flags; /* ISO_TUBE_... */
-    bool tube;
+    iso_shape_kind kind;
 } iso_near_shape;
 
 struct iso_shapes_bin;

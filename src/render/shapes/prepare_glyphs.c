@@ -5,15 +5,19 @@
 #include "base/memory.h"
 #include "base/simd.h"
 #include "render/shapes/prepare.h"
+#include "render/shapes/solid.h"
 
 enum {
     WANTED = 128,             /* glyphs of a block, on average */
     SLACK = 2 * ISO_LANES_MAX /* values that can be read past the end of each array */
 };
 
+static const double MOST_REACH = 1e30; /* mm: squares of it are finite */
+
 static bool is_drawable(const iso_shapes *shapes, const iso_glyphs *glyphs, uint32_t id) {
-    const float *p = glyphs->positions[id], radius = iso_shapes_radius(shapes, id);
-    return isfinite(p[0]) && isfinite(p[1]) && isfinite(p[2]) && radius > 0 && isfinite(radius);
+    const float *p = glyphs->positions[id];
+    const double reach = iso_solid_reach(shapes, id);
+    return isfinite(p[0]) && isfinite(p[1]) && isfinite(p[2]) && reach > 0 && reach < MOST_REACH;
 }
 
 /* Keeps the numbers of glyphs that can be drawn. */
@@ -29,9 +33,10 @@ static void fill_block(iso_shapes *shapes, const iso_glyphs *glyphs, iso_shapes_
     const uint32_t end = block->first + block->count;
     iso_box box = iso_box_empty();
     for (uint32_t i = block->first; i < end; i++) {
-        const float *p = glyphs->positions[shapes->id[i]], radius = iso_shapes_radius(shapes, shapes->id[i]);
+        const float *p = glyphs->positions[shapes->id[i]];
+        const float reach = (float)(iso_solid_reach(shapes, shapes->id[i]) * (1 + 1e-6));
         iso_box_add(&box, iso_vec3_make((double)p[0], (double)p[1], (double)p[2]));
-        if (radius > block->reach) block->reach = radius;
+        if (reach > block->reach) block->reach = reach;
     }
     iso_shapes_set_box(shapes, block, &box);
     for (uint32_t i = block->first; i < end; i++) {
@@ -70,10 +75,18 @@ static iso_status sort_glyphs(iso_shapes *shapes, const iso_glyphs *glyphs, iso_
 
 static iso_status check(const iso_glyphs *glyphs, const iso_shapes_opts *opts, iso_error *error) {
     ISO_TRY(iso_shapes_check(opts, error));
-    if (opts->glyph != ISO_GLYPH_SPHERE)
-        return iso_fail(error, ISO_ERR_UNSUPPORTED, "only spheres are drawn as glyphs");
-    if (!glyphs->radii && !(opts->radius > 0))
+    const iso_glyph glyph = opts->glyph;
+    const bool axes = glyph == ISO_GLYPH_ELLIPSOID || glyph == ISO_GLYPH_BOX,
+               sized = glyphs->radii || opts->radius > 0;
+    if (glyph < 0 || glyph >= ISO_GLYPH_COUNT)
+        return iso_fail(error, ISO_ERR_USAGE, "unknown glyph %d", (int)glyph);
+    if ((glyph == ISO_GLYPH_SPHERE || glyph == ISO_GLYPH_DISC) && !sized)
         return iso_fail(error, ISO_ERR_USAGE, "the glyphs have no radii, and no radius is given");
+    if (axes && !glyphs->axes && !sized)
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "the glyphs have neither axes nor radii, and no radius is given");
+    if (!axes && glyph != ISO_GLYPH_SPHERE && !glyphs->directions)
+        return iso_fail(error, ISO_ERR_USAGE, "the glyphs have no directions");
     if (glyphs->count >= (size_t)1 << 31)
         return iso_fail(error, ISO_ERR_LIMIT, "%zu glyphs; 2^31 - 1 at most", glyphs->count);
     return ISO_OK;
@@ -84,8 +97,11 @@ iso_status iso_shapes_from_glyphs(const iso_glyphs *glyphs, const iso_shapes_opt
     ISO_TRY(check(glyphs, opts, error));
     iso_shapes *made = iso_shapes_make(opts, glyphs->origin);
     if (!made) return iso_fail_memory(error, "shapes");
-    made->kind = ISO_SHAPE_SPHERE;
+    made->kind = opts->glyph == ISO_GLYPH_SPHERE ? ISO_SHAPE_SPHERE : ISO_SHAPE_SOLID;
+    made->glyph = opts->glyph;
     made->radii = glyphs->radii;
+    made->directions = (const float(*)[3])glyphs->directions;
+    made->axes = (const float(*)[9])glyphs->axes;
     made->colors = (const uint8_t(*)[3])glyphs->colors;
     iso_shapes_sort sort = {0};
     const iso_status status = sort_glyphs(made, glyphs, &sort, error);

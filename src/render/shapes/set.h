@@ -17,7 +17,7 @@ enum {
     ISO_SHAPES_RUN = 8      /* the most segments of a run */
 };
 
-typedef enum iso_shape_kind { ISO_SHAPE_SPHERE, ISO_SHAPE_TUBE } iso_shape_kind;
+typedef enum iso_shape_kind { ISO_SHAPE_SPHERE, ISO_SHAPE_TUBE, ISO_SHAPE_SOLID } iso_shape_kind;
 
 /* Consecutive segments of a line: vertices first .. first + length. */
 typedef struct iso_shapes_runs {
@@ -29,6 +29,7 @@ enum { ISO_RUN_STARTS = 1, ISO_RUN_ENDS = 2 };
 
 struct iso_shapes {
     iso_shape_kind kind;
+    iso_glyph glyph; /* of solids */
     double radius, scale, min_pixels;
     iso_caps caps;
     iso_vec3 origin; /* world; everything is relative to it */
@@ -44,6 +45,7 @@ struct iso_shapes {
     iso_shapes_runs runs;
     /* Borrowed, by the number of the glyph or vertex; NULL: none. */
     const float *radii;
+    const float (*directions)[3], (*axes)[9];
     const uint8_t (*colors)[3];
 };
 

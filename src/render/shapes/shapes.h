@@ -36,10 +36,17 @@ typedef struct iso_shapes_opts {
 typedef struct iso_shapes iso_shapes;
 
 /* Prepares glyphs. The arrays of `glyphs` but for the positions are borrowed until iso_shapes_destroy. Takes
- * 16 bytes a glyph and 48 a block of some 128 glyphs. Glyphs whose position is not finite, or whose size is
- * not a finite number above 0, are left out (iso_shapes_stats counts them). Errors: ISO_ERR_USAGE when
- * neither the set nor the options have the size or direction that the solid needs, or a number of the options
- * is out of range; ISO_ERR_LIMIT when there are 2^31 glyphs or more; ISO_ERR_NOMEM. */
+ * 16 bytes a glyph and 36 a block of some 128 glyphs.
+ *
+ * Sizes: cones, cylinders and arrows are as long as their direction; their radius (of an arrow: its head's)
+ * is the glyph's, or the options', or a third (cones) or a tenth of the length. Discs are perpendicular to
+ * their direction. Ellipsoids and boxes have the glyph's half axes, each at least 1e-4 of the longest, or the
+ * radius in all directions. Glyphs are left out when a number is not finite, a size is 0 or negative, a
+ * direction is 0 or axes lie in one plane (iso_shapes_stats counts them).
+ *
+ * Errors: ISO_ERR_USAGE when neither the set nor the options have the size or direction that the solid needs,
+ * or a number of the options is out of range; ISO_ERR_LIMIT when there are 2^31 glyphs or more;
+ * ISO_ERR_NOMEM. */
 iso_status iso_shapes_from_glyphs(const iso_glyphs *glyphs, const iso_shapes_opts *opts, iso_shapes **shapes,
                                   iso_error *error);
 /* Prepares lines as tubes. The colours of `lines` are borrowed until iso_shapes_destroy; vertices are copied.

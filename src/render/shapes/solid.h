@@ -1,0 +1,23 @@
+/* solid: glyphs other than spheres: what a glyph's numbers mean, and its place in a picture. Internal to
+ * shapes.
+ *
+ * Every such glyph is the image of a unit solid under an affine map. In the unit solid's coordinates: the
+ * ellipsoid is |p| <= 1; the box |x|, |y|, |z| <= 1; the cylinder x^2 + y^2 <= 1, |z| <= 1; the cone has its
+ * base, of radius 1, at z = -1 and its apex at z = 1; the arrow is a cylinder and a cone; the disc is
+ * x^2 + y^2 <= 1, z = 0. */
+#ifndef ISO_RENDER_SHAPES_SOLID_H
+#define ISO_RENDER_SHAPES_SOLID_H
+
+#include "render/shapes/kernel.h"
+
+/* The arrow's shaft ends and its head begins at this z; the shaft's radius. As vtkArrowSource has them. */
+#define ISO_ARROW_NECK 0.3
+#define ISO_ARROW_SHAFT 0.3
+
+/* How far a glyph reaches from its position, mm, or 0 when it cannot be drawn. For spheres: the radius. */
+double iso_solid_reach(const iso_shapes *shapes, uint32_t id);
+
+/* Adds a glyph to the bin's chunk, or draws it in double precision. `place`: in the order of blocks. */
+void iso_solid_add(iso_shapes_bin *bin, const iso_shapes_block *block, uint32_t place);
+
+#endif
