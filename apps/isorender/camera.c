@@ -2,6 +2,7 @@
 #include <math.h>
 
 #include "apps/isorender/isorender.h"
+#include "methods/bounds.h"
 
 static bool is_given(const double v[3]) {
     return !isnan(v[0]);
@@ -16,16 +17,6 @@ static double degrees_between_frames(const isorender_settings *settings) {
 }
 
 /* ---- framing */
-
-/* Adds the corners of an object's world box, in the space of three world vectors. */
-static void add_object(const isorender_object *object, const iso_vec3 vectors[3], iso_box *box) {
-    const iso_box world = object->bounds;
-    for (int corner = 0; corner < 8 && !iso_box_is_empty(&world); corner++) {
-        const iso_vec3 p = iso_box_corner(&world, corner);
-        iso_box_add(box, iso_vec3_make(iso_vec3_dot(vectors[0], p), iso_vec3_dot(vectors[1], p),
-                                       iso_vec3_dot(vectors[2], p)));
-    }
-}
 
 /* The box of surfaces and objects in the space of three world vectors: iso_fit.bounds. */
 static iso_box bounds_along(void *context, const iso_vec3 vectors[3]) {
@@ -42,7 +33,10 @@ static iso_box bounds_along(void *context, const iso_vec3 vectors[3]) {
         along.origin[row] = v.x * world.origin[0] + v.y * world.origin[1] + v.z * world.origin[2];
     }
     iso_box box = isorender_bounds(job, &along);
-    for (int i = 0; i < job->object_count; i++) add_object(&job->objects[i], vectors, &box);
+    for (int i = 0; i < job->object_count; i++) {
+        const iso_box object = isorender_object_bounds_along(&job->objects[i], vectors);
+        iso_bounds_add(&box, &object);
+    }
     return box;
 }
 

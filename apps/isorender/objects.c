@@ -181,6 +181,18 @@ iso_status isorender_object_prepare(isorender_object *object, double line_min_pi
                     has_lines(object) ? "line has one vertex, or radii of 0" : "size is 0");
 }
 
+iso_box isorender_object_bounds_along(const isorender_object *object, const iso_vec3 vectors[3]) {
+    iso_box box = iso_box_empty();
+    if (object->settings->kind != ISORENDER_MESH) return iso_shapes_bounds_along(object->shapes, vectors);
+    for (size_t i = 0; i < object->mesh.vertex_count; i++) {
+        const float *v = object->mesh.vertices[i];
+        const iso_vec3 p = iso_vec3_make((double)v[0], (double)v[1], (double)v[2]);
+        iso_box_add(&box, iso_vec3_make(iso_vec3_dot(vectors[0], p), iso_vec3_dot(vectors[1], p),
+                                        iso_vec3_dot(vectors[2], p)));
+    }
+    return box;
+}
+
 iso_status isorender_object_draw(isorender_object *object, const iso_target *target, iso_error *error) {
     if (object->settings->kind != ISORENDER_MESH)
         return iso_draw_shapes(target, object->shapes, &object->drawn, error);

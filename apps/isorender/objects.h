@@ -45,6 +45,9 @@ iso_status isorender_object_prepare(isorender_object *object, double line_min_pi
 
 void isorender_object_free(isorender_object *object);
 
+/* The box of what is drawn in the space of three world vectors: iso_fit.bounds. */
+iso_box isorender_object_bounds_along(const isorender_object *object, const iso_vec3 vectors[3]);
+
 /* Draws it, as iso_draw_shapes and iso_draw_mesh do. */
 iso_status isorender_object_draw(isorender_object *object, const iso_target *target, iso_error *error);
 

@@ -94,3 +94,23 @@ iso_shapes_totals iso_shapes_stats(const iso_shapes *shapes) {
 iso_box iso_shapes_bounds(const iso_shapes *shapes) {
     return shapes->bounds;
 }
+
+iso_box iso_shapes_bounds_along(const iso_shapes *shapes, const iso_vec3 vectors[3]) {
+    iso_box all = iso_box_empty();
+    for (size_t b = 0; b < shapes->block_count; b++) {
+        const iso_shapes_block *block = &shapes->blocks[b];
+        const iso_vec3 center =
+            iso_vec3_add(shapes->origin, iso_vec3_make((double)block->origin[0], (double)block->origin[1],
+                                                       (double)block->origin[2]));
+        double middle[3], extent[3];
+        for (int k = 0; k < 3; k++) {
+            const iso_vec3 v = vectors[k];
+            middle[k] = iso_vec3_dot(v, center);
+            extent[k] = fabs(v.x) * (double)block->half[0] + fabs(v.y) * (double)block->half[1] +
+                        fabs(v.z) * (double)block->half[2] + iso_vec3_length(v) * (double)block->reach;
+        }
+        iso_box_add(&all, iso_vec3_make(middle[0] - extent[0], middle[1] - extent[1], middle[2] - extent[2]));
+        iso_box_add(&all, iso_vec3_make(middle[0] + extent[0], middle[1] + extent[1], middle[2] + extent[2]));
+    }
+    return all;
+}
