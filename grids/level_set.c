@@ -1,4 +1,4 @@
-/* Writes level sets to .vdb files through OpenVDB's module, and resizes level sets. */
+/* Writes level sets to .vdb files through OpenVDB's module, creates and resizes level sets. */
 #include "grids/level_set.h"
 
 #include <math.h>
@@ -23,6 +23,26 @@ iso_status iso_level_set_write_vdb(const char *path, const iso_hgrid *grid, cons
     if (status == ISO_OK) return iso_sink_commit(&sink, error);
     iso_sink_abort(&sink);
     return status;
+}
+
+iso_status iso_level_set_around(const char *path, const iso_box *box, const iso_sampling *sampling,
+                                iso_hgrid **grid, iso_error *error) {
+    const double lo[3] = {box->lo.x, box->lo.y, box->lo.z}, hi[3] = {box->hi.x, box->hi.y, box->hi.z};
+    iso_transform transform = iso_transform_identity();
+    int dims[3];
+    if (!(sampling->voxel > 0) || !isfinite(sampling->voxel))
+        return iso_fail(error, ISO_ERR_USAGE, "%s: voxels of %g mm", path, sampling->voxel);
+    for (int axis = 0; axis < 3; axis++) {
+        const double voxels = ceil((hi[axis] - lo[axis]) / sampling->voxel) + 1 + 2.0 * sampling->margin;
+        const double whole = ceil(voxels / ISO_BRICK) * ISO_BRICK;
+        if (!(whole <= ISO_HGRID_MAX))
+            return iso_fail(error, ISO_ERR_LIMIT, "%s: %g voxels of %g mm along %c, at most %d", path, whole,
+                            sampling->voxel, "xyz"[axis], ISO_HGRID_MAX);
+        dims[axis] = (int)whole;
+        transform.spacing[axis] = sampling->voxel;
+        transform.origin[axis] = (lo[axis] + hi[axis] - (whole - 1) * sampling->voxel) / 2;
+    }
+    return iso_hgrid_create(dims, 0, &transform, grid, error);
 }
 
 /* Reads the values of a cell of the result, which begins at voxel `first` of `from`. Returns whether the cell

@@ -1,7 +1,10 @@
-/* level_set: converts meshes and grids to level sets, resizes level sets, and writes them to .vdb files. */
+/* level_set: converts meshes, lines and grids to level sets, resizes level sets, and writes them to .vdb
+ * files.
+ */
 #ifndef ISO_GRIDS_LEVEL_SET_H
 #define ISO_GRIDS_LEVEL_SET_H
 
+#include "base/lines.h"
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "grids/closing/closed_mesh.h"
@@ -19,14 +22,19 @@ extern "C" {
 iso_status iso_level_set_write_vdb(const char *path, const iso_hgrid *grid, const char *name,
                                    const iso_progress *progress, iso_error *error);
 
-/* The grid that a mesh is sampled in: whole bricks of cubic voxels along the world's axes, with the mesh's
- * box in the middle and at least `margin` voxels around it. */
-typedef struct iso_mesh_sampling {
+/* The grid that a mesh or lines are sampled in: whole bricks of cubic voxels along the world's axes, with
+ * their box in the middle and at least `margin` voxels around it. */
+typedef struct iso_sampling {
     double voxel;                 /* voxel size, mm */
     int margin;                   /* voxels */
     iso_pool *pool;               /* borrowed; NULL: the calling thread */
     const iso_progress *progress; /* called from any thread; cancelled: ISO_ERR_IO */
-} iso_mesh_sampling;
+} iso_sampling;
+
+/* Creates the empty grid for a box (world). `path` is used in messages. ISO_ERR_USAGE: the voxel size is not
+ * above 0; ISO_ERR_LIMIT: the grid would be too large; ISO_ERR_NOMEM. */
+iso_status iso_level_set_around(const char *path, const iso_box *box, const iso_sampling *sampling,
+                                iso_hgrid **grid, iso_error *error);
 
 /* Converts the solid that a mesh encloses (grids/closing/closed_mesh.h) to a level set with a band of 3
  * voxels. The result does not depend on the number of threads. Each voxel of the band takes a search in the
@@ -36,7 +44,17 @@ typedef struct iso_mesh_sampling {
  * because the voxels are too large for thin parts; ISO_ERR_FORMAT: the two differ by more than the voxel size
  * explains; ISO_ERR_LIMIT: the grid would be too large; ISO_ERR_NOMEM. */
 iso_status iso_level_set_from_mesh(const char *path, const iso_closed_mesh *mesh,
-                                   const iso_mesh_sampling *sampling, iso_hgrid **grid, iso_error *error);
+                                   const iso_sampling *sampling, iso_hgrid **grid, iso_error *error);
+
+/* Converts lines to the level set of the tubes around them: rounded cones with the radii of the vertices, or
+ * `radius` mm where the lines have none, but with at least ISO_TUBE_VOXELS voxels, so that no tube is lost
+ * between voxels; *widened (NULL is fine) gets the number of vertices with smaller ones. Where tubes overlap,
+ * distances inside them are too small: iso_field_redistance makes them right. ISO_ERR_EMPTY: there is no
+ * usable vertex; errors of iso_level_set_around; ISO_ERR_IO: cancelled. */
+#define ISO_TUBE_VOXELS 1.0
+iso_status iso_level_set_from_lines(const char *path, const iso_lines *lines, double radius,
+                                    const iso_sampling *sampling, iso_hgrid **grid, size_t *widened,
+                                    iso_error *error);
 
 /* How a grid is converted to a level set. */
 typedef struct iso_resampling {

@@ -74,25 +74,6 @@ static void voxel_at(const conversion *c, size_t cell, int voxel, int at[3]) {
 
 /* ---- the grid */
 
-static iso_status create_grid(const char *path, const iso_closed_mesh *mesh,
-                              const iso_mesh_sampling *sampling, iso_hgrid **grid, iso_error *error) {
-    const iso_box box = iso_closed_mesh_box(mesh);
-    const double lo[3] = {box.lo.x, box.lo.y, box.lo.z}, hi[3] = {box.hi.x, box.hi.y, box.hi.z};
-    iso_transform transform = iso_transform_identity();
-    int dims[3];
-    for (int axis = 0; axis < 3; axis++) {
-        const double voxels = ceil((hi[axis] - lo[axis]) / sampling->voxel) + 1 + 2.0 * sampling->margin;
-        const double whole = ceil(voxels / ISO_BRICK) * ISO_BRICK;
-        if (!(whole <= ISO_HGRID_MAX))
-            return iso_fail(error, ISO_ERR_LIMIT, "%s: %g voxels of %g mm along %c, at most %d", path, whole,
-                            sampling->voxel, "xyz"[axis], ISO_HGRID_MAX);
-        dims[axis] = (int)whole;
-        transform.spacing[axis] = sampling->voxel;
-        transform.origin[axis] = (lo[axis] + hi[axis] - (whole - 1) * sampling->voxel) / 2;
-    }
-    return iso_hgrid_create(dims, 0, &transform, grid, error);
-}
-
 /* Returns the distance from p to the mesh in voxels, at most `most`. nearest: a guess of the nearest place on
  * the mesh, replaced by that place. */
 static double distance_at(const conversion *c, iso_vec3 p, double most, iso_nearest *nearest) {
@@ -408,7 +389,7 @@ static iso_status allocate(conversion *c, iso_error *error) {
     return c->label && c->sums ? ISO_OK : iso_fail_memory(error, c->path);
 }
 
-static iso_status compute_field(conversion *c, const iso_mesh_sampling *sampling, iso_error *error) {
+static iso_status compute_field(conversion *c, const iso_sampling *sampling, iso_error *error) {
     const iso_progress *whole = sampling->progress;
     c->progress = iso_progress_part(whole, 0, 0.1);
     iso_parallel_for(sampling->pool, c->cells, find_near_cell, c);
@@ -431,7 +412,7 @@ static iso_status compute_field(conversion *c, const iso_mesh_sampling *sampling
     return iso_progress_tell(&c->progress, c->path, 1, error);
 }
 
-static iso_status convert_mesh(conversion *c, const iso_mesh_sampling *sampling, iso_error *error) {
+static iso_status convert_mesh(conversion *c, const iso_sampling *sampling, iso_error *error) {
     c->cells = (size_t)c->grid->cells[0] * (size_t)c->grid->cells[1] * (size_t)c->grid->cells[2];
     c->near = iso_alloc_zero(c->cells, sizeof *c->near);
     c->first = iso_alloc_zero(c->cells + 1, sizeof *c->first);
@@ -448,11 +429,10 @@ static iso_status convert_mesh(conversion *c, const iso_mesh_sampling *sampling,
 }
 
 iso_status iso_level_set_from_mesh(const char *path, const iso_closed_mesh *mesh,
-                                   const iso_mesh_sampling *sampling, iso_hgrid **grid, iso_error *error) {
+                                   const iso_sampling *sampling, iso_hgrid **grid, iso_error *error) {
     conversion c = {.path = path, .mesh = mesh, .voxel = sampling->voxel};
-    if (!(sampling->voxel > 0) || !isfinite(sampling->voxel))
-        return iso_fail(error, ISO_ERR_USAGE, "%s: voxels of %g mm", path, sampling->voxel);
-    ISO_TRY(create_grid(path, mesh, sampling, &c.grid, error));
+    const iso_box box = iso_closed_mesh_box(mesh);
+    ISO_TRY(iso_level_set_around(path, &box, sampling, &c.grid, error));
     iso_status status = convert_mesh(&c, sampling, error);
     if (status == ISO_OK)
         *grid = c.grid;

@@ -69,33 +69,12 @@ static iso_status set_radii(isorender_object *object, iso_error *error) {
     return ISO_OK;
 }
 
-static double diagonal(const iso_box *box) {
-    return iso_vec3_length(iso_vec3_sub(box->hi, box->lo));
-}
-
-/* The radius of lines without radii: half the mean length of a segment, so that every bend is seen, but not
- * more than a 300th of the whole. */
-static double usual_tube_radius(const iso_lines *lines) {
-    double length = 0;
-    for (size_t line = 0; line < lines->line_count; line++)
-        for (size_t i = lines->starts[line] + 1; i < lines->starts[line + 1]; i++) {
-            const float *a = lines->vertices[i - 1], *b = lines->vertices[i];
-            const double d[3] = {(double)b[0] - (double)a[0], (double)b[1] - (double)a[1],
-                                 (double)b[2] - (double)a[2]};
-            length += sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
-        }
-    const iso_box box = iso_lines_bounds(lines);
-    const size_t segments = iso_lines_segment_count(lines);
-    const double half = segments ? length / (double)segments / 2 : 0, most = diagonal(&box) / 300;
-    const double radius = fmin(half, most);
-    return radius > 0 ? radius : 1; /* a single point, of no size */
-}
-
 /* The radius of glyphs without sizes: a seventh of their mean distance if they fill their box evenly, but not
  * more than a 150th of the whole. */
 static double usual_glyph_radius(const iso_glyphs *glyphs) {
     const iso_box box = iso_glyphs_bounds(glyphs);
-    const double size = diagonal(&box), radius = fmin(size / cbrt((double)glyphs->count) / 7, size / 150);
+    const double size = iso_vec3_length(iso_vec3_sub(box.hi, box.lo)),
+                 radius = fmin(size / cbrt((double)glyphs->count) / 7, size / 150);
     return radius > 0 ? radius : 1;
 }
 
@@ -149,7 +128,7 @@ iso_status isorender_object_read(isorender_object *object, const isorender_objec
 
 static iso_status prepare_lines(isorender_object *object, double line_min_pixels, iso_error *error) {
     const double given = object->settings->radius;
-    const iso_shapes_opts opts = {.radius = isnan(given) ? usual_tube_radius(&object->lines) : given,
+    const iso_shapes_opts opts = {.radius = isnan(given) ? iso_lines_usual_radius(&object->lines) : given,
                                   .min_pixels = line_min_pixels,
                                   .caps = object->settings->caps};
     return iso_shapes_from_lines(&object->lines, &opts, &object->shapes, error);

@@ -41,7 +41,9 @@ static const iso_option options[] = {
     {"recover", NULL, NULL, "continue the last session that was not closed", .group = SESSION,
      .kind = ISO_OPTION_FLAG, AT(recover)},
     {"replay", NULL, "FILE", "play a stroke file", .group = SESSION, .kind = ISO_OPTION_TEXT, AT(replay)},
-    {"open", NULL, "FILE", "begin with a level set (.vdb), a mesh (.stl, .obj, .ply) or a volume",
+    {"open", NULL, "FILE",
+     "begin with a level set (.vdb), a mesh (.stl, .obj, .ply), lines as tubes (.swc, .tck, .trk) or a "
+     "volume",
      .group = SESSION, .kind = ISO_OPTION_TEXT, AT(open)},
     {"isovalue", NULL, "V",
      "of the volume that is opened (of a level set: mm from its surface); a window can change it",

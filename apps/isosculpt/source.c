@@ -17,12 +17,13 @@
 #include "grids/level_set.h"
 #include "grids/volume/format.h"
 #include "grids/volume/volume.h"
+#include "io/lines/lines_read.h"
 #include "io/mesh_read.h"
 #include "sculpt/field/field.h"
 #include "sculpt/session/crc32c.h"
 
-/* The longest side of a mesh in voxels, unless the voxel size is given. */
-enum { MESH_VOXELS = 256 };
+/* The longest side of a mesh or of lines in voxels, unless the voxel size is given. */
+enum { LONGEST_VOXELS = 256 };
 
 static const iso_input default_input;
 
@@ -56,17 +57,24 @@ static iso_status compute_checksum(const char *path, const iso_progress *progres
 
 /* ---- meshes */
 
-bool isosculpt_is_mesh(const char *path) {
-    static const char *const suffixes[] = {".stl", ".obj", ".ply"};
+static bool has_suffix(const char *path, const char *const *suffixes) {
     const char *dot = strrchr(path, '.');
-    for (int i = 0; dot && i < 3; i++)
-        if (strcasecmp(dot, suffixes[i]) == 0) return true;
+    for (; dot && *suffixes; suffixes++)
+        if (strcasecmp(dot, *suffixes) == 0) return true;
     return false;
 }
 
-static double longest_side(const iso_closed_mesh *mesh) {
-    const iso_box box = iso_closed_mesh_box(mesh);
-    return fmax(box.hi.x - box.lo.x, fmax(box.hi.y - box.lo.y, box.hi.z - box.lo.z));
+bool isosculpt_is_mesh(const char *path) {
+    static const char *const suffixes[] = {".stl", ".obj", ".ply", NULL};
+    return has_suffix(path, suffixes);
+}
+
+/* The grid for what lies in a box. */
+static iso_sampling sampling_of(const isosculpt_source *source, const iso_box *box,
+                                const iso_progress *progress) {
+    const double longest = fmax(box->hi.x - box->lo.x, fmax(box->hi.y - box->lo.y, box->hi.z - box->lo.z));
+    return (iso_sampling){source->voxel > 0 ? source->voxel : longest / LONGEST_VOXELS, ISO_FIELD_MARGIN,
+                          source->pool, progress};
 }
 
 /* Reads and closes the mesh. */
@@ -88,8 +96,8 @@ static iso_status convert_mesh(const isosculpt_source *source, iso_hgrid **grid,
                        converting = iso_progress_part(source->progress, 0.3, 1);
     iso_closed_mesh *mesh;
     ISO_TRY(read_mesh(source, &reading, &mesh, error));
-    const iso_mesh_sampling frame = {source->voxel > 0 ? source->voxel : longest_side(mesh) / MESH_VOXELS,
-                                     ISO_FIELD_MARGIN, source->pool, &converting};
+    const iso_box box = iso_closed_mesh_box(mesh);
+    const iso_sampling frame = sampling_of(source, &box, &converting);
     iso_status status = iso_level_set_from_mesh(source->path, mesh, &frame, grid, error);
     iso_closed_mesh_destroy(mesh);
     return status;
@@ -262,16 +270,57 @@ static iso_status convert_mesh_parts(const isosculpt_source *source, iso_hgrid *
     return status;
 }
 
+/* ---- lines */
+
+bool isosculpt_is_lines(const char *path) {
+    static const char *const suffixes[] = {".swc", ".tck", ".trk", NULL};
+    return has_suffix(path, suffixes);
+}
+
+/* The tubes around lines; where they overlap, distances in them are not yet right. */
+static iso_status sample_lines(const isosculpt_source *source, const iso_lines *lines, iso_hgrid **grid,
+                               iso_error *error) {
+    const iso_progress sampling = iso_progress_part(source->progress, 0.2, 0.6);
+    const iso_box box = iso_lines_bounds(lines);
+    const iso_sampling frame = sampling_of(source, &box, &sampling);
+    size_t widened;
+    ISO_TRY(iso_level_set_from_lines(source->path, lines, iso_lines_usual_radius(lines), &frame, grid,
+                                     &widened, error));
+    if (source->log_notes && widened)
+        iso_program_log(isosculpt_program(),
+                        "%s: note: tubes at %zu of %zu vertices are widened to the voxel size, %.4g mm",
+                        source->path, widened, lines->vertex_count, frame.voxel);
+    return ISO_OK;
+}
+
+static iso_status convert_lines(const isosculpt_source *source, iso_hgrid **grid, iso_error *error) {
+    const iso_progress finishing = iso_progress_part(source->progress, 0.6, 1);
+    const iso_read_opts opts = {.max_memory = source->input ? source->input->max_memory : 0};
+    iso_lines lines = {.line_count = 0};
+    bool dropped;
+    ISO_TRY(iso_lines_read(source->path, &opts, &lines, error));
+    iso_status status = sample_lines(source, &lines, grid, error);
+    iso_lines_free(&lines);
+    ISO_TRY(status);
+    iso_grid whole = {.hgrid = *grid};
+    status = drop_parts(source, 0, &whole, &dropped, error);
+    if (status == ISO_OK) status = iso_field_redistance(*grid, source->pool, &finishing, error);
+    if (status != ISO_OK) iso_hgrid_destroy(*grid);
+    return status;
+}
+
 /* ---- opening */
 
 /* Converts the file at source->path. With --raw it is a volume, whatever its name. */
 static iso_status convert_file(const isosculpt_source *source, iso_hgrid **grid, iso_error *error) {
     const iso_input *input = source->input ? source->input : &default_input;
-    if (input->has_raw || !isosculpt_is_mesh(source->path)) return convert_volume(source, grid, error);
+    const bool mesh = isosculpt_is_mesh(source->path), lines = isosculpt_is_lines(source->path);
+    if (input->has_raw || (!mesh && !lines)) return convert_volume(source, grid, error);
     const char *option = iso_input_volume_option(input);
     if (option)
-        return iso_fail(error, ISO_ERR_USAGE, "%s: is a mesh: %s needs a volume", source->path, option);
-    return convert_mesh_parts(source, grid, error);
+        return iso_fail(error, ISO_ERR_USAGE, "%s: is a %s: %s needs a volume", source->path,
+                        mesh ? "mesh" : "file of lines", option);
+    return mesh ? convert_mesh_parts(source, grid, error) : convert_lines(source, grid, error);
 }
 
 /* Copies the grid's geometry into the journal's header. */

@@ -41,7 +41,7 @@ void isosculpt_volume_free(isosculpt_volume *volume); /* NULL is fine */
 typedef struct isosculpt_source {
     const char *path;
     double isovalue;              /* physical; NAN: not given, which is allowed for level sets and meshes */
-    double voxel;                 /* mm; 0: the file's smallest spacing, or 1/256 of a mesh's longest side */
+    double voxel;                 /* mm; 0: the file's smallest spacing, or 1/256 of the longest side of a mesh or of lines */
     double close_holes;           /* of an open mesh: iso_closing_opts.hole, mm */
     const iso_input *input;       /* how it is read, borrowed; NULL: default options */
     iso_pool *pool;               /* borrowed */
@@ -56,8 +56,8 @@ typedef struct isosculpt_source {
 
 /* Reads the file, converts it into a field (*grid, the caller's), and fills the journal's header (*start). A
  * level set (.vdb) at its own voxel size is used as it is; a volume is sampled and redistanced; a mesh is
- * closed if it is open (grids/closing/closed_mesh.h), and becomes a distance field. All get 32 voxels of room
- * on every side. Parts of the solid are dropped as `input` (or the volume) says. ISO_ERR_USAGE: a volume
+ * closed if it is open (grids/closing/closed_mesh.h), and becomes a distance field; lines (.tck .trk .swc)
+ * become the solid of the tubes around them. All get 32 voxels of room on every side. Parts of the solid are dropped as `input` (or the volume) says. ISO_ERR_USAGE: a volume
  * without an isovalue; else the readers' errors. */
 iso_status isosculpt_source_open(const isosculpt_source *source, iso_journal_start *start, iso_hgrid **grid,
                                  iso_error *error);
@@ -70,8 +70,9 @@ iso_status isosculpt_source_open(const isosculpt_source *source, iso_journal_sta
 iso_status isosculpt_source_reopen(const char *strokes, const isosculpt_source *how, iso_journal_start *start,
                                    iso_hgrid **grid, iso_error *error);
 
-/* Whether the path has the extension of a mesh. */
+/* Whether the path has the extension of a mesh, or of lines. */
 bool isosculpt_is_mesh(const char *path);
+bool isosculpt_is_lines(const char *path);
 
 /* Reads the mesh at source->path as a stamp; iso_stamp_free when done. Voxel size, isovalue and volume of the
  * source do not count. Errors: those of iso_mesh_read, iso_closed_mesh_create and iso_stamp_from_mesh. */

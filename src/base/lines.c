@@ -44,6 +44,21 @@ size_t iso_lines_segment_count(const iso_lines *lines) {
     return segments;
 }
 
+double iso_lines_usual_radius(const iso_lines *lines) {
+    double length = 0;
+    for (size_t line = 0; line < lines->line_count; line++)
+        for (size_t i = lines->starts[line] + 1; i < lines->starts[line + 1]; i++) {
+            const float *a = lines->vertices[i - 1], *b = lines->vertices[i];
+            length += iso_vec3_length(iso_vec3_make((double)b[0] - (double)a[0], (double)b[1] - (double)a[1],
+                                                    (double)b[2] - (double)a[2]));
+        }
+    const iso_box box = iso_lines_bounds(lines);
+    const size_t segments = iso_lines_segment_count(lines);
+    const double half = segments ? length / (double)segments / 2 : 0,
+                 most = iso_vec3_length(iso_vec3_sub(box.hi, box.lo)) / 300, radius = fmin(half, most);
+    return radius > 0 ? radius : 1; /* a single point, of no size */
+}
+
 void iso_glyphs_free(iso_glyphs *glyphs) {
     iso_free(glyphs->positions);
     iso_free(glyphs->radii);

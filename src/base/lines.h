@@ -42,6 +42,9 @@ void iso_lines_free(iso_lines *lines);
 iso_box iso_lines_bounds(const iso_lines *lines);
 /* Number of segments of all lines. */
 size_t iso_lines_segment_count(const iso_lines *lines);
+/* The radius in mm of tubes along lines without radii: half the mean length of a segment, so that every bend
+ * is seen, but not more than a 300th of the diagonal of the bounds. Above 0. */
+double iso_lines_usual_radius(const iso_lines *lines);
 
 #ifdef __cplusplus
 }

@@ -15,13 +15,15 @@
 
 #define VOLUMES ".nrrd .nhdr .nii .nii.gz .hdr .img .dcm .vti .vtk .mha .mhd"
 #define MESHES ".stl .obj .ply"
+#define LINES ".swc .tck .trk"
 
 const isosculpt_file_type *isosculpt_browser_types(isosculpt_purpose purpose) {
     static const isosculpt_file_type open[] = {{"all that can be opened",
-                                                ".strokes .vdb " MESHES " " VOLUMES},
+                                                ".strokes .vdb " MESHES " " LINES " " VOLUMES},
                                                {"strokes (.strokes)", ".strokes"},
                                                {"level sets (.vdb)", ".vdb"},
                                                {"meshes (" MESHES ")", MESHES},
+                                               {"lines (" LINES ")", LINES},
                                                {"volumes", VOLUMES},
                                                {"all files", ""},
                                                {NULL, NULL}},

@@ -50,7 +50,7 @@ const iso_hgrid *iso_stamp_level(const iso_stamp *stamp, double radius_voxels) {
 
 /* Makes the distance fields of all levels, with transforms in the mesh's millimetres. A level is left out if
  * nothing is inside, because its voxels are too large for thin parts. */
-static iso_status make_levels(const char *path, const iso_closed_mesh *mesh, iso_mesh_sampling sampling,
+static iso_status make_levels(const char *path, const iso_closed_mesh *mesh, iso_sampling sampling,
                               iso_stamp *stamp, iso_error *error) {
     const iso_progress *progress = sampling.progress;
     const double longest = sampling.voxel;
@@ -85,7 +85,7 @@ iso_status iso_stamp_from_mesh(const char *path, const iso_closed_mesh *mesh, is
     const double middle[3] = {0.5 * (box.lo.x + box.hi.x), 0.5 * (box.lo.y + box.hi.y),
                               0.5 * (box.lo.z + box.hi.z)};
     const double longest = fmax(box.hi.x - box.lo.x, fmax(box.hi.y - box.lo.y, box.hi.z - box.lo.z));
-    const iso_mesh_sampling sampling = {longest, MARGIN, pool, progress};
+    const iso_sampling sampling = {longest, MARGIN, pool, progress};
     iso_stamp *stamp = allocate_stamp(path);
     if (!stamp) return iso_fail_memory(error, path);
     iso_status status = make_levels(path, mesh, sampling, stamp, error);

@@ -116,7 +116,7 @@ static void refuse(const iso_triangles *mesh, double hole, iso_status wanted, co
 }
 
 static iso_hgrid *field_of(const iso_closed_mesh *closed, double voxel) {
-    const iso_mesh_sampling frame = {.voxel = voxel, .margin = 5};
+    const iso_sampling frame = {.voxel = voxel, .margin = 5};
     iso_hgrid *grid;
     iso_error error = {0};
     if (iso_level_set_from_mesh("a mesh", closed, &frame, &grid, &error) != ISO_OK)
@@ -598,7 +598,7 @@ static void thin_things_are_refused(void **state) {
     iso_error error = {0};
     put_box(&mesh, iso_vec3_make(0, 0, 0), iso_vec3_make(30, 30, 0.01));
     iso_closed_mesh *closed = close_mesh(&mesh, 0);
-    const iso_mesh_sampling frame = {.voxel = 1, .margin = 5};
+    const iso_sampling frame = {.voxel = 1, .margin = 5};
     assert_int_equal(iso_level_set_from_mesh("plate", closed, &frame, &grid, &error), ISO_ERR_EMPTY);
     assert_non_null(strstr(error.text, "9 mm3"));
     iso_closed_mesh_destroy(closed);
@@ -617,7 +617,7 @@ static void threads_and_cancelling(void **state) {
     iso_closed_mesh *closed = close_mesh(&mesh, 0);
     iso_hgrid *wanted = field_of(closed, 0.7), *grid;
     for (int threads = 2; threads < 5; threads += 2) {
-        iso_mesh_sampling frame = {.voxel = 0.7, .margin = 5};
+        iso_sampling frame = {.voxel = 0.7, .margin = 5};
         assert_int_equal(iso_pool_create(threads, &frame.pool, NULL), ISO_OK);
         assert_int_equal(iso_level_set_from_mesh("a mesh", closed, &frame, &grid, NULL), ISO_OK);
         assert_true(sculpt_same(wanted, grid));
