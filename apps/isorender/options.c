@@ -419,15 +419,16 @@ static const iso_option options[] = {
 #include "apps/common/running_options.inc"
 };
 
-static const char *const inputs_text[] = {".vti, legacy .vtk, .nrrd .nhdr, .mha .mhd, .nii .nii.gz .hdr, "
-                                          ".vdb, a DICOM folder or file, raw data with --raw,",
-                                          "a .ply of points as --points writes it, scene:NAME[:SIZE], and - "
-                                          "for stdin (the content tells the format).",
-                                          "A .tck, .trk, .swc, .pdb, .xyz, .csv or .stl is drawn as --lines, "
-                                          "--glyphs and --surface draw it.",
-                                          "Without OUT the picture is IN's name with .png, in the current "
-                                          "folder. World axes are LPS: front looks along +y.",
-                                          NULL};
+static const char *const inputs_text[] = {
+    ".vti, legacy .vtk, .nrrd .nhdr, .mha .mhd, .nii .nii.gz .hdr, "
+    ".vdb, a DICOM folder or file, raw data with --raw,",
+    "a .ply of points as --points writes it, scene:NAME[:SIZE], and - "
+    "for stdin (the content tells the format).",
+    "A .tck, .trk, .swc, .vtp, .pdb, .xyz, .csv or .stl is drawn as --lines, "
+    "--glyphs and --surface draw it.",
+    "Without OUT the picture is IN's name with .png, in the current "
+    "folder. World axes are LPS: front looks along +y.",
+    NULL};
 
 static const char *const exit_text[] = {"0  done",
                                         "2  wrong usage",
@@ -477,8 +478,8 @@ static bool is_object_name(const char *name, isorender_object_kind *kind) {
         const char *ending;
         isorender_object_kind kind;
     } endings[] = {{".tck", ISORENDER_LINES},  {".trk", ISORENDER_LINES},  {".swc", ISORENDER_LINES},
-                   {".pdb", ISORENDER_GLYPHS}, {".xyz", ISORENDER_GLYPHS}, {".csv", ISORENDER_GLYPHS},
-                   {".stl", ISORENDER_MESH}};
+                   {".vtp", ISORENDER_LINES},  {".pdb", ISORENDER_GLYPHS}, {".xyz", ISORENDER_GLYPHS},
+                   {".csv", ISORENDER_GLYPHS}, {".stl", ISORENDER_MESH}};
     for (size_t i = 0; i < sizeof endings / sizeof *endings; i++)
         if (iso_text_ends_with(name, endings[i].ending)) {
             *kind = endings[i].kind;

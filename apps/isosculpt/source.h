@@ -40,12 +40,12 @@ void isosculpt_volume_free(isosculpt_volume *volume); /* NULL is fine */
 
 typedef struct isosculpt_source {
     const char *path;
-    double isovalue;              /* physical; NAN: not given, which is allowed for level sets and meshes */
-    double voxel;                 /* mm; 0: the file's smallest spacing, or 1/256 of the longest side of a mesh or of lines */
-    double close_holes;           /* of an open mesh: iso_closing_opts.hole, mm */
-    const iso_input *input;       /* how it is read, borrowed; NULL: default options */
-    iso_pool *pool;               /* borrowed */
-    const iso_progress *progress; /* called from any thread; cancelled: ISO_ERR_IO */
+    double isovalue; /* physical; NAN: not given, which is allowed for level sets and meshes */
+    double voxel; /* mm; 0: the file's smallest spacing, or 1/256 of the longest side of a mesh or of lines */
+    double close_holes;             /* of an open mesh: iso_closing_opts.hole, mm */
+    const iso_input *input;         /* how it is read, borrowed; NULL: default options */
+    iso_pool *pool;                 /* borrowed */
+    const iso_progress *progress;   /* called from any thread; cancelled: ISO_ERR_IO */
     const isosculpt_volume *volume; /* the file's content when it is in memory already, borrowed; or NULL */
     bool voxel_isovalue;            /* iso_journal_start */
     bool log_notes;                 /* print the reader's notes on standard error */
@@ -57,8 +57,9 @@ typedef struct isosculpt_source {
 /* Reads the file, converts it into a field (*grid, the caller's), and fills the journal's header (*start). A
  * level set (.vdb) at its own voxel size is used as it is; a volume is sampled and redistanced; a mesh is
  * closed if it is open (grids/closing/closed_mesh.h), and becomes a distance field; lines (.tck .trk .swc)
- * become the solid of the tubes around them. All get 32 voxels of room on every side. Parts of the solid are dropped as `input` (or the volume) says. ISO_ERR_USAGE: a volume
- * without an isovalue; else the readers' errors. */
+ * become the solid of the tubes around them. All get 32 voxels of room on every side. Parts of the solid are
+ * dropped as `input` (or the volume) says. ISO_ERR_USAGE: a volume without an isovalue; else the readers'
+ * errors. */
 iso_status isosculpt_source_open(const isosculpt_source *source, iso_journal_start *start, iso_hgrid **grid,
                                  iso_error *error);
 
