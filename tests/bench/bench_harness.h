@@ -155,6 +155,8 @@ iso_status bench_sculpt(bench_state *bench, iso_error *error);
 iso_status bench_edit_group(bench_state *bench, iso_error *error);
 iso_status bench_lines_group(bench_state *bench, iso_error *error);
 iso_status bench_process_groups(bench_state *bench, iso_error *error);
+/* Glyphs and tubes, before the end of bench_render. */
+iso_status bench_shapes_groups(bench_state *bench, iso_error *error);
 /* From a file to a picture: the end of bench_render. */
 iso_status bench_picture_group(bench_state *bench, iso_error *error);
 /* From the hand to the picture: the end of bench_sculpt. */

@@ -7,9 +7,13 @@
  *     "opacity A PEELS"  ->  "shown"; PEELS 0: VTK's default, which averages colours; else depth peeling
  *     "frame"                                                          ->  "frame WALL CPU", milliseconds
  *     "covered"                                                        ->  "covered PIXELS" of a frame
+ *   vtk_frame spheres|gaussians|tubes FILE   the same of points or lines, drawn by vtkOpenGLSphereMapper,
+ *                                            vtkPointGaussianMapper or vtkTubeFilter with 8 sides
  *   vtk_frame picture FILE.vti OUT.png ISOVALUE SIZE THREADS           from a volume to a picture, and done
  *
- * FILE: int64 vertices and triangles, then float positions (3 each), float normals, int64 corners (3 each).
+ * FILE of a mesh: int64 vertices and triangles, then float positions (3 each), float normals, int64 corners
+ * (3 each). FILE of points or lines: int64 points and lines, which have equal numbers of points (0 lines:
+ * points), then float positions (3 each) and float radii.
  */
 #include <cinttypes>
 #include <cstdio>
@@ -26,14 +30,17 @@
 #include <vtkFlyingEdges3D.h>
 #include <vtkIdTypeArray.h>
 #include <vtkNew.h>
+#include <vtkOpenGLSphereMapper.h>
 #include <vtkPNGWriter.h>
 #include <vtkPointData.h>
+#include <vtkPointGaussianMapper.h>
 #include <vtkPolyData.h>
 #include <vtkPolyDataMapper.h>
 #include <vtkProperty.h>
 #include <vtkRenderWindow.h>
 #include <vtkRenderer.h>
 #include <vtkSMPTools.h>
+#include <vtkTubeFilter.h>
 #include <vtkUnsignedCharArray.h>
 #include <vtkWindowToImageFilter.h>
 #include <vtkXMLImageDataReader.h>
@@ -169,18 +176,10 @@ void answer_frame(Window &shown) {
                 milliseconds(CLOCK_PROCESS_CPUTIME_ID) - cpu);
 }
 
-int serve_mesh(const char *path) {
-    Window shown;
-    vtkNew<vtkPolyData> mesh;
-    if (!read_mesh(path, mesh)) {
-        std::fprintf(stderr, "vtk_frame: %s is not a mesh of the bench\n", path);
-        return 1;
-    }
-    shown.mapper->SetInputData(mesh);
+int serve(Window &shown, long long primitives) {
     shown.window->SetSize(16, 16);
     shown.draw();
-    std::printf("ready %lld %s\n", static_cast<long long>(mesh->GetNumberOfPolys()),
-                renderer_name(shown.window).c_str());
+    std::printf("ready %lld %s\n", primitives, renderer_name(shown.window).c_str());
     std::fflush(stdout);
     char line[1024];
     while (std::fgets(line, sizeof line, stdin)) {
@@ -197,6 +196,93 @@ int serve_mesh(const char *path) {
         std::fflush(stdout);
     }
     return 0;
+}
+
+int refuse(const char *path, const char *what) {
+    std::fprintf(stderr, "vtk_frame: %s is not %s of the bench\n", path, what);
+    return 1;
+}
+
+int serve_mesh(const char *path) {
+    Window shown;
+    vtkNew<vtkPolyData> mesh;
+    if (!read_mesh(path, mesh)) return refuse(path, "a mesh");
+    shown.mapper->SetInputData(mesh);
+    return serve(shown, mesh->GetNumberOfPolys());
+}
+
+/* Points, each with a cell (vtkOpenGLSphereMapper draws nothing without), or lines; with an array "radius".
+ */
+bool read_points(const char *path, vtkPolyData *data) {
+    std::FILE *file = std::fopen(path, "rb");
+    std::int64_t counts[2] = {0, 0};
+    bool sound = file && read_array(file, counts, 2) && counts[0] > 0;
+    if (sound) {
+        const vtkIdType length = counts[1] ? counts[0] / counts[1] : 1;
+        vtkNew<vtkPoints> points;
+        points->SetData(read_vectors(file, counts[0], sound));
+        data->SetPoints(points);
+        vtkNew<vtkFloatArray> radius;
+        radius->SetName("radius");
+        radius->SetNumberOfTuples(counts[0]);
+        sound = sound && read_array(file, radius->GetPointer(0), counts[0]);
+        data->GetPointData()->AddArray(radius);
+        vtkNew<vtkCellArray> cells;
+        for (vtkIdType i = 0; i < counts[0]; i++) {
+            if (i % length == 0) cells->InsertNextCell(static_cast<int>(length));
+            cells->InsertCellPoint(i);
+        }
+        if (counts[1])
+            data->SetLines(cells);
+        else
+            data->SetVerts(cells);
+    }
+    if (file) std::fclose(file);
+    return sound;
+}
+
+/* The disc of a sphere's parallel projection, shaded by its distance from the middle: cheaper than a sphere.
+ */
+const char *const DISC = "//VTK::Color::Impl\n"
+                         "float dist = dot(offsetVCVSOutput.xy, offsetVCVSOutput.xy);\n"
+                         "if (dist > 1.0) discard;\n"
+                         "ambientColor *= 1.0 - dist;\n"
+                         "diffuseColor *= 1.0 - dist;\n";
+
+int serve_points(const std::string &kind, const char *path) {
+    Window shown;
+    vtkNew<vtkPolyData> data;
+    vtkNew<vtkTubeFilter> tubes;
+    vtkNew<vtkOpenGLSphereMapper> spheres;
+    vtkNew<vtkPointGaussianMapper> gaussians;
+    if (!read_points(path, data)) return refuse(path, "a set of points");
+    vtkIdType count = data->GetNumberOfPoints();
+    if (kind == "tubes") {
+        count -= data->GetNumberOfLines();
+        tubes->SetInputData(data);
+        tubes->SetRadius(static_cast<vtkFloatArray *>(data->GetPointData()->GetArray("radius"))->GetValue(0));
+        tubes->SetNumberOfSides(8);
+        tubes->CappingOn();
+        tubes->Update(); /* not a part of frames */
+        shown.mapper->SetInputData(tubes->GetOutput());
+        return serve(shown, count);
+    }
+    if (kind == "spheres") {
+        spheres->SetInputData(data);
+        spheres->SetScaleArray("radius");
+        spheres->ScalarVisibilityOff();
+        shown.actor->SetMapper(spheres);
+    } else {
+        gaussians->SetInputData(data);
+        gaussians->SetScaleArray("radius");
+        gaussians->SetScaleFactor(1);
+        gaussians->EmissiveOff();
+        gaussians->ScalarVisibilityOff();
+        gaussians->SetTriangleScale(1);
+        gaussians->SetSplatShaderCode(DISC);
+        shown.actor->SetMapper(gaussians);
+    }
+    return serve(shown, count);
 }
 
 /* As a user of VTK would write it: the camera moved back until everything is in sight. */
@@ -235,7 +321,9 @@ int make_picture(char **values) {
 
 int main(int argc, char **argv) {
     if (argc == 3 && std::strcmp(argv[1], "mesh") == 0) return serve_mesh(argv[2]);
+    if (argc == 3) return serve_points(argv[1], argv[2]);
     if (argc == 7 && std::strcmp(argv[1], "picture") == 0) return make_picture(argv + 2);
-    std::fprintf(stderr, "usage: vtk_frame mesh FILE | picture FILE.vti OUT.png ISOVALUE SIZE THREADS\n");
+    std::fprintf(stderr, "usage: vtk_frame mesh|spheres|gaussians|tubes FILE | picture FILE.vti OUT.png "
+                         "ISOVALUE SIZE THREADS\n");
     return 2;
 }

@@ -1,0 +1,279 @@
+/* Frames of glyphs and tubes, 1024 x 1024, one sample a pixel, one thread; against VTK's frames of the same:
+ * spheres by vtkOpenGLSphereMapper and vtkPointGaussianMapper, tubes by vtkTubeFilter, whose own time is not
+ * counted. */
+#define _GNU_SOURCE
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/file.h"
+#include "base/memory.h"
+#include "bench_harness.h"
+#include "render/gbuffer.h"
+#include "render/shapes/shapes.h"
+
+enum { SIDE = 1024, LINE = 101, PEERS = 2 };
+
+typedef struct shapes_subject {
+    const char *name;
+    size_t count;  /* spheres or segments */
+    double pixels; /* mean radius */
+    bool tubes;
+    double asked[PEERS]; /* of the ratios to the peers, at full size with AVX-512; 0: nothing */
+} shapes_subject;
+
+/* ---- the sets: in the cube -1 .. 1 */
+
+typedef struct shapes_set {
+    iso_glyphs glyphs;
+    iso_lines lines;
+    char path[512]; /* the same as a file for vtk_frame */
+} shapes_set;
+
+/* The camera sees the cube's sphere at an angle of 30 degrees. */
+static iso_camera camera_of(void) {
+    const double away = sqrt(3) / 0.25881904510252074; /* sin 15 degrees */
+    const iso_vec3 eye = iso_vec3_scale(iso_vec3_unit(iso_vec3_make(0.6, 0.5, 0.7216878)), away);
+    return (iso_camera){.position = eye, .view_up = {0, 1, 0}, .view_angle = 30};
+}
+
+/* How long a pixel is at the cube's middle. */
+static double pixel_size(void) {
+    const iso_camera camera = camera_of();
+    const iso_view view = iso_view_make(&camera, SIDE, SIDE);
+    return iso_vec3_length(camera.position) / view.focal;
+}
+
+static double uniform(uint64_t *state) {
+    *state = *state * 6364136223846793005u + 1442695040888963407u;
+    return (double)(*state >> 11) / 9007199254740992.0;
+}
+
+static void scatter_spheres(iso_glyphs *glyphs, double radius) {
+    uint64_t seed = 1;
+    for (size_t i = 0; i < glyphs->count; i++) {
+        for (int a = 0; a < 3; a++) glyphs->positions[i][a] = (float)(2 * uniform(&seed) - 1);
+        glyphs->radii[i] = (float)(radius * (0.5 + uniform(&seed)));
+    }
+}
+
+/* A walk that bends, reflected by the cube's faces. */
+static void walk(float (*vertices)[3], double step, uint64_t *seed) {
+    double at[3], way[3];
+    for (int a = 0; a < 3; a++) at[a] = 2 * uniform(seed) - 1, way[a] = uniform(seed) - 0.5;
+    for (int i = 0; i < LINE; i++) {
+        double square = 0;
+        for (int a = 0; a < 3; a++) {
+            vertices[i][a] = (float)at[a];
+            way[a] += 0.3 * (uniform(seed) - 0.5);
+            square += way[a] * way[a];
+        }
+        for (int a = 0; a < 3; a++) {
+            at[a] += step * (way[a] /= sqrt(square));
+            if (fabs(at[a]) > 1) at[a] = copysign(2, at[a]) - at[a], way[a] = -way[a];
+        }
+    }
+}
+
+/* Once, when the first row needs it. */
+static iso_status make_set(const shapes_subject *subject, shapes_set *made, iso_error *error) {
+    if (made->lines.starts) return ISO_OK;
+    iso_glyphs *glyphs = &made->glyphs;
+    iso_lines *lines = &made->lines;
+    const double pixel = pixel_size();
+    lines->line_count = subject->tubes ? subject->count / (LINE - 1) : 0;
+    const size_t points = subject->tubes ? lines->line_count * LINE : subject->count;
+    float(*positions)[3] = iso_alloc(points * sizeof *positions), *radii = iso_alloc(points * sizeof *radii);
+    *(subject->tubes ? &lines->vertices : &glyphs->positions) = positions;
+    *(subject->tubes ? &lines->radii : &glyphs->radii) = radii;
+    *(subject->tubes ? &lines->vertex_count : &glyphs->count) = points;
+    lines->starts = iso_alloc((lines->line_count + 1) * sizeof *lines->starts);
+    if (!positions || !radii || !lines->starts) return iso_fail_memory(error, subject->name);
+    uint64_t seed = 1;
+    if (!subject->tubes) scatter_spheres(glyphs, subject->pixels * pixel);
+    for (size_t i = 0; i <= lines->line_count; i++) lines->starts[i] = i * LINE;
+    for (size_t i = 0; i < lines->line_count; i++) walk(positions + i * LINE, 4 * pixel, &seed);
+    for (size_t i = 0; i < points && subject->tubes; i++) radii[i] = (float)(subject->pixels * pixel);
+    return ISO_OK;
+}
+
+static iso_status write_set(const shapes_subject *subject, shapes_set *made, iso_error *error) {
+    const char *folder = getenv("TMPDIR");
+    iso_sink sink = {0};
+    snprintf(made->path, sizeof made->path, "%.400s/isopoint-bench-%ld.points", folder ? folder : "/tmp",
+             (long)getpid());
+    ISO_TRY(iso_sink_open(made->path, &sink, error));
+    const size_t points = subject->tubes ? made->lines.vertex_count : made->glyphs.count;
+    const int64_t counts[2] = {(int64_t)points, (int64_t)made->lines.line_count};
+    fwrite(counts, sizeof *counts, 2, sink.stream);
+    fwrite(subject->tubes ? made->lines.vertices : made->glyphs.positions, 3 * sizeof(float), points,
+           sink.stream);
+    fwrite(subject->tubes ? made->lines.radii : made->glyphs.radii, sizeof(float), points, sink.stream);
+    return iso_sink_commit(&sink, error);
+}
+
+static void free_set(shapes_set *made) {
+    iso_glyphs_free(&made->glyphs);
+    iso_lines_free(&made->lines);
+    if (made->path[0]) remove(made->path);
+}
+
+/* ---- rows */
+
+typedef struct shapes_plan {
+    const shapes_subject *subject;
+    shapes_set *set;  /* borrowed */
+    const char *peer; /* how vtk_frame draws it; NULL: ours */
+} shapes_plan;
+
+typedef struct shapes_work {
+    iso_shapes *shapes;
+    iso_gbuffer gbuffer;
+    bench_child *child;
+    size_t covered;
+} shapes_work;
+
+static iso_status open_ours(const shapes_plan *plan, shapes_work *work, iso_error *error) {
+    const iso_shapes_opts opts = {.radius = 0};
+    ISO_TRY(iso_gbuffer_create(SIDE, SIDE, &work->gbuffer, error));
+    if (plan->subject->tubes) return iso_shapes_from_lines(&plan->set->lines, &opts, &work->shapes, error);
+    return iso_shapes_from_glyphs(&plan->set->glyphs, &opts, &work->shapes, error);
+}
+
+static iso_status open_peer(bench_row *row, const shapes_plan *plan, shapes_work *work, iso_error *error) {
+    char program[1100], line[512];
+    const char *display;
+    const iso_camera c = camera_of();
+    if (!plan->set->path[0]) ISO_TRY(write_set(plan->subject, plan->set, error));
+    ISO_TRY(bench_sibling("vtk_frame", program, sizeof program, error));
+    ISO_TRY(bench_display_open(&row->bench->display, &display, error));
+    const char *const argv[] = {program, plan->peer, plan->set->path, NULL};
+    ISO_TRY(bench_child_start(argv, 1, display, &work->child, error));
+    ISO_TRY(bench_child_ask(work->child, NULL, line, sizeof line, error));
+    snprintf(program, sizeof program, "view %d %d %.17g %.17g %.17g 0 0 0 0 1 0 30 0 0", SIDE, SIDE,
+             c.position.x, c.position.y, c.position.z);
+    ISO_TRY(bench_child_ask(work->child, program, line, sizeof line, error));
+    ISO_TRY(bench_child_ask(work->child, "covered", line, sizeof line, error));
+    if (sscanf(line, "covered %zu", &work->covered) != 1)
+        return iso_fail(error, ISO_ERR_UNSUPPORTED, "vtk_frame said '%.80s'", line);
+    return ISO_OK;
+}
+
+static iso_status open_row(bench_row *row, iso_error *error) {
+    const shapes_plan *plan = row->plan;
+    shapes_work *work = calloc(1, sizeof *work);
+    if (!work) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
+    row->context = work;
+    ISO_TRY(make_set(plan->subject, plan->set, error));
+    return plan->peer ? open_peer(row, plan, work, error) : open_ours(plan, work, error);
+}
+
+static iso_status run_ours(bench_row *row, bench_sample *sample, iso_error *error) {
+    const iso_camera camera = camera_of();
+    const iso_view view = iso_view_make(&camera, SIDE, SIDE);
+    shapes_work *work = row->context;
+    const iso_target target = {.view = &view, .gbuffer = &work->gbuffer};
+    iso_shapes_drawn drawn = {0};
+    iso_cpu_limit(row->level);
+    const bench_clock clock = bench_clock_start();
+    iso_gbuffer_clear(&work->gbuffer);
+    const iso_status status = iso_draw_shapes(&target, work->shapes, &drawn, error);
+    bench_clock_stop(&clock, sample);
+    iso_cpu_limit(ISO_CPU_AVX512);
+    work->covered = drawn.samples;
+    return status;
+}
+
+static iso_status run_peer(bench_row *row, bench_sample *sample, iso_error *error) {
+    const shapes_work *work = row->context;
+    char line[256];
+    ISO_TRY(bench_child_ask(work->child, "frame", line, sizeof line, error));
+    if (sscanf(line, "frame %lf %lf", &sample->wall, &sample->cpu) != 2)
+        return iso_fail(error, ISO_ERR_UNSUPPORTED, "vtk_frame said '%.80s'", line);
+    return ISO_OK;
+}
+
+static iso_status run_row(bench_row *row, bench_sample *sample, iso_error *error) {
+    const shapes_plan *plan = row->plan;
+    sample->primitives = plan->subject->count;
+    return plan->peer ? run_peer(row, sample, error) : run_ours(row, sample, error);
+}
+
+static void finish_row(bench_row *row) {
+    const shapes_work *work = row->context;
+    bench_count(row, "covered_pixels", (double)work->covered, 0, 0);
+}
+
+static void close_row(bench_row *row) {
+    shapes_work *work = row->context;
+    if (!work) return;
+    iso_shapes_destroy(work->shapes);
+    iso_gbuffer_free(&work->gbuffer);
+    bench_child_stop(work->child);
+    free(work);
+}
+
+static const bench_kind ours_kind = {
+    .open = open_row, .run = run_row, .finish = finish_row, .close = close_row};
+static const bench_kind peer_kind = {
+    .open = open_row, .run = run_row, .finish = finish_row, .close = close_row, .batch = 1, .rounds = 5};
+
+static void give_plan(bench_row *row, const shapes_subject *subject, shapes_set *set, const char *peer) {
+    shapes_plan *plan = calloc(1, sizeof *plan);
+    if (!plan) abort(); /* (as bench_add does when there are too many rows) */
+    *plan = (shapes_plan){subject, set, peer};
+    row->plan = plan;
+    row->threads = 1;
+}
+
+static void add_rows(bench_state *bench, const shapes_subject *subject, shapes_set *set) {
+    static const char *const peers[2][PEERS] = {{"spheres", "gaussians"}, {"tubes", NULL}};
+    static const char *const ratios[2][PEERS] = {{"ratio_vs_vtk_sphere_mapper", "ratio_vs_vtk_gaussians"},
+                                                 {"ratio_vs_vtk_tubes", NULL}};
+    bench_row *others[PEERS] = {NULL};
+    for (int i = 0; i < PEERS; i++) {
+        const char *peer = peers[subject->tubes][i];
+        if (!peer) continue;
+        others[i] = bench_add(bench, &peer_kind, "render/shapes/%s/vtk_%s", subject->name, peer);
+        give_plan(others[i], subject, set, peer);
+    }
+    for (iso_cpu_level level = ISO_CPU_GENERIC; level <= bench->best; level++) {
+        bench_row *row = bench_add(bench, &ours_kind, "render/shapes/%s/%s/threads:1", subject->name,
+                                   iso_cpu_level_name(level));
+        give_plan(row, subject, set, NULL);
+        row->level = level;
+        const double part = level == ISO_CPU_AVX512 ? 1 : level == ISO_CPU_AVX2 ? 0.65 : 0;
+        for (int i = 0; i < PEERS; i++) {
+            bench_against *against = bench_compare(row, others[i], ratios[subject->tubes][i], NULL,
+                                                   bench->settings->small ? 0 : part * subject->asked[i]);
+            if (against) against->cpu = i ? "cpu_ratio_vs_vtk_gaussians" : "cpu_ratio_vs_vtk";
+        }
+    }
+}
+
+static iso_status run_subject(bench_state *bench, const shapes_subject *subject, iso_error *error) {
+    char title[96];
+    shapes_set made = {.path = ""};
+    add_rows(bench, subject, &made);
+    snprintf(title, sizeof title, "frames of %s", subject->name);
+    const iso_status status = bench_run_group(bench, title, error);
+    free_set(&made);
+    return status;
+}
+
+iso_status bench_shapes_groups(bench_state *bench, iso_error *error) {
+    static const shapes_subject large[] = {
+        {"spheres-0.1M-3px", 100000, 3, false, {20, 12}},  {"spheres-1M-3px", 1000000, 3, false, {100, 45}},
+        {"spheres-5M-3px", 5000000, 3, false, {180, 80}},  {"spheres-1M-1px", 1000000, 1, false, {20, 0}},
+        {"spheres-1M-10px", 1000000, 10, false, {200, 0}}, {"tubes-0.1M-1.5px", 100000, 1.5, true, {18, 0}},
+        {"tubes-1M-1.5px", 1000000, 1.5, true, {75, 0}}};
+    static const shapes_subject small[] = {{"spheres-2k-3px", 2000, 3, false, {0}},
+                                           {"tubes-2k-1.5px", 2000, 1.5, true, {0}}};
+    const bool few = bench->settings->small;
+    const shapes_subject *subjects = few ? small : large;
+    const size_t count = few ? sizeof small / sizeof *small : sizeof large / sizeof *large;
+    for (size_t i = 0; i < count; i++) ISO_TRY(run_subject(bench, &subjects[i], error));
+    return ISO_OK;
+}
