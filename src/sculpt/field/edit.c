@@ -468,16 +468,18 @@ static iso_status release_mask_cell(iso_editor *editor, const iso_dabs *dabs, co
 typedef iso_status mask_cell_fn(iso_editor *editor, const iso_dabs *dabs, const iso_dab *dab, const int at[3],
                                 iso_error *error);
 
-/* Calls `visit` for each dab and each cell that it reaches. */
+/* Calls `visit` for each dab and each cell that it reaches: none for dabs outside the grid. */
 static iso_status for_mask_cells(iso_editor *editor, const iso_dabs *dabs, mask_cell_fn *visit,
                                  iso_error *error) {
+    const double influence = iso_dabs_influence(dabs);
     for (int i = 0; i < dabs->count; i++) {
         int lo[3], hi[3], at[3];
         cell_range(editor, dabs, &dabs->dab[i], lo, hi);
         for (at[2] = lo[2]; at[2] <= hi[2]; at[2]++)
             for (at[1] = lo[1]; at[1] <= hi[1]; at[1]++)
                 for (at[0] = lo[0]; at[0] <= hi[0]; at[0]++)
-                    ISO_TRY(visit(editor, dabs, &dabs->dab[i], at, error));
+                    if (cell_distance(dabs, &dabs->dab[i], at) < influence)
+                        ISO_TRY(visit(editor, dabs, &dabs->dab[i], at, error));
     }
     return ISO_OK;
 }
