@@ -6,6 +6,7 @@
  *     iso_surface_create                  a volume and an isovalue: a surface, which follows edits
  *     iso_render                          a picture of it, by any method, with depth and normals
  *     iso_surface_points, iso_surface_mesh    the same surface as points, or as Marching Cubes triangles
+ *     iso_shape_set_read_lines, ...          lines and glyphs in the same picture
  *     iso_sculpt_create                   a level set under brushes, with strokes, undo and a journal
  *     iso_compare_images                  how far one picture is from another
  *     iso_image_write, iso_surface_write_mesh, ...    files
@@ -341,6 +342,74 @@ ISO_API iso_status iso_surface_write_points(iso_surface *surface, const char *pa
  * not at all. ISO_ERR_USAGE: another ending; ISO_ERR_EMPTY, ISO_ERR_WRITE, ISO_ERR_LIMIT. */
 ISO_API iso_status iso_surface_write_mesh(iso_surface *surface, const char *path, iso_error *error);
 
+/* ---- lines and glyphs ---- */
+
+/* Solids that stand for points. Cones, cylinders and arrows stand on their position and point along their
+ * direction; the others are centred on it. */
+typedef enum iso_glyph {
+    ISO_GLYPH_SPHERE,
+    ISO_GLYPH_CONE,
+    ISO_GLYPH_CYLINDER,
+    ISO_GLYPH_ARROW,
+    ISO_GLYPH_ELLIPSOID, /* with half axes; without, a sphere */
+    ISO_GLYPH_DISC,      /* perpendicular to its direction */
+    ISO_GLYPH_BOX,       /* with half axes; without, a cube */
+    ISO_GLYPH_COUNT
+} iso_glyph;
+
+/* Lines that are drawn as tubes, or points that are drawn as solids, ready to be shown with surfaces: their
+ * depth and outline are exact at any zoom. They hold copies of what they are made of and never change;
+ * several threads may draw them at the same time. */
+typedef struct iso_shape_set iso_shape_set;
+
+typedef struct iso_shape_set_opts {
+    const iso_rgb *color; /* of all; NULL: the arrays' or the file's, else the picture chooses one */
+    double radius;        /* mm, where there are no radii; 0: chosen by the extent and number */
+    iso_glyph glyph;      /* of points */
+    bool flat_caps;       /* of lines: the ends are cut off; else they are round */
+    bool true_width;      /* of lines: those thinner than a pixel are not widened to one */
+    bool ras;             /* of files: the coordinates are RAS though the file does not say so */
+} iso_shape_set_opts;
+
+/* Arrays of the caller, world mm. */
+typedef struct iso_line_arrays {
+    const float (*vertices)[3]; /* one line after the other */
+    const size_t *starts;       /* line i has the vertices starts[i] .. starts[i + 1] - 1; line_count + 1 */
+    size_t line_count;
+    const float *radii;         /* one per vertex, >= 0; NULL: opts.radius */
+    const uint8_t (*colors)[3]; /* red green blue, one per vertex; NULL: opts.color */
+} iso_line_arrays;
+
+typedef struct iso_glyph_arrays {
+    const float (*positions)[3];
+    size_t count;
+    const float *radii;           /* NULL: opts.radius */
+    const float (*directions)[3]; /* mm: cones, cylinders and arrows are so long; NULL: none */
+    const float (*axes)[9];       /* three half axes, mm, one after the other; NULL: none */
+    const uint8_t (*colors)[3];   /* red green blue; NULL: opts.color */
+} iso_glyph_arrays;
+
+/* Copies arrays. ISO_ERR_USAGE: options out of range, or no direction for a solid that needs one;
+ * ISO_ERR_EMPTY: nothing can be drawn; ISO_ERR_LIMIT: 2^29 vertices or 2^31 points, or more. */
+ISO_API iso_status iso_shape_set_of_lines(const iso_line_arrays *lines, const iso_shape_set_opts *opts,
+                                          iso_shape_set **set, iso_error *error);
+ISO_API iso_status iso_shape_set_of_glyphs(const iso_glyph_arrays *glyphs, const iso_shape_set_opts *opts,
+                                           iso_shape_set **set, iso_error *error);
+
+/* Reads .tck, .trk, .swc, .obj, .ply with edges, or polydata in .vtk or .vtp. ISO_ERR_IO, ISO_ERR_FORMAT,
+ * ISO_ERR_UNSUPPORTED, and the errors above. */
+ISO_API iso_status iso_shape_set_read_lines(const char *path, const iso_shape_set_opts *opts,
+                                            iso_shape_set **set, iso_error *error);
+/* Reads .pdb, .xyz, .csv, .ply, or the points of .vtk or .vtp. */
+ISO_API iso_status iso_shape_set_read_glyphs(const char *path, const iso_shape_set_opts *opts,
+                                             iso_shape_set **set, iso_error *error);
+
+/* NULL is fine. */
+ISO_API void iso_shape_set_destroy(iso_shape_set *set);
+
+/* A world box around all of them, sizes included. */
+ISO_API iso_box iso_shape_set_bounds(const iso_shape_set *set);
+
 /* ---- pictures ---- */
 
 /* Largest width or height. */
@@ -460,7 +529,10 @@ typedef struct iso_render_opts {
                                  clear */
     int most_layers;          /* only the first so many crossings of each surface are drawn; 0: all. Not with
                                  absorption, which must know where rays leave the solid */
-    iso_aov *aov;             /* gets depth, normals and coverage as well; NULL: not wanted */
+    iso_shape_set *const
+        *shapes; /* drawn in the picture, too, in front of or behind the surfaces; by any method */
+    int shapes_count;
+    iso_aov *aov; /* gets depth, normals and coverage as well; NULL: not wanted */
 } iso_render_opts;
 
 /* Renders a surface on the cpu. `image` (and opts->aov) hold zeros or an earlier picture, whose memory is
@@ -471,8 +543,8 @@ typedef struct iso_render_opts {
 ISO_API iso_status iso_render(iso_surface *surface, const iso_render_opts *opts, iso_image *image,
                               iso_error *error);
 
-/* Several surfaces in one picture, 1 .. 255 of them, each before what lies behind it. They may be of
- * different volumes; all these are in use by the calling thread then. */
+/* Several surfaces in one picture, each before what lies behind it: up to 255 of them and of opts->shapes,
+ * and none with shapes. They may be of different volumes; all these are in use by the calling thread then. */
 ISO_API iso_status iso_render_surfaces(iso_surface *const *surfaces, int count, const iso_render_opts *opts,
                                        iso_image *image, iso_error *error);
 

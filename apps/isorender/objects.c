@@ -69,15 +69,6 @@ static iso_status set_radii(isorender_object *object, iso_error *error) {
     return ISO_OK;
 }
 
-/* The radius of glyphs without sizes: a seventh of their mean distance if they fill their box evenly, but not
- * more than a 150th of the whole. */
-static double usual_glyph_radius(const iso_glyphs *glyphs) {
-    const iso_box box = iso_glyphs_bounds(glyphs);
-    const double size = iso_vec3_length(iso_vec3_sub(box.hi, box.lo)),
-                 radius = fmin(size / cbrt((double)glyphs->count) / 7, size / 150);
-    return radius > 0 ? radius : 1;
-}
-
 /* ---- reading and preparing */
 
 /* Files of meshes do not say which axes they have. */
@@ -137,7 +128,7 @@ static iso_status prepare_lines(isorender_object *object, double line_min_pixels
 static iso_status prepare_glyphs(isorender_object *object, iso_error *error) {
     const double given = object->settings->radius;
     const iso_shapes_opts opts = {.glyph = object->settings->glyph,
-                                  .radius = isnan(given) ? usual_glyph_radius(&object->glyphs) : given};
+                                  .radius = isnan(given) ? iso_glyphs_usual_radius(&object->glyphs) : given};
     return iso_shapes_from_glyphs(&object->glyphs, &opts, &object->shapes, error);
 }
 

@@ -8,6 +8,7 @@
 #include "grids/volume/volume.h"
 #include "isopoint.h"
 #include "methods/method.h"
+#include "render/shapes/shapes.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -31,6 +32,15 @@ struct iso_surface {
     iso_point_set *points; /* points as floats for the caller; NULL: not asked for yet */
     iso_primitive primitive;
     double opacity;
+    bool has_color;
+    iso_rgb color;
+};
+
+/* Lines or glyphs, and what is drawn of them. */
+struct iso_shape_set {
+    iso_lines lines;
+    iso_glyphs glyphs;
+    iso_shapes *shapes; /* borrows from one of them */
     bool has_color;
     iso_rgb color;
 };

@@ -61,6 +61,8 @@ iso_status iso_camera_of_box(const iso_box *box, int width, int height, const is
 typedef struct rendering {
     iso_surface *const *surfaces;
     int count;
+    iso_shape_set *const *shapes; /* their surface numbers follow those of the surfaces */
+    int shapes_count;
     const iso_renderer *renderer;
     iso_picture_opts picture;
     iso_camera camera;
@@ -81,6 +83,10 @@ static iso_part framing_part(const iso_renderer *renderer) {
 static iso_status prepare(const rendering *r, iso_box *box, iso_error *error) {
     const iso_part framed = framing_part(r->renderer);
     *box = iso_box_empty();
+    for (int i = 0; i < r->shapes_count; i++) {
+        const iso_box own = iso_shape_set_bounds(r->shapes[i]);
+        iso_bounds_add(box, &own);
+    }
     for (int i = 0; i < r->count; i++) {
         ISO_TRY(iso_api_surface_part(r->surfaces[i], framed, error));
         for (int part = 0; part < ISO_PART_COUNT; part++)
@@ -92,20 +98,30 @@ static iso_status prepare(const rendering *r, iso_box *box, iso_error *error) {
     return iso_box_is_empty(box) ? iso_fail(error, ISO_ERR_EMPTY, "there is no surface") : ISO_OK;
 }
 
+/* Draws lines and glyphs: iso_layered_picture.draw_others. */
+static iso_status draw_shapes(void *context, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
+    const rendering *r = context;
+    for (int i = 0; i < r->shapes_count; i++) {
+        const iso_target target = {view, gbuffer, r->picture.pool, (uint8_t)(r->count + i)};
+        ISO_TRY(iso_draw_shapes(&target, r->shapes[i]->shapes, NULL, error));
+    }
+    return ISO_OK;
+}
+
 static iso_status draw(void *context, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
     const rendering *r = context;
     for (int i = 0; i < r->count; i++) {
         const iso_target target = {view, gbuffer, r->picture.pool, (uint8_t)i};
         ISO_TRY(r->renderer->draw(&r->surfaces[i]->subject, &target, error));
     }
-    return ISO_OK;
+    return draw_shapes(context, view, gbuffer, error);
 }
 
 /* Whether iso_paint_exact can draw and shade the picture in one pass: for a single exact surface. The pixels
  * are the same as without it, sooner. */
 static bool is_painted(const rendering *r) {
     return r->renderer->method == ISO_METHOD_EXACT && r->count == 1 && r->picture.samples <= 1 &&
-           !r->picture.aov && !r->translucent;
+           !r->picture.aov && !r->translucent && !r->shapes_count;
 }
 
 static iso_status paint(const rendering *r, iso_image *image, size_t *covered, iso_error *error) {
@@ -130,13 +146,18 @@ static float smallest_spacing(const rendering *r) {
     for (int i = 0; i < r->count; i++)
         for (int axis = 0; axis < 3; axis++)
             smallest = fmin(smallest, iso_grid_transform(r->surfaces[i]->subject.grid)->spacing[axis]);
-    return (float)smallest;
+    return isfinite(smallest) ? (float)smallest : 0;
 }
 
 static iso_status check(iso_surface *const *surfaces, int count, const iso_render_opts *opts,
                         iso_error *error) {
-    if (count < 1 || count > ISO_SURFACE_MAX)
-        return iso_fail(error, ISO_ERR_USAGE, "%d surfaces: a picture has 1 to %d", count, ISO_SURFACE_MAX);
+    const int shapes = opts->shapes_count;
+    if (count < 0 || shapes < 0 || shapes > ISO_SURFACE_MAX || count > ISO_SURFACE_MAX - shapes ||
+        count + shapes == 0)
+        return iso_fail(error, ISO_ERR_USAGE, "%d surfaces and %d sets of shapes: a picture has 1 to %d",
+                        count, shapes, ISO_SURFACE_MAX);
+    for (int i = 0; i < shapes; i++)
+        if (!opts->shapes[i]) return iso_fail(error, ISO_ERR_USAGE, "set of shapes %d is NULL", i);
     for (int i = 0; i < count; i++)
         if (!surfaces[i]) return iso_fail(error, ISO_ERR_USAGE, "surface %d is NULL", i);
     if (!iso_renderer_get(opts->method))
@@ -148,16 +169,20 @@ static void set_up(rendering *r, const iso_render_opts *opts) {
     const iso_rgb white = {255, 255, 255};
     for (int i = 0; i < r->count; i++)
         r->colors[i] = r->surfaces[i]->has_color ? r->surfaces[i]->color : iso_shading_palette(i);
-    r->picture = (iso_picture_opts){
-        .camera = &r->camera,
-        .width = opts->width ? opts->width : DEFAULT_SIDE,
-        .height = opts->height ? opts->height : DEFAULT_SIDE,
-        .samples = opts->samples,
-        .shading = {r->colors, r->count, opts->background ? *opts->background : white, opts->transparent},
-        .draw = draw,
-        .draw_context = r,
-        .pool = r->surfaces[0]->volume->pool,
-        .aov = opts->aov};
+    for (int i = 0; i < r->shapes_count; i++)
+        r->colors[r->count + i] =
+            r->shapes[i]->has_color ? r->shapes[i]->color : iso_shading_palette(r->count + i);
+    r->picture =
+        (iso_picture_opts){.camera = &r->camera,
+                           .width = opts->width ? opts->width : DEFAULT_SIDE,
+                           .height = opts->height ? opts->height : DEFAULT_SIDE,
+                           .samples = opts->samples,
+                           .shading = {r->colors, r->count + r->shapes_count,
+                                       opts->background ? *opts->background : white, opts->transparent},
+                           .draw = draw,
+                           .draw_context = r,
+                           .pool = r->count ? r->surfaces[0]->volume->pool : NULL,
+                           .aov = opts->aov};
 }
 
 static iso_status check_layers(const rendering *r, const iso_render_opts *opts, iso_error *error) {
@@ -196,6 +221,8 @@ static iso_status set_up_layers(rendering *r, const iso_render_opts *opts, iso_e
     r->layers = (iso_layered_picture){.method = r->renderer->method,
                                       .surfaces = r->layered,
                                       .count = r->count,
+                                      .draw_others = r->shapes_count ? draw_shapes : NULL,
+                                      .others_context = r,
                                       .shading = &r->picture.shading,
                                       .pool = r->picture.pool};
     r->picture.layers = &r->callbacks;
@@ -208,7 +235,11 @@ iso_status iso_render_surfaces(iso_surface *const *surfaces, int count, const is
     static const iso_render_opts defaults;
     if (!opts) opts = &defaults;
     ISO_TRY(check(surfaces, count, opts, error));
-    rendering r = {.surfaces = surfaces, .count = count, .renderer = iso_renderer_get(opts->method)};
+    rendering r = {.surfaces = surfaces,
+                   .count = count,
+                   .shapes = opts->shapes,
+                   .shapes_count = opts->shapes_count,
+                   .renderer = iso_renderer_get(opts->method)};
     set_up(&r, opts);
     const int width = r.picture.width, height = r.picture.height;
     iso_box box;

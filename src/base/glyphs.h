@@ -9,8 +9,7 @@
 extern "C" {
 #endif
 
-/* Solids of unit size. Cones, cylinders and arrows stand on their position and point along their direction;
- * the others are centred on it. */
+/* The names of the solids, in the order of iso_glyph: X(name, text). */
 #define ISO_GLYPHS(X)                                                                                        \
     X(SPHERE, "sphere")                                                                                      \
     X(CONE, "cone")                                                                                          \
@@ -19,12 +18,6 @@ extern "C" {
     X(ELLIPSOID, "ellipsoid")                                                                                \
     X(DISC, "disc")                                                                                          \
     X(BOX, "box")
-typedef enum iso_glyph {
-#define ISO_GLYPH_ENUM(name, text) ISO_GLYPH_##name,
-    ISO_GLYPHS(ISO_GLYPH_ENUM)
-#undef ISO_GLYPH_ENUM
-        ISO_GLYPH_COUNT
-} iso_glyph;
 
 /* Points with what a file says of their sizes and directions, in world millimetres, LPS. All arrays are owned
  * and have one item per point; zero-initialise, iso_glyphs_free. */
@@ -43,6 +36,9 @@ typedef struct iso_glyphs {
 void iso_glyphs_free(iso_glyphs *glyphs);
 /* World box of all positions, without sizes; empty when there are none. */
 iso_box iso_glyphs_bounds(const iso_glyphs *glyphs);
+/* The radius in mm of glyphs without sizes: a seventh of their mean distance if they fill their box evenly,
+ * but not more than a 150th of its diagonal. Above 0. */
+double iso_glyphs_usual_radius(const iso_glyphs *glyphs);
 
 #ifdef __cplusplus
 }

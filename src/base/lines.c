@@ -72,3 +72,10 @@ void iso_glyphs_free(iso_glyphs *glyphs) {
 iso_box iso_glyphs_bounds(const iso_glyphs *glyphs) {
     return bounds_of(glyphs->origin, (const float(*)[3])glyphs->positions, glyphs->count);
 }
+
+double iso_glyphs_usual_radius(const iso_glyphs *glyphs) {
+    const iso_box box = iso_glyphs_bounds(glyphs);
+    const double size = iso_vec3_length(iso_vec3_sub(box.hi, box.lo)),
+                 radius = fmin(size / cbrt((double)glyphs->count) / 7, size / 150);
+    return radius > 0 ? radius : 1; /* a single point, of no size */
+}

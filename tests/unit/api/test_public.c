@@ -361,6 +361,54 @@ static void test_picture(void **state) {
     iso_surface_destroy(inner);
 }
 
+/* Lines and glyphs beside a surface and alone; the arrays may go when the set is made. */
+static void test_shapes(void **state) {
+    fixture *f = *state;
+    iso_box box;
+    iso_image with = {0}, without = {0}, alone = {0};
+    assert_int_equal(iso_surface_bounds(f->surface, &box, NULL), ISO_OK);
+    const float x = (float)box.hi.x + 5, z = (float)box.lo.z;
+    float vertices[2][3] = {{x, (float)box.lo.y, z}, {x, (float)box.hi.y, z + 9}}, radii[2] = {1, 2};
+    const size_t starts[2] = {0, 2};
+    const iso_line_arrays lines = {
+        .vertices = (const float(*)[3])vertices, .starts = starts, .line_count = 1, .radii = radii};
+    const iso_rgb red = {255, 0, 0};
+    const iso_shape_set_opts look = {.color = &red, .glyph = ISO_GLYPH_BOX, .radius = 2};
+    const iso_glyph_arrays points = {.positions = (const float(*)[3])vertices, .count = 2};
+    iso_shape_set *sets[2] = {NULL, NULL};
+    assert_int_equal(iso_shape_set_of_lines(&lines, &look, &sets[0], NULL), ISO_OK);
+    assert_int_equal(iso_shape_set_of_glyphs(&points, &look, &sets[1], NULL), ISO_OK);
+    memset(vertices, 0, sizeof vertices);
+    memset(radii, 0, sizeof radii);
+    const iso_box around = iso_shape_set_bounds(sets[0]);
+    assert_true(around.hi.x >= box.hi.x + 7 - 1e-4 && around.lo.z <= box.lo.z - 1 + 1e-4);
+    iso_render_opts opts = {.width = 96, .height = 64, .shapes = sets, .shapes_count = 2};
+    assert_int_equal(iso_render(f->surface, &opts, &with, NULL), ISO_OK);
+    assert_int_equal(iso_render_surfaces(NULL, 0, &opts, &alone, NULL), ISO_OK);
+    int red_pixels = 0;
+    for (int i = 0; i < 96 * 64; i++) {
+        const uint8_t *p = with.rgba + 4 * i;
+        red_pixels += p[0] > p[1] + 50 && p[1] == p[2];
+    }
+    assert_true(red_pixels > 30);
+    opts.shapes_count = 0;
+    assert_int_equal(iso_render(f->surface, &opts, &without, NULL), ISO_OK);
+    assert_memory_not_equal(with.rgba, without.rgba, 96 * 64 * 4);
+    assert_int_equal(iso_render_surfaces(NULL, 0, &opts, &alone, NULL), ISO_ERR_USAGE);
+    const iso_shape_set_opts arrow = {.glyph = ISO_GLYPH_ARROW}, thin = {.radius = -1};
+    iso_shape_set *none = NULL;
+    assert_int_equal(iso_shape_set_of_glyphs(&points, &arrow, &none, NULL), ISO_ERR_USAGE);
+    assert_int_equal(iso_shape_set_of_glyphs(&points, &thin, &none, NULL), ISO_ERR_USAGE);
+    assert_int_equal(iso_shape_set_of_glyphs(&(iso_glyph_arrays){.count = 0}, NULL, &none, NULL),
+                     ISO_ERR_EMPTY);
+    assert_int_equal(iso_shape_set_read_lines("no/such.trk", NULL, &none, NULL), ISO_ERR_IO);
+    assert_null(none);
+    for (int i = 0; i < 2; i++) iso_shape_set_destroy(sets[i]);
+    iso_image_free(&with);
+    iso_image_free(&without);
+    iso_image_free(&alone);
+}
+
 /* A translucent surface over an opaque one, by exact and by the ray caster; depth is that of the first layer.
  */
 static void test_layers(void **state) {
@@ -629,6 +677,7 @@ int main(void) {
                                        TEST(test_methods),
                                        TEST(test_following),
                                        TEST(test_picture),
+                                       TEST(test_shapes),
                                        TEST(test_layers),
                                        TEST(test_compare),
                                        TEST(test_files),

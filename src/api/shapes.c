@@ -1,0 +1,149 @@
+/* The functions of isopoint.h for lines and glyphs: copies of arrays or contents of files, prepared for
+ * drawing. */
+#include <math.h>
+#include <string.h>
+
+#include "api/internal.h"
+#include "base/memory.h"
+#include "io/glyphs/glyphs_read.h"
+#include "io/lines/lines_read.h"
+
+/* ---- copies of arrays */
+
+/* Copies `count` items of `size` bytes; NULL stays NULL. */
+static iso_status copy_array(const void *from, size_t count, size_t size, void *to, iso_error *error) {
+    void *copy = NULL;
+    if (from) {
+        copy = iso_alloc(count * size);
+        if (!copy) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for %zu shapes", count);
+        memcpy(copy, from, count * size);
+    }
+    memcpy(to, &copy, sizeof copy);
+    return ISO_OK;
+}
+
+static iso_status copy_lines(const iso_line_arrays *from, iso_lines *to, iso_error *error) {
+    const size_t vertices = from->line_count ? from->starts[from->line_count] : 0;
+    if (!vertices) return iso_fail(error, ISO_ERR_EMPTY, "there are no lines");
+    to->line_count = from->line_count;
+    to->vertex_count = vertices;
+    ISO_TRY(copy_array(from->starts, from->line_count + 1, sizeof *to->starts, &to->starts, error));
+    ISO_TRY(copy_array(from->vertices, vertices, sizeof *to->vertices, &to->vertices, error));
+    ISO_TRY(copy_array(from->radii, vertices, sizeof *to->radii, &to->radii, error));
+    return copy_array(from->colors, vertices, sizeof *to->colors, &to->colors, error);
+}
+
+static iso_status copy_glyphs(const iso_glyph_arrays *from, iso_glyphs *to, iso_error *error) {
+    if (!from->count) return iso_fail(error, ISO_ERR_EMPTY, "there are no points");
+    to->count = from->count;
+    ISO_TRY(copy_array(from->positions, to->count, sizeof *to->positions, &to->positions, error));
+    ISO_TRY(copy_array(from->radii, to->count, sizeof *to->radii, &to->radii, error));
+    ISO_TRY(copy_array(from->directions, to->count, sizeof *to->directions, &to->directions, error));
+    ISO_TRY(copy_array(from->axes, to->count, sizeof *to->axes, &to->axes, error));
+    return copy_array(from->colors, to->count, sizeof *to->colors, &to->colors, error);
+}
+
+/* ---- what all sets have */
+
+static iso_status begin(const iso_shape_set_opts *opts, iso_shape_set **set, iso_error *error) {
+    if (!(opts->radius >= 0) || !isfinite(opts->radius))
+        return iso_fail(error, ISO_ERR_USAGE, "a radius of %g mm", opts->radius);
+    if (opts->glyph < ISO_GLYPH_SPHERE || opts->glyph >= ISO_GLYPH_COUNT)
+        return iso_fail(error, ISO_ERR_USAGE, "there is no glyph %d", (int)opts->glyph);
+    *set = iso_alloc_zero(1, sizeof **set);
+    if (!*set) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a set of shapes");
+    (*set)->has_color = opts->color != NULL;
+    if (opts->color) (*set)->color = *opts->color;
+    return ISO_OK;
+}
+
+/* Prepares a set that has been filled; after a failure, also one of `status`, frees it. */
+static iso_status finish(iso_status status, iso_shape_set *made, const iso_shape_set_opts *opts,
+                         iso_shape_set **set, iso_error *error) {
+    const bool lines = made->lines.line_count > 0;
+    if (made->has_color) { /* one colour is given for all */
+        iso_free(made->lines.colors);
+        iso_free(made->glyphs.colors);
+        made->lines.colors = made->glyphs.colors = NULL;
+    }
+    iso_shapes_opts how = {.radius = opts->radius,
+                           .glyph = opts->glyph,
+                           .min_pixels = opts->true_width ? 0 : 1,
+                           .caps = opts->flat_caps ? ISO_CAPS_FLAT : ISO_CAPS_ROUND};
+    if (!(how.radius > 0))
+        how.radius = lines ? iso_lines_usual_radius(&made->lines) : iso_glyphs_usual_radius(&made->glyphs);
+    if (status == ISO_OK)
+        status = lines ? iso_shapes_from_lines(&made->lines, &how, &made->shapes, error)
+                       : iso_shapes_from_glyphs(&made->glyphs, &how, &made->shapes, error);
+    if (status == ISO_OK && !iso_shapes_stats(made->shapes).shapes)
+        status = iso_fail(error, ISO_ERR_EMPTY, "no shape can be drawn");
+    if (status == ISO_OK)
+        *set = made;
+    else
+        iso_shape_set_destroy(made);
+    return status;
+}
+
+static const iso_shape_set_opts defaults;
+
+iso_status iso_shape_set_of_lines(const iso_line_arrays *lines, const iso_shape_set_opts *opts,
+                                  iso_shape_set **set, iso_error *error) {
+    iso_shape_set *made;
+    if (!opts) opts = &defaults;
+    ISO_TRY(begin(opts, &made, error));
+    return finish(copy_lines(lines, &made->lines, error), made, opts, set, error);
+}
+
+iso_status iso_shape_set_of_glyphs(const iso_glyph_arrays *glyphs, const iso_shape_set_opts *opts,
+                                   iso_shape_set **set, iso_error *error) {
+    iso_shape_set *made;
+    if (!opts) opts = &defaults;
+    ISO_TRY(begin(opts, &made, error));
+    return finish(copy_glyphs(glyphs, &made->glyphs, error), made, opts, set, error);
+}
+
+/* ---- files */
+
+static iso_status read_lines(const char *path, const iso_read_opts *reading, iso_lines *lines,
+                             iso_error *error) {
+    if (!path) return iso_fail(error, ISO_ERR_USAGE, "no file is named");
+    ISO_TRY(iso_lines_read(path, reading, lines, error));
+    return lines->line_count ? ISO_OK : iso_fail(error, ISO_ERR_EMPTY, "%s: holds no lines", path);
+}
+
+static iso_status read_glyphs(const char *path, const iso_read_opts *reading, iso_glyphs *glyphs,
+                              iso_error *error) {
+    if (!path) return iso_fail(error, ISO_ERR_USAGE, "no file is named");
+    ISO_TRY(iso_glyphs_read(path, reading, glyphs, error));
+    return glyphs->count ? ISO_OK : iso_fail(error, ISO_ERR_EMPTY, "%s: holds no points", path);
+}
+
+iso_status iso_shape_set_read_lines(const char *path, const iso_shape_set_opts *opts, iso_shape_set **set,
+                                    iso_error *error) {
+    iso_shape_set *made;
+    if (!opts) opts = &defaults;
+    const iso_read_opts reading = {.space = opts->ras ? ISO_SPACE_RAS : ISO_SPACE_FILE};
+    ISO_TRY(begin(opts, &made, error));
+    return finish(read_lines(path, &reading, &made->lines, error), made, opts, set, error);
+}
+
+iso_status iso_shape_set_read_glyphs(const char *path, const iso_shape_set_opts *opts, iso_shape_set **set,
+                                     iso_error *error) {
+    iso_shape_set *made;
+    if (!opts) opts = &defaults;
+    const iso_read_opts reading = {.space = opts->ras ? ISO_SPACE_RAS : ISO_SPACE_FILE};
+    ISO_TRY(begin(opts, &made, error));
+    return finish(read_glyphs(path, &reading, &made->glyphs, error), made, opts, set, error);
+}
+
+void iso_shape_set_destroy(iso_shape_set *set) {
+    if (!set) return;
+    iso_shapes_destroy(set->shapes);
+    iso_lines_free(&set->lines);
+    iso_glyphs_free(&set->glyphs);
+    iso_free(set);
+}
+
+iso_box iso_shape_set_bounds(const iso_shape_set *set) {
+    return iso_shapes_bounds(set->shapes);
+}
