@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "io/scalar_load.h"
+
 static const int type_size[] = {1, 1, 2, 2, 4, 4, 4, 8};
 
 /* ---- values */
@@ -34,45 +36,17 @@ static iso_status read_text_value(iso_ply *ply, double *value, iso_error *error)
     return iso_fail(error, ISO_ERR_FORMAT, "%s: damaged: \"%s\" is not a number", ply->in.path, token);
 }
 
-static double to_signed(uint64_t bits, uint64_t sign) {
-    return bits & sign ? -(double)(2 * sign - bits) : (double)bits;
-}
-
-static double decode_value(iso_ply_type type, uint64_t bits) {
-    switch (type) {
-    case ISO_PLY_INT8:
-        return to_signed(bits, UINT64_C(1) << 7);
-    case ISO_PLY_INT16:
-        return to_signed(bits, UINT64_C(1) << 15);
-    case ISO_PLY_INT32:
-        return to_signed(bits, UINT64_C(1) << 31);
-    case ISO_PLY_FLOAT32: {
-        uint32_t half = (uint32_t)bits;
-        float number;
-        memcpy(&number, &half, sizeof number);
-        return (double)number;
-    }
-    case ISO_PLY_FLOAT64: {
-        double number;
-        memcpy(&number, &bits, sizeof number);
-        return number;
-    }
-    default:
-        return (double)bits;
-    }
-}
+/* By iso_ply_type. */
+static const iso_scalar scalars[] = {ISO_SCALAR_INT8,   ISO_SCALAR_UINT8, ISO_SCALAR_INT16,
+                                     ISO_SCALAR_UINT16, ISO_SCALAR_INT32, ISO_SCALAR_UINT32,
+                                     ISO_SCALAR_FLOAT,  ISO_SCALAR_DOUBLE};
 
 iso_status iso_ply_read_value(iso_ply *ply, iso_ply_type type, double *value, iso_error *error) {
     if (ply->format == ISO_PLY_ASCII) return read_text_value(ply, value, error);
-    int size = type_size[type];
-    if (!iso_stream_fill(&ply->in, (size_t)size)) return iso_stream_fail(&ply->in, error);
-    uint64_t bits = 0;
-    for (int i = 0; i < size; i++) {
-        uint64_t byte = ply->in.buffer[ply->in.place + (size_t)i];
-        bits |= byte << 8 * (ply->format == ISO_PLY_LITTLE ? i : size - 1 - i);
-    }
-    iso_stream_advance(&ply->in, (size_t)size);
-    *value = decode_value(type, bits);
+    const size_t size = (size_t)type_size[type];
+    if (!iso_stream_fill(&ply->in, size)) return iso_stream_fail(&ply->in, error);
+    *value = iso_scalar_load(ply->in.buffer + ply->in.place, scalars[type], ply->format == ISO_PLY_BIG);
+    iso_stream_advance(&ply->in, size);
     return ISO_OK;
 }
 

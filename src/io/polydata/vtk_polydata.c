@@ -12,8 +12,8 @@
 #include <strings.h>
 
 #include "io/polydata/polydata.h"
-#include "io/polydata/scalar_load.h"
 #include "io/rows.h"
+#include "io/scalar_load.h"
 
 enum { WORD = 128 };
 

@@ -15,8 +15,8 @@
 #include <zlib.h>
 
 #include "io/polydata/polydata.h"
-#include "io/polydata/scalar_load.h"
 #include "io/rows.h"
+#include "io/scalar_load.h"
 
 enum { ARRAYS = 512, NAME = ISO_COLUMN_NAME, TEXT = 256 };
 

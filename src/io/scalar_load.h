@@ -1,6 +1,6 @@
 /* scalar_load: numbers of any type from bytes of either order. Internal to src/io. */
-#ifndef ISO_IO_POLYDATA_SCALAR_LOAD_H
-#define ISO_IO_POLYDATA_SCALAR_LOAD_H
+#ifndef ISO_IO_SCALAR_LOAD_H
+#define ISO_IO_SCALAR_LOAD_H
 
 #include <string.h>
 
