@@ -127,8 +127,9 @@ static iso_status prepare_lines(isorender_object *object, double line_min_pixels
 
 static iso_status prepare_glyphs(isorender_object *object, iso_error *error) {
     const double given = object->settings->radius;
-    const iso_shapes_opts opts = {.glyph = object->settings->glyph,
-                                  .radius = isnan(given) ? iso_glyphs_usual_radius(&object->glyphs) : given};
+    const iso_shapes_opts opts = {
+        .glyph = object->settings->glyph,
+        .radius = isnan(given) ? iso_glyphs_usual_radius(&object->glyphs, object->settings->glyph) : given};
     return iso_shapes_from_glyphs(&object->glyphs, &opts, &object->shapes, error);
 }
 

@@ -71,7 +71,8 @@ static iso_status finish(iso_status status, iso_shape_set *made, const iso_shape
                            .min_pixels = opts->true_width ? 0 : 1,
                            .caps = opts->flat_caps ? ISO_CAPS_FLAT : ISO_CAPS_ROUND};
     if (!(how.radius > 0))
-        how.radius = lines ? iso_lines_usual_radius(&made->lines) : iso_glyphs_usual_radius(&made->glyphs);
+        how.radius = lines ? iso_lines_usual_radius(&made->lines)
+                           : iso_glyphs_usual_radius(&made->glyphs, opts->glyph);
     if (status == ISO_OK)
         status = lines ? iso_shapes_from_lines(&made->lines, &how, &made->shapes, error)
                        : iso_shapes_from_glyphs(&made->glyphs, &how, &made->shapes, error);

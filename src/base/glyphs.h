@@ -36,9 +36,10 @@ typedef struct iso_glyphs {
 void iso_glyphs_free(iso_glyphs *glyphs);
 /* World box of all positions, without sizes; empty when there are none. */
 iso_box iso_glyphs_bounds(const iso_glyphs *glyphs);
-/* The radius in mm of glyphs without sizes: a seventh of their mean distance if they fill their box evenly,
- * but not more than a 150th of its diagonal. Above 0. */
-double iso_glyphs_usual_radius(const iso_glyphs *glyphs);
+/* The radius in mm with which glyphs without sizes are drawn: a seventh of their mean distance if they fill
+ * their box evenly, but not more than a 150th of its diagonal. 0 for cones, cylinders and arrows: theirs
+ * follows from their length. */
+double iso_glyphs_usual_radius(const iso_glyphs *glyphs, iso_glyph glyph);
 
 #ifdef __cplusplus
 }

@@ -73,7 +73,8 @@ iso_box iso_glyphs_bounds(const iso_glyphs *glyphs) {
     return bounds_of(glyphs->origin, (const float(*)[3])glyphs->positions, glyphs->count);
 }
 
-double iso_glyphs_usual_radius(const iso_glyphs *glyphs) {
+double iso_glyphs_usual_radius(const iso_glyphs *glyphs, iso_glyph glyph) {
+    if (glyph == ISO_GLYPH_CONE || glyph == ISO_GLYPH_CYLINDER || glyph == ISO_GLYPH_ARROW) return 0;
     const iso_box box = iso_glyphs_bounds(glyphs);
     const double size = iso_vec3_length(iso_vec3_sub(box.hi, box.lo)),
                  radius = fmin(size / cbrt((double)glyphs->count) / 7, size / 150);
