@@ -249,23 +249,12 @@ bool iso_near_fits(const iso_shapes_frame *frame, double front, double reach) {
     return front > reach * 1e-3 && reach * frame->focal < ISO_SHAPES_LARGE * front;
 }
 
-/* A depth that no visible point of a sphere is nearer than. If the eye is inside, the surface is at least a
- * gap away from it, in any direction. */
-static double nearest_of(const iso_shapes_frame *frame, const double centre[3], double radius) {
-    const iso_gbuffer *g = frame->target->gbuffer;
-    double nearest = centre[2] - radius;
-    if (!frame->parallel && dot(centre, centre) < radius * radius) {
-        const double u = fabs(frame->cx) + g->width, v = fabs(frame->cy - frame->top) + g->height,
-                     gap = radius - sqrt(dot(centre, centre));
-        nearest = gap / sqrt((u * u + v * v) / (frame->focal * frame->focal) + 1);
-    }
-    return (nearest > frame->near ? nearest : frame->near) * (1 - 1e-6);
-}
-
 iso_near_shape iso_near_sphere(const iso_shapes_frame *frame, const double centre[3], double radius,
                                uint32_t id) {
-    iso_near_shape shape = {
-        .radius = {radius, radius}, .nearest = nearest_of(frame, centre, radius), .id = id};
+    const double front = centre[2] - radius;
+    iso_near_shape shape = {.radius = {radius, radius},
+                            .nearest = (front > frame->near ? front : frame->near) * (1 - 1e-6),
+                            .id = id};
     for (int a = 0; a < 3; a++) shape.end[0][a] = shape.end[1][a] = centre[a];
     return shape;
 }
@@ -308,13 +297,32 @@ static void draw_tile(iso_shapes_bin *bin, const iso_near_shape *shape, int x0, 
     *farthest = most;
 }
 
+/* A depth that no sample of a tile is nearer than. Where the eye is inside a sphere, the distance to the
+ * sphere is least in the direction of the tile's cone of rays that points farthest away from the sphere's
+ * centre. */
+static double nearest_in_tile(const iso_shapes_frame *frame, const iso_near_shape *shape, int x, int y) {
+    const double *c = shape->end[0], inside = shape->radius[0] * shape->radius[0] - dot(c, c);
+    const double half =
+        (ISO_SHAPES_TILE / 2) * 1.42 / frame->focal; /* sine of the cone's half angle, at most */
+    if (shape->kind != ISO_SHAPE_SPHERE || frame->parallel || !(inside > 0) || !(half < 0.5))
+        return shape->nearest;
+    const ray r = ray_of(frame, x + ISO_SHAPES_TILE / 2, y + ISO_SHAPES_TILE / 2);
+    const double length = sqrt(dot(r.direction, r.direction)), along = dot(c, r.direction) / length,
+                 across = sqrt(fmax(dot(c, c) - along * along, 0));
+    const double wide = half + 1 / frame->focal; /* the tile's middle is half a pixel beside that ray */
+    const double least = along * (along > 0 ? 1 - wide * wide : 1) - across * wide;
+    const double distance = least + sqrt(least * least + inside);
+    return fmax(shape->nearest, distance / (length + wide) * (1 - 1e-6));
+}
+
 void iso_near_draw(iso_shapes_bin *bin, const iso_near_shape *shape) {
-    for (int row = 0; row < ISO_SHAPES_TILES; row++)
-        for (int column = 0; column < ISO_SHAPES_TILES; column++) {
+    for (int y = bin->rect.y0; y <= bin->rect.y1; y += ISO_SHAPES_TILE)
+        for (int x = bin->rect.x0; x <= bin->rect.x1; x += ISO_SHAPES_TILE) {
+            const int row = (y - bin->rect.y0) / ISO_SHAPES_TILE,
+                      column = (x - bin->rect.x0) / ISO_SHAPES_TILE;
             float *farthest = &bin->farthest[row * ISO_SHAPES_TILE_PITCH + column];
-            if (shape->nearest < (double)*farthest)
-                draw_tile(bin, shape, bin->rect.x0 + column * ISO_SHAPES_TILE,
-                          bin->rect.y0 + row * ISO_SHAPES_TILE, farthest);
+            if (nearest_in_tile(bin->frame, shape, x, y) < (double)*farthest)
+                draw_tile(bin, shape, x, y, farthest);
         }
     ((iso_near_shape *)bin->near.data)[bin->near_count++] = *shape;
 }

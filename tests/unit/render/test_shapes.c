@@ -1,5 +1,6 @@
 /* Shapes against rays in extended precision: outlines, depths and normals of glyphs of all sizes in the
  * picture and at all distances; and the same bytes for every instruction set, number of threads and strip. */
+#include "base/memory.h"
 #include "check_support.h"
 #include "scene_support.h"
 #include "shapes_support.h"
@@ -164,6 +165,36 @@ static void test_layers(void **state) {
     iso_shapes_destroy(shapes);
 }
 
+/* Very many spheres that each cover the picture, in front of the eye and around it: most are skipped. */
+static void test_many_large(void **state) {
+    (void)state;
+    enum { MANY = 200000 };
+    iso_glyphs many = {.positions = iso_alloc(MANY * sizeof *many.positions), .count = MANY};
+    assert_non_null(many.positions);
+    for (int around = 0; around < 2; around++) {
+        uint32_t seed = 12;
+        for (size_t i = 0; i < MANY; i++)
+            for (int a = 0; a < 3; a++) many.positions[i][a] = (float)(10 * uniform(&seed) - 5);
+        const iso_vec3 away = around ? iso_vec3_make(3, 4, -5) : iso_vec3_make(60, 35, -80);
+        const iso_view view = test_shapes_view(many.origin, away, around ? 1 : 10, false);
+        const iso_shapes_scene judged = {&many, NULL, {.radius = 40}};
+        iso_shapes *shapes = test_shapes_make(&judged);
+        iso_gbuffer g = test_shapes_drawn(&view, shapes, NULL);
+        iso_shapes_truth *truth;
+        iso_error error = {0};
+        test_ok(iso_shapes_truth_create(&judged, &view, &truth, &error), &error);
+        for (int i = 0; i < 4; i++) {
+            const int x = (i * 17 + 3) % view.width, y = (i * 29 + 5) % view.height;
+            near((double)g.depth[y * view.width + x], iso_shapes_truth_ray(truth, x + 0.5, y + 0.5).depth,
+                 1e-3);
+        }
+        iso_shapes_truth_destroy(truth);
+        iso_gbuffer_free(&g);
+        iso_shapes_destroy(shapes);
+    }
+    iso_glyphs_free(&many);
+}
+
 static void test_bad_glyphs(void **state) {
     (void)state;
     const iso_vec3 zero = {0};
@@ -229,8 +260,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_spheres),      cmocka_unit_test(test_far_spheres),
         cmocka_unit_test(test_near_spheres), cmocka_unit_test(test_same_bytes),
-        cmocka_unit_test(test_layers),       cmocka_unit_test(test_bad_glyphs),
-        cmocka_unit_test(test_bounds_along),
+        cmocka_unit_test(test_layers),       cmocka_unit_test(test_many_large),
+        cmocka_unit_test(test_bad_glyphs),   cmocka_unit_test(test_bounds_along),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
