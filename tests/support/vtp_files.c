@@ -109,9 +109,10 @@ static void put_array(writer *w, const char *type, const char *name, int compone
 /* Adds a number to the array that is being made, in its type and as text. */
 static void add_number(writer *w, char type, double number, char *text) {
     const float single = (float)number;
-    const int16_t whole = (int16_t)number;
-    const int64_t large = (int64_t)number;
-    const uint8_t byte = (uint8_t)number;
+    /* as each type only where it is that: others may not hold the number */
+    const int16_t whole = type == 's' ? (int16_t)number : 0;
+    const int64_t large = type == 'l' ? (int64_t)number : 0;
+    const uint8_t byte = type == 'b' ? (uint8_t)number : 0;
     if (type == 'f') put_ordered(w, &w->values, &single, 4);
     if (type == 'd') put_ordered(w, &w->values, &number, 8);
     if (type == 's') put_ordered(w, &w->values, &whole, 2);
