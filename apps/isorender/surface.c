@@ -285,8 +285,8 @@ static void warn_of_space(const isorender_job *job, const isorender_object *obje
     if (iso_box_is_empty(all) || overlap(&box, all)) return;
     isorender_log(
         job,
-        "note: %s lies beside the surface: %.4g %.4g %.4g .. %.4g %.4g %.4g mm, the surface %.4g %.4g "
-        "%.4g .. %.4g %.4g %.4g: should it be read with --space %s?",
+        "note: %s lies beside the rest: %.4g %.4g %.4g .. %.4g %.4g %.4g mm, the rest %.4g %.4g %.4g .. "
+        "%.4g %.4g %.4g: should it be read with --space %s?",
         object->settings->path, box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y, box.hi.z, all->lo.x,
         all->lo.y, all->lo.z, all->hi.x, all->hi.y, all->hi.z,
         object->report.space == ISO_SPACE_RAS ? "lps" : "ras");
@@ -299,8 +299,8 @@ static iso_status prepare_objects(isorender_job *job, iso_error *error) {
         if (!object->settings->colored) object->color = iso_shading_palette(job->surface_count + i);
         ISO_TRY(isorender_object_prepare(object, job->settings->line_min_pixels, error));
         warn_of_space(job, object);
+        iso_bounds_add(&job->bounds_world, &object->bounds);
     }
-    for (int i = 0; i < job->object_count; i++) iso_bounds_add(&job->bounds_world, &job->objects[i].bounds);
     return ISO_OK;
 }
 

@@ -29,6 +29,9 @@ assert dots["objects"][0]["glyphs"] == 3 and dots["objects"][0]["range"] == [0, 
 assert [o["path"] for o in every["objects"]] == ["in/axis.swc", "in/two.obj", "in/dots.csv"]
 assert every["image"]["layers"]["most"] >= 2 and mesh["objects"][0]["triangles"] > 1000
 P
+printf '1 1 90 0 0 1 -1\n2 1 95 0 0 1 1\n' >in/far.swc
+isorender --lines in/axis.swc --lines in/far.swc far.png 2>notes # each file against those before it
+[ "$(grep -c "in/far.swc lies beside the rest: .* --space ras" notes)" = 1 ]
 isorender --info --glyphs in/dots.csv >info
 isorender --info --lines in/two.obj >>info
 grep -q "heat: 1 .. 5" info
