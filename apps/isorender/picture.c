@@ -221,7 +221,8 @@ static iso_status render_frame(isorender_job *job, int frame, canvas *c, iso_err
     ISO_TRY(render_picture(job, &opts, &c->image, &job->frames[frame], error));
     job->seconds.render += iso_clock_seconds() - start;
     if (job->frames[frame].covered == 0)
-        return iso_fail(error, ISO_ERR_EMPTY, "nothing of the surface is in view");
+        return iso_fail(error, ISO_ERR_EMPTY,
+                        job->object_count ? "nothing is in view" : "nothing of the surface is in view");
     ISO_TRY(annotate(job, &camera, &c->image, error));
     /* (a few milliseconds, byte by byte) */
     if (settings->common.json) job->frames[frame].hash = hash_image(&c->image);

@@ -32,6 +32,11 @@ P
 printf '1 1 90 0 0 1 -1\n2 1 95 0 0 1 1\n' >in/far.swc
 isorender --lines in/axis.swc --lines in/far.swc far.png 2>notes # each file against those before it
 [ "$(grep -c "in/far.swc lies beside the rest: .* --space ras" notes)" = 1 ]
+code=0
+isorender --lines in/axis.swc none.png --zoom 50 --camera-focal-point 0,0,30 2>notes || code=$?
+[ $code -eq 6 ]
+grep -q "nothing is in view" notes
+[ ! -e none.png ]
 isorender --info --glyphs in/dots.csv >info
 isorender --info --lines in/two.obj >>info
 grep -q "heat: 1 .. 5" info

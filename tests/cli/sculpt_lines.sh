@@ -12,5 +12,6 @@ P
 isorender a.vdb a.png --quiet
 code=0
 isosculpt --open in/capsule.swc --crop 0,1,0,1,0,1 --headless --mesh b.stl 2>said || code=$?
-[ $code -eq 2 ] && grep -q "is a file of lines: --crop needs a volume" said
+[ $code -eq 2 ]
+grep -q "is a file of lines: --crop needs a volume" said
 rm said
