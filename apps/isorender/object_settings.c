@@ -108,6 +108,14 @@ static iso_status set_lines(const isorender_object_options *options, int number,
     return set_color("line-color", value_for(&options->line_colors, number), object, error);
 }
 
+static iso_status set_projection(const char *value, isorender_object_settings *object, iso_error *error) {
+    static const char *const names[] = {"exact", "billboard", NULL};
+    int projection = ISO_GLYPH_PROJECTION_EXACT;
+    if (value) ISO_TRY(choose("glyph-projection", value, names, &projection, error));
+    object->projection = (iso_glyph_projection)projection;
+    return ISO_OK;
+}
+
 /* number: of the glyphs. */
 static iso_status set_glyphs(const isorender_object_options *options, int number,
                              isorender_object_settings *object, iso_error *error) {
@@ -118,6 +126,7 @@ static iso_status set_glyphs(const isorender_object_options *options, int number
     int glyph = ISO_GLYPH_SPHERE;
     if (value) ISO_TRY(choose("glyph", value, names, &glyph, error));
     object->glyph = (iso_glyph)glyph;
+    ISO_TRY(set_projection(value_for(&options->projections, number), object, error));
     ISO_TRY(set_radius("glyph-radius", value_for(&options->glyph_radii, number), object, error));
     return set_color("glyph-color", value_for(&options->glyph_colors, number), object, error);
 }
@@ -148,6 +157,7 @@ static iso_status check_counts(const isorender_object_options *o, const int coun
                    {"glyph", &o->glyphs, "--glyphs", glyphs},
                    {"glyph-radius", &o->glyph_radii, "--glyphs", glyphs},
                    {"glyph-color", &o->glyph_colors, "--glyphs", glyphs},
+                   {"glyph-projection", &o->projections, "--glyphs", glyphs},
                    {"surface-color", &o->mesh_colors, "--surface", meshes},
                    {"color-by", &o->color_by, both, lines + glyphs},
                    {"colormap", &o->maps, both, lines + glyphs},

@@ -35,6 +35,7 @@ typedef struct isorender_object_settings {
     double range[2]; /* of the colormap; NAN: that of the numbers */
     iso_caps caps;   /* of lines */
     iso_glyph glyph; /* of glyphs */
+    iso_glyph_projection projection;
     iso_space space;
     int every;
 } isorender_object_settings;
@@ -45,11 +46,11 @@ typedef struct isorender_object_options {
     const char *paths[ISORENDER_OBJECTS];
     isorender_object_kind kinds[ISORENDER_OBJECTS];
     int count;
-    iso_texts tube_radii, line_colors, caps;     /* by number of the lines */
-    iso_texts glyph_radii, glyph_colors, glyphs; /* by number of the glyphs */
-    iso_texts mesh_colors;                       /* by number of the mesh */
-    iso_texts color_by, maps, ranges, every;     /* by number of the object that is no mesh */
-    iso_texts spaces;                            /* by number of the object */
+    iso_texts tube_radii, line_colors, caps;                  /* by number of the lines */
+    iso_texts glyph_radii, glyph_colors, glyphs, projections; /* by number of the glyphs */
+    iso_texts mesh_colors;                                    /* by number of the mesh */
+    iso_texts color_by, maps, ranges, every;                  /* by number of the object that is no mesh */
+    iso_texts spaces;                                         /* by number of the object */
 } isorender_object_options;
 
 /* Sets `objects`, in the order of the command line. ISO_ERR_USAGE: a value that cannot be, more values of an

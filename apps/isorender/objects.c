@@ -129,6 +129,7 @@ static iso_status prepare_glyphs(isorender_object *object, iso_error *error) {
     const double given = object->settings->radius;
     const iso_shapes_opts opts = {
         .glyph = object->settings->glyph,
+        .projection = object->settings->projection,
         .radius = isnan(given) ? iso_glyphs_usual_radius(&object->glyphs, object->settings->glyph) : given};
     return iso_shapes_from_glyphs(&object->glyphs, &opts, &object->shapes, error);
 }

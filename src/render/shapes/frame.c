@@ -27,6 +27,8 @@ static iso_shapes_frame frame_of(const iso_target *target, const iso_shapes *sha
                               .parallel = view->orthographic,
                               .length = (float)view->focal,
                               .slope = view->orthographic ? 0 : (float)(1 / view->focal),
+                              .spread =
+                                  view->orthographic || shapes->billboards ? 0 : (float)(1 / view->focal),
                               .fixed = view->orthographic ? (float)(1 / view->focal) : 0,
                               .top = view->above,
                               .columns = (view->width + ISO_SHAPES_BIN - 1) / ISO_SHAPES_BIN,

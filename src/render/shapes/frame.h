@@ -33,8 +33,9 @@ typedef struct iso_shapes_frame {
     double rotation[9], focal, cx, cy, near;
     bool parallel;
     /* The same for kernels. The pixel at (dx, dy) from the projection of a point at depth z has the ray
-     * (k dx, k dy, z) + s (u, v, 1) with k = z * slope + fixed, u = slope * (pixel - cx), v alike. */
-    float turn[9], length, slope, fixed, center_x, center_y; /* length: focal length */
+     * (k dx, k dy, z) + s (u, v, 1) with k = z * slope + fixed, u = spread * (pixel - cx), v alike. `spread`
+     * is the slope, but 0 for billboards, whose rays are parallel. */
+    float turn[9], length, slope, spread, fixed, center_x, center_y; /* length: focal length */
     /* A tube's least radius at depth z is z * least_slope + least_fixed. */
     double least_slope, least_fixed;
     int top;           /* the target's first row in the picture */

@@ -80,6 +80,8 @@ static iso_status check(const iso_glyphs *glyphs, const iso_shapes_opts *opts, i
                sized = glyphs->radii || opts->radius > 0;
     if (glyph < 0 || glyph >= ISO_GLYPH_COUNT)
         return iso_fail(error, ISO_ERR_USAGE, "unknown glyph %d", (int)glyph);
+    if (opts->projection != ISO_GLYPH_PROJECTION_EXACT && opts->projection != ISO_GLYPH_PROJECTION_BILLBOARD)
+        return iso_fail(error, ISO_ERR_USAGE, "unknown projection of glyphs %d", (int)opts->projection);
     if ((glyph == ISO_GLYPH_SPHERE || glyph == ISO_GLYPH_DISC) && !sized)
         return iso_fail(error, ISO_ERR_USAGE, "the glyphs have no radii, and no radius is given");
     if (axes && !glyphs->axes && !sized)
@@ -99,6 +101,7 @@ iso_status iso_shapes_from_glyphs(const iso_glyphs *glyphs, const iso_shapes_opt
     if (!made) return iso_fail_memory(error, "shapes");
     made->kind = opts->glyph == ISO_GLYPH_SPHERE ? ISO_SHAPE_SPHERE : ISO_SHAPE_SOLID;
     made->glyph = opts->glyph;
+    made->billboards = opts->projection == ISO_GLYPH_PROJECTION_BILLBOARD;
     made->radii = glyphs->radii;
     made->directions = (const float(*)[3])glyphs->directions;
     made->axes = (const float(*)[9])glyphs->axes;

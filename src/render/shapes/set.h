@@ -30,6 +30,7 @@ enum { ISO_RUN_STARTS = 1, ISO_RUN_ENDS = 2 };
 struct iso_shapes {
     iso_shape_kind kind;
     iso_glyph glyph; /* of solids */
+    bool billboards; /* of glyphs: iso_shapes_opts.projection */
     double radius, scale, min_pixels;
     iso_caps caps;
     iso_vec3 origin; /* world; everything is relative to it */

@@ -19,12 +19,25 @@
 extern "C" {
 #endif
 
+/* How glyphs are projected. */
+typedef enum iso_glyph_projection {
+    ISO_GLYPH_PROJECTION_EXACT,
+    /* Billboards (Aguirre, Gutierrez and Perrin 2010, "Rendering Large Point Datasets with GPU Shaders",
+     * sections 3 and 4): each glyph is the picture of a parallel projection of it, on a plane through its
+     * centre that is parallel to the picture. Outlines are too small, by 1 - sqrt(1 - (r / d)^2) of a
+     * sphere's radius r at the distance d, and are not stretched beside the optical axis. The same as exact
+     * in parallel views. Glyphs that the near plane cuts or that are huge in the picture are drawn exactly.
+     */
+    ISO_GLYPH_PROJECTION_BILLBOARD
+} iso_glyph_projection;
+
 typedef enum iso_caps { ISO_CAPS_ROUND, ISO_CAPS_FLAT } iso_caps;
 
 typedef struct iso_shapes_opts {
-    double radius;   /* mm; of glyphs and lines without radii */
-    double scale;    /* factor of all sizes, of lines: of their radii; 0 means 1 */
-    iso_glyph glyph; /* the solid that is drawn at each point */
+    double radius;                   /* mm; of glyphs and lines without radii */
+    double scale;                    /* factor of all sizes, of lines: of their radii; 0 means 1 */
+    iso_glyph glyph;                 /* the solid that is drawn at each point */
+    iso_glyph_projection projection; /* of glyphs */
     /* Lines: a tube that would be narrower than so many pixels at a vertex has this width there; 0: tubes are
      * drawn as they are, with gaps where they miss the centres of pixels. */
     double min_pixels;

@@ -186,6 +186,16 @@ static bounds bounds_of(iso_glyph glyph, const double centre[3], const double (*
     return b;
 }
 
+/* A billboard is a parallel projection, scaled by the depth of the glyph's centre. */
+static bounds billboard_bounds(iso_glyph glyph, const double centre[3], const double (*axis)[3]) {
+    bounds b = bounds_of(glyph, centre, axis, true);
+    for (int a = 0; a < 2; a++) {
+        b.low[a] /= centre[2];
+        b.high[a] /= centre[2];
+    }
+    return b;
+}
+
 /* ---- placing */
 
 /* A glyph in view space, with the inverse of its map (rows). */
@@ -253,7 +263,7 @@ static void add_to_chunk(iso_shapes_bin *bin, const placed *p, const iso_shapes_
         c->field[ISO_FIELD_UNIT_X + a][i] = (float)row[0];
         c->field[ISO_FIELD_UNIT_Y + a][i] = (float)row[1];
         c->field[ISO_FIELD_UNIT_RAY + a][i] =
-            (float)(frame->parallel ? row[2] : u * row[0] + v * row[1] + row[2]);
+            (float)(frame->spread == 0 ? row[2] : u * row[0] + v * row[1] + row[2]);
     }
 }
 
@@ -299,7 +309,10 @@ void iso_solid_add(iso_shapes_bin *bin, const iso_shapes_block *block, uint32_t 
         draw_near(bin, &p, id);
         return;
     }
-    const bounds b = bounds_of(set->glyph, p.centre, (const double(*)[3])p.axis, frame->parallel);
+    const double(*axis)[3] = (const double(*)[3])p.axis;
+    const bounds b = set->billboards && !frame->parallel
+                         ? billboard_bounds(set->glyph, p.centre, axis)
+                         : bounds_of(set->glyph, p.centre, axis, frame->parallel);
     const float nearest = (float)(b.front - 1e-5 * reach - 1e-6 * fabs(b.front));
     iso_shapes_rect r;
     if (clip(bin, &b, &r) && !bin->kernel->hidden(bin, &r, nearest)) add_to_chunk(bin, &p, &r, nearest, id);
