@@ -443,14 +443,19 @@ typedef struct iso_aov {
                          where the normals of a pixel's samples cancel */
     float *coverage;  /* share of covered samples, 0 .. 1; with translucent surfaces: alpha */
     float *layers;    /* mean number of layers of a pixel's samples; NULL: all surfaces are opaque */
-    float voxel;      /* smallest voxel spacing of what is shown, mm; 0 when unknown */
+    /* What the nearest sample of a pixel shows, counted from 1; 0 where empty. Which surface: surfaces in
+     * their order, then sets of shapes. Which of its glyphs, lines or triangles; 0: a surface of a volume.
+     * Which segment of the line; 0: no line. NULL: not known. */
+    uint32_t *ids[3];
+    float voxel; /* smallest voxel spacing of what is shown, mm; 0 when unknown */
 } iso_aov;
 
 /* Frees the planes and zeroes the struct. One of zeros is fine. */
 ISO_API void iso_aov_free(iso_aov *aov);
 
-/* Writes OpenEXR, 32-bit floats: Z, N.X N.Y N.Z, A; the file appears whole or not at all. ISO_ERR_UNSUPPORTED
- * without OpenEXR; ISO_ERR_USAGE ("-" cannot be written to), ISO_ERR_WRITE. */
+/* Writes OpenEXR: Z, N.X N.Y N.Z, A and, if they are known, layers as 32-bit floats, id.surface, id.element
+ * and id.segment as 32-bit integers. The file appears whole or not at all. ISO_ERR_UNSUPPORTED without
+ * OpenEXR; ISO_ERR_USAGE ("-" cannot be written to), ISO_ERR_WRITE. */
 ISO_API iso_status iso_aov_write(const iso_aov *aov, const char *path, iso_error *error);
 
 /* Reads such a picture, also of other programs. ISO_ERR_IO, ISO_ERR_FORMAT, ISO_ERR_UNSUPPORTED. */
@@ -532,7 +537,7 @@ typedef struct iso_render_opts {
     iso_shape_set *const
         *shapes; /* drawn in the picture, too, in front of or behind the surfaces; by any method */
     int shapes_count;
-    iso_aov *aov; /* gets depth, normals and coverage as well; NULL: not wanted */
+    iso_aov *aov; /* gets depth, normals and coverage as well, and ids with shapes; NULL: not wanted */
 } iso_render_opts;
 
 /* Renders a surface on the cpu. `image` (and opts->aov) hold zeros or an earlier picture, whose memory is

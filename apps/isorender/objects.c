@@ -172,6 +172,11 @@ iso_status isorender_object_draw(isorender_object *object, const iso_target *tar
     return iso_draw_mesh(target, &view, error);
 }
 
+void isorender_object_number(const isorender_object *object, uint32_t surface, iso_aov *aov) {
+    if (has_lines(object)) iso_aov_number_lines(aov, surface, &object->lines);
+    if (object->spans.numbers) iso_aov_renumber(aov, surface, object->spans.numbers);
+}
+
 void isorender_object_free(isorender_object *object) {
     iso_shapes_destroy(object->shapes);
     iso_triangle_spans_free(&object->spans);

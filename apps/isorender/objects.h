@@ -6,6 +6,7 @@
 #include "apps/isorender/object_settings.h"
 #include "base/parallel.h"
 #include "image/annotate.h"
+#include "image/aov.h"
 #include "io/mesh_read.h"
 #include "io/read_opts.h"
 #include "render/raster/raster.h"
@@ -50,6 +51,9 @@ iso_box isorender_object_bounds_along(const isorender_object *object, const iso_
 
 /* Draws it, as iso_draw_shapes and iso_draw_mesh do. */
 iso_status isorender_object_draw(isorender_object *object, const iso_target *target, iso_error *error);
+
+/* Counts the elements of its surface, whose number from 1 is given, as the file does. */
+void isorender_object_number(const isorender_object *object, uint32_t surface, iso_aov *aov);
 
 /* A member of the report: file, format, counts, box. */
 void isorender_object_put(iso_json *json, const isorender_object *object);

@@ -394,7 +394,9 @@ static const iso_option options[] = {
     {"aov", NULL, "FILE.exr",
      "write depth Z (mm along the view), normal N.X N.Y N.Z (world, out of the solid) and coverage A of "
      "every pixel "
-     "as OpenEXR floats: means over its covered samples",
+     "as OpenEXR floats: means over its covered samples; with several surfaces, lines, glyphs or meshes also "
+     "id.surface, id.element (glyph, line or triangle) and id.segment (of the line) of the nearest sample as "
+     "integers: from 1, 0 where there is none",
      .group = OUTPUT, TEXT(aov), UNRECORDED},
     {"no-image", "no-render", NULL, "make no picture", .group = OUTPUT, FLAG(no_image), UNRECORDED},
     {"info", NULL, NULL, "no picture: header, matrix, value range, histogram, suggested isovalues, memory",

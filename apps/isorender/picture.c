@@ -200,6 +200,17 @@ static iso_status render_picture(isorender_job *job, iso_picture_opts *opts, iso
     return iso_picture_render(opts, image, &frame->covered, error);
 }
 
+/* Whether a pixel can show one of several things, whose ids --aov writes. */
+static bool has_ids(const isorender_settings *settings) {
+    return settings->aov && (settings->object_options.count || settings->isovalue_count > 1);
+}
+
+static void number_elements(const isorender_job *job, iso_aov *aov) {
+    for (int i = 0; i < job->surface_count; i++) iso_aov_unnumber(aov, (uint32_t)i + 1);
+    for (int i = 0; i < job->object_count; i++)
+        isorender_object_number(&job->objects[i], (uint32_t)(job->surface_count + i + 1), aov);
+}
+
 static iso_status render_frame(isorender_job *job, int frame, canvas *c, iso_error *error) {
     const isorender_settings *settings = job->settings;
     iso_camera camera = isorender_camera_of_frame(job, frame);
@@ -219,6 +230,7 @@ static iso_status render_frame(isorender_job *job, int frame, canvas *c, iso_err
                              .aov = c->aov.depth ? &c->aov : NULL};
     double start = iso_clock_seconds();
     ISO_TRY(render_picture(job, &opts, &c->image, &job->frames[frame], error));
+    number_elements(job, &c->aov);
     job->seconds.render += iso_clock_seconds() - start;
     if (job->frames[frame].covered == 0)
         return iso_fail(error, ISO_ERR_EMPTY,
@@ -276,6 +288,7 @@ uint64_t isorender_picture_bytes(const isorender_job *job) {
     uint64_t pixels = (uint64_t)settings->width * (uint64_t)settings->height;
     uint64_t samples = pixels * (uint64_t)settings->samples * SAMPLE;
     uint64_t aov = settings->aov ? pixels * (ISO_AOV_PLANES + 1) * sizeof(float) : 0;
+    if (has_ids(settings)) aov += pixels * ISO_ID_PLANES * sizeof(uint32_t);
     uint64_t bytes = 4 * pixels + aov + (samples < STRIP ? samples : STRIP);
     if (settings->opacity_count) bytes += (uint64_t)iso_pool_threads(job->pool) * ISO_EXACT_LAYERS_BYTES;
     if (settings->ior > 0)
@@ -312,6 +325,7 @@ iso_status isorender_render(isorender_job *job, iso_error *error) {
     if (status == ISO_OK && job->plan->aov)
         status = iso_aov_create(settings->width, settings->height, &c.aov, error);
     if (status == ISO_OK && job->plan->aov && job->translucent) status = iso_aov_add_layers(&c.aov, error);
+    if (status == ISO_OK && has_ids(settings)) status = iso_aov_add_ids(&c.aov, error);
     c.aov.voxel = smallest_spacing(job);
     double start = iso_clock_seconds();
     if (status == ISO_OK && job->backend->engine) status = isorender_gl_upload(job, error);

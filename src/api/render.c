@@ -141,6 +141,21 @@ static iso_status make_room(int width, int height, iso_image *image, iso_aov *ao
     return iso_aov_create(width, height, aov, error);
 }
 
+/* Ids are for pictures with shapes. */
+static iso_status make_room_for_ids(int shapes, iso_aov *aov, iso_error *error) {
+    if (aov && shapes) return iso_aov_add_ids(aov, error);
+    if (aov) iso_aov_remove_ids(aov);
+    return ISO_OK;
+}
+
+/* Counts elements as users do. */
+static void number_elements(const rendering *r, iso_aov *aov) {
+    for (int i = 0; i < r->count; i++) iso_aov_unnumber(aov, (uint32_t)i + 1);
+    for (int i = 0; i < r->shapes_count; i++)
+        if (r->shapes[i]->lines.line_count)
+            iso_aov_number_lines(aov, (uint32_t)(r->count + i + 1), &r->shapes[i]->lines);
+}
+
 static float smallest_spacing(const rendering *r) {
     double smallest = INFINITY;
     for (int i = 0; i < r->count; i++)
@@ -244,6 +259,7 @@ iso_status iso_render_surfaces(iso_surface *const *surfaces, int count, const is
     const int width = r.picture.width, height = r.picture.height;
     iso_box box;
     ISO_TRY(make_room(width, height, image, opts->aov, error));
+    ISO_TRY(make_room_for_ids(opts->shapes_count, opts->aov, error));
     ISO_TRY(set_up_layers(&r, opts, error));
     ISO_TRY(prepare(&r, &box, error));
     if (opts->camera)
@@ -254,6 +270,7 @@ iso_status iso_render_surfaces(iso_surface *const *surfaces, int count, const is
     size_t covered = 0;
     ISO_TRY(is_painted(&r) ? paint(&r, image, &covered, error)
                            : iso_picture_render(&r.picture, image, &covered, error));
+    if (opts->aov) number_elements(&r, opts->aov);
     return covered ? ISO_OK : iso_fail(error, ISO_ERR_EMPTY, "nothing of the surface is in view");
 }
 

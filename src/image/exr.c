@@ -25,14 +25,23 @@ bool iso_exr_available(void) {
 
 /* ---- channels */
 
-/* The planes of an aov in the order of the file, which is that of their names. The last one is optional. */
-enum { LAYERS_CHANNEL = ISO_AOV_PLANES, CHANNELS };
-static const char *const channel_names[CHANNELS] = {"A", "N.X", "N.Y", "N.Z", "Z", "layers"};
+/* The planes of an aov. Those from LAYERS_CHANNEL on are optional, and from ID_CHANNELS on integers. */
+enum { LAYERS_CHANNEL = ISO_AOV_PLANES, ID_CHANNELS, CHANNELS = ID_CHANNELS + ISO_ID_PLANES };
+static const char *const channel_names[CHANNELS] = {"A",      "N.X",        "N.Y",        "N.Z",       "Z",
+                                                    "layers", "id.surface", "id.element", "id.segment"};
 
-static float *plane_of(const iso_aov *aov, int channel) {
-    float *const planes[CHANNELS] = {aov->coverage,  aov->normal[0], aov->normal[1],
-                                     aov->normal[2], aov->depth,     aov->layers};
-    return planes[channel];
+/* Bytes of a value in memory, float or integer. */
+enum { VALUE = 4 };
+
+/* NULL: the aov does not have the plane. */
+static char *plane_of(const iso_aov *aov, int channel) {
+    float *const planes[ID_CHANNELS] = {aov->coverage,  aov->normal[0], aov->normal[1],
+                                        aov->normal[2], aov->depth,     aov->layers};
+    return channel < ID_CHANNELS ? (char *)planes[channel] : (char *)aov->ids[channel - ID_CHANNELS];
+}
+
+static exr_pixel_type_t type_of(int channel) {
+    return channel < ID_CHANNELS ? EXR_PIXEL_FLOAT : EXR_PIXEL_UINT;
 }
 
 /* The channels of a picture of colours. */
@@ -177,13 +186,13 @@ typedef struct writer {
 static void set_encode_planes(const writer *w, exr_encode_pipeline_t *pipeline) {
     for (int i = 0; i < pipeline->channel_count; i++) {
         exr_coding_channel_info_t *channel = &pipeline->channels[i];
-        const float *plane = plane_of(w->aov, channel_number(channel_names, CHANNELS, channel->channel_name));
-        const float *first = plane + (size_t)pipeline->chunk.start_y * (size_t)w->aov->width;
-        channel->encode_from_ptr = (const uint8_t *)first;
-        channel->user_pixel_stride = (int32_t)sizeof(float);
-        channel->user_line_stride = (int32_t)sizeof(float) * w->aov->width;
-        channel->user_bytes_per_element = sizeof(float);
-        channel->user_data_type = EXR_PIXEL_FLOAT;
+        const int number = channel_number(channel_names, CHANNELS, channel->channel_name);
+        const size_t first = (size_t)pipeline->chunk.start_y * (size_t)w->aov->width;
+        channel->encode_from_ptr = (const uint8_t *)(plane_of(w->aov, number) + VALUE * first);
+        channel->user_pixel_stride = VALUE;
+        channel->user_line_stride = VALUE * w->aov->width;
+        channel->user_bytes_per_element = VALUE;
+        channel->user_data_type = (uint16_t)type_of(number);
     }
 }
 
@@ -287,9 +296,9 @@ static bool write_header(writer *w, const iso_exr_info *info) {
                                                           EXR_COMPRESSION_ZIP)) ||
         !succeeded(s, exr_set_zip_compression_level(c, 0, LEVEL)))
         return false;
-    for (int i = 0; i < (w->aov->layers ? CHANNELS : ISO_AOV_PLANES); i++)
-        if (!succeeded(
-                s, exr_add_channel(c, 0, channel_names[i], EXR_PIXEL_FLOAT, EXR_PERCEPTUALLY_LINEAR, 1, 1)))
+    for (int i = 0; i < CHANNELS; i++)
+        if (plane_of(w->aov, i) &&
+            !succeeded(s, exr_add_channel(c, 0, channel_names[i], type_of(i), EXR_PERCEPTUALLY_LINEAR, 1, 1)))
             return false;
     if (!succeeded(s, exr_attr_set_float(c, 0, "isopointVoxel", w->aov->voxel))) return false;
     if (info && !set_info(w, info)) return false;
@@ -336,8 +345,8 @@ typedef struct reader {
     const char *const *names;
     int name_count, needed;
     bool found[CHANNELS];
-    float *planes[CHANNELS]; /* pixel 0 of each channel; NULL: not read */
-    int stride;              /* floats from pixel to pixel */
+    char *planes[CHANNELS]; /* pixel 0 of each channel; NULL: not read */
+    int stride;             /* bytes from pixel to pixel */
 } reader;
 
 static iso_status fail_reading(reader *r, iso_error *error) {
@@ -372,6 +381,10 @@ static iso_status check_channel(const reader *r, const exr_attr_chlist_entry_t *
     return ISO_OK;
 }
 
+static bool is_id(const exr_attr_chlist_entry_t *channel) {
+    return channel->pixel_type == EXR_PIXEL_UINT && channel->x_sampling == 1 && channel->y_sampling == 1;
+}
+
 static iso_status fail_missing(const reader *r, int channel, iso_error *error) {
     return iso_fail(error, ISO_ERR_FORMAT, "%s: channel %s is missing (%s are needed)", r->path,
                     r->names[channel], r->names == color_names ? "R, G and B" : "A, N.X, N.Y, N.Z and Z");
@@ -383,8 +396,8 @@ static iso_status check_channels(reader *r, iso_error *error) {
     for (int i = 0; i < list->num_channels; i++) {
         int channel = channel_number(r->names, r->name_count, list->entries[i].name.str);
         if (channel < 0) continue;
-        ISO_TRY(check_channel(r, &list->entries[i], error));
-        r->found[channel] = true;
+        r->found[channel] = channel < ID_CHANNELS || is_id(&list->entries[i]);
+        if (channel < ID_CHANNELS) ISO_TRY(check_channel(r, &list->entries[i], error));
     }
     for (int i = 0; i < r->needed; i++)
         if (!r->found[i]) return fail_missing(r, i, error);
@@ -416,10 +429,10 @@ static void set_decode_planes(const reader *r, size_t row, exr_decode_pipeline_t
         int plane = channel_number(r->names, r->name_count, channel->channel_name);
         if (plane < 0 || !r->planes[plane]) continue;
         channel->decode_to_ptr = (uint8_t *)(r->planes[plane] + row * (size_t)line);
-        channel->user_pixel_stride = (int32_t)sizeof(float) * r->stride;
-        channel->user_line_stride = (int32_t)sizeof(float) * line;
-        channel->user_bytes_per_element = sizeof(float);
-        channel->user_data_type = EXR_PIXEL_FLOAT;
+        channel->user_pixel_stride = r->stride;
+        channel->user_line_stride = line;
+        channel->user_bytes_per_element = VALUE;
+        channel->user_data_type = (uint16_t)type_of(plane);
     }
 }
 
@@ -456,6 +469,7 @@ static bool check_pixel(iso_aov *aov, size_t pixel) {
         aov->coverage[pixel] = 0; /* not -0 */
         aov->depth[pixel] = INFINITY;
         for (int axis = 0; axis < 3; axis++) *normal[axis] = 0;
+        for (int i = 0; aov->ids[0] && i < ISO_ID_PLANES; i++) aov->ids[i][pixel] = 0;
         return true;
     }
     if (aov->layers && !(aov->layers[pixel] >= 0 && isfinite(aov->layers[pixel]))) return false;
@@ -490,9 +504,12 @@ static iso_status read_chunks(reader *r, iso_pool *pool, iso_error *error) {
 }
 
 static iso_status read_planes(reader *r, iso_pool *pool, iso_aov *aov, iso_error *error) {
+    bool ids = true;
+    for (int i = 0; i < ISO_ID_PLANES; i++) ids &= r->found[ID_CHANNELS + i];
     if (r->found[LAYERS_CHANNEL]) ISO_TRY(iso_aov_add_layers(aov, error));
+    if (ids) ISO_TRY(iso_aov_add_ids(aov, error));
     for (int i = 0; i < CHANNELS; i++) r->planes[i] = plane_of(aov, i);
-    r->stride = 1;
+    r->stride = VALUE;
     ISO_TRY(read_chunks(r, pool, error));
     return check_values(r, aov, error);
 }
@@ -512,8 +529,8 @@ static iso_status read_aov(reader *r, iso_pool *pool, void *out, iso_error *erro
 static iso_status read_colors(reader *r, iso_pool *pool, void *out, iso_error *error) {
     float *rgb = iso_alloc((size_t)r->width * (size_t)r->height * COLORS * sizeof *rgb);
     if (!rgb) return iso_fail_memory(error, r->path);
-    for (int i = 0; i < COLORS; i++) r->planes[i] = rgb + i;
-    r->stride = COLORS;
+    for (int i = 0; i < COLORS; i++) r->planes[i] = (char *)(rgb + i);
+    r->stride = COLORS * VALUE;
     const iso_status status = read_chunks(r, pool, error);
     if (status == ISO_OK)
         *(iso_float_image *)out = (iso_float_image){r->width, r->height, rgb};

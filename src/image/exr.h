@@ -1,7 +1,8 @@
-/* exr: depth, normal and coverage as an OpenEXR picture; pictures of colours.
+/* exr: depth, normal, coverage and ids as an OpenEXR picture; pictures of colours.
  *
- * One part of scanlines, 32-bit float channels Z (depth), N.X N.Y N.Z (normal) and A (coverage), ZIP
- * compressed; the attribute isopointVoxel is iso_aov.voxel. In a build without OpenEXR, reading and writing
+ * One part of scanlines, 32-bit float channels Z (depth), N.X N.Y N.Z (normal) and A (coverage), and where
+ * the aov has them layers, and the unsigned integers id.surface, id.element and id.segment; ZIP compressed;
+ * the attribute isopointVoxel is iso_aov.voxel. In a build without OpenEXR, reading and writing
  * return ISO_ERR_UNSUPPORTED. The bytes do not depend on the number of threads. */
 #ifndef ISO_IMAGE_EXR_H
 #define ISO_IMAGE_EXR_H
@@ -37,11 +38,12 @@ iso_status iso_exr_write(const char *path, const iso_aov *aov, const iso_exr_inf
 bool iso_exr_size(const char *path, uint32_t size[2]);
 
 /* Reads pictures written by iso_exr_write, and those of other programs that have the same channels (float or
- * half) in scanlines, uncompressed or with RLE, ZIPS or ZIP compression. Other channels are ignored; the
- * picture is the data window. Where coverage is 0, depth becomes INFINITY and the normal 0, whatever the file
- * has there. iso_aov_free when done. ISO_ERR_IO; ISO_ERR_NOMEM; ISO_ERR_FORMAT: not an OpenEXR file, sides
- * beyond ISO_IMAGE_MAX, a missing channel, a truncated or damaged file, coverage outside 0 .. 1, a depth or
- * normal that is not finite in a covered pixel. */
+ * half) in scanlines, uncompressed or with RLE, ZIPS or ZIP compression. Other channels are ignored, and ids
+ * unless all three are there as unsigned integers; the picture is the data window. Where coverage is 0, depth
+ * becomes INFINITY, and normal and ids 0, whatever the file has there. iso_aov_free when done. ISO_ERR_IO;
+ * ISO_ERR_NOMEM; ISO_ERR_FORMAT: not an OpenEXR file, sides beyond ISO_IMAGE_MAX, a missing channel, a
+ * truncated or damaged file, coverage outside 0 .. 1, a depth or normal that is not finite in a covered
+ * pixel. */
 iso_status iso_exr_read(const char *path, iso_pool *pool, iso_aov *aov, iso_error *error);
 
 /* Linear colours, row 0 at the top. */

@@ -1,4 +1,4 @@
-/* gbuffer: one allocation for depths, normals and surface numbers, another for colours. */
+/* gbuffer: one allocation for depths, normals and surface numbers, others for colours and elements. */
 #include "render/gbuffer.h"
 
 #include <math.h>
@@ -32,18 +32,26 @@ iso_status iso_gbuffer_create(int width, int height, iso_gbuffer *gbuffer, iso_e
     return ISO_OK;
 }
 
+/* Allocates a plane of zeros unless it exists. */
+static iso_status add_plane(const iso_gbuffer *gbuffer, uint32_t **plane, const char *what,
+                            iso_error *error) {
+    if (!*plane) *plane = iso_alloc_zero(gbuffer->samples, sizeof **plane);
+    if (*plane) return ISO_OK;
+    return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the %s of %zu samples", what, gbuffer->samples);
+}
+
 iso_status iso_gbuffer_add_color(iso_gbuffer *gbuffer, iso_error *error) {
-    if (gbuffer->color) return ISO_OK;
-    gbuffer->color = iso_alloc_zero(gbuffer->samples, sizeof *gbuffer->color);
-    if (!gbuffer->color)
-        return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the colours of %zu samples",
-                        gbuffer->samples);
-    return ISO_OK;
+    return add_plane(gbuffer, &gbuffer->color, "colours", error);
+}
+
+iso_status iso_gbuffer_add_elements(iso_gbuffer *gbuffer, iso_error *error) {
+    return add_plane(gbuffer, &gbuffer->element, "elements", error);
 }
 
 void iso_gbuffer_free(iso_gbuffer *gbuffer) {
     iso_free(gbuffer->depth);
     iso_free(gbuffer->color);
+    iso_free(gbuffer->element);
     *gbuffer = (iso_gbuffer){0};
 }
 
@@ -64,6 +72,7 @@ static void clear_samples(iso_gbuffer *gbuffer, size_t first, size_t count) {
     clear_depths(gbuffer->depth + first, count);
     memset(gbuffer->surface + first, ISO_SURFACE_NONE, count);
     if (gbuffer->color) memset(gbuffer->color + first, 0, count * sizeof *gbuffer->color);
+    if (gbuffer->element) memset(gbuffer->element + first, 0, count * sizeof *gbuffer->element);
 }
 
 void iso_gbuffer_clear(iso_gbuffer *gbuffer) {

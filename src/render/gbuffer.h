@@ -27,6 +27,10 @@ typedef struct iso_gbuffer {
      * (display values), and the surface number + 1 in the high byte. An entry whose surface number differs
      * from the sample's is left over from a surface that has been overdrawn and does not count. */
     uint32_t *color;
+    /* NULL, or the element that a sample shows: its number + 1, or 0. Elements are glyphs, segments (the
+     * number of the first vertex) and triangles of a mesh: iso_draw_shapes and iso_draw_mesh write them.
+     * Other renderers leave the plane as it is: what they draw is to be drawn first. */
+    uint32_t *element;
     size_t samples; /* capacity of the planes */
 } iso_gbuffer;
 
@@ -35,12 +39,15 @@ static inline iso_vec3 iso_gbuffer_normal(const iso_gbuffer *gbuffer, size_t ind
     return iso_vec3_make(gbuffer->normal[0][index], gbuffer->normal[1][index], gbuffer->normal[2][index]);
 }
 
-/* Allocates the planes, uninitialised, without colours. Free with iso_gbuffer_free. ISO_ERR_NOMEM. */
+/* Allocates the planes, uninitialised, without colours and elements. Free with iso_gbuffer_free.
+ * ISO_ERR_NOMEM. */
 iso_status iso_gbuffer_create(int width, int height, iso_gbuffer *gbuffer, iso_error *error);
 /* Allocates the plane of colours unless it exists; no sample has a colour yet. ISO_ERR_NOMEM. */
 iso_status iso_gbuffer_add_color(iso_gbuffer *gbuffer, iso_error *error);
+/* Allocates the plane of elements unless it exists; no sample shows one yet. ISO_ERR_NOMEM. */
+iso_status iso_gbuffer_add_elements(iso_gbuffer *gbuffer, iso_error *error);
 void iso_gbuffer_free(iso_gbuffer *gbuffer);
-/* Sets depth to INFINITY and surface to ISO_SURFACE_NONE everywhere, and removes the colours. */
+/* Sets depth to INFINITY and surface to ISO_SURFACE_NONE everywhere, and removes colours and elements. */
 void iso_gbuffer_clear(iso_gbuffer *gbuffer);
 /* The same with all threads of the pool: page faults of fresh memory take longer than the drawing. */
 void iso_gbuffer_clear_bands(iso_gbuffer *gbuffer, iso_pool *pool);

@@ -82,6 +82,7 @@ iso_status iso_picture_render(const iso_picture_opts *opts, iso_image *image, si
     if (needs_gbuffer(opts))
         ISO_TRY(iso_gbuffer_create(opts->width * factor, rows * factor, &p.gbuffer, error));
     iso_status status = ISO_OK;
+    if (opts->aov && opts->aov->ids[0]) status = iso_gbuffer_add_elements(&p.gbuffer, error);
     for (int y0 = 0; y0 < opts->height && status == ISO_OK; y0 += rows)
         status = render_rows(&p, y0, opts->height - y0 < rows ? opts->height - y0 : rows, error);
     iso_gbuffer_free(&p.gbuffer);

@@ -40,7 +40,7 @@ typedef struct iso_picture_opts {
         *layers; /* NULL: all surfaces are opaque. Else `draw` is for depth and normals in
                                          `aov`: those of the first surface, whatever its opacity */
     iso_pool *pool;
-    iso_aov *aov; /* NULL, or planes of the picture's size for depth, normals and coverage */
+    iso_aov *aov; /* NULL, or planes of the picture's size for depth, normals and coverage, and for ids */
 } iso_picture_opts;
 
 /* Renders in strips of rows so that the gbuffer stays below 256 MiB. `image` must be width x height pixels.

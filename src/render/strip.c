@@ -1,4 +1,4 @@
-/* strip: averages the samples of each pixel into depth, normal and coverage. */
+/* strip: averages the samples of each pixel into depth, normal and coverage, and finds its ids. */
 #include "render/strip.h"
 
 #include <assert.h>
@@ -8,6 +8,7 @@
 typedef struct sums {
     double depth, normal[3]; /* view space */
     int covered;
+    size_t nearest; /* sample; if there is one */
 } sums;
 
 static sums sums_of(const iso_strip *strip, int x, int y) {
@@ -17,6 +18,7 @@ static sums sums_of(const iso_strip *strip, int x, int y) {
         for (int i = x * strip->factor; i < (x + 1) * strip->factor; i++) {
             size_t sample = (size_t)j * (size_t)g->width + (size_t)i;
             if (g->surface[sample] == ISO_SURFACE_NONE) continue;
+            if (!s.covered || g->depth[sample] < g->depth[s.nearest]) s.nearest = sample;
             s.depth += (double)g->depth[sample];
             for (int axis = 0; axis < 3; axis++) s.normal[axis] += (double)g->normal[axis][sample];
             s.covered++;
@@ -38,6 +40,12 @@ typedef struct measure {
     iso_aov *aov;
 } measure;
 
+static void write_ids(const iso_gbuffer *g, const sums *s, iso_aov *aov, size_t pixel) {
+    aov->ids[ISO_ID_SURFACE][pixel] = s->covered ? g->surface[s->nearest] + 1u : 0;
+    aov->ids[ISO_ID_ELEMENT][pixel] = s->covered && g->element ? g->element[s->nearest] : 0;
+    aov->ids[ISO_ID_SEGMENT][pixel] = 0;
+}
+
 static void measure_row(void *context, size_t row, int worker) {
     (void)worker;
     const measure *m = context;
@@ -51,6 +59,7 @@ static void measure_row(void *context, size_t row, int worker) {
         aov->normal[1][pixel] = (float)n.y;
         aov->normal[2][pixel] = (float)n.z;
         aov->coverage[pixel] = (float)s.covered / (float)(m->strip->factor * m->strip->factor);
+        if (aov->ids[0]) write_ids(m->strip->gbuffer, &s, aov, pixel);
     }
 }
 

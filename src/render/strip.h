@@ -1,5 +1,5 @@
 /* strip: consecutive rows of a picture as a gbuffer of samples. iso_shade turns a strip into colours,
- * iso_strip_measure into depth, normals and coverage. */
+ * iso_strip_measure into depth, normals, coverage and ids. */
 #ifndef ISO_RENDER_STRIP_H
 #define ISO_RENDER_STRIP_H
 
@@ -21,8 +21,9 @@ typedef struct iso_strip {
     int y0;                     /* the strip's first row in the picture, pixels */
 } iso_strip;
 
-/* Writes depth, normal (world space) and coverage of the strip's pixels into their rows of `aov`, which has
- * the picture's width. image/aov.h says how the samples of a pixel are averaged. */
+/* Writes depth, normal (world space), coverage and, if `aov` has planes for them, ids of the strip's pixels
+ * into their rows of `aov`, which has the picture's width. image/aov.h says how the samples of a pixel are
+ * averaged. Segments are 0, elements are the gbuffer's: image/aov.h counts them as files do. */
 void iso_strip_measure(const iso_strip *strip, iso_aov *aov, iso_pool *pool);
 
 #ifdef __cplusplus

@@ -93,7 +93,8 @@ class Png:
 
 
 class Exr:
-    """An OpenEXR picture as --aov writes it: attributes (raw bytes), and every channel as a flat list of floats."""
+    """An OpenEXR picture as --aov writes it: attributes (raw bytes), and every channel as a flat list of floats, or
+    integers where its name begins with id."""
 
     def __init__(self, path):
         data = open(path, "rb").read()
@@ -121,7 +122,7 @@ class Exr:
         names = []
         while text[0]:
             name, text = text.split(b"\0", 1)
-            expect(struct.unpack("<I", text[:4])[0] == 2, name, "is not a float channel")
+            expect(struct.unpack("<I", text[:4])[0] == (0 if name[:3] == b"id." else 2), name, "has another type")
             names.append(name.decode())
             text = text[16:]
         return names
@@ -129,11 +130,11 @@ class Exr:
     def _add(self, rows, packed):
         size = rows * self.width * 4 * len(self.names)
         raw = packed if len(packed) == size else self._unpack(packed)
-        values = struct.unpack("<%df" % (size // 4), raw)
         for row in range(rows):
             for i, name in enumerate(self.names):
-                start = (row * len(self.names) + i) * self.width
-                self.planes[name] += values[start:start + self.width]
+                start = 4 * (row * len(self.names) + i) * self.width
+                kind = "<%d%s" % (self.width, "I" if name[:3] == "id." else "f")
+                self.planes[name] += struct.unpack(kind, raw[start:start + 4 * self.width])
 
     @staticmethod
     def _unpack(packed):

@@ -78,20 +78,27 @@ int exr_write(const char *path, const exr_picture *picture) {
     });
 }
 
+/* Reads a channel of values of 4 bytes; false unless it has the given type and size. */
+static bool read_channel(const char *path, const char *channel, Imf::PixelType type, int width, int height,
+                         void *values) {
+    Imf::InputFile file(path);
+    const Imath::Box2i window = file.header().dataWindow();
+    const Imf::Channel *found = file.header().channels().findChannel(channel);
+    if (window.min != Imath::V2i(0, 0) || window.max != Imath::V2i(width - 1, height - 1)) return false;
+    if (!found || found->type != type) return false;
+    Imf::FrameBuffer buffer;
+    buffer.insert(channel, Imf::Slice(type, static_cast<char *>(values), 4, size_t(width) * 4));
+    file.setFrameBuffer(buffer);
+    file.readPixels(0, height - 1);
+    return file.isComplete();
+}
+
 int exr_read(const char *path, const char *channel, int width, int height, float *values) {
-    return guarded([&] {
-        Imf::InputFile file(path);
-        const Imath::Box2i window = file.header().dataWindow();
-        const Imf::Channel *found = file.header().channels().findChannel(channel);
-        if (window.min != Imath::V2i(0, 0) || window.max != Imath::V2i(width - 1, height - 1)) return false;
-        if (!found || found->type != Imf::FLOAT) return false;
-        Imf::FrameBuffer buffer;
-        buffer.insert(channel,
-                      Imf::Slice(Imf::FLOAT, reinterpret_cast<char *>(values), 4, size_t(width) * 4));
-        file.setFrameBuffer(buffer);
-        file.readPixels(0, height - 1);
-        return file.isComplete();
-    });
+    return guarded([&] { return read_channel(path, channel, Imf::FLOAT, width, height, values); });
+}
+
+int exr_read_integers(const char *path, const char *channel, int width, int height, unsigned *values) {
+    return guarded([&] { return read_channel(path, channel, Imf::UINT, width, height, values); });
 }
 
 int exr_read_matrix(const char *path, const char *name, float matrix[16]) {

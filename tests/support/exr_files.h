@@ -24,6 +24,8 @@ int exr_write(const char *path, const exr_picture *picture);
 
 /* A channel of 32-bit floats, width * height of them; the window must begin at 0. */
 int exr_read(const char *path, const char *channel, int width, int height, float *values);
+/* A channel of 32-bit unsigned integers, likewise. */
+int exr_read_integers(const char *path, const char *channel, int width, int height, unsigned *values);
 /* Reads a matrix attribute, row-major, for multiplication with row vectors. */
 int exr_read_matrix(const char *path, const char *attribute, float matrix[16]);
 int exr_read_float(const char *path, const char *attribute, float *value);

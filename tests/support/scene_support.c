@@ -70,6 +70,7 @@ void test_same_rows(const iso_gbuffer *a, int a_row, const iso_gbuffer *b) {
     for (int axis = 0; axis < 3; axis++)
         assert_memory_equal(a->normal[axis] + start, b->normal[axis], samples * sizeof(float));
     if (b->color) assert_memory_equal(a->color + start, b->color, samples * sizeof *b->color);
+    if (b->element) assert_memory_equal(a->element + start, b->element, samples * sizeof *b->element);
 }
 
 iso_gbuffer test_drawn(const iso_view *view, const iso_point_view *points, const iso_pullpush_opts *opts,

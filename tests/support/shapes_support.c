@@ -24,6 +24,7 @@ iso_view test_shapes_view(iso_vec3 origin, iso_vec3 away, double height, bool pa
 iso_gbuffer test_shapes_drawn(const iso_view *view, const iso_shapes *shapes, iso_pool *pool) {
     iso_error error = {0};
     iso_gbuffer g = test_clear_gbuffer(view->width, view->height, false);
+    test_ok(iso_gbuffer_add_elements(&g, &error), &error);
     const iso_target target = {view, &g, pool, 3};
     test_ok(iso_draw_shapes(&target, shapes, NULL, &error), &error);
     return g;
@@ -80,13 +81,15 @@ static void judge_sample(const iso_shapes_truth *truth, const iso_gbuffer *g, in
     const iso_shapes_hit hit = iso_shapes_truth_ray(truth, x + 0.5, y + 0.5);
     v->covered += hit.hit;
     assert_int_equal(g->surface[sample], isfinite(depth) ? 3 : ISO_SURFACE_NONE);
+    if (!isfinite(depth)) assert_int_equal(g->element[sample], 0);
     if (hit.hit != isfinite(depth)) {
         v->outline++;
         v->plain += !is_grazing(truth, x + 0.5, y + 0.5, depth);
     } else if (hit.hit && fabs((double)depth - hit.depth) > depth_tolerance(&hit)) {
         v->depth += !is_grazing(truth, x + 0.5, y + 0.5, depth);
-    } else if (hit.hit && normal_error(g, sample, &hit) > 0.02) {
-        v->normal += !is_crease(&hit);
+    } else if (hit.hit && !is_crease(&hit)) {
+        assert_int_equal(g->element[sample], hit.shape + 1);
+        v->normal += normal_error(g, sample, &hit) > 0.02;
     }
 }
 

@@ -10,11 +10,12 @@ iso_view test_shapes_view(iso_vec3 origin, iso_vec3 away, double height, bool pa
 /* The prepared set of a scene. */
 iso_shapes *test_shapes_make(const iso_shapes_scene *scene);
 
-/* Draws shapes alone, with surface number 3. */
+/* Draws shapes alone, with surface number 3 and elements. */
 iso_gbuffer test_shapes_drawn(const iso_view *view, const iso_shapes *shapes, iso_pool *pool);
 
 /* Fails the test unless at most two outline samples and one in 10,000 depths and normals are wrong, each
- * where a ray nearly touches a shape. Returns the number of samples that show a shape. */
+ * where a ray nearly touches a shape, and where depths are right elements are too. Returns the number of
+ * samples that show a shape. */
 size_t test_shapes_compare(const iso_shapes_scene *scene, const iso_view *view, const char *name);
 
 /* The same for three zooms, perspective and parallel. */

@@ -81,6 +81,7 @@ typedef struct triangle {
     const vertex *corner[3];
     edge edge[3];
     int64_t x0, x1, y0, y1; /* pixels of its rectangle, clipped to the picture and the band */
+    uint32_t number;        /* in the mesh */
 } triangle;
 
 /* Top-left rule, with y downwards and the inside to the right of a -> b. */
@@ -155,6 +156,7 @@ static void draw_pixel(const mesh_draw *draw, const triangle *t, const int64_t v
     float length = sqrtf(square);
     g->depth[index] = z;
     g->surface[index] = draw->target->surface;
+    if (g->element) g->element[index] = t->number + 1;
     for (int axis = 0; axis < 3; axis++)
         g->normal[axis][index] = length > 0 ? n[axis] / length : axis == 2 ? -1.0f : 0.0f;
 }
@@ -190,10 +192,12 @@ static void draw_row(const mesh_draw *draw, const triangle *t, int64_t y) {
     }
 }
 
-static void draw_triangle(const mesh_draw *draw, const vertex *const corners[3], iso_rows band) {
+static void draw_triangle(const mesh_draw *draw, const vertex *const corners[3], uint32_t number,
+                          iso_rows band) {
     const iso_rows clip[2] = {{0, draw->target->gbuffer->width - 1}, band};
     triangle t;
     if (!set_up_triangle(&t, corners[0], corners[1], corners[2], clip)) return;
+    t.number = number;
     for (int64_t y = t.y0; y <= t.y1; y++) draw_row(draw, &t, y);
 }
 
@@ -219,7 +223,8 @@ static int clip_polygon(const iso_view *view, int plane, const vertex *polygon, 
 }
 
 /* Clips a triangle and draws the polygon that remains as a fan of triangles. */
-static void draw_clipped(const mesh_draw *draw, const vertex *const corners[3], iso_rows band) {
+static void draw_clipped(const mesh_draw *draw, const vertex *const corners[3], uint32_t number,
+                         iso_rows band) {
     vertex polygon[2][POLYGON];
     int count = 3, now = 0;
     for (int k = 0; k < 3; k++) {
@@ -232,7 +237,7 @@ static void draw_clipped(const mesh_draw *draw, const vertex *const corners[3], 
     for (int k = 0; k < count; k++) place_vertex(&draw->projector, &polygon[now][k]);
     for (int k = 2; k < count; k++) {
         const vertex *fan[3] = {&polygon[now][0], &polygon[now][k - 1], &polygon[now][k]};
-        draw_triangle(draw, fan, band);
+        draw_triangle(draw, fan, number, band);
     }
 }
 
@@ -249,12 +254,13 @@ static void transform_span(const mesh_draw *draw, const iso_mesh_span *span, ver
 static void draw_span(const mesh_draw *draw, const iso_mesh_span *span, vertex *vertices, iso_rows band) {
     transform_span(draw, span, vertices);
     for (uint32_t i = 0; i < span->triangle_count; i++) {
-        const uint16_t *number = draw->mesh->triangles[span->first_triangle + i];
-        const vertex *corners[3] = {&vertices[number[0]], &vertices[number[1]], &vertices[number[2]]};
+        const uint32_t number = (uint32_t)span->first_triangle + i;
+        const uint16_t *corner = draw->mesh->triangles[number];
+        const vertex *corners[3] = {&vertices[corner[0]], &vertices[corner[1]], &vertices[corner[2]]};
         if (corners[0]->inside && corners[1]->inside && corners[2]->inside)
-            draw_triangle(draw, corners, band);
+            draw_triangle(draw, corners, number, band);
         else
-            draw_clipped(draw, corners, band);
+            draw_clipped(draw, corners, number, band);
     }
 }
 

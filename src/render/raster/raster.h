@@ -31,7 +31,8 @@ typedef struct iso_target {
 iso_status iso_draw_points(const iso_target *target, const iso_point_view *points, iso_error *error);
 
 /* Triangles, drawn from both sides: vertices are snapped to 1/256 pixel, filled by the top-left rule and
- * clipped at the near plane; depth and normal are interpolated with perspective correction. */
+ * clipped at the near plane; depth and normal are interpolated with perspective correction. If the gbuffer
+ * has a plane of elements, it gets the numbers of the triangles in mesh->triangles. */
 iso_status iso_draw_mesh(const iso_target *target, const iso_mesh_view *mesh, iso_error *error);
 
 #ifdef __cplusplus

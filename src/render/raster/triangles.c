@@ -101,6 +101,17 @@ static size_t pack_vertices(const iso_triangles *mesh, iso_surfel *vertices) {
     return count;
 }
 
+/* Sets spans->numbers, if triangles were left out. False without memory. */
+static bool number_triangles(const iso_triangles *mesh, size_t drawn, iso_triangle_spans *spans) {
+    if (drawn == mesh->triangle_count) return true;
+    spans->numbers = iso_alloc(drawn * sizeof *spans->numbers);
+    if (!spans->numbers) return false;
+    size_t count = 0;
+    for (size_t t = 0; t < mesh->triangle_count; t++)
+        if (iso_vec3_length(area_normal(mesh, t)) > 0) spans->numbers[count++] = (uint32_t)t;
+    return true;
+}
+
 static void make_spans(iso_triangle_spans *spans, size_t triangles) {
     for (size_t first = 0; first < triangles; first += SPAN_TRIANGLES) {
         const size_t left = triangles - first, count = left < SPAN_TRIANGLES ? left : SPAN_TRIANGLES;
@@ -134,7 +145,12 @@ iso_status iso_triangle_spans_make(const iso_triangles *mesh, iso_triangle_spans
         set_normals(mesh, corners + first, end - first, made.vertices);
     }
     iso_free(corners);
-    make_spans(&made, pack_vertices(mesh, made.vertices));
+    const size_t drawn = pack_vertices(mesh, made.vertices);
+    if (!number_triangles(mesh, drawn, &made)) {
+        iso_triangle_spans_free(&made);
+        return iso_fail(error, ISO_ERR_NOMEM, "out of memory for %zu triangles", count);
+    }
+    make_spans(&made, drawn);
     *spans = made;
     return ISO_OK;
 }
@@ -143,6 +159,7 @@ void iso_triangle_spans_free(iso_triangle_spans *spans) {
     iso_free(spans->vertices);
     iso_free(spans->triangles);
     iso_free(spans->spans);
+    iso_free(spans->numbers);
     *spans = (iso_triangle_spans){.span_count = 0};
 }
 

@@ -18,6 +18,10 @@ void iso_shapes_write_color(const iso_shapes_frame *frame, size_t sample, uint32
     target->gbuffer->color[sample] = word;
 }
 
+void iso_shapes_write_element(const iso_shapes_frame *frame, size_t sample, uint32_t id) {
+    if (frame->target->gbuffer->element) frame->target->gbuffer->element[sample] = id + 1;
+}
+
 typedef struct shapes_draw {
     iso_shapes_frame frame;
     const iso_shapes_kernel *kernel;

@@ -339,6 +339,7 @@ static void write_sample(iso_shapes_bin *bin, const iso_near_shape *shape, int x
     g->depth[sample] = (float)p.t[end];
     g->surface[sample] = target->surface;
     iso_shapes_write_color(bin->frame, sample, shape->id, (float)p.along[end]);
+    iso_shapes_write_element(bin->frame, sample, shape->id);
     bin->drawn.samples++;
     bin->drawn.widened += (shape->flags & ISO_TUBE_WIDENED) != 0;
 }

@@ -92,8 +92,9 @@ typedef struct iso_shapes_drawn {
 
 /* Draws the shapes into a gbuffer: a sample is replaced when a shape is nearer than what it shows. Of equal
  * depths the earlier surface is kept. Where the set has colours, the gbuffer gets a plane of colours; those
- * of lines are interpolated between vertices. The gbuffer gets the same bytes for every instruction set and
- * number of threads, and when drawn in strips of any height. `drawn` may be NULL. ISO_ERR_NOMEM. */
+ * of lines are interpolated between vertices. If the gbuffer has a plane of elements, it gets the numbers of
+ * the glyphs and of the segments' first vertices. The gbuffer gets the same bytes for every instruction set
+ * and number of threads, and when drawn in strips of any height. `drawn` may be NULL. ISO_ERR_NOMEM. */
 iso_status iso_draw_shapes(const iso_target *target, const iso_shapes *shapes, iso_shapes_drawn *drawn,
                            iso_error *error);
 

@@ -382,17 +382,27 @@ static void test_shapes(void **state) {
     memset(radii, 0, sizeof radii);
     const iso_box around = iso_shape_set_bounds(sets[0]);
     assert_true(around.hi.x >= box.hi.x + 7 - 1e-4 && around.lo.z <= box.lo.z - 1 + 1e-4);
-    iso_render_opts opts = {.width = 96, .height = 64, .shapes = sets, .shapes_count = 2};
+    iso_aov aov = {0};
+    iso_render_opts opts = {.width = 96, .height = 64, .shapes = sets, .shapes_count = 2, .aov = &aov};
     assert_int_equal(iso_render(f->surface, &opts, &with, NULL), ISO_OK);
-    assert_int_equal(iso_render_surfaces(NULL, 0, &opts, &alone, NULL), ISO_OK);
-    int red_pixels = 0;
+    int red_pixels = 0, seen[4] = {0};
     for (int i = 0; i < 96 * 64; i++) {
         const uint8_t *p = with.rgba + 4 * i;
+        const bool is_line = aov.ids[0][i] == 2;
         red_pixels += p[0] > p[1] + 50 && p[1] == p[2];
+        seen[aov.ids[0][i]]++;
+        assert_true(aov.ids[1][i] <= (aov.ids[0][i] == 3 ? 2 : is_line) && aov.ids[2][i] == is_line);
     }
     assert_true(red_pixels > 30);
+    for (int i = 0; i < 4; i++) assert_true(seen[i] > 10);
     opts.shapes_count = 0;
     assert_int_equal(iso_render(f->surface, &opts, &without, NULL), ISO_OK);
+    assert_null(aov.ids[0]);
+    iso_aov_free(&aov);
+    opts.aov = NULL;
+    opts.shapes_count = 2;
+    assert_int_equal(iso_render_surfaces(NULL, 0, &opts, &alone, NULL), ISO_OK);
+    opts.shapes_count = 0;
     assert_memory_not_equal(with.rgba, without.rgba, 96 * 64 * 4);
     assert_int_equal(iso_render_surfaces(NULL, 0, &opts, &alone, NULL), ISO_ERR_USAGE);
     const iso_shape_set_opts arrow = {.glyph = ISO_GLYPH_ARROW}, thin = {.radius = -1};

@@ -53,6 +53,14 @@ static void assert_same(const iso_aov *a, const iso_aov *b) {
         assert_memory_equal(plane(a, c), plane(b, c), pixels(a) * sizeof(float));
 }
 
+static void add_random_ids(iso_aov *aov) {
+    uint32_t seed = 5;
+    assert_int_equal(iso_aov_add_ids(aov, NULL), ISO_OK);
+    for (size_t i = 0; i < pixels(aov); i++)
+        for (int k = 0; k < ISO_ID_PLANES; k++)
+            aov->ids[k][i] = aov->coverage[i] > 0 ? UINT32_MAX - random_bits(&seed) % 7 * (uint32_t)k : 0;
+}
+
 /* PATH is refused with `status`, in one line that names it and holds `reason`. */
 static void assert_refused(iso_status status, const char *reason) {
     iso_aov aov = {0};
@@ -101,6 +109,26 @@ static void others_read_it(void **state) {
     float matrix[16];
     assert_int_equal(exr_read_matrix(PATH, "worldToCamera", matrix), 1);
     free(values);
+    iso_aov_free(&aov);
+}
+
+/* Integers of 32 bits: also by a reader that is not ours. */
+static void ids_are_kept(void **state) {
+    (void)state;
+    static const char *const names[ISO_ID_PLANES] = {"id.surface", "id.element", "id.segment"};
+    iso_aov aov = random_aov(61, 47), back;
+    add_random_ids(&aov);
+    assert_int_equal(iso_exr_write(PATH, &aov, NULL, NULL, NULL), ISO_OK);
+    assert_int_equal(iso_exr_read(PATH, NULL, &back, NULL), ISO_OK);
+    assert_same(&back, &aov);
+    uint32_t *values = calloc(pixels(&aov), sizeof *values);
+    for (int k = 0; k < ISO_ID_PLANES; k++) {
+        assert_memory_equal(back.ids[k], aov.ids[k], pixels(&aov) * sizeof **aov.ids);
+        assert_int_equal(exr_read_integers(PATH, names[k], aov.width, aov.height, values), 0);
+        assert_memory_equal(values, aov.ids[k], pixels(&aov) * sizeof *values);
+    }
+    free(values);
+    iso_aov_free(&back);
     iso_aov_free(&aov);
 }
 
@@ -217,7 +245,7 @@ static void assert_values(const exr_picture *picture) {
     if (iso_exr_read(PATH, NULL, &aov, &error) != ISO_OK) fail_msg("%s", error.text);
     assert_int_equal(aov.width, picture->width);
     assert_int_equal(aov.height, picture->height);
-    assert_true(aov.voxel == 0);
+    assert_true(aov.voxel == 0 && !aov.ids[0]);
     for (int y = 0; y < aov.height; y++)
         for (int x = 0; x < aov.width; x++)
             for (int c = 0; c < ISO_AOV_PLANES; c++) {
@@ -240,6 +268,8 @@ static void pictures_of_others_are_read(void **state) {
     }
     exr_picture more = good_picture();
     more.names[5] = "R";
+    assert_values(&more);
+    more.names[5] = "id.surface"; /* no integers: another program's */
     assert_values(&more);
 }
 
@@ -341,7 +371,7 @@ int main(void) {
         cmocka_unit_test(bad_targets_are_write_errors),  cmocka_unit_test(sides_are_checked),
         cmocka_unit_test(pictures_of_others_are_read),   cmocka_unit_test(unfit_pictures_are_refused),
         cmocka_unit_test(what_is_no_picture_is_refused), cmocka_unit_test(truncated_files_are_refused),
-        cmocka_unit_test(damaged_files_do_no_harm),
+        cmocka_unit_test(damaged_files_do_no_harm),      cmocka_unit_test(ids_are_kept),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -203,10 +203,16 @@ static void measures_are_means_of_covered_samples(void **state) {
         iso_aov aov;
         assert_int_equal(iso_aov_create(29, s.image.height, &aov, NULL), ISO_OK);
         aov.depth[0] = -1; /* rows above the strip are not touched */
+        assert_int_equal(iso_aov_add_ids(&aov, NULL), ISO_OK);
+        assert_int_equal(iso_gbuffer_add_elements(&s.gbuffer, NULL), ISO_OK);
+        for (size_t i = 0; i < s.gbuffer.samples; i++) s.gbuffer.element[i] = (uint32_t)i;
+        aov.ids[ISO_ID_ELEMENT][0] = 77;
         iso_strip_measure(&s.strip, &aov, pool);
-        assert_true(aov.depth[0] == -1);
+        assert_true(aov.depth[0] == -1 && aov.ids[ISO_ID_ELEMENT][0] == 77);
         for (int pixel = 0; pixel < 29 * 11; pixel++) {
             int x = pixel % 29, y = pixel / 29, covered = 0;
+            uint32_t surface = 0, element = 0;
+            float nearest = INFINITY;
             size_t at = (size_t)(pixel + 29 * s.strip.y0);
             double depth = 0;
             iso_vec3 normal = {0};
@@ -215,10 +221,18 @@ static void measures_are_means_of_covered_samples(void **state) {
                            (size_t)(x * factor + k % factor);
                 if (s.gbuffer.surface[i] == ISO_SURFACE_NONE) continue;
                 covered++;
+                if (s.gbuffer.depth[i] < nearest) {
+                    nearest = s.gbuffer.depth[i];
+                    surface = s.gbuffer.surface[i] + 1u;
+                    element = (uint32_t)i;
+                }
                 depth += (double)s.gbuffer.depth[i];
                 normal = iso_vec3_add(normal, iso_gbuffer_normal(&s.gbuffer, i));
             }
             assert_true(aov.coverage[at] == (float)covered / (float)(factor * factor));
+            assert_int_equal(aov.ids[ISO_ID_SURFACE][at], surface);
+            assert_int_equal(aov.ids[ISO_ID_ELEMENT][at], element);
+            assert_int_equal(aov.ids[ISO_ID_SEGMENT][at], 0);
             iso_vec3 world = {(double)aov.normal[0][at], (double)aov.normal[1][at],
                               (double)aov.normal[2][at]};
             if (!covered) {

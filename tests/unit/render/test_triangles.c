@@ -14,7 +14,9 @@
 #include "base/memory.h"
 #include "check_support.h"
 #include "io/mesh_read.h"
+#include "render/raster/raster.h"
 #include "render/raster/triangles.h"
+#include "scene_support.h"
 
 /* A ball of rings and sectors around (3, -2, 5); the poles have triangles without an area. */
 enum { RINGS = 40, SECTORS = 80 };
@@ -127,11 +129,54 @@ static void edges_stay_sharp(void **state) {
     iso_triangles_free(&cube);
 }
 
+/* Every sample shows the triangle of the file that is nearest when it is drawn alone, also where triangles
+ * were left out and where the near plane cuts them. */
+static void elements_are_triangles_of_the_file(void **state) {
+    (void)state;
+    iso_triangles ball = make_ball();
+    iso_triangle_spans spans = make_spans(&ball);
+    assert_non_null(spans.numbers);
+    for (int cut = 0; cut < 2; cut++) {
+        iso_view view = test_plain_view(40, 40, false, 60);
+        view.eye = iso_vec3_make(CENTRE[0] + 1, CENTRE[1], CENTRE[2] - 20);
+        view.near = cut ? 16 : 1;
+        iso_gbuffer all = test_clear_gbuffer(40, 40, false), one = test_clear_gbuffer(40, 40, false);
+        assert_int_equal(iso_gbuffer_add_elements(&all, NULL), ISO_OK);
+        const iso_target target = {.view = &view, .gbuffer = &all};
+        const iso_mesh_view mesh = iso_triangle_spans_view(&spans);
+        assert_int_equal(iso_draw_mesh(&target, &mesh, NULL), ISO_OK);
+        uint32_t wanted[40 * 40] = {0};
+        for (size_t t = 0; t < ball.triangle_count; t++) {
+            iso_triangles single = {ball.vertices, ball.triangles + t, ball.vertex_count, 1};
+            iso_triangle_spans alone = make_spans(&single);
+            const iso_target apart = {.view = &view, .gbuffer = &one};
+            const iso_mesh_view triangle = iso_triangle_spans_view(&alone);
+            iso_gbuffer_clear(&one);
+            assert_int_equal(iso_draw_mesh(&apart, &triangle, NULL), ISO_OK);
+            for (int i = 0; i < 40 * 40; i++)
+                if (isfinite(one.depth[i]) && one.depth[i] <= all.depth[i] && !wanted[i])
+                    wanted[i] = (uint32_t)t + 1;
+            iso_triangle_spans_free(&alone);
+        }
+        size_t covered = 0;
+        for (int i = 0; i < 40 * 40; i++) {
+            covered += all.surface[i] != ISO_SURFACE_NONE;
+            assert_int_equal(all.element[i] ? spans.numbers[all.element[i] - 1] + 1 : 0, wanted[i]);
+        }
+        assert_true(covered > 500);
+        iso_gbuffer_free(&all);
+        iso_gbuffer_free(&one);
+    }
+    iso_triangle_spans_free(&spans);
+    iso_triangles_free(&ball);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(curved_surfaces_are_smooth),
         cmocka_unit_test(repeated_vertices_change_nothing),
         cmocka_unit_test(edges_stay_sharp),
+        cmocka_unit_test(elements_are_triangles_of_the_file),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
