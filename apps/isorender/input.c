@@ -153,15 +153,23 @@ static void log_object(const isorender_job *job, const isorender_object *object)
                       report->mended_radii);
 }
 
+static iso_status check_color_bar(const isorender_job *job, iso_error *error) {
+    bool has_bar = !job->settings->color_bar;
+    for (int i = 0; i < job->object_count; i++) has_bar |= job->objects[i].has_bar;
+    if (has_bar) return ISO_OK;
+    return iso_fail(error, ISO_ERR_USAGE, "--color-bar shows what --color-by colours: give both");
+}
+
 /* Reads the files of --lines and --glyphs. */
 static iso_status read_objects(isorender_job *job, iso_error *error) {
     const isorender_settings *settings = job->settings;
     for (int i = 0; i < settings->object_options.count; i++) {
         isorender_object *object = &job->objects[job->object_count++];
         ISO_TRY(isorender_object_read(object, &settings->objects[i], memory_limit(settings), job->plan->files,
-                                      error));
+                                      job->pool, error));
         log_object(job, object);
     }
+    ISO_TRY(check_color_bar(job, error));
     return job->object_count ? iso_file_set_check(job->plan->files, error) : ISO_OK;
 }
 

@@ -82,13 +82,19 @@ static void color_by_direction(const iso_lines *lines, uint8_t (*colors)[3]) {
     }
 }
 
+static void color_glyphs_by_direction(const iso_glyphs *glyphs, uint8_t (*colors)[3]) {
+    static const float middle[3] = {0};
+    for (size_t i = 0; i < glyphs->count; i++)
+        store(colors[i], color_of_direction(middle, glyphs->directions[i]));
+}
+
 static iso_status find_range(isorender_object *object, const iso_attribute *attribute, size_t count,
                              iso_error *error) {
     const isorender_object_settings *settings = object->settings;
     double range[2] = {settings->range[0], settings->range[1]};
     if (isnan(range[0]) && !isorender_attribute_range(attribute, count, range))
         return iso_fail(error, ISO_ERR_FORMAT, "%s: column '%s' has no finite number", settings->path,
-                        settings->color_by);
+                        object->color_by);
     object->has_bar = true;
     object->bar = (iso_color_bar){settings->map, range[0], range[1]};
     return ISO_OK;
@@ -103,9 +109,9 @@ static iso_status color_by_attribute(isorender_object *object, uint8_t (**colors
     const bool of_lines = object->settings->kind == ISORENDER_LINES;
     const iso_attribute *attribute =
         of_lines ? isorender_attribute_find(object->lines.attributes, object->lines.attribute_count,
-                                            object->settings->color_by)
+                                            object->color_by)
                  : isorender_attribute_find(object->glyphs.attributes, object->glyphs.attribute_count,
-                                            object->settings->color_by);
+                                            object->color_by);
     const size_t items = of_lines ? object->lines.vertex_count : object->glyphs.count;
     ISO_TRY(find_range(object, attribute, of_lines && attribute->per_line ? object->lines.line_count : items,
                        error));
@@ -114,16 +120,29 @@ static iso_status color_by_attribute(isorender_object *object, uint8_t (**colors
     return ISO_OK;
 }
 
+static iso_status color_by_directions(const isorender_object *object, uint8_t (**colors)[3],
+                                      iso_error *error) {
+    if (object->settings->kind == ISORENDER_LINES) {
+        ISO_TRY(allocate(object->lines.vertex_count, colors, error));
+        color_by_direction(&object->lines, *colors);
+        return ISO_OK;
+    }
+    if (!object->glyphs.directions)
+        return iso_fail(error, ISO_ERR_USAGE, "%s: the glyphs have no directions to be coloured by",
+                        object->settings->path);
+    ISO_TRY(allocate(object->glyphs.count, colors, error));
+    color_glyphs_by_direction(&object->glyphs, *colors);
+    return ISO_OK;
+}
+
 iso_status isorender_object_color(isorender_object *object, iso_error *error) {
     const isorender_object_settings *settings = object->settings;
     uint8_t(*colors)[3] = NULL;
-    if (!settings->color_by && !settings->by_direction && !settings->colored) return ISO_OK;
-    if (settings->color_by) {
+    if (!object->color_by && !settings->by_direction && !settings->colored) return ISO_OK;
+    if (object->color_by)
         ISO_TRY(color_by_attribute(object, &colors, error));
-    } else if (settings->by_direction) {
-        ISO_TRY(allocate(object->lines.vertex_count, &colors, error));
-        color_by_direction(&object->lines, colors);
-    }
+    else if (settings->by_direction)
+        ISO_TRY(color_by_directions(object, &colors, error));
     uint8_t(**place)[3] = settings->kind == ISORENDER_LINES ? &object->lines.colors : &object->glyphs.colors;
     iso_free(*place);
     *place = colors;

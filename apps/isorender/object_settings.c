@@ -40,15 +40,15 @@ static iso_status set_color(const char *option, const char *value, isorender_obj
                             iso_error *error) {
     uint8_t rgb[3];
     if (!value) return ISO_OK;
-    const bool lines = object->kind == ISORENDER_LINES;
-    if (lines && strcmp(value, "direction") == 0) {
+    const bool directed = object->kind != ISORENDER_MESH;
+    if (directed && strcmp(value, "direction") == 0) {
         object->by_direction = true;
         return ISO_OK;
     }
     if (!iso_parse_color(value, rgb))
         return iso_fail(error, ISO_ERR_USAGE,
                         "--%s: '%s' is neither RRGGBB in hexadecimal nor a colour name of CSS%s", option,
-                        value, lines ? " nor 'direction'" : "");
+                        value, directed ? " nor 'direction'" : "");
     object->colored = true;
     object->color = (iso_rgb){rgb[0], rgb[1], rgb[2]};
     return ISO_OK;
@@ -72,25 +72,70 @@ static iso_status set_range(const char *value, isorender_object_settings *object
     return ISO_OK;
 }
 
+/* The names are in the order of iso_space and of iso_vector_axes, which has two more. */
 static iso_status set_space(const char *value, isorender_object_settings *object, iso_error *error) {
-    static const char *const spaces[] = {"file", "lps", "ras", NULL};
+    static const char *const spaces[] = {"file", "lps", "ras", "voxels", "fsl", NULL};
     int space = ISO_SPACE_FILE;
     if (value) ISO_TRY(choose("space", value, spaces, &space, error));
-    object->space = (iso_space)space;
+    object->field.axes = (iso_vector_axes)space;
+    object->space = space <= ISO_SPACE_RAS ? (iso_space)space : ISO_SPACE_FILE;
     return ISO_OK;
 }
 
 static iso_status set_every(const char *every, isorender_object_settings *object, iso_error *error) {
-    object->every = 1;
     if (every && (!iso_parse_int(every, &object->every) || object->every < 1))
         return iso_fail(error, ISO_ERR_USAGE, "--every: '%s' is not a whole number above 0", every);
     return ISO_OK;
+}
+
+/* Names such as xx,xy,xz,yy,yz,zz: which component of a tensor each of six is. */
+static iso_status set_tensor_order(const char *value, int order[6], iso_error *error) {
+    static const char *const names[6] = {"xx", "xy", "xz", "yy", "yz", "zz"};
+    bool good = value && strlen(value) == 17;
+    for (int i = 0; good && i < 6; i++) {
+        int entry = 0;
+        while (entry < 6 && strncmp(value + 3 * i, names[entry], 2) != 0) entry++;
+        good = entry < 6 && !order[entry] && (i == 5 || value[3 * i + 2] == ',');
+        if (good) order[entry] = i + 1;
+    }
+    if (good || !value) return ISO_OK;
+    return iso_fail(error, ISO_ERR_USAGE, "--tensor-order: '%s' is not an order of xx,xy,xz,yy,yz,zz", value);
+}
+
+static iso_status set_above_0(const char *option, const char *value, double *number, iso_error *error) {
+    if (value && (!iso_parse_real(value, number) || !(*number > 0)))
+        return iso_fail(error, ISO_ERR_USAGE, "--%s: '%s' is not a number above 0", option, value);
+    return ISO_OK;
+}
+
+static iso_status set_count(const char *option, const char *value, int least, int *number, iso_error *error) {
+    if (value && (!iso_parse_int(value, number) || *number < least))
+        return iso_fail(error, ISO_ERR_USAGE, "--%s: '%s' is not a whole number from %d", option, value,
+                        least);
+    return ISO_OK;
+}
+
+/* number: of the lines. */
+static iso_status set_streamlines(const isorender_object_options *options, int number,
+                                  isorender_field_settings *field, iso_error *error) {
+    field->streamlines = 500;
+    ISO_TRY(
+        set_count("streamlines", value_for(&options->streamlines, number), 1, &field->streamlines, error));
+    ISO_TRY(
+        set_count("streamline-seed", value_for(&options->streamline_seeds, number), 0, &field->seed, error));
+    ISO_TRY(set_above_0("streamline-length", value_for(&options->streamline_lengths, number), &field->length,
+                        error));
+    return set_above_0("streamline-speed", value_for(&options->streamline_speeds, number),
+                       &field->least_speed, error);
 }
 
 /* What lines and glyphs have; number: of the object. */
 static iso_status set_common(const isorender_object_options *options, int number,
                              isorender_object_settings *object, iso_error *error) {
     object->color_by = value_for(&options->color_by, number);
+    object->field.array = value_for(&options->arrays, number);
+    object->field.axial = options->axial != 0;
+    ISO_TRY(set_tensor_order(value_for(&options->tensor_orders, number), object->field.order, error));
     ISO_TRY(set_map(value_for(&options->maps, number), object, error));
     ISO_TRY(set_range(value_for(&options->ranges, number), object, error));
     return set_every(value_for(&options->every, number), object, error);
@@ -104,6 +149,7 @@ static iso_status set_lines(const isorender_object_options *options, int number,
     int caps = 0;
     if (value) ISO_TRY(choose("caps", value, names, &caps, error));
     object->caps = (iso_caps)caps;
+    ISO_TRY(set_streamlines(options, number, &object->field, error));
     ISO_TRY(set_radius("tube-radius", value_for(&options->tube_radii, number), object, error));
     return set_color("line-color", value_for(&options->line_colors, number), object, error);
 }
@@ -126,6 +172,9 @@ static iso_status set_glyphs(const isorender_object_options *options, int number
     int glyph = ISO_GLYPH_SPHERE;
     if (value) ISO_TRY(choose("glyph", value, names, &glyph, error));
     object->glyph = (iso_glyph)glyph;
+    object->glyph_given = value != NULL;
+    ISO_TRY(
+        set_above_0("glyph-scale", value_for(&options->glyph_scales, number), &object->field.scale, error));
     ISO_TRY(set_projection(value_for(&options->projections, number), object, error));
     ISO_TRY(set_radius("glyph-radius", value_for(&options->glyph_radii, number), object, error));
     return set_color("glyph-color", value_for(&options->glyph_colors, number), object, error);
@@ -154,7 +203,14 @@ static iso_status check_counts(const isorender_object_options *o, const int coun
     } options[] = {{"tube-radius", &o->tube_radii, "--lines", lines},
                    {"line-color", &o->line_colors, "--lines", lines},
                    {"caps", &o->caps, "--lines", lines},
+                   {"streamlines", &o->streamlines, "--lines", lines},
+                   {"streamline-length", &o->streamline_lengths, "--lines", lines},
+                   {"streamline-speed", &o->streamline_speeds, "--lines", lines},
+                   {"streamline-seed", &o->streamline_seeds, "--lines", lines},
                    {"glyph", &o->glyphs, "--glyphs", glyphs},
+                   {"glyph-scale", &o->glyph_scales, "--glyphs", glyphs},
+                   {"vectors", &o->arrays, both, lines + glyphs},
+                   {"tensor-order", &o->tensor_orders, both, lines + glyphs},
                    {"glyph-radius", &o->glyph_radii, "--glyphs", glyphs},
                    {"glyph-color", &o->glyph_colors, "--glyphs", glyphs},
                    {"glyph-projection", &o->projections, "--glyphs", glyphs},

@@ -5,6 +5,7 @@
 
 #include "apps/common/options.h"
 #include "base/glyphs.h"
+#include "grids/volume/vectors_read.h"
 #include "image/colormap.h"
 #include "io/read_opts.h"
 #include "render/shapes/shapes.h"
@@ -22,6 +23,17 @@ typedef enum isorender_object_kind {
     ISORENDER_OBJECT_KINDS
 } isorender_object_kind;
 
+/* What the options say of a volume of vectors or tensors. */
+typedef struct isorender_field_settings {
+    const char *array;          /* NULL: the first that fits */
+    iso_vector_axes axes;       /* of the vectors */
+    int order[6];               /* of the components of tensors, as in iso_vectors_opts */
+    double scale;               /* of glyphs, mm per unit; 0: not given */
+    int streamlines, seed;      /* how many; of where they begin */
+    double length, least_speed; /* of streamlines; 0: not given */
+    bool axial;                 /* vectors have no sign */
+} isorender_field_settings;
+
 /* What the options say of one object. Strings are borrowed from argv. */
 typedef struct isorender_object_settings {
     isorender_object_kind kind;
@@ -34,10 +46,12 @@ typedef struct isorender_object_settings {
     iso_colormap map;
     double range[2]; /* of the colormap; NAN: that of the numbers */
     iso_caps caps;   /* of lines */
-    iso_glyph glyph; /* of glyphs */
+    bool glyph_given;
+    iso_glyph glyph; /* of glyphs, if given */
     iso_glyph_projection projection;
     iso_space space;
-    int every;
+    int every; /* 0: not given */
+    isorender_field_settings field;
 } isorender_object_settings;
 
 /* The options as they are given: the n-th value belongs to the n-th object, of those of the option's kind,
@@ -49,8 +63,12 @@ typedef struct isorender_object_options {
     iso_texts tube_radii, line_colors, caps;                  /* by number of the lines */
     iso_texts glyph_radii, glyph_colors, glyphs, projections; /* by number of the glyphs */
     iso_texts mesh_colors;                                    /* by number of the mesh */
-    iso_texts color_by, maps, ranges, every;                  /* by number of the object that is no mesh */
-    iso_texts spaces;                                         /* by number of the object */
+    /* of volumes of vectors, by the same numbers as those of lines, of glyphs, and of both */
+    iso_texts streamlines, streamline_lengths, streamline_speeds, streamline_seeds, glyph_scales;
+    iso_texts arrays, tensor_orders;
+    int axial;
+    iso_texts color_by, maps, ranges, every; /* by number of the object that is no mesh */
+    iso_texts spaces;                        /* by number of the object */
 } isorender_object_options;
 
 /* Sets `objects`, in the order of the command line. ISO_ERR_USAGE: a value that cannot be, more values of an

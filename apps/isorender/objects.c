@@ -82,9 +82,19 @@ static iso_status read_mesh(isorender_object *object, iso_error *error) {
     return ISO_OK;
 }
 
-static iso_status read_file(isorender_object *object, const iso_read_opts *opts, iso_error *error) {
+static iso_status check_axes(const isorender_object *object, iso_error *error) {
+    if (object->settings->field.axes <= ISO_VECTOR_AXES_RAS) return ISO_OK;
+    return iso_fail(error, ISO_ERR_USAGE, "%s: --space voxels and fsl are for volumes of vectors",
+                    object->settings->path);
+}
+
+static iso_status read_file(isorender_object *object, const iso_read_opts *opts, iso_pool *pool,
+                            iso_error *error) {
     const char *path = object->settings->path;
     size_t count = 0;
+    if (object->settings->kind != ISORENDER_MESH && isorender_object_is_field(path))
+        return isorender_object_read_field(object, opts, pool, error);
+    ISO_TRY(check_axes(object, error));
     if (object->settings->kind == ISORENDER_MESH) {
         iso_file_set_read(opts->files, path);
         return read_mesh(object, error);
@@ -101,18 +111,20 @@ static iso_status read_file(isorender_object *object, const iso_read_opts *opts,
 }
 
 iso_status isorender_object_read(isorender_object *object, const isorender_object_settings *settings,
-                                 uint64_t max_memory, iso_file_set *files, iso_error *error) {
+                                 uint64_t max_memory, iso_file_set *files, iso_pool *pool, iso_error *error) {
     object->settings = settings;
     object->color = settings->color;
+    object->glyph = settings->glyph;
+    object->color_by = settings->color_by;
     const iso_read_opts opts = {.max_memory = max_memory,
                                 .space = settings->space,
                                 .every = settings->every,
                                 .files = files,
                                 .report = &object->report};
     const iso_attribute *attribute;
-    ISO_TRY(read_file(object, &opts, error));
+    ISO_TRY(read_file(object, &opts, pool, error));
     if (settings->kind == ISORENDER_MESH) return ISO_OK;
-    if (settings->color_by) ISO_TRY(find_attribute(object, settings->color_by, &attribute, error));
+    if (object->color_by) ISO_TRY(find_attribute(object, object->color_by, &attribute, error));
     ISO_TRY(set_radii(object, error));
     return isorender_object_color(object, error);
 }
@@ -128,9 +140,9 @@ static iso_status prepare_lines(isorender_object *object, double line_min_pixels
 static iso_status prepare_glyphs(isorender_object *object, iso_error *error) {
     const double given = object->settings->radius;
     const iso_shapes_opts opts = {
-        .glyph = object->settings->glyph,
+        .glyph = object->glyph,
         .projection = object->settings->projection,
-        .radius = isnan(given) ? iso_glyphs_usual_radius(&object->glyphs, object->settings->glyph) : given};
+        .radius = isnan(given) ? iso_glyphs_usual_radius(&object->glyphs, object->glyph) : given};
     return iso_shapes_from_glyphs(&object->glyphs, &opts, &object->shapes, error);
 }
 
@@ -203,6 +215,7 @@ static void put_shapes(iso_json *json, const isorender_object *object) {
     } else {
         iso_json_integer(json, "glyphs", object->glyphs.count);
     }
+    if (object->field.components) isorender_field_put(json, object);
     iso_json_integer(json, "shapes", totals.shapes);
     iso_json_integer(json, "skipped", totals.skipped);
     iso_json_integer(json, "dropped", object->report.dropped);
@@ -249,6 +262,7 @@ static void print_attributes(const isorender_object *object) {
 static void print_contents(const isorender_object *object) {
     printf("  %-11s %s, %s%s\n", "format", object->report.format, space_name(object->report.space),
            object->report.space_stated ? "" : " (not stated in the file)");
+    if (object->field.components) isorender_field_info(object);
     if (has_lines(object))
         printf("  %-11s %zu, %zu vertices%s\n", "lines", object->lines.line_count, object->lines.vertex_count,
                object->lines.radii ? ", with radii" : "");

@@ -5,6 +5,8 @@
 #include "apps/common/json.h"
 #include "apps/isorender/object_settings.h"
 #include "base/parallel.h"
+#include "extract/vectors/streamlines.h"
+#include "extract/vectors/vector_glyphs.h"
 #include "image/annotate.h"
 #include "image/aov.h"
 #include "io/mesh_read.h"
@@ -17,6 +19,15 @@
 extern "C" {
 #endif
 
+/* What an object has that is made of a volume of vectors or tensors. */
+typedef struct isorender_field {
+    int dims[3];
+    int components; /* of the file; 0: the object is not made of a volume */
+    iso_vectors_totals vectors;
+    iso_vector_glyphs_totals glyphs;
+    iso_streamlines_totals lines;
+} isorender_field;
+
 /* One file. Zero-initialise, isorender_object_free when done. */
 typedef struct isorender_object {
     const isorender_object_settings *settings; /* borrowed */
@@ -25,6 +36,9 @@ typedef struct isorender_object {
     iso_glyphs glyphs;
     iso_triangles mesh;
     iso_read_report report;   /* of lines and glyphs */
+    isorender_field field;    /* of a volume */
+    iso_glyph glyph;          /* of glyphs: the solid that is drawn */
+    const char *color_by;     /* borrowed: the attribute with numbers to be coloured; NULL: none */
     iso_shapes *shapes;       /* of lines and glyphs; NULL before isorender_object_prepare */
     iso_shapes_drawn drawn;   /* of lines and glyphs: in all frames */
     iso_triangle_spans spans; /* of meshes */
@@ -38,7 +52,7 @@ typedef struct isorender_object {
  * ISO_ERR_EMPTY: the file holds nothing; ISO_ERR_USAGE: it has no column of a name that was given; the errors
  * of iso_lines_read, iso_glyphs_read and iso_mesh_read. Messages name the file. */
 iso_status isorender_object_read(isorender_object *object, const isorender_object_settings *settings,
-                                 uint64_t max_memory, iso_file_set *files, iso_error *error);
+                                 uint64_t max_memory, iso_file_set *files, iso_pool *pool, iso_error *error);
 
 /* Prepares what was read for drawing, and finds its bounds. line_min_pixels: least width of lines.
  * ISO_ERR_NOMEM. */
@@ -59,6 +73,19 @@ void isorender_object_number(const isorender_object *object, uint32_t surface, i
 void isorender_object_put(iso_json *json, const isorender_object *object);
 /* The same as text on standard output, with the names and ranges of the columns. */
 void isorender_object_info(const isorender_object *object);
+
+/* ---- object_fields.c */
+
+/* Whether a file of lines or glyphs is a volume, by its content. */
+bool isorender_object_is_field(const char *path);
+/* Reads a volume of vectors or tensors and makes lines or glyphs of it. Errors as isorender_object_read;
+ * ISO_ERR_EMPTY also when there are no vectors that glyphs or lines could show. */
+iso_status isorender_object_read_field(isorender_object *object, const iso_read_opts *opts, iso_pool *pool,
+                                       iso_error *error);
+/* Members of the report. */
+void isorender_field_put(iso_json *json, const isorender_object *object);
+/* Lines of --info. */
+void isorender_field_info(const isorender_object *object);
 
 /* ---- object_colors.c */
 

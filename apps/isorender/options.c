@@ -707,8 +707,6 @@ static iso_status check_glass(const isorender_settings *settings, iso_error *err
 
 static iso_status check_objects(isorender_settings *settings, iso_error *error) {
     ISO_TRY(isorender_objects_resolve(&settings->object_options, settings->objects, error));
-    if (settings->color_bar && !settings->object_options.color_by.count)
-        return iso_fail(error, ISO_ERR_USAGE, "--color-bar shows what --color-by colours: give both");
     if (!settings->object_options.count) return ISO_OK;
     if (settings->ior > 0)
         return iso_fail(error, ISO_ERR_USAGE,

@@ -36,7 +36,7 @@ iso_status iso_format_component(const char *path, const iso_volume_opts *opts, i
                         opts->component, components == 1 ? "is" : "are", components);
     info->components = components;
     info->component = opts->component;
-    if (components > 1)
+    if (components > 1 && !opts->component_axes)
         iso_volume_note(info, "several components: using %d of %d (--component)", opts->component,
                         components);
     return ISO_OK;

@@ -59,6 +59,12 @@ iso_status iso_format_file_bytes(const char *path, uint64_t *bytes, iso_error *e
 /* ISO_ERR_IO "file: truncated: N of M bytes". */
 iso_status iso_format_truncated(const char *path, uint64_t bytes, uint64_t wanted, iso_error *error);
 
+/* Whether opts->component_axes prefers arrays or grids with so many components: three are vectors, six, seven
+ * (a mask and six) and nine are matrices. */
+static inline bool iso_format_are_vectors(uint64_t components) {
+    return components == 3 || components == 6 || components == 7 || components == 9;
+}
+
 /* Creates the rgrid that `info` describes. `lent`: voxels in memory, as in iso_rgrid_desc, released also when
  * it fails; NULL: the voxels are allocated. */
 typedef struct iso_format_data {
@@ -69,8 +75,8 @@ typedef struct iso_format_data {
 iso_status iso_format_create(const char *path, const iso_volume_info *info, const iso_format_data *lent,
                              iso_grid *grid, iso_error *error);
 
-/* Sets info's component and components; adds a note if there are several. ISO_ERR_USAGE: no such component.
- */
+/* Sets info's component and components; adds a note if there are several, unless opts->component_axes asks
+ * for all of them. ISO_ERR_USAGE: no such component. */
 iso_status iso_format_component(const char *path, const iso_volume_opts *opts, int components,
                                 iso_volume_info *info, iso_error *error);
 
@@ -164,6 +170,8 @@ typedef struct iso_format_image {
 } iso_format_image;
 
 /* Chooses an array: opts->grid, else the active one, else the first; arrays of points before those of cells.
+ * With opts->component_axes, arrays of vectors or matrices come first, those of bytes, which are colours,
+ * last of these.
  * Sets everything in info that follows from the choice; the transform must be set. Cells become voxels at
  * their centres. */
 iso_status iso_format_take_array(const char *path, const iso_volume_opts *opts, const iso_format_image *image,

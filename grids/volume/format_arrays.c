@@ -22,10 +22,16 @@ static int find_named(const iso_format_image *image, const char *name) {
     return -1;
 }
 
-static int find_best(const iso_format_image *image) {
+static int rank_of(const iso_format_array *array, bool vectors) {
+    if (!vectors) return 1 + 2 * !array->cells + array->active;
+    return 1 + 4 * iso_format_are_vectors(array->components) + 2 * (array->scalar != ISO_SCALAR_UINT8) +
+           !array->cells;
+}
+
+static int find_best(const iso_format_image *image, bool vectors) {
     int best = -1, best_rank = 0;
     for (int i = 0; i < image->count; i++) {
-        int rank = 1 + 2 * !image->arrays[i].cells + image->arrays[i].active;
+        const int rank = rank_of(&image->arrays[i], vectors);
         if (rank > best_rank) best = i, best_rank = rank;
     }
     return best;
@@ -58,7 +64,7 @@ iso_status iso_format_take_array(const char *path, const iso_volume_opts *opts, 
                                  iso_volume_info *info, int *chosen, iso_error *error) {
     if (image->count == 0)
         return iso_fail(error, ISO_ERR_FORMAT, "%s: the image holds no array of numbers", path);
-    *chosen = opts->grid ? find_named(image, opts->grid) : find_best(image);
+    *chosen = opts->grid ? find_named(image, opts->grid) : find_best(image, opts->component_axes);
     if (*chosen < 0)
         return iso_fail(error, ISO_ERR_USAGE, "%s: no array '%.80s', the first is '%.80s'", path, opts->grid,
                         image->arrays[0].name);

@@ -322,6 +322,12 @@ static void take_transform(const nifti_file *file, iso_volume_info *info) {
     info->anatomical = true;
 }
 
+/* The format does not say which axes vectors have; those of the world, RAS, are usual. */
+static void take_component_axes(const nifti_image *image, iso_component_axes *axes) {
+    *axes = (iso_component_axes){.to_world = {-1, 0, 0, 0, -1, 0, 0, 0, 1},
+                                 .lower = image->intent_code == NIFTI_INTENT_SYMMATRIX};
+}
+
 /* Whether the slope is negative (0 means no slope). As a grid's scale must be positive, the values are then
  * scaled and stored as floats. */
 static bool negative_slope(const nifti_image *image) {
@@ -355,6 +361,7 @@ static iso_status describe(const char *path, const iso_volume_opts *opts, const 
     info->type = iso_scalar_stored_type(scalar);
     snprintf(info->file_type, sizeof info->file_type, "%s", iso_scalar_name(scalar));
     take_transform(file, info);
+    if (opts->component_axes) take_component_axes(file->image, opts->component_axes);
     take_scale(file->image, info);
     iso_format_stream stream = stream_of(file);
     iso_format_stream_room(&stream, info);

@@ -155,6 +155,18 @@ static void take_transform(const iso_nrrd_header *nrrd, const layout *found, iso
     for (int i = 0; i < 3; i++) transform->origin[i] *= nrrd->space_sign[i];
 }
 
+/* Vectors and matrices are given in the measurement frame, whose axes are the columns of a matrix, or else in
+ * the space. */
+static void take_component_axes(const iso_nrrd_header *nrrd, iso_component_axes *axes) {
+    const bool framed =
+        nrrd->space_dim >= 3 && isfinite(nrrd->frame[0][0] + nrrd->frame[1][0] + nrrd->frame[2][0]);
+    for (int row = 0; row < 3; row++)
+        for (int axis = 0; axis < 3; axis++)
+            axes->to_world[3 * row + axis] =
+                nrrd->space_sign[row] * (framed ? nrrd->frame[axis][row] : row == axis);
+    axes->stated = framed || nrrd->anatomical;
+}
+
 /* ---- header ---- */
 
 static iso_format_stream stream_of(const iso_nrrd_header *nrrd, const layout *found,
@@ -178,6 +190,7 @@ static iso_status describe(const char *path, const iso_nrrd_header *nrrd, const 
     info->type = iso_scalar_stored_type(nrrd->scalar);
     snprintf(info->file_type, sizeof info->file_type, "%s", iso_scalar_name(nrrd->scalar));
     take_transform(nrrd, found, info);
+    if (opts->component_axes) take_component_axes(nrrd, opts->component_axes);
     iso_format_stream stream = stream_of(nrrd, found, info);
     iso_format_stream_room(&stream, info);
     return ISO_OK;

@@ -84,7 +84,8 @@ template <class Wanted> vdb_grid *first_of(archive &file, Wanted wanted) {
 iso_status choose(const char *path, const iso_volume_opts *opts, archive &file, vdb_grid **chosen,
                   iso_error *error) {
     if (opts->grid) return choose_named(path, opts->grid, file, chosen, error);
-    *chosen = first_of(file, is_level_set);
+    *chosen = first_of(file, opts->component_axes ? is_vector : is_level_set);
+    if (!*chosen) *chosen = first_of(file, is_level_set);
     if (!*chosen) *chosen = first_of(file, is_scalar);
     if (!*chosen) *chosen = first_of(file, is_vector);
     if (*chosen) return ISO_OK;
@@ -172,6 +173,12 @@ iso_status fill_transform(const char *path, const vdb_grid &entry, const Coord &
     return ISO_OK;
 }
 
+/* Vectors of a grid in local space have the directions of the voxels' axes. */
+void take_component_axes(const GridBase &grid, const iso_transform &transform, iso_component_axes *axes) {
+    axes->stated = true;
+    if (!grid.isInWorldSpace()) std::copy_n(transform.direction, 9, axes->to_world);
+}
+
 /* Whether voxels are cubes, of any size and orientation, to the precision of a transform in floats. */
 bool has_cubic_voxels(const iso_transform &transform) {
     const double *s = transform.spacing, *d = transform.direction;
@@ -246,7 +253,9 @@ iso_status fill_info(const char *path, const iso_volume_opts *opts, archive &fil
         known = counted_extent(grid);
     }
     ISO_TRY(file.measure(*chosen, &known.tree_bytes, &known.leaves, error));
-    return fill_size(path, *chosen, known, info, error);
+    ISO_TRY(fill_size(path, *chosen, known, info, error));
+    if (opts->component_axes) take_component_axes(grid, info->transform, opts->component_axes);
+    return ISO_OK;
 }
 
 iso_status vdb_info(const char *path, const iso_volume_opts *opts, iso_volume_info *info, iso_error *error) {

@@ -32,6 +32,7 @@ typedef struct vtk_file {
     int array_count;
     enum { NO_DATA, POINT_DATA, CELL_DATA } section;
     uint64_t tuples;     /* of the section */
+    bool wants_all;      /* the first pass lists all arrays */
     bool enough;         /* the first pass can stop here */
     iso_status complete; /* result of the first pass */
     iso_error problem;   /* its message, if it failed */
@@ -156,7 +157,7 @@ static iso_status add_array(vtk_file *f, const iso_format_array *array) {
         f->arrays[f->array_count] = *array;
         f->arrays[f->array_count++].cells = f->section == CELL_DATA;
         /* VTK also uses the first SCALARS; counting the words of a long text to find more takes seconds */
-        f->enough = !f->binary && array->active && f->section == POINT_DATA;
+        f->enough = !f->wants_all && !f->binary && array->active && f->section == POINT_DATA;
     }
     return f->enough ? ISO_OK : skip_numbers(f, array->scalar, count);
 }
@@ -306,8 +307,8 @@ static iso_status scan_arrays(vtk_file *f) {
 
 /* Opens a file and reads its header; the stream stays open for read_array. An error after the first arrays is
  * only recorded, so that the header of a truncated file can be shown. */
-static iso_status open_vtk(const char *path, vtk_file *f, iso_error *error) {
-    *f = (vtk_file){.path = path, .spacing = {1, 1, 1}};
+static iso_status open_vtk(const char *path, const iso_volume_opts *opts, vtk_file *f, iso_error *error) {
+    *f = (vtk_file){.path = path, .spacing = {1, 1, 1}, .wants_all = opts->grid || opts->component_axes};
     ISO_TRY(iso_file_open(path, &f->stream, &f->bytes, error));
     f->complete = scan_arrays(f);
     if (f->complete == ISO_OK || f->array_count) return ISO_OK;
@@ -338,7 +339,7 @@ static iso_format_stream stream_of(const vtk_file *f, int chosen, int component)
 static iso_status vtk_info(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
                            iso_error *error) {
     vtk_file f;
-    ISO_TRY(open_vtk(path, &f, error));
+    ISO_TRY(open_vtk(path, opts, &f, error));
     int chosen = 0;
     iso_status status = describe(&f, opts, info, &chosen, error);
     fclose(f.stream);
@@ -386,7 +387,7 @@ static iso_status read_array(vtk_file *f, const iso_volume_opts *opts, const iso
 static iso_status vtk_read(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
                            iso_grid *grid, iso_error *error) {
     vtk_file f;
-    ISO_TRY(open_vtk(path, &f, error));
+    ISO_TRY(open_vtk(path, opts, &f, error));
     iso_status status = f.complete;
     if (status == ISO_ERR_IO)
         iso_fail(error, status, "%s", f.problem.text);

@@ -440,6 +440,13 @@ static iso_status parse_space_units(parser *p, char *value) {
     return *skip_blanks(value) ? bad(p, "space units", "more words than axes of the space") : ISO_OK;
 }
 
+static iso_status parse_frame(parser *p, char *value) {
+    for (unsigned i = 0; i < p->header->space_dim; i++)
+        if (!parse_vector(p, &value, p->header->frame[i]))
+            return bad(p, "measurement frame", "not a vector or none for each axis of the space");
+    return *skip_blanks(value) ? bad(p, "measurement frame", "more vectors than axes of the space") : ISO_OK;
+}
+
 /* ---- the location of the array ---- */
 
 static iso_status parse_line_skip(parser *p, char *value) {
@@ -549,7 +556,7 @@ static const struct {
               {"old min", "oldmin", NULL, NEED_NOTHING},
               {"old max", "oldmax", NULL, NEED_NOTHING},
               {"sample units", "sampleunits", NULL, NEED_NOTHING},
-              {"measurement frame", "measurementframe", NULL, NEED_NOTHING}};
+              {"measurement frame", "measurementframe", parse_frame, NEED_SPACE}};
 
 enum { FIELDS = sizeof fields / sizeof *fields };
 _Static_assert(FIELDS <= 64, "parser.seen has a bit for each field");
@@ -665,6 +672,7 @@ static void clear(iso_nrrd_header *header) {
     for (int i = 0; i < ISO_NRRD_SPACE; i++) {
         header->space_origin[i] = NAN;
         header->space_unit_mm[i] = 1;
+        for (int k = 0; k < ISO_NRRD_SPACE; k++) header->frame[i][k] = NAN;
     }
     for (int k = 0; k < ISO_NRRD_AXES; k++) {
         iso_nrrd_axis *axis = &header->axis[k];

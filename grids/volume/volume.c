@@ -328,6 +328,8 @@ static void note_guess(const iso_raw_layout *raw, iso_volume_info *info) {
 static iso_status read_header(const char *path, request *r, const iso_format **format, iso_volume_info *info,
                               iso_error *error) {
     *info = (iso_volume_info){.components = 1, .scale = 1, .transform = iso_transform_identity()};
+    if (r->opts.component_axes)
+        *r->opts.component_axes = (iso_component_axes){.to_world = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
     ISO_TRY(find_format(path, r, format, error));
     ISO_TRY(load_format(path, format, error));
     snprintf(info->format, sizeof info->format, "%s", (*format)->name);

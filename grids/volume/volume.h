@@ -41,6 +41,13 @@ bool iso_raw_layout_of_name(const char *path, iso_raw_layout *layout);
 /* The smallest size in bytes of a file with this layout; UINT64_MAX: it does not fit into 64 bits. */
 uint64_t iso_raw_layout_bytes(const iso_raw_layout *layout);
 
+/* The axes of the components of a volume of vectors or matrices, as far as the header tells. */
+typedef struct iso_component_axes {
+    double to_world[9]; /* row-major: a vector in the world (LPS) is to_world * its components */
+    bool stated;        /* by the header; false: to_world is what is usual in the format */
+    bool lower; /* symmetric matrices are stored as their lower triangle, row by row: xx yx yy zx zy zz */
+} iso_component_axes;
+
 /* All zero means the default. Strings are borrowed for the call. */
 typedef struct iso_volume_opts {
     /* The .vdb grid's name, NULL: the only one, or the first level set, or the first scalar one. The .vti or
@@ -49,6 +56,9 @@ typedef struct iso_volume_opts {
     const char
         *series;   /* DICOM: series instance UID, or its number (from 1) as listed by iso_volume_read_info */
     int component; /* which of several components, from 0 */
+    /* Set from the header. Not NULL: the volume is read for its vectors: of a file with several grids or
+     * arrays, one with as many components as vectors or matrices have is chosen if there is one. */
+    iso_component_axes *component_axes;
     const iso_raw_layout
         *raw;            /* read as raw, whatever the name; NULL: raw when iso_raw_layout_of_name says so, the
                           * file has just that size, and it is called .raw or is of no other format */

@@ -12,6 +12,13 @@ void iso_attributes_free(iso_attribute *attributes, int count) {
     iso_free(attributes);
 }
 
+iso_vec3 iso_origin_for(const double first[3]) {
+    double origin[3];
+    for (int axis = 0; axis < 3; axis++)
+        origin[axis] = fabs(first[axis]) > 4096 ? floor(first[axis] + 0.5) : 0;
+    return iso_vec3_make(origin[0], origin[1], origin[2]);
+}
+
 static iso_box bounds_of(iso_vec3 origin, const float (*positions)[3], size_t count) {
     iso_box box = iso_box_empty();
     for (size_t i = 0; i < count; i++) {

@@ -111,13 +111,6 @@ bool iso_reading_is_ras(iso_reading *reading, iso_space stated) {
     return space == ISO_SPACE_RAS;
 }
 
-iso_vec3 iso_origin_for(const double first[3]) {
-    double origin[3];
-    for (int axis = 0; axis < 3; axis++)
-        origin[axis] = fabs(first[axis]) > 4096 ? floor(first[axis] + 0.5) : 0;
-    return iso_vec3_make(origin[0], origin[1], origin[2]);
-}
-
 /* ---- columns */
 
 static bool is_taken(const iso_attribute *attributes, int count, const char *name) {

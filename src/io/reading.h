@@ -59,11 +59,6 @@ bool iso_reading_is_ras(iso_reading *reading, iso_space stated);
  * can be placed. */
 #define ISO_FARTHEST 1e12
 
-/* The origin of a set whose first vertex is `first`: its coordinates beyond 4096 mm rounded to whole
- * millimetres, the others 0, so that vertices relative to it keep at least a half micrometre in floats
- * wherever the set lies. */
-iso_vec3 iso_origin_for(const double first[3]);
-
 /* ---- columns */
 
 enum { ISO_COLUMN_NAME = 64 };

@@ -1,0 +1,62 @@
+/* vectors_read: reads volumes with several components at each voxel as vectors or tensors in the axes of the
+ * world.
+ *
+ * Every format of iso_volume_read can hold them: channels of MetaImage and raw files, arrays of .vti and
+ * legacy .vtk, vector grids of .vdb, axes of vectors and matrices in .nrrd, fourth and fifth dimensions of
+ * NIfTI. What the components are follows from their number:
+ *
+ *   3   a vector
+ *   6   a symmetric tensor: xx xy xz yy yz zz; in .vti and .vtk xx yy zz xy yz xz; in NIfTI with the intent
+ * of symmetric matrices xx yx yy zx zy zz 7   a mask, and a tensor that counts where the mask is at least 0.5
+ * (3D-masked-symmetric-matrix of .nrrd) 9   a tensor row by row, of which the symmetric part is taken
+ *
+ * The axes of the components are those that the header states (the space and measurement frame of .nrrd, the
+ * space of .vdb), RAS in NIfTI, which does not say, and else the axes of the file's world. */
+#ifndef ISO_GRIDS_VOLUME_VECTORS_READ_H
+#define ISO_GRIDS_VOLUME_VECTORS_READ_H
+
+#include "grids/vectors.h"
+#include "grids/volume/volume.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* The axes that components are taken to have. */
+typedef enum iso_vector_axes {
+    ISO_VECTOR_AXES_FILE, /* as above */
+    ISO_VECTOR_AXES_LPS,
+    ISO_VECTOR_AXES_RAS,    /* also of positions, where the format does not state theirs */
+    ISO_VECTOR_AXES_VOXELS, /* the directions of the voxels' axes */
+    ISO_VECTOR_AXES_FSL     /* the same, the first one reversed in volumes that are right-handed in RAS */
+} iso_vector_axes;
+
+/* All zero means the default. Strings are borrowed for the call. */
+typedef struct iso_vectors_opts {
+    const char *array; /* of a .vti, .vtk or .vdb; NULL: the first one with 3, 6, 7 or 9 components */
+    iso_vector_axes axes;
+    /* Of six components: which of them are xx, xy, xz, yy, yz and zz, counted from 1; all 0: as above. */
+    int order[6];
+    uint64_t max_memory; /* bytes that the vectors and reading them may take; 0: 80 % of what is available */
+    iso_file_set *files; /* every file that is read is added; NULL is fine */
+    iso_pool *pool;
+} iso_vectors_opts;
+
+/* What the file says. */
+typedef struct iso_vectors_info {
+    iso_volume_info volume;
+    bool ras;         /* the components were read as RAS */
+    bool axes_stated; /* by the header */
+    double asymmetry; /* of nine components: greatest difference of two entries that should be equal */
+} iso_vectors_info;
+
+/* Reads the volume; iso_vectors_free when done. `opts` may be NULL. Errors: those of iso_volume_read;
+ * ISO_ERR_EMPTY: the voxels have another number of components; ISO_ERR_LIMIT: vectors and reading take more
+ * than max_memory, checked before anything is allocated. Each text names the file. */
+iso_status iso_vectors_read(const char *path, const iso_vectors_opts *opts, iso_vectors *vectors,
+                            iso_vectors_info *info, iso_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,26 @@
+/* tensor: eigenvalues and eigenvectors of a symmetric tensor. */
+#ifndef ISO_EXTRACT_VECTORS_TENSOR_H
+#define ISO_EXTRACT_VECTORS_TENSOR_H
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct iso_eigen {
+    double values[3];     /* from the greatest to the least */
+    double vectors[3][3]; /* vectors[i]: unit, of values[i]; perpendicular to each other; of either sign */
+} iso_eigen;
+
+/* Decomposes xx xy xz yy yz zz, which must be finite. The same bits on every machine: only square roots are
+ * taken. */
+iso_eigen iso_tensor_eigen(const float tensor[6]);
+
+/* The fractional anisotropy of eigenvalues, 0 (a sphere) .. 1 (a needle); 0 when all are 0 (Basser and
+ * Pierpaoli 1996, "Microstructural and physiological features of tissues elucidated by
+ * quantitative-diffusion-tensor MRI"). */
+double iso_eigen_anisotropy(const iso_eigen *eigen);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
