@@ -36,6 +36,13 @@ static void print_memory(const isorender_job *job) {
     printf(" for a picture of %dx%d\n", job->settings->width, job->settings->height);
 }
 
+/* What else the voxels can be drawn as. */
+static void print_field(const iso_volume_info *info) {
+    const int n = info->components;
+    if (n == 3) printf("  %-11s as vectors: arrows (--glyphs), streamlines (--lines)\n", "drawable");
+    if (n == 6 || n == 7 || n == 9) printf("  %-11s as tensors: ellipsoids (--glyphs)\n", "drawable");
+}
+
 void isorender_info_header(const isorender_job *job) {
     const iso_volume_info *info = &job->loader.volume.info;
     if (job->settings->objects_only) return;
@@ -52,6 +59,7 @@ void isorender_info_header(const isorender_job *job) {
     if (strcmp(info->file_type, iso_type_name(info->type)) != 0)
         printf(", held as %s", iso_type_name(info->type));
     printf("%s\n", info->sparse ? ", sparse level set" : info->level_set ? ", level set" : "");
+    print_field(info);
     if (info->scale != 1 || info->offset != 0)
         printf("  %-11s physical = %.10g * stored + %.10g\n", "values", info->scale, info->offset);
     print_numbers("spacing", info->transform.spacing, " mm");

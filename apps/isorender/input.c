@@ -21,6 +21,12 @@ static iso_status check_picture(const isorender_job *job, iso_error *error) {
                     job->settings->width, job->settings->height, (double)needs / 1e6, (double)limit / 1e6);
 }
 
+static bool wants_gradients(const isorender_settings *settings) {
+    for (int i = 0; i < settings->object_options.count; i++)
+        if (isorender_object_is_surface(&settings->objects[i])) return true;
+    return false;
+}
+
 /* Options that need a volume. */
 static iso_status check_points_options(const isorender_settings *settings, iso_error *error) {
     const iso_input *input = &settings->common.input;
@@ -30,18 +36,19 @@ static iso_status check_points_options(const isorender_settings *settings, iso_e
             return iso_fail(error, ISO_ERR_USAGE, "holds points, not a volume: --method %s needs a volume",
                             renderer->name);
     }
-    const char *option = settings->isovalue_count ? "--isovalue"
-                         : settings->mesh         ? "--mesh"
-                         : input->cropped         ? "--crop"
-                         : input->cropped_mm      ? "--crop-mm"
-                         : settings->primitive    ? "--primitive"
-                         : input->largest         ? "--largest"
-                         : input->min_size > 0    ? "--min-size"
-                         : settings->closed       ? "--closed"
-                         : settings->ior > 0      ? "--ior"
-                         : input->grid            ? "--grid"
-                         : input->series          ? "--series"
-                                                  : NULL;
+    const char *option = settings->isovalue_count    ? "--isovalue"
+                         : settings->mesh            ? "--mesh"
+                         : input->cropped            ? "--crop"
+                         : input->cropped_mm         ? "--crop-mm"
+                         : settings->primitive       ? "--primitive"
+                         : input->largest            ? "--largest"
+                         : input->min_size > 0       ? "--min-size"
+                         : settings->closed          ? "--closed"
+                         : settings->ior > 0         ? "--ior"
+                         : input->grid               ? "--grid"
+                         : input->series             ? "--series"
+                         : wants_gradients(settings) ? "--glyphs surface"
+                                                     : NULL;
     if (!option) return ISO_OK;
     return iso_fail(error, ISO_ERR_USAGE, "holds points, not a volume: %s needs a volume", option);
 }
@@ -103,6 +110,7 @@ static iso_status check_objects_options(const isorender_settings *settings, iso_
                          : input->largest                              ? "--largest"
                          : input->min_size > 0                         ? "--min-size"
                                                                        : NULL;
+    if (!option && wants_gradients(settings)) option = "--glyphs surface";
     if (!option) return ISO_OK;
     return iso_fail(error, ISO_ERR_USAGE, "%s is for surfaces: there are lines or glyphs only", option);
 }
@@ -155,7 +163,8 @@ static void log_object(const isorender_job *job, const isorender_object *object)
 
 static iso_status check_color_bar(const isorender_job *job, iso_error *error) {
     bool has_bar = !job->settings->color_bar;
-    for (int i = 0; i < job->object_count; i++) has_bar |= job->objects[i].has_bar;
+    for (int i = 0; i < job->object_count; i++)
+        has_bar |= job->objects[i].has_bar || isorender_gradients_have_bar(job->objects[i].settings);
     if (has_bar) return ISO_OK;
     return iso_fail(error, ISO_ERR_USAGE, "--color-bar shows what --color-by colours: give both");
 }

@@ -120,6 +120,12 @@ iso_point_view isorender_points_view(const isorender_job *job, int surface);
 /* The box of all surfaces, not of objects, in the space to which `affine` maps index coordinates. */
 iso_box isorender_bounds(const isorender_job *job, const iso_affine *affine);
 
+/* ---- object_gradients.c */
+
+/* Makes the glyphs of --glyphs surface. ISO_ERR_EMPTY: no gradient can be drawn; ISO_ERR_LIMIT,
+ * ISO_ERR_NOMEM. */
+iso_status isorender_object_take_gradients(isorender_job *job, isorender_object *object, iso_error *error);
+
 /* ---- splats.c */
 
 /* Divides the points of a surface into groups for splats. ISO_ERR_NOMEM, ISO_ERR_LIMIT. */

@@ -121,9 +121,13 @@ iso_status isorender_object_read(isorender_object *object, const isorender_objec
                                 .every = settings->every,
                                 .files = files,
                                 .report = &object->report};
-    const iso_attribute *attribute;
+    if (isorender_object_is_surface(settings)) return ISO_OK;
     ISO_TRY(read_file(object, &opts, pool, error));
-    if (settings->kind == ISORENDER_MESH) return ISO_OK;
+    return settings->kind == ISORENDER_MESH ? ISO_OK : isorender_object_style(object, error);
+}
+
+iso_status isorender_object_style(isorender_object *object, iso_error *error) {
+    const iso_attribute *attribute;
     if (object->color_by) ISO_TRY(find_attribute(object, object->color_by, &attribute, error));
     ISO_TRY(set_radii(object, error));
     return isorender_object_color(object, error);
@@ -207,8 +211,9 @@ static const char *space_name(iso_space space) {
 /* Members of lines and glyphs. */
 static void put_shapes(iso_json *json, const isorender_object *object) {
     const iso_shapes_totals totals = iso_shapes_stats(object->shapes);
-    iso_json_string(json, "format", object->report.format);
-    iso_json_string(json, "space", space_name(object->report.space));
+    const bool is_file = !isorender_object_is_surface(object->settings);
+    if (is_file) iso_json_string(json, "format", object->report.format);
+    if (is_file) iso_json_string(json, "space", space_name(object->report.space));
     if (has_lines(object)) {
         iso_json_integer(json, "lines", object->lines.line_count);
         iso_json_integer(json, "vertices", object->lines.vertex_count);
@@ -216,6 +221,7 @@ static void put_shapes(iso_json *json, const isorender_object *object) {
         iso_json_integer(json, "glyphs", object->glyphs.count);
     }
     if (object->field.components) isorender_field_put(json, object);
+    if (!is_file) isorender_gradients_put(json, object);
     iso_json_integer(json, "shapes", totals.shapes);
     iso_json_integer(json, "skipped", totals.skipped);
     iso_json_integer(json, "dropped", object->report.dropped);
@@ -283,6 +289,7 @@ static iso_box contents_bounds(const isorender_object *object) {
 
 void isorender_object_info(const isorender_object *object) {
     const iso_box box = contents_bounds(object);
+    if (isorender_object_is_surface(object->settings)) return; /* nothing is extracted for --info */
     iso_text_put(stdout, object->settings->path);
     printf("\n");
     if (object->settings->kind == ISORENDER_MESH)

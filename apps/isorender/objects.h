@@ -5,6 +5,7 @@
 #include "apps/common/json.h"
 #include "apps/isorender/object_settings.h"
 #include "base/parallel.h"
+#include "extract/vectors/gradient_glyphs.h"
 #include "extract/vectors/streamlines.h"
 #include "extract/vectors/vector_glyphs.h"
 #include "image/annotate.h"
@@ -35,9 +36,10 @@ typedef struct isorender_object {
     iso_lines lines;
     iso_glyphs glyphs;
     iso_triangles mesh;
-    iso_read_report report;   /* of lines and glyphs */
-    isorender_field field;    /* of a volume */
-    iso_glyph glyph;          /* of glyphs: the solid that is drawn */
+    iso_read_report report;               /* of lines and glyphs */
+    isorender_field field;                /* of a volume */
+    iso_gradient_glyphs_totals gradients; /* of --glyphs surface */
+    iso_glyph glyph;                      /* of glyphs: the solid that is drawn */
     const char *color_by;     /* borrowed: the attribute with numbers to be coloured; NULL: none */
     iso_shapes *shapes;       /* of lines and glyphs; NULL before isorender_object_prepare */
     iso_shapes_drawn drawn;   /* of lines and glyphs: in all frames */
@@ -53,6 +55,9 @@ typedef struct isorender_object {
  * of iso_lines_read, iso_glyphs_read and iso_mesh_read. Messages name the file. */
 iso_status isorender_object_read(isorender_object *object, const isorender_object_settings *settings,
                                  uint64_t max_memory, iso_file_set *files, iso_pool *pool, iso_error *error);
+
+/* Gives lines or glyphs the radii and colours that the settings say. ISO_ERR_USAGE: no such column. */
+iso_status isorender_object_style(isorender_object *object, iso_error *error);
 
 /* Prepares what was read for drawing, and finds its bounds. line_min_pixels: least width of lines.
  * ISO_ERR_NOMEM. */
@@ -73,6 +78,15 @@ void isorender_object_number(const isorender_object *object, uint32_t surface, i
 void isorender_object_put(iso_json *json, const isorender_object *object);
 /* The same as text on standard output, with the names and ranges of the columns. */
 void isorender_object_info(const isorender_object *object);
+
+/* ---- object_gradients.c */
+
+/* Whether the glyphs are those of --glyphs surface, which are made of the isosurfaces, not read. */
+bool isorender_object_is_surface(const isorender_object_settings *settings);
+/* Whether the gradients will be coloured by a column. */
+bool isorender_gradients_have_bar(const isorender_object_settings *settings);
+/* Members of the report. */
+void isorender_gradients_put(iso_json *json, const isorender_object *object);
 
 /* ---- object_fields.c */
 

@@ -296,6 +296,8 @@ static void warn_of_space(const isorender_job *job, const isorender_object *obje
 static iso_status prepare_objects(isorender_job *job, iso_error *error) {
     for (int i = 0; i < job->object_count; i++) {
         isorender_object *object = &job->objects[i];
+        if (isorender_object_is_surface(object->settings))
+            ISO_TRY(isorender_object_take_gradients(job, object, error));
         if (!object->settings->colored) object->color = iso_shading_palette(job->surface_count + i);
         ISO_TRY(isorender_object_prepare(object, job->settings->line_min_pixels, error));
         warn_of_space(job, object);

@@ -42,6 +42,16 @@ l = lines["objects"][0]
 assert l["lines"] == 20 and sum(l["field"]["ends"].values()) == 40 and l["field"]["step_mm"] == .25, l
 assert [o["path"] for o in both["objects"]] == ["in/turn.mha"] * 2
 P
+isorender --scene sphere:40 gradients.png --glyphs surface --every 8 --color-bar --json=gradients.json --quiet
+isorender --scene sphere:40 --method pullpush --glyphs surface --glyph-color red --every 8 red.png --quiet
+python3 - <<'P'
+import json
+o = json.load(open("gradients.json"))["objects"][0]
+assert o["path"] == "surface" and 50 < o["glyphs"] < 125 and o["gradients"]["every"] == 8, o
+assert o["range"][0] > 0 and o["gradients"]["points"] > 1000, o
+P
+isorender --info in/turn.mha >info 2>/dev/null
+grep -q "as vectors: arrows (--glyphs), streamlines (--lines)" info
 isorender --info --glyphs in/turn.mha >info 2>/dev/null
 grep -q "21 x 21 x 5, 3 components: vectors" info && grep -q "magnitude: 1 .. 14.1421" info
 fails() {
@@ -52,6 +62,9 @@ fails() {
     echo "isorender $*: exit $code, '$(cat said)' does not say '$part'"
     return 1
 }
+fails 2 "is for surfaces" --glyphs surface
+isorender --scene sphere:40 --no-image --points in/points.ply --quiet
+fails 2 "needs a volume" in/points.ply --glyphs surface
 fails 6 "2 components" --glyphs in/two.mha
 fails 6 "every vector is 0" --glyphs in/zero.mha
 fails 6 "every vector is 0" --lines in/zero.mha

@@ -7,6 +7,8 @@
 
 #include "base/memory.h"
 #include "check_support.h"
+#include "extract/points/points.h"
+#include "extract/vectors/gradient_glyphs.h"
 #include "extract/vectors/streamlines.h"
 #include "extract/vectors/tensor.h"
 #include "extract/vectors/vector_glyphs.h"
@@ -272,6 +274,64 @@ static void test_axial(void **state) {
     iso_vectors_free(&v);
 }
 
+/* ---- gradients at an isosurface */
+
+/* A linear function of the world in an oblique grid with scaled values: the gradient is the same everywhere,
+ * and the solid lies where the function is large. */
+static void test_gradients(void **state) {
+    (void)state;
+    const iso_transform transform = {{1e6, 5, -6}, {0.8, 1, 1.25}, {0.6, -0.8, 0, 0.8, 0.6, 0, 0, 0, 1}};
+    const iso_affine affine = iso_transform_affine(&transform);
+    const iso_vec3 wanted = {3, -1, 2};
+    iso_error error = {0};
+    iso_rgrid_desc desc = {
+        .dims = {40, 30, 20}, .type = ISO_FLOAT32, .scale = 2, .offset = 7, .transform = &transform};
+    iso_grid grid = {0};
+    test_ok(iso_rgrid_create(&desc, &grid.rgrid, &error), &error);
+    const iso_vec3 middle = iso_affine_point(&affine, iso_vec3_make(20, 15, 10));
+    for (int i = 0; i < 40 * 30 * 20; i++) {
+        const iso_vec3 p = iso_affine_point(&affine, iso_vec3_make(i % 40, i / 40 % 30, i / 1200));
+        ((float *)grid.rgrid->data)[i] = (float)((iso_vec3_dot(wanted, iso_vec3_sub(p, middle)) - 7) / 2);
+    }
+    iso_point_set *points;
+    test_ok(iso_point_set_create(&grid, &(iso_points_opts){.isovalue = 0.5}, &points, &error), &error);
+    test_ok(iso_point_set_update(points, &error), &error);
+    const iso_gradient_source sources[2] = {{&grid, iso_point_set_view(points)},
+                                            {&grid, iso_point_set_view(points)}};
+    iso_glyphs g;
+    iso_gradient_glyphs_totals totals;
+    test_ok(iso_gradient_glyphs(sources, 1, &(iso_gradient_glyphs_opts){.every = 4}, &g, &totals, &error),
+            &error);
+    assert_int_equal(totals.points, iso_point_view_count(&sources[0].points));
+    assert_int_equal(totals.missing, 0);
+    assert_true(g.count > 60 && g.count < 10 * 8 * 5);
+    near(totals.scale, 4 * 0.8 / sqrt(14), 1e-5);
+    for (size_t i = 0; i < g.count; i++) {
+        const iso_vec3 p = {(double)g.positions[i][0] + g.origin.x, (double)g.positions[i][1] + g.origin.y,
+                            (double)g.positions[i][2] + g.origin.z};
+        near(iso_vec3_dot(wanted, iso_vec3_sub(p, middle)), 0.5,
+             5e-3); /* on the surface: points are packed */
+        near((double)g.attributes[0].values[i], sqrt(14), 1e-4);
+        near((double)g.directions[i][0], -3 * totals.scale, 1e-4); /* out of the solid */
+        near((double)g.directions[i][1], totals.scale, 1e-4);
+        near((double)g.directions[i][2], -2 * totals.scale, 1e-4);
+    }
+    const size_t count = g.count;
+    iso_glyphs_free(&g);
+    test_ok(iso_gradient_glyphs(sources, 2, &(iso_gradient_glyphs_opts){.every = 4, .scale = 5}, &g, &totals,
+                                &error),
+            &error);
+    assert_int_equal(g.count, 2 * count);
+    assert_memory_equal(g.directions[0], g.directions[count], count * sizeof *g.directions);
+    near((double)g.directions[count][1], 5, 1e-4);
+    iso_glyphs_free(&g);
+    assert_int_equal(
+        iso_gradient_glyphs(sources, 1, &(iso_gradient_glyphs_opts){.max_memory = 1000}, &g, &totals, &error),
+        ISO_ERR_LIMIT);
+    iso_point_set_destroy(points);
+    iso_grid_destroy(&grid);
+}
+
 /* ---- files: one vector or tensor, and the axes that it has in the world */
 
 static iso_vectors read_file(const char *path, iso_vectors_opts opts, iso_vectors_info *info) {
@@ -391,8 +451,8 @@ int main(void) {
         cmocka_unit_test(test_eigen),      cmocka_unit_test(test_glyphs),
         cmocka_unit_test(test_ellipsoids), cmocka_unit_test(test_straight),
         cmocka_unit_test(test_circles),    cmocka_unit_test(test_same_for_threads),
-        cmocka_unit_test(test_axial),      cmocka_unit_test(test_nrrd_axes),
-        cmocka_unit_test(test_orders),     cmocka_unit_test(test_nifti_axes),
-        cmocka_unit_test(test_refusals)};
+        cmocka_unit_test(test_axial),      cmocka_unit_test(test_gradients),
+        cmocka_unit_test(test_nrrd_axes),  cmocka_unit_test(test_orders),
+        cmocka_unit_test(test_nifti_axes), cmocka_unit_test(test_refusals)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
