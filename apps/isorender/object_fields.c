@@ -82,6 +82,7 @@ static iso_status make_glyphs(isorender_object *object, const iso_vectors *vecto
     if (!settings->glyph_given) object->glyph = tensors ? ISO_GLYPH_ELLIPSOID : ISO_GLYPH_ARROW;
     const iso_vector_glyphs_opts glyph_opts = {.every = opts->every,
                                                .scale = settings->field.scale,
+                                               .least = settings->field.least,
                                                .centred = object->glyph == ISO_GLYPH_CYLINDER,
                                                .max_memory = opts->max_memory,
                                                .pool = pool};
@@ -92,6 +93,9 @@ static iso_status make_glyphs(isorender_object *object, const iso_vectors *vecto
     if (!settings->colored && !settings->by_direction && !object->color_by)
         object->color_by = tensors ? "anisotropy" : "magnitude";
     if (object->glyphs.count) return ISO_OK;
+    if (totals->small)
+        return iso_fail(error, ISO_ERR_EMPTY, "%s: no glyphs: no %s is at least %g (--least)", settings->path,
+                        tensors ? "anisotropy" : "vector", settings->field.least);
     return iso_fail(error, ISO_ERR_EMPTY, "%s: no glyphs: of %zu %s %zu are 0, %zu not finite%s",
                     settings->path, totals->voxels, tensors ? "tensors" : "vectors", totals->zero,
                     totals->missing, totals->indefinite ? ", the others not positive definite" : "");
@@ -110,7 +114,7 @@ static iso_status make_lines(isorender_object *object, const iso_vectors *vector
     const iso_streamlines_opts line_opts = {.count = (field->streamlines - 1) / every + 1,
                                             .seed = (uint64_t)field->seed,
                                             .length = field->length,
-                                            .slowest = field->least_speed,
+                                            .slowest = field->least,
                                             .axial = field->axial,
                                             .max_memory = opts->max_memory,
                                             .pool = pool};
@@ -126,6 +130,12 @@ static iso_status make_lines(isorender_object *object, const iso_vectors *vector
     if (object->lines.line_count < (size_t)line_opts.count)
         note_count(&object->report, object->lines.line_count, "%zu streamlines: no more places have vectors");
     return ISO_OK;
+}
+
+/* Of lines in all the volume, not of one of them, so that a picture shows some hundreds of them. */
+double isorender_field_radius(const isorender_object *object) {
+    const iso_box box = iso_lines_bounds(&object->lines);
+    return iso_vec3_length(iso_vec3_sub(box.hi, box.lo)) / 400;
 }
 
 static iso_status make(isorender_object *object, const iso_vectors *vectors, const iso_vectors_info *info,
@@ -162,11 +172,12 @@ static void put_glyphs(iso_json *json, const iso_vector_glyphs_totals *totals) {
     iso_json_integer(json, "every", (uint64_t)totals->every);
     iso_json_real(json, "scale_mm", totals->scale);
     iso_json_integer(json, "indefinite", totals->indefinite);
+    iso_json_integer(json, "small", totals->small);
 }
 
 static void put_lines(iso_json *json, const iso_streamlines_totals *totals) {
     iso_json_real(json, "step_mm", totals->step);
-    iso_json_real(json, "least_speed", totals->slowest);
+    iso_json_real(json, "least", totals->slowest);
     iso_json_integer(json, "tried", totals->tried);
     iso_json_begin_object(json, "ends");
     iso_json_integer(json, "left", totals->left);

@@ -123,10 +123,8 @@ static iso_status set_streamlines(const isorender_object_options *options, int n
         set_count("streamlines", value_for(&options->streamlines, number), 1, &field->streamlines, error));
     ISO_TRY(
         set_count("streamline-seed", value_for(&options->streamline_seeds, number), 0, &field->seed, error));
-    ISO_TRY(set_above_0("streamline-length", value_for(&options->streamline_lengths, number), &field->length,
-                        error));
-    return set_above_0("streamline-speed", value_for(&options->streamline_speeds, number),
-                       &field->least_speed, error);
+    return set_above_0("streamline-length", value_for(&options->streamline_lengths, number), &field->length,
+                       error);
 }
 
 /* What lines and glyphs have; number: of the object. */
@@ -134,6 +132,7 @@ static iso_status set_common(const isorender_object_options *options, int number
                              isorender_object_settings *object, iso_error *error) {
     object->color_by = value_for(&options->color_by, number);
     object->field.array = value_for(&options->arrays, number);
+    ISO_TRY(set_above_0("least", value_for(&options->leasts, number), &object->field.least, error));
     object->field.axial = options->axial != 0;
     ISO_TRY(set_tensor_order(value_for(&options->tensor_orders, number), object->field.order, error));
     ISO_TRY(set_map(value_for(&options->maps, number), object, error));
@@ -205,11 +204,11 @@ static iso_status check_counts(const isorender_object_options *o, const int coun
                    {"caps", &o->caps, "--lines", lines},
                    {"streamlines", &o->streamlines, "--lines", lines},
                    {"streamline-length", &o->streamline_lengths, "--lines", lines},
-                   {"streamline-speed", &o->streamline_speeds, "--lines", lines},
                    {"streamline-seed", &o->streamline_seeds, "--lines", lines},
                    {"glyph", &o->glyphs, "--glyphs", glyphs},
                    {"glyph-scale", &o->glyph_scales, "--glyphs", glyphs},
                    {"vectors", &o->arrays, both, lines + glyphs},
+                   {"least", &o->leasts, both, lines + glyphs},
                    {"tensor-order", &o->tensor_orders, both, lines + glyphs},
                    {"glyph-radius", &o->glyph_radii, "--glyphs", glyphs},
                    {"glyph-color", &o->glyph_colors, "--glyphs", glyphs},

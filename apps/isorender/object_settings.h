@@ -25,13 +25,14 @@ typedef enum isorender_object_kind {
 
 /* What the options say of a volume of vectors or tensors. */
 typedef struct isorender_field_settings {
-    const char *array;          /* NULL: the first that fits */
-    iso_vector_axes axes;       /* of the vectors */
-    int order[6];               /* of the components of tensors, as in iso_vectors_opts */
-    double scale;               /* of glyphs, mm per unit; 0: not given */
-    int streamlines, seed;      /* how many; of where they begin */
-    double length, least_speed; /* of streamlines; 0: not given */
-    bool axial;                 /* vectors have no sign */
+    const char *array;     /* NULL: the first that fits */
+    iso_vector_axes axes;  /* of the vectors */
+    int order[6];          /* of the components of tensors, as in iso_vectors_opts */
+    double scale;          /* of glyphs, mm per unit; 0: not given */
+    int streamlines, seed; /* how many; of where they begin */
+    double length;         /* of streamlines, mm; 0: not given */
+    double least;          /* length or anisotropy of what is drawn; 0: not given */
+    bool axial;            /* vectors have no sign */
 } isorender_field_settings;
 
 /* What the options say of one object. Strings are borrowed from argv. */
@@ -64,8 +65,8 @@ typedef struct isorender_object_options {
     iso_texts glyph_radii, glyph_colors, glyphs, projections; /* by number of the glyphs */
     iso_texts mesh_colors;                                    /* by number of the mesh */
     /* of volumes of vectors, by the same numbers as those of lines, of glyphs, and of both */
-    iso_texts streamlines, streamline_lengths, streamline_speeds, streamline_seeds, glyph_scales;
-    iso_texts arrays, tensor_orders;
+    iso_texts streamlines, streamline_lengths, streamline_seeds, glyph_scales;
+    iso_texts arrays, tensor_orders, leasts;
     int axial;
     iso_texts color_by, maps, ranges, every; /* by number of the object that is no mesh */
     iso_texts spaces;                        /* by number of the object */

@@ -134,8 +134,10 @@ iso_status isorender_object_style(isorender_object *object, iso_error *error) {
 }
 
 static iso_status prepare_lines(isorender_object *object, double line_min_pixels, iso_error *error) {
-    const double given = object->settings->radius;
-    const iso_shapes_opts opts = {.radius = isnan(given) ? iso_lines_usual_radius(&object->lines) : given,
+    const double given = object->settings->radius, usual = object->field.components
+                                                               ? isorender_field_radius(object)
+                                                               : iso_lines_usual_radius(&object->lines);
+    const iso_shapes_opts opts = {.radius = isnan(given) ? usual : given,
                                   .min_pixels = line_min_pixels,
                                   .caps = object->settings->caps};
     return iso_shapes_from_lines(&object->lines, &opts, &object->shapes, error);

@@ -96,6 +96,8 @@ bool isorender_object_is_field(const char *path);
  * ISO_ERR_EMPTY also when there are no vectors that glyphs or lines could show. */
 iso_status isorender_object_read_field(isorender_object *object, const iso_read_opts *opts, iso_pool *pool,
                                        iso_error *error);
+/* The radius of streamlines when none is given, mm. */
+double isorender_field_radius(const isorender_object *object);
 /* Members of the report. */
 void isorender_field_put(iso_json *json, const isorender_object *object);
 /* Lines of --info. */

@@ -20,7 +20,7 @@ mha("in/tensors.mha", (5, 5, 5), 6, lambda x, y, z: (3, 0, 0, 2, 0, z + 1 if z <
 mha("in/flat.mha", (3, 3, 3), 6, lambda x, y, z: (1, 0, 0, 1, 0, 0))
 P
 isorender --glyphs in/turn.mha arrows.png --color-bar --json=arrows.json --quiet
-isorender --glyphs in/turn.mha --glyph cone --every 5 --glyph-color direction cones.png --json=cones.json --quiet
+isorender --glyphs in/turn.mha --glyph cone --every 5 --least 2 --glyph-color direction cones.png --json=cones.json --quiet
 isorender --glyphs in/tensors.mha ellipsoids.png --json=ellipsoids.json 2>notes
 grep -q "25 vectors are not finite\|25 tensors" notes && grep -q "not positive definite" notes
 isorender --lines in/turn.mha --streamlines 20 --streamline-length 100 lines.png --json=lines.json --quiet
@@ -35,7 +35,7 @@ a = arrows["objects"][0]
 assert a["glyphs"] == 21 * 21 * 5 - 5 and a["field"]["zero"] == 5 and a["field"]["every"] == 1, a
 assert abs(a["field"]["scale_mm"] * 200 ** .5 - 1) < 1e-6 and a["range"] == [1, 200 ** .5 // 1e-6 * 1e-6] or abs(a["range"][1] - 200 ** .5) < 1e-5, a
 c = cones["objects"][0]
-assert c["glyphs"] == 24 and c["field"]["every"] == 5, c
+assert c["glyphs"] == 24 and c["field"]["small"] == 0 and c["field"]["every"] == 5, c
 e = ellipsoids["objects"][0]["field"]
 assert e["components"] == 6 and e["missing"] == 25 and e["indefinite"] == 50, e
 l = lines["objects"][0]
@@ -71,7 +71,8 @@ fails 6 "every vector is 0" --lines in/zero.mha
 fails 6 "no vector is finite" --glyphs in/nan.mha
 fails 6 "positive definite" --glyphs in/flat.mha
 fails 6 "holds tensors" --lines in/tensors.mha
-fails 6 "no streamline" --lines in/turn.mha --streamline-speed 1000
+fails 6 "no streamline" --lines in/turn.mha --least 1000
+fails 6 "no vector is at least 1000" --glyphs in/turn.mha --least 1000
 fails 5 "max-memory" --glyphs in/turn.mha --max-memory 20k
 fails 2 "no array\|not looked for\|has no column" --glyphs in/turn.mha --color-by speed
 fails 2 "is for --lines" --glyphs in/turn.mha --streamlines 5

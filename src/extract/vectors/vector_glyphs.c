@@ -14,12 +14,13 @@ static const double FLATTEST = 1e-6;
 typedef struct slice {
     size_t first, count; /* of glyphs */
     double longest;      /* vector or eigenvalue */
-    size_t zero, missing, indefinite;
+    size_t zero, missing, small, indefinite;
 } slice;
 
 typedef struct making {
     const iso_vectors *vectors;
     bool centred;
+    double least;
     iso_affine affine;
     int every, counts[3], first[3]; /* the lattice: how many glyphs on each axis, the first one's voxel */
     double scale;
@@ -68,7 +69,7 @@ static double least_distance(const making *m) {
 
 /* ---- one glyph */
 
-typedef enum fate { DRAWN, ZERO, MISSING, INDEFINITE } fate;
+typedef enum fate { DRAWN, ZERO, MISSING, SMALL, INDEFINITE } fate;
 
 /* Whether a tensor has an ellipsoid; sets its eigenvectors. */
 static fate decompose(const float *t, iso_eigen *eigen) {
@@ -116,6 +117,7 @@ static fate do_voxel(const making *m, const int voxel[3], size_t glyph, double *
     iso_eigen eigen;
     const fate found = tensors ? decompose(v, &eigen) : measure_vector(v, length);
     if (found != DRAWN) return found;
+    if ((tensors ? iso_eigen_anisotropy(&eigen) : *length) < m->least) return SMALL;
     if (tensors) *length = eigen.values[0];
     if (!m->glyphs->positions) return DRAWN;
     if (tensors)
@@ -129,6 +131,7 @@ static fate do_voxel(const making *m, const int voxel[3], size_t glyph, double *
 static void count_fate(slice *s, fate found, double length) {
     s->zero += found == ZERO;
     s->missing += found == MISSING;
+    s->small += found == SMALL;
     s->indefinite += found == INDEFINITE;
     s->count += found == DRAWN;
     if (found == DRAWN && length > s->longest) s->longest = length;
@@ -163,6 +166,7 @@ static double add_up(making *m, size_t *count, iso_vector_glyphs_totals *totals)
         *count += s->count;
         totals->zero += s->zero;
         totals->missing += s->missing;
+        totals->small += s->small;
         totals->indefinite += s->indefinite;
         longest = fmax(longest, s->longest);
     }
@@ -215,6 +219,7 @@ iso_status iso_vector_glyphs(const iso_vectors *vectors, const iso_vector_glyphs
     iso_glyphs made = {.origin = iso_origin_for(vectors->transform.origin)};
     making m = {.vectors = vectors,
                 .centred = opts->centred,
+                .least = opts->least,
                 .affine = iso_transform_affine(&vectors->transform),
                 .glyphs = &made};
     *totals = (iso_vector_glyphs_totals){0};

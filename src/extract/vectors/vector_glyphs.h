@@ -23,6 +23,7 @@ typedef struct iso_vector_glyphs_opts {
      * glyphs is as long as the distance of two glyphs along the axis on which they lie closest, the longest
      * half axis half of it, so that no two ellipsoids reach beyond where they meet. */
     double scale;
+    double least; /* vectors that are shorter and tensors of less anisotropy get no glyph */
     bool centred; /* vectors have their middle at the voxel, for solids without a head; else their tail */
     uint64_t max_memory; /* bytes; 0: 80 % of what is available */
     iso_pool *pool;
@@ -34,6 +35,7 @@ typedef struct iso_vector_glyphs_totals {
     size_t voxels; /* at which a glyph was to be made; left out because they are: */
     size_t zero;
     size_t missing;
+    size_t small;      /* below opts.least */
     size_t indefinite; /* tensors whose least eigenvalue is below a millionth of the greatest: no ellipsoid */
 } iso_vector_glyphs_totals;
 

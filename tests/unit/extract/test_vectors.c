@@ -124,6 +124,12 @@ static void test_glyphs(void **state) {
     near((double)g.positions[0][0] + g.origin.x + 3, at.x, 1e-4);
     near((double)g.directions[0][0], 6, 1e-6);
     iso_glyphs_free(&g);
+    v.values[30] = 4; /* one that is longer */
+    test_ok(iso_vector_glyphs(&v, &(iso_vector_glyphs_opts){.every = 1, .least = 4}, &g, &totals, &error),
+            &error);
+    assert_int_equal(g.count, 1);
+    assert_int_equal(totals.small, 165);
+    iso_glyphs_free(&g);
     iso_vectors_free(&v);
 }
 
