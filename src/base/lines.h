@@ -8,6 +8,7 @@
 #include <stdint.h>
 
 #include "base/geometry.h"
+#include "base/status.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -45,6 +46,17 @@ void iso_attributes_free(iso_attribute *attributes, int count);
 void iso_lines_free(iso_lines *lines);
 /* World box of all vertices, without radii; empty when there are none. */
 iso_box iso_lines_bounds(const iso_lines *lines);
+/* The direction of a line at each of its vertices: unit, between the directions of the segments before and
+ * after it, of which those without length are left out; 0 where a line is a single place. `tangents` has a
+ * vector for each vertex, `stride` floats apart. */
+void iso_lines_tangents(const iso_lines *lines, float *tangents, size_t stride);
+/* Makes normals for lines that have none: each turns as little as possible from one vertex to the next, so
+ * that a ribbon has no twist but that of its line.
+ *
+ * Errors: ISO_ERR_NOMEM; the lines are unchanged.
+ * Source: Wang, Juttler, Zheng, Liu 2008, "Computation of rotation minimizing frames" (ACM TOG 27(1)), the
+ * double reflection method (section 4). */
+iso_status iso_lines_add_normals(iso_lines *lines, iso_error *error);
 /* Number of segments of all lines. */
 size_t iso_lines_segment_count(const iso_lines *lines);
 /* The radius in mm of tubes along lines without radii: half the mean length of a segment, so that every bend

@@ -1,5 +1,6 @@
 /* shapes_truth: the pieces of a ray inside each shape, in long double: of spheres from the textbook's
- * formula; of rounded cones by searching among the spheres that sweep them. */
+ * formula; of rounded cones by searching among the spheres that sweep them; of ribbons by dividing their
+ * patches. */
 #include "truth/shapes_truth.h"
 
 #include <math.h>
@@ -146,6 +147,88 @@ static bool cone_piece(const ray *r, const cone *c, piece *p) {
     return true;
 }
 
+/* ---- ribbons: patches line + s path + t (edge0 + s (edge1 - edge0)), 0 <= s <= 1, -1 <= t <= 1. Seen along
+ * the ray, a patch and each of its parts lie within the quadrilateral of their corners: parts whose corners
+ * are all on one side of the ray are left out, the others divided. */
+
+typedef struct patch {
+    real center[3], path[3], edge[2][3];
+} patch;
+
+/* A part of a patch: low and high of s and of t. */
+typedef struct part {
+    real s[2], t[2];
+} part;
+
+static void patch_point(const patch *q, real s, real t, real out[3]) {
+    for (int a = 0; a < 3; a++)
+        out[a] = q->center[a] + s * q->path[a] + t * ((1 - s) * q->edge[0][a] + s * q->edge[1][a]);
+}
+
+/* Whether a line through the ray has all corners on one side: perpendicular to an edge or a diagonal. */
+static bool is_beside(const ray *r, const patch *q, const part *p) {
+    real corner[4][2];
+    for (int i = 0; i < 4; i++) {
+        real at[3];
+        patch_point(q, p->s[i / 2], p->t[i % 2], at);
+        const real depth = at[2] - r->origin[2];
+        for (int a = 0; a < 2; a++) corner[i][a] = at[a] - r->origin[a] - depth * r->direction[a];
+    }
+    for (int i = 0; i < 4; i++)
+        for (int k = 0; k < i; k++) {
+            const real x = corner[i][1] - corner[k][1], y = corner[k][0] - corner[i][0];
+            int before = 0, behind = 0;
+            for (int j = 0; j < 4; j++) {
+                const real side = x * corner[j][0] + y * corner[j][1];
+                before += side<0, behind += side> 0;
+            }
+            if (before == 4 || behind == 4) return true;
+        }
+    return false;
+}
+
+/* Adds an intersection to the piece; the normal is on the ray's side. */
+static void add_patch_point(const ray *r, const patch *q, real s, real t, piece *out) {
+    real at[3], ds[3], dt[3], normal[3];
+    patch_point(q, s, t, at);
+    for (int a = 0; a < 3; a++) {
+        ds[a] = q->path[a] + t * (q->edge[1][a] - q->edge[0][a]);
+        dt[a] = (1 - s) * q->edge[0][a] + s * q->edge[1][a];
+    }
+    for (int a = 0; a < 3; a++)
+        normal[a] = ds[(a + 1) % 3] * dt[(a + 2) % 3] - ds[(a + 2) % 3] * dt[(a + 1) % 3];
+    const real sign = dot(normal, r->direction) > 0 ? -1 : 1, depth = at[2] - r->origin[2];
+    for (int end = 0; end < 2; end++) {
+        if (end ? !(depth > out->t[1]) : !(depth < out->t[0])) continue;
+        out->t[end] = depth;
+        for (int a = 0; a < 3; a++) out->normal[end][a] = sign * normal[a];
+    }
+}
+
+enum { DIVISIONS = 48, MOST_PARTS = 200 };
+
+static bool patch_piece(const ray *r, const patch *q, piece *out) {
+    part parts[MOST_PARTS], next[MOST_PARTS];
+    int count = 1;
+    parts[0] = (part){{0, 1}, {-1, 1}};
+    *out = (piece){.t = {INFINITY, -INFINITY}};
+    for (int division = 0; division < DIVISIONS; division++) {
+        int kept = 0;
+        for (int i = 0; i < count; i++)
+            for (int quarter = 0; quarter < 4; quarter++) {
+                part p = parts[i];
+                p.s[quarter % 2] = (p.s[0] + p.s[1]) / 2;
+                p.t[quarter / 2] = (p.t[0] + p.t[1]) / 2;
+                if (!is_beside(r, q, &p) && kept < MOST_PARTS) next[kept++] = p;
+            }
+        for (int i = 0; i < kept; i++) parts[i] = next[i];
+        count = kept;
+    }
+    for (int i = 0; i < count; i++)
+        add_patch_point(r, q, (parts[i].s[0] + parts[i].s[1]) / 2, (parts[i].t[0] + parts[i].t[1]) / 2, out);
+    return count > 0;
+}
+
 /* ---- other glyphs: images of unit solids, which are unions of convex ones (see the options' glyph). Where a
  * convex function of the place is negative, the place is inside: its least value along the ray is searched,
  * then where it changes its sign on both sides. */
@@ -278,7 +361,8 @@ typedef struct solid {
     real inverse[3][3]; /* of other glyphs, from view space */
     iso_glyph glyph;
     real size, largest; /* its smallest and largest radius */
-    bool is_cone;
+    bool is_cone, is_patch;
+    patch patch;
     size_t number; /* of the glyph, or of the first vertex */
 } solid;
 
@@ -380,12 +464,57 @@ static void add_segment(iso_shapes_truth *truth, const iso_lines *lines, size_t 
     if (s->largest > 0) truth->count++;
 }
 
+static void store_difference(const float a[3], const float b[3], real out[3]) {
+    for (int k = 0; k < 3; k++) out[k] = (real)b[k] - (real)a[k];
+}
+
+/* The direction of a line at a vertex: between those of the segments beside it. */
+static void tangent_at(const iso_lines *lines, size_t line, size_t vertex, real out[3]) {
+    real way[2][3] = {{0}};
+    for (size_t i = lines->starts[line]; i + 1 < lines->starts[line + 1]; i++) {
+        real path[3];
+        store_difference(lines->vertices[i], lines->vertices[i + 1], path);
+        const real length = sqrtl(dot(path, path));
+        if (!(length > 0)) continue;
+        if (i >= vertex && dot(way[1], way[1]) > 0) break;
+        for (int k = 0; k < 3; k++) way[i >= vertex][k] = path[k] / length;
+    }
+    for (int k = 0; k < 3; k++) out[k] = way[0][k] + way[1][k];
+    for (int k = 0; k < 3 && dot(out, out) < 1e-12L; k++) out[k] = way[0][k];
+}
+
+/* The vector from a ribbon's line to its edge. */
+static void edge_at(const iso_shapes_truth *truth, const iso_lines *lines, size_t line, size_t vertex,
+                    real radius, real out[3]) {
+    real tangent[3], across[3];
+    const float *n = lines->normals[vertex];
+    tangent_at(lines, line, vertex, tangent);
+    for (int a = 0; a < 3; a++)
+        across[a] = tangent[(a + 1) % 3] * (real)n[(a + 2) % 3] - tangent[(a + 2) % 3] * (real)n[(a + 1) % 3];
+    const real length = sqrtl(dot(across, across));
+    for (int a = 0; a < 3; a++) across[a] *= radius / length;
+    turn(truth->view, across, out);
+}
+
+/* Makes a solid, which add_segment has made, the patch of a ribbon. */
+static void make_patch(const iso_shapes_truth *truth, const iso_lines *lines, size_t line, solid *s) {
+    for (int a = 0; a < 3; a++) {
+        s->patch.center[a] = s->shape.center[a];
+        s->patch.path[a] = s->shape.path[a];
+    }
+    s->is_patch = true;
+    edge_at(truth, lines, line, s->number, s->shape.radius, s->patch.edge[0]);
+    edge_at(truth, lines, line, s->number + 1, s->shape.radius + s->shape.taper, s->patch.edge[1]);
+}
+
 static void add_lines(iso_shapes_truth *truth, const iso_lines *lines, const iso_shapes_opts *opts) {
     for (size_t i = 0; i < lines->line_count; i++)
         for (size_t v = lines->starts[i]; v + 1 < lines->starts[i + 1]; v++) {
             const size_t before = truth->count;
             add_segment(truth, lines, v, opts);
-            if (truth->count == before || opts->caps != ISO_CAPS_FLAT) continue;
+            if (truth->count == before) continue;
+            if (opts->style == ISO_LINE_RIBBON) make_patch(truth, lines, i, &truth->solids[before]);
+            if (opts->caps != ISO_CAPS_FLAT) continue;
             truth->solids[before].shape.flat[0] = v == lines->starts[i];
             truth->solids[before].shape.flat[1] = v + 2 == lines->starts[i + 1];
         }
@@ -460,6 +589,7 @@ static int solid_pieces(const solid *s, const ray *r, piece out[2]) {
 }
 
 static int pieces_of(const solid *s, const ray *r, piece out[2]) {
+    if (s->is_patch) return patch_piece(r, &s->patch, out);
     if (s->is_cone) return cone_piece(r, &s->shape, out);
     if (s->glyph == ISO_GLYPH_SPHERE) return sphere_piece(r, s->shape.center, s->shape.radius, out);
     return solid_pieces(s, r, out);

@@ -12,7 +12,7 @@ void iso_shapes_write_color(const iso_shapes_frame *frame, size_t sample, uint32
     uint32_t word = (uint32_t)(target->surface + 1) << 24;
     for (int k = 0; k < 3; k++) {
         float value = (float)colors[id][k];
-        if (frame->shapes->kind == ISO_SHAPE_TUBE) value += along * ((float)colors[id + 1][k] - value);
+        if (iso_shapes_are_lines(frame->shapes)) value += along * ((float)colors[id + 1][k] - value);
         word |= (uint32_t)(value + 0.5f) << 8 * k;
     }
     target->gbuffer->color[sample] = word;

@@ -60,16 +60,22 @@ enum {
     ISO_FIELD_UNIT_Y = ISO_FIELD_UNIT_X + 3,
     ISO_FIELD_UNIT_RAY = ISO_FIELD_UNIT_Y + 3,
     ISO_SOLID_FIELDS = ISO_FIELD_UNIT_RAY + 3,
+    /* Ribbons: vectors of three components, see ribbon.inc */
+    ISO_FIELD_PATH = ISO_FIELD_Z + 1,
+    ISO_FIELD_FIRST_EDGE = ISO_FIELD_PATH + 3,
+    ISO_FIELD_LAST_EDGE = ISO_FIELD_FIRST_EDGE + 3,
+    ISO_RIBBON_FIELDS = ISO_FIELD_LAST_EDGE + 3,
     ISO_SHAPES_FIELDS = ISO_TUBE_FIELDS /* the most */
 };
 enum {
     ISO_RECORD_HEAD = 4,
     ISO_SPHERE_RECORD = ISO_RECORD_HEAD + ISO_SPHERE_FIELDS,
     ISO_TUBE_RECORD = ISO_RECORD_HEAD + ISO_TUBE_FIELDS,
+    ISO_RIBBON_RECORD = ISO_RECORD_HEAD + ISO_RIBBON_FIELDS,
     ISO_SOLID_RECORD = ISO_RECORD_HEAD + ISO_SOLID_FIELDS
 };
 
-/* Flags of tubes. */
+/* Flags of tubes, and ISO_TUBE_WIDENED of ribbons. */
 enum {
     ISO_TUBE_CUT_FIRST = 1, /* flat caps */
     ISO_TUBE_CUT_LAST = 2,
@@ -118,9 +124,11 @@ const iso_shapes_kernel *iso_shapes_kernel_get(iso_cpu_level level);
 
 /* Floats of a record. */
 static inline int iso_shapes_record_floats(iso_shape_kind kind) {
-    return kind == ISO_SHAPE_TUBE    ? ISO_TUBE_RECORD
-           : kind == ISO_SHAPE_SOLID ? ISO_SOLID_RECORD
-                                     : ISO_SPHERE_RECORD;
+    static const int floats[] = {[ISO_SHAPE_SPHERE] = ISO_SPHERE_RECORD,
+                                 [ISO_SHAPE_TUBE] = ISO_TUBE_RECORD,
+                                 [ISO_SHAPE_RIBBON] = ISO_RIBBON_RECORD,
+                                 [ISO_SHAPE_SOLID] = ISO_SOLID_RECORD};
+    return floats[kind];
 }
 
 /* The index of a pixel of the bin in `depth` and `record`. */

@@ -114,6 +114,65 @@ static bool meet_tube(const ray *r, const iso_near_shape *s, piece *p) {
     return p->t[0] <= p->t[1];
 }
 
+/* ---- ribbons: see ribbon.inc for the quadratic */
+
+static void cross(const double a[3], const double b[3], double out[3]) {
+    for (int i = 0; i < 3; i++) out[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
+}
+
+/* Extends the piece to where the ray meets the patch at s, if it does. */
+static void extend_ribbon(piece *p, const ray *r, const iso_near_shape *shape, double s) {
+    double m[3], h[3], path[3], turn[3], normal[3], flat_m[3], flat_h[3];
+    if (!(s >= -1e-9 && s <= 1 + 1e-9)) return;
+    for (int a = 0; a < 3; a++) {
+        const double first = shape->radius[0] * shape->across[0][a];
+        path[a] = shape->end[1][a] - shape->end[0][a];
+        turn[a] = shape->radius[1] * shape->across[1][a] - first;
+        m[a] = r->origin[a] - shape->end[0][a] - s * path[a]; /* from the line to the ray */
+        h[a] = first + s * turn[a];
+    }
+    cross(m, r->direction, flat_m);
+    cross(h, r->direction, flat_h);
+    const double t = dot(flat_m, flat_h) / dot(flat_h, flat_h);
+    if (!(fabs(t) <= 1)) return;
+    for (int a = 0; a < 3; a++) {
+        path[a] += t * turn[a];
+        m[a] = t * h[a] - m[a];
+    }
+    const double depth = dot(m, r->direction) / dot(r->direction, r->direction);
+    cross(path, h, normal);
+    const double sign = dot(normal, r->direction) > 0 ? -1 : 1, size = sqrt(dot(normal, normal));
+    for (int end = 0; end < 2; end++) {
+        if (end ? !(depth > p->t[1]) : !(depth < p->t[0])) continue;
+        p->t[end] = depth;
+        p->along[end] = s;
+        for (int a = 0; a < 3; a++) p->normal[end][a] = sign * normal[a] / size;
+    }
+}
+
+/* A ray meets a patch up to twice: these are the ends of the piece. */
+static void meet_ribbon(const ray *r, const iso_near_shape *shape, piece *p) {
+    double path[3], first[3], last[3], turn[3], from[3], rest[3], normal[3];
+    for (int a = 0; a < 3; a++) {
+        path[a] = shape->end[1][a] - shape->end[0][a];
+        first[a] = shape->radius[0] * shape->across[0][a];
+        last[a] = shape->radius[1] * shape->across[1][a];
+        turn[a] = last[a] - first[a];
+        from[a] = r->origin[a] - shape->end[0][a];
+        rest[a] = from[a] - path[a];
+    }
+    cross(first, from, normal);
+    const double c = dot(normal, r->direction);
+    cross(last, rest, normal);
+    const double end = dot(normal, r->direction);
+    cross(path, turn, normal);
+    const double a = dot(normal, r->direction), b = end - c - a, discriminant = b * b - 4 * a * c;
+    if (!(discriminant >= 0)) return;
+    const double sum = -0.5 * (b + copysign(sqrt(discriminant), b));
+    extend_ribbon(p, r, shape, c / sum);
+    extend_ribbon(p, r, shape, sum / a);
+}
+
 /* ---- solids, in the coordinates of the unit solid */
 
 /* Keeps the part of the piece where low <= coordinate <= high. */
@@ -236,6 +295,7 @@ static bool meet(const iso_shapes_frame *frame, const iso_near_shape *shape, con
     p->t[1] = -INFINITY;
     if (shape->kind == ISO_SHAPE_SOLID) meet_solid(frame, shape, r, p);
     if (shape->kind == ISO_SHAPE_SPHERE) meet_sphere(r, shape->end[0], shape->radius[0], 0, p);
+    if (shape->kind == ISO_SHAPE_RIBBON) meet_ribbon(r, shape, p);
     if (shape->kind == ISO_SHAPE_TUBE && !meet_tube(r, shape, p)) return false;
     *end = !(p->t[0] >= frame->near);
     return p->t[0] <= p->t[1] && p->t[*end] >= frame->near;
@@ -259,8 +319,16 @@ iso_near_shape iso_near_sphere(const iso_shapes_frame *frame, const double centr
     return shape;
 }
 
-iso_near_shape iso_near_tube(const iso_shapes_frame *frame, uint32_t id, int flags) {
-    iso_near_shape shape = {.id = id, .flags = flags, .kind = ISO_SHAPE_TUBE};
+/* The vector across a ribbon in view space. */
+static void turn_across(const iso_shapes_frame *frame, uint32_t vertex, double out[3]) {
+    const float *v = frame->shapes->across[vertex];
+    const double *m = frame->rotation;
+    for (int a = 0; a < 3; a++)
+        out[a] = m[3 * a] * (double)v[0] + m[3 * a + 1] * (double)v[1] + m[3 * a + 2] * (double)v[2];
+}
+
+iso_near_shape iso_near_segment(const iso_shapes_frame *frame, uint32_t id, int flags) {
+    iso_near_shape shape = {.id = id, .flags = flags, .kind = frame->shapes->kind};
     double front = INFINITY;
     for (int end = 0; end < 2; end++) {
         const float *v = frame->shapes->vertices[id + (uint32_t)end];
@@ -270,6 +338,7 @@ iso_near_shape iso_near_tube(const iso_shapes_frame *frame, uint32_t id, int fla
                      least = z * frame->least_slope + frame->least_fixed, radius = (double)v[3];
         shape.radius[end] = radius < least ? least : radius;
         if (radius < least) shape.flags |= ISO_TUBE_WIDENED;
+        if (shape.kind == ISO_SHAPE_RIBBON) turn_across(frame, id + (uint32_t)end, shape.across[end]);
         const double near = shape.end[end][2] - shape.radius[end];
         front = near < front ? near : front;
     }

@@ -5,10 +5,12 @@
 
 #include "render/shapes/frame.h"
 
-/* A sphere (both ends are equal), a rounded cone, or a solid with its centre at the first end. */
+/* A sphere (both ends are equal), a rounded cone, a bilinear patch, or a solid with its centre at the first
+ * end. */
 typedef struct iso_near_shape {
     double end[2][3], radius[2]; /* view space */
     double inverse[3][3];        /* of a solid's map: rows */
+    double across[2][3];         /* of a ribbon: unit vectors in view space */
     double nearest;              /* no visible sample is nearer */
     uint32_t id;
     int flags; /* ISO_TUBE_... */
@@ -23,8 +25,8 @@ bool iso_near_fits(const iso_shapes_frame *frame, double front, double reach);
 
 iso_near_shape iso_near_sphere(const iso_shapes_frame *frame, const double centre[3], double radius,
                                uint32_t id);
-/* The segment between the vertices `id` and `id` + 1, with the least width of tubes. */
-iso_near_shape iso_near_tube(const iso_shapes_frame *frame, uint32_t id, int flags);
+/* The segment between the vertices `id` and `id` + 1, with the least width of lines. */
+iso_near_shape iso_near_segment(const iso_shapes_frame *frame, uint32_t id, int flags);
 
 /* Draws a shape into the bin and keeps it in bin->near, which must have room for it. */
 void iso_near_draw(struct iso_shapes_bin *bin, const iso_near_shape *shape);

@@ -83,6 +83,7 @@ void iso_shapes_destroy(iso_shapes *shapes) {
     iso_free(shapes->blocks);
     iso_free(shapes->x);
     iso_free(shapes->vertices);
+    iso_free(shapes->across);
     iso_free(shapes->runs.first);
     iso_free(shapes);
 }

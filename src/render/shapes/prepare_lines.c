@@ -26,13 +26,39 @@ static iso_status copy_vertices(iso_shapes *shapes, const iso_lines *lines, iso_
     return ISO_OK;
 }
 
-static bool is_vertex(const float v[4]) {
+/* The directions across ribbons: perpendicular to the line and to its normals. */
+static iso_status make_across(iso_shapes *shapes, const iso_lines *lines, iso_error *error) {
+    if (shapes->kind != ISO_SHAPE_RIBBON) return ISO_OK;
+    const size_t count = lines->vertex_count;
+    shapes->across = iso_alloc((count + 1) * sizeof *shapes->across);
+    if (!shapes->across) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for %zu vertices", count);
+    iso_lines_tangents(lines, shapes->across[0], 3);
+    for (size_t i = 0; i < count; i++) {
+        const float *t = shapes->across[i], *n = lines->normals[i];
+        const double across[3] = {(double)t[1] * (double)n[2] - (double)t[2] * (double)n[1],
+                                  (double)t[2] * (double)n[0] - (double)t[0] * (double)n[2],
+                                  (double)t[0] * (double)n[1] - (double)t[1] * (double)n[0]};
+        const double length = sqrt(across[0] * across[0] + across[1] * across[1] + across[2] * across[2]),
+                     scale = length > 1e-6 && isfinite(length) ? 1 / length : 0;
+        for (int a = 0; a < 3; a++) shapes->across[i][a] = scale > 0 ? (float)(across[a] * scale) : 0;
+    }
+    shapes->bytes += (count + 1) * sizeof *shapes->across;
+    return ISO_OK;
+}
+
+static bool is_vertex(const iso_shapes *shapes, size_t vertex) {
+    const float *v = shapes->vertices[vertex];
+    if (shapes->across) {
+        const float *across = shapes->across[vertex];
+        if (across[0] == 0 && across[1] == 0 && across[2] == 0) return false;
+    }
     return isfinite(v[0]) && isfinite(v[1]) && isfinite(v[2]) && v[3] >= 0 && isfinite(v[3]);
 }
 
 static bool is_segment(const iso_shapes *shapes, size_t first) {
     const float *a = shapes->vertices[first], *b = shapes->vertices[first + 1];
-    return is_vertex(a) && is_vertex(b) && (a[3] > 0 || b[3] > 0 || shapes->min_pixels > 0);
+    return is_vertex(shapes, first) && is_vertex(shapes, first + 1) &&
+           (a[3] > 0 || b[3] > 0 || shapes->min_pixels > 0);
 }
 
 /* ---- runs */
@@ -120,6 +146,7 @@ static iso_status store(iso_shapes *shapes, const runs *r, const iso_shapes_sort
 static iso_status sort_lines(iso_shapes *shapes, const iso_lines *lines, runs *r, iso_shapes_sort *sort,
                              iso_error *error) {
     ISO_TRY(copy_vertices(shapes, lines, error));
+    ISO_TRY(make_across(shapes, lines, error));
     ISO_TRY(cut_lines(shapes, lines, r, error));
     ISO_TRY(iso_shapes_sort_make((const float(*)[3])r->points.data, r->count, sort, error));
     sort->wanted = WANTED;
@@ -133,6 +160,8 @@ static iso_status check(const iso_lines *lines, const iso_shapes_opts *opts, iso
     if (!lines->radii && !(opts->radius > 0) && !(opts->min_pixels > 0))
         return iso_fail(error, ISO_ERR_USAGE,
                         "the lines have no radii, and neither radius nor width is given");
+    if (opts->style == ISO_LINE_RIBBON && !lines->normals)
+        return iso_fail(error, ISO_ERR_USAGE, "the lines have no normals, which ribbons need");
     if (lines->vertex_count > MOST_VERTICES)
         return iso_fail(error, ISO_ERR_LIMIT, "%zu vertices; %zu at most", lines->vertex_count,
                         MOST_VERTICES);
@@ -144,7 +173,7 @@ iso_status iso_shapes_from_lines(const iso_lines *lines, const iso_shapes_opts *
     ISO_TRY(check(lines, opts, error));
     iso_shapes *made = iso_shapes_make(opts, lines->origin);
     if (!made) return iso_fail_memory(error, "shapes");
-    made->kind = ISO_SHAPE_TUBE;
+    made->kind = opts->style == ISO_LINE_RIBBON ? ISO_SHAPE_RIBBON : ISO_SHAPE_TUBE;
     made->colors = (const uint8_t(*)[3])lines->colors;
     runs r = {.count = 0};
     iso_shapes_sort sort = {0};

@@ -17,7 +17,12 @@ enum {
     ISO_SHAPES_RUN = 8      /* the most segments of a run */
 };
 
-typedef enum iso_shape_kind { ISO_SHAPE_SPHERE, ISO_SHAPE_TUBE, ISO_SHAPE_SOLID } iso_shape_kind;
+typedef enum iso_shape_kind {
+    ISO_SHAPE_SPHERE,
+    ISO_SHAPE_TUBE,
+    ISO_SHAPE_RIBBON,
+    ISO_SHAPE_SOLID
+} iso_shape_kind;
 
 /* Consecutive segments of a line: vertices first .. first + length. */
 typedef struct iso_shapes_runs {
@@ -43,12 +48,17 @@ struct iso_shapes {
     uint32_t *id;
     /* Lines: x, y, z and radius of each vertex, and the runs in the order of blocks (one allocation). */
     float (*vertices)[4];
+    float (*across)[3]; /* of ribbons: unit vectors from the line to an edge; 0: the vertex has none */
     iso_shapes_runs runs;
     /* Borrowed, by the number of the glyph or vertex; NULL: none. */
     const float *radii;
     const float (*directions)[3], (*axes)[9];
     const uint8_t (*colors)[3];
 };
+
+static inline bool iso_shapes_are_lines(const iso_shapes *shapes) {
+    return shapes->kind == ISO_SHAPE_TUBE || shapes->kind == ISO_SHAPE_RIBBON;
+}
 
 /* The radius of a sphere, mm. */
 static inline float iso_shapes_radius(const iso_shapes *shapes, uint32_t id) {

@@ -3,7 +3,7 @@
  * distance, with perspective and parallel views, the eye inside a solid and the near plane through it.
  *
  * A tube is a chain of rounded cones: each segment is the convex hull of the spheres around its vertices, so
- * that joints have no gaps.
+ * that joints have no gaps. A ribbon is a chain of bilinear patches, which share their edges at vertices.
  *
  * Source: Gumhold 2003, "Splatting illuminated ellipsoids with depth correction" (VMV), for splatting
  * quadrics by their boxes with the depth of each pixel; the discriminants are written relative to each
@@ -33,15 +33,21 @@ typedef enum iso_glyph_projection {
 
 typedef enum iso_caps { ISO_CAPS_ROUND, ISO_CAPS_FLAT } iso_caps;
 
+/* What lines are drawn as. A ribbon is a strip without thickness that is perpendicular to the normals of its
+ * line: a bilinear patch for each segment, shaded from both sides. */
+typedef enum iso_line_style { ISO_LINE_TUBE, ISO_LINE_RIBBON } iso_line_style;
+
 typedef struct iso_shapes_opts {
-    double radius;                   /* mm; of glyphs and lines without radii */
+    double radius;                   /* mm; of glyphs and lines without radii; half the width of ribbons */
     double scale;                    /* factor of all sizes, of lines: of their radii; 0 means 1 */
     iso_glyph glyph;                 /* the solid that is drawn at each point */
     iso_glyph_projection projection; /* of glyphs */
+    iso_line_style style;
     /* Lines: a tube that would be narrower than so many pixels at a vertex has this width there; 0: tubes are
-     * drawn as they are, with gaps where they miss the centres of pixels. */
+     * drawn as they are, with gaps where they miss the centres of pixels. A ribbon has it where it is seen
+     * from the front: from its edge it has no width. */
     double min_pixels;
-    iso_caps caps; /* of the ends of lines */
+    iso_caps caps; /* of the ends of tubes */
 } iso_shapes_opts;
 
 /* A set of shapes that is prepared for drawing: sorted into blocks of neighbours, which are culled as one.
@@ -62,10 +68,11 @@ typedef struct iso_shapes iso_shapes;
  * ISO_ERR_NOMEM. */
 iso_status iso_shapes_from_glyphs(const iso_glyphs *glyphs, const iso_shapes_opts *opts, iso_shapes **shapes,
                                   iso_error *error);
-/* Prepares lines as tubes. The colours of `lines` are borrowed until iso_shapes_destroy; vertices are copied.
- * Takes 16 bytes a vertex and less than one a segment. Segments are left out when a vertex is not finite, a
- * radius is not a finite number of at least 0, or both are 0 without a least width. Errors: as for glyphs;
- * ISO_ERR_LIMIT when there are 2^29 vertices or more. */
+/* Prepares lines as tubes or ribbons. The colours of `lines` are borrowed until iso_shapes_destroy; vertices
+ * are copied. Takes 16 bytes a vertex, 28 of ribbons, and less than one a segment. Segments are left out when
+ * a vertex is not finite, a radius is not a finite number of at least 0, both are 0 without a least width, or
+ * a ribbon's normal is 0 or along the line. Errors: as for glyphs; ISO_ERR_USAGE when ribbons have no normals
+ * (iso_lines_add_normals); ISO_ERR_LIMIT when there are 2^29 vertices or more. */
 iso_status iso_shapes_from_lines(const iso_lines *lines, const iso_shapes_opts *opts, iso_shapes **shapes,
                                  iso_error *error);
 void iso_shapes_destroy(iso_shapes *shapes);

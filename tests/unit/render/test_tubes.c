@@ -4,50 +4,26 @@
 #include <string.h>
 
 #include "check_support.h"
+#include "lines_support.h"
 #include "scene_support.h"
 #include "shapes_support.h"
 
-enum { MOST_VERTICES = 4000, MOST_LINES = 600 };
-
-typedef struct bundle {
-    iso_lines lines;
-    float vertices[MOST_VERTICES][3], radii[MOST_VERTICES];
-    uint8_t colors[MOST_VERTICES][3];
-    size_t starts[MOST_LINES + 1];
-} bundle;
-
-static bundle scene;
+static test_lines scene;
 
 static void start(double x, double y, double z) {
-    scene.starts[0] = 0;
-    scene.lines = (iso_lines){.origin = iso_vec3_make(x, y, z),
-                              .vertices = scene.vertices,
-                              .radii = scene.radii,
-                              .starts = scene.starts};
+    test_lines_start(&scene, x, y, z);
 }
 
 static void add(double x, double y, double z, double radius) {
-    const size_t v = scene.lines.vertex_count++;
-    assert_true(v < MOST_VERTICES);
-    scene.vertices[v][0] = (float)x, scene.vertices[v][1] = (float)y, scene.vertices[v][2] = (float)z;
-    scene.radii[v] = (float)radius;
-    for (int k = 0; k < 3; k++) scene.colors[v][k] = (uint8_t)(53 * v + 91 * (size_t)k);
+    test_lines_add(&scene, x, y, z, radius);
 }
 
 static void end_line(void) {
-    assert_true(scene.lines.line_count < MOST_LINES);
-    scene.starts[++scene.lines.line_count] = scene.lines.vertex_count;
+    test_lines_end(&scene);
 }
 
-/* A random walk of `count` steps from a point of the box +-half. */
 static void add_walk(int count, double half, double step, double low, double high, uint32_t *seed) {
-    double p[3];
-    for (int a = 0; a < 3; a++) p[a] = half * (2 * uniform(seed) - 1);
-    for (int i = 0; i <= count; i++) {
-        add(p[0], p[1], p[2], low + (high - low) * uniform(seed));
-        for (int a = 0; a < 3; a++) p[a] += step * (2 * uniform(seed) - 1);
-    }
-    end_line();
+    test_lines_add_walk(&scene, count, half, step, low, high, seed);
 }
 
 static void compare_with(const iso_shapes_opts *opts, iso_vec3 away, double height, const char *name) {
