@@ -144,10 +144,13 @@ static iso_status set_common(const isorender_object_options *options, int number
 static iso_status set_lines(const isorender_object_options *options, int number,
                             isorender_object_settings *object, iso_error *error) {
     static const char *const names[] = {"round", "flat", NULL};
-    const char *value = value_for(&options->caps, number);
-    int caps = 0;
+    static const char *const styles[] = {"tube", "ribbon", "line", NULL};
+    const char *value = value_for(&options->caps, number), *style = value_for(&options->line_styles, number);
+    int caps = 0, chosen = ISORENDER_STYLE_TUBE;
     if (value) ISO_TRY(choose("caps", value, names, &caps, error));
+    if (style) ISO_TRY(choose("line-style", style, styles, &chosen, error));
     object->caps = (iso_caps)caps;
+    object->style = (isorender_line_style)chosen;
     ISO_TRY(set_streamlines(options, number, &object->field, error));
     ISO_TRY(set_radius("tube-radius", value_for(&options->tube_radii, number), object, error));
     return set_color("line-color", value_for(&options->line_colors, number), object, error);
@@ -201,6 +204,7 @@ static iso_status check_counts(const isorender_object_options *o, const int coun
         int count;
     } options[] = {{"tube-radius", &o->tube_radii, "--lines", lines},
                    {"line-color", &o->line_colors, "--lines", lines},
+                   {"line-style", &o->line_styles, "--lines", lines},
                    {"caps", &o->caps, "--lines", lines},
                    {"streamlines", &o->streamlines, "--lines", lines},
                    {"streamline-length", &o->streamline_lengths, "--lines", lines},

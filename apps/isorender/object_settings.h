@@ -35,6 +35,13 @@ typedef struct isorender_field_settings {
     bool axial;            /* vectors have no sign */
 } isorender_field_settings;
 
+/* What lines are drawn as. LINE: as wide as the least width in the picture, at any distance. */
+typedef enum isorender_line_style {
+    ISORENDER_STYLE_TUBE,
+    ISORENDER_STYLE_RIBBON,
+    ISORENDER_STYLE_LINE
+} isorender_line_style;
+
 /* What the options say of one object. Strings are borrowed from argv. */
 typedef struct isorender_object_settings {
     isorender_object_kind kind;
@@ -45,8 +52,9 @@ typedef struct isorender_object_settings {
     iso_rgb color;        /* if colored */
     const char *color_by; /* the attribute with numbers to be coloured; NULL: none */
     iso_colormap map;
-    double range[2]; /* of the colormap; NAN: that of the numbers */
-    iso_caps caps;   /* of lines */
+    double range[2];            /* of the colormap; NAN: that of the numbers */
+    isorender_line_style style; /* of lines */
+    iso_caps caps;              /* of tubes */
     bool glyph_given;
     iso_glyph glyph; /* of glyphs, if given */
     iso_glyph_projection projection;
@@ -61,7 +69,7 @@ typedef struct isorender_object_options {
     const char *paths[ISORENDER_OBJECTS];
     isorender_object_kind kinds[ISORENDER_OBJECTS];
     int count;
-    iso_texts tube_radii, line_colors, caps;                  /* by number of the lines */
+    iso_texts tube_radii, line_colors, line_styles, caps;     /* by number of the lines */
     iso_texts glyph_radii, glyph_colors, glyphs, projections; /* by number of the glyphs */
     iso_texts mesh_colors;                                    /* by number of the mesh */
     /* of volumes of vectors, by the same numbers as those of lines, of glyphs, and of both */

@@ -137,10 +137,20 @@ static iso_status prepare_lines(isorender_object *object, double line_min_pixels
     const double given = object->settings->radius, usual = object->field.components
                                                                ? isorender_field_radius(object)
                                                                : iso_lines_usual_radius(&object->lines);
-    const iso_shapes_opts opts = {.radius = isnan(given) ? usual : given,
-                                  .min_pixels = line_min_pixels,
-                                  .caps = object->settings->caps};
-    return iso_shapes_from_lines(&object->lines, &opts, &object->shapes, error);
+    const isorender_line_style style = object->settings->style;
+    iso_lines drawn = object->lines;
+    iso_shapes_opts opts = {.radius = isnan(given) ? usual : given,
+                            .min_pixels = line_min_pixels,
+                            .caps = object->settings->caps};
+    if (style == ISORENDER_STYLE_LINE) { /* no size in space */
+        drawn.radii = NULL;
+        opts.radius = 0;
+    } else if (style == ISORENDER_STYLE_RIBBON) {
+        ISO_TRY(iso_lines_add_normals(&object->lines, error));
+        drawn.normals = object->lines.normals;
+        opts.style = ISO_LINE_RIBBON;
+    }
+    return iso_shapes_from_lines(&drawn, &opts, &object->shapes, error);
 }
 
 static iso_status prepare_glyphs(isorender_object *object, iso_error *error) {
