@@ -184,7 +184,16 @@ ISO_TARGET_AVX512 static inline vm_avx512 v_andnot_avx512(vm_avx512 a, vm_avx512
     return (vm_avx512)(a & ~b);
 }
 ISO_TARGET_AVX512 static inline uint32_t v_mask_avx512(vm_avx512 mask) {
+#if defined(__GNUC__) && !defined(__clang__) &&                                                              \
+    (defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__))
+    /* GCC 12 takes a mask of 16 bits that it has moved to the stack for one of 32 when its sanitizers are on.
+     */
+    uint32_t bits;
+    __asm__("kmovw %1, %0" : "=r"(bits) : "k"(mask));
+    return bits;
+#else
     return mask;
+#endif
 }
 ISO_TARGET_AVX512 static inline vm_avx512 v_from_mask_avx512(uint32_t mask) {
     return (vm_avx512)mask;
