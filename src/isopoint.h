@@ -357,16 +357,17 @@ typedef enum iso_glyph {
     ISO_GLYPH_COUNT
 } iso_glyph;
 
-/* Lines that are drawn as tubes, or points that are drawn as solids, ready to be shown with surfaces: their
- * depth and outline are exact at any zoom. They hold copies of what they are made of and never change;
- * several threads may draw them at the same time. */
+/* Lines that are drawn as tubes or ribbons, or points that are drawn as solids, ready to be shown with
+ * surfaces: their depth and outline are exact at any zoom. They hold copies of what they are made of and
+ * never change; several threads may draw them at the same time. */
 typedef struct iso_shape_set iso_shape_set;
 
 typedef struct iso_shape_set_opts {
     const iso_rgb *color; /* of all; NULL: the arrays' or the file's, else the picture chooses one */
     double radius;        /* mm, where there are no radii; 0: chosen by the extent and number */
     iso_glyph glyph;      /* of points */
-    bool flat_caps;       /* of lines: the ends are cut off; else they are round */
+    bool ribbons;         /* lines are drawn as flat strips, 2 radii wide; else as tubes */
+    bool flat_caps;       /* of tubes: the ends are cut off; else they are round */
     bool true_width;      /* of lines: those thinner than a pixel are not widened to one */
     bool ras;             /* of files: the coordinates are RAS though the file does not say so */
 } iso_shape_set_opts;
@@ -378,6 +379,7 @@ typedef struct iso_line_arrays {
     size_t line_count;
     const float *radii;         /* one per vertex, >= 0; NULL: opts.radius */
     const uint8_t (*colors)[3]; /* red green blue, one per vertex; NULL: opts.color */
+    const float (*normals)[3];  /* unit, one per vertex, of ribbons; NULL: they turn as little as possible */
 } iso_line_arrays;
 
 typedef struct iso_glyph_arrays {

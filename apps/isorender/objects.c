@@ -237,6 +237,7 @@ static void put_shapes(iso_json *json, const isorender_object *object) {
     iso_json_integer(json, "shapes", totals.shapes);
     iso_json_integer(json, "skipped", totals.skipped);
     iso_json_integer(json, "dropped", object->report.dropped);
+    iso_json_integer(json, "samples", object->drawn.samples);
     if (has_lines(object)) iso_json_integer(json, "widened_samples", object->drawn.widened);
     if (object->has_bar) {
         const double range[2] = {object->bar.low, object->bar.high};

@@ -30,6 +30,7 @@ static iso_status copy_lines(const iso_line_arrays *from, iso_lines *to, iso_err
     ISO_TRY(copy_array(from->starts, from->line_count + 1, sizeof *to->starts, &to->starts, error));
     ISO_TRY(copy_array(from->vertices, vertices, sizeof *to->vertices, &to->vertices, error));
     ISO_TRY(copy_array(from->radii, vertices, sizeof *to->radii, &to->radii, error));
+    ISO_TRY(copy_array(from->normals, vertices, sizeof *to->normals, &to->normals, error));
     return copy_array(from->colors, vertices, sizeof *to->colors, &to->colors, error);
 }
 
@@ -69,10 +70,12 @@ static iso_status finish(iso_status status, iso_shape_set *made, const iso_shape
     iso_shapes_opts how = {.radius = opts->radius,
                            .glyph = opts->glyph,
                            .min_pixels = opts->true_width ? 0 : 1,
+                           .style = opts->ribbons ? ISO_LINE_RIBBON : ISO_LINE_TUBE,
                            .caps = opts->flat_caps ? ISO_CAPS_FLAT : ISO_CAPS_ROUND};
     if (!(how.radius > 0))
         how.radius = lines ? iso_lines_usual_radius(&made->lines)
                            : iso_glyphs_usual_radius(&made->glyphs, opts->glyph);
+    if (status == ISO_OK && lines && opts->ribbons) status = iso_lines_add_normals(&made->lines, error);
     if (status == ISO_OK)
         status = lines ? iso_shapes_from_lines(&made->lines, &how, &made->shapes, error)
                        : iso_shapes_from_glyphs(&made->glyphs, &how, &made->shapes, error);

@@ -405,6 +405,16 @@ static void test_shapes(void **state) {
     opts.shapes_count = 0;
     assert_memory_not_equal(with.rgba, without.rgba, 96 * 64 * 4);
     assert_int_equal(iso_render_surfaces(NULL, 0, &opts, &alone, NULL), ISO_ERR_USAGE);
+    vertices[1][2] = z + 9; /* a ribbon covers other pixels than the tube, and needs no normals */
+    const iso_shape_set_opts flat = {.color = &red, .radius = 2, .ribbons = true};
+    iso_shape_set *ribbon = NULL;
+    assert_int_equal(iso_shape_set_of_lines(&lines, &flat, &ribbon, NULL), ISO_OK);
+    opts.shapes = &ribbon;
+    opts.shapes_count = 1;
+    assert_int_equal(iso_render_surfaces(NULL, 0, &opts, &without, NULL), ISO_OK);
+    assert_memory_not_equal(alone.rgba, without.rgba, 96 * 64 * 4);
+    iso_shape_set_destroy(ribbon);
+    opts.shapes_count = 0;
     const iso_shape_set_opts arrow = {.glyph = ISO_GLYPH_ARROW}, thin = {.radius = -1};
     iso_shape_set *none = NULL;
     assert_int_equal(iso_shape_set_of_glyphs(&points, &arrow, &none, NULL), ISO_ERR_USAGE);
