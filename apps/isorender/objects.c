@@ -134,9 +134,8 @@ iso_status isorender_object_style(isorender_object *object, iso_error *error) {
 }
 
 static iso_status prepare_lines(isorender_object *object, double line_min_pixels, iso_error *error) {
-    const double given = object->settings->radius, usual = object->field.components
-                                                               ? isorender_field_radius(object)
-                                                               : iso_lines_usual_radius(&object->lines);
+    const double given = object->settings->radius,
+                 usual = object->field.components ? isorender_field_radius(object) : (double)NAN;
     const isorender_line_style style = object->settings->style;
     iso_lines drawn = object->lines;
     iso_shapes_opts opts = {.radius = isnan(given) ? usual : given,
@@ -154,11 +153,9 @@ static iso_status prepare_lines(isorender_object *object, double line_min_pixels
 }
 
 static iso_status prepare_glyphs(isorender_object *object, iso_error *error) {
-    const double given = object->settings->radius;
-    const iso_shapes_opts opts = {
-        .glyph = object->glyph,
-        .projection = object->settings->projection,
-        .radius = isnan(given) ? iso_glyphs_usual_radius(&object->glyphs, object->glyph) : given};
+    const iso_shapes_opts opts = {.glyph = object->glyph,
+                                  .projection = object->settings->projection,
+                                  .radius = object->settings->radius};
     return iso_shapes_from_glyphs(&object->glyphs, &opts, &object->shapes, error);
 }
 

@@ -2,6 +2,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "apps/common/beside.h"
 #include "apps/isorender/isorender.h"
 #include "io/mesh_io.h"
 #include "methods/bounds.h"
@@ -274,22 +275,11 @@ static void find_bounds(isorender_job *job) {
     job->bounds_local = to_local(job, &index);
 }
 
-static bool overlap(const iso_box *a, const iso_box *b) {
-    return a->lo.x <= b->hi.x && b->lo.x <= a->hi.x && a->lo.y <= b->hi.y && b->lo.y <= a->hi.y &&
-           a->lo.z <= b->hi.z && b->lo.z <= a->hi.z;
-}
-
-/* Most files of lines do not say which axes they have: what lies beside everything else may be mirrored. */
-static void warn_of_space(const isorender_job *job, const isorender_object *object) {
-    const iso_box box = object->bounds, *all = &job->bounds_world;
-    if (iso_box_is_empty(all) || overlap(&box, all)) return;
-    isorender_log(
-        job,
-        "note: %s lies beside the rest: %.4g %.4g %.4g .. %.4g %.4g %.4g mm, the rest %.4g %.4g %.4g .. "
-        "%.4g %.4g %.4g: should it be read with --space %s?",
-        object->settings->path, box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y, box.hi.z, all->lo.x,
-        all->lo.y, all->lo.z, all->hi.x, all->hi.y, all->hi.z,
-        object->report.space == ISO_SPACE_RAS ? "lps" : "ras");
+static void log_place(const isorender_job *job, const isorender_object *object) {
+    char note[ISO_BESIDE_TEXT];
+    if (iso_beside_note(object->settings->path, &object->bounds, &job->bounds_world, object->report.space,
+                        note))
+        isorender_log(job, "note: %s", note);
 }
 
 /* Objects without a colour get one each, after those of the surfaces. */
@@ -300,7 +290,7 @@ static iso_status prepare_objects(isorender_job *job, iso_error *error) {
             ISO_TRY(isorender_object_take_gradients(job, object, error));
         if (!object->settings->colored) object->color = iso_shading_palette(job->surface_count + i);
         ISO_TRY(isorender_object_prepare(object, job->settings->line_min_pixels, error));
-        warn_of_space(job, object);
+        log_place(job, object);
         iso_bounds_add(&job->bounds_world, &object->bounds);
     }
     return ISO_OK;

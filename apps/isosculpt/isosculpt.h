@@ -20,7 +20,8 @@ typedef enum isosculpt_backend {
     ISOSCULPT_BACKEND_GL
 } isosculpt_backend;
 
-/* Where the reference is seen: in front of the sculpture, or through it. */
+/* Where the reference is seen: in front of the sculpture, or through it. Off: nowhere at the start, or in
+ * front when its files are given. */
 typedef enum isosculpt_x_ray {
     ISOSCULPT_X_RAY_OFF,
     ISOSCULPT_X_RAY_UNDER,
@@ -36,6 +37,8 @@ typedef struct isosculpt_settings {
     int closed;           /* meshes that are written are capped at the border of the grid */
     int backend;          /* isosculpt_backend */
     int x_ray;            /* isosculpt_x_ray */
+    iso_texts references; /* files of the reference; none: the surface as it was when the session began */
+    int space;            /* iso_space, of the references */
     int resolution[2];    /* pixels, of the pictures of --draw; 0: 1280 x 800 */
     double voxel_size;    /* mm; 0: not given */
     double isovalue;      /* physical; NAN: not given */

@@ -34,6 +34,7 @@ static iso_status apply_close_holes(void *target, const char *value, iso_error *
 
 static const char *const backends[] = {"auto", "cpu", "gl", NULL};
 static const char *const x_rays[] = {"off", "under", "over", NULL};
+static const char *const spaces[] = {"file", "lps", "ras", NULL}; /* iso_space */
 
 #define AT(member) .offset = offsetof(isosculpt_settings, member)
 
@@ -92,6 +93,17 @@ static const iso_option options[] = {
      "it "
      "lies in front; in a window, which can change it, or with --draw",
      .group = RUNNING, .kind = ISO_OPTION_CHOICE, AT(x_ray), .choices = x_rays, .standard = "off"},
+    {"reference", NULL, "FILE",
+     "show this with the sculpture instead: lines (.tck .trk .swc .obj .vtk .vtp .ply), glyphs (.pdb .xyz "
+     ".csv "
+     ".ply .vtk .vtp) or a surface (a level set or a mesh, translucent); in a window or with --draw; R and "
+     "--x-ray as above",
+     .group = RUNNING, .kind = ISO_OPTION_TEXTS, AT(references)},
+    {"space", NULL, "NAME",
+     "the axes of --reference: ras (to the right, to the front, up), lps or file (as it says; lps when it "
+     "does "
+     "not)",
+     .group = RUNNING, .kind = ISO_OPTION_CHOICE, AT(space), .choices = spaces, .standard = "file"},
     {"threads", NULL, "N", "threads to use; the result does not depend on it", .group = RUNNING,
      .kind = ISO_OPTION_INT, AT(common.threads), .standard = "one a processor", .low = 1, .high = 1024},
 #include "apps/common/running_options.inc"
@@ -205,6 +217,8 @@ iso_status isosculpt_settings_parse(int argc, char *const *argv, isosculpt_setti
     ISO_TRY(iso_options_parse(isosculpt_program(), argc, argv, settings, operands, error));
     if (settings->common.action) return ISO_OK;
     ISO_TRY(check_files(settings, operands, error));
+    if (settings->space && !settings->references.count)
+        return iso_fail(error, ISO_ERR_USAGE, "--space is for --reference, which is not given");
     if (!settings->headless) return check_window(settings, operands, error);
     if (settings->recover) return refuse_recovery(error);
     if (settings->backend == ISOSCULPT_BACKEND_GL)
@@ -217,8 +231,9 @@ iso_status isosculpt_settings_parse(int argc, char *const *argv, isosculpt_setti
         return iso_fail(error, ISO_ERR_USAGE, "--headless needs --replay FILE or --open FILE");
     if (settings->stamp)
         return iso_fail(error, ISO_ERR_USAGE, "--stamp is for a window: strokes hold their stamps");
-    if (settings->x_ray && !settings->draw)
-        return iso_fail(error, ISO_ERR_USAGE, "--x-ray is for pictures: with --headless it needs --draw");
+    if ((settings->x_ray || settings->references.count) && !settings->draw)
+        return iso_fail(error, ISO_ERR_USAGE, "%s is for pictures: with --headless it needs --draw",
+                        settings->x_ray ? "--x-ray" : "--reference");
     ISO_TRY(check_opened(settings, error));
     if (settings->output && !has_suffix(settings->output, ".vdb .ply .stl .obj"))
         return iso_fail(error, ISO_ERR_USAGE, "%s: the result is written as .vdb, .ply, .stl or .obj",

@@ -9,8 +9,8 @@
 #include "apps/isosculpt/document.h"
 #include "apps/isosculpt/isosculpt.h"
 #include "apps/isosculpt/mesh_file.h"
+#include "apps/isosculpt/reference_file.h"
 #include "apps/isosculpt/source.h"
-#include "apps/isosculpt/viewport/reference.h"
 #include "base/clock.h"
 #include "base/file.h"
 #include "base/memory.h"
@@ -290,14 +290,29 @@ static iso_status check_outputs(const isosculpt_settings *settings, iso_file_set
     return ISO_OK;
 }
 
-/* The reference is a copy of the field, on which nothing was played yet. */
-static iso_status add_reference(player *p, iso_error *error) {
+/* A copy of the field, on which nothing was played yet. */
+static iso_status copy_reference(const player *p, isosculpt_reference **reference, iso_error *error) {
     const iso_grid grid = {.hgrid = iso_session_grid(p->session)};
     iso_grid copy;
-    isosculpt_reference *reference;
-    if (p->settings->x_ray == ISOSCULPT_X_RAY_OFF) return ISO_OK;
     ISO_TRY(iso_grid_copy(&grid, p->pool, &copy, error));
-    ISO_TRY(isosculpt_reference_create(copy.hgrid, iso_pool_threads(p->pool), &reference, error));
+    return isosculpt_reference_create(copy.hgrid, iso_pool_threads(p->pool), reference, error);
+}
+
+static iso_status read_reference(const player *p, isosculpt_reference **reference, iso_error *error) {
+    isosculpt_reference_files files = {.settings = p->settings,
+                                       .voxel = iso_session_grid(p->session)->transform.spacing[0],
+                                       .box = isosculpt_viewport_bounds(p->viewport)};
+    ISO_TRY(isosculpt_reference_read(&files, reference, error));
+    for (int i = 0; i < files.note_count && !p->settings->common.quiet; i++)
+        iso_program_log(isosculpt_program(), "note: %s", files.notes[i]);
+    return ISO_OK;
+}
+
+static iso_status add_reference(player *p, iso_error *error) {
+    const bool files = p->settings->references.count > 0;
+    isosculpt_reference *reference;
+    if (p->settings->x_ray == ISOSCULPT_X_RAY_OFF && !files) return ISO_OK;
+    ISO_TRY(files ? read_reference(p, &reference, error) : copy_reference(p, &reference, error));
     isosculpt_viewport_set_reference(p->viewport, reference);
     p->viewport->reference_mode.shown = true;
     p->viewport->reference_mode.over = p->settings->x_ray == ISOSCULPT_X_RAY_OVER;

@@ -67,14 +67,11 @@ static iso_status finish(iso_status status, iso_shape_set *made, const iso_shape
         iso_free(made->glyphs.colors);
         made->lines.colors = made->glyphs.colors = NULL;
     }
-    iso_shapes_opts how = {.radius = opts->radius,
-                           .glyph = opts->glyph,
-                           .min_pixels = opts->true_width ? 0 : 1,
-                           .style = opts->ribbons ? ISO_LINE_RIBBON : ISO_LINE_TUBE,
-                           .caps = opts->flat_caps ? ISO_CAPS_FLAT : ISO_CAPS_ROUND};
-    if (!(how.radius > 0))
-        how.radius = lines ? iso_lines_usual_radius(&made->lines)
-                           : iso_glyphs_usual_radius(&made->glyphs, opts->glyph);
+    const iso_shapes_opts how = {.radius = opts->radius > 0 ? opts->radius : NAN,
+                                 .glyph = opts->glyph,
+                                 .min_pixels = opts->true_width ? 0 : 1,
+                                 .style = opts->ribbons ? ISO_LINE_RIBBON : ISO_LINE_TUBE,
+                                 .caps = opts->flat_caps ? ISO_CAPS_FLAT : ISO_CAPS_ROUND};
     if (status == ISO_OK && lines && opts->ribbons) status = iso_lines_add_normals(&made->lines, error);
     if (status == ISO_OK)
         status = lines ? iso_shapes_from_lines(&made->lines, &how, &made->shapes, error)

@@ -93,4 +93,43 @@ key r
 picture without
 differ over without || fail "--x-ray over shows nothing"
 stop
+
+# ---- lines and glyphs of files: shown from the start, hidden by R, hidden by the sculpture until it is carved away
+anew
+printf '1 1 -90 0 20 3 -1\n2 1 90 0 20 3 1\n' >line.swc
+start --reference line.swc
+shows_files() {
+    picture files
+    key r
+    picture none
+    key r
+    differ files none
+}
+until_ "lines beside the sculpture" shows_files
+radius=$(grep -o '"radius":[0-9.]*' "$journal" | head -1 | cut -d: -f2)
+stop
+anew
+echo "x,y,z,radius
+0,0,0,$(python3 -c "print($radius - 1)")" >ball.csv # in the ball that a session begins with
+start --reference ball.csv
+picture hidden
+key r
+picture without
+look near "$work/hidden.png" "$work/without.png" 1 || fail "a glyph in the sculpture is seen"
+key r 2
+stroke 640 400 40 30
+finds_ball() {
+    picture found
+    key r
+    picture missed
+    key r
+    differ found missed
+}
+until_ "a glyph where the sculpture was carved away" finds_ball
+stop
+printf '1 1 9000 0 0 3 -1\n2 1 9090 0 0 3 1\n' >far.swc
+anew
+start --reference far.swc
+until_ "a note" says "far.swc lies beside the rest"
+stop
 echo "passed"

@@ -128,7 +128,7 @@ iso_status isosculpt_layer_store_list(isosculpt_layer_store *store, const iso_ex
     return end_list(store, iso_shade_exact_layers(&layers, &totals, error), error);
 }
 
-/* ---- listing the front layer */
+/* ---- listing the front layer, and solids */
 
 /* What the threads that store rows of samples read and write. */
 typedef struct front_pass {
@@ -137,15 +137,26 @@ typedef struct front_pass {
     const iso_gbuffer *gbuffer;
     iso_layer_opacity opacity;
     iso_rgb color;
+    bool solid; /* lines and glyphs */
 } front_pass;
+
+/* The colour of a sample before it is shaded. */
+static iso_rgb base_color(const front_pass *pass, size_t at) {
+    const uint32_t own = pass->gbuffer->color ? pass->gbuffer->color[at] : 0;
+    if (own >> 24 != pass->gbuffer->surface[at] + 1u) return pass->color;
+    return (iso_rgb){(uint8_t)own, (uint8_t)(own >> 8), (uint8_t)(own >> 16)};
+}
 
 static isosculpt_stored_layer shade_front(const front_pass *pass, size_t at, const float to_eye[3]) {
     const iso_gbuffer *g = pass->gbuffer;
     const float normal[3] = {g->normal[0][at], g->normal[1][at], g->normal[2][at]};
     float rgb[3];
-    iso_shade_sample(normal, to_eye, pass->color, rgb);
+    iso_shade_sample(normal, to_eye, base_color(pass, at), rgb);
     for (int k = 0; k < 3; k++) rgb[k] = fminf(rgb[k], 1);
-    return make_layer(g->depth[at], rgb, iso_layer_opacity_at(&pass->opacity, normal, to_eye));
+    isosculpt_stored_layer layer =
+        make_layer(g->depth[at], rgb, iso_layer_opacity_at(&pass->opacity, normal, to_eye));
+    if (pass->solid) layer.slant = ISOSCULPT_SOLID;
+    return layer;
 }
 
 static void store_front_row(void *context, size_t y, int worker) {
@@ -166,21 +177,52 @@ static void store_front_row(void *context, size_t y, int worker) {
     }
 }
 
-iso_status isosculpt_layer_store_list_front(isosculpt_layer_store *store, const iso_exact *exact,
-                                            iso_rgb color, const iso_view *view, iso_pool *pool,
-                                            iso_error *error) {
+/* What is listed: a surface, or sets of shapes. */
+typedef struct front_subject {
+    const iso_exact *exact; /* NULL: shapes */
+    const iso_shapes *const *sets;
+    int count;
+    iso_rgb color;
+} front_subject;
+
+static iso_status draw_front(const front_subject *subject, iso_target *target, iso_error *error) {
+    if (subject->exact) return iso_draw_exact(target, subject->exact, error);
+    for (int i = 0; i < subject->count; i++) {
+        target->surface = (uint8_t)i;
+        ISO_TRY(iso_draw_shapes(target, subject->sets[i], NULL, error));
+    }
+    return ISO_OK;
+}
+
+static iso_status list_front(isosculpt_layer_store *store, const front_subject *subject, const iso_view *view,
+                             iso_pool *pool, iso_error *error) {
     const iso_translucency translucency = {.opacity = (float)LISTED_OPACITY};
     iso_gbuffer gbuffer;
-    front_pass pass = {store, view, &gbuffer, iso_layer_opacity_make(&translucency), color};
+    front_pass pass = {store,          view,           &gbuffer, iso_layer_opacity_make(&translucency),
+                       subject->color, !subject->exact};
     ISO_TRY(begin_list(store, view, error));
     iso_status status = iso_gbuffer_create(view->width, view->height, &gbuffer, error);
     if (status != ISO_OK) return end_list(store, status, error);
-    const iso_target target = {.view = view, .gbuffer = &gbuffer, .pool = pool};
+    iso_target target = {.view = view, .gbuffer = &gbuffer, .pool = pool};
     iso_gbuffer_clear(&gbuffer);
-    status = iso_draw_exact(&target, exact, error);
+    status = draw_front(subject, &target, error);
     if (status == ISO_OK) iso_parallel_for(pool, (size_t)view->height, store_front_row, &pass);
     iso_gbuffer_free(&gbuffer);
     return end_list(store, status, error);
+}
+
+iso_status isosculpt_layer_store_list_front(isosculpt_layer_store *store, const iso_exact *exact,
+                                            iso_rgb color, const iso_view *view, iso_pool *pool,
+                                            iso_error *error) {
+    const front_subject subject = {.exact = exact, .color = color};
+    return list_front(store, &subject, view, pool, error);
+}
+
+iso_status isosculpt_layer_store_list_shapes(isosculpt_layer_store *store, const iso_shapes *const *sets,
+                                             int count, iso_rgb color, const iso_view *view, iso_pool *pool,
+                                             iso_error *error) {
+    const front_subject subject = {.sets = sets, .count = count, .color = color};
+    return list_front(store, &subject, view, pool, error);
 }
 
 void isosculpt_layer_store_free(isosculpt_layer_store *store) {
@@ -203,15 +245,21 @@ void isosculpt_slant_opacities_set(isosculpt_slant_opacities *opacities, double 
     }
 }
 
-/* Blends the layers of a sample that lie before `limit` over the colour. */
-static void blend_sample(const isosculpt_layer_row *row, int x, const float *opacities, float limit,
+static float opacity_of(const isosculpt_layer_blend *b, const isosculpt_stored_layer *layer, float surface) {
+    if (layer->slant != ISOSCULPT_SOLID) return b->opacities->opacity[layer->slant];
+    return layer->depth < surface ? 1 : b->opacities->face_on;
+}
+
+/* Blends the layers of a sample over the colour; `surface`: the depth of the surface there. */
+static void blend_sample(const isosculpt_layer_blend *b, const isosculpt_layer_row *row, int x, float surface,
                          uint8_t rgba[4]) {
     const isosculpt_stored_layer *layer = row->layers + (x ? row->ends[x - 1] : 0),
                                  *end = row->layers + row->ends[x];
+    const float limit = b->through ? INFINITY : surface;
     if (layer == end || !(layer->depth < limit)) return;
     float through = 1, rgb[3] = {0, 0, 0};
     for (; layer < end && layer->depth < limit && through >= ISO_LAYER_CUT; layer++) {
-        const float stopped = through * opacities[layer->slant];
+        const float stopped = through * opacity_of(b, layer, surface);
         for (int k = 0; k < 3; k++) rgb[k] += stopped * layer->color[k];
         through -= stopped;
     }
@@ -231,9 +279,8 @@ static void blend_row(void *context, size_t index, int worker) {
     const size_t first = index * (size_t)b->image->width;
     for (int x = 0; x < b->image->width; x++) {
         const size_t at = first + (size_t)x;
-        const float limit = b->surface ? b->surface->depth[at] - b->behind : INFINITY;
-        blend_sample(row, find_sample(b->x0 + x, b->width, store->width), b->opacities->opacity, limit,
-                     b->image->rgba + 4 * at);
+        blend_sample(b, row, find_sample(b->x0 + x, b->width, store->width),
+                     b->surface->depth[at] - b->behind, b->image->rgba + 4 * at);
     }
 }
 

@@ -1,11 +1,13 @@
-/* layer_store: the layers of a surface behind every sample of a picture, kept so that they can be blended
- * over pictures of another surface again and again, at any opacity, in full or only in front of that surface.
- * Listing the layers takes as long as drawing a translucent picture; blending them a few nanoseconds each. */
+/* layer_store: the layers of a surface behind every sample of a picture, or what the sample shows of lines
+ * and glyphs, kept so that they can be blended over pictures of another surface again and again, at any
+ * opacity, in full or only in front of that surface. Listing the layers takes as long as drawing a
+ * translucent picture; blending them a few nanoseconds each. */
 #ifndef ISO_APPS_ISOSCULPT_VIEWPORT_LAYER_STORE_H
 #define ISO_APPS_ISOSCULPT_VIEWPORT_LAYER_STORE_H
 
 #include "exact/exact.h"
 #include "render/gbuffer.h"
+#include "render/shapes/shapes.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -15,8 +17,9 @@ extern "C" {
 typedef struct isosculpt_stored_layer {
     float depth;       /* view z, mm */
     uint16_t color[3]; /* shaded, in 65535ths */
-    uint16_t slant;    /* at which angle it is seen: index into isosculpt_slant_opacities */
+    uint16_t slant; /* at which angle it is seen: index into isosculpt_slant_opacities; or ISOSCULPT_SOLID */
 } isosculpt_stored_layer;
+enum { ISOSCULPT_SOLID = UINT16_MAX }; /* the slant of lines and glyphs, which are opaque */
 
 /* The layers of a row of samples, in one block. */
 typedef struct isosculpt_layer_row {
@@ -44,6 +47,11 @@ iso_status isosculpt_layer_store_list(isosculpt_layer_store *store, const iso_ex
 iso_status isosculpt_layer_store_list_front(isosculpt_layer_store *store, const iso_exact *exact,
                                             iso_rgb color, const iso_view *view, iso_pool *pool,
                                             iso_error *error);
+/* The same for what samples show of `count` (at most 255) sets of lines and glyphs. `color`: of those that
+ * have none of their own. */
+iso_status isosculpt_layer_store_list_shapes(isosculpt_layer_store *store, const iso_shapes *const *sets,
+                                             int count, iso_rgb color, const iso_view *view, iso_pool *pool,
+                                             iso_error *error);
 void isosculpt_layer_store_free(isosculpt_layer_store *store);
 
 /* The opacity of a layer by its slant, for a surface with an opacity of 0 .. 1 where it is seen face on; by
@@ -61,10 +69,11 @@ typedef struct isosculpt_layer_blend {
     const isosculpt_slant_opacities *opacities;
     int width, height; /* of the whole picture; the store may have fewer samples */
     int x0, y0;        /* where the image's first pixel lies in it */
-    /* NULL: all layers are blended. Else the samples of the surface in the image, which is `behind` mm nearer
-     * for this: layers behind it are hidden. */
+    /* The samples of the surface in the image, which is `behind` mm nearer for this: layers behind it are
+     * hidden or, with `through`, blended as well: solids as if they were a surface that is seen face on. */
     const iso_gbuffer *surface;
     float behind;
+    bool through;
     iso_image *image; /* of the size of `surface` */
     iso_pool *pool;
 } isosculpt_layer_blend;

@@ -239,12 +239,12 @@ static void average_pixel(const iso_image *samples, int factor, size_t first, ui
 /* Draws and shades a tile with the reference: it is blended over every sample, then the samples of a pixel
  * are averaged. */
 static iso_status draw_fine_tile(isosculpt_viewport *viewport, iso_method method, const iso_view *view,
-                                 int factor, iso_error *error) {
+                                 isosculpt_rectangle part, int factor, iso_error *error) {
     iso_image *fine = &viewport->fine_image, *pixels = &viewport->tile_image;
     const iso_strip strip = {.view = view, .gbuffer = &viewport->tile, .factor = 1};
     ISO_TRY(isosculpt_reserve_pixels(fine, &viewport->fine_room, view->width, view->height, error));
     ISO_TRY(draw_and_shade(viewport, method, &strip, &viewport->tile, fine, error));
-    isosculpt_reference_blend_fine(viewport, view, fine);
+    isosculpt_reference_blend_fine(viewport, part, factor, fine);
     for (int y = 0; y < pixels->height; y++)
         for (int x = 0; x < pixels->width; x++)
             average_pixel(fine, factor, (size_t)(y * factor) * (size_t)fine->width + (size_t)(x * factor),
@@ -263,7 +263,7 @@ static iso_status draw_tile(isosculpt_viewport *viewport, iso_method method, iso
     if (isosculpt_viewport_is_see_through(viewport))
         ISO_TRY(isosculpt_see_through_shade(viewport, &strip, &viewport->tile, &viewport->tile_image, error));
     else if (factor > 1 && isosculpt_viewport_shows_reference(viewport))
-        ISO_TRY(draw_fine_tile(viewport, method, &samples, factor, error));
+        ISO_TRY(draw_fine_tile(viewport, method, &samples, r, factor, error));
     else
         ISO_TRY(draw_and_shade(viewport, method, &strip, &viewport->tile, &viewport->tile_image, error));
     if (factor == 1) isosculpt_reference_blend_tile(viewport, r);

@@ -1,6 +1,8 @@
 /* The reference in a viewport's pictures: which layers are listed when, and how they are blended. */
 #include "apps/isosculpt/viewport/reference.h"
 
+#include <string.h>
+
 #include "apps/isosculpt/viewport/layer_store.h"
 #include "base/clock.h"
 #include "base/memory.h"
@@ -22,9 +24,13 @@ static const double IN_FRONT = 0.1;
 typedef enum listing { LIST_ALL, LIST_FRONT, LIST_NOTHING } listing;
 
 struct isosculpt_reference {
+    /* A surface: */
     iso_hgrid *grid;
     iso_pool *pool; /* that extracted the surface */
     iso_exact *exact;
+    /* Lines and glyphs; 0: a surface. */
+    isosculpt_reference_shapes sets[ISOSCULPT_REFERENCE_SHAPES];
+    int set_count;
     isosculpt_slant_opacities opacities;
     isosculpt_layer_store kept, fine;
     /* What `kept` was listed for, if anything: */
@@ -45,16 +51,26 @@ static iso_status extract(isosculpt_reference *reference, int threads, iso_error
     return iso_exact_update(reference->exact, error);
 }
 
-iso_status isosculpt_reference_create(iso_hgrid *grid, int threads, isosculpt_reference **out,
-                                      iso_error *error) {
+/* NULL, and an error, without memory. */
+static isosculpt_reference *make_reference(iso_error *error) {
     isosculpt_reference *reference = iso_alloc_zero(1, sizeof *reference);
     if (!reference) {
-        iso_hgrid_destroy(grid);
-        return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the reference");
+        iso_fail(error, ISO_ERR_NOMEM, "out of memory for the reference");
+        return NULL;
     }
-    reference->grid = grid;
     reference->moving_factor = FACTOR_LEAST;
     reference->kept.most_bytes = reference->fine.most_bytes = ISOSCULPT_REFERENCE_BYTES;
+    return reference;
+}
+
+iso_status isosculpt_reference_create(iso_hgrid *grid, int threads, isosculpt_reference **out,
+                                      iso_error *error) {
+    isosculpt_reference *reference = make_reference(error);
+    if (!reference) {
+        iso_hgrid_destroy(grid);
+        return ISO_ERR_NOMEM;
+    }
+    reference->grid = grid;
     iso_status status = extract(reference, threads, error);
     if (status == ISO_OK)
         *out = reference;
@@ -63,8 +79,27 @@ iso_status isosculpt_reference_create(iso_hgrid *grid, int threads, isosculpt_re
     return status;
 }
 
+void isosculpt_reference_shapes_free(isosculpt_reference_shapes *shapes) {
+    iso_shapes_destroy(shapes->shapes);
+    iso_lines_free(&shapes->lines);
+    iso_glyphs_free(&shapes->glyphs);
+    *shapes = (isosculpt_reference_shapes){.shapes = NULL};
+}
+
+iso_status isosculpt_reference_create_shapes(isosculpt_reference_shapes *sets, int count,
+                                             isosculpt_reference **out, iso_error *error) {
+    isosculpt_reference *reference = make_reference(error);
+    for (int i = 0; i < count && !reference; i++) isosculpt_reference_shapes_free(&sets[i]);
+    if (!reference) return ISO_ERR_NOMEM;
+    memcpy(reference->sets, sets, (size_t)count * sizeof *sets);
+    reference->set_count = count;
+    *out = reference;
+    return ISO_OK;
+}
+
 void isosculpt_reference_destroy(isosculpt_reference *reference) {
     if (!reference) return;
+    for (int i = 0; i < reference->set_count; i++) isosculpt_reference_shapes_free(&reference->sets[i]);
     isosculpt_layer_store_free(&reference->kept);
     isosculpt_layer_store_free(&reference->fine);
     iso_exact_destroy(reference->exact);
@@ -106,6 +141,20 @@ bool isosculpt_reference_is_coarse(const isosculpt_viewport *viewport) {
            (!has_layers(viewport) || viewport->reference->factor > 1);
 }
 
+/* Lists what the reference has in a view. */
+static iso_status list_in(const isosculpt_viewport *viewport, isosculpt_layer_store *store, listing what,
+                          const iso_view *view, iso_error *error) {
+    const isosculpt_reference *r = viewport->reference;
+    const iso_rgb color = viewport->reference_mode.color;
+    const iso_shapes *sets[ISOSCULPT_REFERENCE_SHAPES];
+    for (int i = 0; i < r->set_count; i++) sets[i] = r->sets[i].shapes;
+    if (r->set_count)
+        return isosculpt_layer_store_list_shapes(store, sets, r->set_count, color, view, viewport->pool,
+                                                 error);
+    return (what == LIST_ALL ? isosculpt_layer_store_list : isosculpt_layer_store_list_front)(
+        store, r->exact, color, view, viewport->pool, error);
+}
+
 static iso_status list_kept(isosculpt_viewport *viewport, int factor, listing what, iso_error *error) {
     isosculpt_reference *r = viewport->reference;
     const iso_view view = iso_view_make(&viewport->camera, (viewport->width + factor - 1) / factor,
@@ -115,8 +164,7 @@ static iso_status list_kept(isosculpt_viewport *viewport, int factor, listing wh
     r->height = viewport->height;
     r->factor = factor;
     r->color = viewport->reference_mode.color;
-    return (what == LIST_ALL ? isosculpt_layer_store_list : isosculpt_layer_store_list_front)(
-        &r->kept, r->exact, r->color, &view, viewport->pool, error);
+    return list_in(viewport, &r->kept, what, &view, error);
 }
 
 static void adapt_moving(isosculpt_reference *r, double seconds) {
@@ -160,8 +208,9 @@ static isosculpt_layer_blend make_blend(const isosculpt_viewport *viewport,
                                    .opacities = &r->opacities,
                                    .width = image->width,
                                    .height = image->height,
-                                   .surface = mode->over ? NULL : gbuffer,
-                                   .behind = (float)(IN_FRONT * r->grid->transform.spacing[0]),
+                                   .surface = gbuffer,
+                                   .behind = r->grid ? (float)(IN_FRONT * r->grid->transform.spacing[0]) : 0,
+                                   .through = mode->over,
                                    .image = image,
                                    .pool = viewport->pool};
 }
@@ -190,26 +239,39 @@ static iso_gbuffer gbuffer_rows(const iso_gbuffer *gbuffer, int first, int rows)
     return (iso_gbuffer){.width = gbuffer->width, .height = rows, .depth = gbuffer->depth + at};
 }
 
-static iso_status blend_rows(isosculpt_viewport *viewport, const iso_view *view, iso_image *image, int first,
-                             int rows, iso_error *error) {
+/* Blends over `rows` rows of the image of a tile, from row `first` on; `part`: the samples of the tile in
+ * `whole`. */
+static iso_status blend_rows(isosculpt_viewport *viewport, const iso_view *whole, iso_image *image,
+                             const isosculpt_rectangle *part, int first, int rows, iso_error *error) {
     isosculpt_reference *r = viewport->reference;
-    const iso_view part = iso_view_rows(view, first, rows);
+    iso_view view = iso_view_rows(whole, part->y0 + first, rows);
     iso_image pixels = {.width = image->width,
                         .height = rows,
                         .rgba = image->rgba + 4 * (size_t)first * (size_t)image->width};
     const iso_gbuffer surface = gbuffer_rows(&viewport->tile, first, rows);
-    ISO_TRY(isosculpt_layer_store_list(&r->fine, r->exact, viewport->reference_mode.color, &part,
-                                       viewport->pool, error));
-    const isosculpt_layer_blend blend = make_blend(viewport, &r->fine, &surface, &pixels);
+    if (!r->set_count) { /* shapes are the same samples only in whole rows */
+        view.cx -= part->x0;
+        view.width = image->width;
+    }
+    ISO_TRY(list_in(viewport, &r->fine, LIST_ALL, &view, error));
+    isosculpt_layer_blend blend = make_blend(viewport, &r->fine, &surface, &pixels);
+    blend.width = view.width;
+    blend.x0 = r->set_count ? part->x0 : 0;
     isosculpt_layer_store_blend(&blend);
     return ISO_OK;
 }
 
-void isosculpt_reference_blend_fine(isosculpt_viewport *viewport, const iso_view *view, iso_image *image) {
-    const int most = FINE_SAMPLES / view->width + 1;
+void isosculpt_reference_blend_fine(isosculpt_viewport *viewport, isosculpt_rectangle part, int factor,
+                                    iso_image *image) {
+    const iso_view whole = iso_view_scaled(&viewport->drawn.view, factor);
+    const isosculpt_rectangle samples = {part.x0 * factor, part.y0 * factor, part.x1 * factor,
+                                         part.y1 * factor};
+    const int most = FINE_SAMPLES / (viewport->reference->set_count ? whole.width : image->width) + 1;
     iso_error reason = {ISO_OK, ""};
-    for (int first = 0; first < view->height && isosculpt_viewport_shows_reference(viewport); first += most) {
-        const int rows = view->height - first < most ? view->height - first : most;
-        if (blend_rows(viewport, view, image, first, rows, &reason) != ISO_OK) hide(viewport, &reason);
+    for (int first = 0; first < image->height && isosculpt_viewport_shows_reference(viewport);
+         first += most) {
+        const int rows = image->height - first < most ? image->height - first : most;
+        if (blend_rows(viewport, &whole, image, &samples, first, rows, &reason) != ISO_OK)
+            hide(viewport, &reason);
     }
 }

@@ -1,5 +1,6 @@
-/* reference: the surface as it was when the session began, drawn translucent over the sculpture, or where it
- * lies in front of the sculpture (its x-ray). Picks never find it.
+/* reference: what is drawn beside the sculpture: the surface as it was when the session began or that of a
+ * file, translucent (its x-ray), or lines and glyphs of files; all of it, or what lies in front of the
+ * sculpture. Picks never find it.
  *
  * Its layers are listed once for each camera and kept (layer_store.h); a stroke blends them anew only where
  * it changed the picture. While the camera moves they are listed for fewer samples, or, where even that takes
@@ -8,6 +9,7 @@
 #define ISO_APPS_ISOSCULPT_VIEWPORT_REFERENCE_H
 
 #include "apps/isosculpt/viewport/viewport.h"
+#include "render/shapes/shapes.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -20,6 +22,19 @@ enum { ISOSCULPT_REFERENCE_BYTES = 512 << 20 };
  * processor). ISO_ERR_NOMEM. */
 iso_status isosculpt_reference_create(iso_hgrid *grid, int threads, isosculpt_reference **reference,
                                       iso_error *error);
+
+/* Lines or glyphs with what is drawn of them. Zero-initialise. */
+typedef struct isosculpt_reference_shapes {
+    iso_lines lines;
+    iso_glyphs glyphs;
+    iso_shapes *shapes; /* borrows from one of them */
+} isosculpt_reference_shapes;
+void isosculpt_reference_shapes_free(isosculpt_reference_shapes *shapes);
+
+/* Takes over `count` (at most ISOSCULPT_REFERENCE_SHAPES) sets, also after an error. ISO_ERR_NOMEM. */
+enum { ISOSCULPT_REFERENCE_SHAPES = 32 };
+iso_status isosculpt_reference_create_shapes(isosculpt_reference_shapes *sets, int count,
+                                             isosculpt_reference **reference, iso_error *error);
 void isosculpt_reference_destroy(isosculpt_reference *reference); /* NULL is fine */
 
 /* The functions below are for the files of viewport/. When memory for layers is short they hide the reference
@@ -31,8 +46,10 @@ void isosculpt_reference_blend_whole(isosculpt_viewport *viewport, bool moving);
 /* The same for a part of that picture: viewport->tile_image, with the samples in viewport->tile. The layers
  * are those of the whole picture. */
 void isosculpt_reference_blend_tile(isosculpt_viewport *viewport, isosculpt_rectangle part);
-/* The same for an image of viewport->tile's size and of any view; lists layers for this alone. */
-void isosculpt_reference_blend_fine(isosculpt_viewport *viewport, const iso_view *view, iso_image *image);
+/* The same for an image of that part with factor x factor samples a pixel, viewport->tile's; lists layers for
+ * this alone. The reference is shown. */
+void isosculpt_reference_blend_fine(isosculpt_viewport *viewport, isosculpt_rectangle part, int factor,
+                                    iso_image *image);
 
 /* Whether the reference is shown, but was not listed for every pixel of the picture. */
 bool isosculpt_reference_is_coarse(const isosculpt_viewport *viewport);

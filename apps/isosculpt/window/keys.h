@@ -21,7 +21,7 @@
     X("Ctrl+S, Ctrl+Shift+S", "save; save as .vdb (level set), .stl, .ply or .obj (meshes)")                 \
     X("Ctrl+Q", "close")                                                                                     \
     X("M, G", "next method, next engine")                                                                    \
-    X("R", "x-ray: the surface as it was when the session began, translucent")                               \
+    X("R", "x-ray: the surface as it was when the session began, translucent; or --reference")               \
     X("F12, Shift+F12", "picture of the sculpture, of the window; beside the file that is saved")            \
     X("Tab, H", "panel, this sheet")                                                                         \
     X("dropping a file", "opens it; a mesh can also become a stamp")

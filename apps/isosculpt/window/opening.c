@@ -46,7 +46,8 @@ static void adopt_document(window *w) {
 
 static iso_status show_document(window *w, iso_error *error) {
     ISO_TRY(isosculpt_viewport_init(&w->viewport, iso_session_grid(w->document.session), w->pool, error));
-    w->viewport.reference_mode.shown = w->settings->x_ray != ISOSCULPT_X_RAY_OFF;
+    w->viewport.reference_mode.shown =
+        w->settings->x_ray != ISOSCULPT_X_RAY_OFF || w->settings->references.count;
     w->viewport.reference_mode.over = w->settings->x_ray == ISOSCULPT_X_RAY_OVER;
     adopt_document(w);
     return ISO_OK;

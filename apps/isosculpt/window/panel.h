@@ -4,6 +4,7 @@
 #ifndef ISO_APPS_ISOSCULPT_WINDOW_PANEL_H
 #define ISO_APPS_ISOSCULPT_WINDOW_PANEL_H
 
+#include "apps/common/options.h"
 #include "apps/isosculpt/input_controller.h"
 #include "apps/isosculpt/window/file_browser.h"
 
@@ -62,6 +63,7 @@ typedef struct isosculpt_screen {
     isosculpt_purpose chosen_purpose;
     char chosen_path[ISOSCULPT_PATH];
     const isosculpt_volume *volume; /* the viewed volume; NULL: there is a field */
+    const iso_texts *references;    /* files of the reference; none: the session's beginning */
     bool reference_pending;         /* the reference is being made */
     bool sculpting;                 /* the volume is being converted into a field */
     double isovalue;                /* of the volume, physical, as chosen in the panel */

@@ -1,4 +1,6 @@
 /* The part of the panel that shows the reference: whether, how, and how opaque. */
+#include <cstdio>
+#include <cstring>
 #include <initializer_list>
 
 #include "apps/isosculpt/window/panel_parts.hpp"
@@ -45,11 +47,29 @@ static void draw_note(const isosculpt_screen *screen) {
         ImGui::SetTooltip("with the x-ray, the cpu engine draws the picture");
 }
 
+/* The checkbox that shows the reference. */
+static bool choose_shown(const isosculpt_screen *screen, isosculpt_reference_mode *mode) {
+    const iso_texts *files = screen->references;
+    if (!files->count) {
+        const bool changed = ImGui::Checkbox("x-ray of the beginning", &mode->shown);
+        if (ImGui::IsItemHovered())
+            ImGui::SetTooltip("R: the surface as it was when the session began, translucent");
+        return changed;
+    }
+    const char *slash = std::strrchr(files->values[0], '/');
+    char label[80];
+    if (files->count == 1)
+        std::snprintf(label, sizeof label, "%.24s###shown", slash ? slash + 1 : files->values[0]);
+    else
+        std::snprintf(label, sizeof label, "%d reference files###shown", files->count);
+    const bool changed = ImGui::Checkbox(label, &mode->shown);
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("R: the reference");
+    return changed;
+}
+
 void panel_draw_reference(isosculpt_screen *screen) {
     isosculpt_reference_mode *mode = &screen->controller->viewport->reference_mode;
-    bool changed = ImGui::Checkbox("x-ray of the beginning", &mode->shown);
-    if (ImGui::IsItemHovered())
-        ImGui::SetTooltip("R: the surface as it was when the session began, translucent");
+    bool changed = choose_shown(screen, mode);
     if (mode->shown) {
         draw_note(screen);
         ImGui::PushID("reference");

@@ -17,17 +17,24 @@ static void fail(window *w, const char *reason) {
 }
 
 static void start(window *w) {
+    const isosculpt_reference_files files = {
+        .settings = w->settings, .voxel = w->voxel, .box = isosculpt_viewport_bounds(&w->viewport)};
     iso_error reason = {0};
-    if (isosculpt_reference_job_start(&w->document, w->settings->common.threads, isosculpt_window_wake,
-                                      &w->reference_job, &reason) != ISO_OK)
+    if (isosculpt_reference_job_start(&w->document, &files, isosculpt_window_wake, &w->reference_job,
+                                      &reason) != ISO_OK)
         fail(w, reason.text);
 }
 
 static void finish(window *w) {
     iso_error reason = {0};
     isosculpt_reference *reference;
-    iso_status status = isosculpt_reference_job_finish(w->reference_job, &reference, &reason);
+    isosculpt_reference_files files;
+    iso_status status = isosculpt_reference_job_finish(w->reference_job, &reference, &files, &reason);
     w->reference_job = NULL;
+    for (int i = 0; status == ISO_OK && i < files.note_count; i++) {
+        iso_program_log(isosculpt_program(), "note: %s", files.notes[i]);
+        isosculpt_window_set_status(w, false, files.notes[i]);
+    }
     if (status == ISO_OK)
         isosculpt_viewport_set_reference(&w->viewport, reference);
     else

@@ -94,8 +94,8 @@ static iso_status check(const iso_glyphs *glyphs, const iso_shapes_opts *opts, i
     return ISO_OK;
 }
 
-iso_status iso_shapes_from_glyphs(const iso_glyphs *glyphs, const iso_shapes_opts *opts, iso_shapes **shapes,
-                                  iso_error *error) {
+static iso_status from_glyphs(const iso_glyphs *glyphs, const iso_shapes_opts *opts, iso_shapes **shapes,
+                              iso_error *error) {
     ISO_TRY(check(glyphs, opts, error));
     iso_shapes *made = iso_shapes_make(opts, glyphs->origin);
     if (!made) return iso_fail_memory(error, "shapes");
@@ -114,4 +114,11 @@ iso_status iso_shapes_from_glyphs(const iso_glyphs *glyphs, const iso_shapes_opt
     else
         iso_shapes_destroy(made);
     return status;
+}
+
+iso_status iso_shapes_from_glyphs(const iso_glyphs *glyphs, const iso_shapes_opts *opts, iso_shapes **shapes,
+                                  iso_error *error) {
+    iso_shapes_opts resolved = *opts;
+    if (isnan(opts->radius)) resolved.radius = iso_glyphs_usual_radius(glyphs, opts->glyph);
+    return from_glyphs(glyphs, &resolved, shapes, error);
 }

@@ -168,8 +168,8 @@ static iso_status check(const iso_lines *lines, const iso_shapes_opts *opts, iso
     return ISO_OK;
 }
 
-iso_status iso_shapes_from_lines(const iso_lines *lines, const iso_shapes_opts *opts, iso_shapes **shapes,
-                                 iso_error *error) {
+static iso_status from_lines(const iso_lines *lines, const iso_shapes_opts *opts, iso_shapes **shapes,
+                             iso_error *error) {
     ISO_TRY(check(lines, opts, error));
     iso_shapes *made = iso_shapes_make(opts, lines->origin);
     if (!made) return iso_fail_memory(error, "shapes");
@@ -188,4 +188,11 @@ iso_status iso_shapes_from_lines(const iso_lines *lines, const iso_shapes_opts *
     else
         iso_shapes_destroy(made);
     return status;
+}
+
+iso_status iso_shapes_from_lines(const iso_lines *lines, const iso_shapes_opts *opts, iso_shapes **shapes,
+                                 iso_error *error) {
+    iso_shapes_opts resolved = *opts;
+    if (isnan(opts->radius)) resolved.radius = iso_lines_usual_radius(lines);
+    return from_lines(lines, &resolved, shapes, error);
 }

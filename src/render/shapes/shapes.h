@@ -38,9 +38,10 @@ typedef enum iso_caps { ISO_CAPS_ROUND, ISO_CAPS_FLAT } iso_caps;
 typedef enum iso_line_style { ISO_LINE_TUBE, ISO_LINE_RIBBON } iso_line_style;
 
 typedef struct iso_shapes_opts {
-    double radius;                   /* mm; of glyphs and lines without radii; half the width of ribbons */
-    double scale;                    /* factor of all sizes, of lines: of their radii; 0 means 1 */
-    iso_glyph glyph;                 /* the solid that is drawn at each point */
+    double radius;   /* mm; of glyphs and lines without radii; half the width of ribbons; NAN: the usual one
+                        (base/lines.h) */
+    double scale;    /* factor of all sizes, of lines: of their radii; 0 means 1 */
+    iso_glyph glyph; /* the solid that is drawn at each point */
     iso_glyph_projection projection; /* of glyphs */
     iso_line_style style;
     /* Lines: a tube that would be narrower than so many pixels at a vertex has this width there; 0: tubes are

@@ -392,6 +392,8 @@ static void first_fields_can_be_made_again(void **state) {
     write_mesh(mesh);
     const isosculpt_source sources[] = {{.path = volume, .isovalue = 170, .pool = pool},
                                         {.path = mesh, .isovalue = NAN, .voxel = 0.5, .pool = pool}};
+    const isosculpt_settings settings = {.common.threads = 1};
+    const isosculpt_reference_files files = {.settings = &settings};
     for (int i = 0; i < 3; i++) {
         isosculpt_document document = {.pool = pool};
         isosculpt_reference_job *job;
@@ -411,16 +413,16 @@ static void first_fields_can_be_made_again(void **state) {
         assert_false(sculpt_same(iso_session_grid(document.session), again));
         iso_hgrid_destroy(first);
         iso_hgrid_destroy(again);
-        assert_int_equal(isosculpt_reference_job_start(&document, 1, NULL, &job, NULL), ISO_OK);
-        assert_int_equal(isosculpt_reference_job_finish(job, &reference, NULL), ISO_OK);
+        assert_int_equal(isosculpt_reference_job_start(&document, &files, NULL, &job, NULL), ISO_OK);
+        assert_int_equal(isosculpt_reference_job_finish(job, &reference, NULL, NULL), ISO_OK);
         isosculpt_reference_destroy(reference);
-        assert_int_equal(isosculpt_reference_job_start(&document, 1, NULL, &job, NULL), ISO_OK);
+        assert_int_equal(isosculpt_reference_job_start(&document, &files, NULL, &job, NULL), ISO_OK);
         isosculpt_reference_job_cancel(job);
         if (i == 2) { /* the file is another one now */
             iso_error error = {0};
             write_volume(mesh);
-            assert_int_equal(isosculpt_reference_job_start(&document, 1, NULL, &job, NULL), ISO_OK);
-            assert_int_equal(isosculpt_reference_job_finish(job, &reference, &error), ISO_ERR_FORMAT);
+            assert_int_equal(isosculpt_reference_job_start(&document, &files, NULL, &job, NULL), ISO_OK);
+            assert_int_equal(isosculpt_reference_job_finish(job, &reference, NULL, &error), ISO_ERR_FORMAT);
             assert_non_null(strstr(error.text, "checksum"));
         }
         isosculpt_document_close(&document);

@@ -1,6 +1,6 @@
-/* isosculpt's reference: the field's first surface, translucent over the sculpture or in front of it. However
- * it came about, a picture with it is the picture drawn from scratch, to the byte; its layers are those of
- * exact; and picks do not know it. */
+/* isosculpt's reference: the field's first surface, translucent over the sculpture or in front of it, or
+ * lines and glyphs. However it came about, a picture with it is the picture drawn from scratch, to the byte;
+ * its layers are those of exact, its lines and glyphs those of render/shapes; and picks do not know it. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -13,6 +13,7 @@
 
 #include "apps/isosculpt/viewport/layer_store.h"
 #include "apps/isosculpt/viewport/reference.h"
+#include "base/memory.h"
 #include "exact/layers.h"
 #include "refused_memory.h"
 #include "sculpt/session/session.h"
@@ -35,9 +36,46 @@ static iso_session *open_session(iso_pool *pool) {
     return session;
 }
 
+/* A copy of an array, as the library allocates it. */
+static void *copied(const void *from, size_t bytes) {
+    void *copy = iso_alloc(bytes);
+    memcpy(copy, from, bytes);
+    return copy;
+}
+
+/* A line through the ball and out of it, and glyphs with colours before, in and behind it. */
+static void make_shapes(isosculpt_reference_shapes sets[2]) {
+    static const float vertices[4][3] = {{-25, -5, 3}, {0, -20, 8}, {0, 3, 0}, {22, 4, -9}},
+                       positions[4][3] = {{-6, -17, -9}, {6, -14, -7}, {10, 19, 12}, {16, 0, 14}},
+                       radii[4] = {3, 2, 4, 5};
+    static const size_t starts[2] = {0, 4};
+    static const uint8_t colors[4][3] = {{255, 30, 20}, {20, 200, 40}, {240, 220, 10}, {90, 90, 255}};
+    const iso_shapes_opts tubes = {.radius = 1.5, .min_pixels = 1}, spheres = {.glyph = ISO_GLYPH_SPHERE};
+    memset(sets, 0, 2 * sizeof *sets);
+    sets[0].lines = (iso_lines){.vertices = copied(vertices, sizeof vertices),
+                                .starts = copied(starts, sizeof starts),
+                                .vertex_count = 4,
+                                .line_count = 1};
+    sets[1].glyphs = (iso_glyphs){.positions = copied(positions, sizeof positions),
+                                  .radii = copied(radii, sizeof radii),
+                                  .colors = copied(colors, sizeof colors),
+                                  .count = 4};
+    assert_int_equal(iso_shapes_from_lines(&sets[0].lines, &tubes, &sets[0].shapes, NULL), ISO_OK);
+    assert_int_equal(iso_shapes_from_glyphs(&sets[1].glyphs, &spheres, &sets[1].shapes, NULL), ISO_OK);
+}
+
+static bool with_shapes; /* the reference is lines and glyphs */
+
 static void add_reference(isosculpt_viewport *view) {
     iso_hgrid *grid;
     isosculpt_reference *reference;
+    isosculpt_reference_shapes sets[2];
+    if (with_shapes) {
+        make_shapes(sets);
+        assert_int_equal(isosculpt_reference_create_shapes(sets, 2, &reference, NULL), ISO_OK);
+        isosculpt_viewport_set_reference(view, reference);
+        return;
+    }
     assert_int_equal(iso_session_ball(&START, &grid, NULL), ISO_OK);
     assert_int_equal(isosculpt_reference_create(grid, 2, &reference, NULL), ISO_OK);
     isosculpt_viewport_set_reference(view, reference);
@@ -161,6 +199,76 @@ static void strokes_leave_the_picture_drawn_from_scratch(void **state) {
     isosculpt_viewport_free(&view);
     iso_session_destroy(session);
     iso_pool_destroy(pool);
+}
+
+static void strokes_leave_the_picture_with_shapes(void **state) {
+    with_shapes = true;
+    strokes_leave_the_picture_drawn_from_scratch(state);
+    with_shapes = false;
+}
+
+/* What a sample shows of the shapes, alone: its depth, INFINITY without, and its colour. */
+typedef struct shapes_picture {
+    iso_gbuffer gbuffer;
+    iso_image image;
+} shapes_picture;
+
+static shapes_picture draw_shapes(const isosculpt_viewport *view) {
+    isosculpt_reference_shapes sets[2];
+    shapes_picture p;
+    make_shapes(sets);
+    assert_int_equal(iso_gbuffer_create(WIDTH, HEIGHT, &p.gbuffer, NULL), ISO_OK);
+    assert_int_equal(iso_image_create(WIDTH, HEIGHT, &p.image, NULL), ISO_OK);
+    iso_gbuffer_clear(&p.gbuffer);
+    for (int i = 0; i < 2; i++) {
+        const iso_target target = {&view->drawn.view, &p.gbuffer, NULL, (uint8_t)i};
+        assert_int_equal(iso_draw_shapes(&target, sets[i].shapes, NULL, NULL), ISO_OK);
+        isosculpt_reference_shapes_free(&sets[i]);
+    }
+    const iso_strip strip = {&view->drawn.view, &p.gbuffer, 1, 0};
+    const iso_shading shading = {.colors = &view->reference_mode.color, .color_count = 1};
+    iso_shade(&shading, &strip, &p.image, NULL);
+    return p;
+}
+
+/* In front of the sculpture shapes are opaque; behind it they are hidden, or seen through it. */
+static void shapes_are_drawn_by_depth(void **state) {
+    (void)state;
+    isosculpt_viewport view, plain;
+    iso_session *session = open_session(NULL);
+    int in_front = 0, behind = 0;
+    with_shapes = true;
+    open_view(&view, session, NULL);
+    open_view(&plain, session, NULL);
+    add_reference(&view);
+    for (int i = 0; i < 4; i++) {
+        const double opacity = i < 2 ? 0.35 : 0.8;
+        show(&view, i % 2, opacity);
+        isosculpt_viewport_orbit(&view, 40, 9);
+        plain.camera = view.camera;
+        draw(&view, false);
+        draw(&plain, false);
+        shapes_picture alone = draw_shapes(&view);
+        for (size_t at = 0; at < PIXELS; at++) {
+            const bool shown = alone.gbuffer.surface[at] != ISO_SURFACE_NONE,
+                       hidden = !(alone.gbuffer.depth[at] < plain.drawn.gbuffer.depth[at]);
+            const double share = !shown ? 0 : !hidden ? 1 : i % 2 ? opacity : 0;
+            in_front += share == 1;
+            behind += shown && hidden;
+            for (size_t k = 0; k < 3; k++) {
+                const double wanted =
+                    share * alone.image.rgba[4 * at + k] + (1 - share) * plain.image.rgba[4 * at + k];
+                assert_true(fabs(view.image.rgba[4 * at + k] - wanted) < 1.6);
+            }
+        }
+        iso_gbuffer_free(&alone.gbuffer);
+        iso_image_free(&alone.image);
+    }
+    assert_true(in_front > 4000 && behind > 1000);
+    with_shapes = false;
+    isosculpt_viewport_free(&view);
+    isosculpt_viewport_free(&plain);
+    iso_session_destroy(session);
 }
 
 /* Where nothing was changed, nothing lies in front of the sculpture. */
@@ -369,14 +477,23 @@ static void without_memory_the_reference_is_hidden(void **state) {
     iso_session_destroy(session);
 }
 
+static void without_memory_shapes_are_hidden(void **state) {
+    with_shapes = true;
+    without_memory_the_reference_is_hidden(state);
+    with_shapes = false;
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(strokes_leave_the_picture_drawn_from_scratch),
+        cmocka_unit_test(strokes_leave_the_picture_with_shapes),
+        cmocka_unit_test(shapes_are_drawn_by_depth),
         cmocka_unit_test(what_is_unchanged_looks_unchanged),
         cmocka_unit_test(layers_are_those_of_exact),
         cmocka_unit_test(front_layers_are_the_first_ones),
         cmocka_unit_test(room_is_bounded),
         cmocka_unit_test(without_memory_the_reference_is_hidden),
+        cmocka_unit_test(without_memory_shapes_are_hidden),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

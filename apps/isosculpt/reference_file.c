@@ -1,0 +1,169 @@
+/* reference_file: finds what files hold, reads it, and notes what lies beside the sculpture. */
+#include "apps/isosculpt/reference_file.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+
+#include "apps/common/beside.h"
+#include "apps/isosculpt/source.h"
+#include "base/text.h"
+#include "io/glyphs/glyphs_read.h"
+#include "io/lines/lines_read.h"
+#include "io/mesh_read.h"
+
+/* ---- what a file can hold, in the order in which it is tried */
+
+enum { LINES = 1, SURFACE = 2, GLYPHS = 4 };
+
+static int contents_of(const char *path) {
+    static const struct {
+        const char *ending;
+        int contents;
+    } endings[] = {{".tck", LINES},
+                   {".trk", LINES},
+                   {".swc", LINES},
+                   {".xyz", GLYPHS},
+                   {".pdb", GLYPHS},
+                   {".ent", GLYPHS},
+                   {".csv", GLYPHS},
+                   {".vtk", LINES | GLYPHS},
+                   {".vtp", LINES | GLYPHS},
+                   {".obj", LINES | SURFACE},
+                   {".ply", LINES | SURFACE | GLYPHS}};
+    for (size_t i = 0; i < sizeof endings / sizeof *endings; i++)
+        if (iso_text_has_extension(path, endings[i].ending)) return endings[i].contents;
+    return SURFACE;
+}
+
+/* Whether a .ply file that holds no lines holds triangles. */
+static bool holds_triangles(const char *path) {
+    iso_triangles mesh = {.triangle_count = 0};
+    const bool found = iso_mesh_read(path, NULL, &mesh, NULL) == ISO_OK;
+    iso_triangles_free(&mesh);
+    return found;
+}
+
+/* ---- notes */
+
+#if defined(__GNUC__)
+__attribute__((format(printf, 2, 3)))
+#endif
+static void
+note(isosculpt_reference_files *files, const char *format, ...) {
+    va_list arguments;
+    if (files->note_count == ISOSCULPT_REFERENCE_NOTES) return;
+    va_start(arguments, format);
+    iso_text_format(files->notes[files->note_count++], ISOSCULPT_REFERENCE_NOTE, format, arguments);
+    va_end(arguments);
+}
+
+static void note_report(isosculpt_reference_files *files, const char *path, const iso_read_report *report) {
+    for (int i = 0; i < report->note_count; i++) note(files, "%s: %s", path, report->notes[i]);
+    if (report->dropped)
+        note(files, "%s: %" PRIu64 " positions are not finite and are left out", path, report->dropped);
+    if (report->mended_radii)
+        note(files, "%s: %" PRIu64 " radii are negative or not finite and became 0", path,
+             report->mended_radii);
+}
+
+static void note_place(isosculpt_reference_files *files, const char *path, const iso_box *box,
+                       iso_space space) {
+    char text[ISO_BESIDE_TEXT];
+    if (iso_beside_note(path, box, &files->box, space, text)) note(files, "%s", text);
+}
+
+/* ---- lines and glyphs */
+
+static iso_status prepare_lines(isosculpt_reference_shapes *set, iso_error *error) {
+    const iso_shapes_opts opts = {.radius = NAN, .min_pixels = 1};
+    return iso_shapes_from_lines(&set->lines, &opts, &set->shapes, error);
+}
+
+static iso_status prepare_glyphs(isosculpt_reference_shapes *set, iso_error *error) {
+    const iso_shapes_opts opts = {.radius = NAN,
+                                  .glyph = set->glyphs.axes ? ISO_GLYPH_ELLIPSOID : ISO_GLYPH_SPHERE};
+    return iso_shapes_from_glyphs(&set->glyphs, &opts, &set->shapes, error);
+}
+
+/* Reads what the file holds of `contents`, if anything: lines, else glyphs. */
+static iso_status read_shapes(const char *path, const iso_read_opts *opts, int contents,
+                              isosculpt_reference_shapes *set, iso_error *error) {
+    if (contents & LINES) ISO_TRY(iso_lines_read(path, opts, &set->lines, error));
+    if (set->lines.line_count) return prepare_lines(set, error);
+    if (contents & SURFACE && (!(contents & GLYPHS) || holds_triangles(path))) return ISO_OK;
+    if (contents & GLYPHS) ISO_TRY(iso_glyphs_read(path, opts, &set->glyphs, error));
+    return set->glyphs.count ? prepare_glyphs(set, error) : ISO_OK;
+}
+
+/* Reads lines or glyphs; set->shapes stays NULL when the file holds a surface. */
+static iso_status read_set(isosculpt_reference_files *files, const char *path,
+                           isosculpt_reference_shapes *set, iso_error *error) {
+    const int contents = contents_of(path);
+    iso_read_report report = {.note_count = 0};
+    const iso_read_opts opts = {.max_memory = files->settings->common.input.max_memory,
+                                .space = (iso_space)files->settings->space,
+                                .report = &report};
+    ISO_TRY(iso_progress_tell(files->progress, path, 0, error));
+    if (contents == SURFACE) return ISO_OK;
+    ISO_TRY(read_shapes(path, &opts, contents, set, error));
+    if (!set->shapes)
+        return contents & SURFACE ? ISO_OK : iso_fail(error, ISO_ERR_EMPTY, "%s: holds nothing", path);
+    if (!iso_shapes_stats(set->shapes).shapes)
+        return iso_fail(error, ISO_ERR_EMPTY, "%s: holds nothing that can be drawn", path);
+    const iso_box box = iso_shapes_bounds(set->shapes);
+    note_report(files, path, &report);
+    note_place(files, path, &box, report.space);
+    return ISO_OK;
+}
+
+/* ---- surfaces */
+
+static iso_status read_surface(isosculpt_reference_files *files, const char *path,
+                               isosculpt_reference **reference, iso_error *error) {
+    const isosculpt_settings *settings = files->settings;
+    const iso_input input = {.max_memory = settings->common.input.max_memory};
+    iso_journal_start start;
+    iso_hgrid *grid;
+    iso_pool *pool;
+    ISO_TRY(iso_pool_create(settings->common.threads, &pool, error));
+    const isosculpt_source source = {.path = path,
+                                     .isovalue = NAN,
+                                     .voxel = files->voxel,
+                                     .close_holes = settings->close_holes,
+                                     .input = &input,
+                                     .pool = pool,
+                                     .progress = files->progress};
+    const iso_status status = isosculpt_source_open(&source, &start, &grid, error);
+    iso_pool_destroy(pool);
+    ISO_TRY(status);
+    return isosculpt_reference_create(grid, settings->common.threads, reference, error);
+}
+
+/* Reads all files; *surface: the one that holds a surface, if there is one. */
+static iso_status read_sets(isosculpt_reference_files *files, isosculpt_reference_shapes *sets,
+                            const char **surface, iso_error *error) {
+    const iso_texts *paths = &files->settings->references;
+    *surface = NULL;
+    for (int i = 0; i < paths->count; i++) {
+        const char *path = paths->values[i];
+        ISO_TRY(read_set(files, path, &sets[i], error));
+        if (!sets[i].shapes) *surface = path;
+    }
+    if (*surface && paths->count > 1)
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "%s: a surface is the only reference: several can be lines and glyphs", *surface);
+    return ISO_OK;
+}
+
+iso_status isosculpt_reference_read(isosculpt_reference_files *files, isosculpt_reference **reference,
+                                    iso_error *error) {
+    const int count = files->settings->references.count;
+    isosculpt_reference_shapes sets[ISOSCULPT_REFERENCE_SHAPES] = {{.shapes = NULL}};
+    const char *surface;
+    const iso_status status = read_sets(files, sets, &surface, error);
+    if (status == ISO_OK && !surface) return isosculpt_reference_create_shapes(sets, count, reference, error);
+    for (int i = 0; i < count; i++) isosculpt_reference_shapes_free(&sets[i]);
+    return status == ISO_OK ? read_surface(files, surface, reference, error) : status;
+}

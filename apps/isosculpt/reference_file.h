@@ -1,0 +1,37 @@
+/* reference_file: the reference of a session from files: lines and glyphs, or one surface. */
+#ifndef ISO_APPS_ISOSCULPT_REFERENCE_FILE_H
+#define ISO_APPS_ISOSCULPT_REFERENCE_FILE_H
+
+#include "apps/isosculpt/isosculpt.h"
+#include "apps/isosculpt/viewport/reference.h"
+#include "base/progress.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum { ISOSCULPT_REFERENCE_NOTES = 8, ISOSCULPT_REFERENCE_NOTE = 1024 };
+
+/* The settings are borrowed: references, space, close_holes, threads and input.max_memory count. */
+typedef struct isosculpt_reference_files {
+    const isosculpt_settings *settings;
+    double voxel; /* mm; of surfaces that are read from meshes */
+    iso_box box;  /* of the sculpture: what lies beside it is noted */
+    const iso_progress *progress;
+    /* Result: what is worth telling, a line each. */
+    char notes[ISOSCULPT_REFERENCE_NOTES][ISOSCULPT_REFERENCE_NOTE];
+    int note_count;
+} isosculpt_reference_files;
+
+/* Reads all files. .tck, .trk and .swc are lines, .xyz, .pdb and .csv glyphs; .vtk and .vtp are lines or, if
+ * they hold none, glyphs; .obj and .ply are lines, a mesh or, .ply, glyphs, whichever comes first that they
+ * hold; all others are surfaces: level sets and meshes, as isosculpt_source_open reads them. Glyphs are
+ * spheres, or ellipsoids where the file has axes. ISO_ERR_USAGE: a surface and other files; the readers'
+ * errors; ISO_ERR_EMPTY: a file holds nothing to draw. Messages name the file. For any thread. */
+iso_status isosculpt_reference_read(isosculpt_reference_files *files, isosculpt_reference **reference,
+                                    iso_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
