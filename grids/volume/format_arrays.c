@@ -47,16 +47,17 @@ static void shift_to_cells(const iso_format_image *image, iso_transform *transfo
     }
 }
 
-static void list_arrays(const iso_format_image *image, int chosen, iso_volume_info *info) {
+static void list_arrays(const iso_volume_opts *opts, const iso_format_image *image, int chosen,
+                        iso_volume_info *info) {
     for (int i = 0; i < image->count && i < ISO_VOLUME_ITEMS; i++) {
         const iso_format_array *array = &image->arrays[i];
         snprintf(info->items[info->item_count++], ISO_VOLUME_TEXT, "%.128s: %s, %llu component%s, of %s",
                  array->name, iso_scalar_name(array->scalar), (unsigned long long)array->components,
                  array->components == 1 ? "" : "s", array->cells ? "cells" : "points");
     }
-    if (image->count > 1)
-        iso_volume_note(info, "several arrays: using '%.80s' of %d (--grid)", image->arrays[chosen].name,
-                        image->count);
+    if (image->count > 1 && !(opts->component_axes && opts->grid))
+        iso_volume_note(info, "several arrays: using '%.80s' of %d (%s)", image->arrays[chosen].name,
+                        image->count, opts->component_axes ? "--vectors" : "--grid");
     if (image->arrays[chosen].cells) iso_volume_note(info, "values of cells: voxels are the cells' centres");
 }
 
@@ -81,6 +82,6 @@ iso_status iso_format_take_array(const char *path, const iso_volume_opts *opts, 
     snprintf(info->file_type, sizeof info->file_type, "%s", iso_scalar_name(array->scalar));
     snprintf(info->name, sizeof info->name, "%s", array->name);
     if (array->cells) shift_to_cells(image, &info->transform);
-    list_arrays(image, *chosen, info);
+    list_arrays(opts, image, *chosen, info);
     return ISO_OK;
 }

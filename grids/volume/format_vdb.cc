@@ -241,7 +241,8 @@ iso_status fill_info(const char *path, const iso_volume_opts *opts, archive &fil
     std::snprintf(info->name, sizeof info->name, "%s", name.c_str());
     list_grids(file, info);
     if (!opts->grid && file.grids.size() > 1)
-        iso_volume_note(info, "several grids: using \"%s\" of %zu (--grid)", name.c_str(), file.grids.size());
+        iso_volume_note(info, "several grids: using \"%s\" of %zu (%s)", name.c_str(), file.grids.size(),
+                        opts->component_axes ? "--vectors" : "--grid");
     const GridBase &grid = *chosen->grid;
     info->type = ISO_FLOAT32;
     std::snprintf(info->file_type, sizeof info->file_type, "%s",
