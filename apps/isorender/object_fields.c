@@ -161,7 +161,11 @@ iso_status isorender_object_read_field(isorender_object *object, const iso_read_
     iso_vectors vectors = {0};
     iso_vectors_info info;
     ISO_TRY(iso_vectors_read(object->settings->path, &vector_opts, &vectors, &info, error));
-    const iso_status status = make(object, &vectors, &info, opts, pool, error);
+    const uint64_t taken =
+        (uint64_t)iso_vectors_count(&vectors) * (uint64_t)vectors.components * sizeof(float);
+    iso_read_opts left = *opts;
+    if (left.max_memory > taken) left.max_memory -= taken;
+    const iso_status status = make(object, &vectors, &info, &left, pool, error);
     iso_vectors_free(&vectors);
     return status;
 }

@@ -396,14 +396,21 @@ static void test_nrrd_axes(void **state) {
 static void test_orders(void **state) {
     (void)state;
     static const double right[] = {11, 12, 13, 22, 23, 33};
-    vol_write_text(FILE_VTK,
-                   "# vtk DataFile Version 4.2\nt\nASCII\nDATASET STRUCTURED_POINTS\nDIMENSIONS 1 1 1\n"
-                   "POINT_DATA 1\nSCALARS s float\nLOOKUP_TABLE default\n5\n"
-                   "TENSORS6 t float\n11 22 33 12 23 13\nVECTORS v float\n1 2 3\n");
+    vol_write_text(
+        FILE_VTK,
+        "# vtk DataFile Version 4.2\nt\nASCII\nDATASET STRUCTURED_POINTS\nDIMENSIONS 1 1 1\nORIGIN 4 5 6\n"
+        "POINT_DATA 1\nSCALARS s float\nLOOKUP_TABLE default\n5\n"
+        "TENSORS6 t float\n11 22 33 12 23 13\nVECTORS v float\n1 2 3\n");
     check_file(FILE_VTK, (iso_vectors_opts){0}, right, 6);
     check_file(FILE_VTK, (iso_vectors_opts){.array = "v"}, (const double[]){1, 2, 3}, 3);
     check_file(FILE_VTK, (iso_vectors_opts){.array = "v", .axes = ISO_VECTOR_AXES_RAS},
                (const double[]){-1, -2, 3}, 3);
+    iso_vectors_info info;
+    iso_vectors v = read_file(FILE_VTK, (iso_vectors_opts){.axes = ISO_VECTOR_AXES_RAS}, &info);
+    near(v.transform.origin[0], -4, 0); /* the format states no space: positions turn, too */
+    near(v.transform.origin[1], -5, 0);
+    near(v.transform.origin[2], 6, 0);
+    iso_vectors_free(&v);
     vol_write_text(FILE_MHA, "ObjectType = Image\nNDims = 3\nDimSize = 1 1 1\nElementNumberOfChannels = 6\n"
                              "ElementType = MET_UCHAR\nElementDataFile = LOCAL\n\x0b\x0c\x0d\x16\x17\x21");
     check_file(FILE_MHA, (iso_vectors_opts){0}, right, 6);
