@@ -123,10 +123,10 @@ static iso_status make_lines(isorender_object *object, const iso_vectors *vector
     if (!settings->colored && !settings->by_direction && !object->color_by) object->color_by = "speed";
     if (!object->lines.line_count)
         return iso_fail(error, ISO_ERR_EMPTY,
-                        "%s: no streamline begins at %" PRIu64 " places: the longest "
-                        "vector is %g, %g is needed",
-                        settings->path, object->field.lines.tried, object->field.vectors.longest,
-                        object->field.lines.slowest);
+                        "%s: no streamlines at %" PRIu64
+                        " places: vectors are shorter than %g there, or lead out "
+                        "of the volume",
+                        settings->path, object->field.lines.tried, object->field.lines.slowest);
     if (object->lines.line_count < (size_t)line_opts.count)
         note_count(&object->report, object->lines.line_count, "%zu streamlines: no more places have vectors");
     return ISO_OK;
