@@ -78,6 +78,7 @@ openvdb::GridBase::Ptr make_any(const vdb_spec &spec) {
     grid->setName(spec.name);
     grid->setTransform(transform_of(spec));
     grid->setSaveFloatAsHalf(spec.half != 0);
+    if (spec.local) grid->setIsInWorldSpace(false);
     if (spec.grid_class == VDB_LEVEL_SET) grid->setGridClass(openvdb::GRID_LEVEL_SET);
     if (spec.grid_class == VDB_FOG) grid->setGridClass(openvdb::GRID_FOG_VOLUME);
     return grid;

@@ -21,6 +21,7 @@ typedef struct vdb_spec {
     double origin[3]; /* world position of voxel (0, 0, 0) */
     int half;         /* stored as half floats */
     int frustum;      /* a transform that is not linear */
+    int local;        /* vectors are in local space, not in the world */
 } vdb_spec;
 
 enum vdb_flags { VDB_STREAM = 1, VDB_NO_STATS = 2, VDB_ZIP = 4, VDB_BLOSC = 8, VDB_ACTIVE_MASK = 16 };

@@ -14,8 +14,10 @@
 #include <cmocka.h>
 
 #include "base/memory.h"
+#include "check_support.h"
 #include "file_support.h"
 #include "grids/volume/vdb_check.h"
+#include "grids/volume/vectors_read.h"
 #include "grids/volume/volume.h"
 #include "vdb_files.h"
 #include "volume_support.h"
@@ -401,6 +403,34 @@ static void choosing(void **state) {
     test_expect_no_volume(FILE_PATH, &opts, ISO_ERR_USAGE, NULL, "velocity");
 }
 
+/* Vectors come before level sets, and those in local space turn with the axes of the voxels. */
+static void vectors(void **state) {
+    (void)state;
+    const noise n = {{0, 0, 0}, {9, 9, 9}, 50};
+    const ball b = {{0, 0, 0}, 6, 3, 1};
+    const double turned[9] = {0, -2, 0, 2, 0, 0, 0, 0, 2};
+    vdb_spec specs[2] = {ball_spec(&b, 1), noise_spec(&n, "vec3s")};
+    memcpy(specs[1].axis, turned, sizeof turned);
+    for (int local = 0; local < 2; local++) {
+        iso_vectors v = {0};
+        iso_vectors_info info;
+        iso_error error = {0};
+        specs[1].local = local;
+        write_ok(specs, 2, VDB_ZIP);
+        test_ok(iso_vectors_read(FILE_PATH, NULL, &v, &info, &error), &error);
+        assert_string_equal(info.volume.name, "noise");
+        const int at[3] = {4, 5, 6};
+        const float *got =
+            iso_vectors_at(&v, at[0] - specs[1].lo[0], at[1] - specs[1].lo[1], at[2] - specs[1].lo[2]);
+        double wanted[3];
+        for (int k = 0; k < 3; k++) wanted[k] = noise_expected(&specs[1], at, k);
+        near((double)got[0], local ? -wanted[1] : wanted[0], 1e-5);
+        near((double)got[1], local ? wanted[0] : wanted[1], 1e-5);
+        near((double)got[2], wanted[2], 1e-5);
+        iso_vectors_free(&v);
+    }
+}
+
 static void same_names_and_instances(void **state) {
     (void)state;
     const noise n = {{0, 0, 0}, {9, 9, 9}, 50}, wide = {{0, 0, 0}, {19, 9, 9}, 50};
@@ -694,6 +724,7 @@ int main(void) {
         cmocka_unit_test(limits_without_statistics),
         cmocka_unit_test(scattered_leaves_keep_the_limit),
         cmocka_unit_test(choosing),
+        cmocka_unit_test(vectors),
         cmocka_unit_test(same_names_and_instances),
         cmocka_unit_test(not_volumes),
         cmocka_unit_test(truncated),
