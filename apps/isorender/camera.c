@@ -21,18 +21,7 @@ static double degrees_between_frames(const isorender_settings *settings) {
 /* The box of surfaces and objects in the space of three world vectors: iso_fit.bounds. */
 static iso_box bounds_along(void *context, const iso_vec3 vectors[3]) {
     const isorender_job *job = context;
-    const iso_transform transform =
-        job->has_volume ? *iso_grid_transform(&job->surfaces[0].grid) : iso_transform_identity();
-    const iso_affine world = iso_transform_affine(&transform);
-    iso_affine along = {.determinant = 1}; /* only points are taken there */
-    for (int row = 0; row < 3; row++) {
-        const iso_vec3 v = vectors[row];
-        for (int column = 0; column < 3; column++)
-            along.m[3 * row + column] =
-                v.x * world.m[column] + v.y * world.m[3 + column] + v.z * world.m[6 + column];
-        along.origin[row] = v.x * world.origin[0] + v.y * world.origin[1] + v.z * world.origin[2];
-    }
-    iso_box box = isorender_bounds(job, &along);
+    iso_box box = isorender_bounds(job, vectors);
     for (int i = 0; i < job->object_count; i++) {
         const iso_box object = isorender_object_bounds_along(&job->objects[i], vectors);
         iso_bounds_add(&box, &object);

@@ -26,11 +26,11 @@ static void print_matrix(const iso_transform *transform) {
     printf("  %-11s from voxels to world mm%s\n", "", affine.determinant < 0 ? ", left-handed" : "");
 }
 
-static void print_memory(const isorender_job *job) {
+static void print_memory(const isorender_job *job, const iso_volume_info *info) {
     printf("  %-11s ", "memory");
-    print_bytes(job->loader.volume.info.bytes);
+    print_bytes(info->bytes);
     printf(" for the grid, ");
-    print_bytes(job->loader.volume.info.read_bytes);
+    print_bytes(info->read_bytes);
     printf(" while reading, ");
     print_bytes(isorender_picture_bytes(job));
     printf(" for a picture of %dx%d\n", job->settings->width, job->settings->height);
@@ -43,12 +43,11 @@ static void print_field(const iso_volume_info *info) {
     if (n == 6 || n == 7 || n == 9) printf("  %-11s as tensors: ellipsoids (--glyphs)\n", "drawable");
 }
 
-void isorender_info_header(const isorender_job *job) {
-    const iso_volume_info *info = &job->loader.volume.info;
-    if (job->settings->objects_only) return;
-    iso_text_put(stdout, isorender_input_name(job));
+static void print_header(const isorender_job *job, const iso_loader *loader) {
+    const iso_volume_info *info = &loader->volume.info;
+    iso_text_put(stdout, iso_spool_name(loader->input));
     putchar('\n');
-    if (job->loader.has_points) {
+    if (loader->has_points) {
         printf("  %-11s points (ply)\n", "format");
         return;
     }
@@ -67,8 +66,12 @@ void isorender_info_header(const isorender_job *job) {
     for (int row = 0; row < 3; row++)
         print_numbers(row ? "" : "direction", &info->transform.direction[3 * row], "");
     print_matrix(&info->transform);
-    print_memory(job);
+    print_memory(job, info);
     for (int i = 0; i < info->item_count; i++) printf("  %-11s %s\n", i ? "" : "holds", info->items[i]);
+}
+
+void isorender_info_header(const isorender_job *job) {
+    if (!job->settings->no_input) print_header(job, &job->loader);
 }
 
 /* Rows of a histogram: bars grow with the square root of the count, or a peak would hide the rest. */
@@ -87,44 +90,48 @@ static void print_histogram(const iso_histogram *histogram) {
     }
 }
 
-static void print_isovalues(const isorender_job *job) {
+static void print_isovalues(const iso_loader *loader) {
     double candidates[ISO_ISOVALUE_CANDIDATES];
-    size_t count = iso_isovalue_suggest(&job->loader.volume.grid, &job->loader.histogram, candidates);
+    size_t count = iso_isovalue_suggest(&loader->volume.grid, &loader->histogram, candidates);
     printf("  %-11s ", "isovalues");
     if (count == 0) printf("none: the volume is constant");
     for (size_t i = 0; i < count; i++) printf("%s%.6g", i ? ", " : "", candidates[i]);
     if (count > 0)
-        printf(iso_grid_is_level_set(&job->loader.volume.grid) ? " (level set)"
-                                                               : " (Otsu; then two of three classes)");
+        printf(iso_grid_is_level_set(&loader->volume.grid) ? " (level set)"
+                                                           : " (Otsu; then two of three classes)");
     printf("\n");
 }
 
 /* What the voxels or points say. */
-static void print_values(const isorender_job *job) {
-    if (job->loader.has_points) {
-        iso_point_view view = iso_points_view(&job->loader.points);
+static void print_values(const iso_loader *loader) {
+    if (loader->has_points) {
+        iso_point_view view = iso_points_view(&loader->points);
         iso_box box = iso_point_view_bounds(&view);
         printf("  %-11s %zu\n", "points", iso_point_view_count(&view));
         printf("  %-11s %.6g %.6g %.6g .. %.6g %.6g %.6g mm\n", "bounds", box.lo.x, box.lo.y, box.lo.z,
                box.hi.x, box.hi.y, box.hi.z);
         return;
     }
-    if (job->loader.nonfinite)
-        printf("  %-11s %zu voxels are NaN or infinite\n", "not finite", job->loader.nonfinite);
-    if (!job->loader.has_histogram) {
+    if (loader->nonfinite)
+        printf("  %-11s %zu voxels are NaN or infinite\n", "not finite", loader->nonfinite);
+    if (!loader->has_histogram) {
         printf("  %-11s none: no voxel is finite\n", "range");
         return;
     }
-    const iso_histogram *histogram = &job->loader.histogram;
+    const iso_histogram *histogram = &loader->histogram;
     printf("  %-11s %.10g .. %.10g\n", "range", histogram->minimum, histogram->maximum);
     if (histogram->padding)
         printf("  %-11s %llu voxels of %.10g around the rest, left out below\n", "padding",
                (unsigned long long)histogram->padding, histogram->padding_value);
     if (histogram->low < histogram->high) print_histogram(histogram);
-    print_isovalues(job);
+    print_isovalues(loader);
 }
 
 void isorender_info_values(const isorender_job *job) {
-    if (!job->settings->objects_only) print_values(job);
+    if (!job->settings->no_input) print_values(&job->loader);
+    for (int i = 0; i < job->volume_count; i++) {
+        print_header(job, &job->volumes[i]);
+        print_values(&job->volumes[i]);
+    }
     for (int i = 0; i < job->object_count; i++) isorender_object_info(&job->objects[i]);
 }

@@ -95,24 +95,28 @@ static void choose_method(isorender_job *job) {
     job->renderer = find_renderer(job);
 }
 
-/* Options that need a surface, for pictures of objects only. */
-static iso_status check_objects_options(const isorender_settings *settings, iso_error *error) {
+/* Options that need an input, for pictures without one. */
+static iso_status check_no_input(const isorender_settings *settings, iso_error *error) {
     const iso_input *input = &settings->common.input;
-    const char *option = settings->method != ISORENDER_METHOD_UNCHOSEN ? "--method"
-                         : settings->isovalue_count                    ? "--isovalue"
-                         : settings->opacity_count                     ? "--opacity"
-                         : settings->color_count                       ? "--color"
-                         : settings->points                            ? "--points"
-                         : settings->mesh                              ? "--mesh"
-                         : settings->closed                            ? "--closed"
-                         : input->cropped                              ? "--crop"
-                         : input->cropped_mm                           ? "--crop-mm"
-                         : input->largest                              ? "--largest"
-                         : input->min_size > 0                         ? "--min-size"
-                                                                       : NULL;
+    const bool surfaces = settings->volume_options.count;
+    const char *option = settings->method != ISORENDER_METHOD_UNCHOSEN && !surfaces ? "--method"
+                         : settings->isovalue_count                                 ? "--isovalue"
+                         : settings->opacity_count                                  ? "--opacity"
+                         : settings->color_count                                    ? "--color"
+                         : settings->points                                         ? "--points"
+                         : settings->mesh                                           ? "--mesh"
+                         : settings->closed                                         ? "--closed"
+                         : input->cropped                                           ? "--crop"
+                         : input->cropped_mm                                        ? "--crop-mm"
+                         : input->largest                                           ? "--largest"
+                         : input->min_size > 0                                      ? "--min-size"
+                                                                                    : NULL;
     if (!option && wants_gradients(settings)) option = "--glyphs surface";
     if (!option) return ISO_OK;
-    return iso_fail(error, ISO_ERR_USAGE, "%s is for surfaces: there are lines or glyphs only", option);
+    return iso_fail(error, ISO_ERR_USAGE,
+                    surfaces ? "%s is for an input: there are only further files (--volume and others)"
+                             : "%s is for surfaces: there are lines or glyphs only",
+                    option);
 }
 
 iso_status isorender_open(isorender_job *job, iso_error *error) {
@@ -123,11 +127,12 @@ iso_status isorender_open(isorender_job *job, iso_error *error) {
                            .pool = job->pool,
                            .progress = report_reading,
                            .progress_context = job};
-    if (!job->settings->objects_only) ISO_TRY(iso_loader_open(loader, error));
-    job->has_volume = !loader->has_points && !job->settings->objects_only;
+    if (!job->settings->no_input) ISO_TRY(iso_loader_open(loader, error));
+    ISO_TRY(isorender_volumes_open(job, error));
+    job->has_volume = !loader->has_points && !job->settings->no_input;
     choose_method(job);
-    if (job->settings->objects_only) {
-        ISO_TRY(check_objects_options(job->settings, error));
+    if (job->settings->no_input) {
+        ISO_TRY(check_no_input(job->settings, error));
         return check_picture(job, error);
     }
     /* When the volume alone is over the limit, iso_loader_read refuses it with a better message than
@@ -183,7 +188,8 @@ static iso_status read_objects(isorender_job *job, iso_error *error) {
 }
 
 iso_status isorender_read(isorender_job *job, iso_error *error) {
-    if (!job->settings->objects_only) ISO_TRY(iso_loader_read(&job->loader, error));
+    if (!job->settings->no_input) ISO_TRY(iso_loader_read(&job->loader, error));
     if (job->has_volume) log_notes(job);
+    ISO_TRY(isorender_volumes_read(job, error));
     return read_objects(job, error);
 }

@@ -26,9 +26,10 @@
 extern "C" {
 #endif
 
-/* One isosurface of the input. */
+/* One isosurface, of the input or of a further volume. */
 typedef struct isorender_surface {
-    double isovalue; /* physical; NaN for points that were read */
+    iso_loader *loader; /* what it is made of; borrowed: the job's `loader` or one of its `volumes` */
+    double isovalue;    /* physical; NaN for points that were read */
     iso_rgb color;
     iso_translucency translucency;
     iso_grid grid;     /* what the surface is extracted from; borrowed: the volume's grid or own_grid */
@@ -40,6 +41,7 @@ typedef struct isorender_surface {
     iso_exact *exact;
     iso_raycaster *caster;
     iso_groups groups; /* of the points, for splats */
+    iso_box bounds;    /* in the world, mm */
 } isorender_surface;
 
 /* One picture of a turntable, or the only picture. */
@@ -60,15 +62,18 @@ typedef struct isorender_job {
     iso_pool *pool;
     const isorender_backend *backend;
     const iso_environment *environment; /* of glass, else NULL */
-    iso_loader loader;                  /* not opened when the picture has objects only */
-    bool has_volume;                    /* else the loader has points, or there are objects only */
+    iso_loader loader;                  /* of the input; not opened when there is none */
+    bool has_volume;                    /* else the input is points, or there is none */
+    iso_loader volumes[ISORENDER_VOLUMES];
+    int volume_count;
+    iso_input volume_input; /* how `volumes` are read */
 
     iso_method method;            /* as --method names it: ISO_METHOD_PULLPUSH with any reconstruction */
     const iso_renderer *renderer; /* of the method with its reconstruction */
 
-    isorender_surface surfaces[ISORENDER_SURFACES];
-    iso_point_view read_points; /* of a file of points */
-    int surface_count;
+    isorender_surface surfaces[ISORENDER_SURFACES]; /* those of the input, then one of each of `volumes` */
+    iso_point_view read_points;                     /* of a file of points */
+    int surface_count, input_surface_count;
     isorender_object objects[ISORENDER_OBJECTS]; /* their surface numbers follow those of the surfaces */
     int object_count;
     bool translucent;                                /* at least one surface is */
@@ -117,8 +122,19 @@ iso_status isorender_export(isorender_job *job, iso_error *error);
 /* The points of a surface, extracted or read. Borrowed from the job. */
 iso_point_view isorender_points_view(const isorender_job *job, int surface);
 
-/* The box of all surfaces, not of objects, in the space to which `affine` maps index coordinates. */
-iso_box isorender_bounds(const isorender_job *job, const iso_affine *affine);
+/* The box of all surfaces, not of objects, in the space of three world vectors: iso_fit.bounds. */
+iso_box isorender_bounds(const isorender_job *job, const iso_vec3 vectors[3]);
+
+/* ---- volumes.c: further volumes, of --volume */
+
+/* As iso_loader_open and iso_loader_read, for all of them. Messages begin with the volume's name. */
+iso_status isorender_volumes_open(isorender_job *job, iso_error *error);
+iso_status isorender_volumes_read(isorender_job *job, iso_error *error);
+/* Puts the name of volume `volume`, from 0, before the message of a failure, unless the message begins with
+ * it; below 0 the input, which is named later. Returns `status`. */
+iso_status isorender_volume_named(const isorender_job *job, int volume, iso_status status, iso_error *error);
+/* A member of the report: the volumes and their surfaces. */
+void isorender_report_volumes(iso_json *json, const isorender_job *job);
 
 /* ---- object_gradients.c */
 

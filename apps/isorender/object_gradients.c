@@ -14,7 +14,7 @@ bool isorender_gradients_have_bar(const isorender_object_settings *settings) {
 /* The points of the surfaces; `made` gets those that are extracted here, because the picture needs none. */
 static iso_status find_points(isorender_job *job, iso_point_set *made[ISORENDER_SURFACES],
                               iso_gradient_source sources[ISORENDER_SURFACES], iso_error *error) {
-    for (int i = 0; i < job->surface_count; i++) {
+    for (int i = 0; i < job->input_surface_count; i++) {
         isorender_surface *surface = &job->surfaces[i];
         const iso_points_opts opts = {
             .isovalue = surface->isovalue, .primitive = isorender_primitive(job), .pool = job->pool};
@@ -37,9 +37,9 @@ static iso_status make_glyphs(isorender_job *job, isorender_object *object, iso_
                                            .max_memory = job->settings->common.input.max_memory};
     iso_status status = find_points(job, made, sources, error);
     if (status == ISO_OK)
-        status = iso_gradient_glyphs(sources, job->surface_count, &opts, &object->glyphs, &object->gradients,
-                                     error);
-    for (int i = 0; i < job->surface_count; i++) iso_point_set_destroy(made[i]);
+        status = iso_gradient_glyphs(sources, job->input_surface_count, &opts, &object->glyphs,
+                                     &object->gradients, error);
+    for (int i = 0; i < job->input_surface_count; i++) iso_point_set_destroy(made[i]);
     return status;
 }
 

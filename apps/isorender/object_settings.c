@@ -4,8 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-/* The value of an option for object `number` of those that it is for; NULL: the option is not given. */
-static const char *value_for(const iso_texts *texts, int number) {
+const char *isorender_value_for(const iso_texts *texts, int number) {
     if (!texts->count) return NULL;
     return texts->values[number < texts->count ? number : texts->count - 1];
 }
@@ -119,25 +118,26 @@ static iso_status set_count(const char *option, const char *value, int least, in
 static iso_status set_streamlines(const isorender_object_options *options, int number,
                                   isorender_field_settings *field, iso_error *error) {
     field->streamlines = 500;
-    ISO_TRY(
-        set_count("streamlines", value_for(&options->streamlines, number), 1, &field->streamlines, error));
-    ISO_TRY(
-        set_count("streamline-seed", value_for(&options->streamline_seeds, number), 0, &field->seed, error));
-    return set_above_0("streamline-length", value_for(&options->streamline_lengths, number), &field->length,
-                       error);
+    ISO_TRY(set_count("streamlines", isorender_value_for(&options->streamlines, number), 1,
+                      &field->streamlines, error));
+    ISO_TRY(set_count("streamline-seed", isorender_value_for(&options->streamline_seeds, number), 0,
+                      &field->seed, error));
+    return set_above_0("streamline-length", isorender_value_for(&options->streamline_lengths, number),
+                       &field->length, error);
 }
 
 /* What lines and glyphs have; number: of the object. */
 static iso_status set_common(const isorender_object_options *options, int number,
                              isorender_object_settings *object, iso_error *error) {
-    object->color_by = value_for(&options->color_by, number);
-    object->field.array = value_for(&options->arrays, number);
-    ISO_TRY(set_above_0("least", value_for(&options->leasts, number), &object->field.least, error));
+    object->color_by = isorender_value_for(&options->color_by, number);
+    object->field.array = isorender_value_for(&options->arrays, number);
+    ISO_TRY(set_above_0("least", isorender_value_for(&options->leasts, number), &object->field.least, error));
     object->field.axial = options->axial != 0;
-    ISO_TRY(set_tensor_order(value_for(&options->tensor_orders, number), object->field.order, error));
-    ISO_TRY(set_map(value_for(&options->maps, number), object, error));
-    ISO_TRY(set_range(value_for(&options->ranges, number), object, error));
-    return set_every(value_for(&options->every, number), object, error);
+    ISO_TRY(
+        set_tensor_order(isorender_value_for(&options->tensor_orders, number), object->field.order, error));
+    ISO_TRY(set_map(isorender_value_for(&options->maps, number), object, error));
+    ISO_TRY(set_range(isorender_value_for(&options->ranges, number), object, error));
+    return set_every(isorender_value_for(&options->every, number), object, error);
 }
 
 /* number: of the lines. */
@@ -145,15 +145,16 @@ static iso_status set_lines(const isorender_object_options *options, int number,
                             isorender_object_settings *object, iso_error *error) {
     static const char *const names[] = {"round", "flat", NULL};
     static const char *const styles[] = {"tube", "ribbon", "line", NULL};
-    const char *value = value_for(&options->caps, number), *style = value_for(&options->line_styles, number);
+    const char *value = isorender_value_for(&options->caps, number),
+               *style = isorender_value_for(&options->line_styles, number);
     int caps = 0, chosen = ISORENDER_STYLE_TUBE;
     if (value) ISO_TRY(choose("caps", value, names, &caps, error));
     if (style) ISO_TRY(choose("line-style", style, styles, &chosen, error));
     object->caps = (iso_caps)caps;
     object->style = (isorender_line_style)chosen;
     ISO_TRY(set_streamlines(options, number, &object->field, error));
-    ISO_TRY(set_radius("tube-radius", value_for(&options->tube_radii, number), object, error));
-    return set_color("line-color", value_for(&options->line_colors, number), object, error);
+    ISO_TRY(set_radius("tube-radius", isorender_value_for(&options->tube_radii, number), object, error));
+    return set_color("line-color", isorender_value_for(&options->line_colors, number), object, error);
 }
 
 static iso_status set_projection(const char *value, isorender_object_settings *object, iso_error *error) {
@@ -170,20 +171,20 @@ static iso_status set_glyphs(const isorender_object_options *options, int number
 #define GLYPH_TEXT(name, text) text,
     static const char *const names[] = {ISO_GLYPHS(GLYPH_TEXT) NULL};
 #undef GLYPH_TEXT
-    const char *value = value_for(&options->glyphs, number);
+    const char *value = isorender_value_for(&options->glyphs, number);
     int glyph = ISO_GLYPH_SPHERE;
     if (value) ISO_TRY(choose("glyph", value, names, &glyph, error));
     object->glyph = (iso_glyph)glyph;
     object->glyph_given = value != NULL;
-    ISO_TRY(
-        set_above_0("glyph-scale", value_for(&options->glyph_scales, number), &object->field.scale, error));
-    ISO_TRY(set_projection(value_for(&options->projections, number), object, error));
-    ISO_TRY(set_radius("glyph-radius", value_for(&options->glyph_radii, number), object, error));
-    return set_color("glyph-color", value_for(&options->glyph_colors, number), object, error);
+    ISO_TRY(set_above_0("glyph-scale", isorender_value_for(&options->glyph_scales, number),
+                        &object->field.scale, error));
+    ISO_TRY(set_projection(isorender_value_for(&options->projections, number), object, error));
+    ISO_TRY(set_radius("glyph-radius", isorender_value_for(&options->glyph_radii, number), object, error));
+    return set_color("glyph-color", isorender_value_for(&options->glyph_colors, number), object, error);
 }
 
-static iso_status check_count(const char *option, const iso_texts *texts, const char *objects, int count,
-                              iso_error *error) {
+iso_status isorender_check_count(const char *option, const iso_texts *texts, const char *objects, int count,
+                                 iso_error *error) {
     if (texts->count <= count) return ISO_OK;
     if (count == 0)
         return iso_fail(error, ISO_ERR_USAGE, "--%s is for %s, which is not given", option, objects);
@@ -224,7 +225,8 @@ static iso_status check_counts(const isorender_object_options *o, const int coun
                    {"every", &o->every, both, lines + glyphs},
                    {"space", &o->spaces, "--lines, --glyphs or --surface", o->count}};
     for (size_t i = 0; i < sizeof options / sizeof *options; i++)
-        ISO_TRY(check_count(options[i].name, options[i].texts, options[i].objects, options[i].count, error));
+        ISO_TRY(isorender_check_count(options[i].name, options[i].texts, options[i].objects, options[i].count,
+                                      error));
     return ISO_OK;
 }
 
@@ -234,7 +236,7 @@ static iso_status set_kind(const isorender_object_options *options, int number,
     object->radius = NAN;
     if (object->kind == ISORENDER_LINES) return set_lines(options, number, object, error);
     if (object->kind == ISORENDER_GLYPHS) return set_glyphs(options, number, object, error);
-    return set_color("surface-color", value_for(&options->mesh_colors, number), object, error);
+    return set_color("surface-color", isorender_value_for(&options->mesh_colors, number), object, error);
 }
 
 iso_status isorender_objects_resolve(const isorender_object_options *options,
@@ -244,7 +246,7 @@ iso_status isorender_objects_resolve(const isorender_object_options *options,
         isorender_object_settings *object = &objects[i];
         *object = (isorender_object_settings){.kind = options->kinds[i], .path = options->paths[i]};
         ISO_TRY(set_kind(options, counts[object->kind]++, object, error));
-        ISO_TRY(set_space(value_for(&options->spaces, i), object, error));
+        ISO_TRY(set_space(isorender_value_for(&options->spaces, i), object, error));
         if (object->kind != ISORENDER_MESH) ISO_TRY(set_common(options, common++, object, error));
     }
     return check_counts(options, counts, error);

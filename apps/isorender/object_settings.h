@@ -85,6 +85,13 @@ typedef struct isorender_object_options {
 iso_status isorender_objects_resolve(const isorender_object_options *options,
                                      isorender_object_settings objects[ISORENDER_OBJECTS], iso_error *error);
 
+/* The value of an option for number `number`, from 0, of the files that it is for; NULL: it is not given. */
+const char *isorender_value_for(const iso_texts *texts, int number);
+/* ISO_ERR_USAGE: an option is given more often than there are files that it is for. objects: the options that
+ * name those files, for the message. */
+iso_status isorender_check_count(const char *option, const iso_texts *texts, const char *objects, int count,
+                                 iso_error *error);
+
 #ifdef __cplusplus
 }
 #endif

@@ -130,6 +130,15 @@ static iso_status apply_surface(void *target, const char *value, iso_error *erro
     return add_object(target, ISORENDER_MESH, value, error);
 }
 
+static iso_status apply_volume(void *target, const char *value, iso_error *error) {
+    isorender_volume_options *volumes = &((isorender_settings *)target)->volume_options;
+    if (!*value) return iso_fail(error, ISO_ERR_USAGE, "the value is empty");
+    if (volumes->count == ISORENDER_VOLUMES)
+        return iso_fail(error, ISO_ERR_USAGE, "more than %d volumes", ISORENDER_VOLUMES);
+    volumes->paths[volumes->count++] = value;
+    return ISO_OK;
+}
+
 static iso_status apply_background(void *target, const char *value, iso_error *error) {
     isorender_settings *settings = target;
     bool none = strcmp(value, "none") == 0;
@@ -494,8 +503,7 @@ static bool is_object_name(const char *name, isorender_object_kind *kind) {
 static iso_status take_object(isorender_settings *settings, iso_error *error) {
     isorender_object_options *objects = &settings->object_options;
     isorender_object_kind kind;
-    if (settings->objects_only || settings->scene || !is_object_name(settings->inputs[0], &kind))
-        return ISO_OK;
+    if (settings->no_input || settings->scene || !is_object_name(settings->inputs[0], &kind)) return ISO_OK;
     if (settings->input_count > 1)
         return iso_fail(error, ISO_ERR_USAGE,
                         "%s: lines, glyphs and meshes are drawn one file at a time, or together with "
@@ -508,14 +516,14 @@ static iso_status take_object(isorender_settings *settings, iso_error *error) {
     }
     objects->paths[0] = settings->inputs[0];
     objects->kinds[0] = kind;
-    settings->objects_only = 1;
+    settings->no_input = 1;
     return ISO_OK;
 }
 
-/* Whether the only operand is the name of a picture of --lines, --glyphs and --surface, which need no input.
- */
+/* Whether the only operand is the name of a picture of --lines, --glyphs, --surface and --volume, which need
+ * no input. */
 static bool is_only_picture(const isorender_settings *settings, const iso_operands *operands) {
-    return settings->object_options.count && !settings->scene &&
+    return (settings->object_options.count || settings->volume_options.count) && !settings->scene &&
            (operands->count == 0 ||
             (operands->count == 1 && !settings->output && iso_text_ends_with(operands->values[0], ".png")));
 }
@@ -535,18 +543,19 @@ static iso_status take_output(isorender_settings *settings, const iso_operands *
 static iso_status take_operands(isorender_settings *settings, const iso_operands *operands,
                                 iso_error *error) {
     int count = operands->count;
-    settings->objects_only = is_only_picture(settings, operands);
-    ISO_TRY(
-        take_output(settings, operands, settings->scene || settings->objects_only ? 0 : 1, &count, error));
-    if (count == 0 && !settings->scene && !settings->objects_only)
+    settings->no_input = is_only_picture(settings, operands);
+    ISO_TRY(take_output(settings, operands, settings->scene || settings->no_input ? 0 : 1, &count, error));
+    if (count == 0 && !settings->scene && !settings->no_input)
         return iso_fail(error, ISO_ERR_USAGE, "no input (see --help)");
     if (settings->scene && count > 0)
         return iso_fail(error, ISO_ERR_USAGE, "%s: --scene takes no other input", operands->values[0]);
     if (count > 1 && !settings->output && !settings->info && !settings->no_image)
         return iso_fail(error, ISO_ERR_USAGE, "%d inputs need --output TEMPLATE, such as '{model}.png'",
                         count);
-    settings->inputs = settings->objects_only ? settings->object_options.paths : operands->values;
-    settings->input_count = settings->scene || settings->objects_only ? 1 : count;
+    const char *const *files =
+        settings->object_options.count ? settings->object_options.paths : settings->volume_options.paths;
+    settings->inputs = settings->no_input ? files : operands->values;
+    settings->input_count = settings->scene || settings->no_input ? 1 : count;
     return take_object(settings, error);
 }
 
@@ -621,6 +630,8 @@ static iso_status check_surfaces(const isorender_settings *settings, iso_error *
     if (settings->isovalue_auto && settings->isovalue_count)
         return iso_fail(error, ISO_ERR_USAGE, "--isovalue auto cannot be combined with other isovalues");
     int surfaces = settings->isovalue_count ? settings->isovalue_count : 1;
+    if (surfaces + settings->volume_options.count > ISORENDER_SURFACES)
+        return iso_fail(error, ISO_ERR_USAGE, "more than %d surfaces", ISORENDER_SURFACES);
     if (settings->color_count > surfaces)
         return iso_fail(error, ISO_ERR_USAGE, "%d colours for %d isovalue%s", settings->color_count, surfaces,
                         surfaces > 1 ? "s" : "");
@@ -640,6 +651,8 @@ static iso_status check_surfaces(const isorender_settings *settings, iso_error *
 bool isorender_is_translucent(const isorender_settings *settings) {
     for (int i = 0; i < settings->opacity_count; i++)
         if (settings->opacities[i] < 1) return true;
+    for (int i = 0; i < settings->volume_options.count; i++)
+        if (settings->volumes[i].opacity < 1) return true;
     return false;
 }
 
@@ -650,12 +663,12 @@ static iso_status check_opacity(const isorender_settings *settings, iso_error *e
                         : settings->opacity_mode != ISORENDER_OPACITY_BY_ANGLE ? "--opacity-mode"
                                                                                : NULL;
     if (needs && !isorender_is_translucent(settings))
-        return iso_fail(error, ISO_ERR_USAGE, "%s is for translucent surfaces: it needs --opacity below 1",
+        return iso_fail(error, ISO_ERR_USAGE, "%s is for translucent surfaces: it needs an opacity below 1",
                         needs);
     if (settings->absorption_length > 0 && settings->layers)
         return iso_fail(error, ISO_ERR_USAGE,
                         "--layers leaves out where rays leave the solid, which --absorption must know");
-    if (!settings->opacity_count) return ISO_OK;
+    if (!settings->opacity_count && !isorender_is_translucent(settings)) return ISO_OK;
     if (settings->opacity_count > surfaces)
         return iso_fail(error, ISO_ERR_USAGE, "%d opacities for %d isovalue%s", settings->opacity_count,
                         surfaces, surfaces > 1 ? "s" : "");
@@ -665,18 +678,19 @@ static iso_status check_opacity(const isorender_settings *settings, iso_error *e
                         iso_method_name((iso_method)settings->method));
     if (settings->mesh)
         return iso_fail(error, ISO_ERR_USAGE, "--mesh writes no opacities: --opacity is for pictures");
-    bool seen = settings->absorption_length > 0;
+    bool seen = settings->absorption_length > 0 || settings->volume_options.count || !settings->opacity_count;
     for (int i = 0; i < settings->opacity_count; i++) seen |= settings->opacities[i] > 0;
     return seen ? ISO_OK : iso_fail(error, ISO_ERR_EMPTY, "all opacities are 0: nothing would be seen");
 }
 
 /* An option that has no meaning for glass; NULL: none is given. */
 static const char *option_unfit_for_glass(const isorender_settings *settings) {
-    return settings->isovalue_count > 1 ? "several isovalues"
-           : settings->opacity_count    ? "--opacity"
-           : settings->color_count      ? "--color"
-           : settings->mesh             ? "--mesh"
-                                        : NULL;
+    return settings->isovalue_count > 1     ? "several isovalues"
+           : settings->volume_options.count ? "--volume"
+           : settings->opacity_count        ? "--opacity"
+           : settings->color_count          ? "--color"
+           : settings->mesh                 ? "--mesh"
+                                            : NULL;
 }
 
 /* An option that is for glass only; NULL: none is given. */
@@ -738,6 +752,7 @@ iso_status isorender_settings_parse(int argc, char *const *argv, isorender_setti
     if (settings->method != ISORENDER_METHOD_UNCHOSEN) settings->method = (int)methods[settings->method];
     if (settings->common.action) return ISO_OK;
     ISO_TRY(iso_input_check(&settings->common.input, error));
+    ISO_TRY(isorender_volumes_resolve(&settings->volume_options, settings->volumes, error));
     ISO_TRY(check_camera(settings, error));
     ISO_TRY(isorender_splats_check(settings, error));
     ISO_TRY(isorender_backend_check(settings, error));

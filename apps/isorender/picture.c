@@ -15,7 +15,7 @@
 
 static iso_subject subject_of(const isorender_job *job, const isorender_surface *surface) {
     return (iso_subject){.points = surface->points,
-                         .given = job->loader.has_points ? &job->read_points : NULL,
+                         .given = surface->loader->has_points ? &job->read_points : NULL,
                          .workspace = job->pullpush,
                          .mesh = surface->mesh,
                          .exact = surface->exact,
@@ -70,9 +70,10 @@ static void make_labels(const isorender_job *job, labels *l) {
     snprintf(l->software, sizeof l->software, "%s %s", program->name, program->version);
     size_t used = 0;
     l->isovalues[0] = 0;
-    for (int i = 0; i < job->surface_count && job->has_volume && used + 32 < sizeof l->isovalues; i++)
-        used += (size_t)snprintf(l->isovalues + used, sizeof l->isovalues - used, "%s%.10g",
-                                 i ? ", " : "isovalue ", job->surfaces[i].isovalue);
+    for (int i = 0; i < job->surface_count && used + 32 < sizeof l->isovalues; i++)
+        if (!job->surfaces[i].loader->has_points)
+            used += (size_t)snprintf(l->isovalues + used, sizeof l->isovalues - used, "%s%.10g",
+                                     used ? ", " : "isovalue ", job->surfaces[i].isovalue);
     snprintf(l->command, sizeof l->command, "%s %s%s", program->name, job->plan->model,
              job->settings->common.record);
 }
@@ -202,7 +203,8 @@ static iso_status render_picture(isorender_job *job, iso_picture_opts *opts, iso
 
 /* Whether a pixel can show one of several things, whose ids --aov writes. */
 static bool has_ids(const isorender_settings *settings) {
-    return settings->aov && (settings->object_options.count || settings->isovalue_count > 1);
+    return settings->aov &&
+           (settings->object_options.count || settings->volume_options.count || settings->isovalue_count > 1);
 }
 
 static void number_elements(const isorender_job *job, iso_aov *aov) {
@@ -290,7 +292,8 @@ uint64_t isorender_picture_bytes(const isorender_job *job) {
     uint64_t aov = settings->aov ? pixels * (ISO_AOV_PLANES + 1) * sizeof(float) : 0;
     if (has_ids(settings)) aov += pixels * ISO_ID_PLANES * sizeof(uint32_t);
     uint64_t bytes = 4 * pixels + aov + (samples < STRIP ? samples : STRIP);
-    if (settings->opacity_count) bytes += (uint64_t)iso_pool_threads(job->pool) * ISO_EXACT_LAYERS_BYTES;
+    if (isorender_is_translucent(settings))
+        bytes += (uint64_t)iso_pool_threads(job->pool) * ISO_EXACT_LAYERS_BYTES;
     if (settings->ior > 0)
         bytes +=
             iso_glass_scene_bytes((iso_refraction)settings->refraction, pixels * (uint64_t)settings->samples);

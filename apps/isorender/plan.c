@@ -69,12 +69,15 @@ static iso_status add_frames(const isorender_settings *settings, const char *nam
     return ISO_OK;
 }
 
+static void add_input(iso_file_set *files, const char *input) {
+    if (!iso_loader_is_scene(input) && !iso_spool_needed(input)) iso_file_set_read(files, input);
+}
+
 static iso_status add_files(const isorender_settings *settings, const isorender_plan *plan,
                             iso_error *error) {
     const char *names[NAMES];
     names_of(plan, names);
-    if (!iso_loader_is_scene(plan->input) && !iso_spool_needed(plan->input))
-        iso_file_set_read(plan->files, plan->input);
+    add_input(plan->files, plan->input);
     for (int i = 0; i < NAMES; i++)
         if (i == IMAGE || i == AOV)
             ISO_TRY(add_frames(settings, names[i], plan->files, error));
@@ -90,6 +93,8 @@ static iso_status check_all(const isorender_settings *settings, const isorender_
     if (settings->environment) iso_file_set_read(plans->files, settings->environment);
     for (int i = 0; i < settings->object_options.count; i++)
         iso_file_set_read(plans->files, settings->objects[i].path);
+    for (int i = 0; i < settings->volume_options.count; i++)
+        add_input(plans[0].files, settings->volumes[i].path);
     for (int i = 0; i < settings->input_count; i++) ISO_TRY(add_files(settings, &plans[i], error));
     return iso_file_set_check(plans->files, error);
 }

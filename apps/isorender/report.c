@@ -102,14 +102,15 @@ static void put_objects(iso_json *json, const isorender_job *job) {
     iso_json_end_array(json);
 }
 
-/* Isovalues, colours and counts of the surfaces. */
+/* Isovalues, colours and counts of the input's surfaces. */
 static void put_surfaces(iso_json *json, const isorender_job *job) {
+    const int count = job->input_surface_count;
     iso_json_real(json, "isovalue", job->surfaces[0].isovalue);
     double isovalues[ISORENDER_SURFACES];
-    for (int i = 0; i < job->surface_count; i++) isovalues[i] = job->surfaces[i].isovalue;
-    iso_json_reals(json, "isovalues", isovalues, job->surface_count);
+    for (int i = 0; i < count; i++) isovalues[i] = job->surfaces[i].isovalue;
+    iso_json_reals(json, "isovalues", isovalues, count);
     iso_json_begin_array(json, "colors");
-    for (int i = 0; i < job->surface_count; i++) {
+    for (int i = 0; i < count; i++) {
         char text[8];
         iso_rgb c = job->surfaces[i].color;
         snprintf(text, sizeof text, "%02X%02X%02X", c.r, c.g, c.b);
@@ -118,9 +119,8 @@ static void put_surfaces(iso_json *json, const isorender_job *job) {
     iso_json_end_array(json);
     if (job->translucent) {
         double opacities[ISORENDER_SURFACES];
-        for (int i = 0; i < job->surface_count; i++)
-            opacities[i] = (double)job->surfaces[i].translucency.opacity;
-        iso_json_reals(json, "opacities", opacities, job->surface_count);
+        for (int i = 0; i < count; i++) opacities[i] = (double)job->surfaces[i].translucency.opacity;
+        iso_json_reals(json, "opacities", opacities, count);
     }
     if (job->environment) put_glass(json, job->settings);
     bool points = job->loader.has_points || job->surfaces[0].points, mesh = job->surfaces[0].mesh != NULL,
@@ -141,7 +141,7 @@ static void put_surfaces(iso_json *json, const isorender_job *job) {
 
 /* What the picture shows. */
 static void put_contents(iso_json *json, const isorender_job *job) {
-    if (job->surface_count) put_surfaces(json, job);
+    if (job->input_surface_count) put_surfaces(json, job);
     put_objects(json, job);
     put_box(json, "bounds_world", &job->bounds_world);
 }
@@ -269,12 +269,13 @@ static iso_status put_report(iso_json *json, const isorender_job *job, iso_error
     iso_json_begin_object(json, NULL);
     iso_json_string(json, "schema", "isorender/1");
     iso_json_string(json, "version", isorender_program()->version);
-    if (!settings->objects_only) put_volume(json, job);
+    if (!settings->no_input) put_volume(json, job);
     if (job->loader.has_histogram) {
         const double range[2] = {job->loader.histogram.minimum, job->loader.histogram.maximum};
         iso_json_reals(json, "value_range", range, 2);
     }
-    if (!settings->objects_only) iso_json_integer(json, "nonfinite", job->loader.nonfinite);
+    if (!settings->no_input) iso_json_integer(json, "nonfinite", job->loader.nonfinite);
+    isorender_report_volumes(json, job);
     if (settings->info)
         put_info(json, job);
     else

@@ -8,16 +8,20 @@
 #include "base/file.h"
 #include "base/text.h"
 
+/* A volume without finite voxels has no histogram. */
+static iso_status make_histogram(iso_loader *loader, iso_error *error) {
+    const iso_status status = iso_loader_histogram(loader, error);
+    return status == ISO_ERR_EMPTY ? ISO_OK : status;
+}
+
 static iso_status print_info(isorender_job *job, iso_error *error) {
     bool text = !job->settings->common.json;
     double start = iso_clock_seconds();
     if (text) isorender_info_header(job);
     ISO_TRY(isorender_read(job, error));
     job->seconds.load += iso_clock_seconds() - start;
-    if (job->has_volume) {
-        iso_status status = iso_loader_histogram(&job->loader, error);
-        if (status != ISO_OK && status != ISO_ERR_EMPTY) return status;
-    }
+    if (job->has_volume) ISO_TRY(make_histogram(&job->loader, error));
+    for (int i = 0; i < job->volume_count; i++) ISO_TRY(make_histogram(&job->volumes[i], error));
     if (text) isorender_info_values(job);
     return ISO_OK;
 }
@@ -136,6 +140,7 @@ iso_status isorender_run(const isorender_settings *settings, const isorender_pla
     free_surfaces(job);
     iso_pullpush_destroy(job->pullpush);
     iso_loader_close(&job->loader);
+    for (int i = 0; i < job->volume_count; i++) iso_loader_close(&job->volumes[i]);
     free(job);
     return status;
 }

@@ -4,6 +4,7 @@
 
 #include "apps/common/settings.h"
 #include "apps/isorender/object_settings.h"
+#include "apps/isorender/volume_settings.h"
 #include "base/geometry.h"
 #include "isopoint.h"
 
@@ -11,7 +12,7 @@
 extern "C" {
 #endif
 
-enum { ISORENDER_SURFACES = 64 }; /* isovalues in one picture */
+enum { ISORENDER_SURFACES = 64 }; /* isosurfaces in one picture */
 
 /* isorender_settings.method when the option is not given: exact for volumes, points for files of points. */
 enum { ISORENDER_METHOD_UNCHOSEN = -1 };
@@ -58,8 +59,10 @@ typedef struct isorender_settings {
     const char *points, *mesh, *aov;
 
     isorender_object_options object_options;
-    int objects_only; /* there is no input: the picture has lines and glyphs only */
+    int no_input; /* the picture shows only the files of --lines, --glyphs, --surface and --volume */
     isorender_object_settings objects[ISORENDER_OBJECTS]; /* object_options.count */
+    isorender_volume_options volume_options;
+    isorender_volume_settings volumes[ISORENDER_VOLUMES]; /* volume_options.count */
     double line_min_pixels;                               /* least width of lines in the picture, pixels */
     int color_bar;
 

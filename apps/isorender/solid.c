@@ -63,7 +63,8 @@ static iso_status drop_parts(isorender_job *job, isorender_surface *surface, iso
 }
 
 iso_status isorender_solid_prepare(isorender_job *job, isorender_surface *surface, iso_error *error) {
-    surface->grid = job->loader.volume.grid;
+    surface->grid = surface->loader->volume.grid;
+    if (surface->loader != &job->loader) return ISO_OK; /* the options are the input's */
     ISO_TRY(check_primitive(job, error));
     if (drops_parts(job->settings)) ISO_TRY(drop_parts(job, surface, error));
     if (!job->settings->closed) return ISO_OK;
@@ -106,9 +107,9 @@ static void put_surface(iso_json *json, const isorender_job *job, const isorende
 
 void isorender_report_solid(iso_json *json, const isorender_job *job) {
     put_surface(json, job, &job->surfaces[0]);
-    if (job->surface_count < 2 || (!drops_parts(job->settings) && !job->surfaces[0].mesh)) return;
+    if (job->input_surface_count < 2 || (!drops_parts(job->settings) && !job->surfaces[0].mesh)) return;
     iso_json_begin_array(json, "surfaces");
-    for (int i = 0; i < job->surface_count; i++) {
+    for (int i = 0; i < job->input_surface_count; i++) {
         iso_json_begin_object(json, NULL);
         iso_json_real(json, "isovalue", job->surfaces[i].isovalue);
         put_surface(json, job, &job->surfaces[i]);

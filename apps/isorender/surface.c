@@ -9,27 +9,36 @@
 
 /* ---- which isovalues ---- */
 
-static iso_status suggest_isovalue(isorender_job *job, double *isovalue, iso_error *error) {
-    ISO_TRY(iso_loader_histogram(&job->loader, error));
+static bool is_of_input(const isorender_job *job, const isorender_surface *surface) {
+    return surface->loader == &job->loader;
+}
+
+static iso_status suggest_isovalue(isorender_job *job, isorender_surface *surface, iso_error *error) {
+    iso_loader *loader = surface->loader;
+    /* The input is named already. */
+    const bool is_input = is_of_input(job, surface);
+    const char *name = is_input ? "" : loader->input, *colon = is_input ? "" : ": ";
+    ISO_TRY(iso_loader_histogram(loader, error));
     double candidates[ISO_ISOVALUE_CANDIDATES];
-    size_t count = iso_isovalue_suggest(&job->loader.volume.grid, &job->loader.histogram, candidates);
+    size_t count = iso_isovalue_suggest(&loader->volume.grid, &loader->histogram, candidates);
     if (count == 0)
         return iso_fail(error, ISO_ERR_EMPTY, "the volume is constant: every voxel is %g",
-                        job->loader.histogram.minimum);
-    *isovalue = candidates[0];
-    if (iso_grid_is_level_set(&job->loader.volume.grid))
-        isorender_log(job, "isovalue %g (a level set)", candidates[0]);
+                        loader->histogram.minimum);
+    surface->isovalue = candidates[0];
+    if (iso_grid_is_level_set(&loader->volume.grid))
+        isorender_log(job, "%s%sisovalue %g (a level set)", name, colon, candidates[0]);
     else if (count < ISO_ISOVALUE_CANDIDATES)
-        isorender_log(job, "isovalue %g (Otsu's threshold, 1979)", candidates[0]);
+        isorender_log(job, "%s%sisovalue %g (Otsu's threshold, 1979)", name, colon, candidates[0]);
     else
-        isorender_log(job, "isovalue %g (Otsu's threshold, 1979); next candidates: %g and %g", candidates[0],
-                      candidates[1], candidates[2]);
+        isorender_log(job, "%s%sisovalue %g (Otsu's threshold, 1979); next candidates: %g and %g", name,
+                      colon, candidates[0], candidates[1], candidates[2]);
     return ISO_OK;
 }
 
 /* Within a voxel of the end of the narrow band, neighbouring values are clamped. */
-static void warn_of_band_end(const isorender_job *job, double isovalue) {
-    const iso_grid *grid = &job->loader.volume.grid;
+static void warn_of_band_end(const isorender_job *job, const isorender_surface *surface) {
+    const iso_grid *grid = &surface->loader->volume.grid;
+    const double isovalue = surface->isovalue;
     if (!grid->hgrid || fabs(iso_grid_stored(grid, isovalue)) <= (double)grid->hgrid->band - 1) return;
     isorender_log(
         job,
@@ -38,41 +47,61 @@ static void warn_of_band_end(const isorender_job *job, double isovalue) {
         isovalue, iso_grid_physical(grid, (double)grid->hgrid->band));
 }
 
-static iso_status check_isovalues(isorender_job *job, iso_error *error) {
-    const isorender_settings *settings = job->settings;
-    for (int i = 0; i < settings->isovalue_count; i++) {
-        job->surfaces[i].isovalue = settings->isovalues[i];
-        ISO_TRY(iso_isovalue_check(&job->loader.volume.grid, settings->isovalues[i], error));
-        warn_of_band_end(job, settings->isovalues[i]);
-    }
+/* given: the isovalue; NAN: it is to be chosen. */
+static iso_status choose_isovalue(isorender_job *job, isorender_surface *surface, double given,
+                                  iso_error *error) {
+    const iso_loader *loader = surface->loader;
+    surface->isovalue = isnan(given) ? loader->scene_isovalue : given;
+    if (loader->has_points) return ISO_OK;
+    if (isnan(surface->isovalue)) return suggest_isovalue(job, surface, error);
+    if (isnan(given)) return ISO_OK;
+    ISO_TRY(iso_isovalue_check(&loader->volume.grid, given, error));
+    warn_of_band_end(job, surface);
     return ISO_OK;
 }
 
-static iso_status choose_isovalues(isorender_job *job, iso_error *error) {
+/* Adds a surface; errors as choose_isovalue. */
+static iso_status add_surface(isorender_job *job, iso_loader *loader, double isovalue, iso_error *error) {
+    isorender_surface *surface = &job->surfaces[job->surface_count++];
+    surface->loader = loader;
+    return choose_isovalue(job, surface, isovalue, error);
+}
+
+static iso_status add_surfaces(isorender_job *job, iso_error *error) {
     const isorender_settings *settings = job->settings;
-    if (settings->objects_only) return ISO_OK;
-    job->surface_count = settings->isovalue_count ? settings->isovalue_count : 1;
-    if (settings->isovalue_count) return check_isovalues(job, error);
-    if (job->loader.has_points)
-        job->surfaces[0].isovalue = NAN;
-    else if (!isnan(job->loader.scene_isovalue))
-        job->surfaces[0].isovalue = job->loader.scene_isovalue;
-    else
-        return suggest_isovalue(job, &job->surfaces[0].isovalue, error);
+    for (int i = 0; i < settings->isovalue_count; i++)
+        ISO_TRY(add_surface(job, &job->loader, settings->isovalues[i], error));
+    if (!settings->isovalue_count && !settings->no_input) ISO_TRY(add_surface(job, &job->loader, NAN, error));
+    job->input_surface_count = job->surface_count;
+    for (int i = 0; i < job->volume_count; i++)
+        ISO_TRY(isorender_volume_named(
+            job, i, add_surface(job, &job->volumes[i], settings->volumes[i].isovalue, error), error));
     return ISO_OK;
+}
+
+/* What the options say of the surface of a further volume; NULL: the surface is the input's. */
+static const isorender_volume_settings *volume_settings(const isorender_job *job, int surface) {
+    const int volume = surface - job->input_surface_count;
+    return volume < 0 ? NULL : &job->settings->volumes[volume];
 }
 
 static void choose_colors(isorender_job *job) {
-    for (int i = 0; i < job->surface_count; i++)
-        job->surfaces[i].color =
-            i < job->settings->color_count ? job->settings->colors[i] : iso_shading_palette(i);
+    const isorender_settings *settings = job->settings;
+    for (int i = 0; i < job->surface_count; i++) {
+        const isorender_volume_settings *volume = volume_settings(job, i);
+        const iso_rgb *given = volume ? &volume->color : &settings->colors[i];
+        const bool is_given = volume ? volume->colored : i < settings->color_count;
+        job->surfaces[i].color = is_given ? *given : iso_shading_palette(i);
+    }
 }
 
 static void choose_opacities(isorender_job *job) {
     const isorender_settings *settings = job->settings;
     const int given = settings->opacity_count;
     for (int i = 0; i < job->surface_count; i++) {
-        const double opacity = given ? settings->opacities[i < given ? i : given - 1] : 1;
+        const isorender_volume_settings *volume = volume_settings(job, i);
+        const double of_input = given ? settings->opacities[i < given ? i : given - 1] : 1;
+        const double opacity = volume ? volume->opacity : of_input;
         job->surfaces[i].translucency =
             (iso_translucency){.opacity = (float)opacity,
                                .constant = settings->opacity_mode == ISORENDER_OPACITY_CONSTANT,
@@ -80,9 +109,9 @@ static void choose_opacities(isorender_job *job) {
                                .most_layers = settings->layers};
         job->translucent |= job->surfaces[i].translucency.opacity < 1;
     }
-    if (given && given < job->surface_count)
+    if (given && given < job->input_surface_count)
         isorender_log(job, "note: %d opacities for %d isovalues: the last one, %g, repeats", given,
-                      job->surface_count, settings->opacities[given - 1]);
+                      job->input_surface_count, settings->opacities[given - 1]);
 }
 
 /* ---- extraction ---- */
@@ -103,20 +132,21 @@ static bool is_drawn(const isorender_job *job, iso_part part) {
 }
 
 /* The message says which values the volume has, so that the user can choose another isovalue. */
-static iso_status fail_empty(isorender_job *job, double isovalue, iso_error *error) {
-    const int *dims = iso_grid_dims(&job->loader.volume.grid);
+static iso_status fail_empty(const isorender_surface *surface, iso_error *error) {
+    iso_loader *loader = surface->loader;
+    const int *dims = iso_grid_dims(&loader->volume.grid);
     if (dims[0] < 2 || dims[1] < 2 || dims[2] < 2)
         return iso_fail(
             error, ISO_ERR_EMPTY,
             "%d x %d x %d voxels have no surface: it lies between two voxels or more on every axis", dims[0],
             dims[1], dims[2]);
-    ISO_TRY(iso_loader_histogram(&job->loader, error));
-    const iso_histogram *histogram = &job->loader.histogram;
+    ISO_TRY(iso_loader_histogram(loader, error));
+    const iso_histogram *histogram = &loader->histogram;
     if (histogram->minimum == histogram->maximum)
-        return iso_fail(error, ISO_ERR_EMPTY, "no surface at isovalue %g: every voxel is %g", isovalue,
-                        histogram->minimum);
-    return iso_fail(error, ISO_ERR_EMPTY, "no surface at isovalue %g: values lie in %g .. %g", isovalue,
-                    histogram->minimum, histogram->maximum);
+        return iso_fail(error, ISO_ERR_EMPTY, "no surface at isovalue %g: every voxel is %g",
+                        surface->isovalue, histogram->minimum);
+    return iso_fail(error, ISO_ERR_EMPTY, "no surface at isovalue %g: values lie in %g .. %g",
+                    surface->isovalue, histogram->minimum, histogram->maximum);
 }
 
 /* Whether points are drawn as curved discs. */
@@ -130,7 +160,8 @@ iso_primitive isorender_primitive(const isorender_job *job) {
     /* One kind for all surfaces. No foot points with --closed: the caps' voxels hold no distances. */
     bool foot = !is_refined(job) && !job->settings->closed;
     for (int i = 0; i < job->surface_count && foot; i++)
-        foot = iso_primitive_auto(&job->loader.volume.grid, job->surfaces[i].isovalue) == ISO_PRIMITIVE_FOOT;
+        foot = iso_primitive_auto(&job->surfaces[i].loader->volume.grid, job->surfaces[i].isovalue) ==
+               ISO_PRIMITIVE_FOOT;
     return foot ? ISO_PRIMITIVE_FOOT : ISO_PRIMITIVE_EDGE;
 }
 
@@ -150,7 +181,7 @@ static iso_status extract_points(isorender_job *job, isorender_surface *surface,
     job->rejected += stats.rejected;
     isorender_log_verbose(job, "isovalue %g: %zu points in %zu bricks, %zu rejected", surface->isovalue,
                           stats.points, stats.bricks, stats.rejected);
-    return stats.points ? ISO_OK : fail_empty(job, surface->isovalue, error);
+    return stats.points ? ISO_OK : fail_empty(surface, error);
 }
 
 static iso_status extract_mesh(isorender_job *job, isorender_surface *surface, iso_error *error) {
@@ -163,7 +194,7 @@ static iso_status extract_mesh(isorender_job *job, isorender_surface *surface, i
     job->vertex_count += vertices;
     isorender_log_verbose(job, "isovalue %g: %zu vertices, %zu triangles", surface->isovalue, vertices,
                           triangles);
-    return triangles ? ISO_OK : fail_empty(job, surface->isovalue, error);
+    return triangles ? ISO_OK : fail_empty(surface, error);
 }
 
 static iso_status extract_cells(isorender_job *job, isorender_surface *surface, iso_error *error) {
@@ -174,13 +205,15 @@ static iso_status extract_cells(isorender_job *job, isorender_surface *surface, 
     job->cell_count += totals.cells;
     isorender_log_verbose(job, "isovalue %g: %zu cells in %zu bricks", surface->isovalue, totals.cells,
                           totals.bricks);
-    return totals.cells ? ISO_OK : fail_empty(job, surface->isovalue, error);
+    return totals.cells ? ISO_OK : fail_empty(surface, error);
 }
 
 static iso_status extract_surface(isorender_job *job, isorender_surface *surface, iso_error *error) {
     ISO_TRY(isorender_solid_prepare(job, surface, error));
-    if (job->settings->points || is_drawn(job, ISO_PART_POINTS)) ISO_TRY(extract_points(job, surface, error));
-    if (job->settings->mesh || is_drawn(job, ISO_PART_MESH)) ISO_TRY(extract_mesh(job, surface, error));
+    const bool is_input = is_of_input(job, surface);
+    const bool points = is_input && job->settings->points, mesh = is_input && job->settings->mesh;
+    if (points || is_drawn(job, ISO_PART_POINTS)) ISO_TRY(extract_points(job, surface, error));
+    if (mesh || is_drawn(job, ISO_PART_MESH)) ISO_TRY(extract_mesh(job, surface, error));
     if (is_drawn(job, ISO_PART_CELLS)) ISO_TRY(extract_cells(job, surface, error));
     if (isorender_plan_draws(job->plan) && is_drawn(job, ISO_PART_CASTER))
         return iso_raycaster_create(&surface->grid, surface->isovalue, job->pool, &surface->caster, error);
@@ -190,7 +223,8 @@ static iso_status extract_surface(isorender_job *job, isorender_surface *surface
 /* ---- bounds ---- */
 
 iso_point_view isorender_points_view(const isorender_job *job, int surface) {
-    return job->loader.has_points ? job->read_points : iso_point_set_view(job->surfaces[surface].points);
+    const isorender_surface *s = &job->surfaces[surface];
+    return s->loader->has_points ? job->read_points : iso_point_set_view(s->points);
 }
 
 /* Voxel (0, 0, 0) of the file is the local origin, also when a part of it was cut out. */
@@ -207,40 +241,55 @@ static iso_box to_local(const isorender_job *job, const iso_box *index) {
     return iso_box_transform(index, &affine);
 }
 
-iso_box isorender_bounds(const isorender_job *job, const iso_affine *affine) {
-    iso_box all = iso_box_empty();
-    for (int i = 0; i < job->surface_count; i++) {
-        const isorender_surface *surface = &job->surfaces[i];
-        if (surface->exact) {
-            const iso_box box = iso_exact_bounds(surface->exact, affine);
-            iso_bounds_add(&all, &box);
-        } else if (surface->points || job->loader.has_points) {
-            const iso_point_view view = isorender_points_view(job, i);
-            const iso_box box = iso_bounds_of_each_point(&view, affine);
-            iso_bounds_add(&all, &box);
-        } else {
-            const iso_mesh_view view = iso_mesh_set_view(surface->mesh);
-            const iso_box box = iso_bounds_of_each_vertex(&view, affine);
-            iso_bounds_add(&all, &box);
-        }
-    }
-    return all;
+/* The transform of a surface's index coordinates. */
+static iso_transform transform_of(const isorender_surface *surface) {
+    return surface->loader->has_points ? iso_transform_identity() : *iso_grid_transform(&surface->grid);
 }
 
-static iso_box index_bounds(const isorender_job *job) {
+/* The box of a surface in the coordinates to which `affine` maps its index coordinates. */
+static iso_box bounds_of(const isorender_job *job, int i, const iso_affine *affine) {
+    const isorender_surface *surface = &job->surfaces[i];
+    if (surface->exact) return iso_exact_bounds(surface->exact, affine);
+    if (surface->points || surface->loader->has_points) {
+        const iso_point_view view = isorender_points_view(job, i);
+        return iso_bounds_of_each_point(&view, affine);
+    }
+    const iso_mesh_view view = iso_mesh_set_view(surface->mesh);
+    return iso_bounds_of_each_vertex(&view, affine);
+}
+
+/* The same in index coordinates. */
+static iso_box index_bounds(const isorender_job *job, int i) {
+    const isorender_surface *surface = &job->surfaces[i];
+    if (surface->exact) return iso_exact_bounds(surface->exact, NULL);
+    if (surface->points || surface->loader->has_points) {
+        const iso_point_view view = isorender_points_view(job, i);
+        return iso_point_view_bounds(&view);
+    }
+    const iso_mesh_view view = iso_mesh_set_view(surface->mesh);
+    return iso_mesh_view_bounds(&view);
+}
+
+/* Maps index coordinates to those along three world vectors. Only for points: the inverse is not set. */
+static iso_affine affine_along(const iso_affine *world, const iso_vec3 vectors[3]) {
+    iso_affine along = {.determinant = 1};
+    for (int row = 0; row < 3; row++) {
+        const iso_vec3 v = vectors[row];
+        for (int column = 0; column < 3; column++)
+            along.m[3 * row + column] =
+                v.x * world->m[column] + v.y * world->m[3 + column] + v.z * world->m[6 + column];
+        along.origin[row] = v.x * world->origin[0] + v.y * world->origin[1] + v.z * world->origin[2];
+    }
+    return along;
+}
+
+iso_box isorender_bounds(const isorender_job *job, const iso_vec3 vectors[3]) {
     iso_box all = iso_box_empty();
     for (int i = 0; i < job->surface_count; i++) {
-        const isorender_surface *surface = &job->surfaces[i];
-        iso_box box;
-        if (surface->exact) {
-            box = iso_exact_bounds(surface->exact, NULL);
-        } else if (surface->points || job->loader.has_points) {
-            const iso_point_view view = isorender_points_view(job, i);
-            box = iso_point_view_bounds(&view);
-        } else {
-            const iso_mesh_view view = iso_mesh_set_view(surface->mesh);
-            box = iso_mesh_view_bounds(&view);
-        }
+        const iso_transform transform = transform_of(&job->surfaces[i]);
+        const iso_affine world = iso_transform_affine(&transform);
+        const iso_affine along = affine_along(&world, vectors);
+        const iso_box box = bounds_of(job, i, &along);
         iso_bounds_add(&all, &box);
     }
     return all;
@@ -256,30 +305,45 @@ static void clip_box(iso_box *box, const iso_box *border) {
 
 /* The caps of --closed lie up to ISO_CLOSED_TOLERANCE beyond the volume's outermost voxels, where the solid
  * ends: the bounds end there. */
-static void clip_to_volume(isorender_job *job, iso_box *index, const iso_affine *affine) {
+static void clip_to_volume(isorender_job *job, iso_box *index) {
     const int *dims = iso_grid_dims(&job->surfaces[0].grid);
+    const iso_affine affine = iso_transform_affine(iso_grid_transform(&job->surfaces[0].grid));
     const iso_box voxels = {{1, 1, 1}, {dims[0] - 2, dims[1] - 2, dims[2] - 2}}; /* without the added layer */
-    const iso_box world = iso_box_transform(&voxels, affine);
+    const iso_box world = iso_box_transform(&voxels, &affine);
     clip_box(index, &voxels);
     clip_box(&job->bounds_world, &world);
 }
 
-static void find_bounds(isorender_job *job) {
-    iso_transform transform =
-        job->has_volume ? *iso_grid_transform(&job->surfaces[0].grid) : iso_transform_identity();
-    iso_affine affine = iso_transform_affine(&transform);
-    iso_box index = index_bounds(job);
-    job->bounds_world = iso_bounds_is_oblique(&transform) ? isorender_bounds(job, &affine)
-                                                          : iso_box_transform(&index, &affine);
-    if (job->settings->closed) clip_to_volume(job, &index, &affine);
-    job->bounds_local = to_local(job, &index);
+/* Finds a surface's box in the world, and adds its box in index coordinates to *index. */
+static void find_surface_bounds(isorender_job *job, int i, iso_box *index) {
+    isorender_surface *surface = &job->surfaces[i];
+    const iso_transform transform = transform_of(surface);
+    const iso_affine affine = iso_transform_affine(&transform);
+    const iso_box box = index_bounds(job, i);
+    surface->bounds =
+        iso_bounds_is_oblique(&transform) ? bounds_of(job, i, &affine) : iso_box_transform(&box, &affine);
+    iso_bounds_add(index, &box);
 }
 
-static void log_place(const isorender_job *job, const isorender_object *object) {
+static void log_beside(const isorender_job *job, const char *path, const iso_box *bounds, iso_space space) {
     char note[ISO_BESIDE_TEXT];
-    if (iso_beside_note(object->settings->path, &object->bounds, &job->bounds_world, object->report.space,
-                        note))
-        isorender_log(job, "note: %s", note);
+    if (iso_beside_note(path, bounds, &job->bounds_world, space, note)) isorender_log(job, "note: %s", note);
+}
+
+static void find_bounds(isorender_job *job) {
+    iso_box index = iso_box_empty(), unused = iso_box_empty();
+    for (int i = 0; i < job->input_surface_count; i++) {
+        find_surface_bounds(job, i, &index);
+        iso_bounds_add(&job->bounds_world, &job->surfaces[i].bounds);
+    }
+    if (job->settings->closed) clip_to_volume(job, &index);
+    if (job->input_surface_count) job->bounds_local = to_local(job, &index);
+    for (int i = job->input_surface_count; i < job->surface_count; i++) {
+        const isorender_surface *surface = &job->surfaces[i];
+        find_surface_bounds(job, i, &unused);
+        log_beside(job, surface->loader->input, &surface->bounds, ISO_SPACE_LPS);
+        iso_bounds_add(&job->bounds_world, &surface->bounds);
+    }
 }
 
 /* Objects without a colour get one each, after those of the surfaces. */
@@ -290,7 +354,7 @@ static iso_status prepare_objects(isorender_job *job, iso_error *error) {
             ISO_TRY(isorender_object_take_gradients(job, object, error));
         if (!object->settings->colored) object->color = iso_shading_palette(job->surface_count + i);
         ISO_TRY(isorender_object_prepare(object, job->settings->line_min_pixels, error));
-        log_place(job, object);
+        log_beside(job, object->settings->path, &object->bounds, object->report.space);
         iso_bounds_add(&job->bounds_world, &object->bounds);
     }
     return ISO_OK;
@@ -298,7 +362,7 @@ static iso_status prepare_objects(isorender_job *job, iso_error *error) {
 
 iso_status isorender_extract(isorender_job *job, iso_error *error) {
     job->bounds_local = job->bounds_world = iso_box_empty();
-    ISO_TRY(choose_isovalues(job, error));
+    ISO_TRY(add_surfaces(job, error));
     choose_colors(job);
     choose_opacities(job);
     if (job->loader.has_points) {
@@ -306,14 +370,16 @@ iso_status isorender_extract(isorender_job *job, iso_error *error) {
         job->point_count = iso_point_view_count(&job->read_points);
         if (job->point_count == 0) return iso_fail(error, ISO_ERR_EMPTY, "holds no usable point");
     }
-    for (int i = 0; i < job->surface_count && job->has_volume; i++) {
+    for (int i = 0; i < job->surface_count; i++) {
         isorender_progress(job, "extracting", (double)i / job->surface_count);
-        ISO_TRY(extract_surface(job, &job->surfaces[i], error));
+        if (job->surfaces[i].loader->has_points) continue;
+        ISO_TRY(isorender_volume_named(job, i - job->input_surface_count,
+                                       extract_surface(job, &job->surfaces[i], error), error));
     }
     for (int i = 0; i < job->surface_count && is_drawn(job, ISO_PART_GROUPS); i++)
         ISO_TRY(isorender_groups_make(job, i, error));
     isorender_progress(job, "extracting", 1);
-    if (job->surface_count) find_bounds(job);
+    find_bounds(job);
     return prepare_objects(job, error);
 }
 
@@ -322,7 +388,7 @@ iso_status isorender_extract(isorender_job *job, iso_error *error) {
 /* Measures the meshes for --json and --verbose if they are not exported; exporting measures them as well. */
 static iso_status measure_meshes(isorender_job *job, iso_error *error) {
     const bool measured = job->settings->common.json || job->settings->verbose;
-    for (int i = 0; i < job->surface_count && measured && !job->plan->mesh; i++) {
+    for (int i = 0; i < job->input_surface_count && measured && !job->plan->mesh; i++) {
         iso_weld weld;
         if (!job->surfaces[i].mesh) continue;
         ISO_TRY(isorender_mesh_weld(job, &job->surfaces[i], &weld, error));

@@ -1,0 +1,55 @@
+/* volume_settings: deals the values of the options of --volume to the volumes they belong to, and parses
+ * them. */
+#include "apps/isorender/volume_settings.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "apps/isorender/object_settings.h"
+
+static iso_status set_isovalue(const char *value, isorender_volume_settings *volume, iso_error *error) {
+    volume->isovalue = NAN;
+    if (!value || strcmp(value, "auto") == 0 || iso_parse_real(value, &volume->isovalue)) return ISO_OK;
+    return iso_fail(error, ISO_ERR_USAGE, "--volume-isovalue: '%s' is neither a number nor 'auto'", value);
+}
+
+static iso_status set_color(const char *value, isorender_volume_settings *volume, iso_error *error) {
+    uint8_t rgb[3];
+    if (!value) return ISO_OK;
+    if (!iso_parse_color(value, rgb))
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "--volume-color: '%s' is neither RRGGBB in hexadecimal nor a colour name of CSS",
+                        value);
+    volume->colored = true;
+    volume->color = (iso_rgb){rgb[0], rgb[1], rgb[2]};
+    return ISO_OK;
+}
+
+static iso_status set_opacity(const char *value, isorender_volume_settings *volume, iso_error *error) {
+    volume->opacity = 1;
+    if (!value) return ISO_OK;
+    if (iso_parse_real(value, &volume->opacity) && volume->opacity >= 0 && volume->opacity <= 1)
+        return ISO_OK;
+    return iso_fail(error, ISO_ERR_USAGE, "--volume-opacity: '%s' is not an opacity from 0 to 1", value);
+}
+
+iso_status isorender_volumes_resolve(const isorender_volume_options *options,
+                                     isorender_volume_settings volumes[ISORENDER_VOLUMES], iso_error *error) {
+    const struct {
+        const char *name;
+        const iso_texts *texts;
+    } repeated[] = {{"volume-isovalue", &options->isovalues},
+                    {"volume-color", &options->colors},
+                    {"volume-opacity", &options->opacities}};
+    for (int i = 0; i < options->count; i++) {
+        isorender_volume_settings *volume = &volumes[i];
+        *volume = (isorender_volume_settings){.path = options->paths[i]};
+        ISO_TRY(set_isovalue(isorender_value_for(&options->isovalues, i), volume, error));
+        ISO_TRY(set_color(isorender_value_for(&options->colors, i), volume, error));
+        ISO_TRY(set_opacity(isorender_value_for(&options->opacities, i), volume, error));
+    }
+    for (size_t i = 0; i < sizeof repeated / sizeof *repeated; i++)
+        ISO_TRY(
+            isorender_check_count(repeated[i].name, repeated[i].texts, "--volume", options->count, error));
+    return ISO_OK;
+}

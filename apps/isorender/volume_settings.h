@@ -1,0 +1,40 @@
+/* volume_settings: the options of further volumes (--volume), each of which is drawn as one isosurface in the
+ * same picture. */
+#ifndef ISO_APPS_ISORENDER_VOLUME_SETTINGS_H
+#define ISO_APPS_ISORENDER_VOLUME_SETTINGS_H
+
+#include "apps/common/options.h"
+#include "image/image.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum { ISORENDER_VOLUMES = 16 }; /* in a picture, beside the input */
+
+/* What the options say of one volume. Strings are borrowed from argv. */
+typedef struct isorender_volume_settings {
+    const char *path;
+    double isovalue; /* physical; NAN: it is chosen as that of the input */
+    bool colored;
+    iso_rgb color; /* if colored */
+    double opacity;
+} isorender_volume_settings;
+
+/* The options as they are given: the n-th value belongs to the n-th volume, and the last one to all that
+ * follow. Zero-initialise. */
+typedef struct isorender_volume_options {
+    const char *paths[ISORENDER_VOLUMES];
+    int count;
+    iso_texts isovalues, colors, opacities;
+} isorender_volume_options;
+
+/* Sets `volumes`, in the order of the command line. ISO_ERR_USAGE: a value that cannot be, more values of an
+ * option than there are volumes. */
+iso_status isorender_volumes_resolve(const isorender_volume_options *options,
+                                     isorender_volume_settings volumes[ISORENDER_VOLUMES], iso_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
