@@ -13,7 +13,8 @@ extern "C" {
 enum { ISO_BESIDE_TEXT = 1024 };
 
 /* Whether `box`, of the file `path` that was read as `space`, lies beside `rest`; then writes a note of both
- * boxes. An empty `rest` has nothing beside it. */
+ * boxes, which asks for the other space unless `space` is ISO_SPACE_FILE: the file states its axes. An empty
+ * `rest` has nothing beside it. */
 bool iso_beside_note(const char *path, const iso_box *box, const iso_box *rest, iso_space space,
                      char text[ISO_BESIDE_TEXT]);
 

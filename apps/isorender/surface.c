@@ -341,7 +341,7 @@ static void find_bounds(isorender_job *job) {
     for (int i = job->input_surface_count; i < job->surface_count; i++) {
         const isorender_surface *surface = &job->surfaces[i];
         find_surface_bounds(job, i, &unused);
-        log_beside(job, surface->loader->input, &surface->bounds, ISO_SPACE_LPS);
+        log_beside(job, surface->loader->input, &surface->bounds, ISO_SPACE_FILE);
         iso_bounds_add(&job->bounds_world, &surface->bounds);
     }
 }

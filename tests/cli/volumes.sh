@@ -55,6 +55,7 @@ expect(report("mesh.json")["mesh"]["pieces"] == 1, "the mesh is of the input alo
 P
 isorender in/ball.mha far.png --isovalue 500 --volume in/far.mha --volume-isovalue 500 2>notes
 grep -q "note: in/far.mha lies beside the rest" notes
+[ "$(grep -c "space" notes)" = 0 ]
 isorender in/ball.mha --info --volume in/turned.mha >info
 grep -q "^in/turned.mha" info
 [ "$(grep -c "^  isovalues" info)" = 2 ]
