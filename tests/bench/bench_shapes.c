@@ -1,6 +1,6 @@
 /* Frames of glyphs and tubes, 1024 x 1024, one sample a pixel, one thread; against VTK's frames of the same:
- * spheres by vtkOpenGLSphereMapper and vtkPointGaussianMapper, tubes by vtkTubeFilter, whose own time is not
- * counted. */
+ * spheres by vtkOpenGLSphereMapper and vtkPointGaussianMapper, cones and arrows by vtkGlyph3DMapper, tubes by
+ * vtkTubeFilter, whose own time is not counted. */
 #define _GNU_SOURCE
 #include <math.h>
 #include <stdio.h>
@@ -16,12 +16,15 @@
 
 enum { SIDE = 1024, LINE = 101, PEERS = 2 };
 
+typedef enum shapes_kind { SPHERES, TUBES, CONES, ARROWS, KINDS } shapes_kind;
+
 typedef struct shapes_subject {
     const char *name;
-    size_t count;  /* spheres or segments */
-    double pixels; /* mean radius */
-    bool tubes;
-    double asked[PEERS]; /* of the ratios to the peers, at full size with AVX-512; 0: nothing */
+    size_t count;  /* glyphs or segments */
+    double pixels; /* mean radius; of cones and arrows the mean length */
+    shapes_kind kind;
+    /* Of the ratios to the peers, at full size with AVX-512; 0: nothing; -1: the peer is not measured. */
+    double asked[PEERS];
 } shapes_subject;
 
 /* ---- the sets: in the cube -1 .. 1 */
@@ -59,6 +62,21 @@ static void scatter_spheres(iso_glyphs *glyphs, double radius) {
     }
 }
 
+/* Glyphs in all directions. */
+static void scatter_directed(iso_glyphs *glyphs, double length) {
+    uint64_t seed = 1;
+    for (size_t i = 0; i < glyphs->count; i++) {
+        double way[3], square = 0;
+        for (int a = 0; a < 3; a++) {
+            glyphs->positions[i][a] = (float)(2 * uniform(&seed) - 1);
+            way[a] = 2 * uniform(&seed) - 1;
+            square += way[a] * way[a];
+        }
+        const double scale = length * (0.5 + uniform(&seed)) / sqrt(square);
+        for (int a = 0; a < 3; a++) glyphs->directions[i][a] = (float)(way[a] * scale);
+    }
+}
+
 /* A walk that bends, reflected by the cube's faces. */
 static void walk(float (*vertices)[3], double step, uint64_t *seed) {
     double at[3], way[3];
@@ -77,25 +95,39 @@ static void walk(float (*vertices)[3], double step, uint64_t *seed) {
     }
 }
 
+static iso_status make_lines(const shapes_subject *subject, iso_lines *lines, iso_error *error) {
+    const double pixel = pixel_size();
+    uint64_t seed = 1;
+    lines->line_count = subject->count / (LINE - 1);
+    lines->vertex_count = lines->line_count * LINE;
+    lines->vertices = iso_alloc(lines->vertex_count * sizeof *lines->vertices);
+    lines->radii = iso_alloc(lines->vertex_count * sizeof *lines->radii);
+    lines->starts = iso_alloc((lines->line_count + 1) * sizeof *lines->starts);
+    if (!lines->vertices || !lines->radii || !lines->starts) return iso_fail_memory(error, subject->name);
+    for (size_t i = 0; i <= lines->line_count; i++) lines->starts[i] = i * LINE;
+    for (size_t i = 0; i < lines->line_count; i++) walk(lines->vertices + i * LINE, 4 * pixel, &seed);
+    for (size_t i = 0; i < lines->vertex_count; i++) lines->radii[i] = (float)(subject->pixels * pixel);
+    return ISO_OK;
+}
+
 /* Once, when the first row needs it. */
 static iso_status make_set(const shapes_subject *subject, shapes_set *made, iso_error *error) {
-    if (made->lines.starts) return ISO_OK;
     iso_glyphs *glyphs = &made->glyphs;
-    iso_lines *lines = &made->lines;
-    const double pixel = pixel_size();
-    lines->line_count = subject->tubes ? subject->count / (LINE - 1) : 0;
-    const size_t points = subject->tubes ? lines->line_count * LINE : subject->count;
-    float(*positions)[3] = iso_alloc(points * sizeof *positions), *radii = iso_alloc(points * sizeof *radii);
-    *(subject->tubes ? &lines->vertices : &glyphs->positions) = positions;
-    *(subject->tubes ? &lines->radii : &glyphs->radii) = radii;
-    *(subject->tubes ? &lines->vertex_count : &glyphs->count) = points;
-    lines->starts = iso_alloc((lines->line_count + 1) * sizeof *lines->starts);
-    if (!positions || !radii || !lines->starts) return iso_fail_memory(error, subject->name);
-    uint64_t seed = 1;
-    if (!subject->tubes) scatter_spheres(glyphs, subject->pixels * pixel);
-    for (size_t i = 0; i <= lines->line_count; i++) lines->starts[i] = i * LINE;
-    for (size_t i = 0; i < lines->line_count; i++) walk(positions + i * LINE, 4 * pixel, &seed);
-    for (size_t i = 0; i < points && subject->tubes; i++) radii[i] = (float)(subject->pixels * pixel);
+    const double size = subject->pixels * pixel_size();
+    if (made->lines.starts || glyphs->positions) return ISO_OK;
+    if (subject->kind == TUBES) return make_lines(subject, &made->lines, error);
+    glyphs->count = subject->count;
+    glyphs->positions = iso_alloc(glyphs->count * sizeof *glyphs->positions);
+    if (subject->kind == SPHERES)
+        glyphs->radii = iso_alloc(glyphs->count * sizeof *glyphs->radii);
+    else
+        glyphs->directions = iso_alloc(glyphs->count * sizeof *glyphs->directions);
+    if (!glyphs->positions || (!glyphs->radii && !glyphs->directions))
+        return iso_fail_memory(error, subject->name);
+    if (subject->kind == SPHERES)
+        scatter_spheres(glyphs, size);
+    else
+        scatter_directed(glyphs, size);
     return ISO_OK;
 }
 
@@ -105,12 +137,16 @@ static iso_status write_set(const shapes_subject *subject, shapes_set *made, iso
     snprintf(made->path, sizeof made->path, "%.400s/isopoint-bench-%ld.points", folder ? folder : "/tmp",
              (long)getpid());
     ISO_TRY(iso_sink_open(made->path, &sink, error));
-    const size_t points = subject->tubes ? made->lines.vertex_count : made->glyphs.count;
+    const bool tubes = subject->kind == TUBES;
+    const iso_glyphs *glyphs = &made->glyphs;
+    const size_t points = tubes ? made->lines.vertex_count : glyphs->count;
     const int64_t counts[2] = {(int64_t)points, (int64_t)made->lines.line_count};
     fwrite(counts, sizeof *counts, 2, sink.stream);
-    fwrite(subject->tubes ? made->lines.vertices : made->glyphs.positions, 3 * sizeof(float), points,
-           sink.stream);
-    fwrite(subject->tubes ? made->lines.radii : made->glyphs.radii, sizeof(float), points, sink.stream);
+    fwrite(tubes ? made->lines.vertices : glyphs->positions, 3 * sizeof(float), points, sink.stream);
+    if (glyphs->directions)
+        fwrite(glyphs->directions, 3 * sizeof(float), points, sink.stream);
+    else
+        fwrite(tubes ? made->lines.radii : glyphs->radii, sizeof(float), points, sink.stream);
     return iso_sink_commit(&sink, error);
 }
 
@@ -136,9 +172,11 @@ typedef struct shapes_work {
 } shapes_work;
 
 static iso_status open_ours(const shapes_plan *plan, shapes_work *work, iso_error *error) {
-    const iso_shapes_opts opts = {.radius = 0};
+    static const iso_glyph glyphs[KINDS] = {[CONES] = ISO_GLYPH_CONE, [ARROWS] = ISO_GLYPH_ARROW};
+    const iso_shapes_opts opts = {.glyph = glyphs[plan->subject->kind]};
     ISO_TRY(iso_gbuffer_create(SIDE, SIDE, &work->gbuffer, error));
-    if (plan->subject->tubes) return iso_shapes_from_lines(&plan->set->lines, &opts, &work->shapes, error);
+    if (plan->subject->kind == TUBES)
+        return iso_shapes_from_lines(&plan->set->lines, &opts, &work->shapes, error);
     return iso_shapes_from_glyphs(&plan->set->glyphs, &opts, &work->shapes, error);
 }
 
@@ -229,13 +267,16 @@ static void give_plan(bench_row *row, const shapes_subject *subject, shapes_set 
 }
 
 static void add_rows(bench_state *bench, const shapes_subject *subject, shapes_set *set) {
-    static const char *const peers[2][PEERS] = {{"spheres", "gaussians"}, {"tubes", NULL}};
-    static const char *const ratios[2][PEERS] = {{"ratio_vs_vtk_sphere_mapper", "ratio_vs_vtk_gaussians"},
-                                                 {"ratio_vs_vtk_tubes", NULL}};
+    static const char *const peers[KINDS][PEERS] = {
+        {"spheres", "gaussians"}, {"tubes", NULL}, {"cones", NULL}, {"arrows", NULL}};
+    static const char *const ratios[KINDS][PEERS] = {{"ratio_vs_vtk_sphere_mapper", "ratio_vs_vtk_gaussians"},
+                                                     {"ratio_vs_vtk_tubes", NULL},
+                                                     {"ratio_vs_vtk_glyph_mapper", NULL},
+                                                     {"ratio_vs_vtk_glyph_mapper", NULL}};
     bench_row *others[PEERS] = {NULL};
     for (int i = 0; i < PEERS; i++) {
-        const char *peer = peers[subject->tubes][i];
-        if (!peer) continue;
+        const char *peer = peers[subject->kind][i];
+        if (!peer || !(subject->asked[i] >= 0)) continue;
         others[i] = bench_add(bench, &peer_kind, "render/shapes/%s/vtk_%s", subject->name, peer);
         give_plan(others[i], subject, set, peer);
     }
@@ -246,7 +287,8 @@ static void add_rows(bench_state *bench, const shapes_subject *subject, shapes_s
         row->level = level;
         const double part = level == ISO_CPU_AVX512 ? 1 : level == ISO_CPU_AVX2 ? 0.65 : 0;
         for (int i = 0; i < PEERS; i++) {
-            bench_against *against = bench_compare(row, others[i], ratios[subject->tubes][i], NULL,
+            if (!others[i]) continue;
+            bench_against *against = bench_compare(row, others[i], ratios[subject->kind][i], NULL,
                                                    bench->settings->small ? 0 : part * subject->asked[i]);
             if (against) against->cpu = i ? "cpu_ratio_vs_vtk_gaussians" : "cpu_ratio_vs_vtk";
         }
@@ -265,12 +307,22 @@ static iso_status run_subject(bench_state *bench, const shapes_subject *subject,
 
 iso_status bench_shapes_groups(bench_state *bench, iso_error *error) {
     static const shapes_subject large[] = {
-        {"spheres-0.1M-3px", 100000, 3, false, {20, 12}},  {"spheres-1M-3px", 1000000, 3, false, {100, 45}},
-        {"spheres-5M-3px", 5000000, 3, false, {180, 80}},  {"spheres-1M-1px", 1000000, 1, false, {20, 0}},
-        {"spheres-1M-10px", 1000000, 10, false, {200, 0}}, {"tubes-0.1M-1.5px", 100000, 1.5, true, {18, 0}},
-        {"tubes-1M-1.5px", 1000000, 1.5, true, {75, 0}}};
-    static const shapes_subject small[] = {{"spheres-2k-3px", 2000, 3, false, {0}},
-                                           {"tubes-2k-1.5px", 2000, 1.5, true, {0}}};
+        {"spheres-0.1M-3px", 100000, 3, SPHERES, {20, 12}},
+        {"spheres-1M-3px", 1000000, 3, SPHERES, {100, 45}},
+        {"spheres-5M-3px", 5000000, 3, SPHERES, {180, 80}},
+        {"spheres-1M-1px", 1000000, 1, SPHERES, {20, 0}},
+        {"spheres-1M-10px", 1000000, 10, SPHERES, {200, 0}},
+        {"tubes-0.1M-1.5px", 100000, 1.5, TUBES, {18, 0}},
+        {"tubes-1M-1.5px", 1000000, 1.5, TUBES, {75, 0}},
+        {"tubes-10M-1.5px", 10000000, 1.5, TUBES, {-1, -1}}, /* at most 200 ms asked; VTK needs 16 GB */
+        {"cones-0.1M-6px", 100000, 6, CONES, {30, 0}},
+        {"cones-1M-6px", 1000000, 6, CONES, {50, 0}},
+        {"arrows-0.1M-6px", 100000, 6, ARROWS, {30, 0}},
+        {"arrows-1M-6px", 1000000, 6, ARROWS, {50, 0}}};
+    static const shapes_subject small[] = {{"spheres-2k-3px", 2000, 3, SPHERES, {0}},
+                                           {"tubes-2k-1.5px", 2000, 1.5, TUBES, {0}},
+                                           {"cones-2k-6px", 2000, 6, CONES, {0}},
+                                           {"arrows-2k-6px", 2000, 6, ARROWS, {0}}};
     const bool few = bench->settings->small;
     const shapes_subject *subjects = few ? small : large;
     const size_t count = few ? sizeof small / sizeof *small : sizeof large / sizeof *large;

@@ -9,11 +9,12 @@
  *     "covered"                                                        ->  "covered PIXELS" of a frame
  *   vtk_frame spheres|gaussians|tubes FILE   the same of points or lines, drawn by vtkOpenGLSphereMapper,
  *                                            vtkPointGaussianMapper or vtkTubeFilter with 8 sides
+ *   vtk_frame cones|arrows FILE              the same of directed points, drawn by vtkGlyph3DMapper, 16 sides
  *   vtk_frame picture FILE.vti OUT.png ISOVALUE SIZE THREADS           from a volume to a picture, and done
  *
  * FILE of a mesh: int64 vertices and triangles, then float positions (3 each), float normals, int64 corners
  * (3 each). FILE of points or lines: int64 points and lines, which have equal numbers of points (0 lines:
- * points), then float positions (3 each) and float radii.
+ * points), then float positions (3 each) and float radii, or directions (3 each).
  */
 #include <cinttypes>
 #include <cstdio>
@@ -23,11 +24,14 @@
 #include <string>
 
 #include <vtkActor.h>
+#include <vtkArrowSource.h>
 #include <vtkAutoInit.h>
 #include <vtkCamera.h>
 #include <vtkCellArray.h>
+#include <vtkConeSource.h>
 #include <vtkFloatArray.h>
 #include <vtkFlyingEdges3D.h>
+#include <vtkGlyph3DMapper.h>
 #include <vtkIdTypeArray.h>
 #include <vtkNew.h>
 #include <vtkOpenGLSphereMapper.h>
@@ -285,6 +289,41 @@ int serve_points(const std::string &kind, const char *path) {
     return serve(shown, count);
 }
 
+/* Glyphs of the shapes that ours have: as long as their directions. */
+int serve_directed(const std::string &kind, const char *path) {
+    Window shown;
+    std::FILE *file = std::fopen(path, "rb");
+    std::int64_t counts[2] = {0, 0};
+    bool sound = file && read_array(file, counts, 2) && counts[0] > 0;
+    vtkNew<vtkPoints> points;
+    vtkNew<vtkPolyData> data;
+    if (sound) {
+        points->SetData(read_vectors(file, counts[0], sound));
+        data->SetPoints(points);
+        auto directions = read_vectors(file, counts[0], sound);
+        directions->SetName("direction");
+        data->GetPointData()->AddArray(directions);
+    }
+    if (file) std::fclose(file);
+    if (!sound) return refuse(path, "a set of directed points");
+    vtkNew<vtkConeSource> cone;
+    cone->SetRadius(1.0 / 3);
+    cone->SetCenter(0.5, 0, 0);
+    cone->SetResolution(16);
+    vtkNew<vtkArrowSource> arrow;
+    arrow->SetTipResolution(16);
+    arrow->SetShaftResolution(16);
+    vtkNew<vtkGlyph3DMapper> glyphs;
+    glyphs->SetInputData(data);
+    glyphs->SetSourceConnection(kind == "cones" ? cone->GetOutputPort() : arrow->GetOutputPort());
+    glyphs->SetOrientationArray("direction");
+    glyphs->SetScaleArray("direction");
+    glyphs->SetScaleModeToScaleByMagnitude();
+    glyphs->ScalarVisibilityOff();
+    shown.actor->SetMapper(glyphs);
+    return serve(shown, counts[0]);
+}
+
 /* As a user of VTK would write it: the camera moved back until everything is in sight. */
 int make_picture(char **values) {
     const int size = std::atoi(values[3]), threads = std::atoi(values[4]);
@@ -321,9 +360,13 @@ int make_picture(char **values) {
 
 int main(int argc, char **argv) {
     if (argc == 3 && std::strcmp(argv[1], "mesh") == 0) return serve_mesh(argv[2]);
+    const bool directed =
+        argc == 3 && (std::strcmp(argv[1], "cones") == 0 || std::strcmp(argv[1], "arrows") == 0);
+    if (directed) return serve_directed(argv[1], argv[2]);
     if (argc == 3) return serve_points(argv[1], argv[2]);
     if (argc == 7 && std::strcmp(argv[1], "picture") == 0) return make_picture(argv + 2);
-    std::fprintf(stderr, "usage: vtk_frame mesh|spheres|gaussians|tubes FILE | picture FILE.vti OUT.png "
-                         "ISOVALUE SIZE THREADS\n");
+    std::fprintf(stderr,
+                 "usage: vtk_frame mesh|spheres|gaussians|tubes|cones|arrows FILE | picture FILE.vti OUT.png "
+                 "ISOVALUE SIZE THREADS\n");
     return 2;
 }

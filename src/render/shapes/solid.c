@@ -4,8 +4,6 @@
 #include <float.h>
 #include <math.h>
 
-/* Radii of glyphs that have none, as parts of their length. */
-static const double CONE_RADIUS = 1.0 / 3, CYLINDER_RADIUS = 0.1, ARROW_RADIUS = 0.1;
 /* Half axes are at least this part of the longest: flat ellipsoids and boxes have a thickness. */
 static const double THINNEST = 1e-4;
 
@@ -42,8 +40,7 @@ static void across(const double along[3], double length, double first[3], double
 static double radius_of(const iso_shapes *set, uint32_t id, double length) {
     if (set->radii) return (double)set->radii[id] * set->scale;
     if (set->radius > 0) return set->radius * set->scale;
-    if (set->glyph == ISO_GLYPH_CONE) return CONE_RADIUS * length;
-    return length * (set->glyph == ISO_GLYPH_ARROW ? ARROW_RADIUS : CYLINDER_RADIUS);
+    return length * iso_solid_slimness(set->glyph);
 }
 
 /* Glyphs along a direction, and discs across it. */
@@ -95,8 +92,7 @@ static bool axes_map(const iso_shapes *set, uint32_t id, map *m) {
 
 static bool map_of(const iso_shapes *set, uint32_t id, map *m) {
     *m = (map){0};
-    if (set->glyph == ISO_GLYPH_ELLIPSOID || set->glyph == ISO_GLYPH_BOX) return axes_map(set, id, m);
-    return directed_map(set, id, m);
+    return iso_solid_is_directed(set->glyph) ? directed_map(set, id, m) : axes_map(set, id, m);
 }
 
 /* How far a solid reaches from its glyph's position. */

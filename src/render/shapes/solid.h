@@ -14,6 +14,17 @@
 #define ISO_ARROW_NECK 0.3
 #define ISO_ARROW_SHAFT 0.3
 
+/* Whether the glyph has a direction: it is round about it. */
+static inline bool iso_solid_is_directed(iso_glyph glyph) {
+    return glyph == ISO_GLYPH_CONE || glyph == ISO_GLYPH_CYLINDER || glyph == ISO_GLYPH_ARROW ||
+           glyph == ISO_GLYPH_DISC;
+}
+
+/* The radius of directed glyphs that have none, as a part of their length. */
+static inline double iso_solid_slimness(iso_glyph glyph) {
+    return glyph == ISO_GLYPH_CONE ? 1.0 / 3 : 0.1;
+}
+
 /* How far a glyph reaches from its position, mm, or 0 when it cannot be drawn. For spheres: the radius. */
 double iso_solid_reach(const iso_shapes *shapes, uint32_t id);
 
