@@ -48,7 +48,7 @@ static iso_status check_points_options(const isorender_settings *settings, iso_e
                          : input->grid               ? "--grid"
                          : input->series             ? "--series"
                          : wants_gradients(settings) ? "--glyphs surface"
-                                                     : NULL;
+                                                     : isorender_object_opacity_option(settings);
     if (!option) return ISO_OK;
     return iso_fail(error, ISO_ERR_USAGE, "holds points, not a volume: %s needs a volume", option);
 }

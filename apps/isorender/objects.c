@@ -234,8 +234,14 @@ static void put_shapes(iso_json *json, const isorender_object *object) {
     iso_json_integer(json, "shapes", totals.shapes);
     iso_json_integer(json, "skipped", totals.skipped);
     iso_json_integer(json, "dropped", object->report.dropped);
-    iso_json_integer(json, "samples", object->drawn.samples);
-    if (has_lines(object)) iso_json_integer(json, "widened_samples", object->drawn.widened);
+    if (object->settings->opacity < 1) {
+        iso_json_real(json, "opacity", object->settings->opacity);
+        iso_json_integer(json, "samples", object->layered.samples);
+        iso_json_integer(json, "layers", object->layered.layers);
+    } else {
+        iso_json_integer(json, "samples", object->drawn.samples);
+        if (has_lines(object)) iso_json_integer(json, "widened_samples", object->drawn.widened);
+    }
     if (object->has_bar) {
         const double range[2] = {object->bar.low, object->bar.high};
         iso_json_reals(json, "range", range, 2);

@@ -14,6 +14,7 @@
 #include "io/read_opts.h"
 #include "render/raster/raster.h"
 #include "render/raster/triangles.h"
+#include "render/shapes/fragments.h"
 #include "render/shapes/shapes.h"
 
 #ifdef __cplusplus
@@ -40,12 +41,13 @@ typedef struct isorender_object {
     isorender_field field;                /* of a volume */
     iso_gradient_glyphs_totals gradients; /* of --glyphs surface */
     iso_glyph glyph;                      /* of glyphs: the solid that is drawn */
-    const char *color_by;     /* borrowed: the attribute with numbers to be coloured; NULL: none */
-    iso_shapes *shapes;       /* of lines and glyphs; NULL before isorender_object_prepare */
-    iso_shapes_drawn drawn;   /* of lines and glyphs: in all frames */
-    iso_triangle_spans spans; /* of meshes */
-    iso_box bounds;           /* world box of what is drawn */
-    iso_rgb color;            /* of what has no colour of its own */
+    const char *color_by;       /* borrowed: the attribute with numbers to be coloured; NULL: none */
+    iso_shapes *shapes;         /* of lines and glyphs; NULL before isorender_object_prepare */
+    iso_shapes_drawn drawn;     /* of opaque lines and glyphs: in all frames */
+    iso_shapes_layered layered; /* of translucent ones: in all frames */
+    iso_triangle_spans spans;   /* of meshes */
+    iso_box bounds;             /* world box of what is drawn */
+    iso_rgb color;              /* of what has no colour of its own */
     bool has_bar;
     iso_color_bar bar; /* if has_bar: what its colours stand for */
 } isorender_object;

@@ -175,6 +175,8 @@ static iso_status from_lines(const iso_lines *lines, const iso_shapes_opts *opts
     if (!made) return iso_fail_memory(error, "shapes");
     made->kind = opts->style == ISO_LINE_RIBBON ? ISO_SHAPE_RIBBON : ISO_SHAPE_TUBE;
     made->colors = (const uint8_t(*)[3])lines->colors;
+    made->line_starts = lines->starts;
+    made->line_count = lines->line_count;
     runs r = {.count = 0};
     iso_shapes_sort sort = {0};
     const iso_status status = sort_lines(made, lines, &r, &sort, error);
