@@ -163,7 +163,8 @@ static iso_status set_lines(const isorender_object_options *options, int number,
     object->caps = (iso_caps)caps;
     object->style = (isorender_line_style)chosen;
     ISO_TRY(set_streamlines(options, number, &object->field, error));
-    ISO_TRY(set_opacity("line-opacity", isorender_value_for(&options->line_opacities, number), object, error));
+    ISO_TRY(
+        set_opacity("line-opacity", isorender_value_for(&options->line_opacities, number), object, error));
     ISO_TRY(set_radius("tube-radius", isorender_value_for(&options->tube_radii, number), object, error));
     return set_color("line-color", isorender_value_for(&options->line_colors, number), object, error);
 }
@@ -190,7 +191,8 @@ static iso_status set_glyphs(const isorender_object_options *options, int number
     ISO_TRY(set_above_0("glyph-scale", isorender_value_for(&options->glyph_scales, number),
                         &object->field.scale, error));
     ISO_TRY(set_projection(isorender_value_for(&options->projections, number), object, error));
-    ISO_TRY(set_opacity("glyph-opacity", isorender_value_for(&options->glyph_opacities, number), object, error));
+    ISO_TRY(
+        set_opacity("glyph-opacity", isorender_value_for(&options->glyph_opacities, number), object, error));
     ISO_TRY(set_radius("glyph-radius", isorender_value_for(&options->glyph_radii, number), object, error));
     return set_color("glyph-color", isorender_value_for(&options->glyph_colors, number), object, error);
 }

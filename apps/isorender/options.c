@@ -673,7 +673,8 @@ static iso_status check_translucent(const isorender_settings *settings, iso_erro
                                                                                : NULL;
     if (!needs || isorender_is_translucent(settings)) return ISO_OK;
     if (!absorbs && isorender_object_opacity_option(settings)) return ISO_OK;
-    return iso_fail(error, ISO_ERR_USAGE, "%s is for translucent surfaces: it needs an opacity below 1", needs);
+    return iso_fail(error, ISO_ERR_USAGE, "%s is for translucent surfaces: it needs an opacity below 1",
+                    needs);
 }
 
 static iso_status check_opacity(const isorender_settings *settings, iso_error *error) {
