@@ -60,5 +60,5 @@ isorender scene:sphere:16 --points points.ply --no-image --quiet
 fails 2 "holds points, not a volume: --line-opacity needs a volume" points.ply $lines --line-opacity 0.5
 # more layers than memory has room for
 python3 -c 'open("in/many.csv", "w").write("x,y,z,radius\n" + "".join("0,0,%g,50\n" % (i * 1e-2) for i in range(2500)))'
-fails 5 "memory" --glyphs in/many.csv --glyph-opacity 0.0001 --opacity-mode constant --max-memory 56M --threads 1 --resolution 2000x20 --zoom 300 --orthographic
+fails 5 "memory" --glyphs in/many.csv --glyph-opacity 0.0001 --opacity-mode constant --max-memory 56M --threads 1 --resolution 1000x2 --zoom 3000 --orthographic
 rm -f said
