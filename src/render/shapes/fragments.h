@@ -1,11 +1,11 @@
-/* fragments: translucent glyphs and lines. The places where a ray enters or leaves a solid are layers, as the
- * crossings of an isosurface are: a glyph has two along a ray (an arrow up to four), a disc one. The overlapping
- * segments of one line are a single solid, so that its joints are no darker than the rest of it; a ribbon has a
- * layer for each time that the ray meets it.
+/* fragments: translucent glyphs and lines. The places where a ray enters or leaves a solid are layers, as
+ * the crossings of an isosurface are: a glyph has two along a ray (an arrow up to four), a disc one. The
+ * overlapping segments of one line are a single solid, so that its joints are no darker than the rest of
+ * it; a ribbon has a layer for each time that the ray meets it.
  *
- * All pieces of the rays in a set are listed, sorted by depth and merged by line, in double precision; what is
- * found is added to the lists of layers (render/layers), where it meets the layers of isosurfaces and of other
- * sets. Source: Carpenter 1984, "The A-buffer, an antialiased hidden surface method". */
+ * All pieces of the rays in a set are listed, sorted by depth and merged by line, in double precision; what
+ * is found is added to the lists of layers (render/layers), where it meets the layers of isosurfaces and of
+ * other sets. Source: Carpenter 1984, "The A-buffer, an antialiased hidden surface method". */
 #ifndef ISO_RENDER_SHAPES_FRAGMENTS_H
 #define ISO_RENDER_SHAPES_FRAGMENTS_H
 
@@ -38,8 +38,8 @@ typedef struct iso_translucent_shapes {
 typedef struct iso_shapes_lister iso_shapes_lister;
 
 /* Prepares to list the fragments of sets in a strip. first: the number of the first set as a surface of the
- * lists; the others follow. `sets`, strip and pool are borrowed until iso_shapes_lister_destroy. ISO_ERR_NOMEM.
- */
+ * lists; the others follow. `sets`, strip and pool are borrowed until iso_shapes_lister_destroy.
+ * ISO_ERR_NOMEM. */
 iso_status iso_shapes_lister_create(const iso_translucent_shapes *sets, int count, int first,
                                     const iso_strip *strip, iso_pool *pool, iso_shapes_lister **lister,
                                     iso_error *error);

@@ -24,8 +24,8 @@ typedef struct iso_near_ray {
     double origin[3], direction[3];
 } iso_near_ray;
 
-/* Where a ray enters and leaves a shape, with the outward normals there (of ribbons, those on the ray's side),
- * and how far along a segment that is, 0 to 1. Nothing is met when t[0] > t[1]. */
+/* Where a ray enters and leaves a shape, with the outward normals there (of ribbons, those on the ray's
+ * side), and how far along a segment that is, 0 to 1. Nothing is met when t[0] > t[1]. */
 typedef struct iso_near_piece {
     double t[2], normal[2][3], along[2];
 } iso_near_piece;

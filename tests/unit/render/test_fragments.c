@@ -1,6 +1,6 @@
-/* Translucent glyphs and lines against every layer of rays in extended precision: alone, among the layers of
- * isosurfaces, in front of opaque shapes, from inside; joints that are not darker; and the same bytes for every
- * instruction set, number of threads and strip. */
+/* Translucent glyphs and lines against every layer of rays in extended precision: alone, among the layers
+ * of isosurfaces, in front of opaque shapes, from inside; joints that are not darker; and the same bytes
+ * for every instruction set, number of threads and strip. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -258,8 +258,8 @@ static bool is_grazing(truth *t, int x, int y, const seen *plain) {
     return false;
 }
 
-/* A picture is wrong where a colour differs by more than a level (and what rounding and the cut add), or where
- * the number of layers does and all of them can be seen. */
+/* A picture is wrong where a colour differs by more than a level (and what rounding and the cut add), or
+ * where the number of layers does and all of them can be seen. */
 static void compare(const mixed *m, const iso_view *view, const char *name) {
     picture p = picture_of_scene(m, view, 1, NULL);
     truth t = truth_make(m, view);
@@ -399,8 +399,8 @@ static void test_ribbons(void **state) {
     iso_free(drawn.normals);
 }
 
-/* A line of many short segments is the line with two vertices: nowhere are there more than two layers, or one of
- * a ribbon, also where rays meet the edge that two patches share. */
+/* A line of many short segments is the line with two vertices: nowhere are there more than two layers, or
+ * one of a ribbon, also where rays meet the edge that two patches share. */
 static void test_joints(void **state) {
     (void)state;
     static float normals[TEST_LINES_VERTICES][3];
