@@ -76,7 +76,7 @@ typedef struct isorender_job {
     int surface_count, input_surface_count;
     isorender_object objects[ISORENDER_OBJECTS]; /* their surface numbers follow those of the surfaces */
     int object_count;
-    bool translucent;                                /* at least one surface is */
+    bool translucent;                                /* at least one surface or object is */
     iso_gl_surface *gl_surfaces[ISORENDER_SURFACES]; /* of OpenGL; NULL before isorender_gl_upload */
     uint64_t point_count, rejected, vertex_count, triangle_count, cell_count; /* of all surfaces */
     iso_box bounds_local, bounds_world;                                       /* mm */
@@ -121,6 +121,9 @@ iso_primitive isorender_primitive(const isorender_job *job);
 iso_status isorender_export(isorender_job *job, iso_error *error);
 /* The points of a surface, extracted or read. Borrowed from the job. */
 iso_point_view isorender_points_view(const isorender_job *job, int surface);
+
+/* How light passes a surface or an object of that opacity; without absorption. */
+iso_translucency isorender_translucency(const isorender_settings *settings, double opacity);
 
 /* The box of all surfaces, not of objects, in the space of three world vectors: iso_fit.bounds. */
 iso_box isorender_bounds(const isorender_job *job, const iso_vec3 vectors[3]);

@@ -53,6 +53,16 @@ static iso_status set_color(const char *option, const char *value, isorender_obj
     return ISO_OK;
 }
 
+static iso_status set_opacity(const char *option, const char *value, isorender_object_settings *object,
+                              iso_error *error) {
+    double opacity;
+    if (!value) return ISO_OK;
+    if (!iso_parse_real(value, &opacity) || !(opacity >= 0 && opacity <= 1))
+        return iso_fail(error, ISO_ERR_USAGE, "--%s: '%s' is not an opacity from 0 to 1", option, value);
+    object->opacity = (double)(float)opacity; /* as it is drawn */
+    return ISO_OK;
+}
+
 static iso_status set_map(const char *value, isorender_object_settings *object, iso_error *error) {
     const char *names[ISO_COLORMAP_COUNT + 1] = {NULL};
     int map = ISO_COLORMAP_VIRIDIS;
@@ -153,6 +163,8 @@ static iso_status set_lines(const isorender_object_options *options, int number,
     object->caps = (iso_caps)caps;
     object->style = (isorender_line_style)chosen;
     ISO_TRY(set_streamlines(options, number, &object->field, error));
+    ISO_TRY(
+        set_opacity("line-opacity", isorender_value_for(&options->line_opacities, number), object, error));
     ISO_TRY(set_radius("tube-radius", isorender_value_for(&options->tube_radii, number), object, error));
     return set_color("line-color", isorender_value_for(&options->line_colors, number), object, error);
 }
@@ -179,6 +191,8 @@ static iso_status set_glyphs(const isorender_object_options *options, int number
     ISO_TRY(set_above_0("glyph-scale", isorender_value_for(&options->glyph_scales, number),
                         &object->field.scale, error));
     ISO_TRY(set_projection(isorender_value_for(&options->projections, number), object, error));
+    ISO_TRY(
+        set_opacity("glyph-opacity", isorender_value_for(&options->glyph_opacities, number), object, error));
     ISO_TRY(set_radius("glyph-radius", isorender_value_for(&options->glyph_radii, number), object, error));
     return set_color("glyph-color", isorender_value_for(&options->glyph_colors, number), object, error);
 }
@@ -205,6 +219,7 @@ static iso_status check_counts(const isorender_object_options *o, const int coun
         int count;
     } options[] = {{"tube-radius", &o->tube_radii, "--lines", lines},
                    {"line-color", &o->line_colors, "--lines", lines},
+                   {"line-opacity", &o->line_opacities, "--lines", lines},
                    {"line-style", &o->line_styles, "--lines", lines},
                    {"caps", &o->caps, "--lines", lines},
                    {"streamlines", &o->streamlines, "--lines", lines},
@@ -217,6 +232,7 @@ static iso_status check_counts(const isorender_object_options *o, const int coun
                    {"tensor-order", &o->tensor_orders, both, lines + glyphs},
                    {"glyph-radius", &o->glyph_radii, "--glyphs", glyphs},
                    {"glyph-color", &o->glyph_colors, "--glyphs", glyphs},
+                   {"glyph-opacity", &o->glyph_opacities, "--glyphs", glyphs},
                    {"glyph-projection", &o->projections, "--glyphs", glyphs},
                    {"surface-color", &o->mesh_colors, "--surface", meshes},
                    {"color-by", &o->color_by, both, lines + glyphs},
@@ -234,6 +250,7 @@ static iso_status check_counts(const isorender_object_options *o, const int coun
 static iso_status set_kind(const isorender_object_options *options, int number,
                            isorender_object_settings *object, iso_error *error) {
     object->radius = NAN;
+    object->opacity = 1;
     if (object->kind == ISORENDER_LINES) return set_lines(options, number, object, error);
     if (object->kind == ISORENDER_GLYPHS) return set_glyphs(options, number, object, error);
     return set_color("surface-color", isorender_value_for(&options->mesh_colors, number), object, error);

@@ -50,6 +50,7 @@ typedef struct isorender_object_settings {
     const char *radius_column; /* the attribute with the radii; NULL: none */
     bool colored, by_direction;
     iso_rgb color;        /* if colored */
+    double opacity;       /* 0 .. 1 */
     const char *color_by; /* the attribute with numbers to be coloured; NULL: none */
     iso_colormap map;
     double range[2];            /* of the colormap; NAN: that of the numbers */
@@ -69,9 +70,9 @@ typedef struct isorender_object_options {
     const char *paths[ISORENDER_OBJECTS];
     isorender_object_kind kinds[ISORENDER_OBJECTS];
     int count;
-    iso_texts tube_radii, line_colors, line_styles, caps;     /* by number of the lines */
-    iso_texts glyph_radii, glyph_colors, glyphs, projections; /* by number of the glyphs */
-    iso_texts mesh_colors;                                    /* by number of the mesh */
+    iso_texts tube_radii, line_colors, line_opacities, line_styles, caps;      /* by number of the lines */
+    iso_texts glyph_radii, glyph_colors, glyph_opacities, glyphs, projections; /* by number of the glyphs */
+    iso_texts mesh_colors;                                                     /* by number of the mesh */
     /* of volumes of vectors, by the same numbers as those of lines, of glyphs, and of both */
     iso_texts streamlines, streamline_lengths, streamline_seeds, glyph_scales;
     iso_texts arrays, tensor_orders, leasts;

@@ -311,10 +311,12 @@ static const iso_option options[] = {
     {"method", NULL, "NAME",
      "how the surface is drawn: exact (the trilinear surface itself, at any zoom: choose it for pictures), "
      "mesh (Marching Cubes: to see what --mesh exports, or to compare with other programs), pullpush "
-     "(points, filled in image space: for files of points, and to draw many points on a GPU; --lines are "
-     "drawn that way, too: the method of Marroquim et al. 2008, to compare it), points (discs: to see the "
-     "samples themselves), splats (points as flat discs: the method of Zhang and Pajarola 2006) or raycast "
-     "(rays through the field, slow: to check the others); files of points: points",
+     "(points, filled in image space: for files of points, and to draw many points on a GPU), points (discs: "
+     "to see the samples themselves), splats (points as flat discs: the method of Zhang and Pajarola 2006) "
+     "or "
+     "raycast (rays through the field, slow: to check the others); files "
+     "of "
+     "points: points",
      .group = PICTURE, .standard = "exact", CHOICE(method, method_names)},
     {"reconstruction", NULL, "NAME",
      "how pullpush fills in: refined (second-order discs; points that have colours: as gaussian), box or "
@@ -654,15 +656,30 @@ bool isorender_is_translucent(const isorender_settings *settings) {
     return false;
 }
 
-static iso_status check_opacity(const isorender_settings *settings, iso_error *error) {
-    const int surfaces = settings->isovalue_count ? settings->isovalue_count : 1;
-    const char *needs = settings->absorption_length > 0                        ? "--absorption"
+const char *isorender_object_opacity_option(const isorender_settings *settings) {
+    static const char *const names[ISORENDER_OBJECT_KINDS] = {
+        [ISORENDER_LINES] = "--line-opacity", [ISORENDER_GLYPHS] = "--glyph-opacity"};
+    for (int i = 0; i < settings->object_options.count; i++)
+        if (settings->objects[i].opacity < 1) return names[settings->objects[i].kind];
+    return NULL;
+}
+
+/* Options that are for translucent surfaces and, but for --absorption, for translucent objects. */
+static iso_status check_translucent(const isorender_settings *settings, iso_error *error) {
+    const bool absorbs = settings->absorption_length > 0;
+    const char *needs = absorbs                                                ? "--absorption"
                         : settings->layers                                     ? "--layers"
                         : settings->opacity_mode != ISORENDER_OPACITY_BY_ANGLE ? "--opacity-mode"
                                                                                : NULL;
-    if (needs && !isorender_is_translucent(settings))
-        return iso_fail(error, ISO_ERR_USAGE, "%s is for translucent surfaces: it needs an opacity below 1",
-                        needs);
+    if (!needs || isorender_is_translucent(settings)) return ISO_OK;
+    if (!absorbs && isorender_object_opacity_option(settings)) return ISO_OK;
+    return iso_fail(error, ISO_ERR_USAGE, "%s is for translucent surfaces: it needs an opacity below 1",
+                    needs);
+}
+
+static iso_status check_opacity(const isorender_settings *settings, iso_error *error) {
+    const int surfaces = settings->isovalue_count ? settings->isovalue_count : 1;
+    ISO_TRY(check_translucent(settings, error));
     if (settings->absorption_length > 0 && settings->layers)
         return iso_fail(error, ISO_ERR_USAGE,
                         "--layers leaves out where rays leave the solid, which --absorption must know");
@@ -727,6 +744,11 @@ static iso_status check_objects(isorender_settings *settings, iso_error *error) 
         return iso_fail(error, ISO_ERR_USAGE,
                         "--backend %s draws no --lines, --glyphs and --surface: they need the cpu",
                         settings->backend);
+    const char *opacity = isorender_object_opacity_option(settings);
+    if (opacity && settings->method != ISORENDER_METHOD_UNCHOSEN && settings->method != ISO_METHOD_EXACT)
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "--method %s draws opaque lines and glyphs only: %s needs exact",
+                        iso_method_name((iso_method)settings->method), opacity);
     return ISO_OK;
 }
 

@@ -24,19 +24,28 @@ static iso_subject subject_of(const isorender_job *job, const isorender_surface 
                          .bins = job->settings->group_bins};
 }
 
-/* Draws lines, glyphs and meshes: iso_layered_picture.draw_others. */
-static iso_status draw_objects(void *context, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
+static bool is_opaque(const isorender_object *object) {
+    return object->settings->opacity >= 1;
+}
+
+static iso_status draw_object(isorender_job *job, int i, const iso_view *view, iso_gbuffer *gbuffer,
+                              iso_error *error) {
+    const iso_target target = {view, gbuffer, job->pool, (uint8_t)(job->surface_count + i)};
+    return isorender_object_draw(&job->objects[i], &target, error);
+}
+
+/* Draws opaque lines, glyphs and meshes: iso_layered_picture.draw_others. */
+static iso_status draw_opaque_objects(void *context, const iso_view *view, iso_gbuffer *gbuffer,
+                                      iso_error *error) {
     isorender_job *job = context;
-    for (int i = 0; i < job->object_count; i++) {
-        const iso_target target = {view, gbuffer, job->pool, (uint8_t)(job->surface_count + i)};
-        ISO_TRY(isorender_object_draw(&job->objects[i], &target, job->pullpush, error));
-    }
+    for (int i = 0; i < job->object_count; i++)
+        if (is_opaque(&job->objects[i])) ISO_TRY(draw_object(job, i, view, gbuffer, error));
     return ISO_OK;
 }
 
 /* Draws everything: iso_picture_opts.draw. */
 static iso_status draw(void *context, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
-    const isorender_job *job = context;
+    isorender_job *job = context;
     if (job->backend->engine) return isorender_gl_draw(job, view, gbuffer, error);
     for (int i = 0; i < job->surface_count; i++) {
         const isorender_surface *surface = &job->surfaces[i];
@@ -44,7 +53,8 @@ static iso_status draw(void *context, const iso_view *view, iso_gbuffer *gbuffer
         const iso_subject subject = subject_of(job, surface);
         ISO_TRY(job->renderer->draw(&subject, &target, error));
     }
-    return draw_objects(context, view, gbuffer, error);
+    for (int i = 0; i < job->object_count; i++) ISO_TRY(draw_object(job, i, view, gbuffer, error));
+    return ISO_OK;
 }
 
 /* FNV-1a, 64 bits, over width and height as 4 little-endian bytes each and the pixels. */
@@ -147,11 +157,25 @@ static iso_status annotate(const isorender_job *job, const iso_camera *camera, i
     return iso_annotate(image, &annotation, error);
 }
 
-/* Renders a picture with translucent surfaces. */
+/* Lists the translucent lines and glyphs; returns their number. */
+static int list_translucent_shapes(isorender_job *job, iso_translucent_shapes shapes[ISORENDER_OBJECTS]) {
+    int count = 0;
+    for (int i = 0; i < job->object_count; i++) {
+        isorender_object *object = &job->objects[i];
+        if (is_opaque(object)) continue;
+        shapes[count++] = (iso_translucent_shapes){
+            object->shapes, object->color, isorender_translucency(job->settings, object->settings->opacity),
+            &object->layered};
+    }
+    return count;
+}
+
+/* Renders a picture with translucent surfaces or objects. */
 static iso_status render_layers(isorender_job *job, iso_picture_opts *opts, iso_image *image,
                                 isorender_frame *frame, iso_error *error) {
     iso_subject subjects[ISORENDER_SURFACES];
     iso_layered_surface surfaces[ISORENDER_SURFACES];
+    iso_translucent_shapes shapes[ISORENDER_OBJECTS];
     iso_picture_layers callbacks;
     for (int i = 0; i < job->surface_count; i++) {
         subjects[i] = subject_of(job, &job->surfaces[i]);
@@ -160,7 +184,9 @@ static iso_status render_layers(isorender_job *job, iso_picture_opts *opts, iso_
     iso_layered_picture picture = {.method = job->method,
                                    .surfaces = surfaces,
                                    .count = job->surface_count,
-                                   .draw_others = job->object_count ? draw_objects : NULL,
+                                   .shapes = shapes,
+                                   .shape_count = list_translucent_shapes(job, shapes),
+                                   .draw_others = job->object_count ? draw_opaque_objects : NULL,
                                    .others_context = job,
                                    .transparency = (iso_transparency)job->settings->transparency,
                                    .shading = &opts->shading,
@@ -292,18 +318,17 @@ uint64_t isorender_picture_bytes(const isorender_job *job) {
     uint64_t aov = settings->aov ? pixels * (ISO_AOV_PLANES + 1) * sizeof(float) : 0;
     if (has_ids(settings)) aov += pixels * ISO_ID_PLANES * sizeof(uint32_t);
     uint64_t bytes = 4 * pixels + aov + (samples < STRIP ? samples : STRIP);
-    if (isorender_is_translucent(settings))
-        bytes += (uint64_t)iso_pool_threads(job->pool) * ISO_EXACT_LAYERS_BYTES;
+    const uint64_t threads = (uint64_t)iso_pool_threads(job->pool);
+    const bool fragments = isorender_object_opacity_option(settings) != NULL;
+    if (isorender_is_translucent(settings) || fragments) bytes += threads * ISO_EXACT_LAYERS_BYTES;
+    if (fragments) bytes += threads * ISO_SHAPES_PIECES_BYTES;
     if (settings->ior > 0)
         bytes +=
             iso_glass_scene_bytes((iso_refraction)settings->refraction, pixels * (uint64_t)settings->samples);
     if (job->backend->engine) return bytes + isorender_gl_bytes(job);
     if (settings->method != ISO_METHOD_PULLPUSH) return bytes;
-    enum { PYRAMID = 24, LINES = 104 }; /* bytes a sample; drawn in parts as well */
-    bool lines = false;
-    for (int i = 0; i < settings->object_options.count; i++)
-        lines |= settings->object_options.kinds[i] == ISORENDER_LINES;
-    uint64_t pyramid = pixels * (uint64_t)settings->samples * (lines ? LINES : PYRAMID);
+    enum { PYRAMID = 24 }; /* bytes a sample; drawn in parts as well */
+    uint64_t pyramid = pixels * (uint64_t)settings->samples * PYRAMID;
     return bytes + (pyramid < STRIP ? pyramid : STRIP);
 }
 

@@ -95,19 +95,22 @@ static void choose_colors(isorender_job *job) {
     }
 }
 
+iso_translucency isorender_translucency(const isorender_settings *settings, double opacity) {
+    return (iso_translucency){.opacity = (float)opacity,
+                              .constant = settings->opacity_mode == ISORENDER_OPACITY_CONSTANT,
+                              .most_layers = settings->layers};
+}
+
 static void choose_opacities(isorender_job *job) {
     const isorender_settings *settings = job->settings;
     const int given = settings->opacity_count;
     for (int i = 0; i < job->surface_count; i++) {
         const isorender_volume_settings *volume = volume_settings(job, i);
         const double of_input = given ? settings->opacities[i < given ? i : given - 1] : 1;
-        const double opacity = volume ? volume->opacity : of_input;
-        job->surfaces[i].translucency =
-            (iso_translucency){.opacity = (float)opacity,
-                               .constant = settings->opacity_mode == ISORENDER_OPACITY_CONSTANT,
-                               .absorption_length = (float)settings->absorption_length,
-                               .most_layers = settings->layers};
-        job->translucent |= job->surfaces[i].translucency.opacity < 1;
+        iso_translucency *translucency = &job->surfaces[i].translucency;
+        *translucency = isorender_translucency(settings, volume ? volume->opacity : of_input);
+        translucency->absorption_length = (float)settings->absorption_length;
+        job->translucent |= translucency->opacity < 1;
     }
     if (given && given < job->input_surface_count)
         isorender_log(job, "note: %d opacities for %d isovalues: the last one, %g, repeats", given,
@@ -353,9 +356,9 @@ static iso_status prepare_objects(isorender_job *job, iso_error *error) {
         if (isorender_object_is_surface(object->settings))
             ISO_TRY(isorender_object_take_gradients(job, object, error));
         if (!object->settings->colored) object->color = iso_shading_palette(job->surface_count + i);
-        ISO_TRY(isorender_object_prepare(object, job->settings->line_min_pixels,
-                                         job->method == ISO_METHOD_PULLPUSH, error));
+        ISO_TRY(isorender_object_prepare(object, job->settings->line_min_pixels, error));
         log_beside(job, object->settings->path, &object->bounds, object->report.space);
+        job->translucent |= object->settings->opacity < 1;
         iso_bounds_add(&job->bounds_world, &object->bounds);
     }
     return ISO_OK;

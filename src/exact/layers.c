@@ -8,7 +8,6 @@
 #include "base/memory.h"
 #include "exact/frame.h"
 #include "grids/ray/ray_tracer.h"
-#include "render/layers/bands.h"
 #include "render/shading/phong_vectors.h"
 
 enum {
@@ -44,6 +43,7 @@ typedef struct layers_draw {
     float *slopes;    /* of the rays: u by column, v by row */
     layer *layers;
     iso_layer_medium media[ISO_EXACT_LAYERS_MAX];
+    double middle;            /* all depths are counted from it, also those of surfaces of other volumes */
     bool absorbs, needs_rays; /* rays: for absorption and for readers */
     int band_rows;
     iso_exact_scratch *scratch; /* by worker */
@@ -85,8 +85,8 @@ static void set_up_layer(layers_draw *draw, int number) {
     l->paint = (iso_exact_paint){.u = draw->slopes, .v = draw->slopes + draw->size.width + ISO_LANES_MAX};
     set_base(l->input->color, l->paint.base);
     l->frame.projection = iso_exact_projection_make(&draw->target, l->input->exact);
-    /* all depths are counted from one, also of surfaces of other volumes */
-    l->frame.projection.middle = draw->layers[0].frame.projection.middle;
+    if (number == 0) draw->middle = l->frame.projection.middle;
+    l->frame.projection.middle = draw->middle;
     l->frame.projection.paint = &l->paint;
     l->frame.projection.fragments = &l->fragments;
     l->frame.kernel = iso_exact_layers_kernel_get(iso_cpu_best());
@@ -128,7 +128,7 @@ static iso_status set_up_workers(layers_draw *draw, iso_error *error) {
         ISO_TRY(iso_layer_lists_reserve(&w->lists, width, draw->band_rows, error));
         ISO_TRY(iso_layer_composer_reserve(&w->composer, width / factor, factor, error));
         if (draw->needs_rays) ISO_TRY(set_up_rays(w, (size_t)width * (size_t)draw->band_rows, error));
-        w->lists.middle = (float)draw->layers[0].frame.projection.middle;
+        w->lists.middle = (float)draw->middle;
         draw->scratch[i].lists = &w->lists;
     }
     return ISO_OK;
@@ -138,12 +138,13 @@ static iso_status set_up(layers_draw *draw, iso_error *error) {
     const iso_view *view = draw->target.view;
     const size_t width = (size_t)view->width, height = (size_t)view->height;
     draw->slopes = iso_alloc((width + ISO_LANES_MAX + height) * sizeof *draw->slopes);
-    draw->layers = iso_alloc_zero((size_t)draw->input->count, sizeof *draw->layers);
+    draw->layers = iso_alloc_zero((size_t)draw->input->count + 1, sizeof *draw->layers);
     if (!draw->slopes || !draw->layers)
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory for drawing layers");
     float *v = draw->slopes + width + ISO_LANES_MAX;
     for (int x = 0; x < view->width + ISO_LANES_MAX; x++) draw->slopes[x] = iso_slope_of_column(view, x);
     for (int y = 0; y < view->height; y++) v[y] = iso_slope_of_row(view, y);
+    draw->middle = draw->input->middle;
     for (int i = 0; i < draw->input->count; i++) {
         set_up_layer(draw, i);
         ISO_TRY(make_tracer(&draw->layers[i], error));
@@ -223,7 +224,7 @@ static size_t retrace_doubtful(const layers_draw *draw, const layer *l, iso_laye
 /* Sets the part of a sample's ray that lies in the volume, and the solids in which it begins. */
 static void set_ray(const layers_draw *draw, worker *w, int x, int y, ptrdiff_t at) {
     const layer *first = &draw->layers[0];
-    const double middle = first->frame.projection.middle;
+    const double middle = draw->middle;
     const float u = first->paint.u[x], v = first->paint.v[y];
     iso_ray ray;
     w->rays.inside[at] = 0;
@@ -247,7 +248,7 @@ static void set_rays(const layers_draw *draw, worker *w, iso_rows rows) {
 
 /* ---- bands */
 
-/* iso_layer_bands.list: lists the fragments of all surfaces. */
+/* iso_layer_bands.list: lists the fragments of all surfaces, and of what else is in the picture. */
 static bool list_rows(void *context, int number, size_t band, iso_rows rows, bool least) {
     (void)band;
     const layers_draw *draw = context;
@@ -263,8 +264,11 @@ static bool list_rows(void *context, int number, size_t band, iso_rows rows, boo
         iso_exact_frame_draw(&draw->layers[i].frame, rows, &draw->scratch[number]);
         retraced += retrace_doubtful(draw, &draw->layers[i], lists, rows.first);
     }
-    if (!lists->full) w->totals.retraced += retraced;
-    return !lists->full;
+    const iso_layer_source *source = draw->input->source;
+    if (lists->full || (source && !source->list(source->context, number, lists, rows))) return false;
+    if (source) source->count(source->context, number);
+    w->totals.retraced += retraced;
+    return true;
 }
 
 /* iso_layer_bands.use: composites the listed fragments, or passes them on. */

@@ -8,7 +8,7 @@
 #define ISO_EXACT_LAYERS_H
 
 #include "exact/exact.h"
-#include "render/layers/compose.h"
+#include "render/layers/bands.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -40,10 +40,13 @@ typedef struct iso_exact_layers_reader {
 /* What is drawn, and into what; all pointers are borrowed for the call. */
 typedef struct iso_exact_layers {
     const iso_exact_layer *layers; /* the picture's translucent surfaces */
-    int count;                     /* 1 .. ISO_EXACT_LAYERS_MAX */
+    int count;                     /* 0 .. ISO_EXACT_LAYERS_MAX; 0: what the source lists is drawn alone */
     iso_layer_picture picture;
     const iso_exact_layers_reader *reader; /* NULL: the layers are composited; else of the picture only
                                               strip and pool are used */
+    const iso_layer_source *source; /* lists what else is translucent in the picture; NULL: nothing. Its
+                                       surfaces are numbered from `count` on, and their solids are clear */
+    double middle;                  /* with no layers: a depth in the middle of what is drawn, mm */
 } iso_exact_layers;
 
 typedef struct iso_exact_layers_totals {

@@ -6,6 +6,7 @@
 #include "exact/layers.h"
 #include "methods/method.h"
 #include "render/picture.h"
+#include "render/shapes/fragments.h"
 #include "render/splats/layers.h"
 
 #ifdef __cplusplus
@@ -28,6 +29,8 @@ typedef struct iso_layered_picture {
     iso_method method; /* iso_method_has_layers */
     const iso_layered_surface *surfaces;
     int count;
+    const iso_translucent_shapes *shapes; /* lines and glyphs, of the method exact; NULL: none */
+    int shape_count;
     iso_draw_fn *draw_others; /* draws what else is opaque, such as lines; NULL: nothing */
     void *others_context;
     iso_transparency transparency; /* of splats */
@@ -37,7 +40,7 @@ typedef struct iso_layered_picture {
 } iso_layered_picture;
 
 /* What iso_picture_render needs to render the picture (iso_picture_opts.layers). ISO_ERR_LIMIT: more than
- * ISO_LAYERED_MAX translucent surfaces. */
+ * ISO_LAYERED_MAX translucent surfaces, lines and glyphs. */
 iso_status iso_layered_picture_callbacks(iso_layered_picture *picture, iso_picture_layers *callbacks,
                                          iso_error *error);
 

@@ -364,12 +364,20 @@ typedef struct solid {
     bool is_cone, is_patch;
     patch patch;
     size_t number; /* of the glyph, or of the first vertex */
+    size_t whole;  /* of the glyph, or of the line */
 } solid;
+
+/* A piece of the ray whose layers are listed. */
+typedef struct listed {
+    piece piece;
+    const solid *solid;
+} listed;
 
 struct iso_shapes_truth {
     const iso_view *view;
     solid *solids;
     size_t count;
+    listed *listed; /* of iso_shapes_truth_layers; NULL before the first call */
 };
 
 /* Vectors along the axes of a glyph's unit solid, in the world, and from its position to its center. */
@@ -406,7 +414,7 @@ static void add_solid(iso_shapes_truth *truth, const iso_glyphs *glyphs, size_t 
                       const iso_shapes_opts *opts) {
     solid *s = &truth->solids[truth->count++];
     real axis[3][3], offset[3], columns[3][3], shift[3];
-    *s = (solid){.number = i, .glyph = opts->glyph, .size = INFINITY};
+    *s = (solid){.number = i, .whole = i, .glyph = opts->glyph, .size = INFINITY};
     axes_of(glyphs, i, opts, axis, offset);
     to_view(truth->view, glyphs->origin, glyphs->positions[i], s->shape.center);
     turn(truth->view, offset, shift);
@@ -428,7 +436,7 @@ static void add_glyphs(iso_shapes_truth *truth, const iso_glyphs *glyphs, const 
             continue;
         }
         solid *s = &truth->solids[truth->count];
-        *s = (solid){.number = i};
+        *s = (solid){.number = i, .whole = i};
         s->largest = s->size = (real)scale * (real)(glyphs->radii ? (double)glyphs->radii[i] : opts->radius);
         to_view(truth->view, glyphs->origin, glyphs->positions[i], s->shape.center);
         s->shape.radius = s->largest;
@@ -513,6 +521,7 @@ static void add_lines(iso_shapes_truth *truth, const iso_lines *lines, const iso
             const size_t before = truth->count;
             add_segment(truth, lines, v, opts);
             if (truth->count == before) continue;
+            truth->solids[before].whole = i;
             if (opts->style == ISO_LINE_RIBBON) make_patch(truth, lines, i, &truth->solids[before]);
             if (opts->caps != ISO_CAPS_FLAT) continue;
             truth->solids[before].shape.flat[0] = v == lines->starts[i];
@@ -542,6 +551,7 @@ iso_status iso_shapes_truth_create(const iso_shapes_scene *scene, const iso_view
 void iso_shapes_truth_destroy(iso_shapes_truth *truth) {
     if (!truth) return;
     iso_free(truth->solids);
+    iso_free(truth->listed);
     iso_free(truth);
 }
 
@@ -610,4 +620,63 @@ iso_shapes_hit iso_shapes_truth_ray(const iso_shapes_truth *truth, double px, do
             }
     }
     return hit;
+}
+
+/* ---- all layers of a ray */
+
+/* Depths nearer than this part of a shape's radius are the same. */
+static const real SAME = 1e-7L;
+
+/* Whether a piece's ends are a single layer. */
+static bool is_flat(const listed *l) {
+    return !(l->piece.t[1] - l->piece.t[0] > SAME * l->solid->largest) &&
+           (l->solid->is_patch || l->solid->glyph == ISO_GLYPH_DISC);
+}
+
+/* Whether the end of a piece lies inside another piece of the same line, or is that of an earlier one. */
+static bool is_merged(const listed *all, size_t count, size_t index, int end) {
+    const listed *own = &all[index];
+    const real t = own->piece.t[end], same = SAME * own->solid->largest;
+    for (size_t i = 0; i < count; i++) {
+        const listed *other = &all[i];
+        const real *ends = other->piece.t;
+        if (i == index || other->solid->whole != own->solid->whole) continue;
+        if (!own->solid->is_patch) {
+            if (t > ends[0] + same && t < ends[1] - same) return true;
+            if (i < index && fabsl(t - ends[end]) <= same) return true;
+        } else if (i < index && (fabsl(t - ends[0]) <= same || fabsl(t - ends[1]) <= same)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static void insert(const listed *from, int end, iso_shapes_layer *layers, size_t count) {
+    const real length = sqrtl(dot(from->piece.normal[end], from->piece.normal[end]));
+    iso_shapes_layer layer = {
+        .depth = (double)from->piece.t[end], .leaves = end == 1, .shape = from->solid->number};
+    for (int a = 0; a < 3; a++) layer.normal[a] = (double)(from->piece.normal[end][a] / length);
+    for (; count > 0 && layers[count - 1].depth > layer.depth; count--) layers[count] = layers[count - 1];
+    layers[count] = layer;
+}
+
+size_t iso_shapes_truth_layers(iso_shapes_truth *truth, double px, double py, iso_shapes_layer *layers,
+                               size_t most) {
+    const ray r = ray_of(truth->view, px, py);
+    size_t pieces = 0, count = 0;
+    if (!truth->listed) truth->listed = iso_alloc((2 * truth->count + 1) * sizeof *truth->listed);
+    for (size_t i = 0; i < truth->count && truth->listed; i++) {
+        const solid *s = &truth->solids[i];
+        piece p[2];
+        if (passes(&r, s)) continue;
+        const int found = pieces_of(s, &r, p);
+        for (int k = 0; k < found; k++) truth->listed[pieces++] = (listed){p[k], s};
+    }
+    for (size_t i = 0; i < pieces; i++)
+        for (int end = 0; end < 2 - is_flat(&truth->listed[i]); end++) {
+            const real t = truth->listed[i].piece.t[end];
+            if (!(t >= (real)truth->view->near) || is_merged(truth->listed, pieces, i, end)) continue;
+            if (count < most) insert(&truth->listed[i], end, layers, count++);
+        }
+    return count;
 }

@@ -41,6 +41,20 @@ typedef struct iso_shapes_hit {
 /* The hit of the ray through the position (px, py) of the picture, in pixels. */
 iso_shapes_hit iso_shapes_truth_ray(const iso_shapes_truth *truth, double px, double py);
 
+/* A place where a ray enters or leaves a translucent glyph or line, or meets a ribbon or a disc. */
+typedef struct iso_shapes_layer {
+    double depth;     /* view z */
+    double normal[3]; /* unit, view space, out of the solid; of ribbons and discs on the ray's side */
+    bool leaves;
+    size_t shape; /* number of the glyph, or of a segment's first vertex */
+} iso_shapes_layer;
+
+/* All layers of the ray through (px, py), front to back, from the near plane on: up to `most` of them. The
+ * segments of one line are one solid: what lies inside another of them is no layer. Returns their number.
+ * For one thread. */
+size_t iso_shapes_truth_layers(iso_shapes_truth *truth, double px, double py, iso_shapes_layer *layers,
+                               size_t most);
+
 #ifdef __cplusplus
 }
 #endif

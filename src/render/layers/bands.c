@@ -14,6 +14,7 @@ int iso_layer_band_rows(const iso_strip *strip, int wanted) {
 
 static void draw_rows(bands_draw *draw, int worker, size_t band, iso_rows rows) {
     const iso_layer_bands *bands = draw->bands;
+    if (atomic_load(&draw->failed)) return;
     const int factor = bands->strip->factor, pixels = (rows.last - rows.first + 1) / factor;
     if (bands->list(bands->context, worker, band, rows, pixels == 1)) {
         bands->use(bands->context, worker, rows);

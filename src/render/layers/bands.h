@@ -23,6 +23,17 @@ typedef struct iso_layer_bands {
     void *context; /* of both; they are called by any worker */
 } iso_layer_bands;
 
+/* Lists fragments of what is in the same picture as the surfaces of a renderer: the functions are called by
+ * any worker of its pool. */
+typedef struct iso_layer_source {
+    /* Adds the fragments of the rows `rows` of the strip to the lists of their band. The lists' limit and
+     * middle are set. Returns false when memory has no room for them. */
+    bool (*list)(void *context, int worker, iso_layer_lists *lists, iso_rows rows);
+    /* Counts what the worker has listed last: the lists will be composited. */
+    void (*count)(void *context, int worker);
+    void *context;
+} iso_layer_source;
+
 /* The rows of a band: about `wanted`, and a multiple of the strip's factor. */
 int iso_layer_band_rows(const iso_strip *strip, int wanted);
 

@@ -5,17 +5,22 @@
 #include "base/memory.h"
 #include "render/shapes/kernel.h"
 
+iso_rgb iso_shapes_color_at(const iso_shapes *shapes, uint32_t id, float along) {
+    uint8_t rgb[3];
+    for (int k = 0; k < 3; k++) {
+        float value = (float)shapes->colors[id][k];
+        if (iso_shapes_are_lines(shapes)) value += along * ((float)shapes->colors[id + 1][k] - value);
+        rgb[k] = (uint8_t)(value + 0.5f);
+    }
+    return (iso_rgb){rgb[0], rgb[1], rgb[2]};
+}
+
 void iso_shapes_write_color(const iso_shapes_frame *frame, size_t sample, uint32_t id, float along) {
     const iso_target *target = frame->target;
-    const uint8_t(*colors)[3] = frame->shapes->colors;
-    if (!colors) return;
-    uint32_t word = (uint32_t)(target->surface + 1) << 24;
-    for (int k = 0; k < 3; k++) {
-        float value = (float)colors[id][k];
-        if (iso_shapes_are_lines(frame->shapes)) value += along * ((float)colors[id + 1][k] - value);
-        word |= (uint32_t)(value + 0.5f) << 8 * k;
-    }
-    target->gbuffer->color[sample] = word;
+    if (!frame->shapes->colors) return;
+    const iso_rgb c = iso_shapes_color_at(frame->shapes, id, along);
+    target->gbuffer->color[sample] =
+        (uint32_t)(target->surface + 1) << 24 | (uint32_t)c.b << 16 | (uint32_t)c.g << 8 | c.r;
 }
 
 void iso_shapes_write_element(const iso_shapes_frame *frame, size_t sample, uint32_t id) {

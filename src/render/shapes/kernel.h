@@ -136,8 +136,10 @@ static inline size_t iso_shapes_pixel(const iso_shapes_bin *bin, int x, int y) {
     return (size_t)(y - bin->rect.y0) * ISO_SHAPES_PITCH + (size_t)(x - bin->rect.x0);
 }
 
-/* Writes the colour of a sample, if the set has colours: of a glyph, or at `along` (0 to 1) of the segment
- * between the vertices `id` and `id` + 1. */
+/* The colour of a glyph, or at `along` (0 to 1) of the segment between the vertices `id` and `id` + 1, of a
+ * set that has colours. */
+iso_rgb iso_shapes_color_at(const iso_shapes *shapes, uint32_t id, float along);
+/* Writes the colour of a sample, if the set has colours. */
 void iso_shapes_write_color(const iso_shapes_frame *frame, size_t sample, uint32_t id, float along);
 /* Writes the element of a sample, if the target's gbuffer has elements. */
 void iso_shapes_write_element(const iso_shapes_frame *frame, size_t sample, uint32_t id);

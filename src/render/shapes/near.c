@@ -7,21 +7,14 @@
 
 #include "render/shapes/solid.h"
 
-/* A ray: origin + t * direction, t the depth. */
-typedef struct ray {
-    double origin[3], direction[3];
-} ray;
-
-/* Where a ray enters and leaves a shape, with the normals there, and how far along a segment that is. */
-typedef struct piece {
-    double t[2], normal[2][3], along[2];
-} piece;
+typedef iso_near_ray ray;
+typedef iso_near_piece piece;
 
 static double dot(const double a[3], const double b[3]) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-static ray ray_of(const iso_shapes_frame *frame, int x, int y) {
+ray iso_near_ray_of(const iso_shapes_frame *frame, int x, int y) {
     const double u = (x + 0.5 - frame->cx) / frame->focal, v = (y + 0.5 - frame->cy) / frame->focal;
     if (frame->parallel) return (ray){{u, v, 0}, {0, 0, 1}};
     return (ray){{0, 0, 0}, {u, v, 1}};
@@ -236,48 +229,41 @@ static piece meet_cylinder(const ray *r, double radius, double low, double high)
     return p;
 }
 
-/* The first piece behind the near plane of an arrow: head and shaft touch, so that a piece may continue in
- * the other. */
-static piece meet_arrow(const ray *r, double near) {
+/* The pieces of an arrow, in order: head and shaft touch, so that a piece may continue in the other. */
+static int meet_arrow(const ray *r, piece out[ISO_NEAR_PIECES]) {
     piece a = meet_cylinder(r, ISO_ARROW_SHAFT, -1, ISO_ARROW_NECK), b = meet_cone_from(r, ISO_ARROW_NECK);
-    if (!(a.t[0] <= a.t[1])) return b;
-    if (!(b.t[0] <= b.t[1])) return a;
+    const bool first = a.t[0] <= a.t[1], second = b.t[0] <= b.t[1];
+    out[0] = first ? a : b;
+    if (!first || !second) return first || second;
     if (b.t[0] < a.t[0]) {
-        const piece first = b;
+        const piece swapped = b;
         b = a;
-        a = first;
+        a = swapped;
     }
-    if (a.t[1] < b.t[0] - 1e-9 * fabs(b.t[0])) return a.t[1] >= near ? a : b;
+    out[0] = a;
+    out[1] = b;
+    if (a.t[1] < b.t[0] - 1e-9 * fabs(b.t[0])) return 2;
     if (b.t[1] > a.t[1]) {
-        a.t[1] = b.t[1];
-        for (int k = 0; k < 3; k++) a.normal[1][k] = b.normal[1][k];
+        out[0].t[1] = b.t[1];
+        for (int k = 0; k < 3; k++) out[0].normal[1][k] = b.normal[1][k];
     }
-    return a;
+    return 1;
 }
 
-static piece meet_unit(iso_glyph glyph, const ray *r, double near) {
+static int meet_unit(iso_glyph glyph, const ray *r, piece out[ISO_NEAR_PIECES]) {
+    if (glyph == ISO_GLYPH_ARROW) return meet_arrow(r, out);
     piece p = whole_ray();
-    if (glyph == ISO_GLYPH_CONE) return meet_cone_from(r, -1);
-    if (glyph == ISO_GLYPH_CYLINDER) return meet_cylinder(r, 1, -1, 1);
-    if (glyph == ISO_GLYPH_ARROW) return meet_arrow(r, near);
+    if (glyph == ISO_GLYPH_CONE) p = meet_cone_from(r, -1);
+    if (glyph == ISO_GLYPH_CYLINDER) p = meet_cylinder(r, 1, -1, 1);
     if (glyph == ISO_GLYPH_ELLIPSOID) meet_quadric(r, 1, 1, 0, &p);
-    if (glyph == ISO_GLYPH_DISC) return meet_cylinder(r, 1, 0, 0);
+    if (glyph == ISO_GLYPH_DISC) p = meet_cylinder(r, 1, 0, 0);
     for (int axis = 0; axis < 3 && glyph == ISO_GLYPH_BOX; axis++) meet_slab(r, axis, -1, 1, &p);
-    return p;
+    out[0] = p;
+    return p.t[0] <= p.t[1];
 }
 
-/* The ray is taken from the point nearest to the solid's centre. */
-static void meet_solid(const iso_shapes_frame *frame, const iso_near_shape *s, const ray *r, piece *p) {
-    double to[3], from[3];
-    for (int a = 0; a < 3; a++) to[a] = s->end[0][a] - r->origin[a];
-    const double shift = dot(to, r->direction) / dot(r->direction, r->direction);
-    for (int a = 0; a < 3; a++) from[a] = shift * r->direction[a] - to[a];
-    ray unit;
-    for (int i = 0; i < 3; i++) {
-        unit.origin[i] = dot(s->inverse[i], from);
-        unit.direction[i] = dot(s->inverse[i], r->direction);
-    }
-    *p = meet_unit(frame->shapes->glyph, &unit, frame->near - shift);
+/* Turns a piece in the coordinates of the unit solid into one in view space. */
+static void to_view(const iso_near_shape *s, double shift, piece *p) {
     for (int end = 0; end < 2; end++) {
         double n[3] = {0};
         p->t[end] += shift;
@@ -288,17 +274,46 @@ static void meet_solid(const iso_shapes_frame *frame, const iso_near_shape *s, c
     }
 }
 
-/* Where the ray meets the shape; *end: which of the piece's ends is the first at or behind the near plane. */
-static bool meet(const iso_shapes_frame *frame, const iso_near_shape *shape, const ray *r, piece *p,
-                 int *end) {
+/* The ray is taken from the point nearest to the solid's centre. */
+static int meet_solid(iso_glyph glyph, const iso_near_shape *s, const ray *r, piece out[ISO_NEAR_PIECES]) {
+    double to[3], from[3];
+    for (int a = 0; a < 3; a++) to[a] = s->end[0][a] - r->origin[a];
+    const double shift = dot(to, r->direction) / dot(r->direction, r->direction);
+    for (int a = 0; a < 3; a++) from[a] = shift * r->direction[a] - to[a];
+    ray unit;
+    for (int i = 0; i < 3; i++) {
+        unit.origin[i] = dot(s->inverse[i], from);
+        unit.direction[i] = dot(s->inverse[i], r->direction);
+    }
+    const int count = meet_unit(glyph, &unit, out);
+    for (int i = 0; i < count; i++) to_view(s, shift, &out[i]);
+    return count;
+}
+
+int iso_near_pieces(const iso_shapes_frame *frame, const iso_near_shape *shape, const ray *r,
+                    piece pieces[ISO_NEAR_PIECES]) {
+    piece *p = pieces;
+    if (shape->kind == ISO_SHAPE_SOLID) return meet_solid(frame->shapes->glyph, shape, r, pieces);
     p->t[0] = INFINITY;
     p->t[1] = -INFINITY;
-    if (shape->kind == ISO_SHAPE_SOLID) meet_solid(frame, shape, r, p);
     if (shape->kind == ISO_SHAPE_SPHERE) meet_sphere(r, shape->end[0], shape->radius[0], 0, p);
     if (shape->kind == ISO_SHAPE_RIBBON) meet_ribbon(r, shape, p);
-    if (shape->kind == ISO_SHAPE_TUBE && !meet_tube(r, shape, p)) return false;
-    *end = !(p->t[0] >= frame->near);
-    return p->t[0] <= p->t[1] && p->t[*end] >= frame->near;
+    if (shape->kind == ISO_SHAPE_TUBE && !meet_tube(r, shape, p)) return 0;
+    return p->t[0] <= p->t[1];
+}
+
+/* Where the ray first meets the shape at or behind the near plane: the piece, and *end which of its ends. */
+static bool meet(const iso_shapes_frame *frame, const iso_near_shape *shape, const ray *r, piece *p,
+                 int *end) {
+    piece pieces[ISO_NEAR_PIECES];
+    const int count = iso_near_pieces(frame, shape, r, pieces);
+    for (int i = 0; i < count; i++) {
+        if (!(pieces[i].t[1] >= frame->near)) continue;
+        *p = pieces[i];
+        *end = !(p->t[0] >= frame->near);
+        return true;
+    }
+    return false;
 }
 
 /* ---- shapes */
@@ -353,7 +368,7 @@ static void draw_tile(iso_shapes_bin *bin, const iso_near_shape *shape, int x0, 
     for (int y = y0; y < y0 + ISO_SHAPES_TILE; y++)
         for (int x = x0; x < x0 + ISO_SHAPES_TILE; x++) {
             const size_t at = iso_shapes_pixel(bin, x, y);
-            const ray r = ray_of(bin->frame, x, y);
+            const ray r = iso_near_ray_of(bin->frame, x, y);
             piece p;
             int end;
             if (bin->depth[at] > -INFINITY && meet(bin->frame, shape, &r, &p, &end) &&
@@ -375,7 +390,7 @@ static double nearest_in_tile(const iso_shapes_frame *frame, const iso_near_shap
         (ISO_SHAPES_TILE / 2) * 1.42 / frame->focal; /* sine of the cone's half angle, at most */
     if (shape->kind != ISO_SHAPE_SPHERE || frame->parallel || !(inside > 0) || !(half < 0.5))
         return shape->nearest;
-    const ray r = ray_of(frame, x + ISO_SHAPES_TILE / 2, y + ISO_SHAPES_TILE / 2);
+    const ray r = iso_near_ray_of(frame, x + ISO_SHAPES_TILE / 2, y + ISO_SHAPES_TILE / 2);
     const double length = sqrt(dot(r.direction, r.direction)), along = dot(c, r.direction) / length,
                  across = sqrt(fmax(dot(c, c) - along * along, 0));
     const double wide = half + 1 / frame->focal; /* the tile's middle is half a pixel beside that ray */
@@ -399,7 +414,7 @@ void iso_near_draw(iso_shapes_bin *bin, const iso_near_shape *shape) {
 static void write_sample(iso_shapes_bin *bin, const iso_near_shape *shape, int x, int y) {
     const iso_target *target = bin->frame->target;
     iso_gbuffer *g = target->gbuffer;
-    const ray r = ray_of(bin->frame, x, y);
+    const ray r = iso_near_ray_of(bin->frame, x, y);
     const size_t sample = (size_t)(y - bin->frame->top) * (size_t)g->width + (size_t)x;
     piece p;
     int end;

@@ -19,6 +19,26 @@ typedef struct iso_near_shape {
 
 struct iso_shapes_bin;
 
+/* A ray in view space: origin + t * direction, t the depth. */
+typedef struct iso_near_ray {
+    double origin[3], direction[3];
+} iso_near_ray;
+
+/* Where a ray enters and leaves a shape, with the outward normals there (of ribbons, those on the ray's
+ * side), and how far along a segment that is, 0 to 1. Nothing is met when t[0] > t[1]. */
+typedef struct iso_near_piece {
+    double t[2], normal[2][3], along[2];
+} iso_near_piece;
+
+enum { ISO_NEAR_PIECES = 2 }; /* of a ray in one shape, at most: in an arrow */
+
+/* The ray of the sample in column x and row y of the picture. */
+iso_near_ray iso_near_ray_of(const iso_shapes_frame *frame, int x, int y);
+/* The pieces of a ray in a shape, also those before the near plane; returns their number. The two places
+ * where a ray meets a ribbon are the ends of one piece. */
+int iso_near_pieces(const iso_shapes_frame *frame, const iso_near_shape *shape, const iso_near_ray *ray,
+                    iso_near_piece pieces[ISO_NEAR_PIECES]);
+
 /* Whether floats suffice for a shape whose points are at the depth `front` or farther, and which reaches
  * `reach` mm from its centre or axis. */
 bool iso_near_fits(const iso_shapes_frame *frame, double front, double reach);

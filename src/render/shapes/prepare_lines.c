@@ -155,7 +155,7 @@ static iso_status sort_lines(iso_shapes *shapes, const iso_lines *lines, runs *r
     return store(shapes, r, sort, error);
 }
 
-iso_status iso_shapes_check_lines(const iso_lines *lines, const iso_shapes_opts *opts, iso_error *error) {
+static iso_status check(const iso_lines *lines, const iso_shapes_opts *opts, iso_error *error) {
     ISO_TRY(iso_shapes_check(opts, error));
     if (!lines->radii && !(opts->radius > 0) && !(opts->min_pixels > 0))
         return iso_fail(error, ISO_ERR_USAGE,
@@ -170,11 +170,13 @@ iso_status iso_shapes_check_lines(const iso_lines *lines, const iso_shapes_opts 
 
 static iso_status from_lines(const iso_lines *lines, const iso_shapes_opts *opts, iso_shapes **shapes,
                              iso_error *error) {
-    ISO_TRY(iso_shapes_check_lines(lines, opts, error));
+    ISO_TRY(check(lines, opts, error));
     iso_shapes *made = iso_shapes_make(opts, lines->origin);
     if (!made) return iso_fail_memory(error, "shapes");
     made->kind = opts->style == ISO_LINE_RIBBON ? ISO_SHAPE_RIBBON : ISO_SHAPE_TUBE;
     made->colors = (const uint8_t(*)[3])lines->colors;
+    made->line_starts = lines->starts;
+    made->line_count = lines->line_count;
     runs r = {.count = 0};
     iso_shapes_sort sort = {0};
     const iso_status status = sort_lines(made, lines, &r, &sort, error);

@@ -50,6 +50,8 @@ struct iso_shapes {
     float (*vertices)[4];
     float (*across)[3]; /* of ribbons: unit vectors from the line to an edge; 0: the vertex has none */
     iso_shapes_runs runs;
+    const size_t *line_starts; /* of lines; borrowed: iso_lines.starts */
+    size_t line_count;
     /* Borrowed, by the number of the glyph or vertex; NULL: none. */
     const float *radii;
     const float (*directions)[3], (*axes)[9];

@@ -69,10 +69,11 @@ typedef struct iso_shapes iso_shapes;
  * ISO_ERR_NOMEM. */
 iso_status iso_shapes_from_glyphs(const iso_glyphs *glyphs, const iso_shapes_opts *opts, iso_shapes **shapes,
                                   iso_error *error);
-/* Prepares lines as tubes or ribbons. The colours of `lines` are borrowed until iso_shapes_destroy; vertices
- * are copied. Takes 16 bytes a vertex, 28 of ribbons, and less than one a segment. Segments are left out when
- * a vertex is not finite, a radius is not a finite number of at least 0, both are 0 without a least width, or
- * a ribbon's normal is 0 or along the line. Errors: as for glyphs; ISO_ERR_USAGE when ribbons have no normals
+/* Prepares lines as tubes or ribbons. The colours of `lines` and, for sets that are drawn translucent
+ * (render/shapes/fragments.h), its starts are borrowed until iso_shapes_destroy; vertices are copied. Takes
+ * 16 bytes a vertex, 28 of ribbons, and less than one a segment. Segments are left out when a vertex is not
+ * finite, a radius is not a finite number of at least 0, both are 0 without a least width, or a ribbon's
+ * normal is 0 or along the line. Errors: as for glyphs; ISO_ERR_USAGE when ribbons have no normals
  * (iso_lines_add_normals); ISO_ERR_LIMIT when there are 2^29 vertices or more. */
 iso_status iso_shapes_from_lines(const iso_lines *lines, const iso_shapes_opts *opts, iso_shapes **shapes,
                                  iso_error *error);

@@ -226,11 +226,11 @@ static void pixels_of(const iso_shapes_frame *frame, const bounds *b, int axis, 
     *last = high < INT32_MAX / 2 ? (int)floor(fmax(high, INT32_MIN / 2)) : INT32_MAX / 2;
 }
 
-/* The box in pixels; false when the bin does not meet it. */
-static bool clip(const iso_shapes_bin *bin, const bounds *b, iso_shapes_rect *r) {
-    const iso_shapes_rect *limit = &bin->rect;
-    pixels_of(bin->frame, b, 0, &r->x0, &r->x1);
-    pixels_of(bin->frame, b, 1, &r->y0, &r->y1);
+/* The box in pixels, cut to `limit`; false when nothing is left. */
+static bool clip(const iso_shapes_frame *frame, const iso_shapes_rect *limit, const bounds *b,
+                 iso_shapes_rect *r) {
+    pixels_of(frame, b, 0, &r->x0, &r->x1);
+    pixels_of(frame, b, 1, &r->y0, &r->y1);
     r->x0 = r->x0 > limit->x0 ? r->x0 : limit->x0;
     r->y0 = r->y0 > limit->y0 ? r->y0 : limit->y0;
     r->x1 = r->x1 < limit->x1 ? r->x1 : limit->x1;
@@ -263,13 +263,13 @@ static void add_to_chunk(iso_shapes_bin *bin, const placed *p, const iso_shapes_
     }
 }
 
-static void draw_near(iso_shapes_bin *bin, const placed *p, uint32_t id) {
-    iso_near_shape shape = {.nearest = bin->frame->near, .id = id, .kind = ISO_SHAPE_SOLID};
+static iso_near_shape near_shape_of(const iso_shapes_frame *frame, const placed *p, uint32_t id) {
+    iso_near_shape shape = {.nearest = frame->near, .id = id, .kind = ISO_SHAPE_SOLID};
     for (int a = 0; a < 3; a++) {
         shape.end[0][a] = p->centre[a];
         for (int i = 0; i < 3; i++) shape.inverse[i][a] = p->inverse[i][a];
     }
-    iso_near_draw(bin, &shape);
+    return shape;
 }
 
 /* Whether the sphere around a glyph's position is in the bin and in front of what the bin shows. */
@@ -282,34 +282,87 @@ static bool may_be_seen(const iso_shapes_bin *bin, const double view[3], double 
     const double axes[3][3] = {{reach, 0, 0}, {0, reach, 0}, {0, 0, reach}};
     iso_shapes_rect r;
     add_ellipsoid(&b, view, axes, 3, frame->parallel);
-    return clip(bin, &b, &r) && !bin->kernel->hidden(bin, &r, (float)(front - margin));
+    return clip(frame, &bin->rect, &b, &r) && !bin->kernel->hidden(bin, &r, (float)(front - margin));
+}
+
+/* A glyph's position relative to the set's origin. */
+static void position_of(const iso_shapes *set, const iso_shapes_block *block, uint32_t place, double out[3]) {
+    out[0] = (double)block->origin[0] + (double)set->x[place];
+    out[1] = (double)block->origin[1] + (double)set->y[place];
+    out[2] = (double)block->origin[2] + (double)set->z[place];
+}
+
+/* Whether floats suffice for a glyph that reaches `reach` mm from a position at the depth `depth`. */
+static bool fits(const iso_shapes_frame *frame, const placed *p, double depth, double reach) {
+    const double w = frame->parallel ? 1 : p->centre[2], column = frame->focal * p->centre[0] / w,
+                 row = frame->focal * p->centre[1] / w;
+    return iso_near_fits(frame, depth - reach, reach) && fabs(column) < 1 << 20 && fabs(row) < 1 << 20;
+}
+
+static bounds placed_bounds(const iso_shapes_frame *frame, const placed *p) {
+    const iso_shapes *set = frame->shapes;
+    const double(*axis)[3] = (const double(*)[3])p->axis;
+    return set->billboards && !frame->parallel ? billboard_bounds(set->glyph, p->centre, axis)
+                                               : bounds_of(set->glyph, p->centre, axis, frame->parallel);
 }
 
 void iso_solid_add(iso_shapes_bin *bin, const iso_shapes_block *block, uint32_t index) {
     const iso_shapes_frame *frame = bin->frame;
     const iso_shapes *set = frame->shapes;
-    const double position[3] = {(double)block->origin[0] + (double)set->x[index],
-                                (double)block->origin[1] + (double)set->y[index],
-                                (double)block->origin[2] + (double)set->z[index]};
     const uint32_t id = set->id[index];
-    double view[3];
+    double position[3], view[3];
     map m;
+    position_of(set, block, index, position);
     iso_shapes_to_view(frame, position, view);
     /* first with the block's reach: most glyphs of a large set are hidden */
     if (!may_be_seen(bin, view, (double)block->reach) || !map_of(set, id, &m)) return;
     const placed p = place(frame, &m, position);
-    const double reach = reach_of(set->glyph, &m), front = view[2] - reach;
-    const double column = frame->focal * p.centre[0] / (frame->parallel ? 1 : p.centre[2]),
-                 row = frame->focal * p.centre[1] / (frame->parallel ? 1 : p.centre[2]);
-    if (!iso_near_fits(frame, front, reach) || !(fabs(column) < 1 << 20 && fabs(row) < 1 << 20)) {
-        draw_near(bin, &p, id);
+    const double reach = reach_of(set->glyph, &m);
+    if (!fits(frame, &p, view[2], reach)) {
+        const iso_near_shape shape = near_shape_of(frame, &p, id);
+        iso_near_draw(bin, &shape);
         return;
     }
-    const double(*axis)[3] = (const double(*)[3])p.axis;
-    const bounds b = set->billboards && !frame->parallel
-                         ? billboard_bounds(set->glyph, p.centre, axis)
-                         : bounds_of(set->glyph, p.centre, axis, frame->parallel);
+    const bounds b = placed_bounds(frame, &p);
     const float nearest = (float)(b.front - 1e-5 * reach - 1e-6 * fabs(b.front));
     iso_shapes_rect r;
-    if (clip(bin, &b, &r) && !bin->kernel->hidden(bin, &r, nearest)) add_to_chunk(bin, &p, &r, nearest, id);
+    if (clip(frame, &bin->rect, &b, &r) && !bin->kernel->hidden(bin, &r, nearest))
+        add_to_chunk(bin, &p, &r, nearest, id);
+}
+
+/* ---- for rays in double precision */
+
+bool iso_solid_place(const iso_shapes_frame *frame, const iso_shapes_block *block, uint32_t index,
+                     const iso_shapes_rect *limit, iso_near_shape *shape, iso_shapes_rect *rect,
+                     bool *billboard) {
+    const iso_shapes *set = frame->shapes;
+    double position[3], view[3];
+    map m;
+    position_of(set, block, index, position);
+    iso_shapes_to_view(frame, position, view);
+    if (!map_of(set, set->id[index], &m)) return false;
+    const double reach = reach_of(set->glyph, &m);
+    if (view[2] + reach < frame->near) return false;
+    const placed p = place(frame, &m, position);
+    const bool small = fits(frame, &p, view[2], reach);
+    *shape = near_shape_of(frame, &p, set->id[index]);
+    *billboard = small && set->billboards && !frame->parallel;
+    *rect = *limit;
+    if (!small) return true;
+    const bounds b = placed_bounds(frame, &p);
+    return clip(frame, limit, &b, rect);
+}
+
+bool iso_solid_place_hull(const iso_shapes_frame *frame, const iso_near_shape *shape,
+                          const iso_shapes_rect *limit, iso_shapes_rect *rect) {
+    bounds b = {{INFINITY, INFINITY}, {-INFINITY, -INFINITY}, INFINITY};
+    const double reach = fmax(shape->radius[0], shape->radius[1]), *ends[2] = {shape->end[0], shape->end[1]};
+    if (fmax(ends[0][2], ends[1][2]) + reach < frame->near) return false;
+    *rect = *limit;
+    if (!iso_near_fits(frame, fmin(ends[0][2], ends[1][2]) - reach, reach)) return true;
+    for (int end = 0; end < 2; end++) {
+        const double r = shape->radius[end], axes[3][3] = {{r, 0, 0}, {0, r, 0}, {0, 0, r}};
+        add_ellipsoid(&b, ends[end], axes, 3, frame->parallel);
+    }
+    return clip(frame, limit, &b, rect);
 }

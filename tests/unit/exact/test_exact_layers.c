@@ -99,10 +99,9 @@ static void draw_layers(const test_scene *scene, const iso_strip *strip, iso_poo
         layers[i] = (iso_exact_layer){make_exact(scene->grid, scene->isovalue[i], NULL), colors[i],
                                       scene->translucency[i]};
     const iso_exact_layers input = {
-        layers,
-        scene->count,
-        {strip, &shading, &picture->image, picture->counts, picture->coverage, pool},
-        NULL};
+        .layers = layers,
+        .count = scene->count,
+        .picture = {strip, &shading, &picture->image, picture->counts, picture->coverage, pool}};
     iso_exact_layers_totals totals = {.retraced = 0};
     test_ok(iso_shade_exact_layers(&input, &totals, &error), &error);
     picture->totals = totals.layers;
