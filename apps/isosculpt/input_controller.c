@@ -229,6 +229,13 @@ static iso_status apply_stroke(isosculpt_controller *controller, const isosculpt
     return status == ISO_OK ? ended : status;
 }
 
+void isosculpt_controller_drop_strokes(isosculpt_controller *controller) {
+    if (controller->viewing_volume && controller->drag == ISOSCULPT_DRAG_BRUSH)
+        controller->drag = ISOSCULPT_DRAG_NONE;
+    controller->field_pending = false;
+    isosculpt_strokes_free(&controller->queued_strokes);
+}
+
 void isosculpt_controller_apply_strokes(isosculpt_controller *controller, isosculpt_strokes *strokes) {
     iso_edit_stats stats = {0};
     iso_status status = ISO_OK;
@@ -419,7 +426,12 @@ static bool handle_camera_key(isosculpt_controller *controller, int key, unsigne
 /* Choosing a brush while a volume is viewed also converts the volume into a field. */
 static void choose_tool(isosculpt_controller *controller, int number) {
     controller->brush.tool = isosculpt_controller_tool(number);
-    if (controller->viewing_volume) controller->commands |= ISOSCULPT_COMMAND_SCULPT;
+    if (!controller->viewing_volume) return;
+    controller->commands |= ISOSCULPT_COMMAND_SCULPT;
+    if (controller->field_pending) return;
+    /* At once: a slow program gets this key and the next strokes before it carries out commands. */
+    controller->field_pending = true;
+    isosculpt_controller_center_mirror(controller);
 }
 
 static bool handle_brush_key(isosculpt_controller *controller, int key) {

@@ -66,7 +66,7 @@ typedef struct isosculpt_controller {
     iso_tool tool;          /* of the stroke */
 
     bool viewing_volume; /* a volume is shown: there is no field that a brush could change */
-    bool field_pending;  /* the volume is being converted into a field: strokes are queued until then */
+    bool field_pending;  /* the volume is to become a field, or becomes one: strokes are queued until then */
     isosculpt_strokes queued_strokes; /* owned */
 
     iso_box surface_box;    /* world box of the surface after the last stroke; the mirror planes are drawn as
@@ -94,6 +94,8 @@ void isosculpt_controller_free(isosculpt_controller *controller);
  * two, so that mirrored strokes make exactly mirrored voxels. */
 void isosculpt_controller_center_mirror(isosculpt_controller *controller);
 
+/* No field is pending any more: drops the queued strokes, and the one that is being drawn. */
+void isosculpt_controller_drop_strokes(isosculpt_controller *controller);
 /* Applies strokes that were queued before there was a field; frees them. Errors are in controller->error. */
 void isosculpt_controller_apply_strokes(isosculpt_controller *controller, isosculpt_strokes *strokes);
 

@@ -197,8 +197,8 @@ static bool must_ask_again(const window *w) {
 /* Ends the conversion of a volume into a field, whether it succeeded or not. */
 static void end_sculpting(window *w) {
     if (w->viewport.opaque) w->controller.commands |= ISOSCULPT_COMMAND_REDRAW;
-    w->sculpting = w->screen.sculpting = w->controller.field_pending = w->viewport.opaque = false;
-    isosculpt_strokes_free(&w->controller.queued_strokes);
+    w->sculpting = w->screen.sculpting = w->viewport.opaque = false;
+    isosculpt_controller_drop_strokes(&w->controller);
 }
 
 iso_status isosculpt_window_finish_opening(window *w, iso_error *error) {
@@ -291,14 +291,20 @@ void isosculpt_window_drop(window *w, const char *path) {
 
 void isosculpt_window_start_sculpting(window *w) {
     iso_error reason = {0};
-    if (!w->volume || w->sculpting || isosculpt_window_is_opening(w)) return;
+    if (!w->volume || w->sculpting) return;
+    if (isosculpt_window_is_opening(w)) {
+        isosculpt_controller_drop_strokes(&w->controller);
+        return;
+    }
     w->sculpting = start_converting(w, &reason) == ISO_OK;
     w->screen.sculpting = w->controller.field_pending = w->viewport.opaque = w->sculpting;
     w->controller.commands |= ISOSCULPT_COMMAND_REDRAW;
-    if (!w->sculpting)
-        isosculpt_window_set_status(w, true, reason.text);
-    else
+    if (w->sculpting) {
         isosculpt_controller_center_mirror(&w->controller);
+    } else {
+        isosculpt_controller_drop_strokes(&w->controller);
+        isosculpt_window_set_status(w, true, reason.text);
+    }
 }
 
 void isosculpt_window_load_first_stamp(window *w) {

@@ -102,7 +102,16 @@ static void strokes_wait_for_a_field(void **state) {
     isosculpt_controller_release(&late.controller, ISOSCULPT_BUTTON_LEFT);
     assert_true(isosculpt_controller_key(&late.controller, '1', 0, true));
     assert_true(late.controller.commands & ISOSCULPT_COMMAND_SCULPT);
-    late.controller.field_pending = true;
+    assert_true(late.controller.field_pending); /* before the window has carried out the command */
+    draw_stroke(&late.controller, WIDTH / 2 + 20);
+    isosculpt_controller_move(&late.controller, WIDTH / 2, HEIGHT / 2);
+    press(&late.controller);
+    assert_int_equal(late.controller.drag, ISOSCULPT_DRAG_BRUSH);
+    isosculpt_controller_drop_strokes(&late.controller); /* it could not be */
+    assert_int_equal(late.controller.drag, ISOSCULPT_DRAG_NONE);
+    assert_int_equal(late.controller.queued_strokes.count, 0);
+    assert_false(late.controller.field_pending);
+    isosculpt_controller_key(&late.controller, '1', 0, true);
     iso_hgrid *before = sculpt_copy(iso_session_grid(late.document.session));
     draw_stroke(&late.controller, WIDTH / 2 + 20);
     draw_stroke(&late.controller, WIDTH / 2 - 10);
