@@ -1,6 +1,6 @@
 /* Frames of glyphs and tubes, 1024 x 1024, one sample a pixel, one thread; against VTK's frames of the same:
  * spheres by vtkOpenGLSphereMapper and vtkPointGaussianMapper, cones and arrows by vtkGlyph3DMapper, tubes by
- * vtkTubeFilter, whose own time is not counted. */
+ * vtkTubeFilter, whose own time is not counted; tubes also against Embree's rays. */
 #define _GNU_SOURCE
 #include <math.h>
 #include <stdio.h>
@@ -25,6 +25,7 @@ typedef struct shapes_subject {
     shapes_kind kind;
     /* Of the ratios to the peers, at full size with AVX-512; 0: nothing; -1: the peer is not measured. */
     double asked[PEERS];
+    bool builds; /* preparing the set is a part of the frame */
 } shapes_subject;
 
 /* ---- the sets: in the cube -1 .. 1 */
@@ -161,7 +162,7 @@ static void free_set(shapes_set *made) {
 typedef struct shapes_plan {
     const shapes_subject *subject;
     shapes_set *set;  /* borrowed */
-    const char *peer; /* how vtk_frame draws it; NULL: ours */
+    const char *peer; /* "embree", or how vtk_frame draws it; NULL: ours */
 } shapes_plan;
 
 typedef struct shapes_work {
@@ -171,31 +172,39 @@ typedef struct shapes_work {
     size_t covered;
 } shapes_work;
 
-static iso_status open_ours(const shapes_plan *plan, shapes_work *work, iso_error *error) {
+static iso_status build_ours(const shapes_plan *plan, shapes_work *work, iso_error *error) {
     static const iso_glyph glyphs[KINDS] = {[CONES] = ISO_GLYPH_CONE, [ARROWS] = ISO_GLYPH_ARROW};
     const iso_shapes_opts opts = {.glyph = glyphs[plan->subject->kind]};
-    ISO_TRY(iso_gbuffer_create(SIDE, SIDE, &work->gbuffer, error));
+    iso_shapes_destroy(work->shapes);
+    work->shapes = NULL;
     if (plan->subject->kind == TUBES)
         return iso_shapes_from_lines(&plan->set->lines, &opts, &work->shapes, error);
     return iso_shapes_from_glyphs(&plan->set->glyphs, &opts, &work->shapes, error);
 }
 
+static iso_status open_ours(const shapes_plan *plan, shapes_work *work, iso_error *error) {
+    ISO_TRY(iso_gbuffer_create(SIDE, SIDE, &work->gbuffer, error));
+    return build_ours(plan, work, error);
+}
+
 static iso_status open_peer(bench_row *row, const shapes_plan *plan, shapes_work *work, iso_error *error) {
     char program[1100], line[512];
-    const char *display;
+    const char *display = NULL;
+    const bool embree = strcmp(plan->peer, "embree") == 0;
     const iso_camera c = camera_of();
     if (!plan->set->path[0]) ISO_TRY(write_set(plan->subject, plan->set, error));
-    ISO_TRY(bench_sibling("vtk_frame", program, sizeof program, error));
-    ISO_TRY(bench_display_open(&row->bench->display, &display, error));
-    const char *const argv[] = {program, plan->peer, plan->set->path, NULL};
-    ISO_TRY(bench_child_start(argv, 1, display, &work->child, error));
+    ISO_TRY(bench_sibling(embree ? "embree_frame" : "vtk_frame", program, sizeof program, error));
+    if (!embree) ISO_TRY(bench_display_open(&row->bench->display, &display, error));
+    const char *const vtk[] = {program, plan->peer, plan->set->path, NULL};
+    const char *const rays[] = {program, plan->set->path, NULL};
+    ISO_TRY(bench_child_start(embree ? rays : vtk, 1, display, &work->child, error));
     ISO_TRY(bench_child_ask(work->child, NULL, line, sizeof line, error));
     snprintf(program, sizeof program, "view %d %d %.17g %.17g %.17g 0 0 0 0 1 0 30 0 0", SIDE, SIDE,
              c.position.x, c.position.y, c.position.z);
     ISO_TRY(bench_child_ask(work->child, program, line, sizeof line, error));
     ISO_TRY(bench_child_ask(work->child, "covered", line, sizeof line, error));
     if (sscanf(line, "covered %zu", &work->covered) != 1)
-        return iso_fail(error, ISO_ERR_UNSUPPORTED, "vtk_frame said '%.80s'", line);
+        return iso_fail(error, ISO_ERR_UNSUPPORTED, "the peer said '%.80s'", line);
     return ISO_OK;
 }
 
@@ -213,11 +222,13 @@ static iso_status run_ours(bench_row *row, bench_sample *sample, iso_error *erro
     const iso_view view = iso_view_make(&camera, SIDE, SIDE);
     shapes_work *work = row->context;
     const iso_target target = {.view = &view, .gbuffer = &work->gbuffer};
+    const shapes_plan *plan = row->plan;
     iso_shapes_drawn drawn = {0};
     iso_cpu_limit(row->level);
     const bench_clock clock = bench_clock_start();
+    iso_status status = plan->subject->builds ? build_ours(plan, work, error) : ISO_OK;
     iso_gbuffer_clear(&work->gbuffer);
-    const iso_status status = iso_draw_shapes(&target, work->shapes, &drawn, error);
+    if (status == ISO_OK) status = iso_draw_shapes(&target, work->shapes, &drawn, error);
     bench_clock_stop(&clock, sample);
     iso_cpu_limit(ISO_CPU_AVX512);
     work->covered = drawn.samples;
@@ -226,10 +237,12 @@ static iso_status run_ours(bench_row *row, bench_sample *sample, iso_error *erro
 
 static iso_status run_peer(bench_row *row, bench_sample *sample, iso_error *error) {
     const shapes_work *work = row->context;
+    const shapes_plan *plan = row->plan;
     char line[256];
-    ISO_TRY(bench_child_ask(work->child, "frame", line, sizeof line, error));
+    ISO_TRY(
+        bench_child_ask(work->child, plan->subject->builds ? "built" : "frame", line, sizeof line, error));
     if (sscanf(line, "frame %lf %lf", &sample->wall, &sample->cpu) != 2)
-        return iso_fail(error, ISO_ERR_UNSUPPORTED, "vtk_frame said '%.80s'", line);
+        return iso_fail(error, ISO_ERR_UNSUPPORTED, "the peer said '%.80s'", line);
     return ISO_OK;
 }
 
@@ -268,16 +281,17 @@ static void give_plan(bench_row *row, const shapes_subject *subject, shapes_set 
 
 static void add_rows(bench_state *bench, const shapes_subject *subject, shapes_set *set) {
     static const char *const peers[KINDS][PEERS] = {
-        {"spheres", "gaussians"}, {"tubes", NULL}, {"cones", NULL}, {"arrows", NULL}};
+        {"spheres", "gaussians"}, {"tubes", "embree"}, {"cones", NULL}, {"arrows", NULL}};
     static const char *const ratios[KINDS][PEERS] = {{"ratio_vs_vtk_sphere_mapper", "ratio_vs_vtk_gaussians"},
-                                                     {"ratio_vs_vtk_tubes", NULL},
+                                                     {"ratio_vs_vtk_tubes", "ratio_vs_embree"},
                                                      {"ratio_vs_vtk_glyph_mapper", NULL},
                                                      {"ratio_vs_vtk_glyph_mapper", NULL}};
     bench_row *others[PEERS] = {NULL};
     for (int i = 0; i < PEERS; i++) {
         const char *peer = peers[subject->kind][i];
         if (!peer || !(subject->asked[i] >= 0)) continue;
-        others[i] = bench_add(bench, &peer_kind, "render/shapes/%s/vtk_%s", subject->name, peer);
+        others[i] = bench_add(bench, &peer_kind, "render/shapes/%s/%s%s", subject->name,
+                              strcmp(peer, "embree") == 0 ? "" : "vtk_", peer);
         give_plan(others[i], subject, set, peer);
     }
     for (iso_cpu_level level = ISO_CPU_GENERIC; level <= bench->best; level++) {
@@ -290,7 +304,11 @@ static void add_rows(bench_state *bench, const shapes_subject *subject, shapes_s
             if (!others[i]) continue;
             bench_against *against = bench_compare(row, others[i], ratios[subject->kind][i], NULL,
                                                    bench->settings->small ? 0 : part * subject->asked[i]);
-            if (against) against->cpu = i ? "cpu_ratio_vs_vtk_gaussians" : "cpu_ratio_vs_vtk";
+            static const char *const names[KINDS][PEERS] = {
+                {"cpu_ratio_vs_vtk", "cpu_ratio_vs_vtk_gaussians"},
+                {"cpu_ratio_vs_vtk", "cpu_ratio_vs_embree"}};
+            const char *name = names[subject->kind][i];
+            if (against) against->cpu = name ? name : "cpu_ratio_vs_vtk";
         }
     }
 }
@@ -307,22 +325,23 @@ static iso_status run_subject(bench_state *bench, const shapes_subject *subject,
 
 iso_status bench_shapes_groups(bench_state *bench, iso_error *error) {
     static const shapes_subject large[] = {
-        {"spheres-0.1M-3px", 100000, 3, SPHERES, {20, 12}},
-        {"spheres-1M-3px", 1000000, 3, SPHERES, {100, 45}},
-        {"spheres-5M-3px", 5000000, 3, SPHERES, {180, 80}},
-        {"spheres-1M-1px", 1000000, 1, SPHERES, {20, 0}},
-        {"spheres-1M-10px", 1000000, 10, SPHERES, {200, 0}},
-        {"tubes-0.1M-1.5px", 100000, 1.5, TUBES, {18, 0}},
-        {"tubes-1M-1.5px", 1000000, 1.5, TUBES, {75, 0}},
-        {"tubes-10M-1.5px", 10000000, 1.5, TUBES, {-1, -1}}, /* at most 200 ms asked; VTK needs 16 GB */
-        {"cones-0.1M-6px", 100000, 6, CONES, {30, 0}},
-        {"cones-1M-6px", 1000000, 6, CONES, {50, 0}},
-        {"arrows-0.1M-6px", 100000, 6, ARROWS, {30, 0}},
-        {"arrows-1M-6px", 1000000, 6, ARROWS, {50, 0}}};
-    static const shapes_subject small[] = {{"spheres-2k-3px", 2000, 3, SPHERES, {0}},
-                                           {"tubes-2k-1.5px", 2000, 1.5, TUBES, {0}},
-                                           {"cones-2k-6px", 2000, 6, CONES, {0}},
-                                           {"arrows-2k-6px", 2000, 6, ARROWS, {0}}};
+        {"spheres-0.1M-3px", 100000, 3, SPHERES, {20, 12}, false},
+        {"spheres-1M-3px", 1000000, 3, SPHERES, {100, 45}, false},
+        {"spheres-5M-3px", 5000000, 3, SPHERES, {180, 80}, false},
+        {"spheres-1M-1px", 1000000, 1, SPHERES, {20, 0}, false},
+        {"spheres-1M-10px", 1000000, 10, SPHERES, {200, 0}, false},
+        {"tubes-0.1M-1.5px", 100000, 1.5, TUBES, {18, 12}, false},
+        {"tubes-1M-1.5px", 1000000, 1.5, TUBES, {75, 5}, false},
+        {"tubes-1M-1.5px-built", 1000000, 1.5, TUBES, {-1, 8}, true},
+        {"tubes-10M-1.5px", 10000000, 1.5, TUBES, {-1, 2}, false}, /* VTK's tubes need 16 GB */
+        {"cones-0.1M-6px", 100000, 6, CONES, {30, 0}, false},
+        {"cones-1M-6px", 1000000, 6, CONES, {50, 0}, false},
+        {"arrows-0.1M-6px", 100000, 6, ARROWS, {30, 0}, false},
+        {"arrows-1M-6px", 1000000, 6, ARROWS, {50, 0}, false}};
+    static const shapes_subject small[] = {{"spheres-2k-3px", 2000, 3, SPHERES, {0}, false},
+                                           {"tubes-2k-1.5px", 2000, 1.5, TUBES, {0}, false},
+                                           {"cones-2k-6px", 2000, 6, CONES, {0}, false},
+                                           {"arrows-2k-6px", 2000, 6, ARROWS, {0}, false}};
     const bool few = bench->settings->small;
     const shapes_subject *subjects = few ? small : large;
     const size_t count = few ? sizeof small / sizeof *small : sizeof large / sizeof *large;
