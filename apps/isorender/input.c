@@ -95,22 +95,27 @@ static void choose_method(isorender_job *job) {
     job->renderer = find_renderer(job);
 }
 
+/* Whether --method says how lines are drawn, or nothing. */
+static bool is_method_of_lines(int method) {
+    return method == ISORENDER_METHOD_UNCHOSEN || method == ISO_METHOD_EXACT || method == ISO_METHOD_PULLPUSH;
+}
+
 /* Options that need an input, for pictures without one. */
 static iso_status check_no_input(const isorender_settings *settings, iso_error *error) {
     const iso_input *input = &settings->common.input;
     const bool surfaces = settings->volume_options.count;
-    const char *option = settings->method != ISORENDER_METHOD_UNCHOSEN && !surfaces ? "--method"
-                         : settings->isovalue_count                                 ? "--isovalue"
-                         : settings->opacity_count                                  ? "--opacity"
-                         : settings->color_count                                    ? "--color"
-                         : settings->points                                         ? "--points"
-                         : settings->mesh                                           ? "--mesh"
-                         : settings->closed                                         ? "--closed"
-                         : input->cropped                                           ? "--crop"
-                         : input->cropped_mm                                        ? "--crop-mm"
-                         : input->largest                                           ? "--largest"
-                         : input->min_size > 0                                      ? "--min-size"
-                                                                                    : NULL;
+    const char *option = !surfaces && !is_method_of_lines(settings->method) ? "--method"
+                         : settings->isovalue_count                         ? "--isovalue"
+                         : settings->opacity_count                          ? "--opacity"
+                         : settings->color_count                            ? "--color"
+                         : settings->points                                 ? "--points"
+                         : settings->mesh                                   ? "--mesh"
+                         : settings->closed                                 ? "--closed"
+                         : input->cropped                                   ? "--crop"
+                         : input->cropped_mm                                ? "--crop-mm"
+                         : input->largest                                   ? "--largest"
+                         : input->min_size > 0                              ? "--min-size"
+                                                                            : NULL;
     if (!option && wants_gradients(settings)) option = "--glyphs surface";
     if (!option) return ISO_OK;
     return iso_fail(error, ISO_ERR_USAGE,

@@ -133,7 +133,8 @@ iso_status isorender_object_style(isorender_object *object, iso_error *error) {
     return isorender_object_color(object, error);
 }
 
-static iso_status prepare_lines(isorender_object *object, double line_min_pixels, iso_error *error) {
+static iso_status prepare_lines(isorender_object *object, double line_min_pixels, bool by_pullpush,
+                                iso_error *error) {
     const double given = object->settings->radius,
                  usual = object->field.components ? isorender_field_radius(object) : (double)NAN;
     const isorender_line_style style = object->settings->style;
@@ -149,7 +150,8 @@ static iso_status prepare_lines(isorender_object *object, double line_min_pixels
         drawn.normals = object->lines.normals;
         opts.style = ISO_LINE_RIBBON;
     }
-    return iso_shapes_from_lines(&drawn, &opts, &object->shapes, error);
+    ISO_TRY(iso_shapes_from_lines(&drawn, &opts, &object->shapes, error));
+    return by_pullpush ? iso_pyramid_lines_create(&drawn, &opts, &object->pyramid_lines, error) : ISO_OK;
 }
 
 static iso_status prepare_glyphs(isorender_object *object, iso_error *error) {
@@ -164,13 +166,14 @@ static iso_box mesh_bounds(const isorender_object *object) {
     return iso_mesh_view_bounds(&view);
 }
 
-iso_status isorender_object_prepare(isorender_object *object, double line_min_pixels, iso_error *error) {
+iso_status isorender_object_prepare(isorender_object *object, double line_min_pixels, bool by_pullpush,
+                                    iso_error *error) {
     if (object->settings->kind == ISORENDER_MESH) {
         ISO_TRY(iso_triangle_spans_make(&object->mesh, &object->spans, error));
         object->bounds = mesh_bounds(object);
         return ISO_OK;
     }
-    ISO_TRY(has_lines(object) ? prepare_lines(object, line_min_pixels, error)
+    ISO_TRY(has_lines(object) ? prepare_lines(object, line_min_pixels, by_pullpush, error)
                               : prepare_glyphs(object, error));
     object->bounds = iso_shapes_bounds(object->shapes);
     if (!iso_box_is_empty(&object->bounds)) return ISO_OK;
@@ -190,7 +193,19 @@ iso_box isorender_object_bounds_along(const isorender_object *object, const iso_
     return box;
 }
 
-iso_status isorender_object_draw(isorender_object *object, const iso_target *target, iso_error *error) {
+/* Draws lines by pull-push, and counts the samples that show them. */
+static iso_status draw_pyramid_lines(isorender_object *object, const iso_target *target,
+                                     iso_pullpush *workspace, iso_error *error) {
+    const iso_gbuffer *g = target->gbuffer;
+    ISO_TRY(iso_draw_pyramid_lines(target, object->pyramid_lines, workspace, error));
+    for (size_t i = 0; i < (size_t)g->width * (size_t)g->height; i++)
+        object->drawn.samples += g->surface[i] == target->surface;
+    return ISO_OK;
+}
+
+iso_status isorender_object_draw(isorender_object *object, const iso_target *target, iso_pullpush *workspace,
+                                 iso_error *error) {
+    if (object->pyramid_lines) return draw_pyramid_lines(object, target, workspace, error);
     if (object->settings->kind != ISORENDER_MESH)
         return iso_draw_shapes(target, object->shapes, &object->drawn, error);
     const iso_mesh_view view = iso_triangle_spans_view(&object->spans);
@@ -198,12 +213,16 @@ iso_status isorender_object_draw(isorender_object *object, const iso_target *tar
 }
 
 void isorender_object_number(const isorender_object *object, uint32_t surface, iso_aov *aov) {
-    if (has_lines(object)) iso_aov_number_lines(aov, surface, &object->lines);
+    if (object->pyramid_lines)
+        iso_aov_unnumber(aov, surface);
+    else if (has_lines(object))
+        iso_aov_number_lines(aov, surface, &object->lines);
     if (object->spans.numbers) iso_aov_renumber(aov, surface, object->spans.numbers);
 }
 
 void isorender_object_free(isorender_object *object) {
     iso_shapes_destroy(object->shapes);
+    iso_pyramid_lines_destroy(object->pyramid_lines);
     iso_triangle_spans_free(&object->spans);
     iso_triangles_free(&object->mesh);
     iso_lines_free(&object->lines);
@@ -240,7 +259,8 @@ static void put_shapes(iso_json *json, const isorender_object *object) {
         iso_json_integer(json, "layers", object->layered.layers);
     } else {
         iso_json_integer(json, "samples", object->drawn.samples);
-        if (has_lines(object)) iso_json_integer(json, "widened_samples", object->drawn.widened);
+        if (has_lines(object) && !object->pyramid_lines)
+            iso_json_integer(json, "widened_samples", object->drawn.widened);
     }
     if (object->has_bar) {
         const double range[2] = {object->bar.low, object->bar.high};

@@ -12,6 +12,7 @@
 #include "image/aov.h"
 #include "io/mesh_read.h"
 #include "io/read_opts.h"
+#include "render/pullpush/lines.h"
 #include "render/raster/raster.h"
 #include "render/raster/triangles.h"
 #include "render/shapes/fragments.h"
@@ -41,13 +42,14 @@ typedef struct isorender_object {
     isorender_field field;                /* of a volume */
     iso_gradient_glyphs_totals gradients; /* of --glyphs surface */
     iso_glyph glyph;                      /* of glyphs: the solid that is drawn */
-    const char *color_by;       /* borrowed: the attribute with numbers to be coloured; NULL: none */
-    iso_shapes *shapes;         /* of lines and glyphs; NULL before isorender_object_prepare */
-    iso_shapes_drawn drawn;     /* of opaque lines and glyphs: in all frames */
-    iso_shapes_layered layered; /* of translucent ones: in all frames */
-    iso_triangle_spans spans;   /* of meshes */
-    iso_box bounds;             /* world box of what is drawn */
-    iso_rgb color;              /* of what has no colour of its own */
+    const char *color_by;             /* borrowed: the attribute with numbers to be coloured; NULL: none */
+    iso_shapes *shapes;               /* of lines and glyphs; NULL before isorender_object_prepare */
+    iso_pyramid_lines *pyramid_lines; /* of lines, if they are drawn by pull-push */
+    iso_shapes_drawn drawn;           /* of opaque lines and glyphs: in all frames */
+    iso_shapes_layered layered;       /* of translucent ones: in all frames */
+    iso_triangle_spans spans;         /* of meshes */
+    iso_box bounds;                   /* world box of what is drawn */
+    iso_rgb color;                    /* of what has no colour of its own */
     bool has_bar;
     iso_color_bar bar; /* if has_bar: what its colours stand for */
 } isorender_object;
@@ -61,17 +63,19 @@ iso_status isorender_object_read(isorender_object *object, const isorender_objec
 /* Gives lines or glyphs the radii and colours that the settings say. ISO_ERR_USAGE: no such column. */
 iso_status isorender_object_style(isorender_object *object, iso_error *error);
 
-/* Prepares what was read for drawing, and finds its bounds. line_min_pixels: least width of lines.
- * ISO_ERR_NOMEM. */
-iso_status isorender_object_prepare(isorender_object *object, double line_min_pixels, iso_error *error);
+/* Prepares what was read for drawing, and finds its bounds. line_min_pixels: least width of lines;
+ * by_pullpush: lines are drawn by pull-push. ISO_ERR_NOMEM. */
+iso_status isorender_object_prepare(isorender_object *object, double line_min_pixels, bool by_pullpush,
+                                    iso_error *error);
 
 void isorender_object_free(isorender_object *object);
 
 /* The box of what is drawn in the space of three world vectors: iso_fit.bounds. */
 iso_box isorender_object_bounds_along(const isorender_object *object, const iso_vec3 vectors[3]);
 
-/* Draws it, as iso_draw_shapes and iso_draw_mesh do. */
-iso_status isorender_object_draw(isorender_object *object, const iso_target *target, iso_error *error);
+/* Draws it, as iso_draw_shapes, iso_draw_pyramid_lines and iso_draw_mesh do. `workspace`: of pull-push. */
+iso_status isorender_object_draw(isorender_object *object, const iso_target *target, iso_pullpush *workspace,
+                                 iso_error *error);
 
 /* Counts the elements of its surface, whose number from 1 is given, as the file does. */
 void isorender_object_number(const isorender_object *object, uint32_t surface, iso_aov *aov);

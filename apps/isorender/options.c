@@ -311,12 +311,10 @@ static const iso_option options[] = {
     {"method", NULL, "NAME",
      "how the surface is drawn: exact (the trilinear surface itself, at any zoom: choose it for pictures), "
      "mesh (Marching Cubes: to see what --mesh exports, or to compare with other programs), pullpush "
-     "(points, filled in image space: for files of points, and to draw many points on a GPU), points (discs: "
-     "to see the samples themselves), splats (points as flat discs: the method of Zhang and Pajarola 2006) "
-     "or "
-     "raycast (rays through the field, slow: to check the others); files "
-     "of "
-     "points: points",
+     "(points, filled in image space: for files of points, and to draw many points on a GPU; --lines are "
+     "drawn that way, too: the method of Marroquim et al. 2008, to compare it), points (discs: to see the "
+     "samples themselves), splats (points as flat discs: the method of Zhang and Pajarola 2006) or raycast "
+     "(rays through the field, slow: to check the others); files of points: points",
      .group = PICTURE, .standard = "exact", CHOICE(method, method_names)},
     {"reconstruction", NULL, "NAME",
      "how pullpush fills in: refined (second-order discs; points that have colours: as gaussian), box or "

@@ -31,7 +31,7 @@ static bool is_opaque(const isorender_object *object) {
 static iso_status draw_object(isorender_job *job, int i, const iso_view *view, iso_gbuffer *gbuffer,
                               iso_error *error) {
     const iso_target target = {view, gbuffer, job->pool, (uint8_t)(job->surface_count + i)};
-    return isorender_object_draw(&job->objects[i], &target, error);
+    return isorender_object_draw(&job->objects[i], &target, job->pullpush, error);
 }
 
 /* Draws opaque lines, glyphs and meshes: iso_layered_picture.draw_others. */
@@ -327,8 +327,11 @@ uint64_t isorender_picture_bytes(const isorender_job *job) {
             iso_glass_scene_bytes((iso_refraction)settings->refraction, pixels * (uint64_t)settings->samples);
     if (job->backend->engine) return bytes + isorender_gl_bytes(job);
     if (settings->method != ISO_METHOD_PULLPUSH) return bytes;
-    enum { PYRAMID = 24 }; /* bytes a sample; drawn in parts as well */
-    uint64_t pyramid = pixels * (uint64_t)settings->samples * PYRAMID;
+    enum { PYRAMID = 24, LINES = 104 }; /* bytes a sample; drawn in parts as well */
+    bool lines = false;
+    for (int i = 0; i < settings->object_options.count; i++)
+        lines |= settings->object_options.kinds[i] == ISORENDER_LINES;
+    uint64_t pyramid = pixels * (uint64_t)settings->samples * (lines ? LINES : PYRAMID);
     return bytes + (pyramid < STRIP ? pyramid : STRIP);
 }
 

@@ -113,7 +113,8 @@ static void set_uniforms(pullpush_draw *d, int surface) {
         .ray = {params.ray[0], params.ray[1], params.slope},
         .lattice = {layout->base, layout->rows_before, layout->column, layout->row},
         .picture = {d->view->width, d->view->height, surface},
-        .flags = {d->view->orthographic, params.two_sided, d->surface->has_radii, d->surface->has_colors}};
+        .flags = {d->view->orthographic, params.kind == ISO_PULLPUSH_TWO_SIDED, d->surface->has_radii,
+                  d->surface->has_colors}};
     float *steps[] = {u->step_x, u->step_y, u->step_z}, *normals[] = {u->normal_x, u->normal_y, u->normal_z};
     for (int k = 0; k < 3; k++) {
         set_floats(steps[k], p->step + 3 * k, 3);

@@ -6,6 +6,16 @@
 /* Keys store a point's position within its pixel in 1/32 (pyramid.h). */
 enum { PP_PART_BITS = 5, PP_PARTS = 1 << PP_PART_BITS };
 
+/* Of which side of the surface points are drawn: what iso_pullpush_kind means for averages. */
+typedef enum pp_sides {
+    PP_ONE,
+    PP_TWO,
+    PP_NONE /* normals have no sign */
+} pp_sides;
+
+/* How far ellipses of lines reach along the line, in pixels of their level. */
+#define PP_REACH 2
+
 #define ISO_KERNEL_BODY "render/pullpush/kernel_body.inc"
 #include "base/kernel_levels.inc"
 

@@ -28,6 +28,16 @@ typedef struct iso_point_projection {
     int rows_before;   /* rows of the base level of the whole picture above the pyramid's first */
 } iso_point_projection;
 
+/* What the pixels of a pyramid stand for. */
+typedef enum iso_pullpush_kind {
+    ISO_PULLPUSH_ONE_SIDED, /* points of a closed surface: none of them faces away from the eye */
+    ISO_PULLPUSH_TWO_SIDED, /* back-facing points are drawn too: opposite normals must not be averaged */
+    /* Line fragments. Tangents of tubes and normals of ribbons have no sign: before they are averaged, each
+     * is turned to the side of the frontmost. */
+    ISO_PULLPUSH_TUBES,
+    ISO_PULLPUSH_RIBBONS
+} iso_pullpush_kind;
+
 /* Parameters of the other steps. */
 typedef struct iso_pullpush_params {
     const iso_pyramid *pyramid;
@@ -36,7 +46,7 @@ typedef struct iso_pullpush_params {
     float radius;    /* of discs of points without radii of their own, mm */
     float scale;     /* pixels per mm at depth 1 (orthographic: at any depth) */
     bool orthographic;
-    bool two_sided; /* back-facing points are drawn too: opposite normals must not be averaged */
+    iso_pullpush_kind kind;
     /* The ray through pixel (c, r) of level 0 has x / z = (c + 0.5 - ray[0]) * slope and y / z = (r + 0.5 -
      * ray[1]) * slope, where r counts from the whole picture's guard band. */
     float ray[2], slope;

@@ -5,6 +5,7 @@
 #include <assert.h>
 
 #include "render/pullpush/kernel.h"
+#include "render/pullpush/line_fragments.h"
 #include "render/pullpush/setup.h"
 #include "render/refined/refined.h"
 
@@ -35,6 +36,7 @@ typedef struct pullpush_call {
     const iso_pullpush_kernel *kernel;
     iso_projector projector;
     iso_point_blocks *blocks;
+    iso_line_frame *lines; /* NULL: points are drawn, with their blocks */
     iso_pyramid *pyramid;
     iso_point_projection projection;
     iso_pullpush_params params;
@@ -64,11 +66,30 @@ static void choose_bands(pullpush_call *call) {
 }
 
 static iso_pyramid_layout choose_layout(const pullpush_call *call, const iso_view *view) {
+    if (call->lines) {
+        iso_pyramid_layout layout = iso_pullpush_layout(view, call->lines->radius);
+        layout.planes = 1u << ISO_PLANE_RADIUS | 1u << ISO_PLANE_INTERVAL | 63u << ISO_PLANE_SHAPE_XX;
+        if (call->lines->lines->lines.colors) layout.planes |= 7u << ISO_PLANE_RED;
+        return layout;
+    }
     iso_pyramid_layout layout = iso_pullpush_layout(view, call->blocks->radius);
     if (call->points->radii) layout.planes |= 1u << ISO_PLANE_RADIUS;
     if (call->points->colors) layout.planes |= 7u << ISO_PLANE_RED;
     layout.indexed = layout.planes != 0;
     return layout;
+}
+
+static iso_status prepare_lines(pullpush_call *call, iso_error *error) {
+    const iso_pyramid_layout layout = choose_layout(call, call->target->view);
+    ISO_TRY(iso_pyramid_resize(call->pyramid, &layout, error));
+    choose_bands(call);
+    call->params = iso_pullpush_params_make(&layout, &call->projector, 0, ISO_RECONSTRUCTION_GAUSSIAN, true);
+    call->params.kind =
+        call->lines->lines->opts.style == ISO_LINE_RIBBON ? ISO_PULLPUSH_RIBBONS : ISO_PULLPUSH_TUBES;
+    call->params.pyramid = call->pyramid;
+    call->params.target = call->target;
+    call->lines->view = call->target->view;
+    return ISO_OK;
 }
 
 static iso_status prepare_pyramid(pullpush_call *call, iso_error *error) {
@@ -121,11 +142,15 @@ static void empty_keys(const iso_pyramid *p, iso_rows rows) {
 
 static void project_band(const pullpush_call *call, size_t band, iso_rows rows) {
     const iso_pyramid *p = call->pyramid;
+    empty_keys(p, rows);
+    if (call->lines) {
+        iso_line_fragments_project(call->lines, p, rows);
+        return;
+    }
     const size_t *start = call->blocks->start.data;
     const uint32_t *order = call->blocks->order.data;
     const iso_block_list list = {call->blocks->blocks.data, order + start[band],
                                  start[band + 1] - start[band]};
-    empty_keys(p, rows);
     call->kernel->project_points(&call->projection, &list, rows);
 }
 
@@ -290,7 +315,7 @@ static iso_status draw_rows(pullpush_call *call, const iso_target *whole, int fi
     iso_target target = {&view, &rows, whole->pool, whole->surface};
     call->target = &target;
     call->projector.view = &view;
-    ISO_TRY(prepare_pyramid(call, error));
+    ISO_TRY(call->lines ? prepare_lines(call, error) : prepare_pyramid(call, error));
     reconstruct_surface(call);
     return ISO_OK;
 }
@@ -304,6 +329,13 @@ static int rows_at_once(const pullpush_call *call, const iso_view *view) {
         if (iso_pyramid_bytes(&layout) <= PYRAMID_BYTES) break;
     }
     return rows;
+}
+
+static iso_status draw_strips(pullpush_call *call, const iso_target *target, iso_error *error) {
+    const int height = target->view->height, rows = rows_at_once(call, target->view);
+    for (int first = 0; first < height; first += rows)
+        ISO_TRY(draw_rows(call, target, first, height - first < rows ? height - first : rows, error));
+    return ISO_OK;
 }
 
 static iso_status draw_surface(iso_pullpush *workspace, const iso_target *target,
@@ -321,11 +353,7 @@ static iso_status draw_surface(iso_pullpush *workspace, const iso_target *target
     if (points->colors) ISO_TRY(iso_gbuffer_add_color(target->gbuffer, error));
     if (reconstruction == ISO_RECONSTRUCTION_REFINED && !points->colors)
         return iso_refined_draw(&workspace->refined, target, points, call.blocks, error);
-    int rows = rows_at_once(&call, view);
-    for (int first = 0; first < view->height; first += rows)
-        ISO_TRY(draw_rows(&call, target, first, view->height - first < rows ? view->height - first : rows,
-                          error));
-    return ISO_OK;
+    return draw_strips(&call, target, error);
 }
 
 iso_status iso_draw_pullpush(const iso_target *target, const iso_point_view *points,
@@ -337,5 +365,25 @@ iso_status iso_draw_pullpush(const iso_target *target, const iso_point_view *poi
     iso_point_blocks_free(&once.blocks);
     iso_pyramid_free(&once.pyramid);
     iso_refined_free(&once.refined);
+    return status;
+}
+
+iso_status iso_draw_pyramid_lines(const iso_target *target, const iso_pyramid_lines *lines,
+                                  iso_pullpush *workspace, iso_error *error) {
+    const iso_transform world = iso_transform_identity();
+    iso_pullpush once = {0};
+    iso_line_frame frame;
+    ISO_TRY(iso_line_frame_make(lines, target, &frame, error));
+    pullpush_call call = {.lines = &frame,
+                          .kernel = iso_pullpush_kernel_get(iso_cpu_best()),
+                          .projector = iso_projector_make(target->view, &world),
+                          .pyramid = workspace ? &workspace->pyramid : &once.pyramid};
+    iso_status status = ISO_OK;
+    if (frame.radius[0] <= frame.radius[1]) {
+        if (lines->lines.colors) status = iso_gbuffer_add_color(target->gbuffer, error);
+        if (status == ISO_OK) status = draw_strips(&call, target, error);
+    }
+    iso_line_frame_free(&frame);
+    iso_pyramid_free(&once.pyramid);
     return status;
 }

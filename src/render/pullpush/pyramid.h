@@ -23,7 +23,7 @@ enum {
 /* The planes of a level: what each of its pixels stores. Values are finite even in pixels without a point,
  * except ISO_PLANE_WIDE there. */
 enum {
-    ISO_PLANE_NX, /* mean normal in view space, not unit */
+    ISO_PLANE_NX, /* mean normal, of tubes mean tangent, in view space, not unit */
     ISO_PLANE_NY,
     ISO_PLANE_NZ,
     ISO_PLANE_DEPTH, /* mean depth, mm */
@@ -42,11 +42,23 @@ enum {
     ISO_PLANE_THIN_X,
     ISO_PLANE_THIN_Y,
     ISO_PLANE_OUT,
-    /* Optional planes, for points with radii or colours of their own. Level 0 has no others. */
+    /* Optional planes, for points with radii or colours of their own, and for line fragments. Level 0 has no
+     * others. */
     ISO_PLANE_RADIUS, /* mm */
     ISO_PLANE_RED,    /* 0 .. 255 */
     ISO_PLANE_GREEN,
     ISO_PLANE_BLUE,
+    ISO_PLANE_INTERVAL, /* length of the depth interval, mm; without this plane it is the radius */
+    /* The ellipse as a symmetric matrix M, in pixels^2 of level 0: d is inside when d' M^-1 d < 1. With these
+     * planes ellipses are not made from normals and radii, and OUT limits nothing. */
+    ISO_PLANE_SHAPE_XX,
+    ISO_PLANE_SHAPE_XY,
+    ISO_PLANE_SHAPE_YY,
+    /* Of line fragments: the line's direction in the picture, as cosine and sine of twice its angle, so that
+     * opposite directions are the same; and how far the line goes on in this direction, pixels of level 0. */
+    ISO_PLANE_TWICE_X,
+    ISO_PLANE_TWICE_Y,
+    ISO_PLANE_ROOM,
     ISO_PLANES,
     ISO_PLANE_OPTIONAL = ISO_PLANE_RADIUS
 };

@@ -50,7 +50,7 @@ iso_pullpush_params iso_pullpush_params_make(const iso_pyramid_layout *layout, c
         .radius = radius > 0 ? ISO_DISC_RADII * (float)radius : 0,
         .scale = (float)view->focal,
         .orthographic = view->orthographic,
-        .two_sided = two_sided,
+        .kind = two_sided ? ISO_PULLPUSH_TWO_SIDED : ISO_PULLPUSH_ONE_SIDED,
         .ray = {(float)(view->cx - layout->column), (float)(view->cy - layout->row + layout->rows_before)},
         .slope = view->orthographic ? 0 : (float)(1 / view->focal),
         .low_pass = LOW_PASS,

@@ -11,6 +11,9 @@ iso_shapes *iso_shapes_make(const iso_shapes_opts *opts, iso_vec3 origin);
 /* ISO_ERR_USAGE when a number of the options is out of range. */
 iso_status iso_shapes_check(const iso_shapes_opts *opts, iso_error *error);
 
+/* The errors of iso_shapes_from_lines that do not depend on memory; opts->radius is not NAN. */
+iso_status iso_shapes_check_lines(const iso_lines *lines, const iso_shapes_opts *opts, iso_error *error);
+
 /* Sets up a sort of `count` points with its order 0 .. count - 1 and its other memory; the caller frees it
  * with iso_shapes_sort_free. ISO_ERR_NOMEM. */
 iso_status iso_shapes_sort_make(const float (*points)[3], size_t count, iso_shapes_sort *sort,

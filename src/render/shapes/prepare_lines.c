@@ -155,7 +155,7 @@ static iso_status sort_lines(iso_shapes *shapes, const iso_lines *lines, runs *r
     return store(shapes, r, sort, error);
 }
 
-static iso_status check(const iso_lines *lines, const iso_shapes_opts *opts, iso_error *error) {
+iso_status iso_shapes_check_lines(const iso_lines *lines, const iso_shapes_opts *opts, iso_error *error) {
     ISO_TRY(iso_shapes_check(opts, error));
     if (!lines->radii && !(opts->radius > 0) && !(opts->min_pixels > 0))
         return iso_fail(error, ISO_ERR_USAGE,
@@ -170,7 +170,7 @@ static iso_status check(const iso_lines *lines, const iso_shapes_opts *opts, iso
 
 static iso_status from_lines(const iso_lines *lines, const iso_shapes_opts *opts, iso_shapes **shapes,
                              iso_error *error) {
-    ISO_TRY(check(lines, opts, error));
+    ISO_TRY(iso_shapes_check_lines(lines, opts, error));
     iso_shapes *made = iso_shapes_make(opts, lines->origin);
     if (!made) return iso_fail_memory(error, "shapes");
     made->kind = opts->style == ISO_LINE_RIBBON ? ISO_SHAPE_RIBBON : ISO_SHAPE_TUBE;

@@ -1,0 +1,50 @@
+/* line_fragments: the fragments of lines in the base level of a pyramid. Internal to render. */
+#ifndef ISO_RENDER_PULLPUSH_LINE_FRAGMENTS_H
+#define ISO_RENDER_PULLPUSH_LINE_FRAGMENTS_H
+
+#include "render/project.h"
+#include "render/pullpush/kernel.h"
+#include "render/pullpush/lines.h"
+
+struct iso_pyramid_lines {
+    iso_lines lines; /* arrays borrowed; its radii and attributes do not count */
+    iso_shapes_opts opts;
+    float *radii;      /* one per vertex, mm */
+    uint8_t *segments; /* one per vertex: of the segment from it to the next vertex */
+    /* A leg of a line has neither ends nor sharp bends within. How far the segment's first vertex is from
+     * where its leg begins, and its second from where the leg ends, mm. */
+    float *before, *after;
+    float *curves; /* one per vertex: radius of the line's curvature, mm; INFINITY: straight */
+};
+
+/* Of a segment: it can be drawn; its leg begins, or ends, where the line does. */
+enum { ISO_LINE_DRAWN = 1, ISO_LINE_STARTS = 2, ISO_LINE_STOPS = 4 };
+
+/* Segments that are culled as one: those that begin at so many neighbouring vertices. */
+enum { ISO_LINE_RUN = 32 };
+
+/* Where a run can be in the picture, counted in pixels of level 0 from the whole picture's corner, with the
+ * discs' radii; lo > hi: nowhere. */
+typedef struct iso_line_rows {
+    float lo, hi;
+} iso_line_rows;
+
+/* The lines as one view sees them. */
+typedef struct iso_line_frame {
+    const iso_pyramid_lines *lines;
+    const iso_view *view; /* of the whole picture or a strip */
+    iso_line_rows *rows;  /* of each run */
+    size_t runs;
+    float
+        radius[2]; /* least and greatest radius of discs in the picture, pixels; [0] > [1]: nothing is seen */
+} iso_line_frame;
+
+/* Finds where runs are. Fails with ISO_ERR_NOMEM; free with iso_line_frame_free. */
+iso_status iso_line_frame_make(const iso_pyramid_lines *lines, const iso_target *target,
+                               iso_line_frame *frame, iso_error *error);
+void iso_line_frame_free(iso_line_frame *frame);
+
+/* Writes the fragments of rows of the base level: keys, and the optional planes. */
+void iso_line_fragments_project(const iso_line_frame *frame, const iso_pyramid *pyramid, iso_rows rows);
+
+#endif

@@ -1,0 +1,43 @@
+/* lines: draws lines in the pyramid of pull-push, as tubes or ribbons (Marroquim, Kraus and Cavalcanti 2008,
+ * section 4): the method of the paper, to be compared with exact solids (render/shapes).
+ *
+ * Each segment becomes line fragments, one for each pixel of the base level along the segment's major axis,
+ * with the attributes of that place of the segment; pull and push fill its width, as they fill the gaps
+ * between points. A fragment is a disc: of tubes one that faces the eye, of ribbons one in the plane of the
+ * ribbon. Where the paper does not say how:
+ * - attributes are interpolated with perspective; normals of ribbons are made perpendicular to the segment;
+ * - discs are not widened, and low-pass filtered along the line only;
+ * - the discs of ribbons and of flat caps get shorter towards the ends of a line, so that it ends there;
+ * - tangents and normals have no sign, and are turned to the frontmost one's side before they are averaged;
+ * - each sample is moved from the line's depth to the nearest side of the tube around it, or onto the plane
+ *   of the ribbon, and gets the normal there, for shading with any lights. */
+#ifndef ISO_RENDER_PULLPUSH_LINES_H
+#define ISO_RENDER_PULLPUSH_LINES_H
+
+#include "render/pullpush/pullpush.h"
+#include "render/shapes/shapes.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Lines that are prepared for drawing. Immutable; any number of threads may draw them at the same time. */
+typedef struct iso_pyramid_lines iso_pyramid_lines;
+
+/* Prepares lines as iso_shapes_from_lines does, with the same options; those for glyphs do not count. The
+ * arrays of `lines` are borrowed until iso_pyramid_lines_destroy. Takes 17 bytes a vertex. Errors: as there.
+ */
+iso_status iso_pyramid_lines_create(const iso_lines *lines, const iso_shapes_opts *opts,
+                                    iso_pyramid_lines **made, iso_error *error);
+void iso_pyramid_lines_destroy(iso_pyramid_lines *lines);
+
+/* Draws lines into the gbuffer, as iso_draw_pullpush draws points, in a pyramid of their own: with what else
+ * is in the gbuffer they are composited by depth. A line is at least a pixel wide, whatever its least width.
+ * Writes colours, but no elements. `workspace` NULL: made for the call. ISO_ERR_NOMEM. */
+iso_status iso_draw_pyramid_lines(const iso_target *target, const iso_pyramid_lines *lines,
+                                  iso_pullpush *workspace, iso_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

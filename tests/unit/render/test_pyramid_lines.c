@@ -1,0 +1,391 @@
+/* Lines in the pyramid of pull-push, against rays in extended precision through the exact tubes and ribbons:
+ * outlines, depths and normals by radius in pixels; no gaps; a thin line before a wall; lines that point at
+ * the eye; and the same bytes for every instruction set, number of threads and strip. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/cpu.h"
+#include "base/memory.h"
+#include "check_support.h"
+#include "lines_support.h"
+#include "render/pullpush/lines.h"
+#include "scene_support.h"
+#include "shapes_support.h"
+
+static test_lines scene;
+static const iso_vec3 AWAY = {60, 35, -80};
+
+enum { SURFACE = 3 };
+
+static iso_pyramid_lines *prepare(const iso_shapes_opts *opts) {
+    iso_error error = {0};
+    iso_pyramid_lines *lines;
+    test_ok(iso_pyramid_lines_create(&scene.lines, opts, &lines, &error), &error);
+    return lines;
+}
+
+static void draw(const iso_view *view, const iso_pyramid_lines *lines, iso_gbuffer *g, iso_pool *pool) {
+    iso_error error = {0};
+    const iso_target target = {view, g, pool, SURFACE};
+    test_ok(iso_draw_pyramid_lines(&target, lines, NULL, &error), &error);
+}
+
+static iso_gbuffer drawn(const iso_view *view, const iso_shapes_opts *opts) {
+    iso_pyramid_lines *lines = prepare(opts);
+    iso_gbuffer g = test_clear_gbuffer(view->width, view->height, scene.lines.colors != NULL);
+    draw(view, lines, &g, NULL);
+    iso_pyramid_lines_destroy(lines);
+    return g;
+}
+
+static void add_curve(double turns, double radius, double height, double thickness) {
+    for (int i = 0; i <= 80; i++) {
+        double sine, cosine;
+        iso_sincos(i * turns / 80 * 2 * ISO_PI, &sine, &cosine);
+        test_lines_add(&scene, radius * cosine, height * (i / 80.0 - 0.5), radius * sine, thickness);
+    }
+    test_lines_end(&scene);
+}
+
+/* Straight lines of all directions, and curves. */
+static void make_scene(double thickness) {
+    uint32_t seed = 3;
+    test_lines_start(&scene, 0, 0, 0);
+    for (int i = 0; i < 8; i++) {
+        const double x = 16 * uniform(&seed) - 8, y = 16 * uniform(&seed) - 8, z = 16 * uniform(&seed) - 8;
+        test_lines_add(&scene, x, y, z, thickness);
+        test_lines_add(&scene, y, z, -x, thickness);
+        test_lines_end(&scene);
+    }
+    add_curve(1.5, 7, 14, thickness);
+    add_curve(0.7, 9, 3, thickness);
+}
+
+/* ---- measured against the truth */
+
+typedef struct measures {
+    size_t drawn, wanted, both, edge; /* samples; edge: of the wanted outline's */
+    size_t gaps;                      /* places along the lines that nothing is drawn at */
+    double depth, normal;             /* mean errors where both are: radii, degrees */
+    double far;                       /* part of the depths that are wrong by more than a radius */
+    double width;                     /* pixels by which the drawn outline is wider, on average */
+} measures;
+
+static bool is_edge(const bool *wanted, const iso_view *view, int x, int y) {
+    const int w = view->width;
+    if (!wanted[y * w + x] || x == 0 || y == 0 || x == w - 1 || y == view->height - 1) return false;
+    return !wanted[y * w + x - 1] || !wanted[y * w + x + 1] || !wanted[(y - 1) * w + x] ||
+           !wanted[(y + 1) * w + x];
+}
+
+static double angle_between(const iso_gbuffer *g, size_t sample, const double normal[3]) {
+    double dot = 0;
+    for (int k = 0; k < 3; k++) dot += (double)g->normal[k][sample] * normal[k];
+    return iso_atan2(sqrt(fmax(1 - dot * dot, 0)), dot) * 180 / ISO_PI;
+}
+
+/* Places along the segments, a tenth of a pixel apart. */
+static size_t count_gaps(const iso_view *view, const iso_gbuffer *g) {
+    size_t gaps = 0;
+    for (size_t line = 0; line < scene.lines.line_count; line++)
+        for (size_t i = scene.lines.starts[line]; i + 1 < scene.lines.starts[line + 1]; i++)
+            for (int k = 0; k <= 500; k++) {
+                double p[3];
+                for (int a = 0; a < 3; a++)
+                    p[a] =
+                        scene.vertices[i][a] + k / 500.0 * (scene.vertices[i + 1][a] - scene.vertices[i][a]);
+                const iso_vec3 at = iso_view_point(view, iso_vec3_make(p[0], p[1], p[2]));
+                const double scale = view->orthographic ? view->focal : view->focal / at.z;
+                const double x = view->cx + scale * at.x, y = view->cy + scale * at.y;
+                if (at.z < view->near || x < 1 || y < 1 || x >= view->width - 1 || y >= view->height - 1)
+                    continue;
+                bool seen = false; /* a line may pass the corner of a pixel that it does not step on */
+                for (int n = 0; n < 9; n++)
+                    seen |= isfinite(g->depth[((int)y + n / 3 - 1) * view->width + (int)x + n % 3 - 1]);
+                gaps += !seen;
+            }
+    return gaps;
+}
+
+static measures measure(const iso_view *view, const iso_shapes_opts *opts) {
+    const iso_shapes_scene judged = {NULL, &scene.lines, *opts};
+    const size_t samples = (size_t)view->width * (size_t)view->height;
+    iso_error error = {0};
+    iso_gbuffer g = drawn(view, opts);
+    iso_shapes_truth *truth;
+    test_ok(iso_shapes_truth_create(&judged, view, &truth, &error), &error);
+    bool *wanted = calloc(samples, sizeof *wanted);
+    measures m = {.gaps = count_gaps(view, &g)};
+    for (size_t i = 0; i < samples; i++) {
+        const iso_shapes_hit hit = iso_shapes_truth_ray(truth, (double)(i % (size_t)view->width) + 0.5,
+                                                        (double)(i / (size_t)view->width) + 0.5);
+        const bool is_drawn = isfinite(g.depth[i]);
+        assert_int_equal(g.surface[i], is_drawn ? SURFACE : ISO_SURFACE_NONE);
+        wanted[i] = hit.hit;
+        m.drawn += is_drawn;
+        m.wanted += hit.hit;
+        if (!is_drawn || !hit.hit) continue;
+        const double wrong = fabs((double)g.depth[i] - hit.depth) / hit.size;
+        m.both++;
+        m.depth += fmin(wrong, 1);
+        m.far += wrong > 1;
+        m.normal += angle_between(&g, i, hit.normal);
+    }
+    for (int y = 0; y < view->height; y++)
+        for (int x = 0; x < view->width; x++) m.edge += is_edge(wanted, view, x, y);
+    m.depth /= (double)m.both;
+    m.normal /= (double)m.both;
+    m.far /= (double)m.both;
+    m.width = ((double)m.drawn - (double)m.wanted) / (double)m.edge;
+    free(wanted);
+    iso_shapes_truth_destroy(truth);
+    iso_gbuffer_free(&g);
+    return m;
+}
+
+typedef struct bound {
+    double pixels;  /* radius */
+    double overlap; /* least intersection over union */
+    double width;   /* greatest */
+    double depth, normal, far;
+} bound;
+
+static void check(const bound *b, iso_line_style style, const char *name) {
+    for (int parallel = 0; parallel < 2; parallel++) {
+        iso_view view = test_shapes_view(scene.lines.origin, AWAY, 24, parallel);
+        view = iso_view_scaled(&view, 4);
+        const double thickness = b->pixels * 24 / view.height;
+        const iso_shapes_opts opts = {.radius = thickness, .style = style, .min_pixels = 1};
+        scene.lines.radii = NULL;
+        const measures m = measure(&view, &opts);
+        const double overlap = (double)m.both / (double)(m.drawn + m.wanted - m.both);
+        print_message(
+            "%s of %g px, %s: overlap %.3f, width %+.3f px, depth %.3f r (%.2f %% beyond r), normal "
+            "%.1f degrees\n",
+            name, b->pixels, parallel ? "parallel" : "perspective", overlap, m.width, m.depth, 100 * m.far,
+            m.normal);
+        assert_int_equal(m.gaps, 0);
+        assert_true(overlap >= b->overlap);
+        assert_true(fabs(m.width) <= b->width);
+        assert_true(m.depth <= b->depth && m.far <= b->far && m.normal <= b->normal);
+    }
+}
+
+static void test_tubes(void **state) {
+    (void)state;
+    const bound bounds[] = {{0.5, 0.9, 0.15, 0.06, 3, 0.01}, /* px, overlap, width, depth, normal, far */
+                            {1, 0.95, 0.15, 0.06, 3, 0.01},
+                            {2, 0.95, 0.15, 0.06, 4, 0.02},
+                            {8, 0.95, 0.3, 0.15, 12, 0.06},
+                            {20, 0.95, 1.5, 0.3, 28, 0.1}};
+    make_scene(0.2);
+    for (size_t i = 0; i < sizeof bounds / sizeof *bounds; i++) check(&bounds[i], ISO_LINE_TUBE, "tubes");
+}
+
+static void test_ribbons(void **state) {
+    (void)state;
+    iso_error error = {0};
+    const bound bounds[] = {{0.5, 0.65, 0.5, 0.08, 1, 0.02},
+                            {1, 0.88, 0.15, 0.06, 1, 0.02},
+                            {2, 0.95, 0.1, 0.06, 1, 0.02},
+                            {8, 0.93, 0.3, 0.06, 3, 0.02},
+                            {20, 0.9, 1.5, 0.1, 8, 0.05}};
+    make_scene(0.2);
+    test_ok(iso_lines_add_normals(&scene.lines, &error), &error);
+    for (size_t i = 0; i < sizeof bounds / sizeof *bounds; i++) check(&bounds[i], ISO_LINE_RIBBON, "ribbons");
+    iso_free(scene.lines.normals);
+}
+
+/* ---- special places */
+
+/* A line of one pixel before a wall and behind it: coarser pixels know the wall only. */
+static void test_line_over_wall(void **state) {
+    (void)state;
+    const iso_shapes_opts opts = {.radius = 1e-3, .min_pixels = 1};
+    for (int parallel = 0; parallel < 2; parallel++)
+        for (int behind = 0; behind < 2; behind++) {
+            iso_view view = test_shapes_view(iso_vec3_make(0, 0, 0), iso_vec3_make(0, 0, -100), 24, parallel);
+            test_lines_start(&scene, 0, 0, 0);
+            for (int wall = 0; wall < 2; wall++) { /* the wall is of the same set: thick lines side by side */
+                for (int i = wall ? -30 : 0; i <= (wall ? 30 : 0); i++) {
+                    const double z = wall ? 0 : behind ? 4 : -4;
+                    test_lines_add(&scene, -9, wall ? 0.3 * i : -6, z, wall ? 0.6 : 1e-3);
+                    test_lines_add(&scene, 9, wall ? 0.3 * i : 5, z, wall ? 0.6 : 1e-3);
+                    test_lines_end(&scene);
+                }
+            }
+            iso_gbuffer g = drawn(&view, &opts);
+            size_t seen = 0;
+            for (int i = 0; i < view.width * view.height; i++) {
+                const double along = isfinite(g.depth[i]) ? (double)g.depth[i] - 100 : 0;
+                seen += along < -3.5 && along > -4.5;
+                assert_true(along < 0.01);
+            }
+            if (behind) assert_int_equal(seen, 0);
+            if (!behind) assert_true(seen >= 18.0 / 24 * view.height - 2);
+            iso_gbuffer_free(&g);
+        }
+}
+
+/* Tubes that point at the eye: their depths stay near the line's. */
+static void test_end_on(void **state) {
+    (void)state;
+    uint32_t seed = 5;
+    const double length = iso_vec3_length(AWAY), away[3] = {AWAY.x, AWAY.y, AWAY.z};
+    test_lines_start(&scene, 0, 0, 0);
+    for (int i = 0; i < 40; i++) {
+        double p[3], q[3];
+        for (int a = 0; a < 3; a++) {
+            p[a] = 8 * (2 * uniform(&seed) - 1);
+            q[a] = p[a] + 6 * ((away[a] - p[a]) / length + (i < 20 ? 0 : 0.05) * (2 * uniform(&seed) - 1));
+        }
+        test_lines_add(&scene, p[0], p[1], p[2], 0.5);
+        test_lines_add(&scene, q[0], q[1], q[2], 0.5);
+        test_lines_end(&scene);
+    }
+    const iso_shapes_opts opts = {.radius = 0.5, .min_pixels = 1};
+    for (int parallel = 0; parallel < 2; parallel++) {
+        iso_view view = test_shapes_view(scene.lines.origin, AWAY, 24, parallel);
+        view = iso_view_scaled(&view, 3);
+        const measures m = measure(&view, &opts);
+        print_message("end on: %zu of %zu, %zu drawn, depth %.2f r (%.1f %%)\n", m.both, m.wanted, m.drawn,
+                      m.depth, 100 * m.far);
+        assert_int_equal(m.gaps, 0);
+        assert_true((double)m.both > 0.8 * (double)m.wanted && (double)m.both > 0.8 * (double)m.drawn);
+    }
+}
+
+/* The eye among the lines, and the near plane through them: nothing far before it, or not finite. */
+static void test_near(void **state) {
+    (void)state;
+    make_scene(0.5);
+    const iso_shapes_opts opts = {.min_pixels = 1};
+    for (int parallel = 0; parallel < 2; parallel++)
+        for (int cut = 0; cut < 2; cut++) {
+            iso_view view = test_shapes_view(scene.lines.origin, iso_vec3_make(4, -3, 5), 12, parallel);
+            if (cut) view.near = 7;
+            iso_gbuffer g = drawn(&view, &opts);
+            size_t seen = 0;
+            for (int i = 0; i < view.width * view.height; i++) {
+                if (g.surface[i] != SURFACE) continue;
+                seen++;
+                assert_true(isfinite(g.depth[i]) && (double)g.depth[i] > view.near - 40 * 0.5);
+                near(g.normal[0][i] * g.normal[0][i] + g.normal[1][i] * g.normal[1][i] +
+                         g.normal[2][i] * g.normal[2][i],
+                     1, 1e-3);
+            }
+            assert_true(seen > 0);
+            iso_gbuffer_free(&g);
+        }
+}
+
+/* The direction in which a line is stored does not matter: tangents have no sign. */
+static void test_reversed(void **state) {
+    (void)state;
+    const iso_shapes_opts opts = {.radius = 0.6, .min_pixels = 1};
+    iso_view view = test_shapes_view(iso_vec3_make(0, 0, 0), AWAY, 24, false);
+    iso_gbuffer g[2];
+    view = iso_view_scaled(&view, 3);
+    for (int mixed = 0; mixed < 2; mixed++) {
+        test_lines_start(&scene, 0, 0, 0);
+        for (int i = 0; i < 40; i++)
+            for (int end = 0; end < 2; end++) { /* neighbours run to opposite sides */
+                const int other = mixed && i % 2 ? !end : end;
+                test_lines_add(&scene, other ? 8 : -8, 0.4 * i - 8, 0.02 * i, 0.6);
+                if (end) test_lines_end(&scene);
+            }
+        g[mixed] = drawn(&view, &opts);
+    }
+    size_t differ = 0, seen = 0;
+    for (int i = 0; i < view.width * view.height; i++) {
+        seen += g[0].surface[i] == SURFACE;
+        differ += g[0].surface[i] != g[1].surface[i] ||
+                  (isfinite(g[0].depth[i]) && fabsf(g[0].depth[i] - g[1].depth[i]) > 0.06f);
+    }
+    assert_true(seen > 1000 && differ * 100 <= seen);
+    iso_gbuffer_free(&g[0]);
+    iso_gbuffer_free(&g[1]);
+}
+
+/* ---- the same bytes */
+
+static void test_same_bytes(void **state) {
+    (void)state;
+    uint32_t seed = 7;
+    iso_error error = {0};
+    test_lines_start(&scene, 0, 0, 0);
+    for (int i = 0; i < 80; i++) test_lines_add_walk(&scene, 1 + i % 30, 8, 1.5, 0, 0.7, &seed);
+    scene.lines.colors = scene.colors;
+    test_ok(iso_lines_add_normals(&scene.lines, &error), &error);
+    for (int kind = 0; kind < 8; kind++) {
+        const iso_vec3 away = kind & 1 ? iso_vec3_make(1, 2, -4) : AWAY;
+        iso_view view = test_shapes_view(scene.lines.origin, away, kind & 1 ? 5 : 24, kind & 2);
+        view = iso_view_scaled(&view, 2);
+        const iso_shapes_opts opts = {
+            .min_pixels = 1, .caps = ISO_CAPS_FLAT, .style = kind & 4 ? ISO_LINE_RIBBON : ISO_LINE_TUBE};
+        iso_pyramid_lines *lines = prepare(&opts);
+        iso_gbuffer wanted = test_clear_gbuffer(view.width, view.height, true);
+        draw(&view, lines, &wanted, NULL);
+        for (int level = ISO_CPU_GENERIC; level <= (int)iso_cpu_supported(); level++)
+            for (int threads = 1; threads <= 3; threads++) {
+                iso_pool *pool = NULL;
+                iso_gbuffer g = test_clear_gbuffer(view.width, view.height, true);
+                iso_cpu_limit((iso_cpu_level)level);
+                if (threads > 1) assert_int_equal(iso_pool_create(threads, &pool, NULL), ISO_OK);
+                draw(&view, lines, &g, pool);
+                test_same_rows(&wanted, 0, &g);
+                iso_gbuffer_free(&g);
+                iso_pool_destroy(pool);
+            }
+        iso_cpu_limit(ISO_CPU_AVX512);
+        for (int rows = 7; rows < view.height; rows = rows * 5 + 2)
+            for (int y = 0; y < view.height; y += rows) {
+                const int height = view.height - y < rows ? view.height - y : rows;
+                const iso_view strip = iso_view_rows(&view, y, height);
+                iso_gbuffer g = test_clear_gbuffer(view.width, height, true);
+                draw(&strip, lines, &g, NULL);
+                test_same_rows(&wanted, y, &g);
+                iso_gbuffer_free(&g);
+            }
+        iso_gbuffer_free(&wanted);
+        iso_pyramid_lines_destroy(lines);
+    }
+    iso_free(scene.lines.normals);
+}
+
+static void test_bad_lines(void **state) {
+    (void)state;
+    const float bad[] = {NAN, INFINITY, -1};
+    const iso_view view = test_shapes_view(iso_vec3_make(0, 0, 0), AWAY, 24, false);
+    iso_error error = {0};
+    iso_pyramid_lines *lines;
+    test_lines_start(&scene, 0, 0, 0);
+    for (int i = 0; i < 3; i++) {
+        for (int k = 0; k < 5; k++) test_lines_add(&scene, k, i, 0, 0.3);
+        test_lines_end(&scene);
+        scene.radii[5 * i + 2] = bad[i];
+    }
+    for (int k = 0; k < 4; k++) test_lines_add(&scene, 1, 5, 0, 0.1); /* in one place */
+    test_lines_end(&scene);
+    test_lines_add(&scene, 2, 2, 2, 1);
+    test_lines_end(&scene); /* no segment */
+    scene.vertices[4][1] = NAN;
+    const iso_shapes_opts opts = {.radius = 1, .min_pixels = 1}, none = {.radius = 0},
+                          ribbon = {.radius = 1, .style = ISO_LINE_RIBBON};
+    iso_gbuffer g = drawn(&view, &opts);
+    for (int i = 0; i < view.width * view.height; i++) assert_false(isnan(g.depth[i]));
+    iso_gbuffer_free(&g);
+    scene.lines.radii = NULL;
+    assert_int_equal(iso_pyramid_lines_create(&scene.lines, &none, &lines, &error), ISO_ERR_USAGE);
+    assert_int_equal(iso_pyramid_lines_create(&scene.lines, &ribbon, &lines, &error), ISO_ERR_USAGE);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_tubes),          cmocka_unit_test(test_ribbons),
+        cmocka_unit_test(test_line_over_wall), cmocka_unit_test(test_end_on),
+        cmocka_unit_test(test_near),           cmocka_unit_test(test_reversed),
+        cmocka_unit_test(test_same_bytes),     cmocka_unit_test(test_bad_lines),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
