@@ -1,6 +1,6 @@
 /* isopoint.h: isosurfaces of volumes, rendered and sculpted with points. The whole interface of libisopoint.
  *
- * The way through it:
+ * Overview:
  *
  *     iso_volume_open, iso_volume_lend    a file, or an array of yours, becomes a volume
  *     iso_surface_create                  a volume and an isovalue: a surface, which follows edits
@@ -32,7 +32,7 @@
  * are used by one thread at a time; different volumes are independent. Functions without a volume, a surface
  * or a sculpt are thread-safe as long as their arguments are not shared. The library has no global state.
  *
- * The header is C17 and C++17. Nothing that is not in it is exported. */
+ * The header is valid C17 and C++17. The library exports nothing else. */
 #ifndef ISOPOINT_H
 #define ISOPOINT_H
 
@@ -64,17 +64,18 @@ ISO_API const char *iso_version(void);
 
 typedef enum iso_status {
     ISO_OK = 0,
-    ISO_ERR_MISMATCH,    /* things that should agree do not */
+    ISO_ERR_MISMATCH,    /* values that must agree differ, such as the sizes of two pictures */
     ISO_ERR_USAGE,       /* an argument is out of its range */
-    ISO_ERR_IO,          /* missing, unreadable or truncated; or cancelled by a progress function */
-    ISO_ERR_FORMAT,      /* not what it should be, or damaged */
-    ISO_ERR_UNSUPPORTED, /* a library for it was not built in or is not installed */
+    ISO_ERR_IO,          /* a file is missing, unreadable or truncated; or a progress function cancelled the
+                            operation */
+    ISO_ERR_FORMAT,      /* a file's content is damaged, or not of the expected format */
+    ISO_ERR_UNSUPPORTED, /* the library that this needs was not built in or is not installed */
     ISO_ERR_BRIDGE,      /* a library that reads the format failed */
-    ISO_ERR_BACKEND,     /* no usable OpenGL */
+    ISO_ERR_BACKEND,     /* no usable OpenGL implementation */
     ISO_ERR_NOMEM,
-    ISO_ERR_LIMIT, /* larger than a limit that was set, or than the library can count */
+    ISO_ERR_LIMIT, /* larger than a limit set by the caller, or than the library can count */
     ISO_ERR_EMPTY, /* there is no surface */
-    ISO_ERR_WRITE  /* cannot be written */
+    ISO_ERR_WRITE  /* a file cannot be written */
 } iso_status;
 
 /* One line of detail, printable UTF-8 without a newline, that names the thing and the reason. Initialise it
@@ -84,11 +85,11 @@ typedef struct iso_error {
     char text[512];
 } iso_error;
 
-/* What a status means in general, as "out of memory". Never NULL. */
+/* Returns the general meaning of a status, such as "out of memory". Never NULL. */
 ISO_API const char *iso_status_text(iso_status status);
 
-/* The exit status of a program that ends with `status`: 0 done, 1 a comparison failed, 2 usage, 3 unreadable
- * input, 4 no usable backend, 5 out of memory, 6 no surface, 7 could not write. */
+/* Returns the exit status with which a program should report `status`: 0 success, 1 a comparison failed, 2
+ * wrong usage, 3 unreadable input, 4 no usable backend, 5 out of memory, 6 no surface, 7 could not write. */
 ISO_API int iso_status_exit(iso_status status);
 
 /* ---- space ---- */
@@ -102,9 +103,9 @@ typedef struct iso_box {
     iso_vec3 lo, hi;
 } iso_box;
 
-/* From index to world: world = origin + direction * (spacing .* index). direction is row-major; its columns
- * are the unit world directions of the x, y and z index axes (as ITK and VTK have it). It may be left-handed.
- */
+/* The map from index to world coordinates: world = origin + direction * (spacing .* index). `direction` is
+ * row-major; its columns are the unit world directions of the x, y and z index axes (as in ITK and VTK). It
+ * may be left-handed. */
 typedef struct iso_transform {
     double origin[3];    /* of voxel (0, 0, 0), mm */
     double spacing[3];   /* > 0, mm */
@@ -116,7 +117,7 @@ typedef struct iso_transform {
 /* How voxels are stored. */
 typedef enum iso_type { ISO_UINT8, ISO_INT16, ISO_UINT16, ISO_FLOAT32 } iso_type;
 
-/* A file without a header. */
+/* How voxels are laid out in a file without a header. */
 typedef struct iso_raw_layout {
     int dims[3]; /* voxels, x fastest */
     iso_type type;
@@ -125,365 +126,392 @@ typedef struct iso_raw_layout {
     uint64_t offset; /* bytes before the first voxel */
 } iso_raw_layout;
 
-/* Called now and then during long work, `fraction` 0 .. 1; below 0: no news, only the question. Returns 0 to
- * go on; anything else cancels: the work ends with ISO_ERR_IO. */
+/* A function of the caller's that is called from time to time during long operations. `fraction` is the part
+ * that is done, 0 .. 1; a negative fraction reports nothing and only asks whether to cancel. Return 0 to
+ * continue; any other value cancels the operation, which then fails with ISO_ERR_IO. */
 typedef int iso_progress_fn(void *context, double fraction);
 
 enum { ISO_VOLUME_ITEMS = 32, ISO_VOLUME_NOTES = 8, ISO_VOLUME_TEXT = 256 };
 
-/* What a file's header says. Plain data. The texts are printable UTF-8, a line each. */
+/* What a file's header says. A plain struct without pointers. All texts are printable UTF-8 of one line
+ * each. */
 typedef struct iso_volume_info {
     char format[16]; /* "vti", "vtk", "nrrd", "metaimage", "nifti", "dicom", "vdb", "raw", "scene" */
-    char name[ISO_VOLUME_TEXT]; /* grid or series name, or empty */
+    char name[ISO_VOLUME_TEXT]; /* name of the grid or series; or empty */
     int dims[3];
-    iso_type type;             /* as it will be stored */
-    char file_type[32];        /* as the file has it, e.g. "int16", "double", "half" */
-    int components, component; /* in the file, and the one chosen */
+    iso_type type;             /* in memory */
+    char file_type[32];        /* in the file, such as "int16", "double", "half" */
+    int components, component; /* number of components in the file; the one that was chosen */
     iso_transform transform;
     double scale, offset; /* physical = stored * scale + offset */
     bool anatomical;      /* world axes are known to be patient axes (LPS) */
     bool level_set;       /* a distance field whose inside is negative */
     bool sparse;          /* stored as a narrow band of 16^3 bricks, in voxels */
-    uint64_t bytes;       /* that the volume will take (estimated for sparse ones) */
-    uint64_t read_bytes;  /* most that reading takes at one time */
-    int item_count;       /* grids in a .vdb, arrays in a .vti or .vtk, series in a folder */
-    char items[ISO_VOLUME_ITEMS][ISO_VOLUME_TEXT]; /* one line each, the chosen one's name first in `name` */
-    int note_count;                                /* what the reader had to decide */
+    uint64_t bytes;       /* memory that the volume will take (estimated for sparse ones) */
+    uint64_t read_bytes;  /* largest amount of memory in use while the file is read */
+    int item_count;       /* number of grids in a .vdb, arrays in a .vti or .vtk, or series in a folder */
+    char items[ISO_VOLUME_ITEMS][ISO_VOLUME_TEXT]; /* one line for each of them; that of the chosen one begins
+                                                      with `name` */
+    int note_count;                                /* decisions that the reader had to make, to be shown to
+                                                      the user */
     char notes[ISO_VOLUME_NOTES][ISO_VOLUME_TEXT];
 } iso_volume_info;
 
-/* A volume in memory. */
+/* A volume in memory, with its threads. */
 typedef struct iso_volume iso_volume;
 
 typedef struct iso_open_opts {
-    /* The .vdb grid's name, NULL: the only one, or the first level set, or the first scalar one. The .vti or
-     * .vtk array's name, NULL: the active scalars, or the first array. */
+    /* The name of the grid of a .vdb; NULL: its only grid, else its first level set, else its first scalar
+     * grid. The name of the array of a .vti or .vtk; NULL: its active scalars, else its first array. */
     const char *grid;
-    const char *series;        /* DICOM: series instance UID, or its number, from 1 */
-    int component;             /* which of several components, from 0 */
-    const iso_raw_layout *raw; /* read as raw, whatever the name; NULL: only when the name tells a layout */
-    double spacing[3];         /* > 0 overrides the file's spacing, mm */
-    uint64_t max_memory;       /* bytes that reading may take; 0: 80 % of what is free */
-    int threads;               /* of the volume; 0: one a processor */
-    iso_progress_fn *progress; /* called from the calling thread */
+    const char *series; /* DICOM: the series instance UID, or the number of the series, counted from 1 */
+    int component;      /* which of several components to read, counted from 0 */
+    const iso_raw_layout *raw; /* read any file as raw data of this layout; NULL: a file is raw only if its
+                                  name states a layout */
+    double spacing[3];         /* mm; where > 0, used instead of the file's spacing */
+    uint64_t max_memory;       /* limit in bytes for reading; 0: 80 % of the free memory */
+    int threads;               /* number of threads that work for the volume; 0: one for each processor */
+    iso_progress_fn *progress; /* called from the calling thread; NULL: not called */
     void *progress_context;
 } iso_open_opts;
 
-/* Reads a volume: .nrrd, .nhdr, NIfTI, a DICOM file or folder, .vdb, .vti, legacy .vtk, MetaImage, raw. What
- * a file is follows from its content, and from its name where the content does not tell. The size is checked
- * from the header before memory is taken. Destroy with iso_volume_destroy. ISO_ERR_IO, ISO_ERR_FORMAT,
- * ISO_ERR_UNSUPPORTED, ISO_ERR_BRIDGE, ISO_ERR_USAGE (no such grid, series or component), ISO_ERR_LIMIT. */
+/* Reads a volume: .nrrd, .nhdr, NIfTI, a DICOM file or folder, .vdb, .vti, legacy .vtk, MetaImage, raw. The
+ * format is recognised by the file's content, or by its name where the content does not tell. The size in the
+ * header is checked before memory is allocated. Destroy the volume with iso_volume_destroy. ISO_ERR_IO,
+ * ISO_ERR_FORMAT, ISO_ERR_UNSUPPORTED, ISO_ERR_BRIDGE, ISO_ERR_USAGE (no such grid, series or component),
+ * ISO_ERR_LIMIT. */
 ISO_API iso_status iso_volume_open(const char *path, const iso_open_opts *opts, iso_volume **volume,
                                    iso_error *error);
 
-/* Reads the header only, as iso_volume_open would. */
+/* Reads only the header of a file. The errors are those of iso_volume_open. */
 ISO_API iso_status iso_volume_inspect(const char *path, const iso_open_opts *opts, iso_volume_info *info,
                                       iso_error *error);
 
-/* An array of the program's own. */
+/* An array of voxels that belongs to the caller. */
 typedef struct iso_lend_opts {
     int dims[3]; /* voxels, each at least 1 */
     iso_type type;
-    void *data; /* dims[0] * dims[1] * dims[2] values, x fastest; kept, not copied */
-    void (*release)(
-        void *owner); /* called once when the volume is destroyed, and when lending fails; or NULL */
+    void *data; /* dims[0] * dims[1] * dims[2] values, x fastest; not copied */
+    /* Called with `owner` once, when the volume is destroyed or when lending fails; or NULL. */
+    void (*release)(void *owner);
     void *owner;
     double scale, offset;           /* physical = stored * scale + offset; scale 0 means 1, else > 0 */
     const iso_transform *transform; /* copied; NULL: spacing 1, origin 0 */
     bool level_set;                 /* a distance field in mm whose inside is negative */
-    int threads;                    /* of the volume; 0: one a processor */
+    int threads; /* number of threads that work for the volume; 0: one for each processor */
 } iso_lend_opts;
 
-/* A volume over an array that the program keeps. Tell what you write to it later with iso_volume_changed.
- * ISO_ERR_USAGE (no data, a thread count), ISO_ERR_FORMAT (dims, scale or transform), ISO_ERR_LIMIT. */
+/* Makes a volume of an array that the caller owns and keeps valid until the volume is destroyed. When the
+ * caller later changes values in the array, it must call iso_volume_changed. ISO_ERR_USAGE (no data, a wrong
+ * number of threads), ISO_ERR_FORMAT (dims, scale or transform), ISO_ERR_LIMIT. */
 ISO_API iso_status iso_volume_lend(const iso_lend_opts *opts, iso_volume **volume, iso_error *error);
 
-/* Frees a volume. Its surfaces must be destroyed before. NULL is fine. */
+/* Frees a volume. Destroy its surfaces first. NULL is allowed. */
 ISO_API void iso_volume_destroy(iso_volume *volume);
 
-/* What the volume is; of a lent one, format is "lent". Borrowed until destroy. */
+/* Returns the description of a volume, which is valid until the volume is destroyed. The format of a lent
+ * volume is "lent". */
 ISO_API const iso_volume_info *iso_volume_describe(const iso_volume *volume);
 
-/* Narrows the volume to voxels lo .. hi (both inclusive); the world stays where it is. Before it has
- * surfaces. ISO_ERR_USAGE when the range is empty or reaches out of the volume, or for a sculpt's volume. */
+/* Crops the volume to the voxels lo .. hi (both inclusive), which keep their positions in the world. Call
+ * this before surfaces of the volume are created. ISO_ERR_USAGE: the range is empty or not within the volume,
+ * or the volume belongs to an iso_sculpt. */
 ISO_API iso_status iso_volume_crop(iso_volume *volume, const int lo[3], const int hi[3], iso_error *error);
 
-/* Tells that voxels lo .. hi (inclusive, clipped to the volume) of a lent array were written: the surfaces of
- * the volume follow at their next use, reading only what changed. Not while they are used. ISO_ERR_USAGE: the
- * volume is sparse. */
+/* Reports that the caller has changed the voxels lo .. hi (inclusive, clipped to the volume) of a lent array.
+ * The volume's surfaces are updated at their next use, which reads only the changed bricks. Do not call this
+ * while another thread uses the volume or its surfaces. ISO_ERR_USAGE: the volume is sparse. */
 ISO_API iso_status iso_volume_changed(iso_volume *volume, const int lo[3], const int hi[3], iso_error *error);
 
-/* The value at a voxel. Coordinates outside are clamped. */
+/* Returns the physical value of a voxel. Coordinates outside the volume are clamped to it. */
 ISO_API double iso_volume_value(const iso_volume *volume, int x, int y, int z);
 
 enum { ISO_HISTOGRAM_BINS = 256, ISO_ISOVALUE_CANDIDATES = 3 };
 
-/* Physical values. Bin i covers [low + i * width, low + (i + 1) * width); the last one includes high. */
+/* A histogram of physical values. Bin i counts values in [low + i * width, low + (i + 1) * width); the last
+ * bin includes `high`. */
 typedef struct iso_histogram {
-    double low, high, width; /* of finite voxels, padding left out; low == high for a constant volume */
+    /* Range of the finite voxels without padding, low == high for a constant volume; width of a bin. */
+    double low, high, width;
     uint64_t bins[ISO_HISTOGRAM_BINS];
-    uint64_t counted, nonfinite, padding; /* voxels in bins, NaN or infinite ones, and left out as padding */
+    uint64_t counted, nonfinite, padding; /* number of voxels in bins; that are NaN or infinite; that are
+                                             padding */
     double minimum, maximum;              /* of all finite voxels */
     double padding_value;                 /* meaningful when padding > 0 */
 } iso_histogram;
 
-/* The histogram of a volume. When one single value makes up more than half of the volume's six faces and is
- * the least or the largest of the data, its voxels are padding and left out. ISO_ERR_EMPTY: no finite voxel.
- */
+/* Computes the histogram of a volume. Voxels are padding, and not counted in bins, if they have the value
+ * that makes up more than half of the volume's six faces and that is also the minimum or maximum of the data.
+ * ISO_ERR_EMPTY: no voxel is finite. */
 ISO_API iso_status iso_volume_histogram(iso_volume *volume, iso_histogram *histogram, iso_error *error);
 
-/* The isovalue that isorender chooses: 0 for level sets, else Otsu's threshold of the histogram.
- * ISO_ERR_EMPTY: the volume is constant. */
+/* Suggests an isovalue, the one that isorender uses by default: 0 for level sets, else Otsu's threshold of
+ * the histogram. ISO_ERR_EMPTY: the volume is constant. */
 ISO_API iso_status iso_volume_suggest(iso_volume *volume, double *isovalue, iso_error *error);
 
-/* Writes a sparse level set, such as a sculpt's volume, as .vdb for OpenVDB's tools, Blender and Houdini; the
- * file appears whole or not at all. `name` is the grid's, NULL: "surface". ISO_ERR_USAGE: the volume is
- * dense, or its voxels are no cubes; ISO_ERR_UNSUPPORTED without OpenVDB; ISO_ERR_WRITE. */
+/* Writes a sparse level set, such as a sculpt's volume, as .vdb for OpenVDB's tools, Blender and Houdini. A
+ * failure leaves no incomplete file. `name` is the grid's name; NULL: "surface". ISO_ERR_USAGE: the volume is
+ * dense, or its voxels are not cubes; ISO_ERR_UNSUPPORTED: this build has no OpenVDB; ISO_ERR_WRITE. */
 ISO_API iso_status iso_volume_write_vdb(const iso_volume *volume, const char *path, const char *name,
                                         iso_error *error);
 
 /* ---- surfaces ---- */
 
-/* Display values (sRGB). */
+/* A colour as display values (sRGB). */
 typedef struct iso_rgb {
     uint8_t r, g, b;
 } iso_rgb;
 
-/* Which points iso_surface_points makes. */
+/* The kind of points that iso_surface_points extracts. */
 typedef enum iso_primitive {
     ISO_PRIMITIVE_AUTO, /* FOOT for sparse level sets unless the isovalue is near the end of the narrow band,
                            EDGE for the rest */
     ISO_PRIMITIVE_EDGE, /* the vertices of Marching Cubes, on the edges between voxels */
-    ISO_PRIMITIVE_FOOT, /* feet of the perpendiculars from the voxels beside the surface; of level sets only
-                         */
-    ISO_PRIMITIVE_FOOT_ITERATED /* the same of any field, by iteration */
+    ISO_PRIMITIVE_FOOT, /* for level sets only: the nearest points of the surface to the voxels beside it */
+    ISO_PRIMITIVE_FOOT_ITERATED /* the same for any field, found by iteration */
 } iso_primitive;
 
-/* The isosurface of a volume at an isovalue. What a use of it needs (points, triangles, crossed cells) is
- * made when it is first needed, kept, and brought up to date by later uses after edits: only bricks of 16^3
- * voxels that changed are looked at. */
+/* The isosurface of a volume at an isovalue. Points, triangles and crossed cells are computed when they are
+ * first needed, and are kept. After an edit the next use updates them from the bricks (16^3 voxels) that
+ * changed. */
 typedef struct iso_surface iso_surface;
 
 typedef struct iso_surface_opts {
     double isovalue;
-    const iso_rgb *color; /* copied; NULL: one of a small palette, by its place among those in the picture */
+    const iso_rgb *color; /* copied; NULL: a colour of a small palette, by the surface's position in the
+                             picture's list */
     iso_primitive primitive;
-    double opacity; /* share of light that it stops where it is seen face on, 0 .. 1; 0 means 1, opaque. Below
-                       1, only the methods EXACT, RAYCAST and SPLATS draw it */
+    double opacity; /* share of the light that the surface stops where it is seen face on, 0 .. 1; 0 means 1,
+                       opaque. Values below 1 need the method EXACT, RAYCAST or SPLATS */
 } iso_surface_opts;
 
-/* Makes a surface. The volume is borrowed until destroy. An empty surface is found by its first use.
- * ISO_ERR_USAGE: isovalue not finite, an opacity that cannot be, FOOT for a volume that is no level set;
- * ISO_ERR_EMPTY: the isovalue lies beyond a narrow band. */
+/* Creates a surface. It borrows the volume until it is destroyed. Whether the surface is empty is known only
+ * when it is first used. ISO_ERR_USAGE: the isovalue is not finite, the opacity is out of range, or FOOT was
+ * chosen for a volume that is not a level set; ISO_ERR_EMPTY: the isovalue lies outside the narrow band. */
 ISO_API iso_status iso_surface_create(iso_volume *volume, const iso_surface_opts *opts, iso_surface **surface,
                                       iso_error *error);
 
-/* Frees a surface. NULL is fine. */
+/* Frees a surface. NULL is allowed. */
 ISO_API void iso_surface_destroy(iso_surface *surface);
 
-/* Another isovalue. As iso_surface_create; after a failure the surface has its old one. */
+/* Changes the isovalue. The errors are those of iso_surface_create; after a failure the surface keeps its
+ * former isovalue. */
 ISO_API iso_status iso_surface_set_isovalue(iso_surface *surface, double isovalue, iso_error *error);
 
-/* The world box of the surface, mm. ISO_ERR_EMPTY: there is no surface. */
+/* Computes the bounding box of the surface in the world, mm. ISO_ERR_EMPTY: the surface is empty. */
 ISO_API iso_status iso_surface_bounds(iso_surface *surface, iso_box *box, iso_error *error);
 
 /* A point of a surface, in world space. */
 typedef struct iso_surface_point {
     float position[3]; /* mm */
     float normal[3];   /* unit, out of the solid */
-    float radius;      /* mm: discs of this radius cover the surface */
+    float radius;      /* mm; discs with these radii cover the surface */
 } iso_surface_point;
 
-/* Copies the points to `points`, which has room for `capacity` of them; *count is how many there are. Points
- * NULL: only counts. The order is the same every time the whole surface is made, and may change with edits.
- * ISO_ERR_LIMIT: there is not enough room; *count says how much is needed, and nothing is copied. A surface
- * without points is no error here. */
+/* Copies the points to `points`, which has room for `capacity` of them, and sets *count to the number of
+ * points. With `points` NULL it only counts. The order of points is the same whenever the whole surface is
+ * extracted, but may change with edits. ISO_ERR_LIMIT: there is not enough room; *count is the number needed,
+ * and nothing is copied. A surface without points is not an error. */
 ISO_API iso_status iso_surface_points(iso_surface *surface, iso_surface_point *points, size_t capacity,
                                       size_t *count, iso_error *error);
 
 /* An indexed triangle mesh, in world space. */
 typedef struct iso_mesh {
-    float (*positions)[3];    /* mm, vertex_count of them; owned, as all arrays here */
+    float (*positions)[3];    /* mm; vertex_count of them; owned by the struct, like all its arrays */
     float (*normals)[3];      /* unit, out of the solid */
-    uint32_t (*triangles)[3]; /* vertices, counter-clockwise seen from outside */
+    uint32_t (*triangles)[3]; /* numbers of vertices, counter-clockwise seen from outside */
     size_t vertex_count, triangle_count;
 } iso_mesh;
 
-/* The Marching Cubes mesh of a surface, welded: vertices are shared, and the mesh is closed where the surface
- * is. Corners at or above the isovalue are kept apart on ambiguous faces, as VTK does. Free with
- * iso_mesh_free. ISO_ERR_LIMIT above 2^32 - 1 vertices. A mesh of no triangles is no error. */
+/* Computes the Marching Cubes mesh of a surface. Vertices are shared by triangles (welded), and the mesh is
+ * closed where the surface is. On ambiguous faces, corners at or above the isovalue are separated, as in VTK.
+ * Free the mesh with iso_mesh_free. ISO_ERR_LIMIT: more than 2^32 - 1 vertices. A mesh without triangles is
+ * not an error. */
 ISO_API iso_status iso_surface_mesh(iso_surface *surface, iso_mesh *mesh, iso_error *error);
 
-/* Frees the arrays and zeroes the struct. A mesh of zeros is fine. */
+/* Frees the arrays and zeroes the struct. A zeroed struct is allowed. */
 ISO_API void iso_mesh_free(iso_mesh *mesh);
 
 typedef struct iso_mesh_measures {
-    size_t vertices; /* that a triangle uses */
-    size_t edges;    /* pairs of vertices that a triangle's side joins */
+    size_t vertices; /* number of vertices that triangles use */
+    size_t edges;    /* number of pairs of vertices that a side of a triangle joins */
     size_t triangles;
-    size_t pieces; /* pieces that share no vertex */
-    /* Sides of triangles without their opposite: each edge counts by how many more triangles run along it in
-     * one direction than in the other. 0: the mesh is closed. */
+    size_t pieces; /* number of connected pieces; two pieces share no vertex */
+    /* Number of sides of triangles without an opposite side. An edge counts as many times as it is used more
+     * often in one direction than in the other. 0: the mesh is closed. */
     size_t open_edges;
-    size_t crowded_edges; /* with more than two triangles: they may be there also when the mesh is closed */
+    size_t crowded_edges; /* number of edges of more than two triangles; a closed mesh can have some */
     int64_t euler;        /* Euler characteristic: vertices - edges + triangles; 2 for a ball, 0 for a ring */
     double area;          /* mm2 */
-    double volume;        /* mm3, enclosed; NaN when the mesh is open */
+    double volume;        /* enclosed volume, mm3; NaN when the mesh is open */
 } iso_mesh_measures;
 
-/* Measures the surface by its mesh. ISO_ERR_LIMIT above 2^31 - 1 vertices. */
+/* Measures the mesh of a surface. ISO_ERR_LIMIT: more than 2^31 - 1 vertices. */
 ISO_API iso_status iso_surface_measure(iso_surface *surface, iso_mesh_measures *measures, iso_error *error);
 
-/* Writes points as binary .ply: x y z nx ny nz radius. The file appears whole or not at all. ISO_ERR_EMPTY,
- * ISO_ERR_WRITE. */
+/* Writes the points as binary .ply with the properties x y z nx ny nz radius. A failure leaves no incomplete
+ * file. ISO_ERR_EMPTY, ISO_ERR_WRITE. */
 ISO_API iso_status iso_surface_write_points(iso_surface *surface, const char *path, iso_error *error);
 
-/* Writes the welded mesh as .ply, .stl (both binary) or .obj, by the name's end. The file appears whole or
- * not at all. ISO_ERR_USAGE: another ending; ISO_ERR_EMPTY, ISO_ERR_WRITE, ISO_ERR_LIMIT. */
+/* Writes the welded mesh as binary .ply or .stl, or as .obj, according to the extension of `path`. A failure
+ * leaves no incomplete file. ISO_ERR_USAGE: another extension; ISO_ERR_EMPTY, ISO_ERR_WRITE,
+ * ISO_ERR_LIMIT. */
 ISO_API iso_status iso_surface_write_mesh(iso_surface *surface, const char *path, iso_error *error);
 
 /* ---- lines and glyphs ---- */
 
-/* Solids that stand for points. Cones, cylinders and arrows stand on their position and point along their
- * direction; the others are centred on it. */
+/* The shape that is drawn at a point. The base of cones, cylinders and arrows is at the point, and they
+ * extend along the point's direction; the other shapes are centred on the point. */
 typedef enum iso_glyph {
     ISO_GLYPH_SPHERE,
     ISO_GLYPH_CONE,
     ISO_GLYPH_CYLINDER,
     ISO_GLYPH_ARROW,
-    ISO_GLYPH_ELLIPSOID, /* with half axes; without, a sphere */
+    ISO_GLYPH_ELLIPSOID, /* with the half axes of its point; a sphere when there are none */
     ISO_GLYPH_DISC,      /* perpendicular to its direction */
-    ISO_GLYPH_BOX,       /* with half axes; without, a cube */
+    ISO_GLYPH_BOX,       /* with the half axes of its point; a cube when there are none */
     ISO_GLYPH_COUNT
 } iso_glyph;
 
-/* Lines that are drawn as tubes or ribbons, or points that are drawn as solids, ready to be shown with
- * surfaces: their depth and outline are exact at any zoom. They hold copies of what they are made of and
- * never change; several threads may draw them at the same time. */
+/* A set of lines, drawn as tubes or ribbons, or of points, drawn as glyphs, that can be rendered together
+ * with surfaces; their depths and outlines are exact at any zoom. A set holds copies of its data and never
+ * changes, so several threads may render it at the same time. */
 typedef struct iso_shape_set iso_shape_set;
 
 typedef struct iso_shape_set_opts {
-    const iso_rgb *color; /* of all; NULL: the arrays' or the file's, else the picture chooses one */
-    double radius;        /* mm, where there are no radii; 0: chosen by the extent and number */
-    iso_glyph glyph;      /* of points */
-    bool ribbons;         /* lines are drawn as flat strips, 2 radii wide; else as tubes */
-    bool flat_caps;       /* of tubes: the ends are cut off; else they are round */
-    bool true_width;      /* of lines: those thinner than a pixel are not widened to one */
-    bool ras;             /* of files: the coordinates are RAS though the file does not say so */
+    const iso_rgb *color; /* one colour for all; NULL: the colours of the arrays or of the file, else one of
+                             the palette */
+    double radius;        /* mm, where the data has no radii; 0: chosen by the size and number of lines or
+                             points */
+    iso_glyph glyph;      /* the shape drawn at each point */
+    bool ribbons;         /* lines: draw flat strips of width 2 * radius instead of tubes */
+    bool flat_caps;       /* tubes: flat ends instead of round ones */
+    bool true_width;      /* lines: draw lines thinner than a pixel with their true width instead of widening
+                             them to a pixel */
+    bool ras;             /* files: take the coordinates as RAS although the file does not say so */
 } iso_shape_set_opts;
 
-/* Arrays of the caller, world mm. */
+/* Lines in the caller's arrays; world coordinates in mm. */
 typedef struct iso_line_arrays {
-    const float (*vertices)[3]; /* one line after the other */
-    const size_t *starts;       /* line i has the vertices starts[i] .. starts[i + 1] - 1; line_count + 1 */
+    const float (*vertices)[3]; /* the vertices of all lines, one line after the other */
+    const size_t *starts;       /* line_count + 1 indices: line i has the vertices starts[i] .. starts[i + 1]
+                                   - 1 */
     size_t line_count;
     const float *radii;         /* one per vertex, >= 0; NULL: opts.radius */
     const uint8_t (*colors)[3]; /* red green blue, one per vertex; NULL: opts.color */
-    const float (*normals)[3];  /* unit, one per vertex, of ribbons; NULL: they turn as little as possible */
+    const float (*normals)[3];  /* normals of ribbons: unit vectors, one per vertex; NULL: ribbons twist as
+                                   little as possible */
 } iso_line_arrays;
 
 typedef struct iso_glyph_arrays {
     const float (*positions)[3];
     size_t count;
     const float *radii;           /* NULL: opts.radius */
-    const float (*directions)[3]; /* mm: cones, cylinders and arrows are so long; NULL: none */
-    const float (*axes)[9];       /* three half axes, mm, one after the other; NULL: none */
+    const float (*directions)[3]; /* mm; the length of a cone, cylinder or arrow is that of its direction;
+                                     NULL: there are none */
+    const float (*axes)[9];       /* three half axes in mm for each point, one after the other; NULL: there
+                                     are none */
     const uint8_t (*colors)[3];   /* red green blue; NULL: opts.color */
 } iso_glyph_arrays;
 
-/* Copies arrays. ISO_ERR_USAGE: options out of range, or no direction for a solid that needs one;
- * ISO_ERR_EMPTY: nothing can be drawn; ISO_ERR_LIMIT: 2^29 vertices or 2^31 points, or more. */
+/* Make a set of lines or of glyphs and copy the arrays. ISO_ERR_USAGE: an option is out of range, or a shape
+ * needs directions and there are none; ISO_ERR_EMPTY: nothing can be drawn; ISO_ERR_LIMIT: 2^29 vertices or
+ * 2^31 points, or more. */
 ISO_API iso_status iso_shape_set_of_lines(const iso_line_arrays *lines, const iso_shape_set_opts *opts,
                                           iso_shape_set **set, iso_error *error);
 ISO_API iso_status iso_shape_set_of_glyphs(const iso_glyph_arrays *glyphs, const iso_shape_set_opts *opts,
                                            iso_shape_set **set, iso_error *error);
 
-/* Reads .tck, .trk, .swc, .obj, .ply with edges, or polydata in .vtk or .vtp. ISO_ERR_IO, ISO_ERR_FORMAT,
- * ISO_ERR_UNSUPPORTED, and the errors above. */
+/* Reads lines from .tck, .trk, .swc, .obj, .ply with edges, or polydata in .vtk or .vtp. ISO_ERR_IO,
+ * ISO_ERR_FORMAT, ISO_ERR_UNSUPPORTED, and the errors of iso_shape_set_of_lines. */
 ISO_API iso_status iso_shape_set_read_lines(const char *path, const iso_shape_set_opts *opts,
                                             iso_shape_set **set, iso_error *error);
-/* Reads .pdb, .xyz, .csv, .ply, or the points of .vtk or .vtp. */
+/* Reads points from .pdb, .xyz, .csv, .ply, .vtk or .vtp. Errors as for lines. */
 ISO_API iso_status iso_shape_set_read_glyphs(const char *path, const iso_shape_set_opts *opts,
                                              iso_shape_set **set, iso_error *error);
 
-/* NULL is fine. */
+/* Frees a set. NULL is allowed. */
 ISO_API void iso_shape_set_destroy(iso_shape_set *set);
 
-/* A world box around all of them, sizes included. */
+/* Returns a world box (mm) that contains all lines or glyphs with their radii. */
 ISO_API iso_box iso_shape_set_bounds(const iso_shape_set *set);
 
 /* ---- pictures ---- */
 
-/* Largest width or height. */
+/* Largest width or height of a picture, in pixels. */
 enum { ISO_IMAGE_MAX = 16384 };
 
 /* 8-bit RGBA, row 0 at the top, alpha straight (not premultiplied). */
 typedef struct iso_image {
     int width, height;
-    uint8_t *rgba; /* width * height * 4 bytes; owned: iso_image_free */
+    uint8_t *rgba; /* width * height * 4 bytes; owned; freed by iso_image_free */
 } iso_image;
 
-/* An image with pixels of any value. ISO_ERR_USAGE when a side is not in 1 .. ISO_IMAGE_MAX. */
+/* Allocates an image; its pixels are uninitialised. ISO_ERR_USAGE: a side is not in 1 .. ISO_IMAGE_MAX. */
 ISO_API iso_status iso_image_create(int width, int height, iso_image *image, iso_error *error);
 
-/* Frees the pixels and zeroes the struct. An image of zeros is fine. */
+/* Frees the pixels and zeroes the struct. A zeroed struct is allowed. */
 ISO_API void iso_image_free(iso_image *image);
 
-/* Writes a PNG, RGB when all pixels are opaque and RGBA otherwise; "-" is stdout, and a file appears whole or
- * not at all. ISO_ERR_WRITE. */
+/* Writes a PNG: RGB when all pixels are opaque, else RGBA. The path "-" is standard output. A failure leaves
+ * no incomplete file. ISO_ERR_WRITE. */
 ISO_API iso_status iso_image_write(const iso_image *image, const char *path, iso_error *error);
 
-/* Reads any PNG; gamma and colour profiles are ignored. ISO_ERR_IO, ISO_ERR_FORMAT. */
+/* Reads any PNG. Gamma and colour profiles are ignored. ISO_ERR_IO, ISO_ERR_FORMAT. */
 ISO_API iso_status iso_image_read(const char *path, iso_image *image, iso_error *error);
 
-/* What a picture shows as numbers ("arbitrary output variables"): planes of width * height floats, row 0 at
- * the top. Of a pixel with several samples, depth and normal are the means of its covered samples. */
+/* The contents of a picture as numbers ("arbitrary output variables"): planes of width * height floats, row 0
+ * at the top. In pixels with several samples, depth and normal are means over the covered samples. */
 typedef struct iso_aov {
     int width, height;
-    float *depth;     /* distance along the view direction (not along the ray), mm; INFINITY where empty */
-    float *normal[3]; /* world x, y, z: unit, out of the solid, not turned to the viewer; 0 where empty and
-                         where the normals of a pixel's samples cancel */
-    float *coverage;  /* share of covered samples, 0 .. 1; with translucent surfaces: alpha */
-    float *layers;    /* mean number of layers of a pixel's samples; NULL: all surfaces are opaque */
-    /* What the nearest sample of a pixel shows, counted from 1; 0 where empty. Which surface: surfaces in
-     * their order, then sets of shapes. Which of its glyphs, lines or triangles; 0: a surface of a volume.
-     * Which segment of the line; 0: no line. NULL: not known. */
+    float *depth;     /* along the view direction (not along the ray), mm; INFINITY in empty pixels */
+    float *normal[3]; /* world x, y, z; unit vectors out of the solid, also where they point away from the
+                         viewer; 0 in empty pixels and where the normals of a pixel's samples cancel */
+    float *coverage;  /* share of covered samples, 0 .. 1; in pictures with translucent surfaces the alpha */
+    float *layers;    /* mean number of layers in the samples of a pixel; NULL: all surfaces are opaque */
+    /* What the nearest sample of a pixel shows; all numbers count from 1, and 0 means none. ids[0]: the
+     * surface; sets of shapes are numbered after the surfaces. ids[1]: the glyph, line or triangle of the
+     * set; 0 for surfaces of volumes. ids[2]: the segment of the line; 0 when it is not a line. NULL: not
+     * known. */
     uint32_t *ids[3];
-    float voxel; /* smallest voxel spacing of what is shown, mm; 0 when unknown */
+    float voxel; /* smallest voxel spacing of the volumes shown, mm; 0 when unknown */
 } iso_aov;
 
-/* Frees the planes and zeroes the struct. One of zeros is fine. */
+/* Frees the planes and zeroes the struct. A zeroed struct is allowed. */
 ISO_API void iso_aov_free(iso_aov *aov);
 
-/* Writes OpenEXR: Z, N.X N.Y N.Z, A and, if they are known, layers as 32-bit floats, id.surface, id.element
- * and id.segment as 32-bit integers. The file appears whole or not at all. ISO_ERR_UNSUPPORTED without
- * OpenEXR; ISO_ERR_USAGE ("-" cannot be written to), ISO_ERR_WRITE. */
+/* Writes OpenEXR with the 32-bit float channels Z, N.X N.Y N.Z and A, with a channel for the layers if they
+ * are known, and with the 32-bit integer channels id.surface, id.element and id.segment if ids are known. A
+ * failure leaves no incomplete file. ISO_ERR_UNSUPPORTED: this build has no OpenEXR; ISO_ERR_USAGE: the path
+ * is "-"; ISO_ERR_WRITE. */
 ISO_API iso_status iso_aov_write(const iso_aov *aov, const char *path, iso_error *error);
 
-/* Reads such a picture, also of other programs. ISO_ERR_IO, ISO_ERR_FORMAT, ISO_ERR_UNSUPPORTED. */
+/* Reads OpenEXR with these channels, also when another program wrote it. ISO_ERR_IO, ISO_ERR_FORMAT,
+ * ISO_ERR_UNSUPPORTED. */
 ISO_API iso_status iso_aov_read(const char *path, iso_aov *aov, iso_error *error);
 
 /* How a surface is drawn. */
 typedef enum iso_method {
-    ISO_METHOD_EXACT,             /* the trilinear surface itself, cell by cell: choose it for pictures */
-    ISO_METHOD_MESH,              /* Marching Cubes triangles: what other programs draw */
+    ISO_METHOD_EXACT,             /* the trilinear surface itself, found cell by cell: the best pictures */
+    ISO_METHOD_MESH,              /* Marching Cubes triangles, as most other programs draw them */
     ISO_METHOD_PULLPUSH,          /* points as curved discs, filled in image space */
     ISO_METHOD_PULLPUSH_GAUSSIAN, /* points, filled with Gaussian weights (Marroquim et al. 2008) */
-    ISO_METHOD_PULLPUSH_BOX,      /* the same with equal weights */
-    ISO_METHOD_POINTS,            /* discs that face the picture: the samples themselves */
+    ISO_METHOD_PULLPUSH_BOX,      /* points, filled with equal weights */
+    ISO_METHOD_POINTS,            /* a flat disc parallel to the picture at each point: shows the points
+                                     themselves */
     ISO_METHOD_SPLATS,            /* points as flat discs, blended in one pass (Zhang and Pajarola 2006) */
-    ISO_METHOD_RAYCAST            /* rays through the whole field: slow, to check the others */
+    ISO_METHOD_RAYCAST /* rays through the whole volume: slow, the reference for the other methods */
 } iso_method;
 enum { ISO_METHODS = 8 };
 
-/* "exact", "mesh", "pullpush", "pullpush-gaussian", "pullpush-box", "points", "splats", "raycast"; NULL: no
- * method. */
+/* Returns "exact", "mesh", "pullpush", "pullpush-gaussian", "pullpush-box", "points", "splats" or "raycast";
+ * NULL: not a method. */
 ISO_API const char *iso_method_name(iso_method method);
 
-/* The method of that name. ISO_ERR_USAGE. */
+/* Finds a method by its name. ISO_ERR_USAGE: there is none. */
 ISO_API iso_status iso_method_find(const char *name, iso_method *method, iso_error *error);
 
-/* Names are F3D's. */
+/* A camera; the members have the names that VTK and F3D use. */
 typedef struct iso_camera {
     iso_vec3 position, focal_point, view_up; /* mm; view_up need not be unit or orthogonal */
     double view_angle;                       /* degrees, full vertical angle, 0 < angle < 180 */
@@ -491,7 +519,7 @@ typedef struct iso_camera {
     double parallel_scale; /* orthographic: half the picture's height, mm */
 } iso_camera;
 
-/* The side that is looked at. */
+/* Standard views, named after the side of the object that faces the viewer. */
 typedef enum iso_direction {
     ISO_FRONT, /* looks along +y, z up: the patient's face in LPS */
     ISO_BACK,
@@ -502,96 +530,104 @@ typedef enum iso_direction {
     ISO_ISOMETRIC /* from front, patient's left and above */
 } iso_direction;
 
-/* A camera that shows all of something, as isorender chooses it: from a side, turned, at the distance at
- * which it fits with a margin of 4 %. */
+/* How iso_camera_of_box places a camera that shows a whole box. The camera is placed in front of a side,
+ * turned by azimuth and elevation, and moved to the distance at which the box fits with a margin of 4 %. */
 typedef struct iso_fit_opts {
     iso_direction direction;
-    const iso_vec3 *up;        /* which world axis is up, unit; NULL: +z */
-    double azimuth, elevation; /* degrees: then the eye goes to the right, and upwards */
-    double zoom;               /* enlarges; 0 means 1 */
+    const iso_vec3 *up;        /* unit vector, the world direction that is up; NULL: +z */
+    double azimuth, elevation; /* degrees: the camera then moves around the box to the right, and upwards */
+    double zoom;               /* magnification; 0 means 1 */
     double view_angle;         /* degrees; 0 means 30 */
     bool orthographic;
-    int turns; /* the distance fits this many views, evenly spaced in azimuth: a turntable; 0 means 1 */
+    int turns; /* number of views, evenly spaced in azimuth, in all of which the box must fit (turntable); 0
+                  means 1 */
 } iso_fit_opts;
 
-/* Fits `box` (world) into a picture of width x height. ISO_ERR_USAGE: a value that is not finite, an empty
- * box, a size, angle, zoom or number of turns that cannot be. */
+/* Computes a camera for which `box` (world) fits into a picture of width x height pixels. ISO_ERR_USAGE: a
+ * value is not finite or out of range, or the box is empty. */
 ISO_API iso_status iso_camera_of_box(const iso_box *box, int width, int height, const iso_fit_opts *opts,
                                      iso_camera *camera, iso_error *error);
 
 typedef struct iso_render_opts {
     iso_method method;
     int width, height; /* pixels; 0 means 1024 */
-    int samples;       /* a pixel: a square number 1, 4, 9 .. 64; 0 means 1 */
-    /* Where it is seen from. NULL: `fit` of all that is shown. */
+    int samples;       /* number of samples of a pixel: a square number 1, 4, 9 .. 64; 0 means 1 */
+    /* The camera. NULL: a camera that shows everything, placed by `fit`. */
     const iso_camera *camera;
     iso_fit_opts fit;
     const iso_rgb *background; /* NULL: white */
-    bool transparent;          /* the background's alpha is 0 */
-    /* Of translucent surfaces. Every crossing of a ray is composited, in order. */
-    bool constant_opacity; /* the same at every angle. Else a surface is a thin slab, of which slanting rays
-                              pass more: it stops 1 - (1 - opacity)^(1 / cos) (Kay and Greenberg 1979) */
-    double absorption_length; /* mm of the solid after which 1/e of the light is left, the rest becomes the
-                                 surface's colour; of surfaces of one volume, not by splats; 0: the solid is
-                                 clear */
-    int most_layers;          /* only the first so many crossings of each surface are drawn; 0: all. Not with
-                                 absorption, which must know where rays leave the solid */
-    iso_shape_set *const
-        *shapes; /* drawn in the picture, too, in front of or behind the surfaces; by any method */
+    bool transparent;          /* the background has alpha 0 */
+    /* Options of translucent surfaces. All crossings of a ray are composited in order of depth. */
+    bool constant_opacity; /* the opacity is the same at every angle. If not, the surface acts as a thin slab,
+                              which stops more light from slanting rays: 1 - (1 - opacity)^(1 / cos) (Kay and
+                              Greenberg 1979) */
+    double absorption_length; /* the solid absorbs light: mm after which 1/e of the light is left; what is
+                                 absorbed becomes the surface's colour. All surfaces must be of one volume;
+                                 not for the method SPLATS. 0: the solid is clear */
+    int most_layers;          /* number of crossings of each surface that are drawn, from the nearest on; 0:
+                                 all. Not together with absorption, which needs to know where rays leave the
+                                 solid */
+    /* Lines and glyphs in the same picture, in front of or behind the surfaces; for every method. */
+    iso_shape_set *const *shapes;
     int shapes_count;
-    iso_aov *aov; /* gets depth, normals and coverage as well, and ids with shapes; NULL: not wanted */
+    iso_aov *aov; /* receives depth, normals and coverage, and with shapes also ids; NULL: not wanted */
 } iso_render_opts;
 
-/* Renders a surface on the cpu. `image` (and opts->aov) hold zeros or an earlier picture, whose memory is
- * used again where its size is the same; after a failure they can be freed or used again, and their pixels
- * mean nothing. ISO_ERR_EMPTY: there is no surface, or nothing of it is in view; ISO_ERR_USAGE: a size, a
- * number of samples, a camera that cannot see, or a translucent surface by a method that cannot draw it;
- * ISO_ERR_LIMIT: more than 64 translucent surfaces. */
+/* Renders a surface on the CPU. `image` and opts->aov must be zeroed or hold an earlier picture, whose memory
+ * is reused if the size is the same. After a failure their pixels are undefined, but they can be reused or
+ * freed. ISO_ERR_EMPTY: the surface is empty or not in view; ISO_ERR_USAGE: an invalid size, number of
+ * samples or camera, or a translucent surface with a method that cannot draw it; ISO_ERR_LIMIT: more than 64
+ * translucent surfaces. */
 ISO_API iso_status iso_render(iso_surface *surface, const iso_render_opts *opts, iso_image *image,
                               iso_error *error);
 
-/* Several surfaces in one picture, each before what lies behind it: up to 255 of them and of opts->shapes,
- * and none with shapes. They may be of different volumes; all these are in use by the calling thread then. */
+/* Renders several surfaces in one picture; the nearest hides the others. `count` plus the number of
+ * opts->shapes is at most 255; `count` may be 0 if there are shapes. The surfaces may be of different
+ * volumes; no other thread may use any of these volumes during the call. */
 ISO_API iso_status iso_render_surfaces(iso_surface *const *surfaces, int count, const iso_render_opts *opts,
                                        iso_image *image, iso_error *error);
 
 /* ---- comparing ---- */
 
 typedef struct iso_difference_opts {
-    const iso_aov *truth_aov, *candidate_aov; /* of the pictures' size; NULL: not known */
-    const iso_rgb *background; /* means "not covered" in pictures without transparency; NULL: white */
-    double voxel;              /* mm; 0: what truth_aov says */
-    double pixels_per_voxel;   /* 0: dilations are not known in voxels */
-    double pixels_per_degree;  /* how densely the eye sees the pictures; 0 means 67.02 */
-    float *flip_map;           /* width * height differences 0 .. 1 are written to it; NULL */
+    const iso_aov *truth_aov, *candidate_aov; /* of the same size as the pictures; NULL: there is none */
+    const iso_rgb *background; /* the colour of uncovered pixels in pictures without alpha; NULL: white */
+    double voxel;              /* size of a voxel, mm; 0: truth_aov->voxel */
+    double pixels_per_voxel;   /* 0: unknown, and there are no dilations in voxels */
+    double pixels_per_degree;  /* pixels per degree of the viewer's visual field, for FLIP; 0 means 67.02 */
+    float *flip_map;           /* width * height floats; receives the FLIP difference of every pixel, 0 .. 1;
+                                  or NULL */
 } iso_difference_opts;
 
-/* How far a candidate is from the truth. NaN: not known, or nothing to measure. */
+/* The differences of a candidate picture from the true one. NaN: unknown, or nothing to measure. */
 typedef struct iso_difference {
-    double psnr_in; /* dB, over the pixels of either silhouette widened by 2 pixels */
-    double psnr;    /* dB, whole picture; 138.1 for equal ones */
-    double ssim;    /* Wang et al. 2004, of luma; 1 for equal ones */
-    double flip;    /* LDR-FLIP, Andersson et al. 2020; 0 for equal ones */
-    double iou;     /* pixels in both silhouettes / in either */
-    double dilation_mean,
-        dilation_max; /* pixels that the candidate's silhouette is too large; mean is signed */
+    double psnr_in; /* PSNR in dB over the pixels of either silhouette, widened by 2 pixels */
+    double psnr;    /* PSNR in dB of the whole picture; 138.1 for equal pictures */
+    double ssim;    /* SSIM of the luma (Wang et al. 2004); 1 for equal pictures */
+    double flip;    /* LDR-FLIP (Andersson et al. 2020); 0 for equal pictures */
+    double iou;     /* pixels in both silhouettes / pixels in either of them */
+    /* Pixels by which the candidate's silhouette is too large; the mean is signed. */
+    double dilation_mean, dilation_max;
     double dilation_mean_voxel, dilation_max_voxel; /* the same in voxels */
-    double holes;             /* percent of the truth, eroded by 2 pixels, that the candidate leaves open */
-    double normal_error_deg;  /* mean angle, degrees */
-    double depth_error_voxel; /* mean, voxels */
-    double wrong;             /* percent of the pixels covered by both that are more than 2 voxels apart */
-    double pixels_differing;  /* pixels with a difference of more than 1 of 255 in any channel */
+    double holes;             /* percentage of the true silhouette, eroded by 2 pixels, that the candidate
+                                 does not cover */
+    double normal_error_deg;  /* mean angle between normals, degrees */
+    double depth_error_voxel; /* mean difference of depths, voxels */
+    double wrong;             /* percentage of the pixels covered in both whose depths differ by more than 2
+                                 voxels */
+    double pixels_differing;  /* number of pixels in which a channel differs by more than 1 of 255 */
 } iso_difference;
 
-/* Compares two pictures. ISO_ERR_MISMATCH: sizes differ; ISO_ERR_USAGE: pixels_per_degree. */
+/* Compares two pictures. ISO_ERR_MISMATCH: their sizes differ; ISO_ERR_USAGE: pixels_per_degree is out of
+ * range. */
 ISO_API iso_status iso_compare_images(const iso_image *truth, const iso_image *candidate,
                                       const iso_difference_opts *opts, iso_difference *difference,
                                       iso_error *error);
 
 /* ---- sculpting ---- */
 
-/* What a touch of a brush does. The first four are set operations with the brush's solid, the others deform
- * what is there. */
+/* What a touch of a brush does. The first four are set operations with the brush's solid; the others deform
+ * the surface or change the mask. */
 typedef enum iso_tool {
     ISO_TOOL_ADD,         /* union */
     ISO_TOOL_CARVE,       /* difference */
@@ -603,24 +639,26 @@ typedef enum iso_tool {
     ISO_TOOL_FLATTEN, /* towards the plane of the sample's position and normal */
     ISO_TOOL_PINCH,   /* towards the axis of the sample's normal */
     ISO_TOOL_MOVE,    /* drags what lay at the stroke's first sample to the current one */
-    ISO_TOOL_MASK,    /* freezes what it touches */
+    ISO_TOOL_MASK,    /* freezes the voxels within the radius: brushes do not carry them to the other side of
+                         the surface */
     ISO_TOOL_UNMASK,
     ISO_TOOL_COUNT
 } iso_tool;
 
-/* The solid of a set operation, centred on the sample, its z axis along the sample's normal; sizes in radii.
- */
+/* The solid of a set operation. It is centred on the sample, with its z axis along the sample's normal. Sizes
+ * are in radii of the brush. */
 typedef enum iso_solid {
     ISO_SOLID_SPHERE,
     ISO_SOLID_BOX,      /* half sides 1, `aspect`, `aspect` */
-    ISO_SOLID_CAPSULE,  /* from the sample before to this one */
+    ISO_SOLID_CAPSULE,  /* from the previous sample to this one */
     ISO_SOLID_CYLINDER, /* radius 1, half height `aspect` */
     ISO_SOLID_TORUS,    /* ring radius 1, tube radius `aspect` */
-    ISO_SOLID_STAMP,    /* a mesh: iso_sculpt_set_stamp */
+    ISO_SOLID_STAMP,    /* a mesh, set by iso_sculpt_set_stamp */
     ISO_SOLID_COUNT
 } iso_solid;
 
-/* How the effect of a deforming touch fades from 1 at the centre to 0 at the radius. */
+/* How the effect of a deforming touch decreases from 1 at the centre to 0 at the radius; t = distance /
+ * radius. */
 typedef enum iso_falloff {
     ISO_FALLOFF_SMOOTH, /* (1 - t^2)^2 */
     ISO_FALLOFF_LINEAR,
@@ -628,8 +666,9 @@ typedef enum iso_falloff {
     ISO_FALLOFF_COUNT
 } iso_falloff;
 
-/* Zero fields mean: add, sphere, smooth falloff, strength 1 where a strength applies, aspect 0.5, blend 0.25
- * of the radius, spacing 0.25 of the radius, no symmetry. The radius must be given. */
+/* A brush. Members that are 0 mean: tool add, sphere, smooth falloff, full strength (for tools with a
+ * strength), aspect 0.5, blend 0.25 of the radius, spacing 0.25 of the radius, no symmetry. The radius must
+ * be set. */
 typedef struct iso_brush {
     iso_tool tool;
     iso_solid shape;
@@ -638,99 +677,107 @@ typedef struct iso_brush {
     double strength;        /* 0 .. 1 */
     double aspect;          /* of a box, cylinder or torus, in radii: see iso_solid */
     double blend;           /* width of the smooth transition of BLEND tools, mm */
-    double spacing;         /* between touches along the stroke, in radii */
-    unsigned symmetry;      /* bit a: mirrored at the plane of axis a through `mirror` */
-    iso_vec3 mirror;        /* world */
+    double spacing;         /* distance between touches along the stroke, in radii */
+    unsigned symmetry;      /* bit a: the touch is mirrored at the plane perpendicular to axis a through
+                               `mirror` */
+    iso_vec3 mirror;        /* a point in the world, mm */
     bool pressure_radius;   /* pressure scales the radius */
     bool pressure_strength; /* pressure scales the strength */
 } iso_brush;
 
-/* One pick on the surface, or in space. */
+/* One position of the pointer during a stroke, on the surface or in space. */
 typedef struct iso_sample {
     iso_vec3 position; /* world, mm */
     iso_vec3 normal;   /* unit, world, out of the solid */
     double pressure;   /* 0 .. 1; 1 for a mouse */
-    double seconds;    /* since the session began; says how it was played, nothing depends on it */
+    double seconds;    /* time since the session began; recorded only, the result does not depend on it */
 } iso_sample;
 
-/* What touches did; functions add to it. */
+/* What edits did. Functions add to the members. */
 typedef struct iso_edit_stats {
-    size_t edited, redistanced, created, pruned; /* cells of 16^3 voxels */
-    bool clipped; /* the brush reached beyond the grid: what lies outside is lost */
+    size_t edited, redistanced, created, pruned; /* numbers of cells (16^3 voxels) */
+    bool clipped; /* part of the brush was outside the grid and had no effect there */
 } iso_edit_stats;
 
-/* A level set, the brushes that work on it, its undo history and its journal. A journal is an append-only
- * file of strokes (one JSON line each, with a checksum): autosave, crash recovery and recording in one. */
+/* A sculpting session: a level set, its undo history and its journal. The journal is an append-only file of
+ * all strokes (a line of JSON with a checksum for each event); it serves as autosave, crash recovery and
+ * recording. */
 typedef struct iso_sculpt iso_sculpt;
 
 typedef struct iso_sculpt_opts {
-    double voxel_size;   /* mm; 0 means 1, or the smallest spacing of the volume that it is made of */
-    int dims[3];         /* of a ball's grid, voxels, at most 2048; 0 means 256 */
-    double radius;       /* of the ball, mm; 0: a quarter of the grid's smallest side */
-    const char *journal; /* a stroke file to create; NULL: none */
-    size_t undo_memory;  /* bytes; 0 means 1 GiB; beyond it, undo steps go to a file beside the journal */
-    int threads;         /* 0: one a processor */
+    double voxel_size;   /* mm; 0 means 1 for a ball, and the smallest spacing for a volume */
+    int dims[3];         /* voxels of the grid of a new ball, each at most 2048; 0 means 256 */
+    double radius;       /* radius of a new ball, mm; 0: a quarter of the grid's smallest side */
+    const char *journal; /* path of the journal (stroke file) to create; NULL: no journal */
+    size_t undo_memory;  /* bytes; 0 means 1 GiB; further undo steps are kept in a file beside the journal */
+    int threads;         /* 0: one for each processor */
 } iso_sculpt_opts;
 
-/* A new ball, at the world's origin, in the middle of its grid. ISO_ERR_USAGE, ISO_ERR_LIMIT: its size;
- * ISO_ERR_WRITE: the journal exists already, or cannot be made. */
+/* Creates a ball at the world's origin, in the middle of its grid. ISO_ERR_USAGE, ISO_ERR_LIMIT: the size;
+ * ISO_ERR_WRITE: the journal already exists or cannot be created. */
 ISO_API iso_status iso_sculpt_create(const iso_sculpt_opts *opts, iso_sculpt **sculpt, iso_error *error);
 
-/* The solid that a volume has at an isovalue, sampled with cubic voxels along the volume's axes and made a
- * distance field, with 32 voxels of room around. The volume is borrowed for the call. A journal is not
- * possible (ISO_ERR_UNSUPPORTED): it would need the volume's file. ISO_ERR_EMPTY: nothing is inside, or
- * nothing outside; ISO_ERR_LIMIT. */
+/* Converts the solid that a volume has at an isovalue to a level set with cubic voxels along the volume's
+ * axes and a margin of 32 voxels on each side. The volume is borrowed for the call. opts->journal must be
+ * NULL (else ISO_ERR_UNSUPPORTED), because a journal would have to name the volume's file. ISO_ERR_EMPTY: no
+ * voxel is inside, or none is outside; ISO_ERR_LIMIT. */
 ISO_API iso_status iso_sculpt_from_volume(iso_volume *volume, double isovalue, const iso_sculpt_opts *opts,
                                           iso_sculpt **sculpt, iso_error *error);
 
-/* Plays a stroke file that began with a ball; the file is only read. Of `opts`, undo_memory and threads
- * count. A last line that was cut short by a crash is left out. ISO_ERR_IO, ISO_ERR_FORMAT (naming the line
- * that is damaged or asks for more than a stroke file may), ISO_ERR_UNSUPPORTED: it began with a file. */
+/* Replays a stroke file whose session began with a ball, and leaves the file unchanged. Of `opts` only
+ * undo_memory and threads are used. An incomplete last line, as a crash leaves it, is ignored. ISO_ERR_IO;
+ * ISO_ERR_FORMAT: the text names the line that is damaged or exceeds the limits of stroke files;
+ * ISO_ERR_UNSUPPORTED: the session began with a file. */
 ISO_API iso_status iso_sculpt_replay(const char *path, const iso_sculpt_opts *opts, iso_sculpt **sculpt,
                                      iso_error *error);
 
-/* The same, and what is done from here on is appended to the file. ISO_ERR_WRITE: it cannot be written. */
+/* Replays a stroke file in the same way, and appends all further strokes to it. ISO_ERR_WRITE: the file
+ * cannot be written to. */
 ISO_API iso_status iso_sculpt_resume(const char *path, const iso_sculpt_opts *opts, iso_sculpt **sculpt,
                                      iso_error *error);
 
-/* Closes the journal, after all of it is on the disk, and frees everything. Surfaces of the sculpt's volume
- * must be destroyed before. NULL is fine. */
+/* Waits until the whole journal is on disk, closes it, and frees everything. Destroy surfaces of the sculpt's
+ * volume first. NULL is allowed. */
 ISO_API void iso_sculpt_destroy(iso_sculpt *sculpt);
 
-/* The level set, as a volume: surfaces of it follow every touch. Borrowed until the sculpt is destroyed; not
- * to be destroyed by the caller. */
+/* Returns the level set as a volume; its surfaces are updated after every touch. It belongs to the sculpt: do
+ * not destroy it. */
 ISO_API iso_volume *iso_sculpt_volume(iso_sculpt *sculpt);
 
-/* A stroke: begin with its first sample, then samples, then end or cancel. A sample makes as many touches as
- * the brush's spacing asks for, none when the pointer has hardly moved. `stats` (NULL is fine) are added to.
- * ISO_ERR_USAGE: a bad brush or sample, or not the time for it; the field is as before then. */
+/* Begins a stroke with its first sample; more samples follow, then the end or a cancel. Each sample makes as
+ * many touches as the brush's spacing requires, and none when the pointer has hardly moved. `stats` (may be
+ * NULL) is added to. ISO_ERR_USAGE: an invalid brush or sample, or a stroke is already in progress; the field
+ * is unchanged. */
 ISO_API iso_status iso_sculpt_begin(iso_sculpt *sculpt, const iso_brush *brush, const iso_sample *sample,
                                     iso_edit_stats *stats, iso_error *error);
-/* The next sample of a stroke. As iso_sculpt_begin. */
+/* Adds a sample to the stroke. ISO_ERR_USAGE: an invalid sample, or no stroke is in progress. */
 ISO_API iso_status iso_sculpt_sample(iso_sculpt *sculpt, const iso_sample *sample, iso_edit_stats *stats,
                                      iso_error *error);
-/* Ends a stroke: it is one step of the undo history. ISO_ERR_USAGE: none was begun. */
+/* Ends the stroke, which becomes one step of the undo history. ISO_ERR_USAGE: no stroke is in progress. */
 ISO_API iso_status iso_sculpt_end(iso_sculpt *sculpt, iso_error *error);
-/* Undoes the stroke that is being drawn, and ends it. ISO_ERR_USAGE: none was begun. */
+/* Cancels the stroke: the field is again as it was before it. ISO_ERR_USAGE: no stroke is in progress. */
 ISO_API iso_status iso_sculpt_cancel(iso_sculpt *sculpt, iso_error *error);
 
-/* Undoes the last stroke: the field is as before it, to the bit. ISO_ERR_USAGE: there is nothing to undo, or
- * a stroke is being drawn. */
+/* Undoes the last stroke; the field has exactly the values from before it. ISO_ERR_USAGE: there is nothing to
+ * undo, or a stroke is in progress. */
 ISO_API iso_status iso_sculpt_undo(iso_sculpt *sculpt, iso_error *error);
-/* Redoes the stroke that was undone last, to the bit. As iso_sculpt_undo. */
+/* Redoes the stroke that was undone last, with exactly the same values. ISO_ERR_USAGE: there is nothing to
+ * redo, or a stroke is in progress. */
 ISO_API iso_status iso_sculpt_redo(iso_sculpt *sculpt, iso_error *error);
 
-/* How many strokes can be undone. */
+/* Returns the number of strokes that can be undone. */
 ISO_API size_t iso_sculpt_undo_count(iso_sculpt *sculpt);
-/* How many strokes can be redone. */
+/* Returns the number of strokes that can be redone. */
 ISO_API size_t iso_sculpt_redo_count(iso_sculpt *sculpt);
 
-/* What ISO_SOLID_STAMP is from now on: the solid that a mesh encloses, .stl, .obj or .ply; small holes are
- * closed, and the journal gets a copy of its field. Its longest side is twice the brush's radius. ISO_ERR_IO,
- * ISO_ERR_FORMAT, ISO_ERR_EMPTY (it encloses nothing), ISO_ERR_USAGE while a stroke is drawn. */
+/* Sets the stamp, the solid that brushes with ISO_SOLID_STAMP use: the inside of a mesh in an .stl, .obj or
+ * .ply file. Small holes of the mesh are closed. The longest side of the stamp is twice the brush's radius.
+ * The journal gets a copy of the stamp's distance field. ISO_ERR_IO, ISO_ERR_FORMAT, ISO_ERR_EMPTY (the mesh
+ * encloses nothing), ISO_ERR_USAGE (a stroke is in progress). */
 ISO_API iso_status iso_sculpt_set_stamp(iso_sculpt *sculpt, const char *path, iso_error *error);
 
-/* ISO_OK, or why the journal lags behind what was done (a full disk): it keeps trying. */
+/* Returns ISO_OK, or the reason why the journal is incomplete (such as a full disk). Writing is tried
+ * again. */
 ISO_API iso_status iso_sculpt_journal_status(iso_sculpt *sculpt, iso_error *error);
 
 #ifdef __cplusplus

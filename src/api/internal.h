@@ -29,23 +29,23 @@ static inline iso_api_volume *iso_api_volume_of(iso_volume *volume) {
 struct iso_surface {
     iso_api_volume *volume;
     iso_subject subject;   /* the parts that renderers draw */
-    iso_point_set *points; /* points as floats for the caller; NULL: not asked for yet */
+    iso_point_set *points; /* points as floats for iso_surface_points; NULL: not requested yet */
     iso_primitive primitive;
     double opacity;
     bool has_color;
     iso_rgb color;
 };
 
-/* Lines or glyphs, and what is drawn of them. */
+/* A set of lines or glyphs, and the shapes made of them. */
 struct iso_shape_set {
     iso_lines lines;
     iso_glyphs glyphs;
-    iso_shapes *shapes; /* borrows from one of them */
+    iso_shapes *shapes; /* borrows the lines or glyphs above */
     bool has_color;
     iso_rgb color;
 };
 
-/* Updates the index of the grid after edits. Called before any use of a surface. */
+/* Brings the brick index of the grid up to date with edits. Call this before any use of a surface. */
 iso_status iso_api_surface_ready(iso_surface *surface, iso_error *error);
 
 /* Extracts or updates a part of the surface. ISO_ERR_EMPTY: it is empty. */
@@ -54,7 +54,7 @@ iso_status iso_api_surface_part(iso_surface *surface, iso_part part, iso_error *
 /* The world box of an extracted part. */
 iso_box iso_api_surface_bounds(const iso_surface *surface, iso_part part);
 
-/* ISO_ERR_USAGE unless the number of threads is 0 .. 1024. */
+/* Creates a pool of `threads` threads. ISO_ERR_USAGE: the number of threads is not in 0 .. 1024. */
 iso_status iso_api_pool(int threads, iso_pool **pool, iso_error *error);
 
 #ifdef __cplusplus

@@ -74,7 +74,8 @@ typedef struct rendering {
     iso_picture_layers callbacks;
 } rendering;
 
-/* The part whose box frames the picture: for the ray caster that of the exact surface, which it shows too. */
+/* Returns the part whose box frames the picture. The ray caster has no box; it uses that of the exact
+ * surface, which looks the same. */
 static iso_part framing_part(const iso_renderer *renderer) {
     if (renderer->needs & 1u << ISO_PART_POINTS) return ISO_PART_POINTS;
     return renderer->needs & 1u << ISO_PART_MESH ? ISO_PART_MESH : ISO_PART_CELLS;
@@ -98,7 +99,7 @@ static iso_status prepare(const rendering *r, iso_box *box, iso_error *error) {
     return iso_box_is_empty(box) ? iso_fail(error, ISO_ERR_EMPTY, "there is no surface") : ISO_OK;
 }
 
-/* Draws lines and glyphs: iso_layered_picture.draw_others. */
+/* The callback iso_layered_picture.draw_others: draws lines and glyphs. */
 static iso_status draw_shapes(void *context, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
     const rendering *r = context;
     for (int i = 0; i < r->shapes_count; i++) {
@@ -117,8 +118,8 @@ static iso_status draw(void *context, const iso_view *view, iso_gbuffer *gbuffer
     return draw_shapes(context, view, gbuffer, error);
 }
 
-/* Whether iso_paint_exact can draw and shade the picture in one pass: for a single exact surface. The pixels
- * are the same as without it, sooner. */
+/* Returns whether iso_paint_exact can draw and shade the picture in one pass, which is faster and gives the
+ * same pixels. It can if the picture shows a single exact surface. */
 static bool is_painted(const rendering *r) {
     return r->renderer->method == ISO_METHOD_EXACT && r->count == 1 && r->picture.samples <= 1 &&
            !r->picture.aov && !r->translucent && !r->shapes_count;
@@ -130,7 +131,7 @@ static iso_status paint(const rendering *r, iso_image *image, size_t *covered, i
     return iso_paint_exact(&canvas, r->surfaces[0]->subject.exact, covered, error);
 }
 
-/* Replaces a picture of another size. */
+/* Allocates image and aov, unless they have the right size already. */
 static iso_status make_room(int width, int height, iso_image *image, iso_aov *aov, iso_error *error) {
     if (image->width != width || image->height != height || !image->rgba) {
         iso_image_free(image);
@@ -141,14 +142,14 @@ static iso_status make_room(int width, int height, iso_image *image, iso_aov *ao
     return iso_aov_create(width, height, aov, error);
 }
 
-/* Ids are for pictures with shapes. */
+/* Allocates the planes of ids if there are shapes, and frees them if not. */
 static iso_status make_room_for_ids(int shapes, iso_aov *aov, iso_error *error) {
     if (aov && shapes) return iso_aov_add_ids(aov, error);
     if (aov) iso_aov_remove_ids(aov);
     return ISO_OK;
 }
 
-/* Counts elements as users do. */
+/* Converts the numbers of elements to those that users see. */
 static void number_elements(const rendering *r, iso_aov *aov) {
     for (int i = 0; i < r->count; i++) iso_aov_unnumber(aov, (uint32_t)i + 1);
     for (int i = 0; i < r->shapes_count; i++)

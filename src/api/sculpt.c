@@ -154,7 +154,7 @@ static iso_status check_start(const char *path, const iso_journal_start *start, 
                     start->source);
 }
 
-/* Ends a stroke that the file does not end. */
+/* Replays the strokes of a file; ends a last stroke that the file leaves open. */
 static iso_status play(iso_sculpt *sculpt, iso_journal_reader *reader, iso_error *error) {
     iso_event event;
     bool more = true, drawing = false;
@@ -169,7 +169,7 @@ static iso_status play(iso_sculpt *sculpt, iso_journal_reader *reader, iso_error
                    : ISO_OK;
 }
 
-/* `journal` NULL: the file is only read. */
+/* Opens a stroke file. `journal` is the path to append to; NULL: the file is only read. */
 static iso_status open_strokes(const char *path, const char *journal, const iso_sculpt_opts *opts,
                                iso_sculpt **sculpt, iso_error *error) {
     iso_journal_start start;

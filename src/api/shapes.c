@@ -58,11 +58,11 @@ static iso_status begin(const iso_shape_set_opts *opts, iso_shape_set **set, iso
     return ISO_OK;
 }
 
-/* Prepares a set that has been filled; after a failure, also one of `status`, frees it. */
+/* Prepares a filled set for drawing. If this fails, or if `status` is a failure already, frees the set. */
 static iso_status finish(iso_status status, iso_shape_set *made, const iso_shape_set_opts *opts,
                          iso_shape_set **set, iso_error *error) {
     const bool lines = made->lines.line_count > 0;
-    if (made->has_color) { /* one colour is given for all */
+    if (made->has_color) { /* one colour is given for the whole set */
         iso_free(made->lines.colors);
         iso_free(made->glyphs.colors);
         made->lines.colors = made->glyphs.colors = NULL;

@@ -11,7 +11,7 @@
 #include "io/points_io.h"
 #include "methods/bounds.h"
 
-/* The comment in the files that are written. */
+/* The comment in the headers of the files that are written. */
 static const char COMMENT[] = "isopoint";
 
 /* ---- creation ---- */
@@ -62,7 +62,7 @@ void iso_surface_destroy(iso_surface *surface) {
 iso_status iso_surface_set_isovalue(iso_surface *surface, double isovalue, iso_error *error) {
     ISO_TRY(check_isovalue(surface->subject.grid, isovalue, error));
     iso_subject_set_isovalue(&surface->subject, isovalue);
-    /* The points that AUTO selects depend on the isovalue. */
+    /* with the primitive AUTO the kind of points depends on the isovalue */
     iso_point_set_destroy(surface->points);
     surface->points = NULL;
     return ISO_OK;
@@ -110,7 +110,7 @@ iso_status iso_surface_bounds(iso_surface *surface, iso_box *box, iso_error *err
 
 /* ---- points ---- */
 
-/* Unpacked points: packed ones have rounded positions and are for pictures only. */
+/* Extracts the points as floats, because packed points have rounded positions and are for pictures only. */
 static iso_status update_points(iso_surface *surface, iso_point_view *view, iso_error *error) {
     const iso_points_opts opts = {.isovalue = surface->subject.isovalue,
                                   .primitive = surface->primitive,
@@ -184,7 +184,8 @@ static iso_status weld(iso_surface *surface, iso_mesh_view *view, iso_weld *weld
     return iso_mesh_weld(view, welded, error);
 }
 
-/* Turns the triangles of a left-handed volume, so that they are counter-clockwise in world coordinates. */
+/* Copies the mesh to world coordinates. If the volume's axes are left-handed, reverses the triangles, so that
+ * they are counter-clockwise in the world. */
 static void copy_mesh(const iso_weld *welded, const iso_affine *affine, iso_mesh *mesh) {
     const bool turned = affine->determinant < 0;
     for (size_t i = 0; i < welded->vertex_count; i++) {

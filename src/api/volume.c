@@ -88,7 +88,7 @@ static void describe_lent(const iso_rgrid *grid, iso_volume_info *info) {
                   (uint64_t)grid->dims[2];
 }
 
-/* Creates the grid, which from here on releases the array, and its brick index. */
+/* Creates the grid of a lent array and its brick index. From then on the grid releases the array. */
 static iso_status lend(const iso_rgrid_desc *desc, iso_api_volume *volume, iso_error *error) {
     iso_rgrid **grid = &volume->volume.grid.rgrid;
     ISO_TRY(iso_rgrid_create(desc, grid, error));

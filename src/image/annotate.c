@@ -23,7 +23,7 @@ typedef struct line {
 
 enum { LINES = 512, SIDE = 8, SAMPLES = SIDE * SIDE };
 
-/* Lines that are drawn as one: a pixel that several of them cover is blended once. */
+/* Lines that are drawn together: a pixel that several of them cover is blended only once. */
 typedef struct drawing {
     line lines[LINES];
     int count;
@@ -33,7 +33,7 @@ static void add_line(drawing *d, double x0, double y0, double x1, double y1) {
     if (d->count < LINES) d->lines[d->count++] = (line){x0, y0, x1, y1};
 }
 
-/* A rectangle of pixels from x0, y0 on; of each pixel, bit s is set if its sample s is covered. */
+/* A rectangle of pixels with the corner (x0, y0); in each pixel, bit s is set if sample s is covered. */
 typedef struct mask {
     uint64_t *bits;
     int x0, y0, width, height;
@@ -70,7 +70,7 @@ static double distance_squared(const line *l, double x, double y) {
     return ex * ex + ey * ey;
 }
 
-/* The samples of pixel x, y that are within `radius` of a line. */
+/* Returns which samples of pixel (x, y) are within `radius` of a line. */
 static uint64_t covered_samples(const line *l, double radius, int x, int y) {
     const double inner = radius - 0.75, outer = radius + 0.75; /* half a pixel's diagonal is 0.71 */
     const double middle = distance_squared(l, x + 0.5, y + 0.5);
@@ -95,7 +95,8 @@ static void mark_line(mask *m, const line *l, double radius) {
                 covered_samples(l, radius, m->x0 + x, m->y0 + y);
 }
 
-/* Blends ink that covers `samples` samples of a pixel over its colour, both with straight alpha. */
+/* Blends the colour `ink`, which covers `samples` samples of a pixel, over the pixel; both have straight
+ * alpha. */
 static void blend(uint8_t rgba[4], const color *ink, int samples) {
     const int above = (samples * 255 + SAMPLES / 2) / SAMPLES, below = rgba[3] * (255 - above);
     const int whole = above * 255 + below;
@@ -135,7 +136,7 @@ typedef struct pen {
     color ink, outline;
     double text;   /* height of capital letters */
     double unit;   /* of the vector font */
-    double radius; /* of lines */
+    double radius; /* half the width of lines */
     double border; /* width of the outline */
 } pen;
 
@@ -203,7 +204,7 @@ static iso_status draw_scale_bar(const pen *p, const iso_camera *camera, iso_err
     char label[32];
     iso_scale_bar_label(length, label);
     const double pixels = length / iso_camera_mm_per_pixel(camera, height);
-    const double text = iso_font_width(label) * p->unit; /* may be longer than the bar */
+    const double text = iso_font_width(label) * p->unit; /* the label may be wider than the bar */
     const double right = width - 1.2 * p->text - fmax(0, 0.5 * (text - pixels)), left = right - pixels;
     const double y = height - 1.5 * p->text, tick = 0.4 * p->text;
     drawing d = {.count = 0};
@@ -317,7 +318,8 @@ static void fill_bar(iso_image *image, iso_colormap map, int left, int right, in
     }
 }
 
-/* Adds the numbers at the ends and in the middle of a bar, which end at `right`; returns the widest. */
+/* Adds the numbers at both ends and in the middle of a bar, right-aligned at `right`. Returns the width of
+ * the widest. */
 static double add_labels(drawing *d, const pen *p, const iso_color_bar *bar, double right, double top,
                          double bottom) {
     double widest = 0;

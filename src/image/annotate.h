@@ -17,10 +17,10 @@
 extern "C" {
 #endif
 
-/* What colours stand for which numbers. */
+/* A colour bar: shows which colours of a map stand for which numbers. */
 typedef struct iso_color_bar {
     iso_colormap map;
-    double low, high; /* the numbers at its ends */
+    double low, high; /* the numbers at the ends of the bar */
 } iso_color_bar;
 
 typedef struct iso_annotation {
@@ -30,10 +30,10 @@ typedef struct iso_annotation {
     bool anatomical;                 /* the axes are L R, A P and H F (the world is LPS); else x y z */
     const iso_color_bar *color_bars; /* at the right, beside each other; borrowed */
     int color_bar_count;
-    bool dark; /* the background is dark: light lines */
+    bool dark; /* the background is dark, so lines are drawn light */
 } iso_annotation;
 
-/* Draws the wanted annotations; parts beyond the picture are cut off. ISO_ERR_NOMEM. */
+/* Draws the annotations that are set; what lies outside the picture is clipped. ISO_ERR_NOMEM. */
 iso_status iso_annotate(iso_image *image, const iso_annotation *annotation, iso_error *error);
 
 /* The length of the scale bar in mm: 1, 2 or 5 times a power of ten, nearest to a fifth of the picture's

@@ -1,4 +1,4 @@
-/* aov: allocates and frees the planes of a picture, and numbers what its pixels show. */
+/* aov: allocates and frees the planes of a picture, and converts its ids to the numbers that users see. */
 #include "image/aov.h"
 
 #include "base/memory.h"

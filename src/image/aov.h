@@ -16,7 +16,7 @@
 extern "C" {
 #endif
 
-enum { ISO_AOV_PLANES = 5 }; /* that every picture has */
+enum { ISO_AOV_PLANES = 5 }; /* planes that every picture has: depth, normal x y z, coverage */
 
 /* The planes of iso_aov.ids. */
 enum { ISO_ID_SURFACE, ISO_ID_ELEMENT, ISO_ID_SEGMENT, ISO_ID_PLANES };
@@ -27,22 +27,25 @@ iso_status iso_aov_create(int width, int height, iso_aov *aov, iso_error *error)
 
 /* Allocates the plane of the numbers of layers, uninitialised, unless it exists. ISO_ERR_NOMEM. */
 iso_status iso_aov_add_layers(iso_aov *aov, iso_error *error);
-/* Frees it, if it exists. */
+/* Frees the plane of the numbers of layers, if it exists. */
 void iso_aov_remove_layers(iso_aov *aov);
 
 /* Allocates the planes of ids, uninitialised, unless they exist. ISO_ERR_NOMEM. */
 iso_status iso_aov_add_ids(iso_aov *aov, iso_error *error);
-/* Frees them, if they exist. */
+/* Frees the planes of ids, if they exist. */
 void iso_aov_remove_ids(iso_aov *aov);
 
-/* Renderers count elements as they keep them; these functions count them as files and users do. Each is for
- * the pixels of one surface, `surface` counted from 1, and does nothing for an aov without ids. */
+/* Renderers write internal numbers of elements; the following functions convert them to the numbers that
+ * files and users have. Each call converts the pixels of one surface (`surface` counts from 1), and does
+ * nothing if the aov has no ids. */
 
-/* Lines: from the number of a segment's first vertex to those of its line and of the segment in the line. */
+/* For lines: replaces the number of a segment's first vertex by the numbers of its line and of the segment in
+ * the line. */
 void iso_aov_number_lines(iso_aov *aov, uint32_t surface, const iso_lines *lines);
-/* Elements of which some are not drawn: numbers[i] is that of the i-th which is, both counted from 0. */
+/* For sets from which elements were left out: the i-th element that is drawn becomes numbers[i]; both count
+ * from 0. */
 void iso_aov_renumber(iso_aov *aov, uint32_t surface, const uint32_t *numbers);
-/* A surface whose elements mean nothing to users: 0. */
+/* For surfaces whose elements have no meaning for users: sets them to 0. */
 void iso_aov_unnumber(iso_aov *aov, uint32_t surface);
 
 #ifdef __cplusplus

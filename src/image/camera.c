@@ -1,4 +1,4 @@
-/* camera: rotations, fits and views. No function of libm that differs between machines is used. */
+/* camera: rotations, fits and views. Uses no function of libm whose result differs between machines. */
 #include "image/camera.h"
 
 #include <assert.h>
@@ -90,7 +90,7 @@ void iso_camera_fit_box(iso_camera *camera, const iso_box *box, const iso_fit *f
             double y = fmax(fabs(iso_vec3_dot(p, f.up)), fabs(iso_vec3_dot(p, f.right)) / aspect);
             double z = iso_vec3_dot(p, f.forward);
             scale = fmax(scale, y / fill);
-            /* also a box of no width must lie in front of the near plane */
+            /* a box without width must lie in front of the near plane, too */
             distance = fmax(distance, fmax(y / reach_y - z, -1.001 * z));
         }
     }
@@ -105,11 +105,11 @@ void iso_camera_fit_box(iso_camera *camera, const iso_box *box, const iso_fit *f
 
 /* ---- fitting the points */
 
-/* The extent of all points relative to two planes that bound the visible region: both contain `center` and
- * move outwards by `slope` mm for each mm of depth. */
+/* The extent of all points relative to two planes that bound the visible region. Both planes contain `center`
+ * and diverge by `slope` mm for each mm of depth. */
 typedef struct reach {
-    double high; /* largest distance beyond the plane on the side of +axis, along the axis; negative: all
-                    within */
+    double high; /* largest distance of a point beyond the plane on the side of +axis, along the axis;
+                    negative: all points are inside */
     double low;  /* the same on the side of -axis */
     double near; /* least depth, relative to the center */
 } reach;
@@ -124,9 +124,9 @@ static reach reach_of(const iso_fit *fit, iso_vec3 center, const view_axes *f, i
 
 /* The extent of the points on one axis of the picture. */
 typedef struct extent {
-    double needed; /* perspective: distance of the eye from the center with which all points are visible;
+    double needed; /* perspective: distance of the eye from the center at which all points are visible;
                       orthographic: half of the visible length, mm */
-    double middle; /* of the points on the axis, relative to the center, mm */
+    double middle; /* middle of the points on the axis, relative to the center, mm */
     double near;   /* least depth, relative to the center */
 } extent;
 
@@ -137,9 +137,10 @@ static extent extent_of(const iso_fit *fit, iso_vec3 center, const view_axes *f,
     return (extent){slope > 0 ? half / slope : half, (r.high - r.low) / 2, r.near};
 }
 
-/* The middle of the points on an axis as seen from `distance`: of the slope with which the needed distance is
- * `distance`. The needed distance is a convex, increasing function of the slope's inverse, so that the method
- * of false position (the Illinois variant) finds the slope in a few rounds. slope: of the picture's side. */
+/* Returns the middle of the points on an axis, as seen from `distance`. This is the extent's middle for the
+ * slope whose needed distance is `distance`. The needed distance is a convex, increasing function of the
+ * inverse of the slope, so the method of false position (Illinois variant) finds the slope in a few rounds.
+ * `slope` is that of the picture's side, where the search begins. */
 static double middle_at_distance(const iso_fit *fit, iso_vec3 center, const view_axes *f, iso_vec3 axis,
                                  double slope, double distance) {
     enum { DOUBLINGS = 12, ROUNDS = 40 };
@@ -152,7 +153,9 @@ static double middle_at_distance(const iso_fit *fit, iso_vec3 center, const view
         at = extent_of(fit, center, f, axis, 1 / high);
         above = at.needed - distance;
     }
-    if (above < 0 || below > -close) return at.middle; /* no other slope: the points have no width */
+    if (above < 0 || below > -close)
+        return at.middle; /* the search interval has no root, as when all points
+                                                          coincide */
     for (int i = 0, side = 0; i < ROUNDS; i++) {
         const double inverse = (low * above - high * below) / (above - below);
         at = extent_of(fit, center, f, axis, 1 / inverse);
@@ -196,7 +199,8 @@ static void fit_one_view(iso_camera *camera, iso_vec3 center, const iso_fit *fit
     camera->position = iso_vec3_sub(center, iso_vec3_scale(f->forward, distance));
 }
 
-/* The needed distance (or half length) when the center must stay in the middle: that of the larger side. */
+/* Returns the needed distance (or half length) if the center must stay in the middle: the larger one of both
+ * sides. */
 static double needed_with_fixed_center(const iso_fit *fit, iso_vec3 center, const view_axes *f, iso_vec3 axis,
                                        double slope) {
     const reach r = reach_of(fit, center, f, axis, slope);

@@ -32,10 +32,10 @@ void iso_camera_orbit(iso_camera *camera, double azimuth, double elevation);
  * must not be empty. */
 void iso_camera_fit(iso_camera *camera, const iso_box *box, double aspect, int turns);
 
-/* What is to be fitted, and into what. */
+/* The options of iso_camera_fit_box and iso_camera_fit_tight. */
 typedef struct iso_fit {
     double aspect; /* width / height of the picture */
-    int turns;     /* views spaced evenly in azimuth that share one framing; 0: 1 */
+    int turns;     /* number of views, spaced evenly in azimuth, that all must fit; 0 means 1 */
     double
         fill; /* part of the picture's width or height that is filled, up to 1; 0: 0.92 as iso_camera_fit */
     /* For iso_camera_fit_tight: returns the ranges of the dot products of all points (world) with each of
@@ -48,7 +48,7 @@ typedef struct iso_fit {
 /* Margin of iso_camera_fit, as a part of the picture on each side. */
 #define ISO_FIT_MARGIN 0.04
 
-/* Like iso_camera_fit with margins of (1 - fill) / 2 instead of 4 %; does not use fit->bounds. */
+/* Works as iso_camera_fit, but with margins of (1 - fill) / 2 instead of 4 %. fit->bounds is not used. */
 void iso_camera_fit_box(iso_camera *camera, const iso_box *box, const iso_fit *fit);
 
 /* Fits the projected points instead of a box around them: keeps the camera's direction, and sets eye and
@@ -57,8 +57,8 @@ void iso_camera_fit_box(iso_camera *camera, const iso_box *box, const iso_fit *f
  * `center`, the axis of the turns, and the distance is the least with which every view shows all points. */
 void iso_camera_fit_tight(iso_camera *camera, iso_vec3 center, const iso_fit *fit);
 
-/* The size of a pixel in mm in a picture of `height` rows; 0 for a perspective camera, which has no single
- * scale. */
+/* Returns the size of a pixel in mm in a picture of `height` rows; 0 for perspective cameras, which have no
+ * single scale. */
 double iso_camera_mm_per_pixel(const iso_camera *camera, int height);
 
 /* Changes view_angle and parallel_scale so that the picture is magnified exactly by `factor` > 0 (VTK divides
@@ -80,7 +80,8 @@ typedef struct iso_view {
     double focal;       /* perspective: pixels per unit of x/z; orthographic: pixels per mm */
     double cx, cy;      /* pixel of the optical axis */
     int width, height;
-    int above, below; /* number of the whole picture's rows above and below this part; 0 when it is whole */
+    int above,
+        below; /* number of rows of the whole picture above and below this part; 0 for a whole picture */
     bool orthographic;
     double near; /* mm; nothing nearer than this is drawn (perspective: > 0; orthographic: may be negative) */
 } iso_view;
@@ -96,7 +97,8 @@ iso_view iso_view_rows(const iso_view *view, int y0, int height);
 
 iso_vec3 iso_view_point(const iso_view *view, iso_vec3 world);  /* world to view space */
 iso_vec3 iso_view_vector(const iso_view *view, iso_vec3 world); /* the same for vectors */
-/* Ray of picture position (px, py) in world: position = origin + t * direction, t = depth. */
+/* Computes the ray through the position (px, py) of the picture, in world space: position = origin + t *
+ * direction; t is the depth. */
 void iso_view_ray(const iso_view *view, double px, double py, iso_vec3 *origin, iso_vec3 *direction);
 
 #ifdef __cplusplus

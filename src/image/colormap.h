@@ -1,4 +1,4 @@
-/* colormap: colours for numbers. */
+/* colormap: maps numbers to colours. */
 #ifndef ISO_IMAGE_COLORMAP_H
 #define ISO_IMAGE_COLORMAP_H
 
@@ -23,7 +23,7 @@ typedef enum iso_colormap {
 
 const char *iso_colormap_name(iso_colormap map);
 
-/* The colour at 0 (lowest) .. 1 (highest); values beyond are clamped, NaN is middle gray. */
+/* Returns the colour of `at`, 0 (lowest) .. 1 (highest). Values outside are clamped; NaN is middle gray. */
 iso_rgb iso_colormap_at(iso_colormap map, double at);
 
 #ifdef __cplusplus

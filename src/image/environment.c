@@ -1,5 +1,5 @@
-/* environment: reading, the built-in studio, and looking up directions. Angles are computed by
- * base/geometry.h, not by libm, so that pictures have the same bytes on every machine. */
+/* environment: reads pictures of environments, makes the built-in studio, and looks up directions. Angles are
+ * computed by base/geometry.h instead of libm, so that pictures have the same bytes on every machine. */
 #include "image/environment.h"
 
 #include <math.h>
@@ -95,9 +95,10 @@ static iso_status check_picture(const char *path, const iso_float_image *picture
     return ISO_OK;
 }
 
-/* Checks the header's size. Files that have none are refused with a reason when they are read. */
+/* Checks the size that the header states. Files without a readable header pass; reading them reports the
+ * reason. */
 static iso_status check_size(const char *path, uint64_t limit, iso_error *error) {
-    enum { BYTES = 3 * sizeof(float) + 4 }; /* of a pixel, with the PNG's while it is read */
+    enum { BYTES = 3 * sizeof(float) + 4 }; /* memory for one pixel, including the decoded PNG */
     uint32_t size[2];
     if (!iso_png_size(path, size) && !iso_exr_size(path, size)) return ISO_OK;
     if (size[0] > ISO_IMAGE_MAX || size[1] > ISO_IMAGE_MAX) return ISO_OK;
@@ -125,16 +126,17 @@ iso_status iso_environment_read(const char *path, uint64_t limit, iso_pool *pool
 
 /* ---- the studio */
 
-/* Light by elevation: between two rows linearly. Bright where a camera looks, dark above and below: the dark
- * parts, which refraction brings to the rims, are what makes glass stand out. */
+/* The studio's light by elevation, linearly interpolated between the rows of this table. It is bright in the
+ * directions of usual cameras and dark above and below: refraction brings the dark parts to the rims of
+ * glass, which makes it stand out. */
 static const struct {
     double elevation, rgb[3];
 } gradient[] = {{-90, {.26, .26, .27}}, {-35, {.32, .32, .335}}, {-14, {.50, .50, .52}},
                 {-3, {.80, .81, .83}},  {6, {.90, .92, .95}},    {20, {.62, .66, .72}},
                 {45, {.20, .22, .26}},  {90, {.10, .11, .14}}};
 
-/* Light boxes: middle and half size in degrees, width of the soft edge. Those with repeat > 1 stand evenly
- * around. */
+/* Light boxes: the middle and half size in degrees, and the width of the soft edge. A box with repeat > 1
+ * stands for that many boxes spaced evenly in azimuth. */
 static const struct {
     double azimuth, elevation, half_width, half_height, edge, light;
     int repeat;
@@ -145,7 +147,7 @@ static double smooth_step(double from, double to, double x) {
     return t * t * (3 - 2 * t);
 }
 
-/* How much of a box lies in a direction, 0 .. 1. */
+/* Returns how much of the light of box i arrives from a direction, 0 .. 1. */
 static double share_of_box(int i, double azimuth, double elevation) {
     const double turn = 360.0 / boxes[i].repeat, from_first = azimuth - boxes[i].azimuth;
     const double across = fabs(from_first - turn * floor(from_first / turn + 0.5)),

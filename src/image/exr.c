@@ -25,7 +25,8 @@ bool iso_exr_available(void) {
 
 /* ---- channels */
 
-/* The planes of an aov. Those from LAYERS_CHANNEL on are optional, and from ID_CHANNELS on integers. */
+/* The channels of an aov. Those from LAYERS_CHANNEL on are optional; those from ID_CHANNELS on are
+ * integers. */
 enum { LAYERS_CHANNEL = ISO_AOV_PLANES, ID_CHANNELS, CHANNELS = ID_CHANNELS + ISO_ID_PLANES };
 static const char *const channel_names[CHANNELS] = {"A",      "N.X",        "N.Y",        "N.Z",       "Z",
                                                     "layers", "id.surface", "id.element", "id.segment"};
@@ -33,7 +34,7 @@ static const char *const channel_names[CHANNELS] = {"A",      "N.X",        "N.Y
 /* Bytes of a value in memory, float or integer. */
 enum { VALUE = 4 };
 
-/* NULL: the aov does not have the plane. */
+/* Returns the plane of a channel; NULL: the aov does not have it. */
 static char *plane_of(const iso_aov *aov, int channel) {
     float *const planes[ID_CHANNELS] = {aov->coverage,  aov->normal[0], aov->normal[1],
                                         aov->normal[2], aov->depth,     aov->layers};
@@ -44,11 +45,11 @@ static exr_pixel_type_t type_of(int channel) {
     return channel < ID_CHANNELS ? EXR_PIXEL_FLOAT : EXR_PIXEL_UINT;
 }
 
-/* The channels of a picture of colours. */
+/* The channels of a picture of colours: R, G and B. */
 enum { COLORS = 3 };
 static const char *const color_names[COLORS] = {"R", "G", "B"};
 
-/* The index of a name among `count` names; -1: it is none of them. */
+/* Returns the index of a name among `count` names; -1: it is not among them. */
 static int channel_number(const char *const *names, int count, const char *name) {
     for (int i = 0; i < count; i++)
         if (strcmp(name, names[i]) == 0) return i;
@@ -57,11 +58,11 @@ static int channel_number(const char *const *names, int count, const char *name)
 
 /* ---- the file: a descriptor, and the first error */
 
-/* May be used by several threads. */
+/* Thread-safe. */
 typedef struct exr_file {
     int descriptor;
     pthread_mutex_t mutex;
-    exr_result_t code; /* 0 while all is well */
+    exr_result_t code; /* EXR_ERR_SUCCESS as long as there was no error */
     int system_code;   /* errno of a failed read or write, else 0 */
     char text[160];
 } exr_file;
@@ -75,7 +76,7 @@ static void file_close(exr_file *file) {
     pthread_mutex_destroy(&file->mutex);
 }
 
-/* Records an error, unless there was an earlier one: that is the cause of those that follow. */
+/* Records the first error. Later errors are ignored, because they follow from it. */
 static void record_error(exr_file *file, exr_result_t code, int system_code, const char *text) {
     pthread_mutex_lock(&file->mutex);
     if (system_code && !file->system_code) file->system_code = system_code;
@@ -206,7 +207,7 @@ static exr_result_t encode_chunk(const writer *w, exr_encode_pipeline_t *pipelin
     return exr_encoding_run(w->context, 0, pipeline);
 }
 
-/* The three steps of iso_parallel_ordered. After an error they do nothing. */
+/* The three callbacks of iso_parallel_ordered. After an error they do nothing. */
 
 static void compress_chunk(void *context, size_t index, size_t slot, int worker) {
     (void)worker;
@@ -238,7 +239,7 @@ static void free_chunk(void *context, size_t slot) {
 
 static void write_chunks(writer *w, iso_pool *pool) {
     size_t chunks = ((size_t)w->aov->height + (size_t)w->rows - 1) / (size_t)w->rows;
-    /* a slot for each thread: more would need more memory and not be faster */
+    /* one slot for each thread; more would take more memory without being faster */
     iso_ordered steps = {.work = compress_chunk,
                          .place = write_chunk,
                          .finish = free_chunk,
@@ -339,7 +340,7 @@ typedef struct reader {
     const char *path;
     exr_context_t context;
     exr_file file;
-    int first_y, rows; /* of the data window; of a chunk */
+    int first_y, rows; /* first row of the data window; rows of a chunk */
     int width, height; /* of the data window */
     /* The channels that are read: the first `needed` of them must be there. */
     const char *const *names;
@@ -461,12 +462,12 @@ static void read_chunk(void *context, size_t index, int worker) {
     exr_decoding_destroy(r->context, &pipeline);
 }
 
-/* Checks the values of a pixel; sets those of an empty one. */
+/* Checks the values of a pixel; replaces those of an uncovered one. */
 static bool check_pixel(iso_aov *aov, size_t pixel) {
     float *normal[3] = {aov->normal[0] + pixel, aov->normal[1] + pixel, aov->normal[2] + pixel};
     float coverage = aov->coverage[pixel];
     if (coverage == 0) {
-        aov->coverage[pixel] = 0; /* not -0 */
+        aov->coverage[pixel] = 0; /* replaces -0 */
         aov->depth[pixel] = INFINITY;
         for (int axis = 0; axis < 3; axis++) *normal[axis] = 0;
         for (int i = 0; aov->ids[0] && i < ISO_ID_PLANES; i++) aov->ids[i][pixel] = 0;
@@ -539,7 +540,7 @@ static iso_status read_colors(reader *r, iso_pool *pool, void *out, iso_error *e
     return status;
 }
 
-/* Makes a picture of an open file whose header has been checked. */
+/* Reads the picture of an open file whose header has been checked. */
 typedef iso_status read_fn(reader *r, iso_pool *pool, void *out, iso_error *error);
 
 static iso_status read_checked(reader *r, read_fn *read, iso_pool *pool, void *out, iso_error *error) {
@@ -549,7 +550,7 @@ static iso_status read_checked(reader *r, read_fn *read, iso_pool *pool, void *o
     return read(r, pool, out, error);
 }
 
-/* Opens the file of `r`, reads it into *out, and closes it. */
+/* Opens the file of `r`, reads its picture into *out, and closes it. */
 static iso_status read_file(reader *r, read_fn *read, iso_pool *pool, void *out, iso_error *error) {
     FILE *stream;
     ISO_TRY(iso_file_open(r->path, &stream, NULL, error));

@@ -17,7 +17,7 @@
 #include "base/text.h"
 #include "image/png_pack.h"
 
-/* Where libpng's errors jump to, and the error. */
+/* Where libpng's error handler jumps to, and the error that it found. */
 typedef struct png_failure {
     jmp_buf escape;
     char text[160];
@@ -80,8 +80,8 @@ static void set_palette(writer *w) {
     png_set_PLTE(w->png, w->info, colours, w->palette->count);
 }
 
-/* Writes all chunks. libpng writes those before the pixels; the pixels are written here, and so is the end,
- * as png_write_end would complain that no pixels were written. */
+/* Writes all chunks. libpng writes those before the pixels. The chunks of the pixels and the end are written
+ * here, because png_write_end would report that no pixels were written. */
 static bool write_picture(writer *w) {
     if (setjmp(w->failure.escape)) return false;
     png_set_write_fn(w->png, w, write_bytes, flush_nothing);
@@ -116,8 +116,8 @@ static bool is_ascii(const char *text) {
     return true;
 }
 
-/* A text for libpng, which copies the strings (its struct is not const). The value is a clean copy that the
- * caller frees, NULL when there is no memory. */
+/* Prepares a text for libpng, which copies its strings (the members of its struct are not const). The value
+ * is a sanitised copy, which the caller frees; NULL when there is no memory. */
 static png_text text_chunk(const iso_png_text *text) {
     char *value = iso_text_clean_copy(text->value);
     bool ascii = value && is_ascii(value);
@@ -218,7 +218,7 @@ typedef struct reader {
     png_structp png;
     png_infop info;
     FILE *stream;
-    bool ended; /* the file is shorter than its contents say */
+    bool ended; /* the file is shorter than its chunks state */
     int width, height;
     int passes;
     png_failure failure;
@@ -238,14 +238,15 @@ static void read_bytes(png_structp png, png_bytep bytes, size_t count) {
 static bool read_header(reader *r) {
     if (setjmp(r->failure.escape)) return false;
     png_set_read_fn(r->png, r, read_bytes);
-    /* Texts, profiles and the like are not read at all: their lengths say how much memory they would take. */
+    /* Texts, profiles and other chunks are not read: their stated lengths could make libpng allocate too much
+     * memory. */
     png_set_keep_unknown_chunks(r->png, PNG_HANDLE_CHUNK_NEVER, NULL, -1);
     png_read_info(r->png, r->info);
     png_uint_32 width = png_get_image_width(r->png, r->info);
     png_uint_32 height = png_get_image_height(r->png, r->info);
     r->width = (int)width;
     r->height = (int)height;
-    png_set_expand(r->png); /* palettes, fewer than 8 bits, transparent colours */
+    png_set_expand(r->png); /* converts palettes, fewer than 8 bits, and transparent colours */
     png_set_scale_16(r->png);
     png_set_gray_to_rgb(r->png);
     png_set_add_alpha(r->png, 255, PNG_FILLER_AFTER);

@@ -7,9 +7,10 @@
 #include "base/memory.h"
 
 enum {
-    BAND_BYTES = 1 << 17, /* of pixels in a band: small enough for many threads, and deflate starts rarely */
-    SLACK = 64,           /* bytes for the stream's header, its checksum and flushing */
-    FILTER_UP = 2         /* PNG's number of the filter "Up" */
+    BAND_BYTES = 1 << 17, /* bytes of a band, about: few enough that all threads have work, many enough that
+                             starting deflate is cheap */
+    SLACK = 64,           /* room for the stream's header, its checksum and the flush of deflate */
+    FILTER_UP = 2         /* the number of the filter "Up" in PNG */
 };
 
 static int band_rows(const iso_png_packer *packer) {
@@ -25,8 +26,8 @@ static uint8_t index_of(const iso_png_packer *packer, const uint8_t rgba[4]) {
     return iso_png_palette_index(packer->palette, rgba);
 }
 
-/* Filters a row with "Up", the difference from the row above: rows of smooth surfaces get small numbers, rows
- * of background zeros. */
+/* Filters a row with "Up": stores the difference from the row above. Smooth surfaces give small numbers, and
+ * the background gives zeros. */
 static void filter_row(const iso_png_packer *packer, int y, uint8_t *out) {
     size_t width = (size_t)packer->image->width;
     const uint8_t *row = packer->image->rgba + (size_t)y * width * 4, *above = row - width * 4;
@@ -46,8 +47,8 @@ static void filter_row(const iso_png_packer *packer, int y, uint8_t *out) {
         memcpy(out, row, 4 * width);
 }
 
-/* Filters and deflates rows first .. end - 1. `filtered` has room for one row. Unless the file shall be
- * small, level 1 with run lengths only: most of the compression is due to the filter, and searching for
+/* Filters and deflates rows first .. end - 1. `filtered` has room for one row. Unless small files are wanted,
+ * deflate uses level 1 with run lengths only: the filter does most of the compression, and searching for
  * matches would take longer than rendering. */
 static bool deflate_rows(const iso_png_packer *packer, int first, int end, uint8_t *filtered,
                          iso_png_part *part) {

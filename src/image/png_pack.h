@@ -15,7 +15,7 @@
 extern "C" {
 #endif
 
-enum { ISO_PNG_ROUND = 64 }; /* bands that are compressed by one call */
+enum { ISO_PNG_ROUND = 64 }; /* most bands that one call compresses */
 
 /* The compressed bytes of a band, owned by the packer. */
 typedef struct iso_png_part {
@@ -29,7 +29,7 @@ typedef struct iso_png_part {
 typedef struct iso_png_packer {
     const iso_image *image;
     int channels;                   /* 4: RGBA, 3: RGB, 1: indices */
-    const iso_png_palette *palette; /* with 1 channel; borrowed */
+    const iso_png_palette *palette; /* for 1 channel; borrowed */
     bool small;                     /* compress more, and slower */
     iso_pool *pool;
     int next_row;

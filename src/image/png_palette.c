@@ -8,8 +8,8 @@ static uint32_t key_of(const uint8_t rgba[4]) {
     return 1u << 24 | (uint32_t)rgba[0] << 16 | (uint32_t)rgba[1] << 8 | rgba[2];
 }
 
-/* The slot that holds the key, or the free slot where it belongs. There always is one: slots outnumber
- * colours. */
+/* Returns the slot that holds the key, or the free slot where it belongs. A free slot always exists, because
+ * there are more slots than colours. */
 static uint32_t slot_of(const iso_png_palette *palette, uint32_t key) {
     uint32_t at = key * 0x9E3779B1u >> 22;
     while (palette->slot[at] && palette->slot[at] != key) at = (at + 1) % ISO_PNG_SLOTS;

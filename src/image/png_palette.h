@@ -15,7 +15,7 @@ extern "C" {
 enum { ISO_PNG_COLOURS = 256, ISO_PNG_SLOTS = 1024 };
 
 typedef struct iso_png_palette {
-    int count; /* of colours */
+    int count; /* number of colours */
     uint32_t
         colour[ISO_PNG_COLOURS];  /* 0xRRGGBB, sorted from dark to bright, so that gradients compress well */
     uint32_t slot[ISO_PNG_SLOTS]; /* hash table: 1 << 24 | colour; 0 is free */

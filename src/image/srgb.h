@@ -9,17 +9,17 @@
 extern "C" {
 #endif
 
-/* base^exponent for a base above 0 and a result below 2^127, to 2e-7 of it. */
+/* base^exponent for a base above 0 and a result below 2^127, with a relative error of at most 2e-7. */
 static inline double iso_srgb_power(double base, double exponent) {
     return (double)iso_exp2((float)(iso_log2(base) * exponent));
 }
 
-/* Display value 0 .. 1 to linear light 0 .. 1. */
+/* Converts a display value 0 .. 1 to linear light 0 .. 1. */
 static inline double iso_srgb_decode(double value) {
     return value <= 0.04045 ? value / 12.92 : iso_srgb_power((value + 0.055) / 1.055, 2.4);
 }
 
-/* Linear light to a display value; both from 0 to 1, values outside that are clamped. */
+/* Converts linear light 0 .. 1 to a display value 0 .. 1; values outside are clamped. */
 static inline double iso_srgb_encode(double light) {
     if (!(light > 0)) return 0;
     if (light >= 1) return 1;

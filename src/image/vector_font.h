@@ -10,7 +10,7 @@ extern "C" {
 /* Capitals are this many units tall; y grows downwards from their top. */
 enum { ISO_FONT_HEIGHT = 6 };
 
-/* A line of a character, from one end to the other, in units from the text's left end. */
+/* One line of a character. The origin is the left end of the text, the unit that of ISO_FONT_HEIGHT. */
 typedef struct iso_font_line {
     int x0, y0, x1, y1;
 } iso_font_line;
@@ -20,7 +20,7 @@ typedef struct iso_font_line {
  */
 int iso_font_width(const char *text);
 
-/* Writes the lines of a text to `lines`, at most `room`; returns how many the text has. */
+/* Writes the lines of a text to `lines`, at most `room` of them. Returns how many lines the text has. */
 int iso_font_lines(const char *text, iso_font_line *lines, int room);
 
 #ifdef __cplusplus

@@ -13,16 +13,16 @@
 extern "C" {
 #endif
 
-/* The world box in mm; empty when there are no positions. */
+/* The following functions return a world box in mm; it is empty when there are no positions. */
 iso_box iso_bounds_of_points(const iso_point_view *view);
 iso_box iso_bounds_of_mesh(const iso_mesh_view *view);
-/* `transform` is the grid's. */
+/* `transform` is that of the grid. */
 iso_box iso_bounds_of_cells(const iso_exact *cells, const iso_transform *transform);
 
 /* Whether an axis of the volume is not parallel to an axis of the world. */
 bool iso_bounds_is_oblique(const iso_transform *transform);
 
-/* The box of all positions in the coordinates to which `affine` maps index coordinates. */
+/* Returns the box of all positions, in the coordinates to which `affine` maps index coordinates. */
 iso_box iso_bounds_of_each_point(const iso_point_view *view, const iso_affine *affine);
 iso_box iso_bounds_of_each_vertex(const iso_mesh_view *view, const iso_affine *affine);
 

@@ -1,4 +1,4 @@
-/* glass: has a picture's map of crossings made by the method, and its strips shaded. */
+/* glass: computes the map of crossings of a picture with the chosen method, and shades its strips. */
 #include "methods/glass.h"
 
 #include "exact/glass.h"
@@ -26,10 +26,10 @@ static iso_status make_map(iso_glass_scene *scene, iso_error *error) {
     return ISO_OK;
 }
 
-/* iso_picture_layers.shade. */
+/* The callback iso_picture_layers.shade. */
 static iso_status shade(void *context, const iso_strip *strip, iso_image *image, iso_aov *aov,
                         size_t *covered, iso_error *error) {
-    (void)aov, (void)error; /* coverage is that of the surface, which has been measured */
+    (void)aov, (void)error; /* coverage is already that of the surface */
     const iso_glass_scene *scene = context;
     const bool traced = scene->refraction == ISO_REFRACTION_TRACED;
     const iso_traced_glass rays = {scene->subject->caster, &scene->glass, &scene->view};
@@ -46,7 +46,7 @@ static iso_status shade(void *context, const iso_strip *strip, iso_image *image,
     return ISO_OK;
 }
 
-/* Samples along a pixel's side. */
+/* Returns the number of samples along a side of a pixel. */
 static int factor_of(int samples) {
     int factor = 1;
     while (factor * factor < samples) factor++;

@@ -1,4 +1,5 @@
-/* layers: sorts a picture's surfaces into opaque and translucent ones, and has both drawn. */
+/* layers: sorts the surfaces of a picture into opaque and translucent ones, and calls the renderers for
+ * both. */
 #include "methods/layers.h"
 
 #include "truth/raycast_layers.h"
@@ -11,7 +12,7 @@ static bool is_opaque(const iso_layered_surface *surface) {
     return surface->translucency.opacity >= 1;
 }
 
-/* iso_picture_layers.draw_opaque. */
+/* The callback iso_picture_layers.draw_opaque. */
 static iso_status draw_opaque(void *context, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
     const iso_layered_picture *picture = context;
     const iso_renderer *renderer = iso_renderer_get(picture->method);
@@ -76,7 +77,7 @@ static iso_status shade_splats(iso_layered_picture *picture, const iso_layer_pic
     return iso_shade_splat_layers(&input, &picture->totals.layers, error);
 }
 
-/* iso_picture_layers.shade. */
+/* The callback iso_picture_layers.shade. */
 static iso_status shade(void *context, const iso_strip *strip, iso_image *image, iso_aov *aov,
                         size_t *covered, iso_error *error) {
     iso_layered_picture *picture = context;

@@ -1,5 +1,5 @@
-/* layers: pictures of surfaces of which some are translucent, by the methods that find every crossing of a
- * ray, exact and raycast, and of points by splats. */
+/* layers: renders pictures in which some surfaces are translucent. The methods exact and raycast find every
+ * crossing of a ray; the method splats draws translucent points. */
 #ifndef ISO_METHODS_LAYERS_H
 #define ISO_METHODS_LAYERS_H
 
@@ -16,31 +16,32 @@ extern "C" {
 /* Whether a method draws translucent surfaces. */
 bool iso_method_has_layers(iso_method method);
 
-enum { ISO_LAYERED_MAX = ISO_EXACT_LAYERS_MAX }; /* translucent surfaces in a picture */
+enum { ISO_LAYERED_MAX = ISO_EXACT_LAYERS_MAX }; /* largest number of translucent surfaces in a picture */
 
 /* A surface of the picture. Those of opacity 1 are opaque. */
 typedef struct iso_layered_surface {
-    const iso_subject *subject; /* the parts that the method needs are up to date */
+    const iso_subject *subject; /* its parts that the method needs are up to date */
     iso_translucency translucency;
 } iso_layered_surface;
 
 /* A picture; all pointers are borrowed while it is rendered. */
 typedef struct iso_layered_picture {
-    iso_method method; /* iso_method_has_layers */
+    iso_method method; /* one for which iso_method_has_layers is true */
     const iso_layered_surface *surfaces;
     int count;
-    const iso_translucent_shapes *shapes; /* lines and glyphs, of the method exact; NULL: none */
+    const iso_translucent_shapes *shapes; /* translucent lines and glyphs, with the method exact only; NULL:
+                                             none */
     int shape_count;
-    iso_draw_fn *draw_others; /* draws what else is opaque, such as lines; NULL: nothing */
+    iso_draw_fn *draw_others; /* draws further opaque objects, such as lines; NULL: there are none */
     void *others_context;
-    iso_transparency transparency; /* of splats */
+    iso_transparency transparency; /* how splats are composited; for the method splats only */
     const iso_shading *shading;    /* a colour for each surface, and the background */
     iso_pool *pool;
     iso_exact_layers_totals totals; /* zeroed by the caller, filled while rendering */
 } iso_layered_picture;
 
-/* What iso_picture_render needs to render the picture (iso_picture_opts.layers). ISO_ERR_LIMIT: more than
- * ISO_LAYERED_MAX translucent surfaces, lines and glyphs. */
+/* Sets the callbacks with which iso_picture_render renders the picture (iso_picture_opts.layers).
+ * ISO_ERR_LIMIT: more than ISO_LAYERED_MAX translucent surfaces, lines and glyphs. */
 iso_status iso_layered_picture_callbacks(iso_layered_picture *picture, iso_picture_layers *callbacks,
                                          iso_error *error);
 

@@ -11,7 +11,8 @@
 static iso_status make_points(iso_subject *subject, iso_error *error) {
     if (!subject->workspace) ISO_TRY(iso_pullpush_create(&subject->workspace, error));
     iso_points_opts opts = {.isovalue = subject->isovalue,
-                            .primitive = ISO_PRIMITIVE_EDGE, /* with which pullpush gives the best pictures */
+                            .primitive = ISO_PRIMITIVE_EDGE, /* the points with which pullpush gives the best
+                                                                pictures */
                             .curvature = true,
                             .pool = subject->pool};
     return iso_point_set_create(subject->grid, &opts, &subject->points, error);
@@ -35,7 +36,7 @@ static iso_status update_cells(iso_subject *subject, iso_error *error) {
     return iso_exact_update(subject->exact, error);
 }
 
-/* The ray caster does not follow edits: it is created again. */
+/* Creates the ray caster again, because it does not follow edits. */
 static iso_status update_caster(iso_subject *subject, iso_error *error) {
     const uint64_t now = iso_change_log_now(iso_grid_log(subject->grid));
     if (subject->caster && subject->caster_edit == now) return ISO_OK;
@@ -45,7 +46,7 @@ static iso_status update_caster(iso_subject *subject, iso_error *error) {
     return iso_raycaster_create(subject->grid, subject->isovalue, subject->pool, &subject->caster, error);
 }
 
-/* Groups do not follow edits either. */
+/* Groups the points again, because groups do not follow edits. */
 static iso_status update_groups(iso_subject *subject, iso_error *error) {
     const uint64_t now = iso_change_log_now(iso_grid_log(subject->grid));
     if (subject->groups.group && subject->groups_edit == now) return ISO_OK;

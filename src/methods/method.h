@@ -23,9 +23,9 @@ extern "C" {
 typedef enum iso_part {
     ISO_PART_POINTS,
     ISO_PART_MESH,
-    ISO_PART_CELLS, /* of exact */
+    ISO_PART_CELLS, /* for the method exact */
     ISO_PART_CASTER,
-    ISO_PART_GROUPS, /* of the points, for splats */
+    ISO_PART_GROUPS, /* groups of the points, for the method splats */
     ISO_PART_COUNT
 } iso_part;
 
@@ -35,17 +35,19 @@ typedef struct iso_subject {
     const iso_grid *grid;
     double isovalue;
     iso_pool *pool; /* or NULL */
-    bool bounded; /* computes the bounds of points (iso_point_set_bound), so that drawing skips hidden ones */
+    bool bounded;   /* also compute the bounds of points (iso_point_set_bound), which lets drawing skip hidden
+                     points */
     iso_point_set *points;
-    const iso_point_view *given; /* NULL, or points that are drawn instead of extracted ones; borrowed */
-    iso_pullpush *workspace;     /* part of ISO_PART_POINTS */
+    const iso_point_view
+        *given;              /* points to draw instead of extracted ones; borrowed; NULL: extracted ones */
+    iso_pullpush *workspace; /* part of ISO_PART_POINTS */
     iso_mesh_set *mesh;
     iso_exact *exact;
     iso_raycaster *caster;
     iso_groups groups;
-    /* numbers of the grid's last edit when the caster and the groups were made */
+    /* the number of the grid's last edit when the caster and the groups were computed */
     uint64_t caster_edit, groups_edit;
-    int bins; /* of splats: iso_splats_opts */
+    int bins; /* for the method splats: iso_splats_opts.bins */
 } iso_subject;
 
 /* Computes a part unless it exists; an existing part is not updated. ISO_ERR_NOMEM, and the errors of
@@ -68,7 +70,7 @@ typedef struct iso_part_size {
 } iso_part_size;
 iso_part_size iso_subject_size(const iso_subject *subject, iso_part part);
 
-/* The points that are drawn: the given ones, or those extracted. */
+/* Returns the points to draw: the given ones, else the extracted ones. */
 iso_point_view iso_subject_points(const iso_subject *subject);
 
 typedef struct iso_renderer {
@@ -80,7 +82,8 @@ typedef struct iso_renderer {
     iso_status (*draw)(const iso_subject *subject, const iso_target *target, iso_error *error);
 } iso_renderer;
 
-/* The methods without the reference renderer; the reference renderer, with which they are compared. */
+/* Returns the list of all methods except the reference renderer. The second function returns the reference
+ * renderer, with which they are compared. */
 const iso_renderer *iso_renderer_list(size_t *count);
 const iso_renderer *iso_renderer_truth(void);
 

@@ -1,6 +1,6 @@
 /* raycast_layers: composites all crossings of a sample's ray, front to back. The crossings of several
- * surfaces are merged by their distance. pow and exp are libm's: this code judges that of the renderers,
- * which has its own. */
+ * surfaces are merged in order of distance. pow and exp are those of libm on purpose: the renderers, which
+ * are compared with this code, use their own. */
 #include "truth/raycast_layers.h"
 
 #include <math.h>
@@ -13,18 +13,18 @@ typedef struct sample_ray {
     const iso_raycast_layers *input;
     iso_vec3 direction; /* world space */
     float to_eye[3];    /* view space */
-    double length;      /* mm of the ray per mm of depth */
-    double limit;       /* depth of what is opaque, mm; INFINITY: nothing */
+    double length;      /* mm along the ray for 1 mm of depth */
+    double limit;       /* depth of the opaque surface behind this sample, mm; INFINITY: none */
     iso_ray ray[ISO_RAYCAST_LAYERS_MAX];
     iso_ray_hit hit[ISO_RAYCAST_LAYERS_MAX]; /* the next crossing of each surface */
-    bool more[ISO_RAYCAST_LAYERS_MAX];       /* there is one */
+    bool more[ISO_RAYCAST_LAYERS_MAX];       /* hit[i] is valid: the surface has another crossing */
     bool inside[ISO_RAYCAST_LAYERS_MAX];     /* the ray is in the surface's solid */
-    int listed[ISO_RAYCAST_LAYERS_MAX];      /* crossings of the surface so far */
+    int listed[ISO_RAYCAST_LAYERS_MAX];      /* number of the surface's crossings so far */
     double end;                              /* depth where the ray leaves the volume, mm */
-    double depth;                            /* that has been reached, mm */
+    double depth;                            /* depth up to which the ray has been followed, mm */
 } sample_ray;
 
-/* The colour of a sample so far, and the share of the light that is left. */
+/* The colour of a sample accumulated so far, and the share of the light that passes all layers so far. */
 typedef struct light {
     double color[3], through;
     int layers;
@@ -65,7 +65,7 @@ static void start_ray(sample_ray *s, const iso_raycast_layers *input, int x, int
     }
 }
 
-/* The surface with the nearest crossing; -1: there are no more. */
+/* Returns the surface with the nearest crossing; -1: no surface has another crossing. */
 static int nearest_hit(const sample_ray *s) {
     int nearest = -1;
     for (int i = 0; i < s->input->count; i++)
@@ -73,7 +73,7 @@ static int nearest_hit(const sample_ray *s) {
     return nearest;
 }
 
-/* Takes the light to a depth, through the solids that absorb it. */
+/* Follows the ray to `depth` and attenuates its light in the absorbing solids on the way. */
 static void absorb(sample_ray *s, light *l, double depth) {
     double rate = 0, color[3] = {0, 0, 0};
     for (int i = 0; i < s->input->count; i++) {
@@ -104,7 +104,7 @@ static double opacity_of(const iso_translucency *translucency, const float norma
     return 1 - pow(1 - opacity, 1 / fmax(fabs(dot) / sqrt(square), 1e-6));
 }
 
-/* The next crossing of surface i, shaded. */
+/* Returns the next crossing of surface i with its opacity and shaded colour. */
 static iso_raycast_crossing crossing_of(const sample_ray *s, int i) {
     const iso_raycast_layer *layer = &s->input->layers[i];
     const iso_ray_hit *hit = &s->hit[i];
@@ -128,7 +128,7 @@ static void add_layer(sample_ray *s, int i, light *l) {
     next_hit(s, i);
 }
 
-/* Adds what is opaque behind the layers. Returns whether something is. */
+/* Adds the opaque surface behind the layers, if there is one. Returns whether there is one. */
 static bool add_opaque(const sample_ray *s, int x, int y, light *l) {
     const iso_shading *shading = s->input->picture.shading;
     const iso_gbuffer *opaque = s->input->picture.strip->gbuffer;

@@ -17,9 +17,9 @@ typedef struct iso_raycast_layer {
     iso_translucency translucency;
 } iso_raycast_layer;
 
-enum { ISO_RAYCAST_LAYERS_MAX = 64 }; /* surfaces in a picture */
+enum { ISO_RAYCAST_LAYERS_MAX = 64 }; /* largest number of surfaces in a picture */
 
-/* What is drawn, and into what; all pointers are borrowed for the call. */
+/* The surfaces to draw and the picture to draw them into; all pointers are borrowed for the call. */
 typedef struct iso_raycast_layers {
     const iso_raycast_layer *layers;
     int count; /* 1 .. ISO_RAYCAST_LAYERS_MAX */
@@ -36,7 +36,7 @@ typedef struct iso_raycast_crossing {
     float rgb[3];   /* shaded, 0 .. 1 */
 } iso_raycast_crossing;
 
-/* Takes the crossings of a picture. */
+/* A callback that receives all crossings of a picture. */
 typedef struct iso_raycast_reader {
     /* Called for every crossing by any worker, front to back for each sample. x, y: the sample in the strip.
      */
@@ -44,8 +44,8 @@ typedef struct iso_raycast_reader {
     void *context;
 } iso_raycast_reader;
 
-/* Gives all crossings of a strip to a reader, those too that nothing is left to be seen of. Of the picture
- * only strip and pool are used. Cannot fail. */
+/* Passes all crossings of a strip to a reader, including those that are completely hidden by nearer layers.
+ * Of the picture only the strip and the pool are used. Cannot fail. */
 void iso_read_raycast_layers(const iso_raycast_layers *input, const iso_raycast_reader *reader);
 
 #ifdef __cplusplus

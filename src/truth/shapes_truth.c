@@ -1,5 +1,5 @@
-/* shapes_truth: the pieces of a ray inside each shape, in long double: of spheres from the textbook's
- * formula; of rounded cones by searching among the spheres that sweep them; of ribbons by dividing their
+/* shapes_truth: finds where a ray is inside each shape, in long double. Spheres are intersected by the usual
+ * formula; rounded cones by a search among the spheres that sweep them; ribbons by subdivision of their
  * patches. */
 #include "truth/shapes_truth.h"
 
@@ -14,7 +14,8 @@ typedef struct ray {
     real origin[3], direction[3];
 } ray;
 
-/* Where a ray enters and leaves a solid, with the outward normals there, of any length. */
+/* The part of a ray inside a solid: the depths at which the ray enters and leaves it, and the outward normals
+ * there, which have any length. */
 typedef struct piece {
     real t[2], normal[2][3];
 } piece;
@@ -34,7 +35,7 @@ static ray ray_of(const iso_view *view, double px, double py) {
     return (ray){{0, 0, 0}, {u, v, 1}};
 }
 
-/* A vector of the world in view space. */
+/* Transforms a vector from world to view space. */
 static void turn(const iso_view *view, const real world[3], real out[3]) {
     for (int a = 0; a < 3; a++)
         out[a] = (real)view->rotation[3 * a] * world[0] + (real)view->rotation[3 * a + 1] * world[1] +
@@ -48,7 +49,8 @@ static void to_view(const iso_view *view, iso_vec3 origin, const float offset[3]
     turn(view, world, out);
 }
 
-/* From the origin to the foot of the perpendicular, and half the chord to both sides of it. */
+/* Intersects a ray with a sphere; returns whether they meet. The two intersections are half a chord before
+ * and behind the foot of the perpendicular from the centre to the ray. */
 static bool sphere_piece(const ray *r, const real center[3], real radius, piece *out) {
     real to[3], foot[3];
     for (int a = 0; a < 3; a++) to[a] = center[a] - r->origin[a];
@@ -65,18 +67,18 @@ static bool sphere_piece(const ray *r, const real center[3], real radius, piece 
     return true;
 }
 
-/* ---- rounded cones: the union of the spheres around center + t * path, of radius + t * taper, 0 <= t <= 1.
- * The points (s, t) of which the ray's s lies in the sphere of t form a convex set. */
+/* ---- rounded cones: the union of the spheres with centre center + t * path and radius radius + t * taper, 0
+ * <= t <= 1. The set of all (s, t) for which the ray's point s lies in the sphere t is convex. */
 
 typedef struct cone {
     real center[3], path[3], radius, taper;
-    bool flat[2]; /* the end is cut off at its vertex */
+    bool flat[2]; /* the end (0: t = 0, 1: t = 1) is cut off by a plane through its vertex */
 } cone;
 
-enum { STEPS = 56 }; /* of a search: each leaves 2/3 of an interval */
+enum { STEPS = 56 }; /* steps of a search; each keeps 2/3 of the interval */
 
-/* Foot of the perpendicular from the center of the sphere of t to the ray, and its distance less the radius.
- */
+/* Returns the distance of the ray from the centre of sphere t, minus the sphere's radius: below 0 if the ray
+ * meets the sphere. Sets *middle to the depth of the nearest point of the ray. */
 static real gap(const ray *r, const cone *c, real t, real *middle) {
     real to[3], off[3];
     for (int a = 0; a < 3; a++) to[a] = c->center[a] + t * c->path[a] - r->origin[a];
@@ -85,7 +87,8 @@ static real gap(const ray *r, const cone *c, real t, real *middle) {
     return sqrtl(dot(off, off)) - (c->radius + t * c->taper);
 }
 
-/* Where the ray enters (way 1) or leaves (way -1) the sphere of t, times way. */
+/* Returns the depth at which the ray enters sphere t (way 1), or minus the depth at which it leaves it (way
+ * -1). */
 static real edge(const ray *r, const cone *c, real t, int way) {
     real middle;
     const real radius = c->radius + t * c->taper, inside = -gap(r, c, t, &middle),
@@ -93,7 +96,7 @@ static real edge(const ray *r, const cone *c, real t, int way) {
     return way * middle - sqrtl(rest / dot(r->direction, r->direction));
 }
 
-/* The t of the smallest gap (way 0) or edge between low and high. */
+/* Returns the t between `low` and `high` with the smallest gap (way 0) or the smallest edge (way 1 or -1). */
 static real search(const ray *r, const cone *c, int way, real low, real high) {
     for (int step = 0; step < STEPS; step++) {
         real a = (2 * low + high) / 3, b = (low + 2 * high) / 3, unused;
@@ -104,7 +107,8 @@ static real search(const ray *r, const cone *c, int way, real low, real high) {
     return (low + high) / 2;
 }
 
-/* The t between one that meets the ray and `end` from which on spheres miss it. */
+/* Returns where, between `meets` (a t whose sphere the ray meets) and `end`, the spheres begin to miss the
+ * ray; `end` if it meets them all. */
 static real border(const ray *r, const cone *c, real meets, real end) {
     real unused;
     if (gap(r, c, end, &unused) <= 0) return end;
@@ -115,7 +119,7 @@ static real border(const ray *r, const cone *c, real meets, real end) {
     return meets;
 }
 
-/* Cuts off what lies beyond a flat end. */
+/* Cuts the piece off at the plane of a flat end. Returns whether something of the piece is left. */
 static bool cut(const ray *r, const cone *c, int last, piece *p) {
     const real sign = last ? 1 : -1, slope = sign * dot(r->direction, c->path);
     real from[3];
@@ -147,15 +151,15 @@ static bool cone_piece(const ray *r, const cone *c, piece *p) {
     return true;
 }
 
-/* ---- ribbons: patches line + s path + t (edge0 + s (edge1 - edge0)), 0 <= s <= 1, -1 <= t <= 1. Seen along
- * the ray, a patch and each of its parts lie within the quadrilateral of their corners: parts whose corners
- * are all on one side of the ray are left out, the others divided. */
+/* ---- ribbons: each is a patch of points line + s path + t (edge0 + s (edge1 - edge0)), 0 <= s <= 1, -1 <= t
+ * <= 1. Projected along the ray, a patch lies within the quadrilateral of its corners, and so does each of
+ * its parts. Parts whose corners are all on one side of the ray are dropped; the others are subdivided. */
 
 typedef struct patch {
     real center[3], path[3], edge[2][3];
 } patch;
 
-/* A part of a patch: low and high of s and of t. */
+/* A part of a patch: the ranges of s and t. */
 typedef struct part {
     real s[2], t[2];
 } part;
@@ -165,7 +169,8 @@ static void patch_point(const patch *q, real s, real t, real out[3]) {
         out[a] = q->center[a] + s * q->path[a] + t * ((1 - s) * q->edge[0][a] + s * q->edge[1][a]);
 }
 
-/* Whether a line through the ray has all corners on one side: perpendicular to an edge or a diagonal. */
+/* Returns whether some line through the ray, perpendicular to an edge or a diagonal of the part, has all
+ * corners of the part on one side. */
 static bool is_beside(const ray *r, const patch *q, const part *p) {
     real corner[4][2];
     for (int i = 0; i < 4; i++) {
@@ -187,7 +192,7 @@ static bool is_beside(const ray *r, const patch *q, const part *p) {
     return false;
 }
 
-/* Adds an intersection to the piece; the normal is on the ray's side. */
+/* Adds an intersection to the piece, with the normal that points against the ray. */
 static void add_patch_point(const ray *r, const patch *q, real s, real t, piece *out) {
     real at[3], ds[3], dt[3], normal[3];
     patch_point(q, s, t, at);
@@ -229,16 +234,16 @@ static bool patch_piece(const ray *r, const patch *q, piece *out) {
     return count > 0;
 }
 
-/* ---- other glyphs: images of unit solids, which are unions of convex ones (see the options' glyph). Where a
- * convex function of the place is negative, the place is inside: its least value along the ray is searched,
- * then where it changes its sign on both sides. */
+/* ---- other glyphs: affine images of unit solids, each a union of convex solids. A convex solid is where a
+ * convex function is negative: its minimum along the ray is searched first, then the change of sign on both
+ * sides of the minimum. */
 
 typedef struct unit {
     iso_glyph glyph; /* ellipsoid, box, cylinder or cone */
     real radius, low, high;
 } unit;
 
-/* The function, and its gradient if that is not NULL. */
+/* Returns the convex function of a unit solid at p, and its gradient if `gradient` is not NULL. */
 static real outside(const unit *u, const real p[3], real gradient[3]) {
     const real off = sqrtl(p[0] * p[0] + p[1] * p[1]), taper = 1 / (u->high - u->low);
     real most = -INFINITY, value[6];
@@ -309,7 +314,7 @@ static bool disc_piece(const ray *r, piece *out) {
     return true;
 }
 
-/* The pieces of a ray in a unit solid, merged where they touch. */
+/* Finds the pieces of a ray in a unit solid, merged where they touch. Returns their number. */
 static int unit_pieces(iso_glyph glyph, const ray *r, piece out[2]) {
     const unit whole = {glyph, 1, -1, 1}, shaft = {ISO_GLYPH_CYLINDER, 0.3L, -1, 0.3L},
                head = {ISO_GLYPH_CONE, 1, 0.3L, 1};
@@ -327,7 +332,7 @@ static int unit_pieces(iso_glyph glyph, const ray *r, piece out[2]) {
     return 1;
 }
 
-/* Rows of the inverse of the matrix with these columns. */
+/* Computes the rows of the inverse of the matrix with these columns. */
 static void invert(const real columns[3][3], real rows[3][3]) {
     for (int i = 0; i < 3; i++) {
         const real *b = columns[(i + 1) % 3], *c = columns[(i + 2) % 3];
@@ -338,7 +343,8 @@ static void invert(const real columns[3][3], real rows[3][3]) {
     }
 }
 
-/* Takes the piece's first end at or behind the near plane, if it is nearer than the hit so far. */
+/* Updates `hit` if the piece's first end that is not in front of the near plane is nearer. Returns whether it
+ * was. */
 static bool take(const iso_view *view, const piece *p, iso_shapes_hit *hit) {
     const int end = p->t[0] >= (real)view->near ? 0 : 1;
     if (!(p->t[end] >= (real)view->near)) return false;
@@ -357,17 +363,17 @@ static bool take(const iso_view *view, const piece *p, iso_shapes_hit *hit) {
 /* ---- sets */
 
 typedef struct solid {
-    cone shape;         /* without path and taper: a sphere */
-    real inverse[3][3]; /* of other glyphs, from view space */
+    cone shape;         /* a sphere when path and taper are 0 */
+    real inverse[3][3]; /* of other glyphs: from view space to the unit solid */
     iso_glyph glyph;
-    real size, largest; /* its smallest and largest radius */
+    real size, largest; /* the smallest and the largest radius */
     bool is_cone, is_patch;
     patch patch;
-    size_t number; /* of the glyph, or of the first vertex */
-    size_t whole;  /* of the glyph, or of the line */
+    size_t number; /* number of the glyph, or of the segment's first vertex */
+    size_t whole;  /* number of the glyph or of the line; overlapping pieces of one line are merged */
 } solid;
 
-/* A piece of the ray whose layers are listed. */
+/* A piece of the ray and the solid that it lies in. */
 typedef struct listed {
     piece piece;
     const solid *solid;
@@ -377,10 +383,11 @@ struct iso_shapes_truth {
     const iso_view *view;
     solid *solids;
     size_t count;
-    listed *listed; /* of iso_shapes_truth_layers; NULL before the first call */
+    listed *listed; /* working memory of iso_shapes_truth_layers; NULL before its first call */
 };
 
-/* Vectors along the axes of a glyph's unit solid, in the world, and from its position to its center. */
+/* Computes the vectors (world space) that a glyph's unit solid has as axes, and the vector from the glyph's
+ * position to the solid's centre. */
 static void axes_of(const iso_glyphs *glyphs, size_t i, const iso_shapes_opts *opts, real axis[3][3],
                     real center[3]) {
     const real scale = opts->scale > 0 ? (real)opts->scale : 1;
@@ -400,7 +407,7 @@ static void axes_of(const iso_glyphs *glyphs, size_t i, const iso_shapes_opts *o
         axis[2][a] = disc ? along[a] / length * radius : along[a] / 2;
         center[a] = disc ? 0 : along[a] / 2;
     }
-    /* any two vectors across the direction: solids are round */
+    /* any two vectors perpendicular to the direction will do, because the solid is round */
     const int k = fabsl(along[0]) < length / 2 ? 0 : 1;
     for (int a = 0; a < 3; a++) axis[0][a] = (a == k) - along[k] * along[a] / (length * length);
     const real size = sqrtl(dot(axis[0], axis[0]));
@@ -444,7 +451,7 @@ static void add_glyphs(iso_shapes_truth *truth, const iso_glyphs *glyphs, const 
     }
 }
 
-/* The radius of a vertex at depth z, widened to the least width. */
+/* Returns the radius of a vertex at depth z, widened to the least width on the screen. */
 static real radius_of(const iso_view *view, const iso_lines *lines, size_t vertex,
                       const iso_shapes_opts *opts, real z) {
     const real scale = opts->scale > 0 ? (real)opts->scale : 1,
@@ -476,7 +483,7 @@ static void store_difference(const float a[3], const float b[3], real out[3]) {
     for (int k = 0; k < 3; k++) out[k] = (real)b[k] - (real)a[k];
 }
 
-/* The direction of a line at a vertex: between those of the segments beside it. */
+/* Computes the tangent of a line at a vertex, between the directions of the adjacent segments. */
 static void tangent_at(const iso_lines *lines, size_t line, size_t vertex, real out[3]) {
     real way[2][3] = {{0}};
     for (size_t i = lines->starts[line]; i + 1 < lines->starts[line + 1]; i++) {
@@ -491,7 +498,7 @@ static void tangent_at(const iso_lines *lines, size_t line, size_t vertex, real 
     for (int k = 0; k < 3 && dot(out, out) < 1e-12L; k++) out[k] = way[0][k];
 }
 
-/* The vector from a ribbon's line to its edge. */
+/* Computes the vector from the middle of a ribbon to its edge at a vertex. */
 static void edge_at(const iso_shapes_truth *truth, const iso_lines *lines, size_t line, size_t vertex,
                     real radius, real out[3]) {
     real tangent[3], across[3];
@@ -504,7 +511,7 @@ static void edge_at(const iso_shapes_truth *truth, const iso_lines *lines, size_
     turn(truth->view, across, out);
 }
 
-/* Makes a solid, which add_segment has made, the patch of a ribbon. */
+/* Turns a solid that add_segment has made into the patch of a ribbon. */
 static void make_patch(const iso_shapes_truth *truth, const iso_lines *lines, size_t line, solid *s) {
     for (int a = 0; a < 3; a++) {
         s->patch.center[a] = s->shape.center[a];
@@ -555,7 +562,7 @@ void iso_shapes_truth_destroy(iso_shapes_truth *truth) {
     iso_free(truth);
 }
 
-/* Whether the ray passes a solid at a distance, in double precision: false in doubt. */
+/* Returns true if the ray certainly misses a solid, tested in double precision with a margin. */
 static bool passes(const ray *r, const solid *s) {
     double to[3], d[3], path[3], dd = 0, td = 0, pd = 0, tp = 0, pp = 0;
     for (int a = 0; a < 3; a++) {
@@ -564,7 +571,7 @@ static bool passes(const ray *r, const solid *s) {
         path[a] = (double)s->shape.path[a];
         dd += d[a] * d[a], td += to[a] * d[a], pd += path[a] * d[a];
     }
-    for (int a = 0; a < 3; a++) { /* across the ray */
+    for (int a = 0; a < 3; a++) { /* components perpendicular to the ray */
         to[a] -= td / dd * d[a], path[a] -= pd / dd * d[a];
         tp += to[a] * path[a], pp += path[a] * path[a];
     }
@@ -574,12 +581,12 @@ static bool passes(const ray *r, const solid *s) {
     return away > reach * reach;
 }
 
-/* The pieces of a ray in a glyph that is neither a sphere nor a part of a line. */
+/* Finds the pieces of a ray in a glyph that is neither a sphere nor a segment. Returns their number. */
 static int solid_pieces(const solid *s, const ray *r, piece out[2]) {
     ray local;
     real to[3];
     for (int a = 0; a < 3; a++) to[a] = s->shape.center[a] - r->origin[a];
-    /* from the point nearest to the center, for precision */
+    /* measured from the point nearest to the centre, for precision */
     const real shift = dot(to, r->direction) / dot(r->direction, r->direction);
     for (int a = 0; a < 3; a++) to[a] = shift * r->direction[a] - to[a];
     for (int i = 0; i < 3; i++) {
@@ -624,16 +631,17 @@ iso_shapes_hit iso_shapes_truth_ray(const iso_shapes_truth *truth, double px, do
 
 /* ---- all layers of a ray */
 
-/* Depths nearer than this part of a shape's radius are the same. */
+/* Depths that differ by less than this share of a shape's radius count as equal. */
 static const real SAME = 1e-7L;
 
-/* Whether a piece's ends are a single layer. */
+/* Returns whether both ends of a piece count as one layer, as in ribbons and discs. */
 static bool is_flat(const listed *l) {
     return !(l->piece.t[1] - l->piece.t[0] > SAME * l->solid->largest) &&
            (l->solid->is_patch || l->solid->glyph == ISO_GLYPH_DISC);
 }
 
-/* Whether the end of a piece lies inside another piece of the same line, or is that of an earlier one. */
+/* Returns whether the end of a piece is no layer, because it lies inside another piece of the same line or
+ * coincides with the end of an earlier one. */
 static bool is_merged(const listed *all, size_t count, size_t index, int end) {
     const listed *own = &all[index];
     const real t = own->piece.t[end], same = SAME * own->solid->largest;

@@ -10,14 +10,14 @@
 
 /* A ray and the share of its light that reaches the eye. */
 typedef struct path {
-    iso_vec3 origin, ray; /* ray: unit length */
+    iso_vec3 origin, ray; /* `ray`: unit vector, the path's direction */
     double from;          /* the ray begins at origin + from * ray, mm */
-    double weight[3];     /* by colour */
-    int boundaries;       /* that were met on the way from the eye */
+    double weight[3];     /* share of the light, for red, green and blue */
+    int boundaries;       /* number of boundaries between the eye and this path */
 } path;
 
-/* What is being computed for a sample. Of two paths from a boundary one waits while the other is followed;
- * paths that wait have met different numbers of boundaries, so that there are never more than this. */
+/* The state of one sample. At a boundary one of the two new paths is followed and the other waits. Waiting
+ * paths all have different numbers of boundaries, so there are never more of them than the array holds. */
 typedef struct tracing {
     const iso_traced_glass *traced;
     path waiting[ISO_GLASS_BOUNDARIES + 1];
@@ -25,24 +25,25 @@ typedef struct tracing {
     double sum[3];
 } tracing;
 
-/* A crossing on a path. */
+/* A crossing of a path with the surface. */
 typedef struct boundary {
-    iso_vec3 point, normal; /* normal: against the ray */
-    bool leaves;            /* the ray comes from the solid */
+    iso_vec3 point, normal; /* `normal` points against the ray */
+    bool leaves;            /* the ray leaves the solid */
 } boundary;
 
-/* Rays that continue from a crossing begin this far from it, as a part of the smallest voxel's side: far
- * above rounding errors, and so near that nothing of the surface lies between. */
+/* A path that continues from a crossing starts this far from it, as a share of the smallest voxel side. This
+ * is far more than the rounding error, and so little that no other crossing lies in between. */
 static const double STEP_OFF = 1e-4;
 
-/* Adds what the environment sends along a path. */
+/* Adds the light of the environment in the path's direction to the sample. */
 static void add_environment(tracing *t, const path *p) {
     double light[3];
     iso_environment_look(t->traced->glass->environment, p->ray, light);
     for (int k = 0; k < 3; k++) t->sum[k] += p->weight[k] * light[k];
 }
 
-/* Lets a path wait, or ends it when it carries too little light or is too long. */
+/* Queues a path, or ends it with the environment's light if it carries too little light or has met too many
+ * boundaries. */
 static void push(tracing *t, const path *p) {
     const double most = fmax(p->weight[0], fmax(p->weight[1], p->weight[2]));
     if (most < ISO_GLASS_CUT || p->boundaries >= ISO_GLASS_BOUNDARIES)
@@ -53,7 +54,8 @@ static void push(tracing *t, const path *p) {
 
 /* ---- one path */
 
-/* Takes a path to its next crossing, through what it meets of the solid; false: it leaves the volume. */
+/* Follows a path to its next crossing and absorbs light inside the solid on the way. Returns false when the
+ * path leaves the volume instead. */
 static bool find_boundary(const tracing *t, path *p, boundary *found) {
     const iso_raycaster *caster = t->traced->caster;
     iso_ray ray;
@@ -72,7 +74,7 @@ static bool find_boundary(const tracing *t, path *p, boundary *found) {
     return true;
 }
 
-/* The path that continues from a boundary in direction `ray` with a share of the light. */
+/* Returns the path that continues from a boundary in direction `ray` with a share of the light. */
 static path continue_path(const tracing *t, const path *p, const boundary *at, iso_vec3 ray, double share) {
     path next = {.origin = at->point,
                  .ray = ray,
@@ -82,8 +84,8 @@ static path continue_path(const tracing *t, const path *p, const boundary *at, i
     return next;
 }
 
-/* Splits a path at a boundary into a reflected and a refracted one. Interpolated normals differ a little
- * from the surface's: seen from behind by one, the boundary does not bend the ray. */
+/* Splits a path at a boundary into a reflected and a refracted one. Interpolated normals differ a little from
+ * the surface's true normals: a ray that arrives from behind such a normal continues unbent. */
 static void split_path(tracing *t, const path *p, const boundary *at) {
     const double ior = t->traced->glass->ior, cosine = -iso_vec3_dot(p->ray, at->normal);
     iso_vec3 refracted = p->ray;
