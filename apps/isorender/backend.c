@@ -6,16 +6,22 @@
 
 #include "base/cpu.h"
 
-/* Whether OpenGL has the method. */
+static bool is_any(const char *name, const char *a, const char *b) {
+    return strcmp(name, a) == 0 || strcmp(name, b) == 0;
+}
+
+/* Whether the picture has lines, glyphs and meshes of files only, which need no method. */
+static bool has_no_surface(const isorender_settings *settings) {
+    return settings->no_input && !settings->volume_options.count;
+}
+
+/* Whether OpenGL has the method. Of pictures without one it draws those that ask for it. */
 static bool has_gl(const isorender_settings *settings) {
+    if (has_no_surface(settings)) return is_any(settings->backend, "egl", "osmesa");
     if (settings->method == ISO_METHOD_SPLATS)
         return !settings->group_bins && !isorender_is_translucent(settings);
     return settings->method == ISO_METHOD_POINTS || settings->method == ISO_METHOD_MESH ||
            settings->method == ISO_METHOD_PULLPUSH;
-}
-
-static bool is_any(const char *name, const char *a, const char *b) {
-    return strcmp(name, a) == 0 || strcmp(name, b) == 0;
 }
 
 /* The gl engine reads every sample back. */
@@ -52,7 +58,7 @@ iso_status isorender_backend_check(isorender_settings *settings, iso_error *erro
     if (gl && isorender_is_translucent(settings))
         return iso_fail(error, ISO_ERR_USAGE,
                         "--backend %s draws no translucent surfaces: --opacity below 1 needs the cpu", name);
-    if ((gl || needed) && settings->method == ISORENDER_METHOD_UNCHOSEN)
+    if ((gl || needed) && settings->method == ISORENDER_METHOD_UNCHOSEN && !has_no_surface(settings))
         settings->method = settings->strips ? ISO_METHOD_MESH : ISO_METHOD_POINTS;
     if (gl && !has_gl(settings))
         return iso_fail(

@@ -1,6 +1,7 @@
 /* Pictures by OpenGL: surfaces to the GPU, a gbuffer back from it. */
 #include "apps/isorender/isorender.h"
 #include "render/gl/pullpush.h"
+#include "render/gl/shapes.h"
 #include "render/gl/splats.h"
 
 uint64_t isorender_gl_bytes(const isorender_job *job) {
@@ -9,18 +10,30 @@ uint64_t isorender_gl_bytes(const isorender_job *job) {
     int factor = 1;
     while (factor * factor < job->settings->samples) factor++;
     const int width = job->settings->width * factor, height = job->settings->height * factor;
+    const uint64_t shapes =
+        job->settings->object_options.count ? iso_gl_shapes_bytes(backend->engine, width, height) : 0;
     if (job->settings->method == ISO_METHOD_SPLATS) {
         const int slots = job->settings->groups ? job->settings->groups : ISO_SPLATS_GROUPS;
-        return iso_gl_splats_bytes(backend->engine, slots, width, height);
+        return shapes + iso_gl_splats_bytes(backend->engine, slots, width, height);
     }
     if (job->settings->method != ISO_METHOD_PULLPUSH)
-        return iso_gl_draw_bytes(backend->engine, width, height);
-    return iso_gl_pullpush_bytes(backend->engine, (iso_reconstruction)job->settings->reconstruction, width,
-                                 height);
+        return shapes + iso_gl_draw_bytes(backend->engine, width, height);
+    return shapes + iso_gl_pullpush_bytes(backend->engine, (iso_reconstruction)job->settings->reconstruction,
+                                          width, height);
+}
+
+/* Uploads lines and glyphs. */
+static iso_status upload_objects(isorender_job *job, iso_error *error) {
+    for (int i = 0; i < job->object_count; i++) {
+        const iso_shapes *shapes = job->objects[i].shapes;
+        if (shapes) ISO_TRY(iso_gl_upload_shapes(job->backend->engine, shapes, &job->gl_shapes[i], error));
+    }
+    return ISO_OK;
 }
 
 iso_status isorender_gl_upload(isorender_job *job, iso_error *error) {
     iso_gl_engine_reset_seconds(job->backend->engine);
+    ISO_TRY(upload_objects(job, error));
     if (job->method == ISO_METHOD_SPLATS) return ISO_OK; /* splats are uploaded for every picture */
     for (int i = 0; i < job->surface_count; i++) {
         iso_gl_surface **uploaded = &job->gl_surfaces[i];
@@ -44,6 +57,10 @@ void isorender_gl_release(isorender_job *job) {
         iso_gl_surface_destroy(job->gl_surfaces[i]);
         job->gl_surfaces[i] = NULL;
     }
+    for (int i = 0; i < job->object_count; i++) {
+        iso_gl_shapes_destroy(job->gl_shapes[i]);
+        job->gl_shapes[i] = NULL;
+    }
 }
 
 static iso_status draw_splats(const isorender_job *job, const iso_view *view, iso_gbuffer *gbuffer,
@@ -55,8 +72,9 @@ static iso_status draw_splats(const isorender_job *job, const iso_view *view, is
     return iso_gl_draw_splats(job->backend->engine, &opts, gbuffer, error);
 }
 
-iso_status isorender_gl_draw(const isorender_job *job, const iso_view *view, iso_gbuffer *gbuffer,
-                             iso_error *error) {
+/* Draws the isosurfaces. */
+static iso_status draw_surfaces(const isorender_job *job, const iso_view *view, iso_gbuffer *gbuffer,
+                                iso_error *error) {
     const isorender_settings *settings = job->settings;
     const iso_gl_surface *const *surfaces = (const iso_gl_surface *const *)job->gl_surfaces;
     if (job->method == ISO_METHOD_SPLATS) return draw_splats(job, view, gbuffer, error);
@@ -73,4 +91,24 @@ iso_status isorender_gl_draw(const isorender_job *job, const iso_view *view, iso
     opts.tan_y = iso_tan(job->camera.view_angle * (ISO_PI / 360));
     opts.tan_x = opts.tan_y * settings->width / settings->height;
     return iso_gl_draw(job->backend->engine, &opts, gbuffer, error);
+}
+
+/* Draws lines or glyphs. Objects are drawn one after the other, so that their samples are counted as the
+ * cpu's are: before later ones hide them. */
+static iso_status draw_shapes(isorender_job *job, int object, const iso_view *view, iso_gbuffer *gbuffer,
+                              iso_error *error) {
+    const iso_gl_shapes *const sets[] = {job->gl_shapes[object]};
+    const iso_gl_shapes_opts opts = {view, sets, 1, job->surface_count + object};
+    return iso_gl_draw_shapes(job->backend->engine, &opts, gbuffer, &job->objects[object].drawn, error);
+}
+
+iso_status isorender_gl_draw(isorender_job *job, const iso_view *view, iso_gbuffer *gbuffer,
+                             iso_error *error) {
+    if (job->surface_count) ISO_TRY(draw_surfaces(job, view, gbuffer, error));
+    for (int i = 0; i < job->object_count; i++) {
+        const iso_target target = {view, gbuffer, job->pool, (uint8_t)(job->surface_count + i)};
+        ISO_TRY(job->gl_shapes[i] ? draw_shapes(job, i, view, gbuffer, error)
+                                  : isorender_object_draw(&job->objects[i], &target, job->pullpush, error));
+    }
+    return ISO_OK;
 }

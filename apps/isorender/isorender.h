@@ -18,6 +18,7 @@
 #include "image/environment.h"
 #include "methods/glass.h"
 #include "methods/layers.h"
+#include "render/gl/shapes.h"
 #include "render/pullpush/pullpush.h"
 #include "render/shading/shading.h"
 #include "truth/raycast.h"
@@ -78,6 +79,7 @@ typedef struct isorender_job {
     int object_count;
     bool translucent;                                /* at least one surface or object is */
     iso_gl_surface *gl_surfaces[ISORENDER_SURFACES]; /* of OpenGL; NULL before isorender_gl_upload */
+    iso_gl_shapes *gl_shapes[ISORENDER_OBJECTS];     /* the same of lines and glyphs; NULL of meshes */
     uint64_t point_count, rejected, vertex_count, triangle_count, cell_count; /* of all surfaces */
     iso_box bounds_local, bounds_world;                                       /* mm */
 
@@ -180,13 +182,15 @@ uint64_t isorender_picture_bytes(const isorender_job *job); /* main memory that 
 
 /* ---- gl_picture.c: with backend->engine only */
 
-/* Uploads all surfaces to the GPU. */
+/* Uploads all surfaces, lines and glyphs to the GPU. */
 iso_status isorender_gl_upload(isorender_job *job, iso_error *error);
 /* Main memory that the driver takes for a picture. */
 uint64_t isorender_gl_bytes(const isorender_job *job);
-iso_status isorender_gl_draw(const isorender_job *job, const iso_view *view, iso_gbuffer *gbuffer,
+/* Draws everything: surfaces, lines and glyphs by OpenGL; meshes of files, and lines in the image pyramid, by
+ * the cpu. */
+iso_status isorender_gl_draw(isorender_job *job, const iso_view *view, iso_gbuffer *gbuffer,
                              iso_error *error);
-void isorender_gl_release(isorender_job *job); /* frees the uploaded surfaces, if any */
+void isorender_gl_release(isorender_job *job); /* frees what was uploaded, if anything was */
 
 /* ---- report.c, info.c */
 

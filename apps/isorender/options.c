@@ -413,7 +413,8 @@ static const iso_option options[] = {
      .flags = ISO_OPTION_VALUE_OPTIONAL | ISO_OPTION_UNRECORDED},
 
     {"backend", "rendering-backend", "NAME",
-     "cpu, egl or osmesa (OpenGL without a window: points, pullpush, opaque splats and mesh); auto is a GPU "
+     "cpu, egl or osmesa (OpenGL without a window: points, pullpush, opaque splats, mesh, lines and glyphs); "
+     "auto is a GPU "
      "where EGL finds "
      "one, else cpu; but what needs the cpu is drawn by it",
      .group = RUNNING, .standard = "auto", TEXT(backend), UNRECORDED},
@@ -738,11 +739,10 @@ static iso_status check_objects(isorender_settings *settings, iso_error *error) 
     if (settings->ior > 0)
         return iso_fail(error, ISO_ERR_USAGE,
                         "--ior draws glass alone: no --lines, --glyphs and --surface beside it");
-    if (strcmp(settings->backend, "egl") == 0 || strcmp(settings->backend, "osmesa") == 0)
-        return iso_fail(error, ISO_ERR_USAGE,
-                        "--backend %s draws no --lines, --glyphs and --surface: they need the cpu",
-                        settings->backend);
     const char *opacity = isorender_object_opacity_option(settings);
+    if (opacity && (strcmp(settings->backend, "egl") == 0 || strcmp(settings->backend, "osmesa") == 0))
+        return iso_fail(error, ISO_ERR_USAGE, "--backend %s draws no translucent objects: %s needs the cpu",
+                        settings->backend, opacity);
     if (opacity && settings->method != ISORENDER_METHOD_UNCHOSEN && settings->method != ISO_METHOD_EXACT)
         return iso_fail(error, ISO_ERR_USAGE,
                         "--method %s draws opaque lines and glyphs only: %s needs exact",
@@ -773,8 +773,8 @@ iso_status isorender_settings_parse(int argc, char *const *argv, isorender_setti
     ISO_TRY(isorender_volumes_resolve(&settings->volume_options, settings->volumes, error));
     ISO_TRY(check_camera(settings, error));
     ISO_TRY(isorender_splats_check(settings, error));
-    ISO_TRY(isorender_backend_check(settings, error));
     ISO_TRY(take_operands(settings, operands, error));
+    ISO_TRY(isorender_backend_check(settings, error));
     ISO_TRY(check_outputs(settings, error));
     ISO_TRY(check_surfaces(settings, error));
     ISO_TRY(check_glass(settings, error));

@@ -354,7 +354,8 @@ iso_status isorender_render(isorender_job *job, iso_error *error) {
     if (!job->frames) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
     canvas c = {0};
     iso_status status = iso_image_create(settings->width, settings->height, &c.image, error);
-    if (status == ISO_OK && job->method == ISO_METHOD_PULLPUSH && !job->backend->engine)
+    if (status == ISO_OK && job->method == ISO_METHOD_PULLPUSH &&
+        (job->object_count || !job->backend->engine))
         status = iso_pullpush_create(&job->pullpush, error);
     if (status == ISO_OK && job->plan->aov)
         status = iso_aov_create(settings->width, settings->height, &c.aov, error);

@@ -54,7 +54,6 @@ fails "given 2 times for 1" --lines in/two.obj --tube-radius 1 --tube-radius 2
 fails "is for --lines, which is not given" --glyphs in/dots.csv --caps flat
 fails "not one of round, flat" --lines in/two.obj --caps square
 fails "not two numbers" --glyphs in/dots.csv --color-by heat --range 3,1
-fails "they need the cpu" --glyphs in/dots.csv --backend osmesa
 fails "needs\|glass" in/ball.mha --glyphs in/dots.csv --ior 1.5
 fails "is for surfaces" --glyphs in/dots.csv --isovalue 5
 isorender in/axis.swc input.png --camera front --orthographic --resolution 200x200 --quiet

@@ -9,6 +9,7 @@
 #include "base/memory.h"
 #include "render/gl/output.h"
 #include "render/gl/refined.h"
+#include "render/gl/shapes_set.h"
 #include "render/gl/shared.h"
 #include "render/gl/surface.h"
 #include "render/project.h"
@@ -88,6 +89,7 @@ void iso_gl_engine_destroy(iso_gl_engine *engine) {
         const GLuint buffers[] = {engine->draw_uniforms, engine->commands, engine->instances};
         delete_target(engine, gl);
         iso_gl_discs_free(&engine->discs, gl);
+        iso_gl_shapes_target_free(&engine->shapes, gl);
         gl->DeleteBuffers(3, buffers);
         gl->DeleteBuffers(ISO_GL_STORES, engine->storage);
         iso_gl_timer_free(&engine->timer, gl);

@@ -31,8 +31,8 @@ void iso_gl_engine_destroy(iso_gl_engine *engine);
  * of a part. */
 uint64_t iso_gl_draw_bytes(const iso_gl_engine *engine, int width, int height);
 
-/* What is timed: drawing points or triangles (draw), the steps of pull-push (project .. finish) and those
- * of the refined reconstruction (front .. resolve). */
+/* What is timed: drawing points, triangles, lines or glyphs (draw), the steps of pull-push (project ..
+ * finish) and those of the refined reconstruction (front .. resolve). */
 typedef enum iso_gl_pass {
     ISO_GL_PASS_DRAW,
     ISO_GL_PASS_PROJECT,

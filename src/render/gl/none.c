@@ -3,6 +3,7 @@
 #include <stddef.h>
 
 #include "render/gl/canvas.h"
+#include "render/gl/shapes.h"
 #include "render/gl/splats.h"
 
 static iso_status refuse(iso_error *error) {
@@ -176,5 +177,26 @@ iso_status iso_gl_draw_splats(iso_gl_engine *engine, const iso_gl_splats_opts *o
 
 uint64_t iso_gl_splats_bytes(const iso_gl_engine *engine, int slots, int width, int height) {
     (void)engine, (void)slots, (void)width, (void)height;
+    return 0;
+}
+
+iso_status iso_gl_upload_shapes(iso_gl_engine *engine, const iso_shapes *shapes, iso_gl_shapes **uploaded,
+                                iso_error *error) {
+    (void)engine, (void)shapes, (void)uploaded;
+    return refuse(error);
+}
+
+void iso_gl_shapes_destroy(iso_gl_shapes *shapes) {
+    (void)shapes;
+}
+
+iso_status iso_gl_draw_shapes(iso_gl_engine *engine, const iso_gl_shapes_opts *opts, iso_gbuffer *gbuffer,
+                              iso_shapes_drawn *drawn, iso_error *error) {
+    (void)engine, (void)opts, (void)gbuffer, (void)drawn;
+    return refuse(error);
+}
+
+uint64_t iso_gl_shapes_bytes(const iso_gl_engine *engine, int width, int height) {
+    (void)engine, (void)width, (void)height;
     return 0;
 }

@@ -53,6 +53,22 @@ typedef struct recipe {
                    {"unpack.glsl", REFINED},                                                                 \
                    defines "#define ADDING 1\n#define QUADS 1\n"}
 
+/* Lines and glyphs of one kind: `index` 0 to 8, in floats and in double precision. Each has programs of
+ * its own, because software renderers execute all branches of a shader. */
+#define SHAPES(index, what, equations, defines)                                                              \
+    [ISO_GL_DRAW_SHAPES +                                                                                    \
+        index] = {what,                                                                                      \
+                  {"shapes.vert", "shapes.frag"},                                                            \
+                  {"shapes.glsl", "shapes_box.glsl", "shapes_ids.glsl", equations},                          \
+                  defines},                                                                                  \
+        [ISO_GL_DRAW_NEAR_SHAPES +                                                                           \
+            index] = {what " in double precision",                                                           \
+                      {"shapes_near.vert", "shapes_near.frag"},                                              \
+                      {"shapes.glsl", "shapes_ids.glsl", "shapes_near.glsl", "shapes_near_solid.glsl"},      \
+                      defines}
+#define SOLIDS(index, what, glyph)                                                                           \
+    SHAPES(index, what, "shapes_solid.glsl", "#define KIND ISO_GL_SOLIDS\n#define GLYPH " glyph "\n")
+
 static const recipe recipes[ISO_GL_PROGRAMS] = {
     [ISO_GL_POINTS_PACKED] = {"points", {"points.vert", "points.frag"}, {"unpack.glsl"}, ""},
     [ISO_GL_POINTS_SURFELS] = {"points of surfels",
@@ -96,6 +112,15 @@ static const recipe recipes[ISO_GL_PROGRAMS] = {
     [ISO_GL_SPLAT_NUMBERS] = {"discs of slots", {"splats.comp"}, {"splats.glsl"}, "#define KIND 1\n"},
     [ISO_GL_SPLAT_KEYS] = {"keys of slots", {"splats.comp"}, {"splats.glsl"}, WIDE "#define KIND 2\n"},
     [ISO_GL_SPLAT_RESOLVE] = {"resolved slots", {"splats_resolve.comp"}, {"splats.glsl", "picture.glsl"}, ""},
+    SHAPES(0, "spheres", NULL, "#define KIND ISO_GL_SPHERES\n"),
+    SHAPES(1, "tubes", "shapes_tube.glsl", "#define KIND ISO_GL_TUBES\n"),
+    SHAPES(2, "ribbons", "shapes_ribbon.glsl", "#define KIND ISO_GL_RIBBONS\n"),
+    SOLIDS(3, "cones", "ISO_GL_CONE"),
+    SOLIDS(4, "cylinders", "ISO_GL_CYLINDER"),
+    SOLIDS(5, "arrows", "ISO_GL_ARROW"),
+    SOLIDS(6, "ellipsoids", "ISO_GL_ELLIPSOID"),
+    SOLIDS(7, "discs", "ISO_GL_DISC"),
+    SOLIDS(8, "boxes", "ISO_GL_BOX"),
 };
 
 const char *iso_gl_program_name(iso_gl_program program) {

@@ -52,9 +52,13 @@ typedef enum iso_gl_program {
     ISO_GL_SPLAT_DEPTHS,
     ISO_GL_SPLAT_NUMBERS,
     ISO_GL_SPLAT_KEYS, /* only where iso_gl_has_wide_atomics */
-    ISO_GL_SPLAT_RESOLVE
+    ISO_GL_SPLAT_RESOLVE,
+    /* Lines and glyphs: spheres, tubes, ribbons, and the other glyphs from cones to boxes; then the same in
+     * double precision. */
+    ISO_GL_DRAW_SHAPES,
+    ISO_GL_DRAW_NEAR_SHAPES = ISO_GL_DRAW_SHAPES + 9
 } iso_gl_program;
-enum { ISO_GL_PROGRAMS = ISO_GL_SPLAT_RESOLVE + 1 };
+enum { ISO_GL_PROGRAMS = ISO_GL_DRAW_NEAR_SHAPES + 9 };
 
 const char *iso_gl_program_name(iso_gl_program program);
 

@@ -13,6 +13,10 @@
 #define ISO_GL_PLACE                                                                                         \
     5 /* vec4, per block of points: index coordinates of its first step; 1: curvatures are used */
 #define ISO_GL_CURVATURE 6 /* ivec4: an iso_curvature */
+/* Of lines and glyphs, per block or shape: the origin that positions are relative to (iso_shapes_origin). */
+#define ISO_GL_SHAPE_PIXEL 0 /* vec4: column, row; place in that pixel */
+#define ISO_GL_SHAPE_RAY 1   /* vec4: depth, and what the float leaves of it; slopes */
+#define ISO_GL_SHAPE_FROM 2  /* vec3: its position as those of the shapes are stored */
 
 /* Uniform blocks. */
 #define ISO_GL_DRAW 0
@@ -20,7 +24,8 @@
 #define ISO_GL_SHADE 2
 #define ISO_GL_REFINED 3
 #define ISO_GL_SPLATTING 4
-#define ISO_GL_UNIFORM_SLOTS 5
+#define ISO_GL_SHAPING 5
+#define ISO_GL_UNIFORM_SLOTS 6
 
 /* Uniforms of pull-push's passes. */
 #define ISO_GL_LEVEL 0 /* int: the level that a pass makes */
@@ -39,7 +44,11 @@
 #define ISO_GL_ELLIPSES 7 /* vec4: the ellipse (WIDE, THIN_X, THIN_Y of pyramid.h), the disc's radius */
 #define ISO_GL_REACHES 1  /* uint: bits of the ellipse's OUT; the lowest is HIDDEN */
 #define ISO_GL_SPLATS 1   /* iso_gl_splat: discs of splats */
-#define ISO_GL_PICTURE 0  /* uint: planes of a gbuffer: depth, normal x, y, z, surface, colours */
+#define ISO_GL_SHAPES 1   /* vec4: lines and glyphs (shapes.c) */
+#define ISO_GL_MARKS 2    /* uint: a glyph's number and colour; a segment's first vertex, and flags */
+#define ISO_GL_LINE_COLORS 5 /* uint: one a vertex, three bytes */
+#define ISO_GL_NEAR_SHAPES 4 /* iso_gl_near_shape */
+#define ISO_GL_PICTURE 0     /* uint: planes of a gbuffer: depth, normal x, y, z, surface, colours */
 #define ISO_GL_PICTURE_PLANES 5
 #define ISO_GL_STORAGE_SLOTS 8
 
@@ -68,9 +77,32 @@
 /* Outputs of fragment shaders. */
 #define ISO_GL_NORMAL_DEPTH 0 /* rgba32f: view space normal, view z in mm */
 #define ISO_GL_SURFACE 1      /* r8ui */
+#define ISO_GL_IDS 1          /* rg32ui, of lines and glyphs: shapes_ids.glsl */
 
 /* Vertices of triangles are snapped to pixels / ISO_GL_SUBPIXEL, as the cpu engine does. */
 #define ISO_GL_SUBPIXEL 256
+/* Kinds of lines and glyphs: iso_shape_kind. */
+#define ISO_GL_SPHERES 0
+#define ISO_GL_TUBES 1
+#define ISO_GL_RIBBONS 2
+#define ISO_GL_SOLIDS 3
+/* iso_glyph of solids; shape of the arrow (render/shapes/solid.h). */
+#define ISO_GL_CONE 1
+#define ISO_GL_CYLINDER 2
+#define ISO_GL_ARROW 3
+#define ISO_GL_ELLIPSOID 4
+#define ISO_GL_DISC 5
+#define ISO_GL_BOX 6
+#define ISO_GL_ARROW_NECK 0.3
+#define ISO_GL_ARROW_SHAFT 0.3
+/* Flags of segments: ISO_TUBE_.. of render/shapes/set.h. */
+#define ISO_GL_TUBE_CUT_FIRST 1u
+#define ISO_GL_TUBE_CUT_LAST 2u
+#define ISO_GL_TUBE_WIDENED 4u
+#define ISO_GL_TUBE_SECOND_ONLY 8u
+/* Boxes of lines and glyphs are this much wider on each side, in pixels: more than the driver's rounding. */
+#define ISO_GL_SHAPE_MARGIN 0.02
+
 /* Points are drawn as squares this much wider than their discs, in pixels, so that rounding misses no
  * pixel of a disc; the fragment shader discards the pixels outside the disc. */
 #define ISO_GL_POINT_MARGIN 0.125
@@ -78,12 +110,14 @@
 #ifdef ISO_GLSL
 #define ISO_GL_FLOATS(name) vec4 name
 #define ISO_GL_DOUBLES(name) dvec4 name
+#define ISO_GL_DOUBLE_ROWS(name, count) dvec4 name[count]
 #define ISO_GL_UINTS(name) uvec4 name
 #define ISO_GL_INTS(name) ivec4 name
 #define ISO_GL_INT_ROWS(name, count) ivec4 name[count]
 #else
 #define ISO_GL_FLOATS(name) float name[4]
 #define ISO_GL_DOUBLES(name) double name[4]
+#define ISO_GL_DOUBLE_ROWS(name, count) double name[count][4]
 #define ISO_GL_UINTS(name) unsigned name[4]
 #define ISO_GL_INTS(name) int name[4]
 #define ISO_GL_INT_ROWS(name, count) int name[count][4]
@@ -154,6 +188,32 @@
     ISO_GL_INTS(picture); /* width, height, surface number */                                                \
     ISO_GL_INTS(counts);  /* discs; slots of a pixel; points have colours */
 
+/* std140. Drawing a set of lines or glyphs: the fields of iso_shapes_frame (render/shapes/frame.h).
+ *
+ * `lens`: optical axis in the part; focal length; depth of the near plane. `rays`: slope, spread, fixed.
+ * `least`: least radius of lines by depth, least_slope and least_fixed; in parallel views the farthest depth,
+ * and 1 / (farthest - nearest). */
+#define ISO_GL_SHAPING_FIELDS                                                                                \
+    ISO_GL_DOUBLES(camera); /* optical axis in the part, focal length, depth of the near plane */            \
+    ISO_GL_FLOATS(turn_x);  /* rows of the rotation from world to view space */                              \
+    ISO_GL_FLOATS(turn_y);                                                                                   \
+    ISO_GL_FLOATS(turn_z);                                                                                   \
+    ISO_GL_FLOATS(lens);                                                                                     \
+    ISO_GL_FLOATS(rays);                                                                                     \
+    ISO_GL_FLOATS(least);                                                                                    \
+    ISO_GL_FLOATS(screen); /* width and height of the part */                                                \
+    ISO_GL_INTS(set);      /* surface number; it has colours; parallel view */
+
+/* std430. A shape whose rays are traced in double precision (iso_near_shape), in view space. */
+#define ISO_GL_NEAR_FIELDS                                                                                   \
+    ISO_GL_DOUBLE_ROWS(ends, 2);    /* centres or vertices, and radii */                                     \
+    ISO_GL_DOUBLE_ROWS(across, 2);  /* of ribbons */                                                         \
+    ISO_GL_DOUBLE_ROWS(inverse, 3); /* of solids: rows of the map's inverse */                               \
+    ISO_GL_FLOATS(box);             /* pixels: low x, y, high x, y */                                        \
+    ISO_GL_FLOATS(front);           /* no visible sample is nearer */                                        \
+    ISO_GL_FLOATS(unused);          /* C pads structures of doubles less */                                  \
+    ISO_GL_UINTS(numbers);          /* element, colours of both ends, flags */
+
 /* std430. A block of points that is projected by one work group. */
 #define ISO_GL_BLOCK_FIELDS                                                                                  \
     ISO_GL_FLOATS(origin); /* projection of the block's first step */                                        \
@@ -178,6 +238,12 @@ typedef struct iso_gl_pullpush_uniforms {
 typedef struct iso_gl_refined_uniforms {
     ISO_GL_REFINED_FIELDS
 } iso_gl_refined_uniforms;
+typedef struct iso_gl_shaping_uniforms {
+    ISO_GL_SHAPING_FIELDS
+} iso_gl_shaping_uniforms;
+typedef struct iso_gl_near_shape {
+    ISO_GL_NEAR_FIELDS
+} iso_gl_near_shape;
 typedef struct iso_gl_point_block {
     ISO_GL_BLOCK_FIELDS
 } iso_gl_point_block;

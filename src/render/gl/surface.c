@@ -322,9 +322,8 @@ static iso_status measure_blocks(iso_gl_surface *surface, const iso_point_view *
 
 /* ---- from views to the GPU */
 
-/* Software renderers keep buffers in main memory and are killed when it runs out. */
-static iso_status check_memory(const iso_gl_surface *surface, uint64_t bytes, iso_error *error) {
-    const iso_gl_context *context = surface->engine->context;
+iso_status iso_gl_check_memory(const iso_gl_engine *engine, uint64_t bytes, iso_error *error) {
+    const iso_gl_context *context = engine->context;
     uint64_t available = iso_memory_available();
     if (!iso_gl_renderer_is_software(context->renderer) || bytes <= available) return ISO_OK;
     return iso_fail(error, ISO_ERR_LIMIT, "%s: a copy of the surface needs %.0f MB, %.0f MB are free",
@@ -345,12 +344,13 @@ static iso_status send_points(iso_gl_surface *surface, const iso_point_view *poi
     const source curvatures = {points->curvatures, sizeof *points->curvatures, &surface->curvatures};
     size_t end = end_of(points, points->span_count, points_of);
     if (end > UINT32_MAX) return iso_fail(error, ISO_ERR_LIMIT, "more than 2^32 - 1 points");
-    ISO_TRY(check_memory(surface,
-                         growth(&surface->vertices, end, vertices.item) +
-                             (points->radii ? growth(&surface->radii, end, radii.item) : 0) +
-                             (points->colors ? growth(&surface->colors, end, colors.item) : 0) +
-                             (points->curvatures ? growth(&surface->curvatures, end, curvatures.item) : 0),
-                         error));
+    ISO_TRY(
+        iso_gl_check_memory(surface->engine,
+                            growth(&surface->vertices, end, vertices.item) +
+                                (points->radii ? growth(&surface->radii, end, radii.item) : 0) +
+                                (points->colors ? growth(&surface->colors, end, colors.item) : 0) +
+                                (points->curvatures ? growth(&surface->curvatures, end, curvatures.item) : 0),
+                            error));
     ISO_TRY(ensure_spans(surface, points->span_count, error));
     surface->closed = points->closed;
     describe_points(surface, points);
@@ -381,10 +381,10 @@ static iso_status send_mesh(iso_gl_surface *surface, const iso_mesh_view *mesh, 
     if (vertex_end > INT32_MAX || triangle_end > UINT32_MAX / ISO_GL_STRIP_ROOM)
         return iso_fail(error, ISO_ERR_LIMIT, "more than 2^31 - 1 vertices or 2^30 - 1 triangles");
     size_t item = surface->stripped ? ISO_GL_STRIP_ROOM * sizeof(uint16_t) : triangles.item;
-    ISO_TRY(check_memory(surface,
-                         growth(&surface->vertices, vertex_end, vertices.item) +
-                             growth(&surface->indices, triangle_end, item),
-                         error));
+    ISO_TRY(iso_gl_check_memory(surface->engine,
+                                growth(&surface->vertices, vertex_end, vertices.item) +
+                                    growth(&surface->indices, triangle_end, item),
+                                error));
     ISO_TRY(ensure_spans(surface, mesh->span_count, error));
     ISO_TRY(copy_bounds(surface, mesh, error));
     describe_mesh(surface, mesh);

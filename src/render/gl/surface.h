@@ -85,15 +85,25 @@ typedef enum iso_gl_storage {
     ISO_GL_STORE_PICTURE,
     ISO_GL_STORE_SPLATTING, /* uniforms of splats */
     ISO_GL_STORE_SPLATS,
-    ISO_GL_STORE_SLOTS
+    ISO_GL_STORE_SLOTS,
+    ISO_GL_STORE_SHAPING, /* uniforms of lines and glyphs */
+    ISO_GL_STORE_NEAR_SHAPES
 } iso_gl_storage;
-enum { ISO_GL_STORES = 14 };
+enum { ISO_GL_STORES = 16 };
 
 /* Render targets of the refined reconstruction: nearest depths and sums. At least as large as a tile. */
 typedef struct iso_gl_discs {
     int width, height;
     unsigned framebuffers[2], fronts, sums[4];
 } iso_gl_discs;
+
+/* What lines and glyphs are drawn into, at least as large as the part that is drawn, and how. */
+typedef struct iso_gl_shapes_target {
+    int width, height;
+    unsigned framebuffer, normal_depth, ids, depth;
+    unsigned quads;              /* indices of the quads of a block */
+    unsigned array, empty_array; /* vertex arrays: with origins as per-instance data; without inputs */
+} iso_gl_shapes_target;
 
 struct iso_gl_engine {
     iso_gl_context *context;
@@ -104,6 +114,7 @@ struct iso_gl_engine {
     int width, height;
     unsigned framebuffer, color, surface, depth;
     iso_gl_discs discs;
+    iso_gl_shapes_target shapes;
     unsigned draw_uniforms, commands, instances; /* buffers */
     bool keep_back_facing;                       /* for tests: draw back-facing spans too */
     size_t drawn,
@@ -131,6 +142,10 @@ void iso_gl_engine_ensure_storage(iso_gl_engine *engine, iso_gl_storage which, s
 static inline int iso_gl_engine_margin(const iso_gl_engine *engine) {
     return (int)(engine->max_point / 2) + 1;
 }
+
+/* ISO_ERR_LIMIT when a copy of so many bytes does not fit into free memory: software renderers keep
+ * buffers in main memory and are killed when it runs out. */
+iso_status iso_gl_check_memory(const iso_gl_engine *engine, uint64_t bytes, iso_error *error);
 
 /* Uploads the commands (iso_gl_points_command or iso_gl_mesh_command) and per-instance data
  * (iso_gl_instance, or three int32_t with a mesh's brick) of a multi-draw; they stay until the next call. */

@@ -88,7 +88,7 @@ static void turn_box(const iso_shapes_frame *frame, const iso_shapes_block *bloc
 }
 
 static bool see(const iso_shapes_frame *frame, const iso_shapes_block *block, iso_shapes_seen *seen) {
-    const iso_gbuffer *g = frame->target->gbuffer;
+    const iso_view *view = frame->target->view;
     const double origin[3] = {(double)block->origin[0], (double)block->origin[1], (double)block->origin[2]};
     double half[3];
     iso_shapes_to_view(frame, origin, seen->centre);
@@ -102,8 +102,8 @@ static bool see(const iso_shapes_frame *frame, const iso_shapes_block *block, is
     seen->apart = crosses || x.high - x.low > WIDE || y.high - y.low > WIDE;
     seen->nearest = (float)(crosses ? frame->near : depth.low);
     if (crosses && frame->near < -FLT_MAX) seen->nearest = -FLT_MAX;
-    return clip(x, frame->cx, 0, g->width - 1, &seen->rect.x0, &seen->rect.x1) &&
-           clip(y, frame->cy, frame->top, frame->top + g->height - 1, &seen->rect.y0, &seen->rect.y1);
+    return clip(x, frame->cx, 0, view->width - 1, &seen->rect.x0, &seen->rect.x1) &&
+           clip(y, frame->cy, frame->top, frame->top + view->height - 1, &seen->rect.y0, &seen->rect.y1);
 }
 
 /* ---- front to back */
@@ -167,8 +167,8 @@ static iso_status list_bins(iso_shapes_frame *frame, iso_error *error) {
     return ISO_OK;
 }
 
-iso_status iso_shapes_frame_make(const iso_target *target, const iso_shapes *shapes, iso_shapes_frame *frame,
-                                 iso_error *error) {
+iso_status iso_shapes_frame_see(const iso_target *target, const iso_shapes *shapes, iso_shapes_frame *frame,
+                                iso_error *error) {
     *frame = frame_of(target, shapes);
     frame->seen = iso_alloc(shapes->block_count * sizeof *frame->seen);
     if (!frame->seen) return iso_fail_memory(error, "shapes");
@@ -176,7 +176,12 @@ iso_status iso_shapes_frame_make(const iso_target *target, const iso_shapes *sha
         frame->seen[frame->seen_count].block = (uint32_t)i;
         frame->seen_count += see(frame, &shapes->blocks[i], &frame->seen[frame->seen_count]);
     }
-    ISO_TRY(sort_seen(frame, error));
+    return sort_seen(frame, error);
+}
+
+iso_status iso_shapes_frame_make(const iso_target *target, const iso_shapes *shapes, iso_shapes_frame *frame,
+                                 iso_error *error) {
+    ISO_TRY(iso_shapes_frame_see(target, shapes, frame, error));
     return list_bins(frame, error);
 }
 

@@ -6,6 +6,8 @@
 #ifndef ISO_RENDER_SHAPES_FRAME_H
 #define ISO_RENDER_SHAPES_FRAME_H
 
+#include <math.h>
+
 #include "render/shapes/set.h"
 
 enum { ISO_SHAPES_BIN = 256 }; /* pixels on a bin's side */
@@ -46,7 +48,11 @@ typedef struct iso_shapes_frame {
     uint32_t *bin_blocks; /* indices into `seen`, front to back */
 } iso_shapes_frame;
 
-/* ISO_ERR_NOMEM. The caller frees the frame, also after errors. */
+/* A frame with the blocks in sight, without bins: what `target` needs is the view. ISO_ERR_NOMEM. The caller
+ * frees the frame, also after errors. */
+iso_status iso_shapes_frame_see(const iso_target *target, const iso_shapes *shapes, iso_shapes_frame *frame,
+                                iso_error *error);
+/* The same with bins. ISO_ERR_NOMEM. The caller frees the frame, also after errors. */
 iso_status iso_shapes_frame_make(const iso_target *target, const iso_shapes *shapes, iso_shapes_frame *frame,
                                  iso_error *error);
 void iso_shapes_frame_free(iso_shapes_frame *frame);
@@ -60,6 +66,31 @@ static inline void iso_shapes_to_view(const iso_shapes_frame *frame, const doubl
     const double *m = frame->rotation, x = position[0] - frame->eye.x, y = position[1] - frame->eye.y,
                  z = position[2] - frame->eye.z;
     for (int a = 0; a < 3; a++) view[a] = m[3 * a] * x + m[3 * a + 1] * y + m[3 * a + 2] * z;
+}
+
+/* Where a point of view space is in the picture: the origin that shapes near it are placed relative to. */
+typedef struct iso_shapes_origin {
+    float depth, rest; /* the depth, and what the float leaves of it */
+    float u, v;        /* slopes of its ray; 0 in parallel views */
+    float x, y;        /* its place in its pixel */
+    int32_t column, row;
+} iso_shapes_origin;
+
+/* False where the point is so far outside the picture that floats do not count its pixels. */
+static inline bool iso_shapes_origin_of(const iso_shapes_frame *frame, const double view[3],
+                                        iso_shapes_origin *o) {
+    const double w = frame->parallel ? 1 : view[2], u = view[0] / w, v = view[1] / w;
+    const double x = frame->focal * u + frame->cx, y = frame->focal * v + frame->cy;
+    if (!(fabs(x) < 1 << 20 && fabs(y) < 1 << 20)) return false;
+    o->column = (int32_t)x - (x < (int32_t)x);
+    o->row = (int32_t)y - (y < (int32_t)y);
+    o->x = (float)(x - o->column);
+    o->y = (float)(y - o->row);
+    o->u = frame->parallel ? 0 : (float)u;
+    o->v = frame->parallel ? 0 : (float)v;
+    o->depth = (float)view[2];
+    o->rest = (float)(view[2] - (double)o->depth);
+    return true;
 }
 
 #endif

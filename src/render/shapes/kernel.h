@@ -75,14 +75,6 @@ enum {
     ISO_SOLID_RECORD = ISO_RECORD_HEAD + ISO_SOLID_FIELDS
 };
 
-/* Flags of tubes, and ISO_TUBE_WIDENED of ribbons. */
-enum {
-    ISO_TUBE_CUT_FIRST = 1, /* flat caps */
-    ISO_TUBE_CUT_LAST = 2,
-    ISO_TUBE_WIDENED = 4,    /* to the least width */
-    ISO_TUBE_SECOND_ONLY = 8 /* the second vertex's sphere holds the first's */
-};
-
 /* Shapes of a block that remain after culling, with their boxes; fields apart. */
 typedef struct iso_shapes_chunk {
     int count;

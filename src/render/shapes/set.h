@@ -58,6 +58,14 @@ struct iso_shapes {
     const uint8_t (*colors)[3];
 };
 
+/* Flags of tubes, and ISO_TUBE_WIDENED of ribbons. */
+enum {
+    ISO_TUBE_CUT_FIRST = 1, /* flat caps */
+    ISO_TUBE_CUT_LAST = 2,
+    ISO_TUBE_WIDENED = 4,    /* to the least width */
+    ISO_TUBE_SECOND_ONLY = 8 /* the second vertex's sphere holds the first's */
+};
+
 static inline bool iso_shapes_are_lines(const iso_shapes *shapes) {
     return shapes->kind == ISO_SHAPE_TUBE || shapes->kind == ISO_SHAPE_RIBBON;
 }
@@ -65,6 +73,24 @@ static inline bool iso_shapes_are_lines(const iso_shapes *shapes) {
 /* The radius of a sphere, mm. */
 static inline float iso_shapes_radius(const iso_shapes *shapes, uint32_t id) {
     return shapes->radii ? shapes->radii[id] * (float)shapes->scale : (float)(shapes->radius * shapes->scale);
+}
+
+/* Lists the segments of a block: the numbers of their first vertices, and their flags. There are at most
+ * ISO_SHAPES_BLOCK; returns how many. */
+static inline int iso_shapes_list_segments(const iso_shapes *set, const iso_shapes_block *block, int32_t *ids,
+                                           int32_t *flags) {
+    const bool flat = set->caps == ISO_CAPS_FLAT;
+    int count = 0;
+    for (uint32_t i = block->first; i < block->first + block->count; i++) {
+        const int length = set->runs.length[i], ends = flat ? set->runs.ends[i] : 0, first = count;
+        for (int k = 0; k < length; k++, count++) {
+            ids[count] = (int32_t)set->runs.first[i] + k;
+            flags[count] = 0;
+        }
+        if (ends & ISO_RUN_STARTS) flags[first] |= ISO_TUBE_CUT_FIRST;
+        if (ends & ISO_RUN_ENDS) flags[count - 1] |= ISO_TUBE_CUT_LAST;
+    }
+    return count;
 }
 
 #endif

@@ -7,12 +7,6 @@
 /* Half axes are at least this part of the longest: flat ellipsoids and boxes have a thickness. */
 static const double THINNEST = 1e-4;
 
-/* An affine map of a unit solid: its centre relative to the glyph's position, and the images of the unit
- * vectors. */
-typedef struct map {
-    double centre[3], axis[3][3];
-} map;
-
 static double dot(const double a[3], const double b[3]) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
@@ -44,7 +38,7 @@ static double radius_of(const iso_shapes *set, uint32_t id, double length) {
 }
 
 /* Glyphs along a direction, and discs across it. */
-static bool directed_map(const iso_shapes *set, uint32_t id, map *m) {
+static bool directed_map(const iso_shapes *set, uint32_t id, iso_solid_map *m) {
     double along[3];
     for (int a = 0; a < 3; a++) along[a] = (double)set->directions[id][a] * set->scale;
     const double length = sqrt(dot(along, along)), radius = radius_of(set, id, length);
@@ -59,7 +53,7 @@ static bool directed_map(const iso_shapes *set, uint32_t id, map *m) {
 }
 
 /* Makes an axis perpendicular to the others with the least length. */
-static void thicken(map *m, int axis, double length) {
+static void thicken(iso_solid_map *m, int axis, double length) {
     double *thin = m->axis[axis], *a = m->axis[(axis + 1) % 3], *b = m->axis[(axis + 2) % 3];
     double other[3];
     if (dot(a, a) < dot(b, b)) a = b, b = m->axis[(axis + 1) % 3];
@@ -70,7 +64,7 @@ static void thicken(map *m, int axis, double length) {
 }
 
 /* Ellipsoids and boxes. */
-static bool axes_map(const iso_shapes *set, uint32_t id, map *m) {
+static bool axes_map(const iso_shapes *set, uint32_t id, iso_solid_map *m) {
     double longest = 0, product = 1;
     const double radius = set->axes ? 0 : radius_of(set, id, 0);
     for (int i = 0; i < 3; i++) {
@@ -90,13 +84,12 @@ static bool axes_map(const iso_shapes *set, uint32_t id, map *m) {
     return longest > 0 && fabs(dot(normal, m->axis[2])) > 1e-6 * product;
 }
 
-static bool map_of(const iso_shapes *set, uint32_t id, map *m) {
-    *m = (map){0};
+bool iso_solid_map_of(const iso_shapes *set, uint32_t id, iso_solid_map *m) {
+    *m = (iso_solid_map){0};
     return iso_solid_is_directed(set->glyph) ? directed_map(set, id, m) : axes_map(set, id, m);
 }
 
-/* How far a solid reaches from its glyph's position. */
-static double reach_of(iso_glyph glyph, const map *m) {
+double iso_solid_extent(iso_glyph glyph, const iso_solid_map *m) {
     double square[3], length[3];
     for (int i = 0; i < 3; i++) {
         square[i] = dot(m->axis[i], m->axis[i]);
@@ -110,8 +103,9 @@ static double reach_of(iso_glyph glyph, const map *m) {
 }
 
 double iso_solid_reach(const iso_shapes *shapes, uint32_t id) {
-    map m;
-    if (shapes->kind != ISO_SHAPE_SPHERE) return map_of(shapes, id, &m) ? reach_of(shapes->glyph, &m) : 0;
+    iso_solid_map m;
+    if (shapes->kind != ISO_SHAPE_SPHERE)
+        return iso_solid_map_of(shapes, id, &m) ? iso_solid_extent(shapes->glyph, &m) : 0;
     const double radius = (double)iso_shapes_radius(shapes, id);
     return radius > 0 && isfinite(radius) ? radius : 0;
 }
@@ -194,25 +188,25 @@ static bounds billboard_bounds(iso_glyph glyph, const double centre[3], const do
 
 /* ---- placing */
 
-/* A glyph in view space, with the inverse of its map (rows). */
-typedef struct placed {
-    double centre[3], axis[3][3], inverse[3][3];
-} placed;
+void iso_solid_invert(const double axis[3][3], double inverse[3][3]) {
+    for (int i = 0; i < 3; i++) cross(axis[(i + 1) % 3], axis[(i + 2) % 3], inverse[i]);
+    const double determinant = dot(inverse[0], axis[0]);
+    for (int i = 0; i < 3; i++)
+        for (int a = 0; a < 3; a++) inverse[i][a] /= determinant;
+}
 
-static placed place(const iso_shapes_frame *frame, const map *m, const double position[3]) {
+iso_solid_placed iso_solid_in_view(const iso_shapes_frame *frame, const iso_solid_map *m,
+                                   const double position[3]) {
     const double *r = frame->rotation;
     double middle[3];
-    placed p;
+    iso_solid_placed p;
     for (int a = 0; a < 3; a++) middle[a] = position[a] + m->centre[a];
     iso_shapes_to_view(frame, middle, p.centre);
     for (int i = 0; i < 3; i++)
         for (int a = 0; a < 3; a++)
             p.axis[i][a] =
                 r[3 * a] * m->axis[i][0] + r[3 * a + 1] * m->axis[i][1] + r[3 * a + 2] * m->axis[i][2];
-    for (int i = 0; i < 3; i++) cross(p.axis[(i + 1) % 3], p.axis[(i + 2) % 3], p.inverse[i]);
-    const double determinant = dot(p.inverse[0], p.axis[0]);
-    for (int i = 0; i < 3; i++)
-        for (int a = 0; a < 3; a++) p.inverse[i][a] /= determinant;
+    iso_solid_invert((const double(*)[3])p.axis, p.inverse);
     return p;
 }
 
@@ -238,8 +232,8 @@ static bool clip(const iso_shapes_frame *frame, const iso_shapes_rect *limit, co
     return r->x0 <= r->x1 && r->y0 <= r->y1;
 }
 
-static void add_to_chunk(iso_shapes_bin *bin, const placed *p, const iso_shapes_rect *r, float nearest,
-                         uint32_t id) {
+static void add_to_chunk(iso_shapes_bin *bin, const iso_solid_placed *p, const iso_shapes_rect *r,
+                         float nearest, uint32_t id) {
     const iso_shapes_frame *frame = bin->frame;
     iso_shapes_chunk *c = &bin->chunk;
     const double w = frame->parallel ? 1 : p->centre[2], u = p->centre[0] / w, v = p->centre[1] / w;
@@ -263,7 +257,7 @@ static void add_to_chunk(iso_shapes_bin *bin, const placed *p, const iso_shapes_
     }
 }
 
-static iso_near_shape near_shape_of(const iso_shapes_frame *frame, const placed *p, uint32_t id) {
+iso_near_shape iso_solid_near(const iso_shapes_frame *frame, const iso_solid_placed *p, uint32_t id) {
     iso_near_shape shape = {.nearest = frame->near, .id = id, .kind = ISO_SHAPE_SOLID};
     for (int a = 0; a < 3; a++) {
         shape.end[0][a] = p->centre[a];
@@ -292,14 +286,13 @@ static void position_of(const iso_shapes *set, const iso_shapes_block *block, ui
     out[2] = (double)block->origin[2] + (double)set->z[place];
 }
 
-/* Whether floats suffice for a glyph that reaches `reach` mm from a position at the depth `depth`. */
-static bool fits(const iso_shapes_frame *frame, const placed *p, double depth, double reach) {
+bool iso_solid_fits(const iso_shapes_frame *frame, const iso_solid_placed *p, double depth, double reach) {
     const double w = frame->parallel ? 1 : p->centre[2], column = frame->focal * p->centre[0] / w,
                  row = frame->focal * p->centre[1] / w;
     return iso_near_fits(frame, depth - reach, reach) && fabs(column) < 1 << 20 && fabs(row) < 1 << 20;
 }
 
-static bounds placed_bounds(const iso_shapes_frame *frame, const placed *p) {
+static bounds placed_bounds(const iso_shapes_frame *frame, const iso_solid_placed *p) {
     const iso_shapes *set = frame->shapes;
     const double(*axis)[3] = (const double(*)[3])p->axis;
     return set->billboards && !frame->parallel ? billboard_bounds(set->glyph, p->centre, axis)
@@ -311,15 +304,15 @@ void iso_solid_add(iso_shapes_bin *bin, const iso_shapes_block *block, uint32_t 
     const iso_shapes *set = frame->shapes;
     const uint32_t id = set->id[index];
     double position[3], view[3];
-    map m;
+    iso_solid_map m;
     position_of(set, block, index, position);
     iso_shapes_to_view(frame, position, view);
     /* first with the block's reach: most glyphs of a large set are hidden */
-    if (!may_be_seen(bin, view, (double)block->reach) || !map_of(set, id, &m)) return;
-    const placed p = place(frame, &m, position);
-    const double reach = reach_of(set->glyph, &m);
-    if (!fits(frame, &p, view[2], reach)) {
-        const iso_near_shape shape = near_shape_of(frame, &p, id);
+    if (!may_be_seen(bin, view, (double)block->reach) || !iso_solid_map_of(set, id, &m)) return;
+    const iso_solid_placed p = iso_solid_in_view(frame, &m, position);
+    const double reach = iso_solid_extent(set->glyph, &m);
+    if (!iso_solid_fits(frame, &p, view[2], reach)) {
+        const iso_near_shape shape = iso_solid_near(frame, &p, id);
         iso_near_draw(bin, &shape);
         return;
     }
@@ -337,15 +330,15 @@ bool iso_solid_place(const iso_shapes_frame *frame, const iso_shapes_block *bloc
                      bool *billboard) {
     const iso_shapes *set = frame->shapes;
     double position[3], view[3];
-    map m;
+    iso_solid_map m;
     position_of(set, block, index, position);
     iso_shapes_to_view(frame, position, view);
-    if (!map_of(set, set->id[index], &m)) return false;
-    const double reach = reach_of(set->glyph, &m);
+    if (!iso_solid_map_of(set, set->id[index], &m)) return false;
+    const double reach = iso_solid_extent(set->glyph, &m);
     if (view[2] + reach < frame->near) return false;
-    const placed p = place(frame, &m, position);
-    const bool small = fits(frame, &p, view[2], reach);
-    *shape = near_shape_of(frame, &p, set->id[index]);
+    const iso_solid_placed p = iso_solid_in_view(frame, &m, position);
+    const bool small = iso_solid_fits(frame, &p, view[2], reach);
+    *shape = iso_solid_near(frame, &p, set->id[index]);
     *billboard = small && set->billboards && !frame->parallel;
     *rect = *limit;
     if (!small) return true;

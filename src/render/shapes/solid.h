@@ -25,6 +25,31 @@ static inline double iso_solid_slimness(iso_glyph glyph) {
     return glyph == ISO_GLYPH_CONE ? 1.0 / 3 : 0.1;
 }
 
+/* The affine map of a glyph's unit solid: its centre relative to the glyph's position, and the images of the
+ * unit vectors. */
+typedef struct iso_solid_map {
+    double centre[3], axis[3][3];
+} iso_solid_map;
+
+/* The map of a glyph; false: it cannot be drawn. */
+bool iso_solid_map_of(const iso_shapes *shapes, uint32_t id, iso_solid_map *map);
+/* The inverse of a map's axes: rows. */
+void iso_solid_invert(const double axis[3][3], double inverse[3][3]);
+/* How far the solid reaches from its glyph's position, mm. */
+double iso_solid_extent(iso_glyph glyph, const iso_solid_map *map);
+
+/* A glyph in view space, with the inverse of its map (rows). */
+typedef struct iso_solid_placed {
+    double centre[3], axis[3][3], inverse[3][3];
+} iso_solid_placed;
+iso_solid_placed iso_solid_in_view(const iso_shapes_frame *frame, const iso_solid_map *map,
+                                   const double position[3]);
+/* Whether floats suffice for a glyph that reaches `reach` mm from its position, whose depth is given. */
+bool iso_solid_fits(const iso_shapes_frame *frame, const iso_solid_placed *placed, double depth,
+                    double reach);
+/* The glyph for tracing in double precision. */
+iso_near_shape iso_solid_near(const iso_shapes_frame *frame, const iso_solid_placed *placed, uint32_t id);
+
 /* How far a glyph reaches from its position, mm, or 0 when it cannot be drawn. For spheres: the radius. */
 double iso_solid_reach(const iso_shapes *shapes, uint32_t id);
 
