@@ -22,11 +22,12 @@ uint64_t isorender_gl_bytes(const isorender_job *job) {
                                           width, height);
 }
 
-/* Uploads lines and glyphs. */
+/* Uploads lines and glyphs, but no lines of the image pyramid. */
 static iso_status upload_objects(isorender_job *job, iso_error *error) {
     for (int i = 0; i < job->object_count; i++) {
-        const iso_shapes *shapes = job->objects[i].shapes;
-        if (shapes) ISO_TRY(iso_gl_upload_shapes(job->backend->engine, shapes, &job->gl_shapes[i], error));
+        const isorender_object *object = &job->objects[i];
+        if (!object->shapes || object->pyramid_lines) continue;
+        ISO_TRY(iso_gl_upload_shapes(job->backend->engine, object->shapes, &job->gl_shapes[i], error));
     }
     return ISO_OK;
 }

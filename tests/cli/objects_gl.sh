@@ -19,18 +19,16 @@ for backend in egl osmesa; do
     }
     objects="--lines in/axis.swc --lines in/two.obj --line-style tube --line-style line --line-color red
         --line-color direction --glyphs in/dots.csv"
-    draw lines --lines in/axis.swc --camera front --orthographic
-    draw ribbons --lines in/axis.swc --lines in/two.obj --line-style ribbon
+    draw ribbons --camera front --orthographic --lines in/axis.swc --lines in/two.obj --line-style ribbon
     draw alone $objects --surface ball.stl
     draw dots --glyphs in/dots.csv --glyph ellipsoid --color-by heat --samples 4
     draw mesh in/ball.mha --isovalue 500 --method mesh $objects
-    draw points in/ball.mha --isovalue 500 --method points $objects
     draw splats in/ball.mha --isovalue 500 --method splats $objects
     draw pullpush in/ball.mha --isovalue 500 --method pullpush $objects
     BACKEND=$backend python3 - <<'P'
 import os
 from check import *
-for name in ("lines", "ribbons", "alone", "dots", "mesh", "points", "splats", "pullpush"):
+for name in ("ribbons", "alone", "dots", "mesh", "splats", "pullpush"):
     cpu, gl = report("cpu_%s.json" % name), report("gl_%s.json" % name)
     expect(gl["backend"] == os.environ["BACKEND"] and gl["gl"]["messages"] == 0, gl)
     expect(gl["gl"]["seconds"]["draw"] > 0, gl["gl"])

@@ -53,7 +53,7 @@ fails 2 "not an opacity from 0 to 1" $lines --line-opacity 1.5
 fails 2 "is for --glyphs, which is not given" $lines --glyph-opacity 0.5
 fails 2 "opaque lines and glyphs only: --line-opacity needs exact" scene:sphere:16 $lines --line-opacity 0.5 --method raycast
 fails 2 "no --lines, --glyphs and --surface beside it" scene:sphere:16 $lines --line-opacity 0.5 --ior 1.5
-fails 2 "they need the cpu" $lines --line-opacity 0.5 --backend osmesa
+fails 2 "draws no translucent objects" $lines --line-opacity 0.5 --backend osmesa
 fails 2 "--absorption is for translucent surfaces" $lines --line-opacity 0.5 --absorption 5
 fails 2 "--layers is for translucent surfaces" $lines --layers 2
 isorender scene:sphere:16 --points points.ply --no-image --quiet

@@ -29,8 +29,8 @@ static const iso_vec3 AWAY = {60, 35, -80};
 
 /* ---- pictures */
 
-/* From nearby the picture is smaller, as many shapes are then traced in double precision, which takes software
- * renderers long. */
+/* From nearby the picture is smaller, as many shapes are then traced in double precision, which takes
+ * software renderers long. */
 static iso_view view_of(iso_vec3 origin, iso_vec3 away, double height, bool parallel) {
     const iso_camera camera = {.position = iso_vec3_add(origin, away),
                                .focal_point = origin,
