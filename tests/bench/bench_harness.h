@@ -21,7 +21,7 @@
 extern "C" {
 #endif
 
-enum { BENCH_ROWS = 512, BENCH_ROUNDS = 64, BENCH_COUNTERS = 12, BENCH_AGAINST = 6, BENCH_THREADS = 8 };
+enum { BENCH_ROWS = 640, BENCH_ROUNDS = 64, BENCH_COUNTERS = 12, BENCH_AGAINST = 6, BENCH_THREADS = 8 };
 
 /* One timed run; milliseconds. */
 typedef struct bench_sample {
@@ -151,6 +151,10 @@ iso_status bench_render(bench_state *bench, iso_error *error);
 /* bench_sculpt.c */
 iso_status bench_sculpt(bench_state *bench, iso_error *error);
 
+/* Runs a program to its end, which is waited for; the arguments are those of bench_child_start. */
+iso_status bench_time_program(const char *const *argv, int threads, const char *display, bench_sample *sample,
+                              iso_error *error);
+
 /* Parts of bench_extract in files of their own: bench_edit.c, bench_lines.c and bench_process.c. */
 iso_status bench_edit_group(bench_state *bench, iso_error *error);
 iso_status bench_lines_group(bench_state *bench, iso_error *error);
@@ -159,6 +163,7 @@ iso_status bench_process_groups(bench_state *bench, iso_error *error);
 iso_status bench_shapes_groups(bench_state *bench, iso_error *error);
 /* From a file to a picture: the end of bench_render. */
 iso_status bench_picture_group(bench_state *bench, iso_error *error);
+iso_status bench_tracts_group(bench_state *bench, iso_error *error); /* bench_lines.c */
 /* From the hand to the picture: the end of bench_sculpt. */
 iso_status bench_controller_group(bench_state *bench, iso_error *error);
 

@@ -1,4 +1,5 @@
-/* What reading lines costs: files of a million segments against copying them. */
+/* What reading lines costs: files of a million segments against copying them; and a file of tracts to a
+ * picture, isorender against a program that does it with VTK. */
 #include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
@@ -16,7 +17,7 @@ typedef struct lines_plan {
 } lines_plan;
 
 typedef struct lines_file {
-    char path[512], copy[520];
+    char path[512], copy[520], picture[520];
 } lines_file;
 
 static void put(FILE *file, const void *bytes, size_t size) {
@@ -65,6 +66,7 @@ static iso_status open_lines(bench_row *row, iso_error *error) {
     for (char *at = written->path + begin; *at; at++)
         if (*at == '/') *at = '-';
     snprintf(written->copy, sizeof written->copy, "%s.copy", written->path);
+    snprintf(written->picture, sizeof written->picture, "%s.png", written->path);
     FILE *file = fopen(written->path, "wb");
     if (!file) return iso_fail(error, ISO_ERR_WRITE, "%s: cannot write", written->path);
     if (plan->trk)
@@ -81,6 +83,7 @@ static void close_lines(bench_row *row) {
     if (!written) return;
     unlink(written->path);
     unlink(written->copy);
+    unlink(written->picture);
     free(row->context);
 }
 
@@ -117,12 +120,48 @@ static iso_status run_copy(bench_row *row, bench_sample *sample, iso_error *erro
     return copied ? ISO_OK : iso_fail(error, ISO_ERR_WRITE, "%s: cannot copy", written->path);
 }
 
+/* ---- from a file of tracts to a picture: tubes of .1 mm */
+
+static const char *picture_side(const bench_row *row) {
+    return row->bench->settings->small ? "64" : "1024";
+}
+
+static iso_status run_vtk_tracts(bench_row *row, bench_sample *sample, iso_error *error) {
+    const lines_file *file = row->context;
+    char program[1100];
+    const char *display;
+    ISO_TRY(bench_sibling("vtk_frame", program, sizeof program, error));
+    ISO_TRY(bench_display_open(&row->bench->display, &display, error));
+    const char *const argv[] = {program, "tracts", file->path, file->picture, "0.1", picture_side(row), NULL};
+    return bench_time_program(argv, row->threads, display, sample, error);
+}
+
+static iso_status run_isorender_tracts(bench_row *row, bench_sample *sample, iso_error *error) {
+    const lines_file *file = row->context;
+    char program[1100], resolution[16];
+    ISO_TRY(bench_sibling("isorender", program, sizeof program, error));
+    snprintf(resolution, sizeof resolution, "%sx%s", picture_side(row), picture_side(row));
+    const char *const argv[] = {program,        file->path, file->picture, "--tube-radius", "0.1",
+                                "--resolution", resolution, "--camera",    "iso",           "--quiet",
+                                "--threads",    "1",        NULL};
+    return bench_time_program(argv, row->threads, NULL, sample, error);
+}
+
 static const bench_kind read_kind = {.open = open_lines, .run = run_read, .close = close_lines},
-                        copy_kind = {.open = open_lines, .run = run_copy, .close = close_lines};
+                        copy_kind = {.open = open_lines, .run = run_copy, .close = close_lines},
+                        vtk_tracts_kind = {.open = open_lines,
+                                           .run = run_vtk_tracts,
+                                           .close = close_lines,
+                                           .batch = 1},
+                        isorender_tracts_kind = {.open = open_lines,
+                                                 .run = run_isorender_tracts,
+                                                 .close = close_lines,
+                                                 .batch = 1};
 
 static bench_row *add_row(bench_state *bench, const bench_kind *kind, const char *what, bool trk, int lines) {
-    bench_row *row =
-        bench_add(bench, kind, "read/%s/%dk/%s", trk ? "trk" : "tck", lines * (VERTICES - 1) / 1000, what);
+    const bool reads = kind == &read_kind || kind == &copy_kind;
+    bench_row *row = bench_add(bench, kind, "%s/%s/%dk/%s", reads ? "read" : "process", trk ? "trk" : "tck",
+                               lines * (VERTICES - 1) / 1000, what);
     lines_plan *plan = calloc(1, sizeof *plan);
     if (plan) *plan = (lines_plan){trk, lines};
     row->plan = plan;
@@ -138,4 +177,14 @@ iso_status bench_lines_group(bench_state *bench, iso_error *error) {
         bench_compare(read, copy, "ratio_vs_copy", "ratio_vs_copy_pairwise", small ? 0 : 0.25);
     }
     return bench_run_group(bench, "files of lines: reading them, and copying them", error);
+}
+
+iso_status bench_tracts_group(bench_state *bench, iso_error *error) {
+    const bool small = bench->settings->small;
+    bench_row *vtk = add_row(bench, &vtk_tracts_kind, "vtk_tubes", false, small ? 100 : 10000);
+    bench_row *ours = add_row(bench, &isorender_tracts_kind, "isorender", false, small ? 100 : 10000);
+    bench_against *against =
+        bench_compare(ours, vtk, "ratio_vs_vtk_process", "ratio_vs_vtk_process_pairwise", small ? 0 : 10);
+    if (against) against->cpu = "cpu_ratio_vs_vtk_process";
+    return bench_run_group(bench, "a .tck file to a .png, whole processes", error);
 }

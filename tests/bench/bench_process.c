@@ -186,8 +186,8 @@ static double children_cpu(void) {
            1e-3 * (double)(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
 }
 
-static iso_status time_program(const char *const *argv, int threads, const char *display,
-                               bench_sample *sample, iso_error *error) {
+iso_status bench_time_program(const char *const *argv, int threads, const char *display, bench_sample *sample,
+                              iso_error *error) {
     bench_child *child = NULL;
     double cpu = children_cpu();
     bench_clock clock = bench_clock_start();
@@ -211,7 +211,7 @@ static iso_status run_vtk_picture(bench_row *row, bench_sample *sample, iso_erro
     snprintf(threads, sizeof threads, "%d", row->threads);
     const char *const argv[] = {program, "picture",         file->path, file->picture,
                                 "127.5", picture_side(row), threads,    NULL};
-    return time_program(argv, row->threads, display, sample, error);
+    return bench_time_program(argv, row->threads, display, sample, error);
 }
 
 /* The plan is the name of a method. */
@@ -224,7 +224,7 @@ static iso_status run_isorender(bench_row *row, bench_sample *sample, iso_error 
     const char *const argv[] = {program,    file->path, file->picture,  "--isovalue", "127.5",
                                 "--method", row->plan,  "--resolution", resolution,   "--camera",
                                 "iso",      "--quiet",  "--threads",    threads,      NULL};
-    return time_program(argv, row->threads, NULL, sample, error);
+    return bench_time_program(argv, row->threads, NULL, sample, error);
 }
 
 static const bench_kind vtk_picture_kind = {

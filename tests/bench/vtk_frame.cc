@@ -11,17 +11,20 @@
  *                                            vtkPointGaussianMapper or vtkTubeFilter with 8 sides
  *   vtk_frame cones|arrows FILE              the same of directed points, drawn by vtkGlyph3DMapper, 16 sides
  *   vtk_frame picture FILE.vti OUT.png ISOVALUE SIZE THREADS           from a volume to a picture, and done
+ *   vtk_frame tracts FILE.tck OUT.png RADIUS SIZE        the same from tracts, as tubes of 8 sides
  *
  * FILE of a mesh: int64 vertices and triangles, then float positions (3 each), float normals, int64 corners
  * (3 each). FILE of points or lines: int64 points and lines, which have equal numbers of points (0 lines:
  * points), then float positions (3 each) and float radii, or directions (3 each).
  */
 #include <cinttypes>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <ctime>
 #include <string>
+#include <vector>
 
 #include <vtkActor.h>
 #include <vtkArrowSource.h>
@@ -325,6 +328,60 @@ int serve_directed(const std::string &kind, const char *path) {
 }
 
 /* As a user of VTK would write it: the camera moved back until everything is in sight. */
+void write_picture(Window &shown, const char *path) {
+    vtkCamera *camera = shown.renderer->GetActiveCamera();
+    camera->SetPosition(1, -1, 1);
+    camera->SetViewUp(0, 0, 1);
+    shown.renderer->ResetCamera();
+    shown.draw();
+    vtkNew<vtkWindowToImageFilter> image;
+    image->SetInput(shown.window);
+    image->ReadFrontBufferOff();
+    image->ShouldRerenderOff();
+    vtkNew<vtkPNGWriter> writer;
+    writer->SetFileName(path);
+    writer->SetInputConnection(image->GetOutputPort());
+    writer->Write();
+}
+
+/* Lines of a .tck file of the bench: triples of floats from byte 100 on, NaNs after each line. */
+bool read_tracts(const char *path, vtkPolyData *data) {
+    std::FILE *file = std::fopen(path, "rb");
+    vtkNew<vtkPoints> points;
+    vtkNew<vtkCellArray> cells;
+    std::vector<vtkIdType> line;
+    float vertex[3];
+    if (!file || std::fseek(file, 100, SEEK_SET) != 0) return false;
+    while (std::fread(vertex, sizeof *vertex, 3, file) == 3 && !std::isinf(vertex[0])) {
+        if (!std::isnan(vertex[0])) {
+            line.push_back(points->InsertNextPoint(vertex));
+            continue;
+        }
+        cells->InsertNextCell(vtkIdType(line.size()), line.data());
+        line.clear();
+    }
+    std::fclose(file);
+    data->SetPoints(points);
+    data->SetLines(cells);
+    return cells->GetNumberOfCells() > 0;
+}
+
+int make_tracts(char **values) {
+    const int size = std::atoi(values[3]);
+    vtkNew<vtkPolyData> data;
+    if (!read_tracts(values[0], data)) return refuse(values[0], "a file of tracts");
+    vtkNew<vtkTubeFilter> tubes;
+    tubes->SetInputData(data);
+    tubes->SetRadius(std::atof(values[2]));
+    tubes->SetNumberOfSides(8);
+    tubes->CappingOn();
+    Window shown;
+    shown.mapper->SetInputConnection(tubes->GetOutputPort());
+    shown.window->SetSize(size, size);
+    write_picture(shown, values[1]);
+    return 0;
+}
+
 int make_picture(char **values) {
     const int size = std::atoi(values[3]), threads = std::atoi(values[4]);
     if (threads > 1) vtkSMPTools::SetBackend("TBB");
@@ -339,19 +396,7 @@ int make_picture(char **values) {
     Window shown;
     shown.mapper->SetInputConnection(surface->GetOutputPort());
     shown.window->SetSize(size, size);
-    vtkCamera *camera = shown.renderer->GetActiveCamera();
-    camera->SetPosition(1, -1, 1);
-    camera->SetViewUp(0, 0, 1);
-    shown.renderer->ResetCamera();
-    shown.draw();
-    vtkNew<vtkWindowToImageFilter> image;
-    image->SetInput(shown.window);
-    image->ReadFrontBufferOff();
-    image->ShouldRerenderOff();
-    vtkNew<vtkPNGWriter> writer;
-    writer->SetFileName(values[1]);
-    writer->SetInputConnection(image->GetOutputPort());
-    writer->Write();
+    write_picture(shown, values[1]);
     std::printf("%lld\n", static_cast<long long>(surface->GetOutput()->GetNumberOfPolys()));
     return surface->GetOutput()->GetNumberOfPolys() > 0 ? 0 : 1;
 }
@@ -364,9 +409,10 @@ int main(int argc, char **argv) {
         argc == 3 && (std::strcmp(argv[1], "cones") == 0 || std::strcmp(argv[1], "arrows") == 0);
     if (directed) return serve_directed(argv[1], argv[2]);
     if (argc == 3) return serve_points(argv[1], argv[2]);
+    if (argc == 6 && std::strcmp(argv[1], "tracts") == 0) return make_tracts(argv + 2);
     if (argc == 7 && std::strcmp(argv[1], "picture") == 0) return make_picture(argv + 2);
     std::fprintf(stderr,
                  "usage: vtk_frame mesh|spheres|gaussians|tubes|cones|arrows FILE | picture FILE.vti OUT.png "
-                 "ISOVALUE SIZE THREADS\n");
+                 "ISOVALUE SIZE THREADS | tracts FILE.tck OUT.png RADIUS SIZE\n");
     return 2;
 }
