@@ -235,6 +235,7 @@ static iso_status check_counts(const isorender_object_options *o, const int coun
                    {"glyph-opacity", &o->glyph_opacities, "--glyphs", glyphs},
                    {"glyph-projection", &o->projections, "--glyphs", glyphs},
                    {"surface-color", &o->mesh_colors, "--surface", meshes},
+                   {"surface-opacity", &o->mesh_opacities, "--surface", meshes},
                    {"color-by", &o->color_by, both, lines + glyphs},
                    {"colormap", &o->maps, both, lines + glyphs},
                    {"range", &o->ranges, both, lines + glyphs},
@@ -253,6 +254,8 @@ static iso_status set_kind(const isorender_object_options *options, int number,
     object->opacity = 1;
     if (object->kind == ISORENDER_LINES) return set_lines(options, number, object, error);
     if (object->kind == ISORENDER_GLYPHS) return set_glyphs(options, number, object, error);
+    ISO_TRY(
+        set_opacity("surface-opacity", isorender_value_for(&options->mesh_opacities, number), object, error));
     return set_color("surface-color", isorender_value_for(&options->mesh_colors, number), object, error);
 }
 

@@ -72,7 +72,7 @@ typedef struct isorender_object_options {
     int count;
     iso_texts tube_radii, line_colors, line_opacities, line_styles, caps;      /* by number of the lines */
     iso_texts glyph_radii, glyph_colors, glyph_opacities, glyphs, projections; /* by number of the glyphs */
-    iso_texts mesh_colors;                                                     /* by number of the mesh */
+    iso_texts mesh_colors, mesh_opacities;                                     /* by number of the mesh */
     /* of volumes of vectors, by the same numbers as those of lines, of glyphs, and of both */
     iso_texts streamlines, streamline_lengths, streamline_seeds, glyph_scales;
     iso_texts arrays, tensor_orders, leasts;

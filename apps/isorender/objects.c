@@ -236,6 +236,13 @@ static const char *space_name(iso_space space) {
     return space == ISO_SPACE_RAS ? "ras" : "lps";
 }
 
+/* Members of what is translucent. */
+static void put_layers(iso_json *json, const isorender_object *object) {
+    iso_json_real(json, "opacity", object->settings->opacity);
+    iso_json_integer(json, "samples", object->layered.samples);
+    iso_json_integer(json, "layers", object->layered.layers);
+}
+
 /* Members of lines and glyphs. */
 static void put_shapes(iso_json *json, const isorender_object *object) {
     const iso_shapes_totals totals = iso_shapes_stats(object->shapes);
@@ -253,11 +260,7 @@ static void put_shapes(iso_json *json, const isorender_object *object) {
     iso_json_integer(json, "shapes", totals.shapes);
     iso_json_integer(json, "skipped", totals.skipped);
     iso_json_integer(json, "dropped", object->report.dropped);
-    if (object->settings->opacity < 1) {
-        iso_json_real(json, "opacity", object->settings->opacity);
-        iso_json_integer(json, "samples", object->layered.samples);
-        iso_json_integer(json, "layers", object->layered.layers);
-    } else {
+    if (object->settings->opacity >= 1) {
         iso_json_integer(json, "samples", object->drawn.samples);
         if (has_lines(object) && !object->pyramid_lines)
             iso_json_integer(json, "widened_samples", object->drawn.widened);
@@ -277,6 +280,7 @@ void isorender_object_put(iso_json *json, const isorender_object *object) {
         iso_json_integer(json, "triangles", object->mesh.triangle_count);
     else
         put_shapes(json, object);
+    if (object->settings->opacity < 1) put_layers(json, object);
     iso_json_reals(json, "bounds_world", bounds, 6);
     iso_json_end_object(json);
 }

@@ -46,7 +46,7 @@ typedef struct isorender_object {
     iso_shapes *shapes;               /* of lines and glyphs; NULL before isorender_object_prepare */
     iso_pyramid_lines *pyramid_lines; /* of lines, if they are drawn by pull-push */
     iso_shapes_drawn drawn;           /* of opaque lines and glyphs: in all frames */
-    iso_shapes_layered layered;       /* of translucent ones: in all frames */
+    iso_shapes_layered layered;       /* of translucent ones and meshes: in all frames */
     iso_triangle_spans spans;         /* of meshes */
     iso_box bounds;                   /* world box of what is drawn */
     iso_rgb color;                    /* of what has no colour of its own */

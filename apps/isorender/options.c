@@ -265,7 +265,9 @@ static const iso_option options[] = {
      "the surface's colour (with --opacity 0 only the solid is seen, as in an X-ray image)",
      .group = SURFACE, REAL(absorption_length, 1e-6, 1e9)},
     {"layers", NULL, "N",
-     "draw only the first N crossings of each translucent surface: 1 is the skin without what lies behind it",
+     "draw only the first N crossings of each translucent surface or file of lines, glyphs or triangles: 1 "
+     "is "
+     "the skin without what lies behind it",
      .group = SURFACE, .standard = "all", INT(layers, 1, 1000000)},
     {"transparency", NULL, "NAME",
      "how splats are seen through: sorted (every layer of the surface, in order), groups (a picture of each "
@@ -656,8 +658,9 @@ bool isorender_is_translucent(const isorender_settings *settings) {
 }
 
 const char *isorender_object_opacity_option(const isorender_settings *settings) {
-    static const char *const names[ISORENDER_OBJECT_KINDS] = {
-        [ISORENDER_LINES] = "--line-opacity", [ISORENDER_GLYPHS] = "--glyph-opacity"};
+    static const char *const names[ISORENDER_OBJECT_KINDS] = {[ISORENDER_LINES] = "--line-opacity",
+                                                              [ISORENDER_GLYPHS] = "--glyph-opacity",
+                                                              [ISORENDER_MESH] = "--surface-opacity"};
     for (int i = 0; i < settings->object_options.count; i++)
         if (settings->objects[i].opacity < 1) return names[settings->objects[i].kind];
     return NULL;
@@ -745,7 +748,7 @@ static iso_status check_objects(isorender_settings *settings, iso_error *error) 
                         settings->backend, opacity);
     if (opacity && settings->method != ISORENDER_METHOD_UNCHOSEN && settings->method != ISO_METHOD_EXACT)
         return iso_fail(error, ISO_ERR_USAGE,
-                        "--method %s draws opaque lines and glyphs only: %s needs exact",
+                        "--method %s draws opaque lines, glyphs and meshes only: %s needs exact",
                         iso_method_name((iso_method)settings->method), opacity);
     return ISO_OK;
 }

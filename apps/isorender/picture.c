@@ -157,15 +157,18 @@ static iso_status annotate(const isorender_job *job, const iso_camera *camera, i
     return iso_annotate(image, &annotation, error);
 }
 
-/* Lists the translucent lines and glyphs; returns their number. */
-static int list_translucent_shapes(isorender_job *job, iso_translucent_shapes shapes[ISORENDER_OBJECTS]) {
+/* Lists the translucent lines, glyphs and meshes; returns their number. */
+static int list_translucent_sets(isorender_job *job, iso_translucent_set sets[ISORENDER_OBJECTS]) {
     int count = 0;
     for (int i = 0; i < job->object_count; i++) {
         isorender_object *object = &job->objects[i];
         if (is_opaque(object)) continue;
-        shapes[count++] = (iso_translucent_shapes){
-            object->shapes, object->color, isorender_translucency(job->settings, object->settings->opacity),
-            &object->layered};
+        sets[count++] = (iso_translucent_set){
+            .shapes = object->shapes,
+            .mesh = iso_triangle_spans_view(&object->spans),
+            .color = object->color,
+            .translucency = isorender_translucency(job->settings, object->settings->opacity),
+            .drawn = &object->layered};
     }
     return count;
 }
@@ -175,7 +178,7 @@ static iso_status render_layers(isorender_job *job, iso_picture_opts *opts, iso_
                                 isorender_frame *frame, iso_error *error) {
     iso_subject subjects[ISORENDER_SURFACES];
     iso_layered_surface surfaces[ISORENDER_SURFACES];
-    iso_translucent_shapes shapes[ISORENDER_OBJECTS];
+    iso_translucent_set sets[ISORENDER_OBJECTS];
     iso_picture_layers callbacks;
     for (int i = 0; i < job->surface_count; i++) {
         subjects[i] = subject_of(job, &job->surfaces[i]);
@@ -184,8 +187,8 @@ static iso_status render_layers(isorender_job *job, iso_picture_opts *opts, iso_
     iso_layered_picture picture = {.method = job->method,
                                    .surfaces = surfaces,
                                    .count = job->surface_count,
-                                   .shapes = shapes,
-                                   .shape_count = list_translucent_shapes(job, shapes),
+                                   .sets = sets,
+                                   .set_count = list_translucent_sets(job, sets),
                                    .draw_others = job->object_count ? draw_opaque_objects : NULL,
                                    .others_context = job,
                                    .transparency = (iso_transparency)job->settings->transparency,

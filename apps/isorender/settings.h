@@ -95,7 +95,7 @@ typedef struct isorender_settings {
 
 /* Whether any of the isosurfaces is translucent. */
 bool isorender_is_translucent(const isorender_settings *settings);
-/* The option that makes lines or glyphs translucent; NULL: all are opaque. */
+/* The option that makes lines, glyphs or meshes translucent; NULL: all are opaque. */
 const char *isorender_object_opacity_option(const isorender_settings *settings);
 /* Chooses the reconstruction when none is given, and checks that the options of splats are for splats.
  * ISO_ERR_USAGE. */

@@ -39,13 +39,13 @@ static iso_status shade_exact(iso_layered_picture *picture, const iso_layer_pict
                               iso_error *error) {
     iso_exact_layer layers[ISO_LAYERED_MAX];
     iso_exact_layers input = {.layers = layers, .count = list_exact(picture, layers), .picture = *output};
-    if (!picture->shape_count) return iso_shade_exact_layers(&input, &picture->totals, error);
+    if (!picture->set_count) return iso_shade_exact_layers(&input, &picture->totals, error);
     iso_shapes_lister *lister;
-    ISO_TRY(iso_shapes_lister_create(picture->shapes, picture->shape_count, input.count, output->strip,
+    ISO_TRY(iso_shapes_lister_create(picture->sets, picture->set_count, input.count, output->strip,
                                      output->pool, &lister, error));
     const iso_layer_source source = iso_shapes_lister_source(lister);
     input.source = &source;
-    input.middle = iso_translucent_shapes_middle(picture->shapes, picture->shape_count, output->strip->view);
+    input.middle = iso_translucent_middle(picture->sets, picture->set_count, output->strip->view);
     const iso_status status = iso_shade_exact_layers(&input, &picture->totals, error);
     iso_shapes_lister_destroy(lister);
     return status;
@@ -102,10 +102,10 @@ iso_status iso_layered_picture_callbacks(iso_layered_picture *picture, iso_pictu
                                          iso_error *error) {
     int opaque = 0;
     for (int i = 0; i < picture->count; i++) opaque += is_opaque(&picture->surfaces[i]);
-    const int translucent = picture->count - opaque + picture->shape_count;
+    const int translucent = picture->count - opaque + picture->set_count;
     if (translucent > ISO_LAYERED_MAX)
         return iso_fail(error, ISO_ERR_LIMIT, "%d translucent surfaces%s: a picture has up to %d",
-                        translucent, picture->shape_count ? ", lines and glyphs" : "", ISO_LAYERED_MAX);
+                        translucent, picture->set_count ? ", lines, glyphs and meshes" : "", ISO_LAYERED_MAX);
     const bool draws = opaque || picture->draw_others;
     *callbacks = (iso_picture_layers){draws ? draw_opaque : NULL, shade, picture};
     return ISO_OK;

@@ -29,9 +29,9 @@ typedef struct iso_layered_picture {
     iso_method method; /* one for which iso_method_has_layers is true */
     const iso_layered_surface *surfaces;
     int count;
-    const iso_translucent_shapes *shapes; /* translucent lines and glyphs, with the method exact only; NULL:
-                                             none */
-    int shape_count;
+    /* Translucent lines, glyphs and meshes, with the method exact only; NULL: none. */
+    const iso_translucent_set *sets;
+    int set_count;
     iso_draw_fn *draw_others; /* draws further opaque objects, such as lines; NULL: there are none */
     void *others_context;
     iso_transparency transparency; /* how splats are composited; for the method splats only */
@@ -41,7 +41,7 @@ typedef struct iso_layered_picture {
 } iso_layered_picture;
 
 /* Sets the callbacks with which iso_picture_render renders the picture (iso_picture_opts.layers).
- * ISO_ERR_LIMIT: more than ISO_LAYERED_MAX translucent surfaces, lines and glyphs. */
+ * ISO_ERR_LIMIT: more than ISO_LAYERED_MAX translucent surfaces, lines, glyphs and meshes. */
 iso_status iso_layered_picture_callbacks(iso_layered_picture *picture, iso_picture_layers *callbacks,
                                          iso_error *error);
 

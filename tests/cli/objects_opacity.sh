@@ -32,6 +32,17 @@ expect(every["image"]["layers"]["most"] == 10, every["image"]["layers"])  # ball
 expect(0 < solid["objects"][0]["layers"] < line["layers"], solid["objects"], line)
 expect("opacity" not in both["objects"][1] and both["objects"][1]["samples"] > 200, both["objects"])
 P
+# a mesh of the isosurface is seen through as the isosurface is
+isorender in/ball.mha --isovalue 500 --mesh ball.ply --no-image --quiet
+isorender in/ball.mha iso.png --isovalue 500 --opacity 0.5 --color ivory $view --json=iso.json
+isorender --surface ball.ply --surface-opacity 0.5 --surface-color ivory mesh.png $view --json=mesh.json
+isocompare images iso.png mesh.png --fail-under psnr=35 >/dev/null
+python3 - <<'P'
+from check import *
+iso, mesh = report("iso.json")["image"], report("mesh.json")
+expect(mesh["image"]["layers"]["most"] == 2 == iso["layers"]["most"], mesh["image"])
+expect(abs(mesh["objects"][0]["samples"] - iso["covered"]) < 30 and mesh["objects"][0]["opacity"] == 0.5, mesh["objects"], iso)
+P
 if ! isorender scene:sphere:16 --no-image --aov in/try.exr 2>&1 | grep -q "built without"; then
     isorender $lines --line-opacity 0.5 aov.png --aov aov.exr $view
     python3 - <<'P'
@@ -51,9 +62,10 @@ fails() { # STATUS TEXT OPTION..
 }
 fails 2 "not an opacity from 0 to 1" $lines --line-opacity 1.5
 fails 2 "is for --glyphs, which is not given" $lines --glyph-opacity 0.5
-fails 2 "opaque lines and glyphs only: --line-opacity needs exact" scene:sphere:16 $lines --line-opacity 0.5 --method raycast
+fails 2 "opaque lines, glyphs and meshes only: --line-opacity needs exact" scene:sphere:16 $lines --line-opacity 0.5 --method raycast
 fails 2 "no --lines, --glyphs and --surface beside it" scene:sphere:16 $lines --line-opacity 0.5 --ior 1.5
 fails 2 "draws no translucent objects" $lines --line-opacity 0.5 --backend osmesa
+fails 2 "--surface-opacity needs exact" scene:sphere:16 --surface ball.ply --surface-opacity 0.5 --method mesh
 fails 2 "--absorption is for translucent surfaces" $lines --line-opacity 0.5 --absorption 5
 fails 2 "--layers is for translucent surfaces" $lines --layers 2
 isorender scene:sphere:16 --points points.ply --no-image --quiet

@@ -6,8 +6,7 @@
 #include <assert.h>
 
 #include "base/memory.h"
-#include "render/project.h"
-#include "render/raster/raster.h"
+#include "render/raster/mesh_samples.h"
 
 enum {
     SUBPIXEL = 256,
@@ -25,15 +24,24 @@ typedef struct vertex {
     bool inside;     /* of all clip planes */
 } vertex;
 
-typedef struct mesh_draw {
-    const iso_target *target;
+struct iso_mesh_samples {
+    iso_target target;
     const iso_mesh_view *mesh;
     iso_projector projector;
     iso_rows *rows;  /* of each span */
     vertex *scratch; /* `capacity` for each worker */
     size_t capacity;
     int band_count;
-} mesh_draw;
+};
+
+/* A part of the picture, and what becomes of its samples. */
+typedef struct part {
+    const iso_mesh_samples *draw;
+    iso_rows columns, rows;
+    bool (*visit)(void *context, const iso_mesh_sample *sample); /* NULL: they are written into the gbuffer */
+    void *context;
+    bool ended; /* by `visit` */
+} part;
 
 /* Signed distance to a clip plane, up to a factor: >= 0 inside. */
 static double plane_distance(const iso_view *view, iso_vec3 p, int plane) {
@@ -136,16 +144,8 @@ static bool set_up_triangle(triangle *t, const vertex *a, const vertex *b, const
     return true;
 }
 
-static void draw_pixel(const mesh_draw *draw, const triangle *t, const int64_t value[3], size_t index) {
-    const iso_gbuffer *g = draw->target->gbuffer;
-    double weight[3], sum = 0, depth = 0;
-    for (int k = 0; k < 3; k++) {
-        weight[k] = (double)value[k] * t->corner[k]->weight;
-        sum += weight[k];
-        depth += weight[k] * t->corner[k]->view.z;
-    }
-    float z = (float)(depth / sum);
-    if (!(z < g->depth[index])) return;
+/* The unit normal of a triangle where its corners have these weights. */
+static void interpolate_normal(const triangle *t, const double weight[3], double sum, float out[3]) {
     float n[3], square = 0;
     for (int axis = 0; axis < 3; axis++) {
         n[axis] = (float)((weight[0] * t->corner[0]->normal[axis] + weight[1] * t->corner[1]->normal[axis] +
@@ -154,11 +154,33 @@ static void draw_pixel(const mesh_draw *draw, const triangle *t, const int64_t v
         square += n[axis] * n[axis];
     }
     float length = sqrtf(square);
+    for (int axis = 0; axis < 3; axis++) out[axis] = length > 0 ? n[axis] / length : axis == 2 ? -1.0f : 0.0f;
+}
+
+static void draw_pixel(part *p, const triangle *t, const int64_t value[3], int64_t x, int64_t y) {
+    const iso_target *target = &p->draw->target;
+    const iso_gbuffer *g = target->gbuffer;
+    double weight[3], sum = 0, depth = 0;
+    for (int k = 0; k < 3; k++) {
+        weight[k] = (double)value[k] * t->corner[k]->weight;
+        sum += weight[k];
+        depth += weight[k] * t->corner[k]->view.z;
+    }
+    float normal[3];
+    if (p->visit) {
+        iso_mesh_sample sample = {.x = (int)x, .y = (int)y, .depth = depth / sum, .triangle = t->number};
+        interpolate_normal(t, weight, sum, sample.normal);
+        p->ended |= !p->visit(p->context, &sample);
+        return;
+    }
+    const size_t index = (size_t)y * (size_t)g->width + (size_t)x;
+    float z = (float)(depth / sum);
+    if (!(z < g->depth[index])) return;
     g->depth[index] = z;
-    g->surface[index] = draw->target->surface;
+    g->surface[index] = target->surface;
     if (g->element) g->element[index] = t->number + 1;
-    for (int axis = 0; axis < 3; axis++)
-        g->normal[axis][index] = length > 0 ? n[axis] / length : axis == 2 ? -1.0f : 0.0f;
+    interpolate_normal(t, weight, sum, normal);
+    for (int axis = 0; axis < 3; axis++) g->normal[axis][index] = normal[axis];
 }
 
 /* Narrows pixels lo .. hi of a row to those where value + x * step >= 0. */
@@ -174,13 +196,12 @@ static void narrow_range(int64_t value, int64_t step, int64_t *lo, int64_t *hi) 
     }
 }
 
-static void draw_row(const mesh_draw *draw, const triangle *t, int64_t y) {
+static void draw_row(part *p, const triangle *t, int64_t y) {
     int64_t start[3], lo = 0, hi = t->x1 - t->x0;
     for (int k = 0; k < 3; k++) {
         start[k] = t->edge[k].value + (y - t->y0) * t->edge[k].step_y;
         if (t->x1 - t->x0 > NARROW) narrow_range(start[k] + t->edge[k].bias, t->edge[k].step_x, &lo, &hi);
     }
-    size_t row = (size_t)y * (size_t)draw->target->gbuffer->width + (size_t)t->x0;
     for (int64_t x = lo; x <= hi; x++) {
         int64_t value[3];
         bool covered = true;
@@ -188,17 +209,16 @@ static void draw_row(const mesh_draw *draw, const triangle *t, int64_t y) {
             value[k] = start[k] + x * t->edge[k].step_x;
             covered &= value[k] + t->edge[k].bias >= 0;
         }
-        if (covered) draw_pixel(draw, t, value, row + (size_t)x);
+        if (covered) draw_pixel(p, t, value, t->x0 + x, y);
     }
 }
 
-static void draw_triangle(const mesh_draw *draw, const vertex *const corners[3], uint32_t number,
-                          iso_rows band) {
-    const iso_rows clip[2] = {{0, draw->target->gbuffer->width - 1}, band};
+static void draw_triangle(part *p, const vertex *const corners[3], uint32_t number) {
+    const iso_rows clip[2] = {p->columns, p->rows};
     triangle t;
     if (!set_up_triangle(&t, corners[0], corners[1], corners[2], clip)) return;
     t.number = number;
-    for (int64_t y = t.y0; y <= t.y1; y++) draw_row(draw, &t, y);
+    for (int64_t y = t.y0; y <= t.y1 && !p->ended; y++) draw_row(p, &t, y);
 }
 
 /* The vertex where the edge from `in` to `out` crosses a clip plane, given the distances of both. */
@@ -223,25 +243,25 @@ static int clip_polygon(const iso_view *view, int plane, const vertex *polygon, 
 }
 
 /* Clips a triangle and draws the polygon that remains as a fan of triangles. */
-static void draw_clipped(const mesh_draw *draw, const vertex *const corners[3], uint32_t number,
-                         iso_rows band) {
+static void draw_clipped(part *p, const vertex *const corners[3], uint32_t number) {
+    const iso_projector *projector = &p->draw->projector;
     vertex polygon[2][POLYGON];
     int count = 3, now = 0;
     for (int k = 0; k < 3; k++) {
         polygon[0][k] = *corners[k];
-        iso_vec3 p = corners[k]->view;
-        if (!isfinite(p.x) || !isfinite(p.y) || !isfinite(p.z)) return;
+        const iso_vec3 at = corners[k]->view;
+        if (!isfinite(at.x) || !isfinite(at.y) || !isfinite(at.z)) return;
     }
     for (int plane = 0; plane < CLIP_PLANES && count; plane++, now = !now)
-        count = clip_polygon(draw->projector.view, plane, polygon[now], count, polygon[!now]);
-    for (int k = 0; k < count; k++) place_vertex(&draw->projector, &polygon[now][k]);
+        count = clip_polygon(projector->view, plane, polygon[now], count, polygon[!now]);
+    for (int k = 0; k < count; k++) place_vertex(projector, &polygon[now][k]);
     for (int k = 2; k < count; k++) {
         const vertex *fan[3] = {&polygon[now][0], &polygon[now][k - 1], &polygon[now][k]};
-        draw_triangle(draw, fan, number, band);
+        draw_triangle(p, fan, number);
     }
 }
 
-static void transform_span(const mesh_draw *draw, const iso_mesh_span *span, vertex *out) {
+static void transform_span(const iso_mesh_samples *draw, const iso_mesh_span *span, vertex *out) {
     const iso_surfel *in = draw->mesh->vertices + span->first_vertex;
     for (uint32_t i = 0; i < span->vertex_count; i++) {
         out[i].view = iso_projector_point(&draw->projector, span->brick, in[i].position);
@@ -251,30 +271,44 @@ static void transform_span(const mesh_draw *draw, const iso_mesh_span *span, ver
     }
 }
 
-static void draw_span(const mesh_draw *draw, const iso_mesh_span *span, vertex *vertices, iso_rows band) {
-    transform_span(draw, span, vertices);
-    for (uint32_t i = 0; i < span->triangle_count; i++) {
+static void draw_span(part *p, const iso_mesh_span *span, vertex *vertices) {
+    transform_span(p->draw, span, vertices);
+    for (uint32_t i = 0; i < span->triangle_count && !p->ended; i++) {
         const uint32_t number = (uint32_t)span->first_triangle + i;
-        const uint16_t *corner = draw->mesh->triangles[number];
+        const uint16_t *corner = p->draw->mesh->triangles[number];
         const vertex *corners[3] = {&vertices[corner[0]], &vertices[corner[1]], &vertices[corner[2]]};
         if (corners[0]->inside && corners[1]->inside && corners[2]->inside)
-            draw_triangle(draw, corners, number, band);
+            draw_triangle(p, corners, number);
         else
-            draw_clipped(draw, corners, number, band);
+            draw_clipped(p, corners, number);
     }
 }
 
-static void draw_band(void *context, size_t index, int worker) {
-    const mesh_draw *draw = context;
-    iso_rows band = iso_band_rows(draw->projector.view->height, draw->band_count, index);
+static void draw_part(part *p, int worker) {
+    const iso_mesh_samples *draw = p->draw;
     vertex *vertices = draw->scratch + (size_t)worker * draw->capacity;
-    for (size_t s = 0; s < draw->mesh->span_count; s++)
-        if (iso_rows_meet(draw->rows[s], band)) draw_span(draw, &draw->mesh->spans[s], vertices, band);
+    for (size_t s = 0; s < draw->mesh->span_count && !p->ended; s++)
+        if (iso_rows_meet(draw->rows[s], p->rows)) draw_span(p, &draw->mesh->spans[s], vertices);
+}
+
+static void draw_band(void *context, size_t index, int worker) {
+    const iso_mesh_samples *draw = context;
+    const iso_view *view = draw->projector.view;
+    part p = {.draw = draw,
+              .columns = {0, view->width - 1},
+              .rows = iso_band_rows(view->height, draw->band_count, index)};
+    draw_part(&p, worker);
+}
+
+void iso_mesh_samples_visit(const iso_mesh_samples *samples, int worker, iso_rows columns, iso_rows rows,
+                            bool (*visit)(void *context, const iso_mesh_sample *sample), void *context) {
+    part p = {.draw = samples, .columns = columns, .rows = rows, .visit = visit, .context = context};
+    draw_part(&p, worker);
 }
 
 static void place_span(void *context, size_t index, int worker) {
     (void)worker;
-    const mesh_draw *draw = context;
+    const iso_mesh_samples *draw = context;
     const iso_mesh_span *span = &draw->mesh->spans[index];
     iso_box box =
         iso_surfel_bounds(draw->mesh->vertices + span->first_vertex, span->vertex_count, span->brick);
@@ -288,24 +322,51 @@ static size_t largest_span(const iso_mesh_view *mesh) {
     return most;
 }
 
-iso_status iso_draw_mesh(const iso_target *target, const iso_mesh_view *mesh, iso_error *error) {
+/* Prepares a mesh; the caller frees it, also after a failure. */
+static iso_status prepare(iso_mesh_samples *draw, const iso_target *target, const iso_mesh_view *mesh,
+                          iso_error *error) {
     const iso_view *view = target->view;
     assert(view->width == target->gbuffer->width && view->height == target->gbuffer->height);
-    mesh_draw draw = {.target = target,
-                      .mesh = mesh,
-                      .projector = iso_projector_make(view, &mesh->transform),
-                      .capacity = largest_span(mesh),
-                      .band_count = iso_band_count(target->pool, view->height)};
-    draw.rows = iso_alloc_zero(mesh->span_count, sizeof *draw.rows);
-    draw.scratch = iso_alloc((size_t)iso_pool_threads(target->pool) * draw.capacity * sizeof(vertex));
-    iso_status status = ISO_OK;
-    if (draw.rows && draw.scratch) {
-        iso_parallel_for(target->pool, mesh->span_count, place_span, &draw);
-        iso_parallel_for(target->pool, (size_t)draw.band_count, draw_band, &draw);
-    } else {
-        status = iso_fail(error, ISO_ERR_NOMEM, "out of memory for %zu spans of triangles", mesh->span_count);
-    }
-    iso_free(draw.rows);
-    iso_free(draw.scratch);
+    *draw = (iso_mesh_samples){.target = *target,
+                               .mesh = mesh,
+                               .projector = iso_projector_make(view, &mesh->transform),
+                               .capacity = largest_span(mesh),
+                               .band_count = iso_band_count(target->pool, view->height)};
+    draw->rows = iso_alloc_zero(mesh->span_count, sizeof *draw->rows);
+    draw->scratch = iso_alloc((size_t)iso_pool_threads(target->pool) * draw->capacity * sizeof(vertex));
+    if (!draw->rows || !draw->scratch)
+        return iso_fail(error, ISO_ERR_NOMEM, "out of memory for %zu spans of triangles", mesh->span_count);
+    iso_parallel_for(target->pool, mesh->span_count, place_span, draw);
+    return ISO_OK;
+}
+
+static void free_draw(iso_mesh_samples *draw) {
+    iso_free(draw->rows);
+    iso_free(draw->scratch);
+}
+
+iso_status iso_draw_mesh(const iso_target *target, const iso_mesh_view *mesh, iso_error *error) {
+    iso_mesh_samples draw;
+    const iso_status status = prepare(&draw, target, mesh, error);
+    if (status == ISO_OK) iso_parallel_for(target->pool, (size_t)draw.band_count, draw_band, &draw);
+    free_draw(&draw);
     return status;
+}
+
+iso_status iso_mesh_samples_create(const iso_target *target, const iso_mesh_view *mesh,
+                                   iso_mesh_samples **samples, iso_error *error) {
+    iso_mesh_samples *made = iso_alloc(sizeof *made);
+    if (!made) return iso_fail_memory(error, "triangles");
+    const iso_status status = prepare(made, target, mesh, error);
+    if (status == ISO_OK)
+        *samples = made;
+    else
+        iso_mesh_samples_destroy(made);
+    return status;
+}
+
+void iso_mesh_samples_destroy(iso_mesh_samples *samples) {
+    if (!samples) return;
+    free_draw(samples);
+    iso_free(samples);
 }

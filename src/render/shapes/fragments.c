@@ -17,8 +17,10 @@ static const double SAME_CROSSING = 1e-6;
 
 /* A set in the strip. */
 typedef struct set {
-    const iso_translucent_shapes *input;
-    iso_shapes_frame frame;
+    const iso_translucent_set *input;
+    const iso_shapes *shapes; /* NULL: a mesh */
+    iso_shapes_frame frame;   /* of shapes */
+    iso_mesh_samples *mesh;   /* without shapes */
     iso_layer_opacity opacity;
     iso_layer_pass pass;
 } set;
@@ -52,6 +54,7 @@ typedef struct listing {
     const iso_shapes_lister *lister;
     const set *set;
     worker *worker;
+    int number; /* of the worker */
     iso_layer_lists *lists;
     iso_rows rows;              /* of the strip */
     iso_shapes_layered *listed; /* of the set */
@@ -103,7 +106,7 @@ static size_t sort_pieces(worker *w, uint32_t first, const iso_shapes_piece ***s
 static size_t add_crossings(const set *s, const iso_shapes_piece *from, const iso_shapes_piece *to,
                             crossing *out) {
     size_t count = 0;
-    if (from->t[0] >= s->frame.near) out[count++] = (crossing){from, 0};
+    if (!s->shapes || from->t[0] >= s->frame.near) out[count++] = (crossing){from, 0};
     if (to->t[1] > from->t[0]) out[count++] = (crossing){to, 1};
     return count;
 }
@@ -114,7 +117,7 @@ static size_t merge(const set *s, const iso_shapes_piece **sorted, size_t count,
     for (size_t i = 0; i < count;) {
         const iso_shapes_piece *from = sorted[i], *to = from;
         double slack = 0;
-        if (s->frame.shapes->kind == ISO_SHAPE_RIBBON)
+        if (s->shapes && s->shapes->kind == ISO_SHAPE_RIBBON)
             slack = SAME_CROSSING * fabs(from->t[0] * (double)s->frame.slope + (double)s->frame.fixed);
         for (i++; i < count && sorted[i]->whole == from->whole && sorted[i]->t[0] <= to->t[1] + slack; i++)
             if (sorted[i]->t[1] > to->t[1] && sorted[i]->t[0] < sorted[i]->t[1]) to = sorted[i];
@@ -127,9 +130,8 @@ static size_t merge(const set *s, const iso_shapes_piece **sorted, size_t count,
 
 static iso_fragment make_fragment(const set *s, const crossing *c, const float to_eye[3], float middle) {
     const iso_shapes_piece *p = c->piece;
-    const iso_shapes *shapes = s->frame.shapes;
     iso_rgb color = s->input->color;
-    if (shapes->colors) color = iso_shapes_color_at(shapes, p->element, p->along[c->end]);
+    if (s->shapes && s->shapes->colors) color = iso_shapes_color_at(s->shapes, p->element, p->along[c->end]);
     iso_fragment fragment = {.depth = (float)(p->t[c->end] - (double)middle),
                              .opacity = iso_layer_opacity_at(&s->opacity, p->normal[c->end], to_eye),
                              .surface = s->pass.surface,
@@ -169,22 +171,29 @@ static bool add_samples(const listing *l) {
     const uint32_t *first = pieces->first.data;
     for (int y = r->y0; y <= r->y1 && pieces->count; y++)
         for (int x = r->x0; x <= r->x1; x++, first++)
-            if (*first != ISO_SHAPES_NO_PIECE && !add_sample(l, *first, x, y - l->set->frame.top))
+            if (*first != ISO_SHAPES_NO_PIECE && !add_sample(l, *first, x, y - l->lister->strip.view->above))
                 return false;
     return true;
 }
 
 /* ---- rectangles and bands */
 
-/* Lists a rectangle of a bin, in two halves if it has too many pieces; false without memory. */
-static bool list_rect(const listing *l, iso_shapes_rect r) {
+static iso_status list_pieces(const listing *l, const iso_shapes_rect *r) {
     iso_shapes_pieces *pieces = &l->worker->pieces;
-    const int width = r.x1 - r.x0 + 1, height = r.y1 - r.y0 + 1, top = l->set->frame.top;
+    const int top = l->lister->strip.view->above;
     const size_t pitch = (size_t)l->lists->width;
     const float *limit = l->lists->limit;
-    if (limit) limit += (size_t)(r.y0 - top - l->rows.first) * pitch + (size_t)r.x0;
+    if (limit) limit += (size_t)(r->y0 - top - l->rows.first) * pitch + (size_t)r->x0;
+    if (l->set->shapes) return iso_shapes_pieces_list(pieces, &l->set->frame, r, limit, pitch);
+    return iso_shapes_pieces_list_mesh(pieces, l->set->mesh, l->number, top, r, limit, pitch);
+}
+
+/* Lists a rectangle, in two halves if it has too many pieces; false without memory. */
+static bool list_rect(const listing *l, iso_shapes_rect r) {
+    iso_shapes_pieces *pieces = &l->worker->pieces;
+    const int width = r.x1 - r.x0 + 1, height = r.y1 - r.y0 + 1;
     pieces->most = width * height > 1 ? ISO_SHAPES_PIECES_BYTES / sizeof(iso_shapes_piece) : 0;
-    if (iso_shapes_pieces_list(pieces, &l->set->frame, &r, limit, pitch) != ISO_OK) return false;
+    if (list_pieces(l, &r) != ISO_OK) return false;
     if (!pieces->full) return add_samples(l);
     if (width * height == 1) return false;
     iso_shapes_rect first = r, second = r;
@@ -195,7 +204,8 @@ static bool list_rect(const listing *l, iso_shapes_rect r) {
     return list_rect(l, first) && list_rect(l, second);
 }
 
-static bool list_set(const listing *l) {
+/* Bin by bin: each has a list of its blocks. */
+static bool list_shapes(const listing *l) {
     const iso_shapes_frame *frame = &l->set->frame;
     for (int row = l->rows.first / ISO_SHAPES_BIN; row <= l->rows.last / ISO_SHAPES_BIN; row++)
         for (int column = 0; column < frame->columns; column++) {
@@ -209,15 +219,22 @@ static bool list_set(const listing *l) {
     return true;
 }
 
+/* The whole width at once: what can be seen of a mesh is not known by column. */
+static bool list_mesh(const listing *l) {
+    const int top = l->lister->strip.view->above;
+    const iso_shapes_rect all = {0, l->rows.first + top, l->lister->size.width - 1, l->rows.last + top};
+    return list_rect(l, all);
+}
+
 /* iso_layer_source.list. */
 static bool list(void *context, int number, iso_layer_lists *lists, iso_rows rows) {
     const iso_shapes_lister *lister = context;
     worker *w = &lister->workers[number];
     for (int i = 0; i < lister->count && !lists->full; i++) {
         w->listed[i] = (iso_shapes_layered){0};
-        const listing l = {lister, &lister->sets[i], w, lists, rows, &w->listed[i]};
+        const listing l = {lister, &lister->sets[i], w, number, lists, rows, &w->listed[i]};
         iso_layer_lists_begin(lists, &lister->sets[i].pass);
-        if (!list_set(&l)) return false;
+        if (!(l.set->shapes ? list_shapes(&l) : list_mesh(&l))) return false;
     }
     return !lists->full;
 }
@@ -236,16 +253,18 @@ static void count(void *context, int number) {
 
 /* ---- setting up */
 
-static iso_status set_up_set(iso_shapes_lister *lister, const iso_translucent_shapes *input, int surface,
-                             set *s, iso_error *error) {
+static iso_status set_up_set(iso_shapes_lister *lister, const iso_translucent_set *input, int surface, set *s,
+                             iso_error *error) {
     s->input = input;
     s->opacity = iso_layer_opacity_make(&input->translucency);
     s->pass =
         (iso_layer_pass){.surface = surface, .most_layers = input->translucency.most_layers, .tolerance = -1};
-    return iso_shapes_frame_make(&lister->target, input->shapes, &s->frame, error);
+    s->shapes = input->shapes;
+    if (s->shapes) return iso_shapes_frame_make(&lister->target, s->shapes, &s->frame, error);
+    return iso_mesh_samples_create(&lister->target, &input->mesh, &s->mesh, error);
 }
 
-static iso_status set_up(iso_shapes_lister *lister, const iso_translucent_shapes *sets, int count, int first,
+static iso_status set_up(iso_shapes_lister *lister, const iso_translucent_set *sets, int count, int first,
                          iso_error *error) {
     lister->count = count;
     lister->sets = iso_alloc_zero((size_t)count, sizeof *lister->sets);
@@ -261,7 +280,7 @@ static iso_status set_up(iso_shapes_lister *lister, const iso_translucent_shapes
     return ISO_OK;
 }
 
-iso_status iso_shapes_lister_create(const iso_translucent_shapes *sets, int count, int first,
+iso_status iso_shapes_lister_create(const iso_translucent_set *sets, int count, int first,
                                     const iso_strip *strip, iso_pool *pool, iso_shapes_lister **lister,
                                     iso_error *error) {
     iso_shapes_lister *made = iso_alloc_zero(1, sizeof *made);
@@ -290,7 +309,10 @@ void iso_shapes_lister_destroy(iso_shapes_lister *lister) {
         iso_buffer_free(&w->crossings);
         iso_free(w->listed);
     }
-    for (int i = 0; lister->sets && i < lister->count; i++) iso_shapes_frame_free(&lister->sets[i].frame);
+    for (int i = 0; lister->sets && i < lister->count; i++) {
+        iso_shapes_frame_free(&lister->sets[i].frame);
+        iso_mesh_samples_destroy(lister->sets[i].mesh);
+    }
     iso_free(lister->sets);
     iso_free(lister->workers);
     iso_free(lister);
@@ -300,10 +322,11 @@ iso_layer_source iso_shapes_lister_source(iso_shapes_lister *lister) {
     return (iso_layer_source){list, count, lister};
 }
 
-double iso_translucent_shapes_middle(const iso_translucent_shapes *sets, int count, const iso_view *view) {
+double iso_translucent_middle(const iso_translucent_set *sets, int count, const iso_view *view) {
     iso_box box = iso_box_empty();
     for (int i = 0; i < count; i++) {
-        const iso_box one = iso_shapes_bounds(sets[i].shapes);
+        const iso_box one =
+            sets[i].shapes ? iso_shapes_bounds(sets[i].shapes) : iso_mesh_view_bounds(&sets[i].mesh);
         iso_box_add(&box, one.lo);
         iso_box_add(&box, one.hi);
     }

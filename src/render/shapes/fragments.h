@@ -1,7 +1,7 @@
-/* fragments: translucent glyphs and lines. The places where a ray enters or leaves a solid are layers, as
- * the crossings of an isosurface are: a glyph has two along a ray (an arrow up to four), a disc one. The
- * overlapping segments of one line are a single solid, so that its joints are no darker than the rest of
- * it; a ribbon has a layer for each time that the ray meets it.
+/* fragments: translucent glyphs, lines and meshes. The places where a ray enters or leaves a solid are
+ * layers, as the crossings of an isosurface are: a glyph has two along a ray (an arrow up to four), a disc
+ * one. The overlapping segments of one line are a single solid, so that its joints are no darker than the
+ * rest of it; a ribbon has a layer for each time that the ray meets it.
  *
  * All pieces of the rays in a set are listed, sorted by depth and merged by line, in double precision; what
  * is found is added to the lists of layers (render/layers), where it meets the layers of isosurfaces and of
@@ -28,19 +28,20 @@ typedef struct iso_shapes_layered {
 } iso_shapes_layered;
 
 /* A translucent set. Its surfaces have no absorption length. */
-typedef struct iso_translucent_shapes {
-    const iso_shapes *shapes; /* borrowed, like the lines that it was made of */
+typedef struct iso_translucent_set {
+    const iso_shapes *shapes; /* borrowed, like the lines that it was made of; NULL: a mesh */
+    iso_mesh_view mesh;       /* without shapes: triangles */
     iso_rgb color;            /* of what has no colour of its own */
     iso_translucency translucency;
     iso_shapes_layered *drawn; /* is added to; NULL is fine */
-} iso_translucent_shapes;
+} iso_translucent_set;
 
 typedef struct iso_shapes_lister iso_shapes_lister;
 
 /* Prepares to list the fragments of sets in a strip. first: the number of the first set as a surface of the
  * lists; the others follow. `sets`, strip and pool are borrowed until iso_shapes_lister_destroy.
  * ISO_ERR_NOMEM. */
-iso_status iso_shapes_lister_create(const iso_translucent_shapes *sets, int count, int first,
+iso_status iso_shapes_lister_create(const iso_translucent_set *sets, int count, int first,
                                     const iso_strip *strip, iso_pool *pool, iso_shapes_lister **lister,
                                     iso_error *error);
 /* Adds what was listed to the counts of the sets. NULL is fine. */
@@ -49,7 +50,7 @@ void iso_shapes_lister_destroy(iso_shapes_lister *lister);
 iso_layer_source iso_shapes_lister_source(iso_shapes_lister *lister);
 
 /* A depth in the middle of the sets, that depths of fragments can be counted from. */
-double iso_translucent_shapes_middle(const iso_translucent_shapes *sets, int count, const iso_view *view);
+double iso_translucent_middle(const iso_translucent_set *sets, int count, const iso_view *view);
 
 #ifdef __cplusplus
 }

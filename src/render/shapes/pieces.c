@@ -8,7 +8,8 @@
 /* What a rectangle's pieces are listed with. */
 typedef struct listing {
     iso_shapes_pieces *out;
-    const iso_shapes_frame *frame;
+    const iso_shapes_frame *frame; /* NULL: a mesh is listed */
+    int top;                       /* the strip's first row in the picture */
     const float *limit;
     size_t pitch;
     iso_status status;
@@ -180,7 +181,7 @@ static iso_status clear(iso_shapes_pieces *pieces, const iso_shapes_rect *rect) 
 
 iso_status iso_shapes_pieces_list(iso_shapes_pieces *pieces, const iso_shapes_frame *frame,
                                   const iso_shapes_rect *rect, const float *limit, size_t pitch) {
-    listing l = {pieces, frame, limit, pitch, ISO_OK};
+    listing l = {pieces, frame, frame->top, limit, pitch, ISO_OK};
     ISO_TRY(clear(pieces, rect));
     const size_t bin = (size_t)((rect->y0 - frame->top) / ISO_SHAPES_BIN) * (size_t)frame->columns +
                        (size_t)(rect->x0 / ISO_SHAPES_BIN);
@@ -189,6 +190,29 @@ iso_status iso_shapes_pieces_list(iso_shapes_pieces *pieces, const iso_shapes_fr
         if (meets(&seen->rect, rect)) list_block(&l, seen);
         if (pieces->full || l.status != ISO_OK) break;
     }
+    return l.status;
+}
+
+/* ---- meshes */
+
+/* iso_mesh_samples_visit.visit. */
+static bool add_triangle(void *context, const iso_mesh_sample *sample) {
+    listing *l = context;
+    const int x = sample->x, y = sample->y + l->top;
+    if (!(sample->depth < limit_at(l, x, y))) return true;
+    iso_near_piece p = {.t = {sample->depth, sample->depth}};
+    for (int a = 0; a < 3; a++) p.normal[0][a] = (double)sample->normal[a];
+    add(l, x, y, &p, sample->triangle, sample->triangle);
+    return !l->out->full && l->status == ISO_OK;
+}
+
+iso_status iso_shapes_pieces_list_mesh(iso_shapes_pieces *pieces, const iso_mesh_samples *mesh, int worker,
+                                       int top, const iso_shapes_rect *rect, const float *limit,
+                                       size_t pitch) {
+    listing l = {pieces, NULL, top, limit, pitch, ISO_OK};
+    const iso_rows columns = {rect->x0, rect->x1}, rows = {rect->y0 - top, rect->y1 - top};
+    ISO_TRY(clear(pieces, rect));
+    iso_mesh_samples_visit(mesh, worker, columns, rows, add_triangle, &l);
     return l.status;
 }
 

@@ -11,6 +11,7 @@
 #include "exact/layers.h"
 #include "exact_support.h"
 #include "lines_support.h"
+#include "render/raster/triangles.h"
 #include "render/shapes/fragments.h"
 #include "scene_support.h"
 #include "shapes_support.h"
@@ -26,6 +27,7 @@ typedef struct mixed {
     iso_shapes_scene sets[SETS];
     iso_translucency translucency[SETS];
     int count;
+    bool has_mesh;                  /* the last set is `spans` */
     const iso_shapes_scene *opaque; /* NULL: none */
     const iso_grid *grid;           /* NULL: no isosurfaces */
     double isovalues[SURFACES];
@@ -36,6 +38,8 @@ typedef struct mixed {
 static const iso_rgb set_colors[SETS] = {{0xC0, 0x39, 0x2B}, {0x27, 0x8E, 0x60}, {0x29, 0x80, 0xB9}},
                      surface_colors[SURFACES + 1] = {
                          {0xE8, 0xB9, 0xA0}, {0x3F, 0x6F, 0xA8}, {0x5B, 0x8E, 0x4B}, {0xD0, 0xB0, 0x20}};
+
+static iso_triangle_spans spans;
 
 static iso_shading shading(void) {
     return (iso_shading){surface_colors, SURFACES + 1, {250, 245, 240}, false};
@@ -73,14 +77,18 @@ static iso_gbuffer opaque_of(const mixed *m, const iso_view *view) {
 
 /* Draws a strip of the picture. */
 static void draw(const mixed *m, const iso_strip *strip, iso_pool *pool, picture *p) {
-    iso_translucent_shapes sets[SETS];
+    iso_translucent_set sets[SETS];
     iso_exact_layer layers[SURFACES];
     iso_shapes_lister *lister;
     iso_error error = {0};
     const iso_shading shaded = shading();
     for (int i = 0; i < m->count; i++)
-        sets[i] = (iso_translucent_shapes){test_shapes_make(&m->sets[i]), set_colors[i], m->translucency[i],
-                                           &p->drawn[i]};
+        sets[i] = (iso_translucent_set){
+            .shapes = m->has_mesh && i + 1 == m->count ? NULL : test_shapes_make(&m->sets[i]),
+            .mesh = iso_triangle_spans_view(&spans),
+            .color = set_colors[i],
+            .translucency = m->translucency[i],
+            .drawn = &p->drawn[i]};
     for (int i = 0; i < m->surfaces; i++)
         layers[i] =
             (iso_exact_layer){make_exact(m->grid, m->isovalues[i], NULL), surface_colors[i], m->surface};
@@ -90,11 +98,11 @@ static void draw(const mixed *m, const iso_strip *strip, iso_pool *pool, picture
                                     .count = m->surfaces,
                                     .picture = {strip, &shaded, &p->image, p->counts, p->coverage, pool},
                                     .source = &source,
-                                    .middle = iso_translucent_shapes_middle(sets, m->count, strip->view)};
+                                    .middle = iso_translucent_middle(sets, m->count, strip->view)};
     iso_exact_layers_totals totals = {.retraced = 0};
     test_ok(iso_shade_exact_layers(&input, &totals, &error), &error);
     iso_shapes_lister_destroy(lister);
-    for (int i = 0; i < m->count; i++) iso_shapes_destroy((iso_shapes *)sets[i].shapes);
+    for (int i = 0; i < m->count; i++) iso_shapes_destroy((iso_shapes *)sets[i].shapes); /* NULL: a mesh */
     for (int i = 0; i < m->surfaces; i++) iso_exact_destroy((iso_exact *)layers[i].exact);
 }
 
@@ -453,6 +461,74 @@ static void test_bends(void **state) {
     compare_views(&m, lines.lines.origin, AWAY, 20, "bends");
 }
 
+/* ---- meshes */
+
+enum { BOXES = 25, CUTS = 5, BOX_TRIANGLES = 6 * CUTS * CUTS * 2 };
+
+/* Cuts the faces of boxes, the glyphs of make_glyphs, into triangles. */
+static void make_boxes(const iso_glyphs *glyphs) {
+    static float vertices[BOXES * BOX_TRIANGLES * 3][3];
+    static uint32_t triangles[BOXES * BOX_TRIANGLES][3];
+    static const int corner[6][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 0}, {1, 1}, {0, 1}};
+    iso_error error = {0};
+    size_t at = 0;
+    for (size_t i = 0; i < glyphs->count; i++)
+        for (int cell = 0; cell < 6 * CUTS * CUTS; cell++)
+            for (int k = 0; k < 6; k++, at++) {
+                const int face = cell / (CUTS * CUTS), axis = face / 2;
+                double local[3];
+                local[axis] = face % 2 ? 1 : -1;
+                local[(axis + 1) % 3] = 2.0 * (cell % CUTS + corner[k][0]) / CUTS - 1;
+                local[(axis + 2) % 3] = 2.0 * (cell / CUTS % CUTS + corner[k][1]) / CUTS - 1;
+                for (int a = 0; a < 3; a++) {
+                    double p = (double)glyphs->positions[i][a];
+                    for (int j = 0; j < 3; j++) p += local[j] * (double)glyphs->axes[i][3 * j + a];
+                    vertices[at][a] = (float)p;
+                }
+                triangles[at / 3][at % 3] = (uint32_t)at;
+            }
+    const iso_triangles mesh = {vertices, triangles, at, at / 3};
+    iso_triangle_spans_free(&spans);
+    test_ok(iso_triangle_spans_make(&mesh, &spans, &error), &error);
+}
+
+/* Boxes of triangles are the same as those of glyphs, but for samples at their edges: vertices of triangles
+ * are snapped to 1/256 pixel. Each sample has an even number of layers: edges that triangles share count
+ * once. */
+static void test_meshes(void **state) {
+    (void)state;
+    const iso_vec3 origin = {0, 0, 0};
+    iso_glyphs glyphs = make_glyphs(BOXES, 1.2, origin, 11);
+    glyphs.colors = NULL;
+    for (size_t i = 0; i < glyphs.count; i++) /* right angles: smaller ones are shaded smoothly */
+        for (int k = 0; k < 9; k++)
+            if (k % 4) axes[i][k] = 0;
+    make_boxes(&glyphs);
+    for (int parallel = 0; parallel < 2; parallel++) {
+        const iso_view view = test_shapes_view(origin, AWAY, 20, parallel);
+        const mixed boxes = {.sets = {{&glyphs, NULL, {.glyph = ISO_GLYPH_BOX}}},
+                             .translucency = {{.opacity = 0.1f, .constant = true}},
+                             .count = 1};
+        mixed mesh = boxes;
+        mesh.has_mesh = true;
+        picture wanted = picture_of_scene(&boxes, &view, 1, NULL),
+                p = picture_of_scene(&mesh, &view, 1, NULL);
+        const size_t pixels = (size_t)view.width * (size_t)view.height;
+        size_t wrong = 0, odd = 0;
+        for (size_t i = 0; i < pixels; i++) {
+            bool differs = p.counts[i] != wanted.counts[i];
+            for (size_t k = 4 * i; k < 4 * i + 4; k++)
+                differs |= abs(p.image.rgba[k] - wanted.image.rgba[k]) > 1;
+            wrong += differs;
+            odd += (int)p.counts[i] % 2 == 1;
+        }
+        assert_true(p.drawn[0].samples > pixels / 10 && odd == 0);
+        if (wrong > p.drawn[0].samples / 100) fail_msg("%zu of %zu wrong", wrong, p.drawn[0].samples);
+        free_picture(&wanted);
+        free_picture(&p);
+    }
+}
+
 /* ---- together */
 
 /* Three isosurfaces, a thousand tubes, glyphs of which the first layers are drawn, and opaque tubes. */
@@ -505,7 +581,15 @@ static void test_variants(void **state) {
     test_scene scene = test_scene_make("gyroid", 24, NULL, false);
     iso_glyphs glyphs;
     iso_shapes_scene opaque;
-    const mixed m = make_mixed(&scene, &glyphs, &opaque);
+    mixed m = make_mixed(&scene, &glyphs, &opaque);
+    glyphs.count = BOXES;
+    for (size_t i = 0; i < BOXES; i++) /* as vertices are of a mesh, in the world */
+        for (int a = 0; a < 3; a++)
+            positions[i][a] += (float)(a == 0 ? glyphs.origin.x : a == 1 ? glyphs.origin.y : glyphs.origin.z);
+    glyphs.origin = iso_vec3_make(0, 0, 0);
+    make_boxes(&glyphs);
+    m.has_mesh = true;
+    m.translucency[m.count++] = (iso_translucency){.opacity = 0.1f};
     const iso_view view = test_view_make(&scene.grid, TEST_PERSPECTIVE, 300, iso_vec3_make(0.5, 0.7, -0.5));
     picture wanted = picture_of_scene(&m, &view, 2, NULL);
     for (int level = ISO_CPU_GENERIC; level <= (int)iso_cpu_supported(); level++)
@@ -534,9 +618,9 @@ static void test_variants(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_glyphs),      cmocka_unit_test(test_many_pieces), cmocka_unit_test(test_tubes),
-        cmocka_unit_test(test_ribbons),     cmocka_unit_test(test_joints),      cmocka_unit_test(test_bends),
-        cmocka_unit_test(test_isosurfaces), cmocka_unit_test(test_variants),
+        cmocka_unit_test(test_glyphs),  cmocka_unit_test(test_many_pieces), cmocka_unit_test(test_tubes),
+        cmocka_unit_test(test_ribbons), cmocka_unit_test(test_joints),      cmocka_unit_test(test_bends),
+        cmocka_unit_test(test_meshes),  cmocka_unit_test(test_isosurfaces), cmocka_unit_test(test_variants),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
