@@ -46,11 +46,11 @@ iso_status iso_level_set_around(const char *path, const iso_box *box, const iso_
 iso_status iso_level_set_from_mesh(const char *path, const iso_closed_mesh *mesh,
                                    const iso_sampling *sampling, iso_hgrid **grid, iso_error *error);
 
-/* Converts lines to the level set of the tubes around them: rounded cones with the radii of the vertices, or
- * `radius` mm where the lines have none, but with at least ISO_TUBE_VOXELS voxels, so that no tube is lost
- * between voxels; *widened (NULL is fine) gets the number of vertices with smaller ones. Where tubes overlap,
- * distances inside them are too small: iso_field_redistance makes them right. ISO_ERR_EMPTY: there is no
- * usable vertex; errors of iso_level_set_around; ISO_ERR_IO: cancelled. */
+/* Converts lines to the level set of the tubes around them. A tube is a chain of rounded cones with the radii
+ * of the vertices, or `radius` mm if the lines have none. Radii below ISO_TUBE_VOXELS voxels are enlarged to
+ * it, so that no tube is lost between voxels; *widened (may be NULL) receives the number of such vertices.
+ * Where tubes overlap, distances inside them are too small; iso_field_redistance corrects them.
+ * ISO_ERR_EMPTY: no vertex is usable; errors of iso_level_set_around; ISO_ERR_IO: cancelled. */
 #define ISO_TUBE_VOXELS 1.0
 iso_status iso_level_set_from_lines(const char *path, const iso_lines *lines, double radius,
                                     const iso_sampling *sampling, iso_hgrid **grid, size_t *widened,

@@ -14,8 +14,8 @@ static const double BRICK_RADIUS = 12.991;
 enum { SUBBRICK = 4 };
 static const double SUBBRICK_RADIUS = 2.599;
 
-/* A rounded cone in voxels, ready for distances. A segment in which one end's ball holds the other end's is
- * that ball. */
+/* A rounded cone in voxels, prepared for computing distances. If the ball at one end of a segment contains
+ * the ball at the other end, the cone is the larger ball alone. */
 typedef struct rounded_cone {
     double a[3], axis[3]; /* one end; the unit vector to the other one */
     double length, radius;
@@ -50,7 +50,7 @@ static rounded_cone make_cone(const double a[3], double radius_a, const double b
     if (length <= fabs(fall)) {
         for (int k = 0; k < 3; k++) c.a[k] = radius_a >= radius_b ? a[k] : b[k];
         c.radius = fmax(radius_a, radius_b);
-        return c; /* of length 0 */
+        return c; /* a cone of length 0, that is a ball */
     }
     for (int k = 0; k < 3; k++) c.axis[k] /= length;
     c.length = length;
@@ -59,9 +59,9 @@ static rounded_cone make_cone(const double a[3], double radius_a, const double b
     return c;
 }
 
-/* The signed distance from p to the cone's surface. The nearest point of the flank lies in the direction
- * (sine, cosine) from a ball's centre on the axis; before the first and behind the last centre it is a ball.
- */
+/* Returns the signed distance from p to the cone's surface. On the flank, the nearest point lies in the
+ * direction (sine, cosine) from the centre of a ball on the axis; beyond the ends of the axis the surface is
+ * that of the ball at that end. */
 static double distance_to(const rounded_cone *c, const double p[3]) {
     double along = 0, square = 0;
     for (int k = 0; k < 3; k++) {
@@ -110,7 +110,7 @@ static void make_cones(conversion *c, const iso_lines *lines, double radius) {
 
 /* ---- cells */
 
-/* The cells that a cone's band may reach: first and last on each axis. */
+/* Computes the cells that a cone's band may reach: first and last on each axis. */
 static void cells_of(const conversion *c, const rounded_cone *cone, int lo[3], int hi[3]) {
     const double reach = fmax(cone->radius, cone->radius - cone->sine * cone->length) + BAND;
     for (int k = 0; k < 3; k++) {
@@ -146,7 +146,7 @@ static void list_cones(conversion *c) {
     }
 }
 
-/* Lists the cones by cell, and gives the cells that have some bricks. */
+/* Lists the cones by cell, and gives bricks to the cells with cones. */
 static iso_status make_cells(conversion *c, iso_error *error) {
     const size_t cells = iso_hgrid_cell_count(c->grid);
     c->start = iso_alloc_zero(cells + 2, sizeof *c->start);
@@ -156,7 +156,7 @@ static iso_status make_cells(conversion *c, iso_error *error) {
     for (size_t cell = 0; cell < cells; cell++) c->start[cell + 1] += c->start[cell];
     c->items = iso_alloc(c->start[cells] * sizeof *c->items);
     if (!c->items) return iso_fail_memory(error, c->path);
-    list_cones(c); /* moves every start to the next cell's */
+    list_cones(c); /* this moves every start to that of the next cell */
     for (size_t cell = cells; cell > 0; cell--) c->start[cell] = c->start[cell - 1];
     c->start[0] = 0;
     for (size_t cell = 0; cell < cells; cell++) {
@@ -171,8 +171,8 @@ static iso_status make_cells(conversion *c, iso_error *error) {
     return ISO_OK;
 }
 
-/* The cones that may be nearest to a voxel of a cube of SUBBRICK^3 voxels: those whose distance from its
- * centre exceeds the least one by no more than the cube's diameter. Returns the least distance. */
+/* Selects the cones that may be nearest to a voxel of a cube of SUBBRICK^3 voxels: those whose distance from
+ * its centre exceeds the least distance by no more than the cube's diameter. Returns the least distance. */
 static double select_cones(const conversion *c, size_t cell, const double centre[3], uint32_t *selected,
                            size_t *count) {
     double least = INFINITY;
@@ -186,7 +186,8 @@ static double select_cones(const conversion *c, size_t cell, const double centre
     return least;
 }
 
-/* corner: of the cube in the brick; first: the brick's first voxel. */
+/* Writes the distances of a cube of SUBBRICK^3 voxels. corner: the cube's first voxel in the brick; first:
+ * the brick's first voxel in the grid. */
 static void fill_subbrick(const conversion *c, size_t cell, const int first[3], const int corner[3],
                           uint32_t *selected, float *brick) {
     const double middle = (SUBBRICK - 1) / 2.0,
@@ -221,7 +222,7 @@ static void fill_brick(void *context, size_t index, int worker) {
 
 /* ---- conversion */
 
-/* The box of all tubes, and how many of their radii are below ISO_TUBE_VOXELS. */
+/* Returns the bounding box of all tubes; counts the radii below ISO_TUBE_VOXELS. */
 static iso_box tubes_box(const iso_lines *lines, double radius, double voxel, size_t *widened) {
     iso_box box = iso_box_empty();
     *widened = 0;

@@ -68,12 +68,13 @@ iso_status iso_vectors_measure(const iso_vectors *vectors, iso_pool *pool, iso_v
 
 /* ---- interpolation */
 
-/* How far beyond the outermost voxels a position may be: voxels, far above the rounding of a position that
- * was in the world before. */
+/* How far a position may lie beyond the outermost voxels, in voxels: far more than the rounding error of a
+ * position that was converted from world coordinates. */
 static const double TOLERANCE = 1e-6;
 
-/* The voxels around a position on an axis, and how far it is from the lower one; false: outside. The last
- * voxel belongs to the cell before it; on an axis of one voxel both neighbours are that voxel. */
+/* Finds the two voxels around a position on an axis, and the position's distance from the lower one; returns
+ * false outside the grid. A position on the last voxel belongs to the cell before it. On an axis with one
+ * voxel, both are this voxel. */
 static bool split(double position, int size, int voxels[2], double *part) {
     const int last = size - 1;
     if (!(position >= -TOLERANCE && position <= last + TOLERANCE)) return false;

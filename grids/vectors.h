@@ -36,24 +36,23 @@ static inline const float *iso_vectors_at(const iso_vectors *vectors, int x, int
     return vectors->values + index * (size_t)vectors->components;
 }
 
-/* What the voxels hold. */
+/* Statistics of the voxels. */
 typedef struct iso_vectors_totals {
     size_t usable;  /* finite and not 0 */
     size_t zero;    /* every component is 0 */
     size_t missing; /* NaN */
-    double longest; /* greatest length of a vector, or Frobenius norm of a tensor */
+    double longest; /* largest length of a vector, or largest Frobenius norm of a tensor */
 } iso_vectors_totals;
 
 /* Counts the voxels. The same for every number of threads; `pool` may be NULL. ISO_ERR_NOMEM. */
 iso_status iso_vectors_measure(const iso_vectors *vectors, iso_pool *pool, iso_vectors_totals *totals,
                                iso_error *error);
 
-/* The trilinear interpolation of vectors at a position in index coordinates. False outside the box of the
- * voxels' centres, and where one of the voxels around the position is missing. Constant fields are
- * reproduced exactly.
+/* Interpolates vectors trilinearly at a position in index coordinates. Returns false outside the box of the
+ * voxels' centres and where a voxel around the position is missing. A constant field is reproduced exactly.
  *
- * along: NULL, or a direction for vectors without a sign (axes of fibres): each vector around the position is
- * reversed if it points against `along`, so that opposite vectors do not cancel. */
+ * along: NULL, or a direction, for vectors without a sign (axes of fibres): each vector around the position
+ * is reversed if it points against `along`, so that opposite vectors do not cancel. */
 bool iso_vectors_sample(const iso_vectors *vectors, const double index[3], const double *along,
                         double value[3]);
 

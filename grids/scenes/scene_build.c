@@ -8,18 +8,18 @@
 /* Bricks are computed in batches of this size and then stored in the order of their cells, so that their
  * numbers do not depend on threads, and bricks that turn out to be empty take no memory. */
 enum { BATCH = 256 };
-/* Marks a cell that may contain part of the band; differs from all brick numbers and states. */
+/* The state of a cell that may contain part of the band; no brick number or other state has this value. */
 #define UNDECIDED INT32_MIN
 
 typedef struct build {
     const iso_scene_solid *solid;
-    int cells; /* a side */
+    int cells; /* cells along each side */
     int32_t *state;
     const uint32_t *near;
-    float *bricks; /* BATCH of them, or one for each worker when dense */
-    char *scratch; /* one for each worker */
+    float *bricks; /* BATCH bricks; one brick for each worker when the grid is dense */
+    char *scratch; /* working memory, one for each worker */
     size_t stride; /* bytes of one scratch */
-    float *voxels; /* dense */
+    float *voxels; /* the voxels of a dense grid */
 } build;
 
 static void cell_of(const build *b, size_t index, int cell[3]) {

@@ -1,9 +1,10 @@
-/* scene_ct: an artificial CT of a skull, with what makes extraction hard: thin porous bone, partial volume,
- * noise.
+/* scene_ct: an artificial CT of a skull with the properties that make extraction hard: thin porous bone,
+ * partial volume, noise.
  *
- * An ellipsoidal head in the cube [-1, 1]^3: air 8, soft tissue 60, brain 75, bone 190. The skull wall holds
- * gyroid pores (diploe), the lower front gyroid sheets (facial bone). Noise is white, filtered by a binomial
- * [1 2 1]/4 along each axis, similar to that of a scanner's reconstruction kernel. */
+ * An ellipsoidal head in the cube [-1, 1]^3: air 8, soft tissue 60, brain 75, bone 190. The skull wall has
+ * gyroid pores (diploe), and the lower front consists of gyroid sheets (facial bone). The noise is white
+ * noise filtered by a binomial [1 2 1]/4 along each axis, which resembles the reconstruction kernel of a
+ * scanner. */
 #include "base/memory.h"
 #include "base/numbers.h"
 #include "grids/scenes/scene_parts.h"
@@ -11,18 +12,18 @@
 /* The volume is computed in beams of BEAM x BEAM rows, so that the noise for one fits into the cache. */
 enum { BEAM = 16, HALO = BEAM + 2 };
 
-/* Sines of one frequency at the voxels of an axis; the same for all three axes. */
+/* Sines of one frequency at the voxels of an axis; all three axes use the same. */
 typedef struct wave {
     float *sine, *cosine;
 } wave;
 
 typedef struct ct {
-    int size, beams; /* beams along y and z */
-    float noise;     /* factor for unit noise; 0: none */
+    int size, beams; /* number of beams along y, and along z */
+    float noise;     /* factor of the noise; 0: none */
     float edge;      /* half width of a smoothed step, in the units of the cube */
     float pore_edge, sheet_edge;
     wave pores, sheets;
-    float *wobble[3]; /* of the skull wall: a product of three sines */
+    float *wobble[3]; /* deformation of the skull wall: a product of three sines */
     float *scratch;   /* noise_bytes for each worker */
     size_t scratch_floats;
     uint8_t *voxels;
@@ -36,7 +37,7 @@ static uint32_t hash(uint32_t x) {
     return x ^ x >> 16;
 }
 
-/* A row of white noise, uniform in [-1/2, 1/2), smoothed along x. */
+/* Computes a row of white noise, uniform in [-1/2, 1/2), smoothed along x. */
 static void noise_row(int size, int y, int z, float *raw, float *out) {
     uint32_t row = hash((uint32_t)y * 19349663U ^ hash((uint32_t)z * 83492791U));
     for (int x = 0; x < size; x++) {
@@ -52,8 +53,8 @@ static void smooth_rows(int size, const float *a, const float *b, const float *c
     for (int x = 0; x < size; x++) out[x] = 0.25f * a[x] + 0.5f * b[x] + 0.25f * c[x];
 }
 
-/* Noise smoothed along x and y for rows y0 .. y0 + BEAM - 1 of slices z0 - 1 .. z0 + BEAM: row j of slice k
- * at (k * BEAM + j) * size. Beyond the border the last slice or row is repeated. */
+/* Computes noise smoothed along x and y for rows y0 .. y0 + BEAM - 1 of slices z0 - 1 .. z0 + BEAM; row j of
+ * slice k is at (k * BEAM + j) * size. Beyond the border the last slice or row is repeated. */
 static float *noise_beam(const ct *scene, int y0, int z0, float *scratch) {
     int n = scene->size;
     float *raw = scratch, *slice = raw + n + 2, *smooth = slice + (size_t)HALO * (size_t)n;
@@ -83,8 +84,8 @@ static inline float position(const ct *scene, int i) {
     return 2 * ((float)i + 0.5f) / (float)scene->size - 1;
 }
 
-/* The amount of bone of the facial sheets, where `mask` (how far a voxel belongs to the lower front) is not
- * 0. */
+/* Returns the amount of bone in the facial sheets at a voxel, where `mask` (0 .. 1: how far the voxel belongs
+ * to the lower front) is not 0. */
 static float sheets_at(const ct *scene, float mask, int x, int y, int z) {
     float g = fabsf(gyroid(&scene->sheets, x, y, z));
     return mask * (1 - smooth_step(0.25f, scene->sheet_edge, g));
@@ -104,8 +105,8 @@ static float bone_at(const ct *scene, float r, float outer, float inner, const i
 }
 
 typedef struct ct_row {
-    float squares; /* y and z parts of r^2, 1 at the skin */
-    float wobble;  /* y and z parts */
+    float squares; /* the y and z terms of r^2, which is 1 at the skin */
+    float wobble;  /* product of the y and z sines */
     float front;   /* 0 .. 1: how far the row belongs to the lower front */
 } ct_row;
 
@@ -157,7 +158,7 @@ static void ct_beam(void *context, size_t index, int worker) {
         }
 }
 
-/* Sets `size` sines, and cosines unless that is NULL, of rate * position + phase. */
+/* Writes `size` sines of rate * position + phase, and cosines unless their pointer is NULL. */
 static void fill_wave(int size, double rate, double phase, float *sine, float *cosine) {
     for (int i = 0; i < size; i++) {
         double s, c;

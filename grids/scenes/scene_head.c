@@ -12,7 +12,7 @@
 #include "base/memory.h"
 #include "grids/scenes/scene_parts.h"
 
-/* A brick is computed in a window that reaches REACH voxels beyond it: the band and one edge. */
+/* A brick is computed in a window that extends REACH voxels beyond it: 3 for the band and 1 for an edge. */
 enum { REACH = 4, WINDOW = ISO_BRICK + 2 * REACH, BLOCK = 4 };
 enum { WINDOW_VOXELS = WINDOW * WINDOW * WINDOW, SAMPLES = 3 * WINDOW * WINDOW * (WINDOW - 1) };
 enum { STEPS = 4, BALLS = 9 };
@@ -23,22 +23,23 @@ static const double balls[BALLS][4] = {
     {0, -0.42, -0.55, 0.22},   {0.34, -0.12, -0.15, 0.26}, {-0.34, -0.12, -0.15, 0.26},
     {0.62, 0.05, -0.05, 0.13}, {-0.62, 0.05, -0.05, 0.13}, {0, 0.05, -0.75, 0.24},
 };
-static const double lift = 0.07;       /* of the whole head, along z */
-static const double softness = 0.12;   /* width of the union's seams */
-static const double frequency = 70;    /* of the relief */
-static const double amplitude = 0.012; /* of the relief: its gyroid is within +-1.5 ... */
+static const double lift = 0.07;       /* offset of the whole head along z */
+static const double softness = 0.12;   /* width of the transitions in the smooth union */
+static const double frequency = 70;    /* frequency of the relief */
+static const double amplitude = 0.012; /* amplitude of the relief; its gyroid is in -1.5 .. 1.5 */
 static const double relief = 0.012 * 1.5;
-/* ... and its gradient within sqrt(3), by Cauchy and Schwarz; the balls' union has a gradient within 1. */
+/* a bound of the field's gradient: that of the union of balls is at most 1, and that of the gyroid at most
+ * sqrt(3) */
 static const double lipschitz = 1 + 0.012 * 70 * 1.7320508075688774;
 
 typedef struct head {
     int size;
-    double voxel;   /* in the cube */
+    double voxel;   /* size of a voxel in the cube [-1, 1]^3 */
     double *sines;  /* of frequency * coordinate; (sine, cosine) for voxels -REACH and up */
     double *lifted; /* the same for z */
 } head;
 
-/* The balls that can matter near a brick. */
+/* The balls that can affect the field near a brick. */
 typedef struct choice {
     int count, ball[BALLS];
 } choice;
@@ -67,8 +68,8 @@ static double ball_distance(int ball, iso_vec3 p) {
     return sqrt(x * x + y * y + z * z) - b[3];
 }
 
-/* Smooth minimum of two distances: the quadratic blend, which is the minimum when they differ by more than
- * the softness. */
+/* Returns the smooth minimum of two distances: a quadratic blend, which equals the minimum where they differ
+ * by more than `softness`. */
 static double unite(double a, double b) {
     double apart = fabs(a - b), least = a < b ? a : b;
     if (apart >= softness) return least;
@@ -93,7 +94,8 @@ static field balls_field(const choice *c, iso_vec3 p) {
         if (i == 0 || (apart >= softness && ball.value < united.value)) {
             united = ball;
         } else if (apart < softness) {
-            double share = (softness - apart) / softness * 0.5; /* of the farther one */
+            double share = (softness - apart) / softness * 0.5; /* weight of the gradient of the ball that is
+                                                                   farther away */
             if (ball.value < united.value) share = 1 - share;
             united.gradient = iso_vec3_add(iso_vec3_scale(united.gradient, 1 - share),
                                            iso_vec3_scale(ball.gradient, share));
@@ -121,7 +123,7 @@ static inline void quick_sincos(double angle, double *sine, double *cosine) {
     *cosine = (quadrant + 1) & 2 ? -swapped_c : swapped_c;
 }
 
-/* The field at a position in voxels. */
+/* Returns the field at a position in voxels. */
 static field field_at(const head *h, const choice *c, iso_vec3 voxel) {
     iso_vec3 p = iso_vec3_make(coordinate(h, voxel.x), coordinate(h, voxel.y), coordinate(h, voxel.z) - lift);
     double sx, cx, sy, cy, sz, cz;
@@ -137,7 +139,7 @@ static field field_at(const head *h, const choice *c, iso_vec3 voxel) {
     return f;
 }
 
-/* The value of the field at a voxel, without the gradient, from tables. */
+/* Returns the value of the field at a voxel, computed from tables, without the gradient. */
 static double value_at(const head *h, const choice *c, const int v[3]) {
     const double *x = h->sines + 2 * (v[0] + REACH), *y = h->sines + 2 * (v[1] + REACH);
     const double *z = h->lifted + 2 * (v[2] + REACH);
@@ -145,8 +147,8 @@ static double value_at(const head *h, const choice *c, const int v[3]) {
     return (balls_value(c, p) + amplitude * (x[0] * y[1] + y[0] * z[1] + z[0] * x[1])) / h->voxel;
 }
 
-/* The balls that affect the united value somewhere within `radius` of p. Within this radius each distance
- * changes by at most the radius, so that differences of distances change by at most twice the radius. */
+/* Chooses the balls that affect the field somewhere within `radius` of p. Within this radius each distance
+ * changes by at most the radius, so differences of distances change by at most twice the radius. */
 static choice choose_balls(iso_vec3 p, double radius) {
     choice c = {.count = 1};
     double value = ball_distance(0, p), margin = softness + 2 * radius;
@@ -166,9 +168,11 @@ static choice all_balls(void) {
     return c;
 }
 
-/* Whether the field has no zero within `voxels` voxels of a position where it has this value (in voxels). */
+/* Returns whether the field certainly has no zero within `voxels` voxels of a position where it has this
+ * value (in voxels). */
 static int no_zero(const head *h, double value, double voxels) {
-    double without_relief = fabs(value) - 2 * relief / h->voxel; /* relief at the position, and at the zero */
+    double without_relief = fabs(value) - 2 * relief / h->voxel; /* the relief can change the value both here
+                                                                    and at the zero */
     return fabs(value) > lipschitz * voxels || without_relief > voxels;
 }
 
@@ -227,7 +231,7 @@ static void add_sample(const head *h, const choice *c, const int corner[3], scra
     sample[2] = crossing[2] - (float)(step * f.gradient.z);
 }
 
-/* Samples of the surface on every edge of the window that crosses it. */
+/* Samples the surface on every edge of the window that it crosses. */
 static void sample_edges(const head *h, const choice *c, const int corner[3], scratch *s) {
     s->count = 0;
     for (int z = 0; z < WINDOW; z++)
@@ -270,8 +274,8 @@ static void scatter(scratch *s, int index) {
         }
 }
 
-/* The distance from x to the surface, by moving along the surface from the sample y towards the foot point
- * (all in voxels). */
+/* Returns the distance from x to the surface: moves along the surface from the sample y towards the foot
+ * point (all in voxels). */
 static double walk(const head *h, const choice *c, iso_vec3 x, iso_vec3 y) {
     field f = field_at(h, c, y);
     double best = iso_vec3_length(iso_vec3_sub(x, y)), scale = 1;

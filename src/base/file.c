@@ -123,8 +123,8 @@ iso_status iso_sink_check(const char *path, iso_error *error) {
     return ISO_OK;
 }
 
-/* The text of a symbolic link, to be released with free(); NULL when `path` is not a link, or without memory.
- */
+/* Returns the text of a symbolic link, to be released with free(); NULL if `path` is not a link or if there
+ * is no memory. */
 static char *read_link(const char *path) {
     char text[4096];
     ssize_t length = readlink(path, text, sizeof text);

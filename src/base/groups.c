@@ -7,17 +7,17 @@
 
 #include "base/point_cells.h"
 
-/* The number of points that have no group yet is counted as well. */
+/* Counts are kept by group, and by NO_GROUP for points that have no group yet. */
 enum {
     NO_GROUP = ISO_GROUPS_MOST,
     COUNTS,
     RANGES = ISO_CELL_ROWS * ISO_CELL_LEVELS,
-    /* Points around a point that are looked at, at most: many more than there are groups. Only where very
-     * many discs lie on top of each other are there more. */
+    /* The largest number of neighbours of a point that are examined. It is much larger than the number of
+     * groups; only where very many discs lie on top of each other are there more neighbours. */
     LOOKED_AT = 4096
 };
 
-/* What one block of cells adds to the counts of iso_groups. */
+/* The share of one block of cells in the counts of iso_groups. */
 typedef struct tally {
     size_t conflicts, joined;
     int count;
@@ -34,7 +34,7 @@ typedef struct colouring {
     bool ignore_opposite, by_number;
 } colouring;
 
-/* The points around a cell, in its own level and all coarser ones. */
+/* The points in the cells around a cell: of its own level and of all coarser levels. */
 typedef struct surroundings {
     iso_cell_range range[RANGES];
     int count;
@@ -70,8 +70,8 @@ static bool do_overlap(const iso_cell_point *a, const iso_cell_point *b) {
     return squared_distance(a, b) < reach * reach;
 }
 
-/* How much two discs overlap: 0 when they do not, up to 1001 when they are in one place. (Squares and fourth
- * powers do as well as the cube.) */
+/* Returns how much two discs overlap: 0 when they do not, up to 1001 when they are in the same place. (A
+ * square or a fourth power works as well as the cube.) */
 static uint32_t overlap_of(const iso_cell_point *a, const iso_cell_point *b) {
     const float reach = a->reach + b->reach, part = 1 - squared_distance(a, b) / (reach * reach);
     return part > 0 ? (uint32_t)(1 + 1000 * part * part * part) : 0;
@@ -84,7 +84,7 @@ static void count_range(const colouring *c, iso_cell_range range, const iso_cell
     for (uint32_t i = range.first; i < range.end; i++) conflicts[c->group[i]] += do_overlap(at, &points[i]);
 }
 
-/* The same without points whose normals are opposite. */
+/* As count_range, but ignores points whose normals are opposite to that of point `at`. */
 static void count_alike(const colouring *c, iso_cell_range range, const iso_cell_point *at,
                         uint32_t conflicts[COUNTS]) {
     const iso_cell_point *points = c->cells->points.data;
@@ -93,7 +93,7 @@ static void count_alike(const colouring *c, iso_cell_range range, const iso_cell
             do_overlap(at, &points[i]) && !are_opposite(c->view, at->index, points[i].index);
 }
 
-/* The first points of a range. */
+/* Returns the first `most` points of a range. */
 static iso_cell_range limited(iso_cell_range range, uint32_t most) {
     return (iso_cell_range){range.first, range.end - range.first > most ? range.first + most : range.end};
 }
@@ -115,7 +115,7 @@ static void weigh_conflicts(const colouring *c, const surroundings *around, cons
     }
 }
 
-/* The first group with the fewest conflicts, or the least weight of them. */
+/* Returns the first group with the fewest conflicts, or with the least weight of conflicts. */
 static int best_group(const uint32_t conflicts[ISO_GROUPS_MOST], int limit) {
     int best = 0;
     for (int k = 1; k < limit && conflicts[best]; k++)
@@ -165,7 +165,7 @@ static void colour_all(colouring *c, iso_pool *pool) {
     }
 }
 
-/* Adds up the blocks' tallies, and orders the groups as the view's arrays. */
+/* Adds up the tallies of the blocks, and writes the groups in the order of the view's arrays. */
 static void collect(const colouring *c, iso_groups *groups) {
     const iso_cell_point *points = c->cells->points.data;
     for (size_t i = 0; i < c->cells->start[ISO_CELL_LEVELS * ISO_CELL_PARITIES]; i++) {

@@ -14,7 +14,7 @@ static void store(iso_vec3 v, float to[3]) {
     to[0] = (float)v.x, to[1] = (float)v.y, to[2] = (float)v.z;
 }
 
-/* Unit, or 0 where the vector has no length or is not finite. */
+/* Returns v with unit length, or 0 if its length is 0 or not finite. */
 static iso_vec3 unit_or_zero(iso_vec3 v) {
     const double length = iso_vec3_length(v);
     return length > 0 && isfinite(length) ? iso_vec3_scale(v, 1 / length) : iso_vec3_make(0, 0, 0);
@@ -26,7 +26,8 @@ static bool is_zero(iso_vec3 v) {
 
 /* ---- tangents */
 
-/* Backwards: the direction of the first segment from each vertex on that has one. */
+/* Goes backwards along a line and stores at each vertex the direction of the first segment after it that has
+ * a length. */
 static void store_directions_after(const iso_lines *lines, size_t line, float *tangents, size_t stride) {
     iso_vec3 after = iso_vec3_make(0, 0, 0);
     for (size_t i = lines->starts[line + 1]; i-- > lines->starts[line];) {
@@ -39,7 +40,8 @@ static void store_directions_after(const iso_lines *lines, size_t line, float *t
     }
 }
 
-/* Forwards: the bisector with the direction before. A line that turns back keeps the direction before. */
+/* Goes forwards along a line and stores at each vertex the bisector of this direction and the one before.
+ * Where the line turns back by 180 degrees, the direction before is kept. */
 static void store_bisectors(const iso_lines *lines, size_t line, float *tangents, size_t stride) {
     iso_vec3 before = iso_vec3_make(0, 0, 0);
     for (size_t i = lines->starts[line]; i < lines->starts[line + 1]; i++) {
@@ -61,7 +63,7 @@ void iso_lines_tangents(const iso_lines *lines, float *tangents, size_t stride) 
 
 /* ---- normals */
 
-/* A unit vector perpendicular to a tangent. */
+/* Returns a unit vector perpendicular to a tangent. */
 static iso_vec3 across(iso_vec3 tangent) {
     const double x = fabs(tangent.x), y = fabs(tangent.y), z = fabs(tangent.z);
     const iso_vec3 least =
@@ -69,19 +71,19 @@ static iso_vec3 across(iso_vec3 tangent) {
     return unit_or_zero(iso_vec3_cross(tangent, least));
 }
 
-/* Mirrors a vector in the plane perpendicular to `axis`; without an axis it stays. */
+/* Mirrors a vector at the plane perpendicular to `axis`; returns it unchanged if `axis` is 0. */
 static iso_vec3 mirror(iso_vec3 v, iso_vec3 axis) {
     const double square = iso_vec3_dot(axis, axis);
     if (!(square > 0)) return v;
     return iso_vec3_sub(v, iso_vec3_scale(axis, 2 * iso_vec3_dot(axis, v) / square));
 }
 
-/* The normal at the next vertex, from the frame at this one: two reflections take one tangent to the other.
- */
+/* Returns the normal at the next vertex: applies the two reflections that map the tangent at this vertex to
+ * the next one. */
 static iso_vec3 next_normal(iso_vec3 normal, iso_vec3 tangent, iso_vec3 path, iso_vec3 next_tangent) {
     const iso_vec3 turned = mirror(normal, path), tangent_turned = mirror(tangent, path);
     const iso_vec3 next = mirror(turned, iso_vec3_sub(next_tangent, tangent_turned));
-    /* rounding adds up along a line of many vertices */
+    /* removes the rounding errors that add up along a line of many vertices */
     return unit_or_zero(iso_vec3_sub(next, iso_vec3_scale(next_tangent, iso_vec3_dot(next, next_tangent))));
 }
 

@@ -19,7 +19,7 @@ enum {
     ANCHOR_CELLS = 2 << BLOCK_SHIFT
 };
 
-/* What places points in cells. */
+/* What determines the cell of a point. */
 typedef struct placing {
     const iso_point_view *view;
     iso_affine affine;
@@ -31,7 +31,7 @@ typedef struct placing {
     int finest;                /* level */
 } placing;
 
-/* A point that is to be sorted. */
+/* A point to be sorted. */
 typedef struct record {
     uint64_t key;
     uint32_t span, index;
@@ -70,7 +70,7 @@ static int parity_of(uint64_t block) {
     return (int)((block & 1) | (block >> BLOCK_BITS & 1) << 1 | (block >> 2 * BLOCK_BITS & 1) << 2);
 }
 
-/* The finest level whose cells are at least twice as large as a reach. */
+/* Returns the finest level whose cells are at least twice as large as a reach. */
 static int level_of(const placing *p, double reach) {
     int level = 0;
     for (double size = p->largest / 2; level < p->finest && size >= 2 * reach; size /= 2) level++;
@@ -88,8 +88,8 @@ static void choose_sizes(placing *p, double most_reach) {
     for (p->finest = 0; p->finest < ISO_CELL_LEVELS - 1 && 2 * cells < most; p->finest++) cells *= 2;
 }
 
-/* Shrinks lo .. hi to where nearly all of some points of the view are, and once more around that, so that
- * a few points far away do not make all cells large. */
+/* Shrinks lo .. hi to the range of nearly all points of a sample of the view, extended by its own width on
+ * both sides, so that a few points far away do not make all cells large. */
 static void leave_outliers(placing *p, size_t count) {
     enum { SAMPLES = 1024, CUT = SAMPLES / 64 };
     double sample[3][SAMPLES], at[3];
@@ -111,7 +111,7 @@ static void leave_outliers(placing *p, size_t count) {
     }
 }
 
-/* Sets up the cells for a view; returns the number of its points that take part. */
+/* Sets up the cells for a view; returns the number of its points that are not left out. */
 static size_t measure(placing *p) {
     double *lo = p->lo, *hi = p->hi, most = 0, least = INFINITY;
     size_t count = 0;
@@ -165,7 +165,8 @@ static void make_records(const placing *p, record *records) {
 
 /* ---- sorting */
 
-/* One pass of the sort, by one byte of the keys; false when all have the same byte: nothing was moved. */
+/* Sorts by one byte of the keys; returns false without moving anything if the byte is the same in all
+ * keys. */
 static bool sort_by_byte(const record *from, record *to, size_t count, int byte) {
     size_t start[257] = {0};
     for (size_t i = 0; i < count; i++) start[(from[i].key >> 8 * byte & 255) + 1]++;
@@ -215,12 +216,12 @@ static void fill_cells(iso_point_cells *cells, const record *records) {
     to[count] = (iso_point_cell){UINT64_MAX, (uint32_t)cells->point_count};
 }
 
-/* Where in the list of blocks those of a block's level and parity are. */
+/* Returns the number of the list for blocks of this block's level and parity. */
 static size_t list_of(uint64_t block) {
     return (size_t)(block >> (LEVEL_BIT - CELL_BITS)) * ISO_CELL_PARITIES + (size_t)parity_of(block);
 }
 
-/* The block of cells first, ..; all of them have the same block in their keys. */
+/* Makes the block of the cells from `first` on that have the same block in their keys. */
 static iso_cell_block make_block(const iso_point_cell *cell, uint32_t first) {
     iso_cell_block block = {.key = cell[first].key >> CELL_BITS, .first = first, .end = first};
     for (; cell[block.end].key >> CELL_BITS == block.key; block.end++) {
@@ -308,7 +309,7 @@ int iso_point_cells_level(const iso_point_cells *cells, uint32_t cell) {
     return (int)(((const iso_point_cell *)cells->cells.data)[cell].key >> LEVEL_BIT);
 }
 
-/* The block with this key; NULL: it has no points. */
+/* Returns the block with this key; NULL: no point is in it. */
 static const iso_cell_block *find_block(const iso_point_cells *cells, uint64_t key) {
     const iso_cell_block *blocks = cells->blocks.data;
     const uint32_t *table = cells->table.data;

@@ -71,7 +71,8 @@ ISO_POINT_INLINE void iso_point_fold_normal(float x, float y, float z, float par
     part[1] = z < 0 ? v : y;
 }
 
-/* Joins a point from the quantisation steps of its coordinates and of the two numbers of its normal. */
+/* Assembles a packed point from the quantisation steps of its coordinates and of the two numbers of its
+ * normal. */
 ISO_POINT_INLINE iso_point iso_point_join(uint32_t x, uint32_t y, uint32_t z, uint32_t u, uint32_t v) {
     const uint32_t low = x | y << ISO_POINT_COORDINATE_BITS | z << 2 * ISO_POINT_COORDINATE_BITS,
                    high = z >> (32 - 2 * ISO_POINT_COORDINATE_BITS) | u << ISO_POINT_NORMAL_BIT |

@@ -29,7 +29,7 @@ iso_progress iso_progress_part(const iso_progress *whole, double from, double to
 iso_status iso_progress_tell(const iso_progress *progress, const char *name, double fraction,
                              iso_error *error);
 
-/* Whether the caller cancels the operation: calls the caller's function with the fraction -1. */
+/* Returns whether the operation is to be cancelled: asks the caller's function, with the fraction -1. */
 bool iso_progress_cancelled(const iso_progress *progress);
 
 #ifdef __cplusplus

@@ -198,8 +198,8 @@ ISO_TARGET_AVX512 static inline uint32_t v_mask_avx512(vm_avx512 mask) {
 ISO_TARGET_AVX512 static inline vm_avx512 v_from_mask_avx512(uint32_t mask) {
     return (vm_avx512)mask;
 }
-/* Compresses in a register and stores all of it, which on Zen 4 is many times faster than a compressing
- * store. */
+/* Compresses in a register and stores the whole register. On Zen 4 this is many times faster than the
+ * instruction that compresses while storing. */
 ISO_TARGET_AVX512 static inline void v_compressi_avx512(int32_t *to, vm_avx512 mask, vi_avx512 value) {
     _mm512_storeu_si512(to, _mm512_maskz_compress_epi32(mask, (__m512i)value));
 }

@@ -38,7 +38,7 @@ typedef struct unit {
     int length; /* of text; 0 at the end of the string */
 } unit;
 
-/* The next unit of *text, which is advanced. */
+/* Returns the next unit of *text and advances *text behind it. */
 static unit next_unit(const char **text) {
     const char *at = *text;
     unit u = {{0}, 0};

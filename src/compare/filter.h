@@ -22,8 +22,8 @@ typedef struct iso_kernel {
     float taps[2 * ISO_KERNEL_RADIUS + 1];
 } iso_kernel;
 
-/* The kernel exp(-x^2 / (2 sigma^2)) at whole x from -radius to radius, scaled so that the taps' sum is
- * `sum`. */
+/* Makes the kernel exp(-x^2 / (2 sigma^2)) at integer x from -radius to radius, scaled so that its taps add
+ * up to `sum`. */
 iso_kernel iso_kernel_gaussian(double sigma, int radius, double sum);
 
 /* out[y][x] = sum of taps[radius + k] * in[y][x + k] for `rows` rows of `width`, columns replicated beyond

@@ -141,8 +141,8 @@ static void set_features(flip *f, double pixels_per_degree) {
 /* One worker's image planes for a band of rows. Planes marked "tall" also have the rows above and below the
  * band that the filters read. */
 typedef struct planes {
-    float *opponent[3], *along, *padded;      /* tall */
-    float *seen[2][3], *feature[2][2], *part; /* of the band's rows */
+    float *opponent[3], *along, *padded;      /* with the rows above and below the band */
+    float *seen[2][3], *feature[2][2], *part; /* with the band's rows only */
 } planes;
 
 static int tall_rows(const flip *f) {
@@ -233,7 +233,7 @@ static void detect_features(const flip *f, int side, int rows, const planes *p) 
     }
 }
 
-/* Eq. 4: maps a colour difference to 0 .. 1, of which differences up to p_c of the largest get the part up to
+/* Eq. 4: maps a colour difference to 0 .. 1. Differences up to p_c times the largest one are mapped to 0 ..
  * p_t. */
 static float redistribute(const flip *f, float difference) {
     float power = powf(difference, (float)COLOR_EXPONENT);
@@ -241,7 +241,7 @@ static float redistribute(const flip *f, float difference) {
     return power < cut ? value / cut * power : value + (power - cut) / (f->color_max - cut) * (1 - value);
 }
 
-/* The difference of pixel i (eq. 7). */
+/* Returns the difference of pixel i (eq. 7). */
 static float difference_at(const flip *f, const planes *p, size_t i) {
     const float a[3] = {p->seen[0][0][i], p->seen[0][1][i], p->seen[0][2][i]};
     const float b[3] = {p->seen[1][0][i], p->seen[1][1][i], p->seen[1][2][i]};

@@ -77,7 +77,8 @@ typedef struct color_sums {
 typedef struct work {
     size_t count;
     int size[2];
-    uint8_t *mask[2], *inside, *off, *rgb[2]; /* off: known to differ by silhouette or depth */
+    uint8_t *mask[2], *inside, *off, *rgb[2]; /* `inside`: union of the silhouettes, widened; `off`: pixels
+                                                 whose silhouette or depth differs */
 } work;
 
 static color_sums add_colors(const work *w) {
@@ -203,8 +204,8 @@ static iso_status compare_colors(work *w, const iso_compare_picture *const pictu
     return iso_flip(w->rgb[0], w->rgb[1], w->size, &flip, &metrics->flip, error);
 }
 
-/* The angle between two normals in degrees; NaN when one is zero. By the arc tangent, which is precise for
- * small angles, where the arc cosine of a product of floats has errors of 0.02 degrees. */
+/* Returns the angle between two normals in degrees; NaN when one is zero. It is computed by the arc tangent,
+ * which is precise for small angles; the arc cosine of a product of floats has errors of 0.02 degrees. */
 static double angle(const iso_compare_picture *a, const iso_compare_picture *b, size_t i) {
     iso_vec3 m = iso_vec3_make(a->normal[0][i], a->normal[1][i], a->normal[2][i]);
     iso_vec3 n = iso_vec3_make(b->normal[0][i], b->normal[1][i], b->normal[2][i]);

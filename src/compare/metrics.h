@@ -1,7 +1,7 @@
-/* metrics: how far a picture is from the truth.
+/* metrics: measures how much a picture differs from the true picture (truth).
  *
- * Two pictures of the same size: the truth and a candidate. Each has colours, float channels (depth, normal,
- * coverage), or both; a metric whose inputs are missing is NaN. */
+ * Both pictures have the same size, and have colours, float channels (depth, normal, coverage), or both. A
+ * metric whose inputs are missing is NaN. */
 #ifndef ISO_COMPARE_METRICS_H
 #define ISO_COMPARE_METRICS_H
 
@@ -18,14 +18,15 @@
 extern "C" {
 #endif
 
-/* Planes of width * height, borrowed; NULL: not known. At least one of rgba and coverage must be there. */
+/* A picture as planes of width * height, borrowed; NULL: not known. At least one of rgba and coverage must be
+ * set. */
 typedef struct iso_compare_picture {
     int width, height;
     const uint8_t *rgba;    /* straight alpha; display values (sRGB) */
-    const float *color;     /* three unrounded display values 0 .. 255 a pixel; PSNR is computed from these
-                               instead     of rgba when both pictures have them */
-    const float *depth;     /* view z, mm; read where both pictures are covered; not finite: unknown */
-    const float *normal[3]; /* read where depth is; any length; zero or not finite: unknown */
+    const float *color;     /* three unrounded display values 0 .. 255 for each pixel; used for PSNR instead
+                               of rgba if both pictures have them */
+    const float *depth;     /* view z, mm; read only where both pictures are covered; not finite: unknown */
+    const float *normal[3]; /* read where depth is read; of any length; zero or not finite: unknown */
     const float *coverage;  /* 0 .. 1 */
 } iso_compare_picture;
 
@@ -37,7 +38,7 @@ typedef struct iso_compare_opts {
     double voxel;             /* size of a voxel in mm; 0: unknown, no depth errors in voxels */
     double pixels_per_voxel;  /* 0: unknown, no dilations in voxels */
     double pixels_per_degree; /* for FLIP; 0: ISO_FLIP_PIXELS_PER_DEGREE */
-    float *flip_map;          /* width * height, set when both pictures have colours; or NULL */
+    float *flip_map;          /* width * height floats, set when both pictures have colours; or NULL */
     iso_pool *pool;
 } iso_compare_opts;
 
@@ -100,12 +101,12 @@ typedef struct iso_metric {
 const iso_metric *iso_metric_list(size_t *count);
 const iso_metric *iso_metric_find(const char *name); /* NULL: there is none */
 double iso_metric_value(const iso_metric *metric, const iso_metrics *metrics);
-/* Whether a value stands for infinity: the PSNR of equal pictures, 138.1 dB, which is finite so that means
- * over several pictures are. */
+/* Returns whether a value stands for infinity. This is the PSNR of equal pictures, for which 138.1 dB is
+ * stored, so that means over several pictures stay finite. */
 bool iso_metric_is_infinite(const iso_metric *metric, double value);
 
-/* Whether a value is worse than a bound: smaller where larger is better, else larger; of mean dilations the
- * magnitude counts. An unknown value is worse than any bound. */
+/* Returns whether a value is worse than a bound: below it for metrics whose larger values are better, else
+ * above it. Mean dilations are compared by magnitude. An unknown value is worse than any bound. */
 bool iso_metric_is_worse(const iso_metric *metric, double value, double bound);
 
 #ifdef __cplusplus

@@ -35,7 +35,7 @@ void iso_silhouette_from_background(const uint8_t *rgba, size_t count, iso_rgb b
  * `count` entries that are `step` apart. */
 static void spread_line(const uint8_t *mask, uint8_t value, int count, size_t step, int radius,
                         uint8_t *out) {
-    int last = -1 - radius; /* of the entries up to i + radius, the last one that is `value` */
+    int last = -1 - radius; /* the last entry up to i + radius that is `value` */
     for (int i = 0; i < radius && i < count; i++)
         if (mask[(size_t)i * step] == value) last = i;
     for (int i = 0; i < count; i++) {
@@ -72,8 +72,8 @@ iso_status iso_silhouette_erode(const uint8_t *mask, const int size[2], int radi
 
 /* ---- distances ---- */
 
-/* The distance of each pixel to the nearest set pixel of its column, in rows; 1e6 where the column has none.
- */
+/* Computes for each pixel the distance in rows to the nearest set pixel of its column; 1e6 if the column has
+ * none. */
 static void column_distances(const uint8_t *mask, const int size[2], float *rows) {
     size_t width = (size_t)size[0];
     const float far = 1e6f;
@@ -94,11 +94,11 @@ static void column_distances(const uint8_t *mask, const int size[2], float *rows
 /* The lower envelope of parabolas along a row. */
 typedef struct envelope {
     int *center;   /* column of each parabola, from left to right */
-    double *start; /* x from which on each is the lowest */
+    double *start; /* x where each parabola begins to be the lowest */
 } envelope;
 
-/* The largest squared distance from a pixel of a row to the nearest set pixel of the picture, among the
- * pixels that are in `wanted` and not in `mask`. rows: the row of column_distances. */
+/* Returns the largest squared distance from a pixel of a row to the nearest set pixel of the picture, among
+ * the pixels of the row that are in `wanted` and not in `mask`. rows: this row of column_distances. */
 static double row_farthest(const float *rows, int width, const uint8_t *wanted, const uint8_t *mask,
                            const envelope *e) {
     int count = 0;
@@ -123,7 +123,7 @@ static double row_farthest(const float *rows, int width, const uint8_t *wanted, 
     return farthest;
 }
 
-/* The largest distance of a pixel of `candidate` from `truth`, which must not be empty. */
+/* Computes the largest distance of a pixel of `candidate` from `truth`, which must not be empty. */
 static iso_status farthest_extra(const uint8_t *truth, const uint8_t *candidate, const int size[2],
                                  double *distance, iso_error *error) {
     size_t width = (size_t)size[0], count = width * (size_t)size[1];

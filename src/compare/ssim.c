@@ -10,15 +10,14 @@ enum { RADIUS = ISO_SSIM_WINDOW / 2, TALL = ISO_COMPARE_BAND + 2 * RADIUS, MOMEN
 
 typedef struct ssim {
     const uint8_t *picture[2];
-    int width, rows; /* rows that have a whole window */
+    int width, rows; /* size of the part of the picture in which windows lie wholly inside */
     iso_kernel window;
     float *scratch; /* per worker */
     size_t scratch_floats;
     double *sums; /* per band */
 } ssim;
 
-/* Subtracted from all values: variances do not change, and floats represent them more precisely around zero.
- */
+/* Subtracted from all values. This does not change variances, and floats are more precise around zero. */
 static const float MIDDLE = 128;
 
 static void luma(const uint8_t *rgb, size_t count, float *out) {
@@ -26,8 +25,8 @@ static void luma(const uint8_t *rgb, size_t count, float *out) {
         out[i] = 0.299f * rgb[3 * i] + 0.587f * rgb[3 * i + 1] + 0.114f * rgb[3 * i + 2] - MIDDLE;
 }
 
-/* The weighted means of a, b, aa, bb and ab over windows: `rows` rows of each from rows + 2 * RADIUS rows of
- * a and b. */
+/* Computes the weighted means of a, b, aa, bb and ab over windows: `rows` rows of each from rows + 2 * RADIUS
+ * rows of a and b. */
 static void moments(const ssim *s, float *scratch, int rows, float *out[MOMENTS]) {
     enum { ALONE = 2 };
     static const int factors[MOMENTS][2] = {{0, ALONE}, {1, ALONE}, {0, 0}, {1, 1}, {0, 1}};
@@ -45,8 +44,8 @@ static void moments(const ssim *s, float *scratch, int rows, float *out[MOMENTS]
     }
 }
 
-/* The sum of SSIM over a row of windows. Where a and b are equal, numerator and denominator are equal to the
- * last bit. */
+/* Returns the sum of SSIM over a row of windows. Where a and b are equal, numerator and denominator are equal
+ * to the last bit. */
 static double sum_row(float *const mean[MOMENTS], size_t first, size_t end) {
     const float c1 = (0.01f * 255) * (0.01f * 255), c2 = (0.03f * 255) * (0.03f * 255);
     double sum = 0;

@@ -72,8 +72,8 @@ iso_view iso_study_zoom(const iso_view *fit, const int aim[2], double zoom) {
 
 /* ---- the pixel to magnify ---- */
 
-/* The covered fraction of the square of 2 * half pixels around (x, y), from a summed-area table of the mask
- * (with a first row and column of zeros). */
+/* Returns the covered fraction of the square of 2 * half pixels around (x, y). sums: a summed-area table of
+ * the mask with an additional first row and column of zeros. */
 static double covered_part(const uint32_t *sums, int side, int x, int y, int half) {
     size_t row = (size_t)side + 1;
     size_t top = (size_t)(y - half) * row, bottom = (size_t)(y + half) * row;
@@ -170,7 +170,7 @@ static float clamp_255(float value) {
     return value < 0 ? 0 : value > 255 ? 255 : value;
 }
 
-/* Cosine between a pixel's normal and the direction to the eye. */
+/* Returns the cosine of the angle between a pixel's normal and the direction to the eye. */
 static float facing(const iso_study_frame *frame, const iso_view *view, int x, int y) {
     size_t i = (size_t)y * (size_t)view->width + (size_t)x;
     float *const *n = frame->aov.normal;

@@ -32,7 +32,8 @@ iso_status iso_study_bound(const iso_mesh_view *mesh, iso_study_ball *ball, iso_
  * up, seen from 34.4 + `azimuth` degrees to the right of the front (-y) and 20 degrees from above. */
 iso_view iso_study_fit(const iso_study_ball *ball, int side, double azimuth);
 
-/* Magnifies the view of iso_study_fit `zoom` times, with its pixel `aim` in the middle. */
+/* Returns the view of iso_study_fit magnified `zoom` times, with its pixel `aim` in the middle of the
+ * picture. */
 iso_view iso_study_zoom(const iso_view *fit, const int aim[2], double zoom);
 
 /* Chooses the pixel for magnified views: the covered pixel nearest to the middle for which squares of 1/4 and
@@ -52,7 +53,7 @@ typedef struct iso_study_frame {
 typedef struct iso_study_look {
     iso_rgb color, background;
     int samples;     /* per pixel, a square number; 0 means 1 */
-    int transparent; /* 1: the background's alpha is 0 */
+    int transparent; /* 1: the background has alpha 0 */
 } iso_study_look;
 
 /* Allocates a frame for pictures of side x side pixels, with or without float channels, uninitialised.
@@ -65,7 +66,7 @@ void iso_study_frame_free(iso_study_frame *frame);
 iso_status iso_study_draw(const iso_subject *subject, const iso_renderer *method, const iso_view *view,
                           const iso_study_look *look, iso_study_frame *frame, iso_error *error);
 
-/* The frame as an input of iso_compare; borrows it. */
+/* Returns the frame as an input of iso_compare, which borrows it. */
 iso_compare_picture iso_study_picture(const iso_study_frame *frame);
 
 /* Shades a frame with float channels into unrounded colours, width * height * 3 display values 0 .. 255, for

@@ -1,8 +1,9 @@
-/* transparency: pictures of a translucent surface by every way of compositing, against the truth.
+/* transparency: renders a translucent surface by every way of compositing, and compares the pictures with the
+ * truth.
  *
- * Average colour (Bavoil and Myers 2008) and weighted blending (McGuire and Bavoil 2013, eq. 10) are made of
- * sums over a pixel's crossings. With a constant opacity these sums do not depend on it: they are gathered
- * once for all opacities. */
+ * Average colour (Bavoil and Myers 2008) and weighted blending (McGuire and Bavoil 2013, eq. 10) use sums
+ * over the crossings of a pixel. With a constant opacity these sums do not depend on the opacity, so they are
+ * computed once for all opacities. */
 #include "compare/transparency.h"
 
 #include <math.h>
@@ -13,7 +14,8 @@
 
 const double ISO_TRANSPARENCY_OPACITY[ISO_TRANSPARENCY_OPACITIES] = {0.3, 0.5, 0.7};
 
-/* A way of compositing. Average and weighted have no method: they are given the truth's crossings. */
+/* One way of compositing. Average and weighted need no method, because they use the crossings found for the
+ * truth. */
 typedef struct compositing_row {
     const char *name, *title;
     iso_method method;
@@ -41,8 +43,8 @@ const char *iso_compositing_title(iso_compositing compositing) {
 
 /* Sums over the crossings of a pixel's ray. */
 typedef struct pixel_sums {
-    double color[3];                  /* 0 .. 1 */
-    double weighted_color[3], weight; /* by depth */
+    double color[3];                  /* sum of colours, 0 .. 1 each */
+    double weighted_color[3], weight; /* the same sums, weighted by depth */
     int count;
 } pixel_sums;
 
@@ -58,9 +60,9 @@ typedef struct work {
     float *truth_layers, *candidate_layers;
 } work;
 
-/* ---- the truth's crossings without their order ---- */
+/* ---- the truth's crossings, composited without order ---- */
 
-/* The weight of eq. 10 without its factor, the opacity, which cancels when it is constant. */
+/* Returns the weight of eq. 10 without its factor, the opacity, which cancels when it is constant. */
 static double depth_weight(const work *w, double depth) {
     /* 1 - d of a depth buffer with these near and far planes */
     const double left = w->near * (w->far - depth) / (depth * (w->far - w->near));
@@ -68,7 +70,7 @@ static double depth_weight(const work *w, double depth) {
     return fmax(1e-2, 3e3 * shown * shown * shown);
 }
 
-/* iso_raycast_reader.read. */
+/* The callback iso_raycast_reader.read. */
 static void add_crossing(void *context, int x, int y, const iso_raycast_crossing *crossing) {
     const work *w = context;
     pixel_sums *sums = &w->sums[(size_t)y * (size_t)w->view->width + (size_t)x];
@@ -113,7 +115,7 @@ static void blend_picture(work *w, bool weighted, float opacity) {
 
 /* ---- pictures ---- */
 
-/* Draws the layers of a row's method. layers: gets the number of each pixel. */
+/* Draws the layers with the method of a row. layers: receives the number of layers of each pixel. */
 static iso_status draw_layers(const work *w, const compositing_row *row, float opacity, iso_image *image,
                               float *layers, iso_error *error) {
     const bool grouped = row->transparency != ISO_TRANSPARENCY_SORTED;
@@ -145,7 +147,7 @@ static iso_status draw_candidate(work *w, iso_compositing compositing, float opa
 
 static double compare_images(const work *w) {
     double squares = 0;
-    for (size_t i = 0; i < 4 * w->count; i++) { /* alpha is 255 in both */
+    for (size_t i = 0; i < 4 * w->count; i++) { /* alpha is 255 in both pictures */
         const double difference = w->truth.rgba[i] - w->candidate.rgba[i];
         squares += difference * difference;
     }

@@ -1,9 +1,9 @@
-/* transparency: how far pictures of a translucent surface are from the truth, which is every crossing of the
- * rays composited front to back in double precision (truth/raycast_layers.h).
+/* transparency: measures how much pictures of a translucent surface differ from the truth, in which all
+ * crossings of the rays are composited front to back in double precision (truth/raycast_layers.h).
  *
- * Average colour and weighted blending are programs' usual ways to do without an order. Here they are given
- * the truth's own crossings, so that nothing differs but how these are composited. The opacity is constant,
- * that is the same at every angle. */
+ * Average colour and weighted blending are common ways to composite without sorting. Here they use the same
+ * crossings as the truth, so that only the compositing differs. The opacity is constant, that is the same at
+ * every angle. */
 #ifndef ISO_COMPARE_TRANSPARENCY_H
 #define ISO_COMPARE_TRANSPARENCY_H
 
@@ -46,10 +46,10 @@ typedef struct iso_transparency_study {
     int most_layers;
 } iso_transparency_study;
 
-/* Draws the subject in all these ways, one sample a pixel, and compares the pictures with the truth. The
- * subject needs points, cells and the ray caster. The ball must be in front of the view's eye, as in
- * iso_study_fit. Uses the look's colours only. Takes 80 bytes a pixel. ISO_ERR_NOMEM, and the errors of
- * drawing. */
+/* Draws the subject in all these ways with one sample for each pixel, and compares the pictures with the
+ * truth. The subject needs its parts points, cells and ray caster. The ball must lie in front of the view's
+ * eye, as in iso_study_fit. Only the colours of the look are used. Allocates 80 bytes for each pixel.
+ * ISO_ERR_NOMEM, and the errors of drawing. */
 iso_status iso_study_transparency(const iso_subject *subject, const iso_study_ball *ball,
                                   const iso_view *view, const iso_study_look *look,
                                   iso_transparency_study *study, iso_error *error);

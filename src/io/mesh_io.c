@@ -9,12 +9,12 @@
 #include "extract/mesh/mesh.h"
 #include "io/encode.h"
 
-/* A mesh that is written. World positions are computed vertex by vertex. */
+/* A mesh to be written. Its world positions are computed vertex by vertex. */
 typedef struct mesh_source {
     const iso_weld *weld;
     iso_affine affine;
-    int second, third; /* corner of a triangle that is written second, third: 1 and 2, or 2 and 1 when the
-                          transform is left-handed and would turn triangles inside out */
+    int second, third; /* the corners that are written second and third: 1 and 2, or 2 and 1 if the transform
+                          is left-handed and would turn triangles inside out */
     const char *comment;
 } mesh_source;
 
@@ -42,7 +42,7 @@ static void write_ply(const mesh_source *source, FILE *stream) {
     fprintf(stream, "element vertex %zu\n", weld->vertex_count);
     static const char *const names[] = {"x", "y", "z", "nx", "ny", "nz"};
     for (int i = 0; i < 6; i++) fprintf(stream, "property float %s\n", names[i]);
-    /* signed indices where possible, as most readers expect */
+    /* signed types of indices if they are large enough, because most readers expect them */
     fprintf(stream, "element face %zu\nproperty list uchar %s vertex_indices\nend_header\n",
             weld->triangle_count, weld->vertex_count <= INT32_MAX ? "int" : "uint");
     unsigned char bytes[24];
@@ -62,7 +62,7 @@ static void write_ply(const mesh_source *source, FILE *stream) {
 
 static void write_stl(const mesh_source *source, FILE *stream) {
     enum { HEADER = 80, FACET = 50 };
-    /* must not begin with "solid", the mark of ASCII files */
+    /* must not begin with "solid", which marks ASCII files */
     static const char kind[] = "binary STL, mm. ";
     char header[HEADER + 1] = {0};
     memcpy(header, kind, sizeof kind);
@@ -77,7 +77,7 @@ static void write_stl(const mesh_source *source, FILE *stream) {
         ordered_triangle(source, i, corner);
         iso_vec3 p[3];
         for (int j = 0; j < 3; j++) p[j] = world_position(source, corner[j]);
-        /* the format wants the triangle's own normal; zero when it has no area */
+        /* the format requires the triangle's own normal; zero if it has no area */
         iso_vec3 normal = iso_vec3_unit(iso_vec3_cross(iso_vec3_sub(p[1], p[0]), iso_vec3_sub(p[2], p[0])));
         unsigned char *end = iso_encode_vec3(bytes, normal);
         for (int j = 0; j < 3; j++) end = iso_encode_vec3(end, p[j]);
@@ -91,7 +91,7 @@ static void write_obj(const mesh_source *source, FILE *stream) {
     iso_encode_comment(stream, "# ", source->comment);
     for (size_t i = 0; i < source->weld->vertex_count; i++) {
         iso_vec3 p = world_position(source, i), n = world_normal(source, i);
-        /* nine digits give every float back exactly */
+        /* nine digits are enough to read back the same float */
         fprintf(stream, "v %.9g %.9g %.9g\nvn %.9g %.9g %.9g\n", (double)(float)p.x, (double)(float)p.y,
                 (double)(float)p.z, (double)(float)n.x, (double)(float)n.y, (double)(float)n.z);
     }

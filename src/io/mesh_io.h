@@ -15,7 +15,7 @@ extern "C" {
  * extension, ISO_ERR_WRITE, ISO_ERR_LIMIT (.stl above 2^32 - 1 triangles), ISO_ERR_NOMEM. */
 iso_status iso_mesh_write(const char *path, const iso_mesh_view *view, const char *comment, iso_error *error);
 
-/* Writes a mesh that is welded already, whose vertices are in the index coordinates of `transform`. */
+/* Writes a mesh that is already welded; its vertices are in the index coordinates of `transform`. */
 struct iso_weld;
 iso_status iso_mesh_write_weld(const char *path, const struct iso_weld *weld, const iso_transform *transform,
                                const char *comment, iso_error *error);

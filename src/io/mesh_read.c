@@ -15,7 +15,7 @@
 #include "io/ply.h"
 
 enum { STL_HEADER = 84, STL_FACET = 50, POLYGON_MOST = 1 << 16 };
-/* Vertices, or triangles, between two reports of progress. */
+/* Number of vertices or triangles between two reports of progress. */
 enum { TELL = 1 << 14 };
 
 /* The mesh that is being read. */
@@ -24,7 +24,7 @@ typedef struct reading {
     iso_buffer vertices, triangles;
     size_t vertex_count, triangle_count;
     const iso_progress *progress;
-    FILE *file; /* file or ply is set: progress is measured by it */
+    FILE *file; /* one of file and ply is set; progress is measured by its position */
     const iso_ply *ply;
     double bytes; /* of the file */
 } reading;
@@ -50,8 +50,8 @@ static iso_status add_vertex(reading *r, const double p[3], iso_error *error) {
                                         : iso_fail(error, ISO_ERR_LIMIT, "%s: too many vertices", r->path);
 }
 
-/* Adds a triangle; vertices are numbered from 0. Numbers are checked at the end, as faces may come before
- * their vertices. */
+/* Adds a triangle; vertices are numbered from 0. The numbers are checked at the end, because faces may
+ * precede their vertices. */
 static iso_status add_triangle(reading *r, uint32_t a, uint32_t b, uint32_t c, iso_error *error) {
     const size_t bytes = r->triangle_count * 3 * sizeof(uint32_t);
     if (r->triangle_count % TELL == 0) ISO_TRY(report_progress(r, error));
@@ -63,7 +63,7 @@ static iso_status add_triangle(reading *r, uint32_t a, uint32_t b, uint32_t c, i
     return ISO_OK;
 }
 
-/* A polygon that is read corner by corner and becomes a fan of triangles. */
+/* A polygon that is read corner by corner and divided into a fan of triangles. */
 typedef struct fan {
     uint32_t first, last;
     size_t count;

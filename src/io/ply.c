@@ -52,7 +52,8 @@ iso_status iso_ply_read_value(iso_ply *ply, iso_ply_type type, double *value, is
 
 /* ---- elements */
 
-/* The least size of an item: in ASCII a digit and a separator for each value; lists may be empty. */
+/* Returns the smallest size of an item in bytes: in ASCII a digit and a separator for each value. Lists may
+ * be empty. */
 static uint64_t least_bytes(const iso_ply *ply, const iso_ply_element *element) {
     uint64_t bytes = 0;
     for (int i = 0; i < element->property_count; i++) {

@@ -20,8 +20,8 @@ extern "C" {
 iso_status iso_points_write_ply(const char *path, const iso_point_view *view, const char *comment,
                                 iso_error *error);
 
-/* Points from a file: one span, with the identity transform (index coordinates are mm). iso_points_free when
- * done. */
+/* Points read from a file: one span, with the identity transform (index coordinates are mm). Free with
+ * iso_points_free. */
 typedef struct iso_points {
     iso_surfel *surfels;
     float *radii;
@@ -33,7 +33,7 @@ typedef struct iso_points {
  * which the message names), ISO_ERR_LIMIT (more than max_memory bytes; 0: no limit), ISO_ERR_NOMEM. */
 iso_status iso_points_read_ply(const char *path, uint64_t max_memory, iso_points *points, iso_error *error);
 void iso_points_free(iso_points *points);
-/* The points as a view, borrowed until iso_points_free. */
+/* Returns a view of the points, which it borrows until iso_points_free. */
 iso_point_view iso_points_view(const iso_points *points);
 
 #ifdef __cplusplus

@@ -27,8 +27,8 @@ static size_t bytes_per_point(const collector *points) {
     return BYTES_PER_POINT + (points->colored ? BYTES_PER_COLOR : 0);
 }
 
-/* Sets slot[i] to the number of the value that the element's property i holds, -1 for none. An error message
- * names the needed values that are missing. */
+/* Sets slot[i] to the number of the value in the element's property i; -1: not used. The error message names
+ * the required values that are missing. */
 static iso_status assign_values(const iso_ply *ply, const iso_ply_element *element,
                                 int slot[ISO_PLY_PROPERTIES], bool *colored, iso_error *error) {
     bool found[VALUES] = {false};
@@ -66,8 +66,8 @@ static iso_status read_values(iso_ply *ply, const iso_ply_element *element, cons
     return ISO_OK;
 }
 
-/* Normalizes a normal. One that is already of unit length to float precision is not changed, so that points
- * which were written are read back with the same bits. False for the zero normal. */
+/* Normalizes a normal. If its length is already 1 to float precision it is not changed, so that points that
+ * were written are read back with the same bits. Returns false for the zero normal. */
 static bool make_normal(const double n[3], float normal[3]) {
     double square = 0, largest = 0;
     for (int axis = 0; axis < 3; axis++) {
@@ -85,8 +85,8 @@ static bool make_normal(const double n[3], float normal[3]) {
     return true;
 }
 
-/* The largest coordinate and radius, mm, the same as for volumes (grids/volume/volume.c): beyond it no camera
- * can be placed. */
+/* The largest allowed coordinate and radius, mm, as for volumes (grids/volume/volume.c). With larger ones no
+ * camera could be placed. */
 static const double farthest = 1e12;
 
 /* Sets a point; false when it must be dropped. */

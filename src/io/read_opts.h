@@ -23,28 +23,29 @@ typedef enum iso_space {
 
 enum { ISO_READ_NOTES = 8, ISO_READ_TEXT = 256 };
 
-/* What a reader tells beside its result. Plain data; set by every successful read. */
+/* What a reader reports in addition to its result. A plain struct, set by every successful read. */
 typedef struct iso_read_report {
     char format[16];   /* "tck", "trk", .. */
-    iso_space space;   /* as which the coordinates were read: LPS or RAS */
-    bool space_stated; /* by the format or in the file; false: assumed or given by the caller */
-    uint64_t items;    /* lines or glyphs of the file, before `every` */
+    iso_space space;   /* the axes that the coordinates were read in: LPS or RAS */
+    bool space_stated; /* by the format or the file; false: the axes were assumed, or set by the caller */
+    uint64_t items;    /* lines or glyphs in the file, before `every` left some out */
     /* Vertices or glyphs left out: a coordinate is not finite, or beyond 1e12 mm. Lines are split there. */
     uint64_t dropped;
-    uint64_t mended_radii;                     /* negative or not finite; they became 0 */
+    uint64_t mended_radii;                     /* radii that were negative or not finite, and were set to 0 */
     char notes[ISO_READ_NOTES][ISO_READ_TEXT]; /* warnings, printable, a line each */
     int note_count;
 } iso_read_report;
 
 /* All zero means the default. Pointers are borrowed for the call. */
 typedef struct iso_read_opts {
-    uint64_t max_memory; /* bytes that the set and reading it may take; 0: 80 % of iso_memory_available */
+    uint64_t max_memory; /* limit in bytes for the set and for reading it; 0: 80 % of iso_memory_available */
     iso_space space;
-    int every; /* keeps lines or glyphs 0, every, 2 every, ..; 0 and 1: all. Not of the atoms of molecules */
+    int every; /* keeps only lines or glyphs 0, every, 2 * every, ..; 0 and 1: all. Not applied to atoms of
+                  molecules */
     /* Molecules: 0 reads the first assembly that the file describes, -1 only the atoms that it lists. */
     int assembly;
-    iso_file_set *files;     /* every file that is read is added; NULL is fine */
-    iso_read_report *report; /* NULL is fine */
+    iso_file_set *files;     /* every file that is read is added to it; may be NULL */
+    iso_read_report *report; /* may be NULL */
 } iso_read_opts;
 
 #ifdef __cplusplus

@@ -25,7 +25,7 @@ iso_reading iso_reading_begin(const char *path, const iso_read_opts *opts, iso_r
 
 /* ---- formats */
 
-/* The number of the format whose magic a file begins with; -1: none of them. */
+/* Returns the index of the format whose magic a file begins with; -1: none. */
 static int format_of_content(FILE *file, const iso_format_name *formats, int count) {
     char head[32];
     const size_t bytes = fread(head, 1, sizeof head, file);
@@ -119,7 +119,7 @@ static bool is_taken(const iso_attribute *attributes, int count, const char *nam
     return false;
 }
 
-/* A printable name that no attribute before has. NULL without memory. */
+/* Returns a printable name that no previous attribute has; NULL: no memory. */
 static char *unique_name(const iso_attribute *attributes, int count, const char *name) {
     enum { ROOM = 4 * ISO_COLUMN_NAME + 16 };
     char clean[4 * ISO_COLUMN_NAME], *unique = iso_alloc(ROOM);
@@ -178,7 +178,8 @@ iso_column *iso_column_find(iso_column *columns, int count, iso_role role) {
     return NULL;
 }
 
-/* Turning by 180 degrees about z negates x and y: of a tensor the entries in which one of them meets z. */
+/* From RAS to LPS is a rotation by 180 degrees about z. It negates x and y, and so those entries of a tensor
+ * that combine x or y with z. */
 void iso_column_turn(iso_column *column, size_t items) {
     static const int vector[] = {0, 1}, tensor[] = {2, 5, 6, 7};
     const bool is_tensor = column->role == ISO_ROLE_TENSOR;

@@ -1,5 +1,5 @@
-/* reading: what the readers of lines and of glyphs share: the options, the memory that they have taken, and
- * named columns of numbers that become attributes. Internal to src/io. */
+/* reading: what the readers of lines and of glyphs share: options, accounting of memory, and named columns of
+ * numbers that become attributes. Internal to src/io. */
 #ifndef ISO_IO_READING_H
 #define ISO_IO_READING_H
 
@@ -16,26 +16,26 @@ typedef struct iso_reading {
     const char *path; /* borrowed; messages begin with it */
     iso_read_opts opts;
     iso_read_report *report; /* never NULL */
-    uint64_t limit, used;    /* bytes that may be taken, and that buffers take now */
+    uint64_t limit, used;    /* limit in bytes for buffers; bytes that they use now */
 } iso_reading;
 
-/* Starts reading `path` by `opts`, which may be NULL; `report` is used when the caller wants none. Adds the
- * file to opts->files. */
+/* Begins reading `path` with `opts`, which may be NULL, and adds the file to opts->files. `report`, which the
+ * caller provides, is used if opts has none. */
 iso_reading iso_reading_begin(const char *path, const iso_read_opts *opts, iso_read_report *report);
 
-/* A format that files are recognised as. `magic`: what they begin with, whatever their name; NULL: only the
- * name tells. */
+/* A format, for recognising files. `magic`: the bytes that its files begin with; NULL: it is recognised by
+ * name only. */
 typedef struct iso_format_name {
     const char *name, *suffix, *magic;
 } iso_format_name;
 
-/* Finds the format by the content, or else by the name, and sets the report's. `what` is for messages:
- * "lines". ISO_ERR_IO, ISO_ERR_FORMAT: none of these formats. */
+/* Finds the format by the content, else by the name, and stores it in the report. `what` is used in messages,
+ * for example "lines". ISO_ERR_IO; ISO_ERR_FORMAT: none of these formats. */
 iso_status iso_reading_find_format(iso_reading *reading, const iso_format_name *formats, int count,
                                    const char *what, int *format, iso_error *error);
 
-/* iso_buffer_reserve for `count` items of `each` bytes, keeping the first `keep` items. ISO_ERR_LIMIT: all
- * buffers of this file together would take more than the limit. ISO_ERR_NOMEM. */
+/* Like iso_buffer_reserve, for `count` items of `each` bytes, keeping the first `keep` items. ISO_ERR_LIMIT:
+ * all buffers of this file together would exceed the limit. ISO_ERR_NOMEM. */
 iso_status iso_reading_reserve(iso_reading *reading, iso_buffer *buffer, size_t count, size_t each,
                                size_t keep, iso_error *error);
 /* Frees a buffer that iso_reading_reserve has filled. */
@@ -51,20 +51,21 @@ __attribute__((format(printf, 2, 3)))
 #endif
 void iso_reading_note(iso_reading *reading, const char *format, ...);
 
-/* Whether coordinates are RAS and must be converted. `stated` is what the format or the file says:
- * ISO_SPACE_FILE for nothing. The caller's option decides. Sets the report's space. */
+/* Decides whether coordinates are RAS and must be converted, and stores the space in the report. `stated`:
+ * the space that the format or the file states, or ISO_SPACE_FILE. A space in the caller's options takes
+ * precedence. */
 bool iso_reading_is_ras(iso_reading *reading, iso_space stated);
 
-/* The largest coordinate and radius, mm, the same as for volumes (grids/volume/volume.c): beyond it no camera
- * can be placed. */
+/* The largest allowed coordinate and radius, mm, as for volumes (grids/volume/volume.c). With larger ones no
+ * camera could be placed. */
 #define ISO_FARTHEST 1e12
 
 /* ---- columns */
 
 enum { ISO_COLUMN_NAME = 64 };
 
-/* What the numbers of a column are. The first column of a role that a set has an array for fills that array;
- * every other column becomes an attribute. */
+/* The meaning of a column. The first column with a role fills the corresponding array of the set; every other
+ * column becomes an attribute. */
 typedef enum iso_role {
     ISO_ROLE_NONE,
     ISO_ROLE_RADIUS, /* mm */
@@ -74,7 +75,7 @@ typedef enum iso_role {
     ISO_ROLE_COLOR   /* red, green and blue, 0 .. 255; further components are ignored */
 } iso_role;
 
-/* A column of a file that becomes an attribute: `components` floats an item, one item after the other. */
+/* A column of a file: `components` floats for each item, one item after the other. */
 typedef struct iso_column {
     char name[ISO_COLUMN_NAME];
     int components;
@@ -92,7 +93,7 @@ iso_column *iso_column_find(iso_column *columns, int count, iso_role role);
 /* Turns vectors and tensors from RAS to LPS. `items`: vertices, glyphs or lines. */
 void iso_column_turn(iso_column *column, size_t items);
 
-/* Moves the radii out of a column; those that are negative or not finite become 0, and are counted. */
+/* Moves the radii out of a column. Radii that are negative or not finite are set to 0 and counted. */
 float *iso_column_take_radii(iso_reading *reading, iso_column *column, size_t items);
 
 /* Converts colours to bytes and frees the column's values. ISO_ERR_NOMEM. */

@@ -1,4 +1,4 @@
-/* scalar_load: numbers of any type from bytes of either order. Internal to src/io. */
+/* scalar_load: loads numbers of any type in either byte order. Internal to src/io. */
 #ifndef ISO_IO_SCALAR_LOAD_H
 #define ISO_IO_SCALAR_LOAD_H
 
@@ -10,7 +10,7 @@
 extern "C" {
 #endif
 
-/* The number at `bytes`; integers of 64 bits are rounded to doubles. */
+/* Returns the number at `bytes`; 64-bit integers are rounded to doubles. */
 static inline double iso_scalar_load(const void *bytes, iso_scalar scalar, bool big_endian) {
     const unsigned char *at = (const unsigned char *)bytes;
     const size_t size = iso_scalar_size(scalar);

@@ -31,8 +31,8 @@ typedef struct iso_stream {
 iso_status iso_stream_open(const char *path, iso_stream *stream, iso_error *error);
 void iso_stream_close(iso_stream *stream);
 
-/* Moves the unread bytes to the buffer's beginning and reads on behind them; whether there are `bytes` bytes
- * then. */
+/* Moves the unread bytes to the beginning of the buffer and reads more behind them. Returns whether the
+ * buffer then has `bytes` bytes. */
 bool iso_stream_refill(iso_stream *stream, size_t bytes);
 
 /* Makes at least `bytes` bytes, at most ISO_STREAM_BUFFER, available at buffer + place; false at the end of
@@ -41,13 +41,13 @@ static inline bool iso_stream_fill(iso_stream *stream, size_t bytes) {
     return stream->end - stream->place >= bytes || iso_stream_refill(stream, bytes);
 }
 
-/* Moves on by `bytes` bytes, which are available. */
+/* Advances by `bytes` bytes, which must be available. */
 static inline void iso_stream_advance(iso_stream *stream, size_t bytes) {
     stream->place += bytes;
     stream->remaining -= bytes < stream->remaining ? bytes : stream->remaining;
 }
 
-/* The next byte, or -1 at the end. */
+/* Returns the next byte; -1 at the end. */
 static inline int iso_stream_byte(iso_stream *stream) {
     if (!iso_stream_fill(stream, 1)) return -1;
     int byte = stream->buffer[stream->place];
@@ -58,7 +58,7 @@ static inline int iso_stream_byte(iso_stream *stream) {
 /* Skips bytes; ISO_ERR_IO when the file ends before. */
 iso_status iso_stream_skip(iso_stream *stream, uint64_t bytes, iso_error *error);
 
-/* ISO_ERR_IO for a file that ended too early, or could not be read. */
+/* Fails with ISO_ERR_IO for a file that ended too early or could not be read. */
 iso_status iso_stream_fail(const iso_stream *stream, iso_error *error);
 
 #ifdef __cplusplus

@@ -20,7 +20,8 @@ bool iso_pdb_number(const char *row, int from, int to, double *number) {
     return iso_row_number(&at, "", number) && *at == 0;
 }
 
-/* "A, B" names chains; a chain without a name is "NULL", and a blank in the rows of its atoms. */
+/* Marks the chains in a list such as "A, B". A chain without a name is listed as "NULL", and has a blank in
+ * the rows of its atoms. */
 static void take_chains(iso_assembly *assembly, const char *names) {
     for (; *names; names++) {
         const char *end = names + strcspn(names, ", ");
@@ -45,7 +46,8 @@ static iso_status begin_copy(iso_assembly *assembly, const iso_rows *rows, iso_e
     return ISO_OK;
 }
 
-/* The column behind the number of the copy: columns shift when it has more than three digits. */
+/* Returns the column after the number of the copy. The columns behind it are shifted when the number has more
+ * than three digits. */
 static int end_of_number(const char *row) {
     int at = 19;
     while (row[at] == ' ') at++;
@@ -53,7 +55,8 @@ static int end_of_number(const char *row) {
     return at;
 }
 
-/* "BIOMT2   1  m m m  t": the numbers are in columns, and may touch. */
+/* Reads a row such as "BIOMT2 1 m m m t". The numbers have fixed columns, and may follow each other without a
+ * blank. */
 static iso_status take_matrix_row(iso_assembly *assembly, const iso_rows *rows, const char *row,
                                   iso_error *error) {
     static const int columns[5] = {0, 10, 20, 30, 45};

@@ -1,6 +1,6 @@
-/* csv: points in a table: a row of names, among them x y z, and a row for each point. Columns are separated
- * by commas, semicolons or tabs, whichever the first row has most of; values may be in double quotes. A
- * column whose first value is no number holds words: they are numbered in order of appearance. */
+/* csv: points in a table: a row of names, which include x y z, and a row for each point. The separator is a
+ * comma, semicolon or tab, whichever is most frequent in the first row. Values may be in double quotes. A
+ * column whose first value is not a number contains words, which are numbered in order of appearance. */
 #define _POSIX_C_SOURCE 200809L
 #include <math.h>
 #include <stdlib.h>
@@ -25,7 +25,7 @@ typedef struct csv {
     iso_polydata data;
     char separator;
     int columns;
-    char *cells[COLUMNS]; /* of a row */
+    char *cells[COLUMNS]; /* the cells of a row */
     iso_slot slots[COLUMNS];
     double numbers[COLUMNS];
     dictionary dictionaries[COLUMNS];
@@ -35,8 +35,8 @@ static bool is_blank(char c) {
     return c == ' ' || (c == '\t');
 }
 
-/* Ends the cell at *row by a zero and moves behind it; returns the cell without quotes and blanks around it.
- */
+/* Ends the cell at *row by a zero byte and moves *row behind it. Returns the cell without quotes and without
+ * blanks around it. */
 static char *next_cell(const csv *c, char **row) {
     char *cell = *row, *end, *after;
     while (is_blank(*cell) && *cell != c->separator) cell++;
@@ -76,7 +76,7 @@ static char separator_of(const char *row) {
     return best;
 }
 
-/* The number of a word in its column; NaN when there are too many words. */
+/* Returns the number of a word in its column; NaN when there are too many words. */
 static double number_of_word(dictionary *words, const char *word) {
     for (int i = 0; i < words->count; i++)
         if (strcmp(words->words[i], word) == 0) return i;
@@ -85,7 +85,7 @@ static double number_of_word(dictionary *words, const char *word) {
     return words->count++;
 }
 
-/* An empty cell, or one that is no number, is NaN. */
+/* Returns the number in a cell; NaN if the cell is empty or not a number. */
 static double parse_cell(csv *c, int column) {
     char *cell = c->cells[column];
     double number;
@@ -93,7 +93,7 @@ static double parse_cell(csv *c, int column) {
     return iso_row_number(&cell, "", &number) && *cell == 0 ? number : (double)NAN;
 }
 
-/* Which columns hold words: those whose cell in the first row of data is none, but has something in it. */
+/* Finds the columns of words: in the first row of data their cell is not a number, but not empty. */
 static void find_words(csv *c) {
     for (int i = 0; i < c->columns; i++) {
         const bool position = c->slots[i].column == ISO_SLOT_POINT;

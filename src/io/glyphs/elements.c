@@ -1,9 +1,10 @@
 /* elements: radii and colours of the chemical elements.
  *
- * Van der Waals radii: Bondi 1964 ("van der Waals Volumes and Radii", J. Phys. Chem. 68, 441) for the
- * non-metals that he gives, Alvarez 2013 ("A cartography of the van der Waals territories", Dalton Trans. 42,
- * 8617) for all others, because Bondi has few metals, and those too small; 2 where neither has one. Colours:
- * those of Jmol (jmol.sourceforge.net/jscolors), an extension of Corey, Pauling and Koltun's. */
+ * Van der Waals radii: from Bondi 1964 ("van der Waals Volumes and Radii", J. Phys. Chem. 68, 441) for the
+ * non-metals that he lists; from Alvarez 2013 ("A cartography of the van der Waals territories", Dalton
+ * Trans. 42, 8617) for all other elements, because Bondi lists few metals, with too small radii; 2 for
+ * elements that neither lists. Colours: those of Jmol (jmol.sourceforge.net/jscolors), an extension of the
+ * colours of Corey, Pauling and Koltun. */
 #include "io/glyphs/elements.h"
 
 #include <ctype.h>

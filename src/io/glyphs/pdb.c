@@ -1,12 +1,14 @@
 /* pdb: molecules (wwPDB, "Atomic Coordinate Entry Format Version 3.3"): ATOM and HETATM rows of the first
- * model, with numbers in fixed columns, which may touch. Coordinates are in ångström.
+ * model, with numbers in fixed columns, which may follow each other without a blank. Coordinates are in
+ * angstrom.
  *
- * An element column that is empty is made up for by the atom's name: its first two columns hold the element,
- * to the right: "CA" from the first column on is calcium, from the second on a carbon. Of alternate locations
- * of an atom the first is read. The copies of the wanted assembly are made by its matrices (assembly.h).
+ * If the element column is empty, the element is taken from the atom's name, whose first two columns contain
+ * it, right-aligned: "CA" from the first column on is calcium, from the second on a carbon. Of several
+ * alternate locations of an atom the first is read. The copies of the wanted assembly are made by its
+ * matrices (assembly.h).
  *
- * Attributes: the number of the chain in order of appearance, the temperature factor, and, where there are
- * several, the number of the copy; all from 0. */
+ * Attributes: the number of the chain in order of appearance, the temperature factor, and the number of the
+ * copy if there are several; all count from 0. */
 #include <ctype.h>
 #include <string.h>
 
@@ -25,7 +27,7 @@ enum {
     AT_TEMPERATURE = 60,
     AT_ELEMENT = 76,
     ROW = 80,
-    /* Locations of one atom are looked for among that many atoms before: residues are smaller. */
+    /* Alternate locations of an atom are searched for among so many atoms before it; residues have fewer. */
     NEAR = 256
 };
 
@@ -45,8 +47,8 @@ typedef struct pdb {
     iso_buffer atom_buffer;
     atom *atoms;
     size_t count;
-    uint64_t unknown, alternates; /* atoms of unknown elements; left out as further locations */
-    int chain_numbers[256];       /* by character; 0: not seen yet */
+    uint64_t unknown, alternates; /* atoms of unknown elements; further locations, which were left out */
+    int chain_numbers[256];       /* by the character of the chain; 0: the chain has not appeared yet */
     int chains;
     iso_assembly assembly;
     iso_buffer positions, radii, colors;
@@ -55,10 +57,10 @@ typedef struct pdb {
 
 /* ---- atoms */
 
-/* The element of an atom's name, four characters; see above. */
+/* Returns the element for an atom's name of four characters; see the head of this file. */
 static int element_of_name(const char name[4]) {
     if (!isalpha((unsigned char)name[0])) return iso_element_of(name + 1, 1);
-    /* hydrogens with four characters begin in the first column */
+    /* names of hydrogens with four characters begin in the first column */
     const bool two = isalpha((unsigned char)name[1]) && !(name[0] == 'H' && name[3] != ' ');
     const int element = two ? iso_element_of(name, 2) : 0;
     return element ? element : iso_element_of(name, 1);
@@ -71,8 +73,8 @@ static int element_of_row(const char row[ROW]) {
     return element ? element : element_of_name(row + AT_NAME);
 }
 
-/* Whether an atom before, of the same residue, is another location of this one: it has the same name, or the
- * residue itself has alternatives. */
+/* Returns whether a previous atom of the same residue is another location of this atom: it has the same name,
+ * or the residue itself has alternates. */
 static bool is_alternate(const pdb *p, const atom *a) {
     if (a->location == ' ') return false;
     for (size_t i = p->count; i-- > 0 && p->count - i <= NEAR;) {
@@ -91,8 +93,8 @@ static uint8_t chain_of(pdb *p, char name) {
     return (uint8_t)(*number - 1);
 }
 
-/* Copies a row, filled up with blanks. Some programs write names of four characters one column too far to the
- * right, as " H111": their last digit would be taken for a location. */
+/* Copies a row and fills it up with blanks. Some programs write names of four characters one column too far
+ * to the right, as " H111"; their last digit would be mistaken for a location. */
 static void pad_row(const char *row, char padded[ROW + 1]) {
     const size_t length = strlen(row);
     memset(padded, ' ', ROW);
@@ -137,7 +139,7 @@ static bool begins(const char *row, const char *record) {
     return strncmp(row, record, strlen(record)) == 0;
 }
 
-/* Reads up to the end of the first model; *known: a row of the format has been found. */
+/* Reads up to the end of the first model. Sets *known if it has found a row of this format. */
 static iso_status read_model(pdb *p, bool *known, iso_error *error) {
     for (char *row = iso_rows_next(&p->rows); row; row = iso_rows_next(&p->rows)) {
         const bool is_atom = begins(row, "ATOM  ") || begins(row, "HETATM");
@@ -161,7 +163,7 @@ static iso_status read_rows(pdb *p, iso_error *error) {
 
 /* ---- copies */
 
-/* Without an assembly, every atom once where it is. */
+/* Sets the only copy of a file without an assembly: all chains, not moved. */
 static void stand_alone(iso_assembly_copy *copy) {
     *copy = (iso_assembly_copy){.matrix = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
     memset(copy->chains, true, sizeof copy->chains);
@@ -233,7 +235,7 @@ static void note_oddities(pdb *p, size_t made) {
                          p->count - made);
 }
 
-/* Turns what copies make from RAS to LPS. */
+/* Converts the matrices of the copies from RAS to LPS. */
 static void turn_copies(iso_assembly_copy *copies, size_t count) {
     for (size_t i = 0; i < count; i++)
         for (int k = 0; k < 8; k++) copies[i].matrix[k] = -copies[i].matrix[k];
@@ -265,7 +267,7 @@ static iso_status make_glyphs(pdb *p, iso_assembly_copy *copies, size_t count, i
     return ISO_OK;
 }
 
-/* An assembly that has none of the file's chains is as good as none. */
+/* Returns whether the assembly has atoms; one that names none of the file's chains is ignored. */
 static bool has_atoms(const pdb *p) {
     size_t atoms = 0;
     for (size_t i = 0; i < p->assembly.count && atoms == 0; i++)

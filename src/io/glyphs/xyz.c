@@ -23,7 +23,7 @@ static bool is_empty(const char *row) {
     return *row == 0 || *row == '#';
 }
 
-/* The next row that has anything in it; NULL at the end. */
+/* Returns the next row that is not empty; NULL at the end. */
 static char *next_row(xyz *x) {
     char *row = iso_rows_next(&x->rows);
     while (row && is_empty(row)) row = iso_rows_next(&x->rows);
@@ -39,7 +39,7 @@ static int parse_row(char *row, double *numbers, int most) {
 
 /* ---- molecules */
 
-/* The element of the first word, "C", "6", or a label such as "C12"; 0: unknown. */
+/* Returns the element of the first word, such as "C", "6", or a label such as "C12"; 0: unknown. */
 static int element_of(const char *word) {
     int letters = 0;
     double number = 0;
@@ -70,12 +70,12 @@ static iso_status take_atom(xyz *x, char *row, float *radius, float color[3], ui
 static iso_status read_molecule(xyz *x, double atoms, iso_error *error) {
     int radius, colors;
     uint64_t unknown = 0;
-    /* an atom takes at least eight bytes: "C 0 0 0" and the end of the row, but for the last */
+    /* an atom takes at least eight bytes, "C 0 0 0" and the end of the row, which the last row may lack */
     if (atoms > (double)(x->rows.end - x->rows.at + 1) / 8)
         return iso_fail(error, ISO_ERR_IO, "%s: truncated: it promises %.0f atoms", x->rows.reading->path,
                         atoms);
     const size_t count = (size_t)atoms;
-    iso_rows_next(&x->rows); /* the comment */
+    iso_rows_next(&x->rows); /* skips the row of comment */
     ISO_TRY(iso_polydata_add_column(&x->data, "radius", 1, false, ISO_ROLE_RADIUS, &radius, error));
     ISO_TRY(iso_polydata_add_column(&x->data, "colors", 3, false, ISO_ROLE_COLOR, &colors, error));
     ISO_TRY(iso_polydata_reserve(&x->data, count, error));

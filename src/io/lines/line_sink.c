@@ -62,7 +62,7 @@ iso_status iso_line_sink_split(iso_line_sink *sink, iso_error *error) {
 }
 
 iso_status iso_line_sink_finish(iso_line_sink *sink, iso_lines *lines, iso_error *error) {
-    ISO_TRY(iso_line_sink_split(sink, error)); /* also makes the one start of a set without lines */
+    ISO_TRY(iso_line_sink_split(sink, error)); /* this also writes the only start of a set without lines */
     iso_lines made = {.origin = sink->origin,
                       .starts = sink->starts.data,
                       .vertices = sink->vertices.data,

@@ -13,7 +13,7 @@ typedef struct obj {
     int colors; /* column; -1: none */
 } obj;
 
-/* "v x y z", "v x y z w", or "v x y z red green blue" with colours 0 .. 1. */
+/* Reads "v x y z", "v x y z w", or "v x y z red green blue" with colours 0 .. 1. */
 static iso_status take_vertex(obj *o, char *text, iso_error *error) {
     double numbers[7];
     int count = 0;
@@ -31,7 +31,7 @@ static iso_status take_vertex(obj *o, char *text, iso_error *error) {
     return ISO_OK;
 }
 
-/* "l 1 2 3", or with texture coordinates, "l 1/1 2/2". */
+/* Reads "l 1 2 3" or, with texture coordinates, "l 1/1 2/2". */
 static iso_status take_line(obj *o, char *text, iso_error *error) {
     for (char *word = iso_row_word(&text); word; word = iso_row_word(&text)) {
         char *end;

@@ -1,10 +1,10 @@
 /* swc: neurons as trees (Cannon et al. 1998; the columns as in the SWC+ specification, neuroinformatics.nl):
- * a row for each node with its number, type, x y z, radius and the number of its parent, -1 for none. Lines
- * run from branch to branch, root and tips included; a node without parent and children is a line of one
- * vertex.
+ * a row for each node with its number, type, x y z, radius and the number of its parent, or -1 if it has
+ * none. Lines run from branch to branch; roots and tips count as branches. A node without parent and children
+ * is a line of one vertex.
  *
- * Nodes may come in any order. A parent that is missing is none, and the report says so. A number that two
- * nodes have, and a node that is its own ancestor, are damage. */
+ * Nodes may be in any order. A node whose parent is missing becomes a root, which is reported. A number that
+ * two nodes share, or a node that is its own ancestor, makes the file invalid. */
 #include <stdlib.h>
 
 #include "io/lines/lines_format.h"
@@ -72,7 +72,7 @@ static int compare_numbers(const void *left, const void *right) {
     return (a->number > b->number) - (a->number < b->number);
 }
 
-/* Finds the parents of all nodes, which become sorted by number. */
+/* Finds the parents of all nodes, and sorts the nodes by number. */
 static iso_status find_parents(swc *s, iso_error *error) {
     node *nodes = s->nodes.data;
     const size_t count = s->data.point_count;
@@ -95,8 +95,8 @@ static iso_status find_parents(swc *s, iso_error *error) {
     return ISO_OK;
 }
 
-/* Walks from every node towards its root until a node where another walk has been. Meeting its own trace, a
- * walk has gone round a cycle. */
+/* Walks from every node towards its root until it meets a node that a previous walk has visited. If it meets
+ * its own trace, there is a cycle. */
 static iso_status check_cycles(swc *s, const uint32_t *parents, iso_error *error) {
     const size_t count = s->data.point_count;
     ISO_TRY(iso_reading_reserve(s->data.reading, &s->walks, count + 1, sizeof(uint32_t), 0, error));
@@ -112,7 +112,7 @@ static iso_status check_cycles(swc *s, const uint32_t *parents, iso_error *error
     return ISO_OK;
 }
 
-/* Makes an edge of every node with a parent, in the order of the file. */
+/* Adds an edge for every node with a parent, in the order of the file. */
 static iso_status add_edges(swc *s, iso_error *error) {
     const size_t count = s->data.point_count;
     const node *nodes = s->nodes.data;

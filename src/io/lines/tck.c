@@ -21,10 +21,10 @@ typedef struct tck {
     iso_line_sink lines;
     size_t value; /* bytes of a number: 4 or 8 */
     bool swap;    /* the file's byte order is not the machine's */
-    bool ended;   /* the triple of infinities has been read */
+    bool ended;   /* the triple of infinities, which ends the file, has been read */
     uint64_t offset, header_bytes;
     uint64_t triples,
-        line_begin; /* triples before the buffer's; the number of the open line's first triple */
+        line_begin; /* number of triples before the buffer; number of the open line's first triple */
 } tck;
 
 /* ---- header */
@@ -33,7 +33,7 @@ static iso_status fail_header(const tck *t, const char *problem, iso_error *erro
     return iso_fail(error, ISO_ERR_FORMAT, "%s: damaged .tck header: %s", t->in.path, problem);
 }
 
-/* Reads a line of the header, cut at LINE_ROOM - 1 bytes, without blanks at its end. */
+/* Reads a line of the header, cut at LINE_ROOM - 1 bytes and without blanks at its end. */
 static iso_status read_line(tck *t, char line[LINE_ROOM], iso_error *error) {
     size_t length = 0;
     int byte;
@@ -65,7 +65,7 @@ static iso_status take_type(tck *t, const char *name, iso_error *error) {
                     name);
 }
 
-/* "file: . 67": the tracks begin at byte 67 of this file. */
+/* Reads a value such as ". 67" of the key "file": the tracks begin at byte 67 of this file. */
 static iso_status take_offset(tck *t, const char *text, iso_error *error) {
     char *end;
     errno = 0;
@@ -78,7 +78,7 @@ static iso_status take_offset(tck *t, const char *text, iso_error *error) {
     return ISO_OK;
 }
 
-/* The value of "key: value", or NULL if the line has another key. */
+/* Returns the value of a line "key: value", or NULL if the line has another key. */
 static const char *value_of(const char *line, const char *key) {
     const size_t length = strlen(key);
     if (strncmp(line, key, length) != 0 || line[length] != ':') return NULL;
@@ -113,7 +113,7 @@ static iso_status take_special(tck *t, uint64_t number, const double p[3], iso_e
     t->ended = isinf(p[0]) && isinf(p[1]) && isinf(p[2]);
     if (!delimits && !t->ended) report->dropped += !t->lines.skips;
     ISO_TRY(iso_line_sink_split(&t->lines, error));
-    if (t->ended && number == t->line_begin) report->items--; /* the last line was ended by NaN */
+    if (t->ended && number == t->line_begin) report->items--; /* the last line was already ended by NaN */
     if (!delimits) return ISO_OK;
     t->line_begin = number + 1;
     iso_line_sink_begin(&t->lines);
@@ -141,8 +141,8 @@ static double load_double(const unsigned char *bytes, bool swap) {
     return value;
 }
 
-/* Takes floats without a detour over doubles: this is what large files hold. 0x5368d4a5 are the bits of 1e12,
- * above which are those of infinities and NaN. */
+/* Reads triples of floats without converting them to doubles, because large files consist of them. 0x5368d4a5
+ * are the bits of 1e12; infinities and NaN have larger ones. */
 static iso_status take_floats(tck *t, const unsigned char *bytes, size_t triples, iso_error *error) {
     const uint32_t sign = t->lines.ras ? 0x80000000u : 0, farthest = 0x5368d4a5u, size = 0x7fffffffu;
     for (size_t i = 0; i < triples && !t->ended; i++, bytes += 12) {

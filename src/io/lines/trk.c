@@ -1,14 +1,14 @@
 /* trk: streamlines as TrackVis writes them (trackvis.org, "File format", versions 1 and 2): a header of 1000
  * bytes, then for each line the number of its points, the points with their scalars, and its properties.
  *
- * Points are voxels scaled by the voxel size, from the outer corner of the first voxel, with axes as
- * voxel_order says. vox_to_ras leads from voxel centres to RAS mm, but its voxel axes may be ordered and
- * directed in another way: both orders are compared, as NiBabel does (nibabel/streamlines/trk.py). When
- * vox_to_ras is missing (version 1, or its last number is 0), the axes are those of voxel_order and the
- * position is unknown: the first voxel's centre becomes 0.
+ * Points are in voxels multiplied by the voxel size. They count from the outer corner of the first voxel,
+ * along the axes that voxel_order states. vox_to_ras maps voxel centres to RAS mm, but its voxel axes may be
+ * in another order or direction, so both orders are compared, as NiBabel does (nibabel/streamlines/trk.py).
+ * If vox_to_ras is missing (version 1, or its last number is 0), the axes are those of voxel_order, and the
+ * unknown position of the first voxel's centre is taken to be 0.
  *
- * The header's number of lines may be 0, for "not counted". A smaller number than there are lines is
- * reported; a larger one means that the file was cut off. */
+ * The header's number of lines may be 0, for "not counted". If it is smaller than the actual number this is
+ * reported; if it is larger the file was cut off. */
 #include "io/lines/lines_format.h"
 
 #include <ctype.h>
@@ -39,11 +39,11 @@ typedef struct trk {
     iso_stream in;
     unsigned char header[HEADER];
     bool swap;               /* the file's byte order is not the machine's */
-    double to_ras[12];       /* from the file's points to RAS mm, rows of a 3 x 4 matrix */
-    int scalars, properties; /* numbers a point, and a line */
-    uint64_t count, line;    /* lines that the header promises (0: not counted), and that have begun */
+    double to_ras[12];       /* from the file's coordinates to RAS mm, rows of a 3 x 4 matrix */
+    int scalars, properties; /* how many numbers each point has, and each line */
+    uint64_t count, line; /* number of lines that the header states (0: not counted); number of lines begun */
     iso_column columns[2 * NAMES];
-    /* Where number i of a point, or of a line, belongs: a column and a component of it. */
+    /* The place of number i of a point, or of a line: a column and a component of it. */
     struct slot {
         iso_column *column;
         int component;
@@ -78,7 +78,7 @@ static iso_status fail_header(const trk *t, const char *problem, iso_error *erro
 
 /* ---- space */
 
-/* A voxel axis: the world axis that it runs along, and its sign: -1 from right to left and so on. */
+/* The world axis along which a voxel axis runs, and its sign: -1 from right to left, and so on. */
 typedef struct voxel_axis {
     int world, sign;
 } voxel_axis;
@@ -99,7 +99,8 @@ static bool parse_order(const unsigned char *text, voxel_axis axes[3]) {
     return true;
 }
 
-/* The world axis that each column of the matrix is nearest to; every axis once, the first column first. */
+/* Finds for each column of the matrix the nearest world axis; each axis is used once, the first column
+ * chooses first. */
 static void nearest_axes(const double m[12], voxel_axis axes[3]) {
     bool used[3] = {false};
     for (int column = 0; column < 3; column++) {
@@ -124,7 +125,8 @@ static bool is_singular(const double m[12]) {
     return !(fabs(determinant) > 1e-12 * product && product > 0 && isfinite(product));
 }
 
-/* The file's own matrix, from voxel centres to RAS; or, when it has none, one that agrees with the order. */
+/* Loads the file's own matrix, from voxel centres to RAS, or makes one that agrees with the order if there is
+ * none. */
 static bool load_matrix(const trk *t, const voxel_axis order[3], const double voxel[3], double m[12]) {
     const int version = (int)load_bits(t, t->header + AT_VERSION);
     const unsigned char *at = t->header + AT_VOX_TO_RAS;
@@ -134,14 +136,14 @@ static bool load_matrix(const trk *t, const voxel_axis order[3], const double vo
     return recorded;
 }
 
-/* Composes t->to_ras. The point p is the voxel p / size - 0.5 in the order of voxel_order; from there to the
- * matrix's voxels axes are exchanged and turned round. */
+/* Composes t->to_ras. The point p is the voxel p / size - 0.5 in the axes of voxel_order, which are then
+ * permuted and reversed to those of the matrix. */
 static void compose(trk *t, const double m[12], const voxel_axis order[3], const double voxel[3]) {
     voxel_axis own[3];
     nearest_axes(m, own);
     for (int row = 0; row < 3; row++) t->to_ras[4 * row + 3] = m[4 * row + 3];
     for (int axis = 0; axis < 3; axis++) {
-        int to = 0; /* the matrix's voxel axis along the same world axis */
+        int to = 0; /* the axis of the matrix's voxels along the same world axis */
         while (own[to].world != order[axis].world) to++;
         const bool turned = own[to].sign != order[axis].sign;
         const double scale = (turned ? -1 : 1) / voxel[axis];
@@ -178,7 +180,7 @@ static iso_status read_space(trk *t, iso_error *error) {
 
 /* ---- scalars and properties */
 
-/* How many numbers a name stands for: it ends in a zero byte, behind which there may be digits. */
+/* Returns for how many numbers a name stands: digits may follow the zero byte that ends the name. */
 static int count_of_name(const unsigned char *name) {
     const unsigned char *end = memchr(name, 0, NAME);
     if (name[0] == 0) return 0;
@@ -193,8 +195,8 @@ static void copy_name(const unsigned char *name, char copy[ISO_COLUMN_NAME]) {
     for (size_t length = strlen(copy); length && copy[length - 1] == ' ';) copy[--length] = 0;
 }
 
-/* Gives every number a slot: numbers under one name, or under equal names in a row, are components of one
- * column; those without a name are a last one. */
+/* Assigns a slot to each number. Numbers that share a name, or have equal names one after the other, are
+ * components of one column; numbers without a name share a last column. */
 static void name_columns(trk *t, const unsigned char *names, int numbers, bool per_line, struct slot *slots) {
     iso_column *last = NULL;
     for (int i = 0, next = 0, left = 0; i < numbers; i++, left--) {
@@ -258,7 +260,7 @@ static iso_status read_header(trk *t, iso_error *error) {
 
 /* ---- lines */
 
-/* Takes a point with its scalars. Room for it has been made. */
+/* Reads a point with its scalars; there must be room. */
 static iso_status take_point(trk *t, const unsigned char *bytes, iso_error *error) {
     double p[3], ras[3];
     for (int i = 0; i < 3; i++) p[i] = (double)load_float(t, bytes + 4 * i);
@@ -290,7 +292,7 @@ static iso_status take_points(trk *t, uint64_t count, iso_error *error) {
     return iso_line_sink_split(&t->lines, error);
 }
 
-/* Gives a line's properties to all lines that it has become. */
+/* Copies the properties of a line of the file to all lines that were made of it. */
 static iso_status take_properties(trk *t, iso_error *error) {
     const size_t bytes = 4 * (size_t)t->properties;
     if (!iso_stream_fill(&t->in, bytes)) return iso_stream_fail(&t->in, error);

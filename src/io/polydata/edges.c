@@ -22,13 +22,15 @@ static void list_edges(graph *g, size_t points) {
     size_t total = 0;
     for (size_t i = 0; i <= points; i++) {
         total += g->first[i];
-        g->first[i] = total; /* the end; filling from the back moves it to the beginning */
+        g->first[i] = total; /* the end of the point's edges; filling from the back moves it to their
+                                beginning */
     }
     for (size_t i = 2 * g->edge_count; i-- > 0;) g->incident[--g->first[g->edges[i / 2][i % 2]]] = i / 2;
     for (size_t i = 0; i < g->edge_count; i++) g->used[i] = 0;
 }
 
-/* Adds the line that begins with `edge` at `from`, and runs on while points have two edges. */
+/* Adds the line that begins with `edge` at the point `from` and continues as long as points have two
+ * edges. */
 static iso_status add_line(graph *g, size_t edge, uint32_t from, iso_error *error) {
     ISO_TRY(iso_polydata_add_index(g->data, from, error));
     for (;;) {
@@ -44,8 +46,8 @@ static iso_status add_line(graph *g, size_t edge, uint32_t from, iso_error *erro
     return iso_polydata_end_line(g->data, error);
 }
 
-/* Adds the lines that begin with an edge that is not used yet; `ends_only`: only those that begin at a point
- * with another number of edges than two, along the edge's direction. */
+/* Adds the lines that begin with an unused edge, in the edge's direction. With `ends_only`, only lines that
+ * begin at a point with one edge or more than two. */
 static iso_status add_lines(graph *g, bool ends_only, iso_error *error) {
     for (size_t i = 0; i < g->edge_count; i++) {
         const uint32_t from = g->edges[i][0];
@@ -55,7 +57,7 @@ static iso_status add_lines(graph *g, bool ends_only, iso_error *error) {
     return ISO_OK;
 }
 
-/* Adds the lines that are left and begin against the direction of their first edge. */
+/* Adds the remaining lines with ends, which begin against the direction of their first edge. */
 static iso_status add_reversed(graph *g, iso_error *error) {
     for (size_t i = 0; i < g->edge_count; i++) {
         const uint32_t from = g->edges[i][1];
@@ -86,7 +88,7 @@ static iso_status join(graph *g, bool singles, iso_error *error) {
     list_edges(g, points);
     ISO_TRY(add_lines(g, true, error));
     ISO_TRY(add_reversed(g, error));
-    ISO_TRY(add_lines(g, false, error)); /* closed lines */
+    ISO_TRY(add_lines(g, false, error)); /* only closed lines are left */
     return singles ? add_singles(g, points, error) : ISO_OK;
 }
 

@@ -6,12 +6,13 @@
 #include "io/ply.h"
 #include "io/polydata/polydata.h"
 
-/* What is needed beside the polydata. */
+/* The state of the reader in addition to the polydata. */
 typedef struct ply_reader {
     iso_ply ply;
     iso_polydata *data;
     iso_slot slots[ISO_PLY_PROPERTIES];
-    double factors[ISO_PLY_PROPERTIES]; /* colours are stored as 0 .. 1, 0 .. 255 or 0 .. 65535 */
+    double factors[ISO_PLY_PROPERTIES]; /* for each property: factor to 0 .. 255, as colours may be stored as
+                                           0 .. 1, 0 .. 255 or 0 .. 65535 */
     double values[ISO_PLY_PROPERTIES];
     iso_buffer edges; /* uint32_t[2] */
     size_t edge_count;

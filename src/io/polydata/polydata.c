@@ -35,7 +35,7 @@ iso_status iso_polydata_add_column(iso_polydata *data, const char *name, int com
     return ISO_OK;
 }
 
-/* Numbers whose names belong together. */
+/* Numbers that form one column if all their names are present. */
 static const struct group {
     const char *name;
     iso_role role;
@@ -50,7 +50,7 @@ static const struct group {
     {"f_dc", ISO_ROLE_NONE, 3, {"f_dc_0", "f_dc_1", "f_dc_2"}},
 };
 
-/* The first number with that name, or -1. */
+/* Returns the index of the first number with that name; -1: none has it. */
 static int find_name(const char *const *names, int count, const char *wanted) {
     for (int i = 0; i < count; i++)
         if (names[i] && strcasecmp(names[i], wanted) == 0) return i;

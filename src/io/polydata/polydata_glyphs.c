@@ -10,7 +10,7 @@
 #include "base/exponential.h"
 #include "io/polydata/polydata.h"
 
-/* Moves the numbers of item `from` to the place of item `to`, which is not behind it. */
+/* Moves the numbers of item `from` to item `to`, which is the same or an earlier one. */
 static void move_item(iso_buffer *buffer, size_t floats, size_t from, size_t to) {
     float *values = buffer->data;
     if (values && from != to) memcpy(values + to * floats, values + from * floats, floats * sizeof(float));
@@ -49,7 +49,8 @@ static iso_column *find_column(iso_polydata *data, const char *name, int compone
     return NULL;
 }
 
-/* The rotation matrix of a quaternion (w, x, y, z), row by row; the identity when it has no direction. */
+/* Computes the rotation matrix of a quaternion (w, x, y, z), row by row; the identity if the quaternion is
+ * 0. */
 static void rotation_of(const float quaternion[4], double m[9]) {
     double w = (double)quaternion[0], x = (double)quaternion[1], y = (double)quaternion[2],
            z = (double)quaternion[3];
@@ -67,7 +68,7 @@ static void rotation_of(const float quaternion[4], double m[9]) {
     memcpy(m, rows, sizeof rows);
 }
 
-/* The length of a half axis; 0, and counted, when the file's number is none. */
+/* Returns the length of a half axis; if the file's number is not usable, counts it and returns 0. */
 static double length_of(iso_reading *reading, float scale, bool logarithmic) {
     const double log2_e = 1.4426950408889634;
     double length = (double)scale;
@@ -105,7 +106,7 @@ static iso_status take_axes(iso_polydata *data, bool ras, iso_glyphs *glyphs, is
 
 /* ---- roles */
 
-/* Turns the constant terms of splats' colours into colours. */
+/* Converts the constant terms of the colours of Gaussian splats to display colours. */
 static void color_splats(iso_polydata *data) {
     iso_column *column = find_column(data, "f_dc", 3);
     if (!column) return;

@@ -15,7 +15,7 @@ static iso_status check_indices(const iso_polydata *data, iso_error *error) {
     return ISO_OK;
 }
 
-/* Columns for the sink, without values. */
+/* Makes columns for the sink with the same names as those of the polydata, but without values. */
 static iso_status copy_columns(iso_polydata *data, iso_buffer *columns, iso_error *error) {
     const size_t count = (size_t)data->column_count;
     ISO_TRY(iso_reading_reserve(data->reading, columns, count + 1, sizeof(iso_column), 0, error));
@@ -63,7 +63,7 @@ static iso_status gather_line(const iso_polydata *data, size_t line, iso_line_si
     return ISO_OK;
 }
 
-/* Moves columns with a role into the arrays of lines. */
+/* Moves the columns that have a role into the arrays of the lines. */
 static iso_status take_roles(iso_line_sink *sink, iso_lines *lines, iso_error *error) {
     iso_column *columns = sink->columns;
     const int count = sink->column_count;
@@ -99,7 +99,7 @@ static iso_status gather(iso_polydata *data, iso_line_sink *sink, iso_lines *lin
 }
 
 iso_status iso_polydata_to_lines(iso_polydata *data, iso_lines *lines, iso_error *error) {
-    /* vertices stay relative to the polydata's origin: the sink is to leave them as they are */
+    /* vertices stay relative to the polydata's origin, so the sink must not change them */
     iso_line_sink sink = {.reading = data->reading, .keep_floats = true};
     iso_buffer columns = {0};
     sink.ras = iso_reading_is_ras(data->reading, data->stated);

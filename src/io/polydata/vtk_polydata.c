@@ -27,7 +27,7 @@ typedef struct vtk_file {
     uint64_t cells[KINDS];    /* cells of each kind */
     bool has_points;
     enum { NO_DATA, POINT_DATA, CELL_DATA } section;
-    uint64_t tuples; /* of the section */
+    uint64_t tuples; /* number of tuples in the current section */
 } vtk_file;
 
 static iso_status bad(const vtk_file *f, const char *what, iso_error *error) {
@@ -79,21 +79,21 @@ static iso_status read_type(vtk_file *f, iso_scalar *scalar, iso_error *error) {
                     f->data->reading->path, word);
 }
 
-/* Checks that `count` numbers can be there, before memory is allocated for them. In text a number takes two
- * characters, but for the last. */
+/* Checks, before memory is allocated, that the file is long enough for `count` numbers. In text a number
+ * takes two characters, except the last one. */
 static iso_status check_numbers(const vtk_file *f, iso_scalar scalar, uint64_t count, iso_error *error) {
     const uint64_t left = (uint64_t)(f->rows.end - f->rows.at),
                    most = f->binary ? left / iso_scalar_size(scalar) : (left + 1) / 2;
     return count <= most ? ISO_OK : ends(f, error);
 }
 
-/* Begins an array of numbers: they are there, and the next to be read. */
+/* Prepares to read an array of `count` numbers; checks that they are there. */
 static iso_status begin_numbers(vtk_file *f, iso_scalar scalar, uint64_t count, iso_error *error) {
     if (f->binary) end_row(f);
     return check_numbers(f, scalar, count, error);
 }
 
-/* Reads the next number. Binary ones are there: check_numbers. */
+/* Reads the next number. check_numbers has ensured that there are enough bytes for binary ones. */
 static iso_status read_number(vtk_file *f, iso_scalar scalar, double *number, iso_error *error) {
     if (f->binary) {
         *number = iso_scalar_load(f->rows.at, scalar, true);
@@ -142,7 +142,7 @@ static iso_status take_points(vtk_file *f, iso_error *error) {
     return ISO_OK;
 }
 
-/* Reads the number of a point. Whether there is such a point is checked when all are known. */
+/* Reads the number of a point. Whether the point exists is checked later, when all points are known. */
 static iso_status read_index(vtk_file *f, iso_scalar scalar, iso_error *error) {
     double index;
     ISO_TRY(read_number(f, scalar, &index, error));
@@ -150,8 +150,8 @@ static iso_status read_index(vtk_file *f, iso_scalar scalar, iso_error *error) {
     return iso_polydata_add_index(f->data, (uint32_t)index, error);
 }
 
-/* Cells up to version 4: `size` numbers, of which the first of each cell is the number of those that follow.
- */
+/* Reads the cells of files up to version 4: `size` numbers. The first number of each cell is the count of
+ * those that follow it. */
 static iso_status take_packed_lines(vtk_file *f, uint64_t count, uint64_t size, iso_error *error) {
     ISO_TRY(begin_numbers(f, ISO_SCALAR_INT32, size, error));
     for (uint64_t i = 0; i < count; i++) {
@@ -177,7 +177,7 @@ static iso_status begin_array(vtk_file *f, const char *name, uint64_t count, iso
     return begin_numbers(f, *scalar, count, error);
 }
 
-/* Reads the offsets into the starts of lines; they begin with 0 and end with `size`. */
+/* Reads the offsets, which must begin with 0 and end with `size`, into the starts of lines. */
 static iso_status read_offsets(vtk_file *f, iso_scalar scalar, uint64_t count, uint64_t size,
                                iso_error *error) {
     double before = 0, offset = 0;
@@ -185,7 +185,7 @@ static iso_status read_offsets(vtk_file *f, iso_scalar scalar, uint64_t count, u
         ISO_TRY(read_number(f, scalar, &offset, error));
         if (!(offset >= before && offset <= (double)size) || (i == 0 && offset > 0))
             return bad(f, "the offsets of its lines do not rise from 0 to their size", error);
-        f->data->index_count = (size_t)offset; /* so that a line ends there */
+        f->data->index_count = (size_t)offset; /* ends the line there */
         if (i > 0) ISO_TRY(iso_polydata_end_line(f->data, error));
     }
     f->data->index_count = 0;
@@ -232,10 +232,10 @@ typedef struct array {
     iso_scalar scalar;
     uint64_t components, tuples;
     iso_role role;
-    double factor; /* from the file's numbers to the column's */
+    double factor; /* from the numbers in the file to those in the column */
 } array;
 
-/* Replaces %20 and the like, which VTK writes for characters that words cannot have. */
+/* Replaces %20 and similar codes, which VTK writes for characters that are not allowed in words. */
 static void decode_name(char *name) {
     char *to = name;
     for (const char *from = name; *from; from++) {
@@ -247,7 +247,8 @@ static void decode_name(char *name) {
     *to = 0;
 }
 
-/* Where the array's first tuple belongs, and how many tuples are wanted: of cells only those of lines. */
+/* Finds where the first tuple of an array belongs and how many tuples are used; of arrays over cells only
+ * those of lines are used. Returns whether any are. */
 static bool is_wanted(const vtk_file *f, const array *a, uint64_t *skipped, uint64_t *wanted) {
     uint64_t cells = 0;
     for (int kind = 0; kind < KINDS; kind++) cells += f->cells[kind];

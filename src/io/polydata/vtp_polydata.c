@@ -1,12 +1,12 @@
 /* vtp_polydata: polygonal data in VTK's XML format ("VTK XML Formats", docs.vtk.org): the points, the lines
  * and the arrays over both, of all pieces. Vertices, strips and polygons are skipped.
  *
- * Arrays are text, or bytes, raw or in base64, in the element or appended behind all elements, as they are or
- * in blocks that are compressed by zlib. They begin with numbers that say how long they are; base64 encodes
- * those of compressed arrays on their own.
+ * Arrays are text or bytes. Bytes are raw or in base64, inside the element or appended after all elements,
+ * and may be divided into blocks that are compressed by zlib. They begin with numbers that state their
+ * length; in compressed arrays these numbers are encoded in base64 separately.
  *
- * Not read by VTK: its reader allocates what the pieces' counts say, and indexes arrays by numbers that it
- * has not checked. */
+ * VTK's own reader is not used, because it allocates as much memory as the counts of pieces state, and uses
+ * indices without checking them. */
 #define _GNU_SOURCE
 #include <ctype.h>
 #include <stdlib.h>
@@ -22,7 +22,7 @@ enum { ARRAYS = 512, NAME = ISO_COLUMN_NAME, TEXT = 256 };
 
 typedef enum section { OTHER, POINT_DATA, CELL_DATA, POINTS, LINES } section;
 
-/* A start tag: `text` .. `end` is what is between < and >. */
+/* A start tag; `text` .. `end` is the text between < and >. */
 typedef struct tag {
     const char *text, *end;
 } tag;
@@ -35,24 +35,25 @@ typedef struct array {
     uint64_t components;
     iso_role role;
     enum { ASCII, BASE64, RAW } encoding;
-    const char *begin; /* of the values */
+    const char *begin; /* where the values begin */
 } array;
 
 typedef struct vtp {
     iso_polydata *data;
     iso_buffer text;
-    const char *at, *end;    /* the markup that is left */
-    const char *appended;    /* what offsets count from; NULL: none */
-    const char *end_of_data; /* of the whole file */
+    const char *at, *end; /* the rest of the markup */
+    const char *appended; /* where offsets into the appended data count from; NULL: there is no such data */
+    const char *end_of_data; /* the end of the file */
     bool appended_raw, big_endian, compressed;
-    size_t header; /* bytes of a number before values: 4 or 8 */
+    size_t header; /* bytes of each number in the header of an array: 4 or 8 */
     section in;
     char roles[3][NAME];                         /* the names of the active normals, vectors and tensors */
-    uint64_t points, lines, cells_before, cells; /* of the piece; cells_before: those before its lines */
+    uint64_t points, lines, cells_before, cells; /* counts of the current piece; cells_before: cells that
+                                                    precede its lines */
     array arrays[ARRAYS];
     int array_count;
-    iso_buffer values, sizes; /* an array's decoded bytes; its header */
-    uint64_t bytes;           /* in `values` */
+    iso_buffer values, sizes; /* the decoded bytes of an array; the numbers of its header */
+    uint64_t bytes;           /* number of bytes in `values` */
     bool has_piece;
 } vtp;
 
@@ -115,7 +116,7 @@ static bool attribute_is(const tag *t, const char *name, const char *wanted) {
     return attribute(t, name, value) && strcmp(value, wanted) == 0;
 }
 
-/* Reads a count; a missing one is `missing`. */
+/* Reads a count; returns `missing` if the attribute is missing. */
 static iso_status read_count(const vtp *v, const tag *t, const char *name, uint64_t missing, uint64_t *count,
                              iso_error *error) {
     char value[TEXT];
@@ -137,13 +138,13 @@ static int digit_value(char c) {
     return c == '+' ? 62 : c == '/' ? 63 : c == '=' ? 0 : -1;
 }
 
-/* The bytes of an array that are left. */
+/* The part of an array's data that has not been read yet. */
 typedef struct source {
     const char *at, *end;
     bool base64;
 } source;
 
-/* The number of characters that hold `bytes` bytes. */
+/* Returns the number of characters that encode `bytes` bytes. */
 static uint64_t characters(const source *s, uint64_t bytes) {
     return s->base64 ? (bytes + 2) / 3 * 4 : bytes;
 }
@@ -152,8 +153,8 @@ static bool has_bytes(const source *s, uint64_t bytes) {
     return bytes <= (uint64_t)(s->end - s->at) && characters(s, bytes) <= (uint64_t)(s->end - s->at);
 }
 
-/* Copies the next bytes, which must be there, and moves behind the characters that hold them. In base64 the
- * next bytes follow only if these are a multiple of three. False: not base64. */
+/* Copies the next bytes, which must exist, and advances behind their characters. In base64 more bytes can
+ * follow only if this number is a multiple of three. Returns false if the text is not base64. */
 static bool take_bytes(source *s, uint64_t bytes, unsigned char *to) {
     if (!s->base64) {
         memcpy(to, s->at, bytes);
@@ -173,14 +174,14 @@ static bool take_bytes(source *s, uint64_t bytes, unsigned char *to) {
     return true;
 }
 
-/* A number before values: as integers, because lengths must not be rounded. */
+/* Reads a number of an array's header, as an integer because lengths must not be rounded. */
 static uint64_t load_count(const vtp *v, const unsigned char *bytes) {
     uint64_t count = 0;
     for (size_t i = 0; i < v->header; i++) count = count << 8 | bytes[v->big_endian ? i : v->header - 1 - i];
     return count;
 }
 
-/* Takes an array that is not compressed: its length, and the bytes, encoded together. */
+/* Reads an array that is not compressed: its length and its bytes, which are encoded together. */
 static iso_status take_plain(vtp *v, source s, iso_error *error) {
     unsigned char head[8];
     source again = s;
@@ -196,8 +197,8 @@ static iso_status take_plain(vtp *v, source s, iso_error *error) {
     return ISO_OK;
 }
 
-/* Reads the header of a compressed array: the number of blocks, their size, that of a smaller last one, and
- * the packed size of each, which stay in v->sizes. */
+/* Reads the header of a compressed array into v->sizes: the number of blocks, the size of a block, the size
+ * of a smaller last block, and the compressed size of each. */
 static iso_status take_sizes(vtp *v, source *s, uint64_t head[3], iso_error *error) {
     unsigned char bytes[24];
     if (!has_bytes(s, 3 * v->header)) return ends(v, error);
@@ -210,8 +211,8 @@ static iso_status take_sizes(vtp *v, source *s, uint64_t head[3], iso_error *err
                                                              : bad(v, "an array is not in base64", error);
 }
 
-/* Checks the sizes: the packed bytes are there, and no block can unpack to more than zlib packs, 1032 times
- * its size. Sets v->bytes and *packed. */
+/* Checks the sizes: all compressed bytes exist, and no block is larger than 1032 times its compressed size,
+ * the most that zlib can reach. Sets v->bytes and *packed. */
 static iso_status check_sizes(vtp *v, const source *s, const uint64_t head[3], uint64_t *packed,
                               iso_error *error) {
     const uint64_t blocks = head[0], last = head[2] ? head[2] : head[1];
@@ -274,7 +275,7 @@ static iso_status take_text(vtp *v, const array *a, uint64_t count, iso_error *e
     return ISO_OK;
 }
 
-/* Decodes an array that must have `count` numbers; then get_number returns them. */
+/* Decodes an array, which must have `count` numbers, for get_number. */
 static iso_status decode(vtp *v, const array *a, uint64_t count, iso_error *error) {
     if (a->encoding == ASCII) return take_text(v, a, count, error);
     const source s = {a->begin, v->end_of_data, a->encoding == BASE64};
@@ -318,7 +319,8 @@ static iso_status take_points(vtp *v, iso_error *error) {
     return ISO_OK;
 }
 
-/* Lines name points of the piece; `first` is the number of its first one. */
+/* Reads the lines of a piece, which refer to points of the piece; `first` is the number of its first
+ * point. */
 static iso_status take_lines(vtp *v, uint64_t first, iso_error *error) {
     const array *offsets = find_array(v, LINES, "offsets"), *points = find_array(v, LINES, "connectivity");
     const uint64_t indices = v->data->index_count;
@@ -331,7 +333,7 @@ static iso_status take_lines(vtp *v, uint64_t first, iso_error *error) {
         if (!(offset >= (double)last && offset < 1e15))
             return bad(v, "the offsets of its lines do not rise", error);
         last = (uint64_t)offset;
-        v->data->index_count = (size_t)(indices + last); /* so that the line ends there */
+        v->data->index_count = (size_t)(indices + last); /* ends the line there */
         ISO_TRY(iso_polydata_end_line(v->data, error));
     }
     v->data->index_count = (size_t)indices;
@@ -345,7 +347,8 @@ static iso_status take_lines(vtp *v, uint64_t first, iso_error *error) {
     return ISO_OK;
 }
 
-/* The column of an array, made when it is not there; -1: the array came up only in a later piece. */
+/* Finds the column of an array, or makes it. *column -1: the array was missing in an earlier piece and is
+ * ignored. */
 static iso_status find_column(vtp *v, const array *a, int *column, iso_error *error) {
     const bool per_line = a->in == CELL_DATA;
     *column = -1;
@@ -359,7 +362,7 @@ static iso_status find_column(vtp *v, const array *a, int *column, iso_error *er
     return iso_polydata_add_column(v->data, a->name, (int)a->components, per_line, a->role, column, error);
 }
 
-/* Takes an array over points or cells; `first`: the first item of the piece. */
+/* Reads an array over points or cells; `first`: the number of the piece's first item. */
 static iso_status take_column(vtp *v, const array *a, uint64_t first, iso_error *error) {
     const bool cells = a->in == CELL_DATA;
     const uint64_t items = cells ? v->lines : v->points, all = cells ? v->cells : v->points,
@@ -378,7 +381,7 @@ static iso_status take_column(vtp *v, const array *a, uint64_t first, iso_error 
     return ISO_OK;
 }
 
-/* The columns of this piece's items that no array has filled are no numbers. */
+/* Sets the columns to NaN for those items of this piece for which it has no array. */
 static iso_status clear_columns(vtp *v, bool per_line, uint64_t first, uint64_t items, iso_error *error) {
     for (int i = 0; i < v->data->column_count; i++) {
         iso_column *column = iso_polydata_column(v->data, i);
@@ -442,7 +445,7 @@ static iso_role role_of(const vtp *v, const array *a) {
     return ISO_ROLE_NONE;
 }
 
-/* Where the values begin: behind the tag, or at an offset behind all elements. */
+/* Finds where the values of an array begin: after its tag, or at an offset in the appended data. */
 static iso_status locate(vtp *v, const tag *t, array *a, iso_error *error) {
     char format[TEXT] = "ascii";
     uint64_t offset;
