@@ -1,4 +1,4 @@
-/* beside: compares boxes and writes the note. */
+/* beside: compares boxes and writes the note about a file that lies beside the others. */
 #include "apps/common/beside.h"
 
 #include <stdio.h>

@@ -1,5 +1,5 @@
-/* beside: a note about files whose box lies beside everything else. Most files of lines and glyphs do not say
- * which axes they have, so that they may be mirrored. */
+/* beside: detects files whose box lies beside everything else, and writes a note. Most files of lines and
+ * glyphs do not state the axes of their coordinates, so they may have been read mirrored. */
 #ifndef ISO_APPS_COMMON_BESIDE_H
 #define ISO_APPS_COMMON_BESIDE_H
 
@@ -12,9 +12,9 @@ extern "C" {
 
 enum { ISO_BESIDE_TEXT = 1024 };
 
-/* Whether `box`, of the file `path` that was read as `space`, lies beside `rest`; then writes a note of both
- * boxes, which asks for the other space unless `space` is ISO_SPACE_FILE: the file states its axes. An empty
- * `rest` has nothing beside it. */
+/* Returns whether `box`, of the file `path` that was read as `space`, lies beside `rest`; if so, writes a
+ * note with both boxes. The note suggests the other space, unless `space` is ISO_SPACE_FILE, that is, the
+ * file states its axes. Nothing lies beside an empty `rest`. */
 bool iso_beside_note(const char *path, const iso_box *box, const iso_box *rest, iso_space space,
                      char text[ISO_BESIDE_TEXT]);
 

@@ -1,4 +1,5 @@
-/* Options for reading a volume: parsing, checking, cropping, and as text in a journal. */
+/* Options for reading a volume: parses and checks them, crops volumes, and converts the options to text for a
+ * journal. */
 #include "apps/common/input.h"
 
 #include <limits.h>
@@ -87,7 +88,7 @@ iso_volume_opts iso_input_volume_opts(const iso_input *input) {
                              .max_memory = input->max_memory};
 }
 
-/* Range of index coordinates along each axis of a box in world mm. */
+/* Returns the range of index coordinates, along each axis, of a box in world mm. */
 static iso_box index_box(const double mm[6], const iso_transform *transform) {
     const iso_affine affine = iso_transform_affine(transform);
     const iso_box world = {{mm[0], mm[2], mm[4]}, {mm[1], mm[3], mm[5]}};
@@ -97,7 +98,8 @@ static iso_box index_box(const double mm[6], const iso_transform *transform) {
     return index;
 }
 
-/* The message has both boxes in the order of the option, so that they can be compared. */
+/* Fails with a message that shows both boxes in the order of the option's values, so that the user can
+ * compare them. */
 static iso_status fail_without_voxel(const double mm[6], const int dims[3], const iso_transform *transform,
                                      iso_error *error) {
     const iso_affine affine = iso_transform_affine(transform);
@@ -111,7 +113,8 @@ static iso_status fail_without_voxel(const double mm[6], const int dims[3], cons
 
 static iso_status box_of_mm(const iso_input *input, const int dims[3], const iso_transform *transform,
                             int box[6], iso_error *error) {
-    const double rounding = 1e-6; /* voxels: positions that are the box's border but for rounding are in it */
+    const double rounding = 1e-6; /* voxels; a position that lies outside the box only by rounding counts as
+                                     inside */
     const iso_box index = index_box(input->crop_mm, transform);
     const double low[3] = {index.lo.x, index.lo.y, index.lo.z},
                  high[3] = {index.hi.x, index.hi.y, index.hi.z};
@@ -175,7 +178,7 @@ bool iso_input_drops_parts(const iso_input *input) {
 
 typedef struct writer {
     char *text;
-    size_t room, used; /* used > room: it did not fit */
+    size_t room, used; /* size of `text`; length of the text, more than `room` if it did not fit */
 } writer;
 
 #if defined(__GNUC__)
@@ -228,7 +231,8 @@ iso_status iso_input_write(const iso_input *input, char *text, size_t room, iso_
     return ISO_OK;
 }
 
-/* The rows of the programs' option tables that decide what is read: not how much memory that may take. */
+/* Finds an option by name among those that determine which voxels are read; --max-memory is not one of
+ * them. */
 static const iso_option *find_option(const char *name) {
     enum { INPUT, SOLID };
     static const iso_option options[] = {

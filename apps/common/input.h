@@ -35,10 +35,11 @@ iso_status iso_input_apply_crop_mm(void *settings, const char *value, iso_error 
 /* ISO_ERR_USAGE when options contradict each other. */
 iso_status iso_input_check(const iso_input *input, iso_error *error);
 
-/* The first given option that needs a volume ("--crop"), or NULL: for inputs that are no volumes. */
+/* Returns the first option given that only volumes have, such as "--crop"; NULL: none was given. For inputs
+ * that are not volumes. */
 const char *iso_input_volume_option(const iso_input *input);
 
-/* The options for iso_volume_read, without files, pool and progress. Borrows `input`. */
+/* Returns the options for iso_volume_read, with files, pool and progress unset. Borrows `input`. */
 iso_volume_opts iso_input_volume_opts(const iso_input *input);
 
 /* Computes the range of voxels that are kept, as x0 x1 y0 y1 z0 z1, first and last: all without a crop; those
@@ -46,7 +47,7 @@ iso_volume_opts iso_input_volume_opts(const iso_input *input);
  * ISO_ERR_USAGE: --crop extends beyond the volume, or no voxel lies in the box. */
 iso_status iso_input_box(const iso_input *input, const int dims[3], const iso_transform *transform,
                          int box[6], iso_error *error);
-/* Cuts a grid down to these voxels, if there is a crop; its transform keeps world positions. */
+/* Crops a grid to these voxels if the options ask for it; the voxels keep their world positions. */
 iso_status iso_input_crop(const iso_input *input, const int box[6], iso_grid *grid, iso_error *error);
 
 /* Reads and crops a volume. `opts` has the file set that all files read are added to, the thread pool and the
@@ -54,7 +55,8 @@ iso_status iso_input_crop(const iso_input *input, const int box[6], iso_grid *gr
 iso_status iso_input_read(const char *path, const iso_input *input, const iso_volume_opts *opts,
                           iso_volume *volume, iso_error *error);
 
-/* Whether --largest or --min-size is given. Reading does not drop parts: that needs an isovalue. */
+/* Returns whether --largest or --min-size is given. Parts are not dropped by reading, because that needs an
+ * isovalue. */
 bool iso_input_drops_parts(const iso_input *input);
 
 /* Writes the options that decide which voxels are read as lines "option=value", for a journal; "" for default

@@ -1,4 +1,5 @@
-/* Spools: the first bytes decide whether an input is copied, and how far. */
+/* Copies inputs to temporary files. The first bytes decide whether an input is copied, and up to which
+ * byte. */
 #define _GNU_SOURCE
 #include "apps/common/input_spool.h"
 
@@ -35,13 +36,13 @@ typedef struct copier {
     int input;
     char *block; /* BLOCK bytes */
     uint64_t copied;
-    uint64_t end;   /* where the voxels end at the latest */
-    uint64_t limit; /* most that may be copied */
+    uint64_t end;   /* byte behind the last voxel, at most */
+    uint64_t limit; /* largest number of bytes to copy */
 } copier;
 
 /* ---- the copy's file ---- */
 
-/* A name that leads to an open file; NULL where the system has none. */
+/* Returns a path to an open file; NULL: the system has no /proc. */
 static char *name_of_descriptor(int descriptor) {
     static const char *const forms[] = {"/proc/self/fd/%d", "/dev/fd/%d"};
     for (int i = 0; i < 2; i++) {
@@ -100,7 +101,7 @@ void iso_spool_close(iso_spool *spool) {
 
 /* ---- copying ---- */
 
-/* Reads on until `room` bytes are in the block or the input ends. */
+/* Reads until `room` bytes are in the block or the input ends. */
 static iso_status read_block(const copier *c, size_t room, size_t *count, iso_error *error) {
     while (*count < room) {
         ssize_t got = read(c->input, c->block + *count, room - *count);
@@ -128,7 +129,7 @@ static bool is_ply(const char *bytes, size_t count) {
     return count >= 4 && memcmp(bytes, "ply", 3) == 0 && (bytes[3] == '\n' || bytes[3] == '\r');
 }
 
-/* The first bytes, and what they are. */
+/* Reads the first bytes and determines the format. */
 static iso_status read_format(copier *c, size_t *count, const char **format, iso_error *error) {
     ISO_TRY(read_block(c, HEAD, count, error));
     if (*count == 0) return iso_fail(error, ISO_ERR_IO, "%s: is empty", c->name);
@@ -143,7 +144,8 @@ static iso_status read_format(copier *c, size_t *count, const char **format, iso
     return iso_fail(error, ISO_ERR_FORMAT, "%s: not a volume that isopoint can read", c->name);
 }
 
-/* Most bytes that a file with this header can take: numbers as text are the longest form. */
+/* Returns the largest possible size of a file with this header; numbers written as text take the most
+ * bytes. */
 static uint64_t longest_file(const iso_volume_info *info, int components) {
     uint64_t bytes = 32;
     for (int i = 0; i < 3; i++)
@@ -159,7 +161,7 @@ static uint64_t raw_file(const iso_volume_info *info, const iso_raw_layout *raw)
     return __builtin_add_overflow(bytes, raw->offset, &bytes) ? UINT64_MAX : bytes;
 }
 
-/* Replaces the path of the copy in a message by the input's name. */
+/* Replaces the path of the copy in a message by the name of the input. */
 static iso_status name_input(const copier *c, iso_status status, iso_error *error) {
     if (status == ISO_OK || !error) return status;
     const char *text = error->text;
@@ -167,8 +169,8 @@ static iso_status name_input(const copier *c, iso_status status, iso_error *erro
     return iso_fail(error, status, "%s: %s", c->name, text + length + strspn(text + length, ":/ "));
 }
 
-/* Checks memory and finds the end of the voxels, for formats whose header lies before the voxels. Others are
- * copied up to the memory limit. */
+/* Checks memory and determines the end of the voxels, for formats whose header precedes the voxels. Files of
+ * other formats are copied up to the memory limit. */
 static iso_status check_header(copier *c, const char *format, iso_error *error) {
     static const char *const formats[] = {"raw", "nrrd", "nifti", "metaimage"};
     const iso_volume_opts *volume = c->opts->volume;
@@ -181,7 +183,7 @@ static iso_status check_header(copier *c, const char *format, iso_error *error) 
     if (status != ISO_OK) return name_input(c, status, error);
     c->end = volume->raw ? raw_file(&info, volume->raw) : longest_file(&info, info.components);
     uint64_t one = volume->raw ? c->end : longest_file(&info, 1);
-    if (c->limit < one) c->limit = one; /* a file may be larger than what is made of it */
+    if (c->limit < one) c->limit = one; /* a file may be larger than the volume made of it */
     return ISO_OK;
 }
 
@@ -212,7 +214,7 @@ static iso_status copy_all(copier *c, iso_error *error) {
 
 /* ---- the input ---- */
 
-/* Whether standard input is a regular file that was not read from yet: it needs no copy. */
+/* Returns whether standard input is a regular file that has not been read from yet; it then needs no copy. */
 static bool reuse_file(const copier *c) {
     struct stat info;
     if (fstat(c->input, &info) != 0 || !S_ISREG(info.st_mode) || info.st_size == 0) return false;

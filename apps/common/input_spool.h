@@ -30,12 +30,13 @@ extern "C" {
 typedef struct iso_spool {
     char *path;     /* of the copy; owned; NULL: nothing was copied */
     int descriptor; /* of the copy; open as long as path is not NULL */
-    bool named;     /* the copy has the name `path` and is removed by close: for systems without /proc */
+    bool named;     /* the copy has the name `path` and is removed by iso_spool_close; on systems without
+                       /proc */
 } iso_spool;
 
 typedef struct iso_spool_opts {
-    const iso_volume_opts *volume; /* borrowed: the raw layout and the memory limit count */
-    bool points;                   /* a .ply file is accepted, too */
+    const iso_volume_opts *volume; /* borrowed; only the raw layout and the memory limit are used */
+    bool points;                   /* also accept a .ply file */
 } iso_spool_opts;
 
 /* Whether the input can be read only once: "-" (standard input) or the name of a FIFO. */
@@ -50,7 +51,7 @@ iso_status iso_spool_open(const char *path, const iso_spool_opts *opts, iso_spoo
 /* Removes the copy. Safe on a zeroed spool. */
 void iso_spool_close(iso_spool *spool);
 
-/* The name of an input for messages: "standard input" for "-". */
+/* Returns the name of an input for messages: "standard input" for "-". */
 const char *iso_spool_name(const char *path);
 
 #ifdef __cplusplus

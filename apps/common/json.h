@@ -1,12 +1,13 @@
-/* json: writes one JSON document to a stream, indented, with the commas in the right places.
+/* json: writes a JSON document to a stream, with indentation and commas.
  *
  * `key` is the member's name inside an object and NULL inside an array (and for the outermost value). Strings
- * are UTF-8; bytes that are not become U+FFFD. Numbers are the shortest that read back the same; NaN and
- * infinities become null. Write errors are not returned: check the stream with ferror. One thread at a time.
+ * are UTF-8; bytes that are not become U+FFFD. Numbers have the fewest digits that are read back as the same
+ * number; NaN and infinities become null. Write errors are not returned: check the stream with ferror. Not
+ * thread-safe.
  *
- * Not written with jansson, which stroke files are read and written with (sculpt/session/event.c): its
- * numbers have a fixed count of digits, so that 0.1 becomes 0.10000000000000001 where all must read back the
- * same; its arrays take a line for each number; and it builds the whole document in memory first. */
+ * The library jansson, which reads and writes stroke files (sculpt/session/event.c), is not used here for
+ * three reasons: it writes numbers with a fixed count of digits, 0.1 as 0.10000000000000001; it puts each
+ * number of an array on its own line; and it builds the whole document in memory. */
 #ifndef ISO_APPS_COMMON_JSON_H
 #define ISO_APPS_COMMON_JSON_H
 
@@ -18,11 +19,11 @@
 extern "C" {
 #endif
 
-/* Zero-initialise but for the stream, which is borrowed. */
+/* Zero-initialise everything except the stream, which is borrowed. */
 typedef struct iso_json {
     FILE *stream;
     int depth;
-    bool filled;  /* the innermost object or array has a member already */
+    bool filled;  /* the innermost object or array already has a member */
     bool inlined; /* inside an array of numbers: kept on one line */
 } iso_json;
 
@@ -31,13 +32,13 @@ void iso_json_end_object(iso_json *json);
 void iso_json_begin_array(iso_json *json, const char *key);
 void iso_json_end_array(iso_json *json);
 
-void iso_json_string(iso_json *json, const char *key, const char *value); /* NULL: null */
+void iso_json_string(iso_json *json, const char *key, const char *value); /* writes null if value is NULL */
 void iso_json_real(iso_json *json, const char *key, double value);
 void iso_json_integer(iso_json *json, const char *key, uint64_t value);
 void iso_json_bool(iso_json *json, const char *key, bool value);
 void iso_json_null(iso_json *json, const char *key);
 
-/* An array of `count` numbers on one line. */
+/* Writes an array of `count` numbers on one line. */
 void iso_json_reals(iso_json *json, const char *key, const double *values, int count);
 void iso_json_ints(iso_json *json, const char *key, const int *values, int count);
 

@@ -1,4 +1,4 @@
-/* json_parts: objects that the reports of several programs have in common. */
+/* json_parts: writes objects that the reports of several programs contain. */
 #ifndef ISO_APPS_COMMON_JSON_PARTS_H
 #define ISO_APPS_COMMON_JSON_PARTS_H
 
@@ -10,11 +10,11 @@
 extern "C" {
 #endif
 
-/* Which parts of the solid were kept and dropped. */
+/* Writes which parts of the solid were kept and dropped. */
 void iso_put_components(iso_json *json, const char *key, const iso_components_totals *parts);
 
-/* Connected pieces, area (mm2), volume (mm3; null when the mesh is open), open and crowded edges and Euler
- * number of a mesh. */
+/* Writes the measures of a mesh: connected pieces, area (mm2), volume (mm3; null when the mesh is open), open
+ * and crowded edges, and Euler number. */
 void iso_put_mesh_measures(iso_json *json, const char *key, const iso_mesh_measures *measures);
 
 #ifdef __cplusplus

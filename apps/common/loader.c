@@ -1,5 +1,5 @@
-/* Inputs of the programs: volume files, procedural scenes, points that isorender wrote, and any of the files
- * on standard input. */
+/* Opens and reads the inputs of the programs: volume files, procedural scenes, .ply files of points, and any
+ * of these files on standard input. */
 #define _GNU_SOURCE
 #include "apps/common/loader.h"
 
@@ -28,7 +28,7 @@ bool iso_loader_is_scene(const char *input) {
     return strncmp(input, SCENE_PREFIX, strlen(SCENE_PREFIX)) == 0;
 }
 
-/* "NAME" or "NAME:SIZE". */
+/* Parses "NAME" or "NAME:SIZE". */
 static iso_status parse_scene(const char *text, char name[SCENE_NAME], int *size, iso_error *error) {
     size_t length = strcspn(text, ":");
     *size = 0;
@@ -47,7 +47,7 @@ static uint64_t scene_bytes(const char *name, int size) {
     return 12 * side * side * (ISO_BRICK_VOXELS * sizeof(float) / (ISO_BRICK * ISO_BRICK));
 }
 
-/* The header that a file with this grid would have. */
+/* Fills `info` as the header of a file with this grid would. */
 static void describe_scene(const iso_grid *grid, const char *name, iso_volume_info *info) {
     snprintf(info->format, sizeof info->format, "scene");
     snprintf(info->name, sizeof info->name, "%s", name);
@@ -95,7 +95,7 @@ static iso_volume_opts volume_opts(iso_loader *loader) {
     return opts;
 }
 
-/* By the name or by the first bytes. */
+/* Returns whether an input is a .ply file, by its name or first bytes. */
 static bool is_ply(const char *path) {
     unsigned char head[4] = {0};
     int file = open(path, O_RDONLY | O_CLOEXEC);

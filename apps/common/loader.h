@@ -24,23 +24,25 @@
 extern "C" {
 #endif
 
-/* The first members are the caller's, all borrowed until iso_loader_close; the others are zero-initialised,
- * and set by the functions below. */
+/* The caller sets the members up to progress_context, all borrowed until iso_loader_close, and zeroes the
+ * others, which the functions below set. */
 typedef struct iso_loader {
-    const char *input;        /* as typed: a path, "scene:...", "-" */
-    const iso_input *options; /* how it is read */
-    iso_file_set *files;      /* gets every file that is read, with outputs to be checked against; or NULL */
+    const char *input;        /* as the user typed it: a path, "scene:...", "-" */
+    const iso_input *options; /* how volumes are read */
+    iso_file_set *files;      /* every file that is read is added, to check that no output overwrites it; or
+                                 NULL */
     iso_pool *pool;
-    void (*progress)(void *context, double fraction); /* of iso_loader_read, 0 .. 1; NULL: not wanted */
+    void (*progress)(void *context,
+                     double fraction); /* progress of iso_loader_read, 0 .. 1; NULL: not wanted */
     void *progress_context;
 
     /* after iso_loader_open: */
     const char *path; /* what readers open: the input, or the copy of standard input or a FIFO */
     iso_spool spool;
-    bool has_points;       /* the input holds points: `points` is read, and there is no volume */
-    iso_volume volume;     /* info; of scenes also the grid */
+    bool has_points;       /* the input contains points instead of a volume, and `points` is set */
+    iso_volume volume;     /* the header; for scenes also the grid */
     int crop[6];           /* voxels of the file that are kept: x0 x1 y0 y1 z0 z1, first and last */
-    double scene_isovalue; /* the isovalue a scene is made for; NAN when the input is no scene */
+    double scene_isovalue; /* the isovalue of a scene's surface; NAN when the input is not a scene */
 
     /* after iso_loader_read: */
     iso_points points;
@@ -51,27 +53,28 @@ typedef struct iso_loader {
     iso_histogram histogram;
 } iso_loader;
 
-/* Reads the header, adds the files to `files` and checks that none of them is also an output. Makes a scene
- * at once, because that takes no longer. ISO_ERR_USAGE (unknown scene, crop outside the volume, an output
+/* Reads the header, adds the files to `files` and checks that none of them is also an output. A scene is
+ * created at once, because that is fast. ISO_ERR_USAGE (unknown scene, crop outside the volume, an output
  * would overwrite an input), ISO_ERR_LIMIT (a scene larger than the memory limit), and the errors of
  * iso_spool_open and iso_volume_read_info. */
 iso_status iso_loader_open(iso_loader *loader, iso_error *error);
 
-/* Reads the voxels and cuts them down to `crop`, or reads the points. Errors: those of iso_volume_read and
+/* Reads the voxels and crops them to `crop`, or reads the points. Errors: those of iso_volume_read and
  * iso_points_read_ply. */
 iso_status iso_loader_read(iso_loader *loader, iso_error *error);
 
-/* Makes `histogram` of the volume, unless it is there already. ISO_ERR_EMPTY: no voxel is finite. */
+/* Computes `histogram` from the volume, unless it exists already. ISO_ERR_EMPTY: no voxel is finite. */
 iso_status iso_loader_histogram(iso_loader *loader, iso_error *error);
 
-/* Frees what was read, and the copy of standard input. */
+/* Frees everything that was read, and the copy of standard input. */
 void iso_loader_close(iso_loader *loader);
 
-/* Adds the files that `input` is read from to `files`, as far as its header can be read; errors are left to
- * iso_loader_open. For runs of several inputs: no output of one may overwrite an input of another. */
+/* Adds the files that `input` consists of to `files`, as far as its header can be read; errors are ignored,
+ * because iso_loader_open reports them. For runs with several inputs, in which no output of one input may
+ * overwrite another input. */
 void iso_loader_list_files(const char *input, const iso_input *options, iso_file_set *files);
 
-/* Whether the input is a scene, by its name. */
+/* Returns whether the input is a scene, judged by its name. */
 bool iso_loader_is_scene(const char *input);
 
 #ifdef __cplusplus

@@ -13,8 +13,8 @@
 
 /* ---- numbers ---- */
 
-/* strtod also takes blanks, hexadecimal, inf and nan: none of them is meant on a command line. The programs
- * never leave the C locale. */
+/* Parses a number at the beginning of `text`. Rejects blanks, hexadecimal numbers, inf and nan, which strtod
+ * accepts. The programs never leave the C locale. */
 static bool real_prefix(const char *text, double *out, const char **end) {
     size_t length = strspn(text, "0123456789+-.eE");
     if (length == 0) return false;
@@ -103,7 +103,7 @@ static bool parse_hexadecimal_color(const char *text, uint8_t rgb[3]) {
     return true;
 }
 
-/* Letters in either case; nothing depends on the locale. */
+/* Compares words without regard to case, independent of the locale. */
 static bool same_letters(const char *a, const char *b) {
     for (; *a && *b; a++, b++) {
         char x = *a >= 'A' && *a <= 'Z' ? (char)(*a - 'A' + 'a') : *a;
@@ -131,7 +131,7 @@ bool iso_parse_color(const char *text, uint8_t rgb[3]) {
 
 /* ---- names ---- */
 
-/* Whether `name` (of `length` characters) is one of the words of `words`. */
+/* Returns whether `name` (of `length` characters) is one of the words in `words`. */
 static bool has_word(const char *words, const char *name, size_t length) {
     while (words && *words) {
         size_t word = strcspn(words, " ");
@@ -156,7 +156,7 @@ static int least(int a, int b, int c) {
     return low < c ? low : c;
 }
 
-/* Edits (insert, delete, replace, swap neighbours) between two names. */
+/* Returns the number of edits (insert, delete, replace, swap neighbours) from one name to another. */
 static int distance(const char *a, const char *b) {
     int row[3][NAME_MAX_LENGTH + 1];
     int la = (int)strlen(a), lb = (int)strlen(b);
@@ -174,7 +174,8 @@ static int distance(const char *a, const char *b) {
     return row[la % 3][lb];
 }
 
-/* An unfinished name is nearer than any misspelt one. */
+/* Returns a measure of how different a typed name is; the beginning of a name is nearer than any misspelt
+ * name. */
 static int remoteness(const char *typed, const char *name) {
     size_t length = strlen(typed);
     if (length >= 2 && strncmp(typed, name, length) == 0) return 0;
@@ -304,7 +305,8 @@ iso_status iso_option_store(const iso_option *option, const char *value, void *s
 
 /* ---- the command line ---- */
 
-/* Finds the value of an option: behind '=', or the next argument (then *index moves on). */
+/* Finds the value of an option, which follows '=' or is the next argument; in this case *index is
+ * advanced. */
 static iso_status find_value(const iso_option *option, int argc, char *const *argv, int *index,
                              const char **value, iso_error *error) {
     const char *argument = argv[*index], *equals = strchr(argument, '=');
@@ -323,7 +325,7 @@ static iso_status parse_option(const iso_program *program, int argc, char *const
     const char *argument = argv[*index];
     size_t dashes = argument[1] == '-' ? 2 : 1;
     size_t length = strcspn(argument + dashes, "=");
-    /* -x is one letter, --name more than one. */
+    /* -x has one letter, --name has more */
     const iso_option *option =
         (length == 1) == (dashes == 1) ? find(program, argument + dashes, length) : NULL;
     if (!option) return fail_unknown(program, argument, error);

@@ -1,9 +1,10 @@
-/* options: parses a command line by the table of a program's options. The same table makes --help, the man
- * page, the README's table and the shell completion.
+/* options: parses a command line according to a program's table of options. The same table produces --help,
+ * the man page, the README's table and the shell completion.
  *
  * Values are given as `--name value` or `--name=value`; a value that begins with `--` needs the second form.
- * `--` ends options, `-` alone is an operand. An option given twice: the last wins, unless its row says that
- * it may be repeated. Numbers are decimal, must fill the whole text, and do not depend on the locale. */
+ * `--` ends options, `-` alone is an operand. If an option is given several times the last one wins, unless
+ * its row allows repetition. Numbers are decimal, must fill the whole text, and do not depend on the
+ * locale. */
 #ifndef ISO_APPS_COMMON_OPTIONS_H
 #define ISO_APPS_COMMON_OPTIONS_H
 
@@ -40,11 +41,11 @@ typedef struct iso_texts {
 } iso_texts;
 
 enum {
-    ISO_OPTION_HIDDEN = 1,         /* parsed, but in no help */
+    ISO_OPTION_HIDDEN = 1,         /* parsed, but not shown in the help */
     ISO_OPTION_VALUE_OPTIONAL = 2, /* `--name` alone is allowed; a value only as `--name=value`;
                                       an ISO_OPTION_INT is 1 without */
-    ISO_OPTION_REPEATABLE = 4,     /* for the help; the kind or `apply` does the collecting */
-    ISO_OPTION_UNRECORDED = 8      /* changes how the program runs, not what it makes */
+    ISO_OPTION_REPEATABLE = 4,     /* shown in the help; the option's kind or `apply` collects the values */
+    ISO_OPTION_UNRECORDED = 8      /* affects how the program runs, but not its result */
 };
 
 typedef struct iso_option {
@@ -52,7 +53,7 @@ typedef struct iso_option {
     const char *aliases;  /* further names, separated by blanks; one letter means -x; NULL for none */
     const char *value;    /* placeholder of the value; NULL for flags */
     const char *help;     /* one sentence, no full stop */
-    const char *standard; /* the default as the help shows it, or NULL */
+    const char *standard; /* the default, as shown in the help; or NULL */
     iso_option_kind kind;
     unsigned flags;
     int group; /* index in iso_program.groups */
@@ -60,8 +61,8 @@ typedef struct iso_option {
     double low, high;
     int count;
     const char *const *choices; /* NULL-terminated */
-    /* ISO_OPTION_CALL: value is NULL when left out. Fails with iso_fail(ISO_ERR_USAGE, reason); the option's
-     * name is put before the reason. */
+    /* For ISO_OPTION_CALL; value is NULL when it was omitted. Fails with iso_fail(ISO_ERR_USAGE, reason); the
+     * name of the option is added in front of the reason. */
     iso_status (*apply)(void *settings, const char *value, iso_error *error);
 } iso_option;
 
@@ -73,7 +74,7 @@ typedef struct iso_section {
 
 typedef struct iso_program {
     const char *name, *version, *summary;
-    const char *const *usage;  /* operands of each form of the command, NULL-terminated */
+    const char *const *usage;  /* operands for each form of the command, NULL-terminated */
     const char *const *groups; /* titles, NULL-terminated */
     const iso_option *options;
     size_t option_count;
@@ -83,7 +84,7 @@ typedef struct iso_program {
     void (*seen)(void *settings, const iso_option *option, const char *value);
 } iso_program;
 
-/* Operands: pointers into argv. `values` has room for argc pointers and is the caller's. */
+/* Operands: pointers into argv. The caller owns `values`, which has room for argc pointers. */
 typedef struct iso_operands {
     const char **values;
     int count;
@@ -98,7 +99,7 @@ iso_status iso_options_parse(const iso_program *program, int argc, char *const *
  * reason, without the option's name. */
 iso_status iso_option_store(const iso_option *option, const char *value, void *settings, iso_error *error);
 
-/* The name in the table nearest to `name` (no dashes), or NULL when none is near. */
+/* Returns the name in the table that is nearest to `name` (no dashes), or NULL when none is near. */
 const char *iso_options_nearest(const iso_program *program, const char *name);
 
 /* Whole-text numbers; false (and *out untouched) when `text` is anything else. */
@@ -106,12 +107,12 @@ bool iso_parse_int(const char *text, int *out);
 bool iso_parse_real(const char *text, double *out); /* finite */
 bool iso_parse_reals(const char *text, int count, double *out);
 bool iso_parse_size(const char *text, uint64_t *out);
-/* WxH or W,H: sides of a picture, 1 .. ISO_IMAGE_MAX. ISO_ERR_USAGE says what is wrong. */
+/* Parses WxH or W,H: sides of a picture, 1 .. ISO_IMAGE_MAX. ISO_ERR_USAGE says what is wrong. */
 iso_status iso_parse_resolution(const char *text, int size[2], iso_error *error);
-/* RRGGBB or #RRGGBB in hexadecimal, or one of the 148 colour names of CSS in letters of either case. */
+/* Parses RRGGBB or #RRGGBB in hexadecimal, or one of the 148 colour names of CSS, in either case. */
 bool iso_parse_color(const char *text, uint8_t rgb[3]);
 
-/* Help for a screen, a table for the README, a man page, a bash completion script. */
+/* The forms of the help: for a screen, a table for the README, a man page, a bash completion script. */
 typedef enum iso_help_form { ISO_HELP_SCREEN, ISO_HELP_MARKDOWN, ISO_HELP_MAN, ISO_HELP_BASH } iso_help_form;
 
 void iso_options_help(const iso_program *program, iso_help_form form, FILE *stream);
@@ -119,7 +120,8 @@ void iso_options_help(const iso_program *program, iso_help_form form, FILE *stre
 /* Parses the value of --help=TEXT; NULL means the screen. ISO_ERR_USAGE lists the forms. */
 iso_status iso_parse_help_form(const char *text, iso_help_form *form, iso_error *error);
 
-/* One line on stderr that begins with the program's name. Arguments may hold any bytes (base/text.h). */
+/* Prints one line on stderr that begins with the program's name. Arguments may contain any bytes
+ * (base/text.h). */
 #if defined(__GNUC__)
 __attribute__((format(printf, 2, 3)))
 #endif

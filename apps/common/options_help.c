@@ -1,4 +1,5 @@
-/* The texts that come from an option table: help for a screen, README table, man page (roff), completion. */
+/* The texts generated from an option table: help for a screen, README table, man page (roff), shell
+ * completion. */
 #include <ctype.h>
 #include <errno.h>
 #include <stdarg.h>
@@ -13,7 +14,7 @@ static bool is_shown(const iso_option *option, int group) {
     return option->group == group && !(option->flags & ISO_OPTION_HIDDEN);
 }
 
-/* The first one-letter alias, or 0. */
+/* Returns the first one-letter alias, or 0. */
 static char letter_of(const iso_option *option) {
     for (const char *word = option->aliases; word && *word;) {
         size_t length = strcspn(word, " ");
@@ -23,7 +24,7 @@ static char letter_of(const iso_option *option) {
     return 0;
 }
 
-/* "--name VALUE" as it is typed, into text. */
+/* Writes an option as it is typed, "--name VALUE", to `text`. */
 static void write_form(const iso_option *option, char *text, size_t size) {
     if (!option->value)
         snprintf(text, size, "--%s", option->name);
@@ -42,7 +43,7 @@ static void write_help(const iso_option *option, char *text, size_t size) {
 
 /* ---- screen ---- */
 
-/* Words of text, the first at column `at`, further lines from COLUMN. */
+/* Prints words of text; the first line begins at column `at`, the following ones at COLUMN. */
 static void print_wrapped(FILE *stream, const char *text, int at) {
     while (*text) {
         int length = (int)strcspn(text, " ");
@@ -96,7 +97,7 @@ static void print_cell(FILE *stream, const char *text) {
     }
 }
 
-/* Aliases of more than one letter as "--a, --b". */
+/* Prints the aliases of more than one letter as "--a, --b". */
 static void print_aliases(FILE *stream, const iso_option *option, const char *before, const char *quote) {
     const char *separator = before;
     for (const char *word = option->aliases; word && *word;) {
@@ -129,7 +130,7 @@ static void print_markdown(const iso_program *program, FILE *stream) {
 
 /* ---- man page ---- */
 
-/* Text for roff: dashes that are typed, backslashes, and dots and quotes that begin a line. */
+/* Prints text for roff: escapes dashes and backslashes, and dots and quotes at the beginning of a line. */
 static void print_roff(FILE *stream, const char *text) {
     if (*text == '.' || *text == '\'') fputs("\\&", stream);
     for (; *text; text++) {

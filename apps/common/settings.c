@@ -1,4 +1,4 @@
-/* The options that all programs have: --json, --help, --version, and the record of the options given. */
+/* The options that all programs share: --json, --help, --version, and the record of the options given. */
 #include "apps/common/settings.h"
 
 #include <string.h>

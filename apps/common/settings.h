@@ -15,21 +15,21 @@ extern "C" {
 
 enum { ISO_RECORD_SIZE = 4096 };
 
-/* What a program does instead of its work. */
+/* What a program does instead of its normal work. */
 typedef enum iso_program_action {
     ISO_ACTION_WORK,
     ISO_ACTION_HELP,
     ISO_ACTION_VERSION,
-    ISO_ACTION_OWN /* this value and those above it: actions that a single program has */
+    ISO_ACTION_OWN /* this value and larger ones are free for actions of a single program */
 } iso_program_action;
 
 /* Zero-initialise. Strings are borrowed from argv. */
 typedef struct iso_common_settings {
-    iso_input input;       /* first: the rows of input_options.inc store into it */
+    iso_input input;       /* the first member, because the rows of input_options.inc store into it */
     int threads;           /* 0: one for each processor */
     int quiet;             /* print nothing but errors */
-    int json;              /* write a report as JSON .. */
-    const char *json_path; /* .. to this file; NULL: to standard output */
+    int json;              /* write a report as JSON */
+    const char *json_path; /* file of the report; NULL: standard output */
     int action;            /* iso_program_action; the last such option on the command line wins */
     iso_help_form help_form;
     char record[ISO_RECORD_SIZE]; /* the options that influence the result, as typed: " --name=value ..." */
@@ -47,7 +47,7 @@ void iso_settings_record_option(void *settings, const iso_option *option, const 
 /* Limits the memory of this program to --max-memory (iso_memory_set_limit). */
 void iso_settings_limit_memory(const iso_common_settings *settings);
 
-/* Names --max-memory in the message of a run that failed because of it. */
+/* Adds the name of the option --max-memory to the message if a run failed because of that limit. */
 void iso_settings_explain_memory(const iso_common_settings *settings, iso_error *error);
 
 /* Prints the help or the version to standard output if the settings ask for one of them; returns whether they

@@ -1,4 +1,4 @@
-/* Names of outputs: {model} and {n} replaced. */
+/* Names of outputs: replaces {model} and {n}. */
 #define _GNU_SOURCE
 #include "apps/common/template.h"
 
@@ -19,7 +19,7 @@ static bool is_folder(const char *path) {
     return stat(path, &info) == 0 && S_ISDIR(info.st_mode);
 }
 
-/* Cuts the extension off, and .gz with the one before it. */
+/* Removes the extension; .gz is removed together with the extension before it. */
 static void cut_extension(char *name) {
     size_t length = strlen(name);
     if (length > 3 && strcasecmp(name + length - 3, ".gz") == 0) name[length - 3] = 0;
@@ -28,7 +28,7 @@ static void cut_extension(char *name) {
 }
 
 static char *model_of_path(const char *path) {
-    /* "." and ".." have no name of their own. */
+    /* "." and ".." are resolved to find the folder's name */
     char *real = is_folder(path) ? realpath(path, NULL) : NULL;
     bool folder = real != NULL;
     char *copy = real ? real : strdup(path);
@@ -65,7 +65,7 @@ typedef struct variable {
     size_t length; /* from '{' to '}' */
 } variable;
 
-/* Reads the variable at text, which begins with '{'. */
+/* Parses the variable at `text`, which begins with '{'. */
 static bool read_variable(const char *text, variable *found) {
     const char *end = strchr(text, '}');
     if (!end) return false;

@@ -104,7 +104,7 @@ static void put_milliseconds(FILE *stream, double seconds) {
     fprintf(stream, ms >= 100 ? "%.0f" : ms >= 10 ? "%.1f" : "%.2f", ms);
 }
 
-/* Writes an amount with three digits and a prefix: 1234567 as "1.23 M", with a unit as "1.23 MB". */
+/* Writes a number with three digits and a metric prefix: 1234567 as "1.23 M", or with a unit as "1.23 MB". */
 static void put_amount(FILE *stream, double value, const char *unit) {
     static const char *const prefixes[] = {"", "k", "M", "G", "T"};
     int prefix = 0;
@@ -112,7 +112,7 @@ static void put_amount(FILE *stream, double value, const char *unit) {
     fprintf(stream, prefix ? "%.3g %s%s" : "%.0f %s%s", value, prefixes[prefix], unit);
 }
 
-/* PSNR inside the silhouettes at one sample a pixel; infinite for equal pictures. */
+/* Returns the PSNR inside the silhouettes at one sample for each pixel; infinite for equal pictures. */
 static double psnr_in(const report_cell *cell) {
     return isocompare_metric_value(iso_metric_find("psnr_in"), &cell->metrics[REPORT_SINGLE]);
 }
@@ -194,7 +194,7 @@ static void put_pictures(const report *r, FILE *stream) {
 
 /* ---- tables ---- */
 
-/* A column of the tables, with a short title. */
+/* A column of the tables: a metric with a short title. */
 typedef struct column {
     const char *title, *metric, *format;
 } column;
@@ -213,8 +213,8 @@ static const column COLUMNS[] = {{"PSNR inside, dB", "psnr_in", "%.2f"},
                                  {"pixels differing", "pixels_differing", "%.0f"}};
 enum { COLUMN_COUNT = sizeof COLUMNS / sizeof *COLUMNS };
 
-/* Whether any view has a value of a metric: those that need depth and normals exist for one sample a pixel
- * only. */
+/* Returns whether any view has a value of a metric. Metrics of depth and normals exist only for one sample
+ * for each pixel. */
 static bool has_column(const report *r, report_sampling sampling, const iso_metric *metric) {
     for (int z = 0; z < REPORT_ZOOMS; z++)
         for (int m = 1; m < r->method_count; m++)
@@ -222,7 +222,7 @@ static bool has_column(const report *r, report_sampling sampling, const iso_metr
     return false;
 }
 
-/* Whether a value is the best of all methods; signed values are compared by magnitude. */
+/* Returns whether a value is the best of all methods; signed values are compared by magnitude. */
 static bool is_best(const report *r, const report_view *v, report_sampling sampling, const iso_metric *metric,
                     double value) {
     for (int m = 1; m < r->method_count; m++) {
@@ -305,13 +305,13 @@ static void put_extraction(const report *r, FILE *stream) {
 
 /* ---- transparency ---- */
 
-/* The root mean square of the differences, 0 .. 255, at the largest opacity. */
+/* Returns the root mean square of the differences, 0 .. 255, at the largest opacity. */
 static double levels_of(const report *r, iso_compositing compositing) {
     const double psnr = r->transparency.psnr[compositing][ISO_TRANSPARENCY_OPACITIES - 1];
     return 255 / pow(10, isocompare_psnr_value(psnr) / 20);
 }
 
-/* Says what is drawn, and what the table means. */
+/* Writes the text that explains the translucent pictures and the table. */
 static void put_transparency_text(const report *r, FILE *stream) {
     const iso_transparency_study *study = &r->transparency;
     char layers[40];

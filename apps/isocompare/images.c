@@ -10,7 +10,7 @@
 #include "image/exr.h"
 #include "image/image.h"
 
-/* One picture of the comparison. */
+/* One picture of the comparison, and its files. */
 typedef struct side {
     const char *path, *aov_path;
     iso_image image;
@@ -23,7 +23,7 @@ typedef struct comparison {
     iso_pool *pool;
     side sides[2];
     double voxel;
-    float *map; /* differences by FLIP, or NULL */
+    float *map; /* FLIP differences, or NULL */
     iso_metrics metrics;
 } comparison;
 
@@ -253,7 +253,8 @@ static iso_status compare(comparison *c, iso_error *error) {
     bool to_stdout = settings->common.json && !settings->common.json_path;
     if (!settings->common.quiet && !to_stdout) print_table(c);
     iso_status status = settings->common.json ? write_json(c, error) : ISO_OK;
-    if (status != ISO_OK) iso_file_remove(settings->difference); /* all outputs or none */
+    if (status != ISO_OK)
+        iso_file_remove(settings->difference); /* no output is left unless all are written */
     ISO_TRY(status);
     return check_bounds(c, error);
 }

@@ -25,8 +25,8 @@ typedef struct isocompare_bound {
 typedef struct isocompare_settings {
     iso_common_settings common; /* first */
     isocompare_command command;
-    const char *volume, *output; /* report */
-    double isovalue;             /* of the report, physical; NaN: not given */
+    const char *volume, *output; /* for the command report */
+    double isovalue;             /* for the command report, physical; NaN: not given */
     int side;
     const char *truth, *candidate, *truth_aov, *candidate_aov;
     const char *difference;
@@ -34,7 +34,8 @@ typedef struct isocompare_settings {
     double voxel, pixels_per_voxel, pixels_per_degree;
     isocompare_bound bounds[ISOCOMPARE_BOUNDS];
     int bound_count;
-    const char *of_images, *of_report; /* the last given option that only images, only report has; or NULL */
+    const char *of_images, *of_report; /* the last option given that belongs only to images, and only to
+                                          report; NULL: none */
 } isocompare_settings;
 
 const iso_program *isocompare_program(void);
@@ -44,13 +45,13 @@ const iso_program *isocompare_program(void);
 iso_status isocompare_settings_parse(int argc, char *const *argv, isocompare_settings *settings,
                                      iso_operands *operands, iso_error *error);
 
-/* metric_text.c: values of metrics as users see them. The PSNR of equal pictures is infinite. */
+/* metric_text.c: the values of metrics as they are shown to users. The PSNR of equal pictures is infinite. */
 double isocompare_metric_value(const iso_metric *metric, const iso_metrics *metrics);
 double isocompare_psnr_value(double psnr); /* of iso_psnr */
-/* "-" when it is not known (NaN), "identical" when it is infinite; `format` takes a double. Returns `text`.
- */
+/* Formats a value with `format`, which takes a double: "-" for unknown (NaN), "identical" for infinite
+ * values. Returns `text`. */
 const char *isocompare_metric_text(double value, const char *format, char *text, size_t size);
-/* Not known: null; infinite: the string "inf". */
+/* Writes null for an unknown value, and the string "inf" for an infinite one. */
 void isocompare_put_metric(iso_json *json, const char *key, double value);
 
 /* images.c: compares two pictures and prints or writes the metrics. ISO_ERR_MISMATCH when the candidate is

@@ -7,7 +7,7 @@
 
 #include "apps/isocompare/report.h"
 
-/* Reads the text after "KEY<blanks>: " in a file. */
+/* Reads the text that follows "KEY<blanks>: " in a file. */
 static bool read_value(const char *path, const char *key, char *text, size_t size) {
     FILE *file = fopen(path, "r");
     char line[512];

@@ -1,4 +1,4 @@
-/* Values of metrics as text and JSON: unknown ones, and the PSNR of equal pictures. */
+/* Formats values of metrics as text and as JSON, including unknown values and the PSNR of equal pictures. */
 #include <math.h>
 #include <stdio.h>
 

@@ -140,7 +140,7 @@ static const char *const example_text[] = {
 static const iso_section sections[] = {
     {"Metrics", metrics_text}, {"Exit status", exit_text}, {"Examples", example_text}};
 
-/* Records options that belong to one command only: given with the other command they are an error. */
+/* Records options that belong to only one of the commands; with the other command they are an error. */
 static void record_command_option(void *target, const iso_option *option, const char *value) {
     isocompare_settings *settings = target;
     if (option->group == IMAGES && strcmp(option->name, "background") != 0 &&

@@ -5,7 +5,7 @@
 
 #include "apps/isocompare/report.h"
 
-/* The colours of the methods differ clearly in hue and lightness; the truth is grey. */
+/* Returns the colour of a method. The colours differ clearly in hue and lightness; the truth is grey. */
 const char *isocompare_method_color(int method) {
     static const char *const colors[] = {"#8a8f98", "#4477aa", "#ee6677", "#228833", "#ccbb44",
                                          "#66ccee", "#aa3377", "#ee8866", "#44bb99", "#bbcc33"};
@@ -30,7 +30,8 @@ static double place(const axis *a, double value) {
     return a->from + at * (a->to - a->from);
 }
 
-/* The distance of grid lines for a range of values: 1, 2 or 5 times a power of ten, for about four lines. */
+/* Returns the distance between grid lines for a range of values: 1, 2 or 5 times a power of ten, for about
+ * four lines. */
 static double grid_step(double range) {
     double power = pow(10, floor(log10(range / 4))), part = range / 4 / power;
     return power * (part < 1.5 ? 1 : part < 3.5 ? 2 : part < 7.5 ? 5 : 10);

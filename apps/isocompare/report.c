@@ -52,7 +52,8 @@ static iso_status choose_isovalue(report *r, iso_error *error) {
     return ISO_OK;
 }
 
-/* Adds the outputs to r->files; iso_loader_open then checks that they overwrite no file that is read. */
+/* Adds the outputs to r->files, so that iso_loader_open can check that they overwrite no file that is
+ * read. */
 static iso_status add_outputs(report *r, iso_error *error) {
     for (int i = 0; i < 2; i++) {
         char *path = path_of(r->settings->output, i);
@@ -104,10 +105,10 @@ static iso_status extract(report *r, iso_error *error) {
 
 /* ---- pictures ---- */
 
-/* Pictures and buffers of one view. */
+/* The pictures of one view, and working memory. */
 typedef struct view_buffers {
     iso_study_frame truth[REPORT_SAMPLINGS], candidate[REPORT_SAMPLINGS];
-    float *map; /* differences by FLIP */
+    float *map; /* FLIP differences */
     iso_image difference;
 } view_buffers;
 
@@ -135,7 +136,7 @@ static iso_study_look look_of(const report *r, int samples) {
     return (iso_study_look){color, r->settings->background, samples, 1};
 }
 
-/* Updates r->peak, before the process's peak memory is reset. */
+/* Records the process's peak memory in r->peak, before it is reset. */
 static void note_peak(report *r) {
     uint64_t peak = iso_memory_peak();
     if (peak > r->peak) r->peak = peak;
@@ -147,7 +148,7 @@ static iso_status encode_picture(const report *r, const iso_image *image, report
     return iso_png_encode(image, &opts, &picture->bytes, &picture->size, error);
 }
 
-/* Draws the same picture three times, or less often where it takes long; records the median time, and the
+/* Draws the same picture three times, or fewer times if it takes long. Records the median time, and the
  * memory of the first time. */
 static iso_status draw_timed(report *r, const report_view *v, int method, iso_study_frame *frame,
                              report_cell *cell, iso_error *error) {
@@ -173,7 +174,7 @@ static iso_status draw_timed(report *r, const report_view *v, int method, iso_st
     return encode_picture(r, &frame->image, &cell->picture, error);
 }
 
-/* A colour map for differences 0 .. 1: black, violet, orange, pale yellow, with increasing brightness. */
+/* Maps a difference 0 .. 1 to a colour of increasing brightness: black, violet, orange, pale yellow. */
 static void heat_color(float value, uint8_t rgba[4]) {
     enum { STEPS = 5 };
     static const float ramp[STEPS + 1][3] = {{0, 0, 0},     {66, 16, 110},  {156, 40, 106},
@@ -219,7 +220,7 @@ static iso_status judge_method(report *r, report_view *v, int method, view_buffe
     return encode_difference(r, b, &cell->difference, error);
 }
 
-/* Finds the pixel of the fit view that the other zooms show: one near a silhouette, and its depth. */
+/* Finds the pixel of the fitted view that the other zooms magnify, one near a silhouette, and its depth. */
 static iso_status find_target(report *r, const iso_study_frame *fit, int target[2], double *depth,
                               iso_error *error) {
     size_t side = (size_t)r->settings->side, count = side * side;
@@ -261,8 +262,8 @@ static iso_status draw_views(report *r, iso_error *error) {
     return status;
 }
 
-/* Draws the fit view translucent. The size is limited because 21 pictures are drawn, and what is compared is
- * the order of layers, not their detail. */
+/* Draws the fitted view translucent. The size is limited because 21 pictures are drawn, and because only the
+ * order of layers is compared, not their detail. */
 static iso_status study_transparency(report *r, iso_error *error) {
     enum { LARGEST_SIDE = 512 };
     const int side = r->settings->side;
@@ -296,7 +297,7 @@ static iso_status open_sinks(const char *folder, iso_sink sinks[2], iso_error *e
     return ISO_OK;
 }
 
-/* Writes both files or none. */
+/* Writes both files, or neither. */
 static iso_status write_files(const report *r, iso_sink sinks[2], iso_error *error) {
     isocompare_write_html(r, sinks[0].stream);
     isocompare_write_json(r, sinks[1].stream);
@@ -336,7 +337,7 @@ static void free_report(report *r) {
     free(r);
 }
 
-/* Makes a message begin with the volume's name, unless it names a file. */
+/* Puts the volume's name in front of a message, unless the message names a file. */
 static void name_volume(const report *r, iso_error *error) {
     const char *name = iso_spool_name(r->loader.input);
     if (error->status == ISO_ERR_WRITE || iso_text_begins(error->text, name)) return;

@@ -13,7 +13,8 @@ extern "C" {
 
 enum { REPORT_ZOOMS = 3, REPORT_METHODS = 16 };
 
-/* Samples per pixel: REPORT_SINGLE: 1 of the candidate and 1 of the truth; REPORT_FINE: 4 and 16. */
+/* Number of samples for each pixel. REPORT_SINGLE: 1 in the candidate and 1 in the truth; REPORT_FINE: 4 and
+ * 16. */
 typedef enum report_sampling { REPORT_SINGLE, REPORT_FINE, REPORT_SAMPLINGS } report_sampling;
 
 /* A PNG in memory. */
@@ -23,7 +24,7 @@ typedef struct report_picture {
 } report_picture;
 
 /* The results of a method at one zoom. cells[0] of a view is the truth, which has no metrics and no
- * difference. */
+ * difference picture. */
 typedef struct report_cell {
     iso_metrics metrics[REPORT_SAMPLINGS];
     double seconds;  /* time of a picture with one sample a pixel, median of three */
@@ -52,21 +53,21 @@ typedef struct report {
     char *model;        /* the volume's name without folder and extension */
     iso_subject subject;
     iso_study_ball ball;
-    double voxel; /* mm, the smallest spacing */
+    double voxel; /* the smallest spacing, mm */
     const char *isovalue_from;
-    const iso_renderer *methods[1 + REPORT_METHODS]; /* the truth first */
-    int method_count;                                /* with the truth */
+    const iso_renderer *methods[1 + REPORT_METHODS]; /* the truth is the first one */
+    int method_count;                                /* the truth is counted */
     report_part parts[ISO_PART_COUNT];
     report_view views[REPORT_ZOOMS];
-    int transparency_side; /* pixels a side of the translucent pictures */
+    int transparency_side; /* pixels along a side of the translucent pictures */
     iso_transparency_study transparency;
     char processor[128];
-    uint64_t peak; /* bytes */
+    uint64_t peak; /* largest memory of the process, bytes */
 } report;
 
-/* html.c: writes the whole page. Write errors are found by the caller, when it commits the stream's sink. */
+/* html.c: writes the whole page. Write errors are detected when the caller commits the stream's sink. */
 void isocompare_write_html(const report *r, FILE *stream);
-/* report_json.c: writes all numbers of the report. Write errors as above. */
+/* report_json.c: writes all numbers of the report. Write errors are detected in the same way. */
 void isocompare_write_json(const report *r, FILE *stream);
 
 /* plots.c: plots as inline SVG. A report_value gives the number of a cell; NaN is not plotted. */
@@ -77,17 +78,18 @@ typedef struct report_plot {
     bool logarithmic, with_truth;
 } report_plot;
 void isocompare_plot_bars(const report *r, const report_plot *plot, FILE *stream);
-/* A scatter plot of the error (FLIP, with one sample a pixel) against the time for a picture. */
+/* Plots the error (FLIP, with one sample for each pixel) against the time for a picture. */
 void isocompare_plot_scatter(const report *r, FILE *stream);
-const char *isocompare_method_color(int method); /* of a method's number in the report */
+const char *isocompare_method_color(int method); /* colour of a method, by its number in the report */
 
 /* Writes text into HTML, with & < > and quotes escaped. */
 void isocompare_put_text(FILE *stream, const char *text);
 
-/* machine.c: the processor, and the memory of this process. */
+/* machine.c: describes the processor and measures the memory of this process. */
 void isocompare_processor(char *text, size_t size);
 bool isocompare_reset_peak(void);        /* false: the system does not allow it */
-uint64_t isocompare_resident(bool peak); /* bytes now, or the most since the reset; 0: unknown */
+uint64_t isocompare_resident(bool peak); /* bytes now, or (peak) the largest number since the reset; 0:
+                                            unknown */
 
 #ifdef __cplusplus
 }

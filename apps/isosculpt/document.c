@@ -19,7 +19,7 @@
 
 static const char STROKES[] = ".strokes", OPEN[] = ".open", UNDO[] = ".undo";
 
-/* A new ball: voxels along a side of its grid; voxel size and radius in mm. */
+/* Grid and radius of a new ball: voxels along a side of the grid; voxel size and radius in mm. */
 enum { BALL_VOXELS = 384 };
 static const double BALL_VOXEL = 0.5, BALL_RADIUS = 40;
 
@@ -84,13 +84,13 @@ void isosculpt_document_dismiss_recovery(const char *journal) {
     if (join_path(path, journal, OPEN, NULL) == ISO_OK) unlink(path);
 }
 
-/* Whether a lock file exists: some program has the journal open, or was killed. */
+/* Returns whether the lock file exists, because a program has the journal open or was killed. */
 static bool has_lock_file(const char *journal) {
     char path[ISOSCULPT_PATH];
     return join_path(path, journal, OPEN, NULL) == ISO_OK && access(path, F_OK) == 0;
 }
 
-/* Whether a running program holds the lock. */
+/* Returns whether a running program holds the lock. */
 static bool is_locked(const char *lock_file) {
     int file = open(lock_file, O_RDWR | O_CLOEXEC);
     const bool locked = file < 0 || flock(file, LOCK_EX | LOCK_NB) != 0;
@@ -98,7 +98,8 @@ static bool is_locked(const char *lock_file) {
     return locked;
 }
 
-/* The path, then a newline; what is left of a longer path comes after the newline until it is cut off. */
+/* Writes the path and a newline. The rest of a longer old path follows the newline until the file is
+ * truncated. */
 void isosculpt_document_remember_target(const isosculpt_document *document) {
     char line[ISOSCULPT_PATH + 1];
     const int length = snprintf(line, sizeof line, "%s\n", document->target);
@@ -107,7 +108,7 @@ void isosculpt_document_remember_target(const isosculpt_document *document) {
     while (ftruncate(file, length) && errno == EINTR) continue;
 }
 
-/* The target that an earlier program wrote into the lock file; false: none. */
+/* Reads the target that an earlier program wrote into the lock file; returns false if there is none. */
 static bool recall_target(isosculpt_document *document) {
     char line[ISOSCULPT_PATH + 1];
     const ssize_t length = pread(document->lock_file - 1, line, sizeof line, 0);
@@ -118,7 +119,8 @@ static bool recall_target(isosculpt_document *document) {
     return true;
 }
 
-/* Whether anything was done in a journal. One that cannot be read counts, so that the user hears of it. */
+/* Returns whether a journal has events. A journal that cannot be read counts, so that the user is told about
+ * it. */
 static bool has_events(const char *journal) {
     iso_journal_start start;
     iso_journal_reader *reader;
@@ -157,7 +159,7 @@ bool isosculpt_document_find_unclosed(const char *folder, char path[ISOSCULPT_PA
 
 /* ---- opening and closing */
 
-/* Creates the session, which takes over the grid, also after an error. */
+/* Creates the session, which takes ownership of the grid, also when it fails. */
 static iso_status create_session(isosculpt_document *document, iso_hgrid *grid, const iso_session_opts *how,
                                  iso_error *error) {
     iso_session_opts opts = *how;
@@ -169,7 +171,7 @@ static iso_status create_session(isosculpt_document *document, iso_hgrid *grid, 
     return ISO_OK;
 }
 
-/* A path named after the time, with a number when two sessions begin in one second. */
+/* Makes a path from the current time, with a number if two sessions begin in the same second. */
 static iso_status name_journal(const char *folder, char path[ISOSCULPT_PATH], iso_error *error) {
     time_t now = time(NULL);
     struct tm local;
@@ -187,7 +189,7 @@ static iso_status name_journal(const char *folder, char path[ISOSCULPT_PATH], is
     return iso_fail(error, ISO_ERR_WRITE, "%s: too many journals of this second", folder);
 }
 
-/* Creates a session with a new journal. Sets *grid to NULL when the session has taken it over. */
+/* Creates a session with a new journal. Sets *grid to NULL when the session owns it. */
 static iso_status create_journaled_session(isosculpt_document *document, const char *folder, iso_hgrid **grid,
                                            iso_error *error) {
     if (!folder) return iso_fail(error, ISO_ERR_WRITE, "there is no folder for it");
@@ -209,7 +211,7 @@ static void unlock_journal(isosculpt_document *document) {
     document->lock_file = 0;
 }
 
-/* The field of a new session: of the source, or a ball. */
+/* Makes the field of a new session: that of the source, or a ball. */
 static iso_status make_start_field(isosculpt_document *document, const isosculpt_source *source,
                                    iso_hgrid **grid, iso_error *error) {
     if (source) return isosculpt_source_open(source, &document->start, grid, error);
@@ -247,7 +249,7 @@ iso_status isosculpt_document_init_empty(isosculpt_document *document, iso_error
     return create_session(document, grid, &(iso_session_opts){0}, error);
 }
 
-/* The field that a session began with; its header is brought up to date. */
+/* Makes the field that a session began with, and updates the header. */
 static iso_status make_first_field(iso_journal_start *start, const char *journal, iso_pool *pool,
                                    const iso_progress *progress, iso_hgrid **grid, iso_error *error) {
     if (strcmp(start->source, "ball") == 0) return iso_session_ball(start, grid, error);
@@ -261,8 +263,8 @@ iso_status isosculpt_document_first_field(const iso_journal_start *start, const 
     return make_first_field(&copy, journal, pool, progress, grid, error);
 }
 
-/* The target of a stroke file that is continued lies beside it; for a journal in the state folder, where
- * users do not look, beside the file that the session began with. */
+/* Chooses the target of a stroke file that is continued: beside the stroke file or, for a journal in the
+ * state folder, where users do not look, beside the file that the session began with. */
 static void choose_target(isosculpt_document *document, const char *journal) {
     char folder[ISOSCULPT_PATH];
     const char *slash = strrchr(journal, '/');
@@ -292,10 +294,11 @@ iso_status isosculpt_document_open(isosculpt_document *document, const char *jou
     document->was_unclosed = was_unclosed;
     if (status == ISO_OK) {
         if (!was_unclosed || !recall_target(document)) choose_target(document, journal);
-        document->change_count = was_unclosed && has_events(journal); /* no file shows what was recovered */
+        document->change_count =
+            was_unclosed && has_events(journal); /* the recovered work has not been saved */
         return ISO_OK;
     }
-    if (!was_unclosed) unlock_journal(document); /* else its recovery is still offered */
+    if (!was_unclosed) unlock_journal(document); /* otherwise its recovery is offered again */
     if (document->lock_file) close(document->lock_file - 1);
     document->lock_file = 0;
     document->journal[0] = 0;
@@ -309,7 +312,7 @@ static void remove_empty_journal(const isosculpt_document *document) {
     if (join_path(path, document->journal, UNDO, NULL) == ISO_OK) unlink(path);
 }
 
-/* `keep_unclosed`: recovery of the journal is offered again. */
+/* `keep_unclosed`: the journal stays unclosed, so its recovery is offered again. */
 static void close_document(isosculpt_document *document, bool keep_unclosed) {
     isosculpt_document_poll_save(document, true, NULL, NULL);
     const bool complete = document->session && iso_session_journal_status(document->session, NULL) == ISO_OK;

@@ -25,19 +25,20 @@ typedef struct isosculpt_saver isosculpt_saver;
 typedef struct isosculpt_document {
     iso_session *session; /* owned */
     iso_journal_start start;
-    char journal[ISOSCULPT_PATH]; /* path; "": none is written */
-    char journal_error[512];      /* why none is written; "" when one is */
+    char journal[ISOSCULPT_PATH]; /* path; "": no journal is written */
+    char journal_error[512];      /* why there is no journal; "" when there is one */
     int lock_file;                /* 1 + file descriptor of NAME.strokes.open; 0: none */
     bool journal_is_new;          /* made by this session: removed when nothing was done */
-    bool has_stamp;               /* the journal holds a stamp: kept even without strokes */
-    bool was_unclosed;            /* the journal, when it was opened */
-    size_t change_count;       /* strokes, undos and redos since the document was opened; recovery is one */
-    size_t saved_change_count; /* of these, how many the target file shows */
+    bool has_stamp;               /* the journal contains a stamp, so it is kept even without strokes */
+    bool was_unclosed;            /* the journal was unclosed when it was opened */
+    size_t change_count;       /* number of strokes, undos and redos since the document was opened; a recovery
+                                  counts as one */
+    size_t saved_change_count; /* value of change_count when the target file was saved */
     double start_seconds;      /* iso_clock_seconds when the session began */
     iso_pool *pool;
-    size_t undo_memory;            /* bytes */
-    char target[ISOSCULPT_PATH];   /* the file that saving writes; has a default from the beginning */
-    bool target_is_own;            /* this session wrote the target: saving again need not ask */
+    size_t undo_memory;            /* limit of the undo history, bytes */
+    char target[ISOSCULPT_PATH];   /* the file that saving writes; initially a default name */
+    bool target_is_own;            /* this session has written the target, so saving again need not ask */
     char saved_as[ISOSCULPT_PATH]; /* the file of the last save or export, also of a failed one */
     size_t saved_open_edges;       /* of the mesh that was written last; 0 for a level set */
     isosculpt_saver *saver;        /* owned; NULL: no save is running (save.h) */

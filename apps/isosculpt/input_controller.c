@@ -79,9 +79,9 @@ bool isosculpt_tool_has_shape(iso_tool tool) {
     return iso_tool_is_set_operation(tool);
 }
 
-/* The centre of a touch. A tool that adds or removes a solid moves it off the surface, so that it reaches
- * beyond the surface by the part `strength` of its radius: below the surface when adding, above when carving.
- */
+/* Returns the centre of a touch. For tools that add or remove a solid it is moved off the surface, so that
+ * the solid extends beyond the surface by `strength` times its radius: the centre is below the surface when
+ * adding, and above it when carving. */
 static iso_vec3 touch_center(const isosculpt_controller *controller, iso_vec3 position, iso_vec3 normal) {
     if (!isosculpt_tool_has_shape(controller->tool)) return position;
     const double radius = controller->brush.radius *
@@ -93,9 +93,9 @@ static iso_vec3 touch_center(const isosculpt_controller *controller, iso_vec3 po
     return iso_vec3_add(position, iso_vec3_scale(normal, adds ? -away : away));
 }
 
-/* The sample of a pointer position. It lies on the surface as it was when the stroke began, so that a stroke
- * does not climb onto the material that it has just added; for the move tool at the depth of the first
- * sample. */
+/* Computes the sample at a pointer position. It lies on the surface as it was when the stroke began, so that
+ * a stroke does not climb onto material that it has added itself; for the move tool it has the depth of the
+ * first sample. */
 static iso_sample sample_at(isosculpt_controller *controller, double x, double y) {
     isosculpt_pick pick;
     const isosculpt_layer *layer = &controller->viewport->pick_layer;
@@ -111,7 +111,7 @@ static iso_sample sample_at(isosculpt_controller *controller, double x, double y
                         .seconds = iso_clock_seconds() - controller->document->start_seconds};
 }
 
-/* After a change of the session: mask, picture and error are brought up to date. */
+/* Updates mask, picture and error after a change of the session. */
 static void finish_edit(isosculpt_controller *controller, iso_status status, const iso_edit_stats *stats) {
     controller->clipped |= stats->clipped;
     controller->commands |= ISOSCULPT_COMMAND_REDRAW;
@@ -122,8 +122,8 @@ static void finish_edit(isosculpt_controller *controller, iso_status status, con
         iso_fail(&controller->error, status, "%s", iso_status_text(status));
 }
 
-/* Cancels a stroke that could not be ended because memory was short; nothing else can be done before. Returns
- * whether there is no such stroke now. */
+/* Cancels a stroke that could not be ended for lack of memory; until then no other edit is possible. Returns
+ * whether no such stroke is left. */
 static bool cancel_unfinished_stroke(isosculpt_controller *controller) {
     iso_error reason = {0};
     if (controller->stroke_unfinished)
@@ -133,7 +133,7 @@ static bool cancel_unfinished_stroke(isosculpt_controller *controller) {
     return !controller->stroke_unfinished;
 }
 
-/* The brush of the stroke: the chosen brush with the stroke's tool. */
+/* Returns the brush of the stroke: the chosen brush with the stroke's tool. */
 static iso_brush stroke_brush(const isosculpt_controller *controller) {
     iso_brush brush = controller->brush;
     brush.tool = controller->tool;
@@ -171,8 +171,8 @@ static void begin_drawing(isosculpt_controller *controller, unsigned modifiers, 
     finish_edit(controller, status, &stats);
 }
 
-/* The distance (mm) from one sample to the next for tools that touch at every sample; 0 for tools whose
- * touches the session spaces. */
+/* Returns the distance (mm) between samples for tools that touch at every sample; 0 for tools whose touches
+ * are spaced by the session. */
 static double sample_spacing(const isosculpt_controller *controller) {
     if (controller->tool == ISO_TOOL_ADD || controller->tool == ISO_TOOL_CARVE)
         return 0.15 * controller->brush.radius;
@@ -310,7 +310,7 @@ void isosculpt_controller_release(isosculpt_controller *controller, isosculpt_bu
 }
 
 static void zoom_camera(isosculpt_controller *controller, double factor) {
-    if (controller->drag == ISOSCULPT_DRAG_BRUSH) return; /* picks of the stroke need this camera */
+    if (controller->drag == ISOSCULPT_DRAG_BRUSH) return; /* picks of the stroke need the present camera */
     isosculpt_viewport_zoom(controller->viewport, factor);
     controller->commands |= ISOSCULPT_COMMAND_REDRAW;
 }
@@ -355,7 +355,7 @@ void isosculpt_controller_go_to_step(isosculpt_controller *controller, size_t po
     }
 }
 
-/* Keys with Ctrl. */
+/* Handles keys pressed together with Ctrl. */
 static bool handle_command_key(isosculpt_controller *controller, int key, bool shift) {
     if (key == 's')
         controller->commands |= shift ? ISOSCULPT_COMMAND_SAVE_AS : ISOSCULPT_COMMAND_SAVE;
@@ -376,7 +376,8 @@ void isosculpt_controller_set_direction(isosculpt_controller *controller, iso_di
     controller->commands |= ISOSCULPT_COMMAND_REDRAW;
 }
 
-/* 1, 3 and 7, on the number pad or with Shift or Ctrl; with Ctrl the opposite side. */
+/* Handles 1, 3 and 7, on the number pad or with Shift or Ctrl; with Ctrl the view is from the opposite
+ * side. */
 static bool handle_side_key(isosculpt_controller *controller, int key, unsigned modifiers) {
     static const iso_direction sides[][2] = {
         {ISO_FRONT, ISO_BACK}, {ISO_RIGHT, ISO_LEFT}, {ISO_TOP, ISO_BOTTOM}};
@@ -423,13 +424,13 @@ static bool handle_camera_key(isosculpt_controller *controller, int key, unsigne
     return true;
 }
 
-/* Choosing a brush while a volume is viewed also converts the volume into a field. */
+/* Chooses a brush. While a volume is viewed, this also converts the volume into a field. */
 static void choose_tool(isosculpt_controller *controller, int number) {
     controller->brush.tool = isosculpt_controller_tool(number);
     if (!controller->viewing_volume) return;
     controller->commands |= ISOSCULPT_COMMAND_SCULPT;
     if (controller->field_pending) return;
-    /* At once: a slow program gets this key and the next strokes before it carries out commands. */
+    /* set at once: a slow program receives the next strokes before it processes commands */
     controller->field_pending = true;
     isosculpt_controller_center_mirror(controller);
 }

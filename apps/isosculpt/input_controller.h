@@ -55,7 +55,7 @@ typedef struct isosculpt_controller {
     isosculpt_viewport *viewport; /* borrowed */
     iso_brush brush;              /* as chosen; modifier keys change the tool for one stroke */
     isosculpt_drag drag;
-    isosculpt_button button; /* that drags */
+    isosculpt_button button; /* the button that is held during a drag */
     char adjusting;          /* 'x' (size) or 'c' (strength) while that key is down, else 0 */
     double x, y;             /* of the pointer */
     double pressure;         /* of the pen, 0 .. 1; 1 for a mouse */
@@ -75,13 +75,13 @@ typedef struct isosculpt_controller {
     bool clipped;           /* a brush reached beyond the grid */
     unsigned commands;      /* isosculpt_command bits; the window clears those that it has carried out */
     isosculpt_latency edit; /* times of touches */
-    iso_error error;        /* of the last stroke, undo or redo; text[0] == 0: none */
+    iso_error error;        /* error of the last stroke, undo or redo; text[0] == 0: none */
 } isosculpt_controller;
 
-/* The tool on key `number`, 1 .. ISOSCULPT_TOOL_KEYS. */
+/* The keys 1 .. ISOSCULPT_TOOL_KEYS choose a tool; the function returns the tool of a key. */
 enum { ISOSCULPT_TOOL_KEYS = 9 };
 iso_tool isosculpt_controller_tool(int number);
-/* The tool of a stroke with modifier keys: Shift smooths, Ctrl or Alt inverts. */
+/* Returns the tool of a stroke with modifier keys: Shift smooths, Ctrl or Alt inverts. */
 iso_tool isosculpt_controller_modified_tool(iso_tool tool, unsigned modifiers);
 
 /* Starts with a new brush, whose mirror is in the middle of the surface. `document` and `viewport` are
@@ -94,9 +94,10 @@ void isosculpt_controller_free(isosculpt_controller *controller);
  * two, so that mirrored strokes make exactly mirrored voxels. */
 void isosculpt_controller_center_mirror(isosculpt_controller *controller);
 
-/* No field is pending any more: drops the queued strokes, and the one that is being drawn. */
+/* Cancels waiting for a field: drops the queued strokes and the stroke that is being drawn. */
 void isosculpt_controller_drop_strokes(isosculpt_controller *controller);
-/* Applies strokes that were queued before there was a field; frees them. Errors are in controller->error. */
+/* Applies the strokes that were queued before there was a field, and frees them. Errors are stored in
+ * controller->error. */
 void isosculpt_controller_apply_strokes(isosculpt_controller *controller, isosculpt_strokes *strokes);
 
 void isosculpt_controller_press(isosculpt_controller *controller, isosculpt_button button, unsigned modifiers,

@@ -13,15 +13,15 @@
 extern "C" {
 #endif
 
-/* The engine that draws in the window at the start; auto: OpenGL where a GPU does it, else the cpu engine. */
+/* The engine with which the window starts. Auto: OpenGL if a GPU runs it, else the cpu engine. */
 typedef enum isosculpt_backend {
     ISOSCULPT_BACKEND_AUTO,
     ISOSCULPT_BACKEND_CPU,
     ISOSCULPT_BACKEND_GL
 } isosculpt_backend;
 
-/* Where the reference is seen: in front of the sculpture, or through it. Off: nowhere at the start, or in
- * front when its files are given. */
+/* How the reference is shown: in front of the sculpture only, or through it. Off: not shown at the start; but
+ * in front if files of a reference are given. */
 typedef enum isosculpt_x_ray {
     ISOSCULPT_X_RAY_OFF,
     ISOSCULPT_X_RAY_UNDER,
@@ -34,7 +34,7 @@ typedef struct isosculpt_settings {
     const char *strokes;        /* the operand: a stroke file to continue in a window */
     const char *replay, *open, *stamp, *output, *mesh;
     int headless, recover, extract, draw;
-    int closed;           /* meshes that are written are capped at the border of the grid */
+    int closed;           /* cap meshes at the border of the grid when they are written */
     int backend;          /* isosculpt_backend */
     int x_ray;            /* isosculpt_x_ray */
     iso_texts references; /* files of the reference; none: the surface as it was when the session began */

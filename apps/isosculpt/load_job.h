@@ -10,7 +10,7 @@
 extern "C" {
 #endif
 
-/* What to open; copied, but for what is borrowed. */
+/* What to open. The job copies everything except the borrowed pointers. */
 typedef struct isosculpt_load_request {
     const char *path; /* of strokes (.strokes), or of anything that isosculpt_source_open reads */
     bool stamp;       /* the path is a mesh to be used as a stamp */
@@ -26,14 +26,15 @@ typedef struct isosculpt_load_request {
 
 typedef struct isosculpt_load_job isosculpt_load_job;
 
-/* The result: a stamp; or a volume and its viewport; or a document and its viewport. Everything is owned by
- * the caller of isosculpt_load_job_finish. */
+/* The result of a load job: a stamp; a volume and its viewport; or a document and its viewport. The caller of
+ * isosculpt_load_job_finish owns everything. */
 typedef struct isosculpt_loaded {
     iso_pool *pool; /* used by document and viewport */
     isosculpt_document document;
     isosculpt_viewport viewport;
-    isosculpt_volume *volume; /* to be viewed until the user sculpts it: then there is no document; or NULL */
-    iso_stamp *stamp;         /* then there is nothing else; or NULL */
+    isosculpt_volume *volume; /* a volume to be viewed until the user sculpts it, in which case there is no
+                                 document; or NULL */
+    iso_stamp *stamp;         /* the stamp, in which case there is nothing else; or NULL */
     iso_mesh_report report;   /* of a mesh */
 } isosculpt_loaded;
 void isosculpt_loaded_free(isosculpt_loaded *loaded);

@@ -154,7 +154,8 @@ static bool has_suffix(const char *name, const char *suffixes) {
     return found && length > 1 && (found[length] == ' ' || found[length] == 0);
 }
 
-/* Standard input cannot be opened: a journal names the file it began with, which is read again later. */
+/* Rejects standard input as a source: a journal names the file that the session began with, which is read
+ * again later. */
 static iso_status check_files(const isosculpt_settings *settings, const iso_operands *operands,
                               iso_error *error) {
     const char *const files[] = {settings->open, settings->replay, settings->stamp,
@@ -166,7 +167,7 @@ static iso_status check_files(const isosculpt_settings *settings, const iso_oper
     return ISO_OK;
 }
 
-/* Options for reading a volume need a file to open. */
+/* Rejects options for reading a volume if no file is opened. */
 static iso_status check_opened(const isosculpt_settings *settings, iso_error *error) {
     const char *option = iso_input_volume_option(&settings->common.input);
     ISO_TRY(iso_input_check(&settings->common.input, error));
@@ -197,8 +198,8 @@ static iso_status check_window(isosculpt_settings *settings, const iso_operands 
     return check_opened(settings, error);
 }
 
-/* Recovery continues a session, which takes a window; the message names the journal, so that it can be
- * played. */
+/* Rejects --recover without a window, because a recovered session is continued in one. The message names the
+ * journal, so that the user can replay it. */
 static iso_status refuse_recovery(iso_error *error) {
     char folder[ISOSCULPT_PATH], journal[ISOSCULPT_PATH];
     ISO_TRY(isosculpt_document_name_state_folder(folder, error));

@@ -1,4 +1,5 @@
-/* reference_file: finds what files hold, reads it, and notes what lies beside the sculpture. */
+/* reference_file: finds out what the files contain, reads them, and notes which of them lie beside the
+ * sculpture. */
 #include "apps/isosculpt/reference_file.h"
 
 #include <inttypes.h>

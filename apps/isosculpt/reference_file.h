@@ -16,18 +16,18 @@ enum { ISOSCULPT_REFERENCE_NOTES = 8, ISOSCULPT_REFERENCE_NOTE = 1024 };
 typedef struct isosculpt_reference_files {
     const isosculpt_settings *settings;
     double voxel; /* mm; of surfaces that are read from meshes */
-    iso_box box;  /* of the sculpture: what lies beside it is noted */
+    iso_box box;  /* box of the sculpture; a note is written about files that lie beside it */
     const iso_progress *progress;
-    /* Result: what is worth telling, a line each. */
+    /* Result: notes for the user, one line each. */
     char notes[ISOSCULPT_REFERENCE_NOTES][ISOSCULPT_REFERENCE_NOTE];
     int note_count;
 } isosculpt_reference_files;
 
-/* Reads all files. .tck, .trk and .swc are lines, .xyz, .pdb and .csv glyphs; .vtk and .vtp are lines or, if
- * they hold none, glyphs; .obj and .ply are lines, a mesh or, .ply, glyphs, whichever comes first that they
- * hold; all others are surfaces: level sets and meshes, as isosculpt_source_open reads them. Glyphs are
- * spheres, or ellipsoids where the file has axes. ISO_ERR_USAGE: a surface and other files; the readers'
- * errors; ISO_ERR_EMPTY: a file holds nothing to draw. Messages name the file. For any thread. */
+/* Reads all files. .tck, .trk and .swc contain lines; .xyz, .pdb and .csv glyphs; .vtk and .vtp lines or, if
+ * there are none, glyphs; .obj and .ply lines, a mesh or (.ply only) glyphs, whichever is found first. All
+ * others contain surfaces: level sets and meshes, as read by isosculpt_source_open. Glyphs are spheres, or
+ * ellipsoids if the file has axes. ISO_ERR_USAGE: a surface together with other files; the readers' errors;
+ * ISO_ERR_EMPTY: a file contains nothing to draw. Messages name the file. May be called in any thread. */
 iso_status isosculpt_reference_read(isosculpt_reference_files *files, isosculpt_reference **reference,
                                     iso_error *error);
 

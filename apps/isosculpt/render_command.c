@@ -21,7 +21,7 @@ static void put(writer *w, const char *format, ...) {
     if (!w->full) w->length += (size_t)length;
 }
 
-/* With as few digits as are needed to read the same number back. */
+/* Writes a number with the fewest digits that are read back as the same number. */
 static void put_number(writer *w, double value) {
     char text[40];
     for (int digits = 6; digits <= 17; digits++) {
@@ -40,7 +40,7 @@ static void put_vector(writer *w, const char *option, iso_vec3 v) {
     put_number(w, v.z);
 }
 
-/* In single quotes when it holds characters that a shell interprets. */
+/* Writes text in single quotes if it contains characters that a shell interprets. */
 static void put_quoted(writer *w, const char *text) {
     static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789/._-+,:@%=";
     if (text[0] && text[0] != '-' && text[strspn(text, plain)] == 0) {
@@ -66,7 +66,7 @@ static void put_reading(writer *w, const char *reading) {
     }
 }
 
-/* The output NAME-view.png, in the folder where the command is run. */
+/* Writes the name of the output, NAME-view.png in the current folder. */
 static void put_output(writer *w, const char *path) {
     char name[256];
     const char *slash = strrchr(path, '/'), *base = slash ? slash + 1 : path, *dot = strchr(base, '.');
@@ -80,7 +80,7 @@ static void put_color(writer *w, const char *option, iso_rgb color) {
     put(w, " %s %02X%02X%02X", option, color.r, color.g, color.b);
 }
 
-/* The opacities of a picture that is seen through; two opaque surfaces need none. */
+/* Writes the opacities of a see-through picture; two opaque surfaces need none. */
 static void put_opacities(writer *w, const isosculpt_viewport *viewport) {
     const isosculpt_see_through *how = &viewport->see_through;
     const bool two = isosculpt_viewport_has_second(viewport);

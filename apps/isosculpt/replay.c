@@ -19,13 +19,13 @@
 #include "grids/level_set.h"
 #include "io/points_io.h"
 
-/* Times of every sample. */
+/* The durations of all samples. */
 typedef struct times {
     double *seconds; /* owned */
     size_t count, room;
 } times;
 
-/* What --json reports. */
+/* The contents of the report of --json. */
 typedef struct report {
     iso_journal_start start;
     iso_mesh_report opened_mesh; /* of the opened file, when it is a mesh */
@@ -166,7 +166,7 @@ static iso_status play_all(player *p, iso_journal_reader *reader, iso_error *err
     }
     if (!drawing) return ISO_OK;
     return iso_journal_add_location(reader, iso_session_end(p->session, error),
-                                    error); /* the file ends within a stroke */
+                                    error); /* for a file that ends within a stroke */
 }
 
 /* ---- the report */
@@ -182,7 +182,7 @@ static void put_times(iso_json *json, const char *key, const times *list) {
     iso_json_end_object(json);
 }
 
-/* What was done to close the opened mesh. */
+/* Writes how the opened mesh was closed. */
 static void put_opened_mesh(iso_json *json, const iso_mesh_report *mesh) {
     if (!mesh->triangles) return;
     iso_json_begin_object(json, "opened_mesh");
@@ -281,7 +281,7 @@ static iso_status write_outputs(player *p, iso_error *error) {
     return settings->common.json ? write_report(settings, p->report, error) : ISO_OK;
 }
 
-/* Checks before the work whether all outputs can be written. */
+/* Checks, before the work begins, whether all outputs can be written. */
 static iso_status check_outputs(const isosculpt_settings *settings, iso_file_set *files, iso_error *error) {
     const char *const outputs[] = {settings->output, settings->mesh, settings->common.json_path};
     for (int i = 0; i < 3; i++) iso_file_set_write(files, outputs[i]);
@@ -290,7 +290,7 @@ static iso_status check_outputs(const isosculpt_settings *settings, iso_file_set
     return ISO_OK;
 }
 
-/* A copy of the field, on which nothing was played yet. */
+/* Copies the field before any stroke is replayed. */
 static iso_status copy_reference(const player *p, isosculpt_reference **reference, iso_error *error) {
     const iso_grid grid = {.hgrid = iso_session_grid(p->session)};
     iso_grid copy;
@@ -319,7 +319,7 @@ static iso_status add_reference(player *p, iso_error *error) {
     return ISO_OK;
 }
 
-/* Extracts and draws what a window would have before the first stroke. */
+/* Extracts and draws the surface, as a window does before the first stroke. */
 static iso_status prepare(player *p, iso_error *error) {
     const int *size = p->report->resolution;
     iso_grid grid = {.hgrid = iso_session_grid(p->session)};
@@ -334,7 +334,7 @@ static iso_status prepare(player *p, iso_error *error) {
     return isosculpt_viewport_draw(p->viewport, size[0], size[1], false, error);
 }
 
-/* What was done to close the opened mesh, and whether the written one is open. */
+/* Prints how the opened mesh was closed, and whether the written mesh is open. */
 static void log_mesh_notes(const player *p) {
     char note[240];
     if (p->settings->common.quiet) return;

@@ -16,7 +16,7 @@
 
 /* ---- names */
 
-/* The extension of a file name, with its dot; "" when there is none. */
+/* Returns the extension of a file name with its dot; "" when there is none. */
 static const char *extension_of(const char *path) {
     const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path, *dot = strrchr(name, '.');
     return dot && dot > name ? dot : name + strlen(name);
@@ -35,7 +35,7 @@ bool isosculpt_path_with_ending(const char *path, const char *ending, char chang
     return snprintf(changed, ISOSCULPT_PATH, "%.*s%s", stem, path, ending) < ISOSCULPT_PATH;
 }
 
-/* The first folder that can be written: of the source, the working directory, $HOME. */
+/* Chooses the first folder that can be written to: that of the source, the working directory, $HOME. */
 static void choose_folder(const char *source, char folder[ISOSCULPT_PATH]) {
     const char *slash = source ? strrchr(source, '/') : NULL, *home = getenv("HOME");
     const int length = slash ? (int)(slash - source) : 0;
@@ -47,8 +47,8 @@ static void choose_folder(const char *source, char folder[ISOSCULPT_PATH]) {
     snprintf(folder, ISOSCULPT_PATH, "%s", home && home[0] == '/' ? home : "/tmp");
 }
 
-/* The file name of the source without its extension (two when it is compressed); "sculpture" without a
- * source. */
+/* Returns the file name of the source without its extension (two extensions if it is compressed), or
+ * "sculpture" without a source. */
 static void choose_stem(const char *source, char stem[ISOSCULPT_PATH]) {
     const char *slash = source ? strrchr(source, '/') : NULL;
     snprintf(stem, ISOSCULPT_PATH, "%s", slash ? slash + 1 : source ? source : "sculpture");
@@ -117,7 +117,7 @@ struct isosculpt_saver {
     isosculpt_task *task;
     iso_snapshot *snapshot;    /* of the field */
     char path[ISOSCULPT_PATH]; /* of the file, symbolic links resolved */
-    size_t change_count;       /* of the document when the save began */
+    size_t change_count;       /* document->change_count when the save began */
     bool is_export;
     bool closed;                /* cap the mesh at the border of the grid */
     iso_mesh_measures measures; /* of the mesh; zero for a level set */

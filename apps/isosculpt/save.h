@@ -16,11 +16,13 @@ bool isosculpt_can_save_as(const char *path);
  * exist yet, beside the source with .vdb for its extension; in the working directory, else in $HOME, where
  * the source's folder cannot be written or there is no source. */
 void isosculpt_target_default(const char *source, char target[ISOSCULPT_PATH]);
-/* `path` with .vdb for its extension, whether that exists or not. */
+/* Writes `path` with the extension .vdb to `target`, whether or not that file exists. */
 void isosculpt_target_beside(const char *path, char target[ISOSCULPT_PATH]);
-/* `path` with another extension (".png"), and before it a number when such a file exists already. */
+/* Writes `path` with another extension (such as ".png") to the result, with a number before it if such a file
+ * exists. */
 void isosculpt_path_unused(const char *path, const char *extension, char unused[ISOSCULPT_PATH]);
-/* `path` with another ending for its extension ("-1.png"); false: the name is too long. */
+/* Writes `path` with its extension replaced by an ending (such as "-1.png"); returns false if the name is too
+ * long. */
 bool isosculpt_path_with_ending(const char *path, const char *ending, char changed[ISOSCULPT_PATH]);
 
 /* Checks whether the document may be saved to `path`. ISO_ERR_USAGE: wrong extension, or the file is the one
@@ -31,7 +33,7 @@ iso_status isosculpt_document_check_target(const isosculpt_document *document, c
 
 typedef struct isosculpt_save_opts {
     const char *path;   /* copied; NULL: the document's target */
-    bool is_export;     /* a copy: the target, and what counts as saved, stay unchanged */
+    bool is_export;     /* write a copy: the document's target and its saved state stay unchanged */
     bool closed;        /* a mesh is capped where the border of the grid cuts the solid */
     void (*wake)(void); /* isosculpt_task_start */
 } isosculpt_save_opts;

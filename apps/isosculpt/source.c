@@ -1,5 +1,5 @@
-/* Sources of sessions: checksums, meshes and volumes converted into fields, and the same again from a
- * journal. */
+/* Sources of sessions: computes checksums, converts meshes and volumes into fields, and repeats the
+ * conversion from a journal's header. */
 #define _XOPEN_SOURCE 700
 #include "apps/isosculpt/source.h"
 
@@ -69,7 +69,7 @@ bool isosculpt_is_mesh(const char *path) {
     return has_suffix(path, suffixes);
 }
 
-/* The grid for what lies in a box. */
+/* Returns the grid for sampling the contents of a box. */
 static iso_sampling sampling_of(const isosculpt_source *source, const iso_box *box,
                                 const iso_progress *progress) {
     const double longest = fmax(box->hi.x - box->lo.x, fmax(box->hi.y - box->lo.y, box->hi.z - box->lo.z));
@@ -121,7 +121,7 @@ static bool drops_parts(const isosculpt_source *source) {
     return source->input && iso_input_drops_parts(source->input);
 }
 
-/* Drops the parts that the source does not keep; *dropped: whether there were any. */
+/* Drops the parts that are not kept according to the source; *dropped: whether there were any. */
 static iso_status drop_parts(const isosculpt_source *source, double isovalue, iso_grid *grid, bool *dropped,
                              iso_error *error) {
     *dropped = false;
@@ -159,7 +159,7 @@ static iso_status convert_isovalue(const isosculpt_source *source, const iso_gri
     return ISO_OK;
 }
 
-/* iso_progress_fn that passes on to an iso_progress. */
+/* An iso_progress_fn that calls an iso_progress. */
 static int report_progress(void *context, double fraction) {
     return iso_progress_tell(context, "", fraction, NULL) != ISO_OK;
 }
@@ -210,14 +210,14 @@ void isosculpt_volume_free(isosculpt_volume *volume) {
     free(volume);
 }
 
-/* The physical isovalue; 0 when none is given, which only level sets allow. */
+/* Returns the physical isovalue; 0 when none is given, which only level sets allow. */
 static double physical_isovalue(const isosculpt_source *source, const iso_grid *grid) {
     if (isnan(source->isovalue)) return 0;
     const bool voxels = source->voxel_isovalue && grid->hgrid;
     return voxels ? iso_grid_physical(grid, source->isovalue) : source->isovalue;
 }
 
-/* Converts a grid into a field; parts are dropped from `from` itself. */
+/* Converts a grid into a field; parts are dropped from `from` in place. */
 static iso_status convert_grid(const isosculpt_source *source, iso_grid *from, iso_hgrid **grid,
                                iso_error *error) {
     const iso_progress progress = iso_progress_part(source->progress, 0.4, 1);
@@ -277,7 +277,7 @@ bool isosculpt_is_lines(const char *path) {
     return has_suffix(path, suffixes);
 }
 
-/* The tubes around lines; where they overlap, distances in them are not yet right. */
+/* Samples the tubes around lines. Where tubes overlap, distances inside them are not yet correct. */
 static iso_status sample_lines(const isosculpt_source *source, const iso_lines *lines, iso_hgrid **grid,
                                iso_error *error) {
     const iso_progress sampling = iso_progress_part(source->progress, 0.2, 0.6);
@@ -356,7 +356,7 @@ iso_status isosculpt_source_open(const isosculpt_source *source, iso_journal_sta
     return ISO_OK;
 }
 
-/* The path in the journal, or a file of that name beside the stroke file, whichever exists. */
+/* Finds the file: at the path in the journal, or with the same name beside the stroke file. */
 static iso_status find_file(const char *path, const char *strokes, char found[2 * ISO_JOURNAL_TEXT],
                             iso_error *error) {
     const char *slash = strrchr(strokes, '/'), *name = strrchr(path, '/');
@@ -407,7 +407,8 @@ static iso_status reopen(const char *strokes, const isosculpt_source *how, iso_j
     return iso_fail(error, ISO_ERR_FORMAT, "'%s' makes a grid of another size than the session's", found);
 }
 
-/* An error names the stroke file, too, and a usage error is the file's: its header holds the settings. */
+/* Adds the name of the stroke file to errors. A usage error becomes a format error, because the settings come
+ * from the file's header. */
 iso_status isosculpt_source_reopen(const char *strokes, const isosculpt_source *how, iso_journal_start *start,
                                    iso_hgrid **grid, iso_error *error) {
     iso_status status = reopen(strokes, how, start, grid, error);

@@ -22,10 +22,12 @@ typedef struct isosculpt_volume {
     char path[ISO_JOURNAL_TEXT];
     uint32_t crc;                   /* checksum of the file */
     char reading[ISO_JOURNAL_TEXT]; /* the options it was read with, as iso_input_write writes them */
-    int largest;                    /* parts to keep when it is converted into a field, as in iso_input */
-    double min_size;                /* mm3, likewise */
+    int largest;                    /* number of parts to keep when it is converted into a field, as in
+                                       iso_input */
+    double min_size;                /* mm3, as in iso_input */
     iso_volume volume;
-    bool has_isovalues; /* dense, and no level set: the user can choose an isovalue. Then also: */
+    bool has_isovalues; /* it is dense and not a level set, so the user can choose an isovalue. Then the
+                           following are set: */
     iso_histogram histogram;
     double suggested;                           /* isovalue to begin with, physical */
     double candidates[ISO_ISOVALUE_CANDIDATES]; /* iso_isovalue_suggest, best first */
@@ -41,17 +43,17 @@ void isosculpt_volume_free(isosculpt_volume *volume); /* NULL is fine */
 typedef struct isosculpt_source {
     const char *path;
     double isovalue; /* physical; NAN: not given, which is allowed for level sets and meshes */
-    double voxel; /* mm; 0: the file's smallest spacing, or 1/256 of the longest side of a mesh or of lines */
+    double voxel; /* mm; 0: the file's smallest spacing; for meshes and lines 1/256 of their longest side */
     double close_holes;             /* of an open mesh: iso_closing_opts.hole, mm */
-    const iso_input *input;         /* how it is read, borrowed; NULL: default options */
+    const iso_input *input;         /* how the file is read, borrowed; NULL: default options */
     iso_pool *pool;                 /* borrowed */
     const iso_progress *progress;   /* called from any thread; cancelled: ISO_ERR_IO */
-    const isosculpt_volume *volume; /* the file's content when it is in memory already, borrowed; or NULL */
+    const isosculpt_volume *volume; /* the file's content, if it is already in memory, borrowed; or NULL */
     bool voxel_isovalue;            /* iso_journal_start */
     bool log_notes;                 /* print the reader's notes on standard error */
-    iso_mesh_report *report;        /* gets what had to be closed, if the file is a mesh; or NULL */
-    iso_components_totals *parts;   /* gets which parts were kept and dropped; or NULL */
-    iso_file_set *files;            /* gets every file that is read; or NULL */
+    iso_mesh_report *report;        /* receives how the mesh was closed, if the file is a mesh; or NULL */
+    iso_components_totals *parts;   /* receives which parts were kept and dropped; or NULL */
+    iso_file_set *files;            /* every file that is read is added; or NULL */
 } isosculpt_source;
 
 /* Reads the file, converts it into a field (*grid, the caller's), and fills the journal's header (*start). A

@@ -1,17 +1,17 @@
-/* format_nrrd: NRRD (.nrrd, .nhdr), parsed and decoded here (grids/volume/nrrd.h).
+/* format_nrrd: reads NRRD (.nrrd, .nhdr); parser and decoders are in grids/volume/nrrd.h.
  *
- * Not through teem, which reads all of the format, but trusts it: teem 1.12 (of 2016, as Debian has it)
- * writes a header's long lines into fixed buffers, gives its file names to printf, counts what a header tells
- * it to count, and takes quadratic time for key/value pairs; checking all that before teem sees a header is
- * as much as parsing it, and its decoders read whole arrays without progress, leak when a gzip stream ends
- * early, and overflow at a long number in text. The encodings are zlib's, libbz2's (which alone may be left
- * out) or a few lines. A header has at most ISO_NRRD_HEADER_BYTES.
+ * The library teem reads the whole format, but is not used because it trusts the file. teem 1.12 (of 2016, as
+ * in Debian) copies long header lines into fixed buffers, passes file names to printf, counts as far as a
+ * header states, and takes quadratic time for key/value pairs. Checking all this before calling teem would be
+ * as much work as parsing. Its decoders read whole arrays without progress reports, leak memory when a gzip
+ * stream ends early, and overflow at a long number in text. The encodings need only zlib, libbz2 (the only
+ * optional one) or a few lines. A header has at most ISO_NRRD_HEADER_BYTES.
  *
- * NRRD names its world by `space`. LPS is ours; RAS and LAS differ by the signs of x and y. 3D-left-handed
- * names no body axis, it says only that z points the other way from x cross y. Read as a right-handed world
- * the volume would come out mirrored, so one axis has to be negated, and any of the three gives the right
- * shape. z it is: x and y are then still those of the slices as they are shown, and stacks that say so (the
- * headsq data of VTK) number their slices downwards, so that the head also stands upright. */
+ * NRRD names its world by `space`. LPS is used as it is; RAS and LAS differ from it by the signs of x and y.
+ * 3D-left-handed names no anatomical axes and only states that z is opposite to x cross y. Such a volume
+ * would be mirrored in a right-handed world, so one axis must be negated, and any of the three would give the
+ * right shape. z is negated: x and y then remain those of the displayed slices, and stacks of this kind
+ * (VTK's headsq data) number their slices downwards, so the head is upright. */
 #include <math.h>
 #include <string.h>
 

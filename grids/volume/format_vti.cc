@@ -1,10 +1,10 @@
-/* format_vti: VTK's XML image data, through vtkXMLImageDataReader.
+/* format_vti: reads VTK's XML image data with vtkXMLImageDataReader.
  *
- * VTK reports what is wrong with a file in words, not in a return value, and goes on with whatever it has; so
- * everything it says while it reads is caught, and any error makes the file unreadable. Its output window and
- * the threshold of its log are global: they are changed while a file is read, one file at a time, and put
- * back. VTK's arrays become the grid's without a copy when their type allows it. The world is the file's own.
- */
+ * VTK reports errors as text, not by a return value, and continues with incomplete data. Therefore all its
+ * messages are captured during reading, and any error makes the file unreadable. VTK's output window and the
+ * threshold of its log are global; they are changed while a file is read, one file at a time, and then
+ * restored. VTK's arrays are used in the grid without a copy if their type allows it. World coordinates are
+ * those of the file. */
 #include <algorithm>
 #include <array>
 #include <cerrno>

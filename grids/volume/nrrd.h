@@ -31,7 +31,7 @@ typedef enum iso_nrrd_encoding {
     ISO_NRRD_ZRL /* run lengths of zeros */
 } iso_nrrd_encoding;
 
-/* Numbers that the header does not give are NaN. */
+/* An axis of the array. Numbers that the header does not state are NaN. */
 typedef struct iso_nrrd_axis {
     uint64_t size;
     double spacing, thickness, min, max;
@@ -43,12 +43,12 @@ typedef struct iso_nrrd_axis {
     unsigned kind_size; /* the size that its kind requires; 0: any */
 } iso_nrrd_axis;
 
-/* Where the array is. */
+/* The place of the array's data. */
 typedef enum iso_nrrd_place {
     ISO_NRRD_ATTACHED,  /* after the header */
     ISO_NRRD_FILE,      /* in the file `name` */
-    ISO_NRRD_LIST,      /* in files whose names follow the header, a line each */
-    ISO_NRRD_SKIP_LIST, /* the same, each name after a number of bytes to skip and a space */
+    ISO_NRRD_LIST,      /* in several files, whose names follow the header, one on each line */
+    ISO_NRRD_SKIP_LIST, /* the same, but a number of bytes to skip and a space precede each name */
     ISO_NRRD_PATTERN    /* in files whose names are `name` with a number in place of its %d */
 } iso_nrrd_place;
 
@@ -70,10 +70,11 @@ typedef struct iso_nrrd_header {
     char name[ISO_NRRD_NAME];
     int64_t first, last,
         step;           /* numbers in the names of a pattern; step is not 0 and leads from first to last */
-    unsigned file_dim;  /* number of axes in each of several files; dim: each has a part of the last axis */
+    unsigned file_dim;  /* if there are several files: number of axes in each of them; dim: each has a part of
+                           the last axis */
     int64_t byte_skip;  /* -1 - n: the array ends n bytes before the file's end */
     uint64_t line_skip; /* lines to skip before byte_skip applies */
-    uint64_t after;     /* position in the file after the header: of the array, or of the names of a list */
+    uint64_t after; /* position in the file after the header, where the array or the list of names begins */
 } iso_nrrd_header;
 
 /* Parses a header from the first `count` bytes of a file; `whole`: these are all its bytes. Modifies `text`,

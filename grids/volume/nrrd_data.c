@@ -94,8 +94,8 @@ static iso_status count_names(iso_nrrd_data *d, uint64_t most, uint64_t *count, 
     return ISO_OK;
 }
 
-/* Sets the number of files and the size of each from the array's sizes and the number of axes in a file. If
- * each file has a part of the last axis, their number is `given`. */
+/* Sets the number of files and the size of the part in each, from the sizes of the array and the number of
+ * axes in a file. If each file has a part of the last axis, the number of files is `given`. */
 static iso_status split_over_files(iso_nrrd_data *d, uint64_t all, uint64_t given, iso_error *error) {
     const iso_nrrd_header *header = d->header;
     uint64_t last = header->axis[header->dim - 1].size;
@@ -157,7 +157,7 @@ static bool print_name(const iso_nrrd_header *header, uint64_t index, char name[
     return true;
 }
 
-/* Sets the next file's name, and the number of bytes to skip in it. */
+/* Finds the name of the next file, and the number of bytes to skip in it. */
 static iso_status next_name(iso_nrrd_data *d, int64_t *skip, iso_error *error) {
     const iso_nrrd_header *header = d->header;
     char line[ISO_NRRD_NAME];
@@ -205,7 +205,7 @@ static iso_status skip_lines(const iso_nrrd_data *d, iso_error *error) {
     return ISO_OK;
 }
 
-/* Moves to the array in a file of `bytes` bytes, as byte_skip says. Raw data must be complete. */
+/* Skips to the array in a file of `bytes` bytes, as byte_skip states. Raw data must be complete. */
 static iso_status skip_bytes(const iso_nrrd_data *d, uint64_t bytes, int64_t skip, iso_error *error) {
     off_t at = ftello(d->file);
     if (at < 0) return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", d->name, strerror(errno));
@@ -276,8 +276,8 @@ static iso_status begin_packed(iso_nrrd_data *d, int64_t skip, iso_error *error)
     return ISO_OK;
 }
 
-/* Reads on behind the array to the checksum: of the stream, or, in bzip2, of the block, which damage may have
- * made longer. Stops if the end is far behind the array. */
+/* Reads the rest of the compressed data up to its checksum: that of the stream or, in bzip2, that of the
+ * block, which damage may have made longer. Stops if the end is far behind the array. */
 static iso_status end_packed(iso_nrrd_data *d, iso_error *error) {
     if (d->inflater) return iso_inflater_finish(d->inflater, error);
     char scratch[1 << 14];
@@ -360,7 +360,7 @@ static iso_status fill_text(const iso_nrrd_data *d, void *target, size_t bytes, 
     return iso_fail(error, ISO_ERR_IO, "%s: holds something that is not a number", d->name);
 }
 
-/* The value of the next hexadecimal digit; -1: another character, -2: the end of the file. */
+/* Returns the value of the next hexadecimal digit; -1: another character; -2: the end of the file. */
 static int next_digit(FILE *file) {
     int c = getc_unlocked(file);
     while (c == ' ' || (c >= '\t' && c <= '\r')) c = getc_unlocked(file);

@@ -1,9 +1,9 @@
 /* nrrd_header: parses the header of an NRRD file.
  *
- * One pass over at most ISO_NRRD_HEADER_BYTES, and nothing is allocated but the text: values are numbers and
- * enumerators in a fixed struct, key/value pairs and fields that say nothing about where voxels lie are
- * passed over. What teem 1.12 refuses is refused here too: a field twice, a field before the one that it
- * depends on, an axis that has both a direction and a spacing. */
+ * The parser makes one pass over at most ISO_NRRD_HEADER_BYTES and allocates only the text. Values are stored
+ * as numbers and enumerators in a fixed struct; key/value pairs and fields that do not affect the positions
+ * of voxels are skipped. Like teem 1.12 it rejects a repeated field, a field before the one that it depends
+ * on, and an axis that has both a direction and a spacing. */
 #define _GNU_SOURCE
 #include <ctype.h>
 #include <errno.h>
@@ -81,7 +81,7 @@ static bool parse_double(const parser *p, char **text, double *value) {
     return true;
 }
 
-/* The index of `word` among `count` names that are `stride` bytes apart; -1: it is none of them. */
+/* Returns the index of `word` among `count` names that are `stride` bytes apart; -1: it is not among them. */
 static int find_name(const char *word, const void *names, size_t count, size_t stride) {
     for (size_t i = 0; i < count; i++)
         if (strcasecmp(word, *(const char *const *)(const void *)((const char *)names + i * stride)) == 0)
@@ -91,7 +91,7 @@ static int find_name(const char *word, const void *names, size_t count, size_t s
 
 #define FIND_NAME(word, table) find_name(word, table, sizeof(table) / sizeof *(table), sizeof *(table))
 
-/* The length of a unit in mm; 1 for a unit that is not a length. */
+/* Returns the length of a unit in mm; 1 for a unit that is not a length. */
 static double unit_mm(const char *unit) {
     static const struct {
         const char *name;
@@ -477,7 +477,7 @@ static iso_status parse_file_dim(parser *p, char **value) {
     return ISO_OK;
 }
 
-/* Parses "name%03d.raw 1 90 1 [dim]". */
+/* Parses a pattern such as "name%03d.raw 1 90 1 [dim]". */
 static iso_status parse_pattern(parser *p, char *value) {
     iso_nrrd_header *header = p->header;
     char *name = next_word(&value);

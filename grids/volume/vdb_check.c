@@ -81,8 +81,8 @@ static bool take_count(walk *w, uint32_t *count) {
 /* The kinds of blocks, by what they store for inactive voxels (OpenVDB's io/Compression.h). */
 enum block_kind { BACKGROUND, NEGATIVE, ONE_VALUE, MASK, MASK_ONE_VALUE, MASK_TWO_VALUES, ALL_VALUES };
 
-/* Checks the header of a Blosc chunk, which states its compressed and uncompressed sizes: Blosc trusts them.
- */
+/* Checks the header of a Blosc chunk, which states its compressed and uncompressed sizes; Blosc itself does
+ * not check them. */
 static bool check_blosc(walk *w, uint64_t length, uint64_t bytes) {
     uint32_t head[4];
     uint64_t start = position(w);

@@ -9,8 +9,8 @@
 
 namespace {
 
-/* The memory of a metadata entry and of a grid beside their bytes; the most that all headers of a file may
- * need, enough for about ten thousand grids. */
+/* Memory of a metadata entry and of a grid in addition to their bytes; largest memory for all headers of a
+ * file, enough for about ten thousand grids. */
 constexpr uint64_t entry_bytes = 200, grid_bytes = 3000, most_bytes = uint64_t{32} << 20;
 
 /* The longest name of a type or a map; OpenVDB has no longer ones. */
@@ -99,8 +99,8 @@ void vdb_lengths::pass_leaf_sizes(uint64_t bytes) {
     if (sizes != UINT32_MAX) pass_packed(sizes, 8 * leaves);
 }
 
-/* Checks and skips a Blosc chunk, which states its compressed and uncompressed sizes: Blosc trusts them.
- * OpenVDB pads short values to 128 bytes. */
+/* Checks and skips a Blosc chunk. It states its compressed and uncompressed sizes, which Blosc does not
+ * check. OpenVDB pads short values to 128 bytes. */
 void vdb_lengths::pass_packed(uint64_t bytes, uint64_t unpacked) {
     if (bytes == 0) return pass(unpacked);
     const std::streamoff begin = stream_.tellg();

@@ -1,6 +1,6 @@
-/* vectors_read: reads the components of a volume one after the other with the reader of its format, and turns
- * them to the axes of the world. A compressed file is unpacked once for each component: that takes longer
- * than reading them together, but needs nothing of the eight readers but what they do for scalars. */
+/* vectors_read: reads the components of a volume one after the other with the reader of its format, and
+ * rotates them to the axes of the world. A compressed file is decompressed once for each component. This
+ * takes longer than reading all components together, but the eight readers need no code for it. */
 #include "grids/volume/vectors_read.h"
 
 #include <math.h>
@@ -8,7 +8,7 @@
 
 #include "base/memory.h"
 
-/* A place of no component of the result: the mask. */
+/* The place of the mask, which is not a component of the result. */
 enum { MASK = -1 };
 
 typedef struct job {
@@ -20,16 +20,16 @@ typedef struct job {
     uint64_t limit;
     iso_vectors *vectors;
     iso_vectors_info *info;
-    /* of the component that is being read */
+    /* the component that is being read */
     const iso_rgrid *grid;
-    int place;           /* in the values of a voxel, or MASK */
-    bool is_second;      /* the place has a value already, of the entry across the diagonal */
-    double *differences; /* one a slice: the greatest between such entries */
+    int place;           /* place of the component among the values of a voxel, or MASK */
+    bool is_second;      /* the place already has the value of the transposed entry */
+    double *differences; /* for each slice: the greatest difference between transposed entries */
 } job;
 
 /* ---- what the components are */
 
-/* Where the six components of a symmetric tensor go, by their order in the file. */
+/* The places of the six components of a symmetric tensor, by their order in the file. */
 static const int upper[6] = {0, 1, 2, 3, 4, 5}, lower[6] = {0, 1, 3, 2, 4, 5}, vtk[6] = {0, 3, 5, 1, 4, 2};
 static const int matrix[9] = {0, 1, 2, 1, 3, 4, 2, 4, 5};
 
@@ -73,8 +73,8 @@ static void set_diagonal(double m[9], double x, double y, double z) {
     m[0] = x, m[4] = y, m[8] = z;
 }
 
-/* The axes of the voxels, the first one reversed if it and the others are right-handed: what FSL calls the
- * directions of its vectors. (RAS and LPS have the same hand.) */
+/* Computes the axes of the voxels. For FSL the first axis is reversed if the axes are right-handed. (RAS and
+ * LPS have the same handedness.) */
 static void set_voxel_axes(const iso_transform *transform, bool fsl, double m[9]) {
     const double *d = transform->direction;
     const double determinant = d[0] * (d[4] * d[8] - d[5] * d[7]) - d[1] * (d[3] * d[8] - d[5] * d[6]) +
@@ -84,7 +84,7 @@ static void set_voxel_axes(const iso_transform *transform, bool fsl, double m[9]
         if (fsl && determinant > 0) m[3 * row] = -m[3 * row];
 }
 
-/* Turns positions from RAS to LPS. */
+/* Converts positions from RAS to LPS. */
 static void turn_positions(iso_transform *transform) {
     for (int row = 0; row < 2; row++) {
         transform->origin[row] = -transform->origin[row];
@@ -160,7 +160,7 @@ static iso_status read_component(job *j, int component, iso_error *error) {
     return status;
 }
 
-/* The mask comes last: it marks voxels that have values. */
+/* Reads all components. The mask is read last, and marks the voxels that have values. */
 static iso_status read_components(job *j, iso_error *error) {
     const int components = j->info->volume.components;
     for (int i = 0; i < components; i++) ISO_TRY(read_component(j, components == 7 ? (i + 1) % 7 : i, error));
@@ -175,7 +175,7 @@ static void turn_vector(const double m[9], float v[3]) {
         v[row] = (float)(m[3 * row] * x + m[3 * row + 1] * y + m[3 * row + 2] * z);
 }
 
-/* m t m^T */
+/* Computes m t m^T. */
 static void turn_tensor(const double m[9], float t[6]) {
     const double full[9] = {(double)t[0], (double)t[1], (double)t[2], (double)t[1], (double)t[3],
                             (double)t[4], (double)t[2], (double)t[4], (double)t[5]};

@@ -3,15 +3,18 @@
  *
  * Every format of iso_volume_read can hold them: channels of MetaImage and raw files, arrays of .vti and
  * legacy .vtk, vector grids of .vdb, axes of vectors and matrices in .nrrd, fourth and fifth dimensions of
- * NIfTI. What the components are follows from their number:
+ * NIfTI. The number of components determines what they are:
  *
  *   3   a vector
- *   6   a symmetric tensor: xx xy xz yy yz zz; in .vti and .vtk xx yy zz xy yz xz; in NIfTI with the intent
- * of symmetric matrices xx yx yy zx zy zz 7   a mask, and a tensor that counts where the mask is at least 0.5
- * (3D-masked-symmetric-matrix of .nrrd) 9   a tensor row by row, of which the symmetric part is taken
+ *   6   a symmetric tensor: xx xy xz yy yz zz. In .vti and .vtk: xx yy zz xy yz xz. In NIfTI with the
+ *       intent of symmetric matrices: xx yx yy zx zy zz
+ *   7   a mask and a symmetric tensor, which is used where the mask is at least 0.5
+ *       (3D-masked-symmetric-matrix of .nrrd)
+ *   9   a tensor row by row, of which the symmetric part is used
  *
  * The axes of the components are those that the header states (the space and measurement frame of .nrrd, the
- * space of .vdb), RAS in NIfTI, which does not say, and else the axes of the file's world. */
+ * space of .vdb). NIfTI does not state them; they are taken as RAS. In other formats they are the axes of
+ * the file's world. */
 #ifndef ISO_GRIDS_VOLUME_VECTORS_READ_H
 #define ISO_GRIDS_VOLUME_VECTORS_READ_H
 
@@ -22,32 +25,36 @@
 extern "C" {
 #endif
 
-/* The axes that components are taken to have. */
+/* The axes in which components are given. */
 typedef enum iso_vector_axes {
-    ISO_VECTOR_AXES_FILE, /* as above */
+    ISO_VECTOR_AXES_FILE, /* those of the file, as described above */
     ISO_VECTOR_AXES_LPS,
-    ISO_VECTOR_AXES_RAS,    /* also of positions, where the format does not state theirs */
+    ISO_VECTOR_AXES_RAS,    /* also for positions, if the format does not state their axes */
     ISO_VECTOR_AXES_VOXELS, /* the directions of the voxels' axes */
-    ISO_VECTOR_AXES_FSL     /* the same, the first one reversed in volumes that are right-handed in RAS */
+    ISO_VECTOR_AXES_FSL     /* the axes of the voxels, the first one reversed in volumes that are right-handed
+                               in RAS */
 } iso_vector_axes;
 
-/* All zero means the default. Strings are borrowed for the call. */
+/* Options. Zero means the default. Strings are borrowed for the call. */
 typedef struct iso_vectors_opts {
-    const char *array; /* of a .vti, .vtk or .vdb; NULL: the first one with 3, 6, 7 or 9 components */
+    const char *array; /* name of the array in a .vti, .vtk or .vdb; NULL: the first one with 3, 6, 7 or 9
+                          components */
     iso_vector_axes axes;
-    /* Of six components: which of them are xx, xy, xz, yy, yz and zz, counted from 1; all 0: as above. */
+    /* For six components: the numbers (from 1) of those that are xx, xy, xz, yy, yz and zz; all 0: as
+     * above. */
     int order[6];
-    uint64_t max_memory; /* bytes that the vectors and reading them may take; 0: 80 % of what is available */
-    iso_file_set *files; /* every file that is read is added; NULL is fine */
+    uint64_t max_memory; /* limit in bytes for the vectors and for reading them; 0: 80 % of the available
+                            memory */
+    iso_file_set *files; /* every file that is read is added to it; may be NULL */
     iso_pool *pool;
 } iso_vectors_opts;
 
-/* What the file says. */
+/* What the file states. */
 typedef struct iso_vectors_info {
     iso_volume_info volume;
     bool ras;         /* the components were read as RAS */
-    bool axes_stated; /* by the header */
-    double asymmetry; /* of nine components: greatest difference of two entries that should be equal */
+    bool axes_stated; /* the header states the axes of the components */
+    double asymmetry; /* for nine components: greatest difference between two entries that should be equal */
 } iso_vectors_info;
 
 /* Reads the volume; iso_vectors_free when done. `opts` may be NULL. Errors: those of iso_volume_read;

@@ -66,7 +66,7 @@ static bool refill(input *in) {
     return in->filled > 0;
 }
 
-/* The next byte, or EOF. */
+/* Returns the next byte, or EOF. */
 static int next_byte(input *in) {
     if (in->at == in->filled && !refill(in)) return EOF;
     return in->buffer[in->at++];
@@ -125,7 +125,7 @@ static bool take_number(decoder *d, uint64_t *number) {
     return true;
 }
 
-/* The number of bytes that `left` bytes of the file decode to. */
+/* Returns the number of bytes to which `left` bytes of the file decode. */
 static uint64_t decoded(const iso_vti_layout *layout, uint64_t left) {
     return layout->encoding == ISO_VTI_RAW ? left : left / 4 * 3;
 }
@@ -145,9 +145,10 @@ static iso_status check_length(decoder *d, iso_error *error) {
     return decoded(d->layout, bytes_left(d->in)) + here < d->layout->bytes ? cut_off(d->in, error) : ISO_OK;
 }
 
-/* The blocks of a compressed array. */
+/* The block structure of a compressed array. */
 typedef struct blocks {
-    uint64_t count, size, last; /* number; uncompressed size; that of the last block, 0: like the others */
+    uint64_t count, size, last; /* number of blocks; uncompressed size of a block; of the last block, 0: the
+                                   same */
     uint64_t packed, largest;   /* compressed size of all blocks, and of the largest */
 } blocks;
 
@@ -176,8 +177,8 @@ static iso_status check_blocks(decoder *d, blocks *b, iso_error *error) {
     return decoded(d->layout, bytes_left(d->in)) < b->packed ? cut_off(d->in, error) : ISO_OK;
 }
 
-/* The memory that VTK needs: for the sizes and positions of all blocks, and for one block compressed and
- * uncompressed. */
+/* Returns the memory that VTK needs: for the sizes and positions of all blocks, and for one compressed and
+ * one uncompressed block. */
 static uint64_t room_for(const iso_vti_layout *layout, const blocks *b) {
     const uint64_t largest = b->count == 1 && b->last ? b->last : b->size;   /* at most all of the array */
     const uint64_t sizes = b->count * ((uint64_t)layout->header_bytes + 16); /* count: the file has as many */
@@ -190,7 +191,7 @@ static bool is_sign(int c) {
     return c == '+' || c == '-';
 }
 
-/* Reads a number, after blanks; false if there is anything else. */
+/* Skips a number and the blanks before it; returns false if there is anything else. */
 static bool pass_number(input *in) {
     int c = next_byte(in), digits = 0;
     while (isspace(c)) c = next_byte(in);
@@ -226,7 +227,7 @@ static iso_status check_text(input *in, const iso_vti_layout *layout, uint64_t *
     return ISO_OK;
 }
 
-/* Moves behind the element's tag, which, as for VTK, ends at the first >. */
+/* Skips the rest of the element's tag, which ends at the first >, as it does for VTK. */
 static void enter_element(input *in) {
     int c = next_byte(in);
     while (c != EOF && c != '>') c = next_byte(in);
@@ -271,7 +272,7 @@ static bool fails(markup *m, const char *problem) {
     return false;
 }
 
-/* The next byte of markup, which is counted; EOF at the end of the file. */
+/* Returns the next byte of markup and counts it; EOF at the end of the file. */
 static int next_of(markup *m) {
     m->bytes++;
     return next_byte(m->in);
@@ -295,7 +296,7 @@ static bool pass_until(markup *m, const char *end) {
     return is_bounded(m) && fails(m, "its XML ends early");
 }
 
-/* Skips what begins with <!: a comment, or a CDATA section. */
+/* Skips an element that begins with <!: a comment or a CDATA section. */
 static bool pass_special(markup *m) {
     int c = next_of(m);
     if (c == '-') return pass_until(m, "-->");

@@ -1,9 +1,9 @@
-/* glass: reads the map of crossings from the lists of fragments of a surface that hides nothing. */
+/* glass: makes the map of crossings from the lists of fragments of a surface that hides nothing behind it. */
 #include "exact/glass.h"
 
 #include "exact/layers.h"
 
-/* iso_exact_layers_reader.read. */
+/* The callback iso_exact_layers_reader.read. */
 static void read_band(void *context, const iso_layer_lists *lists, const iso_layer_rays *rays, int first) {
     const iso_glass_map *map = context;
     for (int row = 0; row < lists->rows; row++)

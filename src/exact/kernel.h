@@ -80,8 +80,8 @@ typedef struct iso_exact_hits {
     float gradient[ISO_EXACT_HIT_ROOM][8][4]; /* by slot: x, y, z at the cell's corners; [3] is unused */
 } iso_exact_hits;
 
-/* Up to 64 neighbouring pixels of a picture row. Those whose bits in `listed` are set are tested against a
- * large cell. */
+/* Up to 64 neighbouring pixels in a row of the picture. Those whose bits in `listed` are set are tested
+ * against a large cell. */
 typedef struct iso_exact_row_window {
     uint64_t listed; /* bit n: the pixel n to the right of the first is to be tested */
     int32_t pixel;   /* the first pixel, y << 16 | x */
@@ -121,7 +121,7 @@ typedef struct iso_exact_pixel_run {
  * are stored at index i + ISO_LANES_MAX, so that vectors can be read that begin before the first pixel.
  * (ISO_EXACT_PATCH_ROOM is a multiple of ISO_LANES_MAX, so that no vector crosses a cache line.) */
 typedef struct iso_exact_patch {
-    int cell, count, runs;                         /* number of the cell; of pixels; of runs */
+    int cell, count, runs;                         /* number of the cell; number of pixels; number of runs */
     iso_exact_pixel_run run[ISO_EXACT_PATCH_ROOM]; /* the pixels, in their order */
     /* x, y: pixels from the cell's projected reference point; depth: of the surface, mm */
     alignas(64) float x[ISO_EXACT_PATCH_ROOM], y[ISO_EXACT_PATCH_ROOM], depth[ISO_EXACT_PATCH_ROOM];
@@ -144,7 +144,7 @@ typedef struct iso_exact_patch {
 /* The working memory of one worker, for one band of rows at a time. */
 typedef struct iso_exact_scratch {
     iso_rows rows;          /* the band */
-    iso_layer_lists *lists; /* of the band; of the kernel that lists layers */
+    iso_layer_lists *lists; /* of the band; only for the kernel that lists layers */
     int words;              /* 64-bit words of `open` per row; the last one is always 0 */
     uint64_t *open;         /* bit x & 63 of word x / 64 of row y - rows.first: the pixel is still free */
 
@@ -163,7 +163,7 @@ typedef struct iso_exact_scratch {
     uint64_t drawable[ISO_EXACT_SIDE];   /* bit r: there is a cell of front-to-back rank r with pixels */
     uint16_t cell_of[ISO_EXACT_CELLS];   /* the number of the cell, by rank */
 
-    /* Pairs of a pixel (y << 16 | x) and the cell it is to be tested against (the index of its record, in
+    /* Pairs of a pixel (y << 16 | x) and the cell that it is tested against (the index of its record, in
      * floats), front to back. Pairs before index `general` may need the general test. */
     int32_t pixel[ISO_EXACT_LIST_ROOM], owner[ISO_EXACT_LIST_ROOM];
     int pairs, general;
@@ -187,9 +187,10 @@ typedef struct iso_exact_kernel {
     void (*flush)(const iso_exact_projection *projection, iso_exact_scratch *scratch);
 } iso_exact_kernel;
 
-/* The kernels at an instruction set, or at the best below it that this build has. Never NULL. The first one
- * shows the first crossing of each ray; the other one lists all crossings as fragments (render/layers): for
- * it a pixel is free as long as something of the surface may be seen behind the fragments listed so far. */
+/* Return a kernel for an instruction set, or for the best below it that this build has. Never NULL. The first
+ * kernel shows the first crossing of each ray; the other one lists all crossings as fragments
+ * (render/layers), and for it a pixel is free as long as something of the surface can be seen behind the
+ * fragments listed so far. */
 const iso_exact_kernel *iso_exact_kernel_get(iso_cpu_level level);
 const iso_exact_kernel *iso_exact_layers_kernel_get(iso_cpu_level level);
 

@@ -1,4 +1,4 @@
-/* layers: lists the crossings of translucent surfaces band by band, has doubtful samples traced again, and
+/* layers: lists the crossings of translucent surfaces band by band, traces doubtful samples again, and
  * composites the band. */
 #include "exact/layers.h"
 
@@ -11,11 +11,12 @@
 #include "render/shading/phong_vectors.h"
 
 enum {
-    BAND_ROWS = 32, /* of samples, about; more when a pixel has several rows of them */
+    BAND_ROWS = 32, /* rows of samples in a band, about; more if a pixel has several rows of samples */
     BAND_CHUNKS = ISO_EXACT_LAYERS_BYTES / sizeof(iso_layer_chunk) /* a band with more is cut in two */
 };
 
-/* Crossings in the same direction closer than this part of a cell's extent in depth are one. */
+/* Crossings in the same direction that are closer than this share of a cell's extent in depth are one
+ * crossing. */
 static const double SAME_CROSSING = 1e-3;
 
 /* One of the surfaces in the picture. */
@@ -32,7 +33,7 @@ typedef struct layer {
 typedef struct worker {
     iso_layer_lists lists;
     iso_layer_composer composer;
-    iso_layer_rays rays; /* NULL without absorbing solids */
+    iso_layer_rays rays; /* NULL if no solid absorbs light */
     iso_exact_layers_totals totals;
 } worker;
 
@@ -40,11 +41,11 @@ typedef struct layers_draw {
     const iso_exact_layers *input;
     iso_target target;
     iso_gbuffer size; /* the size of the strip's gbuffer */
-    float *slopes;    /* of the rays: u by column, v by row */
+    float *slopes;    /* slopes of the rays: u by column, v by row */
     layer *layers;
     iso_layer_medium media[ISO_EXACT_LAYERS_MAX];
-    double middle;            /* all depths are counted from it, also those of surfaces of other volumes */
-    bool absorbs, needs_rays; /* rays: for absorption and for readers */
+    double middle;            /* depths count from this one, also those of surfaces of other volumes */
+    bool absorbs, needs_rays; /* rays are needed for absorption and for readers */
     int band_rows;
     iso_exact_scratch *scratch; /* by worker */
     worker *workers;
@@ -62,7 +63,8 @@ static void set_base(iso_rgb color, float base[3]) {
     base[2] = (float)color.b / 255;
 }
 
-/* The bricks that a surface crosses are those with spans: no voxel is read for them. */
+/* Makes the ray tracer of a surface. The bricks that the surface crosses are those with spans, so no voxel is
+ * read to find them. */
 static iso_status make_tracer(layer *l, iso_error *error) {
     const iso_exact *exact = l->input->exact;
     const int *bricks = exact->set.bricks;
@@ -179,7 +181,7 @@ static bool start_ray(const layers_draw *draw, const layer *l, int x, int y, iso
     return iso_ray_start(l->tracer, origin, direction, view->near, ray);
 }
 
-/* What the kernel computes for a crossing (shade_fragments of hits_body.inc). */
+/* Makes a fragment from a traced crossing, as the kernel does (shade_fragments in hits_body.inc). */
 static iso_fragment make_fragment(const layers_draw *draw, const layer *l, int x, int y, const iso_ray *ray,
                                   const iso_ray_hit *hit) {
     const iso_vec3 n = iso_view_vector(draw->target.view, iso_ray_hit_normal(l->tracer, ray, hit));
@@ -195,7 +197,7 @@ static iso_fragment make_fragment(const layers_draw *draw, const layer *l, int x
     return fragment;
 }
 
-/* Lists the fragments of a sample anew. row: counted from the band's first. */
+/* Lists the fragments of a sample again, with the ray tracer. row: counted from the band's first row. */
 static void retrace(const layers_draw *draw, const layer *l, iso_layer_lists *lists, int x, int row, int y) {
     iso_ray ray;
     iso_ray_hit hit;
@@ -211,7 +213,7 @@ static void retrace(const layers_draw *draw, const layer *l, iso_layer_lists *li
 /* Traces the doubtful samples of a band again; returns their number. */
 static size_t retrace_doubtful(const layers_draw *draw, const layer *l, iso_layer_lists *lists, int first) {
     size_t count = 0;
-    lists->pass.tolerance = -1; /* the tracer finds each crossing once */
+    lists->pass.tolerance = -1; /* the tracer finds each crossing only once */
     for (int row = 0; row < lists->rows; row++)
         for (int i = 0; i < lists->row_groups; i++) {
             uint64_t doubtful = lists->groups[row * lists->row_groups + i].doubtful;
@@ -248,7 +250,8 @@ static void set_rays(const layers_draw *draw, worker *w, iso_rows rows) {
 
 /* ---- bands */
 
-/* iso_layer_bands.list: lists the fragments of all surfaces, and of what else is in the picture. */
+/* The callback iso_layer_bands.list: lists the fragments of all surfaces and of the further objects in the
+ * picture. */
 static bool list_rows(void *context, int number, size_t band, iso_rows rows, bool least) {
     (void)band;
     const layers_draw *draw = context;
@@ -271,7 +274,7 @@ static bool list_rows(void *context, int number, size_t band, iso_rows rows, boo
     return true;
 }
 
-/* iso_layer_bands.use: composites the listed fragments, or passes them on. */
+/* The callback iso_layer_bands.use: composites the listed fragments, or passes them to the reader. */
 static void use_rows(void *context, int number, iso_rows rows) {
     const layers_draw *draw = context;
     const iso_exact_layers_reader *reader = draw->input->reader;

@@ -1,9 +1,10 @@
-/* layers: translucent exact surfaces. Every crossing of the surfaces along a ray is found, in order of depth,
- * without sorting: the cells are visited front to back, and a pixel stays open until less than 1/512 of the
- * light is left (render/layers). Surfaces of different isovalues interleave rightly in every pixel.
+/* layers: translucent exact surfaces. All crossings of the surfaces along a ray are found in order of depth,
+ * without sorting: the cells are visited front to back, and a pixel stays free until less than 1/512 of the
+ * light passes the layers so far (render/layers). Surfaces of different isovalues are interleaved correctly
+ * in every pixel.
  *
  * The layers are those that iso_shade_raycast_layers (truth/raycast_layers.h) finds in double precision:
- * pixels for which floats cannot decide are traced again (grids/ray). */
+ * samples for which floats cannot decide are traced again (grids/ray). */
 #ifndef ISO_EXACT_LAYERS_H
 #define ISO_EXACT_LAYERS_H
 
@@ -14,39 +15,40 @@
 extern "C" {
 #endif
 
-/* A translucent surface. Its opacity is below 1: opaque surfaces are drawn into the strip's gbuffer before
- * (iso_draw_exact). */
+/* A translucent surface, with an opacity below 1. Opaque surfaces are drawn into the strip's gbuffer
+ * beforehand (iso_draw_exact). */
 typedef struct iso_exact_layer {
     const iso_exact *exact; /* up to date; borrowed for the call */
     iso_rgb color;
     iso_translucency translucency;
 } iso_exact_layer;
 
-/* Bytes that each thread takes for the fragments of a band, at most; a single row of pixels may take more. */
+/* Largest number of bytes that each thread uses for the fragments of a band; a single row of pixels may use
+ * more. */
 enum { ISO_EXACT_LAYERS_BYTES = 32 << 20 };
 
-enum { ISO_EXACT_LAYERS_MAX = 64 }; /* surfaces in a picture */
+enum { ISO_EXACT_LAYERS_MAX = 64 }; /* largest number of surfaces in a picture */
 
-/* Takes the fragments of a band of rows instead of having them composited. */
+/* Receives the fragments of a band of rows; they are then not composited. */
 typedef struct iso_exact_layers_reader {
-    /* Their colours are shaded ones, and no rays are set. Else their colours are the unit normals at the
-     * crossings (view space, out of the solid). */
+    /* The fragments have shaded colours, and no rays are set. If false, their colours are the unit normals at
+     * the crossings (view space, out of the solid). */
     bool shaded;
-    /* Called once for each band by any worker. first: the band's first row of samples in the strip. */
+    /* Called once for each band, by any worker. first: the band's first row of samples in the strip. */
     void (*read)(void *context, const iso_layer_lists *lists, const iso_layer_rays *rays, int first);
     void *context;
 } iso_exact_layers_reader;
 
-/* What is drawn, and into what; all pointers are borrowed for the call. */
+/* The surfaces to draw and the picture to draw them into; all pointers are borrowed for the call. */
 typedef struct iso_exact_layers {
     const iso_exact_layer *layers; /* the picture's translucent surfaces */
-    int count;                     /* 0 .. ISO_EXACT_LAYERS_MAX; 0: what the source lists is drawn alone */
+    int count;                     /* 0 .. ISO_EXACT_LAYERS_MAX; with 0 only the source's layers are drawn */
     iso_layer_picture picture;
-    const iso_exact_layers_reader *reader; /* NULL: the layers are composited; else of the picture only
-                                              strip and pool are used */
-    const iso_layer_source *source; /* lists what else is translucent in the picture; NULL: nothing. Its
+    const iso_exact_layers_reader *reader; /* NULL: the layers are composited; else they are passed to the
+                                              reader, and of the picture only strip and pool are used */
+    const iso_layer_source *source; /* lists further translucent objects in the picture; NULL: none. Their
                                        surfaces are numbered from `count` on, and their solids are clear */
-    double middle;                  /* with no layers: a depth in the middle of what is drawn, mm */
+    double middle;                  /* if count is 0: a depth in the middle of the picture's objects, mm */
 } iso_exact_layers;
 
 typedef struct iso_exact_layers_totals {

@@ -69,7 +69,8 @@ typedef struct iso_exact_octant_projection {
     int origin[2];       /* the pixel that pixels are counted from */
     float off_axis[2];   /* distance of that pixel's centre from the optical axis, pixels */
     float place[2];      /* projected centre of the octant, in pixels from `origin` */
-    float residue[2];    /* x and y of the octant's centre minus `reference` * its depth, mm (rounding) */
+    float residue[2];    /* x and y of the octant's centre minus `reference` * its depth, mm: the rounding
+                            error of `reference` */
     float reference[2];  /* x / z and y / z of the reference direction */
     float sheared[2][3]; /* `across` minus `reference` * `along` */
     float across[2][3], along[3]; /* a step of one voxel on each index axis in view space: x and y, z; mm */

@@ -26,7 +26,7 @@ static bool is_full(const isosculpt_layer_store *store) {
     return __atomic_load_n(&store->full, __ATOMIC_RELAXED);
 }
 
-/* color: 0 .. 1; opacity: the one at which the layer was listed. */
+/* Makes a layer. color: 0 .. 1; opacity: the one at which the layer was listed. */
 static isosculpt_stored_layer make_layer(float depth, const float color[3], float opacity) {
     isosculpt_stored_layer layer = {.depth = depth,
                                     .slant = (uint16_t)(opacity * (ISOSCULPT_SLANTS - 1) + 0.5f)};
@@ -39,7 +39,7 @@ static isosculpt_stored_layer store_layer(const iso_packed_fragment *packed, flo
     return make_layer(fragment.depth + middle, fragment.color, fragment.opacity);
 }
 
-/* Copies the layers of sample x behind layer number `end` of the row. */
+/* Copies the layers of sample x. `end`: number of layers stored in the row so far; returns the new number. */
 static uint32_t store_sample(const iso_layer_lists *lists, int x, int row, uint32_t end,
                              isosculpt_stored_layer *layers) {
     const iso_layer_group *group = iso_layer_group_at(lists, x, row);
@@ -49,7 +49,7 @@ static uint32_t store_sample(const iso_layer_lists *lists, int x, int row, uint3
     return end;
 }
 
-/* Makes room for so many layers in a row; NULL, and store->full, without memory. */
+/* Allocates a row for so many layers; returns NULL, and sets store->full, if there is no memory. */
 static isosculpt_layer_row *make_row(isosculpt_layer_store *store, int y, size_t count) {
     const size_t width = (size_t)store->width,
                  bytes = width * sizeof(uint32_t) + count * sizeof(isosculpt_stored_layer);
@@ -72,7 +72,7 @@ static void store_row(isosculpt_layer_store *store, const iso_layer_lists *lists
     for (int x = 0; x < lists->width; x++) to->ends[x] = end = store_sample(lists, x, row, end, to->layers);
 }
 
-/* iso_exact_layers_reader.read. */
+/* The callback iso_exact_layers_reader.read. */
 static void store_band(void *context, const iso_layer_lists *lists, const iso_layer_rays *rays, int first) {
     isosculpt_layer_store *store = context;
     (void)rays;
@@ -98,7 +98,7 @@ static iso_status reserve_rows(isosculpt_layer_store *store, int height, iso_err
     return ISO_OK;
 }
 
-/* Frees the layers, and makes room for the rows of another view. */
+/* Frees the layers, and allocates the rows for another view. */
 static iso_status begin_list(isosculpt_layer_store *store, const iso_view *view, iso_error *error) {
     free_layers(store);
     ISO_TRY(reserve_rows(store, view->height, error));
@@ -130,7 +130,7 @@ iso_status isosculpt_layer_store_list(isosculpt_layer_store *store, const iso_ex
 
 /* ---- listing the front layer, and solids */
 
-/* What the threads that store rows of samples read and write. */
+/* The state shared by the threads that store rows of samples. */
 typedef struct front_pass {
     isosculpt_layer_store *store;
     const iso_view *view;
@@ -140,7 +140,7 @@ typedef struct front_pass {
     bool solid; /* lines and glyphs */
 } front_pass;
 
-/* The colour of a sample before it is shaded. */
+/* Returns the unshaded colour of a sample. */
 static iso_rgb base_color(const front_pass *pass, size_t at) {
     const uint32_t own = pass->gbuffer->color ? pass->gbuffer->color[at] : 0;
     if (own >> 24 != pass->gbuffer->surface[at] + 1u) return pass->color;
@@ -177,7 +177,7 @@ static void store_front_row(void *context, size_t y, int worker) {
     }
 }
 
-/* What is listed: a surface, or sets of shapes. */
+/* The surface or the sets of shapes to list. */
 typedef struct front_subject {
     const iso_exact *exact; /* NULL: shapes */
     const iso_shapes *const *sets;
@@ -250,7 +250,7 @@ static float opacity_of(const isosculpt_layer_blend *b, const isosculpt_stored_l
     return layer->depth < surface ? 1 : b->opacities->face_on;
 }
 
-/* Blends the layers of a sample over the colour; `surface`: the depth of the surface there. */
+/* Blends the layers of a sample over the colour. `surface`: depth of the surface at the sample. */
 static void blend_sample(const isosculpt_layer_blend *b, const isosculpt_layer_row *row, int x, float surface,
                          uint8_t rgba[4]) {
     const isosculpt_stored_layer *layer = row->layers + (x ? row->ends[x - 1] : 0),
@@ -266,7 +266,8 @@ static void blend_sample(const isosculpt_layer_blend *b, const isosculpt_layer_r
     for (int k = 0; k < 3; k++) rgba[k] = (uint8_t)(rgb[k] * (255 / 65535.0f) + through * rgba[k] + 0.5f);
 }
 
-/* The sample of the store that lies at the middle of pixel `at` of `pixels`. */
+/* Returns the sample of the store at the middle of pixel `at`, for a store of `samples` and a picture of
+ * `pixels` along an axis. */
 static int find_sample(int at, int pixels, int samples) {
     return pixels == samples ? at : (int)((2 * (int64_t)at + 1) * samples / (2 * (int64_t)pixels));
 }

@@ -13,17 +13,18 @@
 extern "C" {
 #endif
 
-/* A layer behind a sample: 12 bytes. */
+/* A layer behind a sample, in 12 bytes. */
 typedef struct isosculpt_stored_layer {
     float depth;       /* view z, mm */
     uint16_t color[3]; /* shaded, in 65535ths */
-    uint16_t slant; /* at which angle it is seen: index into isosculpt_slant_opacities; or ISOSCULPT_SOLID */
+    uint16_t slant;    /* index into isosculpt_slant_opacities, for the angle at which the layer is seen; or
+                       ISOSCULPT_SOLID */
 } isosculpt_stored_layer;
 enum { ISOSCULPT_SOLID = UINT16_MAX }; /* the slant of lines and glyphs, which are opaque */
 
 /* The layers of a row of samples, in one block. */
 typedef struct isosculpt_layer_row {
-    uint32_t *ends; /* by sample: number of the first layer that is not its own */
+    uint32_t *ends; /* for each sample: number of the first layer of the next sample */
     isosculpt_stored_layer *layers;
 } isosculpt_layer_row;
 
@@ -33,29 +34,29 @@ typedef struct isosculpt_layer_store {
     isosculpt_layer_row *rows; /* room for row_room of them */
     int row_room;
     size_t bytes;      /* of all rows */
-    size_t most_bytes; /* more are not stored; set by the owner */
-    bool full;         /* memory, or most_bytes, did not suffice */
+    size_t most_bytes; /* limit of `bytes`, set by the owner */
+    bool full;         /* layers were left out: there was no memory, or most_bytes was reached */
 } isosculpt_layer_store;
 
-/* Lists the layers of the surface in a view. Those behind 60 or more others are left out. Other layers are
- * freed before. `exact` is up to date. ISO_ERR_NOMEM: out of memory, or more than most_bytes; then nothing is
- * stored. */
+/* Lists the layers of the surface in a view, except those behind 60 or more others. Old layers are freed
+ * first. `exact` must be up to date. ISO_ERR_NOMEM: out of memory, or more than most_bytes; nothing is stored
+ * then. */
 iso_status isosculpt_layer_store_list(isosculpt_layer_store *store, const iso_exact *exact, iso_rgb color,
                                       const iso_view *view, iso_pool *pool, iso_error *error);
-/* The same for the layer in front only, which takes a fraction of the time: cells behind others are skipped.
- */
+/* Lists only the front layer of the surface. This takes a fraction of the time, because cells behind others
+ * are skipped. */
 iso_status isosculpt_layer_store_list_front(isosculpt_layer_store *store, const iso_exact *exact,
                                             iso_rgb color, const iso_view *view, iso_pool *pool,
                                             iso_error *error);
-/* The same for what samples show of `count` (at most 255) sets of lines and glyphs. `color`: of those that
- * have none of their own. */
+/* Lists the front-most shapes of `count` (at most 255) sets of lines and glyphs. `color`: for shapes without
+ * colours of their own. */
 iso_status isosculpt_layer_store_list_shapes(isosculpt_layer_store *store, const iso_shapes *const *sets,
                                              int count, iso_rgb color, const iso_view *view, iso_pool *pool,
                                              iso_error *error);
 void isosculpt_layer_store_free(isosculpt_layer_store *store);
 
-/* The opacity of a layer by its slant, for a surface with an opacity of 0 .. 1 where it is seen face on; by
- * angle, as iso_translucency.opacity. */
+/* The opacity for each slant, for a surface whose opacity is face_on where it is seen face on; it depends on
+ * the angle as iso_translucency.opacity does. */
 enum { ISOSCULPT_SLANTS = 4096 };
 typedef struct isosculpt_slant_opacities {
     float face_on; /* the opacity that the table is made for; 0: none yet */
@@ -63,14 +64,16 @@ typedef struct isosculpt_slant_opacities {
 } isosculpt_slant_opacities;
 void isosculpt_slant_opacities_set(isosculpt_slant_opacities *opacities, double face_on);
 
-/* How layers are blended over a picture, or over a part of it. All pointers are borrowed for the call. */
+/* How stored layers are blended over a picture, or over a part of it. All pointers are borrowed for the
+ * call. */
 typedef struct isosculpt_layer_blend {
     const isosculpt_layer_store *store;
     const isosculpt_slant_opacities *opacities;
     int width, height; /* of the whole picture; the store may have fewer samples */
-    int x0, y0;        /* where the image's first pixel lies in it */
-    /* The samples of the surface in the image, which is `behind` mm nearer for this: layers behind it are
-     * hidden or, with `through`, blended as well: solids as if they were a surface that is seen face on. */
+    int x0, y0;        /* position of the image's first pixel in the picture */
+    /* The samples of the surface in the image. A layer counts as behind the surface if it is behind it after
+     * the surface was moved `behind` mm towards the eye. Layers behind the surface are hidden; with `through`
+     * they are blended, too, and solids are then blended like a surface that is seen face on. */
     const iso_gbuffer *surface;
     float behind;
     bool through;

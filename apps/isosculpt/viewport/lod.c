@@ -11,15 +11,15 @@
 /* Seconds of a step: above the first limit the next step uses a coarser level; it uses a finer level when
  * that is expected to stay below the second limit. */
 static const double TOO_SLOW = 0.030, FAST = 0.022;
-/* How much longer a step takes on the next finer level. Extracting: four times the points for a smooth
- * surface, eight times for noise. Drawing: half of the time fills pixels, whose number stays the same. */
+/* Factors of time from one level to the next finer one. Extracting: between four (the points of a smooth
+ * surface) and eight (noise). Drawing: half of the time fills pixels, whose number stays the same. */
 static const double EXTRACT_GROWTH = 6, DRAW_GROWTH = 3;
-/* The first level is the finest one with at most so many voxels, or the coarsest. */
+/* The first level is the finest one with at most this many voxels, or else the coarsest. */
 static const double FIRST_VOXELS = 5e6;
 
 struct isosculpt_lod {
     iso_rgrid
-        *grid[ISOSCULPT_LOD_LEVELS]; /* [0] is borrowed; NULL: the level before is too small to be halved */
+        *grid[ISOSCULPT_LOD_LEVELS]; /* [0] is borrowed; NULL: the previous level is too small to be halved */
     iso_point_set *points[ISOSCULPT_LOD_LEVELS];
     iso_point_set *second_points[ISOSCULPT_LOD_LEVELS]; /* NULL until they are needed */
     iso_pool *pool;

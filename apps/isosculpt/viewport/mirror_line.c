@@ -3,8 +3,8 @@
 
 #include <math.h>
 
-/* Samples from one corner of a square to the next; a square whose corners differ in depth by more than so
- * many of its widths shows two surfaces, one in front of the other, and is left out. */
+/* STEP: samples from one corner of a square to the next. STEEPEST: a square whose corners differ in depth by
+ * more than this many widths shows two surfaces, one in front of the other, and is ignored. */
 enum { STEP = 4, STEEPEST = 12 };
 
 /* A corner: its distance from the plane and its depth, mm; NAN: no surface is there. */
@@ -40,8 +40,8 @@ static bool is_one_surface(const iso_view *view, const corner c[4]) {
     return high - low <= STEEPEST * STEP * (view->orthographic ? 1 : low) / view->focal;
 }
 
-/* Finds where the plane crosses the four sides of a square, in order around it; returns their number. Two of
- * them make a segment. */
+/* Finds where the plane crosses the four sides of a square, in order around the square; returns their number.
+ * Two crossings make a segment. */
 static int find_crossings(const isosculpt_layer *layer, const corner c[4], int column, int row,
                           isosculpt_segment *segment) {
     static const int x[] = {0, 1, 1, 0}, y[] = {0, 0, 1, 1};

@@ -10,11 +10,11 @@
 #include "apps/isosculpt/viewport/see_through.h"
 #include "base/clock.h"
 
-/* Seconds of a picture while the camera moves: the next one gets fewer samples above the first limit, and
- * more below the second one. */
+/* Seconds for a picture while the camera moves: above the first limit the next picture gets fewer samples,
+ * below the second one more. */
 static const double TOO_SLOW = 0.020, FAST = 0.006;
-/* Above this, with the fewest samples, translucent surfaces are not drawn with all layers while the camera
- * moves, until another isovalue is chosen. */
+/* Seconds: if even a picture with the fewest samples takes longer, translucent surfaces are drawn without
+ * some of their layers while the camera moves, until another isovalue is chosen. */
 static const double MUCH_TOO_SLOW = 0.060;
 /* A picture at rest is refined in tiles of so many pixels, so that events are handled between two tiles (with
  * layers, which take longer, of fewer); samples along a refined pixel. */
@@ -22,7 +22,7 @@ enum { TILE_PIXELS = 1 << 17, LAYERS_TILE_PIXELS = 1 << 15, TILE_FACTOR = 2 };
 
 /* ---- extracting */
 
-/* Brings a part of the surface up to date. `quick`: of a volume the points of a level of detail instead. */
+/* Updates a part of the surface. `quick`: for volumes the points of a level of detail instead. */
 static iso_status extract_part(isosculpt_viewport *viewport, iso_part part, bool quick, iso_error *error) {
     double start = iso_clock_seconds();
     if (quick && viewport->lod)
@@ -72,7 +72,7 @@ static isosculpt_rectangle whole_image(const isosculpt_viewport *viewport) {
     return (isosculpt_rectangle){0, 0, viewport->image.width, viewport->image.height};
 }
 
-/* The layer is empty until finish_whole. */
+/* Begins a whole picture; the layer of samples is empty until finish_whole. */
 static void begin_whole(isosculpt_viewport *viewport, int factor) {
     isosculpt_layer *drawn = &viewport->drawn;
     drawn->samples = 0;
@@ -82,7 +82,7 @@ static void begin_whole(isosculpt_viewport *viewport, int factor) {
     viewport->drawn_exactly = false;
 }
 
-/* How the reference is drawn now; not shown, unless there is one. */
+/* Returns how the reference is drawn now; it is not shown if there is none. */
 static isosculpt_reference_mode shown_reference(const isosculpt_viewport *viewport) {
     isosculpt_reference_mode mode = viewport->reference_mode;
     mode.shown = isosculpt_viewport_shows_reference(viewport);
@@ -111,8 +111,8 @@ static iso_status draw_see_through(isosculpt_viewport *viewport, bool quick, boo
     return isosculpt_see_through_draw_samples(viewport, &drawn->view, &drawn->gbuffer, error);
 }
 
-/* Draws the whole picture by the cpu engine, one sample for factor x factor pixels. `hurried`: the reference
- * may have fewer. */
+/* Draws the whole picture with the cpu engine, one sample for factor x factor pixels. `hurried`: the
+ * reference may have fewer samples. */
 static iso_status draw_whole(isosculpt_viewport *viewport, iso_method method, int factor, bool hurried,
                              iso_error *error) {
     isosculpt_layer *drawn = &viewport->drawn;
@@ -165,7 +165,7 @@ static iso_status draw_canvas(isosculpt_viewport *viewport, iso_method method, i
     return ISO_OK;
 }
 
-/* After an error of the driver the cpu engine draws: work must not be lost because of a driver. */
+/* Switches to the cpu engine after an error of the driver, so that the user's work is not lost. */
 static void fall_back_to_cpu(isosculpt_viewport *viewport, const iso_error *reason) {
     viewport->gl_error = *reason;
     viewport->mode.engine = ISOSCULPT_ENGINE_CPU;
@@ -183,7 +183,7 @@ static bool draw_whole_by_gl(isosculpt_viewport *viewport, iso_method method, in
     }
     finish_whole(viewport);
     viewport->redrawn = viewport->unrefined =
-        (isosculpt_damage){.count = 0}; /* the image holds nothing of this picture */
+        (isosculpt_damage){.count = 0}; /* no rectangle of the image shows this picture */
     return true;
 }
 
@@ -305,21 +305,21 @@ static void adapt_moving_factor(isosculpt_viewport *viewport, bool layers, doubl
     if (seconds < FAST && viewport->moving_factor > 1) viewport->moving_factor--;
 }
 
-/* OpenGL's buffers hold the points of one set only. */
+/* Chooses the points to draw. OpenGL's buffers hold only one set of points. */
 static void choose_points(isosculpt_viewport *viewport, bool quick) {
     const iso_point_set *points = quick ? isosculpt_lod_points(viewport->lod) : viewport->points;
     if (points != viewport->drawn_points) isosculpt_gl_release_buffers(viewport->gl);
     viewport->drawn_points = points;
 }
 
-/* Whether the surfaces of a volume's picture need not be extracted first. */
+/* Returns whether the surfaces of a volume's picture are already extracted. */
 static bool is_ready(const isosculpt_viewport *viewport, iso_method method) {
     return isosculpt_async_surface_has(viewport, isosculpt_method_part(method)) &&
            (!isosculpt_viewport_has_second(viewport) ||
             isosculpt_async_surface_has(viewport, ISOSCULPT_PART_SECOND));
 }
 
-/* `hurried`: speed matters more than the reference's quality. */
+/* Draws the whole picture again. `hurried`: speed matters more than the quality of the reference. */
 static iso_status draw_again(isosculpt_viewport *viewport, bool moving, bool hurried, iso_error *error) {
     const bool gl = is_by_gl(viewport, moving);
     const iso_method chosen = isosculpt_viewport_method(viewport),
@@ -358,7 +358,7 @@ static iso_status draw_damage(isosculpt_viewport *viewport, bool moving, iso_err
     return ISO_OK;
 }
 
-/* Whether the reference is to look different from that in the picture. */
+/* Returns whether the reference must look different from how it looks in the picture. */
 static bool has_other_reference(const isosculpt_viewport *viewport, bool moving) {
     const isosculpt_reference_mode now = shown_reference(viewport), *drawn = &viewport->drawn_reference_mode;
     if (!moving && isosculpt_reference_is_coarse(viewport)) return true;
@@ -418,8 +418,8 @@ iso_status isosculpt_viewport_draw(isosculpt_viewport *viewport, int width, int 
 
 /* ---- refining */
 
-/* Removes the next tile from viewport->unrefined; a whole rectangle for methods that fill pixels from their
- * neighbours, which would leave seams between tiles. */
+/* Removes the next tile from viewport->unrefined. For methods that fill pixels from their neighbours this is
+ * a whole rectangle, because tiles would have visible seams. */
 static isosculpt_rectangle take_tile(isosculpt_viewport *viewport, iso_method method) {
     isosculpt_damage *unrefined = &viewport->unrefined;
     isosculpt_rectangle *last = &unrefined->rectangle[unrefined->count - 1], tile = *last;

@@ -1,4 +1,4 @@
-/* The reference in a viewport's pictures: which layers are listed when, and how they are blended. */
+/* The reference in a viewport's pictures: decides when its layers are listed, and how they are blended. */
 #include "apps/isosculpt/viewport/reference.h"
 
 #include <string.h>
@@ -7,17 +7,17 @@
 #include "base/clock.h"
 #include "base/memory.h"
 
-/* Pixels to a sample and axis while the camera moves, adapted to how long listing takes: fewer samples above
- * the first limit (seconds), more below the second one. With the fewest, and above the third limit, only the
- * front layers are listed, then none. */
+/* FACTOR: width of a sample in pixels while the camera moves. It is adapted to the time that listing takes:
+ * fewer samples above the first limit (seconds), more samples below the second one. If even the fewest
+ * samples take longer than the third limit, only the front layers are listed, and finally none. */
 enum { FACTOR_LEAST = 2, FACTOR_MOST = 6 };
 static const double TOO_SLOW = 0.020, FAST = 0.006, MUCH_TOO_SLOW = 0.060;
 
-/* The layers of a fine picture are listed for about so many samples at a time, which bounds their memory. */
+/* The layers of a fine picture are listed for about this many samples at a time, to limit memory. */
 enum { FINE_SAMPLES = 1 << 18 };
 
-/* How much nearer (voxels) a layer must be than the sculpture to lie in front of it: what is equal in both
- * would flicker, as the surface of an edited brick moves by rounding. */
+/* How many voxels nearer than the sculpture a layer must be to lie in front of it. Without this tolerance,
+ * places where both are equal would flicker, because the surface of an edited brick moves by rounding. */
 static const double IN_FRONT = 0.1;
 
 /* What is listed while the camera moves. */
@@ -26,14 +26,14 @@ typedef enum listing { LIST_ALL, LIST_FRONT, LIST_NOTHING } listing;
 struct isosculpt_reference {
     /* A surface: */
     iso_hgrid *grid;
-    iso_pool *pool; /* that extracted the surface */
+    iso_pool *pool; /* the pool that extracted the surface */
     iso_exact *exact;
-    /* Lines and glyphs; 0: a surface. */
+    /* Lines and glyphs; set_count 0: the reference is a surface. */
     isosculpt_reference_shapes sets[ISOSCULPT_REFERENCE_SHAPES];
     int set_count;
     isosculpt_slant_opacities opacities;
     isosculpt_layer_store kept, fine;
-    /* What `kept` was listed for, if anything: */
+    /* The picture that `kept` was listed for: */
     iso_camera camera;
     int width, height, factor; /* of the picture; pixels to a sample and axis */
     iso_rgb color;
@@ -51,7 +51,7 @@ static iso_status extract(isosculpt_reference *reference, int threads, iso_error
     return iso_exact_update(reference->exact, error);
 }
 
-/* NULL, and an error, without memory. */
+/* Allocates a reference; returns NULL and sets *error if there is no memory. */
 static isosculpt_reference *make_reference(iso_error *error) {
     isosculpt_reference *reference = iso_alloc_zero(1, sizeof *reference);
     if (!reference) {
@@ -119,16 +119,16 @@ bool isosculpt_viewport_shows_reference(const isosculpt_viewport *viewport) {
 
 /* ---- listing */
 
-/* After a failure the reference is hidden, and its layers are freed. */
+/* Hides the reference after a failure, and frees its layers. */
 static void hide(isosculpt_viewport *viewport, const iso_error *reason) {
     viewport->reference_error = *reason;
     viewport->reference_mode.shown = false;
-    viewport->quality = ISOSCULPT_QUALITY_MOVING; /* so that it is drawn without soon */
+    viewport->quality = ISOSCULPT_QUALITY_MOVING; /* the picture is soon drawn again, without the reference */
     isosculpt_layer_store_free(&viewport->reference->kept);
     isosculpt_layer_store_free(&viewport->reference->fine);
 }
 
-/* Whether the kept layers are those of the viewport's camera, for any number of samples. */
+/* Returns whether the kept layers are those of the viewport's camera, for any number of samples. */
 static bool has_layers(const isosculpt_viewport *viewport) {
     const isosculpt_reference *r = viewport->reference;
     return r->kept.width && r->width == viewport->width && r->height == viewport->height &&
@@ -141,7 +141,7 @@ bool isosculpt_reference_is_coarse(const isosculpt_viewport *viewport) {
            (!has_layers(viewport) || viewport->reference->factor > 1);
 }
 
-/* Lists what the reference has in a view. */
+/* Lists the layers or shapes of the reference in a view. */
 static iso_status list_in(const isosculpt_viewport *viewport, isosculpt_layer_store *store, listing what,
                           const iso_view *view, iso_error *error) {
     const isosculpt_reference *r = viewport->reference;
@@ -175,7 +175,7 @@ static void adapt_moving(isosculpt_reference *r, double seconds) {
     if (!most && seconds < FAST) r->moving_factor--;
 }
 
-/* Lists the layers of the viewport's camera unless they are there; false: there are none. */
+/* Lists the layers for the viewport's camera unless they exist; returns false if there are none. */
 static bool prepare(isosculpt_viewport *viewport, bool moving) {
     isosculpt_reference *r = viewport->reference;
     iso_error reason = {ISO_OK, ""};
@@ -191,13 +191,14 @@ static bool prepare(isosculpt_viewport *viewport, bool moving) {
     if (moving)
         adapt_moving(r, iso_clock_seconds() - start);
     else if (r->moving_listing == LIST_NOTHING)
-        r->moving_listing = LIST_FRONT; /* tried again for this camera */
+        r->moving_listing = LIST_FRONT; /* tried again with the same camera */
     return true;
 }
 
 /* ---- blending */
 
-/* What is blended of a store over an image with the samples of `gbuffer`; it covers the whole picture. */
+/* Returns how a store is blended over an image with the samples of `gbuffer`, which covers the whole
+ * picture. */
 static isosculpt_layer_blend make_blend(const isosculpt_viewport *viewport,
                                         const isosculpt_layer_store *store, const iso_gbuffer *gbuffer,
                                         iso_image *image) {
@@ -233,14 +234,14 @@ void isosculpt_reference_blend_tile(isosculpt_viewport *viewport, isosculpt_rect
     isosculpt_layer_store_blend(&blend);
 }
 
-/* The rows `first` .. first + rows - 1 of a gbuffer. */
+/* Returns the rows `first` .. first + rows - 1 of a gbuffer. */
 static iso_gbuffer gbuffer_rows(const iso_gbuffer *gbuffer, int first, int rows) {
     const size_t at = (size_t)first * (size_t)gbuffer->width;
     return (iso_gbuffer){.width = gbuffer->width, .height = rows, .depth = gbuffer->depth + at};
 }
 
-/* Blends over `rows` rows of the image of a tile, from row `first` on; `part`: the samples of the tile in
- * `whole`. */
+/* Blends the reference over `rows` rows of the image of a tile, from row `first` on. `part`: the samples of
+ * the tile in `whole`. */
 static iso_status blend_rows(isosculpt_viewport *viewport, const iso_view *whole, iso_image *image,
                              const isosculpt_rectangle *part, int first, int rows, iso_error *error) {
     isosculpt_reference *r = viewport->reference;
@@ -249,7 +250,7 @@ static iso_status blend_rows(isosculpt_viewport *viewport, const iso_view *whole
                         .height = rows,
                         .rgba = image->rgba + 4 * (size_t)first * (size_t)image->width};
     const iso_gbuffer surface = gbuffer_rows(&viewport->tile, first, rows);
-    if (!r->set_count) { /* shapes are the same samples only in whole rows */
+    if (!r->set_count) { /* shapes have the same samples only in whole rows */
         view.cx -= part->x0;
         view.width = image->width;
     }

@@ -1,4 +1,5 @@
-/* room: samples and pixels that grow with the picture and are reused. For the files of viewport/ only. */
+/* room: memory for samples and pixels that grows with the picture and is reused. For the files of viewport/
+ * only. */
 #ifndef ISO_APPS_ISOSCULPT_VIEWPORT_ROOM_H
 #define ISO_APPS_ISOSCULPT_VIEWPORT_ROOM_H
 

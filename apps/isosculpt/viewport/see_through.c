@@ -1,7 +1,8 @@
-/* Pictures with translucent surfaces or two isovalues: exact with all layers, or quickly with the front ones.
+/* Pictures with translucent surfaces or with two isovalues: exact pictures with all layers, or quick pictures
+ * with the front layer of each surface.
  *
- * The quick picture blends the front layer of each surface over what is behind it, with the opacity by angle
- * of Kay and Greenberg 1979, as the layers of the exact picture do. */
+ * The quick picture blends the front layer of each surface over what is behind it. The opacity depends on the
+ * angle (Kay and Greenberg 1979), as in the exact picture. */
 #include "apps/isosculpt/viewport/see_through.h"
 
 #include "apps/isosculpt/viewport/room.h"
@@ -26,7 +27,7 @@ iso_method isosculpt_viewport_method(const isosculpt_viewport *viewport) {
 
 /* ---- with all layers */
 
-/* The surfaces of a picture, in the form that methods/layers.h takes. */
+/* The surfaces of a picture, as arguments for methods/layers.h. */
 typedef struct surfaces {
     iso_subject subjects[SURFACES];
     iso_layered_surface layered[SURFACES];
@@ -58,7 +59,7 @@ static bool is_translucent(const surfaces *s) {
     return false;
 }
 
-/* Draws the opaque surfaces into a cleared gbuffer, if there are any; *some: whether there are. */
+/* Draws the opaque surfaces into a cleared gbuffer; *some: whether there are any. */
 static iso_status draw_opaque(surfaces *s, const iso_view *view, iso_gbuffer *gbuffer,
                               iso_picture_layers *callbacks, bool *some, iso_error *error) {
     ISO_TRY(iso_layered_picture_callbacks(&s->picture, callbacks, error));
@@ -103,7 +104,7 @@ typedef struct front_layer {
     iso_layer_opacity opacity;
 } front_layer;
 
-/* What the threads that blend rows read and write. */
+/* The state shared by the threads that blend rows. */
 typedef struct blending {
     const iso_view *view;
     front_layer layers[SURFACES];

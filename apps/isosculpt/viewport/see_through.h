@@ -1,9 +1,9 @@
 /* see_through: pictures of a viewed volume with translucent surfaces, or with two isosurfaces. For the files
  * of viewport/ only.
  *
- * At rest and while the camera moves the surfaces are drawn with all their layers (methods/layers.h), as
- * isorender draws them. While an isovalue is dragged its cells cannot be had in time: the points of a level
- * of detail are drawn instead, and of each surface only the layer in front. */
+ * At rest and while the camera moves, the surfaces are drawn with all their layers (methods/layers.h), as
+ * isorender draws them. While the user drags an isovalue there is no time to extract cells; the points of a
+ * level of detail are drawn instead, and only the front layer of each surface. */
 #ifndef ISO_APPS_ISOSCULPT_VIEWPORT_SEE_THROUGH_H
 #define ISO_APPS_ISOSCULPT_VIEWPORT_SEE_THROUGH_H
 
@@ -18,7 +18,7 @@ extern "C" {
 iso_status isosculpt_see_through_shade(const isosculpt_viewport *viewport, const iso_strip *strip,
                                        iso_gbuffer *gbuffer, iso_image *image, iso_error *error);
 
-/* Draws the samples that a user picks from: those of the surface in front, as if all were opaque.
+/* Draws the samples that a user picks from: those of the front surface, drawn as if all surfaces were opaque.
  * ISO_ERR_NOMEM. */
 iso_status isosculpt_see_through_draw_samples(const isosculpt_viewport *viewport, const iso_view *view,
                                               iso_gbuffer *gbuffer, iso_error *error);

@@ -6,7 +6,7 @@
 
 enum { SIDE = ISOSCULPT_MATCAP_SIDE };
 
-/* What the threads that shade rows read and write. */
+/* The state shared by the threads that shade rows. */
 typedef struct matcap_pass {
     const iso_strip *strip;
     iso_image *image;
@@ -36,14 +36,14 @@ static double eighth_power(double value) {
     return value * value;
 }
 
-/* Parts of the surface's colour and of white light in the colour at a normal (x right, y down, z towards the
- * eye). */
+/* The colour at a normal (x right, y down, z towards the eye), as a share of the surface's colour and a share
+ * of white light. */
 typedef struct brightness {
     double surface, light;
 } brightness;
 
 static brightness brightness_of(isosculpt_shading shading, double x, double y, double z) {
-    const double key = -0.45 * x - 0.62 * y + 0.64 * z; /* from above left */
+    const double key = -0.45 * x - 0.62 * y + 0.64 * z; /* light from above left */
     switch (shading) {
     case ISOSCULPT_SHADING_CLAY: /* light from all around, dark where the surface faces down */
         return (brightness){0.30 + 0.80 * ramp(-0.7, 1, key), 0.10 * eighth_power(key)};

@@ -31,8 +31,8 @@ extern "C" {
 enum { ISOSCULPT_METHODS = 4 };
 extern const iso_method isosculpt_methods[ISOSCULPT_METHODS];
 
-/* OpenGL has all methods but exact; while the camera moves it draws the mesh instead. A field with a mask is
- * drawn by the cpu engine. */
+/* The engine that draws. OpenGL has all methods except exact; instead of it the mesh is drawn while the
+ * camera moves. Fields with a mask are drawn by the cpu engine. */
 typedef enum isosculpt_engine { ISOSCULPT_ENGINE_CPU, ISOSCULPT_ENGINE_GL } isosculpt_engine;
 
 /* The last ISOSCULPT_LATENCIES times, in seconds. Zero-initialise. */
@@ -42,10 +42,10 @@ typedef struct isosculpt_latency {
     size_t count; /* ever added */
 } isosculpt_latency;
 void isosculpt_latency_add(isosculpt_latency *latency, double seconds);
-/* The time that a part `quantile` (0 .. 1) of the times lie below; 0 when there are none. */
+/* Returns the time below which a part `quantile` (0 .. 1) of the times lie; 0 when there are none. */
 double isosculpt_latency_quantile(const isosculpt_latency *latency, double quantile);
 
-/* Quality of a picture: as drawn while the camera moves; at rest; with four samples a pixel. */
+/* The quality of a picture: while the camera moves; at rest; with four samples for each pixel. */
 typedef enum isosculpt_quality {
     ISOSCULPT_QUALITY_MOVING,
     ISOSCULPT_QUALITY_REST,
@@ -58,15 +58,14 @@ typedef struct isosculpt_display_mode {
     isosculpt_material material;
 } isosculpt_display_mode;
 
-/* Masked voxels look darker. `at` tells whether a voxel is masked, and is called from several threads. Zero:
- * no voxel is masked. */
+/* Masked voxels are drawn darker. `at` returns whether a voxel is masked, and is called from several threads.
+ * Zero: no voxel is masked. */
 typedef struct isosculpt_mask {
     bool (*at)(const void *context, int x, int y, int z);
     const void *context; /* borrowed */
 } isosculpt_mask;
 
-/* How much of the surfaces of a viewed volume is seen through, and a second isosurface in the same picture.
- */
+/* The opacities of the surfaces of a viewed volume, and a second isosurface in the same picture. */
 typedef struct isosculpt_see_through {
     double opacity; /* of the surface, 0 .. 1 */
     bool has_second;
@@ -74,16 +73,17 @@ typedef struct isosculpt_see_through {
     iso_rgb second_color;
 } isosculpt_see_through;
 
-/* How the surface of the session's beginning is drawn with a field. */
+/* How the reference is drawn with a field. */
 typedef struct isosculpt_reference_mode {
     bool shown;
-    bool over;      /* all of it is seen through the sculpture; else only what lies in front of it */
+    bool over;      /* the whole reference is seen through the sculpture; if false, only what lies in front of
+                       it */
     double opacity; /* where it is seen face on, 0 .. 1 */
     iso_rgb color;
 } isosculpt_reference_mode;
 typedef struct isosculpt_reference isosculpt_reference; /* reference.h */
 
-/* Parts of the surface, and beside them the cells of the second isosurface. */
+/* Parts of the surface; the additional one is the cells of the second isosurface. */
 enum { ISOSCULPT_PART_SECOND = ISO_PART_COUNT, ISOSCULPT_PARTS };
 
 typedef struct isosculpt_async_surface isosculpt_async_surface;
@@ -94,7 +94,7 @@ typedef struct isosculpt_layer {
     const iso_gl_canvas
         *canvas; /* borrowed: holds the samples instead of gbuffer; NULL: gbuffer holds them */
     iso_view view;
-    double samples; /* along a pixel of the full picture; 0: nothing was drawn yet */
+    double samples; /* samples along a pixel of the full picture; 0: nothing has been drawn yet */
 } isosculpt_layer;
 
 /* Zero-initialise. camera, mode, mask, see_through, opaque, sliding, reference_mode and gl may be changed
@@ -103,12 +103,12 @@ typedef struct isosculpt_viewport {
     iso_camera camera;
     isosculpt_display_mode mode;
     isosculpt_mask mask;
-    double isovalue;                   /* physical; of volumes: isosculpt_viewport_set_isovalue */
-    isosculpt_see_through see_through; /* of volumes; does not count for fields */
-    bool opaque;       /* only the first surface is drawn, and opaque: it is becoming a field */
+    double isovalue;                   /* physical; for volumes set by isosculpt_viewport_set_isovalue */
+    isosculpt_see_through see_through; /* for volumes; ignored for fields */
+    bool opaque;       /* draw only the first surface, opaque, because it is being converted into a field */
     bool sliding;      /* the user is dragging an isovalue */
-    int moving_factor; /* pixels to a sample and axis while the camera moves, 1 ..
-                          ISOSCULPT_MOVING_FACTOR_MAX; adapted to how long pictures take */
+    int moving_factor; /* width of a sample in pixels while the camera moves, 1 ..
+                          ISOSCULPT_MOVING_FACTOR_MAX; adapted to the time that pictures take */
 
     isosculpt_reference_mode reference_mode; /* of fields */
     isosculpt_reference *reference;          /* owned; NULL: none */
@@ -116,23 +116,24 @@ typedef struct isosculpt_viewport {
 
     iso_grid grid;      /* borrowed */
     iso_pool *pool;     /* borrowed */
-    isosculpt_gl *gl;   /* borrowed; NULL: the cpu engine draws everything */
+    isosculpt_gl *gl;   /* borrowed; NULL: the cpu engine draws all pictures */
     iso_error gl_error; /* why drawing fell back from OpenGL to the cpu engine; text[0] == 0: it did not */
     iso_point_set *points;
     iso_mesh_set *mesh;
     iso_exact *exact;
-    iso_exact *second; /* of the second isosurface; NULL: not needed yet */
+    iso_exact *second; /* the second isosurface; NULL: not needed yet */
     iso_pullpush *workspace;
     isosculpt_matcap matcap;
 
-    /* Volumes only. While the surface of the current isovalue is not there, the points of `lod` are drawn; a
-     * background thread may be making the surface. */
+    /* For volumes only. Until the surface of the current isovalue is extracted, by a background thread, the
+     * points of `lod` are drawn. */
     isosculpt_lod *lod;                        /* NULL: the grid is a field */
-    isosculpt_async_surface *async_surface;    /* being made; NULL: none */
+    isosculpt_async_surface *async_surface;    /* the surface that is being extracted; NULL: none */
     iso_pool *async_surface_pool;              /* the background thread's, owned */
-    double surface_isovalues[ISOSCULPT_PARTS]; /* of each part as last extracted; NAN: none */
-    double failed_isovalues[2]; /* at which the background thread failed, the first and the second surface's:
-                                   drawing tries again and returns the error; NAN: none */
+    double surface_isovalues[ISOSCULPT_PARTS]; /* isovalue of each part when it was last extracted; NAN: not
+                                                  yet */
+    double failed_isovalues[2]; /* isovalues at which the background thread failed, of the first and the
+                                   second surface: drawing tries again and returns the error; NAN: none */
     size_t point_count;         /* of the points as last extracted */
 
     const iso_point_set
@@ -160,37 +161,39 @@ typedef struct isosculpt_viewport {
     isosculpt_quality quality;
     bool drawn_exactly;         /* the exact surface, with one sample a pixel or more */
     uint64_t drawn_edit;        /* number of the last edit that the picture shows */
-    bool mask_changed;          /* since then */
+    bool mask_changed;          /* the mask has changed since then */
     isosculpt_damage redrawn;   /* pixels of the image that the last call drew */
     isosculpt_damage unrefined; /* pixels with one sample */
 
     isosculpt_latency extract, draw; /* draw: while the camera moves, and of strokes */
 } isosculpt_viewport;
 
-/* The second limit is of pictures with translucent surfaces. */
+/* The second limit is for pictures with translucent surfaces. */
 enum { ISOSCULPT_MOVING_FACTOR_MAX = 3, ISOSCULPT_LAYERS_FACTOR_MAX = 4 };
 
 /* A viewport of a field, with the camera in front of the whole surface. `grid` and `pool` are borrowed until
  * free. ISO_ERR_NOMEM. */
 iso_status isosculpt_viewport_init(isosculpt_viewport *viewport, iso_hgrid *grid, iso_pool *pool,
                                    iso_error *error);
-/* The same for any grid at an isovalue (physical). */
+/* Works as isosculpt_viewport_init for any grid at an isovalue (physical). */
 iso_status isosculpt_viewport_init_grid(isosculpt_viewport *viewport, const iso_grid *grid, double isovalue,
                                         iso_pool *pool, iso_error *error);
 /* Chooses another isovalue; the next drawing shows it. */
 void isosculpt_viewport_set_isovalue(isosculpt_viewport *viewport, double isovalue);
 void isosculpt_viewport_free(isosculpt_viewport *viewport);
 
-/* Whether a second isosurface is in the picture; whether the picture has one, or a translucent surface. Such
- * pictures are drawn by the cpu engine with the method exact, and lit by lamps. */
+/* The first function returns whether the picture has a second isosurface, the other one whether it has a
+ * second isosurface or a translucent surface. Such pictures are drawn by the cpu engine with the method
+ * exact, and lit by lamps. */
 bool isosculpt_viewport_has_second(const isosculpt_viewport *viewport);
 bool isosculpt_viewport_is_see_through(const isosculpt_viewport *viewport);
-/* The method of the picture at rest: the chosen one, or exact. */
+/* Returns the method of the picture at rest: the chosen one, or exact if the picture requires it. */
 iso_method isosculpt_viewport_method(const isosculpt_viewport *viewport);
 
-/* Shows another reference, or none (NULL), from the next drawing on; takes it over. */
+/* Sets another reference, which is owned by the viewport from now on, or none (NULL). The next picture shows
+ * it. */
 void isosculpt_viewport_set_reference(isosculpt_viewport *viewport, isosculpt_reference *reference);
-/* Whether the reference is in the picture. Then the cpu engine draws it. */
+/* Returns whether the picture shows the reference. The cpu engine then draws it. */
 bool isosculpt_viewport_shows_reference(const isosculpt_viewport *viewport);
 
 /* Draws the picture, as far as it has changed: into viewport->image, which may be a factor smaller than width
@@ -209,13 +212,13 @@ iso_status isosculpt_viewport_read_back(isosculpt_viewport *viewport, iso_error 
 /* Whether the picture at rest can be drawn without first extracting a whole surface, which may take long.
  * Always true for a field. */
 bool isosculpt_viewport_is_ready(isosculpt_viewport *viewport);
-/* Extracts that surface in a background thread, unless one runs already; `wake`: as in isosculpt_task_start.
- * Viewport and pool may be used meanwhile. If the isovalue changes meanwhile, the result is discarded.
- * ISO_ERR_NOMEM. */
+/* Extracts the surface of the picture at rest in a background thread, unless one is running; `wake`: as in
+ * isosculpt_task_start. Viewport and pool may be used in the meantime. If the isovalue changes in the
+ * meantime, the result is discarded. ISO_ERR_NOMEM. */
 iso_status isosculpt_viewport_prepare(isosculpt_viewport *viewport, void (*wake)(void), iso_error *error);
 bool isosculpt_viewport_is_preparing(const isosculpt_viewport *viewport);
 
-/* Points of the surface, as last extracted. */
+/* Returns the number of points of the surface when it was last extracted. */
 size_t isosculpt_viewport_point_count(const isosculpt_viewport *viewport);
 
 /* A point of the visible surface; world coordinates. */
@@ -223,27 +226,27 @@ typedef struct isosculpt_pick {
     iso_vec3 position, normal;
     double depth; /* view z, mm */
 } isosculpt_pick;
-/* The surface at pixel (x, y) of a layer; false: there is none. */
+/* Finds the surface at pixel (x, y) of a layer; returns false if there is none. */
 bool isosculpt_layer_pick(const isosculpt_layer *layer, double x, double y, isosculpt_pick *pick);
-/* The world position at a depth behind pixel (x, y). */
+/* Returns the world position at a depth behind pixel (x, y). */
 iso_vec3 isosculpt_layer_point(const isosculpt_layer *layer, double x, double y, double depth);
-/* The pixel of a world position; false: it lies behind the eye. */
+/* Computes the pixel of a world position; returns false if the position lies behind the eye. */
 bool isosculpt_layer_pixel(const isosculpt_layer *layer, iso_vec3 world, double *x, double *y);
 
 /* Copies the samples of the last picture to viewport->pick_layer: a stroke picks from the surface as it was
  * when the stroke began. ISO_ERR_NOMEM, ISO_ERR_BACKEND. */
 iso_status isosculpt_viewport_keep_pick_layer(isosculpt_viewport *viewport, iso_error *error);
 
-/* Camera moves; dx, dy: pixels of the full picture. */
+/* Camera moves. dx, dy: pixels of the full picture. */
 void isosculpt_viewport_orbit(isosculpt_viewport *viewport, double dx, double dy);
 void isosculpt_viewport_pan(isosculpt_viewport *viewport, double dx, double dy);
 void isosculpt_viewport_zoom(isosculpt_viewport *viewport, double factor); /* > 1: things appear larger */
 /* Shows the whole surface from a side. */
 void isosculpt_viewport_set_direction(isosculpt_viewport *viewport, iso_direction direction);
-/* The world box around the current surface; around the grid when there is no surface. */
+/* Returns the world box around the current surface, or around the grid if there is no surface. */
 iso_box isosculpt_viewport_bounds(isosculpt_viewport *viewport);
-/* Moves a world position into the middle of the picture, without changing the scale; the camera orbits around
- * it from now on. NULL: shows the whole surface. */
+/* Moves a world position to the middle of the picture without changing the scale; the camera then orbits
+ * around it. NULL: shows the whole surface. */
 void isosculpt_viewport_focus(isosculpt_viewport *viewport, const iso_vec3 *at);
 
 #ifdef __cplusplus

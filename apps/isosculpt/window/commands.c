@@ -20,7 +20,7 @@ static void add_progress_item(window *w, const char *verb, const char *path, con
     item->fraction = isosculpt_task_fraction(task);
 }
 
-/* The running tasks, in the order of their progress items; returns their number. */
+/* Lists the running tasks in the order of their progress items; returns their number. */
 static int list_tasks(const window *w, isosculpt_task *tasks[ISOSCULPT_PROGRESS_ITEMS]) {
     int count = 0;
     if (w->load_job) tasks[count++] = isosculpt_load_job_task(w->load_job);
@@ -51,7 +51,7 @@ static void cancel_tasks(window *w, unsigned results) {
 
 /* ---- dialogs */
 
-/* Does what the user agreed to although there are unsaved changes, or what was to follow a save. */
+/* Continues with what the user confirmed despite unsaved changes, or with what was waiting for a save. */
 static void proceed(window *w, isosculpt_dialog dialog) {
     if (dialog == ISOSCULPT_DIALOG_CLOSE) glfwSetWindowShouldClose(w->glfw, GLFW_TRUE);
     if (dialog == ISOSCULPT_DIALOG_OPEN) isosculpt_window_confirm_open(w);
@@ -100,7 +100,7 @@ static void apply_isovalue(window *w) {
         w->last_change = iso_clock_seconds(); /* the exact picture is drawn after a pause */
 }
 
-/* Does what the file was chosen for in the browser. */
+/* Uses the file chosen in the browser for the purpose for which the browser was opened. */
 static void use_chosen_path(window *w) {
     const isosculpt_purpose purpose = w->screen.chosen_purpose;
     const char *path = w->screen.chosen_path;

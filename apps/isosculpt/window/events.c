@@ -35,7 +35,7 @@ static void on_button(GLFWwindow *glfw, int button, int action, int mods) {
     w->frames_left = ISOSCULPT_FRAMES_AFTER_EVENT;
     if (button < 0 || button > GLFW_MOUSE_BUTTON_MIDDLE) return;
     const double x = w->controller.x,
-                 y = w->controller.y; /* of the last event: GLFW sends the position first */
+                 y = w->controller.y; /* position of the last event: GLFW sends it before the button */
     if (action == GLFW_RELEASE)
         isosculpt_controller_release(&w->controller, buttons[button]);
     else if (!w->screen.blank &&
@@ -56,7 +56,8 @@ static void on_scroll(GLFWwindow *glfw, double dx, double dy) {
         isosculpt_controller_scroll(&w->controller, dy);
 }
 
-/* The isosculpt_key of a key on this keyboard layout; digits of the number pad choose a side. */
+/* Returns the isosculpt_key of a key in the current keyboard layout. Digits of the number pad choose a
+ * side. */
 static int translate_key(int key, int scancode) {
     static const struct {
         int key, meaning;
@@ -76,10 +77,11 @@ static int translate_key(int key, int scancode) {
     const char *name = glfwGetKeyName(key, scancode);
     const char c = name && name[0] && !name[1] ? name[0] : 0;
     if (isalpha((unsigned char)c) || c == '+' || c == '-') return tolower((unsigned char)c);
-    return tolower(key); /* digits and brackets by their position on the keyboard */
+    return tolower(key); /* digits and brackets are recognised by their position on the keyboard */
 }
 
-/* Closing with unsaved changes asks first; closing once more closes the window. */
+/* Handles the request to close the window: asks first if there are unsaved changes; a second request closes
+ * the window. */
 static void request_close(window *w) {
     const bool ask = isosculpt_window_has_unsaved_changes(w) && !w->after_save &&
                      w->screen.dialog != ISOSCULPT_DIALOG_CLOSE;
@@ -106,7 +108,7 @@ static void choose_next_method(isosculpt_display_mode *mode) {
     mode->method = isosculpt_methods[(i + 1) % ISOSCULPT_METHODS];
 }
 
-/* Keys that change the display mode; returns whether the key is one of them. */
+/* Handles keys that change the display mode; returns whether the key is one of them. */
 static bool change_display_mode(window *w, int key) {
     if (key == 'm')
         choose_next_method(&w->viewport.mode);
@@ -120,7 +122,7 @@ static bool change_display_mode(window *w, int key) {
     return true;
 }
 
-/* Opens a dropped file, of several the first. */
+/* Opens the first of the dropped files. */
 static void on_drop(GLFWwindow *glfw, int count, const char **paths) {
     window *w = window_of(glfw);
     if (count < 1) return;
@@ -134,7 +136,7 @@ static void on_drop(GLFWwindow *glfw, int count, const char **paths) {
     w->frames_left = ISOSCULPT_FRAMES_AFTER_EVENT;
 }
 
-/* While a dialog is shown, keys answer it and do nothing else; returns whether one is shown. */
+/* Lets keys answer the dialog that is shown; returns whether there is one. Other keys are then ignored. */
 static bool answer_dialog(window *w, int key, int meaning) {
     static const unsigned yes[] = {[ISOSCULPT_DIALOG_RECOVER] = ISOSCULPT_RESULT_RECOVER,
                                    [ISOSCULPT_DIALOG_CLOSE] =
@@ -153,7 +155,8 @@ static bool answer_dialog(window *w, int key, int meaning) {
     return true;
 }
 
-/* Escape outside a stroke: closes the help, else cancels a background task, else dismisses the message. */
+/* Handles Escape outside a stroke: closes the help, else cancels a background task, else dismisses the
+ * message. */
 static void handle_escape(window *w) {
     if (w->screen.help)
         w->screen.help = false;
@@ -209,7 +212,7 @@ static void on_size(GLFWwindow *glfw, int width, int height) {
     w->controller.commands |= ISOSCULPT_COMMAND_REDRAW;
 }
 
-/* The content scale has changed: drawing adapts text and panel. */
+/* Handles a change of the content scale: text and panel are adapted when the next frame is drawn. */
 static void on_scale(GLFWwindow *glfw, float x, float y) {
     (void)x, (void)y;
     on_refresh(glfw);

@@ -95,7 +95,8 @@ static int compare(const void *a, const void *b) {
     return order ? order : strcmp(first->name, second->name);
 }
 
-/* Whether an entry is shown: folders, and files of the type; no devices, and no paths that are too long. */
+/* Returns whether an entry is shown: folders and files of the chosen type, but no devices, and no paths that
+ * are too long. */
 static bool is_shown(const isosculpt_browser *browser, const char *name, bool *is_folder) {
     char path[2 * ISOSCULPT_PATH];
     struct stat about;
@@ -164,7 +165,8 @@ void isosculpt_browser_set_type(isosculpt_browser *browser, int type) {
     isosculpt_browser_reread(browser);
 }
 
-/* The file type that the extension of a name to save to says; `otherwise` when it says none. */
+/* Returns the file type for the extension of a name to save to; `otherwise` when the extension is of no
+ * type. */
 static int find_type(isosculpt_purpose purpose, const char *name, int otherwise) {
     const isosculpt_file_type *types = isosculpt_browser_types(purpose);
     for (int i = 0; isosculpt_browser_saves(purpose) && types[i].label; i++)

@@ -67,8 +67,8 @@ static void draw_type(isosculpt_browser *browser, float scale) {
     if (ImGui::Checkbox("hidden files", &browser->show_hidden)) isosculpt_browser_reread(browser);
 }
 
-/* The input box for the name, which has the keyboard focus unless another widget is active. Returns whether
- * Enter was pressed. */
+/* Draws the input box for the name, which has the keyboard focus unless another widget is active. Returns
+ * whether Enter was pressed. */
 static bool draw_name(isosculpt_browser *browser) {
     const bool empty = !browser->name[0];
     ImGui::SetNextItemWidth(-FLT_MIN);
@@ -99,7 +99,7 @@ static void draw_result(const isosculpt_browser *browser) {
     ImGui::PopTextWrapPos();
 }
 
-/* What the user does in a frame. */
+/* The user's action in a frame. */
 enum command { NOTHING, CHOOSE, FOLDER, CLOSE };
 
 static command draw_buttons(const isosculpt_browser *browser) {

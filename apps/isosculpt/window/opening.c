@@ -31,7 +31,8 @@ static void adopt_document(window *w) {
     isosculpt_controller_init(&w->controller, &w->document, &w->viewport);
     isosculpt_window_sync_pointer(w);
     if (before > 0) {
-        const iso_vec3 middle = w->controller.brush.mirror; /* symmetry is off for another object */
+        const iso_vec3 middle = w->controller.brush.mirror; /* the axes of symmetry belong to the previous
+                                                               object */
         w->controller.brush = brush;
         w->controller.brush.mirror = middle;
         w->controller.brush.symmetry = 0;
@@ -72,7 +73,7 @@ static iso_status start_converting(window *w, iso_error *error) {
     return isosculpt_load_job_start(&request, &w->load_job, error);
 }
 
-/* Makes a path absolute: it is shown on the screen and used in commands. */
+/* Makes a path absolute, because it is shown on the screen and used in commands. */
 static void make_absolute(const char *path, char absolute[2 * ISOSCULPT_PATH]) {
     char folder[ISOSCULPT_PATH];
     if (path[0] == '/' || !getcwd(folder, sizeof folder))
@@ -81,7 +82,7 @@ static void make_absolute(const char *path, char absolute[2 * ISOSCULPT_PATH]) {
         snprintf(absolute, 2 * ISOSCULPT_PATH, "%s/%s", folder, path);
 }
 
-/* Starts the load job for a file. The options for reading belong to the file of the command line. */
+/* Starts the load job for a file. The options for reading apply only to the file on the command line. */
 static iso_status start_opening(window *w, const char *path, bool stamp, iso_error *error) {
     const isosculpt_settings *settings = w->settings;
     const bool from_command_line = path == settings->open;
@@ -102,7 +103,7 @@ static iso_status start_opening(window *w, const char *path, bool stamp, iso_err
     return isosculpt_load_job_start(&request, &w->load_job, error);
 }
 
-/* Opens the first file; until it is there the window shows nothing. */
+/* Opens the first file; the window is blank until it is loaded. */
 static iso_status open_blank(window *w, const char *path, iso_error *error) {
     ISO_TRY(isosculpt_document_init_empty(&w->document, error));
     ISO_TRY(show_document(w, error));
@@ -173,8 +174,8 @@ static iso_status show_loaded(window *w, isosculpt_loaded *loaded, iso_error *er
     return ISO_OK;
 }
 
-/* Opening failed or was cancelled: the current document stays. If there is none yet, an error ends the
- * program, and after cancelling a new ball is shown. */
+/* Keeps the current document after opening failed or was cancelled. If there is none yet, an error ends the
+ * program, and cancelling shows a new ball. */
 static iso_status keep_document(window *w, bool cancelled, iso_status status, iso_error *error) {
     const bool first = w->screen.blank;
     if (first && !cancelled) return status;
@@ -206,7 +207,7 @@ iso_status isosculpt_window_finish_opening(window *w, iso_error *error) {
     if (!w->load_job || !isosculpt_task_done(isosculpt_load_job_task(w->load_job))) return ISO_OK;
     const isosculpt_dialog dialog = w->screen.dialog;
     if (w->controller.drag || w->document.saver || (dialog && dialog != ISOSCULPT_DIALOG_RECOVER))
-        return ISO_OK; /* a later call goes on */
+        return ISO_OK; /* a later call continues */
     if (must_ask_again(w)) {
         snprintf(w->next_path, sizeof w->next_path, "%s", isosculpt_load_job_path(w->load_job));
         isosculpt_window_show_dialog(w, ISOSCULPT_DIALOG_OPEN, w->next_path);
@@ -245,7 +246,7 @@ static void open_path(window *w, const char *path, bool stamp) {
     else if (start_opening(w, path, stamp, &reason) != ISO_OK)
         isosculpt_window_set_status(w, true, reason.text);
     else
-        w->screen.message[0] = 0; /* about an earlier attempt */
+        w->screen.message[0] = 0; /* removes the message of an earlier attempt */
 }
 
 /* Opens a file in place of the current document; asks first about unsaved changes. */
@@ -280,7 +281,7 @@ void isosculpt_window_reject_open(window *w) {
     if (w->load_job) isosculpt_task_cancel(isosculpt_load_job_task(w->load_job));
 }
 
-/* A mesh can be opened or become a stamp; a stamp needs a field. */
+/* Handles a dropped file. A mesh can be opened or become a stamp; a stamp needs a field. */
 void isosculpt_window_drop(window *w, const char *path) {
     if (isosculpt_window_is_opening(w)) return;
     if (isosculpt_is_mesh(path) && !w->volume && !w->screen.blank)

@@ -11,20 +11,20 @@ iso_status isosculpt_window_open_first(window *w, iso_error *error);
  * changes. */
 void isosculpt_window_open_file(window *w, const char *path, bool stamp);
 
-/* Starts to open a journal to be recovered: a new ball may be lost without asking. */
+/* Starts to open a journal for recovery. A new ball without changes is replaced without asking. */
 void isosculpt_window_recover(window *w, const char *journal);
 
 /* Opens a dropped file; for a mesh asks whether it is to be a stamp. */
 void isosculpt_window_drop(window *w, const char *path);
 
-/* Goes on with opening `next_path` after the question about unsaved changes: the user has agreed to lose
- * them, or they have been saved by now. */
+/* Continues to open `next_path` after the question about unsaved changes: the user has agreed to lose them,
+ * or they have been saved. */
 void isosculpt_window_confirm_open(window *w);
 
 /* Cancels opening `next_path`: the user wants to keep the current document. */
 void isosculpt_window_reject_open(window *w);
 
-/* Whether a file is being opened; then also tells the user to wait. */
+/* Returns whether a file is being opened; if so, also shows a message that asks the user to wait. */
 bool isosculpt_window_is_opening(window *w);
 
 /* Starts to convert the viewed volume into a field. */
@@ -33,8 +33,8 @@ void isosculpt_window_start_sculpting(window *w);
 /* Opens the mesh of --stamp, once there is a field. */
 void isosculpt_window_load_first_stamp(window *w);
 
-/* Takes over the result when opening is done, unless a stroke, a save or a dialog is in the way: then a later
- * call does. Errors end the program. */
+/* Shows the result when opening is done. If a stroke, a save or a dialog is in progress, a later call does
+ * it. Errors end the program. */
 iso_status isosculpt_window_finish_opening(window *w, iso_error *error);
 
 /* Cancels opening and waits for its end, before the window closes. */

@@ -37,7 +37,7 @@ struct isosculpt_panel {
 
 /* ---- sections of the panel */
 
-/* The shape of the brush; the stamp can be chosen when one was loaded. */
+/* The widgets for the shape of the brush. The stamp can be chosen when one is loaded. */
 static void choose_shape(isosculpt_controller *controller) {
     static const iso_solid shapes[] = {ISO_SOLID_SPHERE, ISO_SOLID_BOX, ISO_SOLID_CYLINDER, ISO_SOLID_TORUS,
                                        ISO_SOLID_STAMP};
@@ -63,7 +63,7 @@ static void choose_shape(isosculpt_controller *controller) {
     ImGui::EndDisabled();
 }
 
-/* The mirror planes and their positions. */
+/* The widgets for the mirror planes and their positions. */
 static void choose_mirror(isosculpt_controller *controller) {
     iso_brush *brush = &controller->brush;
     ImGui::AlignTextToFramePadding();
@@ -131,7 +131,8 @@ bool panel_edit_color(const char *label, iso_rgb *color) {
     return true;
 }
 
-/* The engine; its tooltip says what drew the picture. Returns whether the choice has changed. */
+/* The widget for the engine; its tooltip says which engine drew the picture. Returns whether the choice has
+ * changed. */
 static bool choose_engine(isosculpt_viewport *viewport) {
     static const char *const names[] = {"engine: cpu", "engine: gl"};
     isosculpt_engine *engine = &viewport->mode.engine;
@@ -298,7 +299,7 @@ static void draw_panel(isosculpt_panel *panel, isosculpt_screen *screen) {
 
 /* ---- progress of background tasks */
 
-/* At the lower edge; also while the panel is hidden. */
+/* Draws the progress of tasks at the lower edge, also while the panel is hidden. */
 static void draw_progress(isosculpt_panel *panel, isosculpt_screen *screen) {
     const ImVec2 display = ImGui::GetIO().DisplaySize;
     ImGui::SetNextWindowPos(ImVec2(display.x / 2, display.y - 16 * panel->scale), ImGuiCond_Always,
@@ -323,7 +324,8 @@ static void draw_progress(isosculpt_panel *panel, isosculpt_screen *screen) {
 
 /* ---- the message */
 
-/* Above the progress; also while the panel is hidden. An error stays until it is dismissed. */
+/* Draws the message above the progress, also while the panel is hidden. An error stays until it is
+ * dismissed. */
 static void draw_message(isosculpt_panel *panel, isosculpt_screen *screen) {
     const ImVec2 display = ImGui::GetIO().DisplaySize;
     const float below = screen->progress_item_count ? display.y - panel->progress_items.position.y : 0,
@@ -368,8 +370,8 @@ static void draw_help(isosculpt_screen *screen, float scale) {
     ImGui::End();
 }
 
-/* Begins a modal dialog in the middle of the window, if it is shown; ImGui::EndPopup when it returns true.
- * Results come from its buttons or from keys (events.c). */
+/* Begins a modal dialog in the middle of the window if `shown` is set. If it returns true, the caller calls
+ * ImGui::EndPopup. Results come from the dialog's buttons or from keys (events.c). */
 static bool begin_dialog(const char *title, bool shown) {
     const ImVec2 display = ImGui::GetIO().DisplaySize;
     if (shown && !ImGui::IsPopupOpen(title)) ImGui::OpenPopup(title);
@@ -449,7 +451,7 @@ static void draw_replace_dialog(isosculpt_screen *screen) {
 
 /* ---- the browser */
 
-/* Opens the browser with the path in the input box, or the target. */
+/* Opens the browser at the path in the input box, or at the target. */
 static void open_browser(isosculpt_screen *screen) {
     char path[ISOSCULPT_PATH];
     const isosculpt_purpose purpose = screen->browse_request;
@@ -471,7 +473,7 @@ static void draw_browser(isosculpt_panel *panel, isosculpt_screen *screen) {
     if (screen->browse_request && !screen->dialog && !screen->browser.purpose) open_browser(screen);
     const isosculpt_purpose purpose = screen->browser.purpose;
     const bool chosen = isosculpt_browser_draw(&screen->browser, panel->scale, screen->chosen_path);
-    screen->browser.typed = isosculpt_typed{}; /* the panel's input box has handled them, too */
+    screen->browser.typed = isosculpt_typed{}; /* the panel's input box has already handled these keys */
     if (!chosen) return;
     screen->chosen_purpose = purpose;
     screen->results |= ISOSCULPT_RESULT_CHOSEN;

@@ -25,13 +25,13 @@ typedef enum isosculpt_dialog {
 /* What the user chose in a dialog or in the panel, as bits of isosculpt_screen.results. */
 enum {
     ISOSCULPT_RESULT_RECOVER = 1,
-    ISOSCULPT_RESULT_DISMISS = 2, /* do not offer recovery again */
-    ISOSCULPT_RESULT_PROCEED = 4, /* close, or open the other file */
-    ISOSCULPT_RESULT_KEEP = 8,    /* do nothing */
+    ISOSCULPT_RESULT_DISMISS = 2, /* do not offer this recovery again */
+    ISOSCULPT_RESULT_PROCEED = 4, /* close the window, or open the other file, despite unsaved changes */
+    ISOSCULPT_RESULT_KEEP = 8,    /* close the dialog without doing anything */
     ISOSCULPT_RESULT_SAVE = 16,
-    ISOSCULPT_RESULT_OPEN = 32,     /* `dialog_path` in a dialog, else `typed_path` */
+    ISOSCULPT_RESULT_OPEN = 32,     /* open `dialog_path` (in a dialog) or `typed_path` */
     ISOSCULPT_RESULT_STAMP = 64,    /* use `dialog_path` as a stamp */
-    ISOSCULPT_RESULT_CANCEL = 128,  /* progress_items[0]; its double (256): progress_items[1] */
+    ISOSCULPT_RESULT_CANCEL = 128,  /* cancel progress_items[0]; twice this value (256): progress_items[1] */
     ISOSCULPT_RESULT_REPLACE = 512, /* overwrite the file */
     ISOSCULPT_RESULT_CHOSEN = 1024, /* `chosen_path` was chosen in the browser, for `chosen_purpose` */
     ISOSCULPT_RESULT_COMMAND = 2048 /* copy the isorender command to the clipboard */
@@ -59,16 +59,17 @@ typedef struct isosculpt_screen {
     int progress_item_count;
     char typed_path[ISOSCULPT_PATH]; /* in the panel's input box */
     isosculpt_browser browser;
-    isosculpt_purpose browse_request; /* to be opened with the next frame */
+    isosculpt_purpose browse_request; /* purpose for which the browser is opened in the next frame */
     isosculpt_purpose chosen_purpose;
     char chosen_path[ISOSCULPT_PATH];
     const isosculpt_volume *volume; /* the viewed volume; NULL: there is a field */
-    const iso_texts *references;    /* files of the reference; none: the session's beginning */
+    const iso_texts *references;    /* files of the reference; none: the surface at the beginning of the
+                                       session */
     bool reference_pending;         /* the reference is being made */
     bool sculpting;                 /* the volume is being converted into a field */
     double isovalue;                /* of the volume, physical, as chosen in the panel */
-    bool isovalue_dragged;          /* in this frame, or the second isovalue */
-    bool second_line_dragged;       /* of the histogram, the last time that one of its lines was dragged */
+    bool isovalue_dragged;          /* the user is dragging the isovalue or the second one in this frame */
+    bool second_line_dragged;       /* the line of the histogram that was dragged last is the second one */
     char message[600];              /* the status message; "": none */
     double message_seconds;         /* iso_clock_seconds when it was set */
     bool message_is_error;          /* it stays until the user dismisses it; others vanish after a while */
@@ -87,7 +88,7 @@ void isosculpt_panel_destroy(isosculpt_panel *panel);
 /* Draws one frame into the current framebuffer. */
 iso_status isosculpt_panel_draw(isosculpt_panel *panel, isosculpt_screen *screen, iso_error *error);
 
-/* Whether the pointer at a window position, or the keyboard, is used by the panel or a dialog. */
+/* Returns whether the panel or a dialog uses the pointer at a window position, or the keyboard. */
 bool isosculpt_panel_has_pointer(const isosculpt_panel *panel, double x, double y);
 bool isosculpt_panel_has_keys(void);
 

@@ -6,18 +6,18 @@
 #include "apps/isosculpt/window/axis.h"
 #include "apps/isosculpt/window/panel_parts.hpp"
 
-/* Of the lines at the isovalues, and of the words beside their sliders. */
+/* Colours of the lines at the isovalues and of the labels of their sliders. */
 static const ImVec4 FIRST{1.0f, 0.745f, 0.353f, 1.0f}, SECOND{0.94f, 0.56f, 0.86f, 1.0f};
-/* Of a surface that becomes translucent because another one is to be seen in it; the least that a slider
- * gives. */
+/* SKIN_OPACITY: opacity of the first surface when a second one inside it is added; LEAST_OPACITY: the lower
+ * end of the sliders. */
 static const double SKIN_OPACITY = 0.35, LEAST_OPACITY = 0.05;
 
 static isosculpt_see_through *see_through_of(const isosculpt_screen *screen) {
     return &screen->controller->viewport->see_through;
 }
 
-/* The columns of the histogram, as high as the logarithms of the counts. When less than half of the bins are
- * used, a column is widened to the next used bin. */
+/* Draws the columns of the histogram, with logarithmic heights. If less than half of the bins are used, each
+ * column extends to the next used bin. */
 static void draw_columns(const iso_histogram &histogram, ImDrawList *list, ImVec2 at, ImVec2 size) {
     uint64_t most = 1, filled = 0;
     for (uint64_t count : histogram.bins) {
@@ -50,7 +50,7 @@ static float text_width(const char *text) {
     return ImGui::CalcTextSize(text).x;
 }
 
-/* Writes a number below the axis, if it fits between *free and `right`; then *free moves behind it. */
+/* Writes a number below the axis if it fits between *free and `right`; *free is then moved behind it. */
 static bool draw_label(const plot &p, ImDrawList *list, double value, float *free, float right) {
     char text[32];
     snprintf(text, sizeof text, "%.5g", value);
@@ -62,7 +62,7 @@ static bool draw_label(const plot &p, ImDrawList *list, double value, float *fre
     return true;
 }
 
-/* The values at both ends, and round values between them where there is room. */
+/* Draws the values at both ends of the axis, and round values between them where there is room. */
 static void draw_axis(const plot &p, ImDrawList *list, float scale) {
     double ticks[ISOSCULPT_AXIS_TICKS];
     const double high = p.low + p.range;
@@ -108,7 +108,7 @@ static void drag_line(isosculpt_screen *screen, const plot &p) {
         (screen->second_line_dragged ? how->second_isovalue : screen->isovalue) = p.value(x);
 }
 
-/* The histogram, with the isovalues as lines that can be dragged. */
+/* Draws the histogram, with the isovalues as lines that can be dragged. */
 static void draw_histogram(isosculpt_screen *screen, float scale) {
     const isosculpt_volume *volume = screen->volume;
     const iso_histogram *histogram = &volume->histogram;
@@ -144,8 +144,8 @@ static void draw_suggestions(isosculpt_screen *screen) {
 
 /* ---- a second isovalue, and opacities */
 
-/* The highest suggested isovalue, if it is above the first one: what lies deepest inside. Else a value
- * between the first one and the highest. */
+/* Returns the highest suggested isovalue if it is above the first one, because its surface lies deepest
+ * inside; else a value between the first one and the highest value. */
 static double suggest_second(const isosculpt_screen *screen) {
     const isosculpt_volume *volume = screen->volume;
     double most = screen->isovalue;
@@ -153,7 +153,7 @@ static double suggest_second(const isosculpt_screen *screen) {
     return most > screen->isovalue ? most : most + (volume->histogram.high - most) / 3;
 }
 
-/* The first surface becomes translucent, since the second one lies inside it. */
+/* Adds a second surface. The first one becomes translucent, because the second lies inside it. */
 static void add_second(isosculpt_screen *screen) {
     isosculpt_see_through *how = see_through_of(screen);
     how->second_isovalue = suggest_second(screen);
@@ -177,7 +177,7 @@ static bool slide_in_color(const char *label, const ImVec4 &color, double *value
     return active;
 }
 
-/* Returns whether something has changed. */
+/* The widgets of the second surface. Returns whether something has changed. */
 static bool choose_second(isosculpt_screen *screen) {
     isosculpt_see_through *how = see_through_of(screen);
     const iso_histogram *histogram = &screen->volume->histogram;
@@ -193,7 +193,7 @@ static bool choose_second(isosculpt_screen *screen) {
     return changed;
 }
 
-/* What is chosen elsewhere in the panel and does not count for this picture. */
+/* Draws a note about settings of the panel that do not apply to this picture. */
 static void draw_note(const isosculpt_viewport *viewport) {
     const isosculpt_display_mode *mode = &viewport->mode;
     const bool lamps = mode->material.shading == ISOSCULPT_SHADING_LAMPS,

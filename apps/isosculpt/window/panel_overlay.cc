@@ -4,7 +4,7 @@
 #include "apps/isosculpt/viewport/mirror_line.h"
 #include "apps/isosculpt/window/panel_parts.hpp"
 
-/* Window coordinates of a pixel. */
+/* Returns the window coordinates of a pixel. */
 static ImVec2 to_window(const isosculpt_screen *screen, double x, double y) {
     return ImVec2((float)(x / screen->pixels), (float)(y / screen->pixels));
 }
@@ -51,7 +51,7 @@ void panel_draw_brush(const isosculpt_screen *screen, float scale) {
 static const ImU32 AXIS_COLORS[] = {IM_COL32(255, 120, 110, 235), IM_COL32(130, 225, 120, 235),
                                     IM_COL32(120, 170, 255, 235)};
 
-/* Lines where a mirror plane cuts the surface and the box around it. */
+/* Draws the lines where a mirror plane cuts the surface and the box around it. */
 static void draw_plane(const isosculpt_screen *screen, ImDrawList *list, int axis, float scale) {
     enum { SEGMENTS = 4096 };
     static isosculpt_segment segments[SEGMENTS];
@@ -79,7 +79,7 @@ static void draw_plane(const isosculpt_screen *screen, ImDrawList *list, int axi
     list->AddPolyline(corners, 4, AXIS_COLORS[axis], ImDrawFlags_Closed, scale);
 }
 
-/* The path of a stroke that is applied when there is a field. */
+/* Draws the path of a stroke that will be applied when there is a field. */
 static void draw_queued_stroke(const isosculpt_screen *screen, ImDrawList *list,
                                const isosculpt_stroke &stroke, float scale) {
     const isosculpt_layer *layer = &screen->controller->viewport->drawn;

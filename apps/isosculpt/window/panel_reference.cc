@@ -1,11 +1,11 @@
-/* The part of the panel that shows the reference: whether, how, and how opaque. */
+/* The section of the panel for the reference: whether it is shown, where, and how opaque. */
 #include <cstdio>
 #include <cstring>
 #include <initializer_list>
 
 #include "apps/isosculpt/window/panel_parts.hpp"
 
-/* Where the reference is seen. */
+/* The widgets that choose where the reference is shown. Returns whether the choice has changed. */
 static bool choose_place(isosculpt_reference_mode *mode, float width) {
     static const char *const names[] = {"in front", "through"};
     bool changed = false;
@@ -22,7 +22,7 @@ static bool choose_place(isosculpt_reference_mode *mode, float width) {
     return changed;
 }
 
-/* Place, opacity and colour in a row. */
+/* The widgets for place, opacity and colour in a row. Returns whether something has changed. */
 static bool choose_look(isosculpt_reference_mode *mode) {
     const double least = 0.05, most = 1;
     const float gap = ImGui::GetStyle().ItemInnerSpacing.x, place = 0.36f * ImGui::GetContentRegionAvail().x;
@@ -35,7 +35,7 @@ static bool choose_look(isosculpt_reference_mode *mode) {
     return panel_edit_color("##colour", &mode->color) || changed;
 }
 
-/* Beside the checkbox: that it takes a while, or what draws. */
+/* Draws a note beside the checkbox: that the reference is still being prepared, or which engine draws it. */
 static void draw_note(const isosculpt_screen *screen) {
     const isosculpt_viewport *viewport = screen->controller->viewport;
     const bool gl = viewport->gl && viewport->mode.engine == ISOSCULPT_ENGINE_GL;
@@ -47,7 +47,7 @@ static void draw_note(const isosculpt_screen *screen) {
         ImGui::SetTooltip("with the x-ray, the cpu engine draws the picture");
 }
 
-/* The checkbox that shows the reference. */
+/* The checkbox that shows the reference. Returns whether it was clicked. */
 static bool choose_shown(const isosculpt_screen *screen, isosculpt_reference_mode *mode) {
     const iso_texts *files = screen->references;
     if (!files->count) {

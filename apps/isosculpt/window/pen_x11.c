@@ -16,7 +16,7 @@ struct isosculpt_pen {
     bool present;
 };
 
-/* NULL for a GLFW that was built for Wayland: it lacks the function. */
+/* Returns NULL for a GLFW that was built for Wayland, because it lacks the function. */
 static Display *find_display(void) {
     Display *(*get)(void);
     void *symbol = dlsym(RTLD_DEFAULT, "glfwGetX11Display");
@@ -46,7 +46,7 @@ bool isosculpt_pen_present(const isosculpt_pen *pen) {
     return pen && pen->present;
 }
 
-/* The pressure axis of a device; NULL: it has none. */
+/* Returns the pressure axis of a device; NULL: it has none. */
 static const XIValuatorClassInfo *find_pressure_axis(const isosculpt_pen *pen, const XIDeviceInfo *device) {
     for (int i = 0; device->use == XISlavePointer && i < device->num_classes; i++) {
         const XIValuatorClassInfo *axis = (const XIValuatorClassInfo *)device->classes[i];
@@ -56,7 +56,8 @@ static const XIValuatorClassInfo *find_pressure_axis(const isosculpt_pen *pen, c
     return NULL;
 }
 
-/* Queries all devices: to query a single device that was unplugged is an X error, which ends the program. */
+/* Queries all devices, because querying a single device that was unplugged is an X error, which ends the
+ * program. */
 double isosculpt_pen_pressure(isosculpt_pen *pen) {
     double most = 0;
     int count = 0;

@@ -1,4 +1,4 @@
-/* The picture in isosculpt's window: when it is drawn in which quality, and screenshots. */
+/* The picture in isosculpt's window: when it is drawn, in which quality, and screenshots. */
 #include "apps/isosculpt/window/picture.h"
 #include "base/clock.h"
 
@@ -12,10 +12,10 @@
 #define GL_CLAMP_TO_EDGE 0x812F /* OpenGL 1.2 */
 #endif
 
-/* Seconds without a change after which the picture is drawn in this quality. */
+/* Seconds without a change after which the picture is drawn in each quality. */
 static const double PAUSE[] = {[ISOSCULPT_QUALITY_REST] = 0.12, [ISOSCULPT_QUALITY_FINE] = 0.6};
 
-/* Seconds that a message stays. */
+/* Seconds for which a message is shown. */
 static const double MESSAGE_SECONDS = 6;
 
 /* ---- screenshots */
@@ -102,7 +102,7 @@ static void update_texture(window *w) {
 double isosculpt_window_seconds_until_refine(const window *w) {
     if (w->screen.blank || w->viewport.quality == ISOSCULPT_QUALITY_FINE) return ISOSCULPT_IDLE_SECONDS;
     if (isosculpt_viewport_is_preparing(&w->viewport))
-        return ISOSCULPT_IDLE_SECONDS; /* the thread wakes the loop */
+        return ISOSCULPT_IDLE_SECONDS; /* the background thread wakes the loop */
     return w->screenshot ? -1 : w->last_change + PAUSE[w->viewport.quality + 1] - iso_clock_seconds();
 }
 
@@ -145,7 +145,7 @@ static iso_status update_picture(window *w, iso_error *error) {
 
 iso_status isosculpt_window_draw(window *w, iso_error *error) {
     isosculpt_window_update_framebuffer_size(w);
-    if (w->screen.width <= 0 || w->screen.height <= 0) return ISO_OK; /* iconified */
+    if (w->screen.width <= 0 || w->screen.height <= 0) return ISO_OK; /* the window is iconified */
     ISO_TRY(isosculpt_panel_rescale(w->panel, isosculpt_window_text_scale(w), error));
     ISO_TRY(update_picture(w, error));
     w->engine = w->viewport.mode.engine;
@@ -154,7 +154,7 @@ iso_status isosculpt_window_draw(window *w, iso_error *error) {
     if (w->frames_left <= 0) return ISO_OK;
     w->frames_left--;
     glViewport(0, 0, w->screen.width, w->screen.height);
-    glClearColor(0.18f, 0.196f, 0.22f, 1); /* visible until there is a picture */
+    glClearColor(0.18f, 0.196f, 0.22f, 1); /* the colour of the window until there is a picture */
     glClear(GL_COLOR_BUFFER_BIT);
     ISO_TRY(isosculpt_panel_draw(w->panel, &w->screen, error));
     if (w->screenshot_window && !w->screen.blank) {

@@ -7,11 +7,11 @@
 /* Shows or hides the reference. Does nothing while a volume is viewed. */
 void isosculpt_window_toggle_reference(window *w);
 
-/* Starts to make the reference when it is to be shown and there is none; takes it over when it is ready. If
- * it cannot be made, or cannot be drawn, the status line says why and it is hidden. */
+/* Starts to make the reference if it is to be shown and there is none, and passes it to the viewport when it
+ * is ready. If it cannot be made or drawn, the status line says why, and the reference is hidden. */
 void isosculpt_window_update_reference(window *w);
 
-/* Cancels making it, before the document is closed. */
+/* Cancels making the reference; called before the document is closed. */
 void isosculpt_window_cancel_reference(window *w);
 
 #endif

@@ -13,7 +13,7 @@
 
 /* ---- a save */
 
-/* Drops the requested save, and what was to follow it. */
+/* Drops the requested save, and the action that was waiting for it. */
 static void drop_save(window *w) {
     w->pending_save = ISOSCULPT_BROWSE_NOTHING;
     w->after_save = ISOSCULPT_DIALOG_NOTHING;
@@ -64,7 +64,7 @@ void isosculpt_window_start_save(window *w) {
         start_now(w);
 }
 
-/* Without a requested save the dialog is about a screenshot. */
+/* Handles the user's answer. If no save was requested, the dialog is about a screenshot. */
 void isosculpt_window_answer_replace(window *w, bool agreed) {
     if (w->pending_save) {
         w->replace_agreed = agreed;
@@ -101,7 +101,8 @@ isosculpt_dialog isosculpt_window_poll_save(window *w) {
     w->after_save = ISOSCULPT_DIALOG_NOTHING;
     if (status != ISO_OK || !next) return ISOSCULPT_DIALOG_NOTHING;
     if (!isosculpt_window_has_unsaved_changes(w)) return next;
-    isosculpt_window_show_dialog(w, next, w->next_path); /* about changes that were made meanwhile */
+    isosculpt_window_show_dialog(w, next,
+                                 w->next_path); /* the dialog is about changes made in the meantime */
     return ISOSCULPT_DIALOG_NOTHING;
 }
 
@@ -122,7 +123,8 @@ void isosculpt_window_request_screenshot(window *w, const char *path) {
 
 /* ---- the isorender command */
 
-/* Finds a file that holds what the picture shows, and the options to read it with; false: there is none. */
+/* Finds a file with the contents of the picture, and the options to read it with; returns false if there is
+ * none. */
 static bool find_shown_file(const window *w, isosculpt_render_command *command) {
     const isosculpt_document *document = &w->document;
     const bool saved = document->target_is_own && !isosculpt_window_has_unsaved_changes(w);
@@ -134,7 +136,7 @@ static bool find_shown_file(const window *w, isosculpt_render_command *command) 
         command->path = document->target;
     } else if (document->change_count == 0 && !(w->settings->voxel_size > 0) &&
                iso_text_has_extension(document->start.source, ".vdb")) {
-        command->path = document->start.source; /* as it was opened */
+        command->path = document->start.source; /* the path with which it was opened */
         command->reading = document->start.reading;
     }
     return command->path;

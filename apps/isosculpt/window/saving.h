@@ -14,11 +14,11 @@ void isosculpt_window_request_save(window *w, isosculpt_purpose purpose, const c
  * may be overwritten. */
 void isosculpt_window_start_save(window *w);
 
-/* The user's answer: whether the file (of the save, or of a screenshot) may be overwritten. */
+/* Handles the user's answer: whether the file (of the save, or of a screenshot) may be overwritten. */
 void isosculpt_window_answer_replace(window *w, bool agreed);
 
-/* Shows the result when a save is done. Returns what is to follow a successful save (ISOSCULPT_DIALOG_CLOSE
- * or _OPEN), else ISOSCULPT_DIALOG_NOTHING. */
+/* Shows the result when a save is done. Returns the action that was waiting for a successful save
+ * (ISOSCULPT_DIALOG_CLOSE or _OPEN), else ISOSCULPT_DIALOG_NOTHING. */
 isosculpt_dialog isosculpt_window_poll_save(window *w);
 
 /* Saves the next picture to a .png file; asks first whether a file may be overwritten. */

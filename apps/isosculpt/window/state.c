@@ -7,7 +7,7 @@
 
 #include <GLFW/glfw3.h>
 
-/* An error is printed once: a stroke can fail at every sample. */
+/* Shows a message. An error is printed only once, because a stroke can fail at every sample. */
 void isosculpt_window_set_status(window *w, bool is_error, const char *text) {
     if (is_error && strcmp(w->screen.message, text)) iso_program_log(isosculpt_program(), "%s", text);
     snprintf(w->screen.message, sizeof w->screen.message, "%s", text);
@@ -23,7 +23,8 @@ void isosculpt_window_update_framebuffer_size(window *w) {
     w->screen.pixels = width > 0 ? (double)w->screen.width / width : 1;
 }
 
-/* The content scale, divided by what the window system scales itself: the pixels of a window coordinate. */
+/* Returns the pixels of a window coordinate: the content scale divided by the scale that the window system
+ * applies itself. */
 double isosculpt_window_text_scale(const window *w) {
     float x = 1, y = 1;
     glfwGetWindowContentScale(w->glfw, &x, &y);

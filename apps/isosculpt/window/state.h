@@ -14,7 +14,7 @@
 #include "apps/isosculpt/window/panel.h"
 #include "apps/isosculpt/window/pen.h"
 
-/* Frames that are drawn after an event: Dear ImGui shows some effects of it one frame later. */
+/* Frames that are drawn after an event, because Dear ImGui shows some effects one frame later. */
 enum { ISOSCULPT_FRAMES_AFTER_EVENT = 3 };
 /* Seconds between two checks of the journal while nothing happens. */
 static const double ISOSCULPT_IDLE_SECONDS = 0.25;
@@ -22,12 +22,12 @@ static const double ISOSCULPT_IDLE_SECONDS = 0.25;
 typedef struct window {
     struct GLFWwindow *glfw;
     const isosculpt_settings *settings;
-    iso_pool *pool;     /* the program's, or own_pool */
-    iso_pool *own_pool; /* of the file that was opened; NULL: none */
+    iso_pool *pool;     /* the program's pool, or own_pool */
+    iso_pool *own_pool; /* pool of the file that was opened; NULL: none */
     bool has_folder;
-    char folder[ISOSCULPT_PATH]; /* of journals, if has_folder */
+    char folder[ISOSCULPT_PATH]; /* folder of journals, if has_folder */
 
-    isosculpt_volume *volume; /* viewed, not yet a field; NULL: the document has a field */
+    isosculpt_volume *volume; /* viewed, not yet converted into a field; NULL: the document has a field */
     isosculpt_document document;
     isosculpt_viewport viewport;
     isosculpt_controller controller;
@@ -36,23 +36,24 @@ typedef struct window {
     isosculpt_panel *panel;
     isosculpt_pen *pen;
 
-    iso_gl_context *context; /* the window's, for the gl engine; NULL: its OpenGL is too old for that */
-    isosculpt_gl *gl;        /* or NULL */
+    iso_gl_context
+        *context;     /* the window's context, for the gl engine; NULL: its OpenGL version is too old */
+    isosculpt_gl *gl; /* or NULL */
     isosculpt_engine engine; /* as chosen */
     unsigned texture;        /* of the cpu engine's picture; 0: none yet */
     int texture_width, texture_height;
-    int frames_left;    /* to be drawn before the loop waits for events */
+    int frames_left;    /* number of frames to be drawn before the loop waits for events */
     double last_change; /* iso_clock_seconds when the picture last had to be drawn */
 
     isosculpt_load_job *load_job;           /* a file is being opened; or NULL */
-    char next_path[ISOSCULPT_PATH];         /* to be opened when the user agrees to lose unsaved changes */
+    char next_path[ISOSCULPT_PATH];         /* path to be opened if the user agrees to lose unsaved changes */
     size_t agreed_changes;                  /* document.change_count that the user agreed to lose */
     isosculpt_reference_job *reference_job; /* the reference is being made; or NULL */
     bool sculpting;                         /* load_job converts the viewed volume into a field */
     bool stamp_loaded;                      /* the mesh of --stamp was opened, or tried */
 
-    isosculpt_purpose pending_save; /* ISOSCULPT_BROWSE_SAVE or _EXPORT to save_path as soon as no stroke is
-                                       drawn; ISOSCULPT_BROWSE_NOTHING */
+    isosculpt_purpose pending_save; /* purpose ISOSCULPT_BROWSE_SAVE or _EXPORT: save to save_path as soon as
+                                       no stroke is drawn; else ISOSCULPT_BROWSE_NOTHING */
     char save_path[ISOSCULPT_PATH];
     bool replace_agreed;         /* the user agreed to overwrite save_path */
     isosculpt_dialog after_save; /* ISOSCULPT_DIALOG_CLOSE or _OPEN: what follows if the save succeeds */

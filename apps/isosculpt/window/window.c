@@ -28,7 +28,7 @@ static void wait_events(window *w) {
     double start = iso_clock_seconds();
     glfwWaitEventsTimeout(wait);
     if (iso_clock_seconds() - start > 0.9 * ISOSCULPT_IDLE_SECONDS)
-        w->frames_left = 1; /* the journal's state may have changed */
+        w->frames_left = 1; /* the state of the journal may have changed */
 }
 
 static iso_status run_loop(window *w, iso_error *error) {
@@ -50,7 +50,7 @@ static iso_status fail_window(iso_error *error, const char *what) {
                     reason ? reason : "no reason is given");
 }
 
-/* The gl engine needs OpenGL 4.5, the panel 3.2. */
+/* Creates the window and its context. The gl engine needs OpenGL 4.5, the panel 3.2. */
 static GLFWwindow *create_window(int width, int height) {
     static const int versions[][2] = {{4, 5}, {3, 2}};
     GLFWwindow *created = NULL;
@@ -66,7 +66,7 @@ static void make_current(void *glfw) {
     if (glfwGetCurrentContext() != glfw) glfwMakeContextCurrent(glfw);
 }
 
-/* Without OpenGL 4.5 the cpu engine draws; an error with --backend gl. */
+/* Opens the gl engine. Without OpenGL 4.5 the cpu engine draws; with --backend gl this is an error. */
 static iso_status open_engine(window *w, iso_error *error) {
     const isosculpt_backend backend = (isosculpt_backend)w->settings->backend;
     const iso_gl_context_opts opts = {.kind = ISO_GL_WINDOW,
@@ -80,7 +80,7 @@ static iso_status open_engine(window *w, iso_error *error) {
     return ISO_OK;
 }
 
-/* With ISO_GL_DEBUG the driver checks all calls; prints its messages. */
+/* Closes the gl engine and prints the driver's messages; with ISO_GL_DEBUG the driver checks all calls. */
 static void close_engine(window *w) {
     isosculpt_gl_destroy(w->gl);
     if (w->context && getenv("ISO_GL_DEBUG")) {
@@ -90,7 +90,7 @@ static void close_engine(window *w) {
     iso_gl_context_destroy(w->context);
 }
 
-/* Makes the window no larger than the screen: the content scale may have enlarged it. */
+/* Makes the window no larger than the screen, because the content scale may have enlarged it. */
 static void fit_to_screen(GLFWwindow *glfw) {
     int width, height, x, y, room_x = 0, room_y = 0;
     GLFWmonitor *monitor = glfwGetPrimaryMonitor();

@@ -27,11 +27,11 @@ typedef struct block_limits {
     uint64_t faces; /* bit x: voxel x is the last of a brick, so that edges at x + 1 lie on its far x face */
     uint64_t cells; /* bit x: cell x is in the grid and in a wanted brick */
     iso_edge_active active;
-    int rows[3]; /* by axis: number of voxels, from 0 on, at which own edges begin */
-    int last[3]; /* by axis: the last voxel, 0 .. 16; also the number of cells */
+    int rows[3]; /* by axis: own edges begin at the voxels 0 .. rows - 1 */
+    int last[3]; /* by axis: the last voxel, 0 .. 16, which is also the number of cells */
 } block_limits;
 
-/* The present lengths of the lists of own and far edges. */
+/* The current lengths of the lists of own and far edges. */
 typedef struct list_ends {
     int own[3], far[3];
 } list_ends;

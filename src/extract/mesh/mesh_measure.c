@@ -26,7 +26,8 @@ typedef struct measuring {
         *first; /* by vertex, and one more: index in `sides` of the first side whose lower vertex it is */
     uint32_t
         *sides; /* sides of triangles: 2 * the higher vertex, + 1 if the side runs from it to the lower */
-    uint32_t *parent; /* by vertex, of disjoint sets (the parts); UINT32_MAX: the vertex is in no triangle */
+    uint32_t *parent; /* by vertex: parents of disjoint sets (the connected pieces); UINT32_MAX: no triangle
+                         has the vertex */
     sums *blocks;
 } measuring;
 

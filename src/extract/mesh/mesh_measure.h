@@ -1,4 +1,5 @@
-/* mesh_measure: area, enclosed volume, parts and Euler characteristic of a mesh, and whether it is closed. */
+/* mesh_measure: area, enclosed volume, connected pieces and Euler characteristic of a mesh, and whether it is
+ * closed. */
 #ifndef ISO_EXTRACT_MESH_MESH_MEASURE_H
 #define ISO_EXTRACT_MESH_MESH_MEASURE_H
 

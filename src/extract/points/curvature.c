@@ -49,8 +49,8 @@ typedef struct batch_voxels {
 
 enum { UNIT = ISO_POINT_COORDINATE_STEPS }; /* steps of a fixed-point position in a voxel */
 
-/* The position of point i in the brick in 1 / UNIT voxel. Packed positions have a step of ISO_POINT_RANGE
- * (20) of these. */
+/* Computes the position of point i in the brick in 1 / UNIT voxel. Packed positions have a step of
+ * ISO_POINT_RANGE (20) of these units. */
 static void fixed_position(const iso_curvature_points *points, uint32_t i, int32_t at[3]) {
     for (int axis = 0; axis < 3; axis++) {
         if (points->packed)
@@ -64,13 +64,14 @@ static void fixed_position(const iso_curvature_points *points, uint32_t i, int32
 /* Packing rounds a position by up to half of its step, in 1 / UNIT voxel. */
 enum { ROUNDED = 10 };
 
-/* Whether a coordinate (in 1 / UNIT voxel) is a whole number of voxels, up to the rounding of packing. */
+/* Returns whether a coordinate (in 1 / UNIT voxel) is a whole number of voxels, within the rounding of
+ * packing. */
 static bool is_whole(int32_t at) {
     return ((at + ROUNDED) & (UNIT - 1)) <= 2 * ROUNDED;
 }
 
-/* Whether a point can lie on an edge along `axis`. Sets the edge's lower voxel and `*along`, the position on
- * the edge from 0 to 1. */
+/* Returns whether a point can lie on an edge along `axis`. Sets the edge's lower voxel, and *along to the
+ * position on the edge, 0 .. 1. */
 static bool on_edge(const int32_t at[3], int axis, int8_t voxel[3], float *along) {
     for (int k = 0; k < 3; k++) {
         if (k != axis && !is_whole(at[k])) return false;
@@ -133,8 +134,8 @@ static reader source_reader(const iso_curvature_source *source) {
     return (reader){source, source_value, source->first, source->last};
 }
 
-/* The value of a voxel. Beyond the border it is extrapolated linearly from the last two voxels, axis by axis,
- * beginning with `axis`. */
+/* Returns the value of a voxel. Beyond the border it is extrapolated linearly from the last two voxels, axis
+ * by axis, beginning with `axis`. */
 static float extrapolated_value(const reader *from, const int at[3], int axis) {
     while (axis < 3 && at[axis] >= from->first[axis] && at[axis] <= from->last[axis]) axis++;
     if (axis == 3) return from->value(from->context, at);

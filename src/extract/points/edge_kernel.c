@@ -53,8 +53,8 @@ static bool iso_edge_at_border(const iso_edge_source *source, const int origin[3
     return false;
 }
 
-/* The factor for a gradient whose norm |x| + |y| + |z| is `sum`, so that the inverse of its norm is finite.
- * (Norms of integer gradients are never that small.) */
+/* The factor that lifts a gradient with |x| + |y| + |z| = `sum` so that the inverse of its norm is finite.
+ * (Integer gradients are never so short.) */
 #define ISO_EDGE_LIFT(type, sum) (sizeof(type) == sizeof(float) && (sum) < 0x1p-64f ? 0x1p64f : 1.0f)
 
 /* The stencil of an edge next to the grid's border. */
@@ -88,20 +88,21 @@ static void iso_edge_border_stencil(const iso_edge_source *source, const int low
     }
 }
 
-/* The part of a batch that holds the edges of one task. */
+/* The range of a batch that holds the edges of one task. */
 typedef struct iso_edge_part {
     iso_edge_task *task;
     int from, end;
 } iso_edge_part;
 
-/* The parts of a batch. Their blocks are either all next to the grid's border, or none is. */
+/* The ranges of a batch. Either all of their blocks are next to the grid's border, or none is. */
 typedef struct iso_edge_parts {
     int count;
     bool border;
     iso_edge_part part[ISO_EDGE_PARTS];
 } iso_edge_parts;
 
-/* Appends the points of a part to the arrays of their bricks; task->lanes counts them. */
+/* Appends the points of one task in the batch to the arrays of their bricks, and adds their numbers to
+ * task->lanes. */
 __attribute__((always_inline)) static inline void iso_edge_scatter(const iso_edge_batch *batch,
                                                                    const iso_edge_part *part) {
     const iso_edge_output *output = &part->task->output;
@@ -127,8 +128,8 @@ __attribute__((always_inline)) static inline void iso_edge_scatter(const iso_edg
     part->task->lanes = lanes;
 }
 
-/* The bits of a block's words whose voxels are in active bricks and in the grid, of which `voxels` voxels
- * along x begin at the block. */
+/* Returns a mask of the block's columns that are in active bricks and in the grid, which has `voxels` voxels
+ * along x from the block on. */
 static uint64_t iso_edge_columns(iso_edge_active active, int voxels) {
     uint64_t lanes = 0;
     for (int brick = 0; brick < ISO_EDGE_BRICKS; brick++)

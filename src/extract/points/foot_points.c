@@ -7,7 +7,7 @@
 
 static const float BAND = 1.7320508f; /* sqrt 3, voxels */
 static const double REACH =
-    2; /* voxels that iteration may move; more than sqrt 3, as the field need not be distances */
+    2; /* voxels that iteration may move; more than sqrt 3, because the field need not be a distance field */
 static const int MOST_STEPS = 10;
 static const double CONVERGED = 1e-4; /* voxels */
 
@@ -38,8 +38,8 @@ static int32_t order_of(float value) {
     return in_order(bits);
 }
 
-/* The lowest float from the isovalue on that is not in the band of distances: found by bisection over floats,
- * as distances grow with values. */
+/* Returns the lowest float that is at or above the isovalue and outside the band of distances. As distances
+ * increase with values, it is found by bisection over floats. */
 static float band_top(const iso_threshold *surface) {
     if (!in_band(surface, surface->isovalue_ceil)) return surface->isovalue_ceil;
     int64_t in = order_of(surface->isovalue_ceil), out = order_of(INFINITY);

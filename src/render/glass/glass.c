@@ -1,4 +1,5 @@
-/* glass: the light by a map of crossings, and from the light of samples to pixels. */
+/* glass: computes the light of samples from a map of crossings, and converts the light of samples to
+ * pixels. */
 #include "render/glass/glass.h"
 
 #include <math.h>
@@ -25,10 +26,10 @@ void iso_glass_map_free(iso_glass_map *map) {
 
 /* ---- one sample */
 
-/* The ray of a sample, and what it meets first. */
+/* The ray of a sample, and its crossings. */
 typedef struct sample {
     iso_vec3 origin, ray; /* world space; ray: unit length */
-    double length;        /* mm of the ray per mm of depth */
+    double length;        /* mm along the ray for 1 mm of depth */
     const iso_glass_crossings *crossings;
 } sample;
 
@@ -52,14 +53,14 @@ static iso_vec3 vector_to_world(const iso_view *view, const float v[3]) {
                          r[2] * x + r[5] * y + r[8] * z);
 }
 
-/* The normal at a sample's crossing, turned against a ray. */
+/* Returns the normal at a sample's crossing, turned so that it points against a ray. */
 static iso_vec3 normal_against(const iso_glass_map *map, const float normal[3], iso_vec3 ray) {
     const iso_vec3 n = iso_vec3_unit(vector_to_world(map->view, normal));
     return iso_vec3_dot(n, ray) > 0 ? iso_vec3_scale(n, -1) : n;
 }
 
-/* The paper's equation 12: sin t = ratio^layers * sin i. Leaving the solid (the eye is in it), the ratio is
- * above 1 and the sine is clamped. */
+/* Bends a ray by equation 12 of the paper: sin t = ratio^layers * sin i. If the ray leaves the solid (the eye
+ * is inside), the ratio is above 1, and the sine is clamped. */
 static iso_vec3 bend_by_layers(iso_vec3 ray, iso_vec3 normal, double ratio, int layers) {
     const double cosine = -iso_vec3_dot(ray, normal);
     const iso_vec3 along = iso_vec3_unit(iso_vec3_add(ray, iso_vec3_scale(normal, cosine)));
@@ -71,8 +72,8 @@ static iso_vec3 bend_by_layers(iso_vec3 ray, iso_vec3 normal, double ratio, int 
 
 /* ---- two-sided */
 
-/* Adds the normal and depth where the ray of sample (x, y) first leaves the solid; returns the weight, or 0:
- * it does not. */
+/* Adds the normal and depth of the point where the ray of sample (x, y) first leaves the solid, with a
+ * weight. Returns the weight, 0 if the ray does not leave it. */
 static double add_exit(const iso_glass_map *map, int x, int y, double weight, float normal[3],
                        double *depth) {
     if (x < 0 || y < 0 || x >= map->view->width || y >= map->view->height) return 0;
@@ -83,8 +84,8 @@ static double add_exit(const iso_glass_map *map, int x, int y, double weight, fl
     return weight;
 }
 
-/* The depth and normal (view space, not of unit length) of the far side at a position of the picture, from
- * the four samples around it; false: the solid is not there. */
+/* Interpolates the depth and normal (view space, not of unit length) of the far side at a position of the
+ * picture from the four samples around it. Returns false if the solid is not there. */
 static bool exit_at(const iso_glass_map *map, double px, double py, float normal[3], double *depth) {
     if (!(px > -1 && py > -1 && px < map->view->width + 1 && py < map->view->height + 1)) return false;
     const double left = floor(px - 0.5), top = floor(py - 0.5), u = px - 0.5 - left, v = py - 0.5 - top;
@@ -101,17 +102,17 @@ static bool exit_at(const iso_glass_map *map, double px, double py, float normal
     return true;
 }
 
-/* Where a refracted ray leaves the solid, as far as the map knows. */
+/* The point where a refracted ray leaves the solid, as far as the map shows it. */
 typedef struct way_out {
-    double distance; /* mm */
+    double distance; /* from the point of entry, mm */
     float normal[3]; /* view space, not of unit length */
 } way_out;
 
-/* Follows a ray from the point of entry to the far side: from the thickness straight behind the entry as a
- * first guess, the far side's depth where the ray would be then gives the next one. Wyman interpolates
- * between that thickness and one along the normal, for which he needs distances computed beforehand; the
- * search in the map is that of Oliveira and Brauwers 2007, "Real-time refraction through deformable objects".
- */
+/* Follows a ray from the point of entry to the far side. The first guess of the distance is the thickness
+ * straight behind the entry; each next one comes from the depth of the far side at the position that the ray
+ * then reaches. Wyman interpolates between this thickness and the one along the normal, which needs
+ * precomputed distances; the search in the map is that of Oliveira and Brauwers 2007, "Real-time refraction
+ * through deformable objects". */
 static way_out find_way_out(const iso_glass_map *map, iso_vec3 entry, iso_vec3 ray, double guess,
                             const float normal[3]) {
     enum { STEPS = 6 };
@@ -131,7 +132,7 @@ static way_out find_way_out(const iso_glass_map *map, iso_vec3 entry, iso_vec3 r
     return out;
 }
 
-/* The light that comes along a ray that begins in the solid where the sample's ray does. */
+/* Adds the light along a ray that starts inside the solid, at the point where the sample's ray does. */
 static void light_behind(const iso_mapped_glass *m, const sample *s, iso_vec3 ray, double light[3]) {
     const iso_glass_crossings *c = s->crossings;
     iso_vec3 out = ray;
@@ -151,7 +152,8 @@ static void light_behind(const iso_mapped_glass *m, const sample *s, iso_vec3 ra
 
 /* ---- the light of a sample */
 
-/* The light that comes through the solid to the sample. normal: at the first crossing, against the ray. */
+/* Computes the light that reaches the sample through the solid. normal: at the first crossing, against the
+ * ray. */
 static void light_through(const iso_mapped_glass *m, const sample *s, iso_vec3 normal, double light[3]) {
     const iso_glass_crossings *c = s->crossings;
     const double ior = m->glass->ior;
@@ -190,7 +192,7 @@ typedef struct glass_shade {
     atomic_size_t covered;
 } glass_shade;
 
-/* The light that a sample sees that misses the solid. */
+/* Computes the light that a sample sees if it misses the solid. */
 static void light_beside(const glass_shade *shade, int x, int y, double rgb[3]) {
     iso_vec3 origin, direction;
     for (int k = 0; k < 3; k++) rgb[k] = shade->background[k];
@@ -199,7 +201,7 @@ static void light_beside(const glass_shade *shade, int x, int y, double rgb[3]) 
     iso_environment_look(shade->picture->behind, direction, rgb);
 }
 
-/* Adds a sample's light, as much of it as can be displayed; returns whether it shows the solid. */
+/* Adds a sample's light, clamped to what can be displayed. Returns whether the sample shows the solid. */
 static bool add_sample(const glass_shade *shade, int x, int y, double sum[3]) {
     const iso_glass_picture *picture = shade->picture;
     double rgb[3];
@@ -214,7 +216,7 @@ static uint8_t display_byte(double light) {
     return (uint8_t)(iso_srgb_encode(light) * 255 + 0.5);
 }
 
-/* x, y: of the pixel in the picture. Returns how many samples show the solid. */
+/* Shades the pixel (x, y) of the picture. Returns the number of samples that show the solid. */
 static int shade_pixel(const glass_shade *shade, int x, int y) {
     const iso_glass_picture *picture = shade->picture;
     const int factor = picture->strip->factor, samples = factor * factor;

@@ -1,15 +1,20 @@
 /* glass: pictures of a transparent solid that reflects and refracts its environment.
  *
- * A picture is made of the light that each sample sees, which the refraction modes compute; the light of a
- * pixel's samples is averaged and converted to display values. Three of the modes need no ray but that to the
- * eye, only a map of where it enters and leaves the solid (iso_glass_map):
- * - none: what lies straight behind the solid is seen, weakened by its thickness;
- * - layers: the ray is bent once, more for each layer (Zhang and Pajarola 2006, "Single-pass point rendering
- *   and transparent shading", equation 12). The number of layers is no measure of what happens to a ray: the
- *   result is a mood, not an approximation of refraction, and the paper does not claim more;
- * - two-sided: the ray is bent where it enters and where it first leaves (Wyman 2005, "An approximate
- *   image-space approach for interactive refraction").
- * The fourth one, traced, follows rays through the solid: truth/traced_glass.h. */
+ * A refraction mode computes the light that each sample sees; the light of a pixel's samples is averaged and
+ * converted to display values. Three of the modes follow only the straight ray to the eye, and use a map of
+ * the points where it enters and leaves the solid (iso_glass_map).
+ *
+ * none: shows what is straight behind the solid, attenuated by the solid's thickness.
+ *
+ * layers: bends the ray once, by an angle that grows with the number of layers (Zhang and Pajarola 2006,
+ * "Single-pass point rendering and transparent shading", equation 12). This is an effect, not an
+ * approximation of refraction, because the number of layers does not determine the path of a ray; the paper
+ * does not claim more.
+ *
+ * two-sided: bends the ray where it enters and where it first leaves (Wyman 2005, "An approximate image-space
+ * approach for interactive refraction").
+ *
+ * The fourth mode, traced, follows rays through the solid: truth/traced_glass.h. */
 #ifndef ISO_RENDER_GLASS_GLASS_H
 #define ISO_RENDER_GLASS_GLASS_H
 
@@ -33,22 +38,23 @@ typedef enum iso_refraction {
     ISO_REFRACTIONS
 } iso_refraction;
 
-/* "none", "layers", "two-sided", "traced". */
+/* Returns "none", "layers", "two-sided" or "traced". */
 const char *iso_refraction_name(iso_refraction refraction);
 
 /* ---- maps */
 
-/* Where a sample's straight ray enters and leaves the solid. */
+/* The points where a sample's straight ray enters and leaves the solid. */
 typedef struct iso_glass_crossings {
-    float depth[2];     /* where it first enters and leaves, mm; INFINITY: it does not */
-    float normal[2][3]; /* there, in view space, out of the solid */
-    float thickness;    /* mm of the ray that lie in the solid */
+    float depth[2];     /* of the points where it first enters and first leaves, mm; INFINITY: there is no
+                           such point */
+    float normal[2][3]; /* the normals there, in view space, out of the solid */
+    float thickness;    /* mm of the ray inside the solid */
     uint16_t layers;    /* number of crossings */
-    uint16_t inside;    /* 1: the ray begins in the solid, at the near plane or where the volume ends: this
-                         is depth[0], which is no crossing and has no normal */
+    uint16_t inside;    /* 1: the ray begins inside the solid, at the near plane or at the volume's border;
+                           depth[0] is then the beginning, which is no crossing and has no normal */
 } iso_glass_crossings;
 
-/* A sample's ray begins at `depth`; inside: in the solid. */
+/* Begins the crossings of a sample's ray, which starts at `depth`; `inside`: in the solid. */
 static inline iso_glass_crossings iso_glass_crossings_begin(float depth, bool inside) {
     iso_glass_crossings c;
     memset(&c, 0, sizeof c);
@@ -58,8 +64,8 @@ static inline iso_glass_crossings iso_glass_crossings_begin(float depth, bool in
     return c;
 }
 
-/* Adds the next crossing along the ray. reached: depth of the one before, or where the ray begins; length: mm
- * of the ray per mm of depth. */
+/* Adds the next crossing along the ray. reached: depth of the previous crossing, or of the ray's beginning;
+ * length: mm along the ray for 1 mm of depth. */
 static inline void iso_glass_crossings_add(iso_glass_crossings *c, float reached, float depth, float length,
                                            bool leaves, const float normal[3]) {
     const int number = c->layers + c->inside;
@@ -83,8 +89,8 @@ void iso_glass_map_free(iso_glass_map *map);
 
 /* ---- pictures */
 
-/* Computes the light (linear) that sample (x, y) of the whole picture sees; false, and rgb untouched: it sees
- * nothing of the solid. Called by several threads. */
+/* Computes the light (linear) that sample (x, y) of the whole picture sees. Returns false, without changing
+ * rgb, if the ray misses the solid. Called by several threads. */
 typedef bool iso_glass_fn(const void *context, int x, int y, double rgb[3]);
 
 /* The context of iso_glass_light. */
@@ -94,25 +100,24 @@ typedef struct iso_mapped_glass {
     iso_refraction refraction; /* not ISO_REFRACTION_TRACED */
 } iso_mapped_glass;
 
-/* An iso_glass_fn: the light by a map. */
+/* An iso_glass_fn that uses a map of crossings. */
 bool iso_glass_light(const void *context, int x, int y, double rgb[3]);
 
 /* A picture to shade; all pointers are borrowed for the call. */
 typedef struct iso_glass_picture {
-    const iso_view *view;   /* of all samples of the whole picture */
-    const iso_strip *strip; /* which rows are shaded; its gbuffer is not used */
+    const iso_view *view;   /* the view of all samples of the whole picture */
+    const iso_strip *strip; /* the rows to shade; its gbuffer is not used */
     iso_glass_fn *light;
     const void *context;
-    const iso_environment
-        *behind; /* NULL, or what samples see that miss the solid, instead of `background` */
+    const iso_environment *behind; /* NULL, or what samples that miss the solid see instead of `background` */
     const iso_shading *background; /* background, transparent */
     iso_image *image;
     iso_pool *pool; /* NULL: the calling thread */
 } iso_glass_picture;
 
 /* Shades the strip's rows of the image; returns the number of samples that show the solid. With
- * background->transparent, alpha is the share of a pixel's samples that do. The same bytes for every number
- * of threads, and in strips of any height. */
+ * background->transparent, alpha is the share of these among the pixel's samples. The bytes are the same for
+ * every number of threads and for strips of any height. */
 size_t iso_glass_shade(const iso_glass_picture *picture);
 
 #ifdef __cplusplus

@@ -5,7 +5,7 @@
 
 void iso_glass_set_absorption(iso_glass *glass, iso_rgb color, double distance) {
     const uint8_t display[3] = {color.r, color.g, color.b};
-    const double none_left = 1000; /* for a colour of 0: light is gone at once */
+    const double none_left = 1000; /* for a colour of 0, which leaves no light at all */
     for (int k = 0; k < 3; k++) {
         const double left = iso_srgb_decode(display[k] / 255.0);
         glass->absorption[k] = (left > 0 ? -iso_log2(left) : none_left) / distance;

@@ -1,6 +1,6 @@
-/* absorb: compositing with solids that absorb light: between two fragments the light falls off exponentially
- * by the length of the ray there (Beer and Lambert), and what is absorbed becomes the colours of the solids
- * in which the ray is. */
+/* absorb: composites fragments of solids that absorb light. Between two fragments the light is attenuated
+ * exponentially by the length of the ray (Beer and Lambert); what is absorbed is replaced by the colours of
+ * the solids in which the ray is. */
 #include <math.h>
 
 #include "base/exponential.h"
@@ -8,14 +8,15 @@
 
 static const float LOG2_E = 1.44269504f;
 
-/* A ray during compositing. */
+/* The state of a ray during compositing. */
 typedef struct light {
     float color[3], through;
-    float depth;     /* that has been reached */
-    uint64_t inside; /* bit by surface: in its solid */
+    float depth;     /* depth that has been reached */
+    uint64_t inside; /* bit by surface: the ray is in its solid */
 } light;
 
-/* Takes the ray to a depth, through the solids it is in. length: mm of the ray per mm of depth. */
+/* Follows the ray to `depth` and attenuates its light in the solids that it is in. length: mm along the ray
+ * for 1 mm of depth. */
 static void absorb(const iso_layer_media *media, light *l, float depth, float length) {
     float rate = 0, color[3] = {0, 0, 0};
     for (uint64_t inside = l->inside; inside; inside &= inside - 1) {

@@ -8,8 +8,9 @@
 #include "render/layers/compose_kernel.h"
 #include "render/shading/phong_vectors.h"
 
-/* The lines of a composer: what iso_layer_line has, by sample and summed by pixel; the rays' slopes; copies
- * of a row of the gbuffer, whose last vector would reach beyond its end; the colours of 256 surfaces. */
+/* The rows of floats of a composer: the members of iso_layer_line, by sample and summed by pixel; the rays'
+ * slopes; copies of a row of the gbuffer, because the last vector would read beyond its end; and the colours
+ * of 256 surfaces. */
 enum { LINE_SAMPLES, LINE_SUMS = 5, LINE_U = 10, LINE_NORMAL = 11, LINE_SURFACE = 14, LINE_OWN = 15, LINES };
 enum { SURFACES = ISO_SURFACE_NONE + 1 };
 
@@ -37,7 +38,7 @@ static iso_layer_line line_at(const iso_layer_composer *composer, int first) {
         line_of(composer, first + 4)};
 }
 
-/* Prepares what is the same for all rows of a band. */
+/* Prepares what all rows of a band have in common. */
 static iso_layer_back make_back(const iso_layer_picture *picture, const iso_layer_composer *composer) {
     const iso_shading *shading = picture->shading;
     const iso_rgb empty = shading->background;
@@ -61,7 +62,7 @@ static iso_layer_back make_back(const iso_layer_picture *picture, const iso_laye
     return back;
 }
 
-/* Copies row y of the strip's gbuffer, the opaque surfaces, to where the kernel reads it. */
+/* Copies row y of the strip's gbuffer, which has the opaque surfaces, to the arrays that the kernel reads. */
 static void copy_row(const iso_gbuffer *gbuffer, int y, const iso_layer_composer *composer,
                      iso_layer_back *back) {
     if (!gbuffer->depth) return;
@@ -96,7 +97,7 @@ static void scale_line(const iso_layer_line *line, int width, float by) {
     }
 }
 
-/* Writes a row of pixels; y: in the image. */
+/* Writes a row of pixels. y: the row in the image. */
 static void write_row(const iso_layer_picture *picture, const iso_layer_kernel *kernel, int y,
                       const iso_layer_line *line) {
     const size_t width = (size_t)picture->image->width, at = (size_t)y * width;

@@ -10,11 +10,11 @@
 extern "C" {
 #endif
 
-/* The part of each ray that lies in the volume, for solids that absorb light: arrays by sample of the band.
- */
+/* The part of each ray that lies in the volume, for solids that absorb light: arrays indexed by the sample in
+ * the band. */
 typedef struct iso_layer_rays {
     float *begin, *end; /* depths counted from iso_layer_lists.middle, mm; end < begin: outside */
-    float *length;      /* mm along the ray per mm of depth */
+    float *length;      /* mm along the ray for 1 mm of depth */
     uint64_t *inside;   /* bit by surface number, below 64: the ray begins in the surface's solid */
 } iso_layer_rays;
 
@@ -31,21 +31,21 @@ typedef struct iso_layer_media {
     const iso_layer_rays *rays;     /* of the band */
 } iso_layer_media;
 
-/* What layers are drawn into, by whatever renderer. All pointers are borrowed. */
+/* The picture that layers are composited into, for every renderer. All pointers are borrowed. */
 typedef struct iso_layer_picture {
-    const iso_strip *strip;     /* its gbuffer has the opaque surfaces, or but its size: depth is NULL */
+    const iso_strip *strip;     /* its gbuffer has the opaque surfaces, or only the size (depth is NULL) */
     const iso_shading *shading; /* of the opaque surfaces, by number, and the background */
-    iso_image *image;           /* gets the strip's rows */
+    iso_image *image;           /* receives the strip's rows */
     float *layer_counts; /* NULL, or a plane of the image's size for the mean number of layers of a pixel */
-    float *coverage;     /* NULL, or a plane for its alpha */
+    float *coverage;     /* NULL, or a plane of the image's size for the alpha of each pixel */
     iso_pool *pool;      /* NULL: the calling thread */
 } iso_layer_picture;
 
-/* Counts of a picture. */
+/* Statistics of a picture. */
 typedef struct iso_layer_totals {
     size_t covered; /* samples that show a surface */
-    size_t layers;  /* fragments that were composited, of all samples */
-    int most;       /* of one sample */
+    size_t layers;  /* fragments that were composited, in all samples */
+    int most;       /* largest number of fragments in a sample */
 } iso_layer_totals;
 
 void iso_layer_totals_add(iso_layer_totals *totals, const iso_layer_totals *more);
@@ -60,9 +60,9 @@ typedef struct iso_layer_composer {
 iso_status iso_layer_composer_reserve(iso_layer_composer *composer, int width, int factor, iso_error *error);
 void iso_layer_composer_free(iso_layer_composer *composer);
 
-/* Composites a band into the image: the lists' rows are the strip's rows of samples from `first` on, a
- * multiple of strip->factor. media: NULL: all solids are clear. Adds to *totals. The result has the same
- * bytes for every instruction set. */
+/* Composites a band into the image. The lists' rows are the strip's rows of samples from `first` on, which is
+ * a multiple of strip->factor. media: the absorbing solids; NULL: all solids are clear. Adds to *totals. The
+ * bytes are the same for every instruction set. */
 void iso_layers_compose(const iso_layer_picture *picture, const iso_layer_lists *lists,
                         const iso_layer_media *media, int first, iso_layer_composer *composer,
                         iso_layer_totals *totals);

@@ -5,32 +5,32 @@
 #include "base/cpu.h"
 #include "render/layers/compose.h"
 
-/* A row of samples, composited. Planes of the lists' width, with room for ISO_LANES_MAX more. */
+/* A row of composited samples, as planes of the lists' width with room for ISO_LANES_MAX more. */
 typedef struct iso_layer_line {
-    float *color[3]; /* what the layers add to the picture, 0 .. 1 */
+    float *color[3]; /* sum of the layers' contributions, 0 .. 1 */
     float *through;  /* share of the light that passes all layers */
     float *layers;   /* number of layers composited */
 } iso_layer_line;
 
-/* What is behind the layers of a row. */
+/* The opaque surfaces and the background behind the layers of a row. */
 typedef struct iso_layer_back {
     const float *normal[3];    /* of the opaque surfaces, by sample */
     const uint8_t *surface;    /* their numbers; NULL: there are no opaque surfaces */
     const uint32_t *own_color; /* iso_gbuffer.color; NULL: no sample has a colour of its own */
     const float *color[3];     /* of surfaces, by number: 256 each */
-    const float *u;            /* rays (u, v, 1): u by column, with ISO_LANES_MAX readable items more */
-    float v, background[3];    /* 0 .. 1 */
-    bool transparent;          /* the background is */
+    const float *u;         /* the rays are (u, v, 1): u by column; ISO_LANES_MAX more items are readable */
+    float v, background[3]; /* 0 .. 1 */
+    bool transparent;       /* the background is transparent */
 } iso_layer_back;
 
 typedef struct iso_layer_kernel {
     /* Composites the fragments of row `row` of the lists, and counts them in *totals. */
     void (*compose)(const iso_layer_lists *lists, int row, const iso_layer_line *line,
                     iso_layer_totals *totals);
-    /* Adds what is behind the layers, so that `through` is the share of a transparent background. Returns
-     * the number of samples that show a surface. */
+    /* Adds the surfaces and the background behind the layers, so that `through` becomes the share of a
+     * transparent background. Returns the number of samples that show a surface. */
     size_t (*add_back)(const iso_layer_back *back, int width, const iso_layer_line *line);
-    /* Writes pixels from colours and transmittances, premultiplied, as RGBA. */
+    /* Writes RGBA pixels from premultiplied colours and transmittances. */
     void (*write)(const float *const color[3], const float *through, bool transparent, int width,
                   int32_t *words);
 } iso_layer_kernel;
@@ -38,7 +38,7 @@ typedef struct iso_layer_kernel {
 /* The kernel at an instruction set, or at the best below it that this build has. Never NULL. */
 const iso_layer_kernel *iso_layer_kernel_get(iso_cpu_level level);
 
-/* Does what iso_layer_kernel.compose does, with solids that absorb light, sample by sample. */
+/* Like iso_layer_kernel.compose, but with solids that absorb light, and sample by sample. */
 void iso_layers_absorb(const iso_layer_media *media, const iso_layer_lists *lists, int row,
                        const iso_layer_line *line, iso_layer_totals *totals);
 

@@ -1,5 +1,5 @@
-/* layers: memory of the lists of fragments. Chunks are handed out one after the other from blocks, which are
- * kept from band to band: fresh pages cost more than the compositing. */
+/* layers: the memory of lists of fragments. Chunks are taken one after the other from blocks, which are kept
+ * for later bands, because touching new pages takes longer than compositing. */
 #include "render/layers/layers.h"
 
 #include <math.h>
@@ -36,7 +36,7 @@ void iso_layer_lists_clear(iso_layer_lists *lists, int rows) {
     }
 }
 
-/* Begins to list a surface at a sample, behind other surfaces' fragments. */
+/* Begins to list a surface at a sample that has fragments of other surfaces already. */
 static void begin_list(iso_layer_list *list) {
     list->through = 1;
     list->last = -INFINITY;

@@ -1,8 +1,8 @@
-/* layers: translucent surfaces. A renderer lists what it finds behind each sample as fragments, sorted by
- * depth; the lists are then composited front to back into the picture (compose.h).
+/* layers: lists of translucent surfaces. A renderer lists the surfaces behind each sample as fragments,
+ * sorted by depth; the lists are then composited front to back into the picture (compose.h).
  *
- * A band of rows is listed at a time. Fragments are stored for 64 neighbouring samples of a row together, so
- * that compositing works on vectors of neighbours; groups with many layers take more memory than others.
+ * A band of rows is listed at a time. Fragments of 64 neighbouring samples of a row are stored together, so
+ * that compositing works on vectors of neighbours; only groups with many layers take more memory.
  *
  * Sources: Porter and Duff 1984, "Compositing digital images", for the composition; Carpenter 1984, "The
  * A-buffer, an antialiased hidden surface method", for sorted lists of fragments; Kay and Greenberg 1979,
@@ -23,38 +23,41 @@
 extern "C" {
 #endif
 
-/* How light passes a surface and its solid. */
+/* How much light passes a surface and its solid. */
 typedef struct iso_translucency {
     float opacity; /* share of the light that the surface stops where it is seen face on, 0 .. 1 */
-    bool constant; /* the same share at every angle. Else the surface is a thin slab, of which slanting
-                      rays pass more: it stops 1 - (1 - opacity)^(1 / cos) (Kay and Greenberg 1979) */
-    float absorption_length; /* mm of the solid after which 1/e of the light is left (Beer and Lambert); the
-                                rest of it becomes the surface's colour. 0: the solid is clear */
-    int most_layers;         /* only the first so many crossings along a ray are drawn; 0: all */
+    bool constant; /* the opacity is the same at every angle. If not, the surface acts as a thin slab, which
+                      stops more light from slanting rays: 1 - (1 - opacity)^(1 / cos) (Kay and Greenberg
+                      1979) */
+    float absorption_length; /* the solid absorbs light: mm after which 1/e of the light is left (Beer and
+                                Lambert); what is absorbed becomes the surface's colour.
+                                0: the solid is clear */
+    int most_layers;         /* number of crossings along a ray that are drawn, from the nearest on; 0: all */
 } iso_translucency;
 
-/* Compositing ends when less than this share of the light is left to see. */
+/* Compositing of a sample ends when less than this share of the light passes all layers so far. */
 #define ISO_LAYER_CUT (1 / 512.0f)
 
-/* A crossing of a surface behind a sample. */
+/* A crossing of a surface behind a sample, as it is composited. */
 typedef struct iso_fragment {
     float depth;    /* mm, counted from iso_layer_lists.middle */
     float opacity;  /* 0 .. 1; packing makes 1 a little less */
-    float color[3]; /* shaded, 0 .. 1; in lists that are not composited (normal + 1) / 2, in view space */
+    float color[3]; /* shaded, 0 .. 1; in lists that are not composited the normal (view space) as (normal +
+                       1) / 2 */
     int surface;    /* number of the surface, below ISO_LAYER_SURFACES */
     bool leaves;    /* the ray leaves the surface's solid; else it enters it */
 } iso_fragment;
 
-/* The same in 16 bytes, as memory is what listing waits for. Colours are multiples of 1 / ISO_LAYER_COLOR and
- * opacities of 1 / ISO_LAYER_OPACITY, which is finer than what a picture shows. Bits of `words`, from the
- * lowest of the first one: red 22, green 22, blue 22, leaves 1, surface 6, opacity 23. */
+/* A fragment in 16 bytes, because the speed of listing is limited by memory. Colours are multiples of 1 /
+ * ISO_LAYER_COLOR and opacities of 1 / ISO_LAYER_OPACITY, finer steps than those of a picture. Bits of
+ * `words`, from the lowest of the first one: red 22, green 22, blue 22, leaves 1, surface 6, opacity 23. */
 typedef struct iso_packed_fragment {
     float depth;
     uint32_t words[3];
 } iso_packed_fragment;
 
 enum {
-    ISO_LAYER_SURFACES = 64, /* in a picture */
+    ISO_LAYER_SURFACES = 64, /* largest number of surfaces in a picture */
     ISO_LAYER_COLOR = (1 << 22) - 1,
     ISO_LAYER_OPACITY = 1 << 23,
     ISO_LAYER_GROUP = 64, /* samples that share a group */
@@ -99,7 +102,8 @@ static inline iso_fragment iso_fragment_unpack(const iso_packed_fragment *packed
                           .leaves = iso_packed_leaves(packed)};
 }
 
-/* The normal of a fragment that has one in place of a colour. Not exactly unit. */
+/* Computes the normal of a fragment that stores one instead of a colour; its length is 1 only
+ * approximately. */
 static inline void iso_fragment_normal(const iso_fragment *fragment, float normal[3]) {
     for (int k = 0; k < 3; k++) normal[k] = fragment->color[k] * (1 / ISO_LAYER_NORMAL_SCALE) - 1;
 }
@@ -110,37 +114,39 @@ typedef struct iso_layer_chunk {
     struct iso_layer_chunk *next; /* of deeper layers; or NULL */
 } iso_layer_chunk;
 
-/* The list of a sample. All but `count` is of the surface that is being listed. */
+/* The list of a sample. All members except `count` refer to the surface that is being listed. */
 typedef struct iso_layer_list {
-    float through; /* share of the light that passes its fragments; 0 when nothing of the surface can be seen
-                      behind them */
-    float last;    /* depth of the last one, -INFINITY before the first; the lowest bit is set when the ray
-                      leaves the solid there */
-    int32_t own;   /* number of its fragments */
-    int32_t count; /* number of all fragments */
+    float through; /* share of the light that passes the surface's fragments; 0 when nothing more of the
+                      surface can be seen behind them */
+    float last;    /* depth of the surface's last fragment, -INFINITY before the first; the lowest bit is set
+                      if the ray leaves the solid there */
+    int32_t own;   /* number of the surface's fragments */
+    int32_t count; /* number of the fragments of all surfaces */
 } iso_layer_list;
 
 /* The lists of 64 neighbouring samples of a row: layer k of sample i is fragment i of the k-th layer. */
 typedef struct iso_layer_group {
     iso_layer_list list[ISO_LAYER_GROUP];
     iso_layer_chunk *first; /* NULL: no fragment yet */
-    uint64_t doubtful;      /* bit by sample: the fragments of the pass may not be right */
-    uint64_t unused[6];     /* so that groups begin with a cache line */
+    uint64_t doubtful;      /* bit by sample: fragments of the pass may be wrong or missing */
+    uint64_t unused[6];     /* aligns groups to cache lines */
 } iso_layer_group;
 
 /* The surface whose fragments are being listed. */
 typedef struct iso_layer_pass {
     int surface;     /* its number */
-    int most_layers; /* as iso_translucency.most_layers */
-    float tolerance; /* mm: crossings in the same direction closer than this are one, found twice */
+    int most_layers; /* see iso_translucency.most_layers */
+    float tolerance; /* mm: two crossings in the same direction that are closer than this are one crossing,
+                        found twice */
 } iso_layer_pass;
 
-/* The fragments of a band of rows. For one thread. */
+/* The fragments of a band of rows. Not thread-safe. */
 typedef struct iso_layer_lists {
     int width, rows, row_groups; /* samples; groups of a row */
     iso_layer_group *groups;     /* rows * row_groups */
     iso_layer_pass pass;
-    /* NULL, or by sample of the band the depth (mm) of what is opaque: surfaces end there. */
+    /* NULL, or for each sample of the band the depth (mm) of the opaque surface there, behind which nothing
+     * is listed. */
     const float *limit;
     float middle;             /* the depth (mm) that fragments' depths are counted from */
     size_t most_chunks;       /* limit of `chunks`; 0: none */
@@ -157,27 +163,28 @@ void iso_layer_lists_free(iso_layer_lists *lists);
 
 /* Empties the lists for a band of the reserved width and at most the reserved rows. */
 void iso_layer_lists_clear(iso_layer_lists *lists, int rows);
-/* Begins to list a surface. Surfaces are listed one after the other, in any order of depth. */
+/* Begins to list a surface. The surfaces of a picture may be listed in any order. */
 void iso_layer_lists_begin(iso_layer_lists *lists, const iso_layer_pass *pass);
-/* Removes the fragments of the pass from one sample, to list them anew. row: counted from the band's first.
- */
+/* Removes the fragments of the pass from one sample, so that they can be listed again. row: counted from the
+ * band's first row. */
 void iso_layer_lists_restart(iso_layer_lists *lists, int x, int row);
 
-/* The next chunk after *link, allocated if there is none; NULL, and lists->full, without memory. */
+/* Returns the chunk after *link, which is allocated if there is none; NULL, and lists->full is set, if there
+ * is no memory. */
 iso_layer_chunk *iso_layer_chunk_after(iso_layer_lists *lists, iso_layer_chunk **link);
 
 static inline iso_layer_group *iso_layer_group_at(const iso_layer_lists *lists, int x, int row) {
     return &lists->groups[(ptrdiff_t)row * lists->row_groups + x / ISO_LAYER_GROUP];
 }
 
-/* Layer k of a group, which has that many layers. */
+/* Returns layer k of a group, which must exist. */
 static inline iso_packed_fragment *iso_layer_at(const iso_layer_group *group, int k) {
     iso_layer_chunk *chunk = group->first;
     for (; k >= ISO_LAYER_CHUNK; k -= ISO_LAYER_CHUNK) chunk = chunk->next;
     return chunk->layer[k];
 }
 
-/* Layer k of a group, allocated if it is the first behind the last one; NULL without memory. */
+/* Returns layer k of a group, which is allocated if it is the next new one; NULL if there is no memory. */
 static inline iso_packed_fragment *iso_layer_reserve(iso_layer_lists *lists, iso_layer_group *group, int k) {
     iso_layer_chunk **link = &group->first;
     for (;; k -= ISO_LAYER_CHUNK) {
@@ -196,7 +203,7 @@ static inline void iso_layer_insert(iso_layer_lists *lists, iso_layer_group *gro
     iso_packed_fragment *layer = iso_layer_reserve(lists, group, k);
     if (!layer) return;
     list->count++;
-    if (list->own < k) /* there are other surfaces' fragments */
+    if (list->own < k) /* fragments of other surfaces have to be moved */
         for (; k > 0; k--) {
             iso_packed_fragment *before = iso_layer_at(group, k - 1);
             if (before[column].depth <= fragment->depth) break;
@@ -206,15 +213,16 @@ static inline void iso_layer_insert(iso_layer_lists *lists, iso_layer_group *gro
     layer[column] = *fragment;
 }
 
-/* Reports that the fragments of a sample may not be right. */
+/* Marks a sample as doubtful: its fragments may be wrong or missing. */
 static inline void iso_layer_doubt(iso_layer_lists *lists, int x, int row) {
     iso_layer_group_at(lists, x, row)->doubtful |= (uint64_t)1 << x % ISO_LAYER_GROUP;
 }
 
-/* Adds a crossing of the surface that is being listed. Those of one sample come front to back, but a crossing
- * in the face between two cells may come twice: the second one is dropped. doubtful: it is not certain that
- * this is a crossing, or that it comes only once. Returns whether the sample is done: nothing of the surface
- * can be seen behind this. x: sample in the row; row: counted from the band's first. */
+/* Adds a crossing of the surface that is being listed. Crossings of one sample arrive front to back; a
+ * crossing in the face between two cells may arrive twice, and the second one is dropped. doubtful: it is
+ * uncertain whether this is a crossing, or whether it arrives only once. Returns whether the sample is done,
+ * because nothing of the surface can be seen behind this crossing. x: sample in the row; row: counted from
+ * the band's first row. */
 static inline bool iso_layer_add_packed(iso_layer_lists *lists, int x, int row,
                                         const iso_packed_fragment *fragment, bool doubtful) {
     iso_layer_group *group = iso_layer_group_at(lists, x, row);
@@ -246,14 +254,14 @@ static inline bool iso_layer_add(iso_layer_lists *lists, int x, int row, const i
     return iso_layer_add_packed(lists, x, row, &packed, doubtful);
 }
 
-/* Prefetches what adding a fragment to a sample reads. */
+/* Prefetches the memory that is read when a fragment is added to a sample. */
 static inline void iso_layer_prefetch(const iso_layer_lists *lists, int x, int row) {
     const iso_layer_group *group = iso_layer_group_at(lists, x, row);
     __builtin_prefetch(&group->list[x % ISO_LAYER_GROUP], 1);
     __builtin_prefetch(&group->first);
 }
 
-/* Prefetches where the next fragment of a sample will be written. */
+/* Prefetches the memory that the next fragment of a sample will be written to. */
 static inline void iso_layer_prefetch_next(const iso_layer_lists *lists, int x, int row) {
     const iso_layer_group *group = iso_layer_group_at(lists, x, row);
     const int column = x % ISO_LAYER_GROUP;

@@ -1,5 +1,5 @@
-/* opacity: the share of the light that a translucent surface stops, by the angle at which it is seen (Kay and
- * Greenberg 1979, "Transparency for computer synthesized images"). */
+/* opacity: the share of the light that a translucent surface stops, depending on the angle at which it is
+ * seen (Kay and Greenberg 1979, "Transparency for computer synthesized images"). */
 #ifndef ISO_RENDER_LAYERS_OPACITY_H
 #define ISO_RENDER_LAYERS_OPACITY_H
 
@@ -15,10 +15,10 @@ extern "C" {
 /* The least cosine of the angle between normal and ray for which an opacity by angle is computed. */
 #define ISO_LAYER_LEAST_COSINE 1e-6f
 
-/* The opacity of a surface at any angle. */
+/* A function from angles to opacities. */
 typedef struct iso_layer_opacity {
-    float face_on;     /* where it is seen face on */
-    bool by_angle;     /* 1 - 2^(log_through / cos); else the same everywhere */
+    float face_on;     /* the opacity where the surface is seen face on */
+    bool by_angle;     /* the opacity is 1 - 2^(log_through / cos); if false, it is the same at every angle */
     float log_through; /* log2(1 - face_on) */
 } iso_layer_opacity;
 
@@ -27,7 +27,7 @@ static inline iso_layer_opacity iso_layer_opacity_make(const iso_translucency *t
                                (float)iso_log2(1 - (double)translucency->opacity)};
 }
 
-/* The opacity of a fragment with a unit normal that is seen from the direction to_eye, of any length. */
+/* Returns the opacity of a fragment with a unit normal, seen from the direction to_eye (of any length). */
 static inline float iso_layer_opacity_at(const iso_layer_opacity *opacity, const float normal[3],
                                          const float to_eye[3]) {
     if (!opacity->by_angle) return opacity->face_on;

@@ -10,18 +10,20 @@
 
 enum {
     SUBPIXEL = 256,
-    GUARD = 1 << 21, /* pixels from the optical axis, clipped beyond: edge functions stay below 2^62 */
+    GUARD = 1 << 21, /* pixels from the optical axis at which triangles are clipped, so that edge functions
+                        stay below 2^62 */
     CLIP_PLANES = 5, /* near, and the guard band's four sides */
     POLYGON = 3 + CLIP_PLANES,
-    NARROW = 16 /* pixels: rows up to this wide are tested pixel by pixel, of wider ones the ends are found */
+    NARROW =
+        16 /* pixels: in rows up to this width every pixel is tested; in wider rows the ends are computed */
 };
 
 typedef struct vertex {
     iso_vec3 view;
-    double weight;   /* of perspective correction: 1/z, or 1 */
+    double weight;   /* for perspective correction: 1/z, or 1 */
     int64_t x, y;    /* in the picture, 1/256 pixel; set when inside */
     float normal[3]; /* view space */
-    bool inside;     /* of all clip planes */
+    bool inside;     /* on the inner side of all clip planes */
 } vertex;
 
 struct iso_mesh_samples {
@@ -29,7 +31,7 @@ struct iso_mesh_samples {
     const iso_mesh_view *mesh;
     iso_projector projector;
     iso_rows *rows;  /* of each span */
-    vertex *scratch; /* `capacity` for each worker */
+    vertex *scratch; /* `capacity` vertices for each worker */
     size_t capacity;
     int band_count;
 };
@@ -43,7 +45,7 @@ typedef struct part {
     bool ended; /* by `visit` */
 } part;
 
-/* Signed distance to a clip plane, up to a factor: >= 0 inside. */
+/* Returns the signed distance of p from a clip plane, up to a factor; >= 0 on the inner side. */
 static double plane_distance(const iso_view *view, iso_vec3 p, int plane) {
     double limit = view->orthographic ? GUARD / view->focal : p.z * (GUARD / view->focal);
     switch (plane) {
@@ -108,7 +110,7 @@ static int64_t floor_divide(int64_t a, int64_t b) {
     return quotient - (a % b != 0 && (a < 0) != (b < 0));
 }
 
-/* First and last pixel whose centre lies in [lo, hi] (1/256 pixel), clipped. */
+/* Computes the first and last pixel whose centre lies in [lo, hi] (1/256 pixel), clipped. */
 static void pixel_range(int64_t lo, int64_t hi, iso_rows clip, int64_t out[2]) {
     out[0] = floor_divide(lo + SUBPIXEL / 2 - 1, SUBPIXEL);
     out[1] = floor_divide(hi - SUBPIXEL / 2, SUBPIXEL);
@@ -125,7 +127,7 @@ static int64_t max3(int64_t a, int64_t b, int64_t c) {
     return -min3(-a, -b, -c);
 }
 
-/* False when the triangle covers no pixel of the band. */
+/* Sets up a triangle. Returns false if it covers no pixel of the band. */
 static bool set_up_triangle(triangle *t, const vertex *a, const vertex *b, const vertex *c,
                             const iso_rows clip[2]) {
     int64_t x[2], y[2];
@@ -221,7 +223,8 @@ static void draw_triangle(part *p, const vertex *const corners[3], uint32_t numb
     for (int64_t y = t.y0; y <= t.y1 && !p->ended; y++) draw_row(p, &t, y);
 }
 
-/* The vertex where the edge from `in` to `out` crosses a clip plane, given the distances of both. */
+/* Returns the vertex where the edge from `in` to `out` crosses a clip plane, given the distances of both ends
+ * from it. */
 static vertex cut_edge(const vertex *in, const vertex *out, double in_distance, double out_distance) {
     double t = in_distance / (in_distance - out_distance);
     vertex v = {.view = iso_vec3_add(in->view, iso_vec3_scale(iso_vec3_sub(out->view, in->view), t))};

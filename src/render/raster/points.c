@@ -21,21 +21,21 @@ enum {
     /* Pixels on both sides of a band's rows, so that discs need no clipping at the picture's sides. Their
      * depth is -INFINITY: nothing is drawn there. */
     MARGIN = 64,
-    BAND_BYTES = 1200 << 10, /* memory of a band, at most */
+    BAND_BYTES = 1200 << 10, /* largest memory of a band */
     MOST_ROWS = 128,
     LEAST_ROWS = 8
 };
 _Static_assert(MARGIN >= 2 * REACH + ISO_LANES_MAX, "discs must stay within the margin");
 /* Pixels from the picture's corner: discs with centres farther away are drawn by draw_large. */
 static const double FAR_PIXELS = 1 << 20;
-/* The source of a pixel that shows none of the points. */
+/* The value of `source` in a pixel that shows no point. */
 static const uint32_t NO_POINT = UINT32_MAX;
 
 typedef struct block {
     const iso_point_span *span;
     size_t first; /* in the arrays of points */
     uint32_t count;
-    iso_rows rows; /* of the picture, that its discs may cover */
+    iso_rows rows; /* rows of the picture that its discs may cover */
 } block;
 
 /* The drawing of one surface. */
@@ -78,7 +78,7 @@ static float *band_pixel(const point_band *band, int x, int y) {
     return band->depth + row * (ptrdiff_t)band->draw->pitch + MARGIN + x;
 }
 
-/* The value of point_band.source for a point. */
+/* Returns the value that point_band.source has for a point. */
 static uint32_t source_of(const point_draw *draw, size_t index) {
     if (draw->points->surfels) return (uint32_t)index;
     return iso_point_normal_bits(draw->points->packed[index]);
@@ -99,12 +99,12 @@ typedef struct disc {
     uint32_t source;
 } disc;
 
-/* Pixels rounded to 1/65536. */
+/* Rounds pixels to 1/65536. */
 static double snapped(double pixels) {
     return floor(pixels * 65536 + 0.5) / 65536;
 }
 
-/* False: the point is not drawn. */
+/* Projects a point. Returns false if it is not drawn. */
 static bool project_disc(const point_draw *draw, const block *b, size_t index, disc *out) {
     const iso_view *view = draw->projector.view;
     iso_surfel surfel = iso_point_view_get(draw->points, index);
@@ -118,7 +118,7 @@ static bool project_disc(const point_draw *draw, const block *b, size_t index, d
     return true;
 }
 
-/* The pixels k whose centres k + 0.5 lie within `reach` of `at`, and with `keep` pixel 0 in any case. The
+/* Returns the pixels k whose centres k + 0.5 lie within `reach` of `at`, and with `keep` also pixel 0. The
  * result counts from k = -pixel and is clipped to `clip`. */
 static iso_rows covered(double at, double reach, double pixel, iso_rows clip, bool keep) {
     double first = ceil(at - 0.5 - reach), last = floor(at - 0.5 + reach);
@@ -130,7 +130,7 @@ static iso_rows covered(double at, double reach, double pixel, iso_rows clip, bo
     return (iso_rows){first > clip.first ? (int)first : clip.first, last < clip.last ? (int)last : clip.last};
 }
 
-/* Draws the disc of a point row by row, of any size. */
+/* Draws the disc of a point row by row; the disc may have any size. */
 static void draw_large(const point_band *band, const block *b, size_t index) {
     disc d;
     if (!project_disc(band->draw, b, index, &d)) return;
@@ -225,8 +225,8 @@ static void draw_band(void *context, size_t index, int worker) {
             draw->kernels->resolve_row(&band, y);
 }
 
-/* Box of a block's points in index coordinates: of surfels exact, of packed points the range of their
- * positions. */
+/* Returns a box that contains a block's points, in index coordinates: exact for surfels, for packed points
+ * the range of their positions. */
 static iso_box block_box(const point_draw *draw, const block *b) {
     const int32_t *brick = b->span->brick;
     if (draw->points->surfels) return iso_surfel_bounds(draw->points->surfels + b->first, b->count, brick);
@@ -266,7 +266,8 @@ static iso_status make_blocks(point_draw *draw, iso_error *error) {
     return ISO_OK;
 }
 
-/* Rows of a band: as many as fit into cache, but few enough that all threads get bands. */
+/* Returns the number of rows of a band: as many as fit into the cache, but few enough for all threads to get
+ * bands. */
 static int band_rows(const point_draw *draw) {
     int height = draw->projector.view->height, threads = iso_pool_threads(draw->target->pool);
     size_t fit = BAND_BYTES / (draw->pitch * (sizeof *draw->depth + sizeof *draw->source));
@@ -292,7 +293,7 @@ static iso_status draw_blocks(point_draw *draw, iso_error *error) {
     return status;
 }
 
-/* Whether surfels have numbers that do not fit into point_band.source. */
+/* Returns whether the numbers of surfels are too large for point_band.source. */
 static bool has_too_many(const iso_point_view *points) {
     for (size_t s = 0; points->surfels && s < points->span_count; s++)
         if (points->spans[s].first + points->spans[s].count > NO_POINT) return true;

@@ -16,12 +16,12 @@
 extern "C" {
 #endif
 
-/* What is drawn into. All borrowed for the call. */
+/* What a renderer draws into. All members are borrowed for the call. */
 typedef struct iso_target {
     const iso_view *view;
     iso_gbuffer *gbuffer;
     iso_pool *pool;  /* NULL: the calling thread */
-    uint8_t surface; /* number written into the gbuffer */
+    uint8_t surface; /* number that marks the surface in the gbuffer */
 } iso_target;
 
 /* Attenuated points (Baerentzen and Christensen 2003, section 4.1): each point is a disc parallel to the

@@ -1,5 +1,5 @@
-/* triangles: normals by crease angle. Corners are sorted by position, so that those at one position lie
- * together. */
+/* triangles: computes normals with a crease angle. Corners are sorted by position, so that all corners at one
+ * position are adjacent. */
 #include "render/raster/triangles.h"
 
 #include <math.h>
@@ -8,12 +8,12 @@
 
 #include "base/memory.h"
 
-enum { SPAN_TRIANGLES = 256 }; /* neighbours in the file: culled and clipped as one */
+enum { SPAN_TRIANGLES = 256 }; /* triangles of a span, adjacent in the file: culled and clipped together */
 
-/* Around one position normals are compared in pairs, but only up to so many corners. */
+/* The largest number of corners at one position whose normals are compared with each other. */
 enum { MOST_COMPARED = 256 };
 
-static const double CREASE_COSINE = 0.5; /* of 60 degrees */
+static const double CREASE_COSINE = 0.5; /* the cosine of 60 degrees */
 
 /* A corner of a triangle: its position as sortable numbers, and its number, 3 * triangle + corner. */
 typedef struct corner {
@@ -32,7 +32,7 @@ static iso_vec3 vertex_of(const iso_triangles *mesh, size_t triangle, int k) {
     return iso_vec3_make((double)p[0], (double)p[1], (double)p[2]);
 }
 
-/* The normal of a triangle, twice as long as its area is large. */
+/* Returns the normal of a triangle, with twice the triangle's area as its length. */
 static iso_vec3 area_normal(const iso_triangles *mesh, size_t triangle) {
     const iso_vec3 a = vertex_of(mesh, triangle, 0);
     return iso_vec3_cross(iso_vec3_sub(vertex_of(mesh, triangle, 1), a),
@@ -41,7 +41,7 @@ static iso_vec3 area_normal(const iso_triangles *mesh, size_t triangle) {
 
 /* ---- corners */
 
-/* Corners of the triangles that have an area; returns their number. */
+/* Lists the corners of the triangles that have an area; returns their number. */
 static size_t list_corners(const iso_triangles *mesh, corner *corners) {
     size_t count = 0;
     for (size_t t = 0; t < mesh->triangle_count; t++) {
@@ -58,7 +58,7 @@ static size_t list_corners(const iso_triangles *mesh, corner *corners) {
     return count;
 }
 
-/* The normal of a corner, given all corners at its position. */
+/* Returns the normal of a corner, given all corners at its position. */
 static iso_vec3 corner_normal(const iso_triangles *mesh, const corner *around, size_t count,
                               size_t triangle) {
     const iso_vec3 own = area_normal(mesh, triangle), direction = iso_vec3_unit(own);
@@ -85,8 +85,8 @@ static void set_normals(const iso_triangles *mesh, const corner *around, size_t 
     }
 }
 
-/* Moves the vertices of the triangles that have an area to the front, with their positions; returns how many
- * triangles there are. */
+/* Moves the vertices of the triangles that have an area to the front and sets their positions; returns the
+ * number of these triangles. */
 static size_t pack_vertices(const iso_triangles *mesh, iso_surfel *vertices) {
     size_t count = 0;
     for (size_t t = 0; t < mesh->triangle_count; t++) {
@@ -101,7 +101,7 @@ static size_t pack_vertices(const iso_triangles *mesh, iso_surfel *vertices) {
     return count;
 }
 
-/* Sets spans->numbers, if triangles were left out. False without memory. */
+/* Sets spans->numbers if triangles were left out. Returns false if there is no memory. */
 static bool number_triangles(const iso_triangles *mesh, size_t drawn, iso_triangle_spans *spans) {
     if (drawn == mesh->triangle_count) return true;
     spans->numbers = iso_alloc(drawn * sizeof *spans->numbers);

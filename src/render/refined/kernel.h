@@ -94,28 +94,30 @@ enum {
     ISO_DISC_VALUES
 };
 
-/* Parameters of one picture or strip. Positions are counted in steps: of packed points their coordinate
- * steps, of surfels voxels. */
+/* Parameters of one picture or strip. Positions are counted in steps: quantisation steps for packed points,
+ * voxels for surfels. */
 typedef struct iso_refined_params {
     const iso_target *target;
     const iso_point_view *points;
     const iso_point_block *blocks;
-    const float (*corner)[3]; /* of each block: view space position that its steps count from, mm */
-    float first_step;         /* that position relative to the block's brick, voxels, on each axis */
+    const float (*corner)[3]; /* for each block: the view space position of step 0, mm */
+    float first_step;         /* the position at step 0, relative to the block's brick, in voxels (the same on
+                                 each axis) */
     float voxels_per_step;
     float step[9];         /* steps to view space */
     float normal[9];       /* normals from index to view space */
     float radius;          /* of points without radii of their own, mm */
     float ball[2];         /* radius of a disc's ball in radii of its point; how much more for large discs */
-    float grow_from, grow; /* radius of a point, pixels, from which its ball grows; 1 / pixels of growth */
-    float focal, slope;    /* pixels per mm at depth 1, and the inverse; orthographic: slope 0 */
-    float axis[2];         /* column and row of the optical axis in the whole picture, pixels */
-    float metric[6];       /* quadratic form of squared lengths as if all voxels had the largest spacing:
+    float grow_from, grow; /* radius of a point, in pixels, from which its ball grows; 1 / the pixels over
+                              which it grows */
+    float focal, slope; /* pixels per mm at depth 1 mm, and the inverse; slope is 0 for orthographic views */
+    float axis[2];      /* column and row of the optical axis in the whole picture, pixels */
+    float metric[6];    /* quadratic form of squared lengths as if all voxels had the largest spacing:
                               xx xy xz yy yz zz, those off the diagonal doubled */
-    bool anisotropic;      /* voxels are not cubes: balls are measured with `metric` */
-    float slant;           /* result of iso_refined_slant */
-    float per_length;      /* 1 / length of a unit normal after `normal`; 0: depends on the direction */
-    float near;            /* depth of the near plane, mm */
+    bool anisotropic;   /* voxels are not cubes: balls are measured with `metric` */
+    float slant;        /* result of iso_refined_slant */
+    float per_length;   /* 1 / length of a unit normal after `normal`; 0: depends on the direction */
+    float near;         /* depth of the near plane, mm */
     bool orthographic;
     bool cull;           /* leave out back-facing points */
     float voxels_per_mm; /* voxels per mm, at most */

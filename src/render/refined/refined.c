@@ -21,7 +21,7 @@ enum {
     PREFETCHED = 512    /* points of a block that are prefetched, at most */
 };
 
-/* The drawing of one surface. */
+/* The state of drawing one surface. */
 typedef struct refined_call {
     iso_refined_params params;
     const iso_refined_kernel *kernel;

@@ -20,12 +20,12 @@ extern "C" {
  * normals are flipped. */
 typedef struct iso_shading {
     const iso_rgb *colors; /* one per surface */
-    int color_count;       /* at least 1; surfaces with larger numbers have the last colour */
+    int color_count;       /* at least 1; surfaces with higher numbers have the last colour */
     iso_rgb background;
     int transparent; /* 1: background alpha 0 */
 } iso_shading;
 
-/* The default colour of a surface number. */
+/* Returns the default colour for a surface number. */
 iso_rgb iso_shading_palette(int surface);
 
 static inline bool iso_rgb_equal(iso_rgb a, iso_rgb b) {

@@ -5,8 +5,8 @@
 #include "render/shading/phong_vectors.h"
 
 enum {
-    TILE = 1024, /* columns of samples that are shaded for all rows before the next ones: their u stay in
-                    cache */
+    TILE = 1024, /* columns of samples that are shaded in all rows before the next ones, so that their u stay
+                    in the cache */
     SUMS = 4     /* red, green, blue, number of samples */
 };
 
@@ -55,7 +55,7 @@ static sample_row copy_last(const sample_row *row, int at, int count, last_sampl
                         0};
 }
 
-/* Adds up each pixel's `factor` columns. */
+/* Adds up the `factor` columns of each pixel. */
 static void add_columns(float columns[SUMS][TILE + ISO_LANES_MAX], int factor, int pixels,
                         float sums[SUMS][TILE + ISO_LANES_MAX]) {
     for (int k = 0; k < SUMS; k++)
@@ -73,7 +73,7 @@ iso_shade_rows *iso_shade_rows_get(iso_cpu_level level) {
     return ISO_KERNEL(shade_rows, level);
 }
 
-/* Computes a vector of equal samples, so that the model is written once. */
+/* Shades a vector of equal samples, so that the model is implemented only once. */
 void iso_shade_sample(const float normal[3], const float to_eye[3], iso_rgb color, float rgb[3]) {
     const float base[3] = {(float)color.r / 255, (float)color.g / 255, (float)color.b / 255};
     vf_generic n[3], eye[3], b[3], out[3];

@@ -14,14 +14,14 @@
 extern "C" {
 #endif
 
-/* What is the same for all rows of a strip. */
+/* What all rows of a strip have in common. */
 typedef struct iso_shade_params {
     const iso_strip *strip;
     bool one_color; /* all surfaces have the same colour */
     bool transparent;
     float base[3][ISO_SURFACE_NONE + 1]; /* colours by surface, 0 .. 1 */
     float background[3];                 /* 0 .. 1 */
-    uint8_t empty[4];                    /* a pixel that shows no surface */
+    uint8_t empty[4];                    /* the RGBA of a pixel that shows no surface */
     uint8_t *rgba;                       /* the strip's first row in the image */
 } iso_shade_params;
 

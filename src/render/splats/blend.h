@@ -11,12 +11,12 @@ typedef struct iso_splat_sums {
     float weight, depth, normal[3], color[3];
 } iso_splat_sums;
 
-/* How far behind its front a layer may still have this disc, mm. */
+/* Returns how far behind the front of a layer (mm) a disc may lie and still belong to the layer. */
 static inline float iso_splat_thickness(const iso_disc *disc) {
     return disc->radius * (ISO_SPLATS_THICKNESS / ISO_SPLATS_DISC);
 }
 
-/* Adds a disc where a ray hits it. */
+/* Adds a disc to the sums, at the point where a ray hits it. */
 static inline void iso_splat_add(const iso_point_view *points, const iso_disc *disc, float depth, float e,
                                  iso_splat_sums *sums) {
     const float w = iso_disc_weight(e);
@@ -26,13 +26,13 @@ static inline void iso_splat_add(const iso_point_view *points, const iso_disc *d
     for (int k = 0; k < 3 && points->colors; k++) sums->color[k] += w * (float)points->colors[disc->point][k];
 }
 
-/* The mean normal, unit; (0, 0, -1) when normals cancel out. */
+/* Computes the mean normal, a unit vector; (0, 0, -1) when the normals cancel. */
 static inline void iso_splat_normal(const iso_splat_sums *sums, float normal[3]) {
     const float *n = sums->normal, length = sqrtf(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
     for (int k = 0; k < 3; k++) normal[k] = length > 0 ? n[k] / length : k == 2 ? -1.0f : 0.0f;
 }
 
-/* The mean colour of points that have colours, rounded. */
+/* Computes the mean colour, rounded, of points that have colours. */
 static inline void iso_splat_color(const iso_splat_sums *sums, uint8_t rgb[3]) {
     for (int k = 0; k < 3; k++) rgb[k] = (uint8_t)(sums->color[k] / sums->weight + 0.5f);
 }

@@ -5,16 +5,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { CHUNK = 4096 }; /* points that are projected as one task */
+enum { CHUNK = 4096 }; /* number of points that one task projects */
 
-/* Part of a span, with what projecting it finds. */
+/* A part of a span, with the results of projecting it. */
 typedef struct chunk {
     const iso_point_span *span;
     size_t first; /* in the view's arrays */
     size_t disc;  /* number of its first disc */
     uint32_t count;
     float depth[2];
-    iso_box box; /* in index coordinates, with the points' radii left out */
+    iso_box box; /* around the positions of the points (without radii), in index coordinates */
 } chunk;
 
 typedef struct projection {
@@ -39,7 +39,7 @@ iso_disc_view iso_disc_view_make(const iso_view *view) {
 
 /* ---- bounds */
 
-/* The pixels whose centres lie in lo .. hi, pixels from `axis`, of those in `within`. */
+/* Returns the pixels of `within` whose centres lie between lo and hi, in pixels from `axis`. */
 static iso_rows pixels_between(double lo, double hi, double axis, iso_rows within) {
     const double slack = 0.01, first = ceil(lo + axis - 0.5 - slack), last = floor(hi + axis - 0.5 + slack);
     if (!(first <= within.last && last >= within.first)) return (iso_rows){0, -1};
@@ -47,13 +47,13 @@ static iso_rows pixels_between(double lo, double hi, double axis, iso_rows withi
                       last < within.last ? (int)last : within.last};
 }
 
-/* Half of the width of a disc along an axis, given its normal's component. */
+/* Returns half the width of a disc along an axis, given its normal's component on the axis. */
 static double half_width(const iso_disc *disc, int axis) {
     const double n = (double)disc->normal[axis], square = 1 - n * n;
     return (double)disc->radius * (square > 0 ? sqrt(square) : 0) * 1.00001;
 }
 
-/* The pixels that a disc may cover along an axis: those of the box around it, seen in perspective. */
+/* Returns the pixels that a disc may cover along an axis: those of its bounding box in perspective. */
 static iso_rows pixels_along(const iso_disc_view *view, const iso_disc *disc, int axis, double pixel,
                              iso_rows within) {
     const double center = (double)(axis ? disc->y : disc->x), half = half_width(disc, axis),
@@ -79,7 +79,7 @@ iso_disc_box iso_disc_bounds(const iso_disc_view *view, const iso_disc *disc, co
 
 /* ---- projection */
 
-/* Sets a disc, but for its place among others; false: the point is not drawn. */
+/* Computes a disc except its number; returns false if the point is not drawn. */
 static bool make_disc(const projection *p, const chunk *c, size_t index, iso_disc *disc) {
     const iso_view *view = p->projector.view;
     const iso_surfel surfel = iso_point_view_get(p->points, index);
@@ -124,7 +124,7 @@ static void project_chunk(void *context, size_t index, int worker) {
     }
 }
 
-/* Leaves out the discs of a chunk that face away. */
+/* Removes the discs of a chunk that face away from the eye. */
 static void cull_chunk(void *context, size_t index, int worker) {
     (void)worker;
     const projection *p = context;
@@ -161,7 +161,7 @@ static iso_status make_chunks(projection *p, iso_error *error) {
     return ISO_OK;
 }
 
-/* Joins what the chunks found; returns whether the eye is in the box around all points. */
+/* Combines the results of the chunks; returns whether the eye lies in the box around all points. */
 static bool join_chunks(projection *p) {
     double eye[3];
     iso_box all = iso_box_empty();
@@ -204,7 +204,7 @@ iso_status iso_discs_project(iso_discs *discs, const iso_view *view, const iso_p
 
 /* ---- bands */
 
-/* A disc that is to be sorted. */
+/* A disc to be sorted. */
 typedef struct sorted {
     float depth;
     uint32_t disc;
@@ -220,7 +220,7 @@ static int compare_far(const void *left, const void *right) {
     return compare_near(right, left);
 }
 
-/* Lists the discs that are drawn; returns how many. */
+/* Lists the discs that are drawn; returns their number. */
 static size_t list_discs(const iso_discs *discs, sorted *list) {
     const iso_disc *disc = discs->disc.data;
     const iso_rows *rows = discs->rows.data;
@@ -230,7 +230,7 @@ static size_t list_discs(const iso_discs *discs, sorted *list) {
     return count;
 }
 
-/* Sorts the numbers of discs into bands, without changing their order in each. */
+/* Distributes the numbers of discs to bands, keeping their order in each band. */
 static iso_status fill_bands(iso_discs *discs, const sorted *list, size_t count, iso_error *error) {
     const iso_rows *rows = discs->rows.data;
     size_t *start = discs->start.data;

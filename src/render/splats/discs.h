@@ -14,7 +14,7 @@
 #include "base/memory.h"
 #include "render/project.h"
 
-/* Pixels: the least with which every disc covers a pixel. */
+/* Pixels: the smallest radius with which a disc always covers a pixel's centre. */
 #define ISO_DISC_LOW_PASS 0.70711f
 
 /* A disc in view space. */
@@ -26,10 +26,10 @@ typedef struct iso_disc {
     uint32_t point;  /* index in the view's arrays */
 } iso_disc;
 
-/* What is needed of a view to intersect discs. */
+/* The parts of a view that intersecting discs requires. */
 typedef struct iso_disc_view {
-    float slope;   /* perspective: the change of a ray's x and y (mm) a pixel and a mm of depth, else 0 */
-    float scale;   /* orthographic: mm a pixel, else 0 */
+    float slope;   /* perspective: change of a ray's x and y (mm) for one pixel and 1 mm of depth; else 0 */
+    float scale;   /* orthographic: mm for one pixel; else 0 */
     float near;    /* mm */
     double axis_x; /* pixel of the optical axis in the whole picture, */
     double axis_y; /* and in the rows of this part */
@@ -40,7 +40,7 @@ typedef struct iso_disc_view {
 typedef struct iso_disc_hit {
     float depth; /* mm */
     float e;     /* 0 at the centre, 1 at the rim */
-    bool away;   /* the disc's normal points away from the eye */
+    bool away;   /* the disc is back-facing: its normal points away from the eye */
 } iso_disc_hit;
 
 /* Columns and rows of pixels, both inclusive; none when first > last. */
@@ -52,9 +52,9 @@ typedef struct iso_disc_box {
  * Zero-initialise; free with iso_discs_free. */
 typedef struct iso_discs {
     iso_disc_view view;
-    iso_buffer disc, rows; /* iso_disc, iso_rows: none where a disc is not drawn */
+    iso_buffer disc, rows; /* iso_disc; iso_rows, which are empty if a disc is not drawn */
     size_t count;
-    float depth[2];       /* least and greatest depth of any disc, in the picture or not; mm */
+    float depth[2];       /* smallest and largest depth of all discs, also of those outside the picture; mm */
     int height;           /* rows of the picture */
     int band_rows, bands; /* rows of a band; number of bands */
     /* uint32_t order[], size_t start[]: band b shows discs order[start[b]] .. order[start[b + 1] - 1]. */
@@ -63,13 +63,13 @@ typedef struct iso_discs {
 
 iso_disc_view iso_disc_view_make(const iso_view *view);
 
-/* Projects the points of a view as discs of `factor` times their radii. Points are left out whose position
- * is not finite, whose radius is not above 0, which are nearer than view->near, and those that face away
- * when the set is closed and the eye is outside the box around it. ISO_ERR_NOMEM; ISO_ERR_LIMIT: 2^32 - 1
- * points or more. */
+/* Projects the points of a view as discs of `factor` times their radii. Left out are points whose position is
+ * not finite, whose radius is not above 0, or that are nearer than view->near; and, if the set is closed and
+ * the eye is outside the box around it, points that face away. ISO_ERR_NOMEM; ISO_ERR_LIMIT: 2^32 - 1 points
+ * or more. */
 iso_status iso_discs_project(iso_discs *discs, const iso_view *view, const iso_point_view *points,
                              float factor, iso_pool *pool, iso_error *error);
-/* The order of the discs of a band: that of the spans, or by the depths of their centres. */
+/* The order of the discs of a band: that of the spans, or the order of the depths of their centres. */
 typedef enum iso_disc_order {
     ISO_DISCS_AS_THEY_ARE,
     ISO_DISCS_FRONT_TO_BACK,
@@ -80,14 +80,14 @@ typedef enum iso_disc_order {
  * ISO_ERR_NOMEM. */
 iso_status iso_discs_assign(iso_discs *discs, int height, int band_rows, iso_disc_order order,
                             iso_error *error);
-/* The rows of a band. */
+/* Returns the rows of a band. */
 iso_rows iso_discs_band(const iso_discs *discs, size_t band);
 void iso_discs_free(iso_discs *discs);
 
-/* The pixels that a disc may cover, of those in `within`. */
+/* Returns those pixels of `within` that a disc may cover. */
 iso_disc_box iso_disc_bounds(const iso_disc_view *view, const iso_disc *disc, const iso_disc_box *within);
 
-/* The centre of column or row `at` in pixels from the optical axis. */
+/* Returns the centre of column or row `at`, in pixels from the optical axis. */
 static inline float iso_disc_column(const iso_disc_view *view, int at) {
     return (float)(at + 0.5 - view->axis_x);
 }
@@ -96,13 +96,15 @@ static inline float iso_disc_row(const iso_disc_view *view, int at) {
     return (float)(at + view->above + 0.5 - (view->axis_y + view->above));
 }
 
-/* A disc and the ray through (x, y), pixels from the optical axis; false: the disc does not cover it. */
+/* Intersects a disc with the ray through (x, y), in pixels from the optical axis; returns false if the disc
+ * does not cover it. */
 static inline bool iso_disc_intersect(const iso_disc_view *view, const iso_disc *disc, float x, float y,
                                       iso_disc_hit *hit) {
     const float dx = x - disc->x, dy = y - disc->y, mm = view->scale + disc->z * view->slope;
     const float u = x * view->slope, v = y * view->slope, *n = disc->normal;
     const float facing = n[0] * u + n[1] * v + n[2];
-    /* from the ray's point at the depth of the centre, which is `t` in front of the plane */
+    /* starting at the ray's point at the depth of the disc's centre, which is `t` in front of the disc's
+     * plane */
     const float qx = dx * mm, qy = dy * mm, t = -(n[0] * qx + n[1] * qy) / facing;
     const float px = qx + t * u, py = qy + t * v, r = disc->radius;
     const float exact = (px * px + py * py + t * t) / (r * r),
@@ -115,7 +117,7 @@ static inline bool iso_disc_intersect(const iso_disc_view *view, const iso_disc 
     return hit->e < 1;
 }
 
-/* The weight of a hit, exp(-3 e), within 0.0005. */
+/* Returns the weight of a hit, exp(-3 e), with an error below 0.0005. */
 static inline float iso_disc_weight(float e) {
     const float y = 1.5f * e,
                 root = 1 + y * (1 + y * (1.0f / 2 + y * (1.0f / 6 + y * (1.0f / 24 + y / 120))));

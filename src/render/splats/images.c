@@ -1,24 +1,24 @@
-/* images: a picture of each group of a band, composited back to front, and their mean (Zhang and Pajarola
- * 2006, algorithm 2); the nearest layer apart from the others (algorithm 3). */
+/* images: makes a picture of each group of discs in a band, composited back to front, and averages the
+ * pictures (Zhang and Pajarola 2006, algorithm 2). For algorithm 3, the nearest layer is drawn separately. */
 #include <string.h>
 
 #include "render/splats/layer_lists.h"
 
 /* A pixel in the picture of one group. */
 typedef struct pixel {
-    float color[3], through; /* composited so far: premultiplied colour, light that passes */
-    float bin;               /* of the last disc */
+    float color[3], through; /* composited so far: premultiplied colour, share of the light that passes */
+    float bin;               /* bin of depth of the last disc */
 } pixel;
 
-/* What is being drawn. The memory of a band begins with the slots of algorithm 3. */
+/* The pictures of a band. In algorithm 3 the band's memory begins with the slots. */
 typedef struct images {
     const iso_splat_surface *surface;
     const iso_splat_band *band;
     size_t pixels;
     uint64_t *keys; /* slots of the nearest layer */
-    pixel *image;   /* pixels for each group */
-    float *front;   /* depths of the composited discs nearest to the eye */
-    float *mask;    /* depths of the nearest layer's front; -INFINITY: there is none */
+    pixel *image;   /* a pixel for each group */
+    float *front;   /* for each group: depth of the nearest disc that was composited */
+    float *mask;    /* depth of the front of the nearest layer; -INFINITY: there is none */
 } images;
 
 static bool set_up(const iso_splat_surface *surface, const iso_splat_band *band, images *im) {
@@ -40,7 +40,8 @@ static bool set_up(const iso_splat_surface *surface, const iso_splat_band *band,
 
 /* ---- all layers, or those behind the nearest one */
 
-/* Composites a disc over what is behind it, unless its group has drawn a disc of the same bin there. */
+/* Composites a disc over the discs behind it, unless its group already has a disc in the same bin of
+ * depth. */
 static void composite(pixel *to, const iso_fragment *disc, float bin) {
     if (!(bin < to->bin)) return;
     to->bin = bin;
@@ -61,7 +62,9 @@ static void draw_disc(const images *im, uint32_t number) {
         iso_splat_fragment(surface, disc->normal, disc->z,
                            points->colors ? points->colors[disc->point] : NULL, disc->x, disc->y);
     const float thickness =
-        iso_splat_thickness((const iso_disc *)surface->discs.disc.data + number); /* of its usual size */
+        iso_splat_thickness((const iso_disc *)surface->discs.disc.data + number); /* based on the disc's usual
+                                                                                     size, not on the enlarged
+                                                                                     one */
     pixel *image = im->image + im->pixels * surface->input->groups->group[disc->point];
     for (int y = box.rows.first; y <= box.rows.last; y++)
         for (int x = box.columns.first; x <= box.columns.last; x++) {
@@ -82,8 +85,9 @@ static void draw_discs(const images *im) {
     for (size_t i = start[0]; i < start[1]; i++) draw_disc(im, order[i]);
 }
 
-/* Sets a fragment to the mean of the groups' pictures; false: they show nothing. A group that lacks the front
- * layer where most groups have it has a hole there, and is left out; elsewhere the layer itself may end. */
+/* Sets a fragment to the mean of the groups' pictures; returns false if they are empty. If most groups have
+ * the front layer, a group without it has a hole there and is left out; if few groups have it, the layer
+ * itself may end there. */
 static bool take_mean(const images *im, size_t at, iso_fragment *fragment) {
     const pixel *pixels = im->image + at;
     const int groups = im->surface->input->groups->count;
@@ -115,7 +119,7 @@ static void draw_nearest(const images *im, const iso_slots *slots) {
     for (size_t i = start[0]; i < start[1]; i++) iso_slots_draw(&band, order[i]);
 }
 
-/* Lists the nearest layer of each pixel, and sets the mask. */
+/* Lists the nearest layer of each pixel, and sets im->mask. */
 static void list_nearest(const images *im, const iso_slots *slots) {
     const iso_splat_band *band = im->band;
     const iso_disc_view *view = &slots->discs->view;

@@ -6,7 +6,7 @@
 #include "render/layers/bands.h"
 #include "render/splats/layer_lists.h"
 
-enum { BAND_ROWS = 16 }; /* of samples, about; more when a pixel has several rows of them */
+enum { BAND_ROWS = 16 }; /* rows of samples in a band, about; more if a pixel has several rows of samples */
 
 /* The working memory of a worker. */
 typedef struct worker {
@@ -48,14 +48,14 @@ iso_fragment iso_splat_mean_fragment(const iso_splat_surface *surface, const iso
 
 /* ---- setting up */
 
-/* By how much the discs of a group are enlarged so that they cover the surface (eq. 7 to 9): measured to be
- * the best. */
+/* Returns the factor by which the discs of a group are enlarged so that the group covers the surface (eq. 7
+ * to 9). It was chosen by measurement. */
 static float widening(const iso_groups *groups) {
     return groups->count > 2 ? sqrtf((float)groups->count / 2) : 1;
 }
 
-/* The width of bins: the thickness of a layer (eq. 6 with n = range / epsilon), for the points' mean
- * radius. */
+/* Returns the width of the bins of depth: the thickness of a layer (eq. 6 with n = range / epsilon) for the
+ * points' mean radius. */
 static float bin_width(const iso_point_view *points) {
     double sum = points->radius;
     size_t count = 1;
@@ -84,7 +84,7 @@ static iso_status set_up_surface(const layers_draw *draw, int number, iso_error 
     s->number = number;
     s->opacity = iso_layer_opacity_make(&s->input->translucency);
     iso_point_view points = s->input->points;
-    points.closed = false; /* both sides are seen */
+    points.closed = false; /* both sides of the surface are visible */
     ISO_TRY(make_discs(draw, &points, ISO_SPLATS_DISC, ISO_DISCS_FRONT_TO_BACK, &s->discs, error));
     if (draw->input->transparency == ISO_TRANSPARENCY_SORTED) return ISO_OK;
     s->bin = bin_width(&points);
@@ -139,7 +139,7 @@ static bool list_surface(const layers_draw *draw, int number, const iso_splat_ba
     return iso_splats_list_images(surface, band, transparency == ISO_TRANSPARENCY_NEAREST);
 }
 
-/* iso_layer_bands.list */
+/* The callback iso_layer_bands.list. */
 static bool list_rows(void *context, int number, size_t band_number, iso_rows rows, bool least) {
     const layers_draw *draw = context;
     const iso_gbuffer *opaque = draw->input->picture.strip->gbuffer;
@@ -152,7 +152,7 @@ static bool list_rows(void *context, int number, size_t band_number, iso_rows ro
     return true;
 }
 
-/* iso_layer_bands.use */
+/* The callback iso_layer_bands.use. */
 static void compose_rows(void *context, int number, iso_rows rows) {
     const layers_draw *draw = context;
     worker *w = &draw->workers[number];

@@ -8,15 +8,15 @@ static const uint64_t NO_DISC = UINT64_MAX;
 
 /* ---- keys */
 
-/* A depth as a number that compares like it. */
+/* Maps a depth to an integer with the same order. */
 static uint32_t ordered_bits(float depth) {
     uint32_t bits;
     memcpy(&bits, &depth, sizeof bits);
     return bits >> 31 ? ~bits : bits | 1u << 31;
 }
 
-/* Depth in bins (eq. 6) and in each bin the distance from the disc's centre (eq. 10), which stays below 1 so
- * that a rim is not taken for the next bin's centre. */
+/* Returns a key of the paper: the depth in bins (eq. 6), and in each bin the distance from the disc's centre
+ * (eq. 10), which stays below 1 so that a rim does not count as the centre of the next bin. */
 static uint32_t binned(const iso_slots *slots, const iso_disc_hit *hit) {
     const double least = (double)slots->discs->depth[0], range = (double)slots->discs->depth[1] - least,
                  part = range > 0 ? ((double)hit->depth - least) / range : 0,
@@ -64,11 +64,11 @@ void iso_slots_draw(const iso_slots_band *band, uint32_t number) {
 
 /* ---- resolving */
 
-/* The discs of a pixel's slots, intersected again. */
+/* The discs of a pixel's slots, intersected again with its ray. */
 typedef struct candidates {
     const iso_disc *disc[ISO_GROUPS_MOST];
     iso_disc_hit hit[ISO_GROUPS_MOST];
-    int count, front; /* front: the nearest one */
+    int count, front; /* number of discs; index of the nearest one */
 } candidates;
 
 static void find_candidates(const iso_slots *slots, const uint64_t *keys, float x, float y, candidates *c) {

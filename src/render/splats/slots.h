@@ -6,13 +6,13 @@
 
 #include "render/splats/blend.h"
 
-/* The discs of a view and how they are compared. All pointers are borrowed. */
+/* The discs of a view and the way they are compared. All pointers are borrowed. */
 typedef struct iso_slots {
     const iso_point_view *points;
     const iso_groups *groups;
     const iso_discs *discs;
     int width;   /* pixels of a row */
-    double bins; /* as iso_splats_opts.bins */
+    double bins; /* see iso_splats_opts.bins */
 } iso_slots;
 
 /* The slots of a band of rows: those of pixel (x, y) are keys[((y - rows.first) * width + x) * groups->count
@@ -21,15 +21,15 @@ typedef struct iso_slots_band {
     const iso_slots *slots;
     iso_rows rows;
     uint64_t *keys;
-    const float *limit; /* NULL, or depths by pixel of the band: discs are drawn before them only */
+    const float *limit; /* NULL, or for each pixel of the band the depth behind which discs are not drawn */
 } iso_slots_band;
 
 /* Empties the slots of a band. */
 void iso_slots_clear(const iso_slots_band *band);
 /* Draws disc number `disc`. */
 void iso_slots_draw(const iso_slots_band *band, uint32_t disc);
-/* Averages the front layer of the pixel whose slots begin at `keys`. x, y: its centre in pixels from the
- * optical axis. front: set to the depth of the nearest disc. False: the pixel shows nothing. */
+/* Averages the front layer of the pixel whose slots begin at `keys`. x, y: the pixel's centre in pixels from
+ * the optical axis. *front is set to the depth of the nearest disc. Returns false if the pixel is empty. */
 bool iso_slots_resolve(const iso_slots *slots, const uint64_t *keys, float x, float y, iso_splat_sums *sums,
                        float *front);
 

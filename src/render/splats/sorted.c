@@ -3,7 +3,7 @@
 
 #include "render/splats/layer_lists.h"
 
-/* Bytes of a band's hits, at most; of a band that cannot be divided. */
+/* The largest size in bytes of a band's hits, and of those of a band that cannot be divided. */
 static const size_t MOST_BYTES = 64 << 20, MOST_BYTES_LAST = (size_t)1 << 30;
 
 /* A disc that a pixel's ray hits. */
@@ -21,8 +21,8 @@ typedef struct hit_lists {
 
 /* ---- collecting */
 
-/* Adds the hits of a disc to the pixels' counts, which are start[2 ..]; or, with hits, puts them where
- * start[1 ..] says. */
+/* Adds the hits of a disc: without `hits` only to the pixels' counts, which are start[2 ..]; else also stores
+ * the hits where start[1 ..] points. */
 static void collect_disc(const iso_splat_surface *surface, const iso_splat_band *band, uint32_t number,
                          const hit_lists *to) {
     const iso_disc_view *view = &surface->discs.view;
@@ -48,7 +48,8 @@ static void collect_discs(const iso_splat_surface *surface, const iso_splat_band
     for (size_t i = start[0]; i < start[1]; i++) collect_disc(surface, band, order[i], to);
 }
 
-/* Collects the hits of a band, each pixel's nearly in order. False: they do not fit into memory. */
+/* Collects the hits of a band; those of each pixel are nearly in order. Returns false if they do not fit into
+ * memory. */
 static bool collect(const iso_splat_surface *surface, const iso_splat_band *band, size_t pixels,
                     hit_lists *all) {
     if (iso_buffer_reserve(band->starts, (pixels + 2) * sizeof *all->start, 0, NULL) != ISO_OK) return false;
@@ -80,9 +81,9 @@ static void sort(hit *hits, size_t count) {
     }
 }
 
-/* The layers of one side, while they are taken from the sorted hits of a pixel. */
+/* One side's layers, while they are extracted from the sorted hits of a pixel. */
 typedef struct side {
-    size_t at; /* the next hit to look at */
+    size_t at; /* index of the next hit */
     bool away, found;
     iso_splat_sums next;
 } side;
@@ -108,7 +109,7 @@ static float mean_depth(const side *s) {
     return s->found ? s->next.depth / s->next.weight : INFINITY;
 }
 
-/* Lists the layers of a pixel from front to back, until no more can be seen. */
+/* Lists the layers of a pixel from front to back, until no more light passes. */
 static void list_layers(const iso_splat_surface *surface, const iso_splat_band *band, const hit *hits,
                         size_t count, int x, int y) {
     const iso_disc_view *view = &surface->discs.view;
@@ -130,7 +131,7 @@ bool iso_splats_list_sorted(const iso_splat_surface *surface, const iso_splat_ba
     if (!collect(surface, band, pixels, &all)) return false;
     for (size_t i = 0; i < pixels; i++) {
         const size_t count = all.start[i + 1] - all.start[i];
-        if (!count) continue; /* of no hits at all there is no array either */
+        if (!count) continue; /* without any hits there is no array */
         hit *own = all.hits + all.start[i];
         sort(own, count);
         list_layers(surface, band, own, count, (int)(i % width), band->rows.first + (int)(i / width));

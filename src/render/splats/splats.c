@@ -7,8 +7,8 @@
 #include "render/splats/slots.h"
 
 enum {
-    BAND_BYTES = 1 << 20, /* of slots in a band, at most, */
-    LEAST_ROWS = 4        /* unless it has so few rows */
+    BAND_BYTES = 1 << 20, /* largest size of a band's slots in bytes, */
+    LEAST_ROWS = 4        /* unless the band has this many rows or fewer */
 };
 
 /* The drawing of one surface. */
@@ -61,7 +61,8 @@ static void draw_band(void *context, size_t index, int worker) {
     for (int y = band.rows.first; y <= band.rows.last; y++) resolve_row(call, &band, y);
 }
 
-/* Rows of a band: as many as fit, but few enough that all threads get bands. */
+/* Returns the number of rows of a band: as many as fit into memory, but few enough for all threads to get
+ * bands. */
 static int band_rows(const splats_call *call) {
     const int height = call->target->gbuffer->height, threads = iso_pool_threads(call->target->pool),
               share = (height + 4 * threads - 1) / (4 * threads);
