@@ -39,7 +39,7 @@ static void put_real(FILE *stream, double value) {
     fputs(text, stream);
 }
 
-/* Comma, line break and key before a value. */
+/* Writes the comma, line break and key that precede a value. */
 static void begin_value(iso_json *json, const char *key) {
     if (json->filled) fputs(json->inlined ? ", " : ",", json->stream);
     if (json->depth > 0 && !json->inlined) fprintf(json->stream, "\n%*s", 2 * json->depth, "");

@@ -98,13 +98,13 @@ static iso_vec3 touch_center(const isosculpt_controller *controller, iso_vec3 po
  * first sample. */
 static iso_sample sample_at(isosculpt_controller *controller, double x, double y) {
     isosculpt_pick pick;
-    const isosculpt_layer *layer = &controller->viewport->pick_layer;
+    const isosculpt_pick_buffer *buffer = &controller->viewport->pick_buffer;
     const bool at_first_depth = controller->tool == ISO_TOOL_MOVE && controller->drag == ISOSCULPT_DRAG_BRUSH;
-    if (!at_first_depth && isosculpt_layer_pick(layer, x, y, &pick)) {
+    if (!at_first_depth && isosculpt_pick_buffer_pick(buffer, x, y, &pick)) {
         controller->depth = pick.depth;
         controller->normal = pick.normal;
     }
-    iso_vec3 position = isosculpt_layer_point(layer, x, y, controller->depth);
+    iso_vec3 position = isosculpt_pick_buffer_point(buffer, x, y, controller->depth);
     return (iso_sample){.position = touch_center(controller, position, controller->normal),
                         .normal = controller->normal,
                         .pressure = controller->pressure,
@@ -161,7 +161,7 @@ static void begin_drawing(isosculpt_controller *controller, unsigned modifiers, 
     if (!cancel_unfinished_stroke(controller)) return;
     controller->tool = isosculpt_controller_modified_tool(controller->brush.tool, modifiers);
     const iso_brush brush = stroke_brush(controller);
-    if (isosculpt_viewport_keep_pick_layer(controller->viewport, &controller->error) != ISO_OK) return;
+    if (isosculpt_viewport_keep_pick_buffer(controller->viewport, &controller->error) != ISO_OK) return;
     iso_sample sample = sample_at(controller, x, y);
     iso_status status = begin_stroke(controller, &brush, &sample, &stats);
     if (status == ISO_OK) {
@@ -268,7 +268,7 @@ void isosculpt_controller_press(isosculpt_controller *controller, isosculpt_butt
         button == ISOSCULPT_BUTTON_LEFT && (!controller->viewing_volume || controller->field_pending);
     if (button == ISOSCULPT_BUTTON_RIGHT)
         controller->drag = ISOSCULPT_DRAG_PAN;
-    else if (brush && isosculpt_layer_pick(&controller->viewport->drawn, x, y, &pick))
+    else if (brush && isosculpt_pick_buffer_pick(&controller->viewport->drawn, x, y, &pick))
         begin_drawing(controller, modifiers, x, y);
     else
         controller->drag = ISOSCULPT_DRAG_ORBIT;
@@ -321,7 +321,7 @@ void isosculpt_controller_scroll(isosculpt_controller *controller, double steps)
 
 bool isosculpt_controller_pick(const isosculpt_controller *controller, isosculpt_pick *pick) {
     if (controller->drag == ISOSCULPT_DRAG_ORBIT || controller->drag == ISOSCULPT_DRAG_PAN) return false;
-    return isosculpt_layer_pick(&controller->viewport->drawn, controller->x, controller->y, pick);
+    return isosculpt_pick_buffer_pick(&controller->viewport->drawn, controller->x, controller->y, pick);
 }
 
 /* ---- keys */

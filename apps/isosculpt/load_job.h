@@ -21,7 +21,7 @@ typedef struct isosculpt_load_request {
     iso_input input;    /* how the path is read, unless it is strokes; its strings are borrowed */
     int threads;        /* 0: one for each processor */
     size_t undo_memory; /* bytes */
-    void (*wake)(void); /* isosculpt_task_start */
+    void (*wake)(void); /* as in isosculpt_task_start */
 } isosculpt_load_request;
 
 typedef struct isosculpt_load_job isosculpt_load_job;

@@ -1,10 +1,10 @@
-/* vti_check: parses the headers of arrays in the way of VTK's vtkXMLDataParser, and the structure of the XML
- * around them.
+/* vti_check: parses the headers of arrays in the same way as VTK's vtkXMLDataParser, and the structure of the
+ * XML around them.
  *
- * A binary array begins with its length in bytes; a compressed one with the number of blocks, the unpacked
- * size of a block, that of the last one when it is smaller (else 0), and the packed size of every block. In
- * base64 these numbers are encoded together with the values of an array that is not compressed, else on their
- * own. */
+ * An array of bytes that is not compressed begins with its length in bytes. A compressed one begins with four
+ * kinds of numbers: the number of blocks, the uncompressed size of a block, the uncompressed size of the last
+ * block if it is smaller (else 0), and the compressed size of every block. In base64 the length is encoded
+ * together with the values that follow; the numbers of a compressed array are encoded separately. */
 #define _GNU_SOURCE
 #include "grids/volume/vti_check.h"
 

@@ -362,7 +362,7 @@ int iso_point_cells_around(const iso_point_cells *cells, uint32_t cell, int leve
     found_blocks found;
     uint32_t at[3], first[3], last[3];
     int count = 0;
-    memset(found.key, 0xff, sizeof found.key); /* no block's */
+    memset(found.key, 0xff, sizeof found.key); /* no block has this key */
     cell_of(((const iso_point_cell *)cells->cells.data)[cell].key, at);
     for (int k = 0; k < 3; k++)
         find_cells(at[k], iso_point_cells_level(cells, cell) - level, &first[k], &last[k]);

@@ -31,9 +31,9 @@
 #define ISO_LANES ISO_V(ISO_LANES)
 /* Marks a function of a body that is always inlined. */
 #define ISO_INLINE ISO_TARGET static inline __attribute__((always_inline))
-/* Marks a function that is neither inlined nor analysed together with its callers: gcc 12 then deletes or
- * reorders stores of large functions, so that stale values are read. For functions that process hundreds of
- * items, for which the call costs nothing. */
+/* Marks a function that is neither inlined nor analysed together with its callers. Otherwise gcc 12 deletes
+ * or reorders stores of large functions, and stale values are read. For functions that process hundreds of
+ * items, so that the cost of the call does not matter. */
 #ifdef __clang__
 #define ISO_STEP __attribute__((noinline))
 #else

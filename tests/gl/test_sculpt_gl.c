@@ -86,9 +86,9 @@ static void assert_same_picks(const studio *s, const char *when) {
     for (double y = 3; y < HEIGHT; y += 9)
         for (double x = 3; x < WIDTH; x += 9) {
             isosculpt_pick a, b;
-            if (!isosculpt_layer_pick(&s->by_cpu.drawn, x, y, &a)) continue;
+            if (!isosculpt_pick_buffer_pick(&s->by_cpu.drawn, x, y, &a)) continue;
             all++;
-            if (!isosculpt_layer_pick(&s->by_gl.drawn, x, y, &b)) continue;
+            if (!isosculpt_pick_buffer_pick(&s->by_gl.drawn, x, y, &b)) continue;
             found += fabs(a.depth - b.depth) < NEAR && iso_vec3_dot(a.normal, b.normal) > 0.99 &&
                      iso_vec3_length(iso_vec3_sub(a.position, b.position)) < 2 * NEAR;
         }
@@ -163,20 +163,20 @@ static void held_picture_stays(iso_gl_context *context) {
     const double x = WIDTH / 2.0, y = HEIGHT / 2.0;
     s.by_gl.mode.method = ISO_METHOD_MESH;
     draw(&s.by_gl, false);
-    assert_true(isosculpt_layer_pick(&s.by_gl.drawn, x, y, &before));
-    assert_int_equal(isosculpt_viewport_keep_pick_layer(&s.by_gl, NULL), ISO_OK);
+    assert_true(isosculpt_pick_buffer_pick(&s.by_gl.drawn, x, y, &before));
+    assert_int_equal(isosculpt_viewport_keep_pick_buffer(&s.by_gl, NULL), ISO_OK);
     stroke(&s, 0);
     draw(&s.by_gl, true);
-    assert_true(isosculpt_layer_pick(&s.by_gl.pick_layer, x, y, &picked));
-    assert_true(isosculpt_layer_pick(&s.by_gl.drawn, x, y, &now));
+    assert_true(isosculpt_pick_buffer_pick(&s.by_gl.pick_buffer, x, y, &picked));
+    assert_true(isosculpt_pick_buffer_pick(&s.by_gl.drawn, x, y, &now));
     assert_memory_equal(&picked, &before, sizeof picked);
     assert_true(now.depth < before.depth - 1);
     s.by_gl.mode.engine = ISOSCULPT_ENGINE_CPU; /* what is held does not depend on what draws now */
     draw(&s.by_gl, false);
-    assert_true(isosculpt_layer_pick(&s.by_gl.pick_layer, x, y, &picked));
+    assert_true(isosculpt_pick_buffer_pick(&s.by_gl.pick_buffer, x, y, &picked));
     assert_memory_equal(&picked, &before, sizeof picked);
-    assert_int_equal(isosculpt_viewport_keep_pick_layer(&s.by_gl, NULL), ISO_OK);
-    assert_true(isosculpt_layer_pick(&s.by_gl.pick_layer, x, y, &picked));
+    assert_int_equal(isosculpt_viewport_keep_pick_buffer(&s.by_gl, NULL), ISO_OK);
+    assert_true(isosculpt_pick_buffer_pick(&s.by_gl.pick_buffer, x, y, &picked));
     assert_true(fabs(picked.depth - now.depth) < 0.01);
     close_studio(&s);
 }

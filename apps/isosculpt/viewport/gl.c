@@ -6,7 +6,7 @@
 struct isosculpt_gl {
     iso_gl_context *context;
     iso_gl_engine *engine;
-    iso_gl_canvas *drawn, *pick_layer;
+    iso_gl_canvas *drawn, *pick_buffer;
     iso_gl_surface *points, *mesh; /* NULL: not needed so far */
 };
 
@@ -16,7 +16,7 @@ iso_status isosculpt_gl_create(iso_gl_context *context, isosculpt_gl **gl, iso_e
     created->context = context;
     iso_status status = iso_gl_engine_create(context, &created->engine, error);
     if (status == ISO_OK) status = iso_gl_canvas_create(created->engine, &created->drawn, error);
-    if (status == ISO_OK) status = iso_gl_canvas_create(created->engine, &created->pick_layer, error);
+    if (status == ISO_OK) status = iso_gl_canvas_create(created->engine, &created->pick_buffer, error);
     if (status == ISO_OK)
         *gl = created;
     else
@@ -34,7 +34,7 @@ void isosculpt_gl_release_buffers(isosculpt_gl *gl) {
 void isosculpt_gl_destroy(isosculpt_gl *gl) {
     if (!gl) return;
     isosculpt_gl_release_buffers(gl);
-    iso_gl_canvas_destroy(gl->pick_layer);
+    iso_gl_canvas_destroy(gl->pick_buffer);
     iso_gl_canvas_destroy(gl->drawn);
     iso_gl_engine_destroy(gl->engine);
     iso_free(gl);
@@ -71,7 +71,7 @@ iso_status isosculpt_gl_draw_points(isosculpt_gl *gl, const iso_point_view *poin
                     : iso_gl_canvas_draw(gl->drawn, &discs, paint, error);
 }
 
-iso_status isosculpt_gl_keep_pick_layer(isosculpt_gl *gl, iso_gl_canvas **pick_layer, iso_error *error) {
-    *pick_layer = gl->pick_layer;
-    return iso_gl_canvas_copy(gl->pick_layer, gl->drawn, error);
+iso_status isosculpt_gl_keep_pick_buffer(isosculpt_gl *gl, iso_gl_canvas **pick_buffer, iso_error *error) {
+    *pick_buffer = gl->pick_buffer;
+    return iso_gl_canvas_copy(gl->pick_buffer, gl->drawn, error);
 }

@@ -27,14 +27,15 @@ const char *isosculpt_gl_renderer(const isosculpt_gl *gl);
  * borrowed, and the next drawing reuses it. Errors: those of iso_gl_canvas_draw and of the uploads. */
 iso_status isosculpt_gl_draw_mesh(isosculpt_gl *gl, const iso_mesh_view *mesh, const iso_view *view,
                                   const iso_gl_paint *paint, iso_gl_canvas **canvas, iso_error *error);
-/* `pullpush`: filled between the points in image space; else each point is a disc. */
+/* Like isosculpt_gl_draw_mesh, for points. `pullpush`: pixels between points are filled in image space; if
+ * false, each point is drawn as a disc. */
 iso_status isosculpt_gl_draw_points(isosculpt_gl *gl, const iso_point_view *points, bool pullpush,
                                     const iso_view *view, const iso_gl_paint *paint, iso_gl_canvas **canvas,
                                     iso_error *error);
 
 /* Copies depth and normals of the last picture, so that picks keep working on it while newer pictures are
- * drawn. *pick_layer is borrowed; the next call overwrites it. ISO_ERR_NOMEM, ISO_ERR_BACKEND. */
-iso_status isosculpt_gl_keep_pick_layer(isosculpt_gl *gl, iso_gl_canvas **pick_layer, iso_error *error);
+ * drawn. *pick_buffer is borrowed; the next call overwrites it. ISO_ERR_NOMEM, ISO_ERR_BACKEND. */
+iso_status isosculpt_gl_keep_pick_buffer(isosculpt_gl *gl, iso_gl_canvas **pick_buffer, iso_error *error);
 
 #ifdef __cplusplus
 }

@@ -13,14 +13,14 @@ typedef struct corner {
 } corner;
 
 typedef struct plane {
-    const isosculpt_layer *layer;
+    const isosculpt_pick_buffer *buffer;
     int axis;
     double at;
 } plane;
 
 static corner read_corner(const plane *p, int column, int row) {
-    const iso_view *v = &p->layer->view;
-    const iso_gbuffer *g = &p->layer->gbuffer;
+    const iso_view *v = &p->buffer->view;
+    const iso_gbuffer *g = &p->buffer->gbuffer;
     const size_t i = (size_t)row * (size_t)v->width + (size_t)column;
     if (g->surface[i] == ISO_SURFACE_NONE) return (corner){NAN, NAN};
     iso_vec3 origin, direction;
@@ -42,7 +42,7 @@ static bool is_one_surface(const iso_view *view, const corner c[4]) {
 
 /* Finds where the plane crosses the four sides of a square, in order around the square; returns their number.
  * Two crossings make a segment. */
-static int find_crossings(const isosculpt_layer *layer, const corner c[4], int column, int row,
+static int find_crossings(const isosculpt_pick_buffer *buffer, const corner c[4], int column, int row,
                           isosculpt_segment *segment) {
     static const int x[] = {0, 1, 1, 0}, y[] = {0, 0, 1, 1};
     int found = 0;
@@ -50,18 +50,18 @@ static int find_crossings(const isosculpt_layer *layer, const corner c[4], int c
         const int k = (i + 1) % 4;
         if ((c[i].distance < 0) == (c[k].distance < 0)) continue;
         const double t = c[i].distance / (c[i].distance - c[k].distance);
-        segment->x[found] = (column + 0.5 + STEP * (x[i] + t * (x[k] - x[i]))) / layer->samples;
-        segment->y[found++] = (row + 0.5 + STEP * (y[i] + t * (y[k] - y[i]))) / layer->samples;
+        segment->x[found] = (column + 0.5 + STEP * (x[i] + t * (x[k] - x[i]))) / buffer->samples;
+        segment->y[found++] = (row + 0.5 + STEP * (y[i] + t * (y[k] - y[i]))) / buffer->samples;
     }
     return found;
 }
 
-size_t isosculpt_mirror_lines(const isosculpt_layer *layer, int axis, double at, isosculpt_segment *segments,
-                              size_t room) {
-    const plane p = {layer, axis, at};
-    const iso_view *view = &layer->view;
+size_t isosculpt_mirror_lines(const isosculpt_pick_buffer *buffer, int axis, double at,
+                              isosculpt_segment *segments, size_t room) {
+    const plane p = {buffer, axis, at};
+    const iso_view *view = &buffer->view;
     size_t count = 0;
-    if (layer->canvas || !(layer->samples > 0)) return 0;
+    if (buffer->canvas || !(buffer->samples > 0)) return 0;
     for (int row = 0; row + STEP < view->height; row += STEP) {
         corner left[2] = {read_corner(&p, 0, row), read_corner(&p, 0, row + STEP)};
         for (int column = 0; column + STEP < view->width && count < room; column += STEP) {
@@ -69,7 +69,7 @@ size_t isosculpt_mirror_lines(const isosculpt_layer *layer, int axis, double at,
                                      read_corner(&p, column + STEP, row + STEP)},
                          square[4] = {left[0], right[0], right[1], left[1]};
             if (is_one_surface(view, square))
-                count += find_crossings(layer, square, column, row, &segments[count]) == 2;
+                count += find_crossings(buffer, square, column, row, &segments[count]) == 2;
             left[0] = right[0];
             left[1] = right[1];
         }

@@ -13,11 +13,11 @@ typedef struct isosculpt_segment {
     double x[2], y[2];
 } isosculpt_segment;
 
-/* Finds where the surface in `layer` crosses the plane on which the world coordinate `axis` (0: x) is `at`
- * mm, looking at every fourth sample. Writes at most `room` segments and returns their number; 0 for a layer
+/* Finds where the surface in `buffer` crosses the plane on which the world coordinate `axis` (0: x) is `at`
+ * mm, looking at every fourth sample. Writes at most `room` segments and returns their number; 0 for a buffer
  * on the GPU, whose samples would have to be read back. */
-size_t isosculpt_mirror_lines(const isosculpt_layer *layer, int axis, double at, isosculpt_segment *segments,
-                              size_t room);
+size_t isosculpt_mirror_lines(const isosculpt_pick_buffer *buffer, int axis, double at,
+                              isosculpt_segment *segments, size_t room);
 
 #ifdef __cplusplus
 }

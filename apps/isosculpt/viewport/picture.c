@@ -74,7 +74,7 @@ static isosculpt_rectangle whole_image(const isosculpt_viewport *viewport) {
 
 /* Begins a whole picture; the layer of samples is empty until finish_whole. */
 static void begin_whole(isosculpt_viewport *viewport, int factor) {
-    isosculpt_layer *drawn = &viewport->drawn;
+    isosculpt_pick_buffer *drawn = &viewport->drawn;
     drawn->samples = 0;
     drawn->canvas = NULL;
     drawn->view = iso_view_make(&viewport->camera, (viewport->width + factor - 1) / factor,
@@ -102,7 +102,7 @@ static void finish_whole(isosculpt_viewport *viewport) {
 /* Draws the surfaces of a picture of viewport->drawn.view, and shades it. `quick`: from the points of a level
  * of detail. `picks`: also draws samples to pick from; else there are none. */
 static iso_status draw_see_through(isosculpt_viewport *viewport, bool quick, bool picks, iso_error *error) {
-    isosculpt_layer *drawn = &viewport->drawn;
+    isosculpt_pick_buffer *drawn = &viewport->drawn;
     const iso_strip strip = {.view = &drawn->view, .gbuffer = &drawn->gbuffer, .factor = 1};
     if (quick) return isosculpt_see_through_draw_quick(viewport, error);
     ISO_TRY(isosculpt_see_through_shade(viewport, &strip, &drawn->gbuffer, &viewport->image, error));
@@ -115,7 +115,7 @@ static iso_status draw_see_through(isosculpt_viewport *viewport, bool quick, boo
  * reference may have fewer samples. */
 static iso_status draw_whole(isosculpt_viewport *viewport, iso_method method, int factor, bool hurried,
                              iso_error *error) {
-    isosculpt_layer *drawn = &viewport->drawn;
+    isosculpt_pick_buffer *drawn = &viewport->drawn;
     begin_whole(viewport, factor);
     const int width = drawn->view.width, height = drawn->view.height;
     ISO_TRY(isosculpt_reserve_samples(&drawn->gbuffer, width, height, error));

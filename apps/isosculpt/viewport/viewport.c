@@ -78,7 +78,7 @@ void isosculpt_viewport_free(isosculpt_viewport *viewport) {
     iso_exact_destroy(viewport->second);
     iso_pullpush_destroy(viewport->workspace);
     iso_gbuffer_free(&viewport->drawn.gbuffer);
-    iso_gbuffer_free(&viewport->pick_layer.gbuffer);
+    iso_gbuffer_free(&viewport->pick_buffer.gbuffer);
     iso_gbuffer_free(&viewport->tile);
     iso_image_free(&viewport->image);
     iso_image_free(&viewport->tile_image);
@@ -98,26 +98,27 @@ size_t isosculpt_viewport_point_count(const isosculpt_viewport *viewport) {
 
 /* ---- picking */
 
-/* View space normal and depth of the sample in a column and row of the layer; false: no surface is there. */
-static bool read_sample(const isosculpt_layer *layer, int column, int row, float normal_depth[4]) {
-    const iso_gbuffer *g = &layer->gbuffer;
-    size_t at = (size_t)row * (size_t)layer->view.width + (size_t)column;
-    if (layer->canvas) return iso_gl_canvas_pick(layer->canvas, column, row, normal_depth);
+/* View space normal and depth of the sample in a column and row of the buffer; false: no surface is there. */
+static bool read_sample(const isosculpt_pick_buffer *buffer, int column, int row, float normal_depth[4]) {
+    const iso_gbuffer *g = &buffer->gbuffer;
+    size_t at = (size_t)row * (size_t)buffer->view.width + (size_t)column;
+    if (buffer->canvas) return iso_gl_canvas_pick(buffer->canvas, column, row, normal_depth);
     for (int axis = 0; axis < 3; axis++) normal_depth[axis] = g->normal[axis][at];
     normal_depth[3] = g->depth[at];
     return g->surface[at] != ISO_SURFACE_NONE;
 }
 
-bool isosculpt_layer_pick(const isosculpt_layer *layer, double x, double y, isosculpt_pick *pick) {
-    const iso_view *v = &layer->view;
+bool isosculpt_pick_buffer_pick(const isosculpt_pick_buffer *buffer, double x, double y,
+                                isosculpt_pick *pick) {
+    const iso_view *v = &buffer->view;
     float n[4];
-    if (!(layer->samples > 0) || !(x >= 0) || !(y >= 0)) return false;
-    double column = floor(x * layer->samples), row = floor(y * layer->samples);
+    if (!(buffer->samples > 0) || !(x >= 0) || !(y >= 0)) return false;
+    double column = floor(x * buffer->samples), row = floor(y * buffer->samples);
     if (column >= v->width || row >= v->height) return false;
-    if (!read_sample(layer, (int)column, (int)row, n)) return false;
+    if (!read_sample(buffer, (int)column, (int)row, n)) return false;
     const double *r = v->rotation;
     pick->depth = (double)n[3];
-    pick->position = isosculpt_layer_point(layer, x, y, pick->depth);
+    pick->position = isosculpt_pick_buffer_point(buffer, x, y, pick->depth);
     double world[3];
     for (int k = 0; k < 3; k++)
         world[k] = r[k] * (double)n[0] + r[3 + k] * (double)n[1] + r[6 + k] * (double)n[2];
@@ -125,31 +126,31 @@ bool isosculpt_layer_pick(const isosculpt_layer *layer, double x, double y, isos
     return true;
 }
 
-iso_vec3 isosculpt_layer_point(const isosculpt_layer *layer, double x, double y, double depth) {
+iso_vec3 isosculpt_pick_buffer_point(const isosculpt_pick_buffer *buffer, double x, double y, double depth) {
     iso_vec3 origin, direction;
-    iso_view_ray(&layer->view, x * layer->samples, y * layer->samples, &origin, &direction);
+    iso_view_ray(&buffer->view, x * buffer->samples, y * buffer->samples, &origin, &direction);
     return iso_vec3_add(origin, iso_vec3_scale(direction, depth));
 }
 
-bool isosculpt_layer_pixel(const isosculpt_layer *layer, iso_vec3 world, double *x, double *y) {
-    const iso_view *v = &layer->view;
+bool isosculpt_pick_buffer_pixel(const isosculpt_pick_buffer *buffer, iso_vec3 world, double *x, double *y) {
+    const iso_view *v = &buffer->view;
     iso_vec3 p = iso_view_point(v, world);
-    if (!(layer->samples > 0) || !(p.z > v->near)) return false;
+    if (!(buffer->samples > 0) || !(p.z > v->near)) return false;
     double scale = v->orthographic ? v->focal : v->focal / p.z;
-    *x = (v->cx + scale * p.x) / layer->samples;
-    *y = (v->cy + scale * p.y) / layer->samples;
+    *x = (v->cx + scale * p.x) / buffer->samples;
+    *y = (v->cy + scale * p.y) / buffer->samples;
     return true;
 }
 
-/* Two layers, for the threads that copy planes of samples. */
-typedef struct layer_copy {
-    const isosculpt_layer *from;
-    isosculpt_layer *to;
-} layer_copy;
+/* Two buffers, for the threads that copy planes of samples. */
+typedef struct buffer_copy {
+    const isosculpt_pick_buffer *from;
+    isosculpt_pick_buffer *to;
+} buffer_copy;
 
 static void copy_plane(void *context, size_t index, int worker) {
     (void)worker;
-    const layer_copy *p = context;
+    const buffer_copy *p = context;
     const iso_gbuffer *from = &p->from->gbuffer;
     iso_gbuffer *to = &p->to->gbuffer;
     size_t samples = (size_t)p->from->view.width * (size_t)p->from->view.height;
@@ -161,27 +162,27 @@ static void copy_plane(void *context, size_t index, int worker) {
         memcpy(to->surface, from->surface, samples * sizeof *from->surface);
 }
 
-iso_status isosculpt_viewport_keep_pick_layer(isosculpt_viewport *viewport, iso_error *error) {
-    const isosculpt_layer *drawn = &viewport->drawn;
-    isosculpt_layer *pick_layer = &viewport->pick_layer;
+iso_status isosculpt_viewport_keep_pick_buffer(isosculpt_viewport *viewport, iso_error *error) {
+    const isosculpt_pick_buffer *drawn = &viewport->drawn;
+    isosculpt_pick_buffer *pick_buffer = &viewport->pick_buffer;
     iso_gbuffer larger;
-    pick_layer->view = drawn->view;
-    pick_layer->samples = 0;
-    pick_layer->canvas = NULL;
+    pick_buffer->view = drawn->view;
+    pick_buffer->samples = 0;
+    pick_buffer->canvas = NULL;
     if (drawn->canvas) {
         iso_gl_canvas *canvas;
-        ISO_TRY(isosculpt_gl_keep_pick_layer(viewport->gl, &canvas, error));
-        pick_layer->canvas = canvas;
-        pick_layer->samples = drawn->samples;
+        ISO_TRY(isosculpt_gl_keep_pick_buffer(viewport->gl, &canvas, error));
+        pick_buffer->canvas = canvas;
+        pick_buffer->samples = drawn->samples;
         return ISO_OK;
     }
-    if (pick_layer->gbuffer.samples < drawn->gbuffer.samples) {
+    if (pick_buffer->gbuffer.samples < drawn->gbuffer.samples) {
         ISO_TRY(iso_gbuffer_create(drawn->gbuffer.width, drawn->gbuffer.height, &larger, error));
-        iso_gbuffer_free(&pick_layer->gbuffer);
-        pick_layer->gbuffer = larger;
+        iso_gbuffer_free(&pick_buffer->gbuffer);
+        pick_buffer->gbuffer = larger;
     }
-    pick_layer->samples = drawn->samples;
-    layer_copy p = {drawn, pick_layer};
+    pick_buffer->samples = drawn->samples;
+    buffer_copy p = {drawn, pick_buffer};
     iso_parallel_for(viewport->pool, 5, copy_plane, &p);
     return ISO_OK;
 }

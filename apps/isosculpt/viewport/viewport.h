@@ -88,14 +88,14 @@ enum { ISOSCULPT_PART_SECOND = ISO_PART_COUNT, ISOSCULPT_PARTS };
 
 typedef struct isosculpt_async_surface isosculpt_async_surface;
 
-/* The samples of a picture, for picking. */
-typedef struct isosculpt_layer {
+/* The samples of a picture, for picking: depth and normal of each. */
+typedef struct isosculpt_pick_buffer {
     iso_gbuffer gbuffer; /* allocated size; view.width x view.height samples are used */
     const iso_gl_canvas
         *canvas; /* borrowed: holds the samples instead of gbuffer; NULL: gbuffer holds them */
     iso_view view;
     double samples; /* samples along a pixel of the full picture; 0: nothing has been drawn yet */
-} isosculpt_layer;
+} isosculpt_pick_buffer;
 
 /* Zero-initialise. camera, mode, mask, see_through, opaque, sliding, reference_mode and gl may be changed
  * between calls; the rest is read only. */
@@ -139,8 +139,8 @@ typedef struct isosculpt_viewport {
     const iso_point_set
         *drawn_points; /* borrowed: `points`, or those of `lod`; the only set in OpenGL's buffers */
 
-    isosculpt_layer drawn;      /* samples of the last picture */
-    isosculpt_layer pick_layer; /* of the picture that the current stroke began on */
+    isosculpt_pick_buffer drawn;       /* samples of the last picture */
+    isosculpt_pick_buffer pick_buffer; /* of the picture that the current stroke began on */
     iso_image image;   /* the last picture, unless drawn.canvas holds it; with room for a larger one */
     size_t image_room; /* pixels allocated */
     iso_gbuffer tile;  /* room for a part of the picture */
@@ -226,16 +226,17 @@ typedef struct isosculpt_pick {
     iso_vec3 position, normal;
     double depth; /* view z, mm */
 } isosculpt_pick;
-/* Finds the surface at pixel (x, y) of a layer; returns false if there is none. */
-bool isosculpt_layer_pick(const isosculpt_layer *layer, double x, double y, isosculpt_pick *pick);
+/* Finds the surface at pixel (x, y) of a buffer; returns false if there is none. */
+bool isosculpt_pick_buffer_pick(const isosculpt_pick_buffer *buffer, double x, double y,
+                                isosculpt_pick *pick);
 /* Returns the world position at a depth behind pixel (x, y). */
-iso_vec3 isosculpt_layer_point(const isosculpt_layer *layer, double x, double y, double depth);
+iso_vec3 isosculpt_pick_buffer_point(const isosculpt_pick_buffer *buffer, double x, double y, double depth);
 /* Computes the pixel of a world position; returns false if the position lies behind the eye. */
-bool isosculpt_layer_pixel(const isosculpt_layer *layer, iso_vec3 world, double *x, double *y);
+bool isosculpt_pick_buffer_pixel(const isosculpt_pick_buffer *buffer, iso_vec3 world, double *x, double *y);
 
-/* Copies the samples of the last picture to viewport->pick_layer: a stroke picks from the surface as it was
+/* Copies the samples of the last picture to viewport->pick_buffer: a stroke picks from the surface as it was
  * when the stroke began. ISO_ERR_NOMEM, ISO_ERR_BACKEND. */
-iso_status isosculpt_viewport_keep_pick_layer(isosculpt_viewport *viewport, iso_error *error);
+iso_status isosculpt_viewport_keep_pick_buffer(isosculpt_viewport *viewport, iso_error *error);
 
 /* Camera moves. dx, dy: pixels of the full picture. */
 void isosculpt_viewport_orbit(isosculpt_viewport *viewport, double dx, double dy);

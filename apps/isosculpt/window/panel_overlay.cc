@@ -19,7 +19,7 @@ static void find_tangents(iso_vec3 normal, iso_vec3 *u, iso_vec3 *v) {
 static void draw_ring(const isosculpt_screen *screen, ImDrawList *list, const isosculpt_pick &pick,
                       float scale) {
     constexpr int CORNERS = 64;
-    const isosculpt_layer *layer = &screen->controller->viewport->drawn;
+    const isosculpt_pick_buffer *buffer = &screen->controller->viewport->drawn;
     const double radius = screen->controller->brush.radius;
     ImVec2 corners[CORNERS];
     iso_vec3 u, v;
@@ -28,7 +28,7 @@ static void draw_ring(const isosculpt_screen *screen, ImDrawList *list, const is
     for (int i = 0; i < CORNERS; i++) {
         iso_sincos(2 * ISO_PI * i / CORNERS, &sine, &cosine);
         iso_vec3 offset = iso_vec3_add(iso_vec3_scale(u, radius * cosine), iso_vec3_scale(v, radius * sine));
-        if (!isosculpt_layer_pixel(layer, iso_vec3_add(pick.position, offset), &x, &y)) return;
+        if (!isosculpt_pick_buffer_pixel(buffer, iso_vec3_add(pick.position, offset), &x, &y)) return;
         corners[i] = to_window(screen, x, y);
     }
     list->AddPolyline(corners, CORNERS, IM_COL32(0, 0, 0, 140), ImDrawFlags_Closed, 3.5f * scale);
@@ -43,7 +43,7 @@ void panel_draw_brush(const isosculpt_screen *screen, float scale) {
     if (!isosculpt_controller_pick(controller, &pick)) return;
     draw_ring(screen, list, pick, scale);
     iso_vec3 tip = iso_vec3_add(pick.position, iso_vec3_scale(pick.normal, 0.4 * controller->brush.radius));
-    if (isosculpt_layer_pixel(&controller->viewport->drawn, tip, &x, &y))
+    if (isosculpt_pick_buffer_pixel(&controller->viewport->drawn, tip, &x, &y))
         list->AddLine(to_window(screen, controller->x, controller->y), to_window(screen, x, y),
                       IM_COL32(255, 255, 255, 160), 1.5f * scale);
 }
@@ -56,12 +56,12 @@ static void draw_plane(const isosculpt_screen *screen, ImDrawList *list, int axi
     enum { SEGMENTS = 4096 };
     static isosculpt_segment segments[SEGMENTS];
     const isosculpt_controller *controller = screen->controller;
-    const isosculpt_layer *layer = &controller->viewport->drawn;
+    const isosculpt_pick_buffer *buffer = &controller->viewport->drawn;
     const iso_vec3 mirror = controller->brush.mirror, lo = controller->surface_box.lo,
                    hi = controller->surface_box.hi;
     const double at[] = {mirror.x, mirror.y, mirror.z}, low[] = {lo.x, lo.y, lo.z},
                  high[] = {hi.x, hi.y, hi.z};
-    const size_t count = isosculpt_mirror_lines(layer, axis, at[axis], segments, SEGMENTS);
+    const size_t count = isosculpt_mirror_lines(buffer, axis, at[axis], segments, SEGMENTS);
     for (size_t i = 0; i < count; i++)
         list->AddLine(to_window(screen, segments[i].x[0], segments[i].y[0]),
                       to_window(screen, segments[i].x[1], segments[i].y[1]), AXIS_COLORS[axis], 2 * scale);
@@ -73,7 +73,7 @@ static void draw_plane(const isosculpt_screen *screen, ImDrawList *list, int axi
         p[axis] = at[axis];
         p[u] = i == 1 || i == 2 ? high[u] + more_u : low[u] - more_u;
         p[v] = i >= 2 ? high[v] + more_v : low[v] - more_v;
-        if (!isosculpt_layer_pixel(layer, iso_vec3_make(p[0], p[1], p[2]), &x, &y)) return;
+        if (!isosculpt_pick_buffer_pixel(buffer, iso_vec3_make(p[0], p[1], p[2]), &x, &y)) return;
         corners[i] = to_window(screen, x, y);
     }
     list->AddPolyline(corners, 4, AXIS_COLORS[axis], ImDrawFlags_Closed, scale);
@@ -82,11 +82,11 @@ static void draw_plane(const isosculpt_screen *screen, ImDrawList *list, int axi
 /* Draws the path of a stroke that will be applied when there is a field. */
 static void draw_queued_stroke(const isosculpt_screen *screen, ImDrawList *list,
                                const isosculpt_stroke &stroke, float scale) {
-    const isosculpt_layer *layer = &screen->controller->viewport->drawn;
+    const isosculpt_pick_buffer *buffer = &screen->controller->viewport->drawn;
     ImVec2 before(0, 0);
     double x, y;
     for (size_t i = 0; i < stroke.count; i++) {
-        if (!isosculpt_layer_pixel(layer, stroke.samples[i].position, &x, &y)) continue;
+        if (!isosculpt_pick_buffer_pixel(buffer, stroke.samples[i].position, &x, &y)) continue;
         const ImVec2 now = to_window(screen, x, y);
         list->AddCircleFilled(now, 3 * scale, IM_COL32(255, 255, 255, 220));
         if (i) list->AddLine(before, now, IM_COL32(255, 255, 255, 160), 2 * scale);

@@ -10,7 +10,7 @@
 #include "grids/threshold.h"
 #include "grids/voxel_kernels.h"
 
-enum { ISO_EDGE_BATCH = 512, ISO_EDGE_BATCH_MAX = ISO_EDGE_BATCH + 64, ISO_EDGE_PARTS = 32 };
+enum { ISO_EDGE_BATCH = 512, ISO_EDGE_BATCH_MAX = ISO_EDGE_BATCH + 64, ISO_EDGE_RANGES = 32 };
 
 /* Crossed edges along one axis, from one or several blocks, and their points. The arrays are longer than
  * ISO_EDGE_BATCH so that whole vectors can be computed. */
@@ -89,34 +89,34 @@ static void iso_edge_border_stencil(const iso_edge_source *source, const int low
 }
 
 /* The range of a batch that holds the edges of one task. */
-typedef struct iso_edge_part {
+typedef struct iso_edge_range {
     iso_edge_task *task;
     int from, end;
-} iso_edge_part;
+} iso_edge_range;
 
 /* The ranges of a batch. Either all of their blocks are next to the grid's border, or none is. */
-typedef struct iso_edge_parts {
+typedef struct iso_edge_ranges {
     int count;
     bool border;
-    iso_edge_part part[ISO_EDGE_PARTS];
-} iso_edge_parts;
+    iso_edge_range range[ISO_EDGE_RANGES];
+} iso_edge_ranges;
 
 /* Appends the points of one task in the batch to the arrays of their bricks, and adds their numbers to
  * task->lanes. */
 __attribute__((always_inline)) static inline void iso_edge_scatter(const iso_edge_batch *batch,
-                                                                   const iso_edge_part *part) {
-    const iso_edge_output *output = &part->task->output;
-    uint64_t lanes = part->task->lanes;
+                                                                   const iso_edge_range *range) {
+    const iso_edge_output *output = &range->task->output;
+    uint64_t lanes = range->task->lanes;
     if (output->packed[0]) {
-        for (int i = part->from; i < part->end; i++) {
+        for (int i = range->from; i < range->end; i++) {
             int brick = batch->x[i] >> 4;
             output->packed[brick][lanes >> (16 * brick) & 0xffff] = batch->packed[i];
             lanes += (uint64_t)1 << (16 * brick);
         }
-        part->task->lanes = lanes;
+        range->task->lanes = lanes;
         return;
     }
-    for (int i = part->from; i < part->end; i++) {
+    for (int i = range->from; i < range->end; i++) {
         const int brick = batch->x[i] >> 4;
         const uint64_t place = lanes >> (16 * brick) & 0xffff;
         iso_surfel *surfel = output->surfels[brick] + place;
@@ -125,7 +125,7 @@ __attribute__((always_inline)) static inline void iso_edge_scatter(const iso_edg
         if (output->keys[0]) output->keys[brick][place] = batch->key[i];
         lanes += (uint64_t)1 << (16 * brick);
     }
-    part->task->lanes = lanes;
+    range->task->lanes = lanes;
 }
 
 /* Returns a mask of the block's columns that are in active bricks and in the grid, which has `voxels` voxels

@@ -58,41 +58,42 @@ static void read_stencil(const iso_foot_brick *brick, size_t o, iso_foot_stencil
     }
 }
 
-/* A unit (eight voxels, half a row) and its neighbours. */
-typedef struct foot_unit {
+/* A half row (eight voxels of a row of a brick) and its neighbours. */
+typedef struct foot_half_row {
     uint32_t hits; /* bits of the voxels in the band */
     int32_t voxel; /* number of its first voxel in the brick */
     const float *here, *low_y, *high_y, *low_z, *high_z;
     const float *before, *after; /* the voxels before its first and after its last along x */
-} foot_unit;
+} foot_half_row;
 
-/* The x neighbours of a unit's ends, before[half] and after[half] for the two halves of a row: they lie in
- * the brick or beyond its face. The table replaces branches, which could not be predicted. A face is read
+/* The x neighbours of a half row's ends, before[half] and after[half] for the two halves of a row: they lie
+ * in the brick or beyond its face. The table replaces branches, which could not be predicted. A face is read
  * only for a voxel in the band (else the entry inside the brick is taken), because each row of a face is
  * another cache line. */
 typedef struct foot_ends {
     iso_foot_face before[2], after[2];
 } foot_ends;
 
-static inline foot_ends unit_ends(const iso_foot_brick *brick) {
+static inline foot_ends half_row_ends(const iso_foot_brick *brick) {
     const iso_foot_face low = {brick->values + 7, 0xff0}, high = {brick->values + 8, 0xff0};
     return (foot_ends){{brick->face[0], low}, {high, brick->face[1]}};
 }
 
-static inline foot_unit unit_of(const iso_foot_scratch *scratch, const foot_ends *ends, size_t number) {
+static inline foot_half_row half_row_of(const iso_foot_scratch *scratch, const foot_ends *ends,
+                                        size_t number) {
     const size_t row = number >> 1, half = number & 1, o = number * 8;
     const uint32_t hits = scratch->hits[number];
     const float *const *at = scratch->rows + row + (row & 0xf0) + ISO_FOOT_PITCH + ISO_FOOT_FIRST;
     const iso_foot_face *before = &ends->before[half | (~hits & 1)], *after = &ends->after[half & hits >> 7];
-    return (foot_unit){.hits = hits,
-                       .voxel = (int32_t)o,
-                       .here = at[0] + 8 * half,
-                       .low_y = at[-1] + 8 * half,
-                       .high_y = at[1] + 8 * half,
-                       .low_z = at[-ISO_FOOT_PITCH] + 8 * half,
-                       .high_z = at[ISO_FOOT_PITCH] + 8 * half,
-                       .before = before->base + (o & before->mask),
-                       .after = after->base + (o & after->mask)};
+    return (foot_half_row){.hits = hits,
+                           .voxel = (int32_t)o,
+                           .here = at[0] + 8 * half,
+                           .low_y = at[-1] + 8 * half,
+                           .high_y = at[1] + 8 * half,
+                           .low_z = at[-ISO_FOOT_PITCH] + 8 * half,
+                           .high_z = at[ISO_FOOT_PITCH] + 8 * half,
+                           .before = before->base + (o & before->mask),
+                           .after = after->base + (o & after->mask)};
 }
 
 /* Prefetches a cache line into the second-level cache. */
@@ -153,7 +154,7 @@ static void replace_irregular(const iso_foot_surface *surface, const iso_foot_br
 /* The number of the brick's voxels in the band. */
 static uint32_t count_hits(const iso_foot_scratch *scratch) {
     uint32_t count = 0;
-    for (int i = 0; i < ISO_FOOT_UNITS; i += 8) {
+    for (int i = 0; i < ISO_FOOT_HALF_ROWS; i += 8) {
         uint64_t hits;
         memcpy(&hits, scratch->hits + i, sizeof hits);
         count += (uint32_t)__builtin_popcountll(hits);

@@ -2,10 +2,10 @@
  *
  * One kernel body (foot_kernel_body.inc), included once per instruction set; every variant gives the same
  * bytes, which are also those of iso_foot_points_direct. First the brick's voxels are compared with the band,
- * and the units (eight voxels) that have a voxel in it are listed. Then the values and central differences of
- * the voxels in the band are queued, and eq. 1 (Baerentzen and Christensen 2003) is computed for the queue in
- * full vectors. Irregular voxels (NaN, the grid's border, gradients that are not those of a distance field)
- * are computed again one by one, with iso_foot_point. Internal to extract. */
+ * and the half rows (eight voxels) that have a voxel in it are listed. Then the values and central
+ * differences of the voxels in the band are queued, and eq. 1 (Baerentzen and Christensen 2003) is computed
+ * for the queue in full vectors. Irregular voxels (NaN, the grid's border, gradients that are not those of a
+ * distance field) are computed again one by one, with iso_foot_point. Internal to extract. */
 #ifndef ISO_EXTRACT_POINTS_FOOT_KERNEL_H
 #define ISO_EXTRACT_POINTS_FOOT_KERNEL_H
 
@@ -38,16 +38,16 @@ typedef struct iso_foot_brick {
 enum { ISO_FOOT_ROOM = 4352 };
 
 enum {
-    ISO_FOOT_UNITS = ISO_BRICK_VOXELS / 8, /* a unit: eight voxels, half a row */
-    ISO_FOOT_PITCH = 32,                   /* entries of a slice in the table of rows */
-    ISO_FOOT_FIRST = 8                     /* entry of y = 0 in a slice */
+    ISO_FOOT_HALF_ROWS = ISO_BRICK_VOXELS / 8, /* a half row: eight voxels of a row */
+    ISO_FOOT_PITCH = 32,                       /* entries of a slice in the table of rows */
+    ISO_FOOT_FIRST = 8                         /* entry of y = 0 in a slice */
 };
 
 /* The working memory of one worker. */
 typedef struct iso_foot_scratch {
     alignas(64) float padded[ISO_BRICK_VOXELS];
-    alignas(64) uint8_t hits[ISO_FOOT_UNITS]; /* by unit: bits of its voxels that are in the band */
-    uint16_t units[ISO_FOOT_UNITS + 4];       /* numbers of the units with a voxel in the band */
+    alignas(64) uint8_t hits[ISO_FOOT_HALF_ROWS]; /* by half row: bits of its voxels that are in the band */
+    uint16_t half_rows[ISO_FOOT_HALF_ROWS + 4];   /* numbers of the half rows with a voxel in the band */
     /* the rows (y, z) of the brick and those beyond its faces, y and z from -1 to 16: entry (z + 1) *
      * ISO_FOOT_PITCH + ISO_FOOT_FIRST + y */
     alignas(64) const float *rows[(ISO_BRICK + 2) * ISO_FOOT_PITCH];

@@ -4,8 +4,8 @@
  * to which the crease is the nearest part of the surface, redistancing yields values between the distance to
  * the intended crease and the distance to the zero set: up to a third of a voxel too small. The positions
  * where the zero set crosses the edges between voxels are known exactly. A voxel cannot be farther from the
- * zero set than from the nearest crossing, nor much nearer, which bounds the distances in the fans. Internal
- * to sculpt. */
+ * zero set than from the nearest edge point, nor much nearer, which bounds the distances in the fans.
+ * Internal to sculpt. */
 #ifndef ISO_SCULPT_FIELD_CREASE_H
 #define ISO_SCULPT_FIELD_CREASE_H
 

@@ -547,7 +547,7 @@ static void correct_creases(void *context, size_t index, int worker) {
     iso_field_window window = {.lo = {-M, -M, -M}, .size = {SIDE, SIDE, SIDE}};
     scratch->failed |= !fill_window(editor, ISO_TOOL_ADD, edit_cell->at, &window, &scratch->window);
     if (scratch->failed) return;
-    scratch->failed = iso_crease_correct(window.values, transaction->grid->band, &scratch->crossings,
+    scratch->failed = iso_crease_correct(window.values, transaction->grid->band, &scratch->edge_points,
                                          iso_transaction_scratch_brick(transaction, worker)) != ISO_OK;
     if (!scratch->failed) iso_transaction_accept_scratch(transaction, index, worker);
 }

@@ -6,7 +6,7 @@
  * bit. Voxels beside the interface (a face neighbour has the other sign) are fixed during the steps. Before
  * the first step they are either left alone, so that the zero set does not move, or, where a deformation
  * changed them, divided by the length of the gradient (Russo and Smereka 2000) and corrected so that the
- * crossings on the edges keep their ratios (scheme CR-2 of Hartmann, Meinke and Schroeder 2010). All values
+ * edge points keep their ratios (scheme CR-2 of Hartmann, Meinke and Schroeder 2010). All values
  * are in voxels. Internal to sculpt. */
 #ifndef ISO_SCULPT_FIELD_REDISTANCE_H
 #define ISO_SCULPT_FIELD_REDISTANCE_H
@@ -68,7 +68,7 @@ typedef struct iso_redistancer {
      * = phi. */
     void (*rescale)(const iso_stencil *phi, const iso_band_state *state, const iso_voxel_bits *changed,
                     float *out);
-    /* Computes out = scaled, with the same voxels corrected so that the crossings on their edges keep the
+    /* Computes out = scaled, with the same voxels corrected so that the edge points on their edges keep the
      * ratios that they have in phi. */
     void (*correct)(const iso_stencil *phi, const iso_stencil *scaled, const iso_band_state *state,
                     const iso_voxel_bits *changed, float *out);

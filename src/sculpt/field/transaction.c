@@ -51,7 +51,7 @@ void iso_transaction_free(iso_transaction *transaction) {
     iso_free(transaction->constant[1]);
     for (int i = 0; transaction->workers && i < iso_pool_threads(transaction->pool); i++) {
         iso_buffer_free(&transaction->workers[i].window);
-        iso_buffer_free(&transaction->workers[i].crossings);
+        iso_buffer_free(&transaction->workers[i].edge_points);
     }
     iso_free(transaction->workers);
     iso_buffer_free(&transaction->cells);

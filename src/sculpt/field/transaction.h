@@ -58,7 +58,7 @@ typedef struct iso_border {
 typedef struct iso_worker_scratch {
     iso_border border[2];
     iso_warp warp;
-    iso_buffer window, crossings;
+    iso_buffer window, edge_points;
     float *brick; /* for the next cell's new values; NULL: not allocated, or the last cell kept it */
     bool failed;  /* out of memory */
 } iso_worker_scratch;

@@ -183,12 +183,12 @@ static void translucent_surfaces_can_be_picked(void **state) {
     iso_rgrid *volume = make_volume();
     open_view(&view, volume, NULL);
     draw(&view, false);
-    assert_true(isosculpt_layer_pick(&view.drawn, WIDTH / 2.0, HEIGHT / 2.0, &opaque));
+    assert_true(isosculpt_pick_buffer_pick(&view.drawn, WIDTH / 2.0, HEIGHT / 2.0, &opaque));
     view.see_through.opacity = 0.3;
     view.see_through.has_second = true;
     view.see_through.second_isovalue = SECOND;
     draw(&view, false);
-    assert_true(isosculpt_layer_pick(&view.drawn, WIDTH / 2.0, HEIGHT / 2.0, &translucent));
+    assert_true(isosculpt_pick_buffer_pick(&view.drawn, WIDTH / 2.0, HEIGHT / 2.0, &translucent));
     assert_memory_equal(&opaque, &translucent, sizeof opaque);
     isosculpt_viewport_free(&view);
     iso_rgrid_destroy(volume);

@@ -195,14 +195,14 @@ static void test_held_picture_stays(void **state) {
     open_view(&view, session, NULL);
     draw(&view, false);
     const double x = WIDTH / 2.0, y = HEIGHT / 2.0;
-    assert_true(isosculpt_layer_pick(&view.drawn, x, y, &before));
-    assert_int_equal(isosculpt_viewport_keep_pick_layer(&view, NULL), ISO_OK);
+    assert_true(isosculpt_pick_buffer_pick(&view.drawn, x, y, &before));
+    assert_int_equal(isosculpt_viewport_keep_pick_buffer(&view, NULL), ISO_OK);
     iso_brush brush = {.tool = ISO_TOOL_ADD, .radius = 4, .strength = 1};
     iso_sample sample = {.position = before.position, .normal = before.normal, .pressure = 1};
     assert_int_equal(iso_session_begin(session, &brush, &sample, NULL, NULL), ISO_OK);
     draw(&view, true);
-    assert_true(isosculpt_layer_pick(&view.pick_layer, x, y, &picked));
-    assert_true(isosculpt_layer_pick(&view.drawn, x, y, &now));
+    assert_true(isosculpt_pick_buffer_pick(&view.pick_buffer, x, y, &picked));
+    assert_true(isosculpt_pick_buffer_pick(&view.drawn, x, y, &now));
     assert_memory_equal(&picked, &before, sizeof picked);
     assert_true(now.depth < before.depth - 3.9);
     isosculpt_viewport_free(&view);
@@ -218,15 +218,15 @@ static void test_focus(void **state) {
     double x, y;
     open_view(&view, session, NULL);
     draw(&view, false);
-    assert_true(isosculpt_layer_pick(&view.drawn, 0.6 * WIDTH, 0.4 * HEIGHT, &before));
+    assert_true(isosculpt_pick_buffer_pick(&view.drawn, 0.6 * WIDTH, 0.4 * HEIGHT, &before));
     isosculpt_viewport_focus(&view, &before.position);
     for (int i = 0; i < 3; i++) {
         draw(&view, false);
-        assert_true(isosculpt_layer_pixel(&view.drawn, before.position, &x, &y));
+        assert_true(isosculpt_pick_buffer_pixel(&view.drawn, before.position, &x, &y));
         assert_float_equal(x, WIDTH / 2.0, 0.01);
         assert_float_equal(y, HEIGHT / 2.0, 0.01);
         if (i == 0) {
-            assert_true(isosculpt_layer_pick(&view.drawn, x, y, &after));
+            assert_true(isosculpt_pick_buffer_pick(&view.drawn, x, y, &after));
             assert_float_equal(after.depth, before.depth, 0.05);
         }
         isosculpt_viewport_orbit(&view, 20, 10);
