@@ -15,6 +15,7 @@
 #include "gl_support.h"
 #include "lines_support.h"
 #include "render/gl/shapes.h"
+#include "render/gl/surface.h"
 #include "render/shapes/set.h"
 
 enum {
@@ -263,11 +264,78 @@ static void cut_by_near_plane(iso_gl_engine *engine) {
     }
 }
 
+/* A picture in parts, as when it is larger than the driver can draw, and strips of it are the same
+ * picture. */
+static void parts(iso_gl_engine *engine) {
+    const iso_shapes_opts usual = {.radius = 0.3, .min_pixels = 1};
+    const int whole = engine->max_side;
+    walk(0, 0, 0, 0.1, 0.9);
+    iso_shapes *shapes = lines_as(&usual);
+    for (int parallel = 0; parallel < VIEWS; parallel++) {
+        const iso_view view = view_of(lines.lines.origin, AWAY, 20, parallel);
+        iso_gbuffer cpu = by_cpu(&view, shapes, NULL);
+        engine->max_side = 77;
+        iso_gbuffer gl = by_gl(engine, &view, shapes, NULL);
+        engine->max_side = whole;
+        gl_difference d = gl_compare(&view, &cpu, &gl);
+        assert_true(d.psnr >= 45 && d.differ <= 3);
+        iso_gbuffer_free(&cpu);
+        iso_gbuffer_free(&gl);
+        const iso_view strip = iso_view_rows(&view, 61, 80);
+        cpu = by_cpu(&strip, shapes, NULL);
+        gl = by_gl(engine, &strip, shapes, NULL);
+        d = gl_compare(&strip, &cpu, &gl);
+        assert_true(d.outline > 100 && d.psnr >= 45 && d.differ <= 3);
+        iso_gbuffer_free(&cpu);
+        iso_gbuffer_free(&gl);
+    }
+    iso_shapes_destroy(shapes);
+}
+
+/* Several sets and an earlier surface in one picture: the nearest is seen, and is counted. */
+static void several_sets(iso_gl_engine *engine) {
+    const iso_shapes_opts usual = {.radius = 0.3, .min_pixels = 1};
+    const iso_view view = view_of(iso_vec3_make(0, 0, 0), AWAY, 24, false);
+    iso_error error = {0};
+    iso_gl_shapes *uploaded[2];
+    iso_shapes_drawn drawn[2] = {{0}};
+    size_t shown[2] = {0}, wrong = 0;
+    scatter(0, 0, 0, 10, 0.1, 1.5);
+    walk(0, 0, 0, 0.1, 0.9);
+    iso_shapes *sets[2] = {glyphs_as(ISO_GLYPH_SPHERE, 0), lines_as(&usual)};
+    iso_gbuffer cpu = gbuffer_of(&view), gl = gbuffer_of(&view);
+    for (size_t i = 0; i < (size_t)WIDTH * HEIGHT / 3; i++) { /* a wall before the upper third */
+        cpu.depth[i] = gl.depth[i] = 95;
+        cpu.surface[i] = gl.surface[i] = 0;
+        for (int a = 0; a < 3; a++) cpu.normal[a][i] = gl.normal[a][i] = a == 2 ? -1 : 0;
+    }
+    for (int i = 0; i < 2; i++) {
+        const iso_target target = {&view, &cpu, NULL, (uint8_t)(i + 1)};
+        test_ok(iso_draw_shapes(&target, sets[i], NULL, &error), &error);
+        test_ok(iso_gl_upload_shapes(engine, sets[i], &uploaded[i], &error), &error);
+    }
+    const iso_gl_shapes_opts opts = {&view, (const iso_gl_shapes *const *)uploaded, 2, 1};
+    test_ok(iso_gl_draw_shapes(engine, &opts, &gl, drawn, &error), &error);
+    for (size_t i = 0; i < (size_t)WIDTH * HEIGHT; i++) {
+        wrong += cpu.surface[i] != gl.surface[i];
+        for (int k = 0; k < 2; k++) shown[k] += gl.surface[i] == k + 1;
+    }
+    assert_true(wrong <= 10 && shown[0] > 1000 && shown[1] > 1000);
+    for (int i = 0; i < 2; i++) {
+        assert_true(drawn[i].samples == shown[i]);
+        iso_gl_shapes_destroy(uploaded[i]);
+        iso_shapes_destroy(sets[i]);
+    }
+    iso_gbuffer_free(&cpu);
+    iso_gbuffer_free(&gl);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         gl_engine_test(spheres),           gl_engine_test(tubes),
         gl_engine_test(ribbons),           gl_engine_test(solids),
-        gl_engine_test(cut_by_near_plane),
+        gl_engine_test(cut_by_near_plane), gl_engine_test(parts),
+        gl_engine_test(several_sets),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,5 +1,5 @@
 /* frame: what is prepared once per picture: the view in the numbers that kernels use, and the blocks in
- * sight, front to back, dealt to rectangles of the picture (bins). Internal to shapes.
+ * sight, front to back, dealt to rectangles of the picture (bins). Internal to shapes and render/gl.
  *
  * Rows are counted from the top of the whole picture, of which the target may be a strip: so that no number
  * depends on how the picture is cut. */

@@ -1,5 +1,6 @@
-/* near: shapes that are drawn one ray at a time in double precision: those that the near plane or the eye's
- * plane cuts, and those so large in the picture that floats are too coarse. Internal to shapes. */
+/* near: shapes that are drawn one ray at a time in double precision: those that the near plane or the
+ * eye's plane cuts, and those so large in the picture that floats are too coarse. Internal to shapes and
+ * render/gl. */
 #ifndef ISO_RENDER_SHAPES_NEAR_H
 #define ISO_RENDER_SHAPES_NEAR_H
 

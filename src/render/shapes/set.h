@@ -1,4 +1,4 @@
-/* set: what a prepared set of shapes consists of. Internal to shapes. */
+/* set: what a prepared set of shapes consists of. Internal to shapes and render/gl. */
 #ifndef ISO_RENDER_SHAPES_SET_H
 #define ISO_RENDER_SHAPES_SET_H
 

@@ -1,5 +1,5 @@
 /* solid: glyphs other than spheres: what a glyph's numbers mean, and its place in a picture. Internal to
- * shapes.
+ * shapes and render/gl.
  *
  * Every such glyph is the image of a unit solid under an affine map. In the unit solid's coordinates: the
  * ellipsoid is |p| <= 1; the box |x|, |y|, |z| <= 1; the cylinder x^2 + y^2 <= 1, |z| <= 1; the cone has its
