@@ -1,6 +1,6 @@
-/* groups: greedy colouring of the graph of overlapping discs (Zhang and Pajarola 2006, section 4.1), level
- * by level from the largest discs to the smallest, in each level by blocks of cells in 8 passes of one
- * parity. */
+/* groups: colours the graph of overlapping discs greedily (Zhang and Pajarola 2006, section 4.1). Levels are
+ * processed from the largest discs to the smallest; within a level, blocks of cells are processed in 8
+ * passes, each of which takes the blocks of one parity. */
 #include "base/groups.h"
 
 #include <string.h>

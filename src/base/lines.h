@@ -35,9 +35,9 @@ typedef struct iso_lines {
     int attribute_count;
 } iso_lines;
 
-/* The origin of a set whose first vertex is `first`: its coordinates beyond 4096 mm rounded to whole
- * millimetres, the others 0, so that vertices relative to it keep at least a half micrometre in floats
- * wherever the set lies. */
+/* Returns the origin for a set whose first vertex is `first`. Coordinates beyond 4096 mm are rounded to whole
+ * millimetres, and the others are 0, so that vertices stored relative to the origin in floats are precise to
+ * half a micrometre wherever the set lies. */
 iso_vec3 iso_origin_for(const double first[3]);
 
 /* Frees names and values, and the array itself. NULL is fine. */

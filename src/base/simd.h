@@ -92,8 +92,8 @@ enum { ISO_LANES_generic = 4, ISO_LANES_avx2 = 8, ISO_LANES_avx512 = 16, ISO_LAN
 #define v_mask ISO_V(v_mask)           /* truth values as bits of a uint32_t, lane 0 lowest */
 #define v_from_mask ISO_V(v_from_mask) /* truth values from such bits; higher bits are ignored */
 #define v_gather ISO_V(v_gather)       /* (const float *, vi): from[index], lane by lane */
-/* (vf before, vf after): ISO_LANES lanes of the concatenation of both vectors: v_next1 and v_next2 start at
- * lane 1 and 2 of `before`, v_last1 and v_last2 at its last and last but one lane. */
+/* (vf before, vf after): ISO_LANES lanes of both vectors in a row, from a lane of `before` on: v_next1 and
+ * v_next2 begin at lane 1 and 2, v_last1 at the last lane, v_last2 at the last but one. */
 #define v_next1 ISO_V(v_next1)
 #define v_next2 ISO_V(v_next2)
 #define v_last1 ISO_V(v_last1)

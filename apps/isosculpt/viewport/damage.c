@@ -47,7 +47,7 @@ static void add_projected_box(isosculpt_damage *damage, const iso_view *view, co
     double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
     for (int i = 0; i < 8; i++) {
         iso_vec3 p = iso_view_point(view, iso_box_corner(box, i));
-        if (!(p.z > view->near)) { /* a corner beside the eye may be seen anywhere */
+        if (!(p.z > view->near)) { /* a corner beside the eye can be projected to any pixel */
             isosculpt_damage_add(damage, (isosculpt_rectangle){0, 0, view->width, view->height});
             return;
         }

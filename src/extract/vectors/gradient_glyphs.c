@@ -1,5 +1,5 @@
-/* gradient_glyphs: sorts the points of a surface by the block that they lie in, and takes the trilinear
- * interpolation of the voxels' gradients at one point of each. */
+/* gradient_glyphs: sorts the points of a surface by the block of voxels that contains them, and interpolates
+ * the gradient trilinearly at one point of each block. */
 #include "extract/vectors/gradient_glyphs.h"
 
 #include <math.h>
@@ -10,16 +10,17 @@
 #include "base/numbers.h"
 #include "extract/vectors/attributes.h"
 
-/* Edge points in a block of n x n x n voxels, over n x n: of a plane that is tilted to all axes. */
+/* The number of edge points in a block of n x n x n voxels, divided by n x n, for a plane that is oblique to
+ * all axes. */
 static const double POINTS_OF_A_BLOCK = 1.5;
-/* The part of the gradients whose lengths differ in the picture: a few very sharp edges, at the border of a
- * mask, say, would make all others too short to be seen. */
+/* The share of gradients that are drawn with different lengths; longer ones are shortened. A few very sharp
+ * edges, as at the border of a mask, would otherwise make all other glyphs too short to be seen. */
 static const double LONG = 0.95;
 
-/* A point, and where it lies. */
+/* A point of the surface, and its block. */
 typedef struct pick {
     int block[3];
-    float distance; /* from the middle of the block, squared, voxels */
+    float distance; /* squared distance from the middle of the block, voxels */
     float at[3];    /* index coordinates */
 } pick;
 
@@ -40,7 +41,7 @@ static int compare_picks(const void *left, const void *right) {
     const int blocks = memcmp(a->block, b->block, sizeof a->block);
     if (blocks) return blocks;
     if (a->distance != b->distance) return a->distance < b->distance ? -1 : 1;
-    return memcmp(a->at, b->at, sizeof a->at); /* any order, but always the same */
+    return memcmp(a->at, b->at, sizeof a->at); /* any order will do if it is always the same */
 }
 
 static pick pick_at(iso_vec3 p, int every) {
@@ -76,7 +77,7 @@ static void pick_points(making *m, const iso_point_view *view) {
 
 /* ---- gradients */
 
-/* The gradient in physical units per mm, out of the solid. */
+/* Returns the gradient in physical units per mm, pointing out of the solid. */
 static iso_vec3 outward_gradient(const iso_grid *grid, const iso_affine *affine, iso_vec3 at) {
     const iso_vec3 g = iso_grid_gradient(grid, at);
     const double *m = affine->inverse;
@@ -155,7 +156,7 @@ static double smallest_spacing(const iso_transform *transform) {
     return fmin(transform->spacing[0], fmin(transform->spacing[1], transform->spacing[2]));
 }
 
-/* The length that LONG of the gradients do not exceed; 0: there are none. */
+/* Finds the length that LONG of the gradients do not exceed; 0: there are no gradients. */
 static iso_status find_long(const making *m, double *length, iso_error *error) {
     const size_t count = m->glyphs->count;
     *length = 0;
@@ -178,7 +179,7 @@ static void scale_glyphs(const making *m, double scale, double most) {
     }
 }
 
-/* Chooses the scale if it is not given. */
+/* Chooses the scale if the options do not give one. */
 static iso_status choose_scale(const making *m, double size, double *scale, iso_error *error) {
     double length;
     *scale = m->opts->scale;

@@ -1,11 +1,11 @@
 /* streamlines: integrates the unit vectors of a field by arc length with the fourth-order method of Runge and
- * Kutta, and trilinear interpolation between voxels: vertices are then equally spaced whatever the speed, and
- * slow regions take no more steps than fast ones. The field is linear within cells only, so that steps of a
- * quarter of a voxel lose nothing that is there.
+ * Kutta, with trilinear interpolation between voxels. Vertices are therefore equally spaced at any speed, and
+ * slow regions take no more steps than fast ones. Steps of a quarter of a voxel lose no detail, because the
+ * field is linear within cells.
  *
- * Beginnings come from a generator without a state, which mixes the bits of a counter (Steele, Lea and Flood
- * 2014, "Fast splittable pseudorandom number generators", the mixer of section 5), so that they do not depend
- * on the order in which they are used. */
+ * Seeds come from a stateless generator, which mixes the bits of a counter (Steele, Lea and Flood 2014, "Fast
+ * splittable pseudorandom number generators", the mixer of section 5), so they do not depend on the order in
+ * which they are used. */
 #include "extract/vectors/streamlines.h"
 
 #include <math.h>
@@ -15,9 +15,9 @@
 #include "extract/vectors/attributes.h"
 
 enum {
-    TRIES = 1000,         /* places for each line that is wanted */
-    BATCH = 64,           /* lines that are followed at the same time, at most */
-    MOST_STEPS = 1 << 20, /* of a line to one side */
+    TRIES = 1000,         /* largest number of random positions tried for each line */
+    BATCH = 64,           /* largest number of lines that are followed at the same time */
+    MOST_STEPS = 1 << 20, /* largest number of steps of a line in one direction */
     STOPS = 3
 };
 static const size_t BATCH_BYTES = (size_t)64 << 20;
@@ -27,7 +27,7 @@ typedef struct vertex {
     float at[3], speed;
 } vertex;
 
-/* A line of the batch: its vertices lie in the middle of its part of the room, from `first` on. */
+/* A line of the batch. Its vertices begin at `first` in the middle of the line's section of `room`. */
 typedef struct line {
     double seed[3];
     size_t first, count;
@@ -39,11 +39,11 @@ typedef struct tracer {
     const iso_streamlines_opts *opts;
     iso_affine affine;
     double step, slowest;
-    size_t steps; /* to one side, at most */
+    size_t steps; /* largest number of steps in one direction */
     uint64_t next_try, tries;
     uint64_t limit;
     line lines[BATCH];
-    vertex *room; /* 2 * steps + 1 for each line of the batch */
+    vertex *room; /* sections of 2 * steps + 1 vertices, one for each line of the batch */
     int batch;
     iso_buffer vertices, speeds, starts; /* of all lines */
     size_t vertex_count, line_count;
@@ -55,7 +55,8 @@ typedef struct tracer {
 
 typedef enum stop { LEFT, SLOW, GROWN, NONE } stop;
 
-/* The unit vector at a position relative to the first voxel, along `before` if vectors have no sign. */
+/* Computes the unit vector at a position relative to the first voxel; vectors without a sign are aligned with
+ * `before`. */
 static stop direction_at(const tracer *t, const double at[3], const double *before, double direction[3],
                          double *speed) {
     double index[3], v[3];
@@ -70,7 +71,7 @@ static stop direction_at(const tracer *t, const double at[3], const double *befo
     return NONE;
 }
 
-/* A step of the fourth order; d[0]: the direction at p. sign: 1, or -1 for against the field. */
+/* Takes a step of fourth order from p. d[0]: the direction at p; sign: 1, or -1 to go against the field. */
 static stop take_step(const tracer *t, double sign, double p[3], double d[4][3]) {
     static const double parts[4] = {0, 0.5, 0.5, 1};
     double speed;
@@ -91,8 +92,8 @@ static void put_vertex(vertex *to, const double p[3], double speed) {
     to->speed = (float)speed;
 }
 
-/* The direction in which a line begins. Vectors without a sign are aligned with the nearest voxel's, or what
- * is left of opposite ones around the place would be noise. */
+/* Computes the direction at a line's seed. Vectors without a sign are aligned with the vector of the nearest
+ * voxel, because opposite vectors around the seed would otherwise cancel and leave only noise. */
 static stop begin(const tracer *t, const double seed[3], double direction[3], double *speed) {
     double nearest[3] = {0};
     const iso_vec3 index = iso_affine_vector_to_index(&t->affine, iso_vec3_make(seed[0], seed[1], seed[2]));
@@ -108,8 +109,8 @@ static stop begin(const tracer *t, const double seed[3], double direction[3], do
     return direction_at(t, seed, nearest, direction, speed);
 }
 
-/* Follows a line to one side; returns how many vertices it gets. to: the first one's place; way: 1 or -1 to
- * the next. */
+/* Follows a line in one direction; returns its number of vertices. to: where the first vertex is stored; way:
+ * 1 or -1, from there to the next one. */
 static size_t follow(const tracer *t, line *l, double sign, vertex *to, int way) {
     double p[3], d[4][3], speed;
     size_t count = 0;
@@ -151,12 +152,12 @@ static uint64_t mix(uint64_t z) {
     return z ^ z >> 31;
 }
 
-/* Number `counter` of the generator, in [0, 1). */
+/* Returns random number `counter` of the generator, in [0, 1). */
 static double random_number(uint64_t seed, uint64_t counter) {
     return (double)(mix(mix(seed) + (counter + 1) * 0x9e3779b97f4a7c15u) >> 11) * 0x1p-53;
 }
 
-/* Sets the next place that has a vector; false: there are no tries left. */
+/* Finds the next random position with a long enough vector; returns false if no tries are left. */
 static bool next_seed(tracer *t, double seed[3]) {
     while (t->next_try < t->tries) {
         double index[3], direction[3], speed;
@@ -253,7 +254,7 @@ static double diagonal(const tracer *t) {
     return iso_vec3_length(iso_vec3_sub(box.hi, box.lo));
 }
 
-/* Sets what follows from the options. */
+/* Computes the members that follow from the options. */
 static iso_status prepare(tracer *t, iso_error *error) {
     const iso_streamlines_opts *opts = t->opts;
     iso_vectors_totals totals;

@@ -1,17 +1,17 @@
-/* tensor: eigenvectors by Jacobi's rotations (Golub and Van Loan, "Matrix Computations", section 8.5.2, with
- * Rutishauser's choice of the smaller angle). The closed form of the eigenvalues needs an arccosine, whose
- * last bits differ between machines, and loses digits where two of them are close; the rotations need square
- * roots only and keep all digits. */
+/* tensor: computes eigenvectors by Jacobi rotations (Golub and Van Loan, "Matrix Computations", section
+ * 8.5.2, with Rutishauser's choice of the smaller angle). The closed form of the eigenvalues is not used: it
+ * needs an arccosine, whose last bits differ between machines, and it loses digits where two eigenvalues are
+ * close. Rotations need only square roots and keep all digits. */
 #include "extract/vectors/tensor.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Sweeps over the three entries beside the diagonal. Convergence is quadratic: five are enough. */
+/* Sweeps over the three entries above the diagonal. Convergence is quadratic, so about five are needed. */
 enum { SWEEPS = 12 };
 
-/* Rotates rows and columns p and q of `a` so that their common entry becomes 0, and the rows of `v` with
- * them. */
+/* Rotates rows and columns p and q of `a` so that the entry at (p, q) becomes 0, and rotates the rows of `v`
+ * in the same way. */
 static void rotate(double a[3][3], double v[3][3], int p, int q) {
     if (a[p][q] == 0) return;
     const int r = 3 - p - q;

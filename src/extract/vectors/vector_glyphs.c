@@ -1,5 +1,5 @@
-/* vector_glyphs: counts the glyphs of every slice and their greatest length, then fills their places in
- * parallel, so that their order is that of the voxels. */
+/* vector_glyphs: first counts the glyphs of each slice and finds their greatest length, then makes the glyphs
+ * in parallel; their order is that of the voxels. */
 #include "extract/vectors/vector_glyphs.h"
 
 #include <math.h>
@@ -8,12 +8,12 @@
 #include "extract/vectors/attributes.h"
 #include "extract/vectors/tensor.h"
 
-/* An ellipsoid's least eigenvalue, as a part of the greatest. */
+/* An ellipsoid's smallest allowed eigenvalue, as a share of the largest. */
 static const double FLATTEST = 1e-6;
 
 typedef struct slice {
-    size_t first, count; /* of glyphs */
-    double longest;      /* vector or eigenvalue */
+    size_t first, count; /* the slice's first glyph, number of its glyphs */
+    double longest;      /* length of a vector, or eigenvalue */
     size_t zero, missing, small, indefinite;
 } slice;
 
@@ -22,11 +22,12 @@ typedef struct making {
     bool centred;
     double least;
     iso_affine affine;
-    int every, counts[3], first[3]; /* the lattice: how many glyphs on each axis, the first one's voxel */
+    int every, counts[3], first[3]; /* the lattice of glyphs: spacing in voxels, number of glyphs on each
+                                       axis, voxel of the first glyph */
     double scale;
-    slice *slices; /* counts[2] */
+    slice *slices; /* counts[2] slices */
     iso_glyphs *glyphs;
-    float *numbers[2]; /* of the attributes */
+    float *numbers[2]; /* values of the attributes */
 } making;
 
 /* ---- the lattice */
@@ -44,7 +45,8 @@ static size_t lattice_count(const making *m) {
     return (size_t)m->counts[0] * (size_t)m->counts[1] * (size_t)m->counts[2];
 }
 
-/* Of a lattice without a given distance, as many places will have glyphs as voxels have vectors. */
+/* Chooses the lattice. If its spacing is not given, chooses the smallest with at most ISO_VECTOR_GLYPHS_USUAL
+ * glyphs, estimated from the share of voxels with a vector. */
 static iso_status choose_lattice(making *m, const iso_vector_glyphs_opts *opts, iso_error *error) {
     iso_vectors_totals totals;
     set_lattice(m, opts->every ? opts->every : 1);
@@ -55,7 +57,7 @@ static iso_status choose_lattice(making *m, const iso_vector_glyphs_opts *opts, 
     return ISO_OK;
 }
 
-/* The distance of neighbouring glyphs on the axis on which it is least, mm. */
+/* Returns the smallest distance between neighbouring glyphs on any axis, mm. */
 static double least_distance(const making *m) {
     double least = INFINITY, of_one = INFINITY;
     for (int axis = 0; axis < 3; axis++) {
@@ -71,7 +73,7 @@ static double least_distance(const making *m) {
 
 typedef enum fate { DRAWN, ZERO, MISSING, SMALL, INDEFINITE } fate;
 
-/* Whether a tensor has an ellipsoid; sets its eigenvectors. */
+/* Computes the eigenvectors of a tensor; returns whether it has an ellipsoid. */
 static fate decompose(const float *t, iso_eigen *eigen) {
     if (isnan(t[0])) return MISSING;
     *eigen = iso_tensor_eigen(t);
@@ -110,7 +112,7 @@ static void put_tensor(const making *m, const iso_eigen *eigen, size_t glyph) {
     m->numbers[1][glyph] = (float)iso_eigen_anisotropy(eigen);
 }
 
-/* Makes the glyph of a voxel, or only measures it while there is no room for glyphs. */
+/* Makes the glyph of a voxel, or, before there is memory for glyphs, only measures it. */
 static fate do_voxel(const making *m, const int voxel[3], size_t glyph, double *length) {
     const float *v = iso_vectors_at(m->vectors, voxel[0], voxel[1], voxel[2]);
     const bool tensors = m->vectors->components == ISO_TENSOR_COMPONENTS;
@@ -156,7 +158,7 @@ static void do_slice(void *context, size_t index, int worker) {
 
 /* ---- all glyphs */
 
-/* Adds up the slices, and gives each the place of its first glyph. */
+/* Adds up the slices, and computes the number of each slice's first glyph. */
 static double add_up(making *m, size_t *count, iso_vector_glyphs_totals *totals) {
     double longest = 0;
     *count = 0;
