@@ -90,12 +90,17 @@ static int compare_crossings(const void *first, const void *second) {
 
 /* ---- the pieces of a sample */
 
+/* Makes room in a buffer, whose contents are lost. */
+static bool has_room(iso_buffer *buffer, size_t bytes) {
+    return buffer->bytes >= bytes || iso_buffer_reserve(buffer, bytes, 0, NULL) == ISO_OK;
+}
+
 /* Collects the pieces that begin with number `first`, sorted; returns how many, 0 without memory. */
 static size_t sort_pieces(worker *w, uint32_t first, const iso_shapes_piece ***sorted) {
     const iso_shapes_piece *pieces = w->pieces.pieces.data;
     size_t count = 0;
     for (uint32_t i = first; i != ISO_SHAPES_NO_PIECE; i = pieces[i].next) count++;
-    if (iso_buffer_reserve(&w->sorted, count * sizeof **sorted, 0, NULL) != ISO_OK) return 0;
+    if (!has_room(&w->sorted, count * sizeof **sorted)) return 0;
     *sorted = w->sorted.data;
     count = 0;
     for (uint32_t i = first; i != ISO_SHAPES_NO_PIECE; i = pieces[i].next) (*sorted)[count++] = &pieces[i];
@@ -145,8 +150,7 @@ static bool add_sample(const listing *l, uint32_t first, int x, int y) {
     worker *w = l->worker;
     const iso_shapes_piece **sorted;
     const size_t count = sort_pieces(w, first, &sorted);
-    if (!count || iso_buffer_reserve(&w->crossings, 2 * count * sizeof(crossing), 0, NULL) != ISO_OK)
-        return false;
+    if (!count || !has_room(&w->crossings, 2 * count * sizeof(crossing))) return false;
     crossing *crossings = w->crossings.data;
     const size_t made = merge(l->set, sorted, count, crossings);
     if (made > 1) qsort(crossings, made, sizeof *crossings, compare_crossings);

@@ -37,7 +37,8 @@ static iso_shapes_piece *reserve(listing *l) {
         out->full = true;
         return NULL;
     }
-    l->status = iso_buffer_reserve(&out->pieces, bytes + sizeof(iso_shapes_piece), bytes, NULL);
+    if (out->pieces.bytes < bytes + sizeof(iso_shapes_piece)) /* not for each piece */
+        l->status = iso_buffer_reserve(&out->pieces, bytes + sizeof(iso_shapes_piece), bytes, NULL);
     return l->status == ISO_OK ? (iso_shapes_piece *)out->pieces.data + out->count : NULL;
 }
 
