@@ -1,6 +1,7 @@
 /* Tubes against rays in extended precision: chains of rounded cones of all sizes in the picture, seen from
  * all sides and from inside; least widths and flat caps; and the same bytes for every instruction set, number
  * of threads and strip. */
+#include <stdlib.h>
 #include <string.h>
 
 #include "check_support.h"
@@ -217,6 +218,39 @@ static void test_colors(void **state) {
     iso_shapes_destroy(shapes);
 }
 
+/* Along a tapered tube, colours run from one vertex to the other without a jump where the cone ends and a
+ * vertex's sphere begins. */
+static void test_colors_of_cones(void **state) {
+    (void)state;
+    start(0, 0, 0);
+    add(-4, 0, 0, 0.5);
+    add(4, 0, 0, 3);
+    end_line();
+    memset(scene.colors[0], 0, sizeof scene.colors[0]);
+    memset(scene.colors[1], 200, sizeof scene.colors[1]);
+    scene.lines.colors = scene.colors;
+    const iso_shapes_scene drawn = {NULL, &scene.lines, {.radius = 0}};
+    iso_shapes *shapes = test_shapes_make(&drawn);
+    const iso_camera camera = {
+        .position = {0, 0, -10}, .view_up = {0, 1, 0}, .parallel_scale = 8, .orthographic = 1};
+    const iso_view view = iso_view_make(&camera, 160, 160);
+    iso_gbuffer g = test_clear_gbuffer(160, 160, true);
+    const iso_target target = {&view, &g, NULL, 3};
+    assert_int_equal(iso_draw_shapes(&target, shapes, NULL, NULL), ISO_OK);
+    int pairs = 0, least = 255, most = 0;
+    for (size_t i = 80 * 160; i < 81 * 160 - 1; i++) {
+        const int here = (int)(g.color[i] & 255), next = (int)(g.color[i + 1] & 255);
+        if (g.surface[i] != 3 || g.surface[i + 1] != 3) continue;
+        assert_true(abs(next - here) <= 5);
+        least = here < least ? here : least;
+        most = here > most ? here : most;
+        pairs++;
+    }
+    assert_true(pairs > 100 && least == 0 && most == 200);
+    iso_gbuffer_free(&g);
+    iso_shapes_destroy(shapes);
+}
+
 static void test_bad_lines(void **state) {
     (void)state;
     const float bad[] = {NAN, INFINITY, -1};
@@ -249,7 +283,7 @@ int main(void) {
         cmocka_unit_test(test_end_on),     cmocka_unit_test(test_far_and_near),
         cmocka_unit_test(test_caps),       cmocka_unit_test(test_widths),
         cmocka_unit_test(test_same_bytes), cmocka_unit_test(test_colors),
-        cmocka_unit_test(test_bad_lines),
+        cmocka_unit_test(test_bad_lines),  cmocka_unit_test(test_colors_of_cones),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
