@@ -22,10 +22,14 @@ uint64_t isorender_gl_bytes(const isorender_job *job) {
                                           width, height);
 }
 
-/* Uploads lines and glyphs, but no lines of the image pyramid. */
+/* Uploads lines, glyphs and meshes, but no lines of the image pyramid. */
 static iso_status upload_objects(isorender_job *job, iso_error *error) {
     for (int i = 0; i < job->object_count; i++) {
         const isorender_object *object = &job->objects[i];
+        if (object->settings->kind == ISORENDER_MESH) {
+            const iso_mesh_view mesh = iso_triangle_spans_view(&object->spans);
+            ISO_TRY(iso_gl_upload_mesh(job->backend->engine, &mesh, &job->gl_meshes[i], error));
+        }
         if (!object->shapes || object->pyramid_lines) continue;
         ISO_TRY(iso_gl_upload_shapes(job->backend->engine, object->shapes, &job->gl_shapes[i], error));
     }
@@ -60,7 +64,9 @@ void isorender_gl_release(isorender_job *job) {
     }
     for (int i = 0; i < job->object_count; i++) {
         iso_gl_shapes_destroy(job->gl_shapes[i]);
+        iso_gl_surface_destroy(job->gl_meshes[i]);
         job->gl_shapes[i] = NULL;
+        job->gl_meshes[i] = NULL;
     }
 }
 
@@ -103,13 +109,37 @@ static iso_status draw_shapes(isorender_job *job, int object, const iso_view *vi
     return iso_gl_draw_shapes(job->backend->engine, &opts, gbuffer, &job->objects[object].drawn, error);
 }
 
+/* Draws a mesh of a file. */
+static iso_status draw_mesh(const isorender_job *job, int object, const iso_view *view, iso_gbuffer *gbuffer,
+                            iso_error *error) {
+    const iso_gl_surface *const surface = job->gl_meshes[object];
+    const iso_gl_draw_opts opts = {.view = view, .surfaces = &surface, .surface_count = 1};
+    iso_gbuffer own;
+    ISO_TRY(iso_gbuffer_create(view->width, view->height, &own, error));
+    const iso_status status = iso_gl_draw(job->backend->engine, &opts, &own, error);
+    for (size_t i = 0; i < (size_t)view->width * (size_t)view->height && status == ISO_OK; i++) {
+        if (!(own.depth[i] < gbuffer->depth[i])) continue;
+        gbuffer->depth[i] = own.depth[i];
+        gbuffer->surface[i] = (uint8_t)(job->surface_count + object);
+        for (int a = 0; a < 3; a++) gbuffer->normal[a][i] = own.normal[a][i];
+    }
+    iso_gbuffer_free(&own);
+    return status;
+}
+
+/* Draws an object. The cpu draws lines in the image pyramid, and meshes whose triangles are to be
+ * numbered. */
+static iso_status draw_object(isorender_job *job, int object, const iso_view *view, iso_gbuffer *gbuffer,
+                              iso_error *error) {
+    const iso_target target = {view, gbuffer, job->pool, (uint8_t)(job->surface_count + object)};
+    if (job->gl_shapes[object]) return draw_shapes(job, object, view, gbuffer, error);
+    if (job->gl_meshes[object] && !gbuffer->element) return draw_mesh(job, object, view, gbuffer, error);
+    return isorender_object_draw(&job->objects[object], &target, job->pullpush, error);
+}
+
 iso_status isorender_gl_draw(isorender_job *job, const iso_view *view, iso_gbuffer *gbuffer,
                              iso_error *error) {
     if (job->surface_count) ISO_TRY(draw_surfaces(job, view, gbuffer, error));
-    for (int i = 0; i < job->object_count; i++) {
-        const iso_target target = {view, gbuffer, job->pool, (uint8_t)(job->surface_count + i)};
-        ISO_TRY(job->gl_shapes[i] ? draw_shapes(job, i, view, gbuffer, error)
-                                  : isorender_object_draw(&job->objects[i], &target, job->pullpush, error));
-    }
+    for (int i = 0; i < job->object_count; i++) ISO_TRY(draw_object(job, i, view, gbuffer, error));
     return ISO_OK;
 }

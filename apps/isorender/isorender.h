@@ -80,6 +80,7 @@ typedef struct isorender_job {
     bool translucent;                                /* at least one surface or object is */
     iso_gl_surface *gl_surfaces[ISORENDER_SURFACES]; /* of OpenGL; NULL before isorender_gl_upload */
     iso_gl_shapes *gl_shapes[ISORENDER_OBJECTS];     /* the same of lines and glyphs; NULL of meshes */
+    iso_gl_surface *gl_meshes[ISORENDER_OBJECTS];    /* the same of meshes of files */
     uint64_t point_count, rejected, vertex_count, triangle_count, cell_count; /* of all surfaces */
     iso_box bounds_local, bounds_world;                                       /* mm */
 
@@ -182,12 +183,12 @@ uint64_t isorender_picture_bytes(const isorender_job *job); /* main memory that 
 
 /* ---- gl_picture.c: with backend->engine only */
 
-/* Uploads all surfaces, lines and glyphs to the GPU. */
+/* Uploads all surfaces, lines, glyphs and meshes to the GPU. */
 iso_status isorender_gl_upload(isorender_job *job, iso_error *error);
 /* Main memory that the driver takes for a picture. */
 uint64_t isorender_gl_bytes(const isorender_job *job);
-/* Draws everything: surfaces, lines and glyphs by OpenGL; meshes of files, and lines in the image pyramid, by
- * the cpu. */
+/* Draws everything by OpenGL, but lines in the image pyramid, and meshes of files whose triangles are to be
+ * numbered. */
 iso_status isorender_gl_draw(isorender_job *job, const iso_view *view, iso_gbuffer *gbuffer,
                              iso_error *error);
 void isorender_gl_release(isorender_job *job); /* frees what was uploaded, if anything was */

@@ -328,6 +328,7 @@ uint64_t isorender_picture_bytes(const isorender_job *job) {
     if (settings->ior > 0)
         bytes +=
             iso_glass_scene_bytes((iso_refraction)settings->refraction, pixels * (uint64_t)settings->samples);
+    if (job->backend->engine && settings->object_options.count) bytes += samples < STRIP ? samples : STRIP;
     if (job->backend->engine) return bytes + isorender_gl_bytes(job);
     if (settings->method != ISO_METHOD_PULLPUSH) return bytes;
     enum { PYRAMID = 24, LINES = 104 }; /* bytes a sample; drawn in parts as well */

@@ -21,6 +21,12 @@ for backend in egl osmesa; do
         --line-color direction --glyphs in/dots.csv"
     draw ribbons --camera front --orthographic --lines in/axis.swc --lines in/two.obj --line-style ribbon
     draw alone $objects --surface ball.stl
+    isorender in/ball.mha gl_skull.png --isovalue 500 --method mesh $objects --surface ball.stl --backend $backend --quiet
+    isorender in/ball.mha cpu_skull.png --isovalue 500 --method mesh $objects --surface ball.stl --quiet
+    isocompare images cpu_skull.png gl_skull.png --fail-under psnr=40 >/dev/null # triangles, without ids
+    isorender --surface ball.stl gl_skull.png --resolution 200x200 --backend $backend --quiet
+    isorender --surface ball.stl cpu_skull.png --resolution 200x200 --quiet
+    isocompare images cpu_skull.png gl_skull.png --fail-under psnr=40 >/dev/null
     draw dots --glyphs in/dots.csv --glyph ellipsoid --color-by heat --samples 4
     draw mesh in/ball.mha --isovalue 500 --method mesh $objects
     draw splats in/ball.mha --isovalue 500 --method splats $objects
