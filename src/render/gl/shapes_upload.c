@@ -17,8 +17,7 @@ _Static_assert(ISO_GL_TUBE_CUT_FIRST == (unsigned)ISO_TUBE_CUT_FIRST &&
                "flags of tubes");
 _Static_assert(ISO_GL_CONE == (int)ISO_GLYPH_CONE && ISO_GL_CYLINDER == (int)ISO_GLYPH_CYLINDER &&
                    ISO_GL_ARROW == (int)ISO_GLYPH_ARROW && ISO_GL_ELLIPSOID == (int)ISO_GLYPH_ELLIPSOID &&
-                   ISO_GL_DISC == (int)ISO_GLYPH_DISC && ISO_GL_BOX == (int)ISO_GLYPH_BOX &&
-                   ISO_GL_ARROW_NECK == ISO_ARROW_NECK && ISO_GL_ARROW_SHAFT == ISO_ARROW_SHAFT,
+                   ISO_GL_DISC == (int)ISO_GLYPH_DISC && ISO_GL_BOX == (int)ISO_GLYPH_BOX,
                "glyphs");
 
 enum {
