@@ -66,12 +66,10 @@ static void add_crossings(listing *l, int x, int y, const iso_near_piece *from, 
     }
 }
 
-/* The ray of a sample that is parallel to the ray of a billboard's centre and meets the plane through that
- * centre where the sample's own ray does. */
+/* The ray of a sample for a billboard: along the optical axis, through the place where the sample's own ray
+ * meets the plane of the billboard's centre. */
 static iso_near_ray billboard_ray(const iso_near_ray *ray, const double centre[3]) {
-    iso_near_ray r = {.direction = {centre[0] / centre[2], centre[1] / centre[2], 1}};
-    for (int a = 0; a < 2; a++) r.origin[a] = centre[2] * (ray->direction[a] - r.direction[a]);
-    return r;
+    return (iso_near_ray){{centre[2] * ray->direction[0], centre[2] * ray->direction[1], 0}, {0, 0, 1}};
 }
 
 static void list_shape(listing *l, const iso_near_shape *shape, const iso_shapes_rect *rect, uint32_t whole,

@@ -57,8 +57,8 @@ double iso_solid_reach(const iso_shapes *shapes, uint32_t id);
 void iso_solid_add(iso_shapes_bin *bin, const iso_shapes_block *block, uint32_t place);
 
 /* What rays in double precision meet of a glyph other than a sphere, and the samples of `limit` that can see
- * it; false when there are none. *billboard: whether it is one, which is met by rays that are
- * parallel to that of its centre. */
+ * it; false when there are none. *billboard: whether it is one, which is met by rays along the optical axis.
+ */
 bool iso_solid_place(const iso_shapes_frame *frame, const iso_shapes_block *block, uint32_t place,
                      const iso_shapes_rect *limit, iso_near_shape *shape, iso_shapes_rect *rect,
                      bool *billboard);

@@ -350,6 +350,32 @@ static void test_glyphs(void **state) {
     }
 }
 
+/* Translucent billboards cover the samples that opaque ones do; the two are computed in doubles and in
+ * floats. */
+static void test_billboards(void **state) {
+    (void)state;
+    for (int glyph = 0; glyph < ISO_GLYPH_COUNT; glyph++) {
+        const iso_vec3 origin = {0, 0, 0};
+        const iso_glyphs glyphs = make_glyphs(40, 1, origin, (uint32_t)glyph + 21);
+        const iso_shapes_opts opts = {.glyph = (iso_glyph)glyph,
+                                      .projection = ISO_GLYPH_PROJECTION_BILLBOARD};
+        const mixed m = {.sets = {{&glyphs, NULL, opts}}, .translucency = {{.opacity = 0.3f}}, .count = 1};
+        const iso_view view = test_shapes_view(origin, iso_vec3_make(12, 7, -16), 18, false);
+        picture p = picture_of_scene(&m, &view, 1, NULL);
+        iso_shapes *shapes = test_shapes_make(&m.sets[0]);
+        iso_gbuffer g = test_shapes_drawn(&view, shapes, NULL);
+        size_t differ = 0, covered = 0;
+        for (int i = 0; i < view.width * view.height; i++) {
+            covered += p.counts[i] > 0;
+            differ += (p.counts[i] > 0) != (isfinite(g.depth[i]) != 0);
+        }
+        assert_true(covered > 100 && differ <= 2);
+        iso_gbuffer_free(&g);
+        iso_shapes_destroy(shapes);
+        free_picture(&p);
+    }
+}
+
 /* More pieces than a part of a band has room for. */
 static void test_many_pieces(void **state) {
     (void)state;
@@ -618,9 +644,11 @@ static void test_variants(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_glyphs),  cmocka_unit_test(test_many_pieces), cmocka_unit_test(test_tubes),
-        cmocka_unit_test(test_ribbons), cmocka_unit_test(test_joints),      cmocka_unit_test(test_bends),
-        cmocka_unit_test(test_meshes),  cmocka_unit_test(test_isosurfaces), cmocka_unit_test(test_variants),
+        cmocka_unit_test(test_glyphs),      cmocka_unit_test(test_billboards),
+        cmocka_unit_test(test_many_pieces), cmocka_unit_test(test_tubes),
+        cmocka_unit_test(test_ribbons),     cmocka_unit_test(test_joints),
+        cmocka_unit_test(test_bends),       cmocka_unit_test(test_meshes),
+        cmocka_unit_test(test_isosurfaces), cmocka_unit_test(test_variants),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
