@@ -51,6 +51,7 @@ typedef struct iso_pullpush_params {
      * ray[1]) * slope, where r counts from the whole picture's guard band. */
     float ray[2], slope;
     float low_pass;     /* added to the squared axes of ellipses, pixels^2 */
+    float least_radius; /* pixels: a pixel with a smaller mean radius has no ellipse */
     float facing, edge; /* the same towards the silhouette, for discs seen face-on and edge-on */
     float weight[4];    /* weight of a pixel at q (pyramid.h), 0 <= q < 1: a cubic, constant term first */
 } iso_pullpush_params;

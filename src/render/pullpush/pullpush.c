@@ -6,6 +6,7 @@
 
 #include "render/pullpush/kernel.h"
 #include "render/pullpush/line_fragments.h"
+#include "render/pullpush/polygon_fragments.h"
 #include "render/pullpush/setup.h"
 #include "render/refined/refined.h"
 
@@ -18,6 +19,9 @@ enum {
     TASK_PIXELS_LEAST = 1 << 12, /* fewer when a task would have fewer pixels than this */
     STRIP_ROWS_LEAST = 64
 };
+
+/* With polygons: ellipses of a smaller radius are none, pixels. */
+static const float LEAST_RADIUS = 0.5f;
 
 /* Limit of the pyramid's memory: a larger picture is drawn in strips. */
 static const size_t PYRAMID_BYTES = (size_t)256 << 20;
@@ -36,7 +40,8 @@ typedef struct pullpush_call {
     const iso_pullpush_kernel *kernel;
     iso_projector projector;
     iso_point_blocks *blocks;
-    iso_line_frame *lines; /* NULL: points are drawn, with their blocks */
+    iso_line_frame *lines;  /* NULL: points are drawn, with their blocks */
+    iso_polygons *polygons; /* NULL, or triangles that are drawn with the points */
     iso_pyramid *pyramid;
     iso_point_projection projection;
     iso_pullpush_params params;
@@ -70,6 +75,12 @@ static iso_pyramid_layout choose_layout(const pullpush_call *call, const iso_vie
         iso_pyramid_layout layout = iso_pullpush_layout(view, call->lines->radius);
         layout.planes = 1u << ISO_PLANE_RADIUS | 1u << ISO_PLANE_INTERVAL | 63u << ISO_PLANE_SHAPE_XX;
         if (call->lines->lines->lines.colors) layout.planes |= 7u << ISO_PLANE_RED;
+        return layout;
+    }
+    if (call->polygons) {
+        const float radius[2] = {0, call->blocks->seen ? call->blocks->radius[1] : 0};
+        iso_pyramid_layout layout = iso_pullpush_layout(view, radius);
+        layout.planes = 1u << ISO_PLANE_RADIUS | 1u << ISO_PLANE_INTERVAL;
         return layout;
     }
     iso_pyramid_layout layout = iso_pullpush_layout(view, call->blocks->radius);
@@ -106,6 +117,8 @@ static iso_status prepare_pyramid(pullpush_call *call, iso_error *error) {
                                             call->reconstruction, !cull);
     call->params.pyramid = call->pyramid;
     call->params.target = call->target;
+    call->params.least_radius = call->polygons ? LEAST_RADIUS : 0;
+    if (call->polygons) ISO_TRY(iso_polygons_rasterize(call->polygons, call->target, &layout, error));
     return iso_point_blocks_assign_bands(call->blocks, view, call->pyramid, call->band_rows, cull, error);
 }
 
@@ -152,6 +165,7 @@ static void project_band(const pullpush_call *call, size_t band, iso_rows rows) 
     const iso_block_list list = {call->blocks->blocks.data, order + start[band],
                                  start[band + 1] - start[band]};
     call->kernel->project_points(&call->projection, &list, rows);
+    if (call->polygons) iso_polygon_fragments_project(call->polygons, p, rows);
 }
 
 /* Fetches radius and colour of the point of each pixel of a band, by the point's number. */
@@ -339,17 +353,18 @@ static iso_status draw_strips(pullpush_call *call, const iso_target *target, iso
 }
 
 static iso_status draw_surface(iso_pullpush *workspace, const iso_target *target,
-                               const iso_point_view *points, iso_reconstruction reconstruction,
-                               iso_error *error) {
+                               const iso_point_view *points, iso_polygons *polygons,
+                               iso_reconstruction reconstruction, iso_error *error) {
     const iso_view *view = target->view;
     pullpush_call call = {.points = points,
                           .reconstruction = reconstruction,
                           .kernel = iso_pullpush_kernel_get(iso_cpu_best()),
                           .projector = iso_projector_make(view, &points->transform),
                           .blocks = &workspace->blocks,
+                          .polygons = polygons,
                           .pyramid = &workspace->pyramid};
     ISO_TRY(iso_point_blocks_make(call.blocks, points, &call.projector, target->pool, error));
-    if (call.blocks->seen == 0) return ISO_OK;
+    if (call.blocks->seen == 0 && !polygons) return ISO_OK;
     if (points->colors) ISO_TRY(iso_gbuffer_add_color(target->gbuffer, error));
     if (reconstruction == ISO_RECONSTRUCTION_REFINED && !points->colors)
         return iso_refined_draw(&workspace->refined, target, points, call.blocks, error);
@@ -360,11 +375,21 @@ iso_status iso_draw_pullpush(const iso_target *target, const iso_point_view *poi
                              const iso_pullpush_opts *opts, iso_error *error) {
     assert(target->view->width == target->gbuffer->width && target->view->height == target->gbuffer->height);
     iso_pullpush once = {0}, *workspace = opts && opts->workspace ? opts->workspace : &once;
-    iso_status status = draw_surface(workspace, target, points,
+    iso_status status = draw_surface(workspace, target, points, NULL,
                                      opts ? opts->reconstruction : ISO_RECONSTRUCTION_REFINED, error);
     iso_point_blocks_free(&once.blocks);
     iso_pyramid_free(&once.pyramid);
     iso_refined_free(&once.refined);
+    return status;
+}
+
+iso_status iso_draw_points_and_polygons(const iso_target *target, const iso_point_view *points,
+                                        iso_polygons *polygons, iso_pullpush *workspace, iso_error *error) {
+    iso_pullpush once = {0};
+    iso_status status = draw_surface(workspace ? workspace : &once, target, points, polygons,
+                                     ISO_RECONSTRUCTION_GAUSSIAN, error);
+    iso_point_blocks_free(&once.blocks);
+    iso_pyramid_free(&once.pyramid);
     return status;
 }
 
