@@ -25,9 +25,10 @@ static const char *const usage[] = {"[options] IN [OUT.png]", "[options] --outpu
                                     "[options] --lines FILE [--glyphs FILE ...] [OUT.png]", NULL};
 
 /* The reconstructions of pullpush have an option of their own. The names come from the table of renderers. */
-enum { METHODS = 6 };
+enum { METHODS = 7 };
 static const iso_method methods[METHODS] = {ISO_METHOD_EXACT,  ISO_METHOD_POINTS, ISO_METHOD_PULLPUSH,
-                                            ISO_METHOD_SPLATS, ISO_METHOD_MESH,   ISO_METHOD_RAYCAST};
+                                            ISO_METHOD_SPLATS, ISO_METHOD_MESH,   ISO_METHOD_RAYCAST,
+                                            ISO_METHOD_HYBRID};
 static const char *method_names[METHODS + 1]; /* filled by isorender_program */
 static const char *const reconstructions[] = {"refined", "box", "gaussian", "groups", NULL};
 static const char *const transparencies[] = {"sorted", "groups", "nearest", NULL};
@@ -315,8 +316,9 @@ static const iso_option options[] = {
      "mesh (Marching Cubes: to see what --mesh exports, or to compare with other programs), pullpush "
      "(points, filled in image space: for files of points, and to draw many points on a GPU; --lines are "
      "drawn that way, too: the method of Marroquim et al. 2008, to compare it), points (discs: to see the "
-     "samples themselves), splats (points as flat discs: the method of Zhang and Pajarola 2006) or raycast "
-     "(rays through the field, slow: to check the others); files of points: points",
+     "samples themselves), splats (points as flat discs: the method of Zhang and Pajarola 2006), raycast "
+     "(rays through the field, slow: to check the others) or hybrid (triangles where the volume's cells are "
+     "larger than 3 pixels, points elsewhere: also of 2008); files of points: points",
      .group = PICTURE, .standard = "exact", CHOICE(method, method_names)},
     {"reconstruction", NULL, "NAME",
      "how pullpush fills in: refined (second-order discs; points that have colours: as gaussian), box or "
@@ -639,6 +641,11 @@ static iso_status check_surfaces(const isorender_settings *settings, iso_error *
     if (surfaces > 1 && (settings->points || settings->mesh))
         return iso_fail(error, ISO_ERR_USAGE, "--points and --mesh write one surface: give one isovalue");
     const iso_primitive primitive = (iso_primitive)settings->primitive;
+    if (settings->method == ISO_METHOD_HYBRID && primitive != ISO_PRIMITIVE_AUTO &&
+        primitive != ISO_PRIMITIVE_EDGE)
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "--method hybrid joins edge points to triangles: --primitive %s lies elsewhere",
+                        iso_primitive_name(primitive));
     if (settings->closed && primitive != ISO_PRIMITIVE_AUTO && primitive != ISO_PRIMITIVE_EDGE)
         return iso_fail(error, ISO_ERR_USAGE, "--closed makes edge points: --primitive %s has no caps",
                         iso_primitive_name(primitive));

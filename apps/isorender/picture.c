@@ -330,7 +330,9 @@ uint64_t isorender_picture_bytes(const isorender_job *job) {
             iso_glass_scene_bytes((iso_refraction)settings->refraction, pixels * (uint64_t)settings->samples);
     if (job->backend->engine && settings->object_options.count) bytes += samples < STRIP ? samples : STRIP;
     if (job->backend->engine) return bytes + isorender_gl_bytes(job);
-    if (settings->method != ISO_METHOD_PULLPUSH) return bytes;
+    if (job->method == ISO_METHOD_HYBRID)
+        bytes += samples < STRIP ? samples : STRIP; /* the triangles' picture */
+    if (job->method != ISO_METHOD_PULLPUSH && job->method != ISO_METHOD_HYBRID) return bytes;
     enum { PYRAMID = 24, LINES = 104 }; /* bytes a sample; drawn in parts as well */
     bool lines = false;
     for (int i = 0; i < settings->object_options.count; i++)
@@ -358,8 +360,8 @@ iso_status isorender_render(isorender_job *job, iso_error *error) {
     if (!job->frames) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
     canvas c = {0};
     iso_status status = iso_image_create(settings->width, settings->height, &c.image, error);
-    if (status == ISO_OK && job->method == ISO_METHOD_PULLPUSH &&
-        (job->object_count || !job->backend->engine))
+    const bool pyramid = job->method == ISO_METHOD_PULLPUSH || job->method == ISO_METHOD_HYBRID;
+    if (status == ISO_OK && pyramid && (job->object_count || !job->backend->engine))
         status = iso_pullpush_create(&job->pullpush, error);
     if (status == ISO_OK && job->plan->aov)
         status = iso_aov_create(settings->width, settings->height, &c.aov, error);

@@ -161,7 +161,7 @@ iso_primitive isorender_primitive(const isorender_job *job) {
     const iso_primitive chosen = (iso_primitive)job->settings->primitive;
     if (chosen != ISO_PRIMITIVE_AUTO) return chosen;
     /* One kind for all surfaces. No foot points with --closed: the caps' voxels hold no distances. */
-    bool foot = !is_refined(job) && !job->settings->closed;
+    bool foot = !is_refined(job) && job->method != ISO_METHOD_HYBRID && !job->settings->closed;
     for (int i = 0; i < job->surface_count && foot; i++)
         foot = iso_primitive_auto(&job->surfaces[i].loader->volume.grid, job->surfaces[i].isovalue) ==
                ISO_PRIMITIVE_FOOT;

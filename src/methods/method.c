@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "grids/change_log.h"
+#include "render/pullpush/hybrid.h"
 
 /* ---- parts ---- */
 
@@ -191,6 +192,13 @@ static iso_status draw_splats(const iso_subject *subject, const iso_target *targ
     return iso_draw_splats(target, &view, &opts, error);
 }
 
+static iso_status draw_hybrid(const iso_subject *subject, const iso_target *target, iso_error *error) {
+    const iso_point_view points = iso_subject_points(subject);
+    const iso_mesh_view mesh = iso_mesh_set_view(subject->mesh);
+    const iso_hybrid_opts opts = {.workspace = subject->workspace};
+    return iso_draw_hybrid(target, &points, &mesh, &opts, error);
+}
+
 static iso_status draw_exact(const iso_subject *subject, const iso_target *target, iso_error *error) {
     return iso_draw_exact(target, subject->exact, error);
 }
@@ -218,6 +226,11 @@ static const iso_renderer METHODS[] = {
     {ISO_METHOD_EXACT, "exact", "the trilinear surface, cell by cell", CELLS, draw_exact},
 };
 
+/* Not in the list of what is compared: where cells are small it is pullpush-gaussian, where they are large it
+ * is mesh. */
+static const iso_renderer HYBRID = {ISO_METHOD_HYBRID, "hybrid", "points and triangles (2008)", POINTS | MESH,
+                                    draw_hybrid};
+
 static const iso_renderer TRUTH = {ISO_METHOD_RAYCAST, "raycast", "rays through the trilinear field", CASTER,
                                    draw_raycast};
 
@@ -232,6 +245,7 @@ const iso_renderer *iso_renderer_truth(void) {
 
 const iso_renderer *iso_renderer_get(iso_method method) {
     if (method == TRUTH.method) return &TRUTH;
+    if (method == HYBRID.method) return &HYBRID;
     for (size_t i = 0; i < sizeof METHODS / sizeof *METHODS; i++)
         if (METHODS[i].method == method) return &METHODS[i];
     return NULL;

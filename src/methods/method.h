@@ -87,7 +87,8 @@ typedef struct iso_renderer {
 const iso_renderer *iso_renderer_list(size_t *count);
 const iso_renderer *iso_renderer_truth(void);
 
-/* The renderer of any method, also the reference; NULL when there is no such method. */
+/* The renderer of any method, also the reference and those that are not compared; NULL when there is no such
+ * method. */
 const iso_renderer *iso_renderer_get(iso_method method);
 
 #ifdef __cplusplus

@@ -215,7 +215,8 @@ static void test_usage_errors(void **state) {
     expect_failure("--resolution 640 x.vti", ISO_ERR_USAGE, "WxH");
     expect_failure("--resolution 0x480 x.vti", ISO_ERR_USAGE, "1 to 16384");
     expect_failure("--resolution 16385x480 x.vti", ISO_ERR_USAGE, "1 to 16384");
-    expect_failure("--method splat x.vti", ISO_ERR_USAGE, "exact, points, pullpush, splats, mesh, raycast");
+    expect_failure("--method splat x.vti", ISO_ERR_USAGE,
+                   "exact, points, pullpush, splats, mesh, raycast, hybrid");
     expect_failure("--camera nose x.vti", ISO_ERR_USAGE, "front, back");
     expect_failure("--up w x.vti", ISO_ERR_USAGE, "+x -x");
     expect_failure("--crop 5,4,0,1,0,1 x.vti", ISO_ERR_USAGE, "option --crop");
