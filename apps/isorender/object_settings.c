@@ -53,13 +53,12 @@ static iso_status set_color(const char *option, const char *value, isorender_obj
     return ISO_OK;
 }
 
-static iso_status set_opacity(const char *option, const char *value, isorender_object_settings *object,
-                              iso_error *error) {
-    double opacity;
+iso_status isorender_parse_opacity(const char *option, const char *value, double *opacity, iso_error *error) {
+    double given;
     if (!value) return ISO_OK;
-    if (!iso_parse_real(value, &opacity) || !(opacity >= 0 && opacity <= 1))
+    if (!iso_parse_real(value, &given) || !(given >= 0 && given <= 1))
         return iso_fail(error, ISO_ERR_USAGE, "--%s: '%s' is not an opacity from 0 to 1", option, value);
-    object->opacity = (double)(float)opacity; /* as it is drawn */
+    *opacity = (double)(float)given; /* as it is drawn */
     return ISO_OK;
 }
 
@@ -163,8 +162,8 @@ static iso_status set_lines(const isorender_object_options *options, int number,
     object->caps = (iso_caps)caps;
     object->style = (isorender_line_style)chosen;
     ISO_TRY(set_streamlines(options, number, &object->field, error));
-    ISO_TRY(
-        set_opacity("line-opacity", isorender_value_for(&options->line_opacities, number), object, error));
+    ISO_TRY(isorender_parse_opacity("line-opacity", isorender_value_for(&options->line_opacities, number),
+                                    &object->opacity, error));
     ISO_TRY(set_radius("tube-radius", isorender_value_for(&options->tube_radii, number), object, error));
     return set_color("line-color", isorender_value_for(&options->line_colors, number), object, error);
 }
@@ -191,8 +190,8 @@ static iso_status set_glyphs(const isorender_object_options *options, int number
     ISO_TRY(set_above_0("glyph-scale", isorender_value_for(&options->glyph_scales, number),
                         &object->field.scale, error));
     ISO_TRY(set_projection(isorender_value_for(&options->projections, number), object, error));
-    ISO_TRY(
-        set_opacity("glyph-opacity", isorender_value_for(&options->glyph_opacities, number), object, error));
+    ISO_TRY(isorender_parse_opacity("glyph-opacity", isorender_value_for(&options->glyph_opacities, number),
+                                    &object->opacity, error));
     ISO_TRY(set_radius("glyph-radius", isorender_value_for(&options->glyph_radii, number), object, error));
     return set_color("glyph-color", isorender_value_for(&options->glyph_colors, number), object, error);
 }
@@ -254,8 +253,8 @@ static iso_status set_kind(const isorender_object_options *options, int number,
     object->opacity = 1;
     if (object->kind == ISORENDER_LINES) return set_lines(options, number, object, error);
     if (object->kind == ISORENDER_GLYPHS) return set_glyphs(options, number, object, error);
-    ISO_TRY(
-        set_opacity("surface-opacity", isorender_value_for(&options->mesh_opacities, number), object, error));
+    ISO_TRY(isorender_parse_opacity("surface-opacity", isorender_value_for(&options->mesh_opacities, number),
+                                    &object->opacity, error));
     return set_color("surface-color", isorender_value_for(&options->mesh_colors, number), object, error);
 }
 

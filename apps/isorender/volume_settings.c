@@ -25,14 +25,6 @@ static iso_status set_color(const char *value, isorender_volume_settings *volume
     return ISO_OK;
 }
 
-static iso_status set_opacity(const char *value, isorender_volume_settings *volume, iso_error *error) {
-    volume->opacity = 1;
-    if (!value) return ISO_OK;
-    if (iso_parse_real(value, &volume->opacity) && volume->opacity >= 0 && volume->opacity <= 1)
-        return ISO_OK;
-    return iso_fail(error, ISO_ERR_USAGE, "--volume-opacity: '%s' is not an opacity from 0 to 1", value);
-}
-
 iso_status isorender_volumes_resolve(const isorender_volume_options *options,
                                      isorender_volume_settings volumes[ISORENDER_VOLUMES], iso_error *error) {
     const struct {
@@ -43,10 +35,11 @@ iso_status isorender_volumes_resolve(const isorender_volume_options *options,
                     {"volume-opacity", &options->opacities}};
     for (int i = 0; i < options->count; i++) {
         isorender_volume_settings *volume = &volumes[i];
-        *volume = (isorender_volume_settings){.path = options->paths[i]};
+        *volume = (isorender_volume_settings){.path = options->paths[i], .opacity = 1};
         ISO_TRY(set_isovalue(isorender_value_for(&options->isovalues, i), volume, error));
         ISO_TRY(set_color(isorender_value_for(&options->colors, i), volume, error));
-        ISO_TRY(set_opacity(isorender_value_for(&options->opacities, i), volume, error));
+        ISO_TRY(isorender_parse_opacity("volume-opacity", isorender_value_for(&options->opacities, i),
+                                        &volume->opacity, error));
     }
     for (size_t i = 0; i < sizeof repeated / sizeof *repeated; i++)
         ISO_TRY(
