@@ -34,7 +34,7 @@ static void across(const double along[3], double length, double first[3], double
 static double radius_of(const iso_shapes *set, uint32_t id, double length) {
     if (set->radii) return (double)set->radii[id] * set->scale;
     if (set->radius > 0) return set->radius * set->scale;
-    return length * iso_solid_slimness(set->glyph);
+    return length * iso_solid_radius_ratio(set->glyph);
 }
 
 /* Glyphs along a direction, and discs across it. */

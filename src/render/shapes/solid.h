@@ -21,7 +21,7 @@ static inline bool iso_solid_is_directed(iso_glyph glyph) {
 }
 
 /* The radius of directed glyphs that have none, as a part of their length. */
-static inline double iso_solid_slimness(iso_glyph glyph) {
+static inline double iso_solid_radius_ratio(iso_glyph glyph) {
     return glyph == ISO_GLYPH_CONE ? 1.0 / 3 : 0.1;
 }
 
