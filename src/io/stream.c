@@ -29,6 +29,18 @@ bool iso_stream_refill(iso_stream *stream, size_t bytes) {
     return stream->end >= bytes;
 }
 
+iso_status iso_stream_read(iso_stream *stream, void *to, size_t bytes, iso_error *error) {
+    for (unsigned char *at = to; bytes > 0;) {
+        if (!iso_stream_fill(stream, 1)) return iso_stream_fail(stream, error);
+        const size_t have = stream->end - stream->place, step = bytes < have ? bytes : have;
+        memcpy(at, stream->buffer + stream->place, step);
+        iso_stream_advance(stream, step);
+        at += step;
+        bytes -= step;
+    }
+    return ISO_OK;
+}
+
 iso_status iso_stream_skip(iso_stream *stream, uint64_t bytes, iso_error *error) {
     while (bytes > 0) {
         if (!iso_stream_fill(stream, 1)) return iso_stream_fail(stream, error);

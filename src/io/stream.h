@@ -55,6 +55,9 @@ static inline int iso_stream_byte(iso_stream *stream) {
     return byte;
 }
 
+/* Copies the next bytes; ISO_ERR_IO when the file ends before. */
+iso_status iso_stream_read(iso_stream *stream, void *to, size_t bytes, iso_error *error);
+
 /* Skips bytes; ISO_ERR_IO when the file ends before. */
 iso_status iso_stream_skip(iso_stream *stream, uint64_t bytes, iso_error *error);
 

@@ -4,15 +4,20 @@
 #include "io/encode.h"
 #include "io/glyphs/glyphs_format.h"
 
-typedef iso_status read_fn(iso_reading *reading, iso_glyphs *glyphs, iso_error *error);
-
-static const iso_format_name names[] = {{"ply", ".ply", "ply"},      {"vtk", ".vtk", "# vtk DataFile"},
-                                        {"xyz", ".xyz", NULL},       {"pdb", ".pdb", NULL},
-                                        {"pdb", ".ent", NULL},       {"csv", ".csv", NULL},
-                                        {"vtp", ".vtp", "<VTKFile"}, {"vtp", ".vtp", "<?xml"}};
-static read_fn *const readers[] = {iso_glyphs_read_ply, iso_glyphs_read_vtk, iso_glyphs_read_xyz,
-                                   iso_glyphs_read_pdb, iso_glyphs_read_pdb, iso_glyphs_read_csv,
-                                   iso_glyphs_read_vtp, iso_glyphs_read_vtp};
+/* The rows of both tables are the same formats. */
+static const iso_format_name names[] = {
+    {"ply", ".ply", "ply"},      {"vtk", ".vtk", "# vtk DataFile"},
+    {"xyz", ".xyz", NULL},       {"pdb", ".pdb", NULL},
+    {"pdb", ".ent", NULL},       {"csv", ".csv", NULL},
+    {"vtp", ".vtp", "<VTKFile"}, {"vtp", ".vtp", "<?xml"},
+    {"pcd", ".pcd", "# .PCD"},   {"las", ".las", "LASF"},
+    {"las", ".laz", NULL},
+};
+static iso_status (*const readers[])(iso_reading *reading, iso_glyphs *glyphs, iso_error *error) = {
+    iso_glyphs_read_ply, iso_glyphs_read_vtk, iso_glyphs_read_xyz, iso_glyphs_read_pdb,
+    iso_glyphs_read_pdb, iso_glyphs_read_csv, iso_glyphs_read_vtp, iso_glyphs_read_vtp,
+    iso_glyphs_read_pcd, iso_glyphs_read_las, iso_glyphs_read_las,
+};
 
 iso_status iso_glyphs_read(const char *path, const iso_read_opts *opts, iso_glyphs *glyphs,
                            iso_error *error) {

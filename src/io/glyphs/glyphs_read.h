@@ -1,4 +1,4 @@
-/* glyphs_read: reads points with sizes and directions: molecules, particles, splats, tensors.
+/* glyphs_read: reads points with sizes and directions: molecules, particles, splats, tensors, scans.
  *
  *   .ply    vertices: radius; or scale_0 .. 2 and rot_0 .. 3; nx ny nz or vx vy vz; red green blue
  *   .vtk    VTK's legacy polygonal data: points with their arrays
@@ -7,10 +7,14 @@
  *   .pdb    molecules: the first model, the first of alternate locations, and the copies that the first
  *           assembly (REMARK 350) makes of the chains
  *   .csv    a row of names with x y z, then numbers, or words that are numbered
+ *   .pcd    the Point Cloud Library's: as text, binary, or compressed; rgb and rgba are packed colours
+ *   .las    scans from the air and the ground, LAS 1.0 to 1.4, point formats 0 to 10; not the compressed LAZ
  *
  * Atoms have van der Waals radii and colours by element; an ångström is a millimetre of the world. Columns
- * that fill no array of iso_glyphs become attributes; of directions, vx vy vz precede nx ny nz. None of the
- * formats states a space: LPS, but for .vtk files of 3D Slicer, whose title states it.
+ * that fill no array of iso_glyphs become attributes; of directions, vx vy vz precede nx ny nz. Other names
+ * of nx ny nz and red green blue are normal_x .. and r g b. Colours of 16 bits become 8, but those of .las
+ * and .pcd stay as they are if none is above 255. None of the formats states a space: LPS, but for .vtk files
+ * of 3D Slicer, whose title states it.
  *
  * The format is found from the content, and from the name if the content does not tell. Glyphs with a
  * position that is not finite or beyond 1e12 mm are left out; radii and half axes that are negative or not

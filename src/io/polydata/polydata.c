@@ -43,8 +43,10 @@ static const struct group {
     const char *names[4];
 } groups[] = {
     {"normals", ISO_ROLE_NORMAL, 3, {"nx", "ny", "nz"}},
+    {"normals", ISO_ROLE_NORMAL, 3, {"normal_x", "normal_y", "normal_z"}},
     {"vectors", ISO_ROLE_VECTOR, 3, {"vx", "vy", "vz"}},
     {"colors", ISO_ROLE_COLOR, 3, {"red", "green", "blue"}},
+    {"colors", ISO_ROLE_COLOR, 3, {"r", "g", "b"}},
     {"scale", ISO_ROLE_NONE, 3, {"scale_0", "scale_1", "scale_2"}},
     {"rot", ISO_ROLE_NONE, 4, {"rot_0", "rot_1", "rot_2", "rot_3"}},
     {"f_dc", ISO_ROLE_NONE, 3, {"f_dc_0", "f_dc_1", "f_dc_2"}},

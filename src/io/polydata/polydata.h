@@ -46,9 +46,9 @@ typedef struct iso_slot {
 enum { ISO_SLOT_POINT = -1, ISO_SLOT_SKIP = -2 };
 
 /* Adds columns for the numbers with these names, in the order of a row, and finds the slot of each number. x
- * y z are the point. nx ny nz, vx vy vz, red green blue, scale_0 .. 2, rot_0 .. 3 and f_dc_0 .. 2 form one
- * column each if all their names are present. Every other name becomes a column of its own; NULL is skipped.
- * Case is ignored. ISO_ERR_FORMAT: a coordinate is missing. */
+ * y z are the point. nx ny nz (normal_x ..), vx vy vz, red green blue (r g b), scale_0 .. 2, rot_0 .. 3 and
+ * f_dc_0 .. 2 form one column each if all their names are present. Every other name becomes a column of its
+ * own; NULL is skipped. Case is ignored. ISO_ERR_FORMAT: a coordinate is missing. */
 iso_status iso_polydata_name_columns(iso_polydata *data, const char *const *names, int count, iso_slot *slots,
                                      iso_error *error);
 

@@ -1,0 +1,178 @@
+/* las: scans from the air and the ground (ASPRS LAS 1.0 to 1.4, point formats 0 to 10). A record may be
+ * longer than its format: the further bytes are ignored. LAZ, the compressed form, is not read.
+ *
+ * Floats hold times of GPS only coarsely, so that the attribute gps_time counts from the first point's time,
+ * rounded down. */
+#include <math.h>
+#include <string.h>
+
+#include "io/glyphs/glyphs_format.h"
+#include "io/polydata/records.h"
+#include "io/scalar_load.h"
+
+enum { HEADER_LEAST = 227, HEADER_14 = 375, BLOCK_HEADER = 54, FORMATS = 11, FIELDS = 16, WORD = 16 };
+
+/* Records of a point format: how long they are, and where the parts are that not all formats have. */
+static const struct {
+    size_t bytes, time, color; /* offsets; 0: the format has none */
+} layouts[FORMATS] = {{20, 0, 0},  {28, 20, 0},  {26, 0, 20},  {34, 20, 28}, {57, 20, 0}, {63, 20, 28},
+                      {30, 22, 0}, {36, 22, 30}, {38, 22, 30}, {59, 22, 0},  {67, 22, 30}};
+
+typedef struct las {
+    iso_polydata data;
+    iso_stream in;
+    unsigned char header[HEADER_14]; /* zero behind its end */
+    int format;
+    size_t record;
+    uint64_t points, begin, block_count; /* begin: offset of the first point in the file */
+    iso_record_field fields[FIELDS];
+    int field_count;
+} las;
+
+static const char *path_of(const las *l) {
+    return l->data.reading->path;
+}
+
+/* ---- the header */
+
+static uint64_t number_at(const unsigned char *bytes, iso_scalar scalar) {
+    return (uint64_t)iso_scalar_load(bytes, scalar, false);
+}
+
+static uint64_t long_at(const unsigned char *bytes) {
+    return number_at(bytes, ISO_SCALAR_UINT32) | number_at(bytes + 4, ISO_SCALAR_UINT32) << 32;
+}
+
+static double double_at(const las *l, size_t offset) {
+    return iso_scalar_load(l->header + offset, ISO_SCALAR_DOUBLE, false);
+}
+
+static iso_status read_header(las *l, iso_error *error) {
+    const size_t before = 96; /* up to the header's own length and the offset of the points */
+    if (!iso_stream_fill(&l->in, HEADER_LEAST))
+        return ferror(l->in.file)
+                   ? iso_stream_fail(&l->in, error)
+                   : iso_fail(error, ISO_ERR_IO, "%s: truncated in its LAS header", path_of(l));
+    if (memcmp(l->in.buffer, "LASF", 4) != 0)
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: not a LAS file", path_of(l));
+    const uint64_t length = number_at(l->in.buffer + before - 2, ISO_SCALAR_UINT16);
+    if (length < HEADER_LEAST)
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: damaged: a LAS header of %llu bytes", path_of(l),
+                        (unsigned long long)length);
+    const size_t kept = length < HEADER_14 ? (size_t)length : HEADER_14;
+    ISO_TRY(iso_stream_read(&l->in, l->header, kept, error));
+    ISO_TRY(iso_stream_skip(&l->in, length - kept, error));
+    l->begin = number_at(l->header + before, ISO_SCALAR_UINT32);
+    l->block_count = number_at(l->header + 100, ISO_SCALAR_UINT32);
+    l->format = l->header[104];
+    l->record = (size_t)number_at(l->header + 105, ISO_SCALAR_UINT16);
+    l->points = number_at(l->header + 107, ISO_SCALAR_UINT32);
+    if (l->header[25] >= 4 && long_at(l->header + 247)) l->points = long_at(l->header + 247);
+    if (l->begin >= length) return ISO_OK;
+    return iso_fail(error, ISO_ERR_FORMAT, "%s: damaged: its points begin in the LAS header", path_of(l));
+}
+
+static iso_status fail_compressed(const las *l, iso_error *error) {
+    return iso_fail(error, ISO_ERR_UNSUPPORTED, "%s: compressed (LAZ), which is not read: convert it to LAS",
+                    path_of(l));
+}
+
+/* Skips the blocks of variable length before the points, and looks for the one that compressed files have. */
+static iso_status skip_blocks(las *l, uint64_t left, iso_error *error) {
+    unsigned char block[BLOCK_HEADER];
+    for (uint64_t i = 0; i < l->block_count && left >= BLOCK_HEADER; i++) {
+        ISO_TRY(iso_stream_read(&l->in, block, sizeof block, error));
+        if (strncmp((const char *)block + 2, "laszip encoded", 16) == 0) return fail_compressed(l, error);
+        const uint64_t bytes = number_at(block + 20, ISO_SCALAR_UINT16), rest = left - BLOCK_HEADER;
+        left = bytes < rest ? rest - bytes : 0;
+        ISO_TRY(iso_stream_skip(&l->in, bytes < rest ? bytes : rest, error));
+    }
+    return iso_stream_skip(&l->in, left, error);
+}
+
+static iso_status check_format(las *l, iso_error *error) {
+    if (l->format & 0xc0) return fail_compressed(l, error);
+    if (l->format >= FORMATS)
+        return iso_fail(error, ISO_ERR_UNSUPPORTED, "%s: point format %d of LAS is not known", path_of(l),
+                        l->format);
+    if (l->record >= layouts[l->format].bytes) return ISO_OK;
+    return iso_fail(error, ISO_ERR_FORMAT, "%s: damaged: points of format %d in %zu bytes", path_of(l),
+                    l->format, l->record);
+}
+
+/* ---- points */
+
+static iso_record_field *add_field(las *l, iso_slot slot, iso_scalar scalar, size_t offset) {
+    iso_record_field *field = &l->fields[l->field_count++];
+    *field = iso_record_field_make(slot, scalar, offset, l->record);
+    return field;
+}
+
+/* Adds a column of one number. */
+static iso_status add_number(las *l, const char *name, iso_scalar scalar, size_t offset, uint8_t mask,
+                             iso_error *error) {
+    iso_slot slot = {0, 0};
+    ISO_TRY(iso_polydata_add_column(&l->data, name, 1, false, ISO_ROLE_NONE, &slot.column, error));
+    add_field(l, slot, scalar, offset)->mask = mask;
+    return ISO_OK;
+}
+
+static iso_status add_time(las *l, size_t offset, iso_error *error) {
+    ISO_TRY(add_number(l, "gps_time", ISO_SCALAR_DOUBLE, offset, 0, error));
+    if (l->points == 0 || !iso_stream_fill(&l->in, l->record)) return ISO_OK;
+    const double first =
+        floor(iso_scalar_load(l->in.buffer + l->in.place + offset, ISO_SCALAR_DOUBLE, false));
+    if (!(first > 0 && first < 1e15)) return ISO_OK;
+    l->fields[l->field_count - 1].shift = -first;
+    iso_reading_note(l->data.reading, "gps_time is counted from %.0f", first);
+    return ISO_OK;
+}
+
+static iso_status add_color(las *l, size_t offset, iso_error *error) {
+    int column;
+    ISO_TRY(iso_polydata_add_column(&l->data, "colors", 3, false, ISO_ROLE_COLOR, &column, error));
+    for (int k = 0; k < 3; k++)
+        add_field(l, (iso_slot){column, k}, ISO_SCALAR_UINT16, offset + 2 * (size_t)k);
+    return ISO_OK;
+}
+
+static iso_status add_fields(las *l, iso_error *error) {
+    const bool extended = l->format >= 6; /* more bits for the number of the return, a byte for the class */
+    for (int axis = 0; axis < 3; axis++) {
+        const size_t at = 8 * (size_t)axis;
+        iso_record_field *field =
+            add_field(l, (iso_slot){ISO_SLOT_POINT, axis}, ISO_SCALAR_INT32, 4 * (size_t)axis);
+        field->scale = double_at(l, 131 + at);
+        field->shift = double_at(l, 155 + at);
+    }
+    ISO_TRY(add_number(l, "intensity", ISO_SCALAR_UINT16, 12, 0, error));
+    ISO_TRY(add_number(l, "return_number", ISO_SCALAR_UINT8, 14, extended ? 0x0f : 0x07, error));
+    ISO_TRY(
+        add_number(l, "classification", ISO_SCALAR_UINT8, extended ? 16 : 15, extended ? 0 : 0x1f, error));
+    if (layouts[l->format].time) ISO_TRY(add_time(l, layouts[l->format].time, error));
+    if (layouts[l->format].color) ISO_TRY(add_color(l, layouts[l->format].color, error));
+    return ISO_OK;
+}
+
+static iso_status read_las(las *l, iso_glyphs *glyphs, iso_error *error) {
+    ISO_TRY(iso_stream_open(path_of(l), &l->in, error));
+    ISO_TRY(read_header(l, error));
+    ISO_TRY(check_format(l, error));
+    ISO_TRY(skip_blocks(l, l->begin - number_at(l->header + 94, ISO_SCALAR_UINT16), error));
+    ISO_TRY(add_fields(l, error));
+    ISO_TRY(iso_polydata_stream_records(&l->data, l->fields, l->field_count, &l->in, l->record, l->points,
+                                        error));
+    iso_polydata_scale_colors(&l->data, false);
+    return iso_polydata_to_glyphs(&l->data, glyphs, error);
+}
+
+iso_status iso_glyphs_read_las(iso_reading *reading, iso_glyphs *glyphs, iso_error *error) {
+    las *l = iso_alloc_zero(1, sizeof *l);
+    if (!l) return iso_fail_memory(error, reading->path);
+    l->data.reading = reading;
+    iso_status status = read_las(l, glyphs, error);
+    iso_stream_close(&l->in);
+    iso_polydata_free(&l->data);
+    iso_free(l);
+    return status;
+}

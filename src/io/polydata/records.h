@@ -1,0 +1,47 @@
+/* records: points that a file stores as records of fixed size, decoded many at a time into polydata: the
+ * binary forms of PLY, PCD, LAS and NPY. Internal to src/io. */
+#ifndef ISO_IO_POLYDATA_RECORDS_H
+#define ISO_IO_POLYDATA_RECORDS_H
+
+#include "grids/volume/format.h"
+#include "io/polydata/polydata.h"
+#include "io/stream.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* A number that every record holds: (number & mask) * scale + shift goes to `slot`. */
+typedef struct iso_record_field {
+    iso_slot slot;
+    iso_scalar scalar;
+    bool big_endian;
+    uint8_t mask;          /* only for ISO_SCALAR_UINT8, shifted down to bit 0; 0: all bits */
+    size_t offset, stride; /* bytes from the block's begin to the first number, and from one to the next */
+    double scale, shift;
+} iso_record_field;
+
+/* Returns the field of a little-endian number at `offset` in records of `stride` bytes. */
+static inline iso_record_field iso_record_field_make(iso_slot slot, iso_scalar scalar, size_t offset,
+                                                     size_t stride) {
+    iso_record_field field = {slot, scalar, false, 0, offset, stride, 1, 0};
+    return field;
+}
+
+/* Adds `items` points. There must be room for them, and `bytes` must hold all numbers of the fields. */
+void iso_polydata_add_records(iso_polydata *data, const iso_record_field *fields, int count,
+                              const unsigned char *bytes, size_t items);
+
+/* Reads `items` records of `record` bytes, at most ISO_STREAM_BUFFER, from the stream. Compares the number of
+ * items with the file's size before memory is taken. ISO_ERR_IO, ISO_ERR_LIMIT, ISO_ERR_NOMEM. */
+iso_status iso_polydata_stream_records(iso_polydata *data, const iso_record_field *fields, int count,
+                                       iso_stream *stream, size_t record, uint64_t items, iso_error *error);
+
+/* Scales the column of colours, if there is one, to 0 .. 255: numbers of 16 bits if one of them is above 255;
+ * `fractions`: the file stores floats, which are 0 .. 1 unless one of them is above 1. */
+void iso_polydata_scale_colors(iso_polydata *data, bool fractions);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
