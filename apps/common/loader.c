@@ -1,5 +1,5 @@
-/* Opens and reads the inputs of the programs: volume files, procedural scenes, .ply files of points, and any
- * of these files on standard input. */
+/* Opens and reads the inputs of the programs: volume files, procedural scenes, files of points, and any of
+ * these files on standard input. */
 #define _GNU_SOURCE
 #include "apps/common/loader.h"
 
@@ -7,12 +7,13 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-#include <strings.h>
 #include <unistd.h>
 
 #include "apps/common/options.h"
 #include "base/memory.h"
+#include "base/text.h"
 #include "grids/scenes/scenes.h"
+#include "io/glyphs/glyphs_read.h"
 
 static const char SCENE_PREFIX[] = "scene:";
 
@@ -95,15 +96,21 @@ static iso_volume_opts volume_opts(iso_loader *loader) {
     return opts;
 }
 
-/* Returns whether an input is a .ply file, by its name or first bytes. */
+/* Returns whether a file begins as .ply files do. */
 static bool is_ply(const char *path) {
     unsigned char head[4] = {0};
     int file = open(path, O_RDONLY | O_CLOEXEC);
     ssize_t count = file < 0 ? -1 : read(file, head, sizeof head);
     if (file >= 0) close(file);
-    size_t length = strlen(path);
-    bool named = length > 4 && strcasecmp(path + length - 4, ".ply") == 0;
-    return named || (count == 4 && memcmp(head, "ply", 3) == 0 && (head[3] == '\n' || head[3] == '\r'));
+    return count == 4 && memcmp(head, "ply", 3) == 0 && (head[3] == '\n' || head[3] == '\r');
+}
+
+/* Returns whether an input is a file of points, by its name or first bytes. */
+static bool is_cloud(const char *path) {
+    static const char *const endings[] = {".ply"};
+    for (size_t i = 0; i < sizeof endings / sizeof *endings; i++)
+        if (iso_text_has_extension(path, endings[i])) return true;
+    return is_ply(path);
 }
 
 void iso_loader_list_files(const char *input, const iso_input *options, iso_file_set *files) {
@@ -111,7 +118,7 @@ void iso_loader_list_files(const char *input, const iso_input *options, iso_file
     iso_volume_opts opts = iso_input_volume_opts(options);
     opts.files = files;
     if (iso_loader_is_scene(input) || iso_spool_needed(input)) return;
-    if (options->has_raw || !is_ply(input)) iso_volume_read_info(input, &opts, &info, NULL);
+    if (options->has_raw || !is_cloud(input)) iso_volume_read_info(input, &opts, &info, NULL);
 }
 
 /* ---- opening and reading ---- */
@@ -139,18 +146,22 @@ iso_status iso_loader_open(iso_loader *loader, iso_error *error) {
         loader->path = loader->spool.path;
     }
     iso_file_set_read_as(loader->files, loader->path, iso_spool_name(loader->input));
-    loader->has_points = !loader->options->has_raw && is_ply(loader->path);
+    loader->has_points = !loader->options->has_raw && is_cloud(loader->path);
     if (loader->has_points) return check_files(loader, error);
     ISO_TRY(iso_volume_read_info(loader->path, &opts, &loader->volume.info, error));
     ISO_TRY(check_files(loader, error));
     return find_crop(loader, error);
 }
 
+static iso_status read_points(iso_loader *loader, iso_error *error) {
+    const uint64_t limit = memory_limit(loader);
+    const iso_read_opts opts = {
+        .max_memory = limit == UINT64_MAX ? 0 : limit, .files = loader->files, .report = &loader->report};
+    return iso_glyphs_read(loader->path, &opts, &loader->points, error);
+}
+
 iso_status iso_loader_read(iso_loader *loader, iso_error *error) {
-    if (loader->has_points) {
-        uint64_t limit = memory_limit(loader);
-        return iso_points_read_ply(loader->path, limit == UINT64_MAX ? 0 : limit, &loader->points, error);
-    }
+    if (loader->has_points) return read_points(loader, error);
     if (isnan(loader->scene_isovalue)) {
         iso_volume_opts opts = volume_opts(loader);
         ISO_TRY(iso_volume_read(loader->path, &opts, &loader->volume, error));
@@ -169,7 +180,7 @@ iso_status iso_loader_histogram(iso_loader *loader, iso_error *error) {
 }
 
 void iso_loader_close(iso_loader *loader) {
-    iso_points_free(&loader->points);
+    iso_glyphs_free(&loader->points);
     iso_volume_free(&loader->volume);
     iso_spool_close(&loader->spool);
 }

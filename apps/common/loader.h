@@ -1,6 +1,7 @@
 /* loader: opens and reads the input of a program that works on one input at a time: a volume file or DICOM
- * folder, a procedural scene ("scene:NAME" or "scene:NAME:SIZE"), a .ply file of points, or any of these
- * files on standard input ("-") or from a FIFO. The content decides the format, not the name.
+ * folder, a procedural scene ("scene:NAME" or "scene:NAME:SIZE"), a file of points (a .ply by its content,
+ * others by their names), or any of these files on standard input ("-") or from a FIFO. The content of
+ * volumes decides their format, not the name.
  *
  *     iso_loader loader = {.input = path, .options = &input, .files = &files, .pool = pool};
  *     iso_loader_open(&loader, &error)     the header: kind of input, size, type; nothing large is read
@@ -16,9 +17,10 @@
 #include "apps/common/input.h"
 #include "apps/common/input_spool.h"
 #include "base/file.h"
+#include "base/glyphs.h"
 #include "base/parallel.h"
 #include "extract/isovalue/isovalue.h"
-#include "io/points_io.h"
+#include "io/read_opts.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -39,14 +41,15 @@ typedef struct iso_loader {
     /* after iso_loader_open: */
     const char *path; /* what readers open: the input, or the copy of standard input or a FIFO */
     iso_spool spool;
-    bool has_points;       /* the input contains points instead of a volume, and `points` is set */
+    bool has_points;       /* the input contains points instead of a volume */
     iso_volume volume;     /* the header; for scenes also the grid */
     int crop[6];           /* voxels of the file that are kept: x0 x1 y0 y1 z0 z1, first and last */
     double scene_isovalue; /* the isovalue of a scene's surface; NAN when the input is not a scene */
 
     /* after iso_loader_read: */
-    iso_points points;
-    size_t nonfinite; /* voxels that are NaN or infinite */
+    iso_glyphs points;      /* if has_points; the caller may free them when they are not needed any more */
+    iso_read_report report; /* of the points */
+    size_t nonfinite;       /* voxels that are NaN or infinite */
 
     /* after iso_loader_histogram: */
     bool has_histogram;
@@ -60,7 +63,7 @@ typedef struct iso_loader {
 iso_status iso_loader_open(iso_loader *loader, iso_error *error);
 
 /* Reads the voxels and crops them to `crop`, or reads the points. Errors: those of iso_volume_read and
- * iso_points_read_ply. */
+ * iso_glyphs_read. */
 iso_status iso_loader_read(iso_loader *loader, iso_error *error);
 
 /* Computes `histogram` from the volume, unless it exists already. ISO_ERR_EMPTY: no voxel is finite. */

@@ -47,10 +47,7 @@ static void print_header(const isorender_job *job, const iso_loader *loader) {
     const iso_volume_info *info = &loader->volume.info;
     iso_text_put(stdout, iso_spool_name(loader->input));
     putchar('\n');
-    if (loader->has_points) {
-        printf("  %-11s points (ply)\n", "format");
-        return;
-    }
+    if (loader->has_points) return;
     printf("  %-11s %s%s%s\n", "format", info->format, info->name[0] ? ", " : "", info->name);
     printf("  %-11s %d x %d x %d, %s", "voxels", info->dims[0], info->dims[1], info->dims[2],
            info->file_type);
@@ -102,16 +99,8 @@ static void print_isovalues(const iso_loader *loader) {
     printf("\n");
 }
 
-/* What the voxels or points say. */
+/* What the voxels say. */
 static void print_values(const iso_loader *loader) {
-    if (loader->has_points) {
-        iso_point_view view = iso_points_view(&loader->points);
-        iso_box box = iso_point_view_bounds(&view);
-        printf("  %-11s %zu\n", "points", iso_point_view_count(&view));
-        printf("  %-11s %.6g %.6g %.6g .. %.6g %.6g %.6g mm\n", "bounds", box.lo.x, box.lo.y, box.lo.z,
-               box.hi.x, box.hi.y, box.hi.z);
-        return;
-    }
     if (loader->nonfinite)
         printf("  %-11s %zu voxels are NaN or infinite\n", "not finite", loader->nonfinite);
     if (!loader->has_histogram) {
@@ -128,7 +117,10 @@ static void print_values(const iso_loader *loader) {
 }
 
 void isorender_info_values(const isorender_job *job) {
-    if (!job->settings->no_input) print_values(&job->loader);
+    if (job->loader.has_points)
+        isorender_cloud_info(job);
+    else if (!job->settings->no_input)
+        print_values(&job->loader);
     for (int i = 0; i < job->volume_count; i++) {
         print_header(job, &job->volumes[i]);
         print_values(&job->volumes[i]);

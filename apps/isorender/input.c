@@ -21,38 +21,6 @@ static iso_status check_picture(const isorender_job *job, iso_error *error) {
                     job->settings->width, job->settings->height, (double)needs / 1e6, (double)limit / 1e6);
 }
 
-static bool wants_gradients(const isorender_settings *settings) {
-    for (int i = 0; i < settings->object_options.count; i++)
-        if (isorender_object_is_surface(&settings->objects[i])) return true;
-    return false;
-}
-
-/* Options that need a volume. */
-static iso_status check_points_options(const isorender_settings *settings, iso_error *error) {
-    const iso_input *input = &settings->common.input;
-    if (settings->method != ISORENDER_METHOD_UNCHOSEN) {
-        const iso_renderer *renderer = iso_renderer_get((iso_method)settings->method);
-        if (renderer->needs & ~(1u << ISO_PART_POINTS | 1u << ISO_PART_GROUPS))
-            return iso_fail(error, ISO_ERR_USAGE, "holds points, not a volume: --method %s needs a volume",
-                            renderer->name);
-    }
-    const char *option = settings->isovalue_count    ? "--isovalue"
-                         : settings->mesh            ? "--mesh"
-                         : input->cropped            ? "--crop"
-                         : input->cropped_mm         ? "--crop-mm"
-                         : settings->primitive       ? "--primitive"
-                         : input->largest            ? "--largest"
-                         : input->min_size > 0       ? "--min-size"
-                         : settings->closed          ? "--closed"
-                         : settings->ior > 0         ? "--ior"
-                         : input->grid               ? "--grid"
-                         : input->series             ? "--series"
-                         : wants_gradients(settings) ? "--glyphs surface"
-                                                     : isorender_object_opacity_option(settings);
-    if (!option) return ISO_OK;
-    return iso_fail(error, ISO_ERR_USAGE, "holds points, not a volume: %s needs a volume", option);
-}
-
 /* Checks that the limit of memory allows the grids of their own that surfaces will get (closed, or with
  * parts removed), estimated from the header before the volume is read. */
 static iso_status check_copies(const isorender_job *job, iso_error *error) {
@@ -88,7 +56,7 @@ static const iso_renderer *find_renderer(const isorender_job *job) {
 
 static void choose_method(isorender_job *job) {
     const iso_method of_points =
-        isorender_is_translucent(job->settings) ? ISO_METHOD_SPLATS : ISO_METHOD_POINTS;
+        isorender_is_translucent(job->settings) ? ISO_METHOD_SPLATS : ISO_METHOD_PULLPUSH;
     const iso_method usual = job->loader.has_points ? of_points : ISO_METHOD_EXACT;
     job->method =
         job->settings->method == ISORENDER_METHOD_UNCHOSEN ? usual : (iso_method)job->settings->method;
@@ -116,7 +84,7 @@ static iso_status check_no_input(const isorender_settings *settings, iso_error *
                          : input->largest                                   ? "--largest"
                          : input->min_size > 0                              ? "--min-size"
                                                                             : NULL;
-    if (!option && wants_gradients(settings)) option = "--glyphs surface";
+    if (!option && isorender_wants_gradients(settings)) option = "--glyphs surface";
     if (!option) return ISO_OK;
     return iso_fail(error, ISO_ERR_USAGE,
                     surfaces ? "%s is for an input: there are only further files (--volume and others)"
@@ -145,7 +113,7 @@ iso_status isorender_open(isorender_job *job, iso_error *error) {
     const bool is_file = isnan(loader->scene_isovalue) && !loader->has_points;
     if (!is_file || loader->volume.info.read_bytes <= memory_limit(job->settings))
         ISO_TRY(check_picture(job, error));
-    return loader->has_points ? check_points_options(job->settings, error) : check_copies(job, error);
+    return loader->has_points ? isorender_cloud_check(job->settings, error) : check_copies(job, error);
 }
 
 static void log_notes(const isorender_job *job) {
@@ -157,18 +125,8 @@ static void log_notes(const isorender_job *job) {
 }
 
 static void log_object(const isorender_job *job, const isorender_object *object) {
-    const iso_read_report *report = &object->report;
-    const bool is_input =
-        strcmp(object->settings->path, job->plan->input) == 0; /* then it is named already */
-    const char *path = is_input ? "" : object->settings->path, *colon = is_input ? "" : ": ";
-    for (int i = 0; i < report->note_count; i++)
-        isorender_log(job, "note: %s%s%s", path, colon, report->notes[i]);
-    if (report->dropped)
-        isorender_log(job, "note: %s%s%" PRIu64 " positions are not finite and are left out", path, colon,
-                      report->dropped);
-    if (report->mended_radii)
-        isorender_log(job, "note: %s%s%" PRIu64 " radii are negative or not finite and became 0", path, colon,
-                      report->mended_radii);
+    const bool is_input = strcmp(object->settings->path, job->plan->input) == 0; /* it is named already */
+    isorender_log_report(job, is_input ? "" : object->settings->path, &object->report);
 }
 
 static iso_status check_color_bar(const isorender_job *job, iso_error *error) {
@@ -195,6 +153,7 @@ static iso_status read_objects(isorender_job *job, iso_error *error) {
 iso_status isorender_read(isorender_job *job, iso_error *error) {
     if (!job->settings->no_input) ISO_TRY(iso_loader_read(&job->loader, error));
     if (job->has_volume) log_notes(job);
+    if (job->loader.has_points) ISO_TRY(isorender_cloud_read(job, error));
     ISO_TRY(isorender_volumes_read(job, error));
     return read_objects(job, error);
 }

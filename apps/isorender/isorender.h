@@ -9,6 +9,7 @@
 #include "apps/isorender/objects.h"
 #include "apps/isorender/plan.h"
 #include "apps/isorender/settings.h"
+#include "clouds/cloud.h"
 #include "exact/exact.h"
 #include "extract/mesh/mesh.h"
 #include "extract/mesh/mesh_measure.h"
@@ -73,7 +74,8 @@ typedef struct isorender_job {
     const iso_renderer *renderer; /* of the method with its reconstruction */
 
     isorender_surface surfaces[ISORENDER_SURFACES]; /* those of the input, then one of each of `volumes` */
-    iso_point_view read_points;                     /* of a file of points */
+    iso_cloud cloud;                                /* of a file of points */
+    iso_point_view read_points;                     /* of the cloud */
     int surface_count, input_surface_count;
     isorender_object objects[ISORENDER_OBJECTS]; /* their surface numbers follow those of the surfaces */
     int object_count;
@@ -131,6 +133,18 @@ iso_translucency isorender_translucency(const isorender_settings *settings, doub
 /* The box of all surfaces, not of objects, in the space of three world vectors: iso_fit.bounds. */
 iso_box isorender_bounds(const isorender_job *job, const iso_vec3 vectors[3]);
 
+/* ---- cloud.c: a file of points as the input */
+
+/* ISO_ERR_USAGE for options that need a volume. */
+iso_status isorender_cloud_check(const isorender_settings *settings, iso_error *error);
+/* Makes job->cloud of the points that were read, as the settings say, and frees those. ISO_ERR_EMPTY: no
+ * point is left; other errors as iso_cloud_make. */
+iso_status isorender_cloud_read(isorender_job *job, iso_error *error);
+/* Prints what --info says of the points. */
+void isorender_cloud_info(const isorender_job *job);
+/* Members of the report. */
+void isorender_cloud_report(iso_json *json, const isorender_job *job);
+
 /* ---- volumes.c: further volumes, of --volume */
 
 /* As iso_loader_open and iso_loader_read, for all of them. Messages begin with the volume's name. */
@@ -143,6 +157,9 @@ iso_status isorender_volume_named(const isorender_job *job, int volume, iso_stat
 void isorender_report_volumes(iso_json *json, const isorender_job *job);
 
 /* ---- object_gradients.c */
+
+/* Whether --glyphs surface is given. */
+bool isorender_wants_gradients(const isorender_settings *settings);
 
 /* Makes the glyphs of --glyphs surface. ISO_ERR_EMPTY: no gradient can be drawn; ISO_ERR_LIMIT,
  * ISO_ERR_NOMEM. */
@@ -211,6 +228,8 @@ void isorender_log(const isorender_job *job, const char *format, ...); /* unless
 __attribute__((format(printf, 2, 3)))
 #endif
 void isorender_log_verbose(const isorender_job *job, const char *format, ...); /* with --verbose */
+/* Logs the notes of a reader of points or lines; `path`: the file, "" for the input. */
+void isorender_log_report(const isorender_job *job, const char *path, const iso_read_report *report);
 /* Reports with --progress that a stage ("reading") is done to `fraction`, 0 .. 1. */
 void isorender_progress(isorender_job *job, const char *stage, double fraction);
 const char *isorender_input_name(const isorender_job *job); /* for messages */

@@ -1,5 +1,6 @@
 /* Messages and progress of isorender on standard error. */
 #define _GNU_SOURCE
+#include <inttypes.h>
 #include <math.h>
 #include <stdarg.h>
 #include <string.h>
@@ -57,4 +58,16 @@ void isorender_progress(isorender_job *job, const char *stage, double fraction) 
         draw_bar(stage, percent);
     else
         iso_program_log(isorender_program(), "%s: %s %d %%", isorender_input_name(job), stage, percent);
+}
+
+void isorender_log_report(const isorender_job *job, const char *path, const iso_read_report *report) {
+    const char *colon = *path ? ": " : "";
+    for (int i = 0; i < report->note_count; i++)
+        isorender_log(job, "note: %s%s%s", path, colon, report->notes[i]);
+    if (report->dropped)
+        isorender_log(job, "note: %s%s%" PRIu64 " positions are not finite and are left out", path, colon,
+                      report->dropped);
+    if (report->mended_radii)
+        isorender_log(job, "note: %s%s%" PRIu64 " radii are negative or not finite and became 0", path, colon,
+                      report->mended_radii);
 }

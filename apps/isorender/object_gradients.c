@@ -7,6 +7,12 @@ bool isorender_object_is_surface(const isorender_object_settings *settings) {
     return settings->kind == ISORENDER_GLYPHS && strcmp(settings->path, "surface") == 0;
 }
 
+bool isorender_wants_gradients(const isorender_settings *settings) {
+    for (int i = 0; i < settings->object_options.count; i++)
+        if (isorender_object_is_surface(&settings->objects[i])) return true;
+    return false;
+}
+
 bool isorender_gradients_have_bar(const isorender_object_settings *settings) {
     return isorender_object_is_surface(settings) && !settings->colored && !settings->by_direction;
 }

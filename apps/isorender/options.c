@@ -1,15 +1,12 @@
-/* The command line of isorender: the table of options and the checks between options. Options that F3D has,
- * too, have F3D's names. */
-#include <limits.h>
+/* The command line of isorender: the table of options. Options that F3D has, too, have F3D's names. */
 #include <math.h>
 #include <string.h>
 
-#include "apps/isorender/backend.h"
-#include "apps/isorender/settings.h"
+#include "apps/isorender/option_checks.h"
+#include "base/groups.h"
 #include "base/text.h"
 #include "image/image.h"
-#include "methods/glass.h"
-#include "methods/layers.h"
+#include "render/glass/glass.h"
 
 #ifndef ISO_VERSION
 #error "ISO_VERSION comes from CMake"
@@ -36,6 +33,7 @@ static const char *const directions[] = {"front", "back", "left", "right", "top"
 static const char *const scalings[] = {"exact", "attenuated", NULL};
 static const char *const fits[] = {"box", "tight", NULL};
 static const char *const opacity_modes[] = {"angle", "constant", NULL};
+static const char *const normals_names[] = {"file", "auto", NULL};
 static const char *refractions[ISO_REFRACTIONS + 1]; /* filled by isorender_program */
 static const char *const primitives[] = {"auto", "edge", "foot", "foot-iterated", NULL};
 
@@ -90,6 +88,16 @@ static iso_status apply_color(void *target, const char *value, iso_error *error)
     }
 }
 
+static iso_status apply_radius(void *target, const char *value, iso_error *error) {
+    isorender_settings *settings = target;
+    double radius = -1;
+    const bool given = strcmp(value, "auto") != 0;
+    if (given && !(iso_parse_real(value, &radius) && radius > 0 && radius <= 1e12))
+        return iso_fail(error, ISO_ERR_USAGE, "'%s' is neither a radius in mm nor 'auto'", value);
+    settings->radius = radius;
+    return ISO_OK;
+}
+
 static iso_status apply_opacity(void *target, const char *value, iso_error *error) {
     isorender_settings *settings = target;
     for (const char *at = value;;) {
@@ -107,28 +115,16 @@ static iso_status apply_opacity(void *target, const char *value, iso_error *erro
     }
 }
 
-static iso_status add_object(isorender_settings *settings, isorender_object_kind kind, const char *path,
-                             iso_error *error) {
-    isorender_object_options *objects = &settings->object_options;
-    if (!*path) return iso_fail(error, ISO_ERR_USAGE, "the value is empty");
-    if (objects->count == ISORENDER_OBJECTS)
-        return iso_fail(error, ISO_ERR_USAGE, "more than %d files of lines, glyphs and meshes",
-                        ISORENDER_OBJECTS);
-    objects->kinds[objects->count] = kind;
-    objects->paths[objects->count++] = path;
-    return ISO_OK;
-}
-
 static iso_status apply_lines(void *target, const char *value, iso_error *error) {
-    return add_object(target, ISORENDER_LINES, value, error);
+    return isorender_settings_add_object(target, ISORENDER_LINES, value, error);
 }
 
 static iso_status apply_glyphs(void *target, const char *value, iso_error *error) {
-    return add_object(target, ISORENDER_GLYPHS, value, error);
+    return isorender_settings_add_object(target, ISORENDER_GLYPHS, value, error);
 }
 
 static iso_status apply_surface(void *target, const char *value, iso_error *error) {
-    return add_object(target, ISORENDER_MESH, value, error);
+    return isorender_settings_add_object(target, ISORENDER_MESH, value, error);
 }
 
 static iso_status apply_volume(void *target, const char *value, iso_error *error) {
@@ -301,6 +297,15 @@ static const iso_option options[] = {
      "refined or the isovalue is near the end of the narrow band, edge for the rest",
      .group = SURFACE, .standard = "auto", CHOICE(primitive, primitives)},
 
+    {"radius", NULL, "MM",
+     "radius of the points of a file (such as .ply); auto: estimated from the distances to the nearest "
+     "neighbours, as are those that the file lacks",
+     .group = SURFACE, .standard = "the file's, or auto", CALL(apply_radius)},
+    {"normals", NULL, "NAME",
+     "normals of the points of a file: file (those that it lacks are estimated) or auto (all are estimated "
+     "from the nearest neighbours)",
+     .group = SURFACE, .standard = "file", CHOICE(normals, normals_names)},
+
 #define SOLID SURFACE
 #include "apps/common/solid_options.inc"
 #undef SOLID
@@ -318,10 +323,11 @@ static const iso_option options[] = {
      "drawn that way, too: the method of Marroquim et al. 2008, to compare it), points (discs: to see the "
      "samples themselves), splats (points as flat discs: the method of Zhang and Pajarola 2006), raycast "
      "(rays through the field, slow: to check the others) or hybrid (triangles where the volume's cells are "
-     "larger than 3 pixels, points elsewhere: also of 2008); files of points: points",
+     "larger than 3 pixels, points elsewhere: also of 2008); files of points: pullpush",
      .group = PICTURE, .standard = "exact", CHOICE(method, method_names)},
     {"reconstruction", NULL, "NAME",
-     "how pullpush fills in: refined (second-order discs; points that have colours: as gaussian), box or "
+     "how pullpush fills in: refined (second-order discs; flat ones for points that have colours, and for "
+     "files of points), box or "
      "gaussian (equal or Gaussian weights in ellipses; Marroquim 2008); how splats does: groups (deferred "
      "blending of groups of discs that do not overlap)",
      .group = PICTURE, .standard = "refined, or groups", CHOICE(reconstruction, reconstructions)},
@@ -484,282 +490,6 @@ const iso_program *isorender_program(void) {
     return &program;
 }
 
-/* ---- checks between options ---- */
-
-/* The kind of object that a file holds by its name; false: it is a volume, or only its content tells. */
-static bool is_object_name(const char *name, isorender_object_kind *kind) {
-    static const struct {
-        const char *ending;
-        isorender_object_kind kind;
-    } endings[] = {{".tck", ISORENDER_LINES},  {".trk", ISORENDER_LINES},  {".swc", ISORENDER_LINES},
-                   {".vtp", ISORENDER_LINES},  {".pdb", ISORENDER_GLYPHS}, {".xyz", ISORENDER_GLYPHS},
-                   {".csv", ISORENDER_GLYPHS}, {".stl", ISORENDER_MESH}};
-    for (size_t i = 0; i < sizeof endings / sizeof *endings; i++)
-        if (iso_text_ends_with(name, endings[i].ending)) {
-            *kind = endings[i].kind;
-            return true;
-        }
-    return false;
-}
-
-/* Takes an input that is an object: it becomes the first one. */
-static iso_status take_object(isorender_settings *settings, iso_error *error) {
-    isorender_object_options *objects = &settings->object_options;
-    isorender_object_kind kind;
-    if (settings->no_input || settings->scene || !is_object_name(settings->inputs[0], &kind)) return ISO_OK;
-    if (settings->input_count > 1)
-        return iso_fail(error, ISO_ERR_USAGE,
-                        "%s: lines, glyphs and meshes are drawn one file at a time, or together with "
-                        "--lines, --glyphs and --surface",
-                        settings->inputs[0]);
-    ISO_TRY(add_object(settings, kind, settings->inputs[0], error));
-    for (int i = objects->count - 1; i > 0; i--) {
-        objects->paths[i] = objects->paths[i - 1];
-        objects->kinds[i] = objects->kinds[i - 1];
-    }
-    objects->paths[0] = settings->inputs[0];
-    objects->kinds[0] = kind;
-    settings->no_input = 1;
-    return ISO_OK;
-}
-
-/* Whether the only operand is the name of a picture of --lines, --glyphs, --surface and --volume, which need
- * no input. */
-static bool is_only_picture(const isorender_settings *settings, const iso_operands *operands) {
-    return (settings->object_options.count || settings->volume_options.count) && !settings->scene &&
-           (operands->count == 0 ||
-            (operands->count == 1 && !settings->output && iso_text_ends_with(operands->values[0], ".png")));
-}
-
-/* Takes the output from the operands: the last of them, when it is one more than there are inputs. */
-static iso_status take_output(isorender_settings *settings, const iso_operands *operands, int inputs,
-                              int *count, iso_error *error) {
-    if (settings->output || *count != inputs + 1) return ISO_OK;
-    settings->output = operands->values[--*count];
-    if (strcmp(settings->output, "-") != 0 && !iso_text_ends_with(settings->output, ".png"))
-        return iso_fail(error, ISO_ERR_USAGE,
-                        "%s: a picture's name must end in .png (several inputs need --output TEMPLATE)",
-                        settings->output);
-    return ISO_OK;
-}
-
-static iso_status take_operands(isorender_settings *settings, const iso_operands *operands,
-                                iso_error *error) {
-    int count = operands->count;
-    settings->no_input = is_only_picture(settings, operands);
-    ISO_TRY(take_output(settings, operands, settings->scene || settings->no_input ? 0 : 1, &count, error));
-    if (count == 0 && !settings->scene && !settings->no_input)
-        return iso_fail(error, ISO_ERR_USAGE, "no input (see --help)");
-    if (settings->scene && count > 0)
-        return iso_fail(error, ISO_ERR_USAGE, "%s: --scene takes no other input", operands->values[0]);
-    if (count > 1 && !settings->output && !settings->info && !settings->no_image)
-        return iso_fail(error, ISO_ERR_USAGE, "%d inputs need --output TEMPLATE, such as '{model}.png'",
-                        count);
-    const char *const *files =
-        settings->object_options.count ? settings->object_options.paths : settings->volume_options.paths;
-    settings->inputs = settings->no_input ? files : operands->values;
-    settings->input_count = settings->scene || settings->no_input ? 1 : count;
-    return take_object(settings, error);
-}
-
-static bool is_vector_given(const double v[3]) {
-    return !isnan(v[0]);
-}
-
-static iso_status check_framing(const isorender_settings *settings, iso_error *error) {
-    const bool tight = settings->fit == ISORENDER_FIT_TIGHT, margin = !isnan(settings->margin);
-    const char *option = tight ? "--fit tight" : "--margin";
-    if (!tight && !margin) return ISO_OK;
-    if (is_vector_given(settings->position))
-        return iso_fail(error, ISO_ERR_USAGE, "%s frames the surface, which --camera-position does not",
-                        option);
-    if (tight && is_vector_given(settings->focal_point))
-        return iso_fail(error, ISO_ERR_USAGE, "--fit tight chooses the focal point: give one or the other");
-    return ISO_OK;
-}
-
-/* --mm-per-pixel makes the projection parallel. */
-static iso_status check_camera(isorender_settings *settings, iso_error *error) {
-    ISO_TRY(check_framing(settings, error));
-    if (settings->mm_per_pixel > 0) {
-        settings->orthographic = 1;
-        if (settings->zoom != 1 || !isnan(settings->margin))
-            return iso_fail(error, ISO_ERR_USAGE, "--mm-per-pixel and %s both set the scale",
-                            settings->zoom != 1 ? "--zoom" : "--margin");
-    }
-    if (settings->scale_bar && !settings->orthographic)
-        return iso_fail(
-            error, ISO_ERR_USAGE,
-            "--scale-bar needs --orthographic or --mm-per-pixel: in perspective what is near is larger "
-            "than what is far");
-    return ISO_OK;
-}
-
-static iso_status check_aov(const isorender_settings *settings, iso_error *error) {
-    if (!settings->aov) return ISO_OK;
-    if (!iso_text_ends_with(settings->aov, ".exr"))
-        return iso_fail(error, ISO_ERR_USAGE, "%s: --aov writes OpenEXR files: a name must end in .exr",
-                        settings->aov);
-    if (settings->info)
-        return iso_fail(error, ISO_ERR_USAGE, "--info renders nothing that --aov could write");
-    return ISO_OK;
-}
-
-static iso_status check_outputs(const isorender_settings *settings, iso_error *error) {
-    bool image = !settings->no_image && !settings->info;
-    bool to_stdout = image && settings->output && strcmp(settings->output, "-") == 0;
-    if (settings->output && !to_stdout && image && !iso_text_ends_with(settings->output, ".png"))
-        return iso_fail(error, ISO_ERR_USAGE, "%s: a picture's name must end in .png", settings->output);
-    if (to_stdout && settings->common.json && !settings->common.json_path)
-        return iso_fail(error, ISO_ERR_USAGE, "the picture and --json cannot both go to standard output");
-    if (to_stdout && settings->turntable)
-        return iso_fail(error, ISO_ERR_USAGE, "a turntable cannot go to standard output");
-    if (settings->points && !iso_text_ends_with(settings->points, ".ply"))
-        return iso_fail(error, ISO_ERR_USAGE, "%s: points are written as .ply", settings->points);
-    if (settings->mesh && !iso_text_ends_with(settings->mesh, ".ply") &&
-        !iso_text_ends_with(settings->mesh, ".stl") && !iso_text_ends_with(settings->mesh, ".obj"))
-        return iso_fail(error, ISO_ERR_USAGE, "%s: a mesh is written as .ply, .stl or .obj", settings->mesh);
-    ISO_TRY(check_aov(settings, error));
-    if (settings->no_image && !settings->points && !settings->mesh && !settings->aov &&
-        !settings->common.json && !settings->info)
-        return iso_fail(error, ISO_ERR_USAGE, "--no-image leaves nothing to do");
-    if (settings->input_count > 1 && settings->common.json && !settings->common.json_path)
-        return iso_fail(error, ISO_ERR_USAGE,
-                        "--json of several inputs needs a template: --json='{model}.json'");
-    return ISO_OK;
-}
-
-static iso_status check_surfaces(const isorender_settings *settings, iso_error *error) {
-    if (settings->isovalue_auto && settings->isovalue_count)
-        return iso_fail(error, ISO_ERR_USAGE, "--isovalue auto cannot be combined with other isovalues");
-    int surfaces = settings->isovalue_count ? settings->isovalue_count : 1;
-    if (surfaces + settings->volume_options.count > ISORENDER_SURFACES)
-        return iso_fail(error, ISO_ERR_USAGE, "more than %d surfaces", ISORENDER_SURFACES);
-    if (settings->color_count > surfaces)
-        return iso_fail(error, ISO_ERR_USAGE, "%d colours for %d isovalue%s", settings->color_count, surfaces,
-                        surfaces > 1 ? "s" : "");
-    if (surfaces > 1 && (settings->points || settings->mesh))
-        return iso_fail(error, ISO_ERR_USAGE, "--points and --mesh write one surface: give one isovalue");
-    const iso_primitive primitive = (iso_primitive)settings->primitive;
-    if (settings->method == ISO_METHOD_HYBRID && primitive != ISO_PRIMITIVE_AUTO &&
-        primitive != ISO_PRIMITIVE_EDGE)
-        return iso_fail(error, ISO_ERR_USAGE,
-                        "--method hybrid joins edge points to triangles: --primitive %s lies elsewhere",
-                        iso_primitive_name(primitive));
-    if (settings->closed && primitive != ISO_PRIMITIVE_AUTO && primitive != ISO_PRIMITIVE_EDGE)
-        return iso_fail(error, ISO_ERR_USAGE, "--closed makes edge points: --primitive %s has no caps",
-                        iso_primitive_name(primitive));
-    for (int i = 0; i < surfaces; i++)
-        for (int j = 0; j < i; j++)
-            if (settings->isovalues[i] == settings->isovalues[j])
-                return iso_fail(error, ISO_ERR_USAGE, "isovalue %g is given twice", settings->isovalues[i]);
-    return ISO_OK;
-}
-
-bool isorender_is_translucent(const isorender_settings *settings) {
-    for (int i = 0; i < settings->opacity_count; i++)
-        if (settings->opacities[i] < 1) return true;
-    for (int i = 0; i < settings->volume_options.count; i++)
-        if (settings->volumes[i].opacity < 1) return true;
-    return false;
-}
-
-const char *isorender_object_opacity_option(const isorender_settings *settings) {
-    static const char *const names[ISORENDER_OBJECT_KINDS] = {[ISORENDER_LINES] = "--line-opacity",
-                                                              [ISORENDER_GLYPHS] = "--glyph-opacity",
-                                                              [ISORENDER_MESH] = "--surface-opacity"};
-    for (int i = 0; i < settings->object_options.count; i++)
-        if (settings->objects[i].opacity < 1) return names[settings->objects[i].kind];
-    return NULL;
-}
-
-/* Options that are for translucent surfaces and, but for --absorption, for translucent objects. */
-static iso_status check_translucent(const isorender_settings *settings, iso_error *error) {
-    const bool absorbs = settings->absorption_length > 0;
-    const char *needs = absorbs                                                ? "--absorption"
-                        : settings->layers                                     ? "--layers"
-                        : settings->opacity_mode != ISORENDER_OPACITY_BY_ANGLE ? "--opacity-mode"
-                                                                               : NULL;
-    if (!needs || isorender_is_translucent(settings)) return ISO_OK;
-    if (!absorbs && isorender_object_opacity_option(settings)) return ISO_OK;
-    return iso_fail(error, ISO_ERR_USAGE, "%s is for translucent surfaces: it needs an opacity below 1",
-                    needs);
-}
-
-static iso_status check_opacity(const isorender_settings *settings, iso_error *error) {
-    const int surfaces = settings->isovalue_count ? settings->isovalue_count : 1;
-    ISO_TRY(check_translucent(settings, error));
-    if (settings->absorption_length > 0 && settings->layers)
-        return iso_fail(error, ISO_ERR_USAGE,
-                        "--layers leaves out where rays leave the solid, which --absorption must know");
-    if (!settings->opacity_count && !isorender_is_translucent(settings)) return ISO_OK;
-    if (settings->opacity_count > surfaces)
-        return iso_fail(error, ISO_ERR_USAGE, "%d opacities for %d isovalue%s", settings->opacity_count,
-                        surfaces, surfaces > 1 ? "s" : "");
-    if (settings->method != ISORENDER_METHOD_UNCHOSEN && !iso_method_has_layers((iso_method)settings->method))
-        return iso_fail(error, ISO_ERR_USAGE,
-                        "--method %s draws no translucent surfaces: exact, raycast and splats do",
-                        iso_method_name((iso_method)settings->method));
-    if (settings->mesh)
-        return iso_fail(error, ISO_ERR_USAGE, "--mesh writes no opacities: --opacity is for pictures");
-    bool seen = settings->absorption_length > 0 || settings->volume_options.count || !settings->opacity_count;
-    for (int i = 0; i < settings->opacity_count; i++) seen |= settings->opacities[i] > 0;
-    return seen ? ISO_OK : iso_fail(error, ISO_ERR_EMPTY, "all opacities are 0: nothing would be seen");
-}
-
-/* An option that has no meaning for glass; NULL: none is given. */
-static const char *option_unfit_for_glass(const isorender_settings *settings) {
-    return settings->isovalue_count > 1     ? "several isovalues"
-           : settings->volume_options.count ? "--volume"
-           : settings->opacity_count        ? "--opacity"
-           : settings->color_count          ? "--color"
-           : settings->mesh                 ? "--mesh"
-                                            : NULL;
-}
-
-/* An option that is for glass only; NULL: none is given. */
-static const char *option_of_glass(const isorender_settings *settings) {
-    return settings->refraction != ISO_REFRACTION_TRACED ? "--refraction"
-           : settings->environment                       ? "--environment"
-           : settings->attenuation_colored               ? "--attenuation-color"
-           : settings->attenuation_distance > 0          ? "--attenuation-distance"
-                                                         : NULL;
-}
-
-static iso_status check_glass(const isorender_settings *settings, iso_error *error) {
-    const char *needs = option_of_glass(settings), *unfit = option_unfit_for_glass(settings);
-    if (!(settings->ior > 0) && needs)
-        return iso_fail(error, ISO_ERR_USAGE, "%s is for glass: it needs --ior", needs);
-    if (!(settings->ior > 0)) return ISO_OK;
-    if (unfit)
-        return iso_fail(error, ISO_ERR_USAGE,
-                        "--ior draws one surface, as glass: it cannot be combined with %s", unfit);
-    if (settings->method != ISORENDER_METHOD_UNCHOSEN && !iso_method_has_glass((iso_method)settings->method))
-        return iso_fail(error, ISO_ERR_USAGE, "--method %s draws no glass: exact and raycast do",
-                        iso_method_name((iso_method)settings->method));
-    if (settings->attenuation_colored != (settings->attenuation_distance > 0))
-        return iso_fail(error, ISO_ERR_USAGE,
-                        "--attenuation-color and --attenuation-distance need each other");
-    return ISO_OK;
-}
-
-static iso_status check_objects(isorender_settings *settings, iso_error *error) {
-    ISO_TRY(isorender_objects_resolve(&settings->object_options, settings->objects, error));
-    if (!settings->object_options.count) return ISO_OK;
-    if (settings->ior > 0)
-        return iso_fail(error, ISO_ERR_USAGE,
-                        "--ior draws glass alone: no --lines, --glyphs and --surface beside it");
-    const char *opacity = isorender_object_opacity_option(settings);
-    if (opacity && (strcmp(settings->backend, "egl") == 0 || strcmp(settings->backend, "osmesa") == 0))
-        return iso_fail(error, ISO_ERR_USAGE, "--backend %s draws no translucent objects: %s needs the cpu",
-                        settings->backend, opacity);
-    if (opacity && settings->method != ISORENDER_METHOD_UNCHOSEN && settings->method != ISO_METHOD_EXACT)
-        return iso_fail(error, ISO_ERR_USAGE,
-                        "--method %s draws opaque lines, glyphs and meshes only: %s needs exact",
-                        iso_method_name((iso_method)settings->method), opacity);
-    return ISO_OK;
-}
-
 iso_status isorender_settings_parse(int argc, char *const *argv, isorender_settings *settings,
                                     iso_operands *operands, iso_error *error) {
     *settings = (isorender_settings){.method = ISORENDER_METHOD_UNCHOSEN,
@@ -779,15 +509,5 @@ iso_status isorender_settings_parse(int argc, char *const *argv, isorender_setti
     ISO_TRY(iso_options_parse(isorender_program(), argc, argv, settings, operands, error));
     if (settings->method != ISORENDER_METHOD_UNCHOSEN) settings->method = (int)methods[settings->method];
     if (settings->common.action) return ISO_OK;
-    ISO_TRY(iso_input_check(&settings->common.input, error));
-    ISO_TRY(isorender_volumes_resolve(&settings->volume_options, settings->volumes, error));
-    ISO_TRY(check_camera(settings, error));
-    ISO_TRY(isorender_splats_check(settings, error));
-    ISO_TRY(take_operands(settings, operands, error));
-    ISO_TRY(isorender_backend_check(settings, error));
-    ISO_TRY(check_outputs(settings, error));
-    ISO_TRY(check_surfaces(settings, error));
-    ISO_TRY(check_glass(settings, error));
-    ISO_TRY(check_objects(settings, error));
-    return check_opacity(settings, error);
+    return isorender_settings_check(settings, operands, error);
 }

@@ -24,7 +24,7 @@ static void put_volume(iso_json *json, const isorender_job *job) {
     const iso_volume_info *info = &job->loader.volume.info;
     iso_json_begin_object(json, "volume");
     iso_json_string(json, "path", job->plan->input);
-    iso_json_string(json, "format", job->loader.has_points ? "ply" : info->format);
+    iso_json_string(json, "format", job->loader.has_points ? job->loader.report.format : info->format);
     if (job->has_volume) {
         iso_json_string(json, "name", info->name);
         iso_json_ints(json, "dims", info->dims, 3);
@@ -130,6 +130,7 @@ static void put_surfaces(iso_json *json, const isorender_job *job) {
     if (points) iso_json_integer(json, "points", job->point_count);
     if (points && !job->loader.has_points)
         iso_json_string(json, "kind", iso_primitive_name(isorender_primitive(job)));
+    if (job->loader.has_points) isorender_cloud_report(json, job);
     if (points && !job->loader.has_points) iso_json_integer(json, "rejected", job->rejected);
     if (mesh) iso_json_integer(json, "vertices", job->vertex_count);
     if (mesh) iso_json_integer(json, "triangles", job->triangle_count);

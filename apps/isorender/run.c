@@ -118,6 +118,7 @@ static void free_surfaces(isorender_job *job) {
         iso_groups_free(&job->surfaces[i].groups);
         iso_grid_destroy(&job->surfaces[i].own_grid);
     }
+    iso_cloud_free(&job->cloud);
     for (int i = 0; i < job->object_count; i++) isorender_object_free(&job->objects[i]);
     free(job->frames);
 }

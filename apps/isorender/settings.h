@@ -14,7 +14,8 @@ extern "C" {
 
 enum { ISORENDER_SURFACES = 64 }; /* isosurfaces in one picture */
 
-/* isorender_settings.method when the option is not given: exact for volumes, points for files of points. */
+/* isorender_settings.method when the option is not given: exact for volumes, pullpush for files of points,
+ * splats for those whose points are translucent. */
 enum { ISORENDER_METHOD_UNCHOSEN = -1 };
 
 /* What the camera frames: the box around the surface, or the surface itself. */
@@ -28,6 +29,9 @@ typedef enum isorender_opacity_mode {
     ISORENDER_OPACITY_BY_ANGLE,
     ISORENDER_OPACITY_CONSTANT
 } isorender_opacity_mode;
+
+/* Which normals the points of a file get: those that it has, or estimated ones. */
+typedef enum isorender_normals { ISORENDER_NORMALS_FILE, ISORENDER_NORMALS_AUTO } isorender_normals;
 
 /* A value of iso_common_settings.action. */
 enum { ISORENDER_ACTION_LIST_BACKENDS = ISO_ACTION_OWN };
@@ -56,6 +60,8 @@ typedef struct isorender_settings {
     double attenuation_distance; /* mm; 0: not given */
     int primitive;               /* iso_primitive */
     int closed;                  /* the solid ends at the volume's border and is capped there */
+    double radius;               /* of the points of a file, mm; 0: not given; below 0: to be estimated */
+    int normals;                 /* isorender_normals */
     const char *points, *mesh, *aov;
 
     isorender_object_options object_options;

@@ -5,6 +5,7 @@
 #include "apps/common/beside.h"
 #include "apps/isorender/isorender.h"
 #include "io/mesh_io.h"
+#include "io/points_io.h"
 #include "methods/bounds.h"
 
 /* ---- which isovalues ---- */
@@ -230,11 +231,12 @@ iso_point_view isorender_points_view(const isorender_job *job, int surface) {
     return s->loader->has_points ? job->read_points : iso_point_set_view(s->points);
 }
 
-/* Voxel (0, 0, 0) of the file is the local origin, also when a part of it was cut out. */
+/* Voxel (0, 0, 0) of the file is the local origin, also when a part of it was cut out. Points have world
+ * coordinates. */
 static iso_box to_local(const isorender_job *job, const iso_box *index) {
     const int *crop = job->loader.crop;
     const int around = job->settings->closed ? 1 : 0; /* voxels that --closed adds */
-    iso_transform transform = iso_transform_identity();
+    iso_transform transform = job->cloud.transform;
     if (job->has_volume) {
         transform = iso_transform_local(iso_grid_transform(&job->surfaces[0].grid));
         for (int axis = 0; axis < 3; axis++)
@@ -245,8 +247,8 @@ static iso_box to_local(const isorender_job *job, const iso_box *index) {
 }
 
 /* The transform of a surface's index coordinates. */
-static iso_transform transform_of(const isorender_surface *surface) {
-    return surface->loader->has_points ? iso_transform_identity() : *iso_grid_transform(&surface->grid);
+static iso_transform transform_of(const isorender_job *job, const isorender_surface *surface) {
+    return surface->loader->has_points ? job->cloud.transform : *iso_grid_transform(&surface->grid);
 }
 
 /* The box of a surface in the coordinates to which `affine` maps its index coordinates. */
@@ -289,7 +291,7 @@ static iso_affine affine_along(const iso_affine *world, const iso_vec3 vectors[3
 iso_box isorender_bounds(const isorender_job *job, const iso_vec3 vectors[3]) {
     iso_box all = iso_box_empty();
     for (int i = 0; i < job->surface_count; i++) {
-        const iso_transform transform = transform_of(&job->surfaces[i]);
+        const iso_transform transform = transform_of(job, &job->surfaces[i]);
         const iso_affine world = iso_transform_affine(&transform);
         const iso_affine along = affine_along(&world, vectors);
         const iso_box box = bounds_of(job, i, &along);
@@ -320,7 +322,7 @@ static void clip_to_volume(isorender_job *job, iso_box *index) {
 /* Finds a surface's box in the world, and adds its box in index coordinates to *index. */
 static void find_surface_bounds(isorender_job *job, int i, iso_box *index) {
     isorender_surface *surface = &job->surfaces[i];
-    const iso_transform transform = transform_of(surface);
+    const iso_transform transform = transform_of(job, surface);
     const iso_affine affine = iso_transform_affine(&transform);
     const iso_box box = index_bounds(job, i);
     surface->bounds =
@@ -371,9 +373,8 @@ iso_status isorender_extract(isorender_job *job, iso_error *error) {
     choose_colors(job);
     choose_opacities(job);
     if (job->loader.has_points) {
-        job->read_points = iso_points_view(&job->loader.points);
-        job->point_count = iso_point_view_count(&job->read_points);
-        if (job->point_count == 0) return iso_fail(error, ISO_ERR_EMPTY, "holds no usable point");
+        job->read_points = iso_cloud_view(&job->cloud);
+        job->point_count = job->cloud.count;
     }
     for (int i = 0; i < job->surface_count; i++) {
         isorender_progress(job, "extracting", (double)i / job->surface_count);

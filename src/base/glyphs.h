@@ -36,6 +36,8 @@ typedef struct iso_glyphs {
 void iso_glyphs_free(iso_glyphs *glyphs);
 /* World box of all positions, without sizes; empty when there are none. */
 iso_box iso_glyphs_bounds(const iso_glyphs *glyphs);
+/* Removes the glyphs whose positions lie outside a world box; its faces belong to it. */
+void iso_glyphs_crop(iso_glyphs *glyphs, const iso_box *box);
 /* The radius in mm with which glyphs without sizes are drawn: a seventh of their mean distance if they fill
  * their box evenly, but not more than a 150th of its diagonal. 0 for cones, cylinders and arrows: theirs
  * follows from their length. */

@@ -1,7 +1,6 @@
-/* Sets of lines and of glyphs: freeing and bounds. */
+/* lines: freeing, bounds, tangents, and the usual radius. */
 #include "base/lines.h"
 
-#include "base/glyphs.h"
 #include "base/memory.h"
 
 void iso_attributes_free(iso_attribute *attributes, int count) {
@@ -19,7 +18,7 @@ iso_vec3 iso_origin_for(const double first[3]) {
     return iso_vec3_make(origin[0], origin[1], origin[2]);
 }
 
-static iso_box bounds_of(iso_vec3 origin, const float (*positions)[3], size_t count) {
+iso_box iso_positions_bounds(iso_vec3 origin, const float (*positions)[3], size_t count) {
     iso_box box = iso_box_empty();
     for (size_t i = 0; i < count; i++) {
         const float *p = positions[i];
@@ -39,7 +38,7 @@ void iso_lines_free(iso_lines *lines) {
 }
 
 iso_box iso_lines_bounds(const iso_lines *lines) {
-    return bounds_of(lines->origin, (const float(*)[3])lines->vertices, lines->vertex_count);
+    return iso_positions_bounds(lines->origin, (const float(*)[3])lines->vertices, lines->vertex_count);
 }
 
 size_t iso_lines_segment_count(const iso_lines *lines) {
@@ -63,27 +62,5 @@ double iso_lines_usual_radius(const iso_lines *lines) {
     const size_t segments = iso_lines_segment_count(lines);
     const double half = segments ? length / (double)segments / 2 : 0,
                  most = iso_vec3_length(iso_vec3_sub(box.hi, box.lo)) / 300, radius = fmin(half, most);
-    return radius > 0 ? radius : 1; /* a single point, of no size */
-}
-
-void iso_glyphs_free(iso_glyphs *glyphs) {
-    iso_free(glyphs->positions);
-    iso_free(glyphs->radii);
-    iso_free(glyphs->directions);
-    iso_free(glyphs->axes);
-    iso_free(glyphs->colors);
-    iso_attributes_free(glyphs->attributes, glyphs->attribute_count);
-    *glyphs = (iso_glyphs){.count = 0};
-}
-
-iso_box iso_glyphs_bounds(const iso_glyphs *glyphs) {
-    return bounds_of(glyphs->origin, (const float(*)[3])glyphs->positions, glyphs->count);
-}
-
-double iso_glyphs_usual_radius(const iso_glyphs *glyphs, iso_glyph glyph) {
-    if (glyph == ISO_GLYPH_CONE || glyph == ISO_GLYPH_CYLINDER || glyph == ISO_GLYPH_ARROW) return 0;
-    const iso_box box = iso_glyphs_bounds(glyphs);
-    const double size = iso_vec3_length(iso_vec3_sub(box.hi, box.lo)),
-                 radius = fmin(size / cbrt((double)glyphs->count) / 7, size / 150);
     return radius > 0 ? radius : 1; /* a single point, of no size */
 }

@@ -43,6 +43,9 @@ iso_vec3 iso_origin_for(const double first[3]);
 /* Frees names and values, and the array itself. NULL is fine. */
 void iso_attributes_free(iso_attribute *attributes, int count);
 
+/* The box of positions, to which `origin` is added; empty when there are none. */
+iso_box iso_positions_bounds(iso_vec3 origin, const float (*positions)[3], size_t count);
+
 void iso_lines_free(iso_lines *lines);
 /* World box of all vertices, without radii; empty when there are none. */
 iso_box iso_lines_bounds(const iso_lines *lines);

@@ -1,6 +1,6 @@
 python3 -c 'from check import *; ball("in/ball.mha", header="ElementSpacing = 0.5 0.5 2\nOffset = 10 20 30\n")'
 isorender in/ball.mha a.png --isovalue 500 --method points --points p.ply --json=a.json --quiet
-isorender p.ply b.png --json=b.json --quiet
+isorender p.ply b.png --method points --json=b.json --quiet
 head -c 400 p.ply | tr -d '\0' | grep -a -q '^property float radius'
 python3 - <<'P'
 from check import *

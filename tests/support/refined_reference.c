@@ -12,6 +12,7 @@ typedef struct disc {
     double lit[3];                       /* the point's normal, without the tilt */
     double low[3], high[3];              /* the box it is clipped to: index axes, voxels from its centre */
     bool turned;
+    const uint8_t *rgb; /* NULL: points have no colours */
 } disc;
 
 /* Where a ray meets a disc. */
@@ -103,6 +104,7 @@ static bool is_in_box(const iso_projector *projector, const disc *d, const doubl
 static bool make_disc(const iso_view *view, const iso_projector *projector, const iso_point_view *points,
                       const iso_point_span *span, size_t i, bool cull, disc *d) {
     const iso_surfel surfel = iso_point_view_get(points, i);
+    const double radius = points->radii ? (double)points->radii[i] : points->radius;
     double index[3], ray[3] = {0, 0, 1}, sd[3];
     for (int k = 0; k < 3; k++) index[k] = span->brick[k] * (double)ISO_BRICK + (double)surfel.position[k];
     for (int k = 0; k < 3; k++) d->at[k] = dot3(projector->matrix + 3 * k, index) + projector->origin[k];
@@ -111,10 +113,11 @@ static bool make_disc(const iso_view *view, const iso_projector *projector, cons
     const double length = sqrt(dot3(d->n, d->n));
     for (int k = 0; k < 3; k++) d->lit[k] = d->n[k] /= length;
     memset(d->s, 0, sizeof d->s);
-    const double pixels = points->radius * view->focal / (view->orthographic ? 1 : d->at[2]);
+    d->rgb = points->colors ? points->colors[i] : NULL;
+    const double pixels = radius * view->focal / (view->orthographic ? 1 : d->at[2]);
     if (points->curvatures) set_curvature(projector, points, i, length, d);
     enclose(projector, points, i, index, d);
-    d->radius = points->radius * (1.2 + 0.215 * fmin(fmax((pixels - 4.5) / 6, 0), 1));
+    d->radius = radius * (1.2 + 0.215 * fmin(fmax((pixels - 4.5) / 6, 0), 1));
     if (points->curvatures) d->radius *= 1 - (points->curvatures[i].extents >> 14) / 4.0;
     for (int k = 0; k < 2 && !view->orthographic; k++) ray[k] = d->at[k] / d->at[2];
     const double along = dot3(d->n, ray), lit = dot3(d->lit, ray);
@@ -171,7 +174,8 @@ static int nearest_first(const void *a, const void *b) {
 static void resolve_sample(const hit *hits, size_t count, const iso_projector *projector, bool cull,
                            size_t at, iso_gbuffer *g) {
     size_t first = 0;
-    double front = hits[0].depth, weight = 0, depth = 0, n[3] = {0}, q[3] = {0}, s[3][3] = {{0}}, square = 0;
+    double front = hits[0].depth, weight = 0, depth = 0, n[3] = {0}, q[3] = {0}, s[3][3] = {{0}}, square = 0,
+           rgb[3] = {0};
     for (size_t i = 1; i < count && hits[first].from->turned; i++)
         if (!hits[i].from->turned && hits[i].depth <= front + 1.5 * hits[i].from->radius) first = i;
     front = hits[first].depth;
@@ -184,6 +188,7 @@ static void resolve_sample(const hit *hits, size_t count, const iso_projector *p
         for (int k = 0; k < 3; k++) {
             n[k] += h->weight * d->lit[k];
             q[k] += h->weight * h->q[k];
+            if (d->rgb) rgb[k] += h->weight * d->rgb[k];
             for (int c = 0; c < 3; c++) {
                 s[k][c] += h->weight * d->s[k][c];
                 square += h->weight * d->s[k][c] * d->s[k][c];
@@ -200,6 +205,8 @@ static void resolve_sample(const hit *hits, size_t count, const iso_projector *p
     for (int k = 0; k < 3; k++) g->normal[k][at] = (float)(n[k] / length);
     g->depth[at] = (float)(depth / weight);
     g->surface[at] = 0;
+    for (int k = 0; g->color && k < 3; k++)
+        g->color[at] = (k ? g->color[at] : 1u << 24) | (uint32_t)(rgb[k] / weight + 0.5) << 8 * k;
 }
 
 void refined_reference(const iso_view *view, const iso_point_view *points, iso_gbuffer *gbuffer) {

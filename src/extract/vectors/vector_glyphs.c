@@ -5,8 +5,8 @@
 #include <math.h>
 
 #include "base/memory.h"
+#include "base/tensor.h"
 #include "extract/vectors/attributes.h"
-#include "extract/vectors/tensor.h"
 
 /* An ellipsoid's smallest allowed eigenvalue, as a share of the largest. */
 static const double FLATTEST = 1e-6;

@@ -81,7 +81,7 @@ static void fill_buffer(const pullpush_call *call, iso_gl_storage which, size_t 
 
 /* ---- uniforms and buffers of one surface */
 
-/* Refined draws points without colours; coloured points are drawn as by gaussian. */
+/* Coloured points are drawn as by gaussian: refined has no sums of colours in this engine. */
 static bool is_refined(const pullpush_call *call, const iso_gl_surface *surface) {
     return call->opts->reconstruction == ISO_RECONSTRUCTION_REFINED && !surface->has_colors;
 }

@@ -19,7 +19,8 @@ typedef struct iso_gl_pullpush_opts {
 } iso_gl_pullpush_opts;
 
 /* Draws all surfaces and fills the whole gbuffer, which must have the view's size: what iso_draw_pullpush
- * draws, except for rounding, colours included; the same bytes every time.
+ * draws, except for rounding; the same bytes every time. Points with colours are drawn as by gaussian, also
+ * when refined is asked for.
  *
  * Box and gaussian: of points of one pixel with equal depth, normal and position in the pixel, the
  * smallest radius and the smallest colour (as a number with blue in the highest byte) count. Refined: the

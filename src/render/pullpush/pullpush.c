@@ -366,7 +366,7 @@ static iso_status draw_surface(iso_pullpush *workspace, const iso_target *target
     ISO_TRY(iso_point_blocks_make(call.blocks, points, &call.projector, target->pool, error));
     if (call.blocks->seen == 0 && !polygons) return ISO_OK;
     if (points->colors) ISO_TRY(iso_gbuffer_add_color(target->gbuffer, error));
-    if (reconstruction == ISO_RECONSTRUCTION_REFINED && !points->colors)
+    if (reconstruction == ISO_RECONSTRUCTION_REFINED)
         return iso_refined_draw(&workspace->refined, target, points, call.blocks, error);
     return draw_strips(&call, target, error);
 }

@@ -20,8 +20,8 @@ extern "C" {
 #endif
 
 typedef enum iso_reconstruction {
-    ISO_RECONSTRUCTION_REFINED, /* second-order discs (render/refined/refined.h). Points with colours of
-                                   their own are drawn as by ISO_RECONSTRUCTION_GAUSSIAN */
+    ISO_RECONSTRUCTION_REFINED, /* second-order discs (render/refined/refined.h); flat ones for points
+                                   with colours */
     ISO_RECONSTRUCTION_BOX,     /* ellipses with equal weights (figure 4a) */
     ISO_RECONSTRUCTION_GAUSSIAN /* with Gaussian ones (figure 4b) */
 } iso_reconstruction;

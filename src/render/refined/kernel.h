@@ -30,7 +30,9 @@ enum {
     ISO_SUM_Y,
     ISO_SUM_Z,
     ISO_SUM_DEPTH, /* depths of the hits, mm */
-    ISO_SUMS
+    ISO_SUMS,
+    /* Coloured points are flat: the place of their shape operators is taken by */
+    ISO_SUM_RED = ISO_SUM_XX, /* red, then green and blue, 0 .. 255 */
 };
 
 /* The sums that suffice in a patch whose discs are all flat: eight floats, like ISO_SUMS with the depth
@@ -61,9 +63,10 @@ enum {
     ISO_DISC_YY,
     ISO_DISC_YZ,
     ISO_DISC_ZZ,
-    ISO_DISC_SQUARE, /* its squared norm */
-    ISO_DISC_SIDE,   /* 1, or -1 when the disc was back-facing and has been flipped */
-    ISO_DISC_X,      /* centre, mm */
+    ISO_DISC_RED = ISO_DISC_XX,        /* as ISO_SUM_RED */
+    ISO_DISC_SQUARE = ISO_DISC_ZZ + 1, /* its squared norm */
+    ISO_DISC_SIDE,                     /* 1, or -1 when the disc was back-facing and has been flipped */
+    ISO_DISC_X,                        /* centre, mm */
     ISO_DISC_Y,
     ISO_DISC_Z,
     /* For the intersection with a ray of direction d that passes the centre at offset q = (qx, qy, 0) mm:
@@ -120,6 +123,7 @@ typedef struct iso_refined_params {
     float near;         /* depth of the near plane, mm */
     bool orthographic;
     bool cull;           /* leave out back-facing points */
+    bool colored;        /* points have colours; they have no curvatures then */
     float voxels_per_mm; /* voxels per mm, at most */
     bool has_border;     /* discs are clipped at the grid's border: */
     float border[3];     /* index coordinates of its high corner; those of the low corner are 0 */
@@ -162,7 +166,7 @@ typedef struct iso_refined_kernel {
 
 /* Whether the curvatures of a block's points are used: its discs are large enough to show them. */
 static inline bool iso_refined_use_curvature(const iso_refined_params *params, const iso_point_block *block) {
-    return params->points->curvatures && block->radius[1] >= ISO_REFINED_FLAT_RADIUS;
+    return params->points->curvatures && !params->colored && block->radius[1] >= ISO_REFINED_FLAT_RADIUS;
 }
 
 /* The kernel at an instruction set, or at the best below it that this build has. Never NULL. */

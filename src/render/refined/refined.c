@@ -104,6 +104,7 @@ static void set_up_params(refined_call *call, const iso_projector *projector) {
     params->near = view->near < -ISO_NOWHERE ? -ISO_NOWHERE : (float)view->near;
     params->orthographic = view->orthographic;
     params->cull = params->points->closed && !call->blocks->around_eye;
+    params->colored = params->points->colors != NULL;
     set_up_border(params);
 }
 
@@ -250,7 +251,7 @@ static drawing start_patch(const refined_call *call, size_t number, int worker) 
 static void choose_method(const refined_call *call, drawing *d) {
     const iso_point_block *block = call->blocks->blocks.data;
     float most = 0;
-    d->patch.flat = true;
+    d->patch.flat = !call->params.colored; /* the sums of flat discs have no place for colours */
     for (size_t i = 0; i < d->count; i++) {
         const iso_point_block *b = &block[d->order[i]];
         most = b->radius[1] > most ? b->radius[1] : most;

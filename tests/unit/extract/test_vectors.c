@@ -6,11 +6,11 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "base/tensor.h"
 #include "check_support.h"
 #include "extract/points/points.h"
 #include "extract/vectors/gradient_glyphs.h"
 #include "extract/vectors/streamlines.h"
-#include "extract/vectors/tensor.h"
 #include "extract/vectors/vector_glyphs.h"
 #include "grids/volume/vectors_read.h"
 #include "make_volumes.h"

@@ -2,7 +2,7 @@
  * 8.5.2, with Rutishauser's choice of the smaller angle). The closed form of the eigenvalues is not used: it
  * needs an arccosine, whose last bits differ between machines, and it loses digits where two eigenvalues are
  * close. Rotations need only square roots and keep all digits. */
-#include "extract/vectors/tensor.h"
+#include "base/tensor.h"
 
 #include <math.h>
 #include <string.h>

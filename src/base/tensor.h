@@ -1,6 +1,6 @@
 /* tensor: eigenvalues and eigenvectors of a symmetric tensor. */
-#ifndef ISO_EXTRACT_VECTORS_TENSOR_H
-#define ISO_EXTRACT_VECTORS_TENSOR_H
+#ifndef ISO_BASE_TENSOR_H
+#define ISO_BASE_TENSOR_H
 
 #ifdef __cplusplus
 extern "C" {

@@ -1,0 +1,96 @@
+/* cloud: a file of points as the input: checks options, makes points that can be drawn, reports them. */
+#include "clouds/cloud.h"
+
+#include <inttypes.h>
+#include <math.h>
+
+#include "apps/isorender/isorender.h"
+#include "methods/bounds.h"
+
+iso_status isorender_cloud_check(const isorender_settings *settings, iso_error *error) {
+    const iso_input *input = &settings->common.input;
+    if (settings->method != ISORENDER_METHOD_UNCHOSEN) {
+        const iso_renderer *renderer = iso_renderer_get((iso_method)settings->method);
+        if (renderer->needs & ~(1u << ISO_PART_POINTS | 1u << ISO_PART_GROUPS))
+            return iso_fail(error, ISO_ERR_USAGE, "holds points, not a volume: --method %s needs a volume",
+                            renderer->name);
+    }
+    const char *option = settings->isovalue_count              ? "--isovalue"
+                         : settings->mesh                      ? "--mesh"
+                         : input->cropped                      ? "--crop"
+                         : settings->primitive                 ? "--primitive"
+                         : input->largest                      ? "--largest"
+                         : input->min_size > 0                 ? "--min-size"
+                         : settings->closed                    ? "--closed"
+                         : settings->ior > 0                   ? "--ior"
+                         : input->grid                         ? "--grid"
+                         : input->series                       ? "--series"
+                         : isorender_wants_gradients(settings) ? "--glyphs surface"
+                                                               : isorender_object_opacity_option(settings);
+    if (!option) return ISO_OK;
+    return iso_fail(error, ISO_ERR_USAGE, "holds points, not a volume: %s needs a volume", option);
+}
+
+/* ---- making points ---- */
+
+/* Leaves out the points outside --crop-mm. */
+static iso_status crop(isorender_job *job, iso_error *error) {
+    const iso_input *input = &job->settings->common.input;
+    iso_glyphs *points = &job->loader.points;
+    if (!input->cropped_mm) return ISO_OK;
+    const double *c = input->crop_mm;
+    const iso_box box = {{c[0], c[2], c[4]}, {c[1], c[3], c[5]}};
+    iso_glyphs_crop(points, &box);
+    if (points->count) return ISO_OK;
+    return iso_fail(error, ISO_ERR_EMPTY, "--crop-mm: no point lies in this box");
+}
+
+iso_status isorender_cloud_read(isorender_job *job, iso_error *error) {
+    const isorender_settings *settings = job->settings;
+    const iso_cloud_opts opts = {.radius = settings->radius > 0 ? settings->radius : 0,
+                                 .estimate_radii = settings->radius < 0,
+                                 .estimate_normals = settings->normals == ISORENDER_NORMALS_AUTO,
+                                 .pool = job->pool};
+    iso_cloud *cloud = &job->cloud;
+    isorender_log_report(job, "", &job->loader.report);
+    if (!job->loader.points.count) return iso_fail(error, ISO_ERR_EMPTY, "holds no usable point");
+    ISO_TRY(crop(job, error));
+    ISO_TRY(iso_cloud_make(&job->loader.points, &opts, cloud, error));
+    iso_glyphs_free(&job->loader.points);
+    const double percent = 100.0 / (double)cloud->count;
+    if (cloud->estimated_normals)
+        isorender_log_verbose(job, "normals of %.4g %% of the points are estimated from their neighbours",
+                              percent * (double)cloud->estimated_normals);
+    if (cloud->estimated_radii)
+        isorender_log_verbose(job,
+                              "radii of %.4g %% of the points are estimated; the median of all is %.4g mm",
+                              percent * (double)cloud->estimated_radii, cloud->radius);
+    return ISO_OK;
+}
+
+/* ---- reports ---- */
+
+static const char *origin_of(size_t estimated, size_t count) {
+    return estimated == count ? "estimated" : estimated ? "of the file, some estimated" : "of the file";
+}
+
+void isorender_cloud_info(const isorender_job *job) {
+    const iso_cloud *cloud = &job->cloud;
+    const iso_point_view view = iso_cloud_view(cloud);
+    const iso_box box = iso_bounds_of_points(&view);
+    printf("  %-11s %s\n  %-11s %zu\n", "format", job->loader.report.format, "points", cloud->count);
+    printf("  %-11s %.10g %.10g %.10g .. %.10g %.10g %.10g mm\n", "bounds", box.lo.x, box.lo.y, box.lo.z,
+           box.hi.x, box.hi.y, box.hi.z);
+    printf("  %-11s %s\n", "normals", origin_of(cloud->estimated_normals, cloud->count));
+    printf("  %-11s %s, median %.4g mm\n", "radii", origin_of(cloud->estimated_radii, cloud->count),
+           cloud->radius);
+    printf("  %-11s %s\n", "colours", cloud->colors ? "of the file" : "none");
+}
+
+void isorender_cloud_report(iso_json *json, const isorender_job *job) {
+    const iso_cloud *cloud = &job->cloud;
+    iso_json_integer(json, "estimated_normals", cloud->estimated_normals);
+    iso_json_integer(json, "estimated_radii", cloud->estimated_radii);
+    iso_json_real(json, "median_radius", cloud->radius);
+    iso_json_integer(json, "dropped", job->loader.report.dropped);
+}

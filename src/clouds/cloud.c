@@ -1,0 +1,274 @@
+/* cloud: decides what has to be estimated, and puts the points into the order of their spans. */
+#include "clouds/cloud.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/memory.h"
+#include "clouds/radii.h"
+#include "clouds/spans.h"
+
+enum {
+    CHUNK = 1024,
+    LARGEST_RADIUS = 1000, /* medians */
+    LEAST_ACROSS = 20      /* estimated radii that fit along the diagonal of the bounds */
+};
+
+/* A cloud that is being made. Arrays of the file's order. */
+typedef struct maker {
+    const iso_glyphs *glyphs;
+    const iso_cloud_opts *opts;
+    iso_cloud *cloud;
+    float (*normals)[3], *radii;
+    bool *has_radius; /* whether the file's radius is used */
+} maker;
+
+static iso_status out_of_memory(const maker *m, iso_error *error) {
+    return iso_fail(error, ISO_ERR_NOMEM, "out of memory for %zu points", m->glyphs->count);
+}
+
+/* ---- what the file has */
+
+/* Normalizes a normal. One whose length is already 1 to float precision is not changed, so that points that
+ * were written are read back with the same bits. Returns false if it is 0 or not finite. */
+static bool make_unit(const float from[3], float normal[3]) {
+    double largest = 0, square = 0;
+    for (int axis = 0; axis < 3; axis++) {
+        const double n = (double)from[axis];
+        largest = isfinite(n) ? fmax(largest, fabs(n)) : INFINITY;
+        square += n * n;
+        normal[axis] = from[axis];
+    }
+    if (!(largest > 0 && largest < INFINITY)) {
+        memset(normal, 0, 3 * sizeof *normal);
+        return false;
+    }
+    if (fabs(square - 1) < 1e-6) return true;
+    /* scaled first: the squares of tiny components would underflow */
+    const iso_vec3 unit = iso_vec3_unit(
+        iso_vec3_make((double)from[0] / largest, (double)from[1] / largest, (double)from[2] / largest));
+    normal[0] = (float)unit.x;
+    normal[1] = (float)unit.y;
+    normal[2] = (float)unit.z;
+    return true;
+}
+
+static void take_normals(maker *m) {
+    const bool given = m->glyphs->directions && !m->opts->estimate_normals;
+    static const float none[3] = {0};
+    for (size_t i = 0; i < m->glyphs->count; i++)
+        m->cloud->estimated_normals += !make_unit(given ? m->glyphs->directions[i] : none, m->normals[i]);
+}
+
+static int compare_floats(const void *left, const void *right) {
+    const float a = *(const float *)left, b = *(const float *)right;
+    return (a > b) - (a < b);
+}
+
+/* The median of the values above 0; 0 if there are none. `values` is rearranged. */
+static float median_of(float *values, size_t count) {
+    size_t kept = 0;
+    for (size_t i = 0; i < count; i++)
+        if (values[i] > 0 && isfinite(values[i])) values[kept++] = values[i];
+    if (!kept) return 0;
+    qsort(values, kept, sizeof *values, compare_floats);
+    return values[kept / 2];
+}
+
+/* The median of the radii of the cloud; 0 on failure or if there are none. */
+static iso_status median_radius(const maker *m, const float *radii, float *median, iso_error *error) {
+    float *copy = iso_alloc(m->glyphs->count * sizeof *copy);
+    if (!copy) return out_of_memory(m, error);
+    memcpy(copy, radii, m->glyphs->count * sizeof *copy);
+    *median = median_of(copy, m->glyphs->count);
+    iso_free(copy);
+    return ISO_OK;
+}
+
+static iso_status take_radii(maker *m, iso_error *error) {
+    const size_t count = m->glyphs->count;
+    float median = 0;
+    const bool given = m->glyphs->radii && !m->opts->estimate_radii && !(m->opts->radius > 0);
+    if (given) ISO_TRY(median_radius(m, m->glyphs->radii, &median, error));
+    for (size_t i = 0; i < count; i++) {
+        const float radius = m->opts->radius > 0 ? (float)m->opts->radius : given ? m->glyphs->radii[i] : 0;
+        m->has_radius[i] = radius > 0 && (!given || radius <= LARGEST_RADIUS * median);
+        m->radii[i] = m->has_radius[i] ? radius : 0;
+        m->cloud->estimated_radii += !m->has_radius[i];
+    }
+    return ISO_OK;
+}
+
+/* ---- what is estimated */
+
+typedef struct estimates {
+    iso_tree tree;
+    iso_neighbour_row *neighbours;
+    float (*normals)[3], *radii; /* by slot */
+} estimates;
+
+static void find_neighbours(void *context, size_t chunk, int worker) {
+    (void)worker;
+    const estimates *e = context;
+    const size_t first = chunk * CHUNK, end = first + CHUNK;
+    for (size_t slot = first; slot < (end < e->tree.count ? end : e->tree.count); slot++) {
+        iso_neighbour found[ISO_CLOUD_NEIGHBOURS];
+        const int count = iso_tree_nearest(&e->tree, slot, ISO_CLOUD_NEIGHBOURS, found);
+        for (int i = 0; i < ISO_CLOUD_NEIGHBOURS; i++)
+            e->neighbours[slot][i] = count ? found[i < count ? i : count - 1].slot : (uint32_t)slot;
+    }
+}
+
+static iso_status prepare(const maker *m, estimates *e, iso_error *error) {
+    const size_t count = m->glyphs->count;
+    ISO_TRY(iso_tree_make((const float(*)[3])m->glyphs->positions, count, m->opts->pool, &e->tree, error));
+    e->neighbours = iso_alloc(count * sizeof *e->neighbours);
+    e->normals = iso_alloc(count * sizeof *e->normals);
+    e->radii = iso_alloc(count * sizeof *e->radii);
+    if (!e->neighbours || !e->normals || !e->radii) return out_of_memory(m, error);
+    iso_parallel_for(m->opts->pool, (count + CHUNK - 1) / CHUNK, find_neighbours, e);
+    return ISO_OK;
+}
+
+static iso_status estimate_normals(maker *m, estimates *e, iso_error *error) {
+    const size_t bytes = sizeof *e->normals;
+    for (size_t slot = 0; slot < e->tree.count; slot++)
+        memcpy(e->normals[slot], m->normals[e->tree.points[slot].index], bytes);
+    ISO_TRY(iso_normals_estimate(&e->tree, (const iso_neighbour_row *)e->neighbours, e->normals,
+                                 m->opts->pool, error));
+    for (size_t slot = 0; slot < e->tree.count; slot++)
+        memcpy(m->normals[e->tree.points[slot].index], e->normals[slot], bytes);
+    return ISO_OK;
+}
+
+/* The largest radius that is estimated: of few points, the sixth neighbour is no neighbour on the surface. */
+static double largest_estimate(const maker *m) {
+    const iso_box box = iso_glyphs_bounds(m->glyphs);
+    return iso_vec3_length(iso_vec3_sub(box.hi, box.lo)) / LEAST_ACROSS;
+}
+
+static iso_status estimate_radii(maker *m, estimates *e, iso_error *error) {
+    const double largest = largest_estimate(m);
+    ISO_TRY(iso_radii_estimate(&e->tree, (const iso_neighbour_row *)e->neighbours, e->radii, m->opts->pool,
+                               error));
+    for (size_t slot = 0; slot < e->tree.count; slot++) {
+        const uint32_t i = e->tree.points[slot].index;
+        if (!m->has_radius[i]) m->radii[i] = fminf(e->radii[slot], (float)largest);
+    }
+    return ISO_OK;
+}
+
+static iso_status estimate(maker *m, iso_error *error) {
+    estimates e = {.neighbours = NULL};
+    iso_status status = prepare(m, &e, error);
+    if (status == ISO_OK && m->cloud->estimated_normals) status = estimate_normals(m, &e, error);
+    if (status == ISO_OK && m->cloud->estimated_radii) status = estimate_radii(m, &e, error);
+    iso_tree_free(&e.tree);
+    iso_free(e.neighbours);
+    iso_free(e.normals);
+    iso_free(e.radii);
+    return status;
+}
+
+/* Sets the radii that are 0, those of points that all their neighbours coincide with, to the median. */
+static iso_status finish_radii(maker *m, iso_error *error) {
+    float median;
+    ISO_TRY(median_radius(m, m->radii, &median, error));
+    if (!(median > 0)) median = 1;
+    for (size_t i = 0; i < m->glyphs->count; i++)
+        if (!(m->radii[i] > 0)) m->radii[i] = median;
+    m->cloud->radius = (double)median;
+    return ISO_OK;
+}
+
+/* ---- the order of spans */
+
+static void arrange(const maker *m, const iso_span_order *spans) {
+    iso_cloud *cloud = m->cloud;
+    for (size_t s = 0; s < spans->span_count; s++) {
+        const iso_point_span *span = &spans->spans[s];
+        for (size_t at = span->first; at < span->first + span->count; at++) {
+            const uint32_t from = spans->order[at];
+            iso_surfel *surfel = &cloud->surfels[at];
+            iso_span_position(spans, span->brick, m->glyphs->positions[from], surfel->position);
+            memcpy(surfel->normal, m->normals[from], sizeof surfel->normal);
+            cloud->radii[at] = m->radii[from];
+            if (cloud->colors) memcpy(cloud->colors[at], m->glyphs->colors[from], 3);
+        }
+    }
+}
+
+static iso_status fill_cloud(maker *m, iso_error *error) {
+    iso_cloud *cloud = m->cloud;
+    iso_span_order spans = {0};
+    const double origin[3] = {m->glyphs->origin.x, m->glyphs->origin.y, m->glyphs->origin.z};
+    /* the radius of extracted points is sqrt(2) / 2 voxels */
+    ISO_TRY(iso_span_order_make((const float(*)[3])m->glyphs->positions, m->glyphs->count,
+                                cloud->radius * 1.4142135623730951, &spans, error));
+    cloud->count = m->glyphs->count;
+    cloud->surfels = iso_alloc(cloud->count * sizeof *cloud->surfels);
+    cloud->radii = iso_alloc(cloud->count * sizeof *cloud->radii);
+    cloud->colors = m->glyphs->colors ? iso_alloc(cloud->count * sizeof *cloud->colors) : NULL;
+    const bool failed = !cloud->surfels || !cloud->radii || (m->glyphs->colors && !cloud->colors);
+    if (!failed) {
+        arrange(m, &spans);
+        cloud->transform = iso_transform_identity();
+        for (int axis = 0; axis < 3; axis++) {
+            cloud->transform.origin[axis] = origin[axis] + spans.origin[axis];
+            cloud->transform.spacing[axis] = spans.voxel;
+        }
+        cloud->spans = spans.spans;
+        cloud->span_count = spans.span_count;
+        spans.spans = NULL;
+    }
+    iso_span_order_free(&spans);
+    return failed ? out_of_memory(m, error) : ISO_OK;
+}
+
+static iso_status make_cloud(maker *m, iso_error *error) {
+    const size_t count = m->glyphs->count;
+    m->normals = iso_alloc(count * sizeof *m->normals);
+    m->radii = iso_alloc(count * sizeof *m->radii);
+    m->has_radius = iso_alloc(count * sizeof *m->has_radius);
+    if (!m->normals || !m->radii || !m->has_radius) return out_of_memory(m, error);
+    take_normals(m);
+    ISO_TRY(take_radii(m, error));
+    if (m->cloud->estimated_normals || m->cloud->estimated_radii) ISO_TRY(estimate(m, error));
+    ISO_TRY(finish_radii(m, error));
+    return fill_cloud(m, error);
+}
+
+iso_status iso_cloud_make(const iso_glyphs *glyphs, const iso_cloud_opts *opts, iso_cloud *cloud,
+                          iso_error *error) {
+    iso_cloud made = {0};
+    maker m = {.glyphs = glyphs, .opts = opts, .cloud = &made};
+    if (!glyphs->count) return iso_fail(error, ISO_ERR_EMPTY, "there are no points");
+    const iso_status status = make_cloud(&m, error);
+    iso_free(m.normals);
+    iso_free(m.radii);
+    iso_free(m.has_radius);
+    if (status == ISO_OK)
+        *cloud = made;
+    else
+        iso_cloud_free(&made);
+    return status;
+}
+
+void iso_cloud_free(iso_cloud *cloud) {
+    iso_free(cloud->surfels);
+    iso_free(cloud->radii);
+    iso_free(cloud->colors);
+    iso_free(cloud->spans);
+    *cloud = (iso_cloud){0};
+}
+
+iso_point_view iso_cloud_view(const iso_cloud *cloud) {
+    return (iso_point_view){.surfels = cloud->surfels,
+                            .radii = cloud->radii,
+                            .colors = (const uint8_t(*)[3])cloud->colors,
+                            .spans = cloud->spans,
+                            .span_count = cloud->span_count,
+                            .transform = cloud->transform,
+                            .radius = cloud->radius};
+}

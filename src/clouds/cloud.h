@@ -1,0 +1,52 @@
+/* clouds: makes points that renderers draw of points that were read from a file: every point gets a normal
+ * and a radius, those that the file lacks are estimated from its neighbours, and the points are sorted into
+ * spans by their places. */
+#ifndef ISO_CLOUDS_CLOUD_H
+#define ISO_CLOUDS_CLOUD_H
+
+#include "base/glyphs.h"
+#include "base/parallel.h"
+#include "base/primitives.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* All zero means the default. */
+typedef struct iso_cloud_opts {
+    double radius;         /* of all points, mm; 0: those of the file, or estimated ones */
+    bool estimate_radii;   /* also if the file has radii */
+    bool estimate_normals; /* also if the file has normals */
+    iso_pool *pool;        /* or NULL */
+} iso_cloud_opts;
+
+/* Points of a file. Zero-initialise; free with iso_cloud_free. */
+typedef struct iso_cloud {
+    iso_surfel *surfels;   /* owned, as all arrays; positions in voxels, as iso_point_view describes them */
+    float *radii;          /* mm */
+    uint8_t (*colors)[3];  /* NULL: the file has none */
+    iso_point_span *spans; /* in ascending order of z, then y, then x of their bricks */
+    size_t span_count, count;
+    iso_transform transform; /* cubic voxels, about as large as the distances between points */
+    double radius;           /* the median of the radii, mm */
+    size_t estimated_normals, estimated_radii; /* how many of the points have them */
+} iso_cloud;
+
+/* Makes a cloud of glyphs, whose directions are taken as normals. A normal that is 0 or not finite is
+ * estimated (clouds/normals.h), and so is a radius that is not above 0 and at most 1000 times the median
+ * (clouds/radii.h), at most a 20th of the bounds' diagonal; points that are all at the same place get 1 mm.
+ *
+ * `glyphs` is borrowed for the call. Takes about 90 bytes for each point if something is estimated, in
+ * addition to the cloud's 36. ISO_ERR_EMPTY: there are no points; ISO_ERR_NOMEM; ISO_ERR_LIMIT: 2^31 points
+ * or more. The same bytes for every number of threads. */
+iso_status iso_cloud_make(const iso_glyphs *glyphs, const iso_cloud_opts *opts, iso_cloud *cloud,
+                          iso_error *error);
+void iso_cloud_free(iso_cloud *cloud);
+
+/* A view of the cloud, which it borrows until iso_cloud_free. */
+iso_point_view iso_cloud_view(const iso_cloud *cloud);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

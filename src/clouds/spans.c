@@ -1,0 +1,142 @@
+/* spans: a radix sort of points by the numbers of their bricks. */
+#include "clouds/spans.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { AXIS_BITS = 20, DIGIT_BITS = 11, DIGITS = 1 << DIGIT_BITS };
+
+/* A point to be sorted. */
+typedef struct place {
+    uint64_t brick;
+    uint32_t index;
+} place;
+
+typedef struct sorter {
+    iso_span_order *out;
+    place *places, *other;
+    size_t count;
+    int bits[3]; /* of a brick's coordinate along each axis */
+} sorter;
+
+/* ---- bricks */
+
+static int bits_of(double bricks) {
+    int bits = 0;
+    while (bricks > (double)((uint64_t)1 << bits) && bits < AXIS_BITS) bits++;
+    return bits;
+}
+
+/* Chooses the voxel's size, the origin, and how many bits number the bricks of each axis. */
+static void choose_bricks(sorter *s, const float (*positions)[3], double voxel) {
+    double lo[3], hi[3], largest = 0;
+    for (int axis = 0; axis < 3; axis++) {
+        lo[axis] = hi[axis] = (double)positions[0][axis];
+        for (size_t i = 1; i < s->count; i++) {
+            lo[axis] = fmin(lo[axis], (double)positions[i][axis]);
+            hi[axis] = fmax(hi[axis], (double)positions[i][axis]);
+        }
+        largest = fmax(largest, hi[axis] - lo[axis]);
+    }
+    int exponent;
+    /* one brick less, as the first one begins before the first point */
+    frexp(fmax(voxel, largest / ISO_BRICK / ((1 << AXIS_BITS) - 1) * 2), &exponent);
+    s->out->voxel = ldexp(1, exponent - 1);
+    const double brick = s->out->voxel * ISO_BRICK;
+    for (int axis = 0; axis < 3; axis++) {
+        const double first = floor(lo[axis] / brick);
+        s->out->origin[axis] = first * brick;
+        s->bits[axis] = bits_of(floor(hi[axis] / brick) - first + 1);
+    }
+}
+
+static uint64_t brick_of(const sorter *s, const float position[3]) {
+    uint64_t brick = 0;
+    for (int axis = 2; axis >= 0; axis--) {
+        const double at = ((double)position[axis] - s->out->origin[axis]) / s->out->voxel / ISO_BRICK;
+        brick = brick << s->bits[axis] | (uint64_t)at;
+    }
+    return brick;
+}
+
+static void split_brick(const sorter *s, uint64_t number, int32_t brick[3]) {
+    for (int axis = 0; axis < 3; axis++) {
+        brick[axis] = (int32_t)(number & (((uint64_t)1 << s->bits[axis]) - 1));
+        number >>= s->bits[axis];
+    }
+}
+
+/* ---- sorting */
+
+/* Sorts by one digit, and keeps the order of places with the same digit. */
+static void sort_digit(sorter *s, int shift) {
+    size_t starts[DIGITS + 1] = {0};
+    for (size_t i = 0; i < s->count; i++) starts[(s->places[i].brick >> shift & (DIGITS - 1)) + 1]++;
+    for (int digit = 0; digit < DIGITS; digit++) starts[digit + 1] += starts[digit];
+    for (size_t i = 0; i < s->count; i++)
+        s->other[starts[s->places[i].brick >> shift & (DIGITS - 1)]++] = s->places[i];
+    place *sorted = s->other;
+    s->other = s->places;
+    s->places = sorted;
+}
+
+static void sort_places(sorter *s) {
+    const int bits = s->bits[0] + s->bits[1] + s->bits[2];
+    for (int shift = 0; shift < bits; shift += DIGIT_BITS) sort_digit(s, shift);
+}
+
+/* ---- spans */
+
+static iso_status list_spans(sorter *s, iso_error *error) {
+    iso_span_order *out = s->out;
+    for (size_t i = 0; i < s->count; i++)
+        out->span_count += i == 0 || s->places[i].brick != s->places[i - 1].brick;
+    out->order = iso_alloc(s->count * sizeof *out->order);
+    out->spans = iso_alloc(out->span_count * sizeof *out->spans);
+    if (!out->order || !out->spans)
+        return iso_fail(error, ISO_ERR_NOMEM, "out of memory for %zu points", s->count);
+    iso_point_span *span = out->spans - 1;
+    for (size_t i = 0; i < s->count; i++) {
+        out->order[i] = s->places[i].index;
+        if (i == 0 || s->places[i].brick != s->places[i - 1].brick) {
+            *++span = (iso_point_span){.first = i};
+            split_brick(s, s->places[i].brick, span->brick);
+        }
+        span->count++;
+    }
+    return ISO_OK;
+}
+
+iso_status iso_span_order_make(const float (*positions)[3], size_t count, double voxel, iso_span_order *spans,
+                               iso_error *error) {
+    iso_span_order made = {0};
+    sorter s = {&made, iso_alloc(count * sizeof(place)), iso_alloc(count * sizeof(place)), count, {0}};
+    iso_status status = ISO_OK;
+    if (!s.places || !s.other) status = iso_fail(error, ISO_ERR_NOMEM, "out of memory for %zu points", count);
+    if (status == ISO_OK && count) {
+        choose_bricks(&s, positions, voxel);
+        for (size_t i = 0; i < count; i++) s.places[i] = (place){brick_of(&s, positions[i]), (uint32_t)i};
+        sort_places(&s);
+        status = list_spans(&s, error);
+    }
+    iso_free(s.places);
+    iso_free(s.other);
+    if (status == ISO_OK)
+        *spans = made;
+    else
+        iso_span_order_free(&made);
+    return status;
+}
+
+void iso_span_order_free(iso_span_order *spans) {
+    iso_free(spans->order);
+    iso_free(spans->spans);
+    *spans = (iso_span_order){0};
+}
+
+void iso_span_position(const iso_span_order *spans, const int32_t brick[3], const float position[3],
+                       float relative[3]) {
+    for (int axis = 0; axis < 3; axis++)
+        relative[axis] = (float)(((double)position[axis] - spans->origin[axis]) / spans->voxel -
+                                 (double)ISO_BRICK * brick[axis]);
+}
