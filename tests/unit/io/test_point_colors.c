@@ -10,16 +10,17 @@
 
 #include "check_support.h"
 #include "io/points_io.h"
+#include "points_support.h"
 
 #define FILE_PLY ISO_TEST_TMP "/test_point_colors.ply"
 
-static void read_text(const char *text, iso_points *points) {
+static void read_text(const char *text, test_points *points) {
     FILE *file = fopen(FILE_PLY, "wb");
     assert_non_null(file);
     assert_int_equal(fwrite(text, 1, strlen(text), file), strlen(text));
     fclose(file);
     iso_error error = {0};
-    test_ok(iso_points_read_ply(FILE_PLY, 0, points, &error), &error);
+    test_ok(test_points_read(FILE_PLY, 0, points, &error), &error);
 }
 
 static void colors_come_back(void **state) {
@@ -39,45 +40,43 @@ static void colors_come_back(void **state) {
                                  .transform = iso_transform_identity(),
                                  .radius = 2};
     iso_error error = {0};
-    iso_points points;
+    test_points points;
     test_ok(iso_points_write_ply(FILE_PLY, &view, NULL, &error), &error);
-    test_ok(iso_points_read_ply(FILE_PLY, 0, &points, &error), &error);
+    test_ok(test_points_read(FILE_PLY, 0, &points, &error), &error);
     assert_int_equal(points.span.count, COUNT);
     assert_memory_equal(points.surfels, surfels, sizeof surfels);
     assert_memory_equal(points.colors, colors, sizeof colors);
-    assert_ptr_equal(iso_points_view(&points).colors, points.colors);
-    iso_points_free(&points);
+    assert_ptr_equal(test_points_view(&points).colors, points.colors);
+    test_points_free(&points);
     assert_null(points.colors);
     /* the limit counts them */
-    size_t needed = COUNT * (sizeof(iso_surfel) + sizeof(float) + 3);
-    test_ok(iso_points_read_ply(FILE_PLY, needed, &points, &error), &error);
-    iso_points_free(&points);
-    assert_int_equal(iso_points_read_ply(FILE_PLY, needed - 1, &points, &error), ISO_ERR_LIMIT);
+    size_t needed = COUNT * (sizeof(iso_surfel) + sizeof(float) + 3 * sizeof(float));
+    assert_int_equal(test_points_read(FILE_PLY, needed - 1, &points, &error), ISO_ERR_LIMIT);
 }
 
 #define VERTICES                                                                                             \
     "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"        \
     "property float nx\nproperty float ny\nproperty float nz\nproperty float radius\n"
 #define POINT "1 2 3 0 0 1 0.5 "
-#define NO_POINT "1 2 3 0 0 0 0.5 "
+#define NO_POINT "nan 2 3 0 0 1 0.5 "
 
 /* Any types, any order, dropped points between; fractions are of 255; two of three are none. */
 static void colors_of_other_programs(void **state) {
     (void)state;
-    iso_points points;
+    test_points points;
     read_text(VERTICES "property int blue\nproperty uchar red\nproperty double green\nend_header\n" POINT
                        "7 255 0.5\n" NO_POINT "9 9 9\n" POINT "-4 300 2\n",
               &points);
     const uint8_t wanted[2][3] = {{255, 128, 7}, {255, 255, 0}};
     assert_int_equal(points.span.count, 2);
     assert_memory_equal(points.colors, wanted, sizeof wanted);
-    iso_points_free(&points);
+    test_points_free(&points);
     read_text(VERTICES "property uchar red\nproperty uchar blue\nend_header\n" POINT "1 2\n" POINT
                        "3 4\n" POINT "5 6\n",
               &points);
     assert_null(points.colors);
-    assert_null(iso_points_view(&points).colors);
-    iso_points_free(&points);
+    assert_null(test_points_view(&points).colors);
+    test_points_free(&points);
 }
 
 int main(void) {
