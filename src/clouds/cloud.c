@@ -11,8 +11,8 @@
 
 enum {
     CHUNK = 1024,
-    LARGEST_RADIUS = 1000, /* medians */
-    LEAST_ACROSS = 20      /* estimated radii that fit along the diagonal of the bounds */
+    LARGEST_RADIUS = 100, /* medians */
+    LEAST_ACROSS = 20     /* estimated radii that fit along the diagonal of the bounds */
 };
 
 /* A cloud that is being made. Arrays of the file's order. */

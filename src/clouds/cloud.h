@@ -33,7 +33,7 @@ typedef struct iso_cloud {
 } iso_cloud;
 
 /* Makes a cloud of glyphs, whose directions are taken as normals. A normal that is 0 or not finite is
- * estimated (clouds/normals.h), and so is a radius that is not above 0 and at most 1000 times the median
+ * estimated (clouds/normals.h), and so is a radius that is not above 0 and at most 100 times the median
  * (clouds/radii.h), at most a 20th of the bounds' diagonal; points that are all at the same place get 1 mm.
  *
  * `glyphs` is borrowed for the call. Takes about 90 bytes for each point if something is estimated, in

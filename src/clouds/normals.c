@@ -89,6 +89,7 @@ static void covariance_of(const estimate *e, size_t slot, float tensor[6]) {
     for (int k = 0; k < 6; k++) tensor[k] = largest > 0 ? (float)(sums[k] / largest) : 0;
 }
 
+/* Points that coincide with all their neighbours get a normal that faces the default camera. */
 static void find_direction(estimate *e, size_t slot) {
     const float *n = e->normals[slot];
     float tensor[6];
@@ -96,7 +97,10 @@ static void find_direction(estimate *e, size_t slot) {
     if (e->given[slot]) return;
     covariance_of(e, slot, tensor);
     const iso_eigen eigen = iso_tensor_eigen(tensor);
-    for (int axis = 0; axis < 3; axis++) e->normals[slot][axis] = (float)eigen.vectors[2][axis];
+    const bool coincide = eigen.values[0] == 0;
+    static const double to_front[3] = {0, -1, 0};
+    for (int axis = 0; axis < 3; axis++)
+        e->normals[slot][axis] = (float)(coincide ? to_front[axis] : eigen.vectors[2][axis]);
 }
 
 /* ---- signs */

@@ -118,6 +118,17 @@ static void choose_patches(refined_call *call) {
     call->pixels = call->stride * (size_t)((height + 3) / 4 * 4); /* whole tiles */
 }
 
+/* The largest radius of a point, mm. */
+static float largest_radius(const iso_point_view *points, float shared) {
+    float largest = points->radii ? 0 : shared;
+    for (size_t s = 0; points->radii && s < points->span_count; s++)
+        for (size_t i = 0; i < points->spans[s].count; i++) {
+            const float radius = points->radii[points->spans[s].first + i];
+            largest = radius > largest ? radius : largest;
+        }
+    return largest;
+}
+
 /* Chooses the cells: as large as the largest disc's radius, so that a disc lies in its centre's cell and
  * the eight around it. */
 static void set_up_occlusion(refined_call *call) {
@@ -131,8 +142,9 @@ static void set_up_occlusion(refined_call *call) {
     /* A disc reaches one radius towards the eye and is averaged with hits up to 1.5 radii before it: 2.5,
      * and a margin. Without culling a front-facing disc can replace a flipped one that lies another 1.5
      * radii before. */
-    const float radius = call->params.radius * (ISO_REFINED_BALL + ISO_REFINED_BALL_MORE);
-    call->behind = call->params.points->radii ? ISO_NOWHERE : (call->params.cull ? 2.6f : 4.1f) * radius;
+    const float radius =
+        largest_radius(call->params.points, call->params.radius) * (ISO_REFINED_BALL + ISO_REFINED_BALL_MORE);
+    call->behind = (call->params.cull ? 2.6f : 4.1f) * radius;
 }
 
 /* The patches that a block's discs can cover. */

@@ -251,7 +251,7 @@ static void test_radii(void **state) {
     /* Those of the file are used where they can be, */
     static float radii[MOST];
     for (size_t i = 0; i < points.count; i++) radii[i] = 0.5f;
-    radii[3] = 0, radii[4] = -1, radii[5] = NAN, radii[6] = 501, radii[7] = 499;
+    radii[3] = 0, radii[4] = -1, radii[5] = NAN, radii[6] = 51, radii[7] = 49;
     glyphs.radii = radii;
     cloud = make_cloud(&glyphs, &(iso_cloud_opts){0});
     assert_int_equal(cloud.estimated_radii, 4);
