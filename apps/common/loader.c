@@ -107,7 +107,7 @@ static bool is_ply(const char *path) {
 
 /* Returns whether an input is a file of points, by its name or first bytes. */
 static bool is_cloud(const char *path) {
-    static const char *const endings[] = {".ply"};
+    static const char *const endings[] = {".ply", ".pcd", ".las"};
     for (size_t i = 0; i < sizeof endings / sizeof *endings; i++)
         if (iso_text_has_extension(path, endings[i])) return true;
     return is_ply(path);
