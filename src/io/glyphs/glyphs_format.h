@@ -18,6 +18,8 @@ iso_status iso_glyphs_read_xyz(iso_reading *reading, iso_glyphs *glyphs, iso_err
 iso_status iso_glyphs_read_csv(iso_reading *reading, iso_glyphs *glyphs, iso_error *error);
 iso_status iso_glyphs_read_pdb(iso_reading *reading, iso_glyphs *glyphs, iso_error *error);
 iso_status iso_glyphs_read_pcd(iso_reading *reading, iso_glyphs *glyphs, iso_error *error);
+iso_status iso_glyphs_read_npy(iso_reading *reading, iso_glyphs *glyphs, iso_error *error);
+iso_status iso_glyphs_read_rows(iso_reading *reading, iso_glyphs *glyphs, iso_error *error);
 iso_status iso_glyphs_read_las(iso_reading *reading, iso_glyphs *glyphs, iso_error *error);
 
 #ifdef __cplusplus

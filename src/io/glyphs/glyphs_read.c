@@ -11,12 +11,15 @@ static const iso_format_name names[] = {
     {"pdb", ".ent", NULL},       {"csv", ".csv", NULL},
     {"vtp", ".vtp", "<VTKFile"}, {"vtp", ".vtp", "<?xml"},
     {"pcd", ".pcd", "# .PCD"},   {"las", ".las", "LASF"},
-    {"las", ".laz", NULL},
+    {"las", ".laz", NULL},       {"npy", ".npy", "\x93NUMPY"},
+    {"pts", ".pts", NULL},       {"pwn", ".pwn", NULL},
+    {"asc", ".asc", NULL},       {"txt", ".txt", NULL},
 };
 static iso_status (*const readers[])(iso_reading *reading, iso_glyphs *glyphs, iso_error *error) = {
-    iso_glyphs_read_ply, iso_glyphs_read_vtk, iso_glyphs_read_xyz, iso_glyphs_read_pdb,
-    iso_glyphs_read_pdb, iso_glyphs_read_csv, iso_glyphs_read_vtp, iso_glyphs_read_vtp,
-    iso_glyphs_read_pcd, iso_glyphs_read_las, iso_glyphs_read_las,
+    iso_glyphs_read_ply,  iso_glyphs_read_vtk,  iso_glyphs_read_xyz,  iso_glyphs_read_pdb,
+    iso_glyphs_read_pdb,  iso_glyphs_read_csv,  iso_glyphs_read_vtp,  iso_glyphs_read_vtp,
+    iso_glyphs_read_pcd,  iso_glyphs_read_las,  iso_glyphs_read_las,  iso_glyphs_read_npy,
+    iso_glyphs_read_rows, iso_glyphs_read_rows, iso_glyphs_read_rows, iso_glyphs_read_rows,
 };
 
 iso_status iso_glyphs_read(const char *path, const iso_read_opts *opts, iso_glyphs *glyphs,

@@ -3,12 +3,19 @@
  *   .ply    vertices: radius; or scale_0 .. 2 and rot_0 .. 3; nx ny nz or vx vy vz; red green blue
  *   .vtk    VTK's legacy polygonal data: points with their arrays
  *   .vtp    the same in XML
- *   .xyz    molecules (the first frame), or rows of x y z or x y z nx ny nz
+ *   .xyz    molecules (the first frame), or rows of points as below
  *   .pdb    molecules: the first model, the first of alternate locations, and the copies that the first
  *           assembly (REMARK 350) makes of the chains
  *   .csv    a row of names with x y z, then numbers, or words that are numbered
  *   .pcd    the Point Cloud Library's: as text, binary, or compressed; rgb and rgba are packed colours
  *   .las    scans from the air and the ground, LAS 1.0 to 1.4, point formats 0 to 10; not the compressed LAZ
+ *   .pts .asc .txt  points as rows of 3 to 10 numbers between blanks, commas or semicolons; before them, if
+ *           they are there, the number of points and a row of names; # and // begin comments
+ *   .pwn    the same; or the number of points, their positions, and then as many normals (CGAL's)
+ *   .npy    arrays of NumPy: N x 3 .. 10 integers, floats or doubles, of either byte order
+ *
+ * Where numbers have no names, they are decided to be normals, colours or intensities from their values; a
+ * note tells (point_columns.h).
  *
  * Atoms have van der Waals radii and colours by element; an ångström is a millimetre of the world. Columns
  * that fill no array of iso_glyphs become attributes; of directions, vx vy vz precede nx ny nz. Other names

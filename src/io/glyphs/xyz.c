@@ -1,6 +1,6 @@
 /* xyz: two formats under one extension. A molecule: the number of atoms, a row of comment, and a row for each
- * atom: its element, or atomic number, and x y z in ångström. Or points: rows of three numbers, or of six:
- * a point and a direction. A first row of one whole number tells them apart.
+ * atom: its element, or atomic number, and x y z in ångström. Or points: rows of numbers (point_rows.h). A
+ * first row of one whole number tells them apart.
  *
  * Of several frames the first is read. Text after a molecule's coordinates is ignored. */
 #include <ctype.h>
@@ -8,8 +8,8 @@
 
 #include "io/glyphs/elements.h"
 #include "io/glyphs/glyphs_format.h"
+#include "io/glyphs/point_rows.h"
 #include "io/polydata/polydata.h"
-#include "io/rows.h"
 
 static const char separators[] = ",;";
 
@@ -17,25 +17,6 @@ typedef struct xyz {
     iso_rows rows;
     iso_polydata data;
 } xyz;
-
-static bool is_empty(const char *row) {
-    row += strspn(row, " \t");
-    return *row == 0 || *row == '#';
-}
-
-/* Returns the next row that is not empty; NULL at the end. */
-static char *next_row(xyz *x) {
-    char *row = iso_rows_next(&x->rows);
-    while (row && is_empty(row)) row = iso_rows_next(&x->rows);
-    return row;
-}
-
-/* Parses the numbers of a row; returns how many there are, at most `most`. */
-static int parse_row(char *row, double *numbers, int most) {
-    int count = 0;
-    while (count < most && iso_row_number(&row, separators, &numbers[count])) count++;
-    return *row ? -1 : count;
-}
 
 /* ---- molecules */
 
@@ -85,38 +66,19 @@ static iso_status read_molecule(xyz *x, double atoms, iso_error *error) {
         ISO_TRY(take_atom(x, iso_rows_next(&x->rows), &radii[i], &rgb[3 * i], &unknown, error));
     if (unknown)
         iso_reading_note(x->data.reading, "%llu atoms are of unknown elements", (unsigned long long)unknown);
-    if (next_row(x)) iso_reading_note(x->data.reading, "further frames follow: only the first is read");
+    if (iso_point_rows_next(&x->rows))
+        iso_reading_note(x->data.reading, "further frames follow: only the first is read");
     x->data.reading->opts.every = 1;
-    return ISO_OK;
-}
-
-/* ---- points */
-
-static iso_status read_points(xyz *x, char *row, iso_error *error) {
-    static const char *const names[6] = {"x", "y", "z", "nx", "ny", "nz"};
-    double numbers[7];
-    iso_slot slots[6];
-    const int count = parse_row(row, numbers, 7);
-    if (count != 3 && count != 6)
-        return iso_rows_fail(&x->rows, "neither the number of atoms, nor three or six numbers", error);
-    ISO_TRY(iso_polydata_name_columns(&x->data, names, count, slots, error));
-    for (int same = count; row; row = next_row(x)) {
-        if (x->data.point_count) same = parse_row(row, numbers, 7);
-        if (same != count) return iso_rows_fail(&x->rows, "not as many numbers as in the first row", error);
-        ISO_TRY(iso_polydata_reserve(&x->data, x->data.point_count + 1, error));
-        iso_polydata_add_row(&x->data, slots, numbers, count);
-    }
     return ISO_OK;
 }
 
 static iso_status read_xyz(xyz *x, iso_glyphs *glyphs, iso_error *error) {
     double atoms;
     ISO_TRY(iso_rows_load(x->data.reading, &x->rows, error));
-    char *first = next_row(x), *rest = first;
+    char *first = iso_point_rows_next(&x->rows);
     if (!first) return iso_fail(error, ISO_ERR_FORMAT, "%s: the file is empty", x->rows.reading->path);
-    const bool molecule = iso_row_number(&rest, "", &atoms) && *rest == 0 && atoms >= 0 && atoms < 1e15 &&
-                          (double)(uint64_t)atoms == atoms;
-    ISO_TRY(molecule ? read_molecule(x, atoms, error) : read_points(x, first, error));
+    ISO_TRY(iso_point_rows_is_count(first, &atoms) ? read_molecule(x, atoms, error)
+                                                   : iso_point_rows_read(&x->data, &x->rows, first, error));
     return iso_polydata_to_glyphs(&x->data, glyphs, error);
 }
 

@@ -97,6 +97,34 @@ iso_status iso_polydata_name_columns(iso_polydata *data, const char *const *name
     return ISO_OK;
 }
 
+iso_status iso_polydata_join_columns(iso_polydata *data, int first, const char *name, iso_role role,
+                                     iso_error *error) {
+    const size_t count = data->point_count;
+    iso_column *columns = iso_polydata_column(data, first), made = {.components = 3, .role = role};
+    strncpy(made.name, name, sizeof made.name - 1);
+    ISO_TRY(iso_reading_reserve(data->reading, &made.values, count ? count : 1, POINT, 0, error));
+    float *to = made.values.data;
+    for (size_t k = 0; k < 3; k++) {
+        const float *from = columns[k].values.data;
+        for (size_t i = 0; i < count; i++) to[3 * i + k] = from[i];
+        iso_reading_free(data->reading, &columns[k].values);
+    }
+    columns[0] = made;
+    memmove(columns + 1, columns + 3, (size_t)(data->column_count - first - 3) * sizeof *columns);
+    data->column_count -= 2;
+    return ISO_OK;
+}
+
+void iso_polydata_scale_colors(iso_polydata *data, bool fractions) {
+    iso_column *column = iso_column_find(data->column_array.data, data->column_count, ISO_ROLE_COLOR);
+    if (!column) return;
+    float *values = column->values.data, most = 0;
+    const size_t count = data->point_count * (size_t)column->components;
+    for (size_t i = 0; i < count; i++) most = values[i] > most ? values[i] : most;
+    const float scale = most > 255 ? 1 / 257.0f : fractions && most <= 1 ? 255 : 1;
+    for (size_t i = 0; i < count && scale != 1; i++) values[i] *= scale;
+}
+
 /* ---- points */
 
 iso_status iso_polydata_reserve(iso_polydata *data, size_t count, iso_error *error) {

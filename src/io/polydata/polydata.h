@@ -52,6 +52,15 @@ enum { ISO_SLOT_POINT = -1, ISO_SLOT_SKIP = -2 };
 iso_status iso_polydata_name_columns(iso_polydata *data, const char *const *names, int count, iso_slot *slots,
                                      iso_error *error);
 
+/* Joins three columns of one number each, `first` and the two behind it, to one of three numbers, which takes
+ * their place. The points must have been read. ISO_ERR_LIMIT, ISO_ERR_NOMEM: nothing has changed. */
+iso_status iso_polydata_join_columns(iso_polydata *data, int first, const char *name, iso_role role,
+                                     iso_error *error);
+
+/* Scales the column of colours, if there is one, to 0 .. 255: numbers of 16 bits if one of them is above 255;
+ * `fractions`: the file stores floats, which are 0 .. 1 unless one of them is above 1. */
+void iso_polydata_scale_colors(iso_polydata *data, bool fractions);
+
 /* Makes room for `count` points with their columns. */
 iso_status iso_polydata_reserve(iso_polydata *data, size_t count, iso_error *error);
 

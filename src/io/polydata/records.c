@@ -92,11 +92,16 @@ void iso_polydata_add_records(iso_polydata *data, const iso_record_field *fields
         add_block(data, fields, count, bytes, first, items - first < BLOCK ? items - first : BLOCK);
 }
 
+iso_status iso_polydata_check_records(const iso_stream *stream, size_t record, uint64_t items,
+                                      iso_error *error) {
+    if (items <= stream->remaining / record) return ISO_OK;
+    return iso_fail(error, ISO_ERR_IO, "%s: truncated: its header promises %llu points", stream->path,
+                    (unsigned long long)items);
+}
+
 iso_status iso_polydata_stream_records(iso_polydata *data, const iso_record_field *fields, int count,
                                        iso_stream *stream, size_t record, uint64_t items, iso_error *error) {
-    if (items > stream->remaining / record)
-        return iso_fail(error, ISO_ERR_IO, "%s: truncated: its header promises %llu points", stream->path,
-                        (unsigned long long)items);
+    ISO_TRY(iso_polydata_check_records(stream, record, items, error));
     ISO_TRY(iso_polydata_reserve(data, data->point_count + (size_t)items, error));
     for (uint64_t left = items; left > 0;) {
         if (!iso_stream_fill(stream, record)) return iso_stream_fail(stream, error);
@@ -106,14 +111,4 @@ iso_status iso_polydata_stream_records(iso_polydata *data, const iso_record_fiel
         left -= some;
     }
     return ISO_OK;
-}
-
-void iso_polydata_scale_colors(iso_polydata *data, bool fractions) {
-    iso_column *column = iso_column_find(data->column_array.data, data->column_count, ISO_ROLE_COLOR);
-    if (!column) return;
-    float *values = column->values.data, most = 0;
-    const size_t count = data->point_count * (size_t)column->components;
-    for (size_t i = 0; i < count; i++) most = values[i] > most ? values[i] : most;
-    const float scale = most > 255 ? 1 / 257.0f : fractions && most <= 1 ? 255 : 1;
-    for (size_t i = 0; i < count && scale != 1; i++) values[i] *= scale;
 }

@@ -32,14 +32,14 @@ static inline iso_record_field iso_record_field_make(iso_slot slot, iso_scalar s
 void iso_polydata_add_records(iso_polydata *data, const iso_record_field *fields, int count,
                               const unsigned char *bytes, size_t items);
 
-/* Reads `items` records of `record` bytes, at most ISO_STREAM_BUFFER, from the stream. Compares the number of
- * items with the file's size before memory is taken. ISO_ERR_IO, ISO_ERR_LIMIT, ISO_ERR_NOMEM. */
+/* Checks that the rest of the file is long enough for that many records; ISO_ERR_IO. */
+iso_status iso_polydata_check_records(const iso_stream *stream, size_t record, uint64_t items,
+                                      iso_error *error);
+
+/* Reads `items` records of `record` bytes, at most ISO_STREAM_BUFFER, from the stream, after
+ * iso_polydata_check_records. ISO_ERR_IO, ISO_ERR_LIMIT, ISO_ERR_NOMEM. */
 iso_status iso_polydata_stream_records(iso_polydata *data, const iso_record_field *fields, int count,
                                        iso_stream *stream, size_t record, uint64_t items, iso_error *error);
-
-/* Scales the column of colours, if there is one, to 0 .. 255: numbers of 16 bits if one of them is above 255;
- * `fractions`: the file stores floats, which are 0 .. 1 unless one of them is above 1. */
-void iso_polydata_scale_colors(iso_polydata *data, bool fractions);
 
 #ifdef __cplusplus
 }

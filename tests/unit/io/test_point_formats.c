@@ -1,4 +1,4 @@
-/* point_formats: the readers of formats that scans come in: .pcd and .las. */
+/* point_formats: the readers of formats that scans come in: .pcd, .las and .npy. */
 #define _GNU_SOURCE
 #include <math.h>
 #include <stdarg.h>
@@ -12,6 +12,7 @@
 
 #define FILE_PCD ISO_TEST_TMP "/test_point_formats.pcd"
 #define FILE_LAS ISO_TEST_TMP "/test_point_formats.las"
+#define FILE_NPY ISO_TEST_TMP "/test_point_formats.npy"
 
 /* ---- files that are made here */
 
@@ -309,12 +310,82 @@ static void test_las_errors(void **state) {
     refuse_text(FILE_LAS, "LASF", ISO_ERR_IO, "truncated");
 }
 
+/* ---- .npy */
+
+static made_file make_npy(int version, const char *dictionary) {
+    made_file file = {.count = 0};
+    const uint32_t length = (uint32_t)strlen(dictionary);
+    add_bytes(&file, "\x93NUMPY", 6);
+    add_bytes(&file, (char[]){(char)version, 0}, 2);
+    add_bytes(&file, &length, version == 1 ? 2 : 4);
+    add_text(&file, dictionary);
+    return file;
+}
+
+static void test_npy_orders(void **state) {
+    (void)state;
+    made_file file = make_npy(1, "{'descr': '<f4', 'fortran_order': False, 'shape': (2, 6), }  \n");
+    add_floats(&file, 12, (float[]){1, 2, 3, 0, 0, 1, 4, 5, 6, 1, 0, 0});
+    iso_glyphs glyphs = read_made(FILE_NPY, &file);
+    assert_int_equal(glyphs.count, 2);
+    assert_string_equal(report.format, "npy");
+    assert_non_null(strstr(report.notes[0], "x y z, normals"));
+    check_place(&glyphs, 1, 4, 5, 6, 0);
+    check_vector(glyphs.directions[1], 1, 0, 0);
+    iso_glyphs_free(&glyphs);
+    read_truncated(FILE_NPY, file.bytes, file.count, (iso_read_opts){0});
+    file = make_npy(2, "{'descr': '<f8', 'fortran_order': True, 'shape': (2, 4)}");
+    add_bytes(&file, (double[]){500000.25, 500001.5, 2, 5, 3, 6, 7, 8}, 64);
+    glyphs = read_made(FILE_NPY, &file);
+    check_place(&glyphs, 0, 500000.25, 2, 3, 0);
+    check_place(&glyphs, 1, 500001.5, 5, 6, 0);
+    assert_true(find_attribute(&glyphs, "intensity")->values[1] == 8);
+    iso_glyphs_free(&glyphs);
+    read_truncated(FILE_NPY, file.bytes, file.count, (iso_read_opts){0});
+    file = make_npy(3, "{'shape': (1L, 3L), 'fortran_order': False, 'descr': '>i2'}");
+    add_bytes(&file, "\x01\x00\xff\xff\x00\x02", 6);
+    glyphs = read_made(FILE_NPY, &file);
+    check_place(&glyphs, 0, 256, -1, 2, 0);
+    iso_glyphs_free(&glyphs);
+}
+
+static void test_npy_errors(void **state) {
+    (void)state;
+    static const struct {
+        int version;
+        const char *dictionary;
+        iso_status status;
+        const char *reason;
+    } bad[] = {
+        {4, "{}", ISO_ERR_UNSUPPORTED, "version 4"},
+        {1, "{}", ISO_ERR_FORMAT, "descr"},
+        {1, "{'descr': '<f4'}", ISO_ERR_FORMAT, "fortran_order"},
+        {1, "{'descr': '<f4', 'fortran_order': False, 'shape': (2,)}", ISO_ERR_FORMAT, "shape"},
+        {1, "{'descr': '<f4', 'fortran_order': False, 'shape': (2, 3, 4)}", ISO_ERR_FORMAT, "shape"},
+        {1, "{'descr': '<f4', 'fortran_order': False, 'shape': (-2, 3)}", ISO_ERR_FORMAT, "shape"},
+        {1, "{'descr': '<f4', 'fortran_order': False, 'shape': (2, 2)}", ISO_ERR_FORMAT, "2 numbers"},
+        {1, "{'descr': '<f4', 'fortran_order': False, 'shape': (2, 11)}", ISO_ERR_FORMAT, "11 numbers"},
+        {1, "{'descr': '<f4', 'fortran_order': False, 'shape': (2, 3)}", ISO_ERR_IO, "2 points"},
+        {1, "{'descr': '<f4', 'fortran_order': True, 'shape': (99999999999999999, 3)}", ISO_ERR_IO,
+         "truncated"},
+        {1, "{'descr': '<f2', 'fortran_order': False, 'shape': (2, 3)}", ISO_ERR_UNSUPPORTED, "'<f2'"},
+        {1, "{'descr': [('x', '<f4')], 'fortran_order': False, 'shape': (2, 3)}", ISO_ERR_UNSUPPORTED,
+         "[('x'"},
+    };
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        made_file file = make_npy(bad[i].version, bad[i].dictionary);
+        refuse_made(FILE_NPY, &file, bad[i].status, bad[i].reason);
+    }
+    refuse_text(FILE_NPY, "\x93NUMPY", ISO_ERR_IO, "truncated");
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_pcd_ascii),      cmocka_unit_test(test_pcd_binary),
         cmocka_unit_test(test_pcd_compressed), cmocka_unit_test(test_pcd_types),
         cmocka_unit_test(test_pcd_errors),     cmocka_unit_test(test_las_formats),
-        cmocka_unit_test(test_las_errors),
+        cmocka_unit_test(test_las_errors),     cmocka_unit_test(test_npy_orders),
+        cmocka_unit_test(test_npy_errors),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
