@@ -73,15 +73,25 @@ iso_status iso_ply_check_size(const iso_ply *ply, const iso_ply_element *element
                     ply->in.path, (unsigned long long)element->count, element->name);
 }
 
-iso_status iso_ply_skip_list(iso_ply *ply, const iso_ply_property *list, iso_error *error) {
-    double count, ignored;
-    ISO_TRY(iso_ply_read_value(ply, list->count_type, &count, error));
-    if (!(count >= 0 && count <= UINT32_MAX))
+iso_status iso_ply_read_list_count(iso_ply *ply, const iso_ply_property *list, uint64_t *count,
+                                   iso_error *error) {
+    double number;
+    ISO_TRY(iso_ply_read_value(ply, list->count_type, &number, error));
+    if (!(number >= 0 && number <= UINT32_MAX))
         return iso_fail(error, ISO_ERR_FORMAT, "%s: damaged: a list \"%s\" of %g items", ply->in.path,
-                        list->name, count);
+                        list->name, number);
+    *count = (uint64_t)number;
+    const uint64_t each = ply->format == ISO_PLY_ASCII ? 2 : (uint64_t)type_size[list->type];
+    return *count <= ply->in.remaining / each + 1 ? ISO_OK : iso_stream_fail(&ply->in, error);
+}
+
+iso_status iso_ply_skip_list(iso_ply *ply, const iso_ply_property *list, iso_error *error) {
+    uint64_t count;
+    double ignored;
+    ISO_TRY(iso_ply_read_list_count(ply, list, &count, error));
     if (ply->format != ISO_PLY_ASCII)
-        return iso_stream_skip(&ply->in, (uint64_t)count * (uint64_t)type_size[list->type], error);
-    for (uint64_t i = 0; i < (uint64_t)count; i++) ISO_TRY(read_text_value(ply, &ignored, error));
+        return iso_stream_skip(&ply->in, count * (uint64_t)type_size[list->type], error);
+    for (uint64_t i = 0; i < count; i++) ISO_TRY(read_text_value(ply, &ignored, error));
     return ISO_OK;
 }
 

@@ -73,6 +73,10 @@ iso_status iso_ply_read_value(iso_ply *ply, iso_ply_type type, double *value, is
 iso_status iso_ply_read_item(iso_ply *ply, const iso_ply_element *element, double value[ISO_PLY_PROPERTIES],
                              iso_error *error);
 
+/* Reads the number of items of the next list, which are read next, and compares it with the file's size. */
+iso_status iso_ply_read_list_count(iso_ply *ply, const iso_ply_property *list, uint64_t *count,
+                                   iso_error *error);
+
 /* Skip the next list; skip all items of `element`, which is read next. */
 iso_status iso_ply_skip_list(iso_ply *ply, const iso_ply_property *list, iso_error *error);
 iso_status iso_ply_skip_element(iso_ply *ply, const iso_ply_element *element, iso_error *error);

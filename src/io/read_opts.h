@@ -44,6 +44,10 @@ typedef struct iso_read_opts {
                   molecules */
     /* Molecules: 0 reads the first assembly that the file describes, -1 only the atoms that it lists. */
     int assembly;
+    /* Glyphs of .ply, .off and .obj files without normals but with faces: the normals of the points are the
+     * means of their faces' normals, weighted with angles; zero at points without a face. False: faces are
+     * not read. */
+    bool normals_from_faces;
     iso_file_set *files;     /* every file that is read is added to it; may be NULL */
     iso_read_report *report; /* may be NULL */
 } iso_read_opts;

@@ -54,6 +54,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
                                 .every = choice % 3,
                                 .space = choice / 3 % 3,
                                 .assembly = choice / 9 % 4 - 1,
+                                .normals_from_faces = choice % 2,
                                 .report = &report};
     iso_glyphs glyphs;
     iso_error error = {0};

@@ -20,6 +20,8 @@ iso_status iso_glyphs_read_pdb(iso_reading *reading, iso_glyphs *glyphs, iso_err
 iso_status iso_glyphs_read_pcd(iso_reading *reading, iso_glyphs *glyphs, iso_error *error);
 iso_status iso_glyphs_read_npy(iso_reading *reading, iso_glyphs *glyphs, iso_error *error);
 iso_status iso_glyphs_read_rows(iso_reading *reading, iso_glyphs *glyphs, iso_error *error);
+iso_status iso_glyphs_read_off(iso_reading *reading, iso_glyphs *glyphs, iso_error *error);
+iso_status iso_glyphs_read_obj(iso_reading *reading, iso_glyphs *glyphs, iso_error *error);
 iso_status iso_glyphs_read_las(iso_reading *reading, iso_glyphs *glyphs, iso_error *error);
 
 #ifdef __cplusplus

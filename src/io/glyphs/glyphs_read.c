@@ -14,12 +14,14 @@ static const iso_format_name names[] = {
     {"las", ".laz", NULL},       {"npy", ".npy", "\x93NUMPY"},
     {"pts", ".pts", NULL},       {"pwn", ".pwn", NULL},
     {"asc", ".asc", NULL},       {"txt", ".txt", NULL},
+    {"off", ".off", NULL},       {"obj", ".obj", NULL},
 };
 static iso_status (*const readers[])(iso_reading *reading, iso_glyphs *glyphs, iso_error *error) = {
     iso_glyphs_read_ply,  iso_glyphs_read_vtk,  iso_glyphs_read_xyz,  iso_glyphs_read_pdb,
     iso_glyphs_read_pdb,  iso_glyphs_read_csv,  iso_glyphs_read_vtp,  iso_glyphs_read_vtp,
     iso_glyphs_read_pcd,  iso_glyphs_read_las,  iso_glyphs_read_las,  iso_glyphs_read_npy,
     iso_glyphs_read_rows, iso_glyphs_read_rows, iso_glyphs_read_rows, iso_glyphs_read_rows,
+    iso_glyphs_read_off,  iso_glyphs_read_obj,
 };
 
 iso_status iso_glyphs_read(const char *path, const iso_read_opts *opts, iso_glyphs *glyphs,

@@ -13,6 +13,11 @@
  *           they are there, the number of points and a row of names; # and // begin comments
  *   .pwn    the same; or the number of points, their positions, and then as many normals (CGAL's)
  *   .npy    arrays of NumPy: N x 3 .. 10 integers, floats or doubles, of either byte order
+ *   .off    Geomview's, as text, with normals and colours of vertices (NOFF, COFF)
+ *   .obj    Wavefront's vertices, with colours behind the coordinates; vn, if there is one for each vertex
+ *
+ * The points of .ply, .off and .obj may be the vertices of a mesh: normals are then made from its faces if
+ * opts->normals_from_faces is set.
  *
  * Where numbers have no names, they are decided to be normals, colours or intensities from their values; a
  * note tells (point_columns.h).

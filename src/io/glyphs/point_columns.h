@@ -19,10 +19,10 @@ iso_status iso_point_columns_add(iso_polydata *data, int count, iso_slot slots[I
 /* Decides what the columns are, when all points have been read, and says so in a note.
  *
  *   4 columns    x y z, intensity
- *   6            x y z, then a normal if the three numbers are a unit vector in most rows; else red green blue
- *                if all are 0 .. 255 and one is above 1; else a normal
- *   7            as 6, with one number more, behind the three or before them; `number_first` says which if the
- *                values do not
+ *   6            x y z, then a normal if the three numbers are a unit vector in most rows; else red green
+ *                blue if all are 0 .. 255 and one is above 1; else a normal
+ *   7            as 6, with one number more, behind the three or before them; `number_first` says which if
+ *                the values do not
  *   9, 10        x y z, a normal, and red green blue, in either order; as 7 with one number more
  *   8            a normal or red green blue if the values say so clearly
  *

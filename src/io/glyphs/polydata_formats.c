@@ -19,6 +19,10 @@ iso_status iso_glyphs_read_ply(iso_reading *reading, iso_glyphs *glyphs, iso_err
     return read_as(iso_polydata_read_ply, reading, glyphs, error);
 }
 
+iso_status iso_glyphs_read_obj(iso_reading *reading, iso_glyphs *glyphs, iso_error *error) {
+    return read_as(iso_polydata_read_obj, reading, glyphs, error);
+}
+
 iso_status iso_glyphs_read_vtp(iso_reading *reading, iso_glyphs *glyphs, iso_error *error) {
     return read_as(iso_polydata_read_vtp, reading, glyphs, error);
 }

@@ -19,6 +19,10 @@ iso_status iso_lines_read_ply(iso_reading *reading, iso_lines *lines, iso_error 
     return read_as(iso_polydata_read_ply, reading, lines, error);
 }
 
+iso_status iso_lines_read_obj(iso_reading *reading, iso_lines *lines, iso_error *error) {
+    return read_as(iso_polydata_read_obj, reading, lines, error);
+}
+
 iso_status iso_lines_read_vtp(iso_reading *reading, iso_lines *lines, iso_error *error) {
     return read_as(iso_polydata_read_vtp, reading, lines, error);
 }

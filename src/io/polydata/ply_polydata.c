@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "io/ply.h"
-#include "io/polydata/polydata.h"
+#include "io/polydata/faces.h"
 
 /* The state of the reader in addition to the polydata. */
 typedef struct ply_reader {
@@ -16,6 +16,7 @@ typedef struct ply_reader {
     double values[ISO_PLY_PROPERTIES];
     iso_buffer edges; /* uint32_t[2] */
     size_t edge_count;
+    iso_faces faces;
 } ply_reader;
 
 static double color_factor(iso_ply_type type) {
@@ -88,24 +89,75 @@ static iso_status read_edges(ply_reader *r, const iso_ply_element *element, iso_
     return ISO_OK;
 }
 
+/* ---- faces */
+
+/* Reads the corners of a face; of a strip, -1 ends one and begins the next. */
+static iso_status read_corners(ply_reader *r, const iso_ply_property *list, bool strip, iso_error *error) {
+    iso_face face = {.strip = strip};
+    uint64_t count;
+    double corner;
+    ISO_TRY(iso_ply_read_list_count(&r->ply, list, &count, error));
+    for (uint64_t i = 0; i < count; i++) {
+        ISO_TRY(iso_ply_read_value(&r->ply, list->type, &corner, error));
+        if (strip && corner == -1) {
+            face = (iso_face){.strip = true};
+            continue;
+        }
+        if (!(corner >= 0 && corner < UINT32_MAX))
+            return iso_fail(error, ISO_ERR_FORMAT, "%s: damaged: a face names point %g", r->ply.in.path,
+                            corner);
+        ISO_TRY(iso_faces_add_corner(r->data->reading, &r->faces, &face, (uint32_t)corner, error));
+    }
+    return ISO_OK;
+}
+
+static bool has_corners(const iso_ply_property *property) {
+    return property->is_list &&
+           (strcmp(property->name, "vertex_indices") == 0 || strcmp(property->name, "vertex_index") == 0);
+}
+
+static iso_status read_faces(ply_reader *r, const iso_ply_element *element, iso_error *error) {
+    const iso_ply_property *property = &r->ply.properties[element->first_property];
+    const bool strip = is_named(element, "tristrips");
+    if (element->property_count == 0) return ISO_OK; /* its items have no bytes */
+    ISO_TRY(iso_ply_check_size(&r->ply, element, error));
+    for (uint64_t i = 0; i < element->count; i++)
+        for (int k = 0; k < element->property_count; k++) {
+            if (has_corners(&property[k]))
+                ISO_TRY(read_corners(r, &property[k], strip, error));
+            else if (property[k].is_list)
+                ISO_TRY(iso_ply_skip_list(&r->ply, &property[k], error));
+            else
+                ISO_TRY(iso_ply_read_value(&r->ply, property[k].type, &r->values[0], error));
+        }
+    return ISO_OK;
+}
+
+/* ---- elements */
+
 static iso_status read_elements(ply_reader *r, iso_error *error) {
     bool has_points = false, has_edges = false;
     ISO_TRY(iso_ply_open(r->data->reading->path, &r->ply, error));
     for (int i = 0; i < r->ply.element_count; i++) {
         const iso_ply_element *element = &r->ply.elements[i];
         const bool points = is_named(element, "vertex") && !has_points,
-                   edges = is_named(element, "edge") && !has_edges && !r->data->points_only;
+                   edges = is_named(element, "edge") && !has_edges && !r->data->points_only,
+                   faces = (is_named(element, "face") || is_named(element, "tristrips")) &&
+                           iso_faces_are_wanted(r->data);
         if (points)
             ISO_TRY(read_vertices(r, element, error));
         else if (edges)
             ISO_TRY(read_edges(r, element, error));
+        else if (faces)
+            ISO_TRY(read_faces(r, element, error));
         else
             ISO_TRY(iso_ply_skip_element(&r->ply, element, error));
         has_points = has_points || points;
         has_edges = has_edges || edges;
-        if (has_points && (has_edges || r->data->points_only)) break;
+        if (has_points && (r->data->points_only ? !iso_faces_are_wanted(r->data) : has_edges)) break;
     }
     if (!has_points) return iso_fail(error, ISO_ERR_FORMAT, "%s: holds no points", r->ply.in.path);
+    ISO_TRY(iso_faces_make_normals(&r->faces, r->data, error));
     return iso_polydata_add_edges(r->data, r->edges.data, r->edge_count, false, error);
 }
 
@@ -116,6 +168,7 @@ iso_status iso_polydata_read_ply(iso_polydata *data, iso_error *error) {
     iso_status status = read_elements(r, error);
     iso_ply_close(&r->ply);
     iso_reading_free(data->reading, &r->edges);
+    iso_faces_free(data->reading, &r->faces);
     iso_free(r);
     return status;
 }

@@ -93,6 +93,7 @@ void iso_polydata_free(iso_polydata *data);
 /* The readers of single formats. Errors as for iso_lines_read. */
 iso_status iso_polydata_read_vtk(iso_polydata *data, iso_error *error);
 iso_status iso_polydata_read_vtp(iso_polydata *data, iso_error *error);
+iso_status iso_polydata_read_obj(iso_polydata *data, iso_error *error);
 iso_status iso_polydata_read_ply(iso_polydata *data, iso_error *error);
 
 #ifdef __cplusplus

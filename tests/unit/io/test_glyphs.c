@@ -352,7 +352,7 @@ static void test_vtk_points(void **state) {
 /* ---- files of other programs */
 
 static void check_row(const index_row *row) {
-    static const char *const units[] = {" vertex", " points", " atoms"};
+    static const char *const units[] = {" vert", " points", " atoms"};
     iso_glyphs glyphs = read_with(row->path, (iso_read_opts){.assembly = -1});
     const iso_box box = iso_glyphs_bounds(&glyphs);
     const bool partly = strstr(row->counts, "models") || strstr(row->counts, "frames");
@@ -385,9 +385,9 @@ static int check_table(const char *folder, const char *const *formats, int count
 
 static void test_index(void **state) {
     (void)state;
-    static const char *const points[] = {"ply", "xyz", "pdb", "vtp", "pcd", "las", "pwn"}, *const tables[] = {
-                                                                                               "csv"};
-    assert_true(check_table("points", points, 7) >= 30);
+    static const char *const points[] = {"ply", "xyz", "pdb", "vtp", "pcd", "las", "pwn", "off"},
+                             *const tables[] = {"csv"};
+    assert_true(check_table("points", points, 8) >= 32);
     assert_int_equal(check_table("lines", tables, 1), 1);
 }
 

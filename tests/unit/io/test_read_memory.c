@@ -22,7 +22,8 @@ static iso_status read_lines(const char *path, iso_error *error) {
 
 static iso_status read_glyphs(const char *path, iso_error *error) {
     iso_glyphs glyphs;
-    const iso_status status = iso_glyphs_read(path, NULL, &glyphs, error);
+    const iso_read_opts opts = {.normals_from_faces = true};
+    const iso_status status = iso_glyphs_read(path, &opts, &glyphs, error);
     if (status == ISO_OK) iso_glyphs_free(&glyphs);
     return status;
 }
