@@ -41,6 +41,10 @@ static const iso_scalar scalars[] = {ISO_SCALAR_INT8,   ISO_SCALAR_UINT8, ISO_SC
                                      ISO_SCALAR_UINT16, ISO_SCALAR_INT32, ISO_SCALAR_UINT32,
                                      ISO_SCALAR_FLOAT,  ISO_SCALAR_DOUBLE};
 
+iso_scalar iso_ply_scalar(iso_ply_type type) {
+    return scalars[type];
+}
+
 iso_status iso_ply_read_value(iso_ply *ply, iso_ply_type type, double *value, iso_error *error) {
     if (ply->format == ISO_PLY_ASCII) return read_text_value(ply, value, error);
     const size_t size = (size_t)type_size[type];
@@ -62,6 +66,12 @@ static uint64_t least_bytes(const iso_ply *ply, const iso_ply_element *element) 
         bytes += ply->format == ISO_PLY_ASCII ? 2 : (uint64_t)type_size[type];
     }
     return bytes;
+}
+
+size_t iso_ply_record_bytes(const iso_ply *ply, const iso_ply_element *element) {
+    for (int i = 0; i < element->property_count; i++)
+        if (ply->properties[element->first_property + i].is_list) return 0;
+    return ply->format == ISO_PLY_ASCII ? 0 : (size_t)least_bytes(ply, element);
 }
 
 iso_status iso_ply_check_size(const iso_ply *ply, const iso_ply_element *element, iso_error *error) {

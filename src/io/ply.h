@@ -1,7 +1,8 @@
 /* ply: a reader of PLY files (Turk 1994), safe for damaged files: ASCII and both binary byte orders, scalars
  * and lists of all eight types under both of their names, lines that end in LF or CRLF. Internal to src/io.
  *
- * Values are read one by one, in file order, as doubles (exact for every type). Before memory is allocated
+ * Values are read one by one, in file order, as doubles (exact for every type); items of one size can be read
+ * many at a time from iso_ply.in. Before memory is allocated
  * for an element, call iso_ply_check_size, which compares the header's count with the size of the file.
  * Messages begin with the path: ISO_ERR_IO (missing, unreadable, truncated), ISO_ERR_FORMAT (not PLY). One
  * thread at a time. */
@@ -13,6 +14,7 @@
 #include <stdint.h>
 
 #include "base/status.h"
+#include "grids/volume/format.h"
 #include "io/stream.h"
 
 #ifdef __cplusplus
@@ -64,6 +66,13 @@ void iso_ply_close(iso_ply *ply);
 /* Checks that the rest of the file is long enough for all items of `element`, which is read next; ISO_ERR_IO
  * if not. */
 iso_status iso_ply_check_size(const iso_ply *ply, const iso_ply_element *element, iso_error *error);
+
+/* The type of a property's values in memory. */
+iso_scalar iso_ply_scalar(iso_ply_type type);
+
+/* Returns the bytes of every item of `element`: its values, one after the other, in the byte order of the
+ * format. 0: in text, or with lists, items have different sizes. */
+size_t iso_ply_record_bytes(const iso_ply *ply, const iso_ply_element *element);
 
 /* Reads the next value, of the type that the header gives. */
 iso_status iso_ply_read_value(iso_ply *ply, iso_ply_type type, double *value, iso_error *error);

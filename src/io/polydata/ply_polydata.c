@@ -5,6 +5,7 @@
 
 #include "io/ply.h"
 #include "io/polydata/faces.h"
+#include "io/polydata/records.h"
 
 /* The state of the reader in addition to the polydata. */
 typedef struct ply_reader {
@@ -46,9 +47,28 @@ static iso_status name_columns(ply_reader *r, const iso_ply_element *element, is
     return ISO_OK;
 }
 
+/* Reads vertices of one size, `record` bytes, many at a time. */
+static iso_status read_records(ply_reader *r, const iso_ply_element *element, size_t record,
+                               iso_error *error) {
+    const iso_ply_property *property = &r->ply.properties[element->first_property];
+    iso_record_field fields[ISO_PLY_PROPERTIES];
+    size_t offset = 0;
+    for (int i = 0; i < element->property_count; i++) {
+        const iso_scalar scalar = iso_ply_scalar(property[i].type);
+        fields[i] = iso_record_field_make(r->slots[i], scalar, offset, record);
+        fields[i].big_endian = r->ply.format == ISO_PLY_BIG;
+        fields[i].scale = r->factors[i];
+        offset += iso_scalar_size(scalar);
+    }
+    return iso_polydata_stream_records(r->data, fields, element->property_count, &r->ply.in, record,
+                                       element->count, error);
+}
+
 static iso_status read_vertices(ply_reader *r, const iso_ply_element *element, iso_error *error) {
     ISO_TRY(name_columns(r, element, error));
     ISO_TRY(iso_ply_check_size(&r->ply, element, error));
+    const size_t record = iso_ply_record_bytes(&r->ply, element);
+    if (record) return read_records(r, element, record, error);
     ISO_TRY(iso_polydata_reserve(r->data, (size_t)element->count, error));
     for (uint64_t i = 0; i < element->count; i++) {
         ISO_TRY(iso_ply_read_item(&r->ply, element, r->values, error));
