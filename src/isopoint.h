@@ -426,7 +426,8 @@ ISO_API iso_status iso_shape_set_of_glyphs(const iso_glyph_arrays *glyphs, const
  * ISO_ERR_FORMAT, ISO_ERR_UNSUPPORTED, and the errors of iso_shape_set_of_lines. */
 ISO_API iso_status iso_shape_set_read_lines(const char *path, const iso_shape_set_opts *opts,
                                             iso_shape_set **set, iso_error *error);
-/* Reads points from .pdb, .xyz, .csv, .ply, .vtk or .vtp. Errors as for lines. */
+/* Reads points from .pdb, .xyz, .csv, .ply, .vtk, .vtp, .pcd, .las, .off, .obj, .npy, .pts, .pwn, .asc or
+ * .txt. Errors as for lines. */
 ISO_API iso_status iso_shape_set_read_glyphs(const char *path, const iso_shape_set_opts *opts,
                                              iso_shape_set **set, iso_error *error);
 

@@ -22,7 +22,9 @@ static void keep_usable(iso_polydata *data) {
     const float(*points)[3] = data->points.data;
     size_t kept = 0;
     report->items = count;
-    for (size_t i = 0; i < count; i++) {
+    /* most files lose no point: nothing moves before the first that is left out */
+    while (every == 1 && kept < count && !isnan(points[kept][0])) kept++;
+    for (size_t i = kept; i < count; i++) {
         if (i % every) continue;
         if (isnan(points[i][0])) {
             report->dropped++;
