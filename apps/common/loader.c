@@ -105,8 +105,7 @@ static bool is_ply(const char *path) {
     return count == 4 && memcmp(head, "ply", 3) == 0 && (head[3] == '\n' || head[3] == '\r');
 }
 
-/* Returns whether an input is a file of points, by its name or first bytes. */
-static bool is_cloud(const char *path) {
+bool iso_loader_is_points(const char *path) {
     static const char *const endings[] = {".ply", ".pcd", ".las"};
     for (size_t i = 0; i < sizeof endings / sizeof *endings; i++)
         if (iso_text_has_extension(path, endings[i])) return true;
@@ -118,7 +117,7 @@ void iso_loader_list_files(const char *input, const iso_input *options, iso_file
     iso_volume_opts opts = iso_input_volume_opts(options);
     opts.files = files;
     if (iso_loader_is_scene(input) || iso_spool_needed(input)) return;
-    if (options->has_raw || !is_cloud(input)) iso_volume_read_info(input, &opts, &info, NULL);
+    if (options->has_raw || !iso_loader_is_points(input)) iso_volume_read_info(input, &opts, &info, NULL);
 }
 
 /* ---- opening and reading ---- */
@@ -146,7 +145,7 @@ iso_status iso_loader_open(iso_loader *loader, iso_error *error) {
         loader->path = loader->spool.path;
     }
     iso_file_set_read_as(loader->files, loader->path, iso_spool_name(loader->input));
-    loader->has_points = !loader->options->has_raw && is_cloud(loader->path);
+    loader->has_points = !loader->options->has_raw && iso_loader_is_points(loader->path);
     if (loader->has_points) return check_files(loader, error);
     ISO_TRY(iso_volume_read_info(loader->path, &opts, &loader->volume.info, error));
     ISO_TRY(check_files(loader, error));
@@ -155,8 +154,11 @@ iso_status iso_loader_open(iso_loader *loader, iso_error *error) {
 
 static iso_status read_points(iso_loader *loader, iso_error *error) {
     const uint64_t limit = memory_limit(loader);
-    const iso_read_opts opts = {
-        .max_memory = limit == UINT64_MAX ? 0 : limit, .files = loader->files, .report = &loader->report};
+    const iso_read_opts opts = {.max_memory = limit == UINT64_MAX ? 0 : limit,
+                                .space = loader->space,
+                                .every = loader->every,
+                                .files = loader->files,
+                                .report = &loader->report};
     return iso_glyphs_read(loader->path, &opts, &loader->points, error);
 }
 

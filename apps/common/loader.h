@@ -33,6 +33,8 @@ typedef struct iso_loader {
     const iso_input *options; /* how volumes are read */
     iso_file_set *files;      /* every file that is read is added, to check that no output overwrites it; or
                                  NULL */
+    iso_space space;          /* of points, which do not say theirs */
+    int every;                /* keeps every n-th point; 0: all */
     iso_pool *pool;
     void (*progress)(void *context,
                      double fraction); /* progress of iso_loader_read, 0 .. 1; NULL: not wanted */
@@ -76,6 +78,9 @@ void iso_loader_close(iso_loader *loader);
  * because iso_loader_open reports them. For runs with several inputs, in which no output of one input may
  * overwrite another input. */
 void iso_loader_list_files(const char *input, const iso_input *options, iso_file_set *files);
+
+/* Returns whether a file is one of points, by its name or first bytes. */
+bool iso_loader_is_points(const char *path);
 
 /* Returns whether the input is a scene, judged by its name. */
 bool iso_loader_is_scene(const char *input);

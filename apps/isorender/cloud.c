@@ -45,6 +45,18 @@ static iso_status crop(isorender_job *job, iso_error *error) {
     return iso_fail(error, ISO_ERR_EMPTY, "--crop-mm: no point lies in this box");
 }
 
+/* Colours the points by a column, if --color-by asks for it. */
+static iso_status color(isorender_job *job, iso_error *error) {
+    isorender_object *object = &job->cloud_colors;
+    object->settings = &job->settings->cloud;
+    object->color_by = job->settings->cloud.color_by;
+    object->glyphs = job->loader.points;
+    const iso_status status = isorender_object_style(object, error);
+    job->loader.points = object->glyphs;
+    object->glyphs = (iso_glyphs){.count = 0};
+    return status;
+}
+
 iso_status isorender_cloud_read(isorender_job *job, iso_error *error) {
     const isorender_settings *settings = job->settings;
     const iso_cloud_opts opts = {.radius = settings->radius > 0 ? settings->radius : 0,
@@ -55,8 +67,9 @@ iso_status isorender_cloud_read(isorender_job *job, iso_error *error) {
     isorender_log_report(job, "", &job->loader.report);
     if (!job->loader.points.count) return iso_fail(error, ISO_ERR_EMPTY, "holds no usable point");
     ISO_TRY(crop(job, error));
+    ISO_TRY(color(job, error));
     ISO_TRY(iso_cloud_make(&job->loader.points, &opts, cloud, error));
-    iso_glyphs_free(&job->loader.points);
+    if (!settings->info) iso_glyphs_free(&job->loader.points);
     const double percent = 100.0 / (double)cloud->count;
     if (cloud->estimated_normals)
         isorender_log_verbose(job, "normals of %.4g %% of the points are estimated from their neighbours",
@@ -85,6 +98,8 @@ void isorender_cloud_info(const isorender_job *job) {
     printf("  %-11s %s, median %.4g mm\n", "radii", origin_of(cloud->estimated_radii, cloud->count),
            cloud->radius);
     printf("  %-11s %s\n", "colours", cloud->colors ? "of the file" : "none");
+    isorender_object columns = {.settings = &job->settings->cloud, .glyphs = job->loader.points};
+    isorender_object_info_columns(&columns);
 }
 
 void isorender_cloud_report(iso_json *json, const isorender_job *job) {
@@ -93,4 +108,8 @@ void isorender_cloud_report(iso_json *json, const isorender_job *job) {
     iso_json_integer(json, "estimated_radii", cloud->estimated_radii);
     iso_json_real(json, "median_radius", cloud->radius);
     iso_json_integer(json, "dropped", job->loader.report.dropped);
+    if (job->cloud_colors.has_bar) {
+        const double range[2] = {job->cloud_colors.bar.low, job->cloud_colors.bar.high};
+        iso_json_reals(json, "range", range, 2);
+    }
 }

@@ -97,6 +97,8 @@ iso_status isorender_open(isorender_job *job, iso_error *error) {
     *loader = (iso_loader){.input = job->plan->input,
                            .options = &job->settings->common.input,
                            .files = job->plan->files,
+                           .space = job->settings->cloud.space,
+                           .every = job->settings->cloud.every,
                            .pool = job->pool,
                            .progress = report_reading,
                            .progress_context = job};
@@ -130,7 +132,7 @@ static void log_object(const isorender_job *job, const isorender_object *object)
 }
 
 static iso_status check_color_bar(const isorender_job *job, iso_error *error) {
-    bool has_bar = !job->settings->color_bar;
+    bool has_bar = !job->settings->color_bar || job->cloud_colors.has_bar;
     for (int i = 0; i < job->object_count; i++)
         has_bar |= job->objects[i].has_bar || isorender_gradients_have_bar(job->objects[i].settings);
     if (has_bar) return ISO_OK;

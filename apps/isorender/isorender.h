@@ -75,7 +75,8 @@ typedef struct isorender_job {
 
     isorender_surface surfaces[ISORENDER_SURFACES]; /* those of the input, then one of each of `volumes` */
     iso_cloud cloud;                                /* of a file of points */
-    iso_point_view read_points;                     /* of the cloud */
+    isorender_object cloud_colors; /* how it is coloured; its glyphs are those of the loader */
+    iso_point_view read_points;    /* of the cloud */
     int surface_count, input_surface_count;
     isorender_object objects[ISORENDER_OBJECTS]; /* their surface numbers follow those of the surfaces */
     int object_count;

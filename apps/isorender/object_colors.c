@@ -93,8 +93,8 @@ static iso_status find_range(isorender_object *object, const iso_attribute *attr
     const isorender_object_settings *settings = object->settings;
     double range[2] = {settings->range[0], settings->range[1]};
     if (isnan(range[0]) && !isorender_attribute_range(attribute, count, range))
-        return iso_fail(error, ISO_ERR_FORMAT, "%s: column '%s' has no finite number", settings->path,
-                        object->color_by);
+        return iso_fail(error, ISO_ERR_FORMAT, "%s%scolumn '%s' has no finite number",
+                        settings->path ? settings->path : "", settings->path ? ": " : "", object->color_by);
     object->has_bar = true;
     object->bar = (iso_color_bar){settings->map, range[0], range[1]};
     return ISO_OK;

@@ -210,36 +210,38 @@ static iso_status check_counts(const isorender_object_options *o, const int coun
                                iso_error *error) {
     const int lines = counts[ISORENDER_LINES], glyphs = counts[ISORENDER_GLYPHS],
               meshes = counts[ISORENDER_MESH];
-    static const char both[] = "--lines or --glyphs";
+    static const char both[] = "--lines or --glyphs", any[] = "--lines, --glyphs or a file of points";
+    const int columns = lines + glyphs + o->has_cloud;
     const struct {
         const char *name;
         const iso_texts *texts;
         const char *objects;
         int count;
-    } options[] = {{"tube-radius", &o->tube_radii, "--lines", lines},
-                   {"line-color", &o->line_colors, "--lines", lines},
-                   {"line-opacity", &o->line_opacities, "--lines", lines},
-                   {"line-style", &o->line_styles, "--lines", lines},
-                   {"caps", &o->caps, "--lines", lines},
-                   {"streamlines", &o->streamlines, "--lines", lines},
-                   {"streamline-length", &o->streamline_lengths, "--lines", lines},
-                   {"streamline-seed", &o->streamline_seeds, "--lines", lines},
-                   {"glyph", &o->glyphs, "--glyphs", glyphs},
-                   {"glyph-scale", &o->glyph_scales, "--glyphs", glyphs},
-                   {"vectors", &o->arrays, both, lines + glyphs},
-                   {"least", &o->leasts, both, lines + glyphs},
-                   {"tensor-order", &o->tensor_orders, both, lines + glyphs},
-                   {"glyph-radius", &o->glyph_radii, "--glyphs", glyphs},
-                   {"glyph-color", &o->glyph_colors, "--glyphs", glyphs},
-                   {"glyph-opacity", &o->glyph_opacities, "--glyphs", glyphs},
-                   {"glyph-projection", &o->projections, "--glyphs", glyphs},
-                   {"surface-color", &o->mesh_colors, "--surface", meshes},
-                   {"surface-opacity", &o->mesh_opacities, "--surface", meshes},
-                   {"color-by", &o->color_by, both, lines + glyphs},
-                   {"colormap", &o->maps, both, lines + glyphs},
-                   {"range", &o->ranges, both, lines + glyphs},
-                   {"every", &o->every, both, lines + glyphs},
-                   {"space", &o->spaces, "--lines, --glyphs or --surface", o->count}};
+    } options[] = {
+        {"tube-radius", &o->tube_radii, "--lines", lines},
+        {"line-color", &o->line_colors, "--lines", lines},
+        {"line-opacity", &o->line_opacities, "--lines", lines},
+        {"line-style", &o->line_styles, "--lines", lines},
+        {"caps", &o->caps, "--lines", lines},
+        {"streamlines", &o->streamlines, "--lines", lines},
+        {"streamline-length", &o->streamline_lengths, "--lines", lines},
+        {"streamline-seed", &o->streamline_seeds, "--lines", lines},
+        {"glyph", &o->glyphs, "--glyphs", glyphs},
+        {"glyph-scale", &o->glyph_scales, "--glyphs", glyphs},
+        {"vectors", &o->arrays, both, lines + glyphs},
+        {"least", &o->leasts, both, lines + glyphs},
+        {"tensor-order", &o->tensor_orders, both, lines + glyphs},
+        {"glyph-radius", &o->glyph_radii, "--glyphs", glyphs},
+        {"glyph-color", &o->glyph_colors, "--glyphs", glyphs},
+        {"glyph-opacity", &o->glyph_opacities, "--glyphs", glyphs},
+        {"glyph-projection", &o->projections, "--glyphs", glyphs},
+        {"surface-color", &o->mesh_colors, "--surface", meshes},
+        {"surface-opacity", &o->mesh_opacities, "--surface", meshes},
+        {"color-by", &o->color_by, any, columns},
+        {"colormap", &o->maps, any, columns},
+        {"range", &o->ranges, any, columns},
+        {"every", &o->every, any, columns},
+        {"space", &o->spaces, "--lines, --glyphs, --surface or a file of points", o->count + o->has_cloud}};
     for (size_t i = 0; i < sizeof options / sizeof *options; i++)
         ISO_TRY(isorender_check_count(options[i].name, options[i].texts, options[i].objects, options[i].count,
                                       error));
@@ -259,13 +261,19 @@ static iso_status set_kind(const isorender_object_options *options, int number,
 }
 
 iso_status isorender_objects_resolve(const isorender_object_options *options,
-                                     isorender_object_settings objects[ISORENDER_OBJECTS], iso_error *error) {
+                                     isorender_object_settings objects[ISORENDER_OBJECTS],
+                                     isorender_object_settings *cloud, iso_error *error) {
     int counts[ISORENDER_OBJECT_KINDS] = {0}, common = 0;
+    *cloud = (isorender_object_settings){.kind = ISORENDER_GLYPHS, .radius = NAN, .opacity = 1};
+    if (options->has_cloud) {
+        ISO_TRY(set_space(isorender_value_for(&options->spaces, 0), cloud, error));
+        ISO_TRY(set_common(options, common++, cloud, error));
+    }
     for (int i = 0; i < options->count; i++) {
         isorender_object_settings *object = &objects[i];
         *object = (isorender_object_settings){.kind = options->kinds[i], .path = options->paths[i]};
         ISO_TRY(set_kind(options, counts[object->kind]++, object, error));
-        ISO_TRY(set_space(isorender_value_for(&options->spaces, i), object, error));
+        ISO_TRY(set_space(isorender_value_for(&options->spaces, i + options->has_cloud), object, error));
         if (object->kind != ISORENDER_MESH) ISO_TRY(set_common(options, common++, object, error));
     }
     return check_counts(options, counts, error);

@@ -70,6 +70,7 @@ typedef struct isorender_object_options {
     const char *paths[ISORENDER_OBJECTS];
     isorender_object_kind kinds[ISORENDER_OBJECTS];
     int count;
+    bool has_cloud; /* the input is a file of points, which comes before the objects in the order of values */
     iso_texts tube_radii, line_colors, line_opacities, line_styles, caps;      /* by number of the lines */
     iso_texts glyph_radii, glyph_colors, glyph_opacities, glyphs, projections; /* by number of the glyphs */
     iso_texts mesh_colors, mesh_opacities;                                     /* by number of the mesh */
@@ -77,14 +78,15 @@ typedef struct isorender_object_options {
     iso_texts streamlines, streamline_lengths, streamline_seeds, glyph_scales;
     iso_texts arrays, tensor_orders, leasts;
     int axial;
-    iso_texts color_by, maps, ranges, every; /* by number of the object that is no mesh */
-    iso_texts spaces;                        /* by number of the object */
+    iso_texts color_by, maps, ranges, every; /* by number of the cloud or the object that is no mesh */
+    iso_texts spaces;                        /* by number of the cloud or the object */
 } isorender_object_options;
 
-/* Sets `objects`, in the order of the command line. ISO_ERR_USAGE: a value that cannot be, more values of an
- * option than there are objects it is for. */
+/* Sets `objects`, in the order of the command line, and `cloud`, which gets the settings of glyphs.
+ * ISO_ERR_USAGE: a value that cannot be, more values of an option than there are objects it is for. */
 iso_status isorender_objects_resolve(const isorender_object_options *options,
-                                     isorender_object_settings objects[ISORENDER_OBJECTS], iso_error *error);
+                                     isorender_object_settings objects[ISORENDER_OBJECTS],
+                                     isorender_object_settings *cloud, iso_error *error);
 
 /* The value of an option for number `number`, from 0, of the files that it is for; NULL: it is not given. */
 const char *isorender_value_for(const iso_texts *texts, int number);

@@ -32,7 +32,8 @@ static iso_status find_attribute(const isorender_object *object, const char *nam
     for (int i = 0, used = 0; i < count && used < (int)sizeof names; i++)
         used +=
             snprintf(names + used, sizeof names - (size_t)used, "%s%s", i ? ", " : "", attributes[i].name);
-    return iso_fail(error, ISO_ERR_USAGE, "%s: has no column '%s'; its columns: %s", object->settings->path,
+    return iso_fail(error, ISO_ERR_USAGE, "%s%shas no column '%s'; its columns: %s",
+                    object->settings->path ? object->settings->path : "", object->settings->path ? ": " : "",
                     name, names);
 }
 
@@ -285,7 +286,7 @@ void isorender_object_put(iso_json *json, const isorender_object *object) {
     iso_json_end_object(json);
 }
 
-static void print_attributes(const isorender_object *object) {
+void isorender_object_info_columns(const isorender_object *object) {
     int count;
     const iso_attribute *attributes = attributes_of(object, &count);
     for (int i = 0; i < count; i++) {
@@ -338,5 +339,5 @@ void isorender_object_info(const isorender_object *object) {
         print_contents(object);
     printf("  %-11s %.6g %.6g %.6g .. %.6g %.6g %.6g mm\n", "bounds", box.lo.x, box.lo.y, box.lo.z, box.hi.x,
            box.hi.y, box.hi.z);
-    print_attributes(object);
+    isorender_object_info_columns(object);
 }

@@ -33,7 +33,7 @@ typedef struct isorender_field {
 
 /* One file. Zero-initialise, isorender_object_free when done. */
 typedef struct isorender_object {
-    const isorender_object_settings *settings; /* borrowed */
+    const isorender_object_settings *settings; /* borrowed; without a path for the input */
     /* What the file holds, by settings->kind; lines and glyphs with the radii and colours that are drawn. */
     iso_lines lines;
     iso_glyphs glyphs;
@@ -84,6 +84,8 @@ void isorender_object_number(const isorender_object *object, uint32_t surface, i
 void isorender_object_put(iso_json *json, const isorender_object *object);
 /* The same as text on standard output, with the names and ranges of the columns. */
 void isorender_object_info(const isorender_object *object);
+/* The names and ranges of the columns alone. */
+void isorender_object_info_columns(const isorender_object *object);
 
 /* ---- object_gradients.c */
 

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "apps/common/loader.h"
 #include "apps/isorender/backend.h"
 #include "base/text.h"
 #include "image/image.h"
@@ -95,7 +96,11 @@ static iso_status take_operands(isorender_settings *settings, const iso_operands
         settings->object_options.count ? settings->object_options.paths : settings->volume_options.paths;
     settings->inputs = settings->no_input ? files : operands->values;
     settings->input_count = settings->scene || settings->no_input ? 1 : count;
-    return take_object(settings, error);
+    ISO_TRY(take_object(settings, error));
+    settings->object_options.has_cloud = !settings->no_input && !settings->scene &&
+                                         !settings->common.input.has_raw &&
+                                         iso_loader_is_points(settings->inputs[0]);
+    return ISO_OK;
 }
 
 static bool is_vector_given(const double v[3]) {
@@ -280,7 +285,7 @@ static iso_status check_glass(const isorender_settings *settings, iso_error *err
 }
 
 static iso_status check_objects(isorender_settings *settings, iso_error *error) {
-    ISO_TRY(isorender_objects_resolve(&settings->object_options, settings->objects, error));
+    ISO_TRY(isorender_objects_resolve(&settings->object_options, settings->objects, &settings->cloud, error));
     if (!settings->object_options.count) return ISO_OK;
     if (settings->ior > 0)
         return iso_fail(error, ISO_ERR_USAGE,

@@ -143,8 +143,9 @@ static bool is_dark(const isorender_settings *settings) {
 static iso_status annotate(const isorender_job *job, const iso_camera *camera, iso_image *image,
                            iso_error *error) {
     const isorender_settings *settings = job->settings;
-    iso_color_bar bars[ISORENDER_OBJECTS];
+    iso_color_bar bars[ISORENDER_OBJECTS + 1];
     int bar_count = 0;
+    if (settings->color_bar && job->cloud_colors.has_bar) bars[bar_count++] = job->cloud_colors.bar;
     for (int i = 0; settings->color_bar && i < job->object_count; i++)
         if (job->objects[i].has_bar) bars[bar_count++] = job->objects[i].bar;
     const iso_annotation annotation = {.camera = camera,

@@ -67,6 +67,7 @@ typedef struct isorender_settings {
     isorender_object_options object_options;
     int no_input; /* the picture shows only the files of --lines, --glyphs, --surface and --volume */
     isorender_object_settings objects[ISORENDER_OBJECTS]; /* object_options.count */
+    isorender_object_settings cloud;                      /* of the input, if it is a file of points */
     isorender_volume_options volume_options;
     isorender_volume_settings volumes[ISORENDER_VOLUMES]; /* volume_options.count */
     double line_min_pixels;                               /* least width of lines in the picture, pixels */

@@ -45,7 +45,35 @@ expect(middle[0] > 2 * middle[2] or middle[2] > 2 * middle[0], middle)
 info = open("info").read()
 expect("normals     estimated" in info and "points      4000" in info and "colours     none" in info, info)
 P
+cat >in/heat.ply <<'P'
+ply
+format ascii 1.0
+element vertex 6
+property float x
+property float y
+property float z
+property float heat
+end_header
+0 0 0 1
+9 0 0 2
+0 0 9 3
+9 0 9 4
+0 4 0 5
+9 4 9 9
+P
+isorender in/heat.ply heat.png --color-by heat --colormap gray --color-bar --json=heat.json --quiet --resolution 200x200
+isorender in/heat.ply third.png --color-by heat --range 0,5 --every 3 --space ras --json=third.json --quiet --resolution 200x200
+isorender --info in/heat.ply | grep -q "columns *heat: 1 .. 9"
+python3 - <<'P'
+from check import *
+heat, third = report("heat.json"), report("third.json")
+expect(heat["primitives"]["range"] == [1, 9], heat["primitives"])
+expect(third["primitives"]["range"] == [0, 5] and third["primitives"]["points"] == 2, third["primitives"])
+expect(abs(third["bounds_world"][0] + 9) < 1e-5 and abs(third["bounds_world"][1]) < 1e-5, third["bounds_world"])
+P
 fails() { ! isorender "${@:2}" 2>said || exit 1; grep -q "$1" said || { cat said; exit 1; }; }
 fails "'0' is neither a radius in mm nor 'auto'" in/near.ply --radius 0
 fails "no point lies in this box" in/near.ply --crop-mm 50,60,0,1,0,1
+fails "heat.ply: has no column 'warmth'; its columns: heat$" in/heat.ply --color-by warmth
+fails "is for --lines, --glyphs or a file of points, which is not given" scene:sphere:16 --color-by heat
 fails "needs a volume" in/near.ply --crop 0,1,0,1,0,1
