@@ -3,15 +3,12 @@
 #define _GNU_SOURCE
 #include "apps/common/loader.h"
 
-#include <fcntl.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "apps/common/options.h"
 #include "base/memory.h"
-#include "base/text.h"
 #include "grids/scenes/scenes.h"
 #include "io/glyphs/glyphs_read.h"
 
@@ -96,28 +93,12 @@ static iso_volume_opts volume_opts(iso_loader *loader) {
     return opts;
 }
 
-/* Returns whether a file begins as .ply files do. */
-static bool is_ply(const char *path) {
-    unsigned char head[4] = {0};
-    int file = open(path, O_RDONLY | O_CLOEXEC);
-    ssize_t count = file < 0 ? -1 : read(file, head, sizeof head);
-    if (file >= 0) close(file);
-    return count == 4 && memcmp(head, "ply", 3) == 0 && (head[3] == '\n' || head[3] == '\r');
-}
-
-bool iso_loader_is_points(const char *path) {
-    static const char *const endings[] = {".ply", ".pcd", ".las"};
-    for (size_t i = 0; i < sizeof endings / sizeof *endings; i++)
-        if (iso_text_has_extension(path, endings[i])) return true;
-    return is_ply(path);
-}
-
 void iso_loader_list_files(const char *input, const iso_input *options, iso_file_set *files) {
     iso_volume_info info;
     iso_volume_opts opts = iso_input_volume_opts(options);
     opts.files = files;
     if (iso_loader_is_scene(input) || iso_spool_needed(input)) return;
-    if (options->has_raw || !iso_loader_is_points(input)) iso_volume_read_info(input, &opts, &info, NULL);
+    if (options->has_raw || !iso_glyphs_are_points(input)) iso_volume_read_info(input, &opts, &info, NULL);
 }
 
 /* ---- opening and reading ---- */
@@ -145,7 +126,7 @@ iso_status iso_loader_open(iso_loader *loader, iso_error *error) {
         loader->path = loader->spool.path;
     }
     iso_file_set_read_as(loader->files, loader->path, iso_spool_name(loader->input));
-    loader->has_points = !loader->options->has_raw && iso_loader_is_points(loader->path);
+    loader->has_points = !loader->options->has_raw && iso_glyphs_are_points(loader->path);
     if (loader->has_points) return check_files(loader, error);
     ISO_TRY(iso_volume_read_info(loader->path, &opts, &loader->volume.info, error));
     ISO_TRY(check_files(loader, error));
@@ -157,6 +138,7 @@ static iso_status read_points(iso_loader *loader, iso_error *error) {
     const iso_read_opts opts = {.max_memory = limit == UINT64_MAX ? 0 : limit,
                                 .space = loader->space,
                                 .every = loader->every,
+                                .normals_from_faces = true,
                                 .files = loader->files,
                                 .report = &loader->report};
     return iso_glyphs_read(loader->path, &opts, &loader->points, error);

@@ -1,6 +1,6 @@
 /* loader: opens and reads the input of a program that works on one input at a time: a volume file or DICOM
- * folder, a procedural scene ("scene:NAME" or "scene:NAME:SIZE"), a file of points (a .ply by its content,
- * others by their names), or any of these files on standard input ("-") or from a FIFO. The content of
+ * folder, a procedural scene ("scene:NAME" or "scene:NAME:SIZE"), a file of points
+ * (iso_glyphs_are_points), or any of these files on standard input ("-") or from a FIFO. The content of
  * volumes decides their format, not the name.
  *
  *     iso_loader loader = {.input = path, .options = &input, .files = &files, .pool = pool};
@@ -78,9 +78,6 @@ void iso_loader_close(iso_loader *loader);
  * because iso_loader_open reports them. For runs with several inputs, in which no output of one input may
  * overwrite another input. */
 void iso_loader_list_files(const char *input, const iso_input *options, iso_file_set *files);
-
-/* Returns whether a file is one of points, by its name or first bytes. */
-bool iso_loader_is_points(const char *path);
 
 /* Returns whether the input is a scene, judged by its name. */
 bool iso_loader_is_scene(const char *input);

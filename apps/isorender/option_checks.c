@@ -4,10 +4,10 @@
 #include <math.h>
 #include <string.h>
 
-#include "apps/common/loader.h"
 #include "apps/isorender/backend.h"
 #include "base/text.h"
 #include "image/image.h"
+#include "io/glyphs/glyphs_read.h"
 #include "methods/glass.h"
 #include "methods/layers.h"
 
@@ -43,7 +43,9 @@ static bool is_object_name(const char *name, isorender_object_kind *kind) {
 static iso_status take_object(isorender_settings *settings, iso_error *error) {
     isorender_object_options *objects = &settings->object_options;
     isorender_object_kind kind;
-    if (settings->no_input || settings->scene || !is_object_name(settings->inputs[0], &kind)) return ISO_OK;
+    if (settings->no_input || settings->scene || !is_object_name(settings->inputs[0], &kind) ||
+        iso_glyphs_are_points(settings->inputs[0]))
+        return ISO_OK;
     if (settings->input_count > 1)
         return iso_fail(error, ISO_ERR_USAGE,
                         "%s: lines, glyphs and meshes are drawn one file at a time, or together with "
@@ -99,7 +101,7 @@ static iso_status take_operands(isorender_settings *settings, const iso_operands
     ISO_TRY(take_object(settings, error));
     settings->object_options.has_cloud = !settings->no_input && !settings->scene &&
                                          !settings->common.input.has_raw &&
-                                         iso_loader_is_points(settings->inputs[0]);
+                                         iso_glyphs_are_points(settings->inputs[0]);
     return ISO_OK;
 }
 

@@ -298,7 +298,7 @@ static const iso_option options[] = {
      .group = SURFACE, .standard = "auto", CHOICE(primitive, primitives)},
 
     {"radius", NULL, "MM",
-     "radius of the points of a file (.ply, .pcd, .las); auto: estimated from the distances to the nearest "
+     "radius of the points of a file (.ply, .pcd, .las, .xyz, .npy ..); auto: estimated from the distances to the nearest "
      "neighbours, as are those that the file lacks",
      .group = SURFACE, .standard = "the file's, or auto", CALL(apply_radius)},
     {"normals", NULL, "NAME",

@@ -43,8 +43,8 @@ static const iso_option options[] = {
      .kind = ISO_OPTION_FLAG, AT(recover)},
     {"replay", NULL, "FILE", "play a stroke file", .group = SESSION, .kind = ISO_OPTION_TEXT, AT(replay)},
     {"open", NULL, "FILE",
-     "begin with a level set (.vdb), a mesh (.stl, .obj, .ply), lines as tubes (.swc, .tck, .trk) or a "
-     "volume",
+     "begin with a level set (.vdb), a mesh (.stl, .obj, .ply), lines as tubes (.swc, .tck, .trk), points "
+     "(.ply without faces, .pcd, .las, .xyz, .pts ..), whose holes are closed, or a volume",
      .group = SESSION, .kind = ISO_OPTION_TEXT, AT(open)},
     {"isovalue", NULL, "V",
      "of the volume that is opened (of a level set: mm from its surface); a window can change it",

@@ -14,9 +14,12 @@
 
 #include "apps/isosculpt/isosculpt.h"
 #include "base/file.h"
+#include "clouds/cloud.h"
 #include "grids/level_set.h"
+#include "grids/point_solid.h"
 #include "grids/volume/format.h"
 #include "grids/volume/volume.h"
+#include "io/glyphs/glyphs_read.h"
 #include "io/lines/lines_read.h"
 #include "io/mesh_read.h"
 #include "sculpt/field/field.h"
@@ -309,18 +312,86 @@ static iso_status convert_lines(const isosculpt_source *source, iso_hgrid **grid
     return status;
 }
 
+/* ---- points */
+
+bool isosculpt_is_points(const char *path) {
+    return !isosculpt_is_mesh(path) && iso_glyphs_are_points(path);
+}
+
+/* Voxels around the points, so that the solid ends inside the volume. */
+enum { POINT_MARGIN = 4 };
+
+static iso_status read_points(const isosculpt_source *source, iso_cloud *cloud, iso_error *error) {
+    const iso_read_opts opts = {.max_memory = source->input ? source->input->max_memory : 0};
+    const iso_cloud_opts making = {.pool = source->pool};
+    iso_glyphs glyphs;
+    ISO_TRY(iso_glyphs_read(source->path, &opts, &glyphs, error));
+    iso_status status = glyphs.count ? iso_cloud_make(&glyphs, &making, cloud, error)
+                                     : iso_fail(error, ISO_ERR_EMPTY, "%s: holds no points", source->path);
+    iso_glyphs_free(&glyphs);
+    return status;
+}
+
+static iso_status sample_points(const isosculpt_source *source, iso_grid *grid, iso_error *error) {
+    const iso_progress sampling = iso_progress_part(source->progress, 0.2, 0.6);
+    iso_cloud cloud = {.count = 0};
+    ISO_TRY(read_points(source, &cloud, error));
+    if (source->log_notes && cloud.estimated_normals)
+        iso_program_log(isosculpt_program(),
+                        "%s: note: normals of %zu of %zu points are estimated from their neighbours",
+                        source->path, cloud.estimated_normals, cloud.count);
+    const iso_point_view view = iso_cloud_view(&cloud);
+    const iso_affine affine = iso_transform_affine(&cloud.transform);
+    const iso_box index = iso_point_view_bounds(&view), box = iso_box_transform(&index, &affine);
+    iso_sampling frame = sampling_of(source, &box, &sampling);
+    frame.margin = POINT_MARGIN;
+    iso_status status = iso_grid_from_points(source->path, &view, &frame,
+                                             source->input ? source->input->max_memory : 0, grid, error);
+    iso_cloud_free(&cloud);
+    return status;
+}
+
+/* Converts a file of points: their solid as a volume, then as any other volume. */
+static iso_status convert_points(const isosculpt_source *source, iso_hgrid **grid, iso_error *error) {
+    const iso_progress progress = iso_progress_part(source->progress, 0.6, 1);
+    const iso_field_opts how = {.resampling = {.pool = source->pool, .progress = &progress}};
+    iso_grid volume;
+    bool dropped;
+    ISO_TRY(sample_points(source, &volume, error));
+    iso_status status = drop_parts(source, 0, &volume, &dropped, error);
+    if (status == ISO_OK) status = iso_field_from_grid(source->path, &volume, &how, grid, error);
+    iso_grid_destroy(&volume);
+    return status;
+}
+
 /* ---- opening */
+
+/* Converts a mesh; a file of vertices without triangles is one of points. */
+static iso_status convert_triangles(const isosculpt_source *source, iso_hgrid **grid, iso_error *error) {
+    iso_error reason = {0};
+    const iso_status status = convert_mesh_parts(source, grid, &reason);
+    const char *dot = strrchr(source->path, '.');
+    if (status == ISO_ERR_EMPTY && dot && strcasecmp(dot, ".ply") == 0)
+        return convert_points(source, grid, error);
+    if (error) *error = reason;
+    return status;
+}
 
 /* Converts the file at source->path. With --raw it is a volume, whatever its name. */
 static iso_status convert_file(const isosculpt_source *source, iso_hgrid **grid, iso_error *error) {
     const iso_input *input = source->input ? source->input : &default_input;
-    const bool mesh = isosculpt_is_mesh(source->path), lines = isosculpt_is_lines(source->path);
-    if (input->has_raw || (!mesh && !lines)) return convert_volume(source, grid, error);
+    const bool mesh = isosculpt_is_mesh(source->path), lines = isosculpt_is_lines(source->path),
+               points = isosculpt_is_points(source->path);
+    if (input->has_raw || (!mesh && !lines && !points)) return convert_volume(source, grid, error);
     const char *option = iso_input_volume_option(input);
     if (option)
         return iso_fail(error, ISO_ERR_USAGE, "%s: is a %s: %s needs a volume", source->path,
-                        mesh ? "mesh" : "file of lines", option);
-    return mesh ? convert_mesh_parts(source, grid, error) : convert_lines(source, grid, error);
+                        mesh     ? "mesh"
+                        : points ? "file of points"
+                                 : "file of lines",
+                        option);
+    if (points) return convert_points(source, grid, error);
+    return mesh ? convert_triangles(source, grid, error) : convert_lines(source, grid, error);
 }
 
 /* Copies the grid's geometry into the journal's header. */

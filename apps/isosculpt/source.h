@@ -59,7 +59,8 @@ typedef struct isosculpt_source {
 /* Reads the file, converts it into a field (*grid, the caller's), and fills the journal's header (*start). A
  * level set (.vdb) at its own voxel size is used as it is; a volume is sampled and redistanced; a mesh is
  * closed if it is open (grids/closing/closed_mesh.h), and becomes a distance field; lines (.tck .trk .swc)
- * become the solid of the tubes around them. All get 32 voxels of room on every side. Parts of the solid are
+ * become the solid of the tubes around them; points (also those of a .ply without triangles) become the solid
+ * whose surface they lie on (grids/point_solid.h). All get 32 voxels of room on every side. Parts of the solid are
  * dropped as `input` (or the volume) says. ISO_ERR_USAGE: a volume without an isovalue; else the readers'
  * errors. */
 iso_status isosculpt_source_open(const isosculpt_source *source, iso_journal_start *start, iso_hgrid **grid,
@@ -76,6 +77,8 @@ iso_status isosculpt_source_reopen(const char *strokes, const isosculpt_source *
 /* Whether the path has the extension of a mesh, or of lines. */
 bool isosculpt_is_mesh(const char *path);
 bool isosculpt_is_lines(const char *path);
+/* Whether the file is one of points (iso_glyphs_are_points) that cannot be a mesh. */
+bool isosculpt_is_points(const char *path);
 
 /* Reads the mesh at source->path as a stamp; iso_stamp_free when done. Voxel size, isovalue and volume of the
  * source do not count. Errors: those of iso_mesh_read, iso_closed_mesh_create and iso_stamp_from_mesh. */

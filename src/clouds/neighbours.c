@@ -172,9 +172,17 @@ static void visit(search *s, uint64_t node, int level, float square) {
     s->sides[axis] = side;
 }
 
-int iso_tree_nearest(const iso_tree *tree, size_t slot, int most, iso_neighbour *found) {
-    search s = {
-        .tree = tree, .position = tree->points[slot].position, .self = slot, .found = found, .most = most};
+/* self: the slot that is left out. */
+static int find(const iso_tree *tree, const float position[3], size_t self, int most, iso_neighbour *found) {
+    search s = {.tree = tree, .position = position, .self = self, .found = found, .most = most};
     visit(&s, 1, 0, 0);
     return s.count;
+}
+
+int iso_tree_nearest(const iso_tree *tree, size_t slot, int most, iso_neighbour *found) {
+    return find(tree, tree->points[slot].position, slot, most, found);
+}
+
+int iso_tree_nearest_to(const iso_tree *tree, const float position[3], int most, iso_neighbour *found) {
+    return find(tree, position, SIZE_MAX, most, found);
 }

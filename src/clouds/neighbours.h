@@ -54,6 +54,8 @@ void iso_tree_free(iso_tree *tree);
  * is 1 .. ISO_NEIGHBOURS_MOST. Returns how many there are: fewer if the tree has no more points. Which of
  * several points at the same distance are found is not specified, but the same for every call. */
 int iso_tree_nearest(const iso_tree *tree, size_t slot, int most, iso_neighbour *found);
+/* The same for any position: finds the `most` nearest points. */
+int iso_tree_nearest_to(const iso_tree *tree, const float position[3], int most, iso_neighbour *found);
 
 #ifdef __cplusplus
 }

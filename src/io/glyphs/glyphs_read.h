@@ -46,6 +46,11 @@ extern "C" {
  * file sets. */
 iso_status iso_glyphs_read(const char *path, const iso_read_opts *opts, iso_glyphs *glyphs, iso_error *error);
 
+/* Whether a file is one of points on surfaces, such as a scan: a .ply by its first bytes, others by their
+ * names; .xyz unless it is a molecule. Not .csv, .vtk and .vtp, which more often hold other things. Only
+ * regular files are. */
+bool iso_glyphs_are_points(const char *path);
+
 #ifdef __cplusplus
 }
 #endif

@@ -24,7 +24,8 @@ bool iso_lzf_decompress(const unsigned char *from, size_t from_bytes, unsigned c
         const size_t back = ((control & 31) << 8 | *from++) + 1;
         length += 2;
         if (back > (size_t)(to - begin) || length > (size_t)(to_end - to)) return false;
-        for (size_t i = 0; i < length; i++) to[i] = to[i - back]; /* the ranges may overlap */
+        const unsigned char *repeated = to - back;
+        for (size_t i = 0; i < length; i++) to[i] = repeated[i]; /* the ranges may overlap */
         to += length;
     }
     return to == to_end;
