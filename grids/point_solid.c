@@ -1,5 +1,5 @@
-/* point_solid: samples blocks of voxels in parallel; blocks far from all points and from the surface of winding
- * number 1/2 get one value. */
+/* point_solid: samples blocks of voxels in parallel; blocks far from all points and from the surface of
+ * winding number 1/2 get one value. */
 #include "grids/point_solid.h"
 
 #include <math.h>
@@ -20,8 +20,8 @@ enum {
 /* Voxels within NEAR spacings of a point get averaged distances, those beyond FAR the winding number; between
  * them both are mixed. WEIGHTS: the spacings within which points are averaged. */
 static const float NEAR = 1, FAR = 2, WEIGHTS = 2;
-/* The least ratio of the distance to the planes of points to the distance to the nearest point where the voxel
- * lies straight before or behind them. */
+/* The least ratio of the distance to the planes of points to the distance to the nearest point where the
+ * voxel lies straight before or behind them. */
 static const float STRAIGHT = 0.5f;
 
 typedef struct sampler {

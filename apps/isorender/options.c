@@ -298,8 +298,8 @@ static const iso_option options[] = {
      .group = SURFACE, .standard = "auto", CHOICE(primitive, primitives)},
 
     {"radius", NULL, "MM",
-     "radius of the points of a file (.ply, .pcd, .las, .xyz, .npy ..); auto: estimated from the distances to the nearest "
-     "neighbours, as are those that the file lacks",
+     "radius of the points of a file (.ply, .pcd, .las, .xyz, .npy ..); auto: estimated from the "
+     "distances to the nearest neighbours, as are those that the file lacks",
      .group = SURFACE, .standard = "the file's, or auto", CALL(apply_radius)},
     {"normals", NULL, "NAME",
      "normals of the points of a file: file (those that it lacks are estimated) or auto (all are estimated "

@@ -60,9 +60,9 @@ typedef struct isosculpt_source {
  * level set (.vdb) at its own voxel size is used as it is; a volume is sampled and redistanced; a mesh is
  * closed if it is open (grids/closing/closed_mesh.h), and becomes a distance field; lines (.tck .trk .swc)
  * become the solid of the tubes around them; points (also those of a .ply without triangles) become the solid
- * whose surface they lie on (grids/point_solid.h). All get 32 voxels of room on every side. Parts of the solid are
- * dropped as `input` (or the volume) says. ISO_ERR_USAGE: a volume without an isovalue; else the readers'
- * errors. */
+ * whose surface they lie on (grids/point_solid.h). All get 32 voxels of room on every side. Parts of the
+ * solid are dropped as `input` (or the volume) says. ISO_ERR_USAGE: a volume without an isovalue; else the
+ * readers' errors. */
 iso_status isosculpt_source_open(const isosculpt_source *source, iso_journal_start *start, iso_hgrid **grid,
                                  iso_error *error);
 

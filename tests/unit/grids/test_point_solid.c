@@ -1,5 +1,5 @@
-/* The solid of points with normals against the solid whose surface they were taken from: whole, with a part of
- * the points missing, and with some normals that face the wrong way. */
+/* The solid of points with normals against the solid whose surface they were taken from: whole, with a part
+ * of the points missing, and with some normals that face the wrong way. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
