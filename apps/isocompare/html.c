@@ -99,13 +99,12 @@ static const char *zoom_title(int zoom) {
     return zoom == 1 ? "Fit" : zoom == 4 ? "4 times" : "16 times";
 }
 
-static void put_milliseconds(FILE *stream, double seconds) {
+void isocompare_put_milliseconds(FILE *stream, double seconds) {
     double ms = 1e3 * seconds;
     fprintf(stream, ms >= 100 ? "%.0f" : ms >= 10 ? "%.1f" : "%.2f", ms);
 }
 
-/* Writes a number with three digits and a metric prefix: 1234567 as "1.23 M", or with a unit as "1.23 MB". */
-static void put_amount(FILE *stream, double value, const char *unit) {
+void isocompare_put_amount(FILE *stream, double value, const char *unit) {
     static const char *const prefixes[] = {"", "k", "M", "G", "T"};
     int prefix = 0;
     for (; value >= 1000 && prefix < 4; prefix++) value /= 1000;
@@ -163,7 +162,7 @@ static void put_shots(const report *r, const report_view *v, FILE *stream) {
         else
             fputs("the truth<br>", stream);
         fprintf(stream, "<span>%s, ", method->title);
-        put_milliseconds(stream, cell->seconds);
+        isocompare_put_milliseconds(stream, cell->seconds);
         fputs(" ms</span></figcaption></figure>\n", stream);
     }
     fputs("</div>\n<div class=row>\n<div class=key><b>What differs</b> from the truth, as FLIP sees it<i></i>"
@@ -272,11 +271,11 @@ static void put_extraction(const report *r, FILE *stream) {
         const report_part *p = &r->parts[part];
         if (!p->made) continue;
         fprintf(stream, "<tr><td>%s</td><td>", iso_part_name((iso_part)part));
-        put_milliseconds(stream, p->seconds);
+        isocompare_put_milliseconds(stream, p->seconds);
         fputs("</td><td>", stream);
-        if (p->size.primitives) put_amount(stream, (double)p->size.primitives, "");
+        if (p->size.primitives) isocompare_put_amount(stream, (double)p->size.primitives, "");
         fputs("</td><td>", stream);
-        if (p->size.bytes) put_amount(stream, (double)p->size.bytes, "B");
+        if (p->size.bytes) isocompare_put_amount(stream, (double)p->size.bytes, "B");
         fputs("</td></tr>\n", stream);
     }
     fputs("</tbody></table></div>\n<h3>Frames</h3>\n<div class=wide><table><thead><tr><th>method</th>",
@@ -290,10 +289,10 @@ static void put_extraction(const report *r, FILE *stream) {
         for (int z = 0; z < REPORT_ZOOMS; z++) {
             const report_cell *cell = &r->views[z].cells[m];
             fputs("<td>", stream);
-            put_milliseconds(stream, cell->seconds);
+            isocompare_put_milliseconds(stream, cell->seconds);
             fputs("</td><td>", stream);
             if (cell->memory)
-                put_amount(stream, (double)cell->memory, "B");
+                isocompare_put_amount(stream, (double)cell->memory, "B");
             else
                 fputs("–", stream);
             fputs("</td>", stream);
@@ -429,7 +428,7 @@ static void put_facts(const report *r, FILE *stream) {
         const report_part *p = &r->parts[part];
         if (!p->made || !p->size.primitives) continue;
         fputs("<li><b>", stream);
-        put_amount(stream, (double)p->size.primitives, "");
+        isocompare_put_amount(stream, (double)p->size.primitives, "");
         fprintf(stream, "</b><span>%s</span></li>",
                 part == ISO_PART_MESH ? "triangles" : iso_part_name((iso_part)part));
     }
@@ -472,7 +471,7 @@ static void put_run(const report *r, FILE *stream) {
     isocompare_put_text(stream, r->processor);
     fprintf(stream, ", %s, %d thread%s</dd><dt>memory</dt><dd>", iso_cpu_level_name(iso_cpu_best()),
             iso_pool_threads(r->pool), iso_pool_threads(r->pool) > 1 ? "s" : "");
-    put_amount(stream, (double)r->peak, "B");
+    isocompare_put_amount(stream, (double)r->peak, "B");
     fputs(" at most, for all of this</dd><dt>view</dt><dd>perspective, 30° at fit, from 34° to the right of "
           "the "
           "front and 20° above; the others narrow that view around a spot with silhouettes in "
@@ -511,6 +510,7 @@ void isocompare_write_html(const report *r, FILE *stream) {
     put_transparency(r, stream);
     put_plots(r, stream);
     put_extraction(r, stream);
+    isocompare_put_costs(r, stream);
     put_run(r, stream);
     put_metrics(stream);
     fputs("</main><div id=view><p></p><img alt=\"\"></div>\n<script>\n", stream);

@@ -274,6 +274,15 @@ static iso_status study_transparency(report *r, iso_error *error) {
     return iso_study_transparency(&r->subject, &r->ball, &fit, &look, &r->transparency, error);
 }
 
+/* Times extraction and frames. A report of small pictures is a quick one: runs are as long as pictures are
+ * wide. */
+static iso_status study_cost(report *r, iso_error *error) {
+    const iso_cost_opts opts = {.seconds = r->settings->side * 0.2 / 1024};
+    const iso_study_look look = look_of(r, SAMPLES[REPORT_SINGLE]);
+    log_step(r, "timing extraction and frames");
+    return iso_study_cost(&r->subject, &r->ball, &look, &opts, &r->cost, error);
+}
+
 /* ---- files ---- */
 
 /* Creates the folder if it does not exist; *made: it was created. */
@@ -320,6 +329,7 @@ static iso_status make_report(report *r, iso_sink sinks[2], iso_error *error) {
     isocompare_processor(r->processor, sizeof r->processor);
     ISO_TRY(draw_views(r, error));
     ISO_TRY(study_transparency(r, error));
+    ISO_TRY(study_cost(r, error));
     note_peak(r);
     return write_files(r, sinks, error);
 }

@@ -4,6 +4,7 @@
 
 #include "apps/common/loader.h"
 #include "apps/isocompare/isocompare.h"
+#include "compare/cost.h"
 #include "compare/transparency.h"
 #include "methods/method.h"
 
@@ -61,6 +62,7 @@ typedef struct report {
     report_view views[REPORT_ZOOMS];
     int transparency_side; /* pixels along a side of the translucent pictures */
     iso_transparency_study transparency;
+    iso_cost_study cost;
     char processor[128];
     uint64_t peak; /* largest memory of the process, bytes */
 } report;
@@ -84,6 +86,13 @@ const char *isocompare_method_color(int method); /* colour of a method, by its n
 
 /* Writes text into HTML, with & < > and quotes escaped. */
 void isocompare_put_text(FILE *stream, const char *text);
+
+/* Writes a time with three digits, and a number with three digits and a metric prefix: 1234567 as "1.23 M",
+ * or with a unit as "1.23 MB". */
+void isocompare_put_milliseconds(FILE *stream, double seconds);
+void isocompare_put_amount(FILE *stream, double value, const char *unit);
+/* html_cost.c: the tables of what extraction and frames cost. */
+void isocompare_put_costs(const report *r, FILE *stream);
 
 /* machine.c: describes the processor and measures the memory of this process. */
 void isocompare_processor(char *text, size_t size);

@@ -99,6 +99,41 @@ static void put_transparency(iso_json *json, const report *r) {
     iso_json_end_object(json);
 }
 
+static void put_frame_cost(iso_json *json, const char *key, const iso_cost_frame *frame) {
+    iso_json_begin_object(json, key);
+    iso_json_real(json, "seconds", frame->median);
+    iso_json_real(json, "best_seconds", frame->best);
+    iso_json_integer(json, "frames", (uint64_t)frame->frames);
+    iso_json_end_object(json);
+}
+
+static void put_cost_row(iso_json *json, int number, const iso_cost_row *row) {
+    iso_json_begin_object(json, NULL);
+    iso_json_string(json, "method", iso_cost_method(number)->name);
+    iso_json_integer(json, "primitives", row->primitives);
+    iso_json_real(json, "extraction_seconds", row->generation);
+    put_frame_cost(json, "frame", &row->still);
+    put_frame_cost(json, "edited_frame", &row->edited);
+    iso_json_begin_array(json, "viewports");
+    for (int v = 0; v < ISO_COST_VIEWPORTS; v++) put_frame_cost(json, NULL, &row->viewport[v]);
+    iso_json_end_array(json);
+    iso_json_end_object(json);
+}
+
+static void put_cost(iso_json *json, const iso_cost_study *study) {
+    iso_json_begin_object(json, "cost");
+    iso_json_integer(json, "side", (uint64_t)study->side);
+    iso_json_integer(json, "bricks", study->bricks);
+    iso_json_integer(json, "crossed_bricks", study->crossed);
+    iso_json_integer(json, "edited_bricks", (uint64_t)study->dirty);
+    iso_json_real(json, "strip_indices", study->strips);
+    iso_json_ints(json, "viewports", ISO_COST_VIEWPORT, ISO_COST_VIEWPORTS);
+    iso_json_begin_array(json, "rows");
+    for (int i = 0; i < ISO_COST_METHODS; i++) put_cost_row(json, i, &study->rows[i]);
+    iso_json_end_array(json);
+    iso_json_end_object(json);
+}
+
 void isocompare_write_json(const report *r, FILE *stream) {
     iso_json json = {.stream = stream};
     iso_json_begin_object(&json, NULL);
@@ -115,5 +150,6 @@ void isocompare_write_json(const report *r, FILE *stream) {
     put_frames(&json, r);
     put_rows(&json, r);
     put_transparency(&json, r);
+    put_cost(&json, &r->cost);
     iso_json_end_object(&json);
 }

@@ -40,12 +40,9 @@ iso_status iso_study_bound(const iso_mesh_view *mesh, iso_study_ball *ball, iso_
     return ISO_OK;
 }
 
-iso_view iso_study_fit(const iso_study_ball *ball, int side, double azimuth) {
-    double half = VIEW_ANGLE / 2 * (ISO_PI / 180), sine, cosine, along, across, up, flat;
+iso_view iso_study_fit_from(const iso_study_ball *ball, int side, iso_vec3 outward) {
+    double half = VIEW_ANGLE / 2 * (ISO_PI / 180), sine, cosine;
     iso_sincos(half, &sine, &cosine);
-    iso_sincos(SIDEWAYS + azimuth * (ISO_PI / 180), &along, &across);
-    iso_sincos(UPWARDS, &up, &flat);
-    iso_vec3 outward = iso_vec3_make(along * flat, -across * flat, up);
     double distance = (ball->radius > 0 ? ball->radius : 1) / sine;
     iso_view view = {.eye = iso_vec3_add(ball->center, iso_vec3_scale(outward, distance)),
                      .focal = side / 2.0 * (cosine / sine),
@@ -55,11 +52,19 @@ iso_view iso_study_fit(const iso_study_ball *ball, int side, double azimuth) {
                      .height = side,
                      .near = 1e-4 * distance};
     iso_vec3 forward = iso_vec3_scale(outward, -1);
-    iso_vec3 right = iso_vec3_unit(iso_vec3_cross(forward, iso_vec3_make(0, 0, 1)));
+    iso_vec3 up = fabs(outward.z) < 0.999 ? iso_vec3_make(0, 0, 1) : iso_vec3_make(0, 1, 0);
+    iso_vec3 right = iso_vec3_unit(iso_vec3_cross(forward, up));
     iso_vec3_store(right, view.rotation);
     iso_vec3_store(iso_vec3_cross(forward, right), view.rotation + 3);
     iso_vec3_store(forward, view.rotation + 6);
     return view;
+}
+
+iso_view iso_study_fit(const iso_study_ball *ball, int side, double azimuth) {
+    double along, across, up, flat;
+    iso_sincos(SIDEWAYS + azimuth * (ISO_PI / 180), &along, &across);
+    iso_sincos(UPWARDS, &up, &flat);
+    return iso_study_fit_from(ball, side, iso_vec3_make(along * flat, -across * flat, up));
 }
 
 iso_view iso_study_zoom(const iso_view *fit, const int aim[2], double zoom) {

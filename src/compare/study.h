@@ -32,6 +32,9 @@ iso_status iso_study_bound(const iso_mesh_view *mesh, iso_study_ball *ball, iso_
  * up, seen from 34.4 + `azimuth` degrees to the right of the front (-y) and 20 degrees from above. */
 iso_view iso_study_fit(const iso_study_ball *ball, int side, double azimuth);
 
+/* The same from any direction: `outward` is a unit vector from the ball's centre to the eye. */
+iso_view iso_study_fit_from(const iso_study_ball *ball, int side, iso_vec3 outward);
+
 /* Returns the view of iso_study_fit magnified `zoom` times, with its pixel `aim` in the middle of the
  * picture. */
 iso_view iso_study_zoom(const iso_view *fit, const int aim[2], double zoom);

@@ -9,7 +9,7 @@
  *     "covered"                                                        ->  "covered PIXELS" of a frame
  *   vtk_frame spheres|gaussians|tubes FILE   the same of points or lines, drawn by vtkOpenGLSphereMapper,
  *                                            vtkPointGaussianMapper or vtkTubeFilter with 8 sides
- *   vtk_frame cones|arrows FILE              the same of directed points, drawn by vtkGlyph3DMapper, 16 sides
+ *   vtk_frame cones|arrows|balls FILE        the same of directed points, drawn by vtkGlyph3DMapper, 16 sides
  *   vtk_frame picture FILE.vti OUT.png ISOVALUE SIZE THREADS           from a volume to a picture, and done
  *   vtk_frame tracts FILE.tck OUT.png RADIUS SIZE        the same from tracts, as tubes of 8 sides
  *
@@ -47,6 +47,7 @@
 #include <vtkRenderWindow.h>
 #include <vtkRenderer.h>
 #include <vtkSMPTools.h>
+#include <vtkSphereSource.h>
 #include <vtkTubeFilter.h>
 #include <vtkUnsignedCharArray.h>
 #include <vtkWindowToImageFilter.h>
@@ -316,9 +317,15 @@ int serve_directed(const std::string &kind, const char *path) {
     vtkNew<vtkArrowSource> arrow;
     arrow->SetTipResolution(16);
     arrow->SetShaftResolution(16);
+    vtkNew<vtkSphereSource> ball;
+    ball->SetRadius(1);
+    ball->SetThetaResolution(16);
+    ball->SetPhiResolution(16);
     vtkNew<vtkGlyph3DMapper> glyphs;
     glyphs->SetInputData(data);
-    glyphs->SetSourceConnection(kind == "cones" ? cone->GetOutputPort() : arrow->GetOutputPort());
+    glyphs->SetSourceConnection(kind == "cones"   ? cone->GetOutputPort()
+                                : kind == "balls" ? ball->GetOutputPort()
+                                                  : arrow->GetOutputPort());
     glyphs->SetOrientationArray("direction");
     glyphs->SetScaleArray("direction");
     glyphs->SetScaleModeToScaleByMagnitude();
@@ -406,7 +413,8 @@ int make_picture(char **values) {
 int main(int argc, char **argv) {
     if (argc == 3 && std::strcmp(argv[1], "mesh") == 0) return serve_mesh(argv[2]);
     const bool directed =
-        argc == 3 && (std::strcmp(argv[1], "cones") == 0 || std::strcmp(argv[1], "arrows") == 0);
+        argc == 3 && (std::strcmp(argv[1], "cones") == 0 || std::strcmp(argv[1], "arrows") == 0 ||
+                      std::strcmp(argv[1], "balls") == 0);
     if (directed) return serve_directed(argv[1], argv[2]);
     if (argc == 3) return serve_points(argv[1], argv[2]);
     if (argc == 6 && std::strcmp(argv[1], "tracts") == 0) return make_tracts(argv + 2);

@@ -56,7 +56,7 @@ for i, image in enumerate(parser.images):
     drawn = i % (1 + 2 * len(methods)) <= len(methods)  # the rest are differences, and exact has none
     expect(not drawn or len(set(png.pixels())) > 3, "picture", i, "shows nothing")
 expect("nan" not in re.sub("base64,[^\"]*", "", page), "nan in the page")
-expect(page.count("<svg") == 6 and page.count("<table") == 5, page.count("<svg"), page.count("<table"))
+expect(page.count("<svg") == 6 and page.count("<table") == 8, page.count("<svg"), page.count("<table"))
 expect("isocompare report torus --side=64 --isovalue=0.5 --background=202020" in page, "the command")
 
 expect(j["schema"] == "isocompare-report/1" and j["isovalue"] == 0.5 and j["side"] == 64, j)
@@ -67,6 +67,16 @@ for row in j["rows"]:
     expect((row["normal_error_deg"] is None) == (row["samples"] == 4), row)
 for frame in j["frames"]:
     expect(frame["seconds"] > 0 and frame["pixels_per_voxel"] > 0, frame)
+cost = j["cost"]
+expect(cost["side"] == 800 and cost["viewports"] == [100, 200, 400, 800, 2048], cost)
+expect(0.4 < cost["strip_indices"] < 0.7 and cost["edited_bricks"] == 4, cost["strip_indices"])
+expect(0 < cost["crossed_bricks"] <= cost["bricks"] == 8, cost)
+costs = {row["method"]: row for row in cost["rows"]}
+expect(list(costs) == ["points", "pullpush-gaussian", "mesh", "exact"], list(costs))
+for row in cost["rows"]:
+    expect(row["extraction_seconds"] > 0 and row["primitives"] > 500, row)
+    for frame in [row["frame"], row["edited_frame"], *row["viewports"]]:
+        expect(0 < frame["best_seconds"] and 0 < frame["seconds"] and frame["frames"] >= 6, frame)
 parts = {part["part"]: part for part in j["extraction"]}
 expect(parts["mesh"]["primitives"] > 1000 and parts["points"]["bytes"] > 0, parts)
 P

@@ -13,8 +13,8 @@
 #include "extract_support.h"
 #include "gl_support.h"
 #include "grids/scenes/scenes.h"
-#include "render/gl/strips.h"
 #include "render/gl/surface.h"
+#include "render/raster/triangle_strips.h"
 
 static iso_gl_engine *make_engine(iso_gl_context *context) {
     iso_gl_engine *engine;
@@ -82,7 +82,7 @@ static int compare_triangles(const void *a, const void *b) {
 static size_t unstrip(const uint16_t *indices, size_t count, triangle *out) {
     size_t made = 0, length = 0;
     for (size_t i = 0; i < count; i++) {
-        length = indices[i] == ISO_GL_RESTART ? 0 : length + 1;
+        length = indices[i] == ISO_TRIANGLE_STRIP_RESTART ? 0 : length + 1;
         if (length < 3) continue;
         bool odd = length % 2 == 0;
         const uint16_t corners[3] = {indices[i - 2], indices[odd ? i : i - 1], indices[odd ? i - 1 : i]};
@@ -94,14 +94,14 @@ static size_t unstrip(const uint16_t *indices, size_t count, triangle *out) {
 /* Index count of all spans. */
 static size_t check_strips(const iso_mesh_view *mesh) {
     static triangle wanted[5 * ISO_BRICK_VOXELS], got[5 * ISO_BRICK_VOXELS];
-    iso_gl_strips strips = {0};
+    iso_triangle_strips strips = {0};
     size_t total = 0;
     for (size_t s = 0; s < mesh->span_count; s++) {
         const iso_mesh_span *span = &mesh->spans[s];
         size_t count;
-        assert_int_equal(iso_gl_strips_make(&strips, mesh, span, &count, NULL), ISO_OK);
-        assert_true(count <= (size_t)ISO_GL_STRIP_ROOM * span->triangle_count);
-        assert_int_equal(unstrip(iso_gl_strips_indices(&strips), count, got), span->triangle_count);
+        assert_int_equal(iso_triangle_strips_make(&strips, mesh, span, &count, NULL), ISO_OK);
+        assert_true(count <= (size_t)ISO_TRIANGLE_STRIP_ROOM * span->triangle_count);
+        assert_int_equal(unstrip(iso_triangle_strips_indices(&strips), count, got), span->triangle_count);
         for (uint32_t t = 0; t < span->triangle_count; t++)
             turn(mesh->triangles[span->first_triangle + t], wanted[t]);
         qsort(wanted, span->triangle_count, sizeof *wanted, compare_triangles);
@@ -109,7 +109,7 @@ static size_t check_strips(const iso_mesh_view *mesh) {
         assert_memory_equal(wanted, got, span->triangle_count * sizeof *wanted);
         total += count;
     }
-    iso_gl_strips_free(&strips);
+    iso_triangle_strips_free(&strips);
     return total;
 }
 

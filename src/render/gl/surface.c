@@ -89,22 +89,22 @@ static void upload_changed(iso_gl_surface *surface, const source *from, const vo
     }
 }
 
-/* Uploads the strips of changed spans. A span's strips begin at ISO_GL_STRIP_ROOM times its first
+/* Uploads the strips of changed spans. A span's strips begin at ISO_TRIANGLE_STRIP_ROOM times its first
  * triangle. */
 static iso_status upload_strips(iso_gl_surface *surface, const iso_mesh_view *mesh, iso_error *error) {
     enum { INDEX = sizeof(uint16_t) };
     iso_gl_span *spans = surface->spans.data;
-    const source from = {NULL, ISO_GL_STRIP_ROOM * INDEX, &surface->indices};
+    const source from = {NULL, ISO_TRIANGLE_STRIP_ROOM * INDEX, &surface->indices};
     ensure_capacity(surface->engine->context->gl, &from, end_of(mesh, surface->span_count, triangles_of));
     for (size_t s = 0; s < surface->span_count; s++) {
         const iso_mesh_span *span = &mesh->spans[s];
         if (!spans[s].changed || !span->triangle_count) continue;
         size_t count;
-        ISO_TRY(iso_gl_strips_make(&surface->strips, mesh, span, &count, error));
+        ISO_TRY(iso_triangle_strips_make(&surface->strips, mesh, span, &count, error));
         spans[s].count = (uint32_t)count;
         surface->engine->context->gl->NamedBufferSubData(
             surface->indices.name, (GLintptr)(span->first_triangle * from.item), (GLsizeiptr)(count * INDEX),
-            iso_gl_strips_indices(&surface->strips));
+            iso_triangle_strips_indices(&surface->strips));
         surface->uploaded += count * INDEX;
     }
     return ISO_OK;
@@ -265,7 +265,7 @@ static void describe_points(iso_gl_surface *surface, const iso_point_view *point
 }
 
 static void describe_mesh(iso_gl_surface *surface, const iso_mesh_view *mesh) {
-    uint32_t each = surface->stripped ? ISO_GL_STRIP_ROOM : 3;
+    uint32_t each = surface->stripped ? ISO_TRIANGLE_STRIP_ROOM : 3;
     iso_gl_span *spans = surface->spans.data;
     for (size_t s = 0; s < surface->span_count; s++) {
         const iso_mesh_span *from = &mesh->spans[s];
@@ -378,9 +378,9 @@ static iso_status send_mesh(iso_gl_surface *surface, const iso_mesh_view *mesh, 
     const source triangles = {mesh->triangles, sizeof *mesh->triangles, &surface->indices};
     size_t vertex_end = end_of(mesh, mesh->span_count, vertices_of);
     size_t triangle_end = end_of(mesh, mesh->span_count, triangles_of);
-    if (vertex_end > INT32_MAX || triangle_end > UINT32_MAX / ISO_GL_STRIP_ROOM)
+    if (vertex_end > INT32_MAX || triangle_end > UINT32_MAX / ISO_TRIANGLE_STRIP_ROOM)
         return iso_fail(error, ISO_ERR_LIMIT, "more than 2^31 - 1 vertices or 2^30 - 1 triangles");
-    size_t item = surface->stripped ? ISO_GL_STRIP_ROOM * sizeof(uint16_t) : triangles.item;
+    size_t item = surface->stripped ? ISO_TRIANGLE_STRIP_ROOM * sizeof(uint16_t) : triangles.item;
     ISO_TRY(iso_gl_check_memory(surface->engine,
                                 growth(&surface->vertices, vertex_end, vertices.item) +
                                     growth(&surface->indices, triangle_end, item),
@@ -493,7 +493,7 @@ iso_gl_surface_stats iso_gl_surface_measure(const iso_gl_surface *surface) {
 static void free_surface(iso_gl_surface *surface) {
     if (surface->blocks) iso_point_blocks_free(surface->blocks);
     iso_free(surface->blocks);
-    iso_gl_strips_free(&surface->strips);
+    iso_triangle_strips_free(&surface->strips);
     iso_buffer_free(&surface->bounds);
     iso_buffer_free(&surface->spans);
     iso_free(surface);

@@ -9,9 +9,9 @@
 #include "render/gl/engine.h"
 #include "render/gl/internal.h"
 #include "render/gl/program.h"
-#include "render/gl/strips.h"
 #include "render/gl/timer.h"
 #include "render/point_blocks.h"
+#include "render/raster/triangle_strips.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -64,7 +64,7 @@ struct iso_gl_surface {
     double radius;            /* mm, of all points when there are no radii */
     int32_t dims[3];          /* voxels of the grid that the points come from; 0: not known */
     uint64_t uploaded;        /* bytes, by the last update */
-    iso_gl_strips strips;
+    iso_triangle_strips strips;
     /* `array` draws points or triangles, `quad_array` points as quads. */
     iso_gl_buffer vertices, radii, colors, curvatures, indices;
     unsigned array, quad_array;

@@ -1,7 +1,7 @@
-/* strips: greedy triangle strips. A strip begins at the triangle with the fewest neighbours left, so that few
- * triangles end up alone (tomesh: Akeley, Haeberli and Burns 1990). The corner order of its first triangle
- * determines the rest; the order with the longest strip is taken, continued in both directions. */
-#include "render/gl/strips.h"
+/* triangle_strips: greedy triangle strips. A strip begins at the triangle with the fewest neighbours left, so
+ * that few triangles end up alone (tomesh: Akeley, Haeberli and Burns 1990). The corner order of its first
+ * triangle determines the rest; the order with the longest strip is taken, continued in both directions. */
+#include "render/raster/triangle_strips.h"
 
 #include <assert.h>
 #include <string.h>
@@ -154,7 +154,7 @@ static void append_strip(stripper *s, uint16_t triangle) {
         if (length > longest) longest = length;
     }
     walk_both_ways(s, triangle, best);
-    if (s->used) s->out[s->used++] = ISO_GL_RESTART;
+    if (s->used) s->out[s->used++] = ISO_TRIANGLE_STRIP_RESTART;
     for (uint32_t i = s->path[1].count; i-- > 0;) s->out[s->used++] = s->path[1].vertex[i];
     for (int k = 0; k < 3; k++) s->out[s->used++] = s->corner[triangle][(best + k) % 3];
     for (uint32_t i = 0; i < s->path[0].count; i++) s->out[s->used++] = s->path[0].vertex[i];
@@ -189,14 +189,15 @@ static size_t arrange_arrays(stripper *s, const iso_buffer *block) {
     return used;
 }
 
-iso_status iso_gl_strips_make(iso_gl_strips *strips, const iso_mesh_view *mesh, const iso_mesh_span *span,
-                              size_t *count, iso_error *error) {
-    assert(span->triangle_count <= MOST_TRIANGLES && span->vertex_count < ISO_GL_RESTART);
+iso_status iso_triangle_strips_make(iso_triangle_strips *strips, const iso_mesh_view *mesh,
+                                    const iso_mesh_span *span, size_t *count, iso_error *error) {
+    assert(span->triangle_count <= MOST_TRIANGLES && span->vertex_count < ISO_TRIANGLE_STRIP_RESTART);
     stripper s = {.corner = mesh->triangles + span->first_triangle,
                   .count = span->triangle_count,
                   .vertex_count = span->vertex_count};
     ISO_TRY(iso_buffer_reserve(&strips->work, arrange_arrays(&s, NULL), 0, error));
-    ISO_TRY(iso_buffer_reserve(&strips->indices, ISO_GL_STRIP_ROOM * sizeof(uint16_t) * s.count, 0, error));
+    ISO_TRY(
+        iso_buffer_reserve(&strips->indices, ISO_TRIANGLE_STRIP_ROOM * sizeof(uint16_t) * s.count, 0, error));
     arrange_arrays(&s, &strips->work);
     s.out = strips->indices.data;
     find_neighbours(&s);
@@ -207,11 +208,11 @@ iso_status iso_gl_strips_make(iso_gl_strips *strips, const iso_mesh_view *mesh, 
     return ISO_OK;
 }
 
-const uint16_t *iso_gl_strips_indices(const iso_gl_strips *strips) {
+const uint16_t *iso_triangle_strips_indices(const iso_triangle_strips *strips) {
     return strips->indices.data;
 }
 
-void iso_gl_strips_free(iso_gl_strips *strips) {
+void iso_triangle_strips_free(iso_triangle_strips *strips) {
     iso_buffer_free(&strips->indices);
     iso_buffer_free(&strips->work);
 }

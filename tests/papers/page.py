@@ -1,0 +1,130 @@
+#!/usr/bin/env python3
+"""The page and the short form of what papers.py measured.
+
+usage: page.py PAPERS.json PAPERS.md [--check]
+
+Writes the tables and verdicts of PAPERS.json between the markers of PAPERS.md. --check: only compares, and ends
+with 1 when a line differs."""
+import base64
+import html
+import json
+import os
+import re
+import sys
+
+TITLES = {
+    2003: "Bærentzen and Christensen, Hardware Accelerated Point Rendering of Isosurfaces",
+    2004: "Guennebaud, Barthe and Paulin, Deferred Splatting",
+    2006: "Zhang and Pajarola, Single-Pass Point Rendering and Transparent Shading",
+    2008: "Marroquim, Kraus and Cavalcanti, Efficient Image Reconstruction for Point-Based and Line-Based Rendering",
+    2010: "Aguirre, Gutierrez and Perrin, Rendering Large Point Datasets with GPU Shaders",
+}
+HOLDS = {"yes": "holds", "partly": "holds in part", "no": "does not hold", "not measured": "not measured"}
+BEGIN, END = "<!-- BEGIN papers -->\n", "<!-- END papers -->\n"
+
+
+def number(cell):
+    """Three digits, or all of a count: 274,896, 22.9, 0.0144."""
+    if cell is None:
+        return "–"
+    value = cell["value"]
+    if value == "inf":
+        return "∞"
+    if isinstance(value, int):
+        return "{:,}".format(value)
+    return "%.3g" % value if abs(value) < 1000 else "{:,.0f}".format(float("%.3g" % value))
+
+
+# ---- the page
+
+def style(folder):
+    """The style of the reports that isocompare made on the way, so that both look alike."""
+    for name in sorted(os.listdir(folder)):
+        path = os.path.join(folder, name, "report.html")
+        if os.path.exists(path):
+            with open(path, encoding="utf-8") as file:
+                return re.search("<style>(.*?)</style>", file.read(), re.S).group(1)
+    return ""
+
+
+def html_table(table, folder):
+    yield "<h3>%s</h3>\n<p class=soft>%s</p>\n" % (html.escape(table["title"]), html.escape(table["text"]))
+    yield "<p><b>%s.</b> %s</p>\n" % (HOLDS[table["holds"]].capitalize(), html.escape(table["verdict"]))
+    if table["rows"]:
+        yield "<div class=wide><table><thead><tr><th></th>"
+        yield "".join("<th>%s</th>" % html.escape(column) for column in table["columns"])
+        yield "</tr></thead><tbody>\n"
+        for row in table["rows"]:
+            yield "<tr><td>%s</td>" % html.escape(row["what"])
+            for cell in row["cells"]:
+                command = html.escape(cell["command"]) if cell and "command" in cell else ""
+                yield '<td title="%s">%s</td>' % (command, number(cell))
+            yield "</tr>\n"
+        yield "</tbody></table></div>\n"
+    if table["pictures"]:
+        yield '<div class=row style="--columns:%d">\n' % min(4, len(table["pictures"]))
+        for picture in table["pictures"]:
+            with open(os.path.join(folder, picture["file"]), "rb") as file:
+                data = base64.b64encode(file.read()).decode()
+            yield ('<figure class=shot><img alt="%s" src="data:image/png;base64,%s"><figcaption>%s<br><span>'
+                   "<code>%s</code></span></figcaption></figure>\n"
+                   % (html.escape(picture["caption"]), data, html.escape(picture["caption"]),
+                      html.escape(picture["command"])))
+        yield "</div>\n"
+
+
+def write_html(papers, folder):
+    with open(os.path.join(folder, "index.html"), "w", encoding="utf-8") as file:
+        file.write("<!doctype html>\n<html lang=en><head><meta charset=utf-8>\n<title>What the papers claim, measured"
+                   "</title>\n<style>%s\n.shot img{cursor:auto}.shot code{font-size:11px;overflow-wrap:anywhere}</style>"
+                   "</head><body><main>\n" % style(folder))
+        file.write("<h1>What the papers claim, measured</h1>\n<p class=soft>%s; %s. The command behind each number shows "
+                   "when the pointer rests on it; papers.json has them all.</p>\n"
+                   % (html.escape(papers["machine"]), papers["date"]))
+        for year, title in TITLES.items():
+            tables = [table for table in papers["tables"] if table["paper"] == year]
+            if tables:
+                file.write("<h2>%d: %s</h2>\n" % (year, html.escape(title)))
+            for table in tables:
+                file.writelines(html_table(table, folder))
+        file.write("</main></body></html>\n")
+
+
+# ---- the short form
+
+def markdown(papers):
+    yield "Measured on %s: %s.\n" % (papers["date"], papers["machine"])
+    for year, title in TITLES.items():
+        tables = [table for table in papers["tables"] if table["paper"] == year]
+        if tables:
+            yield "\n## %d: %s\n" % (year, title)
+        for table in tables:
+            yield "\n### %s\n\n" % table["title"]
+            yield "%s **%s.** %s\n" % (table["text"], HOLDS[table["holds"]].capitalize(), table["verdict"])
+            if table["rows"]:
+                yield "\n| | %s |\n|---%s|\n" % (" | ".join(table["columns"]), "|---:" * len(table["columns"]))
+            for row in table["rows"]:
+                yield "| %s | %s |\n" % (row["what"], " | ".join(number(cell) for cell in row["cells"]))
+    yield "\n"
+
+
+def main():
+    with open(sys.argv[1], encoding="utf-8") as file:
+        made = "".join(markdown(json.load(file)))
+    with open(sys.argv[2], encoding="utf-8") as file:
+        before = file.read()
+    head, rest = before.split(BEGIN)
+    after = head + BEGIN + made + END + rest.split(END)[1]
+    if "--check" not in sys.argv:
+        with open(sys.argv[2], "w", encoding="utf-8") as file:
+            file.write(after)
+    elif after != before:
+        for is_now, should in zip(before.splitlines(), after.splitlines()):
+            if is_now != should:
+                print("%s: is\n  %s\nbut %s gives\n  %s" % (sys.argv[2], is_now, sys.argv[1], should))
+                break
+        sys.exit(1)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,56 @@
+#!/usr/bin/env python3
+"""Repeats the tables and figures of the five papers on this machine.
+
+usage: papers.py PROGRAMS SOURCE FOLDER [TABLE...]
+
+Writes FOLDER/papers.json and FOLDER/index.html, a page with everything in it. TABLE: only tables whose names
+begin so, such as 2003 or 2003-table-2; the others are kept as papers.json has them."""
+import datetime
+import json
+import os
+import sys
+
+import page
+import y2003
+import y2006
+import y2008
+import y2010
+from measure import Machine, processor
+from tables import measure
+
+PAPERS = (y2003, y2006, y2008, y2010)
+
+
+def kept_tables(path):
+    if not os.path.exists(path):
+        return {}
+    with open(path, encoding="utf-8") as file:
+        return {table["name"]: table for table in json.load(file)["tables"]}
+
+
+def main():
+    load = os.getloadavg()[0]
+    programs, source, folder = (os.path.abspath(word) for word in sys.argv[1:4])
+    wanted, path = tuple(sys.argv[4:]), os.path.join(folder, "papers.json")
+    kept = kept_tables(path) if wanted else {}
+    machine, made = Machine(programs, source, folder), []
+    try:
+        for paper in PAPERS:
+            for table, fill in paper.tables(machine):
+                if wanted and not table.name.startswith(wanted):
+                    made.extend(kept[name] for name in kept if name == table.name)
+                    continue
+                measure(table, fill)
+                print("%-18s %5.1f s  %s: %s" % (table.name, table.seconds, table.holds, table.verdict), flush=True)
+                made.append(table.json())
+    finally:
+        if machine.display:
+            machine.display[0].terminate()
+    papers = {"schema": "isopoint-papers/1", "date": datetime.date.today().isoformat(),
+              "machine": "%s, %d processors, load %.1f when it began" % (processor(), os.cpu_count(), load), "tables": made}
+    with open(path, "w", encoding="utf-8") as file:
+        json.dump(papers, file, indent=1, ensure_ascii=False)
+    page.write_html(papers, folder)
+
+
+main()

@@ -1,0 +1,69 @@
+"""Tables of the page: rows of numbers, each with the command that measured it, pictures and a verdict."""
+import math
+import time
+
+from measure import Failed, Number
+
+HOLDS = ("yes", "partly", "no", "not measured")
+
+
+class Table:
+    """One table or figure of a paper. Columns: the paper's number first, then ours."""
+
+    def __init__(self, name, paper, title, columns, text):
+        self.name, self.paper, self.title, self.columns, self.text = name, paper, title, columns, text
+        self.rows, self.pictures, self.holds, self.verdict = [], [], "not measured", ""
+        self.seconds = 0.0
+
+    def row(self, what, *cells):
+        """A cell is the paper's plain number, a Number, or None."""
+        assert len(cells) == len(self.columns), what
+        self.rows.append((what, [cell if isinstance(cell, Number) or cell is None else Number(cell, None)
+                                 for cell in cells]))
+
+    def picture(self, path, caption, command):
+        self.pictures.append((path, caption, command))
+
+    def judge(self, holds, verdict):
+        """One or two sentences: whether the claim holds today, and why (not)."""
+        assert holds in HOLDS
+        self.holds, self.verdict = holds, verdict
+
+    def json(self):
+        return {
+            "name": self.name, "paper": self.paper, "title": self.title, "text": self.text, "columns": self.columns,
+            "rows": [{"what": what,
+                      "cells": [None if cell is None or cell.value is None else
+                                {"value": number_json(cell.value), **({"command": cell.command} if cell.command else {})}
+                                for cell in cells]} for what, cells in self.rows],
+            "pictures": [{"file": path, "caption": caption, "command": command}
+                         for path, caption, command in self.pictures],
+            "holds": self.holds, "verdict": self.verdict, "seconds": round(self.seconds, 1)}
+
+
+def number_json(value):
+    """Rounded to four digits, so that the files say what the page says; infinity, of equal pictures, is a word."""
+    if math.isinf(value):
+        return "inf"
+    return value if isinstance(value, int) else float("%.4g" % value)
+
+
+def rate(seconds):
+    """Frames a second from a Number of seconds."""
+    return None if seconds is None else Number(1 / seconds.value, seconds.command)
+
+
+def ratio(above, below):
+    """The quotient of two Numbers' values."""
+    return above.value / below.value
+
+
+def measure(table, fill):
+    """Fills a table; a program that fails, or a file that is missing, is the table's verdict."""
+    start = time.monotonic()
+    try:
+        fill(table)
+    except (Failed, OSError, KeyError) as problem:
+        table.judge("not measured", "%s." % str(problem).rstrip("."))
+    table.seconds = time.monotonic() - start
+    return table
