@@ -1,6 +1,10 @@
 /* groups: colours the graph of overlapping discs greedily (Zhang and Pajarola 2006, section 4.1). Levels are
  * processed from the largest discs to the smallest; within a level, blocks of cells are processed in 8
- * passes, each of which takes the blocks of one parity. */
+ * passes, each of which takes the blocks of one parity.
+ *
+ * An update compares each block with the block of the same key in the cells of the last call. What a block's
+ * colouring reads are the points of the blocks around it, and the groups of those of them that are coloured
+ * before it. If all of these are unchanged, so is the result, which is copied. */
 #include "base/groups.h"
 
 #include <string.h>
@@ -19,9 +23,17 @@ enum {
 
 /* The share of one block of cells in the counts of iso_groups. */
 typedef struct tally {
-    size_t conflicts, joined;
+    size_t conflicts, joined, computed;
     int count;
 } tally;
+
+struct iso_groups_memory {
+    iso_point_cells cells;
+    uint8_t *group; /* one per point of the cells */
+    tally *tallies; /* one per block */
+    int limit;
+    bool ignore_opposite, by_number;
+};
 
 typedef struct colouring {
     const iso_point_view *view;
@@ -32,6 +44,9 @@ typedef struct colouring {
     size_t first_block;
     int limit;
     bool ignore_opposite, by_number;
+    const iso_groups_memory *last; /* of the last call, or NULL: all points are coloured */
+    /* One per block: its points, or their groups, differ from those of the last call. */
+    uint8_t *altered;
 } colouring;
 
 /* The points in the cells around a cell: of its own level and of all coarser levels. */
@@ -149,16 +164,109 @@ static void colour_cell(const colouring *c, uint32_t cell, tally *t) {
     }
 }
 
+/* ---- updating */
+
+static iso_cell_range points_of(const iso_point_cells *cells, const iso_cell_block *block) {
+    const iso_point_cell *cell = cells->cells.data;
+    return (iso_cell_range){cell[block->first].first, cell[block->end].first};
+}
+
+static const iso_cell_block *last_block(const colouring *c, uint64_t key) {
+    return c->last ? iso_point_cells_block(&c->last->cells, key) : NULL;
+}
+
+static tally *last_tally(const colouring *c, const iso_cell_block *block) {
+    return c->last->tallies + (block - (const iso_cell_block *)c->last->cells.blocks.data);
+}
+
+static bool has_same_cells(const iso_point_cells *a, const iso_cell_block *in_a, const iso_point_cells *b,
+                           const iso_cell_block *in_b) {
+    const iso_point_cell *of_a = (const iso_point_cell *)a->cells.data + in_a->first,
+                         *of_b = (const iso_point_cell *)b->cells.data + in_b->first;
+    const uint32_t count = in_a->end - in_a->first;
+    if (in_b->end - in_b->first != count) return false;
+    for (uint32_t i = 0; i < count; i++)
+        if (of_a[i].key != of_b[i].key || of_a[i].first - of_a[0].first != of_b[i].first - of_b[0].first)
+            return false;
+    return true;
+}
+
+/* Returns whether two blocks have the same points in the same cells, except for the points' indices. */
+static bool is_same_block(const iso_point_cells *a, const iso_cell_block *in_a, const iso_point_cells *b,
+                          const iso_cell_block *in_b) {
+    const iso_cell_range of_a = points_of(a, in_a), of_b = points_of(b, in_b);
+    const iso_cell_point *at = (const iso_cell_point *)a->points.data + of_a.first,
+                         *to = (const iso_cell_point *)b->points.data + of_b.first;
+    const uint32_t count = of_a.end - of_a.first;
+    if (of_b.end - of_b.first != count || !has_same_cells(a, in_a, b, in_b)) return false;
+    for (uint32_t i = 0; i < count; i++)
+        if (memcmp(&at[i], &to[i], offsetof(iso_cell_point, index)) != 0) return false;
+    return true;
+}
+
+static void compare_block(void *context, size_t index, int worker) {
+    (void)worker;
+    const colouring *c = context;
+    const iso_cell_block *block = &c->blocks[index], *last = last_block(c, block->key);
+    c->altered[index] = !last || !is_same_block(c->cells, block, &c->last->cells, last);
+}
+
+/* Returns whether a block that exists now, or existed in the last call, is altered. */
+static bool is_altered(const colouring *c, uint64_t key) {
+    const iso_cell_block *block = iso_point_cells_block(c->cells, key);
+    return block ? c->altered[block - c->blocks] : last_block(c, key) != NULL;
+}
+
+static bool is_altered_around(const colouring *c, uint64_t key) {
+    for (int level = 0; level <= iso_point_cells_block_level(key); level++) {
+        if (!((c->cells->levels | c->last->cells.levels) >> level & 1)) continue;
+        uint64_t keys[ISO_CELL_BLOCKS_AROUND];
+        const int count = iso_point_cells_blocks_around(key, level, keys);
+        for (int i = 0; i < count; i++)
+            if (is_altered(c, keys[i])) return true;
+    }
+    return false;
+}
+
+/* Copies the groups of a block from the last call. */
+static void copy_block(const colouring *c, size_t number) {
+    const iso_cell_block *last = last_block(c, c->blocks[number].key);
+    const iso_cell_range from = points_of(&c->last->cells, last),
+                         to = points_of(c->cells, &c->blocks[number]);
+    memcpy(c->group + to.first, c->last->group + from.first, to.end - to.first);
+    c->tallies[number] = *last_tally(c, last);
+    c->tallies[number].computed = 0;
+}
+
+/* Sets whether a block that has just been coloured is altered. */
+static void compare_groups(const colouring *c, size_t number) {
+    if (c->altered[number]) return; /* its points have changed */
+    const iso_cell_range from = points_of(&c->last->cells, last_block(c, c->blocks[number].key)),
+                         to = points_of(c->cells, &c->blocks[number]);
+    c->altered[number] = memcmp(c->group + to.first, c->last->group + from.first, to.end - to.first) != 0;
+}
+
+/* ---- all blocks */
+
 static void colour_block(void *context, size_t index, int worker) {
     (void)worker;
     const colouring *c = context;
-    const size_t block = c->first_block + index;
-    for (uint32_t cell = c->blocks[block].first; cell < c->blocks[block].end; cell++)
-        colour_cell(c, cell, &c->tallies[block]);
+    const size_t number = c->first_block + index;
+    const iso_cell_block *block = &c->blocks[number];
+    if (c->last && !is_altered_around(c, block->key)) {
+        copy_block(c, number);
+        return;
+    }
+    const iso_cell_range points = points_of(c->cells, block);
+    c->tallies[number].computed = points.end - points.first;
+    for (uint32_t cell = block->first; cell < block->end; cell++) colour_cell(c, cell, &c->tallies[number]);
+    if (c->last) compare_groups(c, number);
 }
 
 static void colour_all(colouring *c, iso_pool *pool) {
-    const size_t *start = c->cells->start;
+    const size_t *start = c->cells->start, blocks = start[ISO_CELL_LEVELS * ISO_CELL_PARITIES];
+    memset(c->group, NO_GROUP, c->cells->point_count);
+    if (c->last) iso_parallel_for(pool, blocks, compare_block, c);
     for (size_t list = 0; list < ISO_CELL_LEVELS * ISO_CELL_PARITIES; list++) {
         c->first_block = start[list];
         iso_parallel_for(pool, start[list + 1] - start[list], colour_block, c);
@@ -172,6 +280,7 @@ static void collect(const colouring *c, iso_groups *groups) {
         const tally *t = &c->tallies[i];
         groups->conflicts += t->conflicts;
         groups->joined += t->joined;
+        groups->computed += t->computed;
         groups->count = t->count > groups->count ? t->count : groups->count;
     }
     for (size_t i = 0; i < c->cells->point_count; i++) groups->group[points[i].index] = c->group[i];
@@ -187,42 +296,84 @@ static size_t array_length(const iso_point_view *view) {
     return length;
 }
 
-static iso_status colour(const iso_point_cells *cells, const iso_point_view *view,
-                         const iso_groups_opts *opts, iso_groups *groups, iso_error *error) {
+/* Returns whether points that have not changed get the same groups as in the last call. The cells' points
+ * have no normals, so changes of normals are not noticed. */
+static bool is_comparable(const iso_groups_memory *last, const colouring *c) {
+    return last && !c->ignore_opposite && !last->ignore_opposite && last->limit == c->limit &&
+           last->by_number == c->by_number;
+}
+
+/* Colours the points of memory->cells, and sets the groups and the rest of the memory. */
+static iso_status colour(const iso_point_view *view, const iso_groups_opts *opts, iso_groups_memory *memory,
+                         const iso_groups_memory *last, iso_groups *groups, iso_error *error) {
+    const iso_point_cells *cells = &memory->cells;
     const size_t blocks = cells->start[ISO_CELL_LEVELS * ISO_CELL_PARITIES];
+    memory->group = iso_alloc(cells->point_count);
+    memory->tallies = iso_alloc_zero(blocks, sizeof *memory->tallies);
+    memory->limit = opts->limit ? opts->limit : ISO_GROUPS_MOST;
+    memory->ignore_opposite = opts->ignore_opposite;
+    memory->by_number = opts->by_number;
     colouring c = {.view = view,
                    .cells = cells,
-                   .group = iso_alloc(cells->point_count),
-                   .tallies = iso_alloc_zero(blocks, sizeof(tally)),
+                   .group = memory->group,
+                   .tallies = memory->tallies,
                    .blocks = cells->blocks.data,
-                   .limit = opts->limit ? opts->limit : ISO_GROUPS_MOST,
-                   .ignore_opposite = opts->ignore_opposite,
-                   .by_number = opts->by_number};
-    *groups = (iso_groups){.group = iso_alloc_zero(array_length(view), 1)};
-    const bool enough = c.group && c.tallies && groups->group;
+                   .limit = memory->limit,
+                   .ignore_opposite = memory->ignore_opposite,
+                   .by_number = memory->by_number,
+                   .altered = iso_alloc(blocks)};
+    c.last = is_comparable(last, &c) ? last : NULL;
+    groups->group = iso_alloc_zero(array_length(view), 1);
+    const bool enough = c.group && c.tallies && c.altered && groups->group;
     if (enough) {
-        memset(c.group, NO_GROUP, cells->point_count);
         colour_all(&c, opts->pool);
         collect(&c, groups);
     }
-    iso_free(c.group);
-    iso_free(c.tallies);
-    if (enough) return ISO_OK;
+    iso_free(c.altered);
+    return enough ? ISO_OK : iso_fail(error, ISO_ERR_NOMEM, "out of memory for groups of points");
+}
+
+static void free_memory(iso_groups_memory *memory) {
+    if (!memory) return;
+    iso_point_cells_free(&memory->cells);
+    iso_free(memory->group);
+    iso_free(memory->tallies);
+    iso_free(memory);
+}
+
+iso_status iso_groups_update(const iso_point_view *view, const iso_groups_opts *opts, iso_groups *groups,
+                             iso_error *error) {
+    const double disc = opts->disc > 0 ? opts->disc : 1, overlap = opts->overlap > 0 ? opts->overlap : 1;
+    iso_groups updated = {.memory = iso_alloc_zero(1, sizeof *updated.memory)};
+    iso_status status = updated.memory
+                            ? iso_point_cells_make(&updated.memory->cells, view, disc * overlap, error)
+                            : iso_fail(error, ISO_ERR_NOMEM, "out of memory for groups of points");
+    if (status == ISO_OK) status = colour(view, opts, updated.memory, groups->memory, &updated, error);
     iso_groups_free(groups);
-    return iso_fail(error, ISO_ERR_NOMEM, "out of memory for groups of points");
+    *groups = updated;
+    if (status != ISO_OK) iso_groups_free(groups);
+    return status;
 }
 
 iso_status iso_groups_make(const iso_point_view *view, const iso_groups_opts *opts, iso_groups *groups,
                            iso_error *error) {
-    const double disc = opts->disc > 0 ? opts->disc : 1, overlap = opts->overlap > 0 ? opts->overlap : 1;
-    iso_point_cells cells = {0};
-    iso_status status = iso_point_cells_make(&cells, view, disc * overlap, error);
-    if (status == ISO_OK) status = colour(&cells, view, opts, groups, error);
-    iso_point_cells_free(&cells);
+    *groups = (iso_groups){0};
+    const iso_status status = iso_groups_update(view, opts, groups, error);
+    free_memory(groups->memory);
+    groups->memory = NULL;
     return status;
+}
+
+size_t iso_groups_memory_bytes(const iso_groups *groups) {
+    if (!groups->memory) return 0;
+    const iso_point_cells *cells = &groups->memory->cells;
+    return sizeof *groups->memory + cells->points.bytes + cells->cells.bytes + cells->blocks.bytes +
+           cells->table.bytes + cells->point_count +
+           cells->start[ISO_CELL_LEVELS * ISO_CELL_PARITIES] * sizeof(tally);
 }
 
 void iso_groups_free(iso_groups *groups) {
     iso_free(groups->group);
+    free_memory(groups->memory);
     *groups = (iso_groups){0};
 }

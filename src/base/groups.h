@@ -13,7 +13,8 @@
  *
  * The result depends on the points and their order only, not on threads: blocks of cells of one parity are
  * coloured in parallel (base/point_cells.h), in 8 passes. A change of points can change groups within 8
- * blocks of them only. */
+ * blocks of them only; iso_groups_update colours only blocks that a change reaches, with the same result as
+ * colouring everything anew. */
 #ifndef ISO_BASE_GROUPS_H
 #define ISO_BASE_GROUPS_H
 
@@ -40,18 +41,33 @@ typedef struct iso_groups_opts {
     iso_pool *pool; /* or NULL */
 } iso_groups_opts;
 
+/* What iso_groups_update remembers from one call to the next: about 30 bytes a point. */
+typedef struct iso_groups_memory iso_groups_memory;
+
 /* The groups of a view's points. Zero-initialise; free with iso_groups_free. */
 typedef struct iso_groups {
-    uint8_t *group;   /* one per item of the view's arrays; 0 for points that are left out */
-    int count;        /* 1 + the largest group; 0 without points */
-    size_t conflicts; /* joined pairs of points that are in one group */
-    size_t joined;    /* joined pairs: the mean degree is 2 joined / points */
+    uint8_t *group;            /* one per item of the view's arrays; 0 for points that are left out */
+    int count;                 /* 1 + the largest group; 0 without points */
+    size_t conflicts;          /* joined pairs of points that are in one group */
+    size_t joined;             /* joined pairs: the mean degree is 2 joined / points */
+    size_t computed;           /* points whose group the last call computed; the others kept theirs */
+    iso_groups_memory *memory; /* of iso_groups_update; NULL after iso_groups_make */
 } iso_groups;
 
 /* Divides the points of a view into groups. Points whose position is not finite, or whose radius is not
  * above 0, are left out. ISO_ERR_NOMEM; ISO_ERR_LIMIT: 2^32 - 1 points or more. */
 iso_status iso_groups_make(const iso_point_view *view, const iso_groups_opts *opts, iso_groups *groups,
                            iso_error *error);
+/* Brings groups up to date after points were changed, added or removed; zero-initialised groups are made. The
+ * result is that of iso_groups_make for the same view. The points are sorted into cells again; a block of
+ * cells is coloured again only if points in or around it have changed, or if groups around it have changed
+ * that are assigned before its own. All points are coloured again if the options differ from those of the
+ * last call, with ignore_opposite, or if the surface has grown so much that the cells are laid out anew.
+ * Errors as iso_groups_make; the groups are then freed. */
+iso_status iso_groups_update(const iso_point_view *view, const iso_groups_opts *opts, iso_groups *groups,
+                             iso_error *error);
+/* Bytes of what iso_groups_update remembers. */
+size_t iso_groups_memory_bytes(const iso_groups *groups);
 void iso_groups_free(iso_groups *groups);
 
 #ifdef __cplusplus

@@ -309,13 +309,30 @@ int iso_point_cells_level(const iso_point_cells *cells, uint32_t cell) {
     return (int)(((const iso_point_cell *)cells->cells.data)[cell].key >> LEVEL_BIT);
 }
 
-/* Returns the block with this key; NULL: no point is in it. */
-static const iso_cell_block *find_block(const iso_point_cells *cells, uint64_t key) {
+const iso_cell_block *iso_point_cells_block(const iso_point_cells *cells, uint64_t key) {
     const iso_cell_block *blocks = cells->blocks.data;
     const uint32_t *table = cells->table.data;
     for (size_t slot = slot_of(cells, key); table[slot]; slot = (slot + 1) & cells->table_mask)
         if (blocks[table[slot] - 1].key == key) return &blocks[table[slot] - 1];
     return NULL;
+}
+
+int iso_point_cells_block_level(uint64_t key) {
+    return (int)(key >> (LEVEL_BIT - CELL_BITS));
+}
+
+int iso_point_cells_blocks_around(uint64_t key, int level, uint64_t keys[ISO_CELL_BLOCKS_AROUND]) {
+    /* A cell's neighbours are at most one cell of `level` away from it, hence at most one block. */
+    const int finer = iso_point_cells_block_level(key) - level, last = (1 << BLOCK_BITS) - 1;
+    int at[3], count = 0;
+    for (int k = 0; k < 3; k++) at[k] = (int)(key >> (k * BLOCK_BITS) & (uint64_t)last) >> finer;
+    for (int i = 0; i < ISO_CELL_BLOCKS_AROUND; i++) {
+        const int x = at[0] + i % 3 - 1, y = at[1] + i / 3 % 3 - 1, z = at[2] + i / 9 - 1;
+        if (x < 0 || y < 0 || z < 0 || x > last || y > last || z > last) continue;
+        keys[count++] = (uint64_t)level << (LEVEL_BIT - CELL_BITS) | (uint64_t)z << 2 * BLOCK_BITS |
+                        (uint64_t)y << BLOCK_BITS | (uint64_t)x;
+    }
+    return count;
 }
 
 /* The blocks around a cell. There are 8 of them at most, one for each parity. */
@@ -328,7 +345,7 @@ static const iso_cell_block *find_again(const iso_point_cells *cells, found_bloc
     const int parity = parity_of(key);
     if (found->key[parity] != key) {
         found->key[parity] = key;
-        found->block[parity] = find_block(cells, key);
+        found->block[parity] = iso_point_cells_block(cells, key);
     }
     return found->block[parity];
 }

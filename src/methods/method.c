@@ -47,16 +47,14 @@ static iso_status update_caster(iso_subject *subject, iso_error *error) {
     return iso_raycaster_create(subject->grid, subject->isovalue, subject->pool, &subject->caster, error);
 }
 
-/* Groups the points again, because groups do not follow edits. */
 static iso_status update_groups(iso_subject *subject, iso_error *error) {
     const uint64_t now = iso_change_log_now(iso_grid_log(subject->grid));
     if (subject->groups.group && subject->groups_edit == now) return ISO_OK;
     if (!subject->points) ISO_TRY(update_points(subject, error));
-    iso_groups_free(&subject->groups);
     subject->groups_edit = now;
     const iso_point_view view = iso_point_set_view(subject->points);
     const iso_groups_opts opts = iso_splats_grouping(subject->pool);
-    return iso_groups_make(&view, &opts, &subject->groups, error);
+    return iso_groups_update(&view, &opts, &subject->groups, error);
 }
 
 iso_status iso_subject_update(iso_subject *subject, iso_part part, iso_error *error) {
@@ -142,7 +140,8 @@ iso_part_size iso_subject_size(const iso_subject *subject, iso_part part) {
     }
     if (part == ISO_PART_GROUPS && subject->groups.group) {
         iso_point_view view = iso_point_set_view(subject->points);
-        return (iso_part_size){(size_t)subject->groups.count, iso_point_view_count(&view)};
+        return (iso_part_size){(size_t)subject->groups.count,
+                               iso_point_view_count(&view) + iso_groups_memory_bytes(&subject->groups)};
     }
     if (part == ISO_PART_CELLS && subject->exact) {
         iso_exact_totals totals = iso_exact_stats(subject->exact);

@@ -4,6 +4,7 @@
 #include "base/groups.h"
 #include "base/memory.h"
 #include "base/point_cells.h"
+#include "extract_support.h"
 #include "scene_support.h"
 
 enum { MOST = 6000 };
@@ -188,6 +189,131 @@ static void test_threads(void **state) {
     iso_groups_free(&one);
 }
 
+/* Updates groups, fails the test unless they are those of coloring everything, and returns how many points
+ * were colored again. */
+static size_t follow(iso_groups *groups, const iso_point_view *view, const iso_groups_opts *opts) {
+    iso_error error;
+    test_ok(iso_groups_update(view, opts, groups, &error), &error);
+    iso_groups whole = make_groups(view, opts);
+    for (size_t s = 0; s < view->span_count; s++)
+        assert_memory_equal(groups->group + view->spans[s].first, whole.group + view->spans[s].first,
+                            view->spans[s].count);
+    assert_int_equal(groups->count, whole.count);
+    assert_int_equal(groups->joined, whole.joined);
+    assert_int_equal(groups->conflicts, whole.conflicts);
+    const size_t computed = groups->computed;
+    assert_true(computed <= whole.computed);
+    iso_groups_free(&whole);
+    return computed;
+}
+
+/* Changes a few points of a cloud near a random place: moves them, changes their radii, moves them to other
+ * indices, removes one or adds one. */
+static void edit_cloud(cloud *c, uint32_t *seed) {
+    const uint32_t center = (uint32_t)(uniform(seed) * c->span.count);
+    const double chance = uniform(seed);
+    const iso_surfel at = c->surfels[center];
+    for (uint32_t i = 0; i < c->span.count; i++) {
+        double square = 0;
+        for (int k = 0; k < 3; k++)
+            square += pow((double)c->surfels[i].position[k] - (double)at.position[k], 2);
+        if (square > 9) continue;
+        if (chance < 0.4) c->surfels[i].position[i % 3] += 0.3f;
+        if (chance > 0.3 && chance < 0.6) c->radii[i] *= 1.2f;
+    }
+    const uint32_t last = c->span.count - 1;
+    if (chance >= 0.6 && chance < 0.8) {
+        c->surfels[center] = c->surfels[last];
+        c->radii[center] = c->radii[last];
+        c->span.count = last;
+    } else if (chance >= 0.8 && c->span.count < MOST) {
+        c->surfels[c->span.count] = at;
+        c->radii[c->span.count] = 1;
+        c->surfels[c->span.count++].position[0] += 0.5f;
+    }
+}
+
+static void test_updates(void **state) {
+    (void)state;
+    static cloud c;
+    iso_pool *pool;
+    assert_int_equal(iso_pool_create(3, &pool, NULL), ISO_OK);
+    const double spreads[] = {1, 1, 3, 40}, sides[] = {120, 90, 150, 300};
+    for (uint32_t k = 0; k < 4; k++) {
+        uint32_t seed = 41 + k;
+        const iso_groups_opts opts = {
+            .disc = 1.35, .limit = k % 2 ? 8 : 0, .by_number = k == 3, .pool = k % 2 ? pool : NULL};
+        iso_groups groups = {0};
+        size_t computed = 0;
+        make_cloud(&c, MOST - 10, sides[k], spreads[k], 37 + k);
+        assert_int_equal(follow(&groups, &c.view, &opts), c.span.count);
+        assert_int_equal(follow(&groups, &c.view, &opts), 0);
+        for (int edit = 0; edit < 60; edit++) {
+            edit_cloud(&c, &seed);
+            computed += follow(&groups, &c.view, &opts);
+        }
+        print_message("spread %g: an edit colors %.0f of %u points again\n", spreads[k], computed / 60.0,
+                      c.span.count);
+        assert_true(computed > 60);
+        if (k == 0) assert_true(computed < 60 * c.span.count / 2);
+        iso_groups_free(&groups);
+    }
+    iso_pool_destroy(pool);
+}
+
+/* Other options, a surface that grows by far, and no points at all: everything is colored again. */
+static void test_updates_of_everything(void **state) {
+    (void)state;
+    static cloud c;
+    make_cloud(&c, 3000, 60, 2, 43);
+    iso_groups groups = {0};
+    follow(&groups, &c.view, &(iso_groups_opts){0});
+    assert_int_equal(follow(&groups, &c.view, &(iso_groups_opts){.limit = 5}), 3000);
+    assert_int_equal(follow(&groups, &c.view, &(iso_groups_opts){.limit = 5, .by_number = true}), 3000);
+    assert_true(follow(&groups, &c.view, &(iso_groups_opts){.disc = 1.1, .limit = 5}) > 2900);
+    const iso_groups_opts opposite = {.ignore_opposite = true};
+    follow(&groups, &c.view, &opposite);
+    for (int i = 0; i < 3000; i += 7)
+        for (int k = 0; k < 3; k++) c.surfels[i].normal[k] *= -1;
+    follow(&groups, &c.view, &opposite);
+    follow(&groups, &c.view, &(iso_groups_opts){0});
+    c.surfels[17].position[1] = -500;
+    follow(&groups, &c.view, &(iso_groups_opts){0});
+    c.surfels[17].position[1] = NAN;
+    follow(&groups, &c.view, &(iso_groups_opts){0});
+    c.span.count = 0;
+    assert_int_equal(follow(&groups, &c.view, &(iso_groups_opts){0}), 0);
+    c.span.count = 100;
+    assert_int_equal(follow(&groups, &c.view, &(iso_groups_opts){0}), 99);
+    iso_groups_free(&groups);
+}
+
+/* Random strokes on the grids of scenes: the points of other bricks keep their groups. */
+static void test_updates_of_a_grid(void **state) {
+    (void)state;
+    test_random random = {47};
+    for (int dense = 0; dense < 2; dense++) {
+        iso_grid grid = test_ball_grid(100, iso_vec3_make(50, 50, 50), 40, dense);
+        const iso_points_opts of_points = {.curvature = true};
+        iso_point_set *set = test_point_set(&grid, &of_points);
+        iso_groups groups = {0};
+        size_t computed = 0, all = 0;
+        for (int edit = 0; edit < 40; edit++) {
+            if (edit) test_random_edit(&grid, &random);
+            assert_int_equal(iso_point_set_update(set, NULL), ISO_OK);
+            const iso_point_view view = iso_point_set_view(set);
+            const size_t again = follow(&groups, &view, &(iso_groups_opts){.disc = 1.35, .limit = 8});
+            computed += edit ? again : 0;
+            all += edit ? iso_point_view_count(&view) : 0;
+        }
+        print_message("%.1f %% of the points are colored again\n", 100.0 * (double)computed / (double)all);
+        assert_true(computed > 0 && computed < all / 4);
+        iso_groups_free(&groups);
+        iso_point_set_destroy(set);
+        iso_grid_destroy(&grid);
+    }
+}
+
 /* A changed point changes groups around it only: within 8 blocks of 8 cells, each two radii wide. */
 static void test_locality(void **state) {
     (void)state;
@@ -269,10 +395,17 @@ static void test_outliers(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_no_conflict),     cmocka_unit_test(test_no_conflict_in_a_scene),
-        cmocka_unit_test(test_limits),          cmocka_unit_test(test_opposite_normals),
-        cmocka_unit_test(test_threads),         cmocka_unit_test(test_locality),
-        cmocka_unit_test(test_unusable_points), cmocka_unit_test(test_outliers),
+        cmocka_unit_test(test_no_conflict),
+        cmocka_unit_test(test_no_conflict_in_a_scene),
+        cmocka_unit_test(test_limits),
+        cmocka_unit_test(test_opposite_normals),
+        cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_locality),
+        cmocka_unit_test(test_unusable_points),
+        cmocka_unit_test(test_outliers),
+        cmocka_unit_test(test_updates),
+        cmocka_unit_test(test_updates_of_everything),
+        cmocka_unit_test(test_updates_of_a_grid),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
