@@ -29,6 +29,7 @@ static const iso_method methods[METHODS] = {ISO_METHOD_EXACT,  ISO_METHOD_POINTS
 static const char *method_names[METHODS + 1]; /* filled by isorender_program */
 static const char *const reconstructions[] = {"refined", "box", "gaussian", "groups", NULL};
 static const char *const transparencies[] = {"sorted", "groups", "nearest", NULL};
+static const char *const group_radii[] = {"coverage", "root", NULL};
 static const char *const directions[] = {"front", "back", "left", "right", "top", "bottom", "iso", NULL};
 static const char *const scalings[] = {"exact", "attenuated", NULL};
 static const char *const fits[] = {"box", "tight", NULL};
@@ -337,6 +338,11 @@ static const iso_option options[] = {
     {"group-overlap", NULL, "C",
      "discs of splats conflict when their distance is below C times the sum of their radii", .group = PICTURE,
      .standard = "1", REAL(group_overlap, 0.01, 1)},
+    {"group-radii", NULL, "NAME",
+     "how much larger the discs of a group are with --transparency groups and nearest, so that the group "
+     "covers the surface by itself: coverage (until they cover nearly the area of all discs, three times at "
+     "most: eq. 7 to 9 of the paper) or root (by the square root of half the number of groups)",
+     .group = PICTURE, .standard = "coverage", CHOICE(group_radii, group_radii)},
     {"group-bins", NULL, "N",
      "bins of depth in which splats are compared (eq. 6 of the paper) instead of by their own depths",
      .group = PICTURE, INT(group_bins, 1, 1 << 20)},

@@ -30,6 +30,12 @@ typedef enum isorender_opacity_mode {
     ISORENDER_OPACITY_CONSTANT
 } isorender_opacity_mode;
 
+/* How the discs of a group are enlarged so that the group covers the surface. */
+typedef enum isorender_group_radii {
+    ISORENDER_GROUP_RADII_COVERAGE,
+    ISORENDER_GROUP_RADII_ROOT
+} isorender_group_radii;
+
 /* Which normals the points of a file get: those that it has, or estimated ones. */
 typedef enum isorender_normals { ISORENDER_NORMALS_FILE, ISORENDER_NORMALS_AUTO } isorender_normals;
 
@@ -79,6 +85,7 @@ typedef struct isorender_settings {
     /* Of splats: iso_groups_opts, and iso_splats_opts.bins. 0: not given. */
     int groups, group_bins, group_opposite;
     double group_overlap;
+    int group_radii;  /* isorender_group_radii */
     int transparency; /* iso_transparency, of splats */
     const char *backend;
     int scaling; /* iso_point_scaling */

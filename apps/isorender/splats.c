@@ -1,5 +1,6 @@
 /* Splats: checks their options, divides points into groups, and reports the groups. */
 #include "apps/isorender/isorender.h"
+#include "base/coverage.h"
 
 /* The option of splats that is given, NULL: none. */
 static const char *given_option(const isorender_settings *settings) {
@@ -7,6 +8,7 @@ static const char *given_option(const isorender_settings *settings) {
            : settings->group_overlap > 0 ? "--group-overlap"
            : settings->group_bins        ? "--group-bins"
            : settings->group_opposite    ? "--group-opposite"
+           : settings->group_radii       ? "--group-radii"
                                          : NULL;
 }
 
@@ -15,6 +17,8 @@ static iso_status check_transparency(const isorender_settings *settings, iso_err
     const bool sorted = settings->transparency == (int)ISO_TRANSPARENCY_SORTED;
     if (!sorted && !(settings->method == ISO_METHOD_SPLATS && isorender_is_translucent(settings)))
         return iso_fail(error, ISO_ERR_USAGE, "--transparency is for --method splats with --opacity below 1");
+    if (sorted && settings->group_radii)
+        return iso_fail(error, ISO_ERR_USAGE, "--group-radii is for --transparency groups and nearest");
     if (!sorted && settings->layers)
         return iso_fail(error, ISO_ERR_USAGE, "--layers needs --transparency sorted");
     if (settings->method == ISO_METHOD_SPLATS && settings->absorption_length > 0)
@@ -49,11 +53,19 @@ iso_status isorender_groups_make(isorender_job *job, int surface, iso_error *err
     opts.overlap = settings->group_overlap;
     opts.ignore_opposite = settings->group_opposite;
     ISO_TRY(iso_groups_make(&points, &opts, groups, error));
+    if (!sorted && settings->group_radii == ISORENDER_GROUP_RADII_COVERAGE)
+        ISO_TRY(iso_groups_cover(&points, opts.disc, job->pool, groups, error));
     const double count = (double)iso_point_view_count(&points);
     isorender_log_verbose(job, "%d groups: %.2f overlapping discs a disc, %.4f of them in its group",
                           groups->count, 2 * (double)groups->joined / count,
                           2 * (double)groups->conflicts / count);
     return ISO_OK;
+}
+
+static void report_widening(iso_json *json, const iso_groups *groups) {
+    double widening[ISO_GROUPS_MOST];
+    for (int k = 0; k < groups->count; k++) widening[k] = (double)groups->widening[k];
+    iso_json_reals(json, "radius_factors", widening, groups->count);
 }
 
 void isorender_report_groups(iso_json *json, const isorender_job *job) {
@@ -65,6 +77,7 @@ void isorender_report_groups(iso_json *json, const isorender_job *job) {
         iso_json_integer(json, "count", (uint64_t)groups->count);
         iso_json_integer(json, "overlaps", groups->joined);
         iso_json_integer(json, "conflicts", groups->conflicts);
+        if (groups->widening[0] > 0) report_widening(json, groups);
         iso_json_end_object(json);
     }
     iso_json_end_array(json);

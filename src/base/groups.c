@@ -15,7 +15,6 @@
 enum {
     NO_GROUP = ISO_GROUPS_MOST,
     COUNTS,
-    RANGES = ISO_CELL_ROWS * ISO_CELL_LEVELS,
     /* The largest number of neighbours of a point that are examined. It is much larger than the number of
      * groups; only where very many discs lie on top of each other are there more neighbours. */
     LOOKED_AT = 4096
@@ -51,17 +50,9 @@ typedef struct colouring {
 
 /* The points in the cells around a cell: of its own level and of all coarser levels. */
 typedef struct surroundings {
-    iso_cell_range range[RANGES];
+    iso_cell_range range[ISO_CELL_RANGES];
     int count;
 } surroundings;
-
-static void look_around(const colouring *c, uint32_t cell, surroundings *around) {
-    const int own = iso_point_cells_level(c->cells, cell);
-    around->count = 0;
-    for (int level = 0; level <= own; level++)
-        if (c->cells->levels >> level & 1)
-            around->count += iso_point_cells_around(c->cells, cell, level, around->range + around->count);
-}
 
 static bool are_opposite(const iso_point_view *view, uint32_t a, uint32_t b) {
     const iso_affine affine = iso_transform_affine(&view->transform);
@@ -142,7 +133,7 @@ static void colour_cell(const colouring *c, uint32_t cell, tally *t) {
     const iso_point_cell *first = (const iso_point_cell *)c->cells->cells.data + cell;
     const iso_cell_point *points = c->cells->points.data;
     surroundings around;
-    look_around(c, cell, &around);
+    around.count = iso_point_cells_all_around(c->cells, cell, around.range, NULL);
     for (uint32_t i = first[0].first; i < first[1].first; i++) {
         uint32_t conflicts[COUNTS] = {0};
         uint32_t left = LOOKED_AT;
@@ -286,8 +277,7 @@ static void collect(const colouring *c, iso_groups *groups) {
     for (size_t i = 0; i < c->cells->point_count; i++) groups->group[points[i].index] = c->group[i];
 }
 
-/* The length of the view's arrays. */
-static size_t array_length(const iso_point_view *view) {
+size_t iso_groups_length(const iso_point_view *view) {
     size_t length = 0;
     for (size_t s = 0; s < view->span_count; s++) {
         const size_t end = view->spans[s].first + view->spans[s].count;
@@ -323,7 +313,7 @@ static iso_status colour(const iso_point_view *view, const iso_groups_opts *opts
                    .by_number = memory->by_number,
                    .altered = iso_alloc(blocks)};
     c.last = is_comparable(last, &c) ? last : NULL;
-    groups->group = iso_alloc_zero(array_length(view), 1);
+    groups->group = iso_alloc_zero(iso_groups_length(view), 1);
     const bool enough = c.group && c.tallies && c.altered && groups->group;
     if (enough) {
         colour_all(&c, opts->pool);

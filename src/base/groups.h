@@ -46,14 +46,19 @@ typedef struct iso_groups_memory iso_groups_memory;
 
 /* The groups of a view's points. Zero-initialise; free with iso_groups_free. */
 typedef struct iso_groups {
-    uint8_t *group;            /* one per item of the view's arrays; 0 for points that are left out */
-    int count;                 /* 1 + the largest group; 0 without points */
-    size_t conflicts;          /* joined pairs of points that are in one group */
-    size_t joined;             /* joined pairs: the mean degree is 2 joined / points */
-    size_t computed;           /* points whose group the last call computed; the others kept theirs */
+    uint8_t *group;   /* one per item of the view's arrays; 0 for points that are left out */
+    int count;        /* 1 + the largest group; 0 without points */
+    size_t conflicts; /* joined pairs of points that are in one group */
+    size_t joined;    /* joined pairs: the mean degree is 2 joined / points */
+    size_t computed;  /* points whose group the last call computed; the others kept theirs */
+    /* Factors of radii with which each group covers the surface by itself (base/coverage.h); 0: not
+     * computed. */
+    float widening[ISO_GROUPS_MOST];
     iso_groups_memory *memory; /* of iso_groups_update; NULL after iso_groups_make */
 } iso_groups;
 
+/* The length of a view's arrays. */
+size_t iso_groups_length(const iso_point_view *view);
 /* Divides the points of a view into groups. Points whose position is not finite, or whose radius is not
  * above 0, are left out. ISO_ERR_NOMEM; ISO_ERR_LIMIT: 2^32 - 1 points or more. */
 iso_status iso_groups_make(const iso_point_view *view, const iso_groups_opts *opts, iso_groups *groups,

@@ -392,3 +392,14 @@ int iso_point_cells_around(const iso_point_cells *cells, uint32_t cell, int leve
             }
     return count;
 }
+
+int iso_point_cells_all_around(const iso_point_cells *cells, uint32_t cell,
+                               iso_cell_range ranges[ISO_CELL_RANGES], int *coarser) {
+    const int own = iso_point_cells_level(cells, cell);
+    int count = 0;
+    for (int level = 0; level <= own; level++) {
+        if (coarser && level == own) *coarser = count;
+        if (cells->levels >> level & 1) count += iso_point_cells_around(cells, cell, level, ranges + count);
+    }
+    return count;
+}

@@ -19,7 +19,13 @@
 #include "base/memory.h"
 #include "base/primitives.h"
 
-enum { ISO_CELL_LEVELS = 20, ISO_CELL_PARITIES = 8, ISO_CELL_ROWS = 18, ISO_CELL_BLOCKS_AROUND = 27 };
+enum {
+    ISO_CELL_LEVELS = 20,
+    ISO_CELL_PARITIES = 8,
+    ISO_CELL_ROWS = 18,
+    ISO_CELL_BLOCKS_AROUND = 27,
+    ISO_CELL_RANGES = ISO_CELL_ROWS * ISO_CELL_LEVELS
+};
 
 typedef struct iso_cell_point {
     float position[3]; /* mm, relative to the cells' anchor */
@@ -70,13 +76,17 @@ void iso_point_cells_free(iso_point_cells *cells);
  * `cell`, which is of the same or of a finer level; returns how many ranges there are. */
 int iso_point_cells_around(const iso_point_cells *cells, uint32_t cell, int level,
                            iso_cell_range ranges[ISO_CELL_ROWS]);
+/* Sets `ranges` as iso_point_cells_around does for all levels up to the cell's own, one after the other;
+ * `coarser`: receives how many of the ranges are of coarser levels than the cell; may be NULL. */
+int iso_point_cells_all_around(const iso_point_cells *cells, uint32_t cell,
+                               iso_cell_range ranges[ISO_CELL_RANGES], int *coarser);
 /* The level of cell number `cell`. */
 int iso_point_cells_level(const iso_point_cells *cells, uint32_t cell);
 
 /* The block with this key; NULL: it has no points. */
 const iso_cell_block *iso_point_cells_block(const iso_point_cells *cells, uint64_t key);
-/* Sets `keys` to those blocks of `level`, with points or not, whose cells iso_point_cells_around can return for
- * a cell of block `key`, which is of the same or of a finer level; returns how many keys there are. */
+/* Sets `keys` to those blocks of `level`, with points or not, whose cells iso_point_cells_around can return
+ * for a cell of block `key`, which is of the same or of a finer level; returns how many keys there are. */
 int iso_point_cells_blocks_around(uint64_t key, int level, uint64_t keys[ISO_CELL_BLOCKS_AROUND]);
 /* The level of the block with this key. */
 int iso_point_cells_block_level(uint64_t key);

@@ -8,6 +8,7 @@
 
 #include <math.h>
 
+#include "base/coverage.h"
 #include "base/memory.h"
 #include "methods/layers.h"
 #include "truth/raycast_layers.h"
@@ -175,7 +176,8 @@ static iso_status create_work(work *w, iso_error *error) {
     const iso_groups_opts grouping = iso_splat_layers_grouping(w->subject->pool);
     w->grouped = *w->subject;
     w->grouped.groups = (iso_groups){0};
-    return iso_groups_make(&points, &grouping, &w->grouped.groups, error);
+    ISO_TRY(iso_groups_make(&points, &grouping, &w->grouped.groups, error));
+    return iso_groups_cover(&points, grouping.disc, w->subject->pool, &w->grouped.groups, error);
 }
 
 static void free_work(work *w) {

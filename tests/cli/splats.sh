@@ -21,14 +21,20 @@ isorender ball.ply usual.png --opacity 0.5 --resolution 400x400 --background 000
 isocompare images sorted.png usual.png --fail-under psnr=100 >/dev/null
 isocompare images sorted.png groups.png --fail-under psnr=30 >/dev/null
 isocompare images sorted.png nearest.png --fail-under psnr=32 >/dev/null
+isorender ball.ply root.png --opacity 0.5 --transparency groups --group-radii root --resolution 400x400 --json=root.json --background 000000 --quiet
+isocompare images sorted.png root.png --fail-under psnr=30 >/dev/null
+! cmp -s groups.png root.png
 python3 - <<'P'
 import json
+covering, root = json.load(open('groups.json'))['groups'][0], json.load(open('root.json'))['groups'][0]
+assert all(1.05 < f < 1.6 for f in covering['radius_factors']) and 'radius_factors' not in root, (covering, root)
 layers = json.load(open('sorted.json'))['image']['layers']
 assert 1.9 < layers['mean'] < 2.1 and layers['most'] < 5, layers
 P
 for wrong in "--groups 4" "--reconstruction groups" "--method splats --groups 65" "--method splats --reconstruction box" \
     "--method splats --group-bins 9 --backend egl" "--method splats --opacity 0.5 --backend egl" "--transparency groups" "--method exact --opacity 0.5 --transparency groups" \
-    "--opacity 0.5 --transparency nearest --layers 1" "--method splats --opacity 0.5 --absorption 3"; do
+    "--opacity 0.5 --transparency nearest --layers 1" "--method splats --opacity 0.5 --absorption 3" \
+    "--method splats --opacity 0.5 --group-radii root" "--method exact --group-radii root"; do
     code=0
     isorender in/ball.mha wrong.png --isovalue 500 $wrong 2>message || code=$?
     [ $code = 2 ] || { echo "exit status $code for $wrong"; exit 1; }

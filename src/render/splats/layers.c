@@ -48,10 +48,16 @@ iso_fragment iso_splat_mean_fragment(const iso_splat_surface *surface, const iso
 
 /* ---- setting up */
 
-/* Returns the factor by which the discs of a group are enlarged so that the group covers the surface (eq. 7
- * to 9). It was chosen by measurement. */
-static float widening(const iso_groups *groups) {
-    return groups->count > 2 ? sqrtf((float)groups->count / 2) : 1;
+/* Sets `radii` to the radii with which each group covers the surface: those of the points, enlarged by the
+ * groups' factors; without factors by the square root of half the number of groups. */
+static void widen(const iso_point_view *points, const iso_groups *groups, float *radii) {
+    const float all = groups->count > 2 ? sqrtf((float)groups->count / 2) : 1;
+    for (size_t s = 0; s < points->span_count; s++)
+        for (size_t i = points->spans[s].first; i < points->spans[s].first + points->spans[s].count; i++) {
+            const float factor = groups->widening[groups->group[i]];
+            radii[i] =
+                (points->radii ? points->radii[i] : (float)points->radius) * (factor > 0 ? factor : all);
+        }
 }
 
 /* Returns the width of the bins of depth: the thickness of a layer (eq. 6 with n = range / epsilon) for the
@@ -88,8 +94,14 @@ static iso_status set_up_surface(const layers_draw *draw, int number, iso_error 
     ISO_TRY(make_discs(draw, &points, ISO_SPLATS_DISC, ISO_DISCS_FRONT_TO_BACK, &s->discs, error));
     if (draw->input->transparency == ISO_TRANSPARENCY_SORTED) return ISO_OK;
     s->bin = bin_width(&points);
-    return make_discs(draw, &points, ISO_SPLATS_DISC * widening(s->input->groups), ISO_DISCS_BACK_TO_FRONT,
-                      &s->wide, error);
+    float *radii = iso_alloc(iso_groups_length(&points) * sizeof *radii);
+    if (!radii) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for drawing layers");
+    widen(&points, s->input->groups, radii);
+    points.radii = radii;
+    const iso_status status =
+        make_discs(draw, &points, ISO_SPLATS_DISC, ISO_DISCS_BACK_TO_FRONT, &s->wide, error);
+    iso_free(radii);
+    return status;
 }
 
 static iso_status set_up(layers_draw *draw, iso_error *error) {

@@ -2,6 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/coverage.h"
 #include "base/memory.h"
 #include "render/gbuffer.h"
 #include "render/picture.h"
@@ -157,10 +158,11 @@ static void free_fixture(fixture *f) {
     test_scene_free(&f->scene);
 }
 
-/* Algorithms 2 and 3 against sorted layers. */
+/* Algorithms 2 and 3 against sorted layers, with both ways to enlarge discs. */
 static void test_algorithms(void **state) {
     (void)state;
     const char *const scenes[] = {"sphere", "gyroid", "head"};
+    double gain[2] = {0, 0};
     for (int k = 0; k < 3; k++)
         for (int a = 3; a < 8; a += 4) {
             fixture f = make_fixture(scenes[k], 48, 300, (float)a / 10);
@@ -173,9 +175,21 @@ static void test_algorithms(void **state) {
             const double groups = psnr(&image[1], &image[0]), nearest = psnr(&image[2], &image[0]);
             printf("%s, opacity 0.%d: groups %.1f dB, nearest %.1f\n", scenes[k], a, groups, nearest);
             assert_true(groups > 27 && nearest > 30);
+            assert_int_equal(
+                iso_groups_cover(&f.scene.points, (double)ISO_SPLATS_DISC, NULL, &f.groups, NULL), ISO_OK);
+            for (int t = 1; t < 3; t++) {
+                const drawing d = {.transparency = (iso_transparency)t, .layers = &f.layer, .count = 1};
+                iso_image covered = drawn(&d, &f.view, NULL);
+                const double better = psnr(&covered, &image[0]);
+                printf("  discs enlarged until groups cover the surface: %.1f dB\n", better);
+                assert_true(better > (t == 1 ? 27 : 30));
+                gain[t - 1] += better - (t == 1 ? groups : nearest);
+                iso_image_free(&covered);
+            }
             for (int t = 0; t < 3; t++) iso_image_free(&image[t]);
             free_fixture(&f);
         }
+    assert_true(gain[0] > 0 && gain[1] > 0);
 }
 
 /* A sphere has two layers at most, but at its silhouette; --layers leaves the first. */
