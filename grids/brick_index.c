@@ -33,7 +33,8 @@ struct iso_brick_index {
     iso_buffer dirty,
         fresh; /* for one update: the bricks to read (uint32_t) and the results (iso_brick_reading) */
     size_t dirty_count;
-    iso_cpu_level level; /* the level of the kernels in the current update or creation */
+    iso_value_counts *counts; /* of all voxels of the grid as it was at `seen`; NULL: not counted */
+    iso_cpu_level level;      /* the level of the kernels in the current update or creation */
 };
 
 static void set_brick(iso_brick_index *index, size_t brick, const iso_brick_reading *reading) {
@@ -49,30 +50,62 @@ static void set_brick(iso_brick_index *index, size_t brick, const iso_brick_read
  * are numbered along y, then z. */
 typedef struct full_read {
     iso_brick_index *index;
-    int most[2], batches; /* the largest batch along x and y; number of bands in a layer */
+    iso_value_counter *counter; /* counts the values, too; NULL: they are not wanted */
+    int most[2], batches;       /* the largest batch along x and y; number of bands in a layer */
 } full_read;
 
-static void read_batch(void *context, size_t number, int worker) {
-    (void)worker;
-    const full_read *read = context;
-    iso_brick_index *index = read->index;
-    const int *bricks = index->bricks, y = (int)(number % (size_t)read->batches) * read->most[1],
-              z = (int)(number / (size_t)read->batches), rows = iso_min_int(read->most[1], bricks[1] - y);
-    iso_brick_reading readings[ISO_BATCH_BRICKS];
-    for (int x = 0; x < bricks[0]; x += read->most[0]) {
-        const int columns = iso_min_int(read->most[0], bricks[0] - x);
-        const iso_brick_batch batch = {{x, y, z}, {columns, rows}};
-        iso_brick_ranges(index->grid, index->level, &batch, readings);
-        for (int row = 0; row < rows; row++) {
-            const size_t first = ((size_t)z * (size_t)bricks[1] + (size_t)(y + row)) * (size_t)bricks[0];
-            for (int i = 0; i < columns; i++)
-                set_brick(index, first + (size_t)(x + i), &readings[row * columns + i]);
-        }
+/* Counts the values of a row of bricks along x which have just been read; that is why they are in the cache.
+ * Neighbouring bricks are counted together, except bricks of one value, for which one increment is enough. */
+static void count_bricks(const full_read *read, int worker, const int first[3], int count,
+                         const iso_brick_reading *readings) {
+    const int *dims = read->index->grid->dims;
+    int lo[3], hi[3];
+    for (int axis = 0; axis < 3; axis++) {
+        lo[axis] = first[axis] * ISO_BRICK;
+        hi[axis] = iso_min_int(lo[axis] + ISO_BRICK, dims[axis]);
+    }
+    for (int next, i = 0; i < count; i = next) {
+        const bool constant = readings[i].range.lo == readings[i].range.hi;
+        for (next = i + 1; next < count && !constant; next++)
+            if (readings[next].range.lo == readings[next].range.hi) break;
+        lo[0] = (first[0] + i) * ISO_BRICK;
+        hi[0] = iso_min_int((first[0] + next) * ISO_BRICK, dims[0]);
+        if (constant)
+            iso_value_counter_add_constant(read->counter, worker, lo, hi);
+        else
+            iso_value_counter_add(read->counter, worker, lo, hi, ISO_BRICK);
     }
 }
 
-static void read_all(iso_brick_index *index, iso_pool *pool) {
-    full_read read = {.index = index};
+/* Reads rows of bricks, with `columns` bricks each. */
+static void read_bricks(const full_read *read, int worker, const int first[3], int columns, int rows) {
+    iso_brick_index *index = read->index;
+    const iso_brick_batch batch = {{first[0], first[1], first[2]}, {columns, rows}};
+    iso_brick_reading readings[ISO_BATCH_BRICKS];
+    iso_brick_ranges(index->grid, index->level, &batch, readings);
+    for (int row = 0; row < rows; row++) {
+        const int at[3] = {first[0], first[1] + row, first[2]};
+        const uint32_t number = iso_brick_index_number(index, at);
+        for (int i = 0; i < columns; i++)
+            set_brick(index, number + (uint32_t)i, &readings[row * columns + i]);
+        if (read->counter) count_bricks(read, worker, at, columns, &readings[row * columns]);
+    }
+}
+
+/* Reads a batch at once; if values are counted, row by row, so that while one row is counted the next one can
+ * be fetched from memory. */
+static void read_batch(void *context, size_t number, int worker) {
+    const full_read *read = context;
+    const int *bricks = read->index->bricks, y = (int)(number % (size_t)read->batches) * read->most[1],
+              z = (int)(number / (size_t)read->batches), end = iso_min_int(y + read->most[1], bricks[1]),
+              rows = read->counter ? 1 : end - y;
+    for (int first[3] = {0, y, z}; first[1] < end; first[1] += rows)
+        for (first[0] = 0; first[0] < bricks[0]; first[0] += read->most[0])
+            read_bricks(read, worker, first, iso_min_int(read->most[0], bricks[0] - first[0]), rows);
+}
+
+static void read_all(iso_brick_index *index, iso_pool *pool, iso_value_counter *counter) {
+    full_read read = {.index = index, .counter = counter};
     iso_brick_batch_max(index->grid, read.most);
     read.batches = (index->bricks[1] - 1) / read.most[1] + 1;
     iso_parallel_for(pool, (size_t)read.batches * (size_t)index->bricks[2], read_batch, &read);
@@ -87,8 +120,18 @@ static iso_status allocate_tables(iso_brick_index *index, iso_error *error) {
     return iso_fail(error, ISO_ERR_NOMEM, "out of memory for an index of %zu bricks", index->total);
 }
 
-iso_status iso_brick_index_create(const iso_rgrid *grid, iso_pool *pool, iso_brick_index **out,
-                                  iso_error *error) {
+/* Reads all bricks; counts the values if they are integers and `count` is set. */
+static iso_status read_and_count(iso_brick_index *index, iso_pool *pool, bool count, iso_error *error) {
+    iso_value_counter *counter = NULL;
+    if (count && index->grid->type != ISO_FLOAT32)
+        ISO_TRY(iso_value_counter_create(index->grid, iso_pool_threads(pool), &counter, error));
+    read_all(index, pool, counter);
+    if (counter) index->counts = iso_value_counter_finish(counter);
+    return ISO_OK;
+}
+
+static iso_status create(const iso_rgrid *grid, iso_pool *pool, bool count, iso_brick_index **out,
+                         iso_error *error) {
     iso_brick_index *index = iso_alloc_zero(1, sizeof *index);
     if (!index) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for an index of bricks");
     index->grid = grid;
@@ -100,10 +143,9 @@ iso_status iso_brick_index_create(const iso_rgrid *grid, iso_pool *pool, iso_bri
     index->seen = iso_change_log_now(grid->log);
     index->level = iso_cpu_best();
     iso_status status = allocate_tables(index, error);
-    if (status == ISO_OK) {
-        read_all(index, pool);
+    if (status == ISO_OK) status = read_and_count(index, pool, count, error);
+    if (status == ISO_OK)
         status = iso_interval_tree_build(&index->tree, index->lo, index->hi, (uint32_t)index->total, error);
-    }
     if (status != ISO_OK) {
         iso_brick_index_destroy(index);
         return status;
@@ -112,8 +154,14 @@ iso_status iso_brick_index_create(const iso_rgrid *grid, iso_pool *pool, iso_bri
     return ISO_OK;
 }
 
+iso_status iso_brick_index_create(const iso_rgrid *grid, iso_pool *pool, iso_brick_index **index,
+                                  iso_error *error) {
+    return create(grid, pool, false, index, error);
+}
+
 void iso_brick_index_destroy(iso_brick_index *index) {
     if (!index) return;
+    iso_free(index->counts);
     iso_free(index->lo);
     iso_free(index->hi);
     iso_free(index->flags);
@@ -194,6 +242,10 @@ iso_status iso_brick_index_update(iso_brick_index *index, iso_pool *pool, iso_er
     ISO_TRY(iso_buffer_reserve(&index->pending, pending * sizeof(uint32_t),
                                index->pending_count * sizeof(uint32_t), error));
     index->dirty_count = 0;
+    if (count > 0) {
+        iso_free(index->counts);
+        index->counts = NULL;
+    }
     for (size_t i = 0; i < count; i++) mark_change(index, &changes[i]);
     index->level = iso_cpu_best();
     iso_parallel_for(pool, index->dirty_count, read_dirty, index);
@@ -209,16 +261,29 @@ bool iso_brick_index_current(const iso_brick_index *index) {
     return index->seen == iso_change_log_now(index->grid->log);
 }
 
-iso_status iso_brick_index_of(iso_rgrid *grid, iso_pool *pool, const iso_brick_index **index,
-                              iso_error *error) {
+static iso_status index_of(iso_rgrid *grid, iso_pool *pool, bool count, const iso_brick_index **index,
+                           iso_error *error) {
     if (grid->index && !iso_brick_index_current(grid->index))
         ISO_TRY(iso_brick_index_update(grid->index, pool, error));
     if (!grid->index) {
-        ISO_TRY(iso_brick_index_create(grid, pool, &grid->index, error));
+        ISO_TRY(create(grid, pool, count, &grid->index, error));
         grid->destroy_index = iso_brick_index_destroy;
     }
     if (index) *index = grid->index;
     return ISO_OK;
+}
+
+iso_status iso_brick_index_of(iso_rgrid *grid, iso_pool *pool, const iso_brick_index **index,
+                              iso_error *error) {
+    return index_of(grid, pool, false, index, error);
+}
+
+iso_status iso_brick_index_with_counts(iso_rgrid *grid, iso_pool *pool, iso_error *error) {
+    return index_of(grid, pool, true, NULL, error);
+}
+
+const iso_value_counts *iso_brick_index_counts(const iso_rgrid *grid) {
+    return grid->index && iso_brick_index_current(grid->index) ? grid->index->counts : NULL;
 }
 
 /* ---- look-ups */
@@ -269,7 +334,8 @@ size_t iso_brick_index_pending(const iso_brick_index *index) {
 }
 
 size_t iso_brick_index_bytes(const iso_brick_index *index) {
-    return sizeof *index + index->total * (2 * sizeof(float) + 1 + sizeof *index->groups) +
+    return sizeof *index + (index->counts ? sizeof *index->counts : 0) +
+           index->total * (2 * sizeof(float) + 1 + sizeof *index->groups) +
            iso_interval_tree_bytes(&index->tree) + index->pending.bytes + index->dirty.bytes +
            index->fresh.bytes;
 }

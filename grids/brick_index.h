@@ -20,6 +20,7 @@
 #include "base/parallel.h"
 #include "grids/brick_range.h"
 #include "grids/rgrid.h"
+#include "grids/value_counts.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -48,6 +49,15 @@ bool iso_brick_index_current(const iso_brick_index *index);
  * ISO_ERR_NOMEM. */
 iso_status iso_brick_index_of(iso_rgrid *grid, iso_pool *pool, const iso_brick_index **index,
                               iso_error *error);
+
+/* As iso_brick_index_of; but if this creates the index and the voxels are integers, it also counts how often
+ * each value occurs, in the same pass over the voxels. For readers of volumes whose histogram will be asked
+ * for: a second pass would take longer, because the voxels come from memory once more. */
+iso_status iso_brick_index_with_counts(iso_rgrid *grid, iso_pool *pool, iso_error *error);
+
+/* Returns the counts that were made with the grid's index, valid until the grid is edited, cropped or
+ * destroyed. NULL: there are none, or the grid was edited since. */
+const iso_value_counts *iso_brick_index_counts(const iso_rgrid *grid);
 
 /* Returns the number of a brick: (z * bricks_y + y) * bricks_x + x. */
 uint32_t iso_brick_index_number(const iso_brick_index *index, const int brick[3]);

@@ -8,6 +8,7 @@
 
 #include "base/numbers.h"
 #include "base/parallel.h"
+#include "grids/brick_index.h"
 
 const int *iso_grid_dims(const iso_grid *grid) {
     return grid->hgrid ? grid->hgrid->dims : grid->rgrid->dims;
@@ -193,26 +194,53 @@ iso_vec3 iso_grid_gradient(const iso_grid *grid, iso_vec3 p) {
 
 typedef struct nonfinite_count {
     const iso_rgrid *grid;
-    atomic_size_t count; /* a sum of integers, which does not depend on the order of slices */
+    const iso_brick_index *index; /* says which bricks have no such voxel; NULL: there is no current one */
+    int bricks[3];
+    atomic_size_t count; /* a sum of integers, which does not depend on the order of bricks */
 } nonfinite_count;
 
-static void count_slice(void *context, size_t z, int worker) {
+/* Counts the voxels that are not finite among lo .. hi - 1. */
+static size_t count_in_box(const iso_rgrid *grid, const int lo[3], const int hi[3]) {
+    size_t count = 0;
+    for (int z = lo[2]; z < hi[2]; z++)
+        for (int y = lo[1]; y < hi[1]; y++) {
+            const float *row = (const float *)grid->data + y * grid->stride_y + (ptrdiff_t)z * grid->stride_z;
+            unsigned found = 0;
+            for (int x = lo[0]; x < hi[0]; x++) found += !isfinite(row[x]);
+            count += found;
+        }
+    return count;
+}
+
+/* Counts in the bricks of a row along x: in those that the index names, or without an index in all of them.
+ */
+static void count_row_of_bricks(void *context, size_t row, int worker) {
     (void)worker;
     nonfinite_count *total = context;
-    const iso_rgrid *grid = total->grid;
+    const iso_brick_index *index = total->index;
+    const int *dims = total->grid->dims, n = total->bricks[0];
+    int brick[3] = {0, (int)(row % (size_t)total->bricks[1]), (int)(row / (size_t)total->bricks[1])};
     size_t count = 0;
-    for (int y = 0; y < grid->dims[1]; y++) {
-        const float *row = (const float *)grid->data + y * grid->stride_y + (ptrdiff_t)z * grid->stride_z;
-        unsigned found = 0;
-        for (int x = 0; x < grid->dims[0]; x++) found += !isfinite(row[x]);
-        count += found;
+    for (int next; brick[0] < n; brick[0] = next) {
+        next = index ? brick[0] + 1 : n;
+        if (index && iso_brick_index_finite(index, iso_brick_index_number(index, brick))) continue;
+        const int end[3] = {next, brick[1] + 1, brick[2] + 1};
+        int lo[3], hi[3];
+        for (int axis = 0; axis < 3; axis++) {
+            lo[axis] = brick[axis] * ISO_BRICK;
+            hi[axis] = iso_min_int(end[axis] * ISO_BRICK, dims[axis]);
+        }
+        count += count_in_box(total->grid, lo, hi);
     }
     atomic_fetch_add_explicit(&total->count, count, memory_order_relaxed);
 }
 
 size_t iso_grid_count_nonfinite(const iso_grid *grid, iso_pool *pool) {
-    if (grid->hgrid || grid->rgrid->type != ISO_FLOAT32) return 0;
-    nonfinite_count total = {.grid = grid->rgrid};
-    iso_parallel_for(pool, (size_t)grid->rgrid->dims[2], count_slice, &total);
+    const iso_rgrid *dense = grid->rgrid;
+    if (grid->hgrid || dense->type != ISO_FLOAT32) return 0;
+    const bool indexed = dense->index && iso_brick_index_current(dense->index);
+    nonfinite_count total = {.grid = dense, .index = indexed ? dense->index : NULL};
+    iso_grid_bricks(grid, total.bricks);
+    iso_parallel_for(pool, (size_t)total.bricks[1] * (size_t)total.bricks[2], count_row_of_bricks, &total);
     return atomic_load(&total.count);
 }

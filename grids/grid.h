@@ -66,8 +66,8 @@ iso_vec3 iso_grid_voxel_gradient(const iso_grid *grid, int x, int y, int z);
  * coordinates (clamped to the grid). */
 iso_vec3 iso_grid_gradient(const iso_grid *grid, iso_vec3 p);
 
-/* Returns the number of voxels that are NaN or infinite (0 for hgrids and integer types). `pool` may be NULL.
- */
+/* Returns the number of voxels that are NaN or infinite (0 for hgrids and integer types). With a current
+ * index, only bricks that have such voxels are read. `pool` may be NULL. */
 size_t iso_grid_count_nonfinite(const iso_grid *grid, struct iso_pool *pool);
 
 #ifdef __cplusplus

@@ -157,6 +157,7 @@ iso_status iso_input_read(const char *path, const iso_input *input, const iso_vo
     iso_volume_opts how = iso_input_volume_opts(input);
     how.files = opts->files;
     how.pool = opts->pool;
+    how.count_values = opts->count_values;
     how.progress = opts->progress;
     how.progress_context = opts->progress_context;
     ISO_TRY(iso_volume_read(path, &how, volume, error));

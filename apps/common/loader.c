@@ -88,6 +88,7 @@ static iso_volume_opts volume_opts(iso_loader *loader) {
     iso_volume_opts opts = iso_input_volume_opts(loader->options);
     opts.files = loader->files;
     opts.pool = loader->pool;
+    opts.count_values = loader->wants_histogram;
     opts.progress = report_reading;
     opts.progress_context = loader;
     return opts;

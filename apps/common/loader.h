@@ -36,6 +36,9 @@ typedef struct iso_loader {
     iso_space space;          /* of points, which do not say theirs */
     int every;                /* keeps every n-th point; 0: all */
     iso_pool *pool;
+    bool
+        wants_histogram; /* iso_loader_histogram will be called: values are counted while the voxels are read,
+                           * which saves most of its time */
     void (*progress)(void *context,
                      double fraction); /* progress of iso_loader_read, 0 .. 1; NULL: not wanted */
     void *progress_context;

@@ -361,8 +361,11 @@ iso_status isocompare_report(const isocompare_settings *settings, iso_pool *pool
     if (!r) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
     r->settings = settings;
     r->pool = pool;
-    r->loader = (iso_loader){
-        .input = settings->volume, .options = &settings->common.input, .files = &r->files, .pool = pool};
+    r->loader = (iso_loader){.input = settings->volume,
+                             .options = &settings->common.input,
+                             .files = &r->files,
+                             .pool = pool,
+                             .wants_histogram = isnan(settings->isovalue)};
     iso_sink sinks[2] = {{0}};
     iso_status status = make_report(r, sinks, error);
     for (int i = 0; i < 2; i++) iso_sink_abort(&sinks[i]);

@@ -100,6 +100,7 @@ iso_status isorender_open(isorender_job *job, iso_error *error) {
                            .space = job->settings->cloud.space,
                            .every = job->settings->cloud.every,
                            .pool = job->pool,
+                           .wants_histogram = job->settings->info || !job->settings->isovalue_count,
                            .progress = report_reading,
                            .progress_context = job};
     if (!job->settings->no_input) ISO_TRY(iso_loader_open(loader, error));

@@ -28,7 +28,8 @@ iso_status isorender_volumes_open(isorender_job *job, iso_error *error) {
         *loader = (iso_loader){.input = settings->volumes[i].path,
                                .options = &job->volume_input,
                                .files = job->plan->files,
-                               .pool = job->pool};
+                               .pool = job->pool,
+                               .wants_histogram = settings->info || isnan(settings->volumes[i].isovalue)};
         ISO_TRY(isorender_volume_named(job, i, open_volume(loader, error), error));
     }
     return ISO_OK;

@@ -183,7 +183,8 @@ static iso_status read_volume(isosculpt_volume *volume, const iso_input *input, 
                               const iso_progress *progress, iso_error *error) {
     const iso_progress summing = iso_progress_part(progress, 0, 0.2);
     iso_progress reading = iso_progress_part(progress, 0.2, 0.9);
-    const iso_volume_opts opts = {.pool = pool, .progress = report_progress, .progress_context = &reading};
+    const iso_volume_opts opts = {
+        .pool = pool, .count_values = true, .progress = report_progress, .progress_context = &reading};
     volume->largest = input->largest;
     volume->min_size = input->min_size;
     ISO_TRY(iso_input_write(input, volume->reading, sizeof volume->reading, error));

@@ -381,7 +381,8 @@ static bool agrees(const iso_volume_info *info, const iso_grid *grid) {
 static iso_status make_index(const char *path, const iso_volume_opts *opts, iso_rgrid *grid,
                              iso_error *error) {
     iso_error detail = {0};
-    iso_status status = iso_brick_index_of(grid, opts->pool, NULL, &detail);
+    iso_status status = opts->count_values ? iso_brick_index_with_counts(grid, opts->pool, &detail)
+                                           : iso_brick_index_of(grid, opts->pool, NULL, &detail);
     return status == ISO_OK ? ISO_OK : iso_fail(error, status, "%s: %s", path, detail.text);
 }
 

@@ -67,6 +67,8 @@ typedef struct iso_volume_opts {
     iso_file_set *files; /* every file that is read, or will be, is added by iso_volume_read_info and
                             iso_volume_read; NULL is fine */
     iso_pool *pool;
+    bool count_values; /* count the values of integers while the index is made: a histogram will be asked for
+                        * (iso_brick_index_with_counts) */
     iso_progress_fn *progress; /* cancels: ISO_ERR_IO */
     void *progress_context;
 } iso_volume_opts;

@@ -9,6 +9,8 @@
 
 #include "base/memory.h"
 #include "extract/isovalue/histogram_kernel.h"
+#include "grids/brick_index.h"
+#include "grids/value_counts.h"
 
 /* ---- walking over the voxels */
 
@@ -89,95 +91,7 @@ static void run_walk(walk *job, iso_pool *pool) {
 
 /* ---- integers: every value has a count of its own */
 
-enum { LEVELS = 1 << 16, TABLES = 2, FOLD_EVERY = 1 << 30 };
-
-/* The counts of one worker, by value. Increments of a counter have to wait for the previous increment of the
- * same counter, and neighbouring voxels are often equal. Therefore voxels are first counted as words of 16
- * bits (single values of 16 bits; pairs of values of 8 bits, which halves the number of increments), and
- * consecutive words go to several tables. */
-typedef struct level_counts {
-    uint64_t all[LEVELS], faces[LEVELS]; /* by value; by value + 32768 for int16 */
-    uint32_t words[TABLES][LEVELS];      /* counts that are not yet added to `all` */
-    size_t word_count;
-} level_counts;
-
-static int level_of(iso_type type, const void *values, size_t i) {
-    switch (type) {
-    case ISO_UINT8:
-        return ((const uint8_t *)values)[i];
-    case ISO_INT16:
-        return ((const int16_t *)values)[i] + LEVELS / 2;
-    default:
-        return ((const uint16_t *)values)[i];
-    }
-}
-
-/* Adds the counts of words to `all`, and sets them to 0. */
-static void fold_words(level_counts *counts, iso_type type) {
-    for (int word = 0; word < LEVELS; word++) {
-        uint64_t count = 0;
-        for (int table = 0; table < TABLES; table++) count += counts->words[table][word];
-        if (type == ISO_UINT8) {
-            counts->all[word & 255] += count;
-            counts->all[word >> 8] += count;
-        } else {
-            counts->all[type == ISO_INT16 ? word ^ LEVELS / 2 : word] += count;
-        }
-    }
-    memset(counts->words, 0, sizeof counts->words);
-    counts->word_count = 0;
-}
-
-static void count_words(uint32_t words[TABLES][LEVELS], const unsigned char *data, size_t count) {
-    const size_t fours = count / 4;
-    for (size_t i = 0; i < fours; i++) {
-        uint64_t four;
-        memcpy(&four, data + 8 * i, sizeof four);
-        words[0][four & 0xffff]++;
-        words[1][four >> 16 & 0xffff]++;
-        words[0][four >> 32 & 0xffff]++;
-        words[1][four >> 48]++;
-    }
-    for (size_t i = 4 * fours; i < count; i++) {
-        uint16_t word;
-        memcpy(&word, data + 2 * i, sizeof word);
-        words[0][word]++;
-    }
-}
-
-static void count_row(level_counts *counts, iso_type type, const void *values, size_t count) {
-    size_t words = type == ISO_UINT8 ? count / 2 : count;
-    count_words(counts->words, values, words);
-    if (type == ISO_UINT8 && count % 2) counts->all[level_of(type, values, count - 1)]++;
-    counts->word_count += words;
-    if (counts->word_count >= FOLD_EVERY) fold_words(counts, type);
-}
-
-static void count_faces(level_counts *counts, iso_type type, const void *values, size_t count, bool in_face) {
-    if (in_face)
-        for (size_t i = 0; i < count; i++) counts->faces[level_of(type, values, i)]++;
-    else
-        for (size_t i = 0; i<count; i += count> 1 ? count - 1 : 1) counts->faces[level_of(type, values, i)]++;
-}
-
-typedef struct level_walk {
-    const iso_rgrid *grid;
-    level_counts *counts; /* one for each worker */
-} level_walk;
-
-static void count_slice(void *context, size_t z, int worker) {
-    const level_walk *levels = context;
-    const iso_rgrid *grid = levels->grid;
-    level_counts *counts = &levels->counts[worker];
-    const size_t row = (size_t)grid->dims[0];
-    const bool end_slice = z == 0 || (int)z == grid->dims[2] - 1;
-    for (int y = 0; y < grid->dims[1]; y++) {
-        const ptrdiff_t first = y * grid->stride_y + (ptrdiff_t)z * grid->stride_z;
-        const char *values = (const char *)grid->data + first * (ptrdiff_t)iso_type_size(grid->type);
-        count_row(counts, grid->type, values, row);
-        count_faces(counts, grid->type, values, row, end_slice || y == 0 || y == grid->dims[1] - 1);
-    }
-}
+enum { LEVELS = ISO_COUNTED_VALUES };
 
 /* The range of levels that a histogram is made from. */
 typedef struct level_range {
@@ -185,12 +99,12 @@ typedef struct level_range {
     int padding; /* the level that is padding; -1: none */
 } level_range;
 
-static void shrink(const level_counts *counts, level_range *range) {
+static void shrink(const iso_value_counts *counts, level_range *range) {
     while (!counts->all[range->first]) range->first++;
     while (!counts->all[range->last]) range->last--;
 }
 
-static level_range range_of_levels(const level_counts *counts) {
+static level_range range_of_levels(const iso_value_counts *counts) {
     level_range range = {.first = 0, .last = LEVELS - 1, .padding = -1};
     shrink(counts, &range);
     uint64_t faces = 0;
@@ -205,7 +119,8 @@ static level_range range_of_levels(const level_counts *counts) {
     return rest.first < rest.last ? rest : range;
 }
 
-static void fill_from_levels(const iso_rgrid *grid, const level_counts *counts, iso_histogram *histogram) {
+static void fill_from_levels(const iso_rgrid *grid, const iso_value_counts *counts,
+                             iso_histogram *histogram) {
     level_range range = range_of_levels(counts);
     int base = grid->type == ISO_INT16 ? LEVELS / 2 : 0;
     int step = (range.last - range.first) / ISO_HISTOGRAM_BINS + 1;
@@ -228,19 +143,11 @@ static void fill_from_levels(const iso_rgrid *grid, const level_counts *counts, 
 
 static iso_status integer_histogram(const iso_grid *grid, iso_pool *pool, iso_histogram *histogram,
                                     iso_error *error) {
-    size_t workers = (size_t)iso_pool_threads(pool);
-    level_counts *counts = iso_alloc_zero(workers, sizeof *counts);
-    if (!counts) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a histogram");
-    level_walk levels = {grid->rgrid, counts};
-    iso_parallel_for(pool, (size_t)grid->rgrid->dims[2], count_slice, &levels);
-    for (size_t w = 0; w < workers; w++) fold_words(&counts[w], grid->rgrid->type);
-    for (size_t w = 1; w < workers; w++)
-        for (int level = 0; level < LEVELS; level++) {
-            counts[0].all[level] += counts[w].all[level];
-            counts[0].faces[level] += counts[w].faces[level];
-        }
-    fill_from_levels(grid->rgrid, counts, histogram);
-    iso_free(counts);
+    const iso_value_counts *known = iso_brick_index_counts(grid->rgrid);
+    iso_value_counts *made = NULL;
+    if (!known) ISO_TRY(iso_value_counts_create(grid->rgrid, pool, &made, error));
+    fill_from_levels(grid->rgrid, known ? known : made, histogram);
+    iso_free(made);
     return ISO_OK;
 }
 
@@ -334,7 +241,7 @@ static void find_padding(void *state, const run *voxels) {
 }
 
 /* The bins of one worker. Consecutive values are counted in different tables, for the reason given at
- * level_counts. */
+ * worker_counts in grids/value_counts.c. */
 enum { BIN_TABLES = 4, BIN_BLOCK = 256 };
 typedef struct bin_counts {
     iso_bin_range range;
@@ -365,8 +272,24 @@ static iso_status walk_with(const iso_grid *grid, iso_pool *pool, run_visitor *v
     return ISO_OK;
 }
 
+/* The range from the index of a dense grid, which has read all voxels already. False: there is no index. */
+static bool range_of_index(const iso_grid *grid, iso_pool *pool, float_range *range) {
+    const iso_brick_index *index = grid->rgrid ? grid->rgrid->index : NULL;
+    if (!index || !iso_brick_index_current(index)) return false;
+    double low, high;
+    iso_brick_index_extremes(index, &low, &high);
+    const int *dims = grid->rgrid->dims;
+    const uint64_t voxels = (uint64_t)dims[0] * (uint64_t)dims[1] * (uint64_t)dims[2];
+    range->low = (float)low;
+    range->high = (float)high;
+    range->nonfinite = iso_grid_count_nonfinite(grid, pool);
+    range->finite = voxels - range->nonfinite;
+    return true;
+}
+
 static iso_status measure_range(const iso_grid *grid, iso_pool *pool, float_range *range, iso_error *error) {
     char *states;
+    if (range_of_index(grid, pool, range)) return ISO_OK;
     ISO_TRY(walk_with(grid, pool, find_range, &no_range, sizeof no_range, &states, error));
     const float_range *found = (const float_range *)states;
     *range = no_range;

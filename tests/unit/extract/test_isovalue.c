@@ -15,6 +15,7 @@
 #include "check_support.h"
 #include "extract/isovalue/isovalue.h"
 #include "extract_support.h"
+#include "grids/brick_index.h"
 
 static const iso_type all_types[] = {ISO_UINT8, ISO_INT16, ISO_UINT16, ISO_FLOAT32};
 
@@ -63,13 +64,24 @@ static void check_bins(const iso_grid *grid, const iso_histogram *h) {
     }
 }
 
-/* The same for several threads and for every instruction set. */
+/* The same when the grid has an index, which has counted integers and knows the range of floats. */
+static void check_indexed(const iso_grid *grid, iso_pool *pool, const iso_histogram *wanted) {
+    iso_grid copy = {0};
+    assert_int_equal(iso_grid_copy(grid, NULL, &copy, NULL), ISO_OK);
+    if (copy.rgrid) assert_int_equal(iso_brick_index_with_counts(copy.rgrid, pool, NULL), ISO_OK);
+    const iso_histogram indexed = histogram_of(&copy, pool);
+    assert_memory_equal(&indexed, wanted, sizeof indexed);
+    iso_grid_destroy(&copy);
+}
+
+/* The same for several threads and for every instruction set, with and without an index. */
 static void check_variants(const iso_grid *grid, iso_pool *pool, const iso_histogram *wanted) {
     for (int level = 0; level < ISO_CPU_LEVELS; level++) {
         iso_cpu_limit((iso_cpu_level)level);
         iso_histogram one = histogram_of(grid, NULL), many = histogram_of(grid, pool);
         assert_memory_equal(&one, wanted, sizeof one);
         assert_memory_equal(&many, wanted, sizeof many);
+        check_indexed(grid, level ? pool : NULL, wanted);
     }
     iso_cpu_limit(ISO_CPU_AVX512);
 }

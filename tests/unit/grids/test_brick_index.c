@@ -450,6 +450,56 @@ static void a_crop_drops_the_index(void **state) {
     iso_rgrid_destroy(grid);
 }
 
+static iso_value_counts *model_counts(const iso_rgrid *grid) {
+    iso_value_counts *counts = calloc(1, sizeof *counts);
+    const int *n = grid->dims;
+    for (int z = 0; z < n[2]; z++)
+        for (int y = 0; y < n[1]; y++)
+            for (int x = 0; x < n[0]; x++) {
+                const int at = (int)iso_rgrid_at(grid, x, y, z) + (grid->type == ISO_INT16 ? 32768 : 0);
+                counts->all[at]++;
+                counts->faces[at] += !x || !y || !z || x == n[0] - 1 || y == n[1] - 1 || z == n[2] - 1;
+            }
+    return counts;
+}
+
+static void values_are_counted_with_the_index(void **state) {
+    (void)state;
+    uint64_t random = 9;
+    iso_pool *pool = NULL;
+    assert_int_equal(iso_pool_create(3, &pool, NULL), ISO_OK);
+    for (int round = 0; round < 48; round++) {
+        iso_rgrid *grid = random_grid(round, &random);
+        assert_null(iso_brick_index_counts(grid));
+        assert_int_equal(iso_brick_index_with_counts(grid, round % 3 ? pool : NULL, NULL), ISO_OK);
+        const iso_value_counts *counts = iso_brick_index_counts(grid);
+        if (grid->type == ISO_FLOAT32) {
+            assert_null(counts);
+        } else {
+            iso_value_counts *model = model_counts(grid), *alone = NULL;
+            assert_memory_equal(counts, model, sizeof *model);
+            assert_int_equal(iso_value_counts_create(grid, pool, &alone, NULL), ISO_OK);
+            assert_memory_equal(alone, model, sizeof *model);
+            iso_free(alone);
+            free(model);
+            iso_brick_index *same = NULL;
+            assert_int_equal(iso_brick_index_create(grid, NULL, &same, NULL), ISO_OK);
+            for (size_t i = 0; i < iso_brick_index_bricks(same); i++) {
+                const iso_brick_range wanted = iso_brick_index_range(same, (uint32_t)i),
+                                      got = iso_brick_index_range(grid->index, (uint32_t)i);
+                assert_true(same_range(&got, &wanted));
+            }
+            iso_brick_index_destroy(same);
+            edit(grid, &random);
+            assert_null(iso_brick_index_counts(grid));
+            assert_int_equal(iso_brick_index_with_counts(grid, pool, NULL), ISO_OK);
+            assert_null(iso_brick_index_counts(grid));
+        }
+        iso_rgrid_destroy(grid);
+    }
+    iso_pool_destroy(pool);
+}
+
 /* iso_grid_brick_may_cross with an index, without one, and with one that lags. */
 static void quick_tests_agree(void **state) {
     (void)state;
@@ -482,6 +532,7 @@ int main(void) {
         cmocka_unit_test(untouched_bricks_are_not_read),
         cmocka_unit_test(queries_cost_what_they_answer),
         cmocka_unit_test(a_crop_drops_the_index),
+        cmocka_unit_test(values_are_counted_with_the_index),
         cmocka_unit_test(quick_tests_agree),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -15,6 +15,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "check_support.h"
+#include "grids/brick_index.h"
 #include "grids/grid.h"
 
 static double fraction(uint64_t *state) {
@@ -399,6 +400,10 @@ static void nonfinite_voxels_are_counted(void **state) {
                 for (int x = 0; x < dims[0]; x++) wanted += !isfinite(model_at(&grid, x, y, z));
         assert_int_equal(iso_grid_count_nonfinite(&grid, pool), wanted);
         assert_int_equal(iso_grid_count_nonfinite(&grid, NULL), wanted);
+        if (grid.rgrid) { /* the index says where to look */
+            assert_int_equal(iso_brick_index_of(grid.rgrid, NULL, NULL, NULL), ISO_OK);
+            assert_int_equal(iso_grid_count_nonfinite(&grid, pool), wanted);
+        }
         total += wanted;
         iso_grid_destroy(&grid);
     }
