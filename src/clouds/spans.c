@@ -2,19 +2,14 @@
 #include "clouds/spans.h"
 
 #include <math.h>
-#include <string.h>
 
-enum { AXIS_BITS = 20, DIGIT_BITS = 11, DIGITS = 1 << DIGIT_BITS };
+#include "base/radix_sort.h"
 
-/* A point to be sorted. */
-typedef struct place {
-    uint64_t brick;
-    uint32_t index;
-} place;
+enum { AXIS_BITS = 20 };
 
 typedef struct sorter {
     iso_span_order *out;
-    place *places, *other;
+    iso_radix_item *places; /* the points, by the numbers of their bricks */
     size_t count;
     int bits[3]; /* of a brick's coordinate along each axis */
 } sorter;
@@ -66,31 +61,12 @@ static void split_brick(const sorter *s, uint64_t number, int32_t brick[3]) {
     }
 }
 
-/* ---- sorting */
-
-/* Sorts by one digit, and keeps the order of places with the same digit. */
-static void sort_digit(sorter *s, int shift) {
-    size_t starts[DIGITS + 1] = {0};
-    for (size_t i = 0; i < s->count; i++) starts[(s->places[i].brick >> shift & (DIGITS - 1)) + 1]++;
-    for (int digit = 0; digit < DIGITS; digit++) starts[digit + 1] += starts[digit];
-    for (size_t i = 0; i < s->count; i++)
-        s->other[starts[s->places[i].brick >> shift & (DIGITS - 1)]++] = s->places[i];
-    place *sorted = s->other;
-    s->other = s->places;
-    s->places = sorted;
-}
-
-static void sort_places(sorter *s) {
-    const int bits = s->bits[0] + s->bits[1] + s->bits[2];
-    for (int shift = 0; shift < bits; shift += DIGIT_BITS) sort_digit(s, shift);
-}
-
 /* ---- spans */
 
 static iso_status list_spans(sorter *s, iso_error *error) {
     iso_span_order *out = s->out;
     for (size_t i = 0; i < s->count; i++)
-        out->span_count += i == 0 || s->places[i].brick != s->places[i - 1].brick;
+        out->span_count += i == 0 || s->places[i].key != s->places[i - 1].key;
     out->order = iso_alloc(s->count * sizeof *out->order);
     out->spans = iso_alloc(out->span_count * sizeof *out->spans);
     if (!out->order || !out->spans)
@@ -98,9 +74,9 @@ static iso_status list_spans(sorter *s, iso_error *error) {
     iso_point_span *span = out->spans - 1;
     for (size_t i = 0; i < s->count; i++) {
         out->order[i] = s->places[i].index;
-        if (i == 0 || s->places[i].brick != s->places[i - 1].brick) {
+        if (i == 0 || s->places[i].key != s->places[i - 1].key) {
             *++span = (iso_point_span){.first = i};
-            split_brick(s, s->places[i].brick, span->brick);
+            split_brick(s, s->places[i].key, span->brick);
         }
         span->count++;
     }
@@ -110,17 +86,19 @@ static iso_status list_spans(sorter *s, iso_error *error) {
 iso_status iso_span_order_make(const float (*positions)[3], size_t count, double voxel, iso_span_order *spans,
                                iso_error *error) {
     iso_span_order made = {0};
-    sorter s = {&made, iso_alloc(count * sizeof(place)), iso_alloc(count * sizeof(place)), count, {0}};
+    iso_radix_item *items = iso_alloc(count * sizeof *items), *spare = iso_alloc(count * sizeof *spare);
+    sorter s = {&made, items, count, {0}};
     iso_status status = ISO_OK;
-    if (!s.places || !s.other) status = iso_fail(error, ISO_ERR_NOMEM, "out of memory for %zu points", count);
+    if (!items || !spare) status = iso_fail(error, ISO_ERR_NOMEM, "out of memory for %zu points", count);
     if (status == ISO_OK && count) {
         choose_bricks(&s, positions, voxel);
-        for (size_t i = 0; i < count; i++) s.places[i] = (place){brick_of(&s, positions[i]), (uint32_t)i};
-        sort_places(&s);
+        for (size_t i = 0; i < count; i++)
+            items[i] = (iso_radix_item){brick_of(&s, positions[i]), (uint32_t)i};
+        s.places = iso_radix_sort(items, spare, count, s.bits[0] + s.bits[1] + s.bits[2]);
         status = list_spans(&s, error);
     }
-    iso_free(s.places);
-    iso_free(s.other);
+    iso_free(items);
+    iso_free(spare);
     if (status == ISO_OK)
         *spans = made;
     else
@@ -132,11 +110,4 @@ void iso_span_order_free(iso_span_order *spans) {
     iso_free(spans->order);
     iso_free(spans->spans);
     *spans = (iso_span_order){0};
-}
-
-void iso_span_position(const iso_span_order *spans, const int32_t brick[3], const float position[3],
-                       float relative[3]) {
-    for (int axis = 0; axis < 3; axis++)
-        relative[axis] = (float)(((double)position[axis] - spans->origin[axis]) / spans->voxel -
-                                 (double)ISO_BRICK * brick[axis]);
 }

@@ -26,8 +26,13 @@ iso_status iso_span_order_make(const float (*positions)[3], size_t count, double
 void iso_span_order_free(iso_span_order *spans);
 
 /* Sets `relative` to a position in voxels relative to its brick. */
-void iso_span_position(const iso_span_order *spans, const int32_t brick[3], const float position[3],
-                       float relative[3]);
+static inline void iso_span_position(const iso_span_order *spans, const int32_t brick[3],
+                                     const float position[3], float relative[3]) {
+    const double voxels = 1 / spans->voxel; /* in a millimetre: exact */
+    for (int axis = 0; axis < 3; axis++)
+        relative[axis] = (float)(((double)position[axis] - spans->origin[axis]) * voxels -
+                                 (double)ISO_BRICK * brick[axis]);
+}
 
 #ifdef __cplusplus
 }
