@@ -28,7 +28,13 @@ double iso_glyphs_usual_radius(const iso_glyphs *glyphs, iso_glyph glyph) {
     return radius > 0 ? radius : 1; /* a single point, of no size */
 }
 
-static bool is_inside(const iso_box *box, iso_vec3 p) {
+iso_vec3 iso_glyph_position(const iso_glyphs *glyphs, size_t index) {
+    const float *p = glyphs->positions[index];
+    return iso_vec3_add(glyphs->origin, iso_vec3_make((double)p[0], (double)p[1], (double)p[2]));
+}
+
+bool iso_glyph_is_inside(const iso_glyphs *glyphs, size_t index, const iso_box *box) {
+    const iso_vec3 p = iso_glyph_position(glyphs, index);
     return p.x >= box->lo.x && p.x <= box->hi.x && p.y >= box->lo.y && p.y <= box->hi.y && p.z >= box->lo.z &&
            p.z <= box->hi.z;
 }
@@ -41,9 +47,7 @@ static void move_item(void *array, size_t bytes, size_t from, size_t to) {
 void iso_glyphs_crop(iso_glyphs *glyphs, const iso_box *box) {
     size_t kept = 0;
     for (size_t i = 0; i < glyphs->count; i++) {
-        const float *p = glyphs->positions[i];
-        const iso_vec3 at = iso_vec3_make((double)p[0], (double)p[1], (double)p[2]);
-        if (!is_inside(box, iso_vec3_add(glyphs->origin, at))) continue;
+        if (!iso_glyph_is_inside(glyphs, i, box)) continue;
         move_item(glyphs->positions, sizeof *glyphs->positions, i, kept);
         move_item(glyphs->radii, sizeof *glyphs->radii, i, kept);
         move_item(glyphs->directions, sizeof *glyphs->directions, i, kept);

@@ -27,8 +27,10 @@ typedef struct iso_glyphs {
     size_t count;
     float *radii;           /* mm, not negative; NULL: the file has none */
     float (*directions)[3]; /* mm, with their lengths; NULL: the file has none */
-    float (*axes)[9];       /* three half axes of an ellipsoid or box, mm, one after the other; NULL: none */
-    uint8_t (*colors)[3];   /* red green blue, display values; NULL: the file has none */
+    bool gaussians;       /* 3-D Gaussians: `axes` are their standard deviations, and the attribute "opacity",
+                               0 .. 1, belongs to them */
+    float (*axes)[9];     /* three half axes of an ellipsoid or box, mm, one after the other; NULL: none */
+    uint8_t (*colors)[3]; /* red green blue, display values; NULL: the file has none */
     iso_attribute *attributes;
     int attribute_count;
 } iso_glyphs;
@@ -36,6 +38,9 @@ typedef struct iso_glyphs {
 void iso_glyphs_free(iso_glyphs *glyphs);
 /* World box of all positions, without sizes; empty when there are none. */
 iso_box iso_glyphs_bounds(const iso_glyphs *glyphs);
+/* The position of a glyph in the world, and whether it lies in a box; the box's faces belong to it. */
+iso_vec3 iso_glyph_position(const iso_glyphs *glyphs, size_t index);
+bool iso_glyph_is_inside(const iso_glyphs *glyphs, size_t index, const iso_box *box);
 /* Removes the glyphs whose positions lie outside a world box; its faces belong to it. */
 void iso_glyphs_crop(iso_glyphs *glyphs, const iso_box *box);
 /* The radius in mm with which glyphs without sizes are drawn: a seventh of their mean distance if they fill

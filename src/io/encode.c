@@ -19,6 +19,13 @@ unsigned char *iso_encode_float(unsigned char *bytes, float value) {
     return iso_encode_uint32(bytes, bits);
 }
 
+unsigned char *iso_encode_double(unsigned char *bytes, double value) {
+    uint64_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    bytes = iso_encode_uint32(bytes, (uint32_t)bits);
+    return iso_encode_uint32(bytes, (uint32_t)(bits >> 32));
+}
+
 unsigned char *iso_encode_vec3(unsigned char *bytes, iso_vec3 v) {
     bytes = iso_encode_float(bytes, (float)v.x);
     bytes = iso_encode_float(bytes, (float)v.y);

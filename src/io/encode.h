@@ -15,6 +15,7 @@ extern "C" {
 /* Store a value at `bytes`, and return the address after it. */
 unsigned char *iso_encode_uint32(unsigned char *bytes, uint32_t value);
 unsigned char *iso_encode_float(unsigned char *bytes, float value);
+unsigned char *iso_encode_double(unsigned char *bytes, double value);
 unsigned char *iso_encode_vec3(unsigned char *bytes, iso_vec3 v); /* as three floats */
 
 /* Writes `prefix`, the text made one line of printable UTF-8 (base/text.h), and a line end; nothing when text

@@ -1,7 +1,8 @@
 /* points_io: writes points as PLY; iso_glyphs_read (io/glyphs/glyphs_read.h) reads them.
  *
  * Binary little-endian PLY with per-vertex float properties x y z nx ny nz radius, world millimetres, normals
- * out of the solid, one comment naming the program; and uchar red green blue where points have colours. */
+ * out of the solid, one comment naming the program; and uchar red green blue where points have colours. x y z
+ * are doubles when the points lie so far from 0 that floats would round their places: map coordinates. */
 #ifndef ISO_IO_POINTS_IO_H
 #define ISO_IO_POINTS_IO_H
 

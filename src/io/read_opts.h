@@ -48,6 +48,10 @@ typedef struct iso_read_opts {
      * means of their faces' normals, weighted with angles; zero at points without a face. False: faces are
      * not read. */
     bool normals_from_faces;
+    /* Files of rows of numbers (.xyz that are no molecules, .pts, .pwn, .asc, .txt, .csv, .npy): the names of
+     * their columns, separated by commas, "-" for one that is not wanted. They take the place of names in the
+     * file. NULL: the file's names, or the values, say what the columns are. */
+    const char *columns;
     iso_file_set *files;     /* every file that is read is added to it; may be NULL */
     iso_read_report *report; /* may be NULL */
 } iso_read_opts;

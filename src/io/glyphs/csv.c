@@ -1,4 +1,5 @@
-/* csv: points in a table: a row of names, which include x y z, and a row for each point. The separator is a
+/* csv: points in a table: a row of names, which include x y z, unless the options name the columns, and a row
+ * for each point. The separator is a
  * comma, semicolon or tab, whichever is most frequent in the first row. Values may be in double quotes. A
  * column whose first value is not a number contains words, which are numbered in order of appearance. */
 #define _POSIX_C_SOURCE 200809L
@@ -8,6 +9,7 @@
 #include <strings.h>
 
 #include "io/glyphs/glyphs_format.h"
+#include "io/glyphs/point_columns.h"
 #include "io/polydata/polydata.h"
 #include "io/rows.h"
 
@@ -123,6 +125,23 @@ static void note_words(csv *c) {
     }
 }
 
+/* Takes the names of the columns from the options or, else, from the first row, and stores in *row the first
+ * row of values, which is the first row itself if it has no names. */
+static iso_status take_names(csv *c, char **row, iso_error *error) {
+    double number;
+    c->separator = separator_of(*row);
+    if (!c->data.reading->opts.columns) {
+        c->columns = split_row(c, *row);
+        *row = iso_rows_next(&c->rows);
+        return iso_polydata_name_columns(&c->data, (const char *const *)c->cells, c->columns, c->slots,
+                                         error);
+    }
+    ISO_TRY(iso_point_columns_given(&c->data, c->slots, &c->columns, error));
+    char *cell = *row, separators[2] = {c->separator, 0};
+    if (!iso_row_number(&cell, separators, &number)) *row = iso_rows_next(&c->rows);
+    return ISO_OK;
+}
+
 static bool is_empty(const char *row) {
     return row[strspn(row, " \t")] == 0;
 }
@@ -132,10 +151,8 @@ static iso_status read_csv(csv *c, iso_glyphs *glyphs, iso_error *error) {
     char *row = iso_rows_next(&c->rows);
     if (!row) return iso_fail(error, ISO_ERR_FORMAT, "%s: the file is empty", c->rows.reading->path);
     if (strncmp(row, "\xef\xbb\xbf", 3) == 0) row += 3; /* a byte order mark */
-    c->separator = separator_of(row);
-    c->columns = split_row(c, row);
-    ISO_TRY(iso_polydata_name_columns(&c->data, (const char *const *)c->cells, c->columns, c->slots, error));
-    for (row = iso_rows_next(&c->rows); row; row = iso_rows_next(&c->rows))
+    ISO_TRY(take_names(c, &row, error));
+    for (; row; row = iso_rows_next(&c->rows))
         if (!is_empty(row)) ISO_TRY(take_row(c, row, error));
     note_words(c);
     return iso_polydata_to_glyphs(&c->data, glyphs, error);

@@ -4,12 +4,15 @@
 
 #include <ctype.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
+#include "base/memory.h"
 #include "base/text.h"
 #include "io/encode.h"
 #include "io/glyphs/glyphs_format.h"
+#include "io/ply.h"
 
 /* The rows of both tables are the same formats. */
 static const iso_format_name names[] = {
@@ -41,6 +44,64 @@ iso_status iso_glyphs_read(const char *path, const iso_read_opts *opts, iso_glyp
     iso_status status = readers[format](&reading, glyphs, error);
     iso_encode_numbers_end(numbers);
     return status;
+}
+
+bool iso_glyphs_have_rows(const char *path) {
+    static const char *const endings[] = {".xyz", ".pts", ".pwn", ".asc", ".txt", ".csv", ".npy"};
+    for (size_t i = 0; i < sizeof endings / sizeof *endings; i++)
+        if (iso_text_has_extension(path, endings[i])) return true;
+    return false;
+}
+
+static bool has_property(const iso_ply *ply, const iso_ply_element *element, const char *name) {
+    for (int i = 0; i < element->property_count; i++)
+        if (strcmp(ply->properties[element->first_property + i].name, name) == 0) return true;
+    return false;
+}
+
+static bool has_gaussians(const iso_ply *ply) {
+    static const char *const wanted[] = {"f_dc_0", "f_dc_1", "f_dc_2", "scale_0", "scale_1", "scale_2",
+                                         "rot_0",  "rot_1",  "rot_2",  "rot_3",   "opacity"};
+    for (int i = 0; i < ply->element_count; i++) {
+        if (strcmp(ply->elements[i].name, "vertex") != 0) continue;
+        for (size_t k = 0; k < sizeof wanted / sizeof *wanted; k++)
+            if (!has_property(ply, &ply->elements[i], wanted[k])) return false;
+        return true;
+    }
+    return false;
+}
+
+bool iso_glyphs_are_gaussians(const char *path) {
+    iso_ply *ply = iso_alloc_zero(1, sizeof *ply);
+    const bool are = ply && iso_ply_open(path, ply, NULL) == ISO_OK && has_gaussians(ply);
+    if (ply) iso_ply_close(ply);
+    iso_free(ply);
+    return are;
+}
+
+/* The number of an attribute such as NumberOfLines="12" in a tag; 0 if it is not there. */
+static double number_in(const char *tag, const char *attribute) {
+    const char *end = strchr(tag, '>'), *at = strstr(tag, attribute);
+    return at && (!end || at < end) ? strtod(at + strlen(attribute), NULL) : 0;
+}
+
+bool iso_glyphs_fill_vtp(const char *path) {
+    enum { HEAD = 1 << 16 };
+    struct stat status;
+    char *head = iso_alloc(HEAD);
+    FILE *file = stat(path, &status) == 0 && S_ISREG(status.st_mode) ? fopen(path, "rb") : NULL;
+    bool points = false, others = false;
+    if (head && file) {
+        head[fread(head, 1, HEAD - 1, file)] = 0;
+        for (const char *tag = strstr(head, "<Piece"); tag; tag = strstr(tag + 1, "<Piece")) {
+            points |= number_in(tag, "NumberOfPoints=\"") > 0;
+            others |= number_in(tag, "NumberOfLines=\"") > 0 || number_in(tag, "NumberOfPolys=\"") > 0 ||
+                      number_in(tag, "NumberOfStrips=\"") > 0;
+        }
+    }
+    if (file) fclose(file);
+    iso_free(head);
+    return points && !others;
 }
 
 /* Whether the text of a .xyz file begins as molecules do: with a row of one whole number. */

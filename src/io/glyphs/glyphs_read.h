@@ -20,7 +20,10 @@
  * opts->normals_from_faces is set.
  *
  * Where numbers have no names, they are decided to be normals, colours or intensities from their values; a
- * note tells (point_columns.h).
+ * note tells (point_columns.h). opts->columns names them instead.
+ *
+ * Files of 3-D Gaussians (.ply with f_dc_0 .. 2, scale_0 .. 2, rot_0 .. 3 and opacity, as 3DGS trainers write
+ * them) are recognised: iso_glyphs.gaussians. Their colours are those without a direction.
  *
  * Atoms have van der Waals radii and colours by element; an ångström is a millimetre of the world. Columns
  * that fill no array of iso_glyphs become attributes; of directions, vx vy vz precede nx ny nz. Other names
@@ -45,6 +48,17 @@ extern "C" {
  * then 0. Errors as iso_lines_read; ISO_ERR_USAGE: no such assembly. Thread-safe for different reports and
  * file sets. */
 iso_status iso_glyphs_read(const char *path, const iso_read_opts *opts, iso_glyphs *glyphs, iso_error *error);
+
+/* Whether a file is a .ply of 3-D Gaussians, judged by the names of its vertices' properties (f_dc_0, scale_0,
+ * rot_0, opacity). False if it cannot be read. */
+bool iso_glyphs_are_gaussians(const char *path);
+
+/* Whether a .vtp file has points, but neither lines nor polygons: it is one of glyphs. False if its first 64 KiB
+ * do not say so. */
+bool iso_glyphs_fill_vtp(const char *path);
+
+/* Whether a file, judged by its name, has rows of numbers, for which iso_read_opts.columns is. */
+bool iso_glyphs_have_rows(const char *path);
 
 /* Whether a file is one of points on surfaces, such as a scan: a .ply by its first bytes, others by their
  * names; .xyz unless it is a molecule. Not .csv, .vtk and .vtp, which more often hold other things. Only

@@ -1,5 +1,5 @@
 /* npy: arrays of NumPy, versions 1 to 3 of the format: N rows of 3 to 10 numbers, in C or Fortran order. What
- * the numbers behind x y z are is decided from their values (point_columns.h). */
+ * the numbers behind x y z are is decided from their values (point_columns.h), unless the options name them. */
 #define _GNU_SOURCE
 #include <errno.h>
 #include <stdlib.h>
@@ -18,7 +18,8 @@ typedef struct npy {
     iso_scalar scalar;
     bool big_endian, fortran;
     uint64_t rows, columns;
-    iso_record_field fields[ISO_POINT_COLUMNS_MOST];
+    iso_slot slots[ISO_POLYDATA_COLUMNS];
+    iso_record_field fields[ISO_POLYDATA_COLUMNS];
 } npy;
 
 static const char *path_of(const npy *n) {
@@ -88,7 +89,8 @@ static iso_status parse_header(npy *n, iso_error *error) {
     if (!order) return fail_header(n, "fortran_order", error);
     n->fortran = strncmp(order, "True", 4) == 0;
     if (!parse_shape(n)) return fail_header(n, "shape of two numbers", error);
-    if (n->columns >= ISO_POINT_COLUMNS_LEAST && n->columns <= ISO_POINT_COLUMNS_MOST) return ISO_OK;
+    const uint64_t most = n->data.reading->opts.columns ? ISO_POLYDATA_COLUMNS : ISO_POINT_COLUMNS_MOST;
+    if (n->columns >= ISO_POINT_COLUMNS_LEAST && n->columns <= most) return ISO_OK;
     return iso_fail(error, ISO_ERR_FORMAT, "%s: %llu numbers in a row are not a point, which is 3 to 10",
                     path_of(n), (unsigned long long)n->columns);
 }
@@ -114,15 +116,25 @@ static iso_status read_header(npy *n, iso_error *error) {
 
 /* ---- numbers */
 
+/* Adds columns for the numbers of a row, with the names that the options give. */
+static iso_status add_columns(npy *n, iso_error *error) {
+    int given;
+    if (!n->data.reading->opts.columns)
+        return iso_point_columns_add(&n->data, (int)n->columns, n->slots, error);
+    ISO_TRY(iso_point_columns_given(&n->data, n->slots, &given, error));
+    if ((uint64_t)given == n->columns) return ISO_OK;
+    return iso_fail(error, ISO_ERR_FORMAT, "%s: its rows have %llu numbers, for which there are %d names",
+                    path_of(n), (unsigned long long)n->columns, given);
+}
+
 static iso_status add_fields(npy *n, iso_error *error) {
     const size_t size = iso_scalar_size(n->scalar), columns = (size_t)n->columns;
-    iso_slot slots[ISO_POINT_COLUMNS_MOST];
     n->data.keep_floats = n->scalar == ISO_SCALAR_FLOAT;
-    ISO_TRY(iso_point_columns_add(&n->data, (int)columns, slots, error));
+    ISO_TRY(add_columns(n, error));
     for (size_t i = 0; i < columns; i++) {
         const size_t before = n->fortran ? i * (size_t)n->rows : i;
         n->fields[i] =
-            iso_record_field_make(slots[i], n->scalar, before * size, n->fortran ? size : columns * size);
+            iso_record_field_make(n->slots[i], n->scalar, before * size, n->fortran ? size : columns * size);
         n->fields[i].big_endian = n->big_endian;
     }
     return ISO_OK;
@@ -155,7 +167,10 @@ static iso_status read_npy(npy *n, iso_glyphs *glyphs, iso_error *error) {
     ISO_TRY(iso_stream_open(path_of(n), &n->in, error));
     ISO_TRY(read_header(n, error));
     ISO_TRY(read_numbers(n, error));
-    ISO_TRY(iso_point_columns_decide(&n->data, false, error));
+    if (n->data.reading->opts.columns)
+        iso_polydata_scale_colors(&n->data, true);
+    else
+        ISO_TRY(iso_point_columns_decide(&n->data, false, error));
     return iso_polydata_to_glyphs(&n->data, glyphs, error);
 }
 

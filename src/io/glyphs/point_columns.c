@@ -18,6 +18,38 @@ iso_status iso_point_columns_add(iso_polydata *data, int count, iso_slot slots[I
     return ISO_OK;
 }
 
+/* Splits `text` at its commas, in place; returns how many names there are, or -1: too many, or an empty one.
+ */
+static int split_names(char *text, const char *names[ISO_POLYDATA_COLUMNS]) {
+    int count = 0;
+    for (char *at = text; at; count++) {
+        char *end = strchr(at, ',');
+        if (end) *end++ = 0;
+        at += strspn(at, " ");
+        if (!*at || count == ISO_POLYDATA_COLUMNS) return -1;
+        names[count] = strcmp(at, "-") == 0 ? NULL : at;
+        at = end;
+    }
+    return count;
+}
+
+iso_status iso_point_columns_given(iso_polydata *data, iso_slot slots[ISO_POLYDATA_COLUMNS], int *count,
+                                   iso_error *error) {
+    const char *given = data->reading->opts.columns;
+    const char *names[ISO_POLYDATA_COLUMNS];
+    const size_t bytes = strlen(given) + 1;
+    char *copy = iso_alloc(bytes);
+    if (!copy) return iso_fail_memory(error, data->reading->path);
+    memcpy(copy, given, bytes);
+    *count = split_names(copy, names);
+    iso_status status = ISO_OK;
+    if (*count < 0 || iso_polydata_name_columns(data, names, *count, slots, error) == ISO_ERR_FORMAT)
+        status =
+            iso_fail(error, ISO_ERR_USAGE, "'%s' are not names of columns, with x y z among them", given);
+    iso_free(copy);
+    return status;
+}
+
 /* ---- what three columns look like */
 
 typedef struct triple {

@@ -16,6 +16,11 @@ enum { ISO_POINT_COLUMNS_LEAST = 3, ISO_POINT_COLUMNS_MOST = 10 };
 iso_status iso_point_columns_add(iso_polydata *data, int count, iso_slot slots[ISO_POINT_COLUMNS_MOST],
                                  iso_error *error);
 
+/* Adds the columns that the reading's options name (iso_read_opts.columns), and stores where the numbers of a
+ * row go and how many there are. ISO_ERR_USAGE: a coordinate or a name is missing, or there are too many. */
+iso_status iso_point_columns_given(iso_polydata *data, iso_slot slots[ISO_POLYDATA_COLUMNS], int *count,
+                                   iso_error *error);
+
 /* Decides what the columns are, when all points have been read, and says so in a note.
  *
  *   4 columns    x y z, intensity

@@ -56,20 +56,23 @@ static iso_status read_names(point_rows *p, char *row, iso_error *error) {
         if (p->columns == ISO_POLYDATA_COLUMNS) return iso_rows_fail(p->rows, "too many names", error);
         names[p->columns++] = word;
     }
-    p->named = true;
     return iso_polydata_name_columns(p->data, names, p->columns, p->slots, error);
 }
 
-/* Finds what the columns are from the first row. If it has names, *row becomes the one behind it. */
+/* Whether a row has names instead of numbers. (nan and inf are numbers.) */
+static bool has_names(point_rows *p, char *row) {
+    return (isalpha((unsigned char)*row) || *row == '"') && !iso_row_number(&row, separators, &p->numbers[0]);
+}
+
+/* Finds what the columns are from the options or the first row. If it has names, *row becomes the one behind
+ * it. */
 static iso_status begin_rows(point_rows *p, char **row, iso_error *error) {
-    if (isalpha((unsigned char)**row) || **row == '"') {
-        char *rest = *row;
-        if (!iso_row_number(&rest, separators, &p->numbers[0])) { /* (nan and inf are numbers) */
-            ISO_TRY(read_names(p, *row, error));
-            *row = iso_point_rows_next(p->rows);
-            return ISO_OK;
-        }
-    }
+    const bool named = has_names(p, *row), given = p->data->reading->opts.columns != NULL;
+    p->named = named || given;
+    if (given) ISO_TRY(iso_point_columns_given(p->data, p->slots, &p->columns, error));
+    if (named && !given) ISO_TRY(read_names(p, *row, error));
+    if (named) *row = iso_point_rows_next(p->rows);
+    if (p->named) return ISO_OK;
     p->columns = parse_row(p, *row, ISO_POINT_COLUMNS_MOST + 1);
     if (p->columns < ISO_POINT_COLUMNS_LEAST || p->columns > ISO_POINT_COLUMNS_MOST)
         return iso_rows_fail(p->rows, "not a point, which is 3 to 10 numbers", error);
@@ -82,7 +85,10 @@ static iso_status begin_rows(point_rows *p, char **row, iso_error *error) {
 static iso_status read_rows(point_rows *p, char *row, uint64_t most, iso_error *error) {
     for (; row; row = iso_point_rows_next(p->rows)) {
         if (parse_row(p, row, p->columns + 1) != p->columns)
-            return iso_rows_fail(p->rows, "not as many numbers as in the first row", error);
+            return iso_rows_fail(p->rows,
+                                 p->named ? "not as many numbers as there are names"
+                                          : "not as many numbers as in the first row",
+                                 error);
         ISO_TRY(iso_polydata_reserve(p->data, p->data->point_count + 1, error));
         iso_polydata_add_row(p->data, p->slots, p->numbers, p->columns);
         if (p->data->point_count == most) break;

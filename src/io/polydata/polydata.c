@@ -90,8 +90,11 @@ iso_status iso_polydata_name_columns(iso_polydata *data, const char *const *name
     ISO_TRY(name_point(data, names, count, slots, error));
     for (size_t g = 0; g < sizeof groups / sizeof *groups; g++)
         ISO_TRY(name_group(data, &groups[g], names, count, slots, error));
+    const bool gaussians = find_name(names, count, "f_dc_0") >= 0;
     for (int i = 0; i < count; i++) {
         if (!names[i] || slots[i].column != ISO_SLOT_SKIP) continue;
+        /* the 9 to 45 further terms of the colours of Gaussians, by direction, are not used */
+        if (gaussians && strncasecmp(names[i], "f_rest_", 7) == 0) continue;
         ISO_TRY(iso_polydata_add_column(data, names[i], 1, false, ISO_ROLE_NONE, &slots[i].column, error));
     }
     return ISO_OK;

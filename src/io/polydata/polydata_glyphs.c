@@ -2,7 +2,8 @@
  *
  * Files of Gaussian splats (Kerbl et al. 2023, "3D Gaussian Splatting for Real-Time Radiance Field
  * Rendering") are recognised by their columns f_dc: their scales are natural logarithms of standard
- * deviations, and the colour is .5 + .28209479 f_dc, the constant term of spherical harmonics. */
+ * deviations, opacities are logits, and the colour is .5 + .28209479 f_dc, the constant term of spherical
+ * harmonics. */
 #include <math.h>
 #include <string.h>
 #include <strings.h>
@@ -106,6 +107,24 @@ static iso_status take_axes(iso_polydata *data, bool ras, iso_glyphs *glyphs, is
     return ISO_OK;
 }
 
+/* ---- Gaussians */
+
+/* Converts opacities from logits to 0 .. 1. */
+static void convert_opacities(iso_column *opacity, size_t count) {
+    float *values = opacity->values.data;
+    const float log2_e = 1.44269504f;
+    for (size_t i = 0; i < count; i++)
+        values[i] = 1 / (1 + iso_exp2(fminf(-values[i] * log2_e, 127))); /* (0 of a NaN) */
+}
+
+/* Whether the points, whose axes have been made, are Gaussians with opacities. */
+static bool take_gaussians(iso_polydata *data) {
+    iso_column *opacity = find_column(data, "opacity", 1);
+    if (!opacity || !find_column(data, "f_dc", 3)) return false;
+    convert_opacities(opacity, data->point_count);
+    return true;
+}
+
 /* ---- roles */
 
 /* Converts the constant terms of the colours of Gaussian splats to display colours. */
@@ -122,6 +141,7 @@ static iso_status take_roles(iso_polydata *data, bool ras, iso_glyphs *glyphs, i
     const int count = data->column_count;
     const size_t points = data->point_count;
     ISO_TRY(take_axes(data, ras, glyphs, error));
+    glyphs->gaussians = glyphs->axes && take_gaussians(data);
     color_splats(data);
     iso_column *colors = iso_column_find(columns, count, ISO_ROLE_COLOR);
     if (colors) ISO_TRY(iso_column_take_colors(data->reading, colors, points, &glyphs->colors, error));
