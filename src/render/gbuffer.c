@@ -48,10 +48,17 @@ iso_status iso_gbuffer_add_elements(iso_gbuffer *gbuffer, iso_error *error) {
     return add_plane(gbuffer, &gbuffer->element, "elements", error);
 }
 
+iso_status iso_gbuffer_add_light(iso_gbuffer *gbuffer, iso_error *error) {
+    if (!gbuffer->light) gbuffer->light = iso_alloc(gbuffer->samples * sizeof *gbuffer->light);
+    if (gbuffer->light) return ISO_OK;
+    return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the light of %zu samples", gbuffer->samples);
+}
+
 void iso_gbuffer_free(iso_gbuffer *gbuffer) {
     iso_free(gbuffer->depth);
     iso_free(gbuffer->color);
     iso_free(gbuffer->element);
+    iso_free(gbuffer->light);
     *gbuffer = (iso_gbuffer){0};
 }
 

@@ -31,6 +31,9 @@ typedef struct iso_gbuffer {
      * number of the first vertex) and triangles of a mesh: iso_draw_shapes and iso_draw_mesh write them.
      * Other renderers leave the plane as it is: what they draw is to be drawn first. */
     uint32_t *element;
+    /* NULL, or the share of light that samples get, 0 .. 1: they are then shaded by it instead of by their
+     * normals (render/shading/eye_dome.h). */
+    float *light;
     size_t samples; /* capacity of the planes */
 } iso_gbuffer;
 
@@ -46,6 +49,8 @@ iso_status iso_gbuffer_create(int width, int height, iso_gbuffer *gbuffer, iso_e
 iso_status iso_gbuffer_add_color(iso_gbuffer *gbuffer, iso_error *error);
 /* Allocates the plane of elements unless it exists; no sample shows one yet. ISO_ERR_NOMEM. */
 iso_status iso_gbuffer_add_elements(iso_gbuffer *gbuffer, iso_error *error);
+/* Allocates the plane of light, uninitialised, unless it exists. ISO_ERR_NOMEM. */
+iso_status iso_gbuffer_add_light(iso_gbuffer *gbuffer, iso_error *error);
 void iso_gbuffer_free(iso_gbuffer *gbuffer);
 /* Sets depth to INFINITY and surface to ISO_SURFACE_NONE everywhere, and removes colours and elements. */
 void iso_gbuffer_clear(iso_gbuffer *gbuffer);

@@ -3,6 +3,8 @@
 
 #include <assert.h>
 
+#include "render/shading/eye_dome.h"
+
 /* Bytes of the gbuffer per sample: depth, normal, surface. */
 enum { SAMPLE_BYTES = 4 * sizeof(float) + 1 };
 static const size_t GBUFFER_BYTES = (size_t)256 << 20;
@@ -51,11 +53,49 @@ static iso_status shade_layers(picture *p, const iso_strip *strip, iso_error *er
     return ISO_OK;
 }
 
+/* The rows of a gbuffer from `first` on. */
+static iso_gbuffer rows_of(const iso_gbuffer *gbuffer, int first, int count) {
+    const size_t skipped = (size_t)first * (size_t)gbuffer->width;
+    iso_gbuffer rows = *gbuffer;
+    rows.height = count;
+    rows.samples -= skipped;
+    rows.depth += skipped;
+    rows.surface += skipped;
+    for (int axis = 0; axis < 3; axis++) rows.normal[axis] += skipped;
+    if (rows.color) rows.color += skipped;
+    if (rows.element) rows.element += skipped;
+    if (rows.light) rows.light += skipped;
+    return rows;
+}
+
+/* Draws pixel rows that are lit by the depths around them, with as many rows above and below as that needs. */
+static iso_status render_lit_rows(picture *p, int y0, int count, iso_error *error) {
+    const iso_picture_opts *opts = p->opts;
+    const int factor = p->factor, first = y0 > ISO_EYE_DOME_REACH ? y0 - ISO_EYE_DOME_REACH : 0,
+              end = y0 + count + ISO_EYE_DOME_REACH < opts->height ? y0 + count + ISO_EYE_DOME_REACH
+                                                                   : opts->height;
+    const iso_view drawn = iso_view_rows(&p->view, first * factor, (end - first) * factor),
+                   view = iso_view_rows(&p->view, y0 * factor, count * factor);
+    const int above = (y0 - first) * factor;
+    ISO_TRY(draw_strip(p, opts->draw, opts->draw_context, &drawn, error));
+    iso_eye_dome_light(&drawn, factor, above, above + count * factor - 1, &p->gbuffer, opts->pool);
+    const iso_gbuffer rows = rows_of(&p->gbuffer, above, count * factor);
+    const iso_strip strip = {&view, &rows, factor, y0};
+    if (opts->aov) iso_strip_measure(&strip, opts->aov, opts->pool);
+    p->covered += iso_shade(&opts->shading, &strip, p->image, opts->pool);
+    return ISO_OK;
+}
+
+static bool is_lit_by_depths(const iso_picture_opts *opts) {
+    return opts->lighting == ISO_LIGHTING_EYE_DOME && !opts->layers;
+}
+
 /* Draws pixel rows y0 .. y0 + count - 1 and adds them to the image and the aov. */
 static iso_status render_rows(picture *p, int y0, int count, iso_error *error) {
     const iso_picture_opts *opts = p->opts;
     const iso_view view = iso_view_rows(&p->view, y0 * p->factor, count * p->factor);
     const iso_strip strip = {&view, &p->gbuffer, p->factor, y0};
+    if (is_lit_by_depths(opts)) return render_lit_rows(p, y0, count, error);
     if (!opts->layers || opts->aov) ISO_TRY(draw_strip(p, opts->draw, opts->draw_context, &view, error));
     if (opts->aov) iso_strip_measure(&strip, opts->aov, opts->pool);
     if (opts->layers) return shade_layers(p, &strip, error);
@@ -79,10 +119,13 @@ iso_status iso_picture_render(const iso_picture_opts *opts, iso_image *image, si
     int rows = strip_rows(opts, factor);
     iso_view pixels = opts->view ? *opts->view : iso_view_make(opts->camera, opts->width, opts->height);
     picture p = {.opts = opts, .view = iso_view_scaled(&pixels, factor), .factor = factor, .image = image};
+    const bool lit = is_lit_by_depths(opts);
+    const int more = lit && rows < opts->height ? 2 * ISO_EYE_DOME_REACH : 0;
     if (needs_gbuffer(opts))
-        ISO_TRY(iso_gbuffer_create(opts->width * factor, rows * factor, &p.gbuffer, error));
-    iso_status status = ISO_OK;
-    if (opts->aov && opts->aov->ids[0]) status = iso_gbuffer_add_elements(&p.gbuffer, error);
+        ISO_TRY(iso_gbuffer_create(opts->width * factor, (rows + more) * factor, &p.gbuffer, error));
+    iso_status status = lit ? iso_gbuffer_add_light(&p.gbuffer, error) : ISO_OK;
+    if (status == ISO_OK && opts->aov && opts->aov->ids[0])
+        status = iso_gbuffer_add_elements(&p.gbuffer, error);
     for (int y0 = 0; y0 < opts->height && status == ISO_OK; y0 += rows)
         status = render_rows(&p, y0, opts->height - y0 < rows ? opts->height - y0 : rows, error);
     iso_gbuffer_free(&p.gbuffer);

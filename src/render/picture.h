@@ -28,12 +28,17 @@ typedef struct iso_picture_layers {
     void *context; /* of both */
 } iso_picture_layers;
 
+/* How opaque surfaces are lit: by their normals (render/shading/shading.h), or by the depths around each sample
+ * (render/shading/eye_dome.h). */
+typedef enum iso_lighting { ISO_LIGHTING_PHONG, ISO_LIGHTING_EYE_DOME } iso_lighting;
+
 typedef struct iso_picture_opts {
     const iso_camera *camera;
     const iso_view *view; /* NULL, or a view of width x height pixels that is used instead of the camera */
     int width, height;
     int samples; /* per pixel: a square number 1, 4, 9 .. 64; 0 means 1 */
     iso_shading shading;
+    iso_lighting lighting; /* not used with `layers` */
     iso_draw_fn *draw;
     void *draw_context;
     const iso_picture_layers

@@ -114,27 +114,46 @@ void iso_layer_totals_add(iso_layer_totals *totals, const iso_layer_totals *more
     if (more->most > totals->most) totals->most = more->most;
 }
 
-void iso_layers_compose(const iso_layer_picture *picture, const iso_layer_lists *lists,
-                        const iso_layer_media *media, int first, iso_layer_composer *composer,
-                        iso_layer_totals *totals) {
+void iso_layers_finish(const iso_layer_picture *picture, int first, int rows, iso_layer_row_fn *compose,
+                       const void *context, iso_layer_composer *composer, iso_layer_totals *totals) {
     const iso_layer_kernel *kernel = iso_layer_kernel_get(iso_cpu_best());
     const iso_strip *strip = picture->strip;
     const int factor = strip->factor, width = picture->image->width;
     const iso_layer_line line = line_at(composer, LINE_SAMPLES), sums = line_at(composer, LINE_SUMS);
     iso_layer_back back = make_back(picture, composer);
-    assert(first % factor == 0 && lists->rows % factor == 0 && lists->width == width * factor);
-    for (int row = 0; row < lists->rows; row++) {
+    assert(first % factor == 0 && rows % factor == 0 && strip->view->width == width * factor);
+    for (int row = 0; row < rows; row++) {
         if (row % factor == 0) memset(sums.color[0], 0, 5 * composer->line_floats * sizeof(float));
-        if (media)
-            iso_layers_absorb(media, lists, row, &line, totals);
-        else
-            kernel->compose(lists, row, &line, totals);
+        compose(context, row, &line, totals);
         back.v = iso_slope_of_row(strip->view, first + row);
         copy_row(strip->gbuffer, first + row, composer, &back);
-        totals->covered += kernel->add_back(&back, lists->width, &line);
+        totals->covered += kernel->add_back(&back, width * factor, &line);
         if (factor > 1) add_line(&line, factor, width, &sums);
         if (factor > 1 && row % factor == factor - 1) scale_line(&sums, width, 1 / (float)(factor * factor));
         if (row % factor == factor - 1)
             write_row(picture, kernel, strip->y0 + (first + row) / factor, factor > 1 ? &sums : &line);
     }
+}
+
+/* Lists of fragments as they are composited. */
+typedef struct listed {
+    const iso_layer_lists *lists;
+    const iso_layer_media *media;
+} listed;
+
+static void compose_listed(const void *context, int row, const iso_layer_line *line,
+                           iso_layer_totals *totals) {
+    const listed *l = context;
+    if (l->media)
+        iso_layers_absorb(l->media, l->lists, row, line, totals);
+    else
+        iso_layer_kernel_get(iso_cpu_best())->compose(l->lists, row, line, totals);
+}
+
+void iso_layers_compose(const iso_layer_picture *picture, const iso_layer_lists *lists,
+                        const iso_layer_media *media, int first, iso_layer_composer *composer,
+                        iso_layer_totals *totals) {
+    const listed l = {lists, media};
+    assert(lists->width == picture->image->width * picture->strip->factor);
+    iso_layers_finish(picture, first, lists->rows, compose_listed, &l, composer, totals);
 }

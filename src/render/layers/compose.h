@@ -60,6 +60,24 @@ typedef struct iso_layer_composer {
 iso_status iso_layer_composer_reserve(iso_layer_composer *composer, int width, int factor, iso_error *error);
 void iso_layer_composer_free(iso_layer_composer *composer);
 
+/* A row of composited samples, as planes of the picture's width in samples with room for ISO_LANES_MAX (16)
+ * more. */
+typedef struct iso_layer_line {
+    float *color[3]; /* sum of the layers' contributions, 0 .. 1 */
+    float *through;  /* share of the light that passes all layers */
+    float *layers;   /* number of layers composited */
+} iso_layer_line;
+
+/* Composites the layers of row `row` of a band into a line, and counts them in *totals. */
+typedef void iso_layer_row_fn(const void *context, int row, const iso_layer_line *line,
+                              iso_layer_totals *totals);
+
+/* Writes a band of `rows` rows of samples into the image, whose layers `compose` composites: adds what is
+ * behind them, and averages samples into pixels. The first row is the strip's row `first`; both numbers are
+ * multiples of strip->factor. Adds to *totals. The bytes are the same for every instruction set. */
+void iso_layers_finish(const iso_layer_picture *picture, int first, int rows, iso_layer_row_fn *compose,
+                       const void *context, iso_layer_composer *composer, iso_layer_totals *totals);
+
 /* Composites a band into the image. The lists' rows are the strip's rows of samples from `first` on, which is
  * a multiple of strip->factor. media: the absorbing solids; NULL: all solids are clear. Adds to *totals. The
  * bytes are the same for every instruction set. */

@@ -5,13 +5,6 @@
 #include "base/cpu.h"
 #include "render/layers/compose.h"
 
-/* A row of composited samples, as planes of the lists' width with room for ISO_LANES_MAX more. */
-typedef struct iso_layer_line {
-    float *color[3]; /* sum of the layers' contributions, 0 .. 1 */
-    float *through;  /* share of the light that passes all layers */
-    float *layers;   /* number of layers composited */
-} iso_layer_line;
-
 /* The opaque surfaces and the background behind the layers of a row. */
 typedef struct iso_layer_back {
     const float *normal[3];    /* of the opaque surfaces, by sample */

@@ -15,6 +15,7 @@ typedef struct sample_row {
     const float *normal[3];
     const uint8_t *surface;
     const uint32_t *color; /* iso_gbuffer.color, or NULL */
+    const float *light;    /* iso_gbuffer.light, or NULL */
     const float *u;        /* the rays are (u, v, 1) */
     float v;
     size_t below; /* offset of the row below, which is prefetched; 0: none */
@@ -27,6 +28,7 @@ static sample_row row_at(const iso_shade_params *params, const float *u, int x, 
     return (sample_row){{g->normal[0] + at, g->normal[1] + at, g->normal[2] + at},
                         g->surface + at,
                         g->color ? g->color + at : NULL,
+                        g->light ? g->light + at : NULL,
                         u,
                         iso_slope_of_row(view, y),
                         y + 1 < g->height ? (size_t)g->width : 0};
@@ -34,7 +36,7 @@ static sample_row row_at(const iso_shade_params *params, const float *u, int x, 
 
 /* Copy of the last samples of a row, when they do not fill a vector; the rest shows no surface. */
 typedef struct last_samples {
-    float normal[3][ISO_LANES_MAX], u[ISO_LANES_MAX];
+    float normal[3][ISO_LANES_MAX], light[ISO_LANES_MAX], u[ISO_LANES_MAX];
     uint8_t surface[ISO_LANES_MAX];
     uint32_t color[ISO_LANES_MAX];
 } last_samples;
@@ -46,10 +48,12 @@ static sample_row copy_last(const sample_row *row, int at, int count, last_sampl
     for (int axis = 0; axis < 3; axis++) memcpy(last->normal[axis], row->normal[axis] + at, floats);
     memcpy(last->u, row->u + at, floats);
     memcpy(last->surface, row->surface + at, (size_t)count);
+    if (row->light) memcpy(last->light, row->light + at, floats);
     if (row->color) memcpy(last->color, row->color + at, (size_t)count * sizeof *last->color);
     return (sample_row){{last->normal[0], last->normal[1], last->normal[2]},
                         last->surface,
                         row->color ? last->color : NULL,
+                        row->light ? last->light : NULL,
                         last->u,
                         row->v,
                         0};
