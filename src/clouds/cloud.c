@@ -2,12 +2,14 @@
 #include "clouds/cloud.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/memory.h"
 #include "clouds/radii.h"
 #include "clouds/spans.h"
+
+/* The radius of a point that repeats another, until finish_radii. */
+#define REPEATED (-1.0f)
 
 enum {
     CHUNK = 1024,
@@ -59,11 +61,26 @@ static void take_normals(maker *m) {
     static const float none[3] = {0};
     for (size_t i = 0; i < m->glyphs->count; i++)
         m->cloud->estimated_normals += !make_unit(given ? m->glyphs->directions[i] : none, m->normals[i]);
+    if (m->opts->without_normals) m->cloud->estimated_normals = 0;
 }
 
-static int compare_floats(const void *left, const void *right) {
-    const float a = *(const float *)left, b = *(const float *)right;
-    return (a > b) - (a < b);
+/* The value that would be the nth if they were sorted. `values` is rearranged (Hoare 1961, "Algorithm 65: Find").
+ */
+static float select_nth(float *values, size_t count, size_t nth) {
+    for (size_t low = 0, high = count - 1; low < high;) {
+        const float pivot = values[low + (high - low) / 2];
+        size_t i = low, j = high;
+        for (;; i++, j--) {
+            while (values[i] < pivot) i++;
+            while (pivot < values[j]) j--;
+            if (i >= j) break;
+            const float moved = values[i];
+            values[i] = values[j];
+            values[j] = moved;
+        }
+        *(nth <= j ? &high : &low) = nth <= j ? j : j + 1;
+    }
+    return values[nth];
 }
 
 /* The median of the values above 0; 0 if there are none. `values` is rearranged. */
@@ -72,8 +89,7 @@ static float median_of(float *values, size_t count) {
     for (size_t i = 0; i < count; i++)
         if (values[i] > 0 && isfinite(values[i])) values[kept++] = values[i];
     if (!kept) return 0;
-    qsort(values, kept, sizeof *values, compare_floats);
-    return values[kept / 2];
+    return select_nth(values, kept, kept / 2);
 }
 
 /* The median of the radii of the cloud; 0 on failure or if there are none. */
@@ -148,13 +164,22 @@ static double largest_estimate(const maker *m) {
     return iso_vec3_length(iso_vec3_sub(box.hi, box.lo)) / LEAST_ACROSS;
 }
 
+/* Whether the point in a slot, and the one before it, coincide with all their neighbours and with each other. */
+static bool repeats(const estimates *e, size_t slot) {
+    if (!slot) return false;
+    const float *p = e->tree.points[slot].position, *before = e->tree.points[slot - 1].position,
+                *last = e->tree.points[e->neighbours[slot][ISO_CLOUD_NEIGHBOURS - 1]].position;
+    return memcmp(p, before, 3 * sizeof *p) == 0 && memcmp(p, last, 3 * sizeof *p) == 0;
+}
+
 static iso_status estimate_radii(maker *m, estimates *e, iso_error *error) {
     const double largest = largest_estimate(m);
     ISO_TRY(iso_radii_estimate(&e->tree, (const iso_neighbour_row *)e->neighbours, e->radii, m->opts->pool,
                                error));
     for (size_t slot = 0; slot < e->tree.count; slot++) {
         const uint32_t i = e->tree.points[slot].index;
-        if (!m->has_radius[i]) m->radii[i] = fminf(e->radii[slot], (float)largest);
+        if (m->has_radius[i]) continue;
+        m->radii[i] = repeats(e, slot) ? REPEATED : fminf(e->radii[slot], (float)largest);
     }
     return ISO_OK;
 }
@@ -171,13 +196,14 @@ static iso_status estimate(maker *m, iso_error *error) {
     return status;
 }
 
-/* Sets the radii that are 0, those of points that all their neighbours coincide with, to the median. */
+/* Sets the radii that are 0, those of points that all their neighbours coincide with, to the median; but one
+ * disc is enough for many points at one place, and the others become too small to take time. */
 static iso_status finish_radii(maker *m, iso_error *error) {
     float median;
     ISO_TRY(median_radius(m, m->radii, &median, error));
     if (!(median > 0)) median = 1;
     for (size_t i = 0; i < m->glyphs->count; i++)
-        if (!(m->radii[i] > 0)) m->radii[i] = median;
+        if (!(m->radii[i] > 0)) m->radii[i] = m->radii[i] == REPEATED ? 1e-6f * median : median;
     m->cloud->radius = (double)median;
     return ISO_OK;
 }
@@ -253,6 +279,22 @@ iso_status iso_cloud_make(const iso_glyphs *glyphs, const iso_cloud_opts *opts, 
     else
         iso_cloud_free(&made);
     return status;
+}
+
+iso_status iso_cloud_spacing(const iso_glyphs *glyphs, iso_pool *pool, double *spacing, iso_error *error) {
+    enum { SAMPLES = 4096 };
+    const size_t step = glyphs->count / SAMPLES + 1;
+    float distances[SAMPLES];
+    size_t count = 0;
+    iso_tree tree = {0};
+    ISO_TRY(iso_tree_make((const float(*)[3])glyphs->positions, glyphs->count, pool, &tree, error));
+    for (size_t slot = 0; slot < tree.count && count < SAMPLES; slot += step) {
+        iso_neighbour nearest;
+        if (iso_tree_nearest(&tree, slot, 1, &nearest)) distances[count++] = sqrtf(nearest.square);
+    }
+    iso_tree_free(&tree);
+    *spacing = count ? (double)select_nth(distances, count, count / 2) : 0;
+    return ISO_OK;
 }
 
 void iso_cloud_free(iso_cloud *cloud) {

@@ -17,6 +17,7 @@ typedef struct iso_cloud_opts {
     double radius;         /* of all points, mm; 0: those of the file, or estimated ones */
     bool estimate_radii;   /* also if the file has radii */
     bool estimate_normals; /* also if the file has normals */
+    bool without_normals;  /* only places are needed: normals that the file lacks stay 0 */
     iso_pool *pool;        /* or NULL */
 } iso_cloud_opts;
 
@@ -34,7 +35,8 @@ typedef struct iso_cloud {
 
 /* Makes a cloud of glyphs, whose directions are taken as normals. A normal that is 0 or not finite is
  * estimated (clouds/normals.h), and so is a radius that is not above 0 and at most 100 times the median
- * (clouds/radii.h), at most a 20th of the bounds' diagonal; points that are all at the same place get 1 mm.
+ * (clouds/radii.h), at most a 20th of the bounds' diagonal; points that are all at the same place get 1 mm. Of more
+ * than a dozen points at one place without radii of their own all but a few get a radius of nearly 0.
  *
  * `glyphs` is borrowed for the call. Takes about 90 bytes for each point if something is estimated, in
  * addition to the cloud's 36. ISO_ERR_EMPTY: there are no points; ISO_ERR_NOMEM; ISO_ERR_LIMIT: 2^31 points
@@ -42,6 +44,11 @@ typedef struct iso_cloud {
 iso_status iso_cloud_make(const iso_glyphs *glyphs, const iso_cloud_opts *opts, iso_cloud *cloud,
                           iso_error *error);
 void iso_cloud_free(iso_cloud *cloud);
+
+/* Sets *spacing to the median distance of points to their nearest neighbours, in mm, of some thousands of
+ * them; 0 if there is one point only, or if most have another at their place. ISO_ERR_NOMEM;
+ * ISO_ERR_LIMIT as iso_cloud_make. */
+iso_status iso_cloud_spacing(const iso_glyphs *glyphs, iso_pool *pool, double *spacing, iso_error *error);
 
 /* A view of the cloud, which it borrows until iso_cloud_free. */
 iso_point_view iso_cloud_view(const iso_cloud *cloud);

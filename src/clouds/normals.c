@@ -15,6 +15,9 @@ enum {
     RELIABILITIES = 32 /* steps in which pairs are ordered, from the most reliable, 0, to the least */
 };
 
+/* The second eigenvalue of points on a line, as a part of the first: what floats leave of it. */
+static const double LINE = 1e-6;
+
 /* A set of points whose signs relative to each other are known is a tree, as in base/disjoint_sets.h; a link
  * to a parent also says whether the normals of both are to have opposite signs. */
 typedef struct sign_link {
@@ -89,7 +92,16 @@ static void covariance_of(const estimate *e, size_t slot, float tensor[6]) {
     for (int k = 0; k < 6; k++) tensor[k] = largest > 0 ? (float)(sums[k] / largest) : 0;
 }
 
-/* Points that coincide with all their neighbours get a normal that faces the default camera. */
+/* The direction that is perpendicular to an axis and as near as possible to one between the default camera and
+ * the isometric one, which sees it from the front. */
+static iso_vec3 across_line(const double axis[3]) {
+    const iso_vec3 line = iso_vec3_make(axis[0], axis[1], axis[2]), eye = {0.25, -0.85, 0.46};
+    const iso_vec3 across = iso_vec3_sub(eye, iso_vec3_scale(line, iso_vec3_dot(eye, line)));
+    return iso_vec3_length(across) > 1e-3 ? iso_vec3_unit(across) : iso_vec3_make(1, 0, 0);
+}
+
+/* Points that coincide with all their neighbours get a normal that faces the default camera, and points on a
+ * line one that it does not see from the edge. */
 static void find_direction(estimate *e, size_t slot) {
     const float *n = e->normals[slot];
     float tensor[6];
@@ -97,10 +109,11 @@ static void find_direction(estimate *e, size_t slot) {
     if (e->given[slot]) return;
     covariance_of(e, slot, tensor);
     const iso_eigen eigen = iso_tensor_eigen(tensor);
-    const bool coincide = eigen.values[0] == 0;
-    static const double to_front[3] = {0, -1, 0};
-    for (int axis = 0; axis < 3; axis++)
-        e->normals[slot][axis] = (float)(coincide ? to_front[axis] : eigen.vectors[2][axis]);
+    const double *n3 = eigen.vectors[2];
+    iso_vec3 normal = iso_vec3_make(n3[0], n3[1], n3[2]);
+    if (eigen.values[1] <= LINE * eigen.values[0]) normal = across_line(eigen.vectors[0]);
+    if (eigen.values[0] == 0) normal = iso_vec3_make(0, -1, 0);
+    set_normal(e, slot, normal);
 }
 
 /* ---- signs */

@@ -1,0 +1,21 @@
+/* frame: the box that a picture of points frames: that of all of them, or, if a few lie far from the others,
+ * that of the others. */
+#ifndef ISO_CLOUDS_FRAME_H
+#define ISO_CLOUDS_FRAME_H
+
+#include "base/glyphs.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Sets *box to the world box of the points but those that lie far from the others, and *outside to how many of
+ * these there are. They are looked for only if the box of all is more than three times as large as that of
+ * the middle 96 % of the coordinates on each axis, and lie farther from it than half its diagonal. There must
+ * be at least one point. ISO_ERR_NOMEM. */
+iso_status iso_cloud_frame(const iso_glyphs *glyphs, iso_box *box, size_t *outside, iso_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
