@@ -9,6 +9,7 @@
 
 #include "apps/common/options.h"
 #include "base/memory.h"
+#include "base/text.h"
 #include "grids/scenes/scenes.h"
 #include "io/glyphs/glyphs_read.h"
 
@@ -94,6 +95,10 @@ static iso_volume_opts volume_opts(iso_loader *loader) {
     return opts;
 }
 
+bool iso_loader_reads_points(const char *path, const char *columns) {
+    return iso_glyphs_are_points(path) || (columns && iso_text_has_extension(path, ".csv"));
+}
+
 void iso_loader_list_files(const char *input, const iso_input *options, iso_file_set *files) {
     iso_volume_info info;
     iso_volume_opts opts = iso_input_volume_opts(options);
@@ -127,7 +132,7 @@ iso_status iso_loader_open(iso_loader *loader, iso_error *error) {
         loader->path = loader->spool.path;
     }
     iso_file_set_read_as(loader->files, loader->path, iso_spool_name(loader->input));
-    loader->has_points = !loader->options->has_raw && iso_glyphs_are_points(loader->path);
+    loader->has_points = !loader->options->has_raw && iso_loader_reads_points(loader->path, loader->columns);
     if (loader->has_points) return check_files(loader, error);
     ISO_TRY(iso_volume_read_info(loader->path, &opts, &loader->volume.info, error));
     ISO_TRY(check_files(loader, error));
@@ -139,6 +144,7 @@ static iso_status read_points(iso_loader *loader, iso_error *error) {
     const iso_read_opts opts = {.max_memory = limit == UINT64_MAX ? 0 : limit,
                                 .space = loader->space,
                                 .every = loader->every,
+                                .columns = loader->columns,
                                 .normals_from_faces = true,
                                 .files = loader->files,
                                 .report = &loader->report};

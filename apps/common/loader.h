@@ -35,6 +35,7 @@ typedef struct iso_loader {
                                  NULL */
     iso_space space;          /* of points, which do not say theirs */
     int every;                /* keeps every n-th point; 0: all */
+    const char *columns;      /* names of the columns of points: iso_read_opts.columns; or NULL */
     iso_pool *pool;
     bool
         wants_histogram; /* iso_loader_histogram will be called: values are counted while the voxels are read,
@@ -81,6 +82,9 @@ void iso_loader_close(iso_loader *loader);
  * because iso_loader_open reports them. For runs with several inputs, in which no output of one input may
  * overwrite another input. */
 void iso_loader_list_files(const char *input, const iso_input *options, iso_file_set *files);
+
+/* Returns whether a file is read as points: iso_glyphs_are_points, and a .csv if `columns` names its columns. */
+bool iso_loader_reads_points(const char *path, const char *columns);
 
 /* Returns whether the input is a scene, judged by its name. */
 bool iso_loader_is_scene(const char *input);

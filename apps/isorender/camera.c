@@ -29,6 +29,34 @@ static iso_box bounds_along(void *context, const iso_vec3 vectors[3]) {
     return box;
 }
 
+/* The box that a picture of points frames: around their middles, but around all of the discs of a few points,
+ * which are large in it. */
+static iso_box frame_of_cloud(const isorender_job *job) {
+    enum { FEW_ACROSS = 20 };
+    iso_box box = job->cloud_frame;
+    const double radius = job->cloud.radius, size = iso_vec3_length(iso_vec3_sub(box.hi, box.lo));
+    const bool chosen = job->settings->radius > 0 && size > 0; /* the user knows how large they are */
+    if (1.01 * FEW_ACROSS * radius < size || chosen) return box;
+    const iso_vec3 more = {radius, radius, radius};
+    return (iso_box){iso_vec3_sub(box.lo, more), iso_vec3_add(box.hi, more)};
+}
+
+/* The box that the camera frames. */
+static iso_box framed_box(const isorender_job *job) {
+    if (!job->loader.has_points) return job->bounds_world;
+    iso_box box = frame_of_cloud(job);
+    for (int i = 1; i < job->surface_count; i++) iso_bounds_add(&box, &job->surfaces[i].bounds);
+    for (int i = 0; i < job->object_count; i++) iso_bounds_add(&box, &job->objects[i].bounds);
+    return box;
+}
+
+static void log_outside(const isorender_job *job) {
+    if (job->outside_frame)
+        isorender_log(
+            job, "note: %zu of %zu points lie far from the others, and are not framed (--fit tight does)",
+            job->outside_frame, job->cloud.count);
+}
+
 static iso_vec3 middle_of(const iso_box *box) {
     return iso_vec3_scale(iso_vec3_add(box->lo, box->hi), 0.5);
 }
@@ -43,7 +71,23 @@ static void frame_surface(isorender_job *job, iso_camera *camera) {
     if (settings->fit == ISORENDER_FIT_TIGHT)
         iso_camera_fit_tight(camera, middle_of(&job->bounds_world), &fit);
     else
-        iso_camera_fit_box(camera, &job->bounds_world, &fit);
+        iso_camera_fit_box(camera, &job->bounds_framed, &fit);
+}
+
+/* Whether points lie in a flat box, as those of landscapes do: its height is at most 0.3 of its sides. */
+static bool is_flat(const isorender_job *job) {
+    const iso_vec3 size = iso_vec3_sub(job->bounds_framed.hi, job->bounds_framed.lo), up = job->settings->up;
+    const double sides[3] = {size.x, size.y, size.z};
+    const int axis = up.x != 0 ? 0 : up.y != 0 ? 1 : 2;
+    return sides[axis] < 0.3 * fmin(sides[(axis + 1) % 3], sides[(axis + 2) % 3]);
+}
+
+/* The direction that --camera names. Without it a flat file of points is not looked at from its edge. */
+static iso_direction direction_of(const isorender_job *job) {
+    const isorender_settings *settings = job->settings;
+    if (settings->direction != ISORENDER_DIRECTION_UNCHOSEN) return (iso_direction)settings->direction;
+    const bool turned = settings->azimuth != 0 || settings->elevation != 0;
+    return job->loader.has_points && !turned && is_flat(job) ? ISO_ISOMETRIC : ISO_FRONT;
 }
 
 /* The camera without --camera-position: the preset, turned, at the distance that shows everything. */
@@ -52,7 +96,7 @@ static iso_camera fitted_camera(isorender_job *job) {
     iso_camera camera = {
         .view_angle = settings->view_angle, .orthographic = settings->orthographic != 0, .parallel_scale = 1};
     iso_vec3 forward;
-    iso_direction_vectors((iso_direction)settings->direction, settings->up, &forward, &camera.view_up);
+    iso_direction_vectors(direction_of(job), settings->up, &forward, &camera.view_up);
     if (is_given(settings->view_up)) camera.view_up = vector(settings->view_up);
     camera.position = iso_vec3_scale(forward, -1);
     iso_camera_orbit(&camera, settings->azimuth, settings->elevation);
@@ -75,6 +119,8 @@ static void place_camera(const isorender_job *job, iso_camera *camera) {
 
 iso_status isorender_camera_make(isorender_job *job, iso_error *error) {
     const isorender_settings *settings = job->settings;
+    job->bounds_framed = framed_box(job);
+    if (!is_given(settings->position) && settings->fit == ISORENDER_FIT_BOX) log_outside(job);
     iso_camera camera = fitted_camera(job);
     if (is_given(settings->position)) place_camera(job, &camera);
     if (settings->zoom != 1) iso_camera_zoom(&camera, settings->zoom);

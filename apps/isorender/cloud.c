@@ -5,6 +5,7 @@
 #include <math.h>
 
 #include "apps/isorender/isorender.h"
+#include "clouds/frame.h"
 #include "methods/bounds.h"
 
 iso_status isorender_cloud_check(const isorender_settings *settings, iso_error *error) {
@@ -57,19 +58,32 @@ static iso_status color(isorender_job *job, iso_error *error) {
     return status;
 }
 
+/* How the cloud is made. That of Gaussians only says where they are, unless it is written by --points. */
+static iso_cloud_opts cloud_opts(const isorender_job *job) {
+    const isorender_settings *settings = job->settings;
+    iso_cloud_opts opts = {.radius = settings->radius > 0 ? settings->radius : 0,
+                           .estimate_radii = settings->radius < 0,
+                           .estimate_normals = settings->normals == ISORENDER_NORMALS_AUTO,
+                           .pool = job->pool};
+    if (!job->gaussians || settings->points) return opts;
+    opts.radius = isorender_gaussians_size(&job->loader.points);
+    opts.without_normals = true;
+    return opts;
+}
+
 iso_status isorender_cloud_read(isorender_job *job, iso_error *error) {
     const isorender_settings *settings = job->settings;
-    const iso_cloud_opts opts = {.radius = settings->radius > 0 ? settings->radius : 0,
-                                 .estimate_radii = settings->radius < 0,
-                                 .estimate_normals = settings->normals == ISORENDER_NORMALS_AUTO,
-                                 .pool = job->pool};
     iso_cloud *cloud = &job->cloud;
     isorender_log_report(job, "", &job->loader.report);
     if (!job->loader.points.count) return iso_fail(error, ISO_ERR_EMPTY, "holds no usable point");
+    if (job->gaussians && !job->loader.points.gaussians)
+        return iso_fail(error, ISO_ERR_FORMAT, "its Gaussians are not one number for each property");
     ISO_TRY(crop(job, error));
     ISO_TRY(color(job, error));
+    const iso_cloud_opts opts = cloud_opts(job);
+    ISO_TRY(iso_cloud_frame(&job->loader.points, &job->cloud_frame, &job->outside_frame, error));
     ISO_TRY(iso_cloud_make(&job->loader.points, &opts, cloud, error));
-    if (!settings->info) iso_glyphs_free(&job->loader.points);
+    if (!settings->info && !job->gaussians) iso_glyphs_free(&job->loader.points);
     const double percent = 100.0 / (double)cloud->count;
     if (cloud->estimated_normals)
         isorender_log_verbose(job, "normals of %.4g %% of the points are estimated from their neighbours",
@@ -94,9 +108,16 @@ void isorender_cloud_info(const isorender_job *job) {
     printf("  %-11s %s\n  %-11s %zu\n", "format", job->loader.report.format, "points", cloud->count);
     printf("  %-11s %.10g %.10g %.10g .. %.10g %.10g %.10g mm\n", "bounds", box.lo.x, box.lo.y, box.lo.z,
            box.hi.x, box.hi.y, box.hi.z);
-    printf("  %-11s %s\n", "normals", origin_of(cloud->estimated_normals, cloud->count));
-    printf("  %-11s %s, median %.4g mm\n", "radii", origin_of(cloud->estimated_radii, cloud->count),
-           cloud->radius);
+    double spacing;
+    if (iso_cloud_spacing(&job->loader.points, job->pool, &spacing, NULL) == ISO_OK)
+        printf("  %-11s %.4g mm between nearest neighbours (median)\n", "spacing", spacing);
+    if (job->gaussians) {
+        isorender_gaussians_info(job);
+    } else {
+        printf("  %-11s %s\n", "normals", origin_of(cloud->estimated_normals, cloud->count));
+        printf("  %-11s %s, median %.4g mm\n", "radii", origin_of(cloud->estimated_radii, cloud->count),
+               cloud->radius);
+    }
     printf("  %-11s %s\n", "colours", cloud->colors ? "of the file" : "none");
     isorender_object columns = {.settings = &job->settings->cloud, .glyphs = job->loader.points};
     isorender_object_info_columns(&columns);

@@ -5,6 +5,7 @@
 
 #include "apps/isorender/isorender.h"
 #include "base/memory.h"
+#include "io/glyphs/glyphs_read.h"
 
 /* ---- checks that need the header ---- */
 
@@ -57,7 +58,7 @@ static const iso_renderer *find_renderer(const isorender_job *job) {
 static void choose_method(isorender_job *job) {
     const iso_method of_points =
         isorender_is_translucent(job->settings) ? ISO_METHOD_SPLATS : ISO_METHOD_PULLPUSH;
-    const iso_method usual = job->loader.has_points ? of_points : ISO_METHOD_EXACT;
+    const iso_method usual = job->loader.has_points && !job->gaussians ? of_points : ISO_METHOD_EXACT;
     job->method =
         job->settings->method == ISORENDER_METHOD_UNCHOSEN ? usual : (iso_method)job->settings->method;
     job->renderer = find_renderer(job);
@@ -92,6 +93,13 @@ static iso_status check_no_input(const isorender_settings *settings, iso_error *
                     option);
 }
 
+static iso_status check_columns(const isorender_job *job, iso_error *error) {
+    if (!job->settings->columns || (job->loader.has_points && iso_glyphs_have_rows(job->loader.path)))
+        return ISO_OK;
+    return iso_fail(error, ISO_ERR_USAGE,
+                    "--columns is for points in rows of numbers: .xyz, .pts, .pwn, .asc, .txt, .csv, .npy");
+}
+
 iso_status isorender_open(isorender_job *job, iso_error *error) {
     iso_loader *loader = &job->loader;
     *loader = (iso_loader){.input = job->plan->input,
@@ -99,6 +107,7 @@ iso_status isorender_open(isorender_job *job, iso_error *error) {
                            .files = job->plan->files,
                            .space = job->settings->cloud.space,
                            .every = job->settings->cloud.every,
+                           .columns = job->settings->columns,
                            .pool = job->pool,
                            .wants_histogram = job->settings->info || !job->settings->isovalue_count,
                            .progress = report_reading,
@@ -106,7 +115,9 @@ iso_status isorender_open(isorender_job *job, iso_error *error) {
     if (!job->settings->no_input) ISO_TRY(iso_loader_open(loader, error));
     ISO_TRY(isorender_volumes_open(job, error));
     job->has_volume = !loader->has_points && !job->settings->no_input;
+    ISO_TRY(isorender_gaussians_choose(job, error));
     choose_method(job);
+    ISO_TRY(check_columns(job, error));
     if (job->settings->no_input) {
         ISO_TRY(check_no_input(job->settings, error));
         return check_picture(job, error);

@@ -20,6 +20,7 @@
 #include "methods/glass.h"
 #include "methods/layers.h"
 #include "render/gl/shapes.h"
+#include "render/picture.h"
 #include "render/pullpush/pullpush.h"
 #include "render/shading/shading.h"
 #include "truth/raycast.h"
@@ -75,8 +76,12 @@ typedef struct isorender_job {
 
     isorender_surface surfaces[ISORENDER_SURFACES]; /* those of the input, then one of each of `volumes` */
     iso_cloud cloud;                                /* of a file of points */
+    bool
+        gaussians; /* the input's points are drawn as 3-D Gaussians; `method` is then for what is beside them */
     isorender_object cloud_colors; /* how it is coloured; its glyphs are those of the loader */
     iso_point_view read_points;    /* of the cloud */
+    iso_box cloud_frame;           /* what a picture of it frames: iso_cloud_frame */
+    size_t outside_frame;          /* points that lie outside of it */
     int surface_count, input_surface_count;
     isorender_object objects[ISORENDER_OBJECTS]; /* their surface numbers follow those of the surfaces */
     int object_count;
@@ -86,6 +91,8 @@ typedef struct isorender_job {
     iso_gl_surface *gl_meshes[ISORENDER_OBJECTS];    /* the same of meshes of files */
     uint64_t point_count, rejected, vertex_count, triangle_count, cell_count; /* of all surfaces */
     iso_box bounds_local, bounds_world;                                       /* mm */
+    iso_box
+        bounds_framed; /* of what the camera frames: bounds_world, but for a few points far from the others */
 
     iso_pullpush *pullpush; /* or NULL */
     iso_camera camera;      /* of the first frame */
@@ -146,6 +153,26 @@ void isorender_cloud_info(const isorender_job *job);
 /* Members of the report. */
 void isorender_cloud_report(iso_json *json, const isorender_job *job);
 
+/* ---- gaussians.c: a file of 3-D Gaussians as the input */
+
+/* Sets job->gaussians. ISO_ERR_USAGE: --method gaussians for another file, or options that Gaussians do not
+ * have. */
+iso_status isorender_gaussians_choose(isorender_job *job, iso_error *error);
+
+/* A frame of Gaussians. All pointers are borrowed. */
+typedef struct isorender_gaussians_picture {
+    isorender_job *job;
+    const iso_shading *shading;
+    isorender_frame *frame; /* its totals of layers are set */
+} isorender_gaussians_picture;
+/* How the frame is drawn: iso_picture_opts.layers. */
+iso_picture_layers isorender_gaussians_callbacks(isorender_gaussians_picture *picture);
+
+/* The median standard deviation of Gaussians, mm; 1 if they have no size. */
+double isorender_gaussians_size(const iso_glyphs *glyphs);
+/* Prints what --info says of them. */
+void isorender_gaussians_info(const isorender_job *job);
+
 /* ---- volumes.c: further volumes, of --volume */
 
 /* As iso_loader_open and iso_loader_read, for all of them. Messages begin with the volume's name. */
@@ -195,6 +222,9 @@ void isorender_report_solid(iso_json *json, const isorender_job *job);
 
 /* ---- picture.c */
 
+/* Draws the surfaces from number `first` on, and all objects, with the cpu engine. */
+iso_status isorender_draw_from(isorender_job *job, int first, const iso_view *view, iso_gbuffer *gbuffer,
+                               iso_error *error);
 /* Renders and writes all frames. ISO_ERR_EMPTY when a frame shows nothing of the surface. */
 iso_status isorender_render(isorender_job *job, iso_error *error);
 uint64_t isorender_picture_bytes(const isorender_job *job); /* main memory that rendering takes */

@@ -4,12 +4,14 @@
 #include <math.h>
 #include <string.h>
 
+#include "apps/common/loader.h"
 #include "apps/isorender/backend.h"
 #include "base/text.h"
 #include "image/image.h"
 #include "io/glyphs/glyphs_read.h"
 #include "methods/glass.h"
 #include "methods/layers.h"
+#include "render/picture.h"
 
 iso_status isorender_settings_add_object(isorender_settings *settings, isorender_object_kind kind,
                                          const char *path, iso_error *error) {
@@ -34,6 +36,8 @@ static bool is_object_name(const char *name, isorender_object_kind *kind) {
     for (size_t i = 0; i < sizeof endings / sizeof *endings; i++)
         if (iso_text_ends_with(name, endings[i].ending)) {
             *kind = endings[i].kind;
+            if (*kind == ISORENDER_LINES && iso_text_ends_with(name, ".vtp") && iso_glyphs_fill_vtp(name))
+                *kind = ISORENDER_GLYPHS;
             return true;
         }
     return false;
@@ -44,7 +48,7 @@ static iso_status take_object(isorender_settings *settings, iso_error *error) {
     isorender_object_options *objects = &settings->object_options;
     isorender_object_kind kind;
     if (settings->no_input || settings->scene || !is_object_name(settings->inputs[0], &kind) ||
-        iso_glyphs_are_points(settings->inputs[0]))
+        iso_loader_reads_points(settings->inputs[0], settings->columns))
         return ISO_OK;
     if (settings->input_count > 1)
         return iso_fail(error, ISO_ERR_USAGE,
@@ -101,7 +105,7 @@ static iso_status take_operands(isorender_settings *settings, const iso_operands
     ISO_TRY(take_object(settings, error));
     settings->object_options.has_cloud = !settings->no_input && !settings->scene &&
                                          !settings->common.input.has_raw &&
-                                         iso_glyphs_are_points(settings->inputs[0]);
+                                         iso_loader_reads_points(settings->inputs[0], settings->columns);
     return ISO_OK;
 }
 
@@ -229,6 +233,29 @@ static iso_status check_translucent(const isorender_settings *settings, iso_erro
                     needs);
 }
 
+/* Eye-dome lighting is of what the depths of a picture show: opaque surfaces. */
+static iso_status check_lighting(const isorender_settings *settings, iso_error *error) {
+    const char *option = settings->ior > 0                           ? "--ior"
+                         : settings->gaussians                       ? "--method gaussians"
+                         : isorender_is_translucent(settings)        ? "--opacity below 1"
+                         : isorender_object_opacity_option(settings) ? "translucent objects"
+                                                                     : NULL;
+    if (settings->lighting == ISO_LIGHTING_PHONG || !option) return ISO_OK;
+    return iso_fail(error, ISO_ERR_USAGE,
+                    "--shading edl shades opaque surfaces: it cannot be combined with %s", option);
+}
+
+/* Gaussians have opacities of their own, and only the cpu engine draws them. */
+static iso_status check_gaussians(const isorender_settings *settings, iso_error *error) {
+    const bool gl = strcmp(settings->backend, "egl") == 0 || strcmp(settings->backend, "osmesa") == 0;
+    const char *option = isorender_is_translucent(settings) ? "translucent surfaces"
+                         : gl                               ? "OpenGL"
+                         : settings->transparency           ? "--transparency"
+                                                            : NULL;
+    if (!settings->gaussians || !option) return ISO_OK;
+    return iso_fail(error, ISO_ERR_USAGE, "--method gaussians cannot be combined with %s", option);
+}
+
 static iso_status check_opacity(const isorender_settings *settings, iso_error *error) {
     const int surfaces = settings->isovalue_count ? settings->isovalue_count : 1;
     ISO_TRY(check_translucent(settings, error));
@@ -308,6 +335,7 @@ iso_status isorender_settings_check(isorender_settings *settings, const iso_oper
     ISO_TRY(iso_input_check(&settings->common.input, error));
     ISO_TRY(isorender_volumes_resolve(&settings->volume_options, settings->volumes, error));
     ISO_TRY(check_camera(settings, error));
+    ISO_TRY(check_gaussians(settings, error));
     ISO_TRY(isorender_splats_check(settings, error));
     ISO_TRY(take_operands(settings, operands, error));
     ISO_TRY(isorender_backend_check(settings, error));
@@ -315,5 +343,6 @@ iso_status isorender_settings_check(isorender_settings *settings, const iso_oper
     ISO_TRY(check_surfaces(settings, error));
     ISO_TRY(check_glass(settings, error));
     ISO_TRY(check_objects(settings, error));
+    ISO_TRY(check_lighting(settings, error));
     return check_opacity(settings, error);
 }

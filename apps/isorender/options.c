@@ -26,11 +26,14 @@ enum { METHODS = 7 };
 static const iso_method methods[METHODS] = {ISO_METHOD_EXACT,  ISO_METHOD_POINTS, ISO_METHOD_PULLPUSH,
                                             ISO_METHOD_SPLATS, ISO_METHOD_MESH,   ISO_METHOD_RAYCAST,
                                             ISO_METHOD_HYBRID};
-static const char *method_names[METHODS + 1]; /* filled by isorender_program */
+/* Files of 3-D Gaussians have a renderer that no isosurface has. */
+enum { METHOD_GAUSSIANS = METHODS };
+static const char *method_names[METHODS + 2]; /* filled by isorender_program */
 static const char *const reconstructions[] = {"refined", "box", "gaussian", "groups", NULL};
 static const char *const transparencies[] = {"sorted", "groups", "nearest", NULL};
 static const char *const group_radii[] = {"coverage", "root", NULL};
 static const char *const directions[] = {"front", "back", "left", "right", "top", "bottom", "iso", NULL};
+static const char *const lightings[] = {"phong", "edl", NULL};
 static const char *const scalings[] = {"exact", "attenuated", NULL};
 static const char *const fits[] = {"box", "tight", NULL};
 static const char *const opacity_modes[] = {"angle", "constant", NULL};
@@ -307,6 +310,13 @@ static const iso_option options[] = {
      "from the nearest neighbours)",
      .group = SURFACE, .standard = "file", CHOICE(normals, normals_names)},
 
+    {"columns", NULL, "NAMES",
+     "what the numbers of a file of points are, if it has no names for them or wrong ones (.xyz, .pts, .pwn, "
+     ".asc, .txt, .csv, .npy): x y z, nx ny nz, red green blue, radius or any name, separated by commas; - "
+     "is "
+     "a number that is not wanted",
+     .group = SURFACE, .standard = "the file's, or found out", TEXT(columns)},
+
 #define SOLID SURFACE
 #include "apps/common/solid_options.inc"
 #undef SOLID
@@ -323,8 +333,10 @@ static const iso_option options[] = {
      "(points, filled in image space: for files of points, and to draw many points on a GPU; --lines are "
      "drawn that way, too: the method of Marroquim et al. 2008, to compare it), points (discs: to see the "
      "samples themselves), splats (points as flat discs: the method of Zhang and Pajarola 2006), raycast "
-     "(rays through the field, slow: to check the others) or hybrid (triangles where the volume's cells are "
-     "larger than 3 pixels, points elsewhere: also of 2008); files of points: pullpush",
+     "(rays through the field, slow: to check the others), hybrid (triangles where the volume's cells are "
+     "larger than 3 pixels, points elsewhere: also of 2008) or gaussians (files of 3-D Gaussians: "
+     "translucent "
+     "ellipsoids, sorted by depth); files of points: pullpush, of 3-D Gaussians: gaussians",
      .group = PICTURE, .standard = "exact", CHOICE(method, method_names)},
     {"reconstruction", NULL, "NAME",
      "how pullpush fills in: refined (second-order discs; flat ones for points that have colours, and for "
@@ -350,6 +362,12 @@ static const iso_option options[] = {
      "discs of splats that face opposite ways may share a group: fewer groups, but the sides of thin things "
      "then hide each other",
      .group = PICTURE, FLAG(group_opposite)},
+    {"shading", NULL, "NAME",
+     "phong (by normals, with two lights) or edl (eye-dome lighting: samples are darker the more the "
+     "surfaces "
+     "around them stand out before them, which needs no normals; for files of points whose normals say "
+     "little)",
+     .group = PICTURE, .standard = "phong", CHOICE(lighting, lightings)},
     {"point-scaling", NULL, "NAME",
      "width of points: exact (by depth) or attenuated (by distance, as OpenGL 1.4 did it; needs OpenGL)",
      .group = PICTURE, .standard = "exact", CHOICE(scaling, scalings)},
@@ -378,7 +396,8 @@ static const iso_option options[] = {
      INT(turntable, 1, 100000)},
 
     {"camera", "camera-preset", "NAME", "side to look from: front, back, left, right, top, bottom, iso",
-     .group = CAMERA, .standard = "front", CHOICE(direction, directions)},
+     .group = CAMERA, .standard = "front; iso for files of points that are flat, as landscapes",
+     CHOICE(direction, directions)},
     {"up", NULL, "AXIS", "world axis that is up: +x -x +y -y +z -z", .group = CAMERA, .standard = "+z",
      CALL(apply_up)},
     {"azimuth", "camera-azimuth-angle camera-azimuth", "DEGREES", "then turn the camera to the right",
@@ -392,8 +411,9 @@ static const iso_option options[] = {
      "scale of the picture: a parallel projection (as --orthographic) in which a pixel is this many mm wide",
      .group = CAMERA, REAL(mm_per_pixel, 1e-9, 1e9)},
     {"fit", NULL, "NAME",
-     "what fills the picture: box (the box around the surface along the world's axes) or tight (the surface "
-     "as it is seen); with --mm-per-pixel, which sets the scale, what is in the middle of the picture",
+     "what fills the picture: box (the box around the surface along the world's axes; of a file of points "
+     "without the few that lie far from the others) or tight (the surface as it is seen); with "
+     "--mm-per-pixel, which sets the scale, what is in the middle of the picture",
      .group = CAMERA, .standard = "box", CHOICE(fit, fits)},
     {"margin", NULL, "PART", "part of the picture left free on each side, as 0.1 or 10%", .group = CAMERA,
      .standard = "4%", CALL(apply_margin)},
@@ -410,7 +430,9 @@ static const iso_option options[] = {
      "the picture: a .png, - for stdout; {model} is the input's name, {n:3} a number with three "
      "digits",
      .group = OUTPUT, .standard = "{model}.png", TEXT(output), UNRECORDED},
-    {"points", NULL, "FILE.ply", "write the points: x y z nx ny nz radius, in mm (isorender reads them back)",
+    {"points", NULL, "FILE.ply",
+     "write the points: x y z nx ny nz radius, in mm (isorender reads them back); x y z are doubles far "
+     "from 0",
      .group = OUTPUT, TEXT(points), UNRECORDED},
     {"mesh", NULL, "FILE", "write the Marching Cubes mesh: .ply, .stl or .obj, in mm", .group = OUTPUT,
      TEXT(mesh), UNRECORDED},
@@ -493,6 +515,7 @@ const iso_program *isorender_program(void) {
                                         .seen = iso_settings_record_option};
     for (int i = 0; i < ISO_REFRACTIONS; i++) refractions[i] = iso_refraction_name((iso_refraction)i);
     for (int i = 0; i < METHODS; i++) method_names[i] = iso_method_name(methods[i]);
+    method_names[METHOD_GAUSSIANS] = "gaussians";
     return &program;
 }
 
@@ -506,6 +529,7 @@ iso_status isorender_settings_parse(int argc, char *const *argv, isorender_setti
                                      .samples = 1,
                                      .background = {255, 255, 255},
                                      .refraction = ISO_REFRACTION_TRACED,
+                                     .direction = ISORENDER_DIRECTION_UNCHOSEN,
                                      .up = {0, 0, 1},
                                      .zoom = 1,
                                      .line_min_pixels = 1,
@@ -513,6 +537,8 @@ iso_status isorender_settings_parse(int argc, char *const *argv, isorender_setti
                                      .view_angle = 30};
     for (int i = 0; i < 3; i++) settings->position[i] = settings->focal_point[i] = settings->view_up[i] = NAN;
     ISO_TRY(iso_options_parse(isorender_program(), argc, argv, settings, operands, error));
+    settings->gaussians = settings->method == METHOD_GAUSSIANS;
+    if (settings->gaussians) settings->method = ISORENDER_METHOD_UNCHOSEN;
     if (settings->method != ISORENDER_METHOD_UNCHOSEN) settings->method = (int)methods[settings->method];
     if (settings->common.action) return ISO_OK;
     return isorender_settings_check(settings, operands, error);

@@ -8,7 +8,6 @@
 #include "image/annotate.h"
 #include "image/exr.h"
 #include "image/image.h"
-#include "render/picture.h"
 #include "render/raster/raster.h"
 
 /* ---- one picture ---- */
@@ -43,11 +42,9 @@ static iso_status draw_opaque_objects(void *context, const iso_view *view, iso_g
     return ISO_OK;
 }
 
-/* Draws everything: iso_picture_opts.draw. */
-static iso_status draw(void *context, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
-    isorender_job *job = context;
-    if (job->backend->engine) return isorender_gl_draw(job, view, gbuffer, error);
-    for (int i = 0; i < job->surface_count; i++) {
+iso_status isorender_draw_from(isorender_job *job, int first, const iso_view *view, iso_gbuffer *gbuffer,
+                               iso_error *error) {
+    for (int i = first; i < job->surface_count; i++) {
         const isorender_surface *surface = &job->surfaces[i];
         const iso_target target = {view, gbuffer, job->pool, (uint8_t)i};
         const iso_subject subject = subject_of(job, surface);
@@ -55,6 +52,13 @@ static iso_status draw(void *context, const iso_view *view, iso_gbuffer *gbuffer
     }
     for (int i = 0; i < job->object_count; i++) ISO_TRY(draw_object(job, i, view, gbuffer, error));
     return ISO_OK;
+}
+
+/* Draws everything: iso_picture_opts.draw. */
+static iso_status draw(void *context, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
+    isorender_job *job = context;
+    if (job->backend->engine) return isorender_gl_draw(job, view, gbuffer, error);
+    return isorender_draw_from(job, 0, view, gbuffer, error);
 }
 
 /* FNV-1a, 64 bits, over width and height as 4 little-endian bytes each and the pixels. */
@@ -124,7 +128,7 @@ typedef struct canvas {
  */
 static bool is_drawn_directly(const isorender_job *job, const iso_picture_opts *opts) {
     return job->method == ISO_METHOD_EXACT && !job->backend->engine && job->surface_count == 1 &&
-           !job->object_count && opts->samples <= 1 && !opts->aov;
+           !job->object_count && opts->samples <= 1 && !opts->aov && opts->lighting == ISO_LIGHTING_PHONG;
 }
 
 static iso_status draw_directly(const isorender_job *job, const iso_picture_opts *opts, iso_image *image,
@@ -223,9 +227,18 @@ static iso_status render_glass(const isorender_job *job, iso_picture_opts *opts,
     return status;
 }
 
+static iso_status render_gaussians(isorender_job *job, iso_picture_opts *opts, iso_image *image,
+                                   isorender_frame *frame, iso_error *error) {
+    isorender_gaussians_picture picture = {job, &opts->shading, frame};
+    const iso_picture_layers callbacks = isorender_gaussians_callbacks(&picture);
+    opts->layers = &callbacks;
+    return iso_picture_render(opts, image, &frame->covered, error);
+}
+
 static iso_status render_picture(isorender_job *job, iso_picture_opts *opts, iso_image *image,
                                  isorender_frame *frame, iso_error *error) {
     if (job->environment) return render_glass(job, opts, image, frame, error);
+    if (job->gaussians) return render_gaussians(job, opts, image, frame, error);
     if (job->translucent) return render_layers(job, opts, image, frame, error);
     if (is_drawn_directly(job, opts)) return draw_directly(job, opts, image, &frame->covered, error);
     return iso_picture_render(opts, image, &frame->covered, error);
@@ -256,6 +269,7 @@ static iso_status render_frame(isorender_job *job, int frame, canvas *c, iso_err
                              .height = settings->height,
                              .samples = settings->samples,
                              .shading = {colors, count, settings->background, settings->transparent},
+                             .lighting = (iso_lighting)settings->lighting,
                              .draw = draw,
                              .draw_context = job,
                              .pool = job->pool,
@@ -319,6 +333,7 @@ uint64_t isorender_picture_bytes(const isorender_job *job) {
     enum { SAMPLE = sizeof(float) + 3 * sizeof(float) + 1, STRIP = 256 << 20 };
     uint64_t pixels = (uint64_t)settings->width * (uint64_t)settings->height;
     uint64_t samples = pixels * (uint64_t)settings->samples * SAMPLE;
+    if (settings->lighting) samples += pixels * (uint64_t)settings->samples * sizeof(float);
     uint64_t aov = settings->aov ? pixels * (ISO_AOV_PLANES + 1) * sizeof(float) : 0;
     if (has_ids(settings)) aov += pixels * ISO_ID_PLANES * sizeof(uint32_t);
     uint64_t bytes = 4 * pixels + aov + (samples < STRIP ? samples : STRIP);

@@ -191,7 +191,7 @@ static iso_status put_frame(iso_json *json, const char *key, const isorender_job
     iso_json_integer(json, "samples", (uint64_t)settings->samples);
     iso_json_integer(json, "covered", job->frames[frame].covered);
     iso_json_string(json, "hash", hash);
-    if (job->translucent) put_layers(json, &job->frames[frame]);
+    if (job->translucent || job->gaussians) put_layers(json, &job->frames[frame]);
     iso_json_end_object(json);
     return ISO_OK;
 }
@@ -285,7 +285,8 @@ static iso_status put_report(iso_json *json, const isorender_job *job, iso_error
     put_seconds(json, &job->seconds);
     iso_json_integer(json, "peak_bytes", iso_memory_peak());
     put_backend(json, job);
-    if (!settings->info) iso_json_string(json, "method", iso_method_name(job->method));
+    if (!settings->info)
+        iso_json_string(json, "method", job->gaussians ? "gaussians" : iso_method_name(job->method));
     iso_json_integer(json, "threads", (uint64_t)iso_pool_threads(job->pool));
     ISO_TRY(put_images(json, job, error));
     iso_json_end_object(json);

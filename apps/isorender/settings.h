@@ -15,8 +15,11 @@ extern "C" {
 enum { ISORENDER_SURFACES = 64 }; /* isosurfaces in one picture */
 
 /* isorender_settings.method when the option is not given: exact for volumes, pullpush for files of points,
- * splats for those whose points are translucent. */
+ * splats for those whose points are translucent, none of them for files of 3-D Gaussians. */
 enum { ISORENDER_METHOD_UNCHOSEN = -1 };
+
+/* isorender_settings.direction when the option is not given: front, but iso for flat files of points. */
+enum { ISORENDER_DIRECTION_UNCHOSEN = -1 };
 
 /* What the camera frames: the box around the surface, or the surface itself. */
 typedef enum isorender_fit { ISORENDER_FIT_BOX, ISORENDER_FIT_TIGHT } isorender_fit;
@@ -68,6 +71,7 @@ typedef struct isorender_settings {
     int closed;                  /* the solid ends at the volume's border and is capped there */
     double radius;               /* of the points of a file, mm; 0: not given; below 0: to be estimated */
     int normals;                 /* isorender_normals */
+    const char *columns;         /* names of the columns of a file of points; NULL: not given */
     const char *points, *mesh, *aov;
 
     isorender_object_options object_options;
@@ -81,6 +85,9 @@ typedef struct isorender_settings {
 
     /* ISO_METHOD_EXACT, _POINTS, _PULLPUSH, _SPLATS, _MESH, _RAYCAST or ISORENDER_METHOD_UNCHOSEN */
     int method;
+    int gaussians;      /* --method gaussians: the points of the file are drawn as 3-D Gaussians; `method` is
+                           ISORENDER_METHOD_UNCHOSEN then */
+    int lighting;       /* iso_lighting */
     int reconstruction; /* iso_reconstruction, of pullpush; of splats ISORENDER_RECONSTRUCTION_GROUPS */
     /* Of splats: iso_groups_opts, and iso_splats_opts.bins. 0: not given. */
     int groups, group_bins, group_opposite;
@@ -94,7 +101,7 @@ typedef struct isorender_settings {
     iso_rgb background;
     int transparent, background_given;
 
-    int direction; /* iso_direction */
+    int direction; /* iso_direction, or ISORENDER_DIRECTION_UNCHOSEN */
     iso_vec3 up;
     double azimuth, elevation, view_angle; /* degrees */
     double zoom;
