@@ -7,6 +7,7 @@
 #include "base/numbers.h"
 #include "check_support.h"
 #include "clouds/cloud.h"
+#include "clouds/frame.h"
 #include "clouds/neighbours.h"
 #include "clouds/radii.h"
 
@@ -376,11 +377,41 @@ static void test_threads(void **state) {
     iso_cloud_free(&one);
 }
 
+/* ---- spacing and frame */
+
+/* The spacing of a lattice; a single point has none. The frame leaves out what lies far away, if it is little. */
+static void test_frame(void **state) {
+    (void)state;
+    static float positions[1000 + 30][3];
+    for (int i = 0; i < 1000; i++)
+        for (int axis = 0; axis < 3; axis++)
+            positions[i][axis] = 0.25f * (float)(axis == 0 ? i % 10 : axis == 1 ? i / 10 % 10 : i / 100);
+    for (int i = 1000; i < 1030; i++) positions[i][1] = (float)(500 - i);
+    iso_glyphs glyphs = {.origin = {7e6, 0, 0}, .positions = positions, .count = 1000};
+    iso_box box;
+    size_t outside;
+    double spacing;
+    assert_int_equal(iso_cloud_spacing(&glyphs, NULL, &spacing, NULL), ISO_OK);
+    assert_true(spacing == 0.25);
+    for (int far = 0; far < 4; far++) {
+        /* none, one or ten are left out; thirty are too many to be called few */
+        glyphs.count = 1000 + (size_t)(far == 3 ? 30 : far == 2 ? 10 : far);
+        assert_int_equal(iso_cloud_frame(&glyphs, &box, &outside, NULL), ISO_OK);
+        assert_int_equal(outside, far == 3 ? 0 : glyphs.count - 1000);
+        assert_true(box.lo.x == 7e6 && box.hi.x == 7e6 + 2.25 && (far == 3 || box.lo.y == 0));
+    }
+    glyphs.count = 1;
+    assert_int_equal(iso_cloud_frame(&glyphs, &box, &outside, NULL), ISO_OK);
+    assert_true(outside == 0 && box.lo.x == 7e6 && box.hi.x == 7e6);
+    assert_int_equal(iso_cloud_spacing(&glyphs, NULL, &spacing, NULL), ISO_OK);
+    assert_true(spacing == 0);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_neighbours),    cmocka_unit_test(test_normals),
         cmocka_unit_test(test_given_normals), cmocka_unit_test(test_radii),
         cmocka_unit_test(test_spans),         cmocka_unit_test(test_degenerate),
-        cmocka_unit_test(test_threads)};
+        cmocka_unit_test(test_frame),         cmocka_unit_test(test_threads)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -300,6 +300,35 @@ static void test_ply_splats(void **state) {
     iso_glyphs_free(&glyphs);
 }
 
+/* Gaussians: opacities are logits; the further terms of the colours are not read; without opacities, or with
+ * none of the names, a file is not one of Gaussians. */
+static void test_ply_gaussians(void **state) {
+    (void)state;
+    static const char head[] = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+                               "property float z\nproperty float f_dc_0\nproperty float f_dc_1\n"
+                               "property float f_dc_2\nproperty float f_rest_0\nproperty float f_rest_1\n"
+                               "property float %s\nproperty float scale_0\nproperty float scale_1\n"
+                               "property float scale_2\nproperty float rot_0\nproperty float rot_1\n"
+                               "property float rot_2\nproperty float rot_3\nend_header\n"
+                               "0 0 0 0 9 -9 5 5 0 0 0 0 1 0 0 0\n1 0 0 0 0 0 5 5 2 0 0 0 1 0 0 0\n"
+                               "2 0 0 0 0 0 5 5 nan 0 0 0 1 0 0 0\n";
+    for (int k = 0; k < 2; k++) {
+        char text[1024];
+        snprintf(text, sizeof text, head, k ? "weight" : "opacity");
+        iso_glyphs glyphs = read_text(FILE_PLY, text);
+        assert_int_equal(glyphs.gaussians, k == 0);
+        assert_int_equal(iso_glyphs_are_gaussians(FILE_PLY), k == 0);
+        assert_int_equal(glyphs.attribute_count, 1);
+        assert_int_equal(glyphs.colors[0][1], 255);
+        const float *values = glyphs.attributes[0].values;
+        near((double)values[1], k ? 2 : 1 / (1 + exp(-2)), 1e-6);
+        near((double)values[0], k ? 0 : 0.5, 1e-6);
+        if (k == 0) near((double)values[2], 0, 1e-6);
+        iso_glyphs_free(&glyphs);
+    }
+    assert_false(iso_glyphs_are_gaussians("/nowhere.ply"));
+}
+
 static void test_ply_columns(void **state) {
     (void)state;
     iso_glyphs glyphs = read_text(
@@ -493,6 +522,7 @@ int main(void) {
         cmocka_unit_test(test_pdb_errors),
         cmocka_unit_test(test_csv),
         cmocka_unit_test(test_ply_splats),
+        cmocka_unit_test(test_ply_gaussians),
         cmocka_unit_test(test_ply_columns),
         cmocka_unit_test(test_vtk_points),
         cmocka_unit_test(test_index),

@@ -60,6 +60,43 @@ static void test_names(void **state) {
     refuse_text(FILE_TXT, "x y z\n1 2\n", ISO_ERR_FORMAT, "row 2");
 }
 
+/* Columns that are named by the caller, in every format of rows. */
+static void test_given(void **state) {
+    (void)state;
+    iso_glyphs glyphs = read_text(FILE_XYZ, "1 2 3 9 .5 0 0 1\n");
+    iso_glyphs_free(&glyphs);
+    glyphs = read_with(FILE_XYZ, (iso_read_opts){.columns = "y,x,z, -,heat,nx,ny,nz"});
+    check_vector(glyphs.positions[0], 2, 1, 3);
+    check_vector(glyphs.directions[0], 0, 0, 1);
+    assert_int_equal(glyphs.attribute_count, 1);
+    assert_true(find_attribute(&glyphs, "heat")->values[0] == 0.5f);
+    assert_int_equal(report.note_count, 0);
+    iso_glyphs_free(&glyphs);
+    /* names of the file give way */
+    glyphs = read_text(FILE_TXT, "x y z\n1 2 3\n");
+    iso_glyphs_free(&glyphs);
+    glyphs = read_with(FILE_TXT, (iso_read_opts){.columns = "z,y,x"});
+    check_vector(glyphs.positions[0], 3, 2, 1);
+    iso_glyphs_free(&glyphs);
+    refuse_text(FILE_ASC, "1 2 3 4 5 6 7 8 9 10 255 0 0\n", ISO_ERR_FORMAT,
+                "row 1"); /* too many to find out */
+    glyphs = read_with(FILE_ASC, (iso_read_opts){.columns = "-,-,-,-,-,-,-,x,y,z,r,g,b"});
+    check_vector(glyphs.positions[0], 8, 9, 10);
+    assert_int_equal(glyphs.colors[0][0], 255);
+    iso_glyphs_free(&glyphs);
+    static const struct {
+        const char *columns;
+        iso_status status;
+    } bad[] = {{"x,y", ISO_ERR_USAGE},    {"x,y,,z", ISO_ERR_USAGE},
+               {"x,y,z,", ISO_ERR_USAGE}, {"", ISO_ERR_USAGE},
+               {"x,y,z", ISO_ERR_FORMAT}, {"x,y,z,-,-,-,-,-,-,-,-,-,-,-", ISO_ERR_FORMAT}};
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        iso_error error = {0};
+        const iso_read_opts opts = {.columns = bad[i].columns};
+        assert_int_equal(iso_glyphs_read(FILE_ASC, &opts, &glyphs, &error), bad[i].status);
+    }
+}
+
 /* What columns without names are: colours of the first point, or its normal's x, and the attributes. */
 static void test_decisions(void **state) {
     (void)state;
@@ -143,8 +180,8 @@ static void test_pwn(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_rows),    cmocka_unit_test(test_names), cmocka_unit_test(test_decisions),
-        cmocka_unit_test(test_counted), cmocka_unit_test(test_pwn),
+        cmocka_unit_test(test_rows),      cmocka_unit_test(test_names),   cmocka_unit_test(test_given),
+        cmocka_unit_test(test_decisions), cmocka_unit_test(test_counted), cmocka_unit_test(test_pwn),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
