@@ -373,5 +373,6 @@ iso_status bench_extract(bench_state *bench, iso_error *error) {
     ISO_TRY(run_head(bench, head, !small, error));
     ISO_TRY(bench_edit_group(bench, error));
     ISO_TRY(bench_lines_group(bench, error));
+    ISO_TRY(bench_clouds_group(bench, error));
     return bench_process_groups(bench, error);
 }

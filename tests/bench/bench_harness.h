@@ -155,7 +155,9 @@ iso_status bench_sculpt(bench_state *bench, iso_error *error);
 iso_status bench_time_program(const char *const *argv, int threads, const char *display, bench_sample *sample,
                               iso_error *error);
 
-/* Parts of bench_extract in files of their own: bench_edit.c, bench_lines.c and bench_process.c. */
+/* Parts of bench_extract in files of their own: bench_clouds.c, bench_edit.c, bench_lines.c and
+ * bench_process.c. */
+iso_status bench_clouds_group(bench_state *bench, iso_error *error);
 iso_status bench_edit_group(bench_state *bench, iso_error *error);
 iso_status bench_lines_group(bench_state *bench, iso_error *error);
 iso_status bench_process_groups(bench_state *bench, iso_error *error);
@@ -163,7 +165,8 @@ iso_status bench_process_groups(bench_state *bench, iso_error *error);
 iso_status bench_shapes_groups(bench_state *bench, iso_error *error);
 /* From a file to a picture: the end of bench_render. */
 iso_status bench_picture_group(bench_state *bench, iso_error *error);
-iso_status bench_tracts_group(bench_state *bench, iso_error *error); /* bench_lines.c */
+iso_status bench_tracts_group(bench_state *bench, iso_error *error);        /* bench_lines.c */
+iso_status bench_cloud_picture_group(bench_state *bench, iso_error *error); /* bench_clouds.c */
 /* From the hand to the picture: the end of bench_sculpt. */
 iso_status bench_controller_group(bench_state *bench, iso_error *error);
 

@@ -12,6 +12,7 @@
  *   vtk_frame cones|arrows|balls FILE        the same of directed points, drawn by vtkGlyph3DMapper, 16 sides
  *   vtk_frame picture FILE.vti OUT.png ISOVALUE SIZE THREADS           from a volume to a picture, and done
  *   vtk_frame tracts FILE.tck OUT.png RADIUS SIZE        the same from tracts, as tubes of 8 sides
+ *   vtk_frame cloud FILE.ply OUT.png RADIUS SIZE         the same from points, drawn by vtkPointGaussianMapper
  *
  * FILE of a mesh: int64 vertices and triangles, then float positions (3 each), float normals, int64 corners
  * (3 each). FILE of points or lines: int64 points and lines, which have equal numbers of points (0 lines:
@@ -389,6 +390,49 @@ int make_tracts(char **values) {
     return 0;
 }
 
+/* Points of a .ply file of the bench: six floats and three bytes of colour each, read without VTK's reader, which
+ * takes much longer. */
+bool read_cloud(const char *path, vtkPolyData *data) {
+    std::FILE *file = std::fopen(path, "rb");
+    char line[128];
+    long count = 0;
+    while (file && std::fgets(line, sizeof line, file) && std::strcmp(line, "end_header\n") != 0)
+        std::sscanf(line, "element vertex %ld", &count);
+    if (!file || count < 1) return false;
+    vtkNew<vtkPoints> points;
+    vtkNew<vtkUnsignedCharArray> colors;
+    points->SetNumberOfPoints(count);
+    colors->SetNumberOfComponents(3);
+    colors->SetNumberOfTuples(count);
+    float *position = static_cast<float *>(points->GetVoidPointer(0));
+    unsigned char *color = colors->GetPointer(0), record[27];
+    for (long i = 0; i < count && std::fread(record, sizeof record, 1, file) == 1; i++) {
+        std::memcpy(position + 3 * i, record, 12);
+        std::memcpy(color + 3 * i, record + 24, 3);
+    }
+    std::fclose(file);
+    data->SetPoints(points);
+    data->GetPointData()->SetScalars(colors);
+    return true;
+}
+
+int make_cloud(char **values) {
+    const int size = std::atoi(values[3]);
+    vtkNew<vtkPolyData> data;
+    if (!read_cloud(values[0], data)) return refuse(values[0], "a file of points");
+    Window shown;
+    vtkNew<vtkPointGaussianMapper> points;
+    points->SetInputData(data);
+    points->SetScaleFactor(std::atof(values[2]));
+    points->EmissiveOff();
+    points->SetTriangleScale(1);
+    points->SetSplatShaderCode(DISC);
+    shown.actor->SetMapper(points);
+    shown.window->SetSize(size, size);
+    write_picture(shown, values[1]);
+    return 0;
+}
+
 int make_picture(char **values) {
     const int size = std::atoi(values[3]), threads = std::atoi(values[4]);
     if (threads > 1) vtkSMPTools::SetBackend("TBB");
@@ -418,9 +462,11 @@ int main(int argc, char **argv) {
     if (directed) return serve_directed(argv[1], argv[2]);
     if (argc == 3) return serve_points(argv[1], argv[2]);
     if (argc == 6 && std::strcmp(argv[1], "tracts") == 0) return make_tracts(argv + 2);
+    if (argc == 6 && std::strcmp(argv[1], "cloud") == 0) return make_cloud(argv + 2);
     if (argc == 7 && std::strcmp(argv[1], "picture") == 0) return make_picture(argv + 2);
-    std::fprintf(stderr,
-                 "usage: vtk_frame mesh|spheres|gaussians|tubes|cones|arrows FILE | picture FILE.vti OUT.png "
-                 "ISOVALUE SIZE THREADS | tracts FILE.tck OUT.png RADIUS SIZE\n");
+    std::fprintf(
+        stderr,
+        "usage: vtk_frame mesh|spheres|gaussians|tubes|cones|arrows FILE | picture FILE.vti OUT.png "
+        "ISOVALUE SIZE THREADS | tracts FILE.tck OUT.png RADIUS SIZE | cloud FILE.ply OUT.png RADIUS SIZE\n");
     return 2;
 }
