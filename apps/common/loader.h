@@ -83,7 +83,8 @@ void iso_loader_close(iso_loader *loader);
  * overwrite another input. */
 void iso_loader_list_files(const char *input, const iso_input *options, iso_file_set *files);
 
-/* Returns whether a file is read as points: iso_glyphs_are_points, and a .csv if `columns` names its columns. */
+/* Returns whether a file is read as points: iso_glyphs_are_points, and a .csv if `columns` names its
+ * columns. */
 bool iso_loader_reads_points(const char *path, const char *columns);
 
 /* Returns whether the input is a scene, judged by its name. */

@@ -76,8 +76,8 @@ typedef struct isorender_job {
 
     isorender_surface surfaces[ISORENDER_SURFACES]; /* those of the input, then one of each of `volumes` */
     iso_cloud cloud;                                /* of a file of points */
-    bool
-        gaussians; /* the input's points are drawn as 3-D Gaussians; `method` is then for what is beside them */
+    /* The input's points are drawn as 3-D Gaussians; `method` is then for what is beside them. */
+    bool gaussians;
     isorender_object cloud_colors; /* how it is coloured; its glyphs are those of the loader */
     iso_point_view read_points;    /* of the cloud */
     iso_box cloud_frame;           /* what a picture of it frames: iso_cloud_frame */

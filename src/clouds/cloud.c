@@ -64,8 +64,8 @@ static void take_normals(maker *m) {
     if (m->opts->without_normals) m->cloud->estimated_normals = 0;
 }
 
-/* The value that would be the nth if they were sorted. `values` is rearranged (Hoare 1961, "Algorithm 65: Find").
- */
+/* The value that would be the nth if they were sorted. `values` is rearranged (Hoare 1961, "Algorithm 65:
+ * Find"). */
 static float select_nth(float *values, size_t count, size_t nth) {
     for (size_t low = 0, high = count - 1; low < high;) {
         const float pivot = values[low + (high - low) / 2];
@@ -164,7 +164,8 @@ static double largest_estimate(const maker *m) {
     return iso_vec3_length(iso_vec3_sub(box.hi, box.lo)) / LEAST_ACROSS;
 }
 
-/* Whether the point in a slot, and the one before it, coincide with all their neighbours and with each other. */
+/* Whether the point in a slot, and the one before it, coincide with all their neighbours and with each
+ * other. */
 static bool repeats(const estimates *e, size_t slot) {
     if (!slot) return false;
     const float *p = e->tree.points[slot].position, *before = e->tree.points[slot - 1].position,

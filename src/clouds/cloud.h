@@ -35,12 +35,12 @@ typedef struct iso_cloud {
 
 /* Makes a cloud of glyphs, whose directions are taken as normals. A normal that is 0 or not finite is
  * estimated (clouds/normals.h), and so is a radius that is not above 0 and at most 100 times the median
- * (clouds/radii.h), at most a 20th of the bounds' diagonal; points that are all at the same place get 1 mm. Of more
- * than a dozen points at one place without radii of their own all but a few get a radius of nearly 0.
+ * (clouds/radii.h), at most a 20th of the bounds' diagonal; points that are all at the same place get 1 mm.
+ * Of more than a dozen points at one place without radii of their own all but a few get a radius of nearly 0.
  *
  * `glyphs` is borrowed for the call. Takes about 90 bytes for each point if something is estimated, in
- * addition to the cloud's 36. ISO_ERR_EMPTY: there are no points; ISO_ERR_NOMEM; ISO_ERR_LIMIT: 2^31 points
- * or more. The same bytes for every number of threads. */
+ * addition to the cloud's 36. ISO_ERR_EMPTY: there are no points; ISO_ERR_NOMEM; ISO_ERR_LIMIT: 2^31
+ * points or more. The same bytes for every number of threads. */
 iso_status iso_cloud_make(const iso_glyphs *glyphs, const iso_cloud_opts *opts, iso_cloud *cloud,
                           iso_error *error);
 void iso_cloud_free(iso_cloud *cloud);

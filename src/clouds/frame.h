@@ -9,10 +9,10 @@
 extern "C" {
 #endif
 
-/* Sets *box to the world box of the points but those that lie far from the others, and *outside to how many of
- * these there are. They are looked for only if the box of all is more than three times as large as that of
- * the middle 96 % of the coordinates on each axis, and lie farther from it than half its diagonal. There must
- * be at least one point. ISO_ERR_NOMEM. */
+/* Sets *box to the world box of the points but those that lie far from the others, and *outside to how
+ * many of these there are. They are looked for only if the box of all is more than three times as large as
+ * that of the middle 96 % of the coordinates on each axis, and lie farther from it than half its diagonal.
+ * There must be at least one point. ISO_ERR_NOMEM. */
 iso_status iso_cloud_frame(const iso_glyphs *glyphs, iso_box *box, size_t *outside, iso_error *error);
 
 #ifdef __cplusplus

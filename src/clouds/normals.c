@@ -92,8 +92,8 @@ static void covariance_of(const estimate *e, size_t slot, float tensor[6]) {
     for (int k = 0; k < 6; k++) tensor[k] = largest > 0 ? (float)(sums[k] / largest) : 0;
 }
 
-/* The direction that is perpendicular to an axis and as near as possible to one between the default camera and
- * the isometric one, which sees it from the front. */
+/* The direction that is perpendicular to an axis and as near as possible to one between the default camera
+ * and the isometric one, which sees it from the front. */
 static iso_vec3 across_line(const double axis[3]) {
     const iso_vec3 line = iso_vec3_make(axis[0], axis[1], axis[2]), eye = {0.25, -0.85, 0.46};
     const iso_vec3 across = iso_vec3_sub(eye, iso_vec3_scale(line, iso_vec3_dot(eye, line)));

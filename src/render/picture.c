@@ -68,7 +68,8 @@ static iso_gbuffer rows_of(const iso_gbuffer *gbuffer, int first, int count) {
     return rows;
 }
 
-/* Draws pixel rows that are lit by the depths around them, with as many rows above and below as that needs. */
+/* Draws pixel rows that are lit by the depths around them, with as many rows above and below as that
+ * needs. */
 static iso_status render_lit_rows(picture *p, int y0, int count, iso_error *error) {
     const iso_picture_opts *opts = p->opts;
     const int factor = p->factor, first = y0 > ISO_EYE_DOME_REACH ? y0 - ISO_EYE_DOME_REACH : 0,

@@ -28,8 +28,8 @@ typedef struct iso_picture_layers {
     void *context; /* of both */
 } iso_picture_layers;
 
-/* How opaque surfaces are lit: by their normals (render/shading/shading.h), or by the depths around each sample
- * (render/shading/eye_dome.h). */
+/* How opaque surfaces are lit: by their normals (render/shading/shading.h), or by the depths around each
+ * sample (render/shading/eye_dome.h). */
 typedef enum iso_lighting { ISO_LIGHTING_PHONG, ISO_LIGHTING_EYE_DOME } iso_lighting;
 
 typedef struct iso_picture_opts {

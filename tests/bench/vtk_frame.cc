@@ -12,7 +12,7 @@
  *   vtk_frame cones|arrows|balls FILE        the same of directed points, drawn by vtkGlyph3DMapper, 16 sides
  *   vtk_frame picture FILE.vti OUT.png ISOVALUE SIZE THREADS           from a volume to a picture, and done
  *   vtk_frame tracts FILE.tck OUT.png RADIUS SIZE        the same from tracts, as tubes of 8 sides
- *   vtk_frame cloud FILE.ply OUT.png RADIUS SIZE         the same from points, drawn by vtkPointGaussianMapper
+ *   vtk_frame cloud FILE.ply OUT.png RADIUS SIZE         the same from points: vtkPointGaussianMapper
  *
  * FILE of a mesh: int64 vertices and triangles, then float positions (3 each), float normals, int64 corners
  * (3 each). FILE of points or lines: int64 points and lines, which have equal numbers of points (0 lines:
@@ -390,8 +390,8 @@ int make_tracts(char **values) {
     return 0;
 }
 
-/* Points of a .ply file of the bench: six floats and three bytes of colour each, read without VTK's reader, which
- * takes much longer. */
+/* Points of a .ply file of the bench: six floats and three bytes of colour each, read without VTK's reader,
+ * which takes much longer. */
 bool read_cloud(const char *path, vtkPolyData *data) {
     std::FILE *file = std::fopen(path, "rb");
     char line[128];

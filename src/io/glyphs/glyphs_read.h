@@ -49,12 +49,12 @@ extern "C" {
  * file sets. */
 iso_status iso_glyphs_read(const char *path, const iso_read_opts *opts, iso_glyphs *glyphs, iso_error *error);
 
-/* Whether a file is a .ply of 3-D Gaussians, judged by the names of its vertices' properties (f_dc_0, scale_0,
- * rot_0, opacity). False if it cannot be read. */
+/* Whether a file is a .ply of 3-D Gaussians, judged by the names of its vertices' properties (f_dc_0,
+ * scale_0, rot_0, opacity). False if it cannot be read. */
 bool iso_glyphs_are_gaussians(const char *path);
 
-/* Whether a .vtp file has points, but neither lines nor polygons: it is one of glyphs. False if its first 64 KiB
- * do not say so. */
+/* Whether a .vtp file has points, but neither lines nor polygons: it is one of glyphs. False if its first
+ * 64 KiB do not say so. */
 bool iso_glyphs_fill_vtp(const char *path);
 
 /* Whether a file, judged by its name, has rows of numbers, for which iso_read_opts.columns is. */

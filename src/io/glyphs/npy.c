@@ -1,5 +1,6 @@
-/* npy: arrays of NumPy, versions 1 to 3 of the format: N rows of 3 to 10 numbers, in C or Fortran order. What
- * the numbers behind x y z are is decided from their values (point_columns.h), unless the options name them. */
+/* npy: arrays of NumPy, versions 1 to 3 of the format: N rows of 3 to 10 numbers, in C or Fortran order.
+ * What the numbers behind x y z are is decided from their values (point_columns.h), unless the options
+ * name them. */
 #define _GNU_SOURCE
 #include <errno.h>
 #include <stdlib.h>

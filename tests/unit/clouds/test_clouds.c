@@ -379,7 +379,8 @@ static void test_threads(void **state) {
 
 /* ---- spacing and frame */
 
-/* The spacing of a lattice; a single point has none. The frame leaves out what lies far away, if it is little. */
+/* The spacing of a lattice; a single point has none. The frame leaves out what lies far away, if it is
+ * little. */
 static void test_frame(void **state) {
     (void)state;
     static float positions[1000 + 30][3];

@@ -21,7 +21,6 @@
 #include "check_support.h"
 #include "extract/mesh/mesh.h"
 #include "extract/points/points.h"
-#include "io/glyphs/glyphs_read.h"
 #include "io/mesh_io.h"
 #include "io/mesh_read.h"
 #include "io/points_io.h"
@@ -116,38 +115,6 @@ static void same_points(const test_points *points, const iso_surfel *surfels, co
     assert_int_equal(points->span.count, count);
     assert_memory_equal(points->surfels, surfels, count * sizeof *surfels);
     assert_memory_equal(points->radii, radii, count * sizeof *radii);
-}
-
-/* Far from 0 in relation to their box, coordinates are written as doubles, and come back to a float's precision
- * of the box; near 0 they are floats. */
-static void places_far_from_0_are_doubles(void **state) {
-    (void)state;
-    point_cloud cloud;
-    fill_cloud(&cloud, 5);
-    const iso_point_span span = {.count = COUNT};
-    iso_point_view view = {.surfels = cloud.surfels,
-                           .radii = cloud.radii,
-                           .spans = &span,
-                           .span_count = 1,
-                           .transform = iso_transform_identity()};
-    const iso_box box = iso_point_view_bounds(&view);
-    const double size = iso_vec3_length(iso_vec3_sub(box.hi, box.lo));
-    iso_error error = {0};
-    for (int far = 0; far < 2; far++) {
-        iso_glyphs glyphs;
-        view.transform.origin[1] = far ? 50000 * size : 2 * size;
-        test_ok(iso_points_write_ply(FILE_PLY, &view, NULL, &error), &error);
-        bytes *in = load(FILE_PLY);
-        assert_int_equal(memmem(in->data, in->size, "property double y\n", 18) != NULL, far);
-        assert_non_null(memmem(in->data, in->size, "property float nx\n", 18));
-        free(in);
-        test_ok(iso_glyphs_read(FILE_PLY, NULL, &glyphs, &error), &error);
-        assert_int_equal(glyphs.count, COUNT);
-        for (int i = 0; i < COUNT; i++)
-            assert_true(fabs(glyphs.origin.y + (double)glyphs.positions[i][1] - view.transform.origin[1] -
-                             (double)cloud.surfels[i].position[1]) < 1e-6 * size);
-        iso_glyphs_free(&glyphs);
-    }
 }
 
 static void points_come_back_bit_for_bit(void **state) {
@@ -803,7 +770,6 @@ static void a_full_disk_is_an_error(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(points_come_back_bit_for_bit),
-        cmocka_unit_test(places_far_from_0_are_doubles),
         cmocka_unit_test(points_are_written_in_world_millimetres),
         cmocka_unit_test(other_dialects_are_read),
         cmocka_unit_test(only_regular_files_are_read),

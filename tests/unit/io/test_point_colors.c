@@ -1,4 +1,6 @@
-/* point_colors: colours of points in PLY, out and in. */
+/* point_colors: colours of points in PLY, out and in, and places that floats would round. */
+#define _GNU_SOURCE
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -9,6 +11,7 @@
 #include <cmocka.h>
 
 #include "check_support.h"
+#include "io/glyphs/glyphs_read.h"
 #include "io/points_io.h"
 #include "points_support.h"
 
@@ -79,10 +82,49 @@ static void colors_of_other_programs(void **state) {
     test_points_free(&points);
 }
 
+/* Far from 0 in relation to their box, coordinates are written as doubles, and come back to a float's
+ * precision of the box; near 0 they are floats. */
+static void places_far_from_0_are_doubles(void **state) {
+    (void)state;
+    enum { COUNT = 200, SIZE = 40 };
+    iso_surfel surfels[COUNT];
+    uint32_t seed = 5;
+    for (int i = 0; i < COUNT; i++) {
+        surfels[i] = (iso_surfel){{0, 0, 0}, {0, 0.6f, 0.8f}};
+        for (int k = 0; k < 3; k++) surfels[i].position[k] = (float)(SIZE * uniform(&seed));
+    }
+    const iso_point_span span = {.count = COUNT};
+    iso_point_view view = {.surfels = surfels,
+                           .spans = &span,
+                           .span_count = 1,
+                           .transform = iso_transform_identity(),
+                           .radius = 1};
+    iso_error error = {0};
+    for (int far = 0; far < 2; far++) {
+        iso_glyphs glyphs;
+        char head[400] = "";
+        view.transform.origin[1] = far ? 5403850.25 : 2 * SIZE;
+        test_ok(iso_points_write_ply(FILE_PLY, &view, NULL, &error), &error);
+        FILE *file = fopen(FILE_PLY, "rb");
+        assert_non_null(file);
+        assert_true(fread(head, 1, sizeof head - 1, file) > 300);
+        fclose(file);
+        assert_int_equal(strstr(head, "property double y\n") != NULL, far);
+        assert_non_null(strstr(head, "property float nx\n"));
+        test_ok(iso_glyphs_read(FILE_PLY, NULL, &glyphs, &error), &error);
+        assert_int_equal(glyphs.count, COUNT);
+        for (size_t i = 0; i < COUNT; i++)
+            assert_true(fabs(iso_glyph_position(&glyphs, i).y - view.transform.origin[1] -
+                             (double)surfels[i].position[1]) < 1e-6 * SIZE * (far ? 1 : 4));
+        iso_glyphs_free(&glyphs);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(colors_come_back),
         cmocka_unit_test(colors_of_other_programs),
+        cmocka_unit_test(places_far_from_0_are_doubles),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

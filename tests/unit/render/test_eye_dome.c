@@ -62,8 +62,8 @@ static void test_plain(void **state) {
         }
 }
 
-/* A plane across the view is fully lit; so is a plate before it; beside the plate the plane is darker, and the
- * nearer the darker. The same in metres. */
+/* A plane across the view is fully lit; so is a plate before it; beside the plate the plane is darker, and
+ * the nearer the darker. The same in metres. */
 static void test_known(void **state) {
     (void)state;
     for (int k = 0; k < 2; k++) {
