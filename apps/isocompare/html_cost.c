@@ -1,9 +1,19 @@
 /* html_cost: the report's tables of what extraction and frames cost (compare/cost.h), like tables 2 to 4 of
  * Baerentzen and Christensen 2003. */
+#include <math.h>
+
 #include "apps/isocompare/report.h"
 
+/* Writes a cell of a table with a rate or a percentage; a dash if it is not known. */
+static void put_cell(FILE *stream, double value, const char *unit) {
+    if (isnan(value))
+        fputs("<td>–</td>", stream);
+    else
+        fprintf(stream, "<td>%.3g%s</td>", value, unit);
+}
+
 static void put_rate(FILE *stream, const iso_cost_frame *frame) {
-    fprintf(stream, "<td>%.4g</td>", 1 / frame->median);
+    put_cell(stream, 1 / frame->median, "");
 }
 
 static void put_row_head(int number, FILE *stream) {
@@ -26,7 +36,8 @@ static void put_primitives(const iso_cost_study *study, FILE *stream) {
         isocompare_put_milliseconds(stream, row->generation);
         fputs("</td>", stream);
         put_rate(stream, &row->still);
-        fprintf(stream, "<td>%.4g</td></tr>\n", 1 / row->still.best);
+        put_cell(stream, 1 / row->still.best, "");
+        fputs("</tr>\n", stream);
     }
     fprintf(stream,
             "</tbody></table></div>\n<p>As triangle strips the mesh would need %.0f %% of its triangles' "
@@ -45,7 +56,8 @@ static void put_edits(const iso_cost_study *study, FILE *stream) {
         const iso_cost_row *row = &study->rows[i];
         put_row_head(i, stream);
         put_rate(stream, &row->edited);
-        fprintf(stream, "<td>%.0f %%</td></tr>\n", 100 * row->still.median / row->edited.median);
+        put_cell(stream, 100 * row->still.median / row->edited.median, " %");
+        fputs("</tr>\n", stream);
     }
     fputs("</tbody></table></div>\n", stream);
 }

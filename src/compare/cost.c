@@ -168,16 +168,31 @@ static iso_status draw_runs(measurement *m, const iso_renderer *method, int side
     return ISO_OK;
 }
 
-static iso_status time_frames(measurement *m, const iso_renderer *method, int side, bool edit,
-                              iso_cost_frame *cost, iso_error *error) {
+static iso_status allocate_and_draw(measurement *m, const iso_renderer *method, int side, bool edit,
+                                    iso_cost_frame *cost, iso_error *error) {
     iso_study_frame frame = {0};
     double *times = iso_alloc(ISO_COST_RUNS * MOST_FRAMES * sizeof *times);
     iso_status status = times ? ISO_OK : iso_fail(error, ISO_ERR_NOMEM, "out of memory");
+    /* A workspace of its own, which does not keep the memory of the largest pictures. */
+    if (status == ISO_OK) status = iso_pullpush_create(&m->subject.workspace, error);
     if (status == ISO_OK) status = iso_study_frame_create(side, false, &frame, error);
     if (status == ISO_OK) status = draw_runs(m, method, side, edit, &frame, times, cost, error);
+    iso_pullpush_destroy(m->subject.workspace);
+    m->subject.workspace = NULL;
     iso_study_frame_free(&frame);
     iso_free(times);
     return status;
+}
+
+/* Times frames; pictures for which the memory limit leaves no room have no times. */
+static iso_status time_frames(measurement *m, const iso_renderer *method, int side, bool edit,
+                              iso_cost_frame *cost, iso_error *error) {
+    iso_error detail = {0};
+    iso_status status = allocate_and_draw(m, method, side, edit, cost, &detail);
+    if (status == ISO_OK) return ISO_OK;
+    if (status != ISO_ERR_NOMEM && status != ISO_ERR_LIMIT) return iso_fail(error, status, "%s", detail.text);
+    *cost = (iso_cost_frame){.median = NAN, .best = NAN};
+    return ISO_OK;
 }
 
 /* ---- all of it ---- */
@@ -236,6 +251,7 @@ iso_status iso_study_cost(const iso_subject *subject, const iso_study_ball *ball
                      .run_seconds = opts->seconds > 0 ? opts->seconds : 0.2,
                      .dirty = study->dirty,
                      .mesh = &mesh};
+    m.subject.workspace = NULL;
     iso_status status = measure_methods(&m, study, error);
     iso_point_set_destroy(m.points);
     iso_free(spans);

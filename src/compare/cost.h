@@ -20,7 +20,7 @@ const iso_renderer *iso_cost_method(int number);
 /* Pixels along a side of the pictures of table 4: 100, 200, 400, 800, 2048. */
 extern const int ISO_COST_VIEWPORT[ISO_COST_VIEWPORTS];
 
-/* Seconds a frame takes. */
+/* Seconds a frame takes; NaN: the memory limit leaves no room for such pictures. */
 typedef struct iso_cost_frame {
     double median; /* of all frames of ISO_COST_RUNS runs */
     double best;   /* the least mean of a run, which is what the paper reports */
