@@ -38,9 +38,15 @@ typedef struct iso_module {
     iso_level_set_writer *write_level_set;
 } iso_module;
 
+#ifdef __cplusplus
+#define ISO_MODULE_EXTERN extern "C"
+#else
+#define ISO_MODULE_EXTERN extern
+#endif
+
 /* Defines the one symbol that a module exports. ISO_VERSION comes from the build. */
 #define ISO_MODULE(format, dicom_decode, write_level_set)                                                    \
-    extern "C" const iso_module iso_module_table;                                                            \
+    ISO_MODULE_EXTERN const iso_module iso_module_table;                                                     \
     const iso_module iso_module_table = {ISO_MODULE_ABI, ISO_VERSION, format, dicom_decode, write_level_set}
 
 /* Loads module `name` and returns its table, which stays valid. `path` is the file that needs it and

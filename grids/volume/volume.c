@@ -3,6 +3,7 @@
 #define _GNU_SOURCE
 #include "grids/volume/volume.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <limits.h>
 #include <math.h>
@@ -24,6 +25,7 @@
  * megabytes. */
 static const iso_format format_vti = {.name = "vti", .library = "VTK", .module = "vti"};
 static const iso_format format_vdb = {.name = "vdb", .library = "OpenVDB", .module = "vdb"};
+static const iso_format format_tiff = {.name = "tiff", .library = "libtiff", .module = "tiff"};
 
 static const struct {
     const char *suffix;
@@ -34,7 +36,7 @@ static const struct {
     {".nii", &iso_format_nifti}, {".nii.gz", &iso_format_nifti},  {".hdr", &iso_format_nifti},
     {".img", &iso_format_nifti}, {".hdr.gz", &iso_format_nifti},  {".img.gz", &iso_format_nifti},
     {".dcm", &iso_format_dicom}, {".dicom", &iso_format_dicom},   {".ima", &iso_format_dicom},
-    {".vdb", &format_vdb},
+    {".vdb", &format_vdb},       {".tif", &format_tiff},          {".tiff", &format_tiff},
 };
 
 static const iso_format *format_of_name(const char *path) {
@@ -75,6 +77,15 @@ static bool is_metaimage(const head *h) {
     return false;
 }
 
+/* TIFF and BigTIFF in both byte orders. */
+static bool is_tiff(const head *h) {
+    static const char magic[4][4] = {
+        {'I', 'I', 42, 0}, {'M', 'M', 0, 42}, {'I', 'I', 43, 0}, {'M', 'M', 0, 43}};
+    for (int i = 0; i < 4; i++)
+        if (has_at(h, 0, magic[i], 4)) return true;
+    return false;
+}
+
 static bool is_xml_vtk(const head *h) {
     return memmem(h->bytes, h->count, "<VTKFile", 8) != NULL;
 }
@@ -87,6 +98,7 @@ static const iso_format *format_of_content(const head *h) {
     if (has_at(h, 128, "DICM", 4)) return &iso_format_dicom;
     if (is_nifti(h) || has_at(h, 0, "\x1f\x8b", 2)) return &iso_format_nifti;
     if (is_xml_vtk(h)) return &format_vti;
+    if (is_tiff(h)) return &format_tiff;
     return is_metaimage(h) ? &iso_format_metaimage : NULL;
 }
 
@@ -141,12 +153,23 @@ static iso_status guess_raw(const char *path, uint64_t bytes, request *r, const 
         (unsigned long long)wanted);
 }
 
+/* Whether a folder has a file that is called .tif or .tiff. */
+static bool has_tiffs(const char *path) {
+    DIR *folder = opendir(path);
+    bool found = false;
+    if (!folder) return false;
+    for (const struct dirent *entry; !found && (entry = readdir(folder));)
+        found = format_of_name(entry->d_name) == &format_tiff;
+    closedir(folder);
+    return found;
+}
+
 static iso_status find_format(const char *path, request *r, const iso_format **format, iso_error *error) {
     struct stat status;
     if (stat(path, &status) != 0)
         return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
     if (S_ISDIR(status.st_mode)) {
-        *format = &iso_format_dicom;
+        *format = has_tiffs(path) ? &format_tiff : &iso_format_dicom;
         if (r->opts.raw) return iso_fail(error, ISO_ERR_IO, "%s: is a folder, not a raw file", path);
         return ISO_OK;
     }

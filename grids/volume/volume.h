@@ -5,6 +5,7 @@
  *   DICOM (a folder or a file)  GDCM                      .nii .nii.gz .hdr/.img libnifti2
  *   .vdb                        OpenVDB                   legacy .vtk            our own
  *   raw                         our own, iso_raw_layout   .mha .mhd              our own
+ *   .tif .tiff (also a folder)  libtiff
  *
  * The format is found from the content, and from the name if the content does not tell.
  *

@@ -49,6 +49,25 @@ def dicom_file(number, frames=1):
     return b"\0" * 128 + b"DICM" + meta + data
 
 
+def tiff_file(slices, description=b""):
+    """Slices of the voxels, uncompressed, each with a header in front of it; the first has a description."""
+    x, y, _ = DIMS
+    data = b"II*\0" + struct.pack("<I", 8)
+    for number, z in enumerate(slices):
+        text = description + b"\0" if description and number == 0 else b""
+        entries = [(256, 3, 1, x), (257, 3, 1, y), (258, 3, 1, 8), (259, 3, 1, 1), (262, 3, 1, 1), (277, 3, 1, 1),
+                   (278, 3, 1, y), (279, 4, 1, x * y)]
+        begin = len(data)
+        after = begin + 2 + 12 * (len(entries) + 1 + bool(text)) + 4
+        if text:
+            entries.append((270, 2, len(text), after))
+        entries.append((273, 4, 1, after + len(text)))
+        end = after + len(text) + x * y
+        data += struct.pack("<H", len(entries)) + b"".join(struct.pack("<HHII", *e) for e in sorted(entries))
+        data += struct.pack("<I", end if number + 1 < len(slices) else 0) + text + bytes(VOXELS[x * y * z:x * y * (z + 1)])
+    return data
+
+
 def nifti_header(magic, offset):
     header = bytearray(348)
     struct.pack_into("<i", header, 0, 348)
@@ -107,6 +126,8 @@ def volume_seeds():
     yield "hdr", {"a.hdr": nifti_header(b"ni1\0", 0), "a.img": voxels}
     yield "nii", {"a.nii": nifti_header(b"n+1\0", 352) + b"\0" * 4 + voxels}
     yield "nii.gz", {"a.nii.gz": gzip.compress(nifti_header(b"n+1\0", 352) + b"\0" * 4 + voxels, mtime=0)}
+    yield "tiff", {"a.tif": tiff_file(range(9), b"ImageJ=1.53t\nimages=9\nslices=9\nunit=mm\nspacing=1.5\n")}
+    yield "tiff-folder", {"a/%d.tif" % z: tiff_file([z]) for z in range(9)}
     yield "dicom", {"a.dcm": dicom_file(0, 9)}
     yield "dicom-folder", {"a/%d.dcm" % z: dicom_file(z) for z in range(4)}
 
@@ -142,7 +163,7 @@ def make(programs, source, folder):
     seeds = [Seed("isorender " + label, files, "isorender", picture) for label, files in volumes]
     seeds += [Seed("isosculpt " + label, files, "isosculpt",
                    (["--isovalue", "100"] if label != "vdb" else []) + ["--headless", "-o", "out.stl", "--open"])
-              for label, files in volumes if label in ("nrrd", "nhdr", "dicom", "vdb", "nii")]
+              for label, files in volumes if label in ("nrrd", "nhdr", "dicom", "vdb", "nii", "tiff")]
     seeds += [Seed("isocompare " + label, files, "isocompare report", ["--side", "64", "--output", "out"])
               for label, files in volumes if label in ("nrrd", "mhd")]
     points = written(programs, folder, "p.ply", "isorender", "scene:sphere:16", "--no-image", "--points")

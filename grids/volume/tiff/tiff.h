@@ -1,0 +1,91 @@
+/* tiff: the types and functions of the TIFF reader.
+ *
+ * A volume in TIFF is a file with an image for each slice, or a folder with a file for each slice. stack.c lists
+ * the images in order and checks that they fit together, metadata.c reads what ImageJ and OME-TIFF write into the
+ * image description, pixels.c reads the values of an image, and format_tiff.c is the reader (a module, with
+ * libtiff). */
+#ifndef ISO_GRIDS_VOLUME_TIFF_TIFF_H
+#define ISO_GRIDS_VOLUME_TIFF_TIFF_H
+
+#include "grids/volume/format.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ---- metadata ---- */
+
+/* The axes of the images of a file, in the order in which they follow one another, fastest first. */
+typedef enum iso_tiff_axis { ISO_TIFF_CHANNEL, ISO_TIFF_SLICE, ISO_TIFF_TIME, ISO_TIFF_AXES } iso_tiff_axis;
+
+typedef struct iso_tiff_metadata {
+    iso_tiff_axis order[ISO_TIFF_AXES];
+    uint32_t sizes[ISO_TIFF_AXES]; /* 0: not stated */
+    uint32_t images;               /* ImageJ: number of images in the file; 0: not stated */
+    double spacing[3];             /* mm; 0: not stated */
+    double unit;                   /* ImageJ: length of the unit of the resolution tags, mm; 0: not stated */
+    const char *writer;            /* "ImageJ", "OME", or NULL: the description has no metadata */
+} iso_tiff_metadata;
+
+/* Parses the text of an ImageDescription tag; NULL is fine. Numbers that make no sense count as not stated. */
+void iso_tiff_metadata_parse(const char *description, iso_tiff_metadata *metadata);
+
+/* ---- images ---- */
+
+/* The layout of an image. All images of a stack have the same. */
+typedef struct iso_tiff_layout {
+    uint32_t width, height;
+    iso_scalar scalar;
+    uint16_t samples; /* values of a pixel */
+    bool separate;    /* samples lie in planes of their own */
+} iso_tiff_layout;
+
+typedef struct iso_tiff_image {
+    uint32_t file, page;
+} iso_tiff_image;
+
+typedef struct iso_tiff_stack {
+    char **paths;
+    uint32_t path_count;
+    iso_tiff_image *images; /* in the order of files and pages */
+    size_t count, room;
+    iso_tiff_layout layout;
+    iso_tiff_metadata metadata; /* of the first image */
+    double resolution[2];       /* mm between pixels along x and y; 0: not stated */
+    uint64_t block_bytes;       /* the largest strip or tile */
+    uint64_t contiguous;        /* ImageJ: only the first image has a header; byte at which the values of all
+                                   images begin, one after another; 0: every image has a header */
+    bool big_endian;            /* of contiguous values */
+    size_t overviews;           /* images left out because they are reduced copies of others */
+} iso_tiff_stack;
+
+/* Lists the images of a file, or of the files of a folder in the natural order of their names (slice_2 before
+ * slice_10), and reads their headers. The files are added to opts->files. iso_tiff_stack_free when done, also
+ * after an error. ISO_ERR_IO: a damaged or truncated file; ISO_ERR_FORMAT: images of different sizes or types, or
+ * of a type that is not supported; ISO_ERR_NOMEM. Each text names the file. */
+iso_status iso_tiff_stack_open(const char *path, const iso_volume_opts *opts, iso_tiff_stack *stack,
+                               iso_error *error);
+void iso_tiff_stack_free(iso_tiff_stack *stack);
+
+/* ---- values ---- */
+
+/* Opens a file for reading with libtiff; strips and tiles of more than `most` bytes (0: no limit) are refused.
+ * libtiff's messages are kept for iso_tiff_fail and not printed. Close with iso_tiff_close. ISO_ERR_IO. */
+typedef struct iso_tiff_file iso_tiff_file;
+iso_status iso_tiff_open(const char *path, uint64_t most, iso_tiff_file **file, iso_error *error);
+void iso_tiff_close(iso_tiff_file *file);
+struct tiff *iso_tiff_handle(iso_tiff_file *file);
+/* Makes image `page` the current one. ISO_ERR_IO. */
+iso_status iso_tiff_set_page(iso_tiff_file *file, uint32_t page, iso_error *error);
+/* ISO_ERR_IO "file, image N: ..." with libtiff's last message, or `text` if it has none. */
+iso_status iso_tiff_fail(const iso_tiff_file *file, uint32_t page, const char *text, iso_error *error);
+
+/* Reads one sample of the pixels of the current image of `file` into `target`, width * height values of `type`
+ * (iso_scalar_convert); `block` is memory for stack->block_bytes bytes. ISO_ERR_IO. */
+iso_status iso_tiff_read_pixels(iso_tiff_file *file, const iso_tiff_stack *stack, uint32_t page, int sample,
+                                void *block, iso_type type, void *target, iso_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
