@@ -31,8 +31,8 @@ typedef struct measurement {
     uint64_t seed;             /* of the pseudo-random numbers */
 } measurement;
 
-/* Returns the next pseudo-random number in [0, 1): a 64-bit linear congruential generator (Knuth, The Art of
- * Computer Programming 2, section 3.3.4). */
+/* Returns the next pseudo-random number in [0, 1): a 64-bit linear congruential generator (Knuth, The Art
+ * of Computer Programming 2, section 3.3.4). */
 static double random_number(uint64_t *seed) {
     *seed = *seed * 6364136223846793005u + 1442695040888963407u;
     return (double)(*seed >> 11) * 0x1p-53;
@@ -117,8 +117,8 @@ static iso_status measure_strips(const iso_mesh_view *mesh, double *share, iso_e
 
 /* ---- frames ---- */
 
-/* Marks voxels in the middle of some bricks that the surface crosses as edited, so that just these bricks are
- * extracted again: voxels that neighbours read are not among them. */
+/* Marks voxels in the middle of some bricks that the surface crosses as edited, so that just these bricks
+ * are extracted again: voxels that neighbours read are not among them. */
 static iso_status mark_bricks(measurement *m, iso_error *error) {
     iso_change_log *log = iso_grid_log(m->subject.grid);
     const int *dims = iso_grid_dims(m->subject.grid);

@@ -52,9 +52,9 @@ typedef struct iso_cost_opts {
 } iso_cost_opts;
 
 /* Measures everything. The subject needs its parts points, mesh and cells. Marks bricks of its grid as
- * edited, without changing a value. Points are those that the paper draws: foot points of sparse level sets,
- * else edge points. Only the colours of the look are used. ISO_ERR_NOMEM, and the errors of extraction and
- * drawing. */
+ * edited, without changing a value. Points are those that the paper draws: foot points of sparse level
+ * sets, else edge points. Only the colours of the look are used. ISO_ERR_NOMEM, and the errors of
+ * extraction and drawing. */
 iso_status iso_study_cost(const iso_subject *subject, const iso_study_ball *ball, const iso_study_look *look,
                           const iso_cost_opts *opts, iso_cost_study *study, iso_error *error);
 

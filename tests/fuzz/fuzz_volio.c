@@ -15,7 +15,8 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t count);
 
-static const char *const suffixes[] = {"vti", "vtk", "nrrd", "mha", "nii", "nii.gz", "vdb", "dcm", "tif", "raw"};
+static const char *const suffixes[] = {"vti",    "vtk", "nrrd", "mha", "nii",
+                                       "nii.gz", "vdb", "dcm",  "tif", "raw"};
 enum { SUFFIXES = sizeof suffixes / sizeof *suffixes };
 
 static void check(int truth, const char *what) {

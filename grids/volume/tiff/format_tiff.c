@@ -1,7 +1,8 @@
-/* format_tiff: reads a TIFF file with an image for each slice, or a folder with a file for each slice: TIFF and
- * BigTIFF in both byte orders, strips and tiles, every compression that libtiff has, integers of 8 to 64 bits and
- * floats. Slices follow one another along z; x is to the right and y downwards in an image. Distances come from
- * ImageJ's or OME's metadata, else from the resolution tags; several samples or channels are components. */
+/* format_tiff: reads a TIFF file with an image for each slice, or a folder with a file for each slice: TIFF
+ * and BigTIFF in both byte orders, strips and tiles, every compression that libtiff has, integers of 8 to
+ * 64 bits and floats. Slices follow one another along z; x is to the right and y downwards in an image.
+ * Distances come from ImageJ's or OME's metadata, else from the resolution tags; several samples or
+ * channels are components. */
 #define _GNU_SOURCE
 #include <errno.h>
 #include <limits.h>
@@ -128,7 +129,8 @@ typedef struct reading {
     uint32_t number;     /* of the open file */
 } reading;
 
-/* The number of the image that has a slice of the component that is read, and the component's sample in it. */
+/* The number of the image that has a slice of the component that is read, and the component's sample in it.
+ */
 static uint64_t image_of(const reading *r, uint64_t slice, int *sample) {
     const uint64_t samples = r->stack->layout.samples, component = (uint64_t)r->info->component;
     *sample = (int)(component % samples);

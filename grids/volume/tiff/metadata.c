@@ -1,5 +1,5 @@
-/* metadata: the image descriptions of ImageJ ("ImageJ=1.53t", a key and a value a line) and of OME-TIFF (XML, whose
- * element Pixels has what is needed). */
+/* metadata: the image descriptions of ImageJ ("ImageJ=1.53t", a key and a value a line) and of OME-TIFF
+ * (XML, whose element Pixels has what is needed). */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -65,7 +65,8 @@ static void parse_imagej(const char *text, iso_tiff_metadata *m) {
 
 /* ---- OME ---- */
 
-/* Copies the value of an attribute of the element that begins at `element`; false: it has no such attribute. */
+/* Copies the value of an attribute of the element that begins at `element`; false: it has no such
+ * attribute. */
 static bool attribute(const char *element, const char *name, char value[VALUE]) {
     const char *end = strchr(element, '>');
     const size_t length = strlen(name);

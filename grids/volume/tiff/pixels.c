@@ -102,7 +102,8 @@ static blocks blocks_of(TIFF *tiff, const iso_tiff_layout *layout) {
     return b;
 }
 
-/* Converts the rows of a block that lie in the image. Values are in the machine's byte order: libtiff swaps them. */
+/* Converts the rows of a block that lie in the image. Values are in the machine's byte order: libtiff swaps
+ * them. */
 static void convert_block(const iso_tiff_layout *layout, const blocks *b, uint32_t number, int sample,
                           const void *block, iso_type type, void *target) {
     const uint32_t x = number % b->across * b->width, y = number / b->across * b->height;

@@ -1,4 +1,5 @@
-/* stack: lists the images of a TIFF file, or of a folder of TIFF files, and checks that they fit together. */
+/* stack: lists the images of a TIFF file, or of a folder of TIFF files, and checks that they fit together.
+ */
 #define _GNU_SOURCE
 #include <dirent.h>
 #include <errno.h>
@@ -171,8 +172,8 @@ static void read_geometry(const header *h, iso_tiff_stack *stack) {
     stack->resolution[1] = pixel_distance(h, TIFFTAG_YRESOLUTION, stack->metadata.unit);
 }
 
-/* ImageJ writes stacks of more than 4 GB with a header for the first image only; the values of all follow one
- * another. */
+/* ImageJ writes stacks of more than 4 GB with a header for the first image only; the values of all follow
+ * one another. */
 static void find_contiguous(const header *h, iso_tiff_stack *stack) {
     uint16_t compression = COMPRESSION_NONE;
     const uint64_t *offsets = NULL;

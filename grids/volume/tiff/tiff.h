@@ -1,9 +1,9 @@
 /* tiff: the types and functions of the TIFF reader.
  *
- * A volume in TIFF is a file with an image for each slice, or a folder with a file for each slice. stack.c lists
- * the images in order and checks that they fit together, metadata.c reads what ImageJ and OME-TIFF write into the
- * image description, pixels.c reads the values of an image, and format_tiff.c is the reader (a module, with
- * libtiff). */
+ * A volume in TIFF is a file with an image for each slice, or a folder with a file for each slice. stack.c
+ * lists the images in order and checks that they fit together, metadata.c reads what ImageJ and OME-TIFF
+ * write into the image description, pixels.c reads the values of an image, and format_tiff.c is the reader
+ * (a module, with libtiff). */
 #ifndef ISO_GRIDS_VOLUME_TIFF_TIFF_H
 #define ISO_GRIDS_VOLUME_TIFF_TIFF_H
 
@@ -27,7 +27,8 @@ typedef struct iso_tiff_metadata {
     const char *writer;            /* "ImageJ", "OME", or NULL: the description has no metadata */
 } iso_tiff_metadata;
 
-/* Parses the text of an ImageDescription tag; NULL is fine. Numbers that make no sense count as not stated. */
+/* Parses the text of an ImageDescription tag; NULL is fine. Numbers that make no sense count as not stated.
+ */
 void iso_tiff_metadata_parse(const char *description, iso_tiff_metadata *metadata);
 
 /* ---- images ---- */
@@ -59,18 +60,19 @@ typedef struct iso_tiff_stack {
     size_t overviews;           /* images left out because they are reduced copies of others */
 } iso_tiff_stack;
 
-/* Lists the images of a file, or of the files of a folder in the natural order of their names (slice_2 before
- * slice_10), and reads their headers. The files are added to opts->files. iso_tiff_stack_free when done, also
- * after an error. ISO_ERR_IO: a damaged or truncated file; ISO_ERR_FORMAT: images of different sizes or types, or
- * of a type that is not supported; ISO_ERR_NOMEM. Each text names the file. */
+/* Lists the images of a file, or of the files of a folder in the natural order of their names (slice_2
+ * before slice_10), and reads their headers. The files are added to opts->files. iso_tiff_stack_free when
+ * done, also after an error. ISO_ERR_IO: a damaged or truncated file; ISO_ERR_FORMAT: images of different
+ * sizes or types, or of a type that is not supported; ISO_ERR_NOMEM. Each text names the file. */
 iso_status iso_tiff_stack_open(const char *path, const iso_volume_opts *opts, iso_tiff_stack *stack,
                                iso_error *error);
 void iso_tiff_stack_free(iso_tiff_stack *stack);
 
 /* ---- values ---- */
 
-/* Opens a file for reading with libtiff; strips and tiles of more than `most` bytes (0: no limit) are refused.
- * libtiff's messages are kept for iso_tiff_fail and not printed. Close with iso_tiff_close. ISO_ERR_IO. */
+/* Opens a file for reading with libtiff; strips and tiles of more than `most` bytes (0: no limit) are
+ * refused. libtiff's messages are kept for iso_tiff_fail and not printed. Close with iso_tiff_close.
+ * ISO_ERR_IO. */
 typedef struct iso_tiff_file iso_tiff_file;
 iso_status iso_tiff_open(const char *path, uint64_t most, iso_tiff_file **file, iso_error *error);
 void iso_tiff_close(iso_tiff_file *file);
@@ -80,8 +82,8 @@ iso_status iso_tiff_set_page(iso_tiff_file *file, uint32_t page, iso_error *erro
 /* ISO_ERR_IO "file, image N: ..." with libtiff's last message, or `text` if it has none. */
 iso_status iso_tiff_fail(const iso_tiff_file *file, uint32_t page, const char *text, iso_error *error);
 
-/* Reads one sample of the pixels of the current image of `file` into `target`, width * height values of `type`
- * (iso_scalar_convert); `block` is memory for stack->block_bytes bytes. ISO_ERR_IO. */
+/* Reads one sample of the pixels of the current image of `file` into `target`, width * height values of
+ * `type` (iso_scalar_convert); `block` is memory for stack->block_bytes bytes. ISO_ERR_IO. */
 iso_status iso_tiff_read_pixels(iso_tiff_file *file, const iso_tiff_stack *stack, uint32_t page, int sample,
                                 void *block, iso_type type, void *target, iso_error *error);
 

@@ -1,4 +1,5 @@
-/* TIFF: every layout gives the same voxels, folders are in natural order, and metadata give distances and channels. */
+/* TIFF: every layout gives the same voxels, folders are in natural order, and metadata give distances and
+ * channels. */
 #define _POSIX_C_SOURCE 200809L
 #include <setjmp.h>
 #include <stdarg.h>
