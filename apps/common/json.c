@@ -1,136 +1,117 @@
+/* Builds JSON documents with jansson. */
 #include "apps/common/json.h"
 
+#include <assert.h>
+#include <jansson.h>
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "base/text.h"
 
-static void put_string(FILE *stream, const char *value) {
-    const unsigned char *text = (const unsigned char *)value;
-    fputc('"', stream);
-    while (*text) {
-        int length = iso_text_utf8((const char *)text);
-        if (length == 0) {
-            fputs("\\ufffd", stream);
-            length = 1;
-        } else if (*text == '"' || *text == '\\') {
-            fprintf(stream, "\\%c", *text);
-        } else if (*text < 0x20 || *text == 0x7f) {
-            fprintf(stream, "\\u%04x", *text);
-        } else {
-            fwrite(text, 1, (size_t)length, stream);
-        }
-        text += length;
-    }
-    fputc('"', stream);
-}
+/* ---- members */
 
-static void put_real(FILE *stream, double value) {
-    if (!isfinite(value)) {
-        fputs("null", stream);
+/* Adds a value to the innermost object or array that is open, which owns it from then on. NULL: there was no
+ * memory for the value; nothing more is added. */
+static void add(iso_json *json, const char *key, json_t *value) {
+    if (json->failed) {
+        json_decref(value);
         return;
     }
-    char text[40];
-    for (int digits = 6; digits <= 17; digits++) {
-        snprintf(text, sizeof text, "%.*g", digits, value);
-        if (strtod(text, NULL) == value) break;
-    }
-    fputs(text, stream);
+    json_t *parent = json->depth > 0 ? json->open[json->depth - 1] : NULL;
+    if (!parent)
+        json->document = value;
+    else if (json_is_object(parent))
+        json->failed = json_object_set_new(parent, key, value) != 0;
+    else
+        json->failed = json_array_append_new(parent, value) != 0;
+    json->failed |= !value;
 }
 
-/* Writes the comma, line break and key that precede a value. */
-static void begin_value(iso_json *json, const char *key) {
-    if (json->filled) fputs(json->inlined ? ", " : ",", json->stream);
-    if (json->depth > 0 && !json->inlined) fprintf(json->stream, "\n%*s", 2 * json->depth, "");
-    if (key) {
-        put_string(json->stream, key);
-        fputs(": ", json->stream);
-    }
-    json->filled = true;
-}
-
-static void open_level(iso_json *json, const char *key, char bracket) {
-    begin_value(json, key);
-    fputc(bracket, json->stream);
-    json->depth++;
-    json->filled = false;
-}
-
-static void close_level(iso_json *json, char bracket) {
-    json->depth--;
-    if (json->filled) fprintf(json->stream, "\n%*s", 2 * json->depth, "");
-    fputc(bracket, json->stream);
-    json->filled = true;
-    if (json->depth == 0) fputc('\n', json->stream);
+static void begin(iso_json *json, const char *key, json_t *value) {
+    assert(json->depth < ISO_JSON_DEPTH);
+    add(json, key, value);
+    json->open[json->depth++] = value; /* not used if adding it failed */
 }
 
 void iso_json_begin_object(iso_json *json, const char *key) {
-    open_level(json, key, '{');
+    begin(json, key, json_object());
 }
 void iso_json_end_object(iso_json *json) {
-    close_level(json, '}');
+    json->depth--;
 }
 void iso_json_begin_array(iso_json *json, const char *key) {
-    open_level(json, key, '[');
+    begin(json, key, json_array());
 }
 void iso_json_end_array(iso_json *json) {
-    close_level(json, ']');
+    json->depth--;
+}
+
+/* NULL: no memory. */
+static json_t *string_of(const char *text) {
+    json_t *string = json_string(text);
+    if (string) return string;
+    char *clean = iso_text_clean_copy(text); /* it is not UTF-8 */
+    string = json_string(clean);             /* NULL for NULL */
+    free(clean);
+    return string;
+}
+
+static json_t *real_of(double value) {
+    return isfinite(value) ? json_real(value) : json_null();
 }
 
 void iso_json_string(iso_json *json, const char *key, const char *value) {
-    if (!value) {
-        iso_json_null(json, key);
-        return;
-    }
-    begin_value(json, key);
-    put_string(json->stream, value);
+    add(json, key, value ? string_of(value) : json_null());
 }
 
 void iso_json_real(iso_json *json, const char *key, double value) {
-    begin_value(json, key);
-    put_real(json->stream, value);
+    add(json, key, real_of(value));
 }
 
 void iso_json_integer(iso_json *json, const char *key, uint64_t value) {
-    begin_value(json, key);
-    fprintf(json->stream, "%llu", (unsigned long long)value);
+    /* jansson's integers are signed. */
+    add(json, key, value <= INT64_MAX ? json_integer((json_int_t)value) : json_real((double)value));
 }
 
 void iso_json_bool(iso_json *json, const char *key, bool value) {
-    begin_value(json, key);
-    fputs(value ? "true" : "false", json->stream);
+    add(json, key, json_boolean(value));
 }
 
 void iso_json_null(iso_json *json, const char *key) {
-    begin_value(json, key);
-    fputs("null", json->stream);
-}
-
-static void begin_line(iso_json *json, const char *key) {
-    begin_value(json, key);
-    fputc('[', json->stream);
-    json->inlined = true;
-    json->filled = false;
-}
-
-static void end_line(iso_json *json) {
-    fputc(']', json->stream);
-    json->inlined = false;
-    json->filled = true;
+    add(json, key, json_null());
 }
 
 void iso_json_reals(iso_json *json, const char *key, const double *values, int count) {
-    begin_line(json, key);
+    iso_json_begin_array(json, key);
     for (int i = 0; i < count; i++) iso_json_real(json, NULL, values[i]);
-    end_line(json);
+    iso_json_end_array(json);
 }
 
 void iso_json_ints(iso_json *json, const char *key, const int *values, int count) {
-    begin_line(json, key);
-    for (int i = 0; i < count; i++) {
-        begin_value(json, NULL);
-        fprintf(json->stream, "%d", values[i]);
-    }
-    end_line(json);
+    iso_json_begin_array(json, key);
+    for (int i = 0; i < count; i++) add(json, NULL, json_integer(values[i]));
+    iso_json_end_array(json);
+}
+
+/* ---- the document */
+
+void iso_json_discard(iso_json *json) {
+    json_decref(json->document);
+    *json = (iso_json){0};
+}
+
+iso_status iso_json_write(iso_json *json, FILE *stream, iso_error *error) {
+    char *text = json->failed ? NULL : json_dumps(json->document, JSON_INDENT(2) | JSON_REAL_PRECISION(17));
+    iso_json_discard(json);
+    if (!text) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a report in JSON");
+    fprintf(stream, "%s\n", text);
+    free(text);
+    return ISO_OK;
+}
+
+iso_status iso_json_commit(iso_json *json, iso_sink *sink, iso_error *error) {
+    const iso_status status = iso_json_write(json, sink->stream, error);
+    if (status == ISO_OK) return iso_sink_commit(sink, error);
+    iso_sink_abort(sink);
+    return status;
 }

@@ -146,9 +146,9 @@ static void put_comparison(iso_json *json, const comparison *c) {
 static iso_status write_json(const comparison *c, iso_error *error) {
     iso_sink sink = {0};
     ISO_TRY(iso_sink_open(c->settings->common.json_path ? c->settings->common.json_path : "-", &sink, error));
-    iso_json json = {.stream = sink.stream};
+    iso_json json = {0};
     put_comparison(&json, c);
-    return iso_sink_commit(&sink, error);
+    return iso_json_commit(&json, &sink, error);
 }
 
 static iso_status write_difference(const comparison *c, iso_error *error) {

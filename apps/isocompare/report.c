@@ -309,7 +309,7 @@ static iso_status open_sinks(const char *folder, iso_sink sinks[2], iso_error *e
 /* Writes both files, or neither. */
 static iso_status write_files(const report *r, iso_sink sinks[2], iso_error *error) {
     isocompare_write_html(r, sinks[0].stream);
-    isocompare_write_json(r, sinks[1].stream);
+    ISO_TRY(isocompare_write_json(r, sinks[1].stream, error));
     ISO_TRY(iso_sink_commit(&sinks[0], error));
     iso_status status = iso_sink_commit(&sinks[1], error);
     char *path = status == ISO_OK ? NULL : path_of(r->settings->output, 0);

@@ -69,8 +69,9 @@ typedef struct report {
 
 /* html.c: writes the whole page. Write errors are detected when the caller commits the stream's sink. */
 void isocompare_write_html(const report *r, FILE *stream);
-/* report_json.c: writes all numbers of the report. Write errors are detected in the same way. */
-void isocompare_write_json(const report *r, FILE *stream);
+/* report_json.c: writes all numbers of the report. Write errors are detected in the same way.
+ * ISO_ERR_NOMEM. */
+iso_status isocompare_write_json(const report *r, FILE *stream, iso_error *error);
 
 /* plots.c: plots as inline SVG. A report_value gives the number of a cell; NaN is not plotted. */
 typedef double report_value(const report *r, int view, int method);

@@ -134,8 +134,8 @@ static void put_cost(iso_json *json, const iso_cost_study *study) {
     iso_json_end_object(json);
 }
 
-void isocompare_write_json(const report *r, FILE *stream) {
-    iso_json json = {.stream = stream};
+iso_status isocompare_write_json(const report *r, FILE *stream, iso_error *error) {
+    iso_json json = {0};
     iso_json_begin_object(&json, NULL);
     iso_json_string(&json, "schema", "isocompare-report/1");
     iso_json_string(&json, "version", isocompare_program()->version);
@@ -152,4 +152,5 @@ void isocompare_write_json(const report *r, FILE *stream) {
     put_transparency(&json, r);
     put_cost(&json, &r->cost);
     iso_json_end_object(&json);
+    return iso_json_write(&json, stream, error);
 }

@@ -295,10 +295,11 @@ static iso_status put_report(iso_json *json, const isorender_job *job, iso_error
 
 iso_status isorender_report_json(const isorender_job *job, iso_error *error) {
     iso_sink sink = {0};
+    iso_json json = {0};
     ISO_TRY(iso_sink_open(job->plan->json ? job->plan->json : "-", &sink, error));
-    iso_json json = {.stream = sink.stream};
     iso_status status = put_report(&json, job, error);
-    if (status == ISO_OK) return iso_sink_commit(&sink, error);
+    if (status == ISO_OK) return iso_json_commit(&json, &sink, error);
+    iso_json_discard(&json);
     iso_sink_abort(&sink);
     return status;
 }

@@ -197,46 +197,46 @@ static void put_opened_mesh(iso_json *json, const iso_mesh_report *mesh) {
     iso_json_end_object(json);
 }
 
-static void put_report(FILE *stream, const isosculpt_settings *settings, const report *r) {
-    iso_json json = {.stream = stream};
-    iso_json_begin_object(&json, NULL);
-    iso_json_string(&json, "schema", "isosculpt/1");
-    iso_json_string(&json, "version", isosculpt_program()->version);
-    if (settings->replay) iso_json_string(&json, "strokes_file", settings->replay);
-    iso_json_string(&json, "source", r->start.source);
-    iso_json_ints(&json, "dims", r->start.dims, 3);
-    iso_json_real(&json, "voxel_size", r->start.voxel_size);
-    put_opened_mesh(&json, &r->opened_mesh);
-    if (r->parts.kept) iso_put_components(&json, "solid_parts", &r->parts);
-    if (r->mesh_path) iso_put_mesh_measures(&json, "mesh", &r->mesh);
-    iso_json_integer(&json, "strokes", r->strokes);
-    iso_json_integer(&json, "samples", r->samples);
-    iso_json_integer(&json, "undone", r->undone);
-    iso_json_integer(&json, "cells_edited", r->edits.edited);
-    iso_json_integer(&json, "cells_redistanced", r->edits.redistanced);
-    iso_json_integer(&json, "cells_created", r->edits.created);
-    iso_json_integer(&json, "cells_pruned", r->edits.pruned);
-    iso_json_bool(&json, "clipped", r->edits.clipped);
-    iso_json_integer(&json, "bricks", r->bricks);
-    iso_json_integer(&json, "bytes", r->bytes);
-    iso_json_integer(&json, "points", r->points);
-    iso_json_integer(&json, "peak_bytes", iso_memory_peak());
-    if (settings->draw) iso_json_ints(&json, "resolution", r->resolution, 2);
-    iso_json_begin_object(&json, "seconds");
-    iso_json_real(&json, "total", r->total);
-    put_times(&json, "edit", &r->edit);
-    put_times(&json, "extract", &r->extract);
-    put_times(&json, "draw", &r->draw);
-    put_times(&json, "step", &r->step);
-    iso_json_end_object(&json);
-    iso_json_end_object(&json);
+static void put_report(iso_json *json, const isosculpt_settings *settings, const report *r) {
+    iso_json_begin_object(json, NULL);
+    iso_json_string(json, "schema", "isosculpt/1");
+    iso_json_string(json, "version", isosculpt_program()->version);
+    if (settings->replay) iso_json_string(json, "strokes_file", settings->replay);
+    iso_json_string(json, "source", r->start.source);
+    iso_json_ints(json, "dims", r->start.dims, 3);
+    iso_json_real(json, "voxel_size", r->start.voxel_size);
+    put_opened_mesh(json, &r->opened_mesh);
+    if (r->parts.kept) iso_put_components(json, "solid_parts", &r->parts);
+    if (r->mesh_path) iso_put_mesh_measures(json, "mesh", &r->mesh);
+    iso_json_integer(json, "strokes", r->strokes);
+    iso_json_integer(json, "samples", r->samples);
+    iso_json_integer(json, "undone", r->undone);
+    iso_json_integer(json, "cells_edited", r->edits.edited);
+    iso_json_integer(json, "cells_redistanced", r->edits.redistanced);
+    iso_json_integer(json, "cells_created", r->edits.created);
+    iso_json_integer(json, "cells_pruned", r->edits.pruned);
+    iso_json_bool(json, "clipped", r->edits.clipped);
+    iso_json_integer(json, "bricks", r->bricks);
+    iso_json_integer(json, "bytes", r->bytes);
+    iso_json_integer(json, "points", r->points);
+    iso_json_integer(json, "peak_bytes", iso_memory_peak());
+    if (settings->draw) iso_json_ints(json, "resolution", r->resolution, 2);
+    iso_json_begin_object(json, "seconds");
+    iso_json_real(json, "total", r->total);
+    put_times(json, "edit", &r->edit);
+    put_times(json, "extract", &r->extract);
+    put_times(json, "draw", &r->draw);
+    put_times(json, "step", &r->step);
+    iso_json_end_object(json);
+    iso_json_end_object(json);
 }
 
 static iso_status write_report(const isosculpt_settings *settings, const report *r, iso_error *error) {
     iso_sink sink;
+    iso_json json = {0};
     ISO_TRY(iso_sink_open(settings->common.json_path ? settings->common.json_path : "-", &sink, error));
-    put_report(sink.stream, settings, r);
-    return iso_sink_commit(&sink, error);
+    put_report(&json, settings, r);
+    return iso_json_commit(&json, &sink, error);
 }
 
 /* ---- outputs */

@@ -334,7 +334,7 @@ static iso_status run_entry(state *st, const entry *e, iso_error *error) {
 /* ---- everything ---- */
 
 static iso_status write_json(state *s, iso_error *error) {
-    iso_json json = {.stream = s->json.stream};
+    iso_json json = {0};
     size_t count;
     const iso_metric *metrics = iso_metric_list(&count);
     iso_json_begin_array(&json, NULL);
@@ -354,7 +354,7 @@ static iso_status write_json(state *s, iso_error *error) {
         iso_json_end_object(&json);
     }
     iso_json_end_array(&json);
-    return iso_sink_commit(&s->json, error);
+    return iso_json_commit(&json, &s->json, error);
 }
 
 static bool is_in_study(const char *volume) {

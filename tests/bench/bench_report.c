@@ -209,7 +209,7 @@ static void write_row(iso_json *json, const bench_row *row, int index) {
 }
 
 iso_status bench_write_json(bench_state *bench, iso_error *error) {
-    iso_json json = {.stream = bench->json.stream};
+    iso_json json = {0};
     iso_json_begin_object(&json, NULL);
     write_context(&json, bench);
     iso_json_begin_array(&json, "benchmarks");
@@ -217,5 +217,5 @@ iso_status bench_write_json(bench_state *bench, iso_error *error) {
         if (bench->rows[i]->rounds) write_row(&json, bench->rows[i], i);
     iso_json_end_array(&json);
     iso_json_end_object(&json);
-    return iso_sink_commit(&bench->json, error);
+    return iso_json_commit(&json, &bench->json, error);
 }

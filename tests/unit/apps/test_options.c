@@ -362,32 +362,36 @@ static void test_json(void **state) {
     char *text = NULL;
     size_t size = 0;
     FILE *stream = open_memstream(&text, &size);
-    iso_json json = {.stream = stream};
+    iso_json json = {0};
     iso_json_begin_object(&json, NULL);
-    iso_json_string(&json, "a\"b", "\\ \n \x01 \xc3\xa9 \xff \xed\xa0\x80");
+    iso_json_string(&json, "a\"b", "\\ \n \x01 \xc3\xa9");
+    iso_json_string(&json, "not UTF-8", "\xff \xed\xa0\x80");
     iso_json_real(&json, "tenth", 0.1);
     iso_json_real(&json, "third", 1.0 / 3);
     iso_json_real(&json, "nan", NAN);
-    iso_json_integer(&json, "big", UINT64_MAX);
+    iso_json_integer(&json, "big", INT64_MAX);
+    iso_json_integer(&json, "beyond", UINT64_MAX);
     iso_json_begin_array(&json, "empty");
     iso_json_end_array(&json);
     iso_json_ints(&json, "ints", (int[]){1, -2}, 2);
     iso_json_bool(&json, "yes", true);
     iso_json_string(&json, "none", NULL);
     iso_json_end_object(&json);
+    assert_int_equal(iso_json_write(&json, stream, NULL), ISO_OK);
     fclose(stream);
-    assert_string_equal(text,
-                        "{\n"
-                        "  \"a\\\"b\": \"\\\\ \\u000a \\u0001 \xc3\xa9 \\ufffd \\ufffd\\ufffd\\ufffd\",\n"
-                        "  \"tenth\": 0.1,\n"
-                        "  \"third\": 0.3333333333333333,\n"
-                        "  \"nan\": null,\n"
-                        "  \"big\": 18446744073709551615,\n"
-                        "  \"empty\": [],\n"
-                        "  \"ints\": [1, -2],\n"
-                        "  \"yes\": true,\n"
-                        "  \"none\": null\n"
-                        "}\n");
+    assert_string_equal(text, "{\n"
+                              "  \"a\\\"b\": \"\\\\ \\n \\u0001 \xc3\xa9\",\n"
+                              "  \"not UTF-8\": \"\\\\xff \\\\xed\\\\xa0\\\\x80\",\n"
+                              "  \"tenth\": 0.10000000000000001,\n"
+                              "  \"third\": 0.33333333333333331,\n"
+                              "  \"nan\": null,\n"
+                              "  \"big\": 9223372036854775807,\n"
+                              "  \"beyond\": 1.8446744073709552e19,\n"
+                              "  \"empty\": [],\n"
+                              "  \"ints\": [\n    1,\n    -2\n  ],\n"
+                              "  \"yes\": true,\n"
+                              "  \"none\": null\n"
+                              "}\n");
     free(text);
 }
 
