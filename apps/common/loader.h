@@ -14,12 +14,12 @@
 #ifndef ISO_APPS_COMMON_LOADER_H
 #define ISO_APPS_COMMON_LOADER_H
 
-#include "apps/common/input.h"
 #include "apps/common/input_spool.h"
 #include "base/file.h"
 #include "base/glyphs.h"
 #include "base/parallel.h"
 #include "extract/isovalue/isovalue.h"
+#include "grids/volume/input.h"
 #include "io/read_opts.h"
 
 #ifdef __cplusplus

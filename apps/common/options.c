@@ -13,54 +13,11 @@
 
 /* ---- numbers ---- */
 
-/* Parses a number at the beginning of `text`. Rejects blanks, hexadecimal numbers, inf and nan, which strtod
- * accepts. The programs never leave the C locale. */
-static bool real_prefix(const char *text, double *out, const char **end) {
-    size_t length = strspn(text, "0123456789+-.eE");
-    if (length == 0) return false;
-    char *stop = NULL;
-    double value = strtod(text, &stop);
-    if (stop == text || !isfinite(value)) return false;
-    *out = value;
-    *end = stop;
-    return stop <= text + length;
-}
-
-bool iso_parse_real(const char *text, double *out) {
-    double value;
-    const char *end;
-    if (!real_prefix(text, &value, &end) || *end) return false;
-    *out = value;
-    return true;
-}
-
-bool iso_parse_int(const char *text, int *out) {
-    const char *digits = text + (*text == '-' || *text == '+');
-    if (!*digits || digits[strspn(digits, "0123456789")]) return false;
-    double value;
-    if (!iso_parse_real(text, &value) || value < INT_MIN || value > INT_MAX) return false;
-    *out = (int)value;
-    return true;
-}
-
-bool iso_parse_reals(const char *text, int count, double *out) {
-    enum { MOST = 16 };
-    double values[MOST];
-    if (count > MOST) return false;
-    for (int i = 0; i < count; i++) {
-        const char *end;
-        if (!real_prefix(text, &values[i], &end) || *end != (i + 1 < count ? ',' : 0)) return false;
-        text = end + 1;
-    }
-    memcpy(out, values, (size_t)count * sizeof *out);
-    return true;
-}
-
 bool iso_parse_size(const char *text, uint64_t *out) {
     static const char units[] = "KMGT";
     double value;
     const char *end;
-    if (!real_prefix(text, &value, &end) || !(value > 0)) return false;
+    if (!iso_parse_real_prefix(text, &value, &end) || !(value > 0)) return false;
     if (*end) {
         const char *unit = strchr(units, *end >= 'a' ? *end - ('a' - 'A') : *end);
         if (unit)

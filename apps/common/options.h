@@ -13,6 +13,7 @@
 #include <stdint.h>
 #include <stdio.h>
 
+#include "base/parse.h"
 #include "base/status.h"
 
 #ifdef __cplusplus
@@ -102,10 +103,7 @@ iso_status iso_option_store(const iso_option *option, const char *value, void *s
 /* Returns the name in the table that is nearest to `name` (no dashes), or NULL when none is near. */
 const char *iso_options_nearest(const iso_program *program, const char *name);
 
-/* Whole-text numbers; false (and *out untouched) when `text` is anything else. */
-bool iso_parse_int(const char *text, int *out);
-bool iso_parse_real(const char *text, double *out); /* finite */
-bool iso_parse_reals(const char *text, int count, double *out);
+/* Parses a number of bytes, such as 512M. False, and *out untouched, when `text` is anything else. */
 bool iso_parse_size(const char *text, uint64_t *out);
 /* Parses WxH or W,H: sides of a picture, 1 .. ISO_IMAGE_MAX. ISO_ERR_USAGE says what is wrong. */
 iso_status iso_parse_resolution(const char *text, int size[2], iso_error *error);

@@ -6,8 +6,8 @@
 #ifndef ISO_APPS_COMMON_SETTINGS_H
 #define ISO_APPS_COMMON_SETTINGS_H
 
-#include "apps/common/input.h"
 #include "apps/common/options.h"
+#include "grids/volume/input.h"
 
 #ifdef __cplusplus
 extern "C" {

@@ -212,9 +212,9 @@ static void unlock_journal(isosculpt_document *document) {
 }
 
 /* Makes the field of a new session: that of the source, or a ball. */
-static iso_status make_start_field(isosculpt_document *document, const isosculpt_source *source,
-                                   iso_hgrid **grid, iso_error *error) {
-    if (source) return isosculpt_source_open(source, &document->start, grid, error);
+static iso_status make_start_field(isosculpt_document *document, const iso_source *source, iso_hgrid **grid,
+                                   iso_error *error) {
+    if (source) return iso_source_open(source, &document->start, grid, error);
     const double origin = -0.5 * (BALL_VOXELS - 1) * BALL_VOXEL;
     document->start = (iso_journal_start){.source = "ball",
                                           .voxel_size = BALL_VOXEL,
@@ -224,8 +224,8 @@ static iso_status make_start_field(isosculpt_document *document, const isosculpt
     return iso_session_ball(&document->start, grid, error);
 }
 
-iso_status isosculpt_document_new(isosculpt_document *document, const char *folder,
-                                  const isosculpt_source *source, iso_error *error) {
+iso_status isosculpt_document_new(isosculpt_document *document, const char *folder, const iso_source *source,
+                                  iso_error *error) {
     iso_hgrid *grid;
     iso_error reason = {0};
     ISO_TRY(make_start_field(document, source, &grid, error));
@@ -253,8 +253,8 @@ iso_status isosculpt_document_init_empty(isosculpt_document *document, iso_error
 static iso_status make_first_field(iso_journal_start *start, const char *journal, iso_pool *pool,
                                    const iso_progress *progress, iso_hgrid **grid, iso_error *error) {
     if (strcmp(start->source, "ball") == 0) return iso_session_ball(start, grid, error);
-    const isosculpt_source how = {.pool = pool, .progress = progress};
-    return isosculpt_source_reopen(journal, &how, start, grid, error);
+    const iso_source how = {.pool = pool, .progress = progress};
+    return iso_source_reopen(journal, &how, start, grid, error);
 }
 
 iso_status isosculpt_document_first_field(const iso_journal_start *start, const char *journal, iso_pool *pool,

@@ -9,9 +9,9 @@
 #ifndef ISO_APPS_ISOSCULPT_DOCUMENT_H
 #define ISO_APPS_ISOSCULPT_DOCUMENT_H
 
-#include "apps/isosculpt/source.h"
 #include "apps/isosculpt/task.h"
 #include "sculpt/session/session.h"
+#include "source/source.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -58,9 +58,9 @@ void isosculpt_document_dismiss_recovery(const char *journal);
 
 /* Opens a document on a source, or on a new ball (NULL), with a new journal in `folder` that is named after
  * the time. Where no journal can be written, or with `folder` NULL, the document works without one;
- * `journal_error` says why. Errors: those of isosculpt_source_open. */
-iso_status isosculpt_document_new(isosculpt_document *document, const char *folder,
-                                  const isosculpt_source *source, iso_error *error);
+ * `journal_error` says why. Errors: those of iso_source_open. */
+iso_status isosculpt_document_new(isosculpt_document *document, const char *folder, const iso_source *source,
+                                  iso_error *error);
 
 /* Writes the document's target into its lock file. Called when the target was written. */
 void isosculpt_document_remember_target(const isosculpt_document *document);
@@ -73,7 +73,7 @@ iso_status isosculpt_document_open(isosculpt_document *document, const char *jou
                                    const iso_progress *progress, iso_error *error);
 
 /* Makes the field that a session began with, from its journal's header and path ("": it has none); the caller
- * owns *grid. For any thread. Errors: those of isosculpt_source_reopen. */
+ * owns *grid. For any thread. Errors: those of iso_source_reopen. */
 iso_status isosculpt_document_first_field(const iso_journal_start *start, const char *journal, iso_pool *pool,
                                           const iso_progress *progress, iso_hgrid **grid, iso_error *error);
 

@@ -18,7 +18,7 @@ struct isosculpt_load_job {
 void isosculpt_loaded_free(isosculpt_loaded *loaded) {
     iso_stamp_free(loaded->stamp);
     isosculpt_viewport_free(&loaded->viewport);
-    isosculpt_volume_free(loaded->volume);
+    iso_source_volume_free(loaded->volume);
     if (loaded->document.session) isosculpt_document_discard(&loaded->document);
     iso_pool_destroy(loaded->pool);
     *loaded = (isosculpt_loaded){0};
@@ -28,19 +28,19 @@ bool isosculpt_is_strokes(const char *path) {
     return iso_text_ends_with(path, ".strokes");
 }
 
-static iso_status open_document(isosculpt_load_job *load_job, const isosculpt_volume *volume,
+static iso_status open_document(isosculpt_load_job *load_job, const iso_source_volume *volume,
                                 const iso_progress *progress, iso_error *error) {
     const isosculpt_load_request *request = &load_job->request;
     isosculpt_loaded *loaded = &load_job->loaded;
-    const isosculpt_source source = {.path = load_job->path,
-                                     .isovalue = request->isovalue,
-                                     .voxel = request->voxel,
-                                     .pool = loaded->pool,
-                                     .progress = progress,
-                                     .volume = volume,
-                                     .close_holes = request->close_holes,
-                                     .report = &loaded->report,
-                                     .input = &request->input};
+    const iso_source source = {.path = load_job->path,
+                               .isovalue = request->isovalue,
+                               .voxel = request->voxel,
+                               .pool = loaded->pool,
+                               .progress = progress,
+                               .volume = volume,
+                               .close_holes = request->close_holes,
+                               .report = &loaded->report,
+                               .input = &request->input};
     loaded->document.pool = loaded->pool;
     loaded->document.undo_memory = request->undo_memory;
     ISO_TRY(isosculpt_is_strokes(load_job->path)
@@ -57,9 +57,9 @@ static iso_status open_volume(isosculpt_load_job *load_job, const iso_progress *
     const iso_progress reading = iso_progress_part(progress, 0, 0.4),
                        rest = iso_progress_part(progress, 0.4, 1);
     const double given = load_job->request.isovalue;
-    isosculpt_volume *volume;
-    ISO_TRY(isosculpt_volume_read(load_job->path, &load_job->request.input, loaded->pool, &reading, &volume,
-                                  error));
+    iso_source_volume *volume;
+    ISO_TRY(iso_source_volume_read(load_job->path, &load_job->request.input, loaded->pool, &reading, &volume,
+                                   error));
     iso_status status;
     if (volume->has_isovalues)
         status = isosculpt_viewport_init_grid(&loaded->viewport, &volume->volume.grid,
@@ -69,15 +69,15 @@ static iso_status open_volume(isosculpt_load_job *load_job, const iso_progress *
     if (status == ISO_OK && volume->has_isovalues)
         loaded->volume = volume;
     else
-        isosculpt_volume_free(volume);
+        iso_source_volume_free(volume);
     return status;
 }
 
 static iso_status open_path(isosculpt_load_job *load_job, const iso_progress *progress, iso_error *error) {
     const isosculpt_load_request *request = &load_job->request;
-    const bool converts =
-        !request->input.has_raw && (isosculpt_is_mesh(load_job->path) || isosculpt_is_lines(load_job->path) ||
-                                    isosculpt_is_points(load_job->path));
+    const bool converts = !request->input.has_raw &&
+                          (iso_source_is_mesh(load_job->path) || iso_source_is_lines(load_job->path) ||
+                           iso_source_is_points(load_job->path));
     if (request->volume || isosculpt_is_strokes(load_job->path) || converts)
         return open_document(load_job, request->volume, progress, error);
     return open_volume(load_job, progress, error);
@@ -85,12 +85,12 @@ static iso_status open_path(isosculpt_load_job *load_job, const iso_progress *pr
 
 static iso_status open_stamp(isosculpt_load_job *load_job, const iso_progress *progress, iso_error *error) {
     isosculpt_loaded *loaded = &load_job->loaded;
-    const isosculpt_source source = {.path = load_job->path,
-                                     .pool = loaded->pool,
-                                     .progress = progress,
-                                     .close_holes = load_job->request.close_holes,
-                                     .report = &loaded->report};
-    return isosculpt_stamp_read(&source, &loaded->stamp, error);
+    const iso_source source = {.path = load_job->path,
+                               .pool = loaded->pool,
+                               .progress = progress,
+                               .close_holes = load_job->request.close_holes,
+                               .report = &loaded->report};
+    return iso_source_read_stamp(&source, &loaded->stamp, error);
 }
 
 /* Opens the request, and extracts the surface that the window will draw first. */

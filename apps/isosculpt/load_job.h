@@ -12,12 +12,12 @@ extern "C" {
 
 /* What to open. The job copies everything except the borrowed pointers. */
 typedef struct isosculpt_load_request {
-    const char *path; /* of strokes (.strokes), or of anything that isosculpt_source_open reads */
-    bool stamp;       /* the path is a mesh to be used as a stamp */
-    const isosculpt_volume *volume; /* borrowed: the viewed volume, to be converted into a field; NULL: the
+    const char *path;                /* of strokes (.strokes), or of anything that iso_source_open reads */
+    bool stamp;                      /* the path is a mesh to be used as a stamp */
+    const iso_source_volume *volume; /* borrowed: the viewed volume, to be converted into a field; NULL: the
                                        path is read */
-    const char *folder;             /* of new journals; NULL: none is written */
-    double isovalue, voxel, close_holes; /* as in isosculpt_source */
+    const char *folder;              /* of new journals; NULL: none is written */
+    double isovalue, voxel, close_holes; /* as in iso_source */
     iso_input input;    /* how the path is read, unless it is strokes; its strings are borrowed */
     int threads;        /* 0: one for each processor */
     size_t undo_memory; /* bytes */
@@ -32,10 +32,10 @@ typedef struct isosculpt_loaded {
     iso_pool *pool; /* used by document and viewport */
     isosculpt_document document;
     isosculpt_viewport viewport;
-    isosculpt_volume *volume; /* a volume to be viewed until the user sculpts it, in which case there is no
+    iso_source_volume *volume; /* a volume to be viewed until the user sculpts it, in which case there is no
                                  document; or NULL */
-    iso_stamp *stamp;         /* the stamp, in which case there is nothing else; or NULL */
-    iso_mesh_report report;   /* of a mesh */
+    iso_stamp *stamp;          /* the stamp, in which case there is nothing else; or NULL */
+    iso_mesh_report report;    /* of a mesh */
 } isosculpt_loaded;
 void isosculpt_loaded_free(isosculpt_loaded *loaded);
 

@@ -8,11 +8,11 @@
 #include <stdio.h>
 
 #include "apps/common/beside.h"
-#include "apps/isosculpt/source.h"
 #include "base/text.h"
 #include "io/glyphs/glyphs_read.h"
 #include "io/lines/lines_read.h"
 #include "io/mesh_read.h"
+#include "source/source.h"
 
 /* ---- what a file can hold, in the order in which it is tried */
 
@@ -129,14 +129,14 @@ static iso_status read_surface(isosculpt_reference_files *files, const char *pat
     iso_hgrid *grid;
     iso_pool *pool;
     ISO_TRY(iso_pool_create(settings->common.threads, &pool, error));
-    const isosculpt_source source = {.path = path,
-                                     .isovalue = NAN,
-                                     .voxel = files->voxel,
-                                     .close_holes = settings->close_holes,
-                                     .input = &input,
-                                     .pool = pool,
-                                     .progress = files->progress};
-    const iso_status status = isosculpt_source_open(&source, &start, &grid, error);
+    const iso_source source = {.path = path,
+                               .isovalue = NAN,
+                               .voxel = files->voxel,
+                               .close_holes = settings->close_holes,
+                               .input = &input,
+                               .pool = pool,
+                               .progress = files->progress};
+    const iso_status status = iso_source_open(&source, &start, &grid, error);
     iso_pool_destroy(pool);
     ISO_TRY(status);
     return isosculpt_reference_create(grid, settings->common.threads, reference, error);

@@ -25,7 +25,7 @@ typedef struct isosculpt_reference_files {
 
 /* Reads all files. .tck, .trk and .swc contain lines; .xyz, .pdb and .csv glyphs; .vtk and .vtp lines or, if
  * there are none, glyphs; .obj and .ply lines, a mesh or (.ply only) glyphs, whichever is found first. All
- * others contain surfaces: level sets and meshes, as read by isosculpt_source_open. Glyphs are spheres, or
+ * others contain surfaces: level sets and meshes, as read by iso_source_open. Glyphs are spheres, or
  * ellipsoids if the file has axes. ISO_ERR_USAGE: a surface together with other files; the readers' errors;
  * ISO_ERR_EMPTY: a file contains nothing to draw. Messages name the file. May be called in any thread. */
 iso_status isosculpt_reference_read(isosculpt_reference_files *files, isosculpt_reference **reference,

@@ -18,7 +18,7 @@ iso_status isosculpt_reference_job_start(const isosculpt_document *document,
                                          isosculpt_reference_job **job, iso_error *error);
 bool isosculpt_reference_job_done(const isosculpt_reference_job *job);
 /* Waits until the job is done and frees it. ISO_OK: *reference is the caller's, and *files (NULL is fine) has
- * the notes. Errors: those of isosculpt_reference_read, isosculpt_source_reopen, and ISO_ERR_NOMEM. */
+ * the notes. Errors: those of isosculpt_reference_read, iso_source_reopen, and ISO_ERR_NOMEM. */
 iso_status isosculpt_reference_job_finish(isosculpt_reference_job *job, isosculpt_reference **reference,
                                           isosculpt_reference_files *files, iso_error *error);
 /* Cancels the job, waits for its end and frees it. NULL is fine. */

@@ -10,7 +10,6 @@
 #include "apps/isosculpt/isosculpt.h"
 #include "apps/isosculpt/mesh_file.h"
 #include "apps/isosculpt/reference_file.h"
-#include "apps/isosculpt/source.h"
 #include "base/clock.h"
 #include "base/file.h"
 #include "base/memory.h"
@@ -18,6 +17,7 @@
 #include "base/text.h"
 #include "grids/level_set.h"
 #include "io/points_io.h"
+#include "source/source.h"
 
 /* The durations of all samples. */
 typedef struct times {
@@ -74,22 +74,26 @@ static iso_status change_voxel_size(iso_journal_start *start, double voxel_size,
     return ISO_OK;
 }
 
+static void log_note(const char *text) {
+    iso_program_log(isosculpt_program(), "%s", text);
+}
+
 static iso_status make_field(const isosculpt_settings *settings, iso_pool *pool, iso_file_set *files,
                              report *r, iso_hgrid **grid, iso_error *error) {
     iso_journal_start *start = &r->start;
-    const isosculpt_source source = {.path = settings->open,
-                                     .isovalue = settings->isovalue,
-                                     .voxel = settings->voxel_size,
-                                     .pool = pool,
-                                     .close_holes = settings->close_holes,
-                                     .report = &r->opened_mesh,
-                                     .input = &settings->common.input,
-                                     .parts = &r->parts,
-                                     .files = files,
-                                     .log_notes = !settings->common.quiet};
-    if (settings->open) return isosculpt_source_open(&source, start, grid, error);
+    const iso_source source = {.path = settings->open,
+                               .isovalue = settings->isovalue,
+                               .voxel = settings->voxel_size,
+                               .pool = pool,
+                               .close_holes = settings->close_holes,
+                               .report = &r->opened_mesh,
+                               .input = &settings->common.input,
+                               .parts = &r->parts,
+                               .files = files,
+                               .note = settings->common.quiet ? NULL : log_note};
+    if (settings->open) return iso_source_open(&source, start, grid, error);
     if (strcmp(start->source, "ball") != 0)
-        return isosculpt_source_reopen(settings->replay, &source, start, grid, error);
+        return iso_source_reopen(settings->replay, &source, start, grid, error);
     if (settings->voxel_size > 0) ISO_TRY(change_voxel_size(start, settings->voxel_size, error));
     return iso_session_ball(start, grid, error);
 }

@@ -27,7 +27,7 @@ static bool is_level_set(const char *path) {
 }
 
 bool isosculpt_can_save_as(const char *path) {
-    return is_level_set(path) || isosculpt_is_mesh(path);
+    return is_level_set(path) || iso_source_is_mesh(path);
 }
 
 bool isosculpt_path_with_ending(const char *path, const char *ending, char changed[ISOSCULPT_PATH]) {

@@ -5,10 +5,10 @@
 #include "api/internal.h"
 #include "base/memory.h"
 #include "extract/isovalue/isovalue.h"
-#include "io/mesh_read.h"
 #include "sculpt/field/field.h"
 #include "sculpt/session/history.h"
 #include "sculpt/session/session.h"
+#include "source/source.h"
 
 enum { DEFAULT_VOXELS = 256 };
 
@@ -148,10 +148,14 @@ iso_status iso_sculpt_from_volume(iso_volume *volume, double isovalue, const iso
 
 /* ---- stroke files ---- */
 
-static iso_status check_start(const char *path, const iso_journal_start *start, iso_error *error) {
-    if (strcmp(start->source, "ball") == 0) return ISO_OK;
-    return iso_fail(error, ISO_ERR_UNSUPPORTED, "%s: began with the file '%s', not with a ball", path,
-                    start->source);
+/* Makes the field that the session of a stroke file began with, and starts the session. */
+static iso_status make_start(iso_sculpt *sculpt, const char *path, iso_journal_start *start,
+                             const iso_session_opts *opts, iso_error *error) {
+    if (strcmp(start->source, "ball") == 0) return make_ball(sculpt, start, opts, error);
+    const iso_source how = {.pool = sculpt->volume.pool};
+    iso_hgrid *grid;
+    ISO_TRY(iso_source_reopen(path, &how, start, &grid, error));
+    return begin_session(sculpt, grid, start, opts, error);
 }
 
 /* Replays the strokes of a file; ends a last stroke that the file leaves open. */
@@ -180,9 +184,8 @@ static iso_status open_strokes(const char *path, const char *journal, const iso_
     const iso_session_opts session = {
         .journal = journal, .resume = journal != NULL, .undo_memory = opts->undo_memory};
     ISO_TRY(iso_journal_open(path, &start, &reader, error));
-    iso_status status = check_start(path, &start, error);
-    if (status == ISO_OK) status = create(opts, &made, error);
-    if (status == ISO_OK) status = make_ball(made, &start, &session, error);
+    iso_status status = create(opts, &made, error);
+    if (status == ISO_OK) status = make_start(made, path, &start, &session, error);
     if (status == ISO_OK && !journal) status = play(made, reader, error);
     iso_journal_reader_free(reader);
     return hand_out(status, made, sculpt);
@@ -239,23 +242,11 @@ size_t iso_sculpt_redo_count(iso_sculpt *sculpt) {
     return iso_history_count(history) - iso_history_position(history);
 }
 
-static iso_status read_stamp(const char *path, iso_pool *pool, iso_stamp **stamp, iso_error *error) {
-    const iso_closing_opts closing = {0};
-    iso_triangles mesh;
-    iso_closed_mesh *closed;
-    ISO_TRY(iso_mesh_read(path, NULL, &mesh, error));
-    iso_status status = iso_closed_mesh_create(path, &mesh, &closing, &closed, error);
-    iso_triangles_free(&mesh);
-    ISO_TRY(status);
-    status = iso_stamp_from_mesh(path, closed, pool, NULL, stamp, error);
-    iso_closed_mesh_destroy(closed);
-    return status;
-}
-
 iso_status iso_sculpt_set_stamp(iso_sculpt *sculpt, const char *path, iso_error *error) {
     iso_stamp *stamp;
     if (!path) return iso_fail(error, ISO_ERR_USAGE, "no file is named");
-    ISO_TRY(read_stamp(path, sculpt->volume.pool, &stamp, error));
+    const iso_source source = {.path = path, .pool = sculpt->volume.pool};
+    ISO_TRY(iso_source_read_stamp(&source, &stamp, error));
     return iso_session_set_stamp(sculpt->session, stamp, error);
 }
 

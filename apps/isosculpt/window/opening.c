@@ -149,7 +149,7 @@ static iso_status show_loaded(window *w, isosculpt_loaded *loaded, iso_error *er
     isosculpt_window_cancel_reference(w);
     isosculpt_viewport_free(&w->viewport);
     isosculpt_document_close(&w->document);
-    isosculpt_volume_free(w->volume);
+    iso_source_volume_free(w->volume);
     iso_pool_destroy(w->own_pool);
     w->pool = w->own_pool = loaded->pool;
     w->document = loaded->document;
@@ -284,7 +284,7 @@ void isosculpt_window_reject_open(window *w) {
 /* Handles a dropped file. A mesh can be opened or become a stamp; a stamp needs a field. */
 void isosculpt_window_drop(window *w, const char *path) {
     if (isosculpt_window_is_opening(w)) return;
-    if (isosculpt_is_mesh(path) && !w->volume && !w->screen.blank)
+    if (iso_source_is_mesh(path) && !w->volume && !w->screen.blank)
         isosculpt_window_show_dialog(w, ISOSCULPT_DIALOG_MESH, path);
     else
         replace_document(w, path);

@@ -62,18 +62,18 @@ typedef struct isosculpt_screen {
     isosculpt_purpose browse_request; /* purpose for which the browser is opened in the next frame */
     isosculpt_purpose chosen_purpose;
     char chosen_path[ISOSCULPT_PATH];
-    const isosculpt_volume *volume; /* the viewed volume; NULL: there is a field */
-    const iso_texts *references;    /* files of the reference; none: the surface at the beginning of the
+    const iso_source_volume *volume; /* the viewed volume; NULL: there is a field */
+    const iso_texts *references;     /* files of the reference; none: the surface at the beginning of the
                                        session */
-    bool reference_pending;         /* the reference is being made */
-    bool sculpting;                 /* the volume is being converted into a field */
-    double isovalue;                /* of the volume, physical, as chosen in the panel */
-    bool isovalue_dragged;          /* the user is dragging the isovalue or the second one in this frame */
-    bool second_line_dragged;       /* the line of the histogram that was dragged last is the second one */
-    char message[600];              /* the status message; "": none */
-    double message_seconds;         /* iso_clock_seconds when it was set */
-    bool message_is_error;          /* it stays until the user dismisses it; others vanish after a while */
-    unsigned results;               /* bits, cleared by the window */
+    bool reference_pending;          /* the reference is being made */
+    bool sculpting;                  /* the volume is being converted into a field */
+    double isovalue;                 /* of the volume, physical, as chosen in the panel */
+    bool isovalue_dragged;           /* the user is dragging the isovalue or the second one in this frame */
+    bool second_line_dragged;        /* the line of the histogram that was dragged last is the second one */
+    char message[600];               /* the status message; "": none */
+    double message_seconds;          /* iso_clock_seconds when it was set */
+    bool message_is_error;           /* it stays until the user dismisses it; others vanish after a while */
+    unsigned results;                /* bits, cleared by the window */
 } isosculpt_screen;
 
 typedef struct isosculpt_panel isosculpt_panel;

@@ -81,7 +81,7 @@ static void draw_axis(const plot &p, ImDrawList *list, float scale) {
 }
 
 /* A triangle and a line at each suggested isovalue; Otsu's is brighter. */
-static void draw_marks(const plot &p, const isosculpt_volume *volume, ImDrawList *list, float scale) {
+static void draw_marks(const plot &p, const iso_source_volume *volume, ImDrawList *list, float scale) {
     for (size_t i = 0; i < volume->candidate_count; i++) {
         const float x = p.x(volume->candidates[i]), side = 5 * scale;
         const ImU32 color = i ? IM_COL32(110, 190, 120, 200) : IM_COL32(140, 235, 140, 255);
@@ -110,7 +110,7 @@ static void drag_line(isosculpt_screen *screen, const plot &p) {
 
 /* Draws the histogram, with the isovalues as lines that can be dragged. */
 static void draw_histogram(isosculpt_screen *screen, float scale) {
-    const isosculpt_volume *volume = screen->volume;
+    const iso_source_volume *volume = screen->volume;
     const iso_histogram *histogram = &volume->histogram;
     const plot p = {ImGui::GetCursorScreenPos(), ImVec2(ImGui::GetContentRegionAvail().x, 110 * scale),
                     histogram->low, histogram->high - histogram->low};
@@ -132,7 +132,7 @@ static void draw_histogram(isosculpt_screen *screen, float scale) {
 
 /* Buttons for the suggested isovalues, which isorender --info prints, too. */
 static void draw_suggestions(isosculpt_screen *screen) {
-    const isosculpt_volume *volume = screen->volume;
+    const iso_source_volume *volume = screen->volume;
     if (volume->candidate_count) ImGui::TextColored(GREY, "suggested");
     for (size_t i = 0; i < volume->candidate_count; i++) {
         char label[48];
@@ -147,7 +147,7 @@ static void draw_suggestions(isosculpt_screen *screen) {
 /* Returns the highest suggested isovalue if it is above the first one, because its surface lies deepest
  * inside; else a value between the first one and the highest value. */
 static double suggest_second(const isosculpt_screen *screen) {
-    const isosculpt_volume *volume = screen->volume;
+    const iso_source_volume *volume = screen->volume;
     double most = screen->isovalue;
     for (size_t i = 0; i < volume->candidate_count; i++) most = std::fmax(most, volume->candidates[i]);
     return most > screen->isovalue ? most : most + (volume->histogram.high - most) / 3;

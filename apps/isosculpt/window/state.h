@@ -27,7 +27,7 @@ typedef struct window {
     bool has_folder;
     char folder[ISOSCULPT_PATH]; /* folder of journals, if has_folder */
 
-    isosculpt_volume *volume; /* viewed, not yet converted into a field; NULL: the document has a field */
+    iso_source_volume *volume; /* viewed, not yet converted into a field; NULL: the document has a field */
     isosculpt_document document;
     isosculpt_viewport viewport;
     isosculpt_controller controller;

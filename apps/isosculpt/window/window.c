@@ -141,7 +141,7 @@ iso_status isosculpt_window(const isosculpt_settings *settings, iso_pool *pool, 
     isosculpt_viewport_free(&w.viewport);
     isosculpt_document_close(&w.document);
     close_engine(&w);
-    isosculpt_volume_free(w.volume);
+    iso_source_volume_free(w.volume);
     iso_pool_destroy(w.own_pool);
     isosculpt_panel_destroy(w.panel);
     isosculpt_pen_close(w.pen);

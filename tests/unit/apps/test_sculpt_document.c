@@ -174,8 +174,8 @@ static void check_cancelling(const char *path, double isovalue) {
         iso_journal_start start;
         iso_hgrid *grid;
         const iso_progress progress = {.tell = refuse, .context = &p};
-        const isosculpt_source source = {.path = path, .isovalue = isovalue, .progress = &progress};
-        iso_status status = isosculpt_source_open(&source, &start, &grid, &error);
+        const iso_source source = {.path = path, .isovalue = isovalue, .progress = &progress};
+        iso_status status = iso_source_open(&source, &start, &grid, &error);
         if (status == ISO_OK) {
             iso_hgrid_destroy(grid);
             break;
@@ -230,8 +230,8 @@ static void openings(void **state) {
     assert_int_equal(isosculpt_load_job_finish(load_job, &field, NULL), ISO_OK);
     iso_journal_start start;
     iso_hgrid *wanted;
-    const isosculpt_source source = {.path = volume, .isovalue = 220};
-    assert_int_equal(isosculpt_source_open(&source, &start, &wanted, NULL), ISO_OK);
+    const iso_source source = {.path = volume, .isovalue = 220};
+    assert_int_equal(iso_source_open(&source, &start, &wanted, NULL), ISO_OK);
     assert_true(sculpt_same(iso_session_grid(field.document.session), wanted));
     assert_int_equal(field.document.start.source_crc, start.source_crc);
     assert_string_equal(field.document.start.source, start.source);
@@ -390,8 +390,8 @@ static void first_fields_can_be_made_again(void **state) {
     assert_int_equal(iso_pool_create(2, &pool, NULL), ISO_OK);
     write_volume(volume);
     write_mesh(mesh);
-    const isosculpt_source sources[] = {{.path = volume, .isovalue = 170, .pool = pool},
-                                        {.path = mesh, .isovalue = NAN, .voxel = 0.5, .pool = pool}};
+    const iso_source sources[] = {{.path = volume, .isovalue = 170, .pool = pool},
+                                  {.path = mesh, .isovalue = NAN, .voxel = 0.5, .pool = pool}};
     const isosculpt_settings settings = {.common.threads = 1};
     const isosculpt_reference_files files = {.settings = &settings};
     for (int i = 0; i < 3; i++) {

@@ -1,6 +1,6 @@
 /* Options for reading a volume: parses and checks them, crops volumes, and converts the options to text for a
  * journal. */
-#include "apps/common/input.h"
+#include "grids/volume/input.h"
 
 #include <limits.h>
 #include <math.h>
@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "apps/common/options.h"
+#include "base/parse.h"
 
 /* ---- values of options */
 
@@ -232,27 +232,52 @@ iso_status iso_input_write(const iso_input *input, char *text, size_t room, iso_
     return ISO_OK;
 }
 
-/* Finds an option by name among those that determine which voxels are read; --max-memory is not one of
- * them. */
-static const iso_option *find_option(const char *name) {
-    enum { INPUT, SOLID };
-    static const iso_option options[] = {
-#include "apps/common/input_options.inc"
-#include "apps/common/solid_options.inc"
-    };
-    for (size_t i = 0; i < sizeof options / sizeof *options; i++)
-        if (strcmp(name, options[i].name) == 0 && !(options[i].flags & ISO_OPTION_UNRECORDED))
-            return &options[i];
-    return NULL;
+static iso_status apply_component(void *settings, const char *value, iso_error *error) {
+    int *component = &((iso_input *)settings)->component;
+    if (iso_parse_int(value, component) && *component >= 0) return ISO_OK;
+    return iso_fail(error, ISO_ERR_FORMAT, "'%s' is not the number of a component", value);
 }
 
+static iso_status apply_largest(void *settings, const char *value, iso_error *error) {
+    int *largest = &((iso_input *)settings)->largest;
+    if (iso_parse_int(value, largest) && *largest > 0) return ISO_OK;
+    return iso_fail(error, ISO_ERR_FORMAT, "'%s' is not a number of parts", value);
+}
+
+static iso_status apply_min_size(void *settings, const char *value, iso_error *error) {
+    double *size = &((iso_input *)settings)->min_size;
+    if (iso_parse_real(value, size) && *size >= 0) return ISO_OK;
+    return iso_fail(error, ISO_ERR_FORMAT, "'%s' is not a volume in mm3", value);
+}
+
+static iso_status apply_grid(void *settings, const char *value, iso_error *error) {
+    (void)error;
+    ((iso_input *)settings)->grid = value;
+    return ISO_OK;
+}
+
+static iso_status apply_series(void *settings, const char *value, iso_error *error) {
+    (void)error;
+    ((iso_input *)settings)->series = value;
+    return ISO_OK;
+}
+
+/* Applies a line of iso_input_write. */
 static iso_status apply_line(iso_input *input, const char *name, const char *value, iso_error *error) {
+    static const struct {
+        const char *name;
+        iso_status (*apply)(void *settings, const char *value, iso_error *error);
+    } options[] = {
+        {"raw", iso_input_apply_raw}, {"spacing", iso_input_apply_spacing}, {"grid", apply_grid},
+        {"series", apply_series},     {"component", apply_component},       {"crop", iso_input_apply_crop},
+        {"largest", apply_largest},   {"crop-mm", iso_input_apply_crop_mm}, {"min-size", apply_min_size}};
     iso_error reason = {0};
-    const iso_option *option = find_option(name);
-    if (!option)
-        return iso_fail(error, ISO_ERR_FORMAT, "how its source is read: there is no option '%s'", name);
-    if (iso_option_store(option, value, input, &reason) == ISO_OK) return ISO_OK;
-    return iso_fail(error, ISO_ERR_FORMAT, "how its source is read: %s: %s", name, reason.text);
+    for (size_t i = 0; i < sizeof options / sizeof *options; i++)
+        if (strcmp(name, options[i].name) == 0) {
+            if (options[i].apply(input, value, &reason) == ISO_OK) return ISO_OK;
+            return iso_fail(error, ISO_ERR_FORMAT, "how its source is read: %s: %s", name, reason.text);
+        }
+    return iso_fail(error, ISO_ERR_FORMAT, "how its source is read: there is no option '%s'", name);
 }
 
 iso_status iso_input_parse(char *text, iso_input *input, iso_error *error) {

@@ -1,7 +1,7 @@
-/* input: the options that say how a volume is read (input_options.inc), and reading a volume with them.
- * Shared by isorender, isocompare and isosculpt. */
-#ifndef ISO_APPS_COMMON_INPUT_H
-#define ISO_APPS_COMMON_INPUT_H
+/* input: the options of a user that say how a volume is read, reading a volume with them, and their text in
+ * stroke files. The programs' tables of options (apps/common/input_options.inc) fill an iso_input. */
+#ifndef ISO_GRIDS_VOLUME_INPUT_H
+#define ISO_GRIDS_VOLUME_INPUT_H
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -26,7 +26,7 @@ typedef struct iso_input {
     double min_size;     /* mm3 of a part that is kept */
 } iso_input;
 
-/* Functions for iso_option.apply. `settings` begins with an iso_input. ISO_ERR_USAGE. */
+/* Parse the value of an option. `settings` begins with an iso_input. ISO_ERR_USAGE. */
 iso_status iso_input_apply_raw(void *settings, const char *value, iso_error *error);
 iso_status iso_input_apply_spacing(void *settings, const char *value, iso_error *error);
 iso_status iso_input_apply_crop(void *settings, const char *value, iso_error *error);

@@ -10,12 +10,12 @@
 
 #include <cmocka.h>
 
-#include "apps/isosculpt/source.h"
 #include "extract/mesh/mesh.h"
 #include "grids/level_set.h"
 #include "io/mesh_io.h"
 #include "io/mesh_read.h"
 #include "session_support.h"
+#include "source/source.h"
 
 static const iso_journal_start BALL = {
     .source = "ball", .voxel_size = 0.5, .dims = {96, 96, 96}, .origin = {-20, -24, -23}, .radius = 15};
@@ -25,10 +25,10 @@ static void make_ball(iso_hgrid **grid) {
 }
 
 static iso_hgrid *open_source(const char *path, double isovalue, double voxel, iso_journal_start *start) {
-    const isosculpt_source source = {.path = path, .isovalue = isovalue, .voxel = voxel};
+    const iso_source source = {.path = path, .isovalue = isovalue, .voxel = voxel};
     iso_hgrid *grid;
     iso_error error = {0};
-    if (isosculpt_source_open(&source, start, &grid, &error) != ISO_OK) fail_msg("%s", error.text);
+    if (iso_source_open(&source, start, &grid, &error) != ISO_OK) fail_msg("%s", error.text);
     assert_non_null(strstr(start->source, strrchr(path, '/')));
     assert_true(start->voxel_size == grid->transform.spacing[0] && start->source_crc != 0);
     return grid;
@@ -116,11 +116,10 @@ static void volumes(void **state) {
     iso_hgrid_destroy(cut);
     iso_hgrid *none;
     iso_error error = {0};
-    const isosculpt_source without = {.path = header, .isovalue = NAN},
-                           empty = {.path = header, .isovalue = 1e6};
-    assert_int_equal(isosculpt_source_open(&without, &start, &none, &error), ISO_ERR_USAGE);
+    const iso_source without = {.path = header, .isovalue = NAN}, empty = {.path = header, .isovalue = 1e6};
+    assert_int_equal(iso_source_open(&without, &start, &none, &error), ISO_ERR_USAGE);
     assert_non_null(strstr(error.text, "--isovalue"));
-    assert_int_equal(isosculpt_source_open(&empty, &start, &none, &error), ISO_ERR_EMPTY);
+    assert_int_equal(iso_source_open(&empty, &start, &none, &error), ISO_ERR_EMPTY);
     unlink(header);
 }
 
@@ -249,16 +248,16 @@ static void files_are_found_again(void **state) {
     mkdir(folder, 0777);
     snprintf(moved, sizeof moved, "%s%s", folder, strrchr(path, '/'));
     snprintf(strokes, sizeof strokes, "%s/a.strokes", folder);
-    const isosculpt_source how = {0};
+    const iso_source how = {0};
     iso_journal_start start, again;
     iso_hgrid *first = open_source(path, NAN, 0, &start);
     again = start;
-    assert_int_equal(isosculpt_source_reopen(strokes, &how, &again, &grid, NULL), ISO_OK);
+    assert_int_equal(iso_source_reopen(strokes, &how, &again, &grid, NULL), ISO_OK);
     assert_true(sculpt_same(first, grid));
     iso_hgrid_destroy(grid);
     assert_int_equal(rename(path, moved), 0);
     again = start;
-    assert_int_equal(isosculpt_source_reopen(strokes, &how, &again, &grid, NULL), ISO_OK);
+    assert_int_equal(iso_source_reopen(strokes, &how, &again, &grid, NULL), ISO_OK);
     assert_true(sculpt_same(first, grid));
     iso_hgrid_destroy(grid);
     FILE *file = fopen(moved, "ab");
@@ -266,16 +265,16 @@ static void files_are_found_again(void **state) {
     fputc('x', file);
     fclose(file);
     again = start;
-    assert_int_equal(isosculpt_source_reopen(strokes, &how, &again, &grid, &error), ISO_ERR_FORMAT);
+    assert_int_equal(iso_source_reopen(strokes, &how, &again, &grid, &error), ISO_ERR_FORMAT);
     assert_non_null(strstr(error.text, "is not what it was"));
     unlink(moved);
-    assert_int_equal(isosculpt_source_reopen(strokes, &how, &again, &grid, &error), ISO_ERR_IO);
+    assert_int_equal(iso_source_reopen(strokes, &how, &again, &grid, &error), ISO_ERR_IO);
     assert_non_null(strstr(error.text, "found.vdb"));
     char open_mesh[600];
     snprintf(open_mesh, sizeof open_mesh, "%s/open.obj", folder);
     spill_text(open_mesh, "v 0 0 0\nv 10 0 0\nv 0 10 0\nf 1 2 3\n");
-    const isosculpt_source source = {.path = open_mesh, .isovalue = NAN, .voxel = 0.5};
-    assert_int_equal(isosculpt_source_open(&source, &again, &grid, &error), ISO_ERR_FORMAT);
+    const iso_source source = {.path = open_mesh, .isovalue = NAN, .voxel = 0.5};
+    assert_int_equal(iso_source_open(&source, &again, &grid, &error), ISO_ERR_FORMAT);
     unlink(open_mesh);
     rmdir(folder);
     iso_hgrid_destroy(first);
@@ -304,36 +303,35 @@ static void readings_are_kept(void **state) {
     assert_int_equal(iso_input_write(&input, text, sizeof text, NULL), ISO_OK);
     assert_string_equal(text, "raw=48x40x44:uint8:little:7\nspacing=0.5,0.5,0.5\ncrop-mm=0,100,0,100,0,11.1\n"
                               "largest=1\nmin-size=2.5\n");
-    const isosculpt_source source = {.path = path, .isovalue = 125, .input = &input}, how = {0};
+    const iso_source source = {.path = path, .isovalue = 125, .input = &input}, how = {0};
     iso_journal_start start, again;
     iso_hgrid *first, *grid;
     iso_error error = {0};
-    if (isosculpt_source_open(&source, &start, &first, &error) != ISO_OK) fail_msg("%s", error.text);
+    if (iso_source_open(&source, &start, &first, &error) != ISO_OK) fail_msg("%s", error.text);
     assert_string_equal(start.reading, text);
     const int rod[3] = {2 + 32, 2 + 36, 36};
     assert_true(iso_hgrid_at(first, rod[0], rod[1], rod[2]) == first->band);
     assert_true(first->dims[0] == 48 + 64 && first->dims[2] == 96); /* 23 voxels, 32 around, in bricks */
     again = start;
-    if (isosculpt_source_reopen("a.strokes", &how, &again, &grid, &error) != ISO_OK)
-        fail_msg("%s", error.text);
+    if (iso_source_reopen("a.strokes", &how, &again, &grid, &error) != ISO_OK) fail_msg("%s", error.text);
     assert_true(sculpt_same(first, grid));
     iso_hgrid_destroy(grid);
     /* viewed before it is sculpted, as in a window */
-    isosculpt_volume *volume;
-    assert_int_equal(isosculpt_volume_read(path, &input, NULL, NULL, &volume, NULL), ISO_OK);
-    const isosculpt_source seen = {.path = path, .isovalue = 125, .volume = volume};
-    assert_int_equal(isosculpt_source_open(&seen, &again, &grid, NULL), ISO_OK);
+    iso_source_volume *volume;
+    assert_int_equal(iso_source_volume_read(path, &input, NULL, NULL, &volume, NULL), ISO_OK);
+    const iso_source seen = {.path = path, .isovalue = 125, .volume = volume};
+    assert_int_equal(iso_source_open(&seen, &again, &grid, NULL), ISO_OK);
     assert_string_equal(again.reading, text);
     assert_true(sculpt_same(first, grid));
     iso_hgrid_destroy(grid);
-    isosculpt_volume_free(volume);
+    iso_source_volume_free(volume);
     static const char *const bad[] = {
         "raw=48x40x44:uint9::7\n", "output=x\n",  "raw",           "crop=0,1,0,1,0,1\ncrop-mm=0,1,0,1,0,1\n",
         "component=-1\n",          "largest=0\n", "min-size=-1\n", "max-memory=1\n"};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         again = start;
         strcpy(again.reading, bad[i]);
-        assert_int_equal(isosculpt_source_reopen("a.strokes", &how, &again, &grid, &error), ISO_ERR_FORMAT);
+        assert_int_equal(iso_source_reopen("a.strokes", &how, &again, &grid, &error), ISO_ERR_FORMAT);
         assert_non_null(strstr(error.text, "a.strokes: how its source is read: "));
     }
     const iso_input broken = {.grid = "a\nraw=1x1x1:uint8"};
@@ -354,17 +352,97 @@ static void old_journals_keep_their_isovalues(void **state) {
         iso_hgrid_destroy(ball);
         return;
     }
-    const isosculpt_source how = {0};
+    const iso_source how = {0};
     iso_journal_start start, again;
     iso_hgrid *first = open_source(path, 0.5, 0, &start); /* mm: a voxel */
     again = start;
     again.isovalue = 1;
     again.voxel_isovalue = true;
-    assert_int_equal(isosculpt_source_reopen("a.strokes", &how, &again, &grid, NULL), ISO_OK);
+    assert_int_equal(iso_source_reopen("a.strokes", &how, &again, &grid, NULL), ISO_OK);
     assert_true(sculpt_same(first, grid));
     iso_hgrid_destroy(grid);
     check_ball("level set, 0.5 mm outside", first, 15.5);
     unlink(path);
+    iso_hgrid_destroy(ball);
+}
+
+/* ---- the public header */
+
+static void draw_stroke(iso_session *session, iso_vec3 at) {
+    const iso_brush brush = {.tool = ISO_TOOL_ADD, .radius = 4, .strength = 1, .spacing = 0.25};
+    const iso_sample sample = {.position = at, .normal = {1, 0, 0}, .pressure = 1};
+    iso_error error = {0};
+    if (iso_session_begin(session, &brush, &sample, NULL, &error) != ISO_OK) fail_msg("%s", error.text);
+    assert_int_equal(iso_session_end(session, NULL), ISO_OK);
+}
+
+/* A session that begins with the file and has one stroke, in a stroke file. */
+static iso_session *recorded_session(const iso_source *source, const char *strokes, iso_vec3 at) {
+    iso_journal_start start;
+    iso_hgrid *grid;
+    iso_session *session;
+    iso_error error = {0};
+    session_remove_files(strokes);
+    const iso_session_opts opts = {.journal = strokes};
+    if (iso_source_open(source, &start, &grid, &error) != ISO_OK) fail_msg("%s", error.text);
+    if (iso_session_create(grid, &start, &opts, &session, &error) != ISO_OK) fail_msg("%s", error.text);
+    draw_stroke(session, at);
+    return session;
+}
+
+/* iso_sculpt_replay and iso_sculpt_resume give the field of the session, whatever file it began with. */
+static void check_public(const iso_source *source, iso_vec3 at) {
+    const char *strokes = session_path("public.strokes");
+    iso_session *session = recorded_session(source, strokes, at);
+    iso_sculpt *again;
+    iso_error error = {0};
+    for (int resumed = 0; resumed < 2; resumed++) {
+        iso_status status = resumed ? iso_sculpt_resume(strokes, NULL, &again, &error)
+                                    : iso_sculpt_replay(strokes, NULL, &again, &error);
+        if (status != ISO_OK) fail_msg("%s", error.text);
+        assert_int_equal(iso_sculpt_undo_count(again), 1);
+        assert_true(sculpt_same(iso_session_grid(session), iso_sculpt_volume(again)->grid.hgrid));
+        iso_sculpt_destroy(again);
+    }
+    FILE *file = fopen(source->path, "ab");
+    assert_non_null(file);
+    fputc('\n', file);
+    fclose(file);
+    assert_int_equal(iso_sculpt_replay(strokes, NULL, &again, &error), ISO_ERR_FORMAT);
+    assert_non_null(strstr(error.text, "is not what it was"));
+    unlink(source->path);
+    assert_int_equal(iso_sculpt_replay(strokes, NULL, &again, &error), ISO_ERR_IO);
+    assert_non_null(strstr(error.text, strrchr(source->path, '/') + 1));
+    iso_session_destroy(session);
+    session_remove_files(strokes);
+}
+
+static void the_public_header_replays_files(void **state) {
+    (void)state;
+    const char *mesh = session_path("begun.obj"), *volume = session_path("begun.raw"),
+               *level_set = session_path("begun.vdb");
+    spill_text(mesh, "v 10 0 0\nv -10 0 0\nv 0 10 0\nv 0 -10 0\nv 0 0 10\nv 0 0 -10\n"
+                     "f 1 3 5\nf 3 2 5\nf 2 4 5\nf 4 1 5\nf 3 1 6\nf 2 3 6\nf 4 2 6\nf 1 4 6\n");
+    const iso_source of_mesh = {.path = mesh, .isovalue = NAN, .voxel = 0.5};
+    check_public(&of_mesh, iso_vec3_make(10, 0, 0));
+    enum { SIDE = 40 };
+    FILE *file = fopen(volume, "wb");
+    assert_non_null(file);
+    for (int i = 0; i < SIDE * SIDE * SIDE; i++) {
+        const double x = i % SIDE - 20, y = i / SIDE % SIDE - 20, z = i / SIDE / SIDE - 20;
+        fputc((int)(250 / (1 + 0.01 * (x * x + y * y + z * z))), file); /* 125 at a radius of 10 voxels */
+    }
+    fclose(file);
+    iso_input input = {.spacing = {0.5, 0.5, 0.5}};
+    assert_int_equal(iso_input_apply_raw(&input, "40x40x40:uint8", NULL), ISO_OK);
+    const iso_source of_volume = {.path = volume, .isovalue = 125, .input = &input};
+    check_public(&of_volume, iso_vec3_make(15, 10, 10));
+    iso_hgrid *ball;
+    make_ball(&ball);
+    if (have_openvdb(ball, level_set)) {
+        const iso_source of_level_set = {.path = level_set, .isovalue = NAN};
+        check_public(&of_level_set, iso_vec3_make(15, 0, 0));
+    }
     iso_hgrid_destroy(ball);
 }
 
@@ -375,6 +453,7 @@ int main(void) {
                                        cmocka_unit_test(odd_meshes),
                                        cmocka_unit_test(files_are_found_again),
                                        cmocka_unit_test(readings_are_kept),
-                                       cmocka_unit_test(old_journals_keep_their_isovalues)};
+                                       cmocka_unit_test(old_journals_keep_their_isovalues),
+                                       cmocka_unit_test(the_public_header_replays_files)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,15 +1,16 @@
-/* source: the file that a session begins with (a level set, a volume at an isovalue, or a mesh), converted
- * into a field that can be sculpted; and volumes that are viewed before they are sculpted. */
-#ifndef ISO_APPS_ISOSCULPT_SOURCE_H
-#define ISO_APPS_ISOSCULPT_SOURCE_H
+/* source: the file that a sculpting session begins with (a level set, a volume at an isovalue, a mesh, lines
+ * or points), converted into a field that can be sculpted; and volumes that are viewed before they are
+ * sculpted. Used by isosculpt and by the public header's functions for sculpting. */
+#ifndef ISO_SOURCE_SOURCE_H
+#define ISO_SOURCE_SOURCE_H
 
-#include "apps/common/input.h"
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "extract/isovalue/isovalue.h"
 #include "grids/closing/closed_mesh.h"
 #include "grids/hgrid.h"
 #include "grids/parts/components.h"
+#include "grids/volume/input.h"
 #include "grids/volume/volume.h"
 #include "sculpt/session/journal.h"
 
@@ -18,7 +19,7 @@ extern "C" {
 #endif
 
 /* A volume in memory that is viewed before it is sculpted. Read only, so that threads may share it. */
-typedef struct isosculpt_volume {
+typedef struct iso_source_volume {
     char path[ISO_JOURNAL_TEXT];
     uint32_t crc;                   /* checksum of the file */
     char reading[ISO_JOURNAL_TEXT]; /* the options it was read with, as iso_input_write writes them */
@@ -32,29 +33,30 @@ typedef struct isosculpt_volume {
     double suggested;                           /* isovalue to begin with, physical */
     double candidates[ISO_ISOVALUE_CANDIDATES]; /* iso_isovalue_suggest, best first */
     size_t candidate_count;
-} isosculpt_volume;
+} iso_source_volume;
 
-/* Reads a volume; isosculpt_volume_free when done. `input` (NULL: default options) and `pool` are borrowed
+/* Reads a volume; iso_source_volume_free when done. `input` (NULL: default options) and `pool` are borrowed
  * for the call. Errors: those of iso_input_read; ISO_ERR_EMPTY when no voxel is finite. */
-iso_status isosculpt_volume_read(const char *path, const iso_input *input, iso_pool *pool,
-                                 const iso_progress *progress, isosculpt_volume **volume, iso_error *error);
-void isosculpt_volume_free(isosculpt_volume *volume); /* NULL is fine */
+iso_status iso_source_volume_read(const char *path, const iso_input *input, iso_pool *pool,
+                                  const iso_progress *progress, iso_source_volume **volume, iso_error *error);
+void iso_source_volume_free(iso_source_volume *volume); /* NULL is fine */
 
-typedef struct isosculpt_source {
+typedef struct iso_source {
     const char *path;
     double isovalue; /* physical; NAN: not given, which is allowed for level sets and meshes */
     double voxel; /* mm; 0: the file's smallest spacing; for meshes and lines 1/256 of their longest side */
-    double close_holes;             /* of an open mesh: iso_closing_opts.hole, mm */
-    const iso_input *input;         /* how the file is read, borrowed; NULL: default options */
-    iso_pool *pool;                 /* borrowed */
-    const iso_progress *progress;   /* called from any thread; cancelled: ISO_ERR_IO */
-    const isosculpt_volume *volume; /* the file's content, if it is already in memory, borrowed; or NULL */
-    bool voxel_isovalue;            /* iso_journal_start */
-    bool log_notes;                 /* print the reader's notes on standard error */
-    iso_mesh_report *report;        /* receives how the mesh was closed, if the file is a mesh; or NULL */
-    iso_components_totals *parts;   /* receives which parts were kept and dropped; or NULL */
-    iso_file_set *files;            /* every file that is read is added; or NULL */
-} isosculpt_source;
+    double close_holes;              /* of an open mesh: iso_closing_opts.hole, mm */
+    const iso_input *input;          /* how the file is read, borrowed; NULL: default options */
+    iso_pool *pool;                  /* borrowed */
+    const iso_progress *progress;    /* called from any thread; cancelled: ISO_ERR_IO */
+    const iso_source_volume *volume; /* the file's content, if it is already in memory, borrowed; or NULL */
+    bool voxel_isovalue;             /* iso_journal_start */
+    /* Is called with each note of the reader or the conversion, a line that begins with the path; or NULL. */
+    void (*note)(const char *text);
+    iso_mesh_report *report;      /* receives how the mesh was closed, if the file is a mesh; or NULL */
+    iso_components_totals *parts; /* receives which parts were kept and dropped; or NULL */
+    iso_file_set *files;          /* every file that is read is added; or NULL */
+} iso_source;
 
 /* Reads the file, converts it into a field (*grid, the caller's), and fills the journal's header (*start). A
  * level set (.vdb) at its own voxel size is used as it is; a volume is sampled and redistanced; a mesh is
@@ -63,26 +65,26 @@ typedef struct isosculpt_source {
  * whose surface they lie on (grids/point_solid.h). All get 32 voxels of room on every side. Parts of the
  * solid are dropped as `input` (or the volume) says. ISO_ERR_USAGE: a volume without an isovalue; else the
  * readers' errors. */
-iso_status isosculpt_source_open(const isosculpt_source *source, iso_journal_start *start, iso_hgrid **grid,
-                                 iso_error *error);
+iso_status iso_source_open(const iso_source *source, iso_journal_start *start, iso_hgrid **grid,
+                           iso_error *error);
 
 /* Makes the field that a stroke file began with, from its header (*start, updated): from the file at the path
  * in the header, or the file of the same name beside the stroke file `strokes`. Only these members of `how`
  * count: voxel (0: the header's), pool, progress, parts, files and input->max_memory. All holes of a mesh are
  * closed, since those that matter were closed when the session began. ISO_ERR_IO: the file is missing;
  * ISO_ERR_FORMAT: its content has changed. */
-iso_status isosculpt_source_reopen(const char *strokes, const isosculpt_source *how, iso_journal_start *start,
-                                   iso_hgrid **grid, iso_error *error);
+iso_status iso_source_reopen(const char *strokes, const iso_source *how, iso_journal_start *start,
+                             iso_hgrid **grid, iso_error *error);
 
 /* Whether the path has the extension of a mesh, or of lines. */
-bool isosculpt_is_mesh(const char *path);
-bool isosculpt_is_lines(const char *path);
+bool iso_source_is_mesh(const char *path);
+bool iso_source_is_lines(const char *path);
 /* Whether the file is one of points (iso_glyphs_are_points) that cannot be a mesh. */
-bool isosculpt_is_points(const char *path);
+bool iso_source_is_points(const char *path);
 
 /* Reads the mesh at source->path as a stamp; iso_stamp_free when done. Voxel size, isovalue and volume of the
  * source do not count. Errors: those of iso_mesh_read, iso_closed_mesh_create and iso_stamp_from_mesh. */
-iso_status isosculpt_stamp_read(const isosculpt_source *source, iso_stamp **stamp, iso_error *error);
+iso_status iso_source_read_stamp(const iso_source *source, iso_stamp **stamp, iso_error *error);
 
 #ifdef __cplusplus
 }

@@ -1,10 +1,11 @@
 /* Sources of sessions: computes checksums, converts meshes and volumes into fields, and repeats the
  * conversion from a journal's header. */
 #define _XOPEN_SOURCE 700
-#include "apps/isosculpt/source.h"
+#include "source/source.h"
 
 #include <errno.h>
 #include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,8 +13,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "apps/isosculpt/isosculpt.h"
 #include "base/file.h"
+#include "base/memory.h"
 #include "clouds/cloud.h"
 #include "grids/level_set.h"
 #include "grids/point_solid.h"
@@ -30,6 +31,23 @@ enum { LONGEST_VOXELS = 256 };
 
 static const iso_input default_input;
 
+/* Passes a note to the caller. Arguments may contain any bytes (base/text.h). */
+#if defined(__GNUC__)
+__attribute__((format(printf, 2, 3)))
+#endif
+static void
+tell(const iso_source *source, const char *format, ...) {
+    char text[1024];
+    if (!source->note) return;
+    const int begun = snprintf(text, sizeof text, "%s: note: ", source->path);
+    if (begun < 0 || begun >= (int)sizeof text) return;
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text + begun, sizeof text - (size_t)begun, format, arguments);
+    va_end(arguments);
+    source->note(text);
+}
+
 /* ---- checksums */
 
 /* CRC-32C of a file's bytes; 0 for a folder (of DICOM slices). */
@@ -42,7 +60,7 @@ static iso_status compute_checksum(const char *path, const iso_progress *progres
     uint64_t size;
     ISO_TRY(iso_file_open(path, &file, &size, error));
     static const size_t SIZE = 1 << 20;
-    unsigned char *bytes = malloc(SIZE);
+    unsigned char *bytes = iso_alloc(SIZE);
     iso_status status = ISO_OK;
     double done = 0;
     for (size_t got = 1; bytes && got && status == ISO_OK; *crc = iso_crc32c(*crc, bytes, got)) {
@@ -52,7 +70,7 @@ static iso_status compute_checksum(const char *path, const iso_progress *progres
     }
     const bool failed = ferror(file);
     fclose(file);
-    free(bytes);
+    iso_free(bytes);
     if (status != ISO_OK) return status;
     if (!bytes) return iso_fail_memory(error, path);
     return failed ? iso_fail(error, ISO_ERR_IO, "%s: cannot read", path) : ISO_OK;
@@ -67,22 +85,21 @@ static bool has_suffix(const char *path, const char *const *suffixes) {
     return false;
 }
 
-bool isosculpt_is_mesh(const char *path) {
+bool iso_source_is_mesh(const char *path) {
     static const char *const suffixes[] = {".stl", ".obj", ".ply", NULL};
     return has_suffix(path, suffixes);
 }
 
 /* Returns the grid for sampling the contents of a box. */
-static iso_sampling sampling_of(const isosculpt_source *source, const iso_box *box,
-                                const iso_progress *progress) {
+static iso_sampling sampling_of(const iso_source *source, const iso_box *box, const iso_progress *progress) {
     const double longest = fmax(box->hi.x - box->lo.x, fmax(box->hi.y - box->lo.y, box->hi.z - box->lo.z));
     return (iso_sampling){source->voxel > 0 ? source->voxel : longest / LONGEST_VOXELS, ISO_FIELD_MARGIN,
                           source->pool, progress};
 }
 
 /* Reads and closes the mesh. */
-static iso_status read_mesh(const isosculpt_source *source, const iso_progress *progress,
-                            iso_closed_mesh **closed, iso_error *error) {
+static iso_status read_mesh(const iso_source *source, const iso_progress *progress, iso_closed_mesh **closed,
+                            iso_error *error) {
     const iso_progress reading = iso_progress_part(progress, 0, 0.6),
                        closing = iso_progress_part(progress, 0.6, 1);
     const iso_closing_opts opts = {.hole = source->close_holes, .progress = &closing};
@@ -94,7 +111,7 @@ static iso_status read_mesh(const isosculpt_source *source, const iso_progress *
     return status;
 }
 
-static iso_status convert_mesh(const isosculpt_source *source, iso_hgrid **grid, iso_error *error) {
+static iso_status convert_mesh(const iso_source *source, iso_hgrid **grid, iso_error *error) {
     const iso_progress reading = iso_progress_part(source->progress, 0.05, 0.3),
                        converting = iso_progress_part(source->progress, 0.3, 1);
     iso_closed_mesh *mesh;
@@ -106,7 +123,7 @@ static iso_status convert_mesh(const isosculpt_source *source, iso_hgrid **grid,
     return status;
 }
 
-iso_status isosculpt_stamp_read(const isosculpt_source *source, iso_stamp **stamp, iso_error *error) {
+iso_status iso_source_read_stamp(const iso_source *source, iso_stamp **stamp, iso_error *error) {
     const iso_progress reading = iso_progress_part(source->progress, 0, 0.4),
                        converting = iso_progress_part(source->progress, 0.4, 1);
     iso_closed_mesh *mesh;
@@ -118,14 +135,14 @@ iso_status isosculpt_stamp_read(const isosculpt_source *source, iso_stamp **stam
 
 /* ---- parts of the solid */
 
-static bool drops_parts(const isosculpt_source *source) {
-    const isosculpt_volume *volume = source->volume;
+static bool drops_parts(const iso_source *source) {
+    const iso_source_volume *volume = source->volume;
     if (volume) return volume->largest > 0 || volume->min_size > 0;
     return source->input && iso_input_drops_parts(source->input);
 }
 
 /* Drops the parts that are not kept according to the source; *dropped: whether there were any. */
-static iso_status drop_parts(const isosculpt_source *source, double isovalue, iso_grid *grid, bool *dropped,
+static iso_status drop_parts(const iso_source *source, double isovalue, iso_grid *grid, bool *dropped,
                              iso_error *error) {
     *dropped = false;
     if (!drops_parts(source)) return ISO_OK;
@@ -147,7 +164,7 @@ static iso_status drop_parts(const isosculpt_source *source, double isovalue, is
 /* ---- volumes */
 
 /* Checks the isovalue and converts it to stored units, voxels for an hgrid. */
-static iso_status convert_isovalue(const isosculpt_source *source, const iso_grid *from, double *stored,
+static iso_status convert_isovalue(const iso_source *source, const iso_grid *from, double *stored,
                                    iso_error *error) {
     *stored = 0;
     if (isnan(source->isovalue))
@@ -167,7 +184,7 @@ static int report_progress(void *context, double fraction) {
     return iso_progress_tell(context, "", fraction, NULL) != ISO_OK;
 }
 
-static iso_status find_isovalues(isosculpt_volume *volume, iso_pool *pool, iso_error *error) {
+static iso_status find_isovalues(iso_source_volume *volume, iso_pool *pool, iso_error *error) {
     const iso_grid *grid = &volume->volume.grid;
     volume->has_isovalues = grid->rgrid && !iso_grid_is_level_set(grid);
     if (!volume->has_isovalues) return ISO_OK;
@@ -179,7 +196,7 @@ static iso_status find_isovalues(isosculpt_volume *volume, iso_pool *pool, iso_e
     return ISO_OK;
 }
 
-static iso_status read_volume(isosculpt_volume *volume, const iso_input *input, iso_pool *pool,
+static iso_status read_volume(iso_source_volume *volume, const iso_input *input, iso_pool *pool,
                               const iso_progress *progress, iso_error *error) {
     const iso_progress summing = iso_progress_part(progress, 0, 0.2);
     iso_progress reading = iso_progress_part(progress, 0.2, 0.9);
@@ -193,9 +210,9 @@ static iso_status read_volume(isosculpt_volume *volume, const iso_input *input, 
     return find_isovalues(volume, pool, error);
 }
 
-iso_status isosculpt_volume_read(const char *path, const iso_input *input, iso_pool *pool,
-                                 const iso_progress *progress, isosculpt_volume **out, iso_error *error) {
-    isosculpt_volume *volume = calloc(1, sizeof *volume);
+iso_status iso_source_volume_read(const char *path, const iso_input *input, iso_pool *pool,
+                                  const iso_progress *progress, iso_source_volume **out, iso_error *error) {
+    iso_source_volume *volume = iso_alloc_zero(1, sizeof *volume);
     if (!volume) return iso_fail_memory(error, path);
     iso_status status = ISO_OK;
     if (snprintf(volume->path, sizeof volume->path, "%s", path) >= (int)sizeof volume->path)
@@ -204,26 +221,25 @@ iso_status isosculpt_volume_read(const char *path, const iso_input *input, iso_p
     if (status == ISO_OK)
         *out = volume;
     else
-        isosculpt_volume_free(volume);
+        iso_source_volume_free(volume);
     return status;
 }
 
-void isosculpt_volume_free(isosculpt_volume *volume) {
+void iso_source_volume_free(iso_source_volume *volume) {
     if (!volume) return;
     iso_volume_free(&volume->volume);
-    free(volume);
+    iso_free(volume);
 }
 
 /* Returns the physical isovalue; 0 when none is given, which only level sets allow. */
-static double physical_isovalue(const isosculpt_source *source, const iso_grid *grid) {
+static double physical_isovalue(const iso_source *source, const iso_grid *grid) {
     if (isnan(source->isovalue)) return 0;
     const bool voxels = source->voxel_isovalue && grid->hgrid;
     return voxels ? iso_grid_physical(grid, source->isovalue) : source->isovalue;
 }
 
 /* Converts a grid into a field; parts are dropped from `from` in place. */
-static iso_status convert_grid(const isosculpt_source *source, iso_grid *from, iso_hgrid **grid,
-                               iso_error *error) {
+static iso_status convert_grid(const iso_source *source, iso_grid *from, iso_hgrid **grid, iso_error *error) {
     const iso_progress progress = iso_progress_part(source->progress, 0.4, 1);
     iso_field_opts how = {
         .resampling = {.voxel = source->voxel, .pool = source->pool, .progress = &progress}};
@@ -234,7 +250,7 @@ static iso_status convert_grid(const isosculpt_source *source, iso_grid *from, i
 }
 
 /* Converts a grid that is shared with other threads: parts are dropped from a copy. */
-static iso_status convert_shared_grid(const isosculpt_source *source, const iso_grid *from, iso_hgrid **grid,
+static iso_status convert_shared_grid(const iso_source *source, const iso_grid *from, iso_hgrid **grid,
                                       iso_error *error) {
     iso_grid borrowed = *from, copy;
     if (!drops_parts(source)) return convert_grid(source, &borrowed, grid, error);
@@ -244,7 +260,7 @@ static iso_status convert_shared_grid(const isosculpt_source *source, const iso_
     return status;
 }
 
-static iso_status convert_volume(const isosculpt_source *source, iso_hgrid **grid, iso_error *error) {
+static iso_status convert_volume(const iso_source *source, iso_hgrid **grid, iso_error *error) {
     if (source->volume) return convert_shared_grid(source, &source->volume->volume.grid, grid, error);
     iso_progress reading = iso_progress_part(source->progress, 0.05, 0.4);
     const iso_volume_opts opts = {.files = source->files,
@@ -254,15 +270,14 @@ static iso_status convert_volume(const isosculpt_source *source, iso_hgrid **gri
     iso_volume volume;
     ISO_TRY(
         iso_input_read(source->path, source->input ? source->input : &default_input, &opts, &volume, error));
-    for (int i = 0; source->log_notes && i < volume.info.note_count; i++)
-        iso_program_log(isosculpt_program(), "%s: note: %s", source->path, volume.info.notes[i]);
+    for (int i = 0; i < volume.info.note_count; i++) tell(source, "%s", volume.info.notes[i]);
     iso_status status = convert_grid(source, &volume.grid, grid, error);
     iso_volume_free(&volume);
     return status;
 }
 
 /* Converts a mesh into a field, then drops parts. */
-static iso_status convert_mesh_parts(const isosculpt_source *source, iso_hgrid **grid, iso_error *error) {
+static iso_status convert_mesh_parts(const iso_source *source, iso_hgrid **grid, iso_error *error) {
     const iso_progress progress = iso_progress_part(source->progress, 0.7, 1);
     bool dropped;
     ISO_TRY(convert_mesh(source, grid, error));
@@ -276,13 +291,13 @@ static iso_status convert_mesh_parts(const isosculpt_source *source, iso_hgrid *
 
 /* ---- lines */
 
-bool isosculpt_is_lines(const char *path) {
+bool iso_source_is_lines(const char *path) {
     static const char *const suffixes[] = {".swc", ".tck", ".trk", NULL};
     return has_suffix(path, suffixes);
 }
 
 /* Samples the tubes around lines. Where tubes overlap, distances inside them are not yet correct. */
-static iso_status sample_lines(const isosculpt_source *source, const iso_lines *lines, iso_hgrid **grid,
+static iso_status sample_lines(const iso_source *source, const iso_lines *lines, iso_hgrid **grid,
                                iso_error *error) {
     const iso_progress sampling = iso_progress_part(source->progress, 0.2, 0.6);
     const iso_box box = iso_lines_bounds(lines);
@@ -290,14 +305,13 @@ static iso_status sample_lines(const isosculpt_source *source, const iso_lines *
     size_t widened;
     ISO_TRY(iso_level_set_from_lines(source->path, lines, iso_lines_usual_radius(lines), &frame, grid,
                                      &widened, error));
-    if (source->log_notes && widened)
-        iso_program_log(isosculpt_program(),
-                        "%s: note: tubes at %zu of %zu vertices are widened to the voxel size, %.4g mm",
-                        source->path, widened, lines->vertex_count, frame.voxel);
+    if (widened)
+        tell(source, "tubes at %zu of %zu vertices are widened to the voxel size, %.4g mm", widened,
+             lines->vertex_count, frame.voxel);
     return ISO_OK;
 }
 
-static iso_status convert_lines(const isosculpt_source *source, iso_hgrid **grid, iso_error *error) {
+static iso_status convert_lines(const iso_source *source, iso_hgrid **grid, iso_error *error) {
     const iso_progress finishing = iso_progress_part(source->progress, 0.6, 1);
     const iso_read_opts opts = {.max_memory = source->input ? source->input->max_memory : 0};
     iso_lines lines = {.line_count = 0};
@@ -315,14 +329,14 @@ static iso_status convert_lines(const isosculpt_source *source, iso_hgrid **grid
 
 /* ---- points */
 
-bool isosculpt_is_points(const char *path) {
-    return !isosculpt_is_mesh(path) && iso_glyphs_are_points(path);
+bool iso_source_is_points(const char *path) {
+    return !iso_source_is_mesh(path) && iso_glyphs_are_points(path);
 }
 
 /* Voxels around the points, so that the solid ends inside the volume. */
 enum { POINT_MARGIN = 4 };
 
-static iso_status read_points(const isosculpt_source *source, iso_cloud *cloud, iso_error *error) {
+static iso_status read_points(const iso_source *source, iso_cloud *cloud, iso_error *error) {
     const iso_read_opts opts = {.max_memory = source->input ? source->input->max_memory : 0};
     const iso_cloud_opts making = {.pool = source->pool};
     iso_glyphs glyphs;
@@ -333,14 +347,13 @@ static iso_status read_points(const isosculpt_source *source, iso_cloud *cloud, 
     return status;
 }
 
-static iso_status sample_points(const isosculpt_source *source, iso_grid *grid, iso_error *error) {
+static iso_status sample_points(const iso_source *source, iso_grid *grid, iso_error *error) {
     const iso_progress sampling = iso_progress_part(source->progress, 0.2, 0.6);
     iso_cloud cloud = {.count = 0};
     ISO_TRY(read_points(source, &cloud, error));
-    if (source->log_notes && cloud.estimated_normals)
-        iso_program_log(isosculpt_program(),
-                        "%s: note: normals of %zu of %zu points are estimated from their neighbours",
-                        source->path, cloud.estimated_normals, cloud.count);
+    if (cloud.estimated_normals)
+        tell(source, "normals of %zu of %zu points are estimated from their neighbours",
+             cloud.estimated_normals, cloud.count);
     const iso_point_view view = iso_cloud_view(&cloud);
     const iso_affine affine = iso_transform_affine(&cloud.transform);
     const iso_box index = iso_point_view_bounds(&view), box = iso_box_transform(&index, &affine);
@@ -353,7 +366,7 @@ static iso_status sample_points(const isosculpt_source *source, iso_grid *grid, 
 }
 
 /* Converts a file of points: their solid as a volume, then as any other volume. */
-static iso_status convert_points(const isosculpt_source *source, iso_hgrid **grid, iso_error *error) {
+static iso_status convert_points(const iso_source *source, iso_hgrid **grid, iso_error *error) {
     const iso_progress progress = iso_progress_part(source->progress, 0.6, 1);
     const iso_field_opts how = {.resampling = {.pool = source->pool, .progress = &progress}};
     iso_grid volume;
@@ -368,7 +381,7 @@ static iso_status convert_points(const isosculpt_source *source, iso_hgrid **gri
 /* ---- opening */
 
 /* Converts a mesh; a file of vertices without triangles is one of points. */
-static iso_status convert_triangles(const isosculpt_source *source, iso_hgrid **grid, iso_error *error) {
+static iso_status convert_triangles(const iso_source *source, iso_hgrid **grid, iso_error *error) {
     iso_error reason = {0};
     const iso_status status = convert_mesh_parts(source, grid, &reason);
     const char *dot = strrchr(source->path, '.');
@@ -379,10 +392,10 @@ static iso_status convert_triangles(const isosculpt_source *source, iso_hgrid **
 }
 
 /* Converts the file at source->path. With --raw it is a volume, whatever its name. */
-static iso_status convert_file(const isosculpt_source *source, iso_hgrid **grid, iso_error *error) {
+static iso_status convert_file(const iso_source *source, iso_hgrid **grid, iso_error *error) {
     const iso_input *input = source->input ? source->input : &default_input;
-    const bool mesh = isosculpt_is_mesh(source->path), lines = isosculpt_is_lines(source->path),
-               points = isosculpt_is_points(source->path);
+    const bool mesh = iso_source_is_mesh(source->path), lines = iso_source_is_lines(source->path),
+               points = iso_source_is_points(source->path);
     if (input->has_raw || (!mesh && !lines && !points)) return convert_volume(source, grid, error);
     const char *option = iso_input_volume_option(input);
     if (option)
@@ -396,7 +409,7 @@ static iso_status convert_file(const isosculpt_source *source, iso_hgrid **grid,
 }
 
 /* Copies the grid's geometry into the journal's header. */
-static void describe_grid(const isosculpt_source *source, const iso_hgrid *grid, iso_journal_start *start) {
+static void describe_grid(const iso_source *source, const iso_hgrid *grid, iso_journal_start *start) {
     const double *origin = grid->transform.origin;
     start->voxel_size = grid->transform.spacing[0];
     start->origin = iso_vec3_make(origin[0], origin[1], origin[2]);
@@ -404,8 +417,8 @@ static void describe_grid(const isosculpt_source *source, const iso_hgrid *grid,
     for (int axis = 0; axis < 3; axis++) start->dims[axis] = grid->dims[axis];
 }
 
-iso_status isosculpt_source_open(const isosculpt_source *source, iso_journal_start *start, iso_hgrid **grid,
-                                 iso_error *error) {
+iso_status iso_source_open(const iso_source *source, iso_journal_start *start, iso_hgrid **grid,
+                           iso_error *error) {
     memset(start, 0, sizeof *start);
     char *path = realpath(source->path, NULL);
     if (!path) return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", source->path, strerror(errno));
@@ -442,7 +455,7 @@ static iso_status find_file(const char *path, const char *strokes, char found[2 
                     strerror(missing));
 }
 
-static iso_status reopen(const char *strokes, const isosculpt_source *how, iso_journal_start *start,
+static iso_status reopen(const char *strokes, const iso_source *how, iso_journal_start *start,
                          iso_hgrid **grid, iso_error *error) {
     char found[2 * ISO_JOURNAL_TEXT];
     uint32_t crc;
@@ -461,16 +474,16 @@ static iso_status reopen(const char *strokes, const isosculpt_source *how, iso_j
     if (iso_input_parse(reading, &input, &reason) != ISO_OK)
         return iso_fail(error, ISO_ERR_FORMAT, "%s", reason.text);
     if (how->input) input.max_memory = how->input->max_memory;
-    const isosculpt_source source = {.path = found,
-                                     .input = &input,
-                                     .parts = how->parts,
-                                     .voxel_isovalue = start->voxel_isovalue,
-                                     .isovalue = start->isovalue,
-                                     .voxel = how->voxel > 0 ? how->voxel : start->voxel_size,
-                                     .pool = how->pool,
-                                     .files = how->files,
-                                     .progress = how->progress,
-                                     .close_holes = INFINITY};
+    const iso_source source = {.path = found,
+                               .input = &input,
+                               .parts = how->parts,
+                               .voxel_isovalue = start->voxel_isovalue,
+                               .isovalue = start->isovalue,
+                               .voxel = how->voxel > 0 ? how->voxel : start->voxel_size,
+                               .pool = how->pool,
+                               .files = how->files,
+                               .progress = how->progress,
+                               .close_holes = INFINITY};
     const iso_journal_start recorded = *start;
     ISO_TRY(convert_file(&source, grid, error));
     describe_grid(&source, *grid, start);
@@ -481,8 +494,8 @@ static iso_status reopen(const char *strokes, const isosculpt_source *how, iso_j
 
 /* Adds the name of the stroke file to errors. A usage error becomes a format error, because the settings come
  * from the file's header. */
-iso_status isosculpt_source_reopen(const char *strokes, const isosculpt_source *how, iso_journal_start *start,
-                                   iso_hgrid **grid, iso_error *error) {
+iso_status iso_source_reopen(const char *strokes, const iso_source *how, iso_journal_start *start,
+                             iso_hgrid **grid, iso_error *error) {
     iso_status status = reopen(strokes, how, start, grid, error);
     if (status == ISO_OK || !error || iso_progress_cancelled(how->progress)) return status;
     const iso_error reason = *error;
