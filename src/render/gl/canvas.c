@@ -128,7 +128,7 @@ iso_status iso_gl_canvas_shade(const iso_gl_output *to, bool pullpush, const iso
     bind_uniforms(to, part, x, y);
     if (pullpush)
         gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, ISO_GL_PICTURE, engine->storage[ISO_GL_STORE_PICTURE]);
-    gl->BindTextureUnit(ISO_GL_NORMAL_DEPTHS, engine->color);
+    gl->BindTextureUnit(ISO_GL_NORMAL_DEPTHS, engine->target.colors[ISO_GL_NORMAL_DEPTH]);
     gl->BindTextureUnit(ISO_GL_SPHERE, canvas->sphere);
     gl->BindImageTexture(ISO_GL_COLORS, canvas->colors, 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA8);
     gl->BindImageTexture(ISO_GL_SAMPLES, canvas->samples, 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);

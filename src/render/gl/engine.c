@@ -73,21 +73,13 @@ iso_status iso_gl_engine_create(iso_gl_context *context, iso_gl_engine **engine,
     return status;
 }
 
-static void delete_target(iso_gl_engine *engine, const GladGLContext *gl) {
-    const GLuint textures[] = {engine->color, engine->surface, engine->depth};
-    gl->DeleteTextures(3, textures); /* 0 is ignored */
-    gl->DeleteFramebuffers(1, &engine->framebuffer);
-    engine->framebuffer = engine->color = engine->surface = engine->depth = 0;
-    engine->width = engine->height = 0;
-}
-
 void iso_gl_engine_destroy(iso_gl_engine *engine) {
     if (!engine) return;
     iso_gl_context *context = engine->context;
     if (iso_gl_enter(context, NULL) == ISO_OK) {
         const GladGLContext *gl = context->gl;
         const GLuint buffers[] = {engine->draw_uniforms, engine->commands, engine->instances};
-        delete_target(engine, gl);
+        iso_gl_target_free(&engine->target, gl);
         iso_gl_discs_free(&engine->discs, gl);
         iso_gl_shapes_target_free(&engine->shapes, gl);
         gl->DeleteBuffers(3, buffers);
@@ -132,39 +124,13 @@ uint64_t iso_gl_draw_bytes(const iso_gl_engine *engine, int width, int height) {
     return (w < side ? w : side) * (h < side ? h : side) * TARGET_BYTES + READ_BYTES;
 }
 
-static iso_status ensure_target(iso_gl_engine *engine, int width, int height, iso_error *error) {
-    const GladGLContext *gl = engine->context->gl;
-    if (engine->framebuffer && engine->width >= width && engine->height >= height) return ISO_OK;
-    if (width < engine->width) width = engine->width;
-    if (height < engine->height) height = engine->height;
-    delete_target(engine, gl);
-    engine->color = iso_gl_make_texture(gl, GL_RGBA32F, width, height);
-    engine->surface = iso_gl_make_texture(gl, GL_R8UI, width, height);
-    engine->depth = iso_gl_make_texture(gl, GL_DEPTH_COMPONENT32F, width, height);
-    gl->CreateFramebuffers(1, &engine->framebuffer);
-    gl->NamedFramebufferTexture(engine->framebuffer, GL_COLOR_ATTACHMENT0, engine->color, 0);
-    gl->NamedFramebufferTexture(engine->framebuffer, GL_COLOR_ATTACHMENT1, engine->surface, 0);
-    gl->NamedFramebufferTexture(engine->framebuffer, GL_DEPTH_ATTACHMENT, engine->depth, 0);
-    const GLenum outputs[] = {GL_COLOR_ATTACHMENT0 + ISO_GL_NORMAL_DEPTH,
-                              GL_COLOR_ATTACHMENT0 + ISO_GL_SURFACE};
-    gl->NamedFramebufferDrawBuffers(engine->framebuffer, 2, outputs);
-    if (gl->CheckNamedFramebufferStatus(engine->framebuffer, GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
-        delete_target(engine, gl);
-        return iso_fail(error, ISO_ERR_BACKEND, "%s: no framebuffer of %d x %d pixels", engine->context->name,
-                        width, height);
-    }
-    engine->width = width;
-    engine->height = height;
-    return ISO_OK;
-}
-
 /* Depth is reversed, 1 at the near plane: floats are finest near 0, where far things are. */
 static void begin_part(const iso_gl_engine *engine, const iso_view *view) {
     const GladGLContext *gl = engine->context->gl;
     const GLfloat nothing[4] = {0, 0, -1, INFINITY}, far = 0;
     const GLuint none[4] = {ISO_SURFACE_NONE};
     int margin = iso_gl_engine_margin(engine);
-    gl->BindFramebuffer(GL_FRAMEBUFFER, engine->framebuffer);
+    gl->BindFramebuffer(GL_FRAMEBUFFER, engine->target.framebuffer);
     gl->ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
     gl->Viewport(-margin, -margin, view->width + 2 * margin, view->height + 2 * margin);
     gl->Enable(GL_SCISSOR_TEST);
@@ -199,7 +165,7 @@ static iso_status read_part(const iso_gl_engine *engine, const iso_view *view, p
     if (step > view->height) step = view->height;
     float *pixels = iso_alloc(row * (size_t)step);
     if (!pixels) return iso_fail(error, ISO_ERR_NOMEM, "out of memory to read a picture back");
-    gl->NamedFramebufferReadBuffer(engine->framebuffer, GL_COLOR_ATTACHMENT0 + ISO_GL_NORMAL_DEPTH);
+    gl->NamedFramebufferReadBuffer(engine->target.framebuffer, GL_COLOR_ATTACHMENT0 + ISO_GL_NORMAL_DEPTH);
     for (int y = 0; y < view->height; y += step) {
         int rows = view->height - y < step ? view->height - y : step;
         gl->ReadPixels(0, y, view->width, rows, GL_RGBA, GL_FLOAT, pixels);
@@ -208,7 +174,7 @@ static iso_status read_part(const iso_gl_engine *engine, const iso_view *view, p
                      pixels + (size_t)i * (size_t)view->width * 4, view->width);
     }
     iso_free(pixels);
-    gl->NamedFramebufferReadBuffer(engine->framebuffer, GL_COLOR_ATTACHMENT0 + ISO_GL_SURFACE);
+    gl->NamedFramebufferReadBuffer(engine->target.framebuffer, GL_COLOR_ATTACHMENT0 + ISO_GL_SURFACE);
     gl->PixelStorei(GL_PACK_ALIGNMENT, 1);
     gl->PixelStorei(GL_PACK_ROW_LENGTH, to->width);
     gl->ReadPixels(0, 0, view->width, view->height, GL_RED_INTEGER, GL_UNSIGNED_BYTE,
@@ -455,7 +421,9 @@ static iso_status draw_surfaces(picture *p, const iso_view *view, iso_error *err
 
 static iso_status draw_part(picture *p, const iso_view *view, part_origin at, const iso_gl_output *to,
                             iso_error *error) {
-    ISO_TRY(ensure_target(p->engine, view->width, view->height, error));
+    iso_gl_engine *engine = p->engine;
+    ISO_TRY(
+        iso_gl_target_ensure(&engine->target, engine->context, GL_R8UI, view->width, view->height, error));
     begin_part(p->engine, view);
     iso_gl_timer_begin(&p->engine->timer, p->engine->context->gl, ISO_GL_PASS_DRAW);
     iso_status status = draw_surfaces(p, view, error);

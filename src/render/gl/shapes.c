@@ -53,20 +53,12 @@ typedef struct set_draw {
 
 /* ---- the framebuffer */
 
-static void delete_textures(iso_gl_shapes_target *target, const GladGLContext *gl) {
-    const GLuint textures[] = {target->normal_depth, target->ids, target->depth};
-    gl->DeleteTextures(3, textures); /* 0 is ignored */
-    gl->DeleteFramebuffers(1, &target->framebuffer);
-    target->framebuffer = target->normal_depth = target->ids = target->depth = 0;
-    target->width = target->height = 0;
-}
-
 void iso_gl_shapes_target_free(iso_gl_shapes_target *target, const GladGLContext *gl) {
-    delete_textures(target, gl);
+    iso_gl_target_free(&target->target, gl);
     gl->DeleteBuffers(1, &target->quads);
     gl->DeleteVertexArrays(1, &target->array);
     gl->DeleteVertexArrays(1, &target->empty_array);
-    *target = (iso_gl_shapes_target){.width = 0};
+    *target = (iso_gl_shapes_target){.quads = 0};
 }
 
 /* Indices of two triangles for each shape of a block. */
@@ -100,38 +92,12 @@ static void make_arrays(const iso_gl_engine *engine, iso_gl_shapes_target *targe
     }
 }
 
-static iso_status ensure_target(iso_gl_engine *engine, int width, int height, iso_error *error) {
-    static const GLenum outputs[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
-    const GladGLContext *gl = engine->context->gl;
-    iso_gl_shapes_target *target = &engine->shapes;
-    make_arrays(engine, target, gl);
-    if (target->framebuffer && target->width >= width && target->height >= height) return ISO_OK;
-    if (width < target->width) width = target->width;
-    if (height < target->height) height = target->height;
-    delete_textures(target, gl);
-    target->normal_depth = iso_gl_make_texture(gl, GL_RGBA32F, width, height);
-    target->ids = iso_gl_make_texture(gl, GL_RG32UI, width, height);
-    target->depth = iso_gl_make_texture(gl, GL_DEPTH_COMPONENT32F, width, height);
-    gl->CreateFramebuffers(1, &target->framebuffer);
-    gl->NamedFramebufferTexture(target->framebuffer, GL_COLOR_ATTACHMENT0, target->normal_depth, 0);
-    gl->NamedFramebufferTexture(target->framebuffer, GL_COLOR_ATTACHMENT1, target->ids, 0);
-    gl->NamedFramebufferTexture(target->framebuffer, GL_DEPTH_ATTACHMENT, target->depth, 0);
-    gl->NamedFramebufferDrawBuffers(target->framebuffer, 2, outputs);
-    target->width = width;
-    target->height = height;
-    if (gl->CheckNamedFramebufferStatus(target->framebuffer, GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE)
-        return ISO_OK;
-    delete_textures(target, gl);
-    return iso_fail(error, ISO_ERR_BACKEND, "%s: no framebuffer of %d x %d pixels for shapes",
-                    engine->context->name, width, height);
-}
-
 /* Depth is reversed, as in engine.c. */
 static void begin_part(const iso_gl_engine *engine, const iso_view *view) {
     const GladGLContext *gl = engine->context->gl;
     const GLfloat nothing[4] = {0, 0, -1, INFINITY}, far = 0;
     const GLuint none[4] = {0};
-    gl->BindFramebuffer(GL_FRAMEBUFFER, engine->shapes.framebuffer);
+    gl->BindFramebuffer(GL_FRAMEBUFFER, engine->shapes.target.framebuffer);
     gl->ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
     gl->Viewport(0, 0, view->width, view->height);
     gl->Enable(GL_SCISSOR_TEST);
@@ -441,7 +407,7 @@ static iso_status read_part(const shapes_call *call, const iso_view *view, part_
                             const iso_gbuffer *to, iso_error *error) {
     enum { PIXEL = 4 * sizeof(float) + 2 * sizeof(uint32_t) };
     const GladGLContext *gl = call->gl;
-    const iso_gl_shapes_target *target = &call->engine->shapes;
+    const iso_gl_target *target = &call->engine->shapes.target;
     const size_t row = (size_t)view->width * PIXEL;
     int step = row < READ_BYTES ? (int)(READ_BYTES / row) : 1;
     if (step > view->height) step = view->height;
@@ -493,7 +459,10 @@ static void depth_range(const iso_gl_shapes_opts *opts, double range[2]) {
 static iso_status draw_part(shapes_call *call, const iso_view *view, part_origin at, const iso_gbuffer *to,
                             iso_error *error) {
     iso_gl_timer *timer = &call->engine->timer;
-    ISO_TRY(ensure_target(call->engine, view->width, view->height, error));
+    iso_gl_engine *engine = call->engine;
+    make_arrays(engine, &engine->shapes, call->gl);
+    ISO_TRY(iso_gl_target_ensure(&engine->shapes.target, engine->context, GL_RG32UI, view->width,
+                                 view->height, error));
     begin_part(call->engine, view);
     iso_gl_timer_begin(timer, call->gl, ISO_GL_PASS_DRAW);
     iso_status status = ISO_OK;

@@ -9,6 +9,7 @@
 #include "render/gl/engine.h"
 #include "render/gl/internal.h"
 #include "render/gl/program.h"
+#include "render/gl/target.h"
 #include "render/gl/timer.h"
 #include "render/point_blocks.h"
 #include "render/raster/triangle_strips.h"
@@ -97,10 +98,9 @@ typedef struct iso_gl_discs {
     unsigned framebuffers[2], fronts, sums[4];
 } iso_gl_discs;
 
-/* What lines and glyphs are drawn into, at least as large as the part that is drawn, and how. */
+/* What lines and glyphs are drawn into, and how. */
 typedef struct iso_gl_shapes_target {
-    int width, height;
-    unsigned framebuffer, normal_depth, ids, depth;
+    iso_gl_target target;        /* its second texture: ISO_GL_IDS */
     unsigned quads;              /* indices of the quads of a block */
     unsigned array, empty_array; /* vertex arrays: with origins as per-instance data; without inputs */
 } iso_gl_shapes_target;
@@ -110,9 +110,7 @@ struct iso_gl_engine {
     unsigned programs[ISO_GL_PROGRAMS]; /* 0: not compiled yet */
     int max_side;                       /* samples, of the largest part that is drawn at once */
     double max_point;                   /* the driver's largest point, pixels */
-    /* The framebuffer, at least as large as the part that is drawn; replaced when it must grow. */
-    int width, height;
-    unsigned framebuffer, color, surface, depth;
+    iso_gl_target target;               /* of surfaces; its second texture: ISO_GL_SURFACE */
     iso_gl_discs discs;
     iso_gl_shapes_target shapes;
     unsigned draw_uniforms, commands, instances; /* buffers */
