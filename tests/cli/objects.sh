@@ -41,14 +41,7 @@ isorender --info --glyphs in/dots.csv >info
 isorender --info --lines in/two.obj >>info
 grep -q "heat: 1 .. 5" info
 grep -q "lps (not stated in the file)" info
-fails() {
-    local part=$1 code=0
-    shift
-    isorender "$@" bad.png --quiet 2>said || code=$?
-    [ $code -eq 2 ] && [ "$(wc -l <said)" -eq 1 ] && grep -q -- "$part" said && return
-    echo "isorender $*: exit $code, '$(cat said)' does not say '$part'"
-    return 1
-}
+fails() { refuses 2 "$1" isorender "${@:2}" bad.png --quiet; }
 fails "has no column 'warmth'; its columns: .*heat" --glyphs in/dots.csv --color-by warmth
 fails "given 2 times for 1" --lines in/two.obj --tube-radius 1 --tube-radius 2
 fails "is for --lines, which is not given" --glyphs in/dots.csv --caps flat

@@ -52,14 +52,7 @@ for a, layers in zip(picture.planes["A"], picture.planes["layers"]):
     expect(abs(a - (1 - 0.5 ** layers)) < 1e-5 and layers in (0, 1, 2, 4), a, layers)
 P
 fi
-fails() { # STATUS TEXT OPTION..
-    local status=$1 part=$2 code=0
-    shift 2
-    isorender "$@" bad.png --quiet 2>said || code=$?
-    [ $code -eq $status ] && [ "$(wc -l <said)" -eq 1 ] && grep -q -- "$part" said && [ ! -e bad.png ] && return
-    echo "isorender $*: exit $code, '$(cat said)' does not say '$part'"
-    return 1
-}
+fails() { refuses "$1" "$2" isorender "${@:3}" bad.png --quiet; }
 fails 2 "not an opacity from 0 to 1" $lines --line-opacity 1.5
 fails 2 "is for --glyphs, which is not given" $lines --glyph-opacity 0.5
 fails 2 "opaque lines, glyphs and meshes only: --line-opacity needs exact" scene:sphere:16 $lines --line-opacity 0.5 --method raycast

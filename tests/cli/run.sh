@@ -5,7 +5,8 @@
 #     # stdout: GLOB            a bash pattern for the whole of standard output
 #     # stderr: GLOB            the same for standard error
 # Inputs that a case makes go to in/. A case that is expected to fail must leave no other file and write one line to standard
-# error; no case may leave anything in TMPDIR. Exit status 77 of a case means that it was skipped.
+# error; no case may leave anything in TMPDIR. Exit status 77 of a case means that it was skipped. Cases can call the function
+# `refuses`, below.
 set -u
 programs=$(cd "$1" && pwd)
 case=$(realpath "$2")
@@ -40,6 +41,18 @@ read_expectations() {
     done <"$case"
     [[ ${expected[exit]=0} =~ ^[0-9]+$ ]] || problem "malformed exit status in $case: ${expected[exit]}"
 }
+
+# refuses STATUS TEXT PROGRAM ARGUMENT..: whether the program ends with this exit status, writes one line to standard error in
+# which TEXT is found, and leaves no file called bad.something behind. For cases.
+refuses() {
+    local status=$1 text=$2 code=0
+    shift 2
+    "$@" 2>said || code=$?
+    [ $code -eq "$status" ] && [ "$(wc -l <said)" -eq 1 ] && grep -q -- "$text" said && ! ls bad.* >/dev/null 2>&1 && return
+    echo "$*: exit $code, '$(cat said)' does not say '$text', or a file was left"
+    return 1
+}
+export -f refuses
 
 touch "$work/stdout" "$work/stderr"
 read_expectations

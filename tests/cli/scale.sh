@@ -51,11 +51,7 @@ expect(all(i // 300 > 170 for i in corner) and any(i % 300 < 60 for i in corner)
 sides = [covered("turn_%03d.png" % n) for n in range(3)]
 expect(max(abs(s[k] - sides[0][k]) for s in sides for k in range(4)) <= 1 and min(sides[0]) in (3, 4), sides)
 P
-fails() {
-    local status=0
-    isorender in/ball.mha x.png --isovalue 500 "${@:2}" 2>error.txt || status=$?
-    [ $status -eq 2 ] && [ "$(wc -l <error.txt)" -eq 1 ] && grep -q -- "$1" error.txt && [ ! -e x.png ]
-}
+fails() { refuses 2 "$1" isorender in/ball.mha bad.png --isovalue 500 "${@:2}"; }
 fails "--scale-bar needs --orthographic or --mm-per-pixel" --scale-bar
 fails "--mm-per-pixel and --zoom both set the scale" --mm-per-pixel 1 --zoom 2
 fails "--mm-per-pixel and --margin both set the scale" --mm-per-pixel 1 --margin 5%

@@ -23,11 +23,7 @@ expect(wanted[0] > 0.9 and wanted[5] == 9, wanted)
 P
 isocompare report in/ball.raw $reading --isovalue 500 --side 64 --output page --quiet && [ -s page/report.html ]
 # status PATTERN OPTION ...
-fails() {
-    local status=0
-    isosculpt "${@:3}" 2>error.txt || status=$?
-    [ $status -eq "$1" ] && [ "$(wc -l <error.txt)" -eq 1 ] && grep -q -- "$2" error.txt
-}
+fails() { refuses "$1" "$2" isosculpt "${@:3}"; }
 printf 'v 0 0 0\nv 10 0 0\nv 0 10 0\nv 0 0 10\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n' >in/tetra.obj
 fails 2 "in/tetra.obj: is a mesh: --grid needs a volume" --open in/tetra.obj --grid x --headless --mesh c.stl
 fails 2 "--raw needs a file to open" --replay "$volumes/bear.strokes" --raw 24x24x24:float --headless --mesh c.stl

@@ -27,14 +27,7 @@ play --output with.ply --reference in/far.swc 2>notes
 grep -q "in/far.swc lies beside the rest: .* --space ras" notes
 play --output with.ply --reference in/far.swc --space ras 2>notes
 grep -q "in/far.swc lies beside the rest: .* --space lps" notes
-fails() { # STATUS PART ARGUMENTS..
-    local wanted=$1 part=$2 code=0
-    shift 2
-    isosculpt --headless --quiet --output bad.ply "$@" 2>said || code=$?
-    [ $code -eq $wanted ] && [ "$(wc -l <said)" -eq 1 ] && grep -q -- "$part" said && [ ! -e bad.ply ] && return
-    echo "isosculpt $*: exit $code, '$(cat said)' does not say '$part'"
-    return 1
-}
+fails() { refuses "$1" "$2" isosculpt --headless --quiet --output bad.ply "${@:3}"; }
 bear="--replay $volumes/bear.strokes --voxel-size 2"
 fails 2 "--reference is for pictures" $bear --reference in/axis.swc
 fails 2 "--space is for --reference" $bear --draw --space ras

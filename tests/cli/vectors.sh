@@ -54,14 +54,7 @@ isorender --info in/turn.mha >info 2>/dev/null
 grep -q "as vectors: arrows (--glyphs), streamlines (--lines)" info
 isorender --info --glyphs in/turn.mha >info 2>/dev/null
 grep -q "21 x 21 x 5, 3 components: vectors" info && grep -q "magnitude: 1 .. 14.1421" info
-fails() {
-    local wanted=$1 part=$2 code=0
-    shift 2
-    isorender "$@" bad.png --quiet 2>said || code=$?
-    [ $code -eq "$wanted" ] && [ "$(wc -l <said)" -eq 1 ] && grep -q -- "$part" said && return
-    echo "isorender $*: exit $code, '$(cat said)' does not say '$part'"
-    return 1
-}
+fails() { refuses "$1" "$2" isorender "${@:3}" bad.png --quiet; }
 fails 2 "is for surfaces" --glyphs surface
 isorender --scene sphere:40 --no-image --points in/points.ply --quiet
 fails 2 "needs a volume" in/points.ply --glyphs surface

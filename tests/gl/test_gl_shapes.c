@@ -17,6 +17,7 @@
 #include "render/gl/shapes.h"
 #include "render/gl/surface.h"
 #include "render/shapes/set.h"
+#include "shapes_support.h"
 
 enum {
     WIDTH = 240,
@@ -33,14 +34,8 @@ static const iso_vec3 AWAY = {60, 35, -80};
 /* From nearby the picture is smaller, as many shapes are then traced in double precision, which takes
  * software renderers long. */
 static iso_view view_of(iso_vec3 origin, iso_vec3 away, double height, bool parallel) {
-    const iso_camera camera = {.position = iso_vec3_add(origin, away),
-                               .focal_point = origin,
-                               .view_up = iso_vec3_make(0.1, 1, 0.2),
-                               .view_angle = 2 * iso_atan2(height / 2, iso_vec3_length(away)) * 180 / ISO_PI,
-                               .parallel_scale = height / 2,
-                               .orthographic = parallel};
-    const int part = iso_vec3_length(away) < 30 ? 3 : 1;
-    return iso_view_make(&camera, WIDTH / part, HEIGHT / part);
+    const int part = iso_vec3_length(away) < 30 ? 3 : 1, pixels[2] = {WIDTH / part, HEIGHT / part};
+    return test_shapes_view_sized(origin, away, height, parallel, pixels);
 }
 
 static iso_gbuffer gbuffer_of(const iso_view *view) {

@@ -1,6 +1,13 @@
 /* refused_memory: wrappers of the allocation functions that fail after a number of calls. */
 #include "refused_memory.h"
 
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
 #include "base/memory.h"
 
 static long calls_left = -1; /* -1: never refuse */
@@ -17,6 +24,22 @@ void test_grant_memory(void) {
 
 long test_refusals(void) {
     return refusals;
+}
+
+long test_refuse_each(iso_status (*work)(const void *context, iso_error *error), const void *context,
+                      iso_status *last) {
+    for (long calls = 0;; calls++) {
+        iso_error error = {0};
+        test_refuse_memory_after(calls);
+        const iso_status status = work(context, &error);
+        const long refused = test_refusals();
+        test_grant_memory();
+        const bool good = refused ? status == ISO_ERR_NOMEM : last || status == ISO_OK;
+        if (!good) fail_msg("call %ld: status %d: %s", calls, status, error.text);
+        if (refused) continue;
+        if (last) *last = status;
+        return calls;
+    }
 }
 
 static bool refuse(void) {

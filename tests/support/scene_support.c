@@ -83,14 +83,14 @@ iso_gbuffer test_drawn(const iso_view *view, const iso_point_view *points, const
     return g;
 }
 
-void test_every_variant(const iso_view *view, const iso_point_view *points, const iso_pullpush_opts *opts,
-                        const iso_gbuffer *wanted) {
+void test_variants_of(test_picture *draw, const void *context, const iso_view *view,
+                      const iso_gbuffer *wanted) {
     for (int level = ISO_CPU_GENERIC; level <= (int)iso_cpu_supported(); level++)
         for (int threads = 1; threads <= 3; threads++) {
             iso_pool *pool = NULL;
             iso_cpu_limit((iso_cpu_level)level);
             if (threads > 1) assert_int_equal(iso_pool_create(threads, &pool, NULL), ISO_OK);
-            iso_gbuffer got = test_drawn(view, points, opts, pool);
+            iso_gbuffer got = draw(context, view, pool);
             test_same_rows(wanted, 0, &got);
             iso_gbuffer_free(&got);
             iso_pool_destroy(pool);
@@ -98,15 +98,37 @@ void test_every_variant(const iso_view *view, const iso_point_view *points, cons
     iso_cpu_limit(ISO_CPU_AVX512);
 }
 
-void test_every_strip(const iso_view *view, const iso_point_view *points, const iso_pullpush_opts *opts,
-                      const iso_gbuffer *wanted) {
-    static const int heights[] = {7, 24, 61};
-    for (int h = 0; h < 3; h++)
-        for (int y = 0; y < view->height; y += heights[h]) {
+void test_strips_of(test_picture *draw, const void *context, const iso_view *view, int lowest,
+                    const iso_gbuffer *wanted) {
+    static const int heights[] = {1, 7, 24, 61};
+    for (int h = 0; h < 4; h++)
+        for (int y = 0; heights[h] >= lowest && y < view->height; y += heights[h]) {
             const int count = view->height - y < heights[h] ? view->height - y : heights[h];
             const iso_view rows = iso_view_rows(view, y, count);
-            iso_gbuffer strip = test_drawn(&rows, points, opts, NULL);
+            iso_gbuffer strip = draw(context, &rows, NULL);
             test_same_rows(wanted, y, &strip);
             iso_gbuffer_free(&strip);
         }
+}
+
+typedef struct points_drawing {
+    const iso_point_view *points;
+    const iso_pullpush_opts *opts;
+} points_drawing;
+
+static iso_gbuffer draw_points(const void *context, const iso_view *view, iso_pool *pool) {
+    const points_drawing *d = context;
+    return test_drawn(view, d->points, d->opts, pool);
+}
+
+void test_every_variant(const iso_view *view, const iso_point_view *points, const iso_pullpush_opts *opts,
+                        const iso_gbuffer *wanted) {
+    const points_drawing d = {points, opts};
+    test_variants_of(draw_points, &d, view, wanted);
+}
+
+void test_every_strip(const iso_view *view, const iso_point_view *points, const iso_pullpush_opts *opts,
+                      const iso_gbuffer *wanted) {
+    const points_drawing d = {points, opts};
+    test_strips_of(draw_points, &d, view, 7, wanted);
 }

@@ -35,11 +35,20 @@ iso_gbuffer test_clear_gbuffer(int width, int height, bool colored);
 /* Fails the test unless the rows of `a` from a_row on are equal to all rows of b. */
 void test_same_rows(const iso_gbuffer *a, int a_row, const iso_gbuffer *b);
 
+/* Draws what `context` says, in a view; the caller frees the gbuffer. `pool` may be NULL. */
+typedef iso_gbuffer test_picture(const void *context, const iso_view *view, iso_pool *pool);
+
+/* Fail the test unless the picture of the view is `wanted`, byte for byte: with every instruction set and 1
+ * to 3 threads; in strips of several heights, `lowest` rows or more. */
+void test_variants_of(test_picture *draw, const void *context, const iso_view *view,
+                      const iso_gbuffer *wanted);
+void test_strips_of(test_picture *draw, const void *context, const iso_view *view, int lowest,
+                    const iso_gbuffer *wanted);
+
 /* Draws points by pull-push into a cleared gbuffer. opts NULL: Gaussian; pool may be NULL. */
 iso_gbuffer test_drawn(const iso_view *view, const iso_point_view *points, const iso_pullpush_opts *opts,
                        iso_pool *pool);
-/* Fails the test unless the picture is `wanted`, byte for byte, with every instruction set, with 1 to 3
- * threads, and in strips. */
+/* test_variants_of and test_strips_of for such a picture. */
 void test_every_variant(const iso_view *view, const iso_point_view *points, const iso_pullpush_opts *opts,
                         const iso_gbuffer *wanted);
 void test_every_strip(const iso_view *view, const iso_point_view *points, const iso_pullpush_opts *opts,

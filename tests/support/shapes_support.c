@@ -11,14 +11,19 @@
 
 enum { SIDE = 60 };
 
-iso_view test_shapes_view(iso_vec3 origin, iso_vec3 away, double height, bool parallel) {
+iso_view test_shapes_view_sized(iso_vec3 origin, iso_vec3 away, double height, bool parallel,
+                                const int pixels[2]) {
     const iso_camera camera = {.position = iso_vec3_add(origin, away),
                                .focal_point = origin,
                                .view_up = iso_vec3_make(0.1, 1, 0.2),
                                .view_angle = 2 * iso_atan2(height / 2, iso_vec3_length(away)) * 180 / ISO_PI,
                                .parallel_scale = height / 2,
                                .orthographic = parallel};
-    return iso_view_make(&camera, SIDE, SIDE - 7);
+    return iso_view_make(&camera, pixels[0], pixels[1]);
+}
+
+iso_view test_shapes_view(iso_vec3 origin, iso_vec3 away, double height, bool parallel) {
+    return test_shapes_view_sized(origin, away, height, parallel, (const int[2]){SIDE, SIDE - 7});
 }
 
 iso_gbuffer test_shapes_drawn(const iso_view *view, const iso_shapes *shapes, iso_pool *pool) {
@@ -142,26 +147,13 @@ void test_shapes_compare_views(const iso_shapes_scene *scene, iso_vec3 away, dou
     assert_true(covered > 0);
 }
 
+static iso_gbuffer draw_shapes(const void *context, const iso_view *view, iso_pool *pool) {
+    return test_shapes_drawn(view, context, pool);
+}
+
 void test_shapes_variants(const iso_shapes *shapes, const iso_view *view) {
     iso_gbuffer wanted = test_shapes_drawn(view, shapes, NULL);
-    for (int level = ISO_CPU_GENERIC; level <= (int)iso_cpu_supported(); level++)
-        for (int threads = 1; threads <= 3; threads++) {
-            iso_pool *pool = NULL;
-            iso_cpu_limit((iso_cpu_level)level);
-            if (threads > 1) assert_int_equal(iso_pool_create(threads, &pool, NULL), ISO_OK);
-            iso_gbuffer g = test_shapes_drawn(view, shapes, pool);
-            test_same_rows(&wanted, 0, &g);
-            iso_gbuffer_free(&g);
-            iso_pool_destroy(pool);
-        }
-    iso_cpu_limit(ISO_CPU_AVX512);
-    for (int rows = 1; rows < view->height; rows = rows * 5 + 2)
-        for (int y = 0; y < view->height; y += rows) {
-            const int height = view->height - y < rows ? view->height - y : rows;
-            const iso_view strip = iso_view_rows(view, y, height);
-            iso_gbuffer g = test_shapes_drawn(&strip, shapes, NULL);
-            test_same_rows(&wanted, y, &g);
-            iso_gbuffer_free(&g);
-        }
+    test_variants_of(draw_shapes, shapes, view, &wanted);
+    test_strips_of(draw_shapes, shapes, view, 1, &wanted);
     iso_gbuffer_free(&wanted);
 }

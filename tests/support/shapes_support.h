@@ -6,6 +6,9 @@
 
 /* A view of the surroundings of `origin` from `away`, in which `height` mm at the origin fill the picture. */
 iso_view test_shapes_view(iso_vec3 origin, iso_vec3 away, double height, bool parallel);
+/* The same for a picture of pixels[0] x pixels[1] pixels. */
+iso_view test_shapes_view_sized(iso_vec3 origin, iso_vec3 away, double height, bool parallel,
+                                const int pixels[2]);
 
 /* The prepared set of a scene. */
 iso_shapes *test_shapes_make(const iso_shapes_scene *scene);

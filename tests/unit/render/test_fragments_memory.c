@@ -13,6 +13,7 @@
 #include "refused_memory.h"
 #include "render/raster/triangles.h"
 #include "render/shapes/fragments.h"
+#include "scene_support.h"
 
 enum { COUNT = 60, SIZE = 70, WAYS = 3 };
 
@@ -29,14 +30,7 @@ static uint32_t triangles[COUNT / 3][3];
 static size_t starts[2] = {0, COUNT};
 
 static void make_scene(scene *s) {
-    *s = (scene){.view = {.rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1},
-                          .focal = 3,
-                          .cx = SIZE / 2,
-                          .cy = SIZE / 2,
-                          .width = SIZE,
-                          .height = SIZE,
-                          .orthographic = true,
-                          .near = -1e300}};
+    *s = (scene){.view = test_plain_view(SIZE, SIZE, true, 3)};
     for (int i = 0; i < COUNT; i++) {
         positions[i][0] = (float)(i * 7 % 20 - 10);
         positions[i][1] = (float)(i * 11 % 20 - 10);

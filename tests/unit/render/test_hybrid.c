@@ -167,31 +167,24 @@ static void one_kind_is_its_method(void **state) {
     release(&b);
 }
 
+typedef struct hybrid_drawing {
+    const both *b;
+    double pixels;
+} hybrid_drawing;
+
+static iso_gbuffer draw_hybrid(const void *context, const iso_view *view, iso_pool *pool) {
+    const hybrid_drawing *d = context;
+    return hybrid(d->b, view, d->pixels, pool);
+}
+
 static void bytes_are_the_same(void **state) {
     (void)state;
     both b = make("gyroid", 64, false);
     const iso_view view = test_look_at(&b.scene, 4, 1.5, false, 210, 170);
-    const double pixels = 1.1 * middle_cell(&b, &view);
-    iso_gbuffer wanted = hybrid(&b, &view, pixels, NULL);
-    for (int level = ISO_CPU_GENERIC; level <= (int)iso_cpu_supported(); level++)
-        for (int threads = 1; threads <= 3; threads++) {
-            iso_pool *pool = NULL;
-            iso_cpu_limit((iso_cpu_level)level);
-            if (threads > 1) assert_int_equal(iso_pool_create(threads, &pool, NULL), ISO_OK);
-            iso_gbuffer g = hybrid(&b, &view, pixels, pool);
-            test_same_rows(&wanted, 0, &g);
-            iso_gbuffer_free(&g);
-            iso_pool_destroy(pool);
-        }
-    iso_cpu_limit(ISO_CPU_AVX512);
-    for (int rows = 7; rows < view.height; rows = rows * 5 + 2)
-        for (int y = 0; y < view.height; y += rows) {
-            const int height = view.height - y < rows ? view.height - y : rows;
-            const iso_view strip = iso_view_rows(&view, y, height);
-            iso_gbuffer g = hybrid(&b, &strip, pixels, NULL);
-            test_same_rows(&wanted, y, &g);
-            iso_gbuffer_free(&g);
-        }
+    const hybrid_drawing d = {&b, 1.1 * middle_cell(&b, &view)};
+    iso_gbuffer wanted = draw_hybrid(&d, &view, NULL);
+    test_variants_of(draw_hybrid, &d, &view, &wanted);
+    test_strips_of(draw_hybrid, &d, &view, 7, &wanted);
     iso_gbuffer_free(&wanted);
     release(&b);
 }

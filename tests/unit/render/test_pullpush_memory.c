@@ -10,6 +10,7 @@
 
 #include "refused_memory.h"
 #include "render/pullpush/pullpush.h"
+#include "scene_support.h"
 
 enum { SIDE = 20, COUNT = SIDE * SIDE, SIZE = 70 };
 
@@ -29,17 +30,23 @@ static iso_status draw(iso_pullpush *workspace, iso_reconstruction reconstructio
                                    .colors = colored ? (const uint8_t(*)[3])colors : NULL,
                                    .transform = iso_transform_identity(),
                                    .radius = 0.8};
-    const iso_view view = {.rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1},
-                           .focal = 3,
-                           .cx = SIZE / 2,
-                           .cy = SIZE / 2,
-                           .width = SIZE,
-                           .height = SIZE,
-                           .orthographic = true,
-                           .near = -1e300};
+    const iso_view view = test_plain_view(SIZE, SIZE, true, 3);
     const iso_pullpush_opts opts = {reconstruction, workspace};
     const iso_target target = {&view, g, NULL, 0};
     return iso_draw_pullpush(&target, &points, &opts, NULL);
+}
+
+typedef struct drawing {
+    iso_pullpush *workspace;
+    iso_reconstruction reconstruction;
+    bool colored;
+    iso_gbuffer *gbuffer;
+} drawing;
+
+static iso_status draw_it(const void *context, iso_error *error) {
+    (void)error;
+    const drawing *d = context;
+    return draw(d->workspace, d->reconstruction, d->colored, d->gbuffer);
 }
 
 /* Refused once at each place in turn, with and without a workspace; then it draws what it always draws. */
@@ -56,18 +63,8 @@ static void refusals_are_reported(void **state) {
         iso_gbuffer_clear(&wanted);
         iso_gbuffer_clear(&got);
         assert_int_equal(draw(NULL, reconstruction, colored, &wanted), ISO_OK);
-        long place = 0;
-        for (;; place++) {
-            test_refuse_memory_after(place);
-            iso_status status = draw(workspace, reconstruction, colored, &got);
-            test_grant_memory();
-            if (!test_refusals()) {
-                assert_int_equal(status, ISO_OK);
-                break;
-            }
-            assert_int_equal(status, ISO_ERR_NOMEM);
-        }
-        assert_true(place > 2);
+        const drawing d = {workspace, reconstruction, colored, &got};
+        assert_true(test_refuse_each(draw_it, &d, NULL) > 2);
         assert_memory_equal(got.depth, wanted.depth, SIZE * SIZE * sizeof(float));
         assert_memory_equal(got.surface, wanted.surface, SIZE * SIZE);
         iso_gbuffer_free(&wanted);

@@ -30,10 +30,15 @@ static void draw(const iso_view *view, const iso_pyramid_lines *lines, iso_gbuff
     test_ok(iso_draw_pyramid_lines(&target, lines, NULL, &error), &error);
 }
 
+static iso_gbuffer draw_lines(const void *lines, const iso_view *view, iso_pool *pool) {
+    iso_gbuffer g = test_clear_gbuffer(view->width, view->height, scene.lines.colors != NULL);
+    draw(view, lines, &g, pool);
+    return g;
+}
+
 static iso_gbuffer drawn(const iso_view *view, const iso_shapes_opts *opts) {
     iso_pyramid_lines *lines = prepare(opts);
-    iso_gbuffer g = test_clear_gbuffer(view->width, view->height, scene.lines.colors != NULL);
-    draw(view, lines, &g, NULL);
+    iso_gbuffer g = draw_lines(lines, view, NULL);
     iso_pyramid_lines_destroy(lines);
     return g;
 }
@@ -324,29 +329,9 @@ static void test_same_bytes(void **state) {
         const iso_shapes_opts opts = {
             .min_pixels = 1, .caps = ISO_CAPS_FLAT, .style = kind & 4 ? ISO_LINE_RIBBON : ISO_LINE_TUBE};
         iso_pyramid_lines *lines = prepare(&opts);
-        iso_gbuffer wanted = test_clear_gbuffer(view.width, view.height, true);
-        draw(&view, lines, &wanted, NULL);
-        for (int level = ISO_CPU_GENERIC; level <= (int)iso_cpu_supported(); level++)
-            for (int threads = 1; threads <= 3; threads++) {
-                iso_pool *pool = NULL;
-                iso_gbuffer g = test_clear_gbuffer(view.width, view.height, true);
-                iso_cpu_limit((iso_cpu_level)level);
-                if (threads > 1) assert_int_equal(iso_pool_create(threads, &pool, NULL), ISO_OK);
-                draw(&view, lines, &g, pool);
-                test_same_rows(&wanted, 0, &g);
-                iso_gbuffer_free(&g);
-                iso_pool_destroy(pool);
-            }
-        iso_cpu_limit(ISO_CPU_AVX512);
-        for (int rows = 7; rows < view.height; rows = rows * 5 + 2)
-            for (int y = 0; y < view.height; y += rows) {
-                const int height = view.height - y < rows ? view.height - y : rows;
-                const iso_view strip = iso_view_rows(&view, y, height);
-                iso_gbuffer g = test_clear_gbuffer(view.width, height, true);
-                draw(&strip, lines, &g, NULL);
-                test_same_rows(&wanted, y, &g);
-                iso_gbuffer_free(&g);
-            }
+        iso_gbuffer wanted = draw_lines(lines, &view, NULL);
+        test_variants_of(draw_lines, lines, &view, &wanted);
+        test_strips_of(draw_lines, lines, &view, 7, &wanted);
         iso_gbuffer_free(&wanted);
         iso_pyramid_lines_destroy(lines);
     }

@@ -11,6 +11,7 @@
 #include "image/image.h"
 #include "refused_memory.h"
 #include "render/splats/layers.h"
+#include "scene_support.h"
 
 enum { SIDE = 20, COUNT = SIDE * SIDE, SIZE = 70, WAYS = 5 };
 
@@ -27,15 +28,7 @@ typedef struct scene {
 } scene;
 
 static void make_scene(scene *s) {
-    *s = (scene){.span = {.count = COUNT},
-                 .view = {.rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1},
-                          .focal = 3,
-                          .cx = SIZE / 2,
-                          .cy = SIZE / 2,
-                          .width = SIZE,
-                          .height = SIZE,
-                          .orthographic = true,
-                          .near = -1e300}};
+    *s = (scene){.span = {.count = COUNT}, .view = test_plain_view(SIZE, SIZE, true, 3)};
     for (int i = 0; i < COUNT; i++) {
         const float x = (float)(i % SIDE) - SIDE / 2, y = (float)(i / SIDE) - SIDE / 2;
         s->surfels[i] = (iso_surfel){{x, y, 10}, {0, 0, -1}};
@@ -67,8 +60,17 @@ static iso_status draw_layers(scene *s, iso_transparency transparency) {
     return iso_shade_splat_layers(&picture, &totals, NULL);
 }
 
-/* Draws in one of several ways: groups alone, opaque splats, and translucent ones. */
-static iso_status draw(scene *s, int way) {
+/* What is drawn, in one of several ways: groups alone, opaque splats, and translucent ones. */
+typedef struct drawing {
+    scene *scene;
+    int way;
+} drawing;
+
+static iso_status draw(const void *context, iso_error *error) {
+    (void)error;
+    const drawing *d = context;
+    scene *s = d->scene;
+    const int way = d->way;
     if (way >= 2) return draw_layers(s, (iso_transparency)(way - 2));
     if (way == 0) {
         iso_groups groups = {0};
@@ -88,20 +90,10 @@ static void refusals_are_reported(void **state) {
     for (int way = 0; way < WAYS; way++) {
         scene s;
         make_scene(&s);
-        assert_int_equal(draw(&s, way), ISO_OK);
+        const drawing d = {&s, way};
+        assert_int_equal(draw(&d, NULL), ISO_OK);
         memcpy(wanted, s.image.rgba, sizeof wanted);
-        long place = 0;
-        for (;; place++) {
-            test_refuse_memory_after(place);
-            const iso_status status = draw(&s, way);
-            test_grant_memory();
-            if (!test_refusals()) {
-                assert_int_equal(status, ISO_OK);
-                break;
-            }
-            assert_int_equal(status, ISO_ERR_NOMEM);
-        }
-        assert_true(place > 5);
+        assert_true(test_refuse_each(draw, &d, NULL) > 5);
         assert_memory_equal(wanted, s.image.rgba, sizeof wanted);
         iso_groups_free(&s.groups);
         iso_gbuffer_free(&s.gbuffer);
