@@ -35,22 +35,28 @@ static iso_status set_radius(const char *option, const char *value, isorender_ob
     return ISO_OK;
 }
 
-static iso_status set_color(const char *option, const char *value, isorender_object_settings *object,
-                            iso_error *error) {
+iso_status isorender_parse_color(const char *option, const char *value, const char *others, bool *given,
+                                 iso_rgb *color, iso_error *error) {
     uint8_t rgb[3];
     if (!value) return ISO_OK;
-    const bool directed = object->kind != ISORENDER_MESH;
-    if (directed && strcmp(value, "direction") == 0) {
-        object->by_direction = true;
-        return ISO_OK;
-    }
     if (!iso_parse_color(value, rgb))
         return iso_fail(error, ISO_ERR_USAGE,
                         "--%s: '%s' is neither RRGGBB in hexadecimal nor a colour name of CSS%s", option,
-                        value, directed ? " nor 'direction'" : "");
-    object->colored = true;
-    object->color = (iso_rgb){rgb[0], rgb[1], rgb[2]};
+                        value, others);
+    *given = true;
+    *color = (iso_rgb){rgb[0], rgb[1], rgb[2]};
     return ISO_OK;
+}
+
+static iso_status set_color(const char *option, const char *value, isorender_object_settings *object,
+                            iso_error *error) {
+    const bool directed = object->kind != ISORENDER_MESH;
+    if (directed && value && strcmp(value, "direction") == 0) {
+        object->by_direction = true;
+        return ISO_OK;
+    }
+    return isorender_parse_color(option, value, directed ? " nor 'direction'" : "", &object->colored,
+                                 &object->color, error);
 }
 
 iso_status isorender_parse_opacity(const char *option, const char *value, double *opacity, iso_error *error) {

@@ -90,6 +90,11 @@ iso_status isorender_objects_resolve(const isorender_object_options *options,
 
 /* The value of an option for number `number`, from 0, of the files that it is for; NULL: it is not given. */
 const char *isorender_value_for(const iso_texts *texts, int number);
+/* Parses the value of --OPTION, a colour; `others` ends the message with what else it could be (" nor ..").
+ * NULL: the option is not given, and nothing is set. ISO_ERR_USAGE. */
+iso_status isorender_parse_color(const char *option, const char *value, const char *others, bool *given,
+                                 iso_rgb *color, iso_error *error);
+
 /* Parses the value of an option, 0 to 1; NULL leaves *opacity as it is. ISO_ERR_USAGE. */
 iso_status isorender_parse_opacity(const char *option, const char *value, double *opacity, iso_error *error);
 /* ISO_ERR_USAGE: an option is given more often than there are files that it is for. objects: the options that

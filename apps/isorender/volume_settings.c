@@ -13,18 +13,6 @@ static iso_status set_isovalue(const char *value, isorender_volume_settings *vol
     return iso_fail(error, ISO_ERR_USAGE, "--volume-isovalue: '%s' is neither a number nor 'auto'", value);
 }
 
-static iso_status set_color(const char *value, isorender_volume_settings *volume, iso_error *error) {
-    uint8_t rgb[3];
-    if (!value) return ISO_OK;
-    if (!iso_parse_color(value, rgb))
-        return iso_fail(error, ISO_ERR_USAGE,
-                        "--volume-color: '%s' is neither RRGGBB in hexadecimal nor a colour name of CSS",
-                        value);
-    volume->colored = true;
-    volume->color = (iso_rgb){rgb[0], rgb[1], rgb[2]};
-    return ISO_OK;
-}
-
 iso_status isorender_volumes_resolve(const isorender_volume_options *options,
                                      isorender_volume_settings volumes[ISORENDER_VOLUMES], iso_error *error) {
     const struct {
@@ -37,7 +25,8 @@ iso_status isorender_volumes_resolve(const isorender_volume_options *options,
         isorender_volume_settings *volume = &volumes[i];
         *volume = (isorender_volume_settings){.path = options->paths[i], .opacity = 1};
         ISO_TRY(set_isovalue(isorender_value_for(&options->isovalues, i), volume, error));
-        ISO_TRY(set_color(isorender_value_for(&options->colors, i), volume, error));
+        ISO_TRY(isorender_parse_color("volume-color", isorender_value_for(&options->colors, i), "",
+                                      &volume->colored, &volume->color, error));
         ISO_TRY(isorender_parse_opacity("volume-opacity", isorender_value_for(&options->opacities, i),
                                         &volume->opacity, error));
     }

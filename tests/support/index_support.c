@@ -9,6 +9,22 @@
 
 #include "check_support.h"
 
+int check_index(const char *folder, const char *const *formats, void (*check)(const index_row *row)) {
+    index_table *table = load_index(folder);
+    int checked = 0;
+    for (int i = 0; i < table->count; i++) {
+        const index_row *row = &table->rows[i];
+        bool wanted = false;
+        for (int k = 0; formats[k]; k++)
+            wanted = wanted || strncmp(row->format, formats[k], strlen(formats[k])) == 0;
+        if (!wanted || strncmp(row->name, "bad/", 4) == 0) continue;
+        check(row);
+        checked++;
+    }
+    free(table);
+    return checked;
+}
+
 const char *index_path(const char *folder, const char *name) {
     static char path[2 * INDEX_TEXT];
     snprintf(path, sizeof path, "%s/../%s/%s", ISO_TEST_VOLUMES, folder, name);

@@ -26,6 +26,11 @@ typedef struct index_table {
  * missing. */
 index_table *load_index(const char *folder);
 
+/* Calls `check` for each row of a table, except damaged files (bad/), whose format begins with one of
+ * `formats`, a list that ends with NULL. Returns the number of these rows; skips the test as load_index does.
+ */
+int check_index(const char *folder, const char *const *formats, void (*check)(const index_row *row));
+
 /* The path of a file in ../shared/FOLDER, in a static buffer. */
 const char *index_path(const char *folder, const char *name);
 

@@ -11,6 +11,7 @@
 #include "image/image.h"
 #include "refused_memory.h"
 #include "render/gaussians/gaussians.h"
+#include "scene_support.h"
 
 enum { COUNT = 40, SIZE = 50 };
 
@@ -28,14 +29,7 @@ static iso_status draw(iso_image *image) {
                                      .opacities = opacities,
                                      .color = {200, 100, 50},
                                      .count = COUNT};
-    const iso_view view = {.rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1},
-                           .focal = 5,
-                           .cx = SIZE / 2,
-                           .cy = SIZE / 2,
-                           .width = SIZE,
-                           .height = SIZE,
-                           .orthographic = true,
-                           .near = -1e300};
+    const iso_view view = test_plain_view(SIZE, SIZE, true, 5);
     const iso_rgb color = {0, 0, 0};
     const iso_shading shading = {.colors = &color, .color_count = 1};
     const iso_gbuffer size = {.width = SIZE, .height = SIZE};
@@ -45,25 +39,20 @@ static iso_status draw(iso_image *image) {
     return iso_shade_gaussians(&gaussians, &picture, &totals, NULL);
 }
 
+static iso_status draw_again(const void *context, iso_error *error) {
+    iso_image *const *image = context;
+    (void)error;
+    return draw(*image);
+}
+
 static void refusals_are_reported(void **state) {
     (void)state;
     static uint8_t wanted[4 * SIZE * SIZE];
-    iso_image image;
+    iso_image image, *target = &image;
     assert_int_equal(iso_image_create(SIZE, SIZE, &image, NULL), ISO_OK);
     assert_int_equal(draw(&image), ISO_OK);
     memcpy(wanted, image.rgba, sizeof wanted);
-    long place = 0;
-    for (;; place++) {
-        test_refuse_memory_after(place);
-        const iso_status status = draw(&image);
-        test_grant_memory();
-        if (!test_refusals()) {
-            assert_int_equal(status, ISO_OK);
-            break;
-        }
-        assert_int_equal(status, ISO_ERR_NOMEM);
-    }
-    assert_int_equal(place, 9);
+    assert_int_equal(test_refuse_each(draw_again, &target, NULL), 9);
     assert_memory_equal(wanted, image.rgba, sizeof wanted);
     iso_image_free(&image);
 }
