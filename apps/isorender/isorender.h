@@ -31,15 +31,17 @@ extern "C" {
 
 /* One isosurface, of the input or of a further volume. */
 typedef struct isorender_surface {
-    iso_loader *loader; /* what it is made of; borrowed: the job's `loader` or one of its `volumes` */
-    double isovalue;    /* physical; NaN for points that were read */
+    iso_loader
+        *loader; /* the volume that it is extracted from; borrowed: the job's `loader` or one of `volumes` */
+    double isovalue; /* physical; NaN for points that were read */
     iso_rgb color;
     iso_translucency translucency;
-    iso_grid grid;     /* what the surface is extracted from; borrowed: the volume's grid or own_grid */
-    iso_grid own_grid; /* a copy without small parts, or with caps; neither pointer is set: there is none */
+    iso_grid grid; /* what the surface is extracted from; borrowed: the volume's grid or own_grid */
+    iso_grid
+        own_grid; /* a copy without small parts, or with caps; both pointers are NULL if none was needed */
     iso_components_totals parts;
     iso_mesh_measures measures; /* of the mesh: isorender_mesh_weld */
-    iso_point_set *points;      /* NULL: not needed; likewise the others */
+    iso_point_set *points;      /* NULL if not needed, like the pointers that follow */
     iso_mesh_set *mesh;
     iso_exact *exact;
     iso_raycaster *caster;
@@ -64,15 +66,15 @@ typedef struct isorender_job {
     const isorender_plan *plan;
     iso_pool *pool;
     const isorender_backend *backend;
-    const iso_environment *environment; /* of glass, else NULL */
+    const iso_environment *environment; /* what glass refracts; NULL: there is no glass */
     iso_loader loader;                  /* of the input; not opened when there is none */
-    bool has_volume;                    /* else the input is points, or there is none */
+    bool has_volume;                    /* the input is a volume: not points, and there is an input */
     iso_loader volumes[ISORENDER_VOLUMES];
     int volume_count;
     iso_input volume_input; /* how `volumes` are read */
 
     iso_method method;            /* as --method names it: ISO_METHOD_PULLPUSH with any reconstruction */
-    const iso_renderer *renderer; /* of the method with its reconstruction */
+    const iso_renderer *renderer; /* the row of the renderers' table for the method and its reconstruction */
 
     isorender_surface surfaces[ISORENDER_SURFACES]; /* those of the input, then one of each of `volumes` */
     iso_cloud cloud;                                /* of a file of points */
@@ -128,17 +130,19 @@ iso_status isorender_read(isorender_job *job, iso_error *error);
 /* Chooses isovalues and colours; extracts what the method and the exports need of every surface; finds the
  * bounds. ISO_ERR_EMPTY when a surface is empty. */
 iso_status isorender_extract(isorender_job *job, iso_error *error);
-/* The kind of points that are extracted: --primitive, or the best for the grid and the method. */
+/* Returns the kind of points that are extracted: that of --primitive, or else the best for the grid and the
+ * method. */
 iso_primitive isorender_primitive(const isorender_job *job);
 /* Writes --points and --mesh; measures meshes for --json and --verbose. */
 iso_status isorender_export(isorender_job *job, iso_error *error);
-/* The points of a surface, extracted or read. Borrowed from the job. */
+/* Returns the points of a surface, extracted or read, which the job owns. */
 iso_point_view isorender_points_view(const isorender_job *job, int surface);
 
-/* How light passes a surface or an object of that opacity; without absorption. */
+/* Returns the translucency of a surface or an object with this opacity; without absorption. */
 iso_translucency isorender_translucency(const isorender_settings *settings, double opacity);
 
-/* The box of all surfaces, not of objects, in the space of three world vectors: iso_fit.bounds. */
+/* Returns the box of all surfaces, without objects, in coordinates along three world vectors, as
+ * iso_fit.bounds asks for it. */
 iso_box isorender_bounds(const isorender_job *job, const iso_vec3 vectors[3]);
 
 /* ---- cloud.c: a file of points as the input */
@@ -148,9 +152,9 @@ iso_status isorender_cloud_check(const isorender_settings *settings, iso_error *
 /* Makes job->cloud of the points that were read, as the settings say, and frees those. ISO_ERR_EMPTY: no
  * point is left; other errors as iso_cloud_make. */
 iso_status isorender_cloud_read(isorender_job *job, iso_error *error);
-/* Prints what --info says of the points. */
+/* Prints the lines of --info about the points. */
 void isorender_cloud_info(const isorender_job *job);
-/* Members of the report. */
+/* Adds the members about the points to the report of --json. */
 void isorender_cloud_report(iso_json *json, const isorender_job *job);
 
 /* ---- gaussians.c: a file of 3-D Gaussians as the input */
@@ -165,12 +169,12 @@ typedef struct isorender_gaussians_picture {
     const iso_shading *shading;
     isorender_frame *frame; /* its totals of layers are set */
 } isorender_gaussians_picture;
-/* How the frame is drawn: iso_picture_opts.layers. */
+/* Draws the frame: a callback for iso_picture_opts.layers. */
 iso_picture_layers isorender_gaussians_callbacks(isorender_gaussians_picture *picture);
 
 /* The median standard deviation of Gaussians, mm; 1 if they have no size. */
 double isorender_gaussians_size(const iso_glyphs *glyphs);
-/* Prints what --info says of them. */
+/* Prints the lines of --info about the Gaussians. */
 void isorender_gaussians_info(const isorender_job *job);
 
 /* ---- volumes.c: further volumes, of --volume */
@@ -181,7 +185,7 @@ iso_status isorender_volumes_read(isorender_job *job, iso_error *error);
 /* Puts the name of volume `volume`, from 0, before the message of a failure, unless the message begins with
  * it; below 0 the input, which is named later. Returns `status`. */
 iso_status isorender_volume_named(const isorender_job *job, int volume, iso_status status, iso_error *error);
-/* A member of the report: the volumes and their surfaces. */
+/* Adds a member about the volumes and their surfaces to the report of --json. */
 void isorender_report_volumes(iso_json *json, const isorender_job *job);
 
 /* ---- object_gradients.c */
@@ -197,12 +201,12 @@ iso_status isorender_object_take_gradients(isorender_job *job, isorender_object 
 
 /* Divides the points of a surface into groups for splats. ISO_ERR_NOMEM, ISO_ERR_LIMIT. */
 iso_status isorender_groups_make(isorender_job *job, int surface, iso_error *error);
-/* A member of the report: the groups of all surfaces. */
+/* Adds a member about the groups of all surfaces to the report of --json. */
 void isorender_report_groups(iso_json *json, const isorender_job *job);
 
 /* ---- camera.c */
 
-/* Makes the first frame's camera, job->camera. ISO_ERR_USAGE: iso_camera_check. */
+/* Makes job->camera, that of the first frame. ISO_ERR_USAGE: as iso_camera_check. */
 iso_status isorender_camera_make(isorender_job *job, iso_error *error);
 iso_camera isorender_camera_of_frame(const isorender_job *job, int frame);
 
@@ -217,7 +221,8 @@ uint64_t isorender_solid_bytes(const isorender_job *job, const int dims[3], uint
  * --json, --verbose, and the line that says that the mesh was written. */
 iso_status isorender_mesh_weld(const isorender_job *job, isorender_surface *surface, iso_weld *weld,
                                iso_error *error);
-/* Members of the report: parts and mesh, of the first surface and, when there are several, of each. */
+/* Adds members about parts and mesh to the report of --json: of the first surface and, if there are several,
+ * of each. */
 void isorender_report_solid(iso_json *json, const isorender_job *job);
 
 /* ---- picture.c */

@@ -23,26 +23,27 @@ typedef enum isorender_object_kind {
     ISORENDER_OBJECT_KINDS
 } isorender_object_kind;
 
-/* What the options say of a volume of vectors or tensors. */
+/* The options for a volume of vectors or tensors. */
 typedef struct isorender_field_settings {
-    const char *array;     /* NULL: the first that fits */
-    iso_vector_axes axes;  /* of the vectors */
-    int order[6];          /* of the components of tensors, as in iso_vectors_opts */
-    double scale;          /* of glyphs, mm per unit; 0: not given */
-    int streamlines, seed; /* how many; of where they begin */
+    const char
+        *array; /* name of the array or grid that is read; NULL: the first that has vectors or tensors */
+    iso_vector_axes axes;  /* the axes that the components of vectors refer to */
+    int order[6];          /* the order of the components of tensors, as in iso_vectors_opts */
+    double scale;          /* length of glyphs, mm per unit of the vectors; 0: not given */
+    int streamlines, seed; /* number of streamlines; seed of the random places where they begin */
     double length;         /* of streamlines, mm; 0: not given */
-    double least;          /* length or anisotropy of what is drawn; 0: not given */
-    bool axial;            /* vectors have no sign */
+    double least;          /* shorter vectors, and tensors of less anisotropy, are not drawn; 0: not given */
+    bool axial;            /* vectors v and -v mean the same */
 } isorender_field_settings;
 
-/* What lines are drawn as. LINE: as wide as the least width in the picture, at any distance. */
+/* How lines are drawn. LINE: with the least width (--line-min-pixels) at any distance. */
 typedef enum isorender_line_style {
     ISORENDER_STYLE_TUBE,
     ISORENDER_STYLE_RIBBON,
     ISORENDER_STYLE_LINE
 } isorender_line_style;
 
-/* What the options say of one object. Strings are borrowed from argv. */
+/* The options for one object. Strings are borrowed from argv. */
 typedef struct isorender_object_settings {
     isorender_object_kind kind;
     const char *path;
@@ -53,7 +54,7 @@ typedef struct isorender_object_settings {
     double opacity;       /* 0 .. 1 */
     const char *color_by; /* the attribute with numbers to be coloured; NULL: none */
     iso_colormap map;
-    double range[2];            /* of the colormap; NAN: that of the numbers */
+    double range[2]; /* the numbers at both ends of the colormap; NAN: the smallest and the largest number */
     isorender_line_style style; /* of lines */
     iso_caps caps;              /* of tubes */
     bool glyph_given;

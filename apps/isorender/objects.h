@@ -22,7 +22,7 @@
 extern "C" {
 #endif
 
-/* What an object has that is made of a volume of vectors or tensors. */
+/* Facts about the volume of vectors or tensors that an object was made of. */
 typedef struct isorender_field {
     int dims[3];
     int components; /* of the file; 0: the object is not made of a volume */
@@ -33,7 +33,7 @@ typedef struct isorender_field {
 
 /* One file. Zero-initialise, isorender_object_free when done. */
 typedef struct isorender_object {
-    const isorender_object_settings *settings; /* borrowed; without a path for the input */
+    const isorender_object_settings *settings; /* borrowed; the path is NULL for the input itself */
     /* What the file holds, by settings->kind; lines and glyphs with the radii and colours that are drawn. */
     iso_lines lines;
     iso_glyphs glyphs;
@@ -45,13 +45,13 @@ typedef struct isorender_object {
     const char *color_by;             /* borrowed: the attribute with numbers to be coloured; NULL: none */
     iso_shapes *shapes;               /* of lines and glyphs; NULL before isorender_object_prepare */
     iso_pyramid_lines *pyramid_lines; /* of lines, if they are drawn by pull-push */
-    iso_shapes_drawn drawn;           /* of opaque lines and glyphs: in all frames */
-    iso_shapes_layered layered;       /* of translucent ones and meshes: in all frames */
+    iso_shapes_drawn drawn;           /* totals of opaque lines and glyphs, over all frames */
+    iso_shapes_layered layered;       /* the same of translucent lines and glyphs, and of meshes */
     iso_triangle_spans spans;         /* of meshes */
     iso_box bounds;                   /* world box of what is drawn */
-    iso_rgb color;                    /* of what has no colour of its own */
+    iso_rgb color;                    /* of elements without a colour of their own */
     bool has_bar;
-    iso_color_bar bar; /* if has_bar: what its colours stand for */
+    iso_color_bar bar; /* the legend of its colours, if has_bar */
 } isorender_object;
 
 /* Reads the file, adds it to `files`, and gives lines or glyphs the radii and colours that the settings say.
@@ -70,30 +70,32 @@ iso_status isorender_object_prepare(isorender_object *object, double line_min_pi
 
 void isorender_object_free(isorender_object *object);
 
-/* The box of what is drawn in the space of three world vectors: iso_fit.bounds. */
+/* Returns the box of what is drawn, in coordinates along three world vectors, as iso_fit.bounds asks for it.
+ */
 iso_box isorender_object_bounds_along(const isorender_object *object, const iso_vec3 vectors[3]);
 
-/* Draws it, as iso_draw_shapes, iso_draw_pyramid_lines and iso_draw_mesh do. `workspace`: of pull-push. */
+/* Draws the object by iso_draw_shapes, iso_draw_pyramid_lines or iso_draw_mesh. `workspace`: of pull-push. */
 iso_status isorender_object_draw(isorender_object *object, const iso_target *target, iso_pullpush *workspace,
                                  iso_error *error);
 
-/* Counts the elements of its surface, whose number from 1 is given, as the file does. */
+/* In `aov`, gives the elements of a surface, whose number counts from 1, the numbers that they have in the
+ * file. */
 void isorender_object_number(const isorender_object *object, uint32_t surface, iso_aov *aov);
 
-/* A member of the report: file, format, counts, box. */
+/* Adds an object to the report of --json: file, format, counts, box. */
 void isorender_object_put(iso_json *json, const isorender_object *object);
-/* The same as text on standard output, with the names and ranges of the columns. */
+/* Prints the same for --info, with the names and ranges of the columns. */
 void isorender_object_info(const isorender_object *object);
-/* The names and ranges of the columns alone. */
+/* Prints only the names and ranges of the columns. */
 void isorender_object_info_columns(const isorender_object *object);
 
 /* ---- object_gradients.c */
 
 /* Whether the glyphs are those of --glyphs surface, which are made of the isosurfaces, not read. */
 bool isorender_object_is_surface(const isorender_object_settings *settings);
-/* Whether the gradients will be coloured by a column. */
+/* Whether the glyphs of gradients will be coloured by a column. */
 bool isorender_gradients_have_bar(const isorender_object_settings *settings);
-/* Members of the report. */
+/* Adds members about the gradients to the report of --json. */
 void isorender_gradients_put(iso_json *json, const isorender_object *object);
 
 /* ---- object_fields.c */
@@ -104,22 +106,23 @@ bool isorender_object_is_field(const char *path);
  * ISO_ERR_EMPTY also when there are no vectors that glyphs or lines could show. */
 iso_status isorender_object_read_field(isorender_object *object, const iso_read_opts *opts, iso_pool *pool,
                                        iso_error *error);
-/* The radius of streamlines when none is given, mm. */
+/* Returns the radius of streamlines for which none is given, mm. */
 double isorender_field_radius(const isorender_object *object);
-/* Members of the report. */
+/* Adds members about the volume to the report of --json. */
 void isorender_field_put(iso_json *json, const isorender_object *object);
-/* Lines of --info. */
+/* Prints the lines of --info about the volume. */
 void isorender_field_info(const isorender_object *object);
 
 /* ---- object_colors.c */
 
-/* The attribute of a name, or NULL. */
+/* Returns the attribute with a name, or NULL. */
 const iso_attribute *isorender_attribute_find(const iso_attribute *attributes, int count, const char *name);
 
-/* The range of `count` numbers, lengths of vectors if it has several components; false: none is finite. */
+/* Computes the range of `count` numbers, or of the lengths of vectors if the attribute has several
+ * components. Returns false if none is finite. */
 bool isorender_attribute_range(const iso_attribute *attribute, size_t count, double range[2]);
 
-/* Colours by the settings: replaces the colours of the file. */
+/* Colours the elements as the settings say, in place of the colours of the file. */
 iso_status isorender_object_color(isorender_object *object, iso_error *error);
 
 #ifdef __cplusplus

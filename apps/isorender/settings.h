@@ -61,25 +61,25 @@ typedef struct isorender_settings {
     int opacity_mode;         /* isorender_opacity_mode */
     double absorption_length; /* mm; 0: not given */
     int layers;               /* crossings of each surface that are drawn; 0: all */
-    double ior;               /* 0: not given, the surface is no glass */
+    double ior;               /* index of refraction; 0: not given, so the surface is not glass */
     int refraction;           /* iso_refraction */
     const char *environment;  /* NULL: the built-in studio */
     iso_rgb attenuation_color;
     int attenuation_colored;     /* attenuation_color is given */
     double attenuation_distance; /* mm; 0: not given */
     int primitive;               /* iso_primitive */
-    int closed;                  /* the solid ends at the volume's border and is capped there */
-    double radius;               /* of the points of a file, mm; 0: not given; below 0: to be estimated */
+    int closed;                  /* whether the solid is capped where it meets the volume's border */
+    double radius;               /* of the points of a file, mm; 0: not given; below 0: estimate it */
     int normals;                 /* isorender_normals */
     const char *columns;         /* names of the columns of a file of points; NULL: not given */
     const char *points, *mesh, *aov;
 
     isorender_object_options object_options;
     int no_input; /* the picture shows only the files of --lines, --glyphs, --surface and --volume */
-    isorender_object_settings objects[ISORENDER_OBJECTS]; /* object_options.count */
+    isorender_object_settings objects[ISORENDER_OBJECTS]; /* the first object_options.count are used */
     isorender_object_settings cloud;                      /* of the input, if it is a file of points */
     isorender_volume_options volume_options;
-    isorender_volume_settings volumes[ISORENDER_VOLUMES]; /* volume_options.count */
+    isorender_volume_settings volumes[ISORENDER_VOLUMES]; /* the first volume_options.count are used */
     double line_min_pixels;                               /* least width of lines in the picture, pixels */
     int color_bar;
 
@@ -107,7 +107,7 @@ typedef struct isorender_settings {
     double zoom;
     int orthographic, fit; /* isorender_fit */
     double mm_per_pixel;   /* 0: not given */
-    double margin;         /* part of the picture on each side; NaN: not given */
+    double margin;         /* on each side, as a fraction of the picture's size; NaN: not given */
     int scale_bar, orientation_marker;
     double position[3], focal_point[3], view_up[3]; /* NaN: not given */
 

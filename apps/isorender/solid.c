@@ -27,7 +27,8 @@ uint64_t isorender_solid_bytes(const isorender_job *job, const int dims[3], uint
     return bytes < 0x1p63 ? (uint64_t)bytes : UINT64_MAX;
 }
 
-/* Foot points use all values of a dense level set; after dropping parts some of them are no distances. */
+/* Foot points rely on every value of a dense level set being a distance. Where parts were dropped, values are
+ * no longer distances: ISO_ERR_USAGE. */
 static iso_status check_primitive(const isorender_job *job, iso_error *error) {
     const iso_grid *grid = &job->loader.volume.grid;
     if (job->settings->primitive == ISO_PRIMITIVE_FOOT && grid->rgrid && drops_parts(job->settings))
@@ -52,7 +53,7 @@ static iso_status drop_parts(isorender_job *job, isorender_surface *surface, iso
                                       .largest = (size_t)settings->common.input.largest,
                                       .min_volume = settings->common.input.min_size,
                                       .pool = job->pool};
-    /* Another surface may need the parts that this one drops: work on a copy. */
+    /* Parts are dropped from a copy, because another surface may need them. */
     if (makes_copies(job, job->surface_count)) {
         ISO_TRY(iso_grid_copy(&job->loader.volume.grid, job->pool, &surface->own_grid, error));
         surface->grid = surface->own_grid;
@@ -64,7 +65,7 @@ static iso_status drop_parts(isorender_job *job, isorender_surface *surface, iso
 
 iso_status isorender_solid_prepare(isorender_job *job, isorender_surface *surface, iso_error *error) {
     surface->grid = surface->loader->volume.grid;
-    if (surface->loader != &job->loader) return ISO_OK; /* the options are the input's */
+    if (surface->loader != &job->loader) return ISO_OK; /* --largest and --closed are for the input only */
     ISO_TRY(check_primitive(job, error));
     if (drops_parts(job->settings)) ISO_TRY(drop_parts(job, surface, error));
     if (!job->settings->closed) return ISO_OK;
@@ -87,7 +88,7 @@ iso_status isorender_mesh_weld(const isorender_job *job, isorender_surface *surf
                                iso_error *error) {
     const iso_mesh_view view = iso_mesh_set_view(surface->mesh);
     ISO_TRY(iso_mesh_weld(&view, weld, error));
-    /* Caps lie this far out, so that they stay flat. */
+    /* Caps lie this far outside the volume, so that they are flat. */
     if (job->settings->closed) iso_weld_separate(&view, ISO_CLOSED_TOLERANCE, weld);
     const isorender_settings *settings = job->settings;
     const bool said = job->plan->mesh && !settings->common.quiet;

@@ -8,16 +8,16 @@
 #include "clouds/radii.h"
 #include "clouds/spans.h"
 
-/* The radius of a point that repeats another, until finish_radii. */
+/* Marks the radius of a point that coincides with another one; finish_radii replaces it. */
 #define REPEATED (-1.0f)
 
 enum {
     CHUNK = 1024,
-    LARGEST_RADIUS = 100, /* medians */
-    LEAST_ACROSS = 20     /* estimated radii that fit along the diagonal of the bounds */
+    LARGEST_RADIUS = 100, /* the largest radius that is used, in medians of all radii */
+    LEAST_ACROSS = 20     /* an estimated radius is at most the diagonal of the bounds divided by this */
 };
 
-/* A cloud that is being made. Arrays of the file's order. */
+/* A cloud that is being made. The arrays are in the order of the file. */
 typedef struct maker {
     const iso_glyphs *glyphs;
     const iso_cloud_opts *opts;
@@ -47,7 +47,7 @@ static bool make_unit(const float from[3], float normal[3]) {
         return false;
     }
     if (fabs(square - 1) < 1e-6) return true;
-    /* scaled first: the squares of tiny components would underflow */
+    /* The vector is scaled first, because the squares of tiny components would underflow. */
     const iso_vec3 unit = iso_vec3_unit(
         iso_vec3_make((double)from[0] / largest, (double)from[1] / largest, (double)from[2] / largest));
     normal[0] = (float)unit.x;
@@ -64,7 +64,7 @@ static void take_normals(maker *m) {
     if (m->opts->without_normals) m->cloud->estimated_normals = 0;
 }
 
-/* The value that would be the nth if they were sorted. `values` is rearranged (Hoare 1961, "Algorithm 65:
+/* Returns the value that would be number n in a sorted array. Reorders the values (Hoare 1961, "Algorithm 65:
  * Find"). */
 static float select_nth(float *values, size_t count, size_t nth) {
     for (size_t low = 0, high = count - 1; low < high;) {
@@ -83,7 +83,7 @@ static float select_nth(float *values, size_t count, size_t nth) {
     return values[nth];
 }
 
-/* The median of the values above 0; 0 if there are none. `values` is rearranged. */
+/* Returns the median of the values above 0, or 0 if there are none. Reorders the values. */
 static float median_of(float *values, size_t count) {
     size_t kept = 0;
     for (size_t i = 0; i < count; i++)
@@ -158,7 +158,8 @@ static iso_status estimate_normals(maker *m, estimates *e, iso_error *error) {
     return ISO_OK;
 }
 
-/* The largest radius that is estimated: of few points, the sixth neighbour is no neighbour on the surface. */
+/* Returns the largest radius that may be estimated. The limit is for clouds of few points, where the sixth
+ * nearest point can be on another part of the surface. */
 static double largest_estimate(const maker *m) {
     const iso_box box = iso_glyphs_bounds(m->glyphs);
     return iso_vec3_length(iso_vec3_sub(box.hi, box.lo)) / LEAST_ACROSS;

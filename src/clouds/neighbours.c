@@ -10,17 +10,17 @@
 
 /* ---- building */
 
-/* The first slot of leaf `leaf`. */
+/* Returns the first slot of a leaf. */
 static size_t leaf_start(const iso_tree *tree, uint64_t leaf) {
     return (size_t)(leaf * tree->count >> tree->depth);
 }
 
-/* The slots of a node of `level`, which is number `number` of its level. */
+/* Returns the first slot of the node with this number among the nodes of its level. */
 static size_t node_start(const iso_tree *tree, int level, uint64_t number) {
     return leaf_start(tree, number << (tree->depth - level));
 }
 
-/* The axis along which the points first .. end - 1 extend furthest. */
+/* Returns the axis along which the points first .. end - 1 have the largest extent. */
 static int longest_axis(const iso_tree_point *points, size_t first, size_t end) {
     float lo[3] = {INFINITY, INFINITY, INFINITY}, hi[3] = {-INFINITY, -INFINITY, -INFINITY};
     for (size_t i = first; i < end; i++)
@@ -56,7 +56,7 @@ static void select_middle(iso_tree_point *points, size_t first, size_t end, size
             points[low++] = points[high];
             points[high--] = swapped;
         }
-        /* All before `low` precede the pivot or are it; all behind `high` are the pivot or follow it. */
+        /* Points before `low` do not follow the pivot, and points behind `high` do not precede it. */
         if (low == high) {
             if (middle == low) return;
             if (middle < low)
@@ -123,18 +123,18 @@ void iso_tree_free(iso_tree *tree) {
 typedef struct search {
     const iso_tree *tree;
     const float *position;
-    size_t self; /* the slot that is left out */
+    size_t self; /* the slot of the point whose neighbours are sought, which is not one of them */
     iso_neighbour *found;
     int count, most;
     float sides[3]; /* distances along the axes to the region of the node that is being visited */
 } search;
 
-/* The squared distance that a further neighbour must be below. */
+/* Returns the squared distance below which a point is one of the nearest found so far. */
 static float farthest(const search *s) {
     return s->count < s->most ? INFINITY : s->found[s->most - 1].square;
 }
 
-/* Adds a neighbour that is nearer than the farthest. */
+/* Adds a neighbour, in place of the farthest one if there are enough already. */
 static void insert(search *s, float square, size_t slot) {
     int i = s->count < s->most ? s->count++ : s->most - 1;
     for (; i > 0 && s->found[i - 1].square > square; i--) s->found[i] = s->found[i - 1];
@@ -154,7 +154,7 @@ static void visit_leaf(search *s, uint64_t leaf) {
     }
 }
 
-/* Visits a node; `square`: of the distance to its region. */
+/* Searches a node. `square` is the squared distance to the node's region. */
 static void visit(search *s, uint64_t node, int level, float square) {
     const iso_tree *tree = s->tree;
     if (level == tree->depth) {
@@ -172,7 +172,7 @@ static void visit(search *s, uint64_t node, int level, float square) {
     s->sides[axis] = side;
 }
 
-/* self: the slot that is left out. */
+/* self: as in `search`. */
 static int find(const iso_tree *tree, const float position[3], size_t self, int most, iso_neighbour *found) {
     search s = {.tree = tree, .position = position, .self = self, .found = found, .most = most};
     visit(&s, 1, 0, 0);

@@ -12,7 +12,7 @@ extern "C" {
 
 /* The places of points in spans. Zero-initialise; free with iso_span_order_free. */
 typedef struct iso_span_order {
-    uint32_t *order; /* the points by brick, those of a brick in their own order */
+    uint32_t *order; /* the numbers of the points, sorted by brick and within a brick by number */
     iso_point_span *spans;
     size_t span_count;
     double origin[3]; /* of voxel (0, 0, 0), relative to the positions' own origin */
@@ -25,10 +25,10 @@ iso_status iso_span_order_make(const float (*positions)[3], size_t count, double
                                iso_error *error);
 void iso_span_order_free(iso_span_order *spans);
 
-/* Sets `relative` to a position in voxels relative to its brick. */
+/* Sets `relative` to a position, in voxels, relative to the first voxel of its brick. */
 static inline void iso_span_position(const iso_span_order *spans, const int32_t brick[3],
                                      const float position[3], float relative[3]) {
-    const double voxels = 1 / spans->voxel; /* in a millimetre: exact */
+    const double voxels = 1 / spans->voxel; /* voxels per mm; exact, because it is a power of two */
     for (int axis = 0; axis < 3; axis++)
         relative[axis] = (float)(((double)position[axis] - spans->origin[axis]) * voxels -
                                  (double)ISO_BRICK * brick[axis]);

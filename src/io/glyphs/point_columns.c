@@ -1,4 +1,4 @@
-/* point_columns: tells normals from colours. */
+/* point_columns: decides from the values of unnamed columns which of them are normals and which colours. */
 #include "io/glyphs/point_columns.h"
 
 #include <math.h>
@@ -18,8 +18,8 @@ iso_status iso_point_columns_add(iso_polydata *data, int count, iso_slot slots[I
     return ISO_OK;
 }
 
-/* Splits `text` at its commas, in place; returns how many names there are, or -1: too many, or an empty one.
- */
+/* Splits `text` at its commas, in place. Returns the number of names; -1: there are too many, or one is
+ * empty. */
 static int split_names(char *text, const char *names[ISO_POLYDATA_COLUMNS]) {
     int count = 0;
     for (char *at = text; at; count++) {
@@ -53,8 +53,8 @@ iso_status iso_point_columns_given(iso_polydata *data, iso_slot slots[ISO_POLYDA
 /* ---- what three columns look like */
 
 typedef struct triple {
-    bool unit;     /* a unit vector in most rows */
-    bool in_range; /* all numbers are 0 .. 255 */
+    bool unit;     /* in most rows the three numbers are a unit vector */
+    bool in_range; /* all numbers are from 0 to 255 */
     bool color;    /* in range, and one number is above 1 */
 } triple;
 
@@ -78,12 +78,13 @@ static triple look_at(const iso_polydata *data, int first) {
 
 /* ---- the decision */
 
-/* The first columns of the normals and of the colours, or -1; how clearly the values say so. */
+/* A decision: the first column of the normals and of the colours, or -1 if there are none; and how certain
+ * it is. */
 typedef struct guess {
     int normal, color, clear;
 } guess;
 
-/* Looks at the threes of columns from `first` on: there are one or two. */
+/* Decides what the columns from `first` on are. They are three or six: one or two vectors. */
 static guess make_guess(const iso_polydata *data, int first) {
     const int count = data->column_count, threes = (count - first) / 3 < 2 ? (count - first) / 3 : 2;
     guess made = {-1, -1, 0};
@@ -116,7 +117,7 @@ static guess best_guess(const iso_polydata *data, bool number_first) {
     return best;
 }
 
-/* Says what the columns are: their names, in the order of the file. */
+/* Adds a note for the user with the names of the columns, in the order of the file. */
 static void note_columns(const iso_polydata *data) {
     char text[ISO_READ_TEXT] = "x y z";
     for (int i = 0; i < data->column_count; i++) {
@@ -133,7 +134,7 @@ iso_status iso_point_columns_decide(iso_polydata *data, bool number_first, iso_e
     if (count >= 3) made = best_guess(data, number_first);
     if (count == 1 || (count % 3 == 1 && (made.normal == 1 || made.color == 1)))
         strcpy(iso_polydata_column(data, 0)->name, "intensity");
-    /* the later three first: joining moves the columns behind */
+    /* The last three columns are joined first, because joining changes the numbers of the columns behind. */
     const bool normal_last = made.normal > made.color;
     for (int k = 0; k < 2; k++) {
         const bool normal = normal_last == (k == 0);

@@ -22,7 +22,8 @@ ray iso_near_ray_of(const iso_shapes_frame *frame, int x, int y) {
 
 /* ---- intersections */
 
-/* Extends the piece to an intersection at t, whose normal points away from `centre`. */
+/* Extends the piece of the ray so that it includes an intersection at t. The normal there points away from
+ * `centre`. */
 static void extend(piece *p, const ray *r, double t, const double centre[3], double radius, double along) {
     for (int end = 0; end < 2; end++) {
         if (end ? !(t > p->t[1]) : !(t < p->t[0])) continue;
@@ -37,7 +38,9 @@ static void meet_sphere(const ray *r, const double centre[3], double radius, dou
     const double dd = dot(r->direction, r->direction);
     const double to[3] = {centre[0] - r->origin[0], centre[1] - r->origin[1], centre[2] - r->origin[2]};
     const double middle = dot(to, r->direction) / dd;
-    double off[3]; /* from the centre to the ray: its square does not cancel */
+    /* From the centre to the nearest point of the ray. Its square is computed from this short vector: as a
+     * difference of two large squares it would lose its digits. */
+    double off[3];
     for (int a = 0; a < 3; a++) off[a] = middle * r->direction[a] - to[a];
     const double rest = radius * radius - dot(off, off);
     if (!(radius > 0 && rest >= 0)) return;
@@ -46,8 +49,8 @@ static void meet_sphere(const ray *r, const double centre[3], double radius, dou
     extend(p, r, middle + half, centre, radius, along);
 }
 
-/* The axis of a tube: unit vector, length, difference of the radii / length. False where one sphere holds the
- * other. */
+/* Sets the axis of a tube: a unit vector, its length, and the difference of the radii divided by the length.
+ * Returns false if one of the two spheres contains the other. */
 static bool axis_of(const iso_near_shape *s, double axis[3], double *length, double *sine) {
     for (int a = 0; a < 3; a++) axis[a] = s->end[1][a] - s->end[0][a];
     const double taper = s->radius[1] - s->radius[0];
@@ -64,7 +67,9 @@ static void meet_cone(const ray *r, const iso_near_shape *s, const double axis[3
     const double g = (1 - sine) * (1 + sine), dd = dot(r->direction, r->direction);
     const double to[3] = {s->end[0][0] - r->origin[0], s->end[0][1] - r->origin[1],
                           s->end[0][2] - r->origin[2]};
-    const double shift = dot(to, r->direction) / dd; /* the ray is taken from the point nearest to the end */
+    const double shift =
+        dot(to, r->direction) /
+        dd; /* The ray is taken to start at its point nearest to the tube's end, for precision. */
     double o[3];
     for (int a = 0; a < 3; a++) o[a] = shift * r->direction[a] - to[a];
     const double da = dot(r->direction, axis), oa = dot(o, axis), radius = s->radius[0] + sine * oa,
@@ -83,7 +88,8 @@ static void meet_cone(const ray *r, const iso_near_shape *s, const double axis[3
     }
 }
 
-/* Cuts the piece at the plane through the end `last`; false when nothing is left. */
+/* Cuts the piece at the plane through one end of the tube (`last`: the second). Returns false if nothing is
+ * left. */
 static bool cut(const ray *r, const iso_near_shape *s, const double axis[3], int last, piece *p) {
     const double outward = (last ? 1 : -1) * dot(r->direction, axis);
     double from[3];
@@ -113,7 +119,7 @@ static void cross(const double a[3], const double b[3], double out[3]) {
     for (int i = 0; i < 3; i++) out[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
 }
 
-/* Extends the piece to where the ray meets the patch at s, if it does. */
+/* Extends the piece to the intersection with the patch at the fraction s of its length, if there is one. */
 static void extend_ribbon(piece *p, const ray *r, const iso_near_shape *shape, double s) {
     double m[3], h[3], path[3], turn[3], normal[3], flat_m[3], flat_h[3];
     if (!(s >= -1e-9 && s <= 1 + 1e-9)) return;
@@ -143,7 +149,7 @@ static void extend_ribbon(piece *p, const ray *r, const iso_near_shape *shape, d
     }
 }
 
-/* A ray meets a patch up to twice: these are the ends of the piece. */
+/* A ray intersects a patch at most twice: the intersections are the ends of the piece. */
 static void meet_ribbon(const ray *r, const iso_near_shape *shape, piece *p) {
     double path[3], first[3], last[3], turn[3], from[3], rest[3], normal[3];
     for (int a = 0; a < 3; a++) {
@@ -168,7 +174,7 @@ static void meet_ribbon(const ray *r, const iso_near_shape *shape, piece *p) {
 
 /* ---- solids, in the coordinates of the unit solid */
 
-/* Keeps the part of the piece where low <= coordinate <= high. */
+/* Cuts the piece to where low <= coordinate <= high. */
 static void meet_slab(const ray *r, int axis, double low, double high, piece *p) {
     const double d = r->direction[axis], o = r->origin[axis];
     if (d == 0) {
@@ -229,7 +235,8 @@ static piece meet_cylinder(const ray *r, double radius, double low, double high)
     return p;
 }
 
-/* The pieces of an arrow, in order: head and shaft touch, so that a piece may continue in the other. */
+/* Lists the pieces of a ray in an arrow, in order. Head and shaft touch: where one piece ends the next one
+ * may begin. */
 static int meet_arrow(const ray *r, piece out[ISO_NEAR_PIECES]) {
     piece a = meet_cylinder(r, ISO_ARROW_SHAFT, -1, ISO_ARROW_NECK), b = meet_cone_from(r, ISO_ARROW_NECK);
     const bool first = a.t[0] <= a.t[1], second = b.t[0] <= b.t[1];
@@ -262,7 +269,7 @@ static int meet_unit(iso_glyph glyph, const ray *r, piece out[ISO_NEAR_PIECES]) 
     return p.t[0] <= p.t[1];
 }
 
-/* Turns a piece in the coordinates of the unit solid into one in view space. */
+/* Transforms a piece from the coordinates of the unit solid to view space. */
 static void to_view(const iso_near_shape *s, double shift, piece *p) {
     for (int end = 0; end < 2; end++) {
         double n[3] = {0};
@@ -274,7 +281,7 @@ static void to_view(const iso_near_shape *s, double shift, piece *p) {
     }
 }
 
-/* The ray is taken from the point nearest to the solid's centre. */
+/* For precision, the ray is taken to start at its point nearest to the solid's centre. */
 static int meet_solid(iso_glyph glyph, const iso_near_shape *s, const ray *r, piece out[ISO_NEAR_PIECES]) {
     double to[3], from[3];
     for (int a = 0; a < 3; a++) to[a] = s->end[0][a] - r->origin[a];
@@ -334,7 +341,7 @@ iso_near_shape iso_near_sphere(const iso_shapes_frame *frame, const double centr
     return shape;
 }
 
-/* The vector across a ribbon in view space. */
+/* Sets the vector across a ribbon at a vertex, in view space. */
 static void turn_across(const iso_shapes_frame *frame, uint32_t vertex, double out[3]) {
     const float *v = frame->shapes->across[vertex];
     const double *m = frame->rotation;
@@ -381,9 +388,9 @@ static void draw_tile(iso_shapes_bin *bin, const iso_near_shape *shape, int x0, 
     *farthest = most;
 }
 
-/* A depth that no sample of a tile is nearer than. Where the eye is inside a sphere, the distance to the
- * sphere is least in the direction of the tile's cone of rays that points farthest away from the sphere's
- * centre. */
+/* Returns a lower bound of the depths of a tile's samples. Where the eye is inside a sphere, the distance to
+ * the sphere is least in the direction of the tile's cone of rays that points farthest away from the
+ * sphere's centre. */
 static double nearest_in_tile(const iso_shapes_frame *frame, const iso_near_shape *shape, int x, int y) {
     const double *c = shape->end[0], inside = shape->radius[0] * shape->radius[0] - dot(c, c);
     const double half =

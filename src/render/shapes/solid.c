@@ -1,10 +1,11 @@
-/* solid: maps of glyphs, their exact boxes and nearest depths, in double precision. */
+/* solid: the map from a glyph's unit solid to its place, and the exact box and the nearest depth that the
+ * glyph has in the picture, in double precision. */
 #include "render/shapes/solid.h"
 
 #include <float.h>
 #include <math.h>
 
-/* Half axes are at least this part of the longest: flat ellipsoids and boxes have a thickness. */
+/* No half axis is shorter than this part of the longest, so that flat ellipsoids and boxes keep a volume. */
 static const double THINNEST = 1e-4;
 
 static double dot(const double a[3], const double b[3]) {
@@ -19,7 +20,7 @@ static void cross(const double a[3], const double b[3], double out[3]) {
 
 /* ---- what a glyph's numbers mean */
 
-/* Two vectors of the given length that are perpendicular to `along` and to each other. */
+/* Sets two vectors of the given length, perpendicular to `along` and to each other. */
 static void across(const double along[3], double length, double first[3], double second[3]) {
     const double x = fabs(along[0]), y = fabs(along[1]), z = fabs(along[2]);
     const int least = x <= y && x <= z ? 0 : y <= z ? 1 : 2;
@@ -37,7 +38,8 @@ static double radius_of(const iso_shapes *set, uint32_t id, double length) {
     return length * iso_solid_radius_ratio(set->glyph);
 }
 
-/* Glyphs along a direction, and discs across it. */
+/* Sets the map of a glyph that has a direction: arrows, cones and cylinders lie along it, discs across it.
+ * Returns false if nothing is drawn. */
 static bool directed_map(const iso_shapes *set, uint32_t id, iso_solid_map *m) {
     double along[3];
     for (int a = 0; a < 3; a++) along[a] = (double)set->directions[id][a] * set->scale;
@@ -63,7 +65,7 @@ static void thicken(iso_solid_map *m, int axis, double length) {
     for (int i = 0; i < 3; i++) thin[i] *= scale;
 }
 
-/* Ellipsoids and boxes. */
+/* Sets the map of an ellipsoid or a box, which has three axes. Returns false if nothing is drawn. */
 static bool axes_map(const iso_shapes *set, uint32_t id, iso_solid_map *m) {
     double longest = 0, product = 1;
     const double radius = set->axes ? 0 : radius_of(set, id, 0);
@@ -97,7 +99,7 @@ double iso_solid_extent(iso_glyph glyph, const iso_solid_map *m) {
     }
     if (glyph == ISO_GLYPH_BOX) return length[0] + length[1] + length[2];
     if (glyph == ISO_GLYPH_DISC) return length[0];
-    /* the square root of the trace of the map times its transpose: for axes in any directions */
+    /* The axes may have any directions: the square root of the trace of the map times its transpose. */
     if (glyph == ISO_GLYPH_ELLIPSOID) return sqrt(square[0] + square[1] + square[2]);
     return 2 * length[2] + length[0];
 }
@@ -117,8 +119,9 @@ typedef struct bounds {
     double low[2], high[2], front;
 } bounds;
 
-/* Adds an ellipsoid in view space: centre, and images of up to three unit vectors (fewer: a disc, a point).
- * The tangent planes through the eye, x = k z, touch it where the quadratic in k below is 0. */
+/* Enlarges the bounds by an ellipsoid in view space: its centre, and the images of up to three unit vectors
+ * (fewer for a disc or a point). The tangent planes through the eye, x = k z, touch it where the quadratic in
+ * k below is 0. */
 static void add_ellipsoid(bounds *b, const double centre[3], const double (*axes)[3], int count,
                           bool parallel) {
     double depth = 0;
@@ -130,7 +133,7 @@ static void add_ellipsoid(bounds *b, const double centre[3], const double (*axes
         double middle = centre[a], half = sqrt(wide);
         if (!parallel) {
             const double scale = centre[2] * centre[2] - depth, k = centre[a] / centre[2];
-            /* relative to the centre's slope, so that nothing cancels far from the eye */
+            /* relative to the slope of the centre, for precision far from the eye */
             const double p = mixed - k * depth, q = wide - 2 * k * mixed + k * k * depth;
             half = sqrt(fmax(p * p + q * scale, 0)) / scale;
             middle = k - p / scale;
@@ -140,7 +143,7 @@ static void add_ellipsoid(bounds *b, const double centre[3], const double (*axes
     }
 }
 
-/* Adds the image of a circle around the local z axis; radius 0: a point. */
+/* Enlarges the bounds by the image of a circle around the local z axis; radius 0: a point. */
 static void add_circle(bounds *b, const double centre[3], const double (*axis)[3], double z, double radius,
                        bool parallel) {
     double at[3], axes[2][3];
@@ -210,7 +213,7 @@ iso_solid_placed iso_solid_in_view(const iso_shapes_frame *frame, const iso_soli
     return p;
 }
 
-/* The first and last pixel whose centre is in a range of slopes, with a margin for rounding. */
+/* Sets the first and the last pixel whose centre is in a range of slopes, with a margin for rounding. */
 static void pixels_of(const iso_shapes_frame *frame, const bounds *b, int axis, int *first, int *last) {
     const double at = axis ? frame->cy : frame->cx,
                  margin = 1e-3 + 4e-6 * frame->focal * (b->high[axis] - b->low[axis]);
@@ -220,7 +223,7 @@ static void pixels_of(const iso_shapes_frame *frame, const bounds *b, int axis, 
     *last = high < INT32_MAX / 2 ? (int)floor(fmax(high, INT32_MIN / 2)) : INT32_MAX / 2;
 }
 
-/* The box in pixels, cut to `limit`; false when nothing is left. */
+/* Sets the box in pixels, clipped to `limit`. Returns false if nothing of it is left. */
 static bool clip(const iso_shapes_frame *frame, const iso_shapes_rect *limit, const bounds *b,
                  iso_shapes_rect *r) {
     pixels_of(frame, b, 0, &r->x0, &r->x1);
@@ -279,7 +282,7 @@ static bool may_be_seen(const iso_shapes_bin *bin, const double view[3], double 
     return clip(frame, &bin->rect, &b, &r) && !bin->kernel->hidden(bin, &r, (float)(front - margin));
 }
 
-/* A glyph's position relative to the set's origin. */
+/* Sets `position` to that of a glyph, relative to the set's origin. */
 static void position_of(const iso_shapes *set, const iso_shapes_block *block, uint32_t place, double out[3]) {
     out[0] = (double)block->origin[0] + (double)set->x[place];
     out[1] = (double)block->origin[1] + (double)set->y[place];
@@ -307,7 +310,7 @@ void iso_solid_add(iso_shapes_bin *bin, const iso_shapes_block *block, uint32_t 
     iso_solid_map m;
     position_of(set, block, index, position);
     iso_shapes_to_view(frame, position, view);
-    /* first with the block's reach: most glyphs of a large set are hidden */
+    /* The block's reach is tested first, because most glyphs of a large set are hidden. */
     if (!may_be_seen(bin, view, (double)block->reach) || !iso_solid_map_of(set, id, &m)) return;
     const iso_solid_placed p = iso_solid_in_view(frame, &m, position);
     const double reach = iso_solid_extent(set->glyph, &m);

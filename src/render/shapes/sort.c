@@ -20,7 +20,7 @@ static uint32_t cell_of(const grid *g, const float point[3]) {
     return (index[2] * g->cells[1] + index[1]) * g->cells[0] + index[0];
 }
 
-/* Sets low and extent of the points; returns whether they are all in one place. */
+/* Sets the lowest corner and the extent of the points' bounding box. Returns whether all points coincide. */
 static bool measure(const iso_shapes_sort *sort, uint32_t first, uint32_t count, grid *g, double extent[3]) {
     float high[3] = {-INFINITY, -INFINITY, -INFINITY};
     for (int a = 0; a < 3; a++) g->low[a] = INFINITY;
@@ -34,7 +34,8 @@ static bool measure(const iso_shapes_sort *sort, uint32_t first, uint32_t count,
     return !(extent[0] > 0 || extent[1] > 0 || extent[2] > 0);
 }
 
-/* The side of `wanted` cubes that fill the box. Sides that are shorter than a cube count as long as it. */
+/* Returns the side of the cubes of which about `wanted` fill a box. A side of the box that is shorter than a
+ * cube is taken to be one cube long. */
 static double cube_side(const double extent[3], double wanted) {
     double longest = 0, low = 0;
     for (int a = 0; a < 3; a++) longest = extent[a] > longest ? extent[a] : longest;
@@ -67,7 +68,7 @@ static iso_status add_block(iso_shapes_sort *sort, uint32_t first, iso_error *er
     return ISO_OK;
 }
 
-/* Blocks of points that no grid can tell apart. */
+/* Divides points that coincide into blocks, in their present order. */
 static iso_status cut(iso_shapes_sort *sort, uint32_t first, uint32_t count, iso_error *error) {
     for (uint32_t done = 0; done < count; done += sort->most) ISO_TRY(add_block(sort, first + done, error));
     return ISO_OK;
