@@ -36,3 +36,10 @@ float thickness_of(splat s) {
 vec2 centre_of(ivec2 at) {
     return vec2(at) + 0.5 - axis.xy;
 }
+
+/* The weight of a hit, exp(-3 e). */
+float weight_of(float e) {
+    float y = 1.5 * e,
+          root = 1.0 + y * (1.0 + y * (1.0 / 2.0 + y * (1.0 / 6.0 + y * (1.0 / 24.0 + y / 120.0))));
+    return 1.0 / (root * root);
+}

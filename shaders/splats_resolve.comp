@@ -3,13 +3,6 @@
 layout(local_size_x = ISO_GL_TILE, local_size_y = ISO_GL_TILE) in;
 layout(std430, binding = ISO_GL_KEYS) readonly buffer key_buffer { uvec2 keys[]; }; /* number, depth */
 
-/* The weight of a hit, exp(-3 e). */
-float weight_of(float e) {
-    float y = 1.5 * e,
-          root = 1.0 + y * (1.0 + y * (1.0 / 2.0 + y * (1.0 / 6.0 + y * (1.0 / 24.0 + y / 120.0))));
-    return 1.0 / (root * root);
-}
-
 /* The nearest hit of the slots from `first` on; its depth is ISO_GL_NOWHERE when they are empty. */
 vec3 find_front(int first, vec2 at) {
     vec3 front = vec3(ISO_GL_NOWHERE);

@@ -8,6 +8,7 @@
 #include "image/annotate.h"
 #include "image/exr.h"
 #include "image/image.h"
+#include "render/gl/splats.h"
 #include "render/raster/raster.h"
 
 /* ---- one picture ---- */
@@ -178,6 +179,13 @@ static int list_translucent_sets(isorender_job *job, iso_translucent_set sets[IS
     return count;
 }
 
+/* The callback iso_layered_picture.shade_splats. */
+static iso_status shade_splats_by_gl(void *context, const iso_splat_layers *input, iso_layer_totals *totals,
+                                     iso_error *error) {
+    const isorender_job *job = context;
+    return iso_gl_shade_splat_layers(job->backend->engine, input, totals, error);
+}
+
 /* Renders a picture with translucent surfaces or objects. */
 static iso_status render_layers(isorender_job *job, iso_picture_opts *opts, iso_image *image,
                                 isorender_frame *frame, iso_error *error) {
@@ -197,6 +205,8 @@ static iso_status render_layers(isorender_job *job, iso_picture_opts *opts, iso_
                                    .draw_others = job->object_count ? draw_opaque_objects : NULL,
                                    .others_context = job,
                                    .transparency = (iso_transparency)job->settings->transparency,
+                                   .shade_splats = job->backend->engine ? shade_splats_by_gl : NULL,
+                                   .splats_context = job,
                                    .shading = &opts->shading,
                                    .pool = job->pool};
     ISO_TRY(iso_layered_picture_callbacks(&picture, &callbacks, error));

@@ -69,12 +69,15 @@ static iso_status shade_splats(iso_layered_picture *picture, const iso_layer_pic
     int count = 0;
     for (int i = 0; i < picture->count; i++)
         if (!is_opaque(&picture->surfaces[i]))
-            layers[count++] = (iso_splat_layer){
-                iso_subject_points(picture->surfaces[i].subject), &picture->surfaces[i].subject->groups,
-                picture->shading->colors[i], picture->surfaces[i].translucency};
+            layers[count++] = (iso_splat_layer){.points = iso_subject_points(picture->surfaces[i].subject),
+                                                .groups = &picture->surfaces[i].subject->groups,
+                                                .color = picture->shading->colors[i],
+                                                .translucency = picture->surfaces[i].translucency};
     const iso_splat_layers input = {
         .transparency = picture->transparency, .layers = layers, .count = count, .picture = *output};
-    return iso_shade_splat_layers(&input, &picture->totals.layers, error);
+    iso_layer_totals *totals = &picture->totals.layers;
+    if (picture->shade_splats) return picture->shade_splats(picture->splats_context, &input, totals, error);
+    return iso_shade_splat_layers(&input, totals, error);
 }
 
 /* The callback iso_picture_layers.shade. */

@@ -24,6 +24,10 @@ typedef struct iso_layered_surface {
     iso_translucency translucency;
 } iso_layered_surface;
 
+/* Another engine's iso_shade_splat_layers (render/splats/layers.h). */
+typedef iso_status iso_shade_splats_fn(void *context, const iso_splat_layers *input, iso_layer_totals *totals,
+                                       iso_error *error);
+
 /* A picture; all pointers are borrowed while it is rendered. */
 typedef struct iso_layered_picture {
     iso_method method; /* one for which iso_method_has_layers is true */
@@ -34,8 +38,10 @@ typedef struct iso_layered_picture {
     int set_count;
     iso_draw_fn *draw_others; /* draws further opaque objects, such as lines; NULL: there are none */
     void *others_context;
-    iso_transparency transparency; /* how splats are composited; for the method splats only */
-    const iso_shading *shading;    /* a colour for each surface, and the background */
+    iso_transparency transparency;     /* how splats are composited; for the method splats only */
+    iso_shade_splats_fn *shade_splats; /* draws translucent splats; NULL: iso_shade_splat_layers */
+    void *splats_context;
+    const iso_shading *shading; /* a colour for each surface, and the background */
     iso_pool *pool;
     iso_exact_layers_totals totals; /* zeroed by the caller, filled while rendering */
 } iso_layered_picture;

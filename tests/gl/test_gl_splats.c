@@ -9,9 +9,11 @@
 
 #include <cmocka.h>
 
+#include "base/coverage.h"
 #include "check_support.h"
 #include "gl_support.h"
 #include "grids/scenes/scenes.h"
+#include "image/image.h"
 #include "render/gl/splats.h"
 
 enum { WIDTH = 260, HEIGHT = 200 };
@@ -148,11 +150,119 @@ static void strips(iso_gl_engine *engine) {
     iso_grid_destroy(&grid);
 }
 
+/* ---- translucent */
+
+/* What is drawn: one or two surfaces, and an opaque plane. */
+typedef struct translucent {
+    iso_splat_layer layers[2];
+    int count;
+    iso_transparency transparency;
+    double plane; /* depth of the plane, mm; 0: none */
+    int factor;   /* samples along a side of a pixel */
+} translucent;
+
+/* Draws by OpenGL, or with NULL by the cpu. */
+static iso_image composite(iso_gl_engine *engine, const translucent *t, const iso_view *view) {
+    static const iso_rgb colors[2] = {{200, 120, 60}, {60, 120, 200}};
+    iso_image image;
+    iso_error error = {0};
+    iso_gbuffer g = gl_gbuffer(view);
+    iso_gbuffer_clear(&g);
+    for (size_t i = 0; i < (size_t)view->width * (size_t)view->height && t->plane > 0; i++) {
+        g.depth[i] = (float)t->plane;
+        g.surface[i] = 1;
+        for (int k = 0; k < 3; k++) g.normal[k][i] = k < 2 ? 0.0f : -1.0f;
+    }
+    const iso_shading shading = {.colors = colors, .color_count = 2, .background = {30, 40, 50}};
+    const iso_strip strip = {view, &g, t->factor, 0};
+    const int width = view->width / t->factor, height = view->height / t->factor;
+    assert_int_equal(iso_image_create(width, height, &image, NULL), ISO_OK);
+    const iso_splat_layers input = {.transparency = t->transparency,
+                                    .layers = t->layers,
+                                    .count = t->count,
+                                    .picture = {.strip = &strip, .shading = &shading, .image = &image}};
+    iso_layer_totals totals = {0};
+    test_ok(engine ? iso_gl_shade_splat_layers(engine, &input, &totals, &error)
+                   : iso_shade_splat_layers(&input, &totals, &error),
+            &error);
+    assert_true(totals.covered > 100);
+    iso_gbuffer_free(&g);
+    return image;
+}
+
+/* Draws with both engines, and twice by OpenGL; returns the PSNR of all pixels. */
+static double compare_composites(iso_gl_engine *engine, const translucent *t, const iso_view *view) {
+    iso_image cpu = composite(NULL, t, view), gl = composite(engine, t, view),
+              again = composite(engine, t, view);
+    const size_t pixels = (size_t)cpu.width * (size_t)cpu.height;
+    double squares = 0;
+    for (size_t i = 0; i < 4 * pixels; i++) squares += pow(cpu.rgba[i] - gl.rgba[i], 2);
+    assert_memory_equal(gl.rgba, again.rgba, 4 * pixels);
+    iso_image_free(&cpu);
+    iso_image_free(&gl);
+    iso_image_free(&again);
+    return 10 * log10(255.0 * 255 * 3 * (double)pixels / (squares + 1e-9));
+}
+
+/* Draws a scene's points from all sides: whole and close, in a parallel view, with several samples a pixel,
+ * in front of a plane and cut by one, with a second surface. Lowers `lowest` of algorithms 2 and 3. */
+static void compare_scene(iso_gl_engine *engine, const gl_surface *surface, const iso_point_view *points,
+                          const iso_groups *groups, double lowest[2]) {
+    translucent t = {.factor = 1};
+    for (int i = 0; i < 2; i++)
+        t.layers[i] = (iso_splat_layer){.points = *points,
+                                        .groups = groups,
+                                        .color = {200, 120, (uint8_t)(60 + 100 * i)},
+                                        .translucency = {.opacity = 0.3f + 0.3f * (float)i}};
+    t.layers[1].points.transform.origin[0] += 3;
+    for (int side = 0; side < GL_SIDES; side++) {
+        iso_view view = gl_side_view(&surface->box, side, side == 2, WIDTH, HEIGHT);
+        if (side == 1) view.focal *= 5;
+        const iso_vec3 middle = iso_vec3_scale(iso_vec3_add(surface->box.lo, surface->box.hi), 0.5);
+        const double depth = iso_view_point(&view, middle).z;
+        t.factor = side == 3 ? 2 : 1;
+        t.count = side == 4 ? 2 : 1;
+        t.plane = side == 5 ? depth : side == 3 ? 2 * depth : 0;
+        for (int mode = 0; mode < 2; mode++) {
+            t.transparency = mode ? ISO_TRANSPARENCY_NEAREST : ISO_TRANSPARENCY_GROUPS;
+            lowest[mode] = fmin(lowest[mode], compare_composites(engine, &t, &view));
+        }
+    }
+}
+
+static void translucent_scenes(iso_gl_engine *engine) {
+    static const char *const names[] = {"gyroid", "head"};
+    double lowest[2] = {INFINITY, INFINITY};
+    for (int k = 0; k < 2; k++) {
+        iso_grid grid;
+        double isovalue;
+        const iso_scene_opts scene = {.size = 40};
+        assert_int_equal(iso_scene_create(names[k], &scene, &grid, &isovalue, NULL), ISO_OK);
+        gl_surface surface = gl_surface_make(&grid, isovalue);
+        iso_point_view points = iso_point_set_view(surface.packed);
+        iso_groups groups = groups_of(&points, k ? 6 : 4);
+        assert_int_equal(iso_groups_cover(&points, (double)ISO_SPLATS_DISC, NULL, &groups, NULL), ISO_OK);
+        uint8_t(*colors)[3] = malloc(3 * iso_groups_length(&points));
+        uint32_t seed = 11;
+        for (size_t i = 0; i < iso_groups_length(&points); i++)
+            for (int c = 0; c < 3; c++) colors[i][c] = (uint8_t)random_bits(&seed);
+        if (k) points.colors = (const uint8_t(*)[3])colors;
+        compare_scene(engine, &surface, &points, &groups, lowest);
+        free(colors);
+        iso_groups_free(&groups);
+        gl_surface_free(&surface);
+        iso_grid_destroy(&grid);
+    }
+    printf("translucent: groups %.1f dB, nearest %.1f dB or more\n", lowest[0], lowest[1]);
+    assert_true(lowest[0] >= 43 && lowest[1] >= 43);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         gl_engine_test(scenes),
         gl_engine_test(colors),
         gl_engine_test(strips),
+        gl_engine_test(translucent_scenes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -175,6 +175,12 @@ iso_status iso_gl_draw_splats(iso_gl_engine *engine, const iso_gl_splats_opts *o
     return refuse(error);
 }
 
+iso_status iso_gl_shade_splat_layers(iso_gl_engine *engine, const iso_splat_layers *input,
+                                     iso_layer_totals *totals, iso_error *error) {
+    (void)engine, (void)input, (void)totals;
+    return refuse(error);
+}
+
 uint64_t iso_gl_splats_bytes(const iso_gl_engine *engine, int slots, int width, int height) {
     (void)engine, (void)slots, (void)width, (void)height;
     return 0;

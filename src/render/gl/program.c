@@ -111,6 +111,8 @@ static const recipe recipes[ISO_GL_PROGRAMS] = {
     [ISO_GL_SPLAT_DEPTHS] = {"depths of slots", {"splats.comp"}, {"splats.glsl"}, "#define KIND 0\n"},
     [ISO_GL_SPLAT_NUMBERS] = {"discs of slots", {"splats.comp"}, {"splats.glsl"}, "#define KIND 1\n"},
     [ISO_GL_SPLAT_KEYS] = {"keys of slots", {"splats.comp"}, {"splats.glsl"}, WIDE "#define KIND 2\n"},
+    [ISO_GL_SPLAT_MEAN] = {"mean of groups", {"splats_layers.comp"}, {"splats.glsl"}, "#define KIND 0\n"},
+    [ISO_GL_SPLAT_NEAREST] = {"nearest layer", {"splats_layers.comp"}, {"splats.glsl"}, "#define KIND 1\n"},
     [ISO_GL_SPLAT_RESOLVE] = {"resolved slots", {"splats_resolve.comp"}, {"splats.glsl", "picture.glsl"}, ""},
     SHAPES(0, "spheres", NULL, "#define KIND ISO_GL_SPHERES\n"),
     SHAPES(1, "tubes", "shapes_tube.glsl", "#define KIND ISO_GL_TUBES\n"),

@@ -53,6 +53,9 @@ typedef enum iso_gl_program {
     ISO_GL_SPLAT_NUMBERS,
     ISO_GL_SPLAT_KEYS, /* only where iso_gl_has_wide_atomics */
     ISO_GL_SPLAT_RESOLVE,
+    /* Layers of splats: by the KIND of splats_layers.comp. */
+    ISO_GL_SPLAT_MEAN,
+    ISO_GL_SPLAT_NEAREST,
     /* Lines and glyphs: spheres, tubes, ribbons, and the other glyphs from cones to boxes; then the same in
      * double precision. */
     ISO_GL_DRAW_SHAPES,

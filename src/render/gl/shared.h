@@ -48,7 +48,14 @@
 #define ISO_GL_MARKS 2    /* uint: a glyph's number and colour; a segment's first vertex, and flags */
 #define ISO_GL_LINE_COLORS 5 /* uint: one a vertex, three bytes */
 #define ISO_GL_NEAR_SHAPES 4 /* iso_gl_near_shape */
-#define ISO_GL_PICTURE 0     /* uint: planes of a gbuffer: depth, normal x, y, z, surface, colours */
+/* Of layers of splats: pairs of vec4, a disc's shaded colour and opacity, and its layer's thickness; lists of
+ * discs by tile; for each sample the depths between which discs are drawn; the layers. */
+#define ISO_GL_LOOKS 2
+#define ISO_GL_TILE_STARTS 3
+#define ISO_GL_TILE_DISCS 4
+#define ISO_GL_LAYER_BOUNDS 5
+#define ISO_GL_LAYERS 6
+#define ISO_GL_PICTURE 0 /* uint: planes of a gbuffer: depth, normal x, y, z, surface, colours */
 #define ISO_GL_PICTURE_PLANES 5
 #define ISO_GL_STORAGE_SLOTS 8
 
@@ -66,6 +73,9 @@
 /* Invocations of a work group: in a row, and along a side of a square. */
 #define ISO_GL_GROUP 64
 #define ISO_GL_TILE 8
+#define ISO_GL_SPLAT_TILE 16  /* of layers of splats */
+#define ISO_GL_MOST_GROUPS 64 /* ISO_GROUPS_MOST */
+#define ISO_GL_LAYER_FLOATS 8 /* of a sample's layer */
 
 /* Constants of pull-push, the same as in render/pullpush/pyramid.h and render/point_blocks.h. */
 #define ISO_GL_LEVELS 11
@@ -181,12 +191,13 @@
 /* std140. Drawing one surface by splats in a strip of the picture.
  *
  * `rays`: 1 / focal (orthographic: 0); mm a pixel (perspective: 0); depth of the near plane; thickness of a
- * layer in radii of discs. */
+ * layer in radii of discs. `layers`: width of the bins of depth, mm. */
 #define ISO_GL_SPLATTING_FIELDS                                                                              \
     ISO_GL_FLOATS(axis); /* optical axis in the strip */                                                     \
     ISO_GL_FLOATS(rays);                                                                                     \
     ISO_GL_INTS(picture); /* width, height, surface number */                                                \
-    ISO_GL_INTS(counts);  /* discs; slots of a pixel; points have colours */
+    ISO_GL_INTS(counts);  /* discs; slots of a pixel; points have colours */                                 \
+    ISO_GL_FLOATS(layers);
 
 /* std140. Drawing a set of lines or glyphs: the fields of iso_shapes_frame (render/shapes/frame.h).
  *

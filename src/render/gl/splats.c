@@ -7,19 +7,13 @@
 
 #include "render/gl/picture.h"
 #include "render/gl/shared.h"
-#include "render/splats/discs.h"
+#include "render/gl/splat.h"
 
 enum { STRIP_ROWS_LEAST = 16 };
 /* Limit of the storage buffers of the slots and the picture; a larger picture is drawn in strips. */
 static const size_t STORAGE_BYTES = (size_t)256 << 20;
 
-/* A disc as splats.glsl reads it. */
-typedef struct splat {
-    float x, y, z, normal[3], radius;
-    uint32_t paint; /* the group, and the colour in the upper three bytes */
-} splat;
-_Static_assert(sizeof(splat) == 32, "layout of std430");
-_Static_assert(sizeof(iso_gl_splatting_uniforms) == 64, "layout of std140");
+_Static_assert(sizeof(iso_gl_splatting_uniforms) == 80, "layout of std140");
 
 /* The drawing of a picture. */
 typedef struct splats_call {
@@ -38,19 +32,14 @@ static iso_status gather_splats(splats_call *call, const iso_gl_splats *surface,
                                 size_t *count, iso_error *error) {
     ISO_TRY(
         iso_discs_project(&call->discs, view, &surface->points, ISO_SPLATS_DISC, call->opts->pool, error));
-    ISO_TRY(iso_buffer_reserve(&call->splats, call->discs.count * sizeof(splat), 0, error));
+    ISO_TRY(iso_buffer_reserve(&call->splats, call->discs.count * sizeof(iso_gl_splat), 0, error));
     const iso_disc *disc = call->discs.disc.data;
     const iso_rows *rows = call->discs.rows.data;
-    splat *to = call->splats.data;
+    iso_gl_splat *to = call->splats.data;
     *count = 0;
     for (size_t i = 0; i < call->discs.count; i++) {
         if (rows[i].first > rows[i].last) continue;
-        const iso_disc *d = &disc[i];
-        uint32_t paint = surface->groups->group[d->point];
-        for (int k = 0; k < 3 && surface->points.colors; k++)
-            paint |= (uint32_t)surface->points.colors[d->point][k] << (8 * k + 8);
-        to[(*count)++] =
-            (splat){d->x, d->y, d->z, {d->normal[0], d->normal[1], d->normal[2]}, d->radius, paint};
+        to[(*count)++] = iso_gl_splat_make(&disc[i], &surface->points, surface->groups);
     }
     return ISO_OK;
 }
@@ -65,14 +54,14 @@ static iso_status upload(splats_call *call, int number, const iso_view *view, si
         .rays = {rays.slope, rays.scale, rays.near, ISO_SPLATS_THICKNESS / ISO_SPLATS_DISC},
         .picture = {view->width, view->height, number},
         .counts = {(int)count, surface->groups->count, surface->points.colors != NULL}};
-    if (count * sizeof(splat) > engine->max_storage || count > INT32_MAX)
+    if (count * sizeof(iso_gl_splat) > engine->max_storage || count > INT32_MAX)
         return iso_fail(error, ISO_ERR_LIMIT, "%s: %zu discs do not fit into a storage buffer of %s",
                         engine->context->name, count, engine->context->renderer);
     iso_gl_engine_ensure_storage(engine, ISO_GL_STORE_SPLATTING, sizeof u);
-    iso_gl_engine_ensure_storage(engine, ISO_GL_STORE_SPLATS, count * sizeof(splat));
+    iso_gl_engine_ensure_storage(engine, ISO_GL_STORE_SPLATS, count * sizeof(iso_gl_splat));
     call->gl->NamedBufferSubData(engine->storage[ISO_GL_STORE_SPLATTING], 0, sizeof u, &u);
-    call->gl->NamedBufferSubData(engine->storage[ISO_GL_STORE_SPLATS], 0, (GLsizeiptr)(count * sizeof(splat)),
-                                 call->splats.data);
+    call->gl->NamedBufferSubData(engine->storage[ISO_GL_STORE_SPLATS], 0,
+                                 (GLsizeiptr)(count * sizeof(iso_gl_splat)), call->splats.data);
     return ISO_OK;
 }
 

@@ -4,7 +4,7 @@
 #define ISO_RENDER_GL_SPLATS_H
 
 #include "render/gl/engine.h"
-#include "render/splats/splats.h"
+#include "render/splats/layers.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -29,6 +29,13 @@ typedef struct iso_gl_splats_opts {
  * gbuffer is then undefined. */
 iso_status iso_gl_draw_splats(iso_gl_engine *engine, const iso_gl_splats_opts *opts, iso_gbuffer *gbuffer,
                               iso_error *error);
+
+/* iso_shade_splat_layers (render/splats/layers.h) for the modes groups and nearest: the layers are found by
+ * OpenGL, and composited by the cpu, with opaque objects and the background. Differs from the cpu's by
+ * rounding only; the same bytes every time. Errors as there, ISO_ERR_LIMIT also if the discs do not fit into
+ * a storage buffer, and ISO_ERR_BACKEND. */
+iso_status iso_gl_shade_splat_layers(iso_gl_engine *engine, const iso_splat_layers *input,
+                                     iso_layer_totals *totals, iso_error *error);
 
 /* About how many bytes of GPU memory (of main memory with a software renderer) drawing takes for a picture
  * of this size, without the discs. */

@@ -88,9 +88,14 @@ typedef enum iso_gl_storage {
     ISO_GL_STORE_SPLATS,
     ISO_GL_STORE_SLOTS,
     ISO_GL_STORE_SHAPING, /* uniforms of lines and glyphs */
-    ISO_GL_STORE_NEAR_SHAPES
+    ISO_GL_STORE_NEAR_SHAPES,
+    ISO_GL_STORE_LOOKS, /* of layers of splats, as the next ones */
+    ISO_GL_STORE_TILE_STARTS,
+    ISO_GL_STORE_TILE_DISCS,
+    ISO_GL_STORE_LAYER_BOUNDS,
+    ISO_GL_STORE_LAYERS
 } iso_gl_storage;
-enum { ISO_GL_STORES = 16 };
+enum { ISO_GL_STORES = 21 };
 
 /* Render targets of the refined reconstruction: nearest depths and sums. At least as large as a tile. */
 typedef struct iso_gl_discs {

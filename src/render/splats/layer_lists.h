@@ -17,6 +17,14 @@ typedef struct iso_splat_surface {
     float bin; /* mm: width of the bins of depth */
 } iso_splat_surface;
 
+/* Projects the points of a surface into `view`, and assigns their discs to bands of `band_rows` rows. With
+ * `sorted`, `wide` stays empty. Free with iso_splats_end_surface, also after errors. ISO_ERR_NOMEM;
+ * ISO_ERR_LIMIT: 2^32 - 1 points or more. */
+iso_status iso_splats_start_surface(const iso_splat_layer *input, const iso_view *view, bool sorted,
+                                    int band_rows, iso_pool *pool, iso_splat_surface *surface,
+                                    iso_error *error);
+void iso_splats_end_surface(iso_splat_surface *surface);
+
 /* The rows to list, and the memory of a worker. */
 typedef struct iso_splat_band {
     size_t number; /* of the band */

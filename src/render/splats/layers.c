@@ -75,33 +75,48 @@ static float bin_width(const iso_point_view *points) {
     return (float)(count ? sum / (double)count : 1) * ISO_SPLATS_THICKNESS;
 }
 
-/* Projects the points as discs of `factor` times their radii, and assigns them to bands. */
-static iso_status make_discs(const layers_draw *draw, const iso_point_view *points, float factor,
-                             iso_disc_order order, iso_discs *discs, iso_error *error) {
-    const iso_layer_picture *picture = &draw->input->picture;
-    const iso_view *view = picture->strip->view;
-    ISO_TRY(iso_discs_project(discs, view, points, factor, picture->pool, error));
-    return iso_discs_assign(discs, view->height, draw->band_rows, order, error);
-}
-
-static iso_status set_up_surface(const layers_draw *draw, int number, iso_error *error) {
-    iso_splat_surface *s = &draw->surfaces[number];
-    s->input = &draw->input->layers[number];
-    s->number = number;
-    s->opacity = iso_layer_opacity_make(&s->input->translucency);
-    iso_point_view points = s->input->points;
-    points.closed = false; /* both sides of the surface are visible */
-    ISO_TRY(make_discs(draw, &points, ISO_SPLATS_DISC, ISO_DISCS_FRONT_TO_BACK, &s->discs, error));
-    if (draw->input->transparency == ISO_TRANSPARENCY_SORTED) return ISO_OK;
-    s->bin = bin_width(&points);
+/* Makes the discs of the modes groups and nearest. */
+static iso_status make_wide_discs(iso_splat_surface *s, const iso_view *view, iso_point_view points,
+                                  int band_rows, iso_pool *pool, iso_error *error) {
     float *radii = iso_alloc(iso_groups_length(&points) * sizeof *radii);
     if (!radii) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for drawing layers");
     widen(&points, s->input->groups, radii);
     points.radii = radii;
-    const iso_status status =
-        make_discs(draw, &points, ISO_SPLATS_DISC, ISO_DISCS_BACK_TO_FRONT, &s->wide, error);
+    iso_status status = iso_discs_project(&s->wide, view, &points, ISO_SPLATS_DISC, pool, error);
+    if (status == ISO_OK)
+        status = iso_discs_assign(&s->wide, view->height, band_rows, ISO_DISCS_BACK_TO_FRONT, error);
     iso_free(radii);
     return status;
+}
+
+iso_status iso_splats_start_surface(const iso_splat_layer *input, const iso_view *view, bool sorted,
+                                    int band_rows, iso_pool *pool, iso_splat_surface *surface,
+                                    iso_error *error) {
+    surface->input = input;
+    surface->opacity = iso_layer_opacity_make(&input->translucency);
+    iso_point_view points = input->points;
+    points.closed = false; /* both sides of the surface are visible */
+    ISO_TRY(iso_discs_project(&surface->discs, view, &points, ISO_SPLATS_DISC, pool, error));
+    ISO_TRY(iso_discs_assign(&surface->discs, view->height, band_rows, ISO_DISCS_FRONT_TO_BACK, error));
+    if (sorted) return ISO_OK;
+    surface->bin = bin_width(&points);
+    return make_wide_discs(surface, view, points, band_rows, pool, error);
+}
+
+void iso_splats_end_surface(iso_splat_surface *surface) {
+    iso_discs_free(&surface->discs);
+    iso_discs_free(&surface->wide);
+}
+
+static iso_status set_up_surface(const layers_draw *draw, int number, iso_error *error) {
+    const iso_splat_layers *input = draw->input;
+    iso_splat_surface *s = &draw->surfaces[number];
+    s->number = number;
+    s->input = &input->layers[number];
+    if (s->input->images) return ISO_OK;
+    return iso_splats_start_surface(s->input, input->picture.strip->view,
+                                    input->transparency == ISO_TRANSPARENCY_SORTED, draw->band_rows,
+                                    input->picture.pool, s, error);
 }
 
 static iso_status set_up(layers_draw *draw, iso_error *error) {
@@ -122,10 +137,7 @@ static iso_status set_up(layers_draw *draw, iso_error *error) {
 }
 
 static void free_draw(layers_draw *draw) {
-    for (int i = 0; draw->surfaces && i < draw->input->count; i++) {
-        iso_discs_free(&draw->surfaces[i].discs);
-        iso_discs_free(&draw->surfaces[i].wide);
-    }
+    for (int i = 0; draw->surfaces && i < draw->input->count; i++) iso_splats_end_surface(&draw->surfaces[i]);
     for (int i = 0; draw->workers && i < iso_pool_threads(draw->input->picture.pool); i++) {
         iso_layer_lists_free(&draw->workers[i].lists);
         iso_layer_composer_free(&draw->workers[i].composer);
@@ -138,6 +150,22 @@ static void free_draw(layers_draw *draw) {
 
 /* ---- bands */
 
+static void add_given(iso_layer_lists *lists, int x, int row, const iso_packed_fragment *fragment) {
+    if (iso_packed_opacity(fragment) > 0) iso_layer_add_packed(lists, x, row, fragment, false);
+}
+
+/* Lists the layers that another engine has found. */
+static bool list_given(const iso_splat_surface *surface, const iso_splat_band *band) {
+    const iso_splat_images *images = surface->input->images;
+    for (int y = band->rows.first; y <= band->rows.last; y++)
+        for (int x = 0; x < band->width; x++) {
+            const size_t at = (size_t)y * (size_t)band->width + (size_t)x;
+            if (images->nearest) add_given(band->lists, x, y - band->rows.first, &images->nearest[at]);
+            add_given(band->lists, x, y - band->rows.first, &images->mean[at]);
+        }
+    return !band->lists->full;
+}
+
 static bool list_surface(const layers_draw *draw, int number, const iso_splat_band *band) {
     const iso_splat_surface *surface = &draw->surfaces[number];
     const iso_transparency transparency = draw->input->transparency;
@@ -146,6 +174,7 @@ static bool list_surface(const layers_draw *draw, int number, const iso_splat_ba
                                  .most_layers = sorted ? surface->input->translucency.most_layers : 0,
                                  .tolerance = -1};
     iso_layer_lists_begin(band->lists, &pass);
+    if (surface->input->images) return list_given(surface, band);
     if (sorted) return iso_splats_list_sorted(surface, band);
     if (surface->input->groups->count == 0) return true;
     return iso_splats_list_images(surface, band, transparency == ISO_TRANSPARENCY_NEAREST);
