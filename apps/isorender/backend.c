@@ -26,8 +26,8 @@ static bool has_gl(const isorender_settings *settings) {
     if (has_no_surface(settings)) return is_any(settings->backend, "egl", "osmesa");
     if (settings->method == ISO_METHOD_SPLATS)
         return !settings->group_bins && (!isorender_is_translucent(settings) || has_gl_layers(settings));
-    return settings->method == ISO_METHOD_POINTS || settings->method == ISO_METHOD_MESH ||
-           settings->method == ISO_METHOD_PULLPUSH;
+    if (settings->method == ISO_METHOD_PULLPUSH) return !(settings->lod > 0);
+    return settings->method == ISO_METHOD_POINTS || settings->method == ISO_METHOD_MESH;
 }
 
 /* The gl engine reads every sample back. */
@@ -71,8 +71,8 @@ iso_status isorender_backend_check(isorender_settings *settings, iso_error *erro
     if (gl && !has_gl(settings))
         return iso_fail(
             error, ISO_ERR_USAGE,
-            "--backend %s has the methods points, pullpush, splats (opaque, without --group-bins) and mesh: "
-            "others need the cpu",
+            "--backend %s has the methods points, pullpush (without --lod), splats (opaque, without "
+            "--group-bins) and mesh: others need the cpu",
             name);
     ISO_TRY(check_needs(settings, error));
     bool draws = !settings->info && (!settings->no_image || settings->aov);

@@ -22,6 +22,7 @@
 #include "render/gl/shapes.h"
 #include "render/picture.h"
 #include "render/pullpush/pullpush.h"
+#include "render/selection/lod_cut.h"
 #include "render/shading/shading.h"
 #include "truth/raycast.h"
 
@@ -46,6 +47,8 @@ typedef struct isorender_surface {
     iso_exact *exact;
     iso_raycaster *caster;
     iso_groups groups; /* of the points, for splats */
+    iso_lod lod;       /* of the points, for pullpush; without levels unless --lod wants them */
+    iso_lod_cut cut;   /* of the levels, for the picture that is being drawn */
     iso_box bounds;    /* in the world, mm */
 } isorender_surface;
 
@@ -54,6 +57,8 @@ typedef struct isorender_frame {
     uint64_t hash;                  /* FNV-1a of width, height and the pixels; with --json */
     size_t covered;                 /* samples that show a surface */
     iso_exact_layers_totals layers; /* with translucent surfaces */
+    size_t detail[ISO_LOD_LEVELS];  /* points of each level of detail in the cuts of all surfaces */
+    int detail_levels;              /* 0: there are no levels */
 } isorender_frame;
 
 typedef struct isorender_seconds {
@@ -203,6 +208,18 @@ iso_status isorender_object_take_gradients(isorender_job *job, isorender_object 
 iso_status isorender_groups_make(isorender_job *job, int surface, iso_error *error);
 /* Adds a member about the groups of all surfaces to the report of --json. */
 void isorender_report_groups(iso_json *json, const isorender_job *job);
+
+/* ---- detail.c */
+
+/* Makes the levels of detail of all surfaces if --lod asks for them or if they save more time than they take;
+ * to be called when the camera is known. ISO_ERR_NOMEM, ISO_ERR_LIMIT: only if --lod asks. */
+iso_status isorender_detail_make(isorender_job *job, iso_error *error);
+/* The value of --lod, or its default. */
+double isorender_detail_pixels(const isorender_settings *settings);
+/* Sets the counts of a frame that has been drawn. */
+void isorender_detail_note(const isorender_job *job, isorender_frame *frame);
+/* A member of the frame's report: how many points of each level are drawn. */
+void isorender_detail_report(iso_json *json, const isorender_frame *frame);
 
 /* ---- camera.c */
 

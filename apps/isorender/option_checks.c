@@ -337,6 +337,7 @@ iso_status isorender_settings_check(isorender_settings *settings, const iso_oper
     ISO_TRY(check_camera(settings, error));
     ISO_TRY(check_gaussians(settings, error));
     ISO_TRY(isorender_splats_check(settings, error));
+    ISO_TRY(isorender_detail_check(settings, error));
     ISO_TRY(take_operands(settings, operands, error));
     ISO_TRY(isorender_backend_check(settings, error));
     ISO_TRY(check_outputs(settings, error));

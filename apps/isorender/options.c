@@ -358,6 +358,11 @@ static const iso_option options[] = {
     {"group-bins", NULL, "N",
      "bins of depth in which splats are compared (eq. 6 of the paper) instead of by their own depths",
      .group = PICTURE, INT(group_bins, 1, 1 << 20)},
+    {"lod", NULL, "PIXELS",
+     "levels of detail for pullpush: where points are closer together than about two times PIXELS, fewer are "
+     "drawn, each the mean of several; for turntables of many points; 0: all points are drawn",
+     .group = PICTURE, .standard = "1 if there are so many pictures that it saves time, else 0",
+     REAL(lod, 0, 1000)},
     {"group-opposite", NULL, NULL,
      "discs of splats that face opposite ways may share a group: fewer groups, but the sides of thin things "
      "then hide each other",
@@ -523,6 +528,7 @@ iso_status isorender_settings_parse(int argc, char *const *argv, isorender_setti
                                     iso_operands *operands, iso_error *error) {
     *settings = (isorender_settings){.method = ISORENDER_METHOD_UNCHOSEN,
                                      .reconstruction = ISORENDER_RECONSTRUCTION_UNCHOSEN,
+                                     .lod = NAN,
                                      .backend = "auto",
                                      .width = 1024,
                                      .height = 1024,

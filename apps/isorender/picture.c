@@ -13,7 +13,7 @@
 
 /* ---- one picture ---- */
 
-static iso_subject subject_of(const isorender_job *job, const isorender_surface *surface) {
+static iso_subject subject_of(const isorender_job *job, isorender_surface *surface) {
     return (iso_subject){.points = surface->points,
                          .given = surface->loader->has_points ? &job->read_points : NULL,
                          .workspace = job->pullpush,
@@ -21,6 +21,9 @@ static iso_subject subject_of(const isorender_job *job, const isorender_surface 
                          .exact = surface->exact,
                          .caster = surface->caster,
                          .groups = surface->groups,
+                         .lod = surface->lod.count ? &surface->lod : NULL,
+                         .lod_pixels = isorender_detail_pixels(job->settings),
+                         .cut = &surface->cut,
                          .bins = job->settings->group_bins};
 }
 
@@ -46,7 +49,7 @@ static iso_status draw_opaque_objects(void *context, const iso_view *view, iso_g
 iso_status isorender_draw_from(isorender_job *job, int first, const iso_view *view, iso_gbuffer *gbuffer,
                                iso_error *error) {
     for (int i = first; i < job->surface_count; i++) {
-        const isorender_surface *surface = &job->surfaces[i];
+        isorender_surface *surface = &job->surfaces[i];
         const iso_target target = {view, gbuffer, job->pool, (uint8_t)i};
         const iso_subject subject = subject_of(job, surface);
         ISO_TRY(job->renderer->draw(&subject, &target, error));
@@ -217,7 +220,7 @@ static iso_status render_layers(isorender_job *job, iso_picture_opts *opts, iso_
 }
 
 /* Renders a picture of glass. */
-static iso_status render_glass(const isorender_job *job, iso_picture_opts *opts, iso_image *image,
+static iso_status render_glass(isorender_job *job, iso_picture_opts *opts, iso_image *image,
                                isorender_frame *frame, iso_error *error) {
     const isorender_settings *settings = job->settings;
     const iso_subject subject = subject_of(job, &job->surfaces[0]);
@@ -287,6 +290,7 @@ static iso_status render_frame(isorender_job *job, int frame, canvas *c, iso_err
     double start = iso_clock_seconds();
     ISO_TRY(render_picture(job, &opts, &c->image, &job->frames[frame], error));
     number_elements(job, &c->aov);
+    isorender_detail_note(job, &job->frames[frame]);
     job->seconds.render += iso_clock_seconds() - start;
     if (job->frames[frame].covered == 0)
         return iso_fail(error, ISO_ERR_EMPTY,
@@ -396,6 +400,7 @@ iso_status isorender_render(isorender_job *job, iso_error *error) {
     c.aov.voxel = smallest_spacing(job);
     double start = iso_clock_seconds();
     if (status == ISO_OK && job->backend->engine) status = isorender_gl_upload(job, error);
+    if (status == ISO_OK) status = isorender_detail_make(job, error);
     job->seconds.render += iso_clock_seconds() - start;
     if (status == ISO_OK) status = render_frames(job, &c, error);
     iso_image_free(&c.image);

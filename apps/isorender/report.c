@@ -192,6 +192,7 @@ static iso_status put_frame(iso_json *json, const char *key, const isorender_job
     iso_json_integer(json, "covered", job->frames[frame].covered);
     iso_json_string(json, "hash", hash);
     if (job->translucent || job->gaussians) put_layers(json, &job->frames[frame]);
+    isorender_detail_report(json, &job->frames[frame]);
     iso_json_end_object(json);
     return ISO_OK;
 }

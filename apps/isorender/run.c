@@ -116,6 +116,8 @@ static void free_surfaces(isorender_job *job) {
         iso_exact_destroy(job->surfaces[i].exact);
         iso_raycaster_destroy(job->surfaces[i].caster);
         iso_groups_free(&job->surfaces[i].groups);
+        iso_lod_free(&job->surfaces[i].lod);
+        iso_lod_cut_free(&job->surfaces[i].cut);
         iso_grid_destroy(&job->surfaces[i].own_grid);
     }
     iso_cloud_free(&job->cloud);

@@ -94,6 +94,7 @@ typedef struct isorender_settings {
     double group_overlap;
     int group_radii;  /* isorender_group_radii */
     int transparency; /* iso_transparency, of splats */
+    double lod;       /* levels of detail: pixels; 0: none; NaN: not given */
     const char *backend;
     int scaling; /* iso_point_scaling */
     int strips;
@@ -121,6 +122,9 @@ const char *isorender_object_opacity_option(const isorender_settings *settings);
 /* Chooses the reconstruction when none is given, and checks that the options of splats are for splats.
  * ISO_ERR_USAGE. */
 iso_status isorender_splats_check(isorender_settings *settings, iso_error *error);
+
+/* Chooses the method for --lod if none is given, and checks that it has levels of detail. ISO_ERR_USAGE. */
+iso_status isorender_detail_check(isorender_settings *settings, iso_error *error);
 
 /* Name, version and option table of isorender. */
 const iso_program *isorender_program(void);

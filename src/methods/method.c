@@ -170,7 +170,12 @@ static iso_status draw_pyramid(const iso_subject *subject, const iso_target *tar
                                iso_reconstruction reconstruction, iso_error *error) {
     iso_point_view view = iso_subject_points(subject);
     iso_pullpush_opts opts = {reconstruction, subject->workspace};
-    return iso_draw_pullpush(target, &view, &opts, error);
+    if (!subject->lod) return iso_draw_pullpush(target, &view, &opts, error);
+    iso_lod_cut *cut = subject->cut;
+    ISO_TRY(iso_lod_cut_make(cut, subject->lod, target->view, subject->lod_pixels, error));
+    for (int k = 0; k < cut->levels; k++)
+        if (cut->view[k].span_count) ISO_TRY(iso_draw_pullpush(target, &cut->view[k], &opts, error));
+    return ISO_OK;
 }
 
 static iso_status draw_refined(const iso_subject *subject, const iso_target *target, iso_error *error) {

@@ -13,6 +13,7 @@
 #include "grids/grid.h"
 #include "render/pullpush/pullpush.h"
 #include "render/raster/raster.h"
+#include "render/selection/lod_cut.h"
 #include "render/splats/splats.h"
 #include "truth/raycast.h"
 
@@ -48,6 +49,11 @@ typedef struct iso_subject {
     /* the number of the grid's last edit when the caster and the groups were computed */
     uint64_t caster_edit, groups_edit;
     int bins; /* for the method splats: iso_splats_opts.bins */
+    /* For the methods of pull-push: levels of detail of the points, the number of pixels for
+     * iso_lod_cut_make, and where the cut is made; all borrowed. `lod` NULL: all points are drawn. */
+    const iso_lod *lod;
+    double lod_pixels;
+    iso_lod_cut *cut;
 } iso_subject;
 
 /* Computes a part unless it exists; an existing part is not updated. ISO_ERR_NOMEM, and the errors of

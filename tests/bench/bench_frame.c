@@ -57,6 +57,37 @@ static void close_pullpush(bench_frame *frame) {
     iso_pullpush_destroy(frame->pullpush);
 }
 
+/* Levels of detail with the program's default. */
+static iso_status open_lod(bench_frame *frame, iso_error *error) {
+    ISO_TRY(open_pullpush(frame, error));
+    return iso_lod_update(&frame->lod, &frame->points, frame->pool, error);
+}
+
+static iso_status draw_lod(bench_frame *frame, const iso_target *target, iso_error *error) {
+    const iso_pullpush_opts opts = {ISO_RECONSTRUCTION_REFINED, frame->pullpush};
+    ISO_TRY(iso_lod_cut_make(&frame->cut, &frame->lod, target->view, 1, error));
+    for (int k = 0; k < frame->cut.levels; k++)
+        ISO_TRY(iso_draw_pullpush(target, &frame->cut.view[k], &opts, error));
+    return ISO_OK;
+}
+
+static void finish_lod(bench_row *row) {
+    const bench_frame *frame = row->context;
+    size_t points = 0;
+    for (int k = 0; k < frame->cut.levels; k++) points += frame->cut.points[k];
+    const double bytes =
+        (double)(frame->primitives * sizeof(iso_point) + frame->points.span_count * sizeof(iso_point_span));
+    bench_count(row, "drawn_percent", 100 * (double)points / (double)frame->primitives, 0, 0);
+    bench_count(row, "memory_percent", 100 * (double)iso_lod_bytes(&frame->lod) / bytes, 0,
+                row->bench->settings->small ? 0 : 35);
+}
+
+static void close_lod(bench_frame *frame) {
+    iso_lod_free(&frame->lod);
+    iso_lod_cut_free(&frame->cut);
+    close_pullpush(frame);
+}
+
 static iso_status open_exact(bench_frame *frame, iso_error *error) {
     ISO_TRY(bench_subject_exact(frame->subject, &frame->exact, error));
     frame->primitives = iso_exact_stats(frame->exact).cells;
@@ -123,6 +154,12 @@ const bench_method bench_methods[] = {
      .open = open_pullpush,
      .draw = draw_refined,
      .close = close_pullpush},
+    {.name = "pullpush/lod",
+     .on_bumpy = true,
+     .open = open_lod,
+     .draw = draw_lod,
+     .finish = finish_lod,
+     .close = close_lod},
     {.name = "exact", .kernels = true, .on_volumes = true, .open = open_exact, .paint = paint_exact},
     {.name = "layers/constant",
      .kernels = true,

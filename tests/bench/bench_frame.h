@@ -6,6 +6,7 @@
 
 #include "bench_subject.h"
 #include "exact/layers.h"
+#include "render/selection/lod_cut.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -41,7 +42,9 @@ struct bench_frame {
     const iso_exact *exact;
     iso_exact_layers_totals totals; /* of layers */
     struct iso_pullpush *pullpush;  /* owned */
-    struct bench_gl *gl;            /* the plan's */
+    iso_lod lod;                    /* owned, as is the cut */
+    iso_lod_cut cut;
+    struct bench_gl *gl; /* the plan's */
     struct bench_gl_frame *gl_frame;
 };
 

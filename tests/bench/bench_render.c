@@ -201,7 +201,8 @@ static void compare_gl(const frame_group *group, bench_row *row, const bench_met
     }
 }
 
-/* A twentyfold of points in at most five times the time; refined in three times gaussian's. */
+/* A twentyfold of points in at most five times the time; refined in three times gaussian's; the most points
+ * with levels of detail in a third of refined's. */
 static void compare_pullpush(const frame_group *group, bench_row *row, const bench_method *method,
                              int subject, int view, int t) {
     bool judged = group->subjects[subject].bumpy_side && row->level == group->bench->best &&
@@ -210,6 +211,9 @@ static void compare_pullpush(const frame_group *group, bench_row *row, const ben
         bench_compare(row, row_of(group, subject, view, "pullpush/gaussian", row, t), "ratio_vs_gaussian",
                       NULL, judged ? 1.0 / 3 : 0);
     bool most = group->subject_count == SUBJECTS && subject == SUBJECTS - 1;
+    if (is_method(method, "pullpush/lod"))
+        bench_compare(row, row_of(group, subject, view, "pullpush/refined", row, t), "ratio_vs_refined", NULL,
+                      most && judged ? 3 : 0);
     if (most && is_method(method, "pullpush/gaussian"))
         bench_compare(row, group->rows[1][view][method_number(method->name)][row->level][t], "ratio_vs_1M",
                       NULL, judged ? 1.0 / 5 : 0);

@@ -1,0 +1,72 @@
+/* Levels of detail of points (--lod): checks the option, makes the levels, reports what was drawn. */
+#include <math.h>
+
+#include "apps/isorender/isorender.h"
+
+/* The value of --lod that is assumed. */
+static const double DEFAULT_PIXELS = 1;
+/* Making the levels takes as long as they save in this many pictures, measured with 5 to 20 million
+ * points. */
+enum { PAYING_FRAMES = 50 };
+
+iso_status isorender_detail_check(isorender_settings *settings, iso_error *error) {
+    const bool asked = settings->lod > 0; /* NaN: not given */
+    if (!asked) return ISO_OK;
+    if (settings->method == ISORENDER_METHOD_UNCHOSEN) settings->method = ISO_METHOD_PULLPUSH;
+    if (settings->method != ISO_METHOD_PULLPUSH)
+        return iso_fail(error, ISO_ERR_USAGE, "--lod is for --method pullpush");
+    return ISO_OK;
+}
+
+double isorender_detail_pixels(const isorender_settings *settings) {
+    return isnan(settings->lod) ? DEFAULT_PIXELS : settings->lod;
+}
+
+/* Whether the voxels of level 1 are so small in the middle of a surface that it would be drawn. */
+static bool is_fine(const isorender_job *job, int surface, double pixels) {
+    const iso_view view = iso_view_make(&job->camera, job->settings->width, job->settings->height);
+    const iso_box *box = &job->surfaces[surface].bounds;
+    const iso_vec3 middle = iso_vec3_scale(iso_vec3_add(box->lo, box->hi), 0.5),
+                   seen = iso_view_point(&view, middle);
+    const double *side = isorender_points_view(job, surface).transform.spacing,
+                 voxel = 2 * fmax(side[0], fmax(side[1], side[2])),
+                 scale = view.orthographic ? view.focal : view.focal / fmax(seen.z, view.near),
+                 samples = sqrt(job->settings->samples);
+    return voxel * ISO_LOD_FLAT_ERROR * scale * samples <= pixels;
+}
+
+static bool is_wanted(const isorender_job *job, int surface) {
+    const isorender_settings *settings = job->settings;
+    if (job->method != ISO_METHOD_PULLPUSH || job->backend->engine || settings->lod == 0) return false;
+    if (settings->lod > 0) return true;
+    return settings->turntable >= PAYING_FRAMES && is_fine(job, surface, DEFAULT_PIXELS);
+}
+
+iso_status isorender_detail_make(isorender_job *job, iso_error *error) {
+    for (int i = 0; i < job->surface_count; i++) {
+        iso_lod *lod = &job->surfaces[i].lod;
+        if (!is_wanted(job, i)) continue;
+        const iso_point_view points = isorender_points_view(job, i);
+        const iso_status status = iso_lod_update(lod, &points, job->pool, error);
+        if (status != ISO_OK && isnan(job->settings->lod)) continue; /* the picture needs no levels */
+        ISO_TRY(status);
+        isorender_log_verbose(job, "%d levels of detail: %zu points beside the %zu points themselves",
+                              lod->count, iso_lod_count(lod), iso_point_view_count(&points));
+    }
+    return ISO_OK;
+}
+
+void isorender_detail_note(const isorender_job *job, isorender_frame *frame) {
+    for (int i = 0; i < job->surface_count; i++) {
+        const iso_lod_cut *cut = &job->surfaces[i].cut;
+        for (int k = 0; k < cut->levels; k++) frame->detail[k] += cut->points[k];
+        frame->detail_levels = cut->levels > frame->detail_levels ? cut->levels : frame->detail_levels;
+    }
+}
+
+void isorender_detail_report(iso_json *json, const isorender_frame *frame) {
+    if (!frame->detail_levels) return;
+    iso_json_begin_array(json, "lod_points");
+    for (int k = 0; k < frame->detail_levels; k++) iso_json_integer(json, NULL, frame->detail[k]);
+    iso_json_end_array(json);
+}

@@ -1,0 +1,35 @@
+/* lod_cut: chooses from levels of detail (base/lod/lod.h) the spans that one picture needs: of every part of
+ * the surface the coarsest level whose error there is at most a given number of pixels. */
+#ifndef ISO_RENDER_SELECTION_LOD_CUT_H
+#define ISO_RENDER_SELECTION_LOD_CUT_H
+
+#include "base/lod/lod.h"
+#include "base/memory.h"
+#include "image/camera.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* The chosen spans, by level. Zero-initialise; free with iso_lod_cut_free. Memory is reused from one cut to
+ * the next. */
+typedef struct iso_lod_cut {
+    /* Views of the chosen spans of each level; those of levels without any have none. They borrow from the
+     * levels of detail, and from this cut until the next one. To be drawn in this order: finer levels are
+     * nearer to the eye and hide more. */
+    iso_point_view view[ISO_LOD_LEVELS];
+    size_t points[ISO_LOD_LEVELS]; /* number of points in each view */
+    int levels;                    /* number of views */
+    iso_buffer spans[ISO_LOD_LEVELS], bounds[ISO_LOD_LEVELS];
+} iso_lod_cut;
+
+/* Makes the cut for a view: the errors of the chosen spans are at most `pixels` at the span's nearest depth,
+ * or the span is of level 0. It is the same for all strips of a picture. ISO_ERR_NOMEM. */
+iso_status iso_lod_cut_make(iso_lod_cut *cut, const iso_lod *lod, const iso_view *view, double pixels,
+                            iso_error *error);
+void iso_lod_cut_free(iso_lod_cut *cut);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,28 @@
+# levels of detail of the points of a volume and of a file; when they are made without being asked for
+python3 -c 'from check import *; ball("in/ball.mha")'
+isorender in/ball.mha all.png --isovalue 500 --method pullpush --resolution 6x6 --json=all.json --quiet
+isorender in/ball.mha --isovalue 500 --points ball.ply --no-image --quiet
+isorender in/ball.mha none.png --isovalue 500 --method pullpush --lod 0 --resolution 6x6 --json=none.json --quiet
+isorender in/ball.mha lod.png --isovalue 500 --lod 1 --resolution 6x6 --json=lod.json --quiet
+isorender in/ball.mha one.png --isovalue 500 --lod 1 --threads 1 --resolution 6x6 --quiet
+isorender ball.ply file.png --lod 1 --resolution 6x6 --json=file.json --quiet
+isorender in/ball.mha turn_{n:2}.png --isovalue 500 --method pullpush --turntable 50 --resolution 6x6 --json=turn.json --quiet
+isorender in/ball.mha large_{n:2}.png --isovalue 500 --method pullpush --turntable 50 --resolution 90x90 --json=large.json --quiet
+cmp lod.png one.png
+isocompare images all.png lod.png --fail-under psnr=14 >/dev/null
+python3 - <<'P'
+import json
+image = {name: json.load(open(name + '.json'))['image'] for name in ('all', 'none', 'lod', 'file', 'turn', 'large')}
+points = {name: image[name].get('lod_points') for name in image}
+assert image['all']['hash'] == image['none']['hash'] != image['lod']['hash'], image
+assert points['all'] is None and points['none'] is None and points['large'] is None, points
+for name in ('lod', 'file', 'turn'):
+    assert points[name][0] == 0 and sum(points[name][1:]) > 0, points
+assert json.load(open('lod.json'))['method'] == 'pullpush'
+P
+for wrong in "--lod -1" "--lod x" "--method exact --lod 1" "--method pullpush --lod 1 --backend egl"; do
+    code=0
+    isorender in/ball.mha wrong.png --isovalue 500 $wrong 2>message || code=$?
+    [ $code = 2 ] || { echo "exit status $code for $wrong"; exit 1; }
+    [ ! -e wrong.png ] || { echo "$wrong left a picture"; exit 1; }
+done
