@@ -420,7 +420,7 @@ iso_point_view iso_lod_view(const iso_lod *lod, int number) {
                            .spans = level->spans,
                            .span_count = level->span_count,
                            .transform = lod->points.transform,
-                           .radius = ldexp(lod->points.radius, number),
+                           .radius = ldexp(ISO_LOD_RADIUS * lod->points.radius, number),
                            .versions = lod->points.versions ? level->versions : NULL,
                            .bounds = level->bounds,
                            .closed = lod->points.closed};

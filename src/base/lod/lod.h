@@ -34,6 +34,10 @@ enum { ISO_LOD_LEVELS = 21 }; /* most levels, with level 0 */
 #define ISO_LOD_FLAT_ERROR 0.5f
 #define ISO_LOD_BENT_ERROR 5.0f
 
+/* The shared radius of a level's points, in radii of the points of level 0 and voxels of the level. Larger
+ * than 1: a plane crosses the voxels of a grid in places that are not as evenly apart as edge points are. */
+#define ISO_LOD_RADIUS 1.15
+
 /* A level above 0. All arrays are owned. Its spans are in the order of Morton codes of their bricks. */
 typedef struct iso_lod_level {
     iso_point *packed;   /* this or */

@@ -319,6 +319,63 @@ static void odd_points(void **state) {
     iso_lod_free(&lod);
 }
 
+enum { PLANE = 160 };
+
+/* Sorts the points of a plane into spans: one point for each voxel of the plane, which is tilted about x by
+ * the angle with this cosine and sine. Returns the number of spans. */
+static size_t make_plane(double cosine, double sine, iso_surfel *surfels, iso_point_span *spans) {
+    size_t span_count = 0, count = 0;
+    for (int brick = 0; brick < 10 * 10 * 10; brick++) {
+        const int at[3] = {brick % 10 - 5, brick / 10 % 10 - 5, brick / 100 - 5};
+        iso_point_span span = {.brick = {at[0], at[1], at[2]}, .first = count};
+        for (int i = 0; i < PLANE * PLANE; i++) {
+            const double x = i % PLANE - PLANE / 2 + 0.5, y = i / PLANE - PLANE / 2 + 0.5,
+                         p[3] = {x, y * cosine, y * sine};
+            bool is_inside = true;
+            for (int k = 0; k < 3; k++) is_inside &= floor(p[k] / ISO_BRICK) == at[k];
+            if (!is_inside) continue;
+            surfels[count] = (iso_surfel){.normal = {0, (float)sine, (float)-cosine}};
+            for (int k = 0; k < 3; k++) surfels[count].position[k] = (float)(p[k] - ISO_BRICK * at[k]);
+            count++;
+        }
+        span.count = (uint32_t)(count - span.first);
+        if (span.count) spans[span_count++] = span;
+    }
+    assert_int_equal(count, PLANE * PLANE);
+    return span_count;
+}
+
+/* A plane has no holes in any level, whatever its angle to the voxels. */
+static void levels_have_no_holes(void **state) {
+    (void)state;
+    static iso_surfel surfels[PLANE * PLANE];
+    static iso_point_span spans[10 * 10 * 10];
+    for (int degrees = 0; degrees < 80; degrees += 15) {
+        const double angle = degrees * 3.14159265358979 / 180, cosine = cos(angle);
+        const iso_point_view points = {.surfels = surfels,
+                                       .spans = spans,
+                                       .span_count = make_plane(cosine, sin(angle), surfels, spans),
+                                       .transform = iso_transform_identity(),
+                                       .radius = 0.70710678};
+        iso_lod lod = make_lod(&points, 1);
+        for (int level = 0; level < 4; level++)
+            for (double pixels = 0.45; pixels < 4; pixels *= 1.37) {
+                const double focal = ldexp(pixels, -level);
+                const int wide = (int)(0.8 * PLANE * focal), high = (int)(0.8 * PLANE * focal * cosine);
+                const iso_view view = test_plain_view(wide, high, true, focal);
+                const iso_point_view drawn = iso_lod_view(&lod, level);
+                iso_gbuffer g = test_drawn(&view, &drawn, &(iso_pullpush_opts){0}, NULL);
+                int holes = 0;
+                for (int i = 0; i < wide * high; i++) holes += g.surface[i] == ISO_SURFACE_NONE;
+                if (holes)
+                    fail_msg("%d degrees, level %d, voxels of %.2f pixels: %d holes", degrees, level, pixels,
+                             holes);
+                iso_gbuffer_free(&g);
+            }
+        iso_lod_free(&lod);
+    }
+}
+
 /* ---- cuts and pictures */
 
 /* Adds 1 for every span of level 0 below a span. */
@@ -443,9 +500,10 @@ static void pictures_are_as_good(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(levels_are_means),          cmocka_unit_test(discs_contain_discs),
-        cmocka_unit_test(changes_are_followed),      cmocka_unit_test(odd_points),
-        cmocka_unit_test(cuts_have_everything_once), cmocka_unit_test(pictures_are_as_good),
+        cmocka_unit_test(levels_are_means),     cmocka_unit_test(discs_contain_discs),
+        cmocka_unit_test(changes_are_followed), cmocka_unit_test(odd_points),
+        cmocka_unit_test(levels_have_no_holes), cmocka_unit_test(cuts_have_everything_once),
+        cmocka_unit_test(pictures_are_as_good),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
