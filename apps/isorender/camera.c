@@ -37,7 +37,8 @@ static iso_box frame_of_cloud(const isorender_job *job) {
     const double radius = job->cloud.radius, size = iso_vec3_length(iso_vec3_sub(box.hi, box.lo));
     const bool chosen = job->settings->radius > 0 && size > 0; /* the user knows how large they are */
     if (1.01 * FEW_ACROSS * radius < size || chosen) return box;
-    const iso_vec3 more = {radius, radius, radius};
+    const double reach = 1.4 * radius; /* of a disc as it is drawn */
+    const iso_vec3 more = {reach, reach, reach};
     return (iso_box){iso_vec3_sub(box.lo, more), iso_vec3_add(box.hi, more)};
 }
 

@@ -216,9 +216,12 @@ iso_status iso_column_take_colors(iso_reading *reading, iso_column *column, size
     ISO_TRY(iso_reading_reserve(reading, &bytes, items, 3, 0, error));
     const float *values = column->values.data;
     uint8_t(*to)[3] = bytes.data;
+    const float factor = column->factor > 0 ? column->factor : 1;
     for (size_t i = 0; i < items; i++, values += column->components)
-        for (int k = 0; k < 3; k++)
-            to[i][k] = (uint8_t)(values[k] > 0 ? values[k] < 255 ? values[k] + 0.5f : 255 : 0);
+        for (int k = 0; k < 3; k++) {
+            const float value = values[k] * factor;
+            to[i][k] = (uint8_t)(value > 0 ? value < 255 ? value + 0.5f : 255 : 0);
+        }
     iso_reading_free(reading, &column->values);
     *colors = to;
     return ISO_OK;

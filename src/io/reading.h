@@ -82,6 +82,7 @@ typedef struct iso_column {
     bool per_line;
     iso_role role;
     iso_buffer values;
+    float factor; /* of colours: what they are multiplied by to lie in 0 .. 255; 0: nothing */
 } iso_column;
 
 /* Sets the role of a column by its name ("radius", "nx", ..) and number of components, if it has none. */

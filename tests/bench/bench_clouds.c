@@ -181,7 +181,9 @@ iso_status bench_clouds_group(bench_state *bench, iso_error *error) {
         const int count = small ? 1000 : 10000000;
         bench_row *copy = add_row(bench, &bench_file_copy_kind, format, count, names[format][0]),
                   *read = add_row(bench, &bench_file_read_kind, format, count, names[format][1]);
-        bench_compare(read, copy, "ratio_vs_copy", "ratio_vs_copy_pairwise", small ? 0 : 0.5);
+        bench_against *against =
+            bench_compare(read, copy, "ratio_vs_copy", "ratio_vs_copy_pairwise", small ? 0 : 0.5);
+        if (against) against->cpu = "cpu_ratio_vs_copy";
     }
     ISO_TRY(bench_run_group(bench, "files of points: reading them, and copying them", error));
     add_row(bench, &estimates_kind, 0, small ? 1000 : 1000000, "estimate/normals_and_radii");

@@ -121,11 +121,11 @@ iso_status iso_polydata_join_columns(iso_polydata *data, int first, const char *
 void iso_polydata_scale_colors(iso_polydata *data, bool fractions) {
     iso_column *column = iso_column_find(data->column_array.data, data->column_count, ISO_ROLE_COLOR);
     if (!column) return;
-    float *values = column->values.data, most = 0;
+    const float *values = column->values.data;
+    float most = 0;
     const size_t count = data->point_count * (size_t)column->components;
-    for (size_t i = 0; i < count; i++) most = values[i] > most ? values[i] : most;
-    const float scale = most > 255 ? 1 / 257.0f : fractions && most <= 1 ? 255 : 1;
-    for (size_t i = 0; i < count && scale != 1; i++) values[i] *= scale;
+    for (size_t i = 0; i < count && most <= 255; i++) most = values[i] > most ? values[i] : most;
+    column->factor = most > 255 ? 1 / 257.0f : fractions && most <= 1 ? 255 : 1;
 }
 
 /* ---- points */
