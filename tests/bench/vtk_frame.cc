@@ -39,6 +39,7 @@
 #include <vtkIdTypeArray.h>
 #include <vtkNew.h>
 #include <vtkOpenGLSphereMapper.h>
+#include <vtkPLYReader.h>
 #include <vtkPNGWriter.h>
 #include <vtkPointData.h>
 #include <vtkPointGaussianMapper.h>
@@ -390,39 +391,13 @@ int make_tracts(char **values) {
     return 0;
 }
 
-/* Points of a .ply file of the bench: six floats and three bytes of colour each, read without VTK's reader,
- * which takes much longer. */
-bool read_cloud(const char *path, vtkPolyData *data) {
-    std::FILE *file = std::fopen(path, "rb");
-    char line[128];
-    long count = 0;
-    while (file && std::fgets(line, sizeof line, file) && std::strcmp(line, "end_header\n") != 0)
-        std::sscanf(line, "element vertex %ld", &count);
-    if (!file || count < 1) return false;
-    vtkNew<vtkPoints> points;
-    vtkNew<vtkUnsignedCharArray> colors;
-    points->SetNumberOfPoints(count);
-    colors->SetNumberOfComponents(3);
-    colors->SetNumberOfTuples(count);
-    float *position = static_cast<float *>(points->GetVoidPointer(0));
-    unsigned char *color = colors->GetPointer(0), record[27];
-    for (long i = 0; i < count && std::fread(record, sizeof record, 1, file) == 1; i++) {
-        std::memcpy(position + 3 * i, record, 12);
-        std::memcpy(color + 3 * i, record + 24, 3);
-    }
-    std::fclose(file);
-    data->SetPoints(points);
-    data->GetPointData()->SetScalars(colors);
-    return true;
-}
-
 int make_cloud(char **values) {
     const int size = std::atoi(values[3]);
-    vtkNew<vtkPolyData> data;
-    if (!read_cloud(values[0], data)) return refuse(values[0], "a file of points");
+    vtkNew<vtkPLYReader> reader;
+    reader->SetFileName(values[0]);
     Window shown;
     vtkNew<vtkPointGaussianMapper> points;
-    points->SetInputData(data);
+    points->SetInputConnection(reader->GetOutputPort());
     points->SetScaleFactor(std::atof(values[2]));
     points->EmissiveOff();
     points->SetTriangleScale(1);
@@ -430,7 +405,7 @@ int make_cloud(char **values) {
     shown.actor->SetMapper(points);
     shown.window->SetSize(size, size);
     write_picture(shown, values[1]);
-    return 0;
+    return reader->GetOutput()->GetNumberOfPoints() > 0 ? 0 : refuse(values[0], "a file of points");
 }
 
 int make_picture(char **values) {
