@@ -12,6 +12,7 @@
 #include "base/text.h"
 #include "grids/scenes/scenes.h"
 #include "io/glyphs/glyphs_read.h"
+#include "source/strokes.h"
 
 static const char SCENE_PREFIX[] = "scene:";
 
@@ -37,13 +38,20 @@ static iso_status parse_scene(const char *text, char name[SCENE_NAME], int *size
     return ISO_OK;
 }
 
-/* Estimates the memory of a scene. Dense scenes take every voxel, sparse ones bricks along a surface: the six
- * faces of a cube, times two. */
+/* Estimates the memory of a scene. Dense scenes take every voxel, sparse ones bricks along a surface: the
+ * six faces of a cube, times two. */
 static uint64_t scene_bytes(const char *name, int size) {
     uint64_t side = size ? (uint64_t)size : 128;
     if (strcmp(name, "ct") == 0) return side * side * side;
     if (strcmp(name, "gyroid") == 0) return 4 * side * side * side;
     return 12 * side * side * (ISO_BRICK_VOXELS * sizeof(float) / (ISO_BRICK * ISO_BRICK));
+}
+
+static iso_status check_memory(const iso_loader *loader, uint64_t needs, iso_error *error) {
+    const uint64_t limit = memory_limit(loader);
+    if (needs <= limit) return ISO_OK;
+    return iso_fail(error, ISO_ERR_LIMIT, "needs about %.0f MB, limit is %.0f MB (--max-memory)",
+                    (double)needs / 1e6, (double)limit / 1e6);
 }
 
 /* Fills `info` as the header of a file with this grid would. */
@@ -68,10 +76,7 @@ static iso_status make_scene(iso_loader *loader, iso_error *error) {
     char name[SCENE_NAME];
     iso_scene_opts opts = {.pool = loader->pool};
     ISO_TRY(parse_scene(loader->input + strlen(SCENE_PREFIX), name, &opts.size, error));
-    uint64_t needs = scene_bytes(name, opts.size), limit = memory_limit(loader);
-    if (needs > limit)
-        return iso_fail(error, ISO_ERR_LIMIT, "needs about %.0f MB, limit is %.0f MB (--max-memory)",
-                        (double)needs / 1e6, (double)limit / 1e6);
+    ISO_TRY(check_memory(loader, scene_bytes(name, opts.size), error));
     ISO_TRY(iso_scene_create(name, &opts, &loader->volume.grid, &loader->scene_isovalue, error));
     describe_scene(&loader->volume.grid, name, &loader->volume.info);
     return ISO_OK;
@@ -107,6 +112,42 @@ void iso_loader_list_files(const char *input, const iso_input *options, iso_file
     if (options->has_raw || !iso_glyphs_are_points(input)) iso_volume_read_info(input, &opts, &info, NULL);
 }
 
+/* ---- stroke files ---- */
+
+static iso_source source_of_strokes(const iso_loader *loader) {
+    return (iso_source){.input = loader->options, .pool = loader->pool, .files = loader->files};
+}
+
+/* Fills `info` from the header of a stroke file. The size of the level set is known when it has been
+ * played: until then that of a surface as large as the grid's box is assumed. */
+static iso_status describe_strokes(iso_loader *loader, iso_error *error) {
+    iso_journal_start start;
+    iso_journal_reader *reader = NULL;
+    iso_volume_info *info = &loader->volume.info;
+    ISO_TRY(iso_journal_open(loader->path, &start, &reader, error));
+    iso_journal_reader_free(reader);
+    *info = (iso_volume_info){
+        .type = ISO_FLOAT32, .components = 1, .scale = 1, .level_set = true, .sparse = true};
+    snprintf(info->format, sizeof info->format, "strokes");
+    snprintf(info->file_type, sizeof info->file_type, "%s", iso_type_name(ISO_FLOAT32));
+    memcpy(info->dims, start.dims, sizeof info->dims);
+    info->transform = iso_transform_identity();
+    for (int i = 0; i < 3; i++) info->transform.spacing[i] = start.voxel_size;
+    iso_vec3_store(start.origin, info->transform.origin);
+    info->bytes = info->read_bytes = scene_bytes("strokes", start.dims[0]);
+    return check_memory(loader, info->read_bytes, error);
+}
+
+static iso_status play_strokes(iso_loader *loader, iso_error *error) {
+    const iso_source how = source_of_strokes(loader);
+    iso_grid *grid = &loader->volume.grid;
+    ISO_TRY(iso_strokes_play(loader->path, &how, &grid->hgrid, error));
+    loader->volume.info.bytes = loader->volume.info.read_bytes = iso_hgrid_bytes(grid->hgrid);
+    memcpy(loader->volume.info.dims, iso_grid_dims(grid), sizeof loader->volume.info.dims);
+    loader->volume.info.transform = *iso_grid_transform(grid);
+    return ISO_OK;
+}
+
 /* ---- opening and reading ---- */
 
 static iso_status check_files(const iso_loader *loader, iso_error *error) {
@@ -134,7 +175,9 @@ iso_status iso_loader_open(iso_loader *loader, iso_error *error) {
     iso_file_set_read_as(loader->files, loader->path, iso_spool_name(loader->input));
     loader->has_points = !loader->options->has_raw && iso_loader_reads_points(loader->path, loader->columns);
     if (loader->has_points) return check_files(loader, error);
-    ISO_TRY(iso_volume_read_info(loader->path, &opts, &loader->volume.info, error));
+    loader->has_strokes = !loader->options->has_raw && iso_strokes_are_in(loader->path);
+    ISO_TRY(loader->has_strokes ? describe_strokes(loader, error)
+                                : iso_volume_read_info(loader->path, &opts, &loader->volume.info, error));
     ISO_TRY(check_files(loader, error));
     return find_crop(loader, error);
 }
@@ -153,7 +196,9 @@ static iso_status read_points(iso_loader *loader, iso_error *error) {
 
 iso_status iso_loader_read(iso_loader *loader, iso_error *error) {
     if (loader->has_points) return read_points(loader, error);
-    if (isnan(loader->scene_isovalue)) {
+    if (loader->has_strokes) {
+        ISO_TRY(play_strokes(loader, error));
+    } else if (isnan(loader->scene_isovalue)) {
         iso_volume_opts opts = volume_opts(loader);
         ISO_TRY(iso_volume_read(loader->path, &opts, &loader->volume, error));
         report_reading(loader, 1);

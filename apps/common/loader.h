@@ -1,6 +1,7 @@
 /* loader: opens and reads the input of a program that works on one input at a time: a volume file or DICOM
  * folder, a procedural scene ("scene:NAME" or "scene:NAME:SIZE"), a file of points
- * (iso_glyphs_are_points), or any of these files on standard input ("-") or from a FIFO. The content of
+ * (iso_glyphs_are_points), a stroke file, whose strokes are played, or any of these files on standard input
+ * ("-") or from a FIFO. The content of
  * volumes decides their format, not the name.
  *
  *     iso_loader loader = {.input = path, .options = &input, .files = &files, .pool = pool};
@@ -48,6 +49,7 @@ typedef struct iso_loader {
     const char *path; /* what readers open: the input, or the copy of standard input or a FIFO */
     iso_spool spool;
     bool has_points;       /* the input contains points instead of a volume */
+    bool has_strokes;      /* the input is a stroke file; the volume is the level set that they make */
     iso_volume volume;     /* the header; for scenes also the grid */
     int crop[6];           /* voxels of the file that are kept: x0 x1 y0 y1 z0 z1, first and last */
     double scene_isovalue; /* the isovalue of a scene's surface; NAN when the input is not a scene */

@@ -62,6 +62,27 @@ static void put_edits(const iso_cost_study *study, FILE *stream) {
     fputs("</tbody></table></div>\n", stream);
 }
 
+/* Table 3 with the strokes of the file. */
+static void put_strokes(const iso_stroke_cost *cost, FILE *stream) {
+    fprintf(
+        stream,
+        "<h3>Strokes</h3>\n<p class=soft>The %zu strokes of the file, %zu samples, played again: medians. "
+        "Editing the field takes ",
+        cost->strokes, cost->samples);
+    isocompare_put_milliseconds(stream, cost->edit);
+    fputs(" ms a sample.</p>\n<div class=wide><table><thead><tr><th>method</th><th>extraction, ms</th>"
+          "<th>frame, ms</th><th>samples a second</th></tr></thead><tbody>\n",
+          stream);
+    for (int i = 0; i < ISO_COST_METHODS; i++) {
+        put_row_head(i, stream);
+        put_cell(stream, 1e3 * cost->rows[i].update, "");
+        put_cell(stream, 1e3 * cost->rows[i].frame, "");
+        put_cell(stream, 1 / (cost->edit + cost->rows[i].update + cost->rows[i].frame), "");
+        fputs("</tr>\n", stream);
+    }
+    fputs("</tbody></table></div>\n", stream);
+}
+
 /* Table 4. */
 static void put_viewports(const iso_cost_study *study, FILE *stream) {
     fputs("<h3>Viewports</h3>\n<div class=wide><table><thead><tr><th>frames a second</th>", stream);
@@ -85,5 +106,6 @@ void isocompare_put_costs(const report *r, FILE *stream) {
         r->cost.side, r->cost.side);
     put_primitives(&r->cost, stream);
     put_edits(&r->cost, stream);
+    if (r->loader.has_strokes) put_strokes(&r->strokes, stream);
     put_viewports(&r->cost, stream);
 }

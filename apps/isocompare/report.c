@@ -280,7 +280,10 @@ static iso_status study_cost(report *r, iso_error *error) {
     const iso_cost_opts opts = {.seconds = r->settings->side * 0.2 / 1024};
     const iso_study_look look = look_of(r, SAMPLES[REPORT_SINGLE]);
     log_step(r, "timing extraction and frames");
-    return iso_study_cost(&r->subject, &r->ball, &look, &opts, &r->cost, error);
+    ISO_TRY(iso_study_cost(&r->subject, &r->ball, &look, &opts, &r->cost, error));
+    if (!r->loader.has_strokes) return ISO_OK;
+    const iso_source how = {.input = r->loader.options, .pool = r->pool};
+    return iso_study_strokes(r->loader.path, &how, &r->ball, r->cost.side, &look, &r->strokes, error);
 }
 
 /* ---- files ---- */

@@ -5,6 +5,7 @@
 #include "apps/common/loader.h"
 #include "apps/isocompare/isocompare.h"
 #include "compare/cost.h"
+#include "compare/stroke_cost.h"
 #include "compare/transparency.h"
 #include "methods/method.h"
 
@@ -63,6 +64,7 @@ typedef struct report {
     int transparency_side; /* pixels along a side of the translucent pictures */
     iso_transparency_study transparency;
     iso_cost_study cost;
+    iso_stroke_cost strokes; /* if the input is a stroke file */
     char processor[128];
     uint64_t peak; /* largest memory of the process, bytes */
 } report;

@@ -120,6 +120,24 @@ static void put_cost_row(iso_json *json, int number, const iso_cost_row *row) {
     iso_json_end_object(json);
 }
 
+static void put_strokes(iso_json *json, const iso_stroke_cost *cost) {
+    iso_json_begin_object(json, "strokes");
+    iso_json_integer(json, "strokes", cost->strokes);
+    iso_json_integer(json, "samples", cost->samples);
+    iso_json_integer(json, "frames", cost->frames);
+    iso_json_real(json, "edit_seconds", cost->edit);
+    iso_json_begin_array(json, "rows");
+    for (int i = 0; i < ISO_COST_METHODS; i++) {
+        iso_json_begin_object(json, NULL);
+        iso_json_string(json, "method", iso_cost_method(i)->name);
+        iso_json_real(json, "extraction_seconds", cost->rows[i].update);
+        iso_json_real(json, "frame_seconds", cost->rows[i].frame);
+        iso_json_end_object(json);
+    }
+    iso_json_end_array(json);
+    iso_json_end_object(json);
+}
+
 static void put_cost(iso_json *json, const iso_cost_study *study) {
     iso_json_begin_object(json, "cost");
     iso_json_integer(json, "side", (uint64_t)study->side);
@@ -151,6 +169,7 @@ iso_status isocompare_write_json(const report *r, FILE *stream, iso_error *error
     put_rows(&json, r);
     put_transparency(&json, r);
     put_cost(&json, &r->cost);
+    if (r->loader.has_strokes) put_strokes(&json, &r->strokes);
     iso_json_end_object(&json);
     return iso_json_write(&json, stream, error);
 }

@@ -9,6 +9,7 @@
 #include "sculpt/session/history.h"
 #include "sculpt/session/session.h"
 #include "source/source.h"
+#include "source/strokes.h"
 
 enum { DEFAULT_VOXELS = 256 };
 
@@ -158,21 +159,6 @@ static iso_status make_start(iso_sculpt *sculpt, const char *path, iso_journal_s
     return begin_session(sculpt, grid, start, opts, error);
 }
 
-/* Replays the strokes of a file; ends a last stroke that the file leaves open. */
-static iso_status play(iso_sculpt *sculpt, iso_journal_reader *reader, iso_error *error) {
-    iso_event event;
-    bool more = true, drawing = false;
-    for (;;) {
-        ISO_TRY(iso_journal_next(reader, &event, &more, error));
-        if (!more) break;
-        ISO_TRY(
-            iso_journal_add_location(reader, iso_session_play(sculpt->session, &event, NULL, error), error));
-        if (event.kind <= ISO_EVENT_CANCEL) drawing = event.kind <= ISO_EVENT_SAMPLE;
-    }
-    return drawing ? iso_journal_add_location(reader, iso_session_end(sculpt->session, error), error)
-                   : ISO_OK;
-}
-
 /* Opens a stroke file. `journal` is the path to append to; NULL: the file is only read. */
 static iso_status open_strokes(const char *path, const char *journal, const iso_sculpt_opts *opts,
                                iso_sculpt **sculpt, iso_error *error) {
@@ -186,7 +172,10 @@ static iso_status open_strokes(const char *path, const char *journal, const iso_
     ISO_TRY(iso_journal_open(path, &start, &reader, error));
     iso_status status = create(opts, &made, error);
     if (status == ISO_OK) status = make_start(made, path, &start, &session, error);
-    if (status == ISO_OK && !journal) status = play(made, reader, error);
+    if (status == ISO_OK && !journal) {
+        iso_strokes strokes = {.session = made->session, .reader = reader}; /* borrowed: not closed */
+        status = iso_strokes_finish(&strokes, error);
+    }
     iso_journal_reader_free(reader);
     return hand_out(status, made, sculpt);
 }

@@ -70,11 +70,16 @@ class Machine:
 
         return metric
 
-    def cost(self, name, *words):
-        """The measurements of isocompare report on a volume; returns the object "cost" and the command."""
+    def report_of(self, name, *words):
+        """isocompare report on a volume or a stroke file; returns its numbers and the command."""
         _, command = self.run("isocompare", "report", *words, "--output", name, "--side", 256, "--quiet")
         with open(self.path(name + "/report.json"), encoding="utf-8") as file:
-            return json.load(file)["cost"], command
+            return json.load(file), command
+
+    def cost(self, name, *words):
+        """What extraction and frames of a volume cost."""
+        report, command = self.report_of(name, *words)
+        return report["cost"], command
 
 
 # ---- VTK

@@ -1,0 +1,69 @@
+/* strokes: plays a stroke file from the field that it began with. */
+#include "source/strokes.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "grids/grid.h"
+
+bool iso_strokes_are_in(const char *path) {
+    static const char first[] = "{\"format\":\"isopoint strokes\"";
+    char begin[sizeof first] = "";
+    FILE *file = fopen(path, "rb");
+    if (!file) return false;
+    const size_t count = fread(begin, 1, sizeof first - 1, file);
+    fclose(file);
+    return count == sizeof first - 1 && strcmp(begin, first) == 0;
+}
+
+iso_status iso_strokes_open(const char *path, const iso_source *how, iso_strokes *strokes, iso_error *error) {
+    const iso_session_opts opts = {.pool = how->pool};
+    iso_hgrid *grid = NULL;
+    *strokes = (iso_strokes){.session = NULL};
+    ISO_TRY(iso_journal_open(path, &strokes->start, &strokes->reader, error));
+    if (strcmp(strokes->start.source, "ball") == 0)
+        ISO_TRY(iso_session_ball(&strokes->start, &grid, error));
+    else
+        ISO_TRY(iso_source_reopen(path, how, &strokes->start, &grid, error));
+    return iso_session_create(grid, &strokes->start, &opts, &strokes->session, error);
+}
+
+iso_status iso_strokes_next(iso_strokes *strokes, iso_event *event, bool *more, iso_error *error) {
+    iso_status status = ISO_OK;
+    ISO_TRY(iso_journal_next(strokes->reader, event, more, error));
+    if (*more) {
+        status = iso_session_play(strokes->session, event, NULL, error);
+        if (event->kind <= ISO_EVENT_CANCEL) strokes->drawing = event->kind <= ISO_EVENT_SAMPLE;
+    } else if (strokes->drawing) {
+        status = iso_session_end(strokes->session, error);
+        strokes->drawing = false;
+    }
+    return iso_journal_add_location(strokes->reader, status, error);
+}
+
+iso_status iso_strokes_finish(iso_strokes *strokes, iso_error *error) {
+    iso_event event;
+    bool more = true;
+    while (more) ISO_TRY(iso_strokes_next(strokes, &event, &more, error));
+    return ISO_OK;
+}
+
+void iso_strokes_close(iso_strokes *strokes) {
+    iso_session_destroy(strokes->session);
+    iso_journal_reader_free(strokes->reader);
+    *strokes = (iso_strokes){.session = NULL};
+}
+
+iso_status iso_strokes_play(const char *path, const iso_source *how, iso_hgrid **grid, iso_error *error) {
+    iso_strokes strokes;
+    iso_grid copy = {.hgrid = NULL};
+    iso_status status = iso_strokes_open(path, how, &strokes, error);
+    if (status == ISO_OK) status = iso_strokes_finish(&strokes, error);
+    if (status == ISO_OK) {
+        const iso_grid played = {.hgrid = iso_session_grid(strokes.session)};
+        status = iso_grid_copy(&played, how->pool, &copy, error);
+    }
+    iso_strokes_close(&strokes);
+    *grid = copy.hgrid;
+    return status;
+}
