@@ -56,7 +56,15 @@ iso_status isorender_detail_make(isorender_job *job, iso_error *error) {
     return ISO_OK;
 }
 
-void isorender_detail_note(const isorender_job *job, isorender_frame *frame) {
+iso_selection_counts isorender_selection(const isorender_job *job) {
+    return job->pullpush ? iso_pullpush_counts(job->pullpush) : (iso_selection_counts){0};
+}
+
+void isorender_detail_note(const isorender_job *job, const iso_selection_counts *before,
+                           isorender_frame *frame) {
+    const iso_selection_counts after = isorender_selection(job);
+    frame->selection = (iso_selection_counts){after.points - before->points, after.tested - before->tested,
+                                              after.drawn - before->drawn};
     for (int i = 0; i < job->surface_count; i++) {
         const iso_lod_cut *cut = &job->surfaces[i].cut;
         for (int k = 0; k < cut->levels; k++) frame->detail[k] += cut->points[k];
@@ -65,6 +73,13 @@ void isorender_detail_note(const isorender_job *job, isorender_frame *frame) {
 }
 
 void isorender_detail_report(iso_json *json, const isorender_frame *frame) {
+    if (frame->selection.points) {
+        iso_json_begin_object(json, "selection");
+        iso_json_integer(json, "points", frame->selection.points);
+        iso_json_integer(json, "tested", frame->selection.tested);
+        iso_json_integer(json, "drawn", frame->selection.drawn);
+        iso_json_end_object(json);
+    }
     if (!frame->detail_levels) return;
     iso_json_begin_array(json, "lod_points");
     for (int k = 0; k < frame->detail_levels; k++) iso_json_integer(json, NULL, frame->detail[k]);

@@ -59,6 +59,7 @@ typedef struct isorender_frame {
     iso_exact_layers_totals layers; /* with translucent surfaces */
     size_t detail[ISO_LOD_LEVELS];  /* points of each level of detail in the cuts of all surfaces */
     int detail_levels;              /* 0: there are no levels */
+    iso_selection_counts selection; /* of pullpush, refined */
 } isorender_frame;
 
 typedef struct isorender_seconds {
@@ -216,9 +217,12 @@ void isorender_report_groups(iso_json *json, const isorender_job *job);
 iso_status isorender_detail_make(isorender_job *job, iso_error *error);
 /* The value of --lod, or its default. */
 double isorender_detail_pixels(const isorender_settings *settings);
-/* Sets the counts of a frame that has been drawn. */
-void isorender_detail_note(const isorender_job *job, isorender_frame *frame);
-/* A member of the frame's report: how many points of each level are drawn. */
+/* What pullpush has selected from points so far. */
+iso_selection_counts isorender_selection(const isorender_job *job);
+/* Sets the counts of a frame that has been drawn. `before`: isorender_selection before it. */
+void isorender_detail_note(const isorender_job *job, const iso_selection_counts *before,
+                           isorender_frame *frame);
+/* Members of the frame's report: how many points were selected, and of which levels. */
 void isorender_detail_report(iso_json *json, const isorender_frame *frame);
 
 /* ---- camera.c */

@@ -287,10 +287,11 @@ static iso_status render_frame(isorender_job *job, int frame, canvas *c, iso_err
                              .draw_context = job,
                              .pool = job->pool,
                              .aov = c->aov.depth ? &c->aov : NULL};
+    const iso_selection_counts before = isorender_selection(job);
     double start = iso_clock_seconds();
     ISO_TRY(render_picture(job, &opts, &c->image, &job->frames[frame], error));
     number_elements(job, &c->aov);
-    isorender_detail_note(job, &job->frames[frame]);
+    isorender_detail_note(job, &before, &job->frames[frame]);
     job->seconds.render += iso_clock_seconds() - start;
     if (job->frames[frame].covered == 0)
         return iso_fail(error, ISO_ERR_EMPTY,

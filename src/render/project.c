@@ -79,22 +79,30 @@ static iso_box view_box(const iso_projector *projector, const iso_box *box) {
     return seen;
 }
 
-iso_rows iso_projector_rows(const iso_projector *projector, const iso_box *box, double radius) {
+iso_area iso_projector_area(const iso_projector *projector, const iso_box *box, double radius) {
     const iso_view *view = projector->view;
-    const iso_rows none = {0, -1};
+    const iso_area none = {{0, -1}, {0, -1}, 0};
     if (iso_box_is_empty(box)) return none;
     iso_box seen = view_box(projector, box);
+    const iso_vec3 reach = iso_vec3_make(radius, radius, radius);
+    seen = (iso_box){iso_vec3_sub(seen.lo, reach), iso_vec3_add(seen.hi, reach)};
     if (!(seen.hi.z >= view->near)) return none;
-    double x0 = seen.lo.x - radius, x1 = seen.hi.x + radius;
-    double y0 = seen.lo.y - radius, y1 = seen.hi.y + radius;
+    const double near = iso_max(seen.lo.z, view->near);
+    double x[2] = {seen.lo.x, seen.hi.x}, y[2] = {seen.lo.y, seen.hi.y};
     if (!view->orthographic) {
-        double near = seen.lo.z > view->near ? seen.lo.z : view->near;
-        perspective_range(&x0, &x1, near, seen.hi.z);
-        perspective_range(&y0, &y1, near, seen.hi.z);
+        perspective_range(&x[0], &x[1], near, seen.hi.z);
+        perspective_range(&y[0], &y[1], near, seen.hi.z);
     }
-    iso_rows columns = pixel_range(x0 * view->focal + view->cx, x1 * view->focal + view->cx, view->width);
-    if (columns.first > columns.last) return none;
-    return pixel_range(y0 * view->focal + view->cy, y1 * view->focal + view->cy, view->height);
+    const double focal = view->focal;
+    const iso_area area = {
+        .columns = pixel_range(x[0] * focal + view->cx, x[1] * focal + view->cx, view->width),
+        .rows = pixel_range(y[0] * focal + view->cy, y[1] * focal + view->cy, view->height),
+        .nearest = near - 1e-5 * fabs(near)};
+    return iso_area_is_empty(&area) ? none : area;
+}
+
+iso_rows iso_projector_rows(const iso_projector *projector, const iso_box *box, double radius) {
+    return iso_projector_area(projector, box, radius).rows;
 }
 
 /* Bounds normal . (position - eye) by interval arithmetic on the boxes around positions and normals. */

@@ -61,8 +61,21 @@ typedef struct iso_rows {
     int first, last;
 } iso_rows;
 
-/* Rows of the view that spheres of `radius` mm with centres in `box` (index coordinates) can cover: a
- * conservative estimate; no rows when all lie outside the picture. */
+/* A part of the picture, and the least depth of what lies there. */
+typedef struct iso_area {
+    iso_rows columns, rows; /* none: it is empty */
+    double nearest;         /* mm */
+} iso_area;
+
+static inline bool iso_area_is_empty(const iso_area *area) {
+    return area->columns.first > area->columns.last || area->rows.first > area->rows.last;
+}
+
+/* The pixels of the view that spheres of `radius` mm with centres in `box` (index coordinates) can cover, and
+ * the least depth of the spheres, with a margin for rounding: a conservative estimate, empty when all lie
+ * outside the picture. */
+iso_area iso_projector_area(const iso_projector *projector, const iso_box *box, double radius);
+/* The rows of that area. */
 iso_rows iso_projector_rows(const iso_projector *projector, const iso_box *box, double radius);
 
 /* Whether all points or triangles within a span's bounds face the eye, or all face away from it. Certain:

@@ -18,6 +18,10 @@ assert image['all']['hash'] == image['none']['hash'] != image['lod']['hash'], im
 assert points['all'] is None and points['none'] is None and points['large'] is None, points
 for name in ('lod', 'file', 'turn'):
     assert points[name][0] == 0 and sum(points[name][1:]) > 0, points
+chosen = {name: image[name]['selection'] for name in image}
+assert chosen['all']['points'] > 3 * chosen['lod']['points'] > 0, chosen
+for name in chosen:
+    assert 0 < chosen[name]['drawn'] <= chosen[name]['tested'], chosen
 assert json.load(open('lod.json'))['method'] == 'pullpush'
 P
 for wrong in "--lod -1" "--lod x" "--method exact --lod 1" "--method pullpush --lod 1 --backend egl"; do

@@ -314,6 +314,10 @@ void iso_pullpush_destroy(iso_pullpush *pullpush) {
     iso_free(pullpush);
 }
 
+iso_selection_counts iso_pullpush_counts(const iso_pullpush *pullpush) {
+    return pullpush->refined.counts;
+}
+
 /* Draws rows first .. first + count - 1 of the picture; the bytes are those of drawing all rows at once. */
 static iso_status draw_rows(pullpush_call *call, const iso_target *whole, int first, int count,
                             iso_error *error) {

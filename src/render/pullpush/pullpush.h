@@ -33,6 +33,16 @@ typedef struct iso_pullpush iso_pullpush;
 iso_status iso_pullpush_create(iso_pullpush **pullpush, iso_error *error);
 void iso_pullpush_destroy(iso_pullpush *pullpush);
 
+/* How many points were looked at and how many of them were drawn as discs; the others of `points` were
+ * hidden, outside the picture, faced away, or were so small that they contain no sample. Points beside the
+ * border of two patches of the picture are tested and drawn once in each. */
+typedef struct iso_selection_counts {
+    uint64_t points, tested, drawn;
+} iso_selection_counts;
+
+/* What the refined reconstruction has selected in all calls with this workspace. */
+iso_selection_counts iso_pullpush_counts(const iso_pullpush *pullpush);
+
 typedef struct iso_pullpush_opts {
     iso_reconstruction reconstruction;
     iso_pullpush *workspace; /* borrowed; NULL: made for the call */

@@ -8,6 +8,7 @@
 
 #include "base/cpu.h"
 #include "render/point_blocks.h"
+#include "render/pullpush/pullpush.h"
 #include "render/raster/raster.h"
 #include "render/refined/refined_numbers.h"
 
@@ -145,9 +146,13 @@ typedef struct iso_refined_patch {
     bool flat;             /* all discs are flat: single pixels have ISO_FLAT_SUMS sums */
     float *sums;           /* ISO_SUMS or ISO_FLAT_SUMS for each pixel, or ISO_SUMS vectors for each tile */
     float *front;          /* nearest depth of each pixel, in the same order; ISO_NOWHERE: no disc so far */
+    /* NULL, or the depths that the gbuffer had before, in the same order as `front`. Hits that are more than
+     * their disc's thickness behind them are not added. */
+    float *limit;
     /* Discs whose centres lie deeper than the value for their cell are hidden. NULL: none is known to be. */
     const float *hidden;
-    int shift, cells; /* a cell is a square of 2^shift pixels a side; number of cells in a row */
+    iso_selection_counts *counts; /* what is looked at and drawn is added here */
+    int shift, cells;             /* a cell is a square of 2^shift pixels a side; number of cells in a row */
 } iso_refined_patch;
 
 typedef struct iso_refined_kernel {
@@ -159,6 +164,8 @@ typedef struct iso_refined_kernel {
     /* Resolve sums into samples of the gbuffer. */
     void (*resolve_pixels)(const iso_refined_params *params, const iso_refined_patch *patch);
     void (*resolve_tiles)(const iso_refined_params *params, const iso_refined_patch *patch);
+    /* Copies the depths of the gbuffer to patch->limit, in the order of tiles. */
+    void (*load_limits_tiles)(const iso_refined_params *params, const iso_refined_patch *patch);
     /* Set deepest[cell], which is -ISO_NOWHERE before, to the greatest `front` of the cell's pixels. */
     void (*find_deepest_pixels)(const iso_refined_patch *patch, float *deepest);
     void (*find_deepest_tiles)(const iso_refined_patch *patch, float *deepest);

@@ -226,11 +226,17 @@ typedef struct drawing {
     bool tiles;     /* discs are splatted to tiles, else scattered to pixels */
     float *hidden;  /* for each cell: a disc with its centre in the cell and deeper is hidden */
     float *deepest; /* working memory, one value per cell */
+    float *limits;  /* for each cell: the deepest limit (iso_refined_patch), if there are limits */
     float least;    /* the least value of `hidden` */
 } drawing;
 
+/* The counts of a worker, alone in a cache line. */
+typedef struct tally {
+    _Alignas(ISO_ALIGNMENT) iso_selection_counts counts;
+} tally;
+
 static size_t worker_bytes(const refined_call *call) {
-    return (call->pixels * (ISO_SUMS + 1) + 2 * (size_t)(call->wide * call->high)) * sizeof(float);
+    return (call->pixels * (ISO_SUMS + 2) + 3 * (size_t)(call->wide * call->high)) * sizeof(float);
 }
 
 /* Prepares patch `number` in the worker's memory. */
@@ -239,7 +245,8 @@ static drawing start_patch(const refined_call *call, size_t number, int worker) 
     const iso_view *view = call->params.target->view;
     const int x = (int)number % call->across * PATCH_WIDTH, y = (int)number / call->across * PATCH_HEIGHT;
     float *sums = (float *)((char *)call->workspace->memory.data + (size_t)worker * worker_bytes(call)),
-          *front = sums + call->pixels * ISO_SUMS, *hidden = front + call->pixels;
+          *front = sums + call->pixels * ISO_SUMS, *limit = front + call->pixels,
+          *hidden = limit + call->pixels;
     for (size_t i = 0; i < call->pixels; i++) front[i] = ISO_NOWHERE;
     return (drawing){
         .patch = {.first = {x, y},
@@ -249,12 +256,15 @@ static drawing start_patch(const refined_call *call, size_t number, int worker) 
                   .tiles = call->stride / ISO_REFINED_TILE,
                   .sums = sums,
                   .front = front,
+                  .limit = limit,
+                  .counts = &((tally *)call->workspace->tallies.data)[worker].counts,
                   .shift = call->shift,
                   .cells = call->wide},
         .order = (const uint32_t *)call->workspace->order.data + start[number],
         .count = start[number + 1] - start[number],
         .hidden = hidden,
         .deepest = hidden + call->wide * call->high,
+        .limits = hidden + 2 * call->wide * call->high,
         .least = ISO_NOWHERE};
 }
 
@@ -277,12 +287,54 @@ static float max_float(float a, float b) {
     return a > b ? a : b;
 }
 
-/* Computes `hidden` from what has been drawn: the deepest front of a cell and the eight around it, plus
- * call->behind. Maxima of three cells along x, then along y. */
+/* Whether nothing has been drawn into a patch of the gbuffer. */
+static bool is_empty(const iso_gbuffer *g, const iso_refined_patch *patch) {
+    const float nothing = INFINITY;
+    uint32_t none, differs = 0;
+    memcpy(&none, &nothing, sizeof none);
+    for (int y = patch->first[1]; y <= patch->last[1]; y++) {
+        const float *row = g->depth + (size_t)y * (size_t)g->width;
+        for (int x = patch->first[0]; x <= patch->last[0]; x++) {
+            uint32_t bits;
+            memcpy(&bits, &row[x], sizeof bits);
+            differs |= bits ^ none;
+        }
+    }
+    return !differs;
+}
+
+static void find_deepest(const refined_call *call, const drawing *d, float *plane, float *deepest) {
+    iso_refined_patch patch = d->patch;
+    patch.front = plane;
+    for (int i = 0; i < call->wide * call->high; i++) deepest[i] = -ISO_NOWHERE;
+    (d->tiles ? call->kernel->find_deepest_tiles : call->kernel->find_deepest_pixels)(&patch, deepest);
+}
+
+/* Sets the limits of a patch from what has been drawn into the gbuffer before; there are none if that is
+ * nothing. */
+static void set_up_limits(const refined_call *call, drawing *d) {
+    const iso_gbuffer *g = call->params.target->gbuffer;
+    const iso_refined_patch *p = &d->patch;
+    if (is_empty(g, p)) {
+        d->patch.limit = NULL;
+        return;
+    }
+    for (size_t i = 0; i < call->pixels; i++) p->limit[i] = -ISO_NOWHERE; /* beyond the picture's sides */
+    const size_t count = (size_t)(p->last[0] - p->first[0] + 1);
+    for (int y = p->first[1]; y <= p->last[1] && !d->tiles; y++)
+        memcpy(p->limit + (size_t)(y - p->first[1]) * p->stride,
+               g->depth + (size_t)y * (size_t)g->width + p->first[0], count * sizeof(float));
+    if (d->tiles) call->kernel->load_limits_tiles(&call->params, p);
+    find_deepest(call, d, p->limit, d->limits);
+}
+
+/* Computes `hidden` from what has been drawn: the deepest front, or limit, of a cell and the eight around it,
+ * plus call->behind. Maxima of three cells along x, then along y. */
 static void update_hidden(const refined_call *call, drawing *d) {
     const int wide = call->wide, high = call->high;
-    for (int i = 0; i < wide * high; i++) d->deepest[i] = -ISO_NOWHERE;
-    (d->tiles ? call->kernel->find_deepest_tiles : call->kernel->find_deepest_pixels)(&d->patch, d->deepest);
+    find_deepest(call, d, d->patch.front, d->deepest);
+    for (int i = 0; i < wide * high && d->patch.limit; i++)
+        d->deepest[i] = d->deepest[i] < d->limits[i] ? d->deepest[i] : d->limits[i];
     for (int y = 0; y < high; y++) {
         const float *from = d->deepest + y * wide;
         for (int x = 0; x < wide; x++)
@@ -354,17 +406,31 @@ static void draw_patch(void *context, size_t number, int worker) {
     if (start[number] == start[number + 1]) return;
     drawing d = start_patch(call, number, worker);
     choose_method(call, &d);
+    set_up_limits(call, &d);
+    if (d.patch.limit) update_hidden(call, &d);
     const size_t rounds = d.count / HIDDEN_UPDATES + 1;
+    bool drawn = false;
     for (size_t i = 0; i < d.count; i++) {
         bool some;
         if (i + 1 < d.count) prefetch_block(call, &block[d.order[i + 1]]);
         if (i && i % rounds == 0) update_hidden(call, &d);
         if (is_hidden(call, &d, &block[d.order[i]], &some)) continue;
         d.patch.hidden = some ? d.hidden : NULL;
+        drawn = true;
         (d.tiles ? call->kernel->splat_block : call->kernel->scatter_block)(&call->params, &d.patch,
                                                                             d.order[i]);
     }
-    (d.tiles ? call->kernel->resolve_tiles : call->kernel->resolve_pixels)(&call->params, &d.patch);
+    if (drawn)
+        (d.tiles ? call->kernel->resolve_tiles : call->kernel->resolve_pixels)(&call->params, &d.patch);
+}
+
+static void add_counts(iso_refined *workspace, const iso_point_view *points, size_t workers) {
+    const tally *tallies = workspace->tallies.data;
+    workspace->counts.points += iso_point_view_count(points);
+    for (size_t i = 0; i < workers; i++) {
+        workspace->counts.tested += tallies[i].counts.tested;
+        workspace->counts.drawn += tallies[i].counts.drawn;
+    }
 }
 
 iso_status iso_refined_draw(iso_refined *workspace, const iso_target *target, const iso_point_view *points,
@@ -381,7 +447,10 @@ iso_status iso_refined_draw(iso_refined *workspace, const iso_target *target, co
     ISO_TRY(assign_blocks(&call, error));
     const size_t workers = (size_t)iso_pool_threads(target->pool);
     ISO_TRY(iso_buffer_reserve(&workspace->memory, workers * worker_bytes(&call), 0, error));
+    ISO_TRY(iso_buffer_reserve(&workspace->tallies, workers * sizeof(tally), 0, error));
+    memset(workspace->tallies.data, 0, workers * sizeof(tally));
     iso_parallel_for(target->pool, (size_t)call.across * (size_t)call.down, draw_patch, &call);
+    add_counts(workspace, points, workers);
     return ISO_OK;
 }
 
@@ -392,4 +461,5 @@ void iso_refined_free(iso_refined *workspace) {
     iso_buffer_free(&workspace->order);
     iso_buffer_free(&workspace->start);
     iso_buffer_free(&workspace->memory);
+    iso_buffer_free(&workspace->tallies);
 }

@@ -24,6 +24,9 @@
  * clipped to the extents of its point (iso_curvature), because the surface turns away within a voxel, and
  * discs that would be far from the surface are drawn smaller.
  *
+ * What has been drawn into the gbuffer before hides discs too: hits more than 1.5 radii behind it are left
+ * out. (Hits that are less far behind can be averaged with hits before it.)
+ *
  * Blocks of points are drawn from front to back, and discs that are hidden by what has been drawn are
  * skipped. Small discs are intersected a vector of discs at a time, larger ones a vector of pixels at a
  * time (render/refined/kernel.h). */
@@ -31,11 +34,13 @@
 #define ISO_RENDER_REFINED_REFINED_H
 
 #include "render/point_blocks.h"
+#include "render/pullpush/pullpush.h"
 #include "render/raster/raster.h"
 
 /* Working memory, reused from one picture to the next. Zero-initialise; free with iso_refined_free. */
 typedef struct iso_refined {
-    iso_buffer corners, sorted, reached, order, start, memory;
+    iso_buffer corners, sorted, reached, order, start, memory, tallies;
+    iso_selection_counts counts; /* of all calls */
 } iso_refined;
 
 /* Draws points into the gbuffer where they are nearer. `blocks`: made of the points for the target's view.

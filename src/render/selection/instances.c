@@ -1,0 +1,94 @@
+/* instances: sorts instances by the least depth of their boxes, tests each box against the depth pyramid of
+ * what has been drawn, and brings the pyramid up to date where an instance was drawn. */
+#include "render/selection/instances.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Discs reach at most this many radii of their points beyond the points (ISO_REFINED_BALL + _MORE, 1.415),
+ * and depths are rounded. */
+static const double DISC_REACH = 1.45;
+
+/* An instance in the order of drawing. */
+typedef struct placed {
+    double depth; /* least depth of its box, mm */
+    uint32_t number;
+    iso_area area;
+} placed;
+
+static int compare_depths(const void *a, const void *b) {
+    const placed *one = a, *other = b;
+    if (one->depth != other->depth) return one->depth < other->depth ? -1 : 1;
+    return one->number < other->number ? -1 : one->number > other->number;
+}
+
+/* How much larger an instance is than its set. */
+static double scale_of(const iso_instances *all, const iso_instance *instance) {
+    const iso_instanced *set = &all->sets[instance->set];
+    return instance->transform.spacing[0] / set->lod->points.transform.spacing[0];
+}
+
+/* Lists the instances that are in the picture, sorted. */
+static iso_status sort_instances(iso_instance_drawing *drawing, const iso_view *view,
+                                 const iso_instances *all, size_t *count, iso_error *error) {
+    ISO_TRY(iso_buffer_reserve(&drawing->order, all->count * sizeof(placed), 0, error));
+    placed *order = drawing->order.data;
+    *count = 0;
+    for (size_t i = 0; i < all->count; i++) {
+        const iso_instance *instance = &all->instances[i];
+        const iso_instanced *set = &all->sets[instance->set];
+        const iso_projector projector = iso_projector_make(view, &instance->transform);
+        const iso_area area =
+            iso_projector_area(&projector, &set->box, DISC_REACH * set->reach * scale_of(all, instance));
+        if (!iso_area_is_empty(&area)) order[(*count)++] = (placed){area.nearest, (uint32_t)i, area};
+    }
+    qsort(order, *count, sizeof *order, compare_depths);
+    return ISO_OK;
+}
+
+/* Draws an instance; adds to *points how many points that were. */
+static iso_status draw_instance(iso_instance_drawing *drawing, const iso_target *target,
+                                const iso_instances *all, const iso_instance *instance, size_t *points,
+                                iso_error *error) {
+    const iso_pullpush_opts opts = {.workspace = drawing->pullpush};
+    iso_lod lod = *all->sets[instance->set].lod; /* a copy, which borrows the levels */
+    lod.points.transform = instance->transform;
+    lod.points.radius *= scale_of(all, instance);
+    ISO_TRY(iso_lod_cut_make(&drawing->cut, &lod, target->view, all->lod_pixels, error));
+    for (int k = 0; k < drawing->cut.levels; k++) {
+        if (!drawing->cut.view[k].span_count) continue;
+        *points += drawing->cut.points[k];
+        ISO_TRY(iso_draw_pullpush(target, &drawing->cut.view[k], &opts, error));
+    }
+    return ISO_OK;
+}
+
+iso_status iso_draw_instances(iso_instance_drawing *drawing, const iso_target *target,
+                              const iso_instances *all, iso_instance_counts *counts, iso_error *error) {
+    iso_instance_counts n = {0};
+    size_t count;
+    if (!drawing->pullpush) ISO_TRY(iso_pullpush_create(&drawing->pullpush, error));
+    ISO_TRY(sort_instances(drawing, target->view, all, &count, error));
+    if (!all->draw_hidden) ISO_TRY(iso_depth_pyramid_make(&drawing->pyramid, target->gbuffer, error));
+    const placed *order = drawing->order.data;
+    n.outside = all->count - count;
+    for (size_t i = 0; i < count; i++) {
+        if (!all->draw_hidden && iso_depth_pyramid_hides(&drawing->pyramid, &order[i].area)) {
+            n.hidden++;
+            continue;
+        }
+        ISO_TRY(draw_instance(drawing, target, all, &all->instances[order[i].number], &n.points, error));
+        n.drawn++;
+        if (!all->draw_hidden) iso_depth_pyramid_update(&drawing->pyramid, target->gbuffer, &order[i].area);
+    }
+    if (counts) *counts = n;
+    return ISO_OK;
+}
+
+void iso_instance_drawing_free(iso_instance_drawing *drawing) {
+    iso_pullpush_destroy(drawing->pullpush);
+    iso_depth_pyramid_free(&drawing->pyramid);
+    iso_lod_cut_free(&drawing->cut);
+    iso_buffer_free(&drawing->order);
+    *drawing = (iso_instance_drawing){0};
+}

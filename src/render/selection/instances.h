@@ -1,0 +1,62 @@
+/* instances: draws many copies of sets of points, such as the trees of a forest (Guennebaud et al. 2004,
+ * figure 7), from front to back, and leaves out those that are hidden by nearer ones as a whole, by their
+ * boxes (section 7.1), before any of their points is looked at. */
+#ifndef ISO_RENDER_SELECTION_INSTANCES_H
+#define ISO_RENDER_SELECTION_INSTANCES_H
+
+#include "render/pullpush/pullpush.h"
+#include "render/selection/depth_pyramid.h"
+#include "render/selection/lod_cut.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* A set of points of which there are copies. All borrowed. */
+typedef struct iso_instanced {
+    const iso_lod *lod; /* the points, and their levels of detail if there are any */
+    iso_box box;        /* around the points, index coordinates: iso_point_view_bounds */
+    double reach;       /* the largest radius of a point, mm in the set's own transform */
+} iso_instanced;
+
+/* A copy: a set of points in another place. */
+typedef struct iso_instance {
+    uint32_t set;
+    /* Takes the place of the set's transform. If the points have radii of their own, it must have the same
+     * spacing; else the shared radius is scaled as the spacing of the first axis is. */
+    iso_transform transform;
+} iso_instance;
+
+typedef struct iso_instances {
+    const iso_instanced *sets;
+    const iso_instance *instances;
+    size_t set_count, count;
+    double lod_pixels; /* for iso_lod_cut_make; 0: all points are drawn */
+    bool draw_hidden;  /* do not look for hidden instances: to measure what that saves */
+} iso_instances;
+
+/* How many instances were drawn, outside the picture and hidden; and how many points were drawn. */
+typedef struct iso_instance_counts {
+    size_t drawn, outside, hidden, points;
+} iso_instance_counts;
+
+/* Working memory, kept from one picture to the next. Zero-initialise; free with
+ * iso_instance_drawing_free. */
+typedef struct iso_instance_drawing {
+    iso_pullpush *pullpush;
+    iso_depth_pyramid pyramid;
+    iso_lod_cut cut;
+    iso_buffer order;
+} iso_instance_drawing;
+
+/* Draws all instances as one surface into the gbuffer, refined (render/refined/refined.h), as
+ * iso_draw_pullpush draws one after the other from front to back. What is left out would not be seen: the
+ * picture is the same with `draw_hidden`, byte for byte. *counts may be NULL. ISO_ERR_NOMEM. */
+iso_status iso_draw_instances(iso_instance_drawing *drawing, const iso_target *target,
+                              const iso_instances *instances, iso_instance_counts *counts, iso_error *error);
+void iso_instance_drawing_free(iso_instance_drawing *drawing);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

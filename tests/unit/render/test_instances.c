@@ -1,0 +1,375 @@
+#include <stdlib.h>
+#include <string.h>
+
+#include "render/selection/instances.h"
+#include "scene_support.h"
+
+/* ---- the pyramid of depths */
+
+/* Whether nothing in an area could be seen, pixel by pixel. */
+static bool is_hidden(const iso_gbuffer *g, const iso_area *area) {
+    for (int y = area->rows.first; y <= area->rows.last; y++)
+        for (int x = area->columns.first; x <= area->columns.last; x++)
+            if (!((double)g->depth[y * g->width + x] < area->nearest)) return false;
+    return true;
+}
+
+/* An area of a gbuffer; `align`: its sides are multiples of this. */
+static iso_area random_area(const iso_gbuffer *g, uint32_t *seed, int align) {
+    iso_area area;
+    iso_rows *const ranges[] = {&area.columns, &area.rows};
+    for (int axis = 0; axis < 2; axis++) {
+        const int size = axis ? g->height : g->width, first = (int)(uniform(seed) * size) / align * align,
+                  last =
+                      first + ((int)(uniform(seed) * uniform(seed) * (size - first)) / align + 1) * align - 1;
+        *ranges[axis] = (iso_rows){first, last < size ? last : size - 1};
+    }
+    area.nearest = 10 * uniform(seed);
+    return area;
+}
+
+static void pyramid_hides_what_is_hidden(void **state) {
+    (void)state;
+    static const int sizes[][2] = {{1, 1}, {7, 9}, {64, 64}, {200, 131}, {513, 40}};
+    uint32_t seed = 11;
+    iso_depth_pyramid pyramid = {0};
+    for (int s = 0; s < 5; s++) {
+        iso_gbuffer g = test_clear_gbuffer(sizes[s][0], sizes[s][1], false);
+        const size_t samples = (size_t)g.width * (size_t)g.height;
+        size_t hidden = 0, found = 0;
+        for (int round = 0; round < 6; round++) {
+            /* smooth depths with a few holes */
+            for (size_t i = 0; i < samples; i++)
+                g.depth[i] = uniform(&seed) < 0.002 ? INFINITY : 3 + (float)(i % (size_t)g.width) * 0.01f;
+            assert_int_equal(iso_depth_pyramid_make(&pyramid, &g, NULL), ISO_OK);
+            for (int k = 0; k < 300; k++) {
+                const iso_area area = random_area(&g, &seed, k % 2 ? 8 : 1);
+                const bool says = iso_depth_pyramid_hides(&pyramid, &area), is = is_hidden(&g, &area);
+                assert_true(is || !says);
+                hidden += is;
+                found += says;
+                /* what is drawn makes depths smaller, and holes are closed */
+                for (int y = area.rows.first; y <= area.rows.last && k % 10 == 0; y++)
+                    for (int x = area.columns.first; x <= area.columns.last; x++) {
+                        float *depth = &g.depth[y * g.width + x];
+                        *depth = *depth < 2 ? *depth : 2;
+                    }
+                if (k % 10 == 0) iso_depth_pyramid_update(&pyramid, &g, &area);
+            }
+            iso_depth_pyramid fresh = {0};
+            assert_int_equal(iso_depth_pyramid_make(&fresh, &g, NULL), ISO_OK);
+            for (int level = 0; level < fresh.levels; level++)
+                assert_memory_equal(fresh.level[level], pyramid.level[level],
+                                    (size_t)(fresh.width[level] * fresh.height[level]) * sizeof(float));
+            iso_depth_pyramid_free(&fresh);
+        }
+        assert_true(found > hidden / 2);
+        const iso_area none = {{3, 2}, {0, 0}, 0};
+        assert_true(iso_depth_pyramid_hides(&pyramid, &none));
+        iso_gbuffer_free(&g);
+    }
+    iso_depth_pyramid_free(&pyramid);
+}
+
+/* ---- what has been drawn before */
+
+/* A wall across the middle of a scene with a hole in it, drawn before the scene. */
+typedef struct walled {
+    const iso_point_view *points;
+    float wall; /* depth, mm */
+    bool curved;
+} walled;
+
+static iso_gbuffer draw_behind_wall(const void *context, const iso_view *view, iso_pool *pool) {
+    const walled *w = context;
+    iso_error error = {0};
+    iso_gbuffer g = test_clear_gbuffer(view->width, view->height, false);
+    for (int y = 0; y < g.height; y++)
+        for (int x = 0; x < g.width; x++) {
+            const size_t at = (size_t)y * (size_t)g.width + (size_t)x;
+            if (x % 50 < 12) continue;
+            g.depth[at] = w->wall;
+            g.normal[2][at] = -1;
+            g.surface[at] = 1;
+        }
+    iso_point_view points = *w->points;
+    if (!w->curved) points.curvatures = NULL;
+    const iso_target target = {view, &g, pool, 0};
+    test_ok(iso_draw_pullpush(&target, &points, &(iso_pullpush_opts){0}, &error), &error);
+    return g;
+}
+
+/* A scene drawn behind something looks like one that is drawn alone, but for what is hidden; the bytes do not
+ * depend on threads, instruction sets and strips. */
+static void earlier_surfaces_hide_points(void **state) {
+    (void)state;
+    static const char *const names[] = {"head", "gyroid"};
+    for (int n = 0; n < 2; n++) {
+        const iso_points_opts opts = {.curvature = true, .primitive = ISO_PRIMITIVE_EDGE};
+        test_scene s = test_scene_make(names[n], 40, &opts, true);
+        for (int zoom = 1; zoom <= 8; zoom *= 2) {
+            const iso_view view = test_look_at(&s, n + zoom, zoom, zoom == 4, 150, 140);
+            iso_pullpush *workspace;
+            assert_int_equal(iso_pullpush_create(&workspace, NULL), ISO_OK);
+            iso_gbuffer alone =
+                test_drawn(&view, &s.points, &(iso_pullpush_opts){.workspace = workspace}, NULL);
+            float depths[2] = {INFINITY, 0};
+            for (int i = 0; i < 150 * 140; i++) {
+                if (alone.surface[i] == ISO_SURFACE_NONE) continue;
+                depths[0] = alone.depth[i] < depths[0] ? alone.depth[i] : depths[0];
+                depths[1] = alone.depth[i] > depths[1] ? alone.depth[i] : depths[1];
+            }
+            const walled w = {&s.points, 0.8f * depths[0] + 0.2f * depths[1], true};
+            iso_gbuffer g = draw_behind_wall(&w, &view, NULL);
+            int differ = 0, seen = 0;
+            for (int i = 0; i < 150 * 140; i++) {
+                const bool wall = i % 150 % 50 >= 12, behind = wall && !(alone.depth[i] < w.wall);
+                seen += !behind && alone.surface[i] == 0;
+                if (behind)
+                    differ += g.surface[i] != 1 || g.depth[i] != w.wall;
+                else
+                    differ += g.surface[i] != alone.surface[i] || g.depth[i] != alone.depth[i] ||
+                              g.normal[2][i] != alone.normal[2][i];
+            }
+            assert_true(seen > 500);
+            if (differ > seen / 50) fail_msg("%s: %d of %d samples differ", names[n], differ, seen);
+            test_variants_of(draw_behind_wall, &w, &view, &g);
+            test_strips_of(draw_behind_wall, &w, &view, 8, &g);
+            iso_gbuffer_free(&alone);
+            iso_gbuffer_free(&g);
+            iso_pullpush_destroy(workspace);
+        }
+        test_scene_free(&s);
+    }
+}
+
+/* Points behind a wall are not drawn, and hardly looked at. */
+static void counts_tell_what_is_hidden(void **state) {
+    (void)state;
+    test_scene s = test_scene_make("head", 100, NULL, true);
+    const iso_view view = test_look_at(&s, 1, 1, false, 200, 200);
+    iso_selection_counts counts[2];
+    for (int k = 0; k < 2; k++) {
+        iso_error error = {0};
+        iso_pullpush *workspace;
+        assert_int_equal(iso_pullpush_create(&workspace, NULL), ISO_OK);
+        iso_gbuffer g = test_clear_gbuffer(200, 200, false);
+        for (int i = 0; i < 200 * 200 && k; i++) g.depth[i] = 0.5f;
+        const iso_target target = {&view, &g, NULL, 0};
+        test_ok(iso_draw_pullpush(&target, &s.points, &(iso_pullpush_opts){.workspace = workspace}, &error),
+                &error);
+        counts[k] = iso_pullpush_counts(workspace);
+        assert_int_equal(counts[k].points, iso_point_view_count(&s.points));
+        assert_true(counts[k].drawn <= counts[k].tested);
+        iso_gbuffer_free(&g);
+        iso_pullpush_destroy(workspace);
+    }
+    assert_true(counts[0].drawn > counts[0].points / 10);
+    assert_true(counts[0].tested < 3 * (double)counts[0].points);
+    assert_int_equal(counts[1].tested, 0);
+    test_scene_free(&s);
+}
+
+/* ---- instances */
+
+enum { SETS = 2, MOST = 400, WIDTH = 120, HEIGHT = 90 };
+
+/* A forest: copies of two scenes, turned about the vertical and of different sizes. */
+typedef struct forest {
+    test_scene scenes[SETS];
+    iso_lod lods[SETS];
+    iso_instanced sets[SETS];
+    iso_instance instances[MOST];
+    iso_instances all;
+} forest;
+
+static void make_lods(forest *f) {
+    iso_error error = {0};
+    for (int s = 0; s < SETS; s++) {
+        const iso_point_view *points = &f->scenes[s].points;
+        test_ok(iso_lod_update(&f->lods[s], points, NULL, &error), &error);
+        f->sets[s] = (iso_instanced){&f->lods[s], iso_point_view_bounds(points), points->radius};
+    }
+}
+
+/* Places an instance at (x, y), turned by an angle of which the cosine and sine are given. */
+static iso_transform place(const iso_transform *own, double x, double y, double size, const double turn[2]) {
+    iso_transform t = *own;
+    const double direction[9] = {turn[0], -turn[1], 0, turn[1], turn[0], 0, 0, 0, 1};
+    memcpy(t.direction, direction, sizeof direction);
+    for (int axis = 0; axis < 3; axis++) t.spacing[axis] *= size;
+    t.origin[0] = x;
+    t.origin[1] = y;
+    t.origin[2] = 0;
+    return t;
+}
+
+static forest *make_forest(size_t count) {
+    static const char *const names[SETS] = {"head", "sphere"};
+    forest *f = calloc(1, sizeof *f);
+    uint32_t seed = 17;
+    assert_non_null(f);
+    for (int s = 0; s < SETS; s++) {
+        f->scenes[s] = test_scene_make(names[s], 24, NULL, true);
+        f->scenes[s].points.curvatures = NULL;
+    }
+    make_lods(f);
+    for (size_t i = 0; i < count; i++) {
+        const double angle = 6.28 * uniform(&seed), turn[2] = {cos(angle), sin(angle)};
+        const uint32_t set = i % 3 == 0;
+        const iso_transform *own = &f->scenes[set].points.transform;
+        const double side = own->spacing[0] * 24;
+        f->instances[i] = (iso_instance){set, place(own, side * 9 * (uniform(&seed) - 0.5),
+                                                    side * 20 * uniform(&seed), 0.6 + uniform(&seed), turn)};
+        const double scale = 24 * own->spacing[0] / (24 * f->scenes[0].points.transform.spacing[0]);
+        for (int axis = 0; axis < 3; axis++) f->instances[i].transform.spacing[axis] /= scale;
+    }
+    f->all = (iso_instances){.sets = f->sets, .instances = f->instances, .set_count = SETS, .count = count};
+    return f;
+}
+
+static void free_forest(forest *f) {
+    for (int s = 0; s < SETS; s++) {
+        iso_lod_free(&f->lods[s]);
+        test_scene_free(&f->scenes[s]);
+    }
+    free(f);
+}
+
+/* The size of the trees. */
+static double side_of(const forest *f) {
+    return f->scenes[0].points.transform.spacing[0] * 24;
+}
+
+/* A view from the edge of the forest, of frame `number` of a walk through it; every 20th frame looks back. */
+static iso_view view_of_walk(const forest *f, int number) {
+    const double side = side_of(f), way = number % 40 < 20 ? 1 : -1;
+    const double from = number * 0.05 * side - 3 * side;
+    iso_camera camera = {.view_up = {0, 0, 1}, .view_angle = 50, .orthographic = number % 7 == 6};
+    camera.position = iso_vec3_make(side * 0.3 * (number % 5), from, 0.7 * side);
+    camera.focal_point = iso_vec3_make(0, from + way * side, 0.65 * side);
+    camera.parallel_scale = 3 * side;
+    return iso_view_make(&camera, WIDTH, HEIGHT);
+}
+
+static iso_gbuffer draw_forest(iso_instance_drawing *drawing, const forest *f, const iso_view *view,
+                               bool hidden, iso_instance_counts *counts) {
+    iso_error error = {0};
+    iso_instances all = f->all;
+    all.draw_hidden = hidden;
+    iso_gbuffer g = test_clear_gbuffer(view->width, view->height, false);
+    const iso_target target = {view, &g, NULL, 0};
+    test_ok(iso_draw_instances(drawing, &target, &all, counts, &error), &error);
+    assert_int_equal(counts->drawn + counts->outside + counts->hidden, all.count);
+    return g;
+}
+
+static void hidden_instances_are_not_missed(void **state) {
+    (void)state;
+    forest *f = make_forest(MOST);
+    size_t hidden = 0, drawn = 0;
+    for (int frame = 0; frame < 60; frame += 3) {
+        const iso_view view = view_of_walk(f, frame);
+        f->all.lod_pixels = frame % 2;
+        iso_instance_drawing drawing = {0};
+        iso_instance_counts few, all;
+        iso_gbuffer a = draw_forest(&drawing, f, &view, false, &few),
+                    b = draw_forest(&drawing, f, &view, true, &all);
+        test_same_rows(&a, 0, &b);
+        assert_int_equal(all.hidden, 0);
+        assert_int_equal(all.outside, few.outside);
+        hidden += few.hidden;
+        drawn += few.drawn;
+        for (int y = 0; y < HEIGHT; y += 31) {
+            const iso_view rows = iso_view_rows(&view, y, HEIGHT - y < 31 ? HEIGHT - y : 31);
+            iso_gbuffer strip = draw_forest(&drawing, f, &rows, false, &few);
+            test_same_rows(&a, y, &strip);
+            iso_gbuffer_free(&strip);
+        }
+        iso_gbuffer_free(&a);
+        iso_gbuffer_free(&b);
+        iso_instance_drawing_free(&drawing);
+    }
+    if (2 * hidden < drawn) fail_msg("%zu hidden, %zu drawn", hidden, drawn);
+    free_forest(f);
+}
+
+/* Makes the points of a set others: every picture after it is one of the new points. */
+static void edit_points(forest *f, int frame) {
+    iso_point *points = (iso_point *)f->scenes[frame % SETS].points.packed;
+    const iso_point_view *view = &f->scenes[frame % SETS].points;
+    for (size_t s = (size_t)frame % 7; s < view->span_count; s += 7)
+        for (size_t i = view->spans[s].first; i < view->spans[s].first + view->spans[s].count; i++) {
+            iso_surfel p = iso_point_unpack(points[i]);
+            p.position[frame % 3] += frame % 2 ? 0.4f : -0.4f;
+            points[i] = iso_point_pack(&p);
+        }
+    make_lods(f);
+}
+
+/* No picture depends on those drawn before: in a walk with jumps by 180 degrees and edits every frame is the
+ * same as one drawn by itself. */
+static void pictures_do_not_depend_on_earlier_ones(void **state) {
+    (void)state;
+    forest *f = make_forest(60);
+    iso_instance_drawing drawing = {0};
+    f->all.lod_pixels = 1;
+    for (int frame = 0; frame < 200; frame++) {
+        if (frame % 9 == 8) {
+            for (int s = 0; s < SETS; s++) /* boxes that points leave are told nothing of the edit */
+                f->scenes[s].points.bounds = NULL;
+            edit_points(f, frame);
+        }
+        const iso_view view = view_of_walk(f, frame);
+        iso_instance_drawing fresh = {0};
+        iso_instance_counts counts;
+        iso_gbuffer a = draw_forest(&drawing, f, &view, false, &counts),
+                    b = draw_forest(&fresh, f, &view, frame % 2, &counts);
+        test_same_rows(&a, 0, &b);
+        iso_gbuffer_free(&a);
+        iso_gbuffer_free(&b);
+        iso_instance_drawing_free(&fresh);
+    }
+    iso_instance_drawing_free(&drawing);
+    free_forest(f);
+}
+
+/* Instances around the eye and behind it, and none at all. */
+static void eye_among_instances(void **state) {
+    (void)state;
+    forest *f = make_forest(40);
+    iso_instance_drawing drawing = {0};
+    iso_instance_counts few, all;
+    for (int i = 0; i < 40; i += 5) {
+        const iso_transform *t = &f->instances[i].transform;
+        iso_camera camera = {.view_up = {0, 0, 1}, .view_angle = 100};
+        camera.position = iso_vec3_make(t->origin[0], t->origin[1], 0.4 * side_of(f));
+        camera.focal_point = iso_vec3_make(t->origin[0] + 1, t->origin[1] + i - 20, 0.4 * side_of(f));
+        const iso_view view = iso_view_make(&camera, WIDTH, HEIGHT);
+        iso_gbuffer a = draw_forest(&drawing, f, &view, false, &few),
+                    b = draw_forest(&drawing, f, &view, true, &all);
+        test_same_rows(&a, 0, &b);
+        assert_true(few.outside > 0);
+        iso_gbuffer_free(&a);
+        iso_gbuffer_free(&b);
+    }
+    f->all.count = 0;
+    const iso_view view = view_of_walk(f, 0);
+    iso_gbuffer none = draw_forest(&drawing, f, &view, false, &few);
+    for (int i = 0; i < WIDTH * HEIGHT; i++) assert_int_equal(none.surface[i], ISO_SURFACE_NONE);
+    iso_gbuffer_free(&none);
+    iso_instance_drawing_free(&drawing);
+    free_forest(f);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(pyramid_hides_what_is_hidden),
+        cmocka_unit_test(earlier_surfaces_hide_points),
+        cmocka_unit_test(counts_tell_what_is_hidden),
+        cmocka_unit_test(hidden_instances_are_not_missed),
+        cmocka_unit_test(pictures_do_not_depend_on_earlier_ones),
+        cmocka_unit_test(eye_among_instances),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
