@@ -70,6 +70,13 @@ class Machine:
 
         return metric
 
+    def bench(self, what, rows):
+        """Rows of ./run bench WHAT whose names contain `rows`: by name, Google Benchmark's objects; and the command."""
+        out = self.path("bench.json")
+        _, command = self.run("bench", what, "--filter", rows, "--json", out)
+        with open(out, encoding="utf-8") as file:
+            return {row["name"]: row for row in json.load(file)["benchmarks"] if "real_time" in row}, command
+
     def report_of(self, name, *words):
         """isocompare report on a volume or a stroke file; returns its numbers and the command."""
         _, command = self.run("isocompare", "report", *words, "--output", name, "--side", 256, "--quiet")

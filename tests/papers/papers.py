@@ -12,13 +12,14 @@ import sys
 
 import page
 import y2003
+import y2004
 import y2006
 import y2008
 import y2010
 from measure import Machine, processor
 from tables import measure
 
-PAPERS = (y2003, y2006, y2008, y2010)
+PAPERS = (y2003, y2004, y2006, y2008, y2010)
 
 
 def kept_tables(path):
