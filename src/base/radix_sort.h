@@ -11,8 +11,7 @@ extern "C" {
 
 /* An item: the number that it is sorted by, and which item it is. */
 typedef struct iso_radix_item {
-    uint64_t key;
-    uint32_t index;
+    uint32_t key, index;
 } iso_radix_item;
 
 /* Sorts items by the lowest `bits` bits of their keys, which have no other bits; items with equal keys keep

@@ -22,7 +22,8 @@ typedef struct maker {
     const iso_glyphs *glyphs;
     const iso_cloud_opts *opts;
     iso_cloud *cloud;
-    float (*normals)[3], *radii;
+    float (*normals)[3]; /* NULL: those of the glyphs, none of which is missing */
+    float *radii;
     bool *has_radius; /* whether the file's radius is used */
 } maker;
 
@@ -56,12 +57,24 @@ static bool make_unit(const float from[3], float normal[3]) {
     return true;
 }
 
-static void take_normals(maker *m) {
-    const bool given = m->glyphs->directions && !m->opts->estimate_normals;
+/* Sets the file's normal of a point. Returns false if it has none. */
+static bool given_normal(const maker *m, size_t i, float normal[3]) {
     static const float none[3] = {0};
-    for (size_t i = 0; i < m->glyphs->count; i++)
-        m->cloud->estimated_normals += !make_unit(given ? m->glyphs->directions[i] : none, m->normals[i]);
+    const bool given = m->glyphs->directions && !m->opts->estimate_normals;
+    return make_unit(given ? m->glyphs->directions[i] : none, normal);
+}
+
+/* Copies the normals if some have to be estimated. */
+static iso_status take_normals(maker *m, iso_error *error) {
+    const size_t count = m->glyphs->count;
+    float unused[3];
+    for (size_t i = 0; i < count; i++) m->cloud->estimated_normals += !given_normal(m, i, unused);
     if (m->opts->without_normals) m->cloud->estimated_normals = 0;
+    if (!m->cloud->estimated_normals) return ISO_OK;
+    m->normals = iso_alloc(count * sizeof *m->normals);
+    if (!m->normals) return out_of_memory(m, error);
+    for (size_t i = 0; i < count; i++) given_normal(m, i, m->normals[i]);
+    return ISO_OK;
 }
 
 /* Returns the value that would be number n in a sorted array. Reorders the values (Hoare 1961, "Algorithm 65:
@@ -220,7 +233,10 @@ static void arrange(const maker *m, const iso_span_order *spans) {
             const uint32_t from = spans->order[at];
             iso_surfel *surfel = &cloud->surfels[at];
             iso_span_position(spans, span->brick, m->glyphs->positions[from], surfel->position);
-            memcpy(surfel->normal, m->normals[from], sizeof surfel->normal);
+            if (m->normals)
+                memcpy(surfel->normal, m->normals[from], sizeof surfel->normal);
+            else
+                given_normal(m, from, surfel->normal);
             cloud->radii[at] = m->radii[from];
             if (cloud->colors) memcpy(cloud->colors[at], m->glyphs->colors[from], 3);
         }
@@ -256,11 +272,10 @@ static iso_status fill_cloud(maker *m, iso_error *error) {
 
 static iso_status make_cloud(maker *m, iso_error *error) {
     const size_t count = m->glyphs->count;
-    m->normals = iso_alloc(count * sizeof *m->normals);
     m->radii = iso_alloc(count * sizeof *m->radii);
     m->has_radius = iso_alloc(count * sizeof *m->has_radius);
-    if (!m->normals || !m->radii || !m->has_radius) return out_of_memory(m, error);
-    take_normals(m);
+    if (!m->radii || !m->has_radius) return out_of_memory(m, error);
+    ISO_TRY(take_normals(m, error));
     ISO_TRY(take_radii(m, error));
     if (m->cloud->estimated_normals || m->cloud->estimated_radii) ISO_TRY(estimate(m, error));
     ISO_TRY(finish_radii(m, error));

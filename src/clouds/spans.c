@@ -5,13 +5,14 @@
 
 #include "base/radix_sort.h"
 
-enum { AXIS_BITS = 20 };
+enum { AXIS_BITS = 20, KEY_BITS = 32 };
 
 typedef struct sorter {
     iso_span_order *out;
+    const float (*positions)[3];
     iso_radix_item *places; /* the points, by the numbers of their bricks */
     size_t count;
-    int bits[3]; /* of a brick's coordinate along each axis */
+    int bits[3], all_bits; /* of a brick's coordinate along each axis; of its number */
 } sorter;
 
 /* ---- bricks */
@@ -61,24 +62,52 @@ static void split_brick(const sorter *s, uint64_t number, int32_t brick[3]) {
     }
 }
 
+/* ---- sorting */
+
+/* Sorts the points by the numbers of their bricks: by the lower 32 bits, then by the others if there are any,
+ * which most boxes have not. */
+static void sort_points(sorter *s, iso_radix_item *items, iso_radix_item *spare) {
+    const int low = s->all_bits < KEY_BITS ? s->all_bits : KEY_BITS;
+    for (size_t i = 0; i < s->count; i++)
+        items[i] = (iso_radix_item){(uint32_t)brick_of(s, s->positions[i]), (uint32_t)i};
+    s->places = iso_radix_sort(items, spare, s->count, low);
+    if (s->all_bits <= KEY_BITS) return;
+    for (size_t i = 0; i < s->count; i++)
+        s->places[i].key = (uint32_t)(brick_of(s, s->positions[s->places[i].index]) >> KEY_BITS);
+    s->places =
+        iso_radix_sort(s->places, s->places == items ? spare : items, s->count, s->all_bits - KEY_BITS);
+}
+
+/* The number of the brick of a point in the sorted order. */
+static uint64_t sorted_brick(const sorter *s, size_t place) {
+    const iso_radix_item *item = &s->places[place];
+    return s->all_bits <= KEY_BITS ? item->key : brick_of(s, s->positions[item->index]);
+}
+
 /* ---- spans */
 
 static iso_status list_spans(sorter *s, iso_error *error) {
     iso_span_order *out = s->out;
-    for (size_t i = 0; i < s->count; i++)
-        out->span_count += i == 0 || s->places[i].key != s->places[i - 1].key;
+    uint64_t last = 0;
+    for (size_t i = 0; i < s->count; i++) {
+        const uint64_t brick = sorted_brick(s, i);
+        out->span_count += i == 0 || brick != last;
+        last = brick;
+    }
     out->order = iso_alloc(s->count * sizeof *out->order);
     out->spans = iso_alloc(out->span_count * sizeof *out->spans);
     if (!out->order || !out->spans)
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory for %zu points", s->count);
     iso_point_span *span = out->spans - 1;
     for (size_t i = 0; i < s->count; i++) {
+        const uint64_t brick = sorted_brick(s, i);
         out->order[i] = s->places[i].index;
-        if (i == 0 || s->places[i].key != s->places[i - 1].key) {
+        if (i == 0 || brick != last) {
             *++span = (iso_point_span){.first = i};
-            split_brick(s, s->places[i].key, span->brick);
+            split_brick(s, brick, span->brick);
         }
         span->count++;
+        last = brick;
     }
     return ISO_OK;
 }
@@ -87,14 +116,13 @@ iso_status iso_span_order_make(const float (*positions)[3], size_t count, double
                                iso_error *error) {
     iso_span_order made = {0};
     iso_radix_item *items = iso_alloc(count * sizeof *items), *spare = iso_alloc(count * sizeof *spare);
-    sorter s = {&made, items, count, {0}};
+    sorter s = {.out = &made, .positions = positions, .count = count};
     iso_status status = ISO_OK;
     if (!items || !spare) status = iso_fail(error, ISO_ERR_NOMEM, "out of memory for %zu points", count);
     if (status == ISO_OK && count) {
         choose_bricks(&s, positions, voxel);
-        for (size_t i = 0; i < count; i++)
-            items[i] = (iso_radix_item){brick_of(&s, positions[i]), (uint32_t)i};
-        s.places = iso_radix_sort(items, spare, count, s.bits[0] + s.bits[1] + s.bits[2]);
+        s.all_bits = s.bits[0] + s.bits[1] + s.bits[2];
+        sort_points(&s, items, spare);
         status = list_spans(&s, error);
     }
     iso_free(items);

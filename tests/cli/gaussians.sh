@@ -47,6 +47,7 @@ from check import *
 a, b, c, discs = (report(n + ".json") for n in ("a", "b", "c", "discs"))
 expect(a["method"] == "gaussians" and discs["method"] == "pullpush", a["method"], discs["method"])
 expect(a["image"]["hash"] == b["image"]["hash"] == c["image"]["hash"] != discs["image"]["hash"])
+expect(a["primitives"]["estimated_normals"] == 0 < discs["primitives"]["estimated_normals"], a["primitives"])
 expect(a["primitives"]["points"] == 800 and a["image"]["layers"]["mean"] > 2, a)
 expect(report("bar.json")["image"]["covered"] > a["image"]["covered"])
 # against the formula: 5 pixels a mm, 0.3 square pixels of low-pass, background blue

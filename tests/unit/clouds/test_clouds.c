@@ -325,6 +325,13 @@ static void test_spans(void **state) {
     cloud = make_cloud(&glyphs, &(iso_cloud_opts){0});
     check_spans(&cloud, &glyphs);
     iso_cloud_free(&cloud);
+    /* The same on all axes, so that the numbers of bricks have more than 32 bits. */
+    for (int i = 0; i < 3000; i++)
+        for (int axis = 0; axis < 3; axis++)
+            points.positions[i][axis] = (float)(1e9 * (uniform(&seed) - 0.5));
+    cloud = make_cloud(&glyphs, &(iso_cloud_opts){0});
+    check_spans(&cloud, &glyphs);
+    iso_cloud_free(&cloud);
 }
 
 /* ---- odd sets, threads */
