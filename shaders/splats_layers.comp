@@ -4,7 +4,10 @@
  * order of threads.
  *
  * KIND 0: the mean of the groups' pictures. The discs of a group are listed back to front. KIND 1: the
- * nearest layer, of discs that are not enlarged. */
+ * nearest layer, of discs that are not enlarged.
+ *
+ * All layers, in order (render/splats/sorted.c), of discs that are listed front to back: KIND 2 counts the
+ * discs that each sample's ray hits; KIND 3 lists them, sorts each list and merges it into layers. */
 #ifndef KIND
 #define KIND 0
 #endif
@@ -15,8 +18,13 @@ layout(std430, binding = ISO_GL_TILE_STARTS) readonly buffer start_buffer { uint
 layout(std430, binding = ISO_GL_TILE_DISCS) readonly buffer order_buffer { uint order[]; };
 /* Only discs behind the first depth and before the second one are drawn. */
 layout(std430, binding = ISO_GL_LAYER_BOUNDS) buffer bound_buffer { vec2 bounds[]; };
-/* KIND 0: colour, opacity, depth. KIND 1: sums of normals, weight (0: no layer), colours; depth. */
+/* KIND 0: colour, opacity, depth. KIND 1 and 3: sums of normals, weight (0: no layer), colours; depth.
+ * KIND 2: numbers of hits. */
+#if KIND == 2
+layout(std430, binding = ISO_GL_LAYERS) writeonly buffer layer_buffer { uint found[]; };
+#else
 layout(std430, binding = ISO_GL_LAYERS) writeonly buffer layer_buffer { vec4 found[]; };
+#endif
 
 int group_of(splat s) {
     return int(s.paint & 255u);
@@ -100,7 +108,7 @@ void find_layer(uint first, uint end, vec2 at, int sample_number) {
     found[2 * sample_number] = vec4(mean.rgb / opacity, opacity);
     found[2 * sample_number + 1] = vec4(front, 0.0, 0.0, 0.0);
 }
-#else
+#elif KIND == 1
 /* For each group the disc with the smallest key. */
 uint best[ISO_GL_MOST_GROUPS];
 
@@ -146,6 +154,79 @@ void find_layer(uint first, uint end, vec2 at, int sample_number) {
     found[2 * sample_number] = normal;
     found[2 * sample_number + 1] = color;
     if (front.x < ISO_GL_NOWHERE) bounds[sample_number].x = front.x;
+}
+#elif KIND == 2
+void find_layer(uint first, uint end, vec2 at, int sample_number) {
+    uint count = 0u;
+    for (uint i = first; i < end; i++)
+        if (intersect(splats[order[i]], at).y < 1.0) count++;
+    found[sample_number] = count;
+}
+#else
+/* The list of a sample begins at the number that bounds has for it, and so do its layers. */
+layout(std430, binding = ISO_GL_HITS) buffer hit_buffer { uvec4 hits[]; }; /* depth, e, disc, away */
+
+/* Lists the hits by depth, then by number; discs arrive nearly in order. Returns the end of the list. */
+uint list_hits(uint first, uint end, vec2 at, uint begin) {
+    uint last = begin;
+    for (uint i = first; i < end; i++) {
+        vec3 hit = intersect(splats[order[i]], at);
+        if (!(hit.y < 1.0)) continue;
+        uint place = last++;
+        for (; place > begin; place--) {
+            uvec4 before = hits[place - 1u];
+            float depth = uintBitsToFloat(before.x);
+            if (depth < hit.x || (depth == hit.x && before.z < order[i])) break;
+            hits[place] = before;
+        }
+        hits[place] = uvec4(floatBitsToUint(hit.x), floatBitsToUint(hit.y), order[i], uint(hit.z));
+    }
+    return last;
+}
+
+/* The next layer of a side: sums of normals and weights; of colours and depths. */
+struct side {
+    uint at;
+    vec4 normal, color;
+};
+
+/* Finds the next layer of the side `away` in the list up to `end`; its weight is 0 if there is none. */
+void find_next(inout side s, uint end, uint away) {
+    float front = 0.0;
+    s.normal = s.color = vec4(0.0);
+    for (; s.at < end; s.at++) {
+        uvec4 hit = hits[s.at];
+        if (hit.w != away) continue;
+        splat disc = splats[hit.z];
+        float depth = uintBitsToFloat(hit.x), w = weight_of(uintBitsToFloat(hit.y));
+        if (s.normal.w > 0.0 && depth > front + thickness_of(disc)) return;
+        if (s.normal.w == 0.0) front = depth;
+        s.normal += w * vec4(disc.normal_x, disc.normal_y, disc.normal_z, 1.0);
+        s.color += w * vec4(vec3(uvec3(disc.paint >> 8, disc.paint >> 16, disc.paint >> 24) & 255u), depth);
+    }
+}
+
+float mean_depth(side s) {
+    return s.normal.w > 0.0 ? s.color.w / s.normal.w : ISO_GL_NOWHERE;
+}
+
+void find_layer(uint first, uint end, vec2 at, int sample_number) {
+    uint begin = floatBitsToUint(bounds[sample_number].x), to = begin;
+    uint list_end = list_hits(first, end, at, begin);
+    side facing = side(begin, vec4(0.0), vec4(0.0)), away = facing;
+    find_next(facing, list_end, 0u);
+    find_next(away, list_end, 1u);
+    while (facing.normal.w > 0.0 || away.normal.w > 0.0) {
+        bool behind = mean_depth(away) < mean_depth(facing);
+        found[2u * to] = behind ? away.normal : facing.normal;
+        found[2u * to + 1u] = behind ? away.color : facing.color;
+        to++;
+        if (behind)
+            find_next(away, list_end, 1u);
+        else
+            find_next(facing, list_end, 0u);
+    }
+    for (; to < list_end; to++) found[2u * to] = vec4(0.0);
 }
 #endif
 

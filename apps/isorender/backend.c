@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "base/cpu.h"
-#include "render/splats/layers.h"
 
 static bool is_any(const char *name, const char *a, const char *b) {
     return strcmp(name, a) == 0 || strcmp(name, b) == 0;
@@ -16,16 +15,10 @@ static bool has_no_surface(const isorender_settings *settings) {
     return settings->no_input && !settings->volume_options.count;
 }
 
-/* Whether OpenGL draws translucent surfaces. */
-static bool has_gl_layers(const isorender_settings *settings) {
-    return settings->method == ISO_METHOD_SPLATS && settings->transparency != (int)ISO_TRANSPARENCY_SORTED;
-}
-
 /* Whether OpenGL has the method. Of pictures without one it draws those that ask for it. */
 static bool has_gl(const isorender_settings *settings) {
     if (has_no_surface(settings)) return is_any(settings->backend, "egl", "osmesa");
-    if (settings->method == ISO_METHOD_SPLATS)
-        return !settings->group_bins && (!isorender_is_translucent(settings) || has_gl_layers(settings));
+    if (settings->method == ISO_METHOD_SPLATS) return !settings->group_bins;
     if (settings->method == ISO_METHOD_PULLPUSH) return !(settings->lod > 0);
     return settings->method == ISO_METHOD_POINTS || settings->method == ISO_METHOD_MESH;
 }
@@ -61,18 +54,17 @@ iso_status isorender_backend_check(isorender_settings *settings, iso_error *erro
         return iso_fail(error, ISO_ERR_BACKEND, "there is no backend '%s' (see --list-backends)", name);
     if (gl && settings->ior > 0)
         return iso_fail(error, ISO_ERR_USAGE, "--backend %s draws no glass: --ior needs the cpu", name);
-    if (gl && isorender_is_translucent(settings) && !has_gl_layers(settings))
-        return iso_fail(error, ISO_ERR_USAGE,
-                        "--backend %s draws translucent surfaces with --method splats --transparency groups "
-                        "or nearest only: others need the cpu",
-                        name);
+    if (gl && isorender_is_translucent(settings) && settings->method != ISO_METHOD_SPLATS)
+        return iso_fail(
+            error, ISO_ERR_USAGE,
+            "--backend %s draws translucent surfaces with --method splats only: others need the cpu", name);
     if ((gl || needed) && settings->method == ISORENDER_METHOD_UNCHOSEN && !has_no_surface(settings))
         settings->method = settings->strips ? ISO_METHOD_MESH : ISO_METHOD_POINTS;
     if (gl && !has_gl(settings))
         return iso_fail(
             error, ISO_ERR_USAGE,
-            "--backend %s has the methods points, pullpush (without --lod), splats (opaque, without "
-            "--group-bins) and mesh: others need the cpu",
+            "--backend %s has the methods points, pullpush (without --lod), splats (without --group-bins) "
+            "and mesh: others need the cpu",
             name);
     ISO_TRY(check_needs(settings, error));
     bool draws = !settings->info && (!settings->no_image || settings->aov);

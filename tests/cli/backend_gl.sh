@@ -3,8 +3,8 @@ isorender in/ball.mha cpu.png --isovalue 500 --method points --backend cpu --jso
 isorender in/ball.mha cpu_pull.png --isovalue 500 --method pullpush --reconstruction gaussian --backend cpu --json \
     --quiet >cpu_pull.json
 isorender in/ball.mha cpu_refined.png --isovalue 500 --method pullpush --backend cpu --quiet
-for how in groups nearest; do
-    isorender in/ball.mha cpu_$how.png --isovalue 500 --opacity 0.5 --transparency $how --samples 4 --quiet
+for how in sorted groups nearest; do
+    isorender in/ball.mha cpu_$how.png --isovalue 500 --method splats --opacity 0.5 --transparency $how --samples 4 --quiet
 done
 tried=0
 for backend in egl osmesa; do
@@ -19,8 +19,8 @@ for backend in egl osmesa; do
         --json --quiet >pull.json
     isorender in/ball.mha refined.png --isovalue 500 --backend $backend --method pullpush --json --quiet >refined.json
     isocompare images cpu_refined.png refined.png --fail-under psnr=40 >/dev/null
-    for how in groups nearest; do
-        isorender in/ball.mha $how.png --isovalue 500 --opacity 0.5 --transparency $how --samples 4 --backend $backend \
+    for how in sorted groups nearest; do
+        isorender in/ball.mha $how.png --isovalue 500 --method splats --opacity 0.5 --transparency $how --samples 4 --backend $backend \
             --json --quiet >$how.json
         isocompare images cpu_$how.png $how.png --fail-under psnr=43 >/dev/null
     done
@@ -42,7 +42,7 @@ expect(abs(a - b) <= 30, (a, b))
 expect(list(gl["gl"]["seconds"]) == ["draw"] and gl["gl"]["seconds"]["draw"] > 0, gl["gl"])
 expect(gl["gl"]["vendor"] and gl["gl"]["version"], gl["gl"])
 expect(list(pull["gl"]["seconds"]) == ["project", "pull", "push", "finish"], pull["gl"])
-for how in "groups", "nearest":
+for how in "sorted", "groups", "nearest":
     expect(report(how + ".json")["backend"] == backend and report(how + ".json")["gl"]["messages"] == 0, how)
 refined = report("refined.json")
 expect(list(refined["gl"]["seconds"]) == ["front", "add", "resolve"], refined["gl"])

@@ -32,7 +32,7 @@ layers = json.load(open('sorted.json'))['image']['layers']
 assert 1.9 < layers['mean'] < 2.1 and layers['most'] < 5, layers
 P
 for wrong in "--groups 4" "--reconstruction groups" "--method splats --groups 65" "--method splats --reconstruction box" \
-    "--method splats --group-bins 9 --backend egl" "--method splats --opacity 0.5 --backend egl" "--transparency groups" "--method exact --opacity 0.5 --transparency groups" \
+    "--method splats --group-bins 9 --backend egl" "--method exact --opacity 0.5 --backend egl" "--transparency groups" "--method exact --opacity 0.5 --transparency groups" \
     "--opacity 0.5 --transparency nearest --layers 1" "--method splats --opacity 0.5 --absorption 3" \
     "--method splats --opacity 0.5 --group-radii root" "--method exact --group-radii root"; do
     code=0

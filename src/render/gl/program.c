@@ -113,6 +113,8 @@ static const recipe recipes[ISO_GL_PROGRAMS] = {
     [ISO_GL_SPLAT_KEYS] = {"keys of slots", {"splats.comp"}, {"splats.glsl"}, WIDE "#define KIND 2\n"},
     [ISO_GL_SPLAT_MEAN] = {"mean of groups", {"splats_layers.comp"}, {"splats.glsl"}, "#define KIND 0\n"},
     [ISO_GL_SPLAT_NEAREST] = {"nearest layer", {"splats_layers.comp"}, {"splats.glsl"}, "#define KIND 1\n"},
+    [ISO_GL_SPLAT_COUNTS] = {"counts of hits", {"splats_layers.comp"}, {"splats.glsl"}, "#define KIND 2\n"},
+    [ISO_GL_SPLAT_LISTS] = {"sorted layers", {"splats_layers.comp"}, {"splats.glsl"}, "#define KIND 3\n"},
     [ISO_GL_SPLAT_RESOLVE] = {"resolved slots", {"splats_resolve.comp"}, {"splats.glsl", "picture.glsl"}, ""},
     SHAPES(0, "spheres", NULL, "#define KIND ISO_GL_SPHERES\n"),
     SHAPES(1, "tubes", "shapes_tube.glsl", "#define KIND ISO_GL_TUBES\n"),

@@ -56,6 +56,8 @@ typedef enum iso_gl_program {
     /* Layers of splats: by the KIND of splats_layers.comp. */
     ISO_GL_SPLAT_MEAN,
     ISO_GL_SPLAT_NEAREST,
+    ISO_GL_SPLAT_COUNTS,
+    ISO_GL_SPLAT_LISTS,
     /* Lines and glyphs: spheres, tubes, ribbons, and the other glyphs from cones to boxes; then the same in
      * double precision. */
     ISO_GL_DRAW_SHAPES,

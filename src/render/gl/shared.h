@@ -55,6 +55,7 @@
 #define ISO_GL_TILE_DISCS 4
 #define ISO_GL_LAYER_BOUNDS 5
 #define ISO_GL_LAYERS 6
+#define ISO_GL_HITS 7    /* uvec4: depth, e, disc, whether it faces away */
 #define ISO_GL_PICTURE 0 /* uint: planes of a gbuffer: depth, normal x, y, z, surface, colours */
 #define ISO_GL_PICTURE_PLANES 5
 #define ISO_GL_STORAGE_SLOTS 8

@@ -11,9 +11,10 @@ typedef struct iso_gl_splat {
 } iso_gl_splat;
 _Static_assert(sizeof(iso_gl_splat) == 32, "layout of std430");
 
+/* groups NULL: group 0. */
 static inline iso_gl_splat iso_gl_splat_make(const iso_disc *disc, const iso_point_view *points,
                                              const iso_groups *groups) {
-    uint32_t paint = groups->group[disc->point];
+    uint32_t paint = groups ? groups->group[disc->point] : 0;
     for (int k = 0; k < 3 && points->colors; k++)
         paint |= (uint32_t)points->colors[disc->point][k] << (8 * k + 8);
     return (iso_gl_splat){disc->x,      disc->y, disc->z, {disc->normal[0], disc->normal[1], disc->normal[2]},

@@ -30,10 +30,10 @@ typedef struct iso_gl_splats_opts {
 iso_status iso_gl_draw_splats(iso_gl_engine *engine, const iso_gl_splats_opts *opts, iso_gbuffer *gbuffer,
                               iso_error *error);
 
-/* iso_shade_splat_layers (render/splats/layers.h) for the modes groups and nearest: the layers are found by
- * OpenGL, and composited by the cpu, with opaque objects and the background. Differs from the cpu's by
- * rounding only; the same bytes every time. Errors as there, ISO_ERR_LIMIT also if the discs do not fit into
- * a storage buffer, and ISO_ERR_BACKEND. */
+/* iso_shade_splat_layers (render/splats/layers.h): the layers are found by OpenGL, and composited by the cpu,
+ * with opaque objects and the background. Differs from the cpu's by rounding only; the same bytes every time.
+ * Errors as there, ISO_ERR_LIMIT also if the discs, or the hits of a row of samples, do not fit into a
+ * storage buffer, and ISO_ERR_BACKEND. */
 iso_status iso_gl_shade_splat_layers(iso_gl_engine *engine, const iso_splat_layers *input,
                                      iso_layer_totals *totals, iso_error *error);
 

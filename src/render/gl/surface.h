@@ -93,9 +93,10 @@ typedef enum iso_gl_storage {
     ISO_GL_STORE_TILE_STARTS,
     ISO_GL_STORE_TILE_DISCS,
     ISO_GL_STORE_LAYER_BOUNDS,
-    ISO_GL_STORE_LAYERS
+    ISO_GL_STORE_LAYERS,
+    ISO_GL_STORE_HITS
 } iso_gl_storage;
-enum { ISO_GL_STORES = 21 };
+enum { ISO_GL_STORES = 22 };
 
 /* Render targets of the refined reconstruction: nearest depths and sums. At least as large as a tile. */
 typedef struct iso_gl_discs {

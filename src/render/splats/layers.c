@@ -113,7 +113,7 @@ static iso_status set_up_surface(const layers_draw *draw, int number, iso_error 
     iso_splat_surface *s = &draw->surfaces[number];
     s->number = number;
     s->input = &input->layers[number];
-    if (s->input->images) return ISO_OK;
+    if (s->input->lists) return ISO_OK;
     return iso_splats_start_surface(s->input, input->picture.strip->view,
                                     input->transparency == ISO_TRANSPARENCY_SORTED, draw->band_rows,
                                     input->picture.pool, s, error);
@@ -150,18 +150,15 @@ static void free_draw(layers_draw *draw) {
 
 /* ---- bands */
 
-static void add_given(iso_layer_lists *lists, int x, int row, const iso_packed_fragment *fragment) {
-    if (iso_packed_opacity(fragment) > 0) iso_layer_add_packed(lists, x, row, fragment, false);
-}
-
 /* Lists the layers that another engine has found. */
-static bool list_given(const iso_splat_surface *surface, const iso_splat_band *band) {
-    const iso_splat_images *images = surface->input->images;
+static bool list_given(const iso_splat_lists *given, const iso_splat_band *band) {
     for (int y = band->rows.first; y <= band->rows.last; y++)
         for (int x = 0; x < band->width; x++) {
             const size_t at = (size_t)y * (size_t)band->width + (size_t)x;
-            if (images->nearest) add_given(band->lists, x, y - band->rows.first, &images->nearest[at]);
-            add_given(band->lists, x, y - band->rows.first, &images->mean[at]);
+            bool done = false;
+            for (size_t i = given->start[at]; i < given->start[at + 1] && !done; i++)
+                done = iso_packed_opacity(&given->layers[i]) > 0 &&
+                       iso_layer_add_packed(band->lists, x, y - band->rows.first, &given->layers[i], false);
         }
     return !band->lists->full;
 }
@@ -174,7 +171,7 @@ static bool list_surface(const layers_draw *draw, int number, const iso_splat_ba
                                  .most_layers = sorted ? surface->input->translucency.most_layers : 0,
                                  .tolerance = -1};
     iso_layer_lists_begin(band->lists, &pass);
-    if (surface->input->images) return list_given(surface, band);
+    if (surface->input->lists) return list_given(surface->input->lists, band);
     if (sorted) return iso_splats_list_sorted(surface, band);
     if (surface->input->groups->count == 0) return true;
     return iso_splats_list_images(surface, band, transparency == ISO_TRANSPARENCY_NEAREST);

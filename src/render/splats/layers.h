@@ -38,12 +38,12 @@ enum { ISO_SPLAT_LAYERS_GROUPS = 4 };
 /* Returns the default options of iso_groups_make for algorithms 2 and 3. */
 iso_groups_opts iso_splat_layers_grouping(iso_pool *pool);
 
-/* Layers of the modes groups and nearest that another engine has found: for each sample of the strip, row by
- * row, the nearest layer (NULL in the mode groups) and the mean of the groups' pictures. An opacity of 0:
- * none. */
-typedef struct iso_splat_images {
-    const iso_packed_fragment *nearest, *mean;
-} iso_splat_images;
+/* Layers that another engine has found, for the samples of the strip row by row: those of sample i are
+ * layers[start[i]] .. layers[start[i + 1] - 1], front to back. An opacity of 0: none. */
+typedef struct iso_splat_lists {
+    const iso_packed_fragment *layers;
+    const size_t *start;
+} iso_splat_lists;
 
 /* A translucent surface, with an opacity below 1. absorption_length is ignored; most_layers is used by the
  * mode sorted only. */
@@ -53,7 +53,7 @@ typedef struct iso_splat_layer {
                                  sorted */
     iso_rgb color;            /* of points without colours */
     iso_translucency translucency;
-    const iso_splat_images *images; /* NULL: the layers are found here */
+    const iso_splat_lists *lists; /* NULL: the layers are found here */
 } iso_splat_layer;
 
 /* The surfaces to draw and the picture to draw them into; all pointers are borrowed for the call. */
