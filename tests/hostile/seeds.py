@@ -151,6 +151,28 @@ def object_seeds(source, kind, option, picture):
                        "isorender " + option, picture)
 
 
+def gaussians_file():
+    """Four 3-D Gaussians, as trainers write them."""
+    names = "x y z f_dc_0 f_dc_1 f_dc_2 f_rest_0 opacity scale_0 scale_1 scale_2 rot_0 rot_1 rot_2 rot_3".split()
+    header = "ply\nformat binary_little_endian 1.0\nelement vertex 4\n"
+    header += "".join("property float %s\n" % name for name in names) + "end_header\n"
+    return header.encode() + b"".join(
+        struct.pack("<15f", i, 2 * i % 3, i % 2, 0.5, -0.5, i, 9, 2 - i, -1, 0, -0.5, 1, 0.5, i, 0) for i in range(4))
+
+
+def point_seeds(source, picture):
+    """Files of points as the input: the fuzzer's of glyphs, and some whose columns are named."""
+    points = (".ply", ".pcd", ".las", ".npy", ".pts", ".pwn", ".off", ".obj")
+    for seed in object_seeds(source, "glyphs", "--glyphs", picture):
+        if seed.names[0].endswith(points) or "ten.xyz" in seed.label or "points.xyz" in seed.label:
+            yield Seed(seed.label.replace("glyphs", "points"), seed.files, "isorender", picture)
+    yield Seed("isorender points gaussians", {"a.ply": gaussians_file()}, "isorender", picture)
+    yield Seed("isorender points edl", {"a.ply": gaussians_file()}, "isorender --method pullpush --shading edl", picture)
+    rows = b"1 2 3 0.5 7\n4 5 6 0.25 8\n7 8 8 0.75 9\n"
+    yield Seed("isorender points columns", {"a.xyz": rows}, "isorender --columns x,y,z,-,heat", picture)
+    yield Seed("isorender points table", {"a.csv": rows.replace(b" ", b",")}, "isorender --columns x,y,z,-,heat", picture)
+
+
 def make(programs, source, folder):
     """All seeds. `source` is the project's folder, `folder` one for what programs write."""
     picture = ["-o", "out.png", "--resolution", "24x24"]
@@ -170,6 +192,7 @@ def make(programs, source, folder):
     seeds.append(Seed("isorender ply", {"a.ply": points}, "isorender", picture))
     seeds += object_seeds(source, "lines", "--lines", picture)
     seeds += object_seeds(source, "glyphs", "--glyphs", picture)
+    seeds += point_seeds(source, picture)
     for kind in ("stl", "ply", "obj"):
         mesh = written(programs, folder, "m." + kind, "isorender", "scene:sphere:16", "--no-image", "--mesh")
         seeds.append(Seed("isosculpt " + kind, {"a." + kind: mesh}, "isosculpt",
