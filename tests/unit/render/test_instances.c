@@ -143,6 +143,41 @@ static void earlier_surfaces_hide_points(void **state) {
     }
 }
 
+/* Layers of points one behind the other, each near enough to the next one to be averaged with it, and a wall
+ * behind the fourth layer: layers that are farther behind the wall than a disc is thick are left out, also
+ * where nearer ones would join them with what is seen. */
+static void layers_behind_a_wall_are_left_out(void **state) {
+    (void)state;
+    enum { LAYERS = 10, SEEN = 5, ROW = 20 };
+    static iso_surfel surfels[LAYERS * ROW * ROW];
+    for (int i = 0; i < LAYERS * ROW * ROW; i++) /* the farthest layer first */
+        surfels[i] = (iso_surfel){{(float)(i % ROW - ROW / 2), (float)(i / ROW % ROW - ROW / 2),
+                                   (float)(20 + LAYERS - 1 - i / (ROW * ROW))},
+                                  {0, 0, -1}};
+    const iso_point_span spans[] = {{.count = LAYERS * ROW * ROW},
+                                    {.first = (LAYERS - SEEN) * ROW * ROW, .count = SEEN * ROW * ROW}};
+    for (int large = 0; large < 2; large++) {
+        const iso_view view = test_plain_view(100, 100, true, large ? 12 : 3);
+        iso_gbuffer pictures[2];
+        for (int k = 0; k < 2; k++) {
+            const iso_point_view points = {.surfels = surfels,
+                                           .spans = &spans[k],
+                                           .span_count = 1,
+                                           .transform = iso_transform_identity(),
+                                           .radius = 0.70710678};
+            const walled w = {&points, 23.2f, false};
+            pictures[k] = draw_behind_wall(&w, &view, NULL);
+        }
+        for (int i = 0; i < 100 * 100; i++) {
+            if (i % 100 % 50 < 12) continue; /* beside the wall all layers are averaged */
+            if (pictures[0].depth[i] != pictures[1].depth[i])
+                fail_msg("%g instead of %g at %d", (double)pictures[0].depth[i], (double)pictures[1].depth[i],
+                         i);
+        }
+        for (int k = 0; k < 2; k++) iso_gbuffer_free(&pictures[k]);
+    }
+}
+
 /* Points behind a wall are not drawn, and hardly looked at. */
 static void counts_tell_what_is_hidden(void **state) {
     (void)state;
@@ -366,6 +401,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(pyramid_hides_what_is_hidden),
         cmocka_unit_test(earlier_surfaces_hide_points),
+        cmocka_unit_test(layers_behind_a_wall_are_left_out),
         cmocka_unit_test(counts_tell_what_is_hidden),
         cmocka_unit_test(hidden_instances_are_not_missed),
         cmocka_unit_test(pictures_do_not_depend_on_earlier_ones),
