@@ -498,12 +498,74 @@ static void pictures_are_as_good(void **state) {
     }
 }
 
+/* ---- colours */
+
+/* A zone plate, whose rings are as narrow as two surfels at its sides: 0 .. 255. */
+static double zone_plate(double x, double y) {
+    return 127.5 + 127.5 * cos((x * x + y * y) * 0.9 * 3.14159265358979 / PLANE);
+}
+
+/* PSNR of a picture of the zone plate against its mean in every pixel, but at the border. */
+static double zone_plate_decibels(const iso_gbuffer *g, double focal, double cosine) {
+    enum { PARTS = 16, BORDER = 3 };
+    double square = 0;
+    int count = 0;
+    for (int y = BORDER; y < g->height - BORDER; y++)
+        for (int x = BORDER; x < g->width - BORDER; x++) {
+            double mean = 0;
+            for (int i = 0; i < PARTS * PARTS; i++)
+                mean += zone_plate((x + (i % PARTS + 0.5) / PARTS - g->width / 2.0) / focal,
+                                   (y + (i / PARTS + 0.5) / PARTS - g->height / 2.0) / (focal * cosine)) /
+                        (PARTS * PARTS);
+            const size_t at = (size_t)(y * g->width + x);
+            assert_true(g->surface[at] != ISO_SURFACE_NONE);
+            const double off = (double)(g->color[at] & 255) - mean;
+            square += off * off;
+            count++;
+        }
+    return 10 * log10(255.0 * 255.0 * count / square);
+}
+
+/* Coloured points, 16 to a pixel and more: the levels' colours are means; those of all points would alias. */
+static void colors_are_prefiltered(void **state) {
+    (void)state;
+    static iso_surfel surfels[PLANE * PLANE];
+    static iso_point_span spans[10 * 10 * 10];
+    static uint8_t colors[PLANE * PLANE][3];
+    for (int tilted = 0; tilted < 2; tilted++) {
+        const double cosine = tilted ? 0.5 : 1, sine = sqrt(1 - cosine * cosine), focal = 0.25;
+        const size_t span_count = make_plane(cosine, sine, surfels, spans);
+        for (size_t s = 0; s < span_count; s++)
+            for (size_t i = spans[s].first; i < spans[s].first + spans[s].count; i++) {
+                const float *p = surfels[i].position;
+                const double x = 16 * spans[s].brick[0] + (double)p[0],
+                             y = 16 * spans[s].brick[1] + (double)p[1];
+                memset(colors[i], (int)(zone_plate(x, y / cosine) + 0.5), sizeof colors[i]);
+            }
+        const iso_point_view points = {.surfels = surfels,
+                                       .spans = spans,
+                                       .span_count = span_count,
+                                       .transform = iso_transform_identity(),
+                                       .radius = 0.70710678,
+                                       .colors = (const uint8_t(*)[3])colors};
+        iso_lod lod = make_lod(&points, 1);
+        const iso_view view =
+            test_plain_view((int)(PLANE * focal), (int)(PLANE * focal * cosine), true, focal);
+        size_t drawn;
+        iso_gbuffer g = draw_cut(&lod, &view, 1, &drawn);
+        const double db = zone_plate_decibels(&g, focal, cosine);
+        if (db < 26) fail_msg("%.1f dB", db);
+        iso_gbuffer_free(&g);
+        iso_lod_free(&lod);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(levels_are_means),     cmocka_unit_test(discs_contain_discs),
         cmocka_unit_test(changes_are_followed), cmocka_unit_test(odd_points),
         cmocka_unit_test(levels_have_no_holes), cmocka_unit_test(cuts_have_everything_once),
-        cmocka_unit_test(pictures_are_as_good),
+        cmocka_unit_test(pictures_are_as_good), cmocka_unit_test(colors_are_prefiltered),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
