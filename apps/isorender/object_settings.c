@@ -160,12 +160,16 @@ static iso_status set_lines(const isorender_object_options *options, int number,
                             isorender_object_settings *object, iso_error *error) {
     static const char *const names[] = {"round", "flat", NULL};
     static const char *const styles[] = {"tube", "ribbon", "line", NULL};
+    static const char *const shadings[] = {"round", "illuminated", NULL};
     const char *value = isorender_value_for(&options->caps, number),
-               *style = isorender_value_for(&options->line_styles, number);
-    int caps = 0, chosen = ISORENDER_STYLE_TUBE;
+               *style = isorender_value_for(&options->line_styles, number),
+               *shading = isorender_value_for(&options->line_shadings, number);
+    int caps = 0, chosen = ISORENDER_STYLE_TUBE, shaded = ISO_LINE_ROUND;
     if (value) ISO_TRY(choose("caps", value, names, &caps, error));
     if (style) ISO_TRY(choose("line-style", style, styles, &chosen, error));
+    if (shading) ISO_TRY(choose("line-shading", shading, shadings, &shaded, error));
     object->caps = (iso_caps)caps;
+    object->shading = (iso_line_shading)shaded;
     object->style = (isorender_line_style)chosen;
     ISO_TRY(set_streamlines(options, number, &object->field, error));
     ISO_TRY(isorender_parse_opacity("line-opacity", isorender_value_for(&options->line_opacities, number),
@@ -228,6 +232,7 @@ static iso_status check_counts(const isorender_object_options *o, const int coun
         {"line-color", &o->line_colors, "--lines", lines},
         {"line-opacity", &o->line_opacities, "--lines", lines},
         {"line-style", &o->line_styles, "--lines", lines},
+        {"line-shading", &o->line_shadings, "--lines", lines},
         {"caps", &o->caps, "--lines", lines},
         {"streamlines", &o->streamlines, "--lines", lines},
         {"streamline-length", &o->streamline_lengths, "--lines", lines},

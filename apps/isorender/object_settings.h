@@ -57,6 +57,7 @@ typedef struct isorender_object_settings {
     double range[2]; /* the numbers at both ends of the colormap; NAN: the smallest and the largest number */
     isorender_line_style style; /* of lines */
     iso_caps caps;              /* of tubes */
+    iso_line_shading shading;   /* of tubes, by pull-push */
     bool glyph_given;
     iso_glyph glyph; /* of glyphs, if given */
     iso_glyph_projection projection;
@@ -72,7 +73,8 @@ typedef struct isorender_object_options {
     isorender_object_kind kinds[ISORENDER_OBJECTS];
     int count;
     bool has_cloud; /* the input is a file of points, which comes before the objects in the order of values */
-    iso_texts tube_radii, line_colors, line_opacities, line_styles, caps;      /* by number of the lines */
+    /* by number of the lines */
+    iso_texts tube_radii, line_colors, line_opacities, line_styles, line_shadings, caps;
     iso_texts glyph_radii, glyph_colors, glyph_opacities, glyphs, projections; /* by number of the glyphs */
     iso_texts mesh_colors, mesh_opacities;                                     /* by number of the mesh */
     /* of volumes of vectors, by the same numbers as those of lines, of glyphs, and of both */

@@ -142,7 +142,8 @@ static iso_status prepare_lines(isorender_object *object, double line_min_pixels
     iso_lines drawn = object->lines;
     iso_shapes_opts opts = {.radius = isnan(given) ? usual : given,
                             .min_pixels = line_min_pixels,
-                            .caps = object->settings->caps};
+                            .caps = object->settings->caps,
+                            .shading = object->settings->shading};
     if (style == ISORENDER_STYLE_LINE) { /* no size in space */
         drawn.radii = NULL;
         opts.radius = 0;

@@ -313,12 +313,23 @@ static iso_status check_glass(const isorender_settings *settings, iso_error *err
     return ISO_OK;
 }
 
+static iso_status check_line_shading(const isorender_settings *settings, iso_error *error) {
+    if (settings->method == ISO_METHOD_PULLPUSH) return ISO_OK;
+    for (int i = 0; i < settings->object_options.count; i++)
+        if (settings->objects[i].shading == ISO_LINE_ILLUMINATED)
+            return iso_fail(
+                error, ISO_ERR_USAGE,
+                "--line-shading illuminated is for lines by pull-push: it needs --method pullpush");
+    return ISO_OK;
+}
+
 static iso_status check_objects(isorender_settings *settings, iso_error *error) {
     ISO_TRY(isorender_objects_resolve(&settings->object_options, settings->objects, &settings->cloud, error));
     if (!settings->object_options.count) return ISO_OK;
     if (settings->ior > 0)
         return iso_fail(error, ISO_ERR_USAGE,
                         "--ior draws glass alone: no --lines, --glyphs and --surface beside it");
+    ISO_TRY(check_line_shading(settings, error));
     const char *opacity = isorender_object_opacity_option(settings);
     if (opacity && (strcmp(settings->backend, "egl") == 0 || strcmp(settings->backend, "osmesa") == 0))
         return iso_fail(error, ISO_ERR_USAGE, "--backend %s draws no translucent objects: %s needs the cpu",

@@ -15,6 +15,13 @@ for style in tube ribbon line; do
 done
 render threads --tube-radius 0.3 --line-style tube --method pullpush --threads 2
 cmp drawn_tube.png threads.png
+# illuminated lines: other shading in the same samples; exact shapes have none
+render lit --tube-radius 0.3 --method pullpush --line-shading illuminated
+if cmp -s drawn_tube.png lit.png; then exit 1; fi
+code=0
+isorender --lines in/zigzag.obj none.png --line-shading illuminated 2>notes || code=$?
+[ $code -eq 2 ]
+grep -q "line-shading illuminated is for lines by pull-push" notes
 isorender --lines in/zigzag.obj --scene sphere both.png --method pullpush --resolution 128x128 --aov both.exr --json=both.json --quiet
 python3 - <<'E'
 import json
@@ -24,6 +31,7 @@ for style in ("tube", "ribbon", "line"):
     assert abs(drawn - exact) <= (0.3 if style == "ribbon" else 0.15) * exact + 20, (style, exact, drawn)
     assert "widened_samples" not in read("drawn_" + style)
 assert read("both")["samples"] > 0
+assert read("lit")["samples"] == read("drawn_tube")["samples"]
 E
 code=0
 isorender --lines in/zigzag.obj none.png --method splats 2>notes || code=$?

@@ -2,6 +2,7 @@
 #include "render/pullpush/kernel.h"
 
 #include "base/simd.h"
+#include "render/shading/phong.h"
 
 /* Keys store a point's position within its pixel in 1/32 (pyramid.h). */
 enum { PP_PART_BITS = 5, PP_PARTS = 1 << PP_PART_BITS };

@@ -53,6 +53,7 @@ typedef struct iso_pullpush_params {
     float low_pass;     /* added to the squared axes of ellipses, pixels^2 */
     float least_radius; /* pixels: a pixel with a smaller mean radius has no ellipse */
     float facing, edge; /* the same towards the silhouette, for discs seen face-on and edge-on */
+    bool illuminated;   /* tubes get the normals of illuminated lines */
     float weight[4];    /* weight of a pixel at q (pyramid.h), 0 <= q < 1: a cubic, constant term first */
 } iso_pullpush_params;
 

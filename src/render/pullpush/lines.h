@@ -10,7 +10,11 @@
  * - the discs of ribbons and of flat caps get shorter towards the ends of a line, so that it ends there;
  * - tangents and normals have no sign, and are turned to the frontmost one's side before they are averaged;
  * - each sample is moved from the line's depth to the nearest side of the tube around it, or onto the plane
- *   of the ribbon, and gets the normal there, for shading with any lights. */
+ *   of the ribbon, and gets the normal there, for shading with any lights.
+ * With ISO_LINE_ILLUMINATED tubes get the paper's normals instead (section 4.2, figure 11): the direction to
+ * the key light, projected onto the plane perpendicular to the tangent. A tube is then as bright across its
+ * whole width as its brightest place in that light, which suits lines of few pixels. Where this place is on
+ * the side that the eye does not see, the two-sided shading leaves the key light out. */
 #ifndef ISO_RENDER_PULLPUSH_LINES_H
 #define ISO_RENDER_PULLPUSH_LINES_H
 

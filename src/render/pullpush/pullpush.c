@@ -97,6 +97,7 @@ static iso_status prepare_lines(pullpush_call *call, iso_error *error) {
     call->params = iso_pullpush_params_make(&layout, &call->projector, 0, ISO_RECONSTRUCTION_GAUSSIAN, true);
     call->params.kind =
         call->lines->lines->opts.style == ISO_LINE_RIBBON ? ISO_PULLPUSH_RIBBONS : ISO_PULLPUSH_TUBES;
+    call->params.illuminated = call->lines->lines->opts.shading == ISO_LINE_ILLUMINATED;
     call->params.pyramid = call->pyramid;
     call->params.target = call->target;
     call->lines->view = call->target->view;

@@ -37,6 +37,9 @@ typedef enum iso_caps { ISO_CAPS_ROUND, ISO_CAPS_FLAT } iso_caps;
  * line: a bilinear patch for each segment, shaded from both sides. */
 typedef enum iso_line_style { ISO_LINE_TUBE, ISO_LINE_RIBBON } iso_line_style;
 
+/* How lines in the pyramid of pull-push are shaded (render/pullpush/lines.h). */
+typedef enum iso_line_shading { ISO_LINE_ROUND, ISO_LINE_ILLUMINATED } iso_line_shading;
+
 typedef struct iso_shapes_opts {
     double radius;   /* mm; of glyphs and lines without radii; half the width of ribbons; NAN: the usual one
                         (base/lines.h) */
@@ -48,7 +51,8 @@ typedef struct iso_shapes_opts {
      * drawn as they are, with gaps where they miss the centres of pixels. A ribbon has it where it is seen
      * from the front: from its edge it has no width. */
     double min_pixels;
-    iso_caps caps; /* of the ends of tubes */
+    iso_caps caps;            /* of the ends of tubes */
+    iso_line_shading shading; /* of tubes in pull-push's pyramid; exact shapes are always round */
 } iso_shapes_opts;
 
 /* A set of shapes that is prepared for drawing: sorted into blocks of neighbours, which are culled as one.
