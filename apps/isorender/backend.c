@@ -18,6 +18,7 @@ static bool has_no_surface(const isorender_settings *settings) {
 /* Whether OpenGL has the method. Of pictures without one it draws those that ask for it. */
 static bool has_gl(const isorender_settings *settings) {
     if (has_no_surface(settings)) return is_any(settings->backend, "egl", "osmesa");
+    if (settings->one_pyramid) return false;
     if (settings->method == ISO_METHOD_SPLATS) return !settings->group_bins;
     if (settings->method == ISO_METHOD_PULLPUSH) return !(settings->lod > 0);
     return settings->method == ISO_METHOD_POINTS || settings->method == ISO_METHOD_MESH;
@@ -58,6 +59,9 @@ iso_status isorender_backend_check(isorender_settings *settings, iso_error *erro
         return iso_fail(
             error, ISO_ERR_USAGE,
             "--backend %s draws translucent surfaces with --method splats only: others need the cpu", name);
+    if (gl && settings->one_pyramid)
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "--backend %s draws each set alone: --one-pyramid needs the cpu", name);
     if ((gl || needed) && settings->method == ISORENDER_METHOD_UNCHOSEN && !has_no_surface(settings))
         settings->method = settings->strips ? ISO_METHOD_MESH : ISO_METHOD_POINTS;
     if (gl && !has_gl(settings))

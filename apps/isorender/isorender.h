@@ -50,6 +50,7 @@ typedef struct isorender_surface {
     iso_lod lod;       /* of the points, for pullpush; without levels unless --lod wants them */
     iso_lod_cut cut;   /* of the levels, for the picture that is being drawn */
     iso_box bounds;    /* in the world, mm */
+    bool in_pyramid;   /* drawn with other sets in one pyramid (pyramid_sets.c) */
 } isorender_surface;
 
 /* One picture of a turntable, or the only picture. */
@@ -130,6 +131,14 @@ iso_status isorender_run(const isorender_settings *settings, const isorender_pla
 iso_status isorender_open(isorender_job *job, iso_error *error);
 /* Reads voxels or points, and logs the reader's notes. */
 iso_status isorender_read(isorender_job *job, iso_error *error);
+
+/* ---- pyramid_sets.c */
+
+/* Marks what is drawn in one pyramid: with --one-pyramid the input's surfaces, meshes of files and ribbons. */
+void isorender_pyramid_choose(isorender_job *job);
+/* Draws it, on the cpu; nothing if there is none. ISO_ERR_NOMEM. */
+iso_status isorender_pyramid_draw(isorender_job *job, const iso_view *view, iso_gbuffer *gbuffer,
+                                  iso_error *error);
 
 /* ---- surface.c */
 

@@ -195,13 +195,16 @@ iso_box isorender_object_bounds_along(const isorender_object *object, const iso_
     return box;
 }
 
+void isorender_object_count(isorender_object *object, const iso_gbuffer *gbuffer, int surface) {
+    for (size_t i = 0; i < (size_t)gbuffer->width * (size_t)gbuffer->height; i++)
+        object->drawn.samples += gbuffer->surface[i] == surface;
+}
+
 /* Draws lines by pull-push, and counts the samples that show them. */
 static iso_status draw_pyramid_lines(isorender_object *object, const iso_target *target,
                                      iso_pullpush *workspace, iso_error *error) {
-    const iso_gbuffer *g = target->gbuffer;
     ISO_TRY(iso_draw_pyramid_lines(target, object->pyramid_lines, workspace, error));
-    for (size_t i = 0; i < (size_t)g->width * (size_t)g->height; i++)
-        object->drawn.samples += g->surface[i] == target->surface;
+    isorender_object_count(object, target->gbuffer, target->surface);
     return ISO_OK;
 }
 
@@ -215,11 +218,11 @@ iso_status isorender_object_draw(isorender_object *object, const iso_target *tar
 }
 
 void isorender_object_number(const isorender_object *object, uint32_t surface, iso_aov *aov) {
-    if (object->pyramid_lines)
+    if (object->pyramid_lines || object->in_pyramid)
         iso_aov_unnumber(aov, surface);
     else if (has_lines(object))
         iso_aov_number_lines(aov, surface, &object->lines);
-    if (object->spans.numbers) iso_aov_renumber(aov, surface, object->spans.numbers);
+    if (object->spans.numbers && !object->in_pyramid) iso_aov_renumber(aov, surface, object->spans.numbers);
 }
 
 void isorender_object_free(isorender_object *object) {

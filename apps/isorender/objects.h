@@ -45,11 +45,12 @@ typedef struct isorender_object {
     const char *color_by;             /* borrowed: the attribute with numbers to be coloured; NULL: none */
     iso_shapes *shapes;               /* of lines and glyphs; NULL before isorender_object_prepare */
     iso_pyramid_lines *pyramid_lines; /* of lines, if they are drawn by pull-push */
-    iso_shapes_drawn drawn;           /* totals of opaque lines and glyphs, over all frames */
-    iso_shapes_layered layered;       /* the same of translucent lines and glyphs, and of meshes */
-    iso_triangle_spans spans;         /* of meshes */
-    iso_box bounds;                   /* world box of what is drawn */
-    iso_rgb color;                    /* of elements without a colour of their own */
+    bool in_pyramid;            /* a mesh or ribbons, drawn in one pyramid with others (pyramid_sets.c) */
+    iso_shapes_drawn drawn;     /* totals of opaque lines and glyphs, over all frames */
+    iso_shapes_layered layered; /* the same of translucent lines and glyphs, and of meshes */
+    iso_triangle_spans spans;   /* of meshes */
+    iso_box bounds;             /* world box of what is drawn */
+    iso_rgb color;              /* of elements without a colour of their own */
     bool has_bar;
     iso_color_bar bar; /* the legend of its colours, if has_bar */
 } isorender_object;
@@ -77,6 +78,9 @@ iso_box isorender_object_bounds_along(const isorender_object *object, const iso_
 /* Draws the object by iso_draw_shapes, iso_draw_pyramid_lines or iso_draw_mesh. `workspace`: of pull-push. */
 iso_status isorender_object_draw(isorender_object *object, const iso_target *target, iso_pullpush *workspace,
                                  iso_error *error);
+
+/* Adds the samples of a gbuffer that show a surface, by its number, to the object's total of drawn samples. */
+void isorender_object_count(isorender_object *object, const iso_gbuffer *gbuffer, int surface);
 
 /* In `aov`, gives the elements of a surface, whose number counts from 1, the numbers that they have in the
  * file. */

@@ -314,12 +314,23 @@ static iso_status check_glass(const isorender_settings *settings, iso_error *err
 }
 
 static iso_status check_line_shading(const isorender_settings *settings, iso_error *error) {
-    if (settings->method == ISO_METHOD_PULLPUSH) return ISO_OK;
+    if (settings->method == ISO_METHOD_PULLPUSH || settings->method == ISO_METHOD_HYBRID) return ISO_OK;
     for (int i = 0; i < settings->object_options.count; i++)
         if (settings->objects[i].shading == ISO_LINE_ILLUMINATED)
             return iso_fail(
                 error, ISO_ERR_USAGE,
-                "--line-shading illuminated is for lines by pull-push: it needs --method pullpush");
+                "--line-shading illuminated is for lines by pull-push: it needs --method pullpush or hybrid");
+    return ISO_OK;
+}
+
+static iso_status check_one_pyramid(const isorender_settings *settings, iso_error *error) {
+    const bool pullpush = settings->method == ISO_METHOD_PULLPUSH &&
+                          settings->reconstruction != (int)ISO_RECONSTRUCTION_REFINED;
+    if (!settings->one_pyramid) return ISO_OK;
+    if (!pullpush && settings->method != ISO_METHOD_HYBRID)
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "--one-pyramid is for --method hybrid, and for pullpush with --reconstruction "
+                        "gaussian or box: refined discs are not made in the pyramid");
     return ISO_OK;
 }
 
@@ -356,5 +367,6 @@ iso_status isorender_settings_check(isorender_settings *settings, const iso_oper
     ISO_TRY(check_glass(settings, error));
     ISO_TRY(check_objects(settings, error));
     ISO_TRY(check_lighting(settings, error));
+    ISO_TRY(check_one_pyramid(settings, error));
     return check_opacity(settings, error);
 }

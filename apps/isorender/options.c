@@ -344,6 +344,11 @@ static const iso_option options[] = {
      "gaussian (equal or Gaussian weights in ellipses; Marroquim 2008); how splats does: groups (deferred "
      "blending of groups of discs that do not overlap)",
      .group = PICTURE, .standard = "refined, or groups", CHOICE(reconstruction, reconstructions)},
+    {"one-pyramid", NULL, NULL,
+     "pullpush by box or gaussian, and hybrid, draw the input's surfaces, meshes and ribbons in one image "
+     "pyramid (2008, section 5.1: to compare it) instead of each alone with the nearer one kept, which loses "
+     "less around outlines",
+     .group = PICTURE, FLAG(one_pyramid)},
     {"groups", NULL, "N",
      "most groups of splats; 64: as many as it takes so that no discs of a group overlap", .group = PICTURE,
      .standard = "8, with --transparency 4", INT(groups, 1, ISO_GROUPS_MOST)},

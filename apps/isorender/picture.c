@@ -50,11 +50,13 @@ iso_status isorender_draw_from(isorender_job *job, int first, const iso_view *vi
                                iso_error *error) {
     for (int i = first; i < job->surface_count; i++) {
         isorender_surface *surface = &job->surfaces[i];
+        if (surface->in_pyramid) continue;
         const iso_target target = {view, gbuffer, job->pool, (uint8_t)i};
         const iso_subject subject = subject_of(job, surface);
         ISO_TRY(job->renderer->draw(&subject, &target, error));
     }
-    for (int i = 0; i < job->object_count; i++) ISO_TRY(draw_object(job, i, view, gbuffer, error));
+    for (int i = 0; i < job->object_count; i++)
+        if (!job->objects[i].in_pyramid) ISO_TRY(draw_object(job, i, view, gbuffer, error));
     return ISO_OK;
 }
 
@@ -62,6 +64,7 @@ iso_status isorender_draw_from(isorender_job *job, int first, const iso_view *vi
 static iso_status draw(void *context, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
     isorender_job *job = context;
     if (job->backend->engine) return isorender_gl_draw(job, view, gbuffer, error);
+    ISO_TRY(isorender_pyramid_draw(job, view, gbuffer, error));
     return isorender_draw_from(job, 0, view, gbuffer, error);
 }
 
@@ -361,14 +364,15 @@ uint64_t isorender_picture_bytes(const isorender_job *job) {
             iso_glass_scene_bytes((iso_refraction)settings->refraction, pixels * (uint64_t)settings->samples);
     if (job->backend->engine && settings->object_options.count) bytes += samples < STRIP ? samples : STRIP;
     if (job->backend->engine) return bytes + isorender_gl_bytes(job);
-    if (job->method == ISO_METHOD_HYBRID)
-        bytes += samples < STRIP ? samples : STRIP; /* the triangles' picture */
     if (job->method != ISO_METHOD_PULLPUSH && job->method != ISO_METHOD_HYBRID) return bytes;
-    enum { PYRAMID = 24, LINES = 104 }; /* bytes a sample; drawn in parts as well */
-    bool lines = false;
-    for (int i = 0; i < settings->object_options.count; i++)
-        lines |= settings->object_options.kinds[i] == ISORENDER_LINES;
-    uint64_t pyramid = pixels * (uint64_t)settings->samples * (lines ? LINES : PYRAMID);
+    enum { PYRAMID = 24, SETS = 104 }; /* bytes a sample; drawn in parts as well */
+    bool sets = false, meshes = job->method == ISO_METHOD_HYBRID;
+    for (int i = 0; i < settings->object_options.count; i++) {
+        sets |= settings->object_options.kinds[i] != ISORENDER_GLYPHS;
+        meshes |= settings->object_options.kinds[i] == ISORENDER_MESH;
+    }
+    if (meshes) bytes += samples < STRIP ? samples : STRIP; /* the triangles' picture */
+    uint64_t pyramid = pixels * (uint64_t)settings->samples * (sets ? SETS : PYRAMID);
     return bytes + (pyramid < STRIP ? pyramid : STRIP);
 }
 

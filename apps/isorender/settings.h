@@ -89,6 +89,7 @@ typedef struct isorender_settings {
                            ISORENDER_METHOD_UNCHOSEN then */
     int lighting;       /* iso_lighting */
     int reconstruction; /* iso_reconstruction, of pullpush; of splats ISORENDER_RECONSTRUCTION_GROUPS */
+    int one_pyramid;    /* of pullpush and hybrid */
     /* Of splats: iso_groups_opts, and iso_splats_opts.bins. 0: not given. */
     int groups, group_bins, group_opposite;
     double group_overlap;

@@ -33,6 +33,46 @@ for style in ("tube", "ribbon", "line"):
 assert read("both")["samples"] > 0
 assert read("lit")["samples"] == read("drawn_tube")["samples"]
 E
+# points or a hybrid surface, a mesh and ribbons in one pyramid: nearly the picture of each drawn alone
+cat > in/plate.stl <<'E'
+solid plate
+facet normal 0 0 1
+outer loop
+vertex -60 -60 8
+vertex 70 -50 12
+vertex 0 70 3
+endloop
+endfacet
+endsolid plate
+E
+printf 'v -70 -70 0\nv 70 -60 20\nv -60 70 40\nv 60 60 -60\nl 1 2\nl 3 4\nl 1 3\n' >in/around.obj
+together() { # NAME OPTION..
+    local name=$1
+    shift
+    isorender --scene sphere $name.png --surface in/plate.stl --lines in/around.obj --line-style ribbon --tube-radius 2 \
+        --resolution 200x160 --json=$name.json --quiet "$@"
+}
+for method in "pullpush --reconstruction gaussian" hybrid; do
+    together alone_${method%% *} --method $method
+    together one_${method%% *} --method $method --one-pyramid --aov one.exr
+    together two_threads --method $method --one-pyramid --threads 2
+    cmp one_${method%% *}.png two_threads.png
+done
+python3 - <<'E'
+import json
+read = lambda name: json.load(open(name + ".json"))
+for method in ("pullpush", "hybrid"):
+    alone, one = read("alone_" + method), read("one_" + method)
+    assert abs(alone["image"]["covered"] - one["image"]["covered"]) * 200 < alone["image"]["covered"], method
+    wanted, got = (report["objects"][1]["samples"] for report in (alone, one))
+    assert wanted > 50 and abs(wanted - got) * 10 <= wanted, (method, wanted, got)
+E
+for options in "--method pullpush" "--method exact" "" "--method hybrid --backend osmesa"; do
+    code=0
+    together none --one-pyramid $options 2>notes || code=$?
+    [ $code -eq 2 ]
+    grep -q "one-pyramid" notes
+done
 code=0
 isorender --lines in/zigzag.obj none.png --method splats 2>notes || code=$?
 [ $code -eq 2 ]

@@ -11,7 +11,8 @@ enum { PP_PART_BITS = 5, PP_PARTS = 1 << PP_PART_BITS };
 typedef enum pp_sides {
     PP_ONE,
     PP_TWO,
-    PP_NONE /* normals have no sign */
+    PP_NONE, /* normals have no sign */
+    PP_SETS  /* surfaces as PP_TWO, and ribbons as PP_NONE, side by side */
 } pp_sides;
 
 /* How far ellipses of lines reach along the line, in pixels of their level. */

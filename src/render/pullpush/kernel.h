@@ -17,7 +17,8 @@ typedef struct iso_point_projection {
     const iso_pyramid *pyramid;
     bool cull; /* leave out back-facing points */
     bool orthographic;
-    float near; /* depth of the near plane, mm */
+    float near;    /* depth of the near plane, mm */
+    int32_t first; /* added to the points' numbers in the index */
     /* From index coordinates to view space, with x and y in pixels of the base level at depth 1
      * (orthographic: at any depth) and z in mm; `step` is the same matrix for positions in steps. */
     double matrix[9], origin[3];
@@ -35,7 +36,10 @@ typedef enum iso_pullpush_kind {
     /* Line fragments. Tangents of tubes and normals of ribbons have no sign: before they are averaged, each
      * is turned to the side of the frontmost. */
     ISO_PULLPUSH_TUBES,
-    ISO_PULLPUSH_RIBBONS
+    ISO_PULLPUSH_RIBBONS,
+    /* Several sets: surfaces, two-sided, and ribbons. Pixels of different sets are never averaged: the
+     * frontmost decides which set a coarser pixel shows. */
+    ISO_PULLPUSH_SETS
 } iso_pullpush_kind;
 
 /* Parameters of the other steps. */

@@ -3,6 +3,7 @@
 #include "render/pullpush/line_fragments.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/memory.h"
@@ -73,11 +74,12 @@ static double radius_at(const iso_line_frame *frame, const place *p) {
     return iso_max(p->radius, 0.5 * frame->lines->opts.min_pixels * pixel_at(frame->view, p->at[2]));
 }
 
-/* Adds a vertex of a segment to the box of a run in the picture: columns, then rows. A segment that reaches
+/* Adds a vertex of a segment to the box of a run in the picture: columns, rows, and the least depth. A segment that reaches
  * in front of the near plane can be anywhere. */
-static void add_to_box(const iso_line_frame *frame, const place *p, double box[4], double radius[2]) {
+static void add_to_box(const iso_line_frame *frame, const place *p, double box[5], double radius[2]) {
     const iso_view *view = frame->view;
     const double z = p->at[2];
+    box[4] = iso_min(box[4], z);
     if (!(z >= view->near)) {
         box[0] = box[2] = -INFINITY;
         box[1] = box[3] = INFINITY;
@@ -107,7 +109,7 @@ static void find_run(void *context, size_t index, int worker) {
     const iso_pyramid_lines *set = frame->lines;
     const iso_view *view = frame->view;
     const size_t first = index * ISO_LINE_RUN, count = set->lines.vertex_count;
-    double box[4] = {INFINITY, -INFINITY, INFINITY, -INFINITY}, radius[2] = {MOST_PIXELS, 0};
+    double box[5] = {INFINITY, -INFINITY, INFINITY, -INFINITY, INFINITY}, radius[2] = {MOST_PIXELS, 0};
     for (size_t i = first; i < first + ISO_LINE_RUN && i < count; i++) {
         place p;
         if (!set->segments[i] && !(i > first && set->segments[i - 1])) continue;
@@ -122,9 +124,25 @@ static void find_run(void *context, size_t index, int worker) {
     }
     const int height = view->above + view->height + view->below;
     const bool seen = box[1] >= 0 && box[0] <= view->width && box[3] >= 0 && box[2] <= height;
-    frame->rows[index] = seen ? (iso_line_rows){(float)box[2], (float)box[3]} : (iso_line_rows){1, 0};
+    frame->rows[index] = seen ? (iso_line_rows){(float)box[2], (float)box[3], (float)box[4], (uint32_t)index}
+                              : (iso_line_rows){1, 0, INFINITY, (uint32_t)index};
     search->radius[index][0] = seen ? (float)radius[0] : (float)MOST_PIXELS;
     search->radius[index][1] = seen ? (float)radius[1] : 0;
+}
+
+static int compare_rows(const void *a, const void *b) {
+    const iso_line_rows *first = a, *second = b;
+    if (first->depth != second->depth) return first->depth < second->depth ? -1 : 1;
+    return first->run < second->run ? -1 : first->run > second->run;
+}
+
+/* Leaves out runs that are not seen, and sorts the others. */
+static void sort_runs(iso_line_frame *frame) {
+    size_t seen = 0;
+    for (size_t i = 0; i < frame->runs; i++)
+        if (frame->rows[i].lo <= frame->rows[i].hi) frame->rows[seen++] = frame->rows[i];
+    frame->runs = seen;
+    qsort(frame->rows, seen, sizeof *frame->rows, compare_rows);
 }
 
 iso_status iso_line_frame_make(const iso_pyramid_lines *lines, const iso_target *target,
@@ -138,6 +156,7 @@ iso_status iso_line_frame_make(const iso_pyramid_lines *lines, const iso_target 
         iso_free(search.radius);
         return iso_fail_memory(error, "lines");
     }
+    for (int k = 0; k < 9; k++) made.normal[k] = target->view->rotation[k % 3 * 3 + k / 3];
     iso_parallel_for(target->pool, runs, find_run, &search);
     made.radius[0] = (float)MOST_PIXELS;
     for (size_t i = 0; i < runs; i++) {
@@ -145,6 +164,7 @@ iso_status iso_line_frame_make(const iso_pyramid_lines *lines, const iso_target 
         made.radius[1] = fmaxf(made.radius[1], search.radius[i][1]);
     }
     iso_free(search.radius);
+    sort_runs(&made);
     *frame = made;
     return ISO_OK;
 }
@@ -258,10 +278,10 @@ static void make_shape(const line_pen *pen, const segment *s, const place *p, do
 }
 
 /* Bits 0 .. 21 of a key's payload. `n` is in view space. */
-static uint32_t pack_direction(const iso_view *view, const double n[3]) {
+static uint32_t pack_direction(const double m[9], const double n[3]) {
     iso_surfel surfel = {.position = {0}};
-    const double *m = view->rotation;
-    for (int k = 0; k < 3; k++) surfel.normal[k] = (float)(m[k] * n[0] + m[3 + k] * n[1] + m[6 + k] * n[2]);
+    for (int k = 0; k < 3; k++)
+        surfel.normal[k] = (float)(m[3 * k] * n[0] + m[3 * k + 1] * n[1] + m[3 * k + 2] * n[2]);
     return (uint32_t)(iso_point_pack(&surfel).bits >> 42);
 }
 
@@ -294,29 +314,38 @@ static void write_planes(const line_pen *pen, const segment *s, const place *p, 
     plane[ISO_PLANE_INTERVAL][at] = (float)iso_min(iso_max(radius, 2 * rise), MOST_RADII * radius);
     for (int k = 0; k < 6; k++) plane[ISO_PLANE_SHAPE_XX + k][at] = shape[k];
     for (int k = 0; k < 3 && plane[ISO_PLANE_RED]; k++) plane[ISO_PLANE_RED + k][at] = (float)p->color[k];
+    if (plane[ISO_PLANE_SET]) plane[ISO_PLANE_SET][at] = (float)pen->frame->set;
 }
 
-/* Depth and payload of a fragment at `x`, `y`. */
-static int64_t make_key(const iso_view *view, const place *p, double x, double y) {
-    const float depth = (float)p->at[2];
+/* Bits 32 .. 63 of a key: the depth's, in an order that integers have. */
+static int64_t key_depth(float depth) {
     int32_t bits;
     memcpy(&bits, &depth, sizeof bits);
     bits ^= bits >> 31 & INT32_MAX;
-    const uint32_t column = (uint32_t)((x - floor(x)) * 32) & 31, row = (uint32_t)((y - floor(y)) * 32) & 31;
-    return (int64_t)bits * ((int64_t)1 << 32) +
-           (int64_t)(pack_direction(view, p->n) | column << 22 | row << 27);
+    return (int64_t)bits * ((int64_t)1 << 32);
 }
 
-/* Draws the fragment at u of a segment, at `x`, `y` of the base level. */
+/* Bits 0 .. 31: normal, and place in the pixel. */
+static int64_t key_payload(const double normal[9], const place *p, double x, double y) {
+    const uint32_t column = (uint32_t)((x - floor(x)) * 32) & 31, row = (uint32_t)((y - floor(y)) * 32) & 31;
+    return (int64_t)(pack_direction(normal, p->n) | column << 22 | row << 27);
+}
+
+/* Draws the fragment at u of a segment, at `x`, `y` of the base level. Its depth alone is computed first: most
+ * fragments of dense lines are hidden. */
 static void draw_fragment(const line_pen *pen, const segment *s, double u, double x, double y) {
     if (!(x >= 0 && x < pen->level->width && y >= pen->first_row && y < pen->last_row + 1.0)) return;
     const int column = (int)x, row = (int)y - pen->rows_before;
+    const size_t there = (size_t)row * pen->pyramid->key_stride + (size_t)column;
+    int64_t *key = pen->pyramid->keys + there;
+    const int64_t depth = key_depth((float)mix(s->a.at[2], s->b.at[2], u));
+    if (depth >= *key) return;
     place p = mix_places(&s->a, &s->b, u);
-    int64_t *key = pen->pyramid->keys + (size_t)row * pen->pyramid->key_stride + (size_t)column;
     correct_direction(s, pen->frame->lines->opts.style == ISO_LINE_RIBBON, p.n);
-    const int64_t made = make_key(pen->frame->view, &p, x, y);
+    const int64_t made = depth + key_payload(pen->frame->normal, &p, x, y);
     if (made >= *key) return;
     *key = made;
+    if (pen->pyramid->index) pen->pyramid->index[there] = ISO_INDEX_NONE;
     write_planes(pen, s, &p, u, (size_t)row * pen->level->stride + (size_t)column);
 }
 
@@ -371,12 +400,15 @@ static void draw_run(const line_pen *pen, size_t run) {
     const iso_pyramid_lines *set = pen->frame->lines;
     const size_t first = run * ISO_LINE_RUN, count = set->lines.vertex_count;
     const bool flat = set->opts.style == ISO_LINE_RIBBON || set->opts.caps == ISO_CAPS_FLAT;
+    place next; /* the last vertex that was placed */
     for (size_t i = first; i < first + ISO_LINE_RUN && i < count; i++) {
         segment s;
         const int flags = set->segments[i];
         if (!flags) continue;
-        place_vertex(pen->frame, i, &s.a);
-        place_vertex(pen->frame, i + 1, &s.b);
+        if (i == first || !set->segments[i - 1]) place_vertex(pen->frame, i, &next);
+        s.a = next;
+        place_vertex(pen->frame, i + 1, &next);
+        s.b = next;
         s.before = (double)set->before[i];
         s.after = (double)set->after[i];
         s.curve = iso_min((double)set->curves[i], (double)set->curves[i + 1]);
@@ -404,5 +436,6 @@ void iso_line_fragments_project(const iso_line_frame *frame, const iso_pyramid *
     const double top = (double)(pen.first_row << layout->base) - layout->guard - 2,
                  bottom = (double)((pen.last_row + 1) << layout->base) - layout->guard + 2;
     for (size_t run = 0; run < frame->runs; run++)
-        if ((double)frame->rows[run].hi >= top && (double)frame->rows[run].lo <= bottom) draw_run(&pen, run);
+        if ((double)frame->rows[run].hi >= top && (double)frame->rows[run].lo <= bottom)
+            draw_run(&pen, frame->rows[run].run);
 }

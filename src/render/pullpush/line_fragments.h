@@ -23,17 +23,22 @@ enum { ISO_LINE_DRAWN = 1, ISO_LINE_STARTS = 2, ISO_LINE_STOPS = 4 };
 /* Segments that are culled as one: those that begin at so many neighbouring vertices. */
 enum { ISO_LINE_RUN = 32 };
 
-/* Where a run can be in the picture, counted in pixels of level 0 from the whole picture's corner, with the
- * discs' radii; lo > hi: nowhere. */
+/* Where a run can be in the picture, in rows counted in pixels of level 0 from the whole picture's corner, with
+ * the discs' radii; lo > hi: nowhere. */
 typedef struct iso_line_rows {
     float lo, hi;
+    float depth;  /* the least, mm */
+    uint32_t run; /* its number */
 } iso_line_rows;
 
 /* The lines as one view sees them. */
 typedef struct iso_line_frame {
     const iso_pyramid_lines *lines;
     const iso_view *view; /* of the whole picture or a strip */
-    iso_line_rows *rows;  /* of each run */
+    double
+        normal[9]; /* directions from view space to that of the keys' normals: world, or as the caller says */
+    int set;       /* value of ISO_PLANE_SET, if the pyramid has it */
+    iso_line_rows *rows; /* of each run that may be seen, front to back: most others are hidden by then */
     size_t runs;
     float
         radius[2]; /* least and greatest radius of discs in the picture, pixels; [0] > [1]: nothing is seen */

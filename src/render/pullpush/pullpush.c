@@ -7,6 +7,7 @@
 #include "render/pullpush/kernel.h"
 #include "render/pullpush/line_fragments.h"
 #include "render/pullpush/polygon_fragments.h"
+#include "render/pullpush/set_fragments.h"
 #include "render/pullpush/setup.h"
 #include "render/refined/refined.h"
 
@@ -42,6 +43,7 @@ typedef struct pullpush_call {
     iso_point_blocks *blocks;
     iso_line_frame *lines;  /* NULL: points are drawn, with their blocks */
     iso_polygons *polygons; /* NULL, or triangles that are drawn with the points */
+    iso_sets_frame *sets;   /* NULL, or all that is drawn */
     iso_pyramid *pyramid;
     iso_point_projection projection;
     iso_pullpush_params params;
@@ -71,6 +73,15 @@ static void choose_bands(pullpush_call *call) {
 }
 
 static iso_pyramid_layout choose_layout(const pullpush_call *call, const iso_view *view) {
+    if (call->sets) {
+        const float radius[2] = {0, call->sets->radius[1]}; /* triangles need the picture's resolution */
+        iso_pyramid_layout layout = iso_pullpush_layout(view, radius);
+        layout.planes = 1u << ISO_PLANE_RADIUS | 1u << ISO_PLANE_INTERVAL | 63u << ISO_PLANE_SHAPE_XX |
+                        1u << ISO_PLANE_SET;
+        if (call->sets->colored) layout.planes |= 7u << ISO_PLANE_RED;
+        layout.indexed = 1;
+        return layout;
+    }
     if (call->lines) {
         iso_pyramid_layout layout = iso_pullpush_layout(view, call->lines->radius);
         layout.planes = 1u << ISO_PLANE_RADIUS | 1u << ISO_PLANE_INTERVAL | 63u << ISO_PLANE_SHAPE_XX;
@@ -123,6 +134,18 @@ static iso_status prepare_pyramid(pullpush_call *call, iso_error *error) {
     return iso_point_blocks_assign_bands(call->blocks, view, call->pyramid, call->band_rows, cull, error);
 }
 
+static iso_status prepare_sets(pullpush_call *call, iso_error *error) {
+    const iso_pyramid_layout layout = choose_layout(call, call->target->view);
+    ISO_TRY(iso_pyramid_resize(call->pyramid, &layout, error));
+    choose_bands(call);
+    call->params = iso_pullpush_params_make(&layout, &call->projector, 0, call->reconstruction, true);
+    call->params.kind = ISO_PULLPUSH_SETS;
+    call->params.pyramid = call->pyramid;
+    call->params.target = call->target;
+    call->params.least_radius = LEAST_RADIUS;
+    return iso_sets_frame_prepare(call->sets, call->target, call->pyramid, call->band_rows, error);
+}
+
 /* ---- the steps, by rows */
 
 /* Number of rows of cells of a level (see iso_pullpush_kernel.push_rows). */
@@ -157,6 +180,10 @@ static void empty_keys(const iso_pyramid *p, iso_rows rows) {
 static void project_band(const pullpush_call *call, size_t band, iso_rows rows) {
     const iso_pyramid *p = call->pyramid;
     empty_keys(p, rows);
+    if (call->sets) {
+        iso_set_fragments_project(call->sets, call->kernel, p, band, rows);
+        return;
+    }
     if (call->lines) {
         iso_line_fragments_project(call->lines, p, rows);
         return;
@@ -196,7 +223,7 @@ static void project_and_pull_band(void *context, size_t band, int worker) {
     int base = p->layout.base;
     iso_rows rows = rows_within((int)band * call->band_rows, call->band_rows, p->level[base].height);
     project_band(call, band, rows);
-    if (p->index) fetch_attributes(call, rows);
+    if (p->index && !call->sets) fetch_attributes(call, rows);
     if (base > 0) call->kernel->unpack_keys(&call->params, rows);
     for (int i = 1; i <= call->band_levels; i++) {
         const iso_pyramid_level *level = &p->level[base + i];
@@ -334,7 +361,9 @@ static iso_status draw_rows(pullpush_call *call, const iso_target *whole, int fi
     iso_target target = {&view, &rows, whole->pool, whole->surface};
     call->target = &target;
     call->projector.view = &view;
-    ISO_TRY(call->lines ? prepare_lines(call, error) : prepare_pyramid(call, error));
+    ISO_TRY(call->sets    ? prepare_sets(call, error)
+            : call->lines ? prepare_lines(call, error)
+                          : prepare_pyramid(call, error));
     reconstruct_surface(call);
     return ISO_OK;
 }
@@ -414,6 +443,31 @@ iso_status iso_draw_pyramid_lines(const iso_target *target, const iso_pyramid_li
         if (status == ISO_OK) status = draw_strips(&call, target, error);
     }
     iso_line_frame_free(&frame);
+    iso_pyramid_free(&once.pyramid);
+    return status;
+}
+
+static iso_status draw_sets(const iso_target *target, iso_sets_frame *frame,
+                            iso_reconstruction reconstruction, iso_pyramid *pyramid, iso_error *error) {
+    pullpush_call call = {.sets = frame,
+                          .reconstruction = reconstruction,
+                          .kernel = iso_pullpush_kernel_get(iso_cpu_best()),
+                          .projector = frame->projector,
+                          .pyramid = pyramid};
+    if (frame->radius[0] > frame->radius[1] && !frame->polygons.count) return ISO_OK;
+    if (frame->colored) ISO_TRY(iso_gbuffer_add_color(target->gbuffer, error));
+    return draw_strips(&call, target, error);
+}
+
+iso_status iso_draw_pyramid_sets(const iso_target *target, const iso_pyramid_set *sets, size_t count,
+                                 const iso_pullpush_opts *opts, iso_error *error) {
+    iso_pullpush once = {0};
+    iso_sets_frame frame;
+    iso_status status = iso_sets_frame_make(sets, count, target, &frame, error);
+    if (status == ISO_OK)
+        status = draw_sets(target, &frame, opts ? opts->reconstruction : ISO_RECONSTRUCTION_GAUSSIAN,
+                           opts && opts->workspace ? &opts->workspace->pyramid : &once.pyramid, error);
+    iso_sets_frame_free(&frame);
     iso_pyramid_free(&once.pyramid);
     return status;
 }

@@ -59,9 +59,16 @@ enum {
     ISO_PLANE_TWICE_X,
     ISO_PLANE_TWICE_Y,
     ISO_PLANE_ROOM,
+    /* In a pyramid of several sets: which set a pixel shows. Its surface number, plus ISO_SET_RIBBON and
+     * ISO_SET_COLORED. */
+    ISO_PLANE_SET,
     ISO_PLANES,
     ISO_PLANE_OPTIONAL = ISO_PLANE_RADIUS
 };
+
+/* In values of ISO_PLANE_SET: the set's pixels are line fragments of ribbons, not of a surface; it has colours
+ * of its own. */
+enum { ISO_SET_RIBBON = 256, ISO_SET_COLORED = 512 };
 
 /* The depth, mm, of pixels without a point: greater than any other, and finite, so that a weight of zero
  * makes it zero. */
@@ -72,6 +79,9 @@ enum {
  * 22..26 and 27..31 the point's column and row within its pixel, in 1/32. Of the points in a pixel, the one
  * with the smallest key is kept. */
 #define ISO_KEY_NONE INT64_MAX
+
+/* In the index: the pixel's fragment is not a point, and has its attributes in the planes already. */
+enum { ISO_INDEX_NONE = -1 };
 
 /* Keys are emptied in pieces of this many columns and two rows, 2y and 2y + 1. */
 enum { ISO_KEY_PIECE = 32 };
