@@ -164,6 +164,8 @@ iso_status bench_process_groups(bench_state *bench, iso_error *error);
 /* Glyphs and tubes, before the end of bench_render. */
 iso_status bench_shapes_groups(bench_state *bench, iso_error *error);
 iso_status bench_forest_groups(bench_state *bench, iso_error *error);
+/* Lines, points and surfaces in one picture; trees: bench_together.c. */
+iso_status bench_together_groups(bench_state *bench, iso_error *error);
 /* From a file to a picture: the end of bench_render. */
 iso_status bench_picture_group(bench_state *bench, iso_error *error);
 iso_status bench_tracts_group(bench_state *bench, iso_error *error);        /* bench_lines.c */

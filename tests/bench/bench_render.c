@@ -335,6 +335,7 @@ iso_status bench_render(bench_state *bench, iso_error *error) {
     ISO_TRY(run_ct(bench, small ? 48 : 512, error));
     ISO_TRY(bench_forest_groups(bench, error));
     ISO_TRY(bench_shapes_groups(bench, error));
+    ISO_TRY(bench_together_groups(bench, error));
     ISO_TRY(bench_picture_group(bench, error));
     ISO_TRY(bench_tracts_group(bench, error));
     return bench_cloud_picture_group(bench, error);

@@ -41,6 +41,9 @@ wanted += [f"render/raycast/{what}/threads:{n}" for what in views for n in (1, 2
 wanted += [f"render/{method}/{what}/generic/threads:{n}" for method in ("points", "pullpush/gaussian", "pullpush/refined")
            for what in [*spheres, "25k", *views] for n in (1, 2)]
 wanted += [f"render/exact/{what}/generic/threads:{n}" for what in views for n in (1, 2)]
+wanted += [f"render/together/{what}/threads:1" for what in
+           ("points", "points+ribbons/one_pyramid", "points+tubes", "exact+tubes/translucent", "trees-1/triangles",
+            "trees-1/pullpush", "trees-10/exact")]
 wanted += [f"process/isorender_{method}/ct48.vti/threads:{n}" for method in ("mesh", "exact") for n in (1, 2)]
 wanted += [f"sculpt/hand/ball64/r6{seen}/threads:{n}" for n in (1, 2) for seen in ("", "/x-ray-under", "/x-ray-over")]
 drawn_by = next((name.rsplit("/", 1)[1] for name in listed if name.startswith("render/gl_points/")), None)
