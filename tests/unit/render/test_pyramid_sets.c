@@ -182,6 +182,37 @@ static void triangles_do_not_grow(void **state) {
                   100.0 * (double)other / (double)wanted, 100.0 * (double)lost / (double)wanted);
 }
 
+/* Triangles some tenths of a voxel behind a surface of few points, nearer than the points' depth intervals are
+ * long, do not show between the points. */
+static void triangles_behind_points(void **state) {
+    (void)state;
+    both b = make("sphere", 32);
+    const iso_box box = world_box(&b);
+    const double middle[3] = {0.5 * (box.lo.x + box.hi.x), 0.5 * (box.lo.y + box.hi.y),
+                              0.5 * (box.lo.z + box.hi.z)};
+    iso_mesh_view inner = b.mesh;
+    for (int k = 0; k < 3; k++) {
+        inner.transform.spacing[k] *= 0.97;
+        inner.transform.origin[k] = middle[k] - 0.97 * (middle[k] - inner.transform.origin[k]);
+    }
+    size_t through = 0, wanted = 0;
+    for (int side = 0; side < 6; side++) {
+        const iso_view view = test_look_at(&b.scene, side, 1, side & 1, 400, 400);
+        const iso_pyramid_set sets[] = {{.surface = POINTS, .points = &b.scene.points},
+                                        {.surface = MESH, .mesh = &inner}};
+        iso_gbuffer g = draw_sets(&view, sets, 2, NULL), alone = draw_alone(&view, sets, 1);
+        for (size_t i = 0; i < 400 * 400; i++) {
+            wanted += alone.surface[i] == POINTS;
+            through += alone.surface[i] == POINTS && g.surface[i] == MESH;
+        }
+        iso_gbuffer_free(&g);
+        iso_gbuffer_free(&alone);
+    }
+    print_message("%zu of %zu samples show triangles behind the points\n", through, wanted);
+    assert_true(wanted > 100000 && through * 500 < wanted);
+    release(&b);
+}
+
 /* Triangles alone are as iso_draw_mesh draws them, to the sample. */
 static void triangles_alone(void **state) {
     (void)state;
@@ -416,9 +447,10 @@ static void bytes_are_the_same(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(triangles_do_not_grow), cmocka_unit_test(triangles_alone),
-        cmocka_unit_test(thin_lines_over_walls), cmocka_unit_test(thin_lines_over_points),
-        cmocka_unit_test(all_together),          cmocka_unit_test(bytes_are_the_same),
+        cmocka_unit_test(triangles_do_not_grow),  cmocka_unit_test(triangles_behind_points),
+        cmocka_unit_test(triangles_alone),        cmocka_unit_test(thin_lines_over_walls),
+        cmocka_unit_test(thin_lines_over_points), cmocka_unit_test(all_together),
+        cmocka_unit_test(bytes_are_the_same),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
