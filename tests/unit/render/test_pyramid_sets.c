@@ -5,7 +5,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "base/cpu.h"
 #include "base/memory.h"
 #include "check_support.h"
 #include "extract/mesh/mesh.h"
@@ -408,6 +407,17 @@ static void all_together(void **state) {
     release(&other);
 }
 
+/* The sets of a picture. */
+typedef struct drawing {
+    const iso_pyramid_set *sets;
+    size_t count;
+} drawing;
+
+static iso_gbuffer draw_again(const void *context, const iso_view *view, iso_pool *pool) {
+    const drawing *d = context;
+    return draw_sets(view, d->sets, d->count, pool);
+}
+
 static void bytes_are_the_same(void **state) {
     (void)state;
     both b = make("gyroid", 64), other = make("torus", 64);
@@ -416,28 +426,12 @@ static void bytes_are_the_same(void **state) {
     const iso_pyramid_set sets[] = {{.surface = RIBBONS, .ribbons = lines},
                                     {.surface = POINTS, .points = &b.scene.points, .mesh = &b.mesh},
                                     {.surface = MESH, .mesh = &other.mesh}};
+    const drawing d = {sets, 3};
     for (int parallel = 0; parallel < 2; parallel++) {
         const iso_view view = test_look_at(&b.scene, 4, 2, parallel, 210, 170);
-        iso_gbuffer wanted = draw_sets(&view, sets, 3, NULL);
-        for (int level = ISO_CPU_GENERIC; level <= (int)iso_cpu_supported(); level++)
-            for (int threads = 1; threads <= 3; threads++) {
-                iso_pool *pool = NULL;
-                iso_cpu_limit((iso_cpu_level)level);
-                if (threads > 1) assert_int_equal(iso_pool_create(threads, &pool, NULL), ISO_OK);
-                iso_gbuffer g = draw_sets(&view, sets, 3, pool);
-                test_same_rows(&wanted, 0, &g);
-                iso_gbuffer_free(&g);
-                iso_pool_destroy(pool);
-            }
-        iso_cpu_limit(ISO_CPU_AVX512);
-        for (int rows = 7; rows < view.height; rows = rows * 5 + 2)
-            for (int y = 0; y < view.height; y += rows) {
-                const int height = view.height - y < rows ? view.height - y : rows;
-                const iso_view strip = iso_view_rows(&view, y, height);
-                iso_gbuffer g = draw_sets(&strip, sets, 3, NULL);
-                test_same_rows(&wanted, y, &g);
-                iso_gbuffer_free(&g);
-            }
+        iso_gbuffer wanted = draw_again(&d, &view, NULL);
+        test_variants_of(draw_again, &d, &view, &wanted);
+        test_strips_of(draw_again, &d, &view, 7, &wanted);
         iso_gbuffer_free(&wanted);
     }
     free_ribbons(lines);
