@@ -79,7 +79,8 @@ iso_box isorender_object_bounds_along(const isorender_object *object, const iso_
 iso_status isorender_object_draw(isorender_object *object, const iso_target *target, iso_pullpush *workspace,
                                  iso_error *error);
 
-/* Adds the samples of a gbuffer that show a surface, by its number, to the object's total of drawn samples. */
+/* Adds the samples of a gbuffer that show a surface, by its number, to the object's total of drawn samples.
+ */
 void isorender_object_count(isorender_object *object, const iso_gbuffer *gbuffer, int surface);
 
 /* In `aov`, gives the elements of a surface, whose number counts from 1, the numbers that they have in the

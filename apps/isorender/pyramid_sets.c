@@ -1,5 +1,5 @@
-/* pyramid_sets: --one-pyramid: the input's surfaces as points (and triangles, with --method hybrid), meshes of files
- * and ribbons. Tubes, glyphs and further volumes are drawn alone. */
+/* pyramid_sets: --one-pyramid: the input's surfaces as points (and triangles, with --method hybrid), meshes
+ * of files and ribbons. Tubes, glyphs and further volumes are drawn alone. */
 #include <string.h>
 
 #include "apps/isorender/isorender.h"

@@ -1,9 +1,9 @@
-/* scene_tree: a procedural tree, as lines and as triangles of the same shape, for comparisons of the two (Marroquim,
- * Kraus and Cavalcanti 2008, figures 13 and 19, whose model is not free).
+/* scene_tree: a procedural tree, as lines and as triangles of the same shape, for comparisons of the two
+ * (Marroquim, Kraus and Cavalcanti 2008, figures 13 and 19, whose model is not free).
  *
- * Source: Weber and Penn 1995, "Creation and rendering of realistic trees" (SIGGRAPH), simplified: stems of four
- * levels that curve, taper and carry the stems of the next level at the golden angle; no splitting, no pruning.
- * The same tree on every machine. */
+ * Source: Weber and Penn 1995, "Creation and rendering of realistic trees" (SIGGRAPH), simplified: stems of
+ * four levels that curve, taper and carry the stems of the next level at the golden angle; no splitting, no
+ * pruning. The same tree on every machine. */
 #ifndef ISO_GRIDS_SCENES_SCENE_TREE_H
 #define ISO_GRIDS_SCENES_SCENE_TREE_H
 
@@ -14,9 +14,9 @@
 extern "C" {
 #endif
 
-/* A stem is a line of tubes, with rings of three vertices around each of its vertices as triangles. A leaf is
- * a ribbon of four vertices, or four triangles. World mm, z up, about 1000 mm high, standing on the origin. All owned;
- * zero-initialise, iso_scene_tree_free. */
+/* A stem is a line of tubes, with rings of three vertices around each of its vertices as triangles. A leaf
+ * is a ribbon of four vertices, or four triangles. World mm, z up, about 1000 mm high, standing on the
+ * origin. All owned; zero-initialise, iso_scene_tree_free. */
 typedef struct iso_scene_tree {
     iso_lines wood, leaves; /* with radii; leaves with normals */
     iso_triangles wood_mesh, leaf_mesh;

@@ -1,6 +1,6 @@
-/* Frames of several kinds of primitives, one thread: lines added to a frame of points by pull-push; a tree as lines
- * against the same tree as triangles (Marroquim, Kraus and Cavalcanti 2008, figures 13 and 19); a translucent
- * isosurface over tubes against an opaque one. */
+/* Frames of several kinds of primitives, one thread: lines added to a frame of points by pull-push; a tree
+ * as lines against the same tree as triangles (Marroquim, Kraus and Cavalcanti 2008, figures 13 and 19); a
+ * translucent isosurface over tubes against an opaque one. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

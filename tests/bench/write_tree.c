@@ -1,5 +1,5 @@
-/* write_tree FOLDER [SEED]: writes the tree of the benches as files that isorender draws: wood.vtk and leaves.vtk
- * (lines with radii, of leaves also normals), wood.ply and leaves.ply (the same as triangles). */
+/* write_tree FOLDER [SEED]: writes the tree of the benches as files that isorender draws: wood.vtk and
+ * leaves.vtk (lines with radii, of leaves also normals), wood.ply and leaves.ply (the same as triangles). */
 #include <stdio.h>
 #include <stdlib.h>
 

@@ -74,8 +74,8 @@ static double radius_at(const iso_line_frame *frame, const place *p) {
     return iso_max(p->radius, 0.5 * frame->lines->opts.min_pixels * pixel_at(frame->view, p->at[2]));
 }
 
-/* Adds a vertex of a segment to the box of a run in the picture: columns, rows, and the least depth. A segment that reaches
- * in front of the near plane can be anywhere. */
+/* Adds a vertex of a segment to the box of a run in the picture: columns, rows, and the least depth. A
+ * segment that reaches in front of the near plane can be anywhere. */
 static void add_to_box(const iso_line_frame *frame, const place *p, double box[5], double radius[2]) {
     const iso_view *view = frame->view;
     const double z = p->at[2];
@@ -331,8 +331,8 @@ static int64_t key_payload(const double normal[9], const place *p, double x, dou
     return (int64_t)(pack_direction(normal, p->n) | column << 22 | row << 27);
 }
 
-/* Draws the fragment at u of a segment, at `x`, `y` of the base level. Its depth alone is computed first: most
- * fragments of dense lines are hidden. */
+/* Draws the fragment at u of a segment, at `x`, `y` of the base level. Its depth alone is computed first:
+ * most fragments of dense lines are hidden. */
 static void draw_fragment(const line_pen *pen, const segment *s, double u, double x, double y) {
     if (!(x >= 0 && x < pen->level->width && y >= pen->first_row && y < pen->last_row + 1.0)) return;
     const int column = (int)x, row = (int)y - pen->rows_before;

@@ -23,8 +23,8 @@ enum { ISO_LINE_DRAWN = 1, ISO_LINE_STARTS = 2, ISO_LINE_STOPS = 4 };
 /* Segments that are culled as one: those that begin at so many neighbouring vertices. */
 enum { ISO_LINE_RUN = 32 };
 
-/* Where a run can be in the picture, in rows counted in pixels of level 0 from the whole picture's corner, with
- * the discs' radii; lo > hi: nowhere. */
+/* Where a run can be in the picture, in rows counted in pixels of level 0 from the whole picture's corner,
+ * with the discs' radii; lo > hi: nowhere. */
 typedef struct iso_line_rows {
     float lo, hi;
     float depth;  /* the least, mm */

@@ -37,9 +37,9 @@ bool iso_matrix_invert(const double m[9], double out[9]);
 typedef struct iso_polygon_set {
     const iso_mesh_view *mesh;
     uint8_t surface;
-    /* Of hybrid surfaces, whose triangles blend with points: which bricks are points, the radius of the points'
-     * discs, mm, and from view space to index coordinates, without the origin. `choice` NULL: triangles do
-     * not blend. */
+    /* Of hybrid surfaces, whose triangles blend with points: which bricks are points, the radius of the
+     * points' discs, mm, and from view space to index coordinates, without the origin. `choice` NULL:
+     * triangles do not blend. */
     const iso_brick_choice *choice;
     double radius, to_index[9];
 } iso_polygon_set;
@@ -61,8 +61,8 @@ iso_status iso_polygons_rasterize(iso_polygons *polygons, const iso_target *targ
  * points there: those of the only set. */
 void iso_polygon_fragments_project(const iso_polygons *polygons, const iso_pyramid *pyramid, iso_rows rows);
 
-/* Sets the planes that only a pyramid of several sets has, at a pixel that shows no ribbon and no colour. `set`: as
- * in ISO_PLANE_SET. */
+/* Sets the planes that only a pyramid of several sets has, at a pixel that shows no ribbon and no colour.
+ * `set`: as in ISO_PLANE_SET. */
 void iso_set_planes_clear(const iso_pyramid_level *level, size_t at, int set);
 
 /* Draws points and triangles in one pyramid (pullpush.c). `workspace` NULL: made for the call.

@@ -66,8 +66,8 @@ enum {
     ISO_PLANE_OPTIONAL = ISO_PLANE_RADIUS
 };
 
-/* In values of ISO_PLANE_SET: the set's pixels are line fragments of ribbons, not of a surface; it has colours
- * of its own. */
+/* In values of ISO_PLANE_SET: the set's pixels are line fragments of ribbons, not of a surface; it has
+ * colours of its own. */
 enum { ISO_SET_RIBBON = 256, ISO_SET_COLORED = 512 };
 
 /* The depth, mm, of pixels without a point: greater than any other, and finite, so that a weight of zero

@@ -1,5 +1,5 @@
-/* set_fragments: projects the points of all sets, and adds triangles and ribbons. Points are told apart by their
- * numbers, which go on from one set to the next. */
+/* set_fragments: projects the points of all sets, and adds triangles and ribbons. Points are told apart by
+ * their numbers, which go on from one set to the next. */
 #include "render/pullpush/set_fragments.h"
 
 #include <math.h>

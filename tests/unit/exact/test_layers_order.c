@@ -1,6 +1,6 @@
-/* A translucent isosurface and opaque tubes that go through it: in every pixel as many layers lie in front of the
- * tube as crossings that rays in extended and double precision find there, except where a crossing is nearer to
- * the tube than 1e-3 voxel. */
+/* A translucent isosurface and opaque tubes that go through it: in every pixel as many layers lie in front
+ * of the tube as crossings that rays in extended and double precision find there, except where a crossing is
+ * nearer to the tube than 1e-3 voxel. */
 #include <math.h>
 #include <stdlib.h>
 

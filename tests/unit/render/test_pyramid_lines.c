@@ -285,9 +285,9 @@ static void test_near(void **state) {
         }
 }
 
-/* Lines beside each other, nearer than their radius, every second one tilted the other way: coarser pixels mix
- * the tangents of neighbours, or as ribbons their normals. `reversed`: every second line is stored from its other end, with its normals
- * reversed. */
+/* Lines beside each other, nearer than their radius, every second one tilted the other way: coarser pixels
+ * mix the tangents of neighbours, or as ribbons their normals. `reversed`: every second line is stored from
+ * its other end, with its normals reversed. */
 static void make_neighbours(iso_line_style style, bool reversed) {
     iso_error error = {0};
     test_lines_start(&scene, 0, 0, 0);

@@ -1,7 +1,7 @@
-/* Points, triangles and ribbons in one pyramid, against each of them drawn alone and the nearer one kept: outlines
- * of triangles are the same to the sample; a line of one pixel over a wall is not lost in it, and behind it not
- * seen; points lose little around what is before them; hybrid surfaces beside other triangles; colours and
- * surface numbers; and the same bytes for every instruction set, number of threads and strip. */
+/* Points, triangles and ribbons in one pyramid, against each of them drawn alone and the nearer one kept:
+ * outlines of triangles are the same to the sample; a line of one pixel over a wall is not lost in it, and
+ * behind it not seen; points lose little around what is before them; hybrid surfaces beside other triangles;
+ * colours and surface numbers; and the same bytes for every instruction set, number of threads and strip. */
 #include <math.h>
 #include <string.h>
 
@@ -181,8 +181,8 @@ static void triangles_do_not_grow(void **state) {
                   100.0 * (double)other / (double)wanted, 100.0 * (double)lost / (double)wanted);
 }
 
-/* Triangles some tenths of a voxel behind a surface of few points, nearer than the points' depth intervals are
- * long, do not show between the points. */
+/* Triangles some tenths of a voxel behind a surface of few points, nearer than the points' depth intervals
+ * are long, do not show between the points. */
 static void triangles_behind_points(void **state) {
     (void)state;
     both b = make("sphere", 32);
@@ -369,8 +369,8 @@ static void free_ribbons(iso_pyramid_lines *lines) {
     scene_lines.lines.colors = NULL;
 }
 
-/* Points, ribbons, triangles and a hybrid surface beside each other are nearly what they are alone; samples of
- * ribbons have the ribbons' colour, all others none. */
+/* Points, ribbons, triangles and a hybrid surface beside each other are nearly what they are alone; samples
+ * of ribbons have the ribbons' colour, all others none. */
 static void all_together(void **state) {
     (void)state;
     both b = make("gyroid", 64), other = make("torus", 64);
