@@ -37,7 +37,9 @@ static bool is_fine(const isorender_job *job, int surface, double pixels) {
 
 static bool is_wanted(const isorender_job *job, int surface) {
     const isorender_settings *settings = job->settings;
-    if (job->method != ISO_METHOD_PULLPUSH || job->backend->engine || settings->lod == 0) return false;
+    if (job->method != ISO_METHOD_PULLPUSH || job->backend->engine || settings->lod == 0 ||
+        settings->one_pyramid)
+        return false;
     if (settings->lod > 0) return true;
     return settings->turntable >= PAYING_FRAMES && is_fine(job, surface, DEFAULT_PIXELS);
 }

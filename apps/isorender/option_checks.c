@@ -331,6 +331,8 @@ static iso_status check_one_pyramid(const isorender_settings *settings, iso_erro
         return iso_fail(error, ISO_ERR_USAGE,
                         "--one-pyramid is for --method hybrid, and for pullpush with --reconstruction "
                         "gaussian or box: refined discs are not made in the pyramid");
+    if (settings->lod > 0)
+        return iso_fail(error, ISO_ERR_USAGE, "--one-pyramid draws all points: --lod is without it");
     return ISO_OK;
 }
 
