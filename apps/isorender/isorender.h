@@ -132,15 +132,6 @@ iso_status isorender_open(isorender_job *job, iso_error *error);
 /* Reads voxels or points, and logs the reader's notes. */
 iso_status isorender_read(isorender_job *job, iso_error *error);
 
-/* ---- pyramid_sets.c */
-
-/* Marks what is drawn in one pyramid: with --one-pyramid the input's surfaces, meshes of files and ribbons.
- */
-void isorender_pyramid_choose(isorender_job *job);
-/* Draws it, on the cpu; nothing if there is none. ISO_ERR_NOMEM. */
-iso_status isorender_pyramid_draw(isorender_job *job, const iso_view *view, iso_gbuffer *gbuffer,
-                                  iso_error *error);
-
 /* ---- surface.c */
 
 /* Chooses isovalues and colours; extracts what the method and the exports need of every surface; finds the

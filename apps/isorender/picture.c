@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "apps/isorender/isorender.h"
+#include "apps/isorender/pyramid_sets.h"
 #include "base/clock.h"
 #include "image/annotate.h"
 #include "image/exr.h"

@@ -1,8 +1,7 @@
 /* pyramid_sets: --one-pyramid: the input's surfaces as points (and triangles, with --method hybrid), meshes
  * of files and ribbons. Tubes, glyphs and further volumes are drawn alone. */
-#include <string.h>
+#include "apps/isorender/pyramid_sets.h"
 
-#include "apps/isorender/isorender.h"
 #include "render/pullpush/sets.h"
 
 typedef struct collected {

@@ -4,6 +4,7 @@
 
 #include "apps/common/beside.h"
 #include "apps/isorender/isorender.h"
+#include "apps/isorender/pyramid_sets.h"
 #include "io/mesh_io.h"
 #include "io/points_io.h"
 #include "methods/bounds.h"
