@@ -373,7 +373,7 @@ uint64_t isorender_picture_bytes(const isorender_job *job) {
         meshes |= settings->object_options.kinds[i] == ISORENDER_MESH;
     }
     if (meshes) bytes += samples < STRIP ? samples : STRIP; /* the triangles' picture */
-    uint64_t pyramid = pixels * (uint64_t)settings->samples * (sets ? SETS : PYRAMID);
+    uint64_t pyramid = pixels * (uint64_t)settings->samples * (PYRAMID + (sets ? SETS : 0));
     return bytes + (pyramid < STRIP ? pyramid : STRIP);
 }
 

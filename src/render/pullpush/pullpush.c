@@ -29,7 +29,9 @@ static const size_t PYRAMID_BYTES = (size_t)256 << 20;
 
 struct iso_pullpush {
     iso_point_blocks blocks;
-    iso_pyramid pyramid;
+    /* Of points; of lines and of several sets: a change of a pyramid's planes clears all of its memory, and
+     * points and lines take turns in every frame. */
+    iso_pyramid pyramid, line_pyramid;
     iso_refined refined;
 };
 
@@ -338,6 +340,7 @@ void iso_pullpush_destroy(iso_pullpush *pullpush) {
     if (!pullpush) return;
     iso_point_blocks_free(&pullpush->blocks);
     iso_pyramid_free(&pullpush->pyramid);
+    iso_pyramid_free(&pullpush->line_pyramid);
     iso_refined_free(&pullpush->refined);
     iso_free(pullpush);
 }
@@ -436,14 +439,14 @@ iso_status iso_draw_pyramid_lines(const iso_target *target, const iso_pyramid_li
     pullpush_call call = {.lines = &frame,
                           .kernel = iso_pullpush_kernel_get(iso_cpu_best()),
                           .projector = iso_projector_make(target->view, &world),
-                          .pyramid = workspace ? &workspace->pyramid : &once.pyramid};
+                          .pyramid = workspace ? &workspace->line_pyramid : &once.line_pyramid};
     iso_status status = ISO_OK;
     if (frame.radius[0] <= frame.radius[1]) {
         if (lines->lines.colors) status = iso_gbuffer_add_color(target->gbuffer, error);
         if (status == ISO_OK) status = draw_strips(&call, target, error);
     }
     iso_line_frame_free(&frame);
-    iso_pyramid_free(&once.pyramid);
+    iso_pyramid_free(&once.line_pyramid);
     return status;
 }
 
@@ -465,9 +468,10 @@ iso_status iso_draw_pyramid_sets(const iso_target *target, const iso_pyramid_set
     iso_sets_frame frame;
     iso_status status = iso_sets_frame_make(sets, count, target, &frame, error);
     if (status == ISO_OK)
-        status = draw_sets(target, &frame, opts ? opts->reconstruction : ISO_RECONSTRUCTION_GAUSSIAN,
-                           opts && opts->workspace ? &opts->workspace->pyramid : &once.pyramid, error);
+        status =
+            draw_sets(target, &frame, opts ? opts->reconstruction : ISO_RECONSTRUCTION_GAUSSIAN,
+                      opts && opts->workspace ? &opts->workspace->line_pyramid : &once.line_pyramid, error);
     iso_sets_frame_free(&frame);
-    iso_pyramid_free(&once.pyramid);
+    iso_pyramid_free(&once.line_pyramid);
     return status;
 }
