@@ -235,7 +235,8 @@ static void test_usage_errors(void **state) {
     expect_failure("x.vti --no-image", ISO_ERR_USAGE, "nothing to do");
     expect_failure("a.vti b.vti -o {model}.png --json", ISO_ERR_USAGE, "template");
     expect_failure("--backend glx x.vti", ISO_ERR_BACKEND, "no backend 'glx'");
-    expect_failure("--backend egl --method raycast x.vti", ISO_ERR_USAGE, "methods points, pullpush, splats");
+    expect_failure("--backend egl --method raycast x.vti", ISO_ERR_USAGE,
+                   "methods points, pullpush (without --lod), splats");
     expect_failure("--backend cpu --point-scaling attenuated x.vti", ISO_ERR_USAGE,
                    "--backend egl or osmesa");
 }
