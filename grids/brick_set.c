@@ -109,7 +109,8 @@ static iso_status add_slot(iso_brick_set *set, uint32_t brick, iso_error *error)
     *entry = (slot){.brick = brick};
     int coordinates[3];
     iso_brick_set_coordinates(set, brick, coordinates);
-    for (int axis = 0; axis < 3; axis++) entry->location.brick[axis] = coordinates[axis];
+    for (int axis = 0; axis < 3; axis++)
+        entry->location.brick[axis] = coordinates[axis] + set->region.origin[axis];
     for (int heap = 0; heap < ISO_SET_HEAPS; heap++) entry->block[heap] = ISO_SPAN_NONE;
     set->span_of[brick] = (uint32_t)++set->span_count;
     return ISO_OK;
@@ -418,8 +419,39 @@ static iso_status list_surveyed(iso_brick_set *set, size_t *count, iso_error *er
     return status;
 }
 
+/* Lists the bricks of a chunk that the isovalue crosses. There is no index for one extraction: reading the
+ * bricks' ranges takes less time. */
+static iso_status list_chunk(iso_brick_set *set, size_t *count, iso_error *error) {
+    const iso_brick_box *box = &set->region.box;
+    const int *origin = set->region.origin;
+    const size_t total = iso_brick_box_count(box);
+    const float isovalue = set->kernel.isovalue(set->context);
+    iso_brick_range *read = set->region.ranges ? NULL : iso_alloc(total * sizeof *read);
+    if (!set->region.ranges && !read)
+        return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a table of %zu bricks", total);
+    if (read) iso_grid_chunk_ranges(set->grid.rgrid, &set->region, set->pool, read);
+    const iso_brick_range *range = read ? read : set->region.ranges;
+    iso_status status = iso_buffer_reserve(&set->list, total * sizeof(uint32_t), 0, error);
+    uint32_t *list = set->list.data;
+    *count = 0;
+    for (int z = box->first[2]; z < box->end[2] && status == ISO_OK; z++)
+        for (int y = box->first[1]; y < box->end[1]; y++)
+            for (int x = box->first[0]; x < box->end[0]; x++, range++)
+                if (range->lo < isovalue && isovalue <= range->hi)
+                    list[(*count)++] =
+                        (uint32_t)(((z - origin[2]) * set->bricks[1] + y - origin[1]) * set->bricks[0] + x -
+                                   origin[0]);
+    iso_free(read);
+    return status;
+}
+
 /* Lists all bricks of the grid that may have results, in ascending order. */
 static iso_status list_all(iso_brick_set *set, const uint32_t **list, size_t *count, iso_error *error) {
+    if (set->restricted) {
+        ISO_TRY(list_chunk(set, count, error));
+        *list = set->list.data;
+        return ISO_OK;
+    }
     if (set->grid.rgrid && set->kernel.isovalue) {
         ISO_TRY(list_crossed(set, count, error));
         *list = set->query.bricks.data;
@@ -482,6 +514,11 @@ iso_status iso_brick_set_init(iso_brick_set *set, const iso_brick_kernel *kernel
     return ISO_OK;
 }
 
+void iso_brick_set_restrict(iso_brick_set *set, const iso_grid_chunk *region) {
+    set->restricted = true;
+    set->region = *region;
+}
+
 void iso_brick_set_free(iso_brick_set *set) {
     for (size_t c = 0; c < set->chunks.bytes / sizeof(chunk); c++)
         for (int i = 0; i < ISO_SET_ARRAYS; i++) iso_buffer_free(&chunk_at(set, c)->array[i]);
@@ -494,6 +531,10 @@ void iso_brick_set_free(iso_brick_set *set) {
     iso_brick_query_free(&set->query);
     iso_buffer_free(&set->chunks);
     iso_free(set->span_of);
+}
+
+const int *iso_brick_set_dims(const iso_brick_set *set) {
+    return set->restricted ? set->region.dims : iso_grid_dims(&set->grid);
 }
 
 void iso_brick_set_reset(iso_brick_set *set) {

@@ -16,6 +16,7 @@
 #include "base/parallel.h"
 #include "grids/brick_index.h"
 #include "grids/grid.h"
+#include "grids/grid_chunk.h"
 #include "grids/halo.h"
 #include "grids/spans.h"
 
@@ -82,10 +83,12 @@ typedef struct iso_brick_set {
     iso_grid grid;
     iso_pool *pool;
     int bricks[3];
-    bool full;         /* the next update extracts all bricks */
-    uint64_t seen;     /* the last edit that the set includes */
-    uint64_t stored;   /* number of results stored so far: the source of versions */
-    uint32_t *span_of; /* by brick: 1 + its span's number, 0: none */
+    bool restricted;       /* to a chunk; else `region` is zero */
+    iso_grid_chunk region; /* whose bricks are extracted; its origin is added to the numbers in write_span */
+    bool full;             /* the next update extracts all bricks */
+    uint64_t seen;         /* the last edit that the set includes */
+    uint64_t stored;       /* number of results stored so far: the source of versions */
+    uint32_t *span_of;     /* by brick: 1 + its span's number, 0: none */
     iso_buffer spans, slots, versions;
     size_t span_count;
     iso_span_heap heap[ISO_SET_HEAPS];
@@ -99,9 +102,17 @@ iso_status iso_brick_set_init(iso_brick_set *set, const iso_brick_kernel *kernel
                               const iso_grid *grid, iso_pool *pool, iso_error *error);
 void iso_brick_set_free(iso_brick_set *set);
 
+/* Restricts a new set to the bricks of a chunk, whose grid the set's grid is. write_span then gets the
+ * whole's brick numbers; may_exist and extract still get those of the chunk's grid. Such a set does not
+ * follow edits: it is updated once. */
+void iso_brick_set_restrict(iso_brick_set *set, const iso_grid_chunk *region);
+
 /* Extracts everything that has changed since the last update. ISO_ERR_NOMEM: the set is consistent, but some
  * bricks are outdated or missing; the next update extracts them. */
 iso_status iso_brick_set_update(iso_brick_set *set, iso_error *error);
+
+/* The size of the whole: of the grid, or of the volume whose chunk it is. */
+const int *iso_brick_set_dims(const iso_brick_set *set);
 
 /* Makes the next update extract all bricks. */
 void iso_brick_set_reset(iso_brick_set *set);

@@ -200,10 +200,12 @@ iso_status iso_loader_read(iso_loader *loader, iso_error *error) {
         ISO_TRY(play_strokes(loader, error));
     } else if (isnan(loader->scene_isovalue)) {
         iso_volume_opts opts = volume_opts(loader);
+        opts.mapped = loader->mapped;
         ISO_TRY(iso_volume_read(loader->path, &opts, &loader->volume, error));
         report_reading(loader, 1);
     }
     ISO_TRY(iso_input_crop(loader->options, loader->crop, &loader->volume.grid, error));
+    if (loader->mapped) return ISO_OK;
     loader->nonfinite = iso_grid_count_nonfinite(&loader->volume.grid, loader->pool);
     return ISO_OK;
 }

@@ -44,6 +44,9 @@ typedef struct iso_loader {
     void (*progress)(void *context,
                      double fraction); /* progress of iso_loader_read, 0 .. 1; NULL: not wanted */
     void *progress_context;
+    /* Voxels are mapped from files if they can be (iso_volume_opts.mapped), and not counted. May be set after
+     * iso_loader_open. */
+    bool mapped;
 
     /* after iso_loader_open: */
     const char *path; /* what readers open: the input, or the copy of standard input or a FIFO */

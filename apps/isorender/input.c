@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "apps/isorender/chunks.h"
 #include "apps/isorender/isorender.h"
 #include "base/memory.h"
 #include "io/glyphs/glyphs_read.h"
@@ -118,6 +119,7 @@ iso_status isorender_open(isorender_job *job, iso_error *error) {
     ISO_TRY(isorender_gaussians_choose(job, error));
     choose_method(job);
     ISO_TRY(check_columns(job, error));
+    ISO_TRY(isorender_chunks_choose(job, error));
     if (job->settings->no_input) {
         ISO_TRY(check_no_input(job->settings, error));
         return check_picture(job, error);
@@ -125,7 +127,7 @@ iso_status isorender_open(isorender_job *job, iso_error *error) {
     /* When the volume alone is over the limit, iso_loader_read refuses it with a better message than
      * check_picture would. */
     const bool is_file = isnan(loader->scene_isovalue) && !loader->has_points;
-    if (!is_file || loader->volume.info.read_bytes <= memory_limit(job->settings))
+    if (!is_file || job->chunks || loader->volume.info.read_bytes <= memory_limit(job->settings))
         ISO_TRY(check_picture(job, error));
     return loader->has_points ? isorender_cloud_check(job->settings, error) : check_copies(job, error);
 }
@@ -133,9 +135,7 @@ iso_status isorender_open(isorender_job *job, iso_error *error) {
 static void log_notes(const isorender_job *job) {
     const iso_volume_info *info = &job->loader.volume.info;
     for (int i = 0; i < info->note_count; i++) isorender_log(job, "note: %s", info->notes[i]);
-    if (job->loader.nonfinite)
-        isorender_log(job, "note: %zu voxels are NaN or infinite, as floats: %s", job->loader.nonfinite,
-                      job->settings->closed ? "outside the solid" : "no surface is made next to them");
+    isorender_log_nonfinite(job);
 }
 
 static void log_object(const isorender_job *job, const isorender_object *object) {

@@ -2,6 +2,8 @@
 #include <stdlib.h>
 
 #include "apps/isorender/isorender.h"
+#include "apps/isorender/merge.h"
+#include "apps/isorender/ranks.h"
 #include "base/memory.h"
 
 static int fail(const iso_error *error, iso_status status) {
@@ -16,6 +18,11 @@ static iso_status list_backends(const isorender_settings *settings, iso_error *e
     return ISO_OK;
 }
 
+/* Prints an error, unless another rank does; returns the exit status. */
+static int say(const iso_error *error, iso_status status) {
+    return error->text[0] ? fail(error, status) : iso_status_exit(status);
+}
+
 /* One input that fails does not stop the others; the first failure gives the exit status. */
 static int render_each(const isorender_settings *settings, const isorender_plan *plans, iso_pool *pool,
                        const isorender_backend *backend, const iso_environment *environment) {
@@ -24,8 +31,8 @@ static int render_each(const isorender_settings *settings, const isorender_plan 
         iso_error error = {0};
         iso_status status = isorender_run(settings, &plans[i], pool, backend, environment, &error);
         if (status == ISO_OK) continue;
-        iso_settings_explain_memory(&settings->common, &error);
-        int code = fail(&error, status);
+        if (error.text[0]) iso_settings_explain_memory(&settings->common, &error);
+        int code = say(&error, status);
         if (worst == 0) worst = code;
     }
     return worst;
@@ -80,10 +87,26 @@ static iso_status render_inputs(const isorender_settings *settings, int *code, i
     return status;
 }
 
-static iso_status perform(const isorender_settings *settings, int *code, iso_error *error) {
+/* Only rank 0 speaks, and of a failure the lowest rank that failed. */
+static iso_status render_with_ranks(isorender_settings *settings, int *code, iso_error *error) {
+    iso_status status = isorender_ranks_start(&settings->ranks, error);
+    if (settings->ranks.rank) settings->common.quiet = 1;
+    if (status == ISO_OK && settings->ranks.mpi && (settings->parts || settings->info || settings->no_image))
+        status = iso_fail(error, ISO_ERR_USAGE, "mpirun draws one picture: it cannot be combined with %s",
+                          settings->parts  ? "--part"
+                          : settings->info ? "--info"
+                                           : "--no-image");
+    if (status == ISO_OK) status = render_inputs(settings, code, error);
+    status = iso_ranks_agree(&settings->ranks, status, error);
+    isorender_ranks_finish(&settings->ranks);
+    return status;
+}
+
+static iso_status perform(isorender_settings *settings, int *code, iso_error *error) {
     if (iso_settings_print_help(&settings->common, isorender_program())) return ISO_OK;
     if (settings->common.action == ISORENDER_ACTION_LIST_BACKENDS) return list_backends(settings, error);
-    return render_inputs(settings, code, error);
+    if (settings->merge) return isorender_merge(settings, error);
+    return render_with_ranks(settings, code, error);
 }
 
 static int run_program(int argc, char **argv) {
@@ -94,7 +117,9 @@ static int run_program(int argc, char **argv) {
     int code = 0;
     iso_status status = isorender_settings_parse(argc, argv, &settings, &operands, &error);
     if (status == ISO_OK) status = perform(&settings, &code, &error);
-    if (status != ISO_OK) code = fail(&error, status);
+    /* before MPI was started, every rank fails alike */
+    const bool is_told = iso_ranks_number() > 0 && !settings.ranks.size;
+    if (status != ISO_OK) code = is_told ? iso_status_exit(status) : say(&error, status);
     free(operands.values);
     return iso_program_finish(isorender_program(), code);
 }

@@ -103,14 +103,16 @@ typedef struct isorender_job {
     iso_box
         bounds_framed; /* of what the camera frames: bounds_world, but for a few points far from the others */
 
-    iso_pullpush *pullpush; /* or NULL */
-    iso_camera camera;      /* of the first frame */
+    struct isorender_chunks *chunks; /* chunks.h; NULL: the volume is drawn as a whole */
+    iso_pullpush *pullpush;          /* or NULL */
+    iso_camera camera;               /* of the first frame */
     isorender_frame *frames;
     int frame_count;
     /* Outputs written so far, to be removed when a later step fails: */
     bool points_written, mesh_written;
     int frames_written, aovs_written;
     isorender_seconds seconds;
+    double rank_bytes[3];       /* with mpirun: least, mean and greatest peak memory of a rank */
     const char *progress_stage; /* last reported by isorender_progress */
     int progress_percent;
 } isorender_job;

@@ -6,6 +6,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "apps/isorender/chunks.h"
 #include "apps/isorender/isorender.h"
 #include "base/text.h"
 
@@ -33,6 +34,12 @@ void isorender_log_verbose(const isorender_job *job, const char *format, ...) {
     va_start(arguments, format);
     print_line(job, format, arguments);
     va_end(arguments);
+}
+
+void isorender_log_nonfinite(const isorender_job *job) {
+    if (!job->loader.nonfinite) return;
+    isorender_log(job, "note: %zu voxels are NaN or infinite, as floats: %s", job->loader.nonfinite,
+                  job->settings->closed ? "outside the solid" : "no surface is made next to them");
 }
 
 static void draw_bar(const char *stage, int percent) {

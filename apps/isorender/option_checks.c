@@ -79,7 +79,8 @@ static iso_status take_output(isorender_settings *settings, const iso_operands *
                               int *count, iso_error *error) {
     if (settings->output || *count != inputs + 1) return ISO_OK;
     settings->output = operands->values[--*count];
-    if (strcmp(settings->output, "-") != 0 && !iso_text_ends_with(settings->output, ".png"))
+    if (strcmp(settings->output, "-") != 0 && !settings->parts &&
+        !iso_text_ends_with(settings->output, ".png"))
         return iso_fail(error, ISO_ERR_USAGE,
                         "%s: a picture's name must end in .png (several inputs need --output TEMPLATE)",
                         settings->output);
@@ -155,7 +156,8 @@ static iso_status check_aov(const isorender_settings *settings, iso_error *error
 static iso_status check_outputs(const isorender_settings *settings, iso_error *error) {
     bool image = !settings->no_image && !settings->info;
     bool to_stdout = image && settings->output && strcmp(settings->output, "-") == 0;
-    if (settings->output && !to_stdout && image && !iso_text_ends_with(settings->output, ".png"))
+    if (settings->output && !to_stdout && image && !settings->parts &&
+        !iso_text_ends_with(settings->output, ".png"))
         return iso_fail(error, ISO_ERR_USAGE, "%s: a picture's name must end in .png", settings->output);
     if (to_stdout && settings->common.json && !settings->common.json_path)
         return iso_fail(error, ISO_ERR_USAGE, "the picture and --json cannot both go to standard output");
@@ -354,8 +356,39 @@ static iso_status check_objects(isorender_settings *settings, iso_error *error) 
     return ISO_OK;
 }
 
+/* The command merge: its operands are files of keys. All options of the picture are in these. */
+static iso_status check_merge(isorender_settings *settings, const iso_operands *operands, iso_error *error) {
+    const char *record = settings->common.record, *output = settings->output;
+    if (*record)
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "merge: the picture has the options that its parts were drawn with:%s", record);
+    if (!operands->count) return iso_fail(error, ISO_ERR_USAGE, "merge: no files of keys (.isokeys)");
+    if (!output || (strcmp(output, "-") != 0 && !iso_text_ends_with(output, ".png")))
+        return iso_fail(error, ISO_ERR_USAGE, "merge: needs the picture's name: -o OUT.png");
+    settings->inputs = operands->values;
+    settings->input_count = operands->count;
+    return ISO_OK;
+}
+
+static iso_status check_part(const isorender_settings *settings, iso_error *error) {
+    const bool keys = settings->output && iso_text_ends_with(settings->output, ".isokeys");
+    if (!settings->parts && keys)
+        return iso_fail(error, ISO_ERR_USAGE, "%s: --part writes files of keys", settings->output);
+    if (!settings->parts) return ISO_OK;
+    if (settings->output && !keys)
+        return iso_fail(error, ISO_ERR_USAGE, "%s: --part writes a file of keys: a name must end in .isokeys",
+                        settings->output);
+    if (settings->turntable || settings->no_image || settings->info)
+        return iso_fail(error, ISO_ERR_USAGE, "--part draws one picture: it cannot be combined with %s",
+                        settings->turntable ? "--turntable"
+                        : settings->info    ? "--info"
+                                            : "--no-image");
+    return ISO_OK;
+}
+
 iso_status isorender_settings_check(isorender_settings *settings, const iso_operands *operands,
                                     iso_error *error) {
+    if (settings->merge) return check_merge(settings, operands, error);
     ISO_TRY(iso_input_check(&settings->common.input, error));
     ISO_TRY(isorender_volumes_resolve(&settings->volume_options, settings->volumes, error));
     ISO_TRY(check_camera(settings, error));
@@ -364,6 +397,7 @@ iso_status isorender_settings_check(isorender_settings *settings, const iso_oper
     ISO_TRY(isorender_detail_check(settings, error));
     ISO_TRY(take_operands(settings, operands, error));
     ISO_TRY(isorender_backend_check(settings, error));
+    ISO_TRY(check_part(settings, error));
     ISO_TRY(check_outputs(settings, error));
     ISO_TRY(check_surfaces(settings, error));
     ISO_TRY(check_glass(settings, error));

@@ -6,6 +6,7 @@
 #include "base/groups.h"
 #include "base/text.h"
 #include "image/image.h"
+#include "io/key_file.h"
 #include "render/glass/glass.h"
 
 #ifndef ISO_VERSION
@@ -17,9 +18,12 @@ enum group { INPUT, SURFACE, OBJECTS, PICTURE, CAMERA, OUTPUT, RUNNING };
 static const char *const groups[] = {
     "Input", "Surface", "Lines, glyphs and meshes", "Picture", "Camera", "Other outputs", "Running", NULL};
 
-static const char *const usage[] = {"[options] IN [OUT.png]", "[options] --output TEMPLATE IN ...",
+static const char *const usage[] = {"[options] IN [OUT.png]",
+                                    "[options] --output TEMPLATE IN ...",
                                     "[options] --scene NAME[:SIZE] [OUT.png]",
-                                    "[options] --lines FILE [--glyphs FILE ...] [OUT.png]", NULL};
+                                    "[options] --lines FILE [--glyphs FILE ...] [OUT.png]",
+                                    "merge PART.isokeys ... -o OUT.png",
+                                    NULL};
 
 /* The reconstructions of pullpush have an option of their own. The names come from the table of renderers. */
 enum { METHODS = 7 };
@@ -137,6 +141,21 @@ static iso_status apply_volume(void *target, const char *value, iso_error *error
     if (volumes->count == ISORENDER_VOLUMES)
         return iso_fail(error, ISO_ERR_USAGE, "more than %d volumes", ISORENDER_VOLUMES);
     volumes->paths[volumes->count++] = value;
+    return ISO_OK;
+}
+
+static iso_status apply_part(void *target, const char *value, iso_error *error) {
+    isorender_settings *settings = target;
+    char number[16];
+    const size_t length = strcspn(value, "/");
+    int part = 0, parts = 0;
+    snprintf(number, sizeof number, "%.*s", length < 15 ? (int)length : 15, value);
+    if (!value[length] || !iso_parse_int(number, &part) || !iso_parse_int(value + length + 1, &parts) ||
+        part < 1 || part > parts || parts > ISO_KEY_PARTS)
+        return iso_fail(error, ISO_ERR_USAGE, "'%s' is not K/N, with K from 1 to N and N up to %d", value,
+                        ISO_KEY_PARTS);
+    settings->part = part;
+    settings->parts = parts;
     return ISO_OK;
 }
 
@@ -446,6 +465,13 @@ static const iso_option options[] = {
      .group = OUTPUT, TEXT(points), UNRECORDED},
     {"mesh", NULL, "FILE", "write the Marching Cubes mesh: .ply, .stl or .obj, in mm", .group = OUTPUT,
      TEXT(mesh), UNRECORDED},
+    {"part", NULL, "K/N",
+     "draw only part K of N of the surface, into a file of keys (-o NAME.isokeys): parts may be drawn in any "
+     "order, "
+     "by any number of processes or machines; isorender merge makes of all of them the picture that one "
+     "process "
+     "would have made",
+     .group = OUTPUT, CALL(apply_part), UNRECORDED},
     {"aov", NULL, "FILE.exr",
      "write depth Z (mm along the view), normal N.X N.Y N.Z (world, out of the solid) and coverage A of "
      "every pixel "
@@ -472,6 +498,17 @@ static const iso_option options[] = {
      UNRECORDED},
     {"verbose", NULL, "LEVEL", "say more: timings and counts (quiet, error, warning, info, debug)",
      .group = RUNNING, CALL(apply_verbose), .flags = ISO_OPTION_VALUE_OPTIONAL | ISO_OPTION_UNRECORDED},
+    {"chunk-size", NULL, "N",
+     "draw the volume in chunks of N voxels a side, rounded up to multiples of 16, one after the other; what "
+     "comes "
+     "out does not depend on it",
+     .group = RUNNING, .standard = "128, and only volumes larger than --max-memory",
+     INT(chunk_size, 1, 1 << 20), UNRECORDED},
+    {"no-index", NULL, NULL,
+     "keep no index of a volume that is drawn in chunks: else NAME.isoindex beside its file, so that later "
+     "pictures read "
+     "only the chunks that they show",
+     .group = RUNNING, FLAG(no_index), UNRECORDED},
     {"threads", NULL, "N", "threads to use; what comes out does not depend on it", .group = RUNNING,
      .standard = "one a processor", INT(common.threads, 1, 1024), UNRECORDED},
 #include "apps/common/running_options.inc"
@@ -506,6 +543,8 @@ static const char *const example_text[] = {
     "isorender sphere.vdb --points sphere.ply --no-image",
     "isorender t1.nii.gz brain.png --isovalue 60 --opacity 0.3 --lines tracts.tck --line-color direction",
     "isorender protein.pdb --samples 4",
+    "isorender large.nrrd --isovalue 9 --part 3/16 -o 3.isokeys    # and 1 to 16, then:",
+    "isorender merge *.isokeys -o large.png",
     NULL};
 
 static const iso_section sections[] = {
@@ -547,7 +586,9 @@ iso_status isorender_settings_parse(int argc, char *const *argv, isorender_setti
                                      .margin = NAN,
                                      .view_angle = 30};
     for (int i = 0; i < 3; i++) settings->position[i] = settings->focal_point[i] = settings->view_up[i] = NAN;
-    ISO_TRY(iso_options_parse(isorender_program(), argc, argv, settings, operands, error));
+    settings->merge = argc > 1 && strcmp(argv[1], "merge") == 0;
+    ISO_TRY(iso_options_parse(isorender_program(), argc - settings->merge, argv + settings->merge, settings,
+                              operands, error));
     settings->gaussians = settings->method == METHOD_GAUSSIANS;
     if (settings->gaussians) settings->method = ISORENDER_METHOD_UNCHOSEN;
     if (settings->method != ISORENDER_METHOD_UNCHOSEN) settings->method = (int)methods[settings->method];

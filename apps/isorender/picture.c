@@ -3,7 +3,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "apps/isorender/chunks.h"
 #include "apps/isorender/isorender.h"
+#include "apps/isorender/labels.h"
 #include "apps/isorender/pyramid_sets.h"
 #include "base/clock.h"
 #include "image/annotate.h"
@@ -81,13 +83,7 @@ static uint64_t hash_image(const iso_image *image) {
     return hash;
 }
 
-/* Metadata of the files. Without paths and thread counts, so that the same picture is the same file
- * everywhere. */
-typedef struct labels {
-    char software[64], isovalues[512], command[ISO_RECORD_SIZE + 256];
-} labels;
-
-static void make_labels(const isorender_job *job, labels *l) {
+void isorender_labels_make(const isorender_job *job, isorender_labels *l) {
     const iso_program *program = isorender_program();
     snprintf(l->software, sizeof l->software, "%s %s", program->name, program->version);
     size_t used = 0;
@@ -100,26 +96,30 @@ static void make_labels(const isorender_job *job, labels *l) {
              job->settings->common.record);
 }
 
+double isorender_pixels_per_metre(const iso_camera *camera, int height) {
+    const double millimetres = iso_camera_mm_per_pixel(camera, height);
+    return millimetres > 0 ? 1000 / millimetres : 0;
+}
+
 static iso_status write_picture(isorender_job *job, const iso_image *image, const char *path,
                                 iso_error *error) {
-    labels l;
-    make_labels(job, &l);
+    isorender_labels l;
+    isorender_labels_make(job, &l);
     const iso_png_text texts[] = {{"Software", l.software},
                                   {"Title", job->plan->model},
                                   {"Comment", l.command},
                                   {"Description", l.isovalues}};
-    const double millimetres = iso_camera_mm_per_pixel(&job->camera, image->height);
     const iso_png_opts opts = {.texts = texts,
                                .text_count = l.isovalues[0] ? 4 : 3,
-                               .pixels_per_metre = millimetres > 0 ? 1000 / millimetres : 0,
+                               .pixels_per_metre = isorender_pixels_per_metre(&job->camera, image->height),
                                .pool = job->pool};
     return iso_png_write_with(path, image, &opts, error);
 }
 
 static iso_status write_aov(isorender_job *job, int frame, const iso_aov *aov, const char *path,
                             iso_error *error) {
-    labels l;
-    make_labels(job, &l);
+    isorender_labels l;
+    isorender_labels_make(job, &l);
     iso_camera camera = isorender_camera_of_frame(job, frame);
     iso_view view = iso_view_make(&camera, aov->width, aov->height);
     const iso_exr_info info = {.view = &view, .software = l.software, .comments = l.command};
@@ -146,9 +146,9 @@ static iso_status draw_directly(const isorender_job *job, const iso_picture_opts
     return iso_paint_exact(&whole, job->surfaces[0].exact, covered, error);
 }
 
-static bool is_dark(const isorender_settings *settings) {
-    const iso_rgb c = settings->background;
-    return !settings->transparent && 299 * c.r + 587 * c.g + 114 * c.b < 128 * 1000;
+bool isorender_is_dark(iso_rgb background, int transparent) {
+    const iso_rgb c = background;
+    return !transparent && 299 * c.r + 587 * c.g + 114 * c.b < 128 * 1000;
 }
 
 /* Points that were read do not say where the patient is. */
@@ -166,7 +166,8 @@ static iso_status annotate(const isorender_job *job, const iso_camera *camera, i
                                        .anatomical = job->has_volume && job->loader.volume.info.anatomical,
                                        .color_bars = bars,
                                        .color_bar_count = bar_count,
-                                       .dark = is_dark(settings)};
+                                       .dark =
+                                           isorender_is_dark(settings->background, settings->transparent)};
     return iso_annotate(image, &annotation, error);
 }
 
@@ -256,6 +257,7 @@ static iso_status render_picture(isorender_job *job, iso_picture_opts *opts, iso
                                  isorender_frame *frame, iso_error *error) {
     if (job->environment) return render_glass(job, opts, image, frame, error);
     if (job->gaussians) return render_gaussians(job, opts, image, frame, error);
+    if (job->chunks) return isorender_chunks_draw(job, opts, image, &frame->covered, error);
     if (job->translucent) return render_layers(job, opts, image, frame, error);
     if (is_drawn_directly(job, opts)) return draw_directly(job, opts, image, &frame->covered, error);
     return iso_picture_render(opts, image, &frame->covered, error);
@@ -300,14 +302,14 @@ static iso_status render_frame(isorender_job *job, int frame, canvas *c, iso_err
     if (job->frames[frame].covered == 0)
         return iso_fail(error, ISO_ERR_EMPTY,
                         job->object_count ? "nothing is in view" : "nothing of the surface is in view");
-    ISO_TRY(annotate(job, &camera, &c->image, error));
+    if (!settings->ranks.rank) ISO_TRY(annotate(job, &camera, &c->image, error));
     /* (a few milliseconds, byte by byte) */
-    if (settings->common.json) job->frames[frame].hash = hash_image(&c->image);
+    if (settings->common.json && !settings->ranks.rank) job->frames[frame].hash = hash_image(&c->image);
     return ISO_OK;
 }
 
 static iso_status save_image(isorender_job *job, int frame, const canvas *c, iso_error *error) {
-    if (!job->plan->image) return ISO_OK;
+    if (!job->plan->image || job->settings->ranks.rank) return ISO_OK;
     char *path = NULL;
     ISO_TRY(isorender_plan_frame(job->plan->image, frame, &path, error));
     iso_status status = write_picture(job, &c->image, path, error);
@@ -326,14 +328,19 @@ static iso_status save_aov(isorender_job *job, int frame, const canvas *c, iso_e
     return status;
 }
 
+static iso_status make_frame(isorender_job *job, int frame, canvas *c, iso_error *error) {
+    ISO_TRY(render_frame(job, frame, c, error));
+    double start = iso_clock_seconds();
+    ISO_TRY(save_image(job, frame, c, error));
+    ISO_TRY(save_aov(job, frame, c, error));
+    job->seconds.write += iso_clock_seconds() - start;
+    return ISO_OK;
+}
+
 static iso_status render_frames(isorender_job *job, canvas *c, iso_error *error) {
     for (int frame = 0; frame < job->frame_count; frame++) {
         isorender_progress(job, "rendering", (double)frame / job->frame_count);
-        ISO_TRY(render_frame(job, frame, c, error));
-        double start = iso_clock_seconds();
-        ISO_TRY(save_image(job, frame, c, error));
-        ISO_TRY(save_aov(job, frame, c, error));
-        job->seconds.write += iso_clock_seconds() - start;
+        ISO_TRY(iso_ranks_agree(&job->settings->ranks, make_frame(job, frame, c, error), error));
     }
     isorender_progress(job, "rendering", 1);
     return ISO_OK;
@@ -355,7 +362,7 @@ uint64_t isorender_picture_bytes(const isorender_job *job) {
     if (settings->lighting) samples += pixels * (uint64_t)settings->samples * sizeof(float);
     uint64_t aov = settings->aov ? pixels * (ISO_AOV_PLANES + 1) * sizeof(float) : 0;
     if (has_ids(settings)) aov += pixels * ISO_ID_PLANES * sizeof(uint32_t);
-    uint64_t bytes = 4 * pixels + aov + (samples < STRIP ? samples : STRIP);
+    uint64_t bytes = 4 * pixels + isorender_chunks_bytes(job) + aov + (samples < STRIP ? samples : STRIP);
     const uint64_t threads = (uint64_t)iso_pool_threads(job->pool);
     const bool fragments = isorender_object_opacity_option(settings) != NULL;
     if (isorender_is_translucent(settings) || fragments) bytes += threads * ISO_EXACT_LAYERS_BYTES;
@@ -391,6 +398,8 @@ static void suggest_film(const isorender_job *job) {
 iso_status isorender_render(isorender_job *job, iso_error *error) {
     const isorender_settings *settings = job->settings;
     ISO_TRY(isorender_camera_make(job, error));
+    ISO_TRY(isorender_chunks_check(job, error));
+    if (settings->parts) return isorender_chunks_write_part(job, error);
     job->frame_count = settings->turntable ? settings->turntable : 1;
     job->frames = calloc((size_t)job->frame_count, sizeof *job->frames);
     if (!job->frames) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");

@@ -34,6 +34,11 @@ static iso_status make_names(const isorender_settings *settings, int number, iso
     if (settings->aov) ISO_TRY(make_frame_name(settings, plan, settings->aov, number, &plan->aov, error));
     if (settings->no_image) return ISO_OK;
     const char *output = settings->output ? settings->output : "{model}.png";
+    char part[64];
+    if (settings->parts && !settings->output) {
+        snprintf(part, sizeof part, "{model}-%d-of-%d.isokeys", settings->part, settings->parts);
+        output = part;
+    }
     return make_frame_name(settings, plan, output, number, &plan->image, error);
 }
 

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "apps/common/json.h"
+#include "apps/isorender/chunks.h"
 #include "apps/isorender/isorender.h"
 #include "base/file.h"
 #include "base/memory.h"
@@ -278,6 +279,7 @@ static iso_status put_report(iso_json *json, const isorender_job *job, iso_error
     }
     if (!settings->no_input) iso_json_integer(json, "nonfinite", job->loader.nonfinite);
     isorender_report_volumes(json, job);
+    isorender_report_chunks(json, job);
     if (settings->info)
         put_info(json, job);
     else
@@ -285,6 +287,10 @@ static iso_status put_report(iso_json *json, const isorender_job *job, iso_error
     put_files(json, job);
     put_seconds(json, &job->seconds);
     iso_json_integer(json, "peak_bytes", iso_memory_peak());
+    if (settings->ranks.mpi) {
+        iso_json_integer(json, "ranks", (uint64_t)settings->ranks.size);
+        iso_json_reals(json, "peak_bytes_of_ranks", job->rank_bytes, 3);
+    }
     put_backend(json, job);
     if (!settings->info)
         iso_json_string(json, "method", job->gaussians ? "gaussians" : iso_method_name(job->method));

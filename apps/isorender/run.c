@@ -3,7 +3,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "apps/isorender/chunks.h"
 #include "apps/isorender/isorender.h"
+#include "apps/isorender/ranks.h"
 #include "base/clock.h"
 #include "base/file.h"
 #include "base/text.h"
@@ -53,7 +55,7 @@ static void log_outputs(const isorender_job *job) {
 
 static iso_status make_outputs(isorender_job *job, iso_error *error) {
     double start = iso_clock_seconds();
-    ISO_TRY(isorender_read(job, error));
+    ISO_TRY(iso_ranks_agree(&job->settings->ranks, isorender_read(job, error), error));
     double read = iso_clock_seconds();
     job->seconds.load += read - start;
     ISO_TRY(isorender_extract(job, error));
@@ -65,17 +67,22 @@ static iso_status make_outputs(isorender_job *job, iso_error *error) {
     return ISO_OK;
 }
 
-static iso_status run_steps(isorender_job *job, iso_error *error) {
-    double start = iso_clock_seconds();
+static iso_status open_and_check(isorender_job *job, iso_error *error) {
+    const double start = iso_clock_seconds();
     ISO_TRY(isorender_open(job, error));
     job->seconds.load = iso_clock_seconds() - start;
-    ISO_TRY(isorender_plan_check_writable(job->plan, error));
-    if (job->settings->info)
-        ISO_TRY(print_info(job, error));
-    else
-        ISO_TRY(make_outputs(job, error));
+    return job->settings->ranks.rank ? ISO_OK : isorender_plan_check_writable(job->plan, error);
+}
+
+static iso_status run_steps(isorender_job *job, iso_error *error) {
+    double start = iso_clock_seconds();
+    ISO_TRY(iso_ranks_agree(&job->settings->ranks, open_and_check(job, error), error));
+    const iso_ranks *ranks = &job->settings->ranks;
+    const iso_status made = job->settings->info ? print_info(job, error) : make_outputs(job, error);
+    ISO_TRY(iso_ranks_agree(ranks, made, error));
+    ISO_TRY(isorender_ranks_memory(ranks, job->rank_bytes, error));
     job->seconds.total = iso_clock_seconds() - start;
-    if (job->settings->common.json) ISO_TRY(isorender_report_json(job, error));
+    if (job->settings->common.json && !job->settings->ranks.rank) ISO_TRY(isorender_report_json(job, error));
     if (!job->settings->info) log_outputs(job);
     return ISO_OK;
 }
@@ -120,6 +127,7 @@ static void free_surfaces(isorender_job *job) {
         iso_lod_cut_free(&job->surfaces[i].cut);
         iso_grid_destroy(&job->surfaces[i].own_grid);
     }
+    isorender_chunks_free(job);
     iso_cloud_free(&job->cloud);
     for (int i = 0; i < job->object_count; i++) isorender_object_free(&job->objects[i]);
     free(job->frames);
@@ -136,10 +144,9 @@ iso_status isorender_run(const isorender_settings *settings, const isorender_pla
     job->backend = backend;
     job->environment = environment;
     iso_status status = run_steps(job, error);
-    if (status != ISO_OK) {
-        remove_outputs(job);
-        name_input(job, error);
-    }
+    status = iso_ranks_agree(&settings->ranks, status, error);
+    if (status != ISO_OK && !settings->ranks.rank) remove_outputs(job);
+    if (status != ISO_OK && error->text[0]) name_input(job, error);
     free_surfaces(job);
     iso_pullpush_destroy(job->pullpush);
     iso_loader_close(&job->loader);

@@ -6,6 +6,7 @@
 #include "apps/isorender/object_settings.h"
 #include "apps/isorender/volume_settings.h"
 #include "base/geometry.h"
+#include "base/ranks.h"
 #include "isopoint.h"
 
 #ifdef __cplusplus
@@ -112,6 +113,13 @@ typedef struct isorender_settings {
     double margin;         /* on each side, as a fraction of the picture's size; NaN: not given */
     int scale_bar, orientation_marker;
     double position[3], focal_point[3], view_up[3]; /* NaN: not given */
+
+    int part, parts; /* part 1 .. parts of the picture, which is drawn into a file of keys; 0: the whole */
+    int chunk_size;  /* voxels along the side of a chunk; 0: not given */
+    int no_index;    /* NAME.isoindex is neither read nor written */
+    int merge;       /* the command merge: `inputs` are files of keys */
+
+    iso_ranks ranks; /* the processes of mpirun */
 
     int progress, verbose, info;
 } isorender_settings;

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "apps/common/beside.h"
+#include "apps/isorender/chunks.h"
 #include "apps/isorender/isorender.h"
 #include "apps/isorender/pyramid_sets.h"
 #include "io/mesh_io.h"
@@ -255,6 +256,7 @@ static iso_transform transform_of(const isorender_job *job, const isorender_surf
 /* The box of a surface in the coordinates to which `affine` maps its index coordinates. */
 static iso_box bounds_of(const isorender_job *job, int i, const iso_affine *affine) {
     const isorender_surface *surface = &job->surfaces[i];
+    if (job->chunks) return isorender_chunks_bounds(job, affine);
     if (surface->exact) return iso_exact_bounds(surface->exact, affine);
     if (surface->points || surface->loader->has_points) {
         const iso_point_view view = isorender_points_view(job, i);
@@ -370,11 +372,24 @@ static iso_status prepare_objects(isorender_job *job, iso_error *error) {
     return ISO_OK;
 }
 
+/* Extracts the only surface chunk by chunk, and finds its bounds. */
+static iso_status extract_chunks(isorender_job *job, iso_error *error) {
+    iso_box index;
+    isorender_progress(job, "extracting", 0);
+    ISO_TRY(isorender_chunks_extract(job, &index, error));
+    if (!job->cell_count && !job->point_count) return fail_empty(&job->surfaces[0], error);
+    job->bounds_world = job->surfaces[0].bounds;
+    job->bounds_local = to_local(job, &index);
+    return ISO_OK;
+}
+
 iso_status isorender_extract(isorender_job *job, iso_error *error) {
     job->bounds_local = job->bounds_world = iso_box_empty();
+    if (job->chunks) ISO_TRY(isorender_chunks_begin(job, error));
     ISO_TRY(add_surfaces(job, error));
     choose_colors(job);
     choose_opacities(job);
+    if (job->chunks) return extract_chunks(job, error);
     if (job->loader.has_points) {
         job->read_points = iso_cloud_view(&job->cloud);
         job->point_count = job->cloud.count;

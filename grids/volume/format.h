@@ -125,9 +125,13 @@ typedef struct iso_format_stream {
     iso_scalar scalar;
     int components, component; /* interleaved ones */
     bool swap;
+    /* Optional: returns the file whose next `bytes` bytes, from its current position on, are those that
+     * `fill` would read next, and takes them as read; NULL: they are compressed, or in several files. */
+    FILE *(*plain)(void *context, uint64_t bytes);
 } iso_format_stream;
 
-/* Creates the grid that `info` describes and fills it from the stream, reporting progress. */
+/* Creates the grid that `info` describes and fills it from the stream, reporting progress. With
+ * opts->mapped the voxels are mapped. */
 iso_status iso_format_read_stream(const char *path, const iso_volume_opts *opts, const iso_volume_info *info,
                                   const iso_format_stream *stream, iso_grid *grid, iso_error *error);
 

@@ -473,6 +473,15 @@ static iso_status read_bytes(void *context, void *target, size_t bytes, iso_erro
     return ISO_OK;
 }
 
+static FILE *plain_file(void *context, uint64_t bytes) {
+    chain *c = context;
+    if (c->header->text || c->header->deflated || (c->left == 0 && open_next(c, NULL) != ISO_OK) ||
+        c->left < bytes)
+        return NULL;
+    c->left -= bytes;
+    return c->file;
+}
+
 /* Skips components that are not wanted, by reading them, so that a file that lacks them is noticed. */
 static iso_status skip_voxels(chain *c, uint64_t bytes, iso_error *error) {
     char scratch[1 << 14]; /* a multiple of every scalar's size */
@@ -503,6 +512,7 @@ static iso_status read_chain(const char *path, const iso_volume_opts *opts, cons
     iso_format_stream stream = stream_of(header, info->component);
     stream.fill = read_bytes;
     stream.context = c;
+    stream.plain = plain_file;
     uint64_t volume = iso_format_size(info->dims, iso_scalar_size(header->scalar) * header->channels);
     uint64_t volumes = (uint64_t)info->components / header->channels;
     uint64_t chosen = (uint64_t)info->component / header->channels;

@@ -395,6 +395,13 @@ static iso_status read_voxels(void *context, void *target, size_t bytes, iso_err
     return got == bytes ? ISO_OK : iso_format_truncated(data->path, data->at, data->end, error);
 }
 
+static FILE *plain_file(void *context, uint64_t bytes) {
+    data_file *data = context;
+    if (data->file->withz) return NULL;
+    data->at += bytes;
+    return data->file->nzfptr;
+}
+
 /* Checks that the file also has the volumes after the chosen one, and that its compressed data is intact to
  * the end. */
 static iso_status check_end(data_file *data, iso_error *error) {
@@ -433,6 +440,7 @@ static iso_status read_data(const char *path, const iso_volume_opts *opts, const
                           (unsigned long long)data.at);
     stream.fill = read_voxels;
     stream.context = &data;
+    if (!negative_slope(file->image)) stream.plain = plain_file; /* else the values are changed in place */
     if (status == ISO_OK) status = iso_format_read_stream(path, opts, info, &stream, grid, error);
     if (status == ISO_OK && (status = check_end(&data, error)) != ISO_OK) iso_grid_destroy(grid);
     znzclose(data.file);

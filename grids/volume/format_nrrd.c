@@ -243,6 +243,7 @@ static iso_status nrrd_read(const char *path, const iso_volume_opts *opts, iso_v
     iso_format_stream stream = stream_of(&nrrd, &found, info);
     stream.fill = iso_nrrd_data_fill;
     stream.context = data;
+    stream.plain = iso_nrrd_data_plain;
     iso_status status = read_data(path, opts, info, &stream, grid, error);
     iso_nrrd_data_close(data);
     return status;

@@ -177,10 +177,20 @@ static iso_status read_bytes(void *context, void *target, size_t bytes, iso_erro
                     ferror(file->stream) ? strerror(errno) : "the file ends too early");
 }
 
+static FILE *plain_file(void *context, uint64_t bytes) {
+    (void)bytes;
+    return ((raw_file *)context)->stream;
+}
+
 static iso_format_stream stream_of(const iso_volume_opts *opts, const iso_volume_info *info, raw_file *file) {
     bool swap = opts->raw->big_endian != (__BYTE_ORDER__ == __ORDER_BIG_ENDIAN__);
-    return (iso_format_stream){read_bytes,      file, scalar_of(info->type), info->components,
-                               info->component, swap};
+    return (iso_format_stream){.fill = read_bytes,
+                               .context = file,
+                               .scalar = scalar_of(info->type),
+                               .components = info->components,
+                               .component = info->component,
+                               .swap = swap,
+                               .plain = plain_file};
 }
 
 static iso_status raw_info(const char *path, const iso_volume_opts *opts, iso_volume_info *info,

@@ -7,6 +7,7 @@
 
 #include "base/memory.h"
 #include "grids/volume/format.h"
+#include "grids/volume/mapping.h"
 
 /* Large enough that calls cost little, small enough to stay in cache between reading and conversion. */
 enum { CHUNK_BYTES = 1 << 20 };
@@ -62,11 +63,66 @@ static iso_status fill_grid(const char *path, const iso_volume_opts *opts, const
     return status;
 }
 
+/* ---- mapped voxels */
+
+/* iso_format_fill from a file: the rest of a stream that has been taken as read. */
+static iso_status read_plain(void *file, void *target, size_t bytes, iso_error *error) {
+    if (fread(target, 1, bytes, file) == bytes) return ISO_OK;
+    return iso_fail(error, ISO_ERR_IO, "truncated, or it cannot be read");
+}
+
+static iso_status create_mapped(const char *path, const iso_volume_info *info, iso_mapping *mapping,
+                                iso_grid *grid, iso_error *error) {
+    const iso_format_data lent = {iso_mapping_data(mapping), iso_mapping_destroy, mapping};
+    return iso_format_create(path, info, &lent, grid, error);
+}
+
+/* Maps the voxels where they lie, if the grid can use them as they are. *grid stays empty otherwise, and the
+ * stream is then to be read on from `rest`. */
+static iso_status map_in_place(const char *path, const iso_volume_info *info, const iso_format_stream *stream,
+                               iso_format_stream *rest, iso_grid *grid, iso_error *error) {
+    const size_t size = iso_scalar_size(stream->scalar);
+    const uint64_t bytes = iso_format_size(info->dims, voxel_bytes(stream));
+    FILE *file = stream->plain ? stream->plain(stream->context, bytes) : NULL;
+    *rest = *stream;
+    if (!file) return ISO_OK;
+    rest->fill = read_plain;
+    rest->context = file;
+    const off_t start = ftello(file);
+    const bool usable = is_direct(stream, info->type) && (!stream->swap || size == 1);
+    if (!usable || start < 0 || start % (off_t)size) return ISO_OK;
+    iso_mapping *mapping = NULL;
+    ISO_TRY(iso_mapping_of_file(path, file, bytes, &mapping, error));
+    if (fseeko(file, (off_t)bytes, SEEK_CUR) != 0) {
+        iso_mapping_destroy(mapping);
+        return iso_fail(error, ISO_ERR_IO, "%s: cannot be read", path);
+    }
+    return create_mapped(path, info, mapping, grid, error);
+}
+
+static iso_status map_stream(const char *path, const iso_volume_opts *opts, const iso_volume_info *info,
+                             const iso_format_stream *stream, iso_grid *grid, iso_error *error) {
+    iso_format_stream rest;
+    iso_mapping *mapping = NULL;
+    ISO_TRY(map_in_place(path, info, stream, &rest, grid, error));
+    if (grid->rgrid) return ISO_OK;
+    ISO_TRY(iso_mapping_of_new_file(path, iso_format_size(info->dims, iso_type_size(info->type)), &mapping,
+                                    error));
+    ISO_TRY(create_mapped(path, info, mapping, grid, error));
+    return fill_grid(path, opts, &rest, grid->rgrid, error);
+}
+
+static iso_status read_into_memory(const char *path, const iso_volume_opts *opts, const iso_volume_info *info,
+                                   const iso_format_stream *stream, iso_grid *grid, iso_error *error) {
+    ISO_TRY(iso_format_create(path, info, NULL, grid, error));
+    return fill_grid(path, opts, stream, grid->rgrid, error);
+}
+
 iso_status iso_format_read_stream(const char *path, const iso_volume_opts *opts, const iso_volume_info *info,
                                   const iso_format_stream *stream, iso_grid *grid, iso_error *error) {
     iso_grid result = {0};
-    ISO_TRY(iso_format_create(path, info, NULL, &result, error));
-    iso_status status = fill_grid(path, opts, stream, result.rgrid, error);
+    iso_status status = opts->mapped ? map_stream(path, opts, info, stream, &result, error)
+                                     : read_into_memory(path, opts, info, stream, &result, error);
     if (status != ISO_OK) {
         iso_grid_destroy(&result);
         return status;

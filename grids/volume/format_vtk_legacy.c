@@ -367,6 +367,12 @@ static iso_status read_bytes(void *context, void *target, size_t bytes, iso_erro
                     feof(stream) ? "the file ends" : "something else than a number stands");
 }
 
+static FILE *plain_file(void *context, uint64_t bytes) {
+    (void)bytes;
+    const source *s = context;
+    return s->file->binary ? s->file->stream : NULL;
+}
+
 static iso_status read_array(vtk_file *f, const iso_volume_opts *opts, const iso_volume_info *info,
                              iso_grid *grid, iso_error *error) {
     iso_volume_info now = {.transform = iso_transform_identity()};
@@ -381,6 +387,7 @@ static iso_status read_array(vtk_file *f, const iso_volume_opts *opts, const iso
     source from = {f, stream.scalar};
     stream.fill = read_bytes;
     stream.context = &from;
+    stream.plain = plain_file;
     return iso_format_read_stream(f->path, opts, info, &stream, grid, error);
 }
 

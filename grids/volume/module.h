@@ -1,10 +1,11 @@
-/* module: readers in shared objects that are loaded when a file needs them.
+/* module: readers in shared objects that are loaded when a file needs them; and MPI, when mpirun has
+ * started the program.
  *
- * VTK, OpenVDB and GDCM take tens of milliseconds and megabytes before they read a byte, so programs must not
- * be linked to them. A module is the file libisopoint-NAME.so. It exports one symbol, a table of functions,
- * and contains copies of the functions of this library that it needs, because the shared libisopoint does not
- * export them. The copies have separate static variables; the only one, the limit set by iso_cpu_limit, is
- * not used by readers.
+ * VTK, OpenVDB and GDCM take tens of milliseconds and megabytes before they read a byte, so programs must
+ * not be linked to them. A module is the file libisopoint-NAME.so. It exports one symbol, a table of
+ * functions, and contains copies of the functions of this library that it needs, because the shared
+ * libisopoint does not export them. The copies have separate static variables; the only one, the limit set
+ * by iso_cpu_limit, is not used by readers.
  *
  * Modules are searched in the folder ISO_MODULE_PATH if it is set; otherwise in isopoint/ beside the shared
  * library, or at the place of the installation relative to a program in bin/, and then where it was
@@ -14,6 +15,7 @@
 
 #include <stdio.h>
 
+#include "base/ranks.h"
 #include "grids/level_set.h"
 #include "grids/volume/dicom/dicom.h"
 #include "grids/volume/format.h"
@@ -23,7 +25,7 @@ extern "C" {
 #endif
 
 /* Increase this if a type that modules share with the library changes between two releases. */
-#define ISO_MODULE_ABI 5
+#define ISO_MODULE_ABI 6
 
 /* Writes an hgrid to `stream`, as iso_level_set_write_vdb; `path` is for messages. */
 typedef iso_status iso_level_set_writer(FILE *stream, const char *path, const iso_hgrid *grid,
@@ -36,6 +38,7 @@ typedef struct iso_module {
     const iso_format *format;
     iso_dicom_decoder *dicom_decode;
     iso_level_set_writer *write_level_set;
+    const iso_message_passing *messages;
 } iso_module;
 
 #ifdef __cplusplus
@@ -47,7 +50,8 @@ typedef struct iso_module {
 /* Defines the one symbol that a module exports. ISO_VERSION comes from the build. */
 #define ISO_MODULE(format, dicom_decode, write_level_set)                                                    \
     ISO_MODULE_EXTERN const iso_module iso_module_table;                                                     \
-    const iso_module iso_module_table = {ISO_MODULE_ABI, ISO_VERSION, format, dicom_decode, write_level_set}
+    const iso_module iso_module_table = {ISO_MODULE_ABI, ISO_VERSION,     format,                            \
+                                         dicom_decode,   write_level_set, 0}
 
 /* Loads module `name` and returns its table, which stays valid. `path` is the file that needs it and
  * `library` the library that it uses, both for messages. ISO_ERR_UNSUPPORTED: the module or a library is not

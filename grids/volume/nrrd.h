@@ -10,6 +10,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 
 #include "grids/volume/format.h"
 
@@ -105,6 +106,9 @@ void iso_nrrd_data_list(const char *path, const iso_nrrd_header *header, iso_fil
  * checksums of a compressed file are checked when its last byte is read. */
 iso_status iso_nrrd_data_fill(void *data, void *target, size_t bytes, iso_error *error);
 iso_status iso_nrrd_data_skip(iso_nrrd_data *data, uint64_t bytes, iso_error *error);
+/* Returns the file whose next `bytes` bytes are the next of the array, which then count as read; NULL: they
+ * are encoded, or in several files. */
+FILE *iso_nrrd_data_plain(void *data, uint64_t bytes);
 void iso_nrrd_data_close(iso_nrrd_data *data);
 
 #endif

@@ -438,6 +438,15 @@ iso_status iso_nrrd_data_fill(void *data, void *target, size_t bytes, iso_error 
     return ISO_OK;
 }
 
+FILE *iso_nrrd_data_plain(void *data, uint64_t bytes) {
+    iso_nrrd_data *d = data;
+    if (d->header->encoding != ISO_NRRD_RAW || (d->left == 0 && open_next(d, NULL) != ISO_OK) ||
+        d->left < bytes)
+        return NULL; /* (what is wrong with the next file is said when it is read) */
+    d->left -= bytes;
+    return d->file;
+}
+
 iso_status iso_nrrd_data_skip(iso_nrrd_data *d, uint64_t bytes, iso_error *error) {
     char scratch[1 << 14]; /* a multiple of every scalar's size */
     while (bytes) {

@@ -393,6 +393,14 @@ iso_status iso_volume_check_memory(const char *path, const iso_volume_opts *opts
     return iso_format_check_memory(path, opts, info->read_bytes, what, error);
 }
 
+bool iso_volume_can_map(const iso_volume_info *info) {
+    const iso_format *const formats[] = {&iso_format_nrrd, &iso_format_metaimage, &iso_format_nifti,
+                                         &iso_format_raw, &iso_format_vtk};
+    for (size_t i = 0; i < sizeof formats / sizeof *formats; i++)
+        if (strcmp(info->format, formats[i]->name) == 0) return true;
+    return false;
+}
+
 /* Whether the grid has the size and type of the header, which were checked against the memory limit. */
 static bool agrees(const iso_volume_info *info, const iso_grid *grid) {
     if (!grid->rgrid) return grid->hgrid != NULL;
@@ -416,14 +424,16 @@ iso_status iso_volume_read(const char *path, const iso_volume_opts *opts, iso_vo
     const iso_format *format = NULL;
     iso_volume result = {0};
     ISO_TRY(read_header(path, &r, &format, &result.info, error));
-    ISO_TRY(iso_volume_check_memory(path, opts, &result.info, error));
+    r.opts.mapped = r.opts.mapped && iso_volume_can_map(&result.info);
+    if (!opts->mapped) ISO_TRY(iso_volume_check_memory(path, opts, &result.info, error));
     ISO_TRY(iso_format_progress(path, opts, 0, error));
     iso_error detail = {0};
     iso_status status = format->read(path, opts, &result.info, &result.grid, &detail);
     ISO_TRY(name_path(path, status, &detail, error));
     if (!agrees(&result.info, &result.grid))
         status = iso_fail(error, ISO_ERR_IO, "%s: changed while it was read", path);
-    if (status == ISO_OK && result.grid.rgrid) status = make_index(path, opts, result.grid.rgrid, error);
+    if (status == ISO_OK && result.grid.rgrid && !opts->mapped)
+        status = make_index(path, opts, result.grid.rgrid, error);
     if (status == ISO_OK) status = iso_format_progress(path, opts, 1, error);
     if (status != ISO_OK) {
         iso_volume_free(&result);

@@ -65,6 +65,9 @@ typedef struct iso_volume_opts {
                           * file has just that size, and it is called .raw or is of no other format */
     double spacing[3];   /* > 0 overrides the file's spacing (mm) */
     uint64_t max_memory; /* bytes that the grid and reading it may take; 0: 80 % of iso_memory_available */
+    /* Voxels are mapped (grids/volume/mapping.h) if iso_volume_can_map, and do not count against max_memory
+     * then; the grid must not be written to, and has no index. */
+    bool mapped;
     iso_file_set *files; /* every file that is read, or will be, is added by iso_volume_read_info and
                             iso_volume_read; NULL is fine */
     iso_pool *pool;
@@ -89,6 +92,10 @@ iso_status iso_volume_read_info(const char *path, const iso_volume_opts *opts, i
 /* The format, as in iso_volume_info, of a file that begins with these bytes, of which 1024 are enough. NULL:
  * not recognised, as raw files and formats that only the name tells. */
 const char *iso_volume_format(const void *bytes, size_t count);
+
+/* Whether iso_volume_read can map the volume that `info` describes: dense ones of nrrd, metaimage, nifti,
+ * raw and legacy vtk files. */
+bool iso_volume_can_map(const iso_volume_info *info);
 
 /* ISO_ERR_LIMIT: reading the volume that `info` describes takes more than opts->max_memory. */
 iso_status iso_volume_check_memory(const char *path, const iso_volume_opts *opts, const iso_volume_info *info,

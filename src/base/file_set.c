@@ -8,12 +8,14 @@
 #include <unistd.h>
 
 #include "base/file.h"
+#include "base/file_identity.h"
 
 typedef struct iso_file_entry {
     dev_t device;  /* of the file or, if it does not exist, of its folder */
     ino_t inode;   /* likewise */
     char *missing; /* owned: name in the folder of a file that does not exist; NULL: the file exists */
     char *name;    /* owned: for messages */
+    uint64_t bytes, changed; /* of a file that exists: its size, and when it changed, nanoseconds */
     bool written;
 } iso_file_entry;
 
@@ -32,6 +34,8 @@ static bool identify(const char *path, iso_file_entry *entry) {
     if (stat(path, &info) == 0) {
         entry->device = info.st_dev;
         entry->inode = info.st_ino;
+        entry->bytes = info.st_size > 0 ? (uint64_t)info.st_size : 0;
+        entry->changed = (uint64_t)info.st_mtim.tv_sec * 1000000000u + (uint64_t)info.st_mtim.tv_nsec;
         return S_ISREG(info.st_mode);
     }
     char *target = iso_file_follow(path); /* `path` may be a link to a file that does not exist */
@@ -117,6 +121,23 @@ iso_status iso_file_set_check(const iso_file_set *set, iso_error *error) {
         }
     if (set->incomplete) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the names of files");
     return ISO_OK;
+}
+
+uint64_t iso_file_set_read_bytes(const iso_file_set *set) {
+    uint64_t bytes = 0;
+    for (size_t i = 0; i < set->count; i++)
+        if (!set->entries[i].written) bytes += set->entries[i].bytes;
+    return bytes;
+}
+
+uint64_t iso_file_set_identity(const iso_file_set *set) {
+    uint64_t hash = 0xcbf29ce484222325u; /* FNV-1a, by words */
+    for (size_t i = 0; i < set->count; i++) {
+        if (set->entries[i].written) continue;
+        hash = (hash ^ set->entries[i].bytes) * 0x100000001b3u;
+        hash = (hash ^ set->entries[i].changed) * 0x100000001b3u;
+    }
+    return hash;
 }
 
 void iso_file_set_free(iso_file_set *set) {

@@ -10,6 +10,8 @@
 #include <sys/mman.h>
 #include <sys/resource.h>
 
+#include "base/cgroup.h"
+
 #ifdef __GLIBC__
 #include <malloc.h>
 #endif
@@ -106,31 +108,10 @@ bool iso_size_multiply(size_t a, size_t b, size_t *out) {
     return !__builtin_mul_overflow(a, b, out);
 }
 
-static uint64_t number_in_file(const char *path, const char *key) {
-    FILE *file = fopen(path, "r");
-    if (!file) return UINT64_MAX;
-    char line[256];
-    unsigned long long value = UINT64_MAX;
-    size_t key_length = strlen(key);
-    while (fgets(line, sizeof line, file)) {
-        if (strncmp(line, key, key_length) != 0) continue;
-        if (sscanf(line + key_length, "%llu", &value) != 1) value = UINT64_MAX;
-        break;
-    }
-    fclose(file);
-    return value;
-}
-
 uint64_t iso_memory_available(void) {
-    uint64_t kib = number_in_file("/proc/meminfo", "MemAvailable:");
-    uint64_t available = kib == UINT64_MAX ? UINT64_MAX : kib * 1024;
-    uint64_t limit = number_in_file("/sys/fs/cgroup/memory.max", ""); /* UINT64_MAX for "max" */
-    uint64_t used = number_in_file("/sys/fs/cgroup/memory.current", "");
-    if (limit != UINT64_MAX && used != UINT64_MAX) {
-        uint64_t left = limit > used ? limit - used : 0;
-        if (left < available) available = left;
-    }
-    return available;
+    const uint64_t kib = iso_number_in_file("/proc/meminfo", "MemAvailable:"),
+                   available = kib == UINT64_MAX ? UINT64_MAX : kib * 1024, left = iso_cgroup_memory_left("");
+    return left < available ? left : available;
 }
 
 uint64_t iso_memory_limit(uint64_t asked) {

@@ -1,6 +1,5 @@
 /* draw: draws or paints a surface in bands of rows, distributed over threads. */
 #include <stdatomic.h>
-#include <string.h>
 
 #include "base/memory.h"
 #include "exact/frame.h"
@@ -14,6 +13,7 @@ enum {
 
 typedef struct exact_draw {
     iso_exact_frame frame;
+    iso_rows rows; /* that are drawn */
     int band_count;
     iso_exact_scratch *scratch; /* by worker */
     atomic_size_t covered;      /* pixels that show the surface; set when a picture is painted */
@@ -46,9 +46,11 @@ static void draw_band(void *context, size_t index, int worker) {
     exact_draw *draw = context;
     const iso_exact_projection *projection = &draw->frame.projection;
     iso_exact_scratch *scratch = &draw->scratch[worker];
-    iso_exact_frame_draw(
-        &draw->frame, iso_band_rows(projection->target->gbuffer->height, draw->band_count, index), scratch);
-    if (projection->paint)
+    iso_rows band = iso_band_rows(draw->rows.last - draw->rows.first + 1, draw->band_count, index);
+    band.first += draw->rows.first;
+    band.last += draw->rows.first;
+    iso_exact_frame_draw(&draw->frame, band, scratch);
+    if (projection->paint && projection->paint->pixels)
         atomic_fetch_add_explicit(&draw->covered, fill_free_pixels(draw, scratch), memory_order_relaxed);
 }
 
@@ -62,18 +64,34 @@ static int choose_band_count(const iso_pool *pool, int height, int words) {
     return bands;
 }
 
-static iso_status draw_bands(exact_draw *draw, iso_error *error) {
+/* Sets draw->rows; false: nothing is to be drawn. */
+static bool choose_rows(exact_draw *draw) {
+    const iso_exact_projection *projection = &draw->frame.projection;
+    int pixels[4];
+    draw->rows = (iso_rows){0, projection->target->gbuffer->height - 1};
+    if (!projection->paint || !projection->paint->keys) return true;
+    if (!iso_exact_frame_limit(&draw->frame, pixels)) return false;
+    draw->rows = (iso_rows){pixels[2], pixels[3]};
+    return true;
+}
+
+static iso_status draw_started_frame(exact_draw *draw, iso_error *error) {
     const iso_target *target = draw->frame.projection.target;
-    const int width = target->gbuffer->width, height = target->gbuffer->height;
-    draw->frame.kernel = iso_exact_kernel_get(iso_cpu_best());
+    const int width = target->gbuffer->width, height = draw->rows.last - draw->rows.first + 1;
     draw->band_count = choose_band_count(target->pool, height, width / 64 + 2);
     draw->scratch = iso_exact_scratch_create((size_t)iso_pool_threads(target->pool), width,
                                              (height + draw->band_count - 1) / draw->band_count);
-    iso_status status = draw->scratch ? iso_exact_frame_start(&draw->frame, error)
-                                      : iso_fail(error, ISO_ERR_NOMEM, "out of memory for drawing cells");
-    if (status == ISO_OK) iso_parallel_for(target->pool, (size_t)draw->band_count, draw_band, draw);
-    iso_exact_frame_free(&draw->frame);
+    if (!draw->scratch) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for drawing cells");
+    iso_parallel_for(target->pool, (size_t)draw->band_count, draw_band, draw);
     iso_free(draw->scratch);
+    return ISO_OK;
+}
+
+static iso_status draw_bands(exact_draw *draw, iso_error *error) {
+    draw->frame.kernel = iso_exact_kernel_get(iso_cpu_best());
+    iso_status status = iso_exact_frame_start(&draw->frame, error);
+    if (status == ISO_OK && choose_rows(draw)) status = draw_started_frame(draw, error);
+    iso_exact_frame_free(&draw->frame);
     return status;
 }
 
@@ -83,39 +101,47 @@ iso_status iso_draw_exact(const iso_target *target, const iso_exact *exact, iso_
     return draw_bands(&draw, error);
 }
 
-/* ---- a picture without a gbuffer */
+/* ---- pictures without a gbuffer */
 
-static int32_t pack_rgba(iso_rgb color, int alpha) {
-    const uint8_t bytes[4] = {color.r, color.g, color.b, (uint8_t)alpha};
-    int32_t word;
-    memcpy(&word, bytes, sizeof word);
-    return word;
-}
-
-iso_status iso_paint_exact(const iso_exact_picture *picture, const iso_exact *exact, size_t *covered,
-                           iso_error *error) {
-    const iso_view *view = picture->view;
-    const iso_shading *shading = picture->shading;
-    const iso_rgb color = shading->colors[0], none = {0, 0, 0};
+/* Draws by `paint`, of which the caller has set what is written to. */
+static iso_status paint(const iso_target *target, iso_exact_paint *paint, iso_rgb color, exact_draw *draw,
+                        iso_error *error) {
+    const iso_view *view = target->view;
     const size_t width = (size_t)view->width, height = (size_t)view->height;
     float *slopes = iso_alloc((width + ISO_LANES_MAX + height) * sizeof *slopes);
     if (!slopes) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a picture's rays");
     float *u = slopes, *v = slopes + width + ISO_LANES_MAX;
     for (int x = 0; x < view->width + ISO_LANES_MAX; x++) u[x] = iso_slope_of_column(view, x);
     for (int y = 0; y < view->height; y++) v[y] = iso_slope_of_row(view, y);
-    iso_gbuffer size = {.width = view->width, .height = view->height};
-    const iso_target target = {.view = view, .gbuffer = &size, .pool = picture->pool};
-    const iso_exact_paint paint = {
-        .pixels = (int32_t *)picture->image->rgba,
-        .u = u,
-        .v = v,
-        .base = {(float)color.r / 255, (float)color.g / 255, (float)color.b / 255},
-        .empty = shading->transparent ? pack_rgba(none, 0) : pack_rgba(shading->background, 255),
-    };
-    exact_draw draw = {.frame.projection = iso_exact_projection_make(&target, exact)};
-    draw.frame.projection.paint = &paint;
-    const iso_status status = draw_bands(&draw, error);
+    paint->u = u;
+    paint->v = v;
+    paint->base[0] = (float)color.r / 255;
+    paint->base[1] = (float)color.g / 255;
+    paint->base[2] = (float)color.b / 255;
+    draw->frame.projection.paint = paint;
+    const iso_status status = draw_bands(draw, error);
     iso_free(slopes);
+    return status;
+}
+
+iso_status iso_paint_exact(const iso_exact_picture *picture, const iso_exact *exact, size_t *covered,
+                           iso_error *error) {
+    const iso_shading *shading = picture->shading;
+    iso_gbuffer size = {.width = picture->view->width, .height = picture->view->height};
+    const iso_target target = {.view = picture->view, .gbuffer = &size, .pool = picture->pool};
+    iso_exact_paint to = {.pixels = (int32_t *)picture->image->rgba, .empty = iso_shading_empty(shading)};
+    exact_draw draw = {.frame.projection = iso_exact_projection_make(&target, exact)};
+    const iso_status status = paint(&target, &to, shading->colors[0], &draw, error);
     if (covered && status == ISO_OK) *covered = atomic_load(&draw.covered);
     return status;
+}
+
+iso_status iso_draw_exact_keys(const iso_exact_key_picture *picture, const iso_exact *exact,
+                               iso_error *error) {
+    if (!exact->sorted || exact->set.span_count == 0) return ISO_OK;
+    iso_gbuffer size = {.width = picture->view->width, .height = picture->view->height};
+    const iso_target target = {.view = picture->view, .gbuffer = &size, .pool = picture->pool};
+    iso_exact_paint to = {.keys = picture->keys->keys};
+    exact_draw draw = {.frame.projection = iso_exact_projection_make(&target, exact)};
+    return paint(&target, &to, picture->color, &draw, error);
 }

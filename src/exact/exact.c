@@ -143,6 +143,13 @@ static void write_span(void *span, const iso_brick_location *place) {
 
 /* ---- the set */
 
+static void set_whole(iso_exact *exact, const iso_grid_chunk *chunk) {
+    memcpy(exact->dims, chunk ? chunk->dims : iso_grid_dims(&exact->grid), sizeof exact->dims);
+    exact->transform = chunk ? chunk->transform : *iso_grid_transform(&exact->grid);
+    if (chunk) memcpy(exact->origin, chunk->origin, sizeof exact->origin);
+    exact->opts.chunk = NULL; /* borrowed for the call only */
+}
+
 static void set_surface(iso_exact *exact) {
     exact->surface = iso_threshold_of(&exact->grid, exact->opts.isovalue);
 }
@@ -156,6 +163,7 @@ iso_status iso_exact_create(const iso_grid *grid, const iso_exact_opts *opts, is
     exact->opts = *opts;
     exact->type = grid->rgrid ? grid->rgrid->type : ISO_FLOAT32;
     exact->extract = iso_exact_extract_get(exact->type, iso_cpu_best());
+    set_whole(exact, opts->chunk);
     set_surface(exact);
     const iso_brick_kernel kernel = {
         .item_bytes =
@@ -174,6 +182,7 @@ iso_status iso_exact_create(const iso_grid *grid, const iso_exact_opts *opts, is
         iso_exact_destroy(exact);
         return status;
     }
+    if (opts->chunk) iso_brick_set_restrict(&exact->set, opts->chunk);
     *out = exact;
     return ISO_OK;
 }

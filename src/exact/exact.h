@@ -14,7 +14,9 @@
 
 #include "base/parallel.h"
 #include "grids/grid.h"
+#include "grids/grid_chunk.h"
 #include "image/image.h"
+#include "render/key_image.h"
 #include "render/raster/raster.h"
 #include "render/shading/shading.h"
 
@@ -25,6 +27,9 @@ extern "C" {
 typedef struct iso_exact_opts {
     double isovalue; /* physical (grids/grid.h): of a level set, mm */
     iso_pool *pool;  /* borrowed until destroy; NULL: the calling thread */
+    /* The grid is that of this chunk: the cells are those of the chunk's bricks, numbered and drawn as in the
+     * whole. Copied. Edits are not followed. NULL: the grid is the whole. */
+    const iso_grid_chunk *chunk;
 } iso_exact_opts;
 
 /* Owns the crossed cells of one isovalue, and follows the grid's change log. Not thread-safe; different
@@ -62,6 +67,21 @@ iso_box iso_exact_bounds(const iso_exact *exact, const iso_affine *affine);
  * the same bytes with every number of threads and instruction set, and when drawn in strips of any height.
  * ISO_ERR_NOMEM. */
 iso_status iso_draw_exact(const iso_target *target, const iso_exact *exact, iso_error *error);
+
+/* A picture to draw into a key image; all pointers are borrowed for the call. */
+typedef struct iso_exact_key_picture {
+    const iso_view *view; /* of the key image's size */
+    iso_rgb color;        /* of the surface */
+    iso_key_image *keys;
+    iso_pool *pool; /* NULL: the calling thread */
+} iso_exact_key_picture;
+
+/* Draws the surface, or the chunk of it that the iso_exact has, into a key image: (the brick's place in the
+ * drawing order of the whole) << 32 | RGBA. When all chunks of a surface have been drawn, each once, in any
+ * order and into any number of key images that are then merged, iso_key_image_paint makes of them the bytes
+ * of iso_paint_exact: a pixel belongs to the first cell of that order that its ray crosses. ISO_ERR_NOMEM. */
+iso_status iso_draw_exact_keys(const iso_exact_key_picture *picture, const iso_exact *exact,
+                               iso_error *error);
 
 /* A picture to paint; all pointers are borrowed for the call. */
 typedef struct iso_exact_picture {

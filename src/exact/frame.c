@@ -2,27 +2,28 @@
  * octants that are visible in it. */
 #include "exact/frame.h"
 
+#include <limits.h>
+#include <string.h>
+
 #include "base/memory.h"
 
 enum { SPANS_PER_TASK = 64 };
-
-static int brick_split(int cells) {
-    return cells >= 0 ? cells / ISO_BRICK : -1;
-}
 
 static void order_spans(iso_exact_frame *frame) {
     const iso_exact *exact = frame->projection.exact;
     const uint32_t *rows = exact->rows.data, *order = exact->order.data;
     const int *bricks = exact->set.bricks;
     int split[3];
-    for (int axis = 0; axis < 3; axis++) split[axis] = brick_split(frame->projection.split[axis]);
+    for (int axis = 0; axis < 3; axis++)
+        split[axis] = iso_exact_brick_split(&frame->projection, axis) - exact->origin[axis];
     size_t count = 0;
     for (int k = 0; k < bricks[2]; k++)
         for (int j = 0; j < bricks[1]; j++) {
             const size_t row = (size_t)iso_exact_front_to_back(k, bricks[2], split[2]) * (size_t)bricks[1] +
                                (size_t)iso_exact_front_to_back(j, bricks[1], split[1]);
             uint32_t middle = rows[row];
-            while (middle < rows[row + 1] && iso_exact_spans(exact)[order[middle]].brick[0] < split[0])
+            while (middle < rows[row + 1] &&
+                   iso_exact_spans(exact)[order[middle]].brick[0] - exact->origin[0] < split[0])
                 middle++;
             for (uint32_t i = middle; i < rows[row + 1]; i++) frame->order[count++] = order[i];
             for (uint32_t i = middle; i > rows[row]; i--) frame->order[count++] = order[i - 1];
@@ -68,15 +69,48 @@ void iso_exact_frame_free(iso_exact_frame *frame) {
     iso_free(frame->visible_count);
 }
 
+bool iso_exact_frame_limit(iso_exact_frame *frame, int pixels[4]) {
+    const iso_exact *exact = frame->projection.exact;
+    pixels[0] = pixels[2] = INT_MAX;
+    pixels[1] = pixels[3] = -1;
+    for (size_t task = 0; task < frame->task_count; task++)
+        for (int i = 0; i < frame->visible_count[task]; i++) {
+            const iso_exact_visible *visible =
+                &frame->visible[task * SPANS_PER_TASK * ISO_EXACT_OCTANTS + (size_t)i];
+            if (visible->x0 < pixels[0]) pixels[0] = visible->x0;
+            if (visible->x1 > pixels[1]) pixels[1] = visible->x1;
+            if (visible->y0 < pixels[2]) pixels[2] = visible->y0;
+            if (visible->y1 > pixels[3]) pixels[3] = visible->y1;
+        }
+    if (pixels[1] < 0) return false;
+    frame->least = iso_exact_place(&frame->projection, iso_exact_spans(exact)[frame->order[0]].brick);
+    frame->columns[0] = pixels[0];
+    frame->columns[1] = pixels[1];
+    return true;
+}
+
+/* Makes those pixels of a row of the band free that do not belong to a brick in front of all listed ones. */
+static void open_row(const iso_exact_frame *frame, const uint64_t *keys, uint64_t *row) {
+    const uint64_t least = (uint64_t)frame->least << 32;
+    for (int x = frame->columns[0]; x <= frame->columns[1]; x++)
+        row[x / 64] |= (uint64_t)(keys[x] > least) << x % 64;
+}
+
 /* Makes all pixels of the band free, and empties the lists. */
 static void start_band(const iso_exact_frame *frame, iso_rows rows, iso_exact_scratch *scratch) {
     const int width = frame->projection.target->gbuffer->width;
+    const iso_exact_paint *paint = frame->projection.paint;
     scratch->rows = rows;
     scratch->hits.count = scratch->hits.slots = 0;
     scratch->pairs = scratch->general = scratch->windows = 0;
     scratch->patch.count = scratch->patch.runs = 0;
     for (int y = 0; y <= rows.last - rows.first; y++) {
         uint64_t *row = scratch->open + (size_t)y * (size_t)scratch->words;
+        if (paint && paint->keys) {
+            memset(row, 0, (size_t)scratch->words * sizeof *row);
+            open_row(frame, paint->keys + (size_t)(rows.first + y) * (size_t)width, row);
+            continue;
+        }
         for (int word = 0; word < scratch->words; word++) row[word] = word < width / 64 ? ~(uint64_t)0 : 0;
         if (width % 64) row[width / 64] = ((uint64_t)1 << width % 64) - 1;
     }

@@ -14,12 +14,19 @@ typedef struct iso_exact_frame {
     iso_exact_visible *visible;
     int *visible_count; /* number of visible octants, by task */
     size_t task_count;
+    /* Of key images: the least place (iso_exact_place) of a brick, and the first and last column to draw. */
+    uint32_t least;
+    int columns[2];
 } iso_exact_frame;
 
 /* Lists the visible octants with all threads of the target's pool. The caller has set projection and kernel
  * and zeroed the rest. Free with iso_exact_frame_free, also after a failure. ISO_ERR_NOMEM. */
 iso_status iso_exact_frame_start(iso_exact_frame *frame, iso_error *error);
 void iso_exact_frame_free(iso_exact_frame *frame);
+
+/* Before bands are drawn into a key image: sets `pixels` to those that the visible octants can touch, columns
+ * x0 .. x1 and rows y0 .. y1, and limits bands to these columns. False: nothing is visible. */
+bool iso_exact_frame_limit(iso_exact_frame *frame, int pixels[4]);
 
 /* Draws a band of rows. Any number of threads may draw bands of a frame, each with its own scratch. */
 void iso_exact_frame_draw(const iso_exact_frame *frame, iso_rows rows, iso_exact_scratch *scratch);

@@ -76,7 +76,8 @@ typedef struct iso_exact_hits {
     /* When a picture is painted without a gbuffer: RGBA of the pixel. When layers are listed: flags of the
      * cell, which shade_fragments replaces by whether the hit is doubtful. */
     int32_t word[ISO_EXACT_HIT_ROOM];
-    int voxel[ISO_EXACT_HIT_ROOM][3];         /* by slot: index coordinates of the cell's first corner */
+    uint32_t place[ISO_EXACT_HIT_ROOM];       /* by slot, for keys: the brick's place (iso_exact_place) */
+    int voxel[ISO_EXACT_HIT_ROOM][3];         /* by slot: the cell's first corner, a voxel of the grid */
     float gradient[ISO_EXACT_HIT_ROOM][8][4]; /* by slot: x, y, z at the cell's corners; [3] is unused */
 } iso_exact_hits;
 
@@ -151,6 +152,7 @@ typedef struct iso_exact_scratch {
     /* The octant that is being drawn. Arrays of ISO_EXACT_CELL_ROOM items are indexed by the number of the
      * crossed cell in the octant. */
     const iso_exact_span *span;
+    uint32_t place; /* of the span's brick, for keys */
     const iso_exact_octant *octant;
     const void *corners;
     iso_exact_octant_projection octant_projection;

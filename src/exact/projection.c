@@ -43,7 +43,7 @@ static double depth_of(const iso_exact_projection *projection, const double inde
 
 iso_exact_projection iso_exact_projection_make(const iso_target *target, const iso_exact *exact) {
     const iso_view *view = target->view;
-    const iso_transform *transform = iso_grid_transform(&exact->grid);
+    const iso_transform *transform = &exact->transform;
     const iso_projector projector = iso_projector_make(view, transform);
     const iso_affine affine = iso_transform_affine(transform);
     iso_exact_projection projection = {.target = target, .exact = exact, .perspective = !view->orthographic};
@@ -57,7 +57,7 @@ iso_exact_projection iso_exact_projection_make(const iso_target *target, const i
         projection.axis[k] = (int)floor(centre[k]);
         projection.offset[k] = 0.5 - (centre[k] - floor(centre[k]));
     }
-    const int *dims = iso_grid_dims(&exact->grid);
+    const int *dims = exact->dims;
     projection.middle = (float)depth_of(
         &projection, (const double[3]){0.5 * (dims[0] - 1), 0.5 * (dims[1] - 1), 0.5 * (dims[2] - 1)});
     projection.per_focal = projection.perspective ? (float)(1 / view->focal) : 0;

@@ -13,9 +13,11 @@
 #include "render/layers/opacity.h"
 #include "render/project.h"
 
-/* The picture of iso_paint_exact: pixels are shaded as soon as they are found, without a gbuffer. */
+/* The picture of iso_paint_exact or iso_draw_exact_keys: pixels are shaded as soon as they are found, without
+ * a gbuffer. */
 typedef struct iso_exact_paint {
-    int32_t *pixels;    /* of the image, RGBA */
+    int32_t *pixels;    /* of the image, RGBA; NULL: `keys` is set instead */
+    uint64_t *keys;     /* of a key image: place of the brick << 32 | RGBA */
     const float *u, *v; /* rays (u, v, 1): u by column (with ISO_LANES_MAX readable items more), v by row */
     float base[3];      /* the surface's colour, 0 .. 1 */
     int32_t empty;      /* RGBA of a pixel without a surface */
@@ -94,6 +96,23 @@ static inline int iso_exact_front_to_back(int i, int count, int split) {
 static inline int iso_exact_rank(int n, int count, int split) {
     int first = split < 0 ? 0 : split > count ? count : split;
     return n >= first ? n - first : count - 1 - n;
+}
+
+/* The brick of the whole in which the front-to-back order turns on an axis; -1: before the first. */
+static inline int iso_exact_brick_split(const iso_exact_projection *projection, int axis) {
+    const int cells = projection->split[axis];
+    return cells >= 0 ? cells / ISO_BRICK : -1;
+}
+
+/* The place of a brick of the whole in the order in which bricks are drawn, front to back. */
+static inline uint32_t iso_exact_place(const iso_exact_projection *projection, const int32_t brick[3]) {
+    uint32_t place = 0;
+    for (int axis = 2; axis >= 0; axis--) {
+        const int bricks = (projection->exact->dims[axis] - 1) / ISO_BRICK + 1;
+        place = place * (uint32_t)bricks +
+                (uint32_t)iso_exact_rank(brick[axis], bricks, iso_exact_brick_split(projection, axis));
+    }
+    return place;
 }
 
 /* Writes the octants of a brick's span that the picture can show, front to back; returns their number (up to

@@ -10,14 +10,18 @@
 
 struct iso_exact {
     iso_brick_set set; /* heap 0 of the brick set stores octants, heap 1 groups of corner values */
-    iso_grid grid;
+    iso_grid grid;     /* of a chunk, if only a chunk is drawn */
+    /* Of the whole, which is the grid unless that is a chunk's. */
+    int dims[3];
+    iso_transform transform;
+    int origin[3]; /* the brick of the whole that is the grid's first */
     iso_exact_opts opts;
     iso_threshold surface;
     iso_type type; /* of the corners */
     iso_exact_extract *extract;
     /* Arrays of uint32_t. order: the numbers of all spans, sorted by z, y, x of their bricks. rows: the index
-     * in `order` of the first span of each row of bricks; row r = z * (number of bricks along y) + y. One
-     * more entry marks the end. */
+     * in `order` of the first span of each row of the grid's bricks; row r = z * (number of bricks along y) +
+     * y. One more entry marks the end. */
     iso_buffer order, rows;
     bool sorted; /* order and rows are up to date; false when there was no memory: nothing is drawn then */
     size_t cells;

@@ -28,14 +28,14 @@ void iso_span_bounds_free(iso_span_bounds *bounds) {
 /* Whether the surface may have a border in a span. It ends at the border of the volume and around voxels that
  * are not finite. Where it reaches the volume's border, it has points (edge points as well as foot points)
  * within one voxel of that border. */
-static bool may_be_open(const iso_grid *grid, const int32_t at[3], const iso_point_bounds *bounds) {
-    const iso_rgrid *rgrid = grid->rgrid;
-    const int *dims = rgrid ? rgrid->dims : grid->hgrid->dims;
+static bool may_be_open(const iso_brick_set *set, const int32_t at[3], const iso_point_bounds *bounds) {
+    const iso_rgrid *rgrid = set->grid.rgrid;
+    const int *dims = iso_brick_set_dims(set);
     for (int axis = 0; axis < 3; axis++) {
         float corner = (float)(at[axis] * ISO_BRICK);
         if (corner + bounds->lo[axis] < 1 || corner + bounds->hi[axis] > (float)(dims[axis] - 2)) return true;
     }
-    if (!rgrid || rgrid->type != ISO_FLOAT32) return false;
+    if (!rgrid || rgrid->type != ISO_FLOAT32 || set->restricted) return false;
     const iso_brick_index *index = rgrid->index;
     if (!index || !iso_brick_index_current(index)) return true;
     for (int corner = 0; corner < 8; corner++) { /* cells of lower neighbours touch the brick's voxels */
@@ -68,14 +68,14 @@ static void bound_spans(void *context, size_t index, int worker) {
         /* iso_point_span and iso_mesh_span both begin with their brick */
         const int32_t *brick =
             (const int32_t *)((const char *)s->set->spans.data + i * s->set->kernel.span_bytes);
-        s->bounded[i] = (bounded_span){versions[i], may_be_open(&s->set->grid, brick, &s->bounds[i])};
+        s->bounded[i] = (bounded_span){versions[i], may_be_open(s->set, brick, &s->bounds[i])};
     }
 }
 
 iso_status iso_span_bounds_update(iso_span_bounds *bounds, const iso_brick_set *set,
                                   iso_span_bounds_find *find, const void *context, iso_error *error) {
     const iso_brick_index *index; /* made up to date for may_be_open: it knows which bricks are finite */
-    if (set->grid.rgrid && set->grid.rgrid->type == ISO_FLOAT32)
+    if (set->grid.rgrid && set->grid.rgrid->type == ISO_FLOAT32 && !set->restricted)
         ISO_TRY(iso_brick_index_of(set->grid.rgrid, set->pool, &index, error));
     size_t count = set->span_count, had = bounds->bounded.bytes / sizeof(bounded_span);
     ISO_TRY(

@@ -269,7 +269,11 @@ static void place_chunk(void *context, size_t index, int worker) {
 }
 
 static void sum_chunks(iso_point_blocks *blocks, const chunk *chunks, size_t count) {
-    double lo[3] = {DBL_MAX, DBL_MAX, DBL_MAX}, hi[3] = {-DBL_MAX, -DBL_MAX, -DBL_MAX};
+    double *lo = blocks->lo, *hi = blocks->hi;
+    for (int axis = 0; axis < 3; axis++) {
+        lo[axis] = DBL_MAX;
+        hi[axis] = -DBL_MAX;
+    }
     blocks->seen = 0;
     blocks->radius[0] = FLT_MAX;
     blocks->radius[1] = 0;

@@ -37,9 +37,10 @@ typedef struct iso_point_blocks {
     iso_buffer extents, last_blocks, last_extents;
     size_t measured;
     double shared_radius;
-    size_t seen;     /* number of blocks that are seen */
-    float radius[2]; /* smallest and largest projected radius of their discs, pixels */
-    bool around_eye; /* the eye is inside the box around all blocks, seen or not */
+    size_t seen;         /* number of blocks that are seen */
+    float radius[2];     /* smallest and largest projected radius of their discs, pixels */
+    double lo[3], hi[3]; /* the box around all blocks, seen or not, with the eye at the origin */
+    bool around_eye;     /* the eye is inside this box */
     /* size_t start[], uint32_t order[]: the blocks of band b are order[start[b]] .. order[start[b + 1] -
      * 1]. */
     iso_buffer order, start;

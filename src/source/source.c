@@ -13,6 +13,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/crc32c.h"
 #include "base/file.h"
 #include "base/memory.h"
 #include "clouds/cloud.h"
@@ -24,7 +25,6 @@
 #include "io/lines/lines_read.h"
 #include "io/mesh_read.h"
 #include "sculpt/field/field.h"
-#include "sculpt/session/crc32c.h"
 
 /* The longest side of a mesh or of lines in voxels, unless the voxel size is given. */
 enum { LONGEST_VOXELS = 256 };

@@ -10,8 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/crc32c.h"
 #include "sculpt/session/checkpoint.h"
-#include "sculpt/session/crc32c.h"
 #include "sculpt/session/session.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);

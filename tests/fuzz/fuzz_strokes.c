@@ -12,7 +12,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-#include "sculpt/session/crc32c.h"
+#include "base/crc32c.h"
 #include "sculpt/session/session.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);

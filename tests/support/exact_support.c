@@ -25,7 +25,7 @@ iso_gbuffer empty_picture(const iso_view *view) {
 }
 
 iso_exact *make_exact(const iso_grid *grid, double isovalue, iso_pool *pool) {
-    const iso_exact_opts opts = {isovalue, pool};
+    const iso_exact_opts opts = {.isovalue = isovalue, .pool = pool};
     iso_exact *exact = NULL;
     iso_error error = {0};
     test_ok(iso_exact_create(grid, &opts, &exact, &error), &error);

@@ -257,6 +257,8 @@ iso_status iso_point_set_create(const iso_grid *grid, const iso_points_opts *opt
     if (chosen.primitive == ISO_PRIMITIVE_FOOT && !iso_grid_is_level_set(grid))
         return iso_fail(error, ISO_ERR_USAGE,
                         "foot points need a distance field; use edge or foot-iterated for this volume");
+    if (chosen.chunk && chosen.primitive != ISO_PRIMITIVE_EDGE)
+        return iso_fail(error, ISO_ERR_USAGE, "foot points are of whole volumes");
     iso_point_set *points = iso_alloc_zero(1, sizeof *points);
     if (!points) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a set of points");
     points->grid = *grid;
@@ -269,6 +271,8 @@ iso_status iso_point_set_create(const iso_grid *grid, const iso_points_opts *opt
         iso_point_set_destroy(points);
         return status;
     }
+    if (chosen.chunk) iso_brick_set_restrict(&points->set, chosen.chunk);
+    points->opts.chunk = NULL; /* borrowed for the call only */
     *set = points;
     return ISO_OK;
 }
@@ -295,6 +299,11 @@ void iso_point_set_isovalue(iso_point_set *set, double isovalue) {
     iso_brick_set_reset(&set->set);
 }
 
+double iso_edge_point_radius(const iso_transform *transform) {
+    const double *spacing = transform->spacing;
+    return sqrt(0.5) * fmax(spacing[0], fmax(spacing[1], spacing[2]));
+}
+
 iso_point_view iso_point_set_view(const iso_point_set *set) {
     const void *items = iso_brick_set_items(&set->set, 0, 0);
     iso_point_view view = {
@@ -303,13 +312,11 @@ iso_point_view iso_point_set_view(const iso_point_set *set) {
         .curvatures = set->opts.curvature ? iso_brick_set_items(&set->set, 0, 1) : NULL,
         .spans = set->set.spans.data,
         .span_count = set->set.span_count,
-        .transform = *iso_grid_transform(&set->grid),
+        .transform = set->set.restricted ? set->set.region.transform : *iso_grid_transform(&set->grid),
         .versions = iso_brick_set_versions(&set->set),
     };
-    for (int k = 0; k < 3; k++) view.dims[k] = iso_grid_dims(&set->grid)[k];
-    const double *spacing = view.transform.spacing;
-    double largest = fmax(spacing[0], fmax(spacing[1], spacing[2]));
-    view.radius = sqrt(0.5) * largest;
+    for (int k = 0; k < 3; k++) view.dims[k] = iso_brick_set_dims(&set->set)[k];
+    view.radius = iso_edge_point_radius(&view.transform);
     view.bounds = iso_span_bounds_of(&set->bounds);
     view.closed = set->bounds.closed;
     return view;

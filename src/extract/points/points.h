@@ -27,6 +27,7 @@
 #include "base/parallel.h"
 #include "base/primitives.h"
 #include "grids/grid.h"
+#include "grids/grid_chunk.h"
 #include "isopoint.h"
 
 #ifdef __cplusplus
@@ -45,6 +46,9 @@ typedef struct iso_points_opts {
     bool floats;    /* keep iso_surfel (24 bytes, exact) instead of iso_point (8 bytes) */
     bool curvature; /* keep an iso_curvature (8 bytes; base/primitives.h) with each point */
     iso_pool *pool; /* borrowed until destroy; NULL: the calling thread */
+    /* The grid is that of this chunk: the edge points are those of the chunk's bricks, numbered as in the
+     * whole. Copied. Edits are not followed. NULL: the grid is the whole. */
+    const iso_grid_chunk *chunk;
 } iso_points_opts;
 
 /* Owns the points of a surface, and follows the grid's change log. Not thread-safe; different sets are
@@ -52,8 +56,8 @@ typedef struct iso_points_opts {
 typedef struct iso_point_set iso_point_set;
 
 /* Creates an empty set; iso_point_set_update extracts the points. The grid is borrowed until
- * iso_point_set_destroy. ISO_ERR_USAGE: foot points of a grid that is not a level set, or an isovalue that is
- * not finite. */
+ * iso_point_set_destroy. ISO_ERR_USAGE: foot points of a grid that is not a level set or of a chunk, or an
+ * isovalue that is not finite. */
 iso_status iso_point_set_create(const iso_grid *grid, const iso_points_opts *opts, iso_point_set **set,
                                 iso_error *error);
 void iso_point_set_destroy(iso_point_set *set);
@@ -69,14 +73,17 @@ iso_status iso_point_set_update(iso_point_set *set, iso_error *error);
 /* Sets the isovalue (physical); the next update extracts all bricks again. */
 void iso_point_set_isovalue(iso_point_set *set, double isovalue);
 
+/* The radius of the edge points of a volume, mm: iso_point_view.radius. */
+double iso_edge_point_radius(const iso_transform *transform);
+
 /* The points, borrowed until the next update or destroy. Items of the arrays that are in no span are
  * undefined. */
 iso_point_view iso_point_set_view(const iso_point_set *set);
 
 /* Computes the bounds of each span, and whether the surface is closed (no point is within a voxel of the
- * volume's border, or near a voxel that is not finite), so that drawing can skip hidden spans. The view has
- * both until the next update; without this call it has no bounds and is not closed. Only spans that changed
- * are computed again. ISO_ERR_NOMEM. */
+ * volume's border, or near a voxel that is not finite), so that drawing can skip hidden spans. Of a chunk
+ * only the volume's border counts, and its own spans. The view has both until the next update; without this
+ * call it has no bounds and is not closed. Only spans that changed are computed again. ISO_ERR_NOMEM. */
 iso_status iso_point_set_bound(iso_point_set *set, iso_error *error);
 
 /* Counts, for reports. */

@@ -5,6 +5,7 @@
 #include <assert.h>
 
 #include "render/pullpush/kernel.h"
+#include "render/pullpush/keys.h"
 #include "render/pullpush/line_fragments.h"
 #include "render/pullpush/polygon_fragments.h"
 #include "render/pullpush/set_fragments.h"
@@ -43,9 +44,10 @@ typedef struct pullpush_call {
     const iso_pullpush_kernel *kernel;
     iso_projector projector;
     iso_point_blocks *blocks;
-    iso_line_frame *lines;  /* NULL: points are drawn, with their blocks */
-    iso_polygons *polygons; /* NULL, or triangles that are drawn with the points */
-    iso_sets_frame *sets;   /* NULL, or all that is drawn */
+    iso_line_frame *lines;          /* NULL: points are drawn, with their blocks */
+    iso_polygons *polygons;         /* NULL, or triangles that are drawn with the points */
+    iso_sets_frame *sets;           /* NULL, or all that is drawn */
+    const iso_pullpush_keys *given; /* NULL, or the keys of all points, which are not projected then */
     iso_pyramid *pyramid;
     iso_point_projection projection;
     iso_pullpush_params params;
@@ -75,6 +77,7 @@ static void choose_bands(pullpush_call *call) {
 }
 
 static iso_pyramid_layout choose_layout(const pullpush_call *call, const iso_view *view) {
+    if (call->given) return iso_pyramid_layout_of(view, call->given->base.base, call->given->base.top);
     if (call->sets) {
         const float radius[2] = {0, call->sets->radius[1]}; /* triangles need the picture's resolution */
         iso_pyramid_layout layout = iso_pullpush_layout(view, radius);
@@ -114,6 +117,17 @@ static iso_status prepare_lines(pullpush_call *call, iso_error *error) {
     call->params.pyramid = call->pyramid;
     call->params.target = call->target;
     call->lines->view = call->target->view;
+    return ISO_OK;
+}
+
+static iso_status prepare_given(pullpush_call *call, iso_error *error) {
+    const iso_pyramid_layout layout = choose_layout(call, call->target->view);
+    ISO_TRY(iso_pyramid_resize(call->pyramid, &layout, error));
+    choose_bands(call);
+    call->params = iso_pullpush_params_make(&layout, &call->projector, call->points->radius,
+                                            call->reconstruction, !call->given->base.cull);
+    call->params.pyramid = call->pyramid;
+    call->params.target = call->target;
     return ISO_OK;
 }
 
@@ -179,9 +193,25 @@ static void empty_keys(const iso_pyramid *p, iso_rows rows) {
         }
 }
 
+/* Copies the keys of rows of the pyramid's base level, and gives them their sign. */
+static void copy_keys(const pullpush_call *call, iso_rows rows) {
+    const iso_pyramid *p = call->pyramid;
+    const iso_key_image *from = call->given->keys;
+    const int above = p->layout.rows_before >> p->layout.base;
+    for (int y = rows.first; y <= rows.last; y++) {
+        const uint64_t *source = from->keys + (size_t)(y + above) * (size_t)from->width;
+        int64_t *target = p->keys + (size_t)y * p->key_stride;
+        for (int x = 0; x < from->width; x++) target[x] = (int64_t)(source[x] ^ (uint64_t)1 << 63);
+    }
+}
+
 static void project_band(const pullpush_call *call, size_t band, iso_rows rows) {
     const iso_pyramid *p = call->pyramid;
     empty_keys(p, rows);
+    if (call->given) {
+        copy_keys(call, rows);
+        return;
+    }
     if (call->sets) {
         iso_set_fragments_project(call->sets, call->kernel, p, band, rows);
         return;
@@ -366,6 +396,7 @@ static iso_status draw_rows(pullpush_call *call, const iso_target *whole, int fi
     call->projector.view = &view;
     ISO_TRY(call->sets    ? prepare_sets(call, error)
             : call->lines ? prepare_lines(call, error)
+            : call->given ? prepare_given(call, error)
                           : prepare_pyramid(call, error));
     reconstruct_surface(call);
     return ISO_OK;
@@ -417,6 +448,21 @@ iso_status iso_draw_pullpush(const iso_target *target, const iso_point_view *poi
     iso_point_blocks_free(&once.blocks);
     iso_pyramid_free(&once.pyramid);
     iso_refined_free(&once.refined);
+    return status;
+}
+
+iso_status iso_pullpush_draw_merged(const iso_target *target, const iso_pullpush_keys *picture,
+                                    const iso_point_view *points, iso_reconstruction reconstruction,
+                                    iso_error *error) {
+    iso_pyramid pyramid = {0};
+    pullpush_call call = {.points = points,
+                          .reconstruction = reconstruction,
+                          .kernel = iso_pullpush_kernel_get(iso_cpu_best()),
+                          .projector = iso_projector_make(target->view, &points->transform),
+                          .given = picture,
+                          .pyramid = &pyramid};
+    const iso_status status = draw_strips(&call, target, error);
+    iso_pyramid_free(&pyramid);
     return status;
 }
 

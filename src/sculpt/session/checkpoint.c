@@ -8,11 +8,11 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/crc32c.h"
 #include "base/file.h"
 #include "base/memory.h"
 #include "base/thread.h"
 #include "sculpt/field/cell_pack.h"
-#include "sculpt/session/crc32c.h"
 
 /* The head is followed, for each cell, by an int32: a negative state of an empty cell, or the size of the
  * packed brick that follows; then, for each of `masks` cells, by its number (uint32) and its iso_voxel_bits;

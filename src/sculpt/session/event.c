@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "sculpt/session/crc32c.h"
+#include "base/crc32c.h"
 #include "sculpt/session/limits.h"
 
 static const char FORMAT[] = "isopoint strokes";

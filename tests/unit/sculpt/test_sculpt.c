@@ -9,8 +9,8 @@
 #include <cmocka.h>
 
 #include "base/cpu.h"
+#include "base/crc32c.h"
 #include "sculpt/field/crease.h"
-#include "sculpt/session/crc32c.h"
 #include "sculpt_support.h"
 
 static const iso_vec3 CENTRE = {63.3, 64.6, 62.8};

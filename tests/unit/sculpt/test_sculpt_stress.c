@@ -9,7 +9,7 @@
 
 #include <cmocka.h>
 
-#include "sculpt/session/crc32c.h"
+#include "base/crc32c.h"
 #include "session_support.h"
 
 enum { SIDE = 64, VOXELS = SIDE * SIDE * SIDE, SNAPSHOT = 40, RESUME = 110, MOST_SAMPLES = 64 };

@@ -1,7 +1,7 @@
 /* Computes the Castagnoli checksum: with the processor's own instruction (SSE 4.2, which every machine with
  * AVX2 has), else eight bytes at a time with tables (Kounavis and Berry 2008, "Novel table lookup-based
  * algorithms for high-performance CRC generation"). */
-#include "sculpt/session/crc32c.h"
+#include "base/crc32c.h"
 
 #include <pthread.h>
 #include <string.h>

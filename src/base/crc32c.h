@@ -1,6 +1,6 @@
-/* crc32c: computes the Castagnoli checksum (RFC 3720, appendix B.4). Internal to sculpt. */
-#ifndef ISO_SCULPT_SESSION_CRC32C_H
-#define ISO_SCULPT_SESSION_CRC32C_H
+/* crc32c: computes the Castagnoli checksum (RFC 3720, appendix B.4). */
+#ifndef ISO_BASE_CRC32C_H
+#define ISO_BASE_CRC32C_H
 
 #include <stddef.h>
 #include <stdint.h>

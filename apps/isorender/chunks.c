@@ -1,0 +1,449 @@
+/* Volumes that are drawn chunk by chunk (exact/chunks.h): those larger than memory, and the parts of a
+ * picture that several processes draw (--part). The picture is that of the whole volume, byte for byte. */
+#define _GNU_SOURCE
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "apps/isorender/chunks.h"
+#include "apps/isorender/labels.h"
+#include "apps/isorender/ranks.h"
+#include "base/file_identity.h"
+#include "base/memory.h"
+#include "grids/volume/mapping.h"
+#include "io/key_file.h"
+#include "methods/bounds.h"
+
+/* ---- when */
+
+static bool is_exact(const isorender_job *job) {
+    return job->method == ISO_METHOD_EXACT;
+}
+
+static bool is_pullpush(const isorender_job *job) {
+    return job->renderer->method == ISO_METHOD_PULLPUSH_BOX ||
+           job->renderer->method == ISO_METHOD_PULLPUSH_GAUSSIAN;
+}
+
+/* The first option that chunks do not allow, and why; NULL: there is none. */
+static const char *find_obstacle(const isorender_job *job, const char **reason) {
+    const isorender_settings *settings = job->settings;
+    const struct {
+        bool given;
+        const char *option, *reason;
+    } obstacles[] = {
+        {!is_exact(job) && !is_pullpush(job), "--method",
+         "only exact, and pullpush with --reconstruction box or gaussian, decide pixels by an order that is "
+         "known beforehand"},
+        {settings->primitive != ISO_PRIMITIVE_AUTO && settings->primitive != ISO_PRIMITIVE_EDGE,
+         "--primitive", "only edge points are made chunk by chunk"},
+        {isorender_is_translucent(settings), "--opacity", "the layers of a pixel are blended in order"},
+        {settings->ior > 0, "--ior", "rays pass through the whole solid"},
+        {settings->isovalue_count > 1, "--isovalue", "one surface is drawn at a time"},
+        {settings->volume_options.count > 0, "--volume", "one surface is drawn at a time"},
+        {settings->object_options.count > 0, "--lines, --glyphs or --surface",
+         "one surface is drawn at a time"},
+        {settings->samples > 1, "--samples", "the samples of a pixel are averaged before they are rounded"},
+        {settings->aov != NULL, "--aov", "a pixel's key is its colour"},
+        {settings->lighting != 0, "--shading edl", "it compares the depths of neighbouring pixels"},
+        {settings->points != NULL, "--points", "the points of all chunks are needed at once"},
+        {settings->mesh != NULL, "--mesh", "the triangles of all chunks are needed at once"},
+        {settings->closed != 0, "--closed", "it needs a copy of the volume"},
+        {iso_input_drops_parts(&settings->common.input), "--largest and --min-size",
+         "connected parts extend over all chunks"},
+        {job->loader.volume.info.sparse, "a sparse volume", "only dense ones have chunks"},
+    };
+    for (size_t i = 0; i < sizeof obstacles / sizeof *obstacles; i++) {
+        if (!obstacles[i].given) continue;
+        *reason = obstacles[i].reason;
+        return obstacles[i].option;
+    }
+    return NULL;
+}
+
+static bool is_asked_for(const isorender_settings *settings) {
+    return settings->parts || settings->chunk_size || settings->ranks.mpi;
+}
+
+/* The most by which deflate and its like compress. */
+enum { MOST_COMPRESSED = 1100 };
+
+/* Whether the volume is too large to be read, but can be mapped. A header that claims more voxels than its
+ * files can hold is left to the limit of memory. */
+static bool is_too_large(const isorender_job *job) {
+    const iso_volume_info *info = &job->loader.volume.info;
+    return isnan(job->loader.scene_isovalue) && iso_volume_can_map(info) &&
+           info->bytes / MOST_COMPRESSED <= iso_file_set_read_bytes(job->plan->files) &&
+           info->read_bytes > iso_memory_limit(job->settings->common.input.max_memory);
+}
+
+iso_status isorender_chunks_choose(isorender_job *job, iso_error *error) {
+    const isorender_settings *settings = job->settings;
+    const char *reason = NULL;
+    if (!is_asked_for(settings) && (!job->has_volume || !is_too_large(job))) return ISO_OK;
+    if (!job->has_volume)
+        return iso_fail(error, ISO_ERR_USAGE, "--part, --chunk-size and mpirun are for volumes");
+    const char *option = find_obstacle(job, &reason);
+    if (option && is_asked_for(settings))
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "%s cannot be drawn in chunks (--part, --chunk-size, mpirun): %s", option, reason);
+    if (option || !isorender_plan_draws(job->plan)) return ISO_OK; /* the volume is refused when it is read */
+    job->chunks = calloc(1, sizeof *job->chunks);
+    job->loader.mapped = job->chunks != NULL;
+    return job->chunks ? ISO_OK : iso_fail(error, ISO_ERR_NOMEM, "out of memory");
+}
+
+uint64_t isorender_chunks_bytes(const isorender_job *job) {
+    return job->chunks ? (uint64_t)job->settings->width * (uint64_t)job->settings->height * sizeof(uint64_t)
+                       : 0;
+}
+
+/* ---- the surface */
+
+static int report_progress(void *context, double fraction) {
+    isorender_job *job = context;
+    isorender_progress(job, job->chunks->stage, fraction);
+    return 0;
+}
+
+/* The side of the chunks, voxels. The corners of crossed cells take most of the memory: a chunk in which
+ * half of the cells are crossed may take half of what is allowed. */
+static int choose_side(const isorender_job *job) {
+    const uint64_t limit = iso_memory_limit(job->settings->common.input.max_memory),
+                   voxel = iso_type_size(job->loader.volume.info.type);
+    uint64_t side = 128;
+    if (job->settings->chunk_size) return job->settings->chunk_size;
+    while (side > 32 && side * side * side * 8 * voxel / 2 > limit / 2) side /= 2;
+    return (int)side;
+}
+
+/* ---- the index */
+
+/* The index describes the voxels that are used of the volume's own files, whatever else the run reads. */
+static void identify(const isorender_job *job, iso_volume_identity *identity) {
+    const iso_loader *loader = &job->loader;
+    const iso_rgrid *grid = loader->volume.grid.rgrid;
+    iso_file_set files = {0};
+    iso_file_set_read(&files, loader->path);
+    iso_loader_list_files(loader->path, loader->options, &files);
+    identity->files = iso_file_set_identity(&files);
+    iso_file_set_free(&files);
+    for (int axis = 0; axis < 3; axis++) {
+        identity->dims[axis] = grid->dims[axis];
+        identity->first[axis] = loader->crop[2 * axis];
+    }
+    identity->type = (int32_t)grid->type;
+    identity->component = loader->options->component;
+    identity->scale = grid->scale;
+    identity->offset = grid->offset;
+    identity->transform = grid->transform;
+}
+
+/* Pictures of scenes and standard input, and those that are drawn in chunks although they fit, leave no
+ * file. */
+static bool keeps_index(const isorender_job *job) {
+    const isorender_settings *settings = job->settings;
+    return !settings->no_index && isnan(job->loader.scene_isovalue) && !job->loader.spool.path &&
+           (settings->parts || is_too_large(job));
+}
+
+iso_status isorender_chunks_begin(isorender_job *job, iso_error *error) {
+    isorender_chunks *chunks = job->chunks;
+    iso_volume_identity identity = {0};
+    identify(job, &identity);
+    ISO_TRY(iso_volume_index_create(&identity, &chunks->index, error));
+    if (!keeps_index(job)) return ISO_OK;
+    if (asprintf(&chunks->index_path, "%s.isoindex", job->loader.path) < 0) {
+        chunks->index_path = NULL;
+        return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
+    }
+    if (!iso_volume_index_read(chunks->index_path, &chunks->index)) return ISO_OK;
+    isorender_log_verbose(job, "%s: %zu of %zu blocks known", chunks->index_path,
+                          chunks->index.ranges.count - chunks->index.ranges.unknown,
+                          chunks->index.ranges.count);
+    if (!chunks->index.has_histogram) return ISO_OK;
+    job->loader.histogram = chunks->index.histogram;
+    job->loader.has_histogram = true;
+    return ISO_OK;
+}
+
+/* Writes what is new. A folder that cannot be written to is no failure: the next picture takes as long as
+ * this one. */
+static void write_index(const isorender_job *job) {
+    isorender_chunks *chunks = job->chunks;
+    iso_volume_index *index = &chunks->index;
+    iso_error error = {0};
+    if (job->loader.has_histogram && !index->has_histogram) {
+        index->histogram = job->loader.histogram;
+        index->has_histogram = index->changed = 1;
+    }
+    if (!chunks->index_path || !index->changed || job->settings->ranks.rank) return;
+    if (iso_volume_index_write(chunks->index_path, index, &error) != ISO_OK)
+        isorender_log_verbose(job, "no index: %s", error.text);
+}
+
+/* ---- cells */
+
+static iso_status create_walk(isorender_job *job, const isorender_surface *surface, iso_error *error) {
+    isorender_chunks *chunks = job->chunks;
+    chunks->source = iso_mapping_source(surface->grid.rgrid);
+    const iso_chunk_walk_opts opts = {.source = &chunks->source,
+                                      .isovalue = surface->isovalue,
+                                      .side = choose_side(job),
+                                      .ranges = &chunks->index.ranges,
+                                      .pool = job->pool,
+                                      .progress = report_progress,
+                                      .progress_context = job};
+    return iso_chunk_walk_create(&opts, &chunks->walk, error);
+}
+
+static void put_box(const iso_box *box, double numbers[6]) {
+    const double all[] = {box->lo.x, box->lo.y, box->lo.z, box->hi.x, box->hi.y, box->hi.z};
+    memcpy(numbers, all, sizeof all);
+}
+
+static iso_box get_box(const double numbers[6]) {
+    return (iso_box){{numbers[0], numbers[1], numbers[2]}, {numbers[3], numbers[4], numbers[5]}};
+}
+
+/* The share of this process: of --part when it draws, of mpirun always. */
+static iso_chunk_share share_of(const isorender_settings *settings, bool draws) {
+    if (settings->ranks.mpi) return (iso_chunk_share){settings->ranks.rank + 1, settings->ranks.size};
+    if (settings->parts && draws) return (iso_chunk_share){settings->part, settings->parts};
+    return (iso_chunk_share){1, 1};
+}
+
+/* Finds the boxes of the whole surface. */
+static iso_status find_boxes(const isorender_job *job, iso_chunk_bounds *bounds, iso_error *error) {
+    const iso_ranks *ranks = &job->settings->ranks;
+    bounds->share = share_of(job->settings, false);
+    const iso_status status = is_exact(job) ? iso_exact_chunks_bounds(job->chunks->walk, bounds, error)
+                                            : iso_point_chunks_bounds(job->chunks->walk, bounds, error);
+    ISO_TRY(iso_ranks_agree(ranks, status, error));
+    return isorender_ranks_bounds(ranks, bounds, error);
+}
+
+/* With several ranks: reads a part of the blocks' ranges, and gets the others. */
+static iso_status exchange_ranges(isorender_job *job, iso_error *error) {
+    const iso_ranks *ranks = &job->settings->ranks;
+    if (!ranks->mpi) return ISO_OK;
+    const iso_chunk_share turns = {ranks->rank + 1, ranks->size};
+    const iso_status status = iso_chunk_walk_read_ranges(job->chunks->walk, turns, error);
+    ISO_TRY(iso_ranks_agree(ranks, status, error));
+    return isorender_ranks_ranges(ranks, &job->chunks->index.ranges, error);
+}
+
+/* Whether a surface is in the index of every rank. */
+static iso_status is_indexed(const isorender_job *job, double isovalue, bool *indexed, iso_error *error) {
+    const iso_volume_index *index = &job->chunks->index;
+    int32_t missing =
+        !iso_volume_index_find(index, isovalue, (uint64_t)is_exact(job)) || index->ranges.unknown;
+    ISO_TRY(iso_ranks_most(&job->settings->ranks, &missing, 1, error));
+    *indexed = !missing;
+    return ISO_OK;
+}
+
+/* Extracts all chunks, for the number of primitives and the bounds, and enters these into the index. */
+static iso_status measure_surface(isorender_job *job, double isovalue, iso_error *error) {
+    const iso_transform *transform = iso_grid_transform(&job->surfaces[0].grid);
+    const iso_affine affine = iso_transform_affine(transform);
+    const iso_affine *const affines[] = {NULL, &affine};
+    const bool oblique = iso_bounds_is_oblique(transform);
+    iso_box boxes[2];
+    iso_chunk_bounds bounds = {{1, 1}, affines, oblique ? 2 : 1, boxes, 0};
+    ISO_TRY(exchange_ranges(job, error));
+    ISO_TRY(find_boxes(job, &bounds, error));
+    if (!oblique) boxes[1] = iso_box_transform(&boxes[0], &affine);
+    iso_indexed_surface found = {
+        .isovalue = isovalue, .kind = (uint64_t)is_exact(job), .primitives = bounds.primitives};
+    put_box(&boxes[0], found.index);
+    put_box(&boxes[1], found.world);
+    iso_volume_index_add(&job->chunks->index, &found);
+    const iso_chunk_totals totals = iso_chunk_walk_stats(job->chunks->walk);
+    isorender_log_verbose(job, "isovalue %g: %llu %s in %zu of %zu chunks", isovalue,
+                          (unsigned long long)found.primitives, is_exact(job) ? "cells" : "points",
+                          totals.crossed, totals.chunks);
+    return ISO_OK;
+}
+
+/* Voxels of mapped volumes were not counted when they were read. */
+static iso_status count_nonfinite(isorender_job *job, iso_error *error) {
+    const iso_grid *grid = &job->loader.volume.grid;
+    if (!iso_chunk_walk_stats(job->chunks->walk).nonfinite_blocks) return ISO_OK;
+    if (!job->loader.nonfinite) {
+        job->loader.nonfinite = iso_grid_count_nonfinite(grid, job->pool);
+        isorender_log_nonfinite(job);
+    }
+    if (is_exact(job)) return ISO_OK;
+    return iso_fail(
+        error, ISO_ERR_USAGE,
+        "points of a volume with voxels that are NaN or infinite are not drawn in chunks: exact is");
+}
+
+iso_status isorender_chunks_extract(isorender_job *job, iso_box *index, iso_error *error) {
+    isorender_surface *surface = &job->surfaces[0];
+    surface->grid = surface->loader->volume.grid;
+    job->chunks->stage = "extracting";
+    ISO_TRY(create_walk(job, surface, error));
+    const iso_volume_index *known = &job->chunks->index;
+    const uint64_t kind = is_exact(job);
+    bool indexed;
+    ISO_TRY(is_indexed(job, surface->isovalue, &indexed, error));
+    if (!indexed) ISO_TRY(measure_surface(job, surface->isovalue, error));
+    const iso_indexed_surface *found = iso_volume_index_find(known, surface->isovalue, kind);
+    *(is_exact(job) ? &job->cell_count : &job->point_count) = found->primitives;
+    *index = get_box(found->index);
+    surface->bounds = get_box(found->world);
+    ISO_TRY(count_nonfinite(job, error));
+    write_index(job);
+    return ISO_OK;
+}
+
+iso_box isorender_chunks_bounds(const isorender_job *job, const iso_affine *affine) {
+    isorender_chunks *chunks = job->chunks;
+    iso_box box = iso_box_empty();
+    iso_chunk_bounds bounds = {{1, 1}, &affine, 1, &box, 0};
+    if (chunks->status == ISO_OK) chunks->status = find_boxes(job, &bounds, &chunks->error);
+    return box;
+}
+
+iso_status isorender_chunks_check(const isorender_job *job, iso_error *error) {
+    if (!job->chunks || job->chunks->status == ISO_OK) return ISO_OK;
+    return iso_fail(error, job->chunks->status, "%s", job->chunks->error.text);
+}
+
+void isorender_chunks_free(isorender_job *job) {
+    if (!job->chunks) return;
+    iso_chunk_walk_destroy(job->chunks->walk);
+    iso_volume_index_free(&job->chunks->index);
+    free(job->chunks->index_path);
+    free(job->chunks);
+}
+
+/* ---- pictures */
+
+static iso_status draw_cells(isorender_job *job, const iso_view *view, iso_key_image *keys,
+                             iso_error *error) {
+    const iso_exact_key_picture picture = {view, job->surfaces[0].color, keys, job->pool};
+    ISO_TRY(iso_key_image_allocate(view->width, view->height, keys, error));
+    return iso_exact_chunks_draw(job->chunks->walk, share_of(job->settings, true), &picture, error);
+}
+
+static iso_status draw_points(isorender_job *job, const iso_view *view, iso_pullpush_base *base,
+                              iso_key_image *keys, iso_error *error) {
+    iso_chunk_walk *walk = job->chunks->walk;
+    iso_pullpush_survey survey;
+    const iso_ranks *ranks = &job->settings->ranks;
+    const iso_status status =
+        iso_point_chunks_survey(walk, share_of(job->settings, false), view, &survey, error);
+    ISO_TRY(iso_ranks_agree(ranks, status, error));
+    ISO_TRY(isorender_ranks_survey(ranks, &survey, error));
+    *base = iso_pullpush_base_of(&survey, view);
+    const iso_pullpush_keys picture = {view, *base, keys, job->pool};
+    ISO_TRY(iso_key_image_allocate(base->width, base->height, keys, error));
+    return iso_point_chunks_draw(walk, share_of(job->settings, true), &picture, &survey, error);
+}
+
+/* Draws the share of --part, or everything. Sets `base` for pull-push. */
+static iso_status draw_keys(isorender_job *job, const iso_camera *camera, iso_pullpush_base *base,
+                            iso_key_image *keys, iso_error *error) {
+    const iso_view view = iso_view_make(camera, job->settings->width, job->settings->height);
+    const iso_ranks *ranks = &job->settings->ranks;
+    job->chunks->stage = "rendering";
+    const iso_status status =
+        is_exact(job) ? draw_cells(job, &view, keys, error) : draw_points(job, &view, base, keys, error);
+    ISO_TRY(iso_ranks_agree(ranks, status, error));
+    return iso_ranks_least_keys(ranks, keys->keys, (size_t)keys->width * (size_t)keys->height, error);
+}
+
+static iso_reconstruction reconstruction_of(iso_method method) {
+    return method == ISO_METHOD_PULLPUSH_BOX ? ISO_RECONSTRUCTION_BOX : ISO_RECONSTRUCTION_GAUSSIAN;
+}
+
+iso_status isorender_keys_render(const isorender_keys *keys, const iso_picture_opts *opts, iso_image *image,
+                                 size_t *covered, iso_error *error) {
+    const iso_merged_points points = {keys->base, keys->image, keys->transform,
+                                      reconstruction_of(keys->method)};
+    if (keys->method != ISO_METHOD_EXACT)
+        return iso_render_merged_points(&points, opts, image, covered, error);
+    *covered = iso_key_image_paint(keys->image, &opts->shading, image, opts->pool);
+    return ISO_OK;
+}
+
+iso_status isorender_chunks_draw(isorender_job *job, const iso_picture_opts *opts, iso_image *image,
+                                 size_t *covered, iso_error *error) {
+    iso_key_image drawn = {0};
+    isorender_keys keys = {.method = job->renderer->method,
+                           .transform = job->surfaces[0].grid.rgrid->transform,
+                           .image = &drawn};
+    iso_status status = draw_keys(job, opts->camera, &keys.base, &drawn, error);
+    *covered = 1; /* (of ranks that have no picture) */
+    if (status == ISO_OK && !job->settings->ranks.rank)
+        status = isorender_keys_render(&keys, opts, image, covered, error);
+    iso_key_image_free(&drawn);
+    return status;
+}
+
+void isorender_report_chunks(iso_json *json, const isorender_job *job) {
+    if (!job->chunks || !job->chunks->walk) return;
+    const iso_chunk_totals totals = iso_chunk_walk_stats(job->chunks->walk);
+    iso_json_begin_object(json, "chunks");
+    iso_json_integer(json, "count", totals.chunks);
+    iso_json_integer(json, "side", (uint64_t)choose_side(job));
+    iso_json_integer(json, "bytes_read", totals.bytes_read);
+    iso_json_integer(json, "bytes_crossed", totals.bytes_crossed);
+    iso_json_end_object(json);
+}
+
+/* ---- parts */
+
+static void describe_surface(const isorender_job *job, iso_key_surface *surface) {
+    const iso_rgrid *grid = job->surfaces[0].grid.rgrid;
+    for (int axis = 0; axis < 3; axis++) surface->dims[axis] = grid->dims[axis];
+    surface->type = (int32_t)grid->type;
+    surface->scale = grid->scale;
+    surface->offset = grid->offset;
+    surface->transform = grid->transform;
+    surface->isovalue = job->surfaces[0].isovalue;
+    surface->primitives = is_exact(job) ? job->cell_count : job->point_count;
+    surface->bounds = job->surfaces[0].bounds;
+}
+
+static void describe_style(const isorender_job *job, iso_key_style *style) {
+    const isorender_settings *settings = job->settings;
+    const iso_rgb color = job->surfaces[0].color, background = settings->background;
+    style->width = settings->width;
+    style->height = settings->height;
+    style->position = job->camera.position;
+    style->focal_point = job->camera.focal_point;
+    style->view_up = job->camera.view_up;
+    style->view_angle = job->camera.view_angle;
+    style->parallel_scale = job->camera.parallel_scale;
+    style->pixels_per_metre = isorender_pixels_per_metre(&job->camera, settings->height);
+    style->method = (int32_t)job->renderer->method;
+    style->orthographic = job->camera.orthographic;
+    style->transparent = settings->transparent != 0;
+    style->scale_bar = settings->scale_bar != 0;
+    style->orientation_marker = settings->orientation_marker != 0;
+    style->anatomical = job->loader.volume.info.anatomical != 0;
+    memcpy(style->background, (const uint8_t[4]){background.r, background.g, background.b}, 4);
+    memcpy(style->color, (const uint8_t[4]){color.r, color.g, color.b}, 4);
+}
+
+iso_status isorender_chunks_write_part(isorender_job *job, iso_error *error) {
+    isorender_labels labels;
+    iso_key_file file = {.part = job->settings->part, .parts = job->settings->parts};
+    isorender_labels_make(job, &labels);
+    describe_surface(job, &file.surface);
+    describe_style(job, &file.style);
+    file.texts[ISO_KEY_SOFTWARE] = labels.software;
+    file.texts[ISO_KEY_TITLE] = job->plan->model;
+    file.texts[ISO_KEY_COMMENT] = labels.command;
+    file.texts[ISO_KEY_DESCRIPTION] = labels.isovalues[0] ? labels.isovalues : NULL;
+    iso_status status = draw_keys(job, &job->camera, &file.style.base, &file.keys, error);
+    if (status == ISO_OK) status = iso_key_file_write(job->plan->image, &file, error);
+    iso_key_image_free(&file.keys);
+    if (status == ISO_OK) job->frames_written = 1;
+    return status;
+}

@@ -1,0 +1,24 @@
+/* labels: what is written into and onto pictures beside the surface; picture.c. */
+#ifndef ISO_APPS_ISORENDER_LABELS_H
+#define ISO_APPS_ISORENDER_LABELS_H
+
+#include "apps/isorender/isorender.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Metadata of the picture's file. Without paths and thread counts, so that the same picture is the same file
+ * everywhere. */
+typedef struct isorender_labels {
+    char software[64], isovalues[512], command[ISO_RECORD_SIZE + 256];
+} isorender_labels;
+void isorender_labels_make(const isorender_job *job, isorender_labels *labels);
+double isorender_pixels_per_metre(const iso_camera *camera, int height); /* 0: there is no single scale */
+/* Whether annotations on this background are drawn light. */
+bool isorender_is_dark(iso_rgb background, int transparent);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

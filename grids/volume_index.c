@@ -1,0 +1,137 @@
+/* volume_index: reads and writes index files. */
+#include "grids/volume_index.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "base/crc32c.h"
+#include "base/file.h"
+#include "base/memory.h"
+
+static const char MAGIC[8] = {'I', 'S', 'O', 'I', 'N', 'D', 'E', 'X'};
+enum { VERSION = 1 };
+
+iso_status iso_volume_index_create(const iso_volume_identity *identity, iso_volume_index *index,
+                                   iso_error *error) {
+    *index = (iso_volume_index){.identity = *identity};
+    const int dims[3] = {identity->dims[0], identity->dims[1], identity->dims[2]};
+    return iso_block_ranges_create(dims, &index->ranges, error);
+}
+
+void iso_volume_index_free(iso_volume_index *index) {
+    iso_block_ranges_free(&index->ranges);
+    *index = (iso_volume_index){0};
+}
+
+/* ---- a file with a checksum of all bytes that have passed, read or written */
+
+typedef struct index_file {
+    FILE *stream;
+    bool writes, failed;
+    uint32_t crc;
+} index_file;
+
+/* Reads or writes little-endian memory (the library runs on little-endian machines only). */
+static void pass(index_file *file, void *bytes, size_t size) {
+    if (file->failed) return;
+    const size_t done =
+        file->writes ? fwrite(bytes, 1, size, file->stream) : fread(bytes, 1, size, file->stream);
+    file->failed = done != size;
+    file->crc = iso_crc32c(file->crc, bytes, size);
+}
+
+/* Reads or writes bytes that are the same in every such file; reading others is a failure. */
+static void pass_constant(index_file *file, const void *wanted, size_t size) {
+    char bytes[sizeof(iso_volume_identity)];
+    memcpy(bytes, wanted, size);
+    pass(file, bytes, size);
+    file->failed |= memcmp(bytes, wanted, size) != 0;
+}
+
+static void pass_surfaces(index_file *file, iso_volume_index *index) {
+    int32_t counts[2] = {index->has_histogram, index->surface_count};
+    pass(file, counts, sizeof counts);
+    if (counts[0] < 0 || counts[0] > 1 || counts[1] < 0 || counts[1] > ISO_INDEXED_SURFACES)
+        file->failed = true;
+    if (file->failed) return;
+    index->has_histogram = counts[0];
+    index->surface_count = counts[1];
+    if (counts[0]) pass(file, &index->histogram, sizeof index->histogram);
+    pass(file, index->surfaces, (size_t)counts[1] * sizeof *index->surfaces);
+}
+
+static void pass_ranges(index_file *file, iso_block_ranges *ranges) {
+    pass(file, ranges->lo, ranges->count * sizeof *ranges->lo);
+    pass(file, ranges->hi, ranges->count * sizeof *ranges->hi);
+    pass(file, ranges->states, ranges->count);
+}
+
+static void pass_all(index_file *file, iso_volume_index *index) {
+    const uint32_t version = VERSION;
+    pass_constant(file, MAGIC, sizeof MAGIC);
+    pass_constant(file, &version, sizeof version);
+    pass_constant(file, &index->identity, sizeof index->identity);
+    pass_surfaces(file, index);
+    pass_ranges(file, &index->ranges);
+    uint32_t crc = file->crc;
+    pass_constant(file, &crc, sizeof crc);
+}
+
+/* Forgets blocks that were read in part only: their other bricks would be entered a second time. */
+static void keep_known(iso_block_ranges *ranges) {
+    ranges->unknown = 0;
+    for (size_t i = 0; i < ranges->count; i++) {
+        if (ranges->states[i] & ISO_BLOCK_KNOWN) continue;
+        ranges->lo[i] = INFINITY;
+        ranges->hi[i] = -INFINITY;
+        ranges->states[i] = 0;
+        ranges->unknown++;
+    }
+}
+
+static void forget(iso_volume_index *index) {
+    index->has_histogram = index->surface_count = 0;
+    for (size_t i = 0; i < index->ranges.count; i++) index->ranges.states[i] = 0;
+    keep_known(&index->ranges);
+}
+
+bool iso_volume_index_read(const char *path, iso_volume_index *index) {
+    index_file file = {0};
+    if (iso_file_open(path, &file.stream, NULL, NULL) != ISO_OK) return false;
+    pass_all(&file, index);
+    const bool whole = !file.failed && fgetc(file.stream) == EOF;
+    fclose(file.stream);
+    if (!whole) forget(index);
+    keep_known(&index->ranges);
+    index->changed = 0;
+    return whole;
+}
+
+iso_status iso_volume_index_write(const char *path, iso_volume_index *index, iso_error *error) {
+    iso_sink sink;
+    ISO_TRY(iso_sink_open(path, &sink, error));
+    index_file file = {.stream = sink.stream, .writes = true};
+    pass_all(&file, index); /* (what fails is found by the commit) */
+    ISO_TRY(iso_sink_commit(&sink, error));
+    index->changed = 0;
+    return ISO_OK;
+}
+
+/* ---- surfaces */
+
+const iso_indexed_surface *iso_volume_index_find(const iso_volume_index *index, double isovalue,
+                                                 uint64_t kind) {
+    for (int i = 0; i < index->surface_count; i++)
+        if (index->surfaces[i].isovalue == isovalue && index->surfaces[i].kind == kind)
+            return &index->surfaces[i];
+    return NULL;
+}
+
+void iso_volume_index_add(iso_volume_index *index, const iso_indexed_surface *surface) {
+    if (index->surface_count < ISO_INDEXED_SURFACES) index->surface_count++;
+    memmove(index->surfaces + 1, index->surfaces,
+            (size_t)(index->surface_count - 1) * sizeof *index->surfaces);
+    index->surfaces[0] = *surface;
+    index->changed = 1;
+}

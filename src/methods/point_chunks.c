@@ -1,0 +1,116 @@
+/* point_chunks: extracts the points of one chunk after the other; surveys, draws and reconstructs them. */
+#include "methods/point_chunks.h"
+
+#include "extract/points/points.h"
+#include "methods/bounds.h"
+
+static iso_status extract(const iso_chunk_walk *walk, const iso_chunk_visit *visit, iso_point_set **points,
+                          iso_error *error) {
+    const iso_chunk_walk_opts *walked = iso_chunk_walk_opts_of(walk);
+    const iso_grid grid = {.rgrid = visit->grid};
+    const iso_points_opts opts = {.isovalue = walked->isovalue,
+                                  .primitive = ISO_PRIMITIVE_EDGE,
+                                  .pool = walked->pool,
+                                  .chunk = visit->chunk};
+    ISO_TRY(iso_point_set_create(&grid, &opts, points, error));
+    ISO_TRY(iso_point_set_update(*points, error));
+    return iso_point_set_bound(*points, error);
+}
+
+/* What is done with the points of each chunk. */
+typedef struct point_visit {
+    const iso_chunk_walk *walk;
+    iso_status (*use)(const struct point_visit *visit, const iso_point_view *points, iso_error *error);
+    iso_chunk_bounds *bounds;
+    const iso_view *view;
+    iso_pullpush_survey *survey;
+    const iso_pullpush_keys *picture;
+} point_visit;
+
+static iso_status use_chunk(void *context, const iso_chunk_visit *visit, iso_error *error) {
+    const point_visit *all = context;
+    iso_point_set *points = NULL;
+    iso_status status = extract(all->walk, visit, &points, error);
+    if (status == ISO_OK) {
+        const iso_point_view view = iso_point_set_view(points);
+        status = all->use(all, &view, error);
+    }
+    iso_point_set_destroy(points);
+    return status;
+}
+
+static iso_status add_bounds(const point_visit *visit, const iso_point_view *points, iso_error *error) {
+    (void)error;
+    iso_chunk_bounds *bounds = visit->bounds;
+    for (int i = 0; i < bounds->count; i++) {
+        const iso_affine *affine = bounds->affines[i];
+        const iso_box box = affine ? iso_bounds_of_each_point(points, affine) : iso_point_view_bounds(points);
+        iso_bounds_add(&bounds->boxes[i], &box);
+    }
+    bounds->primitives += iso_point_view_count(points);
+    return ISO_OK;
+}
+
+iso_status iso_point_chunks_bounds(iso_chunk_walk *walk, iso_chunk_bounds *bounds, iso_error *error) {
+    point_visit visit = {.walk = walk, .use = add_bounds, .bounds = bounds};
+    for (int i = 0; i < bounds->count; i++) bounds->boxes[i] = iso_box_empty();
+    bounds->primitives = 0;
+    return iso_chunk_walk_visit(walk, bounds->share, use_chunk, &visit, error);
+}
+
+static iso_status add_survey(const point_visit *visit, const iso_point_view *points, iso_error *error) {
+    if (!points->span_count) return ISO_OK;
+    return iso_pullpush_survey_add(visit->survey, visit->view, points,
+                                   iso_chunk_walk_opts_of(visit->walk)->pool, error);
+}
+
+iso_status iso_point_chunks_survey(iso_chunk_walk *walk, iso_chunk_share share, const iso_view *view,
+                                   iso_pullpush_survey *survey, iso_error *error) {
+    point_visit visit = {.walk = walk, .use = add_survey, .view = view, .survey = survey};
+    *survey = iso_pullpush_survey_begin();
+    return iso_chunk_walk_visit(walk, share, use_chunk, &visit, error);
+}
+
+static iso_status draw(const point_visit *visit, const iso_point_view *points, iso_error *error) {
+    if (!points->span_count) return ISO_OK;
+    return iso_pullpush_draw_keys(visit->picture, visit->survey, points, error);
+}
+
+iso_status iso_point_chunks_draw(iso_chunk_walk *walk, iso_chunk_share share,
+                                 const iso_pullpush_keys *picture, const iso_pullpush_survey *survey,
+                                 iso_error *error) {
+    iso_pullpush_survey whole = *survey;
+    point_visit visit = {.walk = walk, .use = draw, .survey = &whole, .picture = picture};
+    iso_pullpush_flip_keys(picture->keys, picture->pool);
+    const iso_status status = iso_chunk_walk_visit(walk, share, use_chunk, &visit, error);
+    iso_pullpush_flip_keys(picture->keys, picture->pool);
+    return status;
+}
+
+/* ---- the picture */
+
+typedef struct merged_draw {
+    const iso_merged_points *points;
+    iso_pullpush_keys keys;
+    iso_point_view view;
+} merged_draw;
+
+static iso_status draw_merged(void *context, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
+    const merged_draw *draw = context;
+    const iso_target target = {view, gbuffer, draw->keys.pool, 0};
+    return iso_pullpush_draw_merged(&target, &draw->keys, &draw->view, draw->points->reconstruction, error);
+}
+
+iso_status iso_render_merged_points(const iso_merged_points *points, const iso_picture_opts *opts,
+                                    iso_image *image, size_t *covered, iso_error *error) {
+    const iso_view view = iso_view_make(opts->camera, opts->width, opts->height);
+    merged_draw draw = {
+        .points = points,
+        .keys = {&view, points->base, points->keys, opts->pool},
+        .view = {.transform = points->transform, .radius = iso_edge_point_radius(&points->transform)},
+    };
+    iso_picture_opts merged = *opts;
+    merged.draw = draw_merged;
+    merged.draw_context = &draw;
+    return iso_picture_render(&merged, image, covered, error);
+}

@@ -1,0 +1,71 @@
+# A volume drawn in chunks gives the bytes of the whole: for every size of chunk, and when it does not fit into --max-memory,
+# whether its voxels lie in the file as they are needed or must be unpacked or converted.
+python3 - <<'P'
+import gzip
+import math
+import subprocess
+from check import *
+
+dims = (150, 131, 141)
+value = lambda x, y, z: int(500 + 300 * math.sin(x / 9) * math.cos(y / 7) + 150 * math.sin(z / 8 + x / 19))
+row = [value(x, y, z) for z in range(dims[2]) for y in range(dims[1]) for x in range(dims[0])]
+count = len(row)
+little, big = struct.pack("<%dh" % count, *row), struct.pack(">%dh" % count, *row)
+doubles = struct.pack("<%dd" % count, *row)
+header = "NRRD0004\ntype: %s\ndimension: 3\nsizes: %d %d %d\nencoding: %s\nendian: %s\n"
+
+
+def write(name, text, data):
+    with open("in/" + name, "wb") as file:
+        file.write(text.encode() + data)
+
+
+for pad in range(2):  # voxels at an odd place in the file cannot be used where they are
+    write("plain%d.nrrd" % pad, header % ("short", *dims, "raw", "little") + "#" + "-" * (pad + 1) + "\n\n", little)
+write("big.nrrd", header % ("short", *dims, "raw", "big") + "\n", big)
+write("double.nrrd", header % ("double", *dims, "raw", "little") + "\n", doubles)
+write("packed.nrrd", header % ("short", *dims, "gzip", "little") + "\n", gzip.compress(little, 1))
+write("plain.mha", "ObjectType = Image\nNDims = 3\nDimSize = %d %d %d\nElementType = MET_SHORT\nElementByteOrderMSB = False\n"
+      "ElementDataFile = LOCAL\n" % dims, little)
+write("v_%dx%dx%d_int16.raw" % dims, "", little)
+write("plain.vtk", "# vtk DataFile Version 3.0\nt\nBINARY\nDATASET STRUCTURED_POINTS\nDIMENSIONS %d %d %d\nORIGIN 0 0 0\n"
+      "SPACING 1 1 1\nPOINT_DATA %d\nSCALARS s short 1\nLOOKUP_TABLE default\n" % (*dims, count), big)
+write("plain.hdr", "", nifti_header(dims, 4, 16))
+write("plain.img", "", little)
+
+
+def run(*arguments):
+    done = subprocess.run(["isorender", *arguments, "--resolution", "160x120", "--isovalue", "520.5", "--quiet", "--camera", "iso",
+                           "--threads", "2"],
+                          capture_output=True, text=True)
+    return done.returncode, done.stderr
+
+
+def picture(name):
+    return Png(name).rows
+
+
+expect(run("in/plain0.nrrd", "whole.png")[0] == 0)
+whole = open("whole.png", "rb").read()
+for side in (16, 32, 64, 128, 200, 1000):
+    expect(run("in/plain0.nrrd", "chunks.png", "--chunk-size", str(side), "-o", "plain0.png")[0] == 2)  # two names
+    expect(run("in/plain0.nrrd", "-o", "chunks.png", "--chunk-size", str(side))[0] == 0)
+    expect(open("chunks.png", "rb").read() == whole, side)
+for name in ("plain0.nrrd", "plain1.nrrd", "big.nrrd", "double.nrrd", "packed.nrrd", "plain.mha", "v_%dx%dx%d_int16.raw" % dims,
+             "plain.vtk", "plain.hdr"):
+    status, text = run("in/" + name, "all.png")
+    if status == 3 and "built without" in text:
+        continue
+    expect(status == 0, name, text)
+    status, text = run("in/" + name, "streamed.png", "--max-memory", "5M")
+    expect(status == 0, name, text)
+    expect(open("all.png", "rb").read() == open("streamed.png", "rb").read(), name)
+    # what cannot be drawn in chunks is still refused from the header
+    status, text = run("in/" + name, "--no-image", "--mesh", "m.ply", "--max-memory", "5M")
+    expect(status == 5 and "--max-memory" in text, name, status, text)
+
+with open("in/short.nrrd", "wb") as file:
+    file.write((header % ("short", *dims, "raw", "little") + "\n").encode() + little[:-2])
+status, text = run("in/short.nrrd", "short.png", "--max-memory", "5M")
+expect(status == 3 and "truncated" in text, status, text)
+P

@@ -1,0 +1,198 @@
+/* key_file: files of key images are read back, are merged in any order, and are refused when they are
+ * damaged, missing, doubled or foreign. */
+#define _GNU_SOURCE
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "check_support.h"
+#include "io/key_file.h"
+
+enum { WIDTH = 37, HEIGHT = 23, PIXELS = WIDTH * HEIGHT, PARTS = 5 };
+
+static char folder[256];
+
+static const char *path_of(int part) {
+    static char paths[4][320];
+    static int next;
+    char *path = paths[next++ % 4];
+    snprintf(path, sizeof paths[0], "%s/%d.isokeys", folder, part);
+    return path;
+}
+
+static void make_part(int part, iso_key_file *file) {
+    uint64_t random = (uint64_t)part;
+    *file = (iso_key_file){.part = part, .parts = PARTS};
+    file->surface.type = ISO_INT16;
+    file->surface.transform = iso_transform_identity();
+    file->surface.isovalue = 0.1;
+    file->surface.primitives = (uint64_t)1 << 40;
+    for (int axis = 0; axis < 3; axis++) file->surface.dims[axis] = 100 + axis;
+    file->style.width = WIDTH;
+    file->style.height = HEIGHT;
+    file->style.view_angle = 30;
+    file->style.color[2] = 255;
+    file->texts[ISO_KEY_TITLE] = strdup("a title");
+    file->texts[ISO_KEY_COMMENT] = strdup("");
+    assert_int_equal(iso_key_image_allocate(WIDTH, HEIGHT, &file->keys, NULL), ISO_OK);
+    for (int i = 0; i < PIXELS; i++)
+        if (random_below(&random, 4) == 0)
+            file->keys.keys[i] = (uint64_t)random_long(&random) << 32 | random_long(&random);
+}
+
+static void write_parts(void) {
+    for (int part = 1; part <= PARTS; part++) {
+        iso_key_file file;
+        make_part(part, &file);
+        assert_int_equal(iso_key_file_write(path_of(part), &file, NULL), ISO_OK);
+        iso_key_file_free(&file);
+    }
+}
+
+static int set_up(void **state) {
+    (void)state;
+    snprintf(folder, sizeof folder, "%s", ISO_TEST_TMP "/keys.XXXXXX");
+    return mkdtemp(folder) ? 0 : -1;
+}
+
+static int tear_down(void **state) {
+    (void)state;
+    for (int part = 0; part <= PARTS; part++) remove(path_of(part));
+    return rmdir(folder);
+}
+
+static void files_are_read_back(void **state) {
+    (void)state;
+    iso_key_file made, read;
+    make_part(3, &made);
+    assert_int_equal(iso_key_file_write(path_of(3), &made, NULL), ISO_OK);
+    assert_int_equal(iso_key_file_read(path_of(3), 0, &read, NULL), ISO_OK);
+    assert_int_equal(read.part, 3);
+    assert_int_equal(read.parts, PARTS);
+    assert_memory_equal(&made.surface, &read.surface, sizeof made.surface);
+    assert_memory_equal(&made.style, &read.style, sizeof made.style);
+    assert_string_equal(read.texts[ISO_KEY_TITLE], "a title");
+    assert_string_equal(read.texts[ISO_KEY_COMMENT], "");
+    assert_null(read.texts[ISO_KEY_SOFTWARE]);
+    assert_memory_equal(made.keys.keys, read.keys.keys, PIXELS * sizeof *made.keys.keys);
+    iso_key_file_free(&read);
+    iso_key_file_free(&made);
+    assert_int_equal(iso_key_file_read(path_of(3), PIXELS * 8 - 1, &read, NULL), ISO_ERR_LIMIT);
+    assert_int_equal(iso_key_file_read(path_of(3), PIXELS * 8, &read, NULL), ISO_OK);
+    iso_key_file_free(&read);
+}
+
+static void parts_are_merged_in_any_order(void **state) {
+    (void)state;
+    static const int orders[][PARTS] = {{1, 2, 3, 4, 5}, {5, 3, 1, 2, 4}, {2, 5, 4, 1, 3}};
+    write_parts();
+    for (int i = 0; i < 3; i++) {
+        char *paths[PARTS];
+        iso_key_file merged;
+        for (int k = 0; k < PARTS; k++) paths[k] = strdup(path_of(orders[i][k]));
+        assert_int_equal(iso_key_files_merge((const char *const *)paths, PARTS, 0, NULL, &merged, NULL),
+                         ISO_OK);
+        uint64_t least[PIXELS];
+        memset(least, 0xff, sizeof least);
+        for (int part = 1; part <= PARTS; part++) {
+            iso_key_file file;
+            make_part(part, &file);
+            for (int k = 0; k < PIXELS; k++)
+                if (file.keys.keys[k] < least[k]) least[k] = file.keys.keys[k];
+            iso_key_file_free(&file);
+        }
+        assert_memory_equal(least, merged.keys.keys, sizeof least);
+        iso_key_file_free(&merged);
+        for (int k = 0; k < PARTS; k++) free(paths[k]);
+    }
+}
+
+/* Merges parts 1 .. 5, of which part `place` is replaced by the file 0; expects a failure whose message names
+ * the file `named` and has the word. */
+static void check_refused(int place, int named, const char *word) {
+    char *paths[PARTS];
+    iso_key_file merged;
+    iso_error error = {0};
+    for (int k = 0; k < PARTS; k++) paths[k] = strdup(path_of(k + 1 == place ? 0 : k + 1));
+    const iso_status status =
+        iso_key_files_merge((const char *const *)paths, PARTS, 0, NULL, &merged, &error);
+    assert_int_equal(iso_status_exit(status), 3);
+    if (named >= 0) assert_non_null(strstr(error.text, path_of(named)));
+    assert_non_null(strstr(error.text, word));
+    for (int k = 0; k < PARTS; k++) free(paths[k]);
+}
+
+static void foreign_parts_are_refused(void **state) {
+    (void)state;
+    write_parts();
+    for (int kind = 0; kind < 6; kind++) {
+        static const char *const words[] = {"another surface", "another surface", "another picture",
+                                            "other options",   "is in ",          "another division"};
+        iso_key_file file;
+        make_part(kind == 4 ? 2 : 4, &file);
+        if (kind == 0) file.surface.isovalue = 0.2;
+        if (kind == 1) file.surface.primitives++;
+        if (kind == 2) file.style.position.x = 1;
+        if (kind == 3) file.texts[ISO_KEY_TITLE][0] = 'A';
+        if (kind == 5) file.parts++;
+        assert_int_equal(iso_key_file_write(path_of(0), &file, NULL), ISO_OK);
+        check_refused(4, 0, words[kind]);
+        iso_key_file_free(&file);
+    }
+    /* four of five files */
+    char *paths[PARTS];
+    iso_key_file merged;
+    iso_error error = {0};
+    for (int k = 0; k < PARTS; k++) paths[k] = strdup(path_of(k + 1));
+    assert_int_equal(iso_key_files_merge((const char *const *)paths, PARTS - 1, 0, NULL, &merged, &error),
+                     ISO_ERR_FORMAT);
+    assert_non_null(strstr(error.text, "part 5 of 5 is missing"));
+    for (int k = 0; k < PARTS; k++) free(paths[k]);
+    remove(path_of(0));
+    check_refused(2, 0, "cannot");
+}
+
+/* Every truncation, and every bit that is turned over, is noticed. */
+static void damage_is_noticed(void **state) {
+    (void)state;
+    static unsigned char bytes[1 << 16];
+    write_parts();
+    FILE *file = fopen(path_of(1), "rb");
+    const size_t size = fread(bytes, 1, sizeof bytes, file);
+    fclose(file);
+    iso_key_file read;
+    for (size_t at = 0; at < size; at += at < 500 ? 1 : 97) {
+        for (int kind = 0; kind < 3; kind++) {
+            file = fopen(path_of(1), "wb");
+            bytes[at] ^= kind ? 1 << (at + (size_t)kind) % 8 : 0;
+            fwrite(bytes, 1, kind ? size : at, file);
+            bytes[at] ^= kind ? 1 << (at + (size_t)kind) % 8 : 0;
+            fclose(file);
+            const iso_status status = iso_key_file_read(path_of(1), 1 << 24, &read, NULL);
+            assert_true(status == ISO_ERR_IO || status == ISO_ERR_FORMAT || status == ISO_ERR_UNSUPPORTED ||
+                        status == ISO_ERR_LIMIT);
+        }
+    }
+    file = fopen(path_of(1), "wb");
+    fwrite(bytes, 1, size, file);
+    fputc(0, file);
+    fclose(file);
+    assert_int_equal(iso_key_file_read(path_of(1), 0, &read, NULL), ISO_ERR_IO);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(files_are_read_back),
+        cmocka_unit_test(parts_are_merged_in_any_order),
+        cmocka_unit_test(foreign_parts_are_refused),
+        cmocka_unit_test(damage_is_noticed),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}
