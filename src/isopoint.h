@@ -6,7 +6,7 @@
  *     iso_surface_create                  a volume and an isovalue: a surface, which follows edits
  *     iso_render                          a picture of it, by any method, with depth and normals
  *     iso_surface_points, iso_surface_mesh    the same surface as points, or as Marching Cubes triangles
- *     iso_shape_set_read_lines, ...          lines and glyphs in the same picture
+ *     iso_shape_set_read_lines, ...          lines and glyphs, also of vectors, in the same picture
  *     iso_sculpt_create                   a level set under brushes, with strokes, undo and a journal
  *     iso_compare_images                  how far one picture is from another
  *     iso_image_write, iso_surface_write_mesh, ...    files
@@ -51,7 +51,6 @@ extern "C" {
 #endif
 
 /* ---- version ---- */
-
 /* Until 1.0 a minor version may change anything. CMakeLists.txt takes the version from here. */
 #define ISO_VERSION_MAJOR 0
 #define ISO_VERSION_MINOR 1
@@ -61,7 +60,6 @@ extern "C" {
 ISO_API const char *iso_version(void);
 
 /* ---- errors ---- */
-
 typedef enum iso_status {
     ISO_OK = 0,
     ISO_ERR_MISMATCH,    /* values that must agree differ, such as the sizes of two pictures */
@@ -93,7 +91,6 @@ ISO_API const char *iso_status_text(iso_status status);
 ISO_API int iso_status_exit(iso_status status);
 
 /* ---- space ---- */
-
 typedef struct iso_vec3 {
     double x, y, z;
 } iso_vec3;
@@ -113,7 +110,6 @@ typedef struct iso_transform {
 } iso_transform;
 
 /* ---- volumes ---- */
-
 /* How voxels are stored. */
 typedef enum iso_type { ISO_UINT8, ISO_INT16, ISO_UINT16, ISO_FLOAT32 } iso_type;
 
@@ -256,7 +252,6 @@ ISO_API iso_status iso_volume_write_vdb(const iso_volume *volume, const char *pa
                                         iso_error *error);
 
 /* ---- surfaces ---- */
-
 /* A colour as display values (sRGB). */
 typedef struct iso_rgb {
     uint8_t r, g, b;
@@ -359,7 +354,6 @@ ISO_API iso_status iso_surface_write_points(iso_surface *surface, const char *pa
 ISO_API iso_status iso_surface_write_mesh(iso_surface *surface, const char *path, iso_error *error);
 
 /* ---- lines and glyphs ---- */
-
 /* The shape that is drawn at a point. The base of cones, cylinders and arrows is at the point, and they
  * extend along the point's direction; the other shapes are centred on the point. */
 typedef enum iso_glyph {
@@ -373,44 +367,38 @@ typedef enum iso_glyph {
     ISO_GLYPH_COUNT
 } iso_glyph;
 
-/* A set of lines, drawn as tubes or ribbons, or of points, drawn as glyphs, that can be rendered together
- * with surfaces; their depths and outlines are exact at any zoom. A set holds copies of its data and never
- * changes, so several threads may render it at the same time. */
+/* A set of lines (tubes or ribbons) or of points (glyphs), rendered with surfaces and exact at any zoom. It
+ * holds copies of its data and never changes, so several threads may render it at the same time. */
 typedef struct iso_shape_set iso_shape_set;
 
 typedef struct iso_shape_set_opts {
-    const iso_rgb *color; /* one colour for all; NULL: the colours of the arrays or of the file, else one of
-                             the palette */
-    double radius;        /* mm, where the data has no radii; 0: chosen by the size and number of lines or
-                             points */
+    const iso_rgb *color; /* one for all; NULL: the colours of the arrays or the file, or of the palette */
+    double radius;        /* mm, where the data has no radii; 0: chosen by size and number */
     iso_glyph glyph;      /* the shape drawn at each point */
     bool ribbons;         /* lines: draw flat strips of width 2 * radius instead of tubes */
     bool flat_caps;       /* tubes: flat ends instead of round ones */
-    bool true_width;      /* lines: draw lines thinner than a pixel with their true width instead of widening
-                             them to a pixel */
+    bool true_width;      /* lines: those thinner than a pixel are not widened to a pixel */
     bool ras;             /* files: take the coordinates as RAS although the file does not say so */
+    double opacity;       /* as of iso_surface_opts, where rays enter a tube or glyph and where they leave; 0
+                             means 1. Values below 1 need the method EXACT */
 } iso_shape_set_opts;
 
 /* Lines in the caller's arrays; world coordinates in mm. */
 typedef struct iso_line_arrays {
     const float (*vertices)[3]; /* the vertices of all lines, one line after the other */
-    const size_t *starts;       /* line_count + 1 indices: line i has the vertices starts[i] .. starts[i + 1]
-                                   - 1 */
+    const size_t *starts;       /* line_count + 1: line i has the vertices starts[i] .. starts[i + 1] - 1 */
     size_t line_count;
     const float *radii;         /* one per vertex, >= 0; NULL: opts.radius */
     const uint8_t (*colors)[3]; /* red green blue, one per vertex; NULL: opts.color */
-    const float (*normals)[3];  /* normals of ribbons: unit vectors, one per vertex; NULL: ribbons twist as
-                                   little as possible */
+    const float (*normals)[3];  /* of ribbons: unit vectors; NULL: they twist as little as possible */
 } iso_line_arrays;
 
 typedef struct iso_glyph_arrays {
     const float (*positions)[3];
     size_t count;
     const float *radii;           /* NULL: opts.radius */
-    const float (*directions)[3]; /* mm; the length of a cone, cylinder or arrow is that of its direction;
-                                     NULL: there are none */
-    const float (*axes)[9];       /* three half axes in mm for each point, one after the other; NULL: there
-                                     are none */
+    const float (*directions)[3]; /* mm, as long as the cone, cylinder or arrow; NULL: there are none */
+    const float (*axes)[9];       /* three half axes in mm, one after the other; NULL: there are none */
     const uint8_t (*colors)[3];   /* red green blue; NULL: opts.color */
 } iso_glyph_arrays;
 
@@ -431,6 +419,33 @@ ISO_API iso_status iso_shape_set_read_lines(const char *path, const iso_shape_se
 ISO_API iso_status iso_shape_set_read_glyphs(const char *path, const iso_shape_set_opts *opts,
                                              iso_shape_set **set, iso_error *error);
 
+/* Vectors or symmetric tensors at the voxels of a grid. */
+typedef struct iso_vector_array {
+    const float *values;     /* x fastest, in world axes: x y z, or xx xy xz yy yz zz; NaN: there is none */
+    int components, dims[3]; /* components 3: vectors; 6: tensors; 0 means 3 */
+    const iso_transform *transform; /* NULL: spacing 1, origin 0 */
+} iso_vector_array;
+
+typedef struct iso_vector_shape_opts {
+    int streamlines;     /* make so many lines along the vectors; 0: glyphs at the voxels */
+    int every;           /* glyphs: at each so many voxels on an axis; 0: about 10,000 glyphs at most */
+    double scale;        /* glyphs: mm of a vector of length 1, or half axis of eigenvalue 1; 0: chosen */
+    double least;        /* shorter vectors, and tensors of less anisotropy, have no glyph; lines end there */
+    double step, length; /* lines: mm between vertices, and to each side of the seed at most; 0: chosen */
+    uint64_t seed;       /* lines: another number gives lines in other random places */
+    bool axial;          /* lines: the vectors have no sign, as the axes of fibres */
+} iso_vector_shape_opts;
+
+/* Make a set of vectors or tensors. Instead of SPHERE, opts->glyph means arrows, or ellipsoids whose half
+ * axes are the eigenvectors. A file is a volume of 3, 6, 7 (a mask and a tensor) or 9 components. Errors:
+ * those above and of iso_volume_open; streamlines of tensors are ISO_ERR_USAGE. */
+ISO_API iso_status iso_shape_set_of_vectors(const iso_vector_array *vectors, const iso_vector_shape_opts *how,
+                                            const iso_shape_set_opts *opts, iso_shape_set **set,
+                                            iso_error *error);
+ISO_API iso_status iso_shape_set_read_vectors(const char *path, const iso_vector_shape_opts *how,
+                                              const iso_shape_set_opts *opts, iso_shape_set **set,
+                                              iso_error *error);
+
 /* Frees a set. NULL is allowed. */
 ISO_API void iso_shape_set_destroy(iso_shape_set *set);
 
@@ -438,7 +453,6 @@ ISO_API void iso_shape_set_destroy(iso_shape_set *set);
 ISO_API iso_box iso_shape_set_bounds(const iso_shape_set *set);
 
 /* ---- pictures ---- */
-
 /* Largest width or height of a picture, in pixels. */
 enum { ISO_IMAGE_MAX = 16384 };
 
@@ -559,17 +573,17 @@ typedef struct iso_render_opts {
     iso_fit_opts fit;
     const iso_rgb *background; /* NULL: white */
     bool transparent;          /* the background has alpha 0 */
-    /* Options of translucent surfaces. All crossings of a ray are composited in order of depth. */
+    /* Options of translucent surfaces and shapes, whose crossings are composited in order of depth. */
     bool constant_opacity; /* the opacity is the same at every angle. If not, the surface acts as a thin slab,
                               which stops more light from slanting rays: 1 - (1 - opacity)^(1 / cos) (Kay and
                               Greenberg 1979) */
     double absorption_length; /* the solid absorbs light: mm after which 1/e of the light is left; what is
                                  absorbed becomes the surface's colour. All surfaces must be of one volume;
                                  not for the method SPLATS. 0: the solid is clear */
-    int most_layers;          /* number of crossings of each surface that are drawn, from the nearest on; 0:
-                                 all. Not together with absorption, which needs to know where rays leave the
-                                 solid */
-    /* Lines and glyphs in the same picture, in front of or behind the surfaces; for every method. */
+    int most_layers;          /* number of crossings of each surface or set that are drawn, from the nearest
+                                 on; 0: all. Not together with absorption, which needs to know where rays
+                                 leave the solid */
+    /* Lines and glyphs in the same picture, for every method; in `aov` where they are opaque. */
     iso_shape_set *const *shapes;
     int shapes_count;
     iso_aov *aov; /* receives depth, normals and coverage, and with shapes also ids; NULL: not wanted */
@@ -579,7 +593,7 @@ typedef struct iso_render_opts {
  * is reused if the size is the same. After a failure their pixels are undefined, but they can be reused or
  * freed. ISO_ERR_EMPTY: the surface is empty or not in view; ISO_ERR_USAGE: an invalid size, number of
  * samples or camera, or a translucent surface with a method that cannot draw it; ISO_ERR_LIMIT: more than 64
- * translucent surfaces. */
+ * translucent surfaces and sets of shapes. */
 ISO_API iso_status iso_render(iso_surface *surface, const iso_render_opts *opts, iso_image *image,
                               iso_error *error);
 
@@ -590,7 +604,6 @@ ISO_API iso_status iso_render_surfaces(iso_surface *const *surfaces, int count, 
                                        iso_image *image, iso_error *error);
 
 /* ---- comparing ---- */
-
 typedef struct iso_difference_opts {
     const iso_aov *truth_aov, *candidate_aov; /* of the same size as the pictures; NULL: there is none */
     const iso_rgb *background; /* the colour of uncovered pixels in pictures without alpha; NULL: white */
@@ -627,7 +640,6 @@ ISO_API iso_status iso_compare_images(const iso_image *truth, const iso_image *c
                                       iso_error *error);
 
 /* ---- sculpting ---- */
-
 /* What a touch of a brush does. The first four are set operations with the brush's solid; the others deform
  * the surface or change the mask. */
 typedef enum iso_tool {

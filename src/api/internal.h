@@ -41,6 +41,7 @@ struct iso_shape_set {
     iso_lines lines;
     iso_glyphs glyphs;
     iso_shapes *shapes; /* borrows the lines or glyphs above */
+    double opacity;
     bool has_color;
     iso_rgb color;
 };

@@ -70,6 +70,8 @@ typedef struct rendering {
     /* With translucent surfaces: */
     bool translucent;
     iso_layered_surface layered[ISO_SURFACE_MAX];
+    iso_translucent_set sets[ISO_LAYERED_MAX];
+    int sets_count; /* translucent sets of shapes */
     iso_layered_picture layers;
     iso_picture_layers callbacks;
 } rendering;
@@ -99,10 +101,11 @@ static iso_status prepare(const rendering *r, iso_box *box, iso_error *error) {
     return iso_box_is_empty(box) ? iso_fail(error, ISO_ERR_EMPTY, "there is no surface") : ISO_OK;
 }
 
-/* The callback iso_layered_picture.draw_others: draws lines and glyphs. */
+/* The callback iso_layered_picture.draw_others: draws opaque lines and glyphs. */
 static iso_status draw_shapes(void *context, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
     const rendering *r = context;
     for (int i = 0; i < r->shapes_count; i++) {
+        if (r->shapes[i]->opacity < 1) continue;
         const iso_target target = {view, gbuffer, r->picture.pool, (uint8_t)(r->count + i)};
         ISO_TRY(iso_draw_shapes(&target, r->shapes[i]->shapes, NULL, error));
     }
@@ -209,6 +212,9 @@ static iso_status check_layers(const rendering *r, const iso_render_opts *opts, 
     if (absorbs && opts->most_layers)
         return iso_fail(error, ISO_ERR_USAGE,
                         "most_layers leaves out where rays leave the solid, which absorption must know");
+    if (r->sets_count && r->renderer->method != ISO_METHOD_EXACT)
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "the method %s draws no translucent lines and glyphs: exact does", r->renderer->name);
     if (r->translucent && !iso_method_has_layers(r->renderer->method))
         return iso_fail(error, ISO_ERR_USAGE,
                         "the method %s draws no translucent surfaces: exact, raycast and splats do",
@@ -221,7 +227,23 @@ static iso_status check_layers(const rendering *r, const iso_render_opts *opts, 
     return ISO_OK;
 }
 
-/* Sets up the picture's translucent surfaces, if it has some. */
+/* Lists the translucent sets of shapes. */
+static iso_status list_sets(rendering *r, const iso_render_opts *opts, iso_error *error) {
+    for (int i = 0; i < r->shapes_count; i++) {
+        const iso_shape_set *set = r->shapes[i];
+        if (!(set->opacity < 1)) continue;
+        if (r->sets_count == ISO_LAYERED_MAX)
+            return iso_fail(error, ISO_ERR_LIMIT, "more than %d translucent sets of shapes", ISO_LAYERED_MAX);
+        r->sets[r->sets_count++] = (iso_translucent_set){.shapes = set->shapes,
+                                                         .color = r->colors[r->count + i],
+                                                         .translucency = {.opacity = (float)set->opacity,
+                                                                          .constant = opts->constant_opacity,
+                                                                          .most_layers = opts->most_layers}};
+    }
+    return ISO_OK;
+}
+
+/* Sets up the picture's translucent surfaces and sets of shapes, if it has some. */
 static iso_status set_up_layers(rendering *r, const iso_render_opts *opts, iso_error *error) {
     for (int i = 0; i < r->count; i++) {
         r->layered[i] = (iso_layered_surface){&r->surfaces[i]->subject,
@@ -231,12 +253,16 @@ static iso_status set_up_layers(rendering *r, const iso_render_opts *opts, iso_e
                                                .most_layers = opts->most_layers}};
         r->translucent |= r->layered[i].translucency.opacity < 1;
     }
+    ISO_TRY(list_sets(r, opts, error));
+    r->translucent |= r->sets_count > 0;
     ISO_TRY(check_layers(r, opts, error));
     if (opts->aov && !r->translucent) iso_aov_remove_layers(opts->aov);
     if (!r->translucent) return ISO_OK;
     r->layers = (iso_layered_picture){.method = r->renderer->method,
                                       .surfaces = r->layered,
                                       .count = r->count,
+                                      .sets = r->sets,
+                                      .set_count = r->sets_count,
                                       .draw_others = r->shapes_count ? draw_shapes : NULL,
                                       .others_context = r,
                                       .shading = &r->picture.shading,

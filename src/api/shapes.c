@@ -1,10 +1,13 @@
-/* The functions of isopoint.h for lines and glyphs: copies of arrays or contents of files, prepared for
- * drawing. */
+/* The functions of isopoint.h for lines and glyphs: copies of arrays, contents of files, or what is made of
+ * fields, prepared for drawing. */
 #include <math.h>
 #include <string.h>
 
 #include "api/internal.h"
 #include "base/memory.h"
+#include "extract/vectors/streamlines.h"
+#include "extract/vectors/vector_glyphs.h"
+#include "grids/volume/vectors_read.h"
 #include "io/glyphs/glyphs_read.h"
 #include "io/lines/lines_read.h"
 
@@ -51,8 +54,11 @@ static iso_status begin(const iso_shape_set_opts *opts, iso_shape_set **set, iso
         return iso_fail(error, ISO_ERR_USAGE, "a radius of %g mm", opts->radius);
     if (opts->glyph < ISO_GLYPH_SPHERE || opts->glyph >= ISO_GLYPH_COUNT)
         return iso_fail(error, ISO_ERR_USAGE, "there is no glyph %d", (int)opts->glyph);
+    if (!(opts->opacity >= 0 && opts->opacity <= 1))
+        return iso_fail(error, ISO_ERR_USAGE, "an opacity of %g is not between 0 and 1", opts->opacity);
     *set = iso_alloc_zero(1, sizeof **set);
     if (!*set) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a set of shapes");
+    (*set)->opacity = opts->opacity > 0 ? opts->opacity : 1;
     (*set)->has_color = opts->color != NULL;
     if (opts->color) (*set)->color = *opts->color;
     return ISO_OK;
@@ -135,6 +141,111 @@ iso_status iso_shape_set_read_glyphs(const char *path, const iso_shape_set_opts 
     const iso_read_opts reading = {.space = opts->ras ? ISO_SPACE_RAS : ISO_SPACE_FILE};
     ISO_TRY(begin(opts, &made, error));
     return finish(read_glyphs(path, &reading, &made->glyphs, error), made, opts, set, error);
+}
+
+/* ---- fields */
+
+static const iso_vector_shape_opts field_defaults;
+
+static iso_status check_array(const iso_vector_array *array, iso_error *error) {
+    const int components = array->components, *dims = array->dims;
+    if (components && components != ISO_VECTOR_COMPONENTS && components != ISO_TENSOR_COMPONENTS)
+        return iso_fail(error, ISO_ERR_USAGE, "a field of %d components: vectors have 3, tensors 6",
+                        components);
+    if (!array->values || dims[0] < 1 || dims[1] < 1 || dims[2] < 1)
+        return iso_fail(error, ISO_ERR_USAGE, "a field of %d x %d x %d voxels%s", dims[0], dims[1], dims[2],
+                        array->values ? "" : " without values");
+    if (array->transform && iso_transform_is_singular(array->transform))
+        return iso_fail(error, ISO_ERR_USAGE, "the field's transform is singular");
+    return ISO_OK;
+}
+
+/* The caller's array, which is only borrowed: iso_vectors_free must not be called. */
+static iso_status borrow_field(const iso_vector_array *from, iso_vectors *to, iso_error *error) {
+    ISO_TRY(check_array(from, error));
+    *to = (iso_vectors){.transform = from->transform ? *from->transform : iso_transform_identity(),
+                        .components = from->components ? from->components : ISO_VECTOR_COMPONENTS};
+    memcpy(&to->values, &from->values, sizeof to->values); /* which are only read */
+    memcpy(to->dims, from->dims, sizeof to->dims);
+    return ISO_OK;
+}
+
+static iso_status read_field(const char *path, const iso_shape_set_opts *opts, iso_vectors *field,
+                             iso_error *error) {
+    if (!path) return iso_fail(error, ISO_ERR_USAGE, "no file is named");
+    const iso_vectors_opts reading = {.axes = opts->ras ? ISO_VECTOR_AXES_RAS : ISO_VECTOR_AXES_FILE};
+    iso_vectors_info info;
+    return iso_vectors_read(path, &reading, field, &info, error);
+}
+
+static iso_status check_field(const iso_vector_shape_opts *how, iso_error *error) {
+    const double numbers[4] = {how->least, how->scale, how->step, how->length};
+    for (int i = 0; i < 4; i++)
+        if (!(numbers[i] >= 0) || !isfinite(numbers[i]))
+            return iso_fail(error, ISO_ERR_USAGE, "an option of a field is %g", numbers[i]);
+    if (how->every < 0 || how->streamlines < 0)
+        return iso_fail(error, ISO_ERR_USAGE, "%d streamlines, glyphs at each %d voxels", how->streamlines,
+                        how->every);
+    return ISO_OK;
+}
+
+static iso_status make_glyphs(const iso_vectors *field, const iso_vector_shape_opts *how,
+                              const iso_shape_set_opts *opts, iso_glyphs *glyphs, iso_error *error) {
+    const iso_vector_glyphs_opts glyph_opts = {.every = how->every,
+                                               .scale = how->scale,
+                                               .least = how->least,
+                                               .centred = opts->glyph == ISO_GLYPH_CYLINDER};
+    iso_vector_glyphs_totals totals;
+    ISO_TRY(iso_vector_glyphs(field, &glyph_opts, glyphs, &totals, error));
+    return glyphs->count
+               ? ISO_OK
+               : iso_fail(error, ISO_ERR_EMPTY, "no voxel of the field has a glyph (of %zu)", totals.voxels);
+}
+
+static iso_status make_streamlines(const iso_vectors *field, const iso_vector_shape_opts *how,
+                                   iso_lines *lines, iso_error *error) {
+    const iso_streamlines_opts line_opts = {.count = how->streamlines,
+                                            .seed = how->seed,
+                                            .step = how->step,
+                                            .length = how->length,
+                                            .slowest = how->least,
+                                            .axial = how->axial};
+    iso_streamlines_totals totals;
+    ISO_TRY(iso_streamlines(field, &line_opts, lines, &totals, error));
+    return lines->line_count ? ISO_OK
+                             : iso_fail(error, ISO_ERR_EMPTY,
+                                        "no streamline begins where vectors are %g long", totals.slowest);
+}
+
+/* Makes a set of a field that has been read or borrowed. */
+static iso_status make_of_field(const iso_vectors *field, const iso_vector_shape_opts *how,
+                                const iso_shape_set_opts *opts, iso_shape_set **set, iso_error *error) {
+    iso_shape_set_opts drawn = *opts;
+    iso_shape_set *made;
+    ISO_TRY(check_field(how, error));
+    if (opts->glyph == ISO_GLYPH_SPHERE)
+        drawn.glyph = field->components == ISO_TENSOR_COMPONENTS ? ISO_GLYPH_ELLIPSOID : ISO_GLYPH_ARROW;
+    ISO_TRY(begin(&drawn, &made, error));
+    const iso_status status = how->streamlines ? make_streamlines(field, how, &made->lines, error)
+                                               : make_glyphs(field, how, &drawn, &made->glyphs, error);
+    return finish(status, made, &drawn, set, error);
+}
+
+iso_status iso_shape_set_of_vectors(const iso_vector_array *vectors, const iso_vector_shape_opts *how,
+                                    const iso_shape_set_opts *opts, iso_shape_set **set, iso_error *error) {
+    iso_vectors field;
+    ISO_TRY(borrow_field(vectors, &field, error));
+    return make_of_field(&field, how ? how : &field_defaults, opts ? opts : &defaults, set, error);
+}
+
+iso_status iso_shape_set_read_vectors(const char *path, const iso_vector_shape_opts *how,
+                                      const iso_shape_set_opts *opts, iso_shape_set **set, iso_error *error) {
+    iso_vectors field = {0};
+    if (!opts) opts = &defaults;
+    iso_status status = read_field(path, opts, &field, error);
+    if (status == ISO_OK) status = make_of_field(&field, how ? how : &field_defaults, opts, set, error);
+    iso_vectors_free(&field);
+    return status;
 }
 
 void iso_shape_set_destroy(iso_shape_set *set) {

@@ -1,0 +1,188 @@
+/* Translucent sets of shapes, and sets of vectors and tensors, through the public interface. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "isopoint.h"
+
+/* ---- translucent shapes */
+
+enum { SIDE = 24 };
+
+/* A ball of radius 8 in the middle of a volume, whose isovalue is 0. */
+static iso_volume *lend_ball(void) {
+    static float values[SIDE * SIDE * SIDE];
+    for (int i = 0; i < SIDE * SIDE * SIDE; i++) {
+        const double x = i % SIDE - 11.5, y = i / SIDE % SIDE - 11.5, z = i / (SIDE * SIDE) - 11.5;
+        values[i] = (float)(8 - sqrt(x * x + y * y + z * z));
+    }
+    iso_volume *volume = NULL;
+    const iso_lend_opts opts = {.dims = {SIDE, SIDE, SIDE}, .type = ISO_FLOAT32, .data = values};
+    assert_int_equal(iso_volume_lend(&opts, &volume, NULL), ISO_OK);
+    return volume;
+}
+
+/* A translucent sphere has two layers; in front of a surface its colour and the surface's are mixed. Depth
+ * and ids are the surface's. */
+static void test_translucent_shapes(void **state) {
+    (void)state;
+    iso_box box;
+    iso_image alone = {0}, both = {0}, plain = {0};
+    iso_aov aov = {0};
+    iso_volume *volume = lend_ball();
+    iso_surface *surface = NULL;
+    assert_int_equal(iso_surface_create(volume, &(iso_surface_opts){.isovalue = 0}, &surface, NULL), ISO_OK);
+    assert_int_equal(iso_surface_bounds(surface, &box, NULL), ISO_OK);
+    const float position[1][3] = {{(float)(box.lo.x + box.hi.x) / 2, (float)box.lo.y - 20,
+                                   (float)(box.lo.z + box.hi.z) / 2}}; /* in front */
+    const iso_glyph_arrays points = {.positions = position, .count = 1};
+    const iso_rgb red = {255, 0, 0};
+    iso_shape_set *set = NULL;
+    const iso_shape_set_opts look = {.color = &red, .radius = 8, .opacity = 0.5};
+    assert_int_equal(iso_shape_set_of_glyphs(&points, &look, &set, NULL), ISO_OK);
+    iso_render_opts opts = {.width = 64,
+                            .height = 48,
+                            .shapes = &set,
+                            .shapes_count = 1,
+                            .transparent = true,
+                            .constant_opacity = true};
+    const size_t middle = 24 * 64 + 32;
+    assert_int_equal(iso_render_surfaces(NULL, 0, &opts, &alone, NULL), ISO_OK);
+    assert_in_range(alone.rgba[4 * middle + 3], 190, 192); /* two layers stop 3/4 of the light */
+    opts.most_layers = 1;
+    assert_int_equal(iso_render_surfaces(NULL, 0, &opts, &alone, NULL), ISO_OK);
+    assert_in_range(alone.rgba[4 * middle + 3], 127, 128);
+    opts.most_layers = 0;
+    opts.aov = &aov;
+    assert_int_equal(iso_render(surface, &opts, &both, NULL), ISO_OK);
+    assert_true(aov.layers && aov.layers[middle] == 2 && aov.ids[0][middle] == 1);
+    opts.shapes_count = 0;
+    assert_int_equal(iso_render(surface, &opts, &plain, NULL), ISO_OK);
+    const uint8_t *mixed = both.rgba + 4 * middle, *own = plain.rgba + 4 * middle;
+    assert_true(mixed[0] > mixed[1] + 60 && mixed[1] >= own[1] / 4 && mixed[1] < own[1]);
+    opts.shapes_count = 1;
+    opts.method = ISO_METHOD_MESH;
+    assert_int_equal(iso_render(surface, &opts, &both, NULL), ISO_ERR_USAGE);
+    iso_shape_set_destroy(set);
+    iso_surface_destroy(surface);
+    iso_volume_destroy(volume);
+    iso_aov_free(&aov);
+    iso_image_free(&alone);
+    iso_image_free(&both);
+    iso_image_free(&plain);
+    const iso_shape_set_opts bad = {.radius = 1, .opacity = 1.5};
+    assert_int_equal(iso_shape_set_of_glyphs(&points, &bad, &set, NULL), ISO_ERR_USAGE);
+}
+
+/* ---- fields */
+
+enum { FIELD_SIDE = 4, FIELD_VOXELS = FIELD_SIDE * FIELD_SIDE * FIELD_SIDE };
+
+/* Writes the field as a .mha file of three channels. */
+static void write_field(const iso_vector_array *field, const char *path) {
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    fprintf(file,
+            "ObjectType = Image\nNDims = 3\nDimSize = %d %d %d\nElementSpacing = 2 2 2\n"
+            "ElementNumberOfChannels = 3\nElementType = MET_FLOAT\nElementDataFile = LOCAL\n",
+            field->dims[0], field->dims[1], field->dims[2]);
+    assert_int_equal(fwrite(field->values, sizeof *field->values, 3 * FIELD_VOXELS, file), 3 * FIELD_VOXELS);
+    assert_int_equal(fclose(file), 0);
+}
+
+static void check_box(const iso_shape_set *set, iso_vec3 lo, iso_vec3 hi) {
+    const iso_box box = iso_shape_set_bounds(set);
+    const double got[6] = {box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y, box.hi.z},
+                 wanted[6] = {lo.x, lo.y, lo.z, hi.x, hi.y, hi.z};
+    for (int i = 0; i < 6; i++)
+        if (!(fabs(got[i] - wanted[i]) < 0.02)) fail_msg("number %d: %g, not %g", i, got[i], wanted[i]);
+}
+
+/* Cylinders along the vectors of a constant field, lines along them, ellipsoids of equal tensors; the same
+ * from a file. */
+static void test_fields(void **state) {
+    (void)state;
+    static float vectors[FIELD_VOXELS][3], tensors[FIELD_VOXELS][6];
+    for (int i = 0; i < FIELD_VOXELS; i++) {
+        vectors[i][2] = 5;
+        tensors[i][0] = tensors[i][3] = tensors[i][5] = 3;
+    }
+    const iso_transform spaced = {.spacing = {2, 2, 2}, .direction = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+    iso_vector_array field = {
+        .values = vectors[0], .dims = {FIELD_SIDE, FIELD_SIDE, FIELD_SIDE}, .transform = &spaced};
+    iso_shape_set *set = NULL, *read = NULL;
+    const iso_vector_shape_opts all = {.every = 1}, lines = {.streamlines = 40};
+    const iso_shape_set_opts discs = {.glyph = ISO_GLYPH_DISC, .radius = 0.5}, thin = {.radius = 0.1};
+    assert_int_equal(iso_shape_set_of_vectors(&field, &all, &discs, &set, NULL), ISO_OK);
+    check_box(set, (iso_vec3){-0.5, -0.5, -0.5}, (iso_vec3){6.5, 6.5, 6.5});
+    iso_shape_set_destroy(set);
+    assert_int_equal(iso_shape_set_of_vectors(&field, &lines, &thin, &set, NULL), ISO_OK);
+    const iso_box box = iso_shape_set_bounds(set);
+    assert_true(box.lo.z < 0.5 && box.hi.z > 5.5 && box.lo.x > -0.2 && box.hi.x < 6.2);
+    write_field(&field, "api_field.mha");
+    assert_int_equal(iso_shape_set_read_vectors("api_field.mha", &lines, &thin, &read, NULL), ISO_OK);
+    iso_shape_set *both[2] = {set, read};
+    iso_image pictures[2] = {{0}, {0}};
+    for (int i = 0; i < 2; i++) {
+        const iso_render_opts opts = {.width = 64, .height = 64, .shapes = &both[i], .shapes_count = 1};
+        assert_int_equal(iso_render_surfaces(NULL, 0, &opts, &pictures[i], NULL), ISO_OK);
+    }
+    assert_memory_equal(pictures[0].rgba, pictures[1].rgba, 4 * 64 * 64);
+    for (int i = 0; i < 2; i++) {
+        iso_image_free(&pictures[i]);
+        iso_shape_set_destroy(both[i]);
+    }
+    assert_int_equal(iso_shape_set_read_vectors("api_field.mha", NULL, NULL, &read, NULL),
+                     ISO_OK); /* arrows */
+    iso_shape_set_destroy(read);
+    remove("api_field.mha");
+    field.values = tensors[0];
+    field.components = 6;
+    assert_int_equal(iso_shape_set_of_vectors(&field, &all, NULL, &set, NULL), ISO_OK);
+    check_box(set, (iso_vec3){-1.73, -1.73, -1.73}, (iso_vec3){7.73, 7.73, 7.73}); /* boxes of reaches */
+    iso_shape_set_destroy(set);
+    assert_int_equal(iso_shape_set_of_vectors(&field, &lines, NULL, &set, NULL), ISO_ERR_USAGE);
+}
+
+static void test_field_errors(void **state) {
+    (void)state;
+    static const float zeros[3 * FIELD_VOXELS];
+    const iso_transform flat = {.spacing = {1, 0, 1}, .direction = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+    const iso_vector_array good = {.values = zeros, .dims = {FIELD_SIDE, FIELD_SIDE, FIELD_SIDE}};
+    iso_vector_array bad[4] = {good, good, good, good};
+    bad[0].components = 4;
+    bad[1].values = NULL;
+    bad[2].dims[1] = 0;
+    bad[3].transform = &flat;
+    iso_shape_set *none = NULL;
+    iso_error error = {0};
+    for (int i = 0; i < 4; i++) {
+        assert_int_equal(iso_shape_set_of_vectors(&bad[i], NULL, NULL, &none, &error), ISO_ERR_USAGE);
+        assert_true(error.text[0] && !strchr(error.text, '\n'));
+    }
+    const iso_vector_shape_opts wrong[4] = {
+        {.least = NAN}, {.scale = -1}, {.every = -1}, {.streamlines = -2}};
+    for (int i = 0; i < 4; i++)
+        assert_int_equal(iso_shape_set_of_vectors(&good, &wrong[i], NULL, &none, NULL), ISO_ERR_USAGE);
+    assert_int_equal(iso_shape_set_of_vectors(&good, NULL, NULL, &none, NULL), ISO_ERR_EMPTY);
+    assert_int_equal(
+        iso_shape_set_of_vectors(&good, &(iso_vector_shape_opts){.streamlines = 1}, NULL, &none, NULL),
+        ISO_ERR_EMPTY);
+    assert_int_equal(iso_shape_set_read_vectors("no/such.nrrd", NULL, NULL, &none, NULL), ISO_ERR_IO);
+    assert_int_equal(iso_shape_set_read_vectors(NULL, NULL, NULL, &none, NULL), ISO_ERR_USAGE);
+    assert_null(none);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_translucent_shapes),
+        cmocka_unit_test(test_fields),
+        cmocka_unit_test(test_field_errors),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
