@@ -113,18 +113,12 @@ static iso_status draw_shapes(isorender_job *job, int object, const iso_view *vi
 static iso_status draw_mesh(const isorender_job *job, int object, const iso_view *view, iso_gbuffer *gbuffer,
                             iso_error *error) {
     const iso_gl_surface *const surface = job->gl_meshes[object];
-    const iso_gl_draw_opts opts = {.view = view, .surfaces = &surface, .surface_count = 1};
-    iso_gbuffer own;
-    ISO_TRY(iso_gbuffer_create(view->width, view->height, &own, error));
-    const iso_status status = iso_gl_draw(job->backend->engine, &opts, &own, error);
-    for (size_t i = 0; i < (size_t)view->width * (size_t)view->height && status == ISO_OK; i++) {
-        if (!(own.depth[i] < gbuffer->depth[i])) continue;
-        gbuffer->depth[i] = own.depth[i];
-        gbuffer->surface[i] = (uint8_t)(job->surface_count + object);
-        for (int a = 0; a < 3; a++) gbuffer->normal[a][i] = own.normal[a][i];
-    }
-    iso_gbuffer_free(&own);
-    return status;
+    const iso_gl_draw_opts opts = {.view = view,
+                                   .surfaces = &surface,
+                                   .surface_count = 1,
+                                   .first_surface = job->surface_count + object,
+                                   .keep = true};
+    return iso_gl_draw(job->backend->engine, &opts, gbuffer, error);
 }
 
 /* Draws an object. The cpu draws lines in the image pyramid, and meshes whose triangles are to be

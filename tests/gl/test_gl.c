@@ -280,6 +280,21 @@ static void surfaces_hide_one_another(void **state) {
                     iso_draw_points(&(iso_target){&view, &cpu, NULL, (uint8_t)i}, &points[i], NULL);
                 assert_memory_equal(gl.surface, cpu.surface, 100 * 100);
                 assert_int_equal(gl.surface[50 * 100 + 50], count ? count - 1 : ISO_SURFACE_NONE);
+                iso_gbuffer apart = gl_gbuffer(&view); /* the same one by one, the nearest first */
+                for (int i = count - 1; i >= 0; i--) {
+                    const iso_gl_draw_opts one = {.view = &view,
+                                                  .surfaces = opts.surfaces + i,
+                                                  .surface_count = 1,
+                                                  .first_surface = i,
+                                                  .keep = true};
+                    assert_int_equal(iso_gl_draw(engine, &one, &apart, NULL), ISO_OK);
+                }
+                assert_memory_equal(gl.surface, apart.surface, 100 * 100);
+                assert_memory_equal(gl.depth, apart.depth, 100 * 100 * sizeof *gl.depth);
+                for (int k = 0; k < 3 * 100 * 100; k++)
+                    if (gl.surface[k / 3] != ISO_SURFACE_NONE)
+                        assert_true(gl.normal[k % 3][k / 3] == apart.normal[k % 3][k / 3]);
+                iso_gbuffer_free(&apart);
                 iso_gbuffer_free(&gl);
                 iso_gbuffer_free(&cpu);
             }

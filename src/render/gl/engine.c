@@ -144,10 +144,16 @@ static void begin_part(const iso_gl_engine *engine, const iso_view *view) {
     gl->ClearBufferfv(GL_DEPTH, 0, &far);
 }
 
-static void copy_row(const iso_gbuffer *to, size_t start, const float *pixels, int count) {
+/* Copies a row of normals, depths and surface numbers. keep: only where they are nearer. */
+static void copy_row(const iso_gbuffer *to, size_t start, const float *pixels, const uint8_t *surfaces,
+                     int count, bool keep) {
     for (int i = 0; i < count; i++) {
-        for (int axis = 0; axis < 3; axis++) to->normal[axis][start + (size_t)i] = pixels[4 * i + axis];
-        to->depth[start + (size_t)i] = pixels[4 * i + 3];
+        const size_t at = start + (size_t)i;
+        const float *pixel = pixels + 4 * i;
+        if (keep && !(pixel[3] < to->depth[at])) continue;
+        for (int axis = 0; axis < 3; axis++) to->normal[axis][at] = pixel[axis];
+        to->depth[at] = pixel[3];
+        to->surface[at] = surfaces[i];
     }
 }
 
@@ -156,30 +162,29 @@ typedef struct part_origin {
     int x, y;
 } part_origin;
 
-/* Reads a part of a picture back into its place in the gbuffer. */
-static iso_status read_part(const iso_gl_engine *engine, const iso_view *view, part_origin at,
+/* Reads a part of a picture back into its place in the gbuffer. keep: as in iso_gl_draw_opts. */
+static iso_status read_part(const iso_gl_engine *engine, const iso_view *view, part_origin at, bool keep,
                             iso_gbuffer *to, iso_error *error) {
     const GladGLContext *gl = engine->context->gl;
-    size_t row = (size_t)view->width * 4 * sizeof(float);
+    size_t width = (size_t)view->width, row = width * (4 * sizeof(float) + 1);
     int step = row < READ_BYTES ? (int)(READ_BYTES / row) : 1;
     if (step > view->height) step = view->height;
     float *pixels = iso_alloc(row * (size_t)step);
     if (!pixels) return iso_fail(error, ISO_ERR_NOMEM, "out of memory to read a picture back");
-    gl->NamedFramebufferReadBuffer(engine->target.framebuffer, GL_COLOR_ATTACHMENT0 + ISO_GL_NORMAL_DEPTH);
+    uint8_t *surfaces = (uint8_t *)(pixels + 4 * width * (size_t)step);
+    gl->PixelStorei(GL_PACK_ALIGNMENT, 1);
     for (int y = 0; y < view->height; y += step) {
         int rows = view->height - y < step ? view->height - y : step;
+        gl->NamedFramebufferReadBuffer(engine->target.framebuffer,
+                                       GL_COLOR_ATTACHMENT0 + ISO_GL_NORMAL_DEPTH);
         gl->ReadPixels(0, y, view->width, rows, GL_RGBA, GL_FLOAT, pixels);
+        gl->NamedFramebufferReadBuffer(engine->target.framebuffer, GL_COLOR_ATTACHMENT0 + ISO_GL_SURFACE);
+        gl->ReadPixels(0, y, view->width, rows, GL_RED_INTEGER, GL_UNSIGNED_BYTE, surfaces);
         for (int i = 0; i < rows; i++)
             copy_row(to, (size_t)(at.y + y + i) * (size_t)to->width + (size_t)at.x,
-                     pixels + (size_t)i * (size_t)view->width * 4, view->width);
+                     pixels + (size_t)i * width * 4, surfaces + (size_t)i * width, view->width, keep);
     }
     iso_free(pixels);
-    gl->NamedFramebufferReadBuffer(engine->target.framebuffer, GL_COLOR_ATTACHMENT0 + ISO_GL_SURFACE);
-    gl->PixelStorei(GL_PACK_ALIGNMENT, 1);
-    gl->PixelStorei(GL_PACK_ROW_LENGTH, to->width);
-    gl->ReadPixels(0, 0, view->width, view->height, GL_RED_INTEGER, GL_UNSIGNED_BYTE,
-                   to->surface + (size_t)at.y * (size_t)to->width + (size_t)at.x);
-    gl->PixelStorei(GL_PACK_ROW_LENGTH, 0);
     return ISO_OK;
 }
 
@@ -413,7 +418,7 @@ static iso_status draw_surfaces(picture *p, const iso_view *view, iso_error *err
                              .projector = iso_projector_make(view, &surface->transform),
                              .widening = p->widening,
                              .range = {p->range[0], p->range[1]}};
-        upload_uniforms(&draw, i);
+        upload_uniforms(&draw, p->opts->first_surface + i);
         ISO_TRY(surface->mesh ? draw_mesh(&draw, &p->room, error) : draw_points(&draw, &p->room, error));
     }
     return ISO_OK;
@@ -430,7 +435,7 @@ static iso_status draw_part(picture *p, const iso_view *view, part_origin at, co
     iso_gl_timer_end(&p->engine->timer, p->engine->context->gl);
     ISO_TRY(status);
     if (to->gbuffer)
-        ISO_TRY(read_part(p->engine, view, at, to->gbuffer, error));
+        ISO_TRY(read_part(p->engine, view, at, p->opts->keep, to->gbuffer, error));
     else
         ISO_TRY(iso_gl_canvas_shade(to, false, view, at.x, at.y, error));
     iso_gl_timer_read(&p->engine->timer, p->engine->context->gl);
@@ -453,7 +458,8 @@ static iso_status draw_parts(picture *p, const iso_gl_output *to, iso_error *err
 
 iso_status iso_gl_draw_to(iso_gl_engine *engine, const iso_gl_draw_opts *opts, const iso_gl_output *to,
                           iso_error *error) {
-    assert(opts->surface_count >= 0 && opts->surface_count <= ISO_SURFACE_MAX);
+    assert(opts->surface_count >= 0 && opts->first_surface >= 0 &&
+           opts->surface_count <= ISO_SURFACE_MAX - opts->first_surface);
     picture p = {.engine = engine, .opts = opts, .widening = widening_of(opts)};
     depth_range(opts, p.range);
     engine->drawn = engine->back_facing = 0;

@@ -90,8 +90,9 @@ typedef enum iso_point_scaling {
 
 typedef struct iso_gl_draw_opts {
     const iso_view *view;                  /* borrowed */
-    const iso_gl_surface *const *surfaces; /* surfaces[i] gets surface number i in the gbuffer */
-    int surface_count;
+    const iso_gl_surface *const *surfaces; /* surfaces[i] gets number first_surface + i in the gbuffer */
+    int surface_count, first_surface;
+    bool keep; /* the gbuffer holds a picture: its samples are replaced where a surface is nearer */
     iso_point_scaling scaling;
     /* For attenuated points: tangents of half the horizontal and vertical angle of view of the whole
      * picture, of which `view` may be a part; k = 1 / (1 + tan_x^2 + tan_y^2). 0: `view` is the whole
@@ -99,9 +100,9 @@ typedef struct iso_gl_draw_opts {
     double tan_x, tan_y;
 } iso_gl_draw_opts;
 
-/* Draws all surfaces and fills the whole gbuffer, which must have the view's size. Pictures larger than
- * the driver's limits are drawn in parts. Errors: ISO_ERR_NOMEM, ISO_ERR_BACKEND; the gbuffer is then
- * undefined. */
+/* Draws all surfaces and, without opts->keep, fills the whole gbuffer, which must have the view's size.
+ * Pictures larger than the driver's limits are drawn in parts. Errors: ISO_ERR_NOMEM, ISO_ERR_BACKEND; the
+ * gbuffer is then undefined. */
 iso_status iso_gl_draw(iso_gl_engine *engine, const iso_gl_draw_opts *opts, iso_gbuffer *gbuffer,
                        iso_error *error);
 
