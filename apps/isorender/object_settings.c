@@ -271,6 +271,25 @@ static iso_status set_kind(const isorender_object_options *options, int number,
     return set_color("surface-color", isorender_value_for(&options->mesh_colors, number), object, error);
 }
 
+/* A colour and a column of the object's own contradict each other. What the object only has because the last
+ * value of an option repeats gives way to what is its own. number: of the object, of those of its kind;
+ * column: of those that --color-by counts. */
+static iso_status settle_colors(const isorender_object_options *options, int number, int column,
+                                isorender_object_settings *object, iso_error *error) {
+    const bool lines = object->kind == ISORENDER_LINES;
+    const iso_texts *colors = lines ? &options->line_colors : &options->glyph_colors;
+    const bool own_color = number < colors->count, own_column = column < options->color_by.count;
+    if (!object->color_by || !colors->count) return ISO_OK;
+    if (own_color && own_column)
+        return iso_fail(error, ISO_ERR_USAGE, "%s: --%s-color and --color-by both say how it is coloured",
+                        object->path, lines ? "line" : "glyph");
+    if (own_color)
+        object->color_by = NULL;
+    else
+        object->colored = object->by_direction = false;
+    return ISO_OK;
+}
+
 iso_status isorender_objects_resolve(const isorender_object_options *options,
                                      isorender_object_settings objects[ISORENDER_OBJECTS],
                                      isorender_object_settings *cloud, iso_error *error) {
@@ -283,9 +302,12 @@ iso_status isorender_objects_resolve(const isorender_object_options *options,
     for (int i = 0; i < options->count; i++) {
         isorender_object_settings *object = &objects[i];
         *object = (isorender_object_settings){.kind = options->kinds[i], .path = options->paths[i]};
-        ISO_TRY(set_kind(options, counts[object->kind]++, object, error));
+        const int number = counts[object->kind]++;
+        ISO_TRY(set_kind(options, number, object, error));
         ISO_TRY(set_space(isorender_value_for(&options->spaces, i + options->has_cloud), object, error));
-        if (object->kind != ISORENDER_MESH) ISO_TRY(set_common(options, common++, object, error));
+        if (object->kind == ISORENDER_MESH) continue;
+        ISO_TRY(set_common(options, common, object, error));
+        ISO_TRY(settle_colors(options, number, common++, object, error));
     }
     return check_counts(options, counts, error);
 }

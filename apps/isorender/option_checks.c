@@ -340,6 +340,9 @@ static iso_status check_one_pyramid(const isorender_settings *settings, iso_erro
 
 static iso_status check_objects(isorender_settings *settings, iso_error *error) {
     ISO_TRY(isorender_objects_resolve(&settings->object_options, settings->objects, &settings->cloud, error));
+    if (settings->object_options.has_cloud && settings->cloud.color_by && settings->color_count)
+        return iso_fail(error, ISO_ERR_USAGE, "%s: --color and --color-by both say how it is coloured",
+                        settings->inputs[0]);
     if (!settings->object_options.count) return ISO_OK;
     if (settings->ior > 0)
         return iso_fail(error, ISO_ERR_USAGE,

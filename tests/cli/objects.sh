@@ -43,6 +43,8 @@ grep -q "heat: 1 .. 5" info
 grep -q "lps (not stated in the file)" info
 fails() { refuses 2 "$1" isorender "${@:2}" bad.png --quiet; }
 fails "has no column 'warmth'; its columns: .*heat" --glyphs in/dots.csv --color-by warmth
+fails "--glyph-color and --color-by both" --glyphs in/dots.csv --color-by heat --glyph-color red
+fails "two.obj: --line-color and --color-by both" --lines in/two.obj --color-by heat --line-color direction
 fails "given 2 times for 1" --lines in/two.obj --tube-radius 1 --tube-radius 2
 fails "is for --lines, which is not given" --glyphs in/dots.csv --caps flat
 fails "not one of round, flat" --lines in/two.obj --caps square
@@ -51,6 +53,11 @@ fails "needs\|glass" in/ball.mha --glyphs in/dots.csv --ior 1.5
 fails "is for surfaces" --glyphs in/dots.csv --isovalue 5
 isorender in/axis.swc input.png --camera front --orthographic --resolution 200x200 --quiet
 isocompare images axis.png input.png --fail-under psnr=100 >/dev/null
+# a column is the glyphs' own, a colour that of the lines: neither is overruled by what repeats
+isorender --glyphs in/dots.csv --color-by heat --lines in/two.obj --line-color 123456 own.png --json=own.json --quiet
+python3 -c "import json, sys
+objects = json.load(open('own.json'))['objects']
+sys.exit(not ('range' in objects[0] and 'range' not in objects[1]))"
 fails "give both" --glyphs in/dots.csv --color-bar
 fails "a radius of -1 mm" --lines in/two.obj --tube-radius -1
 rm -f said
