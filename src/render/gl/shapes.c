@@ -205,7 +205,7 @@ static iso_status add_sphere(set_draw *d, const iso_shapes_block *block, uint32_
     const double position[3] = {(double)block->origin[0] + (double)from[0],
                                 (double)block->origin[1] + (double)from[1],
                                 (double)block->origin[2] + (double)from[2]};
-    const double radius = (double)iso_shapes_radius(set, set->id[i]);
+    const double radius = (double)iso_shapes_radius(set, iso_shapes_id(set, i));
     double view[3];
     float box[4];
     iso_shapes_origin o;
@@ -214,7 +214,7 @@ static iso_status add_sphere(set_draw *d, const iso_shapes_block *block, uint32_
     if (!box_between(d, c.low, c.high, box)) return ISO_OK;
     if (iso_near_fits(frame, view[2] - radius, radius) && iso_shapes_origin_of(frame, view, &o))
         return add_command(d, i, 1, &o, from, error);
-    const iso_near_shape shape = iso_near_sphere(frame, view, radius, set->id[i]);
+    const iso_near_shape shape = iso_near_sphere(frame, view, radius, iso_shapes_id(set, i));
     return add_near(d, &shape, c.low, c.high, error);
 }
 
@@ -229,7 +229,7 @@ static iso_status add_solid(set_draw *d, const iso_shapes_block *block, uint32_t
     float box[4], centre[3];
     iso_shapes_origin o;
     iso_shapes_to_view(frame, position, view);
-    if (!iso_solid_map_of(set, set->id[i], &map)) return ISO_OK; /* never: the set has none such */
+    if (!iso_solid_map_of(set, iso_shapes_id(set, i), &map)) return ISO_OK; /* never: the set has none such */
     const iso_solid_placed placed = iso_solid_in_view(frame, &map, position);
     const corners c = solid_corners(&placed);
     if (!box_between(d, c.low, c.high, box)) return ISO_OK;
@@ -238,7 +238,7 @@ static iso_status add_solid(set_draw *d, const iso_shapes_block *block, uint32_t
         iso_gl_solid_centre(set, i, &map, centre);
         return add_command(d, i, 1, &o, centre, error);
     }
-    const iso_near_shape shape = iso_solid_near(frame, &placed, set->id[i]);
+    const iso_near_shape shape = iso_solid_near(frame, &placed, iso_shapes_id(set, i));
     return add_near(d, &shape, c.low, c.high, error);
 }
 

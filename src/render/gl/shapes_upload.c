@@ -72,7 +72,8 @@ static iso_status measure(const iso_gl_engine *engine, const iso_shapes *set, up
 
 static void fill_spheres(const iso_shapes *set, const uploads *u) {
     for (size_t i = 0; i < u->shapes; i++) {
-        const float sphere[4] = {set->x[i], set->y[i], set->z[i], iso_shapes_radius(set, set->id[i])};
+        const float sphere[4] = {set->x[i], set->y[i], set->z[i],
+                                 iso_shapes_radius(set, iso_shapes_id(set, i))};
         memcpy(u->data + 4 * i, sphere, sizeof sphere);
     }
 }
@@ -89,7 +90,7 @@ static void fill_solids(const iso_shapes *set, const uploads *u) {
         iso_solid_map map;
         double inverse[3][3];
         memset(to, 0, SOLID_VALUES * sizeof *to);
-        if (!iso_solid_map_of(set, set->id[i], &map)) continue; /* never: the set has none such */
+        if (!iso_solid_map_of(set, iso_shapes_id(set, i), &map)) continue; /* never: the set has none such */
         iso_solid_invert((const double(*)[3])map.axis, inverse);
         iso_gl_solid_centre(set, (uint32_t)i, &map, to[0]);
         to[0][3] = (float)iso_solid_extent(set->glyph, &map);
@@ -104,8 +105,8 @@ static void fill_solids(const iso_shapes *set, const uploads *u) {
 static void fill_glyphs(const iso_shapes *set, const uploads *u, uint32_t *starts) {
     for (size_t b = 0; b < set->block_count; b++) starts[b] = set->blocks[b].first;
     for (size_t i = 0; i < u->shapes; i++) {
-        u->marks[2 * i] = set->id[i];
-        u->marks[2 * i + 1] = iso_gl_shape_color(set, set->id[i]);
+        u->marks[2 * i] = iso_shapes_id(set, i);
+        u->marks[2 * i + 1] = iso_gl_shape_color(set, iso_shapes_id(set, i));
     }
     if (set->kind == ISO_SHAPE_SPHERE)
         fill_spheres(set, u);
@@ -125,7 +126,7 @@ static void fill_lines(const iso_shapes *set, const uploads *u, uint32_t *starts
     if (set->kind == ISO_SHAPE_TUBE) memcpy(u->data, set->vertices, u->data_bytes);
     for (size_t i = 0; i < u->vertices && set->kind == ISO_SHAPE_RIBBON; i++) {
         memcpy(u->data + 8 * i, set->vertices[i], sizeof set->vertices[i]);
-        memcpy(u->data + 8 * i + 4, set->across[i], sizeof set->across[i]);
+        iso_shapes_across(set, i, u->data + 8 * i + 4);
         u->data[8 * i + 7] = 0;
     }
     for (size_t i = 0; u->colors && i < u->vertices; i++) u->colors[i] = iso_gl_shape_color(set, i);

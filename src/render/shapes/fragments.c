@@ -15,6 +15,13 @@
  * pixel's width are one. */
 static const double SAME_CROSSING = 1e-6;
 
+enum {
+    RECT_WIDTH = 128, /* samples of a rectangle of shapes */
+    USUAL_PIECES = 2, /* of a sample, before their crossings are used */
+    MANY_PIECES = 16, /* of a sample, whose crossings cannot be used yet */
+    FETCHED = 8       /* pieces of the next samples */
+};
+
 /* A set in the strip. */
 typedef struct set {
     const iso_translucent_set *input;
@@ -34,9 +41,10 @@ typedef struct crossing {
 /* The working memory of a worker. */
 typedef struct worker {
     iso_shapes_pieces pieces;
-    iso_buffer sorted, crossings; /* of a sample: const iso_shapes_piece *; crossing */
-    iso_shapes_layered *listed;   /* by set: in the band */
-    iso_shapes_layered *counted;  /* by set: in all bands */
+    iso_buffer sorted, ends;     /* iso_shapes_piece *, by sample; uint32_t: where each sample's end there */
+    iso_buffer crossings;        /* of a sample */
+    iso_shapes_layered *listed;  /* by set: in the band */
+    iso_shapes_layered *counted; /* by set: in all bands */
 } worker;
 
 struct iso_shapes_lister {
@@ -75,8 +83,9 @@ static int compare_pieces(const void *first, const void *second) {
     const iso_shapes_piece *a = *(const iso_shapes_piece *const *)first,
                            *b = *(const iso_shapes_piece *const *)second;
     int order = compare_numbers(a->whole, b->whole);
-    for (int end = 0; end < 2 && !order; end++) order = compare(a->t[end], b->t[end]);
-    return order ? order : compare_numbers(a->element, b->element);
+    if (!order) order = compare(a->t[0], b->t[0]);
+    if (!order) order = compare_numbers(a->element[0], b->element[0]);
+    return order ? order : compare(a->t[1], b->t[1]);
 }
 
 /* By depth; of equal depths the earlier glyph or line comes first. */
@@ -85,7 +94,35 @@ static int compare_crossings(const void *first, const void *second) {
     int order = compare(a->piece->t[a->end], b->piece->t[b->end]);
     if (!order) order = compare_numbers(a->piece->whole, b->piece->whole);
     if (!order) order = a->end - b->end;
-    return order ? order : compare_numbers(a->piece->element, b->piece->element);
+    return order ? order : compare_numbers(a->piece->element[a->end], b->piece->element[b->end]);
+}
+
+enum { FEW = 24 }; /* that are sorted faster without a function call for each comparison */
+
+static void sort_pieces(iso_shapes_piece **pieces, size_t count) {
+    if (count > FEW) {
+        qsort(pieces, count, sizeof *pieces, compare_pieces);
+        return;
+    }
+    for (size_t i = 1; i < count; i++) {
+        iso_shapes_piece *piece = pieces[i];
+        size_t at = i;
+        for (; at && compare_pieces(&pieces[at - 1], &piece) > 0; at--) pieces[at] = pieces[at - 1];
+        pieces[at] = piece;
+    }
+}
+
+static void sort_crossings(crossing *crossings, size_t count) {
+    if (count > FEW) {
+        qsort(crossings, count, sizeof *crossings, compare_crossings);
+        return;
+    }
+    for (size_t i = 1; i < count; i++) {
+        const crossing c = crossings[i];
+        size_t at = i;
+        for (; at && compare_crossings(&crossings[at - 1], &c) > 0; at--) crossings[at] = crossings[at - 1];
+        crossings[at] = c;
+    }
 }
 
 /* ---- the pieces of a sample */
@@ -95,38 +132,42 @@ static bool has_room(iso_buffer *buffer, size_t bytes) {
     return buffer->bytes >= bytes || iso_buffer_reserve(buffer, bytes, 0, NULL) == ISO_OK;
 }
 
-/* Collects the pieces that begin with number `first`, sorted; returns how many, 0 without memory. */
-static size_t sort_pieces(worker *w, uint32_t first, const iso_shapes_piece ***sorted) {
-    const iso_shapes_piece *pieces = w->pieces.pieces.data;
-    size_t count = 0;
-    for (uint32_t i = first; i != ISO_SHAPES_NO_PIECE; i = pieces[i].next) count++;
-    if (!has_room(&w->sorted, count * sizeof **sorted)) return 0;
-    *sorted = w->sorted.data;
-    count = 0;
-    for (uint32_t i = first; i != ISO_SHAPES_NO_PIECE; i = pieces[i].next) (*sorted)[count++] = &pieces[i];
-    if (count > 1) qsort(*sorted, count, sizeof **sorted, compare_pieces);
-    return count;
+/* Pieces of the same glyph or line that overlap: where their union begins and ends. */
+typedef struct merged {
+    iso_shapes_piece *from;
+    const iso_shapes_piece *to;
+    size_t end;   /* the number of the first sorted piece behind */
+    double slack; /* mm: crossings that are closer are one */
+} merged;
+
+/* Merges sorted pieces from number `i` on. */
+static merged merge(const set *s, iso_shapes_piece **sorted, size_t count, size_t i) {
+    merged m = {sorted[i], sorted[i], i + 1, 0};
+    if (s->shapes && s->shapes->kind == ISO_SHAPE_RIBBON)
+        m.slack = SAME_CROSSING * fabs(m.from->t[0] * (double)s->frame.slope + (double)s->frame.fixed);
+    for (; m.end < count; m.end++) {
+        const iso_shapes_piece *p = sorted[m.end];
+        if (p->whole != m.from->whole || !(p->t[0] <= m.to->t[1] + m.slack)) break;
+        const double beyond = p->t[1] - m.to->t[1];
+        if ((beyond > 0 || (beyond == 0 && p->element[1] < m.to->element[1])) && p->t[0] < p->t[1]) m.to = p;
+    }
+    return m;
 }
 
-static size_t add_crossings(const set *s, const iso_shapes_piece *from, const iso_shapes_piece *to,
-                            crossing *out) {
-    size_t count = 0;
-    if (!s->shapes || from->t[0] >= s->frame.near) out[count++] = (crossing){from, 0};
-    if (to->t[1] > from->t[0]) out[count++] = (crossing){to, 1};
-    return count;
-}
-
-/* Merges sorted pieces of the same glyph or line into the ends of their union. */
-static size_t merge(const set *s, const iso_shapes_piece **sorted, size_t count, crossing *out) {
+/* Takes the crossings in front of the depth `before` out of the sorted pieces of a sample; returns how many.
+ * All pieces that are not listed yet begin at that depth or behind, so that they change none of these
+ * crossings. Pieces that they cannot be merged with any more are marked. */
+static size_t take_crossings(const set *s, iso_shapes_piece **sorted, size_t count, double before,
+                             crossing *out) {
     size_t made = 0;
     for (size_t i = 0; i < count;) {
-        const iso_shapes_piece *from = sorted[i], *to = from;
-        double slack = 0;
-        if (s->shapes && s->shapes->kind == ISO_SHAPE_RIBBON)
-            slack = SAME_CROSSING * fabs(from->t[0] * (double)s->frame.slope + (double)s->frame.fixed);
-        for (i++; i < count && sorted[i]->whole == from->whole && sorted[i]->t[0] <= to->t[1] + slack; i++)
-            if (sorted[i]->t[1] > to->t[1] && sorted[i]->t[0] < sorted[i]->t[1]) to = sorted[i];
-        made += add_crossings(s, from, to, out + made);
+        const merged m = merge(s, sorted, count, i);
+        const bool seen = !s->shapes || m.from->t[0] >= s->frame.near;
+        if (seen && !m.from->is_entered && m.from->t[0] < before) out[made++] = (crossing){m.from, 0};
+        if (m.to->t[1] > m.from->t[0] && m.to->t[1] < before) out[made++] = (crossing){m.to, 1};
+        m.from->is_entered |= m.from->t[0] < before;
+        for (; i < m.end; i++)
+            if (m.to->t[1] + m.slack < before) sorted[i]->sample = ISO_SHAPES_NO_SAMPLE;
     }
     return made;
 }
@@ -136,7 +177,8 @@ static size_t merge(const set *s, const iso_shapes_piece **sorted, size_t count,
 static iso_fragment make_fragment(const set *s, const crossing *c, const float to_eye[3], float middle) {
     const iso_shapes_piece *p = c->piece;
     iso_rgb color = s->input->color;
-    if (s->shapes && s->shapes->colors) color = iso_shapes_color_at(s->shapes, p->element, p->along[c->end]);
+    if (s->shapes && s->shapes->colors)
+        color = iso_shapes_color_at(s->shapes, p->element[c->end], p->along[c->end]);
     iso_fragment fragment = {.depth = (float)(p->t[c->end] - (double)middle),
                              .opacity = iso_layer_opacity_at(&s->opacity, p->normal[c->end], to_eye),
                              .surface = s->pass.surface,
@@ -145,61 +187,204 @@ static iso_fragment make_fragment(const set *s, const crossing *c, const float t
     return fragment;
 }
 
-/* Adds the fragments of a sample; false without memory. x, y: in the strip. */
-static bool add_sample(const listing *l, uint32_t first, int x, int y) {
+/* Adds the fragments of a sample that are in front of the depth `before`, given the pieces that begin in
+ * front of it; false without memory. x, y: in the strip. *limit is set when nothing of the set can be seen
+ * behind them. */
+static bool add_sample(const listing *l, iso_shapes_piece **sorted, size_t count, float *limit, int x, int y,
+                       double before) {
     worker *w = l->worker;
-    const iso_shapes_piece **sorted;
-    const size_t count = sort_pieces(w, first, &sorted);
-    if (!count || !has_room(&w->crossings, 2 * count * sizeof(crossing))) return false;
+    if (!has_room(&w->crossings, 2 * count * sizeof(crossing))) return false;
     crossing *crossings = w->crossings.data;
-    const size_t made = merge(l->set, sorted, count, crossings);
-    if (made > 1) qsort(crossings, made, sizeof *crossings, compare_crossings);
+    sort_pieces(sorted, count);
+    const size_t made = take_crossings(l->set, sorted, count, before, crossings);
+    sort_crossings(crossings, made);
     const iso_view *view = l->lister->strip.view;
     const float to_eye[3] = {-iso_slope_of_column(view, x), -iso_slope_of_row(view, y), -1};
-    const int row = y - l->rows.first, column = x % ISO_LAYER_GROUP;
-    const iso_layer_list *list = &iso_layer_group_at(l->lists, x, row)->list[column];
-    const int32_t before = list->count;
+    const int row = y - l->rows.first;
     bool done = false;
     for (size_t i = 0; i < made && !done && !l->lists->full; i++) {
         const iso_fragment fragment = make_fragment(l->set, &crossings[i], to_eye, l->lists->middle);
         done = iso_layer_add(l->lists, x, row, &fragment, false);
     }
-    l->listed->samples += list->count > before;
-    l->listed->layers += (size_t)(list->count - before);
+    if (done) *limit = -INFINITY;
     return !l->lists->full;
 }
 
-static bool add_samples(const listing *l) {
-    const iso_shapes_pieces *pieces = &l->worker->pieces;
+/* Collects the pieces that begin in front of the depth `before` by sample: `ends` gets where each sample's
+ * end in `sorted`. */
+static void collect(const iso_shapes_pieces *pieces, double before, size_t samples, uint32_t *ends,
+                    iso_shapes_piece **sorted) {
+    iso_shapes_piece *all = pieces->pieces.data;
+    for (size_t i = 0; i <= samples; i++) ends[i] = 0;
+    for (size_t i = 0; i < pieces->count; i++) ends[all[i].sample + 1] += all[i].t[0] < before;
+    for (size_t i = 0; i < samples; i++) ends[i + 1] += ends[i];
+    for (size_t i = 0; i < pieces->count; i++)
+        if (all[i].t[0] < before) sorted[ends[all[i].sample]++] = &all[i];
+}
+
+/* Adds the fragments of the rectangle in front of the depth `before`; false without memory. */
+static bool add_samples(const listing *l, double before) {
+    worker *w = l->worker;
+    iso_shapes_pieces *pieces = &w->pieces;
     const iso_shapes_rect *r = &pieces->rect;
-    const uint32_t *first = pieces->first.data;
-    for (int y = r->y0; y <= r->y1 && pieces->count; y++)
-        for (int x = r->x0; x <= r->x1; x++, first++)
-            if (*first != ISO_SHAPES_NO_PIECE && !add_sample(l, *first, x, y - l->lister->strip.view->above))
-                return false;
+    const size_t width = (size_t)(r->x1 - r->x0 + 1), samples = width * (size_t)(r->y1 - r->y0 + 1);
+    if (!has_room(&w->sorted, pieces->count * sizeof(iso_shapes_piece *)) ||
+        !has_room(&w->ends, (samples + 1) * sizeof(uint32_t)))
+        return false;
+    iso_shapes_piece **sorted = w->sorted.data;
+    uint32_t *ends = w->ends.data;
+    float *limit = pieces->limit.data;
+    collect(pieces, before, samples, ends, sorted);
+    uint32_t begin = 0;
+    for (size_t i = 0; i < samples; begin = ends[i++]) {
+        const int x = r->x0 + (int)(i % width), y = r->y0 + (int)(i / width);
+        for (uint32_t k = ends[i]; k < ends[samples] && k < ends[i] + FETCHED; k++)
+            __builtin_prefetch(sorted[k]);
+        if (begin < ends[i] && !add_sample(l, sorted + begin, ends[i] - begin, &limit[i], x,
+                                           y - l->lister->strip.view->above, before))
+            return false;
+    }
+    iso_shapes_pieces_tidy(pieces);
+    return true;
+}
+
+/* The list of a sample of a rectangle. */
+static const iso_layer_list *list_at(const listing *l, int x, int y) {
+    const int row = y - l->lister->strip.view->above - l->rows.first;
+    return &iso_layer_group_at(l->lists, x, row)->list[x % ISO_LAYER_GROUP];
+}
+
+/* The depth at which the listed pieces of a sample leave so little light that nothing behind it can be seen,
+ * however many others are still to be listed; INFINITY: there is none. x, y: in the picture. */
+static double depth_of_cut(const listing *l, iso_shapes_piece **pieces, size_t count, int x, int y) {
+    const iso_view *view = l->lister->strip.view;
+    const int row = y - view->above;
+    const float to_eye[3] = {-iso_slope_of_column(view, x), -iso_slope_of_row(view, row), -1};
+    const iso_layer_list *list = list_at(l, x, y);
+    crossing *crossings = l->worker->crossings.data;
+    size_t made = 0;
+    for (size_t i = 0; i < count; i++) {
+        const iso_shapes_piece *p = pieces[i];
+        const bool seen = !l->set->shapes || p->t[0] >= l->set->frame.near;
+        if (seen && !p->is_entered) crossings[made++] = (crossing){p, 0};
+        if (p->t[1] > p->t[0]) crossings[made++] = (crossing){p, 1};
+    }
+    sort_crossings(crossings, made);
+    float through = list->through;
+    int32_t own = list->own;
+    for (size_t i = 0; i < made; i++) {
+        const iso_fragment fragment = make_fragment(l->set, &crossings[i], to_eye, l->lists->middle);
+        const iso_packed_fragment packed = iso_fragment_pack(&fragment);
+        through *= 1 - iso_packed_opacity(&packed);
+        if (through < ISO_LAYER_CUT || ++own == l->set->pass.most_layers)
+            return crossings[i].piece->t[crossings[i].end];
+    }
+    return INFINITY;
+}
+
+/* Whether pieces that are not listed yet can merge with others, so that there may be fewer crossings than the
+ * listed ones have. */
+static bool merges(const set *s) {
+    return s->shapes && iso_shapes_are_lines(s->shapes);
+}
+
+/* Sets the limits of samples by the pieces that are listed, so that no more are listed behind; false without
+ * memory. */
+static bool set_limits(const listing *l) {
+    worker *w = l->worker;
+    const iso_shapes_pieces *pieces = &w->pieces;
+    const iso_shapes_rect *r = &pieces->rect;
+    const size_t width = (size_t)(r->x1 - r->x0 + 1), samples = width * (size_t)(r->y1 - r->y0 + 1);
+    if (!has_room(&w->crossings, 2 * pieces->count * sizeof(crossing))) return false;
+    float *limit = pieces->limit.data;
+    const uint32_t *ends = w->ends.data;
+    iso_shapes_piece **by_sample = w->sorted.data;
+    collect(pieces, INFINITY, samples, w->ends.data, by_sample);
+    uint32_t begin = 0;
+    for (size_t i = 0; i < samples; begin = ends[i++]) {
+        const int x = r->x0 + (int)(i % width), y = r->y0 + (int)(i / width);
+        const double depth = depth_of_cut(l, by_sample + begin, ends[i] - begin, x, y),
+                     behind = depth + 1e-6 * fabs(depth);
+        if (behind < (double)limit[i]) limit[i] = (float)behind;
+    }
+    iso_shapes_pieces_tidy(&w->pieces);
     return true;
 }
 
 /* ---- rectangles and bands */
 
-static iso_status list_pieces(const listing *l, const iso_shapes_rect *r) {
+static void count_samples(const listing *l, const iso_shapes_rect *r) {
+    for (int y = r->y0; y <= r->y1; y++)
+        for (int x = r->x0; x <= r->x1; x++) {
+            const int32_t own = list_at(l, x, y)->own;
+            l->listed->samples += own > 0;
+            l->listed->layers += (size_t)own;
+        }
+}
+
+/* Removes what has been added of a rectangle. */
+static void restart(const listing *l, const iso_shapes_rect *r) {
+    for (int y = r->y0; y <= r->y1; y++)
+        for (int x = r->x0; x <= r->x1; x++)
+            if (list_at(l, x, y)->own)
+                iso_layer_lists_restart(l->lists, x, y - l->lister->strip.view->above - l->rows.first);
+}
+
+/* A depth in front of all that is in the block and in those behind it. */
+static double front_of(const iso_shapes_seen *seen) {
+    const double nearest = (double)seen->nearest;
+    return nearest - 1e-6 * fabs(nearest);
+}
+
+/* Adds the fragments of the blocks in the bin of the prepared rectangle, front to back: whenever there are
+ * twice as many pieces as could not be used the last time. False without memory; pieces.full: for another
+ * reason. */
+static bool add_blocks(const listing *l) {
+    const iso_shapes_frame *frame = &l->set->frame;
+    iso_shapes_pieces *pieces = &l->worker->pieces;
+    const iso_shapes_rect *r = &pieces->rect;
+    const size_t samples = (size_t)(r->x1 - r->x0 + 1) * (size_t)(r->y1 - r->y0 + 1);
+    const size_t bin = (size_t)((r->y0 - frame->top) / ISO_SHAPES_BIN) * (size_t)frame->columns +
+                       (size_t)(r->x0 / ISO_SHAPES_BIN);
+    size_t enough = samples * USUAL_PIECES;
+    for (size_t i = bin ? frame->bin_end[bin - 1] : 0; i < frame->bin_end[bin]; i++) {
+        const iso_shapes_seen *seen = &frame->seen[frame->bin_blocks[i]];
+        if (pieces->count >= enough) {
+            if (!add_samples(l, front_of(seen))) return false;
+            if (pieces->count > samples * MANY_PIECES && !merges(l->set) && !set_limits(l)) return false;
+            if (2 * pieces->count > enough) enough = 2 * pieces->count;
+        }
+        if (iso_shapes_pieces_list(pieces, frame, seen) != ISO_OK) return false;
+        if (pieces->full) return true;
+    }
+    return add_samples(l, INFINITY);
+}
+
+static bool add_mesh(const listing *l) {
     iso_shapes_pieces *pieces = &l->worker->pieces;
     const int top = l->lister->strip.view->above;
-    const size_t pitch = (size_t)l->lists->width;
-    const float *limit = l->lists->limit;
-    if (limit) limit += (size_t)(r->y0 - top - l->rows.first) * pitch + (size_t)r->x0;
-    if (l->set->shapes) return iso_shapes_pieces_list(pieces, &l->set->frame, r, limit, pitch);
-    return iso_shapes_pieces_list_mesh(pieces, l->set->mesh, l->number, top, r, limit, pitch);
+    if (iso_shapes_pieces_list_mesh(pieces, l->set->mesh, l->number, top) != ISO_OK) return false;
+    return pieces->full || add_samples(l, INFINITY);
 }
 
 /* Lists a rectangle, in two halves if it has too many pieces; false without memory. */
 static bool list_rect(const listing *l, iso_shapes_rect r) {
     iso_shapes_pieces *pieces = &l->worker->pieces;
     const int width = r.x1 - r.x0 + 1, height = r.y1 - r.y0 + 1;
+    const int row = r.y0 - l->lister->strip.view->above - l->rows.first;
+    const size_t pitch = (size_t)l->lists->width;
+    const float *limit = l->lists->limit;
+    if (limit) limit += (size_t)row * pitch + (size_t)r.x0;
     pieces->most = width * height > 1 ? ISO_SHAPES_PIECES_BYTES / sizeof(iso_shapes_piece) : 0;
-    if (list_pieces(l, &r) != ISO_OK) return false;
-    if (!pieces->full) return add_samples(l);
+    const iso_shapes_frame *frame = l->set->shapes ? &l->set->frame : NULL;
+    if (iso_shapes_pieces_begin(pieces, frame, &r, limit, pitch) != ISO_OK) return false;
+    if (!(frame ? add_blocks(l) : add_mesh(l))) return false;
+    if (!pieces->full) {
+        count_samples(l, &r);
+        return true;
+    }
     if (width * height == 1) return false;
+    restart(l, &r);
     iso_shapes_rect first = r, second = r;
     if (width >= height)
         first.x1 = (second.x0 = r.x0 + width / 2) - 1;
@@ -208,17 +393,21 @@ static bool list_rect(const listing *l, iso_shapes_rect r) {
     return list_rect(l, first) && list_rect(l, second);
 }
 
-/* Bin by bin: each has a list of its blocks. */
+/* Bin by bin, each of which has a list of its blocks, and in each by rectangles whose pieces stay in the
+ * cache. */
 static bool list_shapes(const listing *l) {
     const iso_shapes_frame *frame = &l->set->frame;
     for (int row = l->rows.first / ISO_SHAPES_BIN; row <= l->rows.last / ISO_SHAPES_BIN; row++)
         for (int column = 0; column < frame->columns; column++) {
             iso_shapes_rect r =
                 iso_shapes_bin_rect(frame, (size_t)row * (size_t)frame->columns + (size_t)column);
-            const int first = l->rows.first + frame->top, last = l->rows.last + frame->top;
+            const int first = l->rows.first + frame->top, last = l->rows.last + frame->top, end = r.x1;
             if (r.y0 < first) r.y0 = first;
             if (r.y1 > last) r.y1 = last;
-            if (!list_rect(l, r)) return false;
+            for (; r.x0 <= end; r.x0 += RECT_WIDTH) {
+                r.x1 = r.x0 + RECT_WIDTH - 1 < end ? r.x0 + RECT_WIDTH - 1 : end;
+                if (!list_rect(l, r)) return false;
+            }
         }
     return true;
 }
@@ -310,6 +499,7 @@ void iso_shapes_lister_destroy(iso_shapes_lister *lister) {
                 add_counts(lister->sets[k].input->drawn, &w->counted[k]);
         iso_shapes_pieces_free(&w->pieces);
         iso_buffer_free(&w->sorted);
+        iso_buffer_free(&w->ends);
         iso_buffer_free(&w->crossings);
         iso_free(w->listed);
     }

@@ -22,20 +22,18 @@ ray iso_near_ray_of(const iso_shapes_frame *frame, int x, int y) {
 
 /* ---- intersections */
 
-/* Extends the piece of the ray so that it includes an intersection at t. The normal there points away from
- * `centre`. */
-static void extend(piece *p, const ray *r, double t, const double centre[3], double radius, double along) {
+/* Extends the piece to an intersection with a surface at t. along: of the side, mm. */
+static void extend(piece *p, double t, iso_near_surface surface, double along) {
     for (int end = 0; end < 2; end++) {
         if (end ? !(t > p->t[1]) : !(t < p->t[0])) continue;
         p->t[end] = t;
+        p->surface[end] = surface;
         p->along[end] = along;
-        for (int a = 0; a < 3; a++)
-            p->normal[end][a] = (r->origin[a] + t * r->direction[a] - centre[a]) / radius;
     }
 }
 
-static void meet_sphere(const ray *r, const double centre[3], double radius, double along, piece *p) {
-    const double dd = dot(r->direction, r->direction);
+static void meet_sphere(const ray *r, const iso_near_shape *s, int last, piece *p) {
+    const double dd = dot(r->direction, r->direction), *centre = s->end[last], radius = s->radius[last];
     const double to[3] = {centre[0] - r->origin[0], centre[1] - r->origin[1], centre[2] - r->origin[2]};
     const double middle = dot(to, r->direction) / dd;
     /* From the centre to the nearest point of the ray. Its square is computed from this short vector: as a
@@ -45,25 +43,14 @@ static void meet_sphere(const ray *r, const double centre[3], double radius, dou
     const double rest = radius * radius - dot(off, off);
     if (!(radius > 0 && rest >= 0)) return;
     const double half = sqrt(rest / dd);
-    extend(p, r, middle - half, centre, radius, along);
-    extend(p, r, middle + half, centre, radius, along);
+    extend(p, middle - half, last ? ISO_NEAR_LAST : ISO_NEAR_FIRST, last);
+    extend(p, middle + half, last ? ISO_NEAR_LAST : ISO_NEAR_FIRST, last);
 }
 
-/* Sets the axis of a tube: a unit vector, its length, and the difference of the radii divided by the length.
- * Returns false if one of the two spheres contains the other. */
-static bool axis_of(const iso_near_shape *s, double axis[3], double *length, double *sine) {
-    for (int a = 0; a < 3; a++) axis[a] = s->end[1][a] - s->end[0][a];
-    const double taper = s->radius[1] - s->radius[0];
-    *length = sqrt(dot(axis, axis));
-    if (!(*length > fabs(taper))) return false;
-    for (int a = 0; a < 3; a++) axis[a] /= *length;
-    *sine = taper / *length;
-    return true;
-}
-
-/* The part of the cone that touches both spheres, between the circles where it does. */
-static void meet_cone(const ray *r, const iso_near_shape *s, const double axis[3], double length, double sine,
-                      piece *p) {
+/* The part of the cone that touches both spheres, between the circles where it does. Returns how often it is
+ * met, or -1 when the ray misses the whole cone, which holds both spheres. */
+static int meet_side(const ray *r, const iso_near_shape *s, piece *p) {
+    const double *axis = s->axis, sine = s->sine;
     const double g = (1 - sine) * (1 + sine), dd = dot(r->direction, r->direction);
     const double to[3] = {s->end[0][0] - r->origin[0], s->end[0][1] - r->origin[1],
                           s->end[0][2] - r->origin[2]};
@@ -77,40 +64,61 @@ static void meet_cone(const ray *r, const iso_near_shape *s, const double axis[3
     const double a = g * (dd - da * da) - widening * widening,
                  b = g * (dot(o, r->direction) - oa * da) - radius * widening,
                  c = g * (dot(o, o) - oa * oa) - radius * radius, discriminant = b * b - a * c;
-    if (!(discriminant >= 0)) return;
+    if (!(discriminant >= 0)) return -1;
     const double q = -(b + copysign(sqrt(discriminant), b)), roots[2] = {q / a, c / q};
+    int met = 0;
     for (int i = 0; i < 2; i++) {
         const double along = (oa + roots[i] * da + s->radius[0] * sine) / g;
-        if (!(along >= 0 && along <= length)) continue;
-        double centre[3];
-        for (int k = 0; k < 3; k++) centre[k] = s->end[0][k] + along * axis[k];
-        extend(p, r, shift + roots[i], centre, s->radius[0] + sine * along, along / length);
+        if (!(along >= 0 && along <= s->length)) continue;
+        extend(p, shift + roots[i], ISO_NEAR_SIDE, along);
+        met++;
     }
+    return met;
 }
 
 /* Cuts the piece at the plane through one end of the tube (`last`: the second). Returns false if nothing is
  * left. */
-static bool cut(const ray *r, const iso_near_shape *s, const double axis[3], int last, piece *p) {
-    const double outward = (last ? 1 : -1) * dot(r->direction, axis);
+static bool cut(const ray *r, const iso_near_shape *s, int last, piece *p) {
+    const double outward = (last ? 1 : -1) * dot(r->direction, s->axis);
     double from[3];
     for (int a = 0; a < 3; a++) from[a] = s->end[last][a] - r->origin[a];
-    const double t = dot(from, axis) / dot(r->direction, axis);
+    const double t = dot(from, s->axis) / dot(r->direction, s->axis);
     const int end = outward > 0; /* the ray leaves or enters through the plane */
     if (end ? !(t < p->t[1]) : !(t > p->t[0])) return true;
     p->t[end] = t;
     p->along[end] = last;
-    for (int a = 0; a < 3; a++) p->normal[end][a] = last ? axis[a] : -axis[a];
+    p->surface[end] = last ? ISO_NEAR_LAST_CUT : ISO_NEAR_FIRST_CUT;
     return p->t[0] <= p->t[1];
 }
 
 static bool meet_tube(const ray *r, const iso_near_shape *s, piece *p) {
-    double axis[3], length, sine;
-    for (int end = 0; end < 2; end++) meet_sphere(r, s->end[end], s->radius[end], end, p);
-    if (!axis_of(s, axis, &length, &sine)) return p->t[0] <= p->t[1];
-    meet_cone(r, s, axis, length, sine, p);
-    if (s->flags & ISO_TUBE_CUT_FIRST && !cut(r, s, axis, 0, p)) return false;
-    if (s->flags & ISO_TUBE_CUT_LAST && !cut(r, s, axis, 1, p)) return false;
+    const int met = s->holds ? 0 : meet_side(r, s, p);
+    if (met < 0) return false;
+    for (int end = 0; end < 2 && met < 2; end++) meet_sphere(r, s, end, p);
+    if (s->holds) return p->t[0] <= p->t[1];
+    if (s->flags & ISO_TUBE_CUT_FIRST && !cut(r, s, 0, p)) return false;
+    if (s->flags & ISO_TUBE_CUT_LAST && !cut(r, s, 1, p)) return false;
     return p->t[0] <= p->t[1];
+}
+
+void iso_near_finish(const iso_near_shape *s, const ray *r, piece *p, int end) {
+    const iso_near_surface surface = p->surface[end];
+    const bool first = surface == ISO_NEAR_FIRST || surface == ISO_NEAR_FIRST_CUT;
+    double centre[3], radius = s->radius[!first];
+    for (int a = 0; a < 3; a++) centre[a] = s->end[!first][a];
+    if (surface == ISO_NEAR_FINISHED) return;
+    p->surface[end] = ISO_NEAR_FINISHED;
+    if (surface == ISO_NEAR_FIRST_CUT || surface == ISO_NEAR_LAST_CUT) {
+        for (int a = 0; a < 3; a++) p->normal[end][a] = first ? -s->axis[a] : s->axis[a];
+        return;
+    }
+    if (surface == ISO_NEAR_SIDE) {
+        for (int a = 0; a < 3; a++) centre[a] = s->end[0][a] + p->along[end] * s->axis[a];
+        radius = s->radius[0] + s->sine * p->along[end];
+        p->along[end] /= s->length;
+    }
+    for (int a = 0; a < 3; a++)
+        p->normal[end][a] = (r->origin[a] + p->t[end] * r->direction[a] - centre[a]) / radius;
 }
 
 /* ---- ribbons: see ribbon.inc for the quadratic */
@@ -145,6 +153,7 @@ static void extend_ribbon(piece *p, const ray *r, const iso_near_shape *shape, d
         if (end ? !(depth > p->t[1]) : !(depth < p->t[0])) continue;
         p->t[end] = depth;
         p->along[end] = s;
+        p->surface[end] = ISO_NEAR_FINISHED;
         for (int a = 0; a < 3; a++) p->normal[end][a] = sign * normal[a] / size;
     }
 }
@@ -218,7 +227,7 @@ static void meet_quadric(const ray *r, double round, double radius, double slant
 }
 
 static piece whole_ray(void) {
-    return (piece){.t = {-INFINITY, INFINITY}};
+    return (piece){.t = {-INFINITY, INFINITY}, .surface = {ISO_NEAR_FINISHED, ISO_NEAR_FINISHED}};
 }
 
 static piece meet_cone_from(const ray *r, double base) {
@@ -303,7 +312,7 @@ int iso_near_pieces(const iso_shapes_frame *frame, const iso_near_shape *shape, 
     if (shape->kind == ISO_SHAPE_SOLID) return meet_solid(frame->shapes->glyph, shape, r, pieces);
     p->t[0] = INFINITY;
     p->t[1] = -INFINITY;
-    if (shape->kind == ISO_SHAPE_SPHERE) meet_sphere(r, shape->end[0], shape->radius[0], 0, p);
+    if (shape->kind == ISO_SHAPE_SPHERE) meet_sphere(r, shape, 0, p);
     if (shape->kind == ISO_SHAPE_RIBBON) meet_ribbon(r, shape, p);
     if (shape->kind == ISO_SHAPE_TUBE && !meet_tube(r, shape, p)) return 0;
     return p->t[0] <= p->t[1];
@@ -331,41 +340,72 @@ bool iso_near_fits(const iso_shapes_frame *frame, double front, double reach) {
     return front > reach * 1e-3 && reach * frame->focal < ISO_SHAPES_LARGE * front;
 }
 
+double iso_near_nearest(const iso_shapes_frame *frame, double front) {
+    const double depth = front > frame->near ? front : frame->near;
+    return depth - 1e-6 * fabs(depth);
+}
+
 iso_near_shape iso_near_sphere(const iso_shapes_frame *frame, const double centre[3], double radius,
                                uint32_t id) {
-    const double front = centre[2] - radius;
-    iso_near_shape shape = {.radius = {radius, radius},
-                            .nearest = (front > frame->near ? front : frame->near) * (1 - 1e-6),
-                            .id = id};
+    iso_near_shape shape = {
+        .radius = {radius, radius}, .nearest = iso_near_nearest(frame, centre[2] - radius), .id = id};
     for (int a = 0; a < 3; a++) shape.end[0][a] = shape.end[1][a] = centre[a];
     return shape;
 }
 
 /* Sets the vector across a ribbon at a vertex, in view space. */
 static void turn_across(const iso_shapes_frame *frame, uint32_t vertex, double out[3]) {
-    const float *v = frame->shapes->across[vertex];
+    float v[3];
+    iso_shapes_across(frame->shapes, vertex, v);
     const double *m = frame->rotation;
     for (int a = 0; a < 3; a++)
         out[a] = m[3 * a] * (double)v[0] + m[3 * a + 1] * (double)v[1] + m[3 * a + 2] * (double)v[2];
 }
 
-iso_near_shape iso_near_segment(const iso_shapes_frame *frame, uint32_t id, int flags) {
-    iso_near_shape shape = {.id = id, .flags = flags, .kind = frame->shapes->kind};
-    double front = INFINITY;
-    for (int end = 0; end < 2; end++) {
-        const float *v = frame->shapes->vertices[id + (uint32_t)end];
-        const double position[3] = {(double)v[0], (double)v[1], (double)v[2]};
-        iso_shapes_to_view(frame, position, shape.end[end]);
-        const double z = shape.end[end][2] > frame->near ? shape.end[end][2] : frame->near,
-                     least = z * frame->least_slope + frame->least_fixed, radius = (double)v[3];
-        shape.radius[end] = radius < least ? least : radius;
-        if (radius < least) shape.flags |= ISO_TUBE_WIDENED;
-        if (shape.kind == ISO_SHAPE_RIBBON) turn_across(frame, id + (uint32_t)end, shape.across[end]);
-        const double near = shape.end[end][2] - shape.radius[end];
-        front = near < front ? near : front;
+iso_near_vertex iso_near_vertex_of(const iso_shapes_frame *frame, uint32_t vertex) {
+    const float *v = frame->shapes->vertices[vertex];
+    const double position[3] = {(double)v[0], (double)v[1], (double)v[2]};
+    iso_near_vertex made;
+    iso_shapes_to_view(frame, position, made.position);
+    const double z = made.position[2] > frame->near ? made.position[2] : frame->near,
+                 least = z * frame->least_slope + frame->least_fixed, radius = (double)v[3];
+    made.widened = radius < least;
+    made.radius = made.widened ? least : radius;
+    return made;
+}
+
+/* Sets the axis of a rounded cone. */
+static void set_axis(iso_near_shape *s) {
+    for (int a = 0; a < 3; a++) s->axis[a] = s->end[1][a] - s->end[0][a];
+    const double taper = s->radius[1] - s->radius[0];
+    s->length = sqrt(dot(s->axis, s->axis));
+    s->holds = !(s->length > fabs(taper));
+    if (s->holds) return;
+    for (int a = 0; a < 3; a++) s->axis[a] /= s->length;
+    s->sine = taper / s->length;
+}
+
+iso_near_shape iso_near_between(const iso_shapes_frame *frame, const iso_near_vertex *a,
+                                const iso_near_vertex *b, uint32_t id, int flags) {
+    const double front = fmin(a->position[2] - a->radius, b->position[2] - b->radius);
+    iso_near_shape shape = {.radius = {a->radius, b->radius},
+                            .nearest = iso_near_nearest(frame, front),
+                            .id = id,
+                            .flags = flags | (a->widened || b->widened ? ISO_TUBE_WIDENED : 0),
+                            .kind = frame->shapes->kind};
+    for (int k = 0; k < 3; k++) {
+        shape.end[0][k] = a->position[k];
+        shape.end[1][k] = b->position[k];
     }
-    shape.nearest = (front > frame->near ? front : frame->near) * (1 - 1e-6);
+    if (shape.kind == ISO_SHAPE_TUBE) set_axis(&shape);
+    for (int end = 0; end < 2 && shape.kind == ISO_SHAPE_RIBBON; end++)
+        turn_across(frame, id + (uint32_t)end, shape.across[end]);
     return shape;
+}
+
+iso_near_shape iso_near_segment(const iso_shapes_frame *frame, uint32_t id, int flags) {
+    const iso_near_vertex a = iso_near_vertex_of(frame, id), b = iso_near_vertex_of(frame, id + 1);
+    return iso_near_between(frame, &a, &b, id, flags);
 }
 
 /* ---- drawing */
@@ -426,6 +466,7 @@ static void write_sample(iso_shapes_bin *bin, const iso_near_shape *shape, int x
     piece p;
     int end;
     if (!meet(bin->frame, shape, &r, &p, &end)) return;
+    iso_near_finish(shape, &r, &p, end);
     for (int a = 0; a < 3; a++) g->normal[a][sample] = (float)p.normal[end][a];
     g->depth[sample] = (float)p.t[end];
     g->surface[sample] = target->surface;

@@ -33,31 +33,51 @@ static void fill_block(iso_shapes *shapes, const iso_glyphs *glyphs, iso_shapes_
     const uint32_t end = block->first + block->count;
     iso_box box = iso_box_empty();
     for (uint32_t i = block->first; i < end; i++) {
-        const float *p = glyphs->positions[shapes->id[i]];
-        const float reach = (float)(iso_solid_reach(shapes, shapes->id[i]) * (1 + 1e-6));
+        const uint32_t id = iso_shapes_id(shapes, i);
+        const float *p = glyphs->positions[id];
+        const float reach = (float)(iso_solid_reach(shapes, id) * (1 + 1e-6));
         iso_box_add(&box, iso_vec3_make((double)p[0], (double)p[1], (double)p[2]));
         if (reach > block->reach) block->reach = reach;
     }
     iso_shapes_set_box(shapes, block, &box);
     for (uint32_t i = block->first; i < end; i++) {
-        const float *p = glyphs->positions[shapes->id[i]];
+        const float *p = glyphs->positions[iso_shapes_id(shapes, i)];
         shapes->x[i] = p[0] - block->origin[0];
         shapes->y[i] = p[1] - block->origin[1];
         shapes->z[i] = p[2] - block->origin[2];
     }
 }
 
-static iso_status store(iso_shapes *shapes, const iso_glyphs *glyphs, const iso_shapes_sort *sort,
-                        iso_error *error) {
-    const size_t stride = shapes->count + SLACK;
-    ISO_TRY(iso_shapes_make_blocks(shapes, sort, (uint32_t)shapes->count, error));
-    shapes->x = iso_alloc_zero(stride, 4 * sizeof *shapes->x);
+/* Makes room for positions and numbers. wide: numbers have more than 24 bits. */
+static iso_status reserve(iso_shapes *shapes, bool wide, iso_error *error) {
+    const size_t stride = shapes->count + SLACK,
+                 bytes = 3 * sizeof *shapes->x + sizeof *shapes->id_low + (wide ? 2 : 1);
+    shapes->x = iso_alloc_zero(stride, bytes);
     if (!shapes->x) return iso_fail_memory(error, "shapes");
     shapes->y = shapes->x + stride;
     shapes->z = shapes->y + stride;
-    shapes->id = (uint32_t *)(shapes->z + stride);
-    shapes->bytes += 4 * stride * sizeof *shapes->x;
-    memcpy(shapes->id, sort->order, shapes->count * sizeof *shapes->id);
+    shapes->id_low = (uint16_t *)(shapes->z + stride);
+    if (wide)
+        shapes->id_high_wide = shapes->id_low + stride;
+    else
+        shapes->id_high = (uint8_t *)(shapes->id_low + stride);
+    shapes->bytes += stride * bytes;
+    return ISO_OK;
+}
+
+static void set_id(iso_shapes *shapes, size_t place, uint32_t id) {
+    shapes->id_low[place] = (uint16_t)id;
+    if (shapes->id_high)
+        shapes->id_high[place] = (uint8_t)(id >> 16);
+    else
+        shapes->id_high_wide[place] = (uint16_t)(id >> 16);
+}
+
+static iso_status store(iso_shapes *shapes, const iso_glyphs *glyphs, const iso_shapes_sort *sort,
+                        iso_error *error) {
+    ISO_TRY(iso_shapes_make_blocks(shapes, sort, (uint32_t)shapes->count, error));
+    ISO_TRY(reserve(shapes, glyphs->count > (size_t)1 << 24, error));
+    for (size_t i = 0; i < shapes->count; i++) set_id(shapes, i, sort->order[i]);
     for (size_t i = 0; i < shapes->block_count; i++) fill_block(shapes, glyphs, &shapes->blocks[i]);
     return ISO_OK;
 }

@@ -26,32 +26,48 @@ static iso_status copy_vertices(iso_shapes *shapes, const iso_lines *lines, iso_
     return ISO_OK;
 }
 
+/* Stores a vector of any length for iso_shapes_across; none if it is too short or not finite. */
+static void store_across(const double vector[3], uint16_t words[3]) {
+    const double length = sqrt(vector[0] * vector[0] + vector[1] * vector[1] + vector[2] * vector[2]);
+    uint64_t bits = ISO_ACROSS_NONE;
+    if (length > 1e-6 && isfinite(length)) {
+        int largest = fabs(vector[1]) > fabs(vector[0]);
+        if (fabs(vector[2]) > fabs(vector[largest])) largest = 2;
+        bits = (uint64_t)largest | (vector[largest] < 0 ? 4 : 0);
+        for (int i = 0; i < 2; i++) { /* at most the root of 1/2: they fit */
+            const double value = vector[(largest + 1 + i) % 3] / length;
+            const uint64_t steps = (uint64_t)floor((value + 1) * (1 << (ISO_ACROSS_BITS - 1)) + 0.5);
+            bits |= steps << (3 + i * ISO_ACROSS_BITS);
+        }
+    }
+    for (int i = 0; i < 3; i++) words[i] = (uint16_t)(bits >> 16 * i);
+}
+
 /* The directions across ribbons: perpendicular to the line and to its normals. */
 static iso_status make_across(iso_shapes *shapes, const iso_lines *lines, iso_error *error) {
     if (shapes->kind != ISO_SHAPE_RIBBON) return ISO_OK;
     const size_t count = lines->vertex_count;
     shapes->across = iso_alloc((count + 1) * sizeof *shapes->across);
-    if (!shapes->across) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for %zu vertices", count);
-    iso_lines_tangents(lines, shapes->across[0], 3);
-    for (size_t i = 0; i < count; i++) {
-        const float *t = shapes->across[i], *n = lines->normals[i];
+    float(*tangents)[3] = iso_alloc((count + 1) * sizeof *tangents);
+    const bool has_room = shapes->across && tangents;
+    if (has_room) iso_lines_tangents(lines, tangents[0], 3);
+    for (size_t i = 0; i < count && has_room; i++) {
+        const float *t = tangents[i], *n = lines->normals[i];
         const double across[3] = {(double)t[1] * (double)n[2] - (double)t[2] * (double)n[1],
                                   (double)t[2] * (double)n[0] - (double)t[0] * (double)n[2],
                                   (double)t[0] * (double)n[1] - (double)t[1] * (double)n[0]};
-        const double length = sqrt(across[0] * across[0] + across[1] * across[1] + across[2] * across[2]),
-                     scale = length > 1e-6 && isfinite(length) ? 1 / length : 0;
-        for (int a = 0; a < 3; a++) shapes->across[i][a] = scale > 0 ? (float)(across[a] * scale) : 0;
+        store_across(across, shapes->across[i]);
     }
+    iso_free(tangents);
+    if (!has_room) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for %zu vertices", count);
     shapes->bytes += (count + 1) * sizeof *shapes->across;
     return ISO_OK;
 }
 
 static bool is_vertex(const iso_shapes *shapes, size_t vertex) {
     const float *v = shapes->vertices[vertex];
-    if (shapes->across) {
-        const float *across = shapes->across[vertex];
-        if (across[0] == 0 && across[1] == 0 && across[2] == 0) return false;
-    }
+    float across[3];
+    if (shapes->across && !iso_shapes_across(shapes, vertex, across)) return false;
     return isfinite(v[0]) && isfinite(v[1]) && isfinite(v[2]) && v[3] >= 0 && isfinite(v[3]);
 }
 

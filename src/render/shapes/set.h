@@ -2,6 +2,8 @@
 #ifndef ISO_RENDER_SHAPES_SET_H
 #define ISO_RENDER_SHAPES_SET_H
 
+#include <math.h>
+
 #include "render/shapes/shapes.h"
 
 /* Neighbouring shapes that are culled as one. */
@@ -42,13 +44,16 @@ struct iso_shapes {
     iso_shapes_block *blocks;
     size_t block_count, count, skipped, bytes;
     iso_box bounds;
-    /* Glyphs, by place in the order of blocks: positions relative to their block's origin, and the glyph's
-     * number. ISO_LANES_MAX values more can be read. One allocation, which begins with x. */
+    /* Glyphs, by place in the order of blocks: positions relative to their block's origin, and the lower 16
+     * and upper bits of the glyph's number (iso_shapes_id). ISO_LANES_MAX values more can be read. One
+     * allocation, which begins with x. */
     float *x, *y, *z;
-    uint32_t *id;
+    uint16_t *id_low;
+    uint8_t *id_high;       /* of sets with numbers below 2^24; else NULL */
+    uint16_t *id_high_wide; /* of other sets; else NULL */
     /* Lines: x, y, z and radius of each vertex, and the runs in the order of blocks (one allocation). */
     float (*vertices)[4];
-    float (*across)[3]; /* of ribbons: unit vectors from the line to an edge; 0: the vertex has none */
+    uint16_t (*across)[3]; /* of ribbons: vectors from the line to an edge (iso_shapes_across) */
     iso_shapes_runs runs;
     const size_t *line_starts; /* of lines; borrowed: iso_lines.starts */
     size_t line_count;
@@ -68,6 +73,37 @@ enum {
 
 static inline bool iso_shapes_are_lines(const iso_shapes *shapes) {
     return shapes->kind == ISO_SHAPE_TUBE || shapes->kind == ISO_SHAPE_RIBBON;
+}
+
+/* The number of the glyph at a place in the order of blocks. */
+static inline uint32_t iso_shapes_id(const iso_shapes *shapes, size_t place) {
+    const uint32_t high = shapes->id_high ? shapes->id_high[place] : shapes->id_high_wide[place];
+    return high << 16 | shapes->id_low[place];
+}
+
+/* Unit vectors across ribbons are stored in 47 bits: the number of the largest component and whether it is
+ * negative, and the others as multiples of 2^-21. */
+enum {
+    ISO_ACROSS_NONE = 3, /* instead of the largest component: the vertex has no vector */
+    ISO_ACROSS_BITS = 22
+};
+
+/* The unit vector from the line to an edge of the ribbon; false, and 0, where there is none. */
+static inline bool iso_shapes_across(const iso_shapes *shapes, size_t vertex, float across[3]) {
+    const uint16_t *words = shapes->across[vertex];
+    const uint64_t bits = (uint64_t)words[2] << 32 | (uint64_t)words[1] << 16 | words[0];
+    const int largest = (int)(bits & 3);
+    float square = 1;
+    across[0] = across[1] = across[2] = 0;
+    if (largest == ISO_ACROSS_NONE) return false;
+    for (int i = 0; i < 2; i++) {
+        const int32_t steps = (int32_t)(bits >> (3 + i * ISO_ACROSS_BITS) & ((1 << ISO_ACROSS_BITS) - 1));
+        const float value = (float)(steps - (1 << (ISO_ACROSS_BITS - 1))) / (1 << (ISO_ACROSS_BITS - 1));
+        across[(largest + 1 + i) % 3] = value;
+        square -= value * value;
+    }
+    across[largest] = bits & 4 ? -sqrtf(square) : sqrtf(square);
+    return true;
 }
 
 /* The radius of a sphere, mm. */

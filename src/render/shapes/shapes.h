@@ -60,7 +60,8 @@ typedef struct iso_shapes_opts {
 typedef struct iso_shapes iso_shapes;
 
 /* Prepares glyphs. The arrays of `glyphs` but for the positions are borrowed until iso_shapes_destroy. Takes
- * 16 bytes a glyph and 36 a block of some 128 glyphs.
+ * less than 16 bytes a glyph: 15 of its own (16 in sets of more than 2^24 glyphs) and 36 of a block of some
+ * 128 glyphs.
  *
  * Sizes: cones, cylinders and arrows are as long as their direction; their radius (of an arrow: its head's)
  * is the glyph's, or the options', or a third (cones) or a tenth of the length. Discs are perpendicular to
@@ -75,7 +76,7 @@ iso_status iso_shapes_from_glyphs(const iso_glyphs *glyphs, const iso_shapes_opt
                                   iso_error *error);
 /* Prepares lines as tubes or ribbons. The colours of `lines` and, for sets that are drawn translucent
  * (render/shapes/fragments.h), its starts are borrowed until iso_shapes_destroy; vertices are copied. Takes
- * 16 bytes a vertex, 28 of ribbons, and less than one a segment. Segments are left out when a vertex is not
+ * 16 bytes a vertex, 22 of ribbons, and less than two a segment. Segments are left out when a vertex is not
  * finite, a radius is not a finite number of at least 0, both are 0 without a least width, or a ribbon's
  * normal is 0 or along the line. Errors: as for glyphs; ISO_ERR_USAGE when ribbons have no normals
  * (iso_lines_add_normals); ISO_ERR_LIMIT when there are 2^29 vertices or more. */

@@ -302,10 +302,15 @@ static bounds placed_bounds(const iso_shapes_frame *frame, const iso_solid_place
                                                : bounds_of(set->glyph, p->centre, axis, frame->parallel);
 }
 
+/* A depth that no sample is nearer than, rounding included. */
+static double nearest_of(const bounds *b, double reach) {
+    return b->front - 1e-5 * reach - 1e-6 * fabs(b->front);
+}
+
 void iso_solid_add(iso_shapes_bin *bin, const iso_shapes_block *block, uint32_t index) {
     const iso_shapes_frame *frame = bin->frame;
     const iso_shapes *set = frame->shapes;
-    const uint32_t id = set->id[index];
+    const uint32_t id = iso_shapes_id(set, index);
     double position[3], view[3];
     iso_solid_map m;
     position_of(set, block, index, position);
@@ -320,7 +325,7 @@ void iso_solid_add(iso_shapes_bin *bin, const iso_shapes_block *block, uint32_t 
         return;
     }
     const bounds b = placed_bounds(frame, &p);
-    const float nearest = (float)(b.front - 1e-5 * reach - 1e-6 * fabs(b.front));
+    const float nearest = (float)nearest_of(&b, reach);
     iso_shapes_rect r;
     if (clip(frame, &bin->rect, &b, &r) && !bin->kernel->hidden(bin, &r, nearest))
         add_to_chunk(bin, &p, &r, nearest, id);
@@ -336,29 +341,16 @@ bool iso_solid_place(const iso_shapes_frame *frame, const iso_shapes_block *bloc
     iso_solid_map m;
     position_of(set, block, index, position);
     iso_shapes_to_view(frame, position, view);
-    if (!iso_solid_map_of(set, set->id[index], &m)) return false;
+    if (!iso_solid_map_of(set, iso_shapes_id(set, index), &m)) return false;
     const double reach = iso_solid_extent(set->glyph, &m);
     if (view[2] + reach < frame->near) return false;
     const iso_solid_placed p = iso_solid_in_view(frame, &m, position);
     const bool small = iso_solid_fits(frame, &p, view[2], reach);
-    *shape = iso_solid_near(frame, &p, set->id[index]);
+    *shape = iso_solid_near(frame, &p, iso_shapes_id(set, index));
     *billboard = small && set->billboards && !frame->parallel;
     *rect = *limit;
     if (!small) return true;
     const bounds b = placed_bounds(frame, &p);
-    return clip(frame, limit, &b, rect);
-}
-
-bool iso_solid_place_hull(const iso_shapes_frame *frame, const iso_near_shape *shape,
-                          const iso_shapes_rect *limit, iso_shapes_rect *rect) {
-    bounds b = {{INFINITY, INFINITY}, {-INFINITY, -INFINITY}, INFINITY};
-    const double reach = fmax(shape->radius[0], shape->radius[1]), *ends[2] = {shape->end[0], shape->end[1]};
-    if (fmax(ends[0][2], ends[1][2]) + reach < frame->near) return false;
-    *rect = *limit;
-    if (!iso_near_fits(frame, fmin(ends[0][2], ends[1][2]) - reach, reach)) return true;
-    for (int end = 0; end < 2; end++) {
-        const double r = shape->radius[end], axes[3][3] = {{r, 0, 0}, {0, r, 0}, {0, 0, r}};
-        add_ellipsoid(&b, ends[end], axes, 3, frame->parallel);
-    }
+    shape->nearest = fmax(shape->nearest, nearest_of(&b, reach));
     return clip(frame, limit, &b, rect);
 }

@@ -62,8 +62,5 @@ void iso_solid_add(iso_shapes_bin *bin, const iso_shapes_block *block, uint32_t 
 bool iso_solid_place(const iso_shapes_frame *frame, const iso_shapes_block *block, uint32_t place,
                      const iso_shapes_rect *limit, iso_near_shape *shape, iso_shapes_rect *rect,
                      bool *billboard);
-/* The same of what lies in the convex hull of two spheres, the ends of the shape. */
-bool iso_solid_place_hull(const iso_shapes_frame *frame, const iso_near_shape *shape,
-                          const iso_shapes_rect *limit, iso_shapes_rect *rect);
 
 #endif

@@ -189,6 +189,25 @@ static void test_normals(void **state) {
     for (int i = 0; i <= 200; i++) near((double)normals[i][2], (double)normals[0][2], 1e-4);
 }
 
+/* A set takes at most 24 bytes a segment. */
+static void test_memory(void **state) {
+    (void)state;
+    test_lines_start(&scene, 0, 0, 0);
+    for (int i = 0; i < 3000; i++) test_lines_add(&scene, i % 70, i / 70, 0, 1);
+    test_lines_end(&scene);
+    for (int i = 0; i < 3000; i++)
+        for (int a = 0; a < 3; a++) normals[i][a] = a == 2;
+    scene.lines.normals = normals;
+    const iso_shapes_scene drawn = scene_of(0);
+    iso_shapes *shapes = test_shapes_make(&drawn);
+    const iso_shapes_totals totals = iso_shapes_stats(shapes);
+    const size_t fixed = 1024; /* the set itself */
+    assert_int_equal(totals.shapes, 2999);
+    if (totals.bytes > fixed + 24 * totals.shapes)
+        fail_msg("%zu bytes of %zu segments", totals.bytes, totals.shapes);
+    iso_shapes_destroy(shapes);
+}
+
 static void test_bad_ribbons(void **state) {
     (void)state;
     iso_error error = {0};
@@ -213,9 +232,10 @@ static void test_bad_ribbons(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_ribbons),     cmocka_unit_test(test_edges), cmocka_unit_test(test_far_and_near),
-        cmocka_unit_test(test_widths),      cmocka_unit_test(test_sides), cmocka_unit_test(test_normals),
-        cmocka_unit_test(test_bad_ribbons),
+        cmocka_unit_test(test_ribbons),      cmocka_unit_test(test_edges),
+        cmocka_unit_test(test_far_and_near), cmocka_unit_test(test_widths),
+        cmocka_unit_test(test_sides),        cmocka_unit_test(test_normals),
+        cmocka_unit_test(test_bad_ribbons),  cmocka_unit_test(test_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -107,6 +107,55 @@ static void test_near_spheres(void **state) {
     }
 }
 
+/* A sphere so large in the picture that it is traced in double precision, half a thousandth of a millimetre
+ * in front of what the gbuffer shows, at depths below 0. */
+static void test_negative_depths(void **state) {
+    (void)state;
+    enum { SIDE = 40 };
+    const iso_vec3 zero = {0};
+    cloud_start(&scene, zero);
+    add(&scene, 0, 0, -700, 300);
+    const iso_view view = {.rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1},
+                           .focal = 100,
+                           .cx = SIDE / 2,
+                           .cy = SIDE / 2,
+                           .width = SIDE,
+                           .height = SIDE,
+                           .orthographic = true,
+                           .near = -1e300};
+    iso_shapes *shapes = NULL;
+    iso_gbuffer g;
+    iso_error error = {0};
+    test_ok(iso_shapes_from_glyphs(&scene.glyphs, &SPHERES, &shapes, &error), &error);
+    test_ok(iso_gbuffer_create(SIDE, SIDE, &g, &error), &error);
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        g.depth[i] = -999.9995f;
+        g.surface[i] = 0;
+    }
+    const iso_target target = {&view, &g, NULL, 1};
+    test_ok(iso_draw_shapes(&target, shapes, NULL, &error), &error);
+    for (int i = 0; i < SIDE * SIDE; i++) assert_int_equal(g.surface[i], 1);
+    iso_gbuffer_free(&g);
+    iso_shapes_destroy(shapes);
+}
+
+/* A set takes at most 16 bytes a glyph. */
+static void test_memory(void **state) {
+    (void)state;
+    const iso_vec3 zero = {0};
+    cloud_start(&scene, zero);
+    add_random(&scene, 3000, 10, 0.01, 0.1, 2);
+    iso_shapes *shapes = NULL;
+    iso_error error = {0};
+    test_ok(iso_shapes_from_glyphs(&scene.glyphs, &SPHERES, &shapes, &error), &error);
+    const iso_shapes_totals totals = iso_shapes_stats(shapes);
+    const size_t fixed = 1024; /* the set itself, and values that may be read past the end */
+    assert_int_equal(totals.shapes, 3000);
+    if (totals.bytes > fixed + 16 * totals.shapes)
+        fail_msg("%zu bytes of %zu glyphs", totals.bytes, totals.shapes);
+    iso_shapes_destroy(shapes);
+}
+
 static void test_same_bytes(void **state) {
     (void)state;
     const iso_vec3 zero = {0};
@@ -258,10 +307,11 @@ static void test_bounds_along(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_spheres),      cmocka_unit_test(test_far_spheres),
-        cmocka_unit_test(test_near_spheres), cmocka_unit_test(test_same_bytes),
-        cmocka_unit_test(test_layers),       cmocka_unit_test(test_many_large),
-        cmocka_unit_test(test_bad_glyphs),   cmocka_unit_test(test_bounds_along),
+        cmocka_unit_test(test_spheres),         cmocka_unit_test(test_far_spheres),
+        cmocka_unit_test(test_near_spheres),    cmocka_unit_test(test_same_bytes),
+        cmocka_unit_test(test_layers),          cmocka_unit_test(test_many_large),
+        cmocka_unit_test(test_bad_glyphs),      cmocka_unit_test(test_bounds_along),
+        cmocka_unit_test(test_negative_depths), cmocka_unit_test(test_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
