@@ -126,6 +126,8 @@ static void put_surfaces(iso_json *json, const isorender_job *job) {
     if (job->environment) put_glass(json, job->settings);
     bool points = job->loader.has_points || job->surfaces[0].points, mesh = job->surfaces[0].mesh != NULL,
          cells = job->surfaces[0].exact != NULL;
+    cells |= job->chunks && job->cell_count; /* of which none is kept */
+    points |= job->chunks && job->point_count;
     iso_json_begin_object(json, "primitives");
     if (cells) iso_json_integer(json, "cells", job->cell_count);
     if (points) iso_json_integer(json, "points", job->point_count);

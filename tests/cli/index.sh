@@ -40,7 +40,7 @@ for number in range(3):
     else:
         expect(chunks["bytes_read"] <= 1.2 * chunks["bytes_crossed"] and chunks["bytes_read"] < size / 2, chunks)
     first = said if number == 0 else first
-    expect(said["bounds_world"] == first["bounds_world"] and said["primitives"] == first["primitives"])
+    expect(said["bounds_world"] == first["bounds_world"] and said["primitives"] == first["primitives"] and said["primitives"]["cells"] > 100)
 with open("in/a.nrrd.isoindex", "r+b") as file:  # damaged
     middle = os.path.getsize("in/a.nrrd.isoindex") // 2
     file.seek(middle)
