@@ -47,5 +47,5 @@ done
 code=0
 isorender in/ball.mha none.png --isovalue 500 --opacity 0.5 --lines in/axis.swc --backend osmesa 2>said || code=$?
 [ $code -eq 2 ]
-grep -q "draws no translucent surfaces" said
+grep -q "draws translucent surfaces with --method splats only" said
 [ $tried -gt 0 ] || exit 77

@@ -9,7 +9,6 @@ typedef struct iso_gl_splat {
     float x, y, z, normal[3], radius;
     uint32_t paint; /* the group, and the colour in the upper three bytes */
 } iso_gl_splat;
-_Static_assert(sizeof(iso_gl_splat) == 32, "layout of std430");
 
 /* groups NULL: group 0. */
 static inline iso_gl_splat iso_gl_splat_make(const iso_disc *disc, const iso_point_view *points,

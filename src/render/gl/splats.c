@@ -9,6 +9,8 @@
 #include "render/gl/shared.h"
 #include "render/gl/splat.h"
 
+_Static_assert(sizeof(iso_gl_splat) == 32, "layout of std430");
+
 enum { STRIP_ROWS_LEAST = 16 };
 /* Limit of the storage buffers of the slots and the picture; a larger picture is drawn in strips. */
 static const size_t STORAGE_BYTES = (size_t)256 << 20;
