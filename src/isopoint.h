@@ -738,12 +738,10 @@ ISO_API iso_status iso_sculpt_create(const iso_sculpt_opts *opts, iso_sculpt **s
 ISO_API iso_status iso_sculpt_from_volume(iso_volume *volume, double isovalue, const iso_sculpt_opts *opts,
                                           iso_sculpt **sculpt, iso_error *error);
 
-/* Replays a stroke file, as this header and isosculpt write it, and leaves the file unchanged. A session that
- * began with a file (a level set, a volume, a mesh, lines or points) begins with it again: the file is looked
- * for at its path in the stroke file, then under its name beside the stroke file. Of `opts` only undo_memory
- * and threads are used. An incomplete last line, as a crash leaves it, is ignored. ISO_ERR_IO: a file is
- * missing; ISO_ERR_FORMAT: the text names the line that is damaged or exceeds the limits of stroke files, or
- * says that the file that the session began with has changed; otherwise the errors of reading that file. */
+/* Replays a stroke file and leaves it unchanged. The file that the session began with, if any, is looked for
+ * at its path and beside the stroke file. Of `opts` only undo_memory and threads are used. An incomplete last
+ * line, as a crash leaves it, is ignored. ISO_ERR_IO: a file is missing; ISO_ERR_FORMAT: a line is damaged or
+ * exceeds the limits, or the first file has changed (the text says which); else errors of reading it. */
 ISO_API iso_status iso_sculpt_replay(const char *path, const iso_sculpt_opts *opts, iso_sculpt **sculpt,
                                      iso_error *error);
 

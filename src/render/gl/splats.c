@@ -9,12 +9,11 @@
 #include "render/gl/shared.h"
 #include "render/gl/splat.h"
 
-_Static_assert(sizeof(iso_gl_splat) == 32, "layout of std430");
-
 enum { STRIP_ROWS_LEAST = 16 };
 /* Limit of the storage buffers of the slots and the picture; a larger picture is drawn in strips. */
 static const size_t STORAGE_BYTES = (size_t)256 << 20;
 
+_Static_assert(sizeof(iso_gl_splat) == 32, "layout of std430");
 _Static_assert(sizeof(iso_gl_splatting_uniforms) == 80, "layout of std140");
 
 /* The drawing of a picture. */
