@@ -3,7 +3,8 @@
  *
  * ADDING 0: writes the depth of the hit; blending keeps the least, separately of front-facing and of
  * flipped back-facing discs. ADDING 1: writes the weighted values of the disc if the hit is near the
- * front; blending adds them up. */
+ * front; blending adds them up. Filtered discs are added wherever the convolved disc is hit, but have a
+ * front only where they are hit themselves. */
 #ifndef ADDING
 #define ADDING 0
 #endif
@@ -13,7 +14,7 @@ in disc_block { DISC_FIELDS; };
 #if ADDING
 layout(binding = ISO_GL_FRONTS) uniform sampler2D fronts;
 layout(location = 0) out vec4 sums_a; /* weight, normal */
-layout(location = 1) out vec4 sums_b; /* shape operator: xx, xy, xz, yy */
+layout(location = 1) out vec4 sums_b; /* shape operator: xx, xy, xz, yy; or the colour */
 layout(location = 2) out vec4 sums_c; /* yz, zz; squared norm of the shape operator; depth */
 layout(location = 3) out vec4 sums_d; /* offset of the hit from the disc's centre, mm */
 #else
@@ -37,6 +38,7 @@ bool meet(mat3 s, out vec3 q) {
     }
     float c = dot(e, 2.0 * facing.xyz + s * e), square = b * b - a * c;
     if (!(square >= 0.0)) return false;
+    if (soft.w > 0.0) radius += ISO_REFINED_LOW_PASS_DEPTH * pixel;
     float depth = clamp(c / (sqrt(square) - b), -radius, radius);
     q = e + depth * ray;
     return true;
@@ -48,24 +50,37 @@ bool is_inside(vec3 at) {
 }
 
 void main() {
-    mat3 s = shape_operator(entries, rest);
+    mat3 s = colored ? mat3(0.0) : shape_operator(entries, rest);
     vec3 q;
     if (!meet(s, q)) discard;
     vec3 at = q.x * normal_x.xyz + q.y * normal_y.xyz + q.z * normal_z.xyz;
     float inverse = 1.0 / (centre.w * centre.w), far = dot(q, q) * inverse;
-    if (!(far < 1.0) || !is_inside(at)) discard;
+    bool covers = far < 1.0 && is_inside(at);
     if (sizes.z > 0.0) { /* voxels are not cubes: the ball is measured in voxels */
         far = dot(at, at) * (sizes.z * sizes.z * inverse);
-        if (!(far < 1.0)) discard;
+        covers = covers && far < 1.0;
     }
+#if ADDING
+    if (soft.w > 0.0) {
+        vec2 off = gl_FragCoord.xy - centre.xy;
+        far = dot(soft.xyz, vec3(off.x * off.x, off.x * off.y, off.y * off.y));
+        if (!(far < 1.0)) discard;
+    } else if (!covers) {
+        discard;
+    }
+#else
+    if (!covers) discard;
+#endif
     float depth = centre.z + q.z, thickness = ISO_REFINED_THICKNESS * centre.w;
     bool faces = facing.w > 0.0;
 #if ADDING
     vec4 front = texelFetch(fronts, ivec2(gl_FragCoord.xy), 0);
     bool faces_wanted = front.z <= front.y;
-    if (faces != faces_wanted || depth > (faces ? front.x : front.y) + thickness) discard;
+    float before = depth - (faces ? front.x : front.y);
+    if (faces != faces_wanted || before > thickness || !covers && before < -thickness) discard;
     float weight =
         1.0 + far * (ISO_REFINED_GAUSS_1 + far * (ISO_REFINED_GAUSS_2 + far * ISO_REFINED_GAUSS_3));
+    if (soft.w > 0.0) weight *= soft.w;
     sums_a = weight * vec4(1.0, lit);
     sums_b = weight * entries;
     sums_c = weight * vec4(rest.xyz, depth);

@@ -19,6 +19,7 @@ layout(location = ISO_GL_PACKED) in uvec2 bits;
 #endif
 layout(location = ISO_GL_RADIUS) in float own_radius;
 layout(location = ISO_GL_CURVATURE) in ivec4 curvature;
+layout(location = ISO_GL_COLOR) in vec3 color;
 layout(location = ISO_GL_ORIGIN) in vec3 origin;
 layout(location = ISO_GL_PLACE) in vec4 place;
 
@@ -38,6 +39,27 @@ vec2 reach_of(vec3 n, vec2 ray, float radius, float square) {
     float cap = min(sqrt(square) * radius * 0.5, 1.0);
     vec2 disc = sqrt(max(whole - slant * slant / dot(n, n), 0.0));
     return radius * 1.03 * min(disc + abs(slant) * cap, sqrt(whole));
+}
+
+/* The product of two vectors as balls are measured: in voxels where these are not cubes. */
+float measured(vec3 a, vec3 b) {
+    if (sizes.z == 0.0) return dot(a, b);
+    return sizes.z * sizes.z * dot(a.x * normal_x.xyz + a.y * normal_y.xyz + a.z * normal_z.xyz,
+                                   b.x * normal_x.xyz + b.y * normal_y.xyz + b.z * normal_z.xyz);
+}
+
+/* The values `soft` of a flat disc (set_flat_values and convolve in render/refined/disc.inc). */
+vec4 convolved(vec3 n, vec2 ray, float away, float size) {
+    vec2 slope = n.xy / max(abs(away), 1e-6);
+    vec3 u = vec3(1.0 + slope.x * ray.x, slope.x * ray.y, slope.x),
+         v = vec3(slope.y * ray.x, 1.0 + slope.y * ray.y, slope.y);
+    float xx = measured(u, u) * size, xy = 2.0 * measured(u, v) * size, yy = measured(v, v) * size;
+    const float f = ISO_REFINED_LOW_PASS * ISO_REFINED_LOW_PASS;
+    float area = size / max(abs(away), 1e-6), det = area * area;
+    if (sizes.z > 0.0) det = max(xx * yy - 0.25 * xy * xy, det);
+    det *= f;
+    float part = 1.0 / (1.0 + (xx + yy + det) * f);
+    return vec4((xx + det) * part, xy * part, (yy + det) * part, sqrt(part));
 }
 
 /* Moves the disc out of the viewport. */
@@ -60,7 +82,7 @@ void main() {
     float mm = max(own_radius, 0.0);
     float wide = (mm * scale - ISO_REFINED_GROW_FROM) * (1.0 / ISO_REFINED_GROW_OVER);
     float radius = mm * (ISO_REFINED_BALL + clamp(wide, 0.0, 1.0) * ISO_REFINED_BALL_MORE);
-    if (place.w != 0.0) radius *= disc_scale(curvature);
+    if (place.w > 0.0) radius *= disc_scale(curvature);
     centre.zw = vec2(at.z, radius);
 
     vec3 view_normal = to_view(n), ray = ray_to(centre.xy);
@@ -69,7 +91,7 @@ void main() {
     bool hidden = culled && is_back_facing(view_normal, ray);
     lit = view_normal;
     mat3 s = mat3(0.0);
-    if (place.w != 0.0) {
+    if (place.w > 0.0) {
         vec3 u, v;
         make_frame(n, u, v);
         u = to_view(u);
@@ -93,15 +115,20 @@ void main() {
     vec3 index = p * ISO_POINT_STEP + place.xyz;
 #endif
     float turning = ISO_REFINED_TURNING_CURVATURE * sizes.y;
-    if (place.w != 0.0 && square > turning * turning) apply_extents(curvature, index, lowest, highest);
+    if (place.w > 0.0 && square > turning * turning) apply_extents(curvature, index, lowest, highest);
     if (border.w != 0.0) {
         lowest = max(lowest, -index);
         highest = min(highest, border.xyz - index);
     }
     vec2 reach = reach_of(view_normal, ray.xy, radius, square) * scale;
+    soft = vec4(0.0);
+    if (place.w < 0.0) {
+        soft = convolved(view_normal, orthographic ? vec2(0.0) : ray.xy, facing_away, 1.0 / (scale * scale * radius * radius));
+        reach = sqrt(reach * reach + ISO_REFINED_LOW_PASS * ISO_REFINED_LOW_PASS);
+    }
     bool near = !orthographic && radius > at.z * ISO_REFINED_EXACT;
     facing = vec4(view_normal, side);
-    entries = vec4(s[0], s[1].y);
+    entries = colored ? vec4(color, 0.0) : vec4(s[0], s[1].y);
     rest = vec4(s[1].z, s[2].z, square, float(near));
     along = vec4(facing_away * side, view_normal.xy * (orthographic ? 0.0 : 1.0 / at.z) + (s * ray).xy,
                  curve * side);

@@ -23,6 +23,7 @@ void main() {
     if (min(front.x, front.y) >= ISO_GL_NOWHERE) return;
     vec4 a = texelFetch(sums[0], at, 0), b = texelFetch(sums[1], at, 0), c = texelFetch(sums[2], at, 0);
     bool faces = front.z <= front.y;
-    vec3 normal = resolved_normal(a, b, c, texelFetch(sums[3], at, 0).xyz);
-    put_sample(at + tile.zw, c.w / a.x, culled || faces ? normal : -normal);
+    vec3 normal = colored ? a.yzw : resolved_normal(a, b, c, texelFetch(sums[3], at, 0).xyz);
+    if (put_sample(at + tile.zw, c.w / a.x, culled || faces ? normal : -normal) && colored)
+        put_color(at + tile.zw, uvec3(b.xyz / a.x + 0.5));
 }

@@ -515,13 +515,18 @@ typedef enum iso_method {
     ISO_METHOD_POINTS,            /* a flat disc parallel to the picture at each point: shows the points
                                      themselves */
     ISO_METHOD_SPLATS,            /* points as flat discs, blended in one pass (Zhang and Pajarola 2006) */
-    ISO_METHOD_RAYCAST, /* rays through the whole volume: slow, the reference for the other methods */
-    ISO_METHOD_HYBRID   /* points where cells are small in the picture, else triangles (2008) */
+    ISO_METHOD_RAYCAST,     /* rays through the whole volume: slow, the reference for the other methods */
+    ISO_METHOD_HYBRID,      /* points where cells are small in the picture, else triangles (2008) */
+    ISO_METHOD_SPLATS_FLAT, /* points as flat discs with a low-pass filter against aliasing: for points with
+                                  colours, and for points without curvatures the same as PULLPUSH */
+    ISO_METHOD_SPLATS_ONEPASS, /* flat discs without the filter, front to back in one pass (Baerentzen and
+                                  Christensen 2003) */
+    ISO_METHOD_SPLATS_EWA      /* flat discs convolved with the filter (Zwicker et al. 2001) */
 } iso_method;
-enum { ISO_METHODS = 9 };
+enum { ISO_METHODS = 12 };
 
-/* Returns "exact", "mesh", "pullpush", "pullpush-gaussian", "pullpush-box", "points", "splats", "raycast" or
- * "hybrid"; NULL: not a method. */
+/* Returns "exact", "mesh", "pullpush", "pullpush-gaussian", "pullpush-box", "points", "splats", "raycast",
+ * "hybrid", "splats-flat", "splats-onepass" or "splats-ewa"; NULL: not a method. */
 ISO_API const char *iso_method_name(iso_method method);
 
 /* Finds a method by its name. ISO_ERR_USAGE: there is none. */

@@ -15,11 +15,17 @@ static bool has_no_surface(const isorender_settings *settings) {
     return settings->no_input && !settings->volume_options.count;
 }
 
+/* Whether OpenGL has splats with this reconstruction. */
+static bool has_gl_splats(const isorender_settings *settings) {
+    if (settings->reconstruction == ISORENDER_RECONSTRUCTION_GROUPS) return !settings->group_bins;
+    return settings->reconstruction == (int)ISO_RECONSTRUCTION_FLAT && !(settings->lod > 0);
+}
+
 /* Whether OpenGL has the method. Of pictures without one it draws those that ask for it. */
 static bool has_gl(const isorender_settings *settings) {
     if (has_no_surface(settings)) return is_any(settings->backend, "egl", "osmesa");
     if (settings->one_pyramid) return false;
-    if (settings->method == ISO_METHOD_SPLATS) return !settings->group_bins;
+    if (settings->method == ISO_METHOD_SPLATS) return has_gl_splats(settings);
     if (settings->method == ISO_METHOD_PULLPUSH) return !(settings->lod > 0);
     return settings->method == ISO_METHOD_POINTS || settings->method == ISO_METHOD_MESH;
 }
@@ -65,11 +71,10 @@ iso_status isorender_backend_check(isorender_settings *settings, iso_error *erro
     if ((gl || needed) && settings->method == ISORENDER_METHOD_UNCHOSEN && !has_no_surface(settings))
         settings->method = settings->strips ? ISO_METHOD_MESH : ISO_METHOD_POINTS;
     if (gl && !has_gl(settings))
-        return iso_fail(
-            error, ISO_ERR_USAGE,
-            "--backend %s has the methods points, pullpush (without --lod), splats (without --group-bins) "
-            "and mesh: others need the cpu",
-            name);
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "--backend %s has the methods points, pullpush, splats (flat, or groups without "
+                        "--group-bins; all without --lod) and mesh: others need the cpu",
+                        name);
     ISO_TRY(check_needs(settings, error));
     bool draws = !settings->info && (!settings->no_image || settings->aov);
     if ((gl || needed) && draws && is_too_large(settings))

@@ -12,11 +12,12 @@ uint64_t isorender_gl_bytes(const isorender_job *job) {
     const int width = job->settings->width * factor, height = job->settings->height * factor;
     const uint64_t shapes =
         job->settings->object_options.count ? iso_gl_shapes_bytes(backend->engine, width, height) : 0;
-    if (job->settings->method == ISO_METHOD_SPLATS) {
+    const bool splats = job->settings->method == ISO_METHOD_SPLATS;
+    if (splats && job->settings->reconstruction == ISORENDER_RECONSTRUCTION_GROUPS) {
         const int slots = job->settings->groups ? job->settings->groups : ISO_SPLATS_GROUPS;
         return shapes + iso_gl_splats_bytes(backend->engine, slots, width, height);
     }
-    if (job->settings->method != ISO_METHOD_PULLPUSH)
+    if (!splats && job->settings->method != ISO_METHOD_PULLPUSH)
         return shapes + iso_gl_draw_bytes(backend->engine, width, height);
     return shapes + iso_gl_pullpush_bytes(backend->engine, (iso_reconstruction)job->settings->reconstruction,
                                           width, height);
@@ -39,7 +40,7 @@ static iso_status upload_objects(isorender_job *job, iso_error *error) {
 iso_status isorender_gl_upload(isorender_job *job, iso_error *error) {
     iso_gl_engine_reset_seconds(job->backend->engine);
     ISO_TRY(upload_objects(job, error));
-    if (job->method == ISO_METHOD_SPLATS) return ISO_OK; /* splats are uploaded for every picture */
+    if (isorender_uses_groups(job)) return ISO_OK; /* uploaded for every picture */
     for (int i = 0; i < job->surface_count; i++) {
         iso_gl_surface **uploaded = &job->gl_surfaces[i];
         if (job->method == ISO_METHOD_MESH) {
@@ -84,8 +85,8 @@ static iso_status draw_surfaces(const isorender_job *job, const iso_view *view, 
                                 iso_error *error) {
     const isorender_settings *settings = job->settings;
     const iso_gl_surface *const *surfaces = (const iso_gl_surface *const *)job->gl_surfaces;
-    if (job->method == ISO_METHOD_SPLATS) return draw_splats(job, view, gbuffer, error);
-    if (job->method == ISO_METHOD_PULLPUSH) {
+    if (isorender_uses_groups(job)) return draw_splats(job, view, gbuffer, error);
+    if (job->method == ISO_METHOD_PULLPUSH || job->method == ISO_METHOD_SPLATS) {
         const iso_gl_pullpush_opts pullpush = {view, surfaces, job->surface_count,
                                                (iso_reconstruction)settings->reconstruction};
         return iso_gl_draw_pullpush(job->backend->engine, &pullpush, gbuffer, error);

@@ -46,23 +46,27 @@ static void report_reading(void *context, double fraction) {
     isorender_progress(context, "reading", fraction);
 }
 
-static const iso_renderer *find_renderer(const isorender_job *job) {
-    const int reconstruction = job->settings->reconstruction;
-    iso_method method = job->method;
-    if (method == ISO_METHOD_PULLPUSH && reconstruction == ISO_RECONSTRUCTION_BOX)
-        method = ISO_METHOD_PULLPUSH_BOX;
-    if (method == ISO_METHOD_PULLPUSH && reconstruction == ISO_RECONSTRUCTION_GAUSSIAN)
-        method = ISO_METHOD_PULLPUSH_GAUSSIAN;
-    return iso_renderer_get(method);
+/* The method of the library for --method with --reconstruction. */
+static iso_method find_method(iso_method method, int reconstruction) {
+    if (method == ISO_METHOD_PULLPUSH && reconstruction == (int)ISO_RECONSTRUCTION_BOX)
+        return ISO_METHOD_PULLPUSH_BOX;
+    if (method == ISO_METHOD_PULLPUSH && reconstruction == (int)ISO_RECONSTRUCTION_GAUSSIAN)
+        return ISO_METHOD_PULLPUSH_GAUSSIAN;
+    if (method != ISO_METHOD_SPLATS || reconstruction == ISORENDER_RECONSTRUCTION_GROUPS) return method;
+    return reconstruction == (int)ISO_RECONSTRUCTION_ONEPASS ? ISO_METHOD_SPLATS_ONEPASS
+           : reconstruction == (int)ISO_RECONSTRUCTION_EWA   ? ISO_METHOD_SPLATS_EWA
+                                                             : ISO_METHOD_SPLATS_FLAT;
 }
 
 static void choose_method(isorender_job *job) {
+    const isorender_settings *settings = job->settings;
+    const bool pyramid = settings->reconstruction == (int)ISO_RECONSTRUCTION_BOX ||
+                         settings->reconstruction == (int)ISO_RECONSTRUCTION_GAUSSIAN;
     const iso_method of_points =
-        isorender_is_translucent(job->settings) ? ISO_METHOD_SPLATS : ISO_METHOD_PULLPUSH;
+        pyramid && !isorender_is_translucent(settings) ? ISO_METHOD_PULLPUSH : ISO_METHOD_SPLATS;
     const iso_method usual = job->loader.has_points && !job->gaussians ? of_points : ISO_METHOD_EXACT;
-    job->method =
-        job->settings->method == ISORENDER_METHOD_UNCHOSEN ? usual : (iso_method)job->settings->method;
-    job->renderer = find_renderer(job);
+    job->method = settings->method == ISORENDER_METHOD_UNCHOSEN ? usual : (iso_method)settings->method;
+    job->renderer = iso_renderer_get(find_method(job->method, settings->reconstruction));
 }
 
 /* Whether --method says how lines are drawn, or nothing. */

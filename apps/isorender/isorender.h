@@ -80,7 +80,7 @@ typedef struct isorender_job {
     int volume_count;
     iso_input volume_input; /* how `volumes` are read */
 
-    iso_method method;            /* as --method names it: ISO_METHOD_PULLPUSH with any reconstruction */
+    iso_method method; /* as --method names it: ISO_METHOD_PULLPUSH and _SPLATS with any reconstruction */
     const iso_renderer *renderer; /* the row of the renderers' table for the method and its reconstruction */
 
     isorender_surface surfaces[ISORENDER_SURFACES]; /* those of the input, then one of each of `volumes` */
@@ -208,6 +208,8 @@ iso_status isorender_object_take_gradients(isorender_job *job, isorender_object 
 
 /* ---- splats.c */
 
+/* Whether the points are drawn in groups (--reconstruction groups), not as discs that know nothing of groups. */
+bool isorender_uses_groups(const isorender_job *job);
 /* Divides the points of a surface into groups for splats. ISO_ERR_NOMEM, ISO_ERR_LIMIT. */
 iso_status isorender_groups_make(isorender_job *job, int surface, iso_error *error);
 /* Adds a member about the groups of all surfaces to the report of --json. */

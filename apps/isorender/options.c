@@ -33,7 +33,8 @@ static const iso_method methods[METHODS] = {ISO_METHOD_EXACT,  ISO_METHOD_POINTS
 /* Files of 3-D Gaussians have a renderer that no isosurface has. */
 enum { METHOD_GAUSSIANS = METHODS };
 static const char *method_names[METHODS + 2]; /* filled by isorender_program */
-static const char *const reconstructions[] = {"refined", "box", "gaussian", "groups", NULL};
+static const char *const reconstructions[] = {"refined", "box", "gaussian", "flat",
+                                              "onepass", "ewa", "groups",   NULL};
 static const char *const transparencies[] = {"sorted", "groups", "nearest", NULL};
 static const char *const group_radii[] = {"coverage", "root", NULL};
 static const char *const directions[] = {"front", "back", "left", "right", "top", "bottom", "iso", NULL};
@@ -349,20 +350,24 @@ static const iso_option options[] = {
     {"method", NULL, "NAME",
      "how the surface is drawn: exact (the trilinear surface itself, at any zoom: choose it for pictures), "
      "mesh (Marching Cubes: to see what --mesh exports, or to compare with other programs), pullpush "
-     "(points, filled in image space: for files of points, and to draw many points on a GPU; --lines are "
+     "(points, filled in image space: to draw many points on a GPU; --lines are "
      "drawn that way, too: the method of Marroquim et al. 2008, to compare it), points (discs: to see the "
-     "samples themselves), splats (points as flat discs: the method of Zhang and Pajarola 2006), raycast "
+     "samples themselves), splats (points as flat discs with smooth edges: for files of points), raycast "
      "(rays through the field, slow: to check the others), hybrid (triangles where the volume's cells are "
      "larger than 3 pixels, points elsewhere: also of 2008) or gaussians (files of 3-D Gaussians: "
-     "translucent "
-     "ellipsoids, sorted by depth); files of points: pullpush, of 3-D Gaussians: gaussians",
-     .group = PICTURE, .standard = "exact", CHOICE(method, method_names)},
+     "translucent ellipsoids, sorted by depth)",
+     .group = PICTURE, .standard = "exact, for files of points splats, of 3-D Gaussians gaussians",
+     CHOICE(method, method_names)},
     {"reconstruction", NULL, "NAME",
-     "how pullpush fills in: refined (second-order discs; flat ones for points that have colours, and for "
-     "files of points), box or "
-     "gaussian (equal or Gaussian weights in ellipses; Marroquim 2008); how splats does: groups (deferred "
-     "blending of groups of discs that do not overlap)",
-     .group = PICTURE, .standard = "refined, or groups", CHOICE(reconstruction, reconstructions)},
+     "of pullpush: refined (second-order discs; of files of points the same as splats' flat), box or "
+     "gaussian "
+     "(equal or Gaussian weights in ellipses; Marroquim 2008); of splats: flat (Gaussian discs with a "
+     "low-pass "
+     "filter, so that many small points do not flicker), onepass (without the filter, front to back: "
+     "Baerentzen and Christensen 2003), ewa (the filter also widens outlines: Zwicker 2001) or groups "
+     "(deferred blending of groups of discs that do not overlap: Zhang and Pajarola 2006)",
+     .group = PICTURE, .standard = "refined; of splats flat, or groups with options of groups",
+     CHOICE(reconstruction, reconstructions)},
     {"one-pyramid", NULL, NULL,
      "pullpush by box or gaussian, and hybrid, draw the input's surfaces, meshes and ribbons in one image "
      "pyramid (2008, section 5.1: to compare it) instead of each alone with the nearer one kept, which loses "

@@ -205,7 +205,7 @@ static iso_status render_layers(isorender_job *job, iso_picture_opts *opts, iso_
         subjects[i] = subject_of(job, &job->surfaces[i]);
         surfaces[i] = (iso_layered_surface){&subjects[i], job->surfaces[i].translucency};
     }
-    iso_layered_picture picture = {.method = job->method,
+    iso_layered_picture picture = {.method = job->renderer->method,
                                    .surfaces = surfaces,
                                    .count = job->surface_count,
                                    .sets = sets,
@@ -405,7 +405,8 @@ iso_status isorender_render(isorender_job *job, iso_error *error) {
     if (!job->frames) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
     canvas c = {0};
     iso_status status = iso_image_create(settings->width, settings->height, &c.image, error);
-    const bool pyramid = job->method == ISO_METHOD_PULLPUSH || job->method == ISO_METHOD_HYBRID;
+    const bool pyramid = job->method == ISO_METHOD_PULLPUSH || job->method == ISO_METHOD_HYBRID ||
+                         (job->method == ISO_METHOD_SPLATS && !isorender_uses_groups(job));
     if (status == ISO_OK && pyramid && (job->object_count || !job->backend->engine))
         status = iso_pullpush_create(&job->pullpush, error);
     if (status == ISO_OK && job->plan->aov)

@@ -8,6 +8,7 @@
 #include "base/geometry.h"
 #include "base/ranks.h"
 #include "isopoint.h"
+#include "render/pullpush/pullpush.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -15,8 +16,8 @@ extern "C" {
 
 enum { ISORENDER_SURFACES = 64 }; /* isosurfaces in one picture */
 
-/* isorender_settings.method when the option is not given: exact for volumes, pullpush for files of points,
- * splats for those whose points are translucent, none of them for files of 3-D Gaussians. */
+/* isorender_settings.method when the option is not given: exact for volumes, splats for files of points, or
+ * pullpush if their reconstruction is box or gaussian; none of them for files of 3-D Gaussians. */
 enum { ISORENDER_METHOD_UNCHOSEN = -1 };
 
 /* isorender_settings.direction when the option is not given: front, but iso for flat files of points. */
@@ -25,8 +26,8 @@ enum { ISORENDER_DIRECTION_UNCHOSEN = -1 };
 /* What the camera frames: the box around the surface, or the surface itself. */
 typedef enum isorender_fit { ISORENDER_FIT_BOX, ISORENDER_FIT_TIGHT } isorender_fit;
 
-/* Values of isorender_settings.reconstruction that pullpush does not have. */
-enum { ISORENDER_RECONSTRUCTION_UNCHOSEN = -1, ISORENDER_RECONSTRUCTION_GROUPS = 3 };
+/* Values of isorender_settings.reconstruction beside iso_reconstruction. */
+enum { ISORENDER_RECONSTRUCTION_UNCHOSEN = -1, ISORENDER_RECONSTRUCTION_GROUPS = ISO_RECONSTRUCTION_EWA + 1 };
 
 /* Whether the opacity of a surface depends on the angle at which it is seen. */
 typedef enum isorender_opacity_mode {
@@ -89,7 +90,8 @@ typedef struct isorender_settings {
     int gaussians;      /* --method gaussians: the points of the file are drawn as 3-D Gaussians; `method` is
                            ISORENDER_METHOD_UNCHOSEN then */
     int lighting;       /* iso_lighting */
-    int reconstruction; /* iso_reconstruction, of pullpush; of splats ISORENDER_RECONSTRUCTION_GROUPS */
+    int reconstruction; /* iso_reconstruction; of splats FLAT, ONEPASS, EWA or ISORENDER_RECONSTRUCTION_GROUPS,
+                           for files of points without --method REFINED, which is then FLAT */
     int one_pyramid;    /* of pullpush and hybrid */
     /* Of splats: iso_groups_opts, and iso_splats_opts.bins. 0: not given. */
     int groups, group_bins, group_opposite;

@@ -27,20 +27,45 @@ static iso_status check_transparency(const isorender_settings *settings, iso_err
     return ISO_OK;
 }
 
+static int usual_reconstruction(const isorender_settings *settings) {
+    if (settings->method != ISO_METHOD_SPLATS) return ISO_RECONSTRUCTION_REFINED;
+    const bool sorted = settings->transparency == (int)ISO_TRANSPARENCY_SORTED;
+    return given_option(settings) || !sorted ? ISORENDER_RECONSTRUCTION_GROUPS : (int)ISO_RECONSTRUCTION_FLAT;
+}
+
 iso_status isorender_splats_check(isorender_settings *settings, iso_error *error) {
     if (settings->transparency && settings->method == ISORENDER_METHOD_UNCHOSEN)
         settings->method = ISO_METHOD_SPLATS;
     const bool splats = settings->method == ISO_METHOD_SPLATS;
     const char *option = given_option(settings);
     if (settings->reconstruction == ISORENDER_RECONSTRUCTION_UNCHOSEN)
-        settings->reconstruction = splats ? ISORENDER_RECONSTRUCTION_GROUPS : (int)ISO_RECONSTRUCTION_REFINED;
+        settings->reconstruction = usual_reconstruction(settings);
+    const bool of_splats = settings->reconstruction >= (int)ISO_RECONSTRUCTION_FLAT;
     const bool groups = settings->reconstruction == ISORENDER_RECONSTRUCTION_GROUPS;
-    if (splats && !groups)
-        return iso_fail(error, ISO_ERR_USAGE, "--method splats has --reconstruction groups only");
-    if (!splats && (groups || option))
-        return iso_fail(error, ISO_ERR_USAGE, "%s is for --method splats",
-                        option ? option : "--reconstruction groups");
-    return check_transparency(settings, error);
+    if (splats && !of_splats)
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "--method splats has --reconstruction flat, onepass, ewa or groups");
+    if (!splats && of_splats)
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "--reconstruction flat, onepass, ewa and groups are for --method splats");
+    if (option && !(splats && groups))
+        return iso_fail(error, ISO_ERR_USAGE, "%s is for --method splats --reconstruction groups", option);
+    if (groups && settings->lod > 0)
+        return iso_fail(error, ISO_ERR_USAGE, "--reconstruction groups has no levels of detail (--lod)");
+    ISO_TRY(check_transparency(settings, error));
+    if (isorender_is_translucent(settings) && of_splats && !groups &&
+        settings->reconstruction != (int)ISO_RECONSTRUCTION_FLAT)
+        return iso_fail(
+            error, ISO_ERR_USAGE,
+            "--reconstruction onepass and ewa draw opaque points: --opacity below 1 needs flat or groups");
+    if (settings->transparency != (int)ISO_TRANSPARENCY_SORTED && !groups)
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "--transparency groups and nearest need --reconstruction groups");
+    return ISO_OK;
+}
+
+bool isorender_uses_groups(const isorender_job *job) {
+    return job->renderer->method == ISO_METHOD_SPLATS;
 }
 
 iso_status isorender_groups_make(isorender_job *job, int surface, iso_error *error) {
@@ -69,7 +94,7 @@ static void report_widening(iso_json *json, const iso_groups *groups) {
 }
 
 void isorender_report_groups(iso_json *json, const isorender_job *job) {
-    if (job->method != ISO_METHOD_SPLATS) return;
+    if (!isorender_uses_groups(job)) return;
     iso_json_begin_array(json, "groups");
     for (int i = 0; i < job->surface_count; i++) {
         const iso_groups *groups = &job->surfaces[i].groups;

@@ -219,7 +219,8 @@ static iso_status check_layers(const rendering *r, const iso_render_opts *opts, 
         return iso_fail(error, ISO_ERR_USAGE,
                         "the method %s draws no translucent surfaces: exact, raycast and splats do",
                         r->renderer->name);
-    if (absorbs && r->renderer->method == ISO_METHOD_SPLATS)
+    if (absorbs &&
+        (r->renderer->method == ISO_METHOD_SPLATS || r->renderer->method == ISO_METHOD_SPLATS_FLAT))
         return iso_fail(error, ISO_ERR_USAGE, "splats know no solids: absorption is for exact and raycast");
     for (int i = 1; i < r->count && r->translucent && absorbs; i++)
         if (r->surfaces[i]->volume != r->surfaces[0]->volume)

@@ -4,8 +4,13 @@
 
 #include "truth/raycast_layers.h"
 
+/* Of flat discs and of groups: layers are the same for both. */
+static bool is_splats(iso_method method) {
+    return method == ISO_METHOD_SPLATS || method == ISO_METHOD_SPLATS_FLAT;
+}
+
 bool iso_method_has_layers(iso_method method) {
-    return method == ISO_METHOD_EXACT || method == ISO_METHOD_RAYCAST || method == ISO_METHOD_SPLATS;
+    return method == ISO_METHOD_EXACT || method == ISO_METHOD_RAYCAST || is_splats(method);
 }
 
 static bool is_opaque(const iso_layered_surface *surface) {
@@ -93,7 +98,7 @@ static iso_status shade(void *context, const iso_strip *strip, iso_image *image,
     const size_t before = picture->totals.layers.covered;
     if (picture->method == ISO_METHOD_EXACT)
         ISO_TRY(shade_exact(picture, &output, error));
-    else if (picture->method == ISO_METHOD_SPLATS)
+    else if (is_splats(picture->method))
         ISO_TRY(shade_splats(picture, &output, error));
     else
         shade_raycast(picture, &output);

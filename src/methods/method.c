@@ -190,6 +190,18 @@ static iso_status draw_box(const iso_subject *subject, const iso_target *target,
     return draw_pyramid(subject, target, ISO_RECONSTRUCTION_BOX, error);
 }
 
+static iso_status draw_flat(const iso_subject *subject, const iso_target *target, iso_error *error) {
+    return draw_pyramid(subject, target, ISO_RECONSTRUCTION_FLAT, error);
+}
+
+static iso_status draw_onepass(const iso_subject *subject, const iso_target *target, iso_error *error) {
+    return draw_pyramid(subject, target, ISO_RECONSTRUCTION_ONEPASS, error);
+}
+
+static iso_status draw_ewa(const iso_subject *subject, const iso_target *target, iso_error *error) {
+    return draw_pyramid(subject, target, ISO_RECONSTRUCTION_EWA, error);
+}
+
 static iso_status draw_splats(const iso_subject *subject, const iso_target *target, iso_error *error) {
     iso_point_view view = iso_subject_points(subject);
     iso_splats_opts opts = {&subject->groups, subject->bins};
@@ -226,6 +238,9 @@ static const iso_renderer METHODS[] = {
      draw_gaussian},
     {ISO_METHOD_PULLPUSH, "pullpush", "pull-push, curved discs", POINTS, draw_refined},
     {ISO_METHOD_SPLATS, "splats", "splats in groups, one pass (2006)", POINTS | GROUPS, draw_splats},
+    {ISO_METHOD_SPLATS_FLAT, "splats-flat", "splats, flat discs", POINTS, draw_flat},
+    {ISO_METHOD_SPLATS_ONEPASS, "splats-onepass", "splats, front to back (2003)", POINTS, draw_onepass},
+    {ISO_METHOD_SPLATS_EWA, "splats-ewa", "splats, EWA filter", POINTS, draw_ewa},
     {ISO_METHOD_MESH, "mesh", "Marching Cubes mesh", MESH, draw_mesh},
     {ISO_METHOD_EXACT, "exact", "the trilinear surface, cell by cell", CELLS, draw_exact},
 };

@@ -53,8 +53,26 @@ static iso_status draw_refined(bench_frame *frame, const iso_target *target, iso
     return iso_draw_pullpush(target, &frame->points, &opts, error);
 }
 
+/* Points without their curvatures, as files have them. */
+static iso_status draw_flat(bench_frame *frame, const iso_target *target, iso_error *error) {
+    const iso_pullpush_opts opts = {ISO_RECONSTRUCTION_FLAT, frame->pullpush};
+    return iso_draw_pullpush(target, &frame->points, &opts, error);
+}
+
+/* Points with colours of their own. */
+static iso_status open_colored(bench_frame *frame, iso_error *error) {
+    ISO_TRY(open_pullpush(frame, error));
+    frame->colors = calloc(frame->primitives, sizeof *frame->colors);
+    if (!frame->colors) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
+    for (size_t i = 0; i < frame->primitives; i++)
+        for (size_t k = 0; k < 3; k++) frame->colors[i][k] = (uint8_t)(i * (k + 1) / 64);
+    frame->points.colors = (const uint8_t(*)[3])frame->colors;
+    return ISO_OK;
+}
+
 static void close_pullpush(bench_frame *frame) {
     iso_pullpush_destroy(frame->pullpush);
+    free(frame->colors);
 }
 
 /* Levels of detail with the program's default. */
@@ -160,6 +178,18 @@ const bench_method bench_methods[] = {
      .draw = draw_lod,
      .finish = finish_lod,
      .close = close_lod},
+    {.name = "splats/flat",
+     .kernels = true,
+     .on_bumpy = true,
+     .open = open_pullpush,
+     .draw = draw_flat,
+     .close = close_pullpush},
+    {.name = "splats/colors",
+     .kernels = true,
+     .on_bumpy = true,
+     .open = open_colored,
+     .draw = draw_flat,
+     .close = close_pullpush},
     {.name = "exact", .kernels = true, .on_volumes = true, .open = open_exact, .paint = paint_exact},
     {.name = "layers/constant",
      .kernels = true,

@@ -44,7 +44,9 @@ struct bench_frame {
     struct iso_pullpush *pullpush;  /* owned */
     iso_lod lod;                    /* owned, as is the cut */
     iso_lod_cut cut;
-    struct bench_gl *gl; /* the plan's */
+    struct bench_gl *gl;  /* the plan's */
+    uint8_t (*colors)[3]; /* of the points; owned */
+    struct bench_gl *gl;  /* the plan's */
     struct bench_gl_frame *gl_frame;
 };
 
@@ -55,6 +57,7 @@ struct bench_frame_plan {
     int view;            /* number for bench_subject_view */
     int vtk_peels;       /* of VTK's rows: BENCH_VTK_OPAQUE; 0: translucent, by VTK's default; else layers
                             that are peeled at most */
+    bool vtk_points;     /* of VTK's rows: the points, by vtkPointGaussianMapper, instead of the mesh */
     struct bench_gl *gl; /* for methods of bench_gl.h */
 };
 

@@ -55,6 +55,7 @@ typedef struct frame_group {
     bench_subject subjects[SUBJECTS];
     int subject_count, view_count;
     bench_row *vtk[SUBJECTS][BENCH_VIEWS][BENCH_THREADS];
+    bench_row *vtk_points[SUBJECTS][BENCH_THREADS]; /* at fit */
     bench_row *vtk_layers[SUBJECTS][BENCH_VIEWS][VTK_LAYERS][BENCH_THREADS];
     bench_gl *gl; /* NULL: not in this group */
     bench_row *gl_rows[SUBJECTS][GL_METHODS];
@@ -87,6 +88,20 @@ static void add_vtk(frame_group *group, int subject, int view) {
         row->threads = settings->threads[t];
         add_plan(row, NULL, &group->subjects[subject], view);
         group->vtk[subject][view][t] = row;
+    }
+}
+
+static void add_vtk_points(frame_group *group, int subject) {
+    const bench_settings *settings = group->bench->settings;
+    char text[64];
+    describe(group, subject, 0, text);
+    for (int t = 0; t < settings->thread_count; t++) {
+        bench_row *row = bench_add(group->bench, &bench_vtk_kind, "render/vtk_gaussians/%s/threads:%d", text,
+                                   settings->threads[t]);
+        row->threads = settings->threads[t];
+        add_plan(row, NULL, &group->subjects[subject], 0);
+        if (row->plan) ((bench_frame_plan *)row->plan)->vtk_points = true;
+        group->vtk_points[subject][t] = row;
     }
 }
 
@@ -219,6 +234,17 @@ static void compare_pullpush(const frame_group *group, bench_row *row, const ben
                       NULL, judged ? 1.0 / 5 : 0);
 }
 
+/* Colours may cost a seventh; VTK's way to draw the same points is far slower. */
+static void compare_splats(const frame_group *group, bench_row *row, const bench_method *method, int subject,
+                           int view, int t) {
+    const bool judged = row->level == group->bench->best && !group->bench->settings->small;
+    bench_compare(row, group->vtk_points[subject][t], "ratio_vs_vtk_gaussians", NULL, judged ? 40 : 0);
+    bench_compare(row, row_of(group, subject, view, "pullpush/refined", row, t), "ratio_vs_refined", NULL, 0);
+    if (is_method(method, "splats/colors"))
+        bench_compare(row, row_of(group, subject, view, "splats/flat", row, t), "ratio_vs_flat", NULL,
+                      judged && row->threads == 1 ? 1 / 1.15 : 0);
+}
+
 static void compare_row(const frame_group *group, int subject, int view, int number, int t) {
     const bench_method *method = &bench_methods[number];
     int single = bench_single_thread(group->bench->settings);
@@ -233,6 +259,7 @@ static void compare_row(const frame_group *group, int subject, int view, int num
         if (is_method(method, "exact")) compare_exact(group, row, subject, view, t);
         if (is_layers(method)) compare_layers(group, row, method, subject, view, t);
         compare_pullpush(group, row, method, subject, view, t);
+        if (strncmp(method->name, "splats/", 7) == 0) compare_splats(group, row, method, subject, view, t);
         compare_gl(group, row, method, subject);
         if (single >= 0 && single != t)
             bench_compare(row, group->rows[subject][view][number][level][single], "scaling", NULL,
@@ -243,6 +270,7 @@ static void compare_row(const frame_group *group, int subject, int view, int num
 static void add_view(frame_group *group, int subject, int view) {
     const bench_subject *what = &group->subjects[subject];
     if (!what->bumpy_meshless) add_vtk(group, subject, view);
+    if (what->bumpy_side) add_vtk_points(group, subject);
     for (int mode = 0; mode < VTK_LAYERS && !what->bumpy_side; mode++)
         add_vtk_layers(group, subject, view, mode);
     for (int m = 0; m < bench_method_count; m++) {

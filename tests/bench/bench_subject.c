@@ -97,6 +97,7 @@ iso_status bench_subject_exact(bench_subject *s, const iso_exact **exact, iso_er
 
 void bench_subject_end(bench_subject *s) {
     bench_vtk_end(&s->vtk);
+    bench_vtk_end(&s->vtk_points);
     iso_exact_destroy(s->exact);
     iso_raycaster_destroy(s->caster);
     iso_mesh_set_destroy(s->mesh);

@@ -20,13 +20,13 @@ extern "C" {
 /* Instead of a number of peels: the mesh is opaque. */
 enum { BENCH_VTK_OPAQUE = -1 };
 
-/* VTK's frames of the mesh: a file, and a process for each number of threads. */
+/* VTK's frames of the mesh or of the points: a file, and a process for each number of threads. */
 typedef struct bench_vtk {
     char path[512]; /* empty: not written yet */
     bench_child *child[BENCH_THREADS];
     int shown[BENCH_THREADS]; /* number of the view that it has, -1: none */
     int peels[BENCH_THREADS]; /* as bench_frame_plan.vtk_peels; BENCH_VTK_OPAQUE before any is set */
-    size_t triangles;
+    size_t primitives;
 } bench_vtk;
 
 /* A place to look from: a camera, and for close-ups a picture moved aside from its axis. */
@@ -61,7 +61,7 @@ typedef struct bench_subject {
     iso_exact *exact;
     bench_view views[BENCH_VIEWS];
     bool aimed[BENCH_VIEWS];
-    bench_vtk vtk;
+    bench_vtk vtk, vtk_points;
     iso_gbuffer gbuffer; /* one frame: rows take turns */
     iso_image image;
 } bench_subject;

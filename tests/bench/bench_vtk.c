@@ -1,4 +1,4 @@
-/* VTK's frame of a subject's mesh as a row: drawn by vtk_frame, timed there. */
+/* VTK's frame of a subject's mesh or points as a row: drawn by vtk_frame, timed there. */
 #define _GNU_SOURCE
 #include <stdio.h>
 #include <stdlib.h>
@@ -37,23 +37,52 @@ static iso_status write_weld(const iso_weld *weld, const iso_affine *affine, con
     return iso_sink_commit(&sink, error);
 }
 
-static iso_status write_mesh(bench_subject *subject, iso_error *error) {
-    bench_vtk *vtk = &subject->vtk;
-    if (vtk->path[0]) return ISO_OK;
+static void name_file(const bench_subject *subject, bench_vtk *vtk, const char *extension) {
+    const char *folder = getenv("TMPDIR");
+    snprintf(vtk->path, sizeof vtk->path, "%.400s/isopoint-bench-%ld-%s.%s", folder ? folder : "/tmp",
+             (long)getpid(), subject->name, extension);
+}
+
+static iso_status write_mesh(bench_subject *subject, bench_vtk *vtk, iso_error *error) {
     iso_mesh_view mesh;
     ISO_TRY(bench_subject_mesh(subject, &mesh, error));
     iso_weld weld = {0};
     ISO_TRY(iso_mesh_weld(&mesh, &weld, error));
     iso_affine affine = iso_transform_affine(&mesh.transform);
-    const char *folder = getenv("TMPDIR");
-    snprintf(vtk->path, sizeof vtk->path, "%.400s/isopoint-bench-%ld-%s.mesh", folder ? folder : "/tmp",
-             (long)getpid(), subject->name);
+    name_file(subject, vtk, "mesh");
     iso_status status = write_weld(&weld, &affine, vtk->path, error);
     iso_weld_free(&weld);
     return status;
 }
 
+/* ---- the points as a file: counts, positions, radii ---- */
+
+static iso_status write_points(bench_subject *subject, bench_vtk *vtk, iso_error *error) {
+    iso_point_view points;
+    iso_sink sink = {0};
+    ISO_TRY(bench_subject_points(subject, &points, error));
+    name_file(subject, vtk, "points");
+    ISO_TRY(iso_sink_open(vtk->path, &sink, error));
+    const iso_affine affine = iso_transform_affine(&points.transform);
+    const int64_t counts[2] = {(int64_t)iso_point_view_count(&points), 0};
+    fwrite(counts, sizeof *counts, 2, sink.stream);
+    for (const iso_point_span *s = points.spans; s < points.spans + points.span_count; s++)
+        for (size_t i = s->first; i < s->first + s->count; i++) {
+            const iso_surfel surfel = iso_point_view_get(&points, i);
+            const iso_vec3 at = iso_affine_point(&affine, iso_brick_position(s->brick, surfel.position));
+            const float out[3] = {(float)at.x, (float)at.y, (float)at.z};
+            fwrite(out, sizeof *out, 3, sink.stream);
+        }
+    const float radius = (float)points.radius;
+    for (int64_t i = 0; i < counts[0]; i++) fwrite(&radius, sizeof radius, 1, sink.stream);
+    return iso_sink_commit(&sink, error);
+}
+
 /* ---- the process ---- */
+
+static bench_vtk *vtk_of(const bench_frame_plan *plan) {
+    return plan->vtk_points ? &plan->subject->vtk_points : &plan->subject->vtk;
+}
 
 static int threads_index(const bench_settings *settings, int threads) {
     int index = 0;
@@ -61,17 +90,19 @@ static int threads_index(const bench_settings *settings, int threads) {
     return index;
 }
 
-static iso_status start(bench_subject *subject, int threads, bench_child **child, iso_error *error) {
+static iso_status start(const bench_frame_plan *plan, int threads, bench_child **child, iso_error *error) {
+    bench_subject *subject = plan->subject;
+    bench_vtk *vtk = vtk_of(plan);
     char program[1100], line[512];
     const char *display;
     ISO_TRY(bench_sibling("vtk_frame", program, sizeof program, error));
     ISO_TRY(bench_display_open(&subject->bench->display, &display, error));
-    ISO_TRY(write_mesh(subject, error));
-    const char *const argv[] = {program, "mesh", subject->vtk.path, NULL};
+    if (!vtk->path[0]) ISO_TRY((plan->vtk_points ? write_points : write_mesh)(subject, vtk, error));
+    const char *const argv[] = {program, plan->vtk_points ? "gaussians" : "mesh", vtk->path, NULL};
     ISO_TRY(bench_child_start(argv, threads, display, child, error));
     ISO_TRY(bench_child_ask(*child, NULL, line, sizeof line, error));
     int name = 0;
-    if (sscanf(line, "ready %zu %n", &subject->vtk.triangles, &name) != 1 || !name)
+    if (sscanf(line, "ready %zu %n", &vtk->primitives, &name) != 1 || !name)
         return iso_fail(error, ISO_ERR_UNSUPPORTED, "vtk_frame said '%.80s'", line);
     snprintf(subject->bench->vtk_renderer, sizeof subject->bench->vtk_renderer, "%.80s", line + name);
     return ISO_OK;
@@ -90,7 +121,7 @@ static iso_status set_peels(bench_vtk *vtk, int index, int peels, iso_error *err
 static iso_status show(const bench_frame_plan *plan, int threads, iso_error *error) {
     bench_subject *subject = plan->subject;
     const int number = plan->view;
-    bench_vtk *vtk = &subject->vtk;
+    bench_vtk *vtk = vtk_of(plan);
     int index = threads_index(subject->bench->settings, threads);
     ISO_TRY(set_peels(vtk, index, plan->vtk_peels, error));
     if (vtk->child[index] && vtk->shown[index] == number) return ISO_OK;
@@ -124,12 +155,12 @@ typedef struct vtk_row {
 /* The first frame uploads the mesh; it is not timed. */
 static iso_status open_row(bench_row *row, iso_error *error) {
     const bench_frame_plan *plan = row->plan;
-    bench_vtk *vtk = &plan->subject->vtk;
+    bench_vtk *vtk = vtk_of(plan);
     int index = threads_index(row->bench->settings, row->threads);
     if (!vtk->child[index]) {
         vtk->shown[index] = -1;
         vtk->peels[index] = BENCH_VTK_OPAQUE;
-        iso_status status = start(plan->subject, row->threads, &vtk->child[index], error);
+        iso_status status = start(plan, row->threads, &vtk->child[index], error);
         if (status != ISO_OK) {
             bench_child_stop(vtk->child[index]);
             vtk->child[index] = NULL;
@@ -156,7 +187,7 @@ static iso_status run_row(bench_row *row, bench_sample *sample, iso_error *error
     ISO_TRY(bench_child_ask(opened->child, "frame", line, sizeof line, error));
     if (sscanf(line, "frame %lf %lf", &sample->wall, &sample->cpu) != 2)
         return iso_fail(error, ISO_ERR_UNSUPPORTED, "vtk_frame said '%.80s'", line);
-    sample->primitives = plan->subject->vtk.triangles;
+    sample->primitives = vtk_of(plan)->primitives;
     return ISO_OK;
 }
 

@@ -28,7 +28,7 @@ python3 - <<'P'
 from check import *
 near, far, colored, large, half, own, auto = (report(n + ".json") for n in "near far colored large half own auto".split())
 p = near["primitives"]
-expect(p["points"] == p["estimated_normals"] == p["estimated_radii"] == 4000 and near["method"] == "pullpush", near)
+expect(p["points"] == p["estimated_normals"] == p["estimated_radii"] == 4000 and near["method"] == "splats", near)
 expect(0.4 < p["median_radius"] < 0.8, p)
 # a ball of 10 mm in the picture: no hole, and about its outline
 def covered(r): return r["image"]["covered"]

@@ -1,7 +1,7 @@
 # splats of a volume and of a file of points; their options, and options that are not for them
 python3 -c 'from check import *; ball("in/ball.mha")'
-isorender in/ball.mha ball.png --isovalue 500 --method splats --json=ball.json --points ball.ply --quiet
-isorender in/ball.mha one.png --isovalue 500 --method splats --threads 1 --points one.ply --quiet
+isorender in/ball.mha ball.png --isovalue 500 --method splats --reconstruction groups --json=ball.json --points ball.ply --quiet
+isorender in/ball.mha one.png --isovalue 500 --method splats --reconstruction groups --threads 1 --points one.ply --quiet
 isorender in/ball.mha pull.png --isovalue 500 --method pullpush --reconstruction gaussian --quiet
 cmp ball.png one.png
 isocompare images pull.png ball.png --fail-under psnr=28 >/dev/null
@@ -12,6 +12,24 @@ import json
 ball, file = json.load(open('ball.json')), json.load(open('file.json'))
 assert len(ball['groups']) == 1 and ball['groups'][0]['count'] == 8, ball['groups']
 assert 8 < file['groups'][0]['count'] < 20 and file['groups'][0]['conflicts'] == 0, file['groups']
+P
+# flat discs are the default; of files of points they are those of pullpush
+isorender in/ball.mha flat.png --isovalue 500 --method splats --json=flat.json --quiet
+for how in flat onepass ewa; do
+    isorender in/ball.mha $how.png --isovalue 500 --method splats --reconstruction $how --quiet
+    isocompare images pull.png $how.png --fail-under psnr=28 >/dev/null
+    isorender ball.ply file_$how.png --method splats --reconstruction $how --quiet
+done
+isorender in/ball.mha usual.png --isovalue 500 --method splats --quiet
+cmp flat.png usual.png
+isorender ball.ply usual.png --quiet
+isorender ball.ply pull.png --method pullpush --reconstruction refined --quiet
+isocompare images file_flat.png usual.png --fail-under psnr=100 >/dev/null
+isocompare images file_flat.png pull.png --fail-under psnr=100 >/dev/null
+python3 - <<'P'
+import json
+flat = json.load(open('flat.json'))
+assert flat['method'] == 'splats' and 'groups' not in flat, flat
 P
 for how in sorted groups nearest; do
     isorender ball.ply $how.png --opacity 0.5 --transparency $how --resolution 400x400 --json=$how.json --background 000000 --quiet
@@ -31,7 +49,9 @@ assert all(1.05 < f < 1.6 for f in covering['radius_factors']) and 'radius_facto
 layers = json.load(open('sorted.json'))['image']['layers']
 assert 1.9 < layers['mean'] < 2.1 and layers['most'] < 5, layers
 P
-for wrong in "--groups 4" "--reconstruction groups" "--method splats --groups 65" "--method splats --reconstruction box" \
+for wrong in "--groups 4" "--reconstruction groups" "--method splats --groups 65" "--method splats --reconstruction box" "--reconstruction flat" "--method pullpush --reconstruction ewa" \
+    "--method splats --reconstruction flat --groups 4" "--method splats --reconstruction onepass --backend egl" \
+    "--opacity 0.5 --transparency groups --reconstruction flat" "--method splats --opacity 0.5 --reconstruction ewa" \
     "--method splats --group-bins 9 --backend egl" "--method exact --opacity 0.5 --backend egl" "--transparency groups" "--method exact --opacity 0.5 --transparency groups" \
     "--opacity 0.5 --transparency nearest --layers 1" "--method splats --opacity 0.5 --absorption 3" \
     "--method splats --opacity 0.5 --group-radii root" "--method exact --group-radii root"; do

@@ -144,7 +144,7 @@ static void make_many(many_points *m) {
         double z = 2 * uniform(&seed) - 1, turn = 2 * ISO_PI * uniform(&seed), r = sqrt(1 - z * z);
         const double n[3] = {r * cos(turn), r * sin(turn), z};
         for (int axis = 0; axis < 3; axis++) {
-            m->surfels[i].position[axis] = (float)(8 + (i % 2 ? 6.95 : 7) * n[axis]);
+            m->surfels[i].position[axis] = (float)(8 + (i % 2 ? 6.2 : 7) * n[axis]);
             m->surfels[i].normal[axis] = (float)((i % 2 ? -3 : 3) * n[axis]);
         }
         m->radii[i] = (float)(0.15 + 0.3 * uniform(&seed));
@@ -208,6 +208,41 @@ static void points_have_colours_of_their_own(iso_gl_engine *engine) {
     free_many(&m);
 }
 
+/* Flat discs with colours and radii, small ones, which are filtered, and large ones; of points with curvatures,
+ * which are not used. */
+static void coloured_discs_look_as_from_the_cpu(iso_gl_engine *engine) {
+    static const char *const names[] = {"sphere", "gyroid"};
+    static const int sizes[] = {48, 160};
+    for (int n = 0; n < 4; n++) {
+        scene s = make_scene(names[n % 2], sizes[n / 2]);
+        iso_point_view points = iso_point_set_view(s.discs[n % 2]);
+        const size_t count = iso_point_view_count(&points);
+        float *radii = calloc(count, sizeof *radii);
+        uint8_t(*colors)[3] = calloc(count, sizeof *colors);
+        uint32_t seed = 3;
+        for (size_t i = 0; i < count; i++) {
+            radii[i] = (float)(points.radius * (1 + 0.3 * uniform(&seed)));
+            const iso_surfel surfel = iso_point_view_get(&points, i);
+            for (int k = 0; k < 3; k++)
+                colors[i][k] = (uint8_t)(128 + 127 * sin(3 * (double)surfel.normal[k]));
+        }
+        points.closed = n % 2 == 0;
+        points.colors = (const uint8_t(*)[3])colors;
+        iso_view views[4];
+        for (int v = 0; v < 4; v++) views[v] = gl_side_view(&s.surface.box, v + n, v % 2, 150 + 50 * v, 160);
+        double worst = check_refined(engine, &points, views, 4, "discs with colours");
+        points.radii = radii;
+        worst = fmin(worst, check_refined(engine, &points, views, 4, "discs with colours and radii"));
+        points.colors = NULL;
+        worst =
+            fmin(worst, gl_check_pullpush(engine, &points, ISO_RECONSTRUCTION_FLAT, views, 4, "flat discs"));
+        printf("%s, %s %d: %.1f dB\n", engine->context->name, names[n % 2], sizes[n / 2], worst);
+        free(radii);
+        free(colors);
+        free_scene(&s);
+    }
+}
+
 static iso_gl_surface *upload(iso_gl_engine *engine, const iso_point_view *points) {
     iso_gl_surface *surface;
     iso_error error = {ISO_OK, ""};
@@ -224,8 +259,7 @@ static void expect_same(const iso_gbuffer *a, const iso_gbuffer *b) {
     if (a->color) assert_memory_equal(a->color, b->color, samples * sizeof *a->color);
 }
 
-/* A picture of what is uploaded, refined where that has no colours, against one of the same points uploaded
- * anew. */
+/* A picture of what is uploaded against one of the same points uploaded anew. */
 static void expect_as_anew(iso_gl_engine *engine, const iso_gl_surface *surface, const iso_point_view *points,
                            const iso_view *view) {
     iso_gl_surface *anew = upload(engine, points);
@@ -327,7 +361,7 @@ static uint8_t (*some_colors(const iso_point_view *points))[3] {
 }
 
 /* Several surfaces, one within the other's box; none at all; and one out of sight. One or none of them has
- * colours of its own; the gl engine draws that one as by gaussian, also when refined is asked for. */
+ * colours of its own. */
 static void check_surfaces(iso_gl_engine *engine, iso_reconstruction reconstruction) {
     scene s[2] = {make_scene("torus", 40), make_scene("sphere", 40)};
     const iso_view views[2] = {gl_side_view(&s[0].surface.box, 0, false, 200, 190),
@@ -348,8 +382,7 @@ static void check_surfaces(iso_gl_engine *engine, iso_reconstruction reconstruct
                                                    reconstruction};
                 assert_int_equal(iso_gl_draw_pullpush(engine, &opts, &gl, NULL), ISO_OK);
                 for (int i = 0; i < count; i++) {
-                    const iso_pullpush_opts same = {
-                        .reconstruction = points[i].colors ? ISO_RECONSTRUCTION_GAUSSIAN : reconstruction};
+                    const iso_pullpush_opts same = {.reconstruction = reconstruction};
                     iso_draw_pullpush(&(iso_target){&views[v], &cpu, NULL, (uint8_t)i}, &points[i], &same,
                                       NULL);
                 }
@@ -474,6 +507,7 @@ int main(void) {
         gl_engine_test(near_points_and_limits_do_not_show),
         gl_engine_test(points_have_radii_of_their_own),
         gl_engine_test(points_have_colours_of_their_own),
+        gl_engine_test(coloured_discs_look_as_from_the_cpu),
         gl_engine_test(every_time_is_the_same),
         gl_engine_test(updates_are_drawn),
         gl_engine_test(surfaces_hide_one_another),

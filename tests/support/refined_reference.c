@@ -13,12 +13,16 @@ typedef struct disc {
     double low[3], high[3];              /* the box it is clipped to: index axes, voxels from its centre */
     bool turned;
     const uint8_t *rgb; /* NULL: points have no colours */
+    /* Of filtered discs, whose share is above 0: the convolved disc covers offsets of (x, y) pixels where soft[0]
+     * x^2 + soft[1] x y + soft[2] y^2 < 1; factor of its weights. */
+    double soft[3], share;
 } disc;
 
 /* Where a ray meets a disc. */
 typedef struct hit {
     const disc *from;
     double depth, weight, q[3];
+    bool covers; /* false: the pixel is covered by the convolved disc only */
 } hit;
 
 static double dot3(const double a[3], const double b[3]) {
@@ -101,6 +105,43 @@ static bool is_in_box(const iso_projector *projector, const disc *d, const doubl
     return true;
 }
 
+/* The squared length in voxels of a step in view space, as if voxels were cubes with the largest spacing. */
+static double square_in_voxels(const iso_projector *projector, const double q[3]) {
+    double sum = 0, least = INFINITY;
+    for (int k = 0; k < 3; k++) {
+        const double m[3] = {projector->normal[k], projector->normal[3 + k], projector->normal[6 + k]};
+        sum += dot3(m, q) * dot3(m, q);
+        least = fmin(least, dot3(m, m));
+    }
+    return sum / least;
+}
+
+/* The squared distance, in radii, of the flat disc's centre from the hit of a ray (x, y) pixels beside it, parallel
+ * to that of its centre. */
+static double distance_beside(const iso_projector *projector, const disc *d, double x, double y) {
+    const iso_view *view = projector->view;
+    const double mm = (view->orthographic ? 1 : d->at[2]) / view->focal;
+    double ray[3] = {0, 0, 1}, q[3];
+    for (int k = 0; k < 2 && !view->orthographic; k++) ray[k] = d->at[k] / d->at[2];
+    const double t = -(d->n[0] * x + d->n[1] * y) * mm / dot3(d->n, ray);
+    const double e[3] = {x * mm, y * mm, 0};
+    for (int k = 0; k < 3; k++) q[k] = e[k] + t * ray[k];
+    return square_in_voxels(projector, q) / (d->radius * d->radius);
+}
+
+/* Convolves a flat disc with a Gaussian that is exp(-2) at 0.6 pixels: adds the matrices of both ellipses. */
+static void convolve(const iso_projector *projector, disc *d) {
+    const double f = 0.6 * 0.6, xx = distance_beside(projector, d, 1, 0),
+                 yy = distance_beside(projector, d, 0, 1),
+                 xy = (distance_beside(projector, d, 1, 1) - xx - yy) / 2, det = xx * yy - xy * xy;
+    /* the inverse of the ellipse's matrix, and of the sum */
+    const double a = yy / det + f, b = -xy / det, c = xx / det + f, sum = a * c - b * b;
+    d->soft[0] = c / sum;
+    d->soft[1] = -2 * b / sum;
+    d->soft[2] = a / sum;
+    d->share = sqrt(1 / det / sum);
+}
+
 static bool make_disc(const iso_view *view, const iso_projector *projector, const iso_point_view *points,
                       const iso_point_span *span, size_t i, bool cull, disc *d) {
     const iso_surfel surfel = iso_point_view_get(points, i);
@@ -113,6 +154,7 @@ static bool make_disc(const iso_view *view, const iso_projector *projector, cons
     const double length = sqrt(dot3(d->n, d->n));
     for (int k = 0; k < 3; k++) d->lit[k] = d->n[k] /= length;
     memset(d->s, 0, sizeof d->s);
+    d->share = 0;
     d->rgb = points->colors ? points->colors[i] : NULL;
     const double pixels = radius * view->focal / (view->orthographic ? 1 : d->at[2]);
     if (points->curvatures) set_curvature(projector, points, i, length, d);
@@ -133,19 +175,8 @@ static bool make_disc(const iso_view *view, const iso_projector *projector, cons
     return !cull;
 }
 
-/* The squared length in voxels of a step in view space, as if voxels were cubes with the largest spacing. */
-static double square_in_voxels(const iso_projector *projector, const double q[3]) {
-    double sum = 0, least = INFINITY;
-    for (int k = 0; k < 3; k++) {
-        const double m[3] = {projector->normal[k], projector->normal[3 + k], projector->normal[6 + k]};
-        sum += dot3(m, q) * dot3(m, q);
-        least = fmin(least, dot3(m, m));
-    }
-    return sum / least;
-}
-
 /* The nearer intersection of a ray with n.q + q.Sq / 2 = 0 within the disc's ball. */
-static bool meet(const iso_projector *projector, const disc *d, double u, double v, hit *h) {
+static bool meet_disc(const iso_projector *projector, const disc *d, double u, double v, hit *h) {
     const iso_view *view = projector->view;
     const double z = view->orthographic ? 1 : d->at[2], e[3] = {u * z - d->at[0], v * z - d->at[1], 0},
                  ray[3] = {view->orthographic ? 0 : u, view->orthographic ? 0 : v, 1};
@@ -165,6 +196,27 @@ static bool meet(const iso_projector *projector, const disc *d, double u, double
     return far < 1 && is_in_box(projector, d, h->q);
 }
 
+/* The hit of the disc or, if that is filtered, of the convolved one: within the plane of the disc. */
+static bool meet(const iso_projector *projector, const disc *d, double u, double v, hit *h) {
+    const iso_view *view = projector->view;
+    const double z = view->orthographic ? 1 : d->at[2], x = (u - d->at[0] / z) * view->focal,
+                 y = (v - d->at[1] / z) * view->focal;
+    const bool hits = meet_disc(projector, d, u, v, h);
+    h->covers = hits;
+    if (!(d->share > 0)) return hits;
+    const double far = d->soft[0] * x * x + d->soft[1] * x * y + d->soft[2] * y * y;
+    if (!(far < 1)) return false;
+    h->weight = exp(-2 * far) * d->share;
+    if (hits) return true;
+    double ray[3] = {0, 0, 1};
+    for (int k = 0; k < 2 && !view->orthographic; k++) ray[k] = d->at[k] / d->at[2];
+    const double most = d->radius + 4 * z / view->focal,
+                 t = -(d->n[0] * x + d->n[1] * y) * z / view->focal / dot3(d->n, ray);
+    *h = (hit){.from = d, .weight = h->weight};
+    h->depth = d->at[2] + fmax(-most, fmin(most, t));
+    return true;
+}
+
 static int nearest_first(const void *a, const void *b) {
     const hit *x = a, *y = b;
     return (x->depth > y->depth) - (x->depth < y->depth);
@@ -174,15 +226,19 @@ static int nearest_first(const void *a, const void *b) {
 static void resolve_sample(const hit *hits, size_t count, const iso_projector *projector, bool cull,
                            size_t at, iso_gbuffer *g) {
     size_t first = 0;
-    double front = hits[0].depth, weight = 0, depth = 0, n[3] = {0}, q[3] = {0}, s[3][3] = {{0}}, square = 0,
-           rgb[3] = {0};
-    for (size_t i = 1; i < count && hits[first].from->turned; i++)
-        if (!hits[i].from->turned && hits[i].depth <= front + 1.5 * hits[i].from->radius) first = i;
+    while (first < count && !hits[first].covers) first++;
+    if (first == count) return;
+    double front = hits[first].depth, weight = 0, depth = 0, n[3] = {0}, q[3] = {0}, s[3][3] = {{0}},
+           square = 0, rgb[3] = {0};
+    for (size_t i = first + 1; i < count && hits[first].from->turned; i++)
+        if (hits[i].covers && !hits[i].from->turned && hits[i].depth <= front + 1.5 * hits[i].from->radius)
+            first = i;
     front = hits[first].depth;
-    for (size_t i = first; i < count; i++) {
+    for (size_t i = 0; i < count; i++) {
         const hit *h = &hits[i];
         const disc *d = h->from;
         if (d->turned != hits[first].from->turned || h->depth > front + 1.5 * d->radius) continue;
+        if (h->depth < front && (h->covers || h->depth < front - 1.5 * d->radius)) continue;
         weight += h->weight;
         depth += h->weight * h->depth;
         for (int k = 0; k < 3; k++) {
@@ -216,10 +272,17 @@ void refined_reference(const iso_view *view, const iso_point_view *points, iso_g
     hit *hits = calloc(most, sizeof *hits);
     if (!discs || !hits) abort();
     size_t count = 0;
-    for (size_t k = 0; k < points->span_count; k++)
+    for (size_t k = 0; k < points->span_count; k++) {
+        const size_t begin = count;
+        double least = INFINITY; /* pixels */
         for (size_t i = 0; i < points->spans[k].count; i++)
             count += make_disc(view, &projector, points, &points->spans[k], points->spans[k].first + i,
                                points->closed, &discs[count]);
+        if (points->curvatures && !points->colors) continue;
+        for (size_t i = begin; i < count; i++)
+            least = fmin(least, discs[i].radius * view->focal / (view->orthographic ? 1 : discs[i].at[2]));
+        for (size_t i = begin; i < count && least < 5; i++) convolve(&projector, &discs[i]);
+    }
     for (int y = 0; y < view->height; y++)
         for (int x = 0; x < view->width; x++) {
             const double u = (x + 0.5 - view->cx) / view->focal, v = (y + 0.5 - view->cy) / view->focal;

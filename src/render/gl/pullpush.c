@@ -81,9 +81,9 @@ static void fill_buffer(const pullpush_call *call, iso_gl_storage which, size_t 
 
 /* ---- uniforms and buffers of one surface */
 
-/* Coloured points are drawn as by gaussian: refined has no sums of colours in this engine. */
-static bool is_refined(const pullpush_call *call, const iso_gl_surface *surface) {
-    return call->opts->reconstruction == ISO_RECONSTRUCTION_REFINED && !surface->has_colors;
+/* Whether surfaces are drawn as discs, without a pyramid. */
+static bool is_refined(iso_reconstruction reconstruction) {
+    return reconstruction == ISO_RECONSTRUCTION_REFINED || reconstruction == ISO_RECONSTRUCTION_FLAT;
 }
 
 static size_t level_pixels(const iso_pyramid_layout *layout, int number) {
@@ -341,8 +341,9 @@ static iso_status draw_strip(pullpush_call *call, const iso_view *view, int row,
     for (int i = 0; i < call->opts->surface_count; i++) {
         const iso_gl_surface *surface = call->opts->surfaces[i];
         if (surface->blocks->seen == 0) continue;
-        if (is_refined(call, surface)) {
-            ISO_TRY(iso_gl_draw_refined(surface, view, i, &call->room, error));
+        if (is_refined(call->opts->reconstruction)) {
+            const bool flat = call->opts->reconstruction == ISO_RECONSTRUCTION_FLAT;
+            ISO_TRY(iso_gl_draw_refined(surface, view, i, flat, &call->room, error));
             continue;
         }
         pullpush_draw d = draw_of(call, i, view);
@@ -364,7 +365,7 @@ static size_t strip_bytes(const pullpush_call *call, int rows) {
     size_t most = (size_t)view.width * (size_t)view.height * call->planes * sizeof(float);
     for (int i = 0; i < call->opts->surface_count; i++) {
         const iso_gl_surface *surface = call->opts->surfaces[i];
-        if (surface->blocks->seen == 0 || is_refined(call, surface)) continue;
+        if (surface->blocks->seen == 0 || is_refined(call->opts->reconstruction)) continue;
         const pullpush_draw d = draw_of(call, i, &view);
         const size_t keys = level_pixels(&d.pyramid, d.pyramid.base) * 2 * sizeof(uint32_t);
         const size_t pixels = pixels_above(&d.pyramid) * 4 * sizeof(float);
@@ -422,7 +423,7 @@ uint64_t iso_gl_pullpush_bytes(const iso_gl_engine *engine, iso_reconstruction r
         SAMPLE = PICTURE + BASE + (ABOVE + 2) / 3         /* the levels above 0 have a third of the pixels */
     };
     const uint64_t samples = (uint64_t)width * (uint64_t)height, most = storage_of(engine) / PICTURE;
-    if (reconstruction == ISO_RECONSTRUCTION_REFINED)
+    if (is_refined(reconstruction))
         return (samples < most ? samples : most) * PICTURE + iso_gl_discs_bytes(samples);
     return (samples < most ? samples : most) * SAMPLE;
 }

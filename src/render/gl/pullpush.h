@@ -15,12 +15,11 @@ typedef struct iso_gl_pullpush_opts {
     const iso_view *view;                  /* borrowed */
     const iso_gl_surface *const *surfaces; /* of points; surfaces[i] gets surface number i in the gbuffer */
     int surface_count;
-    iso_reconstruction reconstruction;
+    iso_reconstruction reconstruction; /* REFINED, FLAT, BOX or GAUSSIAN */
 } iso_gl_pullpush_opts;
 
 /* Draws all surfaces and fills the whole gbuffer, which must have the view's size: what iso_draw_pullpush
- * draws, except for rounding; the same bytes every time. Points with colours are drawn as by gaussian, also
- * when refined is asked for.
+ * draws, except for rounding; the same bytes every time.
  *
  * Box and gaussian: of points of one pixel with equal depth, normal and position in the pixel, the
  * smallest radius and the smallest colour (as a number with blue in the highest byte) count. Refined: the
@@ -33,7 +32,7 @@ iso_status iso_gl_draw_pullpush(iso_gl_engine *engine, const iso_gl_pullpush_opt
                                 iso_error *error);
 
 /* About how many bytes of GPU memory (of main memory with a software renderer) drawing takes for a picture
- * of this size, for points with radii and (except refined) colours. The exact number depends on the guard
+ * of this size, for points with radii and colours. The exact number depends on the guard
  * band around the picture, and so on the points. */
 uint64_t iso_gl_pullpush_bytes(const iso_gl_engine *engine, iso_reconstruction reconstruction, int width,
                                int height);

@@ -33,6 +33,7 @@ typedef struct refined_draw {
     iso_projector projector;
     float slant;
     bool cull;
+    bool flat; /* curvatures are not used */
     int number;
 } refined_draw;
 
@@ -109,7 +110,7 @@ static void upload_uniforms(const refined_draw *d, const tile *t) {
                    (float)d->engine->max_point},
         .tile = {t->width, t->height, t->x, t->y},
         .picture = {view->width, view->height, d->number},
-        .flags = {view->orthographic, d->cull}};
+        .flags = {view->orthographic, d->cull, surface->has_colors}};
     float *steps[] = {u.step_x, u.step_y, u.step_z}, *normals[] = {u.normal_x, u.normal_y, u.normal_z};
     for (int k = 0; k < 3; k++) {
         for (int i = 0; i < 3; i++) steps[k][i] = (float)(p->matrix[3 * k + i] * voxels);
@@ -130,12 +131,24 @@ static bool is_visible(const refined_draw *d, const iso_point_block *block, cons
            block->row[0] + cy - reach <= t->height;
 }
 
+/* Whether all discs are flat. */
+static bool is_flat(const refined_draw *d) {
+    return d->flat || !d->surface->has_curvatures || d->surface->has_colors;
+}
+
+static bool is_filtered(const refined_draw *d, const iso_point_block *block) {
+    return is_flat(d) && iso_refined_is_filtered(block);
+}
+
 /* The per-instance data of a block. */
 static iso_gl_instance instance_of(const refined_draw *d, const iso_point_block *block) {
     const iso_projector *p = &d->projector;
     const double low = d->surface->surfels ? 0 : ISO_POINT_LOW;
-    iso_gl_instance to = {
-        .place = {[3] = d->surface->has_curvatures && block->radius[1] >= ISO_REFINED_FLAT_RADIUS}};
+    iso_gl_instance to = {.place = {[3] = 0}};
+    if (is_filtered(d, block))
+        to.place[3] = -1;
+    else if (!is_flat(d) && block->radius[1] >= ISO_REFINED_FLAT_RADIUS)
+        to.place[3] = 1;
     double at[3];
     for (int k = 0; k < 3; k++) at[k] = block->brick[k] * (double)ISO_BRICK + low;
     for (int k = 0; k < 3; k++) {
@@ -149,7 +162,8 @@ static iso_gl_instance instance_of(const refined_draw *d, const iso_point_block 
 /* Whether the largest disc of a block, drawn as a square of twice its reach, exceeds the driver's point
  * size. */
 static bool is_wide(const refined_draw *d, const iso_point_block *block) {
-    return 2.1 * iso_refined_largest_radius(block) * d->slant + 1 > d->engine->max_point;
+    const double beside = is_filtered(d, block) ? 2.1 * (double)ISO_REFINED_LOW_PASS : 0;
+    return 2.1 * iso_refined_largest_radius(block) * d->slant + beside + 1 > d->engine->max_point;
 }
 
 /* Lists the draw commands of the blocks that a tile shows, in memory of `room`. */
@@ -272,7 +286,7 @@ static iso_status draw_tile(const refined_draw *d, tile *t, iso_buffer *room, is
     return ISO_OK;
 }
 
-iso_status iso_gl_draw_refined(const iso_gl_surface *surface, const iso_view *view, int number,
+iso_status iso_gl_draw_refined(const iso_gl_surface *surface, const iso_view *view, int number, bool flat,
                                iso_buffer *room, iso_error *error) {
     iso_gl_engine *engine = surface->engine;
     const refined_draw d = {.engine = engine,
@@ -282,6 +296,7 @@ iso_status iso_gl_draw_refined(const iso_gl_surface *surface, const iso_view *vi
                             .projector = iso_projector_make(view, &surface->transform),
                             .slant = iso_refined_slant(view, engine->max_point / 2),
                             .cull = surface->closed && !surface->blocks->around_eye,
+                            .flat = flat,
                             .number = number};
     const int side = engine->max_side, width = view->width < side ? view->width : side;
     int height = SAMPLES_MOST / width;

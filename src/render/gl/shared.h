@@ -11,8 +11,10 @@
 #define ISO_GL_ORIGIN 4   /* vec3, per span of points: view space position of its brick's corner */
 #define ISO_GL_BRICK 5    /* ivec3, per span of triangles */
 #define ISO_GL_PLACE                                                                                         \
-    5 /* vec4, per block of points: index coordinates of its first step; 1: curvatures are used */
+    5 /* vec4, per block of points: index coordinates of its first step; 1: curvatures are used, 0: discs are  \
+         flat, -1: and filtered */
 #define ISO_GL_CURVATURE 6 /* ivec4: an iso_curvature */
+#define ISO_GL_COLOR 7     /* vec3: the point's colour, 0 .. 255 */
 /* Of lines and glyphs, per block or shape: the origin that positions are relative to (iso_shapes_origin). */
 #define ISO_GL_SHAPE_PIXEL 0 /* vec4: column, row; place in that pixel */
 #define ISO_GL_SHAPE_RAY 1   /* vec4: depth, and what the float leaves of it; slopes */
@@ -187,7 +189,7 @@
     ISO_GL_FLOATS(screen);                                                                                   \
     ISO_GL_INTS(tile);    /* width, height; the picture's pixel at its corner */                             \
     ISO_GL_INTS(picture); /* width, height, surface number */                                                \
-    ISO_GL_UINTS(flags);  /* orthographic; leave out back-facing points */
+    ISO_GL_UINTS(flags);  /* orthographic; leave out back-facing points; points have colours */
 
 /* std140. Drawing one surface by splats in a strip of the picture.
  *

@@ -117,7 +117,7 @@ static void describe_floats(const GladGLContext *gl, unsigned array, unsigned sl
     gl->VertexArrayAttribBinding(array, slot, binding);
 }
 
-enum { BIND_VERTICES, BIND_RADII, BIND_CURVATURES, BIND_SPANS };
+enum { BIND_VERTICES, BIND_RADII, BIND_COLORS, BIND_CURVATURES, BIND_SPANS };
 
 /* A vertex array for the surface's kind. divisor 0: a point is a vertex; 1: a point is an instance
  * (quads). */
@@ -137,6 +137,12 @@ static unsigned make_vertex_array(const GladGLContext *gl, const iso_gl_surface 
     if (surface->has_radii) {
         gl->VertexArrayBindingDivisor(array, BIND_RADII, divisor);
         describe_floats(gl, array, ISO_GL_RADIUS, BIND_RADII, 1, 0);
+    }
+    if (surface->has_colors) {
+        gl->VertexArrayBindingDivisor(array, BIND_COLORS, divisor);
+        gl->EnableVertexArrayAttrib(array, ISO_GL_COLOR);
+        gl->VertexArrayAttribFormat(array, ISO_GL_COLOR, 3, GL_UNSIGNED_BYTE, GL_FALSE, 0);
+        gl->VertexArrayAttribBinding(array, ISO_GL_COLOR, BIND_COLORS);
     }
     if (surface->has_curvatures) {
         gl->VertexArrayBindingDivisor(array, BIND_CURVATURES, divisor);
@@ -175,6 +181,8 @@ static void bind_buffers(const iso_gl_surface *surface, unsigned array) {
                                 floats ? sizeof(iso_surfel) : sizeof(iso_point));
     if (surface->has_radii)
         gl->VertexArrayVertexBuffer(array, BIND_RADII, surface->radii.name, 0, sizeof(float));
+    if (surface->has_colors)
+        gl->VertexArrayVertexBuffer(array, BIND_COLORS, surface->colors.name, 0, 3 * sizeof(uint8_t));
     if (surface->has_curvatures)
         gl->VertexArrayVertexBuffer(array, BIND_CURVATURES, surface->curvatures.name, 0,
                                     sizeof(iso_curvature));

@@ -40,7 +40,7 @@ typedef struct iso_gl_buffer {
 /* Per-instance data of points: the span or block that they belong to. */
 typedef struct iso_gl_instance {
     float origin[3]; /* view space position that the points' steps count from */
-    float place[4];  /* index coordinates of that position; 1: the points' curvatures are used */
+    float place[4];  /* index coordinates of that position; see ISO_GL_PLACE */
 } iso_gl_instance;
 
 /* Draw commands in OpenGL's layout (DrawArraysIndirectCommand, DrawElementsIndirectCommand). */

@@ -420,6 +420,17 @@ static iso_status draw_strips(pullpush_call *call, const iso_target *target, iso
     return ISO_OK;
 }
 
+static bool is_splats(iso_reconstruction reconstruction) {
+    return reconstruction == ISO_RECONSTRUCTION_FLAT || reconstruction == ISO_RECONSTRUCTION_ONEPASS ||
+           reconstruction == ISO_RECONSTRUCTION_EWA;
+}
+
+static iso_flat_discs flat_discs(iso_reconstruction reconstruction) {
+    return reconstruction == ISO_RECONSTRUCTION_ONEPASS ? ISO_FLAT_DISCS_ONEPASS
+           : reconstruction == ISO_RECONSTRUCTION_EWA   ? ISO_FLAT_DISCS_EWA
+                                                        : ISO_FLAT_DISCS_FILTERED;
+}
+
 static iso_status draw_surface(iso_pullpush *workspace, const iso_target *target,
                                const iso_point_view *points, iso_polygons *polygons,
                                iso_reconstruction reconstruction, iso_error *error) {
@@ -434,8 +445,9 @@ static iso_status draw_surface(iso_pullpush *workspace, const iso_target *target
     ISO_TRY(iso_point_blocks_make(call.blocks, points, &call.projector, target->pool, error));
     if (call.blocks->seen == 0 && !polygons) return ISO_OK;
     if (points->colors) ISO_TRY(iso_gbuffer_add_color(target->gbuffer, error));
-    if (reconstruction == ISO_RECONSTRUCTION_REFINED)
-        return iso_refined_draw(&workspace->refined, target, points, call.blocks, error);
+    if (reconstruction == ISO_RECONSTRUCTION_REFINED || is_splats(reconstruction))
+        return iso_refined_draw(&workspace->refined, target, points, call.blocks, flat_discs(reconstruction),
+                                error);
     return draw_strips(&call, target, error);
 }
 
@@ -443,8 +455,10 @@ iso_status iso_draw_pullpush(const iso_target *target, const iso_point_view *poi
                              const iso_pullpush_opts *opts, iso_error *error) {
     assert(target->view->width == target->gbuffer->width && target->view->height == target->gbuffer->height);
     iso_pullpush once = {0}, *workspace = opts && opts->workspace ? opts->workspace : &once;
-    iso_status status = draw_surface(workspace, target, points, NULL,
-                                     opts ? opts->reconstruction : ISO_RECONSTRUCTION_REFINED, error);
+    const iso_reconstruction reconstruction = opts ? opts->reconstruction : ISO_RECONSTRUCTION_REFINED;
+    iso_point_view flat = *points;
+    if (is_splats(reconstruction)) flat.curvatures = NULL;
+    iso_status status = draw_surface(workspace, target, &flat, NULL, reconstruction, error);
     iso_point_blocks_free(&once.blocks);
     iso_pyramid_free(&once.pyramid);
     iso_refined_free(&once.refined);

@@ -20,10 +20,15 @@ extern "C" {
 #endif
 
 typedef enum iso_reconstruction {
-    ISO_RECONSTRUCTION_REFINED, /* second-order discs (render/refined/refined.h); flat ones for points
-                                   with colours */
-    ISO_RECONSTRUCTION_BOX,     /* ellipses with equal weights (figure 4a) */
-    ISO_RECONSTRUCTION_GAUSSIAN /* with Gaussian ones (figure 4b) */
+    ISO_RECONSTRUCTION_REFINED,  /* second-order discs (render/refined/refined.h); points with colours or
+                                    without curvatures are drawn as by FLAT */
+    ISO_RECONSTRUCTION_BOX,      /* ellipses with equal weights (figure 4a) */
+    ISO_RECONSTRUCTION_GAUSSIAN, /* with Gaussian ones (figure 4b) */
+    /* Splats, without a pyramid: flat discs with Gaussian weights (iso_flat_discs in
+     * render/refined/refined.h). Curvatures are not used. */
+    ISO_RECONSTRUCTION_FLAT,
+    ISO_RECONSTRUCTION_ONEPASS,
+    ISO_RECONSTRUCTION_EWA
 } iso_reconstruction;
 
 /* Working memory that is reused from one picture to the next. For one call at a time. */

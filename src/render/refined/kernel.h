@@ -11,6 +11,7 @@
 #include "render/pullpush/pullpush.h"
 #include "render/raster/raster.h"
 #include "render/refined/refined_numbers.h"
+#include "render/refined/setup.h"
 
 /* The weighted sums of a pixel over the frontmost discs that its ray hits. Groups of four are stored
  * together; the values that are constant over a disc come first. */
@@ -95,6 +96,11 @@ enum {
     ISO_DISC_PIXEL,   /* mm per pixel at the centre's depth */
     ISO_DISC_SCALE,   /* pixels per mm there */
     ISO_DISC_PIXELS,  /* radius of a circle in the picture that contains the disc, pixels */
+    /* If discs are filtered: as FLAT_XX, XY and YY for the disc convolved with the filter; factor of weights */
+    ISO_DISC_SOFT_XX,
+    ISO_DISC_SOFT_XY,
+    ISO_DISC_SOFT_YY,
+    ISO_DISC_SHARE,
     ISO_DISC_VALUES
 };
 
@@ -123,8 +129,12 @@ typedef struct iso_refined_params {
     float per_length;   /* 1 / length of a unit normal after `normal`; 0: depends on the direction */
     float near;         /* depth of the near plane, mm */
     bool orthographic;
-    bool cull;           /* leave out back-facing points */
-    bool colored;        /* points have colours; they have no curvatures then */
+    bool cull;    /* leave out back-facing points */
+    bool colored; /* points have colours; they have no curvatures then */
+    /* Of flat discs (iso_flat_discs): */
+    bool filtered;       /* small discs are convolved with a low-pass filter; */
+    bool widened;        /* they then cover what the convolved discs cover, else what they cover themselves */
+    bool first;          /* the front of a pixel is its first disc, not the nearest */
     float voxels_per_mm; /* voxels per mm, at most */
     bool has_border;     /* discs are clipped at the grid's border: */
     float border[3];     /* index coordinates of its high corner; those of the low corner are 0 */
@@ -149,6 +159,10 @@ typedef struct iso_refined_patch {
     /* NULL, or the depths that the gbuffer had before, in the same order as `front`. Hits that are more than
      * their disc's thickness behind them are not added. */
     float *limit;
+    /* If discs are filtered: for pixels without a front, the nearest depth of the discs in their sums, which
+     * lie within ISO_REFINED_LOW_PASS pixels but do not cover the pixel. Such pixels are not drawn unless a
+     * disc that covers them is added later. ISO_NOWHERE: none. */
+    float *outer_front;
     /* Discs whose centres lie deeper than the value for their cell are hidden. NULL: none is known to be. */
     const float *hidden;
     iso_selection_counts *counts; /* what is looked at and drawn is added here */
@@ -174,6 +188,11 @@ typedef struct iso_refined_kernel {
 /* Whether the curvatures of a block's points are used: its discs are large enough to show them. */
 static inline bool iso_refined_use_curvature(const iso_refined_params *params, const iso_point_block *block) {
     return params->points->curvatures && !params->colored && block->radius[1] >= ISO_REFINED_FLAT_RADIUS;
+}
+
+/* Whether a block's discs are filtered. */
+static inline bool iso_refined_use_filter(const iso_refined_params *params, const iso_point_block *block) {
+    return params->filtered && iso_refined_is_filtered(block);
 }
 
 /* The kernel at an instruction set, or at the best below it that this build has. Never NULL. */

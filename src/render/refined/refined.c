@@ -108,6 +108,13 @@ static void set_up_params(refined_call *call, const iso_projector *projector) {
     set_up_border(params);
 }
 
+static void set_up_flat_discs(iso_refined_params *params, iso_flat_discs flat) {
+    if (params->points->curvatures && !params->colored) return;
+    params->first = flat == ISO_FLAT_DISCS_ONEPASS;
+    params->filtered = !params->first;
+    params->widened = flat == ISO_FLAT_DISCS_EWA;
+}
+
 static void choose_patches(refined_call *call) {
     const iso_view *view = call->params.target->view;
     call->across = (view->width + PATCH_WIDTH - 1) / PATCH_WIDTH;
@@ -129,6 +136,15 @@ static float largest_radius(const iso_point_view *points, float shared) {
     return largest;
 }
 
+/* The width of a pixel (mm) at the depth of the farthest point that is seen. */
+static float largest_pixel(const refined_call *call) {
+    const iso_point_block *block = call->blocks->blocks.data;
+    float depth = 0;
+    for (size_t i = 0; i < call->blocks->count; i++)
+        if (block[i].seen && block[i].depth[1] > depth) depth = block[i].depth[1];
+    return call->params.orthographic ? 1 / call->params.focal : depth * call->params.slope;
+}
+
 /* Chooses the cells: as large as the largest disc's radius, so that a disc lies in its centre's cell and
  * the eight around it. */
 static void set_up_occlusion(refined_call *call) {
@@ -145,6 +161,7 @@ static void set_up_occlusion(refined_call *call) {
     const float radius =
         largest_radius(call->params.points, call->params.radius) * (ISO_REFINED_BALL + ISO_REFINED_BALL_MORE);
     call->behind = (call->params.cull ? 2.6f : 4.1f) * radius;
+    if (call->params.filtered) call->behind += ISO_REFINED_LOW_PASS_DEPTH * largest_pixel(call);
 }
 
 /* The patches that a block's discs can cover. */
@@ -236,7 +253,7 @@ typedef struct tally {
 } tally;
 
 static size_t worker_bytes(const refined_call *call) {
-    return (call->pixels * (ISO_SUMS + 2) + 3 * (size_t)(call->wide * call->high)) * sizeof(float);
+    return (call->pixels * (ISO_SUMS + 3) + 3 * (size_t)(call->wide * call->high)) * sizeof(float);
 }
 
 /* Prepares patch `number` in the worker's memory. */
@@ -246,8 +263,9 @@ static drawing start_patch(const refined_call *call, size_t number, int worker) 
     const int x = (int)number % call->across * PATCH_WIDTH, y = (int)number / call->across * PATCH_HEIGHT;
     float *sums = (float *)((char *)call->workspace->memory.data + (size_t)worker * worker_bytes(call)),
           *front = sums + call->pixels * ISO_SUMS, *limit = front + call->pixels,
-          *hidden = limit + call->pixels;
+          *outer = limit + call->pixels, *hidden = outer + call->pixels;
     for (size_t i = 0; i < call->pixels; i++) front[i] = ISO_NOWHERE;
+    for (size_t i = 0; i < call->pixels && call->params.filtered; i++) outer[i] = ISO_NOWHERE;
     return (drawing){
         .patch = {.first = {x, y},
                   .last = {(x + PATCH_WIDTH < view->width ? x + PATCH_WIDTH : view->width) - 1,
@@ -258,6 +276,7 @@ static drawing start_patch(const refined_call *call, size_t number, int worker) 
                   .front = front,
                   .limit = limit,
                   .counts = &((tally *)call->workspace->tallies.data)[worker].counts,
+                  .outer_front = outer,
                   .shift = call->shift,
                   .cells = call->wide},
         .order = (const uint32_t *)call->workspace->order.data + start[number],
@@ -434,13 +453,14 @@ static void add_counts(iso_refined *workspace, const iso_point_view *points, siz
 }
 
 iso_status iso_refined_draw(iso_refined *workspace, const iso_target *target, const iso_point_view *points,
-                            const iso_point_blocks *blocks, iso_error *error) {
+                            const iso_point_blocks *blocks, iso_flat_discs flat, iso_error *error) {
     refined_call call = {.params = {.target = target, .points = points, .blocks = blocks->blocks.data},
                          .kernel = iso_refined_kernel_get(iso_cpu_best()),
                          .blocks = blocks,
                          .workspace = workspace};
     const iso_projector projector = iso_projector_make(target->view, &points->transform);
     set_up_params(&call, &projector);
+    set_up_flat_discs(&call.params, flat);
     choose_patches(&call);
     set_up_occlusion(&call);
     ISO_TRY(set_up_corners(&call, &projector, error));

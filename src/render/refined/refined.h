@@ -37,16 +37,30 @@
 #include "render/pullpush/pullpush.h"
 #include "render/raster/raster.h"
 
+/* How flat discs are filtered and averaged. */
+typedef enum iso_flat_discs {
+    /* As above, with a low-pass filter against aliasing: a small disc also adds to pixels whose centres are
+     * near its own (Botsch et al. 2005, section 4), but only to those that some disc covers, so that
+     * silhouettes do not grow. */
+    ISO_FLAT_DISCS_FILTERED,
+    /* Baerentzen and Christensen 2003, section 4.2: no filter; a disc is averaged with the first one of a
+     * pixel, rejected behind it, or replaces what is there. */
+    ISO_FLAT_DISCS_ONEPASS,
+    /* EWA splatting (Zwicker et al. 2001): the ellipse of a disc is convolved with the low-pass filter, which
+     * also decides which pixels it covers. */
+    ISO_FLAT_DISCS_EWA
+} iso_flat_discs;
+
 /* Working memory, reused from one picture to the next. Zero-initialise; free with iso_refined_free. */
 typedef struct iso_refined {
     iso_buffer corners, sorted, reached, order, start, memory, tallies;
     iso_selection_counts counts; /* of all calls */
 } iso_refined;
 
-/* Draws points into the gbuffer where they are nearer. `blocks`: made of the points for the target's view.
- * ISO_ERR_NOMEM. */
+/* Draws points into the gbuffer where they are nearer. `blocks`: made of the points for the target's view;
+ * `flat`: for points without curvatures or with colours, whose discs are flat. ISO_ERR_NOMEM. */
 iso_status iso_refined_draw(iso_refined *workspace, const iso_target *target, const iso_point_view *points,
-                            const iso_point_blocks *blocks, iso_error *error);
+                            const iso_point_blocks *blocks, iso_flat_discs flat, iso_error *error);
 void iso_refined_free(iso_refined *workspace);
 
 #endif

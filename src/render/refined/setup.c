@@ -19,6 +19,10 @@ float iso_refined_largest_radius(const iso_point_block *block) {
     return radius * (ISO_REFINED_BALL + fminf(fmaxf(wide, 0), 1) * ISO_REFINED_BALL_MORE);
 }
 
+bool iso_refined_is_filtered(const iso_point_block *block) {
+    return block->radius[0] * (ISO_REFINED_BALL / ISO_DISC_RADII) < ISO_REFINED_LOW_PASS_RADIUS;
+}
+
 float iso_refined_voxels_per_mm(const float normal[9]) {
     const float *m = normal;
     float most = 0;

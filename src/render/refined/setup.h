@@ -16,6 +16,9 @@ float iso_refined_slant(const iso_view *view, double beyond);
 /* The largest projected radius of a block's discs, pixels. */
 float iso_refined_largest_radius(const iso_point_block *block);
 
+/* Whether flat discs of a block are filtered (ISO_REFINED_LOW_PASS). */
+bool iso_refined_is_filtered(const iso_point_block *block);
+
 /* Voxels per mm along the axis with the smallest spacing; `normal` of an iso_projector. */
 float iso_refined_voxels_per_mm(const float normal[9]);
 

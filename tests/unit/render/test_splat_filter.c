@@ -1,0 +1,230 @@
+/* Flat discs: their low-pass filter against aliasing, on a zone plate of a million coloured surfels, against the
+ * mean of the analytic pattern over each pixel; and that it makes no silhouette grow. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "extract/points/points.h"
+#include "scene_support.h"
+
+/* ---- the zone plate: concentric rings of a plane through (0, 0, DISTANCE), tilted around the x axis */
+
+enum { SIDE = 1000, TILE = 20, DISTANCE = 5000, PICTURE = 200, STEPS = 3 };
+
+typedef struct plate {
+    iso_surfel *surfels;
+    uint8_t (*colors)[3];
+    iso_point_span spans[SIDE / TILE * (SIDE / TILE)];
+    double cosine, sine; /* of the tilt */
+    iso_point_view points;
+} plate;
+
+/* The brightness at a position in the plane, mm. Rings are half a mm wide, as surfels are far apart, at 500 mm. */
+static double brightness(double x, double y) {
+    return 127.5 + 127.5 * cos(ISO_PI * (x * x + y * y) / SIDE);
+}
+
+static void add_surfel(plate *p, size_t i, double x, double y) {
+    p->surfels[i] = (iso_surfel){{(float)x, (float)(y * p->cosine), (float)(DISTANCE + y * p->sine)},
+                                 {0, (float)p->sine, (float)-p->cosine}};
+    memset(p->colors[i], (int)(brightness(x, y) + 0.5), 3);
+}
+
+/* Surfels 1 mm apart. */
+static plate *make_plate(double tilt) {
+    plate *p = calloc(1, sizeof *p);
+    assert_non_null(p);
+    p->surfels = calloc(SIDE * SIDE, sizeof *p->surfels);
+    p->colors = calloc(SIDE * SIDE, sizeof *p->colors);
+    assert_true(p->surfels && p->colors);
+    p->cosine = cos(tilt);
+    p->sine = sin(tilt);
+    size_t count = 0, span = 0;
+    for (int top = 0; top < SIDE; top += TILE)
+        for (int left = 0; left < SIDE; left += TILE) {
+            p->spans[span++] = (iso_point_span){.count = TILE * TILE, .first = count};
+            for (int i = 0; i < TILE * TILE; i++)
+                add_surfel(p, count++, left + i % TILE + 0.5 - SIDE / 2.0, top + i / TILE + 0.5 - SIDE / 2.0);
+        }
+    p->points = (iso_point_view){.surfels = p->surfels,
+                                 .colors = (const uint8_t(*)[3])p->colors,
+                                 .spans = p->spans,
+                                 .span_count = span,
+                                 .transform = iso_transform_identity(),
+                                 .radius = sqrt(0.5)};
+    return p;
+}
+
+static void free_plate(plate *p) {
+    free(p->surfels);
+    free(p->colors);
+    free(p);
+}
+
+/* Returns the mean brightness of a pixel, of 64 rays; below 0 when some miss the plate. */
+static double pixel_brightness(const plate *p, const iso_view *view, int column, int row) {
+    double sum = 0;
+    for (int i = 0; i < 64; i++) {
+        const double u = (column + (i % 8 + 0.5) / 8 - view->cx) / view->focal,
+                     v = (row + (i / 8 + 0.5) / 8 - view->cy) / view->focal;
+        const double z = view->orthographic ? 1 : DISTANCE / (1 - v * p->sine / p->cosine), x = u * z,
+                     y = v * z / p->cosine;
+        if (!(fabs(x) < SIDE / 2.0 - 2 && fabs(y) < SIDE / 2.0 - 2)) return -1;
+        sum += brightness(x, y);
+    }
+    return sum / 64;
+}
+
+/* How far pictures are from the truth, and how much that changes when the picture moves by a quarter of a pixel:
+ * root mean squares, of 255. */
+typedef struct errors {
+    double all, flicker;
+} errors;
+
+static iso_view view_of_step(const plate *p, double pixels, bool orthographic, int step) {
+    iso_view view = test_plain_view(PICTURE, PICTURE, orthographic, pixels * (orthographic ? 1 : DISTANCE));
+    view.cx = PICTURE / 2.0 - 200 * pixels + 0.25 * step;
+    view.cy = PICTURE / 2.0 - 120 * pixels * p->cosine + 0.175 * step;
+    return view;
+}
+
+static errors measure(const plate *p, double pixels, bool orthographic, iso_reconstruction reconstruction) {
+    static double error[STEPS][PICTURE * PICTURE];
+    errors e = {0, 0};
+    size_t count = 0, pairs = 0;
+    for (int step = 0; step < STEPS; step++) {
+        const iso_view view = view_of_step(p, pixels, orthographic, step);
+        iso_gbuffer g = test_drawn(&view, &p->points, &(iso_pullpush_opts){reconstruction, NULL}, NULL);
+        for (int i = 0; i < PICTURE * PICTURE; i++) {
+            const double truth = pixel_brightness(p, &view, i % PICTURE, i / PICTURE);
+            error[step][i] = NAN;
+            if (truth < 0) continue;
+            assert_true(g.surface[i] != ISO_SURFACE_NONE); /* no holes */
+            error[step][i] = (double)(g.color[i] & 255) - truth;
+            e.all += error[step][i] * error[step][i];
+            count++;
+            if (!step || isnan(error[step - 1][i])) continue;
+            const double change = error[step][i] - error[step - 1][i];
+            e.flicker += change * change;
+            pairs++;
+        }
+        iso_gbuffer_free(&g);
+    }
+    assert_true(count > STEPS * PICTURE * PICTURE / 16);
+    return (errors){sqrt(e.all / (double)count), sqrt(e.flicker / (double)pairs)};
+}
+
+/* Surfels of a quarter of a pixel to one, seen from the front or tilted. */
+static void zone_plates_are_filtered(void **state) {
+    (void)state;
+    static const double tilts[] = {0, 60, 80}, pixels[] = {0.25, 0.5, 1};
+    double gain = 0;
+    int cases = 0;
+    for (int t = 0; t < 3; t++) {
+        plate *p = make_plate(tilts[t] * ISO_PI / 180);
+        for (int z = 0; z < 3; z++) {
+            if (t < 2 && z == 2) continue; /* discs a pixel apart: little to filter */
+            const bool orthographic = (t + z) % 2;
+            const errors plain = measure(p, pixels[z], orthographic, ISO_RECONSTRUCTION_ONEPASS),
+                         filtered = measure(p, pixels[z], orthographic, ISO_RECONSTRUCTION_FLAT);
+            const double decibel = 20 * log10(plain.all / filtered.all),
+                         change = filtered.flicker / plain.flicker;
+            printf("tilt %.0f, %.2f pixels: %.1f dB, %.1f better; flicker %.2f\n", tilts[t], pixels[z],
+                   20 * log10(255 / filtered.all), decibel, change);
+            assert_true(decibel > 8 && change < 1.0 / 3);
+            gain += decibel;
+            cases++;
+        }
+        free_plate(p);
+    }
+    assert_true(gain / cases > 13);
+}
+
+/* ---- silhouettes, and the same bytes everywhere */
+
+static const iso_reconstruction ways[] = {ISO_RECONSTRUCTION_FLAT, ISO_RECONSTRUCTION_ONEPASS,
+                                          ISO_RECONSTRUCTION_EWA};
+
+static size_t count_samples(const iso_gbuffer *g) {
+    size_t count = 0;
+    for (size_t i = 0; i < (size_t)g->width * (size_t)g->height; i++)
+        count += g->surface[i] != ISO_SURFACE_NONE;
+    return count;
+}
+
+/* The filter covers the pixels that discs cover without it; EWA's covers more. */
+static void silhouettes_do_not_grow(void **state) {
+    (void)state;
+    static const char *const names[] = {"sphere", "gyroid", "head"};
+    static const double zooms[] = {0.15, 0.6, 2};
+    for (int n = 0; n < 9; n++) {
+        test_scene s = test_scene_make(names[n % 3], 48, &(iso_points_opts){0}, true);
+        const iso_view view = test_look_at(&s, n, zooms[n / 3], n % 2, 120, 110);
+        iso_gbuffer g[3];
+        for (int k = 0; k < 3; k++)
+            g[k] = test_drawn(&view, &s.points, &(iso_pullpush_opts){ways[k], NULL}, NULL);
+        assert_true(count_samples(&g[0]) > 20);
+        assert_memory_equal(g[0].surface, g[1].surface, (size_t)view.width * (size_t)view.height);
+        assert_true(count_samples(&g[2]) > count_samples(&g[0]));
+        for (int k = 0; k < 3; k++) iso_gbuffer_free(&g[k]);
+        test_scene_free(&s);
+    }
+}
+
+static void same_bytes_everywhere(void **state) {
+    (void)state;
+    static const double zooms[] = {0.3, 1, 3, 12};
+    for (int n = 0; n < 12; n++) {
+        test_scene s =
+            test_scene_make(n % 2 ? "gyroid" : "head", 40, &(iso_points_opts){.curvature = true}, true);
+        const size_t count = iso_point_view_count(&s.points);
+        uint8_t(*colors)[3] = calloc(count, sizeof *colors);
+        assert_non_null(colors);
+        for (size_t i = 0; i < count; i++)
+            for (size_t k = 0; k < 3; k++) colors[i][k] = (uint8_t)(i * (k + 3) / 5);
+        if (n % 4 > 1) s.points.colors = (const uint8_t(*)[3])colors;
+        if (n / 2 % 2) s.points.closed = false;
+        const iso_view view = test_look_at(&s, n, zooms[n / 3], n % 3 == 1, 131, 143);
+        const iso_pullpush_opts opts = {ways[n % 3], NULL};
+        iso_gbuffer whole = test_drawn(&view, &s.points, &opts, NULL);
+        assert_true(count_samples(&whole) > 100);
+        test_every_variant(&view, &s.points, &opts, &whole);
+        test_every_strip(&view, &s.points, &opts, &whole);
+        iso_gbuffer_free(&whole);
+        free(colors);
+        test_scene_free(&s);
+    }
+}
+
+/* Points without curvatures. */
+static void refined_draws_flat_points_as_flat(void **state) {
+    (void)state;
+    test_scene s = test_scene_make("sphere", 40, &(iso_points_opts){0}, true);
+    for (int n = 0; n < 3; n++) {
+        const iso_view view = test_look_at(&s, n, 1 + 4 * n, false, 150, 140);
+        iso_gbuffer a = test_drawn(&view, &s.points, &(iso_pullpush_opts){ISO_RECONSTRUCTION_REFINED, NULL},
+                                   NULL),
+                    b = test_drawn(&view, &s.points, &(iso_pullpush_opts){ISO_RECONSTRUCTION_FLAT, NULL},
+                                   NULL);
+        test_same_rows(&a, 0, &b);
+        iso_gbuffer_free(&a);
+        iso_gbuffer_free(&b);
+    }
+    test_scene_free(&s);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(zone_plates_are_filtered),
+        cmocka_unit_test(silhouettes_do_not_grow),
+        cmocka_unit_test(same_bytes_everywhere),
+        cmocka_unit_test(refined_draws_flat_points_as_flat),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
