@@ -388,7 +388,8 @@ static const iso_option options[] = {
      "bins of depth in which splats are compared (eq. 6 of the paper) instead of by their own depths",
      .group = PICTURE, INT(group_bins, 1, 1 << 20)},
     {"lod", NULL, "PIXELS",
-     "levels of detail for pullpush: where points are closer together than about two times PIXELS, fewer are "
+     "levels of detail for pullpush and splats: where points are closer together than about two times "
+     "PIXELS, fewer are "
      "drawn, each the mean of several; for turntables of many points; 0: all points are drawn",
      .group = PICTURE, .standard = "1 if there are so many pictures that it saves time, else 0",
      REAL(lod, 0, 1000)},

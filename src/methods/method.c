@@ -238,17 +238,18 @@ static const iso_renderer METHODS[] = {
      draw_gaussian},
     {ISO_METHOD_PULLPUSH, "pullpush", "pull-push, curved discs", POINTS, draw_refined},
     {ISO_METHOD_SPLATS, "splats", "splats in groups, one pass (2006)", POINTS | GROUPS, draw_splats},
-    {ISO_METHOD_SPLATS_FLAT, "splats-flat", "splats, flat discs", POINTS, draw_flat},
-    {ISO_METHOD_SPLATS_ONEPASS, "splats-onepass", "splats, front to back (2003)", POINTS, draw_onepass},
-    {ISO_METHOD_SPLATS_EWA, "splats-ewa", "splats, EWA filter", POINTS, draw_ewa},
     {ISO_METHOD_MESH, "mesh", "Marching Cubes mesh", MESH, draw_mesh},
     {ISO_METHOD_EXACT, "exact", "the trilinear surface, cell by cell", CELLS, draw_exact},
 };
 
-/* Not in the list of what is compared: where cells are small it is pullpush-gaussian, where they are large it
- * is mesh. */
-static const iso_renderer HYBRID = {ISO_METHOD_HYBRID, "hybrid", "points and triangles (2008)", POINTS | MESH,
-                                    draw_hybrid};
+/* Not in the list of what is compared. Where cells are small hybrid is pullpush-gaussian, where they are large it is
+ * mesh; flat discs are pullpush without curvatures, which is for points of files. */
+static const iso_renderer OTHERS[] = {
+    {ISO_METHOD_HYBRID, "hybrid", "points and triangles (2008)", POINTS | MESH, draw_hybrid},
+    {ISO_METHOD_SPLATS_FLAT, "splats-flat", "splats, flat discs", POINTS, draw_flat},
+    {ISO_METHOD_SPLATS_ONEPASS, "splats-onepass", "splats, front to back (2003)", POINTS, draw_onepass},
+    {ISO_METHOD_SPLATS_EWA, "splats-ewa", "splats, EWA filter", POINTS, draw_ewa},
+};
 
 static const iso_renderer TRUTH = {ISO_METHOD_RAYCAST, "raycast", "rays through the trilinear field", CASTER,
                                    draw_raycast};
@@ -264,9 +265,10 @@ const iso_renderer *iso_renderer_truth(void) {
 
 const iso_renderer *iso_renderer_get(iso_method method) {
     if (method == TRUTH.method) return &TRUTH;
-    if (method == HYBRID.method) return &HYBRID;
     for (size_t i = 0; i < sizeof METHODS / sizeof *METHODS; i++)
         if (METHODS[i].method == method) return &METHODS[i];
+    for (size_t i = 0; i < sizeof OTHERS / sizeof *OTHERS; i++)
+        if (OTHERS[i].method == method) return &OTHERS[i];
     return NULL;
 }
 
