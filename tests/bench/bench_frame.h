@@ -44,7 +44,6 @@ struct bench_frame {
     struct iso_pullpush *pullpush;  /* owned */
     iso_lod lod;                    /* owned, as is the cut */
     iso_lod_cut cut;
-    struct bench_gl *gl;  /* the plan's */
     uint8_t (*colors)[3]; /* of the points; owned */
     struct bench_gl *gl;  /* the plan's */
     struct bench_gl_frame *gl_frame;
