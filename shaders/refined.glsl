@@ -10,13 +10,12 @@ bool orthographic = flags.x != 0u, culled = flags.y != 0u, colored = flags.z != 
     flat vec4 centre;  /* column and row, pixels; z and the ball's radius, mm */                             \
     flat vec4 facing;  /* normal of the quadric, with its tilt; 1, or -1: it was flipped towards the eye */  \
     flat vec3 lit;     /* the point's unit normal, for shading */                                            \
-    flat vec4 entries; /* of the shape operator, 1 / mm: xx, xy, xz, yy; if points have colours, the colour */ \
+    flat vec4 entries; /* of the shape operator, 1 / mm: xx, xy, xz, yy; or the point's colour */            \
     flat vec4 rest;    /* yz, zz; squared norm; 1: rays must not be taken as parallel */                     \
     flat vec4 along;   /* for a ray of direction d at offset q: n.d + q.Sd = x + dot(yz, q.xy), d.Sd = w */  \
     flat vec4 low;     /* box, voxels from the centre: low corner; columns on each side of the centre */   \
     flat vec4 high;    /* high corner; rows on each side of the centre */                                    \
-    flat vec4 soft     /* filtered discs: distance of the convolved disc, see render/refined/disc.inc; factor \
-                          of weights. Else 0. */
+    flat vec4 soft     /* filtered discs: SOFT_XX, XY, YY and SHARE of render/refined/kernel.h, else 0 */
 
 /* The shape operator from its entries xx, xy, xz, yy and yz, zz. */
 mat3 shape_operator(vec4 entries, vec4 rest) {

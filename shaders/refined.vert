@@ -123,7 +123,8 @@ void main() {
     vec2 reach = reach_of(view_normal, ray.xy, radius, square) * scale;
     soft = vec4(0.0);
     if (place.w < 0.0) {
-        soft = convolved(view_normal, orthographic ? vec2(0.0) : ray.xy, facing_away, 1.0 / (scale * scale * radius * radius));
+        soft = convolved(view_normal, orthographic ? vec2(0.0) : ray.xy, facing_away,
+                         1.0 / (scale * scale * radius * radius));
         reach = sqrt(reach * reach + ISO_REFINED_LOW_PASS * ISO_REFINED_LOW_PASS);
     }
     bool near = !orthographic && radius > at.z * ISO_REFINED_EXACT;

@@ -90,7 +90,7 @@ typedef struct isorender_settings {
     int gaussians;      /* --method gaussians: the points of the file are drawn as 3-D Gaussians; `method` is
                            ISORENDER_METHOD_UNCHOSEN then */
     int lighting;       /* iso_lighting */
-    int reconstruction; /* iso_reconstruction; of splats FLAT, ONEPASS, EWA or ISORENDER_RECONSTRUCTION_GROUPS,
+    int reconstruction; /* iso_reconstruction; of splats FLAT, ONEPASS, EWA or _GROUPS;
                            for files of points without --method REFINED, which is then FLAT */
     int one_pyramid;    /* of pullpush and hybrid */
     /* Of splats: iso_groups_opts, and iso_splats_opts.bins. 0: not given. */

@@ -242,8 +242,8 @@ static const iso_renderer METHODS[] = {
     {ISO_METHOD_EXACT, "exact", "the trilinear surface, cell by cell", CELLS, draw_exact},
 };
 
-/* Not in the list of what is compared. Where cells are small hybrid is pullpush-gaussian, where they are large it is
- * mesh; flat discs are pullpush without curvatures, which is for points of files. */
+/* Not in the list of what is compared. Where cells are small hybrid is pullpush-gaussian, where they are
+ * large it is mesh; flat discs are pullpush without curvatures, which is for points of files. */
 static const iso_renderer OTHERS[] = {
     {ISO_METHOD_HYBRID, "hybrid", "points and triangles (2008)", POINTS | MESH, draw_hybrid},
     {ISO_METHOD_SPLATS_FLAT, "splats-flat", "splats, flat discs", POINTS, draw_flat},

@@ -187,8 +187,8 @@ static void points_have_radii_of_their_own(iso_gl_engine *engine) {
     free_many(&m);
 }
 
-/* With radii and without; in windows of points and strips of the picture, which begin at any byte of a word.
- */
+/* With radii and without; in windows of points and strips of the picture, which begin at any byte of a
+ * word. */
 static void points_have_colours_of_their_own(iso_gl_engine *engine) {
     many_points m;
     make_many(&m);
@@ -208,8 +208,8 @@ static void points_have_colours_of_their_own(iso_gl_engine *engine) {
     free_many(&m);
 }
 
-/* Flat discs with colours and radii, small ones, which are filtered, and large ones; of points with curvatures,
- * which are not used. */
+/* Flat discs with colours and radii, small ones, which are filtered, and large ones; of points with
+ * curvatures, which are not used. */
 static void coloured_discs_look_as_from_the_cpu(iso_gl_engine *engine) {
     static const char *const names[] = {"sphere", "gyroid"};
     static const int sizes[] = {48, 160};

@@ -1,4 +1,5 @@
-/* refined_reference: for every pixel, intersects its ray with the discs of all points in double precision. */
+/* refined_reference: for every pixel, intersects its ray with the discs of all points in double precision.
+ */
 #include "refined_reference.h"
 
 #include <math.h>
@@ -13,8 +14,8 @@ typedef struct disc {
     double low[3], high[3];              /* the box it is clipped to: index axes, voxels from its centre */
     bool turned;
     const uint8_t *rgb; /* NULL: points have no colours */
-    /* Of filtered discs, whose share is above 0: the convolved disc covers offsets of (x, y) pixels where soft[0]
-     * x^2 + soft[1] x y + soft[2] y^2 < 1; factor of its weights. */
+    /* Of filtered discs, whose share is above 0: the convolved disc covers offsets of (x, y) pixels where
+     * soft[0] x^2 + soft[1] x y + soft[2] y^2 < 1; factor of its weights. */
     double soft[3], share;
 } disc;
 
@@ -105,7 +106,8 @@ static bool is_in_box(const iso_projector *projector, const disc *d, const doubl
     return true;
 }
 
-/* The squared length in voxels of a step in view space, as if voxels were cubes with the largest spacing. */
+/* The squared length in voxels of a step in view space, as if voxels were cubes with the largest spacing.
+ */
 static double square_in_voxels(const iso_projector *projector, const double q[3]) {
     double sum = 0, least = INFINITY;
     for (int k = 0; k < 3; k++) {
@@ -116,8 +118,8 @@ static double square_in_voxels(const iso_projector *projector, const double q[3]
     return sum / least;
 }
 
-/* The squared distance, in radii, of the flat disc's centre from the hit of a ray (x, y) pixels beside it, parallel
- * to that of its centre. */
+/* The squared distance, in radii, of the flat disc's centre from the hit of a ray (x, y) pixels beside it,
+ * parallel to that of its centre. */
 static double distance_beside(const iso_projector *projector, const disc *d, double x, double y) {
     const iso_view *view = projector->view;
     const double mm = (view->orthographic ? 1 : d->at[2]) / view->focal;
@@ -129,7 +131,8 @@ static double distance_beside(const iso_projector *projector, const disc *d, dou
     return square_in_voxels(projector, q) / (d->radius * d->radius);
 }
 
-/* Convolves a flat disc with a Gaussian that is exp(-2) at 0.6 pixels: adds the matrices of both ellipses. */
+/* Convolves a flat disc with a Gaussian that is exp(-2) at 0.6 pixels: adds the matrices of both ellipses.
+ */
 static void convolve(const iso_projector *projector, disc *d) {
     const double f = 0.6 * 0.6, xx = distance_beside(projector, d, 1, 0),
                  yy = distance_beside(projector, d, 0, 1),
@@ -222,7 +225,8 @@ static int nearest_first(const void *a, const void *b) {
     return (x->depth > y->depth) - (x->depth < y->depth);
 }
 
-/* Sets a sample to the weighted means of the hits in front that face the same side: the eye, if any does. */
+/* Sets a sample to the weighted means of the hits in front that face the same side: the eye, if any does.
+ */
 static void resolve_sample(const hit *hits, size_t count, const iso_projector *projector, bool cull,
                            size_t at, iso_gbuffer *g) {
     size_t first = 0;

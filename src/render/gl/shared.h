@@ -11,8 +11,7 @@
 #define ISO_GL_ORIGIN 4   /* vec3, per span of points: view space position of its brick's corner */
 #define ISO_GL_BRICK 5    /* ivec3, per span of triangles */
 #define ISO_GL_PLACE                                                                                         \
-    5 /* vec4, per block of points: index coordinates of its first step; 1: curvatures are used, 0: discs are  \
-         flat, -1: and filtered */
+    5 /* vec4, per block: index coordinates of its first step; 1: curved discs, 0: flat, -1: filtered flat */
 #define ISO_GL_CURVATURE 6 /* ivec4: an iso_curvature */
 #define ISO_GL_COLOR 7     /* vec3: the point's colour, 0 .. 255 */
 /* Of lines and glyphs, per block or shape: the origin that positions are relative to (iso_shapes_origin). */

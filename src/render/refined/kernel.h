@@ -1,8 +1,8 @@
-/* kernel: the steps of the refined reconstruction (render/refined/refined.h) on a patch of the picture, once
- * per instruction set. Internal to render.
+/* kernel: the steps of the refined reconstruction (render/refined/refined.h) on a patch of the picture,
+ * once per instruction set. Internal to render.
  *
- * A pixel's value depends on the points and the view alone, not on the division into patches: discs are added
- * in the order of their blocks, and within a block in the order of its points. */
+ * A pixel's value depends on the points and the view alone, not on the division into patches: discs are
+ * added in the order of their blocks, and within a block in the order of its points. */
 #ifndef ISO_RENDER_REFINED_KERNEL_H
 #define ISO_RENDER_REFINED_KERNEL_H
 
@@ -77,9 +77,9 @@ enum {
     ISO_DISC_BX,
     ISO_DISC_BY,
     ISO_DISC_A,
-    /* In the same places for flat discs: the ray through the pixel at (x, y) pixels from the centre hits the
-     * disc X x + Y y mm behind the centre, at a squared distance from it of XX x^2 + XY x y + YY y^2 squared
-     * radii. */
+    /* In the same places for flat discs: the ray through the pixel at (x, y) pixels from the centre hits
+     * the disc X x + Y y mm behind the centre, at a squared distance from it of XX x^2 + XY x y + YY y^2
+     * squared radii. */
     ISO_DISC_FLAT_XX = ISO_DISC_B0,
     ISO_DISC_FLAT_X = ISO_DISC_BX,
     ISO_DISC_FLAT_Y = ISO_DISC_BY,
@@ -96,7 +96,8 @@ enum {
     ISO_DISC_PIXEL,   /* mm per pixel at the centre's depth */
     ISO_DISC_SCALE,   /* pixels per mm there */
     ISO_DISC_PIXELS,  /* radius of a circle in the picture that contains the disc, pixels */
-    /* If discs are filtered: as FLAT_XX, XY and YY for the disc convolved with the filter; factor of weights */
+    /* If discs are filtered: as FLAT_XX, XY and YY for the disc convolved with the filter; factor of
+     * weights */
     ISO_DISC_SOFT_XX,
     ISO_DISC_SOFT_XY,
     ISO_DISC_SOFT_YY,
@@ -156,14 +157,15 @@ typedef struct iso_refined_patch {
     bool flat;             /* all discs are flat: single pixels have ISO_FLAT_SUMS sums */
     float *sums;           /* ISO_SUMS or ISO_FLAT_SUMS for each pixel, or ISO_SUMS vectors for each tile */
     float *front;          /* nearest depth of each pixel, in the same order; ISO_NOWHERE: no disc so far */
-    /* NULL, or the depths that the gbuffer had before, in the same order as `front`. Hits that are more than
-     * their disc's thickness behind them are not added. */
+    /* NULL, or the depths that the gbuffer had before, in the same order as `front`. Hits that are more
+     * than their disc's thickness behind them are not added. */
     float *limit;
-    /* If discs are filtered: for pixels without a front, the nearest depth of the discs in their sums, which
-     * lie within ISO_REFINED_LOW_PASS pixels but do not cover the pixel. Such pixels are not drawn unless a
-     * disc that covers them is added later. ISO_NOWHERE: none. */
+    /* If discs are filtered: for pixels without a front, the nearest depth of the discs in their sums,
+     * which lie within ISO_REFINED_LOW_PASS pixels but do not cover the pixel. Such pixels are not drawn
+     * unless a disc that covers them is added later. ISO_NOWHERE: none. */
     float *outer_front;
-    /* Discs whose centres lie deeper than the value for their cell are hidden. NULL: none is known to be. */
+    /* Discs whose centres lie deeper than the value for their cell are hidden. NULL: none is known to be.
+     */
     const float *hidden;
     iso_selection_counts *counts; /* what is looked at and drawn is added here */
     int shift, cells;             /* a cell is a square of 2^shift pixels a side; number of cells in a row */

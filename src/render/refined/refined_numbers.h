@@ -1,4 +1,5 @@
-/* refined_numbers: the constants of the refined reconstruction (render/refined/refined.h), for C and GLSL. */
+/* refined_numbers: the constants of the refined reconstruction (render/refined/refined.h), for C and GLSL.
+ */
 #ifndef ISO_RENDER_REFINED_REFINED_NUMBERS_H
 #define ISO_RENDER_REFINED_REFINED_NUMBERS_H
 
@@ -25,21 +26,21 @@
 /* Square of the cosine between ray and normal. A back-facing disc with a smaller one is nearly edge-on and
  * may be visible because of its curvature. */
 #define ISO_REFINED_BACK_FACING 0.04f
-/* Radius / depth above which a disc is intersected with each pixel's own ray. For smaller discs all rays are
- * taken as parallel to the ray through the disc's centre. */
+/* Radius / depth above which a disc is intersected with each pixel's own ray. For smaller discs all rays
+ * are taken as parallel to the ray through the disc's centre. */
 #define ISO_REFINED_EXACT 0.02f
 /* The same for flat discs. */
 #define ISO_REFINED_FLAT_EXACT 0.001f
 /* A disc is averaged with the front when it lies behind it by less than this, in radii of the disc. */
 #define ISO_REFINED_THICKNESS 1.5f
 
-/* The low-pass filter against aliasing of flat discs: a Gaussian that is cut off at LOW_PASS pixels, where it is
- * exp(-2); its standard deviation is half of that. Blocks whose discs all have a radius of LOW_PASS_RADIUS pixels
- * or more are not filtered: it would change nothing that can be seen. */
+/* The low-pass filter against aliasing of flat discs: a Gaussian that is cut off at LOW_PASS pixels, where
+ * it is exp(-2); its standard deviation is half of that. Blocks whose discs all have a radius of
+ * LOW_PASS_RADIUS pixels or more are not filtered: it would change nothing that can be seen. */
 #define ISO_REFINED_LOW_PASS 0.6f
 #define ISO_REFINED_LOW_PASS_RADIUS 5.0f
-/* Pixels: a pixel's ray hits the plane of a filtered disc at most the disc's radius and this before or behind the
- * disc's centre. */
+/* Pixels: a pixel's ray hits the plane of a filtered disc at most the disc's radius and this before or
+ * behind the disc's centre. */
 #define ISO_REFINED_LOW_PASS_DEPTH 4.0f
 
 /* The weight exp(-2 q), 0 <= q < 1, within 0.0025: coefficients of 1 + GAUSS_1 q + GAUSS_2 q^2 + GAUSS_3

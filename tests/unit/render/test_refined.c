@@ -1,5 +1,5 @@
-/* The refined reconstruction: against a plain one in double precision that knows nothing of patches, vectors
- * and hiding, against surfaces that are known, and against itself. */
+/* The refined reconstruction: against a plain one in double precision that knows nothing of patches,
+ * vectors and hiding, against surfaces that are known, and against itself. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -140,8 +140,9 @@ static bool is_same_color(uint32_t a, uint32_t b, int levels) {
     return a >> 24 == b >> 24;
 }
 
-/* What may differ: pixels where rounding decides, and where surfaces within a thickness come in an order. If discs
- * are `filtered`, those that come before the front of a pixel and beside it may be missing in its means. */
+/* What may differ: pixels where rounding decides, and where surfaces within a thickness come in an order.
+ * If discs are `filtered`, those that come before the front of a pixel and beside it may be missing in its
+ * means. */
 static void like_reference(const iso_view *view, const iso_point_view *points, bool filtered, double most) {
     const float depth = (filtered ? 1.0f : 0.01f) * (float)points->radius;
     const int levels = filtered ? 8 : 1;
@@ -247,9 +248,9 @@ static iso_point_span *scatter_blocks(cloud *c) {
     return spans;
 }
 
-/* The same in a picture that has more columns and rows on every side, so that the seams of patches, which are
- * at columns 128 and rows 64, lie elsewhere, and its own sides do not matter: but for where rounding decides.
- * Returns the samples that it covers. */
+/* The same in a picture that has more columns and rows on every side, so that the seams of patches, which
+ * are at columns 128 and rows 64, lie elsewhere, and its own sides do not matter: but for where rounding
+ * decides. Returns the samples that it covers. */
 static size_t same_when_moved(const iso_view *view, const iso_point_view *points) {
     enum { COLUMNS = 53, ROWS = 29 };
     iso_view more = *view;
@@ -275,8 +276,8 @@ static size_t same_when_moved(const iso_view *view, const iso_point_view *points
     return seen;
 }
 
-/* Discs that reach over seams. They are flat, and of directions so different that none can be missing: those
- * that lie in their surface are hardly missed. */
+/* Discs that reach over seams. They are flat, and of directions so different that none can be missing:
+ * those that lie in their surface are hardly missed. */
 static void seams_do_not_show(void **state) {
     (void)state;
     cloud *c = make_sphere(RADIUS);
@@ -293,8 +294,8 @@ static void seams_do_not_show(void **state) {
     free_cloud(c);
 }
 
-/* Where rays are so slanted that discs which face the eye are seen twice as wide. The last ones' centres lie
- * beyond the picture's side. */
+/* Where rays are so slanted that discs which face the eye are seen twice as wide. The last ones' centres
+ * lie beyond the picture's side. */
 static void slanted_discs_reach_over_seams(void **state) {
     (void)state;
     size_t beyond = 0;
@@ -449,7 +450,8 @@ static void known_surfaces(void **state) {
     for (int c = 0; c < 3; c++) free_cloud(clouds[c]);
 }
 
-/* The inside of half a sphere: the far half, seen from where its other half was, normals out of the solid. */
+/* The inside of half a sphere: the far half, seen from where its other half was, normals out of the solid.
+ */
 static void insides_are_seen(void **state) {
     (void)state;
     cloud *c = make_sphere(RADIUS);
@@ -641,8 +643,8 @@ static void hidden_points_change_nothing(void **state) {
 
 enum { FEW_POINTS = 37 };
 
-/* Points with radii of their own are not hidden by what has been drawn; the picture is the same. Blocks of a
- * few points, in the midst of others, are hidden at other times than large ones. */
+/* Points with radii of their own are not hidden by what has been drawn; the picture is the same. Blocks of
+ * a few points, in the midst of others, are hidden at other times than large ones. */
 static void hiding_changes_nothing(void **state) {
     (void)state;
     static const char *const names[] = {"gyroid", "head"};

@@ -1,5 +1,5 @@
-/* Flat discs: their low-pass filter against aliasing, on a zone plate of a million coloured surfels, against the
- * mean of the analytic pattern over each pixel; and that it makes no silhouette grow. */
+/* Flat discs: their low-pass filter against aliasing, on a zone plate of a million coloured surfels,
+ * against the mean of the analytic pattern over each pixel; and that it makes no silhouette grow. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -25,7 +25,8 @@ typedef struct plate {
     iso_point_view points;
 } plate;
 
-/* The brightness at a position in the plane, mm. Rings are half a mm wide, as surfels are far apart, at 500 mm. */
+/* The brightness at a position in the plane, mm. Rings are half a mm wide, as surfels are far apart, at 500
+ * mm. */
 static double brightness(double x, double y) {
     return 127.5 + 127.5 * cos(ISO_PI * (x * x + y * y) / SIDE);
 }
@@ -81,8 +82,8 @@ static double pixel_brightness(const plate *p, const iso_view *view, int column,
     return sum / 64;
 }
 
-/* How far pictures are from the truth, and how much that changes when the picture moves by a quarter of a pixel:
- * root mean squares, of 255. */
+/* How far pictures are from the truth, and how much that changes when the picture moves by a quarter of a
+ * pixel: root mean squares, of 255. */
 typedef struct errors {
     double all, flicker;
 } errors;
