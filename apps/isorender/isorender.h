@@ -119,8 +119,8 @@ typedef struct isorender_job {
 
 /* ---- run.c */
 
-/* Does all the work on one input. environment: of glass, else NULL. After a failure the outputs of this
- * input are removed; the error names the input. */
+/* Does all the work on one input. environment: of glass, else NULL. After a failure the outputs of this input
+ * are removed; the error names the input. */
 iso_status isorender_run(const isorender_settings *settings, const isorender_plan *plan, iso_pool *pool,
                          const isorender_backend *backend, const iso_environment *environment,
                          iso_error *error);
@@ -208,17 +208,15 @@ iso_status isorender_object_take_gradients(isorender_job *job, isorender_object 
 
 /* ---- splats.c */
 
-/* Whether points are drawn in groups (--reconstruction groups). */
-bool isorender_uses_groups(const isorender_job *job);
+bool isorender_uses_groups(const isorender_job *job); /* draws points by --reconstruction groups */
 /* Divides the points of a surface into groups for splats. ISO_ERR_NOMEM, ISO_ERR_LIMIT. */
 iso_status isorender_groups_make(isorender_job *job, int surface, iso_error *error);
-/* Adds a member about the groups of all surfaces to the report of --json. */
-void isorender_report_groups(iso_json *json, const isorender_job *job);
+void isorender_report_groups(iso_json *json, const isorender_job *job); /* a member of --json's report */
 
 /* ---- detail.c */
 
-/* Makes the levels of detail of all surfaces if --lod asks for them or if they save more time than they
- * take; to be called when the camera is known. ISO_ERR_NOMEM, ISO_ERR_LIMIT: only if --lod asks. */
+/* Makes the levels of detail of all surfaces if --lod asks for them or if they save more time than they take;
+ * to be called when the camera is known. ISO_ERR_NOMEM, ISO_ERR_LIMIT: only if --lod asks. */
 iso_status isorender_detail_make(isorender_job *job, iso_error *error);
 /* The value of --lod, or its default. */
 double isorender_detail_pixels(const isorender_settings *settings);
@@ -238,8 +236,8 @@ iso_camera isorender_camera_of_frame(const isorender_job *job, int frame);
 
 /* ---- solid.c */
 
-/* Makes surface->grid: without small parts, and closed, as the settings say. ISO_ERR_EMPTY: no part is
- * large enough. */
+/* Makes surface->grid: without small parts, and closed, as the settings say. ISO_ERR_EMPTY: no part is large
+ * enough. */
 iso_status isorender_solid_prepare(isorender_job *job, isorender_surface *surface, iso_error *error);
 /* Bytes that own_grid of all surfaces will take, for a volume of `dims` voxels in `grid_bytes` bytes. */
 uint64_t isorender_solid_bytes(const isorender_job *job, const int dims[3], uint64_t grid_bytes);
@@ -247,8 +245,8 @@ uint64_t isorender_solid_bytes(const isorender_job *job, const int dims[3], uint
  * --json, --verbose, and the line that says that the mesh was written. */
 iso_status isorender_mesh_weld(const isorender_job *job, isorender_surface *surface, iso_weld *weld,
                                iso_error *error);
-/* Adds members about parts and mesh to the report of --json: of the first surface and, if there are
- * several, of each. */
+/* Adds members about parts and mesh to the report of --json: of the first surface and, if there are several,
+ * of each. */
 void isorender_report_solid(iso_json *json, const isorender_job *job);
 
 /* ---- picture.c */
