@@ -72,8 +72,8 @@ iso_status isorender_backend_check(isorender_settings *settings, iso_error *erro
         settings->method = settings->strips ? ISO_METHOD_MESH : ISO_METHOD_POINTS;
     if (gl && !has_gl(settings))
         return iso_fail(error, ISO_ERR_USAGE,
-                        "--backend %s has the methods points, pullpush, splats (flat, or groups without "
-                        "--group-bins; all without --lod) and mesh: others need the cpu",
+                        "--backend %s has the methods points, pullpush (without --lod), splats (flat without "
+                        "--lod, groups without --group-bins) and mesh: others need the cpu",
                         name);
     ISO_TRY(check_needs(settings, error));
     bool draws = !settings->info && (!settings->no_image || settings->aov);
