@@ -515,21 +515,17 @@ typedef enum iso_method {
     ISO_METHOD_POINTS,            /* a flat disc parallel to the picture at each point: shows the points
                                      themselves */
     ISO_METHOD_SPLATS,            /* points as flat discs, blended in one pass (Zhang and Pajarola 2006) */
-    ISO_METHOD_RAYCAST,     /* rays through the whole volume: slow, the reference for the other methods */
-    ISO_METHOD_HYBRID,      /* points where cells are small in the picture, else triangles (2008) */
-    ISO_METHOD_SPLATS_FLAT, /* points as flat discs with a low-pass filter against aliasing: for points with
-                                  colours, and for points without curvatures the same as PULLPUSH */
-    ISO_METHOD_SPLATS_ONEPASS, /* flat discs without the filter, front to back in one pass (Baerentzen and
-                                  Christensen 2003) */
-    ISO_METHOD_SPLATS_EWA      /* flat discs convolved with the filter (Zwicker et al. 2001) */
+    ISO_METHOD_RAYCAST,        /* rays through the whole volume: slow, the reference for the other methods */
+    ISO_METHOD_HYBRID,         /* points where cells are small in the picture, else triangles (2008) */
+    ISO_METHOD_SPLATS_FLAT,    /* points as flat discs, filtered against aliasing: for points of files */
+    ISO_METHOD_SPLATS_ONEPASS, /* flat discs, front to back (Baerentzen and Christensen 2003) */
+    ISO_METHOD_SPLATS_EWA      /* flat discs by EWA splatting (Zwicker et al. 2001) */
 } iso_method;
 enum { ISO_METHODS = 12 };
 
-/* Returns "exact", "mesh", "pullpush", "pullpush-gaussian", "pullpush-box", "points", "splats", "raycast",
- * "hybrid", "splats-flat", "splats-onepass" or "splats-ewa"; NULL: not a method. */
+/* The name of a method, "exact", "pullpush-box" and so on, NULL: not a method; and the method of a name,
+ * ISO_ERR_USAGE: there is none. */
 ISO_API const char *iso_method_name(iso_method method);
-
-/* Finds a method by its name. ISO_ERR_USAGE: there is none. */
 ISO_API iso_status iso_method_find(const char *name, iso_method *method, iso_error *error);
 
 /* A camera; the members have the names that VTK and F3D use. */
