@@ -746,8 +746,7 @@ ISO_API iso_status iso_sculpt_from_volume(iso_volume *volume, double isovalue, c
 ISO_API iso_status iso_sculpt_replay(const char *path, const iso_sculpt_opts *opts, iso_sculpt **sculpt,
                                      iso_error *error);
 
-/* Replays a stroke file in the same way, and appends all further strokes to it. ISO_ERR_WRITE: the file
- * cannot be written to. */
+/* Replays a stroke file, and appends all further strokes to it. ISO_ERR_WRITE: it cannot be written to. */
 ISO_API iso_status iso_sculpt_resume(const char *path, const iso_sculpt_opts *opts, iso_sculpt **sculpt,
                                      iso_error *error);
 
