@@ -359,9 +359,9 @@ static const iso_option options[] = {
      .group = PICTURE, .standard = "exact, for files of points splats, of 3-D Gaussians gaussians",
      CHOICE(method, method_names)},
     {"reconstruction", NULL, "NAME",
-     "of pullpush: refined (second-order discs; of files of points the same as splats' flat), box or "
-     "gaussian "
-     "(equal or Gaussian weights in ellipses; Marroquim 2008); of splats: flat (Gaussian discs with a "
+     "of pullpush: refined (second-order discs; flat ones for points that have colours, and for files of "
+     "points), box or gaussian (equal or Gaussian weights in ellipses; Marroquim 2008); of splats: flat "
+     "(Gaussian discs with a "
      "low-pass "
      "filter, so that many small points do not flicker), onepass (without the filter, front to back: "
      "Baerentzen and Christensen 2003), ewa (the filter also widens outlines: Zwicker 2001) or groups "

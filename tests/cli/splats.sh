@@ -13,7 +13,7 @@ ball, file = json.load(open('ball.json')), json.load(open('file.json'))
 assert len(ball['groups']) == 1 and ball['groups'][0]['count'] == 8, ball['groups']
 assert 8 < file['groups'][0]['count'] < 20 and file['groups'][0]['conflicts'] == 0, file['groups']
 P
-# flat discs are the default; of files of points they are those of pullpush
+# flat discs, which are filtered, are the default, also of files of points; those of pullpush are not filtered
 isorender in/ball.mha flat.png --isovalue 500 --method splats --json=flat.json --quiet
 for how in flat onepass ewa; do
     isorender in/ball.mha $how.png --isovalue 500 --method splats --reconstruction $how --quiet
@@ -25,7 +25,7 @@ isocompare images flat.png usual.png --fail-under psnr=100 >/dev/null
 isorender ball.ply usual.png --quiet
 isorender ball.ply pull.png --method pullpush --reconstruction refined --quiet
 isocompare images file_flat.png usual.png --fail-under psnr=100 >/dev/null
-isocompare images file_flat.png pull.png --fail-under psnr=100 >/dev/null
+isocompare images file_flat.png pull.png --fail-under psnr=26 >/dev/null
 python3 - <<'P'
 import json
 flat = json.load(open('flat.json'))

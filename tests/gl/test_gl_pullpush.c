@@ -144,7 +144,7 @@ static void make_many(many_points *m) {
         double z = 2 * uniform(&seed) - 1, turn = 2 * ISO_PI * uniform(&seed), r = sqrt(1 - z * z);
         const double n[3] = {r * cos(turn), r * sin(turn), z};
         for (int axis = 0; axis < 3; axis++) {
-            m->surfels[i].position[axis] = (float)(8 + (i % 2 ? 6.2 : 7) * n[axis]);
+            m->surfels[i].position[axis] = (float)(8 + (i % 2 ? 6.95 : 7) * n[axis]);
             m->surfels[i].normal[axis] = (float)((i % 2 ? -3 : 3) * n[axis]);
         }
         m->radii[i] = (float)(0.15 + 0.3 * uniform(&seed));
@@ -230,9 +230,13 @@ static void coloured_discs_look_as_from_the_cpu(iso_gl_engine *engine) {
         points.colors = (const uint8_t(*)[3])colors;
         iso_view views[4];
         for (int v = 0; v < 4; v++) views[v] = gl_side_view(&s.surface.box, v + n, v % 2, 150 + 50 * v, 160);
-        double worst = check_refined(engine, &points, views, 4, "discs with colours");
+        double worst =
+            gl_check_pullpush(engine, &points, ISO_RECONSTRUCTION_FLAT, views, 4, "discs with colours");
+        worst =
+            fmin(worst, check_refined(engine, &points, views, 4, "discs with colours, without the filter"));
         points.radii = radii;
-        worst = fmin(worst, check_refined(engine, &points, views, 4, "discs with colours and radii"));
+        worst = fmin(worst, gl_check_pullpush(engine, &points, ISO_RECONSTRUCTION_FLAT, views, 4,
+                                              "discs with colours and radii"));
         points.colors = NULL;
         worst =
             fmin(worst, gl_check_pullpush(engine, &points, ISO_RECONSTRUCTION_FLAT, views, 4, "flat discs"));

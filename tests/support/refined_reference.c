@@ -269,7 +269,8 @@ static void resolve_sample(const hit *hits, size_t count, const iso_projector *p
         g->color[at] = (k ? g->color[at] : 1u << 24) | (uint32_t)(rgb[k] / weight + 0.5) << 8 * k;
 }
 
-void refined_reference(const iso_view *view, const iso_point_view *points, iso_gbuffer *gbuffer) {
+void refined_reference(const iso_view *view, const iso_point_view *points, bool filtered,
+                       iso_gbuffer *gbuffer) {
     const iso_projector projector = iso_projector_make(view, &points->transform);
     const size_t most = iso_point_view_count(points);
     disc *discs = calloc(most, sizeof *discs);
@@ -282,7 +283,7 @@ void refined_reference(const iso_view *view, const iso_point_view *points, iso_g
         for (size_t i = 0; i < points->spans[k].count; i++)
             count += make_disc(view, &projector, points, &points->spans[k], points->spans[k].first + i,
                                points->closed, &discs[count]);
-        if (points->curvatures && !points->colors) continue;
+        if (!filtered) continue;
         for (size_t i = begin; i < count; i++)
             least = fmin(least, discs[i].radius * view->focal / (view->orthographic ? 1 : discs[i].at[2]));
         for (size_t i = begin; i < count && least < 5; i++) convolve(&projector, &discs[i]);

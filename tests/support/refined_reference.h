@@ -7,6 +7,8 @@
 #include "image/camera.h"
 #include "render/gbuffer.h"
 
-void refined_reference(const iso_view *view, const iso_point_view *points, iso_gbuffer *gbuffer);
+/* `filtered`: flat discs, convolved with the low-pass filter where they are small. */
+void refined_reference(const iso_view *view, const iso_point_view *points, bool filtered,
+                       iso_gbuffer *gbuffer);
 
 #endif

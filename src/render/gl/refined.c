@@ -33,7 +33,7 @@ typedef struct refined_draw {
     iso_projector projector;
     float slant;
     bool cull;
-    bool flat; /* curvatures are not used */
+    bool flat; /* curvatures are not used, and small discs are filtered */
     int number;
 } refined_draw;
 
@@ -137,7 +137,7 @@ static bool is_flat(const refined_draw *d) {
 }
 
 static bool is_filtered(const refined_draw *d, const iso_point_block *block) {
-    return is_flat(d) && iso_refined_is_filtered(block);
+    return d->flat && iso_refined_is_filtered(block);
 }
 
 /* The per-instance data of a block. */

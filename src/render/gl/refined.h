@@ -11,7 +11,7 @@ extern "C" {
 /* Draws the points of a surface over the samples in the buffer ISO_GL_STORE_PICTURE, which has the view's
  * size. iso_point_blocks_set_view must have been called for the view; the context must be current.
  * `number` is the surface number written into the picture, `room` working memory; with `flat`, curvatures
- * are not used. Flat discs are filtered (ISO_FLAT_DISCS_FILTERED). ISO_ERR_NOMEM, ISO_ERR_BACKEND. */
+ * are not used and discs are filtered (ISO_FLAT_DISCS_FILTERED). ISO_ERR_NOMEM, ISO_ERR_BACKEND. */
 iso_status iso_gl_draw_refined(const iso_gl_surface *surface, const iso_view *view, int number, bool flat,
                                iso_buffer *room, iso_error *error);
 

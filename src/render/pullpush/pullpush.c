@@ -428,7 +428,8 @@ static bool is_splats(iso_reconstruction reconstruction) {
 static iso_flat_discs flat_discs(iso_reconstruction reconstruction) {
     return reconstruction == ISO_RECONSTRUCTION_ONEPASS ? ISO_FLAT_DISCS_ONEPASS
            : reconstruction == ISO_RECONSTRUCTION_EWA   ? ISO_FLAT_DISCS_EWA
-                                                        : ISO_FLAT_DISCS_FILTERED;
+           : reconstruction == ISO_RECONSTRUCTION_FLAT  ? ISO_FLAT_DISCS_FILTERED
+                                                        : ISO_FLAT_DISCS_PLAIN;
 }
 
 static iso_status draw_surface(iso_pullpush *workspace, const iso_target *target,

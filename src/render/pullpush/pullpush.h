@@ -20,8 +20,8 @@ extern "C" {
 #endif
 
 typedef enum iso_reconstruction {
-    ISO_RECONSTRUCTION_REFINED,  /* second-order discs (render/refined/refined.h); points with colours or
-                                    without curvatures are drawn as by FLAT */
+    ISO_RECONSTRUCTION_REFINED,  /* second-order discs (render/refined/refined.h); flat ones, without a
+                                    filter, for points with colours or without curvatures */
     ISO_RECONSTRUCTION_BOX,      /* ellipses with equal weights (figure 4a) */
     ISO_RECONSTRUCTION_GAUSSIAN, /* with Gaussian ones (figure 4b) */
     /* Splats, without a pyramid: flat discs with Gaussian weights (iso_flat_discs in

@@ -39,6 +39,7 @@
 
 /* How flat discs are filtered and averaged. */
 typedef enum iso_flat_discs {
+    ISO_FLAT_DISCS_PLAIN, /* as above, without a filter */
     /* As above, with a low-pass filter against aliasing: a small disc also adds to pixels whose centres are
      * near its own (Botsch et al. 2005, section 4), but only to those that some disc covers, so that
      * silhouettes do not grow. */
