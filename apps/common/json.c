@@ -101,11 +101,13 @@ void iso_json_discard(iso_json *json) {
 }
 
 iso_status iso_json_write(iso_json *json, FILE *stream, iso_error *error) {
-    char *text = json->failed ? NULL : json_dumps(json->document, JSON_INDENT(2) | JSON_REAL_PRECISION(17));
+    /* In small pieces: what the stream cannot write stays in its buffer, and writing it again tells why. */
+    const bool complete =
+        !json->failed && json_dumpf(json->document, stream, JSON_INDENT(2) | JSON_REAL_PRECISION(17)) == 0;
     iso_json_discard(json);
-    if (!text) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a report in JSON");
-    fprintf(stream, "%s\n", text);
-    free(text);
+    if (!complete && !ferror(stream))
+        return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a report in JSON");
+    fputc('\n', stream);
     return ISO_OK;
 }
 

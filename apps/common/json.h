@@ -43,7 +43,7 @@ void iso_json_null(iso_json *json, const char *key);
 void iso_json_reals(iso_json *json, const char *key, const double *values, int count);
 void iso_json_ints(iso_json *json, const char *key, const int *values, int count);
 
-/* Writes the document, with a line break at its end, and frees it. ISO_ERR_NOMEM: nothing was written. Errors
+/* Writes the document, with a line break at its end, and frees it. ISO_ERR_NOMEM: it is incomplete. Errors
  * of the stream are not returned: check it with ferror. */
 iso_status iso_json_write(iso_json *json, FILE *stream, iso_error *error);
 
