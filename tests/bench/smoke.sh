@@ -91,7 +91,7 @@ for what in [*spheres, *views]:
     mesh = rows[f"render/mesh/{what}/threads:1"]
     others = [name for name in rows if f"/{what}/" in name and name.startswith("render/")]
     for name in others:
-        near = 0.3 if "points" in name or "gaussians" in name else 0.06 if "pullpush" in name else 0.01
+        near = 0.3 if "points" in name or "gaussians" in name else 0.06 if "pullpush" in name or "splats" in name else 0.01
         ours, theirs = mesh["covered_pixels"], rows[name]["covered_pixels"]
         assert abs(ours - theirs) <= near * ours, f"{name} covers {theirs} pixels, a mesh {ours}"
     peer = rows.get(f"render/vtk_frame/{what}/threads:1")
