@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """The page and the short form of what papers.py measured.
 
-usage: page.py PAPERS.json PAPERS.md [--check]
+usage: page.py PAPERS.json PAPERS.md README.md [--check]
 
-Writes the tables and verdicts of PAPERS.json between the markers of PAPERS.md. --check: only compares, and ends
-with 1 when a line differs."""
+Writes the tables and verdicts of PAPERS.json between the markers of PAPERS.md, and into README.md whether each claim
+that it links to holds. --check: only compares, and ends with 1 when a line differs."""
 import base64
 import html
 import json
@@ -48,7 +48,7 @@ def style(folder):
 
 
 def html_table(table, folder):
-    yield "<h3>%s</h3>\n<p class=soft>%s</p>\n" % (html.escape(table["title"]), html.escape(table["text"]))
+    yield '<h3 id="%s">%s</h3>\n<p class=soft>%s</p>\n' % (table["name"], html.escape(table["title"]), html.escape(table["text"]))
     yield "<p><b>%s.</b> %s</p>\n" % (HOLDS[table["holds"]].capitalize(), html.escape(table["verdict"]))
     if table["rows"]:
         yield "<div class=wide><table><thead><tr><th></th>"
@@ -99,7 +99,7 @@ def markdown(papers):
         if tables:
             yield "\n## %d: %s\n" % (year, title)
         for table in tables:
-            yield "\n### %s\n\n" % table["title"]
+            yield '\n<a id="%s"></a>\n\n### %s\n\n' % (table["name"], table["title"])
             yield "%s **%s.** %s\n" % (table["text"], HOLDS[table["holds"]].capitalize(), table["verdict"])
             if table["rows"]:
                 yield "\n| | %s |\n|---%s|\n" % (" | ".join(table["columns"]), "|---:" * len(table["columns"]))
@@ -108,22 +108,41 @@ def markdown(papers):
     yield "\n"
 
 
-def main():
-    with open(sys.argv[1], encoding="utf-8") as file:
-        made = "".join(markdown(json.load(file)))
-    with open(sys.argv[2], encoding="utf-8") as file:
+def short_form(papers, text):
+    """docs/PAPERS.md with the tables between its markers."""
+    head, rest = text.split(BEGIN)
+    return head + BEGIN + "".join(markdown(papers)) + END + rest.split(END)[1]
+
+
+def readme(papers, text):
+    """The README with the verdict's words in each link to a table; a link to a table that does not exist is an error."""
+    holds = {table["name"]: HOLDS[table["holds"]] for table in papers["tables"]}
+    return re.sub(r"\[[^\]]*\]\(docs/PAPERS\.md#([^)]*)\)",
+                  lambda link: "[%s](docs/PAPERS.md#%s)" % (holds[link.group(1)], link.group(1)), text)
+
+
+def renew(path, after, check):
+    """Writes the file; or returns whether it has this text already, and prints the first line that differs."""
+    with open(path, encoding="utf-8") as file:
         before = file.read()
-    head, rest = before.split(BEGIN)
-    after = head + BEGIN + made + END + rest.split(END)[1]
-    if "--check" not in sys.argv:
-        with open(sys.argv[2], "w", encoding="utf-8") as file:
-            file.write(after)
-    elif after != before:
-        for is_now, should in zip(before.splitlines(), after.splitlines()):
+    if check:
+        for is_now, should in zip(before.splitlines(), after(before).splitlines()):
             if is_now != should:
-                print("%s: is\n  %s\nbut %s gives\n  %s" % (sys.argv[2], is_now, sys.argv[1], should))
+                print("%s: is\n  %s\nbut should be\n  %s" % (path, is_now, should))
                 break
-        sys.exit(1)
+        return after(before) == before
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(after(before))
+    return True
+
+
+def main():
+    words = [word for word in sys.argv[1:] if word != "--check"]
+    with open(words[0], encoding="utf-8") as file:
+        papers = json.load(file)
+    same = [renew(path, lambda text, make=make: make(papers, text), "--check" in sys.argv)
+            for path, make in zip(words[1:], (short_form, readme))]
+    sys.exit(0 if all(same) else 1)
 
 
 if __name__ == "__main__":

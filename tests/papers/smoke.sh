@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# smoke.sh PROGRAMS SOURCE FOLDER: one figure is measured and shown; numbers changed by hand in docs/PAPERS.md are found.
+# smoke.sh PROGRAMS SOURCE FOLDER: one figure is measured and shown; numbers changed by hand in docs/PAPERS.md,
+# and verdicts in README.md, are found.
 set -euo pipefail
 programs=$1 source=$2 folder=$3/made
 rm -rf "$folder"
@@ -16,10 +17,15 @@ assert all("isocompare images" in cell["command"] for row in table["rows"] for c
 page = open(sys.argv[1] + "/index.html", encoding="utf-8").read()
 assert page.count("data:image/png;base64,") == len(table["pictures"]) == 4, page[:400]
 P
-check() { python3 "$source/tests/papers/page.py" "$source/docs/papers.json" "$1" --check; }
-check "$source/docs/PAPERS.md"
+check() { python3 "$source/tests/papers/page.py" "$source/docs/papers.json" "$@" --check; }
+check "$source/docs/PAPERS.md" "$source/README.md"
 sed '0,/| [0-9]/s/| \([0-9]\)/| 7\1/' "$source/docs/PAPERS.md" >"$folder/changed.md"
-if check "$folder/changed.md" >/dev/null; then
+if check "$folder/changed.md" "$source/README.md" >/dev/null; then
     echo "a number that was changed by hand is not found"
+    exit 1
+fi
+sed 's/\[does not hold\](docs/[holds](docs/' "$source/README.md" >"$folder/readme.md"
+if check "$source/docs/PAPERS.md" "$folder/readme.md" >/dev/null; then
+    echo "a verdict that was changed by hand in the README is not found"
     exit 1
 fi
