@@ -71,9 +71,8 @@ expect(heat["primitives"]["range"] == [1, 9], heat["primitives"])
 expect(third["primitives"]["range"] == [0, 5] and third["primitives"]["points"] == 2, third["primitives"])
 expect(abs(third["bounds_world"][0] + 9) < 1e-5 and abs(third["bounds_world"][1]) < 1e-5, third["bounds_world"])
 P
-fails() { ! isorender "${@:2}" 2>said || exit 1; grep -q "$1" said || { cat said; exit 1; }; }
-fails "'0' is neither a radius in mm nor 'auto'" in/near.ply --radius 0
-fails "no point lies in this box" in/near.ply --crop-mm 50,60,0,1,0,1
-fails "heat.ply: has no column 'warmth'; its columns: heat$" in/heat.ply --color-by warmth
-fails "is for --lines, --glyphs or a file of points, which is not given" scene:sphere:16 --color-by heat
-fails "needs a volume" in/near.ply --crop 0,1,0,1,0,1
+isorender_refuses 2 "'0' is neither a radius in mm nor 'auto'" in/near.ply --radius 0
+isorender_refuses 6 "no point lies in this box" in/near.ply --crop-mm 50,60,0,1,0,1
+isorender_refuses 2 "heat.ply: has no column 'warmth'; its columns: heat$" in/heat.ply --color-by warmth
+isorender_refuses 2 "is for --lines, --glyphs or a file of points, which is not given" scene:sphere:16 --color-by heat
+isorender_refuses 2 "needs a volume" in/near.ply --crop 0,1,0,1,0,1

@@ -68,15 +68,14 @@ expect("f_rest" not in info, info)
 head = open("in/points.ply", "rb").read(400)
 expect(b"element vertex 800" in head and b"property uchar red" in head, head)
 P
-fails() { ! isorender "${@:2}" 2>said || exit 1; [ $(wc -l <said) = 1 ]; grep -q -- "$1" said || { cat said; exit 1; }; }
 printf 'ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0\n' >in/plain.ply
-fails "in/plain.ply: --method gaussians draws files of 3-D Gaussians only" in/plain.ply --method gaussians
-fails "in/ball.ply: holds 3-D Gaussians: --aov is for opaque discs, which --method pullpush draws" in/ball.ply --aov a.exr
-fails "--radius is for opaque discs" in/ball.ply --radius 2
-fails "--shading edl is for opaque discs" in/ball.ply --shading edl
-fails "in/ball.ply: holds points, not a volume: --method exact needs a volume" in/ball.ply --method exact
-fails "cannot be combined with translucent surfaces" in/ball.ply --method gaussians --opacity 0.5
-fails "cannot be combined with OpenGL" in/ball.ply --method gaussians --backend egl
-fails "draws files of 3-D Gaussians only" scene:sphere:16 --method gaussians
+isorender_refuses 2 "in/plain.ply: --method gaussians draws files of 3-D Gaussians only" in/plain.ply --method gaussians
+isorender_refuses 2 "in/ball.ply: holds 3-D Gaussians: --aov is for opaque discs, which --method pullpush draws" in/ball.ply --aov a.exr
+isorender_refuses 2 "--radius is for opaque discs" in/ball.ply --radius 2
+isorender_refuses 2 "--shading edl is for opaque discs" in/ball.ply --shading edl
+isorender_refuses 2 "in/ball.ply: holds points, not a volume: --method exact needs a volume" in/ball.ply --method exact
+isorender_refuses 2 "cannot be combined with translucent surfaces" in/ball.ply --method gaussians --opacity 0.5
+isorender_refuses 2 "cannot be combined with OpenGL" in/ball.ply --method gaussians --backend egl
+isorender_refuses 2 "draws files of 3-D Gaussians only" scene:sphere:16 --method gaussians
 head -c 20000 in/ball.ply >in/short.ply
-fails "in/short.ply: truncated" in/short.ply
+isorender_refuses 3 "in/short.ply: truncated" in/short.ply

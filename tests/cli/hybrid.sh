@@ -26,15 +26,9 @@ for zoom in (1, 2):
     off = [max(abs(a - b) for a, b in zip(pixels["hybrid"][i], pixels["raycast"][i])) for i in inner]
     expect(sum(off) / len(off) < 6, zoom, sum(off) / len(off))
 P
-fails() {
-    local code=0
-    isorender "$@" none.png --method hybrid 2>notes || code=$?
-    [ $code -eq 2 ]
-    [ $(wc -l <notes) -eq 1 ]
-}
 printf '1 1 3 12 12 1 -1\n2 1 20 12 12 1 1\n' >in/line.swc
-fails in/ball.mha --isovalue 500 --primitive foot
-fails in/ball.mha --isovalue 500 --opacity 0.5
-fails in/ball.mha --isovalue 500 --ior 1.5
-fails in/ball.mha --isovalue 500 --backend egl
-fails in/line.swc
+isorender_refuses 2 "hybrid" in/ball.mha --isovalue 500 --primitive foot --method hybrid
+isorender_refuses 2 "hybrid" in/ball.mha --isovalue 500 --opacity 0.5 --method hybrid
+isorender_refuses 2 "hybrid" in/ball.mha --isovalue 500 --ior 1.5 --method hybrid
+isorender_refuses 2 "others need the cpu" in/ball.mha --isovalue 500 --backend egl --method hybrid
+isorender_refuses 2 "there are lines or glyphs only" in/line.swc --method hybrid

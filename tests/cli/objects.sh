@@ -29,6 +29,11 @@ assert dots["objects"][0]["glyphs"] == 3 and dots["objects"][0]["range"] == [0, 
 assert [o["path"] for o in every["objects"]] == ["in/axis.swc", "in/two.obj", "in/dots.csv"]
 assert every["image"]["layers"]["most"] >= 2 and mesh["objects"][0]["triangles"] > 1000
 P
+# a .vtk file without an option: lines if it holds polygonal data, else a volume
+printf '# vtk DataFile Version 3.0\nline\nASCII\nDATASET POLYDATA\nPOINTS 2 float\n0 0 -30 0 0 30\nLINES 1 3\n2 0 1\n' >in/line.vtk
+isorender in/line.vtk vtk.png --tube-radius 2 --json=vtk.json --quiet
+isorender --lines in/line.vtk vtk_lines.png --tube-radius 2 --quiet
+isocompare images vtk.png vtk_lines.png --fail-under psnr=150 >/dev/null # the same pixels
 printf '1 1 90 0 0 1 -1\n2 1 95 0 0 1 1\n' >in/far.swc
 isorender --lines in/axis.swc --lines in/far.swc far.png 2>notes # each file against those before it
 [ "$(grep -c "in/far.swc lies beside the rest: .* --space ras" notes)" = 1 ]
@@ -41,16 +46,15 @@ isorender --info --glyphs in/dots.csv >info
 isorender --info --lines in/two.obj >>info
 grep -q "heat: 1 .. 5" info
 grep -q "lps (not stated in the file)" info
-fails() { refuses 2 "$1" isorender "${@:2}" bad.png --quiet; }
-fails "has no column 'warmth'; its columns: .*heat" --glyphs in/dots.csv --color-by warmth
-fails "--glyph-color and --color-by both" --glyphs in/dots.csv --color-by heat --glyph-color red
-fails "two.obj: --line-color and --color-by both" --lines in/two.obj --color-by heat --line-color direction
-fails "given 2 times for 1" --lines in/two.obj --tube-radius 1 --tube-radius 2
-fails "is for --lines, which is not given" --glyphs in/dots.csv --caps flat
-fails "not one of round, flat" --lines in/two.obj --caps square
-fails "not two numbers" --glyphs in/dots.csv --color-by heat --range 3,1
-fails "needs\|glass" in/ball.mha --glyphs in/dots.csv --ior 1.5
-fails "is for surfaces" --glyphs in/dots.csv --isovalue 5
+isorender_refuses 2 "has no column 'warmth'; its columns: .*heat" --glyphs in/dots.csv --color-by warmth
+isorender_refuses 2 "--glyph-color and --color-by both" --glyphs in/dots.csv --color-by heat --glyph-color red
+isorender_refuses 2 "two.obj: --line-color and --color-by both" --lines in/two.obj --color-by heat --line-color direction
+isorender_refuses 2 "given 2 times for 1" --lines in/two.obj --tube-radius 1 --tube-radius 2
+isorender_refuses 2 "is for --lines, which is not given" --glyphs in/dots.csv --caps flat
+isorender_refuses 2 "not one of round, flat" --lines in/two.obj --caps square
+isorender_refuses 2 "not two numbers" --glyphs in/dots.csv --color-by heat --range 3,1
+isorender_refuses 2 "needs\|glass" in/ball.mha --glyphs in/dots.csv --ior 1.5
+isorender_refuses 2 "is for surfaces" --glyphs in/dots.csv --isovalue 5
 isorender in/axis.swc input.png --camera front --orthographic --resolution 200x200 --quiet
 isocompare images axis.png input.png --fail-under psnr=100 >/dev/null
 # a column is the glyphs' own, a colour that of the lines: neither is overruled by what repeats
@@ -58,6 +62,6 @@ isorender --glyphs in/dots.csv --color-by heat --lines in/two.obj --line-color 1
 python3 -c "import json, sys
 objects = json.load(open('own.json'))['objects']
 sys.exit(not ('range' in objects[0] and 'range' not in objects[1]))"
-fails "give both" --glyphs in/dots.csv --color-bar
-fails "a radius of -1 mm" --lines in/two.obj --tube-radius -1
+isorender_refuses 2 "give both" --glyphs in/dots.csv --color-bar
+isorender_refuses 2 "a radius of -1 mm" --lines in/two.obj --tube-radius -1
 rm -f said

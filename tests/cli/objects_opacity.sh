@@ -52,18 +52,17 @@ for a, layers in zip(picture.planes["A"], picture.planes["layers"]):
     expect(abs(a - (1 - 0.5 ** layers)) < 1e-5 and layers in (0, 1, 2, 4), a, layers)
 P
 fi
-fails() { refuses "$1" "$2" isorender "${@:3}" bad.png --quiet; }
-fails 2 "not an opacity from 0 to 1" $lines --line-opacity 1.5
-fails 2 "is for --glyphs, which is not given" $lines --glyph-opacity 0.5
-fails 2 "opaque lines, glyphs and meshes only: --line-opacity needs exact" scene:sphere:16 $lines --line-opacity 0.5 --method raycast
-fails 2 "no --lines, --glyphs and --surface beside it" scene:sphere:16 $lines --line-opacity 0.5 --ior 1.5
-fails 2 "draws no translucent objects" $lines --line-opacity 0.5 --backend osmesa
-fails 2 "--surface-opacity needs exact" scene:sphere:16 --surface ball.ply --surface-opacity 0.5 --method mesh
-fails 2 "--absorption is for translucent surfaces" $lines --line-opacity 0.5 --absorption 5
-fails 2 "--layers is for translucent surfaces" $lines --layers 2
+isorender_refuses 2 "not an opacity from 0 to 1" $lines --line-opacity 1.5
+isorender_refuses 2 "is for --glyphs, which is not given" $lines --glyph-opacity 0.5
+isorender_refuses 2 "opaque lines, glyphs and meshes only: --line-opacity needs exact" scene:sphere:16 $lines --line-opacity 0.5 --method raycast
+isorender_refuses 2 "no --lines, --glyphs and --surface beside it" scene:sphere:16 $lines --line-opacity 0.5 --ior 1.5
+isorender_refuses 2 "draws no translucent objects" $lines --line-opacity 0.5 --backend osmesa
+isorender_refuses 2 "--surface-opacity needs exact" scene:sphere:16 --surface ball.ply --surface-opacity 0.5 --method mesh
+isorender_refuses 2 "--absorption is for translucent surfaces" $lines --line-opacity 0.5 --absorption 5
+isorender_refuses 2 "--layers is for translucent surfaces" $lines --layers 2
 isorender scene:sphere:16 --points points.ply --no-image --quiet
-fails 2 "holds points, not a volume: --line-opacity needs a volume" points.ply $lines --line-opacity 0.5
+isorender_refuses 2 "holds points, not a volume: --line-opacity needs a volume" points.ply $lines --line-opacity 0.5
 # more layers than memory has room for
 python3 -c 'open("in/many.csv", "w").write("x,y,z,radius\n" + "".join("0,0,%g,50\n" % (i * 1e-2) for i in range(2500)))'
-fails 5 "memory" --glyphs in/many.csv --glyph-opacity 0.0001 --opacity-mode constant --max-memory 56M --threads 1 --resolution 1000x2 --zoom 3000 --orthographic
+isorender_refuses 5 "memory" --glyphs in/many.csv --glyph-opacity 0.0001 --opacity-mode constant --max-memory 56M --threads 1 --resolution 1000x2 --zoom 3000 --orthographic
 rm -f said

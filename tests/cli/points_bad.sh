@@ -52,25 +52,19 @@ expect(abs(c["radii"] - c["none"]) < 0.1 * c["none"], c)
 expect(p["huge"]["dropped"] == 2, p["huge"])
 expect(all(c[n] > 1000 for n in ("one", "two", "plane", "place")) and all(c[n] > 30 for n in ("line", "along_y", "million")), c)
 P
-fails() {
-    code=0
-    isorender "${@:3}" --quiet 2>said || code=$?
-    [ $code = "$1" ] && [ $(wc -l <said) = 1 ] && grep -q -- "$2" said && return
-    echo "${@:3}: status $code"; cat said; exit 1
-}
-fails 3 'in/lies.ply: truncated: its header promises 1501 of element "vertex"' in/lies.ply
-fails 3 'in/absurd.ply: truncated' in/absurd.ply
-fails 3 'in/two_columns.ply: its points have no z' in/two_columns.ply
-fails 3 'in/text.xyz: row 2: not as many numbers as in the first row' in/text.xyz
-fails 3 'in/wide.xyz: row 2: not as many numbers as in the first row' in/wide.xyz
-fails 3 'in/word.xyz: row 2: not as many numbers' in/word.xyz
-fails 3 'in/count.pts: truncated: it promises 5 points' in/count.pts
-fails 3 'in/empty.xyz: the file is empty' in/empty.xyz
-fails 6 'in/no_points.ply: holds no usable point' in/no_points.ply
-fails 5 'memory' in/million.ply --max-memory 5MB
+isorender_refuses 3 'in/lies.ply: truncated: its header promises 1501 of element "vertex"' in/lies.ply
+isorender_refuses 3 'in/absurd.ply: truncated' in/absurd.ply
+isorender_refuses 3 'in/two_columns.ply: its points have no z' in/two_columns.ply
+isorender_refuses 3 'in/text.xyz: row 2: not as many numbers as in the first row' in/text.xyz
+isorender_refuses 3 'in/wide.xyz: row 2: not as many numbers as in the first row' in/wide.xyz
+isorender_refuses 3 'in/word.xyz: row 2: not as many numbers' in/word.xyz
+isorender_refuses 3 'in/count.pts: truncated: it promises 5 points' in/count.pts
+isorender_refuses 3 'in/empty.xyz: the file is empty' in/empty.xyz
+isorender_refuses 6 'in/no_points.ply: holds no usable point' in/no_points.ply
+isorender_refuses 5 'memory' in/million.ply --max-memory 5MB
 size=$(stat -c %s in/one.ply)
 for ((length = 4; length < size; length++)); do
     head -c $length in/one.ply >in/part.ply
-    fails 3 'in/part.ply: ' in/part.ply
+    isorender_refuses 3 'in/part.ply: ' in/part.ply
 done
 ls -- *.png | grep -q . && [ ! -e part.png ]

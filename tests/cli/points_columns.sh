@@ -22,11 +22,10 @@ expect(a["image"]["hash"] == b["image"]["hash"] == c["image"]["hash"])
 P
 isorender in/a.xyz skipped.png --columns x,y,z,-,-,-,- --json=skipped.json --quiet --color-by heat 2>said && exit 1
 grep -q "has no column 'heat'" said
-fails() { ! isorender "${@:2}" 2>said || exit 1; [ $(wc -l <said) = 1 ]; grep -q -- "$1" said || { cat said; exit 1; }; }
-fails "row 1: not as many numbers as there are names" in/a.xyz --columns x,y,z
-fails "in/a.npy: its rows have 7 numbers, for which there are 3 names" in/a.npy --columns x,y,z
-fails "'x,y,heat' are not names of columns, with x y z among them" in/a.xyz --columns x,y,heat
-fails "'x,,y,z' are not names" in/a.xyz --columns x,,y,z
-fails "--columns is for points in rows of numbers" scene:sphere:16 --columns x,y,z
+isorender_refuses 3 "row 1: not as many numbers as there are names" in/a.xyz --columns x,y,z
+isorender_refuses 3 "in/a.npy: its rows have 7 numbers, for which there are 3 names" in/a.npy --columns x,y,z
+isorender_refuses 2 "'x,y,heat' are not names of columns, with x y z among them" in/a.xyz --columns x,y,heat
+isorender_refuses 2 "'x,,y,z' are not names" in/a.xyz --columns x,,y,z
+isorender_refuses 2 "--columns is for points in rows of numbers" scene:sphere:16 --columns x,y,z
 printf 'ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0\n' >in/p.ply
-fails "in/p.ply: --columns is for points in rows of numbers" in/p.ply --columns x,y,z
+isorender_refuses 2 "in/p.ply: --columns is for points in rows of numbers" in/p.ply --columns x,y,z

@@ -52,7 +52,9 @@ refuses() {
     echo "$*: exit $code, '$(cat said)' does not say '$text', or a file was left"
     return 1
 }
-export -f refuses
+# isorender_refuses STATUS TEXT ARGUMENT..: the same for isorender with these arguments and a picture to write.
+isorender_refuses() { refuses "$1" "$2" isorender "${@:3}" bad.png --quiet; }
+export -f refuses isorender_refuses
 
 touch "$work/stdout" "$work/stderr"
 read_expectations

@@ -19,6 +19,5 @@ for name in ("edl", "fine", "points"):
     # the middle faces the eye and has nothing before it; towards the rim the neighbours stand out
     expect(middle[0] > 0.93 * 0xD9 and sum(rim[:3]) < 0.85 * sum(middle[:3]), name, middle, rim)
 P
-fails() { ! isorender "${@:2}" 2>said || exit 1; [ $(wc -l <said) = 1 ]; grep -q -- "$1" said || { cat said; exit 1; }; }
-fails "--shading edl shades opaque surfaces: it cannot be combined with --ior" in/ball.mha --shading edl --ior 1.5
-fails "it cannot be combined with --opacity below 1" in/ball.mha --shading edl --opacity 0.5
+isorender_refuses 2 "--shading edl shades opaque surfaces: it cannot be combined with --ior" in/ball.mha --shading edl --ior 1.5
+isorender_refuses 2 "it cannot be combined with --opacity below 1" in/ball.mha --shading edl --opacity 0.5

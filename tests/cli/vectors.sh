@@ -54,23 +54,22 @@ isorender --info in/turn.mha >info 2>/dev/null
 grep -q "as vectors: arrows (--glyphs), streamlines (--lines)" info
 isorender --info --glyphs in/turn.mha >info 2>/dev/null
 grep -q "21 x 21 x 5, 3 components: vectors" info && grep -q "magnitude: 1 .. 14.1421" info
-fails() { refuses "$1" "$2" isorender "${@:3}" bad.png --quiet; }
-fails 2 "is for surfaces" --glyphs surface
+isorender_refuses 2 "is for surfaces" --glyphs surface
 isorender --scene sphere:40 --no-image --points in/points.ply --quiet
-fails 2 "needs a volume" in/points.ply --glyphs surface
-fails 6 "2 components" --glyphs in/two.mha
-fails 6 "every vector is 0" --glyphs in/zero.mha
-fails 6 "every vector is 0" --lines in/zero.mha
-fails 6 "no vector is finite" --glyphs in/nan.mha
-fails 6 "positive definite" --glyphs in/flat.mha
-fails 6 "holds tensors" --lines in/tensors.mha
-fails 6 "no streamline" --lines in/turn.mha --least 1000
-fails 6 "no vector is at least 1000" --glyphs in/turn.mha --least 1000
-fails 5 "max-memory" --glyphs in/turn.mha --max-memory 20k
-fails 2 "no array\|not looked for\|has no column" --glyphs in/turn.mha --color-by speed
-fails 2 "is for --lines" --glyphs in/turn.mha --streamlines 5
-fails 2 "is not an order" --glyphs in/turn.mha --tensor-order xx,yy
-fails 2 "above 0" --glyphs in/turn.mha --glyph-scale 0
+isorender_refuses 2 "needs a volume" in/points.ply --glyphs surface
+isorender_refuses 6 "2 components" --glyphs in/two.mha
+isorender_refuses 6 "every vector is 0" --glyphs in/zero.mha
+isorender_refuses 6 "every vector is 0" --lines in/zero.mha
+isorender_refuses 6 "no vector is finite" --glyphs in/nan.mha
+isorender_refuses 6 "positive definite" --glyphs in/flat.mha
+isorender_refuses 6 "holds tensors" --lines in/tensors.mha
+isorender_refuses 6 "no streamline" --lines in/turn.mha --least 1000
+isorender_refuses 6 "no vector is at least 1000" --glyphs in/turn.mha --least 1000
+isorender_refuses 5 "max-memory" --glyphs in/turn.mha --max-memory 20k
+isorender_refuses 2 "no array\|not looked for\|has no column" --glyphs in/turn.mha --color-by speed
+isorender_refuses 2 "is for --lines" --glyphs in/turn.mha --streamlines 5
+isorender_refuses 2 "is not an order" --glyphs in/turn.mha --tensor-order xx,yy
+isorender_refuses 2 "above 0" --glyphs in/turn.mha --glyph-scale 0
 printf '1 1 0 0 0 1 -1\n2 1 5 0 0 1 1\n' >in/line.swc
-fails 2 "volumes of vectors" --lines in/line.swc --space fsl
+isorender_refuses 2 "volumes of vectors" --lines in/line.swc --space fsl
 rm -f said

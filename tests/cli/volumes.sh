@@ -59,21 +59,20 @@ grep -q "note: in/far.mha lies beside the rest" notes
 isorender in/ball.mha --info --volume in/turned.mha >info
 grep -q "^in/turned.mha" info
 [ "$(grep -c "^  isovalues" info)" = 2 ]
-fails() { refuses "$1" "$2" isorender "${@:3}" bad.png --quiet; }
 isorender in/ball.mha --isovalue 500 --no-image --points points.ply --quiet
-fails 3 "in/none.mha: cannot read" in/ball.mha --volume in/none.mha
-fails 6 "in/turned.mha: no surface at isovalue 5000: values lie in" in/ball.mha --volume in/turned.mha --volume-isovalue 5000
-fails 2 "points.ply: holds points" in/ball.mha --volume points.ply
-fails 2 "--volume-opacity: '2' is not an opacity" in/ball.mha --volume in/ball.mha --volume-opacity 2
-fails 2 "--volume-isovalue: 'x' is neither" in/ball.mha --volume in/ball.mha --volume-isovalue x
-fails 2 "--volume-color: 'x' is neither" in/ball.mha --volume in/ball.mha --volume-color x
-fails 2 "--volume-color is for --volume" in/ball.mha --volume-color red
-fails 2 "--volume-color is given 2 times for 1 --volume" in/ball.mha --volume in/ball.mha --volume-color red --volume-color red
-fails 2 "cannot be combined with --volume" in/ball.mha --volume in/ball.mha --ior 1.5
-fails 2 "--method points draws no translucent" in/ball.mha --volume in/ball.mha --volume-opacity 0.5 --method points
-fails 2 "--isovalue is for an input" in/line.swc --isovalue 3 --volume in/ball.mha
+isorender_refuses 3 "in/none.mha: cannot read" in/ball.mha --volume in/none.mha
+isorender_refuses 6 "in/turned.mha: no surface at isovalue 5000: values lie in" in/ball.mha --volume in/turned.mha --volume-isovalue 5000
+isorender_refuses 2 "points.ply: holds points" in/ball.mha --volume points.ply
+isorender_refuses 2 "--volume-opacity: '2' is not an opacity" in/ball.mha --volume in/ball.mha --volume-opacity 2
+isorender_refuses 2 "--volume-isovalue: 'x' is neither" in/ball.mha --volume in/ball.mha --volume-isovalue x
+isorender_refuses 2 "--volume-color: 'x' is neither" in/ball.mha --volume in/ball.mha --volume-color x
+isorender_refuses 2 "--volume-color is for --volume" in/ball.mha --volume-color red
+isorender_refuses 2 "--volume-color is given 2 times for 1 --volume" in/ball.mha --volume in/ball.mha --volume-color red --volume-color red
+isorender_refuses 2 "cannot be combined with --volume" in/ball.mha --volume in/ball.mha --ior 1.5
+isorender_refuses 2 "--method points draws no translucent" in/ball.mha --volume in/ball.mha --volume-opacity 0.5 --method points
+isorender_refuses 2 "--isovalue is for an input" in/line.swc --isovalue 3 --volume in/ball.mha
 cp in/turned.mha in/copy.mha
-fails 2 "overwrite" in/ball.mha --volume in/copy.mha --json=in/copy.mha
+isorender_refuses 2 "overwrite" in/ball.mha --volume in/copy.mha --json=in/copy.mha
 cmp in/turned.mha in/copy.mha
 python3 -c 'from check import *; ball("in/large.mha", side=64)'
-fails 5 "in/large.mha: .*limit" in/ball.mha --isovalue 500 --resolution 8x8 --volume in/large.mha --max-memory 600K
+isorender_refuses 5 "in/large.mha: .*limit" in/ball.mha --isovalue 500 --resolution 8x8 --volume in/large.mha --max-memory 600K
