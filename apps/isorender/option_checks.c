@@ -9,6 +9,7 @@
 #include "base/text.h"
 #include "image/image.h"
 #include "io/glyphs/glyphs_read.h"
+#include "io/lines/lines_read.h"
 #include "methods/glass.h"
 #include "methods/layers.h"
 #include "render/picture.h"
@@ -25,8 +26,9 @@ iso_status isorender_settings_add_object(isorender_settings *settings, isorender
     return ISO_OK;
 }
 
-/* The kind of object that a file holds by its name; false: it is a volume, or only its content tells. */
-static bool is_object_name(const char *name, isorender_object_kind *kind) {
+/* The kind of object that a file holds, by its name and, where a name can mean several things, by its
+ * content; false: it is a volume, or a file of points. */
+static bool is_object(const char *name, isorender_object_kind *kind) {
     static const struct {
         const char *ending;
         isorender_object_kind kind;
@@ -40,14 +42,15 @@ static bool is_object_name(const char *name, isorender_object_kind *kind) {
                 *kind = ISORENDER_GLYPHS;
             return true;
         }
-    return false;
+    *kind = ISORENDER_LINES;
+    return iso_text_ends_with(name, ".vtk") && iso_lines_fill_vtk(name);
 }
 
 /* Takes an input that is an object: it becomes the first one. */
 static iso_status take_object(isorender_settings *settings, iso_error *error) {
     isorender_object_options *objects = &settings->object_options;
     isorender_object_kind kind;
-    if (settings->no_input || settings->scene || !is_object_name(settings->inputs[0], &kind) ||
+    if (settings->no_input || settings->scene || !is_object(settings->inputs[0], &kind) ||
         iso_loader_reads_points(settings->inputs[0], settings->columns))
         return ISO_OK;
     if (settings->input_count > 1)

@@ -43,14 +43,25 @@ static void log_exports(const isorender_job *job) {
             job->plan->mesh, mesh->triangles, mesh->open_edges);
 }
 
+/* Logs the name of a picture, or the names of the first and last pictures of a turntable. */
+static void log_pictures(const isorender_job *job, const char *name) {
+    const int count = job->settings->turntable;
+    char *first = NULL, *last = NULL;
+    if (count > 1 && isorender_plan_frame(name, 0, &first, NULL) == ISO_OK &&
+        isorender_plan_frame(name, count - 1, &last, NULL) == ISO_OK)
+        isorender_log(job, "wrote %s to %s", first, last);
+    else
+        isorender_log(job, "wrote %s", name);
+    free(first);
+    free(last);
+}
+
 static void log_outputs(const isorender_job *job) {
     isorender_log_verbose(job, "load %.3f s, extract %.3f s, render %.3f s, write %.3f s", job->seconds.load,
                           job->seconds.extract, job->seconds.render, job->seconds.write);
     log_exports(job);
-    const char *frames = job->settings->turntable ? " (all frames)" : "";
-    if (job->plan->image && strcmp(job->plan->image, "-") != 0)
-        isorender_log(job, "wrote %s%s", job->plan->image, frames);
-    if (job->plan->aov) isorender_log(job, "wrote %s%s", job->plan->aov, frames);
+    if (job->plan->image && strcmp(job->plan->image, "-") != 0) log_pictures(job, job->plan->image);
+    if (job->plan->aov) log_pictures(job, job->plan->aov);
 }
 
 static iso_status make_outputs(isorender_job *job, iso_error *error) {

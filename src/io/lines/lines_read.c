@@ -1,5 +1,10 @@
 /* lines_read: the table of formats of lines. */
+#define _GNU_SOURCE /* strcasestr */
 #include "io/lines/lines_read.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
 
 #include "io/encode.h"
 #include "io/lines/lines_format.h"
@@ -23,4 +28,14 @@ iso_status iso_lines_read(const char *path, const iso_read_opts *opts, iso_lines
     iso_status status = readers[format](&reading, lines, error);
     iso_encode_numbers_end(numbers);
     return status;
+}
+
+bool iso_lines_fill_vtk(const char *path) {
+    char head[1024];
+    struct stat status;
+    FILE *file = stat(path, &status) == 0 && S_ISREG(status.st_mode) ? fopen(path, "rb") : NULL;
+    if (!file) return false;
+    head[fread(head, 1, sizeof head - 1, file)] = 0;
+    fclose(file);
+    return strncmp(head, "# vtk DataFile", 14) == 0 && strcasestr(head, "\nDATASET POLYDATA");
 }

@@ -31,6 +31,10 @@ extern "C" {
  * ISO_ERR_NOMEM. Each text names the file. Thread-safe for different reports and file sets. */
 iso_status iso_lines_read(const char *path, const iso_read_opts *opts, iso_lines *lines, iso_error *error);
 
+/* Whether a .vtk file holds polygonal data, judged by the first KiB of a regular file; others hold volumes or
+ * grids of other kinds. */
+bool iso_lines_fill_vtk(const char *path);
+
 #ifdef __cplusplus
 }
 #endif
