@@ -8,6 +8,7 @@
  *     iso_surface_points, iso_surface_mesh    the same surface as points, or as Marching Cubes triangles
  *     iso_shape_set_read_lines, ...          lines and glyphs, also of vectors, in the same picture
  *     iso_sculpt_create                   a level set under brushes, with strokes, undo and a journal
+ *     iso_keys_draw                       parts of a picture, drawn by several processes and merged
  *     iso_compare_images                  how far one picture is from another
  *     iso_image_write, iso_surface_write_mesh, ...    files
  *
@@ -17,8 +18,8 @@
  * Functions that can fail return iso_status, ISO_OK being 0. What they make goes to out-parameters, which are
  * left alone by a failure. The details are one line of text in an iso_error of the caller's; NULL is fine
  * everywhere. Bad data is always an error, never an assertion; a NULL volume, surface or sculpt is a mistake
- * in the program, and so is an index out of range. Memory that runs out is ISO_ERR_NOMEM, which is not
- * repeated below.
+ * in the program, and so is an index out of range. Files are written whole or not at all. Memory that runs
+ * out is ISO_ERR_NOMEM, which is not repeated below.
  *
  * Units: world coordinates are millimetres, LPS: x to the patient's left, y to the back, z up; files in RAS
  * are converted. Index coordinates are voxels; the centre of voxel (i, j, k) is at exactly (i, j, k). Values
@@ -64,8 +65,7 @@ typedef enum iso_status {
     ISO_OK = 0,
     ISO_ERR_MISMATCH,    /* values that must agree differ, such as the sizes of two pictures */
     ISO_ERR_USAGE,       /* an argument is out of its range */
-    ISO_ERR_IO,          /* a file is missing, unreadable or truncated; or a progress function cancelled the
-                            operation */
+    ISO_ERR_IO,          /* a file is missing, unreadable or truncated; or progress was cancelled */
     ISO_ERR_FORMAT,      /* a file's content is damaged, or not of the expected format */
     ISO_ERR_UNSUPPORTED, /* the library that this needs was not built in or is not installed */
     ISO_ERR_BRIDGE,      /* a library that reads the format failed */
@@ -86,8 +86,8 @@ typedef struct iso_error {
 /* Returns the general meaning of a status, such as "out of memory". Never NULL. */
 ISO_API const char *iso_status_text(iso_status status);
 
-/* Returns the exit status with which a program should report `status`: 0 success, 1 a comparison failed, 2
- * wrong usage, 3 unreadable input, 4 no usable backend, 5 out of memory, 6 no surface, 7 could not write. */
+/* Returns a program's exit status for `status`: 0 success, 1 a comparison failed, 2 wrong usage, 3 unreadable
+ * input, 4 no usable backend, 5 out of memory, 6 no surface, 7 could not write. */
 ISO_API int iso_status_exit(iso_status status);
 
 /* ---- space ---- */
@@ -101,8 +101,7 @@ typedef struct iso_box {
 } iso_box;
 
 /* The map from index to world coordinates: world = origin + direction * (spacing .* index). `direction` is
- * row-major; its columns are the unit world directions of the x, y and z index axes (as in ITK and VTK). It
- * may be left-handed. */
+ * row-major; its columns are unit world directions of the index axes (as in ITK, VTK), also left-handed. */
 typedef struct iso_transform {
     double origin[3];    /* of voxel (0, 0, 0), mm */
     double spacing[3];   /* > 0, mm */
@@ -129,8 +128,7 @@ typedef int iso_progress_fn(void *context, double fraction);
 
 enum { ISO_VOLUME_ITEMS = 32, ISO_VOLUME_NOTES = 8, ISO_VOLUME_TEXT = 256 };
 
-/* What a file's header says. A plain struct without pointers. All texts are printable UTF-8 of one line
- * each. */
+/* What a file's header says, without pointers. Texts are one line of printable UTF-8. */
 typedef struct iso_volume_info {
     char format[16]; /* "vti", "vtk", "nrrd", "metaimage", "nifti", "dicom", "vdb", "raw", "scene" */
     char name[ISO_VOLUME_TEXT]; /* name of the grid or series; or empty */
@@ -146,10 +144,8 @@ typedef struct iso_volume_info {
     uint64_t bytes;       /* memory that the volume will take (estimated for sparse ones) */
     uint64_t read_bytes;  /* largest amount of memory in use while the file is read */
     int item_count;       /* number of grids in a .vdb, arrays in a .vti or .vtk, or series in a folder */
-    char items[ISO_VOLUME_ITEMS][ISO_VOLUME_TEXT]; /* one line for each of them; that of the chosen one begins
-                                                      with `name` */
-    int note_count;                                /* decisions that the reader had to make, to be shown to
-                                                      the user */
+    char items[ISO_VOLUME_ITEMS][ISO_VOLUME_TEXT]; /* one line each; `name` begins the chosen one's */
+    int note_count;                                /* decisions of the reader, to be shown to the user */
     char notes[ISO_VOLUME_NOTES][ISO_VOLUME_TEXT];
 } iso_volume_info;
 
@@ -162,8 +158,7 @@ typedef struct iso_open_opts {
     const char *grid;
     const char *series; /* DICOM: the series instance UID, or the number of the series, counted from 1 */
     int component;      /* which of several components to read, counted from 0 */
-    const iso_raw_layout *raw; /* read any file as raw data of this layout; NULL: a file is raw only if its
-                                  name states a layout */
+    const iso_raw_layout *raw; /* read as raw data; NULL: only if the file's name states a layout */
     double spacing[3];         /* mm; where > 0, used instead of the file's spacing */
     uint64_t max_memory;       /* limit in bytes for reading; 0: 80 % of the free memory */
     int threads;               /* number of threads that work for the volume; 0: one for each processor */
@@ -172,10 +167,9 @@ typedef struct iso_open_opts {
 } iso_open_opts;
 
 /* Reads a volume: .nrrd, .nhdr, NIfTI, a DICOM file or folder, .vdb, .vti, legacy .vtk, MetaImage, raw. The
- * format is recognised by the file's content, or by its name where the content does not tell. The size in the
- * header is checked before memory is allocated. Destroy the volume with iso_volume_destroy. ISO_ERR_IO,
- * ISO_ERR_FORMAT, ISO_ERR_UNSUPPORTED, ISO_ERR_BRIDGE, ISO_ERR_USAGE (no such grid, series or component),
- * ISO_ERR_LIMIT. */
+ * file's content tells the format, or else its name. The size in the header is checked before memory is
+ * allocated. Destroy the volume with iso_volume_destroy. ISO_ERR_IO, ISO_ERR_FORMAT, ISO_ERR_UNSUPPORTED,
+ * ISO_ERR_BRIDGE, ISO_ERR_USAGE (no such grid, series or component), ISO_ERR_LIMIT. */
 ISO_API iso_status iso_volume_open(const char *path, const iso_open_opts *opts, iso_volume **volume,
                                    iso_error *error);
 
@@ -197,26 +191,23 @@ typedef struct iso_lend_opts {
     int threads; /* number of threads that work for the volume; 0: one for each processor */
 } iso_lend_opts;
 
-/* Makes a volume of an array that the caller owns and keeps valid until the volume is destroyed. When the
- * caller later changes values in the array, it must call iso_volume_changed. ISO_ERR_USAGE (no data, a wrong
- * number of threads), ISO_ERR_FORMAT (dims, scale or transform), ISO_ERR_LIMIT. */
+/* Makes a volume of an array that the caller owns and keeps valid until the volume is destroyed. After
+ * changes to the array it calls iso_volume_changed. ISO_ERR_USAGE (no data, a wrong number of threads),
+ * ISO_ERR_FORMAT (dims, scale or transform), ISO_ERR_LIMIT. */
 ISO_API iso_status iso_volume_lend(const iso_lend_opts *opts, iso_volume **volume, iso_error *error);
 
 /* Frees a volume. Destroy its surfaces first. NULL is allowed. */
 ISO_API void iso_volume_destroy(iso_volume *volume);
 
-/* Returns the description of a volume, which is valid until the volume is destroyed. The format of a lent
- * volume is "lent". */
+/* Returns the description of a volume, valid until it is destroyed. The format of a lent one is "lent". */
 ISO_API const iso_volume_info *iso_volume_describe(const iso_volume *volume);
 
-/* Crops the volume to the voxels lo .. hi (both inclusive), which keep their positions in the world. Call
- * this before surfaces of the volume are created. ISO_ERR_USAGE: the range is empty or not within the volume,
- * or the volume belongs to an iso_sculpt. */
+/* Crops the volume to the voxels lo .. hi (inclusive), which keep their positions in the world, before it has
+ * surfaces. ISO_ERR_USAGE: the range is empty or not within the volume, or the volume is a sculpt's. */
 ISO_API iso_status iso_volume_crop(iso_volume *volume, const int lo[3], const int hi[3], iso_error *error);
 
-/* Reports that the caller has changed the voxels lo .. hi (inclusive, clipped to the volume) of a lent array.
- * The volume's surfaces are updated at their next use, which reads only the changed bricks. Do not call this
- * while another thread uses the volume or its surfaces. ISO_ERR_USAGE: the volume is sparse. */
+/* Tells that the voxels lo .. hi (inclusive, clipped to the volume) of a lent array have changed. Its
+ * surfaces are updated at their next use, from the changed bricks. ISO_ERR_USAGE: the volume is sparse. */
 ISO_API iso_status iso_volume_changed(iso_volume *volume, const int lo[3], const int hi[3], iso_error *error);
 
 /* Returns the physical value of a voxel. Coordinates outside the volume are clamped to it. */
@@ -224,30 +215,26 @@ ISO_API double iso_volume_value(const iso_volume *volume, int x, int y, int z);
 
 enum { ISO_HISTOGRAM_BINS = 256, ISO_ISOVALUE_CANDIDATES = 3 };
 
-/* A histogram of physical values. Bin i counts values in [low + i * width, low + (i + 1) * width); the last
- * bin includes `high`. */
+/* Bin i counts physical values in [low + i * width, low + (i + 1) * width); the last one includes `high`. */
 typedef struct iso_histogram {
     /* Range of the finite voxels without padding, low == high for a constant volume; width of a bin. */
     double low, high, width;
     uint64_t bins[ISO_HISTOGRAM_BINS];
-    uint64_t counted, nonfinite, padding; /* number of voxels in bins; that are NaN or infinite; that are
-                                             padding */
+    uint64_t counted, nonfinite, padding; /* voxels in bins; NaN or infinite; padding */
     double minimum, maximum;              /* of all finite voxels */
     double padding_value;                 /* meaningful when padding > 0 */
 } iso_histogram;
 
-/* Computes the histogram of a volume. Voxels are padding, and not counted in bins, if they have the value
- * that makes up more than half of the volume's six faces and that is also the minimum or maximum of the data.
- * ISO_ERR_EMPTY: no voxel is finite. */
+/* Computes the histogram. Padding, which is not counted in bins, are voxels with the value of more than half
+ * of the volume's six faces, if it is also the data's least or largest. ISO_ERR_EMPTY: no voxel is finite. */
 ISO_API iso_status iso_volume_histogram(iso_volume *volume, iso_histogram *histogram, iso_error *error);
 
-/* Suggests an isovalue, the one that isorender uses by default: 0 for level sets, else Otsu's threshold of
- * the histogram. ISO_ERR_EMPTY: the volume is constant. */
+/* Suggests an isovalue, the default of isorender: 0 for level sets, else Otsu's. ISO_ERR_EMPTY: constant. */
 ISO_API iso_status iso_volume_suggest(iso_volume *volume, double *isovalue, iso_error *error);
 
-/* Writes a sparse level set, such as a sculpt's volume, as .vdb for OpenVDB's tools, Blender and Houdini. A
- * failure leaves no incomplete file. `name` is the grid's name; NULL: "surface". ISO_ERR_USAGE: the volume is
- * dense, or its voxels are not cubes; ISO_ERR_UNSUPPORTED: this build has no OpenVDB; ISO_ERR_WRITE. */
+/* Writes a sparse level set, such as a sculpt's volume, as .vdb for OpenVDB's tools, Blender and Houdini.
+ * `name` is the grid's name; NULL: "surface". ISO_ERR_USAGE: the volume is dense, or its voxels are not
+ * cubes; ISO_ERR_UNSUPPORTED: this build has no OpenVDB; ISO_ERR_WRITE. */
 ISO_API iso_status iso_volume_write_vdb(const iso_volume *volume, const char *path, const char *name,
                                         iso_error *error);
 
@@ -259,38 +246,34 @@ typedef struct iso_rgb {
 
 /* The kind of points that iso_surface_points extracts. */
 typedef enum iso_primitive {
-    ISO_PRIMITIVE_AUTO, /* FOOT for sparse level sets unless the isovalue is near the end of the narrow band,
-                           EDGE for the rest */
+    ISO_PRIMITIVE_AUTO, /* FOOT for sparse level sets whose band does not end near the isovalue, else EDGE */
     ISO_PRIMITIVE_EDGE, /* the vertices of Marching Cubes, on the edges between voxels */
     ISO_PRIMITIVE_FOOT, /* for level sets only: the nearest points of the surface to the voxels beside it */
     ISO_PRIMITIVE_FOOT_ITERATED /* the same for any field, found by iteration */
 } iso_primitive;
 
-/* The isosurface of a volume at an isovalue. Points, triangles and crossed cells are computed when they are
- * first needed, and are kept. After an edit the next use updates them from the bricks (16^3 voxels) that
- * changed. */
+/* The isosurface of a volume at an isovalue. Points, triangles and crossed cells are computed when first
+ * needed, and kept. After an edit the next use updates the bricks (16^3 voxels) that changed. */
 typedef struct iso_surface iso_surface;
 
 typedef struct iso_surface_opts {
     double isovalue;
-    const iso_rgb *color; /* copied; NULL: a colour of a small palette, by the surface's position in the
-                             picture's list */
+    const iso_rgb *color; /* copied; NULL: of a small palette, by the number in the picture */
     iso_primitive primitive;
     double opacity; /* share of the light that the surface stops where it is seen face on, 0 .. 1; 0 means 1,
                        opaque. Values below 1 need the method EXACT, RAYCAST or SPLATS */
 } iso_surface_opts;
 
-/* Creates a surface. It borrows the volume until it is destroyed. Whether the surface is empty is known only
- * when it is first used. ISO_ERR_USAGE: the isovalue is not finite, the opacity is out of range, or FOOT was
- * chosen for a volume that is not a level set; ISO_ERR_EMPTY: the isovalue lies outside the narrow band. */
+/* Creates a surface, which borrows the volume. Whether it is empty is known when it is first used.
+ * ISO_ERR_USAGE: the isovalue is not finite, the opacity is out of range, or FOOT was chosen for a volume
+ * that is not a level set; ISO_ERR_EMPTY: the isovalue lies outside the narrow band. */
 ISO_API iso_status iso_surface_create(iso_volume *volume, const iso_surface_opts *opts, iso_surface **surface,
                                       iso_error *error);
 
 /* Frees a surface. NULL is allowed. */
 ISO_API void iso_surface_destroy(iso_surface *surface);
 
-/* Changes the isovalue. The errors are those of iso_surface_create; after a failure the surface keeps its
- * former isovalue. */
+/* Changes the isovalue, which stays as it was after a failure. Errors as iso_surface_create. */
 ISO_API iso_status iso_surface_set_isovalue(iso_surface *surface, double isovalue, iso_error *error);
 
 /* Computes the bounding box of the surface in the world, mm. ISO_ERR_EMPTY: the surface is empty. */
@@ -303,10 +286,9 @@ typedef struct iso_surface_point {
     float radius;      /* mm; discs with these radii cover the surface */
 } iso_surface_point;
 
-/* Copies the points to `points`, which has room for `capacity` of them, and sets *count to the number of
- * points. With `points` NULL it only counts. The order of points is the same whenever the whole surface is
- * extracted, but may change with edits. ISO_ERR_LIMIT: there is not enough room; *count is the number needed,
- * and nothing is copied. A surface without points is not an error. */
+/* Copies the points to `points`, which has room for `capacity` of them, and sets *count to their number. With
+ * `points` NULL it only counts. Edits may change the order. ISO_ERR_LIMIT: there is not enough room; *count
+ * is the number needed, and nothing is copied. A surface may have no points. */
 ISO_API iso_status iso_surface_points(iso_surface *surface, iso_surface_point *points, size_t capacity,
                                       size_t *count, iso_error *error);
 
@@ -320,8 +302,7 @@ typedef struct iso_mesh {
 
 /* Computes the Marching Cubes mesh of a surface. Vertices are shared by triangles (welded), and the mesh is
  * closed where the surface is. On ambiguous faces, corners at or above the isovalue are separated, as in VTK.
- * Free the mesh with iso_mesh_free. ISO_ERR_LIMIT: more than 2^32 - 1 vertices. A mesh without triangles is
- * not an error. */
+ * Free the mesh with iso_mesh_free. It may be empty. ISO_ERR_LIMIT: more than 2^32 - 1 vertices. */
 ISO_API iso_status iso_surface_mesh(iso_surface *surface, iso_mesh *mesh, iso_error *error);
 
 /* Frees the arrays and zeroes the struct. A zeroed struct is allowed. */
@@ -331,10 +312,8 @@ typedef struct iso_mesh_measures {
     size_t vertices; /* number of vertices that triangles use */
     size_t edges;    /* number of pairs of vertices that a side of a triangle joins */
     size_t triangles;
-    size_t pieces; /* number of connected pieces; two pieces share no vertex */
-    /* Number of sides of triangles without an opposite side. An edge counts as many times as it is used more
-     * often in one direction than in the other. 0: the mesh is closed. */
-    size_t open_edges;
+    size_t pieces;     /* number of connected pieces; two pieces share no vertex */
+    size_t open_edges; /* sides of triangles without an opposite one (an edge can have several); 0: closed */
     size_t crowded_edges; /* number of edges of more than two triangles; a closed mesh can have some */
     int64_t euler;        /* Euler characteristic: vertices - edges + triangles; 2 for a ball, 0 for a ring */
     double area;          /* mm2 */
@@ -344,13 +323,11 @@ typedef struct iso_mesh_measures {
 /* Measures the mesh of a surface. ISO_ERR_LIMIT: more than 2^31 - 1 vertices. */
 ISO_API iso_status iso_surface_measure(iso_surface *surface, iso_mesh_measures *measures, iso_error *error);
 
-/* Writes the points as binary .ply with the properties x y z nx ny nz radius. A failure leaves no incomplete
- * file. ISO_ERR_EMPTY, ISO_ERR_WRITE. */
+/* Writes the points as binary .ply with x y z nx ny nz radius. ISO_ERR_EMPTY, ISO_ERR_WRITE. */
 ISO_API iso_status iso_surface_write_points(iso_surface *surface, const char *path, iso_error *error);
 
-/* Writes the welded mesh as binary .ply or .stl, or as .obj, according to the extension of `path`. A failure
- * leaves no incomplete file. ISO_ERR_USAGE: another extension; ISO_ERR_EMPTY, ISO_ERR_WRITE,
- * ISO_ERR_LIMIT. */
+/* Writes the welded mesh as binary .ply or .stl, or as .obj, according to the extension of `path`.
+ * ISO_ERR_USAGE: another extension; ISO_ERR_EMPTY, ISO_ERR_WRITE, ISO_ERR_LIMIT. */
 ISO_API iso_status iso_surface_write_mesh(iso_surface *surface, const char *path, iso_error *error);
 
 /* ---- lines and glyphs ---- */
@@ -368,7 +345,7 @@ typedef enum iso_glyph {
 } iso_glyph;
 
 /* A set of lines (tubes or ribbons) or of points (glyphs), rendered with surfaces and exact at any zoom. It
- * holds copies of its data and never changes, so several threads may render it at the same time. */
+ * has copies of its data and never changes: several threads may render it. */
 typedef struct iso_shape_set iso_shape_set;
 
 typedef struct iso_shape_set_opts {
@@ -379,8 +356,7 @@ typedef struct iso_shape_set_opts {
     bool flat_caps;       /* tubes: flat ends instead of round ones */
     bool true_width;      /* lines: those thinner than a pixel are not widened to a pixel */
     bool ras;             /* files: take the coordinates as RAS although the file does not say so */
-    double opacity;       /* as of iso_surface_opts, where rays enter a tube or glyph and where they leave; 0
-                             means 1. Values below 1 need the method EXACT */
+    double opacity; /* as of iso_surface_opts, where rays enter a shape and where they leave; EXACT only */
 } iso_shape_set_opts;
 
 /* Lines in the caller's arrays; world coordinates in mm. */
@@ -402,9 +378,8 @@ typedef struct iso_glyph_arrays {
     const uint8_t (*colors)[3];   /* red green blue; NULL: opts.color */
 } iso_glyph_arrays;
 
-/* Make a set of lines or of glyphs and copy the arrays. ISO_ERR_USAGE: an option is out of range, or a shape
- * needs directions and there are none; ISO_ERR_EMPTY: nothing can be drawn; ISO_ERR_LIMIT: 2^29 vertices or
- * 2^31 points, or more. */
+/* Make a set of lines or of glyphs and copy the arrays. ISO_ERR_USAGE: an option out of range, or a shape
+ * lacks its directions; ISO_ERR_EMPTY: nothing to draw; ISO_ERR_LIMIT: 2^29 vertices, 2^31 points or more. */
 ISO_API iso_status iso_shape_set_of_lines(const iso_line_arrays *lines, const iso_shape_set_opts *opts,
                                           iso_shape_set **set, iso_error *error);
 ISO_API iso_status iso_shape_set_of_glyphs(const iso_glyph_arrays *glyphs, const iso_shape_set_opts *opts,
@@ -414,8 +389,7 @@ ISO_API iso_status iso_shape_set_of_glyphs(const iso_glyph_arrays *glyphs, const
  * ISO_ERR_FORMAT, ISO_ERR_UNSUPPORTED, and the errors of iso_shape_set_of_lines. */
 ISO_API iso_status iso_shape_set_read_lines(const char *path, const iso_shape_set_opts *opts,
                                             iso_shape_set **set, iso_error *error);
-/* Reads points from .pdb, .xyz, .csv, .ply, .vtk, .vtp, .pcd, .las, .off, .obj, .npy, .pts, .pwn, .asc or
- * .txt. Errors as for lines. */
+/* Reads .pdb .xyz .csv .ply .vtk .vtp .pcd .las .off .obj .npy .pts .pwn .asc or .txt. Errors as above. */
 ISO_API iso_status iso_shape_set_read_glyphs(const char *path, const iso_shape_set_opts *opts,
                                              iso_shape_set **set, iso_error *error);
 
@@ -468,8 +442,7 @@ ISO_API iso_status iso_image_create(int width, int height, iso_image *image, iso
 /* Frees the pixels and zeroes the struct. A zeroed struct is allowed. */
 ISO_API void iso_image_free(iso_image *image);
 
-/* Writes a PNG: RGB when all pixels are opaque, else RGBA. The path "-" is standard output. A failure leaves
- * no incomplete file. ISO_ERR_WRITE. */
+/* Writes a PNG: RGB when all pixels are opaque, else RGBA. Path "-": to standard output. ISO_ERR_WRITE. */
 ISO_API iso_status iso_image_write(const iso_image *image, const char *path, iso_error *error);
 
 /* Reads any PNG. Gamma and colour profiles are ignored. ISO_ERR_IO, ISO_ERR_FORMAT. */
@@ -484,10 +457,9 @@ typedef struct iso_aov {
                          viewer; 0 in empty pixels and where the normals of a pixel's samples cancel */
     float *coverage;  /* share of covered samples, 0 .. 1; in pictures with translucent surfaces the alpha */
     float *layers;    /* mean number of layers in the samples of a pixel; NULL: all surfaces are opaque */
-    /* What the nearest sample of a pixel shows; all numbers count from 1, and 0 means none. ids[0]: the
-     * surface; sets of shapes are numbered after the surfaces. ids[1]: the glyph, line or triangle of the
-     * set; 0 for surfaces of volumes. ids[2]: the segment of the line; 0 when it is not a line. NULL: not
-     * known. */
+    /* Numbers from 1 of what a pixel's nearest sample shows; 0: none; NULL: not known. ids[0]: the surface,
+     * with sets of shapes after the surfaces; ids[1]: the glyph, line or triangle of a set; ids[2]: the
+     * segment of a line. */
     uint32_t *ids[3];
     float voxel; /* smallest voxel spacing of the volumes shown, mm; 0 when unknown */
 } iso_aov;
@@ -495,14 +467,12 @@ typedef struct iso_aov {
 /* Frees the planes and zeroes the struct. A zeroed struct is allowed. */
 ISO_API void iso_aov_free(iso_aov *aov);
 
-/* Writes OpenEXR with the 32-bit float channels Z, N.X N.Y N.Z and A, with a channel for the layers if they
- * are known, and with the 32-bit integer channels id.surface, id.element and id.segment if ids are known. A
- * failure leaves no incomplete file. ISO_ERR_UNSUPPORTED: this build has no OpenEXR; ISO_ERR_USAGE: the path
- * is "-"; ISO_ERR_WRITE. */
+/* Writes OpenEXR with the 32-bit float channels Z, N.X N.Y N.Z and A, one for the layers if they are known,
+ * and the 32-bit integer channels id.surface, id.element and id.segment if ids are known.
+ * ISO_ERR_UNSUPPORTED: there is no OpenEXR; ISO_ERR_USAGE: the path is "-"; ISO_ERR_WRITE. */
 ISO_API iso_status iso_aov_write(const iso_aov *aov, const char *path, iso_error *error);
 
-/* Reads OpenEXR with these channels, also when another program wrote it. ISO_ERR_IO, ISO_ERR_FORMAT,
- * ISO_ERR_UNSUPPORTED. */
+/* Reads OpenEXR with these channels, of any program. ISO_ERR_IO, ISO_ERR_FORMAT, ISO_ERR_UNSUPPORTED. */
 ISO_API iso_status iso_aov_read(const char *path, iso_aov *aov, iso_error *error);
 
 /* How a surface is drawn. */
@@ -512,8 +482,7 @@ typedef enum iso_method {
     ISO_METHOD_PULLPUSH,          /* points as curved discs, filled in image space */
     ISO_METHOD_PULLPUSH_GAUSSIAN, /* points, filled with Gaussian weights (Marroquim et al. 2008) */
     ISO_METHOD_PULLPUSH_BOX,      /* points, filled with equal weights */
-    ISO_METHOD_POINTS,            /* a flat disc parallel to the picture at each point: shows the points
-                                     themselves */
+    ISO_METHOD_POINTS,            /* a flat disc parallel to the picture at each point */
     ISO_METHOD_SPLATS,            /* points as flat discs, blended in one pass (Zhang and Pajarola 2006) */
     ISO_METHOD_RAYCAST,        /* rays through the whole volume: slow, the reference for the other methods */
     ISO_METHOD_HYBRID,         /* points where cells are small in the picture, else triangles (2008) */
@@ -523,8 +492,7 @@ typedef enum iso_method {
 } iso_method;
 enum { ISO_METHODS = 12 };
 
-/* The name of a method, "exact", "pullpush-box" and so on, NULL: not a method; and the method of a name,
- * ISO_ERR_USAGE: there is none. */
+/* The name of a method, such as "exact" (NULL: it is none); and the method of a name (ISO_ERR_USAGE). */
 ISO_API const char *iso_method_name(iso_method method);
 ISO_API iso_status iso_method_find(const char *name, iso_method *method, iso_error *error);
 
@@ -547,8 +515,8 @@ typedef enum iso_direction {
     ISO_ISOMETRIC /* from front, patient's left and above */
 } iso_direction;
 
-/* How iso_camera_of_box places a camera that shows a whole box. The camera is placed in front of a side,
- * turned by azimuth and elevation, and moved to the distance at which the box fits with a margin of 4 %. */
+/* How iso_camera_of_box places a camera: in front of a side, turned by azimuth and elevation, and moved to
+ * the distance at which the box fits with a margin of 4 %. */
 typedef struct iso_fit_opts {
     iso_direction direction;
     const iso_vec3 *up;        /* unit vector, the world direction that is up; NULL: +z */
@@ -556,12 +524,11 @@ typedef struct iso_fit_opts {
     double zoom;               /* magnification; 0 means 1 */
     double view_angle;         /* degrees; 0 means 30 */
     bool orthographic;
-    int turns; /* number of views, evenly spaced in azimuth, in all of which the box must fit (turntable); 0
-                  means 1 */
+    int turns; /* the box fits in all of so many views, evenly spaced in azimuth; 0 means 1 */
 } iso_fit_opts;
 
-/* Computes a camera for which `box` (world) fits into a picture of width x height pixels. ISO_ERR_USAGE: a
- * value is not finite or out of range, or the box is empty. */
+/* Places a camera so that `box` (world) fits into a picture of width x height pixels. ISO_ERR_USAGE: a value
+ * is not finite or out of range, or the box is empty. */
 ISO_API iso_status iso_camera_of_box(const iso_box *box, int width, int height, const iso_fit_opts *opts,
                                      iso_camera *camera, iso_error *error);
 
@@ -582,19 +549,17 @@ typedef struct iso_render_opts {
                                  absorbed becomes the surface's colour. All surfaces must be of one volume;
                                  not for the method SPLATS. 0: the solid is clear */
     int most_layers;          /* number of crossings of each surface or set that are drawn, from the nearest
-                                 on; 0: all. Not together with absorption, which needs to know where rays
-                                 leave the solid */
+                                 on; 0: all. Not together with absorption, which needs all */
     /* Lines and glyphs in the same picture, for every method; in `aov` where they are opaque. */
     iso_shape_set *const *shapes;
     int shapes_count;
     iso_aov *aov; /* receives depth, normals and coverage, and with shapes also ids; NULL: not wanted */
 } iso_render_opts;
 
-/* Renders a surface on the CPU. `image` and opts->aov must be zeroed or hold an earlier picture, whose memory
- * is reused if the size is the same. After a failure their pixels are undefined, but they can be reused or
- * freed. ISO_ERR_EMPTY: the surface is empty or not in view; ISO_ERR_USAGE: an invalid size, number of
- * samples or camera, or a translucent surface with a method that cannot draw it; ISO_ERR_LIMIT: more than 64
- * translucent surfaces and sets of shapes. */
+/* Renders a surface on the CPU. `image` and opts->aov are zeroed or hold an earlier picture, whose memory is
+ * reused if the size is the same. After a failure their pixels are undefined. ISO_ERR_EMPTY: the surface is
+ * empty or not in view; ISO_ERR_USAGE: an invalid size, number of samples or camera, or a translucent surface
+ * with a method that cannot draw it; ISO_ERR_LIMIT: more than 64 translucent surfaces and sets of shapes. */
 ISO_API iso_status iso_render(iso_surface *surface, const iso_render_opts *opts, iso_image *image,
                               iso_error *error);
 
@@ -604,6 +569,59 @@ ISO_API iso_status iso_render(iso_surface *surface, const iso_render_opts *opts,
 ISO_API iso_status iso_render_surfaces(iso_surface *const *surfaces, int count, const iso_render_opts *opts,
                                        iso_image *image, iso_error *error);
 
+/* ---- pictures in parts ---- */
+/* The picture of an opaque surface that is drawn in parts, in any order, by any number of processes: a pixel
+ * is a key of 64 bits, of which the smallest stays. With all parts it has the bytes of iso_render. */
+typedef struct iso_keys iso_keys;
+
+/* The picture, the same for all parts. */
+typedef struct iso_keys_opts {
+    int dims[3];                    /* of the whole volume, voxels */
+    const iso_transform *transform; /* of the whole; NULL: spacing 1, origin 0 */
+    double isovalue;
+    iso_method method;                 /* EXACT, PULLPUSH_GAUSSIAN or PULLPUSH_BOX */
+    int width, height;                 /* pixels; 0 means 1024 */
+    const iso_camera *camera;          /* not NULL */
+    const iso_rgb *color, *background; /* NULL: as of a first surface; white */
+    bool transparent;
+    int threads; /* as of iso_open_opts */
+} iso_keys_opts;
+
+/* Creates a picture without parts. ISO_ERR_USAGE. */
+ISO_API iso_status iso_keys_create(const iso_keys_opts *opts, iso_keys **keys, iso_error *error);
+ISO_API void iso_keys_destroy(iso_keys *keys);
+
+/* The voxels first .. end - 1 of the whole, with the cells that begin there. A part begins at a multiple of
+ * 16 and ends at one or with the whole (`end` 0). Its volume, which is dense, has the voxel before it and
+ * the two after it on each axis, as far as the whole has them. */
+typedef struct iso_keys_part {
+    iso_volume *volume;
+    int origin[3]; /* the voxel of the whole that is voxel (0, 0, 0) of the volume */
+    int first[3], end[3];
+} iso_keys_part;
+
+/* Pull-push must know the extent of the whole: survey all parts before the first is drawn. Processes reduce
+ * the ISO_KEYS_SURVEY numbers that iso_keys_surveyed returns by the minimum (MPI_MIN). */
+enum { ISO_KEYS_SURVEY = 9 };
+ISO_API iso_status iso_keys_survey(iso_keys *keys, const iso_keys_part *part, iso_error *error);
+ISO_API double *iso_keys_surveyed(iso_keys *keys);
+/* Draws a part; an empty one is fine. ISO_ERR_USAGE: the volume lacks voxels of the part, or pull-push meets
+ * voxels that are not finite; ISO_ERR_EMPTY: the survey found no surface. */
+ISO_API iso_status iso_keys_draw(iso_keys *keys, const iso_keys_part *part, iso_error *error);
+/* Gives access to the pixels, which processes reduce by the minimum of uint64. Errors as iso_keys_draw. */
+ISO_API iso_status iso_keys_pixels(iso_keys *keys, uint64_t **pixels, size_t *count, iso_error *error);
+/* Adds what `other` shows. ISO_ERR_MISMATCH: it is another picture. */
+ISO_API iso_status iso_keys_merge(iso_keys *keys, const iso_keys *other, iso_error *error);
+/* Makes the picture; `image` as of iso_render. ISO_ERR_EMPTY: nothing is in view. */
+ISO_API iso_status iso_keys_show(const iso_keys *keys, iso_image *image, iso_error *error);
+/* Write a file of part `part` (from 1) of `parts`, for isorender merge; read and merge the files of all
+ * parts (max_memory, threads: as of iso_open_opts). ISO_ERR_FORMAT: a part is missing, there twice, or of
+ * another picture; ISO_ERR_IO, ISO_ERR_WRITE, ISO_ERR_LIMIT. */
+ISO_API iso_status iso_keys_write(const iso_keys *keys, int part, int parts, const char *path,
+                                  iso_error *error);
+ISO_API iso_status iso_keys_read(const char *const *paths, int count, uint64_t max_memory, int threads,
+                                 iso_keys **keys, iso_error *error);
+
 /* ---- comparing ---- */
 typedef struct iso_difference_opts {
     const iso_aov *truth_aov, *candidate_aov; /* of the same size as the pictures; NULL: there is none */
@@ -611,8 +629,7 @@ typedef struct iso_difference_opts {
     double voxel;              /* size of a voxel, mm; 0: truth_aov->voxel */
     double pixels_per_voxel;   /* 0: unknown, and there are no dilations in voxels */
     double pixels_per_degree;  /* pixels per degree of the viewer's visual field, for FLIP; 0 means 67.02 */
-    float *flip_map;           /* width * height floats; receives the FLIP difference of every pixel, 0 .. 1;
-                                  or NULL */
+    float *flip_map;           /* width * height; receives the FLIP difference of each pixel; or NULL */
 } iso_difference_opts;
 
 /* The differences of a candidate picture from the true one. NaN: unknown, or nothing to measure. */
@@ -625,24 +642,20 @@ typedef struct iso_difference {
     /* Pixels by which the candidate's silhouette is too large; the mean is signed. */
     double dilation_mean, dilation_max;
     double dilation_mean_voxel, dilation_max_voxel; /* the same in voxels */
-    double holes;             /* percentage of the true silhouette, eroded by 2 pixels, that the candidate
-                                 does not cover */
+    double holes;             /* % of the true silhouette, eroded by 2 pixels, that is not covered */
     double normal_error_deg;  /* mean angle between normals, degrees */
     double depth_error_voxel; /* mean difference of depths, voxels */
-    double wrong;             /* percentage of the pixels covered in both whose depths differ by more than 2
-                                 voxels */
+    double wrong;             /* % of the pixels covered in both whose depths differ by over 2 voxels */
     double pixels_differing;  /* number of pixels in which a channel differs by more than 1 of 255 */
 } iso_difference;
 
-/* Compares two pictures. ISO_ERR_MISMATCH: their sizes differ; ISO_ERR_USAGE: pixels_per_degree is out of
- * range. */
+/* Compares two pictures. ISO_ERR_MISMATCH: of different sizes; ISO_ERR_USAGE: pixels_per_degree. */
 ISO_API iso_status iso_compare_images(const iso_image *truth, const iso_image *candidate,
                                       const iso_difference_opts *opts, iso_difference *difference,
                                       iso_error *error);
 
 /* ---- sculpting ---- */
-/* What a touch of a brush does. The first four are set operations with the brush's solid; the others deform
- * the surface or change the mask. */
+/* The first four are set operations with the brush's solid; the others deform, or change the mask. */
 typedef enum iso_tool {
     ISO_TOOL_ADD,         /* union */
     ISO_TOOL_CARVE,       /* difference */
@@ -654,14 +667,12 @@ typedef enum iso_tool {
     ISO_TOOL_FLATTEN, /* towards the plane of the sample's position and normal */
     ISO_TOOL_PINCH,   /* towards the axis of the sample's normal */
     ISO_TOOL_MOVE,    /* drags what lay at the stroke's first sample to the current one */
-    ISO_TOOL_MASK,    /* freezes the voxels within the radius: brushes do not carry them to the other side of
-                         the surface */
+    ISO_TOOL_MASK,    /* freezes the voxels within the radius: brushes do not move them across the surface */
     ISO_TOOL_UNMASK,
     ISO_TOOL_COUNT
 } iso_tool;
 
-/* The solid of a set operation. It is centred on the sample, with its z axis along the sample's normal. Sizes
- * are in radii of the brush. */
+/* The solid of a set operation, centred on the sample, its z axis along the normal. Sizes in brush radii. */
 typedef enum iso_solid {
     ISO_SOLID_SPHERE,
     ISO_SOLID_BOX,      /* half sides 1, `aspect`, `aspect` */
@@ -672,8 +683,7 @@ typedef enum iso_solid {
     ISO_SOLID_COUNT
 } iso_solid;
 
-/* How the effect of a deforming touch decreases from 1 at the centre to 0 at the radius; t = distance /
- * radius. */
+/* How a deforming touch weakens from 1 at the centre to 0 at the radius; t = distance / radius. */
 typedef enum iso_falloff {
     ISO_FALLOFF_SMOOTH, /* (1 - t^2)^2 */
     ISO_FALLOFF_LINEAR,
@@ -682,8 +692,7 @@ typedef enum iso_falloff {
 } iso_falloff;
 
 /* A brush. Members that are 0 mean: tool add, sphere, smooth falloff, full strength (for tools with a
- * strength), aspect 0.5, blend 0.25 of the radius, spacing 0.25 of the radius, no symmetry. The radius must
- * be set. */
+ * strength), aspect 0.5, blend and spacing 0.25 of the radius, no symmetry. The radius must be set. */
 typedef struct iso_brush {
     iso_tool tool;
     iso_solid shape;
@@ -693,8 +702,7 @@ typedef struct iso_brush {
     double aspect;          /* of a box, cylinder or torus, in radii: see iso_solid */
     double blend;           /* width of the smooth transition of BLEND tools, mm */
     double spacing;         /* distance between touches along the stroke, in radii */
-    unsigned symmetry;      /* bit a: the touch is mirrored at the plane perpendicular to axis a through
-                               `mirror` */
+    unsigned symmetry;      /* bit a: mirrored at the plane through `mirror` perpendicular to axis a */
     iso_vec3 mirror;        /* a point in the world, mm */
     bool pressure_radius;   /* pressure scales the radius */
     bool pressure_strength; /* pressure scales the strength */
@@ -715,8 +723,7 @@ typedef struct iso_edit_stats {
 } iso_edit_stats;
 
 /* A sculpting session: a level set, its undo history and its journal. The journal is an append-only file of
- * all strokes (a line of JSON with a checksum for each event); it serves as autosave, crash recovery and
- * recording. */
+ * all strokes (JSON lines with checksums): autosave, crash recovery, recording. */
 typedef struct iso_sculpt iso_sculpt;
 
 typedef struct iso_sculpt_opts {
@@ -740,8 +747,8 @@ ISO_API iso_status iso_sculpt_from_volume(iso_volume *volume, double isovalue, c
                                           iso_sculpt **sculpt, iso_error *error);
 
 /* Replays a stroke file and leaves it unchanged. The file that the session began with, if any, is looked for
- * at its path and beside the stroke file. Of `opts` only undo_memory and threads are used. An incomplete last
- * line, as a crash leaves it, is ignored. ISO_ERR_IO: a file is missing; ISO_ERR_FORMAT: a line is damaged or
+ * at its path and beside the stroke file. Of `opts` undo_memory and threads are used. An incomplete last
+ * line, as after a crash, is ignored. ISO_ERR_IO: a file is missing; ISO_ERR_FORMAT: a line is damaged or
  * exceeds the limits, or the first file has changed (the text says which); else errors of reading it. */
 ISO_API iso_status iso_sculpt_replay(const char *path, const iso_sculpt_opts *opts, iso_sculpt **sculpt,
                                      iso_error *error);
@@ -750,18 +757,15 @@ ISO_API iso_status iso_sculpt_replay(const char *path, const iso_sculpt_opts *op
 ISO_API iso_status iso_sculpt_resume(const char *path, const iso_sculpt_opts *opts, iso_sculpt **sculpt,
                                      iso_error *error);
 
-/* Waits until the whole journal is on disk, closes it, and frees everything. Destroy surfaces of the sculpt's
- * volume first. NULL is allowed. */
+/* Waits until the journal is on disk; frees everything. Destroy the volume's surfaces first. NULL is fine. */
 ISO_API void iso_sculpt_destroy(iso_sculpt *sculpt);
 
-/* Returns the level set as a volume; its surfaces are updated after every touch. It belongs to the sculpt: do
- * not destroy it. */
+/* Returns the level set, whose surfaces follow every touch. It belongs to the sculpt: do not destroy it. */
 ISO_API iso_volume *iso_sculpt_volume(iso_sculpt *sculpt);
 
 /* Begins a stroke with its first sample; more samples follow, then the end or a cancel. Each sample makes as
- * many touches as the brush's spacing requires, and none when the pointer has hardly moved. `stats` (may be
- * NULL) is added to. ISO_ERR_USAGE: an invalid brush or sample, or a stroke is already in progress; the field
- * is unchanged. */
+ * many touches as the brush's spacing requires, perhaps none. `stats` (may be NULL) is added to.
+ * ISO_ERR_USAGE: an invalid brush or sample, or a stroke is in progress; nothing has changed. */
 ISO_API iso_status iso_sculpt_begin(iso_sculpt *sculpt, const iso_brush *brush, const iso_sample *sample,
                                     iso_edit_stats *stats, iso_error *error);
 /* Adds a sample to the stroke. ISO_ERR_USAGE: an invalid sample, or no stroke is in progress. */
@@ -772,11 +776,9 @@ ISO_API iso_status iso_sculpt_end(iso_sculpt *sculpt, iso_error *error);
 /* Cancels the stroke: the field is again as it was before it. ISO_ERR_USAGE: no stroke is in progress. */
 ISO_API iso_status iso_sculpt_cancel(iso_sculpt *sculpt, iso_error *error);
 
-/* Undoes the last stroke; the field has exactly the values from before it. ISO_ERR_USAGE: there is nothing to
- * undo, or a stroke is in progress. */
+/* Undoes the last stroke, exactly. ISO_ERR_USAGE: nothing to undo, or a stroke is in progress. */
 ISO_API iso_status iso_sculpt_undo(iso_sculpt *sculpt, iso_error *error);
-/* Redoes the stroke that was undone last, with exactly the same values. ISO_ERR_USAGE: there is nothing to
- * redo, or a stroke is in progress. */
+/* Redoes the stroke undone last, exactly. ISO_ERR_USAGE: nothing to redo, or a stroke is in progress. */
 ISO_API iso_status iso_sculpt_redo(iso_sculpt *sculpt, iso_error *error);
 
 /* Returns the number of strokes that can be undone. */
@@ -784,14 +786,12 @@ ISO_API size_t iso_sculpt_undo_count(iso_sculpt *sculpt);
 /* Returns the number of strokes that can be redone. */
 ISO_API size_t iso_sculpt_redo_count(iso_sculpt *sculpt);
 
-/* Sets the stamp, the solid that brushes with ISO_SOLID_STAMP use: the inside of a mesh in an .stl, .obj or
- * .ply file. Small holes of the mesh are closed. The longest side of the stamp is twice the brush's radius.
- * The journal gets a copy of the stamp's distance field. ISO_ERR_IO, ISO_ERR_FORMAT, ISO_ERR_EMPTY (the mesh
- * encloses nothing), ISO_ERR_USAGE (a stroke is in progress). */
+/* Sets the solid of ISO_SOLID_STAMP: the inside of a mesh in an .stl, .obj or .ply file, small holes closed.
+ * Its longest side is twice the brush's radius. The journal gets a copy of its distance field. ISO_ERR_IO,
+ * ISO_ERR_FORMAT, ISO_ERR_EMPTY (the mesh encloses nothing), ISO_ERR_USAGE (a stroke is in progress). */
 ISO_API iso_status iso_sculpt_set_stamp(iso_sculpt *sculpt, const char *path, iso_error *error);
 
-/* Returns ISO_OK, or the reason why the journal is incomplete (such as a full disk). Writing is tried
- * again. */
+/* Returns ISO_OK, or why the journal is incomplete (such as a full disk). Writing is tried again. */
 ISO_API iso_status iso_sculpt_journal_status(iso_sculpt *sculpt, iso_error *error);
 
 #ifdef __cplusplus

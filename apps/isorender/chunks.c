@@ -14,6 +14,7 @@
 #include "grids/volume/mapping.h"
 #include "io/key_file.h"
 #include "methods/bounds.h"
+#include "methods/keys_picture.h"
 
 /* ---- when */
 
@@ -357,30 +358,16 @@ static iso_status draw_keys(isorender_job *job, const iso_camera *camera, iso_pu
     return iso_ranks_least_keys(ranks, keys->keys, (size_t)keys->width * (size_t)keys->height, error);
 }
 
-static iso_reconstruction reconstruction_of(iso_method method) {
-    return method == ISO_METHOD_PULLPUSH_BOX ? ISO_RECONSTRUCTION_BOX : ISO_RECONSTRUCTION_GAUSSIAN;
-}
-
-iso_status isorender_keys_render(const isorender_keys *keys, const iso_picture_opts *opts, iso_image *image,
-                                 size_t *covered, iso_error *error) {
-    const iso_merged_points points = {keys->base, keys->image, keys->transform,
-                                      reconstruction_of(keys->method)};
-    if (keys->method != ISO_METHOD_EXACT)
-        return iso_render_merged_points(&points, opts, image, covered, error);
-    *covered = iso_key_image_paint(keys->image, &opts->shading, image, opts->pool);
-    return ISO_OK;
-}
-
 iso_status isorender_chunks_draw(isorender_job *job, const iso_picture_opts *opts, iso_image *image,
                                  size_t *covered, iso_error *error) {
     iso_key_image drawn = {0};
-    isorender_keys keys = {.method = job->renderer->method,
-                           .transform = job->surfaces[0].grid.rgrid->transform,
-                           .image = &drawn};
+    iso_merged_keys keys = {.method = job->renderer->method,
+                            .transform = job->surfaces[0].grid.rgrid->transform,
+                            .image = &drawn};
     iso_status status = draw_keys(job, opts->camera, &keys.base, &drawn, error);
     *covered = 1; /* (of ranks that have no picture) */
     if (status == ISO_OK && !job->settings->ranks.rank)
-        status = isorender_keys_render(&keys, opts, image, covered, error);
+        status = iso_render_merged_keys(&keys, opts, image, covered, error);
     iso_key_image_free(&drawn);
     return status;
 }

@@ -44,16 +44,6 @@ iso_status isorender_chunks_check(const isorender_job *job, iso_error *error);
 /* Draws the picture. */
 iso_status isorender_chunks_draw(isorender_job *job, const iso_picture_opts *opts, iso_image *image,
                                  size_t *covered, iso_error *error);
-/* The keys of a whole picture. */
-typedef struct isorender_keys {
-    iso_method method;       /* exact, or pullpush by the box or the Gaussian reconstruction */
-    iso_pullpush_base base;  /* of pullpush */
-    iso_transform transform; /* of the volume */
-    iso_key_image *image;    /* borrowed */
-} isorender_keys;
-/* Makes the picture of opts->camera and opts->shading, with one sample a pixel. */
-iso_status isorender_keys_render(const isorender_keys *keys, const iso_picture_opts *opts, iso_image *image,
-                                 size_t *covered, iso_error *error);
 /* Draws part --part of the picture of job->camera and writes it to the plan's image. */
 iso_status isorender_chunks_write_part(isorender_job *job, iso_error *error);
 

@@ -15,8 +15,6 @@ typedef struct isorender_labels {
 } isorender_labels;
 void isorender_labels_make(const isorender_job *job, isorender_labels *labels);
 double isorender_pixels_per_metre(const iso_camera *camera, int height); /* 0: there is no single scale */
-/* Whether annotations on this background are drawn light. */
-bool isorender_is_dark(iso_rgb background, int transparent);
 
 #ifdef __cplusplus
 }

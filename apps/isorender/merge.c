@@ -1,50 +1,11 @@
 /* isorender merge: puts the parts of a picture, as --part has drawn them, together to the picture. */
 #include "apps/isorender/merge.h"
 
-#include "apps/isorender/chunks.h"
 #include "apps/isorender/isorender.h"
-#include "apps/isorender/labels.h"
 #include "base/file.h"
 #include "base/memory.h"
-#include "image/annotate.h"
 #include "io/key_file.h"
-
-static iso_camera camera_of(const iso_key_style *style) {
-    return (iso_camera){.position = style->position,
-                        .focal_point = style->focal_point,
-                        .view_up = style->view_up,
-                        .view_angle = style->view_angle,
-                        .orthographic = style->orthographic != 0,
-                        .parallel_scale = style->parallel_scale};
-}
-
-static iso_rgb rgb_of(const uint8_t bytes[4]) {
-    return (iso_rgb){bytes[0], bytes[1], bytes[2]};
-}
-
-static iso_status make_picture(iso_key_file *file, iso_pool *pool, iso_image *image, iso_error *error) {
-    const iso_key_style *style = &file->style;
-    const iso_rgb color = rgb_of(style->color), background = rgb_of(style->background);
-    const iso_camera camera = camera_of(style);
-    const iso_picture_opts opts = {.camera = &camera,
-                                   .width = style->width,
-                                   .height = style->height,
-                                   .samples = 1,
-                                   .shading = {&color, 1, background, style->transparent},
-                                   .pool = pool};
-    const isorender_keys keys = {(iso_method)style->method, style->base, file->surface.transform,
-                                 &file->keys};
-    const iso_annotation annotation = {.camera = &camera,
-                                       .scale_bar = style->scale_bar != 0,
-                                       .orientation_marker = style->orientation_marker != 0,
-                                       .anatomical = style->anatomical != 0,
-                                       .dark = isorender_is_dark(background, style->transparent)};
-    size_t covered = 0;
-    ISO_TRY(iso_camera_check(&camera, error));
-    ISO_TRY(isorender_keys_render(&keys, &opts, image, &covered, error));
-    if (!covered) return iso_fail(error, ISO_ERR_EMPTY, "nothing of the surface is in view");
-    return iso_annotate(image, &annotation, error);
-}
+#include "methods/keys_picture.h"
 
 static iso_status write_picture(const iso_key_file *file, const iso_image *image, const char *path,
                                 iso_pool *pool, iso_error *error) {
@@ -65,7 +26,8 @@ static iso_status merge(const isorender_settings *settings, iso_pool *pool, iso_
     ISO_TRY(iso_key_files_merge(settings->inputs, settings->input_count, limit == UINT64_MAX ? 0 : limit,
                                 pool, &file, error));
     iso_status status = iso_image_create(file.style.width, file.style.height, &image, error);
-    if (status == ISO_OK) status = make_picture(&file, pool, &image, error);
+    if (status == ISO_OK)
+        status = iso_render_key_style(&file.style, &file.surface.transform, &file.keys, pool, &image, error);
     if (status == ISO_OK) status = write_picture(&file, &image, settings->output, pool, error);
     iso_image_free(&image);
     iso_key_file_free(&file);

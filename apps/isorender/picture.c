@@ -146,11 +146,6 @@ static iso_status draw_directly(const isorender_job *job, const iso_picture_opts
     return iso_paint_exact(&whole, job->surfaces[0].exact, covered, error);
 }
 
-bool isorender_is_dark(iso_rgb background, int transparent) {
-    const iso_rgb c = background;
-    return !transparent && 299 * c.r + 587 * c.g + 114 * c.b < 128 * 1000;
-}
-
 /* Points that were read do not say where the patient is. */
 static iso_status annotate(const isorender_job *job, const iso_camera *camera, iso_image *image,
                            iso_error *error) {
@@ -166,8 +161,7 @@ static iso_status annotate(const isorender_job *job, const iso_camera *camera, i
                                        .anatomical = job->has_volume && job->loader.volume.info.anatomical,
                                        .color_bars = bars,
                                        .color_bar_count = bar_count,
-                                       .dark =
-                                           isorender_is_dark(settings->background, settings->transparent)};
+                                       .dark = iso_is_dark(settings->background, settings->transparent != 0)};
     return iso_annotate(image, &annotation, error);
 }
 

@@ -74,19 +74,10 @@ iso_status isorender_ranks_bounds(const iso_ranks *ranks, iso_chunk_bounds *boun
 }
 
 iso_status isorender_ranks_survey(const iso_ranks *ranks, iso_pullpush_survey *survey, iso_error *error) {
-    double numbers[9] = {survey->closed, (double)survey->radius[0], -(double)survey->radius[1]};
-    for (int axis = 0; axis < 3; axis++) {
-        numbers[3 + axis] = survey->lo[axis];
-        numbers[6 + axis] = -survey->hi[axis];
-    }
-    ISO_TRY(iso_ranks_least(ranks, numbers, 9, error));
-    survey->closed = numbers[0] > 0;
-    survey->radius[0] = (float)numbers[1];
-    survey->radius[1] = (float)-numbers[2];
-    for (int axis = 0; axis < 3; axis++) {
-        survey->lo[axis] = numbers[3 + axis];
-        survey->hi[axis] = -numbers[6 + axis];
-    }
+    double numbers[ISO_SURVEY_NUMBERS];
+    iso_pullpush_survey_put(survey, numbers);
+    ISO_TRY(iso_ranks_least(ranks, numbers, ISO_SURVEY_NUMBERS, error));
+    *survey = iso_pullpush_survey_get(numbers);
     return ISO_OK;
 }
 

@@ -1,13 +1,24 @@
 /* chunks: extracts, measures and draws one chunk after the other. */
 #include "exact/chunks.h"
 
+iso_status iso_exact_chunk_extract(iso_rgrid *voxels, const iso_grid_chunk *chunk, double isovalue,
+                                   iso_pool *pool, iso_exact **exact, iso_error *error) {
+    const iso_grid grid = {.rgrid = voxels};
+    const iso_exact_opts opts = {.isovalue = isovalue, .pool = pool, .chunk = chunk};
+    iso_exact *made = NULL;
+    ISO_TRY(iso_exact_create(&grid, &opts, &made, error));
+    const iso_status status = iso_exact_update(made, error);
+    if (status == ISO_OK)
+        *exact = made;
+    else
+        iso_exact_destroy(made);
+    return status;
+}
+
 static iso_status extract(const iso_chunk_walk *walk, const iso_chunk_visit *visit, iso_exact **exact,
                           iso_error *error) {
     const iso_chunk_walk_opts *walked = iso_chunk_walk_opts_of(walk);
-    const iso_grid grid = {.rgrid = visit->grid};
-    const iso_exact_opts opts = {.isovalue = walked->isovalue, .pool = walked->pool, .chunk = visit->chunk};
-    ISO_TRY(iso_exact_create(&grid, &opts, exact, error));
-    return iso_exact_update(*exact, error);
+    return iso_exact_chunk_extract(visit->grid, visit->chunk, walked->isovalue, walked->pool, exact, error);
 }
 
 typedef struct bounds_visit {

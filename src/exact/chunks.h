@@ -10,6 +10,11 @@
 extern "C" {
 #endif
 
+/* Extracts the cells of a chunk; destroy them before `voxels`, the chunk's grid. Errors as
+ * iso_exact_create. */
+iso_status iso_exact_chunk_extract(iso_rgrid *voxels, const iso_grid_chunk *chunk, double isovalue,
+                                   iso_pool *pool, iso_exact **exact, iso_error *error);
+
 /* Computes the boxes of the surface in several coordinates (as iso_exact_bounds: affines[i] may be NULL),
  * and the number of its cells. Errors as iso_chunk_walk_visit. */
 typedef struct iso_chunk_bounds {

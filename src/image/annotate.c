@@ -351,6 +351,11 @@ static iso_status draw_color_bar(const pen *p, const iso_color_bar *bar, double 
     return draw_outlined(p, &labels, p->radius, &p->ink, error);
 }
 
+bool iso_is_dark(iso_rgb background, bool transparent) {
+    const iso_rgb c = background;
+    return !transparent && 299 * c.r + 587 * c.g + 114 * c.b < 128 * 1000;
+}
+
 iso_status iso_annotate(iso_image *image, const iso_annotation *annotation, iso_error *error) {
     const pen p = pen_of(image, annotation->dark);
     if (annotation->orientation_marker) ISO_TRY(draw_marker(&p, annotation, error));

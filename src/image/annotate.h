@@ -33,6 +33,9 @@ typedef struct iso_annotation {
     bool dark; /* the background is dark, so lines are drawn light */
 } iso_annotation;
 
+/* Whether annotations on this background are to be drawn light. */
+bool iso_is_dark(iso_rgb background, bool transparent);
+
 /* Draws the annotations that are set; what lies outside the picture is clipped. ISO_ERR_NOMEM. */
 iso_status iso_annotate(iso_image *image, const iso_annotation *annotation, iso_error *error);
 

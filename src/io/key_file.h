@@ -15,7 +15,7 @@
 #include "image/image.h"
 #include "isopoint.h"
 #include "render/key_image.h"
-#include "render/pullpush/keys.h"
+#include "render/key_style.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -26,8 +26,8 @@ enum { ISO_KEY_PARTS = 1000000 }; /* the most parts of a picture */
 /* The texts of the picture's file: iso_png_text. */
 enum { ISO_KEY_SOFTWARE, ISO_KEY_TITLE, ISO_KEY_COMMENT, ISO_KEY_DESCRIPTION, ISO_KEY_TEXTS };
 
-/* The surface that a part belongs to: equal in all parts of a picture. Zero-initialised: it is compared
- * byte by byte. */
+/* The surface that a part belongs to: equal in all parts of a picture, as the picture's style
+ * (render/key_style.h). Zero-initialised: it is compared byte by byte. */
 typedef struct iso_key_surface {
     int32_t dims[3]; /* of the volume, voxels */
     int32_t type;    /* iso_type */
@@ -37,18 +37,6 @@ typedef struct iso_key_surface {
     uint64_t primitives; /* crossed cells, or points, of the whole surface */
     iso_box bounds;      /* of the whole surface in the world, mm */
 } iso_key_surface;
-
-/* The picture: also equal in all parts. Likewise zero-initialised. */
-typedef struct iso_key_style {
-    int32_t width, height;                   /* of the picture */
-    iso_pullpush_base base;                  /* of pull-push; zero for exact */
-    iso_vec3 position, focal_point, view_up; /* iso_camera */
-    double view_angle, parallel_scale;
-    double pixels_per_metre;                                                      /* iso_png_opts */
-    int32_t method;                                                               /* iso_method */
-    int32_t orthographic, transparent, scale_bar, orientation_marker, anatomical; /* 0 or 1 */
-    uint8_t background[4], color[4];                                              /* RGB and 0 */
-} iso_key_style;
 
 typedef struct iso_key_file {
     int part, parts; /* part 1 .. parts */

@@ -1,20 +1,23 @@
-/* point_chunks: extracts the points of one chunk after the other; surveys, draws and reconstructs them. */
+/* point_chunks: extracts the points of one chunk after the other; surveys and draws them. */
 #include "methods/point_chunks.h"
 
 #include "extract/points/points.h"
 #include "methods/bounds.h"
 
-static iso_status extract(const iso_chunk_walk *walk, const iso_chunk_visit *visit, iso_point_set **points,
-                          iso_error *error) {
-    const iso_chunk_walk_opts *walked = iso_chunk_walk_opts_of(walk);
-    const iso_grid grid = {.rgrid = visit->grid};
-    const iso_points_opts opts = {.isovalue = walked->isovalue,
-                                  .primitive = ISO_PRIMITIVE_EDGE,
-                                  .pool = walked->pool,
-                                  .chunk = visit->chunk};
-    ISO_TRY(iso_point_set_create(&grid, &opts, points, error));
-    ISO_TRY(iso_point_set_update(*points, error));
-    return iso_point_set_bound(*points, error);
+iso_status iso_point_chunk_extract(iso_rgrid *voxels, const iso_grid_chunk *chunk, double isovalue,
+                                   iso_pool *pool, iso_point_set **points, iso_error *error) {
+    const iso_grid grid = {.rgrid = voxels};
+    const iso_points_opts opts = {
+        .isovalue = isovalue, .primitive = ISO_PRIMITIVE_EDGE, .pool = pool, .chunk = chunk};
+    iso_point_set *made = NULL;
+    ISO_TRY(iso_point_set_create(&grid, &opts, &made, error));
+    iso_status status = iso_point_set_update(made, error);
+    if (status == ISO_OK) status = iso_point_set_bound(made, error);
+    if (status == ISO_OK)
+        *points = made;
+    else
+        iso_point_set_destroy(made);
+    return status;
 }
 
 /* What is done with the points of each chunk. */
@@ -30,7 +33,9 @@ typedef struct point_visit {
 static iso_status use_chunk(void *context, const iso_chunk_visit *visit, iso_error *error) {
     const point_visit *all = context;
     iso_point_set *points = NULL;
-    iso_status status = extract(all->walk, visit, &points, error);
+    const iso_chunk_walk_opts *walked = iso_chunk_walk_opts_of(all->walk);
+    iso_status status =
+        iso_point_chunk_extract(visit->grid, visit->chunk, walked->isovalue, walked->pool, &points, error);
     if (status == ISO_OK) {
         const iso_point_view view = iso_point_set_view(points);
         status = all->use(all, &view, error);
@@ -85,32 +90,4 @@ iso_status iso_point_chunks_draw(iso_chunk_walk *walk, iso_chunk_share share,
     const iso_status status = iso_chunk_walk_visit(walk, share, use_chunk, &visit, error);
     iso_pullpush_flip_keys(picture->keys, picture->pool);
     return status;
-}
-
-/* ---- the picture */
-
-typedef struct merged_draw {
-    const iso_merged_points *points;
-    iso_pullpush_keys keys;
-    iso_point_view view;
-} merged_draw;
-
-static iso_status draw_merged(void *context, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
-    const merged_draw *draw = context;
-    const iso_target target = {view, gbuffer, draw->keys.pool, 0};
-    return iso_pullpush_draw_merged(&target, &draw->keys, &draw->view, draw->points->reconstruction, error);
-}
-
-iso_status iso_render_merged_points(const iso_merged_points *points, const iso_picture_opts *opts,
-                                    iso_image *image, size_t *covered, iso_error *error) {
-    const iso_view view = iso_view_make(opts->camera, opts->width, opts->height);
-    merged_draw draw = {
-        .points = points,
-        .keys = {&view, points->base, points->keys, opts->pool},
-        .view = {.transform = points->transform, .radius = iso_edge_point_radius(&points->transform)},
-    };
-    iso_picture_opts merged = *opts;
-    merged.draw = draw_merged;
-    merged.draw_context = &draw;
-    return iso_picture_render(&merged, image, covered, error);
 }

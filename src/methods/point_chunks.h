@@ -5,12 +5,17 @@
 #define ISO_METHODS_POINT_CHUNKS_H
 
 #include "exact/chunks.h"
-#include "render/picture.h"
+#include "extract/points/points.h"
 #include "render/pullpush/keys.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+/* Extracts the edge points of a chunk with their bounds; destroy them before `voxels`, the chunk's grid.
+ * Errors as iso_point_set_create. */
+iso_status iso_point_chunk_extract(iso_rgrid *voxels, const iso_grid_chunk *chunk, double isovalue,
+                                   iso_pool *pool, iso_point_set **points, iso_error *error);
 
 /* Like iso_exact_chunks_bounds, of the edge points; bounds->primitives is their number. */
 iso_status iso_point_chunks_bounds(iso_chunk_walk *walk, iso_chunk_bounds *bounds, iso_error *error);
@@ -23,18 +28,6 @@ iso_status iso_point_chunks_survey(iso_chunk_walk *walk, iso_chunk_share share, 
 iso_status iso_point_chunks_draw(iso_chunk_walk *walk, iso_chunk_share share,
                                  const iso_pullpush_keys *picture, const iso_pullpush_survey *survey,
                                  iso_error *error);
-
-/* The keys of all points. */
-typedef struct iso_merged_points {
-    iso_pullpush_base base;
-    iso_key_image *keys;     /* borrowed */
-    iso_transform transform; /* of the volume */
-    iso_reconstruction reconstruction;
-} iso_merged_points;
-
-/* Renders the picture: opts->draw is not used. Errors as iso_picture_render. */
-iso_status iso_render_merged_points(const iso_merged_points *points, const iso_picture_opts *opts,
-                                    iso_image *image, size_t *covered, iso_error *error);
 
 #ifdef __cplusplus
 }

@@ -34,6 +34,26 @@ void iso_pullpush_survey_merge(iso_pullpush_survey *survey, const iso_pullpush_s
     }
 }
 
+void iso_pullpush_survey_put(const iso_pullpush_survey *survey, double numbers[ISO_SURVEY_NUMBERS]) {
+    numbers[0] = survey->closed;
+    numbers[1] = (double)survey->radius[0];
+    numbers[2] = -(double)survey->radius[1];
+    for (int axis = 0; axis < 3; axis++) {
+        numbers[3 + axis] = survey->lo[axis];
+        numbers[6 + axis] = -survey->hi[axis];
+    }
+}
+
+iso_pullpush_survey iso_pullpush_survey_get(const double numbers[ISO_SURVEY_NUMBERS]) {
+    iso_pullpush_survey survey = {.closed = numbers[0] > 0,
+                                  .radius = {(float)numbers[1], (float)-numbers[2]}};
+    for (int axis = 0; axis < 3; axis++) {
+        survey.lo[axis] = numbers[3 + axis];
+        survey.hi[axis] = -numbers[6 + axis];
+    }
+    return survey;
+}
+
 iso_status iso_pullpush_survey_add(iso_pullpush_survey *survey, const iso_view *view,
                                    const iso_point_view *points, iso_pool *pool, iso_error *error) {
     const iso_projector projector = iso_projector_make(view, &points->transform);

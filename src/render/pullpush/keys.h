@@ -29,6 +29,11 @@ iso_status iso_pullpush_survey_add(iso_pullpush_survey *survey, const iso_view *
                                    const iso_point_view *points, iso_pool *pool, iso_error *error);
 void iso_pullpush_survey_merge(iso_pullpush_survey *survey, const iso_pullpush_survey *other);
 
+/* A survey as numbers, of which merging takes the smaller ones: for reductions over processes. */
+enum { ISO_SURVEY_NUMBERS = ISO_KEYS_SURVEY };
+void iso_pullpush_survey_put(const iso_pullpush_survey *survey, double numbers[ISO_SURVEY_NUMBERS]);
+iso_pullpush_survey iso_pullpush_survey_get(const double numbers[ISO_SURVEY_NUMBERS]);
+
 /* How level 0 is laid out, and which points it shows: the same for all parts. */
 typedef struct iso_pullpush_base {
     int32_t base, top;     /* levels: iso_pyramid_layout */

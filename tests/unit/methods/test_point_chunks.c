@@ -15,6 +15,7 @@
 #include "extract_support.h"
 #include "image/camera.h"
 #include "methods/bounds.h"
+#include "methods/keys_picture.h"
 #include "methods/method.h"
 #include "methods/point_chunks.h"
 
@@ -136,17 +137,13 @@ static void render_chunks(iso_chunk_walk *walk, int parts, iso_method method, co
     const iso_view view = iso_view_make(camera, WIDTH, HEIGHT);
     const iso_picture_opts opts = opts_of(camera, walked->pool);
     iso_key_image keys;
-    if (method == ISO_METHOD_EXACT) {
+    iso_merged_keys merged = {.method = method, .transform = walked->source->transform, .image = &keys};
+    size_t covered;
+    if (method == ISO_METHOD_EXACT)
         render_cells(walk, parts, &view, &keys, walked->pool);
-        iso_key_image_paint(&keys, &opts.shading, image, walked->pool);
-    } else {
-        const iso_reconstruction reconstruction =
-            method == ISO_METHOD_PULLPUSH_BOX ? ISO_RECONSTRUCTION_BOX : ISO_RECONSTRUCTION_GAUSSIAN;
-        iso_merged_points points = {
-            .keys = &keys, .transform = walked->source->transform, .reconstruction = reconstruction};
-        points.base = render_points(walk, parts, &view, &keys, walked->pool);
-        assert_int_equal(iso_render_merged_points(&points, &opts, image, NULL, NULL), ISO_OK);
-    }
+    else
+        merged.base = render_points(walk, parts, &view, &keys, walked->pool);
+    assert_int_equal(iso_render_merged_keys(&merged, &opts, image, &covered, NULL), ISO_OK);
     iso_key_image_free(&keys);
 }
 

@@ -1,0 +1,36 @@
+/* keys_picture: the picture that keys (render/key_image.h) make when all parts have been drawn and merged.
+ */
+#ifndef ISO_METHODS_KEYS_PICTURE_H
+#define ISO_METHODS_KEYS_PICTURE_H
+
+#include "render/key_style.h"
+#include "render/picture.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* The keys of a whole picture. */
+typedef struct iso_merged_keys {
+    iso_method method;       /* exact, or pullpush by the box or the Gaussian reconstruction */
+    iso_pullpush_base base;  /* of pullpush */
+    iso_transform transform; /* of the volume */
+    iso_key_image *image;    /* borrowed */
+} iso_merged_keys;
+
+/* Makes the picture of opts->camera and opts->shading, with one sample a pixel: opts->draw is not used.
+ * Errors as iso_picture_render. */
+iso_status iso_render_merged_keys(const iso_merged_keys *keys, const iso_picture_opts *opts, iso_image *image,
+                                  size_t *covered, iso_error *error);
+
+iso_camera iso_key_style_camera(const iso_key_style *style);
+
+/* Makes the picture that a style describes, with its annotations. `transform`: of the volume.
+ * ISO_ERR_USAGE: the camera; ISO_ERR_EMPTY: no pixel has a key; errors as iso_picture_render. */
+iso_status iso_render_key_style(const iso_key_style *style, const iso_transform *transform,
+                                iso_key_image *image, iso_pool *pool, iso_image *picture, iso_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

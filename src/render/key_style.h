@@ -1,0 +1,28 @@
+/* key_style: what a picture that is drawn in parts (render/key_image.h) is to look like: equal in all
+ * parts. */
+#ifndef ISO_RENDER_KEY_STYLE_H
+#define ISO_RENDER_KEY_STYLE_H
+
+#include "isopoint.h"
+#include "render/pullpush/keys.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Zero-initialised: it is compared byte by byte. */
+typedef struct iso_key_style {
+    int32_t width, height;                   /* of the picture */
+    iso_pullpush_base base;                  /* of pull-push; zero for exact */
+    iso_vec3 position, focal_point, view_up; /* iso_camera */
+    double view_angle, parallel_scale;
+    double pixels_per_metre;                                                      /* iso_png_opts */
+    int32_t method;                                                               /* iso_method */
+    int32_t orthographic, transparent, scale_bar, orientation_marker, anatomical; /* 0 or 1 */
+    uint8_t background[4], color[4];                                              /* RGB and 0 */
+} iso_key_style;
+
+#ifdef __cplusplus
+}
+#endif
+#endif
