@@ -23,8 +23,8 @@ typedef struct block_rows {
 /* The part of a block that lies in the grid and in wanted bricks: bits by x, and limits on y and z. */
 typedef struct block_limits {
     uint64_t own;   /* bit x: a wanted brick owns the edges that begin at voxel x */
-    uint64_t far;   /* bit x: far edges that begin at voxel x, on far y or z faces, are copied */
-    uint64_t faces; /* bit x: voxel x is the last of a brick, so that edges at x + 1 lie on its far x face */
+    uint64_t far;   /* bit x: a wanted brick has far edges that begin at voxel x on its far y or z face */
+    uint64_t faces; /* bit x: voxel x is the last of a wanted brick, whose far x face is at x + 1 */
     uint64_t cells; /* bit x: cell x is in the grid and in a wanted brick */
     iso_edge_active active;
     int rows[3]; /* by axis: own edges begin at the voxels 0 .. rows - 1 */
@@ -100,8 +100,9 @@ ISO_STEP static void number_vertices(const iso_edge_key *keys, uint32_t count, u
     for (uint32_t i = 0; i < count; i++) vertex_of[keys[i]] = (uint16_t)i;
 }
 
-/* The arrays for the own or the far vertices of a block. A brick that is not wanted gets the arrays of a
- * wanted one: nothing is written for it, but the edge kernel needs a pointer. */
+/* Returns the arrays that the edge kernel is to write the vertices of own or far edges to. A brick that is
+ * not wanted gets the arrays of a wanted one: nothing is written for it, but the edge kernel needs a
+ * pointer. */
 static iso_edge_output edge_output(const iso_mesh_block *block, const iso_mesh_output *output, bool far) {
     iso_edge_output edges = {0};
     for (int brick = 0; brick < ISO_EDGE_BRICKS; brick++) {
