@@ -147,6 +147,13 @@ iso_grid test_ball_grid(int size, iso_vec3 centre, double radius, int dense) {
     return grid;
 }
 
+void test_scatter_nonfinite(const iso_grid *grid, test_random *random) {
+    static const float bad[] = {NAN, INFINITY, -INFINITY};
+    const int *dims = grid->rgrid->dims, count = dims[0] * dims[1] * dims[2];
+    float *values = grid->rgrid->data;
+    for (int i = 0; i < count / 25; i++) values[test_random_int(random, 0, count - 1)] = bad[i % 3];
+}
+
 void test_random_edit(const iso_grid *grid, test_random *random) {
     const int *dims = iso_grid_dims(grid);
     if (iso_grid_is_level_set(grid)) {

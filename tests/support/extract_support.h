@@ -41,6 +41,9 @@ typedef enum test_pattern {
 /* Fills an rgrid. The isovalue for all patterns is 100. */
 void test_fill(const iso_grid *grid, test_pattern pattern, test_random *random);
 
+/* Replaces one in 25 voxels of an rgrid of floats, at random, by NaN or an infinity. */
+void test_scatter_nonfinite(const iso_grid *grid, test_random *random);
+
 /* A ball that is added to or removed from a level set, as a clamped signed distance, in either kind of grid
  * (cells of an hgrid are split where needed). Centre and radius in voxels. */
 typedef struct test_ball {

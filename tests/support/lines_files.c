@@ -8,6 +8,7 @@
 #include "base/memory.h"
 #include "check_support.h"
 #include "file_support.h"
+#include "index_support.h"
 
 iso_lines random_lines(int count, uint32_t seed) {
     iso_lines lines = {.line_count = (size_t)count};
@@ -318,4 +319,31 @@ iso_box own_box(const iso_lines *lines, iso_space space) {
     const iso_box box = iso_lines_bounds(lines);
     if (space != ISO_SPACE_RAS) return box;
     return (iso_box){{-box.hi.x, -box.hi.y, box.lo.z}, {-box.lo.x, -box.lo.y, box.hi.z}};
+}
+
+static bool is_outcome(const lines_outcome *wanted, const iso_lines *lines, const iso_read_report *report) {
+    return (wanted->lines < 0 || lines->line_count == (size_t)wanted->lines) &&
+           (wanted->vertices < 0 || lines->vertex_count == (size_t)wanted->vertices) &&
+           (wanted->segments < 0 || iso_lines_segment_count(lines) == (size_t)wanted->segments) &&
+           (int)report->dropped == wanted->dropped && (int)report->mended_radii == wanted->mended &&
+           report->note_count == wanted->notes;
+}
+
+void check_lines_outcomes(const lines_outcome *outcomes, size_t count) {
+    free(load_index("lines")); /* skips when there are none */
+    for (size_t i = 0; i < count; i++) {
+        const lines_outcome *wanted = &outcomes[i];
+        const char *path = index_path("lines", wanted->name);
+        if (wanted->status != ISO_OK) {
+            refuse_lines(path, NULL, wanted->status, wanted->reason);
+            continue;
+        }
+        iso_read_report report;
+        iso_lines lines = read_lines(path, &(iso_read_opts){.report = &report});
+        if (!is_outcome(wanted, &lines, &report))
+            fail_msg("%s: %zu lines, %zu vertices, %zu segments, %d dropped, %d mended, %d notes",
+                     wanted->name, lines.line_count, lines.vertex_count, iso_lines_segment_count(&lines),
+                     (int)report.dropped, (int)report.mended_radii, report.note_count);
+        iso_lines_free(&lines);
+    }
 }

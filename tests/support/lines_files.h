@@ -50,6 +50,19 @@ iso_lines read_lines(const char *path, const iso_read_opts *opts);
 /* Expects an error whose text names the file and contains `reason`. */
 void refuse_lines(const char *path, const iso_read_opts *opts, iso_status wanted, const char *reason);
 
+/* What reading a file of ../shared/lines must give: an error whose text has `reason`, or so many lines, vertices
+ * and segments (-1: not compared), and as many things left out, mended and noted. */
+typedef struct lines_outcome {
+    const char *name; /* in ../shared/lines */
+    iso_status status;
+    const char *reason;
+    int lines, vertices, segments;
+    int dropped, mended, notes;
+} lines_outcome;
+
+/* Skips the test where there are no such files. */
+void check_lines_outcomes(const lines_outcome *outcomes, size_t count);
+
 /* Cuts a file off at every byte but the last `tail` ones, in a file `cut`: reading it must fail, so that no
  * part of it is taken for the whole. */
 void check_every_cut(const char *path, const char *cut, size_t tail);

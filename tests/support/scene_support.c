@@ -31,6 +31,29 @@ void test_scene_free(test_scene *s) {
     iso_grid_destroy(&s->grid);
 }
 
+iso_box test_scene_box(const test_scene *scene) {
+    const iso_box box = iso_point_view_bounds(&scene->points);
+    const iso_affine affine = iso_transform_affine(&scene->points.transform);
+    return iso_box_transform(&box, &affine);
+}
+
+test_surfaces test_surfaces_make(const char *name, int size, bool floats) {
+    iso_error error = {0};
+    test_surfaces s = {.set = NULL};
+    const iso_points_opts opts = {.primitive = ISO_PRIMITIVE_EDGE, .floats = floats};
+    s.scene = test_scene_make(name, size, &opts, false);
+    const iso_mesh_opts mesh = {.isovalue = s.scene.isovalue};
+    test_ok(iso_mesh_set_create(&s.scene.grid, &mesh, &s.set, &error), &error);
+    test_ok(iso_mesh_set_update(s.set, &error), &error);
+    s.mesh = iso_mesh_set_view(s.set);
+    return s;
+}
+
+void test_surfaces_free(test_surfaces *surfaces) {
+    iso_mesh_set_destroy(surfaces->set);
+    test_scene_free(&surfaces->scene);
+}
+
 iso_view test_look_at(const test_scene *s, int side, double zoom, bool orthographic, int width, int height) {
     const iso_affine affine = iso_transform_affine(&s->points.transform);
     const iso_box index = iso_point_view_bounds(&s->points), world = iso_box_transform(&index, &affine);

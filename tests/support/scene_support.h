@@ -4,6 +4,7 @@
 
 #include "base/status.h"
 #include "check_support.h"
+#include "extract/mesh/mesh.h"
 #include "extract/points/points.h"
 #include "image/camera.h"
 #include "render/gbuffer.h"
@@ -20,6 +21,18 @@ typedef struct test_scene {
  */
 test_scene test_scene_make(const char *name, int size, const iso_points_opts *opts, bool bounded);
 void test_scene_free(test_scene *scene);
+/* The box of the scene's points in world coordinates. */
+iso_box test_scene_box(const test_scene *scene);
+
+/* A scene as edge points (float surfels or packed) and as triangles. Free with test_surfaces_free. */
+typedef struct test_surfaces {
+    test_scene scene;
+    iso_mesh_set *set;
+    iso_mesh_view mesh;
+} test_surfaces;
+
+test_surfaces test_surfaces_make(const char *name, int size, bool floats);
+void test_surfaces_free(test_surfaces *surfaces);
 
 /* A view of the scene from `side` 0 .. 5; with `zoom` 1 all of it is visible. */
 iso_view test_look_at(const test_scene *scene, int side, double zoom, bool orthographic, int width,

@@ -3,8 +3,6 @@
 # be read, and the questions about unsaved changes. files.sh BIN TOOLS: the folders of the programs and of the tests'
 # own programs. Exit status 77: skipped, as something needed is missing.
 set -u
-bin=$(cd "$1" && pwd)
-tools=$(realpath -m "$2")
 source_folder=$(cd "$(dirname "$0")/../.." && pwd)
 . "$(dirname "$0")/support.sh"
 [ -x "$tools/window_drop" ] || { echo "skipped: built without X11"; exit 77; }

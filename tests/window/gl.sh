@@ -2,8 +2,6 @@
 # The gl engine in a real window under Xvfb: compares its pictures with the cpu engine's of the same field, while mouse and
 # keys sculpt, change the method and resize; the driver must report nothing. gl.sh BIN TOOLS. Exit status 77: skipped.
 set -u
-bin=$(cd "$1" && pwd)
-tools=$(realpath -m "$2")
 . "$(dirname "$0")/support.sh"
 "$bin/isosculpt" --headless --backend gl --open x.vdb 2>"$work/said"
 [ $? -eq 2 ] || fail "--backend gl without a window is no wrong usage"

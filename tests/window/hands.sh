@@ -3,11 +3,8 @@
 # ready, the mirror, the histogram, and the isorender command that draws the view. hands.sh BIN TOOLS: the folders of the
 # programs and of the tests' own programs. Exit status 77: skipped, as something needed is missing.
 set -u
-bin=$(cd "$1" && pwd)
-tools=$(realpath -m "$2")
-volumes=$(cd "$(dirname "$0")/../../volumes" && pwd)
 . "$(dirname "$0")/support.sh"
-[ -x "$tools/window_clipboard" ] || { echo "skipped: built without X11"; exit 77; }
+require_clipboard
 require_window
 make_box "$work/box.obj" 100 0 0 20
 "$bin/isosculpt" --open "$work/box.obj" --headless --quiet --voxel-size 1 --output "$work/probe.vdb" ||

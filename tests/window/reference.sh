@@ -3,8 +3,6 @@
 # reference.sh BIN TOOLS: the folders of the programs and of the tests' own programs. Exit status 77: skipped, as something
 # needed is missing.
 set -u
-bin=$(cd "$1" && pwd)
-tools=$(realpath -m "$2")
 . "$(dirname "$0")/support.sh"
 require_window
 open_display

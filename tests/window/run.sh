@@ -3,9 +3,6 @@
 # and the pictures. run.sh BIN TOOLS: the folders of the programs and of the tests' own programs. Exit status 77: skipped,
 # as something needed is missing.
 set -u
-bin=$(cd "$1" && pwd)
-tools=$(realpath -m "$2")
-volumes=$(cd "$(dirname "$0")/../../volumes" && pwd)
 . "$(dirname "$0")/support.sh"
 
 # ---- without a window

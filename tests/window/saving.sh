@@ -3,7 +3,6 @@
 # saving.sh BIN TOOLS: the folders of the programs and of the tests' own programs. Exit status 77: skipped, as something
 # needed is missing.
 set -u
-bin=$(cd "$1" && pwd)
 . "$(dirname "$0")/support.sh"
 require_window
 make_box "$work/box.obj" 0 0 0 20

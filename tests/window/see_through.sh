@@ -4,11 +4,8 @@
 # see_through.sh BIN TOOLS: the folders of the programs and of the tests' own programs. Exit status 77: skipped, as something
 # needed is missing.
 set -u
-bin=$(cd "$1" && pwd)
-tools=$(realpath -m "$2")
-volumes=$(cd "$(dirname "$0")/../../volumes" && pwd)
 . "$(dirname "$0")/support.sh"
-[ -x "$tools/window_clipboard" ] || { echo "skipped: built without X11"; exit 77; }
+require_clipboard
 require_window
 open_display
 cd "$work" || exit 1

@@ -1,13 +1,16 @@
-# Shared by the tests of windows: starts a display and a program in it. To be sourced by bash scripts that have set $bin (the
-# folder of the programs) and $tools (the folder of the tests' own programs).
+# Shared by the tests of windows: starts a display and a program in it. To be sourced by bash scripts whose arguments are the
+# folder of the programs, which becomes $bin, and that of the tests' own programs, which becomes $tools.
 #
 # All functions wait for a condition, for at most LIMIT seconds, and never for a fixed time.
 LIMIT=100
+bin=$(cd "$1" && pwd)
+tools=$(realpath -m "${2:-.}")
 
 for tool in Xvfb xdotool; do
     command -v $tool >/dev/null || { echo "skipped: there is no $tool"; exit 77; }
 done
 here=$(cd "$(dirname "$0")" && pwd)
+volumes=$(cd "$here/../../volumes" && pwd)
 work=$(mktemp -d)
 export XDG_STATE_HOME=$work/state HOME=$work LC_ALL=C
 unset WAYLAND_DISPLAY
@@ -32,6 +35,11 @@ require_window() {
     status=$?
     if grep -q "built without GLFW" "$work/said"; then echo "skipped: built without a window"; exit 77; fi
     return $status
+}
+
+# require_clipboard: ends the test as skipped when the tests' program that reads the clipboard was not built.
+require_clipboard() {
+    [ -x "$tools/window_clipboard" ] || { echo "skipped: built without X11"; exit 77; }
 }
 
 # until TEXT COMMAND: until the command succeeds

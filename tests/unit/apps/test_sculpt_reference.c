@@ -18,23 +18,9 @@
 #include "refused_memory.h"
 #include "sculpt/session/session.h"
 #include "sculpt_support.h"
+#include "viewport_support.h"
 
-enum { WIDTH = 333, HEIGHT = 250, PIXELS = WIDTH * HEIGHT };
-
-static const iso_journal_start START = {.source = "ball",
-                                        .voxel_size = 0.5,
-                                        .dims = {96, 96, 96},
-                                        .origin = {-23.75, -23.75, -23.75},
-                                        .radius = 15};
-
-static iso_session *open_session(iso_pool *pool) {
-    iso_hgrid *grid;
-    iso_session *session;
-    const iso_session_opts opts = {.pool = pool};
-    assert_int_equal(iso_session_ball(&START, &grid, NULL), ISO_OK);
-    assert_int_equal(iso_session_create(grid, &START, &opts, &session, NULL), ISO_OK);
-    return session;
-}
+enum { WIDTH = VIEWPORT_WIDTH, HEIGHT = VIEWPORT_HEIGHT, PIXELS = VIEWPORT_PIXELS };
 
 /* A copy of an array, as the library allocates it. */
 static void *copied(const void *from, size_t bytes) {
@@ -76,7 +62,7 @@ static void add_reference(isosculpt_viewport *view) {
         isosculpt_viewport_set_reference(view, reference);
         return;
     }
-    assert_int_equal(iso_session_ball(&START, &grid, NULL), ISO_OK);
+    assert_int_equal(iso_session_ball(&VIEWPORT_START, &grid, NULL), ISO_OK);
     assert_int_equal(isosculpt_reference_create(grid, 2, &reference, NULL), ISO_OK);
     isosculpt_viewport_set_reference(view, reference);
 }
@@ -88,29 +74,10 @@ static void open_view(isosculpt_viewport *view, iso_session *session, iso_pool *
     isosculpt_viewport_set_direction(view, ISO_FRONT);
 }
 
-static void draw(isosculpt_viewport *view, bool moving) {
-    iso_error error = {0};
-    if (isosculpt_viewport_draw(view, WIDTH, HEIGHT, moving, &error) != ISO_OK) fail_msg("%s", error.text);
-}
-
-static void refine(isosculpt_viewport *view) {
-    while (view->quality != ISOSCULPT_QUALITY_FINE)
-        assert_int_equal(isosculpt_viewport_refine(view, NULL), ISO_OK);
-}
-
 static void show(isosculpt_viewport *view, bool over, double opacity) {
     view->reference_mode.shown = true;
     view->reference_mode.over = over;
     view->reference_mode.opacity = opacity;
-}
-
-static void assert_same_samples(const isosculpt_viewport *a, const isosculpt_viewport *b) {
-    const iso_gbuffer *x = &a->drawn.gbuffer, *y = &b->drawn.gbuffer;
-    assert_memory_equal(x->depth, y->depth, PIXELS * sizeof(float));
-    assert_memory_equal(x->surface, y->surface, PIXELS);
-    for (size_t i = 0; i < PIXELS; i++)
-        for (int axis = 0; axis < 3 && x->surface[i] != ISO_SURFACE_NONE; axis++)
-            if (x->normal[axis][i] != y->normal[axis][i]) fail_msg("normal of pixel %zu", i);
 }
 
 /* A new viewport draws the same picture; one without the reference has the same samples to pick from. */
@@ -121,39 +88,22 @@ static void assert_as_new(isosculpt_viewport *view, iso_session *session, iso_po
     add_reference(&fresh);
     fresh.camera = plain.camera = view->camera;
     fresh.reference_mode = view->reference_mode;
-    draw(&fresh, false);
-    draw(&plain, false);
-    if (fine) refine(&fresh);
+    viewport_draw(&fresh, false);
+    viewport_draw(&plain, false);
+    if (fine) viewport_refine(&fresh);
     assert_int_equal(view->quality, fresh.quality);
     assert_memory_equal(view->image.rgba, fresh.image.rgba, 4 * PIXELS);
     if (view->reference_mode.over) assert_memory_not_equal(view->image.rgba, plain.image.rgba, 4 * PIXELS);
-    assert_same_samples(view, &plain);
+    viewport_same_samples(view, &plain);
     isosculpt_viewport_free(&fresh);
     isosculpt_viewport_free(&plain);
-}
-
-static iso_sample on_ball(uint32_t *seed) {
-    iso_vec3 out = iso_vec3_make(uniform(seed) - 0.5, uniform(seed) - 0.8, uniform(seed) - 0.5);
-    out = iso_vec3_unit(out);
-    return (iso_sample){.position = iso_vec3_scale(out, START.radius), .normal = out, .pressure = 1};
 }
 
 static size_t stroke(iso_session *session, isosculpt_viewport *view, uint32_t *seed) {
     const iso_brush brush = {.tool = uniform(seed) < 0.5 ? ISO_TOOL_CARVE : ISO_TOOL_ADD,
                              .radius = 1 + 3 * uniform(seed),
                              .strength = 0.5};
-    iso_sample sample = on_ball(seed);
-    size_t drawn = 0;
-    assert_int_equal(iso_session_begin(session, &brush, &sample, NULL, NULL), ISO_OK);
-    for (int i = 0; i < 3; i++) {
-        draw(view, true);
-        drawn += isosculpt_damage_area(&view->redrawn);
-        sample.position.x += 0.7;
-        assert_int_equal(iso_session_sample(session, &sample, NULL, NULL), ISO_OK);
-    }
-    assert_int_equal(iso_session_end(session, NULL), ISO_OK);
-    draw(view, true);
-    return drawn;
+    return viewport_stroke(view, session, &brush, seed);
 }
 
 static void strokes_leave_the_picture_drawn_from_scratch(void **state) {
@@ -163,7 +113,7 @@ static void strokes_leave_the_picture_drawn_from_scratch(void **state) {
     uint32_t seed = 7;
     size_t drawn = 0;
     assert_int_equal(iso_pool_create(2, &pool, NULL), ISO_OK);
-    iso_session *session = open_session(pool);
+    iso_session *session = viewport_session(pool);
     open_view(&view, session, pool);
     add_reference(&view);
     show(&view, false, 0.4);
@@ -172,26 +122,26 @@ static void strokes_leave_the_picture_drawn_from_scratch(void **state) {
             isosculpt_viewport_orbit(&view, 20, 5);
             isosculpt_viewport_zoom(&view, 1.2);
             view.moving_factor = 2;
-            draw(&view, true);
+            viewport_draw(&view, true);
             assert_int_equal(view.quality, ISOSCULPT_QUALITY_MOVING);
             stroke(session, &view, &seed);
             assert_int_equal(view.quality, ISOSCULPT_QUALITY_MOVING);
-            draw(&view, false);
+            viewport_draw(&view, false);
         } else
             drawn += stroke(session, &view, &seed);
         assert_int_equal(view.quality, ISOSCULPT_QUALITY_REST);
         const bool fine = i % 3 == 1; /* all but the stroke was refined before */
-        if (fine) refine(&view);
+        if (fine) viewport_refine(&view);
         assert_as_new(&view, session, pool, fine);
         show(&view, i % 2, 0.2 + 0.03 * i);
-        draw(&view, true); /* its layers are there: this is the picture at rest */
+        viewport_draw(&view, true); /* its layers are there: this is the picture at rest */
         assert_as_new(&view, session, pool, false);
         if (i % 3) continue;
-        refine(&view);
+        viewport_refine(&view);
         assert_as_new(&view, session, pool, true);
         assert_int_equal(iso_session_undo(session, NULL), ISO_OK);
-        draw(&view, true);
-        refine(&view);
+        viewport_draw(&view, true);
+        viewport_refine(&view);
         if (i) assert_as_new(&view, session, pool, true);
     }
     print_message("of the pictures %.1f %% was drawn again\n", 100.0 * (double)drawn / (60.0 * PIXELS));
@@ -235,7 +185,7 @@ static shapes_picture draw_shapes(const isosculpt_viewport *view) {
 static void shapes_are_drawn_by_depth(void **state) {
     (void)state;
     isosculpt_viewport view, plain;
-    iso_session *session = open_session(NULL);
+    iso_session *session = viewport_session(NULL);
     int in_front = 0, behind = 0;
     with_shapes = true;
     open_view(&view, session, NULL);
@@ -246,8 +196,8 @@ static void shapes_are_drawn_by_depth(void **state) {
         show(&view, i % 2, opacity);
         isosculpt_viewport_orbit(&view, 40, 9);
         plain.camera = view.camera;
-        draw(&view, false);
-        draw(&plain, false);
+        viewport_draw(&view, false);
+        viewport_draw(&plain, false);
         shapes_picture alone = draw_shapes(&view);
         for (size_t at = 0; at < PIXELS; at++) {
             const bool shown = alone.gbuffer.surface[at] != ISO_SURFACE_NONE,
@@ -275,7 +225,7 @@ static void shapes_are_drawn_by_depth(void **state) {
 static void what_is_unchanged_looks_unchanged(void **state) {
     (void)state;
     isosculpt_viewport view, plain;
-    iso_session *session = open_session(NULL);
+    iso_session *session = viewport_session(NULL);
     open_view(&view, session, NULL);
     open_view(&plain, session, NULL);
     add_reference(&view);
@@ -284,15 +234,15 @@ static void what_is_unchanged_looks_unchanged(void **state) {
         isosculpt_viewport_orbit(&view, 31, 7);
         isosculpt_viewport_zoom(&view, i % 2 ? 0.3 : 2);
         plain.camera = view.camera;
-        draw(&view, false);
-        draw(&plain, false);
+        viewport_draw(&view, false);
+        viewport_draw(&plain, false);
         assert_memory_equal(view.image.rgba, plain.image.rgba, 4 * PIXELS);
     }
     view.reference_mode.over = true;
-    draw(&view, false);
+    viewport_draw(&view, false);
     assert_memory_not_equal(view.image.rgba, plain.image.rgba, 4 * PIXELS);
     view.reference_mode.shown = false;
-    draw(&view, false);
+    viewport_draw(&view, false);
     assert_memory_equal(view.image.rgba, plain.image.rgba, 4 * PIXELS);
     isosculpt_viewport_free(&view);
     isosculpt_viewport_free(&plain);
@@ -325,14 +275,14 @@ static void layers_are_those_of_exact(void **state) {
     (void)state;
     static const double opacities[] = {0.05, 0.35, 0.7, 0.95};
     isosculpt_viewport view;
-    iso_journal_start small = START;
+    iso_journal_start small = VIEWPORT_START;
     iso_hgrid *ball, *start;
     iso_exact *exact;
     iso_image image;
     const iso_exact_opts opts = {.isovalue = 0};
     small.radius = 9;
     assert_int_equal(iso_session_ball(&small, &ball, NULL), ISO_OK);
-    assert_int_equal(iso_session_ball(&START, &start, NULL), ISO_OK);
+    assert_int_equal(iso_session_ball(&VIEWPORT_START, &start, NULL), ISO_OK);
     const iso_grid grid = {.hgrid = start};
     assert_int_equal(iso_exact_create(&grid, &opts, &exact, NULL), ISO_OK);
     assert_int_equal(iso_exact_update(exact, NULL), ISO_OK);
@@ -342,12 +292,12 @@ static void layers_are_those_of_exact(void **state) {
     for (int i = 0; i < 4; i++) {
         show(&view, false, opacities[i]);
         isosculpt_viewport_orbit(&view, 17, 3);
-        draw(&view, false);
+        viewport_draw(&view, false);
         draw_layers(&view, exact, &view.drawn.gbuffer, &image);
         assert_true(largest_difference(view.image.rgba, image.rgba) <= (opacities[i] < 0.1 ? 2 : 1));
     }
     show(&view, true, 1); /* as if the reference were drawn alone, opaque */
-    draw(&view, false);
+    viewport_draw(&view, false);
     const iso_target target = {.view = &view.drawn.view, .gbuffer = &view.tile};
     if (view.tile.samples < PIXELS) {
         iso_gbuffer_free(&view.tile);
@@ -378,7 +328,7 @@ static void front_layers_are_the_first_ones(void **state) {
     const iso_exact_opts opts = {.isovalue = 0};
     const iso_rgb color = {10, 200, 120};
     isosculpt_layer_store all = {.most_bytes = SIZE_MAX}, front = {.most_bytes = SIZE_MAX};
-    assert_int_equal(iso_session_ball(&START, &ball, NULL), ISO_OK);
+    assert_int_equal(iso_session_ball(&VIEWPORT_START, &ball, NULL), ISO_OK);
     const iso_grid grid = {.hgrid = ball};
     assert_int_equal(iso_exact_create(&grid, &opts, &exact, NULL), ISO_OK);
     assert_int_equal(iso_exact_update(exact, NULL), ISO_OK);
@@ -422,7 +372,7 @@ static void room_is_bounded(void **state) {
     const iso_exact_opts opts = {.isovalue = 0};
     const iso_rgb color = {10, 200, 120};
     isosculpt_layer_store store = {.most_bytes = 4 * PIXELS + 1000};
-    assert_int_equal(iso_session_ball(&START, &ball, NULL), ISO_OK);
+    assert_int_equal(iso_session_ball(&VIEWPORT_START, &ball, NULL), ISO_OK);
     const iso_grid grid = {.hgrid = ball};
     assert_int_equal(iso_exact_create(&grid, &opts, &exact, NULL), ISO_OK);
     assert_int_equal(iso_exact_update(exact, NULL), ISO_OK);
@@ -441,14 +391,14 @@ static void room_is_bounded(void **state) {
 static void without_memory_the_reference_is_hidden(void **state) {
     (void)state;
     isosculpt_viewport view, plain;
-    iso_session *session = open_session(NULL);
+    iso_session *session = viewport_session(NULL);
     int hidden = 0;
     open_view(&view, session, NULL);
     open_view(&plain, session, NULL);
     add_reference(&view);
-    draw(&view, false);
-    draw(&plain, false);
-    refine(&plain);
+    viewport_draw(&view, false);
+    viewport_draw(&plain, false);
+    viewport_refine(&plain);
     for (long calls = 0;; calls += 1 + calls / 16) {
         show(&view, true, 0.5);
         view.reference_error.text[0] = 0;
@@ -461,16 +411,16 @@ static void without_memory_the_reference_is_hidden(void **state) {
         if (!refusals) break;
         if (status == ISO_OK && !view.reference_mode.shown) {
             assert_non_null(strstr(view.reference_error.text, "out of memory"));
-            draw(&view, false);
-            refine(&view);
+            viewport_draw(&view, false);
+            viewport_refine(&view);
             assert_memory_equal(view.image.rgba, plain.image.rgba, 4 * PIXELS);
             hidden++;
         }
         view.reference_mode.shown = false;
-        draw(&view, false);
+        viewport_draw(&view, false);
     }
     assert_true(hidden > 10);
-    refine(&view);
+    viewport_refine(&view);
     assert_as_new(&view, session, NULL, true);
     isosculpt_viewport_free(&view);
     isosculpt_viewport_free(&plain);

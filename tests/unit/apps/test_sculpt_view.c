@@ -13,24 +13,9 @@
 #include "render/picture.h"
 #include "sculpt/session/session.h"
 #include "sculpt_support.h"
+#include "viewport_support.h"
 
-enum { WIDTH = 333, HEIGHT = 250 };
-
-static const iso_journal_start START = {.source = "ball",
-                                        .voxel_size = 0.5,
-                                        .dims = {96, 96, 96},
-                                        .origin = {-23.75, -23.75, -23.75},
-                                        .radius = 15};
-
-static iso_session *open_session(iso_pool *pool) {
-    iso_hgrid *grid;
-    iso_session *session;
-    iso_error error = {0};
-    iso_session_opts opts = {.pool = pool};
-    if (iso_session_ball(&START, &grid, &error) != ISO_OK) fail_msg("%s", error.text);
-    if (iso_session_create(grid, &START, &opts, &session, &error) != ISO_OK) fail_msg("%s", error.text);
-    return session;
-}
+enum { WIDTH = VIEWPORT_WIDTH, HEIGHT = VIEWPORT_HEIGHT };
 
 static void open_view(isosculpt_viewport *view, iso_session *session, iso_pool *pool) {
     iso_error error = {0};
@@ -38,43 +23,21 @@ static void open_view(isosculpt_viewport *view, iso_session *session, iso_pool *
         fail_msg("%s", error.text);
 }
 
-static void draw(isosculpt_viewport *view, bool moving) {
-    iso_error error = {0};
-    if (isosculpt_viewport_draw(view, WIDTH, HEIGHT, moving, &error) != ISO_OK) fail_msg("%s", error.text);
-}
-
-static void refine(isosculpt_viewport *view) {
-    iso_error error = {0};
-    while (view->quality != ISOSCULPT_QUALITY_FINE)
-        if (isosculpt_viewport_refine(view, &error) != ISO_OK) fail_msg("%s", error.text);
-}
-
 /* Two views of one field from one place hold the same picture and the same samples to pick from. */
 static void assert_same(const isosculpt_viewport *a, const isosculpt_viewport *b) {
     const size_t pixels = (size_t)WIDTH * HEIGHT;
     assert_int_equal(a->image.width, b->image.width);
     assert_memory_equal(a->image.rgba, b->image.rgba, 4 * pixels);
-    assert_memory_equal(a->drawn.gbuffer.depth, b->drawn.gbuffer.depth, pixels * sizeof(float));
-    assert_memory_equal(a->drawn.gbuffer.surface, b->drawn.gbuffer.surface, pixels);
-    for (size_t i = 0; i < pixels; i++)
-        for (int axis = 0; axis < 3 && a->drawn.gbuffer.surface[i] != ISO_SURFACE_NONE; axis++)
-            if (a->drawn.gbuffer.normal[axis][i] != b->drawn.gbuffer.normal[axis][i])
-                fail_msg("normal of pixel %zu", i);
+    viewport_same_samples(a, b);
 }
 
 static void assert_as_new(const isosculpt_viewport *view, iso_session *session, iso_pool *pool) {
     isosculpt_viewport fresh;
     open_view(&fresh, session, pool);
     fresh.camera = view->camera;
-    draw(&fresh, false);
+    viewport_draw(&fresh, false);
     assert_same(view, &fresh);
     isosculpt_viewport_free(&fresh);
-}
-
-static iso_sample on_ball(uint32_t *seed) {
-    iso_vec3 out = iso_vec3_make(uniform(seed) - 0.5, uniform(seed) - 0.7, uniform(seed) - 0.5);
-    out = iso_vec3_unit(out);
-    return (iso_sample){.position = iso_vec3_scale(out, START.radius), .normal = out, .pressure = 1};
 }
 
 static size_t stroke(iso_session *session, isosculpt_viewport *view, uint32_t *seed) {
@@ -82,43 +45,32 @@ static size_t stroke(iso_session *session, isosculpt_viewport *view, uint32_t *s
                        .radius = 1 + 3 * uniform(seed),
                        .strength = 0.5,
                        .symmetry = uniform(seed) < 0.3 ? 1 : 0};
-    iso_sample sample = on_ball(seed);
-    size_t drawn = 0;
-    assert_int_equal(iso_session_begin(session, &brush, &sample, NULL, NULL), ISO_OK);
-    for (int i = 0; i < 3; i++) {
-        draw(view, true);
-        drawn += isosculpt_damage_area(&view->redrawn);
-        sample.position.x += 0.7;
-        assert_int_equal(iso_session_sample(session, &sample, NULL, NULL), ISO_OK);
-    }
-    assert_int_equal(iso_session_end(session, NULL), ISO_OK);
-    draw(view, true);
-    return drawn;
+    return viewport_stroke(view, session, &brush, seed);
 }
 
 static void test_patched_picture_is_the_whole_one(void **state) {
     (void)state;
     iso_pool *pool;
     assert_int_equal(iso_pool_create(2, &pool, NULL), ISO_OK);
-    iso_session *session = open_session(pool);
+    iso_session *session = viewport_session(pool);
     isosculpt_viewport view;
     uint32_t seed = 7;
     size_t drawn = 0;
     open_view(&view, session, pool);
-    draw(&view, false);
+    viewport_draw(&view, false);
     for (int i = 0; i < 40; i++) {
         drawn += stroke(session, &view, &seed);
         assert_as_new(&view, session, pool);
         if (i % 4 == 3) {
             assert_int_equal(iso_session_undo(session, NULL), ISO_OK);
-            draw(&view, true);
+            viewport_draw(&view, true);
             assert_as_new(&view, session, pool);
         }
         if (i % 10 != 9) continue;
         isosculpt_viewport_orbit(&view, 20, 5);
         isosculpt_viewport_zoom(&view, 1.2); /* at last parts of the surface are out of sight */
-        draw(&view, true);
-        draw(&view, false);
+        viewport_draw(&view, true);
+        viewport_draw(&view, false);
         assert_as_new(&view, session, pool);
     }
     print_message("of the pictures %.1f %% was drawn again\n",
@@ -132,19 +84,19 @@ static void test_patched_picture_is_the_whole_one(void **state) {
 /* Strokes on a picture that was coarse because the camera moved. */
 static void test_stroke_right_after_camera(void **state) {
     (void)state;
-    iso_session *session = open_session(NULL);
+    iso_session *session = viewport_session(NULL);
     isosculpt_viewport view;
     uint32_t seed = 11;
     open_view(&view, session, NULL);
     view.moving_factor = 3;
-    draw(&view, true);
+    viewport_draw(&view, true);
     assert_int_equal(view.image.width, WIDTH / 3);
     assert_int_equal(view.quality, ISOSCULPT_QUALITY_MOVING);
     stroke(session, &view, &seed);
     assert_as_new(&view, session, NULL);
     isosculpt_viewport_orbit(&view, 10, 0);
     view.moving_factor = 1;
-    draw(&view, true); /* fast enough: it is the picture at rest */
+    viewport_draw(&view, true); /* fast enough: it is the picture at rest */
     assert_int_equal(view.quality, ISOSCULPT_QUALITY_REST);
     assert_as_new(&view, session, NULL);
     isosculpt_viewport_free(&view);
@@ -159,17 +111,17 @@ static iso_status draw_exact(void *context, const iso_view *view, iso_gbuffer *g
 /* Smoothed in pieces, and again only where a stroke was. */
 static void test_fine_picture(void **state) {
     (void)state;
-    iso_session *session = open_session(NULL);
+    iso_session *session = viewport_session(NULL);
     isosculpt_viewport view;
     iso_image image;
     uint32_t seed = 3;
     open_view(&view, session, NULL);
-    draw(&view, false);
-    refine(&view);
+    viewport_draw(&view, false);
+    viewport_refine(&view);
     size_t drawn = stroke(session, &view, &seed);
     assert_int_equal(view.quality, ISOSCULPT_QUALITY_REST);
     assert_true(isosculpt_damage_area(&view.unrefined) <= drawn && drawn < (size_t)WIDTH * HEIGHT);
-    refine(&view);
+    viewport_refine(&view);
     assert_int_equal(iso_image_create(WIDTH, HEIGHT, &image, NULL), ISO_OK);
     iso_picture_opts opts = {.camera = &view.camera,
                              .width = WIDTH,
@@ -189,18 +141,18 @@ static void test_fine_picture(void **state) {
 
 static void test_held_picture_stays(void **state) {
     (void)state;
-    iso_session *session = open_session(NULL);
+    iso_session *session = viewport_session(NULL);
     isosculpt_viewport view;
     isosculpt_pick before, picked, now;
     open_view(&view, session, NULL);
-    draw(&view, false);
+    viewport_draw(&view, false);
     const double x = WIDTH / 2.0, y = HEIGHT / 2.0;
     assert_true(isosculpt_pick_buffer_pick(&view.drawn, x, y, &before));
     assert_int_equal(isosculpt_viewport_keep_pick_buffer(&view, NULL), ISO_OK);
     iso_brush brush = {.tool = ISO_TOOL_ADD, .radius = 4, .strength = 1};
     iso_sample sample = {.position = before.position, .normal = before.normal, .pressure = 1};
     assert_int_equal(iso_session_begin(session, &brush, &sample, NULL, NULL), ISO_OK);
-    draw(&view, true);
+    viewport_draw(&view, true);
     assert_true(isosculpt_pick_buffer_pick(&view.pick_buffer, x, y, &picked));
     assert_true(isosculpt_pick_buffer_pick(&view.drawn, x, y, &now));
     assert_memory_equal(&picked, &before, sizeof picked);
@@ -212,16 +164,16 @@ static void test_held_picture_stays(void **state) {
 /* What was beside the middle is in it, no larger and no smaller, and orbiting turns about it. */
 static void test_focus(void **state) {
     (void)state;
-    iso_session *session = open_session(NULL);
+    iso_session *session = viewport_session(NULL);
     isosculpt_viewport view;
     isosculpt_pick before, after;
     double x, y;
     open_view(&view, session, NULL);
-    draw(&view, false);
+    viewport_draw(&view, false);
     assert_true(isosculpt_pick_buffer_pick(&view.drawn, 0.6 * WIDTH, 0.4 * HEIGHT, &before));
     isosculpt_viewport_focus(&view, &before.position);
     for (int i = 0; i < 3; i++) {
-        draw(&view, false);
+        viewport_draw(&view, false);
         assert_true(isosculpt_pick_buffer_pixel(&view.drawn, before.position, &x, &y));
         assert_float_equal(x, WIDTH / 2.0, 0.01);
         assert_float_equal(y, HEIGHT / 2.0, 0.01);

@@ -251,11 +251,7 @@ static void cells_that_are_not_finite_are_empty(void **state) {
         iso_grid grid = test_rgrid((const int[3]){20, 9, 18}, ISO_FLOAT32);
         test_set_transform(&grid, round % TEST_TRANSFORMS);
         test_fill(&grid, TEST_NOISE, &random);
-        float *values = grid.rgrid->data;
-        for (int i = 0; i < 20 * 9 * 18 / 25; i++) {
-            static const float bad[] = {NAN, INFINITY, -INFINITY};
-            values[test_random_int(&random, 0, 20 * 9 * 18 - 1)] = bad[i % 3];
-        }
+        test_scatter_nonfinite(&grid, &random);
         const test_scene scene = make_scene(&grid, round);
         iso_view view = make_view(&grid, round / TEST_TRANSFORMS, 72, &random);
         judge_layers(&scene, &view, &verdict);

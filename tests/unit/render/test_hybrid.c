@@ -1,5 +1,5 @@
 /* Surfaces as points and triangles in one pyramid: vertices of the mesh are the edge points, bit for
- * bit; where bricks of both kinds meet there are no more holes than points have; with one kind only the
+ * bit; where bricks of test_surfaces kinds meet there are no more holes than points have; with one kind only the
  * picture is that of pull-push or of the mesh; and the same bytes for every instruction set, number of
  * threads and strip. */
 #include <math.h>
@@ -7,37 +7,13 @@
 
 #include "base/cpu.h"
 #include "check_support.h"
-#include "extract/mesh/mesh.h"
 #include "render/pullpush/hybrid.h"
 #include "render/raster/raster.h"
 #include "scene_support.h"
 
 enum { SURFACE = 1 };
 
-typedef struct both {
-    test_scene scene;
-    iso_mesh_set *set;
-    iso_mesh_view mesh;
-} both;
-
-static both make(const char *name, int size, bool floats) {
-    iso_error error = {0};
-    both b = {.set = NULL};
-    const iso_points_opts opts = {.primitive = ISO_PRIMITIVE_EDGE, .floats = floats};
-    b.scene = test_scene_make(name, size, &opts, false);
-    const iso_mesh_opts mesh = {.isovalue = b.scene.isovalue};
-    test_ok(iso_mesh_set_create(&b.scene.grid, &mesh, &b.set, &error), &error);
-    test_ok(iso_mesh_set_update(b.set, &error), &error);
-    b.mesh = iso_mesh_set_view(b.set);
-    return b;
-}
-
-static void release(both *b) {
-    iso_mesh_set_destroy(b->set);
-    test_scene_free(&b->scene);
-}
-
-static iso_gbuffer hybrid(const both *b, const iso_view *view, double pixels, iso_pool *pool) {
+static iso_gbuffer hybrid(const test_surfaces *b, const iso_view *view, double pixels, iso_pool *pool) {
     iso_error error = {0};
     iso_gbuffer g = test_clear_gbuffer(view->width, view->height, false);
     const iso_target target = {view, &g, pool, SURFACE};
@@ -46,7 +22,7 @@ static iso_gbuffer hybrid(const both *b, const iso_view *view, double pixels, is
     return g;
 }
 
-static iso_gbuffer triangles(const both *b, const iso_view *view) {
+static iso_gbuffer triangles(const test_surfaces *b, const iso_view *view) {
     iso_error error = {0};
     iso_gbuffer g = test_clear_gbuffer(view->width, view->height, false);
     const iso_target target = {view, &g, NULL, SURFACE};
@@ -55,10 +31,8 @@ static iso_gbuffer triangles(const both *b, const iso_view *view) {
 }
 
 /* The size of a cell in the middle of the scene, pixels. */
-static double middle_cell(const both *b, const iso_view *view) {
-    const iso_box box = iso_point_view_bounds(&b->scene.points);
-    const iso_affine affine = iso_transform_affine(&b->scene.points.transform);
-    const iso_box world = iso_box_transform(&box, &affine);
+static double middle_cell(const test_surfaces *b, const iso_view *view) {
+    const iso_box world = test_scene_box(&b->scene);
     const iso_vec3 middle = iso_vec3_make((world.lo.x + world.hi.x) / 2, (world.lo.y + world.hi.y) / 2,
                                           (world.lo.z + world.hi.z) / 2);
     const double *s = b->scene.points.transform.spacing;
@@ -69,7 +43,7 @@ static void vertices_are_points(void **state) {
     (void)state;
     const char *const names[] = {"sphere", "torus", "gyroid"};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
-        both b = make(names[i], 48, true);
+        test_surfaces b = test_surfaces_make(names[i], 48, true);
         size_t matched = 0;
         for (size_t m = 0; m < b.mesh.span_count; m++) {
             const iso_mesh_span *span = &b.mesh.spans[m];
@@ -84,7 +58,7 @@ static void vertices_are_points(void **state) {
             }
         }
         assert_int_equal(matched, iso_point_view_count(&b.scene.points));
-        release(&b);
+        test_surfaces_free(&b);
     }
 }
 
@@ -122,7 +96,7 @@ static void seams_are_closed(void **state) {
     (void)state;
     const char *const names[] = {"sphere", "torus", "gyroid"};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
-        both b = make(names[i], 80, false);
+        test_surfaces b = test_surfaces_make(names[i], 80, false);
         for (int side = 0; side < 6; side += 2)
             for (int zoom = 0; zoom < 3; zoom++) {
                 const iso_view view =
@@ -145,13 +119,13 @@ static void seams_are_closed(void **state) {
                 iso_gbuffer_free(&drawn);
                 iso_gbuffer_free(&wanted);
             }
-        release(&b);
+        test_surfaces_free(&b);
     }
 }
 
 static void one_kind_is_its_method(void **state) {
     (void)state;
-    both b = make("torus", 48, false);
+    test_surfaces b = test_surfaces_make("torus", 48, false);
     for (int parallel = 0; parallel < 2; parallel++) {
         const iso_view view = test_look_at(&b.scene, 2, 1, parallel, 200, 150);
         const iso_pullpush_opts gaussian = {.reconstruction = ISO_RECONSTRUCTION_GAUSSIAN};
@@ -164,11 +138,11 @@ static void one_kind_is_its_method(void **state) {
         iso_gbuffer_free(&small);
         iso_gbuffer_free(&large);
     }
-    release(&b);
+    test_surfaces_free(&b);
 }
 
 typedef struct hybrid_drawing {
-    const both *b;
+    const test_surfaces *b;
     double pixels;
 } hybrid_drawing;
 
@@ -179,14 +153,14 @@ static iso_gbuffer draw_hybrid(const void *context, const iso_view *view, iso_po
 
 static void bytes_are_the_same(void **state) {
     (void)state;
-    both b = make("gyroid", 64, false);
+    test_surfaces b = test_surfaces_make("gyroid", 64, false);
     const iso_view view = test_look_at(&b.scene, 4, 1.5, false, 210, 170);
     const hybrid_drawing d = {&b, 1.1 * middle_cell(&b, &view)};
     iso_gbuffer wanted = draw_hybrid(&d, &view, NULL);
     test_variants_of(draw_hybrid, &d, &view, &wanted);
     test_strips_of(draw_hybrid, &d, &view, 7, &wanted);
     iso_gbuffer_free(&wanted);
-    release(&b);
+    test_surfaces_free(&b);
 }
 
 int main(void) {

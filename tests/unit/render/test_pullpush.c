@@ -232,7 +232,8 @@ static void make_sheet(sheet *s, double depth, double slope, double sign) {
                                  .radius = sqrt(0.5)};
 }
 
-/* Where the plane is seen, in all of its inside, and how far its depth is off at most, in spacings. */
+/* Checks a picture of the sheet: apart from its rim it covers every pixel but one in a thousand, and its depths
+ * are within `tolerance` of the plane's. Lengths are in distances of neighbouring points. */
 static void check_sheet(const sheet *s, const iso_view *view, double depth, double slope, double tolerance) {
     iso_gbuffer g = test_drawn(view, &s->points, NULL, NULL);
     const float *n = s->surfels[0].normal;

@@ -7,7 +7,6 @@
 
 #include "base/memory.h"
 #include "check_support.h"
-#include "extract/mesh/mesh.h"
 #include "lines_support.h"
 #include "render/pullpush/hybrid.h"
 #include "render/pullpush/sets.h"
@@ -17,37 +16,6 @@
 enum { POINTS = 1, MESH = 2, RIBBONS = 5 };
 
 static test_lines scene_lines;
-
-/* A scene as points and as triangles. */
-typedef struct both {
-    test_scene scene;
-    iso_mesh_set *set;
-    iso_mesh_view mesh;
-} both;
-
-static both make(const char *name, int size) {
-    iso_error error = {0};
-    both b = {.set = NULL};
-    const iso_points_opts opts = {.primitive = ISO_PRIMITIVE_EDGE};
-    b.scene = test_scene_make(name, size, &opts, false);
-    const iso_mesh_opts mesh = {.isovalue = b.scene.isovalue};
-    test_ok(iso_mesh_set_create(&b.scene.grid, &mesh, &b.set, &error), &error);
-    test_ok(iso_mesh_set_update(b.set, &error), &error);
-    b.mesh = iso_mesh_set_view(b.set);
-    return b;
-}
-
-static void release(both *b) {
-    iso_mesh_set_destroy(b->set);
-    test_scene_free(&b->scene);
-}
-
-/* The scene's box in world coordinates. */
-static iso_box world_box(const both *b) {
-    const iso_box box = iso_point_view_bounds(&b->scene.points);
-    const iso_affine affine = iso_transform_affine(&b->scene.points.transform);
-    return iso_box_transform(&box, &affine);
-}
 
 static iso_gbuffer draw_sets(const iso_view *view, const iso_pyramid_set *sets, size_t count,
                              iso_pool *pool) {
@@ -108,8 +76,8 @@ static void set_triangle(one_triangle *t, const iso_vec3 corners[3]) {
 }
 
 /* A triangle through the middle of the scene, in a plane that turns with `turn`. */
-static void cut_scene(const both *b, int turn, one_triangle *t) {
-    const iso_box box = world_box(b);
+static void cut_scene(const test_surfaces *b, int turn, one_triangle *t) {
+    const iso_box box = test_scene_box(&b->scene);
     const iso_vec3 middle = iso_vec3_scale(iso_vec3_add(box.lo, box.hi), 0.5),
                    half = iso_vec3_scale(iso_vec3_sub(box.hi, box.lo), 0.5);
     iso_vec3 corners[3];
@@ -154,7 +122,7 @@ static void triangles_do_not_grow(void **state) {
     const char *const names[] = {"sphere", "torus", "gyroid"};
     size_t wanted = 0, other = 0, lost = 0;
     for (int i = 0; i < 3; i++) {
-        both b = make(names[i], 56);
+        test_surfaces b = test_surfaces_make(names[i], 56, false);
         for (int turn = 0; turn < 6; turn++) {
             const iso_view view = test_look_at(&b.scene, turn, turn % 3 ? 1 : 2.5, turn & 1, 300, 260);
             one_triangle t;
@@ -175,7 +143,7 @@ static void triangles_do_not_grow(void **state) {
             iso_gbuffer_free(&alone);
             iso_gbuffer_free(&mesh);
         }
-        release(&b);
+        test_surfaces_free(&b);
     }
     print_message("in one pyramid %.2f %% of the samples show another surface, %.3f %% nothing\n",
                   100.0 * (double)other / (double)wanted, 100.0 * (double)lost / (double)wanted);
@@ -185,8 +153,8 @@ static void triangles_do_not_grow(void **state) {
  * are long, do not show between the points. */
 static void triangles_behind_points(void **state) {
     (void)state;
-    both b = make("sphere", 32);
-    const iso_box box = world_box(&b);
+    test_surfaces b = test_surfaces_make("sphere", 32, false);
+    const iso_box box = test_scene_box(&b.scene);
     const double middle[3] = {0.5 * (box.lo.x + box.hi.x), 0.5 * (box.lo.y + box.hi.y),
                               0.5 * (box.lo.z + box.hi.z)};
     iso_mesh_view inner = b.mesh;
@@ -209,13 +177,13 @@ static void triangles_behind_points(void **state) {
     }
     print_message("%zu of %zu samples show triangles behind the points\n", through, wanted);
     assert_true(wanted > 100000 && through * 500 < wanted);
-    release(&b);
+    test_surfaces_free(&b);
 }
 
 /* Triangles alone are as iso_draw_mesh draws them, to the sample. */
 static void triangles_alone(void **state) {
     (void)state;
-    both b = make("torus", 48);
+    test_surfaces b = test_surfaces_make("torus", 48, false);
     for (int parallel = 0; parallel < 2; parallel++) {
         const iso_view view = test_look_at(&b.scene, 3, 1.5, parallel, 200, 150);
         const iso_pyramid_set set = {.surface = MESH, .mesh = &b.mesh};
@@ -225,7 +193,7 @@ static void triangles_alone(void **state) {
         iso_gbuffer_free(&g);
         iso_gbuffer_free(&mesh);
     }
-    release(&b);
+    test_surfaces_free(&b);
 }
 
 /* ---- thin lines and walls */
@@ -286,9 +254,9 @@ static void thin_lines_over_walls(void **state) {
 }
 
 /* Great circles around a sphere of points, `above` mm outside of it. */
-static void add_circles(const both *b, double above) {
+static void add_circles(const test_surfaces *b, double above) {
     iso_error error = {0};
-    const iso_box box = world_box(b);
+    const iso_box box = test_scene_box(&b->scene);
     const iso_vec3 middle = iso_vec3_scale(iso_vec3_add(box.lo, box.hi), 0.5);
     const double radius = 0.5 * (box.hi.x - box.lo.x) + above;
     test_lines_start(&scene_lines, middle.x, middle.y, middle.z);
@@ -310,7 +278,7 @@ static void add_circles(const both *b, double above) {
  * points have depth intervals of more than a voxel; half a voxel inside they are not seen. */
 static void thin_lines_over_points(void **state) {
     (void)state;
-    both b = make("sphere", 56);
+    test_surfaces b = test_surfaces_make("sphere", 56, false);
     const double voxel = b.scene.points.transform.spacing[0];
     for (int inside = 0; inside < 2; inside++) {
         size_t seen = 0, wanted = 0;
@@ -336,15 +304,15 @@ static void thin_lines_over_points(void **state) {
         iso_free(scene_lines.lines.normals);
         scene_lines.lines.normals = NULL;
     }
-    release(&b);
+    test_surfaces_free(&b);
 }
 
 /* ---- everything together */
 
 /* Random ribbons with colours in the scene's box. */
-static iso_pyramid_lines *scatter_ribbons(const both *b, double radius) {
+static iso_pyramid_lines *scatter_ribbons(const test_surfaces *b, double radius) {
     iso_error error = {0};
-    const iso_box box = world_box(b);
+    const iso_box box = test_scene_box(&b->scene);
     const iso_vec3 size = iso_vec3_sub(box.hi, box.lo);
     uint32_t seed = 9;
     test_lines_start(&scene_lines, 0, 0, 0);
@@ -373,8 +341,8 @@ static void free_ribbons(iso_pyramid_lines *lines) {
  * of ribbons have the ribbons' colour, all others none. */
 static void all_together(void **state) {
     (void)state;
-    both b = make("gyroid", 64), other = make("torus", 64);
-    const iso_box box = world_box(&b);
+    test_surfaces b = test_surfaces_make("gyroid", 64, false), other = test_surfaces_make("torus", 64, false);
+    const iso_box box = test_scene_box(&b.scene);
     iso_pyramid_lines *lines = scatter_ribbons(&b, 0.02 * (box.hi.x - box.lo.x));
     for (int hybrid = 0; hybrid < 2; hybrid++)
         for (int side = 0; side < 6; side++) {
@@ -403,8 +371,8 @@ static void all_together(void **state) {
             iso_gbuffer_free(&alone);
         }
     free_ribbons(lines);
-    release(&b);
-    release(&other);
+    test_surfaces_free(&b);
+    test_surfaces_free(&other);
 }
 
 /* The sets of a picture. */
@@ -420,8 +388,8 @@ static iso_gbuffer draw_again(const void *context, const iso_view *view, iso_poo
 
 static void bytes_are_the_same(void **state) {
     (void)state;
-    both b = make("gyroid", 64), other = make("torus", 64);
-    const iso_box box = world_box(&b);
+    test_surfaces b = test_surfaces_make("gyroid", 64, false), other = test_surfaces_make("torus", 64, false);
+    const iso_box box = test_scene_box(&b.scene);
     iso_pyramid_lines *lines = scatter_ribbons(&b, 0.02 * (box.hi.x - box.lo.x));
     const iso_pyramid_set sets[] = {{.surface = RIBBONS, .ribbons = lines},
                                     {.surface = POINTS, .points = &b.scene.points, .mesh = &b.mesh},
@@ -435,8 +403,8 @@ static void bytes_are_the_same(void **state) {
         iso_gbuffer_free(&wanted);
     }
     free_ribbons(lines);
-    release(&b);
-    release(&other);
+    test_surfaces_free(&b);
+    test_surfaces_free(&other);
 }
 
 int main(void) {
