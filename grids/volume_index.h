@@ -28,8 +28,8 @@ typedef struct iso_volume_identity {
 /* A surface that was extracted as a whole. */
 typedef struct iso_indexed_surface {
     double isovalue;
-    uint64_t kind;       /* what it was made of: a number of the caller */
-    uint64_t primitives; /* their number; 0: the surface is empty */
+    uint64_t kind;       /* the caller's number for the kind of primitives */
+    uint64_t primitives; /* how many there are; 0: the surface is empty */
     double index[6],
         world[6]; /* its boxes in index coordinates and in the world, lo x y z, hi x y z; empty: lo > hi */
 } iso_indexed_surface;

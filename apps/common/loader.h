@@ -1,8 +1,7 @@
 /* loader: opens and reads the input of a program that works on one input at a time: a volume file or DICOM
  * folder, a procedural scene ("scene:NAME" or "scene:NAME:SIZE"), a file of points
  * (iso_glyphs_are_points), a stroke file, whose strokes are played, or any of these files on standard input
- * ("-") or from a FIFO. The content of
- * volumes decides their format, not the name.
+ * ("-") or from a FIFO. The format of a volume is found from its content, not from its name.
  *
  *     iso_loader loader = {.input = path, .options = &input, .files = &files, .pool = pool};
  *     iso_loader_open(&loader, &error)     the header: kind of input, size, type; nothing large is read

@@ -19,7 +19,7 @@ typedef struct isorender_chunks {
     iso_volume_index index;
     char *index_path;  /* where the index is kept; NULL: nowhere */
     const char *stage; /* of isorender_progress, while chunks are visited */
-    /* Of isorender_chunks_bounds, which is called by functions that cannot fail. */
+    /* The error of isorender_chunks_bounds, kept until a caller that can fail returns it. */
     iso_status status;
     iso_error error;
 } isorender_chunks;

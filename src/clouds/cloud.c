@@ -211,8 +211,9 @@ static iso_status estimate(maker *m, iso_error *error) {
     return status;
 }
 
-/* Sets the radii that are 0, those of points that all their neighbours coincide with, to the median; but one
- * disc is enough for many points at one place, and the others become too small to take time. */
+/* Sets the missing radii. Points whose neighbours are all at the same place have radius 0 and get the median.
+ * One such disc is enough for a place: those that are marked as repeated get a radius so small that drawing
+ * them takes no time. */
 static iso_status finish_radii(maker *m, iso_error *error) {
     float median;
     ISO_TRY(median_radius(m, m->radii, &median, error));
