@@ -271,10 +271,10 @@ static iso_status set_kind(const isorender_object_options *options, int number,
     return set_color("surface-color", isorender_value_for(&options->mesh_colors, number), object, error);
 }
 
-/* Decides whether an object is coloured by a colour or by a column (--color-by) when the options give both. Two
- * values that were given for this very object are an error. If one of them is only the last value of its
- * option, which repeats for all further objects, the other one counts. number: of the object among those of
- * its kind; column: among those that --color-by counts. */
+/* Decides whether an object is coloured by a colour or by a column (--color-by) when the options give both.
+ * Two values that were given for this very object are an error. If one of them is only the last value of
+ * its option, which repeats for all further objects, the other one counts. number: of the object among
+ * those of its kind; column: among those that --color-by counts. */
 static iso_status settle_colors(const isorender_object_options *options, int number, int column,
                                 isorender_object_settings *object, iso_error *error) {
     const bool lines = object->kind == ISORENDER_LINES;

@@ -1,5 +1,5 @@
-/* frame: the box that a picture of points frames. It holds all points, but if a few lie far from the others it
- * leaves them out. */
+/* frame: the box that a picture of points frames. It holds all points, but if a few lie far from the others
+ * it leaves them out. */
 #ifndef ISO_CLOUDS_FRAME_H
 #define ISO_CLOUDS_FRAME_H
 

@@ -34,10 +34,10 @@ typedef struct vtk_layout {
     bool arrays; /* see write_vtk */
 } vtk_layout;
 
-/* Points are in reverse order, and lines name them. With arrays: points have SCALARS s0 (short), FIELD arrays
- * s1 (double) and "radius" (float, equal to s0), VECTORS "v" (float: s0, s1, s2) and COLOR_SCALARS "c" (s0
- * modulo 256, 7, 255), and lines the FIELD array p0. A vertex cell and a polygon come before and after the
- * lines, and have numbers in p0 too. */
+/* Points are in reverse order, and lines name them. With arrays: points have SCALARS s0 (short), FIELD
+ * arrays s1 (double) and "radius" (float, equal to s0), VECTORS "v" (float: s0, s1, s2) and COLOR_SCALARS
+ * "c" (s0 modulo 256, 7, 255), and lines the FIELD array p0. A vertex cell and a polygon come before and
+ * after the lines, and have numbers in p0 too. */
 void write_vtk(const char *path, const iso_lines *lines, const vtk_layout *layout);
 
 /* Scalar s of vertex i, and property p of line i. */
@@ -50,8 +50,8 @@ iso_lines read_lines(const char *path, const iso_read_opts *opts);
 /* Expects an error whose text names the file and contains `reason`. */
 void refuse_lines(const char *path, const iso_read_opts *opts, iso_status wanted, const char *reason);
 
-/* What reading a file of ../shared/lines must give: an error whose text has `reason`, or so many lines, vertices
- * and segments (-1: not compared), and as many things left out, mended and noted. */
+/* What reading a file of ../shared/lines must give: an error whose text has `reason`, or so many lines,
+ * vertices and segments (-1: not compared), and as many things left out, mended and noted. */
 typedef struct lines_outcome {
     const char *name; /* in ../shared/lines */
     iso_status status;

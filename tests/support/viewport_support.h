@@ -19,8 +19,8 @@ void viewport_refine(isosculpt_viewport *view);
 
 /* A random place on the ball, mostly on the side that is seen from the front. */
 iso_sample viewport_sample(uint32_t *seed);
-/* Makes a stroke of four samples, the first of them at a random place, and draws after each. Returns the number
- * of pixels that were drawn before the last. */
+/* Makes a stroke of four samples, the first of them at a random place, and draws after each. Returns the
+ * number of pixels that were drawn before the last. */
 size_t viewport_stroke(isosculpt_viewport *view, iso_session *session, const iso_brush *brush,
                        uint32_t *seed);
 

@@ -1,5 +1,5 @@
 /* Surfaces as points and triangles in one pyramid: vertices of the mesh are the edge points, bit for
- * bit; where bricks of test_surfaces kinds meet there are no more holes than points have; with one kind only the
+ * bit; where bricks of both kinds meet there are no more holes than points have; with one kind only the
  * picture is that of pull-push or of the mesh; and the same bytes for every instruction set, number of
  * threads and strip. */
 #include <math.h>

@@ -214,7 +214,8 @@ typedef struct sheet {
     iso_point_view points;
 } sheet;
 
-/* Points one apart in the plane z = depth + slope * x, around (0, 0); the normal towards the eye, or away. */
+/* Points one apart in the plane z = depth + slope * x, around (0, 0); the normal towards the eye, or away.
+ */
 static void make_sheet(sheet *s, double depth, double slope, double sign) {
     double length = sqrt(1 + slope * slope);
     for (int i = 0; i < SHEET * SHEET; i++) {
@@ -232,8 +233,8 @@ static void make_sheet(sheet *s, double depth, double slope, double sign) {
                                  .radius = sqrt(0.5)};
 }
 
-/* Checks a picture of the sheet: apart from its rim it covers every pixel but one in a thousand, and its depths
- * are within `tolerance` of the plane's. Lengths are in distances of neighbouring points. */
+/* Checks a picture of the sheet: apart from its rim it covers every pixel but one in a thousand, and its
+ * depths are within `tolerance` of the plane's. Lengths are in distances of neighbouring points. */
 static void check_sheet(const sheet *s, const iso_view *view, double depth, double slope, double tolerance) {
     iso_gbuffer g = test_drawn(view, &s->points, NULL, NULL);
     const float *n = s->surfels[0].normal;
@@ -573,8 +574,8 @@ static void open_surfaces_show_their_inside(void **state) {
 
 static void near_the_truth(void **state) {
     (void)state;
-    /* decibels over the union of both silhouettes; holes in a thousand; pixels of dilation; measured: see the
-     * margins */
+    /* decibels over the union of both silhouettes; holes in a thousand; pixels of dilation; measured: see
+     * the margins */
     static const struct {
         const char *name;
         int size;
