@@ -15,7 +15,7 @@ cameras = [["--camera", "iso"], ["--orthographic", "--azimuth", "30", "--fit", "
            ["--camera-position", "20,60,40", "--camera-focal-point", "60,10,30", "--view-angle", "90", "--orientation-marker"]]
 inputs = [["in/waves.mha", "--isovalue", "20"], ["scene:ct:96"], ["in/waves.mha", "--isovalue", "-31", "--crop", "7,80,3,66,1,77"],
           ["scene:gyroid:64", "--background", "none", "--color", "ivory"],
-          ["scene:ct:96", "--method", "pullpush", "--reconstruction", "gaussian"],
+          ["scene:ct:96", "--method", "pullpush", "--reconstruction", "gaussian", "--background", "222222"],
           ["in/waves.mha", "--isovalue", "20", "--method", "pullpush", "--reconstruction", "box"]]
 levels = ["generic", "avx2", "avx512"]
 

@@ -1,6 +1,7 @@
 /* key_file: files of key images are read back, are merged in any order, and are refused when they are
  * damaged, missing, doubled or foreign. */
 #define _GNU_SOURCE
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -13,7 +14,10 @@
 #include <cmocka.h>
 
 #include "check_support.h"
+#include "image/image.h"
 #include "io/key_file.h"
+#include "methods/method.h"
+#include "render/pullpush/pyramid.h"
 
 enum { WIDTH = 37, HEIGHT = 23, PIXELS = WIDTH * HEIGHT, PARTS = 5 };
 
@@ -132,9 +136,10 @@ static void check_refused(int place, int named, const char *word) {
 static void foreign_parts_are_refused(void **state) {
     (void)state;
     write_parts();
-    for (int kind = 0; kind < 6; kind++) {
+    for (int kind = 0; kind < 7; kind++) {
         static const char *const words[] = {"another surface", "another surface", "another picture",
-                                            "other options",   "is in ",          "another division"};
+                                            "other options",   "is in ",          "another division",
+                                            "other options"};
         iso_key_file file;
         make_part(kind == 4 ? 2 : 4, &file);
         if (kind == 0) file.surface.isovalue = 0.2;
@@ -142,6 +147,7 @@ static void foreign_parts_are_refused(void **state) {
         if (kind == 2) file.style.position.x = 1;
         if (kind == 3) file.texts[ISO_KEY_TITLE][0] = 'A';
         if (kind == 5) file.parts++;
+        if (kind == 6) file.texts[ISO_KEY_SOFTWARE] = strdup("another program");
         assert_int_equal(iso_key_file_write(path_of(0), &file, NULL), ISO_OK);
         check_refused(4, 0, words[kind]);
         iso_key_file_free(&file);
@@ -187,12 +193,96 @@ static void damage_is_noticed(void **state) {
     assert_int_equal(iso_key_file_read(path_of(1), 0, &read, NULL), ISO_ERR_IO);
 }
 
+/* Writes the changed file with a right checksum, and expects that its numbers are refused. */
+static void refuse_numbers(iso_key_file *file, const char *what) {
+    iso_key_file read;
+    iso_error error = {0};
+    assert_int_equal(iso_key_file_write(path_of(1), file, NULL), ISO_OK);
+    const iso_status status = iso_key_file_read(path_of(1), 1 << 24, &read, &error);
+    if (status != ISO_ERR_IO || !strstr(error.text, "numbers do not agree"))
+        fail_msg("%s: status %d, %s", what, status, error.text);
+    iso_key_file_free(file);
+}
+
+/* Numbers that no picture has, in files whose checksums match. */
+static void impossible_numbers_are_refused(void **state) {
+    (void)state;
+    iso_key_file f;
+#define REFUSE(change)                                                                                       \
+    do {                                                                                                     \
+        make_part(1, &f);                                                                                    \
+        f.change;                                                                                            \
+        refuse_numbers(&f, #change);                                                                         \
+    } while (0)
+    REFUSE(part = 0);
+    REFUSE(part = PARTS + 1);
+    REFUSE(parts = ISO_KEY_PARTS + 1);
+    REFUSE(surface.dims[2] = 0);
+    REFUSE(surface.type = ISO_FLOAT32 + 1);
+    REFUSE(surface.type = -1);
+    REFUSE(style.width = 0);
+    REFUSE(style.height = -1);
+    REFUSE(style.width = ISO_IMAGE_MAX + 1);
+    REFUSE(style.method = ISO_METHOD_MESH);
+    REFUSE(style.method = -1);
+    REFUSE(style.orthographic = 2);
+    REFUSE(style.anatomical = -1);
+    REFUSE(style.position.z = NAN);
+    REFUSE(style.view_up.x = INFINITY);
+    REFUSE(style.view_angle = NAN);
+    REFUSE(style.pixels_per_metre = INFINITY);
+#undef REFUSE
+    make_part(1, &f); /* a run that is longer than the picture */
+    iso_key_image_free(&f.keys);
+    assert_int_equal(iso_key_image_allocate(WIDTH, HEIGHT + 1, &f.keys, NULL), ISO_OK);
+    memset(f.keys.keys, 1, (PIXELS + WIDTH) * sizeof *f.keys.keys);
+    refuse_numbers(&f, "more keys than pixels");
+}
+
+/* A picture of pull-push has keys for each pixel of a level of its pyramid. */
+static void pyramids_have_keys_of_their_own(void **state) {
+    (void)state;
+    const iso_view view = {.width = WIDTH, .height = HEIGHT};
+    const iso_pyramid_layout layout = iso_pyramid_layout_of(&view, 1, 4);
+    const iso_pyramid_level level = iso_pyramid_level_of(&layout, 1);
+    const iso_pullpush_base right = {
+        .base = 1, .top = 4, .width = level.width, .height = level.height, .cull = 1};
+    for (int kind = 0; kind < 7; kind++) {
+        iso_key_file file, read;
+        make_part(2, &file);
+        iso_key_image_free(&file.keys);
+        assert_int_equal(iso_key_image_allocate(level.width, level.height, &file.keys, NULL), ISO_OK);
+        file.keys.keys[level.width * level.height - 1] = 7;
+        file.style.method = ISO_METHOD_PULLPUSH_GAUSSIAN;
+        file.style.base = right;
+        if (kind == 1) file.style.base.width++;
+        if (kind == 2) file.style.base.height--;
+        if (kind == 3) file.style.base.base = 4;
+        if (kind == 4) file.style.base.top = ISO_PYRAMID_TOP + 1;
+        if (kind == 5) file.style.base.cull = 2;
+        if (kind == 6) file.style.base.base = -1;
+        if (kind) {
+            refuse_numbers(&file, "a level of a pyramid");
+            continue;
+        }
+        assert_int_equal(iso_key_file_write(path_of(2), &file, NULL), ISO_OK);
+        assert_int_equal(iso_key_file_read(path_of(2), 0, &read, NULL), ISO_OK);
+        assert_int_equal(read.keys.width, level.width);
+        assert_memory_equal(read.keys.keys, file.keys.keys,
+                            (size_t)level.width * (size_t)level.height * sizeof *read.keys.keys);
+        iso_key_file_free(&read);
+        iso_key_file_free(&file);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(files_are_read_back),
         cmocka_unit_test(parts_are_merged_in_any_order),
         cmocka_unit_test(foreign_parts_are_refused),
         cmocka_unit_test(damage_is_noticed),
+        cmocka_unit_test(impossible_numbers_are_refused),
+        cmocka_unit_test(pyramids_have_keys_of_their_own),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

@@ -215,6 +215,7 @@ static void test_folder_in_natural_order(void **state) {
     (void)state;
     char *path = (char *)make_folder("natural", &l, 12);
     vol_write_text(vol_path(folder, "natural/readme.txt", 0), "no slice");
+    vol_write_text(vol_path(folder, "natural/._slice_1.TIF", 0), "no slice"); /* as macOS writes them */
     l.pages = 12;
     read_and_check(path, &l);
     free(path);
@@ -261,8 +262,13 @@ static void test_spacing(void **state) {
         "DimensionOrder='XYZCT' PhysicalSizeX='0.5' PhysicalSizeY='0.25' PhysicalSizeZ='2' "
         "PhysicalSizeZUnit='mm'/></Image></OME>";
     expect_spacing(&l, 0.5e-3, 0.25e-3, 2);
-    l.description = "ImageJ=1.53t\nimages=3\nslices=3\nunit=micron\nspacing=nan\n";
-    expect_spacing(&l, 0.25e-3, 0.25e-3, 0.25e-3);
+    static const char *const none[] = {"nan", "inf", "-5", "0", "five"};
+    for (int i = 0; i < 5; i++) { /* no length */
+        char text[128];
+        snprintf(text, sizeof text, "ImageJ=1.53t\nimages=3\nslices=3\nunit=micron\nspacing=%s\n", none[i]);
+        l.description = text;
+        expect_spacing(&l, 0.25e-3, 0.25e-3, 0.25e-3);
+    }
 }
 
 /* Six images: two channels of three slices, in the order of each writer; images have the slice's number. */
@@ -290,6 +296,39 @@ static void test_channels(void **state) {
                     2);
     expect_channels("<OME><Pixels DimensionOrder=\"XYZCT\" SizeC=\"2\" SizeZ=\"3\" SizeT=\"1\"/></OME>", 3,
                     1);
+    /* orders that name an axis twice, or others: that of ImageJ */
+    expect_channels("<OME><Pixels DimensionOrder=\"XYZZC\" SizeC=\"2\" SizeZ=\"3\" SizeT=\"1\"/></OME>", 1,
+                    2);
+    expect_channels("<OME><Pixels DimensionOrder=\"XYZQC\" SizeC=\"2\" SizeZ=\"3\" SizeT=\"1\"/></OME>", 1,
+                    2);
+}
+
+/* The samples of a pixel are channels to OME: three images of three samples are three slices. */
+static void test_samples_are_channels(void **state) {
+    layout l = plain();
+    (void)state;
+    l.samples = SAMPLES;
+    l.description = "<OME><Pixels DimensionOrder=\"XYCZT\" SizeC=\"3\" SizeZ=\"3\" SizeT=\"1\"/></OME>";
+    const char *path = write_file("samples.tif", &l);
+    read_and_check(path, &l);
+    iso_volume volume = test_read_volume(path, NULL);
+    assert_int_equal(volume.info.components, SAMPLES);
+    iso_volume_free(&volume);
+}
+
+/* A series of planes is a volume; of a series of volumes the first one is read, and that is said. */
+static void test_times(void **state) {
+    layout l = plain();
+    (void)state;
+    l.description = "ImageJ=1.53t\nimages=3\nframes=3\n";
+    read_and_check(write_file("planes.tif", &l), &l);
+    l.pages = 6;
+    l.description = "ImageJ=1.53t\nimages=6\nslices=3\nframes=2\n";
+    iso_volume volume = test_read_volume(write_file("times.tif", &l), NULL);
+    assert_int_equal(volume.info.dims[2], 3);
+    assert_true(test_has_note(&volume.info, "the first of 2 times"));
+    check_voxels(&volume, &l, 0);
+    iso_volume_free(&volume);
 }
 
 /* Metadata that do not fit the images: each image is a slice, and it is said. */
@@ -409,15 +448,34 @@ static void test_refused(void **state) {
     test_expect_no_volume(path, &seventh, ISO_ERR_USAGE, NULL, "component");
     vol_write_text(vol_path(folder, "text.tif", 0), "no TIFF at all");
     test_expect_no_volume(vol_path(folder, "text.tif", 0), NULL, ISO_ERR_IO, NULL, "not a TIFF file");
-    TIFF *tiff = TIFFOpen(vol_path(folder, "bits.tif", 0), "w");
+}
+
+/* Writes an image of a row of eight pixels. */
+static const char *write_row(const char *name, int bits, int samples, int photometric) {
+    char row[32] = {0};
+    TIFF *tiff = TIFFOpen(vol_path(folder, name, 0), "w");
     TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, 8);
     TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, 1);
-    TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, 12);
-    TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MINISBLACK);
-    char row[12] = {0};
-    TIFFWriteEncodedStrip(tiff, 0, row, sizeof row);
+    TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, bits);
+    TIFFSetField(tiff, TIFFTAG_SAMPLESPERPIXEL, samples);
+    TIFFSetField(tiff, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG);
+    TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, photometric);
+    TIFFWriteEncodedStrip(tiff, 0, row, (tmsize_t)(bits * samples));
     TIFFClose(tiff);
-    test_expect_no_volume(vol_path(folder, "bits.tif", 0), NULL, ISO_ERR_FORMAT, NULL, "bits a sample (12)");
+    return vol_path(folder, name, 0);
+}
+
+static void test_no_voxels(void **state) {
+    (void)state;
+    static const int bits[] = {1, 4, 12};
+    for (int i = 0; i < 3; i++) {
+        char text[32];
+        snprintf(text, sizeof text, "bits a sample (%d)", bits[i]);
+        test_expect_no_volume(write_row("bits.tif", bits[i], 1, PHOTOMETRIC_MINISBLACK), NULL, ISO_ERR_FORMAT,
+                              NULL, text);
+    }
+    test_expect_no_volume(write_row("video.tif", 8, 3, PHOTOMETRIC_YCBCR), NULL, ISO_ERR_FORMAT, NULL,
+                          "colours of video");
 }
 
 static int make_place(void **state) {
@@ -433,10 +491,13 @@ int main(void) {
                                        cmocka_unit_test(test_unequal_slices_are_named),
                                        cmocka_unit_test(test_spacing),
                                        cmocka_unit_test(test_channels),
+                                       cmocka_unit_test(test_samples_are_channels),
+                                       cmocka_unit_test(test_times),
                                        cmocka_unit_test(test_metadata_that_lie),
                                        cmocka_unit_test(test_images_without_headers),
                                        cmocka_unit_test(test_truncated),
                                        cmocka_unit_test(test_damaged),
-                                       cmocka_unit_test(test_refused)};
+                                       cmocka_unit_test(test_refused),
+                                       cmocka_unit_test(test_no_voxels)};
     return cmocka_run_group_tests(tests, make_place, NULL);
 }
