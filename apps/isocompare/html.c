@@ -340,7 +340,7 @@ static void put_transparency(const report *r, FILE *stream) {
     fputs("<div class=wide><table><thead><tr><th>compositing</th>", stream);
     for (int i = 0; i < ISO_TRANSPARENCY_OPACITIES; i++)
         fprintf(stream, "<th>opacity %.1f, dB</th>", ISO_TRANSPARENCY_OPACITY[i]);
-    fputs("</tr></thead><tbody>\n", stream);
+    fputs("<th>picture, ms</th></tr></thead><tbody>\n", stream);
     for (int c = 0; c < ISO_COMPOSITINGS; c++) {
         fprintf(stream, "<tr><td>%s: %s</td>", iso_compositing_name((iso_compositing)c),
                 iso_compositing_title((iso_compositing)c));
@@ -348,7 +348,8 @@ static void put_transparency(const report *r, FILE *stream) {
             const double psnr = isocompare_psnr_value(r->transparency.psnr[c][i]);
             fprintf(stream, "<td>%s</td>", isocompare_metric_text(psnr, "%.2f", text, sizeof text));
         }
-        fputs("</tr>\n", stream);
+        fprintf(stream, "<td>%s</td></tr>\n",
+                isocompare_metric_text(1e3 * r->transparency.seconds[c], "%.3g", text, sizeof text));
     }
     fputs("</tbody></table></div>\n", stream);
 }
@@ -511,6 +512,7 @@ void isocompare_write_html(const report *r, FILE *stream) {
     put_plots(r, stream);
     put_extraction(r, stream);
     isocompare_put_costs(r, stream);
+    isocompare_put_points(r, stream);
     put_run(r, stream);
     put_metrics(stream);
     fputs("</main><div id=view><p></p><img alt=\"\"></div>\n<script>\n", stream);

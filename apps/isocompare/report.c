@@ -76,6 +76,7 @@ static iso_status open_volume(report *r, iso_error *error) {
     r->voxel = fmin(spacing[0], fmin(spacing[1], spacing[2]));
     r->subject.grid = &r->loader.volume.grid;
     r->subject.pool = r->pool;
+    r->subject.bounded = true; /* as isorender draws it */
     return choose_isovalue(r, error);
 }
 
@@ -208,6 +209,24 @@ static iso_status compare_frames(const report *r, const report_view *v, view_buf
     return iso_compare(&truth, &candidate, &opts, metrics, error);
 }
 
+/* Counts the points that the truth's surface leaves to be seen. */
+static iso_status count_visible_points(const report *r, report_view *v, const view_buffers *b,
+                                       iso_error *error) {
+    const iso_point_view points = iso_subject_points(&r->subject);
+    const size_t pixels = (size_t)v->view.width * (size_t)v->view.height;
+    uint32_t *number = iso_alloc(pixels * sizeof *number);
+    float *nearest = iso_alloc(pixels * sizeof *nearest);
+    iso_status status = ISO_OK;
+    if (number && nearest)
+        v->visible = iso_find_visible_points(&points, &v->view, b->truth[REPORT_SINGLE].aov.depth,
+                                             points.radius, number, nearest);
+    else
+        status = iso_fail(error, ISO_ERR_NOMEM, "out of memory");
+    iso_free(number);
+    iso_free(nearest);
+    return status;
+}
+
 static iso_status judge_method(report *r, report_view *v, int method, view_buffers *b, iso_error *error) {
     report_cell *cell = &v->cells[method];
     iso_study_frame *frames = method ? b->candidate : b->truth;
@@ -249,6 +268,7 @@ static iso_status draw_each_view(report *r, view_buffers *b, iso_error *error) {
             log_step(r, text);
             ISO_TRY(judge_method(r, v, m, b, error));
         }
+        ISO_TRY(count_visible_points(r, v, b, error));
         if (z == 0) ISO_TRY(find_target(r, &b->truth[REPORT_SINGLE], target, &depth, error));
     }
     return ISO_OK;
@@ -272,6 +292,14 @@ static iso_status study_transparency(report *r, iso_error *error) {
     const iso_study_look look = look_of(r, SAMPLES[REPORT_SINGLE]);
     log_step(r, "drawing translucent surfaces");
     return iso_study_transparency(&r->subject, &r->ball, &fit, &look, &r->transparency, error);
+}
+
+/* Divides the points into groups and draws them as splats, in the fitted view. */
+static iso_status study_splats(report *r, iso_error *error) {
+    const iso_view fit = iso_study_fit(&r->ball, r->cost.side, 0);
+    const iso_study_look look = look_of(r, SAMPLES[REPORT_SINGLE]);
+    log_step(r, "grouping splats");
+    return iso_study_splats(&r->subject, &fit, &look, &r->splats, error);
 }
 
 /* Times extraction and frames. A report of small pictures is a quick one: runs are as long as pictures are
@@ -333,6 +361,7 @@ static iso_status make_report(report *r, iso_sink sinks[2], iso_error *error) {
     ISO_TRY(draw_views(r, error));
     ISO_TRY(study_transparency(r, error));
     ISO_TRY(study_cost(r, error));
+    ISO_TRY(study_splats(r, error));
     note_peak(r);
     return write_files(r, sinks, error);
 }

@@ -5,8 +5,10 @@
 #include "apps/common/loader.h"
 #include "apps/isocompare/isocompare.h"
 #include "compare/cost.h"
+#include "compare/splat_cost.h"
 #include "compare/stroke_cost.h"
 #include "compare/transparency.h"
+#include "compare/visible_points.h"
 #include "methods/method.h"
 
 #ifdef __cplusplus
@@ -39,6 +41,7 @@ typedef struct report_view {
     double pixels_per_voxel;
     iso_view view;
     report_cell cells[1 + REPORT_METHODS];
+    iso_visible_points visible;
 } report_view;
 
 typedef struct report_part {
@@ -64,6 +67,7 @@ typedef struct report {
     int transparency_side; /* pixels along a side of the translucent pictures */
     iso_transparency_study transparency;
     iso_cost_study cost;
+    iso_splat_cost splats;
     iso_stroke_cost strokes; /* if the input is a stroke file */
     char processor[128];
     uint64_t peak; /* largest memory of the process, bytes */
@@ -96,6 +100,8 @@ void isocompare_put_milliseconds(FILE *stream, double seconds);
 void isocompare_put_amount(FILE *stream, double value, const char *unit);
 /* html_cost.c: the tables of what extraction and frames cost. */
 void isocompare_put_costs(const report *r, FILE *stream);
+/* html_points.c: the tables of what is selected from the points, and of splats in groups. */
+void isocompare_put_points(const report *r, FILE *stream);
 
 /* machine.c: describes the processor and measures the memory of this process. */
 void isocompare_processor(char *text, size_t size);

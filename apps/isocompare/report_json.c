@@ -92,6 +92,7 @@ static void put_transparency(iso_json *json, const report *r) {
             iso_json_string(json, "compositing", iso_compositing_name((iso_compositing)c));
             iso_json_real(json, "opacity", ISO_TRANSPARENCY_OPACITY[i]);
             isocompare_put_metric(json, "psnr", isocompare_psnr_value(study->psnr[c][i]));
+            iso_json_real(json, "median_seconds", study->seconds[c]);
             if (c == ISO_COMPOSITING_EXACT) iso_json_integer(json, "wrong_layers", study->wrong_layers[i]);
             iso_json_end_object(json);
         }
@@ -152,6 +153,39 @@ static void put_cost(iso_json *json, const iso_cost_study *study) {
     iso_json_end_object(json);
 }
 
+static void put_selection(iso_json *json, const report *r) {
+    iso_json_begin_array(json, "selection");
+    for (int z = 0; z < REPORT_ZOOMS; z++) {
+        const report_view *v = &r->views[z];
+        iso_json_begin_object(json, NULL);
+        iso_json_integer(json, "zoom", (uint64_t)v->zoom);
+        iso_json_integer(json, "points", v->visible.points);
+        iso_json_integer(json, "outside", v->visible.outside);
+        iso_json_integer(json, "hidden", v->visible.hidden);
+        iso_json_integer(json, "same_pixel", v->visible.same_pixel);
+        iso_json_integer(json, "seen", v->visible.seen);
+        iso_json_end_object(json);
+    }
+    iso_json_end_array(json);
+}
+
+static void put_splats(iso_json *json, const iso_splat_cost *cost) {
+    iso_json_begin_object(json, "splats");
+    iso_json_real(json, "ungrouped_frame_seconds", cost->ungrouped);
+    iso_json_begin_array(json, "rows");
+    for (int i = 0; i < ISO_SPLAT_COST_OVERLAPS; i++) {
+        iso_json_begin_object(json, NULL);
+        iso_json_real(json, "overlap", ISO_SPLAT_COST_OVERLAP[i]);
+        iso_json_integer(json, "groups", (uint64_t)cost->rows[i].groups);
+        iso_json_real(json, "mean_degree", cost->rows[i].mean_degree);
+        iso_json_real(json, "grouping_seconds", cost->rows[i].grouping);
+        iso_json_real(json, "frame_seconds", cost->rows[i].frame);
+        iso_json_end_object(json);
+    }
+    iso_json_end_array(json);
+    iso_json_end_object(json);
+}
+
 iso_status isocompare_write_json(const report *r, FILE *stream, iso_error *error) {
     iso_json json = {0};
     iso_json_begin_object(&json, NULL);
@@ -169,6 +203,8 @@ iso_status isocompare_write_json(const report *r, FILE *stream, iso_error *error
     put_rows(&json, r);
     put_transparency(&json, r);
     put_cost(&json, &r->cost);
+    put_selection(&json, r);
+    put_splats(&json, &r->splats);
     if (r->loader.has_strokes) put_strokes(&json, &r->strokes);
     iso_json_end_object(&json);
     return iso_json_write(&json, stream, error);

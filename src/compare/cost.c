@@ -48,16 +48,6 @@ static iso_vec3 random_direction(uint64_t *seed) {
 
 /* ---- extraction ---- */
 
-static double median_of(double *values, int count) {
-    for (int i = 1; i < count; i++)
-        for (int j = i; j > 0 && values[j] < values[j - 1]; j--) {
-            double value = values[j];
-            values[j] = values[j - 1];
-            values[j - 1] = value;
-        }
-    return count % 2 ? values[count / 2] : (values[count / 2 - 1] + values[count / 2]) / 2;
-}
-
 /* Returns the part that has the primitives of a method. */
 static iso_part part_of(const iso_renderer *method) {
     for (int part = 0; part < ISO_PART_COUNT; part++)
@@ -87,7 +77,7 @@ static iso_status time_extraction(const iso_subject *subject, iso_part part, dou
                                   iso_error *error) {
     double times[ISO_COST_RUNS];
     for (int run = 0; run < ISO_COST_RUNS; run++) ISO_TRY(extract_once(subject, part, &times[run], error));
-    *seconds = median_of(times, ISO_COST_RUNS);
+    *seconds = iso_study_median(times, ISO_COST_RUNS);
     return ISO_OK;
 }
 
@@ -164,7 +154,7 @@ static iso_status draw_runs(measurement *m, const iso_renderer *method, int side
         }
         cost->best = fmin(cost->best, sum / count);
     }
-    cost->median = median_of(times, cost->frames);
+    cost->median = iso_study_median(times, (size_t)cost->frames);
     return ISO_OK;
 }
 

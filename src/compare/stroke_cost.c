@@ -1,8 +1,6 @@
 /* stroke_cost: plays a stroke file and times each sample. */
 #include "compare/stroke_cost.h"
 
-#include <stdlib.h>
-
 #include "base/clock.h"
 #include "base/memory.h"
 
@@ -55,16 +53,6 @@ static iso_status reserve(time_list *list, size_t count, iso_error *error) {
 
 static void add_time(time_list *list, double start) {
     list->seconds[list->count++] = iso_clock_seconds() - start;
-}
-
-static int ascending(const void *left, const void *right) {
-    const double a = *(const double *)left, b = *(const double *)right;
-    return (a > b) - (a < b);
-}
-
-static double median_of(time_list *list) {
-    qsort(list->seconds, list->count, sizeof *list->seconds, ascending);
-    return list->count ? list->seconds[list->count / 2] : 0;
 }
 
 /* Whether a method that is measured draws from a part. */
@@ -147,11 +135,12 @@ iso_status iso_study_strokes(const char *path, const iso_source *how, const iso_
     iso_status status = open_player(&p, path, how, cost->samples, &grid, error);
     if (status == ISO_OK) status = play(&p, error);
     cost->frames = p.draw[0].count;
-    cost->edit = median_of(&p.edit);
+    cost->edit = iso_study_median(p.edit.seconds, p.edit.count);
     for (int m = 0; m < ISO_COST_METHODS; m++) {
         for (int part = 0; part < ISO_PART_COUNT; part++)
-            if (iso_cost_method(m)->needs & 1u << part) cost->rows[m].update += median_of(&p.update[part]);
-        cost->rows[m].frame = median_of(&p.draw[m]);
+            if (iso_cost_method(m)->needs & 1u << part)
+                cost->rows[m].update += iso_study_median(p.update[part].seconds, p.update[part].count);
+        cost->rows[m].frame = iso_study_median(p.draw[m].seconds, p.draw[m].count);
     }
     close_player(&p);
     return status;

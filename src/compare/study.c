@@ -213,3 +213,16 @@ double iso_study_change(const iso_study_frame *a, const iso_study_frame *b) {
     }
     return pixels ? (double)sum / (3.0 * (double)pixels) : NAN;
 }
+
+/* ---- times ---- */
+
+static int ascending(const void *left, const void *right) {
+    const double a = *(const double *)left, b = *(const double *)right;
+    return (a > b) - (a < b);
+}
+
+double iso_study_median(double *values, size_t count) {
+    if (count == 0) return NAN;
+    qsort(values, count, sizeof *values, ascending);
+    return (values[(count - 1) / 2] + values[count / 2]) / 2;
+}

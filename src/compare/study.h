@@ -82,6 +82,10 @@ void iso_study_shade(const iso_study_frame *frame, const iso_view *view, const i
  * both are empty. The frames must have float channels. */
 double iso_study_change(const iso_study_frame *a, const iso_study_frame *b);
 
+/* Returns the median of times or of other values, the mean of the two in the middle when their number is
+ * even; NaN without values. Sorts the values. */
+double iso_study_median(double *values, size_t count);
+
 #ifdef __cplusplus
 }
 #endif

@@ -8,6 +8,7 @@
 
 #include <math.h>
 
+#include "base/clock.h"
 #include "base/coverage.h"
 #include "base/memory.h"
 #include "methods/layers.h"
@@ -59,6 +60,7 @@ typedef struct work {
     pixel_sums *sums;
     iso_image truth, candidate;
     float *truth_layers, *candidate_layers;
+    double seconds[ISO_COMPOSITINGS][ISO_TRANSPARENCY_OPACITIES];
 } work;
 
 /* ---- the truth's crossings, composited without order ---- */
@@ -138,11 +140,18 @@ static iso_status draw_layers(const work *w, const compositing_row *row, float o
     return callbacks.shade(callbacks.context, &strip, image, &aov, &covered, error);
 }
 
-static iso_status draw_candidate(work *w, iso_compositing compositing, float opacity, iso_error *error) {
+/* seconds: receives the time of a picture of layers; NaN if the truth's crossings are blended. */
+static iso_status draw_candidate(work *w, iso_compositing compositing, float opacity, double *seconds,
+                                 iso_error *error) {
     const bool weighted = compositing == ISO_COMPOSITING_WEIGHTED;
-    if (!weighted && compositing != ISO_COMPOSITING_AVERAGE)
-        return draw_layers(w, &ROWS[compositing], opacity, &w->candidate, w->candidate_layers, error);
-    blend_picture(w, weighted, opacity);
+    *seconds = NAN;
+    if (weighted || compositing == ISO_COMPOSITING_AVERAGE) {
+        blend_picture(w, weighted, opacity);
+        return ISO_OK;
+    }
+    const double start = iso_clock_seconds();
+    ISO_TRY(draw_layers(w, &ROWS[compositing], opacity, &w->candidate, w->candidate_layers, error));
+    *seconds = iso_clock_seconds() - start;
     return ISO_OK;
 }
 
@@ -205,7 +214,7 @@ static iso_status study_opacity(work *w, int opacity, iso_transparency_study *st
     const float value = (float)ISO_TRANSPARENCY_OPACITY[opacity];
     ISO_TRY(draw_layers(w, &truth, value, &w->truth, w->truth_layers, error));
     for (int c = 0; c < ISO_COMPOSITINGS; c++) {
-        ISO_TRY(draw_candidate(w, (iso_compositing)c, value, error));
+        ISO_TRY(draw_candidate(w, (iso_compositing)c, value, &w->seconds[c][opacity], error));
         study->psnr[c][opacity] = compare_images(w);
         if (c == ISO_COMPOSITING_EXACT) study->wrong_layers[opacity] = count_wrong_layers(w);
     }
@@ -217,6 +226,8 @@ static iso_status run_study(work *w, iso_transparency_study *study, iso_error *e
     gather_sums(w);
     count_crossings(w, study);
     for (int i = 0; i < ISO_TRANSPARENCY_OPACITIES; i++) ISO_TRY(study_opacity(w, i, study, error));
+    for (int c = 0; c < ISO_COMPOSITINGS; c++)
+        study->seconds[c] = iso_study_median(w->seconds[c], ISO_TRANSPARENCY_OPACITIES);
     return ISO_OK;
 }
 

@@ -39,6 +39,9 @@ extern const double ISO_TRANSPARENCY_OPACITY[ISO_TRANSPARENCY_OPACITIES]; /* .3,
 
 typedef struct iso_transparency_study {
     double psnr[ISO_COMPOSITINGS][ISO_TRANSPARENCY_OPACITIES]; /* dB, whole picture: iso_psnr */
+    /* How long a picture takes, the median of those of all opacities; NaN for average and weighted, whose
+     * crossings are the truth's */
+    double seconds[ISO_COMPOSITINGS];
     /* pixels in which exact composites another number of layers than the truth */
     size_t wrong_layers[ISO_TRANSPARENCY_OPACITIES];
     size_t covered;     /* pixels that show the surface */

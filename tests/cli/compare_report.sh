@@ -56,7 +56,7 @@ for i, image in enumerate(parser.images):
     drawn = i % (1 + 2 * len(methods)) <= len(methods)  # the rest are differences, and exact has none
     expect(not drawn or len(set(png.pixels())) > 3, "picture", i, "shows nothing")
 expect("nan" not in re.sub("base64,[^\"]*", "", page), "nan in the page")
-expect(page.count("<svg") == 6 and page.count("<table") == 8, page.count("<svg"), page.count("<table"))
+expect(page.count("<svg") == 6 and page.count("<table") == 10, page.count("<svg"), page.count("<table"))
 expect("isocompare report torus --side=64 --isovalue=0.5 --background=202020" in page, "the command")
 
 expect(j["schema"] == "isocompare-report/1" and j["isovalue"] == 0.5 and j["side"] == 64, j)

@@ -104,6 +104,15 @@ static void aim_is_the_nearest_pixel_that_will_do(void **state) {
     assert_true(aim[0] == 33 && aim[1] == 64);
 }
 
+static void medians_are_in_the_middle(void **state) {
+    (void)state;
+    double odd[] = {5, 1, 4, 2, 3}, even[] = {40, 10, 30, 20}, one[] = {7};
+    near(iso_study_median(odd, 5), 3, 0);
+    near(iso_study_median(even, 4), 25, 0);
+    near(iso_study_median(one, 1), 7, 0);
+    assert_true(isnan(iso_study_median(one, 0)));
+}
+
 /* ---- pictures ---- */
 
 typedef struct fixture {
@@ -226,6 +235,7 @@ int main(void) {
         cmocka_unit_test(the_ball_fits_exactly),
         cmocka_unit_test(zooming_keeps_the_aim_in_the_middle),
         cmocka_unit_test(aim_is_the_nearest_pixel_that_will_do),
+        cmocka_unit_test(medians_are_in_the_middle),
         cmocka_unit_test(balls_bound_the_surface),
         cmocka_unit_test(every_method_draws),
         cmocka_unit_test(light_is_what_the_header_says),
