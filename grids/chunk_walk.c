@@ -339,6 +339,10 @@ iso_status iso_chunk_walk_read_ranges(iso_chunk_walk *walk, iso_chunk_share shar
     return visit_chosen(walk, (chunk_choice){share.part - 1, share.parts}, &nothing, error);
 }
 
+int iso_chunk_walk_side(const iso_chunk_walk *walk) {
+    return walk->side;
+}
+
 const iso_chunk_walk_opts *iso_chunk_walk_opts_of(const iso_chunk_walk *walk) {
     return &walk->opts;
 }

@@ -55,6 +55,9 @@ iso_status iso_chunk_walk_visit(iso_chunk_walk *walk, iso_chunk_share share, iso
  * several processes read a volume together; they then exchange the walk's ranges. Errors of reading. */
 iso_status iso_chunk_walk_read_ranges(iso_chunk_walk *walk, iso_chunk_share share, iso_error *error);
 
+/* The number of bricks along a chunk's side. */
+int iso_chunk_walk_side(const iso_chunk_walk *walk);
+
 /* The options that the walk was created with. */
 const iso_chunk_walk_opts *iso_chunk_walk_opts_of(const iso_chunk_walk *walk);
 

@@ -12,7 +12,9 @@
 #include "base/file_identity.h"
 #include "base/memory.h"
 #include "grids/volume/mapping.h"
+#include "io/chunk_export.h"
 #include "io/key_file.h"
+#include "io/mesh_io.h"
 #include "methods/bounds.h"
 #include "methods/keys_picture.h"
 
@@ -25,6 +27,10 @@ static bool is_exact(const isorender_job *job) {
 static bool is_pullpush(const isorender_job *job) {
     return job->renderer->method == ISO_METHOD_PULLPUSH_BOX ||
            job->renderer->method == ISO_METHOD_PULLPUSH_GAUSSIAN;
+}
+
+static bool exports(const isorender_job *job) {
+    return job->plan->points || job->plan->mesh;
 }
 
 /* The first option that chunks do not allow, and why; NULL: there is none. */
@@ -48,8 +54,10 @@ static const char *find_obstacle(const isorender_job *job, const char **reason) 
         {settings->samples > 1, "--samples", "the samples of a pixel are averaged before they are rounded"},
         {settings->aov != NULL, "--aov", "a pixel's key is its colour"},
         {settings->lighting != 0, "--shading edl", "it compares the depths of neighbouring pixels"},
-        {settings->points != NULL, "--points", "the points of all chunks are needed at once"},
-        {settings->mesh != NULL, "--mesh", "the triangles of all chunks are needed at once"},
+        {exports(job) && (settings->parts || settings->ranks.mpi), "--points or --mesh",
+         "they are written by one process"},
+        {job->plan->mesh && !iso_mesh_file_takes(job->plan->mesh), "--mesh",
+         "a mesh of chunks is written as .ply"},
         {settings->closed != 0, "--closed", "it needs a copy of the volume"},
         {iso_input_drops_parts(&settings->common.input), "--largest and --min-size",
          "connected parts extend over all chunks"},
@@ -89,7 +97,8 @@ iso_status isorender_chunks_choose(isorender_job *job, iso_error *error) {
     if (option && is_asked_for(settings))
         return iso_fail(error, ISO_ERR_USAGE,
                         "%s cannot be drawn in chunks (--part, --chunk-size, mpirun): %s", option, reason);
-    if (option || !isorender_plan_draws(job->plan)) return ISO_OK; /* the volume is refused when it is read */
+    if (option || (!isorender_plan_draws(job->plan) && !exports(job)))
+        return ISO_OK; /* the volume is refused when it is read */
     job->chunks = calloc(1, sizeof *job->chunks);
     job->loader.mapped = job->chunks != NULL;
     return job->chunks ? ISO_OK : iso_fail(error, ISO_ERR_NOMEM, "out of memory");
@@ -108,14 +117,14 @@ static int report_progress(void *context, double fraction) {
     return 0;
 }
 
-/* The side of the chunks, voxels. The corners of crossed cells take most of the memory: a chunk in which
- * half of the cells are crossed may take half of what is allowed. */
+/* The side of the chunks, voxels. A chunk in which half of the cells are crossed may take half of what is
+ * allowed: by the corners of its cells or, when files are written, by its vertices and triangles. */
 static int choose_side(const isorender_job *job) {
     const uint64_t limit = iso_memory_limit(job->settings->common.input.max_memory),
-                   voxel = iso_type_size(job->loader.volume.info.type);
+                   voxel = iso_type_size(job->loader.volume.info.type), cell = exports(job) ? 64 : 4 * voxel;
     uint64_t side = 128;
     if (job->settings->chunk_size) return job->settings->chunk_size;
-    while (side > 32 && side * side * side * 8 * voxel / 2 > limit / 2) side /= 2;
+    while (side > 32 && side * side * side * cell > limit / 2) side /= 2;
     return (int)side;
 }
 
@@ -370,6 +379,25 @@ iso_status isorender_chunks_draw(isorender_job *job, const iso_picture_opts *opt
         status = iso_render_merged_keys(&keys, opts, image, covered, error);
     iso_key_image_free(&drawn);
     return status;
+}
+
+/* ---- files */
+
+iso_status isorender_chunks_export(isorender_job *job, const char *comment, iso_error *error) {
+    iso_chunk_exported exported;
+    job->chunks->stage = "writing";
+    if (job->plan->points) {
+        ISO_TRY(iso_chunk_export_points(job->chunks->walk, job->plan->points, comment, &exported, error));
+        job->points_written = true;
+        job->point_count = exported.points;
+    }
+    if (job->plan->mesh) {
+        ISO_TRY(iso_chunk_export_mesh(job->chunks->walk, job->plan->mesh, comment, &exported, error));
+        job->mesh_written = true;
+        job->vertex_count = exported.points;
+        job->triangle_count = exported.triangles;
+    }
+    return ISO_OK;
 }
 
 void isorender_report_chunks(iso_json *json, const isorender_job *job) {

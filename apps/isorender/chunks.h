@@ -37,6 +37,8 @@ void isorender_report_chunks(iso_json *json, const isorender_job *job);
 /* Finds the surface's cells: sets their number, the surface's bounds, and *index to those in index
  * coordinates. */
 iso_status isorender_chunks_extract(isorender_job *job, iso_box *index, iso_error *error);
+/* Writes the plan's points and mesh. */
+iso_status isorender_chunks_export(isorender_job *job, const char *comment, iso_error *error);
 /* The surface's box in the coordinates to which `affine` maps its index coordinates. Empty after a failure,
  * of which isorender_chunks_check tells. */
 iso_box isorender_chunks_bounds(const isorender_job *job, const iso_affine *affine);

@@ -128,6 +128,7 @@ static void put_surfaces(iso_json *json, const isorender_job *job) {
          cells = job->surfaces[0].exact != NULL;
     cells |= job->chunks && job->cell_count; /* of which none is kept */
     points |= job->chunks && job->point_count;
+    mesh |= job->chunks && job->triangle_count;
     iso_json_begin_object(json, "primitives");
     if (cells) iso_json_integer(json, "cells", job->cell_count);
     if (points) iso_json_integer(json, "points", job->point_count);

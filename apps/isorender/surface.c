@@ -425,6 +425,7 @@ iso_status isorender_export(isorender_job *job, iso_error *error) {
     char comment[64];
     const iso_program *program = isorender_program();
     snprintf(comment, sizeof comment, "%s %s", program->name, program->version);
+    if (job->chunks) return isorender_chunks_export(job, comment, error);
     if (job->plan->points) {
         iso_point_view view = isorender_points_view(job, 0);
         ISO_TRY(iso_points_write_ply(job->plan->points, &view, comment, error));

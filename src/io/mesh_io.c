@@ -1,3 +1,4 @@
+#define _POSIX_C_SOURCE 200809L
 /* mesh_io: writes welded meshes as PLY, STL and OBJ. */
 #include "io/mesh_io.h"
 
@@ -35,30 +36,49 @@ static void ordered_triangle(const mesh_source *source, size_t triangle, uint32_
     corner[2] = from[source->third];
 }
 
-static void write_ply(const mesh_source *source, FILE *stream) {
-    const iso_weld *weld = source->weld;
+/* ---- PLY */
+
+enum { VERTEX_BYTES = 24, TRIANGLE_BYTES = 13 };
+
+static void write_ply_header(FILE *stream, uint64_t vertices, uint64_t triangles, const char *comment) {
     fputs("ply\nformat binary_little_endian 1.0\n", stream);
-    iso_encode_comment(stream, "comment ", source->comment);
-    fprintf(stream, "element vertex %zu\n", weld->vertex_count);
+    iso_encode_comment(stream, "comment ", comment);
+    fprintf(stream, "element vertex %llu\n", (unsigned long long)vertices);
     static const char *const names[] = {"x", "y", "z", "nx", "ny", "nz"};
     for (int i = 0; i < 6; i++) fprintf(stream, "property float %s\n", names[i]);
     /* signed types of indices if they are large enough, because most readers expect them */
-    fprintf(stream, "element face %zu\nproperty list uchar %s vertex_indices\nend_header\n",
-            weld->triangle_count, weld->vertex_count <= INT32_MAX ? "int" : "uint");
-    unsigned char bytes[24];
-    for (size_t i = 0; i < weld->vertex_count; i++) {
+    fprintf(stream, "element face %llu\nproperty list uchar %s vertex_indices\nend_header\n",
+            (unsigned long long)triangles, vertices <= INT32_MAX ? "int" : "uint");
+}
+
+static void write_ply_vertices(const mesh_source *source, size_t first, size_t end, FILE *stream) {
+    unsigned char bytes[VERTEX_BYTES];
+    for (size_t i = first; i < end; i++) {
         iso_encode_vec3(iso_encode_vec3(bytes, world_position(source, i)), world_normal(source, i));
-        fwrite(bytes, 24, 1, stream);
+        fwrite(bytes, sizeof bytes, 1, stream);
     }
-    for (size_t i = 0; i < weld->triangle_count; i++) {
+}
+
+static void write_ply_triangles(const mesh_source *source, size_t first, size_t end_triangle, FILE *stream) {
+    unsigned char bytes[TRIANGLE_BYTES];
+    for (size_t i = first; i < end_triangle; i++) {
         uint32_t corner[3];
         ordered_triangle(source, i, corner);
         unsigned char *end = bytes;
         *end++ = 3;
         for (int j = 0; j < 3; j++) end = iso_encode_uint32(end, corner[j]);
-        fwrite(bytes, 13, 1, stream);
+        fwrite(bytes, sizeof bytes, 1, stream);
     }
 }
+
+static void write_ply(const mesh_source *source, FILE *stream) {
+    const iso_weld *weld = source->weld;
+    write_ply_header(stream, weld->vertex_count, weld->triangle_count, source->comment);
+    write_ply_vertices(source, 0, weld->vertex_count, stream);
+    write_ply_triangles(source, 0, weld->triangle_count, stream);
+}
+
+/* ---- STL and OBJ */
 
 static void write_stl(const mesh_source *source, FILE *stream) {
     enum { HEADER = 80, FACET = 50 };
@@ -128,15 +148,20 @@ static iso_status write_weld(const char *path, const mesh_source *source, write_
     return iso_sink_commit(&sink, error);
 }
 
-iso_status iso_mesh_write_weld(const char *path, const iso_weld *weld, const iso_transform *transform,
-                               const char *comment, iso_error *error) {
-    write_fn *write = writer_for(path);
-    if (!write) return iso_fail(error, ISO_ERR_USAGE, "%s: a mesh is written as .ply, .stl or .obj", path);
+static mesh_source source_of(const iso_weld *weld, const iso_transform *transform, const char *comment) {
     mesh_source source = {weld, iso_transform_affine(transform), 1, 2, comment};
     if (source.affine.determinant < 0) {
         source.second = 2;
         source.third = 1;
     }
+    return source;
+}
+
+iso_status iso_mesh_write_weld(const char *path, const iso_weld *weld, const iso_transform *transform,
+                               const char *comment, iso_error *error) {
+    write_fn *write = writer_for(path);
+    if (!write) return iso_fail(error, ISO_ERR_USAGE, "%s: a mesh is written as .ply, .stl or .obj", path);
+    const mesh_source source = source_of(weld, transform, comment);
     return write_weld(path, &source, write, error);
 }
 
@@ -149,4 +174,34 @@ iso_status iso_mesh_write(const char *path, const iso_mesh_view *view, const cha
     iso_status status = iso_mesh_write_weld(path, &weld, &view->transform, comment, error);
     iso_weld_free(&weld);
     return status;
+}
+
+/* ---- files in pieces */
+
+bool iso_mesh_file_takes(const char *path) {
+    return writer_for(path) == write_ply;
+}
+
+iso_status iso_mesh_file_begin(const char *path, const iso_mesh_file_opts *opts, iso_mesh_file *file,
+                               iso_error *error) {
+    *file = (iso_mesh_file){.transform = *opts->transform, .vertices = opts->vertices};
+    ISO_TRY(iso_sink_open(path, &file->sink, error));
+    write_ply_header(file->sink.stream, opts->vertices, opts->triangles, opts->comment);
+    file->start = ftello(file->sink.stream);
+    return ISO_OK;
+}
+
+void iso_mesh_file_put_vertices(iso_mesh_file *file, uint64_t number, const iso_weld *part, size_t first,
+                                size_t end) {
+    const mesh_source source = source_of(part, &file->transform, NULL);
+    fseeko(file->sink.stream, file->start + (off_t)(number * VERTEX_BYTES), SEEK_SET);
+    write_ply_vertices(&source, first, end, file->sink.stream);
+}
+
+void iso_mesh_file_put_triangles(iso_mesh_file *file, uint64_t number, const iso_weld *part, size_t first,
+                                 size_t end) {
+    const mesh_source source = source_of(part, &file->transform, NULL);
+    const uint64_t at = file->vertices * VERTEX_BYTES + number * TRIANGLE_BYTES;
+    fseeko(file->sink.stream, file->start + (off_t)at, SEEK_SET);
+    write_ply_triangles(&source, first, end, file->sink.stream);
 }

@@ -3,6 +3,7 @@
 python3 - <<'P'
 import gzip
 import math
+import os
 import subprocess
 from check import *
 
@@ -60,9 +61,26 @@ for name in ("plain0.nrrd", "plain1.nrrd", "big.nrrd", "double.nrrd", "packed.nr
     status, text = run("in/" + name, "streamed.png", "--max-memory", "5M")
     expect(status == 0, name, text)
     expect(open("all.png", "rb").read() == open("streamed.png", "rb").read(), name)
-    # what cannot be drawn in chunks is still refused from the header
-    status, text = run("in/" + name, "--no-image", "--mesh", "m.ply", "--max-memory", "5M")
+    # what cannot be made in chunks is still refused from the header
+    status, text = run("in/" + name, "--no-image", "--mesh", "m.stl", "--max-memory", "5M")
     expect(status == 5 and "--max-memory" in text, name, status, text)
+
+# points and meshes are those of the whole, byte for byte, with and without a picture
+expect(run("in/plain0.nrrd", "--no-image", "--points", "whole_p.ply", "--mesh", "whole_m.ply")[0] == 0)
+for more in (["-o", "with.png", "--max-memory", "5M"], ["--no-image", "--max-memory", "5M"], ["--no-image", "--chunk-size", "48"]):
+    status, text = run("in/plain0.nrrd", "--points", "p.ply", "--mesh", "m.ply", *more)
+    expect(status == 0, more, text)
+    for name in ("p.ply", "m.ply"):
+        expect(open(name, "rb").read() == open("whole_" + name, "rb").read(), name, more)
+expect(open("with.png", "rb").read() == whole)
+for more, reason in ((["--mesh", "m.stl"], "written as .ply"), (["--mesh", "m.ply", "--part", "1/2", "-o", "a.isokeys"], "one process")):
+    status, text = run("in/plain0.nrrd", "--chunk-size", "48", *more)
+    expect(status == 2 and reason in text, more, status, text)
+os.mkfifo("pipe.ply")
+reader = subprocess.Popen(["cat", "pipe.ply"], stdout=subprocess.DEVNULL)
+status, text = run("in/plain0.nrrd", "--no-image", "--chunk-size", "48", "--points", "pipe.ply")
+reader.wait()
+expect(status == 7 and "regular file" in text, status, text)
 
 with open("in/short.nrrd", "wb") as file:
     file.write((header % ("short", *dims, "raw", "little") + "\n").encode() + little[:-2])

@@ -90,6 +90,7 @@ iso_status iso_mesh_set_create(const iso_grid *grid, const iso_mesh_opts *opts, 
         iso_mesh_set_destroy(mesh);
         return status;
     }
+    if (opts->chunk) iso_brick_set_restrict(&mesh->set, opts->chunk);
     *set = mesh;
     return ISO_OK;
 }

@@ -64,6 +64,7 @@ static iso_status find_owner(const welder *weld, const iso_mesh_span *span, iso_
                     (int)wanted.brick[0], (int)wanted.brick[1], (int)wanted.brick[2]);
 }
 
+/* Appends a span to the mesh. `first`: by span, the number of its first own vertex. */
 static iso_status weld_span(welder *weld, size_t index, const uint32_t *first, iso_weld *out,
                             iso_error *error) {
     const iso_mesh_view *view = weld->view;
@@ -72,7 +73,7 @@ static iso_status weld_span(welder *weld, size_t index, const uint32_t *first, i
     uint32_t *numbers = weld->numbers.data;
     for (uint32_t i = 0; i < span->owned_count; i++) {
         numbers[i] = first[index] + i;
-        iso_surfel *vertex = &out->vertices[numbers[i]];
+        iso_surfel *vertex = &out->vertices[out->vertex_count++];
         *vertex = view->vertices[span->first_vertex + i];
         for (int axis = 0; axis < 3; axis++)
             vertex->position[axis] += (float)ISO_BRICK * (float)span->brick[axis];
@@ -87,43 +88,65 @@ static iso_status weld_span(welder *weld, size_t index, const uint32_t *first, i
     return ISO_OK;
 }
 
-static iso_status weld_all(welder *weld, uint32_t *first, iso_weld *out, iso_error *error) {
+/* Whether a span belongs to the box; NULL: all do. */
+static bool is_in_box(const iso_mesh_span *span, const iso_brick_box *box) {
+    for (int axis = 0; box && axis < 3; axis++)
+        if (span->brick[axis] < box->first[axis] || span->brick[axis] >= box->end[axis]) return false;
+    return true;
+}
+
+static iso_status weld_spans(welder *weld, const iso_brick_box *box, const uint32_t *first, iso_weld *out,
+                             iso_error *error) {
     const iso_mesh_view *view = weld->view;
-    uint32_t number = 0;
     for (size_t i = 0; i < view->span_count; i++) {
-        const iso_mesh_span *span = &view->spans[i];
-        first[i] = number;
-        weld->owners[i] = (owner){{span->brick[0], span->brick[1], span->brick[2]}, (uint32_t)i, number};
-        number += span->owned_count;
+        const int32_t *brick = view->spans[i].brick;
+        weld->owners[i] = (owner){{brick[0], brick[1], brick[2]}, (uint32_t)i, first[i]};
     }
     qsort(weld->owners, view->span_count, sizeof *weld->owners, compare_owners);
-    for (size_t i = 0; i < view->span_count; i++) ISO_TRY(weld_span(weld, i, first, out, error));
+    for (size_t i = 0; i < view->span_count; i++)
+        if (is_in_box(&view->spans[i], box)) ISO_TRY(weld_span(weld, i, first, out, error));
     return ISO_OK;
 }
 
-iso_status iso_mesh_weld(const iso_mesh_view *view, iso_weld *weld, iso_error *error) {
-    size_t vertices = iso_mesh_view_vertex_count(view), triangles = iso_mesh_view_triangle_count(view);
-    if (vertices > UINT32_MAX)
-        return iso_fail(error, ISO_ERR_LIMIT, "a welded mesh of %zu vertices needs wider indices", vertices);
-    iso_weld out = {.vertex_count = vertices};
-    welder work = {.view = view};
-    uint32_t *first = iso_alloc_zero(view->span_count, sizeof *first);
-    work.owners = iso_alloc_zero(view->span_count, sizeof *work.owners);
-    out.vertices = iso_alloc(vertices * sizeof *out.vertices);
-    out.triangles = iso_alloc(triangles * sizeof *out.triangles);
+iso_status iso_mesh_weld_box(const iso_mesh_view *view, const iso_brick_box *box, const uint32_t *first,
+                             iso_weld *weld, iso_error *error) {
+    size_t vertices = 0, triangles = 0;
+    for (size_t i = 0; i < view->span_count; i++) {
+        const iso_mesh_span *span = &view->spans[i];
+        if (!is_in_box(span, box)) continue;
+        vertices += span->owned_count;
+        triangles += span->triangle_count;
+    }
+    welder work = {.view = view, .owners = iso_alloc_zero(view->span_count, sizeof *work.owners)};
+    iso_weld out = {.vertices = iso_alloc(vertices * sizeof *out.vertices),
+                    .triangles = iso_alloc(triangles * sizeof *out.triangles)};
     iso_status status;
-    if (first && work.owners && out.vertices && out.triangles)
-        status = weld_all(&work, first, &out, error);
+    if (work.owners && out.vertices && out.triangles)
+        status = weld_spans(&work, box, first, &out, error);
     else
         status = iso_fail(error, ISO_ERR_NOMEM, "out of memory for %zu vertices and %zu triangles", vertices,
                           triangles);
     iso_buffer_free(&work.numbers);
     iso_free(work.owners);
-    iso_free(first);
     if (status == ISO_OK)
         *weld = out;
     else
         iso_weld_free(&out);
+    return status;
+}
+
+iso_status iso_mesh_weld(const iso_mesh_view *view, iso_weld *weld, iso_error *error) {
+    const size_t vertices = iso_mesh_view_vertex_count(view);
+    if (vertices > UINT32_MAX)
+        return iso_fail(error, ISO_ERR_LIMIT, "a welded mesh of %zu vertices needs wider indices", vertices);
+    uint32_t *first = iso_alloc(view->span_count * sizeof *first), number = 0;
+    if (!first) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for %zu vertices", vertices);
+    for (size_t i = 0; i < view->span_count; i++) {
+        first[i] = number;
+        number += view->spans[i].owned_count;
+    }
+    const iso_status status = iso_mesh_weld_box(view, NULL, first, weld, error);
+    iso_free(first);
     return status;
 }
 
