@@ -20,6 +20,8 @@ TITLES = {
     2010: "Aguirre, Gutierrez and Perrin, Rendering Large Point Datasets with GPU Shaders",
 }
 HOLDS = {"yes": "holds", "partly": "holds in part", "no": "does not hold", "not measured": "not measured"}
+LOAD = ("The load is the mean number of busy processes in the minute before a table was measured, those of the tables before it "
+        "among them.")
 BEGIN, END = "<!-- BEGIN papers -->\n", "<!-- END papers -->\n"
 
 
@@ -35,10 +37,16 @@ def number(cell):
     return "%.3g" % value if abs(value) < 1000 else "{:,.0f}".format(float("%.3g" % value))
 
 
+def measured(table):
+    if table["load"] is None:
+        return "(Measured on %s; the load was not recorded.)" % table["date"]
+    return "(Measured on %s at a load of %.1f.)" % (table["date"], table["load"])
+
+
 # ---- the page
 
 def style(folder):
-    """The style of the reports that isocompare made on the way, so that both look alike."""
+    """The style of a report that isocompare made on the way, so that both look alike; "" without any."""
     for name in sorted(os.listdir(folder)):
         path = os.path.join(folder, name, "report.html")
         if os.path.exists(path):
@@ -49,7 +57,8 @@ def style(folder):
 
 def html_table(table, folder):
     yield '<h3 id="%s">%s</h3>\n<p class=soft>%s</p>\n' % (table["name"], html.escape(table["title"]), html.escape(table["text"]))
-    yield "<p><b>%s.</b> %s</p>\n" % (HOLDS[table["holds"]].capitalize(), html.escape(table["verdict"]))
+    yield "<p><b>%s.</b> %s <span class=soft>%s</span></p>\n" % (HOLDS[table["holds"]].capitalize(),
+                                                                html.escape(table["verdict"]), measured(table))
     if table["rows"]:
         yield "<div class=wide><table><thead><tr><th></th>"
         yield "".join("<th>%s</th>" % html.escape(column) for column in table["columns"])
@@ -62,7 +71,7 @@ def html_table(table, folder):
             yield "</tr>\n"
         yield "</tbody></table></div>\n"
     if table["pictures"]:
-        yield '<div class=row style="--columns:%d">\n' % min(4, len(table["pictures"]))
+        yield '<div class=row style="--columns:%d">\n' % min(5, len(table["pictures"]))
         for picture in table["pictures"]:
             with open(os.path.join(folder, picture["file"]), "rb") as file:
                 data = base64.b64encode(file.read()).decode()
@@ -78,9 +87,8 @@ def write_html(papers, folder):
         file.write("<!doctype html>\n<html lang=en><head><meta charset=utf-8>\n<title>What the papers claim, measured"
                    "</title>\n<style>%s\n.shot img{cursor:auto}.shot code{font-size:11px;overflow-wrap:anywhere}</style>"
                    "</head><body><main>\n" % style(folder))
-        file.write("<h1>What the papers claim, measured</h1>\n<p class=soft>%s; %s. The command behind each number shows "
-                   "when the pointer rests on it; papers.json has them all.</p>\n"
-                   % (html.escape(papers["machine"]), papers["date"]))
+        file.write("<h1>What the papers claim, measured</h1>\n<p class=soft>%s. %s The command behind each number shows "
+                   "when the pointer rests on it; papers.json has them all.</p>\n" % (html.escape(papers["machine"]), LOAD))
         for year, title in TITLES.items():
             tables = [table for table in papers["tables"] if table["paper"] == year]
             if tables:
@@ -93,14 +101,14 @@ def write_html(papers, folder):
 # ---- the short form
 
 def markdown(papers):
-    yield "Measured on %s: %s.\n" % (papers["date"], papers["machine"])
+    yield "Measured on %s. %s\n" % (papers["machine"], LOAD)
     for year, title in TITLES.items():
         tables = [table for table in papers["tables"] if table["paper"] == year]
         if tables:
             yield "\n## %d: %s\n" % (year, title)
         for table in tables:
             yield '\n<a id="%s"></a>\n\n### %s\n\n' % (table["name"], table["title"])
-            yield "%s **%s.** %s\n" % (table["text"], HOLDS[table["holds"]].capitalize(), table["verdict"])
+            yield "%s **%s.** %s %s\n" % (table["text"], HOLDS[table["holds"]].capitalize(), table["verdict"], measured(table))
             if table["rows"]:
                 yield "\n| | %s |\n|---%s|\n" % (" | ".join(table["columns"]), "|---:" * len(table["columns"]))
             for row in table["rows"]:

@@ -5,7 +5,6 @@ usage: papers.py PROGRAMS SOURCE FOLDER [TABLE...]
 
 Writes FOLDER/papers.json and FOLDER/index.html, a page with everything in it. TABLE: only tables whose names
 begin so, such as 2003 or 2003-table-2; the others are kept as papers.json has them."""
-import datetime
 import json
 import os
 import sys
@@ -19,6 +18,7 @@ import y2010
 from measure import Machine, processor
 from tables import measure
 
+SCHEMA = "isopoint-papers/2"
 PAPERS = (y2003, y2004, y2006, y2008, y2010)
 
 
@@ -26,11 +26,11 @@ def kept_tables(path):
     if not os.path.exists(path):
         return {}
     with open(path, encoding="utf-8") as file:
-        return {table["name"]: table for table in json.load(file)["tables"]}
+        papers = json.load(file)
+    return {table["name"]: table for table in papers["tables"]} if papers["schema"] == SCHEMA else {}
 
 
 def main():
-    load = os.getloadavg()[0]
     programs, source, folder = (os.path.abspath(word) for word in sys.argv[1:4])
     wanted, path = tuple(sys.argv[4:]), os.path.join(folder, "papers.json")
     kept = kept_tables(path) if wanted else {}
@@ -47,10 +47,11 @@ def main():
     finally:
         if machine.display:
             machine.display[0].terminate()
-    papers = {"schema": "isopoint-papers/1", "date": datetime.date.today().isoformat(),
-              "machine": "%s, %d processors, load %.1f when it began" % (processor(), os.cpu_count(), load), "tables": made}
+    papers = {"schema": SCHEMA, "machine": "%s, %d processors" % (processor(), os.cpu_count()), "tables": made}
     with open(path, "w", encoding="utf-8") as file:
         json.dump(papers, file, indent=1, ensure_ascii=False)
+    if not page.style(folder):
+        machine.report_of("example-report", "scene:sphere:16")
     page.write_html(papers, folder)
 
 

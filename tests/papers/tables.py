@@ -1,5 +1,7 @@
 """Tables of the page: rows of numbers, each with the command that measured it, pictures and a verdict."""
+import datetime
 import math
+import os
 import time
 
 from measure import Failed, Number
@@ -13,7 +15,7 @@ class Table:
     def __init__(self, name, paper, title, columns, text):
         self.name, self.paper, self.title, self.columns, self.text = name, paper, title, columns, text
         self.rows, self.pictures, self.holds, self.verdict = [], [], "not measured", ""
-        self.seconds = 0.0
+        self.seconds, self.date, self.load = 0.0, "", 0.0
 
     def row(self, what, *cells):
         """A cell is the paper's plain number, a Number, or None."""
@@ -38,7 +40,8 @@ class Table:
                                 for cell in cells]} for what, cells in self.rows],
             "pictures": [{"file": path, "caption": caption, "command": command}
                          for path, caption, command in self.pictures],
-            "holds": self.holds, "verdict": self.verdict, "seconds": round(self.seconds, 1)}
+            "holds": self.holds, "verdict": self.verdict, "seconds": round(self.seconds, 1), "date": self.date,
+            "load": round(self.load, 1)}
 
 
 def number_json(value):
@@ -60,7 +63,7 @@ def ratio(above, below):
 
 def measure(table, fill):
     """Fills a table; a program that fails, or a file that is missing, is the table's verdict."""
-    start = time.monotonic()
+    start, table.date, table.load = time.monotonic(), datetime.date.today().isoformat(), os.getloadavg()[0]
     try:
         fill(table)
     except (Failed, OSError, KeyError) as problem:
