@@ -42,12 +42,13 @@ static void write_header(const iso_point_file *file, const iso_point_file_opts *
     fputs("end_header\n", stream);
 }
 
-/* Whether normals are written unchanged, because the transform's matrix is the identity. Normalizing them
- * again could change their last bit, and points that were read must be written with the same bytes. */
+/* Whether normals are written unchanged, because the transform's matrix only scales, by the same positive
+ * factor along all axes. Normalizing them again could change their last bit, and points that were read must
+ * be written with the same bytes. */
 static bool keeps_normals(const iso_affine *affine) {
     for (int i = 0; i < 9; i++)
-        if (affine->m[i] != (i % 4 == 0)) return false;
-    return true;
+        if (affine->m[i] != (i % 4 == 0 ? affine->m[0] : 0)) return false;
+    return affine->m[0] > 0;
 }
 
 static unsigned char *encode_place(const iso_point_file *file, unsigned char *bytes, iso_vec3 place) {
