@@ -174,17 +174,23 @@ iso_value_counts *iso_value_counter_finish(iso_value_counter *counter) {
     return sum;
 }
 
-static void count_slice(void *context, size_t z, int worker) {
-    iso_value_counter *counter = context;
-    const int *dims = counter->grid->dims, lo[3] = {0, 0, (int)z}, hi[3] = {dims[0], dims[1], (int)z + 1};
-    iso_value_counter_add(counter, worker, lo, hi, 0);
+typedef struct slice_counting {
+    iso_value_counter *counter;
+    int first; /* slice */
+} slice_counting;
+
+static void count_slice(void *context, size_t slice, int worker) {
+    const slice_counting *counting = context;
+    const int z = counting->first + (int)slice, *dims = counting->counter->grid->dims, lo[3] = {0, 0, z},
+              hi[3] = {dims[0], dims[1], z + 1};
+    iso_value_counter_add(counting->counter, worker, lo, hi, 0);
 }
 
-iso_status iso_value_counts_create(const iso_rgrid *grid, iso_pool *pool, iso_value_counts **counts,
-                                   iso_error *error) {
-    iso_value_counter *counter = NULL;
-    ISO_TRY(iso_value_counter_create(grid, iso_pool_threads(pool), &counter, error));
-    iso_parallel_for(pool, (size_t)grid->dims[2], count_slice, counter);
-    *counts = iso_value_counter_finish(counter);
+iso_status iso_value_counts_create(const iso_rgrid *grid, int first, int end, iso_pool *pool,
+                                   iso_value_counts **counts, iso_error *error) {
+    slice_counting counting = {.first = first};
+    ISO_TRY(iso_value_counter_create(grid, iso_pool_threads(pool), &counting.counter, error));
+    iso_parallel_for(pool, (size_t)(end - first), count_slice, &counting);
+    *counts = iso_value_counter_finish(counting.counter);
     return ISO_OK;
 }

@@ -1,5 +1,5 @@
-/* value_counts: how often each value occurs among the voxels of a dense grid of integers, and among those on
- * the faces of the volume. Histograms are made from these counts (extract/isovalue).
+/* value_counts: how often each value occurs among the voxels of a dense grid of integers, and among those
+ * on the faces of the volume. Histograms are made from these counts (extract/isovalue).
  *
  * Counting takes one increment a voxel, and is best done while the voxels are in the processor's cache for
  * another reason: the brick index counts them when it reads them (iso_brick_index_with_counts). */
@@ -23,9 +23,10 @@ typedef struct iso_value_counts {
     uint64_t faces[ISO_COUNTED_VALUES]; /* of the voxels on the volume's six faces only */
 } iso_value_counts;
 
-/* Counts all voxels of a grid of integers. `pool` may be NULL. *counts: iso_free when done. ISO_ERR_NOMEM. */
-iso_status iso_value_counts_create(const iso_rgrid *grid, iso_pool *pool, iso_value_counts **counts,
-                                   iso_error *error);
+/* Counts the voxels of the slices first .. end - 1 along z of a grid of integers. `pool` may be NULL.
+ * *counts: iso_free when done. ISO_ERR_NOMEM. */
+iso_status iso_value_counts_create(const iso_rgrid *grid, int first, int end, iso_pool *pool,
+                                   iso_value_counts **counts, iso_error *error);
 
 /* Counting box by box, with tables for each of several workers, which may count at the same time. The sum
  * does not depend on how the grid is divided into boxes. */

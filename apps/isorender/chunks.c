@@ -11,6 +11,7 @@
 #include "apps/isorender/ranks.h"
 #include "base/file_identity.h"
 #include "base/memory.h"
+#include "extract/isovalue/isovalue.h"
 #include "grids/volume/mapping.h"
 #include "io/chunk_export.h"
 #include "io/key_file.h"
@@ -158,7 +159,7 @@ static bool keeps_index(const isorender_job *job) {
            (settings->parts || is_too_large(job));
 }
 
-iso_status isorender_chunks_begin(isorender_job *job, iso_error *error) {
+static iso_status read_index(isorender_job *job, iso_error *error) {
     isorender_chunks *chunks = job->chunks;
     iso_volume_identity identity = {0};
     identify(job, &identity);
@@ -176,6 +177,26 @@ iso_status isorender_chunks_begin(isorender_job *job, iso_error *error) {
     job->loader.histogram = chunks->index.histogram;
     job->loader.has_histogram = true;
     return ISO_OK;
+}
+
+/* With several ranks: reads a part of the voxels for the histogram, from which the isovalue is chosen, and
+ * gets the others' counts. A rank may know the histogram from its index. */
+static iso_status count_together(isorender_job *job, iso_error *error) {
+    const iso_ranks *ranks = &job->settings->ranks;
+    iso_loader *loader = &job->loader;
+    int32_t missing = !loader->has_histogram;
+    if (!ranks->mpi || job->settings->isovalue_count) return ISO_OK;
+    ISO_TRY(iso_ranks_most(ranks, &missing, 1, error));
+    if (!missing) return ISO_OK;
+    ISO_TRY(
+        iso_histogram_compute_together(&loader->volume.grid, ranks, job->pool, &loader->histogram, error));
+    loader->has_histogram = true;
+    return ISO_OK;
+}
+
+iso_status isorender_chunks_begin(isorender_job *job, iso_error *error) {
+    ISO_TRY(iso_ranks_agree(&job->settings->ranks, read_index(job, error), error));
+    return count_together(job, error);
 }
 
 /* Writes what is new. A folder that cannot be written to is no failure: the next picture takes as long as

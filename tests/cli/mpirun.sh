@@ -35,6 +35,31 @@ for number, picture in enumerate(pictures):
         expect(ranks == 1 or said["ranks"] == ranks and len(said["peak_bytes_of_ranks"]) == 3, said)
         os.remove("together.png")
 
+# without an isovalue the values are counted together: of floats with padding and voxels that are no numbers, and of integers
+volume("in/padded.mha", (60, 50, 33), lambda x, y, z: -1000 if x < 9 or y < 9 or z > 25 or x > 50 or y > 41 or z < 4 else
+       math.nan if x == y == z else 100 * math.sin(x / 5) * math.cos(y / 4) + z)
+with open("in/counted_40x50x41_int16.raw", "wb") as file:
+    file.write(struct.pack("<%dh" % (40 * 50 * 41), *[(x * y + 7 * z) % 1200 - 300 for z in range(41) for y in range(50) for x in range(40)]))
+for name in ("in/padded.mha", "in/counted_40x50x41_int16.raw"):
+    alone = run(0, name, "-o", "alone.png", "--resolution", "160x120", "--json=alone.json", "--quiet")
+    expect(alone.returncode == 0, alone.stderr)
+    for ranks in (2, 3, 7):
+        done = run(ranks, name, "-o", "together.png", "--resolution", "160x120", "--json=a.json", "--no-index")
+        expect(done.returncode == 0, name, ranks, done.stderr)
+        expect(open("alone.png", "rb").read() == open("together.png", "rb").read(), name, ranks)
+        for key in ("histogram", "isovalues", "isovalue"):
+            expect(report("a.json").get(key) == report("alone.json").get(key), key, name, ranks)
+        os.remove("together.png")
+
+# ranks without any crossed brick
+volume("in/dot.mha", (64, 64, 64), lambda x, y, z: 9 if 20 <= x < 25 and 40 <= y < 44 and 50 <= z < 55 else 0)
+for method in ([], ["--method", "pullpush", "--reconstruction", "box"]):
+    dot = ["in/dot.mha", "--isovalue", "4", "--resolution", "160x120", *method, "-o"]
+    alone, done = run(0, *dot, "alone.png"), run(5, *dot, "together.png", "--chunk-size", "16")
+    expect(alone.returncode == 0 and done.returncode == 0, method, alone.stderr, done.stderr)
+    expect(open("alone.png", "rb").read() == open("together.png", "rb").read(), method)
+    os.remove("together.png")
+
 
 def check_failure(status, words, done):
     lines = [line for line in done.stderr.splitlines() if line.startswith("isorender:")]
@@ -47,6 +72,8 @@ check_failure(2, "cannot be drawn in chunks", run(3, "in/waves.mha", "-o", "toge
 check_failure(3, "missing.mha", run(3, "in/missing.mha", "-o", "together.png"))
 check_failure(6, "no surface", run(2, "in/waves.mha", "-o", "together.png", "--isovalue", "1e6"))
 check_failure(7, "nowhere", run(2, "in/waves.mha", "-o", "nowhere/together.png", "--isovalue", "20"))
+os.symlink("/dev/full", "full.png")  # a full disk, where only rank 0 writes
+check_failure(7, "full.png", run(3, "in/waves.mha", "-o", "full.png", "--isovalue", "20"))
 with open("in/short.mha", "wb") as file:
     file.write(open("in/waves.mha", "rb").read()[:-5])
 # on one rank only

@@ -71,22 +71,36 @@ static void visit_slice(const iso_grid *grid, int z, run_visitor *visit, void *s
         visit_rgrid_slice(grid->rgrid, z, visit, state);
 }
 
-/* A walk over the voxels of a grid: each task is one slice. Every worker has its own state of `state_bytes`
- * bytes; the states are added up afterwards. */
-typedef struct walk {
+/* What is read, and by whom: this process reads the slices first .. end - 1 along z. */
+typedef struct reading {
     const iso_grid *grid;
+    iso_pool *pool;
+    const iso_ranks *ranks;
+    int first, end;
+} reading;
+
+static reading reading_of(const iso_grid *grid, const iso_ranks *ranks, iso_pool *pool) {
+    const int64_t slices = iso_grid_dims(grid)[2];
+    return (reading){.grid = grid,
+                     .pool = pool,
+                     .ranks = ranks,
+                     .first = (int)(slices * ranks->rank / ranks->size),
+                     .end = (int)(slices * (ranks->rank + 1) / ranks->size)};
+}
+
+/* A walk over the voxels: each task is one slice. Every worker has its own state of `state_bytes` bytes;
+ * the states are added up afterwards. */
+typedef struct walk {
+    const reading *what;
     run_visitor *visit;
     char *states;
     size_t state_bytes;
 } walk;
 
-static void walk_slice(void *context, size_t z, int worker) {
+static void walk_slice(void *context, size_t slice, int worker) {
     const walk *job = context;
-    visit_slice(job->grid, (int)z, job->visit, job->states + (size_t)worker * job->state_bytes);
-}
-
-static void run_walk(walk *job, iso_pool *pool) {
-    iso_parallel_for(pool, (size_t)iso_grid_dims(job->grid)[2], walk_slice, job);
+    visit_slice(job->what->grid, job->what->first + (int)slice, job->visit,
+                job->states + (size_t)worker * job->state_bytes);
 }
 
 /* ---- integers: every value has a count of its own */
@@ -141,14 +155,24 @@ static void fill_from_levels(const iso_rgrid *grid, const iso_value_counts *coun
     }
 }
 
-static iso_status integer_histogram(const iso_grid *grid, iso_pool *pool, iso_histogram *histogram,
-                                    iso_error *error) {
-    const iso_value_counts *known = iso_brick_index_counts(grid->rgrid);
+/* Counts this process's slices, and adds the counts of the others. */
+static iso_status count_values(const reading *what, iso_value_counts **counts, iso_error *error) {
+    const iso_ranks *ranks = what->ranks;
+    const iso_status status =
+        iso_value_counts_create(what->grid->rgrid, what->first, what->end, what->pool, counts, error);
+    ISO_TRY(iso_ranks_agree(ranks, status, error));
+    ISO_TRY(iso_ranks_sum(ranks, (*counts)->all, LEVELS, error));
+    return iso_ranks_sum(ranks, (*counts)->faces, LEVELS, error);
+}
+
+static iso_status integer_histogram(const reading *what, iso_histogram *histogram, iso_error *error) {
+    const iso_rgrid *grid = what->grid->rgrid;
+    const iso_value_counts *known = what->ranks->size == 1 ? iso_brick_index_counts(grid) : NULL;
     iso_value_counts *made = NULL;
-    if (!known) ISO_TRY(iso_value_counts_create(grid->rgrid, pool, &made, error));
-    fill_from_levels(grid->rgrid, known ? known : made, histogram);
+    const iso_status status = known ? ISO_OK : count_values(what, &made, error);
+    if (status == ISO_OK) fill_from_levels(grid, known ? known : made, histogram);
     iso_free(made);
-    return ISO_OK;
+    return status;
 }
 
 /* ---- floats: the range first, then what may be padding, then the bins */
@@ -220,8 +244,8 @@ static void find_faces(void *state, const run *voxels) {
         count_face_voxel(state, values[count - 1], 1);
 }
 
-/* The volume's lowest and highest value, the one of them that may be padding, how often it occurs (`count`),
- * and the values next to the lowest and the highest. */
+/* The volume's lowest and highest value, the one of them that may be padding, how often it occurs
+ * (`count`), and the values next to the lowest and the highest. */
 typedef struct padding_counts {
     float low, high, padding;
     float above_low, below_high;
@@ -260,15 +284,22 @@ static void count_bins(void *state, const run *voxels) {
     }
 }
 
-/* Walks over all voxels with a state for each worker, all of which begin as a copy of `first`. *states: the
- * states afterwards, to be freed by the caller. */
-static iso_status walk_with(const iso_grid *grid, iso_pool *pool, run_visitor *visit, const void *first,
-                            size_t bytes, char **states, iso_error *error) {
-    const size_t workers = (size_t)iso_pool_threads(pool);
+/* Walks over the voxels that this process reads, with a state for each worker, all of which begin as a copy
+ * of `first`. *states: the states afterwards, to be freed by the caller. Fails on all processes or on none.
+ */
+static iso_status walk_with(const reading *what, run_visitor *visit, const void *first, size_t bytes,
+                            char **states, iso_error *error) {
+    const size_t workers = (size_t)iso_pool_threads(what->pool);
     *states = iso_alloc_zero(workers, bytes);
-    if (!*states) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a histogram");
+    iso_status status = *states ? ISO_OK : iso_fail(error, ISO_ERR_NOMEM, "out of memory for a histogram");
+    status = iso_ranks_agree(what->ranks, status, error);
+    if (status != ISO_OK) {
+        iso_free(*states);
+        return status;
+    }
     for (size_t w = 0; w < workers; w++) memcpy(*states + w * bytes, first, bytes);
-    run_walk(&(walk){grid, visit, *states, bytes}, pool);
+    walk job = {what, visit, *states, bytes};
+    iso_parallel_for(what->pool, (size_t)(what->end - what->first), walk_slice, &job);
     return ISO_OK;
 }
 
@@ -287,60 +318,71 @@ static bool range_of_index(const iso_grid *grid, iso_pool *pool, float_range *ra
     return true;
 }
 
-static iso_status measure_range(const iso_grid *grid, iso_pool *pool, float_range *range, iso_error *error) {
+static iso_status measure_range(const reading *what, float_range *range, iso_error *error) {
     char *states;
-    if (range_of_index(grid, pool, range)) return ISO_OK;
-    ISO_TRY(walk_with(grid, pool, find_range, &no_range, sizeof no_range, &states, error));
+    if (what->ranks->size == 1 && range_of_index(what->grid, what->pool, range)) return ISO_OK;
+    ISO_TRY(walk_with(what, find_range, &no_range, sizeof no_range, &states, error));
     const float_range *found = (const float_range *)states;
     *range = no_range;
-    for (int w = 0; w < iso_pool_threads(pool); w++) merge_range(range, &found[w]);
+    for (int w = 0; w < iso_pool_threads(what->pool); w++) merge_range(range, &found[w]);
     iso_free(states);
+    double ends[2] = {(double)range->low, -(double)range->high};
+    uint64_t counts[2] = {range->finite, range->nonfinite};
+    ISO_TRY(iso_ranks_least(what->ranks, ends, 2, error));
+    ISO_TRY(iso_ranks_sum(what->ranks, counts, 2, error));
+    *range = (float_range){(float)ends[0], (float)-ends[1], counts[0], counts[1]};
     return ISO_OK;
 }
 
-static iso_status measure_faces(const iso_grid *grid, iso_pool *pool, const float_range *range,
-                                face_counts *faces, iso_error *error) {
+static iso_status measure_faces(const reading *what, const float_range *range, face_counts *faces,
+                                iso_error *error) {
     char *states;
     *faces = (face_counts){.low = range->low, .high = range->high};
-    ISO_TRY(walk_with(grid, pool, find_faces, faces, sizeof *faces, &states, error));
+    ISO_TRY(walk_with(what, find_faces, faces, sizeof *faces, &states, error));
     const face_counts *found = (const face_counts *)states;
-    for (int w = 0; w < iso_pool_threads(pool); w++) {
+    for (int w = 0; w < iso_pool_threads(what->pool); w++) {
         faces->all += found[w].all;
         faces->at_low += found[w].at_low;
         faces->at_high += found[w].at_high;
     }
     iso_free(states);
+    uint64_t counts[3] = {faces->all, faces->at_low, faces->at_high};
+    ISO_TRY(iso_ranks_sum(what->ranks, counts, 3, error));
+    *faces = (face_counts){range->low, range->high, counts[0], counts[1], counts[2]};
     return ISO_OK;
 }
 
-static iso_status measure_padding(const iso_grid *grid, iso_pool *pool, padding_counts *padding,
-                                  iso_error *error) {
+static iso_status measure_padding(const reading *what, padding_counts *padding, iso_error *error) {
     char *states;
     padding->above_low = INFINITY;
     padding->below_high = -INFINITY;
-    ISO_TRY(walk_with(grid, pool, find_padding, padding, sizeof *padding, &states, error));
+    ISO_TRY(walk_with(what, find_padding, padding, sizeof *padding, &states, error));
     const padding_counts *found = (const padding_counts *)states;
-    for (int w = 0; w < iso_pool_threads(pool); w++) {
+    for (int w = 0; w < iso_pool_threads(what->pool); w++) {
         padding->above_low = fminf(padding->above_low, found[w].above_low);
         padding->below_high = fmaxf(padding->below_high, found[w].below_high);
         padding->count += found[w].count;
     }
     iso_free(states);
-    return ISO_OK;
+    double ends[2] = {(double)padding->above_low, -(double)padding->below_high};
+    ISO_TRY(iso_ranks_least(what->ranks, ends, 2, error));
+    padding->above_low = (float)ends[0];
+    padding->below_high = (float)-ends[1];
+    return iso_ranks_sum(what->ranks, &padding->count, 1, error);
 }
 
 /* Finds padding; if there is any, leaves it out of `range` and records it in `histogram`. */
-static iso_status leave_out_padding(const iso_grid *grid, iso_pool *pool, float_range *range,
-                                    iso_histogram *histogram, iso_error *error) {
+static iso_status leave_out_padding(const reading *what, float_range *range, iso_histogram *histogram,
+                                    iso_error *error) {
     face_counts faces;
-    ISO_TRY(measure_faces(grid, pool, range, &faces, error));
+    ISO_TRY(measure_faces(what, range, &faces, error));
     const bool at_low = 2 * faces.at_low > faces.all, at_high = 2 * faces.at_high > faces.all;
     if (!at_low && !at_high) return ISO_OK;
     padding_counts padding = {
         .low = range->low, .high = range->high, .padding = at_low ? range->low : range->high};
-    ISO_TRY(measure_padding(grid, pool, &padding, error));
+    ISO_TRY(measure_padding(what, &padding, error));
     if (!(padding.above_low < range->high)) return ISO_OK; /* a binary volume keeps both values */
-    histogram->padding_value = iso_grid_physical(grid, padding.padding);
+    histogram->padding_value = iso_grid_physical(what->grid, padding.padding);
     histogram->padding = padding.count;
     if (at_low)
         range->low = padding.above_low;
@@ -349,53 +391,60 @@ static iso_status leave_out_padding(const iso_grid *grid, iso_pool *pool, float_
     return ISO_OK;
 }
 
-static iso_status fill_from_floats(const iso_grid *grid, iso_pool *pool, const float_range *range,
-                                   iso_histogram *histogram, iso_error *error) {
+static iso_status fill_from_floats(const reading *what, const float_range *range, iso_histogram *histogram,
+                                   iso_error *error) {
     const double span = (double)range->high - range->low;
     const bin_counts none = {.range = {range->low, range->high, span > 0 ? ISO_HISTOGRAM_BINS / span : 0}};
     char *states;
-    ISO_TRY(walk_with(grid, pool, count_bins, &none, sizeof none, &states, error));
+    ISO_TRY(walk_with(what, count_bins, &none, sizeof none, &states, error));
     const bin_counts *found = (const bin_counts *)states;
-    for (int w = 0; w < iso_pool_threads(pool); w++)
+    for (int w = 0; w < iso_pool_threads(what->pool); w++)
         for (int table = 0; table < BIN_TABLES; table++)
             for (int bin = 0; bin < ISO_HISTOGRAM_BINS; bin++)
                 histogram->bins[bin] += found[w].bins[table][bin];
     iso_free(states);
-    return ISO_OK;
+    return iso_ranks_sum(what->ranks, histogram->bins, ISO_HISTOGRAM_BINS, error);
 }
 
-static iso_status float_histogram(const iso_grid *grid, iso_pool *pool, iso_histogram *histogram,
-                                  iso_error *error) {
+static iso_status float_histogram(const reading *what, iso_histogram *histogram, iso_error *error) {
+    const iso_grid *grid = what->grid;
     float_range range;
-    ISO_TRY(measure_range(grid, pool, &range, error));
+    ISO_TRY(measure_range(what, &range, error));
     if (!range.finite)
         return iso_fail(
             error, ISO_ERR_EMPTY,
             "the volume holds no usable value: all are NaN, infinite or larger than a float holds (3.4e38)");
     histogram->minimum = iso_grid_physical(grid, range.low);
     histogram->maximum = iso_grid_physical(grid, range.high);
-    ISO_TRY(leave_out_padding(grid, pool, &range, histogram, error));
+    ISO_TRY(leave_out_padding(what, &range, histogram, error));
     histogram->low = iso_grid_physical(grid, range.low);
     histogram->high = iso_grid_physical(grid, range.high);
     histogram->width = (histogram->high - histogram->low) / ISO_HISTOGRAM_BINS;
     histogram->nonfinite = range.nonfinite;
     histogram->counted = range.finite - histogram->padding;
-    return fill_from_floats(grid, pool, &range, histogram, error);
+    return fill_from_floats(what, &range, histogram, error);
 }
 
 static bool has_integer_levels(const iso_grid *grid) {
     return grid->rgrid && grid->rgrid->type != ISO_FLOAT32;
 }
 
-iso_status iso_histogram_compute(const iso_grid *grid, iso_pool *pool, iso_histogram *histogram,
-                                 iso_error *error) {
+iso_status iso_histogram_compute_together(const iso_grid *grid, const iso_ranks *ranks, iso_pool *pool,
+                                          iso_histogram *histogram, iso_error *error) {
+    const reading what = reading_of(grid, ranks, pool);
     iso_histogram result = {0};
     if (has_integer_levels(grid))
-        ISO_TRY(integer_histogram(grid, pool, &result, error));
+        ISO_TRY(integer_histogram(&what, &result, error));
     else
-        ISO_TRY(float_histogram(grid, pool, &result, error));
+        ISO_TRY(float_histogram(&what, &result, error));
     *histogram = result;
     return ISO_OK;
+}
+
+iso_status iso_histogram_compute(const iso_grid *grid, iso_pool *pool, iso_histogram *histogram,
+                                 iso_error *error) {
+    const iso_ranks alone = {.size = 1};
+    return iso_histogram_compute_together(grid, &alone, pool, histogram, error);
 }
 
 /* ---- thresholds */

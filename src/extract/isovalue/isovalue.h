@@ -6,6 +6,7 @@
 #include <stdint.h>
 
 #include "base/parallel.h"
+#include "base/ranks.h"
 #include "grids/grid.h"
 #include "isopoint.h"
 
@@ -20,9 +21,14 @@ extern "C" {
 iso_status iso_histogram_compute(const iso_grid *grid, iso_pool *pool, iso_histogram *histogram,
                                  iso_error *error);
 
+/* The same by several processes that call it together: each reads a share of the slices only, and the
+ * counts are added up. Errors of any process on all of them; ISO_ERR_BRIDGE. */
+iso_status iso_histogram_compute_together(const iso_grid *grid, const iso_ranks *ranks, iso_pool *pool,
+                                          iso_histogram *histogram, iso_error *error);
+
 /* Suggests isovalues (physical), best first: 0 for level sets; otherwise Otsu's threshold (1979), then the
- * two thresholds of three-class Otsu (Liao, Chen and Chung 2001). Returns how many there are (1 .. 3), 0 for
- * a constant volume. */
+ * two thresholds of three-class Otsu (Liao, Chen and Chung 2001). Returns how many there are (1 .. 3), 0
+ * for a constant volume. */
 size_t iso_isovalue_suggest(const iso_grid *grid, const iso_histogram *histogram,
                             double candidates[ISO_ISOVALUE_CANDIDATES]);
 

@@ -478,7 +478,7 @@ static void values_are_counted_with_the_index(void **state) {
         } else {
             iso_value_counts *model = model_counts(grid), *alone = NULL;
             assert_memory_equal(counts, model, sizeof *model);
-            assert_int_equal(iso_value_counts_create(grid, pool, &alone, NULL), ISO_OK);
+            assert_int_equal(iso_value_counts_create(grid, 0, grid->dims[2], pool, &alone, NULL), ISO_OK);
             assert_memory_equal(alone, model, sizeof *model);
             iso_free(alone);
             free(model);
