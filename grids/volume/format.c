@@ -12,6 +12,7 @@
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -115,6 +116,22 @@ void iso_volume_note(iso_volume_info *info, const char *format, ...) {
     va_start(arguments, format);
     iso_text_format(info->notes[info->note_count++], ISO_VOLUME_TEXT, format, arguments);
     va_end(arguments);
+}
+
+/* \u00B5 is how ImageJ writes the micro sign. */
+double iso_format_unit(const char *name) {
+    static const struct {
+        const char *name;
+        double mm;
+    } units[] = {{"mm", 1},           {"millimeter", 1},    {"millimetre", 1},    {"micron", 1e-3},
+                 {"microns", 1e-3},   {"um", 1e-3},         {"µm", 1e-3},         {"μm", 1e-3},
+                 {"\\u00B5m", 1e-3},  {"micrometer", 1e-3}, {"micrometre", 1e-3}, {"nm", 1e-6},
+                 {"nanometer", 1e-6}, {"nanometre", 1e-6},  {"cm", 10},           {"m", 1000},
+                 {"meter", 1000},     {"metre", 1000},      {"inch", 25.4},       {"inches", 25.4},
+                 {"in", 25.4},        {"pm", 1e-9},         {"angstrom", 1e-7},   {"Å", 1e-7}};
+    for (size_t i = 0; i < sizeof units / sizeof *units; i++)
+        if (strcasecmp(name, units[i].name) == 0) return units[i].mm;
+    return 0;
 }
 
 void iso_format_skip_line(FILE *file) {

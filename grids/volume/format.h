@@ -191,6 +191,9 @@ bool iso_format_read_numbers(FILE *file, const char *separators, iso_scalar scal
  */
 char *iso_format_beside(const char *header, const char *name);
 
+/* The length of a unit in mm, such as "um", "micron" or "inch", in any case; 0: it is no unit of length. */
+double iso_format_unit(const char *name);
+
 /* dims[0] * dims[1] * dims[2] * each; UINT64_MAX: it does not fit into 64 bits. */
 uint64_t iso_format_size(const int dims[3], uint64_t each);
 

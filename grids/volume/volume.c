@@ -26,6 +26,7 @@
 static const iso_format format_vti = {.name = "vti", .library = "VTK", .module = "vti"};
 static const iso_format format_vdb = {.name = "vdb", .library = "OpenVDB", .module = "vdb"};
 static const iso_format format_tiff = {.name = "tiff", .library = "libtiff", .module = "tiff"};
+static const iso_format format_hdf5 = {.name = "hdf5", .library = "libhdf5", .module = "hdf5"};
 
 static const struct {
     const char *suffix;
@@ -37,6 +38,9 @@ static const struct {
     {".img", &iso_format_nifti}, {".hdr.gz", &iso_format_nifti},  {".img.gz", &iso_format_nifti},
     {".dcm", &iso_format_dicom}, {".dicom", &iso_format_dicom},   {".ima", &iso_format_dicom},
     {".vdb", &format_vdb},       {".tif", &format_tiff},          {".tiff", &format_tiff},
+    {".h5", &format_hdf5},       {".hdf5", &format_hdf5},         {".hdf", &format_hdf5},
+    {".he5", &format_hdf5},      {".nxs", &format_hdf5},          {".ims", &format_hdf5},
+    {".vtkhdf", &format_hdf5},
 };
 
 static const iso_format *format_of_name(const char *path) {
@@ -86,6 +90,12 @@ static bool is_tiff(const head *h) {
     return false;
 }
 
+/* The signature of HDF5 is at the file's beginning, or behind a block of 512 bytes or more for other uses. */
+static bool is_hdf5(const head *h) {
+    static const char magic[8] = {(char)0x89, 'H', 'D', 'F', '\r', '\n', 0x1a, '\n'};
+    return has_at(h, 0, magic, sizeof magic) || has_at(h, 512, magic, sizeof magic);
+}
+
 static bool is_xml_vtk(const head *h) {
     return memmem(h->bytes, h->count, "<VTKFile", 8) != NULL;
 }
@@ -99,6 +109,7 @@ static const iso_format *format_of_content(const head *h) {
     if (is_nifti(h) || has_at(h, 0, "\x1f\x8b", 2)) return &iso_format_nifti;
     if (is_xml_vtk(h)) return &format_vti;
     if (is_tiff(h)) return &format_tiff;
+    if (is_hdf5(h)) return &format_hdf5;
     return is_metaimage(h) ? &iso_format_metaimage : NULL;
 }
 
@@ -125,7 +136,28 @@ typedef struct request {
     iso_volume_opts opts;
     iso_raw_layout guessed;
     bool is_guessed;
+    const char *path;    /* of the file */
+    char file[PATH_MAX]; /* the file's part of FILE:/array */
 } request;
+
+/* Divides FILE:/array, the name of an array in a file, unless a file is called so. --grid may name the same
+ * array. */
+static iso_status divide_path(const char *path, request *r, iso_error *error) {
+    struct stat status;
+    r->path = path;
+    if (stat(path, &status) == 0) return ISO_OK;
+    for (const char *colon = path; (colon = strstr(colon, ":/")); colon++) {
+        if ((size_t)(colon - path) >= sizeof r->file) return ISO_OK;
+        snprintf(r->file, sizeof r->file, "%.*s", (int)(colon - path), path);
+        if (stat(r->file, &status) != 0 || !S_ISREG(status.st_mode)) continue;
+        if (r->opts.grid && strcmp(r->opts.grid, colon + 1) != 0)
+            return iso_fail(error, ISO_ERR_USAGE, "%s: names an array, and --grid another one", path);
+        r->path = r->file;
+        r->opts.grid = colon + 1;
+        return ISO_OK;
+    }
+    return ISO_OK;
+}
 
 static const iso_format *format_of_file(const char *path, const head *h) {
     const iso_format *format = format_of_content(h);
@@ -310,13 +342,16 @@ static iso_status check_info(const char *path, const iso_volume_opts *opts, iso_
     return ISO_OK;
 }
 
-/* Makes a message begin with the path that the caller gave: a reader's message may begin with the name of a
- * data file. */
-static iso_status name_path(const char *path, iso_status status, const iso_error *detail, iso_error *error) {
+/* Makes a message begin with the path that the caller gave: a reader's message may begin with the name of the
+ * file that is a part of that path, or of a data file. */
+static iso_status name_path(const char *given, const request *r, iso_status status, const iso_error *detail,
+                            iso_error *error) {
     if (status == ISO_OK) return ISO_OK;
-    size_t length = iso_text_begins(detail->text, path); /* "head.img: ..." does not name the file "head" */
-    bool names_it = length && (path[strlen(path) - 1] == '/' || strchr(":/, ", detail->text[length]));
-    return iso_fail(error, status, "%s%s%s", names_it ? "" : path, names_it ? "" : ": ", detail->text);
+    size_t length =
+        iso_text_begins(detail->text, r->path); /* "head.img: ..." does not name the file "head" */
+    bool names_it = length && (r->path[strlen(r->path) - 1] == '/' || strchr(":/, ", detail->text[length]));
+    if (r->path != given && names_it) return iso_fail(error, status, "%s%s", given, detail->text + length);
+    return iso_fail(error, status, "%s%s%s", names_it ? "" : given, names_it ? "" : ": ", detail->text);
 }
 
 /* Replaces the entry of a format whose reader is in a module by the module's. */
@@ -334,7 +369,7 @@ static iso_status load_format(const char *path, const iso_format **format, iso_e
 /* Notes options that were given but have no effect on files of this format. */
 static void note_unused(const iso_volume_opts *opts, iso_volume_info *info) {
     const bool named = strcmp(info->format, "vdb") == 0 || strcmp(info->format, "vti") == 0 ||
-                       strcmp(info->format, "vtk") == 0;
+                       strcmp(info->format, "vtk") == 0 || strcmp(info->format, "hdf5") == 0;
     if (opts->grid && !named)
         iso_volume_note(info, "grid \"%.80s\" is not looked for: a %s file has no grids with names (--grid)",
                         opts->grid, info->format);
@@ -353,13 +388,14 @@ static iso_status read_header(const char *path, request *r, const iso_format **f
     *info = (iso_volume_info){.components = 1, .scale = 1, .transform = iso_transform_identity()};
     if (r->opts.component_axes)
         *r->opts.component_axes = (iso_component_axes){.to_world = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
-    ISO_TRY(find_format(path, r, format, error));
+    ISO_TRY(divide_path(path, r, error));
+    ISO_TRY(find_format(r->path, r, format, error));
     ISO_TRY(load_format(path, format, error));
     snprintf(info->format, sizeof info->format, "%s", (*format)->name);
     if (r->is_guessed) note_guess(&r->guessed, info);
     iso_error detail = {0};
-    iso_file_set_read(r->opts.files, path);
-    ISO_TRY(name_path(path, (*format)->info(path, &r->opts, info, &detail), &detail, error));
+    iso_file_set_read(r->opts.files, r->path);
+    ISO_TRY(name_path(path, r, (*format)->info(r->path, &r->opts, info, &detail), &detail, error));
     note_unused(&r->opts, info);
     return check_info(path, &r->opts, info, error);
 }
@@ -428,8 +464,8 @@ iso_status iso_volume_read(const char *path, const iso_volume_opts *opts, iso_vo
     if (!opts->mapped) ISO_TRY(iso_volume_check_memory(path, opts, &result.info, error));
     ISO_TRY(iso_format_progress(path, opts, 0, error));
     iso_error detail = {0};
-    iso_status status = format->read(path, opts, &result.info, &result.grid, &detail);
-    ISO_TRY(name_path(path, status, &detail, error));
+    iso_status status = format->read(r.path, opts, &result.info, &result.grid, &detail);
+    ISO_TRY(name_path(path, &r, status, &detail, error));
     if (!agrees(&result.info, &result.grid))
         status = iso_fail(error, ISO_ERR_IO, "%s: changed while it was read", path);
     if (status == ISO_OK && result.grid.rgrid && !opts->mapped)

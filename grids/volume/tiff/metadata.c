@@ -4,11 +4,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 #include "grids/volume/tiff/tiff.h"
 
-/* ---- numbers and units ---- */
+/* ---- numbers ---- */
 
 enum { VALUE = 64, MOST_SIZE = 1 << 30 };
 
@@ -22,20 +21,6 @@ static double length_of(const char *text) {
     char *end;
     const double value = strtod(text, &end);
     return end != text && value > 0 && isfinite(value) ? value : 0;
-}
-
-/* The length of a unit in mm; 0: it is not one of length. \u00B5 is how ImageJ writes the micro sign. */
-static double unit_of(const char *name) {
-    static const struct {
-        const char *name;
-        double mm;
-    } units[] = {{"mm", 1},          {"millimeter", 1}, {"micron", 1e-3},   {"microns", 1e-3}, {"um", 1e-3},
-                 {"µm", 1e-3},       {"μm", 1e-3},      {"\\u00B5m", 1e-3}, {"nm", 1e-6},      {"cm", 10},
-                 {"m", 1000},        {"inch", 25.4},    {"inches", 25.4},   {"in", 25.4},      {"pm", 1e-9},
-                 {"angstrom", 1e-7}, {"Å", 1e-7}};
-    for (size_t i = 0; i < sizeof units / sizeof *units; i++)
-        if (strcasecmp(name, units[i].name) == 0) return units[i].mm;
-    return 0;
 }
 
 /* ---- ImageJ ---- */
@@ -59,7 +44,7 @@ static void parse_imagej(const char *text, iso_tiff_metadata *m) {
     for (int axis = 0; axis < ISO_TIFF_AXES; axis++)
         if (line_value(text, sizes[axis], value)) m->sizes[axis] = size_of(value);
     if (line_value(text, "images", value)) m->images = size_of(value);
-    if (line_value(text, "unit", value)) m->unit = unit_of(value);
+    if (line_value(text, "unit", value)) m->unit = iso_format_unit(value);
     if (line_value(text, "spacing", value) && m->unit > 0) m->spacing[2] = length_of(value) * m->unit;
 }
 
@@ -107,7 +92,7 @@ static void parse_ome(const char *pixels, iso_tiff_metadata *m) {
     for (int i = 0; i < 3; i++) {
         double unit = 1e-3; /* the schema's default is the micrometre */
         snprintf(name, sizeof name, "PhysicalSize%cUnit", "XYZ"[i]);
-        if (attribute(pixels, name, value)) unit = unit_of(value);
+        if (attribute(pixels, name, value)) unit = iso_format_unit(value);
         snprintf(name, sizeof name, "PhysicalSize%c", "XYZ"[i]);
         if (attribute(pixels, name, value)) m->spacing[i] = length_of(value) * unit;
     }

@@ -1,0 +1,283 @@
+/* chunk: reads chunks of an array, undoes their filters, and converts their values to voxels. Without
+ * libhdf5: the places of the chunks are known. */
+#define _GNU_SOURCE
+#include <errno.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+#include <zlib.h>
+
+#include "grids/volume/hdf5/hdf5.h"
+
+/* ---- which chunks ---- */
+
+void iso_hdf5_chunk_grid(const iso_hdf5_array *array, const int dims[3], int counts[3], int voxels[3]) {
+    for (int i = 0; i < 3; i++) {
+        const uint64_t size = array->chunk[array->xyz[i]], dim = (uint64_t)dims[i];
+        voxels[i] = size < dim ? (int)size : (int)dim;
+        counts[i] = (int)((dim - 1) / size + 1);
+    }
+}
+
+uint64_t iso_hdf5_chunk_count(const iso_hdf5_array *array, const int dims[3]) {
+    int counts[3], voxels[3];
+    iso_hdf5_chunk_grid(array, dims, counts, voxels);
+    return iso_format_size(counts, 1);
+}
+
+void iso_hdf5_chunk_start(const iso_hdf5_array *array, const int index[3], uint64_t start[ISO_HDF5_AXES]) {
+    for (int axis = 0; axis < array->rank; axis++)
+        start[axis] = array->at[axis] / array->chunk[axis] * array->chunk[axis];
+    for (int i = 0; i < 3; i++) start[array->xyz[i]] = (uint64_t)index[i] * array->chunk[array->xyz[i]];
+}
+
+uint64_t iso_hdf5_chunk_bytes(const iso_hdf5_array *array) {
+    uint64_t bytes = iso_scalar_size(array->scalar);
+    for (int axis = 0; axis < array->rank; axis++)
+        if (__builtin_mul_overflow(bytes, array->chunk[axis], &bytes)) return UINT64_MAX;
+    return bytes;
+}
+
+/* Filters may make a chunk a little larger. */
+static uint64_t largest_chunk(uint64_t bytes) {
+    return bytes + bytes / 64 + 1024;
+}
+
+uint64_t iso_hdf5_chunk_room(const iso_hdf5_array *array) {
+    const uint64_t bytes = iso_hdf5_chunk_bytes(array);
+    return bytes > UINT64_MAX / 4 ? UINT64_MAX : 2 * largest_chunk(bytes);
+}
+
+/* ---- messages ---- */
+
+static iso_status fail_chunk(const iso_hdf5_source *source, const int index[3], const char *reason,
+                             iso_error *error) {
+    uint64_t start[ISO_HDF5_AXES];
+    char text[ISO_HDF5_AXES * 24] = "";
+    size_t length = 0;
+    iso_hdf5_chunk_start(&source->array, index, start);
+    for (int axis = 0; axis < source->array.rank; axis++)
+        length +=
+            (size_t)snprintf(text + length, sizeof text - length, "%s%" PRIu64, axis ? "," : "", start[axis]);
+    return iso_fail(error, ISO_ERR_IO, "%s: %.200s, the chunk at %s: %s", source->path, source->array.path,
+                    text, reason);
+}
+
+/* ---- filters ---- */
+
+/* A buffer of bytes that are unpacked into another one. */
+typedef struct piece {
+    unsigned char *data;
+    size_t bytes;
+} piece;
+
+static bool undo_deflate(const piece *from, piece *to, size_t room) {
+    uLongf bytes = room;
+    if (uncompress(to->data, &bytes, from->data, from->bytes) != Z_OK) return false;
+    to->bytes = bytes;
+    return true;
+}
+
+/* The shuffle filter stores the first bytes of all values, then the second ones, and so on; bytes that do not
+ * make up a value follow unchanged. */
+static bool undo_shuffle(const piece *from, piece *to, size_t size) {
+    const size_t count = from->bytes / size;
+    for (size_t byte = 0; byte < size; byte++) {
+        const unsigned char *plane = from->data + byte * count;
+        for (size_t i = 0; i < count; i++) to->data[i * size + byte] = plane[i];
+    }
+    memcpy(to->data + count * size, from->data + count * size, from->bytes - count * size);
+    to->bytes = from->bytes;
+    return true;
+}
+
+/* Fletcher's checksum as HDF5 computes it: of big-endian words of 16 bits. */
+static uint32_t fletcher32(const unsigned char *data, size_t bytes) {
+    uint64_t first = 0, second = 0;
+    for (size_t i = 0; i < bytes; i += 2) {
+        first += (uint64_t)data[i] << 8 | (i + 1 < bytes ? data[i + 1] : 0);
+        first = (first & 0xffff) + (first >> 16);
+        second += first;
+        second = (second & 0xffff) + (second >> 16);
+    }
+    first = (first & 0xffff) + (first >> 16);
+    second = (second & 0xffff) + (second >> 16);
+    return (uint32_t)(second << 16 | first);
+}
+
+/* The checksum follows the values, little-endian. */
+static bool undo_fletcher32(const piece *from, piece *to) {
+    if (from->bytes < 4) return false;
+    const size_t bytes = from->bytes - 4;
+    const unsigned char *sum = from->data + bytes;
+    const uint32_t stored =
+        (uint32_t)sum[0] | (uint32_t)sum[1] << 8 | (uint32_t)sum[2] << 16 | (uint32_t)sum[3] << 24;
+    if (stored != fletcher32(from->data, bytes)) return false;
+    memcpy(to->data, from->data, bytes);
+    to->bytes = bytes;
+    return true;
+}
+
+/* LZF: runs of up to 32 bytes as they are, and copies of up to 264 bytes from up to 8 KiB before. */
+static bool undo_lzf(const piece *from, piece *to, size_t room) {
+    const unsigned char *in = from->data, *end = in + from->bytes;
+    size_t out = 0;
+    while (in < end) {
+        const unsigned control = *in++;
+        if (control < 32) {
+            const size_t run = control + 1;
+            if (run > (size_t)(end - in) || run > room - out) return false;
+            memcpy(to->data + out, in, run);
+            in += run;
+            out += run;
+            continue;
+        }
+        size_t length = control >> 5;
+        if (length == 7) {
+            if (in == end) return false;
+            length += *in++;
+        }
+        if (in == end) return false;
+        const size_t distance = ((size_t)(control & 31) << 8 | *in++) + 1;
+        length += 2;
+        if (distance > out || length > room - out) return false;
+        for (size_t i = 0; i < length; i++, out++) to->data[out] = to->data[out - distance];
+    }
+    to->bytes = out;
+    return true;
+}
+
+static bool undo_filter(const iso_hdf5_array *array, int filter, const piece *from, piece *to, size_t room) {
+    switch (filter) {
+    case ISO_HDF5_DEFLATE:
+        return undo_deflate(from, to, room);
+    case ISO_HDF5_SHUFFLE:
+        return undo_shuffle(from, to, (size_t)array->element_bytes);
+    case ISO_HDF5_FLETCHER32:
+        return undo_fletcher32(from, to);
+    case ISO_HDF5_LZF:
+        return undo_lzf(from, to, room);
+    default:
+        return false;
+    }
+}
+
+/* Undoes the filters of a chunk, the last one first; `now` has the chunk as it is stored, and then its
+ * values. */
+static bool undo_filters(const iso_hdf5_array *array, uint32_t skipped, piece *now, piece *other,
+                         size_t room) {
+    for (int i = array->filter_count - 1; i >= 0; i--) {
+        if (skipped >> i & 1) continue;
+        if (!undo_filter(array, array->filters[i], now, other, room)) return false;
+        const piece swap = *now;
+        *now = *other;
+        *other = swap;
+    }
+    return true;
+}
+
+/* ---- reading ---- */
+
+static size_t number_of(const iso_hdf5_source *source, const int index[3]) {
+    return ((size_t)index[2] * (size_t)source->counts[1] + (size_t)index[1]) * (size_t)source->counts[0] +
+           (size_t)index[0];
+}
+
+/* The place of a chunk of values in one piece; the last one on an axis may be shorter. */
+static iso_hdf5_place place_in_one_piece(const iso_hdf5_array *array, const int index[3]) {
+    uint64_t start[ISO_HDF5_AXES], step = iso_scalar_size(array->scalar), bytes = step, first = 0;
+    iso_hdf5_chunk_start(array, index, start);
+    for (int axis = array->rank - 1; axis >= 0; axis--) {
+        const uint64_t left = array->sizes[axis] - start[axis];
+        first += start[axis] * step;
+        bytes *= left < array->chunk[axis] ? left : array->chunk[axis];
+        step *= array->sizes[axis];
+    }
+    return (iso_hdf5_place){.address = array->address + first, .bytes = (uint32_t)bytes};
+}
+
+static iso_hdf5_place place_of(const iso_hdf5_source *source, const int index[3]) {
+    if (!source->array.allocated) return (iso_hdf5_place){0};
+    return source->places ? source->places[number_of(source, index)]
+                          : place_in_one_piece(&source->array, index);
+}
+
+static iso_status read_stored(const iso_hdf5_source *source, const int index[3], const iso_hdf5_place *place,
+                              unsigned char *target, iso_error *error) {
+    if (place->address > source->file_bytes || place->bytes > source->file_bytes - place->address)
+        return fail_chunk(source, index, "truncated: it lies beyond the end of the file", error);
+    for (size_t done = 0; done < place->bytes;) {
+        const ssize_t got =
+            pread(source->descriptor, target + done, place->bytes - done, (off_t)(place->address + done));
+        if (got < 0 && errno == EINTR) continue;
+        if (got < 0) return fail_chunk(source, index, strerror(errno), error);
+        if (got == 0) return fail_chunk(source, index, "truncated", error);
+        done += (size_t)got;
+    }
+    return ISO_OK;
+}
+
+/* Converts the values of a chunk row by row. */
+static void convert(const iso_hdf5_source *source, const unsigned char *data, void *target) {
+    const iso_hdf5_array *array = &source->array;
+    const size_t size = iso_scalar_size(array->scalar);
+    const iso_type type = iso_scalar_stored_type(array->scalar);
+    size_t steps[ISO_HDF5_AXES], step = 1, first = 0;
+    for (int axis = array->rank - 1; axis >= 0; step *= array->chunk[axis--]) {
+        steps[axis] = step;
+        first += array->at[axis] % array->chunk[axis] * step;
+    }
+    const size_t row = (size_t)source->voxels[0], row_bytes = row * iso_type_size(type);
+    for (int z = 0; z < source->voxels[2]; z++)
+        for (int y = 0; y < source->voxels[1]; y++) {
+            const size_t at = first + (size_t)y * steps[array->xyz[1]] + (size_t)z * steps[array->xyz[2]];
+            const iso_scalar_source values = {.data = data + at * size,
+                                              .scalar = array->scalar,
+                                              .components = (int)steps[array->xyz[0]],
+                                              .swap = array->big_endian};
+            iso_scalar_convert(&values, row, type,
+                               (char *)target +
+                                   ((size_t)z * (size_t)source->voxels[1] + (size_t)y) * row_bytes);
+        }
+}
+
+static void fill_with(const iso_hdf5_source *source, void *target) {
+    const iso_scalar_source value = {
+        .data = source->array.fill, .scalar = source->array.scalar, .components = 1};
+    const iso_type type = iso_scalar_stored_type(source->array.scalar);
+    const size_t size = iso_type_size(type);
+    iso_scalar_convert(&value, 1, type, target);
+    for (size_t i = 1, count = (size_t)iso_format_size(source->voxels, 1); i < count; i++)
+        memcpy((char *)target + i * size, target, size);
+}
+
+bool iso_hdf5_is_absent(const iso_hdf5_source *source, const int index[3]) {
+    return place_of(source, index).bytes == 0;
+}
+
+float iso_hdf5_fill_value(const iso_hdf5_array *array) {
+    const iso_scalar_source value = {.data = array->fill, .scalar = array->scalar, .components = 1};
+    float fill;
+    iso_scalar_convert(&value, 1, ISO_FLOAT32, &fill);
+    return fill;
+}
+
+iso_status iso_hdf5_read_chunk(const iso_hdf5_source *source, const int index[3], void *room, void *target,
+                               iso_error *error) {
+    const iso_hdf5_place place = place_of(source, index);
+    const size_t bytes = (size_t)iso_hdf5_chunk_bytes(&source->array), most = (size_t)largest_chunk(bytes);
+    piece now = {.data = room, .bytes = place.bytes}, other = {.data = (unsigned char *)room + most};
+    if (place.bytes == 0) {
+        fill_with(source, target);
+        return ISO_OK;
+    }
+    if (place.bytes > most) return fail_chunk(source, index, "damaged: it is too long", error);
+    ISO_TRY(read_stored(source, index, &place, now.data, error));
+    if (!undo_filters(&source->array, place.skipped, &now, &other, most))
+        return fail_chunk(source, index, "damaged", error);
+    if (source->places && now.bytes != bytes)
+        return fail_chunk(source, index, "damaged: it unpacks to a wrong number of bytes", error);
+    convert(source, now.data, target);
+    return ISO_OK;
+}

@@ -1,0 +1,33 @@
+/* conventions: what programs agree on about arrays in HDF5 files: VTKHDF, Imaris, BigDataViewer, NeXus, and
+ * the attribute element_size_um. In the child process. */
+#ifndef ISO_GRIDS_VOLUME_HDF5_CONVENTIONS_H
+#define ISO_GRIDS_VOLUME_HDF5_CONVENTIONS_H
+
+#include "grids/volume/hdf5/library.h"
+
+/* What a convention tells about an array. */
+typedef struct iso_hdf5_meaning {
+    double spacing[3]; /* mm; 0: not stated */
+    bool relative;     /* only the ratios of the spacing are known */
+    uint64_t used[3];  /* voxels along x, y and z of an array that is padded; 0: all */
+    int channels;      /* arrays of this kind that are components of one volume */
+} iso_hdf5_meaning;
+
+/* Opens the array that is read when the user names none; negative: no convention tells. ISO_ERR_FORMAT: a
+ * file of VTK without an image. */
+iso_status iso_hdf5_default(const iso_hdf5_file *file, const iso_volume_opts *opts, hid_t *dataset,
+                            iso_error *error);
+
+/* Opens the array of this name over the points or cells of a VTK image; negative: there is none. */
+hid_t iso_hdf5_vtk_array(const iso_hdf5_file *file, const char *name);
+
+/* Opens the array that a NeXus group is about: its attributes signal or default say so; negative: they do
+ * not. */
+hid_t iso_hdf5_signal(hid_t group);
+
+/* Fills *meaning from what the file says about an array whose axes are known; may change the array's type.
+ * Sets direction and origin of info->transform, and adds notes. */
+void iso_hdf5_interpret(const iso_hdf5_file *file, iso_hdf5_array *array, iso_hdf5_meaning *meaning,
+                        iso_volume_info *info);
+
+#endif

@@ -1,0 +1,109 @@
+/* hdf5: the types and functions of the HDF5 reader.
+ *
+ * libhdf5 is not thread-safe, and damaged files make it crash or take any amount of time and memory. It is
+ * therefore used only in a child process with limits (guard.c), and only to find out what a file contains
+ * (describe.c, with conventions.c and library.c) and where the chunks of an array lie (places.c). The child
+ * leaves its results in shared memory. chunk.c reads the chunks and unpacks them, without libhdf5, in any
+ * number of threads. format_hdf5.c is the reader (a module). */
+#ifndef ISO_GRIDS_VOLUME_HDF5_HDF5_H
+#define ISO_GRIDS_VOLUME_HDF5_HDF5_H
+
+#include "grids/volume/format.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum { ISO_HDF5_AXES = 8, ISO_HDF5_FILTERS = 8, ISO_HDF5_PATH = 1024 };
+
+/* Filters by their registered numbers. */
+enum { ISO_HDF5_DEFLATE = 1, ISO_HDF5_SHUFFLE = 2, ISO_HDF5_FLETCHER32 = 3, ISO_HDF5_LZF = 32000 };
+
+/* An array of a file that can be read as voxels. Axes are in the order of the file, slowest first. Values
+ * that lie in one piece count as chunks too: as few whole rows, planes, ... as are read at once. */
+typedef struct iso_hdf5_array {
+    char path[ISO_HDF5_PATH]; /* in the file */
+    int rank;
+    uint64_t sizes[ISO_HDF5_AXES], chunk[ISO_HDF5_AXES];
+    uint64_t at[ISO_HDF5_AXES]; /* the index that is read on axes that are not x, y or z */
+    int xyz[3];                 /* the axes of the array that are x, y and z */
+    iso_scalar scalar;
+    bool big_endian;
+    unsigned char fill[8];   /* the value of chunks that are not in the file, in the machine's byte order */
+    bool chunked, allocated; /* false: in one piece; nothing is in the file, all values are `fill` */
+    uint64_t address;        /* of values in one piece, in the file */
+    int filter_count;
+    int filters[ISO_HDF5_FILTERS]; /* in the order in which they were applied */
+    uint64_t element_bytes;        /* the size of a value, for the shuffle filter */
+} iso_hdf5_array;
+
+/* Where a chunk lies in the file. */
+typedef struct iso_hdf5_place {
+    uint64_t address;
+    uint32_t bytes;   /* 0: it is not in the file */
+    uint32_t skipped; /* filters that were not applied to it, a bit for each */
+} iso_hdf5_place;
+
+/* ---- in the child process ---- */
+
+/* Chooses an array by opts->grid and the conventions of the file, and describes it. Sets of `info` what a
+ * format's reader sets. ISO_ERR_IO: damaged; ISO_ERR_FORMAT: not HDF5, no array of numbers with three axes,
+ * or several without a choice, which are listed; ISO_ERR_UNSUPPORTED: a filter, or values in other files;
+ * ISO_ERR_USAGE: no such array or component; ISO_ERR_LIMIT. Leaves the file open: the process ends. */
+iso_status iso_hdf5_describe(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
+                             iso_hdf5_array *array, iso_error *error);
+
+/* Finds the chunks that hold the voxels; `places` has room for iso_hdf5_chunk_count. ISO_ERR_IO. */
+iso_status iso_hdf5_find_places(const char *path, const iso_hdf5_array *array, const int dims[3],
+                                iso_hdf5_place *places, iso_error *error);
+
+/* ---- the child process ---- */
+
+/* Runs `work` in a child process, which may take `memory` bytes beside what this process has, and `seconds`
+ * of processor time. *finished must be in shared memory; it is set when the work is done. Output of the child
+ * is lost. ISO_ERR_IO "path: ...": it crashed or took too long; ISO_ERR_NOMEM: no process can be started. */
+iso_status iso_hdf5_guard(const char *path, uint64_t memory, int seconds, void (*work)(void *context),
+                          void *context, volatile int *finished, iso_error *error);
+
+/* Memory of zeros that is shared with child processes; NULL: none. iso_hdf5_unshare. */
+void *iso_hdf5_share(size_t bytes);
+void iso_hdf5_unshare(void *memory, size_t bytes);
+
+/* ---- chunks ---- */
+
+/* The numbers of chunks along x, y and z that hold the voxels, and their sizes in voxels. */
+void iso_hdf5_chunk_grid(const iso_hdf5_array *array, const int dims[3], int counts[3], int voxels[3]);
+/* counts[0] * counts[1] * counts[2]; UINT64_MAX: it does not fit into 64 bits. */
+uint64_t iso_hdf5_chunk_count(const iso_hdf5_array *array, const int dims[3]);
+/* The first element on each axis of the chunk with this number along x, y and z. */
+void iso_hdf5_chunk_start(const iso_hdf5_array *array, const int index[3], uint64_t start[ISO_HDF5_AXES]);
+/* The size in bytes of an unpacked chunk; UINT64_MAX: it does not fit into 64 bits. */
+uint64_t iso_hdf5_chunk_bytes(const iso_hdf5_array *array);
+/* The memory that iso_hdf5_read_chunk needs for unpacking. */
+uint64_t iso_hdf5_chunk_room(const iso_hdf5_array *array);
+
+/* An array whose chunks are read. */
+typedef struct iso_hdf5_source {
+    const char *path; /* for messages */
+    int descriptor;
+    uint64_t file_bytes;
+    iso_hdf5_array array;
+    int dims[3];
+    int counts[3], voxels[3];     /* iso_hdf5_chunk_grid */
+    const iso_hdf5_place *places; /* of all chunks, x fastest; NULL: values in one piece */
+} iso_hdf5_source;
+
+/* Reads and unpacks a chunk into voxels[0] * voxels[1] * voxels[2] values of the array's stored type
+ * (iso_scalar_stored_type), x fastest; those outside of the volume are undefined. `room` has
+ * iso_hdf5_chunk_room bytes. For several threads. ISO_ERR_IO names the file, the array and the chunk. */
+iso_status iso_hdf5_read_chunk(const iso_hdf5_source *source, const int index[3], void *room, void *target,
+                               iso_error *error);
+/* Whether a chunk is not in the file, so that all its values are the array's fill value. */
+bool iso_hdf5_is_absent(const iso_hdf5_source *source, const int index[3]);
+/* The fill value, as a value of the stored type. */
+float iso_hdf5_fill_value(const iso_hdf5_array *array);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,48 @@
+/* library: how the HDF5 reader uses libhdf5, in the child process: opening a file with a driver of our own,
+ * errors, attributes. Identifiers are not closed, because the process ends soon. */
+#ifndef ISO_GRIDS_VOLUME_HDF5_LIBRARY_H
+#define ISO_GRIDS_VOLUME_HDF5_LIBRARY_H
+
+#include <hdf5.h>
+
+#include "grids/volume/hdf5/hdf5.h"
+
+/* A file that libhdf5 reads through the driver. The driver opens this one file, for reading, and no other
+ * that a link or a virtual dataset names. */
+typedef struct iso_hdf5_file {
+    const char *path;
+    hid_t id;
+    int descriptor;
+    uint64_t bytes;
+    bool opened, refused; /* refused: libhdf5 asked for another file */
+    /* While `locating`, values are not read: the place of the last ones that were asked for is kept. */
+    bool locating;
+    iso_hdf5_place place;
+} iso_hdf5_file;
+
+/* Opens a file and silences libhdf5. ISO_ERR_IO, ISO_ERR_FORMAT. */
+iso_status iso_hdf5_open(const char *path, iso_hdf5_file *file, iso_error *error);
+
+/* ISO_ERR_IO "path: what: ..." with libhdf5's innermost message; ISO_ERR_LIMIT when it had no memory. */
+iso_status iso_hdf5_fail(const iso_hdf5_file *file, const char *what, iso_error *error);
+
+/* Whether the last error arose in this function of libhdf5, not in one that it calls. */
+bool iso_hdf5_failed_in(const char *function);
+
+/* Reads item `index` of an attribute of strings; an attribute of single characters is one string (Imaris).
+ * False: there is none. */
+bool iso_hdf5_text(hid_t object, const char *name, size_t index, char *text, size_t room);
+
+/* Reads the numbers of an attribute or of a text of numbers; returns how many there are, at most `room`, or 0.
+ */
+size_t iso_hdf5_numbers(hid_t object, const char *name, double *numbers, size_t room);
+
+/* Opens the object at a path; negative: there is none. */
+hid_t iso_hdf5_object(hid_t parent, const char *path);
+hid_t iso_hdf5_group(hid_t parent, const char *path);
+hid_t iso_hdf5_dataset(hid_t parent, const char *path);
+
+/* Copies the path of an object in the file. */
+void iso_hdf5_path_of(hid_t object, char path[ISO_HDF5_PATH]);
+
+#endif

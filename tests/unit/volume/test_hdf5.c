@@ -1,0 +1,554 @@
+/* HDF5: every way of storage gives the same voxels, arrays are found by the conventions of several programs, and
+ * damaged files end in one line. Files are written by libhdf5. */
+#define _GNU_SOURCE
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include <cmocka.h>
+#include <hdf5.h>
+
+#include "file_support.h"
+#include "grids/volume/volume.h"
+#include "make_volumes.h"
+#include "volume_support.h"
+
+static const char folder[] = ISO_TEST_TMP "/hdf5";
+
+enum { WIDTH = 23, HEIGHT = 17, DEPTH = 12, VOXELS = WIDTH * HEIGHT * DEPTH };
+
+static float value_at(int x, int y, int z, int component) {
+    return (float)((7 * x + 3 * y + 11 * z + 29 * component) % 120);
+}
+
+/* ---- writing ---- */
+
+/* How an array is stored. */
+typedef struct storage {
+    hid_t type; /* 0: uint8 */
+    hsize_t sizes[5];
+    int rank;
+    hsize_t chunk[5]; /* 0: in one piece */
+    bool shuffle, deflate, checksum;
+    int x, y, z, c; /* which axis is which; c < 0: none */
+} storage;
+
+static storage plain(void) {
+    return (storage){.sizes = {DEPTH, HEIGHT, WIDTH}, .rank = 3, .z = 0, .y = 1, .x = 2, .c = -1};
+}
+
+static float *make_values(const storage *s, hsize_t *count) {
+    *count = 1;
+    for (int axis = 0; axis < s->rank; axis++) *count *= s->sizes[axis];
+    float *values = malloc(*count * sizeof *values);
+    for (hsize_t i = 0; i < *count; i++) {
+        int at[5] = {0};
+        hsize_t rest = i;
+        for (int axis = s->rank - 1; axis >= 0; rest /= s->sizes[axis--])
+            at[axis] = (int)(rest % s->sizes[axis]);
+        values[i] = value_at(at[s->x], at[s->y], at[s->z], s->c >= 0 ? at[s->c] : 0);
+    }
+    return values;
+}
+
+static hid_t create_array(hid_t parent, const char *name, const storage *s) {
+    const hid_t creation = H5Pcreate(H5P_DATASET_CREATE), links = H5Pcreate(H5P_LINK_CREATE);
+    H5Pset_create_intermediate_group(links, 1);
+    if (s->chunk[0]) H5Pset_chunk(creation, s->rank, s->chunk);
+    if (s->shuffle) H5Pset_shuffle(creation);
+    if (s->deflate) H5Pset_deflate(creation, 6);
+    if (s->checksum) H5Pset_fletcher32(creation);
+    const hid_t array = H5Dcreate2(parent, name, s->type ? s->type : H5T_STD_U8LE,
+                                   H5Screate_simple(s->rank, s->sizes, NULL), links, creation, H5P_DEFAULT);
+    assert_true(array >= 0);
+    return array;
+}
+
+static hid_t write_array(hid_t parent, const char *name, const storage *s) {
+    hsize_t count;
+    const hid_t array = create_array(parent, name, s);
+    float *values = make_values(s, &count);
+    assert_true(H5Dwrite(array, H5T_NATIVE_FLOAT, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) >= 0);
+    free(values);
+    return array;
+}
+
+static void write_numbers(hid_t object, const char *name, const double *numbers, hsize_t count) {
+    const hid_t space = H5Screate_simple(1, &count, NULL);
+    const hid_t attribute = H5Acreate2(object, name, H5T_IEEE_F64LE, space, H5P_DEFAULT, H5P_DEFAULT);
+    H5Awrite(attribute, H5T_NATIVE_DOUBLE, numbers);
+}
+
+/* A string of fixed length, as h5py's numpy.bytes_. */
+static void write_text(hid_t object, const char *name, const char *text) {
+    const hid_t type = H5Tcopy(H5T_C_S1);
+    H5Tset_size(type, strlen(text));
+    H5Awrite(H5Acreate2(object, name, type, H5Screate(H5S_SCALAR), H5P_DEFAULT, H5P_DEFAULT), type, text);
+}
+
+/* Strings of variable length, as h5py writes str. */
+static void write_texts(hid_t object, const char *name, const char *const *texts, hsize_t count) {
+    const hid_t type = H5Tcopy(H5T_C_S1);
+    H5Tset_size(type, H5T_VARIABLE);
+    const hid_t space = H5Screate_simple(1, &count, NULL);
+    H5Awrite(H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT), type, texts);
+}
+
+/* An array of single characters, as Imaris writes text. */
+static void write_characters(hid_t object, const char *name, const char *text) {
+    const hsize_t count = strlen(text);
+    const hid_t space = H5Screate_simple(1, &count, NULL);
+    H5Awrite(H5Acreate2(object, name, H5T_C_S1, space, H5P_DEFAULT, H5P_DEFAULT), H5T_C_S1, text);
+}
+
+static hid_t make_group(hid_t parent, const char *path) {
+    const hid_t links = H5Pcreate(H5P_LINK_CREATE);
+    H5Pset_create_intermediate_group(links, 1);
+    const hid_t group = H5Gcreate2(parent, path, links, H5P_DEFAULT, H5P_DEFAULT);
+    assert_true(group >= 0);
+    return group;
+}
+
+/* Files are closed with everything in them. */
+static hid_t file_access(void) {
+    const hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+    H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
+    return access;
+}
+
+static hid_t begin(const char *name, bool latest) {
+    const hid_t access = file_access();
+    if (latest) H5Pset_libver_bounds(access, H5F_LIBVER_LATEST, H5F_LIBVER_LATEST);
+    const hid_t file = H5Fcreate(vol_path(folder, name, 0), H5F_ACC_TRUNC, H5P_DEFAULT, access);
+    assert_true(file >= 0);
+    return file;
+}
+
+static const char *write_file(const char *name, const storage *s, bool latest) {
+    const hid_t file = begin(name, latest);
+    write_array(file, "voxels", s);
+    H5Fclose(file);
+    return vol_path(folder, name, 0);
+}
+
+/* ---- checking ---- */
+
+static void check_voxels(const iso_volume *volume, int component) {
+    const int *dims = iso_grid_dims(&volume->grid);
+    assert_int_equal(dims[0], WIDTH);
+    assert_int_equal(dims[1], HEIGHT);
+    assert_int_equal(dims[2], DEPTH);
+    for (int z = 0; z < DEPTH; z++)
+        for (int y = 0; y < HEIGHT; y++)
+            for (int x = 0; x < WIDTH; x++)
+                if (iso_grid_at(&volume->grid, x, y, z) != value_at(x, y, z, component))
+                    fail_msg("voxel %d %d %d: %g, expected %g", x, y, z,
+                             (double)iso_grid_at(&volume->grid, x, y, z),
+                             (double)value_at(x, y, z, component));
+}
+
+static void read_and_check(const char *path, const storage *s) {
+    const int components = s->c >= 0 ? (int)s->sizes[s->c] : 1;
+    for (int component = 0; component < components; component++) {
+        const iso_volume_opts opts = {.component = component};
+        iso_volume volume = test_read_volume(path, &opts);
+        assert_int_equal(volume.info.components, components);
+        check_voxels(&volume, component);
+        iso_volume_free(&volume);
+    }
+}
+
+static void check_numbers(const char *what, const double *numbers, double x, double y, double z) {
+    const double wanted[3] = {x, y, z};
+    for (int i = 0; i < 3; i++)
+        if (!(numbers[i] >= wanted[i] - 1e-9 && numbers[i] <= wanted[i] + 1e-9))
+            fail_msg("%s %d is %.9g, expected %.9g", what, i, numbers[i], wanted[i]);
+}
+
+/* ---- storage ---- */
+
+static void test_every_storage(void **state) {
+    const hid_t types[] = {H5T_STD_U8LE,   H5T_STD_I8LE,   H5T_STD_U16LE, H5T_STD_U16BE, H5T_STD_I16LE,
+                           H5T_STD_I32BE,  H5T_STD_U32LE,  H5T_STD_U64LE, H5T_STD_I64BE, H5T_IEEE_F32LE,
+                           H5T_IEEE_F32BE, H5T_IEEE_F64LE, H5T_IEEE_F64BE};
+    (void)state;
+    for (size_t type = 0; type < sizeof types / sizeof *types; type++)
+        for (int way = 0; way < 10; way++) {
+            storage s = plain();
+            s.type = types[type];
+            if (way > 1) memcpy(s.chunk, (hsize_t[]){5, 7, way % 2 ? 8 : WIDTH}, 3 * sizeof *s.chunk);
+            s.deflate = way > 3;
+            s.shuffle = way > 5;
+            s.checksum = way > 7;
+            read_and_check(write_file("storage.h5", &s, way % 2), &s);
+        }
+}
+
+static void test_components(void **state) {
+    const storage ways[] = {
+        {.sizes = {DEPTH, HEIGHT, WIDTH, 3}, .rank = 4, .z = 0, .y = 1, .x = 2, .c = 3},
+        {.sizes = {3, DEPTH, HEIGHT, WIDTH}, .rank = 4, .z = 1, .y = 2, .x = 3, .c = 0},
+        {.sizes = {1, 3, DEPTH, HEIGHT, WIDTH}, .rank = 5, .z = 2, .y = 3, .x = 4, .c = 1},
+        {.sizes = {1, DEPTH, HEIGHT, WIDTH, 1}, .rank = 5, .z = 1, .y = 2, .x = 3, .c = -1}};
+    (void)state;
+    for (size_t i = 0; i < sizeof ways / sizeof *ways; i++)
+        for (int chunked = 0; chunked < 2; chunked++) {
+            storage s = ways[i];
+            for (int axis = 0; axis < s.rank && chunked; axis++) s.chunk[axis] = s.sizes[axis] < 7 ? 1 : 6;
+            s.deflate = chunked;
+            if (chunked && s.c == 3) s.chunk[3] = 2; /* two components in a chunk, then one */
+            read_and_check(write_file("components.h5", &s, false), &s);
+        }
+}
+
+/* Chunks that were never written have the fill value. */
+static void test_absent_chunks(void **state) {
+    storage s = plain();
+    const hsize_t start[3] = {5, 0, 8}, count[3] = {5, 7, 8};
+    unsigned char fill = 9, values[5 * 7 * 8];
+    (void)state;
+    for (int latest = 0; latest < 2; latest++) {
+        const hid_t file = begin("absent.h5", latest), creation = H5Pcreate(H5P_DATASET_CREATE);
+        H5Pset_chunk(creation, 3, (hsize_t[]){5, 7, 8});
+        H5Pset_fill_value(creation, H5T_NATIVE_UCHAR, &fill);
+        const hid_t space = H5Screate_simple(3, s.sizes, NULL);
+        const hid_t array = H5Dcreate2(file, "a", H5T_STD_U8LE, space, H5P_DEFAULT, creation, H5P_DEFAULT);
+        H5Dcreate2(file, "b", H5T_STD_U8LE, space, H5P_DEFAULT, creation, H5P_DEFAULT);
+        memset(values, 200, sizeof values);
+        H5Sselect_hyperslab(space, H5S_SELECT_SET, start, NULL, count, NULL);
+        H5Dwrite(array, H5T_NATIVE_UCHAR, H5Screate_simple(3, count, NULL), space, H5P_DEFAULT, values);
+        H5Fclose(file);
+        iso_volume_opts opts = {.grid = "a"};
+        iso_volume volume = test_read_volume(vol_path(folder, "absent.h5", 0), &opts);
+        assert_true(iso_grid_at(&volume.grid, 8, 0, 5) == 200 && iso_grid_at(&volume.grid, 15, 6, 9) == 200);
+        assert_true(iso_grid_at(&volume.grid, 7, 0, 5) == 9 && iso_grid_at(&volume.grid, 22, 16, 11) == 9);
+        iso_volume_free(&volume);
+        opts.grid = "/b"; /* nothing was ever written to it */
+        volume = test_read_volume(vol_path(folder, "absent.h5", 0), &opts);
+        assert_true(iso_grid_at(&volume.grid, 0, 0, 0) == 9);
+        iso_volume_free(&volume);
+    }
+}
+
+/* The grid has the bytes of the same voxels in an .nrrd file, and the same place in the world. */
+static void test_same_as_nrrd(void **state) {
+    storage s = plain();
+    char header[300], *nrrd = NULL;
+    unsigned char voxels[VOXELS];
+    hsize_t count;
+    (void)state;
+    s.shuffle = s.deflate = true;
+    s.chunk[0] = s.chunk[1] = s.chunk[2] = 8;
+    const hid_t file = begin("same.h5", false);
+    write_numbers(write_array(file, "a", &s), "element_size_um", (double[]){2000, 1000, 500}, 3);
+    H5Fclose(file);
+    snprintf(header, sizeof header,
+             "NRRD0004\ntype: uint8\ndimension: 3\nsizes: %d %d %d\nspace: left-posterior-superior\nspace "
+             "directions: "
+             "(0.5,0,0) (0,1,0) (0,0,2)\nspace origin: (0,0,0)\nencoding: raw\n\n",
+             WIDTH, HEIGHT, DEPTH);
+    float *values = make_values(&s, &count);
+    for (int i = 0; i < VOXELS; i++) voxels[i] = (unsigned char)values[i];
+    nrrd = malloc(strlen(header) + VOXELS);
+    memcpy(nrrd, header, strlen(header));
+    memcpy(nrrd + strlen(header), voxels, VOXELS);
+    spill(vol_path(folder, "same.nrrd", 1), nrrd, strlen(header) + VOXELS);
+    iso_volume a = test_read_volume(vol_path(folder, "same.h5", 0), NULL),
+               b = test_read_volume(vol_path(folder, "same.nrrd", 1), NULL);
+    assert_int_equal(a.info.type, b.info.type);
+    assert_memory_equal(a.grid.rgrid->data, b.grid.rgrid->data, VOXELS);
+    assert_memory_equal(&a.info.transform, &b.info.transform, sizeof a.info.transform);
+    iso_volume_free(&a);
+    iso_volume_free(&b);
+    free(values);
+    free(nrrd);
+}
+
+/* ---- which array ---- */
+
+static void test_choice(void **state) {
+    storage s = plain(), other = plain();
+    (void)state;
+    other.sizes[0] = 3;
+    hid_t file = begin("choice.h5", false);
+    write_array(file, "group/voxels", &s);
+    other.rank = 2;
+    write_array(file, "flat", &other);
+    H5Fclose(file);
+    const char *path = vol_path(folder, "choice.h5", 0);
+    read_and_check(path, &s);
+    file = H5Fopen(path, H5F_ACC_RDWR, file_access());
+    other.rank = 3;
+    write_array(file, "few", &other);
+    H5Fclose(file);
+    test_expect_no_volume(path, NULL, ISO_ERR_FORMAT, NULL,
+                          "/few: (3, 17, 23) uint8; /group/voxels: (12, 17, 23)");
+    const iso_volume_opts named = {.grid = "/group/voxels"}, missing = {.grid = "none"};
+    iso_volume volume = test_read_volume(path, &named);
+    check_voxels(&volume, 0);
+    assert_int_equal(volume.info.item_count, 2);
+    iso_volume_free(&volume);
+    read_and_check(vol_path(folder, "choice.h5:/group/voxels", 1), &s);
+    test_expect_no_volume(path, &missing, ISO_ERR_USAGE, NULL, "has no array /none");
+    test_expect_no_volume(vol_path(folder, "choice.h5:/few", 1), &named, ISO_ERR_USAGE, NULL, "another one");
+    test_expect_no_volume(vol_path(folder, "choice.h5:/group", 1), NULL, ISO_ERR_USAGE, NULL, "no array");
+}
+
+static void test_imaris(void **state) {
+    storage s = plain();
+    const char *const sizes[] = {"23", "17", "12"}, *const ends[] = {"22.5", "17", "34"};
+    char name[64];
+    (void)state;
+    const hid_t file = begin("imaris.ims", false), image = make_group(file, "DataSetInfo/Image");
+    for (int axis = 0; axis < 3; axis++) {
+        snprintf(name, sizeof name, "ExtMin%d", axis);
+        write_characters(image, name, axis == 2 ? "10" : axis == 0 ? "-.5" : "0");
+        snprintf(name, sizeof name, "ExtMax%d", axis);
+        write_characters(image, name, ends[axis]);
+    }
+    s.sizes[0] = s.sizes[1] = s.sizes[2] = 24; /* padded to whole chunks */
+    s.chunk[0] = s.chunk[1] = s.chunk[2] = 8;
+    s.deflate = true;
+    for (int c = 0; c < 2; c++) {
+        snprintf(name, sizeof name, "DataSet/ResolutionLevel 0/TimePoint 0/Channel %d", c);
+        const hid_t channel = make_group(file, name);
+        for (int axis = 0; axis < 3; axis++) {
+            snprintf(name, sizeof name, "ImageSize%c", "XYZ"[axis]);
+            write_characters(channel, name, sizes[axis]);
+        }
+        write_array(channel, "Data", &s);
+    }
+    H5Fclose(file);
+    const iso_volume_opts second = {.component = 1}, third = {.component = 2};
+    iso_volume volume = test_read_volume(vol_path(folder, "imaris.ims", 0), &second);
+    check_voxels(&volume, 0);
+    assert_int_equal(volume.info.components, 2);
+    assert_non_null(strstr(volume.info.name, "Channel 1"));
+    check_numbers("spacing", volume.info.transform.spacing, 1e-3, 1e-3, 2e-3);
+    check_numbers("origin", volume.info.transform.origin, 0, 0.5e-3, 11e-3);
+    iso_volume_free(&volume);
+    test_expect_no_volume(vol_path(folder, "imaris.ims", 0), &third, ISO_ERR_USAGE, NULL, "no component 2");
+}
+
+static void test_bigdataviewer(void **state) {
+    storage s = plain();
+    const double factors[2][3] = {{1, 1, 1}, {2, 2, 1}};
+    const hsize_t sizes[2] = {2, 3};
+    (void)state;
+    s.type = H5T_STD_I16LE;
+    const hid_t file = begin("bdv.h5", false);
+    write_array(file, "t00000/s00/0/cells", &s);
+    write_array(file, "t00000/s00/1/cells", &s);
+    const hid_t table = H5Dcreate2(make_group(file, "s00"), "resolutions", H5T_IEEE_F64LE,
+                                   H5Screate_simple(2, sizes, NULL), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+    H5Dwrite(table, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, factors);
+    H5Fclose(file);
+    iso_volume volume = test_read_volume(vol_path(folder, "bdv.h5", 0), NULL);
+    check_voxels(&volume, 0);
+    assert_int_equal(volume.info.type, ISO_UINT16);
+    assert_true(test_has_note(&volume.info, "level 0 of 2") &&
+                test_has_note(&volume.info, "only the ratios"));
+    iso_volume_free(&volume);
+    volume = test_read_volume(vol_path(folder, "bdv.h5:/t00000/s00/1/cells", 0), NULL);
+    check_numbers("spacing", volume.info.transform.spacing, 2, 2, 1);
+    check_numbers("origin", volume.info.transform.origin, 0.5, 0.5, 0);
+    iso_volume_free(&volume);
+}
+
+/* Coordinates of an axis of a NeXus group. */
+static void write_axis(hid_t group, const char *name, int size, double first, double step, const char *unit) {
+    const hsize_t count = (hsize_t)size;
+    double values[64];
+    for (int i = 0; i < size; i++) values[i] = first + i * step;
+    const hid_t array = H5Dcreate2(group, name, H5T_IEEE_F64LE, H5Screate_simple(1, &count, NULL),
+                                   H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+    H5Dwrite(array, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values);
+    write_text(array, "units", unit);
+}
+
+static void test_nexus(void **state) {
+    storage s = plain();
+    (void)state;
+    const hid_t file = begin("nexus.nxs", true), entry = make_group(file, "scan"),
+                data = make_group(entry, "sinogram"), good = make_group(entry, "volume");
+    write_text(file, "default", "scan");
+    write_text(entry, "NX_class", "NXentry");
+    write_text(entry, "default", "volume");
+    write_text(data, "NX_class", "NXdata");
+    write_text(good, "NX_class", "NXdata");
+    write_text(good, "signal", "density");
+    write_texts(good, "axes", (const char *const[]){"depth", "row", "column"}, 3);
+    write_array(good, "density", &s);
+    s.sizes[0] = 2;
+    write_array(good, "errors", &s);
+    write_axis(good, "depth", DEPTH, 5, 2, "mm");
+    write_axis(good, "row", HEIGHT + 1, 0, 3, "um"); /* the voxels' borders */
+    write_axis(good, "column", WIDTH, 1, -4, "nm");
+    H5Fclose(file);
+    iso_volume volume = test_read_volume(vol_path(folder, "nexus.nxs", 0), NULL);
+    check_voxels(&volume, 0);
+    check_numbers("spacing", volume.info.transform.spacing, 4e-6, 3e-3, 2);
+    check_numbers("origin", volume.info.transform.origin, 1e-6, 1.5e-3, 5);
+    check_numbers("direction", volume.info.transform.direction, -1, 0, 0);
+    iso_volume_free(&volume);
+    read_and_check(vol_path(folder, "nexus.nxs:/scan/volume", 0), &s);
+}
+
+static void test_vtkhdf(void **state) {
+    storage s = plain();
+    (void)state;
+    const hid_t file = begin("image.vtkhdf", false), root = make_group(file, "VTKHDF");
+    const hid_t points = make_group(root, "PointData"), cells = make_group(root, "CellData");
+    write_text(root, "Type", "ImageData");
+    write_numbers(root, "WholeExtent", (double[]){4, 4 + WIDTH - 1, 0, HEIGHT - 1, -2, DEPTH - 3}, 6);
+    write_numbers(root, "Origin", (double[]){1, 2, 3}, 3);
+    write_numbers(root, "Spacing", (double[]){0.5, 1, 2}, 3);
+    write_numbers(root, "Direction", (double[]){0, -1, 0, 1, 0, 0, 0, 0, 1}, 9);
+    write_text(points, "Scalars", "rho");
+    write_array(points, "rho", &s);
+    s.sizes[2] = 2;
+    write_array(points, "aaa", &s);
+    write_array(cells, "cell", &s);
+    H5Fclose(file);
+    const char *path = vol_path(folder, "image.vtkhdf", 0);
+    iso_volume volume = test_read_volume(path, NULL);
+    check_voxels(&volume, 0);
+    check_numbers("spacing", volume.info.transform.spacing, 0.5, 1, 2);
+    check_numbers("origin", volume.info.transform.origin, 1, 4, -1);
+    iso_volume_free(&volume);
+    const iso_volume_opts named = {.grid = "cell"};
+    volume = test_read_volume(path, &named);
+    check_numbers("origin of cells", volume.info.transform.origin, 0.5, 4.25, 0);
+    iso_volume_free(&volume);
+    const hid_t other = begin("mesh.vtkhdf", false);
+    write_text(make_group(other, "VTKHDF"), "Type", "UnstructuredGrid");
+    H5Fclose(other);
+    test_expect_no_volume(vol_path(folder, "mesh.vtkhdf", 0), NULL, ISO_ERR_FORMAT, NULL, "UnstructuredGrid");
+}
+
+/* ---- refused ---- */
+
+static void test_other_files(void **state) {
+    storage s = plain();
+    (void)state;
+    write_file("source.h5", &s, false);
+    hid_t file = begin("link.h5", false);
+    H5Lcreate_external("source.h5", "/voxels", file, "voxels", H5P_DEFAULT, H5P_DEFAULT);
+    H5Fclose(file);
+    const char *path = vol_path(folder, "link.h5", 0);
+    test_expect_no_volume(path, NULL, ISO_ERR_UNSUPPORTED, NULL, "name source.h5:/voxels");
+    test_expect_no_volume(vol_path(folder, "link.h5:/voxels", 1), NULL, ISO_ERR_UNSUPPORTED, NULL,
+                          "source.h5");
+    file = begin("virtual.h5", true);
+    const hid_t creation = H5Pcreate(H5P_DATASET_CREATE), space = H5Screate_simple(3, s.sizes, NULL);
+    H5Pset_virtual(creation, space, "source.h5", "/voxels", space);
+    H5Dcreate2(file, "a", H5T_STD_U8LE, space, H5P_DEFAULT, creation, H5P_DEFAULT);
+    H5Fclose(file);
+    test_expect_no_volume(vol_path(folder, "virtual.h5", 0), NULL, ISO_ERR_UNSUPPORTED, NULL, "virtual");
+    file = begin("external.h5", false);
+    const hid_t outside = H5Pcreate(H5P_DATASET_CREATE);
+    H5Pset_external(outside, "/etc/passwd", 0, VOXELS);
+    H5Dcreate2(file, "a", H5T_STD_U8LE, space, H5P_DEFAULT, outside, H5P_DEFAULT);
+    H5Fclose(file);
+    test_expect_no_volume(vol_path(folder, "external.h5", 0), NULL, ISO_ERR_UNSUPPORTED, NULL,
+                          "another file");
+}
+
+static void test_refused(void **state) {
+    storage s = plain();
+    const iso_volume_opts small = {.max_memory = 1000};
+    (void)state;
+    test_expect_no_volume(write_file("limit.h5", &s, false), &small, ISO_ERR_LIMIT, NULL, "--max-memory");
+    const hid_t file = begin("offset.h5", false), creation = H5Pcreate(H5P_DATASET_CREATE);
+    H5Pset_chunk(creation, 3, (hsize_t[]){4, 4, 4});
+    H5Pset_scaleoffset(creation, H5Z_SO_INT, 0);
+    H5Dcreate2(file, "a", H5T_STD_U16LE, H5Screate_simple(3, s.sizes, NULL), H5P_DEFAULT, creation,
+               H5P_DEFAULT);
+    H5Fclose(file);
+    test_expect_no_volume(vol_path(folder, "offset.h5", 0), NULL, ISO_ERR_UNSUPPORTED, NULL, "scaleoffset");
+    s.rank = 2;
+    test_expect_no_volume(write_file("flat.h5", &s, false), NULL, ISO_ERR_FORMAT, NULL, "three axes");
+}
+
+/* A small file that claims a petabyte ends at the limit of memory. */
+static void test_huge(void **state) {
+    storage s = plain();
+    const iso_volume_opts opts = {.max_memory = 64 << 20};
+    (void)state;
+    s.sizes[0] = s.sizes[1] = s.sizes[2] = 100000;
+    s.chunk[0] = s.chunk[1] = s.chunk[2] = 64;
+    const hid_t file = begin("huge.h5", false);
+    create_array(file, "a", &s);
+    H5Fclose(file);
+    test_expect_no_volume(vol_path(folder, "huge.h5", 0), &opts, ISO_ERR_LIMIT, NULL, "--max-memory");
+}
+
+static void test_truncated(void **state) {
+    storage s = plain();
+    size_t count;
+    (void)state;
+    s.chunk[0] = s.chunk[1] = s.chunk[2] = 8;
+    s.deflate = true;
+    char *bytes = slurp(write_file("whole.h5", &s, false), &count);
+    const char *cut = vol_path(folder, "cut.h5", 0);
+    for (size_t length = 8; length < count; length += 97) {
+        spill(cut, bytes, length);
+        test_expect_no_volume(cut, NULL, ISO_ERR_IO, NULL, "truncated");
+    }
+    free(bytes);
+}
+
+/* A chunk whose compressed bytes are damaged is named. */
+static void test_damaged_chunk(void **state) {
+    storage s = plain();
+    size_t count;
+    haddr_t address;
+    hsize_t bytes;
+    unsigned skipped;
+    (void)state;
+    s.chunk[0] = s.chunk[1] = s.chunk[2] = 8;
+    s.deflate = true;
+    const hid_t file = begin("chunk.h5", false), array = write_array(file, "voxels", &s);
+    H5Fflush(file, H5F_SCOPE_GLOBAL);
+    H5Dget_chunk_info_by_coord(array, (hsize_t[]){8, 0, 16}, &skipped, &address, &bytes);
+    H5Fclose(file);
+    const char *path = vol_path(folder, "chunk.h5", 0);
+    unsigned char *whole = slurp(path, &count);
+    memset(whole + address + 2, 0xff, bytes - 2);
+    spill(path, whole, count);
+    test_expect_no_volume(path, NULL, ISO_ERR_IO, NULL, "/voxels, the chunk at 8,0,16: damaged");
+    free(whole);
+}
+
+static void test_damaged(void **state) {
+    storage s = plain();
+    (void)state;
+    s.chunk[0] = s.chunk[1] = s.chunk[2] = 8;
+    s.deflate = s.shuffle = true;
+    test_read_damaged(write_file("damaged.h5", &s, false), 8, 150, "damaged.h5");
+    test_read_damaged(write_file("damaged.h5", &s, true), 8, 150, "damaged.h5");
+}
+
+static int make_place(void **state) {
+    (void)state;
+    mkdir(folder, 0777);
+    return 0;
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_every_storage), cmocka_unit_test(test_components),
+        cmocka_unit_test(test_absent_chunks), cmocka_unit_test(test_same_as_nrrd),
+        cmocka_unit_test(test_choice),        cmocka_unit_test(test_imaris),
+        cmocka_unit_test(test_bigdataviewer), cmocka_unit_test(test_nexus),
+        cmocka_unit_test(test_vtkhdf),        cmocka_unit_test(test_other_files),
+        cmocka_unit_test(test_refused),       cmocka_unit_test(test_huge),
+        cmocka_unit_test(test_truncated),     cmocka_unit_test(test_damaged_chunk),
+        cmocka_unit_test(test_damaged)};
+    return cmocka_run_group_tests(tests, make_place, NULL);
+}
