@@ -135,7 +135,7 @@ def volume_seeds():
 def corpus_seeds(corpus):
     """The fuzzer's files, less their first byte, which chooses how it reads them.."""
     for name in sorted(os.listdir(corpus)):
-        if name.startswith(("mha", "nii", "vti", "vtk")):
+        if name.startswith(("mha", "nii", "vti", "vtk", "h5")):
             with open(os.path.join(corpus, name), "rb") as file:
                 yield name, {"a." + name.split("-")[0]: file.read()[1:]}
 
