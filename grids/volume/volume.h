@@ -52,8 +52,8 @@ typedef struct iso_component_axes {
 /* All zero means the default. Strings are borrowed for the call. */
 typedef struct iso_volume_opts {
     /* The .vdb grid's name, NULL: the only one, or the first level set, or the first scalar one. The .vti or
-     * .vtk array's name, NULL: the active scalars, or the first array. The path of the array of an HDF5 file, as
-     * in FILE:/path; NULL: the one that the file is about by its conventions, or the only one. */
+     * .vtk array's name, NULL: the active scalars, or the first array. The path of an array of an HDF5 file,
+     * as in FILE:/path; NULL: the one that the file is about by its conventions, or the only one. */
     const char *grid;
     const char
         *series;   /* DICOM: series instance UID, or its number (from 1) as listed by iso_volume_read_info */
@@ -84,9 +84,9 @@ typedef struct iso_volume {
     iso_grid grid;
 } iso_volume;
 
-/* Reads only the header of `path` (a file, a folder, or FILE:/array). Errors: ISO_ERR_IO (missing, unreadable,
- * truncated), ISO_ERR_FORMAT (not a volume), ISO_ERR_UNSUPPORTED, ISO_ERR_USAGE (no such component, grid or
- * series), ISO_ERR_BRIDGE. Each text names the file. */
+/* Reads only the header of `path` (a file, a folder, or FILE:/array). Errors: ISO_ERR_IO (missing,
+ * unreadable, truncated), ISO_ERR_FORMAT (not a volume), ISO_ERR_UNSUPPORTED, ISO_ERR_USAGE (no such
+ * component, grid or series), ISO_ERR_BRIDGE. Each text names the file. */
 iso_status iso_volume_read_info(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
                                 iso_error *error);
 

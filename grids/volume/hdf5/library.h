@@ -33,8 +33,7 @@ bool iso_hdf5_failed_in(const char *function);
  * False: there is none. */
 bool iso_hdf5_text(hid_t object, const char *name, size_t index, char *text, size_t room);
 
-/* Reads the numbers of an attribute or of a text of numbers; returns how many there are, at most `room`, or 0.
- */
+/* Reads the numbers of an attribute, or of a text of numbers. Returns how many there are, at most `room`. */
 size_t iso_hdf5_numbers(hid_t object, const char *name, double *numbers, size_t room);
 
 /* Opens the object at a path; negative: there is none. */
