@@ -348,8 +348,8 @@ static void put_transparency(const report *r, FILE *stream) {
             const double psnr = isocompare_psnr_value(r->transparency.psnr[c][i]);
             fprintf(stream, "<td>%s</td>", isocompare_metric_text(psnr, "%.2f", text, sizeof text));
         }
-        fprintf(stream, "<td>%s</td></tr>\n",
-                isocompare_metric_text(1e3 * r->transparency.seconds[c], "%.3g", text, sizeof text));
+        isocompare_put_cell(stream, 1e3 * r->transparency.seconds[c], "");
+        fputs("</tr>\n", stream);
     }
     fputs("</tbody></table></div>\n", stream);
 }

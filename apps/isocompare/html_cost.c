@@ -4,16 +4,15 @@
 
 #include "apps/isocompare/report.h"
 
-/* Writes a cell of a table with a rate or a percentage; a dash if it is not known. */
-static void put_cell(FILE *stream, double value, const char *unit) {
+void isocompare_put_cell(FILE *stream, double value, const char *unit) {
     if (isnan(value))
         fputs("<td>–</td>", stream);
     else
-        fprintf(stream, "<td>%.3g%s</td>", value, unit);
+        fprintf(stream, value >= 999.5 ? "<td>%.0f%s</td>" : "<td>%.3g%s</td>", value, unit);
 }
 
 static void put_rate(FILE *stream, const iso_cost_frame *frame) {
-    put_cell(stream, 1 / frame->median, "");
+    isocompare_put_cell(stream, 1 / frame->median, "");
 }
 
 static void put_row_head(int number, FILE *stream) {
@@ -36,7 +35,7 @@ static void put_primitives(const iso_cost_study *study, FILE *stream) {
         isocompare_put_milliseconds(stream, row->generation);
         fputs("</td>", stream);
         put_rate(stream, &row->still);
-        put_cell(stream, 1 / row->still.best, "");
+        isocompare_put_cell(stream, 1 / row->still.best, "");
         fputs("</tr>\n", stream);
     }
     fprintf(stream,
@@ -56,7 +55,7 @@ static void put_edits(const iso_cost_study *study, FILE *stream) {
         const iso_cost_row *row = &study->rows[i];
         put_row_head(i, stream);
         put_rate(stream, &row->edited);
-        put_cell(stream, 100 * row->still.median / row->edited.median, " %");
+        isocompare_put_cell(stream, 100 * row->still.median / row->edited.median, " %");
         fputs("</tr>\n", stream);
     }
     fputs("</tbody></table></div>\n", stream);
@@ -75,9 +74,9 @@ static void put_strokes(const iso_stroke_cost *cost, FILE *stream) {
           stream);
     for (int i = 0; i < ISO_COST_METHODS; i++) {
         put_row_head(i, stream);
-        put_cell(stream, 1e3 * cost->rows[i].update, "");
-        put_cell(stream, 1e3 * cost->rows[i].frame, "");
-        put_cell(stream, 1 / (cost->edit + cost->rows[i].update + cost->rows[i].frame), "");
+        isocompare_put_cell(stream, 1e3 * cost->rows[i].update, "");
+        isocompare_put_cell(stream, 1e3 * cost->rows[i].frame, "");
+        isocompare_put_cell(stream, 1 / (cost->edit + cost->rows[i].update + cost->rows[i].frame), "");
         fputs("</tr>\n", stream);
     }
     fputs("</tbody></table></div>\n", stream);

@@ -25,11 +25,6 @@ static void put_selection(const report *r, FILE *stream) {
     fputs("</tbody></table></div>\n", stream);
 }
 
-static void put_rate(double seconds, FILE *stream) {
-    char text[40];
-    fprintf(stream, "<td>%s</td></tr>\n", isocompare_metric_text(1 / seconds, "%.3g", text, sizeof text));
-}
-
 static void put_splats(const report *r, FILE *stream) {
     fprintf(stream,
             "<h3>Splats in groups</h3>\n<p class=soft>Splats of one group must not overlap by more than c "
@@ -45,11 +40,12 @@ static void put_splats(const report *r, FILE *stream) {
                 r->splats.rows[i].groups, r->splats.rows[i].mean_degree);
         isocompare_put_milliseconds(stream, r->splats.rows[i].grouping);
         fputs("</td>", stream);
-        put_rate(r->splats.rows[i].frame, stream);
+        isocompare_put_cell(stream, 1 / r->splats.rows[i].frame, "");
+        fputs("</tr>\n", stream);
     }
     fputs("<tr><td>no groups</td><td>–</td><td>–</td><td>–</td>", stream);
-    put_rate(r->splats.ungrouped, stream);
-    fputs("</tbody></table></div>\n", stream);
+    isocompare_put_cell(stream, 1 / r->splats.ungrouped, "");
+    fputs("</tr>\n</tbody></table></div>\n", stream);
 }
 
 void isocompare_put_points(const report *r, FILE *stream) {

@@ -98,7 +98,9 @@ void isocompare_put_text(FILE *stream, const char *text);
  * or with a unit as "1.23 MB". */
 void isocompare_put_milliseconds(FILE *stream, double seconds);
 void isocompare_put_amount(FILE *stream, double value, const char *unit);
-/* html_cost.c: the tables of what extraction and frames cost. */
+/* html_cost.c: writes a cell of a table with a rate, a time or a percentage; a dash if it is NaN. */
+void isocompare_put_cell(FILE *stream, double value, const char *unit);
+/* The tables of what extraction and frames cost. */
 void isocompare_put_costs(const report *r, FILE *stream);
 /* html_points.c: the tables of what is selected from the points, and of splats in groups. */
 void isocompare_put_points(const report *r, FILE *stream);
