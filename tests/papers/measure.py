@@ -28,7 +28,7 @@ class Machine:
 
     def __init__(self, programs, source, folder):
         self.programs, self.source, self.folder = programs, source, folder
-        self.display = None
+        self.display = self.gl = None
         os.makedirs(folder, exist_ok=True)
 
     def path(self, name):
@@ -76,6 +76,16 @@ class Machine:
         _, command = self.run("bench", what, "--filter", rows, "--json", out)
         with open(out, encoding="utf-8") as file:
             return {row["name"]: row for row in json.load(file)["benchmarks"] if "real_time" in row}, command
+
+    def gl_backend(self):
+        """isorender's --backend for the gl engine, and what draws there: a GPU if there is one, else Mesa's llvmpipe."""
+        if self.gl is None:
+            lines, _ = self.run("isorender", "--list-backends")
+            found = [line.split(None, 1) for line in lines.splitlines() if line.startswith(("egl", "osmesa"))]
+            gpus = [line for line in found if line[0] == "egl" and "llvmpipe" not in line[1] and "OpenGL" in line[1]]
+            backend, renderer = (gpus or [line for line in found if line[0] == "osmesa"])[0]
+            self.gl = backend, renderer.strip() + ("" if gpus else "; there is no GPU")
+        return self.gl
 
     def report_of(self, name, *words):
         """isocompare report on a volume or a stroke file; returns its numbers and the command."""

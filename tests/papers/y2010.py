@@ -59,7 +59,7 @@ def figures_4_and_5(machine, table):
         polygons = vtk_rate(machine, "balls", "balls-%d" % count) if count <= 100_000 else None
         sprites = vtk_rate(machine, "spheres", name)
         table.row("{:,} spheres, frames/s".format(count), exact, our_rate(machine, name, "--glyph-projection", "billboard"),
-                  our_rate(machine, name, "--glyph-projection", "billboard", "--backend", "osmesa")
+                  our_rate(machine, name, "--glyph-projection", "billboard", "--backend", machine.gl_backend()[0])
                   if count <= 100_000 else None, sprites, polygons)
         if polygons:
             lead.append((count, sprites.value / polygons.value, exact.value / sprites.value))
@@ -80,7 +80,7 @@ def figure_9(machine, table):
         polygons = vtk_rate(machine, "cones", name)
         table.row("{:,} cones, frames/s".format(count), exact,
                   our_rate(machine, name, *glyph, "--glyph-projection", "billboard"),
-                  our_rate(machine, name, *glyph, "--glyph-projection", "billboard", "--backend", "osmesa")
+                  our_rate(machine, name, *glyph, "--glyph-projection", "billboard", "--backend", machine.gl_backend()[0])
                   if count <= 100_000 else None, polygons)
         lead.append(exact.value / polygons.value)
     for projection in ("exact", "billboard"):
