@@ -46,6 +46,7 @@ wanted += [f"render/together/{what}/threads:1" for what in
             "trees-1/pullpush", "trees-10/exact")]
 wanted += [f"process/isorender_{method}/ct48.vti/threads:{n}" for method in ("mesh", "exact") for n in (1, 2)]
 wanted += [f"sculpt/hand/ball64/r6{seen}/threads:{n}" for n in (1, 2) for seen in ("", "/x-ray-under", "/x-ray-over")]
+wanted += [f"render/{copies}/{mode}/threads:1" for copies in ("moving/20", "forest/30") for mode in ("all", "selected", "detail")]
 drawn_by = next((name.rsplit("/", 1)[1] for name in listed if name.startswith("render/gl_points/")), None)
 if drawn_by:
     wanted += [f"render/gl_{method}/{what}/{drawn_by}" for method in ("points", "pullpush") for what in [*spheres, "25k"]]
