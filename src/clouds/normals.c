@@ -1,5 +1,5 @@
-/* normals: directions by principal component analysis; signs by Kruskal's algorithm, with sets of points that
- * know the signs of their members relative to each other. */
+/* normals: directions by principal component analysis, refined by quadratic functions; signs by Kruskal's
+ * algorithm, with sets of points that know the signs of their members relative to each other. */
 #include "clouds/normals.h"
 
 #include <math.h>
@@ -9,6 +9,7 @@
 #include "base/geometry.h"
 #include "base/memory.h"
 #include "base/tensor.h"
+#include "clouds/quadric.h"
 
 enum {
     CHUNK = 1024,      /* points of a task */
@@ -252,6 +253,17 @@ static iso_status turn_sets(estimate *e, uint32_t given, iso_error *error) {
     return ISO_OK;
 }
 
+/* Replaces an estimated normal by that of a quadratic function, where one fits better. This is the last step:
+ * signs spread more reliably along the directions of planes. */
+static void refine(estimate *e, size_t slot) {
+    const iso_vec3 at = position_at(e, slot);
+    iso_vec3 offsets[ISO_CLOUD_NEIGHBOURS], normal = normal_at(e, slot);
+    if (e->given[slot]) return;
+    for (int i = 0; i < ISO_CLOUD_NEIGHBOURS; i++)
+        offsets[i] = iso_vec3_sub(position_at(e, e->neighbours[slot][i]), at);
+    if (iso_quadric_normal(offsets, ISO_CLOUD_NEIGHBOURS, &normal)) set_normal(e, slot, normal);
+}
+
 static iso_status allocate(estimate *e, iso_error *error) {
     const size_t count = e->tree->count;
     e->given = iso_alloc(count * sizeof *e->given);
@@ -273,6 +285,7 @@ iso_status iso_normals_estimate(const iso_tree *tree, const iso_neighbour_row *n
         unite_pairs(&e);
         apply_signs(&e, given);
         status = turn_sets(&e, given, error);
+        walk_points(&e, pool, refine);
     }
     iso_free(e.given);
     iso_free(e.reliabilities);

@@ -18,7 +18,8 @@ typedef uint32_t iso_neighbour_row[ISO_CLOUD_NEIGHBOURS];
 /* Sets the normals that are 0; the others are given and stay as they are. `normals`: by slot.
  *
  * A normal is the direction in which the neighbours of a point extend least (Hoppe et al. 1992, "Surface
- * reconstruction from unorganized points", section 3.1). Its sign is propagated from neighbour to neighbour
+ * reconstruction from unorganized points", section 3.1), or that of a quadratic function if one fits them
+ * better (clouds/quadric.h). Its sign is propagated from neighbour to neighbour
  * along the most reliable pairs first, a minimum spanning tree (section 3.3), as follows: on a circular arc
  * through two points, the normal of one is the mirror image of the other's, so a pair is the more reliable
  * the more parallel one normal is to the mirror image of the other (Konig and Gumhold 2009, "Consistent
