@@ -21,6 +21,8 @@ typedef struct worker_counts {
 
 struct iso_value_counter {
     const iso_rgrid *grid;
+    const iso_rgrid *window; /* where voxels are read: `grid`, or a part of it */
+    int origin[3];           /* of the window */
     worker_counts *workers;
     int worker_count;
     iso_value_counts *sum;
@@ -80,15 +82,18 @@ static void count_row(worker_counts *counts, iso_type type, const void *values, 
     if (counts->word_count >= FOLD_EVERY) fold_words(counts, type);
 }
 
-static const char *voxel(const iso_rgrid *grid, int x, int y, int z) {
-    const ptrdiff_t at = x + y * grid->stride_y + z * grid->stride_z;
+static const char *voxel(const iso_value_counter *counter, int x, int y, int z) {
+    const iso_rgrid *grid = counter->window;
+    const int *origin = counter->origin;
+    const ptrdiff_t at = x - origin[0] + (y - origin[1]) * grid->stride_y + (z - origin[2]) * grid->stride_z;
     return (const char *)grid->data + at * (ptrdiff_t)iso_type_size(grid->type);
 }
 
 /* Counts the voxels of a row that lie on faces of the volume. */
-static void count_faces(const iso_rgrid *grid, worker_counts *counts, const int lo[3], const int hi[3], int y,
-                        int z) {
-    const void *values = voxel(grid, lo[0], y, z);
+static void count_faces(const iso_value_counter *counter, worker_counts *counts, const int lo[3],
+                        const int hi[3], int y, int z) {
+    const iso_rgrid *grid = counter->grid;
+    const void *values = voxel(counter, lo[0], y, z);
     const int n = hi[0] - lo[0], *dims = grid->dims;
     uint64_t *faces = counts->values.faces;
     if (y == 0 || z == 0 || y == dims[1] - 1 || z == dims[2] - 1) {
@@ -112,11 +117,11 @@ void iso_value_counter_add(iso_value_counter *counter, int worker, const int lo[
     worker_counts *counts = &counter->workers[worker];
     for (int z = lo[2]; z < hi[2]; z++)
         for (int y = lo[1]; y < hi[1]; y++) {
-            const void *row = voxel(grid, lo[0], y, z);
+            const void *row = voxel(counter, lo[0], y, z);
             if (ahead && y + ahead < grid->dims[1])
-                fetch(voxel(grid, lo[0], y + ahead, z), n * iso_type_size(grid->type));
+                fetch(voxel(counter, lo[0], y + ahead, z), n * iso_type_size(grid->type));
             count_row(counts, grid->type, row, n);
-            count_faces(grid, counts, lo, hi, y, z);
+            count_faces(counter, counts, lo, hi, y, z);
         }
 }
 
@@ -124,7 +129,7 @@ void iso_value_counter_add_constant(iso_value_counter *counter, int worker, cons
                                     const int hi[3]) {
     const iso_rgrid *grid = counter->grid;
     iso_value_counts *values = &counter->workers[worker].values;
-    const int index = index_of(grid->type, voxel(grid, lo[0], lo[1], lo[2]), 0);
+    const int index = index_of(grid->type, voxel(counter, lo[0], lo[1], lo[2]), 0);
     uint64_t all = 1, inner = 1; /* voxels, and those of them that are on no face */
     for (int axis = 0; axis < 3; axis++) {
         const int first = lo[axis] == 0, last = hi[axis] == grid->dims[axis], n = hi[axis] - lo[axis];
@@ -133,6 +138,11 @@ void iso_value_counter_add_constant(iso_value_counter *counter, int worker, cons
     }
     values->all[index] += all;
     values->faces[index] += all - inner;
+}
+
+void iso_value_counter_set_window(iso_value_counter *counter, const iso_rgrid *window, const int origin[3]) {
+    counter->window = window;
+    memcpy(counter->origin, origin, sizeof counter->origin);
 }
 
 void iso_value_counter_destroy(iso_value_counter *counter) {
@@ -146,7 +156,7 @@ iso_status iso_value_counter_create(const iso_rgrid *grid, int workers, iso_valu
                                     iso_error *error) {
     iso_value_counter *made = iso_alloc_zero(1, sizeof *made);
     if (made) {
-        made->grid = grid;
+        made->grid = made->window = grid;
         made->worker_count = workers;
         made->workers = iso_alloc_zero((size_t)workers, sizeof *made->workers);
         made->sum = iso_alloc_zero(1, sizeof *made->sum);

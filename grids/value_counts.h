@@ -45,6 +45,10 @@ void iso_value_counter_add(iso_value_counter *counter, int worker, const int lo[
 /* The same for voxels that all have the value of the voxel `lo`, which alone is read. */
 void iso_value_counter_add_constant(iso_value_counter *counter, int worker, const int lo[3], const int hi[3]);
 
+/* From now on the voxels are read from `window`, a grid of the same type whose voxel (0, 0, 0) is voxel
+ * `origin` of the counter's grid, and which is borrowed. For grids that are not in memory as a whole. */
+void iso_value_counter_set_window(iso_value_counter *counter, const iso_rgrid *window, const int origin[3]);
+
 /* Returns the sums of all workers (iso_free when done) and destroys the counter. */
 iso_value_counts *iso_value_counter_finish(iso_value_counter *counter);
 

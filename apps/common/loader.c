@@ -11,6 +11,7 @@
 #include "base/memory.h"
 #include "base/text.h"
 #include "grids/scenes/scenes.h"
+#include "grids/volume/tiled.h"
 #include "io/glyphs/glyphs_read.h"
 #include "source/strokes.h"
 
@@ -205,16 +206,49 @@ iso_status iso_loader_read(iso_loader *loader, iso_error *error) {
         report_reading(loader, 1);
     }
     ISO_TRY(iso_input_crop(loader->options, loader->crop, &loader->volume.grid, error));
-    if (loader->mapped) return ISO_OK;
-    loader->nonfinite = iso_grid_count_nonfinite(&loader->volume.grid, loader->pool);
+    return loader->mapped ? ISO_OK : iso_loader_count_nonfinite(loader, error);
+}
+
+bool iso_loader_has_tiles(const iso_loader *loader) {
+    const iso_rgrid *grid = loader->volume.grid.rgrid;
+    return grid && iso_tiled_is(grid);
+}
+
+int iso_loader_chunk_side(const iso_loader *loader, uint64_t cell_bytes) {
+    const uint64_t limit = memory_limit(loader), voxel = iso_type_size(loader->volume.info.type);
+    uint64_t side = 128;
+    if (!cell_bytes) cell_bytes = 4 * voxel;
+    while (side > 32 && side * side * side * cell_bytes > limit / 2) side /= 2;
+    return (int)side;
+}
+
+iso_status iso_loader_count_nonfinite(iso_loader *loader, iso_error *error) {
+    const iso_grid *grid = &loader->volume.grid;
+    if (!iso_loader_has_tiles(loader)) {
+        loader->nonfinite = iso_grid_count_nonfinite(grid, loader->pool);
+        return ISO_OK;
+    }
+    const iso_chunk_source source = iso_volume_source(grid->rgrid);
+    return iso_chunk_source_count_nonfinite(&source, iso_loader_chunk_side(loader, 0), loader->pool,
+                                            &loader->nonfinite, error);
+}
+
+iso_status iso_loader_histogram_together(iso_loader *loader, const iso_ranks *ranks, iso_error *error) {
+    const iso_grid *grid = &loader->volume.grid;
+    if (!iso_loader_has_tiles(loader)) {
+        ISO_TRY(iso_histogram_compute_together(grid, ranks, loader->pool, &loader->histogram, error));
+    } else {
+        const iso_chunk_source source = iso_volume_source(grid->rgrid);
+        ISO_TRY(iso_histogram_of_source(&source, iso_loader_chunk_side(loader, 0), ranks, loader->pool,
+                                        &loader->histogram, error));
+    }
+    loader->has_histogram = true;
     return ISO_OK;
 }
 
 iso_status iso_loader_histogram(iso_loader *loader, iso_error *error) {
-    if (loader->has_histogram) return ISO_OK;
-    ISO_TRY(iso_histogram_compute(&loader->volume.grid, loader->pool, &loader->histogram, error));
-    loader->has_histogram = true;
-    return ISO_OK;
+    const iso_ranks alone = {.size = 1};
+    return loader->has_histogram ? ISO_OK : iso_loader_histogram_together(loader, &alone, error);
 }
 
 void iso_loader_close(iso_loader *loader) {

@@ -43,8 +43,8 @@ typedef struct iso_loader {
     void (*progress)(void *context,
                      double fraction); /* progress of iso_loader_read, 0 .. 1; NULL: not wanted */
     void *progress_context;
-    /* Voxels are mapped from files if they can be (iso_volume_opts.mapped), and not counted. May be set after
-     * iso_loader_open. */
+    /* Voxels are mapped from files if they can be (iso_volume_opts.mapped), and not counted. May be set
+     * after iso_loader_open. */
     bool mapped;
 
     /* after iso_loader_open: */
@@ -76,8 +76,22 @@ iso_status iso_loader_open(iso_loader *loader, iso_error *error);
  * iso_glyphs_read. */
 iso_status iso_loader_read(iso_loader *loader, iso_error *error);
 
+/* Returns whether the voxels stay in the tiles of a file (grids/volume/tiled.h), so that only chunks of
+ * them can be read. */
+bool iso_loader_has_tiles(const iso_loader *loader);
+
+/* The side of the chunks in which the volume is read, voxels. A chunk may take half of the memory limit:
+ * `cell_bytes` for each voxel on average; 0: the corners of the cells, if half of them are crossed. */
+int iso_loader_chunk_side(const iso_loader *loader, uint64_t cell_bytes);
+
+/* Sets `nonfinite`; iso_loader_read does so unless voxels are mapped. Errors of reading tiles. */
+iso_status iso_loader_count_nonfinite(iso_loader *loader, iso_error *error);
+
 /* Computes `histogram` from the volume, unless it exists already. ISO_ERR_EMPTY: no voxel is finite. */
 iso_status iso_loader_histogram(iso_loader *loader, iso_error *error);
+
+/* The same by several processes that call it together, each of which reads a share of the voxels. */
+iso_status iso_loader_histogram_together(iso_loader *loader, const iso_ranks *ranks, iso_error *error);
 
 /* Frees everything that was read, and the copy of standard input. */
 void iso_loader_close(iso_loader *loader);

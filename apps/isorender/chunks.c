@@ -11,8 +11,6 @@
 #include "apps/isorender/ranks.h"
 #include "base/file_identity.h"
 #include "base/memory.h"
-#include "extract/isovalue/isovalue.h"
-#include "grids/volume/mapping.h"
 #include "io/chunk_export.h"
 #include "io/key_file.h"
 #include "io/mesh_io.h"
@@ -118,15 +116,11 @@ static int report_progress(void *context, double fraction) {
     return 0;
 }
 
-/* The side of the chunks, voxels. A chunk in which half of the cells are crossed may take half of what is
- * allowed: by the corners of its cells or, when files are written, by its vertices and triangles. */
+/* The side of the chunks, voxels. When files are written, a cell takes the memory of its vertices and
+ * triangles. */
 static int choose_side(const isorender_job *job) {
-    const uint64_t limit = iso_memory_limit(job->settings->common.input.max_memory),
-                   voxel = iso_type_size(job->loader.volume.info.type), cell = exports(job) ? 64 : 4 * voxel;
-    uint64_t side = 128;
-    if (job->settings->chunk_size) return job->settings->chunk_size;
-    while (side > 32 && side * side * side * cell > limit / 2) side /= 2;
-    return (int)side;
+    return job->settings->chunk_size ? job->settings->chunk_size
+                                     : iso_loader_chunk_side(&job->loader, exports(job) ? 64 : 0);
 }
 
 /* ---- the index */
@@ -188,10 +182,7 @@ static iso_status count_together(isorender_job *job, iso_error *error) {
     if (!ranks->mpi || job->settings->isovalue_count) return ISO_OK;
     ISO_TRY(iso_ranks_most(ranks, &missing, 1, error));
     if (!missing) return ISO_OK;
-    ISO_TRY(
-        iso_histogram_compute_together(&loader->volume.grid, ranks, job->pool, &loader->histogram, error));
-    loader->has_histogram = true;
-    return ISO_OK;
+    return iso_loader_histogram_together(loader, ranks, error);
 }
 
 iso_status isorender_chunks_begin(isorender_job *job, iso_error *error) {
@@ -218,7 +209,7 @@ static void write_index(const isorender_job *job) {
 
 static iso_status create_walk(isorender_job *job, const isorender_surface *surface, iso_error *error) {
     isorender_chunks *chunks = job->chunks;
-    chunks->source = iso_mapping_source(surface->grid.rgrid);
+    chunks->source = iso_volume_source(surface->grid.rgrid);
     const iso_chunk_walk_opts opts = {.source = &chunks->source,
                                       .isovalue = surface->isovalue,
                                       .side = choose_side(job),
@@ -300,10 +291,9 @@ static iso_status measure_surface(isorender_job *job, double isovalue, iso_error
 
 /* Voxels of mapped volumes were not counted when they were read. */
 static iso_status count_nonfinite(isorender_job *job, iso_error *error) {
-    const iso_grid *grid = &job->loader.volume.grid;
     if (!iso_chunk_walk_stats(job->chunks->walk).nonfinite_blocks) return ISO_OK;
     if (!job->loader.nonfinite) {
-        job->loader.nonfinite = iso_grid_count_nonfinite(grid, job->pool);
+        ISO_TRY(iso_loader_count_nonfinite(&job->loader, error));
         isorender_log_nonfinite(job);
     }
     if (is_exact(job)) return ISO_OK;

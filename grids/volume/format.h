@@ -1,11 +1,11 @@
 /* format: the interface of a file format's reader, and functions that readers share.
  *
- * grids/volume/volume.c calls `info`, checks the memory, and then calls `read`. `info` reads the header and
- * allocates no memory for voxels. `read` gets the result of `info` (dims, type, ...), creates the grid, and
- * may add notes. C++ readers wrap every entry in the guard of grids/volume/bridge_guard.hpp. Readers that
- * need large libraries are modules (grids/volume/module.h), whose names are in volume.c. A format whose
- * library was missing when Isopoint was built has an entry without functions (format_none.c):
- * ISO_ERR_UNSUPPORTED.
+ * grids/volume/volume.c calls `info`, checks the memory, and then calls `read` or, if the format has it,
+ * `open_tiled`. `info` reads the header and allocates no memory for voxels. `read` gets the result of
+ * `info` (dims, type, ...), creates the grid, and may add notes. C++ readers wrap every entry in the guard
+ * of grids/volume/bridge_guard.hpp. Readers that need large libraries are modules (grids/volume/module.h),
+ * whose names are in volume.c. A format whose library was missing when Isopoint was built has an entry
+ * without functions (format_none.c): ISO_ERR_UNSUPPORTED.
  *
  * opts->files contains the file itself; `info` adds all others that `read` will open (iso_file_set_read),
  * before it can fail.
@@ -25,6 +25,8 @@
 extern "C" {
 #endif
 
+struct iso_tiled;
+
 typedef struct iso_format {
     const char *name;    /* as in iso_volume_info.format */
     const char *library; /* the library of another project that reads it, for messages */
@@ -33,6 +35,10 @@ typedef struct iso_format {
                        iso_error *error);
     iso_status (*read)(const char *path, const iso_volume_opts *opts, iso_volume_info *info, iso_grid *grid,
                        iso_error *error);
+    /* Instead of `read`, for formats whose voxels are in tiles (grids/volume/tiled.h). Gets the result of
+     * `info`, and sets *tiled, whose context must not borrow from `opts`. */
+    iso_status (*open_tiled)(const char *path, const iso_volume_opts *opts, const iso_volume_info *info,
+                             struct iso_tiled *tiled, iso_error *error);
 } iso_format;
 
 extern const iso_format iso_format_vtk, iso_format_metaimage, iso_format_nrrd, iso_format_nifti,
@@ -59,14 +65,14 @@ iso_status iso_format_file_bytes(const char *path, uint64_t *bytes, iso_error *e
 /* ISO_ERR_IO "file: truncated: N of M bytes". */
 iso_status iso_format_truncated(const char *path, uint64_t bytes, uint64_t wanted, iso_error *error);
 
-/* Whether opts->component_axes prefers arrays or grids with so many components: three are vectors, six, seven
- * (a mask and six) and nine are matrices. */
+/* Whether opts->component_axes prefers arrays or grids with so many components: three are vectors, six,
+ * seven (a mask and six) and nine are matrices. */
 static inline bool iso_format_are_vectors(uint64_t components) {
     return components == 3 || components == 6 || components == 7 || components == 9;
 }
 
-/* Creates the rgrid that `info` describes. `lent`: voxels in memory, as in iso_rgrid_desc, released also when
- * it fails; NULL: the voxels are allocated. */
+/* Creates the rgrid that `info` describes. `lent`: voxels in memory, as in iso_rgrid_desc, released also
+ * when it fails; NULL: the voxels are allocated. */
 typedef struct iso_format_data {
     void *data;
     void (*release)(void *owner);
@@ -112,8 +118,8 @@ typedef struct iso_scalar_source {
 } iso_scalar_source;
 
 /* Copies `count` values of one of several interleaved components to `target`, converted to `type`: the
- * scalar's stored type or float32. `swap`: the bytes of each value are in reverse order. The data need not be
- * aligned. target may equal data if the scalar is of this type and there is one component. */
+ * scalar's stored type or float32. `swap`: the bytes of each value are in reverse order. The data need not
+ * be aligned. target may equal data if the scalar is of this type and there is one component. */
 void iso_scalar_convert(const iso_scalar_source *source, size_t count, iso_type type, void *target);
 
 /* Reads exactly the next `bytes` bytes of the voxels, in file order, or fails. */
@@ -173,11 +179,10 @@ typedef struct iso_format_image {
     int count;
 } iso_format_image;
 
-/* Chooses an array: opts->grid, else the active one, else the first; arrays of points before those of cells.
- * With opts->component_axes, arrays of vectors or matrices come first, those of bytes, which are colours,
- * last of these.
- * Sets everything in info that follows from the choice; the transform must be set. Cells become voxels at
- * their centres. */
+/* Chooses an array: opts->grid, else the active one, else the first; arrays of points before those of
+ * cells. With opts->component_axes, arrays of vectors or matrices come first, those of bytes, which are
+ * colours, last of these. Sets everything in info that follows from the choice; the transform must be set.
+ * Cells become voxels at their centres. */
 iso_status iso_format_take_array(const char *path, const iso_volume_opts *opts, const iso_format_image *image,
                                  iso_volume_info *info, int *chosen, iso_error *error);
 

@@ -563,4 +563,4 @@ static iso_status meta_read(const char *path, const iso_volume_opts *opts, iso_v
     return status;
 }
 
-const iso_format iso_format_metaimage = {"metaimage", "isopoint", NULL, meta_info, meta_read};
+const iso_format iso_format_metaimage = {"metaimage", "isopoint", NULL, meta_info, meta_read, NULL};

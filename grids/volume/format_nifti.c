@@ -459,4 +459,4 @@ static iso_status nifti_read(const char *path, const iso_volume_opts *opts, iso_
     return status;
 }
 
-const iso_format iso_format_nifti = {"nifti", "libnifti2", NULL, nifti_info, nifti_read};
+const iso_format iso_format_nifti = {"nifti", "libnifti2", NULL, nifti_info, nifti_read, NULL};

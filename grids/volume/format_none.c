@@ -6,7 +6,7 @@
 #include "grids/volume/format.h"
 
 #define ISO_FORMAT_NONE(format, library)                                                                     \
-    const iso_format iso_format_##format = {#format, library, NULL, NULL, NULL}
+    const iso_format iso_format_##format = {#format, library, NULL, NULL, NULL, NULL}
 
 #if !defined(ISO_HAVE_NIFTI)
 #error "the build has to say which libraries it has"

@@ -249,4 +249,4 @@ static iso_status nrrd_read(const char *path, const iso_volume_opts *opts, iso_v
     return status;
 }
 
-const iso_format iso_format_nrrd = {"nrrd", "isopoint", NULL, nrrd_info, nrrd_read};
+const iso_format iso_format_nrrd = {"nrrd", "isopoint", NULL, nrrd_info, nrrd_read, NULL};

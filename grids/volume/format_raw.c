@@ -228,4 +228,4 @@ static iso_status raw_read(const char *path, const iso_volume_opts *opts, iso_vo
     return status;
 }
 
-const iso_format iso_format_raw = {"raw", "isopoint", NULL, raw_info, raw_read};
+const iso_format iso_format_raw = {"raw", "isopoint", NULL, raw_info, raw_read, NULL};

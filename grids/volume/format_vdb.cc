@@ -569,7 +569,7 @@ iso_status vdb_read(const char *path, const iso_volume_opts *opts, iso_volume_in
     return status;
 }
 
-const iso_format format = {"vdb", "OpenVDB", nullptr, vdb_info, vdb_read};
+const iso_format format = {"vdb", "OpenVDB", nullptr, vdb_info, vdb_read, nullptr};
 
 } // namespace
 

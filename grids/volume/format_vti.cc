@@ -603,7 +603,7 @@ iso_status vti_read(const char *path, const iso_volume_opts *opts, iso_volume_in
     });
 }
 
-const iso_format format = {"vti", "VTK", nullptr, vti_info, vti_read};
+const iso_format format = {"vti", "VTK", nullptr, vti_info, vti_read, nullptr};
 
 } // namespace
 

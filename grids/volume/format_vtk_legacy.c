@@ -404,4 +404,4 @@ static iso_status vtk_read(const char *path, const iso_volume_opts *opts, iso_vo
     return status;
 }
 
-const iso_format iso_format_vtk = {"vtk", "isopoint", NULL, vtk_info, vtk_read};
+const iso_format iso_format_vtk = {"vtk", "isopoint", NULL, vtk_info, vtk_read, NULL};

@@ -17,7 +17,9 @@
 #include "base/text.h"
 #include "grids/brick_index.h"
 #include "grids/volume/format.h"
+#include "grids/volume/mapping.h"
 #include "grids/volume/module.h"
+#include "grids/volume/tiled.h"
 
 /* ---- finding the format ---- */
 
@@ -431,10 +433,14 @@ iso_status iso_volume_check_memory(const char *path, const iso_volume_opts *opts
 
 bool iso_volume_can_map(const iso_volume_info *info) {
     const iso_format *const formats[] = {&iso_format_nrrd, &iso_format_metaimage, &iso_format_nifti,
-                                         &iso_format_raw, &iso_format_vtk};
+                                         &iso_format_raw,  &iso_format_vtk,       &format_tiff};
     for (size_t i = 0; i < sizeof formats / sizeof *formats; i++)
         if (strcmp(info->format, formats[i]->name) == 0) return true;
     return false;
+}
+
+iso_chunk_source iso_volume_source(const iso_rgrid *grid) {
+    return iso_tiled_is(grid) ? iso_tiled_source(grid) : iso_mapping_source(grid);
 }
 
 /* Whether the grid has the size and type of the header, which were checked against the memory limit. */
@@ -453,6 +459,29 @@ static iso_status make_index(const char *path, const iso_volume_opts *opts, iso_
     return status == ISO_OK ? ISO_OK : iso_fail(error, status, "%s: %s", path, detail.text);
 }
 
+/* Whether tiles are as the header says, so that they fit into its grid. */
+static bool tiles_agree(const iso_volume_info *info, const iso_tiled *tiled) {
+    for (int axis = 0; axis < 3; axis++)
+        if (tiled->dims[axis] != info->dims[axis] || tiled->tile[axis] < 1) return false;
+    return tiled->type == info->type &&
+           iso_format_size(tiled->tile, iso_type_size(tiled->type)) != UINT64_MAX;
+}
+
+static iso_status read_tiled(const iso_format *format, const char *path, const iso_volume_opts *opts,
+                             iso_volume *volume, iso_error *error) {
+    iso_tiled tiled = {0};
+    ISO_TRY(format->open_tiled(path, opts, &volume->info, &tiled, error));
+    iso_status status;
+    if (!tiles_agree(&volume->info, &tiled))
+        status = iso_fail(error, ISO_ERR_IO, "%s: changed while it was read", path);
+    else if (opts->mapped && iso_tiled_suits_chunks(&tiled, opts))
+        status = iso_tiled_make_grid(path, opts, &tiled, &volume->info, &volume->grid, error);
+    else
+        status = iso_tiled_read_grid(path, opts, &tiled, &volume->info, &volume->grid, error);
+    iso_tiled_close(&tiled);
+    return status;
+}
+
 iso_status iso_volume_read(const char *path, const iso_volume_opts *opts, iso_volume *volume,
                            iso_error *error) {
     request r = {.opts = opts ? *opts : (iso_volume_opts){0}};
@@ -464,7 +493,8 @@ iso_status iso_volume_read(const char *path, const iso_volume_opts *opts, iso_vo
     if (!opts->mapped) ISO_TRY(iso_volume_check_memory(path, opts, &result.info, error));
     ISO_TRY(iso_format_progress(path, opts, 0, error));
     iso_error detail = {0};
-    iso_status status = format->read(r.path, opts, &result.info, &result.grid, &detail);
+    iso_status status = format->open_tiled ? read_tiled(format, r.path, opts, &result, &detail)
+                                           : format->read(r.path, opts, &result.info, &result.grid, &detail);
     ISO_TRY(name_path(path, &r, status, &detail, error));
     if (!agrees(&result.info, &result.grid))
         status = iso_fail(error, ISO_ERR_IO, "%s: changed while it was read", path);

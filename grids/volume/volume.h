@@ -23,6 +23,7 @@
 #include "base/file_set.h"
 #include "base/parallel.h"
 #include "base/progress.h"
+#include "grids/chunk_source.h"
 #include "grids/grid.h"
 #include "isopoint.h"
 
@@ -66,8 +67,9 @@ typedef struct iso_volume_opts {
                           * file has just that size, and it is called .raw or is of no other format */
     double spacing[3];   /* > 0 overrides the file's spacing (mm) */
     uint64_t max_memory; /* bytes that the grid and reading it may take; 0: 80 % of iso_memory_available */
-    /* Voxels are mapped (grids/volume/mapping.h) if iso_volume_can_map, and do not count against max_memory
-     * then; the grid must not be written to, and has no index. */
+    /* Voxels stay in the file, mapped (grids/volume/mapping.h) or in tiles (grids/volume/tiled.h), if
+     * iso_volume_can_map, and do not count against max_memory then. The grid must not be written to, has no
+     * index, and is read through iso_volume_source. */
     bool mapped;
     iso_file_set *files; /* every file that is read, or will be, is added by iso_volume_read_info and
                             iso_volume_read; NULL is fine */
@@ -94,9 +96,12 @@ iso_status iso_volume_read_info(const char *path, const iso_volume_opts *opts, i
  * not recognised, as raw files and formats that only the name tells. */
 const char *iso_volume_format(const void *bytes, size_t count);
 
-/* Whether iso_volume_read can map the volume that `info` describes: dense ones of nrrd, metaimage, nifti,
- * raw and legacy vtk files. */
+/* Whether iso_volume_read can leave the voxels of the volume that `info` describes in their file: those of
+ * nrrd, metaimage, nifti, raw, legacy vtk and tiff files. */
 bool iso_volume_can_map(const iso_volume_info *info);
+
+/* The source of the chunks of a dense volume, which is borrowed: in memory, mapped or in tiles. */
+iso_chunk_source iso_volume_source(const iso_rgrid *grid);
 
 /* ISO_ERR_LIMIT: reading the volume that `info` describes takes more than opts->max_memory. */
 iso_status iso_volume_check_memory(const char *path, const iso_volume_opts *opts, const iso_volume_info *info,

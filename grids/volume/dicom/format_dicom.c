@@ -632,4 +632,4 @@ static iso_status dicom_read(const char *path, const iso_volume_opts *opts, iso_
     return status;
 }
 
-const iso_format iso_format_dicom = {"dicom", "GDCM", NULL, dicom_info, dicom_read};
+const iso_format iso_format_dicom = {"dicom", "GDCM", NULL, dicom_info, dicom_read, NULL};

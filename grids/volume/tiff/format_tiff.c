@@ -4,8 +4,8 @@
  * Distances come from ImageJ's or OME's metadata, else from the resolution tags; several samples or
  * channels are components. */
 #define _GNU_SOURCE
-#include <errno.h>
 #include <limits.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,6 +14,10 @@
 #include "base/memory.h"
 #include "grids/volume/module.h"
 #include "grids/volume/tiff/tiff.h"
+#include "grids/volume/tiled.h"
+
+/* Strips of fewer bytes are read several at a time. */
+enum { TILE_BYTES = 1 << 18 };
 
 /* ---- which image is which slice ---- */
 
@@ -89,6 +93,13 @@ static void describe(const iso_tiff_stack *stack, const iso_volume_opts *opts, c
     set_spacing(stack, opts, info);
 }
 
+/* What reading takes beside the voxels: a strip or tile, twice while it is unpacked, and the rows of a small
+ * one that are read together. */
+static uint64_t scratch_bytes(const iso_tiff_stack *stack) {
+    const uint64_t block = stack->block_bytes;
+    return block < UINT64_MAX / 4 ? 3 * block + TILE_BYTES : UINT64_MAX;
+}
+
 static iso_status describe_stack(const char *path, const iso_volume_opts *opts, const iso_tiff_stack *stack,
                                  arrangement *a, iso_volume_info *info, iso_error *error) {
     *a = arrange(stack, info);
@@ -99,9 +110,8 @@ static iso_status describe_stack(const char *path, const iso_volume_opts *opts, 
     ISO_TRY(iso_format_component(path, opts, (int)components, info, error));
     describe(stack, opts, a, info);
     info->bytes = iso_format_size(info->dims, iso_type_size(info->type));
-    /* Beside the grid: a strip or tile, twice while it is unpacked. */
     info->read_bytes = info->bytes;
-    if (__builtin_add_overflow(info->read_bytes, 2 * stack->block_bytes, &info->read_bytes))
+    if (__builtin_add_overflow(info->read_bytes, scratch_bytes(stack), &info->read_bytes))
         info->read_bytes = UINT64_MAX;
     return ISO_OK;
 }
@@ -118,109 +128,190 @@ static iso_status tiff_info(const char *path, const iso_volume_opts *opts, iso_v
 
 /* ---- values ---- */
 
-typedef struct reading {
-    const char *path;
-    const iso_volume_opts *opts;
-    const iso_volume_info *info;
-    const iso_tiff_stack *stack;
-    arrangement arrangement;
+enum { IDLE_FILES = 64 };
+
+/* A file that is open for reading, and memory for one of its strips or tiles. */
+typedef struct open_file {
+    iso_tiff_file *file;
     void *block;
-    iso_tiff_file *file; /* the open one */
-    uint32_t number;     /* of the open file */
-} reading;
+    uint32_t number; /* in the stack's list of files */
+} open_file;
+
+/* The open stack. Threads that read at the same time have different files open, which wait in `idle` between
+ * two tiles. */
+typedef struct tiff_tiles {
+    iso_tiff_stack stack;
+    arrangement arrangement;
+    int component;
+    iso_type type;
+    int dims[3], tile[3];
+    uint64_t limit;       /* of memory */
+    pthread_mutex_t lock; /* of the following */
+    open_file idle[IDLE_FILES];
+    int idle_count;
+} tiff_tiles;
+
+static void close_file(open_file *file) {
+    iso_tiff_close(file->file);
+    iso_free(file->block);
+    *file = (open_file){0};
+}
+
+/* Takes an idle file of this number, else opens it. */
+static iso_status take_file(tiff_tiles *tiles, uint32_t number, open_file *file, iso_error *error) {
+    *file = (open_file){.number = number};
+    pthread_mutex_lock(&tiles->lock);
+    for (int i = tiles->idle_count - 1; i >= 0 && !file->file; i--) {
+        if (tiles->idle[i].number != number) continue;
+        *file = tiles->idle[i];
+        tiles->idle[i] = tiles->idle[--tiles->idle_count];
+    }
+    pthread_mutex_unlock(&tiles->lock);
+    if (file->file) return ISO_OK;
+    const char *path = tiles->stack.paths[number];
+    file->block = iso_alloc((size_t)tiles->stack.block_bytes);
+    if (!file->block) return iso_fail_memory(error, path);
+    const iso_status status = iso_tiff_open(path, tiles->limit, &file->file, error);
+    if (status != ISO_OK) close_file(file);
+    return status;
+}
+
+/* Keeps as many files open as there may be threads: in a folder each file is read for one slice. */
+static void return_file(tiff_tiles *tiles, open_file *file) {
+    open_file old = {0};
+    pthread_mutex_lock(&tiles->lock);
+    const int most = tiles->stack.path_count > 1 ? 1 : IDLE_FILES;
+    if (tiles->idle_count == most) old = tiles->idle[--tiles->idle_count];
+    tiles->idle[tiles->idle_count++] = *file;
+    pthread_mutex_unlock(&tiles->lock);
+    close_file(&old);
+}
 
 /* The number of the image that has a slice of the component that is read, and the component's sample in it.
  */
-static uint64_t image_of(const reading *r, uint64_t slice, int *sample) {
-    const uint64_t samples = r->stack->layout.samples, component = (uint64_t)r->info->component;
+static uint64_t image_of(const tiff_tiles *tiles, uint64_t slice, int *sample) {
+    const uint64_t samples = tiles->stack.layout.samples, component = (uint64_t)tiles->component;
     *sample = (int)(component % samples);
-    return slice * r->arrangement.step[ISO_TIFF_SLICE] +
-           component / samples * r->arrangement.step[ISO_TIFF_CHANNEL];
+    return slice * tiles->arrangement.step[ISO_TIFF_SLICE] +
+           component / samples * tiles->arrangement.step[ISO_TIFF_CHANNEL];
 }
 
-static iso_status read_slice(reading *r, uint64_t slice, void *target, iso_error *error) {
-    int sample;
-    const iso_tiff_image *image = &r->stack->images[image_of(r, slice, &sample)];
-    if (!r->file || r->number != image->file) {
-        iso_tiff_close(r->file);
-        r->file = NULL;
-        r->number = image->file;
-        const uint64_t limit = iso_format_memory_limit(r->opts);
-        ISO_TRY(iso_tiff_open(r->stack->paths[image->file], limit, &r->file, error));
-    }
-    ISO_TRY(iso_tiff_set_page(r->file, image->page, error));
-    return iso_tiff_read_pixels(r->file, r->stack, image->page, sample, r->block, r->info->type, target,
-                                error);
+static iso_tiff_target target_of(const tiff_tiles *tiles, const int index[3], void *data) {
+    const iso_tiff_box box = {(uint32_t)(index[0] * tiles->tile[0]), (uint32_t)(index[1] * tiles->tile[1]),
+                              (uint32_t)tiles->tile[0], (uint32_t)tiles->tile[1]};
+    return (iso_tiff_target){.box = box, .type = tiles->type, .data = data};
 }
 
-static iso_status read_slices(reading *r, iso_grid *grid, iso_error *error) {
-    const uint64_t slices = (uint64_t)r->info->dims[2];
-    const size_t slice_bytes = (size_t)(r->info->bytes / slices);
-    for (uint64_t z = 0; z < slices; z++) {
-        ISO_TRY(read_slice(r, z, (char *)grid->rgrid->data + z * slice_bytes, error));
-        ISO_TRY(iso_format_progress(r->path, r->opts, (double)(z + 1) / (double)slices, error));
+static iso_status read_tile(void *context, const int index[3], void *data, iso_error *error) {
+    tiff_tiles *tiles = context;
+    iso_tiff_target target = target_of(tiles, index, data);
+    const iso_tiff_image *image = &tiles->stack.images[image_of(tiles, (uint64_t)index[2], &target.sample)];
+    open_file file;
+    ISO_TRY(take_file(tiles, image->file, &file, error));
+    iso_status status = iso_tiff_set_page(file.file, image->page, error);
+    if (status == ISO_OK)
+        status = iso_tiff_read_box(file.file, &tiles->stack, image->page, file.block, &target, error);
+    return_file(tiles, &file);
+    return status;
+}
+
+static iso_status read_rows(FILE *file, uint64_t at, uint64_t size, void *rows, size_t bytes,
+                            const char *path, iso_error *error) {
+    if (fseeko(file, (off_t)at, SEEK_SET) == 0 && fread(rows, 1, bytes, file) == bytes) return ISO_OK;
+    return iso_format_truncated(path, size, at + bytes, error);
+}
+
+/* Rows of ImageJ's images without headers; tiles are as wide as an image. */
+static iso_status read_contiguous(void *context, const int index[3], void *data, iso_error *error) {
+    const tiff_tiles *tiles = context;
+    const iso_tiff_layout *layout = &tiles->stack.layout;
+    const char *path = tiles->stack.paths[0];
+    iso_tiff_target target = target_of(tiles, index, data);
+    const uint64_t image = image_of(tiles, (uint64_t)index[2], &target.sample);
+    const uint32_t left = layout->height - target.box.y,
+                   rows = target.box.height < left ? target.box.height : left;
+    const size_t row_bytes = (size_t)layout->width * layout->samples * iso_scalar_size(layout->scalar);
+    const uint64_t at = tiles->stack.contiguous + (image * layout->height + target.box.y) * row_bytes;
+    FILE *file;
+    uint64_t size;
+    void *values = iso_alloc(row_bytes * rows);
+    if (!values) return iso_fail_memory(error, path);
+    iso_status status = iso_file_open(path, &file, &size, error);
+    if (status == ISO_OK) {
+        status = read_rows(file, at, size, values, row_bytes * rows, path, error);
+        fclose(file);
     }
+    const iso_scalar_source source = {values, layout->scalar, layout->samples, target.sample,
+                                      tiles->stack.big_endian};
+    if (status == ISO_OK) iso_scalar_convert(&source, (size_t)layout->width * rows, tiles->type, data);
+    iso_free(values);
+    return status;
+}
+
+/* Tiles are the file's tiles, or so many strips that they have about TILE_BYTES bytes. */
+static iso_status choose_tile(tiff_tiles *tiles, iso_error *error) {
+    const iso_tiff_layout *layout = &tiles->stack.layout;
+    uint32_t width = layout->width, height = 1;
+    if (!tiles->stack.contiguous) {
+        const iso_tiff_image *first = &tiles->stack.images[0];
+        open_file file;
+        ISO_TRY(take_file(tiles, first->file, &file, error));
+        const iso_status status = iso_tiff_set_page(file.file, first->page, error);
+        if (status == ISO_OK) iso_tiff_block_size(file.file, layout, &width, &height);
+        return_file(tiles, &file);
+        ISO_TRY(status);
+    }
+    const uint64_t bytes = (uint64_t)width * height * layout->samples * iso_scalar_size(layout->scalar);
+    if (width >= layout->width && bytes < TILE_BYTES) height *= (uint32_t)(TILE_BYTES / bytes);
+    tiles->tile[0] = (int)(width < layout->width ? width : layout->width);
+    tiles->tile[1] = (int)(height < layout->height ? height : layout->height);
+    tiles->tile[2] = 1;
     return ISO_OK;
 }
 
-/* ImageJ's images without headers. */
-static iso_status read_contiguous(reading *r, iso_grid *grid, iso_error *error) {
-    const iso_tiff_stack *stack = r->stack;
-    const iso_tiff_layout *layout = &stack->layout;
-    const size_t pixels = (size_t)layout->width * layout->height;
-    const size_t image_bytes = pixels * layout->samples * iso_scalar_size(layout->scalar);
-    FILE *file;
-    uint64_t size;
-    ISO_TRY(iso_file_open(stack->paths[0], &file, &size, error));
-    iso_status status = ISO_OK;
-    for (int z = 0; z < r->info->dims[2] && status == ISO_OK; z++) {
-        int sample;
-        const uint64_t at = stack->contiguous + image_of(r, (uint64_t)z, &sample) * image_bytes;
-        if (fseeko(file, (off_t)at, SEEK_SET) != 0 || fread(r->block, 1, image_bytes, file) != image_bytes) {
-            status = iso_format_truncated(stack->paths[0], size, at + image_bytes, error);
-            break;
-        }
-        const iso_scalar_source source = {r->block, layout->scalar, layout->samples, sample,
-                                          stack->big_endian};
-        iso_scalar_convert(&source, pixels, r->info->type,
-                           (char *)grid->rgrid->data + (size_t)z * pixels * iso_type_size(r->info->type));
-        status = iso_format_progress(r->path, r->opts, (z + 1.0) / r->info->dims[2], error);
-    }
-    fclose(file);
-    return status;
+static void destroy_tiles(void *context) {
+    tiff_tiles *tiles = context;
+    for (int i = 0; i < tiles->idle_count; i++) close_file(&tiles->idle[i]);
+    pthread_mutex_destroy(&tiles->lock);
+    iso_tiff_stack_free(&tiles->stack);
+    free(tiles);
 }
 
-static iso_status read_grid(reading *r, iso_grid *grid, iso_error *error) {
-    r->block = iso_alloc((size_t)r->stack->block_bytes);
-    if (!r->block) return iso_fail_memory(error, r->path);
-    iso_status status = r->stack->contiguous ? read_contiguous(r, grid, error) : read_slices(r, grid, error);
-    iso_tiff_close(r->file);
-    iso_free(r->block);
-    return status;
-}
-
-static iso_status read_stack(const char *path, const iso_volume_opts *opts, iso_tiff_stack *stack,
-                             iso_volume_info *info, iso_grid *grid, iso_error *error) {
+static iso_status open_stack(const char *path, const iso_volume_opts *opts, const iso_volume_info *info,
+                             tiff_tiles *tiles, iso_error *error) {
     iso_volume_info now = {.components = 1, .scale = 1, .transform = iso_transform_identity()};
-    reading r = {.path = path, .opts = opts, .info = info, .stack = stack};
-    ISO_TRY(describe_stack(path, opts, stack, &r.arrangement, &now, error));
-    if (memcmp(now.dims, info->dims, sizeof now.dims) != 0 || now.type != info->type ||
-        now.components != info->components || now.read_bytes > info->read_bytes)
+    ISO_TRY(iso_tiff_stack_open(path, opts, &tiles->stack, error));
+    ISO_TRY(describe_stack(path, opts, &tiles->stack, &tiles->arrangement, &now, error));
+    if (now.components != info->components || now.read_bytes > info->read_bytes)
         return iso_fail(error, ISO_ERR_IO, "%s: changed while it was read", path);
-    ISO_TRY(iso_format_create(path, info, NULL, grid, error));
-    return read_grid(&r, grid, error);
+    memcpy(tiles->dims, now.dims, sizeof now.dims);
+    tiles->type = now.type;
+    tiles->component = now.component;
+    return choose_tile(tiles, error);
 }
 
-static iso_status tiff_read(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
-                            iso_grid *grid, iso_error *error) {
-    iso_tiff_stack stack;
-    iso_status status = iso_tiff_stack_open(path, opts, &stack, error);
-    if (status == ISO_OK) status = read_stack(path, opts, &stack, info, grid, error);
-    iso_tiff_stack_free(&stack);
-    if (status != ISO_OK) iso_grid_destroy(grid);
-    return status;
+static iso_status tiff_open_tiled(const char *path, const iso_volume_opts *opts, const iso_volume_info *info,
+                                  iso_tiled *tiled, iso_error *error) {
+    tiff_tiles *tiles = calloc(1, sizeof *tiles);
+    if (!tiles) return iso_fail_memory(error, path);
+    tiles->limit = iso_format_memory_limit(opts);
+    pthread_mutex_init(&tiles->lock, NULL);
+    const iso_status status = open_stack(path, opts, info, tiles, error);
+    if (status != ISO_OK) {
+        destroy_tiles(tiles);
+        return status;
+    }
+    *tiled = (iso_tiled){.type = tiles->type,
+                         .scratch = scratch_bytes(&tiles->stack),
+                         .read = tiles->stack.contiguous ? read_contiguous : read_tile,
+                         .destroy = destroy_tiles,
+                         .context = tiles};
+    memcpy(tiled->dims, tiles->dims, sizeof tiled->dims);
+    memcpy(tiled->tile, tiles->tile, sizeof tiled->tile);
+    return ISO_OK;
 }
 
-static const iso_format format = {"tiff", "libtiff", NULL, tiff_info, tiff_read};
+static const iso_format format = {
+    .name = "tiff", .library = "libtiff", .info = tiff_info, .open_tiled = tiff_open_tiled};
 
 ISO_MODULE(&format, NULL, NULL);

@@ -102,40 +102,67 @@ static blocks blocks_of(TIFF *tiff, const iso_tiff_layout *layout) {
     return b;
 }
 
-/* Converts the rows of a block that lie in the image. Values are in the machine's byte order: libtiff swaps
- * them. */
-static void convert_block(const iso_tiff_layout *layout, const blocks *b, uint32_t number, int sample,
-                          const void *block, iso_type type, void *target) {
-    const uint32_t x = number % b->across * b->width, y = number / b->across * b->height;
-    const uint32_t columns = layout->width - x < b->width ? layout->width - x : b->width;
-    const uint32_t rows = layout->height - y < b->height ? layout->height - y : b->height;
-    for (uint32_t row = 0; row < rows; row++) {
-        const iso_scalar_source source = {.data = (const char *)block + row * b->row_bytes,
+void iso_tiff_block_size(iso_tiff_file *file, const iso_tiff_layout *layout, uint32_t *width,
+                         uint32_t *height) {
+    const blocks b = blocks_of(file->tiff, layout);
+    *width = b.width;
+    *height = b.height < layout->height ? b.height : layout->height;
+}
+
+static uint32_t least(uint32_t a, uint32_t b) {
+    return a < b ? a : b;
+}
+
+/* Converts the pixels of the block at (x, y) that lie in the image and in the box. Values are in the
+ * machine's byte order: libtiff swaps them. */
+static void convert_block(const iso_tiff_layout *layout, const blocks *b, const uint32_t at[2],
+                          const void *block, const iso_tiff_target *target) {
+    const iso_tiff_box *box = &target->box;
+    const uint32_t x0 = at[0] > box->x ? at[0] : box->x, y0 = at[1] > box->y ? at[1] : box->y;
+    const uint32_t x1 = least(least(layout->width - at[0], b->width) + at[0], box->x + box->width);
+    const uint32_t y1 = least(least(layout->height - at[1], b->height) + at[1], box->y + box->height);
+    for (uint32_t y = y0; y < y1; y++) {
+        const iso_scalar_source source = {.data = (const char *)block + (y - at[1]) * b->row_bytes +
+                                                  (x0 - at[0]) * b->pixel_bytes,
                                           .scalar = layout->scalar,
                                           .components = layout->separate ? 1 : layout->samples,
-                                          .component = layout->separate ? 0 : sample};
-        const size_t first = (size_t)(y + row) * layout->width + x;
-        iso_scalar_convert(&source, columns, type, (char *)target + first * iso_type_size(type));
+                                          .component = layout->separate ? 0 : target->sample};
+        const size_t first = (size_t)(y - box->y) * box->width + (x0 - box->x);
+        iso_scalar_convert(&source, x1 - x0, target->type,
+                           (char *)target->data + first * iso_type_size(target->type));
     }
 }
 
-iso_status iso_tiff_read_pixels(iso_tiff_file *file, const iso_tiff_stack *stack, uint32_t page, int sample,
-                                void *block, iso_type type, void *target, iso_error *error) {
+static iso_status read_block(iso_tiff_file *file, const iso_tiff_stack *stack, uint32_t page, const blocks *b,
+                             const uint32_t at[2], void *block, const iso_tiff_target *target,
+                             iso_error *error) {
     const iso_tiff_layout *layout = &stack->layout;
     const bool tiled = TIFFIsTiled(file->tiff) != 0;
+    const uint32_t down = (layout->height - 1) / b->height + 1;
+    const uint32_t first = layout->separate ? b->across * down * (uint32_t)target->sample : 0;
+    const uint32_t number = first + at[1] / b->height * b->across + at[0] / b->width;
+    const uint32_t rows = tiled ? b->height : least(layout->height - at[1], b->height);
+    const tmsize_t bytes = (tmsize_t)(b->row_bytes * rows);
+    if ((uint64_t)bytes > stack->block_bytes)
+        return iso_tiff_fail(file, page, "changed while it was read", error);
+    const tmsize_t got = tiled ? TIFFReadEncodedTile(file->tiff, number, block, bytes)
+                               : TIFFReadEncodedStrip(file->tiff, number, block, bytes);
+    if (got != bytes) return iso_tiff_fail(file, page, "truncated or damaged", error);
+    convert_block(layout, b, at, block, target);
+    return ISO_OK;
+}
+
+iso_status iso_tiff_read_box(iso_tiff_file *file, const iso_tiff_stack *stack, uint32_t page, void *block,
+                             const iso_tiff_target *target, iso_error *error) {
+    const iso_tiff_layout *layout = &stack->layout;
+    const iso_tiff_box *box = &target->box;
     const blocks b = blocks_of(file->tiff, layout);
-    const uint32_t count = b.across * ((layout->height - 1) / b.height + 1);
-    const uint32_t first = layout->separate ? count * (uint32_t)sample : 0;
-    for (uint32_t i = 0; i < count; i++) {
-        const uint32_t y = i / b.across * b.height;
-        const uint32_t rows = tiled || layout->height - y > b.height ? b.height : layout->height - y;
-        const tmsize_t bytes = (tmsize_t)(b.row_bytes * rows);
-        if ((uint64_t)bytes > stack->block_bytes)
-            return iso_tiff_fail(file, page, "changed while it was read", error);
-        const tmsize_t got = tiled ? TIFFReadEncodedTile(file->tiff, first + i, block, bytes)
-                                   : TIFFReadEncodedStrip(file->tiff, first + i, block, bytes);
-        if (got != bytes) return iso_tiff_fail(file, page, "truncated or damaged", error);
-        convert_block(layout, &b, i, sample, block, type, target);
-    }
+    const uint32_t width = least(layout->width - box->x, box->width),
+                   height = least(layout->height - box->y, box->height);
+    for (uint32_t y = box->y / b.height; y <= (box->y + height - 1) / b.height; y++)
+        for (uint32_t x = box->x / b.width; x <= (box->x + width - 1) / b.width; x++) {
+            const uint32_t at[2] = {x * b.width, y * b.height};
+            ISO_TRY(read_block(file, stack, page, &b, at, block, target, error));
+        }
     return ISO_OK;
 }

@@ -82,10 +82,26 @@ iso_status iso_tiff_set_page(iso_tiff_file *file, uint32_t page, iso_error *erro
 /* ISO_ERR_IO "file, image N: ..." with libtiff's last message, or `text` if it has none. */
 iso_status iso_tiff_fail(const iso_tiff_file *file, uint32_t page, const char *text, iso_error *error);
 
-/* Reads one sample of the pixels of the current image of `file` into `target`, width * height values of
- * `type` (iso_scalar_convert); `block` is memory for stack->block_bytes bytes. ISO_ERR_IO. */
-iso_status iso_tiff_read_pixels(iso_tiff_file *file, const iso_tiff_stack *stack, uint32_t page, int sample,
-                                void *block, iso_type type, void *target, iso_error *error);
+/* A box of the pixels of an image. */
+typedef struct iso_tiff_box {
+    uint32_t x, y, width, height;
+} iso_tiff_box;
+
+/* The pixels of a strip (as wide as the image) or a tile of the current image, at most the image's height. */
+void iso_tiff_block_size(iso_tiff_file *file, const iso_tiff_layout *layout, uint32_t *width,
+                         uint32_t *height);
+
+/* Reads one sample of a box of pixels of the current image of `file` into `target`, rows of box->width values
+ * of `type` (iso_scalar_convert); pixels outside the image are left alone. `block` is memory for
+ * stack->block_bytes bytes. ISO_ERR_IO. */
+typedef struct iso_tiff_target {
+    iso_tiff_box box;
+    int sample;
+    iso_type type;
+    void *data;
+} iso_tiff_target;
+iso_status iso_tiff_read_box(iso_tiff_file *file, const iso_tiff_stack *stack, uint32_t page, void *block,
+                             const iso_tiff_target *target, iso_error *error);
 
 #ifdef __cplusplus
 }

@@ -37,13 +37,21 @@ static size_t count_on_faces(const run *voxels) {
     return ends < voxels->count ? ends : voxels->count;
 }
 
-static void visit_rgrid_slice(const iso_rgrid *grid, int z, run_visitor *visit, void *state) {
+/* Voxels in memory: a volume, or a chunk of one. */
+typedef struct piece {
+    iso_grid grid;
+    const int *dims;  /* of the volume */
+    const int *first; /* the piece's first voxel in it */
+} piece;
+
+static void visit_rgrid_slice(const piece *p, int z, run_visitor *visit, void *state) {
+    const iso_rgrid *grid = p->grid.rgrid;
     for (int y = 0; y < grid->dims[1]; y++) {
-        ptrdiff_t first = y * grid->stride_y + z * grid->stride_z;
+        const ptrdiff_t at = y * grid->stride_y + z * grid->stride_z;
         const char *data = grid->data;
-        run row = {.values = data + first * (ptrdiff_t)iso_type_size(grid->type),
+        run row = {.values = data + at * (ptrdiff_t)iso_type_size(grid->type),
                    .count = (size_t)grid->dims[0]};
-        mark_faces(&row, grid->dims, 0, y, z);
+        mark_faces(&row, p->dims, p->first[0], p->first[1] + y, p->first[2] + z);
         visit(state, &row);
     }
 }
@@ -64,19 +72,22 @@ static void visit_hgrid_slice(const iso_hgrid *grid, int z, run_visitor *visit, 
         }
 }
 
-static void visit_slice(const iso_grid *grid, int z, run_visitor *visit, void *state) {
-    if (grid->hgrid)
-        visit_hgrid_slice(grid->hgrid, z, visit, state);
+static void visit_slice(const piece *p, int z, run_visitor *visit, void *state) {
+    if (p->grid.hgrid)
+        visit_hgrid_slice(p->grid.hgrid, z, visit, state);
     else
-        visit_rgrid_slice(grid->rgrid, z, visit, state);
+        visit_rgrid_slice(p, z, visit, state);
 }
 
-/* What is read, and by whom: this process reads the slices first .. end - 1 along z. */
+/* What is read, and by whom: this process reads the slices first .. end - 1 along z of a grid, or its turn
+ * of the chunks of a source, of which `grid` is a description without voxels. */
 typedef struct reading {
     const iso_grid *grid;
     iso_pool *pool;
     const iso_ranks *ranks;
     int first, end;
+    const iso_chunk_source *source; /* NULL: the grid is in memory */
+    int side;                       /* of the source's chunks */
 } reading;
 
 static reading reading_of(const iso_grid *grid, const iso_ranks *ranks, iso_pool *pool) {
@@ -95,12 +106,42 @@ typedef struct walk {
     run_visitor *visit;
     char *states;
     size_t state_bytes;
+    piece piece;
+    int first; /* the piece's first slice that is read */
 } walk;
 
 static void walk_slice(void *context, size_t slice, int worker) {
     const walk *job = context;
-    visit_slice(job->what->grid, job->what->first + (int)slice, job->visit,
+    visit_slice(&job->piece, job->first + (int)slice, job->visit,
                 job->states + (size_t)worker * job->state_bytes);
+}
+
+static iso_status walk_chunk(void *context, const iso_rgrid *grid, const int first[3], iso_error *error) {
+    walk *job = context;
+    (void)error;
+    job->piece.grid.rgrid = (iso_rgrid *)(uintptr_t)grid;
+    job->piece.first = first;
+    iso_parallel_for(job->what->pool, (size_t)grid->dims[2], walk_slice, job);
+    return ISO_OK;
+}
+
+/* Calls `visit` for the chunks of a source that this process reads. */
+static iso_status visit_chunks(const reading *what, iso_chunk_voxels_visitor *visit, void *context,
+                               iso_error *error) {
+    const iso_chunk_turns turns = {what->ranks->rank, what->ranks->size};
+    return iso_chunk_source_visit(what->source, what->side, turns, what->pool, visit, context, error);
+}
+
+static iso_status run_walk(walk *job, iso_error *error) {
+    static const int origin[3] = {0, 0, 0};
+    const reading *what = job->what;
+    job->piece.dims = iso_grid_dims(what->grid);
+    if (what->source) return visit_chunks(what, walk_chunk, job, error);
+    job->piece.grid = *what->grid;
+    job->piece.first = origin;
+    job->first = what->first;
+    iso_parallel_for(what->pool, (size_t)(what->end - what->first), walk_slice, job);
+    return ISO_OK;
 }
 
 /* ---- integers: every value has a count of its own */
@@ -155,11 +196,49 @@ static void fill_from_levels(const iso_rgrid *grid, const iso_value_counts *coun
     }
 }
 
-/* Counts this process's slices, and adds the counts of the others. */
+/* The counting of a source's chunks. */
+typedef struct chunk_counting {
+    iso_value_counter *counter;
+    iso_pool *pool;
+    const iso_rgrid *grid;
+    const int *first;
+} chunk_counting;
+
+static void count_chunk_slice(void *context, size_t z, int worker) {
+    const chunk_counting *c = context;
+    const int *dims = c->grid->dims, *first = c->first;
+    const int lo[3] = {first[0], first[1], first[2] + (int)z},
+              hi[3] = {first[0] + dims[0], first[1] + dims[1], lo[2] + 1};
+    iso_value_counter_add(c->counter, worker, lo, hi, 0);
+}
+
+static iso_status count_chunk(void *context, const iso_rgrid *grid, const int first[3], iso_error *error) {
+    chunk_counting *c = context;
+    (void)error;
+    c->grid = grid;
+    c->first = first;
+    iso_value_counter_set_window(c->counter, grid, first);
+    iso_parallel_for(c->pool, (size_t)grid->dims[2], count_chunk_slice, c);
+    return ISO_OK;
+}
+
+static iso_status count_source(const reading *what, iso_value_counts **counts, iso_error *error) {
+    chunk_counting c = {.pool = what->pool};
+    ISO_TRY(iso_value_counter_create(what->grid->rgrid, iso_pool_threads(what->pool), &c.counter, error));
+    const iso_status status = visit_chunks(what, count_chunk, &c, error);
+    if (status == ISO_OK)
+        *counts = iso_value_counter_finish(c.counter);
+    else
+        iso_value_counter_destroy(c.counter);
+    return status;
+}
+
+/* Counts what this process reads, and adds the counts of the others. */
 static iso_status count_values(const reading *what, iso_value_counts **counts, iso_error *error) {
     const iso_ranks *ranks = what->ranks;
-    const iso_status status =
-        iso_value_counts_create(what->grid->rgrid, what->first, what->end, what->pool, counts, error);
+    const iso_status status = what->source ? count_source(what, counts, error)
+                                           : iso_value_counts_create(what->grid->rgrid, what->first,
+                                                                     what->end, what->pool, counts, error);
     ISO_TRY(iso_ranks_agree(ranks, status, error));
     ISO_TRY(iso_ranks_sum(ranks, (*counts)->all, LEVELS, error));
     return iso_ranks_sum(ranks, (*counts)->faces, LEVELS, error);
@@ -167,7 +246,8 @@ static iso_status count_values(const reading *what, iso_value_counts **counts, i
 
 static iso_status integer_histogram(const reading *what, iso_histogram *histogram, iso_error *error) {
     const iso_rgrid *grid = what->grid->rgrid;
-    const iso_value_counts *known = what->ranks->size == 1 ? iso_brick_index_counts(grid) : NULL;
+    const iso_value_counts *known =
+        !what->source && what->ranks->size == 1 ? iso_brick_index_counts(grid) : NULL;
     iso_value_counts *made = NULL;
     const iso_status status = known ? ISO_OK : count_values(what, &made, error);
     if (status == ISO_OK) fill_from_levels(grid, known ? known : made, histogram);
@@ -298,9 +378,10 @@ static iso_status walk_with(const reading *what, run_visitor *visit, const void 
         return status;
     }
     for (size_t w = 0; w < workers; w++) memcpy(*states + w * bytes, first, bytes);
-    walk job = {what, visit, *states, bytes};
-    iso_parallel_for(what->pool, (size_t)(what->end - what->first), walk_slice, &job);
-    return ISO_OK;
+    walk job = {.what = what, .visit = visit, .states = *states, .state_bytes = bytes};
+    status = iso_ranks_agree(what->ranks, run_walk(&job, error), error);
+    if (status != ISO_OK) iso_free(*states);
+    return status;
 }
 
 /* The range from the index of a dense grid, which has read all voxels already. False: there is no index. */
@@ -320,7 +401,8 @@ static bool range_of_index(const iso_grid *grid, iso_pool *pool, float_range *ra
 
 static iso_status measure_range(const reading *what, float_range *range, iso_error *error) {
     char *states;
-    if (what->ranks->size == 1 && range_of_index(what->grid, what->pool, range)) return ISO_OK;
+    if (!what->source && what->ranks->size == 1 && range_of_index(what->grid, what->pool, range))
+        return ISO_OK;
     ISO_TRY(walk_with(what, find_range, &no_range, sizeof no_range, &states, error));
     const float_range *found = (const float_range *)states;
     *range = no_range;
@@ -429,16 +511,29 @@ static bool has_integer_levels(const iso_grid *grid) {
     return grid->rgrid && grid->rgrid->type != ISO_FLOAT32;
 }
 
+static iso_status compute(const reading *what, iso_histogram *histogram, iso_error *error) {
+    iso_histogram result = {0};
+    if (has_integer_levels(what->grid))
+        ISO_TRY(integer_histogram(what, &result, error));
+    else
+        ISO_TRY(float_histogram(what, &result, error));
+    *histogram = result;
+    return ISO_OK;
+}
+
 iso_status iso_histogram_compute_together(const iso_grid *grid, const iso_ranks *ranks, iso_pool *pool,
                                           iso_histogram *histogram, iso_error *error) {
     const reading what = reading_of(grid, ranks, pool);
-    iso_histogram result = {0};
-    if (has_integer_levels(grid))
-        ISO_TRY(integer_histogram(&what, &result, error));
-    else
-        ISO_TRY(float_histogram(&what, &result, error));
-    *histogram = result;
-    return ISO_OK;
+    return compute(&what, histogram, error);
+}
+
+iso_status iso_histogram_of_source(const iso_chunk_source *source, int side, const iso_ranks *ranks,
+                                   iso_pool *pool, iso_histogram *histogram, iso_error *error) {
+    iso_rgrid described = {.type = source->type, .scale = source->scale, .offset = source->offset};
+    const iso_grid grid = {.rgrid = &described};
+    for (int axis = 0; axis < 3; axis++) described.dims[axis] = source->dims[axis];
+    const reading what = {.grid = &grid, .pool = pool, .ranks = ranks, .source = source, .side = side};
+    return compute(&what, histogram, error);
 }
 
 iso_status iso_histogram_compute(const iso_grid *grid, iso_pool *pool, iso_histogram *histogram,

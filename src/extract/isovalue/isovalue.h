@@ -7,6 +7,7 @@
 
 #include "base/parallel.h"
 #include "base/ranks.h"
+#include "grids/chunk_source.h"
 #include "grids/grid.h"
 #include "isopoint.h"
 
@@ -25,6 +26,11 @@ iso_status iso_histogram_compute(const iso_grid *grid, iso_pool *pool, iso_histo
  * counts are added up. Errors of any process on all of them; ISO_ERR_BRIDGE. */
 iso_status iso_histogram_compute_together(const iso_grid *grid, const iso_ranks *ranks, iso_pool *pool,
                                           iso_histogram *histogram, iso_error *error);
+
+/* The same of a volume that is not in memory: each process reads a share of its chunks (`side`:
+ * iso_chunk_source_visit), once for integers, up to four times for floats. Errors of reading too. */
+iso_status iso_histogram_of_source(const iso_chunk_source *source, int side, const iso_ranks *ranks,
+                                   iso_pool *pool, iso_histogram *histogram, iso_error *error);
 
 /* Suggests isovalues (physical), best first: 0 for level sets; otherwise Otsu's threshold (1979), then the
  * two thresholds of three-class Otsu (Liao, Chen and Chung 2001). Returns how many there are (1 .. 3), 0

@@ -1,0 +1,69 @@
+/* tiled: volumes whose voxels are stored in tiles that can be read singly and in any order: the "chunks" of
+ * Zarr and HDF5; tiles, strips and slices of TIFF. ("Tile" is the word for these pieces of a file, "chunk"
+ * for the pieces of a volume that are visited one after the other, grids/grid_chunk.h.)
+ *
+ * A format offers its tiles by `open_tiled` (grids/volume/format.h) and needs no other function for voxels:
+ * volume.c reads a volume that fits into memory with all threads, and makes a grid of one that does not
+ * fit, whose voxels stay in the file (iso_volume_opts.mapped). */
+#ifndef ISO_GRIDS_VOLUME_TILED_H
+#define ISO_GRIDS_VOLUME_TILED_H
+
+#include "grids/chunk_source.h"
+#include "grids/volume/volume.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* An open tiled volume. Its scale, offset and transform are those of its iso_volume_info. */
+typedef struct iso_tiled {
+    int dims[3];      /* voxels of the volume, x fastest */
+    int tile[3];      /* voxels of a tile; the last ones may reach beyond the volume */
+    iso_type type;    /* of the grid: wider types of the file are converted by `read` */
+    uint64_t scratch; /* bytes of memory that a call of `read` takes beside its target */
+    /* Reads and decodes tile `index` (0 .. ceil(dims / tile) - 1 on each axis) into `target`: tile[0] *
+     * tile[1] * tile[2] values, x fastest; those outside the volume may be anything. Called by several
+     * threads at once: a library that is not thread-safe is locked inside, decoding is not. Tiles that are
+     * absent are filled with their value. Errors name the file and the tile. */
+    iso_status (*read)(void *context, const int index[3], void *target, iso_error *error);
+    /* Optional: whether the tile is not in the file, so that all its voxels are *value (a stored value).
+     * Called by several threads at once. */
+    bool (*is_absent)(void *context, const int index[3], float *value);
+    void (*destroy)(void *context);
+    void *context;
+} iso_tiled;
+
+/* Destroys the context. */
+void iso_tiled_close(iso_tiled *tiled);
+
+/* Reads the whole volume into the grid that `info` describes, with all threads of opts->pool if there is
+ * memory for a tile for each, else with one. Adds a note to `info` if tiles are absent. With opts->mapped
+ * the voxels lie in a temporary file (grids/volume/mapping.h). When several tiles cannot be read, the error
+ * is that of the first one. Errors of reading; ISO_ERR_IO: opts->progress cancels; ISO_ERR_NOMEM. */
+iso_status iso_tiled_read_grid(const char *path, const iso_volume_opts *opts, const iso_tiled *tiled,
+                               iso_volume_info *info, iso_grid *grid, iso_error *error);
+
+/* Whether the volume is to be read chunk by chunk: the tiles that a chunk of the usual size needs fit into
+ * the cache of iso_tiled_make_grid, or they have at most eight times the chunk's voxels. Other volumes
+ * (large slices, and little memory) are unpacked into a temporary file, because each tile would be decoded
+ * many times. */
+bool iso_tiled_suits_chunks(const iso_tiled *tiled, const iso_volume_opts *opts);
+
+/* Makes the grid that `info` describes, whose voxels stay in the file: `data` is a range of addresses
+ * without memory, which nobody may read or write. It can be cropped; its voxels are read by its chunk
+ * source. The grid takes *tiled over, also when it fails. ISO_ERR_NOMEM. */
+iso_status iso_tiled_make_grid(const char *path, const iso_volume_opts *opts, iso_tiled *tiled,
+                               const iso_volume_info *info, iso_grid *grid, iso_error *error);
+
+/* Whether a grid was made by iso_tiled_make_grid. */
+bool iso_tiled_is(const iso_rgrid *grid);
+
+/* The source of the chunks of such a grid, which is borrowed. Decoded tiles are kept in a cache, of at most
+ * an eighth of the memory limit. Chunks whose tiles are all absent are known to be constant. For one thread
+ * at a time, which `read` may be given a pool. */
+iso_chunk_source iso_tiled_source(const iso_rgrid *grid);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
