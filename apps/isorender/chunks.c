@@ -134,6 +134,9 @@ static void identify(const isorender_job *job, iso_volume_identity *identity) {
     iso_loader_list_files(loader->path, loader->options, &files);
     identity->files = iso_file_set_identity(&files);
     iso_file_set_free(&files);
+    /* Arrays of one file differ by their names (Fowler, Noll and Vo's hash). */
+    for (const char *name = loader->volume.info.name; *name; name++)
+        identity->files = (identity->files ^ (unsigned char)*name) * 1099511628211u;
     for (int axis = 0; axis < 3; axis++) {
         identity->dims[axis] = grid->dims[axis];
         identity->first[axis] = loader->crop[2 * axis];
@@ -153,16 +156,27 @@ static bool keeps_index(const isorender_job *job) {
            (settings->parts || is_too_large(job));
 }
 
+/* The index lies beside the file: FILE.isoindex, or FILE.path.to.array.isoindex. NULL: out of memory. */
+static char *name_index(const char *path) {
+    const char *array = iso_volume_array_of(path);
+    char *name = NULL;
+    if (asprintf(&name, "%s.isoindex", path) < 0) return NULL;
+    if (!array) return name;
+    const size_t first = (size_t)(array - path), end = strlen(path);
+    for (size_t i = first; i < end; i++)
+        if (name[i] == '/') name[i] = '.';
+    memmove(name + first - 1, name + first, strlen(name + first) + 1); /* the colon */
+    return name;
+}
+
 static iso_status read_index(isorender_job *job, iso_error *error) {
     isorender_chunks *chunks = job->chunks;
     iso_volume_identity identity = {0};
     identify(job, &identity);
     ISO_TRY(iso_volume_index_create(&identity, &chunks->index, error));
     if (!keeps_index(job)) return ISO_OK;
-    if (asprintf(&chunks->index_path, "%s.isoindex", job->loader.path) < 0) {
-        chunks->index_path = NULL;
-        return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
-    }
+    chunks->index_path = name_index(job->loader.path);
+    if (!chunks->index_path) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
     if (!iso_volume_index_read(chunks->index_path, &chunks->index)) return ISO_OK;
     isorender_log_verbose(job, "%s: %zu of %zu blocks known", chunks->index_path,
                           chunks->index.ranges.count - chunks->index.ranges.unknown,

@@ -142,22 +142,28 @@ typedef struct request {
     char file[PATH_MAX]; /* the file's part of FILE:/array */
 } request;
 
-/* Divides FILE:/array, the name of an array in a file, unless a file is called so. --grid may name the same
- * array. */
-static iso_status divide_path(const char *path, request *r, iso_error *error) {
+const char *iso_volume_array_of(const char *path) {
     struct stat status;
-    r->path = path;
-    if (stat(path, &status) == 0) return ISO_OK;
+    char file[PATH_MAX];
+    if (stat(path, &status) == 0) return NULL;
     for (const char *colon = path; (colon = strstr(colon, ":/")); colon++) {
-        if ((size_t)(colon - path) >= sizeof r->file) return ISO_OK;
-        snprintf(r->file, sizeof r->file, "%.*s", (int)(colon - path), path);
-        if (stat(r->file, &status) != 0 || !S_ISREG(status.st_mode)) continue;
-        if (r->opts.grid && strcmp(r->opts.grid, colon + 1) != 0)
-            return iso_fail(error, ISO_ERR_USAGE, "%s: names an array, and --grid another one", path);
-        r->path = r->file;
-        r->opts.grid = colon + 1;
-        return ISO_OK;
+        if ((size_t)(colon - path) >= sizeof file) return NULL;
+        snprintf(file, sizeof file, "%.*s", (int)(colon - path), path);
+        if (stat(file, &status) == 0 && S_ISREG(status.st_mode)) return colon + 1;
     }
+    return NULL;
+}
+
+/* Divides FILE:/array. --grid may name the same array. */
+static iso_status divide_path(const char *path, request *r, iso_error *error) {
+    const char *array = iso_volume_array_of(path);
+    r->path = path;
+    if (!array) return ISO_OK;
+    if (r->opts.grid && strcmp(r->opts.grid, array) != 0)
+        return iso_fail(error, ISO_ERR_USAGE, "%s: names an array, and --grid another one", path);
+    snprintf(r->file, sizeof r->file, "%.*s", (int)(array - path) - 1, path);
+    r->path = r->file;
+    r->opts.grid = array;
     return ISO_OK;
 }
 
@@ -433,7 +439,8 @@ iso_status iso_volume_check_memory(const char *path, const iso_volume_opts *opts
 
 bool iso_volume_can_map(const iso_volume_info *info) {
     const iso_format *const formats[] = {&iso_format_nrrd, &iso_format_metaimage, &iso_format_nifti,
-                                         &iso_format_raw,  &iso_format_vtk,       &format_tiff};
+                                         &iso_format_raw,  &iso_format_vtk,       &format_tiff,
+                                         &format_hdf5};
     for (size_t i = 0; i < sizeof formats / sizeof *formats; i++)
         if (strcmp(info->format, formats[i]->name) == 0) return true;
     return false;

@@ -184,36 +184,63 @@ static size_t number_of(const iso_hdf5_source *source, const int index[3]) {
            (size_t)index[0];
 }
 
-/* The place of a chunk of values in one piece; the last one on an axis may be shorter. */
-static iso_hdf5_place place_in_one_piece(const iso_hdf5_array *array, const int index[3]) {
-    uint64_t start[ISO_HDF5_AXES], step = iso_scalar_size(array->scalar), bytes = step, first = 0;
-    iso_hdf5_chunk_start(array, index, start);
-    for (int axis = array->rank - 1; axis >= 0; axis--) {
-        const uint64_t left = array->sizes[axis] - start[axis];
-        first += start[axis] * step;
-        bytes *= left < array->chunk[axis] ? left : array->chunk[axis];
-        step *= array->sizes[axis];
-    }
-    return (iso_hdf5_place){.address = array->address + first, .bytes = (uint32_t)bytes};
-}
-
-static iso_hdf5_place place_of(const iso_hdf5_source *source, const int index[3]) {
-    if (!source->array.allocated) return (iso_hdf5_place){0};
-    return source->places ? source->places[number_of(source, index)]
-                          : place_in_one_piece(&source->array, index);
-}
-
-static iso_status read_stored(const iso_hdf5_source *source, const int index[3], const iso_hdf5_place *place,
-                              unsigned char *target, iso_error *error) {
-    if (place->address > source->file_bytes || place->bytes > source->file_bytes - place->address)
+static iso_status read_bytes(const iso_hdf5_source *source, const int index[3], uint64_t address,
+                             uint64_t bytes, unsigned char *target, iso_error *error) {
+    if (address > source->file_bytes || bytes > source->file_bytes - address)
         return fail_chunk(source, index, "truncated: it lies beyond the end of the file", error);
-    for (size_t done = 0; done < place->bytes;) {
+    for (uint64_t done = 0; done < bytes;) {
         const ssize_t got =
-            pread(source->descriptor, target + done, place->bytes - done, (off_t)(place->address + done));
+            pread(source->descriptor, target + done, (size_t)(bytes - done), (off_t)(address + done));
         if (got < 0 && errno == EINTR) continue;
         if (got < 0) return fail_chunk(source, index, strerror(errno), error);
         if (got == 0) return fail_chunk(source, index, "truncated", error);
-        done += (size_t)got;
+        done += (uint64_t)got;
+    }
+    return ISO_OK;
+}
+
+/* A box of an array whose values are in one piece. Inner axes that it covers whole make up one run of bytes
+ * together with the axis before them. */
+typedef struct box {
+    uint64_t start[ISO_HDF5_AXES], count[ISO_HDF5_AXES];
+    uint64_t file_step[ISO_HDF5_AXES], chunk_step[ISO_HDF5_AXES]; /* bytes */
+    int first_in_run;                                             /* axis */
+    uint64_t run_bytes;
+} box;
+
+static box find_box(const iso_hdf5_array *array, const int index[3]) {
+    box b = {.first_in_run = array->rank - 1};
+    uint64_t file_step = iso_scalar_size(array->scalar), chunk_step = file_step;
+    iso_hdf5_chunk_start(array, index, b.start);
+    for (int axis = array->rank - 1; axis >= 0; axis--) {
+        const uint64_t left = array->sizes[axis] - b.start[axis];
+        b.count[axis] = left < array->chunk[axis] ? left : array->chunk[axis];
+        b.file_step[axis] = file_step;
+        b.chunk_step[axis] = chunk_step;
+        file_step *= array->sizes[axis];
+        chunk_step *= array->chunk[axis];
+    }
+    while (b.first_in_run > 0 && b.count[b.first_in_run] == array->sizes[b.first_in_run] &&
+           array->chunk[b.first_in_run] == array->sizes[b.first_in_run])
+        b.first_in_run--;
+    b.run_bytes = b.count[b.first_in_run] * b.file_step[b.first_in_run];
+    return b;
+}
+
+/* Reads the values of a box, which are laid out as in a chunk. */
+static iso_status read_box(const iso_hdf5_source *source, const int index[3], unsigned char *target,
+                           iso_error *error) {
+    const iso_hdf5_array *array = &source->array;
+    const box b = find_box(array, index);
+    uint64_t at[ISO_HDF5_AXES] = {0}; /* in the box, on the axes before the run */
+    for (int axis = 0; axis >= 0;) {
+        uint64_t from = array->address, to = 0;
+        for (int i = 0; i < array->rank; i++) {
+            from += (b.start[i] + at[i]) * b.file_step[i];
+            to += at[i] * b.chunk_step[i];
+        }
+        ISO_TRY(read_bytes(source, index, from, b.run_bytes, target + to, error));
+        for (axis = b.first_in_run - 1; axis >= 0 && ++at[axis] == b.count[axis]; axis--) at[axis] = 0;
     }
     return ISO_OK;
 }
@@ -253,7 +280,8 @@ static void fill_with(const iso_hdf5_source *source, void *target) {
 }
 
 bool iso_hdf5_is_absent(const iso_hdf5_source *source, const int index[3]) {
-    return place_of(source, index).bytes == 0;
+    if (!source->places) return !source->array.allocated;
+    return source->places[number_of(source, index)].bytes == 0;
 }
 
 float iso_hdf5_fill_value(const iso_hdf5_array *array) {
@@ -263,21 +291,30 @@ float iso_hdf5_fill_value(const iso_hdf5_array *array) {
     return fill;
 }
 
+/* Reads a chunk as it is stored and undoes its filters; the values are in now->data. */
+static iso_status unpack(const iso_hdf5_source *source, const int index[3], piece *now, piece *other,
+                         size_t room, iso_error *error) {
+    const iso_hdf5_place place = source->places[number_of(source, index)];
+    now->bytes = place.bytes;
+    if (place.bytes > room) return fail_chunk(source, index, "damaged: it is too long", error);
+    ISO_TRY(read_bytes(source, index, place.address, place.bytes, now->data, error));
+    if (!undo_filters(&source->array, place.skipped, now, other, room))
+        return fail_chunk(source, index, "damaged", error);
+    return now->bytes == iso_hdf5_chunk_bytes(&source->array)
+               ? ISO_OK
+               : fail_chunk(source, index, "damaged: it unpacks to a wrong number of bytes", error);
+}
+
 iso_status iso_hdf5_read_chunk(const iso_hdf5_source *source, const int index[3], void *room, void *target,
                                iso_error *error) {
-    const iso_hdf5_place place = place_of(source, index);
-    const size_t bytes = (size_t)iso_hdf5_chunk_bytes(&source->array), most = (size_t)largest_chunk(bytes);
-    piece now = {.data = room, .bytes = place.bytes}, other = {.data = (unsigned char *)room + most};
-    if (place.bytes == 0) {
+    const size_t most = (size_t)largest_chunk(iso_hdf5_chunk_bytes(&source->array));
+    piece now = {.data = room}, other = {.data = (unsigned char *)room + most};
+    if (iso_hdf5_is_absent(source, index)) {
         fill_with(source, target);
         return ISO_OK;
     }
-    if (place.bytes > most) return fail_chunk(source, index, "damaged: it is too long", error);
-    ISO_TRY(read_stored(source, index, &place, now.data, error));
-    if (!undo_filters(&source->array, place.skipped, &now, &other, most))
-        return fail_chunk(source, index, "damaged", error);
-    if (source->places && now.bytes != bytes)
-        return fail_chunk(source, index, "damaged: it unpacks to a wrong number of bytes", error);
+    ISO_TRY(source->places ? unpack(source, index, &now, &other, most, error)
+                           : read_box(source, index, now.data, error));
     convert(source, now.data, target);
     return ISO_OK;
 }

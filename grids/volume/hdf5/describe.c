@@ -63,19 +63,6 @@ static bool read_sizes(hid_t dataset, iso_hdf5_array *array) {
     return true;
 }
 
-/* Values in one piece are read in runs of about this many bytes. */
-enum { RUN_BYTES = 1 << 22 };
-
-/* Divides values in one piece into runs: whole inner axes, part of one, single indices of the outer ones. */
-static void divide_into_runs(iso_hdf5_array *array) {
-    uint64_t inner = iso_scalar_size(array->scalar);
-    for (int axis = array->rank - 1; axis >= 0; axis--) {
-        const uint64_t fits = inner >= RUN_BYTES ? 1 : RUN_BYTES / inner;
-        if (array->chunk[axis] > fits) array->chunk[axis] = fits;
-        inner = array->chunk[axis] < array->sizes[axis] ? RUN_BYTES : inner * array->chunk[axis];
-    }
-}
-
 static hid_t native_type(iso_scalar scalar) {
     const hid_t types[] = {H5T_NATIVE_UINT8,  H5T_NATIVE_INT8,  H5T_NATIVE_UINT16, H5T_NATIVE_INT16,
                            H5T_NATIVE_UINT32, H5T_NATIVE_INT32, H5T_NATIVE_UINT64, H5T_NATIVE_INT64,
@@ -160,10 +147,7 @@ static iso_status read_storage(const iso_hdf5_file *file, hid_t dataset, iso_hdf
     array->chunked = H5Pget_layout(creation) == H5D_CHUNKED;
     array->address = array->chunked ? 0 : H5Dget_offset(dataset);
     array->allocated = array->chunked || array->address != HADDR_UNDEF;
-    if (!array->chunked) {
-        divide_into_runs(array);
-        return ISO_OK;
-    }
+    if (!array->chunked) return ISO_OK;
     if (H5Pget_chunk(creation, array->rank, chunk) != array->rank)
         return iso_hdf5_fail(file, array->path, error);
     for (int axis = 0; axis < array->rank; axis++) array->chunk[axis] = chunk[axis];
@@ -363,6 +347,18 @@ static void find_axes(iso_hdf5_array *array, axes *a, iso_volume_info *info) {
     for (int i = 0; i < 3; i++) array->xyz[i] = a->left[2 - i];
 }
 
+/* Values in one piece are read in boxes: long enough for few runs of bytes, and small enough that a part of
+ * the volume can be read alone. Interleaved components are read together. */
+static void divide_into_boxes(iso_hdf5_array *array) {
+    static const uint64_t voxels[3] = {256, 32, 16};
+    for (int axis = 0; axis < array->rank; axis++)
+        array->chunk[axis] = axis > array->xyz[0] ? array->sizes[axis] : 1;
+    for (int i = 0; i < 3; i++) {
+        const uint64_t size = array->sizes[array->xyz[i]];
+        array->chunk[array->xyz[i]] = size < voxels[i] ? size : voxels[i];
+    }
+}
+
 /* ---- all together ---- */
 
 static iso_status take_dims(const iso_hdf5_file *file, const iso_hdf5_array *array,
@@ -417,6 +413,7 @@ iso_status iso_hdf5_describe(const char *path, const iso_volume_opts *opts, iso_
                         "%s: %.200s is not an array of numbers with three axes or more", path, array->path);
     ISO_TRY(read_storage(&file, dataset, array, error));
     find_axes(array, &a, info);
+    if (!array->chunked) divide_into_boxes(array);
     iso_hdf5_interpret(&file, array, &meaning, info);
     ISO_TRY(take_component(&file, opts, &meaning, a.components, array, info, error));
     ISO_TRY(take_dims(&file, array, &meaning, info, error));

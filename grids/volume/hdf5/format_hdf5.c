@@ -6,7 +6,9 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
+#include <pthread.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -14,6 +16,7 @@
 #include "base/memory.h"
 #include "grids/volume/hdf5/hdf5.h"
 #include "grids/volume/module.h"
+#include "grids/volume/tiled.h"
 
 /* ---- what the child process finds out ---- */
 
@@ -61,6 +64,9 @@ static bool has_sense(const iso_hdf5_array *array) {
     for (int axis = 0; good && axis < array->rank; axis++)
         good =
             array->chunk[axis] >= 1 && array->chunk[axis] <= INT_MAX && array->at[axis] < array->sizes[axis];
+    uint64_t bytes = array->element_bytes; /* of values in one piece */
+    for (int axis = 0; good && !array->chunked && axis < array->rank; axis++)
+        good = !__builtin_mul_overflow(bytes, array->sizes[axis], &bytes);
     for (int i = 0; good && i < 3; i++) good = array->xyz[i] >= 0 && array->xyz[i] < array->rank;
     return good && iso_hdf5_chunk_bytes(array) <= INT_MAX;
 }
@@ -160,90 +166,112 @@ static iso_status find_all_places(const iso_volume_opts *opts, const iso_hdf5_so
     return status;
 }
 
-/* ---- values ---- */
+/* ---- tiles ---- */
 
-static void close_source(iso_hdf5_source *source) {
-    iso_hdf5_unshare((void *)source->places, (size_t)places_bytes(&source->array, source->dims));
+/* An open array. The memory in which chunks are unpacked is used again: `rooms` are those that no thread
+ * uses, each of which begins with the address of the next one. */
+typedef struct hdf5_tiles {
+    iso_hdf5_source source;
+    char *path;
+    float fill;
+    pthread_mutex_t lock;
+    void *rooms;
+} hdf5_tiles;
+
+static void destroy_tiles(void *context) {
+    hdf5_tiles *tiles = context;
+    iso_hdf5_source *source = &tiles->source;
+    iso_hdf5_unshare((void *)(uintptr_t)source->places, (size_t)places_bytes(&source->array, source->dims));
     if (source->descriptor >= 0) close(source->descriptor);
+    for (void *room = tiles->rooms, *next; room; room = next) {
+        memcpy(&next, room, sizeof next);
+        iso_free(room);
+    }
+    pthread_mutex_destroy(&tiles->lock);
+    free(tiles->path);
+    free(tiles);
 }
 
-/* Opens the file that `info` describes. Close with close_source, also after an error. */
-static iso_status open_source(const char *path, const iso_volume_opts *opts, const iso_volume_info *info,
-                              iso_hdf5_source *source, iso_error *error) {
+/* Opens the file that `info` describes. */
+static iso_status open_source(const iso_volume_opts *opts, const iso_volume_info *info, hdf5_tiles *tiles,
+                              iso_error *error) {
     iso_volume_info now = {.components = 1, .scale = 1, .transform = iso_transform_identity()};
+    iso_hdf5_source *source = &tiles->source;
     struct stat status;
-    *source = (iso_hdf5_source){.path = path, .descriptor = -1};
-    ISO_TRY(describe_file(path, opts, &now, &source->array, error));
+    ISO_TRY(describe_file(tiles->path, opts, &now, &source->array, error));
     if (memcmp(now.dims, info->dims, sizeof now.dims) != 0 || now.type != info->type ||
         now.components != info->components || now.read_bytes > info->read_bytes)
-        return iso_fail(error, ISO_ERR_IO, "%s: changed while it was read", path);
+        return iso_fail(error, ISO_ERR_IO, "%s: changed while it was read", tiles->path);
     memcpy(source->dims, info->dims, sizeof source->dims);
     iso_hdf5_chunk_grid(&source->array, source->dims, source->counts, source->voxels);
-    source->descriptor = open(path, O_RDONLY | O_CLOEXEC);
+    tiles->fill = iso_hdf5_fill_value(&source->array);
+    source->descriptor = open(tiles->path, O_RDONLY | O_CLOEXEC);
     if (source->descriptor < 0 || fstat(source->descriptor, &status) != 0)
-        return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
+        return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", tiles->path, strerror(errno));
     source->file_bytes = (uint64_t)status.st_size;
     const uint64_t bytes = places_bytes(&source->array, source->dims);
     if (bytes == 0) return ISO_OK;
+    ISO_TRY(iso_format_check_memory(tiles->path, opts, bytes, "the places of its chunks", error));
     iso_hdf5_place *places = iso_hdf5_share((size_t)bytes);
     source->places = places;
-    return places ? find_all_places(opts, source, places, error) : iso_fail_memory(error, path);
+    return places ? find_all_places(opts, source, places, error) : iso_fail_memory(error, tiles->path);
 }
 
-/* Copies the voxels of a chunk that are in the volume. */
-static void copy_chunk(const iso_hdf5_source *source, const int index[3], const char *chunk,
-                       iso_rgrid *grid) {
-    const size_t size = iso_type_size(grid->type);
-    int first[3], count[3];
-    for (int i = 0; i < 3; i++) {
-        first[i] = index[i] * source->voxels[i];
-        count[i] =
-            source->dims[i] - first[i] < source->voxels[i] ? source->dims[i] - first[i] : source->voxels[i];
-    }
-    for (int z = 0; z < count[2]; z++)
-        for (int y = 0; y < count[1]; y++) {
-            const size_t from =
-                ((size_t)z * (size_t)source->voxels[1] + (size_t)y) * (size_t)source->voxels[0];
-            const size_t to = ((size_t)(first[2] + z) * (size_t)source->dims[1] + (size_t)(first[1] + y)) *
-                                  (size_t)source->dims[0] +
-                              (size_t)first[0];
-            memcpy((char *)grid->data + to * size, chunk + from * size, (size_t)count[0] * size);
-        }
+static void *take_room(hdf5_tiles *tiles) {
+    pthread_mutex_lock(&tiles->lock);
+    void *room = tiles->rooms;
+    if (room) memcpy(&tiles->rooms, room, sizeof tiles->rooms);
+    pthread_mutex_unlock(&tiles->lock);
+    return room ? room : iso_alloc((size_t)iso_hdf5_chunk_room(&tiles->source.array));
 }
 
-static iso_status read_chunks(const iso_hdf5_source *source, const iso_volume_opts *opts, void *room,
-                              void *chunk, iso_rgrid *grid, iso_error *error) {
-    const int *counts = source->counts;
-    int index[3];
-    for (index[2] = 0; index[2] < counts[2]; index[2]++) {
-        for (index[1] = 0; index[1] < counts[1]; index[1]++)
-            for (index[0] = 0; index[0] < counts[0]; index[0]++) {
-                ISO_TRY(iso_hdf5_read_chunk(source, index, room, chunk, error));
-                copy_chunk(source, index, chunk, grid);
-            }
-        ISO_TRY(iso_format_progress(source->path, opts, (index[2] + 1.0) / counts[2], error));
-    }
-    return ISO_OK;
+static void give_room(hdf5_tiles *tiles, void *room) {
+    pthread_mutex_lock(&tiles->lock);
+    memcpy(room, &tiles->rooms, sizeof tiles->rooms);
+    tiles->rooms = room;
+    pthread_mutex_unlock(&tiles->lock);
 }
 
-static iso_status hdf5_read(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
-                            iso_grid *grid, iso_error *error) {
-    iso_hdf5_source source;
-    void *room = NULL, *chunk = NULL;
-    iso_status status = open_source(path, opts, info, &source, error);
-    if (status == ISO_OK) {
-        room = iso_alloc((size_t)iso_hdf5_chunk_room(&source.array));
-        chunk = iso_alloc((size_t)iso_format_size(source.voxels, iso_type_size(info->type)));
-        if (!room || !chunk) status = iso_fail_memory(error, path);
-    }
-    if (status == ISO_OK) status = iso_format_create(path, info, NULL, grid, error);
-    if (status == ISO_OK) status = read_chunks(&source, opts, room, chunk, grid->rgrid, error);
-    iso_free(room);
-    iso_free(chunk);
-    close_source(&source);
+static iso_status read_tile(void *context, const int index[3], void *target, iso_error *error) {
+    hdf5_tiles *tiles = context;
+    void *room = take_room(tiles);
+    if (!room) return iso_fail_memory(error, tiles->path);
+    const iso_status status = iso_hdf5_read_chunk(&tiles->source, index, room, target, error);
+    give_room(tiles, room);
     return status;
 }
 
+static bool is_absent(void *context, const int index[3], float *value) {
+    const hdf5_tiles *tiles = context;
+    *value = tiles->fill;
+    return iso_hdf5_is_absent(&tiles->source, index);
+}
+
+static iso_status hdf5_open_tiled(const char *path, const iso_volume_opts *opts, const iso_volume_info *info,
+                                  iso_tiled *tiled, iso_error *error) {
+    hdf5_tiles *tiles = calloc(1, sizeof *tiles);
+    if (!tiles) return iso_fail_memory(error, path);
+    pthread_mutex_init(&tiles->lock, NULL);
+    tiles->path = strdup(path);
+    tiles->source = (iso_hdf5_source){.path = tiles->path, .descriptor = -1};
+    const iso_status status =
+        tiles->path ? open_source(opts, info, tiles, error) : iso_fail_memory(error, path);
+    if (status != ISO_OK) {
+        destroy_tiles(tiles);
+        return status;
+    }
+    *tiled = (iso_tiled){.type = info->type,
+                         .scratch = iso_hdf5_chunk_room(&tiles->source.array),
+                         .read = read_tile,
+                         .is_absent = is_absent,
+                         .destroy = destroy_tiles,
+                         .context = tiles};
+    memcpy(tiled->dims, tiles->source.dims, sizeof tiled->dims);
+    memcpy(tiled->tile, tiles->source.voxels, sizeof tiled->tile);
+    return ISO_OK;
+}
+
 static const iso_format format_hdf5 = {
-    .name = "hdf5", .library = "libhdf5", .info = hdf5_info, .read = hdf5_read};
+    .name = "hdf5", .library = "libhdf5", .info = hdf5_info, .open_tiled = hdf5_open_tiled};
+
 ISO_MODULE(&format_hdf5, NULL, NULL);

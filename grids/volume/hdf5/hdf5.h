@@ -20,7 +20,7 @@ enum { ISO_HDF5_AXES = 8, ISO_HDF5_FILTERS = 8, ISO_HDF5_PATH = 1024 };
 enum { ISO_HDF5_DEFLATE = 1, ISO_HDF5_SHUFFLE = 2, ISO_HDF5_FLETCHER32 = 3, ISO_HDF5_LZF = 32000 };
 
 /* An array of a file that can be read as voxels. Axes are in the order of the file, slowest first. Values
- * that lie in one piece count as chunks too: as few whole rows, planes, ... as are read at once. */
+ * that lie in one piece are read in boxes, which count as chunks. */
 typedef struct iso_hdf5_array {
     char path[ISO_HDF5_PATH]; /* in the file */
     int rank;

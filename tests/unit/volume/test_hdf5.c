@@ -163,6 +163,29 @@ static void read_and_check(const char *path, const storage *s) {
     }
 }
 
+/* Reads the volume as one that is larger than memory: a chunk in its middle, with its halo. */
+static void read_in_chunks(const char *path) {
+    const iso_volume_opts opts = {.mapped = true, .max_memory = 8 << 20};
+    const iso_brick_box bricks = {{1, 0, 0}, {2, 1, 1}};
+    iso_volume volume = test_read_volume(path, &opts);
+    const iso_chunk_source source = iso_volume_source(volume.grid.rgrid);
+    iso_grid_chunk chunk;
+    iso_rgrid *grid = NULL;
+    int first[3], end[3];
+    assert_true(iso_grid_chunk_make(source.dims, &source.transform, &bricks, &chunk));
+    assert_int_equal(source.read(source.context, &chunk, NULL, &grid, NULL), ISO_OK);
+    iso_grid_chunk_voxels(&chunk, first, end);
+    assert_int_equal(end[0], WIDTH);
+    const iso_grid view = {.rgrid = grid};
+    for (int z = first[2]; z < end[2]; z++)
+        for (int y = first[1]; y < end[1]; y++)
+            for (int x = first[0]; x < end[0]; x++)
+                if (iso_grid_at(&view, x - ISO_BRICK * chunk.origin[0], y, z) != value_at(x, y, z, 0))
+                    fail_msg("voxel %d %d %d of a chunk", x, y, z);
+    iso_rgrid_destroy(grid);
+    iso_volume_free(&volume);
+}
+
 static void check_numbers(const char *what, const double *numbers, double x, double y, double z) {
     const double wanted[3] = {x, y, z};
     for (int i = 0; i < 3; i++)
@@ -185,7 +208,9 @@ static void test_every_storage(void **state) {
             s.deflate = way > 3;
             s.shuffle = way > 5;
             s.checksum = way > 7;
-            read_and_check(write_file("storage.h5", &s, way % 2), &s);
+            const char *path = write_file("storage.h5", &s, way % 2);
+            read_and_check(path, &s);
+            read_in_chunks(path);
         }
 }
 
