@@ -231,6 +231,26 @@ static void test_components(void **state) {
         }
 }
 
+/* An array in one piece that is read in several boxes, of which those at the end are smaller. */
+static void test_boxes(void **state) {
+    const storage ways[] = {{.sizes = {19, 40, 300}, .rank = 3, .z = 0, .y = 1, .x = 2, .c = -1},
+                            {.sizes = {19, 40, 300, 2}, .rank = 4, .z = 0, .y = 1, .x = 2, .c = 3},
+                            {.sizes = {2, 40, 40, 20}, .rank = 4, .z = 1, .y = 2, .x = 3, .c = 0}};
+    (void)state;
+    for (size_t i = 0; i < sizeof ways / sizeof *ways; i++) {
+        const iso_volume_opts opts = {.component = ways[i].c >= 0};
+        iso_volume volume = test_read_volume(write_file("boxes.h5", &ways[i], false), &opts);
+        const int *dims = iso_grid_dims(&volume.grid);
+        assert_int_equal(dims[0], ways[i].sizes[ways[i].x]);
+        for (int z = 0; z < dims[2]; z++)
+            for (int y = 0; y < dims[1]; y++)
+                for (int x = 0; x < dims[0]; x++)
+                    if (iso_grid_at(&volume.grid, x, y, z) != value_at(x, y, z, opts.component))
+                        fail_msg("way %zu, voxel %d %d %d", i, x, y, z);
+        iso_volume_free(&volume);
+    }
+}
+
 /* Chunks that were never written have the fill value. */
 static void test_absent_chunks(void **state) {
     storage s = plain();
@@ -469,6 +489,14 @@ static void test_other_files(void **state) {
     test_expect_no_volume(path, NULL, ISO_ERR_UNSUPPORTED, NULL, "name source.h5:/voxels");
     test_expect_no_volume(vol_path(folder, "link.h5:/voxels", 1), NULL, ISO_ERR_UNSUPPORTED, NULL,
                           "source.h5");
+    file = begin("signal.h5", false); /* libhdf5 would follow the link by itself */
+    const hid_t data = make_group(file, "data");
+    write_text(data, "NX_class", "NXdata");
+    write_text(data, "signal", "voxels");
+    H5Lcreate_external("source.h5", "/voxels", data, "voxels", H5P_DEFAULT, H5P_DEFAULT);
+    H5Fclose(file);
+    path = vol_path(folder, "signal.h5", 0);
+    test_expect_no_volume(path, NULL, ISO_ERR_UNSUPPORTED, NULL, "name source.h5:/voxels");
     file = begin("virtual.h5", true);
     const hid_t creation = H5Pcreate(H5P_DATASET_CREATE), space = H5Screate_simple(3, s.sizes, NULL);
     H5Pset_virtual(creation, space, "source.h5", "/voxels", space);
@@ -568,12 +596,12 @@ static int make_place(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_every_storage), cmocka_unit_test(test_components),
-        cmocka_unit_test(test_absent_chunks), cmocka_unit_test(test_same_as_nrrd),
-        cmocka_unit_test(test_choice),        cmocka_unit_test(test_imaris),
-        cmocka_unit_test(test_bigdataviewer), cmocka_unit_test(test_nexus),
-        cmocka_unit_test(test_vtkhdf),        cmocka_unit_test(test_other_files),
-        cmocka_unit_test(test_refused),       cmocka_unit_test(test_huge),
-        cmocka_unit_test(test_truncated),     cmocka_unit_test(test_damaged_chunk),
-        cmocka_unit_test(test_damaged)};
+        cmocka_unit_test(test_boxes),         cmocka_unit_test(test_absent_chunks),
+        cmocka_unit_test(test_same_as_nrrd),  cmocka_unit_test(test_choice),
+        cmocka_unit_test(test_imaris),        cmocka_unit_test(test_bigdataviewer),
+        cmocka_unit_test(test_nexus),         cmocka_unit_test(test_vtkhdf),
+        cmocka_unit_test(test_other_files),   cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_huge),          cmocka_unit_test(test_truncated),
+        cmocka_unit_test(test_damaged_chunk), cmocka_unit_test(test_damaged)};
     return cmocka_run_group_tests(tests, make_place, NULL);
 }
