@@ -71,7 +71,7 @@ def html_table(table, folder):
             yield "</tr>\n"
         yield "</tbody></table></div>\n"
     if table["pictures"]:
-        yield '<div class=row style="--columns:%d">\n' % min(5, len(table["pictures"]))
+        yield '<div class=row style="--columns:%d">\n' % max(3, min(5, len(table["pictures"])))
         for picture in table["pictures"]:
             with open(os.path.join(folder, picture["file"]), "rb") as file:
                 data = base64.b64encode(file.read()).decode()
