@@ -1,7 +1,7 @@
 /* The camera: presets, framing and turntables. */
 #include <math.h>
 
-#include "apps/isorender/isorender.h"
+#include "apps/isorender/level.h"
 #include "methods/bounds.h"
 
 static bool is_given(const double v[3]) {
@@ -62,14 +62,14 @@ static iso_vec3 middle_of(const iso_box *box) {
     return iso_vec3_scale(iso_vec3_add(box->lo, box->hi), 0.5);
 }
 
-static void frame_surface(isorender_job *job, iso_camera *camera) {
+static void frame_surface(isorender_job *job, int framing, iso_camera *camera) {
     const isorender_settings *settings = job->settings;
     const iso_fit fit = {.aspect = (double)settings->width / settings->height,
                          .turns = settings->turntable,
                          .fill = isnan(settings->margin) ? 0 : 1 - 2 * settings->margin,
                          .bounds = bounds_along,
                          .context = job};
-    if (settings->fit == ISORENDER_FIT_TIGHT)
+    if (framing == ISORENDER_FIT_TIGHT)
         iso_camera_fit_tight(camera, middle_of(&job->bounds_world), &fit);
     else
         iso_camera_fit_box(camera, &job->bounds_framed, &fit);
@@ -92,7 +92,7 @@ static iso_direction direction_of(const isorender_job *job) {
 }
 
 /* The camera without --camera-position: the preset, turned, at the distance that shows everything. */
-static iso_camera fitted_camera(isorender_job *job) {
+static iso_camera fitted_camera(isorender_job *job, int framing) {
     const isorender_settings *settings = job->settings;
     iso_camera camera = {
         .view_angle = settings->view_angle, .orthographic = settings->orthographic != 0, .parallel_scale = 1};
@@ -101,7 +101,7 @@ static iso_camera fitted_camera(isorender_job *job) {
     if (is_given(settings->view_up)) camera.view_up = vector(settings->view_up);
     camera.position = iso_vec3_scale(forward, -1);
     iso_camera_orbit(&camera, settings->azimuth, settings->elevation);
-    frame_surface(job, &camera);
+    frame_surface(job, framing, &camera);
     if (is_given(settings->focal_point)) {
         iso_vec3 shift = iso_vec3_sub(vector(settings->focal_point), camera.focal_point);
         camera.focal_point = vector(settings->focal_point);
@@ -118,14 +118,27 @@ static void place_camera(const isorender_job *job, iso_camera *camera) {
         iso_camera_orbit(camera, settings->azimuth, settings->elevation);
 }
 
+/* The camera of the settings, at a distance that shows job->bounds_framed or, if --fit tight is followed, the
+ * surface. */
+static iso_camera make_camera(isorender_job *job, int framing) {
+    const isorender_settings *settings = job->settings;
+    iso_camera camera = fitted_camera(job, framing);
+    if (is_given(settings->position)) place_camera(job, &camera);
+    if (settings->zoom != 1) iso_camera_zoom(&camera, settings->zoom);
+    if (settings->mm_per_pixel > 0) camera.parallel_scale = settings->mm_per_pixel * settings->height / 2;
+    return camera;
+}
+
+iso_camera isorender_camera_of_box(isorender_job *job, const iso_box *box) {
+    job->bounds_framed = *box;
+    return make_camera(job, ISORENDER_FIT_BOX);
+}
+
 iso_status isorender_camera_make(isorender_job *job, iso_error *error) {
     const isorender_settings *settings = job->settings;
     job->bounds_framed = framed_box(job);
     if (!is_given(settings->position) && settings->fit == ISORENDER_FIT_BOX) log_outside(job);
-    iso_camera camera = fitted_camera(job);
-    if (is_given(settings->position)) place_camera(job, &camera);
-    if (settings->zoom != 1) iso_camera_zoom(&camera, settings->zoom);
-    if (settings->mm_per_pixel > 0) camera.parallel_scale = settings->mm_per_pixel * settings->height / 2;
+    const iso_camera camera = make_camera(job, settings->fit);
     ISO_TRY(iso_camera_check(&camera, error));
     job->camera = camera;
     return ISO_OK;

@@ -82,7 +82,8 @@ enum { MOST_COMPRESSED = 1100 };
 static bool is_too_large(const isorender_job *job) {
     const iso_volume_info *info = &job->loader.volume.info;
     return isnan(job->loader.scene_isovalue) && iso_volume_can_map(info) &&
-           info->bytes / MOST_COMPRESSED <= iso_file_set_read_bytes(job->plan->files) &&
+           (iso_volume_may_be_sparse(info) ||
+            info->bytes / MOST_COMPRESSED <= iso_file_set_read_bytes(job->plan->files)) &&
            info->read_bytes > iso_memory_limit(job->settings->common.input.max_memory);
 }
 

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "apps/isorender/chunks.h"
-#include "apps/isorender/isorender.h"
+#include "apps/isorender/level.h"
 #include "base/memory.h"
 #include "io/glyphs/glyphs_read.h"
 
@@ -107,8 +107,9 @@ static iso_status check_columns(const isorender_job *job, iso_error *error) {
 
 iso_status isorender_open(isorender_job *job, iso_error *error) {
     iso_loader *loader = &job->loader;
+    ISO_TRY(isorender_level_choose(job, error));
     *loader = (iso_loader){.input = job->plan->input,
-                           .options = &job->settings->common.input,
+                           .options = &job->input,
                            .files = job->plan->files,
                            .space = job->settings->cloud.space,
                            .every = job->settings->cloud.every,

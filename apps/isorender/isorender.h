@@ -78,7 +78,7 @@ typedef struct isorender_job {
     bool has_volume;                    /* the input is a volume: not points, and there is an input */
     iso_loader volumes[ISORENDER_VOLUMES];
     int volume_count;
-    iso_input volume_input; /* how `volumes` are read */
+    iso_input input, volume_input; /* how the input, of a certain level, and `volumes` are read */
 
     iso_method method; /* as --method names it: ISO_METHOD_PULLPUSH and _SPLATS with any reconstruction */
     const iso_renderer *renderer; /* the row of the renderers' table for the method and its reconstruction */

@@ -34,6 +34,14 @@ iso_status iso_input_apply_spacing(void *settings, const char *value, iso_error 
     return ISO_OK;
 }
 
+iso_status iso_input_apply_level(void *settings, const char *value, iso_error *error) {
+    iso_input *input = settings;
+    const bool is_auto = strcmp(value, "auto") == 0;
+    if (is_auto) input->level = ISO_LEVEL_AUTO;
+    if (is_auto || (iso_parse_int(value, &input->level) && input->level >= 0)) return ISO_OK;
+    return iso_fail(error, ISO_ERR_USAGE, "'%s' is neither a level, from 0, nor auto", value);
+}
+
 iso_status iso_input_apply_crop(void *settings, const char *value, iso_error *error) {
     iso_input *input = settings;
     double numbers[6];
@@ -73,6 +81,7 @@ const char *iso_input_volume_option(const iso_input *input) {
     if (input->grid) return "--grid";
     if (input->series) return "--series";
     if (input->component) return "--component";
+    if (input->level) return "--level";
     if (input->cropped) return "--crop";
     return input->cropped_mm ? "--crop-mm" : NULL;
 }
@@ -83,6 +92,7 @@ iso_volume_opts iso_input_volume_opts(const iso_input *input) {
     return (iso_volume_opts){.grid = input->grid,
                              .series = input->series,
                              .component = input->component,
+                             .level = input->level,
                              .raw = input->has_raw ? &input->raw : NULL,
                              .spacing = {input->spacing[0], input->spacing[1], input->spacing[2]},
                              .max_memory = input->max_memory};
@@ -222,6 +232,7 @@ iso_status iso_input_write(const iso_input *input, char *text, size_t room, iso_
     ISO_TRY(put_name(&w, "grid", input->grid, error));
     ISO_TRY(put_name(&w, "series", input->series, error));
     if (input->component) put(&w, "component=%d\n", input->component);
+    if (input->level) put(&w, "level=%d\n", input->level);
     const int *c = input->crop;
     if (input->cropped) put(&w, "crop=%d,%d,%d,%d,%d,%d\n", c[0], c[1], c[2], c[3], c[4], c[5]);
     if (input->cropped_mm) put_reals(&w, "crop-mm", input->crop_mm, 6);
@@ -267,10 +278,16 @@ static iso_status apply_line(iso_input *input, const char *name, const char *val
     static const struct {
         const char *name;
         iso_status (*apply)(void *settings, const char *value, iso_error *error);
-    } options[] = {
-        {"raw", iso_input_apply_raw}, {"spacing", iso_input_apply_spacing}, {"grid", apply_grid},
-        {"series", apply_series},     {"component", apply_component},       {"crop", iso_input_apply_crop},
-        {"largest", apply_largest},   {"crop-mm", iso_input_apply_crop_mm}, {"min-size", apply_min_size}};
+    } options[] = {{"raw", iso_input_apply_raw},
+                   {"spacing", iso_input_apply_spacing},
+                   {"grid", apply_grid},
+                   {"series", apply_series},
+                   {"component", apply_component},
+                   {"level", iso_input_apply_level},
+                   {"crop", iso_input_apply_crop},
+                   {"largest", apply_largest},
+                   {"crop-mm", iso_input_apply_crop_mm},
+                   {"min-size", apply_min_size}};
     iso_error reason = {0};
     for (size_t i = 0; i < sizeof options / sizeof *options; i++)
         if (strcmp(name, options[i].name) == 0) {

@@ -13,10 +13,13 @@
 extern "C" {
 #endif
 
+enum { ISO_LEVEL_AUTO = -1 };
+
 /* All zero: default options. Strings are borrowed. A program's settings begin with an iso_input. */
 typedef struct iso_input {
     const char *grid, *series;
     int component, has_raw, cropped, cropped_mm;
+    int level; /* of a multiscale image; ISO_LEVEL_AUTO: to be chosen by the program for its picture */
     iso_raw_layout raw;
     double spacing[3];   /* mm; 0: the file's */
     int crop[6];         /* with `cropped`: x0 x1 y0 y1 z0 z1, voxels, first and last */
@@ -29,6 +32,7 @@ typedef struct iso_input {
 /* Parse the value of an option. `settings` begins with an iso_input. ISO_ERR_USAGE. */
 iso_status iso_input_apply_raw(void *settings, const char *value, iso_error *error);
 iso_status iso_input_apply_spacing(void *settings, const char *value, iso_error *error);
+iso_status iso_input_apply_level(void *settings, const char *value, iso_error *error);
 iso_status iso_input_apply_crop(void *settings, const char *value, iso_error *error);
 iso_status iso_input_apply_crop_mm(void *settings, const char *value, iso_error *error);
 

@@ -11,6 +11,7 @@
 #include <string.h>
 #include <strings.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include "base/file.h"
 #include "base/memory.h"
@@ -27,6 +28,7 @@
  * megabytes. */
 static const iso_format format_vti = {.name = "vti", .library = "VTK", .module = "vti"};
 static const iso_format format_vdb = {.name = "vdb", .library = "OpenVDB", .module = "vdb"};
+static const iso_format format_zarr = {.name = "zarr", .library = "Zarr", .module = "zarr"};
 static const iso_format format_tiff = {.name = "tiff", .library = "libtiff", .module = "tiff"};
 static const iso_format format_hdf5 = {.name = "hdf5", .library = "libhdf5", .module = "hdf5"};
 
@@ -204,12 +206,23 @@ static bool has_tiffs(const char *path) {
     return found;
 }
 
+/* Whether a folder has the metadata of a Zarr array or group. */
+static bool has_zarr(const char *path) {
+    static const char *const names[] = {"zarr.json", ".zarray", ".zgroup", ".zattrs"};
+    char name[PATH_MAX];
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        if (snprintf(name, sizeof name, "%s/%s", path, names[i]) < (int)sizeof name &&
+            access(name, F_OK) == 0)
+            return true;
+    return false;
+}
+
 static iso_status find_format(const char *path, request *r, const iso_format **format, iso_error *error) {
     struct stat status;
     if (stat(path, &status) != 0)
         return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
     if (S_ISDIR(status.st_mode)) {
-        *format = has_tiffs(path) ? &format_tiff : &iso_format_dicom;
+        *format = has_zarr(path) ? &format_zarr : has_tiffs(path) ? &format_tiff : &iso_format_dicom;
         if (r->opts.raw) return iso_fail(error, ISO_ERR_IO, "%s: is a folder, not a raw file", path);
         return ISO_OK;
     }
@@ -384,6 +397,9 @@ static void note_unused(const iso_volume_opts *opts, iso_volume_info *info) {
     if (opts->series && strcmp(info->format, "dicom") != 0)
         iso_volume_note(info, "series \"%.80s\" is not looked for: a %s file has no series (--series)",
                         opts->series, info->format);
+    if (opts->level > 0 && strcmp(info->format, format_zarr.name) != 0)
+        iso_volume_note(info, "level %d is not looked for: a %s file has one level (--level)", opts->level,
+                        info->format);
 }
 
 static void note_guess(const iso_raw_layout *raw, iso_volume_info *info) {
@@ -398,6 +414,8 @@ static iso_status read_header(const char *path, request *r, const iso_format **f
         *r->opts.component_axes = (iso_component_axes){.to_world = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
     ISO_TRY(divide_path(path, r, error));
     ISO_TRY(find_format(r->path, r, format, error));
+    if (r->opts.level < 0)
+        return iso_fail(error, ISO_ERR_USAGE, "%s: --level auto is for the input of a picture", path);
     ISO_TRY(load_format(path, format, error));
     snprintf(info->format, sizeof info->format, "%s", (*format)->name);
     if (r->is_guessed) note_guess(&r->guessed, info);
@@ -440,10 +458,14 @@ iso_status iso_volume_check_memory(const char *path, const iso_volume_opts *opts
 bool iso_volume_can_map(const iso_volume_info *info) {
     const iso_format *const formats[] = {&iso_format_nrrd, &iso_format_metaimage, &iso_format_nifti,
                                          &iso_format_raw,  &iso_format_vtk,       &format_tiff,
-                                         &format_hdf5};
+                                         &format_hdf5,     &format_zarr};
     for (size_t i = 0; i < sizeof formats / sizeof *formats; i++)
         if (strcmp(info->format, formats[i]->name) == 0) return true;
     return false;
+}
+
+bool iso_volume_may_be_sparse(const iso_volume_info *info) {
+    return strcmp(info->format, format_zarr.name) == 0;
 }
 
 iso_chunk_source iso_volume_source(const iso_rgrid *grid) {

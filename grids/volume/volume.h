@@ -6,6 +6,7 @@
  *   .vdb                        OpenVDB                   legacy .vtk            our own
  *   raw                         our own, iso_raw_layout   .mha .mhd              our own
  *   .tif .tiff (also a folder)  libtiff                 HDF5                   libhdf5
+ *   Zarr, OME-Zarr (folders)    our own
  *
  * The format is found from the content, and from the name if the content does not tell.
  *
@@ -59,6 +60,7 @@ typedef struct iso_volume_opts {
     const char
         *series;   /* DICOM: series instance UID, or its number (from 1) as listed by iso_volume_read_info */
     int component; /* which of several components, from 0 */
+    int level;     /* which level of a multiscale image, 0: the finest */
     /* Set from the header. Not NULL: the volume is read for its vectors: of a file with several grids or
      * arrays, one with as many components as vectors or matrices have is chosen if there is one. */
     iso_component_axes *component_axes;
@@ -100,8 +102,11 @@ iso_status iso_volume_read_info(const char *path, const iso_volume_opts *opts, i
 const char *iso_volume_format(const void *bytes, size_t count);
 
 /* Whether iso_volume_read can leave the voxels of the volume that `info` describes in their file: those of
- * nrrd, metaimage, nifti, raw, legacy vtk and tiff files. */
+ * nrrd, metaimage, nifti, raw, legacy vtk, tiff and zarr files. */
 bool iso_volume_can_map(const iso_volume_info *info);
+
+/* Whether files of this format need not hold all voxels: those in tiles that are absent have one value. */
+bool iso_volume_may_be_sparse(const iso_volume_info *info);
 
 /* The source of the chunks of a dense volume, which is borrowed: in memory, mapped or in tiles. */
 iso_chunk_source iso_volume_source(const iso_rgrid *grid);

@@ -3,6 +3,7 @@ import gzip
 import os
 import struct
 import subprocess
+import zlib
 
 VOXELS = [max(0, 255 - 12 * ((x - 5) ** 2 + (y - 5) ** 2 + (z - 4) ** 2)) for z in range(9) for y in range(11) for x in range(10)]
 DIMS = (10, 11, 9)
@@ -108,6 +109,39 @@ def written(programs, folder, name, *command):
         return file.read()
 
 
+def crc32c(data):
+    crc = 0xffffffff
+    for byte in data:
+        crc ^= byte
+        for _ in range(8):
+            crc = crc >> 1 ^ (0x82f63b78 if crc & 1 else 0)
+    return struct.pack("<I", crc ^ 0xffffffff)
+
+
+def zarr_chunk(z):
+    """Voxels of the chunk of 3 x 11 x 10 that begins at slice 3 * z."""
+    return bytes(VOXELS[330 * z:330 * z + 330])
+
+
+def zarr_files():
+    """Zarr v2 with OME metadata and zlib, and v3 with a shard. The first file names the folder."""
+    scales = b'"multiscales":[{"version":"0.4","axes":[{"name":"z","type":"space","unit":"millimeter"},{"name":"y",' \
+             b'"type":"space","unit":"millimeter"},{"name":"x","type":"space","unit":"millimeter"}],"datasets":[{"path":"0",' \
+             b'"coordinateTransformations":[{"type":"scale","scale":[1.5,0.5,0.5]},{"type":"translation","translation":[1,2,3]}]}]}]'
+    array = b'{"zarr_format":2,"shape":[9,11,10],"chunks":[3,11,10],"dtype":"|u1","order":"C","fill_value":0,"filters":null,' \
+            b'"dimension_separator":".","compressor":{"id":"zlib","level":1}}'
+    yield "v2", {".zattrs": b"{" + scales + b"}", "0/.zarray": array,
+                 **{"0/%d.0.0" % z: zlib.compress(zarr_chunk(z)) for z in range(3)}}
+    codecs = b'{"name":"bytes","configuration":{"endian":"little"}},{"name":"crc32c"}'
+    header = b'{"zarr_format":3,"node_type":"array","shape":[9,11,10],"data_type":"uint8","chunk_grid":{"name":"regular",' \
+             b'"configuration":{"chunk_shape":[9,11,10]}},"chunk_key_encoding":{"name":"default","configuration":{"separator":"/"}},' \
+             b'"fill_value":0,"codecs":[{"name":"sharding_indexed","configuration":{"chunk_shape":[3,11,10],"codecs":[' + codecs + \
+             b'],"index_codecs":[' + codecs + b']}}]}'
+    parts = [zarr_chunk(z) + crc32c(zarr_chunk(z)) for z in range(3)]
+    index = b"".join(struct.pack("<QQ", 334 * z, 334) for z in range(3))
+    yield "v3", {"zarr.json": header, "c/0/0/0": b"".join(parts) + index + crc32c(index)}
+
+
 def volume_seeds():
     voxels = bytes(VOXELS)
     nrrd = b"NRRD0004\ntype: uint8\ndimension: 3\nsizes: 10 11 9\nspace: left-posterior-superior\n" \
@@ -128,6 +162,8 @@ def volume_seeds():
     yield "nii.gz", {"a.nii.gz": gzip.compress(nifti_header(b"n+1\0", 352) + b"\0" * 4 + voxels, mtime=0)}
     yield "tiff", {"a.tif": tiff_file(range(9), b"ImageJ=1.53t\nimages=9\nslices=9\nunit=mm\nspacing=1.5\n")}
     yield "tiff-folder", {"a/%d.tif" % z: tiff_file([z]) for z in range(9)}
+    for label, files in zarr_files():
+        yield "zarr-" + label, {"a.zarr/" + name: data for name, data in files.items()}
     yield "dicom", {"a.dcm": dicom_file(0, 9)}
     yield "dicom-folder", {"a/%d.dcm" % z: dicom_file(z) for z in range(4)}
 

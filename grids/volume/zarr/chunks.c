@@ -1,0 +1,308 @@
+/* chunks: finds the chunks of a Zarr array in files, one for each chunk or each shard, and reads them. */
+#define _GNU_SOURCE
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base/memory.h"
+#include "grids/volume/zarr/zarr.h"
+
+enum { KEPT_INDICES = 16 };
+
+/* The index of a shard: offset and size of each of its chunks, little-endian; all ones: it is absent. */
+typedef struct shard_index {
+    uint64_t shard[ISO_ZARR_AXES];
+    uint64_t *entries; /* NULL: unused */
+    uint64_t used;     /* when: the oldest one gives way */
+} shard_index;
+
+struct iso_zarr_chunks {
+    char *folder;
+    iso_zarr_array array;
+    size_t in_shard;      /* chunks of a shard */
+    size_t bytes;         /* of a decoded chunk */
+    pthread_mutex_t lock; /* of the following */
+    shard_index kept[KEPT_INDICES];
+    uint64_t time;
+};
+
+/* ---- sizes */
+
+static uint64_t elements_of(const iso_zarr_array *array, const uint64_t sizes[ISO_ZARR_AXES]) {
+    uint64_t elements = 1; /* metadata.c has checked that a whole shard does not overflow */
+    for (int axis = 0; axis < array->axes; axis++) elements *= sizes[axis];
+    return elements;
+}
+
+uint64_t iso_zarr_chunk_elements(const iso_zarr_array *array) {
+    return elements_of(array, array->chunk);
+}
+
+uint64_t iso_zarr_most_encoded(const iso_zarr_array *array) {
+    return iso_zarr_decode_room(iso_zarr_chunk_elements(array) * iso_scalar_size(array->scalar)) / 2;
+}
+
+iso_status iso_zarr_chunks_create(const char *folder, const iso_zarr_array *array, iso_zarr_chunks **chunks,
+                                  iso_error *error) {
+    iso_zarr_chunks *made = calloc(1, sizeof *made);
+    *chunks = NULL;
+    if (made) made->folder = strdup(folder);
+    if (!made || !made->folder) {
+        free(made);
+        return iso_fail_memory(error, folder);
+    }
+    made->array = *array;
+    made->bytes = (size_t)(iso_zarr_chunk_elements(array) * iso_scalar_size(array->scalar));
+    made->in_shard = (size_t)(elements_of(array, array->shard) / iso_zarr_chunk_elements(array));
+    pthread_mutex_init(&made->lock, NULL);
+    *chunks = made;
+    return ISO_OK;
+}
+
+void iso_zarr_chunks_destroy(iso_zarr_chunks *chunks) {
+    if (!chunks) return;
+    for (int i = 0; i < KEPT_INDICES; i++) iso_free(chunks->kept[i].entries);
+    pthread_mutex_destroy(&chunks->lock);
+    free(chunks->folder);
+    free(chunks);
+}
+
+/* ---- names */
+
+/* Where a chunk is: the file of its shard, or its own. */
+typedef struct place {
+    char path[PATH_MAX];
+    char name[PATH_MAX + 64]; /* for messages: the path and, within a shard, the chunk's number */
+    uint64_t shard[ISO_ZARR_AXES];
+    size_t number; /* of the chunk in its shard */
+} place;
+
+static iso_status find_place(const iso_zarr_chunks *chunks, const uint64_t index[ISO_ZARR_AXES], place *p,
+                             iso_error *error) {
+    const iso_zarr_array *array = &chunks->array;
+    *p = (place){.number = 0};
+    for (int axis = 0; axis < array->axes; axis++) {
+        const uint64_t across = array->shard[axis] / array->chunk[axis];
+        p->shard[axis] = index[axis] / across;
+        p->number = p->number * (size_t)across + (size_t)(index[axis] % across);
+    }
+    int length = snprintf(p->path, sizeof p->path, "%s/%s", chunks->folder, array->has_prefix ? "c" : "");
+    for (int axis = 0; axis < array->axes; axis++) {
+        const char separator[2] = {axis || array->has_prefix ? array->separator : 0, 0};
+        if (length < (int)sizeof p->path)
+            length += snprintf(p->path + length, sizeof p->path - (size_t)length, "%s%llu", separator,
+                               (unsigned long long)p->shard[axis]);
+    }
+    if (length >= (int)sizeof p->path)
+        return iso_fail(error, ISO_ERR_IO, "%s: names of its chunks are too long", chunks->folder);
+    if (array->sharded)
+        snprintf(p->name, sizeof p->name, "%s, chunk %zu", p->path, p->number);
+    else
+        snprintf(p->name, sizeof p->name, "%s", p->path);
+    return ISO_OK;
+}
+
+/* ---- files */
+
+typedef struct part {
+    uint64_t offset, size;
+} part;
+
+/* Opens a file; *file is -1, without an error, if it does not exist. */
+static iso_status open_file(const place *p, int *file, uint64_t *bytes, iso_error *error) {
+    struct stat info;
+    *file = open(p->path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    if (*file < 0 && errno == ENOENT) return ISO_OK;
+    const int code = errno;
+    if (*file >= 0 && fstat(*file, &info) == 0 && S_ISREG(info.st_mode)) {
+        *bytes = (uint64_t)info.st_size;
+        return ISO_OK;
+    }
+    if (*file < 0) return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", p->path, strerror(code));
+    close(*file);
+    return iso_fail(error, ISO_ERR_IO, "%s: is not a file", p->path);
+}
+
+static iso_status read_part(int file, const place *p, part wanted, void *target, iso_error *error) {
+    for (uint64_t done = 0; done < wanted.size;) {
+        const ssize_t got =
+            pread(file, (char *)target + done, (size_t)(wanted.size - done), (off_t)(wanted.offset + done));
+        if (got < 0 && errno == EINTR) continue;
+        if (got < 0) return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", p->name, strerror(errno));
+        if (got == 0) return iso_fail(error, ISO_ERR_IO, "%s: became shorter while it was read", p->name);
+        done += (uint64_t)got;
+    }
+    return ISO_OK;
+}
+
+/* ---- shards */
+
+static bool find_index(iso_zarr_chunks *chunks, const place *p, part *found) {
+    bool known = false;
+    pthread_mutex_lock(&chunks->lock);
+    for (int i = 0; i < KEPT_INDICES && !known; i++) {
+        shard_index *kept = &chunks->kept[i];
+        if (!kept->entries || memcmp(kept->shard, p->shard, sizeof p->shard) != 0) continue;
+        *found = (part){kept->entries[2 * p->number], kept->entries[2 * p->number + 1]};
+        kept->used = ++chunks->time;
+        known = true;
+    }
+    pthread_mutex_unlock(&chunks->lock);
+    return known;
+}
+
+static void keep_index(iso_zarr_chunks *chunks, const place *p, uint64_t *entries) {
+    pthread_mutex_lock(&chunks->lock);
+    shard_index *oldest = &chunks->kept[0];
+    for (int i = 1; i < KEPT_INDICES; i++)
+        if (chunks->kept[i].used < oldest->used) oldest = &chunks->kept[i];
+    iso_free(oldest->entries);
+    oldest->entries = entries;
+    oldest->used = ++chunks->time;
+    memcpy(oldest->shard, p->shard, sizeof p->shard);
+    pthread_mutex_unlock(&chunks->lock);
+}
+
+/* Decodes the bytes of an index into entries. */
+static iso_status decode_index(const iso_zarr_chunks *chunks, const place *p, const unsigned char *encoded,
+                               size_t size, uint64_t *entries, iso_error *error) {
+    const size_t bytes = 16 * chunks->in_shard;
+    char name[PATH_MAX + 32];
+    void *room = iso_alloc((size_t)iso_zarr_decode_room(bytes));
+    if (!room) return iso_fail_memory(error, p->path);
+    snprintf(name, sizeof name, "%s, index of the shard", p->path);
+    const iso_status status =
+        iso_zarr_decode(&chunks->array.index_codecs, name, encoded, size, entries, bytes, room, error);
+    iso_free(room);
+    if (status != ISO_OK) return status;
+    const unsigned char *byte = (const unsigned char *)entries;
+    for (size_t i = 0; i < 2 * chunks->in_shard; i++) {
+        uint64_t value = 0;
+        for (size_t k = 8; k-- > 0;) value = value << 8 | byte[8 * i + k];
+        entries[i] = value;
+    }
+    return ISO_OK;
+}
+
+static iso_status read_index(const iso_zarr_chunks *chunks, int file, uint64_t file_bytes, const place *p,
+                             uint64_t *entries, iso_error *error) {
+    const iso_zarr_array *array = &chunks->array;
+    const size_t size = 16 * chunks->in_shard + (array->index_codecs.count ? 4 : 0);
+    if (file_bytes < size)
+        return iso_fail(error, ISO_ERR_IO, "%s: truncated: %llu bytes are less than the index of a shard",
+                        p->path, (unsigned long long)file_bytes);
+    unsigned char *encoded = iso_alloc(size);
+    if (!encoded) return iso_fail_memory(error, p->path);
+    const part where = {array->index_at_start ? 0 : file_bytes - size, size};
+    iso_status status = read_part(file, p, where, encoded, error);
+    if (status == ISO_OK) status = decode_index(chunks, p, encoded, size, entries, error);
+    iso_free(encoded);
+    return status;
+}
+
+/* Where a chunk lies in the file of its shard. */
+static iso_status find_in_shard(iso_zarr_chunks *chunks, int file, uint64_t file_bytes, const place *p,
+                                part *found, iso_error *error) {
+    if (find_index(chunks, p, found)) return ISO_OK;
+    uint64_t *entries = iso_alloc(16 * chunks->in_shard);
+    if (!entries) return iso_fail_memory(error, p->path);
+    const iso_status status = read_index(chunks, file, file_bytes, p, entries, error);
+    if (status != ISO_OK) {
+        iso_free(entries);
+        return status;
+    }
+    *found = (part){entries[2 * p->number], entries[2 * p->number + 1]};
+    keep_index(chunks, p, entries);
+    return ISO_OK;
+}
+
+/* ---- chunks */
+
+/* Finds the bytes of a chunk in an open file. *absent: there are none. */
+static iso_status find_part(iso_zarr_chunks *chunks, int file, uint64_t file_bytes, const place *p,
+                            part *found, bool *absent, iso_error *error) {
+    *found = (part){0, file_bytes};
+    *absent = false;
+    if (chunks->array.sharded) {
+        ISO_TRY(find_in_shard(chunks, file, file_bytes, p, found, error));
+        *absent = found->offset == UINT64_MAX && found->size == UINT64_MAX;
+        if (*absent) return ISO_OK;
+        if (found->offset > file_bytes || found->size > file_bytes - found->offset)
+            return iso_fail(error, ISO_ERR_IO, "%s: truncated: it ends at byte %llu of %llu", p->name,
+                            (unsigned long long)(found->offset + found->size),
+                            (unsigned long long)file_bytes);
+    }
+    if (found->size <= iso_zarr_most_encoded(&chunks->array)) return ISO_OK;
+    return iso_fail(error, ISO_ERR_IO, "%s: damaged: %llu bytes are more than a chunk of %zu bytes can take",
+                    p->name, (unsigned long long)found->size, chunks->bytes);
+}
+
+bool iso_zarr_chunk_is_absent(iso_zarr_chunks *chunks, const uint64_t index[ISO_ZARR_AXES]) {
+    place p;
+    part found;
+    int file;
+    uint64_t bytes;
+    bool absent = false;
+    if (find_place(chunks, index, &p, NULL) != ISO_OK) return false;
+    if (!chunks->array.sharded) return access(p.path, F_OK) != 0 && errno == ENOENT;
+    if (open_file(&p, &file, &bytes, NULL) != ISO_OK) return false;
+    if (file < 0) return true;
+    if (find_part(chunks, file, bytes, &p, &found, &absent, NULL) != ISO_OK) absent = false;
+    close(file);
+    return absent;
+}
+
+static iso_status read_encoded(iso_zarr_chunks *chunks, int file, const place *p, part where, void *target,
+                               iso_error *error) {
+    char *encoded = iso_alloc((size_t)where.size + 1);
+    void *room = iso_alloc((size_t)iso_zarr_decode_room(chunks->bytes));
+    iso_status status =
+        encoded && room ? read_part(file, p, where, encoded, error) : iso_fail_memory(error, p->name);
+    if (status == ISO_OK)
+        status = iso_zarr_decode(&chunks->array.codecs, p->name, encoded, (size_t)where.size, target,
+                                 chunks->bytes, room, error);
+    iso_free(encoded);
+    iso_free(room);
+    return status;
+}
+
+iso_status iso_zarr_read_chunk(iso_zarr_chunks *chunks, const uint64_t index[ISO_ZARR_AXES], void *target,
+                               bool *absent, iso_error *error) {
+    place p;
+    part where;
+    int file;
+    uint64_t bytes;
+    ISO_TRY(find_place(chunks, index, &p, error));
+    ISO_TRY(open_file(&p, &file, &bytes, error));
+    *absent = file < 0;
+    if (*absent) return ISO_OK;
+    iso_status status = find_part(chunks, file, bytes, &p, &where, absent, error);
+    if (status == ISO_OK && !*absent) status = read_encoded(chunks, file, &p, where, target, error);
+    close(file);
+    return status;
+}
+
+void iso_zarr_list_files(iso_zarr_chunks *chunks, uint64_t most, iso_file_set *files) {
+    const iso_zarr_array *array = &chunks->array;
+    uint64_t counts[ISO_ZARR_AXES] = {0}, index[ISO_ZARR_AXES] = {0}, all = 1;
+    for (int axis = 0; axis < array->axes; axis++) {
+        counts[axis] = (array->shape[axis] - 1) / array->shard[axis] + 1;
+        if (__builtin_mul_overflow(all, counts[axis], &all) || all > most) return;
+    }
+    for (uint64_t number = 0; number < all; number++) {
+        place p;
+        uint64_t rest = number;
+        for (int axis = array->axes - 1; axis >= 0; axis--) {
+            index[axis] = rest % counts[axis] * (array->shard[axis] / array->chunk[axis]);
+            rest /= counts[axis];
+        }
+        if (find_place(chunks, index, &p, NULL) == ISO_OK && access(p.path, F_OK) == 0)
+            iso_file_set_read(files, p.path);
+    }
+}
