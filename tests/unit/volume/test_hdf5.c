@@ -12,6 +12,7 @@
 
 #include <cmocka.h>
 #include <hdf5.h>
+#include <zlib.h>
 
 #include "file_support.h"
 #include "grids/volume/volume.h"
@@ -251,6 +252,20 @@ static void test_boxes(void **state) {
     }
 }
 
+/* Whether a chunk is known to have the fill value without being read. */
+static void check_constant(const char *array, bool wanted) {
+    const iso_volume_opts opts = {.grid = array, .mapped = true, .max_memory = 8 << 20};
+    const iso_brick_box bricks = {{0, 0, 0}, {1, 1, 1}};
+    iso_volume volume = test_read_volume(vol_path(folder, "absent.h5", 0), &opts);
+    const iso_chunk_source source = iso_volume_source(volume.grid.rgrid);
+    iso_grid_chunk chunk;
+    float value = 0;
+    assert_true(iso_grid_chunk_make(source.dims, &source.transform, &bricks, &chunk));
+    assert_int_equal(source.is_constant(source.context, &chunk, &value), wanted);
+    assert_true(!wanted || value == 9);
+    iso_volume_free(&volume);
+}
+
 /* Chunks that were never written have the fill value. */
 static void test_absent_chunks(void **state) {
     storage s = plain();
@@ -273,10 +288,12 @@ static void test_absent_chunks(void **state) {
         assert_true(iso_grid_at(&volume.grid, 8, 0, 5) == 200 && iso_grid_at(&volume.grid, 15, 6, 9) == 200);
         assert_true(iso_grid_at(&volume.grid, 7, 0, 5) == 9 && iso_grid_at(&volume.grid, 22, 16, 11) == 9);
         iso_volume_free(&volume);
+        check_constant("a", false);
         opts.grid = "/b"; /* nothing was ever written to it */
         volume = test_read_volume(vol_path(folder, "absent.h5", 0), &opts);
         assert_true(iso_grid_at(&volume.grid, 0, 0, 0) == 9);
         iso_volume_free(&volume);
+        check_constant("/b", true);
     }
 }
 
@@ -578,6 +595,39 @@ static void test_damaged_chunk(void **state) {
     free(whole);
 }
 
+/* Writes one chunk as it is given, and reads the file. */
+static const char *write_raw_chunk(const storage *s, uint32_t skipped, const void *bytes, size_t count) {
+    const hid_t file = begin("raw.h5", false), array = create_array(file, "voxels", s);
+    assert_true(H5Dwrite_chunk(array, H5P_DEFAULT, skipped, (hsize_t[]){0, 0, 0}, count, bytes) >= 0);
+    H5Fclose(file);
+    return vol_path(folder, "raw.h5", 0);
+}
+
+/* Chunks to which filters were not applied, with too few values, and that unpack to more than a chunk. */
+static void test_raw_chunks(void **state) {
+    enum { CHUNK = 8 * 8 * 8, MANY = 1 << 20 };
+    storage s = {.sizes = {8, 8, 8}, .rank = 3, .z = 0, .y = 1, .x = 2, .c = -1};
+    unsigned char values[CHUNK], packed[4096], *zeros = calloc(MANY, 1);
+    uLongf bytes = sizeof packed;
+    (void)state;
+    s.chunk[0] = s.chunk[1] = s.chunk[2] = 8;
+    s.deflate = s.checksum = true;
+    for (int i = 0; i < CHUNK; i++) values[i] = (unsigned char)(i % 251);
+    iso_volume volume = test_read_volume(write_raw_chunk(&s, 3, values, CHUNK), NULL);
+    assert_memory_equal(volume.grid.rgrid->data, values, CHUNK);
+    iso_volume_free(&volume);
+    compress(packed, &bytes, values, CHUNK - 1);
+    test_expect_no_volume(write_raw_chunk(&s, 2, packed, bytes), NULL, ISO_ERR_IO, NULL,
+                          "wrong number of bytes");
+    bytes = sizeof packed;
+    compress(packed, &bytes, zeros, MANY);
+    test_expect_no_volume(write_raw_chunk(&s, 2, packed, bytes), NULL, ISO_ERR_IO, NULL, "0,0,0: damaged");
+    values[9]++; /* the checksum is that of other values */
+    memcpy(zeros, values, CHUNK);
+    test_expect_no_volume(write_raw_chunk(&s, 1, zeros, CHUNK + 4), NULL, ISO_ERR_IO, NULL, "0,0,0: damaged");
+    free(zeros);
+}
+
 static void test_damaged(void **state) {
     storage s = plain();
     (void)state;
@@ -596,12 +646,13 @@ static int make_place(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_every_storage), cmocka_unit_test(test_components),
-        cmocka_unit_test(test_boxes),         cmocka_unit_test(test_absent_chunks),
-        cmocka_unit_test(test_same_as_nrrd),  cmocka_unit_test(test_choice),
-        cmocka_unit_test(test_imaris),        cmocka_unit_test(test_bigdataviewer),
-        cmocka_unit_test(test_nexus),         cmocka_unit_test(test_vtkhdf),
-        cmocka_unit_test(test_other_files),   cmocka_unit_test(test_refused),
-        cmocka_unit_test(test_huge),          cmocka_unit_test(test_truncated),
-        cmocka_unit_test(test_damaged_chunk), cmocka_unit_test(test_damaged)};
+        cmocka_unit_test(test_boxes),         cmocka_unit_test(test_raw_chunks),
+        cmocka_unit_test(test_absent_chunks), cmocka_unit_test(test_same_as_nrrd),
+        cmocka_unit_test(test_choice),        cmocka_unit_test(test_imaris),
+        cmocka_unit_test(test_bigdataviewer), cmocka_unit_test(test_nexus),
+        cmocka_unit_test(test_vtkhdf),        cmocka_unit_test(test_other_files),
+        cmocka_unit_test(test_refused),       cmocka_unit_test(test_huge),
+        cmocka_unit_test(test_truncated),     cmocka_unit_test(test_damaged_chunk),
+        cmocka_unit_test(test_damaged)};
     return cmocka_run_group_tests(tests, make_place, NULL);
 }
