@@ -397,7 +397,8 @@ static void note_unused(const iso_volume_opts *opts, iso_volume_info *info) {
     if (opts->series && strcmp(info->format, "dicom") != 0)
         iso_volume_note(info, "series \"%.80s\" is not looked for: a %s file has no series (--series)",
                         opts->series, info->format);
-    if (opts->level > 0 && strcmp(info->format, format_zarr.name) != 0)
+    if (opts->level > 0 && strcmp(info->format, format_zarr.name) != 0 &&
+        strcmp(info->format, format_hdf5.name) != 0)
         iso_volume_note(info, "level %d is not looked for: a %s file has one level (--level)", opts->level,
                         info->format);
 }
@@ -465,7 +466,7 @@ bool iso_volume_can_map(const iso_volume_info *info) {
 }
 
 bool iso_volume_may_be_sparse(const iso_volume_info *info) {
-    return strcmp(info->format, format_zarr.name) == 0;
+    return strcmp(info->format, format_zarr.name) == 0 || strcmp(info->format, format_hdf5.name) == 0;
 }
 
 iso_chunk_source iso_volume_source(const iso_rgrid *grid) {

@@ -145,17 +145,21 @@ static void interpret_imaris(const iso_hdf5_file *file, const iso_hdf5_array *ar
         info->transform.origin[axis] = fmin(low, high) * mm + meaning->spacing[axis] / 2;
     }
     meaning->channels = count_imaris(file, &at, &at.channel);
-    const int levels = count_imaris(file, &at, &at.level), times = count_imaris(file, &at, &at.time);
-    iso_volume_note(info, "Imaris: resolution level %u of %d, time %u of %d", at.level, levels, at.time,
-                    times);
+    meaning->level = (int)at.level;
+    meaning->levels = count_imaris(file, &at, &at.level);
+    const int times = count_imaris(file, &at, &at.time);
+    iso_volume_note(info, "Imaris: resolution level %u of %d, time %u of %d", at.level, meaning->levels,
+                    at.time, times);
 }
 
 /* ---- BigDataViewer ---- */
 
 static const char bdv_format[] = "/t%5u/s%2u/%u/cells";
 
-static hid_t default_of_bdv(const iso_hdf5_file *file) {
-    return iso_hdf5_dataset(file->id, "/t00000/s00/0/cells");
+static hid_t default_of_bdv(const iso_hdf5_file *file, int level) {
+    char path[WORD];
+    snprintf(path, sizeof path, "/t00000/s00/%d/cells", level);
+    return iso_hdf5_dataset(file->id, path);
 }
 
 /* The reduction of a level along x, y and z. */
@@ -183,9 +187,9 @@ static bool interpret_bdv(const iso_hdf5_file *file, iso_hdf5_array *array, iso_
                           iso_volume_info *info) {
     unsigned time, setup, level;
     double factors[3], shift[3];
-    int levels = 0;
     if (sscanf(array->path, bdv_format, &time, &setup, &level) != 3) return false;
-    if (!read_reduction(file, setup, level, factors, &levels)) return false;
+    if (!read_reduction(file, setup, level, factors, &meaning->levels)) return false;
+    meaning->level = (int)level;
     if (array->scalar == ISO_SCALAR_INT16) array->scalar = ISO_SCALAR_UINT16; /* Java has no such type */
     for (int axis = 0; axis < 3; axis++) {
         meaning->spacing[axis] = factors[axis];
@@ -193,7 +197,8 @@ static bool interpret_bdv(const iso_hdf5_file *file, iso_hdf5_array *array, iso_
     }
     meaning->relative = true;
     move_origin(&info->transform, meaning->spacing, shift);
-    iso_volume_note(info, "BigDataViewer: time %u, setup %u, level %u of %d", time, setup, level, levels);
+    iso_volume_note(info, "BigDataViewer: time %u, setup %u, level %u of %d", time, setup, level,
+                    meaning->levels);
     return true;
 }
 
@@ -323,12 +328,15 @@ static void interpret_element_size(const iso_hdf5_file *file, const iso_hdf5_arr
 
 iso_status iso_hdf5_default(const iso_hdf5_file *file, const iso_volume_opts *opts, hid_t *dataset,
                             iso_error *error) {
-    imaris_place place = {.channel = opts->component > 0 ? (unsigned)opts->component : 0};
+    const int level = opts->level > 0 ? opts->level : 0;
+    imaris_place place = {.level = (unsigned)level,
+                          .channel = opts->component > 0 ? (unsigned)opts->component : 0};
     ISO_TRY(default_of_vtk(file, dataset, error));
     if (*dataset < 0) *dataset = imaris_array(file, &place);
-    place.channel = 0; /* there is no such component, which is found out later */
+    place.level = place.channel = 0; /* that there is no such level or component is found out later */
     if (*dataset < 0) *dataset = imaris_array(file, &place);
-    if (*dataset < 0) *dataset = default_of_bdv(file);
+    if (*dataset < 0) *dataset = default_of_bdv(file, level);
+    if (*dataset < 0) *dataset = default_of_bdv(file, 0);
     if (*dataset < 0) *dataset = iso_hdf5_signal(iso_hdf5_group(file->id, "/"));
     return ISO_OK;
 }

@@ -11,10 +11,11 @@ typedef struct iso_hdf5_meaning {
     bool relative;     /* only the ratios of the spacing are known */
     uint64_t used[3];  /* voxels along x, y and z of an array that is padded; 0: all */
     int channels;      /* arrays of this kind that are components of one volume */
+    int level, levels; /* of an image at several resolutions, 0 the finest; levels is 0: there is one */
 } iso_hdf5_meaning;
 
-/* Opens the array that is read when the user names none; negative: no convention tells. ISO_ERR_FORMAT: a
- * file of VTK without an image. */
+/* Opens the array that is read when the user names none, of level opts->level if there is one, else of the
+ * finest; negative: no convention tells. ISO_ERR_FORMAT: a file of VTK without an image. */
 iso_status iso_hdf5_default(const iso_hdf5_file *file, const iso_volume_opts *opts, hid_t *dataset,
                             iso_error *error);
 

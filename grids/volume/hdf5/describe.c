@@ -371,6 +371,15 @@ static iso_status take_dims(const iso_hdf5_file *file, const iso_hdf5_array *arr
     return iso_format_dims(file->path, dims, info, error);
 }
 
+static iso_status check_level(const iso_hdf5_file *file, const iso_volume_opts *opts,
+                              const iso_hdf5_meaning *meaning, iso_error *error) {
+    if (opts->level <= 0 || opts->level == meaning->level) return ISO_OK;
+    if (meaning->levels < 2)
+        return iso_fail(error, ISO_ERR_USAGE, "%s: no level %d, there is one", file->path, opts->level);
+    return iso_fail(error, ISO_ERR_USAGE, "%s: no level %d, there are %d (from 0)", file->path, opts->level,
+                    meaning->levels);
+}
+
 static iso_status take_component(const iso_hdf5_file *file, const iso_volume_opts *opts,
                                  const iso_hdf5_meaning *meaning, int axis, iso_hdf5_array *array,
                                  iso_volume_info *info, iso_error *error) {
@@ -415,6 +424,7 @@ iso_status iso_hdf5_describe(const char *path, const iso_volume_opts *opts, iso_
     find_axes(array, &a, info);
     if (!array->chunked) divide_into_boxes(array);
     iso_hdf5_interpret(&file, array, &meaning, info);
+    ISO_TRY(check_level(&file, opts, &meaning, error));
     ISO_TRY(take_component(&file, opts, &meaning, a.components, array, info, error));
     ISO_TRY(take_dims(&file, array, &meaning, info, error));
     info->type = iso_scalar_stored_type(array->scalar);

@@ -420,6 +420,12 @@ static void test_bigdataviewer(void **state) {
     check_numbers("spacing", volume.info.transform.spacing, 2, 2, 1);
     check_numbers("origin", volume.info.transform.origin, 0.5, 0.5, 0);
     iso_volume_free(&volume);
+    const iso_volume_opts second = {.level = 1}, third = {.level = 2};
+    volume = test_read_volume(vol_path(folder, "bdv.h5", 0), &second);
+    check_numbers("spacing", volume.info.transform.spacing, 2, 2, 1);
+    assert_true(test_has_note(&volume.info, "level 1 of 2"));
+    iso_volume_free(&volume);
+    test_expect_no_volume(vol_path(folder, "bdv.h5", 0), &third, ISO_ERR_USAGE, NULL, "there are 2");
 }
 
 /* Coordinates of an axis of a NeXus group. */
