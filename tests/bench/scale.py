@@ -4,7 +4,8 @@ alone, by isorender under mpirun, and by ParaView's pvbatch with IceT under mpir
 
 Times are of whole processes, from the file to the PNG: the median of the runs, which are interleaved. Processor seconds are user
 and system of all ranks, and depend less on what else the machine does. Peak: the largest resident memory of a rank. Pixels
-that differ: from the first picture by the same program, whose view is its own default."""
+that differ: from the first picture by the same program, whose view is its own default. pvbatch sometimes ends by a signal when it
+starts: it is then started again, and the table says how often it failed."""
 import argparse
 import glob
 import json
@@ -67,22 +68,33 @@ def processor_seconds():
 class Program:
     def __init__(self, name, ranks, command, environment):
         self.name, self.ranks, self.command, self.environment = name, ranks, command, environment
-        self.seconds, self.processor, self.peak, self.picture = [], [], 0, None
+        self.seconds, self.processor, self.peak, self.picture, self.failed = [], [], 0, None, 0
 
     def run(self, folder):
+        """Runs the program; pvbatch up to three times, until it succeeds."""
+        attempts = 3 if "pvbatch" in self.name else 1
+        while not self.attempt(folder, attempts == 1):
+            attempts -= 1
+            self.failed += 1
+
+    def attempt(self, folder, is_last):
         picture = os.path.join(folder, "%s-%d.png" % (self.name.replace(" ", "-"), self.ranks))
         measured = [sys.executable, os.path.abspath(__file__), "--rank", folder, "--", *self.command(picture)]
         start = ["mpirun", "--oversubscribe", "-n", str(self.ranks)] if "mpirun" in self.name else []
         before, began = processor_seconds(), time.monotonic()
         done = subprocess.run(start + measured, env={**os.environ, **self.environment}, capture_output=True, text=True, check=False)
-        self.seconds.append(time.monotonic() - began)
-        self.processor.append(processor_seconds() - before)
-        if done.returncode:
+        seconds, processor = time.monotonic() - began, processor_seconds() - before
+        if done.returncode and is_last:
             sys.exit("%s, %d ranks: exit status %d: %s" % (self.name, self.ranks, done.returncode, done.stderr[-2000:]))
+        if done.returncode:
+            return False
+        self.seconds.append(seconds)
+        self.processor.append(processor)
         for name in [name for name in os.listdir(folder) if name.startswith("peak.")]:
             self.peak = max(self.peak, int(open(os.path.join(folder, name), encoding="utf-8").read()))
             os.remove(os.path.join(folder, name))
         self.picture = Png(picture).rows
+        return True
 
 
 def median(values):
@@ -144,15 +156,15 @@ def main():
             for program in programs:
                 program.run(folder)
     print("%d^3 voxels of uint8, %d x %d pixels, median of %d" % (options.side, options.width, options.width, options.runs))
-    print("%-18s %5s %9s %9s %11s %9s" % ("", "ranks", "seconds", "processor", "peak MB", "differing"))
+    print("%-18s %5s %9s %9s %11s %9s %6s" % ("", "ranks", "seconds", "processor", "peak MB", "differing", "failed"))
     rows, first = [], {}
     for program in programs:
         alone = first.setdefault(program.name.split()[-1], program)
         row = {"program": program.name, "ranks": program.ranks, "seconds": median(program.seconds),
                "processor_seconds": median(program.processor), "peak_bytes_of_a_rank": program.peak,
-               "pixels_differing": differing(program.picture, alone.picture)}
-        print("%-18s %5d %9.2f %9.2f %11.0f %9d" % (row["program"], row["ranks"], row["seconds"], row["processor_seconds"],
-                                                    row["peak_bytes_of_a_rank"] / 1e6, row["pixels_differing"]))
+               "pixels_differing": differing(program.picture, alone.picture), "failed": program.failed}
+        print("%-18s %5d %9.2f %9.2f %11.0f %9d %6d" % (row["program"], row["ranks"], row["seconds"], row["processor_seconds"],
+                                                        row["peak_bytes_of_a_rank"] / 1e6, row["pixels_differing"], row["failed"]))
         rows.append(row)
     if options.json:
         with open(options.json, "w", encoding="utf-8") as file:
