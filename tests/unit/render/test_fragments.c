@@ -307,7 +307,7 @@ static void compare_views(const mixed *m, iso_vec3 origin, iso_vec3 away, double
 
 /* ---- glyphs */
 
-enum { GLYPHS = 400 };
+enum { GLYPHS = 2000, MANY = 400 };
 
 static float positions[GLYPHS][3], radii[GLYPHS], directions[GLYPHS][3], axes[GLYPHS][9];
 static uint8_t glyph_colors[GLYPHS][3];
@@ -380,7 +380,7 @@ static void test_billboards(void **state) {
 static void test_many_pieces(void **state) {
     (void)state;
     const iso_vec3 origin = {0, 0, 0};
-    const iso_glyphs glyphs = make_glyphs(GLYPHS, 12, origin, 7);
+    const iso_glyphs glyphs = make_glyphs(MANY, 12, origin, 7);
     const mixed m = {.sets = {{&glyphs, NULL, {.glyph = ISO_GLYPH_SPHERE}}},
                      .translucency = {{.opacity = 0.005f, .constant = true}},
                      .count = 1};
@@ -390,6 +390,21 @@ static void test_many_pieces(void **state) {
     assert_true(p.drawn[0].samples == (size_t)view.width * (size_t)view.height);
     free_picture(&p);
     compare(&m, &view, "many pieces");
+}
+
+/* Blocks of glyphs behind each other, so that crossings are used before all glyphs are listed. */
+static void test_several_blocks(void **state) {
+    (void)state;
+    const iso_vec3 origin = {0, 0, 0};
+    for (int most = 0; most < 4; most = 2 * most + 1) {
+        const iso_glyphs glyphs = make_glyphs(GLYPHS, 1, origin, 31 + (uint32_t)most);
+        const iso_glyph kind = most % 2 ? ISO_GLYPH_SPHERE : ISO_GLYPH_CYLINDER;
+        const mixed m = {.sets = {{&glyphs, NULL, {.glyph = kind}}},
+                         .translucency = {{.opacity = 0.03f, .constant = true, .most_layers = most}},
+                         .count = 1};
+        const iso_view view = test_shapes_view(origin, AWAY, 14, most == 3);
+        compare(&m, &view, "several blocks");
+    }
 }
 
 /* ---- lines */
@@ -645,10 +660,11 @@ static void test_variants(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_glyphs),      cmocka_unit_test(test_billboards),
-        cmocka_unit_test(test_many_pieces), cmocka_unit_test(test_tubes),
-        cmocka_unit_test(test_ribbons),     cmocka_unit_test(test_joints),
-        cmocka_unit_test(test_bends),       cmocka_unit_test(test_meshes),
-        cmocka_unit_test(test_isosurfaces), cmocka_unit_test(test_variants),
+        cmocka_unit_test(test_many_pieces), cmocka_unit_test(test_several_blocks),
+        cmocka_unit_test(test_tubes),       cmocka_unit_test(test_ribbons),
+        cmocka_unit_test(test_joints),      cmocka_unit_test(test_bends),
+        cmocka_unit_test(test_meshes),      cmocka_unit_test(test_isosurfaces),
+        cmocka_unit_test(test_variants),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
