@@ -1,6 +1,6 @@
 /* TIFF: every layout gives the same voxels, folders are in natural order, and metadata give distances and
  * channels. */
-#define _POSIX_C_SOURCE 200809L
+#define _GNU_SOURCE /* memmem */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -314,6 +314,11 @@ static void test_samples_are_channels(void **state) {
     iso_volume volume = test_read_volume(path, NULL);
     assert_int_equal(volume.info.components, SAMPLES);
     iso_volume_free(&volume);
+    l.pages = 6;
+    l.description = "<OME><Pixels DimensionOrder=\"XYCZT\" SizeC=\"3\" SizeZ=\"3\" SizeT=\"2\"/></OME>";
+    volume = test_read_volume(write_file("samples.tif", &l), NULL);
+    assert_int_equal(volume.info.dims[2], 3);
+    iso_volume_free(&volume);
 }
 
 /* A series of planes is a volume; of a series of volumes the first one is read, and that is said. */
@@ -404,6 +409,15 @@ static void test_images_without_headers(void **state) {
         read_and_check(path, &l);
         spill(path, b.data, b.count - 1);
         test_expect_no_volume(path, NULL, ISO_ERR_IO, NULL, "truncated");
+        /* one image, without metadata: its only strip is too short */
+        memcpy(memmem(b.data, b.count, "ImageJ", 6), "Others", 6);
+        const size_t rest = (SLICES - 1) * WIDTH * HEIGHT * 2;
+        spill(path, b.data, b.count - rest);
+        l.pages = 1;
+        l.bits = 16;
+        read_and_check(path, &l);
+        spill(path, b.data, b.count - rest - 1);
+        test_expect_no_volume(path, NULL, ISO_ERR_IO, "contiguous.tif", "image 1");
     }
 }
 
