@@ -71,6 +71,31 @@ static iso_cloud_opts cloud_opts(const isorender_job *job) {
     return opts;
 }
 
+/* Why the opacities of points are not drawn; NULL: they are. */
+static const char *why_opaque(const isorender_job *job) {
+    const isorender_settings *settings = job->settings;
+    const iso_method method = job->renderer->method;
+    if (method != ISO_METHOD_SPLATS && method != ISO_METHOD_SPLATS_FLAT)
+        return "only --method splats with --reconstruction flat or groups draws them";
+    if (settings->lighting) return "--shading edl shades opaque surfaces";
+    return NULL;
+}
+
+/* Sets the points to draw: with the cloud's opacities, unless a method or an option leaves them out.
+ * ISO_ERR_USAGE: an option is for translucent surfaces, and there are none. */
+static iso_status choose_opacities(isorender_job *job, iso_error *error) {
+    const isorender_settings *settings = job->settings;
+    const bool made_opaque = settings->opacity_count && settings->opacities[0] >= 1;
+    const char *reason = NULL;
+    job->read_points = iso_cloud_view(&job->cloud);
+    if (job->read_points.opacities && !made_opaque && isorender_plan_draws(job->plan))
+        reason = why_opaque(job);
+    if (reason) isorender_log(job, "note: its points have opacities, but %s", reason);
+    if (reason || made_opaque) job->read_points.opacities = NULL;
+    job->translucent |= job->read_points.opacities != NULL;
+    return isorender_translucent_check(settings, job->translucent, error);
+}
+
 iso_status isorender_cloud_read(isorender_job *job, iso_error *error) {
     const isorender_settings *settings = job->settings;
     iso_cloud *cloud = &job->cloud;
@@ -92,7 +117,7 @@ iso_status isorender_cloud_read(isorender_job *job, iso_error *error) {
         isorender_log_verbose(job,
                               "radii of %.4g %% of the points are estimated; the median of all is %.4g mm",
                               percent * (double)cloud->estimated_radii, cloud->radius);
-    return ISO_OK;
+    return choose_opacities(job, error);
 }
 
 /* ---- reports ---- */
@@ -119,6 +144,7 @@ void isorender_cloud_info(const isorender_job *job) {
                cloud->radius);
     }
     printf("  %-11s %s\n", "colours", cloud->colors ? "of the file" : "none");
+    printf("  %-11s %s\n", "opacities", cloud->opacities ? "of the file" : "none: opaque");
     isorender_object columns = {.settings = &job->settings->cloud, .glyphs = job->loader.points};
     isorender_object_info_columns(&columns);
 }

@@ -225,14 +225,14 @@ const char *isorender_object_opacity_option(const isorender_settings *settings) 
     return NULL;
 }
 
-/* Options that are for translucent surfaces and, but for --absorption, for translucent objects. */
-static iso_status check_translucent(const isorender_settings *settings, iso_error *error) {
+iso_status isorender_translucent_check(const isorender_settings *settings, bool translucent,
+                                       iso_error *error) {
     const bool absorbs = settings->absorption_length > 0;
     const char *needs = absorbs                                                ? "--absorption"
                         : settings->layers                                     ? "--layers"
                         : settings->opacity_mode != ISORENDER_OPACITY_BY_ANGLE ? "--opacity-mode"
                                                                                : NULL;
-    if (!needs || isorender_is_translucent(settings)) return ISO_OK;
+    if (!needs || translucent) return ISO_OK;
     if (!absorbs && isorender_object_opacity_option(settings)) return ISO_OK;
     return iso_fail(error, ISO_ERR_USAGE, "%s is for translucent surfaces: it needs an opacity below 1",
                     needs);
@@ -263,7 +263,9 @@ static iso_status check_gaussians(const isorender_settings *settings, iso_error 
 
 static iso_status check_opacity(const isorender_settings *settings, iso_error *error) {
     const int surfaces = settings->isovalue_count ? settings->isovalue_count : 1;
-    ISO_TRY(check_translucent(settings, error));
+    /* whether a file of points has opacities is known when it has been read */
+    const bool may_be = isorender_is_translucent(settings) || settings->object_options.has_cloud;
+    ISO_TRY(isorender_translucent_check(settings, may_be, error));
     if (settings->absorption_length > 0 && settings->layers)
         return iso_fail(error, ISO_ERR_USAGE,
                         "--layers leaves out where rays leave the solid, which --absorption must know");

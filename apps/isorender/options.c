@@ -273,7 +273,8 @@ static const iso_option options[] = {
     {"opacity", NULL, "A",
      "opacity of the surface, 0 (not seen) to 1; several, separated by commas: the second one belongs to the "
      "second isovalue, and so on; the last one repeats; for the methods exact, raycast and splats (files of "
-     "points)",
+     "points). Points with a column alpha are translucent without it: below 1 it multiplies theirs, 1 makes "
+     "them opaque",
      .group = SURFACE, .standard = "1", CALL(apply_opacity), .flags = ISO_OPTION_REPEATABLE},
     {"opacity-mode", NULL, "NAME",
      "angle: the surface is a thin slab, more opaque where it is seen at a slant, so that outlines stand "

@@ -128,6 +128,10 @@ typedef struct isorender_settings {
 
 /* Whether any of the isosurfaces is translucent. */
 bool isorender_is_translucent(const isorender_settings *settings);
+/* Checks options that are for translucent surfaces (`translucent`: there are some) and, but for --absorption,
+ * for translucent objects. ISO_ERR_USAGE. */
+iso_status isorender_translucent_check(const isorender_settings *settings, bool translucent,
+                                       iso_error *error);
 /* The option that makes lines, glyphs or meshes translucent; NULL: all are opaque. */
 const char *isorender_object_opacity_option(const isorender_settings *settings);
 /* Chooses the reconstruction when none is given, and checks that the options of splats are for splats.

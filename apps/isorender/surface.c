@@ -390,10 +390,7 @@ iso_status isorender_extract(isorender_job *job, iso_error *error) {
     choose_colors(job);
     choose_opacities(job);
     if (job->chunks) return extract_chunks(job, error);
-    if (job->loader.has_points) {
-        job->read_points = iso_cloud_view(&job->cloud);
-        job->point_count = job->cloud.count;
-    }
+    if (job->loader.has_points) job->point_count = job->cloud.count;
     for (int i = 0; i < job->surface_count; i++) {
         isorender_progress(job, "extracting", (double)i / job->surface_count);
         if (job->surfaces[i].loader->has_points) continue;
@@ -428,6 +425,7 @@ iso_status isorender_export(isorender_job *job, iso_error *error) {
     if (job->chunks) return isorender_chunks_export(job, comment, error);
     if (job->plan->points) {
         iso_point_view view = isorender_points_view(job, 0);
+        if (job->loader.has_points) view.opacities = job->cloud.opacities; /* also when drawn opaque */
         ISO_TRY(iso_points_write_ply(job->plan->points, &view, comment, error));
         job->points_written = true;
     }

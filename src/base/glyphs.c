@@ -12,6 +12,7 @@ void iso_glyphs_free(iso_glyphs *glyphs) {
     iso_free(glyphs->directions);
     iso_free(glyphs->axes);
     iso_free(glyphs->colors);
+    iso_free(glyphs->opacities);
     iso_attributes_free(glyphs->attributes, glyphs->attribute_count);
     *glyphs = (iso_glyphs){.count = 0};
 }
@@ -53,6 +54,7 @@ void iso_glyphs_crop(iso_glyphs *glyphs, const iso_box *box) {
         move_item(glyphs->directions, sizeof *glyphs->directions, i, kept);
         move_item(glyphs->axes, sizeof *glyphs->axes, i, kept);
         move_item(glyphs->colors, sizeof *glyphs->colors, i, kept);
+        move_item(glyphs->opacities, sizeof *glyphs->opacities, i, kept);
         for (int k = 0; k < glyphs->attribute_count; k++) {
             const iso_attribute *attribute = &glyphs->attributes[k];
             move_item(attribute->values, (size_t)attribute->components * sizeof(float), i, kept);

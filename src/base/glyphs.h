@@ -31,6 +31,7 @@ typedef struct iso_glyphs {
                                0 .. 1, belongs to them */
     float (*axes)[9];     /* three half axes of an ellipsoid or box, mm, one after the other; NULL: none */
     uint8_t (*colors)[3]; /* red green blue, display values; NULL: the file has none */
+    uint8_t *opacities;   /* 0 (not seen) to 255 (opaque); NULL: all are opaque, or the file has none */
     iso_attribute *attributes;
     int attribute_count;
 } iso_glyphs;

@@ -101,6 +101,9 @@ typedef struct iso_point_view {
     double radius;   /* mm; extracted points: largest spacing * sqrt(2) / 2 (2003 paper, section 4.1) */
     const uint8_t (
         *colors)[3]; /* one per point, red green blue, display values; NULL: the surface's colour */
+    /* One per point, 0 (not seen) to 255 (opaque), of translucent points (iso_splat_layer in
+     * render/splats/layers.h); everything else draws points opaque. NULL: opaque. */
+    const uint8_t *opacities;
     /* One per span, never 0: changes when the span's contents change or another brick gets the span's number,
      * not when the span only moves in the arrays. NULL: unknown. */
     const uint64_t *versions;

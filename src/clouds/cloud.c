@@ -240,6 +240,7 @@ static void arrange(const maker *m, const iso_span_order *spans) {
                 given_normal(m, from, surfel->normal);
             cloud->radii[at] = m->radii[from];
             if (cloud->colors) memcpy(cloud->colors[at], m->glyphs->colors[from], 3);
+            if (cloud->opacities) cloud->opacities[at] = m->glyphs->opacities[from];
         }
     }
 }
@@ -255,7 +256,9 @@ static iso_status fill_cloud(maker *m, iso_error *error) {
     cloud->surfels = iso_alloc(cloud->count * sizeof *cloud->surfels);
     cloud->radii = iso_alloc(cloud->count * sizeof *cloud->radii);
     cloud->colors = m->glyphs->colors ? iso_alloc(cloud->count * sizeof *cloud->colors) : NULL;
-    const bool failed = !cloud->surfels || !cloud->radii || (m->glyphs->colors && !cloud->colors);
+    cloud->opacities = m->glyphs->opacities ? iso_alloc(cloud->count) : NULL;
+    const bool failed = !cloud->surfels || !cloud->radii || (m->glyphs->colors && !cloud->colors) ||
+                        (m->glyphs->opacities && !cloud->opacities);
     if (!failed) {
         arrange(m, &spans);
         cloud->transform = iso_transform_identity();
@@ -319,6 +322,7 @@ void iso_cloud_free(iso_cloud *cloud) {
     iso_free(cloud->surfels);
     iso_free(cloud->radii);
     iso_free(cloud->colors);
+    iso_free(cloud->opacities);
     iso_free(cloud->spans);
     *cloud = (iso_cloud){0};
 }
@@ -327,6 +331,7 @@ iso_point_view iso_cloud_view(const iso_cloud *cloud) {
     return (iso_point_view){.surfels = cloud->surfels,
                             .radii = cloud->radii,
                             .colors = (const uint8_t(*)[3])cloud->colors,
+                            .opacities = cloud->opacities,
                             .spans = cloud->spans,
                             .span_count = cloud->span_count,
                             .transform = cloud->transform,

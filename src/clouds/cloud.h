@@ -26,6 +26,7 @@ typedef struct iso_cloud {
     iso_surfel *surfels;   /* owned, as all arrays; positions in voxels, as iso_point_view describes them */
     float *radii;          /* mm */
     uint8_t (*colors)[3];  /* NULL: the file has none */
+    uint8_t *opacities;    /* NULL: all points are opaque */
     iso_point_span *spans; /* in ascending order of z, then y, then x of their bricks */
     size_t span_count, count;
     iso_transform transform; /* cubic voxels, about as large as the distances between points */
@@ -39,7 +40,7 @@ typedef struct iso_cloud {
  * Of more than a dozen points at one place without radii of their own all but a few get a radius of nearly 0.
  *
  * `glyphs` is borrowed for the call. Takes about 90 bytes for each point if something is estimated, in
- * addition to the cloud's 36. ISO_ERR_EMPTY: there are no points; ISO_ERR_NOMEM; ISO_ERR_LIMIT: 2^31
+ * addition to the cloud's 37. ISO_ERR_EMPTY: there are no points; ISO_ERR_NOMEM; ISO_ERR_LIMIT: 2^31
  * points or more. The same bytes for every number of threads. */
 iso_status iso_cloud_make(const iso_glyphs *glyphs, const iso_cloud_opts *opts, iso_cloud *cloud,
                           iso_error *error);

@@ -1,9 +1,9 @@
 /* points_io: writes points as PLY; iso_glyphs_read (io/glyphs/glyphs_read.h) reads them.
  *
  * Binary little-endian PLY with per-vertex float properties x y z nx ny nz radius, world millimetres,
- * normals out of the solid, one comment naming the program; and uchar red green blue where points have
- * colours. x y z are doubles when the points lie so far from 0 that floats would round their places: map
- * coordinates. */
+ * normals out of the solid, one comment naming the program; uchar red green blue where points have colours,
+ * and uchar alpha where they have opacities. x y z are doubles when the points lie so far from 0 that floats
+ * would round their places: map coordinates. */
 #ifndef ISO_IO_POINTS_IO_H
 #define ISO_IO_POINTS_IO_H
 
@@ -29,6 +29,7 @@ typedef struct iso_point_file_opts {
     const iso_box *box; /* around all points, in index coordinates */
     const iso_transform *transform;
     bool colors;         /* the points have colours */
+    bool opacities;      /* the points have opacities */
     const char *comment; /* or NULL */
 } iso_point_file_opts;
 

@@ -39,6 +39,7 @@ static void write_header(const iso_point_file *file, const iso_point_file_opts *
     for (int i = 0; i < 7; i++)
         fprintf(stream, "property %s %s\n", i < 3 && file->doubles ? "double" : "float", names[i]);
     for (int i = 0; opts->colors && i < 3; i++) fprintf(stream, "property uchar %s\n", colors[i]);
+    if (opts->opacities) fputs("property uchar alpha\n", stream);
     fputs("end_header\n", stream);
 }
 
@@ -63,7 +64,8 @@ iso_status iso_point_file_begin(const char *path, const iso_point_file_opts *opt
     *file = (iso_point_file){.affine = iso_transform_affine(opts->transform)};
     ISO_TRY(iso_sink_open(path, &file->sink, error));
     file->doubles = needs_doubles(opts->box, opts->transform, &file->affine);
-    file->record = (file->doubles ? 3 * 8 : 3 * 4) + 4 * 4 + (opts->colors ? 3 : 0);
+    file->record =
+        (file->doubles ? 3 * 8 : 3 * 4) + 4 * 4 + (opts->colors ? 3 : 0) + (opts->opacities ? 1 : 0);
     write_header(file, opts);
     file->start = ftello(file->sink.stream);
     return ISO_OK;
@@ -87,6 +89,7 @@ void iso_point_file_put(iso_point_file *file, const iso_point_view *view, const 
         end = iso_encode_float(end, view->radii ? view->radii[span->first + i] : (float)view->radius);
         fwrite(bytes, (size_t)(end - bytes), 1, stream);
         if (view->colors) fwrite(view->colors[span->first + i], sizeof *view->colors, 1, stream);
+        if (view->opacities) fwrite(&view->opacities[span->first + i], 1, 1, stream);
     }
 }
 
@@ -97,6 +100,7 @@ iso_status iso_points_write_ply(const char *path, const iso_point_view *view, co
                                       .box = &box,
                                       .transform = &view->transform,
                                       .colors = view->colors != NULL,
+                                      .opacities = view->opacities != NULL,
                                       .comment = comment};
     iso_point_file file;
     ISO_TRY(iso_point_file_begin(path, &opts, &file, error));

@@ -13,8 +13,13 @@ bool iso_method_has_layers(iso_method method) {
     return method == ISO_METHOD_EXACT || method == ISO_METHOD_RAYCAST || is_splats(method);
 }
 
+/* Whether the points of a surface, given or extracted, have opacities of their own. */
+static bool has_opacities(const iso_layered_surface *surface) {
+    return surface->subject->given && surface->subject->given->opacities;
+}
+
 static bool is_opaque(const iso_layered_surface *surface) {
-    return surface->translucency.opacity >= 1;
+    return surface->translucency.opacity >= 1 && !has_opacities(surface);
 }
 
 /* The callback iso_picture_layers.draw_opaque. */
@@ -72,6 +77,8 @@ static iso_status shade_splats(iso_layered_picture *picture, const iso_layer_pic
                                iso_error *error) {
     iso_splat_layer layers[ISO_LAYERED_MAX];
     int count = 0;
+    bool opacities = false;
+    for (int i = 0; i < picture->count; i++) opacities |= has_opacities(&picture->surfaces[i]);
     for (int i = 0; i < picture->count; i++)
         if (!is_opaque(&picture->surfaces[i]))
             layers[count++] = (iso_splat_layer){.points = iso_subject_points(picture->surfaces[i].subject),
@@ -81,7 +88,8 @@ static iso_status shade_splats(iso_layered_picture *picture, const iso_layer_pic
     const iso_splat_layers input = {
         .transparency = picture->transparency, .layers = layers, .count = count, .picture = *output};
     iso_layer_totals *totals = &picture->totals.layers;
-    if (picture->shade_splats) return picture->shade_splats(picture->splats_context, &input, totals, error);
+    if (picture->shade_splats && !opacities)
+        return picture->shade_splats(picture->splats_context, &input, totals, error);
     return iso_shade_splat_layers(&input, totals, error);
 }
 

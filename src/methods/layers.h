@@ -18,7 +18,7 @@ bool iso_method_has_layers(iso_method method);
 
 enum { ISO_LAYERED_MAX = ISO_EXACT_LAYERS_MAX }; /* largest number of translucent surfaces in a picture */
 
-/* A surface of the picture. Those of opacity 1 are opaque. */
+/* A surface of the picture. Those of opacity 1 are opaque, unless their points have opacities. */
 typedef struct iso_layered_surface {
     const iso_subject *subject; /* its parts that the method needs are up to date */
     iso_translucency translucency;
@@ -38,8 +38,9 @@ typedef struct iso_layered_picture {
     int set_count;
     iso_draw_fn *draw_others; /* draws further opaque objects, such as lines; NULL: there are none */
     void *others_context;
-    iso_transparency transparency;     /* how splats are composited; for the method splats only */
-    iso_shade_splats_fn *shade_splats; /* draws translucent splats; NULL: iso_shade_splat_layers */
+    iso_transparency transparency; /* how splats are composited; for the method splats only */
+    /* Draws translucent splats, unless points have opacities of their own; NULL: iso_shade_splat_layers. */
+    iso_shade_splats_fn *shade_splats;
     void *splats_context;
     const iso_shading *shading; /* a colour for each surface, and the background */
     iso_pool *pool;

@@ -76,3 +76,42 @@ isorender_refuses 6 "no point lies in this box" in/near.ply --crop-mm 50,60,0,1,
 isorender_refuses 2 "heat.ply: has no column 'warmth'; its columns: heat$" in/heat.ply --color-by warmth
 isorender_refuses 2 "is for --lines, --glyphs or a file of points, which is not given" scene:sphere:16 --color-by heat
 isorender_refuses 2 "needs a volume" in/near.ply --crop 0,1,0,1,0,1
+# opacities of points: a disc in front of another, with a column alpha of bytes, of fractions, or of no use
+python3 - <<'P'
+def sheets(path, kind, alpha):
+    with open(path, "w") as f:
+        f.write("ply\nformat ascii 1.0\nelement vertex 800\n")
+        f.write("".join("property float %s\n" % n for n in ("x", "y", "z", "nx", "ny", "nz", "radius")))
+        f.write("property uchar red\nproperty uchar green\nproperty uchar blue\nproperty %s alpha\nend_header\n" % kind)
+        for y, color in ((-5, "255 0 0"), (5, "0 0 255")):
+            for i in range(400):
+                f.write("%d %d %d 0 -1 0 .7 %s %s\n" % (i % 20, y, i // 20, color, alpha(y)))
+sheets("in/bytes.ply", "uchar", lambda y: 102 if y < 0 else 255)
+sheets("in/fractions.ply", "float", lambda y: .4 if y < 0 else 1)
+sheets("in/opaque.ply", "uchar", lambda y: 255)
+sheets("in/nothing.ply", "uchar", lambda y: 0)
+P
+view="--camera front --resolution 100x100 --quiet"
+for name in bytes fractions opaque nothing; do isorender in/$name.ply $name.png $view --json=$name.json; done
+isorender in/bytes.ply solid.png $view --opacity 1 --json=solid.json
+isorender in/bytes.ply half.png $view --opacity .5 --opacity-mode constant --json=half.json
+isorender in/bytes.ply pull.png --camera front --resolution 100x100 --method pullpush --points in/kept.ply --json=pull.json 2>said
+grep -q "note: its points have opacities, but only --method splats" said || { cat said; exit 1; }
+isorender in/kept.ply kept.png $view --json=kept.json
+isorender --info in/bytes.ply | grep -q "opacities   of the file"
+isorender in/nothing.ply nothing.png --camera front --resolution 100x100 2>said
+grep -q "its column alpha is 0 throughout and is not used" said || { cat said; exit 1; }
+python3 - <<'P'
+from check import *
+def middle(name): return Png(name + ".png").rows[50][50]
+b, solid, half = middle("bytes"), middle("solid"), middle("half")
+expect(solid[0] > 150 and solid[2] < 60, solid)
+for name in "opaque", "nothing", "pull": expect(max(abs(x - y) for x, y in zip(middle(name), solid)) < 3, name, middle(name), solid)
+# .4 of the red sheet over the blue one; then .2 of red over half of blue over the background
+expect(abs(b[0] - .4 * solid[0] - .6 * solid[2]) < 6 and abs(b[2] - .6 * solid[0] - .4 * solid[2]) < 6, b, solid)
+expect(half[2] > half[0] and half != b, half, b)
+expect(Png("fractions.png").rows == Png("bytes.png").rows == Png("kept.png").rows, "differ")
+expect(report("bytes.json")["opacities"] == [1] and "opacities" not in report("opaque.json"), report("bytes.json"))
+expect(report("bytes.json")["image"]["layers"]["most"] >= 2, report("bytes.json"))
+P
+isorender_refuses 2 "needs an opacity below 1" in/opaque.ply --opacity-mode constant

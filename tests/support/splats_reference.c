@@ -149,8 +149,9 @@ static int compare_fragments(const void *left, const void *right) {
 
 /* A layer: the mean of its discs. */
 typedef struct merged {
-    double depth, weight;
+    double depth, weight, share; /* share: of the surface's opacity */
     iso_vec3 normal;
+    double color[3];
 } merged;
 
 static int compare_layers(const void *left, const void *right) {
@@ -158,8 +159,20 @@ static int compare_layers(const void *left, const void *right) {
     return (a->depth > b->depth) - (a->depth < b->depth);
 }
 
+/* Adds a disc to a layer: colours count by the opacities of their points. */
+static void merge(merged *layer, const listed *from, const iso_point_view *points) {
+    const size_t point = from->from->point;
+    const double w = exp(-3 * from->f.e), share = points->opacities ? w * points->opacities[point] / 255 : w;
+    layer->weight += w;
+    layer->share += share;
+    layer->depth += w * from->f.depth;
+    layer->normal = iso_vec3_add(layer->normal, iso_vec3_scale(from->from->normal, w));
+    for (int k = 0; k < 3 && points->colors; k++) layer->color[k] += share * points->colors[point][k];
+}
+
 /* Merges the sorted fragments of one side into layers; returns how many. */
-static size_t merge_side(const listed *list, size_t count, bool away, merged *layers) {
+static size_t merge_side(const listed *list, size_t count, bool away, const iso_point_view *points,
+                         merged *layers) {
     size_t made = 0;
     double front = 0;
     for (size_t i = 0; i < count; i++) {
@@ -170,13 +183,13 @@ static size_t merge_side(const listed *list, size_t count, bool away, merged *la
             front = list[i].f.depth;
             layers[made++] = (merged){0};
         }
-        const double w = exp(-3 * list[i].f.e);
-        merged *m = &layers[made - 1];
-        m->weight += w;
-        m->depth += w * list[i].f.depth;
-        m->normal = iso_vec3_add(m->normal, iso_vec3_scale(list[i].from->normal, w));
+        merge(&layers[made - 1], &list[i], points);
     }
-    for (size_t i = 0; i < made; i++) layers[i].depth /= layers[i].weight;
+    for (size_t i = 0; i < made; i++) {
+        for (int k = 0; k < 3; k++) layers[i].color[k] /= layers[i].share > 0 ? layers[i].share : 1;
+        layers[i].depth /= layers[i].weight;
+        layers[i].share /= layers[i].weight;
+    }
     return made;
 }
 
@@ -185,17 +198,19 @@ static void composite(const iso_view *view, const iso_splat_layer *input, const 
                       int x, int y, double color[3]) {
     const double u = (x + 0.5 - view->cx) / view->focal, v = (y + 0.5 - view->cy) / view->focal;
     const float to_eye[3] = {view->orthographic ? 0 : (float)-u, view->orthographic ? 0 : (float)-v, -1};
-    const double length = sqrt((double)(to_eye[0] * to_eye[0] + to_eye[1] * to_eye[1] + 1)),
-                 opacity = (double)input->translucency.opacity;
+    const double length = sqrt((double)(to_eye[0] * to_eye[0] + to_eye[1] * to_eye[1] + 1));
     for (size_t i = count; i-- > 0;) { /* back to front */
         const iso_vec3 n = iso_vec3_unit(iso_view_vector(view, layers[i].normal));
         const float normal[3] = {(float)n.x, (float)n.y, (float)n.z};
         const double cosine =
             fabs(n.x * (double)to_eye[0] + n.y * (double)to_eye[1] + n.z * (double)to_eye[2]) / length;
+        const double opacity = layers[i].share * (double)input->translucency.opacity;
+        const double *c = layers[i].color;
+        const iso_rgb own = {(uint8_t)(c[0] + 0.5), (uint8_t)(c[1] + 0.5), (uint8_t)(c[2] + 0.5)};
         const double a =
             input->translucency.constant ? opacity : 1 - pow(1 - opacity, 1 / fmax(cosine, 1e-6));
         float rgb[3];
-        iso_shade_sample(normal, to_eye, input->color, rgb);
+        iso_shade_sample(normal, to_eye, input->points.colors ? own : input->color, rgb);
         for (int k = 0; k < 3; k++) color[k] = a * (double)rgb[k] + (1 - a) * color[k];
     }
 }
@@ -219,8 +234,8 @@ void test_draw_sorted_layers(const iso_view *view, const iso_splat_layer *input,
         for (int x = 0; x < view->width; x++) {
             double color[3] = {background.r / 255.0, background.g / 255.0, background.b / 255.0};
             const size_t found = list_pixel(view, discs, count, x, y, list);
-            size_t made = merge_side(list, found, false, layers);
-            made += merge_side(list, found, true, layers + made);
+            size_t made = merge_side(list, found, false, &input->points, layers);
+            made += merge_side(list, found, true, &input->points, layers + made);
             qsort(layers, made, sizeof *layers, compare_layers);
             composite(view, input, layers, made, x, y, color);
             uint8_t *to = image->rgba + 4 * ((size_t)y * (size_t)view->width + (size_t)x);

@@ -46,7 +46,7 @@ static void keep_usable(iso_polydata *data) {
 static iso_column *find_column(iso_polydata *data, const char *name, int components) {
     for (int i = 0; i < data->column_count; i++) {
         iso_column *column = iso_polydata_column(data, i);
-        if (column->components == components && strcmp(column->name, name) == 0 && column->values.data)
+        if (column->components == components && strcasecmp(column->name, name) == 0 && column->values.data)
             return column;
     }
     return NULL;
@@ -136,6 +136,45 @@ static void color_splats(iso_polydata *data) {
     column->role = ISO_ROLE_COLOR;
 }
 
+/* ---- opacities */
+
+/* Returns what an opacity column's numbers are multiplied by to lie in 0 .. 255: integers of 8 or 16 bits and
+ * fractions are told apart by the largest number, which is returned, too. */
+static float opacity_factor(const float *values, size_t count, float *most) {
+    *most = 0;
+    for (size_t i = 0; i < count; i++) *most = values[i] > *most ? values[i] : *most;
+    return *most > 255 ? 1 / 257.0f : *most > 1 ? 1 : 255;
+}
+
+/* Converts the column "alpha" to opacities; the column remains an attribute. Without an effect are columns
+ * that make all points opaque, and those that are 0 throughout, which some programs write for "unknown". */
+static iso_status take_opacities(iso_polydata *data, iso_glyphs *glyphs, iso_error *error) {
+    iso_column *alpha = find_column(data, "alpha", 1);
+    if (!alpha || glyphs->gaussians) return ISO_OK;
+    const float *values = alpha->values.data;
+    float most;
+    const float factor = opacity_factor(values, data->point_count, &most);
+    iso_buffer bytes = {0};
+    if (!(most > 0)) {
+        if (data->point_count)
+            iso_reading_note(data->reading, "its column alpha is 0 throughout and is not used");
+        return ISO_OK;
+    }
+    ISO_TRY(iso_reading_reserve(data->reading, &bytes, data->point_count, 1, 0, error));
+    uint8_t *to = bytes.data;
+    bool opaque = true;
+    for (size_t i = 0; i < data->point_count; i++) {
+        const float value = values[i] * factor;
+        to[i] = (uint8_t)(value > 0 ? value < 255 ? value + 0.5f : 255 : 0);
+        opaque &= to[i] == 255;
+    }
+    if (opaque)
+        iso_reading_free(data->reading, &bytes);
+    else
+        glyphs->opacities = to;
+    return ISO_OK;
+}
+
 static iso_status take_roles(iso_polydata *data, bool ras, iso_glyphs *glyphs, iso_error *error) {
     iso_column *columns = data->column_array.data;
     const int count = data->column_count;
@@ -151,7 +190,7 @@ static iso_status take_roles(iso_polydata *data, bool ras, iso_glyphs *glyphs, i
     if (!vectors) vectors = iso_column_find(columns, count, ISO_ROLE_NORMAL);
     if (radii) glyphs->radii = iso_column_take_radii(data->reading, radii, points);
     if (vectors) glyphs->directions = iso_column_take_vectors(vectors, points, false);
-    return ISO_OK;
+    return take_opacities(data, glyphs, error);
 }
 
 static void turn_points(iso_polydata *data) {

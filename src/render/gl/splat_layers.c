@@ -101,10 +101,7 @@ static iso_status list_tiles(layers_call *call, const iso_discs *discs, iso_erro
 /* ---- discs */
 
 static look look_of(const layers_call *call, const iso_disc *wide, const iso_disc *disc) {
-    const iso_point_view *points = &call->surface.input->points;
-    const uint8_t *rgb = points->colors ? points->colors[disc->point] : NULL;
-    const iso_fragment shaded =
-        iso_splat_fragment(&call->surface, wide->normal, wide->z, rgb, wide->x, wide->y);
+    const iso_fragment shaded = iso_splat_fragment(&call->surface, wide);
     return (look){{shaded.color[0], shaded.color[1], shaded.color[2]},
                   shaded.opacity,
                   iso_splat_thickness(disc),
@@ -224,7 +221,7 @@ static iso_status set_bounds(layers_call *call, iso_error *error) {
 static iso_packed_fragment shade(const layers_call *call, size_t sample, const float f[ISO_GL_LAYER_FLOATS]) {
     const iso_disc_view *view = &call->surface.discs.view;
     const int x = (int)(sample % (size_t)call->view.width), y = (int)(sample / (size_t)call->view.width);
-    const iso_splat_sums sums = {f[3], f[7], {f[0], f[1], f[2]}, {f[4], f[5], f[6]}};
+    const iso_splat_sums sums = {f[3], f[7], {f[0], f[1], f[2]}, {f[4], f[5], f[6]}, f[3]};
     if (!(sums.weight > 0)) return (iso_packed_fragment){0};
     const iso_fragment fragment =
         iso_splat_mean_fragment(&call->surface, &sums, iso_disc_column(view, x), iso_disc_row(view, y));

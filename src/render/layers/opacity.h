@@ -22,9 +22,15 @@ typedef struct iso_layer_opacity {
     float log_through; /* log2(1 - face_on) */
 } iso_layer_opacity;
 
+/* Returns the function for a share of the translucency's opacity, 0 to 1. */
+static inline iso_layer_opacity iso_layer_opacity_part(const iso_translucency *translucency, float share) {
+    const float face_on = translucency->opacity * share;
+    const bool by_angle = !translucency->constant && face_on < 1;
+    return (iso_layer_opacity){face_on, by_angle, by_angle ? (float)iso_log2(1 - (double)face_on) : 0};
+}
+
 static inline iso_layer_opacity iso_layer_opacity_make(const iso_translucency *translucency) {
-    return (iso_layer_opacity){translucency->opacity, !translucency->constant,
-                               (float)iso_log2(1 - (double)translucency->opacity)};
+    return iso_layer_opacity_part(translucency, 1);
 }
 
 /* Returns the opacity of a fragment with a unit normal, seen from the direction to_eye (of any length). */

@@ -57,10 +57,7 @@ static void draw_disc(const images *im, uint32_t number) {
     const iso_disc *disc = (const iso_disc *)surface->wide.disc.data + number;
     const iso_disc_box within = {{0, band->width - 1}, band->rows},
                        box = iso_disc_bounds(view, disc, &within);
-    const iso_point_view *points = &surface->input->points;
-    const iso_fragment shaded =
-        iso_splat_fragment(surface, disc->normal, disc->z,
-                           points->colors ? points->colors[disc->point] : NULL, disc->x, disc->y);
+    const iso_fragment shaded = iso_splat_fragment(surface, disc);
     const float thickness =
         iso_splat_thickness((const iso_disc *)surface->discs.disc.data + number); /* based on the disc's usual
                                                                                      size, not on the enlarged

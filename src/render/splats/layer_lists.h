@@ -41,10 +41,8 @@ bool iso_splats_list_sorted(const iso_splat_surface *surface, const iso_splat_ba
 /* Lists one layer by algorithm 2, or two layers by algorithm 3. Returns false in the same cases. */
 bool iso_splats_list_images(const iso_splat_surface *surface, const iso_splat_band *band, bool nearest);
 
-/* Returns a fragment for a layer with this normal, depth and colour (NULL: the surface's). x, y: the sample's
- * centre in pixels from the optical axis. */
-iso_fragment iso_splat_fragment(const iso_splat_surface *surface, const float normal[3], float depth,
-                                const uint8_t *rgb, float x, float y);
+/* Returns a fragment for a single disc at its centre. */
+iso_fragment iso_splat_fragment(const iso_splat_surface *surface, const iso_disc *disc);
 /* Returns a fragment for a layer of averaged discs. */
 iso_fragment iso_splat_mean_fragment(const iso_splat_surface *surface, const iso_splat_sums *sums, float x,
                                      float y);

@@ -25,25 +25,48 @@ typedef struct layers_draw {
 
 /* ---- fragments */
 
-iso_fragment iso_splat_fragment(const iso_splat_surface *surface, const float normal[3], float depth,
-                                const uint8_t *rgb, float x, float y) {
+/* Something that is seen as one layer: a disc, or the mean of several. */
+typedef struct seen_layer {
+    float normal[3], depth;
+    float share; /* of the surface's opacity */
+    iso_rgb color;
+} seen_layer;
+
+/* Shades a layer that is seen at (x, y), in pixels from the optical axis. */
+static iso_fragment shade(const iso_splat_surface *surface, const seen_layer *layer, float x, float y) {
     const float slope = surface->discs.view.slope, to_eye[3] = {-x * slope, -y * slope, -1};
-    const iso_rgb color = rgb ? (iso_rgb){rgb[0], rgb[1], rgb[2]} : surface->input->color;
-    iso_fragment fragment = {.depth = depth,
-                             .opacity = iso_layer_opacity_at(&surface->opacity, normal, to_eye),
+    const iso_layer_opacity own = surface->input->points.opacities
+                                      ? iso_layer_opacity_part(&surface->input->translucency, layer->share)
+                                      : surface->opacity;
+    iso_fragment fragment = {.depth = layer->depth,
+                             .opacity = iso_layer_opacity_at(&own, layer->normal, to_eye),
                              .surface = surface->number};
-    iso_shade_sample(normal, to_eye, color, fragment.color);
+    iso_shade_sample(layer->normal, to_eye, layer->color, fragment.color);
     return fragment;
+}
+
+iso_fragment iso_splat_fragment(const iso_splat_surface *surface, const iso_disc *disc) {
+    const iso_point_view *points = &surface->input->points;
+    const uint8_t *rgb = points->colors ? points->colors[disc->point] : NULL;
+    const seen_layer layer = {.normal = {disc->normal[0], disc->normal[1], disc->normal[2]},
+                              .depth = disc->z,
+                              .share = points->opacities ? (float)points->opacities[disc->point] / 255 : 1,
+                              .color = rgb ? (iso_rgb){rgb[0], rgb[1], rgb[2]} : surface->input->color};
+    return shade(surface, &layer, disc->x, disc->y);
 }
 
 iso_fragment iso_splat_mean_fragment(const iso_splat_surface *surface, const iso_splat_sums *sums, float x,
                                      float y) {
-    const bool colored = surface->input->points.colors != NULL;
-    float normal[3];
+    seen_layer layer = {.depth = sums->depth / sums->weight,
+                        .share = sums->opacity / sums->weight,
+                        .color = surface->input->color};
     uint8_t rgb[3];
-    iso_splat_normal(sums, normal);
-    if (colored) iso_splat_color(sums, rgb);
-    return iso_splat_fragment(surface, normal, sums->depth / sums->weight, colored ? rgb : NULL, x, y);
+    iso_splat_normal(sums, layer.normal);
+    if (surface->input->points.colors) {
+        iso_splat_color(sums, rgb);
+        layer.color = (iso_rgb){rgb[0], rgb[1], rgb[2]};
+    }
+    return shade(surface, &layer, x, y);
 }
 
 /* ---- setting up */

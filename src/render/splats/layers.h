@@ -45,8 +45,9 @@ typedef struct iso_splat_lists {
     const size_t *start;
 } iso_splat_lists;
 
-/* A translucent surface, with an opacity below 1. absorption_length is ignored; most_layers is used by the
- * mode sorted only. */
+/* A translucent surface: its opacity is below 1, or its points have opacities of their own, which it
+ * multiplies. A layer's opacity and colour are then means over its discs. absorption_length is ignored;
+ * most_layers is used by the mode sorted only. */
 typedef struct iso_splat_layer {
     iso_point_view points;    /* borrowed for the call */
     const iso_groups *groups; /* groups of the points, with discs of ISO_SPLATS_DISC; ignored by the mode

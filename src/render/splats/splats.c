@@ -88,9 +88,11 @@ static iso_status draw_bands(splats_call *call, iso_error *error) {
 
 static iso_status draw_groups(const iso_target *target, const iso_point_view *points,
                               const iso_groups *groups, int bins, iso_error *error) {
+    iso_point_view opaque = *points;
     splats_call call = {
         .target = target,
-        .slots = {.points = points, .groups = groups, .width = target->gbuffer->width, .bins = bins}};
+        .slots = {.points = &opaque, .groups = groups, .width = target->gbuffer->width, .bins = bins}};
+    opaque.opacities = NULL; /* colours are not weighted by them */
     call.slots.discs = &call.discs;
     if (groups->count == 0) return ISO_OK;
     if (points->colors) ISO_TRY(iso_gbuffer_add_color(target->gbuffer, error));

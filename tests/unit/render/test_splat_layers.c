@@ -86,6 +86,7 @@ enum { MOST = 80 };
 typedef struct cloud {
     iso_surfel surfels[MOST];
     float radii[MOST];
+    uint8_t colors[MOST][3], opacities[MOST];
     iso_point_span span;
     iso_splat_layer layer;
 } cloud;
@@ -109,13 +110,25 @@ static void make_cloud(cloud *c, double depth, double radius, uint32_t seed) {
                                  .translucency = {.opacity = 0.4f}};
 }
 
+/* Gives the points colours and opacities, among these 0 with a colour of its own, and 1. */
+static void make_opacities(cloud *c, uint32_t seed) {
+    for (size_t i = 0; i < MOST; i++) {
+        for (size_t k = 0; k < 3; k++) c->colors[i][k] = (uint8_t)(255 * uniform(&seed));
+        c->opacities[i] = i % 4 ? (uint8_t)(255 * uniform(&seed)) : i % 8 ? 255 : 0;
+    }
+    c->layer.points.colors = (const uint8_t(*)[3])c->colors;
+    c->layer.points.opacities = c->opacities;
+    c->layer.translucency.opacity = seed % 3 ? 1 : 0.7f;
+}
+
 static void test_sorted(void **state) {
     (void)state;
     static cloud c;
-    for (int k = 0; k < 8; k++) {
+    for (int k = 0; k < 16; k++) {
         const bool orthographic = k % 4 == 3;
         make_cloud(&c, k % 4 == 1 ? 6 : 20, k % 4 == 2 ? 2 : 1, 5 + (uint32_t)k);
-        c.layer.translucency.constant = k < 4;
+        if (k >= 8) make_opacities(&c, (uint32_t)k);
+        c.layer.translucency.constant = k % 8 < 4;
         iso_view view = test_plain_view(120, 100, orthographic, orthographic ? 12 : 180);
         if (!orthographic) view.near = 1.5;
         const drawing d = {.layers = &c.layer, .count = 1};
