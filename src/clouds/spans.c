@@ -23,6 +23,12 @@ static int bits_of(double bricks) {
     return bits;
 }
 
+/* How many bricks a coordinate lies beyond the origin. Rounding may lift a coordinate just below a brick
+ * into it: the number of bricks is therefore computed by this function, too. */
+static double brick_along(const sorter *s, double position, int axis) {
+    return (position - s->out->origin[axis]) / s->out->voxel / ISO_BRICK;
+}
+
 /* Chooses the voxel's size, the origin, and how many bits number the bricks of each axis. */
 static void choose_bricks(sorter *s, const float (*positions)[3], double voxel) {
     double lo[3], hi[3], largest = 0;
@@ -40,16 +46,16 @@ static void choose_bricks(sorter *s, const float (*positions)[3], double voxel) 
     s->out->voxel = ldexp(1, exponent - 1);
     const double brick = s->out->voxel * ISO_BRICK;
     for (int axis = 0; axis < 3; axis++) {
-        const double first = floor(lo[axis] / brick);
-        s->out->origin[axis] = first * brick;
-        s->bits[axis] = bits_of(floor(hi[axis] / brick) - first + 1);
+        const double origin = floor(lo[axis] / brick) * brick;
+        s->out->origin[axis] = origin;
+        s->bits[axis] = bits_of(floor(brick_along(s, hi[axis], axis)) + 1);
     }
 }
 
 static uint64_t brick_of(const sorter *s, const float position[3]) {
     uint64_t brick = 0;
     for (int axis = 2; axis >= 0; axis--) {
-        const double at = ((double)position[axis] - s->out->origin[axis]) / s->out->voxel / ISO_BRICK;
+        const double at = brick_along(s, (double)position[axis], axis);
         brick = brick << s->bits[axis] | (uint64_t)at;
     }
     return brick;
@@ -64,8 +70,8 @@ static void split_brick(const sorter *s, uint64_t number, int32_t brick[3]) {
 
 /* ---- sorting */
 
-/* Sorts the points by the numbers of their bricks: by the lower 32 bits, then by the others if there are any,
- * which most boxes have not. */
+/* Sorts the points by the numbers of their bricks: by the lower 32 bits, then by the others if there are
+ * any, which most boxes have not. */
 static void sort_points(sorter *s, iso_radix_item *items, iso_radix_item *spare) {
     const int low = s->all_bits < KEY_BITS ? s->all_bits : KEY_BITS;
     for (size_t i = 0; i < s->count; i++)
