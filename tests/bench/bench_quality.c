@@ -24,7 +24,7 @@
 #include "grids/volume/volume.h"
 #include "methods/method.h"
 
-enum { ENTRIES = 64, ROWS = 1024, NAME = QUALITY_NAME, ZOOMS = 3 };
+enum { ENTRIES = 64, ROWS = 1024, NAME = QUALITY_NAME, ZOOMS = 3, METHODS = 16 };
 
 typedef quality_row row;
 static const int zooms[ZOOMS] = {1, 4, 16};
@@ -48,6 +48,8 @@ typedef struct settings {
 typedef struct state {
     const settings *settings;
     iso_pool *pool;
+    const iso_renderer *methods[METHODS]; /* those that are judged */
+    int method_count;
     entry entries[ENTRIES];
     int entry_count;
     row rows[ROWS];
@@ -64,6 +66,19 @@ static bool is_listed(const char *list, const char *name) {
         word = word[end] ? word + end + 1 : NULL;
     }
     return list == NULL;
+}
+
+/* Lists the methods that isocompare compares, and splats, if they are asked for. */
+static void list_methods(state *s) {
+    static const iso_method splats[] = {ISO_METHOD_SPLATS_FLAT, ISO_METHOD_SPLATS_ONEPASS,
+                                        ISO_METHOD_SPLATS_EWA};
+    const size_t splat_count = sizeof splats / sizeof *splats;
+    size_t count;
+    const iso_renderer *methods = iso_renderer_list(&count);
+    for (size_t i = 0; i < count + splat_count && s->method_count < METHODS; i++) {
+        const iso_renderer *method = i < count ? &methods[i] : iso_renderer_get(splats[i - count]);
+        if (is_listed(s->settings->only, method->name)) s->methods[s->method_count++] = method;
+    }
 }
 
 /* ---- what is looked at ---- */
@@ -165,10 +180,6 @@ typedef struct session {
     float *colors[2]; /* unrounded, of both */
 } session;
 
-static bool is_wanted(const session *s, const iso_renderer *method) {
-    return is_listed(s->state->settings->only, method->name);
-}
-
 static iso_status prepare(session *s, iso_error *error) {
     size_t side = (size_t)s->state->settings->side;
     ISO_TRY(iso_study_frame_create((int)side, true, &s->truth, error));
@@ -176,11 +187,8 @@ static iso_status prepare(session *s, iso_error *error) {
     for (int i = 0; i < 2; i++)
         if (!(s->colors[i] = iso_alloc(side * side * 3 * sizeof(float))))
             return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
-    size_t count;
-    const iso_renderer *methods = iso_renderer_list(&count);
     unsigned needs = iso_renderer_truth()->needs | 1u << ISO_PART_MESH; /* the mesh bounds the view */
-    for (size_t m = 0; m < count; m++)
-        if (is_wanted(s, &methods[m])) needs |= methods[m].needs;
+    for (int m = 0; m < s->state->method_count; m++) needs |= s->state->methods[m]->needs;
     for (int part = 0; part < ISO_PART_COUNT; part++)
         if (needs & 1u << part) ISO_TRY(iso_subject_prepare(&s->subject, (iso_part)part, error));
     iso_mesh_view mesh = iso_mesh_set_view(s->subject.mesh);
@@ -231,18 +239,16 @@ static void print_row(const row *r) {
 
 static iso_status judge_all(session *s, const iso_view *view, int zoom, double pixels_per_voxel,
                             iso_error *error) {
-    size_t count;
-    const iso_renderer *methods = iso_renderer_list(&count);
+    state *st = s->state;
     ISO_TRY(iso_study_draw(&s->subject, iso_renderer_truth(), view, &look, &s->truth, error));
     iso_study_shade(&s->truth, view, &look, s->colors[0]);
     ISO_TRY(keep_picture(s, &s->truth, zoom, iso_renderer_truth()->name, error));
-    for (size_t m = 0; m < count && s->state->row_count < ROWS; m++) {
-        if (!is_wanted(s, &methods[m])) continue;
-        row *r = &s->state->rows[s->state->row_count];
-        *r = (row){.zoom = zoom, .method = &methods[m], .pixels_per_voxel = pixels_per_voxel};
+    for (int m = 0; m < st->method_count && st->row_count < ROWS; m++) {
+        row *r = &st->rows[st->row_count];
+        *r = (row){.zoom = zoom, .method = st->methods[m], .pixels_per_voxel = pixels_per_voxel};
         snprintf(r->volume, sizeof r->volume, "%s", s->name);
-        ISO_TRY(judge(s, view, &methods[m], r, error));
-        s->state->row_count++;
+        ISO_TRY(judge(s, view, st->methods[m], r, error));
+        st->row_count++;
         print_row(r);
     }
     return ISO_OK;
@@ -296,19 +302,17 @@ static iso_status turn(session *s, const iso_renderer *method, double *change, i
 }
 
 static iso_status turn_all(session *s, iso_error *error) {
-    size_t count;
-    const iso_renderer *methods = iso_renderer_list(&count);
+    const state *st = s->state;
     double truth, change;
     if (s->state->settings->frames < 2) return ISO_OK;
     ISO_TRY(turn(s, iso_renderer_truth(), &truth, error));
     printf("\n%s, %d frames half a degree apart: mean change between frames, of 255\n", s->name,
            s->state->settings->frames);
     printf("  %-18s %8.3f\n", iso_renderer_truth()->name, truth);
-    for (size_t m = 0; m < count; m++) {
-        if (!is_wanted(s, &methods[m])) continue;
-        ISO_TRY(turn(s, &methods[m], &change, error));
-        printf("  %-18s %8.3f  %.2f times raycast's (at most 1.5 is asked for)\n", methods[m].name, change,
-               change / truth);
+    for (int m = 0; m < st->method_count; m++) {
+        ISO_TRY(turn(s, st->methods[m], &change, error));
+        printf("  %-18s %8.3f  %.2f times raycast's (at most 1.5 is asked for)\n", st->methods[m]->name,
+               change, change / truth);
     }
     printf("\n");
     return ISO_OK;
@@ -357,27 +361,25 @@ static iso_status write_json(state *s, iso_error *error) {
     return iso_json_commit(&json, &s->json, error);
 }
 
-static bool is_in_study(const char *volume) {
+bool quality_is_in_study(const char *volume) {
     return is_listed("stent,vase,ironProt,tooth,FLAIR,ch2better,sphere.vdb", volume);
 }
 
 /* Means over the seven volumes of the study when all are there, else over everything. */
 static void print_means(const state *s) {
-    size_t count;
-    const iso_renderer *methods = iso_renderer_list(&count);
     int seven = 0;
-    for (int i = 0; i < s->entry_count; i++) seven += is_in_study(s->entries[i].name);
+    for (int i = 0; i < s->entry_count; i++) seven += quality_is_in_study(s->entries[i].name);
     printf("\n%s\n", seven == 7 ? "mean of the study's seven volumes" : "mean");
     print_head();
-    for (size_t m = 0; m < count; m++)
+    for (int m = 0; m < s->method_count; m++)
         for (int z = 0; z < ZOOMS; z++) {
-            row mean = {.zoom = zooms[z], .method = &methods[m], .volume = "mean"};
+            row mean = {.zoom = zooms[z], .method = s->methods[m], .volume = "mean"};
             double sums[32] = {0}, counts[32] = {0};
             size_t metric_count;
             const iso_metric *metrics = iso_metric_list(&metric_count);
             for (const row *r = s->rows; r < s->rows + s->row_count; r++) {
-                bool counts_in = seven != 7 || is_in_study(r->volume);
-                if (r->method != &methods[m] || r->zoom != zooms[z] || !counts_in) continue;
+                bool counts_in = seven != 7 || quality_is_in_study(r->volume);
+                if (r->method != s->methods[m] || r->zoom != zooms[z] || !counts_in) continue;
                 for (size_t i = 0; i < metric_count; i++) {
                     double value = iso_metric_value(&metrics[i], &r->metrics);
                     if (isnan(value)) continue;
@@ -399,6 +401,7 @@ static void print_means(const state *s) {
 /* A volume that cannot be read is said so and left out. */
 static iso_status run_all(state *s, iso_error *error) {
     if (s->settings->json) ISO_TRY(iso_sink_open(s->settings->json, &s->json, error));
+    list_methods(s);
     list_volumes(s);
     list_scenes(s);
     if (s->entry_count == 0) return iso_fail(error, ISO_ERR_USAGE, "no volume has such a name");

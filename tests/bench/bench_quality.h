@@ -20,6 +20,9 @@ typedef struct quality_row {
     iso_metrics metrics;
 } quality_row;
 
+/* Whether a volume is one of the seven over which the studies of the project take means. */
+bool quality_is_in_study(const char *volume);
+
 /* bench_quality_asked.c: prints what the project asks for and these rows do not reach, and how many of what
  * is asked they do reach. */
 void quality_print_asked(const quality_row *rows, int count);

@@ -73,6 +73,43 @@ static void judge_exact(tally *t, const quality_row *r) {
     demand(t, r, m->others_differing == 0, "others that differ in colour", (double)m->others_differing, 0);
 }
 
+/* The means of a method over the study's volumes at a zoom; false unless all seven are there. */
+static bool mean_of_study(const quality_row *rows, int count, const char *method, int zoom,
+                          quality_row *mean) {
+    int seen = 0;
+    double psnr = 0, holes = 0;
+    for (const quality_row *r = rows; r < rows + count; r++) {
+        if (r->zoom != zoom || strcmp(r->method->name, method) != 0 || !quality_is_in_study(r->volume))
+            continue;
+        *mean = *r;
+        psnr += r->metrics.psnr_in;
+        holes += isnan(r->metrics.holes) ? 0 : r->metrics.holes;
+        seen++;
+    }
+    if (seen != 7) return false;
+    strcpy(mean->volume, "mean of seven");
+    mean->metrics.psnr_in = psnr / seen;
+    mean->metrics.holes = holes / seen;
+    return true;
+}
+
+/* Splats are judged by means: flat discs by fixed numbers, discs in one pass by flat ones. */
+static void judge_splats(tally *t, const quality_row *rows, int count) {
+    static const double least[3] = {30.6, 31.5, 33};
+    static const int zooms[3] = {1, 4, 16};
+    for (int z = 0; z < 3; z++) {
+        quality_row flat, onepass;
+        if (!mean_of_study(rows, count, "splats-flat", zooms[z], &flat)) continue;
+        const double near = flat.metrics.psnr_in - 0.2;
+        demand(t, &flat, flat.metrics.psnr_in >= least[z], "psnr_in, at least", flat.metrics.psnr_in,
+               least[z]);
+        demand(t, &flat, flat.metrics.holes <= 0.05, "holes, %, at most", flat.metrics.holes, 0.05);
+        if (!mean_of_study(rows, count, "splats-onepass", zooms[z], &onepass)) continue;
+        demand(t, &onepass, onepass.metrics.psnr_in >= near, "psnr_in, flat's less 0.2",
+               onepass.metrics.psnr_in, near);
+    }
+}
+
 void quality_print_asked(const quality_row *rows, int count) {
     tally t = {0};
     size_t missing = 0, extra = 0, off = 0, others = 0, pictures = 0;
@@ -87,6 +124,7 @@ void quality_print_asked(const quality_row *rows, int count) {
         off += r->metrics.depth_off;
         others += r->metrics.others_differing;
     }
+    judge_splats(&t, rows, count);
     printf("%d of %d demands are met\n", t.asked - t.missed, t.asked);
     if (pictures)
         printf("exact, all %zu pictures: %zu silhouette pixels missing, %zu extra, %zu pixels off in depth, "

@@ -15,7 +15,7 @@ text = open(sys.argv[2]).read()
 wanted = {"volume", "zoom", "method", "psnr_in", "psnr", "holes", "iou", "dilation_mean", "dilation_max", "ssim", "flip",
           "normal_error_deg", "depth_error_voxel", "wrong", "pixels_differing"}
 methods = {row["method"] for row in rows}
-assert {"points", "mesh"} <= methods, methods
+assert {"points", "mesh", "splats-flat", "splats-onepass", "splats-ewa"} <= methods, methods
 assert len(rows) == 2 * 3 * len(methods) and {row["zoom"] for row in rows} == {1, 4, 16}, len(rows)
 for row in rows:
     assert wanted <= set(row), wanted - set(row)
