@@ -238,7 +238,9 @@ static void compare_pullpush(const frame_group *group, bench_row *row, const ben
 static void compare_splats(const frame_group *group, bench_row *row, const bench_method *method, int subject,
                            int view, int t) {
     const bool judged = row->level == group->bench->best && !group->bench->settings->small;
-    bench_compare(row, group->vtk_points[subject][t], "ratio_vs_vtk_gaussians", NULL, judged ? 40 : 0);
+    bench_against *vtk =
+        bench_compare(row, group->vtk_points[subject][t], "ratio_vs_vtk_gaussians", NULL, judged ? 40 : 0);
+    if (vtk && row->threads == 1) vtk->cpu = "ratio_vs_vtk_gaussians_cpu";
     bench_compare(row, row_of(group, subject, view, "pullpush/refined", row, t), "ratio_vs_refined", NULL, 0);
     if (is_method(method, "splats/colors"))
         bench_compare(row, row_of(group, subject, view, "splats/flat", row, t), "ratio_vs_flat", NULL,
