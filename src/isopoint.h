@@ -130,8 +130,8 @@ enum { ISO_VOLUME_ITEMS = 32, ISO_VOLUME_NOTES = 8, ISO_VOLUME_TEXT = 256 };
 
 /* What a file's header says, without pointers. Texts are one line of printable UTF-8. */
 typedef struct iso_volume_info {
-    char format[16]; /* "vti", "vtk", "nrrd", "metaimage", "nifti", "dicom", "vdb", "raw", "scene" */
-    char name[ISO_VOLUME_TEXT]; /* name of the grid or series; or empty */
+    char format[16]; /* "nrrd", "nifti", "dicom", "tiff", "hdf5", "zarr", "vdb", "vti", "raw" or another */
+    char name[ISO_VOLUME_TEXT]; /* name of the grid, array or series; or empty */
     int dims[3];
     iso_type type;             /* in memory */
     char file_type[32];        /* in the file, such as "int16", "double", "half" */
@@ -143,8 +143,8 @@ typedef struct iso_volume_info {
     bool sparse;          /* stored as a narrow band of 16^3 bricks, in voxels */
     uint64_t bytes;       /* memory that the volume will take (estimated for sparse ones) */
     uint64_t read_bytes;  /* largest amount of memory in use while the file is read */
-    int item_count;       /* number of grids in a .vdb, arrays in a .vti or .vtk, or series in a folder */
-    char items[ISO_VOLUME_ITEMS][ISO_VOLUME_TEXT]; /* one line each; `name` begins the chosen one's */
+    int item_count;       /* number of grids in a .vdb, arrays in a file, or series in a folder */
+    char items[ISO_VOLUME_ITEMS][ISO_VOLUME_TEXT]; /* a line each; the chosen one's begins with its name */
     int note_count;                                /* decisions of the reader, to be shown to the user */
     char notes[ISO_VOLUME_NOTES][ISO_VOLUME_TEXT];
 } iso_volume_info;
@@ -153,11 +153,12 @@ typedef struct iso_volume_info {
 typedef struct iso_volume iso_volume;
 
 typedef struct iso_open_opts {
-    /* The name of the grid of a .vdb; NULL: its only grid, else its first level set, else its first scalar
-     * grid. The name of the array of a .vti or .vtk; NULL: its active scalars, else its first array. */
+    /* The grid of a .vdb; NULL: its first level set, else its first scalar grid. The array of a .vti, .vtk or
+     * HDF5 file; NULL: the active scalars, else the first (of HDF5: the only) array. */
     const char *grid;
     const char *series; /* DICOM: the series instance UID, or the number of the series, counted from 1 */
     int component;      /* which of several components to read, counted from 0 */
+    int level;          /* which resolution of OME-Zarr, Imaris or BigDataViewer to read; 0: the finest */
     const iso_raw_layout *raw; /* read as raw data; NULL: only if the file's name states a layout */
     double spacing[3];         /* mm; where > 0, used instead of the file's spacing */
     uint64_t max_memory;       /* limit in bytes for reading; 0: 80 % of the free memory */
@@ -166,10 +167,10 @@ typedef struct iso_open_opts {
     void *progress_context;
 } iso_open_opts;
 
-/* Reads a volume: .nrrd, .nhdr, NIfTI, a DICOM file or folder, .vdb, .vti, legacy .vtk, MetaImage, raw. The
- * file's content tells the format, or else its name. The size in the header is checked before memory is
- * allocated. Destroy the volume with iso_volume_destroy. ISO_ERR_IO, ISO_ERR_FORMAT, ISO_ERR_UNSUPPORTED,
- * ISO_ERR_BRIDGE, ISO_ERR_USAGE (no such grid, series or component), ISO_ERR_LIMIT. */
+/* Reads a volume: NRRD, NIfTI, DICOM, TIFF, HDF5, OME-Zarr, MetaImage, .vdb, .vti, .vtk or raw, told by its
+ * content, else its name. Destroy it with iso_volume_destroy. ISO_ERR_IO, ISO_ERR_FORMAT,
+ * ISO_ERR_UNSUPPORTED, ISO_ERR_BRIDGE, ISO_ERR_LIMIT, ISO_ERR_USAGE (no such grid, series, component or
+ * level). */
 ISO_API iso_status iso_volume_open(const char *path, const iso_open_opts *opts, iso_volume **volume,
                                    iso_error *error);
 
@@ -781,9 +782,8 @@ ISO_API iso_status iso_sculpt_undo(iso_sculpt *sculpt, iso_error *error);
 /* Redoes the stroke undone last, exactly. ISO_ERR_USAGE: nothing to redo, or a stroke is in progress. */
 ISO_API iso_status iso_sculpt_redo(iso_sculpt *sculpt, iso_error *error);
 
-/* Returns the number of strokes that can be undone. */
+/* The numbers of strokes that can be undone, and redone. */
 ISO_API size_t iso_sculpt_undo_count(iso_sculpt *sculpt);
-/* Returns the number of strokes that can be redone. */
 ISO_API size_t iso_sculpt_redo_count(iso_sculpt *sculpt);
 
 /* Sets the solid of ISO_SOLID_STAMP: the inside of a mesh in an .stl, .obj or .ply file, small holes closed.

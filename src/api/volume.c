@@ -20,10 +20,16 @@ iso_status iso_api_pool(int threads, iso_pool **pool, iso_error *error) {
 
 /* ---- opening ---- */
 
+static iso_status check_opts(const iso_open_opts *opts, iso_error *error) {
+    if (opts->level >= 0) return ISO_OK;
+    return iso_fail(error, ISO_ERR_USAGE, "level %d: levels are counted from 0", opts->level);
+}
+
 static iso_volume_opts reading_of(const iso_open_opts *opts, iso_pool *pool) {
     iso_volume_opts reading = {.grid = opts->grid,
                                .series = opts->series,
                                .component = opts->component,
+                               .level = opts->level,
                                .raw = opts->raw,
                                .max_memory = opts->max_memory,
                                .pool = pool,
@@ -54,6 +60,7 @@ iso_status iso_volume_open(const char *path, const iso_open_opts *opts, iso_volu
     iso_api_volume *made = NULL;
     if (!opts) opts = &defaults;
     ISO_TRY(check_path(path, error));
+    ISO_TRY(check_opts(opts, error));
     ISO_TRY(create(opts->threads, &made, error));
     const iso_volume_opts reading = reading_of(opts, made->pool);
     iso_status status = iso_volume_read(path, &reading, &made->volume, error);
@@ -69,8 +76,10 @@ iso_status iso_volume_open(const char *path, const iso_open_opts *opts, iso_volu
 iso_status iso_volume_inspect(const char *path, const iso_open_opts *opts, iso_volume_info *info,
                               iso_error *error) {
     static const iso_open_opts defaults;
-    const iso_volume_opts reading = reading_of(opts ? opts : &defaults, NULL);
+    if (!opts) opts = &defaults;
     ISO_TRY(check_path(path, error));
+    ISO_TRY(check_opts(opts, error));
+    const iso_volume_opts reading = reading_of(opts, NULL);
     return iso_volume_read_info(path, &reading, info, error);
 }
 

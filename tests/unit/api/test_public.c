@@ -647,7 +647,11 @@ static void test_errors(void **state) {
     assert_non_null(strstr(error.text, "none.nrrd"));
     assert_int_equal(iso_volume_open("none.nrrd", &(iso_open_opts){.threads = 5000}, &volume, NULL),
                      ISO_ERR_USAGE);
+    assert_int_equal(iso_volume_open("none.nrrd", &(iso_open_opts){.level = -1}, &volume, NULL),
+                     ISO_ERR_USAGE);
     assert_int_equal(iso_volume_inspect("none.nrrd", NULL, &info, NULL), ISO_ERR_IO);
+    assert_int_equal(iso_volume_inspect("none.nrrd", &(iso_open_opts){.level = -1}, &info, NULL),
+                     ISO_ERR_USAGE);
     assert_int_equal(iso_volume_lend(NULL, &volume, NULL), ISO_ERR_USAGE);
     assert_int_equal(iso_surface_create(f->volume, &(iso_surface_opts){.isovalue = NAN}, &surface, NULL),
                      ISO_ERR_USAGE);
