@@ -26,7 +26,7 @@ typedef struct made_volume {
 enum { ABSENT_VALUE = 7 };
 
 static double value_at(const made_volume *v, int x, int y, int z) {
-    const uint32_t mixed = (uint32_t)(x * 73856093) ^ (uint32_t)(y * 19349663) ^ (uint32_t)(z * 83492791);
+    const uint32_t mixed = (uint32_t)x * 73856093u ^ (uint32_t)y * 19349663u ^ (uint32_t)z * 83492791u;
     const bool face = x == 0 || y == 0 || z == 0 || x == v->dims[0] - 1 || y == v->dims[1] - 1;
     if (v->absent_from && z / v->tile[2] >= v->absent_from) return ABSENT_VALUE;
     if (face) return 0; /* padding */
