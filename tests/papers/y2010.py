@@ -1,12 +1,13 @@
 """Aguirre, Gutierrez and Perrin 2010, Rendering Large Point Datasets with GPU Shaders: figures 4, 5 and 9."""
 import array
 import random
-import struct
+import sys
 
 from measure import Vtk, points_for_vtk
 from tables import Table, rate
 
-COUNTS = (100, 1000, 10_000, 100_000, 1_000_000)
+COUNTS = (100, 1000, 10_000, 100_000, 1_000_000, 10_000_000)
+MOST_POLYGONS = {"spheres": 100_000, "cones": 1_000_000}  # more do not fit into memory, or take minutes a frame
 SIDE = 800
 
 
@@ -27,12 +28,17 @@ def scatter(machine, count, cones):
         file.write(b"ply\nformat binary_little_endian 1.0\nelement vertex %d\n" % count)
         properties = [names[c] for c in columns] + (["nx", "ny", "nz"] if cones else [])
         file.write(b"".join(b"property float %s\n" % p.encode() for p in properties) + b"end_header\n")
-        for i in range(count):
-            more = directions[3 * i:3 * i + 3] if cones else (size,)
-            file.write(struct.pack("<%df" % len(properties), *positions[3 * i:3 * i + 3], *more))
+        rows = array.array("f", bytes(4 * len(properties) * count))
+        for i in range(3):
+            rows[i::len(properties)] = positions[i::3]
+        for i in range(3, len(properties)):
+            rows[i::len(properties)] = directions[i - 3::3] if cones else array.array("f", [size]) * count
+        if sys.byteorder == "big":
+            rows.byteswap()
+        rows.tofile(file)
     values = directions if cones else array.array("f", [size]) * count
     points_for_vtk(machine.path(name + ".vtk"), positions, values)
-    if not cones:  # glyphs of polygons are scaled by a vector's length
+    if not cones and count <= MOST_POLYGONS["spheres"]:  # glyphs of polygons are scaled by a vector's length
         directions = array.array("f", bytes(12 * count))
         directions[0::3] = values
         points_for_vtk(machine.path("balls-%d.vtk" % count), positions, directions)
@@ -56,7 +62,7 @@ def figures_4_and_5(machine, table):
     for count in COUNTS:
         name = scatter(machine, count, False)
         exact = our_rate(machine, name)
-        polygons = vtk_rate(machine, "balls", "balls-%d" % count) if count <= 100_000 else None
+        polygons = vtk_rate(machine, "balls", "balls-%d" % count) if count <= MOST_POLYGONS["spheres"] else None
         sprites = vtk_rate(machine, "spheres", name)
         table.row("{:,} spheres, frames/s".format(count), exact, our_rate(machine, name, "--glyph-projection", "billboard"),
                   our_rate(machine, name, "--glyph-projection", "billboard", "--backend", machine.gl_backend()[0])
@@ -77,12 +83,13 @@ def figure_9(machine, table):
         name = scatter(machine, count, True)
         glyph = ("--glyph", "cone")
         exact = our_rate(machine, name, *glyph)
-        polygons = vtk_rate(machine, "cones", name)
+        polygons = vtk_rate(machine, "cones", name) if count <= MOST_POLYGONS["cones"] else None
         table.row("{:,} cones, frames/s".format(count), exact,
                   our_rate(machine, name, *glyph, "--glyph-projection", "billboard"),
                   our_rate(machine, name, *glyph, "--glyph-projection", "billboard", "--backend", machine.gl_backend()[0])
                   if count <= 100_000 else None, polygons)
-        lead.append(exact.value / polygons.value)
+        if polygons:
+            lead.append(exact.value / polygons.value)
     for projection in ("exact", "billboard"):
         _, command = machine.render("cones-%s.png" % projection, "--glyphs", "cones-1000.ply", "--glyph", "cone",
                                     "--glyph-projection", projection, "--resolution", "512x512")
