@@ -93,7 +93,8 @@ static iso_status choose_opacities(isorender_job *job, iso_error *error) {
     if (reason) isorender_log(job, "note: its points have opacities, but %s", reason);
     if (reason || made_opaque) job->read_points.opacities = NULL;
     job->translucent |= job->read_points.opacities != NULL;
-    return isorender_translucent_check(settings, job->translucent, error);
+    return isorender_translucent_check(settings, job->translucent || isorender_is_translucent(settings),
+                                       error);
 }
 
 iso_status isorender_cloud_read(isorender_job *job, iso_error *error) {

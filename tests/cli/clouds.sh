@@ -95,6 +95,7 @@ view="--camera front --resolution 100x100 --quiet"
 for name in bytes fractions opaque nothing; do isorender in/$name.ply $name.png $view --json=$name.json; done
 isorender in/bytes.ply solid.png $view --opacity 1 --json=solid.json
 isorender in/bytes.ply half.png $view --opacity .5 --opacity-mode constant --json=half.json
+isorender in/opaque.ply through.png $view --opacity .5 --opacity-mode constant --json=through.json
 isorender in/bytes.ply pull.png --camera front --resolution 100x100 --method pullpush --points in/kept.ply --json=pull.json 2>said
 grep -q "note: its points have opacities, but only --method splats" said || { cat said; exit 1; }
 isorender in/kept.ply kept.png $view --json=kept.json
@@ -110,6 +111,8 @@ for name in "opaque", "nothing", "pull": expect(max(abs(x - y) for x, y in zip(m
 # .4 of the red sheet over the blue one; then .2 of red over half of blue over the background
 expect(abs(b[0] - .4 * solid[0] - .6 * solid[2]) < 6 and abs(b[2] - .6 * solid[0] - .4 * solid[2]) < 6, b, solid)
 expect(half[2] > half[0] and half != b, half, b)
+through = middle("through")
+expect(solid[0] - through[0] > 20 and report("through.json")["image"]["layers"]["most"] >= 2, through, solid)
 expect(Png("fractions.png").rows == Png("bytes.png").rows == Png("kept.png").rows, "differ")
 expect(report("bytes.json")["opacities"] == [1] and "opacities" not in report("opaque.json"), report("bytes.json"))
 expect(report("bytes.json")["image"]["layers"]["most"] >= 2, report("bytes.json"))
