@@ -11,7 +11,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "grids/volume/volume.h"
+#include "tests/fuzz/read_volume.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t count);
 
@@ -19,19 +19,13 @@ static const char *const suffixes[] = {"vti",    "vtk", "nrrd", "mha", "nii",
                                        "nii.gz", "vdb", "dcm",  "tif", "raw"};
 enum { SUFFIXES = sizeof suffixes / sizeof *suffixes };
 
-static void check(int truth, const char *what) {
-    if (truth) return;
-    fprintf(stderr, "fuzz_volio: %s\n", what);
-    abort();
-}
-
 static const char *write_file(int which, const uint8_t *bytes, size_t count) {
     static char path[256];
     const char *folder = getenv("TMPDIR");
     snprintf(path, sizeof path, "%s/fuzz_volio.%ld.%s", folder ? folder : "/tmp", (long)getpid(),
              suffixes[which]);
     FILE *file = fopen(path, "wb");
-    check(file && fwrite(bytes, 1, count, file) == count, "no room for the file");
+    fuzz_check(file && fwrite(bytes, 1, count, file) == count, "no room for the file");
     fclose(file);
     return path;
 }
@@ -42,22 +36,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t count) {
     const char *path = write_file(which, bytes + 1, count - 1);
     iso_raw_layout raw = {.dims = {7, 3, 2}, .type = ISO_INT16, .big_endian = count & 1};
     iso_volume_opts opts = {.max_memory = 64 << 20, .raw = which == SUFFIXES - 1 ? &raw : NULL};
-    iso_volume volume;
-    iso_error error = {0};
-    iso_status status = iso_volume_read(path, &opts, &volume, &error);
-    if (status == ISO_OK) {
-        const int *dims = iso_grid_dims(&volume.grid);
-        check(dims[0] >= 1 && dims[1] >= 1 && dims[2] >= 1, "a volume without voxels");
-        check(!iso_transform_is_singular(iso_grid_transform(&volume.grid)), "a flat volume");
-        volatile float last = iso_grid_at(&volume.grid, dims[0] - 1, dims[1] - 1, dims[2] - 1);
-        (void)last;
-        iso_volume_free(&volume);
-    } else {
-        check(error.status == status && *error.text && !strchr(error.text, '\n'),
-              "a failure without one line");
-        check(status != ISO_ERR_UNSUPPORTED || !strstr(error.text, "reader cannot be loaded"),
-              "a module that fuzzing would never reach");
-    }
+    fuzz_read_volume(path, &opts);
     remove(path);
     return 0;
 }

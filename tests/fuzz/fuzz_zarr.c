@@ -11,15 +11,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "grids/volume/volume.h"
+#include "tests/fuzz/read_volume.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t count);
-
-static void check(int truth, const char *what) {
-    if (truth) return;
-    fprintf(stderr, "fuzz_zarr: %s\n", what);
-    abort();
-}
 
 /* The folder of this process. */
 static const char *place(void) {
@@ -33,7 +27,7 @@ static void write_file(const char *name, const void *bytes, size_t count) {
     char path[256];
     snprintf(path, sizeof path, "%s/%s", place(), name);
     FILE *file = fopen(path, "wb");
-    check(file && fwrite(bytes, 1, count, file) == count, "no room for a file");
+    fuzz_check(file && fwrite(bytes, 1, count, file) == count, "no room for a file");
     fclose(file);
 }
 
@@ -74,21 +68,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t count) {
     write_file(chunk_names[kind], bytes + 3 + length, count - 3 - length);
     if (kind == 2) write_file("0/.zarray", array, sizeof array - 1);
     const iso_volume_opts opts = {.max_memory = 64 << 20};
-    iso_volume volume;
-    iso_error error = {0};
-    const iso_status status = iso_volume_read(place(), &opts, &volume, &error);
-    if (status == ISO_OK) {
-        const int *dims = iso_grid_dims(&volume.grid);
-        check(dims[0] >= 1 && dims[1] >= 1 && dims[2] >= 1, "a volume without voxels");
-        volatile float last = iso_grid_at(&volume.grid, dims[0] - 1, dims[1] - 1, dims[2] - 1);
-        (void)last;
-        iso_volume_free(&volume);
-    } else {
-        check(error.status == status && *error.text && !strchr(error.text, '\n'),
-              "a failure without one line");
-        check(status != ISO_ERR_UNSUPPORTED || !strstr(error.text, "cannot be loaded"),
-              "a module that fuzzing would never reach");
-    }
+    fuzz_read_volume(place(), &opts);
     remove_files();
     return 0;
 }
