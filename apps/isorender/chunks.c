@@ -77,20 +77,25 @@ static bool is_asked_for(const isorender_settings *settings) {
 /* The most by which deflate and its like compress. */
 enum { MOST_COMPRESSED = 1100 };
 
-/* Whether the volume is too large to be read, but can be mapped. A header that claims more voxels than its
- * files can hold is left to the limit of memory. */
-static bool is_too_large(const isorender_job *job) {
+/* Whether the volume's voxels can stay in its files. A header that claims more voxels than its files can hold
+ * is left to the limit of memory. */
+static bool can_stay(const isorender_job *job) {
     const iso_volume_info *info = &job->loader.volume.info;
-    return isnan(job->loader.scene_isovalue) && iso_volume_can_map(info) &&
+    return job->has_volume && isnan(job->loader.scene_isovalue) && iso_volume_can_map(info) &&
            (iso_volume_may_be_sparse(info) ||
-            info->bytes / MOST_COMPRESSED <= iso_file_set_read_bytes(job->plan->files)) &&
-           info->read_bytes > iso_memory_limit(job->settings->common.input.max_memory);
+            info->bytes / MOST_COMPRESSED <= iso_file_set_read_bytes(job->plan->files));
+}
+
+/* Whether the volume is too large to be read, or its surface to be made beside it. */
+static bool is_too_large(const isorender_job *job) {
+    const uint64_t limit = iso_memory_limit(job->settings->common.input.max_memory);
+    return can_stay(job) && (job->did_not_fit || job->loader.volume.info.read_bytes > limit);
 }
 
 iso_status isorender_chunks_choose(isorender_job *job, iso_error *error) {
     const isorender_settings *settings = job->settings;
     const char *reason = NULL;
-    if (!is_asked_for(settings) && (!job->has_volume || !is_too_large(job))) return ISO_OK;
+    if (!is_asked_for(settings) && !is_too_large(job)) return ISO_OK;
     if (!job->has_volume)
         return iso_fail(error, ISO_ERR_USAGE, "--part, --chunk-size and mpirun are for volumes");
     const char *option = find_obstacle(job, &reason);
@@ -98,7 +103,7 @@ iso_status isorender_chunks_choose(isorender_job *job, iso_error *error) {
         return iso_fail(error, ISO_ERR_USAGE,
                         "%s cannot be drawn in chunks (--part, --chunk-size, mpirun): %s", option, reason);
     if (option || (!isorender_plan_draws(job->plan) && !exports(job)))
-        return ISO_OK; /* the volume is refused when it is read */
+        return ISO_OK; /* the volume is refused when it is read, or its surface when it is made */
     job->chunks = calloc(1, sizeof *job->chunks);
     job->loader.mapped = job->chunks != NULL;
     return job->chunks ? ISO_OK : iso_fail(error, ISO_ERR_NOMEM, "out of memory");

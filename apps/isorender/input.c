@@ -137,8 +137,10 @@ iso_status isorender_open(isorender_job *job, iso_error *error) {
     return loader->has_points ? isorender_cloud_check(job->settings, error) : check_copies(job, error);
 }
 
-static void log_notes(const isorender_job *job) {
+static void log_notes(isorender_job *job) {
     const iso_volume_info *info = &job->loader.volume.info;
+    if (job->notes_logged) return;
+    job->notes_logged = true;
     for (int i = 0; i < info->note_count; i++) isorender_log(job, "note: %s", info->notes[i]);
     isorender_log_nonfinite(job);
 }

@@ -100,12 +100,12 @@ typedef struct isorender_job {
     iso_gl_surface *gl_meshes[ISORENDER_OBJECTS];    /* the same of meshes of files */
     uint64_t point_count, rejected, vertex_count, triangle_count, cell_count; /* of all surfaces */
     iso_box bounds_local, bounds_world;                                       /* mm */
-    iso_box
-        bounds_framed; /* of what the camera frames: bounds_world, but for a few points far from the others */
+    iso_box bounds_framed; /* of what the camera frames: without a few points far from the others */
 
-    struct isorender_chunks *chunks; /* chunks.h; NULL: the volume is drawn as a whole */
-    iso_pullpush *pullpush;          /* or NULL */
-    iso_camera camera;               /* of the first frame */
+    struct isorender_chunks *chunks;                 /* chunks.h; NULL: the volume is drawn as a whole */
+    bool did_not_fit, notes_logged, isovalue_logged; /* in the attempt to draw it as a whole */
+    iso_pullpush *pullpush;                          /* or NULL */
+    iso_camera camera;                               /* of the first frame */
     isorender_frame *frames;
     int frame_count;
     /* Outputs written so far, to be removed when a later step fails: */

@@ -66,7 +66,7 @@ static void log_outputs(const isorender_job *job) {
     if (job->plan->aov) log_pictures(job, job->plan->aov);
 }
 
-static iso_status make_outputs(isorender_job *job, iso_error *error) {
+static iso_status make_at_once(isorender_job *job, iso_error *error) {
     double start = iso_clock_seconds();
     ISO_TRY(iso_ranks_agree(&job->settings->ranks, isorender_read(job, error), error));
     double read = iso_clock_seconds();
@@ -78,6 +78,51 @@ static iso_status make_outputs(isorender_job *job, iso_error *error) {
     job->seconds.write = iso_clock_seconds() - extracted;
     if (isorender_plan_draws(job->plan)) ISO_TRY(isorender_render(job, error));
     return ISO_OK;
+}
+
+static void free_surfaces(isorender_job *job) {
+    isorender_gl_release(job);
+    for (int i = 0; i < job->surface_count; i++) {
+        iso_point_set_destroy(job->surfaces[i].points);
+        iso_mesh_set_destroy(job->surfaces[i].mesh);
+        iso_exact_destroy(job->surfaces[i].exact);
+        iso_raycaster_destroy(job->surfaces[i].caster);
+        iso_groups_free(&job->surfaces[i].groups);
+        iso_lod_free(&job->surfaces[i].lod);
+        iso_lod_cut_free(&job->surfaces[i].cut);
+        iso_grid_destroy(&job->surfaces[i].own_grid);
+    }
+    iso_cloud_free(&job->cloud);
+    for (int i = 0; i < job->object_count; i++) isorender_object_free(&job->objects[i]);
+    free(job->frames);
+}
+
+/* Frees what an attempt has made of the volume; what is known of its values is kept. */
+static void forget_surfaces(isorender_job *job) {
+    const iso_volume_info info = job->loader.volume.info;
+    free_surfaces(job);
+    iso_pullpush_destroy(job->pullpush);
+    iso_volume_free(&job->loader.volume);
+    job->loader.volume.info = info;
+    job->pullpush = NULL;
+    job->frames = NULL;
+    memset(job->surfaces, 0, sizeof job->surfaces);
+    job->surface_count = job->input_surface_count = 0;
+    job->point_count = job->rejected = job->vertex_count = job->triangle_count = job->cell_count = 0;
+}
+
+/* A volume that fits into memory, but not together with its surface, is drawn in chunks if that is possible.
+ */
+static iso_status make_outputs(isorender_job *job, iso_error *error) {
+    const iso_status status = make_at_once(job, error);
+    if (status != ISO_ERR_NOMEM || job->chunks) return status;
+    const iso_error first = *error;
+    job->did_not_fit = true;
+    ISO_TRY(isorender_chunks_choose(job, error));
+    if (!job->chunks) return iso_fail(error, status, "%s", first.text);
+    isorender_log_verbose(job, "does not fit into memory as a whole (%s): in chunks", first.text);
+    forget_surfaces(job);
+    return make_at_once(job, error);
 }
 
 static iso_status open_and_check(isorender_job *job, iso_error *error) {
@@ -128,24 +173,6 @@ static void name_input(const isorender_job *job, iso_error *error) {
              length ? text + length + strspn(text + length, ":/ ") : text);
 }
 
-static void free_surfaces(isorender_job *job) {
-    isorender_gl_release(job);
-    for (int i = 0; i < job->surface_count; i++) {
-        iso_point_set_destroy(job->surfaces[i].points);
-        iso_mesh_set_destroy(job->surfaces[i].mesh);
-        iso_exact_destroy(job->surfaces[i].exact);
-        iso_raycaster_destroy(job->surfaces[i].caster);
-        iso_groups_free(&job->surfaces[i].groups);
-        iso_lod_free(&job->surfaces[i].lod);
-        iso_lod_cut_free(&job->surfaces[i].cut);
-        iso_grid_destroy(&job->surfaces[i].own_grid);
-    }
-    isorender_chunks_free(job);
-    iso_cloud_free(&job->cloud);
-    for (int i = 0; i < job->object_count; i++) isorender_object_free(&job->objects[i]);
-    free(job->frames);
-}
-
 iso_status isorender_run(const isorender_settings *settings, const isorender_plan *plan, iso_pool *pool,
                          const isorender_backend *backend, const iso_environment *environment,
                          iso_error *error) {
@@ -161,6 +188,7 @@ iso_status isorender_run(const isorender_settings *settings, const isorender_pla
     if (status != ISO_OK && !settings->ranks.rank) remove_outputs(job);
     if (status != ISO_OK && error->text[0]) name_input(job, error);
     free_surfaces(job);
+    isorender_chunks_free(job);
     iso_pullpush_destroy(job->pullpush);
     iso_loader_close(&job->loader);
     for (int i = 0; i < job->volume_count; i++) iso_loader_close(&job->volumes[i]);

@@ -28,6 +28,8 @@ static iso_status suggest_isovalue(isorender_job *job, isorender_surface *surfac
         return iso_fail(error, ISO_ERR_EMPTY, "the volume is constant: every voxel is %g",
                         loader->histogram.minimum);
     surface->isovalue = candidates[0];
+    if (job->isovalue_logged && is_input) return ISO_OK;
+    job->isovalue_logged |= is_input;
     if (iso_grid_is_level_set(&loader->volume.grid))
         isorender_log(job, "%s%sisovalue %g (a level set)", name, colon, candidates[0]);
     else if (count < ISO_ISOVALUE_CANDIDATES)
