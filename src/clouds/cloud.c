@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "clouds/point_source.h"
 #include "clouds/radii.h"
 #include "clouds/spans.h"
 
@@ -22,58 +23,28 @@ typedef struct maker {
     const iso_glyphs *glyphs;
     const iso_cloud_opts *opts;
     iso_cloud *cloud;
-    float (*normals)[3]; /* NULL: those of the glyphs, none of which is missing */
-    float *radii;
-    bool *has_radius; /* whether the file's radius is used */
+    iso_point_source source;
+    iso_point_survey survey;
+    float (*normals)[3]; /* NULL: those of the source, none of which is missing */
+    float *radii;        /* NULL: the same for all points */
+    bool *has_radius;    /* whether the file's radius is used */
 } maker;
 
-static iso_status out_of_memory(const maker *m, iso_error *error) {
-    return iso_fail(error, ISO_ERR_NOMEM, "out of memory for %zu points", m->glyphs->count);
+static iso_status out_of_memory(size_t count, iso_error *error) {
+    return iso_fail(error, ISO_ERR_NOMEM, "out of memory for %zu points", count);
 }
 
 /* ---- what the file has */
 
-/* Normalizes a normal. One whose length is already 1 to float precision is not changed, so that points that
- * were written are read back with the same bits. Returns false if it is 0 or not finite. */
-static bool make_unit(const float from[3], float normal[3]) {
-    double largest = 0, square = 0;
-    for (int axis = 0; axis < 3; axis++) {
-        const double n = (double)from[axis];
-        largest = isfinite(n) ? fmax(largest, fabs(n)) : INFINITY;
-        square += n * n;
-        normal[axis] = from[axis];
-    }
-    if (!(largest > 0 && largest < INFINITY)) {
-        memset(normal, 0, 3 * sizeof *normal);
-        return false;
-    }
-    if (fabs(square - 1) < 1e-6) return true;
-    /* The vector is scaled first, because the squares of tiny components would underflow. */
-    const iso_vec3 unit = iso_vec3_unit(
-        iso_vec3_make((double)from[0] / largest, (double)from[1] / largest, (double)from[2] / largest));
-    normal[0] = (float)unit.x;
-    normal[1] = (float)unit.y;
-    normal[2] = (float)unit.z;
-    return true;
-}
-
-/* Sets the file's normal of a point. Returns false if it has none. */
-static bool given_normal(const maker *m, size_t i, float normal[3]) {
-    static const float none[3] = {0};
-    const bool given = m->glyphs->directions && !m->opts->estimate_normals;
-    return make_unit(given ? m->glyphs->directions[i] : none, normal);
-}
-
 /* Copies the normals if some have to be estimated. */
 static iso_status take_normals(maker *m, iso_error *error) {
     const size_t count = m->glyphs->count;
-    float unused[3];
-    for (size_t i = 0; i < count; i++) m->cloud->estimated_normals += !given_normal(m, i, unused);
-    if (m->opts->without_normals) m->cloud->estimated_normals = 0;
+    const iso_point_arrays *given = &m->source.arrays;
+    m->cloud->estimated_normals = m->opts->without_normals ? 0 : m->survey.without_normals;
     if (!m->cloud->estimated_normals) return ISO_OK;
-    m->normals = iso_alloc(count * sizeof *m->normals);
-    if (!m->normals) return out_of_memory(m, error);
-    for (size_t i = 0; i < count; i++) given_normal(m, i, m->normals[i]);
+    m->normals = iso_alloc_zero(count, sizeof *m->normals);
+    if (!m->normals) return out_of_memory(m->glyphs->count, error);
+    for (size_t i = 0; i < count && given->normals; i++) iso_point_normal(given->normals[i], m->normals[i]);
     return ISO_OK;
 }
 
@@ -108,7 +79,7 @@ static float median_of(float *values, size_t count) {
 /* The median of the radii of the cloud; 0 on failure or if there are none. */
 static iso_status median_radius(const maker *m, const float *radii, float *median, iso_error *error) {
     float *copy = iso_alloc(m->glyphs->count * sizeof *copy);
-    if (!copy) return out_of_memory(m, error);
+    if (!copy) return out_of_memory(m->glyphs->count, error);
     memcpy(copy, radii, m->glyphs->count * sizeof *copy);
     *median = median_of(copy, m->glyphs->count);
     iso_free(copy);
@@ -119,10 +90,14 @@ static iso_status take_radii(maker *m, iso_error *error) {
     const size_t count = m->glyphs->count;
     float median = 0;
     const bool given = m->glyphs->radii && !m->opts->estimate_radii && !(m->opts->radius > 0);
+    if ((float)m->opts->radius > 0) return ISO_OK; /* of all points */
+    m->radii = iso_alloc(count * sizeof *m->radii);
+    m->has_radius = iso_alloc(count * sizeof *m->has_radius);
+    if (!m->radii || !m->has_radius) return out_of_memory(m->glyphs->count, error);
     if (given) ISO_TRY(median_radius(m, m->glyphs->radii, &median, error));
     for (size_t i = 0; i < count; i++) {
-        const float radius = m->opts->radius > 0 ? (float)m->opts->radius : given ? m->glyphs->radii[i] : 0;
-        m->has_radius[i] = radius > 0 && (!given || radius <= LARGEST_RADIUS * median);
+        const float radius = given ? m->glyphs->radii[i] : 0;
+        m->has_radius[i] = radius > 0 && radius <= LARGEST_RADIUS * median;
         m->radii[i] = m->has_radius[i] ? radius : 0;
         m->cloud->estimated_radii += !m->has_radius[i];
     }
@@ -155,7 +130,7 @@ static iso_status prepare(const maker *m, estimates *e, iso_error *error) {
     e->neighbours = iso_alloc(count * sizeof *e->neighbours);
     e->normals = iso_alloc(count * sizeof *e->normals);
     e->radii = iso_alloc(count * sizeof *e->radii);
-    if (!e->neighbours || !e->normals || !e->radii) return out_of_memory(m, error);
+    if (!e->neighbours || !e->normals || !e->radii) return out_of_memory(m->glyphs->count, error);
     iso_parallel_for(m->opts->pool, (count + CHUNK - 1) / CHUNK, find_neighbours, e);
     return ISO_OK;
 }
@@ -215,10 +190,10 @@ static iso_status estimate(maker *m, iso_error *error) {
  * One such disc is enough for a place: those that are marked as repeated get a radius so small that drawing
  * them takes no time. */
 static iso_status finish_radii(maker *m, iso_error *error) {
-    float median;
-    ISO_TRY(median_radius(m, m->radii, &median, error));
+    float median = (float)m->opts->radius;
+    if (m->radii) ISO_TRY(median_radius(m, m->radii, &median, error));
     if (!(median > 0)) median = 1;
-    for (size_t i = 0; i < m->glyphs->count; i++)
+    for (size_t i = 0; i < m->glyphs->count && m->radii; i++)
         if (!(m->radii[i] > 0)) m->radii[i] = m->radii[i] == REPEATED ? 1e-6f * median : median;
     m->cloud->radius = (double)median;
     return ISO_OK;
@@ -226,64 +201,43 @@ static iso_status finish_radii(maker *m, iso_error *error) {
 
 /* ---- the order of spans */
 
-static void arrange(const maker *m, const iso_span_order *spans) {
-    iso_cloud *cloud = m->cloud;
-    for (size_t s = 0; s < spans->span_count; s++) {
-        const iso_point_span *span = &spans->spans[s];
-        for (size_t at = span->first; at < span->first + span->count; at++) {
-            const uint32_t from = spans->order[at];
-            iso_surfel *surfel = &cloud->surfels[at];
-            iso_span_position(spans, span->brick, m->glyphs->positions[from], surfel->position);
-            if (m->normals)
-                memcpy(surfel->normal, m->normals[from], sizeof surfel->normal);
-            else
-                given_normal(m, from, surfel->normal);
-            cloud->radii[at] = m->radii[from];
-            if (cloud->colors) memcpy(cloud->colors[at], m->glyphs->colors[from], 3);
-            if (cloud->opacities) cloud->opacities[at] = m->glyphs->opacities[from];
-        }
-    }
-}
-
-static iso_status fill_cloud(maker *m, iso_error *error) {
-    iso_cloud *cloud = m->cloud;
-    iso_span_order spans = {0};
-    const double origin[3] = {m->glyphs->origin.x, m->glyphs->origin.y, m->glyphs->origin.z};
+/* Fills the cloud, but for what has been estimated. */
+static iso_status fill_cloud(const iso_point_source *source, const iso_point_survey *survey, double radius,
+                             iso_pool *pool, iso_cloud *cloud, iso_error *error) {
+    const double origin[3] = {source->origin.x, source->origin.y, source->origin.z};
+    iso_sorted_points sorted;
     /* the radius of extracted points is sqrt(2) / 2 voxels */
-    ISO_TRY(iso_span_order_make((const float(*)[3])m->glyphs->positions, m->glyphs->count,
-                                cloud->radius * 1.4142135623730951, &spans, error));
-    cloud->count = m->glyphs->count;
-    cloud->surfels = iso_alloc(cloud->count * sizeof *cloud->surfels);
-    cloud->radii = iso_alloc(cloud->count * sizeof *cloud->radii);
-    cloud->colors = m->glyphs->colors ? iso_alloc(cloud->count * sizeof *cloud->colors) : NULL;
-    cloud->opacities = m->glyphs->opacities ? iso_alloc(cloud->count) : NULL;
-    const bool failed = !cloud->surfels || !cloud->radii || (m->glyphs->colors && !cloud->colors) ||
-                        (m->glyphs->opacities && !cloud->opacities);
-    if (!failed) {
-        arrange(m, &spans);
-        cloud->transform = iso_transform_identity();
-        for (int axis = 0; axis < 3; axis++) {
-            cloud->transform.origin[axis] = origin[axis] + spans.origin[axis];
-            cloud->transform.spacing[axis] = spans.voxel;
-        }
-        cloud->spans = spans.spans;
-        cloud->span_count = spans.span_count;
-        spans.spans = NULL;
+    ISO_TRY(iso_points_sort(source, survey, radius * 1.4142135623730951, pool, &sorted, error));
+    cloud->transform = iso_transform_identity();
+    for (int axis = 0; axis < 3; axis++) {
+        cloud->transform.origin[axis] = origin[axis] + sorted.origin[axis];
+        cloud->transform.spacing[axis] = sorted.voxel;
     }
-    iso_span_order_free(&spans);
-    return failed ? out_of_memory(m, error) : ISO_OK;
+    cloud->surfels = sorted.surfels;
+    cloud->radii = sorted.radii;
+    cloud->colors = sorted.colors;
+    cloud->opacities = sorted.opacities;
+    cloud->spans = sorted.spans;
+    cloud->span_count = sorted.span_count;
+    cloud->count = source->count;
+    cloud->radius = radius;
+    if (!cloud->radii) cloud->radii = iso_alloc(cloud->count * sizeof *cloud->radii);
+    if (!cloud->radii) return out_of_memory(cloud->count, error);
+    for (size_t i = 0; i < cloud->count && !source->arrays.radii; i++) cloud->radii[i] = (float)radius;
+    return ISO_OK;
 }
 
 static iso_status make_cloud(maker *m, iso_error *error) {
-    const size_t count = m->glyphs->count;
-    m->radii = iso_alloc(count * sizeof *m->radii);
-    m->has_radius = iso_alloc(count * sizeof *m->has_radius);
-    if (!m->radii || !m->has_radius) return out_of_memory(m, error);
+    m->source = iso_point_source_of_glyphs(m->glyphs);
+    if (m->opts->estimate_normals) m->source.arrays.normals = NULL;
+    ISO_TRY(iso_point_source_survey(&m->source, m->opts->pool, &m->survey, error));
     ISO_TRY(take_normals(m, error));
     ISO_TRY(take_radii(m, error));
     if (m->cloud->estimated_normals || m->cloud->estimated_radii) ISO_TRY(estimate(m, error));
     ISO_TRY(finish_radii(m, error));
-    return fill_cloud(m, error);
+    if (m->normals) m->source.arrays.normals = (const float(*)[3])m->normals;
+    m->source.arrays.radii = m->radii;
+    return fill_cloud(&m->source, &m->survey, m->cloud->radius, m->opts->pool, m->cloud, error);
 }
 
 iso_status iso_cloud_make(const iso_glyphs *glyphs, const iso_cloud_opts *opts, iso_cloud *cloud,

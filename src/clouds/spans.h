@@ -3,36 +3,33 @@
 #ifndef ISO_CLOUDS_SPANS_H
 #define ISO_CLOUDS_SPANS_H
 
-#include "base/memory.h"
 #include "base/primitives.h"
+#include "clouds/point_source.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-/* The places of points in spans. Zero-initialise; free with iso_span_order_free. */
-typedef struct iso_span_order {
-    uint32_t *order; /* the numbers of the points, sorted by brick and within a brick by number */
+/* Points in the order of their bricks (z, then y, then x), and within a brick in that of the source.
+ * Zero-initialise; free with iso_sorted_points_free. */
+typedef struct iso_sorted_points {
+    iso_surfel *surfels; /* in voxels relative to their bricks, normals of length 1 or 0 */
+    float *radii;        /* NULL, as the next two: the source has none */
+    uint8_t (*colors)[3];
+    uint8_t *opacities;
     iso_point_span *spans;
     size_t span_count;
-    double origin[3]; /* of voxel (0, 0, 0), relative to the positions' own origin */
+    double origin[3]; /* of voxel (0, 0, 0), relative to the source's origin */
     double voxel;     /* mm, a power of two: positions are converted to voxels without rounding */
-} iso_span_order;
+} iso_sorted_points;
 
-/* Sorts finite positions into bricks of cubic voxels, whose size is the power of two next to and not above
- * `voxel` (mm), but large enough for 2^20 bricks along an axis. ISO_ERR_NOMEM. */
-iso_status iso_span_order_make(const float (*positions)[3], size_t count, double voxel, iso_span_order *spans,
-                               iso_error *error);
-void iso_span_order_free(iso_span_order *spans);
-
-/* Sets `relative` to a position, in voxels, relative to the first voxel of its brick. */
-static inline void iso_span_position(const iso_span_order *spans, const int32_t brick[3],
-                                     const float position[3], float relative[3]) {
-    const double voxels = 1 / spans->voxel; /* voxels per mm; exact, because it is a power of two */
-    for (int axis = 0; axis < 3; axis++)
-        relative[axis] = (float)(((double)position[axis] - spans->origin[axis]) * voxels -
-                                 (double)ISO_BRICK * brick[axis]);
-}
+/* Sorts points with finite positions into bricks of cubic voxels, whose size is the power of two next to and
+ * not above `voxel` (mm), but large enough for 2^20 bricks along an axis. `survey`: of these points. In
+ * addition to the result it takes some 60 bytes for each point of the fullest of 2048 parts of the volume.
+ * ISO_ERR_NOMEM; ISO_ERR_IO: the source has changed since it was surveyed. */
+iso_status iso_points_sort(const iso_point_source *source, const iso_point_survey *survey, double voxel,
+                           iso_pool *pool, iso_sorted_points *sorted, iso_error *error);
+void iso_sorted_points_free(iso_sorted_points *sorted);
 
 #ifdef __cplusplus
 }

@@ -98,6 +98,7 @@ iso_status iso_polydata_add_edges(iso_polydata *data, const uint32_t (*edges)[2]
         if (edges[i / 2][i % 2] >= data->point_count)
             return iso_fail(error, ISO_ERR_FORMAT, "%s: damaged: an edge names point %u of %zu",
                             data->reading->path, edges[i / 2][i % 2], data->point_count);
+    if (!count && !singles) return ISO_OK;
     graph g = {.data = data, .edges = edges, .edge_count = count};
     iso_status status = join(&g, singles, error);
     iso_reading_free(data->reading, &g.first_buffer);
