@@ -36,6 +36,7 @@ static const char *method_names[METHODS + 2]; /* filled by isorender_program */
 static const char *const reconstructions[] = {"refined", "box", "gaussian", "flat",
                                               "onepass", "ewa", "groups",   NULL};
 static const char *const transparencies[] = {"sorted", "groups", "nearest", NULL};
+static const char *const selections[] = {"auto", "visible", "all", NULL};
 static const char *const group_radii[] = {"coverage", "root", NULL};
 static const char *const directions[] = {"front", "back", "left", "right", "top", "bottom", "iso", NULL};
 static const char *const lightings[] = {"phong", "edl", NULL};
@@ -394,6 +395,10 @@ static const iso_option options[] = {
      "drawn, each the mean of several; for turntables of many points; 0: all points are drawn",
      .group = PICTURE, .standard = "1 if there are so many pictures that it saves time, else 0",
      REAL(lod, 0, 1000)},
+    {"selection", NULL, "WHICH",
+     "points that pullpush (refined) and splats (flat, onepass, ewa) draw: visible (points that nearer ones "
+     "hide are left out), all, or auto (what is usually faster)",
+     .group = PICTURE, .standard = "auto", CHOICE(selection, selections)},
     {"group-opposite", NULL, NULL,
      "discs of splats that face opposite ways may share a group: fewer groups, but the sides of thin things "
      "then hide each other",

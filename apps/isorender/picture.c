@@ -27,7 +27,8 @@ static iso_subject subject_of(const isorender_job *job, isorender_surface *surfa
                          .lod = surface->lod.count ? &surface->lod : NULL,
                          .lod_pixels = isorender_detail_pixels(job->settings),
                          .cut = &surface->cut,
-                         .bins = job->settings->group_bins};
+                         .bins = job->settings->group_bins,
+                         .selection = (iso_point_selection)job->settings->selection};
 }
 
 static bool is_opaque(const isorender_object *object) {

@@ -98,6 +98,7 @@ typedef struct isorender_settings {
     double group_overlap;
     int group_radii;  /* isorender_group_radii */
     int transparency; /* iso_transparency, of splats */
+    int selection;    /* iso_point_selection, of discs */
     double lod;       /* levels of detail: pixels; 0: none; NaN: not given */
     const char *backend;
     int scaling; /* iso_point_scaling */

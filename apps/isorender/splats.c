@@ -27,6 +27,22 @@ static iso_status check_transparency(const isorender_settings *settings, iso_err
     return ISO_OK;
 }
 
+/* --selection is for discs: pullpush by the reconstruction refined, and splats but for groups. */
+static iso_status check_selection(const isorender_settings *settings, iso_error *error) {
+    const bool refined = settings->method == ISO_METHOD_PULLPUSH &&
+                         settings->reconstruction == (int)ISO_RECONSTRUCTION_REFINED,
+               splats = settings->method == ISO_METHOD_SPLATS &&
+                        settings->reconstruction != ISORENDER_RECONSTRUCTION_GROUPS;
+    if (settings->selection == (int)ISO_SELECTION_AUTO) return ISO_OK;
+    if (isorender_is_translucent(settings))
+        return iso_fail(error, ISO_ERR_USAGE, "--selection is for opaque surfaces");
+    if (!refined && !splats)
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "--selection is for --method pullpush --reconstruction refined, and for --method "
+                        "splats --reconstruction flat, onepass or ewa");
+    return ISO_OK;
+}
+
 static int usual_reconstruction(const isorender_settings *settings) {
     if (settings->method != ISO_METHOD_SPLATS) return ISO_RECONSTRUCTION_REFINED;
     const bool sorted = settings->transparency == (int)ISO_TRANSPARENCY_SORTED;
@@ -34,7 +50,7 @@ static int usual_reconstruction(const isorender_settings *settings) {
 }
 
 iso_status isorender_splats_check(isorender_settings *settings, iso_error *error) {
-    if (settings->transparency && settings->method == ISORENDER_METHOD_UNCHOSEN)
+    if ((settings->transparency || settings->selection) && settings->method == ISORENDER_METHOD_UNCHOSEN)
         settings->method = ISO_METHOD_SPLATS;
     const bool splats = settings->method == ISO_METHOD_SPLATS;
     const char *option = given_option(settings);
@@ -53,6 +69,7 @@ iso_status isorender_splats_check(isorender_settings *settings, iso_error *error
     if (groups && settings->lod > 0)
         return iso_fail(error, ISO_ERR_USAGE, "--reconstruction groups has no levels of detail (--lod)");
     ISO_TRY(check_transparency(settings, error));
+    ISO_TRY(check_selection(settings, error));
     if (isorender_is_translucent(settings) && of_splats && !groups &&
         settings->reconstruction != (int)ISO_RECONSTRUCTION_FLAT)
         return iso_fail(

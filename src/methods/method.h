@@ -54,6 +54,7 @@ typedef struct iso_subject {
     const iso_lod *lod;
     double lod_pixels;
     iso_lod_cut *cut;
+    iso_point_selection selection; /* for the methods of pull-push that draw discs */
 } iso_subject;
 
 /* Computes a part unless it exists; an existing part is not updated. ISO_ERR_NOMEM, and the errors of

@@ -44,18 +44,20 @@ static iso_status open_pullpush(bench_frame *frame, iso_error *error) {
 }
 
 static iso_status draw_gaussian(bench_frame *frame, const iso_target *target, iso_error *error) {
-    const iso_pullpush_opts opts = {ISO_RECONSTRUCTION_GAUSSIAN, frame->pullpush};
+    const iso_pullpush_opts opts = {.reconstruction = ISO_RECONSTRUCTION_GAUSSIAN,
+                                    .workspace = frame->pullpush};
     return iso_draw_pullpush(target, &frame->points, &opts, error);
 }
 
 static iso_status draw_refined(bench_frame *frame, const iso_target *target, iso_error *error) {
-    const iso_pullpush_opts opts = {ISO_RECONSTRUCTION_REFINED, frame->pullpush};
+    const iso_pullpush_opts opts = {.reconstruction = ISO_RECONSTRUCTION_REFINED,
+                                    .workspace = frame->pullpush};
     return iso_draw_pullpush(target, &frame->points, &opts, error);
 }
 
 /* Points without their curvatures, as files have them. */
 static iso_status draw_flat(bench_frame *frame, const iso_target *target, iso_error *error) {
-    const iso_pullpush_opts opts = {ISO_RECONSTRUCTION_FLAT, frame->pullpush};
+    const iso_pullpush_opts opts = {.reconstruction = ISO_RECONSTRUCTION_FLAT, .workspace = frame->pullpush};
     return iso_draw_pullpush(target, &frame->points, &opts, error);
 }
 
@@ -82,7 +84,8 @@ static iso_status open_lod(bench_frame *frame, iso_error *error) {
 }
 
 static iso_status draw_lod(bench_frame *frame, const iso_target *target, iso_error *error) {
-    const iso_pullpush_opts opts = {ISO_RECONSTRUCTION_REFINED, frame->pullpush};
+    const iso_pullpush_opts opts = {.reconstruction = ISO_RECONSTRUCTION_REFINED,
+                                    .workspace = frame->pullpush};
     ISO_TRY(iso_lod_cut_make(&frame->cut, &frame->lod, target->view, 1, error));
     for (int k = 0; k < frame->cut.levels; k++)
         ISO_TRY(iso_draw_pullpush(target, &frame->cut.view[k], &opts, error));

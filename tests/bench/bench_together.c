@@ -178,7 +178,7 @@ static iso_target with_surface(const iso_target *target, uint8_t surface) {
 }
 
 static iso_status draw_points(scene *s, const iso_target *target, iso_error *error) {
-    const iso_pullpush_opts opts = {ISO_RECONSTRUCTION_GAUSSIAN, s->pullpush};
+    const iso_pullpush_opts opts = {.reconstruction = ISO_RECONSTRUCTION_GAUSSIAN, .workspace = s->pullpush};
     iso_point_view points;
     ISO_TRY(bench_subject_points(&s->subject, &points, error));
     return iso_draw_pullpush(target, &points, &opts, error);
@@ -197,7 +197,7 @@ static iso_status draw_points_ribbons(scene *s, const iso_target *target, iso_er
 }
 
 static iso_status draw_one_pyramid(scene *s, const iso_target *target, iso_error *error) {
-    const iso_pullpush_opts opts = {ISO_RECONSTRUCTION_GAUSSIAN, s->pullpush};
+    const iso_pullpush_opts opts = {.reconstruction = ISO_RECONSTRUCTION_GAUSSIAN, .workspace = s->pullpush};
     iso_point_view points;
     ISO_TRY(bench_subject_points(&s->subject, &points, error));
     const iso_pyramid_set sets[] = {{.surface = SURFACE, .points = &points},

@@ -54,7 +54,8 @@ void iso_hybrid_parts_free(iso_hybrid_parts *parts) {
 
 static iso_status draw_parts(const iso_target *target, const iso_hybrid_parts *parts, iso_pullpush *workspace,
                              iso_error *error) {
-    const iso_pullpush_opts gaussian = {ISO_RECONSTRUCTION_GAUSSIAN, workspace};
+    const iso_pullpush_opts gaussian = {.reconstruction = ISO_RECONSTRUCTION_GAUSSIAN,
+                                        .workspace = workspace};
     if (!parts->mesh.span_count) return iso_draw_pullpush(target, &parts->points, &gaussian, error);
     iso_polygon_set set = {.mesh = &parts->mesh,
                            .surface = target->surface,

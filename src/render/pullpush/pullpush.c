@@ -432,10 +432,12 @@ static iso_flat_discs flat_discs(iso_reconstruction reconstruction) {
                                                         : ISO_FLAT_DISCS_PLAIN;
 }
 
-static iso_status draw_surface(iso_pullpush *workspace, const iso_target *target,
-                               const iso_point_view *points, iso_polygons *polygons,
-                               iso_reconstruction reconstruction, iso_error *error) {
+static iso_status draw_surface(const iso_target *target, const iso_point_view *points, iso_polygons *polygons,
+                               const iso_pullpush_opts *opts, iso_error *error) {
     const iso_view *view = target->view;
+    const iso_reconstruction reconstruction = opts->reconstruction;
+    const iso_refined_opts refined = {flat_discs(reconstruction), opts->selection == ISO_SELECTION_ALL};
+    iso_pullpush *workspace = opts->workspace;
     pullpush_call call = {.points = points,
                           .reconstruction = reconstruction,
                           .kernel = iso_pullpush_kernel_get(iso_cpu_best()),
@@ -447,19 +449,20 @@ static iso_status draw_surface(iso_pullpush *workspace, const iso_target *target
     if (call.blocks->seen == 0 && !polygons) return ISO_OK;
     if (points->colors) ISO_TRY(iso_gbuffer_add_color(target->gbuffer, error));
     if (reconstruction == ISO_RECONSTRUCTION_REFINED || is_splats(reconstruction))
-        return iso_refined_draw(&workspace->refined, target, points, call.blocks, flat_discs(reconstruction),
-                                error);
+        return iso_refined_draw(&workspace->refined, target, points, call.blocks, &refined, error);
     return draw_strips(&call, target, error);
 }
 
 iso_status iso_draw_pullpush(const iso_target *target, const iso_point_view *points,
                              const iso_pullpush_opts *opts, iso_error *error) {
     assert(target->view->width == target->gbuffer->width && target->view->height == target->gbuffer->height);
-    iso_pullpush once = {0}, *workspace = opts && opts->workspace ? opts->workspace : &once;
-    const iso_reconstruction reconstruction = opts ? opts->reconstruction : ISO_RECONSTRUCTION_REFINED;
+    iso_pullpush once = {0};
+    iso_pullpush_opts filled =
+        opts ? *opts : (iso_pullpush_opts){.reconstruction = ISO_RECONSTRUCTION_REFINED};
+    if (!filled.workspace) filled.workspace = &once;
     iso_point_view flat = *points;
-    if (is_splats(reconstruction)) flat.curvatures = NULL;
-    iso_status status = draw_surface(workspace, target, &flat, NULL, reconstruction, error);
+    if (is_splats(filled.reconstruction)) flat.curvatures = NULL;
+    iso_status status = draw_surface(target, &flat, NULL, &filled, error);
     iso_point_blocks_free(&once.blocks);
     iso_pyramid_free(&once.pyramid);
     iso_refined_free(&once.refined);
@@ -484,8 +487,9 @@ iso_status iso_pullpush_draw_merged(const iso_target *target, const iso_pullpush
 iso_status iso_draw_points_and_polygons(const iso_target *target, const iso_point_view *points,
                                         iso_polygons *polygons, iso_pullpush *workspace, iso_error *error) {
     iso_pullpush once = {0};
-    iso_status status = draw_surface(workspace ? workspace : &once, target, points, polygons,
-                                     ISO_RECONSTRUCTION_GAUSSIAN, error);
+    const iso_pullpush_opts opts = {.reconstruction = ISO_RECONSTRUCTION_GAUSSIAN,
+                                    .workspace = workspace ? workspace : &once};
+    iso_status status = draw_surface(target, points, polygons, &opts, error);
     iso_point_blocks_free(&once.blocks);
     iso_pyramid_free(&once.pyramid);
     return status;

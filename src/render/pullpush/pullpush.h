@@ -48,9 +48,19 @@ typedef struct iso_selection_counts {
 /* What the refined reconstruction has selected in all calls with this workspace. */
 iso_selection_counts iso_pullpush_counts(const iso_pullpush *pullpush);
 
+/* Which points the reconstructions that draw discs (all but BOX and GAUSSIAN) draw. */
+typedef enum iso_point_selection {
+    ISO_SELECTION_AUTO, /* the engine's choice: what is usually faster */
+    /* Only points that the picture may show (Guennebaud, Barthe and Paulin 2004). The cpu engine draws the
+     * same picture as from all points; of the gl engine see render/gl/pullpush.h. */
+    ISO_SELECTION_VISIBLE,
+    ISO_SELECTION_ALL /* also points that nearer ones hide */
+} iso_point_selection;
+
 typedef struct iso_pullpush_opts {
     iso_reconstruction reconstruction;
     iso_pullpush *workspace; /* borrowed; NULL: made for the call */
+    iso_point_selection selection;
 } iso_pullpush_opts;
 
 /* Draws one surface into the gbuffer, as iso_draw_points does: a sample is replaced when the new depth is

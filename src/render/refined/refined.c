@@ -27,6 +27,7 @@ typedef struct refined_call {
     const iso_refined_kernel *kernel;
     const iso_point_blocks *blocks;
     iso_refined *workspace;
+    bool draw_hidden;      /* of iso_refined_opts */
     int across, down;      /* columns and rows of patches */
     size_t stride, pixels; /* pixels in a row of a patch and in the whole patch */
     int shift, wide, high; /* cells: see iso_refined_patch; columns and rows of cells in a patch */
@@ -430,10 +431,10 @@ static void draw_patch(void *context, size_t number, int worker) {
     const size_t rounds = d.count / HIDDEN_UPDATES + 1;
     bool drawn = false;
     for (size_t i = 0; i < d.count; i++) {
-        bool some;
+        bool some = false;
         if (i + 1 < d.count) prefetch_block(call, &block[d.order[i + 1]]);
-        if (i && i % rounds == 0) update_hidden(call, &d);
-        if (is_hidden(call, &d, &block[d.order[i]], &some)) continue;
+        if (i && i % rounds == 0 && !call->draw_hidden) update_hidden(call, &d);
+        if (!call->draw_hidden && is_hidden(call, &d, &block[d.order[i]], &some)) continue;
         d.patch.hidden = some ? d.hidden : NULL;
         drawn = true;
         (d.tiles ? call->kernel->splat_block : call->kernel->scatter_block)(&call->params, &d.patch,
@@ -453,14 +454,15 @@ static void add_counts(iso_refined *workspace, const iso_point_view *points, siz
 }
 
 iso_status iso_refined_draw(iso_refined *workspace, const iso_target *target, const iso_point_view *points,
-                            const iso_point_blocks *blocks, iso_flat_discs flat, iso_error *error) {
+                            const iso_point_blocks *blocks, const iso_refined_opts *opts, iso_error *error) {
     refined_call call = {.params = {.target = target, .points = points, .blocks = blocks->blocks.data},
                          .kernel = iso_refined_kernel_get(iso_cpu_best()),
                          .blocks = blocks,
-                         .workspace = workspace};
+                         .workspace = workspace,
+                         .draw_hidden = opts->draw_hidden};
     const iso_projector projector = iso_projector_make(target->view, &points->transform);
     set_up_params(&call, &projector);
-    set_up_flat_discs(&call.params, flat);
+    set_up_flat_discs(&call.params, opts->flat);
     choose_patches(&call);
     set_up_occlusion(&call);
     ISO_TRY(set_up_corners(&call, &projector, error));

@@ -52,16 +52,22 @@ typedef enum iso_flat_discs {
     ISO_FLAT_DISCS_EWA
 } iso_flat_discs;
 
+typedef struct iso_refined_opts {
+    iso_flat_discs flat; /* for points without curvatures or with colours, whose discs are flat */
+    bool
+        draw_hidden; /* draw also the discs that are hidden by what has been drawn; the picture is the same */
+} iso_refined_opts;
+
 /* Working memory, reused from one picture to the next. Zero-initialise; free with iso_refined_free. */
 typedef struct iso_refined {
     iso_buffer corners, sorted, reached, order, start, memory, tallies;
     iso_selection_counts counts; /* of all calls */
 } iso_refined;
 
-/* Draws points into the gbuffer where they are nearer. `blocks`: made of the points for the target's view;
- * `flat`: for points without curvatures or with colours, whose discs are flat. ISO_ERR_NOMEM. */
+/* Draws points into the gbuffer where they are nearer. `blocks`: made of the points for the target's view.
+ * ISO_ERR_NOMEM. */
 iso_status iso_refined_draw(iso_refined *workspace, const iso_target *target, const iso_point_view *points,
-                            const iso_point_blocks *blocks, iso_flat_discs flat, iso_error *error);
+                            const iso_point_blocks *blocks, const iso_refined_opts *opts, iso_error *error);
 void iso_refined_free(iso_refined *workspace);
 
 #endif

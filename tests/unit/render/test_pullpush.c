@@ -156,7 +156,7 @@ static void workspaces_hold_nothing(void **state) {
     painted p = paint(&gyroid.points, false);
     iso_pullpush *workspace;
     assert_int_equal(iso_pullpush_create(&workspace, NULL), ISO_OK);
-    iso_pullpush_opts opts = {ISO_RECONSTRUCTION_GAUSSIAN, workspace};
+    iso_pullpush_opts opts = {.reconstruction = ISO_RECONSTRUCTION_GAUSSIAN, .workspace = workspace};
     uint32_t seed = 3;
     int width = 0, height = 0;
     for (int i = 0; i < 60; i++) {

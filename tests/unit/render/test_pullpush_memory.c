@@ -31,7 +31,7 @@ static iso_status draw(iso_pullpush *workspace, iso_reconstruction reconstructio
                                    .transform = iso_transform_identity(),
                                    .radius = 0.8};
     const iso_view view = test_plain_view(SIZE, SIZE, true, 3);
-    const iso_pullpush_opts opts = {reconstruction, workspace};
+    const iso_pullpush_opts opts = {.reconstruction = reconstruction, .workspace = workspace};
     const iso_target target = {&view, g, NULL, 0};
     return iso_draw_pullpush(&target, &points, &opts, NULL);
 }

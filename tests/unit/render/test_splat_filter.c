@@ -101,7 +101,8 @@ static errors measure(const plate *p, double pixels, bool orthographic, iso_reco
     size_t count = 0, pairs = 0;
     for (int step = 0; step < STEPS; step++) {
         const iso_view view = view_of_step(p, pixels, orthographic, step);
-        iso_gbuffer g = test_drawn(&view, &p->points, &(iso_pullpush_opts){reconstruction, NULL}, NULL);
+        iso_gbuffer g =
+            test_drawn(&view, &p->points, &(iso_pullpush_opts){.reconstruction = reconstruction}, NULL);
         for (int i = 0; i < PICTURE * PICTURE; i++) {
             const double truth = pixel_brightness(p, &view, i % PICTURE, i / PICTURE);
             error[step][i] = NAN;
@@ -169,7 +170,7 @@ static void silhouettes_do_not_grow(void **state) {
         const iso_view view = test_look_at(&s, n, zooms[n / 3], n % 2, 120, 110);
         iso_gbuffer g[3];
         for (int k = 0; k < 3; k++)
-            g[k] = test_drawn(&view, &s.points, &(iso_pullpush_opts){ways[k], NULL}, NULL);
+            g[k] = test_drawn(&view, &s.points, &(iso_pullpush_opts){.reconstruction = ways[k]}, NULL);
         assert_true(count_samples(&g[0]) > 20);
         assert_memory_equal(g[0].surface, g[1].surface, (size_t)view.width * (size_t)view.height);
         assert_true(count_samples(&g[2]) > count_samples(&g[0]));
@@ -192,7 +193,7 @@ static void same_bytes_everywhere(void **state) {
         if (n % 4 > 1) s.points.colors = (const uint8_t(*)[3])colors;
         if (n / 2 % 2) s.points.closed = false;
         const iso_view view = test_look_at(&s, n, zooms[n / 3], n % 3 == 1, 131, 143);
-        const iso_pullpush_opts opts = {ways[n % 3], NULL};
+        const iso_pullpush_opts opts = {.reconstruction = ways[n % 3]};
         iso_gbuffer whole = test_drawn(&view, &s.points, &opts, NULL);
         assert_true(count_samples(&whole) > 100);
         test_every_variant(&view, &s.points, &opts, &whole);
@@ -209,10 +210,10 @@ static void large_discs_are_not_filtered(void **state) {
     test_scene s = test_scene_make("sphere", 40, &(iso_points_opts){0}, true);
     for (int n = 0; n < 3; n++) {
         const iso_view view = test_look_at(&s, n, 5 + 4 * n, false, 150, 140);
-        iso_gbuffer a = test_drawn(&view, &s.points, &(iso_pullpush_opts){ISO_RECONSTRUCTION_REFINED, NULL},
-                                   NULL),
-                    b = test_drawn(&view, &s.points, &(iso_pullpush_opts){ISO_RECONSTRUCTION_FLAT, NULL},
-                                   NULL);
+        iso_gbuffer a = test_drawn(&view, &s.points,
+                                   &(iso_pullpush_opts){.reconstruction = ISO_RECONSTRUCTION_REFINED}, NULL),
+                    b = test_drawn(&view, &s.points,
+                                   &(iso_pullpush_opts){.reconstruction = ISO_RECONSTRUCTION_FLAT}, NULL);
         test_same_rows(&a, 0, &b);
         iso_gbuffer_free(&a);
         iso_gbuffer_free(&b);

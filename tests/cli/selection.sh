@@ -1,0 +1,30 @@
+# the points that nearer ones hide: drawn or left out, the picture is the same; refused where nothing is selected
+python3 -c 'from check import *; ball("in/ball.mha")'
+isorender in/ball.mha --isovalue 500 --points ball.ply --no-image --quiet
+for method in "pullpush" "splats" "splats --reconstruction onepass" "splats --reconstruction ewa"; do
+    for which in auto visible all; do
+        isorender --scene gyroid:128 $which.png --method $method --selection $which --resolution 300x300 \
+            --json=$which.json --quiet
+    done
+    python3 - <<'P'
+import json
+hashes = [json.load(open(name + '.json'))['image']['hash'] for name in ('auto', 'visible', 'all')]
+assert hashes[0] == hashes[1] == hashes[2], hashes
+counts = {name: json.load(open(name + '.json'))['image']['selection'] for name in ('auto', 'visible', 'all')}
+assert counts['auto'] == counts['visible'], counts
+assert counts['visible']['points'] == counts['all']['points'], counts
+assert counts['visible']['tested'] < counts['all']['tested'], counts
+assert counts['visible']['drawn'] * 1.2 < counts['all']['drawn'], counts
+P
+done
+# without a method: splats
+isorender ball.ply file.png --selection all --resolution 40x40 --json=file.json --quiet
+python3 -c "import json; assert json.load(open('file.json'))['method'] == 'splats'"
+for wrong in "--selection some" "--method exact --selection all" "--method splats --reconstruction groups --selection all" \
+    "--method pullpush --reconstruction box --selection visible" "--method splats --opacity 0.5 --selection all" \
+    "--method splats --backend egl --selection visible"; do
+    code=0
+    isorender in/ball.mha wrong.png --isovalue 500 $wrong 2>message || code=$?
+    [ $code = 2 ] || { echo "exit status $code for $wrong"; exit 1; }
+    [ ! -e wrong.png ] || { echo "$wrong left a picture"; exit 1; }
+done
