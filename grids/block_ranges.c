@@ -9,18 +9,21 @@
 #include "base/primitives.h"
 
 static int brick_count(const iso_block_ranges *ranges, int axis, int block) {
-    return iso_min_int(ISO_BLOCK_BRICKS, ranges->bricks[axis] - block * ISO_BLOCK_BRICKS);
+    const int first = block * ISO_BLOCK_BRICKS - ranges->before[axis];
+    return iso_min_int(first + ISO_BLOCK_BRICKS, ranges->bricks[axis]) - (first > 0 ? first : 0);
 }
 
 static size_t number_of(const iso_block_ranges *ranges, int x, int y, int z) {
     return ((size_t)z * (size_t)ranges->blocks[1] + (size_t)y) * (size_t)ranges->blocks[0] + (size_t)x;
 }
 
-iso_status iso_block_ranges_create(const int dims[3], iso_block_ranges *ranges, iso_error *error) {
+iso_status iso_block_ranges_create(const int dims[3], const int before[3], iso_block_ranges *ranges,
+                                   iso_error *error) {
     *ranges = (iso_block_ranges){.count = 1};
     for (int axis = 0; axis < 3; axis++) {
         ranges->bricks[axis] = (dims[axis] - 1) / ISO_BRICK + 1;
-        ranges->blocks[axis] = (ranges->bricks[axis] - 1) / ISO_BLOCK_BRICKS + 1;
+        ranges->before[axis] = before ? before[axis] : 0;
+        ranges->blocks[axis] = (ranges->bricks[axis] + ranges->before[axis] - 1) / ISO_BLOCK_BRICKS + 1;
         ranges->count *= (size_t)ranges->blocks[axis];
     }
     ranges->unknown = ranges->count;
@@ -49,7 +52,7 @@ void iso_block_ranges_free(iso_block_ranges *ranges) {
 static void add_brick(iso_block_ranges *ranges, const int brick[3], const iso_brick_range *range) {
     int block[3], whole = 1;
     for (int axis = 0; axis < 3; axis++) {
-        block[axis] = brick[axis] / ISO_BLOCK_BRICKS;
+        block[axis] = (brick[axis] + ranges->before[axis]) / ISO_BLOCK_BRICKS;
         whole *= brick_count(ranges, axis, block[axis]);
     }
     const size_t number = number_of(ranges, block[0], block[1], block[2]);
@@ -74,16 +77,16 @@ void iso_block_ranges_add(iso_block_ranges *ranges, const iso_brick_box *box, co
 }
 
 /* The blocks that overlap a box: first .. last on each axis. */
-static void blocks_of(const iso_brick_box *box, int first[3], int last[3]) {
+static void blocks_of(const iso_block_ranges *ranges, const iso_brick_box *box, int first[3], int last[3]) {
     for (int axis = 0; axis < 3; axis++) {
-        first[axis] = box->first[axis] / ISO_BLOCK_BRICKS;
-        last[axis] = (box->end[axis] - 1) / ISO_BLOCK_BRICKS;
+        first[axis] = (box->first[axis] + ranges->before[axis]) / ISO_BLOCK_BRICKS;
+        last[axis] = (box->end[axis] - 1 + ranges->before[axis]) / ISO_BLOCK_BRICKS;
     }
 }
 
 bool iso_block_ranges_of(const iso_block_ranges *ranges, const iso_brick_box *box, iso_brick_range *range) {
     int first[3], last[3];
-    blocks_of(box, first, last);
+    blocks_of(ranges, box, first, last);
     *range = (iso_brick_range){INFINITY, -INFINITY, true};
     for (int z = first[2]; z <= last[2]; z++)
         for (int y = first[1]; y <= last[1]; y++)
@@ -100,7 +103,7 @@ bool iso_block_ranges_of(const iso_block_ranges *ranges, const iso_brick_box *bo
 uint32_t iso_block_ranges_crossed(const iso_block_ranges *ranges, const iso_brick_box *box, float isovalue) {
     int first[3], last[3];
     uint32_t count = 0;
-    blocks_of(box, first, last);
+    blocks_of(ranges, box, first, last);
     for (int z = first[2]; z <= last[2]; z++)
         for (int y = first[1]; y <= last[1]; y++)
             for (int x = first[0]; x <= last[0]; x++) {

@@ -16,6 +16,7 @@ enum { ISO_BLOCK_BRICKS = 4 }; /* bricks along the side of a block */
  * blocks. Stored values. */
 typedef struct iso_block_ranges {
     int bricks[3], blocks[3]; /* of the volume, along each axis */
+    int before[3];            /* bricks that the first blocks are short of */
     size_t count;             /* of blocks */
     float *lo, *hi;           /* by block, x fastest; lo > hi: no voxel is finite */
     uint8_t *states;          /* by block: ISO_BLOCK_ .. */
@@ -25,8 +26,10 @@ typedef struct iso_block_ranges {
 /* The state of a block: two flags, and while it is not known the number of bricks entered. */
 enum { ISO_BLOCK_KNOWN = 128, ISO_BLOCK_NONFINITE = 64, ISO_BLOCK_BRICKS_SEEN = 63 };
 
-/* Creates a table of unknown ranges for a volume of dims voxels. ISO_ERR_NOMEM. */
-iso_status iso_block_ranges_create(const int dims[3], iso_block_ranges *ranges, iso_error *error);
+/* Creates a table of unknown ranges for a volume of dims voxels. `before`: by how many bricks (0 .. 3) the
+ * first blocks are smaller, so that blocks begin where chunks do; NULL: they are not. ISO_ERR_NOMEM. */
+iso_status iso_block_ranges_create(const int dims[3], const int before[3], iso_block_ranges *ranges,
+                                   iso_error *error);
 void iso_block_ranges_free(iso_block_ranges *ranges);
 
 /* Enters the ranges of the bricks of a box (as iso_grid_chunk_ranges orders them), each brick once. */

@@ -24,6 +24,68 @@ iso_chunk_source iso_chunk_source_of(const iso_rgrid *grid) {
     return source;
 }
 
+/* ---- cuts */
+
+/* Whole tiles of about `side` voxels, if tiles are not larger than that. */
+static int choose_pitch(int side, int tile) {
+    if (tile < 1 || tile > side) return side;
+    const int pitch = side / tile * tile;
+    return pitch < ISO_BRICK ? (ISO_BRICK - 1) / tile * tile + tile : pitch;
+}
+
+void iso_chunk_cuts_make(const iso_chunk_source *source, int side, iso_chunk_cuts *cuts) {
+    *cuts = (iso_chunk_cuts){.above = source->tile[0] ? ISO_CHUNK_ABOVE : 0};
+    side = (side - 1) / ISO_BRICK * ISO_BRICK + ISO_BRICK;
+    for (int axis = 0; axis < 3; axis++) {
+        const int dim = source->dims[axis], pitch = choose_pitch(side, source->tile[axis]);
+        int before = source->in_tile[axis] % pitch;
+        while (pitch - before < ISO_BRICK + cuts->above) before -= pitch; /* the first chunk is larger */
+        cuts->bricks[axis] = (dim - 1) / ISO_BRICK + 1;
+        cuts->pitch[axis] = pitch;
+        cuts->before[axis] = before;
+        cuts->counts[axis] = dim + before > 0 ? (dim + before - 1) / pitch + 1 : 1;
+        for (int number = 0; number < cuts->counts[axis]; number++) {
+            const int bricks = iso_chunk_cut(cuts, axis, number + 1) - iso_chunk_cut(cuts, axis, number);
+            if (bricks > cuts->most[axis]) cuts->most[axis] = bricks;
+        }
+    }
+}
+
+int iso_chunk_cut(const iso_chunk_cuts *cuts, int axis, int number) {
+    if (number <= 0) return 0;
+    if (number >= cuts->counts[axis]) return cuts->bricks[axis];
+    return (number * cuts->pitch[axis] - cuts->before[axis] - cuts->above) / ISO_BRICK;
+}
+
+int iso_chunk_with(const iso_chunk_cuts *cuts, int axis, int brick) {
+    const int end = (brick + 1) * ISO_BRICK - 1 + cuts->before[axis] + cuts->above;
+    return iso_min_int(end < 0 ? 0 : end / cuts->pitch[axis], cuts->counts[axis] - 1);
+}
+
+size_t iso_chunk_cuts_count(const iso_chunk_cuts *cuts) {
+    return (size_t)cuts->counts[0] * (size_t)cuts->counts[1] * (size_t)cuts->counts[2];
+}
+
+iso_brick_box iso_chunk_box(const iso_chunk_cuts *cuts, size_t number) {
+    iso_brick_box box;
+    for (int axis = 0; axis < 3; axis++) {
+        const int at = (int)(number % (size_t)cuts->counts[axis]);
+        number /= (size_t)cuts->counts[axis];
+        box.first[axis] = iso_chunk_cut(cuts, axis, at);
+        box.end[axis] = iso_chunk_cut(cuts, axis, at + 1);
+    }
+    return box;
+}
+
+void iso_chunk_source_blocks(const iso_chunk_source *source, int before[3]) {
+    enum { BLOCK = 64 };
+    for (int axis = 0; axis < 3; axis++) {
+        const int tile = source->tile[axis];
+        const bool agrees = tile && (tile % BLOCK == 0 || (BLOCK % tile == 0 && tile >= ISO_BRICK));
+        before[axis] = agrees && source->in_tile[axis] % BLOCK == 0;
+    }
+}
+
 /* ---- all chunks */
 
 /* The visit that is being made. */
@@ -62,16 +124,14 @@ iso_status iso_chunk_source_visit(const iso_chunk_source *source, int side, iso_
                                   iso_pool *pool, iso_chunk_voxels_visitor *visitor, void *context,
                                   iso_error *error) {
     const visit v = {source, pool, visitor, context};
-    const int bricks = (side - 1) / ISO_BRICK + 1;
-    size_t counts[3];
-    for (int axis = 0; axis < 3; axis++)
-        counts[axis] = (size_t)((source->dims[axis] - 1) / (bricks * ISO_BRICK) + 1);
-    for (size_t n = (size_t)turns.turn; n < counts[0] * counts[1] * counts[2]; n += (size_t)turns.turns) {
-        const int x = (int)(n % counts[0]) * bricks, y = (int)(n / counts[0] % counts[1]) * bricks,
-                  z = (int)(n / counts[0] / counts[1]) * bricks;
-        const iso_brick_box box = {{x, y, z}, {x + bricks, y + bricks, z + bricks}};
+    const size_t step = (size_t)turns.turns;
+    iso_chunk_cuts cuts;
+    iso_chunk_cuts_make(source, side, &cuts);
+    for (size_t number = (size_t)turns.turn; number < iso_chunk_cuts_count(&cuts); number += step) {
+        const iso_brick_box box = iso_chunk_box(&cuts, number);
         iso_grid_chunk chunk;
         iso_grid_chunk_make(source->dims, &source->transform, &box, &chunk);
+        chunk.bare = true;
         ISO_TRY(visit_chunk(&v, &chunk, error));
     }
     return ISO_OK;

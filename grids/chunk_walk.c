@@ -13,9 +13,8 @@ enum { USUAL_SIDE = 128 };
 
 struct iso_chunk_walk {
     iso_chunk_walk_opts opts;
-    int side;      /* bricks along a chunk's side */
-    int counts[3]; /* chunks along each axis */
-    size_t total;  /* of chunks */
+    iso_chunk_cuts cuts;
+    size_t total; /* of chunks */
     float isovalue_ceil;
     iso_block_ranges own_ranges;
     iso_block_ranges *ranges; /* own_ranges or the caller's */
@@ -24,7 +23,8 @@ struct iso_chunk_walk {
      * NULL: there was no memory for them; then ranges are read in every visit. */
     uint64_t *crossed;
     size_t crossed_words;
-    uint32_t *piece; /* by chunk: which of `pieces` it belongs to, from 0; NULL: not yet divided */
+    uint64_t *needed; /* the same of the chunk that is read, as far as it is known before */
+    uint32_t *piece;  /* by chunk: which of `pieces` it belongs to, from 0; NULL: not yet divided */
     int pieces;
     iso_brick_range *bricks; /* of the chunk that is read */
     iso_chunk_totals totals;
@@ -38,27 +38,10 @@ enum {
 
 /* ---- chunks */
 
-static iso_brick_box box_of(const iso_chunk_walk *walk, const int at[3]) {
-    iso_brick_box box;
-    for (int axis = 0; axis < 3; axis++) {
-        box.first[axis] = at[axis] * walk->side;
-        box.end[axis] = box.first[axis] + walk->side;
-    }
-    return box;
-}
-
-static void chunk_at(const iso_chunk_walk *walk, size_t number, int at[3]) {
-    at[0] = (int)(number % (size_t)walk->counts[0]);
-    at[1] = (int)(number / (size_t)walk->counts[0] % (size_t)walk->counts[1]);
-    at[2] = (int)(number / (size_t)walk->counts[0] / (size_t)walk->counts[1]);
-}
-
 static iso_grid_chunk make_chunk(const iso_chunk_walk *walk, size_t number) {
     const iso_chunk_source *source = walk->opts.source;
     iso_grid_chunk chunk;
-    int at[3];
-    chunk_at(walk, number, at);
-    const iso_brick_box box = box_of(walk, at);
+    const iso_brick_box box = iso_chunk_box(&walk->cuts, number);
     iso_grid_chunk_make(source->dims, &source->transform, &box, &chunk);
     return chunk;
 }
@@ -94,6 +77,28 @@ static bool must_read(iso_chunk_walk *walk, size_t number, const iso_grid_chunk 
     return false;
 }
 
+/* Tells the source which bricks matter: those that were crossed in an earlier visit, or that lie in crossed
+ * blocks. */
+static void set_needed(iso_chunk_walk *walk, size_t number, iso_grid_chunk *chunk) {
+    const iso_brick_box *box = &chunk->box;
+    iso_brick_range range;
+    if (walk->states[number] & CHUNK_READ) {
+        chunk->needed = walk->crossed + number * walk->crossed_words;
+        return;
+    }
+    if (!walk->needed || !iso_block_ranges_of(walk->ranges, box, &range)) return;
+    memset(walk->needed, 0, walk->crossed_words * sizeof *walk->needed);
+    size_t i = 0;
+    for (int z = box->first[2]; z < box->end[2]; z++)
+        for (int y = box->first[1]; y < box->end[1]; y++)
+            for (int x = box->first[0]; x < box->end[0]; x++, i++) {
+                const iso_brick_box brick = {{x, y, z}, {x + 1, y + 1, z + 1}};
+                iso_block_ranges_of(walk->ranges, &brick, &range);
+                walk->needed[i / 64] |= (uint64_t)crosses(walk, &range) << i % 64;
+            }
+    chunk->needed = walk->needed;
+}
+
 static bool any_crosses(const iso_chunk_walk *walk, const iso_grid_chunk *chunk) {
     const size_t bricks = iso_brick_box_count(&chunk->box);
     for (size_t i = 0; i < bricks; i++)
@@ -116,6 +121,9 @@ static void read_ranges(iso_chunk_walk *walk, size_t number, const iso_grid_chun
         return;
     }
     iso_grid_chunk_ranges(grid, chunk, walk->opts.pool, walk->bricks);
+    for (size_t i = 0; i < bricks && chunk->needed; i++) /* the others' voxels were not read */
+        if (!(chunk->needed[i / 64] >> i % 64 & 1))
+            walk->bricks[i] = (iso_brick_range){INFINITY, -INFINITY, true};
     enter_bricks(walk, number, chunk);
     if (!crossed) return;
     for (size_t i = 0; i < bricks; i++)
@@ -152,17 +160,28 @@ static iso_status visit_grid(iso_chunk_walk *walk, size_t number, iso_grid_chunk
     return action->visit(action->context, &visit, error);
 }
 
-static iso_status visit_chunk(iso_chunk_walk *walk, size_t number, const chunk_action *action,
-                              iso_error *error) {
+static iso_status read_and_visit(iso_chunk_walk *walk, size_t number, const chunk_action *action,
+                                 iso_error *error) {
     const iso_chunk_source *source = walk->opts.source;
     iso_grid_chunk chunk = make_chunk(walk, number);
     iso_rgrid *grid = NULL;
-    if (!must_read(walk, number, &chunk)) return ISO_OK;
-    if (!action->visit && walk->states[number] & CHUNK_ENTERED) return ISO_OK; /* its ranges are known */
+    set_needed(walk, number, &chunk);
     ISO_TRY(source->read(source->context, &chunk, walk->opts.pool, &grid, error));
     walk->totals.bytes_read += voxel_bytes(walk, &chunk);
     const iso_status status = visit_grid(walk, number, &chunk, grid, action, error);
     iso_rgrid_destroy(grid);
+    return status;
+}
+
+static iso_status visit_chunk(iso_chunk_walk *walk, size_t number, const chunk_action *action,
+                              iso_error *error) {
+    const iso_chunk_source *source = walk->opts.source;
+    const iso_grid_chunk chunk = make_chunk(walk, number);
+    if (!must_read(walk, number, &chunk)) return ISO_OK;
+    if (!action->visit && walk->states[number] & CHUNK_ENTERED) return ISO_OK; /* its ranges are known */
+    iso_status status;
+    do status = read_and_visit(walk, number, action, error);
+    while (status == ISO_ERR_NOMEM && source->give_back && source->give_back(source->context));
     return status;
 }
 
@@ -190,7 +209,7 @@ static iso_status visit_chosen(iso_chunk_walk *walk, chunk_choice choice, const 
     const iso_chunk_source *source = walk->opts.source;
     for (size_t number = 0; number < walk->total; number++) {
         if (is_chosen(walk, number, choice)) ISO_TRY(visit_chunk(walk, number, action, error));
-        if ((number + 1) % (size_t)walk->counts[0]) continue;
+        if ((number + 1) % (size_t)walk->cuts.counts[0]) continue;
         if (source->rest) source->rest(source->context);
         ISO_TRY(report(walk, number + 1, error));
     }
@@ -248,11 +267,10 @@ static iso_status divide(iso_chunk_walk *walk, int pieces, iso_error *error) {
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a table of %zu chunks", walk->total);
     }
     for (size_t i = 0; i < walk->total; i++) {
-        int at[3];
-        chunk_at(walk, i, at);
-        curve[i] = (curve_point){spread_bits((uint64_t)at[0]) | spread_bits((uint64_t)at[1]) << 1 |
-                                     spread_bits((uint64_t)at[2]) << 2,
-                                 i};
+        const size_t columns = (size_t)walk->cuts.counts[0], rows = (size_t)walk->cuts.counts[1];
+        const uint64_t place = spread_bits(i % columns) | spread_bits(i / columns % rows) << 1 |
+                               spread_bits(i / columns / rows) << 2;
+        curve[i] = (curve_point){place, i};
     }
     qsort(curve, walk->total, sizeof *curve, compare_places);
     walk->pieces = pieces;
@@ -264,14 +282,18 @@ static iso_status divide(iso_chunk_walk *walk, int pieces, iso_error *error) {
 /* ---- the interface */
 
 static iso_status allocate(iso_chunk_walk *walk, iso_error *error) {
-    const size_t bricks = (size_t)walk->side * (size_t)walk->side * (size_t)walk->side;
+    const int *most = walk->cuts.most;
+    const size_t bricks = (size_t)most[0] * (size_t)most[1] * (size_t)most[2];
     if (!walk->opts.ranges) {
-        ISO_TRY(iso_block_ranges_create(walk->opts.source->dims, &walk->own_ranges, error));
+        int before[3];
+        iso_chunk_source_blocks(walk->opts.source, before);
+        ISO_TRY(iso_block_ranges_create(walk->opts.source->dims, before, &walk->own_ranges, error));
         walk->ranges = &walk->own_ranges;
     }
     walk->states = iso_alloc_zero(walk->total, 1);
     walk->crossed_words = (bricks + 63) / 64;
     walk->crossed = iso_alloc_zero(walk->total * walk->crossed_words, sizeof *walk->crossed);
+    walk->needed = iso_alloc_zero(walk->crossed_words, sizeof *walk->needed);
     walk->bricks = iso_alloc(bricks * sizeof *walk->bricks);
     if (walk->states && walk->bricks) return ISO_OK;
     return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a table of %zu chunks", walk->total);
@@ -293,19 +315,12 @@ iso_status iso_chunk_walk_create(const iso_chunk_walk_opts *opts, iso_chunk_walk
     if (!walk) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a table of chunks");
     walk->opts = *opts;
     walk->ranges = opts->ranges;
-    walk->side = ((opts->side > 0 ? opts->side : USUAL_SIDE) - 1) / ISO_BRICK + 1;
-    walk->total = 1;
-    int largest = 1;
-    for (int axis = 0; axis < 3; axis++) {
-        const int bricks = (opts->source->dims[axis] - 1) / ISO_BRICK + 1;
-        if (bricks > largest) largest = bricks;
-    }
-    if (walk->side > largest) walk->side = largest;
-    for (int axis = 0; axis < 3; axis++) {
-        const int bricks = (opts->source->dims[axis] - 1) / ISO_BRICK + 1;
-        walk->counts[axis] = (bricks - 1) / walk->side + 1;
-        walk->total *= (size_t)walk->counts[axis];
-    }
+    int side = opts->side > 0 ? opts->side : USUAL_SIDE, largest = 1;
+    for (int axis = 0; axis < 3; axis++)
+        if (opts->source->dims[axis] > largest) largest = opts->source->dims[axis];
+    if (side > largest) side = largest;
+    iso_chunk_cuts_make(opts->source, side, &walk->cuts);
+    walk->total = iso_chunk_cuts_count(&walk->cuts);
     walk->isovalue_ceil = isovalue_ceil_of(opts);
     const iso_status status = allocate(walk, error);
     if (status != ISO_OK) {
@@ -321,6 +336,7 @@ void iso_chunk_walk_destroy(iso_chunk_walk *walk) {
     iso_block_ranges_free(&walk->own_ranges);
     iso_free(walk->states);
     iso_free(walk->crossed);
+    iso_free(walk->needed);
     iso_free(walk->piece);
     iso_free(walk->bricks);
     iso_free(walk);
@@ -339,8 +355,8 @@ iso_status iso_chunk_walk_read_ranges(iso_chunk_walk *walk, iso_chunk_share shar
     return visit_chosen(walk, (chunk_choice){share.part - 1, share.parts}, &nothing, error);
 }
 
-int iso_chunk_walk_side(const iso_chunk_walk *walk) {
-    return walk->side;
+const iso_chunk_cuts *iso_chunk_walk_cuts(const iso_chunk_walk *walk) {
+    return &walk->cuts;
 }
 
 const iso_chunk_walk_opts *iso_chunk_walk_opts_of(const iso_chunk_walk *walk) {
@@ -350,6 +366,8 @@ const iso_chunk_walk_opts *iso_chunk_walk_opts_of(const iso_chunk_walk *walk) {
 iso_chunk_totals iso_chunk_walk_stats(const iso_chunk_walk *walk) {
     iso_chunk_totals totals = walk->totals;
     totals.chunks = walk->total;
+    if (walk->opts.source->decoded)
+        totals.bytes_decoded = walk->opts.source->decoded(walk->opts.source->context);
     for (size_t i = 0; i < walk->ranges->count; i++)
         totals.nonfinite_blocks += (walk->ranges->states[i] & ISO_BLOCK_NONFINITE) != 0;
     return totals;

@@ -40,8 +40,9 @@ typedef struct iso_chunk_share {
 } iso_chunk_share;
 
 /* Calls `visit` for each chunk of the share that the surface crosses. `number`: of the chunk, 0 .. chunks -
- * 1; `grid`: its voxels, for the call only. When `visit` fails, its status is returned. ISO_ERR_NOMEM and
- * errors of reading. */
+ * 1; `grid`: its voxels, for the call only. When `visit` fails, its status is returned. When it fails with
+ * ISO_ERR_NOMEM, it must have changed nothing: it is called again if the source has memory to give back.
+ * ISO_ERR_NOMEM and errors of reading. */
 typedef struct iso_chunk_visit {
     size_t number;
     const iso_grid_chunk *chunk; /* with ranges that tell which bricks are crossed */
@@ -55,8 +56,8 @@ iso_status iso_chunk_walk_visit(iso_chunk_walk *walk, iso_chunk_share share, iso
  * several processes read a volume together; they then exchange the walk's ranges. Errors of reading. */
 iso_status iso_chunk_walk_read_ranges(iso_chunk_walk *walk, iso_chunk_share share, iso_error *error);
 
-/* The number of bricks along a chunk's side. */
-int iso_chunk_walk_side(const iso_chunk_walk *walk);
+/* How the volume is cut into chunks. */
+const iso_chunk_cuts *iso_chunk_walk_cuts(const iso_chunk_walk *walk);
 
 /* The options that the walk was created with. */
 const iso_chunk_walk_opts *iso_chunk_walk_opts_of(const iso_chunk_walk *walk);
@@ -64,6 +65,7 @@ const iso_chunk_walk_opts *iso_chunk_walk_opts_of(const iso_chunk_walk *walk);
 typedef struct iso_chunk_totals {
     uint64_t bytes_read;     /* of voxels, by all visits so far */
     uint64_t bytes_crossed;  /* of the voxels of the chunks that were visited, each once */
+    uint64_t bytes_decoded;  /* of the voxels of tiles, each as often as it was decoded; 0: no tiles */
     size_t chunks, crossed;  /* numbers of chunks, and of those that were visited */
     size_t nonfinite_blocks; /* blocks of 64^3 voxels with some that are not finite */
 } iso_chunk_totals;

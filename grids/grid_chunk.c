@@ -25,9 +25,27 @@ bool iso_grid_chunk_make(const int dims[3], const iso_transform *transform, cons
 void iso_grid_chunk_voxels(const iso_grid_chunk *chunk, int first[3], int end[3]) {
     for (int axis = 0; axis < 3; axis++) {
         const int own = chunk->box.first[axis] * ISO_BRICK;
-        first[axis] = own ? own - ISO_CHUNK_BELOW : 0;
-        end[axis] = chunk->origin[axis] * ISO_BRICK + chunk->size[axis];
+        first[axis] = own && !chunk->bare ? own - ISO_CHUNK_BELOW : own;
+        end[axis] = chunk->bare ? iso_min_int(chunk->box.end[axis] * ISO_BRICK, chunk->dims[axis])
+                                : chunk->origin[axis] * ISO_BRICK + chunk->size[axis];
     }
+}
+
+bool iso_grid_chunk_needs(const iso_grid_chunk *chunk, const int first[3], const int end[3]) {
+    const iso_brick_box *box = &chunk->box;
+    int lo[3], hi[3]; /* the bricks whose windows have some of the voxels */
+    if (!chunk->needed) return true;
+    for (int axis = 0; axis < 3; axis++) {
+        const int below = (first[axis] - ISO_CHUNK_ABOVE) / ISO_BRICK,
+                  above = (end[axis] - 1 + ISO_CHUNK_BELOW) / ISO_BRICK;
+        lo[axis] = below > box->first[axis] ? below : box->first[axis];
+        hi[axis] = iso_min_int(above, box->end[axis] - 1);
+    }
+    for (int z = lo[2]; z <= hi[2]; z++)
+        for (int y = lo[1]; y <= hi[1]; y++)
+            for (int x = lo[0]; x <= hi[0]; x++)
+                if (iso_brick_box_has(box, chunk->needed, (const int[3]){x, y, z})) return true;
+    return false;
 }
 
 iso_status iso_grid_chunk_view(const iso_rgrid *whole, const iso_grid_chunk *chunk, iso_rgrid **view,

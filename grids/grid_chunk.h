@@ -38,6 +38,10 @@ typedef struct iso_grid_chunk {
     /* The ranges of the box's bricks (iso_grid_chunk_ranges), borrowed: they save reading when the chunk is
      * extracted. NULL is fine. */
     const iso_brick_range *ranges;
+    /* Which of the box's bricks (numbered as their ranges) matter, a bit each, borrowed; NULL: all do. Voxels
+     * that only other bricks need may be anything. */
+    const uint64_t *needed;
+    bool bare; /* the halo is not needed */
 } iso_grid_chunk;
 
 static inline size_t iso_brick_box_count(const iso_brick_box *box) {
@@ -46,12 +50,25 @@ static inline size_t iso_brick_box_count(const iso_brick_box *box) {
     return count;
 }
 
+/* Whether the bit of a brick of the box is set. */
+static inline bool iso_brick_box_has(const iso_brick_box *box, const uint64_t *bits, const int brick[3]) {
+    const size_t columns = (size_t)(box->end[0] - box->first[0]),
+                 rows = (size_t)(box->end[1] - box->first[1]);
+    const size_t number =
+        ((size_t)(brick[2] - box->first[2]) * rows + (size_t)(brick[1] - box->first[1])) * columns +
+        (size_t)(brick[0] - box->first[0]);
+    return bits[number / 64] >> number % 64 & 1;
+}
+
 /* Describes the chunk of the bricks in `box`, which is first clipped to the whole. False: there are none. */
 bool iso_grid_chunk_make(const int dims[3], const iso_transform *transform, const iso_brick_box *box,
                          iso_grid_chunk *chunk);
 
 /* The voxels that the chunk needs, in the whole's numbers: first[axis] .. end[axis] - 1. */
 void iso_grid_chunk_voxels(const iso_grid_chunk *chunk, int first[3], int end[3]);
+
+/* Whether a brick that matters needs some of the voxels first .. end - 1 (in the whole's numbers). */
+bool iso_grid_chunk_needs(const iso_grid_chunk *chunk, const int first[3], const int end[3]);
 
 /* Makes the chunk's grid of the whole's voxels, which are not copied: the whole must outlive it. Destroy with
  * iso_rgrid_destroy. ISO_ERR_NOMEM. */

@@ -10,13 +10,14 @@
 #include "base/memory.h"
 
 static const char MAGIC[8] = {'I', 'S', 'O', 'I', 'N', 'D', 'E', 'X'};
-enum { VERSION = 1 };
+enum { VERSION = 2 };
 
 iso_status iso_volume_index_create(const iso_volume_identity *identity, iso_volume_index *index,
                                    iso_error *error) {
     *index = (iso_volume_index){.identity = *identity};
     const int dims[3] = {identity->dims[0], identity->dims[1], identity->dims[2]};
-    return iso_block_ranges_create(dims, &index->ranges, error);
+    const int before[3] = {identity->before[0], identity->before[1], identity->before[2]};
+    return iso_block_ranges_create(dims, before, &index->ranges, error);
 }
 
 void iso_volume_index_free(iso_volume_index *index) {

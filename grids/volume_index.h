@@ -3,7 +3,7 @@
  * and bounds of its surfaces.
  *
  * An index belongs to files of a certain size and time of change, and to the voxels that were read from
- * them. The file is little-endian: "ISOINDEX", the version (uint32: 1), the fields of iso_volume_identity,
+ * them. The file is little-endian: "ISOINDEX", the version (uint32: 2), the fields of iso_volume_identity,
  * the histogram and the surfaces, the ranges, and the CRC-32C of everything before. */
 #ifndef ISO_GRIDS_VOLUME_INDEX_H
 #define ISO_GRIDS_VOLUME_INDEX_H
@@ -21,6 +21,8 @@ typedef struct iso_volume_identity {
     int32_t first[3];  /* from this voxel of the file on */
     int32_t type;      /* iso_type */
     int32_t component; /* of several */
+    int32_t before[3]; /* iso_block_ranges.before */
+    int32_t zero;
     double scale, offset;
     iso_transform transform;
 } iso_volume_identity;

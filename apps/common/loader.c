@@ -21,6 +21,12 @@ static uint64_t memory_limit(const iso_loader *loader) {
     return iso_memory_limit(loader->options->max_memory);
 }
 
+/* What chunks and tiles may take. */
+static uint64_t chunk_limit(const iso_loader *loader) {
+    const uint64_t limit = memory_limit(loader);
+    return limit - (loader->set_aside < limit ? loader->set_aside : limit - 1);
+}
+
 /* ---- scenes ---- */
 
 enum { SCENE_NAME = 32 };
@@ -202,6 +208,8 @@ iso_status iso_loader_read(iso_loader *loader, iso_error *error) {
     } else if (isnan(loader->scene_isovalue)) {
         iso_volume_opts opts = volume_opts(loader);
         opts.mapped = loader->mapped;
+        if (loader->mapped) opts.max_memory = chunk_limit(loader);
+        opts.chunk_side = loader->chunk_side ? loader->chunk_side : iso_loader_chunk_side(loader, 0);
         ISO_TRY(iso_volume_read(loader->path, &opts, &loader->volume, error));
         report_reading(loader, 1);
     }
@@ -215,7 +223,7 @@ bool iso_loader_has_tiles(const iso_loader *loader) {
 }
 
 int iso_loader_chunk_side(const iso_loader *loader, uint64_t cell_bytes) {
-    const uint64_t limit = memory_limit(loader), voxel = iso_type_size(loader->volume.info.type);
+    const uint64_t limit = chunk_limit(loader), voxel = iso_type_size(loader->volume.info.type);
     uint64_t side = 128;
     if (!cell_bytes) cell_bytes = 4 * voxel;
     while (side > 32 && side * side * side * cell_bytes > limit / 2) side /= 2;

@@ -92,6 +92,13 @@ static bool is_too_large(const isorender_job *job) {
     return can_stay(job) && (job->did_not_fit || job->loader.volume.info.read_bytes > limit);
 }
 
+/* The side of the chunks, voxels. When files are written, a cell takes the memory of its vertices and
+ * triangles. */
+static int choose_side(const isorender_job *job) {
+    return job->settings->chunk_size ? job->settings->chunk_size
+                                     : iso_loader_chunk_side(&job->loader, exports(job) ? 64 : 0);
+}
+
 iso_status isorender_chunks_choose(isorender_job *job, iso_error *error) {
     const isorender_settings *settings = job->settings;
     const char *reason = NULL;
@@ -106,6 +113,8 @@ iso_status isorender_chunks_choose(isorender_job *job, iso_error *error) {
         return ISO_OK; /* the volume is refused when it is read, or its surface when it is made */
     job->chunks = calloc(1, sizeof *job->chunks);
     job->loader.mapped = job->chunks != NULL;
+    job->loader.set_aside = isorender_plan_draws(job->plan) ? isorender_picture_bytes(job) : 0;
+    job->loader.chunk_side = choose_side(job);
     return job->chunks ? ISO_OK : iso_fail(error, ISO_ERR_NOMEM, "out of memory");
 }
 
@@ -122,20 +131,16 @@ static int report_progress(void *context, double fraction) {
     return 0;
 }
 
-/* The side of the chunks, voxels. When files are written, a cell takes the memory of its vertices and
- * triangles. */
-static int choose_side(const isorender_job *job) {
-    return job->settings->chunk_size ? job->settings->chunk_size
-                                     : iso_loader_chunk_side(&job->loader, exports(job) ? 64 : 0);
-}
-
 /* ---- the index */
 
 /* The index describes the voxels that are used of the volume's own files, whatever else the run reads. */
 static void identify(const isorender_job *job, iso_volume_identity *identity) {
     const iso_loader *loader = &job->loader;
     const iso_rgrid *grid = loader->volume.grid.rgrid;
+    const iso_chunk_source source = iso_volume_source(grid);
     iso_file_set files = {0};
+    int before[3];
+    iso_chunk_source_blocks(&source, before);
     iso_file_set_read(&files, loader->path);
     iso_loader_list_files(loader->path, loader->options, &files);
     identity->files = iso_file_set_identity(&files);
@@ -146,6 +151,7 @@ static void identify(const isorender_job *job, iso_volume_identity *identity) {
     for (int axis = 0; axis < 3; axis++) {
         identity->dims[axis] = grid->dims[axis];
         identity->first[axis] = loader->crop[2 * axis];
+        identity->before[axis] = before[axis];
     }
     identity->type = (int32_t)grid->type;
     identity->component = loader->options->component;
@@ -439,6 +445,7 @@ void isorender_report_chunks(iso_json *json, const isorender_job *job) {
     iso_json_integer(json, "side", (uint64_t)choose_side(job));
     iso_json_integer(json, "bytes_read", totals.bytes_read);
     iso_json_integer(json, "bytes_crossed", totals.bytes_crossed);
+    if (job->chunks->source.decoded) iso_json_integer(json, "bytes_decoded", totals.bytes_decoded);
     iso_json_end_object(json);
 }
 

@@ -48,25 +48,29 @@ static char *target_row(const target_box *target, size_t size, int x, int y, int
     return (char *)target->data + at * (ptrdiff_t)size;
 }
 
-/* Copies the voxels first .. end - 1 of the volume that lie in a tile. */
-static void copy_tile(const iso_tiled *tiled, const int index[3], const void *values, const int first[3],
-                      const int end[3], const target_box *target) {
-    const size_t size = iso_type_size(tiled->type);
-    int origin[3], lo[3], hi[3];
+/* Copies the voxels first .. end - 1 from one box to another one. */
+static void copy_box(size_t size, const target_box *from, const int first[3], const int end[3],
+                     const target_box *to) {
+    for (int z = first[2]; z < end[2]; z++)
+        for (int y = first[1]; y < end[1]; y++)
+            memcpy(target_row(to, size, first[0], y, z), target_row(from, size, first[0], y, z),
+                   (size_t)(end[0] - first[0]) * size);
+}
+
+/* Copies a tile's voxels that lie in the volume. */
+static void copy_tile(const iso_tiled *tiled, const int index[3], const void *values,
+                      const target_box *target) {
+    int first[3], end[3];
     for (int axis = 0; axis < 3; axis++) {
-        origin[axis] = index[axis] * tiled->tile[axis];
-        lo[axis] = origin[axis] > first[axis] ? origin[axis] : first[axis];
-        const int64_t tile_end = (int64_t)origin[axis] + tiled->tile[axis];
-        hi[axis] = tile_end < end[axis] ? (int)tile_end : end[axis];
+        first[axis] = index[axis] * tiled->tile[axis];
+        const int64_t tile_end = (int64_t)first[axis] + tiled->tile[axis];
+        end[axis] = tile_end < tiled->dims[axis] ? (int)tile_end : tiled->dims[axis];
     }
     const target_box tile = {(void *)(uintptr_t)values,
                              tiled->tile[0],
                              (ptrdiff_t)tiled->tile[0] * tiled->tile[1],
-                             {origin[0], origin[1], origin[2]}};
-    for (int z = lo[2]; z < hi[2]; z++)
-        for (int y = lo[1]; y < hi[1]; y++)
-            memcpy(target_row(target, size, lo[0], y, z), target_row(&tile, size, lo[0], y, z),
-                   (size_t)(hi[0] - lo[0]) * size);
+                             {first[0], first[1], first[2]}};
+    copy_box(iso_type_size(tiled->type), &tile, first, end, target);
 }
 
 /* The failure of the first of several items that are worked on by several threads. Items are begun in order,
@@ -127,7 +131,6 @@ static bool is_direct(const iso_tiled *tiled) {
 
 static iso_status fill_tile(filling *f, const int index[3], int worker, iso_error *error) {
     const iso_tiled *tiled = f->tiled;
-    const int first[3] = {0, 0, 0};
     float value;
     if (tiled->is_absent && tiled->is_absent(tiled->context, index, &value)) {
         atomic_fetch_add(&f->absent, 1);
@@ -139,7 +142,7 @@ static iso_status fill_tile(filling *f, const int index[3], int worker, iso_erro
             target_row(&f->target, iso_type_size(tiled->type), 0, 0, index[2] * tiled->tile[2]), error);
     void *buffer = f->buffers + (size_t)worker * f->buffer_bytes;
     ISO_TRY(tiled->read(tiled->context, index, buffer, error));
-    copy_tile(tiled, index, buffer, first, tiled->dims, &f->target);
+    copy_tile(tiled, index, buffer, &f->target);
     return ISO_OK;
 }
 
@@ -220,15 +223,36 @@ iso_status iso_tiled_read_grid(const char *path, const iso_volume_opts *opts, co
 
 /* ---- the cache */
 
-/* A decoded tile. */
-typedef struct cached_tile {
+/* A decoded tile, or its last layers along an axis. */
+typedef struct cached_piece {
     size_t number;  /* of the tile */
     int32_t next;   /* the next one with the same hash; -1: none */
     bool is_read;   /* `values` are the tile's */
     bool is_recent; /* used since the hand passed it */
-    uint64_t turn;  /* of the request that used it last: tiles in use do not give way */
+    uint64_t turn;  /* of the request that used it last: pieces in use do not give way */
     void *values;
-} cached_tile;
+} cached_piece;
+
+/* Pieces of the same box of voxels of tiles. */
+typedef struct piece_table {
+    int first[3], size[3]; /* the box, in a tile */
+    bool by_age;           /* the piece that was read first gives way, whether it was used since or not */
+    cached_piece *slots;
+    int32_t *heads;           /* by hash: the first slot; -1: none */
+    int32_t most, used, hand; /* slots, slots with memory, the next one that may give way */
+} piece_table;
+
+/* The kinds of pieces. Chunks end a little below borders of tiles (iso_chunk_cuts), so that the chunks beyond
+ * need only the last layers of a tile again. */
+enum { PIECE_WHOLE, PIECE_END, PIECE_KINDS = PIECE_END + 3 /* one for each axis */ };
+enum { END_LAYERS = ISO_BRICK - 1 + ISO_CHUNK_ABOVE + ISO_CHUNK_BELOW };
+
+/* What is done with a tile of a request. */
+typedef struct wanted_tile {
+    int kind; /* of the piece that is copied; below 0: the chunk does not need the tile */
+    int32_t slot;
+    int32_t ends[3]; /* slots for its last layers, of tiles that are read; below 0: they are not kept */
+} wanted_tile;
 
 /* What a grid of iso_tiled_make_grid owns. */
 typedef struct tile_cache {
@@ -236,15 +260,15 @@ typedef struct tile_cache {
     int tiles[3];
     void *addresses; /* of the grid's voxels, without memory */
     size_t address_bytes;
-    cached_tile *slots;
-    int32_t *heads;           /* by hash: the first slot; -1: none */
-    int32_t *wanted;          /* slots of the tiles that are being read or copied */
-    int32_t most, used, hand; /* slots, slots with memory, the next one that may give way */
+    piece_table kinds[PIECE_KINDS];
+    wanted_tile *wanted; /* tiles that are being read or copied, as many as there are slots for whole ones */
     uint64_t turn;
+    int chunk_side;        /* iso_volume_opts.chunk_side */
+    atomic_size_t decoded; /* tiles so far */
 } tile_cache;
 
 static uint64_t cache_bytes(const iso_volume_opts *opts) {
-    return iso_format_memory_limit(opts) / 8;
+    return iso_format_memory_limit(opts) / 3;
 }
 
 /* The side of the chunks that isorender usually makes, and the voxels that one needs along an axis. */
@@ -262,30 +286,92 @@ bool iso_tiled_suits_chunks(const iso_tiled *tiled, const iso_volume_opts *opts)
     return bytes <= (double)cache_bytes(opts) || bytes <= 8 * own;
 }
 
+static void table_free(piece_table *table) {
+    for (int32_t i = 0; i < table->used; i++) iso_free(table->slots[i].values);
+    iso_free(table->slots);
+    iso_free(table->heads);
+}
+
 static void cache_destroy(void *owner) {
     tile_cache *cache = owner;
     if (!cache) return;
     if (cache->addresses) munmap(cache->addresses, cache->address_bytes);
-    for (int32_t i = 0; i < cache->used; i++) iso_free(cache->slots[i].values);
-    iso_free(cache->slots);
-    iso_free(cache->heads);
+    for (int kind = 0; kind < PIECE_KINDS; kind++) table_free(&cache->kinds[kind]);
     iso_free(cache->wanted);
     iso_tiled_close(&cache->tiled);
     iso_free(cache);
 }
 
-static iso_status cache_allocate(tile_cache *cache, uint64_t bytes) {
-    const uint64_t each = tile_bytes(&cache->tiled) + sizeof(cached_tile) + 2 * sizeof(int32_t);
-    const uint64_t all = (uint64_t)cache->tiles[0] * (uint64_t)cache->tiles[1] * (uint64_t)cache->tiles[2];
-    uint64_t most = bytes / each > 0 ? bytes / each : 1;
-    if (most > all) most = all;
-    cache->most = most < INT32_MAX ? (int32_t)most : INT32_MAX;
-    cache->slots = iso_alloc_zero((size_t)cache->most, sizeof *cache->slots);
-    cache->heads = iso_alloc((size_t)cache->most * sizeof *cache->heads);
-    cache->wanted = iso_alloc((size_t)cache->most * sizeof *cache->wanted);
-    if (!cache->slots || !cache->heads || !cache->wanted) return ISO_ERR_NOMEM;
-    for (int32_t i = 0; i < cache->most; i++) cache->heads[i] = -1;
+/* Bytes of a piece and its slot. */
+static uint64_t piece_bytes(const tile_cache *cache, int kind) {
+    return iso_format_size(cache->kinds[kind].size, iso_type_size(cache->tiled.type)) + sizeof(cached_piece) +
+           sizeof(int32_t) + (kind == PIECE_WHOLE ? sizeof(wanted_tile) : 0);
+}
+
+/* Ends that are needed again by the next chunk, the next row of chunks and the next layer of them. */
+static uint64_t ends_to_keep(const tile_cache *cache, int axis) {
+    uint64_t across[3]; /* tiles of a chunk */
+    for (int i = 0; i < 3; i++) {
+        const int side = cache->tiled.tile[i],
+                  tiles = side < cache->chunk_side ? cache->chunk_side / side : 1;
+        across[i] = (uint64_t)iso_min_int(tiles, cache->tiles[i]);
+    }
+    const uint64_t columns = (uint64_t)cache->tiles[0], rows = (uint64_t)cache->tiles[1];
+    if (axis == 0) return 2 * across[1] * across[2];
+    if (axis == 1) return (columns + across[0]) * across[2];
+    return columns * rows + (columns + across[0]) * across[1];
+}
+
+static iso_status table_allocate(piece_table *table, uint64_t most) {
+    table->most = most < INT32_MAX ? (int32_t)most : INT32_MAX;
+    table->slots = iso_alloc_zero((size_t)table->most, sizeof *table->slots);
+    table->heads = iso_alloc((size_t)table->most * sizeof *table->heads);
+    if (!table->slots || !table->heads) return ISO_ERR_NOMEM;
+    for (int32_t i = 0; i < table->most; i++) table->heads[i] = -1;
     return ISO_OK;
+}
+
+/* How many pieces of each kind there is memory for: all tiles if they fit; otherwise ends along x, y and z,
+ * as far as they leave room for the tiles that are read at once, and tiles. Visits of some chunks only read
+ * tiles for the sake of their ends, so that twice as many along x and y are of use. */
+static void divide_memory(const tile_cache *cache, uint64_t bytes, uint64_t most[PIECE_KINDS]) {
+    enum { AT_ONCE = 4 };
+    const uint64_t all = (uint64_t)cache->tiles[0] * (uint64_t)cache->tiles[1] * (uint64_t)cache->tiles[2],
+                   each = piece_bytes(cache, PIECE_WHOLE);
+    memset(most, 0, PIECE_KINDS * sizeof *most);
+    for (int turn = 0; turn < 2; turn++)
+        for (int axis = 0; axis < 3 - turn && bytes / each < all; axis++) {
+            const uint64_t more = ends_to_keep(cache, axis),
+                           needs = more * piece_bytes(cache, PIECE_END + axis);
+            const bool has_ends = cache->kinds[PIECE_END + axis].first[axis] > 0;
+            if (!has_ends || bytes < AT_ONCE * each || needs > bytes - AT_ONCE * each) continue;
+            most[PIECE_END + axis] += more;
+            bytes -= needs;
+        }
+    most[PIECE_WHOLE] = bytes / each > 0 ? bytes / each : 1;
+    if (most[PIECE_WHOLE] > all) most[PIECE_WHOLE] = all;
+}
+
+static void describe_pieces(tile_cache *cache) {
+    for (int kind = 0; kind < PIECE_KINDS; kind++) {
+        piece_table *table = &cache->kinds[kind];
+        const int axis = kind - PIECE_END;
+        memcpy(table->size, cache->tiled.tile, sizeof table->size);
+        if (kind == PIECE_WHOLE || table->size[axis] <= END_LAYERS) continue;
+        table->by_age = true;
+        table->first[axis] = table->size[axis] - END_LAYERS;
+        table->size[axis] = END_LAYERS;
+    }
+}
+
+static iso_status cache_allocate(tile_cache *cache, uint64_t bytes) {
+    uint64_t most[PIECE_KINDS];
+    describe_pieces(cache);
+    divide_memory(cache, bytes, most);
+    for (int kind = 0; kind < PIECE_KINDS; kind++)
+        if (most[kind] && table_allocate(&cache->kinds[kind], most[kind]) != ISO_OK) return ISO_ERR_NOMEM;
+    cache->wanted = iso_alloc((size_t)cache->kinds[PIECE_WHOLE].most * sizeof *cache->wanted);
+    return cache->wanted ? ISO_OK : ISO_ERR_NOMEM;
 }
 
 static iso_status reserve_addresses(tile_cache *cache, uint64_t bytes) {
@@ -306,6 +392,7 @@ iso_status iso_tiled_make_grid(const char *path, const iso_volume_opts *opts, is
         return iso_fail_memory(error, path);
     }
     cache->tiled = *tiled;
+    cache->chunk_side = opts->chunk_side > 0 ? opts->chunk_side : CHUNK_SIDE;
     *tiled = (iso_tiled){0};
     count_tiles(&cache->tiled, cache->tiles);
     if (reserve_addresses(cache, info->bytes) != ISO_OK ||
@@ -319,60 +406,65 @@ iso_status iso_tiled_make_grid(const char *path, const iso_volume_opts *opts, is
 
 /* ---- slots */
 
-static int32_t *head_of(tile_cache *cache, size_t number) {
-    return &cache->heads[number % (size_t)cache->most];
+static int32_t *head_of(piece_table *table, size_t number) {
+    return &table->heads[number % (size_t)table->most];
 }
 
-static int32_t find_slot(tile_cache *cache, size_t number) {
-    int32_t slot = *head_of(cache, number);
-    while (slot >= 0 && cache->slots[slot].number != number) slot = cache->slots[slot].next;
+static int32_t find_slot(piece_table *table, size_t number) {
+    if (!table->most) return -1;
+    int32_t slot = *head_of(table, number);
+    while (slot >= 0 && table->slots[slot].number != number) slot = table->slots[slot].next;
     return slot;
 }
 
-static void unlink_slot(tile_cache *cache, int32_t slot) {
-    int32_t *link = head_of(cache, cache->slots[slot].number);
-    while (*link != slot) link = &cache->slots[*link].next;
-    *link = cache->slots[slot].next;
+static void unlink_slot(piece_table *table, int32_t slot) {
+    int32_t *link = head_of(table, table->slots[slot].number);
+    while (*link != slot) link = &table->slots[*link].next;
+    *link = table->slots[slot].next;
 }
 
-/* A slot with memory that is not in use: a new one, or that of a tile that was not used for a while. Below 0:
- * out of memory. The caller asks for no more slots in a turn than there are. */
-static int32_t free_slot(tile_cache *cache) {
-    if (cache->used < cache->most) {
-        void *values = iso_alloc((size_t)tile_bytes(&cache->tiled));
+/* A slot with memory that is not in use: a new one, or that of a piece that was not used for a while. Below
+ * 0: there is none, or no memory for it. */
+static int32_t free_slot(const tile_cache *cache, piece_table *table) {
+    if (table->used < table->most) {
+        void *values = iso_alloc((size_t)iso_format_size(table->size, iso_type_size(cache->tiled.type)));
         if (values) {
-            cache->slots[cache->used].values = values;
-            return cache->used++;
+            table->slots[table->used].values = values;
+            return table->used++;
         }
     }
-    for (int32_t passed = 0; passed < 2 * cache->used; passed++) {
-        const int32_t slot = cache->hand;
-        cached_tile *tile = &cache->slots[slot];
-        cache->hand = slot + 1 < cache->used ? slot + 1 : 0;
-        if (tile->turn == cache->turn) continue;
-        if (!tile->is_recent) {
-            unlink_slot(cache, slot);
+    for (int32_t passed = 0; passed < 2 * table->used; passed++) {
+        const int32_t slot = table->hand;
+        cached_piece *piece = &table->slots[slot];
+        table->hand = slot + 1 < table->used ? slot + 1 : 0;
+        if (piece->turn == cache->turn) continue;
+        if (!piece->is_recent || table->by_age) {
+            unlink_slot(table, slot);
             return slot;
         }
-        tile->is_recent = false;
+        piece->is_recent = false;
     }
     return -1;
 }
 
-/* The slot of a tile; is_read tells whether it was cached. Below 0: out of memory. */
-static int32_t take_slot(tile_cache *cache, size_t number) {
-    int32_t slot = find_slot(cache, number);
-    if (slot < 0) {
-        slot = free_slot(cache);
+static void use_slot(const tile_cache *cache, piece_table *table, int32_t slot) {
+    table->slots[slot].is_recent = true;
+    table->slots[slot].turn = cache->turn;
+}
+
+/* The slot of a piece; is_read tells whether it was cached. Below 0: there is none. */
+static int32_t take_slot(const tile_cache *cache, piece_table *table, size_t number) {
+    int32_t slot = find_slot(table, number);
+    if (slot < 0 && table->most) {
+        slot = free_slot(cache, table);
         if (slot < 0) return slot;
-        cached_tile *tile = &cache->slots[slot];
-        tile->number = number;
-        tile->is_read = false;
-        tile->next = *head_of(cache, number);
-        *head_of(cache, number) = slot;
+        cached_piece *piece = &table->slots[slot];
+        piece->number = number;
+        piece->is_read = false;
+        piece->next = *head_of(table, number);
+        *head_of(table, number) = slot;
     }
-    cache->slots[slot].is_recent = true;
-    cache->slots[slot].turn = cache->turn;
+    if (slot >= 0) use_slot(cache, table, slot);
     return slot;
 }
 
@@ -421,52 +513,146 @@ static void tile_of_box(const tile_box *box, size_t number, int index[3]) {
 
 typedef struct chunk_reading {
     tile_cache *cache;
+    const iso_grid_chunk *chunk;
     const tile_box *box;
+    int crop[3]; /* the voxel of the volume that is the grid's first */
     target_box target;
     size_t begin; /* the first tile of the box that is in cache->wanted */
     first_failure failure;
 } chunk_reading;
 
+/* The voxels of a chunk that lie in a tile, in the volume's numbers. */
+static void overlap(const chunk_reading *r, const int index[3], int first[3], int end[3]) {
+    for (int axis = 0; axis < 3; axis++) {
+        const int side = r->cache->tiled.tile[axis];
+        const int64_t begin = (int64_t)index[axis] * side;
+        first[axis] = begin > r->box->first[axis] ? (int)begin : r->box->first[axis];
+        end[axis] = begin + side < r->box->end[axis] ? (int)(begin + side) : r->box->end[axis];
+    }
+}
+
+static void copy_piece(const chunk_reading *r, const wanted_tile *wanted, const int index[3]) {
+    const piece_table *table = &r->cache->kinds[wanted->kind];
+    int first[3], end[3];
+    target_box piece = {.data = table->slots[wanted->slot].values,
+                        .stride_y = table->size[0],
+                        .stride_z = (ptrdiff_t)table->size[0] * table->size[1]};
+    for (int axis = 0; axis < 3; axis++)
+        piece.origin[axis] = index[axis] * r->cache->tiled.tile[axis] + table->first[axis];
+    overlap(r, index, first, end);
+    copy_box(iso_type_size(r->cache->tiled.type), &piece, first, end, &r->target);
+}
+
+/* Keeps the last layers of a tile that was read. */
+static void keep_ends(const chunk_reading *r, const wanted_tile *wanted, const void *values) {
+    const int *tile = r->cache->tiled.tile;
+    const target_box whole = {(void *)(uintptr_t)values, tile[0], (ptrdiff_t)tile[0] * tile[1], {0, 0, 0}};
+    for (int axis = 0; axis < 3; axis++) {
+        const piece_table *table = &r->cache->kinds[PIECE_END + axis];
+        if (wanted->ends[axis] < 0) continue;
+        cached_piece *piece = &table->slots[wanted->ends[axis]];
+        const target_box target = {piece->values,
+                                   table->size[0],
+                                   (ptrdiff_t)table->size[0] * table->size[1],
+                                   {table->first[0], table->first[1], table->first[2]}};
+        copy_box(iso_type_size(r->cache->tiled.type), &whole, table->first, tile, &target);
+        piece->is_read = true;
+    }
+}
+
 static void read_task(void *context, size_t number, int worker) {
     (void)worker;
     chunk_reading *r = context;
     const iso_tiled *tiled = &r->cache->tiled;
-    cached_tile *tile = &r->cache->slots[r->cache->wanted[number]];
+    const wanted_tile *wanted = &r->cache->wanted[number];
     iso_error error = {0};
     int index[3];
-    if (!may_begin(&r->failure, number)) return;
+    if (wanted->kind < 0 || !may_begin(&r->failure, number)) return;
+    cached_piece *piece = &r->cache->kinds[wanted->kind].slots[wanted->slot];
     tile_of_box(r->box, r->begin + number, index);
-    if (!tile->is_read) {
-        const iso_status status = tiled->read(tiled->context, index, tile->values, &error);
+    if (!piece->is_read) {
+        const iso_status status = tiled->read(tiled->context, index, piece->values, &error);
         if (status != ISO_OK) {
             failure_enter(&r->failure, number, status, &error);
             return;
         }
-        tile->is_read = true;
+        piece->is_read = true;
+        atomic_fetch_add_explicit(&r->cache->decoded, 1, memory_order_relaxed);
+        keep_ends(r, wanted, piece->values);
     }
-    copy_tile(tiled, index, tile->values, r->box->first, r->box->end, &r->target);
+    copy_piece(r, wanted, index);
+}
+
+static size_t tile_number(const tile_cache *cache, const int index[3]) {
+    return ((size_t)index[2] * (size_t)cache->tiles[1] + (size_t)index[1]) * (size_t)cache->tiles[0] +
+           (size_t)index[0];
+}
+
+/* Finds a piece that has what the chunk needs of a tile. */
+static bool find_piece(const chunk_reading *r, const int index[3], wanted_tile *wanted) {
+    tile_cache *cache = r->cache;
+    const size_t number = tile_number(cache, index);
+    int first[3], end[3];
+    overlap(r, index, first, end);
+    for (int kind = 0; kind < PIECE_KINDS; kind++) {
+        piece_table *table = &cache->kinds[kind];
+        const int axis = kind - PIECE_END;
+        if (kind != PIECE_WHOLE && first[axis] < index[axis] * cache->tiled.tile[axis] + table->first[axis])
+            continue;
+        wanted->slot = find_slot(table, number);
+        if (wanted->slot < 0 || !table->slots[wanted->slot].is_read) continue;
+        wanted->kind = kind;
+        use_slot(cache, table, wanted->slot);
+        return true;
+    }
+    return false;
+}
+
+/* Whether a chunk beyond this one will need the last layers of a tile: a chunk's last tile has some voxels
+ * above the chunk. */
+static bool is_last(const chunk_reading *r, const int index[3], int axis) {
+    const int side = r->cache->tiled.tile[axis];
+    const int64_t end = (int64_t)(index[axis] + 1) * side;
+    return index[axis] + 1 < r->cache->tiles[axis] && end >= r->box->end[axis];
+}
+
+/* Decides what is done with a tile. False: all slots are in use, or there is no memory. */
+static bool want_tile(const chunk_reading *r, const int index[3], wanted_tile *wanted) {
+    tile_cache *cache = r->cache;
+    int first[3], end[3];
+    *wanted = (wanted_tile){.kind = -1, .ends = {-1, -1, -1}};
+    overlap(r, index, first, end);
+    for (int axis = 0; axis < 3; axis++) {
+        first[axis] -= r->crop[axis];
+        end[axis] -= r->crop[axis];
+    }
+    if (!iso_grid_chunk_needs(r->chunk, first, end) || find_piece(r, index, wanted)) return true;
+    const size_t number = tile_number(cache, index);
+    wanted->kind = PIECE_WHOLE;
+    wanted->slot = take_slot(cache, &cache->kinds[PIECE_WHOLE], number);
+    for (int axis = 0; axis < 3 && wanted->slot >= 0; axis++)
+        if (is_last(r, index, axis))
+            wanted->ends[axis] = take_slot(cache, &cache->kinds[PIECE_END + axis], number);
+    return wanted->slot >= 0;
 }
 
 /* Takes slots for as many tiles of the box as the cache holds at once, from tile `begin` on. */
-static int32_t take_slots(tile_cache *cache, const tile_box *box, size_t begin) {
+static int32_t take_slots(const chunk_reading *r, size_t begin) {
+    tile_cache *cache = r->cache;
     int32_t count = 0;
     cache->turn++;
-    for (size_t number = begin; number < box->count && count < cache->most; number++) {
+    for (size_t number = begin; number < r->box->count && count < cache->kinds[PIECE_WHOLE].most; number++) {
         int index[3];
-        tile_of_box(box, number, index);
-        const size_t tile =
-            ((size_t)index[2] * (size_t)cache->tiles[1] + (size_t)index[1]) * (size_t)cache->tiles[0] +
-            (size_t)index[0];
-        const int32_t slot = take_slot(cache, tile);
-        if (slot < 0) break;
-        cache->wanted[count++] = slot;
+        tile_of_box(r->box, number, index);
+        if (!want_tile(r, index, &cache->wanted[count])) break;
+        count++;
     }
     return count;
 }
 
 static iso_status read_tiles(chunk_reading *r, iso_pool *pool, iso_error *error) {
     for (size_t begin = 0; begin < r->box->count;) {
-        const int32_t count = take_slots(r->cache, r->box, begin);
+        const int32_t count = take_slots(r, begin);
         if (!count) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a tile of the volume");
         r->begin = begin;
         failure_init(&r->failure);
@@ -487,7 +673,8 @@ static iso_status read_chunk(void *context, const iso_grid_chunk *chunk, iso_poo
                                  .offset = whole->offset,
                                  .transform = &whole->transform,
                                  .level_set = whole->level_set};
-    chunk_reading r = {.cache = whole->owner, .box = &box};
+    chunk_reading r = {.cache = whole->owner, .chunk = chunk, .box = &box};
+    add_crop(whole, r.crop);
     ISO_TRY(iso_rgrid_create(&desc, grid, error));
     r.target = (target_box){
         .data = (*grid)->data,
@@ -514,9 +701,36 @@ static bool is_constant(void *context, const iso_grid_chunk *chunk, float *value
     return true;
 }
 
+static bool give_back(void *context) {
+    tile_cache *cache = ((const iso_rgrid *)context)->owner;
+    bool given = false;
+    for (int kind = 0; kind < PIECE_KINDS; kind++) {
+        piece_table *table = &cache->kinds[kind];
+        const int32_t most = kind == PIECE_WHOLE && table->most == 1 ? 1 : table->most / 2;
+        given |= most < table->most;
+        for (int32_t i = 0; i < table->used; i++) iso_free(table->slots[i].values);
+        for (int32_t i = 0; i < table->most; i++) table->heads[i] = -1;
+        table->used = table->hand = 0;
+        table->most = most;
+    }
+    return given;
+}
+
+static uint64_t decoded(void *context) {
+    tile_cache *cache = ((const iso_rgrid *)context)->owner;
+    return atomic_load(&cache->decoded) * tile_bytes(&cache->tiled);
+}
+
 iso_chunk_source iso_tiled_source(const iso_rgrid *grid) {
     const tile_cache *cache = grid->owner;
     iso_chunk_source source = iso_chunk_source_of(grid);
+    add_crop(grid, source.in_tile);
+    for (int axis = 0; axis < 3; axis++) {
+        source.tile[axis] = cache->tiled.tile[axis];
+        source.in_tile[axis] %= source.tile[axis];
+    }
+    source.decoded = decoded;
+    source.give_back = give_back;
     source.read = read_chunk;
     if (cache->tiled.is_absent) source.is_constant = is_constant;
     return source;

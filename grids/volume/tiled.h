@@ -58,8 +58,9 @@ iso_status iso_tiled_make_grid(const char *path, const iso_volume_opts *opts, is
 /* Whether a grid was made by iso_tiled_make_grid. */
 bool iso_tiled_is(const iso_rgrid *grid);
 
-/* The source of the chunks of such a grid, which is borrowed. Decoded tiles are kept in a cache, of at most
- * an eighth of the memory limit. Chunks whose tiles are all absent are known to be constant. For one thread
+/* The source of the chunks of such a grid, which is borrowed. A cache of a third of the memory limit keeps
+ * decoded tiles, or of tiles that do not all fit the last layers, which chunks that are visited later need
+ * again. Chunks whose tiles are all absent are known to be constant. For one thread
  * at a time, which `read` may be given a pool. */
 iso_chunk_source iso_tiled_source(const iso_rgrid *grid);
 

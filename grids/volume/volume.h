@@ -73,6 +73,7 @@ typedef struct iso_volume_opts {
      * iso_volume_can_map, and do not count against max_memory then. The grid must not be written to, has no
      * index, and is read through iso_volume_source. */
     bool mapped;
+    int chunk_side;      /* voxels along the side of the chunks that will be read of tiles; 0: 128 */
     iso_file_set *files; /* every file that is read, or will be, is added by iso_volume_read_info and
                             iso_volume_read; NULL is fine */
     iso_pool *pool;

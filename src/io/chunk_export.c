@@ -12,7 +12,7 @@
 /* The bricks of a row (along x) that belong to one chunk are a segment. In the file, rows follow each other
  * along y and z, and the segments of a row along x. */
 typedef struct segments {
-    int side;    /* bricks along a chunk's side */
+    const iso_chunk_cuts *cuts;
     int columns; /* segments of a row */
     int rows;    /* rows of a layer of bricks */
     size_t count;
@@ -21,7 +21,7 @@ typedef struct segments {
 
 static size_t segment_of(const segments *all, const int32_t brick[3]) {
     const size_t row = (size_t)brick[2] * (size_t)all->rows + (size_t)brick[1];
-    return row * (size_t)all->columns + (size_t)(brick[0] / all->side);
+    return row * (size_t)all->columns + (size_t)iso_chunk_with(all->cuts, 0, brick[0]);
 }
 
 static void free_segments(segments *all) {
@@ -30,12 +30,9 @@ static void free_segments(segments *all) {
 }
 
 static iso_status make_segments(const iso_chunk_walk *walk, segments *all, iso_error *error) {
-    const int *dims = iso_chunk_walk_opts_of(walk)->source->dims;
-    int bricks[3];
-    for (int axis = 0; axis < 3; axis++) bricks[axis] = (dims[axis] - 1) / ISO_BRICK + 1;
-    *all = (segments){.side = iso_chunk_walk_side(walk), .rows = bricks[1]};
-    all->columns = (bricks[0] - 1) / all->side + 1;
-    all->count = (size_t)bricks[2] * (size_t)bricks[1] * (size_t)all->columns;
+    const iso_chunk_cuts *cuts = iso_chunk_walk_cuts(walk);
+    *all = (segments){.cuts = cuts, .columns = cuts->counts[0], .rows = cuts->bricks[1]};
+    all->count = (size_t)cuts->bricks[2] * (size_t)all->rows * (size_t)all->columns;
     all->points = iso_alloc_zero(all->count, sizeof *all->points);
     all->triangles = iso_alloc_zero(all->count, sizeof *all->triangles);
     if (all->points && all->triangles) return ISO_OK;

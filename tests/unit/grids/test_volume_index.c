@@ -52,16 +52,24 @@ static void add_all(iso_volume_index *index) {
             }
 }
 
+/* The first brick of the block that has a brick, which lies `before` bricks before a multiple of 4, or 0. */
+static int block_start(int brick, int before) {
+    const int first = (brick + before) / 4 * 4 - before;
+    return first > 0 ? first : 0;
+}
+
 static void check_ranges(const iso_block_ranges *ranges) {
+    const int *before = ranges->before;
     assert_int_equal(ranges->unknown, 0);
     for (int x = 0; x < 10; x++)
         for (int y = 0; y < 5; y++) {
             /* the blocks that overlap bricks x .. x + 1, all y from `y` on, all z */
             const iso_brick_box box = {{x, y, 0}, {x < 9 ? x + 2 : 10, 5, 4}};
             iso_brick_range found, wanted = {INFINITY, -INFINITY, true};
-            const int first = x / 4 * 4, last = (box.end[0] - 1) / 4 * 4 + 3;
+            const int first = block_start(x, before[0]),
+                      last = (box.end[0] - 1 + before[0]) / 4 * 4 - before[0] + 3;
             for (int k = 0; k < 4; k++)
-                for (int j = y / 4 * 4; j < 5; j++)
+                for (int j = block_start(y, before[1]); j < 5; j++)
                     for (int i = first; i <= last && i < 10; i++) {
                         const iso_brick_range one = range_of(i, j, k);
                         wanted.lo = fminf(wanted.lo, one.lo);
@@ -88,6 +96,21 @@ static void blocks_have_the_ranges_of_their_bricks(void **state) {
     add_all(&index);
     check_ranges(&index.ranges);
     iso_volume_index_free(&index);
+}
+
+/* Blocks that are smaller at the beginning, so that others begin elsewhere. */
+static void blocks_begin_where_they_are_to(void **state) {
+    (void)state;
+    for (int shift = 0; shift < 64; shift++) {
+        const int before[3] = {shift % 4, shift / 4 % 4, shift / 16};
+        iso_volume_index index;
+        make_index(&index);
+        iso_block_ranges_free(&index.ranges);
+        assert_int_equal(iso_block_ranges_create(identity.dims, before, &index.ranges, NULL), ISO_OK);
+        add_all(&index);
+        check_ranges(&index.ranges);
+        iso_volume_index_free(&index);
+    }
 }
 
 static void write_index(void) {
@@ -186,6 +209,7 @@ static int set_up(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(blocks_have_the_ranges_of_their_bricks),
+        cmocka_unit_test(blocks_begin_where_they_are_to),
         cmocka_unit_test(indices_are_read_back),
         cmocka_unit_test(unfinished_blocks_begin_anew),
         cmocka_unit_test(other_files_are_not_used),

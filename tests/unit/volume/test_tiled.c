@@ -11,7 +11,7 @@
 #include <cmocka.h>
 
 #include "extract/isovalue/isovalue.h"
-#include "grids/grid_chunk.h"
+#include "grids/chunk_walk.h"
 #include "grids/volume/tiled.h"
 
 /* A volume whose values are computed from the voxel's place. */
@@ -20,6 +20,7 @@ typedef struct made_volume {
     iso_type type;
     int absent_from;  /* tiles from this layer on are absent; 0: none */
     int failing_from; /* tiles from this number on cannot be read; 0: none */
+    int ball;         /* radius of a ball of greater values around the middle; 0: other values */
     atomic_int reads, destroyed;
 } made_volume;
 
@@ -29,6 +30,10 @@ static double value_at(const made_volume *v, int x, int y, int z) {
     const uint32_t mixed = (uint32_t)x * 73856093u ^ (uint32_t)y * 19349663u ^ (uint32_t)z * 83492791u;
     const bool face = x == 0 || y == 0 || z == 0 || x == v->dims[0] - 1 || y == v->dims[1] - 1;
     if (v->absent_from && z / v->tile[2] >= v->absent_from) return ABSENT_VALUE;
+    if (v->ball) {
+        const int dx = x - v->dims[0] / 2, dy = y - v->dims[1] / 2, dz = z - v->dims[2] / 2;
+        return dx * dx + dy * dy + dz * dz < v->ball * v->ball ? 60 + mixed % 50 : 40 - mixed % 40;
+    }
     if (face) return 0; /* padding */
     if (v->type == ISO_FLOAT32 && mixed % 97 == 0) return NAN;
     return mixed % 101 + 3;
@@ -281,6 +286,103 @@ static void test_cache_saves_reading(void **state) {
     iso_rgrid_destroy(grid);
 }
 
+/* A chunk that is visited has the voxels of the windows of its crossed bricks; their tiles are noted. */
+typedef struct walk_check {
+    const made_volume *volume;
+    bool touched[1000]; /* by tile */
+} walk_check;
+
+static iso_status check_bricks(void *context, const iso_chunk_visit *visit, iso_error *error) {
+    walk_check *check = context;
+    const made_volume *v = check->volume;
+    const iso_brick_box *box = &visit->chunk->box;
+    const iso_brick_range *range = visit->chunk->ranges;
+    (void)error;
+    for (int z = box->first[2]; z < box->end[2]; z++)
+        for (int y = box->first[1]; y < box->end[1]; y++)
+            for (int x = box->first[0]; x < box->end[0]; x++, range++) {
+                const int brick[3] = {x, y, z};
+                int first[3], end[3], origin[3], tiles[3];
+                if (!(range->lo < 50 && 50 <= range->hi)) continue;
+                for (int i = 0; i < 3; i++) {
+                    first[i] = brick[i] ? 16 * brick[i] - 1 : 0;
+                    end[i] = 16 * brick[i] + 18 < v->dims[i] ? 16 * brick[i] + 18 : v->dims[i];
+                    origin[i] = 16 * visit->chunk->origin[i];
+                    tiles[i] = (v->dims[i] - 1) / v->tile[i] + 1;
+                }
+                expect_voxels(v, visit->grid, first, end, origin);
+                for (int k = first[2] / v->tile[2]; k <= (end[2] - 1) / v->tile[2]; k++)
+                    for (int j = first[1] / v->tile[1]; j <= (end[1] - 1) / v->tile[1]; j++)
+                        for (int i = first[0] / v->tile[0]; i <= (end[0] - 1) / v->tile[0]; i++)
+                            check->touched[(k * tiles[1] + j) * tiles[0] + i] = true;
+            }
+    return ISO_OK;
+}
+
+/* Walks through chunks read each tile once, with a cache that does not hold them all; walks that know which
+ * bricks the surface crosses read no other tiles than these need, some of them again. */
+static void test_walks(void **state) {
+    static const int volumes[][2][3] = {{{240, 200, 230}, {32, 32, 32}},
+                                        {{230, 190, 210}, {48, 32, 64}},
+                                        {{200, 230, 170}, {40, 25, 50}},
+                                        {{250, 170, 190}, {64, 64, 64}}};
+    (void)state;
+    for (int i = 0; i < 4; i++)
+        for (int threads = 1; threads <= 3; threads += 2) {
+            made_volume v = {.type = ISO_UINT8, .ball = 40};
+            memcpy(v.dims, volumes[i][0], sizeof v.dims);
+            memcpy(v.tile, volumes[i][1], sizeof v.tile);
+            iso_pool *pool = pool_of(threads);
+            iso_rgrid *grid = make_tiled_grid(&v, 14 << 20);
+            const iso_chunk_source source = iso_tiled_source(grid);
+            const iso_chunk_walk_opts opts = {.source = &source, .isovalue = 50, .side = 64, .pool = pool};
+            walk_check check = {.volume = &v};
+            iso_chunk_walk *walk = NULL;
+            int tiles = 1, touched = 0;
+            for (int axis = 0; axis < 3; axis++) tiles *= (v.dims[axis] - 1) / v.tile[axis] + 1;
+            assert_int_equal(iso_chunk_walk_create(&opts, &walk, NULL), ISO_OK);
+            assert_int_equal(iso_chunk_walk_visit(walk, (iso_chunk_share){1, 1}, check_bricks, &check, NULL),
+                             ISO_OK);
+            assert_int_equal(atomic_load(&v.reads), tiles);
+            assert_int_equal(iso_chunk_walk_visit(walk, (iso_chunk_share){1, 1}, check_bricks, &check, NULL),
+                             ISO_OK);
+            for (int t = 0; t < tiles; t++) touched += check.touched[t];
+            const int again = atomic_load(&v.reads) - tiles;
+            if (!(again * 10 <= touched * 12 && touched < tiles))
+                fail_msg("volume %d: %d tiles, %d touched, %d read again", i, tiles, touched, again);
+            assert_int_equal(iso_chunk_walk_stats(walk).bytes_decoded,
+                             (tiles + again) * v.tile[0] * v.tile[1] * v.tile[2]);
+            iso_chunk_walk_destroy(walk);
+            iso_rgrid_destroy(grid);
+            iso_pool_destroy(pool);
+        }
+}
+
+/* Chunks of all cuts make up the volume, none is empty, and where tiles are not larger than chunks each but
+ * the last ends less than a brick before the last voxel that needs no further tile. */
+static void test_cuts(void **state) {
+    (void)state;
+    for (int tile = 0; tile <= 150; tile += tile < 40 ? 1 : 11)
+        for (int in_tile = 0; in_tile < (tile ? tile : 1); in_tile += 1 + tile / 7)
+            for (int side = 16; side <= 128; side *= 2)
+                for (int dim = 1; dim < 400; dim += 37) {
+                    const iso_chunk_source source = {
+                        .dims = {dim, 1, 1}, .tile = {tile, tile, tile}, .in_tile = {in_tile, 0, 0}};
+                    iso_chunk_cuts cuts;
+                    iso_chunk_cuts_make(&source, side, &cuts);
+                    assert_int_equal(iso_chunk_cut(&cuts, 0, 0), 0);
+                    assert_int_equal(iso_chunk_cut(&cuts, 0, cuts.counts[0]), (dim - 1) / 16 + 1);
+                    for (int n = 0; n < cuts.counts[0]; n++) {
+                        const int first = iso_chunk_cut(&cuts, 0, n), end = iso_chunk_cut(&cuts, 0, n + 1);
+                        assert_in_range(end - first, 1, cuts.most[0]);
+                        for (int b = first; b < end; b++) assert_int_equal(iso_chunk_with(&cuts, 0, b), n);
+                        if (!tile || tile > side || n + 1 == cuts.counts[0]) continue;
+                        const int needs = 16 * end + ISO_CHUNK_ABOVE, left = (needs + in_tile) % tile;
+                        assert_in_range(left ? tile - left : 0, 0, 15);
+                    }
+                }
+}
+
 static void test_absent_chunks(void **state) {
     (void)state;
     made_volume v = make_volume(0, ISO_UINT8);
@@ -349,6 +451,7 @@ int main(void) {
         cmocka_unit_test(test_cancelled),     cmocka_unit_test(test_chunks),
         cmocka_unit_test(test_cropped),       cmocka_unit_test(test_cache_saves_reading),
         cmocka_unit_test(test_absent_chunks), cmocka_unit_test(test_failing_chunk),
+        cmocka_unit_test(test_walks),         cmocka_unit_test(test_cuts),
         cmocka_unit_test(test_histograms)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
