@@ -6,8 +6,8 @@
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
-#include <zlib.h>
 
+#include "grids/volume/codecs.h"
 #include "grids/volume/hdf5/hdf5.h"
 
 /* ---- which chunks ---- */
@@ -72,23 +72,10 @@ typedef struct piece {
     size_t bytes;
 } piece;
 
-static bool undo_deflate(const piece *from, piece *to, size_t room) {
-    uLongf bytes = room;
-    if (uncompress(to->data, &bytes, from->data, from->bytes) != Z_OK) return false;
-    to->bytes = bytes;
-    return true;
-}
-
-/* The shuffle filter stores the first bytes of all values, then the second ones, and so on; bytes that do not
- * make up a value follow unchanged. */
-static bool undo_shuffle(const piece *from, piece *to, size_t size) {
-    const size_t count = from->bytes / size;
-    for (size_t byte = 0; byte < size; byte++) {
-        const unsigned char *plane = from->data + byte * count;
-        for (size_t i = 0; i < count; i++) to->data[i * size + byte] = plane[i];
-    }
-    memcpy(to->data + count * size, from->data + count * size, from->bytes - count * size);
-    to->bytes = from->bytes;
+static bool undo_codec(iso_codec codec, const piece *from, piece *to, size_t room, size_t element) {
+    iso_coded coded = {from->data, from->bytes, to->data, room, element, 0};
+    if (iso_codec_undo(codec, &coded)) return false;
+    to->bytes = coded.got;
     return true;
 }
 
@@ -148,19 +135,31 @@ static bool undo_lzf(const piece *from, piece *to, size_t room) {
     return true;
 }
 
+static bool codec_of_filter(int filter, iso_codec *codec) {
+    static const struct {
+        int filter;
+        iso_codec codec;
+    } codecs[] = {{ISO_HDF5_DEFLATE, ISO_CODEC_ZLIB},   {ISO_HDF5_SHUFFLE, ISO_CODEC_SHUFFLE},
+                  {ISO_HDF5_BZIP2, ISO_CODEC_BZIP2},    {ISO_HDF5_BLOSC, ISO_CODEC_BLOSC},
+                  {ISO_HDF5_LZ4, ISO_CODEC_LZ4_BLOCKS}, {ISO_HDF5_ZSTD, ISO_CODEC_ZSTD}};
+    for (size_t i = 0; i < sizeof codecs / sizeof *codecs; i++)
+        if (codecs[i].filter == filter) {
+            *codec = codecs[i].codec;
+            return iso_codec_is_built_in(*codec);
+        }
+    return false;
+}
+
+bool iso_hdf5_knows_filter(int filter) {
+    iso_codec codec;
+    return filter == ISO_HDF5_FLETCHER32 || filter == ISO_HDF5_LZF || codec_of_filter(filter, &codec);
+}
+
 static bool undo_filter(const iso_hdf5_array *array, int filter, const piece *from, piece *to, size_t room) {
-    switch (filter) {
-    case ISO_HDF5_DEFLATE:
-        return undo_deflate(from, to, room);
-    case ISO_HDF5_SHUFFLE:
-        return undo_shuffle(from, to, (size_t)array->element_bytes);
-    case ISO_HDF5_FLETCHER32:
-        return undo_fletcher32(from, to);
-    case ISO_HDF5_LZF:
-        return undo_lzf(from, to, room);
-    default:
-        return false;
-    }
+    iso_codec codec;
+    if (filter == ISO_HDF5_FLETCHER32) return undo_fletcher32(from, to);
+    if (filter == ISO_HDF5_LZF) return undo_lzf(from, to, room);
+    return codec_of_filter(filter, &codec) && undo_codec(codec, from, to, room, (size_t)array->element_bytes);
 }
 
 /* Undoes the filters of a chunk, the last one first; `now` has the chunk as it is stored, and then its

@@ -81,19 +81,15 @@ static const char *filter_name(int filter) {
                  {H5Z_FILTER_SZIP, "szip"},
                  {H5Z_FILTER_NBIT, "nbit"},
                  {H5Z_FILTER_SCALEOFFSET, "scaleoffset"},
-                 {32001, "blosc"},
-                 {32004, "lz4"},
+                 {ISO_HDF5_BZIP2, "bzip2"},
+                 {ISO_HDF5_BLOSC, "blosc"},
+                 {ISO_HDF5_LZ4, "lz4"},
                  {32008, "bitshuffle"},
-                 {32015, "zstd"},
+                 {ISO_HDF5_ZSTD, "zstd"},
                  {32026, "blosc2"}};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++)
         if (names[i].number == filter) return names[i].name;
     return NULL;
-}
-
-static bool is_undone_here(int filter) {
-    return filter == ISO_HDF5_DEFLATE || filter == ISO_HDF5_SHUFFLE || filter == ISO_HDF5_FLETCHER32 ||
-           filter == ISO_HDF5_LZF;
 }
 
 static bool read_filters(hid_t creation, iso_hdf5_array *array) {
@@ -126,7 +122,7 @@ static iso_status check_storage(const iso_hdf5_file *file, hid_t creation, const
         return unsupported(file, array, "has its values in its header (compact layout)", error);
     for (int i = 0; i < array->filter_count; i++) {
         const char *name = filter_name(array->filters[i]);
-        if (is_undone_here(array->filters[i])) continue;
+        if (iso_hdf5_knows_filter(array->filters[i])) continue;
         snprintf(what, sizeof what, "is compressed by filter %d%s%s%s, which isopoint does not read",
                  array->filters[i], name ? " (" : "", name ? name : "", name ? ")" : "");
         return unsupported(file, array, what, error);

@@ -17,7 +17,16 @@ extern "C" {
 enum { ISO_HDF5_AXES = 8, ISO_HDF5_FILTERS = 8, ISO_HDF5_PATH = 1024 };
 
 /* Filters by their registered numbers. */
-enum { ISO_HDF5_DEFLATE = 1, ISO_HDF5_SHUFFLE = 2, ISO_HDF5_FLETCHER32 = 3, ISO_HDF5_LZF = 32000 };
+enum {
+    ISO_HDF5_DEFLATE = 1,
+    ISO_HDF5_SHUFFLE = 2,
+    ISO_HDF5_FLETCHER32 = 3,
+    ISO_HDF5_BZIP2 = 307,
+    ISO_HDF5_LZF = 32000,
+    ISO_HDF5_BLOSC = 32001,
+    ISO_HDF5_LZ4 = 32004,
+    ISO_HDF5_ZSTD = 32015
+};
 
 /* An array of a file that can be read as voxels. Axes are in the order of the file, slowest first. Values
  * that lie in one piece are read in boxes, which count as chunks. */
@@ -98,6 +107,8 @@ typedef struct iso_hdf5_source {
  * iso_hdf5_chunk_room bytes. For several threads. ISO_ERR_IO names the file, the array and the chunk. */
 iso_status iso_hdf5_read_chunk(const iso_hdf5_source *source, const int index[3], void *room, void *target,
                                iso_error *error);
+/* Whether a filter can be undone. */
+bool iso_hdf5_knows_filter(int filter);
 /* Whether a chunk is not in the file, so that all its values are the array's fill value. */
 bool iso_hdf5_is_absent(const iso_hdf5_source *source, const int index[3]);
 /* The fill value, as a value of the stored type. */

@@ -126,8 +126,7 @@ static void describe_codecs(const zarr_volume *v, char *text, size_t room) {
     const iso_zarr_codecs *codecs = &v->array.codecs;
     size_t used = 0;
     for (int i = 0; i < codecs->count && used < room; i++)
-        used += (size_t)snprintf(text + used, room - used, "%s%s", i ? " + " : "",
-                                 iso_zarr_codec_name(codecs->codec[i]));
+        used += (size_t)snprintf(text + used, room - used, "%s%s", i ? " + " : "", codecs->codec[i].name);
     if (!codecs->count) snprintf(text, room, "not compressed");
 }
 

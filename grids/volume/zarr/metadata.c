@@ -272,7 +272,7 @@ static iso_status read_index_codecs(const metadata *m, const json_t *list, iso_e
     if (big) return refuse(m, "its shards' index is big-endian", error);
     for (size_t i = 1; i < json_array_size(list); i++) {
         ISO_TRY(add_codec(m, name_of(json_array_get(list, i)), codecs, error));
-        if (codecs->codec[codecs->count - 1] != ISO_ZARR_CRC32C || codecs->count > 1)
+        if (codecs->codec[codecs->count - 1].codec != ISO_CODEC_CRC32C || codecs->count > 1)
             return refuse(m, "its shards' index is compressed", error);
     }
     return ISO_OK;

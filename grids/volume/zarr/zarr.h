@@ -1,10 +1,11 @@
 /* zarr: the types and functions of the Zarr reader: arrays of Zarr v2 and v3, and multiscale images of
  * OME-Zarr 0.4 and 0.5, in local folders.
  *
- * metadata.c reads the JSON files of an array, ome.c those of an image, codecs.c decodes the bytes of a
- * chunk (Zarr's word for its tiles), chunks.c finds them in files and shards, and format_zarr.c is the
- * reader (a module, with jansson, zlib, libblosc, libzstd and liblz4). All texts of the metadata come from
- * outside: every number is checked, and names of folders cannot lead out of the image's folder.
+ * metadata.c reads the JSON files of an array, ome.c those of an image, codecs.c undoes the codecs of a chunk
+ * (Zarr's word for its tiles) by grids/volume/codecs.h, chunks.c finds them in files and shards, and
+ * format_zarr.c is the reader (a module, with jansson, zlib, libblosc, libzstd and liblz4). All texts of the
+ * metadata come from outside: every number is checked, and names of folders cannot lead out of the image's
+ * folder.
  *
  * Specifications: zarr-specs.readthedocs.io (v2, v3 with its codecs), ngff.openmicroscopy.org (0.4, 0.5).
  */
@@ -13,6 +14,7 @@
 
 #include <jansson.h>
 
+#include "grids/volume/codecs.h"
 #include "grids/volume/format.h"
 
 #ifdef __cplusplus
@@ -23,13 +25,10 @@ enum { ISO_ZARR_AXES = 8, ISO_ZARR_CODECS = 8, ISO_ZARR_LEVELS = 32, ISO_ZARR_NA
 
 /* ---- codecs ---- */
 
-typedef enum iso_zarr_codec {
-    ISO_ZARR_BLOSC,
-    ISO_ZARR_ZSTD,
-    ISO_ZARR_LZ4, /* numcodecs': the size (uint32, little-endian), then a block */
-    ISO_ZARR_ZLIB,
-    ISO_ZARR_GZIP,
-    ISO_ZARR_CRC32C /* four bytes behind the others */
+typedef struct iso_zarr_codec {
+    iso_codec codec;
+    const char *name; /* for messages */
+    size_t element;   /* bytes of a value, for filters */
 } iso_zarr_codec;
 
 /* From bytes to bytes, in the order in which they were applied. */
@@ -38,9 +37,8 @@ typedef struct iso_zarr_codecs {
     int count;
 } iso_zarr_codecs;
 
-/* "blosc", ...; false: `name` is none of them. */
+/* "blosc", ...; false: `name` is none of them, or its library was not there. */
 bool iso_zarr_codec_of_name(const char *name, iso_zarr_codec *codec);
-const char *iso_zarr_codec_name(iso_zarr_codec codec);
 
 /* The bytes that iso_zarr_decode needs beside `bytes` decoded ones. */
 uint64_t iso_zarr_decode_room(uint64_t bytes);

@@ -14,6 +14,15 @@
 #include <hdf5.h>
 #include <zlib.h>
 
+#if ISO_HAVE_CODECS
+#include <blosc.h>
+#include <lz4.h>
+#include <zstd.h>
+#endif
+#if ISO_HAVE_BZIP2
+#include <bzlib.h>
+#endif
+
 #include "file_support.h"
 #include "grids/volume/volume.h"
 #include "make_volumes.h"
@@ -36,6 +45,7 @@ typedef struct storage {
     int rank;
     hsize_t chunk[5]; /* 0: in one piece */
     bool shuffle, deflate, checksum;
+    int filter;     /* the number of a further one; 0: none */
     int x, y, z, c; /* which axis is which; c < 0: none */
 } storage;
 
@@ -63,6 +73,8 @@ static hid_t create_array(hid_t parent, const char *name, const storage *s) {
     if (s->chunk[0]) H5Pset_chunk(creation, s->rank, s->chunk);
     if (s->shuffle) H5Pset_shuffle(creation);
     if (s->deflate) H5Pset_deflate(creation, 6);
+    if (s->filter)
+        assert_true(H5Pset_filter(creation, s->filter, H5Z_FLAG_MANDATORY, 1, (unsigned[]){1}) >= 0);
     if (s->checksum) H5Pset_fletcher32(creation);
     const hid_t array = H5Dcreate2(parent, name, s->type ? s->type : H5T_STD_U8LE,
                                    H5Screate_simple(s->rank, s->sizes, NULL), links, creation, H5P_DEFAULT);
@@ -643,6 +655,116 @@ static void test_damaged(void **state) {
     test_read_damaged(write_file("damaged.h5", &s, true), 8, 150, "damaged.h5");
 }
 
+/* ---- filters of other projects, registered with libhdf5 while files are written ---- */
+
+#if ISO_HAVE_CODECS
+static void put_big(unsigned char *bytes, uint64_t value, int count) {
+    for (int i = count - 1; i >= 0; i--, value >>= 8) bytes[i] = (unsigned char)value;
+}
+
+/* Blocks of 100 bytes; those that do not become smaller are stored as they are. */
+static size_t pack_lz4(const unsigned char *data, size_t bytes, unsigned char *target) {
+    enum { BLOCK = 100 };
+    size_t at = 12;
+    put_big(target, bytes, 8);
+    put_big(target + 8, BLOCK, 4);
+    for (size_t done = 0; done < bytes; done += BLOCK) {
+        const int block = (int)(bytes - done < BLOCK ? bytes - done : BLOCK);
+        int size =
+            LZ4_compress_default((const char *)data + done, (char *)target + at + 4, block, BLOCK + 99);
+        if (size >= block) memcpy(target + at + 4, data + done, (size_t)(size = block));
+        put_big(target + at, (uint64_t)size, 4);
+        at += 4 + (size_t)size;
+    }
+    return at;
+}
+#endif
+
+static const char *const blosc_names[] = {"blosclz", "lz4", "zlib", "zstd"};
+static int blosc_way;
+
+static size_t pack(int filter, const void *data, size_t bytes, void *target, size_t room) {
+#if ISO_HAVE_CODECS
+    if (filter == 32001)
+        return (size_t)blosc_compress_ctx(5, blosc_way % 3, 2, bytes, data, target, room,
+                                          blosc_names[blosc_way % 4], 0, 1);
+    if (filter == 32004) return pack_lz4(data, bytes, target);
+    if (filter == 32015) return ZSTD_compress(target, room, data, bytes, 5);
+#endif
+#if ISO_HAVE_BZIP2
+    unsigned size = (unsigned)room;
+    if (filter == 307 &&
+        BZ2_bzBuffToBuffCompress(target, &size, (char *)(uintptr_t)data, (unsigned)bytes, 9, 0, 0) == BZ_OK)
+        return size;
+#endif
+    return 0;
+}
+
+static size_t apply_filter(int filter, size_t bytes, size_t *room, void **buffer) {
+    const size_t most = 2 * bytes + 4096;
+    void *packed = malloc(most);
+    const size_t size = pack(filter, *buffer, bytes, packed, most);
+    free(*buffer);
+    *buffer = packed;
+    *room = most;
+    return size;
+}
+
+#define APPLY(number)                                                                                        \
+    static size_t apply_##number(unsigned flags, size_t count, const unsigned values[], size_t bytes,        \
+                                 size_t *room, void **buffer) {                                              \
+        (void)flags, (void)count, (void)values;                                                              \
+        return apply_filter(number, bytes, room, buffer);                                                    \
+    }
+APPLY(307)
+APPLY(32001)
+APPLY(32004)
+APPLY(32015)
+
+static void test_filters(void **state) {
+    const H5Z_class2_t filters[] = {
+        {H5Z_CLASS_T_VERS, 307, 1, 1, "bzip2", NULL, NULL, apply_307},
+        {H5Z_CLASS_T_VERS, 32001, 1, 1, "blosc", NULL, NULL, apply_32001},
+        {H5Z_CLASS_T_VERS, 32004, 1, 1, "lz4", NULL, NULL, apply_32004},
+        {H5Z_CLASS_T_VERS, 32015, 1, 1, "zstd", NULL, NULL, apply_32015},
+    };
+    (void)state;
+    for (int i = ISO_HAVE_BZIP2 ? 0 : 1; i < (ISO_HAVE_CODECS ? 4 : 1); i++) {
+        assert_true(H5Zregister(&filters[i]) >= 0);
+        for (int way = 0; way < 12; way++) {
+            storage s = plain();
+            size_t count, damaged = 0;
+            s.type = way % 3 ? H5T_STD_U16LE : H5T_IEEE_F32BE;
+            memcpy(s.chunk, (hsize_t[]){5, 7, 8}, 3 * sizeof *s.chunk);
+            s.filter = filters[i].id;
+            s.shuffle = way & 1;
+            s.checksum = way & 2;
+            blosc_way = way;
+            const char *path = write_file("filter.h5", &s, way & 4);
+            read_and_check(path, &s);
+            read_in_chunks(path);
+            if (way) continue;
+            /* damage behind the header is found, or changes values, and never reaches beyond a chunk */
+            unsigned char *whole = slurp(path, &count);
+            for (size_t at = 1024; at < count; at += (count - 1024) / 60) {
+                iso_volume volume;
+                iso_error error = {0};
+                whole[at] ^= 0x55;
+                spill(vol_path(folder, "bent.h5", 1), whole, count);
+                const iso_status status =
+                    iso_volume_read(vol_path(folder, "bent.h5", 1), NULL, &volume, &error);
+                assert_true(status == ISO_OK || status == ISO_ERR_IO);
+                if (status == ISO_OK) iso_volume_free(&volume);
+                damaged += status != ISO_OK;
+                whole[at] ^= 0x55;
+            }
+            assert_true(damaged > 0);
+            free(whole);
+        }
+        H5Zunregister(filters[i].id);
+    }
+}
+
 static int make_place(void **state) {
     (void)state;
     mkdir(folder, 0777);
@@ -659,6 +781,6 @@ int main(void) {
         cmocka_unit_test(test_vtkhdf),        cmocka_unit_test(test_other_files),
         cmocka_unit_test(test_refused),       cmocka_unit_test(test_huge),
         cmocka_unit_test(test_truncated),     cmocka_unit_test(test_damaged_chunk),
-        cmocka_unit_test(test_damaged)};
+        cmocka_unit_test(test_filters),       cmocka_unit_test(test_damaged)};
     return cmocka_run_group_tests(tests, make_place, NULL);
 }
