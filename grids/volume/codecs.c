@@ -145,6 +145,21 @@ static const char *decode_shuffle(iso_coded *s) {
     return NULL;
 }
 
+static const char *decode_delta(iso_coded *s) {
+    const size_t size = s->element;
+    uint64_t sum = 0;
+    if (s->size > s->room) return too_large;
+    if (size > sizeof sum || s->size % size) return damaged;
+    for (size_t at = 0; at < s->size; at += size) {
+        uint64_t difference = 0;
+        memcpy(&difference, s->input + at, size);
+        sum += difference;
+        memcpy(s->target + at, &sum, size);
+    }
+    s->got = s->size;
+    return NULL;
+}
+
 static const char *decode_crc32c(iso_coded *s) {
     if (s->size < 4) return damaged;
     const size_t bytes = s->size - 4;
@@ -189,6 +204,8 @@ const char *iso_codec_undo(iso_codec codec, iso_coded *s) {
         return decode_zlib(s);
     case ISO_CODEC_SHUFFLE:
         return decode_shuffle(s);
+    case ISO_CODEC_DELTA:
+        return decode_delta(s);
     case ISO_CODEC_CRC32C:
         return decode_crc32c(s);
     default:

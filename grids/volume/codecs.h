@@ -20,7 +20,8 @@ typedef enum iso_codec {
     ISO_CODEC_ZLIB,       /* or gzip, also several of them one behind the other */
     ISO_CODEC_BZIP2,
     ISO_CODEC_SHUFFLE, /* bytes of values of `element` bytes are reordered */
-    ISO_CODEC_CRC32C   /* four bytes behind the others */
+    ISO_CODEC_DELTA, /* little-endian integers of `element` bytes: each is the difference to the one before */
+    ISO_CODEC_CRC32C /* four bytes behind the others */
 } iso_codec;
 
 /* Bytes to decode, and where to: at most `room` bytes. */
@@ -29,7 +30,7 @@ typedef struct iso_coded {
     size_t size;
     unsigned char *target;
     size_t room;
-    size_t element; /* bytes of a value, from 1; for ISO_CODEC_SHUFFLE */
+    size_t element; /* bytes of a value, from 1; for the codecs that say so */
     size_t got;     /* set: bytes at the target */
 } iso_coded;
 

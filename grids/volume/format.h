@@ -97,12 +97,14 @@ typedef enum iso_scalar {
     ISO_SCALAR_UINT64,
     ISO_SCALAR_INT64,
     ISO_SCALAR_FLOAT,
-    ISO_SCALAR_DOUBLE
+    ISO_SCALAR_DOUBLE,
+    ISO_SCALAR_HALF /* 16 bits (IEEE 754), only in Zarr */
 } iso_scalar;
 
 size_t iso_scalar_size(iso_scalar scalar);
 const char *iso_scalar_name(iso_scalar scalar);
-iso_type iso_scalar_stored_type(iso_scalar scalar); /* int8 -> int16, 32/64-bit and double -> float32 */
+iso_type
+iso_scalar_stored_type(iso_scalar scalar); /* int8 -> int16; half, double, 32 and 64 bits -> float32 */
 
 /* The type that legacy VTK files call `word`, in any case; false: they have no such type of number. */
 bool iso_scalar_of_vtk(const char *word, iso_scalar *scalar);

@@ -4,22 +4,39 @@
 
 #include "grids/volume/format.h"
 
-/* X(enumerator, C type, name, stored type) */
+/* X(enumerator, C type, name, stored type, what makes a float of it) */
 #define ISO_SCALAR_MAP(X)                                                                                    \
-    X(UINT8, uint8_t, "uint8", UINT8)                                                                        \
-    X(INT8, int8_t, "int8", INT16)                                                                           \
-    X(UINT16, uint16_t, "uint16", UINT16)                                                                    \
-    X(INT16, int16_t, "int16", INT16)                                                                        \
-    X(UINT32, uint32_t, "uint32", FLOAT32)                                                                   \
-    X(INT32, int32_t, "int32", FLOAT32)                                                                      \
-    X(UINT64, uint64_t, "uint64", FLOAT32)                                                                   \
-    X(INT64, int64_t, "int64", FLOAT32)                                                                      \
-    X(FLOAT, float, "float", FLOAT32)                                                                        \
-    X(DOUBLE, double, "double", FLOAT32)
+    X(UINT8, uint8_t, "uint8", UINT8, (float))                                                               \
+    X(INT8, int8_t, "int8", INT16, (float))                                                                  \
+    X(UINT16, uint16_t, "uint16", UINT16, (float))                                                           \
+    X(INT16, int16_t, "int16", INT16, (float))                                                               \
+    X(UINT32, uint32_t, "uint32", FLOAT32, (float))                                                          \
+    X(INT32, int32_t, "int32", FLOAT32, (float))                                                             \
+    X(UINT64, uint64_t, "uint64", FLOAT32, (float))                                                          \
+    X(INT64, int64_t, "int64", FLOAT32, (float))                                                             \
+    X(FLOAT, float, "float", FLOAT32, (float))                                                               \
+    X(DOUBLE, double, "double", FLOAT32, (float))                                                            \
+    X(HALF, half, "half", FLOAT32, float_of_half)
+
+/* A number of 16 bits: sign, exponent (5), fraction (10). */
+typedef struct half {
+    uint16_t bits;
+} half;
+
+static float float_of_half(half number) {
+    const uint32_t sign = (uint32_t)(number.bits & 0x8000) << 16, exponent = number.bits >> 10 & 31,
+                   fraction = number.bits & 1023;
+    uint32_t bits = sign | (exponent == 31 ? 255 : exponent + 112) << 23 | fraction << 13;
+    float value;
+    memcpy(&value, &bits, sizeof value);
+    if (exponent) return value;
+    value = (float)fraction * 0x1p-24f; /* zero, and what is too small for an exponent */
+    return sign ? -value : value;
+}
 
 size_t iso_scalar_size(iso_scalar scalar) {
     switch (scalar) {
-#define ISO_X(id, ctype, name, stored)                                                                       \
+#define ISO_X(id, ctype, name, stored, convert)                                                              \
     case ISO_SCALAR_##id:                                                                                    \
         return sizeof(ctype);
         ISO_SCALAR_MAP(ISO_X)
@@ -30,7 +47,7 @@ size_t iso_scalar_size(iso_scalar scalar) {
 
 const char *iso_scalar_name(iso_scalar scalar) {
     switch (scalar) {
-#define ISO_X(id, ctype, name, stored)                                                                       \
+#define ISO_X(id, ctype, name, stored, convert)                                                              \
     case ISO_SCALAR_##id:                                                                                    \
         return name;
         ISO_SCALAR_MAP(ISO_X)
@@ -41,7 +58,7 @@ const char *iso_scalar_name(iso_scalar scalar) {
 
 iso_type iso_scalar_stored_type(iso_scalar scalar) {
     switch (scalar) {
-#define ISO_X(id, ctype, name, stored)                                                                       \
+#define ISO_X(id, ctype, name, stored, convert)                                                              \
     case ISO_SCALAR_##id:                                                                                    \
         return ISO_##stored;
         ISO_SCALAR_MAP(ISO_X)
@@ -66,12 +83,12 @@ static inline void reverse(void *value, size_t bytes) {
 
 /* Converts value by value with memcpy, because the values of a file are not always aligned, and because
  * `data` may be the same memory as `target`, when values are converted in place. */
-#define CONVERT(from, to)                                                                                    \
+#define CONVERT(from, to, function)                                                                          \
     for (size_t i = 0; i < count; i++) {                                                                     \
         from value;                                                                                          \
         memcpy(&value, data + i * step, sizeof value);                                                       \
         if (source->swap) reverse(&value, sizeof value);                                                     \
-        to result = (to)value;                                                                               \
+        to result = function(value);                                                                         \
         memcpy((char *)target + i * sizeof result, &result, sizeof result);                                  \
     }
 
@@ -79,9 +96,9 @@ static void to_float(const iso_scalar_source *source, size_t count, void *target
     size_t size = iso_scalar_size(source->scalar), step = size * (size_t)source->components;
     const char *data = (const char *)source->data + size * (size_t)source->component;
     switch (source->scalar) {
-#define ISO_X(id, ctype, name, stored)                                                                       \
+#define ISO_X(id, ctype, name, stored, convert)                                                              \
     case ISO_SCALAR_##id:                                                                                    \
-        CONVERT(ctype, float)                                                                                \
+        CONVERT(ctype, float, convert)                                                                       \
         break;
         ISO_SCALAR_MAP(ISO_X)
 #undef ISO_X
@@ -95,14 +112,14 @@ void iso_scalar_convert(const iso_scalar_source *source, size_t count, iso_type 
     if (type == ISO_FLOAT32 && source->scalar != ISO_SCALAR_FLOAT) {
         to_float(source, count, target);
     } else if (source->scalar == ISO_SCALAR_INT8) {
-        CONVERT(int8_t, int16_t)
+        CONVERT(int8_t, int16_t, (int16_t))
     } else if (source->components == 1 && (!source->swap || size == 1)) {
         if (target != source->data) memcpy(target, data, count * size);
     } else if (size == 1) {
-        CONVERT(uint8_t, uint8_t)
+        CONVERT(uint8_t, uint8_t, (uint8_t))
     } else if (size == 2) {
-        CONVERT(uint16_t, uint16_t)
+        CONVERT(uint16_t, uint16_t, (uint16_t))
     } else {
-        CONVERT(uint32_t, uint32_t)
+        CONVERT(uint32_t, uint32_t, (uint32_t))
     }
 }

@@ -4,10 +4,10 @@
 #include "grids/volume/zarr/zarr.h"
 
 bool iso_zarr_codec_of_name(const char *name, iso_zarr_codec *codec) {
-    static const iso_zarr_codec codecs[] = {{ISO_CODEC_BLOSC, "blosc", 1},  {ISO_CODEC_ZSTD, "zstd", 1},
-                                            {ISO_CODEC_LZ4, "lz4", 1},      {ISO_CODEC_ZLIB, "zlib", 1},
-                                            {ISO_CODEC_ZLIB, "gzip", 1},    {ISO_CODEC_BZIP2, "bz2", 1},
-                                            {ISO_CODEC_CRC32C, "crc32c", 1}};
+    static const iso_zarr_codec codecs[] = {
+        {ISO_CODEC_BLOSC, "blosc", 1},   {ISO_CODEC_ZSTD, "zstd", 1},       {ISO_CODEC_LZ4, "lz4", 1},
+        {ISO_CODEC_ZLIB, "zlib", 1},     {ISO_CODEC_ZLIB, "gzip", 1},       {ISO_CODEC_BZIP2, "bz2", 1},
+        {ISO_CODEC_CRC32C, "crc32c", 1}, {ISO_CODEC_SHUFFLE, "shuffle", 1}, {ISO_CODEC_DELTA, "delta", 1}};
     static const char prefix[] = "numcodecs.";
     if (strncmp(name, prefix, sizeof prefix - 1) == 0) name += sizeof prefix - 1;
     for (size_t i = 0; i < sizeof codecs / sizeof *codecs; i++)

@@ -339,9 +339,10 @@ static iso_status set_fill(zarr_tiles *t, iso_error *error) {
                                        [ISO_SCALAR_UINT64] = {0, 18446744073709551616.0},
                                        [ISO_SCALAR_INT64] = {-0x1p63, 0x1p63},
                                        [ISO_SCALAR_FLOAT] = {-HUGE_VAL, HUGE_VAL},
-                                       [ISO_SCALAR_DOUBLE] = {-HUGE_VAL, HUGE_VAL}};
+                                       [ISO_SCALAR_DOUBLE] = {-HUGE_VAL, HUGE_VAL},
+                                       [ISO_SCALAR_HALF] = {-HUGE_VAL, HUGE_VAL}};
     const iso_zarr_array *array = &t->volume.array;
-    const bool is_real = array->scalar == ISO_SCALAR_FLOAT || array->scalar == ISO_SCALAR_DOUBLE;
+    const bool is_real = array->scalar >= ISO_SCALAR_FLOAT;
     const double fill = array->fill, *range = ranges[array->scalar];
     if (!(fill >= range[0] && fill <= range[1] && (is_real || fill == floor(fill))) &&
         !(isnan(fill) && is_real))

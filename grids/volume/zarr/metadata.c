@@ -117,6 +117,22 @@ static iso_status set_order(const metadata *m, const char *order, iso_error *err
     return ISO_OK;
 }
 
+/* The bits of a number with a fraction: "0x7fc00000". */
+static bool fill_of_bits(const char *text, iso_scalar scalar, double *value) {
+    const bool is_real =
+        scalar == ISO_SCALAR_HALF || scalar == ISO_SCALAR_FLOAT || scalar == ISO_SCALAR_DOUBLE;
+    if (!text || !is_real || strncmp(text, "0x", 2) != 0) return false;
+    if (strspn(text + 2, "0123456789abcdefABCDEF") != 2 * iso_scalar_size(scalar) ||
+        strlen(text + 2) != 2 * iso_scalar_size(scalar))
+        return false;
+    const uint64_t bits = strtoull(text + 2, NULL, 16);
+    const iso_scalar_source source = {.data = &bits, .scalar = scalar, .components = 1};
+    float number;
+    iso_scalar_convert(&source, 1, ISO_FLOAT32, &number);
+    *value = (double)number;
+    return true;
+}
+
 /* null: what absent chunks have is not defined; 0 is what everyone takes. */
 static iso_status read_fill(const metadata *m, iso_error *error) {
     const json_t *fill = json_object_get(m->json, "fill_value");
@@ -129,7 +145,7 @@ static iso_status read_fill(const metadata *m, iso_error *error) {
     if (text && strcmp(text, "NaN") == 0) *value = NAN;
     if (text && strcmp(text, "Infinity") == 0) *value = HUGE_VAL;
     if (text && strcmp(text, "-Infinity") == 0) *value = -HUGE_VAL;
-    if (*value != 0) return ISO_OK;
+    if (*value != 0 || fill_of_bits(text, m->array->scalar, value)) return ISO_OK;
     return refuse(m, "its fill_value is not a number", error);
 }
 
@@ -137,11 +153,33 @@ static bool is_separator(const char *text) {
     return text && (strcmp(text, ".") == 0 || strcmp(text, "/") == 0);
 }
 
-static iso_status add_codec(const metadata *m, const char *name, iso_zarr_codecs *codecs, iso_error *error) {
+/* The size of the integers of which delta stored the differences, as if they were of the same type: "<i2". */
+static bool delta_size(const json_t *settings, size_t *size) {
+    const char *type = json_string_value(json_object_get(settings, "dtype")),
+               *stored = json_string_value(json_object_get(settings, "astype"));
+    if (!type || (stored && strcmp(stored, type) != 0)) return false;
+    if (strlen(type) != 3 || !strchr("<|", type[0]) || !strchr("iu", type[1]) || !strchr("1248", type[2]))
+        return false;
+    *size = (size_t)(type[2] - '0');
+    return true;
+}
+
+/* settings: the object with the codec's parameters. */
+static iso_status add_codec(const metadata *m, const char *name, const json_t *settings,
+                            iso_zarr_codecs *codecs, iso_error *error) {
     if (codecs->count == ISO_ZARR_CODECS) return refuse(m, "has too many codecs", error);
     if (!name) return refuse(m, "has a codec without a name", error);
-    if (!iso_zarr_codec_of_name(name, &codecs->codec[codecs->count]))
-        return refuse_name(m, "the codec", name, error);
+    iso_zarr_codec *codec = &codecs->codec[codecs->count];
+    if (!iso_zarr_codec_of_name(name, codec)) return refuse_name(m, "the codec", name, error);
+    double element = 0;
+    if (codec->codec == ISO_CODEC_SHUFFLE) {
+        const json_t *size = json_object_get(settings, "elementsize");
+        if (!iso_zarr_number(size, 1, 64, &element) || element != floor(element))
+            return refuse(m, "its shuffle has no elementsize of 1 to 64", error);
+        codec->element = (size_t)element;
+    }
+    if (codec->codec == ISO_CODEC_DELTA && !delta_size(settings, &codec->element))
+        return refuse(m, "its delta is not one of little-endian integers that are stored as they are", error);
     codecs->count++;
     return ISO_OK;
 }
@@ -155,7 +193,7 @@ static bool scalar_of_v2(const char *text, iso_scalar *scalar) {
     } names[] = {{"b1", ISO_SCALAR_UINT8},  {"u1", ISO_SCALAR_UINT8},  {"i1", ISO_SCALAR_INT8},
                  {"u2", ISO_SCALAR_UINT16}, {"i2", ISO_SCALAR_INT16},  {"u4", ISO_SCALAR_UINT32},
                  {"i4", ISO_SCALAR_INT32},  {"u8", ISO_SCALAR_UINT64}, {"i8", ISO_SCALAR_INT64},
-                 {"f4", ISO_SCALAR_FLOAT},  {"f8", ISO_SCALAR_DOUBLE}};
+                 {"f2", ISO_SCALAR_HALF},   {"f4", ISO_SCALAR_FLOAT},  {"f8", ISO_SCALAR_DOUBLE}};
     if (!*text || !strchr("<>|", *text)) return false;
     for (size_t i = 0; i < sizeof names / sizeof *names; i++)
         if (strcmp(text + 1, names[i].name) == 0) {
@@ -165,15 +203,17 @@ static bool scalar_of_v2(const char *text, iso_scalar *scalar) {
     return false;
 }
 
+/* Filters are applied before the compressor. */
 static iso_status read_compressor(const metadata *m, iso_error *error) {
     const json_t *compressor = json_object_get(m->json, "compressor"),
                  *filters = json_object_get(m->json, "filters");
-    if (json_array_size(filters) > 0) {
-        const char *id = json_string_value(json_object_get(json_array_get(filters, 0), "id"));
-        return refuse_name(m, "the filter", id ? id : "", error);
+    iso_zarr_codecs *codecs = &m->array->codecs;
+    for (size_t i = 0; i < json_array_size(filters); i++) {
+        const json_t *filter = json_array_get(filters, i);
+        ISO_TRY(add_codec(m, json_string_value(json_object_get(filter, "id")), filter, codecs, error));
     }
     if (!compressor || json_is_null(compressor)) return ISO_OK;
-    return add_codec(m, json_string_value(json_object_get(compressor, "id")), &m->array->codecs, error);
+    return add_codec(m, json_string_value(json_object_get(compressor, "id")), compressor, codecs, error);
 }
 
 static iso_status read_v2(const metadata *m, iso_error *error) {
@@ -209,10 +249,11 @@ static bool scalar_of_v3(const char *text, iso_scalar *scalar) {
     static const struct {
         const char *name;
         iso_scalar scalar;
-    } names[] = {{"bool", ISO_SCALAR_UINT8},    {"uint8", ISO_SCALAR_UINT8},   {"int8", ISO_SCALAR_INT8},
-                 {"uint16", ISO_SCALAR_UINT16}, {"int16", ISO_SCALAR_INT16},   {"uint32", ISO_SCALAR_UINT32},
-                 {"int32", ISO_SCALAR_INT32},   {"uint64", ISO_SCALAR_UINT64}, {"int64", ISO_SCALAR_INT64},
-                 {"float32", ISO_SCALAR_FLOAT}, {"float64", ISO_SCALAR_DOUBLE}};
+    } names[] = {
+        {"bool", ISO_SCALAR_UINT8},    {"uint8", ISO_SCALAR_UINT8},   {"int8", ISO_SCALAR_INT8},
+        {"uint16", ISO_SCALAR_UINT16}, {"int16", ISO_SCALAR_INT16},   {"uint32", ISO_SCALAR_UINT32},
+        {"int32", ISO_SCALAR_INT32},   {"uint64", ISO_SCALAR_UINT64}, {"int64", ISO_SCALAR_INT64},
+        {"float16", ISO_SCALAR_HALF},  {"float32", ISO_SCALAR_FLOAT}, {"float64", ISO_SCALAR_DOUBLE}};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++)
         if (strcmp(text, names[i].name) == 0) {
             *scalar = names[i].scalar;
@@ -271,7 +312,7 @@ static iso_status read_index_codecs(const metadata *m, const json_t *list, iso_e
     ISO_TRY(read_endian(m, json_array_get(list, 0), &big, error));
     if (big) return refuse(m, "its shards' index is big-endian", error);
     for (size_t i = 1; i < json_array_size(list); i++) {
-        ISO_TRY(add_codec(m, name_of(json_array_get(list, i)), codecs, error));
+        ISO_TRY(add_codec(m, name_of(json_array_get(list, i)), NULL, codecs, error));
         if (codecs->codec[codecs->count - 1].codec != ISO_CODEC_CRC32C || codecs->count > 1)
             return refuse(m, "its shards' index is compressed", error);
     }
@@ -315,7 +356,7 @@ static iso_status read_codecs(const metadata *m, const json_t *list, bool in_sha
             has_bytes = true;
             ISO_TRY(read_sharding(m, codec, error));
         } else if (has_bytes && !is_bytes) {
-            ISO_TRY(add_codec(m, name, &m->array->codecs, error));
+            ISO_TRY(add_codec(m, name, json_object_get(codec, "configuration"), &m->array->codecs, error));
         } else {
             return refuse_name(m, "at this place the codec", name, error);
         }

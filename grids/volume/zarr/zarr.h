@@ -37,7 +37,7 @@ typedef struct iso_zarr_codecs {
     int count;
 } iso_zarr_codecs;
 
-/* "blosc", ...; false: `name` is none of them, or its library was not there. */
+/* "blosc", ...; elements have one byte. False: `name` is none of them, or its library was not there. */
 bool iso_zarr_codec_of_name(const char *name, iso_zarr_codec *codec);
 
 /* The bytes that iso_zarr_decode needs beside `bytes` decoded ones. */

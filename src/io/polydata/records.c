@@ -40,6 +40,8 @@ static void load_little(const iso_record_field *field, const unsigned char *at, 
         LOAD(float);
     case ISO_SCALAR_DOUBLE:
         LOAD(double);
+    case ISO_SCALAR_HALF: /* not in these files */
+        break;
     }
 }
 

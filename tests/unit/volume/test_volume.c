@@ -1,5 +1,6 @@
 /* volume: which reader a file gets, what is checked before and after it, raw files, and the real volumes. */
 #define _DEFAULT_SOURCE
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -59,6 +60,24 @@ static void scalars_convert(void **state) {
     iso_scalar_convert(&source, 2, ISO_INT16, in_place);
     assert_int_equal(in_place[0], 0x0201);
     assert_int_equal(in_place[1], 0x0403);
+}
+
+/* All numbers of 16 bits, as the standard (IEEE 754) defines them. */
+static void halves_convert(void **state) {
+    (void)state;
+    for (uint32_t bits = 0; bits < 65536; bits++) {
+        const uint16_t number = (uint16_t)bits;
+        const iso_scalar_source source = {&number, ISO_SCALAR_HALF, 1, 0, false};
+        const int exponent = (int)(bits >> 10 & 31), fraction = (int)(bits & 1023);
+        double wanted = exponent == 31 ? (fraction ? NAN : INFINITY)
+                        : exponent     ? ldexp(1024 + fraction, exponent - 25)
+                                       : ldexp(fraction, -24);
+        float got;
+        if (bits & 0x8000) wanted = -wanted;
+        iso_scalar_convert(&source, 1, ISO_FLOAT32, &got);
+        assert_true(isnan(wanted) ? isnan(got)
+                                  : (double)got == wanted && (signbit(got) != 0) == (bits >> 15 & 1));
+    }
 }
 
 /* ---- raw ---- */
@@ -447,6 +466,7 @@ static void headsq_keeps_its_handedness(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(scalars_convert),
+        cmocka_unit_test(halves_convert),
         cmocka_unit_test(raw_layouts_parse),
         cmocka_unit_test(raw_files_are_read),
         cmocka_unit_test(raw_files_that_do_not_fit),

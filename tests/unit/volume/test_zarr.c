@@ -18,6 +18,9 @@
 #include <lz4.h>
 #include <zlib.h>
 #include <zstd.h>
+#if ISO_HAVE_BZIP2
+#include <bzlib.h>
+#endif
 
 #include "base/crc32c.h"
 #include "file_support.h"
@@ -30,7 +33,8 @@ static const char folder[] = ISO_TEST_TMP "/zarr";
 
 enum { AXES = 4, MOST_BYTES = 1 << 20 }; /* c z y x */
 
-typedef enum coding { PLAIN, ZLIB, GZIP, ZSTD, LZ4, BLOSC, CODINGS } coding;
+typedef enum coding { PLAIN, ZLIB, GZIP, ZSTD, LZ4, BLOSC, BZ2, ALL_CODINGS } coding;
+enum { CODINGS = ISO_HAVE_BZIP2 ? ALL_CODINGS : BZ2 };
 
 /* How an array is written. */
 typedef struct layout {
@@ -44,6 +48,8 @@ typedef struct layout {
     const char *compressor; /* of blosc */
     int missing;            /* the number of a chunk that is not written; -1: none */
     const char *fill;
+    const char *fill_text; /* how the metadata have it; NULL: as it is */
+    bool delta, shuffle;   /* filters; delta only in version 2 */
 } layout;
 
 static layout usual(int version) {
@@ -66,11 +72,21 @@ static int size_of(const layout *l) {
     return l->type[1] - '0';
 }
 
+/* The bits of a whole number from 0 to 2047 as a float of 16 bits. */
+static uint16_t half_of(int value) {
+    int exponent = 0;
+    while (value >> exponent > 1) exponent++;
+    return value ? (uint16_t)((exponent + 15) << 10 | ((value << (10 - exponent)) & 1023)) : 0;
+}
+
 static void store(const layout *l, double value, unsigned char *target) {
     const int size = size_of(l);
     const float real = (float)value;
     const int64_t integer = (int64_t)value;
-    if (l->type[0] == 'f')
+    const uint16_t half = half_of((int)value);
+    if (l->type[0] == 'f' && size == 2)
+        memcpy(target, &half, sizeof half);
+    else if (l->type[0] == 'f')
         memcpy(target, size == 4 ? (const void *)&real : (const void *)&value, (size_t)size);
     else
         memcpy(target, &integer, (size_t)size);
@@ -84,6 +100,22 @@ static void store(const layout *l, double value, unsigned char *target) {
 /* ---- writing */
 
 static unsigned char plain[MOST_BYTES], coded[MOST_BYTES], shard[4 * MOST_BYTES];
+
+/* Filters of integers, as numcodecs has them. */
+static void apply_filters(const layout *l, size_t bytes) {
+    const size_t size = (size_t)size_of(l), count = bytes / size;
+    for (size_t i = count - 1; l->delta && i > 0; i--) {
+        uint64_t own = 0, before = 0;
+        memcpy(&own, plain + i * size, size);
+        memcpy(&before, plain + (i - 1) * size, size);
+        own -= before;
+        memcpy(plain + i * size, &own, size);
+    }
+    if (!l->shuffle) return;
+    for (size_t i = 0; i < count; i++)
+        for (size_t byte = 0; byte < size; byte++) coded[byte * count + i] = plain[i * size + byte];
+    memcpy(plain, coded, bytes);
+}
 
 static size_t fill_chunk(const layout *l, const int index[AXES]) {
     int at[AXES];
@@ -100,6 +132,7 @@ static size_t fill_chunk(const layout *l, const int index[AXES]) {
                     store(l, value_at(at), plain + bytes);
                     bytes += (size_t)size_of(l);
                 }
+    apply_filters(l, bytes);
     return bytes;
 }
 
@@ -132,6 +165,15 @@ static size_t code_chunk(const layout *l, size_t bytes) {
         size = (size_t)blosc_compress_ctx(5, 1, (size_t)size_of(l), bytes, plain, coded, MOST_BYTES,
                                           l->compressor, 0, 1);
         break;
+#if ISO_HAVE_BZIP2
+    case BZ2: {
+        unsigned room = MOST_BYTES;
+        assert_int_equal(
+            BZ2_bzBuffToBuffCompress((char *)coded, &room, (char *)plain, (unsigned)bytes, 9, 0, 0), BZ_OK);
+        size = room;
+        break;
+    }
+#endif
     default:
         memcpy(coded, plain, bytes);
     }
@@ -156,18 +198,24 @@ static void chunk_name(const layout *l, const char *path, const int index[AXES],
 }
 
 static void write_metadata(const layout *l, const char *path) {
-    char text[4096], codecs[1024] = "", endian[64], file[600];
-    static const char *const names[CODINGS] = {NULL, "zlib", "gzip", "zstd", "lz4", "blosc"};
+    char text[4096], codecs[1024] = "", endian[64], file[600], filters[200] = "null";
+    static const char *const names[ALL_CODINGS] = {NULL, "zlib", "gzip", "zstd", "lz4", "blosc", "bz2"};
+    const char *fill = l->fill_text ? l->fill_text : l->fill;
+    char delta[100] = "", shuffle[100] = "";
+    if (l->delta) snprintf(delta, sizeof delta, "{\"id\":\"delta\",\"dtype\":\"<%s\"}", l->type);
+    if (l->shuffle) snprintf(shuffle, sizeof shuffle, "{\"id\":\"shuffle\",\"elementsize\":%d}", size_of(l));
+    if (l->delta || l->shuffle)
+        snprintf(filters, sizeof filters, "[%s%s%s]", delta, *delta && *shuffle ? "," : "", shuffle);
     snprintf(endian, sizeof endian, "{\"name\":\"bytes\",\"configuration\":{\"endian\":\"%s\"}}",
              l->big ? "big" : "little");
     if (l->version == 2) {
         if (names[l->coding]) snprintf(codecs, sizeof codecs, "{\"id\":\"%s\"}", names[l->coding]);
         snprintf(text, sizeof text,
                  "{\"zarr_format\":2,\"shape\":[%d,%d,%d,%d],\"chunks\":[%d,%d,%d,%d],\"dtype\":\"%c%s\","
-                 "\"order\":\"%c\",\"fill_value\":%s,\"filters\":null,\"compressor\":%s,"
+                 "\"order\":\"%c\",\"fill_value\":%s,\"filters\":%s,\"compressor\":%s,"
                  "\"dimension_separator\":\"%c\"}",
                  l->shape[0], l->shape[1], l->shape[2], l->shape[3], l->chunk[0], l->chunk[1], l->chunk[2],
-                 l->chunk[3], l->big ? '>' : '<', l->type, l->order[0] ? 'F' : 'C', l->fill,
+                 l->chunk[3], l->big ? '>' : '<', l->type, l->order[0] ? 'F' : 'C', fill, filters,
                  *codecs ? codecs : "null", l->separator);
         snprintf(file, sizeof file, "%s/.zarray", path);
         vol_write_text(file, text);
@@ -179,10 +227,14 @@ static void write_metadata(const layout *l, const char *path) {
                           "{\"name\":\"transpose\",\"configuration\":{\"order\":[%d,%d,%d,%d]}},",
                           l->order[0], l->order[1], l->order[2], l->order[3]);
     length += snprintf(codecs + length, sizeof codecs - (size_t)length, "%s", endian);
+    if (l->shuffle)
+        length +=
+            snprintf(codecs + length, sizeof codecs - (size_t)length,
+                     ",{\"name\":\"numcodecs.shuffle\",\"configuration\":{\"elementsize\":%d}}", size_of(l));
     if (names[l->coding])
-        length += snprintf(codecs + length, sizeof codecs - (size_t)length,
-                           ",{\"name\":\"%s%s\",\"configuration\":{}}",
-                           l->coding == LZ4 || l->coding == ZLIB ? "numcodecs." : "", names[l->coding]);
+        length += snprintf(
+            codecs + length, sizeof codecs - (size_t)length, ",{\"name\":\"%s%s\",\"configuration\":{}}",
+            l->coding == LZ4 || l->coding == ZLIB || l->coding == BZ2 ? "numcodecs." : "", names[l->coding]);
     if (l->checked) snprintf(codecs + length, sizeof codecs - (size_t)length, ",{\"name\":\"crc32c\"}");
     char all[2048];
     int outer[AXES];
@@ -202,6 +254,7 @@ static void write_metadata(const layout *l, const char *path) {
                        : strcmp(l->type, "i2") == 0 ? "int16"
                        : strcmp(l->type, "u4") == 0 ? "uint32"
                        : strcmp(l->type, "i8") == 0 ? "int64"
+                       : strcmp(l->type, "f2") == 0 ? "float16"
                        : strcmp(l->type, "f4") == 0 ? "float32"
                                                     : "float64";
     snprintf(text, sizeof text,
@@ -210,7 +263,7 @@ static void write_metadata(const layout *l, const char *path) {
              "\"chunk_key_encoding\":{\"name\":\"%s\",\"configuration\":{\"separator\":\"%c\"}},"
              "\"fill_value\":%s,\"codecs\":[%s],\"dimension_names\":[\"c\",\"z\",\"y\",\"x\"]}",
              l->shape[0], l->shape[1], l->shape[2], l->shape[3], kind, outer[0], outer[1], outer[2], outer[3],
-             l->prefix ? "default" : "v2", l->separator, l->fill, all);
+             l->prefix ? "default" : "v2", l->separator, fill, all);
     snprintf(file, sizeof file, "%s/zarr.json", path);
     vol_write_text(file, text);
 }
@@ -320,7 +373,7 @@ static void write_and_check(const layout *l) {
 }
 
 static void test_every_layout(void **state) {
-    static const char *const types[] = {"u1", "i1", "u2", "i2", "u4", "i8", "f4", "f8"};
+    static const char *const types[] = {"u1", "i1", "u2", "i2", "u4", "i8", "f4", "f8", "f2"};
     static const int orders[][AXES] = {{0, 1, 2, 3}, {3, 2, 1, 0}, {1, 3, 0, 2}};
     (void)state;
     for (int version = 2; version <= 3; version++)
@@ -329,7 +382,7 @@ static void test_every_layout(void **state) {
                 layout l = usual(version);
                 l.coding = (coding)kind;
                 l.compressor = (const char *const[]){"blosclz", "lz4", "lz4hc", "zlib", "zstd"}[variant % 5];
-                l.type = types[(variant + kind) % 8];
+                l.type = types[(variant + kind) % 9];
                 l.big = variant % 2;
                 l.separator = variant % 3 ? '/' : '.';
                 memcpy(l.order, orders[variant % (version == 2 ? 2 : 3)], sizeof l.order);
@@ -343,6 +396,56 @@ static void test_every_layout(void **state) {
                 }
                 write_and_check(&l);
             }
+}
+
+/* Filters before the compressor. */
+static void test_filters(void **state) {
+    static const char *const types[] = {"u1", "i1", "u2", "i2", "u4", "i8", "f4"};
+    (void)state;
+    for (int version = 2; version <= 3; version++)
+        for (int variant = 0; variant < 21; variant++) {
+            layout l = usual(version);
+            l.type = types[variant % 7];
+            l.coding = (coding)(variant % 5);
+            l.delta = version == 2 && variant % 7 != 6 && variant % 3 != 1;
+            l.shuffle = variant % 3 != 0;
+            write_and_check(&l);
+        }
+}
+
+/* Fill values that are written as the bits of numbers, and as words. */
+static void test_fill_values(void **state) {
+    static const struct {
+        const char *type, *text, *fill;
+    } values[] = {{"f4", "\"0x40e00000\"", "7"},   {"f8", "\"0x401C000000000000\"", "7"},
+                  {"f2", "\"0x4700\"", "7"},       {"f2", "\"0x0001\"", "5.9604644775390625e-08"},
+                  {"f4", "\"-Infinity\"", "-inf"}, {"f2", "\"0x7c00\"", "inf"},
+                  {"f4", "\"0x80000000\"", "0"}};
+    static const char *const nans[][2] = {
+        {"f4", "\"NaN\""}, {"f4", "\"0x7fc00000\""}, {"f8", "\"0x7ff8000000000001\""}, {"f2", "\"0xfe01\""}};
+    char path[256];
+    (void)state;
+    for (size_t i = 0; i < sizeof values / sizeof *values; i++) {
+        layout l = usual(3);
+        l.type = values[i].type;
+        l.fill = values[i].fill;
+        l.fill_text = values[i].text;
+        l.missing = 5;
+        write_and_check(&l);
+    }
+    for (size_t i = 0; i < sizeof nans / sizeof *nans; i++) {
+        layout l = usual(3);
+        int at[AXES] = {0};
+        l.type = nans[i][0];
+        l.fill = nans[i][1];
+        l.missing = 0;
+        snprintf(path, sizeof path, "%s/array", folder);
+        write_array(&l, path);
+        iso_volume volume = test_read_volume(path, NULL);
+        assert_true(is_missing(&l, at) && isnan(iso_grid_at(&volume.grid, 0, 0, 0)));
+        assert_true(iso_grid_at(&volume.grid, 18, 12, 10) == 7 * 18 + 3 * 12 + 110 - 240);
+        iso_volume_free(&volume);
+    }
 }
 
 /* Chunk by chunk, with a cache too small for all. */
@@ -546,7 +649,11 @@ static void test_bad_metadata(void **state) {
                    {"\"C\"", "\"D\"", "order"},
                    {"_value\":0", "_value\":\"x\"", "fill_value"},
                    {"_value\":0", "_value\":1e6", "fill_value"},
+                   {"_value\":0", "_value\":\"0x0007\"", "fill_value"},
                    {"filters\":null", "filters\":[{\"id\":\"delta\"}]", "delta"},
+                   {"filters\":null", "filters\":[{\"id\":\"delta\",\"dtype\":\"<f4\"}]", "delta"},
+                   {"filters\":null", "filters\":[{\"id\":\"shuffle\",\"elementsize\":0}]", "shuffle"},
+                   {"filters\":null", "filters\":[{\"id\":\"fixedscaleoffset\"}]", "fixedscaleoffset"},
                    {"compressor\":null", "compressor\":{\"id\":\"lzma\"}", "lzma"},
                    {"compressor\":null", "compressor\":{}", "codec"},
                    {"format\":2", "format\":1", "zarr_format"},
@@ -578,6 +685,7 @@ int main(void) {
         cmocka_unit_test(test_every_layout),   cmocka_unit_test(test_chunks),
         cmocka_unit_test(test_images),         cmocka_unit_test(test_paths_stay_below),
         cmocka_unit_test(test_damaged_chunks), cmocka_unit_test(test_bombs),
-        cmocka_unit_test(test_bad_metadata)};
+        cmocka_unit_test(test_bad_metadata),   cmocka_unit_test(test_filters),
+        cmocka_unit_test(test_fill_values)};
     return cmocka_run_group_tests(tests, make_place, NULL);
 }
