@@ -189,15 +189,24 @@ iso_status iso_loader_open(iso_loader *loader, iso_error *error) {
     return find_crop(loader, error);
 }
 
-static iso_status read_points(iso_loader *loader, iso_error *error) {
+static iso_read_opts read_opts(iso_loader *loader) {
     const uint64_t limit = memory_limit(loader);
-    const iso_read_opts opts = {.max_memory = limit == UINT64_MAX ? 0 : limit,
-                                .space = loader->space,
-                                .every = loader->every,
-                                .columns = loader->columns,
-                                .normals_from_faces = true,
-                                .files = loader->files,
-                                .report = &loader->report};
+    return (iso_read_opts){.max_memory = limit == UINT64_MAX ? 0 : limit,
+                           .space = loader->space,
+                           .every = loader->every,
+                           .columns = loader->columns,
+                           .normals_from_faces = true,
+                           .files = loader->files,
+                           .report = &loader->report};
+}
+
+bool iso_loader_map_points(iso_loader *loader, iso_mapped_points *points) {
+    const iso_read_opts opts = read_opts(loader);
+    return iso_mapped_points_open(loader->path, &opts, loader->pool, points);
+}
+
+static iso_status read_points(iso_loader *loader, iso_error *error) {
+    const iso_read_opts opts = read_opts(loader);
     return iso_glyphs_read(loader->path, &opts, &loader->points, error);
 }
 

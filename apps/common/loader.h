@@ -16,11 +16,10 @@
 
 #include "apps/common/input_spool.h"
 #include "base/file.h"
-#include "base/glyphs.h"
 #include "base/parallel.h"
 #include "extract/isovalue/isovalue.h"
 #include "grids/volume/input.h"
-#include "io/read_opts.h"
+#include "io/glyphs/mapped_points.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -77,6 +76,10 @@ iso_status iso_loader_open(iso_loader *loader, iso_error *error);
 /* Reads the voxels and crops them to `crop`, or reads the points. Errors: those of iso_volume_read and
  * iso_glyphs_read. */
 iso_status iso_loader_read(iso_loader *loader, iso_error *error);
+
+/* Maps the points instead of reading them: iso_mapped_points_open, for iso_mapped_points_close. False: they
+ * must be read. */
+bool iso_loader_map_points(iso_loader *loader, iso_mapped_points *points);
 
 /* Returns whether the voxels stay in the tiles of a file (grids/volume/tiled.h), so that only chunks of
  * them can be read. */

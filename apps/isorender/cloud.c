@@ -97,19 +97,60 @@ static iso_status choose_opacities(isorender_job *job, iso_error *error) {
                                        error);
 }
 
-iso_status isorender_cloud_read(isorender_job *job, iso_error *error) {
-    const isorender_settings *settings = job->settings;
-    iso_cloud *cloud = &job->cloud;
+/* Makes the cloud of points in memory. */
+static iso_status make_cloud(isorender_job *job, iso_error *error) {
+    const iso_glyphs *points = &job->loader.points;
+    const iso_cloud_opts opts = cloud_opts(job);
+    const iso_point_source source = iso_point_source_of_glyphs(points);
+    iso_point_survey survey;
+    ISO_TRY(iso_point_source_survey(&source, job->pool, &survey, error));
+    ISO_TRY(iso_cloud_frame(&source, &survey, &job->cloud_frame, &job->outside_frame, error));
+    return iso_cloud_make(points, &opts, &job->cloud, error);
+}
+
+static iso_status read_cloud(isorender_job *job, iso_error *error) {
+    ISO_TRY(iso_loader_read(&job->loader, error));
     isorender_log_report(job, "", &job->loader.report);
     if (!job->loader.points.count) return iso_fail(error, ISO_ERR_EMPTY, "holds no usable point");
     if (job->gaussians && !job->loader.points.gaussians)
         return iso_fail(error, ISO_ERR_FORMAT, "its Gaussians are not one number for each property");
     ISO_TRY(crop(job, error));
     ISO_TRY(color(job, error));
-    const iso_cloud_opts opts = cloud_opts(job);
-    ISO_TRY(iso_cloud_frame(&job->loader.points, &job->cloud_frame, &job->outside_frame, error));
-    ISO_TRY(iso_cloud_make(&job->loader.points, &opts, cloud, error));
-    if (!settings->info && !job->gaussians) iso_glyphs_free(&job->loader.points);
+    ISO_TRY(make_cloud(job, error));
+    if (!job->settings->info && !job->gaussians) iso_glyphs_free(&job->loader.points);
+    return ISO_OK;
+}
+
+/* Whether the settings ask for nothing but the positions, normals and colours of a file, and one radius. */
+static bool is_drawn_as_stored(const isorender_job *job) {
+    const isorender_settings *settings = job->settings;
+    return settings->radius > 0 && settings->normals != ISORENDER_NORMALS_AUTO && !settings->info &&
+           !settings->cloud.color_by && !settings->common.input.cropped_mm && !job->gaussians;
+}
+
+/* Makes the cloud of a file without reading its points into memory first, which saves most of the time of
+ * large ones. *made: false if that is not possible. */
+static iso_status map_cloud(isorender_job *job, bool *made, iso_error *error) {
+    iso_mapped_points points;
+    *made = is_drawn_as_stored(job) && iso_loader_map_points(&job->loader, &points);
+    if (!*made) return ISO_OK;
+    iso_status status =
+        iso_cloud_frame(&points.source, &points.survey, &job->cloud_frame, &job->outside_frame, error);
+    if (status == ISO_OK)
+        status = iso_cloud_make_of_source(&points.source, &points.survey, job->settings->radius, job->pool,
+                                          &job->cloud, error);
+    iso_mapped_points_close(&points);
+    return status;
+}
+
+iso_status isorender_cloud_read(isorender_job *job, iso_error *error) {
+    const iso_cloud *cloud = &job->cloud;
+    bool made;
+    ISO_TRY(map_cloud(job, &made, error));
+    if (made)
+        isorender_log_report(job, "", &job->loader.report);
+    else
+        ISO_TRY(read_cloud(job, error));
     const double percent = 100.0 / (double)cloud->count;
     if (cloud->estimated_normals)
         isorender_log_verbose(job, "normals of %.4g %% of the points are estimated from their neighbours",

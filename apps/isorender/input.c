@@ -172,7 +172,7 @@ static iso_status read_objects(isorender_job *job, iso_error *error) {
 }
 
 iso_status isorender_read(isorender_job *job, iso_error *error) {
-    if (!job->settings->no_input) ISO_TRY(iso_loader_read(&job->loader, error));
+    if (job->has_volume) ISO_TRY(iso_loader_read(&job->loader, error));
     if (job->has_volume) log_notes(job);
     if (job->loader.has_points) ISO_TRY(isorender_cloud_read(job, error));
     ISO_TRY(isorender_volumes_read(job, error));

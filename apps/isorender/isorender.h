@@ -158,8 +158,8 @@ iso_box isorender_bounds(const isorender_job *job, const iso_vec3 vectors[3]);
 
 /* ISO_ERR_USAGE for options that need a volume. */
 iso_status isorender_cloud_check(const isorender_settings *settings, iso_error *error);
-/* Makes job->cloud of the points that were read, as the settings say, and frees those. ISO_ERR_EMPTY: no
- * point is left; other errors as iso_cloud_make. */
+/* Reads the points and makes job->cloud of them, as the settings say. ISO_ERR_EMPTY: no point is left; other
+ * errors as iso_loader_read and iso_cloud_make. */
 iso_status isorender_cloud_read(isorender_job *job, iso_error *error);
 /* Prints the lines of --info about the points. */
 void isorender_cloud_info(const isorender_job *job);

@@ -34,8 +34,7 @@ iso_vec3 iso_glyph_position(const iso_glyphs *glyphs, size_t index) {
     return iso_vec3_add(glyphs->origin, iso_vec3_make((double)p[0], (double)p[1], (double)p[2]));
 }
 
-bool iso_glyph_is_inside(const iso_glyphs *glyphs, size_t index, const iso_box *box) {
-    const iso_vec3 p = iso_glyph_position(glyphs, index);
+bool iso_position_is_inside(iso_vec3 p, const iso_box *box) {
     return p.x >= box->lo.x && p.x <= box->hi.x && p.y >= box->lo.y && p.y <= box->hi.y && p.z >= box->lo.z &&
            p.z <= box->hi.z;
 }
@@ -48,7 +47,7 @@ static void move_item(void *array, size_t bytes, size_t from, size_t to) {
 void iso_glyphs_crop(iso_glyphs *glyphs, const iso_box *box) {
     size_t kept = 0;
     for (size_t i = 0; i < glyphs->count; i++) {
-        if (!iso_glyph_is_inside(glyphs, i, box)) continue;
+        if (!iso_position_is_inside(iso_glyph_position(glyphs, i), box)) continue;
         move_item(glyphs->positions, sizeof *glyphs->positions, i, kept);
         move_item(glyphs->radii, sizeof *glyphs->radii, i, kept);
         move_item(glyphs->directions, sizeof *glyphs->directions, i, kept);

@@ -39,9 +39,10 @@ typedef struct iso_glyphs {
 void iso_glyphs_free(iso_glyphs *glyphs);
 /* World box of all positions, without sizes; empty when there are none. */
 iso_box iso_glyphs_bounds(const iso_glyphs *glyphs);
-/* The position of a glyph in the world, and whether it lies in a box; the box's faces belong to it. */
+/* The position of a glyph in the world. */
 iso_vec3 iso_glyph_position(const iso_glyphs *glyphs, size_t index);
-bool iso_glyph_is_inside(const iso_glyphs *glyphs, size_t index, const iso_box *box);
+/* Whether a position lies in a box; the box's faces belong to it. */
+bool iso_position_is_inside(iso_vec3 position, const iso_box *box);
 /* Removes the glyphs whose positions lie outside a world box; its faces belong to it. */
 void iso_glyphs_crop(iso_glyphs *glyphs, const iso_box *box);
 /* The radius in mm with which glyphs without sizes are drawn: a seventh of their mean distance if they fill

@@ -94,15 +94,25 @@ iso_vec3 iso_brick_position(const int32_t brick[3], const float position[3]) {
                          brick[2] * (double)ISO_BRICK + position[2]);
 }
 
-iso_box iso_point_view_bounds(const iso_point_view *view) {
-    iso_box box = iso_box_empty();
-    for (size_t s = 0; s < view->span_count; s++) {
-        const iso_point_span *span = &view->spans[s];
-        for (uint32_t i = 0; i < span->count; i++) {
-            iso_surfel surfel = iso_point_view_get(view, span->first + i);
-            iso_box_add(&box, iso_brick_position(span->brick, surfel.position));
+/* Adds the points of a span. Rounding keeps the order of coordinates, so only the smallest and the largest
+ * ones in the brick are converted. */
+static void add_span(const iso_point_view *view, const iso_point_span *span, iso_box *box) {
+    float lo[3] = {NAN, NAN, NAN}, hi[3] = {NAN, NAN, NAN};
+    for (uint32_t i = 0; i < span->count; i++) {
+        const iso_surfel surfel = iso_point_view_get(view, span->first + i);
+        for (int axis = 0; axis < 3; axis++) {
+            const float p = surfel.position[axis];
+            lo[axis] = p >= lo[axis] || isnan(p) ? lo[axis] : p;
+            hi[axis] = p <= hi[axis] || isnan(p) ? hi[axis] : p;
         }
     }
+    iso_box_add(box, iso_brick_position(span->brick, lo));
+    iso_box_add(box, iso_brick_position(span->brick, hi));
+}
+
+iso_box iso_point_view_bounds(const iso_point_view *view) {
+    iso_box box = iso_box_empty();
+    for (size_t s = 0; s < view->span_count; s++) add_span(view, &view->spans[s], &box);
     return box;
 }
 

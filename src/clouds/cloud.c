@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "base/memory.h"
-#include "clouds/point_source.h"
 #include "clouds/radii.h"
 #include "clouds/spans.h"
 
@@ -39,12 +38,15 @@ static iso_status out_of_memory(size_t count, iso_error *error) {
 /* Copies the normals if some have to be estimated. */
 static iso_status take_normals(maker *m, iso_error *error) {
     const size_t count = m->glyphs->count;
-    const iso_point_arrays *given = &m->source.arrays;
+    const iso_point_column *given = &m->source.normals;
     m->cloud->estimated_normals = m->opts->without_normals ? 0 : m->survey.without_normals;
     if (!m->cloud->estimated_normals) return ISO_OK;
     m->normals = iso_alloc_zero(count, sizeof *m->normals);
     if (!m->normals) return out_of_memory(m->glyphs->count, error);
-    for (size_t i = 0; i < count && given->normals; i++) iso_point_normal(given->normals[i], m->normals[i]);
+    for (size_t i = 0; i < count && given->data; i++) {
+        iso_point_column_get(given, i, m->normals[i]);
+        iso_point_normal(m->normals[i], m->normals[i]);
+    }
     return ISO_OK;
 }
 
@@ -223,20 +225,20 @@ static iso_status fill_cloud(const iso_point_source *source, const iso_point_sur
     cloud->radius = radius;
     if (!cloud->radii) cloud->radii = iso_alloc(cloud->count * sizeof *cloud->radii);
     if (!cloud->radii) return out_of_memory(cloud->count, error);
-    for (size_t i = 0; i < cloud->count && !source->arrays.radii; i++) cloud->radii[i] = (float)radius;
+    for (size_t i = 0; i < cloud->count && !source->radii.data; i++) cloud->radii[i] = (float)radius;
     return ISO_OK;
 }
 
 static iso_status make_cloud(maker *m, iso_error *error) {
     m->source = iso_point_source_of_glyphs(m->glyphs);
-    if (m->opts->estimate_normals) m->source.arrays.normals = NULL;
+    if (m->opts->estimate_normals) m->source.normals.data = NULL;
     ISO_TRY(iso_point_source_survey(&m->source, m->opts->pool, &m->survey, error));
     ISO_TRY(take_normals(m, error));
     ISO_TRY(take_radii(m, error));
     if (m->cloud->estimated_normals || m->cloud->estimated_radii) ISO_TRY(estimate(m, error));
     ISO_TRY(finish_radii(m, error));
-    if (m->normals) m->source.arrays.normals = (const float(*)[3])m->normals;
-    m->source.arrays.radii = m->radii;
+    if (m->normals) m->source.normals = iso_point_column_of(m->normals, sizeof *m->normals);
+    m->source.radii = iso_point_column_of(m->radii, sizeof *m->radii);
     return fill_cloud(&m->source, &m->survey, m->cloud->radius, m->opts->pool, m->cloud, error);
 }
 
@@ -249,6 +251,17 @@ iso_status iso_cloud_make(const iso_glyphs *glyphs, const iso_cloud_opts *opts, 
     iso_free(m.normals);
     iso_free(m.radii);
     iso_free(m.has_radius);
+    if (status == ISO_OK)
+        *cloud = made;
+    else
+        iso_cloud_free(&made);
+    return status;
+}
+
+iso_status iso_cloud_make_of_source(const iso_point_source *source, const iso_point_survey *survey,
+                                    double radius, iso_pool *pool, iso_cloud *cloud, iso_error *error) {
+    iso_cloud made = {0};
+    const iso_status status = fill_cloud(source, survey, (double)(float)radius, pool, &made, error);
     if (status == ISO_OK)
         *cloud = made;
     else

@@ -4,9 +4,8 @@
 #ifndef ISO_CLOUDS_CLOUD_H
 #define ISO_CLOUDS_CLOUD_H
 
-#include "base/glyphs.h"
-#include "base/parallel.h"
 #include "base/primitives.h"
+#include "clouds/point_source.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -40,10 +39,16 @@ typedef struct iso_cloud {
  * Of more than a dozen points at one place without radii of their own all but a few get a radius of nearly 0.
  *
  * `glyphs` is borrowed for the call. Takes about 90 bytes for each point if something is estimated, in
- * addition to the cloud's 37. ISO_ERR_EMPTY: there are no points; ISO_ERR_NOMEM; ISO_ERR_LIMIT: 2^31
+ * addition to the cloud's 31. ISO_ERR_EMPTY: there are no points; ISO_ERR_NOMEM; ISO_ERR_LIMIT: 2^31
  * points or more. The same bytes for every number of threads. */
 iso_status iso_cloud_make(const iso_glyphs *glyphs, const iso_cloud_opts *opts, iso_cloud *cloud,
                           iso_error *error);
+/* Makes a cloud of points that have all they need: normals, and one radius (mm, above 0) for all. `survey`:
+ * of these points, finite ones without missing normals. Takes little memory in addition to the cloud's.
+ * ISO_ERR_NOMEM; ISO_ERR_IO: the source has changed since it was surveyed. The same bytes as iso_cloud_make
+ * gives, for every number of threads. */
+iso_status iso_cloud_make_of_source(const iso_point_source *source, const iso_point_survey *survey,
+                                    double radius, iso_pool *pool, iso_cloud *cloud, iso_error *error);
 void iso_cloud_free(iso_cloud *cloud);
 
 /* Sets *spacing to the median distance of points to their nearest neighbours, in mm, of some thousands of

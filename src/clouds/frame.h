@@ -3,7 +3,7 @@
 #ifndef ISO_CLOUDS_FRAME_H
 #define ISO_CLOUDS_FRAME_H
 
-#include "base/glyphs.h"
+#include "clouds/point_source.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -12,8 +12,9 @@ extern "C" {
 /* Sets *box to the world box of the points but those that lie far from the others, and *outside to how
  * many of these there are. They are looked for only if the box of all is more than three times as large as
  * that of the middle 96 % of the coordinates on each axis, and lie farther from it than half its diagonal.
- * There must be at least one point. ISO_ERR_NOMEM. */
-iso_status iso_cloud_frame(const iso_glyphs *glyphs, iso_box *box, size_t *outside, iso_error *error);
+ * `survey`: of these points. ISO_ERR_NOMEM. */
+iso_status iso_cloud_frame(const iso_point_source *source, const iso_point_survey *survey, iso_box *box,
+                           size_t *outside, iso_error *error);
 
 #ifdef __cplusplus
 }

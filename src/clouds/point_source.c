@@ -1,4 +1,4 @@
-/* point_source: reads blocks, and surveys all points: bounds and missing normals. */
+/* point_source: surveys points: bounds and missing normals. */
 #include "clouds/point_source.h"
 
 #include <float.h>
@@ -13,26 +13,10 @@ enum { TASK = 1 << 17 };
 iso_point_source iso_point_source_of_glyphs(const iso_glyphs *glyphs) {
     return (iso_point_source){.count = glyphs->count,
                               .origin = glyphs->origin,
-                              .arrays = {.positions = (const float(*)[3])glyphs->positions,
-                                         .normals = (const float(*)[3])glyphs->directions,
-                                         .colors = (const uint8_t(*)[3])glyphs->colors,
-                                         .opacities = glyphs->opacities}};
-}
-
-iso_point_arrays iso_point_source_read(const iso_point_source *source, size_t first, size_t count,
-                                       iso_point_block *block) {
-    const iso_point_arrays *all = &source->arrays;
-    if (source->read) {
-        source->read(source->context, first, count, block);
-        return (iso_point_arrays){.positions = (const float(*)[3])block->positions,
-                                  .normals = all->normals ? (const float(*)[3])block->normals : NULL,
-                                  .colors = all->colors ? (const uint8_t(*)[3])block->colors : NULL};
-    }
-    return (iso_point_arrays){.positions = all->positions + first,
-                              .normals = all->normals ? all->normals + first : NULL,
-                              .radii = all->radii ? all->radii + first : NULL,
-                              .colors = all->colors ? all->colors + first : NULL,
-                              .opacities = all->opacities ? all->opacities + first : NULL};
+                              .positions = iso_point_column_of(glyphs->positions, sizeof *glyphs->positions),
+                              .normals = iso_point_column_of(glyphs->directions, sizeof *glyphs->directions),
+                              .colors = iso_point_column_of(glyphs->colors, sizeof *glyphs->colors),
+                              .opacities = iso_point_column_of(glyphs->opacities, sizeof *glyphs->opacities)};
 }
 
 bool iso_point_normal(const float from[3], float normal[3]) {
@@ -63,54 +47,29 @@ typedef struct surveyor {
     iso_point_survey *parts; /* one for each task */
 } surveyor;
 
-/* Widens the bounds of part of the points. Four points at a time: as many coordinates as fill whole vectors,
- * in which each place always holds the same axis. */
-static void survey_positions(const float (*positions)[3], size_t count, iso_point_survey *part) {
-    enum { PLACES = 12 };
-    const float *at = positions[0], *end = at + 3 * count;
-    float lo[PLACES], hi[PLACES], zero[PLACES] = {0};
-    for (int k = 0; k < PLACES; k++) lo[k] = hi[k] = at[k % 3];
-    for (; end - at >= PLACES; at += PLACES)
-        for (int k = 0; k < PLACES; k++) {
-            lo[k] = at[k] < lo[k] ? at[k] : lo[k];
-            hi[k] = at[k] > hi[k] ? at[k] : hi[k];
-            zero[k] += at[k] - at[k]; /* NaN of infinities and NaN */
-        }
-    for (int k = 0; at < end; at++, k++) {
-        lo[k] = *at < lo[k] ? *at : lo[k];
-        hi[k] = *at > hi[k] ? *at : hi[k];
-        zero[k] += *at - *at;
-    }
-    for (int k = 0; k < PLACES; k++) {
-        part->lo[k % 3] = lo[k] < part->lo[k % 3] ? lo[k] : part->lo[k % 3];
-        part->hi[k % 3] = hi[k] > part->hi[k % 3] ? hi[k] : part->hi[k % 3];
-        part->finite &= zero[k] == 0;
-    }
-}
-
-static size_t count_without(const float (*normals)[3], size_t count) {
-    float unused[3];
-    size_t units = 0, without = 0;
-    for (size_t i = 0; i < count; i++) units += iso_point_normal_is_unit(normals[i]);
-    for (size_t i = 0; i < count && units < count; i++) without += !iso_point_normal(normals[i], unused);
-    return without;
-}
-
 static const iso_point_survey nothing = {
     .lo = {FLT_MAX, FLT_MAX, FLT_MAX}, .hi = {-FLT_MAX, -FLT_MAX, -FLT_MAX}, .finite = true};
 
 static void survey_task(void *context, size_t task, int worker) {
     (void)worker;
     const surveyor *s = context;
-    const size_t first = task * TASK, left = s->source->count - first, count = left < TASK ? left : TASK;
+    const iso_point_source *source = s->source;
+    const size_t first = task * TASK, left = source->count - first, end = first + (left < TASK ? left : TASK);
     iso_point_survey part = nothing;
-    iso_point_block block;
-    for (size_t done = 0; done < count; done += ISO_POINT_BLOCK) {
-        const size_t some = count - done < ISO_POINT_BLOCK ? count - done : ISO_POINT_BLOCK;
-        const iso_point_arrays points = iso_point_source_read(s->source, first + done, some, &block);
-        survey_positions(points.positions, some, &part);
-        part.without_normals += points.normals ? count_without(points.normals, some) : some;
+    float zero[3] = {0};
+    for (size_t i = first; i < end; i++) {
+        float p[3], normal[3] = {0};
+        iso_point_column_prefetch(&source->positions, i);
+        iso_point_column_get(&source->positions, i, p);
+        for (int axis = 0; axis < 3; axis++) {
+            part.lo[axis] = p[axis] < part.lo[axis] ? p[axis] : part.lo[axis];
+            part.hi[axis] = p[axis] > part.hi[axis] ? p[axis] : part.hi[axis];
+            zero[axis] += p[axis] - p[axis]; /* NaN of infinities and NaN */
+        }
+        if (source->normals.data) iso_point_column_get(&source->normals, i, normal);
+        part.without_normals += !iso_point_normal_is_unit(normal) && !iso_point_normal(normal, normal);
     }
+    for (int axis = 0; axis < 3; axis++) part.finite &= zero[axis] == 0;
     s->parts[task] = part;
 }
 

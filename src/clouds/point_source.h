@@ -1,8 +1,10 @@
-/* point_source: points that can be read any number of times, in blocks and by several threads at once: from
- * arrays in memory, or from a mapped file. Twenty million points take longer to be copied into new memory,
- * which the system has to clear first, than to be read a few times from where they are. */
+/* point_source: where the numbers of points are: in arrays, or in the records of a mapped file. To copy
+ * twenty million points into new memory, which the system has to clear first, takes longer than to read them
+ * a few times from where they are. */
 #ifndef ISO_CLOUDS_POINT_SOURCE_H
 #define ISO_CLOUDS_POINT_SOURCE_H
+
+#include <string.h>
 
 #include "base/glyphs.h"
 #include "base/parallel.h"
@@ -11,42 +13,42 @@
 extern "C" {
 #endif
 
-/* The most points of a block: its buffers stay in the first levels of the cache. */
-enum { ISO_POINT_BLOCK = 512 };
+/* One or several numbers of every point, `stride` bytes from one point to the next, not aligned. */
+typedef struct iso_point_column {
+    const unsigned char *data; /* NULL: there are none */
+    size_t stride;
+} iso_point_column;
 
-/* Arrays with one item per point. NULL: the source has none. */
-typedef struct iso_point_arrays {
-    const float (*positions)[3]; /* mm, relative to the source's origin */
-    const float (*normals)[3];   /* of any length; 0 or not finite: the point has none */
-    const float *radii;          /* mm */
-    const uint8_t (*colors)[3];
-    const uint8_t *opacities;
-} iso_point_arrays;
-
-/* What a source decodes a block of points into. */
-typedef struct iso_point_block {
-    float positions[ISO_POINT_BLOCK][3], normals[ISO_POINT_BLOCK][3];
-    uint8_t colors[ISO_POINT_BLOCK][3];
-} iso_point_block;
-
-/* All pointers are borrowed. */
+/* Points. Everything is borrowed; several threads may read it. */
 typedef struct iso_point_source {
     size_t count;
-    iso_vec3 origin;         /* world position that positions are relative to */
-    iso_point_arrays arrays; /* of all points; if `read` is set, only for whether they are NULL */
-    /* Decodes points first .. first + count - 1, at most ISO_POINT_BLOCK. Thread-safe. NULL: they are in the
-     * arrays. */
-    void (*read)(const void *context, size_t first, size_t count, iso_point_block *block);
-    const void *context;
+    iso_vec3 origin;            /* world position that positions are relative to */
+    iso_point_column positions; /* float[3], mm */
+    iso_point_column normals;   /* float[3], of any length; 0 or not finite: the point has none */
+    iso_point_column radii;     /* float, mm */
+    iso_point_column colors;    /* uint8_t[3] */
+    iso_point_column opacities; /* uint8_t */
 } iso_point_source;
 
 /* The positions, directions as normals, colours and opacities of glyphs, without their radii. */
 iso_point_source iso_point_source_of_glyphs(const iso_glyphs *glyphs);
 
-/* Returns arrays of points first .. first + count - 1, at most ISO_POINT_BLOCK: those of the source, or those
- * of `block`, which it fills. */
-iso_point_arrays iso_point_source_read(const iso_point_source *source, size_t first, size_t count,
-                                       iso_point_block *block);
+/* The column of an array of items of `bytes` bytes, which may be NULL. */
+static inline iso_point_column iso_point_column_of(const void *array, size_t bytes) {
+    return (iso_point_column){array, bytes};
+}
+
+/* Copies three floats of a point. */
+static inline void iso_point_column_get(const iso_point_column *column, size_t point, float to[3]) {
+    memcpy(to, column->data + point * column->stride, 3 * sizeof *to);
+}
+
+/* Asks for the numbers of the points that are read some time after `point`: memory that is mapped from files
+ * comes in small pages, at whose ends the processor stops to read ahead. */
+static inline void iso_point_column_prefetch(const iso_point_column *column, size_t point) {
+    enum { AHEAD = 96 };
+    __builtin_prefetch((const void *)((uintptr_t)column->data + (point + AHEAD) * column->stride), 0, 3);
+}
 
 /* What is known after all points have been looked at. */
 typedef struct iso_point_survey {

@@ -97,29 +97,23 @@ static inline bool is_inside(const iso_point_survey *survey, const float p[3]) {
            p[2] >= survey->lo[2] && p[2] <= survey->hi[2];
 }
 
-/* Calls `take` with the points of a chunk, block by block. */
-static void walk_chunk(sorter *s, size_t chunk,
-                       void (*take)(sorter *s, size_t chunk, const iso_point_arrays *points, size_t count)) {
-    const size_t first = chunk * CHUNK, left = s->source->count - first, count = left < CHUNK ? left : CHUNK;
-    iso_point_block block;
-    for (size_t done = 0; done < count; done += ISO_POINT_BLOCK) {
-        const size_t some = count - done < ISO_POINT_BLOCK ? count - done : ISO_POINT_BLOCK;
-        const iso_point_arrays points = iso_point_source_read(s->source, first + done, some, &block);
-        take(s, chunk, &points, some);
-    }
-}
-
-static void count_points(sorter *s, size_t chunk, const iso_point_arrays *points, size_t count) {
-    size_t *counts = s->places + chunk * s->buckets;
-    for (size_t i = 0; i < count; i++) {
-        const float *p = points->positions[i];
-        if (is_inside(s->survey, p)) counts[bucket_of(s, p)]++;
-    }
+/* Sets *end to the number behind the chunk's last point; returns that of its first. */
+static size_t begin_chunk(const sorter *s, size_t chunk, size_t *end) {
+    const size_t first = chunk * CHUNK, left = s->source->count - first;
+    *end = first + (left < CHUNK ? left : CHUNK);
+    return first;
 }
 
 static void count_chunk(void *context, size_t chunk, int worker) {
     (void)worker;
-    walk_chunk(context, chunk, count_points);
+    sorter *s = context;
+    size_t *counts = s->places + chunk * s->buckets, end;
+    for (size_t i = begin_chunk(s, chunk, &end); i < end; i++) {
+        float p[3];
+        iso_point_column_prefetch(&s->source->positions, i);
+        iso_point_column_get(&s->source->positions, i, p);
+        if (is_inside(s->survey, p)) counts[bucket_of(s, p)]++;
+    }
 }
 
 /* Turns counts into places. Row s->chunks gets the ends of the buckets; returns the number of points. */
@@ -135,36 +129,40 @@ static size_t sum_counts(sorter *s) {
     return total;
 }
 
+static inline void copy_normal(const iso_point_column *normals, size_t point, float to[3]) {
+    float normal[3] = {0};
+    if (normals->data) iso_point_column_get(normals, point, normal);
+    if (iso_point_normal_is_unit(normal))
+        iso_point_column_get(normals, point, to);
+    else
+        iso_point_normal(normal, to);
+}
+
 /* Copies points to their buckets, with positions as they are in the source, and moves the places on. A file
  * that is written to meanwhile may give other points than those that were counted: they are noticed here or
  * by sort_bucket, and nothing is written outside the arrays. */
-static void copy_points(sorter *s, size_t chunk, const iso_point_arrays *points, size_t count) {
+static void copy_chunk(void *context, size_t chunk, int worker) {
+    (void)worker;
+    sorter *s = context;
+    const iso_point_source *from = s->source;
     const iso_sorted_points *out = s->out;
-    size_t *places = s->places + chunk * s->buckets;
-    for (size_t i = 0; i < count; i++) {
-        const float *p = points->positions[i];
+    size_t *places = s->places + chunk * s->buckets, end;
+    for (size_t i = begin_chunk(s, chunk, &end); i < end; i++) {
+        float p[3];
+        iso_point_column_prefetch(&from->positions, i);
+        iso_point_column_get(&from->positions, i, p);
         const size_t at = is_inside(s->survey, p) ? places[bucket_of(s, p)]++ : SIZE_MAX;
-        if (at >= s->source->count) {
+        if (at >= from->count) {
             s->changed = true;
             continue;
         }
         iso_surfel *surfel = &out->surfels[at];
-        memcpy(surfel->position, p, sizeof surfel->position);
-        if (points->normals && iso_point_normal_is_unit(points->normals[i]))
-            memcpy(surfel->normal, points->normals[i], sizeof surfel->normal);
-        else if (points->normals)
-            iso_point_normal(points->normals[i], surfel->normal);
-        else
-            memset(surfel->normal, 0, sizeof surfel->normal);
-        if (out->radii) out->radii[at] = points->radii[i];
-        if (out->colors) memcpy(out->colors[at], points->colors[i], 3);
-        if (out->opacities) out->opacities[at] = points->opacities[i];
+        iso_point_column_get(&from->positions, i, surfel->position);
+        copy_normal(&from->normals, i, surfel->normal);
+        if (out->radii) memcpy(&out->radii[at], from->radii.data + i * from->radii.stride, sizeof(float));
+        if (out->colors) memcpy(out->colors[at], from->colors.data + i * from->colors.stride, 3);
+        if (out->opacities) out->opacities[at] = from->opacities.data[i * from->opacities.stride];
     }
-}
-
-static void copy_chunk(void *context, size_t chunk, int worker) {
-    (void)worker;
-    walk_chunk(context, chunk, copy_points);
 }
 
 /* ---- within a bucket */
@@ -309,20 +307,20 @@ static iso_status join_spans(sorter *s, iso_error *error) {
 }
 
 static iso_status allocate(sorter *s, int workers, iso_error *error) {
-    const iso_point_arrays *from = &s->source->arrays;
+    const iso_point_source *from = s->source;
+    const bool radii = from->radii.data, colors = from->colors.data, opacities = from->opacities.data;
     iso_sorted_points *out = s->out;
-    const size_t count = s->source->count;
+    const size_t count = from->count;
     out->surfels = iso_alloc(count * sizeof *out->surfels);
-    out->radii = from->radii ? iso_alloc(count * sizeof *out->radii) : NULL;
-    out->colors = from->colors ? iso_alloc(count * sizeof *out->colors) : NULL;
-    out->opacities = from->opacities ? iso_alloc(count) : NULL;
+    out->radii = radii ? iso_alloc(count * sizeof *out->radii) : NULL;
+    out->colors = colors ? iso_alloc(count * sizeof *out->colors) : NULL;
+    out->opacities = opacities ? iso_alloc(count) : NULL;
     s->places = iso_alloc_zero((s->chunks + 1) * s->buckets, sizeof *s->places);
     s->spans = iso_alloc_zero(s->buckets, sizeof *s->spans);
     s->span_counts = iso_alloc_zero(s->buckets, sizeof *s->span_counts);
     s->scratch = iso_alloc_zero((size_t)workers, sizeof *s->scratch);
-    const bool all = out->surfels && (!from->radii || out->radii) && (!from->colors || out->colors) &&
-                     (!from->opacities || out->opacities) && s->places && s->spans && s->span_counts &&
-                     s->scratch;
+    const bool all = out->surfels && (!radii || out->radii) && (!colors || out->colors) &&
+                     (!opacities || out->opacities) && s->places && s->spans && s->span_counts && s->scratch;
     return all ? ISO_OK : fail_memory(s, error);
 }
 

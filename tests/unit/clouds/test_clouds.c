@@ -386,6 +386,13 @@ static void test_threads(void **state) {
 
 /* ---- spacing and frame */
 
+static iso_status frame(const iso_glyphs *glyphs, iso_box *box, size_t *outside) {
+    const iso_point_source source = iso_point_source_of_glyphs(glyphs);
+    iso_point_survey survey;
+    assert_int_equal(iso_point_source_survey(&source, NULL, &survey, NULL), ISO_OK);
+    return iso_cloud_frame(&source, &survey, box, outside, NULL);
+}
+
 /* The spacing of a lattice; a single point has none. The frame leaves out what lies far away, if it is
  * little. */
 static void test_frame(void **state) {
@@ -404,12 +411,12 @@ static void test_frame(void **state) {
     for (int far = 0; far < 4; far++) {
         /* none, one or ten are left out; thirty are too many to be called few */
         glyphs.count = 1000 + (size_t)(far == 3 ? 30 : far == 2 ? 10 : far);
-        assert_int_equal(iso_cloud_frame(&glyphs, &box, &outside, NULL), ISO_OK);
+        assert_int_equal(frame(&glyphs, &box, &outside), ISO_OK);
         assert_int_equal(outside, far == 3 ? 0 : glyphs.count - 1000);
         assert_true(box.lo.x == 7e6 && box.hi.x == 7e6 + 2.25 && (far == 3 || box.lo.y == 0));
     }
     glyphs.count = 1;
-    assert_int_equal(iso_cloud_frame(&glyphs, &box, &outside, NULL), ISO_OK);
+    assert_int_equal(frame(&glyphs, &box, &outside), ISO_OK);
     assert_true(outside == 0 && box.lo.x == 7e6 && box.hi.x == 7e6);
     assert_int_equal(iso_cloud_spacing(&glyphs, NULL, &spacing, NULL), ISO_OK);
     assert_true(spacing == 0);

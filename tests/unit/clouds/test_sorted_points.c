@@ -1,7 +1,12 @@
 /* Points sorted into bricks, against a comparison sort; a source that changes while it is read. */
+#define _GNU_SOURCE
 #include <math.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "check_support.h"
 #include "clouds/spans.h"
@@ -39,8 +44,11 @@ static void make_points(size_t count, int kind) {
 
 static iso_point_source source_of(size_t count) {
     return (iso_point_source){.count = count,
-                              .arrays = {(const float(*)[3])positions, (const float(*)[3])normals, radii,
-                                         (const uint8_t(*)[3])colors, opacities}};
+                              .positions = iso_point_column_of(positions, sizeof *positions),
+                              .normals = iso_point_column_of(normals, sizeof *normals),
+                              .radii = iso_point_column_of(radii, sizeof *radii),
+                              .colors = iso_point_column_of(colors, sizeof *colors),
+                              .opacities = iso_point_column_of(opacities, sizeof *opacities)};
 }
 
 static iso_sorted_points sort(const iso_point_source *source, double voxel, iso_pool *pool) {
@@ -123,47 +131,45 @@ static void test_order(void **state) {
 
 /* ---- a source that changes */
 
-typedef struct changing {
-    size_t reads; /* so far */
-    size_t from;  /* reads from this one on are of another set of points */
-    int what;     /* which change */
-} changing;
-
-static void read_changing(const void *context, size_t first, size_t count, iso_point_block *block) {
-    changing *c = *(changing *const *)context;
-    memcpy(block->positions, positions + first, count * sizeof *positions);
-    memcpy(block->normals, normals + first, count * sizeof *normals);
-    if (c->reads++ < c->from) return;
-    for (size_t i = 0; i < count; i++) {
-        if (c->what == 0) block->positions[i][0] = NAN;
-        if (c->what == 1) block->positions[i][1] = 1e30f;
-        if (c->what == 2) memcpy(block->positions[i], positions[0], sizeof *positions);
-        if (c->what == 3) block->positions[i][2] = -block->positions[i][2];
+/* Changes points again and again, in a process of its own, as another program would change a file. */
+static pid_t start_changing(float (*shared)[3], size_t count) {
+    const pid_t child = fork();
+    uint32_t seed = 1;
+    if (child) return child;
+    for (size_t i = 0;; i = (i + 7919) % count) {
+        const float values[] = {NAN, 1e30f, -99, 99, 0, -1e9f};
+        shared[i][i % 3] = values[(int)(6 * uniform(&seed))];
     }
 }
 
-/* Whichever pass sees other points, nothing is written outside the arrays, and the change is reported. */
+/* Nothing is written outside the arrays; a change is reported, unless the points are those of one moment. */
 static void test_changes(void **state) {
     (void)state;
-    const size_t count = 5000, blocks = (count + ISO_POINT_BLOCK - 1) / ISO_POINT_BLOCK;
+    const size_t count = 300000;
+    iso_error error;
+    iso_point_survey survey;
     make_points(count, 1);
-    for (int what = 0; what < 4; what++)
-        for (size_t from = blocks; from < 3 * blocks; from++) {
-            changing c = {.from = from, .what = what}, *context = &c;
-            iso_point_source source = source_of(count);
-            source.arrays.radii = NULL, source.arrays.colors = NULL, source.arrays.opacities = NULL;
-            source.read = read_changing;
-            source.context = &context;
-            iso_point_survey survey;
-            iso_sorted_points sorted = {0};
-            iso_error error;
-            test_ok(iso_point_source_survey(&source, NULL, &survey, &error), &error);
-            const iso_status status = iso_points_sort(&source, &survey, 0.3, NULL, &sorted, &error);
-            /* from the first count on all points lie elsewhere: that is a set of points, too */
-            if (status == ISO_OK) assert_true(from == blocks && what >= 2);
-            if (status != ISO_OK) assert_int_equal(status, ISO_ERR_IO);
-            iso_sorted_points_free(&sorted);
-        }
+    float(*shared)[3] =
+        mmap(NULL, count * sizeof *shared, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    assert_true(shared != MAP_FAILED);
+    iso_point_source source = source_of(count);
+    source.positions.data = (const unsigned char *)shared;
+    int changes = 0;
+    for (int round = 0; round < 30; round++) {
+        iso_sorted_points sorted = {0};
+        memcpy(shared, positions, count * sizeof *shared);
+        test_ok(iso_point_source_survey(&source, NULL, &survey, &error), &error);
+        const pid_t child = start_changing(shared, count);
+        const iso_status status = iso_points_sort(&source, &survey, 0.3, NULL, &sorted, &error);
+        kill(child, SIGKILL);
+        waitpid(child, NULL, 0);
+        if (status != ISO_OK) assert_int_equal(status, ISO_ERR_IO);
+        changes += status != ISO_OK;
+        iso_sorted_points_free(&sorted);
+    }
+    print_message("%d changes of 30 were noticed\n", changes);
+    assert_true(changes > 0);
+    munmap(shared, count * sizeof *shared);
 }
 
 /* ---- the survey */
