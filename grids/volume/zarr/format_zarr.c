@@ -136,7 +136,7 @@ static void describe_axes(const zarr_volume *v, char *text, size_t room) {
     size_t used = 0;
     for (int axis = 0; axis < array->axes && used < room; axis++) {
         const char *name = axis_name(v, axis);
-        char number[16];
+        char number[24];
         snprintf(number, sizeof number, "axis %d", axis);
         used += (size_t)snprintf(text + used, room - used, "%s%.20s %llu by %llu", axis ? ", " : "",
                                  *name ? name : number, (unsigned long long)array->shape[axis],
