@@ -69,6 +69,28 @@ static const char *decode_lz4_blocks(iso_coded *s) {
     return NULL;
 }
 
+/* Blocks behind a header of 21 bytes: "LZ4Block", the method (high four bits; 1: stored as it is, 2: LZ4),
+ * both sizes and a checksum (uint32, little-endian). The last one is empty. */
+static const char *decode_lz4_stream(iso_coded *s) {
+    enum { HEADER = 21, STORED = 1, PACKED = 2 };
+    size_t at = 0;
+    for (s->got = 0;;) {
+        if (s->size - at < HEADER || memcmp(s->input + at, "LZ4Block", 8) != 0) return damaged;
+        const int method = s->input[at + 8] >> 4;
+        const size_t size = little(s->input + at + 9), bytes = little(s->input + at + 13);
+        at += HEADER;
+        if (!bytes) return NULL;
+        if (size > s->size - at) return damaged;
+        if (bytes > s->room - s->got) return too_large;
+        if (method == STORED && size == bytes)
+            memcpy(s->target + s->got, s->input + at, size);
+        else if (method != PACKED || !decode_lz4_block(s->input + at, size, s->target + s->got, bytes))
+            return damaged;
+        at += size;
+        s->got += bytes;
+    }
+}
+
 static const char *decode_blosc(iso_coded *s) {
     size_t bytes;
     if (s->size > INT_MAX || blosc_cbuffer_validate(s->input, s->size, &bytes) != 0) return damaged;
@@ -176,6 +198,7 @@ bool iso_codec_is_built_in(iso_codec codec) {
     case ISO_CODEC_ZSTD:
     case ISO_CODEC_LZ4:
     case ISO_CODEC_LZ4_BLOCKS:
+    case ISO_CODEC_LZ4_STREAM:
         return ISO_HAVE_CODECS;
     case ISO_CODEC_BZIP2:
         return ISO_HAVE_BZIP2;
@@ -195,6 +218,8 @@ const char *iso_codec_undo(iso_codec codec, iso_coded *s) {
         return decode_lz4(s);
     case ISO_CODEC_LZ4_BLOCKS:
         return decode_lz4_blocks(s);
+    case ISO_CODEC_LZ4_STREAM:
+        return decode_lz4_stream(s);
 #endif
 #if ISO_HAVE_BZIP2
     case ISO_CODEC_BZIP2:

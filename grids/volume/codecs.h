@@ -17,6 +17,7 @@ typedef enum iso_codec {
     ISO_CODEC_ZSTD,
     ISO_CODEC_LZ4,        /* of numcodecs: the size (uint32, little-endian), then a block */
     ISO_CODEC_LZ4_BLOCKS, /* of HDF5's filter 32004: several blocks */
+    ISO_CODEC_LZ4_STREAM, /* of lz4-java, for N5: several blocks, whose checksums are not looked at */
     ISO_CODEC_ZLIB,       /* or gzip, also several of them one behind the other */
     ISO_CODEC_BZIP2,
     ISO_CODEC_SHUFFLE, /* bytes of values of `element` bytes are reordered */

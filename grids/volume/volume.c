@@ -206,9 +206,9 @@ static bool has_tiffs(const char *path) {
     return found;
 }
 
-/* Whether a folder has the metadata of a Zarr array or group. */
+/* Whether a folder has the metadata of an array or group of Zarr or N5. */
 static bool has_zarr(const char *path) {
-    static const char *const names[] = {"zarr.json", ".zarray", ".zgroup", ".zattrs"};
+    static const char *const names[] = {"zarr.json", ".zarray", ".zgroup", ".zattrs", "attributes.json"};
     char name[PATH_MAX];
     for (size_t i = 0; i < sizeof names / sizeof *names; i++)
         if (snprintf(name, sizeof name, "%s/%s", path, names[i]) < (int)sizeof name &&

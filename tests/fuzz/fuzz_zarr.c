@@ -1,7 +1,7 @@
 /* fuzz_zarr: any bytes as the files of a Zarr folder. The first byte chooses which ones: .zarray and a chunk
- * of version 2, zarr.json and a chunk or shard of version 3, or .zattrs beside an array. Two bytes are the
- * size of the metadata, which come next; the rest is the chunk. Whatever happens must end in a volume or in
- * one line. */
+ * of version 2, zarr.json and a chunk or shard of version 3, .zattrs beside an array, or attributes.json and
+ * a block of N5. Two bytes are the size of the metadata, which come next; the rest is the chunk. Whatever
+ * happens must end in a volume or in one line. */
 #define _DEFAULT_SOURCE
 #include <stddef.h>
 #include <stdint.h>
@@ -32,7 +32,7 @@ static void write_file(const char *name, const void *bytes, size_t count) {
 }
 
 static void make_folders(void) {
-    static const char *const folders[] = {"", "/0", "/c", "/c/0", "/c/0/0"};
+    static const char *const folders[] = {"", "/0", "/0/0", "/c", "/c/0", "/c/0/0"};
     char path[256];
     for (size_t i = 0; i < sizeof folders / sizeof *folders; i++) {
         snprintf(path, sizeof path, "%s%s", place(), folders[i]);
@@ -41,12 +41,12 @@ static void make_folders(void) {
 }
 
 /* The files that a choice writes, and all that may be there from the run before. */
-static const char *const metadata_names[] = {".zarray", "zarr.json", ".zattrs"};
-static const char *const chunk_names[] = {"0.0.0", "c/0/0/0", "0/0.0.0"};
+static const char *const metadata_names[] = {".zarray", "zarr.json", ".zattrs", "attributes.json"};
+static const char *const chunk_names[] = {"0.0.0", "c/0/0/0", "0/0.0.0", "0/0/0"};
 static const char array[] =
     "{\"zarr_format\":2,\"shape\":[4,4,4],\"chunks\":[4,4,4],\"dtype\":\"|u1\",\"order\":"
     "\"C\",\"fill_value\":0,\"filters\":null,\"compressor\":{\"id\":\"zstd\"}}";
-enum { KINDS = 3 };
+enum { KINDS = 4 };
 
 static void remove_files(void) {
     char path[256];

@@ -93,8 +93,9 @@ static iso_status find_place(const iso_zarr_chunks *chunks, const uint64_t index
         p->number = p->number * (size_t)across + (size_t)(index[axis] % across);
     }
     int length = snprintf(p->path, sizeof p->path, "%s/%s", chunks->folder, array->has_prefix ? "c" : "");
-    for (int axis = 0; axis < array->axes; axis++) {
-        const char separator[2] = {axis || array->has_prefix ? array->separator : 0, 0};
+    for (int i = 0; i < array->axes; i++) {
+        const int axis = array->n5 ? array->axes - 1 - i : i;
+        const char separator[2] = {i || array->has_prefix ? array->separator : 0, 0};
         if (length < (int)sizeof p->path)
             length += snprintf(p->path + length, sizeof p->path - (size_t)length, "%s%llu", separator,
                                (unsigned long long)p->shard[axis]);
@@ -264,9 +265,12 @@ static iso_status read_encoded(iso_zarr_chunks *chunks, int file, const place *p
     void *room = iso_alloc((size_t)iso_zarr_decode_room(chunks->bytes));
     iso_status status =
         encoded && room ? read_part(file, p, where, encoded, error) : iso_fail_memory(error, p->name);
-    if (status == ISO_OK)
-        status = iso_zarr_decode(&chunks->array.codecs, p->name, encoded, (size_t)where.size, target,
-                                 chunks->bytes, room, error);
+    const size_t size = (size_t)where.size;
+    if (status == ISO_OK && chunks->array.n5)
+        status = iso_zarr_decode_block(&chunks->array, p->name, encoded, size, target, room, error);
+    else if (status == ISO_OK)
+        status = iso_zarr_decode(&chunks->array.codecs, p->name, encoded, size, target, chunks->bytes, room,
+                                 error);
     iso_free(encoded);
     iso_free(room);
     return status;

@@ -1,5 +1,5 @@
-/* format_zarr: reads OME-Zarr 0.4 and 0.5 and plain arrays of Zarr v2 and v3 from a local folder: every
- * number type of 8 to 64 bits, both orders of memory, blosc, zstd, lz4, zlib, gzip and crc32c, shards.
+/* format_zarr: reads OME-Zarr 0.4 and 0.5 and arrays of Zarr v2 and v3 and of N5 from a local
+ * folder: every number type of 8 to 64 bits, both orders of memory, all codecs of codecs.h, shards.
  * Chunks are the tiles of the volume. Axes that are not of space are components. */
 #define _GNU_SOURCE
 #include <limits.h>
@@ -72,7 +72,9 @@ static iso_status choose_level(const char *path, const iso_volume_opts *opts, za
     v->folder = strdup(v->image.levels ? v->image.paths[v->level] : path);
     if (!v->folder) return iso_fail_memory(error, path);
     ISO_TRY(iso_zarr_read_array(v->folder, opts, &v->array, &found, error));
-    if (!found) return iso_fail(error, ISO_ERR_IO, "%s: has no array (.zarray or zarr.json)", v->folder);
+    if (!found)
+        return iso_fail(error, ISO_ERR_IO,
+                        "%s: has no array (.zarray, zarr.json, or dimensions in attributes.json)", v->folder);
     if (!v->image.levels || v->image.axes == v->array.axes) return ISO_OK;
     return iso_fail(error, ISO_ERR_FORMAT, "%s: has %d axes, but its image states %d", v->folder,
                     v->array.axes, v->image.axes);
@@ -110,6 +112,10 @@ static void set_transform(const zarr_volume *v, const iso_volume_opts *opts, iso
     bool stated = image->has_scale, has_unit = true;
     for (int i = 0; i < 3; i++) {
         const int axis = v->space[i];
+        if (axis >= 0 && v->array.spacing[axis] > 0) {
+            info->transform.spacing[i] = v->array.spacing[axis];
+            stated = true;
+        }
         if (axis < 0 || !image->levels || !image->has_scale) continue;
         const double unit = image->units[axis] > 0 ? image->units[axis] : 1e-3;
         has_unit &= image->units[axis] > 0;
@@ -180,6 +186,8 @@ static void describe(const zarr_volume *v, const iso_volume_opts *opts, iso_volu
     if (v->image.levels)
         add_item(info, "OME-Zarr %.20s, Zarr v%d, %.100s%s", v->image.version, array->version, text,
                  array->sharded ? ", in shards" : "");
+    else if (array->n5)
+        add_item(info, "an array of N5, %.100s", text);
     else
         add_item(info, "an array of Zarr v%d, %.100s%s", array->version, text,
                  array->sharded ? ", in shards" : "");

@@ -1,4 +1,4 @@
-/* metadata: reads what describes a Zarr array: .zarray of version 2, zarr.json of version 3. */
+/* metadata: reads what describes an array: .zarray of Zarr 2, zarr.json of Zarr 3, attributes.json of N5. */
 #define _GNU_SOURCE
 #include <ctype.h>
 #include <errno.h>
@@ -410,7 +410,77 @@ static iso_status read_v3(const metadata *m, iso_error *error) {
     return ISO_OK;
 }
 
-/* ---- both */
+/* ---- N5 */
+
+/* Lists of N5 begin with x. */
+static bool read_reversed(const json_t *list, int axes, uint64_t sizes[ISO_ZARR_AXES]) {
+    uint64_t from_x[ISO_ZARR_AXES];
+    if (!read_sizes(list, axes, from_x)) return false;
+    for (int i = 0; i < axes; i++) sizes[axes - 1 - i] = from_x[i];
+    return true;
+}
+
+/* The type of the compression, which older files give by itself. */
+static iso_status read_compression(const metadata *m, iso_error *error) {
+    static const char *const names[][2] = {
+        {"bzip2", "bz2"}, {"zstandard", "zstd"}, {"gzip", "gzip"}, {"zstd", "zstd"}, {"blosc", "blosc"}};
+    const json_t *compression = json_object_get(m->json, "compression");
+    const char *type = json_string_value(compression ? json_object_get(compression, "type")
+                                                     : json_object_get(m->json, "compressionType"));
+    iso_zarr_codecs *codecs = &m->array->codecs;
+    if (!type) return refuse(m, "its compression has no type", error);
+    if (strcmp(type, "raw") == 0) return ISO_OK;
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        if (strcmp(type, names[i][0]) == 0) return add_codec(m, names[i][1], NULL, codecs, error);
+    if (strcmp(type, "lz4") != 0) return refuse_name(m, "the compression", type, error);
+    codecs->codec[codecs->count++] = (iso_zarr_codec){ISO_CODEC_LZ4_STREAM, "lz4", 1};
+    return ISO_OK;
+}
+
+/* "resolution", with "units", or "pixelResolution": distances along x, y, z. */
+static void read_resolution(const metadata *m) {
+    const json_t *pixel = json_object_get(m->json, "pixelResolution"),
+                 *list =
+                     pixel ? json_object_get(pixel, "dimensions") : json_object_get(m->json, "resolution"),
+                 *units = json_object_get(m->json, "units");
+    const int axes = m->array->axes;
+    for (int i = 0; i < axes; i++) {
+        const char *unit =
+            json_string_value(pixel ? json_object_get(pixel, "unit") : json_array_get(units, (size_t)i));
+        double distance;
+        if (!unit || !iso_zarr_number(json_array_get(list, (size_t)i), 1e-12, 1e12, &distance)) continue;
+        m->array->spacing[axes - 1 - i] = distance * iso_zarr_unit_in_mm(unit);
+    }
+}
+
+static iso_status read_n5(const metadata *m, iso_error *error) {
+    iso_zarr_array *array = m->array;
+    const json_t *dimensions = json_object_get(m->json, "dimensions"),
+                 *names = json_object_get(m->json, "axes");
+    const char *type = json_string_value(json_object_get(m->json, "dataType"));
+    const size_t axes = json_array_size(dimensions);
+    if (axes < 2 || axes > ISO_ZARR_AXES) return refuse(m, "has no dimensions of 2 to 8 axes", error);
+    array->axes = (int)axes;
+    if (!read_reversed(dimensions, array->axes, array->shape))
+        return refuse(m, "its dimensions are not whole numbers from 1", error);
+    if (!read_reversed(json_object_get(m->json, "blockSize"), array->axes, array->chunk))
+        return refuse(m, "its blockSize is not of whole numbers from 1, one for each axis", error);
+    memcpy(array->shard, array->chunk, sizeof array->shard);
+    ISO_TRY(check_chunk(m, error));
+    if (!type) return refuse(m, "has no dataType", error);
+    if (!scalar_of_v3(type, &array->scalar)) return refuse_name(m, "the dataType", type, error);
+    for (size_t i = 0; i < axes; i++) {
+        const char *name = json_string_value(json_array_get(names, i));
+        if (name) snprintf(array->names[axes - 1 - i], ISO_ZARR_NAME, "%s", name);
+    }
+    array->n5 = array->big_endian = true;
+    array->separator = '/';
+    read_resolution(m);
+    ISO_TRY(set_order(m, "C", error));
+    return read_compression(m, error);
+}
+
+/* ---- all */
 
 static iso_status read_file(const char *folder, const char *name, const iso_volume_opts *opts,
                             iso_zarr_array *array, bool *found, iso_error *error) {
@@ -418,14 +488,16 @@ static iso_status read_file(const char *folder, const char *name, const iso_volu
     char *path;
     ISO_TRY(iso_zarr_read_json(folder, name, &json, error));
     const char *node = json_string_value(json_object_get(json, "node_type"));
-    const bool is_v2 = name[1] == 'z'; /* .zarray */
-    *found = json && (is_v2 || (node && strcmp(node, "array") == 0));
+    const bool is_v2 = strcmp(name, ".zarray") == 0, is_n5 = strcmp(name, "attributes.json") == 0;
+    *found =
+        json &&
+        (is_v2 || (is_n5 ? json_object_get(json, "dimensions") != NULL : node && strcmp(node, "array") == 0));
     iso_status status = ISO_OK;
     if (*found && asprintf(&path, "%s/%s", folder, name) < 0) status = iso_fail_memory(error, folder);
     if (*found && status == ISO_OK) {
         const metadata m = {path, json, array};
         iso_file_set_read(opts->files, path);
-        status = is_v2 ? read_v2(&m, error) : read_v3(&m, error);
+        status = is_v2 ? read_v2(&m, error) : is_n5 ? read_n5(&m, error) : read_v3(&m, error);
         free(path);
     }
     json_decref(json);
@@ -435,6 +507,9 @@ static iso_status read_file(const char *folder, const char *name, const iso_volu
 iso_status iso_zarr_read_array(const char *folder, const iso_volume_opts *opts, iso_zarr_array *array,
                                bool *found, iso_error *error) {
     *array = (iso_zarr_array){0};
-    ISO_TRY(read_file(folder, "zarr.json", opts, array, found, error));
-    return *found ? ISO_OK : read_file(folder, ".zarray", opts, array, found, error);
+    static const char *const names[] = {"zarr.json", ".zarray", "attributes.json"};
+    *found = false;
+    for (size_t i = 0; i < sizeof names / sizeof *names && !*found; i++)
+        ISO_TRY(read_file(folder, names[i], opts, array, found, error));
+    return ISO_OK;
 }

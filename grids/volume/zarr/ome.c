@@ -25,7 +25,7 @@ static iso_status refuse(const metadata *m, const char *what, iso_error *error) 
 
 /* Millimetres of a unit of length as UDUNITS-2 calls it, which OME-Zarr asks for, or by its symbol; 0: not
  * known. */
-static double unit_in_mm(const char *unit) {
+double iso_zarr_unit_in_mm(const char *unit) {
     static const struct {
         const char *name, *symbol;
         double mm;
@@ -56,7 +56,7 @@ static iso_status read_axes(const metadata *m, const json_t *scales, iso_error *
         copy_name(json_is_string(axis) ? axis : json_object_get(axis, "name"), image->axis_names[i]);
         copy_name(json_object_get(axis, "type"), image->axis_types[i]);
         const char *unit = json_string_value(json_object_get(axis, "unit"));
-        if (unit) image->units[i] = unit_in_mm(unit);
+        if (unit) image->units[i] = iso_zarr_unit_in_mm(unit);
     }
     return ISO_OK;
 }
@@ -188,13 +188,18 @@ static iso_status read_first_image(const char *folder, const iso_volume_opts *op
     return status;
 }
 
-static bool is_array(const char *folder) {
+static bool has_file(const char *folder, const char *name) {
     char *path;
-    if (asprintf(&path, "%s/.zarray", folder) < 0) return false;
+    if (asprintf(&path, "%s/%s", folder, name) < 0) return false;
     FILE *file = fopen(path, "rb");
     free(path);
     if (file) fclose(file);
     return file != NULL;
+}
+
+/* Whether a folder may have an array of Zarr 2 or N5. */
+static bool is_array(const char *folder) {
+    return has_file(folder, ".zarray") || has_file(folder, "attributes.json");
 }
 
 static iso_status read_in(const char *folder, const iso_volume_opts *opts, int depth, iso_zarr_image *image,

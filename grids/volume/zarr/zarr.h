@@ -1,5 +1,5 @@
 /* zarr: the types and functions of the Zarr reader: arrays of Zarr v2 and v3, and multiscale images of
- * OME-Zarr 0.4 and 0.5, in local folders.
+ * OME-Zarr 0.4 and 0.5, in local folders; and arrays of N5, which have other metadata, and headers of chunks.
  *
  * metadata.c reads the JSON files of an array, ome.c those of an image, codecs.c undoes the codecs of a chunk
  * (Zarr's word for its tiles) by grids/volume/codecs.h, chunks.c finds them in files and shards, and
@@ -7,7 +7,8 @@
  * metadata come from outside: every number is checked, and names of folders cannot lead out of the image's
  * folder.
  *
- * Specifications: zarr-specs.readthedocs.io (v2, v3 with its codecs), ngff.openmicroscopy.org (0.4, 0.5).
+ * Specifications: zarr-specs.readthedocs.io (v2, v3 with its codecs), ngff.openmicroscopy.org (0.4, 0.5),
+ * github.com/saalfeldlab/n5.
  */
 #ifndef ISO_GRIDS_VOLUME_ZARR_ZARR_H
 #define ISO_GRIDS_VOLUME_ZARR_ZARR_H
@@ -52,7 +53,7 @@ iso_status iso_zarr_decode(const iso_zarr_codecs *codecs, const char *name, cons
 /* ---- arrays ---- */
 
 typedef struct iso_zarr_array {
-    int version; /* 2 or 3 */
+    int version; /* of Zarr, 2 or 3 */
     int axes;
     uint64_t shape[ISO_ZARR_AXES];
     uint64_t chunk[ISO_ZARR_AXES]; /* elements of a chunk; of one within a shard, if there are shards */
@@ -66,17 +67,22 @@ typedef struct iso_zarr_array {
     char separator;                           /* between the numbers in names of chunks */
     bool has_prefix;                          /* names begin with "c" */
     char names[ISO_ZARR_AXES][ISO_ZARR_NAME]; /* of the axes (v3), or empty */
+    bool n5;                       /* an array of N5: chunks have headers (n5.c), and are named from x on */
+    double spacing[ISO_ZARR_AXES]; /* mm; 0: not stated (n5) */
 } iso_zarr_array;
 
 /* Reads a JSON file of at most some megabytes, an object; json_decref when done. *json is NULL, without an
  * error, if the file does not exist. Integers become reals. ISO_ERR_IO, ISO_ERR_FORMAT. */
 iso_status iso_zarr_read_json(const char *folder, const char *name, json_t **json, iso_error *error);
 
-/* Reads the metadata of the array in a folder: zarr.json or .zarray, which are added to opts->files.
- * *found: whether the folder has an array. ISO_ERR_IO, ISO_ERR_FORMAT: damaged, or of a kind that is not
- * supported. */
+/* Reads the metadata of the array in a folder: zarr.json, .zarray, or attributes.json of N5, which are added
+ * to opts->files. *found: whether the folder has an array. ISO_ERR_IO, ISO_ERR_FORMAT: damaged, or of a kind
+ * that is not supported. */
 iso_status iso_zarr_read_array(const char *folder, const iso_volume_opts *opts, iso_zarr_array *array,
                                bool *found, iso_error *error);
+
+/* Millimetres of a unit of length; 0: not one that is known. */
+double iso_zarr_unit_in_mm(const char *unit);
 
 /* A number of JSON within a range; false: it is anything else. */
 bool iso_zarr_number(const json_t *json, double low, double high, double *out);
@@ -126,6 +132,11 @@ bool iso_zarr_chunk_is_absent(iso_zarr_chunks *chunks, const uint64_t index[ISO_
  * the chunk. ISO_ERR_IO, ISO_ERR_NOMEM. */
 iso_status iso_zarr_read_chunk(iso_zarr_chunks *chunks, const uint64_t index[ISO_ZARR_AXES], void *target,
                                bool *absent, iso_error *error);
+
+/* n5.c: decodes a block of N5 into a chunk, whose elements beyond the block become 0. `room`: as for
+ * iso_zarr_decode. ISO_ERR_IO: damaged, or of a kind that is not supported. */
+iso_status iso_zarr_decode_block(const iso_zarr_array *array, const char *name, const void *encoded,
+                                 size_t size, void *target, void *room, iso_error *error);
 
 /* Adds the files of at most `most` chunks or shards to a set. Nothing is added if there are more. */
 void iso_zarr_list_files(iso_zarr_chunks *chunks, uint64_t most, iso_file_set *files);
