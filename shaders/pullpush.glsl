@@ -51,7 +51,7 @@ int place(int level, ivec2 at) {
     return levels[level].z + at.y * levels[level].x + at.x;
 }
 
-/* The depth of a key: the inverse of `ordered` in pullpush_project.comp. */
+/* The depth of a key: the inverse of `ordered` in shared.h. */
 float depth_of(uvec2 key) {
     return uintBitsToFloat(key.y >> 31 != 0u ? key.y ^ 0x80000000u : ~key.y);
 }

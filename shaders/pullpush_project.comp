@@ -44,12 +44,6 @@ float projected(float view, float shrink, float along) {
     return clamp(at, -ISO_GL_FURTHEST, ISO_GL_FURTHEST);
 }
 
-/* The bits of a float, mapped so that unsigned integers compare like the floats. */
-uint ordered(float depth) {
-    uint bits = floatBitsToUint(depth);
-    return bits >> 31 != 0u ? ~bits : bits | 0x80000000u;
-}
-
 /* The octahedral bits of a normal with |x| + |y| + |z| = 1. */
 uint fold_normal(vec3 n) {
     vec2 uv = n.z < 0.0 ? mix(1.0 - abs(n.yx), abs(n.yx) - 1.0, lessThan(n.xy, vec2(0.0))) : n.xy;

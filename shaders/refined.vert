@@ -1,14 +1,21 @@
-/* refined.vert: makes a second-order disc of each point (render/refined/refined.h), clipped to a ball and
- * a box, and draws it as a square that contains it. The same as render/refined/disc.inc.
+/* refined.vert: makes a second-order disc of each point (render/refined/refined.h), clipped to a ball
+ * and a box, and draws it as a square that contains it. The same as render/refined/disc.inc.
  *
  * SURFELS 1: points are iso_surfel, else iso_point (8 bytes). QUADS 0: every disc is an OpenGL point;
- * those wider than the driver's largest point are left out. QUADS 1: only the latter are drawn, as quads:
- * an instance of four vertices per disc. */
+ * those wider than the driver's largest point are left out. QUADS 1: only the latter are drawn, as
+ * quads: an instance of four vertices per disc.
+ *
+ * SELECT 1 and 2: nothing is drawn, but the visible points of small discs are found
+ * (render/gl/selection.h) in two passes. 1: each cell gets the least depth of the points that it
+ * contains, or whose discs cover the centre of its pixel. 2: the points with these depths are marked. */
 #ifndef SURFELS
 #define SURFELS 0
 #endif
 #ifndef QUADS
 #define QUADS 0
+#endif
+#ifndef SELECT
+#define SELECT 0
 #endif
 
 #if SURFELS
@@ -62,6 +69,66 @@ vec4 convolved(vec3 n, vec2 ray, float away, float size) {
     return vec4((xx + det) * part, xy * part, (yy + det) * part, sqrt(part));
 }
 
+#if SELECT
+layout(std430, binding = ISO_GL_CELLS) buffer cell_buffer { uint cells[]; };
+#if SELECT == 2
+layout(std430, binding = ISO_GL_MARKED) buffer marked_buffer { uint marked[]; };
+#endif
+
+/* Takes part in the minimum of a cell, or marks the point if it has the cell's depth. */
+void enter_cell(int at, float depth) {
+    uint key = ordered(depth);
+#if SELECT == 1
+    if (key < cells[at]) atomicMin(cells[at], key);
+#else
+    if (key == cells[at]) atomicOr(marked[gl_VertexID >> 5], 1u << (gl_VertexID & 31));
+#endif
+}
+
+/* The first cell of a pixel; -1: it is too far outside the tile to have any. */
+int cells_of(ivec2 pixel) {
+    ivec2 at = pixel + ISO_GL_GUARD, size = tile.xy + 2 * ISO_GL_GUARD;
+    if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, size))) return -1;
+    return (at.y * size.x + at.x) * ISO_GL_PIXEL_CELLS;
+}
+
+/* The values of disc_block that the hits of flat discs depend on. */
+struct flat_disc {
+    vec4 centre, facing, along, low, high;
+};
+
+/* Whether the disc covers a position in the picture, and the depth of the hit: the same as refined.frag.
+ * `precise`: both passes must compute the same bits. */
+bool covers(flat_disc d, vec2 pixel, out float depth) {
+    precise float mm = orthographic ? 1.0 / axis.w : d.centre.z * sizes.x;
+    precise vec3 e = vec3((pixel - d.centre.xy) * mm, 0.0);
+    precise float t = dot(d.facing.xyz, e) / -(d.along.x + dot(d.along.yz, e.xy));
+    precise vec3 q = e + clamp(t, -d.centre.w, d.centre.w) * ray_to(pixel);
+    vec3 at = q.x * normal_x.xyz + q.y * normal_y.xyz + q.z * normal_z.xyz;
+    precise float hit = d.centre.z + q.z, square = d.centre.w * d.centre.w;
+    depth = hit;
+    return dot(q, q) < square && (sizes.z == 0.0 || dot(at, at) * sizes.z * sizes.z < square) &&
+           all(greaterThanEqual(at, d.low.xyz)) && all(lessThanEqual(at, d.high.xyz));
+}
+
+/* Enters the point into the cell of its centre, and into those of the pixels that its disc covers. */
+void enter_cells(flat_disc d) {
+    ivec2 quarter = ivec2(floor(2.0 * d.centre.xy));
+    int first = cells_of(quarter >> 1);
+    if (first < 0) return;
+    enter_cell(first + (quarter.x & 1) + 2 * (quarter.y & 1), d.centre.z);
+    vec2 reach = vec2(d.low.w, d.high.w) - 0.5;
+    ivec2 from = ivec2(ceil(d.centre.xy - reach - 1.0)), to = ivec2(floor(d.centre.xy + reach));
+    for (int y = from.y; y <= to.y; y++)
+        for (int x = from.x; x <= to.x; x++) {
+            float depth;
+            first = cells_of(ivec2(x, y));
+            if (first >= 0 && covers(d, vec2(x, y) + 0.5, depth))
+                enter_cell(first + (d.facing.w > 0.0 ? 4 : 5), depth);
+        }
+}
+#endif
+
 /* Moves the disc out of the viewport. */
 void leave_out() {
     gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
@@ -74,7 +141,7 @@ void main() {
 #else
     vec3 p = unpack_steps(bits), n = unfold_normal(unpack_normal_bits(bits));
 #endif
-    vec3 at = vec3(dot(step_x.xyz, p), dot(step_y.xyz, p), dot(step_z.xyz, p)) + origin;
+    precise vec3 at = vec3(dot(step_x.xyz, p), dot(step_y.xyz, p), dot(step_z.xyz, p)) + origin;
     float length_of_n = dot(n, n);
     n *= inversesqrt(length_of_n);
     float scale = orthographic ? axis.w : axis.w / at.z;
@@ -144,6 +211,11 @@ void main() {
         leave_out();
         return;
     }
+#if SELECT
+    enter_cells(flat_disc(centre, facing, along, low, high));
+    leave_out();
+    return;
+#endif
     vec2 corner = centre.xy;
 #if QUADS
     corner += width * (vec2(gl_VertexID & 1, gl_VertexID >> 1) - 0.5);

@@ -15,12 +15,6 @@ layout(std430, binding = ISO_GL_KEYS) buffer key_buffer { uint64_t keys[]; };
 layout(std430, binding = ISO_GL_KEYS) buffer key_buffer { uint keys[]; }; /* number, depth */
 #endif
 
-/* The bits of a float, mapped so that unsigned integers compare like the floats. */
-uint ordered(float depth) {
-    uint bits = floatBitsToUint(depth);
-    return bits >> 31 != 0u ? ~bits : bits | 0x80000000u;
-}
-
 void merge(int at, uint depth, uint number) {
 #if KIND == 2
     uint64_t key = packUint2x32(uvec2(number, depth));

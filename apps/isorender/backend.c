@@ -75,9 +75,6 @@ iso_status isorender_backend_check(isorender_settings *settings, iso_error *erro
                         "--backend %s has the methods points, pullpush (without --lod), splats (flat without "
                         "--lod, groups without --group-bins) and mesh: others need the cpu",
                         name);
-    if (gl && settings->selection == (int)ISO_SELECTION_VISIBLE)
-        return iso_fail(error, ISO_ERR_USAGE,
-                        "--backend %s draws all points: --selection visible needs the cpu", name);
     ISO_TRY(check_needs(settings, error));
     bool draws = !settings->info && (!settings->no_image || settings->aov);
     if ((gl || needed) && draws && is_too_large(settings))

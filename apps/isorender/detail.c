@@ -2,6 +2,7 @@
 #include <math.h>
 
 #include "apps/isorender/isorender.h"
+#include "render/gl/pullpush.h"
 
 /* The value of --lod that is assumed. */
 static const double DEFAULT_PIXELS = 1;
@@ -59,6 +60,8 @@ iso_status isorender_detail_make(isorender_job *job, iso_error *error) {
 }
 
 iso_selection_counts isorender_selection(const isorender_job *job) {
+    if (job->backend->engine && job->settings->selection == (int)ISO_SELECTION_VISIBLE)
+        return iso_gl_engine_selection(job->backend->engine);
     return job->pullpush ? iso_pullpush_counts(job->pullpush) : (iso_selection_counts){0};
 }
 

@@ -19,8 +19,10 @@ uint64_t isorender_gl_bytes(const isorender_job *job) {
     }
     if (!splats && job->settings->method != ISO_METHOD_PULLPUSH)
         return shapes + iso_gl_draw_bytes(backend->engine, width, height);
-    return shapes + iso_gl_pullpush_bytes(backend->engine, (iso_reconstruction)job->settings->reconstruction,
-                                          width, height);
+    const bool selects = job->settings->selection == (int)ISO_SELECTION_VISIBLE;
+    return shapes + (selects ? iso_gl_selection_bytes(width, height) : 0) +
+           iso_gl_pullpush_bytes(backend->engine, (iso_reconstruction)job->settings->reconstruction, width,
+                                 height);
 }
 
 /* Uploads lines, glyphs and meshes, but no lines of the image pyramid. */
@@ -88,7 +90,8 @@ static iso_status draw_surfaces(const isorender_job *job, const iso_view *view, 
     if (isorender_uses_groups(job)) return draw_splats(job, view, gbuffer, error);
     if (job->method == ISO_METHOD_PULLPUSH || job->method == ISO_METHOD_SPLATS) {
         const iso_gl_pullpush_opts pullpush = {view, surfaces, job->surface_count,
-                                               (iso_reconstruction)settings->reconstruction};
+                                               (iso_reconstruction)settings->reconstruction,
+                                               (iso_point_selection)settings->selection};
         return iso_gl_draw_pullpush(job->backend->engine, &pullpush, gbuffer, error);
     }
     iso_gl_draw_opts opts = {.view = view,

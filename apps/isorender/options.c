@@ -397,7 +397,8 @@ static const iso_option options[] = {
      REAL(lod, 0, 1000)},
     {"selection", NULL, "WHICH",
      "points that pullpush (refined) and splats (flat, onepass, ewa) draw: visible (points that nearer ones "
-     "hide are left out), all, or auto (what is usually faster)",
+     "hide are left out; by OpenGL also some of those that share a pixel), all, or auto (visible on the cpu, "
+     "all by OpenGL)",
      .group = PICTURE, .standard = "auto", CHOICE(selection, selections)},
     {"group-opposite", NULL, NULL,
      "discs of splats that face opposite ways may share a group: fewer groups, but the sides of thin things "

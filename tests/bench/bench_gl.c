@@ -96,7 +96,7 @@ static iso_status draw_shape(bench_frame *frame, const iso_target *target, iso_e
 static iso_status fill(bench_frame *frame, const iso_target *target, iso_reconstruction reconstruction,
                        iso_error *error) {
     const iso_gl_surface *surface = frame->gl_frame->surface;
-    const iso_gl_pullpush_opts opts = {target->view, &surface, 1, reconstruction};
+    const iso_gl_pullpush_opts opts = {target->view, &surface, 1, reconstruction, ISO_SELECTION_ALL};
     return take_seconds(frame, iso_gl_draw_pullpush(frame->gl->engine, &opts, target->gbuffer, error));
 }
 
@@ -109,8 +109,9 @@ static iso_status draw_refined(bench_frame *frame, const iso_target *target, iso
 }
 
 static void finish_gl(bench_row *row) {
-    static const char *const names[ISO_GL_PASSES] = {"draw_ms",   "project_ms", "pull_ms", "push_ms",
-                                                     "finish_ms", "front_ms",   "add_ms",  "resolve_ms"};
+    static const char *const names[ISO_GL_PASSES] = {"draw_ms", "project_ms", "pull_ms",
+                                                     "push_ms", "finish_ms",  "front_ms",
+                                                     "add_ms",  "resolve_ms", "select_ms"};
     const bench_frame *frame = row->context;
     for (int pass = 0; pass < ISO_GL_PASSES; pass++) {
         double seconds = frame->gl_frame->seconds[pass];

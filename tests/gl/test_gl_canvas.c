@@ -120,7 +120,7 @@ static iso_status paint_canvas(const easel *e, const subject *s, draw_method met
     const iso_view view = samples_of(s, paint->factor);
     const iso_gl_surface *surface = method == MESH ? e->mesh : e->points;
     const iso_gl_draw_opts draw = {.view = &view, .surfaces = &surface, .surface_count = 1};
-    const iso_gl_pullpush_opts pullpush = {&view, &surface, 1, reconstruction_of(method)};
+    const iso_gl_pullpush_opts pullpush = {&view, &surface, 1, reconstruction_of(method), ISO_SELECTION_ALL};
     return method >= GAUSSIAN ? iso_gl_canvas_draw_pullpush(e->canvas, &pullpush, paint, error)
                               : iso_gl_canvas_draw(e->canvas, &draw, paint, error);
 }

@@ -270,7 +270,7 @@ static void expect_as_anew(iso_gl_engine *engine, const iso_gl_surface *surface,
     iso_gbuffer pictures[2];
     for (int i = 0; i < 2; i++) {
         const iso_gl_surface *drawn = i ? anew : surface;
-        const iso_gl_pullpush_opts opts = {view, &drawn, 1, ISO_RECONSTRUCTION_REFINED};
+        const iso_gl_pullpush_opts opts = {view, &drawn, 1, ISO_RECONSTRUCTION_REFINED, ISO_SELECTION_ALL};
         pictures[i] = gl_gbuffer(view);
         assert_int_equal(iso_gl_draw_pullpush(engine, &opts, &pictures[i], NULL), ISO_OK);
     }
@@ -332,7 +332,8 @@ static void check_repeated(iso_gl_engine *engine, iso_reconstruction reconstruct
     iso_gl_surface *surface = upload(engine, &m.view);
     m.view.colors = NULL; /* the engines choose from those that are alike as they like */
     iso_gbuffer first = gl_gbuffer(&view);
-    const iso_gl_pullpush_opts opts = {&view, (const iso_gl_surface *const *)&surface, 1, reconstruction};
+    const iso_gl_pullpush_opts opts = {&view, (const iso_gl_surface *const *)&surface, 1, reconstruction,
+                                       ISO_SELECTION_ALL};
     /* (refined by the cpu engine depends on the order of points that are one another's backs) */
     if (reconstruction != ISO_RECONSTRUCTION_REFINED)
         gl_check_pullpush(engine, &m.view, reconstruction, &view, 1, "points that are alike");
@@ -383,7 +384,7 @@ static void check_surfaces(iso_gl_engine *engine, iso_reconstruction reconstruct
             for (int count = 0; count <= 2; count++) {
                 iso_gbuffer gl = gl_gbuffer(&views[v]), cpu = gl_gbuffer(&views[v]);
                 const iso_gl_pullpush_opts opts = {&views[v], (const iso_gl_surface *const *)surfaces, count,
-                                                   reconstruction};
+                                                   reconstruction, ISO_SELECTION_ALL};
                 assert_int_equal(iso_gl_draw_pullpush(engine, &opts, &gl, NULL), ISO_OK);
                 for (int i = 0; i < count; i++) {
                     const iso_pullpush_opts same = {.reconstruction = reconstruction};
@@ -418,7 +419,8 @@ static void check_memory(iso_gl_engine *engine, iso_reconstruction reconstructio
     for (int side = 500; side <= 1000; side += 500) {
         iso_gl_surface *surface = upload(engine, &m.view);
         const iso_view view = gl_side_view(&box, 1, false, side, side);
-        const iso_gl_pullpush_opts opts = {&view, (const iso_gl_surface *const *)&surface, 1, reconstruction};
+        const iso_gl_pullpush_opts opts = {&view, (const iso_gl_surface *const *)&surface, 1, reconstruction,
+                                           ISO_SELECTION_ALL};
         iso_gbuffer g = gl_gbuffer(&view);
         assert_int_equal(iso_gl_draw_pullpush(engine, &opts, &g, NULL), ISO_OK);
         double taken = 20.0 * sizeof(float) * engine->discs.width * engine->discs.height,
@@ -452,7 +454,7 @@ static void what_cannot_be_drawn_is_said(iso_gl_engine *engine) {
     engine->max_storage = 1000;
     for (int i = 0; i <= ISO_RECONSTRUCTION_GAUSSIAN; i++) {
         const iso_gl_pullpush_opts opts = {&view, (const iso_gl_surface *const *)&surface, 1,
-                                           (iso_reconstruction)i};
+                                           (iso_reconstruction)i, ISO_SELECTION_ALL};
         assert_int_equal(iso_gl_draw_pullpush(engine, &opts, &g, &error), ISO_ERR_LIMIT);
         assert_non_null(strstr(error.text, "100 pixels wide"));
     }
@@ -467,7 +469,8 @@ static iso_status draw_by(iso_gl_engine *engine, int method, const iso_view *vie
     const iso_gl_surface *const surfaces[] = {surface};
     const iso_gl_draw_opts points = {.view = view, .surfaces = surfaces, .surface_count = 1};
     const iso_gl_pullpush_opts filled = {
-        view, surfaces, 1, method == 1 ? ISO_RECONSTRUCTION_GAUSSIAN : ISO_RECONSTRUCTION_REFINED};
+        view, surfaces, 1, method == 1 ? ISO_RECONSTRUCTION_GAUSSIAN : ISO_RECONSTRUCTION_REFINED,
+        ISO_SELECTION_VISIBLE};
     return method ? iso_gl_draw_pullpush(engine, &filled, g, NULL) : iso_gl_draw(engine, &points, g, NULL);
 }
 

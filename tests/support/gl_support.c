@@ -198,7 +198,7 @@ double gl_check_pullpush(iso_gl_engine *engine, const iso_point_view *points,
             iso_draw_pullpush(&target, points, &(iso_pullpush_opts){.reconstruction = reconstruction}, NULL),
             ISO_OK);
         const iso_gl_pullpush_opts opts = {&views[i], (const iso_gl_surface *const *)&surface, 1,
-                                           reconstruction};
+                                           reconstruction, ISO_SELECTION_ALL};
         if (iso_gl_draw_pullpush(engine, &opts, &gl, &error) != ISO_OK) fail_msg("%s: %s", name, error.text);
         worst = fmin(worst, check_picture(&views[i], &cpu, &gl, name));
         iso_gbuffer_free(&cpu);

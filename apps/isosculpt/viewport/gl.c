@@ -65,7 +65,8 @@ iso_status isosculpt_gl_draw_points(isosculpt_gl *gl, const iso_point_view *poin
         ISO_TRY(iso_gl_upload_points(gl->engine, points, &gl->points, error));
     const iso_gl_surface *const surface = gl->points;
     const iso_gl_draw_opts discs = {.view = view, .surfaces = &surface, .surface_count = 1};
-    const iso_gl_pullpush_opts filled = {view, &surface, 1, ISO_RECONSTRUCTION_REFINED};
+    const iso_gl_pullpush_opts filled = {
+        .view = view, .surfaces = &surface, .surface_count = 1, .reconstruction = ISO_RECONSTRUCTION_REFINED};
     *canvas = gl->drawn;
     return pullpush ? iso_gl_canvas_draw_pullpush(gl->drawn, &filled, paint, error)
                     : iso_gl_canvas_draw(gl->drawn, &discs, paint, error);

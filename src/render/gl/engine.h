@@ -32,7 +32,7 @@ void iso_gl_engine_destroy(iso_gl_engine *engine);
 uint64_t iso_gl_draw_bytes(const iso_gl_engine *engine, int width, int height);
 
 /* What is timed: drawing points, triangles, lines or glyphs (draw), the steps of pull-push (project ..
- * finish) and those of the refined reconstruction (front .. resolve). */
+ * finish) and those of the refined reconstruction (front .. resolve, and select: the choice of points). */
 typedef enum iso_gl_pass {
     ISO_GL_PASS_DRAW,
     ISO_GL_PASS_PROJECT,
@@ -41,9 +41,10 @@ typedef enum iso_gl_pass {
     ISO_GL_PASS_FINISH,
     ISO_GL_PASS_FRONT,
     ISO_GL_PASS_ADD,
-    ISO_GL_PASS_RESOLVE
+    ISO_GL_PASS_RESOLVE,
+    ISO_GL_PASS_SELECT
 } iso_gl_pass;
-enum { ISO_GL_PASSES = 8 };
+enum { ISO_GL_PASSES = 9 };
 const char *iso_gl_pass_name(iso_gl_pass pass); /* "draw", "project", .. */
 
 /* Seconds of GPU time (of the computer's clock with a software renderer) per pass, summed over all

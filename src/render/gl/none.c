@@ -114,6 +114,17 @@ iso_status iso_gl_draw_pullpush(iso_gl_engine *engine, const iso_gl_pullpush_opt
     return refuse(error);
 }
 
+iso_selection_counts iso_gl_engine_selection(const iso_gl_engine *engine) {
+    (void)engine;
+    return (iso_selection_counts){0};
+}
+
+uint64_t iso_gl_selection_bytes(int width, int height) {
+    (void)width;
+    (void)height;
+    return 0;
+}
+
 const char *iso_gl_pass_name(iso_gl_pass pass) {
     (void)pass;
     return "";

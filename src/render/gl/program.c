@@ -53,6 +53,15 @@ typedef struct recipe {
                    {"unpack.glsl", REFINED},                                                                 \
                    defines "#define ADDING 1\n#define QUADS 1\n"}
 
+/* The passes that select points: nothing is drawn, so they have no fragment shader. */
+#define SELECTION(first, what, defines)                                                                      \
+    [first] = {"selected depths" what,                                                                       \
+               {"refined.vert"},                                                                             \
+               {"unpack.glsl", REFINED},                                                                     \
+               defines "#define SELECT 1\n"},                                                                \
+    [first + 1] = {                                                                                          \
+        "selected points" what, {"refined.vert"}, {"unpack.glsl", REFINED}, defines "#define SELECT 2\n"}
+
 /* Lines and glyphs of one kind: `index` 0 to 8, in floats and in double precision. Each has programs of
  * its own, because software renderers execute all branches of a shader. */
 #define SHAPES(index, what, equations, defines)                                                              \
@@ -107,6 +116,13 @@ static const recipe recipes[ISO_GL_PROGRAMS] = {
     [ISO_GL_SHADE_PICTURE] = {"shading of pull-push", {"shade.comp"}, {"phong.h"}, "#define BUFFER 1\n"},
     DISCS(ISO_GL_FRONT_POINTS, "", ""),
     DISCS(ISO_GL_DISCS_OF_SURFELS, " of surfels", "#define SURFELS 1\n"),
+    SELECTION(ISO_GL_SELECT_DEPTHS, "", ""),
+    SELECTION(ISO_GL_SELECT_SURFELS, " of surfels", "#define SURFELS 1\n"),
+    [ISO_GL_CHOOSE] = {"chosen points", {"refined_choose.comp"}, {NULL}, ""},
+    [ISO_GL_FIND_DEEPEST] = {"deepest fronts",
+                             {"refined_deepest.comp"},
+                             {"refined_numbers.h", "refined.glsl"},
+                             ""},
     [ISO_GL_RESOLVE] = {"resolved sums", {"refined_resolve.comp"}, {REFINED, "picture.glsl"}, ""},
     [ISO_GL_SPLAT_DEPTHS] = {"depths of slots", {"splats.comp"}, {"splats.glsl"}, "#define KIND 0\n"},
     [ISO_GL_SPLAT_NUMBERS] = {"discs of slots", {"splats.comp"}, {"splats.glsl"}, "#define KIND 1\n"},

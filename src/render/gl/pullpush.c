@@ -342,8 +342,9 @@ static iso_status draw_strip(pullpush_call *call, const iso_view *view, int row,
         const iso_gl_surface *surface = call->opts->surfaces[i];
         if (surface->blocks->seen == 0) continue;
         if (is_refined(call->opts->reconstruction)) {
-            const bool flat = call->opts->reconstruction == ISO_RECONSTRUCTION_FLAT;
-            ISO_TRY(iso_gl_draw_refined(surface, view, i, flat, &call->room, error));
+            const iso_gl_refined_style style = {call->opts->reconstruction == ISO_RECONSTRUCTION_FLAT,
+                                                call->opts->selection == ISO_SELECTION_VISIBLE};
+            ISO_TRY(iso_gl_draw_refined(surface, view, i, style, &call->room, error));
             continue;
         }
         pullpush_draw d = draw_of(call, i, view);

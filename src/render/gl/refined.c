@@ -8,6 +8,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "render/gl/selection.h"
 #include "render/gl/shared.h"
 #include "render/refined/refined_numbers.h"
 #include "render/refined/setup.h"
@@ -24,28 +25,6 @@ _Static_assert(offsetof(iso_gl_refined_uniforms, border) == 96 &&
                "layout of std140");
 _Static_assert(SUMS == (int)ISO_GL_BLENDS, "state.c saves blending of as many outputs as are blended here");
 
-/* The drawing of one surface. */
-typedef struct refined_draw {
-    iso_gl_engine *engine;
-    const GladGLContext *gl;
-    const iso_gl_surface *surface;
-    const iso_view *view;
-    iso_projector projector;
-    float slant;
-    bool cull;
-    bool flat; /* curvatures are not used, and small discs are filtered */
-    int number;
-} refined_draw;
-
-/* A part of the view; its first pixel is (x, y). */
-typedef struct tile {
-    int x, y, width, height;
-    size_t draws; /* length of the arrays below: one item per visible block */
-    const iso_gl_points_command *commands;
-    const iso_gl_instance *instances;
-    const bool *wide; /* discs may be wider than the driver's points: they are drawn as quads too */
-} tile;
-
 /* ---- textures */
 
 uint64_t iso_gl_discs_bytes(uint64_t samples) {
@@ -59,14 +38,14 @@ void iso_gl_discs_free(iso_gl_discs *discs, const GladGLContext *gl) {
     *discs = (iso_gl_discs){.width = 0};
 }
 
-static iso_status check_framebuffer(const refined_draw *d, GLuint framebuffer, iso_error *error) {
+static iso_status check_framebuffer(const iso_gl_refined_draw *d, GLuint framebuffer, iso_error *error) {
     if (d->gl->CheckNamedFramebufferStatus(framebuffer, GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE)
         return ISO_OK;
     return iso_fail(error, ISO_ERR_BACKEND, "%s: no framebuffer for the sums of %d x %d pixels",
                     d->engine->context->name, d->engine->discs.width, d->engine->discs.height);
 }
 
-static iso_status ensure_discs(const refined_draw *d, int width, int height, iso_error *error) {
+static iso_status ensure_discs(const iso_gl_refined_draw *d, int width, int height, iso_error *error) {
     static const GLenum outputs[SUMS] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1, GL_COLOR_ATTACHMENT2,
                                          GL_COLOR_ATTACHMENT3};
     const GladGLContext *gl = d->gl;
@@ -92,7 +71,7 @@ static iso_status ensure_discs(const refined_draw *d, int width, int height, iso
 
 /* ---- uniforms and visible blocks */
 
-static void upload_uniforms(const refined_draw *d, const tile *t) {
+static void upload_uniforms(const iso_gl_refined_draw *d, const iso_gl_tile *t) {
     const iso_projector *p = &d->projector;
     const iso_view *view = d->view;
     const iso_gl_surface *surface = d->surface;
@@ -125,23 +104,23 @@ static void upload_uniforms(const refined_draw *d, const tile *t) {
 }
 
 /* Whether discs of a block may reach the tile's rows. */
-static bool is_visible(const refined_draw *d, const iso_point_block *block, const tile *t) {
+static bool is_visible(const iso_gl_refined_draw *d, const iso_point_block *block, const iso_gl_tile *t) {
     const double reach = iso_refined_largest_radius(block) * d->slant + 2, cy = d->view->cy - t->y;
     return block->seen && !(d->cull && block->back_facing) && block->row[1] + cy + reach >= 0 &&
            block->row[0] + cy - reach <= t->height;
 }
 
 /* Whether all discs are flat. */
-static bool is_flat(const refined_draw *d) {
+static bool is_flat(const iso_gl_refined_draw *d) {
     return d->flat || !d->surface->has_curvatures || d->surface->has_colors;
 }
 
-static bool is_filtered(const refined_draw *d, const iso_point_block *block) {
+static bool is_filtered(const iso_gl_refined_draw *d, const iso_point_block *block) {
     return d->flat && iso_refined_is_filtered(block);
 }
 
 /* The per-instance data of a block. */
-static iso_gl_instance instance_of(const refined_draw *d, const iso_point_block *block) {
+static iso_gl_instance instance_of(const iso_gl_refined_draw *d, const iso_point_block *block) {
     const iso_projector *p = &d->projector;
     const double low = d->surface->surfels ? 0 : ISO_POINT_LOW;
     iso_gl_instance to = {.place = {[3] = 0}};
@@ -161,38 +140,59 @@ static iso_gl_instance instance_of(const refined_draw *d, const iso_point_block 
 
 /* Whether the largest disc of a block, drawn as a square of twice its reach, exceeds the driver's point
  * size. */
-static bool is_wide(const refined_draw *d, const iso_point_block *block) {
+static bool is_wide(const iso_gl_refined_draw *d, const iso_point_block *block) {
     const double beside = is_filtered(d, block) ? 2.1 * (double)ISO_REFINED_LOW_PASS : 0;
     return 2.1 * iso_refined_largest_radius(block) * d->slant + beside + 1 > d->engine->max_point;
 }
 
-/* Lists the draw commands of the blocks that a tile shows, in memory of `room`. */
-static iso_status gather_blocks(const refined_draw *d, tile *t, iso_buffer *room, iso_error *error) {
+/* Lists the blocks that a tile's rows show, and makes room for their draw commands, in memory of `room`. */
+static iso_status find_blocks(const iso_gl_refined_draw *d, iso_gl_tile *t, iso_buffer *room,
+                              iso_error *error) {
     const iso_point_blocks *blocks = d->surface->blocks;
     const iso_point_block *block = blocks->blocks.data;
-    const iso_gl_span *spans = d->surface->spans.data;
-    const size_t each = sizeof(iso_gl_points_command) + sizeof(iso_gl_instance) + sizeof(bool);
+    const size_t each =
+        sizeof(iso_gl_points_command) + sizeof(iso_gl_instance) + sizeof(iso_gl_tile_block) + sizeof(bool);
     ISO_TRY(iso_buffer_reserve(room, blocks->count * each, 0, error));
-    iso_gl_points_command *commands = room->data;
-    iso_gl_instance *instances = (iso_gl_instance *)(commands + blocks->count);
-    bool *wide = (bool *)(instances + blocks->count);
-    t->draws = 0;
-    for (size_t i = 0; i < blocks->count; i++) {
-        if (!is_visible(d, &block[i], t)) continue;
-        const uint32_t first = (uint32_t)(spans[block[i].span].first + block[i].first);
-        commands[t->draws] = (iso_gl_points_command){block[i].count, 1, first, (uint32_t)t->draws};
-        wide[t->draws] = is_wide(d, &block[i]);
-        instances[t->draws++] = instance_of(d, &block[i]);
-    }
-    t->wide = wide;
-    t->commands = commands;
-    t->instances = instances;
+    t->commands = room->data;
+    t->instances = (iso_gl_instance *)(t->commands + blocks->count);
+    t->blocks = (iso_gl_tile_block *)(t->instances + blocks->count);
+    t->wide = (bool *)(t->blocks + blocks->count);
+    for (size_t i = 0; i < blocks->count; i++)
+        if (is_visible(d, &block[i], t))
+            t->blocks[t->block_count++] = (iso_gl_tile_block){
+                .number = (uint32_t)i,
+                .small = d->select && iso_gl_is_small(d, &block[i]) && !is_wide(d, &block[i])};
     return ISO_OK;
+}
+
+/* Adds the draw commands of the blocks that have been tested, `small` or not; with `visible` only of
+ * those that are not hidden. */
+static void list_blocks(const iso_gl_refined_draw *d, iso_gl_tile *t, bool small, bool visible) {
+    const iso_point_block *blocks = d->surface->blocks->blocks.data;
+    const iso_gl_span *spans = d->surface->spans.data;
+    for (size_t i = 0; i < t->block_count; i++) {
+        const iso_gl_tile_block *of = &t->blocks[i];
+        const iso_point_block *block = &blocks[of->number];
+        if (of->small != small || !of->tested || (visible && of->hidden)) continue;
+        const uint32_t first = (uint32_t)(spans[block->span].first + block->first);
+        t->commands[t->draws] = (iso_gl_points_command){block->count, 1, first, (uint32_t)t->draws};
+        t->wide[t->draws] = is_wide(d, block);
+        t->instances[t->draws++] = instance_of(d, block);
+    }
+}
+
+/* Makes and uploads the draw commands of tested blocks. */
+static void make_commands(const iso_gl_refined_draw *d, iso_gl_tile *t, bool visible) {
+    t->draws = 0;
+    list_blocks(d, t, true, visible);
+    t->small_draws = t->draws;
+    list_blocks(d, t, false, visible);
+    iso_gl_surface_command(d->surface, t->draws, t->commands, t->instances);
 }
 
 /* ---- passes */
 
-static iso_status use_program(const refined_draw *d, iso_gl_program program, iso_error *error) {
+static iso_status use_program(const iso_gl_refined_draw *d, iso_gl_program program, iso_error *error) {
     unsigned name;
     if (d->surface->surfels && program < ISO_GL_DISCS_OF_SURFELS)
         program = (iso_gl_program)(program + ISO_GL_DISCS_OF_SURFELS - ISO_GL_FRONT_POINTS);
@@ -203,12 +203,14 @@ static iso_status use_program(const refined_draw *d, iso_gl_program program, iso
 
 /* Draws discs into the bound framebuffer: by `program` those that fit into points, by the next program
  * (quads) the others. */
-static iso_status draw_discs(const refined_draw *d, const tile *t, iso_gl_program program, iso_error *error) {
+static iso_status draw_discs(const iso_gl_refined_draw *d, const iso_gl_tile *t, iso_gl_program program,
+                             iso_error *error) {
     ISO_TRY(use_program(d, program, error));
     if (!d->surface->has_radii) d->gl->VertexAttrib1f(ISO_GL_RADIUS, (GLfloat)d->surface->radius);
-    iso_gl_surface_draw(d->surface, t->draws);
+    iso_gl_surface_draw_chosen(d->surface, t->small_draws);
+    iso_gl_surface_draw_range(d->surface, t->small_draws, t->draws - t->small_draws);
     bool quads = false;
-    for (size_t i = 0; i < t->draws; i++) {
+    for (size_t i = t->small_draws; i < t->draws; i++) {
         if (!t->wide[i]) continue;
         if (!quads) ISO_TRY(use_program(d, (iso_gl_program)(program + 1), error));
         quads = true;
@@ -218,7 +220,7 @@ static iso_status draw_discs(const refined_draw *d, const tile *t, iso_gl_progra
 }
 
 /* Sets the state of a pass over discs into a framebuffer. */
-static void begin_pass(const refined_draw *d, const tile *t, int framebuffer) {
+static void begin_pass(const iso_gl_refined_draw *d, const iso_gl_tile *t, int framebuffer) {
     const GladGLContext *gl = d->gl;
     const int margin = iso_gl_engine_margin(d->engine);
     gl->BindFramebuffer(GL_FRAMEBUFFER, d->engine->discs.framebuffers[framebuffer]);
@@ -232,7 +234,7 @@ static void begin_pass(const refined_draw *d, const tile *t, int framebuffer) {
 }
 
 /* First pass: the nearest depths. */
-static iso_status find_fronts(const refined_draw *d, const tile *t, iso_error *error) {
+static iso_status find_fronts(const iso_gl_refined_draw *d, const iso_gl_tile *t, iso_error *error) {
     const GladGLContext *gl = d->gl;
     const GLfloat nowhere[4] = {ISO_NOWHERE, ISO_NOWHERE, ISO_NOWHERE, ISO_NOWHERE};
     begin_pass(d, t, 0);
@@ -242,7 +244,7 @@ static iso_status find_fronts(const refined_draw *d, const tile *t, iso_error *e
 }
 
 /* Second pass: weighted sums over the discs near the front. */
-static iso_status add_discs(const refined_draw *d, const tile *t, iso_error *error) {
+static iso_status add_discs(const iso_gl_refined_draw *d, const iso_gl_tile *t, iso_error *error) {
     const GladGLContext *gl = d->gl;
     const GLfloat nothing[4] = {0};
     begin_pass(d, t, 1);
@@ -256,7 +258,7 @@ static iso_status add_discs(const refined_draw *d, const tile *t, iso_error *err
 }
 
 /* Third pass: from sums to samples of the picture. */
-static iso_status resolve_tile(const refined_draw *d, const tile *t, iso_error *error) {
+static iso_status resolve_tile(const iso_gl_refined_draw *d, const iso_gl_tile *t, iso_error *error) {
     const GladGLContext *gl = d->gl;
     for (int i = 0; i < SUMS; i++) gl->BindTextureUnit(ISO_GL_SUMS + (GLuint)i, d->engine->discs.sums[i]);
     gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, ISO_GL_PICTURE, d->engine->storage[ISO_GL_STORE_PICTURE]);
@@ -267,47 +269,74 @@ static iso_status resolve_tile(const refined_draw *d, const tile *t, iso_error *
     return ISO_OK;
 }
 
-typedef iso_status pass_function(const refined_draw *d, const tile *t, iso_error *error);
+typedef iso_status pass_function(const iso_gl_refined_draw *d, const iso_gl_tile *t, iso_error *error);
 
-static iso_status draw_tile(const refined_draw *d, tile *t, iso_buffer *room, iso_error *error) {
-    static pass_function *const passes[] = {find_fronts, add_discs, resolve_tile};
+static iso_status run_pass(const iso_gl_refined_draw *d, const iso_gl_tile *t, iso_gl_pass pass,
+                           pass_function *run, iso_error *error) {
     iso_gl_timer *timer = &d->engine->timer;
-    ISO_TRY(gather_blocks(d, t, room, error));
-    if (!t->draws) return ISO_OK;
-    iso_gl_surface_command(d->surface, t->draws, t->commands, t->instances);
-    upload_uniforms(d, t);
-    for (int i = 0; i < 3; i++) {
-        iso_gl_timer_begin(timer, d->gl, (iso_gl_pass)(ISO_GL_PASS_FRONT + i));
-        iso_status status = passes[i](d, t, error);
-        iso_gl_timer_end(timer, d->gl);
-        d->gl->Disable(GL_BLEND);
-        ISO_TRY(status);
+    iso_gl_timer_begin(timer, d->gl, pass);
+    const iso_status status = run(d, t, error);
+    iso_gl_timer_end(timer, d->gl);
+    d->gl->Disable(GL_BLEND);
+    return status;
+}
+
+/* Finds the fronts of a tile; with selection those of visible points, from more blocks until the fronts hide
+ * all others. */
+static iso_status make_fronts(const iso_gl_refined_draw *d, iso_gl_tile *t, iso_buffer *room,
+                              iso_error *error) {
+    for (size_t revealed = 1; revealed;) {
+        revealed = 0;
+        make_commands(d, t, false);
+        if (d->select) ISO_TRY(run_pass(d, t, ISO_GL_PASS_SELECT, iso_gl_select_points, error));
+        ISO_TRY(run_pass(d, t, ISO_GL_PASS_FRONT, find_fronts, error));
+        if (d->select) ISO_TRY(iso_gl_find_hidden(d, t, room, &revealed, error));
     }
+    if (!d->select) return ISO_OK;
+    make_commands(d, t, true);
+    return run_pass(d, t, ISO_GL_PASS_SELECT, iso_gl_list_chosen, error);
+}
+
+static iso_status draw_tile(const iso_gl_refined_draw *d, iso_gl_tile *t, iso_buffer *room,
+                            iso_error *error) {
+    iso_buffer squares = {NULL};
+    ISO_TRY(find_blocks(d, t, room, error));
+    if (!t->block_count) return ISO_OK;
+    upload_uniforms(d, t);
+    iso_gl_selection_begin(d, t);
+    const iso_status status = make_fronts(d, t, &squares, error);
+    iso_buffer_free(&squares);
+    ISO_TRY(status);
+    ISO_TRY(run_pass(d, t, ISO_GL_PASS_ADD, add_discs, error));
+    ISO_TRY(run_pass(d, t, ISO_GL_PASS_RESOLVE, resolve_tile, error));
+    if (d->select) iso_gl_selection_end(d, t);
     return ISO_OK;
 }
 
-iso_status iso_gl_draw_refined(const iso_gl_surface *surface, const iso_view *view, int number, bool flat,
-                               iso_buffer *room, iso_error *error) {
+iso_status iso_gl_draw_refined(const iso_gl_surface *surface, const iso_view *view, int number,
+                               iso_gl_refined_style style, iso_buffer *room, iso_error *error) {
     iso_gl_engine *engine = surface->engine;
-    const refined_draw d = {.engine = engine,
-                            .gl = engine->context->gl,
-                            .surface = surface,
-                            .view = view,
-                            .projector = iso_projector_make(view, &surface->transform),
-                            .slant = iso_refined_slant(view, engine->max_point / 2),
-                            .cull = surface->closed && !surface->blocks->around_eye,
-                            .flat = flat,
-                            .number = number};
+    iso_gl_refined_draw d = {.engine = engine,
+                             .gl = engine->context->gl,
+                             .surface = surface,
+                             .view = view,
+                             .projector = iso_projector_make(view, &surface->transform),
+                             .slant = iso_refined_slant(view, engine->max_point / 2),
+                             .cull = surface->closed && !surface->blocks->around_eye,
+                             .flat = style.flat,
+                             .number = number};
     const int side = engine->max_side, width = view->width < side ? view->width : side;
     int height = SAMPLES_MOST / width;
     if (height > side) height = side;
     if (height > view->height) height = view->height;
+    d.select = style.select && iso_gl_can_select(surface, width, height);
     ISO_TRY(ensure_discs(&d, width, height, error));
     for (int y = 0; y < view->height; y += height)
         for (int x = 0; x < view->width; x += width) {
-            tile t = {.x = x, .y = y, .width = width, .height = height};
+            iso_gl_tile t = {.x = x, .y = y, .width = width, .height = height};
             if (t.width > view->width - x) t.width = view->width - x;
             if (t.height > view->height - y) t.height = view->height - y;
+            t.whole = t.width == view->width && t.height == view->height && !view->above && !view->below;
             ISO_TRY(draw_tile(&d, &t, room, error));
             ISO_TRY(iso_gl_check(engine->context, error)); /* stop when the context is lost */
         }

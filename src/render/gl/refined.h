@@ -8,12 +8,17 @@
 extern "C" {
 #endif
 
+typedef struct iso_gl_refined_style {
+    bool flat;   /* curvatures are not used and discs are filtered (ISO_FLAT_DISCS_FILTERED) */
+    bool select; /* draw only visible points (render/gl/selection.h), where the driver can select them */
+} iso_gl_refined_style;
+
 /* Draws the points of a surface over the samples in the buffer ISO_GL_STORE_PICTURE, which has the view's
  * size. iso_point_blocks_set_view must have been called for the view; the context must be current.
- * `number` is the surface number written into the picture, `room` working memory; with `flat`, curvatures
- * are not used and discs are filtered (ISO_FLAT_DISCS_FILTERED). ISO_ERR_NOMEM, ISO_ERR_BACKEND. */
-iso_status iso_gl_draw_refined(const iso_gl_surface *surface, const iso_view *view, int number, bool flat,
-                               iso_buffer *room, iso_error *error);
+ * `number` is the surface number written into the picture, `room` working memory. ISO_ERR_NOMEM,
+ * ISO_ERR_BACKEND. */
+iso_status iso_gl_draw_refined(const iso_gl_surface *surface, const iso_view *view, int number,
+                               iso_gl_refined_style style, iso_buffer *room, iso_error *error);
 
 /* Bytes of GPU memory that drawing takes for a picture of this many samples. */
 uint64_t iso_gl_discs_bytes(uint64_t samples);

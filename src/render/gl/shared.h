@@ -56,7 +56,18 @@
 #define ISO_GL_TILE_DISCS 4
 #define ISO_GL_LAYER_BOUNDS 5
 #define ISO_GL_LAYERS 6
-#define ISO_GL_HITS 7    /* uvec4: depth, e, disc, whether it faces away */
+#define ISO_GL_HITS 7 /* uvec4: depth, e, disc, whether it faces away */
+/* Of the selection of points (selection.h): least depths of each pixel's cells, in the order of their
+ * bits; a bit for each point, 1: it is chosen; the numbers of the chosen points; commands that draw
+ * points, and those that draw chosen ones; how many are chosen; the deepest front of each square of
+ * pixels. */
+#define ISO_GL_CELLS 1
+#define ISO_GL_MARKED 2
+#define ISO_GL_CHOSEN 3
+#define ISO_GL_COMMANDS 4
+#define ISO_GL_ELEMENTS 5
+#define ISO_GL_TOTAL 6
+#define ISO_GL_DEEPEST 7
 #define ISO_GL_PICTURE 0 /* uint: planes of a gbuffer: depth, normal x, y, z, surface, colours */
 #define ISO_GL_PICTURE_PLANES 5
 #define ISO_GL_STORAGE_SLOTS 8
@@ -78,6 +89,14 @@
 #define ISO_GL_SPLAT_TILE 16  /* of layers of splats */
 #define ISO_GL_MOST_GROUPS 64 /* ISO_GROUPS_MOST */
 #define ISO_GL_LAYER_FLOATS 8 /* of a sample's layer */
+
+/* Of the selection of points. A pixel has a cell for each of its quarters, and one each for the discs
+ * that cover its centre, front-facing and flipped back-facing; pixels up to GUARD outside a tile have
+ * cells too. Fronts are combined in squares of SQUARE x SQUARE pixels. */
+#define ISO_GL_PIXEL_CELLS 6
+#define ISO_GL_GUARD 3
+#define ISO_GL_SQUARE 8
+#define ISO_GL_DRAWS 0 /* uint, a uniform: the number of commands */
 
 /* Constants of pull-push, the same as in render/pullpush/pyramid.h and render/point_blocks.h. */
 #define ISO_GL_LEVELS 11
@@ -120,6 +139,12 @@
 #define ISO_GL_POINT_MARGIN 0.125
 
 #ifdef ISO_GLSL
+/* The bits of a float, mapped so that unsigned integers compare like the floats. */
+uint ordered(float depth) {
+    uint bits = floatBitsToUint(depth);
+    return bits >> 31 != 0u ? ~bits : bits | 0x80000000u;
+}
+
 #define ISO_GL_FLOATS(name) vec4 name
 #define ISO_GL_DOUBLES(name) dvec4 name
 #define ISO_GL_DOUBLE_ROWS(name, count) dvec4 name[count]

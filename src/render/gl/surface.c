@@ -223,6 +223,25 @@ void iso_gl_surface_draw(const iso_gl_surface *surface, size_t count) {
         gl->MultiDrawArraysIndirect(GL_POINTS, NULL, (GLsizei)count, 0);
 }
 
+void iso_gl_surface_draw_range(const iso_gl_surface *surface, size_t first, size_t count) {
+    const GladGLContext *gl = surface->engine->context->gl;
+    if (!count) return;
+    gl->BindBuffer(GL_DRAW_INDIRECT_BUFFER, surface->engine->commands);
+    gl->BindVertexArray(surface->array);
+    gl->MultiDrawArraysIndirect(GL_POINTS, (const char *)NULL + first * sizeof(iso_gl_points_command),
+                                (GLsizei)count, 0);
+}
+
+void iso_gl_surface_draw_chosen(const iso_gl_surface *surface, size_t count) {
+    const iso_gl_engine *engine = surface->engine;
+    const GladGLContext *gl = engine->context->gl;
+    if (!count) return;
+    gl->VertexArrayElementBuffer(surface->array, engine->storage[ISO_GL_STORE_CHOSEN]);
+    gl->BindBuffer(GL_DRAW_INDIRECT_BUFFER, engine->storage[ISO_GL_STORE_ELEMENTS]);
+    gl->BindVertexArray(surface->array);
+    gl->MultiDrawElementsIndirect(GL_POINTS, GL_UNSIGNED_INT, NULL, (GLsizei)count, 0);
+}
+
 void iso_gl_surface_draw_quads(const iso_gl_surface *surface, size_t first, size_t count,
                                const iso_gl_instance *instance) {
     const GladGLContext *gl = surface->engine->context->gl;
@@ -454,8 +473,10 @@ iso_status iso_gl_upload_points(iso_gl_engine *engine, const iso_point_view *poi
     made->has_colors = points->colors != NULL;
     made->has_curvatures = points->curvatures != NULL;
     made->blocks = iso_alloc_zero(1, sizeof *made->blocks);
-    iso_status status = made->blocks ? iso_gl_update_points(made, points, error)
-                                     : iso_fail(error, ISO_ERR_NOMEM, "out of memory for blocks of points");
+    made->seen = iso_alloc_zero(1, sizeof *made->seen);
+    iso_status status = made->blocks && made->seen
+                            ? iso_gl_update_points(made, points, error)
+                            : iso_fail(error, ISO_ERR_NOMEM, "out of memory for blocks of points");
     if (status == ISO_OK)
         *surface = made;
     else
@@ -501,6 +522,8 @@ iso_gl_surface_stats iso_gl_surface_measure(const iso_gl_surface *surface) {
 static void free_surface(iso_gl_surface *surface) {
     if (surface->blocks) iso_point_blocks_free(surface->blocks);
     iso_free(surface->blocks);
+    if (surface->seen) iso_buffer_free(&surface->seen->flags);
+    iso_free(surface->seen);
     iso_triangle_strips_free(&surface->strips);
     iso_buffer_free(&surface->bounds);
     iso_buffer_free(&surface->spans);

@@ -12,6 +12,7 @@
 #include "render/gl/target.h"
 #include "render/gl/timer.h"
 #include "render/point_blocks.h"
+#include "render/pullpush/pullpush.h"
 #include "render/raster/triangle_strips.h"
 
 #ifdef __cplusplus
@@ -54,6 +55,12 @@ typedef struct iso_gl_mesh_command {
     uint32_t first_instance;
 } iso_gl_mesh_command;
 
+/* Which blocks of points the last picture showed (selection.h). */
+typedef struct iso_gl_seen {
+    iso_buffer flags; /* uint8_t, one a block */
+    size_t count;     /* of blocks; 0: not known */
+} iso_gl_seen;
+
 struct iso_gl_surface {
     iso_gl_engine *engine;
     iso_transform transform;
@@ -61,6 +68,7 @@ struct iso_gl_surface {
     size_t span_count;
     bool mesh, stripped, surfels, has_radii, has_colors, has_curvatures, closed;
     iso_buffer bounds;        /* of a closed mesh: an iso_point_bounds per span */
+    iso_gl_seen *seen;        /* of points. Owned */
     iso_point_blocks *blocks; /* of points; a block's `first` counts from its span's first point. Owned */
     double radius;            /* mm, of all points when there are no radii */
     int32_t dims[3];          /* voxels of the grid that the points come from; 0: not known */
@@ -94,9 +102,15 @@ typedef enum iso_gl_storage {
     ISO_GL_STORE_TILE_DISCS,
     ISO_GL_STORE_LAYER_BOUNDS,
     ISO_GL_STORE_LAYERS,
-    ISO_GL_STORE_HITS
+    ISO_GL_STORE_HITS,
+    ISO_GL_STORE_CELLS, /* of the selection of points, as the next ones */
+    ISO_GL_STORE_MARKED,
+    ISO_GL_STORE_CHOSEN,
+    ISO_GL_STORE_ELEMENTS,
+    ISO_GL_STORE_TOTAL,
+    ISO_GL_STORE_DEEPEST
 } iso_gl_storage;
-enum { ISO_GL_STORES = 22 };
+enum { ISO_GL_STORES = 28 };
 
 /* Render targets of the refined reconstruction: nearest depths and sums. At least as large as a tile. */
 typedef struct iso_gl_discs {
@@ -126,8 +140,11 @@ struct iso_gl_engine {
     /* Buffers that grow as needed; 0: not needed yet. */
     unsigned storage[ISO_GL_STORES];
     size_t storage_bytes[ISO_GL_STORES];
-    size_t max_storage; /* bytes of the largest storage buffer that shaders can access */
-    bool wide_atomics;  /* 64-bit atomic operations in storage buffers */
+    size_t max_storage;             /* bytes of the largest storage buffer that shaders can access */
+    bool vertex_storage;            /* vertex shaders have storage buffers */
+    iso_selection_counts selection; /* in all pictures with selection */
+    bool keep_holes; /* for tests: the selection does not look at blocks that the frame before did not show */
+    bool wide_atomics; /* 64-bit atomic operations in storage buffers */
     iso_gl_timer timer;
 };
 
@@ -155,8 +172,11 @@ iso_status iso_gl_check_memory(const iso_gl_engine *engine, uint64_t bytes, iso_
  * (iso_gl_instance, or three int32_t with a mesh's brick) of a multi-draw; they stay until the next call. */
 void iso_gl_surface_command(const iso_gl_surface *surface, size_t count, const void *commands,
                             const void *instances);
-/* Executes the uploaded commands with the program in use. */
+/* Executes the uploaded commands with the program in use; of points also some of them. */
 void iso_gl_surface_draw(const iso_gl_surface *surface, size_t count);
+void iso_gl_surface_draw_range(const iso_gl_surface *surface, size_t first, size_t count);
+/* Executes the first commands of ISO_GL_STORE_ELEMENTS, which draw points of ISO_GL_STORE_CHOSEN. */
+void iso_gl_surface_draw_chosen(const iso_gl_surface *surface, size_t count);
 /* Draws `count` points from `first` on as quads with the program in use. */
 void iso_gl_surface_draw_quads(const iso_gl_surface *surface, size_t first, size_t count,
                                const iso_gl_instance *instance);

@@ -48,8 +48,8 @@ void iso_gl_timer_free(iso_gl_timer *timer, const GladGLContext *gl) {
 }
 
 const char *iso_gl_pass_name(iso_gl_pass pass) {
-    static const char *const names[ISO_GL_PASSES] = {"draw",   "project", "pull", "push",
-                                                     "finish", "front",   "add",  "resolve"};
+    static const char *const names[ISO_GL_PASSES] = {"draw",  "project", "pull",    "push",  "finish",
+                                                     "front", "add",     "resolve", "select"};
     return names[pass];
 }
 
