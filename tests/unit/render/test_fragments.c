@@ -448,13 +448,36 @@ static void test_ribbons(void **state) {
     iso_free(drawn.normals);
 }
 
+/* Adds a line in the plane y = 0 through the origin, which rises by `slope`. */
+static void add_straight(test_lines *set, int segments, double slope) {
+    for (int i = 0; i <= segments; i++) {
+        const double x = 16.0 * i / segments - 8;
+        test_lines_add(set, x, 0, slope * x, 1.9); /* no edge of it is at the centre of a sample */
+    }
+    test_lines_end(set);
+}
+
+/* Draws both sets of lines from one side; the pictures are to be the same, without more layers than `most`. */
+static void compare_joints(const mixed *cut, const mixed *whole, const iso_view *view, float most) {
+    picture p = picture_of_scene(cut, view, 1, NULL), wanted = picture_of_scene(whole, view, 1, NULL);
+    const size_t pixels = (size_t)view->width * (size_t)view->height;
+    assert_memory_equal(p.counts, wanted.counts, pixels * sizeof *p.counts);
+    for (size_t k = 0; k < 4 * pixels; k++) assert_true(abs(p.image.rgba[k] - wanted.image.rgba[k]) <= 1);
+    for (size_t k = 0; k < pixels; k++) assert_true(p.counts[k] <= most);
+    assert_true(p.drawn[0].samples > pixels / 10);
+    free_picture(&p);
+    free_picture(&wanted);
+}
+
 /* A line of many short segments is the line with two vertices: nowhere are there more than two layers, or
  * one of a ribbon, also where rays meet the edge that two patches share. */
 static void test_joints(void **state) {
     (void)state;
+    static const double slopes[] = {0, 0.37, 1};
     static float normals[TEST_LINES_VERTICES][3];
-    for (int i = 0; i < TEST_LINES_VERTICES; i++) normals[i][2] = 1;
-    for (int ribbon = 0; ribbon < 2; ribbon++) {
+    for (int kind = 0; kind < 6; kind++) {
+        const double slope = slopes[kind / 2], scale = 1 / sqrt(1 + slope * slope);
+        const bool ribbon = kind % 2;
         const iso_shapes_opts opts = {.radius = 2, .style = ribbon ? ISO_LINE_RIBBON : ISO_LINE_TUBE};
         mixed cut = {.sets = {{NULL, &lines.lines, opts}},
                      .translucency = {{.opacity = 0.3f, .constant = true}},
@@ -462,28 +485,42 @@ static void test_joints(void **state) {
               whole = cut;
         whole.sets[0].lines = &other_lines.lines;
         test_lines_start(&lines, 0, 0, 0);
-        for (int i = 0; i <= 1024; i++) test_lines_add(&lines, i / 64.0 - 8, 0, 0, 2);
-        test_lines_end(&lines);
         test_lines_start(&other_lines, 0, 0, 0);
-        for (int i = 0; i <= 1; i++) test_lines_add(&other_lines, 16 * i - 8, 0, 0, 2);
-        test_lines_end(&other_lines);
+        add_straight(&lines, 1024, slope);
+        add_straight(&other_lines, 1, slope);
+        for (int i = 0; i < TEST_LINES_VERTICES; i++)
+            normals[i][0] = (float)(-slope * scale), normals[i][2] = (float)scale;
         lines.lines.normals = other_lines.lines.normals = normals;
         /* edges of patches are at the centres of samples */
-        const iso_view views[2] = {test_axis_view(2, false, 0.25, -8, 65),
-                                   test_shapes_view((iso_vec3){0, 0, 0}, AWAY, 20, false)};
-        for (int i = 0; i < 2; i++) {
-            picture p = picture_of_scene(&cut, &views[i], 1, NULL),
-                    wanted = picture_of_scene(&whole, &views[i], 1, NULL);
-            const size_t pixels = (size_t)views[i].width * (size_t)views[i].height;
-            assert_memory_equal(p.counts, wanted.counts, pixels * sizeof *p.counts);
-            for (size_t k = 0; k < 4 * pixels; k++)
-                assert_true(abs(p.image.rgba[k] - wanted.image.rgba[k]) <= 1);
-            for (size_t k = 0; k < pixels; k++) assert_true(p.counts[k] <= (ribbon ? 1 : 2));
-            assert_true(p.drawn[0].samples > pixels / 10);
-            free_picture(&p);
-            free_picture(&wanted);
-        }
+        const iso_view axis = test_axis_view(2, false, 0.25, -8, 65),
+                       slanting = test_shapes_view((iso_vec3){0, 0, 0}, AWAY, 20, false);
+        compare_joints(&cut, &whole, &axis, ribbon ? 1 : 2);
+        compare_joints(&cut, &whole, &slanting, ribbon ? 1 : 2);
     }
+}
+
+/* A ribbon that twists has one layer where rays meet the edge that two of its patches share: the depths at
+ * which they meet the two differ by rounding. */
+static void test_twisted_ribbon(void **state) {
+    (void)state;
+    static float normals[TEST_LINES_VERTICES][3];
+    const iso_view view = test_axis_view(2, false, 0.25, -8, 65);
+    const size_t pixels = (size_t)view.width * (size_t)view.height;
+    test_lines_start(&lines, 0, 0, 0);
+    add_straight(&lines, 1024, 0.37);
+    for (int i = 0; i <= 1024; i++) {
+        double sine, cosine;
+        iso_sincos(0.001 * i, &sine, &cosine);
+        normals[i][1] = (float)sine, normals[i][2] = (float)cosine;
+    }
+    lines.lines.normals = normals;
+    const mixed m = {.sets = {{NULL, &lines.lines, {.radius = 2, .style = ISO_LINE_RIBBON}}},
+                     .translucency = {{.opacity = 0.3f, .constant = true}},
+                     .count = 1};
+    picture p = picture_of_scene(&m, &view, 1, NULL);
+    for (size_t i = 0; i < pixels; i++) assert_true(p.counts[i] <= 1);
+    assert_true(p.drawn[0].samples > pixels / 10);
+    free_picture(&p);
 }
 
 /* A thick polyline with sharp bends, whose joints overlap. */
@@ -500,6 +537,29 @@ static void test_bends(void **state) {
                      .translucency = {{.opacity = 0.3f, .constant = true}},
                      .count = 1};
     compare_views(&m, lines.lines.origin, AWAY, 20, "bends");
+}
+
+/* Coils whose turns overlap, in front of a line. The many pieces of each have two layers, so that the line
+ * stays in sight, although they would stop all light if they were not merged. */
+static void test_line_behind_coils(void **state) {
+    (void)state;
+    enum { COILS = 16, TURNED = 90 };
+    test_lines_start(&lines, 0, 0, 0);
+    for (int coil = 0; coil < COILS; coil++) {
+        for (int i = 0; i < TURNED; i++) {
+            double sine, cosine;
+            iso_sincos(coil + i * 2.3, &sine, &cosine);
+            test_lines_add(&lines, 1.5 * cosine, 1.5 * sine, -4 - 0.01 * coil - 0.001 * i, 2.95);
+        }
+        test_lines_end(&lines);
+    }
+    for (int i = 0; i <= 300; i++) test_lines_add(&lines, 0.05 * i - 7.5, 0, 6, 1.9);
+    test_lines_end(&lines);
+    const mixed m = {.sets = {{NULL, &lines.lines, {.radius = 1}}},
+                     .translucency = {{.opacity = 0.1f, .constant = true}},
+                     .count = 1};
+    const iso_view view = test_axis_view(2, false, 0.8, -8, 21);
+    compare(&m, &view, "a line behind coils");
 }
 
 /* ---- meshes */
@@ -662,7 +722,8 @@ int main(void) {
         cmocka_unit_test(test_glyphs),      cmocka_unit_test(test_billboards),
         cmocka_unit_test(test_many_pieces), cmocka_unit_test(test_several_blocks),
         cmocka_unit_test(test_tubes),       cmocka_unit_test(test_ribbons),
-        cmocka_unit_test(test_joints),      cmocka_unit_test(test_bends),
+        cmocka_unit_test(test_joints),      cmocka_unit_test(test_twisted_ribbon),
+        cmocka_unit_test(test_bends),       cmocka_unit_test(test_line_behind_coils),
         cmocka_unit_test(test_meshes),      cmocka_unit_test(test_isosurfaces),
         cmocka_unit_test(test_variants),
     };
