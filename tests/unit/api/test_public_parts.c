@@ -135,7 +135,7 @@ static void reduce_surveys(iso_keys *const *keys, int count) {
 
 /* Writes the keys to files, and shows what is read from them. */
 static void show_files(iso_keys *const *keys, int count, iso_image *image) {
-    char names[PARTS_MOST][32];
+    char names[PARTS_MOST][48];
     const char *paths[PARTS_MOST];
     iso_keys *merged = NULL;
     for (int i = 0; i < count; i++) {

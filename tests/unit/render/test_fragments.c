@@ -457,7 +457,7 @@ static void add_straight(test_lines *set, int segments, double slope) {
     test_lines_end(set);
 }
 
-/* Draws both sets of lines from one side; the pictures are to be the same, without more layers than `most`. */
+/* Draws both sets of lines from one side: the same pictures, nowhere with more than `most` layers. */
 static void compare_joints(const mixed *cut, const mixed *whole, const iso_view *view, float most) {
     picture p = picture_of_scene(cut, view, 1, NULL), wanted = picture_of_scene(whole, view, 1, NULL);
     const size_t pixels = (size_t)view->width * (size_t)view->height;
