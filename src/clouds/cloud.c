@@ -1,6 +1,7 @@
 /* cloud: decides what has to be estimated, and puts the points into the order of their spans. */
 #include "clouds/cloud.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -196,7 +197,8 @@ static iso_status finish_radii(maker *m, iso_error *error) {
     if (m->radii) ISO_TRY(median_radius(m, m->radii, &median, error));
     if (!(median > 0)) median = 1;
     for (size_t i = 0; i < m->glyphs->count && m->radii; i++)
-        if (!(m->radii[i] > 0)) m->radii[i] = m->radii[i] == REPEATED ? 1e-6f * median : median;
+        if (!(m->radii[i] > 0))
+            m->radii[i] = m->radii[i] == REPEATED ? fmaxf(1e-6f * median, FLT_MIN) : median;
     m->cloud->radius = (double)median;
     return ISO_OK;
 }
