@@ -323,6 +323,7 @@ static iso_status run_entry(state *st, const entry *e, iso_error *error) {
     ISO_TRY(open_entry(e, st->pool, &s.grid, &s.subject.isovalue, error));
     s.subject.grid = &s.grid;
     s.subject.pool = st->pool;
+    s.subject.bounded = true; /* as every program draws surfaces: hidden sides of closed ones are left out */
     iso_status status = prepare(&s, error);
     if (status == ISO_OK) status = look_at(&s, error);
     if (status == ISO_OK && strcmp(e->name, "stent") == 0) status = turn_all(&s, error);
