@@ -147,8 +147,11 @@ void main() {
     float scale = orthographic ? axis.w : axis.w / at.z;
     centre.xy = clamp(at.xy * scale + axis.xy, -ISO_GL_FURTHEST, ISO_GL_FURTHEST);
     float mm = max(own_radius, 0.0);
-    float wide = (mm * scale - ISO_REFINED_GROW_FROM) * (1.0 / ISO_REFINED_GROW_OVER);
-    float radius = mm * (ISO_REFINED_BALL + clamp(wide, 0.0, 1.0) * ISO_REFINED_BALL_MORE);
+    bool curved = place.w > 0.0;
+    float wide = (mm * scale - ISO_REFINED_GROW_FROM) *
+                 (1.0 / (curved ? ISO_REFINED_GROW_OVER : ISO_REFINED_FLAT_GROW_OVER));
+    float more = curved ? ISO_REFINED_BALL_MORE : ISO_REFINED_FLAT_MORE;
+    float radius = mm * (ISO_REFINED_BALL + clamp(wide, 0.0, 1.0) * more);
     if (place.w > 0.0) radius *= disc_scale(curvature);
     centre.zw = vec2(at.z, radius);
 

@@ -162,7 +162,8 @@ static bool make_disc(const iso_view *view, const iso_projector *projector, cons
     const double pixels = radius * view->focal / (view->orthographic ? 1 : d->at[2]);
     if (points->curvatures) set_curvature(projector, points, i, length, d);
     enclose(projector, points, i, index, d);
-    d->radius = radius * (1.2 + 0.215 * fmin(fmax((pixels - 4.5) / 6, 0), 1));
+    const double more = points->curvatures ? 0.215 : 0.16, over = points->curvatures ? 6 : 60;
+    d->radius = radius * (1.2 + more * fmin(fmax((pixels - 4.5) / over, 0), 1));
     if (points->curvatures) d->radius *= 1 - (points->curvatures[i].extents >> 14) / 4.0;
     for (int k = 0; k < 2 && !view->orthographic; k++) ray[k] = d->at[k] / d->at[2];
     const double along = dot3(d->n, ray), lit = dot3(d->lit, ray);

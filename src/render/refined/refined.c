@@ -111,6 +111,8 @@ static void set_up_params(refined_call *call, const iso_projector *projector) {
 
 static void set_up_flat_discs(iso_refined_params *params, iso_flat_discs flat) {
     if (params->points->curvatures && !params->colored) return;
+    params->ball[1] = ISO_REFINED_FLAT_MORE;
+    params->grow = 1 / ISO_REFINED_FLAT_GROW_OVER;
     params->first = flat == ISO_FLAT_DISCS_ONEPASS;
     params->filtered = flat == ISO_FLAT_DISCS_FILTERED || flat == ISO_FLAT_DISCS_EWA;
     params->widened = flat == ISO_FLAT_DISCS_EWA;

@@ -11,6 +11,10 @@
 /* The growth begins at a point radius of GROW_FROM pixels and is complete GROW_OVER pixels later. */
 #define ISO_REFINED_GROW_FROM 4.5f
 #define ISO_REFINED_GROW_OVER 6.0f
+/* The same for flat discs. They grow less and later: the farther a flat disc reaches, the farther it leaves
+ * the surface, which widens outlines; without any growth gaps near outlines would show when magnified. */
+#define ISO_REFINED_FLAT_MORE 0.16f
+#define ISO_REFINED_FLAT_GROW_OVER 60.0f
 
 /* Pixels: discs of a smaller radius are drawn flat, because their curvature would not be visible. */
 #define ISO_REFINED_FLAT_RADIUS 0.9f
