@@ -35,7 +35,7 @@ iso_point_source iso_point_source_of_glyphs(const iso_glyphs *glyphs);
 
 /* The column of an array of items of `bytes` bytes, which may be NULL. */
 static inline iso_point_column iso_point_column_of(const void *array, size_t bytes) {
-    return (iso_point_column){array, bytes};
+    return (iso_point_column){(const unsigned char *)array, bytes};
 }
 
 /* Copies three floats of a point. */
