@@ -204,7 +204,7 @@ ISO_API void iso_volume_destroy(iso_volume *volume);
 ISO_API const iso_volume_info *iso_volume_describe(const iso_volume *volume);
 
 /* Crops the volume to the voxels lo .. hi (inclusive), which keep their positions in the world, before it has
- * surfaces. ISO_ERR_USAGE: the range is empty or not within the volume, or the volume is a sculpt's. */
+ * surfaces. ISO_ERR_USAGE: the range is empty or not within the volume, or a sculpt owns the volume. */
 ISO_API iso_status iso_volume_crop(iso_volume *volume, const int lo[3], const int hi[3], iso_error *error);
 
 /* Tells that the voxels lo .. hi (inclusive, clipped to the volume) of a lent array have changed. Its
@@ -259,7 +259,7 @@ typedef struct iso_surface iso_surface;
 
 typedef struct iso_surface_opts {
     double isovalue;
-    const iso_rgb *color; /* copied; NULL: of a small palette, by the number in the picture */
+    const iso_rgb *color; /* copied; NULL: one of a small palette, by its place in the picture */
     iso_primitive primitive;
     double opacity; /* share of the light that the surface stops where it is seen face on, 0 .. 1; 0 means 1,
                        opaque. Values below 1 need the method EXACT, RAYCAST or SPLATS */
@@ -583,12 +583,12 @@ typedef struct iso_keys_opts {
     iso_method method;                 /* EXACT, PULLPUSH_GAUSSIAN or PULLPUSH_BOX */
     int width, height;                 /* pixels; 0 means 1024 */
     const iso_camera *camera;          /* not NULL */
-    const iso_rgb *color, *background; /* NULL: as of a first surface; white */
+    const iso_rgb *color, *background; /* NULL: the palette's first; white */
     bool transparent;
     int threads; /* as of iso_open_opts */
 } iso_keys_opts;
 
-/* Creates a picture without parts. ISO_ERR_USAGE. */
+/* Creates a picture without parts (ISO_ERR_USAGE: an option is out of range); frees it (NULL is fine). */
 ISO_API iso_status iso_keys_create(const iso_keys_opts *opts, iso_keys **keys, iso_error *error);
 ISO_API void iso_keys_destroy(iso_keys *keys);
 

@@ -416,7 +416,9 @@ static iso_status read_header(const char *path, request *r, const iso_format **f
     ISO_TRY(divide_path(path, r, error));
     ISO_TRY(find_format(r->path, r, format, error));
     if (r->opts.level < 0)
-        return iso_fail(error, ISO_ERR_USAGE, "%s: --level auto is for the input of a picture", path);
+        return iso_fail(
+            error, ISO_ERR_USAGE,
+            "%s: a level is chosen automatically only for the input of a picture: give its number", path);
     ISO_TRY(load_format(path, format, error));
     snprintf(info->format, sizeof info->format, "%s", (*format)->name);
     if (r->is_guessed) note_guess(&r->guessed, info);
