@@ -299,7 +299,7 @@ static iso_status make_fronts(const iso_gl_refined_draw *d, iso_gl_tile *t, iso_
 
 static iso_status draw_tile(const iso_gl_refined_draw *d, iso_gl_tile *t, iso_buffer *room,
                             iso_error *error) {
-    iso_buffer squares = {NULL};
+    iso_buffer squares = {.data = NULL};
     ISO_TRY(find_blocks(d, t, room, error));
     if (!t->block_count) return ISO_OK;
     upload_uniforms(d, t);
