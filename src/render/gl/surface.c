@@ -228,7 +228,7 @@ void iso_gl_surface_draw_range(const iso_gl_surface *surface, size_t first, size
     if (!count) return;
     gl->BindBuffer(GL_DRAW_INDIRECT_BUFFER, surface->engine->commands);
     gl->BindVertexArray(surface->array);
-    gl->MultiDrawArraysIndirect(GL_POINTS, (const char *)NULL + first * sizeof(iso_gl_points_command),
+    gl->MultiDrawArraysIndirect(GL_POINTS, (const void *)(uintptr_t)(first * sizeof(iso_gl_points_command)),
                                 (GLsizei)count, 0);
 }
 
