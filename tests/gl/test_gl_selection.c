@@ -236,7 +236,7 @@ static void frames_do_not_depend_on_frames_before(iso_gl_engine *engine) {
     }
 }
 
-/* Whatever blocks are looked at first, such as those of a frame that is not known, the picture is the same. */
+/* Whatever blocks are looked at first, as after a frame of something else, the picture is the same. */
 static void any_blocks_may_be_first(iso_gl_engine *engine) {
     enum { TRIALS = 10 };
     uint32_t seed = 3;
