@@ -1,5 +1,6 @@
 /* fuzz_hdf5: any bytes as a chunk of an HDF5 file, through any filters. This is what this process reads of
- * such files by itself; libhdf5 runs in a child process, whose crashes are expected (hdf5/guard.c).
+ * such files by itself; libhdf5 runs in a child process, whose crashes are expected (hdf5/guard.c,
+ * hdf5/decoder.c), and is tried by fuzz_volio.
  *
  * Of the first eight bytes, three are the sizes of the chunk, and the others the type of its values, their
  * order and the number of filters, the filters (three bits each), and which ones were skipped; the rest is
@@ -24,7 +25,7 @@ static iso_hdf5_array array_of(const uint8_t head[8]) {
     iso_hdf5_array array = {.path = "/a",
                             .rank = 3,
                             .xyz = {2, 1, 0},
-                            .scalar = (iso_scalar)(head[3] % (ISO_SCALAR_DOUBLE + 1)),
+                            .scalar = (iso_scalar)(head[3] % (ISO_SCALAR_HALF + 1)),
                             .big_endian = head[4] & 1,
                             .chunked = true,
                             .allocated = true,

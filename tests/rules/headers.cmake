@@ -8,7 +8,7 @@ file(GLOB_RECURSE headers RELATIVE ${ROOT} ${ROOT}/src/*.h ${ROOT}/grids/*.h ${R
 if(HDF5)
     set(libraries -isystem ${HDF5})
 else()
-    list(FILTER headers EXCLUDE REGEX "volume/hdf5/(library|conventions)\\.h$")
+    list(FILTER headers EXCLUDE REGEX "volume/hdf5/(library|conventions|types)\\.h$")
 endif()
 foreach(header ${headers})
     string(REGEX REPLACE "^src/" "" path ${header})

@@ -1,5 +1,5 @@
 /* chunk: reads chunks of an array, undoes their filters, and converts their values to voxels. Without
- * libhdf5: the places of the chunks are known. */
+ * libhdf5: the places of the chunks are known. (Values that libhdf5 decodes come from decoder.c.) */
 #define _GNU_SOURCE
 #include <errno.h>
 #include <inttypes.h>
@@ -51,17 +51,20 @@ uint64_t iso_hdf5_chunk_room(const iso_hdf5_array *array) {
 
 /* ---- messages ---- */
 
+void iso_hdf5_name_chunk(const iso_hdf5_array *array, const int index[3], char text[ISO_HDF5_CHUNK_NAME]) {
+    uint64_t start[ISO_HDF5_AXES];
+    int length = snprintf(text, ISO_HDF5_CHUNK_NAME, "%.160s, the chunk at ", array->path);
+    iso_hdf5_chunk_start(array, index, start);
+    for (int axis = 0; axis < array->rank && length < ISO_HDF5_CHUNK_NAME; axis++)
+        length += snprintf(text + length, ISO_HDF5_CHUNK_NAME - (size_t)length, "%s%" PRIu64, axis ? "," : "",
+                           start[axis]);
+}
+
 static iso_status fail_chunk(const iso_hdf5_source *source, const int index[3], const char *reason,
                              iso_error *error) {
-    uint64_t start[ISO_HDF5_AXES];
-    char text[ISO_HDF5_AXES * 24] = "";
-    size_t length = 0;
-    iso_hdf5_chunk_start(&source->array, index, start);
-    for (int axis = 0; axis < source->array.rank; axis++)
-        length +=
-            (size_t)snprintf(text + length, sizeof text - length, "%s%" PRIu64, axis ? "," : "", start[axis]);
-    return iso_fail(error, ISO_ERR_IO, "%s: %.200s, the chunk at %s: %s", source->path, source->array.path,
-                    text, reason);
+    char name[ISO_HDF5_CHUNK_NAME];
+    iso_hdf5_name_chunk(&source->array, index, name);
+    return iso_fail(error, ISO_ERR_IO, "%s: %s: %s", source->path, name, reason);
 }
 
 /* ---- filters ---- */
@@ -312,8 +315,11 @@ iso_status iso_hdf5_read_chunk(const iso_hdf5_source *source, const int index[3]
         fill_with(source, target);
         return ISO_OK;
     }
-    ISO_TRY(source->places ? unpack(source, index, &now, &other, most, error)
-                           : read_box(source, index, now.data, error));
+    if (source->decode)
+        ISO_TRY(source->decode(source->decoder, index, now.data, error));
+    else
+        ISO_TRY(source->places ? unpack(source, index, &now, &other, most, error)
+                               : read_box(source, index, now.data, error));
     convert(source, now.data, target);
     return ISO_OK;
 }

@@ -7,53 +7,16 @@
 #include <string.h>
 
 #include "grids/volume/hdf5/conventions.h"
-#include "grids/volume/hdf5/library.h"
+#include "grids/volume/hdf5/types.h"
 
 /* ---- how values are stored ---- */
 
-static bool integer_of(hid_t type, iso_scalar *scalar) {
-    static const iso_scalar scalars[4][2] = {{ISO_SCALAR_UINT8, ISO_SCALAR_INT8},
-                                             {ISO_SCALAR_UINT16, ISO_SCALAR_INT16},
-                                             {ISO_SCALAR_UINT32, ISO_SCALAR_INT32},
-                                             {ISO_SCALAR_UINT64, ISO_SCALAR_INT64}};
-    const size_t size = H5Tget_size(type);
-    for (int power = 0; power < 4; power++)
-        if (size == (size_t)1 << power) {
-            *scalar = scalars[power][H5Tget_sign(type) == H5T_SGN_2];
-            return H5Tget_precision(type) == 8 * size && H5Tget_offset(type) == 0;
-        }
-    return false;
-}
-
-static bool float_of(hid_t type, iso_scalar *scalar) {
-    *scalar = H5Tget_size(type) == sizeof(float) ? ISO_SCALAR_FLOAT : ISO_SCALAR_DOUBLE;
-    return H5Tequal(type, H5T_IEEE_F32LE) > 0 || H5Tequal(type, H5T_IEEE_F32BE) > 0 ||
-           H5Tequal(type, H5T_IEEE_F64LE) > 0 || H5Tequal(type, H5T_IEEE_F64BE) > 0;
-}
-
-/* The numbers of an array; false: they are no numbers, or of a kind that no machine has. Booleans are an
- * enumeration of integers (h5py). */
-static bool read_scalar(hid_t dataset, iso_hdf5_array *array) {
-    hid_t type = H5Dget_type(dataset);
-    if (H5Tget_class(type) == H5T_ENUM) type = H5Tget_super(type);
-    array->big_endian = H5Tget_order(type) == H5T_ORDER_BE;
-    array->element_bytes = H5Tget_size(type);
-    switch (H5Tget_class(type)) {
-    case H5T_INTEGER:
-    case H5T_BITFIELD:
-        return integer_of(type, &array->scalar);
-    case H5T_FLOAT:
-        return float_of(type, &array->scalar);
-    default:
-        return false;
-    }
-}
-
-/* The sizes of an array of numbers with three axes or more; false: it is something else. */
+/* The sizes and type of an array of numbers with three axes or more; false: it is something else, or
+ * array->special says why it is not read. */
 static bool read_sizes(hid_t dataset, iso_hdf5_array *array) {
     hsize_t sizes[H5S_MAX_RANK];
     const int rank = H5Sget_simple_extent_ndims(H5Dget_space(dataset));
-    if (rank < 3 || rank > ISO_HDF5_AXES || !read_scalar(dataset, array)) return false;
+    if (rank < 3 || rank > ISO_HDF5_AXES || !iso_hdf5_read_type(dataset, array)) return false;
     if (H5Sget_simple_extent_dims(H5Dget_space(dataset), sizes, NULL) != rank) return false;
     array->rank = rank;
     for (int axis = 0; axis < rank; axis++) {
@@ -61,13 +24,6 @@ static bool read_sizes(hid_t dataset, iso_hdf5_array *array) {
         if (sizes[axis] == 0) return false;
     }
     return true;
-}
-
-static hid_t native_type(iso_scalar scalar) {
-    const hid_t types[] = {H5T_NATIVE_UINT8,  H5T_NATIVE_INT8,  H5T_NATIVE_UINT16, H5T_NATIVE_INT16,
-                           H5T_NATIVE_UINT32, H5T_NATIVE_INT32, H5T_NATIVE_UINT64, H5T_NATIVE_INT64,
-                           H5T_NATIVE_FLOAT,  H5T_NATIVE_DOUBLE};
-    return types[scalar];
 }
 
 static const char *filter_name(int filter) {
@@ -109,23 +65,40 @@ static iso_status unsupported(const iso_hdf5_file *file, const iso_hdf5_array *a
     return iso_fail(error, ISO_ERR_UNSUPPORTED, "%s: %.200s %s", file->path, array->path, what);
 }
 
-/* Refuses what is not read here: values in other files, in headers, or with other filters. */
-static iso_status check_storage(const iso_hdf5_file *file, hid_t creation, const iso_hdf5_array *array,
+/* Whether libhdf5 can undo a filter: by itself, by libaec (szip), or by a plugin. */
+static bool library_knows_filter(int filter) {
+    unsigned flags = 0;
+    return H5Zfilter_avail(filter) > 0 && H5Zget_filter_info(filter, &flags) >= 0 &&
+           flags & H5Z_FILTER_CONFIG_DECODE_ENABLED;
+}
+
+/* Leaves the decoding to libhdf5. */
+static void leave_to_library(iso_hdf5_array *array, const char *what) {
+    const size_t length = strlen(array->special);
+    array->by_library = true;
+    snprintf(array->special + length, sizeof array->special - length, "%s%s", length ? ", " : "", what);
+}
+
+/* Finds out who decodes the values. Refuses values in other files, and filters that nobody can undo. */
+static iso_status check_storage(const iso_hdf5_file *file, hid_t creation, iso_hdf5_array *array,
                                 iso_error *error) {
-    char what[128];
+    char filter[64], what[160];
     if (H5Pget_layout(creation) == H5D_VIRTUAL)
         return unsupported(file, array,
                            "has its values in other files (a virtual dataset): name one of these", error);
     if (H5Pget_external_count(creation) > 0)
         return unsupported(file, array, "has its values in another file, which can be read by --raw", error);
-    if (H5Pget_layout(creation) == H5D_COMPACT)
-        return unsupported(file, array, "has its values in its header (compact layout)", error);
+    if (H5Pget_layout(creation) == H5D_COMPACT) leave_to_library(array, "compact layout");
     for (int i = 0; i < array->filter_count; i++) {
-        const char *name = filter_name(array->filters[i]);
-        if (iso_hdf5_knows_filter(array->filters[i])) continue;
-        snprintf(what, sizeof what, "is compressed by filter %d%s%s%s, which isopoint does not read",
-                 array->filters[i], name ? " (" : "", name ? name : "", name ? ")" : "");
-        return unsupported(file, array, what, error);
+        const int number = array->filters[i];
+        const char *name = filter_name(number);
+        if (iso_hdf5_knows_filter(number)) continue;
+        snprintf(filter, sizeof filter, "filter %d%s%s%s", number, name ? " (" : "", name ? name : "",
+                 name ? ")" : "");
+        snprintf(what, sizeof what, "is compressed by %s, which neither isopoint nor libhdf5 can undo here",
+                 filter);
+        if (!library_knows_filter(number)) return unsupported(file, array, what, error);
+        leave_to_library(array, filter);
     }
     return ISO_OK;
 }
@@ -135,14 +108,15 @@ static iso_status read_storage(const iso_hdf5_file *file, hid_t dataset, iso_hdf
     const hid_t creation = H5Dget_create_plist(dataset);
     hsize_t chunk[H5S_MAX_RANK];
     if (creation < 0 || !read_filters(creation, array) ||
-        H5Pget_fill_value(creation, native_type(array->scalar), array->fill) < 0)
+        H5Pget_fill_value(creation, iso_hdf5_memory_type(dataset), array->fill) < 0)
         memset(array->fill, 0, sizeof array->fill);
     if (creation < 0 || array->filter_count < 0 || array->filter_count > ISO_HDF5_FILTERS)
         return iso_hdf5_fail(file, array->path, error);
     ISO_TRY(check_storage(file, creation, array, error));
     array->chunked = H5Pget_layout(creation) == H5D_CHUNKED;
     array->address = array->chunked ? 0 : H5Dget_offset(dataset);
-    array->allocated = array->chunked || array->address != HADDR_UNDEF;
+    array->allocated = array->address != HADDR_UNDEF || H5Pget_layout(creation) == H5D_COMPACT;
+    if (array->by_library) array->big_endian = false; /* as libhdf5 gives them */
     if (!array->chunked) return ISO_OK;
     if (H5Pget_chunk(creation, array->rank, chunk) != array->rank)
         return iso_hdf5_fail(file, array->path, error);
@@ -164,6 +138,7 @@ typedef struct listing {
     bool has_chosen, damaged; /* damaged: an object or the rest of the file cannot be read */
     int objects, count;
     char first[ISO_HDF5_PATH]; /* the first array */
+    iso_hdf5_array refused;    /* the first one whose numbers are not read; no path: there is none */
 } listing;
 
 /* Appends "(3, 4, 5)". */
@@ -208,11 +183,12 @@ static herr_t list_object(hid_t root, const char *name, const H5O_info_t *object
     if (object->type != H5O_TYPE_DATASET) return 0;
     const hid_t dataset = iso_hdf5_dataset(root, name);
     if (dataset < 0) found->damaged = true;
+    snprintf(array.path, sizeof array.path, "/%s", name);
     if (dataset < 0 || !read_sizes(dataset, &array)) {
         if (dataset >= 0) H5Oclose(dataset);
+        if (*array.special && !*found->refused.path) found->refused = array;
         return 0;
     }
-    snprintf(array.path, sizeof array.path, "/%s", name);
     const bool chosen = found->chosen && strcmp(found->chosen, array.path) == 0;
     const bool fits = found->info->item_count < ISO_VOLUME_ITEMS - !(found->has_chosen || chosen);
     if (found->count++ == 0) memcpy(found->first, array.path, sizeof found->first);
@@ -258,6 +234,12 @@ static herr_t find_external(hid_t root, const char *name, const H5L_info_t *link
     return link->type == H5L_TYPE_EXTERNAL;
 }
 
+static iso_status refuse_type(const iso_hdf5_file *file, const iso_hdf5_array *array, iso_error *error) {
+    char what[160];
+    snprintf(what, sizeof what, "has %s, which isopoint does not read", array->special);
+    return unsupported(file, array, what, error);
+}
+
 /* The file has no array, or several. */
 static iso_status fail_choice(const iso_hdf5_file *file, const listing *found, iso_error *error) {
     char names[400] = "", linked[ISO_HDF5_PATH] = "";
@@ -265,6 +247,7 @@ static iso_status fail_choice(const iso_hdf5_file *file, const listing *found, i
     if (found->count == 0 && H5Lvisit(file->id, H5_INDEX_NAME, H5_ITER_INC, find_external, linked) > 0)
         ISO_TRY(check_links(file, linked, error));
     if (found->count == 0 && found->damaged) return iso_hdf5_fail(file, "the file", error);
+    if (found->count == 0 && *found->refused.path) return refuse_type(file, &found->refused, error);
     if (found->count == 0)
         return iso_fail(error, ISO_ERR_FORMAT, "%s: has no array of numbers with three axes", file->path);
     for (int i = 0; i < found->info->item_count && length < sizeof names - 1; i++) {
@@ -414,9 +397,13 @@ iso_status iso_hdf5_describe(const char *path, const iso_volume_opts *opts, iso_
     ISO_TRY(choose(&file, opts, info, &dataset, error));
     iso_hdf5_path_of(dataset, array->path);
     if (!read_sizes(dataset, array))
-        return iso_fail(error, ISO_ERR_FORMAT,
-                        "%s: %.200s is not an array of numbers with three axes or more", path, array->path);
+        return *array->special ? refuse_type(&file, array, error)
+                               : iso_fail(error, ISO_ERR_FORMAT,
+                                          "%s: %.200s is not an array of numbers with three axes or more",
+                                          path, array->path);
     ISO_TRY(read_storage(&file, dataset, array, error));
+    if (array->by_library)
+        iso_volume_note(info, "libhdf5 decodes it, one chunk at a time: %s", array->special);
     find_axes(array, &a, info);
     if (!array->chunked) divide_into_boxes(array);
     iso_hdf5_interpret(&file, array, &meaning, info);

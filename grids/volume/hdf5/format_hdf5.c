@@ -1,7 +1,7 @@
 /* format_hdf5: reads an array of an HDF5 file as a volume: a path in the file, the only array with three
- * axes, or what VTKHDF, Imaris, BigDataViewer and NeXus say. Integers of 8 to 64 bits and floats in both byte
- * orders, in one piece or in chunks that are compressed by deflate or LZF, shuffled or not. The last axis is
- * x; a fourth axis has components. */
+ * axes, or what VTKHDF, Imaris, BigDataViewer and NeXus say. Integers of up to 64 bits and floats of 16, 32
+ * and 64 in both byte orders, in one piece or in chunks, through the filters that chunk.c or libhdf5 undo.
+ * The last axis is x; a fourth axis has components. */
 #define _GNU_SOURCE
 #include <errno.h>
 #include <fcntl.h>
@@ -50,7 +50,7 @@ static uint64_t child_memory(const iso_volume_opts *opts) {
 static void end_texts(description *d) {
     iso_volume_info *info = &d->info;
     d->error.text[sizeof d->error.text - 1] = 0;
-    d->array.path[sizeof d->array.path - 1] = 0;
+    d->array.path[sizeof d->array.path - 1] = d->array.special[sizeof d->array.special - 1] = 0;
     info->name[sizeof info->name - 1] = info->file_type[sizeof info->file_type - 1] = 0;
     info->format[sizeof info->format - 1] = 0;
     for (int i = 0; i < ISO_VOLUME_ITEMS; i++) info->items[i][ISO_VOLUME_TEXT - 1] = 0;
@@ -58,7 +58,7 @@ static void end_texts(description *d) {
 }
 
 static bool has_sense(const iso_hdf5_array *array) {
-    bool good = array->rank >= 3 && array->rank <= ISO_HDF5_AXES && array->scalar <= ISO_SCALAR_DOUBLE &&
+    bool good = array->rank >= 3 && array->rank <= ISO_HDF5_AXES && array->scalar <= ISO_SCALAR_HALF &&
                 array->filter_count >= 0 && array->filter_count <= ISO_HDF5_FILTERS &&
                 array->element_bytes == iso_scalar_size(array->scalar);
     for (int axis = 0; good && axis < array->rank; axis++)
@@ -101,15 +101,16 @@ static uint64_t places_bytes(const iso_hdf5_array *array, const int dims[3]) {
     return __builtin_mul_overflow(bytes, sizeof(iso_hdf5_place), &bytes) ? UINT64_MAX : bytes;
 }
 
-/* Beside the grid: the table of places, a chunk, and room to unpack it. */
+/* Beside the grid: the table of places, a chunk, and room to unpack it, here and in libhdf5. */
 static void measure(const iso_hdf5_array *array, iso_volume_info *info) {
     int counts[3], voxels[3];
     const uint64_t size = iso_type_size(info->type);
     iso_hdf5_chunk_grid(array, info->dims, counts, voxels);
     const uint64_t parts[] = {places_bytes(array, info->dims), iso_hdf5_chunk_room(array),
+                              array->by_library ? iso_hdf5_decoder_bytes(array) : 0,
                               iso_format_size(voxels, size)};
     info->bytes = info->read_bytes = iso_format_size(info->dims, size);
-    for (int i = 0; i < 3; i++)
+    for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
         if (__builtin_add_overflow(info->read_bytes, parts[i], &info->read_bytes))
             info->read_bytes = UINT64_MAX;
 }
@@ -181,6 +182,7 @@ typedef struct hdf5_tiles {
 static void destroy_tiles(void *context) {
     hdf5_tiles *tiles = context;
     iso_hdf5_source *source = &tiles->source;
+    iso_hdf5_decoder_destroy(source->decoder);
     iso_hdf5_unshare((void *)(uintptr_t)source->places, (size_t)places_bytes(&source->array, source->dims));
     if (source->descriptor >= 0) close(source->descriptor);
     for (void *room = tiles->rooms, *next; room; room = next) {
@@ -190,6 +192,23 @@ static void destroy_tiles(void *context) {
     pthread_mutex_destroy(&tiles->lock);
     free(tiles->path);
     free(tiles);
+}
+
+static iso_status open_places(const iso_volume_opts *opts, iso_hdf5_source *source, iso_error *error) {
+    const uint64_t bytes = places_bytes(&source->array, source->dims);
+    if (bytes == 0) return ISO_OK;
+    ISO_TRY(iso_format_check_memory(source->path, opts, bytes, "the places of its chunks", error));
+    iso_hdf5_place *places = iso_hdf5_share((size_t)bytes);
+    source->places = places;
+    return places ? find_all_places(opts, source, places, error) : iso_fail_memory(error, source->path);
+}
+
+static iso_status open_decoder(const iso_volume_opts *opts, iso_hdf5_source *source, iso_error *error) {
+    if (!source->array.by_library) return ISO_OK;
+    ISO_TRY(iso_format_check_memory(source->path, opts, iso_hdf5_decoder_bytes(&source->array),
+                                    "a chunk that libhdf5 decodes", error));
+    source->decode = iso_hdf5_decode_chunk;
+    return iso_hdf5_decoder_create(source, &source->decoder, error);
 }
 
 /* Opens the file that `info` describes. */
@@ -209,12 +228,8 @@ static iso_status open_source(const iso_volume_opts *opts, const iso_volume_info
     if (source->descriptor < 0 || fstat(source->descriptor, &status) != 0)
         return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", tiles->path, strerror(errno));
     source->file_bytes = (uint64_t)status.st_size;
-    const uint64_t bytes = places_bytes(&source->array, source->dims);
-    if (bytes == 0) return ISO_OK;
-    ISO_TRY(iso_format_check_memory(tiles->path, opts, bytes, "the places of its chunks", error));
-    iso_hdf5_place *places = iso_hdf5_share((size_t)bytes);
-    source->places = places;
-    return places ? find_all_places(opts, source, places, error) : iso_fail_memory(error, tiles->path);
+    ISO_TRY(open_places(opts, source, error));
+    return open_decoder(opts, source, error);
 }
 
 static void *take_room(hdf5_tiles *tiles) {

@@ -44,6 +44,15 @@ static void lower_limit(int resource, uint64_t limit) {
     setrlimit(resource, &now);
 }
 
+void iso_hdf5_allow_seconds(int seconds) {
+    struct rlimit now;
+    struct rusage used;
+    if (getrlimit(RLIMIT_CPU, &now) != 0 || getrusage(RUSAGE_SELF, &used) != 0) return;
+    now.rlim_cur = (rlim_t)(used.ru_utime.tv_sec + used.ru_stime.tv_sec + 1 + seconds);
+    if (now.rlim_cur > now.rlim_max) now.rlim_cur = now.rlim_max;
+    setrlimit(RLIMIT_CPU, &now);
+}
+
 /* Signal handlers and the standard streams belong to the process that was copied. */
 static void leave_parent(void) {
     sigset_t none;
@@ -54,15 +63,14 @@ static void leave_parent(void) {
     for (int stream = 0; stream < 3 && nowhere >= 0; stream++) dup2(nowhere, stream);
 }
 
-static _Noreturn void run_child(uint64_t memory, int seconds, void (*work)(void *), void *context,
-                                volatile int *finished) {
+static _Noreturn void run_child(const iso_hdf5_child *child) {
     leave_parent();
     uint64_t data = data_bytes();
-    if (!__builtin_add_overflow(data, memory, &data)) lower_limit(RLIMIT_DATA, data);
-    lower_limit(RLIMIT_CPU, (uint64_t)seconds);
+    if (!__builtin_add_overflow(data, child->memory, &data)) lower_limit(RLIMIT_DATA, data);
+    iso_hdf5_allow_seconds(child->seconds);
     lower_limit(RLIMIT_CORE, 0);
-    work(context);
-    *finished = 1;
+    child->work(child->context);
+    *child->finished = 1;
     _exit(0);
 }
 
@@ -77,23 +85,40 @@ static int wait_for(pid_t child) {
     return result;
 }
 
-iso_status iso_hdf5_guard(const char *path, uint64_t memory, int seconds, void (*work)(void *context),
-                          void *context, volatile int *finished, iso_error *error) {
+iso_status iso_hdf5_start_child(const char *path, iso_hdf5_child *child, iso_error *error) {
     const pid_t parent = getpid();
-    *finished = 0;
-    const pid_t child = fork();
-    if (child < 0)
+    *child->finished = 0;
+    child->id = fork();
+    if (child->id < 0) {
+        child->id = 0;
         return iso_fail(error, ISO_ERR_NOMEM, "%s: no process can be started to read it: %s", path,
                         strerror(errno));
-    if (child == 0) {
-        prctl(PR_SET_PDEATHSIG, SIGKILL);
-        if (getppid() != parent) _exit(1);
-        run_child(memory, seconds, work, context, finished);
     }
-    const int result = wait_for(child);
-    if (*finished) return ISO_OK;
-    if (WIFSIGNALED(result) && (WTERMSIG(result) == SIGXCPU || WTERMSIG(result) == SIGKILL))
-        return iso_fail(error, ISO_ERR_IO, "%s: damaged: libhdf5 takes too long", path);
-    return iso_fail(error, ISO_ERR_IO, "%s: damaged: libhdf5 cannot read it (%s)", path,
-                    WIFSIGNALED(result) ? strsignal(WTERMSIG(result)) : "it ended early");
+    if (child->id == 0) {
+        if (!child->stays) prctl(PR_SET_PDEATHSIG, SIGKILL);
+        if (getppid() != parent) _exit(1);
+        run_child(child);
+    }
+    return ISO_OK;
+}
+
+bool iso_hdf5_end_child(iso_hdf5_child *child, char reason[ISO_HDF5_SPECIAL]) {
+    const int result = wait_for(child->id), number = WIFSIGNALED(result) ? WTERMSIG(result) : 0;
+    child->id = 0;
+    if (number == SIGXCPU || number == SIGKILL)
+        snprintf(reason, ISO_HDF5_SPECIAL, "libhdf5 takes too long");
+    else
+        snprintf(reason, ISO_HDF5_SPECIAL, "libhdf5 cannot read it (%s)",
+                 number ? strsignal(number) : "it ended early");
+    return *child->finished;
+}
+
+iso_status iso_hdf5_guard(const char *path, uint64_t memory, int seconds, void (*work)(void *context),
+                          void *context, volatile int *finished, iso_error *error) {
+    char reason[ISO_HDF5_SPECIAL];
+    iso_hdf5_child child = {
+        .work = work, .context = context, .memory = memory, .seconds = seconds, .finished = finished};
+    ISO_TRY(iso_hdf5_start_child(path, &child, error));
+    if (iso_hdf5_end_child(&child, reason)) return ISO_OK;
+    return iso_fail(error, ISO_ERR_IO, "%s: damaged: %s", path, reason);
 }

@@ -4,7 +4,9 @@
  * therefore used only in a child process with limits (guard.c), and only to find out what a file contains
  * (describe.c, with conventions.c and library.c) and where the chunks of an array lie (places.c). The child
  * leaves its results in shared memory. chunk.c reads the chunks and unpacks them, without libhdf5, in any
- * number of threads. format_hdf5.c is the reader (a module). */
+ * number of threads. Arrays with filters or types that chunk.c does not know are decoded by libhdf5, one
+ * chunk after the other, in a child process that stays (decoder.c). format_hdf5.c is the reader, in a
+ * module. */
 #ifndef ISO_GRIDS_VOLUME_HDF5_HDF5_H
 #define ISO_GRIDS_VOLUME_HDF5_HDF5_H
 
@@ -14,7 +16,7 @@
 extern "C" {
 #endif
 
-enum { ISO_HDF5_AXES = 8, ISO_HDF5_FILTERS = 8, ISO_HDF5_PATH = 1024 };
+enum { ISO_HDF5_AXES = 8, ISO_HDF5_FILTERS = 8, ISO_HDF5_PATH = 1024, ISO_HDF5_SPECIAL = 120 };
 
 /* Filters by their registered numbers. */
 enum {
@@ -42,8 +44,10 @@ typedef struct iso_hdf5_array {
     bool chunked, allocated; /* false: in one piece; nothing is in the file, all values are `fill` */
     uint64_t address;        /* of values in one piece, in the file */
     int filter_count;
-    int filters[ISO_HDF5_FILTERS]; /* in the order in which they were applied */
-    uint64_t element_bytes;        /* the size of a value, for the shuffle filter */
+    int filters[ISO_HDF5_FILTERS];  /* in the order in which they were applied */
+    uint64_t element_bytes;         /* the size of a value of the scalar */
+    bool by_library;                /* libhdf5 decodes and converts the values */
+    char special[ISO_HDF5_SPECIAL]; /* why: "integers of 12 bits in 2 bytes, filter 5 (nbit)" */
 } iso_hdf5_array;
 
 /* Where a chunk lies in the file. */
@@ -68,6 +72,24 @@ iso_status iso_hdf5_find_places(const char *path, const iso_hdf5_array *array, c
 
 /* ---- the child process ---- */
 
+/* A child process that does some work. */
+typedef struct iso_hdf5_child {
+    void (*work)(void *context);
+    void *context;
+    uint64_t memory;        /* bytes that it may take beside what this process has */
+    int seconds;            /* of processor time that it may take */
+    bool stays;             /* it does not end with the thread that starts it, and has to end by itself */
+    volatile int *finished; /* in shared memory; set to 1 when the work is done */
+    int id;                 /* of the process; 0: none */
+} iso_hdf5_child;
+
+/* Starts the process. Its output is lost. ISO_ERR_NOMEM: no process can be started. */
+iso_status iso_hdf5_start_child(const char *path, iso_hdf5_child *child, iso_error *error);
+/* Waits for the end of the process. Returns whether its work is done; if not, `reason` says why. */
+bool iso_hdf5_end_child(iso_hdf5_child *child, char reason[ISO_HDF5_SPECIAL]);
+/* In the child: so many seconds of processor time from now on. */
+void iso_hdf5_allow_seconds(int seconds);
+
 /* Runs `work` in a child process, which may take `memory` bytes beside what this process has, and `seconds`
  * of processor time. *finished must be in shared memory; it is set when the work is done. Output of the child
  * is lost. ISO_ERR_IO "path: ...": it crashed or took too long; ISO_ERR_NOMEM: no process can be started. */
@@ -90,6 +112,11 @@ void iso_hdf5_chunk_start(const iso_hdf5_array *array, const int index[3], uint6
 uint64_t iso_hdf5_chunk_bytes(const iso_hdf5_array *array);
 /* The memory that iso_hdf5_read_chunk needs for unpacking. */
 uint64_t iso_hdf5_chunk_room(const iso_hdf5_array *array);
+/* "/path, the chunk at 0,64,64", for messages. */
+enum { ISO_HDF5_CHUNK_NAME = 200 + ISO_HDF5_AXES * 24 };
+void iso_hdf5_name_chunk(const iso_hdf5_array *array, const int index[3], char text[ISO_HDF5_CHUNK_NAME]);
+
+typedef struct iso_hdf5_decoder iso_hdf5_decoder;
 
 /* An array whose chunks are read. */
 typedef struct iso_hdf5_source {
@@ -100,6 +127,9 @@ typedef struct iso_hdf5_source {
     int dims[3];
     int counts[3], voxels[3];     /* iso_hdf5_chunk_grid */
     const iso_hdf5_place *places; /* of all chunks, x fastest; NULL: values in one piece */
+    /* iso_hdf5_decode_chunk if the array is decoded by libhdf5, else NULL. */
+    iso_status (*decode)(iso_hdf5_decoder *decoder, const int index[3], void *values, iso_error *error);
+    iso_hdf5_decoder *decoder;
 } iso_hdf5_source;
 
 /* Reads and unpacks a chunk into voxels[0] * voxels[1] * voxels[2] values of the array's stored type
@@ -107,12 +137,29 @@ typedef struct iso_hdf5_source {
  * iso_hdf5_chunk_room bytes. For several threads. ISO_ERR_IO names the file, the array and the chunk. */
 iso_status iso_hdf5_read_chunk(const iso_hdf5_source *source, const int index[3], void *room, void *target,
                                iso_error *error);
-/* Whether a filter can be undone. */
+/* Whether a filter can be undone without libhdf5. */
 bool iso_hdf5_knows_filter(int filter);
 /* Whether a chunk is not in the file, so that all its values are the array's fill value. */
 bool iso_hdf5_is_absent(const iso_hdf5_source *source, const int index[3]);
 /* The fill value, as a value of the stored type. */
 float iso_hdf5_fill_value(const iso_hdf5_array *array);
+
+/* ---- chunks that libhdf5 decodes ---- */
+
+/* The memory that decoding takes: a chunk in shared memory, and what libhdf5 needs for its filters. */
+uint64_t iso_hdf5_decoder_bytes(const iso_hdf5_array *array);
+
+/* Starts the process that decodes the chunks of a source, which is borrowed. ISO_ERR_NOMEM. */
+iso_status iso_hdf5_decoder_create(const iso_hdf5_source *source, iso_hdf5_decoder **decoder,
+                                   iso_error *error);
+void iso_hdf5_decoder_destroy(iso_hdf5_decoder *decoder);
+
+/* Gives the values of a chunk as the scalar of the array, in the machine's byte order and the order of the
+ * file; those outside of the array are undefined. For several threads, which wait for each other.
+ * ISO_ERR_IO names the file, the array and the chunk, also if libhdf5 crashes; ISO_ERR_LIMIT;
+ * ISO_ERR_NOMEM. */
+iso_status iso_hdf5_decode_chunk(iso_hdf5_decoder *decoder, const int index[3], void *values,
+                                 iso_error *error);
 
 #ifdef __cplusplus
 }

@@ -65,7 +65,7 @@ static haddr_t driver_get_size(const H5FD_t *base, H5FD_mem_t type) {
     return ((const driver_file *)base)->file->bytes;
 }
 
-/* What lies behind the end of the file is read as zeros, as libhdf5's own driver does it. */
+/* What lies behind the end of the file is read as zeros, as libhdf5's own driver does it; but not values. */
 static herr_t driver_read(H5FD_t *base, H5FD_mem_t type, hid_t transfer, haddr_t address, size_t bytes,
                           void *target) {
     iso_hdf5_file *file = ((driver_file *)base)->file;
@@ -79,7 +79,7 @@ static herr_t driver_read(H5FD_t *base, H5FD_mem_t type, hid_t transfer, haddr_t
         const ssize_t got =
             pread(file->descriptor, (char *)target + done, bytes - done, (off_t)(address + done));
         if (got < 0 && errno == EINTR) continue;
-        if (got < 0) return -1;
+        if (got < 0 || (got == 0 && type == H5FD_MEM_DRAW)) return -1;
         if (got == 0) {
             memset((char *)target + done, 0, bytes - done);
             return 0;
@@ -157,7 +157,6 @@ iso_status iso_hdf5_open(const char *path, iso_hdf5_file *file, iso_error *error
     if (file->descriptor < 0 || fstat(file->descriptor, &status) != 0)
         return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
     file->bytes = (uint64_t)status.st_size;
-    setenv("HDF5_PLUGIN_PRELOAD", "::", 1); /* no filters of other programs */
     H5open();
     H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
     const hid_t access = H5Pcreate(H5P_FILE_ACCESS), id = H5FDregister(&driver);

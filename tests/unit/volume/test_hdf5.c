@@ -25,71 +25,13 @@
 
 #include "file_support.h"
 #include "grids/volume/volume.h"
+#include "hdf5_support.h"
 #include "make_volumes.h"
 #include "volume_support.h"
 
-static const char folder[] = ISO_TEST_TMP "/hdf5";
-
-enum { WIDTH = 23, HEIGHT = 17, DEPTH = 12, VOXELS = WIDTH * HEIGHT * DEPTH };
-
-static float value_at(int x, int y, int z, int component) {
-    return (float)((7 * x + 3 * y + 11 * z + 29 * component) % 120);
-}
+const char hdf5_folder[] = ISO_TEST_TMP "/hdf5";
 
 /* ---- writing ---- */
-
-/* How an array is stored. */
-typedef struct storage {
-    hid_t type; /* 0: uint8 */
-    hsize_t sizes[5];
-    int rank;
-    hsize_t chunk[5]; /* 0: in one piece */
-    bool shuffle, deflate, checksum;
-    int filter;     /* the number of a further one; 0: none */
-    int x, y, z, c; /* which axis is which; c < 0: none */
-} storage;
-
-static storage plain(void) {
-    return (storage){.sizes = {DEPTH, HEIGHT, WIDTH}, .rank = 3, .z = 0, .y = 1, .x = 2, .c = -1};
-}
-
-static float *make_values(const storage *s, hsize_t *count) {
-    *count = 1;
-    for (int axis = 0; axis < s->rank; axis++) *count *= s->sizes[axis];
-    float *values = malloc(*count * sizeof *values);
-    for (hsize_t i = 0; i < *count; i++) {
-        int at[5] = {0};
-        hsize_t rest = i;
-        for (int axis = s->rank - 1; axis >= 0; rest /= s->sizes[axis--])
-            at[axis] = (int)(rest % s->sizes[axis]);
-        values[i] = value_at(at[s->x], at[s->y], at[s->z], s->c >= 0 ? at[s->c] : 0);
-    }
-    return values;
-}
-
-static hid_t create_array(hid_t parent, const char *name, const storage *s) {
-    const hid_t creation = H5Pcreate(H5P_DATASET_CREATE), links = H5Pcreate(H5P_LINK_CREATE);
-    H5Pset_create_intermediate_group(links, 1);
-    if (s->chunk[0]) H5Pset_chunk(creation, s->rank, s->chunk);
-    if (s->shuffle) H5Pset_shuffle(creation);
-    if (s->deflate) H5Pset_deflate(creation, 6);
-    if (s->filter)
-        assert_true(H5Pset_filter(creation, s->filter, H5Z_FLAG_MANDATORY, 1, (unsigned[]){1}) >= 0);
-    if (s->checksum) H5Pset_fletcher32(creation);
-    const hid_t array = H5Dcreate2(parent, name, s->type ? s->type : H5T_STD_U8LE,
-                                   H5Screate_simple(s->rank, s->sizes, NULL), links, creation, H5P_DEFAULT);
-    assert_true(array >= 0);
-    return array;
-}
-
-static hid_t write_array(hid_t parent, const char *name, const storage *s) {
-    hsize_t count;
-    const hid_t array = create_array(parent, name, s);
-    float *values = make_values(s, &count);
-    assert_true(H5Dwrite(array, H5T_NATIVE_FLOAT, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) >= 0);
-    free(values);
-    return array;
-}
 
 static void write_numbers(hid_t object, const char *name, const double *numbers, hsize_t count) {
     const hid_t space = H5Screate_simple(1, &count, NULL);
@@ -127,78 +69,6 @@ static hid_t make_group(hid_t parent, const char *path) {
     return group;
 }
 
-/* Files are closed with everything in them. */
-static hid_t file_access(void) {
-    const hid_t access = H5Pcreate(H5P_FILE_ACCESS);
-    H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
-    return access;
-}
-
-static hid_t begin(const char *name, bool latest) {
-    const hid_t access = file_access();
-    if (latest) H5Pset_libver_bounds(access, H5F_LIBVER_LATEST, H5F_LIBVER_LATEST);
-    const hid_t file = H5Fcreate(vol_path(folder, name, 0), H5F_ACC_TRUNC, H5P_DEFAULT, access);
-    assert_true(file >= 0);
-    return file;
-}
-
-static const char *write_file(const char *name, const storage *s, bool latest) {
-    const hid_t file = begin(name, latest);
-    write_array(file, "voxels", s);
-    H5Fclose(file);
-    return vol_path(folder, name, 0);
-}
-
-/* ---- checking ---- */
-
-static void check_voxels(const iso_volume *volume, int component) {
-    const int *dims = iso_grid_dims(&volume->grid);
-    assert_int_equal(dims[0], WIDTH);
-    assert_int_equal(dims[1], HEIGHT);
-    assert_int_equal(dims[2], DEPTH);
-    for (int z = 0; z < DEPTH; z++)
-        for (int y = 0; y < HEIGHT; y++)
-            for (int x = 0; x < WIDTH; x++)
-                if (iso_grid_at(&volume->grid, x, y, z) != value_at(x, y, z, component))
-                    fail_msg("voxel %d %d %d: %g, expected %g", x, y, z,
-                             (double)iso_grid_at(&volume->grid, x, y, z),
-                             (double)value_at(x, y, z, component));
-}
-
-static void read_and_check(const char *path, const storage *s) {
-    const int components = s->c >= 0 ? (int)s->sizes[s->c] : 1;
-    for (int component = 0; component < components; component++) {
-        const iso_volume_opts opts = {.component = component};
-        iso_volume volume = test_read_volume(path, &opts);
-        assert_int_equal(volume.info.components, components);
-        check_voxels(&volume, component);
-        iso_volume_free(&volume);
-    }
-}
-
-/* Reads the volume as one that is larger than memory: a chunk in its middle, with its halo. */
-static void read_in_chunks(const char *path) {
-    const iso_volume_opts opts = {.mapped = true, .max_memory = 8 << 20};
-    const iso_brick_box bricks = {{1, 0, 0}, {2, 1, 1}};
-    iso_volume volume = test_read_volume(path, &opts);
-    const iso_chunk_source source = iso_volume_source(volume.grid.rgrid);
-    iso_grid_chunk chunk;
-    iso_rgrid *grid = NULL;
-    int first[3], end[3];
-    assert_true(iso_grid_chunk_make(source.dims, &source.transform, &bricks, &chunk));
-    assert_int_equal(source.read(source.context, &chunk, NULL, &grid, NULL), ISO_OK);
-    iso_grid_chunk_voxels(&chunk, first, end);
-    assert_int_equal(end[0], WIDTH);
-    const iso_grid view = {.rgrid = grid};
-    for (int z = first[2]; z < end[2]; z++)
-        for (int y = first[1]; y < end[1]; y++)
-            for (int x = first[0]; x < end[0]; x++)
-                if (iso_grid_at(&view, x - ISO_BRICK * chunk.origin[0], y, z) != value_at(x, y, z, 0))
-                    fail_msg("voxel %d %d %d of a chunk", x, y, z);
-    iso_rgrid_destroy(grid);
-    iso_volume_free(&volume);
-}
-
 static void check_numbers(const char *what, const double *numbers, double x, double y, double z) {
     const double wanted[3] = {x, y, z};
     for (int i = 0; i < 3; i++)
@@ -215,50 +85,50 @@ static void test_every_storage(void **state) {
     (void)state;
     for (size_t type = 0; type < sizeof types / sizeof *types; type++)
         for (int way = 0; way < 10; way++) {
-            storage s = plain();
+            hdf5_storage s = hdf5_plain();
             s.type = types[type];
-            if (way > 1) memcpy(s.chunk, (hsize_t[]){5, 7, way % 2 ? 8 : WIDTH}, 3 * sizeof *s.chunk);
+            if (way > 1) memcpy(s.chunk, (hsize_t[]){5, 7, way % 2 ? 8 : HDF5_WIDTH}, 3 * sizeof *s.chunk);
             s.deflate = way > 3;
             s.shuffle = way > 5;
             s.checksum = way > 7;
-            const char *path = write_file("storage.h5", &s, way % 2);
-            read_and_check(path, &s);
-            read_in_chunks(path);
+            const char *path = hdf5_write_file("storage.h5", &s, way % 2);
+            hdf5_check_file(path, &s);
+            hdf5_check_chunk(path);
         }
 }
 
 static void test_components(void **state) {
-    const storage ways[] = {
-        {.sizes = {DEPTH, HEIGHT, WIDTH, 3}, .rank = 4, .z = 0, .y = 1, .x = 2, .c = 3},
-        {.sizes = {3, DEPTH, HEIGHT, WIDTH}, .rank = 4, .z = 1, .y = 2, .x = 3, .c = 0},
-        {.sizes = {1, 3, DEPTH, HEIGHT, WIDTH}, .rank = 5, .z = 2, .y = 3, .x = 4, .c = 1},
-        {.sizes = {1, DEPTH, HEIGHT, WIDTH, 1}, .rank = 5, .z = 1, .y = 2, .x = 3, .c = -1}};
+    const hdf5_storage ways[] = {
+        {.sizes = {HDF5_DEPTH, HDF5_HEIGHT, HDF5_WIDTH, 3}, .rank = 4, .z = 0, .y = 1, .x = 2, .c = 3},
+        {.sizes = {3, HDF5_DEPTH, HDF5_HEIGHT, HDF5_WIDTH}, .rank = 4, .z = 1, .y = 2, .x = 3, .c = 0},
+        {.sizes = {1, 3, HDF5_DEPTH, HDF5_HEIGHT, HDF5_WIDTH}, .rank = 5, .z = 2, .y = 3, .x = 4, .c = 1},
+        {.sizes = {1, HDF5_DEPTH, HDF5_HEIGHT, HDF5_WIDTH, 1}, .rank = 5, .z = 1, .y = 2, .x = 3, .c = -1}};
     (void)state;
     for (size_t i = 0; i < sizeof ways / sizeof *ways; i++)
         for (int chunked = 0; chunked < 2; chunked++) {
-            storage s = ways[i];
+            hdf5_storage s = ways[i];
             for (int axis = 0; axis < s.rank && chunked; axis++) s.chunk[axis] = s.sizes[axis] < 7 ? 1 : 6;
             s.deflate = chunked;
             if (chunked && s.c == 3) s.chunk[3] = 2; /* two components in a chunk, then one */
-            read_and_check(write_file("components.h5", &s, false), &s);
+            hdf5_check_file(hdf5_write_file("components.h5", &s, false), &s);
         }
 }
 
 /* An array in one piece that is read in several boxes, of which those at the end are smaller. */
 static void test_boxes(void **state) {
-    const storage ways[] = {{.sizes = {19, 40, 300}, .rank = 3, .z = 0, .y = 1, .x = 2, .c = -1},
-                            {.sizes = {19, 40, 300, 2}, .rank = 4, .z = 0, .y = 1, .x = 2, .c = 3},
-                            {.sizes = {2, 40, 40, 20}, .rank = 4, .z = 1, .y = 2, .x = 3, .c = 0}};
+    const hdf5_storage ways[] = {{.sizes = {19, 40, 300}, .rank = 3, .z = 0, .y = 1, .x = 2, .c = -1},
+                                 {.sizes = {19, 40, 300, 2}, .rank = 4, .z = 0, .y = 1, .x = 2, .c = 3},
+                                 {.sizes = {2, 40, 40, 20}, .rank = 4, .z = 1, .y = 2, .x = 3, .c = 0}};
     (void)state;
     for (size_t i = 0; i < sizeof ways / sizeof *ways; i++) {
         const iso_volume_opts opts = {.component = ways[i].c >= 0};
-        iso_volume volume = test_read_volume(write_file("boxes.h5", &ways[i], false), &opts);
+        iso_volume volume = test_read_volume(hdf5_write_file("boxes.h5", &ways[i], false), &opts);
         const int *dims = iso_grid_dims(&volume.grid);
         assert_int_equal(dims[0], ways[i].sizes[ways[i].x]);
         for (int z = 0; z < dims[2]; z++)
             for (int y = 0; y < dims[1]; y++)
                 for (int x = 0; x < dims[0]; x++)
-                    if (iso_grid_at(&volume.grid, x, y, z) != value_at(x, y, z, opts.component))
+                    if (iso_grid_at(&volume.grid, x, y, z) != hdf5_value(x, y, z, opts.component))
                         fail_msg("way %zu, voxel %d %d %d", i, x, y, z);
         iso_volume_free(&volume);
     }
@@ -268,7 +138,7 @@ static void test_boxes(void **state) {
 static void check_constant(const char *array, bool wanted) {
     const iso_volume_opts opts = {.grid = array, .mapped = true, .max_memory = 8 << 20};
     const iso_brick_box bricks = {{0, 0, 0}, {1, 1, 1}};
-    iso_volume volume = test_read_volume(vol_path(folder, "absent.h5", 0), &opts);
+    iso_volume volume = test_read_volume(vol_path(hdf5_folder, "absent.h5", 0), &opts);
     const iso_chunk_source source = iso_volume_source(volume.grid.rgrid);
     iso_grid_chunk chunk;
     float value = 0;
@@ -280,12 +150,12 @@ static void check_constant(const char *array, bool wanted) {
 
 /* Chunks that were never written have the fill value. */
 static void test_absent_chunks(void **state) {
-    storage s = plain();
+    hdf5_storage s = hdf5_plain();
     const hsize_t start[3] = {5, 0, 8}, count[3] = {5, 7, 8};
     unsigned char fill = 9, values[5 * 7 * 8];
     (void)state;
     for (int latest = 0; latest < 2; latest++) {
-        const hid_t file = begin("absent.h5", latest), creation = H5Pcreate(H5P_DATASET_CREATE);
+        const hid_t file = hdf5_begin("absent.h5", latest), creation = H5Pcreate(H5P_DATASET_CREATE);
         H5Pset_chunk(creation, 3, (hsize_t[]){5, 7, 8});
         H5Pset_fill_value(creation, H5T_NATIVE_UCHAR, &fill);
         const hid_t space = H5Screate_simple(3, s.sizes, NULL);
@@ -296,13 +166,13 @@ static void test_absent_chunks(void **state) {
         H5Dwrite(array, H5T_NATIVE_UCHAR, H5Screate_simple(3, count, NULL), space, H5P_DEFAULT, values);
         H5Fclose(file);
         iso_volume_opts opts = {.grid = "a"};
-        iso_volume volume = test_read_volume(vol_path(folder, "absent.h5", 0), &opts);
+        iso_volume volume = test_read_volume(vol_path(hdf5_folder, "absent.h5", 0), &opts);
         assert_true(iso_grid_at(&volume.grid, 8, 0, 5) == 200 && iso_grid_at(&volume.grid, 15, 6, 9) == 200);
         assert_true(iso_grid_at(&volume.grid, 7, 0, 5) == 9 && iso_grid_at(&volume.grid, 22, 16, 11) == 9);
         iso_volume_free(&volume);
         check_constant("a", false);
         opts.grid = "/b"; /* nothing was ever written to it */
-        volume = test_read_volume(vol_path(folder, "absent.h5", 0), &opts);
+        volume = test_read_volume(vol_path(hdf5_folder, "absent.h5", 0), &opts);
         assert_true(iso_grid_at(&volume.grid, 0, 0, 0) == 9);
         iso_volume_free(&volume);
         check_constant("/b", true);
@@ -311,31 +181,31 @@ static void test_absent_chunks(void **state) {
 
 /* The grid has the bytes of the same voxels in an .nrrd file, and the same place in the world. */
 static void test_same_as_nrrd(void **state) {
-    storage s = plain();
+    hdf5_storage s = hdf5_plain();
     char header[300], *nrrd = NULL;
-    unsigned char voxels[VOXELS];
+    unsigned char voxels[HDF5_VOXELS];
     hsize_t count;
     (void)state;
     s.shuffle = s.deflate = true;
     s.chunk[0] = s.chunk[1] = s.chunk[2] = 8;
-    const hid_t file = begin("same.h5", false);
-    write_numbers(write_array(file, "a", &s), "element_size_um", (double[]){2000, 1000, 500}, 3);
+    const hid_t file = hdf5_begin("same.h5", false);
+    write_numbers(hdf5_write_array(file, "a", &s), "element_size_um", (double[]){2000, 1000, 500}, 3);
     H5Fclose(file);
     snprintf(header, sizeof header,
              "NRRD0004\ntype: uint8\ndimension: 3\nsizes: %d %d %d\nspace: left-posterior-superior\nspace "
              "directions: "
              "(0.5,0,0) (0,1,0) (0,0,2)\nspace origin: (0,0,0)\nencoding: raw\n\n",
-             WIDTH, HEIGHT, DEPTH);
-    float *values = make_values(&s, &count);
-    for (int i = 0; i < VOXELS; i++) voxels[i] = (unsigned char)values[i];
-    nrrd = malloc(strlen(header) + VOXELS);
+             HDF5_WIDTH, HDF5_HEIGHT, HDF5_DEPTH);
+    float *values = hdf5_make_values(&s, &count);
+    for (int i = 0; i < HDF5_VOXELS; i++) voxels[i] = (unsigned char)values[i];
+    nrrd = malloc(strlen(header) + HDF5_VOXELS);
     memcpy(nrrd, header, strlen(header));
-    memcpy(nrrd + strlen(header), voxels, VOXELS);
-    spill(vol_path(folder, "same.nrrd", 1), nrrd, strlen(header) + VOXELS);
-    iso_volume a = test_read_volume(vol_path(folder, "same.h5", 0), NULL),
-               b = test_read_volume(vol_path(folder, "same.nrrd", 1), NULL);
+    memcpy(nrrd + strlen(header), voxels, HDF5_VOXELS);
+    spill(vol_path(hdf5_folder, "same.nrrd", 1), nrrd, strlen(header) + HDF5_VOXELS);
+    iso_volume a = test_read_volume(vol_path(hdf5_folder, "same.h5", 0), NULL),
+               b = test_read_volume(vol_path(hdf5_folder, "same.nrrd", 1), NULL);
     assert_int_equal(a.info.type, b.info.type);
-    assert_memory_equal(a.grid.rgrid->data, b.grid.rgrid->data, VOXELS);
+    assert_memory_equal(a.grid.rgrid->data, b.grid.rgrid->data, HDF5_VOXELS);
     assert_memory_equal(&a.info.transform, &b.info.transform, sizeof a.info.transform);
     iso_volume_free(&a);
     iso_volume_free(&b);
@@ -346,39 +216,41 @@ static void test_same_as_nrrd(void **state) {
 /* ---- which array ---- */
 
 static void test_choice(void **state) {
-    storage s = plain(), other = plain();
+    hdf5_storage s = hdf5_plain(), other = hdf5_plain();
     (void)state;
     other.sizes[0] = 3;
-    hid_t file = begin("choice.h5", false);
-    write_array(file, "group/voxels", &s);
+    hid_t file = hdf5_begin("choice.h5", false);
+    hdf5_write_array(file, "group/voxels", &s);
     other.rank = 2;
-    write_array(file, "flat", &other);
+    hdf5_write_array(file, "flat", &other);
     H5Fclose(file);
-    const char *path = vol_path(folder, "choice.h5", 0);
-    read_and_check(path, &s);
-    file = H5Fopen(path, H5F_ACC_RDWR, file_access());
+    const char *path = vol_path(hdf5_folder, "choice.h5", 0);
+    hdf5_check_file(path, &s);
+    file = H5Fopen(path, H5F_ACC_RDWR, hdf5_file_access());
     other.rank = 3;
-    write_array(file, "few", &other);
+    hdf5_write_array(file, "few", &other);
     H5Fclose(file);
     test_expect_no_volume(path, NULL, ISO_ERR_FORMAT, NULL,
                           "/few: (3, 17, 23) uint8; /group/voxels: (12, 17, 23)");
     const iso_volume_opts named = {.grid = "/group/voxels"}, missing = {.grid = "none"};
     iso_volume volume = test_read_volume(path, &named);
-    check_voxels(&volume, 0);
+    hdf5_check_voxels(&volume, 0);
     assert_int_equal(volume.info.item_count, 2);
     iso_volume_free(&volume);
-    read_and_check(vol_path(folder, "choice.h5:/group/voxels", 1), &s);
+    hdf5_check_file(vol_path(hdf5_folder, "choice.h5:/group/voxels", 1), &s);
     test_expect_no_volume(path, &missing, ISO_ERR_USAGE, NULL, "has no array /none");
-    test_expect_no_volume(vol_path(folder, "choice.h5:/few", 1), &named, ISO_ERR_USAGE, NULL, "another one");
-    test_expect_no_volume(vol_path(folder, "choice.h5:/group", 1), NULL, ISO_ERR_USAGE, NULL, "no array");
+    test_expect_no_volume(vol_path(hdf5_folder, "choice.h5:/few", 1), &named, ISO_ERR_USAGE, NULL,
+                          "another one");
+    test_expect_no_volume(vol_path(hdf5_folder, "choice.h5:/group", 1), NULL, ISO_ERR_USAGE, NULL,
+                          "no array");
 }
 
 static void test_imaris(void **state) {
-    storage s = plain();
+    hdf5_storage s = hdf5_plain();
     const char *const sizes[] = {"23", "17", "12"}, *const ends[] = {"22.5", "17", "34"};
     char name[64];
     (void)state;
-    const hid_t file = begin("imaris.ims", false), image = make_group(file, "DataSetInfo/Image");
+    const hid_t file = hdf5_begin("imaris.ims", false), image = make_group(file, "DataSetInfo/Image");
     for (int axis = 0; axis < 3; axis++) {
         snprintf(name, sizeof name, "ExtMin%d", axis);
         write_characters(image, name, axis == 2 ? "10" : axis == 0 ? "-.5" : "0");
@@ -395,49 +267,50 @@ static void test_imaris(void **state) {
             snprintf(name, sizeof name, "ImageSize%c", "XYZ"[axis]);
             write_characters(channel, name, sizes[axis]);
         }
-        write_array(channel, "Data", &s);
+        hdf5_write_array(channel, "Data", &s);
     }
     H5Fclose(file);
     const iso_volume_opts second = {.component = 1}, third = {.component = 2};
-    iso_volume volume = test_read_volume(vol_path(folder, "imaris.ims", 0), &second);
-    check_voxels(&volume, 0);
+    iso_volume volume = test_read_volume(vol_path(hdf5_folder, "imaris.ims", 0), &second);
+    hdf5_check_voxels(&volume, 0);
     assert_int_equal(volume.info.components, 2);
     assert_non_null(strstr(volume.info.name, "Channel 1"));
     check_numbers("spacing", volume.info.transform.spacing, 1e-3, 1e-3, 2e-3);
     check_numbers("origin", volume.info.transform.origin, 0, 0.5e-3, 11e-3);
     iso_volume_free(&volume);
-    test_expect_no_volume(vol_path(folder, "imaris.ims", 0), &third, ISO_ERR_USAGE, NULL, "no component 2");
+    test_expect_no_volume(vol_path(hdf5_folder, "imaris.ims", 0), &third, ISO_ERR_USAGE, NULL,
+                          "no component 2");
 }
 
 static void test_bigdataviewer(void **state) {
-    storage s = plain();
+    hdf5_storage s = hdf5_plain();
     const double factors[2][3] = {{1, 1, 1}, {2, 2, 1}};
     const hsize_t sizes[2] = {2, 3};
     (void)state;
     s.type = H5T_STD_I16LE;
-    const hid_t file = begin("bdv.h5", false);
-    write_array(file, "t00000/s00/0/cells", &s);
-    write_array(file, "t00000/s00/1/cells", &s);
+    const hid_t file = hdf5_begin("bdv.h5", false);
+    hdf5_write_array(file, "t00000/s00/0/cells", &s);
+    hdf5_write_array(file, "t00000/s00/1/cells", &s);
     const hid_t table = H5Dcreate2(make_group(file, "s00"), "resolutions", H5T_IEEE_F64LE,
                                    H5Screate_simple(2, sizes, NULL), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
     H5Dwrite(table, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, factors);
     H5Fclose(file);
-    iso_volume volume = test_read_volume(vol_path(folder, "bdv.h5", 0), NULL);
-    check_voxels(&volume, 0);
+    iso_volume volume = test_read_volume(vol_path(hdf5_folder, "bdv.h5", 0), NULL);
+    hdf5_check_voxels(&volume, 0);
     assert_int_equal(volume.info.type, ISO_UINT16);
     assert_true(test_has_note(&volume.info, "level 0 of 2") &&
                 test_has_note(&volume.info, "only the ratios"));
     iso_volume_free(&volume);
-    volume = test_read_volume(vol_path(folder, "bdv.h5:/t00000/s00/1/cells", 0), NULL);
+    volume = test_read_volume(vol_path(hdf5_folder, "bdv.h5:/t00000/s00/1/cells", 0), NULL);
     check_numbers("spacing", volume.info.transform.spacing, 2, 2, 1);
     check_numbers("origin", volume.info.transform.origin, 0.5, 0.5, 0);
     iso_volume_free(&volume);
     const iso_volume_opts second = {.level = 1}, third = {.level = 2};
-    volume = test_read_volume(vol_path(folder, "bdv.h5", 0), &second);
+    volume = test_read_volume(vol_path(hdf5_folder, "bdv.h5", 0), &second);
     check_numbers("spacing", volume.info.transform.spacing, 2, 2, 1);
     assert_true(test_has_note(&volume.info, "level 1 of 2"));
     iso_volume_free(&volume);
-    test_expect_no_volume(vol_path(folder, "bdv.h5", 0), &third, ISO_ERR_USAGE, NULL, "there are 2");
+    test_expect_no_volume(vol_path(hdf5_folder, "bdv.h5", 0), &third, ISO_ERR_USAGE, NULL, "there are 2");
 }
 
 /* Coordinates of an axis of a NeXus group. */
@@ -452,9 +325,9 @@ static void write_axis(hid_t group, const char *name, int size, double first, do
 }
 
 static void test_nexus(void **state) {
-    storage s = plain();
+    hdf5_storage s = hdf5_plain();
     (void)state;
-    const hid_t file = begin("nexus.nxs", true), entry = make_group(file, "scan"),
+    const hid_t file = hdf5_begin("nexus.nxs", true), entry = make_group(file, "scan"),
                 data = make_group(entry, "sinogram"), good = make_group(entry, "volume");
     write_text(file, "default", "scan");
     write_text(entry, "NX_class", "NXentry");
@@ -463,41 +336,42 @@ static void test_nexus(void **state) {
     write_text(good, "NX_class", "NXdata");
     write_text(good, "signal", "density");
     write_texts(good, "axes", (const char *const[]){"depth", "row", "column"}, 3);
-    write_array(good, "density", &s);
+    hdf5_write_array(good, "density", &s);
     s.sizes[0] = 2;
-    write_array(good, "errors", &s);
-    write_axis(good, "depth", DEPTH, 5, 2, "mm");
-    write_axis(good, "row", HEIGHT + 1, 0, 3, "um"); /* the voxels' borders */
-    write_axis(good, "column", WIDTH, 1, -4, "nm");
+    hdf5_write_array(good, "errors", &s);
+    write_axis(good, "depth", HDF5_DEPTH, 5, 2, "mm");
+    write_axis(good, "row", HDF5_HEIGHT + 1, 0, 3, "um"); /* the voxels' borders */
+    write_axis(good, "column", HDF5_WIDTH, 1, -4, "nm");
     H5Fclose(file);
-    iso_volume volume = test_read_volume(vol_path(folder, "nexus.nxs", 0), NULL);
-    check_voxels(&volume, 0);
+    iso_volume volume = test_read_volume(vol_path(hdf5_folder, "nexus.nxs", 0), NULL);
+    hdf5_check_voxels(&volume, 0);
     check_numbers("spacing", volume.info.transform.spacing, 4e-6, 3e-3, 2);
     check_numbers("origin", volume.info.transform.origin, 1e-6, 1.5e-3, 5);
     check_numbers("direction", volume.info.transform.direction, -1, 0, 0);
     iso_volume_free(&volume);
-    read_and_check(vol_path(folder, "nexus.nxs:/scan/volume", 0), &s);
+    hdf5_check_file(vol_path(hdf5_folder, "nexus.nxs:/scan/volume", 0), &s);
 }
 
 static void test_vtkhdf(void **state) {
-    storage s = plain();
+    hdf5_storage s = hdf5_plain();
     (void)state;
-    const hid_t file = begin("image.vtkhdf", false), root = make_group(file, "VTKHDF");
+    const hid_t file = hdf5_begin("image.vtkhdf", false), root = make_group(file, "VTKHDF");
     const hid_t points = make_group(root, "PointData"), cells = make_group(root, "CellData");
     write_text(root, "Type", "ImageData");
-    write_numbers(root, "WholeExtent", (double[]){4, 4 + WIDTH - 1, 0, HEIGHT - 1, -2, DEPTH - 3}, 6);
+    write_numbers(root, "WholeExtent",
+                  (double[]){4, 4 + HDF5_WIDTH - 1, 0, HDF5_HEIGHT - 1, -2, HDF5_DEPTH - 3}, 6);
     write_numbers(root, "Origin", (double[]){1, 2, 3}, 3);
     write_numbers(root, "Spacing", (double[]){0.5, 1, 2}, 3);
     write_numbers(root, "Direction", (double[]){0, -1, 0, 1, 0, 0, 0, 0, 1}, 9);
     write_text(points, "Scalars", "rho");
-    write_array(points, "rho", &s);
+    hdf5_write_array(points, "rho", &s);
     s.sizes[2] = 2;
-    write_array(points, "aaa", &s);
-    write_array(cells, "cell", &s);
+    hdf5_write_array(points, "aaa", &s);
+    hdf5_write_array(cells, "cell", &s);
     H5Fclose(file);
-    const char *path = vol_path(folder, "image.vtkhdf", 0);
+    const char *path = vol_path(hdf5_folder, "image.vtkhdf", 0);
     iso_volume volume = test_read_volume(path, NULL);
-    check_voxels(&volume, 0);
+    hdf5_check_voxels(&volume, 0);
     check_numbers("spacing", volume.info.transform.spacing, 0.5, 1, 2);
     check_numbers("origin", volume.info.transform.origin, 1, 4, -1);
     iso_volume_free(&volume);
@@ -505,85 +379,80 @@ static void test_vtkhdf(void **state) {
     volume = test_read_volume(path, &named);
     check_numbers("origin of cells", volume.info.transform.origin, 0.5, 4.25, 0);
     iso_volume_free(&volume);
-    const hid_t other = begin("mesh.vtkhdf", false);
+    const hid_t other = hdf5_begin("mesh.vtkhdf", false);
     write_text(make_group(other, "VTKHDF"), "Type", "UnstructuredGrid");
     H5Fclose(other);
-    test_expect_no_volume(vol_path(folder, "mesh.vtkhdf", 0), NULL, ISO_ERR_FORMAT, NULL, "UnstructuredGrid");
+    test_expect_no_volume(vol_path(hdf5_folder, "mesh.vtkhdf", 0), NULL, ISO_ERR_FORMAT, NULL,
+                          "UnstructuredGrid");
 }
 
 /* ---- refused ---- */
 
 static void test_other_files(void **state) {
-    storage s = plain();
+    hdf5_storage s = hdf5_plain();
     (void)state;
-    write_file("source.h5", &s, false);
-    hid_t file = begin("link.h5", false);
+    hdf5_write_file("source.h5", &s, false);
+    hid_t file = hdf5_begin("link.h5", false);
     H5Lcreate_external("source.h5", "/voxels", file, "voxels", H5P_DEFAULT, H5P_DEFAULT);
     H5Fclose(file);
-    const char *path = vol_path(folder, "link.h5", 0);
+    const char *path = vol_path(hdf5_folder, "link.h5", 0);
     test_expect_no_volume(path, NULL, ISO_ERR_UNSUPPORTED, NULL, "name source.h5:/voxels");
-    test_expect_no_volume(vol_path(folder, "link.h5:/voxels", 1), NULL, ISO_ERR_UNSUPPORTED, NULL,
+    test_expect_no_volume(vol_path(hdf5_folder, "link.h5:/voxels", 1), NULL, ISO_ERR_UNSUPPORTED, NULL,
                           "source.h5");
-    file = begin("signal.h5", false); /* libhdf5 would follow the link by itself */
+    file = hdf5_begin("signal.h5", false); /* libhdf5 would follow the link by itself */
     const hid_t data = make_group(file, "data");
     write_text(data, "NX_class", "NXdata");
     write_text(data, "signal", "voxels");
     H5Lcreate_external("source.h5", "/voxels", data, "voxels", H5P_DEFAULT, H5P_DEFAULT);
     H5Fclose(file);
-    path = vol_path(folder, "signal.h5", 0);
+    path = vol_path(hdf5_folder, "signal.h5", 0);
     test_expect_no_volume(path, NULL, ISO_ERR_UNSUPPORTED, NULL, "name source.h5:/voxels");
-    file = begin("virtual.h5", true);
+    file = hdf5_begin("virtual.h5", true);
     const hid_t creation = H5Pcreate(H5P_DATASET_CREATE), space = H5Screate_simple(3, s.sizes, NULL);
     H5Pset_virtual(creation, space, "source.h5", "/voxels", space);
     H5Dcreate2(file, "a", H5T_STD_U8LE, space, H5P_DEFAULT, creation, H5P_DEFAULT);
     H5Fclose(file);
-    test_expect_no_volume(vol_path(folder, "virtual.h5", 0), NULL, ISO_ERR_UNSUPPORTED, NULL, "virtual");
-    file = begin("external.h5", false);
+    test_expect_no_volume(vol_path(hdf5_folder, "virtual.h5", 0), NULL, ISO_ERR_UNSUPPORTED, NULL, "virtual");
+    file = hdf5_begin("external.h5", false);
     const hid_t outside = H5Pcreate(H5P_DATASET_CREATE);
-    H5Pset_external(outside, "/etc/passwd", 0, VOXELS);
+    H5Pset_external(outside, "/etc/passwd", 0, HDF5_VOXELS);
     H5Dcreate2(file, "a", H5T_STD_U8LE, space, H5P_DEFAULT, outside, H5P_DEFAULT);
     H5Fclose(file);
-    test_expect_no_volume(vol_path(folder, "external.h5", 0), NULL, ISO_ERR_UNSUPPORTED, NULL,
+    test_expect_no_volume(vol_path(hdf5_folder, "external.h5", 0), NULL, ISO_ERR_UNSUPPORTED, NULL,
                           "another file");
 }
 
 static void test_refused(void **state) {
-    storage s = plain();
+    hdf5_storage s = hdf5_plain();
     const iso_volume_opts small = {.max_memory = 1000};
     (void)state;
-    test_expect_no_volume(write_file("limit.h5", &s, false), &small, ISO_ERR_LIMIT, NULL, "--max-memory");
-    const hid_t file = begin("offset.h5", false), creation = H5Pcreate(H5P_DATASET_CREATE);
-    H5Pset_chunk(creation, 3, (hsize_t[]){4, 4, 4});
-    H5Pset_scaleoffset(creation, H5Z_SO_INT, 0);
-    H5Dcreate2(file, "a", H5T_STD_U16LE, H5Screate_simple(3, s.sizes, NULL), H5P_DEFAULT, creation,
-               H5P_DEFAULT);
-    H5Fclose(file);
-    test_expect_no_volume(vol_path(folder, "offset.h5", 0), NULL, ISO_ERR_UNSUPPORTED, NULL, "scaleoffset");
+    test_expect_no_volume(hdf5_write_file("limit.h5", &s, false), &small, ISO_ERR_LIMIT, NULL,
+                          "--max-memory");
     s.rank = 2;
-    test_expect_no_volume(write_file("flat.h5", &s, false), NULL, ISO_ERR_FORMAT, NULL, "three axes");
+    test_expect_no_volume(hdf5_write_file("flat.h5", &s, false), NULL, ISO_ERR_FORMAT, NULL, "three axes");
 }
 
 /* A small file that claims a petabyte ends at the limit of memory. */
 static void test_huge(void **state) {
-    storage s = plain();
+    hdf5_storage s = hdf5_plain();
     const iso_volume_opts opts = {.max_memory = 64 << 20};
     (void)state;
     s.sizes[0] = s.sizes[1] = s.sizes[2] = 100000;
     s.chunk[0] = s.chunk[1] = s.chunk[2] = 64;
-    const hid_t file = begin("huge.h5", false);
-    create_array(file, "a", &s);
+    const hid_t file = hdf5_begin("huge.h5", false);
+    hdf5_create_array(file, "a", &s);
     H5Fclose(file);
-    test_expect_no_volume(vol_path(folder, "huge.h5", 0), &opts, ISO_ERR_LIMIT, NULL, "--max-memory");
+    test_expect_no_volume(vol_path(hdf5_folder, "huge.h5", 0), &opts, ISO_ERR_LIMIT, NULL, "--max-memory");
 }
 
 static void test_truncated(void **state) {
-    storage s = plain();
+    hdf5_storage s = hdf5_plain();
     size_t count;
     (void)state;
     s.chunk[0] = s.chunk[1] = s.chunk[2] = 8;
     s.deflate = true;
-    char *bytes = slurp(write_file("whole.h5", &s, false), &count);
-    const char *cut = vol_path(folder, "cut.h5", 0);
+    char *bytes = slurp(hdf5_write_file("whole.h5", &s, false), &count);
+    const char *cut = vol_path(hdf5_folder, "cut.h5", 0);
     for (size_t length = 8; length < count; length += 97) {
         spill(cut, bytes, length);
         test_expect_no_volume(cut, NULL, ISO_ERR_IO, NULL, "truncated");
@@ -593,7 +462,7 @@ static void test_truncated(void **state) {
 
 /* A chunk whose compressed bytes are damaged is named. */
 static void test_damaged_chunk(void **state) {
-    storage s = plain();
+    hdf5_storage s = hdf5_plain();
     size_t count;
     haddr_t address;
     hsize_t bytes;
@@ -601,11 +470,11 @@ static void test_damaged_chunk(void **state) {
     (void)state;
     s.chunk[0] = s.chunk[1] = s.chunk[2] = 8;
     s.deflate = true;
-    const hid_t file = begin("chunk.h5", false), array = write_array(file, "voxels", &s);
+    const hid_t file = hdf5_begin("chunk.h5", false), array = hdf5_write_array(file, "voxels", &s);
     H5Fflush(file, H5F_SCOPE_GLOBAL);
     H5Dget_chunk_info_by_coord(array, (hsize_t[]){8, 0, 16}, &skipped, &address, &bytes);
     H5Fclose(file);
-    const char *path = vol_path(folder, "chunk.h5", 0);
+    const char *path = vol_path(hdf5_folder, "chunk.h5", 0);
     unsigned char *whole = slurp(path, &count);
     memset(whole + address + 2, 0xff, bytes - 2);
     spill(path, whole, count);
@@ -614,17 +483,17 @@ static void test_damaged_chunk(void **state) {
 }
 
 /* Writes one chunk as it is given, and reads the file. */
-static const char *write_raw_chunk(const storage *s, uint32_t skipped, const void *bytes, size_t count) {
-    const hid_t file = begin("raw.h5", false), array = create_array(file, "voxels", s);
+static const char *write_raw_chunk(const hdf5_storage *s, uint32_t skipped, const void *bytes, size_t count) {
+    const hid_t file = hdf5_begin("raw.h5", false), array = hdf5_create_array(file, "voxels", s);
     assert_true(H5Dwrite_chunk(array, H5P_DEFAULT, skipped, (hsize_t[]){0, 0, 0}, count, bytes) >= 0);
     H5Fclose(file);
-    return vol_path(folder, "raw.h5", 0);
+    return vol_path(hdf5_folder, "raw.h5", 0);
 }
 
 /* Chunks to which filters were not applied, with too few values, and that unpack to more than a chunk. */
 static void test_raw_chunks(void **state) {
     enum { CHUNK = 8 * 8 * 8, MANY = 1 << 20 };
-    storage s = {.sizes = {8, 8, 8}, .rank = 3, .z = 0, .y = 1, .x = 2, .c = -1};
+    hdf5_storage s = {.sizes = {8, 8, 8}, .rank = 3, .z = 0, .y = 1, .x = 2, .c = -1};
     unsigned char values[CHUNK], packed[4096], *zeros = calloc(MANY, 1);
     uLongf bytes = sizeof packed;
     (void)state;
@@ -647,12 +516,12 @@ static void test_raw_chunks(void **state) {
 }
 
 static void test_damaged(void **state) {
-    storage s = plain();
+    hdf5_storage s = hdf5_plain();
     (void)state;
     s.chunk[0] = s.chunk[1] = s.chunk[2] = 8;
     s.deflate = s.shuffle = true;
-    test_read_damaged(write_file("damaged.h5", &s, false), 8, 150, "damaged.h5");
-    test_read_damaged(write_file("damaged.h5", &s, true), 8, 150, "damaged.h5");
+    test_read_damaged(hdf5_write_file("damaged.h5", &s, false), 8, 150, "damaged.h5");
+    test_read_damaged(hdf5_write_file("damaged.h5", &s, true), 8, 150, "damaged.h5");
 }
 
 /* ---- filters of other projects, registered with libhdf5 while files are written ---- */
@@ -732,7 +601,7 @@ static void test_filters(void **state) {
     for (int i = ISO_HAVE_BZIP2 ? 0 : 1; i < (ISO_HAVE_CODECS ? 4 : 1); i++) {
         assert_true(H5Zregister(&filters[i]) >= 0);
         for (int way = 0; way < 12; way++) {
-            storage s = plain();
+            hdf5_storage s = hdf5_plain();
             size_t count, damaged = 0;
             s.type = way % 3 ? H5T_STD_U16LE : H5T_IEEE_F32BE;
             memcpy(s.chunk, (hsize_t[]){5, 7, 8}, 3 * sizeof *s.chunk);
@@ -740,9 +609,9 @@ static void test_filters(void **state) {
             s.shuffle = way & 1;
             s.checksum = way & 2;
             blosc_way = way;
-            const char *path = write_file("filter.h5", &s, way & 4);
-            read_and_check(path, &s);
-            read_in_chunks(path);
+            const char *path = hdf5_write_file("filter.h5", &s, way & 4);
+            hdf5_check_file(path, &s);
+            hdf5_check_chunk(path);
             if (way) continue;
             /* damage behind the header is found, or changes values, and never reaches beyond a chunk */
             unsigned char *whole = slurp(path, &count);
@@ -750,9 +619,9 @@ static void test_filters(void **state) {
                 iso_volume volume;
                 iso_error error = {0};
                 whole[at] ^= 0x55;
-                spill(vol_path(folder, "bent.h5", 1), whole, count);
+                spill(vol_path(hdf5_folder, "bent.h5", 1), whole, count);
                 const iso_status status =
-                    iso_volume_read(vol_path(folder, "bent.h5", 1), NULL, &volume, &error);
+                    iso_volume_read(vol_path(hdf5_folder, "bent.h5", 1), NULL, &volume, &error);
                 assert_true(status == ISO_OK || status == ISO_ERR_IO);
                 if (status == ISO_OK) iso_volume_free(&volume);
                 damaged += status != ISO_OK;
@@ -763,12 +632,6 @@ static void test_filters(void **state) {
         }
         H5Zunregister(filters[i].id);
     }
-}
-
-static int make_place(void **state) {
-    (void)state;
-    mkdir(folder, 0777);
-    return 0;
 }
 
 int main(void) {
@@ -782,5 +645,5 @@ int main(void) {
         cmocka_unit_test(test_refused),       cmocka_unit_test(test_huge),
         cmocka_unit_test(test_truncated),     cmocka_unit_test(test_damaged_chunk),
         cmocka_unit_test(test_filters),       cmocka_unit_test(test_damaged)};
-    return cmocka_run_group_tests(tests, make_place, NULL);
+    return cmocka_run_group_tests(tests, hdf5_make_folder, NULL);
 }
