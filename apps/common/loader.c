@@ -100,6 +100,7 @@ static int report_reading(void *context, double fraction) {
 static iso_volume_opts volume_opts(iso_loader *loader) {
     iso_volume_opts opts = iso_input_volume_opts(loader->options);
     opts.files = loader->files;
+    opts.mappable = &loader->mappable;
     opts.pool = loader->pool;
     opts.count_values = loader->wants_histogram;
     opts.progress = report_reading;

@@ -52,6 +52,7 @@ typedef struct iso_loader {
     const char *path; /* what readers open: the input, or the copy of standard input or a FIFO */
     iso_spool spool;
     bool has_points;       /* the input contains points instead of a volume */
+    bool mappable;         /* the volume's voxels can stay in its files (iso_volume_opts.mappable) */
     bool has_strokes;      /* the input is a stroke file; the volume is the level set that they make */
     iso_volume volume;     /* the header; for scenes also the grid */
     int crop[6];           /* voxels of the file that are kept: x0 x1 y0 y1 z0 z1, first and last */

@@ -81,7 +81,7 @@ enum { MOST_COMPRESSED = 1100 };
  * is left to the limit of memory. */
 static bool can_stay(const isorender_job *job) {
     const iso_volume_info *info = &job->loader.volume.info;
-    return job->has_volume && isnan(job->loader.scene_isovalue) && iso_volume_can_map(info) &&
+    return job->has_volume && isnan(job->loader.scene_isovalue) && job->loader.mappable &&
            (iso_volume_may_be_sparse(info) ||
             info->bytes / MOST_COMPRESSED <= iso_file_set_read_bytes(job->plan->files));
 }

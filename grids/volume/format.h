@@ -11,7 +11,11 @@
  * before it can fail.
  *
  * volume.c checks the result of `info` (dims, directions, component), applies opts->spacing to
- * info->transform, and sets `bytes` and `read_bytes` if they are 0: to the size of a dense grid. */
+ * info->transform, and sets `bytes` and `read_bytes` if they are 0: to the size of a dense grid.
+ *
+ * If `info` sets *opts->place (never NULL for readers), volume.c reads or maps the voxels from there and does
+ * not call `read`. A module could not do so: it has copies of this library's functions, and a grid is
+ * recognised as mapped by the function that releases it. */
 #ifndef ISO_GRIDS_VOLUME_FORMAT_H
 #define ISO_GRIDS_VOLUME_FORMAT_H
 
@@ -33,6 +37,7 @@ typedef struct iso_format {
     const char *module;  /* the module with the functions; NULL: they are below */
     iso_status (*info)(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
                        iso_error *error);
+    /* NULL: `info` always sets opts->place. */
     iso_status (*read)(const char *path, const iso_volume_opts *opts, iso_volume_info *info, iso_grid *grid,
                        iso_error *error);
     /* Instead of `read`, for formats whose voxels are in tiles (grids/volume/tiled.h). Gets the result of
@@ -145,6 +150,20 @@ iso_status iso_format_read_stream(const char *path, const iso_volume_opts *opts,
 
 /* Adds the memory that iso_format_read_stream takes beside the grid to read_bytes. Needs dims and type. */
 void iso_format_stream_room(const iso_format_stream *stream, iso_volume_info *info);
+
+/* Where voxels lie in a file as they are, without compression. */
+typedef struct iso_format_place {
+    bool known;        /* the rest is set */
+    bool swap;         /* as in iso_format_stream */
+    iso_scalar scalar; /* of each of info->components interleaved components */
+    uint64_t position; /* of the first byte in the file */
+} iso_format_place;
+
+/* iso_format_stream_room and iso_format_read_stream for voxels that lie in a file as they are. ISO_ERR_IO: it
+ * is too short, or unreadable. */
+void iso_format_place_room(const iso_format_place *place, iso_volume_info *info);
+iso_status iso_format_read_place(const char *path, const iso_volume_opts *opts, const iso_volume_info *info,
+                                 const iso_format_place *place, iso_grid *grid, iso_error *error);
 
 /* Unpacks a zlib or gzip stream from the current position of `file`, which is borrowed; `total` bytes are
  * expected, `path` is for messages. Destroy with iso_inflater_destroy. */

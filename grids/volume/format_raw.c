@@ -11,8 +11,6 @@
 
 #include "grids/volume/format.h"
 
-#include "base/file.h"
-
 /* ---- the layout as text ---- */
 
 static bool parse_dims(const char *text, const char *end, int dims[3]) {
@@ -165,32 +163,11 @@ static iso_scalar scalar_of(iso_type type) {
     }
 }
 
-typedef struct raw_file {
-    const char *path;
-    FILE *stream;
-} raw_file;
-
-static iso_status read_bytes(void *context, void *target, size_t bytes, iso_error *error) {
-    raw_file *file = context;
-    if (fread(target, 1, bytes, file->stream) == bytes) return ISO_OK;
-    return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", file->path,
-                    ferror(file->stream) ? strerror(errno) : "the file ends too early");
-}
-
-static FILE *plain_file(void *context, uint64_t bytes) {
-    (void)bytes;
-    return ((raw_file *)context)->stream;
-}
-
-static iso_format_stream stream_of(const iso_volume_opts *opts, const iso_volume_info *info, raw_file *file) {
-    bool swap = opts->raw->big_endian != (__BYTE_ORDER__ == __ORDER_BIG_ENDIAN__);
-    return (iso_format_stream){.fill = read_bytes,
-                               .context = file,
-                               .scalar = scalar_of(info->type),
-                               .components = info->components,
-                               .component = info->component,
-                               .swap = swap,
-                               .plain = plain_file};
+static iso_format_place place_of(const iso_raw_layout *raw) {
+    return (iso_format_place){.known = true,
+                              .swap = raw->big_endian != (__BYTE_ORDER__ == __ORDER_BIG_ENDIAN__),
+                              .scalar = scalar_of(raw->type),
+                              .position = raw->offset};
 }
 
 static iso_status raw_info(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
@@ -207,25 +184,9 @@ static iso_status raw_info(const char *path, const iso_volume_opts *opts, iso_vo
     if (bytes > wanted)
         iso_volume_note(info, "%llu bytes after the last voxel are not used",
                         (unsigned long long)(bytes - wanted));
-    iso_format_stream stream = stream_of(opts, info, NULL);
-    iso_format_stream_room(&stream, info);
+    *opts->place = place_of(raw);
+    iso_format_place_room(opts->place, info);
     return ISO_OK;
 }
 
-static iso_status raw_read(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
-                           iso_grid *grid, iso_error *error) {
-    uint64_t bytes = 0, wanted = iso_raw_layout_bytes(opts->raw);
-    raw_file file = {path, NULL};
-    ISO_TRY(iso_file_open(path, &file.stream, &bytes, error));
-    iso_status status = ISO_OK;
-    if (bytes < wanted)
-        status = iso_format_truncated(path, bytes, wanted, error);
-    else if (fseeko(file.stream, (off_t)opts->raw->offset, SEEK_SET) != 0)
-        status = iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
-    iso_format_stream stream = stream_of(opts, info, &file);
-    if (status == ISO_OK) status = iso_format_read_stream(path, opts, info, &stream, grid, error);
-    fclose(file.stream);
-    return status;
-}
-
-const iso_format iso_format_raw = {"raw", "isopoint", NULL, raw_info, raw_read, NULL};
+const iso_format iso_format_raw = {"raw", "isopoint", NULL, raw_info, NULL, NULL};

@@ -2,9 +2,11 @@
  * parsing numbers in text, and paths of files that a header names. */
 #define _GNU_SOURCE
 #include <ctype.h>
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/file.h"
 #include "base/memory.h"
 #include "grids/volume/format.h"
 #include "grids/volume/mapping.h"
@@ -129,6 +131,58 @@ iso_status iso_format_read_stream(const char *path, const iso_volume_opts *opts,
     }
     *grid = result;
     return ISO_OK;
+}
+
+/* ---- voxels that lie in a file as they are ---- */
+
+typedef struct open_file {
+    const char *path;
+    FILE *stream;
+} open_file;
+
+static iso_status read_bytes(void *context, void *target, size_t bytes, iso_error *error) {
+    const open_file *file = context;
+    if (fread(target, 1, bytes, file->stream) == bytes) return ISO_OK;
+    return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", file->path,
+                    ferror(file->stream) ? strerror(errno) : "the file ends too early");
+}
+
+static FILE *plain_file(void *context, uint64_t bytes) {
+    (void)bytes;
+    return ((open_file *)context)->stream;
+}
+
+static iso_format_stream stream_of(const iso_format_place *place, const iso_volume_info *info) {
+    return (iso_format_stream){.scalar = place->scalar,
+                               .components = info->components,
+                               .component = info->component,
+                               .swap = place->swap,
+                               .fill = read_bytes,
+                               .plain = plain_file};
+}
+
+void iso_format_place_room(const iso_format_place *place, iso_volume_info *info) {
+    const iso_format_stream stream = stream_of(place, info);
+    iso_format_stream_room(&stream, info);
+}
+
+iso_status iso_format_read_place(const char *path, const iso_volume_opts *opts, const iso_volume_info *info,
+                                 const iso_format_place *place, iso_grid *grid, iso_error *error) {
+    iso_format_stream stream = stream_of(place, info);
+    open_file file = {.path = path};
+    uint64_t bytes, wanted = iso_format_size(info->dims, voxel_bytes(&stream));
+    ISO_TRY(iso_file_open(path, &file.stream, &bytes, error));
+    stream.context = &file;
+    if (__builtin_add_overflow(wanted, place->position, &wanted)) wanted = UINT64_MAX;
+    iso_status status = ISO_OK;
+    if (bytes < wanted)
+        status = iso_format_truncated(path, bytes, wanted, error);
+    else if (fseeko(file.stream, (off_t)place->position, SEEK_SET) != 0)
+        status = iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
+    else
+        status = iso_format_read_stream(path, opts, info, &stream, grid, error);
+    fclose(file.stream);
+    return status;
 }
 
 /* ---- text ---- */

@@ -1,5 +1,9 @@
 /* format_vti: reads VTK's XML image data with vtkXMLImageDataReader.
  *
+ * VTK always reads the header. If the values of the chosen array lie in the file as they are (raw appended
+ * data, not compressed, one piece), volume.c reads or maps them from there (iso_format_place); otherwise VTK
+ * reads them, whole.
+ *
  * VTK reports errors as text, not by a return value, and continues with incomplete data. Therefore all its
  * messages are captured during reading, and any error makes the file unreadable. VTK's output window and the
  * threshold of its log are global; they are changed while a file is read, one file at a time, and then
@@ -390,6 +394,7 @@ struct header {
     extent whole{0, -1, 0, -1, 0, -1};
     std::vector<iso_format_array> arrays;
     int chosen = 0;
+    iso_format_place place{}; /* of the array's values, if they lie in the file as they are */
     const iso_format_array &array() const { return arrays[static_cast<size_t>(chosen)]; }
 };
 
@@ -407,6 +412,41 @@ uint64_t size_of(const extent &box) {
         if (__builtin_mul_overflow(size, static_cast<uint64_t>(int64_t{box[a + 1]} - box[a] + 1), &size))
             return UINT64_MAX;
     return size;
+}
+
+/* Whether the grid can use VTK's array: one component, and no conversion. */
+bool is_lent(const iso_format_array &array) {
+    return array.components == 1 && iso_scalar_is_stored(array.scalar);
+}
+
+uint64_t bytes_to_read(const iso_volume_info *info, const iso_format_array &array) {
+    uint64_t grid = iso_format_size(info->dims, iso_type_size(info->type)), all;
+    if (is_lent(array) || grid == UINT64_MAX) return grid;
+    all = iso_format_size(info->dims, iso_scalar_size(array.scalar) * array.components);
+    return __builtin_add_overflow(grid, all, &all) ? UINT64_MAX : all;
+}
+
+iso_status find_layouts(const char *path, image_reader *reader, size_t piece, const iso_format_array &array,
+                        std::vector<iso_vti_layout> *layouts, iso_error *error) {
+    if (reader->layouts(piece, array, layouts)) return ISO_OK;
+    return iso_fail(error, ISO_ERR_FORMAT, "%s: the place of an array's values is not stated", path);
+}
+
+/* Finds the place of the values of the chosen array if they lie in the file as they are: in raw appended
+ * data, not compressed, and in a piece that is the whole image. */
+iso_status find_place(const char *path, image_reader *reader, header *found, iso_error *error) {
+    const std::vector<extent> pieces = reader->pieces();
+    std::vector<iso_vti_layout> layouts;
+    if (pieces.size() != 1 || pieces[0] != found->whole) return ISO_OK;
+    ISO_TRY(find_layouts(path, reader, 0, found->array(), &layouts, error));
+    if (layouts.size() != 1) return ISO_OK;
+    const iso_vti_layout &layout = layouts[0];
+    iso_format_place &place = found->place;
+    place.known = layout.encoding == ISO_VTI_RAW && !layout.compressed;
+    place.swap = layout.big_endian != (__BYTE_ORDER__ == __ORDER_BIG_ENDIAN__);
+    place.scalar = found->array().scalar;
+    place.position = layout.position + static_cast<uint64_t>(layout.header_bytes);
+    return ISO_OK;
 }
 
 iso_status read_header(const char *path, const iso_volume_opts *opts, image_reader *reader, header *found,
@@ -434,19 +474,13 @@ iso_status read_header(const char *path, const iso_volume_opts *opts, image_read
         array.tuples = size_of(array.cells ? cell_extent(whole, whole) : whole);
     image.arrays = found->arrays.data();
     image.count = static_cast<int>(found->arrays.size());
-    return iso_format_take_array(path, opts, &image, info, &found->chosen, error);
-}
-
-/* Whether the grid can use VTK's array: one component, and no conversion. */
-bool is_lent(const iso_format_array &array) {
-    return array.components == 1 && iso_scalar_is_stored(array.scalar);
-}
-
-uint64_t bytes_to_read(const iso_volume_info *info, const iso_format_array &array) {
-    uint64_t grid = iso_format_size(info->dims, iso_type_size(info->type)), all;
-    if (is_lent(array) || grid == UINT64_MAX) return grid;
-    all = iso_format_size(info->dims, iso_scalar_size(array.scalar) * array.components);
-    return __builtin_add_overflow(grid, all, &all) ? UINT64_MAX : all;
+    ISO_TRY(iso_format_take_array(path, opts, &image, info, &found->chosen, error));
+    ISO_TRY(find_place(path, reader, found, error));
+    if (found->place.known)
+        iso_format_place_room(&found->place, info);
+    else
+        info->read_bytes = bytes_to_read(info, found->array());
+    return ISO_OK;
 }
 
 /* Whether a piece lies within the whole extent: VTK crashes if it does not. */
@@ -478,8 +512,7 @@ iso_status check_arrays(const char *path, image_reader *reader, const header &fo
     for (size_t i = 0; i < pieces.size(); i++) {
         const extent box = array.cells ? cell_extent(pieces[i], found.whole) : pieces[i];
         std::vector<iso_vti_layout> layouts;
-        if (!reader->layouts(i, array, &layouts))
-            return iso_fail(error, ISO_ERR_FORMAT, "%s: the place of an array's values is not stated", path);
+        ISO_TRY(find_layouts(path, reader, i, array, &layouts, error));
         for (iso_vti_layout &layout : layouts) {
             uint64_t each = iso_scalar_size(array.scalar) * array.components, part = 0;
             if (__builtin_mul_overflow(each, size_of(box), &layout.bytes)) layout.bytes = UINT64_MAX;
@@ -500,7 +533,8 @@ iso_status check_values(const char *path, image_reader *reader, const header &fo
     return ISO_OK;
 }
 
-/* The values are not checked when the volume itself already exceeds the memory limit. */
+/* The values are not checked when the volume itself already exceeds the memory limit, unless they will not be
+ * read by vti_read. */
 iso_status vti_info(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
                     iso_error *error) noexcept {
     return iso::guard(path, error, [&]() -> iso_status {
@@ -511,8 +545,9 @@ iso_status vti_info(const char *path, const iso_volume_opts *opts, iso_volume_in
         header found = {};
         found.vtk = &vtk;
         ISO_TRY(read_header(path, opts, reader, &found, info, error));
-        info->read_bytes = bytes_to_read(info, found.array());
-        if (info->read_bytes > iso_format_memory_limit(opts)) return ISO_OK;
+        *opts->place = found.place;
+        if (found.place.known) ISO_TRY(check_end(path, error));
+        if (!found.place.known && info->read_bytes > iso_format_memory_limit(opts)) return ISO_OK;
         return check_values(path, reader, found, info, error);
     });
 }
@@ -569,9 +604,9 @@ iso_status read_array(const char *path, const iso_volume_opts *opts, const quiet
     now.note_count = now.item_count = 0;
     now.transform = iso_transform_identity();
     ISO_TRY(read_header(path, opts, reader, &found, &now, error));
-    now.read_bytes = bytes_to_read(&now, found.array());
     ISO_TRY(check_values(path, reader, found, &now, error));
-    if (std::memcmp(now.dims, info->dims, sizeof now.dims) != 0 || now.read_bytes > info->read_bytes)
+    if (std::memcmp(now.dims, info->dims, sizeof now.dims) != 0 || now.type != info->type ||
+        now.components != info->components || now.read_bytes > info->read_bytes)
         return iso_fail(error, ISO_ERR_IO, "%s: changed while it was read", path);
     const iso_format_array &array = found.array();
     select_only(reader->GetPointDataArraySelection(), array.cells ? nullptr : array.name);

@@ -138,6 +138,8 @@ static iso_status read_head(const char *path, head *h, iso_error *error) {
 /* The caller's options, and the layout of a raw file that its name gives when the options do not. */
 typedef struct request {
     iso_volume_opts opts;
+    iso_format_place place; /* opts.place points here */
+    bool mappable;
     iso_raw_layout guessed;
     bool is_guessed;
     const char *path;    /* of the file */
@@ -403,6 +405,15 @@ static void note_unused(const iso_volume_opts *opts, iso_volume_info *info) {
                         info->format);
 }
 
+/* Whether the voxels of all files of a format can stay in them. */
+static bool is_mappable(const iso_format *format) {
+    const iso_format *const formats[] = {&iso_format_nrrd, &iso_format_metaimage, &iso_format_nifti,
+                                         &iso_format_vtk};
+    for (size_t i = 0; i < sizeof formats / sizeof *formats; i++)
+        if (format == formats[i]) return true;
+    return format->open_tiled != NULL;
+}
+
 static void note_guess(const iso_raw_layout *raw, iso_volume_info *info) {
     iso_volume_note(info, "layout taken from the file's name: %dx%dx%d:%s:%s (--raw)", raw->dims[0],
                     raw->dims[1], raw->dims[2], iso_type_name(raw->type), raw->big_endian ? "big" : "little");
@@ -423,9 +434,12 @@ static iso_status read_header(const char *path, request *r, const iso_format **f
     snprintf(info->format, sizeof info->format, "%s", (*format)->name);
     if (r->is_guessed) note_guess(&r->guessed, info);
     iso_error detail = {0};
+    r->opts.place = &r->place;
     iso_file_set_read(r->opts.files, r->path);
     ISO_TRY(name_path(path, r, (*format)->info(r->path, &r->opts, info, &detail), &detail, error));
     note_unused(&r->opts, info);
+    r->mappable = r->place.known || is_mappable(*format);
+    if (r->opts.mappable) *r->opts.mappable = r->mappable;
     return check_info(path, &r->opts, info, error);
 }
 
@@ -456,15 +470,6 @@ iso_status iso_volume_check_memory(const char *path, const iso_volume_opts *opts
     snprintf(what, sizeof what, "%d x %d x %d %s", info->dims[0], info->dims[1], info->dims[2],
              info->file_type);
     return iso_format_check_memory(path, opts, info->read_bytes, what, error);
-}
-
-bool iso_volume_can_map(const iso_volume_info *info) {
-    const iso_format *const formats[] = {&iso_format_nrrd, &iso_format_metaimage, &iso_format_nifti,
-                                         &iso_format_raw,  &iso_format_vtk,       &format_tiff,
-                                         &format_hdf5,     &format_zarr};
-    for (size_t i = 0; i < sizeof formats / sizeof *formats; i++)
-        if (strcmp(info->format, formats[i]->name) == 0) return true;
-    return false;
 }
 
 bool iso_volume_may_be_sparse(const iso_volume_info *info) {
@@ -514,6 +519,15 @@ static iso_status read_tiled(const iso_format *format, const char *path, const i
     return status;
 }
 
+static iso_status read_voxels(const iso_format *format, const request *r, iso_volume *volume,
+                              iso_error *error) {
+    iso_volume_info *info = &volume->info;
+    if (r->place.known)
+        return iso_format_read_place(r->path, &r->opts, info, &r->place, &volume->grid, error);
+    return format->open_tiled ? read_tiled(format, r->path, &r->opts, volume, error)
+                              : format->read(r->path, &r->opts, info, &volume->grid, error);
+}
+
 iso_status iso_volume_read(const char *path, const iso_volume_opts *opts, iso_volume *volume,
                            iso_error *error) {
     request r = {.opts = opts ? *opts : (iso_volume_opts){0}};
@@ -521,12 +535,11 @@ iso_status iso_volume_read(const char *path, const iso_volume_opts *opts, iso_vo
     const iso_format *format = NULL;
     iso_volume result = {0};
     ISO_TRY(read_header(path, &r, &format, &result.info, error));
-    r.opts.mapped = r.opts.mapped && iso_volume_can_map(&result.info);
+    r.opts.mapped = r.opts.mapped && r.mappable;
     if (!opts->mapped) ISO_TRY(iso_volume_check_memory(path, opts, &result.info, error));
     ISO_TRY(iso_format_progress(path, opts, 0, error));
     iso_error detail = {0};
-    iso_status status = format->open_tiled ? read_tiled(format, r.path, opts, &result, &detail)
-                                           : format->read(r.path, opts, &result.info, &result.grid, &detail);
+    iso_status status = read_voxels(format, &r, &result, &detail);
     ISO_TRY(name_path(path, &r, status, &detail, error));
     if (!agrees(&result.info, &result.grid))
         status = iso_fail(error, ISO_ERR_IO, "%s: changed while it was read", path);

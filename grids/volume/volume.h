@@ -51,6 +51,8 @@ typedef struct iso_component_axes {
     bool lower; /* symmetric matrices are stored as their lower triangle, row by row: xx yx yy zx zy zz */
 } iso_component_axes;
 
+struct iso_format_place;
+
 /* All zero means the default. Strings are borrowed for the call. */
 typedef struct iso_volume_opts {
     /* The .vdb grid's name, NULL: the only one, or the first level set, or the first scalar one. The .vti or
@@ -70,9 +72,14 @@ typedef struct iso_volume_opts {
     double spacing[3];   /* > 0 overrides the file's spacing (mm) */
     uint64_t max_memory; /* bytes that the grid and reading it may take; 0: 80 % of iso_memory_available */
     /* Voxels stay in the file, mapped (grids/volume/mapping.h) or in tiles (grids/volume/tiled.h), if
-     * iso_volume_can_map, and do not count against max_memory then. The grid must not be written to, has no
+     * they are mappable, and do not count against max_memory then. The grid must not be written to, has no
      * index, and is read through iso_volume_source. */
     bool mapped;
+    /* Set from the header if not NULL: whether the voxels can stay in the file. Those of nrrd, metaimage,
+     * nifti, raw, legacy vtk, tiff, hdf5 and zarr files can, those of vti files if they lie there as they
+     * are. */
+    bool *mappable;
+    struct iso_format_place *place; /* for readers only (grids/volume/format.h) */
     int chunk_side;      /* voxels along the side of the chunks that will be read of tiles; 0: 128 */
     iso_file_set *files; /* every file that is read, or will be, is added by iso_volume_read_info and
                             iso_volume_read; NULL is fine */
@@ -101,10 +108,6 @@ iso_status iso_volume_read_info(const char *path, const iso_volume_opts *opts, i
 /* The format, as in iso_volume_info, of a file that begins with these bytes, of which 1024 are enough. NULL:
  * not recognised, as raw files and formats that only the name tells. */
 const char *iso_volume_format(const void *bytes, size_t count);
-
-/* Whether iso_volume_read can leave the voxels of the volume that `info` describes in their file: those of
- * nrrd, metaimage, nifti, raw, legacy vtk, tiff and zarr files. */
-bool iso_volume_can_map(const iso_volume_info *info);
 
 /* Whether files of this format need not hold all voxels: those in tiles that are absent have one value. */
 bool iso_volume_may_be_sparse(const iso_volume_info *info);

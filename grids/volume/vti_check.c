@@ -142,7 +142,8 @@ static iso_status check_length(decoder *d, iso_error *error) {
                         d->in->path, (unsigned long long)length, (unsigned long long)d->layout->bytes);
     const uint64_t spare = (uint64_t)(3 - d->used); /* bytes that are decoded, but not read */
     const uint64_t here = d->layout->encoding == ISO_VTI_RAW ? 0 : spare;
-    return decoded(d->layout, bytes_left(d->in)) + here < d->layout->bytes ? cut_off(d->in, error) : ISO_OK;
+    const uint64_t available = decoded(d->layout, bytes_left(d->in)) + here;
+    return available < length ? cut_off(d->in, error) : ISO_OK; /* also if the voxels are there */
 }
 
 /* The block structure of a compressed array. */

@@ -312,7 +312,8 @@ static void missing_libraries_are_named(void **state) {
     const iso_format *all[] = {&iso_format_vtk,   &iso_format_metaimage, &iso_format_nrrd,
                                &iso_format_nifti, &iso_format_dicom,     &iso_format_raw};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) {
-        assert_true(!all[i]->info == !all[i]->read);
+        /* the place of raw voxels is all that is needed to read them */
+        assert_true(!all[i]->info == !all[i]->read || all[i] == &iso_format_raw);
         assert_non_null(all[i]->library);
         if (all[i]->info) continue;
         char name[32];
