@@ -74,6 +74,7 @@ int vti_write(const char *path, const vti_spec *spec) {
     else
         writer->SetHeaderTypeToUInt32();
     if (spec->flags & VTI_BIG_ENDIAN) writer->SetByteOrderToBigEndian();
+    if (spec->flags & VTI_TWO_PIECES) writer->SetNumberOfPieces(2);
     return writer->Write() ? 0 : 1;
 }
 

@@ -16,7 +16,8 @@ enum vti_flags {
     VTI_BIG_ENDIAN = 8,
     VTI_CELL_DATA = 16,
     VTI_SECOND_ACTIVE = 32, /* the second array is the active scalars; otherwise the first */
-    VTI_NONE_ACTIVE = 64    /* no array is */
+    VTI_NONE_ACTIVE = 64,   /* no array is */
+    VTI_TWO_PIECES = 128
 };
 
 typedef struct vti_spec {

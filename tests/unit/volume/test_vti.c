@@ -149,7 +149,7 @@ static void other_raw_values_are_converted(void **state) {
 
 static void packed_values_are_read_whole(void **state) {
     (void)state;
-    const int flags[] = {0, VTI_COMPRESSED, VTI_RAW | VTI_COMPRESSED};
+    const int flags[] = {0, VTI_COMPRESSED, VTI_RAW | VTI_COMPRESSED, VTI_RAW | VTI_TWO_PIECES};
     for (size_t i = 0; i < sizeof flags / sizeof *flags; i++) {
         vti_spec spec = spec_of("int16", flags[i]);
         turn(&spec);
