@@ -105,6 +105,15 @@ enum {
     ISO_DISC_VALUES
 };
 
+/* How often the discs of a patch are drawn. In one pass a pixel's sums depend on the order of its discs where
+ * discs of different thickness overlap. In two passes (Botsch et al. 2005) they do not: the first finds the
+ * front of each pixel, the second adds the discs near it. */
+typedef enum iso_refined_pass {
+    ISO_REFINED_ONE_PASS,
+    ISO_REFINED_FRONT_PASS,
+    ISO_REFINED_SUM_PASS
+} iso_refined_pass;
+
 /* Parameters of one picture or strip. Positions are counted in steps: quantisation steps for packed points,
  * voxels for surfels. */
 typedef struct iso_refined_params {
@@ -135,6 +144,7 @@ typedef struct iso_refined_params {
     /* Of flat discs (iso_flat_discs): */
     bool filtered;       /* small discs are convolved with a low-pass filter; */
     bool widened;        /* they then cover what the convolved discs cover, else what they cover themselves */
+    iso_refined_pass pass;
     bool first;          /* the front of a pixel is its first disc, not the nearest */
     float voxels_per_mm; /* voxels per mm, at most */
     bool has_border;     /* discs are clipped at the grid's border: */
@@ -164,6 +174,9 @@ typedef struct iso_refined_patch {
      * which lie within ISO_REFINED_LOW_PASS pixels but do not cover the pixel. Such pixels are not drawn
      * unless a disc that covers them is added later. ISO_NOWHERE: none. */
     float *outer_front;
+    /* Of the front pass: the least depth of each pixel's front-facing discs; of its flipped ones, which are in
+     * front where they are nearer than `facing_reach`; and of its front-facing ones minus their thickness. */
+    float *facing, *flipped, *facing_reach;
     /* Discs whose centres lie deeper than the value for their cell are hidden. NULL: none is known to be.
      */
     const float *hidden;
@@ -173,7 +186,8 @@ typedef struct iso_refined_patch {
 
 typedef struct iso_refined_kernel {
     /* Adds the discs of block number `block` to the sums of pixels. Sums of pixels without a front are
-     * undefined. */
+     * undefined. In the front pass: lowers the fronts; in the sum pass `front` is not changed, and the sums
+     * are 0 before. */
     void (*scatter_block)(const iso_refined_params *params, const iso_refined_patch *patch, uint32_t block);
     /* The same for tiles. */
     void (*splat_block)(const iso_refined_params *params, const iso_refined_patch *patch, uint32_t block);

@@ -18,6 +18,7 @@ enum {
     CELL_SHIFT_LEAST = 3,
     LAYERS = 4096,      /* of depth, that blocks are sorted into */
     HIDDEN_UPDATES = 6, /* how often a patch's hidden depths are computed while it is drawn */
+    PLANES = 6,         /* values of a pixel beside its sums, in a patch */
     PREFETCHED = 512    /* points of a block that are prefetched, at most */
 };
 
@@ -28,6 +29,7 @@ typedef struct refined_call {
     const iso_point_blocks *blocks;
     iso_refined *workspace;
     bool draw_hidden;      /* of iso_refined_opts */
+    bool two_passes;
     int across, down;      /* columns and rows of patches */
     size_t stride, pixels; /* pixels in a row of a patch and in the whole patch */
     int shift, wide, high; /* cells: see iso_refined_patch; columns and rows of cells in a patch */
@@ -256,7 +258,7 @@ typedef struct tally {
 } tally;
 
 static size_t worker_bytes(const refined_call *call) {
-    return (call->pixels * (ISO_SUMS + 3) + 3 * (size_t)(call->wide * call->high)) * sizeof(float);
+    return (call->pixels * (ISO_SUMS + PLANES) + 3 * (size_t)(call->wide * call->high)) * sizeof(float);
 }
 
 /* Prepares patch `number` in the worker's memory. */
@@ -266,9 +268,12 @@ static drawing start_patch(const refined_call *call, size_t number, int worker) 
     const int x = (int)number % call->across * PATCH_WIDTH, y = (int)number / call->across * PATCH_HEIGHT;
     float *sums = (float *)((char *)call->workspace->memory.data + (size_t)worker * worker_bytes(call)),
           *front = sums + call->pixels * ISO_SUMS, *limit = front + call->pixels,
-          *outer = limit + call->pixels, *hidden = outer + call->pixels;
+          *outer = limit + call->pixels, *facing = outer + call->pixels,
+          *hidden = front + PLANES * call->pixels;
+    const size_t sides = call->two_passes ? 3 * call->pixels : 0;
     for (size_t i = 0; i < call->pixels; i++) front[i] = ISO_NOWHERE;
     for (size_t i = 0; i < call->pixels && call->params.filtered; i++) outer[i] = ISO_NOWHERE;
+    for (size_t i = 0; i < sides; i++) facing[i] = ISO_NOWHERE;
     return (drawing){
         .patch = {.first = {x, y},
                   .last = {(x + PATCH_WIDTH < view->width ? x + PATCH_WIDTH : view->width) - 1,
@@ -280,6 +285,9 @@ static drawing start_patch(const refined_call *call, size_t number, int worker) 
                   .limit = limit,
                   .counts = &((tally *)call->workspace->tallies.data)[worker].counts,
                   .outer_front = outer,
+                  .facing = facing,
+                  .flipped = facing + call->pixels,
+                  .facing_reach = facing + 2 * call->pixels,
                   .shift = call->shift,
                   .cells = call->wide},
         .order = (const uint32_t *)call->workspace->order.data + start[number],
@@ -421,28 +429,48 @@ static void prefetch_block(const refined_call *call, const iso_point_block *bloc
         prefetch_bytes(points->curvatures + block->first, count * sizeof *points->curvatures);
 }
 
+/* Draws the blocks of a patch that may be visible; whether there is one. */
+static bool draw_blocks(const refined_call *call, const iso_refined_params *params, drawing *d) {
+    const iso_point_block *block = call->blocks->blocks.data;
+    const size_t rounds = d->count / HIDDEN_UPDATES + 1;
+    const bool updates = !call->draw_hidden && params->pass != ISO_REFINED_SUM_PASS;
+    bool drawn = false;
+    for (size_t i = 0; i < d->count; i++) {
+        bool some = false;
+        if (i + 1 < d->count) prefetch_block(call, &block[d->order[i + 1]]);
+        if (i && i % rounds == 0 && updates) update_hidden(call, d);
+        if (!call->draw_hidden && is_hidden(call, d, &block[d->order[i]], &some)) continue;
+        d->patch.hidden = some ? d->hidden : NULL;
+        drawn = true;
+        (d->tiles ? call->kernel->splat_block : call->kernel->scatter_block)(params, &d->patch, d->order[i]);
+    }
+    return drawn;
+}
+
+/* The front pass, and what the sum pass needs of it: a pixel's front is that of its front-facing discs, or of
+ * the flipped ones where they win. */
+static void find_fronts(const refined_call *call, drawing *d) {
+    iso_refined_params params = call->params;
+    params.pass = ISO_REFINED_FRONT_PASS;
+    params.filtered = false;
+    draw_blocks(call, &params, d);
+    const iso_refined_patch *p = &d->patch;
+    for (size_t i = 0; i < call->pixels; i++)
+        p->front[i] = p->flipped[i] < p->facing_reach[i] ? p->flipped[i] : p->facing[i];
+    memset(p->sums, 0, call->pixels * ISO_SUMS * sizeof *p->sums);
+    if (!call->draw_hidden) update_hidden(call, d);
+}
+
 static void draw_patch(void *context, size_t number, int worker) {
     const refined_call *call = context;
-    const iso_point_block *block = call->blocks->blocks.data;
     const size_t *start = call->workspace->start.data;
     if (start[number] == start[number + 1]) return;
     drawing d = start_patch(call, number, worker);
     choose_method(call, &d);
     set_up_limits(call, &d);
     if (d.patch.limit) update_hidden(call, &d);
-    const size_t rounds = d.count / HIDDEN_UPDATES + 1;
-    bool drawn = false;
-    for (size_t i = 0; i < d.count; i++) {
-        bool some = false;
-        if (i + 1 < d.count) prefetch_block(call, &block[d.order[i + 1]]);
-        if (i && i % rounds == 0 && !call->draw_hidden) update_hidden(call, &d);
-        if (!call->draw_hidden && is_hidden(call, &d, &block[d.order[i]], &some)) continue;
-        d.patch.hidden = some ? d.hidden : NULL;
-        drawn = true;
-        (d.tiles ? call->kernel->splat_block : call->kernel->scatter_block)(&call->params, &d.patch,
-                                                                            d.order[i]);
-    }
-    if (drawn)
+    if (call->two_passes) find_fronts(call, &d);
+    if (draw_blocks(call, &call->params, &d))
         (d.tiles ? call->kernel->resolve_tiles : call->kernel->resolve_pixels)(&call->params, &d.patch);
 }
 
@@ -465,6 +493,8 @@ iso_status iso_refined_draw(iso_refined *workspace, const iso_target *target, co
     const iso_projector projector = iso_projector_make(target->view, &points->transform);
     set_up_params(&call, &projector);
     set_up_flat_discs(&call.params, opts->flat);
+    call.two_passes = points->radii && opts->flat == ISO_FLAT_DISCS_FILTERED;
+    call.params.pass = call.two_passes ? ISO_REFINED_SUM_PASS : ISO_REFINED_ONE_PASS;
     choose_patches(&call);
     set_up_occlusion(&call);
     ISO_TRY(set_up_corners(&call, &projector, error));

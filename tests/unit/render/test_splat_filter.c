@@ -204,6 +204,67 @@ static void same_bytes_everywhere(void **state) {
     }
 }
 
+/* A noisy sphere whose discs of many radii lie in front of each other: drawn in another order, the same
+ * pixels show the same but for rounding. */
+static void order_does_not_matter(void **state) {
+    (void)state;
+    enum { COUNT = 6000, SPAN = 500 };
+    static iso_surfel surfels[2][COUNT];
+    static float radii[2][COUNT];
+    static iso_point_span spans[COUNT / SPAN];
+    uint32_t seed = 5;
+    for (int i = 0; i < COUNT; i++) {
+        iso_surfel *s = &surfels[0][i];
+        double n[3], square = 0;
+        for (int k = 0; k < 3; k++) {
+            n[k] = 2 * uniform(&seed) - 1;
+            square += n[k] * n[k];
+        }
+        const double scale = 1 / sqrt(fmax(square, 0.01)), away = 10 + uniform(&seed);
+        for (int k = 0; k < 3; k++) {
+            s->position[k] = (float)(n[k] * scale * away + 20);
+            s->normal[k] = (float)(n[k] * scale + 0.5 * uniform(&seed));
+        }
+        radii[0][i] = (float)(0.1 + 0.8 * uniform(&seed) * uniform(&seed));
+    }
+    for (int i = 0; i < COUNT; i++) {
+        surfels[1][i] = surfels[0][COUNT - 1 - i];
+        radii[1][i] = radii[0][COUNT - 1 - i];
+    }
+    for (size_t i = 0; i < COUNT / SPAN; i++) spans[i] = (iso_point_span){.count = SPAN, .first = i * SPAN};
+    for (int n = 0; n < 4; n++) { /* small discs are added to pixels, large ones to tiles */
+        iso_gbuffer g[2];
+        iso_view view;
+        for (int k = 0; k < 2; k++) {
+            const iso_point_view points = {.surfels = surfels[k],
+                                           .radii = radii[k],
+                                           .spans = spans,
+                                           .span_count = COUNT / SPAN,
+                                           .transform = iso_transform_identity(),
+                                           .dims = {41, 41, 41},
+                                           .closed = n == 3};
+            const test_scene s = {.points = points};
+            view = test_look_at(&s, n, n % 2 ? 6 : 1, n == 2, 130, 110);
+            g[k] = test_drawn(&view, &points,
+                              &(iso_pullpush_opts){.reconstruction = ISO_RECONSTRUCTION_FLAT}, NULL);
+            const iso_pullpush_opts all = {.reconstruction = ISO_RECONSTRUCTION_FLAT,
+                                           .selection = ISO_SELECTION_ALL};
+            iso_gbuffer hidden = test_drawn(&view, &points, &all, NULL);
+            test_same_rows(&g[k], 0, &hidden);
+            iso_gbuffer_free(&hidden);
+        }
+        const size_t count = (size_t)view.width * (size_t)view.height;
+        assert_true(count_samples(&g[0]) > 1000);
+        assert_memory_equal(g[0].surface, g[1].surface, count);
+        for (size_t i = 0; i < count; i++) {
+            if (g[0].surface[i] == ISO_SURFACE_NONE) continue;
+            assert_true(fabsf(g[0].depth[i] - g[1].depth[i]) < 1e-3f);
+            for (int k = 0; k < 3; k++) assert_true(fabsf(g[0].normal[k][i] - g[1].normal[k][i]) < 2e-3f);
+        }
+        for (int k = 0; k < 2; k++) iso_gbuffer_free(&g[k]);
+    }
+}
+
 /* Discs of more than 5 pixels look the same without the filter. */
 static void large_discs_are_not_filtered(void **state) {
     (void)state;
@@ -224,6 +285,7 @@ static void large_discs_are_not_filtered(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(zone_plates_are_filtered),
+        cmocka_unit_test(order_does_not_matter),
         cmocka_unit_test(silhouettes_do_not_grow),
         cmocka_unit_test(same_bytes_everywhere),
         cmocka_unit_test(large_discs_are_not_filtered),
