@@ -6,6 +6,8 @@
 
 static iso_status run_session(const isosculpt_settings *settings, iso_error *error) {
     iso_pool *pool = NULL;
+    /* In a window nothing but reading is limited: a stroke that was begun must not fail. */
+    if (settings->headless) iso_settings_limit_memory(&settings->common);
     ISO_TRY(iso_pool_create(settings->common.threads, &pool, error));
     iso_status status = settings->headless ? isosculpt_replay(settings, pool, error)
                                            : isosculpt_window(settings, pool, error);
@@ -23,6 +25,7 @@ static int run_program(int argc, char **argv) {
     if (status == ISO_OK && !iso_settings_print_help(&settings.common, program))
         status = run_session(&settings, &error);
     free(operands.values);
+    if (settings.headless) iso_settings_explain_memory(&settings.common, &error);
     return iso_program_finish(program, status == ISO_OK ? 0 : iso_program_fail(program, &error, status));
 }
 

@@ -238,10 +238,10 @@ static void coloured_discs_look_as_from_the_cpu(iso_gl_engine *engine) {
         double same = gl_check_pullpush(engine, &points, ISO_RECONSTRUCTION_FLAT, views, 4,
                                         "discs with colours and radii");
         points.colors = NULL;
-        same = fmin(same,
-                    gl_check_pullpush(engine, &points, ISO_RECONSTRUCTION_FLAT, views, 4, "flat discs"));
-        printf("%s, %s %d: %.1f dB, with radii %.1f dB\n", engine->context->name, names[n % 2],
-               sizes[n / 2], worst, same);
+        same =
+            fmin(same, gl_check_pullpush(engine, &points, ISO_RECONSTRUCTION_FLAT, views, 4, "flat discs"));
+        printf("%s, %s %d: %.1f dB, with radii %.1f dB\n", engine->context->name, names[n % 2], sizes[n / 2],
+               worst, same);
         assert_true(same >= 60);
         free(radii);
         free(colors);

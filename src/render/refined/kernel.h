@@ -142,8 +142,8 @@ typedef struct iso_refined_params {
     bool cull;    /* leave out back-facing points */
     bool colored; /* points have colours; they have no curvatures then */
     /* Of flat discs (iso_flat_discs): */
-    bool filtered;       /* small discs are convolved with a low-pass filter; */
-    bool widened;        /* they then cover what the convolved discs cover, else what they cover themselves */
+    bool filtered; /* small discs are convolved with a low-pass filter; */
+    bool widened;  /* they then cover what the convolved discs cover, else what they cover themselves */
     iso_refined_pass pass;
     bool first;          /* the front of a pixel is its first disc, not the nearest */
     float voxels_per_mm; /* voxels per mm, at most */

@@ -28,7 +28,7 @@ typedef struct refined_call {
     const iso_refined_kernel *kernel;
     const iso_point_blocks *blocks;
     iso_refined *workspace;
-    bool draw_hidden;      /* of iso_refined_opts */
+    bool draw_hidden; /* of iso_refined_opts */
     bool two_passes;
     int across, down;      /* columns and rows of patches */
     size_t stride, pixels; /* pixels in a row of a patch and in the whole patch */

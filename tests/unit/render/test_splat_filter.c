@@ -245,8 +245,8 @@ static void order_does_not_matter(void **state) {
                                            .closed = n == 3};
             const test_scene s = {.points = points};
             view = test_look_at(&s, n, n % 2 ? 6 : 1, n == 2, 130, 110);
-            g[k] = test_drawn(&view, &points,
-                              &(iso_pullpush_opts){.reconstruction = ISO_RECONSTRUCTION_FLAT}, NULL);
+            g[k] = test_drawn(&view, &points, &(iso_pullpush_opts){.reconstruction = ISO_RECONSTRUCTION_FLAT},
+                              NULL);
             const iso_pullpush_opts all = {.reconstruction = ISO_RECONSTRUCTION_FLAT,
                                            .selection = ISO_SELECTION_ALL};
             iso_gbuffer hidden = test_drawn(&view, &points, &all, NULL);
@@ -284,10 +284,8 @@ static void large_discs_are_not_filtered(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(zone_plates_are_filtered),
-        cmocka_unit_test(order_does_not_matter),
-        cmocka_unit_test(silhouettes_do_not_grow),
-        cmocka_unit_test(same_bytes_everywhere),
+        cmocka_unit_test(zone_plates_are_filtered),     cmocka_unit_test(order_does_not_matter),
+        cmocka_unit_test(silhouettes_do_not_grow),      cmocka_unit_test(same_bytes_everywhere),
         cmocka_unit_test(large_discs_are_not_filtered),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
