@@ -174,8 +174,8 @@ typedef struct iso_refined_patch {
      * which lie within ISO_REFINED_LOW_PASS pixels but do not cover the pixel. Such pixels are not drawn
      * unless a disc that covers them is added later. ISO_NOWHERE: none. */
     float *outer_front;
-    /* Of the front pass: the least depth of each pixel's front-facing discs; of its flipped ones, which are in
-     * front where they are nearer than `facing_reach`; and of its front-facing ones minus their thickness. */
+    /* Of the front pass: the least depth of each pixel's front-facing discs; of its flipped ones, which are
+     * in front where they are nearer than `facing_reach`; of its front-facing ones minus their thickness. */
     float *facing, *flipped, *facing_reach;
     /* Discs whose centres lie deeper than the value for their cell are hidden. NULL: none is known to be.
      */

@@ -24,6 +24,14 @@
 #include "make_volumes.h"
 #include "volume_support.h"
 
+#ifdef __SANITIZE_ADDRESS__ /* gcc; clang has a feature */
+#define ADDRESS_SANITIZER
+#elif defined __has_feature
+#if __has_feature(address_sanitizer)
+#define ADDRESS_SANITIZER
+#endif
+#endif
+
 const char hdf5_folder[] = ISO_TEST_TMP "/hdf5_library";
 
 static void put_in_chunks(hdf5_storage *s) {
@@ -259,7 +267,7 @@ static void test_bad_plugin(void **state) {
                           "/voxels, the chunk at 8,0,0: damaged: libhdf5 takes too long");
     test_expect_no_volume(write_plugin_file(0, HDF5_PLUGIN_FAILS), NULL, ISO_ERR_IO, NULL,
                           "/voxels, the chunk at 0,0,0 is damaged or truncated");
-#ifndef __SANITIZE_ADDRESS__ /* which does not survive a limit of memory */
+#ifndef ADDRESS_SANITIZER /* which does not survive a limit of memory */
     test_expect_no_volume(write_plugin_file(0, HDF5_PLUGIN_TAKES_MEMORY), NULL, ISO_ERR_IO, NULL,
                           "/voxels, the chunk at 0,0,0");
 #endif
