@@ -34,5 +34,6 @@ fails 2 "--space is for --reference" $bear --draw --space ras
 fails 2 "mesh.obj: a surface is the only reference" $bear --draw --reference in/axis.swc --reference in/mesh.obj
 fails 3 "in/none.trk: " $bear --draw --reference in/none.trk
 fails 6 "in/empty.ply: holds no" $bear --draw --reference in/empty.ply
-fails 5 "axis.swc" $bear --draw --reference in/axis.swc --max-memory 1
+awk 'BEGIN { for (i = 1; i <= 300000; i++) print i, 3, i * 0.001, 0, 0, 1, (i > 1 ? i - 1 : -1) }' >in/many.swc
+fails 5 "in/many.swc: " $bear --draw --reference in/many.swc --max-memory 30M
 rm -f said notes
