@@ -72,7 +72,9 @@ for number, (said, nrrd, kind, how) in enumerate(cases):
     expect(("libhdf5 decodes it, one chunk at a time" in notes) == bool(said) and (said or "") in notes, said, notes)
     info = subprocess.run(["isorender", "--info", "in/a.h5"], capture_output=True, text=True)
     expect((said or "half") in info.stderr + info.stdout, info)
-    for limit in (["--chunk-size", "48"], ["--max-memory", "7M", "--chunk-size", "32"]):
+    # A sanitizer keeps the memory that was freed, which the process that decodes must pay for.
+    little = "64M" if "ASAN_OPTIONS" in os.environ else "7M"
+    for limit in (["--chunk-size", "48"], ["--max-memory", little, "--chunk-size", "32"]):
         run("in/a.h5", "-o", "a.png", *limit)
         same((said, limit))
         for index in glob.glob("in/*.isoindex"):
