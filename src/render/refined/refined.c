@@ -28,8 +28,7 @@ typedef struct refined_call {
     const iso_refined_kernel *kernel;
     const iso_point_blocks *blocks;
     iso_refined *workspace;
-    bool draw_hidden; /* of iso_refined_opts */
-    bool two_passes;
+    bool draw_hidden;      /* of iso_refined_opts */
     int across, down;      /* columns and rows of patches */
     size_t stride, pixels; /* pixels in a row of a patch and in the whole patch */
     int shift, wide, high; /* cells: see iso_refined_patch; columns and rows of cells in a patch */
@@ -270,7 +269,7 @@ static drawing start_patch(const refined_call *call, size_t number, int worker) 
           *front = sums + call->pixels * ISO_SUMS, *limit = front + call->pixels,
           *outer = limit + call->pixels, *facing = outer + call->pixels,
           *hidden = front + PLANES * call->pixels;
-    const size_t sides = call->two_passes ? 3 * call->pixels : 0;
+    const size_t sides = call->params.pass == ISO_REFINED_SUM_PASS ? 3 * call->pixels : 0;
     for (size_t i = 0; i < call->pixels; i++) front[i] = ISO_NOWHERE;
     for (size_t i = 0; i < call->pixels && call->params.filtered; i++) outer[i] = ISO_NOWHERE;
     for (size_t i = 0; i < sides; i++) facing[i] = ISO_NOWHERE;
@@ -469,7 +468,7 @@ static void draw_patch(void *context, size_t number, int worker) {
     choose_method(call, &d);
     set_up_limits(call, &d);
     if (d.patch.limit) update_hidden(call, &d);
-    if (call->two_passes) find_fronts(call, &d);
+    if (call->params.pass == ISO_REFINED_SUM_PASS) find_fronts(call, &d);
     if (draw_blocks(call, &call->params, &d))
         (d.tiles ? call->kernel->resolve_tiles : call->kernel->resolve_pixels)(&call->params, &d.patch);
 }
@@ -493,8 +492,8 @@ iso_status iso_refined_draw(iso_refined *workspace, const iso_target *target, co
     const iso_projector projector = iso_projector_make(target->view, &points->transform);
     set_up_params(&call, &projector);
     set_up_flat_discs(&call.params, opts->flat);
-    call.two_passes = points->radii && opts->flat == ISO_FLAT_DISCS_FILTERED;
-    call.params.pass = call.two_passes ? ISO_REFINED_SUM_PASS : ISO_REFINED_ONE_PASS;
+    const bool two_passes = points->radii && opts->flat == ISO_FLAT_DISCS_FILTERED;
+    call.params.pass = two_passes ? ISO_REFINED_SUM_PASS : ISO_REFINED_ONE_PASS;
     choose_patches(&call);
     set_up_occlusion(&call);
     ISO_TRY(set_up_corners(&call, &projector, error));
