@@ -458,9 +458,8 @@ typedef struct iso_aov {
                          viewer; 0 in empty pixels and where the normals of a pixel's samples cancel */
     float *coverage;  /* share of covered samples, 0 .. 1; in pictures with translucent surfaces the alpha */
     float *layers;    /* mean number of layers in the samples of a pixel; NULL: all surfaces are opaque */
-    /* Numbers from 1 of what a pixel's nearest sample shows; 0: none; NULL: not known. ids[0]: the surface,
-     * with sets of shapes after the surfaces; ids[1]: the glyph, line or triangle of a set; ids[2]: the
-     * segment of a line. */
+    /* Numbers from 1 of what a pixel's nearest sample shows; 0: none; NULL: not known. ids[0]: surface (sets
+     * of shapes come after them); ids[1]: glyph, line or triangle of a set; ids[2]: segment of a line. */
     uint32_t *ids[3];
     float voxel; /* smallest voxel spacing of the volumes shown, mm; 0 when unknown */
 } iso_aov;
@@ -489,9 +488,10 @@ typedef enum iso_method {
     ISO_METHOD_HYBRID,         /* points where cells are small in the picture, else triangles (2008) */
     ISO_METHOD_SPLATS_FLAT,    /* points as flat discs, filtered against aliasing: for points of files */
     ISO_METHOD_SPLATS_ONEPASS, /* flat discs, front to back (Baerentzen and Christensen 2003) */
-    ISO_METHOD_SPLATS_EWA      /* flat discs by EWA splatting (Zwicker et al. 2001) */
+    ISO_METHOD_SPLATS_EWA,     /* flat discs by EWA splatting (Zwicker et al. 2001) */
+    ISO_METHOD_SPLATS_MEAN     /* the mean of the points in a pixel: for many in each (Schuetz et al. 2021) */
 } iso_method;
-enum { ISO_METHODS = 12 };
+enum { ISO_METHODS = 13 };
 
 /* The name of a method, such as "exact" (NULL: it is none); and the method of a name (ISO_ERR_USAGE). */
 ISO_API const char *iso_method_name(iso_method method);

@@ -55,6 +55,7 @@ static iso_method find_method(iso_method method, int reconstruction) {
     if (method != ISO_METHOD_SPLATS || reconstruction == ISORENDER_RECONSTRUCTION_GROUPS) return method;
     return reconstruction == (int)ISO_RECONSTRUCTION_ONEPASS ? ISO_METHOD_SPLATS_ONEPASS
            : reconstruction == (int)ISO_RECONSTRUCTION_EWA   ? ISO_METHOD_SPLATS_EWA
+           : reconstruction == (int)ISO_RECONSTRUCTION_MEAN  ? ISO_METHOD_SPLATS_MEAN
                                                              : ISO_METHOD_SPLATS_FLAT;
 }
 

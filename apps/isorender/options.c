@@ -33,8 +33,8 @@ static const iso_method methods[METHODS] = {ISO_METHOD_EXACT,  ISO_METHOD_POINTS
 /* Files of 3-D Gaussians have a renderer that no isosurface has. */
 enum { METHOD_GAUSSIANS = METHODS };
 static const char *method_names[METHODS + 2]; /* filled by isorender_program */
-static const char *const reconstructions[] = {"refined", "box", "gaussian", "flat",
-                                              "onepass", "ewa", "groups",   NULL};
+static const char *const reconstructions[] = {"refined", "box",  "gaussian", "flat", "onepass",
+                                              "ewa",     "mean", "groups",   NULL};
 static const char *const transparencies[] = {"sorted", "groups", "nearest", NULL};
 static const char *const selections[] = {"auto", "visible", "all", NULL};
 static const char *const group_radii[] = {"coverage", "root", NULL};
@@ -366,8 +366,10 @@ static const iso_option options[] = {
      "(Gaussian discs with a "
      "low-pass "
      "filter, so that many small points do not flicker), onepass (without the filter, front to back: "
-     "Baerentzen and Christensen 2003), ewa (the filter also widens outlines: Zwicker 2001) or groups "
-     "(deferred blending of groups of discs that do not overlap: Zhang and Pajarola 2006)",
+     "Baerentzen and Christensen 2003), ewa (the filter also widens outlines: Zwicker 2001), mean (of the "
+     "points with centres in a pixel, near the nearest: for scans with several points a pixel, with holes "
+     "where there are none; Schuetz 2021) or groups (deferred blending of groups of discs that do not "
+     "overlap: Zhang and Pajarola 2006)",
      .group = PICTURE, .standard = "refined; of splats flat, or groups with options of groups",
      CHOICE(reconstruction, reconstructions)},
     {"one-pyramid", NULL, NULL,
@@ -396,7 +398,7 @@ static const iso_option options[] = {
      .group = PICTURE, .standard = "1 if there are so many pictures that it saves time, else 0",
      REAL(lod, 0, 1000)},
     {"selection", NULL, "WHICH",
-     "points that pullpush (refined) and splats (flat, onepass, ewa) draw: visible (points that nearer ones "
+     "points that pullpush (refined) and splats (all but groups) draw: visible (points that nearer ones "
      "hide are left out; by OpenGL also some of those that share a pixel), all, or auto (visible on the cpu, "
      "all by OpenGL)",
      .group = PICTURE, .standard = "auto", CHOICE(selection, selections)},

@@ -27,7 +27,7 @@ enum { ISORENDER_DIRECTION_UNCHOSEN = -1 };
 typedef enum isorender_fit { ISORENDER_FIT_BOX, ISORENDER_FIT_TIGHT } isorender_fit;
 
 /* Values of isorender_settings.reconstruction beside iso_reconstruction. */
-enum { ISORENDER_RECONSTRUCTION_UNCHOSEN = -1, ISORENDER_RECONSTRUCTION_GROUPS = ISO_RECONSTRUCTION_EWA + 1 };
+enum { ISORENDER_RECONSTRUCTION_UNCHOSEN = -1, ISORENDER_RECONSTRUCTION_GROUPS = ISO_RECONSTRUCTION_MEAN + 1 };
 
 /* Whether the opacity of a surface depends on the angle at which it is seen. */
 typedef enum isorender_opacity_mode {
@@ -90,7 +90,7 @@ typedef struct isorender_settings {
     int gaussians;      /* --method gaussians: the points of the file are drawn as 3-D Gaussians; `method` is
                            ISORENDER_METHOD_UNCHOSEN then */
     int lighting;       /* iso_lighting */
-    int reconstruction; /* iso_reconstruction; of splats FLAT, ONEPASS, EWA or _GROUPS;
+    int reconstruction; /* iso_reconstruction; of splats from FLAT on, or _GROUPS;
                            for files of points without --method REFINED, which is then FLAT */
     int one_pyramid;    /* of pullpush and hybrid */
     /* Of splats: iso_groups_opts, and iso_splats_opts.bins. 0: not given. */

@@ -39,7 +39,7 @@ static iso_status check_selection(const isorender_settings *settings, iso_error 
     if (!refined && !splats)
         return iso_fail(error, ISO_ERR_USAGE,
                         "--selection is for --method pullpush --reconstruction refined, and for --method "
-                        "splats --reconstruction flat, onepass or ewa");
+                        "splats --reconstruction flat, onepass, ewa or mean");
     return ISO_OK;
 }
 
@@ -60,10 +60,10 @@ iso_status isorender_splats_check(isorender_settings *settings, iso_error *error
     const bool groups = settings->reconstruction == ISORENDER_RECONSTRUCTION_GROUPS;
     if (splats && !of_splats)
         return iso_fail(error, ISO_ERR_USAGE,
-                        "--method splats has --reconstruction flat, onepass, ewa or groups");
+                        "--method splats has --reconstruction flat, onepass, ewa, mean or groups");
     if (!splats && of_splats)
         return iso_fail(error, ISO_ERR_USAGE,
-                        "--reconstruction flat, onepass, ewa and groups are for --method splats");
+                        "--reconstruction flat, onepass, ewa, mean and groups are for --method splats");
     if (option && !(splats && groups))
         return iso_fail(error, ISO_ERR_USAGE, "%s is for --method splats --reconstruction groups", option);
     if (groups && settings->lod > 0)
@@ -72,9 +72,9 @@ iso_status isorender_splats_check(isorender_settings *settings, iso_error *error
     ISO_TRY(check_selection(settings, error));
     if (isorender_is_translucent(settings) && of_splats && !groups &&
         settings->reconstruction != (int)ISO_RECONSTRUCTION_FLAT)
-        return iso_fail(
-            error, ISO_ERR_USAGE,
-            "--reconstruction onepass and ewa draw opaque points: --opacity below 1 needs flat or groups");
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "--reconstruction onepass, ewa and mean draw opaque points: --opacity below 1 needs "
+                        "flat or groups");
     if (settings->transparency != (int)ISO_TRANSPARENCY_SORTED && !groups)
         return iso_fail(error, ISO_ERR_USAGE,
                         "--transparency groups and nearest need --reconstruction groups");

@@ -202,6 +202,10 @@ static iso_status draw_ewa(const iso_subject *subject, const iso_target *target,
     return draw_pyramid(subject, target, ISO_RECONSTRUCTION_EWA, error);
 }
 
+static iso_status draw_mean(const iso_subject *subject, const iso_target *target, iso_error *error) {
+    return draw_pyramid(subject, target, ISO_RECONSTRUCTION_MEAN, error);
+}
+
 static iso_status draw_splats(const iso_subject *subject, const iso_target *target, iso_error *error) {
     iso_point_view view = iso_subject_points(subject);
     iso_splats_opts opts = {&subject->groups, subject->bins};
@@ -249,6 +253,7 @@ static const iso_renderer OTHERS[] = {
     {ISO_METHOD_SPLATS_FLAT, "splats-flat", "splats, flat discs", POINTS, draw_flat},
     {ISO_METHOD_SPLATS_ONEPASS, "splats-onepass", "splats, front to back (2003)", POINTS, draw_onepass},
     {ISO_METHOD_SPLATS_EWA, "splats-ewa", "splats, EWA filter", POINTS, draw_ewa},
+    {ISO_METHOD_SPLATS_MEAN, "splats-mean", "mean of a pixel's points", POINTS, draw_mean},
 };
 
 static const iso_renderer TRUTH = {ISO_METHOD_RAYCAST, "raycast", "rays through the trilinear field", CASTER,

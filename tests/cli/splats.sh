@@ -15,7 +15,7 @@ assert 8 < file['groups'][0]['count'] < 20 and file['groups'][0]['conflicts'] ==
 P
 # flat discs, which are filtered, are the default, also of files of points; those of pullpush are not filtered
 isorender in/ball.mha flat.png --isovalue 500 --method splats --json=flat.json --quiet
-for how in flat onepass ewa; do
+for how in flat onepass ewa mean; do
     isorender in/ball.mha $how.png --isovalue 500 --method splats --reconstruction $how --quiet
     isocompare images pull.png $how.png --fail-under psnr=26 >/dev/null
     isorender ball.ply file_$how.png --method splats --reconstruction $how --quiet
@@ -51,6 +51,7 @@ assert 1.9 < layers['mean'] < 2.1 and layers['most'] < 5, layers
 P
 for wrong in "--groups 4" "--reconstruction groups" "--method splats --groups 65" "--method splats --reconstruction box" "--reconstruction flat" "--method pullpush --reconstruction ewa" \
     "--method splats --reconstruction flat --groups 4" "--method splats --reconstruction onepass --backend egl" \
+    "--method splats --reconstruction mean --backend egl" "--method splats --reconstruction mean --opacity 0.5" \
     "--opacity 0.5 --transparency groups --reconstruction flat" "--method splats --opacity 0.5 --reconstruction ewa" \
     "--method splats --group-bins 9 --backend egl" "--method exact --opacity 0.5 --backend egl" "--transparency groups" "--method exact --opacity 0.5 --transparency groups" \
     "--opacity 0.5 --transparency nearest --layers 1" "--method splats --opacity 0.5 --absorption 3" \

@@ -421,13 +421,13 @@ static iso_status draw_strips(pullpush_call *call, const iso_target *target, iso
 }
 
 static bool is_splats(iso_reconstruction reconstruction) {
-    return reconstruction == ISO_RECONSTRUCTION_FLAT || reconstruction == ISO_RECONSTRUCTION_ONEPASS ||
-           reconstruction == ISO_RECONSTRUCTION_EWA;
+    return reconstruction >= ISO_RECONSTRUCTION_FLAT;
 }
 
 static iso_flat_discs flat_discs(iso_reconstruction reconstruction) {
     return reconstruction == ISO_RECONSTRUCTION_ONEPASS ? ISO_FLAT_DISCS_ONEPASS
            : reconstruction == ISO_RECONSTRUCTION_EWA   ? ISO_FLAT_DISCS_EWA
+           : reconstruction == ISO_RECONSTRUCTION_MEAN  ? ISO_FLAT_DISCS_MEAN
            : reconstruction == ISO_RECONSTRUCTION_FLAT  ? ISO_FLAT_DISCS_FILTERED
                                                         : ISO_FLAT_DISCS_PLAIN;
 }

@@ -24,11 +24,12 @@ typedef enum iso_reconstruction {
                                     filter, for points with colours or without curvatures */
     ISO_RECONSTRUCTION_BOX,      /* ellipses with equal weights (figure 4a) */
     ISO_RECONSTRUCTION_GAUSSIAN, /* with Gaussian ones (figure 4b) */
-    /* Splats, without a pyramid: flat discs with Gaussian weights (iso_flat_discs in
+    /* Splats, without a pyramid: flat discs with Gaussian weights, or single pixels (iso_flat_discs in
      * render/refined/refined.h). Curvatures are not used. */
     ISO_RECONSTRUCTION_FLAT,
     ISO_RECONSTRUCTION_ONEPASS,
-    ISO_RECONSTRUCTION_EWA
+    ISO_RECONSTRUCTION_EWA,
+    ISO_RECONSTRUCTION_MEAN
 } iso_reconstruction;
 
 /* Working memory that is reused from one picture to the next. For one call at a time. */

@@ -144,6 +144,7 @@ typedef struct iso_refined_params {
     /* Of flat discs (iso_flat_discs): */
     bool filtered; /* small discs are convolved with a low-pass filter; */
     bool widened;  /* they then cover what the convolved discs cover, else what they cover themselves */
+    bool centres;  /* instead of a disc, only the pixel that contains its centre is drawn */
     iso_refined_pass pass;
     bool first;          /* the front of a pixel is its first disc, not the nearest */
     float voxels_per_mm; /* voxels per mm, at most */

@@ -117,6 +117,7 @@ static void set_up_flat_discs(iso_refined_params *params, iso_flat_discs flat) {
     params->first = flat == ISO_FLAT_DISCS_ONEPASS;
     params->filtered = flat == ISO_FLAT_DISCS_FILTERED || flat == ISO_FLAT_DISCS_EWA;
     params->widened = flat == ISO_FLAT_DISCS_EWA;
+    params->centres = flat == ISO_FLAT_DISCS_MEAN;
 }
 
 static void choose_patches(refined_call *call) {
@@ -166,6 +167,7 @@ static void set_up_occlusion(refined_call *call) {
         largest_radius(call->params.points, call->params.radius) * (ISO_REFINED_BALL + ISO_REFINED_BALL_MORE);
     call->behind = (call->params.cull ? 2.6f : 4.1f) * radius;
     if (call->params.filtered) call->behind += ISO_REFINED_LOW_PASS_DEPTH * largest_pixel(call);
+    if (call->params.centres) call->behind += 2 * ISO_REFINED_CENTRES_DEPTH * largest_pixel(call);
 }
 
 /* The patches that a block's discs can cover. */
@@ -298,7 +300,7 @@ static drawing start_patch(const refined_call *call, size_t number, int worker) 
 }
 
 /* Chooses how the discs of a patch are added: scattered when even the largest fits into ISO_REFINED_BOX
- * pixels. */
+ * pixels, and when only their centres are drawn. */
 static void choose_method(const refined_call *call, drawing *d) {
     const iso_point_block *block = call->blocks->blocks.data;
     float most = 0;
@@ -309,7 +311,8 @@ static void choose_method(const refined_call *call, drawing *d) {
         d->patch.flat &= !iso_refined_use_curvature(&call->params, b);
     }
     const iso_point_block largest = {.radius = {0, most}};
-    d->tiles = 2 * iso_refined_largest_radius(&largest) * call->params.slant + 1 > ISO_REFINED_BOX;
+    d->tiles = !call->params.centres &&
+               2 * iso_refined_largest_radius(&largest) * call->params.slant + 1 > ISO_REFINED_BOX;
 }
 
 static float max_float(float a, float b) {
@@ -492,7 +495,7 @@ iso_status iso_refined_draw(iso_refined *workspace, const iso_target *target, co
     const iso_projector projector = iso_projector_make(target->view, &points->transform);
     set_up_params(&call, &projector);
     set_up_flat_discs(&call.params, opts->flat);
-    const bool two_passes = points->radii && opts->flat == ISO_FLAT_DISCS_FILTERED;
+    const bool two_passes = call.params.centres || (points->radii && opts->flat == ISO_FLAT_DISCS_FILTERED);
     call.params.pass = two_passes ? ISO_REFINED_SUM_PASS : ISO_REFINED_ONE_PASS;
     choose_patches(&call);
     set_up_occlusion(&call);

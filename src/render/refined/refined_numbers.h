@@ -47,6 +47,10 @@
  * behind the disc's centre. */
 #define ISO_REFINED_LOW_PASS_DEPTH 4.0f
 
+/* Pixels: if only the centres of discs are drawn, they are averaged with the front when they lie behind it by
+ * less than this and the disc's thickness: what a pixel contains of a surface tilted by 76 degrees. */
+#define ISO_REFINED_CENTRES_DEPTH 4.0f
+
 /* The weight exp(-2 q), 0 <= q < 1, within 0.0025: coefficients of 1 + GAUSS_1 q + GAUSS_2 q^2 + GAUSS_3
  * q^3. */
 #define ISO_REFINED_GAUSS_1 -1.9457733f
