@@ -1,7 +1,7 @@
 # the points that nearer ones hide: drawn or left out, the picture is the same; refused where nothing is selected
 python3 -c 'from check import *; ball("in/ball.mha")'
 isorender in/ball.mha --isovalue 500 --points ball.ply --no-image --quiet
-for method in "pullpush" "splats" "splats --reconstruction onepass" "splats --reconstruction ewa" "splats --reconstruction mean"; do
+for method in "pullpush" "splats" "splats --reconstruction onepass" "splats --reconstruction ewa"; do
     for which in auto visible all; do
         isorender --scene gyroid:128 $which.png --method $method --selection $which --resolution 300x300 \
             --json=$which.json --quiet
