@@ -27,7 +27,10 @@ enum { ISORENDER_DIRECTION_UNCHOSEN = -1 };
 typedef enum isorender_fit { ISORENDER_FIT_BOX, ISORENDER_FIT_TIGHT } isorender_fit;
 
 /* Values of isorender_settings.reconstruction beside iso_reconstruction. */
-enum { ISORENDER_RECONSTRUCTION_UNCHOSEN = -1, ISORENDER_RECONSTRUCTION_GROUPS = ISO_RECONSTRUCTION_MEAN + 1 };
+enum {
+    ISORENDER_RECONSTRUCTION_UNCHOSEN = -1,
+    ISORENDER_RECONSTRUCTION_GROUPS = ISO_RECONSTRUCTION_MEAN + 1
+};
 
 /* Whether the opacity of a surface depends on the angle at which it is seen. */
 typedef enum isorender_opacity_mode {

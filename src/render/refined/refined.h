@@ -51,9 +51,10 @@ typedef enum iso_flat_discs {
     /* EWA splatting (Zwicker et al. 2001): the ellipse of a disc is convolved with the low-pass filter, which
      * also decides which pixels it covers. */
     ISO_FLAT_DISCS_EWA,
-    /* The high-quality shading of Schuetz, Kerbl and Wimmer 2021: no discs; a pixel is the mean of the points with centres in
-     * it that are no more than 1.5 radii and 4 pixels behind the nearest of them, which a first pass finds (in
-     * the paper: 1 % of its depth). For very many points in a pixel: there are holes where a pixel has none. */
+    /* The high-quality shading of Schuetz, Kerbl and Wimmer 2021. No discs: a pixel is the mean of the points
+     * with centres in it that are no more than 1.5 radii and 4 pixels behind the nearest of them, which a
+     * first pass finds (in the paper: 1 % of its depth). For very many points in a pixel: where a pixel has
+     * none there are holes, and outlines are up to half a pixel wider. */
     ISO_FLAT_DISCS_MEAN
 } iso_flat_discs;
 
