@@ -167,6 +167,7 @@ static void set_up_occlusion(refined_call *call) {
         largest_radius(call->params.points, call->params.radius) * (ISO_REFINED_BALL + ISO_REFINED_BALL_MORE);
     call->behind = (call->params.cull ? 2.6f : 4.1f) * radius;
     if (call->params.filtered) call->behind += ISO_REFINED_LOW_PASS_DEPTH * largest_pixel(call);
+    /* centres are averaged over a greater depth, which counts twice where they can replace flipped ones */
     if (call->params.centres) call->behind += 2 * ISO_REFINED_CENTRES_DEPTH * largest_pixel(call);
 }
 
