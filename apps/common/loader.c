@@ -6,6 +6,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "apps/common/options.h"
 #include "base/memory.h"
@@ -182,7 +183,10 @@ iso_status iso_loader_open(iso_loader *loader, iso_error *error) {
     }
     iso_file_set_read_as(loader->files, loader->path, iso_spool_name(loader->input));
     loader->has_points = !loader->options->has_raw && iso_loader_reads_points(loader->path, loader->columns);
-    if (loader->has_points) return check_files(loader, error);
+    if (loader->has_points) {
+        iso_memory_use_files();
+        return check_files(loader, error);
+    }
     loader->has_strokes = !loader->options->has_raw && iso_strokes_are_in(loader->path);
     ISO_TRY(loader->has_strokes ? describe_strokes(loader, error)
                                 : iso_volume_read_info(loader->path, &opts, &loader->volume.info, error));
@@ -190,8 +194,19 @@ iso_status iso_loader_open(iso_loader *loader, iso_error *error) {
     return find_crop(loader, error);
 }
 
-static iso_read_opts read_opts(iso_loader *loader) {
+/* The most memory that points may take while they are read. Those that may lie in temporary files are limited
+ * by the size of their own file, so that a damaged one does not fill the disk: a point of a few bytes of text
+ * takes some 60 bytes. */
+static uint64_t points_limit(const iso_loader *loader) {
     const uint64_t limit = memory_limit(loader);
+    struct stat info;
+    if (!iso_memory_uses_files() || stat(loader->path, &info) != 0) return limit;
+    const uint64_t most = 64 * (uint64_t)info.st_size;
+    return most > limit ? most : limit;
+}
+
+static iso_read_opts read_opts(iso_loader *loader) {
+    const uint64_t limit = points_limit(loader);
     return (iso_read_opts){.max_memory = limit == UINT64_MAX ? 0 : limit,
                            .space = loader->space,
                            .every = loader->every,

@@ -42,8 +42,11 @@ void iso_settings_limit_memory(const iso_common_settings *settings) {
 
 void iso_settings_explain_memory(const iso_common_settings *settings, iso_error *error) {
     if (error->status != ISO_ERR_NOMEM || !iso_memory_was_refused()) return;
-    iso_fail(error, ISO_ERR_LIMIT, "%s, limit is %.0f MB (--max-memory)", error->text,
-             (double)iso_memory_limit(settings->input.max_memory) / 1e6);
+    const char *folder = iso_memory_full_folder();
+    iso_fail(error, ISO_ERR_LIMIT, "%s, limit is %.0f MB (--max-memory)%s%s%s", error->text,
+             (double)iso_memory_limit(settings->input.max_memory) / 1e6,
+             folder ? "; there is no room for temporary files in " : "", folder ? folder : "",
+             folder ? " (TMPDIR chooses another folder)" : "");
 }
 
 bool iso_settings_print_help(const iso_common_settings *settings, const iso_program *program) {

@@ -5,6 +5,8 @@
 #include <math.h>
 
 #include "apps/isorender/isorender.h"
+#include "base/memory.h"
+#include "base/temporary_file.h"
 #include "clouds/frame.h"
 #include "methods/bounds.h"
 
@@ -151,6 +153,9 @@ iso_status isorender_cloud_read(isorender_job *job, iso_error *error) {
         isorender_log_report(job, "", &job->loader.report);
     else
         ISO_TRY(read_cloud(job, error));
+    if (iso_memory_in_files())
+        isorender_log_verbose(job, "does not fit into memory: %.0f MB in temporary files in %s",
+                              (double)iso_memory_in_files() / 1e6, iso_temporary_folder());
     const double percent = 100.0 / (double)cloud->count;
     if (cloud->estimated_normals)
         isorender_log_verbose(job, "normals of %.4g %% of the points are estimated from their neighbours",
@@ -197,6 +202,7 @@ void isorender_cloud_report(iso_json *json, const isorender_job *job) {
     iso_json_integer(json, "estimated_radii", cloud->estimated_radii);
     iso_json_real(json, "median_radius", cloud->radius);
     iso_json_integer(json, "dropped", job->loader.report.dropped);
+    iso_json_integer(json, "temporary_file_bytes", iso_memory_in_files());
     if (job->cloud_colors.has_bar) {
         const double range[2] = {job->cloud_colors.bar.low, job->cloud_colors.bar.high};
         iso_json_reals(json, "range", range, 2);

@@ -3,7 +3,6 @@
 #include "grids/volume/mapping.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
@@ -11,6 +10,7 @@
 #include <unistd.h>
 
 #include "base/memory.h"
+#include "base/temporary_file.h"
 
 enum { MOST_EXTENTS = 1 << 20 };
 
@@ -108,35 +108,14 @@ iso_status iso_mapping_of_file(const char *path, FILE *file, uint64_t bytes, iso
     return ISO_OK;
 }
 
-static const char *folder_of_copies(void) {
-    const char *folder = getenv("TMPDIR");
-    return folder && *folder ? folder : "/tmp";
-}
-
-/* A file without a name; below 0: errno says why there is none. */
-static int create_nameless(const char *folder) {
-    char name[4096];
-    int file = open(folder, O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
-    if (file >= 0 || snprintf(name, sizeof name, "%s/isopoint-XXXXXX", folder) >= (int)sizeof name)
-        return file;
-    file = mkostemp(name, O_CLOEXEC);
-    if (file >= 0) unlink(name);
-    return file;
-}
-
 iso_status iso_mapping_of_new_file(const char *path, uint64_t bytes, iso_mapping **mapping,
                                    iso_error *error) {
-    const char *folder = folder_of_copies();
-    const int file = create_nameless(folder);
-    /* Room is reserved now: later a full disk would end the program. */
-    const int code = file < 0 ? errno : bytes > INT64_MAX ? EFBIG : posix_fallocate(file, 0, (off_t)bytes);
-    iso_status status = ISO_OK;
-    if (code)
-        status = iso_fail(error, ISO_ERR_WRITE, "%s: cannot unpack %s here: %s%s", folder, path,
-                          strerror(code), code == ENOSPC ? " (TMPDIR chooses another folder)" : "");
-    else
-        status = map(path, file, 0, bytes, true, mapping, error);
-    if (file >= 0) close(file);
+    const int file = iso_temporary_file_create(bytes);
+    if (file < 0)
+        return iso_fail(error, ISO_ERR_WRITE, "%s: cannot unpack %s here: %s%s", iso_temporary_folder(), path,
+                        strerror(-file), file == -ENOSPC ? " (TMPDIR chooses another folder)" : "");
+    const iso_status status = map(path, file, 0, bytes, true, mapping, error);
+    close(file);
     return status;
 }
 

@@ -9,8 +9,11 @@
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include "base/cgroup.h"
+#include "base/file_blocks.h"
+#include "base/temporary_file.h"
 
 #ifdef __GLIBC__
 #include <malloc.h>
@@ -30,6 +33,13 @@ void iso_advise_huge(void *block, size_t bytes) {
 #else
     (void)block, (void)bytes;
 #endif
+}
+
+void iso_advise_order(void *block, size_t bytes, bool random) {
+    const size_t page = (size_t)sysconf(_SC_PAGESIZE), before = (0 - (uintptr_t)block) % page;
+    if (block && bytes >= before + page)
+        posix_madvise((char *)block + before, (bytes - before) / page * page,
+                      random ? POSIX_MADV_RANDOM : POSIX_MADV_NORMAL);
 }
 
 /* ---- the limit of all blocks */
@@ -65,24 +75,66 @@ bool iso_memory_was_refused(void) {
     return atomic_load(&refused);
 }
 
+/* ---- blocks in files */
+
+enum { FILE_BLOCK_LEAST = 1 << 20 };
+
+static atomic_bool uses_files, files_are_full;
+
+void iso_memory_use_files(void) {
+    atomic_store(&uses_files, true);
+}
+
+bool iso_memory_uses_files(void) {
+    return atomic_load(&uses_files);
+}
+
+size_t iso_memory_in_files(void) {
+    return iso_file_blocks_most();
+}
+
+const char *iso_memory_full_folder(void) {
+    return atomic_load(&files_are_full) ? iso_temporary_folder() : NULL;
+}
+
+/* What large blocks leave of the limit for small ones. */
+static long long reserve_of(long long limit) {
+    const long long most = (long long)256 << 20;
+    return limit / 4 < most ? limit / 4 : most;
+}
+
+/* Makes a block of zeros in a file, if it is large and memory is short. NULL: it belongs into memory. */
+static void *alloc_in_file(size_t bytes) {
+    const long long limit = atomic_load(&most_allocated);
+    if (!atomic_load(&uses_files) || bytes < FILE_BLOCK_LEAST || bytes > INT64_MAX ||
+        atomic_load(&allocated) <= limit - reserve_of(limit) - (long long)bytes)
+        return NULL;
+    void *block = iso_file_block_create(bytes);
+    if (!block) atomic_store(&files_are_full, true);
+    return block;
+}
+
 /* ---- blocks */
 
 void *iso_alloc(size_t bytes) {
     size_t alignment = bytes >= HUGE_PAGE ? HUGE_PAGE : ISO_ALIGNMENT;
     if (bytes > SIZE_MAX - alignment) return NULL;
     size_t rounded = (bytes + ISO_ALIGNMENT - 1) / ISO_ALIGNMENT * ISO_ALIGNMENT;
-    void *block = NULL;
+    void *block = alloc_in_file(rounded);
+    if (block) return block;
     if (posix_memalign(&block, alignment, rounded ? rounded : ISO_ALIGNMENT) != 0) return NULL;
     iso_advise_huge(block, rounded);
     return count_block(block);
 }
 
 void *iso_alloc_zero(size_t count, size_t size) {
-    return count_block(calloc(count ? count : 1, size ? size : 1));
+    size_t bytes;
+    void *block = iso_size_multiply(count, size, &bytes) ? alloc_in_file(bytes) : NULL;
+    return block ? block : count_block(calloc(count ? count : 1, size ? size : 1));
 }
 
 void iso_free(void *block) {
-    if (!block) return;
+    if (!block || iso_file_block_destroy(block)) return;
     atomic_fetch_sub(&allocated, size_of(block));
     free(block);
 }

@@ -324,11 +324,23 @@ static iso_status allocate(sorter *s, int workers, iso_error *error) {
     return all ? ISO_OK : fail_memory(s, error);
 }
 
+/* Points are copied to all buckets in turns, and used in their order afterwards. */
+static void advise_order(const sorter *s, bool random) {
+    const size_t count = s->source->count;
+    iso_sorted_points *out = s->out;
+    iso_advise_order(out->surfels, count * sizeof *out->surfels, random);
+    iso_advise_order(out->radii, count * sizeof *out->radii, random);
+    iso_advise_order(out->colors, count * sizeof *out->colors, random);
+    iso_advise_order(out->opacities, count, random);
+}
+
 static iso_status sort_points(sorter *s, iso_pool *pool, iso_error *error) {
     ISO_TRY(allocate(s, iso_pool_threads(pool), error));
     iso_parallel_for(pool, s->chunks, count_chunk, s);
     if (sum_counts(s) != s->source->count) s->changed = true;
+    advise_order(s, true);
     if (!s->changed) iso_parallel_for(pool, s->chunks, copy_chunk, s);
+    advise_order(s, false);
     if (!s->changed) iso_parallel_for(pool, s->buckets, sort_bucket, s);
     if (s->out_of_memory) return fail_memory(s, error);
     if (s->changed) return iso_fail(error, ISO_ERR_IO, "cannot read: changed while it was read");

@@ -453,6 +453,45 @@ static void memory_is_limited(void **state) {
     iso_free(first);
 }
 
+/* The last test: blocks go on to lie in files. */
+static void large_blocks_lie_in_files(void **state) {
+    (void)state;
+    enum { MEGABYTE = 1 << 20 };
+    iso_memory_set_limit(20 * MEGABYTE);
+    iso_memory_use_files();
+    unsigned char *first = iso_alloc(12 * MEGABYTE), *second = iso_alloc(12 * MEGABYTE),
+                  *third = iso_alloc_zero(12, MEGABYTE);
+    assert_non_null(first);
+    assert_non_null(second);
+    assert_non_null(third);
+    assert_int_equal(iso_memory_in_files(), 24 * MEGABYTE);
+    memset(second, 7, 12 * MEGABYTE);
+    for (int i = 0; i < 12 * MEGABYTE; i++) assert_true(third[i] == 0 && second[i] == 7);
+    iso_buffer buffer = {0};
+    assert_int_equal(iso_buffer_reserve(&buffer, 2 * MEGABYTE, 0, NULL), ISO_OK);
+    memset(buffer.data, 5, 2 * MEGABYTE);
+    assert_int_equal(iso_buffer_reserve(&buffer, 9 * MEGABYTE, 2 * MEGABYTE, NULL), ISO_OK);
+    assert_int_equal(((unsigned char *)buffer.data)[2 * MEGABYTE - 1], 5);
+    iso_buffer_free(&buffer);
+    iso_free(second);
+    iso_free(third);
+    iso_free(first);
+
+    assert_null(iso_memory_full_folder());
+    const char *folder = getenv("TMPDIR");
+    setenv("TMPDIR", "/nonexistent/folder", 1);
+    assert_null(iso_alloc(21 * MEGABYTE));
+    assert_string_equal(iso_memory_full_folder(), "/nonexistent/folder");
+    if (folder)
+        setenv("TMPDIR", folder, 1);
+    else
+        unsetenv("TMPDIR");
+    iso_memory_set_limit(UINT64_MAX);
+    first = iso_alloc(50 * MEGABYTE);
+    iso_free(first);
+    assert_in_range(iso_memory_in_files(), 33 * MEGABYTE, 35 * MEGABYTE);
+}
+
 static void cpu_level_can_be_limited(void **state) {
     (void)state;
     iso_cpu_level best = iso_cpu_best();
@@ -481,6 +520,7 @@ int main(void) {
         cmocka_unit_test(buffers_keep_their_contents),
         cmocka_unit_test(memory_is_limited),
         cmocka_unit_test(cpu_level_can_be_limited),
+        cmocka_unit_test(large_blocks_lie_in_files),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

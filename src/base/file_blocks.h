@@ -1,0 +1,22 @@
+/* file_blocks: blocks of memory that lie in temporary files (base/temporary_file.h): the system writes their
+ * pages to the file when it needs the memory, and reads them again when they are used. Made by iso_alloc and
+ * iso_alloc_zero when iso_memory_use_files asks for it. Internal to base/memory. */
+#ifndef ISO_BASE_FILE_BLOCKS_H
+#define ISO_BASE_FILE_BLOCKS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/* Makes a block of zeros that begins at a page. NULL: the temporary folder has no room for it, it cannot be
+ * mapped, or there are ISO_FILE_BLOCKS already. Any thread, also below. */
+enum { ISO_FILE_BLOCKS = 1024 };
+void *iso_file_block_create(size_t bytes);
+
+/* Removes a block and its file. Returns false, and does nothing, if `block` was not made by
+ * iso_file_block_create. */
+bool iso_file_block_destroy(void *block);
+
+/* The most bytes that all blocks together have had. */
+size_t iso_file_blocks_most(void);
+
+#endif

@@ -1,0 +1,23 @@
+/* temporary_file: files without names in TMPDIR, for what does not fit into memory. The system removes them
+ * when they are closed, and when the program ends in any way. */
+#ifndef ISO_BASE_TEMPORARY_FILE_H
+#define ISO_BASE_TEMPORARY_FILE_H
+
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* The value of TMPDIR, or /tmp. */
+const char *iso_temporary_folder(void);
+
+/* Makes a file of `bytes` bytes in iso_temporary_folder(), for reading and writing. Its room on the disk is
+ * reserved: a disk that is full when a mapped file is written to would end the program. Returns its
+ * descriptor, which the caller closes, or a negative number: the negated errno. Any thread. */
+int iso_temporary_file_create(uint64_t bytes);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
