@@ -225,10 +225,13 @@ static bool write_chunk(void *context, size_t slot, bool alone) {
     (void)alone;
     writer *w = context;
     const exr_encode_pipeline_t *pipeline = &w->pipelines[slot];
+    /* Values that compression does not make smaller are written as they are; readers tell by the size. The
+     * library, up to 3.4.7, compresses those whose size stays just the same (openexr issue 2306). */
+    const void *data = pipeline->compressed_bytes < pipeline->packed_bytes ? pipeline->compressed_buffer
+                                                                           : pipeline->packed_buffer;
     if (!has_failed(&w->file))
-        succeeded(&w->file,
-                  exr_write_scanline_chunk(w->context, 0, pipeline->chunk.start_y,
-                                           pipeline->compressed_buffer, pipeline->compressed_bytes));
+        succeeded(&w->file, exr_write_scanline_chunk(w->context, 0, pipeline->chunk.start_y, data,
+                                                     pipeline->compressed_bytes));
     return true;
 }
 
