@@ -1,6 +1,8 @@
 /* primitives: packing of points and curvatures, and access to views of points and meshes. */
 #include "base/primitives.h"
 
+#include <string.h>
+
 #include "base/point_code.h"
 
 /* Truncates to an integer, clamped to 0 .. `most`. */
@@ -96,9 +98,16 @@ iso_vec3 iso_brick_position(const int32_t brick[3], const float position[3]) {
 
 /* Adds the points of a span. Rounding keeps the order of coordinates, so only the smallest and the largest
  * ones in the brick are converted. */
-static void add_span(const iso_point_view *view, const iso_point_span *span, iso_box *box) {
+static void add_span(const iso_point_view *view, size_t number, iso_box *box) {
+    const iso_point_span *span = &view->spans[number];
     float lo[3] = {NAN, NAN, NAN}, hi[3] = {NAN, NAN, NAN};
-    for (uint32_t i = 0; i < span->count; i++) {
+    if (view->bounds) {
+        const iso_point_bounds *bounds = &view->bounds[number];
+        if (!(bounds->lo[0] <= bounds->hi[0])) return;
+        memcpy(lo, bounds->lo, sizeof lo);
+        memcpy(hi, bounds->hi, sizeof hi);
+    }
+    for (uint32_t i = 0; i < span->count && !view->bounds; i++) {
         const iso_surfel surfel = iso_point_view_get(view, span->first + i);
         for (int axis = 0; axis < 3; axis++) {
             const float p = surfel.position[axis];
@@ -112,7 +121,7 @@ static void add_span(const iso_point_view *view, const iso_point_span *span, iso
 
 iso_box iso_point_view_bounds(const iso_point_view *view) {
     iso_box box = iso_box_empty();
-    for (size_t s = 0; s < view->span_count; s++) add_span(view, &view->spans[s], &box);
+    for (size_t s = 0; s < view->span_count; s++) add_span(view, s, &box);
     return box;
 }
 

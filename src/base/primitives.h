@@ -119,7 +119,7 @@ iso_surfel iso_point_view_get(const iso_point_view *view, size_t index);
 /* Index coordinates of a position that is relative to a brick's first voxel, both in voxels. */
 iso_vec3 iso_brick_position(const int32_t brick[3], const float position[3]);
 
-/* Box of all points in index coordinates. */
+/* Box of all points in index coordinates: that of the spans' bounds where they are known. */
 iso_box iso_point_view_bounds(const iso_point_view *view);
 
 /* The part of a mesh that lies in the cells of one brick. Vertices first .. first + owned_count - 1 are on

@@ -222,12 +222,10 @@ static iso_status fill_cloud(const iso_point_source *source, const iso_point_sur
     cloud->colors = sorted.colors;
     cloud->opacities = sorted.opacities;
     cloud->spans = sorted.spans;
+    cloud->bounds = sorted.bounds;
     cloud->span_count = sorted.span_count;
     cloud->count = source->count;
     cloud->radius = radius;
-    if (!cloud->radii) cloud->radii = iso_alloc(cloud->count * sizeof *cloud->radii);
-    if (!cloud->radii) return out_of_memory(cloud->count, error);
-    for (size_t i = 0; i < cloud->count && !source->radii.data; i++) cloud->radii[i] = (float)radius;
     return ISO_OK;
 }
 
@@ -293,6 +291,7 @@ void iso_cloud_free(iso_cloud *cloud) {
     iso_free(cloud->colors);
     iso_free(cloud->opacities);
     iso_free(cloud->spans);
+    iso_free(cloud->bounds);
     *cloud = (iso_cloud){0};
 }
 
@@ -302,6 +301,7 @@ iso_point_view iso_cloud_view(const iso_cloud *cloud) {
                             .colors = (const uint8_t(*)[3])cloud->colors,
                             .opacities = cloud->opacities,
                             .spans = cloud->spans,
+                            .bounds = cloud->bounds,
                             .span_count = cloud->span_count,
                             .transform = cloud->transform,
                             .radius = cloud->radius};

@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "base/point_bounds.h"
 #include "base/radix_sort.h"
 
 enum {
@@ -19,6 +20,12 @@ enum {
     CHUNK = 1 << 18 /* points that one task counts or copies */
 };
 
+/* A span and what is known of its points while they are in the cache. */
+typedef struct found_span {
+    iso_point_span span;
+    iso_point_bounds bounds;
+} found_span;
+
 typedef struct sorter {
     const iso_point_source *source;
     const iso_point_survey *survey;
@@ -27,7 +34,7 @@ typedef struct sorter {
     int bits[3], low_bits; /* of a brick's coordinate along each axis; of its number without the bucket */
     size_t buckets, chunks;
     size_t *places;          /* for each chunk, of its first point in each bucket; then the end of each */
-    iso_buffer *spans;       /* of each bucket, of iso_point_span */
+    iso_buffer *spans;       /* of each bucket, of found_span */
     uint32_t *span_counts;   /* of each bucket */
     struct scratch *scratch; /* of each worker */
     atomic_bool changed, out_of_memory;
@@ -227,24 +234,23 @@ static bool list_spans(sorter *s, size_t bucket, size_t first, size_t count, con
     uint32_t spans = 0;
     for (size_t i = 0; i < count; i++)
         spans += i == 0 || from->bricks[order[i].index] != from->bricks[order[i - 1].index];
-    if (iso_buffer_reserve(&s->spans[bucket], spans * sizeof(iso_point_span), 0, NULL) != ISO_OK)
-        return false;
-    iso_point_span *span = (iso_point_span *)s->spans[bucket].data - 1;
+    if (iso_buffer_reserve(&s->spans[bucket], spans * sizeof(found_span), 0, NULL) != ISO_OK) return false;
+    found_span *found = (found_span *)s->spans[bucket].data - 1;
     for (size_t i = 0; i < count; i++) {
         const uint64_t brick = from->bricks[order[i].index];
         if (i == 0 || brick != from->bricks[order[i - 1].index]) {
-            *++span = (iso_point_span){.first = first + i};
-            split_brick(s, brick, span->brick);
+            *++found = (found_span){.span.first = first + i};
+            split_brick(s, brick, found->span.brick);
         }
-        span->count++;
+        found->span.count++;
     }
     s->span_counts[bucket] = spans;
     return true;
 }
 
-/* Copies the points of a span back in their order. */
-static void place_span(const sorter *s, const iso_point_span *span, const scratch *from,
-                       const iso_radix_item *order) {
+/* Copies the points of a span back in their order, and finds their bounds. */
+static void place_span(const sorter *s, found_span *found, const scratch *from, const iso_radix_item *order) {
+    const iso_point_span *span = &found->span;
     const iso_sorted_points *out = s->out;
     const double voxels = 1 / out->voxel; /* in a millimetre; exact, because it is a power of two */
     const double corner[3] = {(double)ISO_BRICK * span->brick[0], (double)ISO_BRICK * span->brick[1],
@@ -260,6 +266,8 @@ static void place_span(const sorter *s, const iso_point_span *span, const scratc
         if (out->colors) memcpy(out->colors[at], from->colors[number], 3);
         if (out->opacities) out->opacities[at] = from->opacities[number];
     }
+    const iso_point_view points = {.surfels = out->surfels};
+    iso_point_bounds_find(&points, span->first, span->count, &found->bounds);
 }
 
 static void sort_bucket(void *context, size_t bucket, int worker) {
@@ -281,9 +289,9 @@ static void sort_bucket(void *context, size_t bucket, int worker) {
         s->out_of_memory = true;
         return;
     }
-    const iso_point_span *spans = s->spans[bucket].data;
+    found_span *found = s->spans[bucket].data;
     for (uint32_t i = 0; i < s->span_counts[bucket]; i++)
-        place_span(s, &spans[i], own, order + (spans[i].first - first));
+        place_span(s, &found[i], own, order + (found[i].span.first - first));
 }
 
 /* ---- the result */
@@ -296,12 +304,15 @@ static iso_status join_spans(sorter *s, iso_error *error) {
     iso_sorted_points *out = s->out;
     for (size_t bucket = 0; bucket < s->buckets; bucket++) out->span_count += s->span_counts[bucket];
     out->spans = iso_alloc(out->span_count * sizeof *out->spans);
-    if (!out->spans) return fail_memory(s, error);
-    iso_point_span *to = out->spans;
+    out->bounds = iso_alloc(out->span_count * sizeof *out->bounds);
+    if (!out->spans || !out->bounds) return fail_memory(s, error);
+    size_t to = 0;
     for (size_t bucket = 0; bucket < s->buckets; bucket++) {
-        if (!s->span_counts[bucket]) continue;
-        memcpy(to, s->spans[bucket].data, s->span_counts[bucket] * sizeof *to);
-        to += s->span_counts[bucket];
+        const found_span *found = s->spans[bucket].data;
+        for (uint32_t i = 0; i < s->span_counts[bucket]; i++, to++) {
+            out->spans[to] = found[i].span;
+            out->bounds[to] = found[i].bounds;
+        }
     }
     return ISO_OK;
 }
@@ -378,5 +389,6 @@ void iso_sorted_points_free(iso_sorted_points *sorted) {
     iso_free(sorted->colors);
     iso_free(sorted->opacities);
     iso_free(sorted->spans);
+    iso_free(sorted->bounds);
     *sorted = (iso_sorted_points){0};
 }

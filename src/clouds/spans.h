@@ -18,6 +18,7 @@ typedef struct iso_sorted_points {
     uint8_t (*colors)[3];
     uint8_t *opacities;
     iso_point_span *spans;
+    iso_point_bounds *bounds; /* of each span */
     size_t span_count;
     double origin[3]; /* of voxel (0, 0, 0), relative to the source's origin */
     double voxel;     /* mm, a power of two: positions are converted to voxels without rounding */

@@ -87,6 +87,20 @@ static void check_point(const iso_sorted_points *sorted, size_t i, const place *
     }
 }
 
+/* The bounds of a span are the least and greatest of its points' coordinates. */
+static void check_bounds(const iso_sorted_points *sorted, size_t number) {
+    const iso_point_span *span = &sorted->spans[number];
+    const iso_point_bounds *bounds = &sorted->bounds[number];
+    for (int k = 0; k < 3; k++) {
+        float lo = INFINITY, hi = -INFINITY;
+        for (size_t i = span->first; i < span->first + span->count; i++) {
+            lo = fminf(lo, sorted->surfels[i].position[k]);
+            hi = fmaxf(hi, sorted->surfels[i].position[k]);
+        }
+        assert_true(bounds->lo[k] == lo && bounds->hi[k] == hi);
+    }
+}
+
 static void check_order(size_t count, double voxel, iso_pool *pool) {
     const iso_point_source source = source_of(count);
     iso_sorted_points sorted = sort(&source, voxel, pool);
@@ -104,6 +118,7 @@ static void check_order(size_t count, double voxel, iso_pool *pool) {
         const iso_point_span *span = &sorted.spans[s];
         assert_true(span->first == next && span->count > 0);
         for (int k = 0; k < 3; k++) assert_int_equal(span->brick[k], places[next].brick[k]);
+        check_bounds(&sorted, s);
         for (; next < span->first + span->count; next++) check_point(&sorted, next, &places[next]);
         assert_true(next == count || memcmp(places[next - 1].brick, places[next].brick,
                                             sizeof places[next].brick) != 0); /* a brick has one span */
