@@ -195,8 +195,8 @@ iso_status iso_loader_open(iso_loader *loader, iso_error *error) {
 }
 
 /* The most memory that points may take while they are read. Those that may lie in temporary files are limited
- * by the size of their own file, so that a damaged one does not fill the disk: a point of a few bytes of text
- * takes some 60 bytes. */
+ * by the size of their own file, so that a damaged one does not fill the disk: the shortest point, six
+ * characters of text, takes 12 bytes, in a buffer that grows by copying; 64 leaves room for columns. */
 static uint64_t points_limit(const iso_loader *loader) {
     const uint64_t limit = memory_limit(loader);
     struct stat info;

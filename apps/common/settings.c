@@ -3,7 +3,9 @@
 
 #include <string.h>
 
+#include "base/file_blocks.h"
 #include "base/memory.h"
+#include "base/temporary_file.h"
 
 iso_status iso_settings_apply_json(void *target, const char *value, iso_error *error) {
     iso_common_settings *settings = target;
@@ -42,11 +44,14 @@ void iso_settings_limit_memory(const iso_common_settings *settings) {
 
 void iso_settings_explain_memory(const iso_common_settings *settings, iso_error *error) {
     if (error->status != ISO_ERR_NOMEM || !iso_memory_was_refused()) return;
-    const char *folder = iso_memory_full_folder();
-    iso_fail(error, ISO_ERR_LIMIT, "%s, limit is %.0f MB (--max-memory)%s%s%s", error->text,
-             (double)iso_memory_limit(settings->input.max_memory) / 1e6,
-             folder ? "; there is no room for temporary files in " : "", folder ? folder : "",
-             folder ? " (TMPDIR chooses another folder)" : "");
+    const char *problem = iso_file_blocks_problem();
+    const double limit = (double)iso_memory_limit(settings->input.max_memory) / 1e6;
+    if (problem)
+        iso_fail(error, ISO_ERR_LIMIT,
+                 "%s, limit is %.0f MB (--max-memory); temporary files cannot be made in %s (TMPDIR): %s",
+                 error->text, limit, iso_temporary_folder(), problem);
+    else
+        iso_fail(error, ISO_ERR_LIMIT, "%s, limit is %.0f MB (--max-memory)", error->text, limit);
 }
 
 bool iso_settings_print_help(const iso_common_settings *settings, const iso_program *program) {

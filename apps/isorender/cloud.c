@@ -154,7 +154,7 @@ iso_status isorender_cloud_read(isorender_job *job, iso_error *error) {
     else
         ISO_TRY(read_cloud(job, error));
     if (iso_memory_in_files())
-        isorender_log_verbose(job, "does not fit into memory: %.0f MB in temporary files in %s",
+        isorender_log_verbose(job, "does not fit into memory: so far %.0f MB in temporary files in %s",
                               (double)iso_memory_in_files() / 1e6, iso_temporary_folder());
     const double percent = 100.0 / (double)cloud->count;
     if (cloud->estimated_normals)

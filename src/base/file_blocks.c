@@ -2,10 +2,13 @@
 #define _GNU_SOURCE
 #include "base/file_blocks.h"
 
+#include <errno.h>
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdint.h>
+#include <string.h>
 #include <sys/mman.h>
+#include <sys/vfs.h>
 #include <unistd.h>
 
 #include "base/temporary_file.h"
@@ -20,6 +23,7 @@ typedef struct file_block {
 static pthread_mutex_t mutex = PTHREAD_MUTEX_INITIALIZER; /* of the next three */
 static file_block blocks[ISO_FILE_BLOCKS];
 static size_t all_bytes, most_bytes;
+static _Atomic(const char *) problem;
 static atomic_size_t count; /* of blocks: while there are none, others are freed without the mutex */
 
 static file_block *find(const void *address) {
@@ -57,15 +61,38 @@ static size_t take_out(void *address) {
     return bytes;
 }
 
+static void *refuse(const char *reason) {
+    atomic_store(&problem, reason);
+    return NULL;
+}
+
+/* Whether a file lies in memory: blocks in it would gain nothing. */
+static bool lies_in_memory(int file) {
+    enum { TMPFS = 0x01021994 };
+    const unsigned RAMFS = 0x858458f6u;
+    struct statfs info;
+    return fstatfs(file, &info) == 0 && ((unsigned)info.f_type == TMPFS || (unsigned)info.f_type == RAMFS);
+}
+
+/* Maps a file of zeros. NULL: it cannot be mapped, or lies in memory. */
+static void *map(int file, size_t bytes) {
+    if (lies_in_memory(file)) return refuse("they would lie in memory (tmpfs)");
+    void *address = mmap(NULL, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
+    return address == MAP_FAILED ? refuse(strerror(errno)) : address;
+}
+
 void *iso_file_block_create(size_t bytes) {
     const int file = iso_temporary_file_create(bytes);
-    if (file < 0) return NULL;
-    void *address = mmap(NULL, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
+    if (file < 0) return refuse(strerror(-file));
+    void *address = map(file, bytes);
     close(file);
-    if (address == MAP_FAILED) return NULL;
-    if (add(address, bytes)) return address;
+    if (!address || add(address, bytes)) return address;
     munmap(address, bytes);
-    return NULL;
+    return refuse("there are too many");
+}
+
+const char *iso_file_blocks_problem(void) {
+    return atomic_load(&problem);
 }
 
 bool iso_file_block_destroy(void *block) {

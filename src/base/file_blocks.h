@@ -7,10 +7,14 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Makes a block of zeros that begins at a page. NULL: the temporary folder has no room for it, it cannot be
- * mapped, or there are ISO_FILE_BLOCKS already. Any thread, also below. */
-enum { ISO_FILE_BLOCKS = 1024 };
+enum { ISO_FILE_BLOCKS = 1024 }; /* most blocks */
+
+/* Makes a block of zeros that begins at a page. NULL: iso_file_blocks_problem says why. Any thread, also
+ * below. A process that forks shares its blocks with its child. */
 void *iso_file_block_create(size_t bytes);
+
+/* Why the last block that could not be made was refused; NULL: none was. */
+const char *iso_file_blocks_problem(void);
 
 /* Removes a block and its file. Returns false, and does nothing, if `block` was not made by
  * iso_file_block_create. */

@@ -13,7 +13,6 @@
 
 #include "base/cgroup.h"
 #include "base/file_blocks.h"
-#include "base/temporary_file.h"
 
 #ifdef __GLIBC__
 #include <malloc.h>
@@ -57,16 +56,6 @@ static long long size_of(void *block) {
 #endif
 }
 
-/* Counts a fresh block, or frees it and returns NULL when it goes beyond the limit. */
-static void *count_block(void *block) {
-    const long long bytes = block ? size_of(block) : 0;
-    if (atomic_fetch_add(&allocated, bytes) + bytes <= atomic_load(&most_allocated)) return block;
-    atomic_fetch_sub(&allocated, bytes);
-    atomic_store(&refused, true);
-    free(block);
-    return NULL;
-}
-
 void iso_memory_set_limit(uint64_t bytes) {
     atomic_store(&most_allocated, bytes < INT64_MAX ? (long long)bytes : INT64_MAX);
 }
@@ -79,7 +68,7 @@ bool iso_memory_was_refused(void) {
 
 enum { FILE_BLOCK_LEAST = 1 << 20 };
 
-static atomic_bool uses_files, files_are_full;
+static atomic_bool uses_files;
 
 void iso_memory_use_files(void) {
     atomic_store(&uses_files, true);
@@ -93,25 +82,34 @@ size_t iso_memory_in_files(void) {
     return iso_file_blocks_most();
 }
 
-const char *iso_memory_full_folder(void) {
-    return atomic_load(&files_are_full) ? iso_temporary_folder() : NULL;
-}
-
 /* What large blocks leave of the limit for small ones. */
 static long long reserve_of(long long limit) {
     const long long most = (long long)256 << 20;
     return limit / 4 < most ? limit / 4 : most;
 }
 
+static bool may_lie_in_file(size_t bytes) {
+    return atomic_load(&uses_files) && bytes >= FILE_BLOCK_LEAST && bytes <= INT64_MAX;
+}
+
 /* Makes a block of zeros in a file, if it is large and memory is short. NULL: it belongs into memory. */
 static void *alloc_in_file(size_t bytes) {
     const long long limit = atomic_load(&most_allocated);
-    if (!atomic_load(&uses_files) || bytes < FILE_BLOCK_LEAST || bytes > INT64_MAX ||
-        atomic_load(&allocated) <= limit - reserve_of(limit) - (long long)bytes)
+    if (!may_lie_in_file(bytes) || atomic_load(&allocated) <= limit - reserve_of(limit) - (long long)bytes)
         return NULL;
-    void *block = iso_file_block_create(bytes);
-    if (!block) atomic_store(&files_are_full, true);
-    return block;
+    return iso_file_block_create(bytes);
+}
+
+/* Counts a fresh block of memory. One that goes beyond the limit, which another thread may have reached
+ * since alloc_in_file, is freed; then the result is a block in a file, or NULL. */
+static void *count_block(void *block, size_t asked) {
+    const long long bytes = block ? size_of(block) : 0;
+    if (atomic_fetch_add(&allocated, bytes) + bytes <= atomic_load(&most_allocated)) return block;
+    atomic_fetch_sub(&allocated, bytes);
+    free(block);
+    void *in_file = may_lie_in_file(asked) ? iso_file_block_create(asked) : NULL;
+    if (!in_file) atomic_store(&refused, true);
+    return in_file;
 }
 
 /* ---- blocks */
@@ -124,13 +122,14 @@ void *iso_alloc(size_t bytes) {
     if (block) return block;
     if (posix_memalign(&block, alignment, rounded ? rounded : ISO_ALIGNMENT) != 0) return NULL;
     iso_advise_huge(block, rounded);
-    return count_block(block);
+    return count_block(block, rounded);
 }
 
 void *iso_alloc_zero(size_t count, size_t size) {
     size_t bytes;
-    void *block = iso_size_multiply(count, size, &bytes) ? alloc_in_file(bytes) : NULL;
-    return block ? block : count_block(calloc(count ? count : 1, size ? size : 1));
+    if (!iso_size_multiply(count, size, &bytes)) return NULL;
+    void *block = alloc_in_file(bytes);
+    return block ? block : count_block(calloc(count ? count : 1, size ? size : 1), bytes);
 }
 
 void iso_free(void *block) {

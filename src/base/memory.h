@@ -28,9 +28,9 @@ void *iso_alloc(size_t bytes);
 void iso_advise_huge(void *block, size_t bytes);
 
 /* Tells the system whether a block is used in no order (`random`) or in the order of its addresses, as at
- * first. In the latter case the pages around one that is needed are read as well, which for blocks in files
- * (iso_memory_use_files) costs memory: where thousands of places are written to in turns, more than there may
- * be. */
+ * first. In the latter case the pages around one that is needed are read as well. For blocks in files
+ * (iso_memory_use_files) that are written at thousands of places in turn, these can need more memory than
+ * there is. */
 void iso_advise_order(void *block, size_t bytes, bool random);
 
 /* Allocates count x size zeroed bytes, 16-byte aligned, without touching their pages. NULL on overflow or
@@ -46,17 +46,15 @@ void iso_memory_set_limit(uint64_t bytes);
 bool iso_memory_was_refused(void);
 
 /* Lets blocks of 1 MiB and more lie in files without names in TMPDIR (/tmp) when all blocks together would
- * take more than the limit but for a reserve: a quarter of it, at most 256 MiB. Such blocks do not count, and
- * begin at pages only. The system writes their pages to the files when it needs the memory, and reads them
- * when they are used; their room on the disk is reserved at once. Where there is none, the limit holds. For
- * programs. */
+ * take more than the limit minus a reserve: a quarter of the limit, at most 256 MiB. Such blocks do not count
+ * against the limit, and begin at pages only. The system writes their pages to the files when it needs the
+ * memory, and reads them when they are used; their room on the disk is reserved at once. Where files cannot
+ * be made, or would lie in memory (tmpfs), the limit holds for all blocks. For programs. */
 void iso_memory_use_files(void);
 /* Whether iso_memory_use_files has been called. */
 bool iso_memory_uses_files(void);
 /* The most bytes that have been in such files at a time. */
 size_t iso_memory_in_files(void);
-/* The folder that had no room for a block; NULL: that has not happened. */
-const char *iso_memory_full_folder(void);
 
 /* Releases a block of iso_alloc or iso_alloc_zero; NULL is ignored. */
 void iso_free(void *block);

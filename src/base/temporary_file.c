@@ -27,7 +27,8 @@ static int create_nameless(const char *folder) {
 int iso_temporary_file_create(uint64_t bytes) {
     const int file = create_nameless(iso_temporary_folder());
     if (file < 0) return -errno;
-    const int code = bytes > INT64_MAX ? EFBIG : posix_fallocate(file, 0, (off_t)bytes);
+    int code = bytes > INT64_MAX ? EFBIG : EINTR;
+    while (code == EINTR) code = posix_fallocate(file, 0, (off_t)bytes);
     if (!code) return file;
     close(file);
     return -code;

@@ -313,6 +313,7 @@ static iso_status join_spans(sorter *s, iso_error *error) {
             out->spans[to] = found[i].span;
             out->bounds[to] = found[i].bounds;
         }
+        iso_buffer_free(&s->spans[bucket]);
     }
     return ISO_OK;
 }

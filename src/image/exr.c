@@ -227,11 +227,11 @@ static bool write_chunk(void *context, size_t slot, bool alone) {
     const exr_encode_pipeline_t *pipeline = &w->pipelines[slot];
     /* Values that compression does not make smaller are written as they are; readers tell by the size. The
      * library, up to 3.4.7, compresses those whose size stays just the same (openexr issue 2306). */
-    const void *data = pipeline->compressed_bytes < pipeline->packed_bytes ? pipeline->compressed_buffer
-                                                                           : pipeline->packed_buffer;
+    const bool smaller = pipeline->compressed_bytes < pipeline->packed_bytes;
+    const void *data = smaller ? pipeline->compressed_buffer : pipeline->packed_buffer;
+    const uint64_t bytes = smaller ? pipeline->compressed_bytes : pipeline->packed_bytes;
     if (!has_failed(&w->file))
-        succeeded(&w->file, exr_write_scanline_chunk(w->context, 0, pipeline->chunk.start_y, data,
-                                                     pipeline->compressed_bytes));
+        succeeded(&w->file, exr_write_scanline_chunk(w->context, 0, pipeline->chunk.start_y, data, bytes));
     return true;
 }
 

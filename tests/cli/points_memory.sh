@@ -1,5 +1,6 @@
 # Points that do not fit into --max-memory lie in temporary files, and what comes out has the same bytes: for points that are drawn
 # as they are stored, for those whose normals and radii are estimated, for text, and by methods that list them again.
+[ "$(stat -f -c %T "$TMPDIR")" != tmpfs ] || { echo "skipped: TMPDIR lies in memory (tmpfs)"; exit 77; }
 python3 - <<'P'
 import random, struct
 random.seed(7)
@@ -39,5 +40,8 @@ for name in "stored bare text groups pullpush".split():
     expect(limited["primitives"]["temporary_file_bytes"] > 1 << 20, name, limited["primitives"])
 P
 # Where there is no room for the files the limit holds. Small blocks of memory never lie in files.
-TMPDIR=/nonexistent isorender_refuses 5 'limit is 13 MB (--max-memory); there is no room for temporary files in /nonexistent' in/bare.ply --max-memory 12M --resolution 64x64
+TMPDIR=/nonexistent isorender_refuses 5 'limit is 13 MB (--max-memory); temporary files cannot be made in /nonexistent (TMPDIR): No such file or directory' in/bare.ply --max-memory 12M --resolution 64x64
+if [ "$(stat -f -c %T /dev/shm)" = tmpfs ]; then
+    TMPDIR=/dev/shm isorender_refuses 5 'in memory (tmpfs)' in/bare.ply --max-memory 12M --resolution 64x64
+fi
 isorender_refuses 5 'limit is 1 MB' in/bare.ply --max-memory 1M --resolution 64x64

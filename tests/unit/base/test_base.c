@@ -16,6 +16,7 @@
 
 #include "base/cpu.h"
 #include "base/file.h"
+#include "base/file_blocks.h"
 #include "base/file_set.h"
 #include "base/geometry.h"
 #include "base/memory.h"
@@ -462,6 +463,11 @@ static void large_blocks_lie_in_files(void **state) {
     unsigned char *first = iso_alloc(12 * MEGABYTE), *second = iso_alloc(12 * MEGABYTE),
                   *third = iso_alloc_zero(12, MEGABYTE);
     assert_non_null(first);
+    if (!second && iso_file_blocks_problem() && strstr(iso_file_blocks_problem(), "tmpfs")) {
+        iso_free(first);
+        iso_memory_set_limit(UINT64_MAX);
+        skip();
+    }
     assert_non_null(second);
     assert_non_null(third);
     assert_int_equal(iso_memory_in_files(), 24 * MEGABYTE);
@@ -477,11 +483,11 @@ static void large_blocks_lie_in_files(void **state) {
     iso_free(third);
     iso_free(first);
 
-    assert_null(iso_memory_full_folder());
+    assert_null(iso_file_blocks_problem());
     const char *folder = getenv("TMPDIR");
     setenv("TMPDIR", "/nonexistent/folder", 1);
     assert_null(iso_alloc(21 * MEGABYTE));
-    assert_string_equal(iso_memory_full_folder(), "/nonexistent/folder");
+    assert_string_equal(iso_file_blocks_problem(), "No such file or directory");
     if (folder)
         setenv("TMPDIR", folder, 1);
     else
