@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "base/memory.h"
+#include "base/temporary_file.h"
 #include "base/text.h"
 
 enum {
@@ -54,19 +55,14 @@ static char *name_of_descriptor(int descriptor) {
     return NULL;
 }
 
-static const char *folder_of_copies(void) {
-    const char *folder = getenv("TMPDIR");
-    return folder && *folder ? folder : "/tmp";
-}
-
 static iso_status fail_copy(const copier *c, int code, iso_error *error) {
-    return iso_fail(error, ISO_ERR_WRITE, "%s: cannot copy %s here: %s%s", folder_of_copies(), c->name,
+    return iso_fail(error, ISO_ERR_WRITE, "%s: cannot copy %s here: %s%s", iso_temporary_folder(), c->name,
                     strerror(code), code == ENOSPC ? " (TMPDIR chooses another folder)" : "");
 }
 
 static iso_status create_copy(copier *c, iso_error *error) {
     iso_spool *spool = c->spool;
-    const char *folder = folder_of_copies();
+    const char *folder = iso_temporary_folder();
     char *name = NULL;
     int file = open(folder, O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
     if (file < 0) {

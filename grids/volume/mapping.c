@@ -3,7 +3,6 @@
 #include "grids/volume/mapping.h"
 
 #include <errno.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/stat.h>

@@ -1,6 +1,6 @@
 /* file_blocks: blocks of memory that lie in temporary files (base/temporary_file.h): the system writes their
  * pages to the file when it needs the memory, and reads them again when they are used. Made by iso_alloc and
- * iso_alloc_zero when iso_memory_use_files asks for it. Internal to base/memory. */
+ * iso_alloc_zero after iso_memory_use_files; others ask only why one could not be made. */
 #ifndef ISO_BASE_FILE_BLOCKS_H
 #define ISO_BASE_FILE_BLOCKS_H
 
