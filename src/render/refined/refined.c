@@ -153,8 +153,9 @@ static float largest_pixel(const refined_call *call) {
 /* Chooses the cells: as large as the largest disc's radius, so that a disc lies in its centre's cell and
  * the eight around it. */
 static void set_up_occlusion(refined_call *call) {
-    const float most = call->blocks->radius[1] / ISO_DISC_RADII * (ISO_REFINED_BALL + ISO_REFINED_BALL_MORE) *
-                       call->params.slant;
+    const float most = hypotf(call->blocks->radius[1] / ISO_DISC_RADII *
+                                  (ISO_REFINED_BALL + ISO_REFINED_BALL_MORE) * call->params.slant,
+                              call->params.filtered ? ISO_REFINED_LOW_PASS : 0);
     call->shift = CELL_SHIFT_LEAST;
     while (call->shift < 16 && most > (float)(1 << call->shift)) call->shift++;
     const size_t side = (size_t)1 << call->shift;
@@ -304,16 +305,17 @@ static drawing start_patch(const refined_call *call, size_t number, int worker) 
  * pixels, and when only their centres are drawn. */
 static void choose_method(const refined_call *call, drawing *d) {
     const iso_point_block *block = call->blocks->blocks.data;
-    float most = 0;
+    float most = 0, low_pass = 0;
     d->patch.flat = !call->params.colored; /* the sums of flat discs have no place for colours */
     for (size_t i = 0; i < d->count; i++) {
         const iso_point_block *b = &block[d->order[i]];
         most = b->radius[1] > most ? b->radius[1] : most;
         d->patch.flat &= !iso_refined_use_curvature(&call->params, b);
+        if (iso_refined_use_filter(&call->params, b)) low_pass = ISO_REFINED_LOW_PASS;
     }
     const iso_point_block largest = {.radius = {0, most}};
-    d->tiles = !call->params.centres &&
-               2 * iso_refined_largest_radius(&largest) * call->params.slant + 1 > ISO_REFINED_BOX;
+    const float reach = hypotf(iso_refined_largest_radius(&largest) * call->params.slant, low_pass);
+    d->tiles = !call->params.centres && 2 * reach + 1 > ISO_REFINED_BOX;
 }
 
 static float max_float(float a, float b) {

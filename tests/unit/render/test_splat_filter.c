@@ -299,11 +299,38 @@ static void large_discs_are_not_filtered(void **state) {
     test_scene_free(&s);
 }
 
+/* Ever larger discs of one radius leave no pixel empty: from some radius on they are added to tiles instead
+ * of to pixels, and from another on they are not filtered. */
+static void discs_of_every_size_are_drawn(void **state) {
+    (void)state;
+    enum { SIZE = 48, FIRST_SPAN = SIDE / TILE / 2 * (SIDE / TILE) + SIDE / TILE / 2 - 1 };
+    plate *p = make_plate(0);
+    float *radii = malloc(SIDE * SIDE * sizeof *radii);
+    assert_non_null(radii);
+    for (int i = 0; i < SIDE * SIDE; i++) radii[i] = (float)p->points.radius;
+    p->points.spans += FIRST_SPAN; /* 2 x 1 tiles below the picture's centre */
+    p->points.span_count = 2;
+    for (int n = 0; n < 800; n++) {
+        const bool orthographic = n % 4 > 1;
+        const double pixels = 5 + n * 0.0035;
+        iso_view view = test_plain_view(SIZE, SIZE, orthographic, pixels * (orthographic ? 1 : DISTANCE));
+        view.cy = SIZE / 2.0 - TILE / 2.0 * pixels;
+        p->points.radii = n % 2 ? radii : NULL;
+        iso_gbuffer g = test_drawn(&view, &p->points,
+                                   &(iso_pullpush_opts){.reconstruction = ISO_RECONSTRUCTION_FLAT}, NULL);
+        assert_int_equal(count_samples(&g), SIZE * SIZE);
+        iso_gbuffer_free(&g);
+    }
+    free(radii);
+    free_plate(p);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(zone_plates_are_filtered), cmocka_unit_test(means_of_many_points),
-        cmocka_unit_test(order_does_not_matter),    cmocka_unit_test(silhouettes_do_not_grow),
-        cmocka_unit_test(same_bytes_everywhere),    cmocka_unit_test(large_discs_are_not_filtered),
+        cmocka_unit_test(zone_plates_are_filtered),      cmocka_unit_test(means_of_many_points),
+        cmocka_unit_test(order_does_not_matter),         cmocka_unit_test(silhouettes_do_not_grow),
+        cmocka_unit_test(same_bytes_everywhere),         cmocka_unit_test(large_discs_are_not_filtered),
+        cmocka_unit_test(discs_of_every_size_are_drawn),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
