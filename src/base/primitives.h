@@ -110,6 +110,8 @@ typedef struct iso_point_view {
     const iso_point_bounds *bounds; /* one per span; NULL: unknown */
     bool closed; /* the points lie on closed surfaces with outward normals: seen from outside, points that
                     face away are hidden */
+    bool overlapping; /* discs of different sheets may lie nearer to each other than their radii, as in
+                         scans: what splats show must not depend on the order of the points */
 } iso_point_view;
 
 /* Number of points in all spans. */

@@ -226,11 +226,6 @@ static iso_status fill_cloud(const iso_point_source *source, const iso_point_sur
     cloud->span_count = sorted.span_count;
     cloud->count = source->count;
     cloud->radius = radius;
-    /* Each point has its own also where all are the same: discs with radii of their own are drawn in two
-     * passes, which open and overlapping sheets of scans need. */
-    if (!cloud->radii) cloud->radii = iso_alloc(cloud->count * sizeof *cloud->radii);
-    if (!cloud->radii) return out_of_memory(cloud->count, error);
-    for (size_t i = 0; i < cloud->count && !source->radii.data; i++) cloud->radii[i] = (float)radius;
     return ISO_OK;
 }
 
@@ -309,5 +304,6 @@ iso_point_view iso_cloud_view(const iso_cloud *cloud) {
                             .bounds = cloud->bounds,
                             .span_count = cloud->span_count,
                             .transform = cloud->transform,
-                            .radius = cloud->radius};
+                            .radius = cloud->radius,
+                            .overlapping = true};
 }

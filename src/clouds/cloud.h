@@ -23,7 +23,7 @@ typedef struct iso_cloud_opts {
 /* Points of a file. Zero-initialise; free with iso_cloud_free. */
 typedef struct iso_cloud {
     iso_surfel *surfels;   /* owned, as all arrays; positions in voxels, as iso_point_view describes them */
-    float *radii;          /* mm */
+    float *radii;          /* mm; NULL: all points have `radius`, which was given */
     uint8_t (*colors)[3];  /* NULL: the file has none */
     uint8_t *opacities;    /* NULL: all points are opaque */
     iso_point_span *spans; /* in ascending order of z, then y, then x of their bricks */

@@ -196,13 +196,14 @@ static void enclose_discs(const building *b, scratch *s, size_t span) {
         iso_surfel point;
         for (uint32_t i = 0; i < child->count; i++) {
             if (!read_point(b, child, i, &point)) continue;
+            const float radius = b->from.radii ? b->from.radii[child->first + i] : (float)b->from.radius;
             node *n = &s->nodes[*find_node(s, &point) - 1];
             float square = 0;
             for (int axis = 0; axis < 3; axis++) {
                 const float off = (point.position[axis] - n->position[axis]) * (float)(spacing[axis] * scale);
                 square += off * off;
             }
-            const float reach = sqrtf(square) + fmaxf(b->from.radii[child->first + i], 0);
+            const float reach = sqrtf(square) + fmaxf(radius, 0);
             n->radius = fmaxf(n->radius, reach);
         }
     }
@@ -321,9 +322,10 @@ static bool allocate_points(iso_lod_level *to, const iso_point_view *from) {
         to->packed = iso_alloc(n * sizeof *to->packed);
     else
         to->surfels = iso_alloc(n * sizeof *to->surfels);
-    if (from->radii) to->radii = iso_alloc(n * sizeof *to->radii);
+    const bool radii = from->radii || from->overlapping;
+    if (radii) to->radii = iso_alloc(n * sizeof *to->radii);
     if (from->colors) to->colors = iso_alloc(n * sizeof *to->colors);
-    return (to->packed || to->surfels) && (to->radii || !from->radii) && (to->colors || !from->colors);
+    return (to->packed || to->surfels) && (to->radii || !radii) && (to->colors || !from->colors);
 }
 
 static bool allocate_spans(iso_lod_level *to, size_t most) {
@@ -423,7 +425,8 @@ iso_point_view iso_lod_view(const iso_lod *lod, int number) {
                            .radius = ldexp(ISO_LOD_RADIUS * lod->points.radius, number),
                            .versions = lod->points.versions ? level->versions : NULL,
                            .bounds = level->bounds,
-                           .closed = lod->points.closed};
+                           .closed = lod->points.closed,
+                           .overlapping = lod->points.overlapping};
     for (int axis = 0; axis < 3; axis++) view.transform.spacing[axis] *= ldexp(1, number);
     return view;
 }

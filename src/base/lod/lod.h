@@ -42,8 +42,8 @@ enum { ISO_LOD_LEVELS = 21 }; /* most levels, with level 0 */
 typedef struct iso_lod_level {
     iso_point *packed;   /* this or */
     iso_surfel *surfels; /* this, as level 0 has */
-    float *radii;        /* mm; a disc that contains the discs of the points it stands for. NULL: level 0 has
-                            none */
+    float *radii;        /* mm; a disc that contains the discs of the points it stands for. NULL: those of
+                            level 0 have none and do not overlap (iso_point_view) */
     uint8_t (*colors)[3];
     iso_point_span *spans;
     iso_point_bounds *bounds;

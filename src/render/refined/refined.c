@@ -498,7 +498,8 @@ iso_status iso_refined_draw(iso_refined *workspace, const iso_target *target, co
     const iso_projector projector = iso_projector_make(target->view, &points->transform);
     set_up_params(&call, &projector);
     set_up_flat_discs(&call.params, opts->flat);
-    const bool two_passes = call.params.centres || (points->radii && opts->flat == ISO_FLAT_DISCS_FILTERED);
+    const bool overlapping = points->radii || points->overlapping,
+               two_passes = call.params.centres || (overlapping && opts->flat == ISO_FLAT_DISCS_FILTERED);
     call.params.pass = two_passes ? ISO_REFINED_SUM_PASS : ISO_REFINED_ONE_PASS;
     choose_patches(&call);
     set_up_occlusion(&call);

@@ -42,8 +42,8 @@ typedef enum iso_flat_discs {
     ISO_FLAT_DISCS_PLAIN, /* as above, without a filter */
     /* As above, with a low-pass filter against aliasing: a small disc also adds to pixels whose centres are
      * near its own (Botsch et al. 2005, section 4), but only to those that some disc covers, so that
-     * silhouettes do not grow. Points with radii of their own are drawn twice, fronts first: then the order
-     * of discs with different radii does not matter. */
+     * silhouettes do not grow. Points with radii of their own, and overlapping ones (iso_point_view), are
+     * drawn twice, fronts first: then the order of the discs does not matter. */
     ISO_FLAT_DISCS_FILTERED,
     /* Baerentzen and Christensen 2003, section 4.2: no filter; a disc is averaged with the first one of a
      * pixel, rejected behind it, or replaces what is there. */

@@ -267,7 +267,7 @@ static void test_radii(void **state) {
     /* unless options say otherwise. */
     cloud = make_cloud(&glyphs, &(iso_cloud_opts){.radius = 2});
     assert_int_equal(cloud.estimated_radii, 0);
-    assert_true(cloud.radii[77] == 2 && cloud.radius == 2);
+    assert_true(!cloud.radii && cloud.radius == 2);
     iso_cloud_free(&cloud);
     cloud = make_cloud(&glyphs, &(iso_cloud_opts){.estimate_radii = true});
     assert_int_equal(cloud.estimated_radii, 10001);

@@ -250,13 +250,17 @@ static void order_does_not_matter(void **state) {
         radii[1][i] = radii[0][COUNT - 1 - i];
     }
     for (size_t i = 0; i < COUNT / SPAN; i++) spans[i] = (iso_point_span){.count = SPAN, .first = i * SPAN};
-    for (int n = 0; n < 8; n++) { /* small discs are added to pixels, large ones to tiles; then centres */
-        const iso_reconstruction way = n < 4 ? ISO_RECONSTRUCTION_FLAT : ISO_RECONSTRUCTION_MEAN;
+    /* small discs are added to pixels, large ones to tiles; then centres; then discs of one radius */
+    for (int n = 0; n < 12; n++) {
+        const bool centres = n / 4 == 1, one_radius = n / 4 == 2;
+        const iso_reconstruction way = centres ? ISO_RECONSTRUCTION_MEAN : ISO_RECONSTRUCTION_FLAT;
         iso_gbuffer g[2];
         iso_view view;
         for (int k = 0; k < 2; k++) {
             const iso_point_view points = {.surfels = surfels[k],
-                                           .radii = radii[k],
+                                           .radii = one_radius ? NULL : radii[k],
+                                           .radius = 0.5,
+                                           .overlapping = true,
                                            .spans = spans,
                                            .span_count = COUNT / SPAN,
                                            .transform = iso_transform_identity(),
@@ -271,7 +275,7 @@ static void order_does_not_matter(void **state) {
             iso_gbuffer_free(&hidden);
         }
         const size_t count = (size_t)view.width * (size_t)view.height;
-        assert_true(count_samples(&g[0]) > (n < 4 ? 1000 : 40));
+        assert_true(count_samples(&g[0]) > (centres ? 40 : 1000));
         assert_memory_equal(g[0].surface, g[1].surface, count);
         for (size_t i = 0; i < count; i++) {
             if (g[0].surface[i] == ISO_SURFACE_NONE) continue;
