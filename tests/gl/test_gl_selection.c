@@ -186,6 +186,82 @@ static void large_discs_give_the_same_bytes(iso_gl_engine *engine) {
     free_scene(&s);
 }
 
+/* ---- sheets of discs behind each other, a few radii apart: what is hidden can still change the picture */
+
+enum { TILES = 10, SHEETS = 6, DISCS = 4 /* along a side of a tile */, SHEET_RADIUS = 5 };
+
+typedef struct sheets {
+    iso_surfel surfels[TILES * TILES * SHEETS * DISCS * DISCS];
+    uint8_t colors[TILES * TILES * SHEETS * DISCS * DISCS][3];
+    iso_point_span spans[TILES * TILES * SHEETS];
+    iso_point_view points;
+    iso_box box;
+} sheets;
+
+/* One tile in each brick, at any depth in it, some facing backwards, each with a colour of its own. A third of
+ * the tiles are left out, so that those behind are seen as well. `even`: the tiles of a sheet have the same
+ * depth, near to that of another, and few are left out. */
+static sheets *make_sheets(uint32_t seed, bool even) {
+    sheets *s = calloc(1, sizeof *s);
+    assert_non_null(s);
+    const float gap = 6 * (float)uniform(&seed);
+    size_t count = 0, spans = 0;
+    for (int tile = 0; tile < TILES * TILES * SHEETS; tile++) {
+        if (uniform(&seed) < (even ? 0.02 : 0.33)) continue;
+        const int sheet = tile / TILES / TILES;
+        const float any = (float)(ISO_BRICK * uniform(&seed)), near = sheet % 2 ? gap : ISO_BRICK,
+                    depth = even ? near : any, side = uniform(&seed) < 0.3 ? -1 : 1;
+        const uint8_t color[3] = {(uint8_t)(255 * uniform(&seed)), (uint8_t)(255 * uniform(&seed)), 0};
+        s->spans[spans++] = (iso_point_span){
+            .brick = {tile % TILES, tile / TILES % TILES, sheet}, .count = DISCS * DISCS, .first = count};
+        for (int i = 0; i < DISCS * DISCS; i++, count++) {
+            const float step = (float)ISO_BRICK / DISCS;
+            s->surfels[count] =
+                (iso_surfel){{step * ((float)(i % DISCS) + 0.5f), step * ((float)(i / DISCS) + 0.5f), depth},
+                             {0, 0.6f * side, 0.8f * side}};
+            memcpy(s->colors[count], color, sizeof color);
+        }
+    }
+    s->points = (iso_point_view){.surfels = s->surfels,
+                                 .colors = (const uint8_t(*)[3])s->colors,
+                                 .spans = s->spans,
+                                 .span_count = spans,
+                                 .transform = iso_transform_identity(),
+                                 .radius = SHEET_RADIUS};
+    s->box = (iso_box){{0, 0, 0}, {TILES * ISO_BRICK, TILES * ISO_BRICK, SHEETS * ISO_BRICK}};
+    return s;
+}
+
+/* Returns a view along z, from below or above, or nearly so. */
+static iso_view sheet_view(const sheets *s, int number, int width) {
+    iso_camera camera = {
+        .view_angle = 30, .view_up = {0, 1, 0}, .orthographic = number % 3 == 0, .parallel_scale = 1};
+    camera.position = iso_vec3_make(0.05 * number, 0.02 * number, number % 2 ? 1 : -1);
+    iso_camera_fit(&camera, &s->box, 1, 1);
+    return iso_view_make(&camera, width, width);
+}
+
+static void hidden_sheets_change_nothing(iso_gl_engine *engine) {
+    double share = 1;
+    for (int n = 0; n < 12; n++) {
+        sheets *s = make_sheets((uint32_t)n, n % 4 == 3);
+        iso_gl_surface *surface = upload(engine, &s->points);
+        const iso_view view = sheet_view(s, n, 150 + 60 * n);
+        const iso_selection_counts before = iso_gl_engine_selection(engine);
+        iso_gbuffer all = draw(engine, surface, &view, ISO_SELECTION_ALL),
+                    visible = draw(engine, surface, &view, ISO_SELECTION_VISIBLE);
+        const iso_selection_counts after = iso_gl_engine_selection(engine);
+        share = fmin(share, (double)(after.drawn - before.drawn) / (double)(after.points - before.points));
+        assert_true(is_same(&all, &visible));
+        iso_gbuffer_free(&all);
+        iso_gbuffer_free(&visible);
+        iso_gl_surface_destroy(surface);
+        free(s);
+    }
+    printf("%s: down to %.0f %% drawn\n", engine->context->name, 100 * share);
+    assert_true(share < 0.9);
+}
+
 enum { SIDE = 300 };
 
 /* The view of a frame of a camera path: small steps, and jumps by 180 degrees and to near views. */
@@ -236,27 +312,38 @@ static void frames_do_not_depend_on_frames_before(iso_gl_engine *engine) {
     }
 }
 
+static void expect_same_from_any_blocks(iso_gl_engine *engine, const iso_point_view *points,
+                                        const iso_view *view, uint32_t *seed) {
+    enum { TRIALS = 10 };
+    iso_gl_surface *surface = upload(engine, points);
+    iso_gbuffer scratch = draw(engine, surface, view, ISO_SELECTION_VISIBLE);
+    for (int trial = 0; trial < TRIALS; trial++) {
+        iso_gl_seen *seen = surface->seen;
+        uint8_t *flags = seen->flags.data;
+        assert_true(seen->count > 1);
+        for (size_t i = 0; i < seen->count; i++) flags[i] = uniform(seed) * TRIALS < trial;
+        iso_gbuffer g = draw(engine, surface, view, ISO_SELECTION_VISIBLE);
+        assert_true(is_same(&scratch, &g));
+        iso_gbuffer_free(&g);
+    }
+    iso_gbuffer_free(&scratch);
+    iso_gl_surface_destroy(surface);
+}
+
 /* Whatever blocks are looked at first, as after a frame of something else, the picture is the same. */
 static void any_blocks_may_be_first(iso_gl_engine *engine) {
-    enum { TRIALS = 10 };
     uint32_t seed = 3;
     for (int n = 0; n < 2; n++) {
         scene s = make_scene(n ? "gyroid" : "head", n ? 160 : 96, false);
         const iso_view view = path_view(&s, n);
-        iso_gl_surface *surface = upload(engine, &s.points);
-        iso_gbuffer scratch = draw(engine, surface, &view, ISO_SELECTION_VISIBLE);
-        for (int trial = 0; trial < TRIALS; trial++) {
-            iso_gl_seen *seen = surface->seen;
-            uint8_t *flags = seen->flags.data;
-            assert_true(seen->count > 1);
-            for (size_t i = 0; i < seen->count; i++) flags[i] = uniform(&seed) * TRIALS < trial;
-            iso_gbuffer g = draw(engine, surface, &view, ISO_SELECTION_VISIBLE);
-            assert_true(is_same(&scratch, &g));
-            iso_gbuffer_free(&g);
-        }
-        iso_gbuffer_free(&scratch);
-        iso_gl_surface_destroy(surface);
+        expect_same_from_any_blocks(engine, &s.points, &view, &seed);
         free_scene(&s);
+    }
+    for (int n = 0; n < 6; n++) { /* discs of 0.6 to 1.6 pixels */
+        sheets *s = make_sheets((uint32_t)n, true);
+        const iso_view view = sheet_view(s, n, 25 + 8 * n);
+        expect_same_from_any_blocks(engine, &s->points, &view, &seed);
+        free(s);
     }
 }
 
@@ -382,6 +469,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         gl_engine_test(dense_points_look_as_all_points),
         gl_engine_test(large_discs_give_the_same_bytes),
+        gl_engine_test(hidden_sheets_change_nothing),
         gl_engine_test(frames_do_not_depend_on_frames_before),
         gl_engine_test(any_blocks_may_be_first),
         gl_engine_test(edits_do_not_depend_on_frames_before),
