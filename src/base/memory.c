@@ -114,6 +114,14 @@ static void *count_block(void *block, size_t asked) {
 
 /* ---- blocks */
 
+/* Gives back what lies behind an aligned block. glibc maps large blocks with room for the alignment; what it
+ * does not need before the block, which depends on the address, would count as the block's. A mapping that
+ * shrinks does not move. */
+static void *trim(void *block, size_t bytes) {
+    const size_t least = 1 << 16; /* what is worth a system call */
+    return size_of(block) > (long long)(bytes + least) ? realloc(block, bytes) : block;
+}
+
 void *iso_alloc(size_t bytes) {
     size_t alignment = bytes >= HUGE_PAGE ? HUGE_PAGE : ISO_ALIGNMENT;
     if (bytes > SIZE_MAX - alignment) return NULL;
@@ -121,6 +129,7 @@ void *iso_alloc(size_t bytes) {
     void *block = alloc_in_file(rounded);
     if (block) return block;
     if (posix_memalign(&block, alignment, rounded ? rounded : ISO_ALIGNMENT) != 0) return NULL;
+    if (alignment > ISO_ALIGNMENT) block = trim(block, rounded);
     iso_advise_huge(block, rounded);
     return count_block(block, rounded);
 }

@@ -448,6 +448,14 @@ static void memory_is_limited(void **state) {
         assert_non_null(block);
         iso_free(block);
     }
+    void *some[6]; /* no more is counted than was asked for */
+    iso_memory_set_limit(200 * MEGABYTE);
+    for (int i = 0; i < 6; i++) {
+        some[i] = iso_alloc(33 * MEGABYTE);
+        assert_non_null(some[i]);
+        assert_int_equal((uintptr_t)some[i] % ISO_ALIGNMENT, 0);
+    }
+    for (int i = 0; i < 6; i++) iso_free(some[i]);
     iso_memory_set_limit(UINT64_MAX);
     first = iso_alloc(50 * MEGABYTE);
     assert_non_null(first);
