@@ -199,8 +199,8 @@ typedef struct sheets {
 } sheets;
 
 /* One tile in each brick, at any depth in it, some facing backwards, each with a colour of its own. A third
- * of the tiles are left out, so that those behind are seen as well. `even`: the tiles of a sheet have the same
- * depth, near to that of another, and few are left out. */
+ * of the tiles are left out, so that those behind are seen as well. `even`: the tiles of a sheet have the
+ * same depth, near to that of another, and few are left out. */
 static sheets *make_sheets(uint32_t seed, bool even) {
     sheets *s = calloc(1, sizeof *s);
     assert_non_null(s);
