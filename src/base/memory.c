@@ -119,7 +119,9 @@ static void *count_block(void *block, size_t asked) {
  * shrinks does not move. */
 static void *trim(void *block, size_t bytes) {
     const size_t least = 1 << 16; /* what is worth a system call */
-    return size_of(block) > (long long)(bytes + least) ? realloc(block, bytes) : block;
+    if (size_of(block) <= (long long)(bytes + least)) return block;
+    void *trimmed = realloc(block, bytes);
+    return trimmed ? trimmed : block;
 }
 
 void *iso_alloc(size_t bytes) {
