@@ -459,6 +459,46 @@ static void known_surfaces(void **state) {
     for (int c = 0; c < 3; c++) free_cloud(clouds[c]);
 }
 
+/* A bumpy ball of integers, many of which are the isovalue: the surface passes through those voxels. */
+static test_scene make_integers(void) {
+    enum { DIM = 40 };
+    static uint8_t values[DIM * DIM * DIM];
+    iso_error error = {0};
+    uint32_t seed = 11;
+    for (int i = 0; i < DIM * DIM * DIM; i++) {
+        const double x = i % DIM - 19.5, y = i / DIM % DIM - 19.5, z = i / DIM / DIM - 19.5;
+        values[i] = (uint8_t)fmax(40 - 2 * sqrt(x * x + y * y + z * z) + uniform(&seed), 0);
+    }
+    test_scene s = {.isovalue = 10};
+    const iso_rgrid_desc desc = {.dims = {DIM, DIM, DIM}, .type = ISO_UINT8, .data = values};
+    const iso_points_opts opts = {.isovalue = s.isovalue, .curvature = true};
+    test_ok(iso_rgrid_create(&desc, &s.grid.rgrid, &error), &error);
+    test_ok(iso_point_set_create(&s.grid, &opts, &s.set, &error), &error);
+    test_ok(iso_point_set_update(s.set, &error), &error);
+    test_ok(iso_point_set_bound(s.set, &error), &error);
+    s.points = iso_point_set_view(s.set);
+    return s;
+}
+
+static void voxels_at_the_isovalue_leave_no_holes(void **state) {
+    (void)state;
+    enum { SIZE = 300, INSIDE = 110 /* pixels; the ball's radius is 13 or 14 voxels of 10 */ };
+    test_scene s = make_integers();
+    for (int side = 0; side < 6; side++) {
+        iso_view view = test_look_at(&s, side, 1, true, SIZE, SIZE);
+        view.focal = 10;
+        iso_gbuffer g = test_drawn(&view, &s.points, &refined, NULL);
+        size_t holes = 0;
+        for (int i = 0; i < SIZE * SIZE; i++) {
+            const double x = i % SIZE + 0.5 - view.cx, y = i / SIZE + 0.5 - view.cy;
+            holes += x * x + y * y < INSIDE * INSIDE && g.surface[i] == ISO_SURFACE_NONE;
+        }
+        assert_int_equal(holes, 0);
+        iso_gbuffer_free(&g);
+    }
+    test_scene_free(&s);
+}
+
 /* The inside of half a sphere: the far half, seen from where its other half was, normals out of the solid.
  */
 static void insides_are_seen(void **state) {
@@ -725,6 +765,7 @@ int main(void) {
         cmocka_unit_test(slanted_discs_reach_over_seams),
         cmocka_unit_test(same_bytes_everywhere),
         cmocka_unit_test(known_surfaces),
+        cmocka_unit_test(voxels_at_the_isovalue_leave_no_holes),
         cmocka_unit_test(insides_are_seen),
         cmocka_unit_test(surfaces_end_at_the_border),
         cmocka_unit_test(near_plane),
