@@ -59,8 +59,9 @@ typedef struct iso_curvature {
 
 /* extents: how far the surface continues from an edge point in the four faces beside its edge, before it
  * reaches another edge of the face. Bits 0-11: four distances of 3 bits, down and up along the first axis
- * perpendicular to the edge, then along the second, in steps of 1/7 voxel (0 to 1), rounded up. Bits 12-13: 1
- * + the edge's axis. Bits 14-15: by how much the point's disc is drawn smaller, in quarters of its radius (0
+ * perpendicular to the edge, then along the second, in steps of 1/7 voxel (0 to 1), rounded up; 1
+ * instead of 0 where the surface only touches the face and continues in cells beside it. Bits 12-13: 1 + the
+ * edge's axis. Bits 14-15: by how much the point's disc is drawn smaller, in quarters of its radius (0
  * to 3), so that its rim does not leave the surface. */
 #define ISO_CURVATURE_MOST 4.0f /* largest sqrt(uu^2 + 2 uv^2 + vv^2), 1 / voxel */
 
@@ -111,7 +112,8 @@ typedef struct iso_point_view {
     bool closed; /* the points lie on closed surfaces with outward normals: seen from outside, points that
                     face away are hidden */
     bool overlapping; /* discs of different sheets may lie nearer to each other than their radii, as in
-                         scans: what splats show must not depend on the order of the points */
+                         scans: splats are drawn in two passes, so that they do not depend on the order of
+                         the points, and points of levels of detail have radii of their own */
 } iso_point_view;
 
 /* Number of points in all spans. */

@@ -26,8 +26,9 @@ typedef struct iso_sorted_points {
 
 /* Sorts points with finite positions into bricks of cubic voxels, whose size is the power of two next to and
  * not above `voxel` (mm), but large enough for 2^20 bricks along an axis. `survey`: of these points. In
- * addition to the result it takes some 60 bytes for each point of the fullest of 2048 parts of the volume,
- * and 72 bytes for each span. ISO_ERR_NOMEM; ISO_ERR_IO: the source has changed since it was surveyed. */
+ * addition to the result it takes for each thread some 60 bytes for each point of the fullest of 2048 parts
+ * of the volume that it sorts, and 72 bytes for each span. ISO_ERR_NOMEM; ISO_ERR_IO: the source has changed
+ * since it was surveyed. */
 iso_status iso_points_sort(const iso_point_source *source, const iso_point_survey *survey, double voxel,
                            iso_pool *pool, iso_sorted_points *sorted, iso_error *error);
 void iso_sorted_points_free(iso_sorted_points *sorted);

@@ -150,12 +150,18 @@ static float largest_pixel(const refined_call *call) {
     return call->params.orthographic ? 1 / call->params.focal : depth * call->params.slope;
 }
 
-/* Chooses the cells: as large as the largest disc's radius, so that a disc lies in its centre's cell and
+/* How far a disc of a radius reaches in the picture, pixels: farther if it is convolved with the low-pass
+ * filter. */
+static float reach_of(float radius, bool filtered) {
+    return hypotf(radius, filtered ? ISO_REFINED_LOW_PASS : 0);
+}
+
+/* Chooses the cells: as large as the largest disc's reach, so that a disc lies in its centre's cell and
  * the eight around it. */
 static void set_up_occlusion(refined_call *call) {
-    const float most = hypotf(call->blocks->radius[1] / ISO_DISC_RADII *
-                                  (ISO_REFINED_BALL + ISO_REFINED_BALL_MORE) * call->params.slant,
-                              call->params.filtered ? ISO_REFINED_LOW_PASS : 0);
+    const float radius =
+                    call->blocks->radius[1] / ISO_DISC_RADII * (ISO_REFINED_BALL + ISO_REFINED_BALL_MORE),
+                most = reach_of(radius * call->params.slant, call->params.filtered);
     call->shift = CELL_SHIFT_LEAST;
     while (call->shift < 16 && most > (float)(1 << call->shift)) call->shift++;
     const size_t side = (size_t)1 << call->shift;
@@ -164,9 +170,9 @@ static void set_up_occlusion(refined_call *call) {
     /* A disc reaches one radius towards the eye and is averaged with hits up to 1.5 radii before it: 2.5,
      * and a margin. Without culling a front-facing disc can replace a flipped one that lies another 1.5
      * radii before. */
-    const float radius =
+    const float ball =
         largest_radius(call->params.points, call->params.radius) * (ISO_REFINED_BALL + ISO_REFINED_BALL_MORE);
-    call->behind = (call->params.cull ? 2.6f : 4.1f) * radius;
+    call->behind = (call->params.cull ? 2.6f : 4.1f) * ball;
     if (call->params.filtered) call->behind += ISO_REFINED_LOW_PASS_DEPTH * largest_pixel(call);
     /* centres are averaged over a greater depth, which counts twice where they can replace flipped ones */
     if (call->params.centres) call->behind += 2 * ISO_REFINED_CENTRES_DEPTH * largest_pixel(call);
@@ -305,16 +311,17 @@ static drawing start_patch(const refined_call *call, size_t number, int worker) 
  * pixels, and when only their centres are drawn. */
 static void choose_method(const refined_call *call, drawing *d) {
     const iso_point_block *block = call->blocks->blocks.data;
-    float most = 0, low_pass = 0;
+    float most = 0;
+    bool filtered = false;
     d->patch.flat = !call->params.colored; /* the sums of flat discs have no place for colours */
     for (size_t i = 0; i < d->count; i++) {
         const iso_point_block *b = &block[d->order[i]];
         most = b->radius[1] > most ? b->radius[1] : most;
         d->patch.flat &= !iso_refined_use_curvature(&call->params, b);
-        if (iso_refined_use_filter(&call->params, b)) low_pass = ISO_REFINED_LOW_PASS;
+        filtered |= iso_refined_use_filter(&call->params, b);
     }
     const iso_point_block largest = {.radius = {0, most}};
-    const float reach = hypotf(iso_refined_largest_radius(&largest) * call->params.slant, low_pass);
+    const float reach = reach_of(iso_refined_largest_radius(&largest) * call->params.slant, filtered);
     d->tiles = !call->params.centres && 2 * reach + 1 > ISO_REFINED_BOX;
 }
 
