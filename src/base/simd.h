@@ -56,6 +56,14 @@ enum { ISO_LANES_generic = 4, ISO_LANES_avx2 = 8, ISO_LANES_avx512 = 16, ISO_LAN
 #define ISO_KERNEL(kernel, level) ((void)(level), &kernel##_generic)
 #endif
 
+/* Declares the constants kernel_generic, kernel_avx2 and kernel_avx512 for ISO_KERNEL, when each of them is
+ * defined in a unit of its own (base/kernel_levels.inc). */
+#if ISO_HAVE_X86
+#define ISO_KERNEL_UNITS(type, kernel) extern const type kernel##_generic, kernel##_avx2, kernel##_avx512
+#else
+#define ISO_KERNEL_UNITS(type, kernel) extern const type kernel##_generic
+#endif
+
 #define vf ISO_V(vf)
 #define vi ISO_V(vi)
 #define vm ISO_V(vm)

@@ -1,26 +1,30 @@
-/* kernel: compiles kernel_body.inc once per instruction set. */
+/* kernel: chooses among the units in which the kernels are compiled (project_kernel.c, steps_kernel.c). */
 #include "render/pullpush/kernel.h"
 
 #include "base/simd.h"
-#include "render/shading/phong.h"
 
-/* Keys store a point's position within its pixel in 1/32 (pyramid.h). */
-enum { PP_PART_BITS = 5, PP_PARTS = 1 << PP_PART_BITS };
+ISO_KERNEL_UNITS(iso_pullpush_project, iso_pullpush_project);
+ISO_KERNEL_UNITS(iso_pullpush_steps, iso_pullpush_steps_ONE);
+ISO_KERNEL_UNITS(iso_pullpush_steps, iso_pullpush_steps_TWO);
+ISO_KERNEL_UNITS(iso_pullpush_steps, iso_pullpush_steps_NONE);
+ISO_KERNEL_UNITS(iso_pullpush_steps, iso_pullpush_steps_SETS);
 
-/* Of which side of the surface points are drawn: what iso_pullpush_kind means for averages. */
-typedef enum pp_sides {
-    PP_ONE,
-    PP_TWO,
-    PP_NONE, /* normals have no sign */
-    PP_SETS  /* surfaces as PP_TWO, and ribbons as PP_NONE, side by side */
-} pp_sides;
+iso_pullpush_project iso_pullpush_project_get(void) {
+    return *ISO_KERNEL(iso_pullpush_project, iso_cpu_best());
+}
 
-/* How far ellipses of lines reach along the line, in pixels of their level. */
-#define PP_REACH 2
-
-#define ISO_KERNEL_BODY "render/pullpush/kernel_body.inc"
-#include "base/kernel_levels.inc"
-
-const iso_pullpush_kernel *iso_pullpush_kernel_get(iso_cpu_level level) {
-    return ISO_KERNEL(kernel, level);
+const iso_pullpush_steps *iso_pullpush_steps_get(iso_pullpush_kind kind) {
+    const iso_cpu_level level = iso_cpu_best();
+    switch (kind) {
+    case ISO_PULLPUSH_ONE_SIDED:
+        return ISO_KERNEL(iso_pullpush_steps_ONE, level);
+    case ISO_PULLPUSH_TWO_SIDED:
+        return ISO_KERNEL(iso_pullpush_steps_TWO, level);
+    case ISO_PULLPUSH_SETS:
+        return ISO_KERNEL(iso_pullpush_steps_SETS, level);
+    case ISO_PULLPUSH_TUBES:
+    case ISO_PULLPUSH_RIBBONS:
+        break;
+    }
+    return ISO_KERNEL(iso_pullpush_steps_NONE, level);
 }

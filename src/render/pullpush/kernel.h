@@ -68,9 +68,8 @@ typedef struct iso_block_list {
     size_t count;
 } iso_block_list;
 
-typedef struct iso_pullpush_kernel {
-    /* Projects the points of the blocks into rows of the keys, and of the index when there is one. */
-    void (*project_points)(const iso_point_projection *projection, const iso_block_list *list, iso_rows rows);
+/* The steps that depend on what the pixels of a pyramid stand for. */
+typedef struct iso_pullpush_steps {
     /* Converts rows of keys to planes of the base level, which is 1 or higher. */
     void (*unpack_keys)(const iso_pullpush_params *params, iso_rows rows);
     /* Averages the level below into rows of `level`; into level 1 directly from keys when level 0 is the
@@ -85,9 +84,14 @@ typedef struct iso_pullpush_kernel {
     void (*push_rows)(const iso_pullpush_params *params, int level, iso_rows rows);
     /* The last push, by rows of level 1's cells: writes samples into the gbuffer. */
     void (*finish_samples)(const iso_pullpush_params *params, iso_rows rows);
-} iso_pullpush_kernel;
+} iso_pullpush_steps;
 
-/* The kernel at an instruction set, or at the best below it that this build has. Never NULL. */
-const iso_pullpush_kernel *iso_pullpush_kernel_get(iso_cpu_level level);
+/* Projects the points of the blocks into rows of the keys, and of the index when there is one. */
+typedef void (*iso_pullpush_project)(const iso_point_projection *projection, const iso_block_list *list,
+                                     iso_rows rows);
+
+/* The functions for the best instruction set that this processor and this build have. Never NULL. */
+iso_pullpush_project iso_pullpush_project_get(void);
+const iso_pullpush_steps *iso_pullpush_steps_get(iso_pullpush_kind kind);
 
 #endif

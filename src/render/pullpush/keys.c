@@ -86,7 +86,6 @@ iso_pullpush_base iso_pullpush_base_of(const iso_pullpush_survey *survey, const 
 /* ---- drawing */
 
 typedef struct key_bands {
-    const iso_pullpush_kernel *kernel;
     const iso_point_projection *projection;
     const iso_point_blocks *blocks;
     int height;
@@ -101,7 +100,7 @@ static void project_band(void *context, size_t band, int worker) {
                                  start[band + 1] - start[band]};
     const int first = (int)band * BAND_ROWS, last = first + BAND_ROWS - 1;
     const iso_rows rows = {first, last < bands->height ? last : bands->height - 1};
-    if (list.count) bands->kernel->project_points(bands->projection, &list, rows);
+    if (list.count) iso_pullpush_project_get()(bands->projection, &list, rows);
 }
 
 static iso_status draw_blocks(const iso_pullpush_keys *picture, const iso_point_view *points,
@@ -119,7 +118,7 @@ static iso_status draw_blocks(const iso_pullpush_keys *picture, const iso_point_
     ISO_TRY(iso_point_blocks_make(blocks, points, &projector, picture->pool, error));
     ISO_TRY(
         iso_point_blocks_assign_bands(blocks, picture->view, &pyramid, BAND_ROWS, base->cull != 0, error));
-    key_bands bands = {iso_pullpush_kernel_get(iso_cpu_best()), &projection, blocks, base->height};
+    key_bands bands = {&projection, blocks, base->height};
     iso_parallel_for(picture->pool, (size_t)((base->height - 1) / BAND_ROWS + 1), project_band, &bands);
     return ISO_OK;
 }

@@ -1,4 +1,4 @@
-/* pullpush: prepares a picture or a strip of it, and runs the steps of the kernel (kernel.h) over rows of the
+/* pullpush: prepares a picture or a strip of it, and runs the steps (kernel.h) over rows of the
  * pyramid with all threads. Marroquim, Kraus and Cavalcanti 2008, section 3. */
 #include "render/pullpush/pullpush.h"
 
@@ -41,7 +41,7 @@ typedef struct pullpush_call {
     const iso_target *target;
     const iso_point_view *points;
     iso_reconstruction reconstruction;
-    const iso_pullpush_kernel *kernel;
+    const iso_pullpush_steps *steps;
     iso_projector projector;
     iso_point_blocks *blocks;
     iso_line_frame *lines;          /* NULL: points are drawn, with their blocks */
@@ -164,7 +164,7 @@ static iso_status prepare_sets(pullpush_call *call, iso_error *error) {
 
 /* ---- the steps, by rows */
 
-/* Number of rows of cells of a level (see iso_pullpush_kernel.push_rows). */
+/* Number of rows of cells of a level (see iso_pullpush_steps.push_rows). */
 static int cell_rows(const iso_pyramid *p, int level) {
     return iso_pyramid_level_of(&p->layout, level - 1).height / 2 + 1;
 }
@@ -213,7 +213,7 @@ static void project_band(const pullpush_call *call, size_t band, iso_rows rows) 
         return;
     }
     if (call->sets) {
-        iso_set_fragments_project(call->sets, call->kernel, p, band, rows);
+        iso_set_fragments_project(call->sets, p, band, rows);
         return;
     }
     if (call->lines) {
@@ -224,7 +224,7 @@ static void project_band(const pullpush_call *call, size_t band, iso_rows rows) 
     const uint32_t *order = call->blocks->order.data;
     const iso_block_list list = {call->blocks->blocks.data, order + start[band],
                                  start[band + 1] - start[band]};
-    call->kernel->project_points(&call->projection, &list, rows);
+    iso_pullpush_project_get()(&call->projection, &list, rows);
     if (call->polygons) iso_polygon_fragments_project(call->polygons, p, rows);
 }
 
@@ -256,10 +256,10 @@ static void project_and_pull_band(void *context, size_t band, int worker) {
     iso_rows rows = rows_within((int)band * call->band_rows, call->band_rows, p->level[base].height);
     project_band(call, band, rows);
     if (p->index && !call->sets) fetch_attributes(call, rows);
-    if (base > 0) call->kernel->unpack_keys(&call->params, rows);
+    if (base > 0) call->steps->unpack_keys(&call->params, rows);
     for (int i = 1; i <= call->band_levels; i++) {
         const iso_pyramid_level *level = &p->level[base + i];
-        call->kernel->pull_rows(
+        call->steps->pull_rows(
             &call->params, base + i,
             rows_within((int)band * (call->band_rows >> i), call->band_rows >> i, level->height));
     }
@@ -268,22 +268,22 @@ static void project_and_pull_band(void *context, size_t band, int worker) {
 static void pull_rows(void *context, size_t index, int worker) {
     (void)worker;
     const pullpush_call *call = context;
-    call->kernel->pull_rows(&call->params, call->level,
-                            rows_within((int)index * call->task_rows, call->task_rows, call->level_rows));
+    call->steps->pull_rows(&call->params, call->level,
+                           rows_within((int)index * call->task_rows, call->task_rows, call->level_rows));
 }
 
 static void make_ellipse_rows(void *context, size_t index, int worker) {
     (void)worker;
     const pullpush_call *call = context;
-    call->kernel->make_ellipses(&call->params, call->level,
-                                rows_within((int)index * call->task_rows, call->task_rows, call->level_rows));
+    call->steps->make_ellipses(&call->params, call->level,
+                               rows_within((int)index * call->task_rows, call->task_rows, call->level_rows));
 }
 
 static void push_rows(void *context, size_t index, int worker) {
     (void)worker;
     const pullpush_call *call = context;
-    call->kernel->push_rows(&call->params, call->level,
-                            rows_within((int)index * call->task_rows, call->task_rows, call->level_rows));
+    call->steps->push_rows(&call->params, call->level,
+                           rows_within((int)index * call->task_rows, call->task_rows, call->level_rows));
 }
 
 /* Task: pushes to level 1 and draws each row of level 1's cells as soon as the two rows of pixels beside it
@@ -295,10 +295,10 @@ static void push_and_finish_rows(void *context, size_t index, int worker) {
     iso_rows rows = rows_within((int)index * call->task_rows, call->task_rows, call->level_rows);
     int end = cell_rows(call->pyramid, 1);
     for (int y = rows.first; y <= rows.last; y++) {
-        call->kernel->push_rows(&call->params, 2, (iso_rows){y, y});
+        call->steps->push_rows(&call->params, 2, (iso_rows){y, y});
         /* this made rows 2y - 1 and 2y of level 1 */
         int first = y > rows.first ? 2 * y - 1 : 2 * y, last = 2 * y < end ? 2 * y : end - 1;
-        call->kernel->finish_samples(&call->params, (iso_rows){first, last});
+        call->steps->finish_samples(&call->params, (iso_rows){first, last});
     }
 }
 
@@ -308,16 +308,16 @@ static void finish_rows_between_tasks(void *context, size_t index, int worker) {
     iso_rows rows = rows_within((int)index * call->task_rows, call->task_rows, call->level_rows);
     int after = 2 * rows.last + 1;
     if (rows.first > 0)
-        call->kernel->finish_samples(&call->params, (iso_rows){2 * rows.first - 1, 2 * rows.first - 1});
+        call->steps->finish_samples(&call->params, (iso_rows){2 * rows.first - 1, 2 * rows.first - 1});
     if (rows.last == call->level_rows - 1 && after < cell_rows(call->pyramid, 1))
-        call->kernel->finish_samples(&call->params, (iso_rows){after, after});
+        call->steps->finish_samples(&call->params, (iso_rows){after, after});
 }
 
 static void finish_rows(void *context, size_t index, int worker) {
     (void)worker;
     const pullpush_call *call = context;
-    call->kernel->finish_samples(
-        &call->params, rows_within((int)index * call->task_rows, call->task_rows, call->level_rows));
+    call->steps->finish_samples(&call->params,
+                                rows_within((int)index * call->task_rows, call->task_rows, call->level_rows));
 }
 
 /* Runs a step over `rows` rows of pixels or cells of level `number`, with all threads. */
@@ -398,6 +398,7 @@ static iso_status draw_rows(pullpush_call *call, const iso_target *whole, int fi
             : call->lines ? prepare_lines(call, error)
             : call->given ? prepare_given(call, error)
                           : prepare_pyramid(call, error));
+    call->steps = iso_pullpush_steps_get(call->params.kind);
     reconstruct_surface(call);
     return ISO_OK;
 }
@@ -440,7 +441,6 @@ static iso_status draw_surface(const iso_target *target, const iso_point_view *p
     iso_pullpush *workspace = opts->workspace;
     pullpush_call call = {.points = points,
                           .reconstruction = reconstruction,
-                          .kernel = iso_pullpush_kernel_get(iso_cpu_best()),
                           .projector = iso_projector_make(view, &points->transform),
                           .blocks = &workspace->blocks,
                           .polygons = polygons,
@@ -475,7 +475,6 @@ iso_status iso_pullpush_draw_merged(const iso_target *target, const iso_pullpush
     iso_pyramid pyramid = {0};
     pullpush_call call = {.points = points,
                           .reconstruction = reconstruction,
-                          .kernel = iso_pullpush_kernel_get(iso_cpu_best()),
                           .projector = iso_projector_make(target->view, &points->transform),
                           .given = picture,
                           .pyramid = &pyramid};
@@ -502,7 +501,6 @@ iso_status iso_draw_pyramid_lines(const iso_target *target, const iso_pyramid_li
     iso_line_frame frame;
     ISO_TRY(iso_line_frame_make(lines, target, &frame, error));
     pullpush_call call = {.lines = &frame,
-                          .kernel = iso_pullpush_kernel_get(iso_cpu_best()),
                           .projector = iso_projector_make(target->view, &world),
                           .pyramid = workspace ? &workspace->line_pyramid : &once.line_pyramid};
     iso_status status = ISO_OK;
@@ -517,11 +515,8 @@ iso_status iso_draw_pyramid_lines(const iso_target *target, const iso_pyramid_li
 
 static iso_status draw_sets(const iso_target *target, iso_sets_frame *frame,
                             iso_reconstruction reconstruction, iso_pyramid *pyramid, iso_error *error) {
-    pullpush_call call = {.sets = frame,
-                          .reconstruction = reconstruction,
-                          .kernel = iso_pullpush_kernel_get(iso_cpu_best()),
-                          .projector = frame->projector,
-                          .pyramid = pyramid};
+    pullpush_call call = {
+        .sets = frame, .reconstruction = reconstruction, .projector = frame->projector, .pyramid = pyramid};
     if (frame->radius[0] > frame->radius[1] && !frame->polygons.count) return ISO_OK;
     if (frame->colored) ISO_TRY(iso_gbuffer_add_color(target->gbuffer, error));
     return draw_strips(&call, target, error);

@@ -173,8 +173,8 @@ static void fetch_points(const iso_sets_frame *frame, const iso_pyramid *pyramid
         }
 }
 
-void iso_set_fragments_project(const iso_sets_frame *frame, const iso_pullpush_kernel *kernel,
-                               const iso_pyramid *pyramid, size_t band, iso_rows rows) {
+void iso_set_fragments_project(const iso_sets_frame *frame, const iso_pyramid *pyramid, size_t band,
+                               iso_rows rows) {
     for (size_t i = 0; i < frame->count; i++) {
         const iso_set_frame *made = &frame->sets[i];
         if (!made->points) continue;
@@ -182,7 +182,7 @@ void iso_set_fragments_project(const iso_sets_frame *frame, const iso_pullpush_k
         const uint32_t *order = made->blocks.order.data;
         const iso_block_list list = {made->blocks.blocks.data, order + start[band],
                                      start[band + 1] - start[band]};
-        kernel->project_points(&made->projection, &list, rows);
+        iso_pullpush_project_get()(&made->projection, &list, rows);
     }
     fetch_points(frame, pyramid, rows);
     if (frame->polygons.count) iso_polygon_fragments_project(&frame->polygons, pyramid, rows);

@@ -40,7 +40,7 @@ iso_status iso_sets_frame_prepare(iso_sets_frame *frame, const iso_target *strip
                                   int band_rows, iso_error *error);
 
 /* Writes the fragments of a band, rows of level 0: keys and the optional planes. */
-void iso_set_fragments_project(const iso_sets_frame *frame, const iso_pullpush_kernel *kernel,
-                               const iso_pyramid *pyramid, size_t band, iso_rows rows);
+void iso_set_fragments_project(const iso_sets_frame *frame, const iso_pyramid *pyramid, size_t band,
+                               iso_rows rows);
 
 #endif
