@@ -9,8 +9,8 @@ void keep_slab(ray r, int axis, double low, double high, inout piece p) {
         return;
     }
     double enter = ((d < 0.0 ? high : low) - o) / d, leave = ((d > 0.0 ? high : low) - o) / d;
-    dvec3 normal = dvec3(0.0);
-    normal[axis] = d > 0.0 ? 1.0 : -1.0;
+    /* (NVIDIA's compiler has no assignment to a component of a dvec3 whose number is a variable) */
+    dvec3 normal = (d > 0.0 ? 1.0LF : -1.0LF) * dvec3(double(axis == 0), double(axis == 1), double(axis == 2));
     if (enter > p.t[0]) {
         p.t[0] = enter;
         p.normal[0] = -normal;
@@ -115,15 +115,12 @@ piece meet_solid(ray r, near_shape s) {
     dvec3 to = s.ends[0].xyz - r.origin;
     double shift = dot(to, r.direction) / dot(r.direction, r.direction);
     dvec3 from = shift * r.direction - to;
-    ray unit;
-    for (int i = 0; i < 3; i++) {
-        unit.origin[i] = dot(s.inverse[i].xyz, from);
-        unit.direction[i] = dot(s.inverse[i].xyz, r.direction);
-    }
+    dvec3 x = s.inverse[0].xyz, y = s.inverse[1].xyz, z = s.inverse[2].xyz;
+    ray unit = ray(dvec3(dot(x, from), dot(y, from), dot(z, from)),
+                   dvec3(dot(x, r.direction), dot(y, r.direction), dot(z, r.direction)));
     piece p = meet_unit(GLYPH, unit, camera.w - shift);
     for (int end = 0; end < 2; end++) {
-        dvec3 n = p.normal[end].x * s.inverse[0].xyz + p.normal[end].y * s.inverse[1].xyz +
-                  p.normal[end].z * s.inverse[2].xyz;
+        dvec3 n = p.normal[end].x * x + p.normal[end].y * y + p.normal[end].z * z;
         p.t[end] += shift;
         p.normal[end] = n / sqrt(dot(n, n));
     }

@@ -25,6 +25,7 @@ static void GLAD_API_PTR record_message(GLenum source, GLenum type, GLuint id, G
                                         GLsizei length, const GLchar *text, const void *user) {
     (void)source, (void)id, (void)length;
     if (severity == GL_DEBUG_SEVERITY_NOTIFICATION) return;
+    if (type == GL_DEBUG_TYPE_PERFORMANCE) return;    /* advice, of which every driver gives its own */
     iso_gl_context *context = (iso_gl_context *)user; /* as passed to DebugMessageCallback */
     if (context->message_count++ == 0) snprintf(context->message, sizeof context->message, "%s", text);
     bool wrong = type == GL_DEBUG_TYPE_ERROR || type == GL_DEBUG_TYPE_UNDEFINED_BEHAVIOR;

@@ -11,6 +11,7 @@ void iso_gl_picture_clear(const iso_gl_engine *engine, size_t planes, size_t sam
     const GLuint none = ISO_SURFACE_NONE, zero = 0, picture = engine->storage[ISO_GL_STORE_PICTURE];
     const GladGLContext *gl = engine->context->gl;
     const size_t plane = samples * sizeof(float);
+    gl->MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT); /* shaders may still write the picture before */
     gl->ClearNamedBufferSubData(picture, GL_R32UI, 0, (GLsizeiptr)(planes * plane), GL_RED_INTEGER,
                                 GL_UNSIGNED_INT, &zero);
     gl->ClearNamedBufferSubData(picture, GL_R32F, 0, (GLsizeiptr)plane, GL_RED, GL_FLOAT, &far);

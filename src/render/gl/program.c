@@ -234,6 +234,23 @@ const char *iso_gl_program_write(iso_gl_program program, int stage, FILE *stream
     return r->files[stage];
 }
 
+/* Leaves of a compiler's log the line that says what is wrong: drivers may put headings before it. */
+static void keep_error_line(char *log) {
+    const char *line = log;
+    for (char *at = log; *at;) {
+        const size_t length = strcspn(at, "\n");
+        const bool last = at[length] == 0;
+        at[length] = 0;
+        if (strstr(at, "error") || strstr(at, "ERROR")) {
+            line = at;
+            break;
+        }
+        if (last) break;
+        at += length + 1;
+    }
+    memmove(log, line, strlen(line) + 1);
+}
+
 static iso_status compile(iso_gl_context *context, const recipe *r, const char *file, GLuint *shader,
                           iso_error *error) {
     const GladGLContext *gl = context->gl;
@@ -251,7 +268,7 @@ static iso_status compile(iso_gl_context *context, const recipe *r, const char *
     char log[ISO_GL_TEXT] = "";
     gl->GetShaderInfoLog(made, sizeof log, NULL, log);
     gl->DeleteShader(made);
-    log[strcspn(log, "\n")] = 0;
+    keep_error_line(log);
     return iso_fail(error, ISO_ERR_BACKEND, "%s: shader %s: %s", context->name, file, log);
 }
 
@@ -271,7 +288,7 @@ static iso_status link_program(iso_gl_context *context, const recipe *r, const G
     char log[ISO_GL_TEXT] = "";
     gl->GetProgramInfoLog(made, sizeof log, NULL, log);
     gl->DeleteProgram(made);
-    log[strcspn(log, "\n")] = 0;
+    keep_error_line(log);
     return iso_fail(error, ISO_ERR_BACKEND, "%s: shaders of %s: %s", context->name, r->name, log);
 }
 

@@ -134,6 +134,8 @@ static void set_uniforms(pullpush_draw *d, int surface) {
 /* Uploads the uniforms of one surface and prepares its buffers. */
 static void begin_surface(pullpush_draw *d, int surface) {
     const pullpush_call *call = d->call;
+    /* the buffers that are written below may still be used by the shaders of the surface before */
+    call->gl->MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
     d->projection = iso_pullpush_projection(&d->pyramid, &d->projector, &d->surface->transform,
                                             !d->surface->surfels, d->cull);
     set_uniforms(d, surface);
