@@ -4,7 +4,14 @@
  * rejects. */
 #include "grids/volume/dicom/dicom.h"
 
+#include <cstdio>
 #include <cstring>
+#include <mutex>
+#include <string>
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
 #include <gdcmByteValue.h>
 #include <gdcmImage.h>
@@ -17,13 +24,44 @@
 
 namespace {
 
-/* Turns off GDCM's printed warnings. Several threads may do this: they set the same flags to the same values.
- */
-void be_quiet() {
-    gdcm::Trace::DebugOff();
-    gdcm::Trace::WarningOff();
-    gdcm::Trace::ErrorOff();
-}
+/* Catches what is written to standard error while it lives. GDCM's own messages can be turned off, but its
+ * codecs (libjpeg, OpenJPEG) write theirs without asking. Standard error belongs to the whole process: lines
+ * of other threads are caught, too, during the milliseconds that a frame takes. */
+class caught_messages {
+    static std::mutex lock;
+    const std::lock_guard<std::mutex> alone{lock};
+    const int messages = memfd_create("messages of a codec", MFD_CLOEXEC);
+    int kept = -1;
+
+  public:
+    caught_messages() {
+        gdcm::Trace::DebugOff();
+        gdcm::Trace::WarningOff();
+        gdcm::Trace::ErrorOff();
+        std::fflush(stderr);
+        if (messages >= 0) kept = fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
+        if (kept >= 0) dup2(messages, STDERR_FILENO);
+    }
+    ~caught_messages() {
+        std::fflush(stderr);
+        if (kept >= 0) dup2(kept, STDERR_FILENO);
+        if (kept >= 0) close(kept);
+        if (messages >= 0) close(messages);
+    }
+    caught_messages(const caught_messages &) = delete;
+    caught_messages &operator=(const caught_messages &) = delete;
+
+    /* The first line so far; empty if there is none. */
+    std::string first_line() const {
+        char text[200];
+        std::fflush(stderr);
+        const ssize_t length = messages < 0 ? 0 : pread(messages, text, sizeof text, 0);
+        std::string line(text, length > 0 ? static_cast<size_t>(length) : 0);
+        return iso::one_line(line.substr(0, line.find('\n')));
+    }
+};
+
+std::mutex caught_messages::lock;
 
 gdcm::DataElement pixels_of(const iso_dicom_items &items) {
     gdcm::SmartPointer<gdcm::SequenceOfFragments> sequence = new gdcm::SequenceOfFragments;
@@ -70,10 +108,16 @@ iso_status decode(const iso_dicom_file &file, const iso_dicom_items &items, void
 }
 
 iso_status decode_frame(const iso_dicom_file *file, const iso_dicom_items *items, void *pixels,
-                        iso_error *error) {
+                        char warning[ISO_DICOM_WARNING], iso_error *error) {
     return iso::guard(file->path, error, [&] {
-        be_quiet();
-        return decode(*file, *items, pixels, error);
+        const caught_messages messages;
+        iso_error detail = {};
+        const iso_status status = decode(*file, *items, pixels, &detail);
+        const std::string line = messages.first_line();
+        std::snprintf(warning, ISO_DICOM_WARNING, "%s", line.c_str());
+        if (status == ISO_OK) return status;
+        if (line.empty()) return iso_fail(error, status, "%s", detail.text);
+        return iso_fail(error, status, "%s (%s)", detail.text, warning);
     });
 }
 

@@ -1,107 +1,39 @@
 /* format_dicom: reads a folder of DICOM files, or the series of one file, as a volume.
  *
- * The headers of all files in the folder are read; pixels only of the chosen series, one file at a time. */
+ * The headers of all files in the folder are read (folder.c); pixels only of the chosen series, one file at a
+ * time. */
 #define _GNU_SOURCE
 #include "grids/volume/format.h"
 
-#include <dirent.h>
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 #include <sys/stat.h>
 
 #include "base/memory.h"
 #include "grids/volume/dicom/dicom.h"
 #include "grids/volume/module.h"
 
-/* ---- the files ---- */
-
-typedef struct folder {
-    const char *path;
-    iso_dicom_file *files; /* images, by name */
-    size_t count, room;
-    size_t strays, imageless;
-} folder;
-
-static void free_folder(folder *f) {
-    for (size_t i = 0; i < f->count; i++) iso_dicom_file_free(&f->files[i]);
-    free(f->files);
-    *f = (folder){0};
-}
-
-static bool has_dicom_name(const char *path) {
-    const char *dot = strrchr(path, '.');
-    return dot &&
-           (strcasecmp(dot, ".dcm") == 0 || strcasecmp(dot, ".dicom") == 0 || strcasecmp(dot, ".ima") == 0);
-}
-
-/* Adds a file of the folder if it is a DICOM image. A file called .dcm that is not DICOM is an error: it may
- * be a slice that was cut off at its first bytes. */
-static iso_status add_file(folder *f, const char *path, iso_error *error) {
-    if (f->count == f->room) {
-        size_t room = f->room ? 2 * f->room : 64;
-        iso_dicom_file *files = realloc(f->files, room * sizeof *files);
-        if (!files) return iso_fail_memory(error, f->path);
-        f->files = files;
-        f->room = room;
-    }
-    iso_dicom_kind kind;
-    ISO_TRY(iso_dicom_file_read(path, &f->files[f->count], &kind, error));
-    if (kind == ISO_DICOM_NOT && has_dicom_name(path))
-        return iso_fail(error, ISO_ERR_IO, "%s: not a DICOM file, or truncated", path);
-    f->count += kind == ISO_DICOM_IMAGE;
-    f->imageless += kind == ISO_DICOM_NO_IMAGE;
-    f->strays += kind == ISO_DICOM_NOT;
-    return ISO_OK;
-}
-
-static iso_status add_entry(folder *f, const char *name, iso_error *error) {
-    char *path = NULL;
-    struct stat status;
-    if (asprintf(&path, "%s/%s", f->path, name) < 0) return iso_fail_memory(error, f->path);
-    iso_status result = ISO_OK;
-    if (stat(path, &status) == 0 && S_ISREG(status.st_mode)) result = add_file(f, path, error);
-    free(path);
-    return result;
-}
-
-static int not_hidden(const struct dirent *entry) {
-    return entry->d_name[0] != '.';
-}
-
-static int by_name(const struct dirent **a, const struct dirent **b) {
-    return strcmp((*a)->d_name, (*b)->d_name);
-}
-
-static iso_status read_folder(const char *path, folder *f, iso_error *error) {
-    struct dirent **entries = NULL;
-    *f = (folder){.path = path};
-    int count = scandir(path, &entries, not_hidden, by_name);
-    if (count < 0) return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
-    iso_status status = ISO_OK;
-    for (int i = 0; i < count; i++) {
-        if (status == ISO_OK) status = add_entry(f, entries[i]->d_name, error);
-        free(entries[i]);
-    }
-    free(entries);
-    if (status != ISO_OK) free_folder(f);
-    return status;
-}
-
 /* ---- series ---- */
 
 typedef struct series {
     const iso_dicom_file *first;
-    size_t images;
+    const size_t *files; /* indices of its files */
+    size_t file_count, images;
 } series;
 
 typedef struct series_list {
     series *list;
     size_t count;
+    size_t *files; /* indices of all files, by series */
 } series_list;
+
+static void free_list(series_list *all) {
+    free(all->list);
+    free(all->files);
+}
 
 static bool is_grey(const iso_dicom_file *file) {
     return file->samples == 1 && (!*file->photometric || strncmp(file->photometric, "MONOCHROME", 10) == 0);
@@ -114,28 +46,30 @@ static int compare_series(const void *left, const void *right) {
     return strcmp(a->series, b->series);
 }
 
-static iso_status list_series(const folder *f, series_list *all, iso_error *error) {
-    *all = (series_list){.list = calloc(f->count ? f->count : 1, sizeof *all->list)};
-    if (!all->list) return iso_fail_memory(error, f->path);
+static int compare_files(const void *left, const void *right, void *context) {
+    const iso_dicom_file *files = context;
+    const size_t a = *(const size_t *)left, b = *(const size_t *)right;
+    const int order = strcmp(files[a].series, files[b].series);
+    return order ? order : (a > b) - (a < b);
+}
+
+/* Release the list with free_list, also when it fails. */
+static iso_status list_series(const iso_dicom_folder *f, series_list *all, iso_error *error) {
+    const size_t room = f->count ? f->count : 1;
+    *all = (series_list){.list = calloc(room, sizeof *all->list), .files = malloc(room * sizeof *all->files)};
+    if (!all->list || !all->files) return iso_fail_memory(error, f->path);
+    for (size_t i = 0; i < f->count; i++) all->files[i] = i;
+    qsort_r(all->files, f->count, sizeof *all->files, compare_files, f->files);
     for (size_t i = 0; i < f->count; i++) {
-        size_t k = 0;
-        while (k < all->count && strcmp(all->list[k].first->series, f->files[i].series) != 0) k++;
-        if (k == all->count) all->list[all->count++].first = &f->files[i];
-        all->list[k].images += (size_t)f->files[i].frame_count;
+        const iso_dicom_file *file = &f->files[all->files[i]];
+        if (!all->count || strcmp(all->list[all->count - 1].first->series, file->series) != 0)
+            all->list[all->count++] = (series){.first = file, .files = all->files + i};
+        series *one = &all->list[all->count - 1];
+        one->file_count++;
+        one->images += (size_t)file->frame_count;
     }
     qsort(all->list, all->count, sizeof *all->list, compare_series);
     return ISO_OK;
-}
-
-static void list_items(const series_list *all, iso_volume_info *info) {
-    for (size_t i = 0; i < all->count && info->item_count < ISO_VOLUME_ITEMS; i++) {
-        const series *one = &all->list[i];
-        const iso_dicom_file *file = one->first;
-        snprintf(info->items[info->item_count++], ISO_VOLUME_TEXT,
-                 "%zu  %s  %dx%dx%zu  %s  (%zu image%s)  %s", i + 1, file->modality, file->columns,
-                 file->rows, one->images, *file->description ? file->description : "-", one->images,
-                 one->images == 1 ? "" : "s", file->series);
-    }
 }
 
 static const series *largest(const series_list *all) {
@@ -148,25 +82,48 @@ static const series *largest(const series_list *all) {
     return best;
 }
 
+/* Parses a number from 1 on; 0: it is none. */
+static size_t parse_number(const char *text) {
+    char *end;
+    const long number = strtol(text, &end, 10);
+    return end == text || *end || number < 1 ? 0 : (size_t)number;
+}
+
 static const series *find_series(const series_list *all, const char *text) {
     for (size_t i = 0; i < all->count; i++)
         if (strcmp(all->list[i].first->series, text) == 0) return &all->list[i];
-    char *end;
-    long number = strtol(text, &end, 10);
-    if (end == text || *end || number < 1 || (size_t)number > all->count) return NULL;
-    return &all->list[number - 1];
+    const size_t number = parse_number(text);
+    return number >= 1 && number <= all->count ? &all->list[number - 1] : NULL;
 }
 
-static iso_status choose_series(const folder *f, const iso_volume_opts *opts, const char *own,
-                                const series_list *all, const series **chosen, iso_error *error) {
-    const char *wanted = opts->series ? opts->series : own;
-    if (all->count == 0)
-        return iso_fail(error, ISO_ERR_FORMAT, "%s: holds no DICOM images (%zu other files)", f->path,
-                        f->strays + f->imageless);
-    *chosen = wanted ? find_series(all, wanted) : largest(all);
+/* Divides SERIES:ACQUISITION, of which the second part may be missing: 0. */
+static iso_status divide_choice(const char *text, char name[80], size_t *acquisition, iso_error *error) {
+    const char *colon = strchr(text, ':');
+    const size_t length = colon ? (size_t)(colon - text) : strlen(text);
+    *acquisition = colon ? parse_number(colon + 1) : 0;
+    if (length >= 80 || (colon && !*acquisition))
+        return iso_fail(error, ISO_ERR_USAGE, "'%s' is not a series, or SERIES:NUMBER (--series)", text);
+    snprintf(name, 80, "%.*s", (int)length, text);
+    return ISO_OK;
+}
+
+static iso_status choose_series(const iso_dicom_folder *f, const iso_volume_opts *opts, const char *own,
+                                const series_list *all, const series **chosen, size_t *acquisition,
+                                iso_error *error) {
+    char wanted[80];
+    const char *name = opts->series ? wanted : own;
+    *acquisition = 0;
+    if (all->count == 0) {
+        const size_t others = f->strays + f->imageless + f->damaged_count;
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: holds no DICOM images (%zu other file%s)%s%s", f->path,
+                        others, others == 1 ? "" : "s", f->damaged_count ? ": " : "",
+                        f->damaged_count ? iso_dicom_folder_name(f->path, f->damaged[0].reason) : "");
+    }
+    if (opts->series) ISO_TRY(divide_choice(opts->series, wanted, acquisition, error));
+    *chosen = name ? find_series(all, name) : largest(all);
     if (!*chosen)
         return iso_fail(error, ISO_ERR_USAGE, "%s: no series \"%s\", there %s %zu (by number from 1, or UID)",
-                        f->path, wanted, all->count == 1 ? "is" : "are", all->count);
+                        f->path, name, all->count == 1 ? "is" : "are", all->count);
     const iso_dicom_file *file = (*chosen)->first;
     if (!is_grey(file))
         return iso_fail(error, ISO_ERR_FORMAT, "%s: holds colour images (%s), not a volume of values",
@@ -191,15 +148,17 @@ static bool near(const double *a, const double *b, int count, double tolerance) 
 
 /* Whether two frames can be slices of one volume. Not all frames of a series can: a scout of another size or
  * direction often has the UID of its series. */
-static bool fits_together(const folder *f, const iso_dicom_frame *a, const iso_dicom_frame *b) {
+static bool fits_together(const iso_dicom_folder *f, const iso_dicom_frame *a, const iso_dicom_frame *b) {
     const iso_dicom_file *m = &f->files[a->file], *n = &f->files[b->file];
     return m->rows == n->rows && m->columns == n->columns && m->samples == n->samples &&
            m->bits_allocated == n->bits_allocated && m->is_signed == n->is_signed &&
            near(a->orientation, b->orientation, 6, 1e-3) && near(a->pixel, b->pixel, 2, 1e-4 * a->pixel[0]);
 }
 
-/* Keeps the largest set of frames that can be slices of one volume. */
-static iso_status keep_largest_fit(const folder *f, planes *p, iso_volume_info *info, iso_error *error) {
+/* Keeps the largest set of frames that can be slices of one volume, or the set with a frame of file `named`
+ * if it is one of them. */
+static iso_status keep_largest_fit(const iso_dicom_folder *f, size_t named, planes *p, iso_volume_info *info,
+                                   iso_error *error) {
     size_t *representative = malloc(p->count * sizeof *representative);
     size_t *sizes = calloc(p->count, sizeof *sizes), best = 0, kept = 0, groups = 0;
     if (!representative || !sizes) {
@@ -213,7 +172,9 @@ static iso_status keep_largest_fit(const folder *f, planes *p, iso_volume_info *
         if (g == groups) representative[groups++] = i;
         if (++sizes[g] > sizes[best]) best = g;
     }
-    const iso_dicom_frame model = p->frames[representative[best]];
+    size_t chosen = 0;
+    while (chosen < p->count && p->frames[chosen].file != named) chosen++;
+    const iso_dicom_frame model = p->frames[chosen < p->count ? chosen : representative[best]];
     for (size_t i = 0; i < p->count; i++)
         if (fits_together(f, &model, &p->frames[i])) p->frames[kept++] = p->frames[i];
     if (kept < p->count)
@@ -224,19 +185,15 @@ static iso_status keep_largest_fit(const folder *f, planes *p, iso_volume_info *
     return ISO_OK;
 }
 
-/* Collects the frames of a series; only: the path of the one file to use, or NULL. */
-static iso_status collect_frames(const folder *f, const char *uid, const char *only, planes *p,
-                                 iso_error *error) {
-    size_t count = 0;
-    for (size_t i = 0; i < f->count; i++) count += (size_t)f->files[i].frame_count;
-    p->frames = malloc(count * sizeof *p->frames);
+/* Collects the frames of a series; free p->frames. */
+static iso_status collect_frames(const iso_dicom_folder *f, const series *one, planes *p, iso_error *error) {
+    *p = (planes){.frames = malloc(one->images * sizeof *p->frames)};
     if (!p->frames) return iso_fail_memory(error, f->path);
-    for (size_t i = 0; i < f->count; i++) {
-        const iso_dicom_file *file = &f->files[i];
-        if (strcmp(file->series, uid) != 0 || (only && strcmp(file->path, only) != 0)) continue;
+    for (size_t i = 0; i < one->file_count; i++) {
+        const iso_dicom_file *file = &f->files[one->files[i]];
         for (int k = 0; k < file->frame_count; k++) {
             p->frames[p->count] = file->frames[k];
-            p->frames[p->count++].file = i;
+            p->frames[p->count++].file = one->files[i];
         }
     }
     return ISO_OK;
@@ -270,7 +227,7 @@ static void choose_rescale(planes *p, iso_volume_info *info) {
     info->offset = p->physical ? 0 : first->intercept;
 }
 
-static void fill_header(const folder *f, planes *p, iso_volume_info *info) {
+static void fill_header(const iso_dicom_folder *f, planes *p, iso_volume_info *info) {
     const iso_dicom_file *file = &f->files[p->frames[0].file];
     info->dims[0] = file->columns;
     info->dims[1] = file->rows;
@@ -285,7 +242,7 @@ static void fill_header(const folder *f, planes *p, iso_volume_info *info) {
         iso_volume_note(info, "its modality lookup table is not applied: values are stored ones");
 }
 
-static void fill_sizes(const folder *f, const planes *p, iso_volume_info *info) {
+static void fill_sizes(const iso_dicom_folder *f, const planes *p, iso_volume_info *info) {
     uint64_t most = 0;
     for (size_t i = 0; i < p->count; i++) {
         const iso_dicom_file *file = &f->files[p->frames[i].file];
@@ -296,34 +253,20 @@ static void fill_sizes(const folder *f, const planes *p, iso_volume_info *info) 
     if (__builtin_add_overflow(info->bytes, most, &info->read_bytes)) info->read_bytes = UINT64_MAX;
 }
 
-static void note_choice(const folder *f, const series_list *all, const series *chosen, bool by_default,
-                        iso_volume_info *info) {
-    if (by_default && all->count > 1)
-        iso_volume_note(info, "several series: using %td of %zu, \"%s\", which has most images (--series)",
-                        chosen - all->list + 1, all->count, chosen->first->description);
-    if (f->strays)
-        iso_volume_note(info, "%zu file%s in the folder %s not DICOM: ignored", f->strays,
-                        f->strays == 1 ? "" : "s", f->strays == 1 ? "is" : "are");
-    if (f->imageless)
-        iso_volume_note(info, "%zu DICOM file%s in the folder %s no image: ignored", f->imageless,
-                        f->imageless == 1 ? "" : "s", f->imageless == 1 ? "holds" : "hold");
-}
-
 /* ---- from a path to sorted slices ---- */
 
 typedef struct source {
-    folder folder;
+    iso_dicom_folder folder;
     char *folder_path; /* owned when the path names a file */
-    char *own_series;
-    char *only; /* a multi-frame file is a volume by itself */
+    char *own_series;  /* of the named file; NULL: a folder is named */
+    size_t named;      /* index of the named file; SIZE_MAX: all files that were read are meant */
     planes planes;
 } source;
 
 static void free_source(source *s) {
-    free_folder(&s->folder);
+    iso_dicom_folder_free(&s->folder);
     free(s->folder_path);
     free(s->own_series);
-    free(s->only);
     free(s->planes.frames);
     *s = (source){0};
 }
@@ -341,58 +284,162 @@ static char *listed_name(const char *folder_path, const char *path) {
     return asprintf(&name, "%s/%s", folder_path, slash ? slash + 1 : path) < 0 ? NULL : name;
 }
 
-static iso_status open_one_file(const char *path, source *s, iso_error *error) {
+/* Finds the named file among those of its folder. Hidden files are not listed, and the file may be damaged
+ * by now. */
+static iso_status find_named(iso_dicom_folder *f, const char *listed, size_t *named, iso_error *error) {
+    size_t i = 0;
+    while (i < f->count && strcmp(f->files[i].path, listed) != 0) i++;
+    if (i == f->count) ISO_TRY(iso_dicom_folder_add(f, listed, error));
+    if (i == f->count) return iso_fail(error, ISO_ERR_IO, "%s: changed while it was read", listed);
+    *named = i;
+    return ISO_OK;
+}
+
+/* Reads the files beside the named one, which can be slices of the same volume. A file with several frames is
+ * a volume by itself, as is one that states no series. */
+static iso_status read_neighbours(const char *path, bool single, source *s, iso_error *error) {
+    char *listed = listed_name(s->folder_path, path);
+    if (!listed) return iso_fail_memory(error, path);
+    iso_status status = ISO_OK;
+    s->folder.path = s->folder_path;
+    if (single)
+        status = iso_dicom_folder_add(&s->folder, listed, error);
+    else
+        status = iso_dicom_folder_read(s->folder_path, false, &s->folder, error);
+    if (status == ISO_OK && !single) status = find_named(&s->folder, listed, &s->named, error);
+    free(listed);
+    return status;
+}
+
+static iso_status read_named_file(const char *path, source *s, iso_error *error) {
     iso_dicom_file file;
     iso_dicom_kind kind;
-    ISO_TRY(iso_dicom_file_read(path, &file, &kind, error));
-    if (kind == ISO_DICOM_NOT) return iso_fail(error, ISO_ERR_FORMAT, "%s: not a DICOM file", path);
-    if (kind == ISO_DICOM_NO_IMAGE)
-        return iso_fail(error, ISO_ERR_FORMAT, "%s: a DICOM file that holds no image", path);
-    s->own_series = strdup(file.series);
+    iso_status status = iso_dicom_file_read(path, &file, &kind, error);
     s->folder_path = folder_of(path);
-    bool single = file.frame_count > 1 || !*file.series;
+    if (status == ISO_OK && kind == ISO_DICOM_NOT)
+        status = iso_fail(error, ISO_ERR_FORMAT, "%s: not a DICOM file", path);
+    if (status == ISO_OK && kind == ISO_DICOM_NO_IMAGE)
+        status = iso_fail(error, ISO_ERR_FORMAT, "%s: a DICOM file that holds no image", path);
+    if (status == ISO_OK && kind == ISO_DICOM_IMAGE) s->own_series = strdup(file.series);
+    if (status == ISO_OK && (!s->folder_path || (kind == ISO_DICOM_IMAGE && !s->own_series)))
+        status = iso_fail_memory(error, path);
+    const bool single = file.frame_count > 1 || !*file.series;
     iso_dicom_file_free(&file);
-    if (s->folder_path && single) s->only = listed_name(s->folder_path, path);
-    if (!s->own_series || !s->folder_path || (single && !s->only)) return iso_fail_memory(error, path);
-    return ISO_OK;
+    ISO_TRY(status);
+    return kind == ISO_DICOM_IMAGE ? read_neighbours(path, single, s, error)
+                                   : iso_dicom_folder_read(s->folder_path, true, &s->folder, error);
 }
 
 static iso_status read_files(source *s, const char *path, iso_error *error) {
     struct stat status;
     if (stat(path, &status) != 0)
         return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
-    if (S_ISDIR(status.st_mode)) return read_folder(path, &s->folder, error);
-    ISO_TRY(open_one_file(path, s, error));
-    if (!s->only) return read_folder(s->folder_path, &s->folder, error);
-    s->folder.path = s->folder_path;
-    return add_file(&s->folder, s->only, error);
+    return S_ISDIR(status.st_mode) ? iso_dicom_folder_read(path, true, &s->folder, error)
+                                   : read_named_file(path, s, error);
+}
+
+/* Lists the series with their acquisitions, if there are several at the same places. */
+static iso_status list_items(const iso_dicom_folder *f, const series_list *all, iso_volume_info *info,
+                             iso_error *error) {
+    for (size_t i = 0; i < all->count && info->item_count < ISO_VOLUME_ITEMS; i++) {
+        const series *one = &all->list[i];
+        const iso_dicom_file *file = one->first;
+        const iso_dicom_wanted wanted = {f->path, f->path, f->files, SIZE_MAX, i + 1, 0};
+        iso_volume_info ignored = {0};
+        planes p;
+        char list[112] = "";
+        size_t slices = one->images, acquisitions = 1;
+        ISO_TRY(collect_frames(f, one, &p, error));
+        const iso_status status = keep_largest_fit(f, SIZE_MAX, &p, &ignored, error);
+        if (status == ISO_OK)
+            acquisitions = iso_dicom_count_acquisitions(&wanted, p.frames, p.count, &slices);
+        free(p.frames);
+        ISO_TRY(status);
+        if (acquisitions > 1)
+            snprintf(list, sizeof list, ", %zu acquisitions: %zu:1 .. %zu:%zu", acquisitions, i + 1, i + 1,
+                     acquisitions);
+        snprintf(info->items[info->item_count++], ISO_VOLUME_TEXT,
+                 "%zu  %s  %dx%dx%zu  %s  (%zu image%s%s)  %s", i + 1, file->modality, file->columns,
+                 file->rows, acquisitions > 1 ? slices : one->images,
+                 *file->description ? file->description : "-", one->images, one->images == 1 ? "" : "s", list,
+                 file->series);
+    }
+    return ISO_OK;
+}
+
+static void note_choice(const iso_dicom_folder *f, const series_list *all, const series *chosen,
+                        bool by_default, iso_volume_info *info) {
+    char text[ISO_VOLUME_TEXT];
+    if (f->descended)
+        iso_volume_note(info, "the images are in subfolders: %s",
+                        iso_dicom_folder_name(f->path, chosen->first->path));
+    if (by_default && all->count > 1)
+        iso_volume_note(info, "several series: using %td of %zu, \"%s\", which has most images (--series)",
+                        chosen - all->list + 1, all->count, chosen->first->description);
+    if (iso_dicom_folder_left_out(f, text)) iso_volume_note(info, "%s", text);
+}
+
+/* Finds a damaged file that can be a slice of the series, at a place where no other image is. Without it the
+ * volume would lack a slice, which nobody could see at its ends. */
+static const iso_dicom_damaged *find_lost_slice(const iso_dicom_folder *f, const series *one,
+                                                const planes *p) {
+    for (size_t i = 0; i < f->damaged_count; i++) {
+        const iso_dicom_file *file = &f->damaged[i].file;
+        bool is_there = strcmp(file->series, one->first->series) != 0 || !*file->series;
+        for (size_t k = 0; k < p->count && file->has_position && !is_there; k++)
+            is_there = p->frames[k].has_position && near(p->frames[k].position, file->position, 3, 1e-3);
+        if (!is_there) return &f->damaged[i];
+    }
+    return NULL;
+}
+
+/* A message about missing slices also names a damaged file, which may be one of them. */
+static iso_status stack_planes(const iso_dicom_wanted *wanted, const iso_dicom_folder *f, planes *p,
+                               iso_volume_info *info, iso_error *error) {
+    iso_error detail = {0};
+    const iso_status status = iso_dicom_stack(wanted, p->frames, &p->count, info, &detail);
+    if (status == ISO_OK) return ISO_OK;
+    if (status != ISO_ERR_FORMAT || !f->damaged_count) return iso_fail(error, status, "%s", detail.text);
+    return iso_fail(error, status, "%s (left out: %s)", detail.text,
+                    iso_dicom_folder_name(f->path, f->damaged[0].reason));
+}
+
+static iso_status order_series(const char *path, const iso_volume_opts *opts, source *s,
+                               const series_list *all, iso_volume_info *info, iso_error *error) {
+    const iso_dicom_folder *f = &s->folder;
+    planes *p = &s->planes;
+    const series *chosen = NULL;
+    size_t acquisition;
+    ISO_TRY(choose_series(f, opts, s->own_series, all, &chosen, &acquisition, error));
+    ISO_TRY(list_items(f, all, info, error));
+    note_choice(f, all, chosen, !opts->series && !s->own_series, info);
+    const iso_dicom_wanted wanted = {
+        path, f->path, f->files, s->named, (size_t)(chosen - all->list) + 1, acquisition};
+    ISO_TRY(collect_frames(f, chosen, p, error));
+    ISO_TRY(keep_largest_fit(f, s->named, p, info, error));
+    const iso_dicom_damaged *lost = find_lost_slice(f, chosen, p);
+    if (lost)
+        return iso_fail(error, ISO_ERR_IO, "%s: a slice of the series cannot be read: %s", path,
+                        iso_dicom_folder_name(f->path, lost->reason));
+    return stack_planes(&wanted, f, p, info, error);
 }
 
 static iso_status order(const char *path, const iso_volume_opts *opts, source *s, iso_volume_info *info,
                         iso_error *error) {
     series_list all;
-    const series *chosen = NULL;
-    ISO_TRY(list_series(&s->folder, &all, error));
-    iso_status status = choose_series(&s->folder, opts, s->own_series, &all, &chosen, error);
-    if (status == ISO_OK) {
-        list_items(&all, info);
-        note_choice(&s->folder, &all, chosen, !opts->series && !s->own_series, info);
-        status = collect_frames(&s->folder, chosen->first->series, s->only, &s->planes, error);
-    }
-    free(all.list);
+    iso_status status = list_series(&s->folder, &all, error);
+    if (status == ISO_OK) status = order_series(path, opts, s, &all, info, error);
+    free_list(&all);
     ISO_TRY(status);
-    planes *p = &s->planes;
-    ISO_TRY(keep_largest_fit(&s->folder, p, info, error));
-    ISO_TRY(iso_dicom_stack(path, s->folder.files, p->frames, &p->count, info, error));
-    fill_header(&s->folder, p, info);
+    fill_header(&s->folder, &s->planes, info);
     ISO_TRY(iso_format_component(path, opts, 1, info, error));
-    fill_sizes(&s->folder, p, info);
+    fill_sizes(&s->folder, &s->planes, info);
     return ISO_OK;
 }
 
 static iso_status open_source(const char *path, const iso_volume_opts *opts, source *s, iso_volume_info *info,
                               iso_error *error) {
-    *s = (source){0};
+    *s = (source){.named = SIZE_MAX};
     iso_status status = read_files(s, path, error);
     for (size_t i = 0; opts->files && i < s->folder.count; i++)
         iso_file_set_read(opts->files, s->folder.files[i].path);
@@ -495,7 +542,8 @@ static bool items_of(const pixel_file *f, int frame, size_t *first, size_t *coun
     return *count > 0;
 }
 
-static iso_status read_encapsulated(const pixel_file *f, int frame, void *pixels, iso_error *error) {
+static iso_status read_encapsulated(const pixel_file *f, int frame, void *pixels,
+                                    char warning[ISO_DICOM_WARNING], iso_error *error) {
     size_t first, count;
     if (!items_of(f, frame, &first, &count))
         return iso_fail(error, ISO_ERR_IO, "%s: corrupt: the pixels of frame %d cannot be found",
@@ -504,7 +552,7 @@ static iso_status read_encapsulated(const pixel_file *f, int frame, void *pixels
     const iso_dicom_items items = {f->bytes, f->offset + first, f->length + first, count};
     const iso_module *gdcm = NULL; /* once it is loaded, this takes microseconds */
     ISO_TRY(iso_module_load(f->file->path, "dicom", "GDCM", &gdcm, error));
-    return gdcm->dicom_decode(f->file, &items, pixels, error);
+    return gdcm->dicom_decode(f->file, &items, pixels, warning, error);
 }
 
 static iso_status read_native(const pixel_file *f, int frame, void *pixels, iso_error *error) {
@@ -585,28 +633,45 @@ typedef struct reading {
     const iso_volume_opts *opts;
     const source *source;
     pixel_file open;
-    void *pixels; /* of one frame */
+    void *pixels;  /* of one frame */
+    size_t warned; /* slices that a codec complained of; the first of them, and what it said */
+    const iso_dicom_file *first_warned;
+    char warning[ISO_DICOM_WARNING];
 } reading;
+
+static iso_status read_frame(reading *r, const iso_dicom_frame *frame, iso_error *error) {
+    char warning[ISO_DICOM_WARNING] = "";
+    if (!r->open.file->encapsulated) return read_native(&r->open, frame->index, r->pixels, error);
+    ISO_TRY(read_encapsulated(&r->open, frame->index, r->pixels, warning, error));
+    if (*warning && r->warned++ == 0) {
+        r->first_warned = r->open.file;
+        memcpy(r->warning, warning, sizeof warning);
+    }
+    return ISO_OK;
+}
 
 static iso_status read_plane(reading *r, size_t z, iso_rgrid *grid, iso_error *error) {
     const planes *p = &r->source->planes;
     const iso_dicom_frame *frame = &p->frames[z];
     const iso_dicom_file *file = &r->source->folder.files[frame->file];
     if (r->open.file != file) ISO_TRY(open_pixels(file, &r->open, error));
-    ISO_TRY(file->encapsulated ? read_encapsulated(&r->open, frame->index, r->pixels, error)
-                               : read_native(&r->open, frame->index, r->pixels, error));
+    ISO_TRY(read_frame(r, frame, error));
     char *target = (char *)grid->data + z * (size_t)grid->stride_z * iso_type_size(grid->type);
     convert_plane(p, file, frame, r->pixels, grid->type, target);
     return iso_format_progress(r->path, r->opts, (double)(z + 1) / (double)p->count, error);
 }
 
-static iso_status read_planes(const char *path, const iso_volume_opts *opts, const source *s, iso_rgrid *grid,
-                              iso_error *error) {
+static iso_status read_planes(const char *path, const iso_volume_opts *opts, const source *s,
+                              iso_volume_info *info, iso_rgrid *grid, iso_error *error) {
     reading r = {.path = path, .opts = opts, .source = s};
     r.pixels = iso_alloc((size_t)iso_dicom_frame_bytes(&s->folder.files[s->planes.frames[0].file]));
     if (!r.pixels) return iso_fail_memory(error, path);
     iso_status status = ISO_OK;
     for (size_t z = 0; z < s->planes.count && status == ISO_OK; z++) status = read_plane(&r, z, grid, error);
+    if (r.warned)
+        iso_volume_note(info, "the pixels of %zu slice%s may be damaged, the first: %s: %s", r.warned,
+                        r.warned == 1 ? "" : "s", iso_dicom_folder_name(s->folder.path, r.first_warned->path),
+                        r.warning);
     close_pixels(&r.open);
     iso_free(r.pixels);
     return status;
@@ -623,7 +688,7 @@ static iso_status dicom_read(const char *path, const iso_volume_opts *opts, iso_
     if (memcmp(again.dims, info->dims, sizeof again.dims) != 0 || again.type != info->type)
         status = iso_fail(error, ISO_ERR_IO, "%s: changed while it was read", path);
     if (status == ISO_OK) status = iso_format_create(path, info, NULL, &result, error);
-    if (status == ISO_OK) status = read_planes(path, opts, &s, result.rgrid, error);
+    if (status == ISO_OK) status = read_planes(path, opts, &s, info, result.rgrid, error);
     free_source(&s);
     if (status == ISO_OK)
         *grid = result;

@@ -626,7 +626,7 @@ static iso_status finish_file(parser *p, iso_dicom_kind *kind, iso_error *error)
     if (!file->has_pixels && announces_image(p))
         return iso_fail(error, ISO_ERR_IO, "%s: truncated: an image without pixels", file->path);
     if (!file->has_pixels) {
-        *kind = ISO_DICOM_NO_IMAGE;
+        *kind = strcmp(p->storage, "1.2.840.10008.1.3.10") == 0 ? ISO_DICOM_DIRECTORY : ISO_DICOM_NO_IMAGE;
         return ISO_OK;
     }
     ISO_TRY(check_image(file, error));
@@ -674,9 +674,9 @@ static iso_status open_parser(parser *p, iso_error *error) {
 
 iso_status iso_dicom_file_read(const char *path, iso_dicom_file *file, iso_dicom_kind *kind,
                                iso_error *error) {
-    iso_dicom_file result = {.path = strdup(path), .frame_count = 1, .samples = 1, .series_number = -1};
-    if (!result.path) return iso_fail_memory(error, path);
-    parser p = {.file = &result,
+    *file = (iso_dicom_file){.path = strdup(path), .frame_count = 1, .samples = 1, .series_number = -1};
+    if (!file->path) return iso_fail_memory(error, path);
+    parser p = {.file = file,
                 .common = {.slope = 1, .phase = {-1, -1, -1}, .orientation = {1, 0, 0, 0, 1, 0}}};
     *kind = ISO_DICOM_NOT;
     iso_status status = open_parser(&p, error);
@@ -684,10 +684,8 @@ iso_status iso_dicom_file_read(const char *path, iso_dicom_file *file, iso_dicom
     if (p.stream) fclose(p.stream);
     if (p.c_locale) freelocale(p.c_locale);
     free(p.offsets);
-    if (status == ISO_OK && *kind == ISO_DICOM_IMAGE)
-        *file = result;
-    else
-        iso_dicom_file_free(&result);
+    if (p.common.has_position) memcpy(file->position, p.common.position, sizeof file->position);
+    file->has_position = p.common.has_position;
     return status;
 }
 

@@ -49,7 +49,6 @@ static void in_folder(char path[1024], const char *name) {
     snprintf(path, 1024, "%s/%s", FOLDER, name);
 }
 
-/* A new file each time: some file systems flush one that is rewritten to the disk. */
 /* ---- reading ---- */
 
 static iso_volume read_ok(const char *path, const iso_volume_opts *opts) {
@@ -170,8 +169,9 @@ static void strays_are_ignored(void **state) {
     dicom_write(path, &report);
     iso_volume volume = read_ok(FOLDER, NULL);
     check_values(volume.grid.rgrid, SLICES);
-    assert_true(test_has_note(&volume.info, "2 files in the folder are not DICOM"));
-    assert_true(test_has_note(&volume.info, "1 DICOM file in the folder holds no image"));
+    assert_true(test_has_note(&volume.info,
+                              "3 files are left out (2 not DICOM, 1 without an image), the first: "
+                              "README.txt: not a DICOM file"));
     iso_volume_free(&volume);
     iso_error error = {0};
     in_folder(path, "report");
@@ -179,11 +179,9 @@ static void strays_are_ignored(void **state) {
     in_folder(path, "notes.dcm");
     spill(path, "no image\n", 9);
     test_expect_no_volume(path, NULL, ISO_ERR_FORMAT, FOLDER, "not a DICOM file");
-    test_expect_no_volume(FOLDER, NULL, ISO_ERR_IO, FOLDER, "notes.dcm");
-    char both[2048];
-    snprintf(both, sizeof both, "%s/IM0: %s/notes.dcm: ", FOLDER, FOLDER);
     in_folder(path, "IM0");
-    test_expect_no_volume(path, NULL, ISO_ERR_IO, FOLDER, both);
+    volume = read_ok(path, NULL);
+    iso_volume_free(&volume);
 }
 
 static void folders_without_images(void **state) {
@@ -358,7 +356,7 @@ static void doubled_slices(void **state) {
         write_series(&first, "B", 0);
         iso_volume volume = read_ok(FOLDER, NULL);
         check_values(volume.grid.rgrid, SLICES);
-        assert_true(test_has_note(&volume.info, "6 images of later ones"));
+        assert_true(test_has_note(&volume.info, "using number 1, 6 images of others"));
         iso_volume_free(&volume);
         free((void *)(uintptr_t)second.pixels);
     }
@@ -597,13 +595,20 @@ static void truncated(void **state) {
         if (ways[way]) assert_int_equal(dicom_compress(path, ways[way]), 0);
         size_t count;
         uint8_t *whole = slurp(path, &count);
+        /* What ends before its series is known is nobody's slice: it is left out, with a note. */
+        const uint8_t series[14] = {0x20, 0, 0x0e, 0, 'U', 'I', 6, 0, '1', '.', '2', '.', '3', 0};
+        const uint8_t *known = memmem(whole, count, series, sizeof series);
         for (size_t length = 0; length < count; length++) {
             spill(path, whole, length);
             iso_error error = {0};
             iso_volume volume = {0};
             iso_status status = iso_volume_read(FOLDER, NULL, &volume, &error);
-            if (status != ISO_ERR_IO || !strstr(error.text, "cut.dcm"))
+            const bool left_out = length < (size_t)(known - whole) + sizeof series;
+            if (left_out ? status != ISO_OK || !test_has_note(&volume.info, "cut.dcm: ")
+                         : status != ISO_ERR_IO || !strstr(error.text, "cut.dcm"))
                 fail_msg("%zu of %zu bytes: %s '%s'", length, count, iso_status_text(status), error.text);
+            if (left_out) check_values(volume.grid.rgrid, SLICES - 1);
+            iso_volume_free(&volume);
         }
         free(whole);
     }
