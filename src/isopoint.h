@@ -156,7 +156,7 @@ typedef struct iso_open_opts {
     /* The grid of a .vdb; NULL: its first level set, else its first scalar grid. The array of a .vti, .vtk or
      * HDF5 file; NULL: the active scalars, else the first (of HDF5: the only) array. */
     const char *grid;
-    const char *series; /* DICOM: the series instance UID, or the number of the series, counted from 1 */
+    const char *series; /* DICOM: series UID, or number from 1; ":2" behind it: the 2nd acquisition */
     int component;      /* which of several components to read, counted from 0 */
     int level;          /* which resolution of OME-Zarr, Imaris or BigDataViewer to read; 0: the finest */
     const iso_raw_layout *raw; /* read as raw data; NULL: only if the file's name states a layout */

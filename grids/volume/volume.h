@@ -60,7 +60,7 @@ typedef struct iso_volume_opts {
      * as in FILE:/path; NULL: the one that the file is about by its conventions, or the only one. */
     const char *grid;
     const char
-        *series;   /* DICOM: series instance UID, or its number (from 1) as listed by iso_volume_read_info */
+        *series;   /* DICOM: UID of a series, or number (from 1) as listed; ":2" behind it: 2nd acquisition */
     int component; /* which of several components, from 0 */
     int level;     /* which level of a multiscale image, 0: the finest */
     /* Set from the header. Not NULL: the volume is read for its vectors: of a file with several grids or

@@ -122,7 +122,8 @@ static iso_status choose_series(const iso_dicom_folder *f, const iso_volume_opts
     if (opts->series) ISO_TRY(divide_choice(opts->series, wanted, acquisition, error));
     *chosen = name ? find_series(all, name) : largest(all);
     if (!*chosen)
-        return iso_fail(error, ISO_ERR_USAGE, "%s: no series \"%s\", there %s %zu (by number from 1, or UID)",
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "%s: no series \"%s\", there %s %zu (by number from 1, or UID; --info lists them)",
                         f->path, name, all->count == 1 ? "is" : "are", all->count);
     const iso_dicom_file *file = (*chosen)->first;
     if (!is_grey(file))
@@ -338,31 +339,43 @@ static iso_status read_files(source *s, const char *path, iso_error *error) {
                                    : read_named_file(path, s, error);
 }
 
-/* Lists the series with their acquisitions, if there are several at the same places. */
+/* The folder of a file relative to `folder`; empty if that is it. */
+static void folder_within(const char *folder, const char *path, char text[ISO_VOLUME_TEXT]) {
+    const char *name = iso_dicom_folder_name(folder, path), *slash = strrchr(name, '/');
+    snprintf(text, ISO_VOLUME_TEXT, "%.*s", slash ? (int)(slash - name) : 0, name);
+}
+
+/* Describes the acquisitions of a series, if there are several at the same places. *slices: how many planes
+ * the largest has. */
+static iso_status list_acquisitions(const iso_dicom_folder *f, const series *one, size_t number,
+                                    char text[112], size_t *slices, iso_error *error) {
+    const iso_dicom_wanted wanted = {f->path, f->path, f->files, SIZE_MAX, number, 0};
+    iso_volume_info ignored = {0};
+    planes p;
+    size_t count = 1, largest_slices = 0;
+    ISO_TRY(collect_frames(f, one, &p, error));
+    const iso_status status = keep_largest_fit(f, SIZE_MAX, &p, &ignored, error);
+    if (status == ISO_OK) count = iso_dicom_count_acquisitions(&wanted, p.frames, p.count, &largest_slices);
+    free(p.frames);
+    *text = 0;
+    *slices = count > 1 ? largest_slices : one->images;
+    if (count > 1) snprintf(text, 112, ", %zu acquisitions: %zu:1 .. %zu:%zu", count, number, number, count);
+    return status;
+}
+
 static iso_status list_items(const iso_dicom_folder *f, const series_list *all, iso_volume_info *info,
                              iso_error *error) {
     for (size_t i = 0; i < all->count && info->item_count < ISO_VOLUME_ITEMS; i++) {
         const series *one = &all->list[i];
         const iso_dicom_file *file = one->first;
-        const iso_dicom_wanted wanted = {f->path, f->path, f->files, SIZE_MAX, i + 1, 0};
-        iso_volume_info ignored = {0};
-        planes p;
-        char list[112] = "";
-        size_t slices = one->images, acquisitions = 1;
-        ISO_TRY(collect_frames(f, one, &p, error));
-        const iso_status status = keep_largest_fit(f, SIZE_MAX, &p, &ignored, error);
-        if (status == ISO_OK)
-            acquisitions = iso_dicom_count_acquisitions(&wanted, p.frames, p.count, &slices);
-        free(p.frames);
-        ISO_TRY(status);
-        if (acquisitions > 1)
-            snprintf(list, sizeof list, ", %zu acquisitions: %zu:1 .. %zu:%zu", acquisitions, i + 1, i + 1,
-                     acquisitions);
-        snprintf(info->items[info->item_count++], ISO_VOLUME_TEXT,
-                 "%zu  %s  %dx%dx%zu  %s  (%zu image%s%s)  %s", i + 1, file->modality, file->columns,
-                 file->rows, acquisitions > 1 ? slices : one->images,
-                 *file->description ? file->description : "-", one->images, one->images == 1 ? "" : "s", list,
-                 file->series);
+        char acquisitions[112], within[ISO_VOLUME_TEXT], line[3 * ISO_VOLUME_TEXT];
+        size_t slices;
+        ISO_TRY(list_acquisitions(f, one, i + 1, acquisitions, &slices, error));
+        folder_within(f->path, file->path, within);
+        snprintf(line, sizeof line, "%zu  %s  %dx%dx%zu  %s  (%zu image%s%s)  %s%s%s", i + 1, file->modality,
+                 file->columns, file->rows, slices, *file->description ? file->description : "-", one->images,
+                 one->images == 1 ? "" : "s", acquisitions, file->series, *within ? "  " : "", within);
+        snprintf(info->items[info->item_count++], ISO_VOLUME_TEXT, "%.*s", ISO_VOLUME_TEXT - 1, line);
     }
     return ISO_OK;
 }
@@ -370,9 +383,10 @@ static iso_status list_items(const iso_dicom_folder *f, const series_list *all, 
 static void note_choice(const iso_dicom_folder *f, const series_list *all, const series *chosen,
                         bool by_default, iso_volume_info *info) {
     char text[ISO_VOLUME_TEXT];
-    if (f->descended)
-        iso_volume_note(info, "the images are in subfolders: %s",
-                        iso_dicom_folder_name(f->path, chosen->first->path));
+    if (f->descended) {
+        folder_within(f->path, chosen->first->path, text);
+        iso_volume_note(info, "the images are in subfolders: %s", text);
+    }
     if (by_default && all->count > 1)
         iso_volume_note(info, "several series: using %td of %zu, \"%s\", which has most images (--series)",
                         chosen - all->list + 1, all->count, chosen->first->description);

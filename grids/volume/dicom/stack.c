@@ -257,8 +257,8 @@ static void keep_named(stack *s) {
         if (s->frames[i].place != chosen.place || s->frames[i].file == chosen.file)
             s->frames[count++] = s->frames[i];
     if (count < s->count)
-        iso_volume_note(s->info, "%zu image%s at the place of %s left out", s->count - count,
-                        s->count - count == 1 ? " is" : "s are", name);
+        iso_volume_note(s->info, "%zu image%s at the place of %s %s left out", s->count - count,
+                        s->count - count == 1 ? "" : "s", name, s->count - count == 1 ? "is" : "are");
     s->count = count;
 }
 
