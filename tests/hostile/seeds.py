@@ -25,8 +25,8 @@ def dicom_element(group, element, kind, value):
     return struct.pack("<HH", group, element) + kind + length + value
 
 
-def dicom_file(number, frames=1):
-    """Slice `number`, and `frames` - 1 after it."""
+def dicom_file(number, frames=1, time=0):
+    """Slice `number`, and `frames` - 1 after it; its instance number tells at what time it was taken."""
     x, y, _ = DIMS
     pixels = VOXELS[number * x * y : (number + frames) * x * y]
     meta = dicom_element(2, 0x10, b"UI", b"1.2.840.10008.1.2.1")
@@ -36,7 +36,7 @@ def dicom_file(number, frames=1):
         for e in (
             (8, 0x16, b"UI", b"1.2.840.10008.5.1.4.1.1.2"), (8, 0x18, b"UI", b"1.2.3.%d" % (number + 1)),
             (8, 0x60, b"CS", b"CT"), (0x18, 0x50, b"DS", b"1.5"), (0x20, 0xD, b"UI", b"1.2.3"),
-            (0x20, 0xE, b"UI", b"1.2.3.4"), (0x20, 0x13, b"IS", b"%d" % number),
+            (0x20, 0xE, b"UI", b"1.2.3.4"), (0x20, 0x13, b"IS", b"%d" % (number + 10 * time)),
             (0x20, 0x32, b"DS", b"-5\\-5\\%g" % (1.5 * number)), (0x20, 0x37, b"DS", b"1\\0\\0\\0\\1\\0"),
             (0x28, 2, b"US", struct.pack("<H", 1)), (0x28, 4, b"CS", b"MONOCHROME2"),
             (0x28, 8, b"IS", b"%d" % frames), (0x28, 0x10, b"US", struct.pack("<H", y)),
@@ -166,6 +166,10 @@ def volume_seeds():
         yield "zarr-" + label, {"a.zarr/" + name: data for name, data in files.items()}
     yield "dicom", {"a.dcm": dicom_file(0, 9)}
     yield "dicom-folder", {"a/%d.dcm" % z: dicom_file(z) for z in range(4)}
+    yield "dicom-times", {"a/%d-%d.dcm" % (time, z): dicom_file(z, time=time) for time in range(2) for z in range(4)}
+    kind = dicom_element(2, 2, b"UI", b"1.2.840.10008.1.3.10") + dicom_element(2, 0x10, b"UI", b"1.2.840.10008.1.2.1")
+    yield "dicom-cd", {"a/DICOMDIR": b"\0" * 128 + b"DICM" + dicom_element(2, 0, b"UL", struct.pack("<I", len(kind))) + kind,
+                       **{"a/b/%d" % z: dicom_file(z) for z in range(4)}}
 
 
 def corpus_seeds(corpus):

@@ -14,7 +14,7 @@
 #include "grids/volume/dicom/dicom.h"
 
 /* Limits of what is read of subfolders. A CD has four levels and some thousand files. */
-enum { MAX_LEVELS = 16, MAX_ENTRIES = 1 << 16 };
+enum { MAX_LEVELS = 16, MAX_ENTRIES = 1 << 15 };
 
 void iso_dicom_folder_free(iso_dicom_folder *f) {
     for (size_t i = 0; i < f->count; i++) iso_dicom_file_free(&f->files[i]);

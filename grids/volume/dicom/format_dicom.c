@@ -186,12 +186,15 @@ static iso_status keep_largest_fit(const iso_dicom_folder *f, size_t named, plan
     return ISO_OK;
 }
 
-/* Collects the frames of a series; free p->frames. */
-static iso_status collect_frames(const iso_dicom_folder *f, const series *one, planes *p, iso_error *error) {
+/* Collects the frames of a series; free p->frames. Files with several frames are volumes by themselves, of
+ * which the file `named`, unless it is SIZE_MAX, is no slice. */
+static iso_status collect_frames(const iso_dicom_folder *f, const series *one, size_t named, planes *p,
+                                 iso_error *error) {
     *p = (planes){.frames = malloc(one->images * sizeof *p->frames)};
     if (!p->frames) return iso_fail_memory(error, f->path);
     for (size_t i = 0; i < one->file_count; i++) {
         const iso_dicom_file *file = &f->files[one->files[i]];
+        if (named != SIZE_MAX && file->frame_count > 1) continue;
         for (int k = 0; k < file->frame_count; k++) {
             p->frames[p->count] = file->frames[k];
             p->frames[p->count++].file = one->files[i];
@@ -353,7 +356,7 @@ static iso_status list_acquisitions(const iso_dicom_folder *f, const series *one
     iso_volume_info ignored = {0};
     planes p;
     size_t count = 1, largest_slices = 0;
-    ISO_TRY(collect_frames(f, one, &p, error));
+    ISO_TRY(collect_frames(f, one, SIZE_MAX, &p, error));
     const iso_status status = keep_largest_fit(f, SIZE_MAX, &p, &ignored, error);
     if (status == ISO_OK) count = iso_dicom_count_acquisitions(&wanted, p.frames, p.count, &largest_slices);
     free(p.frames);
@@ -429,7 +432,7 @@ static iso_status order_series(const char *path, const iso_volume_opts *opts, so
     note_choice(f, all, chosen, !opts->series && !s->own_series, info);
     const iso_dicom_wanted wanted = {
         path, f->path, f->files, s->named, (size_t)(chosen - all->list) + 1, acquisition};
-    ISO_TRY(collect_frames(f, chosen, p, error));
+    ISO_TRY(collect_frames(f, chosen, s->named, p, error));
     ISO_TRY(keep_largest_fit(f, s->named, p, info, error));
     const iso_dicom_damaged *lost = find_lost_slice(f, chosen, p);
     if (lost)
