@@ -48,6 +48,15 @@ os.unlink("in/cd/DICOMDIR")
 read("in/cd", 1)
 os.unlink("in/cd/logo")
 
+os.rename("in/cd/DICOM/PA0/ST0/SE2/IM5", "in/im5")
+refused("in/cd", "1 slice is missing: a gap of 3 mm between DICOM/PA0/ST0/SE2/IM4 (at 6) and DICOM/PA0/ST0/SE2/IM6 (at 9), "
+        "elsewhere 1.5 (series 2 of 3, --series chooses another)")
+os.rename("in/im5", "in/cd/DICOM/PA0/ST0/SE2/IM5")
 cut("in/cd/DICOM/PA0/ST0/SE2/IM8", 800)
 refused("in/cd", "DICOM/PA0/ST0/SE2/IM8: truncated")
+
+for i in range(40):  # more series than are listed
+    slice_of("in/many/%d/a" % i, 0, series=b"1.2.3.%03d" % i)
+found = read("in/many", 1, "--series", "40")
+expect(len(found["items"]) == 32 and found["items"][-1] == "and 9 more, up to --series 40", found["items"])
 P

@@ -380,6 +380,9 @@ static iso_status list_items(const iso_dicom_folder *f, const series_list *all, 
                  one->images == 1 ? "" : "s", acquisitions, file->series, *within ? "  " : "", within);
         snprintf(info->items[info->item_count++], ISO_VOLUME_TEXT, "%.*s", ISO_VOLUME_TEXT - 1, line);
     }
+    if (all->count > ISO_VOLUME_ITEMS)
+        snprintf(info->items[ISO_VOLUME_ITEMS - 1], ISO_VOLUME_TEXT, "and %zu more, up to --series %zu",
+                 all->count - ISO_VOLUME_ITEMS + 1, all->count);
     return ISO_OK;
 }
 
@@ -410,15 +413,20 @@ static const iso_dicom_damaged *find_lost_slice(const iso_dicom_folder *f, const
     return NULL;
 }
 
-/* A message about missing slices also names a damaged file, which may be one of them. */
-static iso_status stack_planes(const iso_dicom_wanted *wanted, const iso_dicom_folder *f, planes *p,
-                               iso_volume_info *info, iso_error *error) {
+/* A message about missing slices also names a damaged file, which may be one of them, and the series if it
+ * was not the user who chose it: `choices` is how many there are, 0 if the user did. */
+static iso_status stack_planes(const iso_dicom_wanted *wanted, const iso_dicom_folder *f, size_t choices,
+                               planes *p, iso_volume_info *info, iso_error *error) {
     iso_error detail = {0};
     const iso_status status = iso_dicom_stack(wanted, p->frames, &p->count, info, &detail);
     if (status == ISO_OK) return ISO_OK;
-    if (status != ISO_ERR_FORMAT || !f->damaged_count) return iso_fail(error, status, "%s", detail.text);
-    return iso_fail(error, status, "%s (left out: %s)", detail.text,
-                    iso_dicom_folder_name(f->path, f->damaged[0].reason));
+    if (status == ISO_ERR_FORMAT && f->damaged_count)
+        iso_fail(&detail, status, "%s (left out: %s)", detail.text,
+                 iso_dicom_folder_name(f->path, f->damaged[0].reason));
+    if (status == ISO_ERR_FORMAT && choices > 1)
+        return iso_fail(error, status, "%s (series %zu of %zu, --series chooses another)", detail.text,
+                        wanted->series, choices);
+    return iso_fail(error, status, "%s", detail.text);
 }
 
 static iso_status order_series(const char *path, const iso_volume_opts *opts, source *s,
@@ -429,7 +437,8 @@ static iso_status order_series(const char *path, const iso_volume_opts *opts, so
     size_t acquisition;
     ISO_TRY(choose_series(f, opts, s->own_series, all, &chosen, &acquisition, error));
     ISO_TRY(list_items(f, all, info, error));
-    note_choice(f, all, chosen, !opts->series && !s->own_series, info);
+    const bool by_default = !opts->series && !s->own_series;
+    note_choice(f, all, chosen, by_default, info);
     const iso_dicom_wanted wanted = {
         path, f->path, f->files, s->named, (size_t)(chosen - all->list) + 1, acquisition};
     ISO_TRY(collect_frames(f, chosen, s->named, p, error));
@@ -438,7 +447,7 @@ static iso_status order_series(const char *path, const iso_volume_opts *opts, so
     if (lost)
         return iso_fail(error, ISO_ERR_IO, "%s: a slice of the series cannot be read: %s", path,
                         iso_dicom_folder_name(f->path, lost->reason));
-    return stack_planes(&wanted, f, p, info, error);
+    return stack_planes(&wanted, f, by_default ? all->count : 0, p, info, error);
 }
 
 static iso_status order(const char *path, const iso_volume_opts *opts, source *s, iso_volume_info *info,
