@@ -103,7 +103,7 @@ typedef enum iso_scalar {
     ISO_SCALAR_INT64,
     ISO_SCALAR_FLOAT,
     ISO_SCALAR_DOUBLE,
-    ISO_SCALAR_HALF /* 16 bits (IEEE 754), only in Zarr and HDF5 */
+    ISO_SCALAR_HALF /* 16 bits (IEEE 754), only in Zarr, HDF5 and TIFF */
 } iso_scalar;
 
 size_t iso_scalar_size(iso_scalar scalar);

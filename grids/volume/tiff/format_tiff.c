@@ -19,44 +19,6 @@
 /* Strips of fewer bytes are read several at a time. */
 enum { TILE_BYTES = 1 << 18 };
 
-/* ---- which image is which slice ---- */
-
-/* How the images of a stack are arranged. */
-typedef struct arrangement {
-    uint64_t slices, channels;
-    uint64_t step[ISO_TIFF_AXES]; /* images from one channel, slice or time to the next */
-} arrangement;
-
-static uint64_t image_count(const iso_tiff_stack *stack) {
-    return stack->contiguous ? stack->metadata.images : stack->count;
-}
-
-/* The arrangement that the metadata states, if as many images are there; else every image is a slice. */
-static arrangement arrange(const iso_tiff_stack *stack, iso_volume_info *info) {
-    const iso_tiff_metadata *m = &stack->metadata;
-    const uint64_t images = image_count(stack);
-    uint64_t size[ISO_TIFF_AXES], product = 1;
-    arrangement a = {.slices = images, .channels = 1, .step = {0, 1, 0}};
-    for (int axis = 0; axis < ISO_TIFF_AXES; axis++) size[axis] = m->sizes[axis] ? m->sizes[axis] : 1;
-    if (stack->layout.samples > 1)
-        size[ISO_TIFF_CHANNEL] = 1; /* OME counts the samples of a pixel as channels */
-    for (int axis = 0; axis < ISO_TIFF_AXES; axis++)
-        if (__builtin_mul_overflow(product, size[axis], &product)) return a;
-    if (!m->writer || product != images) return a;
-    for (int i = 0; i < ISO_TIFF_AXES; i++) {
-        a.step[m->order[i]] = i == 0 ? 1 : a.step[m->order[i - 1]] * size[m->order[i - 1]];
-    }
-    a.slices = size[ISO_TIFF_SLICE];
-    a.channels = size[ISO_TIFF_CHANNEL];
-    if (size[ISO_TIFF_TIME] > 1 && a.slices > 1)
-        iso_volume_note(info, "the first of %llu times is read", (unsigned long long)size[ISO_TIFF_TIME]);
-    if (a.slices == 1 && size[ISO_TIFF_TIME] > 1) { /* a series of planes: ImageJ calls slices frames */
-        a.slices = size[ISO_TIFF_TIME];
-        a.step[ISO_TIFF_SLICE] = a.step[ISO_TIFF_TIME];
-    }
-    return a;
-}
-
 /* ---- header ---- */
 
 static void set_spacing(const iso_tiff_stack *stack, const iso_volume_opts *opts, iso_volume_info *info) {
@@ -78,18 +40,12 @@ static void set_spacing(const iso_tiff_stack *stack, const iso_volume_opts *opts
     }
 }
 
-static void describe(const iso_tiff_stack *stack, const iso_volume_opts *opts, const arrangement *a,
-                     iso_volume_info *info) {
+static void describe(const iso_tiff_stack *stack, const iso_volume_opts *opts, iso_volume_info *info) {
     const iso_tiff_layout *layout = &stack->layout;
     info->type = iso_scalar_stored_type(layout->scalar);
     snprintf(info->file_type, sizeof info->file_type, "%s", iso_scalar_name(layout->scalar));
     if (stack->metadata.writer) iso_volume_note(info, "written by %s", stack->metadata.writer);
     if (stack->overviews) iso_volume_note(info, "%zu reduced images are left out", stack->overviews);
-    if (a->step[ISO_TIFF_SLICE] == 1 && a->channels == 1 && stack->metadata.sizes[ISO_TIFF_SLICE] > 1 &&
-        a->slices != stack->metadata.sizes[ISO_TIFF_SLICE])
-        iso_volume_note(info,
-                        "its metadata state %u slices, but there are %llu images: each is taken as a slice",
-                        stack->metadata.sizes[ISO_TIFF_SLICE], (unsigned long long)a->slices);
     set_spacing(stack, opts, info);
 }
 
@@ -100,15 +56,10 @@ static uint64_t scratch_bytes(const iso_tiff_stack *stack) {
     return block < UINT64_MAX / 4 ? 3 * block + TILE_BYTES : UINT64_MAX;
 }
 
-static iso_status describe_stack(const char *path, const iso_volume_opts *opts, const iso_tiff_stack *stack,
-                                 arrangement *a, iso_volume_info *info, iso_error *error) {
-    *a = arrange(stack, info);
-    const uint64_t components = a->channels * stack->layout.samples;
-    const uint64_t dims[3] = {stack->layout.width, stack->layout.height, a->slices};
-    if (components > INT_MAX) return iso_fail(error, ISO_ERR_FORMAT, "%s: has too many channels", path);
-    ISO_TRY(iso_format_dims(path, dims, info, error));
-    ISO_TRY(iso_format_component(path, opts, (int)components, info, error));
-    describe(stack, opts, a, info);
+static iso_status describe_stack(const char *path, const iso_volume_opts *opts, iso_tiff_stack *stack,
+                                 iso_tiff_planes *planes, iso_volume_info *info, iso_error *error) {
+    ISO_TRY(iso_tiff_planes_find(path, opts, stack, planes, info, error));
+    describe(stack, opts, info);
     info->bytes = iso_format_size(info->dims, iso_type_size(info->type));
     info->read_bytes = info->bytes;
     if (__builtin_add_overflow(info->read_bytes, scratch_bytes(stack), &info->read_bytes))
@@ -119,9 +70,9 @@ static iso_status describe_stack(const char *path, const iso_volume_opts *opts, 
 static iso_status tiff_info(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
                             iso_error *error) {
     iso_tiff_stack stack;
-    arrangement a;
+    iso_tiff_planes planes;
     iso_status status = iso_tiff_stack_open(path, opts, &stack, error);
-    if (status == ISO_OK) status = describe_stack(path, opts, &stack, &a, info, error);
+    if (status == ISO_OK) status = describe_stack(path, opts, &stack, &planes, info, error);
     iso_tiff_stack_free(&stack);
     return status;
 }
@@ -141,8 +92,7 @@ typedef struct open_file {
  * two tiles. */
 typedef struct tiff_tiles {
     iso_tiff_stack stack;
-    arrangement arrangement;
-    int component;
+    iso_tiff_planes planes;
     iso_type type;
     int dims[3], tile[3];
     uint64_t limit;       /* of memory */
@@ -168,7 +118,7 @@ static iso_status take_file(tiff_tiles *tiles, uint32_t number, open_file *file,
     }
     pthread_mutex_unlock(&tiles->lock);
     if (file->file) return ISO_OK;
-    const char *path = tiles->stack.paths[number];
+    const char *path = tiles->stack.files.paths[number];
     file->block = iso_alloc((size_t)tiles->stack.block_bytes);
     if (!file->block) return iso_fail_memory(error, path);
     const iso_status status = iso_tiff_open(path, tiles->limit, &file->file, error);
@@ -180,35 +130,31 @@ static iso_status take_file(tiff_tiles *tiles, uint32_t number, open_file *file,
 static void return_file(tiff_tiles *tiles, open_file *file) {
     open_file old = {0};
     pthread_mutex_lock(&tiles->lock);
-    const int most = tiles->stack.path_count > 1 ? 1 : IDLE_FILES;
+    const int most = tiles->stack.files.count > 1 ? 1 : IDLE_FILES;
     if (tiles->idle_count == most) old = tiles->idle[--tiles->idle_count];
     tiles->idle[tiles->idle_count++] = *file;
     pthread_mutex_unlock(&tiles->lock);
     close_file(&old);
 }
 
-/* The number of the image that has a slice of the component that is read, and the component's sample in it.
- */
-static uint64_t image_of(const tiff_tiles *tiles, uint64_t slice, int *sample) {
-    const uint64_t samples = tiles->stack.layout.samples, component = (uint64_t)tiles->component;
-    *sample = (int)(component % samples);
-    return slice * tiles->arrangement.step[ISO_TIFF_SLICE] +
-           component / samples * tiles->arrangement.step[ISO_TIFF_CHANNEL];
+/* The number of the image that has a slice of the component that is read. */
+static uint64_t image_of(const tiff_tiles *tiles, int slice) {
+    return tiles->planes.first + (uint64_t)slice * tiles->planes.step;
 }
 
 static iso_tiff_target target_of(const tiff_tiles *tiles, const int index[3], void *data) {
     const iso_tiff_box box = {(uint32_t)(index[0] * tiles->tile[0]), (uint32_t)(index[1] * tiles->tile[1]),
                               (uint32_t)tiles->tile[0], (uint32_t)tiles->tile[1]};
-    return (iso_tiff_target){.box = box, .type = tiles->type, .data = data};
+    return (iso_tiff_target){.box = box, .sample = tiles->planes.sample, .type = tiles->type, .data = data};
 }
 
 static iso_status read_tile(void *context, const int index[3], void *data, iso_error *error) {
     tiff_tiles *tiles = context;
-    iso_tiff_target target = target_of(tiles, index, data);
-    const iso_tiff_image *image = &tiles->stack.images[image_of(tiles, (uint64_t)index[2], &target.sample)];
+    const iso_tiff_target target = target_of(tiles, index, data);
+    const iso_tiff_image *image = &tiles->stack.images[image_of(tiles, index[2])];
     open_file file;
     ISO_TRY(take_file(tiles, image->file, &file, error));
-    iso_status status = iso_tiff_set_page(file.file, image->page, error);
+    iso_status status = iso_tiff_set_image(file.file, image, error);
     if (status == ISO_OK)
         status = iso_tiff_read_box(file.file, &tiles->stack, image->page, file.block, &target, error);
     return_file(tiles, &file);
@@ -225,9 +171,9 @@ static iso_status read_rows(FILE *file, uint64_t at, uint64_t size, void *rows, 
 static iso_status read_contiguous(void *context, const int index[3], void *data, iso_error *error) {
     const tiff_tiles *tiles = context;
     const iso_tiff_layout *layout = &tiles->stack.layout;
-    const char *path = tiles->stack.paths[0];
-    iso_tiff_target target = target_of(tiles, index, data);
-    const uint64_t image = image_of(tiles, (uint64_t)index[2], &target.sample);
+    const char *path = tiles->stack.files.paths[0];
+    const iso_tiff_target target = target_of(tiles, index, data);
+    const uint64_t image = image_of(tiles, index[2]);
     const uint32_t left = layout->height - target.box.y,
                    rows = target.box.height < left ? target.box.height : left;
     const size_t row_bytes = (size_t)layout->width * layout->samples * iso_scalar_size(layout->scalar);
@@ -254,11 +200,11 @@ static iso_status choose_tile(tiff_tiles *tiles, iso_error *error) {
     uint32_t width = layout->width, height = 1;
     if (!tiles->stack.contiguous) {
         const iso_tiff_image *first = &tiles->stack.images[0];
-        open_file file;
-        ISO_TRY(take_file(tiles, first->file, &file, error));
-        const iso_status status = iso_tiff_set_page(file.file, first->page, error);
-        if (status == ISO_OK) iso_tiff_block_size(file.file, layout, &width, &height);
-        return_file(tiles, &file);
+        iso_tiff_file *file;
+        ISO_TRY(iso_tiff_open(tiles->stack.files.paths[first->file], tiles->limit, &file, error));
+        const iso_status status = iso_tiff_set_image(file, first, error);
+        if (status == ISO_OK) iso_tiff_block_size(file, layout, &width, &height);
+        iso_tiff_close(file);
         ISO_TRY(status);
     }
     const uint64_t bytes = (uint64_t)width * height * layout->samples * iso_scalar_size(layout->scalar);
@@ -267,6 +213,15 @@ static iso_status choose_tile(tiff_tiles *tiles, iso_error *error) {
     tiles->tile[1] = (int)(height < layout->height ? height : layout->height);
     tiles->tile[2] = 1;
     return ISO_OK;
+}
+
+/* Checks that the limit of memory allows a strip or tile, which is unpacked as a whole, also when the volume
+ * stays in the file. */
+static iso_status check_tile(const char *path, const iso_volume_opts *opts, const tiff_tiles *tiles,
+                             iso_error *error) {
+    uint64_t bytes = iso_format_size(tiles->tile, iso_type_size(tiles->type));
+    if (__builtin_add_overflow(bytes, scratch_bytes(&tiles->stack), &bytes)) bytes = UINT64_MAX;
+    return iso_format_check_memory(path, opts, bytes, "a strip or tile", error);
 }
 
 static void destroy_tiles(void *context) {
@@ -281,13 +236,13 @@ static iso_status open_stack(const char *path, const iso_volume_opts *opts, cons
                              tiff_tiles *tiles, iso_error *error) {
     iso_volume_info now = {.components = 1, .scale = 1, .transform = iso_transform_identity()};
     ISO_TRY(iso_tiff_stack_open(path, opts, &tiles->stack, error));
-    ISO_TRY(describe_stack(path, opts, &tiles->stack, &tiles->arrangement, &now, error));
+    ISO_TRY(describe_stack(path, opts, &tiles->stack, &tiles->planes, &now, error));
     if (now.components != info->components || now.read_bytes > info->read_bytes)
         return iso_fail(error, ISO_ERR_IO, "%s: changed while it was read", path);
     memcpy(tiles->dims, now.dims, sizeof now.dims);
     tiles->type = now.type;
-    tiles->component = now.component;
-    return choose_tile(tiles, error);
+    ISO_TRY(choose_tile(tiles, error));
+    return check_tile(path, opts, tiles, error);
 }
 
 static iso_status tiff_open_tiled(const char *path, const iso_volume_opts *opts, const iso_volume_info *info,

@@ -16,6 +16,7 @@ struct iso_tiff_file {
     TIFF *tiff;
     char *path;
     char message[MESSAGE]; /* libtiff's last error */
+    char damage[MESSAGE];  /* iso_tiff_damage */
 };
 
 static int keep_error(TIFF *tiff, void *context, const char *module, const char *format, va_list arguments) {
@@ -25,9 +26,17 @@ static int keep_error(TIFF *tiff, void *context, const char *module, const char 
     return 1; /* handled: nothing is printed */
 }
 
-static int drop_warning(TIFF *tiff, void *context, const char *module, const char *format,
+/* Keeps the warnings that the volume would be another one, and drops all others. Tags that libtiff does not
+ * know are called "Tag N": nothing here reads them. */
+static int keep_warning(TIFF *tiff, void *context, const char *module, const char *format,
                         va_list arguments) {
-    (void)tiff, (void)context, (void)module, (void)format, (void)arguments;
+    iso_tiff_file *file = context;
+    char text[MESSAGE];
+    (void)tiff, (void)module;
+    vsnprintf(text, sizeof text, format, arguments);
+    text[strcspn(text, ";")] = 0; /* "; tag ignored" */
+    if ((strstr(text, "IO error") && !strstr(text, "\"Tag ")) || strstr(text, "IFD loop"))
+        memcpy(file->damage, text, sizeof text);
     return 1;
 }
 
@@ -42,7 +51,7 @@ iso_status iso_tiff_open(const char *path, uint64_t most, iso_tiff_file **file, 
         return iso_fail_memory(error, path);
     }
     TIFFOpenOptionsSetErrorHandlerExtR(options, keep_error, opened);
-    TIFFOpenOptionsSetWarningHandlerExtR(options, drop_warning, opened);
+    TIFFOpenOptionsSetWarningHandlerExtR(options, keep_warning, opened);
     if (most) TIFFOpenOptionsSetMaxSingleMemAlloc(options, most < INT64_MAX ? (tmsize_t)most : INT64_MAX);
     opened->tiff = TIFFOpenExt(path, "rm", options); /* m: no memory map, whose pages count as memory */
     TIFFOpenOptionsFree(options);
@@ -67,9 +76,15 @@ struct tiff *iso_tiff_handle(iso_tiff_file *file) {
     return file->tiff;
 }
 
-iso_status iso_tiff_set_page(iso_tiff_file *file, uint32_t page, iso_error *error) {
-    if (TIFFCurrentDirectory(file->tiff) == page || TIFFSetDirectory(file->tiff, page)) return ISO_OK;
-    return iso_tiff_fail(file, page, "its header cannot be read", error);
+/* TIFFSetDirectory would read all headers from the first one on. */
+iso_status iso_tiff_set_image(iso_tiff_file *file, const iso_tiff_image *image, iso_error *error) {
+    if (TIFFCurrentDirOffset(file->tiff) == image->header || TIFFSetSubDirectory(file->tiff, image->header))
+        return ISO_OK;
+    return iso_tiff_fail(file, image->page, "its header cannot be read", error);
+}
+
+const char *iso_tiff_damage(const iso_tiff_file *file) {
+    return file->damage[0] ? file->damage : NULL;
 }
 
 iso_status iso_tiff_fail(const iso_tiff_file *file, uint32_t page, const char *text, iso_error *error) {

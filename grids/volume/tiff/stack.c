@@ -9,6 +9,7 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <tiffio.h>
+#include <unistd.h>
 
 #include "base/memory.h"
 #include "base/text.h"
@@ -37,27 +38,27 @@ static iso_status list_folder(const char *path, iso_tiff_stack *stack, iso_error
     const int count = scandir(path, &entries, tiffs_only, natural_order);
     if (count < 0) return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
     iso_status status = ISO_OK;
-    stack->paths = calloc((size_t)count + 1, sizeof *stack->paths);
-    if (!stack->paths) status = iso_fail_memory(error, path);
+    char **paths = stack->files.paths = calloc((size_t)count + 1, sizeof *paths);
+    if (!paths) status = iso_fail_memory(error, path);
     for (int i = 0; i < count; i++) {
-        if (status == ISO_OK && asprintf(&stack->paths[i], "%s/%s", path, entries[i]->d_name) < 0) {
-            stack->paths[i] = NULL;
+        if (status == ISO_OK && asprintf(&paths[i], "%s/%s", path, entries[i]->d_name) < 0) {
+            paths[i] = NULL;
             status = iso_fail_memory(error, path);
         }
         free(entries[i]);
     }
     free(entries);
-    stack->path_count = (uint32_t)count;
+    stack->files.count = (uint32_t)count;
     return status;
 }
 
 static iso_status list_files(const char *path, iso_tiff_stack *stack, iso_error *error) {
     struct stat status;
     if (stat(path, &status) == 0 && S_ISDIR(status.st_mode)) return list_folder(path, stack, error);
-    stack->paths = calloc(1, sizeof *stack->paths);
-    if (stack->paths) stack->paths[0] = strdup(path);
-    if (!stack->paths || !stack->paths[0]) return iso_fail_memory(error, path);
-    stack->path_count = 1;
+    char **paths = stack->files.paths = calloc(1, sizeof *paths);
+    if (paths) paths[0] = strdup(path);
+    if (!paths || !paths[0]) return iso_fail_memory(error, path);
+    stack->files.count = 1;
     return ISO_OK;
 }
 
@@ -81,11 +82,12 @@ static iso_status read_scalar(const header *h, iso_scalar *scalar, iso_error *er
         uint16_t format, bits;
         iso_scalar scalar;
     } scalars[] = {
-        {SAMPLEFORMAT_UINT, 8, ISO_SCALAR_UINT8},    {SAMPLEFORMAT_INT, 8, ISO_SCALAR_INT8},
-        {SAMPLEFORMAT_UINT, 16, ISO_SCALAR_UINT16},  {SAMPLEFORMAT_INT, 16, ISO_SCALAR_INT16},
-        {SAMPLEFORMAT_UINT, 32, ISO_SCALAR_UINT32},  {SAMPLEFORMAT_INT, 32, ISO_SCALAR_INT32},
-        {SAMPLEFORMAT_UINT, 64, ISO_SCALAR_UINT64},  {SAMPLEFORMAT_INT, 64, ISO_SCALAR_INT64},
-        {SAMPLEFORMAT_IEEEFP, 32, ISO_SCALAR_FLOAT}, {SAMPLEFORMAT_IEEEFP, 64, ISO_SCALAR_DOUBLE},
+        {SAMPLEFORMAT_UINT, 8, ISO_SCALAR_UINT8},     {SAMPLEFORMAT_INT, 8, ISO_SCALAR_INT8},
+        {SAMPLEFORMAT_UINT, 16, ISO_SCALAR_UINT16},   {SAMPLEFORMAT_INT, 16, ISO_SCALAR_INT16},
+        {SAMPLEFORMAT_UINT, 32, ISO_SCALAR_UINT32},   {SAMPLEFORMAT_INT, 32, ISO_SCALAR_INT32},
+        {SAMPLEFORMAT_UINT, 64, ISO_SCALAR_UINT64},   {SAMPLEFORMAT_INT, 64, ISO_SCALAR_INT64},
+        {SAMPLEFORMAT_IEEEFP, 16, ISO_SCALAR_HALF},   {SAMPLEFORMAT_IEEEFP, 32, ISO_SCALAR_FLOAT},
+        {SAMPLEFORMAT_IEEEFP, 64, ISO_SCALAR_DOUBLE},
     };
     uint16_t bits = 1, format = SAMPLEFORMAT_UINT;
     TIFFGetFieldDefaulted(h->tiff, TIFFTAG_BITSPERSAMPLE, &bits);
@@ -96,8 +98,8 @@ static iso_status read_scalar(const header *h, iso_scalar *scalar, iso_error *er
             *scalar = scalars[i].scalar;
             return ISO_OK;
         }
-    return format == SAMPLEFORMAT_UINT ? unsupported(h, error, "its bits a sample", bits)
-                                       : unsupported(h, error, "its kind of numbers", format);
+    return format <= SAMPLEFORMAT_IEEEFP ? unsupported(h, error, "its bits a sample", bits)
+                                         : unsupported(h, error, "its kind of numbers", format);
 }
 
 static iso_status read_layout(const header *h, iso_tiff_layout *layout, iso_error *error) {
@@ -137,16 +139,15 @@ static bool is_same(const iso_tiff_layout *a, const iso_tiff_layout *b) {
            a->samples == b->samples && a->separate == b->separate;
 }
 
-/* An image whose layout differs from the first one's. */
-static iso_status differs(const header *h, const iso_tiff_layout *layout, const iso_tiff_stack *stack,
-                          iso_error *error) {
+/* Keeps why an image whose layout differs from the first one's cannot be a slice: it may be no slice. */
+static void keep_difference(const header *h, const iso_tiff_layout *layout, iso_tiff_stack *stack) {
     const iso_tiff_layout *first = &stack->layout;
-    return iso_fail(
-        error, ISO_ERR_FORMAT,
-        "%s, image %u: is %u x %u %s with %u sample(s), but the first slice (%s) is %u x %u %s with %u",
-        h->path, h->page + 1, layout->width, layout->height, iso_scalar_name(layout->scalar), layout->samples,
-        stack->paths[stack->images[0].file], first->width, first->height, iso_scalar_name(first->scalar),
-        first->samples);
+    if (stack->different.text[0]) return;
+    iso_fail(&stack->different, ISO_ERR_FORMAT,
+             "%s, image %u: is %u x %u %s with %u sample(s), but the first slice (%s) is %u x %u %s with %u",
+             h->path, h->page + 1, layout->width, layout->height, iso_scalar_name(layout->scalar),
+             layout->samples, stack->files.paths[stack->images[0].file], first->width, first->height,
+             iso_scalar_name(first->scalar), first->samples);
 }
 
 /* ---- what only the first image tells ---- */
@@ -164,12 +165,13 @@ static double pixel_distance(const header *h, uint32_t tag, double imagej_unit) 
     return mm / (double)resolution;
 }
 
-static void read_geometry(const header *h, iso_tiff_stack *stack) {
+static iso_status read_geometry(const header *h, iso_tiff_stack *stack, iso_error *error) {
     const char *description = NULL;
     TIFFGetField(h->tiff, TIFFTAG_IMAGEDESCRIPTION, &description);
-    iso_tiff_metadata_parse(description, &stack->metadata);
+    ISO_TRY(iso_tiff_metadata_parse(description, &stack->files, &stack->metadata, error));
     stack->resolution[0] = pixel_distance(h, TIFFTAG_XRESOLUTION, stack->metadata.unit);
     stack->resolution[1] = pixel_distance(h, TIFFTAG_YRESOLUTION, stack->metadata.unit);
+    return ISO_OK;
 }
 
 /* ImageJ writes stacks of more than 4 GB with a header for the first image only; the values of all follow
@@ -188,7 +190,8 @@ static void find_contiguous(const header *h, iso_tiff_stack *stack) {
 
 /* ---- all images ---- */
 
-static iso_status add_image(iso_tiff_stack *stack, const header *h, uint32_t file, iso_error *error) {
+static iso_status add_image(iso_tiff_stack *stack, const header *h, uint32_t file, bool differs,
+                            iso_error *error) {
     if (stack->count == stack->room) {
         const size_t room = stack->room ? 2 * stack->room : 256;
         iso_tiff_image *images = realloc(stack->images, room * sizeof *images);
@@ -196,7 +199,8 @@ static iso_status add_image(iso_tiff_stack *stack, const header *h, uint32_t fil
         stack->images = images;
         stack->room = room;
     }
-    stack->images[stack->count++] = (iso_tiff_image){file, h->page};
+    stack->images[stack->count++] = (iso_tiff_image){
+        .file = file, .page = h->page, .header = TIFFCurrentDirOffset(h->tiff), .differs = differs};
     return ISO_OK;
 }
 
@@ -213,28 +217,61 @@ static iso_status read_image(const header *h, uint32_t file, iso_tiff_stack *sta
     ISO_TRY(read_layout(h, &layout, error));
     if (stack->count == 0) {
         stack->layout = layout;
-        read_geometry(h, stack);
-    } else if (!is_same(&layout, &stack->layout)) {
-        return differs(h, &layout, stack, error);
+        ISO_TRY(read_geometry(h, stack, error));
     }
+    const bool differs = !is_same(&layout, &stack->layout);
+    if (differs) keep_difference(h, &layout, stack);
     ISO_TRY(measure_blocks(h, &layout, &bytes, error));
-    if (bytes > stack->block_bytes) stack->block_bytes = bytes;
-    return add_image(stack, h, file, error);
+    if (!differs && bytes > stack->block_bytes) stack->block_bytes = bytes;
+    return add_image(stack, h, file, differs, error);
 }
 
+static iso_status check_damage(const header *h, iso_error *error) {
+    const char *damage = iso_tiff_damage(h->file);
+    if (!damage) return ISO_OK;
+    return iso_fail(error, ISO_ERR_IO, "%s, image %u: truncated or damaged: %s", h->path, h->page + 1,
+                    damage);
+}
+
+/* Whether the file reaches to the end of the current header, where the position of the next header is.
+ * libtiff takes a header that is cut there for the last one. */
+static bool is_complete(TIFF *tiff) {
+    const bool big = TIFFIsBigTIFF(tiff);
+    const uint64_t at = TIFFCurrentDirOffset(tiff), first = big ? 8 : 2;
+    struct stat file;
+    uint64_t entries = 0;
+    uint16_t short_entries = 0;
+    void *count = big ? (void *)&entries : (void *)&short_entries;
+    if (fstat(TIFFFileno(tiff), &file) != 0 ||
+        pread(TIFFFileno(tiff), count, first, (off_t)at) != (ssize_t)first)
+        return false;
+    if (TIFFIsByteSwapped(tiff)) TIFFSwabShort(&short_entries), TIFFSwabLong8(&entries);
+    entries += short_entries;
+    const uint64_t size = (uint64_t)file.st_size, end = at + first + (big ? 8 : 4);
+    return end <= size && entries <= (size - end) / (big ? 20 : 12);
+}
+
+/* Every header but the last names the position of the next one, which must be there. */
 static iso_status read_pages(header *h, uint32_t file, iso_tiff_stack *stack, iso_error *error) {
-    do {
+    for (;; h->page++) {
         if (h->page == MOST_PAGES) return iso_tiff_fail(h->file, h->page, "there are too many images", error);
+        ISO_TRY(check_damage(h, error));
         ISO_TRY(read_image(h, file, stack, error));
-        h->page++;
-    } while (TIFFReadDirectory(h->tiff));
-    if (stack->path_count > 1 || stack->count != 1) return ISO_OK;
-    if (TIFFSetDirectory(h->tiff, stack->images[0].page)) find_contiguous(h, stack);
+        const bool last = TIFFLastDirectory(h->tiff);
+        if (last && is_complete(h->tiff)) break;
+        if (last || !TIFFReadDirectory(h->tiff))
+            return iso_fail(error, ISO_ERR_IO,
+                            "%s: truncated or damaged: the header of image %u cannot be read", h->path,
+                            h->page + 2);
+    }
+    if (stack->files.count > 1 || stack->count != 1) return ISO_OK;
+    ISO_TRY(iso_tiff_set_image(h->file, &stack->images[0], error));
+    find_contiguous(h, stack);
     return ISO_OK;
 }
 
 static iso_status read_file(uint32_t number, iso_tiff_stack *stack, iso_error *error) {
-    header h = {.path = stack->paths[number]};
+    header h = {.path = stack->files.paths[number]};
     enum { HEADER_MOST = 64 << 20 }; /* bytes of one tag */
     ISO_TRY(iso_tiff_open(h.path, HEADER_MOST, &h.file, error));
     h.tiff = iso_tiff_handle(h.file);
@@ -247,15 +284,17 @@ iso_status iso_tiff_stack_open(const char *path, const iso_volume_opts *opts, is
                                iso_error *error) {
     *stack = (iso_tiff_stack){0};
     ISO_TRY(list_files(path, stack, error));
-    for (uint32_t i = 0; i < stack->path_count; i++) iso_file_set_read(opts->files, stack->paths[i]);
-    for (uint32_t i = 0; i < stack->path_count; i++) ISO_TRY(read_file(i, stack, error));
+    const uint32_t count = stack->files.count;
+    for (uint32_t i = 0; i < count; i++) iso_file_set_read(opts->files, stack->files.paths[i]);
+    for (uint32_t i = 0; i < count; i++) ISO_TRY(read_file(i, stack, error));
     if (stack->count == 0) return iso_fail(error, ISO_ERR_FORMAT, "%s: has no image", path);
     return ISO_OK;
 }
 
 void iso_tiff_stack_free(iso_tiff_stack *stack) {
-    for (uint32_t i = 0; stack->paths && i < stack->path_count; i++) free(stack->paths[i]);
-    free(stack->paths);
+    for (uint32_t i = 0; stack->files.paths && i < stack->files.count; i++) free(stack->files.paths[i]);
+    free(stack->files.paths);
+    iso_tiff_metadata_free(&stack->metadata);
     free(stack->images);
     *stack = (iso_tiff_stack){0};
 }

@@ -2,8 +2,8 @@
  *
  * A volume in TIFF is a file with an image for each slice, or a folder with a file for each slice. stack.c
  * lists the images in order and checks that they fit together, metadata.c reads what ImageJ and OME-TIFF
- * write into the image description, pixels.c reads the values of an image, and format_tiff.c is the reader
- * (a module, with libtiff). */
+ * write into the image description, planes.c finds which image is which slice, pixels.c reads the values of
+ * an image, and format_tiff.c is the reader (a module, with libtiff). */
 #ifndef ISO_GRIDS_VOLUME_TIFF_TIFF_H
 #define ISO_GRIDS_VOLUME_TIFF_TIFF_H
 
@@ -18,18 +18,39 @@ extern "C" {
 /* The axes of the images of a file, in the order in which they follow one another, fastest first. */
 typedef enum iso_tiff_axis { ISO_TIFF_CHANNEL, ISO_TIFF_SLICE, ISO_TIFF_TIME, ISO_TIFF_AXES } iso_tiff_axis;
 
+/* An element TiffData of OME: images of one file, one after another, that hold planes of a position, one
+ * after another in the order of the axes. */
+typedef struct iso_tiff_run {
+    uint32_t position;
+    uint32_t first[ISO_TIFF_AXES]; /* channel, slice and time of the first plane */
+    uint32_t file;                 /* in the stack's list of files */
+    uint32_t page;                 /* of the first plane's image in the file */
+    uint32_t count;                /* of planes */
+} iso_tiff_run;
+
 typedef struct iso_tiff_metadata {
     iso_tiff_axis order[ISO_TIFF_AXES];
     uint32_t sizes[ISO_TIFF_AXES]; /* 0: not stated */
-    uint32_t images;               /* ImageJ: number of images in the file; 0: not stated */
-    double spacing[3];             /* mm; 0: not stated */
-    double unit;                   /* ImageJ: length of the unit of the resolution tags, mm; 0: not stated */
-    const char *writer;            /* "ImageJ", "OME", or NULL: the description has no metadata */
+    uint32_t positions; /* of the stage, an element Pixels of OME each, as far as they have the sizes and the
+                           order of the first one; at least 1 */
+    iso_tiff_run *runs; /* where the planes are; none: images are in the order of the axes, positions last */
+    size_t run_count, run_room;
+    uint32_t images;    /* ImageJ: number of images in the file; 0: not stated */
+    double spacing[3];  /* mm; 0: not stated */
+    double unit;        /* ImageJ: length of the unit of the resolution tags, mm; 0: not stated */
+    const char *writer; /* "ImageJ", "OME", or NULL: the description has no metadata */
 } iso_tiff_metadata;
 
-/* Parses the text of an ImageDescription tag; NULL is fine. Numbers that make no sense count as not stated.
- */
-void iso_tiff_metadata_parse(const char *description, iso_tiff_metadata *metadata);
+/* Parses the text of an ImageDescription tag of the first of `files`; NULL is fine. Numbers that make no
+ * sense count as not stated. Runs are listed only of these files. iso_tiff_metadata_free when done, also
+ * after an error. ISO_ERR_NOMEM. */
+typedef struct iso_tiff_files {
+    char **paths;
+    uint32_t count;
+} iso_tiff_files;
+iso_status iso_tiff_metadata_parse(const char *description, const iso_tiff_files *files,
+                                   iso_tiff_metadata *metadata, iso_error *error);
+void iso_tiff_metadata_free(iso_tiff_metadata *metadata);
 
 /* ---- images ---- */
 
@@ -43,14 +64,16 @@ typedef struct iso_tiff_layout {
 
 typedef struct iso_tiff_image {
     uint32_t file, page;
+    uint64_t header; /* its position in the file, byte */
+    bool differs;    /* its layout is not that of the stack */
 } iso_tiff_image;
 
 typedef struct iso_tiff_stack {
-    char **paths;
-    uint32_t path_count;
+    iso_tiff_files files;
     iso_tiff_image *images; /* in the order of files and pages */
     size_t count, room;
     iso_tiff_layout layout;
+    iso_error different;        /* why the first image whose layout differs cannot be a slice */
     iso_tiff_metadata metadata; /* of the first image */
     double resolution[2];       /* mm between pixels along x and y; 0: not stated */
     uint64_t block_bytes;       /* the largest strip or tile */
@@ -62,11 +85,31 @@ typedef struct iso_tiff_stack {
 
 /* Lists the images of a file, or of the files of a folder in the natural order of their names (slice_2
  * before slice_10), and reads their headers. The files are added to opts->files. iso_tiff_stack_free when
- * done, also after an error. ISO_ERR_IO: a damaged or truncated file; ISO_ERR_FORMAT: images of different
- * sizes or types, or of a type that is not supported; ISO_ERR_NOMEM. Each text names the file. */
+ * done, also after an error. ISO_ERR_IO: a damaged or truncated file, also one whose chain of headers breaks
+ * off or returns to an earlier one; ISO_ERR_FORMAT: images of different sizes or types, or of a type that is
+ * not supported; ISO_ERR_NOMEM. Each text names the file. */
 iso_status iso_tiff_stack_open(const char *path, const iso_volume_opts *opts, iso_tiff_stack *stack,
                                iso_error *error);
 void iso_tiff_stack_free(iso_tiff_stack *stack);
+
+/* ---- planes ---- */
+
+/* Which images are the slices of the component that opts->component names. Channels are components; so are
+ * the channels of further times and positions: sample s of channel c of time t at position p is component s
+ * + samples * (c + channels * (t + times * p)). */
+typedef struct iso_tiff_planes {
+    uint64_t slices;
+    int sample;           /* of each pixel */
+    uint64_t first, step; /* numbers of images: of the first slice, and from one slice to the next */
+} iso_tiff_planes;
+
+/* Finds the planes by the stack's metadata, if its images are those that the metadata state, else every
+ * image is a slice. With metadata that name the image of each plane, the stack's images are put into this
+ * order, and others are removed. Sets info's dims, component and components, and adds notes of what is left
+ * out. ISO_ERR_FORMAT: an image whose layout differs would be a slice; ISO_ERR_USAGE: no such component;
+ * ISO_ERR_NOMEM. */
+iso_status iso_tiff_planes_find(const char *path, const iso_volume_opts *opts, iso_tiff_stack *stack,
+                                iso_tiff_planes *planes, iso_volume_info *info, iso_error *error);
 
 /* ---- values ---- */
 
@@ -77,8 +120,11 @@ typedef struct iso_tiff_file iso_tiff_file;
 iso_status iso_tiff_open(const char *path, uint64_t most, iso_tiff_file **file, iso_error *error);
 void iso_tiff_close(iso_tiff_file *file);
 struct tiff *iso_tiff_handle(iso_tiff_file *file);
-/* Makes image `page` the current one. ISO_ERR_IO. */
-iso_status iso_tiff_set_page(iso_tiff_file *file, uint32_t page, iso_error *error);
+/* Makes an image of this file the current one, in a time that does not depend on its number. ISO_ERR_IO. */
+iso_status iso_tiff_set_image(iso_tiff_file *file, const iso_tiff_image *image, iso_error *error);
+/* What libtiff only warned about although it changes the volume: a known tag whose values lie behind the end
+ * of the file, or a chain of headers that returns to an earlier one. NULL: nothing. */
+const char *iso_tiff_damage(const iso_tiff_file *file);
 /* ISO_ERR_IO "file, image N: ..." with libtiff's last message, or `text` if it has none. */
 iso_status iso_tiff_fail(const iso_tiff_file *file, uint32_t page, const char *text, iso_error *error);
 
