@@ -175,8 +175,9 @@ iso_status iso_inflater_read(iso_inflater *inflater, void *target, size_t bytes,
                              iso_error *error);
 /* Reads exactly the next bytes. ISO_ERR_IO: damaged, truncated, or the stream ends before. */
 iso_status iso_inflater_fill(iso_inflater *inflater, void *target, size_t bytes, iso_error *error);
-/* Checks the checksum after the last byte, as far as it is there. ISO_ERR_IO. */
-iso_status iso_inflater_finish(iso_inflater *inflater, iso_error *error);
+/* Checks the checksum after the last byte, as far as it is there. `more`, if not NULL: whether the stream
+ * goes on instead. ISO_ERR_IO. */
+iso_status iso_inflater_finish(iso_inflater *inflater, bool *more, iso_error *error);
 void iso_inflater_destroy(iso_inflater *inflater);
 
 /* The same for bzip2, through libbz2. ISO_ERR_UNSUPPORTED: it is not built in. */

@@ -72,12 +72,13 @@ iso_status iso_inflater_fill(iso_inflater *f, void *target, size_t bytes, iso_er
     return got == bytes ? ISO_OK : iso_format_truncated(f->path, f->done, f->total, error);
 }
 
-iso_status iso_inflater_finish(iso_inflater *f, iso_error *error) {
+iso_status iso_inflater_finish(iso_inflater *f, bool *more, iso_error *error) {
     unsigned char byte;
     f->z.next_out = &byte;
     f->z.avail_out = 1;
     int result = Z_OK;
     while (result == Z_OK && f->z.avail_out) result = inflate_some(f);
+    if (more) *more = f->z.avail_out == 0;
     return result == Z_OK || result == Z_STREAM_END || result == Z_BUF_ERROR ? ISO_OK : damaged(f, error);
 }
 

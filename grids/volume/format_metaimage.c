@@ -438,7 +438,7 @@ static iso_status open_next(chain *c, iso_error *error) {
 
 static iso_status fill_packed(chain *c, void *target, size_t bytes, iso_error *error) {
     ISO_TRY(iso_inflater_fill(c->inflater, target, bytes, error));
-    return c->left == bytes ? iso_inflater_finish(c->inflater, error) : ISO_OK;
+    return c->left == bytes ? iso_inflater_finish(c->inflater, NULL, error) : ISO_OK;
 }
 
 static iso_status fill_text(chain *c, void *target, size_t bytes, iso_error *error) {

@@ -245,6 +245,13 @@ static iso_status nrrd_read(const char *path, const iso_volume_opts *opts, iso_v
     stream.context = data;
     stream.plain = iso_nrrd_data_plain;
     iso_status status = read_data(path, opts, info, &stream, grid, error);
+    const char *longer = iso_nrrd_data_longer(data);
+    if (status == ISO_OK && longer)
+        iso_volume_note(
+            info,
+            "%s goes on behind the array, which is right only if it begins where the header says: a "
+            "'byte skip' may be missing",
+            longer);
     iso_nrrd_data_close(data);
     return status;
 }

@@ -109,6 +109,9 @@ iso_status iso_nrrd_data_skip(iso_nrrd_data *data, uint64_t bytes, iso_error *er
 /* Returns the file whose next `bytes` bytes are the next of the array, which then count as read; NULL: they
  * are encoded, or in several files. */
 FILE *iso_nrrd_data_plain(void *data, uint64_t bytes);
+/* After the whole array has been read: the name of the first data file beside the header that goes on behind
+ * its part of the array; NULL: none does. White space behind numbers in text is nothing. */
+const char *iso_nrrd_data_longer(const iso_nrrd_data *data);
 void iso_nrrd_data_close(iso_nrrd_data *data);
 
 #endif

@@ -30,6 +30,8 @@ struct iso_nrrd_data {
     iso_inflater *inflater;
     iso_bunzip *bunzip;
     unsigned zeros; /* rest of a run of zeros (ISO_NRRD_ZRL) */
+    bool more;      /* the current file goes on behind its part of the array */
+    char *longer;   /* the name of the first file that did, owned */
 };
 
 static void close_decoders(iso_nrrd_data *d) {
@@ -37,6 +39,16 @@ static void close_decoders(iso_nrrd_data *d) {
     iso_bunzip_destroy(d->bunzip);
     d->inflater = NULL;
     d->bunzip = NULL;
+}
+
+/* Keeps the name of a file beside the header that goes on behind its part of the array. */
+static void keep_longer(iso_nrrd_data *d) {
+    if (d->more && !d->longer && d->header->place != ISO_NRRD_ATTACHED) d->longer = strdup(d->name);
+    d->more = false;
+}
+
+const char *iso_nrrd_data_longer(const iso_nrrd_data *d) {
+    return d->longer;
 }
 
 static void close_file(iso_nrrd_data *d) {
@@ -50,6 +62,7 @@ static void close_file(iso_nrrd_data *d) {
 void iso_nrrd_data_close(iso_nrrd_data *d) {
     if (!d) return;
     close_file(d);
+    free(d->longer);
     if (d->list) fclose(d->list);
     iso_free(d);
 }
@@ -206,7 +219,7 @@ static iso_status skip_lines(const iso_nrrd_data *d, iso_error *error) {
 }
 
 /* Skips to the array in a file of `bytes` bytes, as byte_skip states. Raw data must be complete. */
-static iso_status skip_bytes(const iso_nrrd_data *d, uint64_t bytes, int64_t skip, iso_error *error) {
+static iso_status skip_bytes(iso_nrrd_data *d, uint64_t bytes, int64_t skip, iso_error *error) {
     off_t at = ftello(d->file);
     if (at < 0) return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", d->name, strerror(errno));
     bool raw = d->header->encoding == ISO_NRRD_RAW;
@@ -215,6 +228,7 @@ static iso_status skip_bytes(const iso_nrrd_data *d, uint64_t bytes, int64_t ski
     uint64_t beside = skip < 0 ? (uint64_t) - (skip + 1) : (uint64_t)skip;
     if (bytes < start || bytes - start < beside || bytes - start - beside < needs)
         return iso_format_truncated(d->name, bytes, start + beside + needs, error);
+    d->more = raw && skip >= 0 && bytes - start - beside > needs;
     return seek(d, skip < 0 ? bytes - beside - needs : start + beside, error);
 }
 
@@ -279,11 +293,32 @@ static iso_status begin_packed(iso_nrrd_data *d, int64_t skip, iso_error *error)
 /* Reads the rest of the compressed data up to its checksum: that of the stream or, in bzip2, that of the
  * block, which damage may have made longer. Stops if the end is far behind the array. */
 static iso_status end_packed(iso_nrrd_data *d, iso_error *error) {
-    if (d->inflater) return iso_inflater_finish(d->inflater, error);
+    if (d->inflater) return iso_inflater_finish(d->inflater, &d->more, error);
     char scratch[1 << 14];
     size_t got = sizeof scratch;
-    for (int i = 0; i < 64 && got == sizeof scratch; i++)
+    for (int i = 0; i < 64 && got == sizeof scratch; i++) {
         ISO_TRY(unpack(d, scratch, sizeof scratch, &got, error));
+        d->more |= got > 0;
+    }
+    return ISO_OK;
+}
+
+/* Behind numbers in text, and other bytes that were read one by one. */
+static void end_unpacked(iso_nrrd_data *d) {
+    int c = getc_unlocked(d->file);
+    while (d->header->encoding != ISO_NRRD_ZRL && (c == ' ' || (c >= '\t' && c <= '\r')))
+        c = getc_unlocked(d->file);
+    d->more = c != EOF;
+}
+
+/* Sees what follows the current file's part of the array, after that has been read. What lies between the
+ * part and a byte skip from the end is meant to be there. */
+static iso_status end_part(iso_nrrd_data *d, iso_error *error) {
+    if (is_packed(d->header))
+        ISO_TRY(end_packed(d, error));
+    else if (d->header->encoding != ISO_NRRD_RAW)
+        end_unpacked(d);
+    if (d->header->byte_skip >= 0) keep_longer(d);
     return ISO_OK;
 }
 
@@ -431,7 +466,7 @@ iso_status iso_nrrd_data_fill(void *data, void *target, size_t bytes, iso_error 
         size_t part = bytes < d->left ? bytes : (size_t)d->left;
         ISO_TRY(decode(d, at, part, error));
         d->left -= part;
-        if (d->left == 0 && is_packed(d->header)) ISO_TRY(end_packed(d, error));
+        if (d->left == 0) ISO_TRY(end_part(d, error));
         at += part;
         bytes -= part;
     }
@@ -444,6 +479,7 @@ FILE *iso_nrrd_data_plain(void *data, uint64_t bytes) {
         d->left < bytes)
         return NULL; /* (what is wrong with the next file is said when it is read) */
     d->left -= bytes;
+    if (d->left == 0) keep_longer(d);
     return d->file;
 }
 
@@ -456,6 +492,7 @@ iso_status iso_nrrd_data_skip(iso_nrrd_data *d, uint64_t bytes, iso_error *error
             if (fseeko(d->file, (off_t)part, SEEK_CUR) != 0)
                 return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", d->name, strerror(errno));
             d->left -= part;
+            if (d->left == 0) keep_longer(d);
         } else {
             if (part > sizeof scratch) part = sizeof scratch;
             ISO_TRY(iso_nrrd_data_fill(d, scratch, (size_t)part, error));
