@@ -33,17 +33,17 @@ static bool is_object(const char *name, isorender_object_kind *kind) {
         const char *ending;
         isorender_object_kind kind;
     } endings[] = {{".tck", ISORENDER_LINES},  {".trk", ISORENDER_LINES},  {".swc", ISORENDER_LINES},
-                   {".vtp", ISORENDER_LINES},  {".pdb", ISORENDER_GLYPHS}, {".xyz", ISORENDER_GLYPHS},
-                   {".csv", ISORENDER_GLYPHS}, {".stl", ISORENDER_MESH}};
+                   {".vtp", ISORENDER_LINES},  {".pdb", ISORENDER_GLYPHS}, {".ent", ISORENDER_GLYPHS},
+                   {".xyz", ISORENDER_GLYPHS}, {".csv", ISORENDER_GLYPHS}, {".stl", ISORENDER_MESH}};
     for (size_t i = 0; i < sizeof endings / sizeof *endings; i++)
-        if (iso_text_ends_with(name, endings[i].ending)) {
+        if (iso_text_has_extension(name, endings[i].ending)) {
             *kind = endings[i].kind;
-            if (*kind == ISORENDER_LINES && iso_text_ends_with(name, ".vtp") && iso_glyphs_fill_vtp(name))
+            if (*kind == ISORENDER_LINES && iso_text_has_extension(name, ".vtp") && iso_glyphs_fill_vtp(name))
                 *kind = ISORENDER_GLYPHS;
             return true;
         }
     *kind = ISORENDER_LINES;
-    return iso_text_ends_with(name, ".vtk") && iso_lines_fill_vtk(name);
+    return iso_text_has_extension(name, ".vtk") && iso_lines_fill_vtk(name);
 }
 
 /* Takes an input that is an object: it becomes the first one. */

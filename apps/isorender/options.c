@@ -534,7 +534,7 @@ static const char *const inputs_text[] = {
     ".vdb, a DICOM folder or file, raw data with --raw,",
     "a .ply of points as --points writes it, scene:NAME[:SIZE], and - "
     "for stdin (the content tells the format).",
-    "A .tck, .trk, .swc, .vtp, .pdb, .xyz, .csv or .stl is drawn as --lines, "
+    "A .tck, .trk, .swc, .vtp, .pdb, .ent, .xyz, .csv or .stl is drawn as --lines, "
     "--glyphs and --surface draw it.",
     "Without OUT the picture is IN's name with .png, in the current "
     "folder. World axes are LPS: front looks along +y.",

@@ -1,8 +1,11 @@
 /* Renders surfaces to PNG and EXR files: one picture or the frames of a turntable. */
+#define _GNU_SOURCE /* asprintf */
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "apps/common/template.h"
 #include "apps/isorender/chunks.h"
 #include "apps/isorender/isorender.h"
 #include "apps/isorender/labels.h"
@@ -306,7 +309,7 @@ static iso_status render_frame(isorender_job *job, int frame, canvas *c, iso_err
 static iso_status save_image(isorender_job *job, int frame, const canvas *c, iso_error *error) {
     if (!job->plan->image || job->settings->ranks.rank) return ISO_OK;
     char *path = NULL;
-    ISO_TRY(isorender_plan_frame(job->plan->image, frame, &path, error));
+    ISO_TRY(isorender_plan_frame(job->plan, job->plan->image, frame, &path, error));
     iso_status status = write_picture(job, &c->image, path, error);
     if (status == ISO_OK) job->frames_written = frame + 1;
     free(path);
@@ -316,7 +319,7 @@ static iso_status save_image(isorender_job *job, int frame, const canvas *c, iso
 static iso_status save_aov(isorender_job *job, int frame, const canvas *c, iso_error *error) {
     if (!job->plan->aov) return ISO_OK;
     char *path = NULL;
-    ISO_TRY(isorender_plan_frame(job->plan->aov, frame, &path, error));
+    ISO_TRY(isorender_plan_frame(job->plan, job->plan->aov, frame, &path, error));
     iso_status status = write_aov(job, frame, &c->aov, path, error);
     if (status == ISO_OK) job->aovs_written = frame + 1;
     free(path);
@@ -381,13 +384,20 @@ uint64_t isorender_picture_bytes(const isorender_job *job) {
 
 /* Logs an ffmpeg command that makes a film of a turntable; {n:3} becomes %03d in its input. */
 static void suggest_film(const isorender_job *job) {
-    const char *image = job->plan->image, *variable = image ? strstr(image, "{n") : NULL;
+    const isorender_plan *plan = job->plan;
+    const char *variable = plan->numbered && plan->image ? strstr(plan->image, "{n") : NULL;
+    char *pattern = NULL, *input = NULL;
     if (!variable) return;
     const char *end = strchr(variable, '}');
     char number[8] = "%d";
     if (variable[2] == ':') snprintf(number, sizeof number, "%%0%cd", variable[3]);
-    isorender_log(job, "a film: ffmpeg -framerate 25 -i '%.*s%s%s' -pix_fmt yuv420p '%s.mp4'",
-                  (int)(variable - image), image, number, end + 1, job->plan->model);
+    if (asprintf(&pattern, "%.*s%s%s", (int)(variable - plan->image), plan->image, number, end + 1) < 0)
+        return;
+    if (iso_template_expand(pattern, plan->model, -1, &input, NULL) == ISO_OK)
+        isorender_log(job, "a film: ffmpeg -framerate 25 -i '%s' -pix_fmt yuv420p '%s.mp4'", input,
+                      plan->model);
+    free(pattern);
+    free(input);
 }
 
 iso_status isorender_render(isorender_job *job, iso_error *error) {

@@ -1,4 +1,5 @@
 /* Names of the outputs of every input, and the refusal of names that would destroy something. */
+#define _POSIX_C_SOURCE 200809L
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -8,22 +9,20 @@
 #include "apps/isorender/plan.h"
 #include "image/exr.h"
 
-/* The name of what there is one of for every frame. */
+/* The name of what there is one of for every frame. The name of a single picture is complete. That of a
+ * turntable stays a template, with {model}: the input's name may have braces of its own. */
 static iso_status make_frame_name(const isorender_settings *settings, const isorender_plan *plan,
                                   const char *output, int number, char **name, iso_error *error) {
     if (!settings->turntable) return iso_template_expand(output, plan->model, number, name, error);
     /* A turntable's {n} numbers its frames. */
     int digits = 3;
     for (int frames = settings->turntable; frames > 1000; frames = (frames + 9) / 10) digits++;
-    char *numbered = NULL;
-    ISO_TRY(iso_template_numbered(output, digits, &numbered, error));
-    iso_status status = iso_template_expand(numbered, plan->model, -1, name, error);
-    free(numbered);
-    return status;
+    return iso_template_numbered(output, digits, name, error);
 }
 
 static iso_status make_names(const isorender_settings *settings, int number, isorender_plan *plan,
                              iso_error *error) {
+    plan->numbered = settings->turntable != 0;
     ISO_TRY(iso_template_model(plan->input, &plan->model, error));
     if (settings->points)
         ISO_TRY(iso_template_expand(settings->points, plan->model, number, &plan->points, error));
@@ -63,12 +62,12 @@ static void names_of(const isorender_plan *plan, const char *names[NAMES]) {
 }
 
 /* Every frame of a turntable has a name of its own. */
-static iso_status add_frames(const isorender_settings *settings, const char *name, iso_file_set *files,
+static iso_status add_frames(const isorender_settings *settings, const isorender_plan *plan, const char *name,
                              iso_error *error) {
     for (int frame = 0; name && frame < (settings->turntable ? settings->turntable : 1); frame++) {
         char *path = NULL;
-        ISO_TRY(isorender_plan_frame(name, frame, &path, error));
-        iso_file_set_write(files, path);
+        ISO_TRY(isorender_plan_frame(plan, name, frame, &path, error));
+        iso_file_set_write(plan->files, path);
         free(path);
     }
     return ISO_OK;
@@ -85,7 +84,7 @@ static iso_status add_files(const isorender_settings *settings, const isorender_
     add_input(plan->files, plan->input);
     for (int i = 0; i < NAMES; i++)
         if (i == IMAGE || i == AOV)
-            ISO_TRY(add_frames(settings, names[i], plan->files, error));
+            ISO_TRY(add_frames(settings, plan, names[i], error));
         else
             iso_file_set_write(plan->files, names[i]);
     return ISO_OK;
@@ -148,24 +147,27 @@ bool isorender_plan_draws(const isorender_plan *plan) {
     return plan->image || plan->aov;
 }
 
-iso_status isorender_plan_frame(const char *name, int frame, char **path, iso_error *error) {
-    return iso_template_expand(name, NULL, frame, path, error);
+iso_status isorender_plan_frame(const isorender_plan *plan, const char *name, int frame, char **path,
+                                iso_error *error) {
+    if (plan->numbered) return iso_template_expand(name, plan->model, frame, path, error);
+    *path = strdup(name);
+    return *path ? ISO_OK : iso_fail(error, ISO_ERR_NOMEM, "out of memory");
 }
 
-static iso_status check_first_frame(const char *name, iso_error *error) {
+static iso_status check_first_frame(const isorender_plan *plan, const char *name, iso_error *error) {
     if (!name) return ISO_OK;
     char *first = NULL;
-    ISO_TRY(isorender_plan_frame(name, 0, &first, error));
+    ISO_TRY(isorender_plan_frame(plan, name, 0, &first, error));
     iso_status status = iso_sink_check(first, error);
     free(first);
     return status;
 }
 
 iso_status isorender_plan_check_writable(const isorender_plan *plan, iso_error *error) {
-    ISO_TRY(check_first_frame(plan->image, error));
+    ISO_TRY(check_first_frame(plan, plan->image, error));
     if (plan->aov && !iso_exr_available())
         return iso_fail(error, ISO_ERR_UNSUPPORTED, "%s: built without OpenEXR", plan->aov);
-    ISO_TRY(check_first_frame(plan->aov, error));
+    ISO_TRY(check_first_frame(plan, plan->aov, error));
     ISO_TRY(iso_sink_check(plan->points, error));
     ISO_TRY(iso_sink_check(plan->mesh, error));
     return iso_sink_check(plan->json, error);

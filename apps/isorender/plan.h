@@ -14,7 +14,8 @@ typedef struct isorender_plan {
     const char *input; /* as typed, or `scene` */
     char *scene;       /* "scene:NAME" made from --scene, or NULL */
     char *model;       /* the input's name without folder and extension */
-    char *image, *aov; /* of a turntable with {n:3} for the number of the frame */
+    char *image, *aov; /* of a turntable: with {model}, and {n:3} for the number of the frame */
+    bool numbered;     /* of a turntable */
     char *points, *mesh, *json;
     iso_file_set *files; /* read and written by the whole run; shared by all plans, owned by the first */
 } isorender_plan;
@@ -27,9 +28,10 @@ void isorender_plans_free(isorender_plan *plans, int count);
 /* Whether the plan has a picture or an aov to be rendered. */
 bool isorender_plan_draws(const isorender_plan *plan);
 
-/* The path of one frame: `name` is a plan's image or aov, `frame` counts from 0 (0 for a single picture).
+/* The path of one frame: `name` is the plan's image or aov, `frame` counts from 0 (0 for a single picture).
  * *path is the caller's: free(). */
-iso_status isorender_plan_frame(const char *name, int frame, char **path, iso_error *error);
+iso_status isorender_plan_frame(const isorender_plan *plan, const char *name, int frame, char **path,
+                                iso_error *error);
 
 /* Checks, before the work begins, that every output can be created, and leaves nothing behind. ISO_ERR_WRITE;
  * ISO_ERR_UNSUPPORTED when this build cannot write its format. */

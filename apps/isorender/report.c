@@ -163,10 +163,11 @@ static void put_camera(iso_json *json, const iso_camera *camera, int height) {
     iso_json_end_object(json);
 }
 
-static iso_status put_name(iso_json *json, const char *key, const char *name, int frame, iso_error *error) {
+static iso_status put_name(iso_json *json, const char *key, const isorender_plan *plan, const char *name,
+                           int frame, iso_error *error) {
     if (!name) return ISO_OK;
     char *path = NULL;
-    ISO_TRY(isorender_plan_frame(name, frame, &path, error));
+    ISO_TRY(isorender_plan_frame(plan, name, frame, &path, error));
     iso_json_string(json, key, path);
     free(path);
     return ISO_OK;
@@ -188,8 +189,8 @@ static iso_status put_frame(iso_json *json, const char *key, const isorender_job
     char hash[20];
     snprintf(hash, sizeof hash, "%016llx", (unsigned long long)job->frames[frame].hash);
     iso_json_begin_object(json, key);
-    ISO_TRY(put_name(json, "path", job->plan->image, frame, error));
-    ISO_TRY(put_name(json, "aov_path", job->plan->aov, frame, error));
+    ISO_TRY(put_name(json, "path", job->plan, job->plan->image, frame, error));
+    ISO_TRY(put_name(json, "aov_path", job->plan, job->plan->aov, frame, error));
     iso_json_integer(json, "width", (uint64_t)settings->width);
     iso_json_integer(json, "height", (uint64_t)settings->height);
     iso_json_integer(json, "samples", (uint64_t)settings->samples);

@@ -49,11 +49,10 @@ static void log_exports(const isorender_job *job) {
 static void log_pictures(const isorender_job *job, const char *name) {
     const int count = job->settings->turntable;
     char *first = NULL, *last = NULL;
-    if (count > 1 && isorender_plan_frame(name, 0, &first, NULL) == ISO_OK &&
-        isorender_plan_frame(name, count - 1, &last, NULL) == ISO_OK)
+    if (isorender_plan_frame(job->plan, name, 0, &first, NULL) == ISO_OK && count <= 1)
+        isorender_log(job, "wrote %s", first);
+    else if (first && isorender_plan_frame(job->plan, name, count - 1, &last, NULL) == ISO_OK)
         isorender_log(job, "wrote %s to %s", first, last);
-    else
-        isorender_log(job, "wrote %s", name);
     free(first);
     free(last);
 }
@@ -145,10 +144,10 @@ static iso_status run_steps(isorender_job *job, iso_error *error) {
     return ISO_OK;
 }
 
-static void remove_frames(const char *name, int count) {
+static void remove_frames(const isorender_plan *plan, const char *name, int count) {
     for (int frame = 0; frame < count; frame++) {
         char *path = NULL;
-        if (isorender_plan_frame(name, frame, &path, NULL) != ISO_OK) continue;
+        if (isorender_plan_frame(plan, name, frame, &path, NULL) != ISO_OK) continue;
         iso_file_remove(path);
         free(path);
     }
@@ -158,8 +157,8 @@ static void remove_frames(const char *name, int count) {
 static void remove_outputs(const isorender_job *job) {
     if (job->points_written) iso_file_remove(job->plan->points);
     if (job->mesh_written) iso_file_remove(job->plan->mesh);
-    remove_frames(job->plan->image, job->frames_written);
-    remove_frames(job->plan->aov, job->aovs_written);
+    remove_frames(job->plan, job->plan->image, job->frames_written);
+    remove_frames(job->plan, job->plan->aov, job->aovs_written);
 }
 
 /* Puts the input's name before a message, unless the message begins with it or names an output. */

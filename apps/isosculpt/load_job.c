@@ -25,7 +25,7 @@ void isosculpt_loaded_free(isosculpt_loaded *loaded) {
 }
 
 bool isosculpt_is_strokes(const char *path) {
-    return iso_text_ends_with(path, ".strokes");
+    return iso_text_has_extension(path, ".strokes");
 }
 
 static iso_status open_document(isosculpt_load_job *load_job, const iso_source_volume *volume,

@@ -1,4 +1,5 @@
 /* The command line of isosculpt: the table of options and the checks between options. */
+#define _GNU_SOURCE /* strcasestr */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -146,10 +147,10 @@ const iso_program *isosculpt_program(void) {
     return &program;
 }
 
-/* Whether a name ends in one of the suffixes (separated by blanks). */
+/* Whether a name ends in one of the suffixes (separated by blanks), in either case. */
 static bool has_suffix(const char *name, const char *suffixes) {
     const char *dot = strrchr(name, '.');
-    const char *found = dot ? strstr(suffixes, dot) : NULL;
+    const char *found = dot ? strcasestr(suffixes, dot) : NULL;
     size_t length = dot ? strlen(dot) : 0;
     return found && length > 1 && (found[length] == ' ' || found[length] == 0);
 }

@@ -273,9 +273,9 @@ static iso_status write_mesh(player *p, const char *path, iso_error *error) {
 static iso_status write_outputs(player *p, iso_error *error) {
     const isosculpt_settings *settings = p->settings;
     const char *output = settings->output;
-    bool points = output && iso_text_ends_with(output, ".ply");
+    bool points = output && iso_text_has_extension(output, ".ply");
     ISO_TRY(write_points(p, points ? output : NULL, error));
-    if (output && iso_text_ends_with(output, ".vdb"))
+    if (output && iso_text_has_extension(output, ".vdb"))
         ISO_TRY(iso_level_set_write_vdb(output, iso_session_grid(p->session), "surface", NULL, error));
     else if (output && !points)
         ISO_TRY(write_mesh(p, output, error));

@@ -342,10 +342,10 @@ static void test_plans(void **state) {
         parse_good("x/a.vti --turntable 4000 --aov b/{model}.exr", &p);
         assert_int_equal(isorender_plans_make(&p.settings, &plans, NULL), ISO_OK);
         char *frame = NULL;
-        assert_int_equal(isorender_plan_frame(plans->image, 37, &frame, NULL), ISO_OK);
+        assert_int_equal(isorender_plan_frame(plans, plans->image, 37, &frame, NULL), ISO_OK);
         assert_string_equal(frame, "a_0037.png");
         free(frame);
-        assert_int_equal(isorender_plan_frame(plans->aov, 37, &frame, NULL), ISO_OK);
+        assert_int_equal(isorender_plan_frame(plans, plans->aov, 37, &frame, NULL), ISO_OK);
         assert_string_equal(frame, "b/a_0037.exr");
         free(frame);
         isorender_plans_free(plans, 1);
