@@ -11,7 +11,7 @@
 
 /* ---- numbers ---- */
 
-enum { VALUE = 64, MOST_SIZE = 1 << 30 };
+enum { VALUE = 64, MOST_SIZE = 1 << 30, MOST_RUNS = 1 << 20 };
 
 static uint32_t size_of(const char *text) {
     char *end;
@@ -184,6 +184,9 @@ static uint32_t file_of(run_parser *p, part element) {
 
 static iso_status add_run(run_parser *p, const iso_tiff_run *run, iso_error *error) {
     iso_tiff_metadata *m = p->metadata;
+    if (m->run_count == MOST_RUNS)
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: its metadata have more than %d elements TiffData",
+                        p->files->paths[0], MOST_RUNS);
     if (m->run_count == m->run_room) {
         const size_t room = m->run_room ? 2 * m->run_room : 64;
         iso_tiff_run *runs = realloc(m->runs, room * sizeof *runs);
