@@ -602,8 +602,12 @@ iso_status isorender_settings_parse(int argc, char *const *argv, isorender_setti
                                      .view_angle = 30};
     for (int i = 0; i < 3; i++) settings->position[i] = settings->focal_point[i] = settings->view_up[i] = NAN;
     settings->merge = argc > 1 && strcmp(argv[1], "merge") == 0;
-    ISO_TRY(iso_options_parse(isorender_program(), argc - settings->merge, argv + settings->merge, settings,
-                              operands, error));
+    const iso_status status = iso_options_parse(isorender_program(), argc - settings->merge,
+                                                argv + settings->merge, settings, operands, error);
+    /* What is wrong with a layout is said together with the file that it is for, if that is known already. */
+    if (status != ISO_OK && error && operands->count == 1 && strncmp(error->text, "option --raw:", 13) == 0)
+        return iso_fail(error, status, "%s: %s", operands->values[0], error->text);
+    ISO_TRY(status);
     settings->gaussians = settings->method == METHOD_GAUSSIANS;
     if (settings->gaussians) settings->method = ISORENDER_METHOD_UNCHOSEN;
     if (settings->method != ISORENDER_METHOD_UNCHOSEN) settings->method = (int)methods[settings->method];
