@@ -46,7 +46,8 @@ static bool is_object(const char *name, isorender_object_kind *kind) {
     return iso_text_has_extension(name, ".vtk") && iso_lines_fill_vtk(name);
 }
 
-/* Takes an input that is an object: it becomes the first one. With --raw it is a volume, whatever its name. */
+/* Takes an input that is an object: it becomes the first one. With --raw it is a volume, whatever its name.
+ */
 static iso_status take_object(isorender_settings *settings, iso_error *error) {
     isorender_object_options *objects = &settings->object_options;
     isorender_object_kind kind;
