@@ -1,0 +1,236 @@
+#!/usr/bin/env python3
+"""Small inputs that once came out wrong, from ../shared/cases: each is opened by isorender or isosculpt, and what comes out is
+compared with what is right. cases.py BIN FOLDER; exit status 77 when the folder is not there."""
+import json
+import math
+import os
+import subprocess
+import sys
+import tempfile
+
+BIN, FOLDER = os.path.abspath(sys.argv[1]), os.path.abspath(sys.argv[2])
+FAILED = []
+PHANTOM = [(9, 10, 12), (30, 12, 14), (10, 28, 20)]  # the centres of three balls, voxels
+
+
+class Run:
+    """One run of a program: status, standard error, and the object of --json."""
+
+    def __init__(self, program, *options):
+        done = subprocess.run([os.path.join(BIN, program), *options], capture_output=True, timeout=300, check=False)
+        self.status, self.error = done.returncode, done.stderr.decode(errors="replace")
+        self.out = done.stdout.decode(errors="replace")
+
+    def json(self):
+        return json.loads(self.out)
+
+
+def case(path):
+    return os.path.join(FOLDER, path)
+
+
+def draw(*options):
+    return Run("isorender", *options, "x.png", "--json")
+
+
+def check(name, good, *what):
+    if not good:
+        FAILED.append(name)
+        print("FAILED:", name, *(str(w)[:300] for w in what))
+
+
+def near(a, b, tolerance):
+    return len(a) == len(b) and all(abs(x - y) <= tolerance for x, y in zip(a, b))
+
+
+def mesh_of(*options):
+    """Vertices and triangles of the mesh that isorender extracts or reads."""
+    done = Run("isorender", *options, "--no-image", "--mesh", "x.obj", "--quiet")
+    if done.status:
+        return done, [], []
+    vertices, faces = [], []
+    with open("x.obj", encoding="utf-8") as file:
+        for line in file:
+            words = line.split()
+            if words and words[0] == "v":
+                vertices.append(tuple(float(w) for w in words[1:4]))
+            elif words and words[0] == "f":
+                faces.append(tuple(int(w.split("/")[0]) - 1 for w in words[1:4]))
+    return done, vertices, faces
+
+
+def pieces(vertices, faces):
+    """The middle of each connected piece of a mesh, in the order of x."""
+    root = list(range(len(vertices)))
+
+    def find(i):
+        while root[i] != i:
+            root[i] = root[root[i]]
+            i = root[i]
+        return i
+
+    for a, b, c in faces:
+        root[find(a)] = root[find(b)] = find(c)
+    boxes = {}
+    for i, vertex in enumerate(vertices):
+        low, high = boxes.setdefault(find(i), (list(vertex), list(vertex)))
+        for k in range(3):
+            low[k], high[k] = min(low[k], vertex[k]), max(high[k], vertex[k])
+    return sorted(tuple((a + b) / 2 for a, b in zip(low, high)) for low, high in boxes.values())
+
+
+def area(vertices, faces):
+    total = 0.0
+    for a, b, c in faces:
+        p, q, r = vertices[a], vertices[b], vertices[c]
+        u, v = [q[k] - p[k] for k in range(3)], [r[k] - p[k] for k in range(3)]
+        total += 0.5 * math.hypot(u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0])
+    return total
+
+
+def phantom(name, scale=(1, 1, 1), origin=(0, 0, 0), tolerance=0.3, options=()):
+    """Whether a volume shows the three balls, at their places in mm."""
+    done, vertices, faces = mesh_of(case(name), *options)
+    wanted = sorted(tuple(o + s * c for o, s, c in zip(origin, scale, ball)) for ball in PHANTOM)
+    found = pieces(vertices, faces)
+    good = len(found) == 3 and all(near(f, w, tolerance * max(map(abs, scale))) for f, w in zip(found, wanted))
+    check(name, good, done.status, done.error, found)
+
+
+def points(name, count, *more):
+    done = draw(case(name), *more)
+    good = done.status == 0 and done.json()["primitives"]["points"] == count
+    check(name, good, done.status, done.error)
+    return done
+
+
+def surface(name, count, box=None):
+    done = draw("--surface", case(name))
+    good = done.status == 0 and done.json()["objects"][0]["triangles"] == count
+    if good and box:
+        good = near(done.json()["objects"][0]["bounds_world"], box, 1e-3)
+    check(name, good, done.status, done.error, done.out[:200] if done.status == 0 else "")
+
+
+def refused(name, status, words, *options):
+    done = draw(*(options or (case(name),)))
+    check(name, done.status == status and done.error.count("\n") == 1 and words in done.error, done.status, done.error)
+
+
+def covered(name, least):
+    done = draw(case(name))
+    share = done.json()["image"]["covered"] / done.json()["image"]["samples"] / 1024 ** 2 if done.status == 0 else 0
+    check(name, share >= least, done.status, done.error, share)
+
+
+
+def meshes():
+    for name in ("continued_faces.obj", "face_rows_too_long.ply", "bom.stl", "capitals.stl", "CUBE.STL"):
+        surface(name, 12)
+    for name, right in (("concave_c.obj", 76), ("real/mesh/wallhole.obj", 721.42), ("real/mesh/concave_polygon.obj", 0.2455)):
+        done = draw("--surface", case(name), "--orthographic")
+        check(name, done.status == 0, done.status, done.error)
+        check_area(name, right)
+    for name in ("CUBE.STL", "cube_mesh.obj", "real/mesh/unit_cube.STL", "real/mesh/featuretype.STL"):
+        done = draw(case(name))
+        check(name + " as input", done.status == 0 and "triangles" in done.out, done.status, done.error)
+    surface("real/mesh/fuze.ply", 1000)
+    surface("real/mesh/fuze_ascii.ply", 1000, [-0.0364, 0.0362, -0.0367, 0.0368, 0.0040, 0.2191])
+    surface("real/mesh/box_longline.obj", 944)
+    surface("real/mesh/negative_indices.obj", 12)
+    surface("real/mesh/cubevt.obj", 12)
+    surface("real/mesh/two_objects_mixed_case_names.stl", 24)
+    done = draw("--surface", case("polygons.vtk"))
+    check("polygons.vtk", done.status == 0, done.status, done.error)
+    refused("no_area.obj", 6, "", "--surface", case("no_area.obj"))
+    refused("bad_number.obj", 3, "3.1+e2", "--surface", case("bad_number.obj"))
+    refused("real/mesh/box_UTF16BE.obj", 3, "UTF-16", "--surface", case("real/mesh/box_UTF16BE.obj"))
+    refused("real/mesh/issue623.ply", 3, "", "--surface", case("real/mesh/issue623.ply"))
+    done = Run("isosculpt", "--open", case("collinear.stl"), "--headless", "--voxel-size", ".5", "--output", "x.obj", "--quiet")
+    vertices, faces = [], []
+    if done.status == 0:
+        with open("x.obj", encoding="utf-8") as file:
+            rows = [line.split() for line in file]
+        vertices = [tuple(map(float, r[1:4])) for r in rows if r and r[0] == "v"]
+        faces = [tuple(int(w.split("/")[0]) - 1 for w in r[1:4]) for r in rows if r and r[0] == "f"]
+    check("collinear.stl", len(pieces(vertices, faces)) == 1, done.status, done.error, len(pieces(vertices, faces)))
+
+
+def check_area(name, right):
+    """The area of a mesh as isosculpt's and isorender's readers cut its polygons, from its copy in .stl."""
+    done = Run("isorender", "--surface", case(name), "--no-image", "--json")
+    value = done.json()["objects"][0].get("area") if done.status == 0 else None
+    check(name + ": area", value is not None and abs(value - right) < 1e-3 * right, done.status, done.error, value)
+
+
+def clouds():
+    points("bom.xyz", 400)
+    points("bom_body.ply", 400)
+    points("decimal_commas.txt", 400)
+    points("real/points/autzen-bmx-cc.txt", 103)
+    points("quoted_names.txt", 400)
+    for name in ("wall_x.xyz", "wall_x_rough.xyz", "plate_z.stl"):
+        covered(name, 0.1)
+    covered("depth_camera.ply", 0.2)
+    for name in ("rgb_all_zero.las", "real/points/spec_3.las", "real/points/utm17.las", "real/points/autzen-point-format-3.las",
+                 "real/points/synthetic_test.las"):
+        done = draw(case(name))
+        check(name, done.status == 0 and "colour" in done.error, done.status, done.error)
+    for name in ("diffuse_colours.ply", "real/points/pond.0.ply"):
+        done = Run("isorender", "--info", case(name))
+        check(name, "colours     of the file" in done.out, done.out)
+    done = Run("isorender", "--info", case("extra_bytes.las"))
+    check("extra_bytes.las", "reflectance: 5 .. 8.99" in done.out, done.out)
+    a, b = draw(case("surfels_2dgs.ply")), draw(case("surfels_2dgs_as_3dgs.ply"))
+    check("surfels_2dgs.ply", a.status == 0 and a.json()["image"]["hash"] == b.json()["image"]["hash"], a.status, a.error)
+    done = Run("isorender", "--info", case("real/points/extrabytes.las"))
+    check("real/points/extrabytes.las", "Colors" in done.out and "Time" in done.out, done.out)
+
+
+def lines():
+    for name in ("NEURON.SWC", "TRACK.TCK"):
+        done = draw(case(name))
+        check(name, done.status == 0, done.status, done.error)
+    done = draw(case("soma_bounds.swc"))
+    check("soma_bounds.swc", done.status == 0 and near(done.json()["bounds_world"], [-10, 10, -10, 41, -10, 10], 1e-3),
+          done.status, done.error, done.out[:400])
+
+
+def volumes():
+    phantom("imagej_zct.tif", options=("--component", "1"))
+    phantom("two_positions.ome.tif")
+    done = draw(case("float16.tif"))
+    check("float16.tif", done.status in (0, 6) and "kind of numbers" not in done.error, done.status, done.error)
+    done = Run("isorender", "--info", case("real/tiff/random-fp16-pred3.tiff"))
+    check("real/tiff/random-fp16-pred3.tiff", done.status == 0, done.status, done.error)
+    phantom("bdv.h5", (0.0007, 0.0008, 0.0028))
+    phantom("transposed_shards.zarr")
+    done, vertices, faces = mesh_of(case("phantom.mnc"))
+    found, wanted = pieces(vertices, faces), sorted([(-1.3, -2.0, 26.6), (-16.0, -3.6, 32.2), (-2.0, -16.4, 49.0)])
+    check("phantom.mnc", len(found) == 3 and all(near(f, w, 0.8) for f, w in zip(found, wanted)), done.status, done.error, found)
+    for name, low, high in (("real/minc/small.mnc", 0.1185, 92.8769), ("real/minc/minc2_1_scale.mnc", 0.2083, 0.2094)):
+        done = Run("isorender", "--info", case(name))
+        numbers = [float(w) for line in done.out.splitlines() if line.split()[:1] == ["values"] for w in line.split()[1:] if w != ".." and w[0] in "-.0123456789"]
+        check(name, done.status == 3 or (len(numbers) >= 2 and near(numbers[:2], [low, high], 1e-3)), done.status, done.error, done.out)
+    for name in ("dicom_neighbour", "dicom_two_times"):
+        done = Run("isorender", "--info", case(name))
+        check(name, done.status == 0 and " 32" in done.out and "note" in done.error, done.status, done.error, done.out)
+    done = Run("isorender", "--info", case("real/dicom/mixed/CT_small.dcm"))
+    check("real/dicom/mixed/CT_small.dcm", done.status == 0 and "128" in done.out and "-896" in done.out, done.status, done.error)
+    done = Run("isorender", case("scan {1}.mha"))
+    check("scan {1}.mha", done.status == 0 and os.path.exists("scan {1}.png"), done.status, done.error)
+
+
+def main():
+    if not os.path.isdir(FOLDER):
+        print("skipped:", FOLDER, "is not there")
+        sys.exit(77)
+    with tempfile.TemporaryDirectory() as work:
+        os.chdir(work)
+        for part in (meshes, clouds, lines, volumes):
+            part()
+    print("%d cases failed" % len(FAILED))
+    sys.exit(1 if FAILED else 0)
+
+
+main()
