@@ -22,6 +22,19 @@ int iso_text_utf8(const char *bytes) {
 /* Whether a valid sequence is a visible character that neither breaks a line nor changes the direction of
  * writing: not U+0080 to U+009F, U+061C, U+200E, U+200F, U+2028 to U+202E, U+2066 to U+2069, nor a byte order
  * mark. */
+static bool begins(const void *text, size_t bytes, const char *mark, size_t length) {
+    return bytes >= length && memcmp(text, mark, length) == 0;
+}
+
+size_t iso_text_mark(const void *text, size_t bytes) {
+    return begins(text, bytes, "\xef\xbb\xbf", 3) ? 3 : 0;
+}
+
+const char *iso_text_wide(const void *text, size_t bytes) {
+    if (begins(text, bytes, "\0\0\xfe\xff", 4) || begins(text, bytes, "\xff\xfe\0\0", 4)) return "UTF-32";
+    return begins(text, bytes, "\xfe\xff", 2) || begins(text, bytes, "\xff\xfe", 2) ? "UTF-16" : NULL;
+}
+
 static bool is_printable(const unsigned char *c, int length) {
     if (length == 1) return c[0] >= 0x20 && c[0] != 0x7f;
     if (length == 2) return !(c[0] == 0xc2 && c[1] < 0xa0) && !(c[0] == 0xd8 && c[1] == 0x9c);

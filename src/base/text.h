@@ -20,6 +20,13 @@ extern "C" {
  * terminating zero is a sequence of one byte. */
 int iso_text_utf8(const char *text);
 
+/* The length of the byte order mark of UTF-8 that the first bytes of a file begin with: 3, or 0. */
+size_t iso_text_mark(const void *text, size_t bytes);
+
+/* "UTF-16" or "UTF-32" when the first bytes of a file are the byte order mark of that encoding; else NULL.
+ * Binary data can begin with the same bytes: ask only where text is expected. */
+const char *iso_text_wide(const void *text, size_t bytes);
+
 /* Writes `text` to `clean` as printable UTF-8 on one line: \n, \t and \r for these characters; \xNN for each
  * byte of other control characters, of characters that break lines or change the direction of writing, and of
  * invalid UTF-8. A backslash is not changed, so that cleaning clean text changes nothing. `room` is the size

@@ -28,10 +28,10 @@ iso_reading iso_reading_begin(const char *path, const iso_read_opts *opts, iso_r
 /* Returns the index of the format whose magic a file begins with; -1: none. */
 static int format_of_content(FILE *file, const iso_format_name *formats, int count) {
     char head[32];
-    const size_t bytes = fread(head, 1, sizeof head, file);
+    const size_t bytes = fread(head, 1, sizeof head, file), mark = iso_text_mark(head, bytes);
     for (int i = 0; i < count; i++) {
         const size_t length = formats[i].magic ? strlen(formats[i].magic) : 0;
-        if (length && bytes >= length && memcmp(head, formats[i].magic, length) == 0) return i;
+        if (length && bytes - mark >= length && memcmp(head + mark, formats[i].magic, length) == 0) return i;
     }
     return -1;
 }

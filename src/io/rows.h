@@ -17,6 +17,7 @@ typedef struct iso_rows {
     size_t number; /* number of the row that was read last, from 1 */
 } iso_rows;
 
+/* Reads the file; a byte order mark of UTF-8 is skipped. ISO_ERR_FORMAT when it is that of UTF-16 or UTF-32. */
 iso_status iso_rows_load(iso_reading *reading, iso_rows *rows, iso_error *error);
 void iso_rows_free(iso_rows *rows);
 

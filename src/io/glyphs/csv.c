@@ -150,7 +150,6 @@ static iso_status read_csv(csv *c, iso_glyphs *glyphs, iso_error *error) {
     ISO_TRY(iso_rows_load(c->data.reading, &c->rows, error));
     char *row = iso_rows_next(&c->rows);
     if (!row) return iso_fail(error, ISO_ERR_FORMAT, "%s: the file is empty", c->rows.reading->path);
-    if (strncmp(row, "\xef\xbb\xbf", 3) == 0) row += 3; /* a byte order mark */
     ISO_TRY(take_names(c, &row, error));
     for (; row; row = iso_rows_next(&c->rows))
         if (!is_empty(row)) ISO_TRY(take_row(c, row, error));

@@ -122,6 +122,13 @@ static void names_end_in_extensions(void **state) {
     assert_false(iso_text_ends_with("ply", ".ply"));
     assert_true(iso_text_has_extension("a.NII.gz", ".nii.GZ"));
     assert_false(iso_text_has_extension(".gz", ".gz"));
+    assert_int_equal(iso_text_mark("\xef\xbb\xbfx", 4), 3);
+    assert_int_equal(iso_text_mark("\xef\xbb", 2), 0);
+    assert_null(iso_text_wide("\xef\xbb\xbfx", 4));
+    assert_string_equal(iso_text_wide("\xfe\xff\0x", 4), "UTF-16");
+    assert_string_equal(iso_text_wide("\xff\xfex\0", 4), "UTF-16");
+    assert_string_equal(iso_text_wide("\xff\xfe\0\0", 4), "UTF-32");
+    assert_null(iso_text_wide("\xff", 1));
     assert_false(iso_text_has_extension("a.gz.x", ".gz"));
     for (int i = -3; i < 9; i++) assert_int_equal(iso_clamp_index(i, 5), i < 0 ? 0 : i > 4 ? 4 : i);
 }
