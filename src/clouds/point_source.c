@@ -66,6 +66,7 @@ static void survey_task(void *context, size_t task, int worker) {
             part.hi[axis] = p[axis] > part.hi[axis] ? p[axis] : part.hi[axis];
             zero[axis] += p[axis] - p[axis]; /* NaN of infinities and NaN */
         }
+        part.zeros += p[0] == 0 && p[1] == 0 && p[2] == 0;
         if (source->normals.data) iso_point_column_get(&source->normals, i, normal);
         part.without_normals += !iso_point_normal_is_unit(normal) && !iso_point_normal(normal, normal);
     }
@@ -88,6 +89,7 @@ iso_status iso_point_source_survey(const iso_point_source *source, iso_pool *poo
         }
         survey->finite &= part->finite;
         survey->without_normals += part->without_normals;
+        survey->zeros += part->zeros;
     }
     iso_free(s.parts);
     return ISO_OK;

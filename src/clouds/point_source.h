@@ -55,6 +55,7 @@ typedef struct iso_point_survey {
     float lo[3], hi[3];     /* bounds of the positions */
     bool finite;            /* all coordinates are finite */
     size_t without_normals; /* points whose normal is 0 or not finite, or missing */
+    size_t zeros;           /* points at exactly 0 0 0, relative to the origin */
 } iso_point_survey;
 
 /* Reads all points once. There must be at least one. ISO_ERR_NOMEM. */

@@ -1,6 +1,7 @@
 /* rows: text files in memory. */
 #include "io/rows.h"
 
+#include <ctype.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -57,6 +58,63 @@ char *iso_row_word(char **text) {
     *text = *end ? end + 1 : end;
     *end = 0;
     return word;
+}
+
+char *iso_row_cell(char **text, char separator) {
+    char *cell = *text, *end, *after;
+    while (is_blank(*cell) && *cell != separator) cell++;
+    if (*cell == '"') {
+        cell++;
+        end = cell + strcspn(cell, "\"");
+        after = *end ? end + 1 : end;
+        while (*after && *after != separator) after++;
+    } else {
+        end = after = strchr(cell, separator) ? strchr(cell, separator) : cell + strlen(cell);
+        while (end > cell && is_blank(end[-1])) end--;
+    }
+    *text = *after ? after + 1 : NULL;
+    *end = 0;
+    return cell;
+}
+
+char iso_row_separator(const char *row) {
+    static const char candidates[] = ",;\t";
+    const int first = iso_row_has_decimal_commas(row);
+    int counts[3] = {0}, best = first;
+    bool quoted = false;
+    for (const char *at = row; *at; at++) {
+        const char *found = strchr(candidates, *at);
+        quoted ^= *at == '"';
+        if (found && !quoted) counts[found - candidates]++;
+    }
+    for (int k = first; k < 3; k++)
+        if (counts[k] > counts[best]) best = k;
+    return counts[best] ? candidates[best] : 0;
+}
+
+static bool is_decimal_comma(const char *row, const char *at) {
+    return *at == ',' && at > row && isdigit((unsigned char)at[-1]) && isdigit((unsigned char)at[1]);
+}
+
+bool iso_row_has_decimal_commas(const char *row) {
+    int words = 0, commas = 0;
+    for (const char *at = row + strspn(row, "; \t"); *at; at += strspn(at, "; \t")) {
+        const size_t length = strcspn(at, "; \t");
+        int own = 0;
+        for (const char *end = at + length; at < end; at++) {
+            if (*at == '.' || (*at == ',' && !is_decimal_comma(row, at))) return false;
+            own += *at == ',';
+        }
+        if (own > 1) return false;
+        commas += own;
+        words++;
+    }
+    return words >= 2 && commas > 0;
+}
+
+void iso_row_turn_commas(char *row) {
+    for (char *at = row; *at; at++)
+        if (is_decimal_comma(row, at)) *at = '.';
 }
 
 iso_status iso_rows_fail(const iso_rows *rows, const char *problem, iso_error *error) {

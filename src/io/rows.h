@@ -33,6 +33,21 @@ bool iso_row_number(char **text, const char *separators, double *number);
 /* Returns the next word of a row, terminated by a zero byte in place; NULL at the end of the row. */
 char *iso_row_word(char **text);
 
+/* Returns the next cell of a row of a table, without quotes and without blanks around it, terminated by a
+ * zero byte in place; *text becomes NULL behind the last one. Separators between quotes belong to the cell.
+ * */
+char *iso_row_cell(char **text, char separator);
+
+/* The character that separates the cells of a row: of comma, semicolon and tab the most frequent outside of
+ * quotes, the first of equals; 0: none is there. Of decimal commas it is not the comma. */
+char iso_row_separator(const char *row);
+
+/* Whether a row has numbers with decimal commas: commas between digits, at most one in a word, and none of
+ * the points that other numbers have. The words are between semicolons or blanks, and two or more. */
+bool iso_row_has_decimal_commas(const char *row);
+/* Makes points of the commas between digits. */
+void iso_row_turn_commas(char *row);
+
 /* Fails with ISO_ERR_FORMAT and the message "path: row N: problem". */
 iso_status iso_rows_fail(const iso_rows *rows, const char *problem, iso_error *error);
 

@@ -1,7 +1,7 @@
 /* csv: points in a table: a row of names, which include x y z, unless the options name the columns, and a row
- * for each point. The separator is a
- * comma, semicolon or tab, whichever is most frequent in the first row. Values may be in double quotes. A
- * column whose first value is not a number contains words, which are numbered in order of appearance. */
+ * for each point. The separator is a comma, semicolon or tab, whichever is most frequent in the first row;
+ * between semicolons or tabs, numbers may have decimal commas. Values may be in double quotes. A column whose
+ * first value is not a number contains words, which are numbered in order of appearance. */
 #define _POSIX_C_SOURCE 200809L
 #include <math.h>
 #include <stdlib.h>
@@ -33,49 +33,11 @@ typedef struct csv {
     dictionary dictionaries[COLUMNS];
 } csv;
 
-static bool is_blank(char c) {
-    return c == ' ' || (c == '\t');
-}
-
-/* Ends the cell at *row by a zero byte and moves *row behind it. Returns the cell without quotes and without
- * blanks around it. */
-static char *next_cell(const csv *c, char **row) {
-    char *cell = *row, *end, *after;
-    while (is_blank(*cell) && *cell != c->separator) cell++;
-    if (*cell == '"') {
-        cell++;
-        end = cell + strcspn(cell, "\"");
-        after = *end ? end + 1 : end;
-        while (*after && *after != c->separator) after++;
-    } else {
-        end = after = strchr(cell, c->separator) ? strchr(cell, c->separator) : cell + strlen(cell);
-        while (end > cell && is_blank(end[-1])) end--;
-    }
-    *row = *after ? after + 1 : NULL;
-    *end = 0;
-    return cell;
-}
-
 /* Splits a row into cells; returns how many it has, at most COLUMNS. */
 static int split_row(csv *c, char *row) {
     int count = 0;
-    while (row && count < COLUMNS) c->cells[count++] = next_cell(c, &row);
+    while (row && count < COLUMNS) c->cells[count++] = iso_row_cell(&row, c->separator);
     return count;
-}
-
-static char separator_of(const char *row) {
-    static const char candidates[] = ",;\t";
-    char best = ',';
-    int most = 0;
-    for (int k = 0; k < 3; k++) {
-        int count = 0;
-        for (const char *at = row; *at; at++) count += *at == candidates[k];
-        if (count > most) {
-            most = count;
-            best = candidates[k];
-        }
-    }
-    return best;
 }
 
 /* Returns the number of a word in its column; NaN when there are too many words. */
@@ -92,6 +54,7 @@ static double parse_cell(csv *c, int column) {
     char *cell = c->cells[column];
     double number;
     if (c->dictionaries[column].used) return number_of_word(&c->dictionaries[column], cell);
+    if (c->separator != ',' && cell[strspn(cell, "0123456789+-,eE")] == 0) iso_row_turn_commas(cell);
     return iso_row_number(&cell, "", &number) && *cell == 0 ? number : (double)NAN;
 }
 
@@ -129,7 +92,8 @@ static void note_words(csv *c) {
  * row of values, which is the first row itself if it has no names. */
 static iso_status take_names(csv *c, char **row, iso_error *error) {
     double number;
-    c->separator = separator_of(*row);
+    c->separator = iso_row_separator(*row);
+    if (!c->separator) c->separator = ',';
     if (!c->data.reading->opts.columns) {
         c->columns = split_row(c, *row);
         *row = iso_rows_next(&c->rows);
@@ -154,6 +118,7 @@ static iso_status read_csv(csv *c, iso_glyphs *glyphs, iso_error *error) {
     for (; row; row = iso_rows_next(&c->rows))
         if (!is_empty(row)) ISO_TRY(take_row(c, row, error));
     note_words(c);
+    iso_polydata_scale_colors(&c->data, true);
     return iso_polydata_to_glyphs(&c->data, glyphs, error);
 }
 

@@ -13,6 +13,7 @@
 #include "io/encode.h"
 #include "io/glyphs/glyphs_format.h"
 #include "io/ply.h"
+#include "io/polydata/ply_gaussians.h"
 
 /* The rows of both tables are the same formats. */
 static const iso_format_name names[] = {
@@ -60,8 +61,9 @@ static bool has_property(const iso_ply *ply, const iso_ply_element *element, con
 }
 
 static bool has_gaussians(const iso_ply *ply) {
-    static const char *const wanted[] = {"f_dc_0", "f_dc_1", "f_dc_2", "scale_0", "scale_1", "scale_2",
+    static const char *const wanted[] = {"f_dc_0", "f_dc_1", "f_dc_2", "scale_0", "scale_1",
                                          "rot_0",  "rot_1",  "rot_2",  "rot_3",   "opacity"};
+    if (iso_ply_packs_gaussians(ply)) return true;
     for (int i = 0; i < ply->element_count; i++) {
         if (strcmp(ply->elements[i].name, "vertex") != 0) continue;
         for (size_t k = 0; k < sizeof wanted / sizeof *wanted; k++)
@@ -119,9 +121,10 @@ bool iso_glyphs_are_points(const char *path) {
     struct stat status;
     FILE *file = stat(path, &status) == 0 && S_ISREG(status.st_mode) ? fopen(path, "rb") : NULL;
     if (!file) return false;
-    head[fread(head, 1, sizeof head - 1, file)] = 0;
+    const size_t bytes = fread(head, 1, sizeof head - 1, file);
+    head[bytes] = 0;
     fclose(file);
-    if (iso_text_has_extension(path, ".xyz")) return !begins_with_count(head);
+    if (iso_text_has_extension(path, ".xyz")) return !begins_with_count(head + iso_text_mark(head, bytes));
     for (size_t i = 0; i < sizeof endings / sizeof *endings; i++)
         if (iso_text_has_extension(path, endings[i])) return true;
     return strncmp(head, "ply", 3) == 0 && (head[3] == '\n' || head[3] == '\r');

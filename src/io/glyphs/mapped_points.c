@@ -113,8 +113,18 @@ static bool open_ply(iso_ply *ply, iso_reading *reading, iso_mapped_points *poin
     return false;
 }
 
-static bool is_usable(const iso_point_survey *survey) {
-    bool usable = survey->finite && !survey->without_normals;
+/* Whether colours, if there are any, are not 0 throughout. */
+static bool has_colors(const iso_point_source *source) {
+    static const unsigned char black[3];
+    if (!source->colors.data) return true;
+    for (size_t i = 0; i < source->count; i++)
+        if (memcmp(source->colors.data + i * source->colors.stride, black, sizeof black) != 0) return true;
+    return false;
+}
+
+static bool is_usable(const iso_point_source *source, const iso_point_survey *survey) {
+    bool usable = survey->finite && !survey->without_normals &&
+                  !iso_zeros_are_unmeasured(survey->zeros, source->count) && has_colors(source);
     for (int axis = 0; axis < 3; axis++)
         usable &= (double)survey->lo[axis] >= -ISO_FARTHEST && (double)survey->hi[axis] <= ISO_FARTHEST;
     return usable;
@@ -129,7 +139,7 @@ bool iso_mapped_points_open(const char *path, const iso_read_opts *opts, iso_poo
     const bool plain = reading.opts.every == 1 && !iso_reading_is_ras(&reading, ISO_SPACE_FILE);
     const bool open = plain && ply && open_ply(ply, &reading, points) &&
                       iso_point_source_survey(&points->source, pool, &points->survey, NULL) == ISO_OK &&
-                      is_usable(&points->survey);
+                      is_usable(&points->source, &points->survey);
     if (ply) iso_ply_close(ply);
     iso_free(ply);
     if (!open) {

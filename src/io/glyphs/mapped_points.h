@@ -21,8 +21,9 @@ typedef struct iso_mapped_points {
 
 /* Opens a file if its points are stored as isopoint keeps them: little-endian floats x y z and nx ny nz, in
  * this order, and uchar red green blue if there are colours; if all positions are finite and at most 1e12 mm,
- * and no normal is 0. Further numbers are ignored, but not a radius, alpha, vx vy vz, or those of Gaussians.
- * `opts`: as for iso_glyphs_read; the report is set. `pool`: for looking at the points, or NULL.
+ * no normal is 0, and iso_glyphs_read would leave out neither points at 0 0 0 nor the colours. Further
+ * numbers are ignored, but not a radius, alpha, vx vy vz, or those of Gaussians. `opts`: as for
+ * iso_glyphs_read; the report is set. `pool`: for looking at the points, or NULL.
  *
  * False: anything else, also a damaged file or one over the limit of memory, for which iso_glyphs_read has a
  * message. A file that becomes shorter while it is open ends the program (SIGBUS). */

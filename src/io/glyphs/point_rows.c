@@ -1,6 +1,7 @@
 /* point_rows: points as rows of numbers: .pts, .asc, .txt, and .xyz that are not molecules. The numbers are
- * separated by blanks, commas or semicolons. A first row of one number is the number of points. In .pwn files
- * (CGAL's "point with normal") as many rows of normals may follow the points. */
+ * separated by blanks, commas or semicolons; they have decimal commas if those of the first row do. A first
+ * row of one number is the number of points. In .pwn files (CGAL's "point with normal") as many rows of
+ * normals may follow the points. */
 #include "io/glyphs/point_rows.h"
 
 #include <ctype.h>
@@ -34,6 +35,7 @@ typedef struct point_rows {
     iso_rows *rows;
     int columns; /* numbers of a row */
     bool named;
+    bool decimal_commas;
     iso_slot slots[ISO_POLYDATA_COLUMNS];
     double numbers[ISO_POLYDATA_COLUMNS + 1];
 } point_rows;
@@ -41,22 +43,58 @@ typedef struct point_rows {
 /* Parses the numbers of a row; returns how many there are, -1 if something else is among them. */
 static int parse_row(point_rows *p, char *row, int most) {
     int count = 0;
+    if (p->decimal_commas) iso_row_turn_commas(row);
     while (count < most && iso_row_number(&row, separators, &p->numbers[count])) count++;
     return *row ? -1 : count;
 }
 
 /* ---- the first row */
 
-/* Splits the row of names. */
-static iso_status read_names(point_rows *p, char *row, iso_error *error) {
-    const char *names[ISO_POLYDATA_COLUMNS];
-    for (char *at = row; *at; at++)
-        if (strchr(",;\"", *at)) *at = ' ';
-    for (char *word = iso_row_word(&row); word; word = iso_row_word(&row)) {
+/* Finds the next name of a row behind blanks and separators: a word, or what is between quotes. NULL: there
+ * is none. *end: the character behind it. */
+static char *find_name(char *row, char **end) {
+    static const char between[] = ",; \t";
+    row += strspn(row, between);
+    const bool quoted = *row == '"';
+    row += quoted;
+    *end = row + strcspn(row, quoted ? "\"" : between);
+    return *row ? row : NULL;
+}
+
+static int count_names(char *row) {
+    int count = 0;
+    for (char *end; find_name(row, &end); count++) row = *end ? end + 1 : end;
+    return count;
+}
+
+/* Returns the next name, terminated in place. `separator`: the only character that separates names; 0: blanks
+ * and all separators do. */
+static const char *next_name(char **row, char separator) {
+    char *end, *name;
+    if (separator) return *row && **row ? iso_row_cell(row, separator) : NULL;
+    name = find_name(*row, &end);
+    *row = *end ? end + 1 : end;
+    *end = 0;
+    return name;
+}
+
+/* Takes the names of `count` numbers from a row. They are words, or else between separators, with blanks in
+ * them. */
+static iso_status take_names(point_rows *p, char *row, int count, iso_error *error) {
+    const char *names[ISO_POLYDATA_COLUMNS], *name;
+    const char separator = count_names(row) == count ? 0 : iso_row_separator(row);
+    while ((name = next_name(&row, separator))) {
         if (p->columns == ISO_POLYDATA_COLUMNS) return iso_rows_fail(p->rows, "too many names", error);
-        names[p->columns++] = word;
+        names[p->columns++] = *name ? name : NULL;
     }
     return iso_polydata_name_columns(p->data, names, p->columns, p->slots, error);
+}
+
+/* Finds out whether the numbers of the first row of points have decimal commas. `names`: the row of names. */
+static void find_commas(point_rows *p, const char *names, const char *row) {
+    const char separator = names ? iso_row_separator(names) : 0;
+    const bool between = separator == ';' || separator == '\t';
+    p->decimal_commas = row && (iso_row_has_decimal_commas(row) || (between && !strchr(row, ',')));
 }
 
 /* Whether a row has names instead of numbers. (nan and inf are numbers.) */
@@ -69,9 +107,12 @@ static bool has_names(point_rows *p, char *row) {
 static iso_status begin_rows(point_rows *p, char **row, iso_error *error) {
     const bool named = has_names(p, *row), given = p->data->reading->opts.columns != NULL;
     p->named = named || given;
-    if (given) ISO_TRY(iso_point_columns_given(p->data, p->slots, &p->columns, error));
-    if (named && !given) ISO_TRY(read_names(p, *row, error));
+    char *const names = named ? *row : NULL;
     if (named) *row = iso_point_rows_next(p->rows);
+    find_commas(p, names, *row);
+    if (given) ISO_TRY(iso_point_columns_given(p->data, p->slots, &p->columns, error));
+    if (named && !given)
+        ISO_TRY(take_names(p, names, *row ? parse_row(p, *row, ISO_POLYDATA_COLUMNS) : 0, error));
     if (p->named) return ISO_OK;
     p->columns = parse_row(p, *row, ISO_POINT_COLUMNS_MOST + 1);
     if (p->columns < ISO_POINT_COLUMNS_LEAST || p->columns > ISO_POINT_COLUMNS_MOST)

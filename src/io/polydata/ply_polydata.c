@@ -1,10 +1,12 @@
 /* ply_polydata: vertices of PLY files with their properties, and the polylines of their edges (Turk 1994:
  * element "edge" with vertex1 and vertex2). */
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "io/ply.h"
 #include "io/polydata/faces.h"
+#include "io/polydata/ply_gaussians.h"
 #include "io/polydata/records.h"
 
 /* The state of the reader in addition to the polydata. */
@@ -12,18 +14,13 @@ typedef struct ply_reader {
     iso_ply ply;
     iso_polydata *data;
     iso_slot slots[ISO_PLY_PROPERTIES];
-    double factors[ISO_PLY_PROPERTIES]; /* for each property: factor to 0 .. 255, as colours may be stored as
-                                           0 .. 1, 0 .. 255 or 0 .. 65535 */
+    double factors[ISO_PLY_PROPERTIES]; /* for each property: of integers, the factor from 0 .. 65535 to
+                                           0 .. 255 */
     double values[ISO_PLY_PROPERTIES];
     iso_buffer edges; /* uint32_t[2] */
     size_t edge_count;
     iso_faces faces;
 } ply_reader;
-
-static double color_factor(iso_ply_type type) {
-    if (type == ISO_PLY_FLOAT32 || type == ISO_PLY_FLOAT64) return 255;
-    return type == ISO_PLY_UINT16 ? 1 / 257.0 : 1;
-}
 
 static bool is_named(const iso_ply_element *element, const char *name) {
     return strcmp(element->name, name) == 0;
@@ -42,7 +39,7 @@ static iso_status name_columns(ply_reader *r, const iso_ply_element *element, is
                    color =
                        slot.column >= 0 && iso_polydata_column(r->data, slot.column)->role == ISO_ROLE_COLOR;
         if (point && property[i].type != ISO_PLY_FLOAT32) r->data->keep_floats = false;
-        r->factors[i] = color ? color_factor(property[i].type) : 1;
+        r->factors[i] = color && property[i].type == ISO_PLY_UINT16 ? 1 / 257.0 : 1;
     }
     return ISO_OK;
 }
@@ -64,17 +61,54 @@ static iso_status read_records(ply_reader *r, const iso_ply_element *element, si
                                        element->count, error);
 }
 
-static iso_status read_vertices(ply_reader *r, const iso_ply_element *element, iso_error *error) {
-    ISO_TRY(name_columns(r, element, error));
-    ISO_TRY(iso_ply_check_size(&r->ply, element, error));
-    const size_t record = iso_ply_record_bytes(&r->ply, element);
-    if (record) return read_records(r, element, record, error);
+static iso_status read_items(ply_reader *r, const iso_ply_element *element, iso_error *error) {
     ISO_TRY(iso_polydata_reserve(r->data, (size_t)element->count, error));
     for (uint64_t i = 0; i < element->count; i++) {
         ISO_TRY(iso_ply_read_item(&r->ply, element, r->values, error));
         for (int k = 0; k < element->property_count; k++) r->values[k] *= r->factors[k];
         iso_polydata_add_row(r->data, r->slots, r->values, element->property_count);
     }
+    return ISO_OK;
+}
+
+/* The largest number of a component of a column, of points that are usable. */
+static float largest_of(const iso_polydata *data, iso_slot slot) {
+    const iso_column *column = iso_polydata_column(data, slot.column);
+    const float *values = (const float *)column->values.data + slot.component;
+    const float(*points)[3] = data->points.data;
+    float most = 0;
+    for (size_t i = 0; i < data->point_count; i++, values += column->components)
+        if (!isnan(points[i][0]) && *values > most) most = *values;
+    return most;
+}
+
+/* Scales colours that are stored as floats to 0 .. 255. Others may be integers. */
+static void scale_float_colors(ply_reader *r, const iso_ply_element *element) {
+    bool is_color[ISO_PLY_PROPERTIES] = {false};
+    float most = 0;
+    if (r->data->point_count == 0) return;
+    for (int i = 0; i < element->property_count; i++) {
+        const iso_ply_type type = r->ply.properties[element->first_property + i].type;
+        const iso_slot slot = r->slots[i];
+        is_color[i] = (type == ISO_PLY_FLOAT32 || type == ISO_PLY_FLOAT64) && slot.column >= 0 &&
+                      iso_polydata_column(r->data, slot.column)->role == ISO_ROLE_COLOR;
+        if (is_color[i]) most = fmaxf(most, largest_of(r->data, slot));
+    }
+    const float factor = iso_polydata_color_factor(most, true);
+    for (int i = 0; i < element->property_count; i++) {
+        if (!is_color[i]) continue;
+        const iso_column *column = iso_polydata_column(r->data, r->slots[i].column);
+        float *values = (float *)column->values.data + r->slots[i].component;
+        for (size_t k = 0; k < r->data->point_count; k++) values[k * (size_t)column->components] *= factor;
+    }
+}
+
+static iso_status read_vertices(ply_reader *r, const iso_ply_element *element, iso_error *error) {
+    ISO_TRY(name_columns(r, element, error));
+    ISO_TRY(iso_ply_check_size(&r->ply, element, error));
+    const size_t record = iso_ply_record_bytes(&r->ply, element);
+    ISO_TRY(record ? read_records(r, element, record, error) : read_items(r, element, error));
+    scale_float_colors(r, element);
     return ISO_OK;
 }
 
@@ -158,6 +192,7 @@ static iso_status read_faces(ply_reader *r, const iso_ply_element *element, iso_
 static iso_status read_elements(ply_reader *r, iso_error *error) {
     bool has_points = false, has_edges = false;
     ISO_TRY(iso_ply_open(r->data->reading->path, &r->ply, error));
+    if (iso_ply_packs_gaussians(&r->ply)) return iso_ply_read_packed_gaussians(&r->ply, r->data, error);
     for (int i = 0; i < r->ply.element_count; i++) {
         const iso_ply_element *element = &r->ply.elements[i];
         const bool points = is_named(element, "vertex") && !has_points,

@@ -35,7 +35,7 @@ iso_status iso_polydata_add_column(iso_polydata *data, const char *name, int com
     return ISO_OK;
 }
 
-/* Numbers that form one column if all their names are present. */
+/* Numbers that form one column if all their names are present and belong to no group before. */
 static const struct group {
     const char *name;
     iso_role role;
@@ -44,10 +44,14 @@ static const struct group {
 } groups[] = {
     {"normals", ISO_ROLE_NORMAL, 3, {"nx", "ny", "nz"}},
     {"normals", ISO_ROLE_NORMAL, 3, {"normal_x", "normal_y", "normal_z"}},
+    {"normals", ISO_ROLE_NORMAL, 3, {"normalx", "normaly", "normalz"}},
     {"vectors", ISO_ROLE_VECTOR, 3, {"vx", "vy", "vz"}},
     {"colors", ISO_ROLE_COLOR, 3, {"red", "green", "blue"}},
     {"colors", ISO_ROLE_COLOR, 3, {"r", "g", "b"}},
+    {"colors", ISO_ROLE_COLOR, 3, {"diffuse_red", "diffuse_green", "diffuse_blue"}},
+    {"colors", ISO_ROLE_COLOR, 3, {"rf", "gf", "bf"}}, /* CloudCompare's fractions */
     {"scale", ISO_ROLE_NONE, 3, {"scale_0", "scale_1", "scale_2"}},
+    {"scale", ISO_ROLE_NONE, 2, {"scale_0", "scale_1"}},
     {"rot", ISO_ROLE_NONE, 4, {"rot_0", "rot_1", "rot_2", "rot_3"}},
     {"f_dc", ISO_ROLE_NONE, 3, {"f_dc_0", "f_dc_1", "f_dc_2"}},
 };
@@ -64,7 +68,7 @@ static iso_status name_group(iso_polydata *data, const struct group *group, cons
     int found[4], column;
     for (int k = 0; k < group->count; k++) {
         found[k] = find_name(names, count, group->names[k]);
-        if (found[k] < 0) return ISO_OK;
+        if (found[k] < 0 || slots[found[k]].column != ISO_SLOT_SKIP) return ISO_OK;
     }
     ISO_TRY(iso_polydata_add_column(data, group->name, group->count, false, group->role, &column, error));
     for (int k = 0; k < group->count; k++) slots[found[k]] = (iso_slot){column, k};
@@ -118,14 +122,19 @@ iso_status iso_polydata_join_columns(iso_polydata *data, int first, const char *
     return ISO_OK;
 }
 
+float iso_polydata_color_factor(float most, bool fractions) {
+    const float bytes = fractions ? 256 : 255, ones = 2;
+    return most > bytes ? 1 / 257.0f : fractions && most <= ones ? 255 : 1;
+}
+
 void iso_polydata_scale_colors(iso_polydata *data, bool fractions) {
     iso_column *column = iso_column_find(data->column_array.data, data->column_count, ISO_ROLE_COLOR);
     if (!column) return;
     const float *values = column->values.data;
     float most = 0;
     const size_t count = data->point_count * (size_t)column->components;
-    for (size_t i = 0; i < count && most <= 255; i++) most = values[i] > most ? values[i] : most;
-    column->factor = most > 255 ? 1 / 257.0f : fractions && most <= 1 ? 255 : 1;
+    for (size_t i = 0; i < count; i++) most = values[i] > most ? values[i] : most;
+    column->factor = iso_polydata_color_factor(most, fractions);
 }
 
 /* ---- points */

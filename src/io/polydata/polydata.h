@@ -18,6 +18,7 @@ typedef struct iso_polydata {
     bool keep_floats; /* coordinates are floats in the file: the origin stays 0, so that points keep their
                          exact values */
     bool points_only; /* lines are not wanted, so readers may skip them */
+    bool packed_gaussians; /* Gaussians whose "opacity" is 0 .. 1 and whose "scale" is logarithmic */
     iso_vec3 origin;
     iso_buffer points; /* three floats each, relative to the origin, in the file's space; NaN: not usable */
     size_t point_count;
@@ -46,9 +47,10 @@ typedef struct iso_slot {
 enum { ISO_SLOT_POINT = -1, ISO_SLOT_SKIP = -2 };
 
 /* Adds columns for the numbers with these names, in the order of a row, and finds the slot of each number. x
- * y z are the point. nx ny nz (normal_x ..), vx vy vz, red green blue (r g b), scale_0 .. 2, rot_0 .. 3 and
- * f_dc_0 .. 2 form one column each if all their names are present. Every other name becomes a column of its
- * own; NULL is skipped. Case is ignored. ISO_ERR_FORMAT: a coordinate is missing. */
+ * y z are the point. nx ny nz (normal_x .., NormalX ..), vx vy vz, red green blue (r g b, diffuse_red .., rf
+ * gf bf), scale_0 .. 2 (or only 0 and 1), rot_0 .. 3 and f_dc_0 .. 2 form one column each if all their names
+ * are present. Every other name becomes a column of its own; NULL is skipped. Case is ignored.
+ * ISO_ERR_FORMAT: a coordinate is missing. */
 iso_status iso_polydata_name_columns(iso_polydata *data, const char *const *names, int count, iso_slot *slots,
                                      iso_error *error);
 
@@ -57,8 +59,11 @@ iso_status iso_polydata_name_columns(iso_polydata *data, const char *const *name
 iso_status iso_polydata_join_columns(iso_polydata *data, int first, const char *name, iso_role role,
                                      iso_error *error);
 
-/* Scales the column of colours, if there is one, to 0 .. 255: numbers of 16 bits if one of them is above 255;
- * `fractions`: the file stores floats, which are 0 .. 1 unless one of them is above 1. */
+/* The factor that brings colours to 0 .. 255 whose largest number is `most`: they have 16 bits if it is
+ * above 255. `fractions`: they may be floats of 0 .. 1, which they are unless it is above 2. (Computed ones
+ * can be a little above 1 or 255.) */
+float iso_polydata_color_factor(float most, bool fractions);
+/* Sets this factor of the column of colours, if there is one. */
 void iso_polydata_scale_colors(iso_polydata *data, bool fractions);
 
 /* Makes room for `count` points with their columns. */
@@ -84,6 +89,12 @@ iso_status iso_polydata_add_edges(iso_polydata *data, const uint32_t (*edges)[2]
 /* Converts the polylines to lines. The polydata cannot be used afterwards. ISO_ERR_FORMAT: a line refers to a
  * point that does not exist; ISO_ERR_LIMIT, ISO_ERR_NOMEM. */
 iso_status iso_polydata_to_lines(iso_polydata *data, iso_lines *lines, iso_error *error);
+
+/* Whether so many of `count` points at exactly 0 0 0 mean that nothing was measured there. A few such points
+ * may be real, also all of them. */
+static inline bool iso_zeros_are_unmeasured(size_t zeros, size_t count) {
+    return zeros >= 10 && zeros >= count / 100 && zeros < count;
+}
 
 /* Converts the points to glyphs. The polydata cannot be used afterwards. ISO_ERR_LIMIT, ISO_ERR_NOMEM. */
 iso_status iso_polydata_to_glyphs(iso_polydata *data, iso_glyphs *glyphs, iso_error *error);

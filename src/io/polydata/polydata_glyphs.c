@@ -3,7 +3,8 @@
  * Files of Gaussian splats (Kerbl et al. 2023, "3D Gaussian Splatting for Real-Time Radiance Field
  * Rendering") are recognised by their columns f_dc: their scales are natural logarithms of standard
  * deviations, opacities are logits, and the colour is .5 + .28209479 f_dc, the constant term of spherical
- * harmonics. */
+ * harmonics. Flat ones with two scales (Huang et al. 2024, "2D Gaussian Splatting") get a third that is
+ * next to nothing. */
 #include <math.h>
 #include <string.h>
 #include <strings.h>
@@ -17,16 +18,38 @@ static void move_item(iso_buffer *buffer, size_t floats, size_t from, size_t to)
     if (values && from != to) memcpy(values + to * floats, values + from * floats, floats * sizeof(float));
 }
 
+/* ---- points that are left out */
+
+static bool is_zero(const iso_polydata *data, const float p[3]) {
+    return p[0] == (float)-data->origin.x && p[1] == (float)-data->origin.y && p[2] == (float)-data->origin.z;
+}
+
+/* Depth cameras write 0 0 0 where they measure nothing. A single such point may be real, also all of them:
+ * arrows that begin at 0 0 0. */
+static bool has_unmeasured(const iso_polydata *data) {
+    const float(*points)[3] = data->points.data;
+    size_t zeros = 0;
+    if (iso_column_find(data->column_array.data, data->column_count, ISO_ROLE_VECTOR)) return false;
+    for (size_t i = 0; i < data->point_count; i++) zeros += is_zero(data, points[i]);
+    if (!iso_zeros_are_unmeasured(zeros, data->point_count)) return false;
+    iso_reading_note(data->reading,
+                     "%zu points lie at exactly 0 0 0, which depth cameras write where they measure nothing: "
+                     "they are left out",
+                     zeros);
+    return true;
+}
+
 static void keep_usable(iso_polydata *data) {
     iso_read_report *report = data->reading->report;
     const size_t every = (size_t)data->reading->opts.every, count = data->point_count;
     const float(*points)[3] = data->points.data;
+    const bool unmeasured = has_unmeasured(data);
     size_t kept = 0;
     report->items = count;
     /* most files lose no point: nothing moves before the first that is left out */
-    while (every == 1 && kept < count && !isnan(points[kept][0])) kept++;
+    while (every == 1 && !unmeasured && kept < count && !isnan(points[kept][0])) kept++;
     for (size_t i = kept; i < count; i++) {
-        if (i % every) continue;
+        if (i % every || (unmeasured && is_zero(data, points[i]))) continue;
         if (isnan(points[i][0])) {
             report->dropped++;
             continue;
@@ -93,15 +116,21 @@ static void make_axes(iso_reading *reading, const float *scale, const float *qua
 }
 
 static iso_status take_axes(iso_polydata *data, bool ras, iso_glyphs *glyphs, iso_error *error) {
+    const float thickness = -13.8155106f; /* of flat Gaussians: the natural logarithm of 1e-6 */
+    const bool logarithmic = data->packed_gaussians || find_column(data, "f_dc", 3) != NULL;
     iso_column *scale = find_column(data, "scale", 3), *rot = find_column(data, "rot", 4);
+    if (!scale && logarithmic) scale = find_column(data, "scale", 2);
     if (!scale || !rot) return ISO_OK;
-    const bool logarithmic = find_column(data, "f_dc", 3) != NULL;
+    const size_t scales = (size_t)scale->components;
     iso_buffer axes = {0};
     ISO_TRY(iso_reading_reserve(data->reading, &axes, data->point_count, 9 * sizeof(float), 0, error));
     glyphs->axes = axes.data;
-    for (size_t i = 0; i < data->point_count; i++)
-        make_axes(data->reading, (const float *)scale->values.data + 3 * i,
-                  (const float *)rot->values.data + 4 * i, logarithmic, ras, glyphs->axes[i]);
+    for (size_t i = 0; i < data->point_count; i++) {
+        float own[3] = {0, 0, thickness};
+        memcpy(own, (const float *)scale->values.data + scales * i, scales * sizeof *own);
+        make_axes(data->reading, own, (const float *)rot->values.data + 4 * i, logarithmic, ras,
+                  glyphs->axes[i]);
+    }
     iso_reading_free(data->reading, &scale->values);
     iso_reading_free(data->reading, &rot->values);
     return ISO_OK;
@@ -120,6 +149,7 @@ static void convert_opacities(iso_column *opacity, size_t count) {
 /* Whether the points, whose axes have been made, are Gaussians with opacities. */
 static bool take_gaussians(iso_polydata *data) {
     iso_column *opacity = find_column(data, "opacity", 1);
+    if (data->packed_gaussians) return true;
     if (!opacity || !find_column(data, "f_dc", 3)) return false;
     convert_opacities(opacity, data->point_count);
     return true;
@@ -134,6 +164,25 @@ static void color_splats(iso_polydata *data) {
     float *values = column->values.data;
     for (size_t i = 0; i < 3 * data->point_count; i++) values[i] = 255 * (0.5f + 0.28209479f * values[i]);
     column->role = ISO_ROLE_COLOR;
+}
+
+/* Whether colours are 0 throughout, which programs write that know none: all points would be black. */
+static bool are_unknown(iso_polydata *data, const iso_column *colors) {
+    const float *values = colors->values.data;
+    const size_t numbers = data->point_count * (size_t)colors->components;
+    for (size_t i = 0; i < numbers; i++)
+        if (values[i] > 0 || values[i] < 0) return false;
+    if (data->point_count) iso_reading_note(data->reading, "its colours are 0 throughout and are not used");
+    return true;
+}
+
+static iso_status take_colors(iso_polydata *data, iso_glyphs *glyphs, iso_error *error) {
+    iso_column *colors = iso_column_find(data->column_array.data, data->column_count, ISO_ROLE_COLOR);
+    if (!colors) return ISO_OK;
+    if (glyphs->gaussians || !are_unknown(data, colors))
+        return iso_column_take_colors(data->reading, colors, data->point_count, &glyphs->colors, error);
+    iso_reading_free(data->reading, &colors->values);
+    return ISO_OK;
 }
 
 /* ---- opacities */
@@ -182,8 +231,7 @@ static iso_status take_roles(iso_polydata *data, bool ras, iso_glyphs *glyphs, i
     ISO_TRY(take_axes(data, ras, glyphs, error));
     glyphs->gaussians = glyphs->axes && take_gaussians(data);
     color_splats(data);
-    iso_column *colors = iso_column_find(columns, count, ISO_ROLE_COLOR);
-    if (colors) ISO_TRY(iso_column_take_colors(data->reading, colors, points, &glyphs->colors, error));
+    ISO_TRY(take_colors(data, glyphs, error));
     for (int i = 0; i < count && ras; i++) iso_column_turn(&columns[i], points);
     iso_column *radii = iso_column_find(columns, count, ISO_ROLE_RADIUS),
                *vectors = iso_column_find(columns, count, ISO_ROLE_VECTOR);

@@ -2,6 +2,7 @@
  * many numbers. */
 #include "io/polydata/records.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "io/scalar_load.h"
@@ -59,6 +60,8 @@ static void load_numbers(const iso_record_field *field, const unsigned char *at,
     else
         for (size_t i = 0; i < items; i++, at += field->stride)
             to[i] = iso_scalar_load(at, field->scalar, true);
+    for (size_t i = 0; i < items && field->has_no_data; i++)
+        if (!(to[i] < field->no_data || to[i] > field->no_data)) to[i] = (double)NAN;
     if (field->scale == 1 && field->shift == 0) return;
     for (size_t i = 0; i < items; i++) to[i] = to[i] * field->scale + field->shift;
 }

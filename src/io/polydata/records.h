@@ -11,7 +11,8 @@
 extern "C" {
 #endif
 
-/* A number that every record holds: (number & mask) * scale + shift goes to `slot`. */
+/* A number that every record holds: (number & mask) * scale + shift goes to `slot`; no_data, if there is
+ * one, as NaN. */
 typedef struct iso_record_field {
     iso_slot slot;
     iso_scalar scalar;
@@ -19,12 +20,14 @@ typedef struct iso_record_field {
     uint8_t mask;          /* only for ISO_SCALAR_UINT8, shifted down to bit 0; 0: all bits */
     size_t offset, stride; /* bytes from the block's begin to the first number, and from one to the next */
     double scale, shift;
+    bool has_no_data;
+    double no_data; /* the number, as stored, that becomes NaN */
 } iso_record_field;
 
 /* Returns the field of a little-endian number at `offset` in records of `stride` bytes. */
 static inline iso_record_field iso_record_field_make(iso_slot slot, iso_scalar scalar, size_t offset,
                                                      size_t stride) {
-    iso_record_field field = {slot, scalar, false, 0, offset, stride, 1, 0};
+    iso_record_field field = {slot, scalar, false, 0, offset, stride, 1, 0, false, 0};
     return field;
 }
 

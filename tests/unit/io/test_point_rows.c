@@ -123,7 +123,7 @@ static void test_decisions(void **state) {
          (float)NAN, 5},
         {FILE_XYZ, "1 2 3 50 60 70 0 0 1\n", "x y z, colors, normals", 50, 0, 0},
         {FILE_XYZ, "1 2 3 0 0 1 50 60 70\n", "x y z, normals, colors", 50, 0, 0},
-        {FILE_XYZ, "1 2 3 0 0 1 0 0 0\n", "x y z, normals, colors", 0, 0, 0},
+        {FILE_XYZ, "1 2 3 0 0 1 0 1 0\n", "x y z, normals, colors", 0, 0, 0},
         {FILE_XYZ, "1 2 3 7 8 9 50 60 70\n", "x y z, colors, normals", 7, 50, 0},
         {FILE_XYZ, "1 2 3 50 60 70 0 0 1 4\n", "x y z, colors, normals, column 10", 50, 0, 1},
         {FILE_XYZ, "1 2 3 -4 50 60 70 0 0 1\n", "x y z, intensity, colors, normals", 50, 0, 1},
