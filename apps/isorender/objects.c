@@ -341,7 +341,7 @@ void isorender_object_info(const isorender_object *object) {
         printf("  %-11s %zu\n", "triangles", object->mesh.triangle_count);
     else
         print_contents(object);
-    printf("  %-11s %.6g %.6g %.6g .. %.6g %.6g %.6g mm\n", "bounds", box.lo.x, box.lo.y, box.lo.z, box.hi.x,
-           box.hi.y, box.hi.z);
+    printf("  %-11s %.6g %.6g %.6g .. %.6g %.6g %.6g%s\n", "bounds", box.lo.x, box.lo.y, box.lo.z, box.hi.x,
+           box.hi.y, box.hi.z, iso_unit_suffix(object->report.unit));
     isorender_object_info_columns(object);
 }

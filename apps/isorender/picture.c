@@ -160,6 +160,7 @@ static iso_status annotate(const isorender_job *job, const iso_camera *camera, i
     for (int i = 0; settings->color_bar && i < job->object_count; i++)
         if (job->objects[i].has_bar) bars[bar_count++] = job->objects[i].bar;
     const iso_annotation annotation = {.camera = camera,
+                                       .unit = isorender_unit(job),
                                        .scale_bar = settings->scale_bar != 0,
                                        .orientation_marker = settings->orientation_marker != 0,
                                        .anatomical = job->has_volume && job->loader.volume.info.anatomical,

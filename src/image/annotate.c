@@ -187,22 +187,27 @@ double iso_scale_bar_length(const iso_camera *camera, int width, int height) {
     return best;
 }
 
-void iso_scale_bar_label(double length, char label[32]) {
+void iso_scale_bar_label(double length, iso_unit unit, char label[32]) {
     static const struct {
         double millimetres;
         const char *name;
-    } units[] = {{1e6, "km"}, {1e3, "m"}, {1, "mm"}, {1e-3, "um"}, {1e-6, "nm"}};
-    int unit = 0;
-    while (unit < 4 && length < (unit == 2 ? 0.1 : units[unit].millimetres) * (1 - 1e-9)) unit++;
-    snprintf(label, 32, "%.10g %s", length / units[unit].millimetres, units[unit].name);
+    } names[] = {{1e6, "km"}, {1e3, "m"}, {1, "mm"}, {1e-3, "um"}, {1e-6, "nm"}};
+    const double millimetres = length * iso_unit_millimetres(unit);
+    int name = 0;
+    if (!(millimetres > 0)) {
+        snprintf(label, 32, "%.10g%s", length, iso_unit_suffix(unit));
+        return;
+    }
+    while (name < 4 && millimetres < (name == 2 ? 0.1 : names[name].millimetres) * (1 - 1e-9)) name++;
+    snprintf(label, 32, "%.10g %s", millimetres / names[name].millimetres, names[name].name);
 }
 
-static iso_status draw_scale_bar(const pen *p, const iso_camera *camera, iso_error *error) {
+static iso_status draw_scale_bar(const pen *p, const iso_camera *camera, iso_unit unit, iso_error *error) {
     const int width = p->image->width, height = p->image->height;
     const double length = iso_scale_bar_length(camera, width, height);
     if (!(length > 0)) return ISO_OK;
     char label[32];
-    iso_scale_bar_label(length, label);
+    iso_scale_bar_label(length, unit, label);
     const double pixels = length / iso_camera_mm_per_pixel(camera, height);
     const double text = iso_font_width(label) * p->unit; /* the label may be wider than the bar */
     const double right = width - 1.2 * p->text - fmax(0, 0.5 * (text - pixels)), left = right - pixels;
@@ -362,5 +367,5 @@ iso_status iso_annotate(iso_image *image, const iso_annotation *annotation, iso_
     double right = image->width - 1.2 * p.text;
     for (int i = 0; i < annotation->color_bar_count; i++)
         ISO_TRY(draw_color_bar(&p, &annotation->color_bars[i], &right, error));
-    return annotation->scale_bar ? draw_scale_bar(&p, annotation->camera, error) : ISO_OK;
+    return annotation->scale_bar ? draw_scale_bar(&p, annotation->camera, annotation->unit, error) : ISO_OK;
 }

@@ -9,6 +9,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "base/unit.h"
 #include "image/camera.h"
 #include "image/colormap.h"
 #include "image/image.h"
@@ -25,6 +26,7 @@ typedef struct iso_color_bar {
 
 typedef struct iso_annotation {
     const iso_camera *camera;        /* of the picture; borrowed */
+    iso_unit unit;                   /* of the world, for the scale bar */
     bool scale_bar;                  /* bottom right, with its length; for orthographic cameras only */
     bool orientation_marker;         /* bottom left: the world's axes as the camera sees them */
     bool anatomical;                 /* the axes are L R, A P and H F (the world is LPS); else x y z */
@@ -39,12 +41,13 @@ bool iso_is_dark(iso_rgb background, bool transparent);
 /* Draws the annotations that are set; what lies outside the picture is clipped. ISO_ERR_NOMEM. */
 iso_status iso_annotate(iso_image *image, const iso_annotation *annotation, iso_error *error);
 
-/* The length of the scale bar in mm: 1, 2 or 5 times a power of ten, nearest to a fifth of the picture's
- * width. 0 for a perspective camera, whose pictures have no single scale. */
+/* The length of the scale bar in the world: 1, 2 or 5 times a power of ten, nearest to a fifth of the
+ * picture's width. 0 for a perspective camera, whose pictures have no single scale. */
 double iso_scale_bar_length(const iso_camera *camera, int width, int height);
 
-/* The label of a scale bar of `length` mm (from iso_scale_bar_length), such as "10 mm" or "50 um". */
-void iso_scale_bar_label(double length, char label[32]);
+/* The label of a scale bar of `length` units (from iso_scale_bar_length), such as "10 mm", "50 um" or,
+ * without a unit, "20". */
+void iso_scale_bar_label(double length, iso_unit unit, char label[32]);
 
 #ifdef __cplusplus
 }

@@ -15,9 +15,9 @@ typedef struct iso_font_line {
     int x0, y0, x1, y1;
 } iso_font_line;
 
-/* The width of a text in units. The font has digits, '.', '-', '+', 'e', ' ', the letters of units of length
- * (k m n, and u, which is drawn as a Greek mu) and of axes (L R A P H F x y z). Other characters are blank.
- */
+/* The width of a text in units. The font has digits, '.', '-', '+', 'e', ' ', the letters of units
+ * (k m n f t d g, and u, which is drawn as a Greek mu) and of axes (L R A P H F x y z). Other characters are
+ * blank. */
 int iso_font_width(const char *text);
 
 /* Writes the lines of a text to `lines`, at most `room` of them. Returns how many lines the text has. */

@@ -8,6 +8,7 @@
 #include <stdint.h>
 
 #include "base/file_set.h"
+#include "base/unit.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -28,6 +29,7 @@ typedef struct iso_read_report {
     char format[16];   /* "tck", "trk", .. */
     iso_space space;   /* the axes that the coordinates were read in: LPS or RAS */
     bool space_stated; /* by the format or the file; false: the axes were assumed, or set by the caller */
+    iso_unit unit;     /* of the coordinates, as the format or the file states it */
     uint64_t items;    /* lines or glyphs in the file, before `every` left some out */
     /* Vertices or glyphs left out: a coordinate is not finite, or beyond 1e12 mm. Lines are split there. */
     uint64_t dropped;

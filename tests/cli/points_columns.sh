@@ -12,7 +12,7 @@ for kind in xyz csv npy; do
     isorender in/a.$kind $kind.png --columns y,x,z,heat,r,g,b --json=$kind.json --quiet --resolution 100x100
     isorender --info in/a.$kind --columns y,x,z,heat,r,g,b >info
     grep -q 'columns *heat: 7 .. 9' info && grep -q 'colours *of the file' info || { cat info; exit 1; }
-    grep -q 'spacing  *9 mm between nearest neighbours' info
+    grep -q 'spacing  *9 between nearest neighbours' info
 done
 python3 - <<'P'
 from check import *

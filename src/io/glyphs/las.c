@@ -1,5 +1,6 @@
 /* las: scans from the air and the ground (ASPRS LAS 1.0 to 1.4, point formats 0 to 10). A record may be
- * longer than its format: the further bytes are ignored. LAZ, the compressed form, is not read.
+ * longer than its format: the further bytes are columns if a block describes them (las_blocks.h), else
+ * ignored. LAZ, the compressed form, is not read.
  *
  * Floats hold times of GPS only coarsely, so that the attribute gps_time counts from the first point's time,
  * rounded down. */
@@ -7,10 +8,11 @@
 #include <string.h>
 
 #include "io/glyphs/glyphs_format.h"
+#include "io/glyphs/las_blocks.h"
 #include "io/polydata/records.h"
 #include "io/scalar_load.h"
 
-enum { HEADER_LEAST = 227, HEADER_14 = 375, BLOCK_HEADER = 54, FORMATS = 11, FIELDS = 16, WORD = 16 };
+enum { HEADER_LEAST = 227, HEADER_14 = 375, FORMATS = 11, FIELDS = 16 + 3 * ISO_LAS_EXTRAS };
 
 /* Records of a point format: how long they are, and where the parts are that not all formats have. */
 static const struct {
@@ -25,6 +27,7 @@ typedef struct las {
     int format;
     size_t record;
     uint64_t points, begin, block_count; /* begin: offset of the first point in the file */
+    iso_las_blocks blocks;
     iso_record_field fields[FIELDS];
     int field_count;
 } las;
@@ -77,21 +80,8 @@ static iso_status fail_compressed(const las *l, iso_error *error) {
                     path_of(l));
 }
 
-/* Skips the blocks of variable length before the points, and looks for the one that compressed files have. */
-static iso_status skip_blocks(las *l, uint64_t left, iso_error *error) {
-    unsigned char block[BLOCK_HEADER];
-    for (uint64_t i = 0; i < l->block_count && left >= BLOCK_HEADER; i++) {
-        ISO_TRY(iso_stream_read(&l->in, block, sizeof block, error));
-        if (strncmp((const char *)block + 2, "laszip encoded", 16) == 0) return fail_compressed(l, error);
-        const uint64_t bytes = number_at(block + 20, ISO_SCALAR_UINT16), rest = left - BLOCK_HEADER;
-        left = bytes < rest ? rest - bytes : 0;
-        ISO_TRY(iso_stream_skip(&l->in, bytes < rest ? bytes : rest, error));
-    }
-    return iso_stream_skip(&l->in, left, error);
-}
-
 static iso_status check_format(las *l, iso_error *error) {
-    if (l->format & 0xc0) return fail_compressed(l, error);
+    if (l->blocks.compressed || l->format & 0xc0) return fail_compressed(l, error);
     if (l->format >= FORMATS)
         return iso_fail(error, ISO_ERR_UNSUPPORTED, "%s: point format %d of LAS is not known", path_of(l),
                         l->format);
@@ -136,6 +126,29 @@ static iso_status add_color(las *l, size_t offset, iso_error *error) {
     return ISO_OK;
 }
 
+/* Adds the columns of extra bytes, which begin behind the numbers of the format. */
+static iso_status add_extras(las *l, iso_error *error) {
+    size_t offset = layouts[l->format].bytes;
+    for (int i = 0; i < l->blocks.extra_count; i++) {
+        const iso_las_extra *extra = &l->blocks.extras[i];
+        int column;
+        if (extra->bytes > l->record - offset) break;
+        if (extra->count)
+            ISO_TRY(iso_polydata_add_column(&l->data, extra->name, extra->count, false, ISO_ROLE_NONE,
+                                            &column, error));
+        for (int k = 0; k < extra->count; k++) {
+            iso_record_field *field = add_field(l, (iso_slot){column, k}, extra->scalar,
+                                                offset + (size_t)k * iso_scalar_size(extra->scalar));
+            field->scale = extra->scale[k];
+            field->shift = extra->shift[k];
+            field->has_no_data = extra->has_no_data && !isnan(extra->no_data[k]);
+            field->no_data = extra->no_data[k];
+        }
+        offset += extra->bytes;
+    }
+    return ISO_OK;
+}
+
 static iso_status add_fields(las *l, iso_error *error) {
     const bool extended = l->format >= 6; /* more bits for the number of the return, a byte for the class */
     for (int axis = 0; axis < 3; axis++) {
@@ -151,14 +164,24 @@ static iso_status add_fields(las *l, iso_error *error) {
         add_number(l, "classification", ISO_SCALAR_UINT8, extended ? 16 : 15, extended ? 0 : 0x1f, error));
     if (layouts[l->format].time) ISO_TRY(add_time(l, layouts[l->format].time, error));
     if (layouts[l->format].color) ISO_TRY(add_color(l, layouts[l->format].color, error));
-    return ISO_OK;
+    return add_extras(l, error);
+}
+
+static void take_unit(las *l) {
+    l->data.reading->report->unit = l->blocks.unit;
+    if (l->blocks.unit == ISO_UNIT_DEGREE)
+        iso_reading_note(l->data.reading,
+                         "its x and y are degrees of longitude and latitude, and z is a height: "
+                         "shapes are distorted, project them first");
 }
 
 static iso_status read_las(las *l, iso_glyphs *glyphs, iso_error *error) {
     ISO_TRY(iso_stream_open(path_of(l), &l->in, error));
     ISO_TRY(read_header(l, error));
+    ISO_TRY(iso_las_blocks_read(&l->blocks, &l->in, l->block_count,
+                                l->begin - number_at(l->header + 94, ISO_SCALAR_UINT16), error));
     ISO_TRY(check_format(l, error));
-    ISO_TRY(skip_blocks(l, l->begin - number_at(l->header + 94, ISO_SCALAR_UINT16), error));
+    take_unit(l);
     ISO_TRY(add_fields(l, error));
     ISO_TRY(iso_polydata_stream_records(&l->data, l->fields, l->field_count, &l->in, l->record, l->points,
                                         error));
