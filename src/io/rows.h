@@ -34,8 +34,7 @@ bool iso_row_number(char **text, const char *separators, double *number);
 char *iso_row_word(char **text);
 
 /* Returns the next cell of a row of a table, without quotes and without blanks around it, terminated by a
- * zero byte in place; *text becomes NULL behind the last one. Separators between quotes belong to the cell.
- * */
+ * zero byte in place; *text becomes NULL behind the last one. Between quotes, separators belong to it. */
 char *iso_row_cell(char **text, char separator);
 
 /* The character that separates the cells of a row: of comma, semicolon and tab the most frequent outside of

@@ -5,7 +5,11 @@
  * If the element column is empty, the element is taken from the atom's name, whose first two columns contain
  * it, right-aligned: "CA" from the first column on is calcium, from the second on a carbon. Of several
  * alternate locations of an atom the first is read. The copies of the wanted assembly are made by its
- * matrices (assembly.h).
+ * matrices (assembly.h). Programs write serial numbers above 99999 and numbers of residues above 9999 with one
+ * digit more, which shifts the columns behind them, or in letters and digits ("hybrid-36"), which does not.
+ *
+ * Entries of the Protein Data Bank, which begin with a HEADER, end with END, and models with ENDMDL: without
+ * them the file is truncated.
  *
  * Attributes: the number of the chain in order of appearance, the temperature factor, and the number of the
  * copy if there are several; all count from 0. */
@@ -19,14 +23,18 @@
 
 /* First characters of columns, from 0. */
 enum {
+    AT_SERIAL = 6,
     AT_NAME = 12,
     AT_LOCATION = 16,
     AT_RESIDUE = 17,
     AT_CHAIN = 21,
+    AT_NUMBER = 22, /* of the residue */
     AT_X = 30,
     AT_TEMPERATURE = 60,
     AT_ELEMENT = 76,
     ROW = 80,
+    MORE_DIGITS = 3, /* of a number */
+    ROOM = ROW + 2 * MORE_DIGITS,
     /* Alternate locations of an atom are searched for among so many atoms before it; residues have fewer. */
     NEAR = 256
 };
@@ -93,13 +101,38 @@ static uint8_t chain_of(pdb *p, char name) {
     return (uint8_t)(*number - 1);
 }
 
+static bool has_digits(const char *row, int from, int to) {
+    while (from < to && isdigit((unsigned char)row[from])) from++;
+    return from == to;
+}
+
+/* Whether the decimal points of the coordinates lie `more` columns behind their own. */
+static bool has_points(const char *row, int more) {
+    for (int axis = 0; axis < 3; axis++)
+        if (row[AT_X + 4 + 8 * axis + more] != '.') return false;
+    return true;
+}
+
+static void remove_digit(char row[ROOM + 1], int at) {
+    memmove(row + at, row + at + 1, (size_t)(ROOM - at));
+}
+
+/* Removes the first digits of numbers that are too long, so that all others are in their columns. */
+static void shorten_numbers(char row[ROOM + 1]) {
+    for (int i = 0; i < MORE_DIGITS && has_digits(row, AT_SERIAL, AT_NAME); i++) remove_digit(row, AT_SERIAL);
+    for (int more = MORE_DIGITS; more > 0; more--)
+        if (has_points(row, more) && has_digits(row, AT_NUMBER, AT_NUMBER + 4 + more))
+            for (int i = 0; i < more; i++) remove_digit(row, AT_NUMBER);
+}
+
 /* Copies a row and fills it up with blanks. Some programs write names of four characters one column too far
  * to the right, as " H111"; their last digit would be mistaken for a location. */
-static void pad_row(const char *row, char padded[ROW + 1]) {
+static void pad_row(const char *row, char padded[ROOM + 1]) {
     const size_t length = strlen(row);
-    memset(padded, ' ', ROW);
-    memcpy(padded, row, length < ROW ? length : ROW);
-    padded[ROW] = 0;
+    memset(padded, ' ', ROOM);
+    memcpy(padded, row, length < ROOM ? length : ROOM);
+    padded[ROOM] = 0;
+    shorten_numbers(padded);
     if (padded[AT_NAME] != ' ' || padded[AT_NAME + 3] == ' ' || !isdigit((unsigned char)padded[AT_LOCATION]))
         return;
     memmove(padded + AT_NAME, padded + AT_NAME + 1, 4);
@@ -107,7 +140,7 @@ static void pad_row(const char *row, char padded[ROW + 1]) {
 }
 
 static iso_status take_atom(pdb *p, const char *row, iso_error *error) {
-    char padded[ROW + 1];
+    char padded[ROOM + 1];
     double temperature = 0;
     ISO_TRY(iso_reading_reserve(p->reading, &p->atom_buffer, p->count + 1, sizeof(atom), p->count, error));
     p->atoms = p->atom_buffer.data;
@@ -139,12 +172,32 @@ static bool begins(const char *row, const char *record) {
     return strncmp(row, record, strlen(record)) == 0;
 }
 
-/* Reads up to the end of the first model. Sets *known if it has found a row of this format. */
-static iso_status read_model(pdb *p, bool *known, iso_error *error) {
+/* (A serial number of six digits may take the second blank.) */
+static bool is_atom(const char *row) {
+    return begins(row, "ATOM ") || begins(row, "HETATM");
+}
+
+/* What the rows of a file have said so far. */
+typedef struct progress {
+    bool known;          /* a row of this format has been found */
+    bool entry, ended;   /* the file begins with HEADER; it has an END */
+    bool model, further; /* a model has begun and not ended; further models follow the first */
+} progress;
+
+static void take_record(progress *seen, const char *row) {
+    if (begins(row, "HEADER") && !seen->known) seen->entry = true;
+    seen->known = seen->known || is_atom(row) || begins(row, "REMARK") || begins(row, "HEADER") ||
+                  begins(row, "CRYST1");
+    if (begins(row, "MODEL ")) seen->model = true;
+    if (begins(row, "ENDMDL")) seen->model = false;
+    seen->ended = seen->ended || (begins(row, "END") && !begins(row, "ENDMDL"));
+}
+
+/* Reads up to the end of the first model. */
+static iso_status read_model(pdb *p, progress *seen, iso_error *error) {
     for (char *row = iso_rows_next(&p->rows); row; row = iso_rows_next(&p->rows)) {
-        const bool is_atom = begins(row, "ATOM  ") || begins(row, "HETATM");
-        *known = *known || is_atom || begins(row, "REMARK") || begins(row, "HEADER") || begins(row, "CRYST1");
-        if (is_atom) ISO_TRY(take_atom(p, row, error));
+        take_record(seen, row);
+        if (is_atom(row)) ISO_TRY(take_atom(p, row, error));
         if (begins(row, "REMARK 350")) ISO_TRY(iso_assembly_take(&p->assembly, &p->rows, row, error));
         if (begins(row, "ENDMDL")) break;
     }
@@ -152,12 +205,17 @@ static iso_status read_model(pdb *p, bool *known, iso_error *error) {
 }
 
 static iso_status read_rows(pdb *p, iso_error *error) {
-    bool known = false, more = false;
-    ISO_TRY(read_model(p, &known, error));
-    if (!known) return iso_fail(error, ISO_ERR_FORMAT, "%s: not a .pdb file", p->reading->path);
-    for (char *row = iso_rows_next(&p->rows); row && !more; row = iso_rows_next(&p->rows))
-        more = begins(row, "MODEL ");
-    if (more) iso_reading_note(p->reading, "further models follow: only the first is read");
+    progress seen = {.known = false};
+    ISO_TRY(read_model(p, &seen, error));
+    if (!seen.known) return iso_fail(error, ISO_ERR_FORMAT, "%s: not a .pdb file", p->reading->path);
+    for (char *row = iso_rows_next(&p->rows); row; row = iso_rows_next(&p->rows)) {
+        take_record(&seen, row);
+        seen.further = seen.further || seen.model;
+    }
+    if (seen.model || (seen.entry && !seen.ended))
+        return iso_fail(error, ISO_ERR_IO, "%s: truncated: it has no %s record", p->reading->path,
+                        seen.model ? "ENDMDL" : "END");
+    if (seen.further) iso_reading_note(p->reading, "further models follow: only the first is read");
     return ISO_OK;
 }
 

@@ -146,6 +146,7 @@ static void test_pdb_locations(void **state) {
     add_atom(&pdb, " CA BALA C   3", -123.456, -123.456, -123.456, "C"); /* numbers that touch */
     add_text(&pdb, "ENDMDL\nMODEL        2\n");
     add_atom(&pdb, " N   ALA A   1", 9, 0, 0, "N");
+    add_text(&pdb, "ENDMDL\n");
     iso_glyphs glyphs = read_pdb(&pdb, 0);
     static const int kept[] = {0, 1, 3, 4, 5, 7};
     assert_int_equal(glyphs.count, 7);
