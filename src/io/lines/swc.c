@@ -4,8 +4,14 @@
  * is a line of one vertex.
  *
  * Nodes may be in any order. A node whose parent is missing becomes a root, which is reported. A number that
- * two nodes share, or a node that is its own ancestor, makes the file invalid. */
+ * two nodes share, or a node that is its own ancestor, makes the file invalid.
+ *
+ * A soma of three points, as NeuroMorpho.org writes a sphere of the same surface (the root, and two children
+ * at the distance of its radius on opposite sides; all of type 1 and of one radius), becomes a sphere: its
+ * points move to the root. */
+#include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "io/lines/lines_format.h"
 #include "io/polydata/polydata.h"
@@ -22,7 +28,7 @@ typedef struct node {
 typedef struct swc {
     iso_rows rows;
     iso_polydata data;
-    iso_buffer nodes, edges, walks;
+    iso_buffer nodes, edges, walks, families;
     int radius, type; /* columns */
 } swc;
 
@@ -112,6 +118,67 @@ static iso_status check_cycles(swc *s, const uint32_t *parents, iso_error *error
     return ISO_OK;
 }
 
+/* ---- somata of three points */
+
+/* The children of a node: how many, and of those of type 1 how many and the first two. */
+typedef struct family {
+    uint32_t children, somatic, first[2];
+} family;
+
+static bool is_somatic(const swc *s, size_t point) {
+    return ((const float *)iso_polydata_column(&s->data, s->type)->values.data)[point] == 1;
+}
+
+/* Whether two points lie on opposite sides of a root, at the distance of its radius, which they have too. */
+static bool is_sphere(const swc *s, size_t root, const uint32_t ends[2]) {
+    const float(*points)[3] = s->data.points.data,
+          *radii = iso_polydata_column(&s->data, s->radius)->values.data;
+    const double radius = (double)radii[root], close = 0.02 * radius;
+    double square = 0;
+    for (int k = 0; k < 3; k++) {
+        const double middle = (double)points[root][k], a = (double)points[ends[0]][k] - middle,
+                     b = (double)points[ends[1]][k] - middle;
+        if (!(fabs(a + b) <= close)) return false;
+        square += a * a;
+    }
+    return fabs(sqrt(square) - radius) <= close && fabs((double)radii[ends[0]] - radius) <= close &&
+           fabs((double)radii[ends[1]] - radius) <= close;
+}
+
+static void count_children(const swc *s, const uint32_t *parents, family *families) {
+    for (size_t i = 0; i < s->data.point_count; i++) {
+        if (parents[i] == UINT32_MAX) continue;
+        family *f = &families[parents[i]];
+        f->children++;
+        if (!is_somatic(s, i)) continue;
+        if (f->somatic < 2) f->first[f->somatic] = (uint32_t)i;
+        f->somatic++;
+    }
+}
+
+static iso_status gather_somata(swc *s, const uint32_t *parents, iso_error *error) {
+    const size_t count = s->data.point_count;
+    float(*points)[3] = s->data.points.data;
+    ISO_TRY(iso_reading_reserve(s->data.reading, &s->families, count + 1, sizeof(family), 0, error));
+    family *families = s->families.data;
+    size_t spheres = 0;
+    for (size_t i = 0; i < count; i++) families[i] = (family){.children = 0};
+    count_children(s, parents, families);
+    for (size_t i = 0; i < count; i++) {
+        const family *f = &families[i];
+        if (parents[i] != UINT32_MAX || !is_somatic(s, i) || f->somatic != 2 ||
+            families[f->first[0]].children || families[f->first[1]].children || !is_sphere(s, i, f->first))
+            continue;
+        for (int k = 0; k < 2; k++) memcpy(points[f->first[k]], points[i], sizeof points[i]);
+        spheres++;
+    }
+    if (spheres)
+        iso_reading_note(s->data.reading, "somata of three points, which are drawn as spheres: %zu", spheres);
+    return ISO_OK;
+}
+
+/* ---- edges */
+
 /* Adds an edge for every node with a parent, in the order of the file. */
 static iso_status add_edges(swc *s, iso_error *error) {
     const size_t count = s->data.point_count;
@@ -120,6 +187,7 @@ static iso_status add_edges(swc *s, iso_error *error) {
     uint32_t(*edges)[2] = s->edges.data, *parents = (uint32_t *)s->edges.data + 2 * count;
     for (size_t i = 0; i < count; i++) parents[nodes[i].point] = nodes[i].parent_point;
     ISO_TRY(check_cycles(s, parents, error));
+    ISO_TRY(gather_somata(s, parents, error));
     size_t made = 0;
     for (size_t i = 0; i < count; i++) {
         if (parents[i] == UINT32_MAX) continue;
@@ -144,6 +212,7 @@ iso_status iso_lines_read_swc(iso_reading *reading, iso_lines *lines, iso_error 
     iso_buffer_free(&s.nodes);
     iso_buffer_free(&s.edges);
     iso_buffer_free(&s.walks);
+    iso_buffer_free(&s.families);
     iso_polydata_free(&s.data);
     return status;
 }

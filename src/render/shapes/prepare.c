@@ -68,14 +68,18 @@ static float origin_of(double low, double high, float *half) {
     return origin;
 }
 
-void iso_shapes_set_box(iso_shapes *shapes, iso_shapes_block *block, const iso_box *box) {
-    const double reach = (double)block->reach;
-    const iso_vec3 margin = iso_vec3_make(reach, reach, reach);
+void iso_shapes_set_box(iso_shapes_block *block, const iso_box *box) {
     block->origin[0] = origin_of(box->lo.x, box->hi.x, &block->half[0]);
     block->origin[1] = origin_of(box->lo.y, box->hi.y, &block->half[1]);
     block->origin[2] = origin_of(box->lo.z, box->hi.z, &block->half[2]);
-    iso_box_add(&shapes->bounds, iso_vec3_add(shapes->origin, iso_vec3_sub(box->lo, margin)));
-    iso_box_add(&shapes->bounds, iso_vec3_add(shapes->origin, iso_vec3_add(box->hi, margin)));
+}
+
+void iso_shapes_add_bounds(iso_shapes *shapes, const float position[3], float reach) {
+    const iso_vec3 place = iso_vec3_add(
+        shapes->origin, iso_vec3_make((double)position[0], (double)position[1], (double)position[2]));
+    const iso_vec3 margin = iso_vec3_make((double)reach, (double)reach, (double)reach);
+    iso_box_add(&shapes->bounds, iso_vec3_sub(place, margin));
+    iso_box_add(&shapes->bounds, iso_vec3_add(place, margin));
 }
 
 void iso_shapes_destroy(iso_shapes *shapes) {

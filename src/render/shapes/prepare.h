@@ -24,8 +24,9 @@ void iso_shapes_sort_free(iso_shapes_sort *sort);
 iso_status iso_shapes_make_blocks(iso_shapes *shapes, const iso_shapes_sort *sort, uint32_t count,
                                   iso_error *error);
 
-/* Sets origin and half of a block from the box of its positions, which are relative to the set's origin, and
- * adds the box with block->reach to the set's bounds. */
-void iso_shapes_set_box(iso_shapes *shapes, iso_shapes_block *block, const iso_box *box);
+/* Sets origin and half of a block from the box of its positions, which are relative to the set's origin. */
+void iso_shapes_set_box(iso_shapes_block *block, const iso_box *box);
+/* Adds what a shape at a position may reach to the set's bounds. */
+void iso_shapes_add_bounds(iso_shapes *shapes, const float position[3], float reach);
 
 #endif

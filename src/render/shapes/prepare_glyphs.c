@@ -37,9 +37,10 @@ static void fill_block(iso_shapes *shapes, const iso_glyphs *glyphs, iso_shapes_
         const float *p = glyphs->positions[id];
         const float reach = (float)(iso_solid_reach(shapes, id) * (1 + 1e-6));
         iso_box_add(&box, iso_vec3_make((double)p[0], (double)p[1], (double)p[2]));
+        iso_shapes_add_bounds(shapes, p, reach);
         if (reach > block->reach) block->reach = reach;
     }
-    iso_shapes_set_box(shapes, block, &box);
+    iso_shapes_set_box(block, &box);
     for (uint32_t i = block->first; i < end; i++) {
         const float *p = glyphs->positions[iso_shapes_id(shapes, i)];
         shapes->x[i] = p[0] - block->origin[0];

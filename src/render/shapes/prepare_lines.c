@@ -136,9 +136,10 @@ static void fill_block(iso_shapes *shapes, iso_shapes_block *block) {
         for (uint32_t k = 0; k <= shapes->runs.length[i]; k++) {
             const float *v = shapes->vertices[shapes->runs.first[i] + k];
             iso_box_add(&box, iso_vec3_make((double)v[0], (double)v[1], (double)v[2]));
+            iso_shapes_add_bounds(shapes, v, v[3]);
             if (v[3] > block->reach) block->reach = v[3];
         }
-    iso_shapes_set_box(shapes, block, &box);
+    iso_shapes_set_box(block, &box);
 }
 
 static iso_status store(iso_shapes *shapes, const runs *r, const iso_shapes_sort *sort, iso_error *error) {

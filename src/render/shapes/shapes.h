@@ -92,8 +92,8 @@ typedef struct iso_shapes_totals {
 } iso_shapes_totals;
 iso_shapes_totals iso_shapes_stats(const iso_shapes *shapes);
 
-/* World box of all shapes with their sizes, at most as large as the boxes of their blocks; empty when there
- * are none. */
+/* World box of all shapes, each with the size of its own (glyphs: as far as they reach in any direction);
+ * empty when there are none. */
 iso_box iso_shapes_bounds(const iso_shapes *shapes);
 /* The same in the coordinates that are the dot products of world positions with three vectors. */
 iso_box iso_shapes_bounds_along(const iso_shapes *shapes, const iso_vec3 vectors[3]);
