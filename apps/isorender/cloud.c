@@ -4,7 +4,7 @@
 #include <inttypes.h>
 #include <math.h>
 
-#include "apps/isorender/isorender.h"
+#include "apps/isorender/labels.h"
 #include "base/memory.h"
 #include "base/temporary_file.h"
 #include "clouds/frame.h"
@@ -178,8 +178,10 @@ static iso_unit unit_of_objects(const isorender_job *job) {
 }
 
 iso_unit isorender_unit(const isorender_job *job) {
-    if (job->loader.has_points) return job->loader.report.unit;
-    return job->surface_count ? ISO_UNIT_MILLIMETRE : unit_of_objects(job);
+    const iso_unit stated = job->loader.has_points ? job->loader.report.unit
+                            : job->surface_count   ? ISO_UNIT_MILLIMETRE
+                                                   : unit_of_objects(job);
+    return stated == ISO_UNIT_NONE && job->settings->mm_per_pixel > 0 ? ISO_UNIT_MILLIMETRE : stated;
 }
 
 static const char *origin_of(size_t estimated, size_t count) {

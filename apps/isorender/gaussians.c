@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "apps/isorender/isorender.h"
+#include "apps/isorender/labels.h"
 #include "base/numbers.h"
 #include "io/glyphs/glyphs_read.h"
 

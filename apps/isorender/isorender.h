@@ -163,9 +163,6 @@ iso_status isorender_cloud_check(const isorender_settings *settings, iso_error *
 iso_status isorender_cloud_read(isorender_job *job, iso_error *error);
 /* Prints the lines of --info about the points. */
 void isorender_cloud_info(const isorender_job *job);
-/* The unit of the picture's world: that of the points, or of lines and glyphs if there is nothing else, as
- * far as their files state it; mm with a volume. */
-iso_unit isorender_unit(const isorender_job *job);
 /* Adds the members about the points to the report of --json. */
 void isorender_cloud_report(iso_json *json, const isorender_job *job);
 

@@ -427,7 +427,8 @@ static const iso_option options[] = {
      .standard = "FFFFFF", CALL(apply_background)},
     {"no-background", NULL, NULL, "the same as --background none", .group = PICTURE, FLAG(transparent)},
     {"scale-bar", NULL, NULL,
-     "draw a bar of a round length, about a fifth of the picture's width, with its length in mm; needs "
+     "draw a bar of a round length, about a fifth of the picture's width, with its length in the unit of the "
+     "file; needs "
      "--orthographic or --mm-per-pixel",
      .group = PICTURE, FLAG(scale_bar)},
     {"orientation-marker", NULL, NULL,

@@ -100,8 +100,8 @@ void isorender_labels_make(const isorender_job *job, isorender_labels *l) {
              job->settings->common.record);
 }
 
-double isorender_pixels_per_metre(const iso_camera *camera, int height) {
-    const double millimetres = iso_camera_mm_per_pixel(camera, height);
+double isorender_pixels_per_metre(const iso_camera *camera, int height, iso_unit unit) {
+    const double millimetres = iso_camera_mm_per_pixel(camera, height) * iso_unit_millimetres(unit);
     return millimetres > 0 ? 1000 / millimetres : 0;
 }
 
@@ -113,10 +113,11 @@ static iso_status write_picture(isorender_job *job, const iso_image *image, cons
                                   {"Title", job->plan->model},
                                   {"Comment", l.command},
                                   {"Description", l.isovalues}};
-    const iso_png_opts opts = {.texts = texts,
-                               .text_count = l.isovalues[0] ? 4 : 3,
-                               .pixels_per_metre = isorender_pixels_per_metre(&job->camera, image->height),
-                               .pool = job->pool};
+    const iso_png_opts opts = {
+        .texts = texts,
+        .text_count = l.isovalues[0] ? 4 : 3,
+        .pixels_per_metre = isorender_pixels_per_metre(&job->camera, image->height, isorender_unit(job)),
+        .pool = job->pool};
     return iso_png_write_with(path, image, &opts, error);
 }
 

@@ -5,7 +5,7 @@
 
 #include "apps/common/json.h"
 #include "apps/isorender/chunks.h"
-#include "apps/isorender/isorender.h"
+#include "apps/isorender/labels.h"
 #include "base/file.h"
 #include "base/memory.h"
 #include "image/annotate.h"

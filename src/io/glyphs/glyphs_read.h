@@ -8,7 +8,8 @@
  *           assembly (REMARK 350) makes of the chains
  *   .csv    a row of names with x y z, then numbers, or words that are numbered
  *   .pcd    the Point Cloud Library's: as text, binary, or compressed; rgb and rgba are packed colours
- *   .las    scans from the air and the ground, LAS 1.0 to 1.4, point formats 0 to 10; not the compressed LAZ
+ *   .las    scans from the air and the ground, LAS 1.0 to 1.4, point formats 0 to 10, extra bytes, the unit;
+ *           not the compressed LAZ
  *   .pts .asc .txt  points as rows of 3 to 10 numbers between blanks, commas or semicolons; before them, if
  *           they are there, the number of points and a row of names; # and // begin comments
  *   .pwn    the same; or the number of points, their positions, and then as many normals (CGAL's)
@@ -23,7 +24,8 @@
  * note tells (point_columns.h). opts->columns names them instead.
  *
  * Files of 3-D Gaussians (.ply with f_dc_0 .. 2, scale_0 .. 2, rot_0 .. 3 and opacity, as 3DGS trainers write
- * them) are recognised: iso_glyphs.gaussians. Their colours are those without a direction.
+ * them; flat ones without scale_2; SuperSplat's packed ones) are recognised: iso_glyphs.gaussians. Their
+ * colours are those without a direction.
  *
  * Atoms have van der Waals radii and colours by element; an ångström is a millimetre of the world. Columns
  * that fill no array of iso_glyphs become attributes; of directions, vx vy vz precede nx ny nz. Other names
@@ -32,8 +34,8 @@
  * of 3D Slicer, whose title states it.
  *
  * The format is found from the content, and from the name if the content does not tell. Glyphs with a
- * position that is not finite or beyond 1e12 mm are left out; radii and half axes that are negative or not
- * finite become 0: the report counts both. */
+ * position that is not finite or beyond 1e12 mm are left out, as are many at exactly 0 0 0 among others;
+ * radii and half axes that are negative or not finite become 0: the report counts both. */
 #ifndef ISO_IO_GLYPHS_GLYPHS_READ_H
 #define ISO_IO_GLYPHS_GLYPHS_READ_H
 
