@@ -3,10 +3,10 @@
  *
  *     packed_position   x y z in 11, 10 and 11 bits, parts of the range of the chunk
  *     packed_scale      the same of the natural logarithms of the standard deviations
- *     packed_rotation   in 2 bits, which number of the unit quaternion (w, x, y, z) is the largest; the others,
- *                       -.7071 .. .7071, in 10 bits each
- *     packed_color      red green blue, parts of the range of the chunk or of 0 .. 1, and opacity, 0 .. 1, in 8
- *                       bits each
+ *     packed_rotation   in 2 bits, which number of the unit quaternion (w, x, y, z) is the largest; in
+ *                       10 bits each the others, -.7071 .. .7071
+ *     packed_color      in 8 bits each: red green blue, parts of the range of the chunk or of 0 .. 1,
+ *                       and opacity, 0 .. 1
  *
  * Colours by direction (element "sh") are not used. */
 #include "io/polydata/ply_gaussians.h"
