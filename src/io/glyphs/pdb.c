@@ -5,8 +5,9 @@
  * If the element column is empty, the element is taken from the atom's name, whose first two columns contain
  * it, right-aligned: "CA" from the first column on is calcium, from the second on a carbon. Of several
  * alternate locations of an atom the first is read. The copies of the wanted assembly are made by its
- * matrices (assembly.h). Programs write serial numbers above 99999 and numbers of residues above 9999 with one
- * digit more, which shifts the columns behind them, or in letters and digits ("hybrid-36"), which does not.
+ * matrices (assembly.h). Programs write serial numbers above 99999 and numbers of residues above 9999 with
+ * one digit more, which shifts the columns behind them, or in letters and digits ("hybrid-36"), which does
+ * not.
  *
  * Entries of the Protein Data Bank, which begin with a HEADER, end with END, and models with ENDMDL: without
  * them the file is truncated.
