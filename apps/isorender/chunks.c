@@ -473,7 +473,8 @@ static void describe_style(const isorender_job *job, iso_key_style *style) {
     style->view_up = job->camera.view_up;
     style->view_angle = job->camera.view_angle;
     style->parallel_scale = job->camera.parallel_scale;
-    style->pixels_per_metre = isorender_pixels_per_metre(&job->camera, settings->height, ISO_UNIT_MILLIMETRE);
+    style->pixels_per_metre =
+        isorender_pixels_per_metre(&job->camera, settings->height, ISO_WORLD_UNIT_MILLIMETRE);
     style->method = (int32_t)job->renderer->method;
     style->orthographic = job->camera.orthographic;
     style->transparent = settings->transparent != 0;

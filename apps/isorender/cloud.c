@@ -161,27 +161,29 @@ iso_status isorender_cloud_read(isorender_job *job, iso_error *error) {
         isorender_log_verbose(job, "normals of %.4g %% of the points are estimated from their neighbours",
                               percent * (double)cloud->estimated_normals);
     if (cloud->estimated_radii)
-        isorender_log_verbose(
-            job, "radii of %.4g %% of the points are estimated; the median of all is %.4g%s",
-            percent * (double)cloud->estimated_radii, cloud->radius, iso_unit_suffix(isorender_unit(job)));
+        isorender_log_verbose(job,
+                              "radii of %.4g %% of the points are estimated; the median of all is %.4g%s",
+                              percent * (double)cloud->estimated_radii, cloud->radius,
+                              iso_world_unit_suffix(isorender_unit(job)));
     return choose_opacities(job, error);
 }
 
 /* ---- reports ---- */
 
 /* Without a surface: the unit of all lines and glyphs. */
-static iso_unit unit_of_objects(const isorender_job *job) {
-    const iso_unit unit = job->object_count ? job->objects[0].report.unit : ISO_UNIT_MILLIMETRE;
+static iso_world_unit unit_of_objects(const isorender_job *job) {
+    const iso_world_unit unit = job->object_count ? job->objects[0].report.unit : ISO_WORLD_UNIT_MILLIMETRE;
     for (int i = 1; i < job->object_count; i++)
-        if (job->objects[i].report.unit != unit) return ISO_UNIT_NONE;
+        if (job->objects[i].report.unit != unit) return ISO_WORLD_UNIT_NONE;
     return unit;
 }
 
-iso_unit isorender_unit(const isorender_job *job) {
-    const iso_unit stated = job->loader.has_points ? job->loader.report.unit
-                            : job->surface_count   ? ISO_UNIT_MILLIMETRE
-                                                   : unit_of_objects(job);
-    return stated == ISO_UNIT_NONE && job->settings->mm_per_pixel > 0 ? ISO_UNIT_MILLIMETRE : stated;
+iso_world_unit isorender_unit(const isorender_job *job) {
+    const iso_world_unit stated = job->loader.has_points ? job->loader.report.unit
+                                  : job->surface_count   ? ISO_WORLD_UNIT_MILLIMETRE
+                                                         : unit_of_objects(job);
+    return stated == ISO_WORLD_UNIT_NONE && job->settings->mm_per_pixel > 0 ? ISO_WORLD_UNIT_MILLIMETRE
+                                                                            : stated;
 }
 
 static const char *origin_of(size_t estimated, size_t count) {
@@ -192,7 +194,7 @@ void isorender_cloud_info(const isorender_job *job) {
     const iso_cloud *cloud = &job->cloud;
     const iso_point_view view = iso_cloud_view(cloud);
     const iso_box box = iso_bounds_of_points(&view);
-    const char *unit = iso_unit_suffix(isorender_unit(job));
+    const char *unit = iso_world_unit_suffix(isorender_unit(job));
     printf("  %-11s %s\n  %-11s %zu\n", "format", job->loader.report.format, "points", cloud->count);
     printf("  %-11s %.10g %.10g %.10g .. %.10g %.10g %.10g%s\n", "bounds", box.lo.x, box.lo.y, box.lo.z,
            box.hi.x, box.hi.y, box.hi.z, unit);
@@ -214,8 +216,8 @@ void isorender_cloud_info(const isorender_job *job) {
 
 void isorender_cloud_report(iso_json *json, const isorender_job *job) {
     const iso_cloud *cloud = &job->cloud;
-    const iso_unit unit = isorender_unit(job);
-    iso_json_string(json, "unit", unit == ISO_UNIT_NONE ? NULL : iso_unit_suffix(unit) + 1);
+    const iso_world_unit unit = isorender_unit(job);
+    iso_json_string(json, "unit", unit == ISO_WORLD_UNIT_NONE ? NULL : iso_world_unit_suffix(unit) + 1);
     iso_json_integer(json, "estimated_normals", cloud->estimated_normals);
     iso_json_integer(json, "estimated_radii", cloud->estimated_radii);
     iso_json_real(json, "median_radius", cloud->radius);

@@ -98,7 +98,7 @@ void isorender_gaussians_info(const isorender_job *job) {
     printf("  %-11s as 3-D Gaussians (--method gaussians); pullpush, splats and points draw discs\n",
            "drawn");
     printf("  %-11s %.4g%s, the median of the standard deviations\n", "size",
-           isorender_gaussians_size(glyphs), iso_unit_suffix(isorender_unit(job)));
+           isorender_gaussians_size(glyphs), iso_world_unit_suffix(isorender_unit(job)));
     if (isorender_attribute_range(opacity_of(glyphs), glyphs->count, range))
         printf("  %-11s %.4g .. %.4g\n", "opacity", range[0], range[1]);
 }

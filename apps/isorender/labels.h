@@ -17,9 +17,9 @@ void isorender_labels_make(const isorender_job *job, isorender_labels *labels);
 /* The unit of the picture's world: that of the points, or of lines and glyphs if there is nothing else, as
  * far as their files state it; mm with a volume, and
  * by --mm-per-pixel if none is stated. */
-iso_unit isorender_unit(const isorender_job *job);
+iso_world_unit isorender_unit(const isorender_job *job);
 /* 0: there is no single scale, or `unit`, that of the world, has no length here. */
-double isorender_pixels_per_metre(const iso_camera *camera, int height, iso_unit unit);
+double isorender_pixels_per_metre(const iso_camera *camera, int height, iso_world_unit unit);
 
 #ifdef __cplusplus
 }

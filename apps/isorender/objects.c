@@ -342,6 +342,6 @@ void isorender_object_info(const isorender_object *object) {
     else
         print_contents(object);
     printf("  %-11s %.6g %.6g %.6g .. %.6g %.6g %.6g%s\n", "bounds", box.lo.x, box.lo.y, box.lo.z, box.hi.x,
-           box.hi.y, box.hi.z, iso_unit_suffix(object->report.unit));
+           box.hi.y, box.hi.z, iso_world_unit_suffix(object->report.unit));
     isorender_object_info_columns(object);
 }

@@ -100,8 +100,8 @@ void isorender_labels_make(const isorender_job *job, isorender_labels *l) {
              job->settings->common.record);
 }
 
-double isorender_pixels_per_metre(const iso_camera *camera, int height, iso_unit unit) {
-    const double millimetres = iso_camera_mm_per_pixel(camera, height) * iso_unit_millimetres(unit);
+double isorender_pixels_per_metre(const iso_camera *camera, int height, iso_world_unit unit) {
+    const double millimetres = iso_camera_mm_per_pixel(camera, height) * iso_world_unit_millimetres(unit);
     return millimetres > 0 ? 1000 / millimetres : 0;
 }
 

@@ -206,7 +206,7 @@ static iso_status put_images(iso_json *json, const isorender_job *job, iso_error
     if (!isorender_plan_draws(job->plan)) return ISO_OK;
     put_camera(json, &job->camera, job->settings->height);
     if (job->settings->scale_bar)
-        iso_json_real(json, isorender_unit(job) == ISO_UNIT_MILLIMETRE ? "scale_bar_mm" : "scale_bar",
+        iso_json_real(json, isorender_unit(job) == ISO_WORLD_UNIT_MILLIMETRE ? "scale_bar_mm" : "scale_bar",
                       iso_scale_bar_length(&job->camera, job->settings->width, job->settings->height));
     ISO_TRY(put_frame(json, "image", job, 0, error));
     if (!job->settings->turntable) return ISO_OK;

@@ -7,21 +7,21 @@
 extern "C" {
 #endif
 
-typedef enum iso_unit {
-    ISO_UNIT_MILLIMETRE, /* the world's own */
-    ISO_UNIT_NONE,       /* neither the format nor the file states one */
-    ISO_UNIT_ANGSTROM,
-    ISO_UNIT_MICROMETRE,
-    ISO_UNIT_METRE,
-    ISO_UNIT_FOOT,        /* .3048 m */
-    ISO_UNIT_SURVEY_FOOT, /* 1200 / 3937 m */
-    ISO_UNIT_DEGREE       /* longitude and latitude, beside heights in another unit */
-} iso_unit;
+typedef enum iso_world_unit {
+    ISO_WORLD_UNIT_MILLIMETRE, /* the world's own */
+    ISO_WORLD_UNIT_NONE,       /* neither the format nor the file states one */
+    ISO_WORLD_UNIT_ANGSTROM,
+    ISO_WORLD_UNIT_MICROMETRE,
+    ISO_WORLD_UNIT_METRE,
+    ISO_WORLD_UNIT_FOOT,        /* .3048 m */
+    ISO_WORLD_UNIT_SURVEY_FOOT, /* 1200 / 3937 m */
+    ISO_WORLD_UNIT_DEGREE       /* longitude and latitude, beside heights in another unit */
+} iso_world_unit;
 
-/* What stands behind a number: " mm", ..; an empty text for ISO_UNIT_NONE. */
-const char *iso_unit_suffix(iso_unit unit);
+/* What stands behind a number: " mm", ..; an empty text for ISO_WORLD_UNIT_NONE. */
+const char *iso_world_unit_suffix(iso_world_unit unit);
 /* Millimetres of a unit; 0: it is no length, or not a power of ten of a metre. */
-double iso_unit_millimetres(iso_unit unit);
+double iso_world_unit_millimetres(iso_world_unit unit);
 
 #ifdef __cplusplus
 }

@@ -187,22 +187,23 @@ double iso_scale_bar_length(const iso_camera *camera, int width, int height) {
     return best;
 }
 
-void iso_scale_bar_label(double length, iso_unit unit, char label[32]) {
+void iso_scale_bar_label(double length, iso_world_unit unit, char label[32]) {
     static const struct {
         double millimetres;
         const char *name;
     } names[] = {{1e6, "km"}, {1e3, "m"}, {1, "mm"}, {1e-3, "um"}, {1e-6, "nm"}};
-    const double millimetres = length * iso_unit_millimetres(unit);
+    const double millimetres = length * iso_world_unit_millimetres(unit);
     int name = 0;
     if (!(millimetres > 0)) {
-        snprintf(label, 32, "%.10g%s", length, iso_unit_suffix(unit));
+        snprintf(label, 32, "%.10g%s", length, iso_world_unit_suffix(unit));
         return;
     }
     while (name < 4 && millimetres < (name == 2 ? 0.1 : names[name].millimetres) * (1 - 1e-9)) name++;
     snprintf(label, 32, "%.10g %s", millimetres / names[name].millimetres, names[name].name);
 }
 
-static iso_status draw_scale_bar(const pen *p, const iso_camera *camera, iso_unit unit, iso_error *error) {
+static iso_status draw_scale_bar(const pen *p, const iso_camera *camera, iso_world_unit unit,
+                                 iso_error *error) {
     const int width = p->image->width, height = p->image->height;
     const double length = iso_scale_bar_length(camera, width, height);
     if (!(length > 0)) return ISO_OK;

@@ -26,7 +26,7 @@ typedef struct iso_color_bar {
 
 typedef struct iso_annotation {
     const iso_camera *camera;        /* of the picture; borrowed */
-    iso_unit unit;                   /* of the world, for the scale bar */
+    iso_world_unit unit;             /* of the world, for the scale bar */
     bool scale_bar;                  /* bottom right, with its length; for orthographic cameras only */
     bool orientation_marker;         /* bottom left: the world's axes as the camera sees them */
     bool anatomical;                 /* the axes are L R, A P and H F (the world is LPS); else x y z */
@@ -47,7 +47,7 @@ double iso_scale_bar_length(const iso_camera *camera, int width, int height);
 
 /* The label of a scale bar of `length` units (from iso_scale_bar_length), such as "10 mm", "50 um" or,
  * without a unit, "20". */
-void iso_scale_bar_label(double length, iso_unit unit, char label[32]);
+void iso_scale_bar_label(double length, iso_world_unit unit, char label[32]);
 
 #ifdef __cplusplus
 }

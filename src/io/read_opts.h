@@ -26,11 +26,11 @@ enum { ISO_READ_NOTES = 8, ISO_READ_TEXT = 256 };
 
 /* What a reader reports in addition to its result. A plain struct, set by every successful read. */
 typedef struct iso_read_report {
-    char format[16];   /* "tck", "trk", .. */
-    iso_space space;   /* the axes that the coordinates were read in: LPS or RAS */
-    bool space_stated; /* by the format or the file; false: the axes were assumed, or set by the caller */
-    iso_unit unit;     /* of the coordinates, as the format or the file states it */
-    uint64_t items;    /* lines or glyphs in the file, before `every` left some out */
+    char format[16];     /* "tck", "trk", .. */
+    iso_space space;     /* the axes that the coordinates were read in: LPS or RAS */
+    bool space_stated;   /* by the format or the file; false: the axes were assumed, or set by the caller */
+    iso_world_unit unit; /* of the coordinates, as the format or the file states it */
+    uint64_t items;      /* lines or glyphs in the file, before `every` left some out */
     /* Vertices or glyphs left out: a coordinate is not finite, or beyond 1e12 mm. Lines are split there. */
     uint64_t dropped;
     uint64_t mended_radii;                     /* radii that were negative or not finite, and were set to 0 */

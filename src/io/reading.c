@@ -16,7 +16,7 @@
 iso_reading iso_reading_begin(const char *path, const iso_read_opts *opts, iso_read_report *report) {
     iso_reading reading = {.path = path, .opts = opts ? *opts : (iso_read_opts){0}};
     reading.report = reading.opts.report ? reading.opts.report : report;
-    *reading.report = (iso_read_report){.unit = ISO_UNIT_NONE};
+    *reading.report = (iso_read_report){.unit = ISO_WORLD_UNIT_NONE};
     reading.limit = iso_memory_limit(reading.opts.max_memory);
     if (reading.opts.every < 1) reading.opts.every = 1;
     iso_file_set_read(reading.opts.files, path);

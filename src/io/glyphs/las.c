@@ -169,7 +169,7 @@ static iso_status add_fields(las *l, iso_error *error) {
 
 static void take_unit(las *l) {
     l->data.reading->report->unit = l->blocks.unit;
-    if (l->blocks.unit == ISO_UNIT_DEGREE)
+    if (l->blocks.unit == ISO_WORLD_UNIT_DEGREE)
         iso_reading_note(l->data.reading,
                          "its x and y are degrees of longitude and latitude, and z is a height: "
                          "shapes are distorted, project them first");

@@ -16,31 +16,31 @@ static uint64_t number_at(const unsigned char *bytes, iso_scalar scalar) {
 
 /* ---- units */
 
-static iso_unit unit_of_metres(double metres) {
-    if (fabs(metres - 1) < 1e-9) return ISO_UNIT_METRE;
-    if (fabs(metres - 0.3048) < 1e-9) return ISO_UNIT_FOOT;
-    return fabs(metres - 1200.0 / 3937) < 1e-9 ? ISO_UNIT_SURVEY_FOOT : ISO_UNIT_NONE;
+static iso_world_unit unit_of_metres(double metres) {
+    if (fabs(metres - 1) < 1e-9) return ISO_WORLD_UNIT_METRE;
+    if (fabs(metres - 0.3048) < 1e-9) return ISO_WORLD_UNIT_FOOT;
+    return fabs(metres - 1200.0 / 3937) < 1e-9 ? ISO_WORLD_UNIT_SURVEY_FOOT : ISO_WORLD_UNIT_NONE;
 }
 
 /* The keys are four numbers of 16 bits each: key, place of the value, count, value. Place 0: the value
  * itself. */
-static iso_unit unit_of_keys(const unsigned char *block, size_t bytes) {
+static iso_world_unit unit_of_keys(const unsigned char *block, size_t bytes) {
     enum { MODEL = 1024, PROJECTED = 3072, LINEAR_UNIT = 3076, GEOGRAPHIC_MODEL = 2 };
-    iso_unit unit = ISO_UNIT_NONE;
+    iso_world_unit unit = ISO_WORLD_UNIT_NONE;
     for (size_t at = 8; at + 8 <= bytes; at += 8) {
         uint64_t key[4];
         for (size_t k = 0; k < 4; k++) key[k] = number_at(block + at + 2 * k, ISO_SCALAR_UINT16);
         if (key[1] != 0) continue;
-        if (key[0] == MODEL && key[3] == GEOGRAPHIC_MODEL) return ISO_UNIT_DEGREE;
+        if (key[0] == MODEL && key[3] == GEOGRAPHIC_MODEL) return ISO_WORLD_UNIT_DEGREE;
         /* zones of UTM (WGS 84, NAD83) are in metres; a key of its own, which follows, states others */
         if (key[0] == PROJECTED &&
             ((key[3] >= 32601 && key[3] <= 32760) || (key[3] >= 26901 && key[3] <= 26923)))
-            unit = ISO_UNIT_METRE;
+            unit = ISO_WORLD_UNIT_METRE;
         if (key[0] == LINEAR_UNIT)
-            unit = key[3] == 9001   ? ISO_UNIT_METRE
-                   : key[3] == 9002 ? ISO_UNIT_FOOT
-                   : key[3] == 9003 ? ISO_UNIT_SURVEY_FOOT
-                                    : ISO_UNIT_NONE;
+            unit = key[3] == 9001   ? ISO_WORLD_UNIT_METRE
+                   : key[3] == 9002 ? ISO_WORLD_UNIT_FOOT
+                   : key[3] == 9003 ? ISO_WORLD_UNIT_SURVEY_FOOT
+                                    : ISO_WORLD_UNIT_NONE;
     }
     return unit;
 }
@@ -67,7 +67,7 @@ static double last_unit(const char *text, const char *end) {
 
 /* A projected system contains a geographic one, and its own unit stands behind that; heights, whose unit may
  * be another one, have a system beside it. */
-static iso_unit unit_of_text(const char *text) {
+static iso_world_unit unit_of_text(const char *text) {
     static const char *const linear[] = {"PROJCS[", "PROJCRS[", "PROJECTEDCRS[", "GEOCCS["};
     static const char *const angular[] = {"GEOGCS[", "GEOGCRS[", "GEOGRAPHICCRS["};
     for (size_t i = 0; i < sizeof linear / sizeof *linear; i++) {
@@ -75,8 +75,8 @@ static iso_unit unit_of_text(const char *text) {
         if (begin) return unit_of_metres(last_unit(begin, end_of_element(begin)));
     }
     for (size_t i = 0; i < sizeof angular / sizeof *angular; i++)
-        if (strstr(text, angular[i])) return ISO_UNIT_DEGREE;
-    return ISO_UNIT_NONE;
+        if (strstr(text, angular[i])) return ISO_WORLD_UNIT_DEGREE;
+    return ISO_WORLD_UNIT_NONE;
 }
 
 /* ---- extra bytes */
@@ -135,17 +135,17 @@ static void take_block(iso_las_blocks *blocks, const unsigned char header[HEADER
     blocks->block[bytes] = 0;
     if (strcmp(user, "laszip encoded") == 0) blocks->compressed = true;
     if (strcmp(user, "LASF_Spec") == 0 && number == 4) take_extras(blocks, bytes);
-    if (strcmp(user, "LASF_Projection") == 0 && number == 34735 && blocks->unit == ISO_UNIT_NONE)
+    if (strcmp(user, "LASF_Projection") == 0 && number == 34735 && blocks->unit == ISO_WORLD_UNIT_NONE)
         blocks->unit = unit_of_keys(blocks->block, bytes);
     const bool text = strcmp(user, "LASF_Projection") == 0 || strcmp(user, "liblas") == 0;
-    if (text && number == 2112 && blocks->unit == ISO_UNIT_NONE)
+    if (text && number == 2112 && blocks->unit == ISO_WORLD_UNIT_NONE)
         blocks->unit = unit_of_text((const char *)blocks->block);
 }
 
 iso_status iso_las_blocks_read(iso_las_blocks *blocks, iso_stream *stream, uint64_t count, uint64_t left,
                                iso_error *error) {
     unsigned char header[HEADER];
-    blocks->unit = ISO_UNIT_NONE;
+    blocks->unit = ISO_WORLD_UNIT_NONE;
     for (uint64_t i = 0; i < count && left >= HEADER; i++) {
         ISO_TRY(iso_stream_read(stream, header, sizeof header, error));
         const uint64_t bytes = number_at(header + 20, ISO_SCALAR_UINT16), rest = left - HEADER;

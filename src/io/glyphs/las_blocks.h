@@ -26,7 +26,7 @@ typedef struct iso_las_extra {
 /* Zero-initialise. */
 typedef struct iso_las_blocks {
     bool compressed;
-    iso_unit unit; /* of x and y */
+    iso_world_unit unit; /* of x and y */
     int extra_count;
     iso_las_extra extras[ISO_LAS_EXTRAS];
     unsigned char block[ISO_LAS_BLOCK + 1]; /* the contents of one */

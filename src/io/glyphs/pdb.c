@@ -339,7 +339,7 @@ static iso_status read_pdb(pdb *p, iso_glyphs *glyphs, iso_error *error) {
     iso_assembly_copy alone;
     stand_alone(&alone);
     p->assembly.wanted = asked > 0 ? asked : 1;
-    p->reading->report->unit = ISO_UNIT_ANGSTROM;
+    p->reading->report->unit = ISO_WORLD_UNIT_ANGSTROM;
     ISO_TRY(iso_rows_load(p->reading, &p->rows, error));
     ISO_TRY(read_rows(p, error));
     if (p->assembly.next_row != 0)

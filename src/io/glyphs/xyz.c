@@ -69,7 +69,7 @@ static iso_status read_molecule(xyz *x, double atoms, iso_error *error) {
     if (iso_point_rows_next(&x->rows))
         iso_reading_note(x->data.reading, "further frames follow: only the first is read");
     x->data.reading->opts.every = 1;
-    x->data.reading->report->unit = ISO_UNIT_ANGSTROM;
+    x->data.reading->report->unit = ISO_WORLD_UNIT_ANGSTROM;
     return ISO_OK;
 }
 

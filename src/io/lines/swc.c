@@ -198,7 +198,7 @@ static iso_status add_edges(swc *s, iso_error *error) {
 }
 
 static iso_status read_swc(swc *s, iso_lines *lines, iso_error *error) {
-    s->data.reading->report->unit = ISO_UNIT_MICROMETRE;
+    s->data.reading->report->unit = ISO_WORLD_UNIT_MICROMETRE;
     ISO_TRY(read_rows(s, error));
     ISO_TRY(find_parents(s, error));
     ISO_TRY(add_edges(s, error));

@@ -340,7 +340,7 @@ static iso_status read_lines(trk *t, iso_error *error) {
 
 static iso_status read_trk(trk *t, iso_reading *reading, iso_lines *lines, iso_error *error) {
     t->lines.reading = reading;
-    reading->report->unit = ISO_UNIT_MILLIMETRE;
+    reading->report->unit = ISO_WORLD_UNIT_MILLIMETRE;
     t->lines.ras = iso_reading_is_ras(reading, ISO_SPACE_RAS);
     ISO_TRY(iso_stream_open(reading->path, &t->in, error));
     ISO_TRY(read_header(t, error));
