@@ -395,7 +395,9 @@ static void check_surfaces(iso_gl_engine *engine, iso_reconstruction reconstruct
                 }
                 gl_difference d = gl_compare(&views[v], &cpu, &gl);
                 if (!(d.psnr >= 40 && d.differ <= 0.01 * d.outline))
-                    fail_msg("%d surfaces: %.1f dB, %d of %d", count, d.psnr, d.differ, d.outline);
+                    fail_msg(
+                        "reconstruction %d, surface %d with colours, view %d, %d surfaces: %.1f dB, %d of %d",
+                        (int)reconstruction, colored, v, count, d.psnr, d.differ, d.outline);
                 assert_true(count == 0 || d.outline > 0);
                 iso_gbuffer_free(&gl);
                 iso_gbuffer_free(&cpu);

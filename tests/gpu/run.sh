@@ -67,6 +67,9 @@ for scene in gyroid:192 head:192 ct:256; do
         compare "$scene-$view-visible" "scene:$scene" --method splats --selection visible --zoom $view
     done
 done
+for reconstruction in gaussian refined; do
+    compare "two-surfaces-$reconstruction" scene:ct:128 --isovalue 60,150 --method pullpush --reconstruction $reconstruction
+done
 compare stent "$here/volumes/stent.nrrd" --isovalue 600 --method pullpush
 
 say "" "Frames of 800 x 800 of a bumpy sphere, milliseconds"
