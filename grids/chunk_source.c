@@ -94,28 +94,62 @@ typedef struct visit {
     iso_pool *pool;
     iso_chunk_voxels_visitor *visit;
     void *context;
+    iso_rgrid *constant; /* a chunk whose voxels all have this value, for others like it; NULL: none */
+    float value;
 } visit;
 
-/* Takes the halo off a chunk's grid. *first: its first voxel in the volume. */
-static iso_status crop_to_box(const iso_grid_chunk *chunk, iso_rgrid *grid, int first[3], iso_error *error) {
-    int lo[3], hi[3];
+/* The voxels of a chunk without its halo, of the volume. */
+static void voxels_of(const iso_grid_chunk *chunk, int first[3], int end[3]) {
     for (int axis = 0; axis < 3; axis++) {
         first[axis] = chunk->box.first[axis] * ISO_BRICK;
-        const int origin = chunk->origin[axis] * ISO_BRICK,
-                  end = iso_min_int(chunk->box.end[axis] * ISO_BRICK, chunk->dims[axis]);
-        lo[axis] = first[axis] - origin;
-        hi[axis] = end - 1 - origin;
+        end[axis] = iso_min_int(chunk->box.end[axis] * ISO_BRICK, chunk->dims[axis]);
+    }
+}
+
+/* Takes the halo off a chunk's grid. */
+static iso_status crop_to_box(const iso_grid_chunk *chunk, iso_rgrid *grid, iso_error *error) {
+    int lo[3], hi[3];
+    voxels_of(chunk, lo, hi);
+    for (int axis = 0; axis < 3; axis++) {
+        const int origin = chunk->origin[axis] * ISO_BRICK;
+        lo[axis] -= origin;
+        hi[axis] -= 1 + origin;
     }
     return iso_rgrid_crop(grid, lo, hi, error);
 }
 
-static iso_status visit_chunk(const visit *v, const iso_grid_chunk *chunk, iso_error *error) {
+/* Whether all voxels of a chunk are known to be *value, and grids may be kept. */
+static bool is_constant(const iso_chunk_source *source, const iso_grid_chunk *chunk, float *value) {
+    return source->is_constant && !source->rest && source->is_constant(source->context, chunk, value);
+}
+
+/* Whether the chunk's voxels are those of v->constant. */
+static bool is_like_last(const visit *v, const iso_grid_chunk *chunk) {
+    float value;
+    int first[3], end[3];
+    if (!v->constant) return false;
+    voxels_of(chunk, first, end);
+    for (int axis = 0; axis < 3; axis++)
+        if (v->constant->dims[axis] != end[axis] - first[axis]) return false;
+    return is_constant(v->source, chunk, &value) && memcmp(&value, &v->value, sizeof value) == 0;
+}
+
+static iso_status visit_chunk(visit *v, const iso_grid_chunk *chunk, iso_error *error) {
     iso_rgrid *grid = NULL;
-    int first[3];
+    int first[3], end[3];
+    float value;
+    voxels_of(chunk, first, end);
+    if (is_like_last(v, chunk)) return v->visit(v->context, v->constant, first, error);
     ISO_TRY(v->source->read(v->source->context, chunk, v->pool, &grid, error));
-    iso_status status = crop_to_box(chunk, grid, first, error);
+    iso_status status = crop_to_box(chunk, grid, error);
     if (status == ISO_OK) status = v->visit(v->context, grid, first, error);
-    iso_rgrid_destroy(grid);
+    if (status == ISO_OK && is_constant(v->source, chunk, &value)) {
+        iso_rgrid_destroy(v->constant);
+        v->constant = grid;
+        v->value = value;
+    } else {
+        iso_rgrid_destroy(grid);
+    }
     if (v->source->rest) v->source->rest(v->source->context);
     return status;
 }
@@ -123,18 +157,21 @@ static iso_status visit_chunk(const visit *v, const iso_grid_chunk *chunk, iso_e
 iso_status iso_chunk_source_visit(const iso_chunk_source *source, int side, iso_chunk_turns turns,
                                   iso_pool *pool, iso_chunk_voxels_visitor *visitor, void *context,
                                   iso_error *error) {
-    const visit v = {source, pool, visitor, context};
+    visit v = {.source = source, .pool = pool, .visit = visitor, .context = context};
     const size_t step = (size_t)turns.turns;
+    iso_status status = ISO_OK;
     iso_chunk_cuts cuts;
     iso_chunk_cuts_make(source, side, &cuts);
-    for (size_t number = (size_t)turns.turn; number < iso_chunk_cuts_count(&cuts); number += step) {
+    const size_t count = iso_chunk_cuts_count(&cuts);
+    for (size_t number = (size_t)turns.turn; status == ISO_OK && number < count; number += step) {
         const iso_brick_box box = iso_chunk_box(&cuts, number);
         iso_grid_chunk chunk;
         iso_grid_chunk_make(source->dims, &source->transform, &box, &chunk);
         chunk.bare = true;
-        ISO_TRY(visit_chunk(&v, &chunk, error));
+        status = visit_chunk(&v, &chunk, error);
     }
-    return ISO_OK;
+    iso_rgrid_destroy(v.constant);
+    return status;
 }
 
 typedef struct nonfinite_sum {

@@ -4,13 +4,13 @@
 #include "grids/volume/tiled.h"
 
 #include <math.h>
-#include <pthread.h>
 #include <stdatomic.h>
 #include <string.h>
 #include <sys/mman.h>
 
 #include "base/memory.h"
 #include "base/numbers.h"
+#include "grids/volume/first_failure.h"
 #include "grids/volume/format.h"
 #include "grids/volume/mapping.h"
 
@@ -29,6 +29,27 @@ static void tile_index(const int tiles[3], size_t number, int index[3]) {
     index[0] = (int)(number % (size_t)tiles[0]);
     index[1] = (int)(number / (size_t)tiles[0] % (size_t)tiles[1]);
     index[2] = (int)(number / (size_t)tiles[0] / (size_t)tiles[1]);
+}
+
+static uint64_t next_stored(const iso_tiled *tiled, uint64_t from, uint64_t end) {
+    return tiled->next_stored ? tiled->next_stored(tiled->context, from, end) : from;
+}
+
+/* Sets `count` voxels to the value of tiles that are not in the file. */
+static void fill_row(const iso_tiled *tiled, void *target, size_t count) {
+    switch (tiled->type) {
+    case ISO_UINT8:
+        memset(target, (uint8_t)tiled->fill, count);
+        return;
+    case ISO_INT16:
+        for (size_t i = 0; i < count; i++) ((int16_t *)target)[i] = (int16_t)tiled->fill;
+        return;
+    case ISO_UINT16:
+        for (size_t i = 0; i < count; i++) ((uint16_t *)target)[i] = (uint16_t)tiled->fill;
+        return;
+    default:
+        for (size_t i = 0; i < count; i++) ((float *)target)[i] = tiled->fill;
+    }
 }
 
 static uint64_t tile_bytes(const iso_tiled *tiled) {
@@ -73,40 +94,6 @@ static void copy_tile(const iso_tiled *tiled, const int index[3], const void *va
     copy_box(iso_type_size(tiled->type), &tile, first, end, target);
 }
 
-/* The failure of the first of several items that are worked on by several threads. Items are begun in order,
- * so that which one is first does not depend on the threads. */
-typedef struct first_failure {
-    pthread_mutex_t lock;
-    atomic_size_t item; /* SIZE_MAX: none has failed */
-    iso_status status;
-    iso_error error;
-} first_failure;
-
-static void failure_init(first_failure *failure) {
-    *failure = (first_failure){.status = ISO_OK};
-    atomic_init(&failure->item, SIZE_MAX);
-    pthread_mutex_init(&failure->lock, NULL);
-}
-
-static bool may_begin(first_failure *failure, size_t item) {
-    return item < atomic_load_explicit(&failure->item, memory_order_relaxed);
-}
-
-static void failure_enter(first_failure *failure, size_t item, iso_status status, const iso_error *error) {
-    pthread_mutex_lock(&failure->lock);
-    if (item < atomic_load(&failure->item)) {
-        atomic_store(&failure->item, item);
-        failure->status = status;
-        failure->error = *error;
-    }
-    pthread_mutex_unlock(&failure->lock);
-}
-
-static iso_status failure_finish(first_failure *failure, iso_error *error) {
-    pthread_mutex_destroy(&failure->lock);
-    return failure->status == ISO_OK ? ISO_OK : iso_fail(error, failure->status, "%s", failure->error.text);
-}
-
 /* ---- the whole volume */
 
 typedef struct filling {
@@ -115,12 +102,11 @@ typedef struct filling {
     const iso_tiled *tiled;
     target_box target;
     int tiles[3];
-    size_t count; /* of tiles */
+    size_t count, per_task; /* of tiles */
     char *buffers;
     size_t buffer_bytes; /* of the buffer of a worker; 0: tiles lie in the grid as they are */
     first_failure failure;
-    atomic_size_t done, absent;
-    _Atomic float absent_value;
+    atomic_size_t done, stored; /* tasks; tiles that are in the file */
 } filling;
 
 /* Whether tiles are layers of whole slices, which are contiguous in the grid, and none reaches beyond it. */
@@ -129,13 +115,10 @@ static bool is_direct(const iso_tiled *tiled) {
            tiled->dims[2] % tiled->tile[2] == 0;
 }
 
-static iso_status fill_tile(filling *f, const int index[3], int worker, iso_error *error) {
+static iso_status fill_tile(filling *f, size_t number, int worker, iso_error *error) {
     const iso_tiled *tiled = f->tiled;
-    float value;
-    if (tiled->is_absent && tiled->is_absent(tiled->context, index, &value)) {
-        atomic_fetch_add(&f->absent, 1);
-        atomic_store(&f->absent_value, value);
-    }
+    int index[3];
+    tile_index(f->tiles, number, index);
     if (!f->buffer_bytes)
         return tiled->read(
             tiled->context, index,
@@ -147,19 +130,28 @@ static iso_status fill_tile(filling *f, const int index[3], int worker, iso_erro
 }
 
 /* Worker 0 is the calling thread, which alone may call the caller's function. */
-static iso_status report(filling *f, int worker, iso_error *error) {
-    const size_t done = atomic_fetch_add(&f->done, 1) + 1;
+static iso_status report(filling *f, size_t tiles, int worker, iso_error *error) {
+    const size_t done = atomic_fetch_add(&f->done, tiles) + tiles;
     return worker ? ISO_OK : iso_format_progress(f->path, f->opts, (double)done / (double)f->count, error);
 }
 
-static void fill_task(void *context, size_t number, int worker) {
+/* Reads the tiles of a task that are in the file. */
+static void fill_task(void *context, size_t task, int worker) {
     filling *f = context;
     iso_error error = {0};
-    int index[3];
-    if (!may_begin(&f->failure, number)) return;
-    tile_index(f->tiles, number, index);
-    iso_status status = fill_tile(f, index, worker, &error);
-    if (status == ISO_OK) status = report(f, worker, &error);
+    iso_status status = ISO_OK;
+    const size_t begin = task * f->per_task,
+                 end = begin + f->per_task < f->count ? begin + f->per_task : f->count;
+    size_t number = begin, stored = 0;
+    if (!may_begin(&f->failure, begin)) return;
+    while (status == ISO_OK && (number = (size_t)next_stored(f->tiled, number, end)) < end) {
+        status = fill_tile(f, number, worker, &error);
+        if (status != ISO_OK) break;
+        stored++;
+        number++;
+    }
+    atomic_fetch_add(&f->stored, stored);
+    if (status == ISO_OK) status = report(f, end - begin, worker, &error);
     if (status != ISO_OK) failure_enter(&f->failure, number, status, &error);
 }
 
@@ -175,13 +167,29 @@ static iso_pool *affordable_pool(const iso_volume_opts *opts, const iso_tiled *t
 }
 
 static void note_absent(const filling *f, iso_volume_info *info) {
-    const size_t absent = atomic_load(&f->absent);
+    const size_t absent = f->count - atomic_load(&f->stored);
     if (absent)
         iso_volume_note(info, "%zu of %zu tiles are not in the file: their voxels are %g", absent, f->count,
-                        (double)atomic_load(&f->absent_value) * info->scale + info->offset);
+                        (double)f->tiled->fill * info->scale + info->offset);
+}
+
+static void fill_slice(void *context, size_t z, int worker) {
+    const filling *f = context;
+    (void)worker;
+    for (int y = 0; y < f->tiled->dims[1]; y++)
+        fill_row(f->tiled, target_row(&f->target, iso_type_size(f->tiled->type), 0, y, (int)z),
+                 (size_t)f->tiled->dims[0]);
+}
+
+/* Whether some tile is not in the file. A file that has many is asked for all of them. */
+static bool lacks_tiles(const filling *f) {
+    for (uint64_t number = 0; number < f->count; number++)
+        if (next_stored(f->tiled, number, number + 1) != number) return true;
+    return false;
 }
 
 static iso_status fill_grid(filling *f, iso_rgrid *grid, iso_error *error) {
+    enum { MOST_TASKS = 1 << 16 };
     const iso_tiled *tiled = f->tiled;
     const uint64_t bytes = tile_bytes(tiled);
     f->target = (target_box){grid->data, grid->stride_y, grid->stride_z, {0, 0, 0}};
@@ -192,8 +200,11 @@ static iso_status fill_grid(filling *f, iso_rgrid *grid, iso_error *error) {
             bytes <= SIZE_MAX / 2 ? iso_alloc(f->buffer_bytes * (size_t)iso_pool_threads(pool)) : NULL;
         if (!f->buffers) return iso_fail_memory(error, f->path);
     }
+    if (tiled->next_stored && lacks_tiles(f))
+        iso_parallel_for(f->opts->pool, (size_t)tiled->dims[2], fill_slice, f);
     failure_init(&f->failure);
-    iso_parallel_for(pool, f->count, fill_task, f);
+    f->per_task = (f->count - 1) / MOST_TASKS + 1;
+    iso_parallel_for(pool, (f->count - 1) / f->per_task + 1, fill_task, f);
     iso_free(f->buffers);
     return failure_finish(&f->failure, error);
 }
@@ -249,7 +260,8 @@ enum { END_LAYERS = ISO_BRICK - 1 + ISO_CHUNK_ABOVE + ISO_CHUNK_BELOW };
 
 /* What is done with a tile of a request. */
 typedef struct wanted_tile {
-    int kind; /* of the piece that is copied; below 0: the chunk does not need the tile */
+    size_t number; /* of the tile in the box of the request */
+    int kind;      /* of the piece that is copied; below 0: the chunk does not need the tile */
     int32_t slot;
     int32_t ends[3]; /* slots for its last layers, of tiles that are read; below 0: they are not kept */
 } wanted_tile;
@@ -511,13 +523,47 @@ static void tile_of_box(const tile_box *box, size_t number, int index[3]) {
     for (int axis = 0; axis < 3; axis++) index[axis] += box->first_tile[axis];
 }
 
+static size_t tile_number(const tile_cache *cache, const int index[3]) {
+    return ((size_t)index[2] * (size_t)cache->tiles[1] + (size_t)index[1]) * (size_t)cache->tiles[0] +
+           (size_t)index[0];
+}
+
+/* The first tile of a box, from `number` on, that is in the file; box->count: there is none. */
+static size_t next_in_box(const tile_cache *cache, const tile_box *box, size_t number) {
+    const int *tiles = box->tiles;
+    int last[3];
+    tile_of_box(box, box->count - 1, last);
+    const uint64_t end = tile_number(cache, last) + 1;
+    while (number < box->count) {
+        int at[3];
+        tile_of_box(box, number, at);
+        const uint64_t stored = next_stored(&cache->tiled, tile_number(cache, at), end);
+        if (stored >= end) break;
+        tile_index(cache->tiles, (size_t)stored, at);
+        for (int axis = 0; axis < 3; axis++) at[axis] -= box->first_tile[axis];
+        const bool in_rows = at[1] >= 0 && at[1] < tiles[1],
+                   in_row = in_rows && at[0] >= 0 && at[0] < tiles[0];
+        /* the stored tile, or the first one of the box behind it */
+        const size_t layer = (size_t)at[2] + (at[1] >= tiles[1]),
+                     row = layer * (size_t)tiles[1] + (in_rows ? (size_t)at[1] + (at[0] >= tiles[0]) : 0);
+        number = row * (size_t)tiles[0] + (in_row ? (size_t)at[0] : 0);
+        if (in_row) return number;
+    }
+    return box->count;
+}
+
+static bool lacks_tiles_of(const tile_cache *cache, const tile_box *box) {
+    for (size_t number = 0; number < box->count; number++)
+        if (next_in_box(cache, box, number) != number) return true;
+    return false;
+}
+
 typedef struct chunk_reading {
     tile_cache *cache;
     const iso_grid_chunk *chunk;
     const tile_box *box;
     int crop[3]; /* the voxel of the volume that is the grid's first */
     target_box target;
-    size_t begin; /* the first tile of the box that is in cache->wanted */
     first_failure failure;
 } chunk_reading;
 
@@ -569,7 +615,7 @@ static void read_task(void *context, size_t number, int worker) {
     int index[3];
     if (wanted->kind < 0 || !may_begin(&r->failure, number)) return;
     cached_piece *piece = &r->cache->kinds[wanted->kind].slots[wanted->slot];
-    tile_of_box(r->box, r->begin + number, index);
+    tile_of_box(r->box, wanted->number, index);
     if (!piece->is_read) {
         const iso_status status = tiled->read(tiled->context, index, piece->values, &error);
         if (status != ISO_OK) {
@@ -581,11 +627,6 @@ static void read_task(void *context, size_t number, int worker) {
         keep_ends(r, wanted, piece->values);
     }
     copy_piece(r, wanted, index);
-}
-
-static size_t tile_number(const tile_cache *cache, const int index[3]) {
-    return ((size_t)index[2] * (size_t)cache->tiles[1] + (size_t)index[1]) * (size_t)cache->tiles[0] +
-           (size_t)index[0];
 }
 
 /* Finds a piece that has what the chunk needs of a tile. */
@@ -617,10 +658,11 @@ static bool is_last(const chunk_reading *r, const int index[3], int axis) {
 }
 
 /* Decides what is done with a tile. False: all slots are in use, or there is no memory. */
-static bool want_tile(const chunk_reading *r, const int index[3], wanted_tile *wanted) {
+static bool want_tile(const chunk_reading *r, size_t in_box, wanted_tile *wanted) {
     tile_cache *cache = r->cache;
-    int first[3], end[3];
-    *wanted = (wanted_tile){.kind = -1, .ends = {-1, -1, -1}};
+    int index[3], first[3], end[3];
+    *wanted = (wanted_tile){.number = in_box, .kind = -1, .ends = {-1, -1, -1}};
+    tile_of_box(r->box, in_box, index);
     overlap(r, index, first, end);
     for (int axis = 0; axis < 3; axis++) {
         first[axis] -= r->crop[axis];
@@ -636,31 +678,38 @@ static bool want_tile(const chunk_reading *r, const int index[3], wanted_tile *w
     return wanted->slot >= 0;
 }
 
-/* Takes slots for as many tiles of the box as the cache holds at once, from tile `begin` on. */
-static int32_t take_slots(const chunk_reading *r, size_t begin) {
+/* Takes slots for as many tiles of the box as the cache holds at once, from tile *next on, which is moved
+ * behind them. */
+static int32_t take_slots(const chunk_reading *r, size_t *next) {
     tile_cache *cache = r->cache;
     int32_t count = 0;
     cache->turn++;
-    for (size_t number = begin; number < r->box->count && count < cache->kinds[PIECE_WHOLE].most; number++) {
-        int index[3];
-        tile_of_box(r->box, number, index);
-        if (!want_tile(r, index, &cache->wanted[count])) break;
+    while (*next < r->box->count && count < cache->kinds[PIECE_WHOLE].most) {
+        if (!want_tile(r, *next, &cache->wanted[count])) break;
         count++;
+        *next = next_in_box(cache, r->box, *next + 1);
     }
     return count;
 }
 
 static iso_status read_tiles(chunk_reading *r, iso_pool *pool, iso_error *error) {
-    for (size_t begin = 0; begin < r->box->count;) {
-        const int32_t count = take_slots(r, begin);
+    for (size_t next = next_in_box(r->cache, r->box, 0); next < r->box->count;) {
+        const int32_t count = take_slots(r, &next);
         if (!count) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a tile of the volume");
-        r->begin = begin;
         failure_init(&r->failure);
         iso_parallel_for(pool, (size_t)count, read_task, r);
         ISO_TRY(failure_finish(&r->failure, error));
-        begin += (size_t)count;
     }
     return ISO_OK;
+}
+
+static void fill_chunk(const iso_tiled *tiled, iso_rgrid *grid) {
+    for (int z = 0; z < grid->dims[2]; z++)
+        for (int y = 0; y < grid->dims[1]; y++)
+            fill_row(tiled,
+                     (char *)grid->data +
+                         (y * grid->stride_y + z * grid->stride_z) * (ptrdiff_t)iso_type_size(grid->type),
+                     (size_t)grid->dims[0]);
 }
 
 static iso_status read_chunk(void *context, const iso_grid_chunk *chunk, iso_pool *pool, iso_rgrid **grid,
@@ -682,6 +731,7 @@ static iso_status read_chunk(void *context, const iso_grid_chunk *chunk, iso_poo
         .stride_z = (*grid)->stride_z,
         .origin = {ISO_BRICK * chunk->origin[0], ISO_BRICK * chunk->origin[1], ISO_BRICK * chunk->origin[2]}};
     add_crop(whole, r.target.origin);
+    if (lacks_tiles_of(r.cache, &box)) fill_chunk(&r.cache->tiled, *grid);
     const iso_status status = read_tiles(&r, pool, error);
     if (status == ISO_OK) return ISO_OK;
     iso_rgrid_destroy(*grid);
@@ -690,15 +740,11 @@ static iso_status read_chunk(void *context, const iso_grid_chunk *chunk, iso_poo
 }
 
 static bool is_constant(void *context, const iso_grid_chunk *chunk, float *value) {
-    const iso_rgrid *grid = context;
-    const tile_box box = tiles_of_chunk(grid, chunk);
-    const iso_tiled *tiled = &((const tile_cache *)grid->owner)->tiled;
-    for (size_t number = 0; number < box.count; number++) {
-        int index[3];
-        tile_of_box(&box, number, index);
-        if (!tiled->is_absent(tiled->context, index, value)) return false; /* the value is that of all */
-    }
-    return true;
+    const iso_rgrid *whole = context;
+    const tile_cache *cache = whole->owner;
+    const tile_box box = tiles_of_chunk(whole, chunk);
+    *value = cache->tiled.fill;
+    return next_in_box(cache, &box, 0) == box.count;
 }
 
 static bool give_back(void *context) {
@@ -732,6 +778,6 @@ iso_chunk_source iso_tiled_source(const iso_rgrid *grid) {
     source.decoded = decoded;
     source.give_back = give_back;
     source.read = read_chunk;
-    if (cache->tiled.is_absent) source.is_constant = is_constant;
+    if (cache->tiled.next_stored) source.is_constant = is_constant;
     return source;
 }

@@ -23,12 +23,15 @@ typedef struct iso_tiled {
     uint64_t scratch; /* bytes of memory that a call of `read` takes beside its target */
     /* Reads and decodes tile `index` (0 .. ceil(dims / tile) - 1 on each axis) into `target`: tile[0] *
      * tile[1] * tile[2] values, x fastest; those outside the volume may be anything. Called by several
-     * threads at once: a library that is not thread-safe is locked inside, decoding is not. Tiles that are
-     * absent are filled with their value. Errors name the file and the tile. */
+     * threads at once: a library that is not thread-safe is locked inside, decoding is not. Errors name the
+     * file and the tile. */
     iso_status (*read)(void *context, const int index[3], void *target, iso_error *error);
-    /* Optional: whether the tile is not in the file, so that all its voxels are *value (a stored value).
-     * Called by several threads at once. */
-    bool (*is_absent)(void *context, const int index[3], float *value);
+    /* Optional, for files that need not have all tiles: the first tile from tile `from` on that is in the
+     * file, or `end` or more if none of those before tile `end` is. Tiles are numbered along x, y and z. It
+     * must not take a step for each absent tile: a small file may lack any number of them. Called by several
+     * threads at once. */
+    uint64_t (*next_stored)(void *context, uint64_t from, uint64_t end);
+    float fill; /* the value (a stored value) of all voxels of tiles that are not in the file */
     void (*destroy)(void *context);
     void *context;
 } iso_tiled;

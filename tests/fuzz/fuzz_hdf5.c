@@ -42,8 +42,12 @@ static iso_hdf5_array array_of(const uint8_t head[8]) {
 static void read_chunk(const iso_hdf5_array *array, uint32_t skipped, int file, size_t count) {
     static const int first[3] = {0, 0, 0};
     const iso_hdf5_place place = {.address = 0, .bytes = (uint32_t)count, .skipped = skipped};
-    iso_hdf5_source source = {
-        .path = "fuzz", .descriptor = file, .file_bytes = count, .array = *array, .places = &place};
+    iso_hdf5_source source = {.path = "fuzz",
+                              .descriptor = file,
+                              .file_bytes = count,
+                              .array = *array,
+                              .places = &place,
+                              .place_count = 1};
     iso_error error = {0};
     for (int axis = 0; axis < 3; axis++) source.dims[axis] = (int)array->sizes[array->xyz[axis]];
     iso_hdf5_chunk_grid(array, source.dims, source.counts, source.voxels);

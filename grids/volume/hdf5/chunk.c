@@ -181,9 +181,29 @@ static bool undo_filters(const iso_hdf5_array *array, uint32_t skipped, piece *n
 
 /* ---- reading ---- */
 
-static size_t number_of(const iso_hdf5_source *source, const int index[3]) {
-    return ((size_t)index[2] * (size_t)source->counts[1] + (size_t)index[1]) * (size_t)source->counts[0] +
-           (size_t)index[0];
+static uint64_t number_of(const iso_hdf5_source *source, const int index[3]) {
+    return ((uint64_t)index[2] * (uint64_t)source->counts[1] + (uint64_t)index[1]) *
+               (uint64_t)source->counts[0] +
+           (uint64_t)index[0];
+}
+
+/* The first place from this number on; NULL: there is none. */
+static const iso_hdf5_place *find_place(const iso_hdf5_source *source, uint64_t number) {
+    uint64_t begin = 0, end = source->place_count;
+    while (begin < end) {
+        const uint64_t middle = begin + (end - begin) / 2;
+        if (source->places[middle].number < number)
+            begin = middle + 1;
+        else
+            end = middle;
+    }
+    return begin < source->place_count ? &source->places[begin] : NULL;
+}
+
+uint64_t iso_hdf5_next_stored(const iso_hdf5_source *source, uint64_t from) {
+    if (!source->array.chunked) return source->array.allocated ? from : UINT64_MAX;
+    const iso_hdf5_place *place = find_place(source, from);
+    return place ? place->number : UINT64_MAX;
 }
 
 static iso_status read_bytes(const iso_hdf5_source *source, const int index[3], uint64_t address,
@@ -271,21 +291,6 @@ static void convert(const iso_hdf5_source *source, const unsigned char *data, vo
         }
 }
 
-static void fill_with(const iso_hdf5_source *source, void *target) {
-    const iso_scalar_source value = {
-        .data = source->array.fill, .scalar = source->array.scalar, .components = 1};
-    const iso_type type = iso_scalar_stored_type(source->array.scalar);
-    const size_t size = iso_type_size(type);
-    iso_scalar_convert(&value, 1, type, target);
-    for (size_t i = 1, count = (size_t)iso_format_size(source->voxels, 1); i < count; i++)
-        memcpy((char *)target + i * size, target, size);
-}
-
-bool iso_hdf5_is_absent(const iso_hdf5_source *source, const int index[3]) {
-    if (!source->places) return !source->array.allocated;
-    return source->places[number_of(source, index)].bytes == 0;
-}
-
 float iso_hdf5_fill_value(const iso_hdf5_array *array) {
     const iso_scalar_source value = {.data = array->fill, .scalar = array->scalar, .components = 1};
     float fill;
@@ -296,7 +301,10 @@ float iso_hdf5_fill_value(const iso_hdf5_array *array) {
 /* Reads a chunk as it is stored and undoes its filters; the values are in now->data. */
 static iso_status unpack(const iso_hdf5_source *source, const int index[3], piece *now, piece *other,
                          size_t room, iso_error *error) {
-    const iso_hdf5_place place = source->places[number_of(source, index)];
+    const uint64_t number = number_of(source, index);
+    const iso_hdf5_place *found = find_place(source, number);
+    if (!found || found->number != number) return fail_chunk(source, index, "is not in the file", error);
+    const iso_hdf5_place place = *found;
     now->bytes = place.bytes;
     if (place.bytes > room) return fail_chunk(source, index, "damaged: it is too long", error);
     ISO_TRY(read_bytes(source, index, place.address, place.bytes, now->data, error));
@@ -311,15 +319,11 @@ iso_status iso_hdf5_read_chunk(const iso_hdf5_source *source, const int index[3]
                                iso_error *error) {
     const size_t most = (size_t)largest_chunk(iso_hdf5_chunk_bytes(&source->array));
     piece now = {.data = room}, other = {.data = (unsigned char *)room + most};
-    if (iso_hdf5_is_absent(source, index)) {
-        fill_with(source, target);
-        return ISO_OK;
-    }
     if (source->decode)
         ISO_TRY(source->decode(source->decoder, index, now.data, error));
     else
-        ISO_TRY(source->places ? unpack(source, index, &now, &other, most, error)
-                               : read_box(source, index, now.data, error));
+        ISO_TRY(source->array.chunked ? unpack(source, index, &now, &other, most, error)
+                                      : read_box(source, index, now.data, error));
     convert(source, now.data, target);
     return ISO_OK;
 }

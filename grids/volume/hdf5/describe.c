@@ -121,6 +121,10 @@ static iso_status read_storage(const iso_hdf5_file *file, hid_t dataset, iso_hdf
     if (H5Pget_chunk(creation, array->rank, chunk) != array->rank)
         return iso_hdf5_fail(file, array->path, error);
     for (int axis = 0; axis < array->rank; axis++) array->chunk[axis] = chunk[axis];
+    hsize_t stored = 0;
+    if (H5Dget_num_chunks(dataset, H5Dget_space(dataset), &stored) < 0)
+        return iso_hdf5_fail(file, array->path, error);
+    array->stored = stored;
     if (iso_hdf5_chunk_bytes(array) > INT_MAX)
         return unsupported(file, array, "has chunks of more than 2 GB", error);
     return ISO_OK;

@@ -27,6 +27,7 @@ typedef struct description {
     iso_error error;
     iso_volume_info info;
     iso_hdf5_array array;
+    uint64_t place_count;
 } description;
 
 typedef struct describing {
@@ -81,12 +82,20 @@ static bool is_plausible(const description *d) {
     return good;
 }
 
-/* Describes the file in a child process. Few files take more than milliseconds. */
+/* Processor time for a description: most files take milliseconds. In files of many gigabytes the chunks that
+ * are there have to be counted, a million in a tenth of a second. */
+static int seconds_for(const char *path) {
+    struct stat status;
+    const off_t more = stat(path, &status) == 0 ? status.st_size >> 30 : 0;
+    return 3 + (more < 60 ? (int)more : 60);
+}
+
+/* Describes the file in a child process. */
 static iso_status run_description(const char *path, const iso_volume_opts *opts, description *shared,
                                   iso_error *error) {
-    enum { SECONDS = 3 };
     describing job = {path, opts, shared};
-    ISO_TRY(iso_hdf5_guard(path, child_memory(opts), SECONDS, describe, &job, &shared->finished, error));
+    ISO_TRY(iso_hdf5_guard(path, child_memory(opts), seconds_for(path), describe, &job, &shared->finished,
+                           error));
     end_texts(shared);
     if (shared->status != ISO_OK) return iso_fail(error, shared->status, "%s", shared->error.text);
     return is_plausible(shared) ? ISO_OK : iso_fail(error, ISO_ERR_IO, "%s: damaged", path);
@@ -94,11 +103,12 @@ static iso_status run_description(const char *path, const iso_volume_opts *opts,
 
 /* ---- header ---- */
 
-/* The bytes of the table of places; 0: values in one piece. UINT64_MAX: more than any memory. */
-static uint64_t places_bytes(const iso_hdf5_array *array, const int dims[3]) {
-    uint64_t bytes = iso_hdf5_chunk_count(array, dims);
+/* The bytes of the table of places; 0: values in one piece, or no chunk is in the file. UINT64_MAX: more than
+ * any memory. */
+static uint64_t places_bytes(const iso_hdf5_array *array) {
+    uint64_t bytes;
     if (!array->chunked) return 0;
-    return __builtin_mul_overflow(bytes, sizeof(iso_hdf5_place), &bytes) ? UINT64_MAX : bytes;
+    return __builtin_mul_overflow(array->stored, sizeof(iso_hdf5_place), &bytes) ? UINT64_MAX : bytes;
 }
 
 /* Beside the grid: the table of places, a chunk, and room to unpack it, here and in libhdf5. */
@@ -106,7 +116,7 @@ static void measure(const iso_hdf5_array *array, iso_volume_info *info) {
     int counts[3], voxels[3];
     const uint64_t size = iso_type_size(info->type);
     iso_hdf5_chunk_grid(array, info->dims, counts, voxels);
-    const uint64_t parts[] = {places_bytes(array, info->dims), iso_hdf5_chunk_room(array),
+    const uint64_t parts[] = {places_bytes(array), iso_hdf5_chunk_room(array),
                               array->by_library ? iso_hdf5_decoder_bytes(array) : 0,
                               iso_format_size(voxels, size)};
     info->bytes = info->read_bytes = iso_format_size(info->dims, size);
@@ -147,13 +157,21 @@ typedef struct finding {
 static void find_places(void *context) {
     const finding *job = context;
     job->shared->status = iso_hdf5_find_places(job->source->path, &job->source->array, job->source->dims,
-                                               job->places, &job->shared->error);
+                                               job->places, &job->shared->place_count, &job->shared->error);
 }
 
-/* Finds all chunks in a child process, which takes microseconds for each. */
-static iso_status find_all_places(const iso_volume_opts *opts, const iso_hdf5_source *source,
+/* Whether the numbers ascend and are those of chunks. The child, which is not trusted, has sorted them. */
+static bool are_places(const iso_hdf5_source *source, const iso_hdf5_place *places, uint64_t count) {
+    const uint64_t all = iso_hdf5_chunk_count(&source->array, source->dims);
+    bool good = count <= source->array.stored && (count == 0 || places[count - 1].number < all);
+    for (uint64_t i = 1; good && i < count; i++) good = places[i - 1].number < places[i].number;
+    return good;
+}
+
+/* Finds the chunks that are in the file in a child process, which takes microseconds for each. */
+static iso_status find_all_places(const iso_volume_opts *opts, iso_hdf5_source *source,
                                   iso_hdf5_place *places, iso_error *error) {
-    const uint64_t count = iso_hdf5_chunk_count(&source->array, source->dims), seconds = 3 + count / 10000;
+    const uint64_t seconds = 3 + source->array.stored / 10000;
     description *shared = iso_hdf5_share(sizeof *shared);
     if (!shared) return iso_fail_memory(error, source->path);
     finding job = {source, places, shared};
@@ -163,6 +181,10 @@ static iso_status find_all_places(const iso_volume_opts *opts, const iso_hdf5_so
     end_texts(shared);
     if (status == ISO_OK && shared->status != ISO_OK)
         status = iso_fail(error, shared->status, "%s", shared->error.text);
+    if (status == ISO_OK && !are_places(source, places, shared->place_count))
+        status = iso_fail(error, ISO_ERR_IO, "%s: damaged: the index of the chunks of %s", source->path,
+                          source->array.path);
+    source->place_count = status == ISO_OK ? shared->place_count : 0;
     iso_hdf5_unshare(shared, sizeof *shared);
     return status;
 }
@@ -174,7 +196,6 @@ static iso_status find_all_places(const iso_volume_opts *opts, const iso_hdf5_so
 typedef struct hdf5_tiles {
     iso_hdf5_source source;
     char *path;
-    float fill;
     pthread_mutex_t lock;
     void *rooms;
 } hdf5_tiles;
@@ -183,7 +204,7 @@ static void destroy_tiles(void *context) {
     hdf5_tiles *tiles = context;
     iso_hdf5_source *source = &tiles->source;
     iso_hdf5_decoder_destroy(source->decoder);
-    iso_hdf5_unshare((void *)(uintptr_t)source->places, (size_t)places_bytes(&source->array, source->dims));
+    iso_hdf5_unshare((void *)(uintptr_t)source->places, (size_t)places_bytes(&source->array));
     if (source->descriptor >= 0) close(source->descriptor);
     for (void *room = tiles->rooms, *next; room; room = next) {
         memcpy(&next, room, sizeof next);
@@ -195,7 +216,7 @@ static void destroy_tiles(void *context) {
 }
 
 static iso_status open_places(const iso_volume_opts *opts, iso_hdf5_source *source, iso_error *error) {
-    const uint64_t bytes = places_bytes(&source->array, source->dims);
+    const uint64_t bytes = places_bytes(&source->array);
     if (bytes == 0) return ISO_OK;
     ISO_TRY(iso_format_check_memory(source->path, opts, bytes, "the places of its chunks", error));
     iso_hdf5_place *places = iso_hdf5_share((size_t)bytes);
@@ -223,7 +244,6 @@ static iso_status open_source(const iso_volume_opts *opts, const iso_volume_info
         return iso_fail(error, ISO_ERR_IO, "%s: changed while it was read", tiles->path);
     memcpy(source->dims, info->dims, sizeof source->dims);
     iso_hdf5_chunk_grid(&source->array, source->dims, source->counts, source->voxels);
-    tiles->fill = iso_hdf5_fill_value(&source->array);
     source->descriptor = open(tiles->path, O_RDONLY | O_CLOEXEC);
     if (source->descriptor < 0 || fstat(source->descriptor, &status) != 0)
         return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", tiles->path, strerror(errno));
@@ -256,10 +276,10 @@ static iso_status read_tile(void *context, const int index[3], void *target, iso
     return status;
 }
 
-static bool is_absent(void *context, const int index[3], float *value) {
+static uint64_t next_stored(void *context, uint64_t from, uint64_t end) {
     const hdf5_tiles *tiles = context;
-    *value = tiles->fill;
-    return iso_hdf5_is_absent(&tiles->source, index);
+    (void)end;
+    return iso_hdf5_next_stored(&tiles->source, from);
 }
 
 static iso_status hdf5_open_tiled(const char *path, const iso_volume_opts *opts, const iso_volume_info *info,
@@ -278,7 +298,8 @@ static iso_status hdf5_open_tiled(const char *path, const iso_volume_opts *opts,
     *tiled = (iso_tiled){.type = info->type,
                          .scratch = iso_hdf5_chunk_room(&tiles->source.array),
                          .read = read_tile,
-                         .is_absent = is_absent,
+                         .next_stored = next_stored,
+                         .fill = iso_hdf5_fill_value(&tiles->source.array),
                          .destroy = destroy_tiles,
                          .context = tiles};
     memcpy(tiled->dims, tiles->source.dims, sizeof tiled->dims);

@@ -42,6 +42,7 @@ typedef struct iso_hdf5_array {
     bool big_endian;
     unsigned char fill[8];   /* the value of chunks that are not in the file, in the machine's byte order */
     bool chunked, allocated; /* false: in one piece; nothing is in the file, all values are `fill` */
+    uint64_t stored;         /* chunks that are in the file, also those of other components */
     uint64_t address;        /* of values in one piece, in the file */
     int filter_count;
     int filters[ISO_HDF5_FILTERS];  /* in the order in which they were applied */
@@ -52,8 +53,9 @@ typedef struct iso_hdf5_array {
 
 /* Where a chunk lies in the file. */
 typedef struct iso_hdf5_place {
+    uint64_t number; /* of the chunk, along x, y and z */
     uint64_t address;
-    uint32_t bytes;   /* 0: it is not in the file */
+    uint32_t bytes;
     uint32_t skipped; /* filters that were not applied to it, a bit for each */
 } iso_hdf5_place;
 
@@ -66,9 +68,10 @@ typedef struct iso_hdf5_place {
 iso_status iso_hdf5_describe(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
                              iso_hdf5_array *array, iso_error *error);
 
-/* Finds the chunks that hold the voxels; `places` has room for iso_hdf5_chunk_count. ISO_ERR_IO. */
+/* Finds the chunks that hold voxels and are in the file, in the order of their numbers; `places` has room for
+ * array->stored, and *count becomes how many there are. ISO_ERR_IO. */
 iso_status iso_hdf5_find_places(const char *path, const iso_hdf5_array *array, const int dims[3],
-                                iso_hdf5_place *places, iso_error *error);
+                                iso_hdf5_place *places, uint64_t *count, iso_error *error);
 
 /* ---- the child process ---- */
 
@@ -126,7 +129,8 @@ typedef struct iso_hdf5_source {
     iso_hdf5_array array;
     int dims[3];
     int counts[3], voxels[3];     /* iso_hdf5_chunk_grid */
-    const iso_hdf5_place *places; /* of all chunks, x fastest; NULL: values in one piece */
+    const iso_hdf5_place *places; /* of the chunks in the file, by their numbers; NULL: values in one piece */
+    uint64_t place_count;
     /* iso_hdf5_decode_chunk if the array is decoded by libhdf5, else NULL. */
     iso_status (*decode)(iso_hdf5_decoder *decoder, const int index[3], void *values, iso_error *error);
     iso_hdf5_decoder *decoder;
@@ -139,8 +143,9 @@ iso_status iso_hdf5_read_chunk(const iso_hdf5_source *source, const int index[3]
                                iso_error *error);
 /* Whether a filter can be undone without libhdf5. */
 bool iso_hdf5_knows_filter(int filter);
-/* Whether a chunk is not in the file, so that all its values are the array's fill value. */
-bool iso_hdf5_is_absent(const iso_hdf5_source *source, const int index[3]);
+/* The first chunk from chunk `from` on that is in the file, by its number along x, y and z; UINT64_MAX: there
+ * is none. The values of chunks that are not in the file are the array's fill value. */
+uint64_t iso_hdf5_next_stored(const iso_hdf5_source *source, uint64_t from);
 /* The fill value, as a value of the stored type. */
 float iso_hdf5_fill_value(const iso_hdf5_array *array);
 

@@ -112,28 +112,19 @@ static const H5FD_class_t driver = {.name = "isopoint",
 
 /* ---- errors ---- */
 
-/* The innermost message, and the function of libhdf5 that gave it. */
+/* The innermost message. */
 typedef struct innermost {
-    char text[200], function[80];
+    char text[200];
     bool no_memory;
 } innermost;
 
 static herr_t take_message(unsigned number, const H5E_error2_t *message, void *context) {
     innermost *found = context;
-    if (number == 0) {
-        snprintf(found->text, sizeof found->text, "%s", message->desc ? message->desc : "");
-        snprintf(found->function, sizeof found->function, "%s", message->func_name ? message->func_name : "");
-    }
+    if (number == 0) snprintf(found->text, sizeof found->text, "%s", message->desc ? message->desc : "");
     if (message->min_num == H5E_NOSPACE ||
         (message->maj_num == H5E_RESOURCE && message->min_num == H5E_CANTALLOC))
         found->no_memory = true;
     return 0;
-}
-
-bool iso_hdf5_failed_in(const char *function) {
-    innermost found = {.text = ""};
-    H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, take_message, &found);
-    return strcmp(found.function, function) == 0;
 }
 
 iso_status iso_hdf5_fail(const iso_hdf5_file *file, const char *what, iso_error *error) {

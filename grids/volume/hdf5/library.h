@@ -26,9 +26,6 @@ iso_status iso_hdf5_open(const char *path, iso_hdf5_file *file, iso_error *error
 /* ISO_ERR_IO "path: what: ..." with libhdf5's innermost message; ISO_ERR_LIMIT when it had no memory. */
 iso_status iso_hdf5_fail(const iso_hdf5_file *file, const char *what, iso_error *error);
 
-/* Whether the last error arose in this function of libhdf5, not in one that it calls. */
-bool iso_hdf5_failed_in(const char *function);
-
 /* Reads item `index` of an attribute of strings; an attribute of single characters is one string (Imaris).
  * False: there is none. */
 bool iso_hdf5_text(hid_t object, const char *name, size_t index, char *text, size_t room);

@@ -10,10 +10,17 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/crc32c.h"
 #include "base/memory.h"
 #include "grids/volume/zarr/zarr.h"
 
 enum { KEPT_INDICES = 16 };
+
+static uint64_t little_endian(const unsigned char *bytes, int count) {
+    uint64_t value = 0;
+    while (count-- > 0) value = value << 8 | bytes[count];
+    return value;
+}
 
 /* The index of a shard: offset and size of each of its chunks, little-endian; all ones: it is absent. */
 typedef struct shard_index {
@@ -25,8 +32,8 @@ typedef struct shard_index {
 struct iso_zarr_chunks {
     char *folder;
     iso_zarr_array array;
-    size_t in_shard;      /* chunks of a shard */
     size_t bytes;         /* of a decoded chunk */
+    int most_kept;        /* indices of shards that are kept */
     pthread_mutex_t lock; /* of the following */
     shard_index kept[KEPT_INDICES];
     uint64_t time;
@@ -48,8 +55,12 @@ uint64_t iso_zarr_most_encoded(const iso_zarr_array *array) {
     return iso_zarr_decode_room(iso_zarr_chunk_elements(array) * iso_scalar_size(array->scalar)) / 2;
 }
 
-iso_status iso_zarr_chunks_create(const char *folder, const iso_zarr_array *array, iso_zarr_chunks **chunks,
-                                  iso_error *error) {
+uint64_t iso_zarr_index_bytes(const iso_zarr_array *array) {
+    return array->sharded ? 16 * (elements_of(array, array->shard) / iso_zarr_chunk_elements(array)) : 0;
+}
+
+iso_status iso_zarr_chunks_create(const char *folder, const iso_zarr_array *array, uint64_t index_memory,
+                                  iso_zarr_chunks **chunks, iso_error *error) {
     iso_zarr_chunks *made = calloc(1, sizeof *made);
     *chunks = NULL;
     if (made) made->folder = strdup(folder);
@@ -59,7 +70,9 @@ iso_status iso_zarr_chunks_create(const char *folder, const iso_zarr_array *arra
     }
     made->array = *array;
     made->bytes = (size_t)(iso_zarr_chunk_elements(array) * iso_scalar_size(array->scalar));
-    made->in_shard = (size_t)(elements_of(array, array->shard) / iso_zarr_chunk_elements(array));
+    made->most_kept = KEPT_INDICES;
+    while (made->most_kept > 1 && (uint64_t)made->most_kept * iso_zarr_index_bytes(array) > index_memory)
+        made->most_kept--;
     pthread_mutex_init(&made->lock, NULL);
     *chunks = made;
     return ISO_OK;
@@ -87,7 +100,8 @@ static iso_status find_place(const iso_zarr_chunks *chunks, const uint64_t index
                              iso_error *error) {
     const iso_zarr_array *array = &chunks->array;
     *p = (place){.number = 0};
-    for (int axis = 0; axis < array->axes; axis++) {
+    for (int i = 0; i < array->axes; i++) {
+        const int axis = array->sharded ? array->shard_order[i] : i;
         const uint64_t across = array->shard[axis] / array->chunk[axis];
         p->shard[axis] = index[axis] / across;
         p->number = p->number * (size_t)across + (size_t)(index[axis] % across);
@@ -144,83 +158,95 @@ static iso_status read_part(int file, const place *p, part wanted, void *target,
 
 /* ---- shards */
 
-static bool find_index(iso_zarr_chunks *chunks, const place *p, part *found) {
-    bool known = false;
-    pthread_mutex_lock(&chunks->lock);
-    for (int i = 0; i < KEPT_INDICES && !known; i++) {
-        shard_index *kept = &chunks->kept[i];
-        if (!kept->entries || memcmp(kept->shard, p->shard, sizeof p->shard) != 0) continue;
-        *found = (part){kept->entries[2 * p->number], kept->entries[2 * p->number + 1]};
-        kept->used = ++chunks->time;
-        known = true;
-    }
-    pthread_mutex_unlock(&chunks->lock);
-    return known;
-}
-
-static void keep_index(iso_zarr_chunks *chunks, const place *p, uint64_t *entries) {
-    pthread_mutex_lock(&chunks->lock);
-    shard_index *oldest = &chunks->kept[0];
-    for (int i = 1; i < KEPT_INDICES; i++)
-        if (chunks->kept[i].used < oldest->used) oldest = &chunks->kept[i];
-    iso_free(oldest->entries);
-    oldest->entries = entries;
-    oldest->used = ++chunks->time;
-    memcpy(oldest->shard, p->shard, sizeof p->shard);
-    pthread_mutex_unlock(&chunks->lock);
-}
-
-/* Decodes the bytes of an index into entries. */
-static iso_status decode_index(const iso_zarr_chunks *chunks, const place *p, const unsigned char *encoded,
-                               size_t size, uint64_t *entries, iso_error *error) {
-    const size_t bytes = 16 * chunks->in_shard;
-    char name[PATH_MAX + 32];
-    void *room = iso_alloc((size_t)iso_zarr_decode_room(bytes));
-    if (!room) return iso_fail_memory(error, p->path);
-    snprintf(name, sizeof name, "%s, index of the shard", p->path);
-    const iso_status status =
-        iso_zarr_decode(&chunks->array.index_codecs, name, encoded, size, entries, bytes, room, error);
-    iso_free(room);
-    if (status != ISO_OK) return status;
-    const unsigned char *byte = (const unsigned char *)entries;
-    for (size_t i = 0; i < 2 * chunks->in_shard; i++) {
-        uint64_t value = 0;
-        for (size_t k = 8; k-- > 0;) value = value << 8 | byte[8 * i + k];
-        entries[i] = value;
-    }
-    return ISO_OK;
-}
-
+/* Reads the index of a shard, of 16 * in_shard bytes and perhaps a checksum. */
 static iso_status read_index(const iso_zarr_chunks *chunks, int file, uint64_t file_bytes, const place *p,
                              uint64_t *entries, iso_error *error) {
     const iso_zarr_array *array = &chunks->array;
-    const size_t size = 16 * chunks->in_shard + (array->index_codecs.count ? 4 : 0);
+    const size_t bytes = (size_t)iso_zarr_index_bytes(array),
+                 size = bytes + (array->index_codecs.count ? 4 : 0);
+    unsigned char *byte = (unsigned char *)entries;
     if (file_bytes < size)
         return iso_fail(error, ISO_ERR_IO, "%s: truncated: %llu bytes are less than the index of a shard",
                         p->path, (unsigned long long)file_bytes);
-    unsigned char *encoded = iso_alloc(size);
-    if (!encoded) return iso_fail_memory(error, p->path);
     const part where = {array->index_at_start ? 0 : file_bytes - size, size};
-    iso_status status = read_part(file, p, where, encoded, error);
-    if (status == ISO_OK) status = decode_index(chunks, p, encoded, size, entries, error);
-    iso_free(encoded);
-    return status;
+    ISO_TRY(read_part(file, p, where, byte, error));
+    if (size > bytes && iso_crc32c(0, byte, bytes) != (uint32_t)little_endian(byte + bytes, 4))
+        return iso_fail(error, ISO_ERR_IO, "%s, index of the shard: damaged (crc32c)", p->path);
+    for (size_t i = 0; i < bytes / 8; i++) entries[i] = little_endian(byte + 8 * i, 8);
+    return ISO_OK;
+}
+
+/* Reads an index in the place of the one that was used least recently. */
+static iso_status keep_index(iso_zarr_chunks *chunks, int file, uint64_t file_bytes, const place *p,
+                             shard_index **kept, iso_error *error) {
+    enum { CHECKSUM = 8 };
+    shard_index *oldest = &chunks->kept[0];
+    for (int i = 1; i < chunks->most_kept; i++)
+        if (chunks->kept[i].used < oldest->used) oldest = &chunks->kept[i];
+    if (!oldest->entries)
+        oldest->entries = iso_alloc((size_t)iso_zarr_index_bytes(&chunks->array) + CHECKSUM);
+    if (!oldest->entries) return iso_fail_memory(error, p->path);
+    const iso_status status = read_index(chunks, file, file_bytes, p, oldest->entries, error);
+    if (status != ISO_OK) {
+        iso_free(oldest->entries);
+        *oldest = (shard_index){.used = 0};
+        return status;
+    }
+    memcpy(oldest->shard, p->shard, sizeof p->shard);
+    oldest->used = ++chunks->time;
+    *kept = oldest;
+    return ISO_OK;
+}
+
+static shard_index *find_kept(iso_zarr_chunks *chunks, const place *p) {
+    for (int i = 0; i < chunks->most_kept; i++) {
+        shard_index *kept = &chunks->kept[i];
+        if (!kept->entries || memcmp(kept->shard, p->shard, sizeof p->shard) != 0) continue;
+        kept->used = ++chunks->time;
+        return kept;
+    }
+    return NULL;
 }
 
 /* Where a chunk lies in the file of its shard. */
 static iso_status find_in_shard(iso_zarr_chunks *chunks, int file, uint64_t file_bytes, const place *p,
                                 part *found, iso_error *error) {
-    if (find_index(chunks, p, found)) return ISO_OK;
-    uint64_t *entries = iso_alloc(16 * chunks->in_shard);
-    if (!entries) return iso_fail_memory(error, p->path);
-    const iso_status status = read_index(chunks, file, file_bytes, p, entries, error);
-    if (status != ISO_OK) {
-        iso_free(entries);
-        return status;
-    }
-    *found = (part){entries[2 * p->number], entries[2 * p->number + 1]};
-    keep_index(chunks, p, entries);
-    return ISO_OK;
+    iso_status status = ISO_OK;
+    pthread_mutex_lock(&chunks->lock);
+    shard_index *kept = find_kept(chunks, p);
+    if (!kept) status = keep_index(chunks, file, file_bytes, p, &kept, error);
+    if (status == ISO_OK) *found = (part){kept->entries[2 * p->number], kept->entries[2 * p->number + 1]};
+    pthread_mutex_unlock(&chunks->lock);
+    return status;
+}
+
+/* Reads the index of a shard, if it is not kept. NULL: it cannot be read. */
+static const shard_index *index_of(iso_zarr_chunks *chunks, const place *p) {
+    shard_index *kept = find_kept(chunks, p);
+    int file;
+    uint64_t bytes;
+    if (kept || open_file(p, &file, &bytes, NULL) != ISO_OK || file < 0) return kept;
+    if (keep_index(chunks, file, bytes, p, &kept, NULL) != ISO_OK) kept = NULL;
+    close(file);
+    return kept;
+}
+
+uint64_t iso_zarr_next_in_shard(iso_zarr_chunks *chunks, const uint64_t index[ISO_ZARR_AXES], int axis,
+                                uint64_t count) {
+    const iso_zarr_array *array = &chunks->array;
+    place p;
+    size_t step = 1; /* entries from one chunk to the next along the axis */
+    uint64_t k = 0;
+    for (int i = array->axes - 1; array->shard_order[i] != axis; i--)
+        step *= (size_t)(array->shard[array->shard_order[i]] / array->chunk[array->shard_order[i]]);
+    if (find_place(chunks, index, &p, NULL) != ISO_OK) return 0;
+    pthread_mutex_lock(&chunks->lock);
+    const shard_index *kept = index_of(chunks, &p);
+    const uint64_t *entry = kept ? kept->entries + 2 * p.number : NULL;
+    while (entry && k < count && entry[2 * k * step] == UINT64_MAX && entry[2 * k * step + 1] == UINT64_MAX)
+        k++;
+    pthread_mutex_unlock(&chunks->lock);
+    return k;
 }
 
 /* ---- chunks */
@@ -242,21 +268,6 @@ static iso_status find_part(iso_zarr_chunks *chunks, int file, uint64_t file_byt
     if (found->size <= iso_zarr_most_encoded(&chunks->array)) return ISO_OK;
     return iso_fail(error, ISO_ERR_IO, "%s: damaged: %llu bytes are more than a chunk of %zu bytes can take",
                     p->name, (unsigned long long)found->size, chunks->bytes);
-}
-
-bool iso_zarr_chunk_is_absent(iso_zarr_chunks *chunks, const uint64_t index[ISO_ZARR_AXES]) {
-    place p;
-    part found;
-    int file;
-    uint64_t bytes;
-    bool absent = false;
-    if (find_place(chunks, index, &p, NULL) != ISO_OK) return false;
-    if (!chunks->array.sharded) return access(p.path, F_OK) != 0 && errno == ENOENT;
-    if (open_file(&p, &file, &bytes, NULL) != ISO_OK) return false;
-    if (file < 0) return true;
-    if (find_part(chunks, file, bytes, &p, &found, &absent, NULL) != ISO_OK) absent = false;
-    close(file);
-    return absent;
 }
 
 static iso_status read_encoded(iso_zarr_chunks *chunks, int file, const place *p, part where, void *target,

@@ -204,6 +204,11 @@ static uint64_t scratch_bytes(const iso_zarr_array *array) {
     return bytes + iso_zarr_decode_room(bytes) + iso_zarr_most_encoded(array);
 }
 
+/* What one thread needs to read chunks. */
+static uint64_t least_bytes(const iso_zarr_array *array) {
+    return scratch_bytes(array) + iso_zarr_index_bytes(array);
+}
+
 static iso_status describe_volume(const char *path, const iso_volume_opts *opts, zarr_volume *v,
                                   iso_volume_info *info, iso_error *error) {
     uint64_t dims[3];
@@ -212,7 +217,7 @@ static iso_status describe_volume(const char *path, const iso_volume_opts *opts,
     ISO_TRY(iso_format_component(path, opts, (int)v->components, info, error));
     describe(v, opts, info);
     info->bytes = info->read_bytes = iso_format_size(info->dims, iso_type_size(info->type));
-    const uint64_t more = scratch_bytes(&v->array) + iso_zarr_chunk_elements(&v->array) * sizeof(float);
+    const uint64_t more = least_bytes(&v->array) + iso_zarr_chunk_elements(&v->array) * sizeof(float);
     if (__builtin_add_overflow(info->read_bytes, more, &info->read_bytes)) info->read_bytes = UINT64_MAX;
     return ISO_OK;
 }
@@ -220,7 +225,7 @@ static iso_status describe_volume(const char *path, const iso_volume_opts *opts,
 static iso_status list_files(zarr_volume *v, const iso_volume_opts *opts, iso_error *error) {
     iso_zarr_chunks *chunks;
     if (!opts->files) return ISO_OK;
-    ISO_TRY(iso_zarr_chunks_create(v->folder, &v->array, &chunks, error));
+    ISO_TRY(iso_zarr_chunks_create(v->folder, &v->array, 0, &chunks, error));
     iso_zarr_list_files(chunks, MOST_LISTED, opts->files);
     iso_zarr_chunks_destroy(chunks);
     return ISO_OK;
@@ -242,6 +247,8 @@ static iso_status zarr_info(const char *path, const iso_volume_opts *opts, iso_v
 typedef struct zarr_tiles {
     zarr_volume volume;
     iso_zarr_chunks *chunks;
+    iso_zarr_files files; /* that exist */
+    uint64_t tiles[3];    /* of the volume */
     iso_type type;
     float fill;                     /* stored value of voxels in absent chunks */
     uint64_t fixed[ISO_ZARR_AXES];  /* the component: its place on the other axes */
@@ -261,12 +268,50 @@ static void index_of_chunk(const zarr_tiles *t, const int index[3], uint64_t chu
         if (v->space[i] >= 0) chunk[v->space[i]] = (uint64_t)index[i];
 }
 
-static bool is_absent(void *context, const int index[3], float *value) {
-    const zarr_tiles *t = context;
+/* Chunks that a file has along x, y or z. */
+static uint64_t across(const zarr_volume *v, int i) {
+    return size_along(v, v->array.shard, i) / size_along(v, v->array.chunk, i);
+}
+
+/* The first tile along x, from `at` on, that a shard has; the end of the shard: there is none. */
+static uint64_t next_in_shard(const zarr_tiles *t, const uint64_t at[3], uint64_t side) {
+    const int index[3] = {(int)at[0], (int)at[1], (int)at[2]};
+    const uint64_t left = side - at[0] % side,
+                   count = left < t->tiles[0] - at[0] ? left : t->tiles[0] - at[0];
     uint64_t chunk[ISO_ZARR_AXES];
     index_of_chunk(t, index, chunk);
-    *value = t->fill;
-    return iso_zarr_chunk_is_absent(t->chunks, chunk);
+    return at[0] + iso_zarr_next_in_shard(t->chunks, chunk, t->volume.space[0], count);
+}
+
+/* Goes from the files that exist to the tiles that they have. */
+static uint64_t next_stored(void *context, uint64_t from, uint64_t end) {
+    const zarr_tiles *t = context;
+    const zarr_volume *v = &t->volume;
+    const uint64_t *tiles = t->tiles, *files = t->files.counts,
+                   side[3] = {across(v, 0), across(v, 1), across(v, 2)};
+    while (from < end) {
+        const uint64_t at[3] = {from % tiles[0], from / tiles[0] % tiles[1], from / tiles[0] / tiles[1]};
+        const uint64_t layer = at[2] / side[2] * files[1] * files[0],
+                       row = layer + at[1] / side[1] * files[0], file = row + at[0] / side[0],
+                       found = iso_zarr_files_next(&t->files, file);
+        const bool begins_layer = at[0] == 0 && at[1] == 0;
+        uint64_t next[3] = {0, at[1], at[2]}; /* where the file that was found, or another one, may be met */
+        if (found == file) {
+            next[0] = v->array.sharded ? next_in_shard(t, at, side[0]) : at[0];
+            if (next[0] / side[0] == at[0] / side[0] && next[0] < tiles[0]) return from + next[0] - at[0];
+        } else if (found < row + files[0])
+            next[0] = (found - row) * side[0];
+        else if (found < layer + files[0] * files[1])
+            next[1] = (found - layer) / files[0] * side[1];
+        else if (!begins_layer)
+            next[1] = tiles[1]; /* the next tiles along z may be in files of this layer again */
+        else if (found == UINT64_MAX)
+            return end;
+        else
+            next[2] = found / files[0] / files[1] * side[2];
+        from = (next[2] * tiles[1] + next[1]) * tiles[0] + next[0];
+    }
+    return end;
 }
 
 static uint64_t stride_along(const zarr_tiles *t, int i) {
@@ -297,22 +342,6 @@ static void extract(const zarr_tiles *t, const char *values, void *target) {
         }
 }
 
-static void store_fill(const zarr_tiles *t, void *target) {
-    for (size_t i = 0; i < t->voxels; i++) switch (t->type) {
-        case ISO_UINT8:
-            ((uint8_t *)target)[i] = (uint8_t)t->fill;
-            break;
-        case ISO_INT16:
-            ((int16_t *)target)[i] = (int16_t)t->fill;
-            break;
-        case ISO_UINT16:
-            ((uint16_t *)target)[i] = (uint16_t)t->fill;
-            break;
-        default:
-            ((float *)target)[i] = t->fill;
-        }
-}
-
 static iso_status read_tile(void *context, const int index[3], void *target, iso_error *error) {
     const zarr_tiles *t = context;
     uint64_t chunk[ISO_ZARR_AXES];
@@ -320,11 +349,10 @@ static iso_status read_tile(void *context, const int index[3], void *target, iso
     char *values = iso_alloc(t->bytes);
     if (!values) return iso_fail_memory(error, t->volume.folder);
     index_of_chunk(t, index, chunk);
-    const iso_status status = iso_zarr_read_chunk(t->chunks, chunk, values, &absent, error);
+    iso_status status = iso_zarr_read_chunk(t->chunks, chunk, values, &absent, error);
     if (status == ISO_OK && absent)
-        store_fill(t, target);
-    else if (status == ISO_OK)
-        extract(t, values, target);
+        status = iso_fail(error, ISO_ERR_IO, "%s: changed while it was read", t->volume.folder);
+    if (status == ISO_OK) extract(t, values, target);
     iso_free(values);
     return status;
 }
@@ -332,6 +360,7 @@ static iso_status read_tile(void *context, const int index[3], void *target, iso
 static void destroy_tiles(void *context) {
     zarr_tiles *t = context;
     iso_zarr_chunks_destroy(t->chunks);
+    iso_zarr_files_free(&t->files);
     free_volume(&t->volume);
     free(t);
 }
@@ -379,6 +408,18 @@ static void set_component(zarr_tiles *t, int component) {
     }
 }
 
+static iso_status list_stored(zarr_tiles *t, iso_error *error) {
+    const zarr_volume *v = &t->volume;
+    for (int i = 0; i < 3; i++) {
+        t->files.space[i] = v->space[i];
+        t->files.counts[i] = (size_along(v, v->array.shape, i) - 1) / size_along(v, v->array.shard, i) + 1;
+        t->tiles[i] = (size_along(v, v->array.shape, i) - 1) / size_along(v, v->array.chunk, i) + 1;
+    }
+    for (int axis = 0; axis < v->array.axes; axis++)
+        t->files.fixed[axis] = t->fixed[axis] / v->array.shard[axis];
+    return iso_zarr_files_list(v->folder, &v->array, &t->files, error);
+}
+
 static iso_status open_tiles(const char *path, const iso_volume_opts *opts, const iso_volume_info *info,
                              zarr_tiles *t, iso_error *error) {
     zarr_volume *v = &t->volume;
@@ -391,8 +432,9 @@ static iso_status open_tiles(const char *path, const iso_volume_opts *opts, cons
         if (side > INT_MAX) return iso_fail(error, ISO_ERR_LIMIT, "%s: has too large chunks", path);
         t->tile[i] = (int)side;
     }
-    if (scratch_bytes(&v->array) > limit)
-        return iso_format_check_memory(path, opts, scratch_bytes(&v->array), "a chunk", error);
+    ISO_TRY(iso_format_check_memory(path, opts, least_bytes(&v->array),
+                                    v->array.sharded ? "a chunk and the index of its shard" : "a chunk",
+                                    error));
     t->type = iso_scalar_stored_type(v->array.scalar);
     t->swap = v->array.big_endian;
     t->voxels = (size_t)t->tile[0] * (size_t)t->tile[1] * (size_t)t->tile[2];
@@ -403,7 +445,8 @@ static iso_status open_tiles(const char *path, const iso_volume_opts *opts, cons
             return iso_fail(error, ISO_ERR_LIMIT, "%s: has too large chunks", path);
     set_component(t, info->component);
     ISO_TRY(set_fill(t, error));
-    return iso_zarr_chunks_create(v->folder, &v->array, &t->chunks, error);
+    ISO_TRY(list_stored(t, error));
+    return iso_zarr_chunks_create(v->folder, &v->array, limit / 16, &t->chunks, error);
 }
 
 static iso_status zarr_open_tiled(const char *path, const iso_volume_opts *opts, const iso_volume_info *info,
@@ -418,7 +461,8 @@ static iso_status zarr_open_tiled(const char *path, const iso_volume_opts *opts,
     *tiled = (iso_tiled){.type = t->type,
                          .scratch = scratch_bytes(&t->volume.array),
                          .read = read_tile,
-                         .is_absent = is_absent,
+                         .next_stored = next_stored,
+                         .fill = t->fill,
                          .destroy = destroy_tiles,
                          .context = t};
     for (int i = 0; i < 3; i++) {

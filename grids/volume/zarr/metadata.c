@@ -14,7 +14,9 @@
 
 /* ---- JSON */
 
-enum { MOST_JSON = 16 << 20 };
+/* Metadata has some kilobytes. The parser takes up to 65 bytes for each of the text, so that what is longer
+ * is not parsed at all. */
+enum { MOST_JSON = 1 << 20 };
 
 static iso_status parse(const char *path, FILE *file, uint64_t bytes, json_t **json, iso_error *error) {
     json_error_t wrong;
@@ -44,9 +46,10 @@ iso_status iso_zarr_read_json(const char *folder, const char *name, json_t **jso
     if (access(path, F_OK) == 0) {
         status = iso_file_open(path, &file, &bytes, error);
         if (status == ISO_OK) {
-            status = bytes > MOST_JSON
-                         ? iso_fail(error, ISO_ERR_FORMAT, "%s: is too large for metadata", path)
-                         : parse(path, file, bytes, json, error);
+            status = bytes > MOST_JSON ? iso_fail(error, ISO_ERR_LIMIT,
+                                                  "%s: has %.1f MB, metadata of more than %d MB is not read",
+                                                  path, (double)bytes / (1 << 20), MOST_JSON >> 20)
+                                       : parse(path, file, bytes, json, error);
             fclose(file);
         }
     }
@@ -109,11 +112,21 @@ static iso_status check_chunk(const metadata *m, iso_error *error) {
     return ISO_OK;
 }
 
-static iso_status set_order(const metadata *m, const char *order, iso_error *error) {
+static void set_identity(iso_zarr_array *array) {
+    for (int i = 0; i < array->axes; i++) array->order[i] = i;
+}
+
+/* Changes the order of the axes: "F" reverses it, "C" leaves it. */
+static iso_status apply_order(const metadata *m, const char *order, iso_error *error) {
     const int axes = m->array->axes;
+    int *now = m->array->order;
     const bool reversed = strcmp(order, "F") == 0;
     if (!reversed && strcmp(order, "C") != 0) return refuse_name(m, "the order", order, error);
-    for (int i = 0; i < axes; i++) m->array->order[i] = reversed ? axes - 1 - i : i;
+    for (int i = 0; reversed && i < axes / 2; i++) {
+        const int axis = now[i];
+        now[i] = now[axes - 1 - i];
+        now[axes - 1 - i] = axis;
+    }
     return ISO_OK;
 }
 
@@ -233,7 +246,8 @@ static iso_status read_v2(const metadata *m, iso_error *error) {
     if (!scalar_of_v2(json_string_value(type), &array->scalar))
         return refuse_name(m, "the dtype", json_string_value(type), error);
     array->big_endian = json_string_value(type)[0] == '>';
-    ISO_TRY(set_order(m, order ? order : "C", error));
+    set_identity(array);
+    ISO_TRY(apply_order(m, order ? order : "C", error));
     ISO_TRY(read_fill(m, error));
     ISO_TRY(read_compressor(m, error));
     separator = json_object_get(m->json, "dimension_separator");
@@ -276,7 +290,7 @@ static iso_status read_transpose(const metadata *m, const json_t *codec, iso_err
     const json_t *list = configured(codec, "order");
     int composed[ISO_ZARR_AXES] = {0};
     unsigned seen = 0;
-    if (json_is_string(list)) return set_order(m, json_string_value(list), error);
+    if (json_is_string(list)) return apply_order(m, json_string_value(list), error);
     if (json_array_size(list) != (size_t)array->axes)
         return refuse(m, "transpose has not an order of all axes", error);
     for (int i = 0; i < array->axes; i++) {
@@ -322,13 +336,16 @@ static iso_status read_index_codecs(const metadata *m, const json_t *list, iso_e
 static iso_status read_sharding(const metadata *m, const json_t *codec, iso_error *error) {
     iso_zarr_array *array = m->array;
     const json_t *place = configured(codec, "index_location");
-    for (int i = 0; i < array->axes; i++)
-        if (array->order[i] != i) return refuse(m, "transposed shards are not supported", error);
-    if (!read_sizes(configured(codec, "chunk_shape"), array->axes, array->chunk))
+    uint64_t sizes[ISO_ZARR_AXES];
+    if (!read_sizes(configured(codec, "chunk_shape"), array->axes, sizes))
         return refuse(m, "its shards have no chunk_shape of whole numbers from 1", error);
-    for (int i = 0; i < array->axes; i++)
-        if (array->shard[i] % array->chunk[i])
+    for (int i = 0; i < array->axes;
+         i++) { /* a shard has the axes in the order of the transpositions before */
+        const int axis = array->shard_order[i] = array->order[i];
+        array->chunk[axis] = sizes[i];
+        if (array->shard[axis] % sizes[i])
             return refuse(m, "the chunks of its shards do not divide them", error);
+    }
     if (place && !(json_is_string(place) && (strcmp(json_string_value(place), "start") == 0 ||
                                              strcmp(json_string_value(place), "end") == 0)))
         return refuse(m, "its index_location is neither start nor end", error);
@@ -394,7 +411,7 @@ static iso_status read_v3(const metadata *m, iso_error *error) {
         return refuse(m, "its zarr_format is not 3", error);
     array->version = 3;
     ISO_TRY(read_shape(m, error));
-    ISO_TRY(set_order(m, "C", error));
+    set_identity(array);
     if (!type) return refuse(m, "has no data_type", error);
     if (!scalar_of_v3(type, &array->scalar)) return refuse_name(m, "the data_type", type, error);
     if (!grid_name || strcmp(grid_name, "regular") != 0)
@@ -476,7 +493,7 @@ static iso_status read_n5(const metadata *m, iso_error *error) {
     array->n5 = array->big_endian = true;
     array->separator = '/';
     read_resolution(m);
-    ISO_TRY(set_order(m, "C", error));
+    set_identity(array);
     return read_compression(m, error);
 }
 

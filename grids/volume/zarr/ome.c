@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "base/memory.h"
 #include "grids/volume/zarr/zarr.h"
@@ -191,10 +192,9 @@ static iso_status read_first_image(const char *folder, const iso_volume_opts *op
 static bool has_file(const char *folder, const char *name) {
     char *path;
     if (asprintf(&path, "%s/%s", folder, name) < 0) return false;
-    FILE *file = fopen(path, "rb");
+    const bool found = access(path, F_OK) == 0;
     free(path);
-    if (file) fclose(file);
-    return file != NULL;
+    return found;
 }
 
 /* Whether a folder may have an array of Zarr 2 or N5. */

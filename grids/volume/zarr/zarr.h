@@ -15,6 +15,7 @@
 
 #include <jansson.h>
 
+#include "base/memory.h"
 #include "grids/volume/codecs.h"
 #include "grids/volume/format.h"
 
@@ -59,7 +60,9 @@ typedef struct iso_zarr_array {
     uint64_t chunk[ISO_ZARR_AXES]; /* elements of a chunk; of one within a shard, if there are shards */
     uint64_t shard[ISO_ZARR_AXES]; /* elements of a file: of a shard, or of a chunk */
     bool sharded, index_at_start;  /* the index of a shard is at the file's start, else at its end */
-    int order[ISO_ZARR_AXES];      /* the axes of a decoded chunk, slowest first */
+    int shard_order
+        [ISO_ZARR_AXES];      /* the axes along which the chunks of a shard are numbered, slowest first */
+    int order[ISO_ZARR_AXES]; /* the axes of a decoded chunk, slowest first */
     iso_scalar scalar;
     bool big_endian;
     double fill; /* value of chunks that are absent */
@@ -71,8 +74,8 @@ typedef struct iso_zarr_array {
     double spacing[ISO_ZARR_AXES]; /* mm; 0: not stated (n5) */
 } iso_zarr_array;
 
-/* Reads a JSON file of at most some megabytes, an object; json_decref when done. *json is NULL, without an
- * error, if the file does not exist. Integers become reals. ISO_ERR_IO, ISO_ERR_FORMAT. */
+/* Reads a JSON file, an object; json_decref when done. *json is NULL, without an error, if the file does not
+ * exist. Integers become reals. ISO_ERR_IO, ISO_ERR_FORMAT; ISO_ERR_LIMIT: it is too long for metadata. */
 iso_status iso_zarr_read_json(const char *folder, const char *name, json_t **json, iso_error *error);
 
 /* Reads the metadata of the array in a folder: zarr.json, .zarray, or attributes.json of N5, which are added
@@ -109,14 +112,38 @@ iso_status iso_zarr_read_image(const char *folder, const iso_volume_opts *opts, 
                                bool *found, iso_error *error);
 void iso_zarr_image_free(iso_zarr_image *image);
 
+/* ---- files ---- */
+
+/* The files of chunks or shards that exist, of those that hold the voxels of one component. Zero `numbers`
+ * and `count`; set the others. */
+typedef struct iso_zarr_files {
+    int space[3];                  /* the axes of x, y and z; -1: there is none */
+    uint64_t counts[3];            /* files along x, y and z */
+    uint64_t fixed[ISO_ZARR_AXES]; /* the number of the file on the other axes */
+    iso_buffer numbers;            /* uint64_t, ascending; files are numbered along x, y and z */
+    size_t count;
+} iso_zarr_files;
+
+/* Lists the files of the array in `folder`; iso_zarr_files_free when done, also after an error. ISO_ERR_IO: a
+ * folder cannot be read; ISO_ERR_NOMEM. */
+iso_status iso_zarr_files_list(const char *folder, const iso_zarr_array *array, iso_zarr_files *files,
+                               iso_error *error);
+void iso_zarr_files_free(iso_zarr_files *files);
+/* The first file from number `from` on; UINT64_MAX: there is none. */
+uint64_t iso_zarr_files_next(const iso_zarr_files *files, uint64_t from);
+
 /* ---- chunks ---- */
 
 /* The chunks of an array, for several threads at once. */
 typedef struct iso_zarr_chunks iso_zarr_chunks;
 
-/* ISO_ERR_NOMEM. `folder` and `array` are copied. */
-iso_status iso_zarr_chunks_create(const char *folder, const iso_zarr_array *array, iso_zarr_chunks **chunks,
-                                  iso_error *error);
+/* The bytes of the index of a shard; 0: there are no shards. */
+uint64_t iso_zarr_index_bytes(const iso_zarr_array *array);
+
+/* `index_memory`: bytes for indices of shards, one of which is always kept. `folder` and `array` are copied.
+ * ISO_ERR_NOMEM. */
+iso_status iso_zarr_chunks_create(const char *folder, const iso_zarr_array *array, uint64_t index_memory,
+                                  iso_zarr_chunks **chunks, iso_error *error);
 void iso_zarr_chunks_destroy(iso_zarr_chunks *chunks);
 
 /* The elements of a chunk, and the most bytes that one may take in its file: codecs do not make data much
@@ -124,8 +151,10 @@ void iso_zarr_chunks_destroy(iso_zarr_chunks *chunks);
 uint64_t iso_zarr_chunk_elements(const iso_zarr_array *array);
 uint64_t iso_zarr_most_encoded(const iso_zarr_array *array);
 
-/* Whether no file has the chunk, with index[axis] on each axis. A file that cannot be read has it. */
-bool iso_zarr_chunk_is_absent(iso_zarr_chunks *chunks, const uint64_t index[ISO_ZARR_AXES]);
+/* The first of `count` chunks of a shard, in a row along an axis from `index` on, that the shard has, 0 ..
+ * count - 1; count: none. A shard that cannot be read has all. */
+uint64_t iso_zarr_next_in_shard(iso_zarr_chunks *chunks, const uint64_t index[ISO_ZARR_AXES], int axis,
+                                uint64_t count);
 
 /* Reads and decodes a chunk into `target`, iso_zarr_chunk_elements values of the array's scalar in the
  * file's order of bytes and axes. *absent: there is none, and nothing is written. Errors name the file and

@@ -65,10 +65,11 @@ static iso_status read_made(void *context, const int index[3], void *target, iso
     return ISO_OK;
 }
 
-static bool is_absent(void *context, const int index[3], float *value) {
+static uint64_t next_stored(void *context, uint64_t from, uint64_t end) {
     const made_volume *v = context;
-    *value = ABSENT_VALUE;
-    return v->absent_from && index[2] >= v->absent_from;
+    uint64_t layer = 1;
+    for (int i = 0; i < 2; i++) layer *= (uint64_t)((v->dims[i] - 1) / v->tile[i] + 1);
+    return v->absent_from && from >= layer * (uint64_t)v->absent_from ? end : from;
 }
 
 static void destroy_made(void *context) {
@@ -77,8 +78,12 @@ static void destroy_made(void *context) {
 }
 
 static iso_tiled tiled_of(made_volume *v) {
-    iso_tiled tiled = {
-        .type = v->type, .read = read_made, .is_absent = is_absent, .destroy = destroy_made, .context = v};
+    iso_tiled tiled = {.type = v->type,
+                       .read = read_made,
+                       .next_stored = next_stored,
+                       .fill = ABSENT_VALUE,
+                       .destroy = destroy_made,
+                       .context = v};
     memcpy(tiled.dims, v->dims, sizeof v->dims);
     memcpy(tiled.tile, v->tile, sizeof v->tile);
     return tiled;
