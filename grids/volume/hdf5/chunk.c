@@ -267,11 +267,17 @@ static iso_status read_box(const iso_hdf5_source *source, const int index[3], un
     return ISO_OK;
 }
 
-/* Converts the values of a chunk row by row. */
-static void convert(const iso_hdf5_source *source, const unsigned char *data, void *target) {
+static void scale_row(const iso_hdf5_slices *slices, int z, float *row, size_t count) {
+    if (z >= slices->count) return; /* outside of the volume */
+    for (size_t i = 0; i < count; i++)
+        row[i] = (float)((double)row[i] * slices->scale[z] + slices->offset[z]);
+}
+
+/* Converts the values of the chunk whose first voxel is in slice `slice` row by row. */
+static void convert(const iso_hdf5_source *source, const unsigned char *data, int slice, void *target) {
     const iso_hdf5_array *array = &source->array;
     const size_t size = iso_scalar_size(array->scalar);
-    const iso_type type = iso_scalar_stored_type(array->scalar);
+    const iso_type type = source->slices ? ISO_FLOAT32 : iso_scalar_stored_type(array->scalar);
     size_t steps[ISO_HDF5_AXES], step = 1, first = 0;
     for (int axis = array->rank - 1; axis >= 0; step *= array->chunk[axis--]) {
         steps[axis] = step;
@@ -285,9 +291,9 @@ static void convert(const iso_hdf5_source *source, const unsigned char *data, vo
                                               .scalar = array->scalar,
                                               .components = (int)steps[array->xyz[0]],
                                               .swap = array->big_endian};
-            iso_scalar_convert(&values, row, type,
-                               (char *)target +
-                                   ((size_t)z * (size_t)source->voxels[1] + (size_t)y) * row_bytes);
+            char *voxels = (char *)target + ((size_t)z * (size_t)source->voxels[1] + (size_t)y) * row_bytes;
+            iso_scalar_convert(&values, row, type, voxels);
+            if (source->slices) scale_row(source->slices, slice + z, (float *)(void *)voxels, row);
         }
 }
 
@@ -324,6 +330,6 @@ iso_status iso_hdf5_read_chunk(const iso_hdf5_source *source, const int index[3]
     else
         ISO_TRY(source->array.chunked ? unpack(source, index, &now, &other, most, error)
                                       : read_box(source, index, now.data, error));
-    convert(source, now.data, target);
+    convert(source, now.data, index[2] * (int)source->array.chunk[source->array.xyz[2]], target);
     return ISO_OK;
 }

@@ -337,19 +337,22 @@ iso_status iso_hdf5_default(const iso_hdf5_file *file, const iso_volume_opts *op
     if (*dataset < 0) *dataset = imaris_array(file, &place);
     if (*dataset < 0) *dataset = default_of_bdv(file, level);
     if (*dataset < 0) *dataset = default_of_bdv(file, 0);
+    if (*dataset < 0) *dataset = iso_hdf5_minc_image(file);
     if (*dataset < 0) *dataset = iso_hdf5_signal(iso_hdf5_group(file->id, "/"));
     return ISO_OK;
 }
 
-void iso_hdf5_interpret(const iso_hdf5_file *file, iso_hdf5_array *array, iso_hdf5_meaning *meaning,
-                        iso_volume_info *info) {
+iso_status iso_hdf5_interpret(const iso_hdf5_file *file, iso_hdf5_array *array, iso_hdf5_meaning *meaning,
+                              iso_volume_info *info, iso_error *error) {
     imaris_place place;
+    if (iso_hdf5_is_minc(array)) return iso_hdf5_minc_geometry(file, array, meaning, info, error);
     interpret_element_size(file, array, meaning);
-    if (meaning->spacing[0] > 0) return;
+    if (meaning->spacing[0] > 0) return ISO_OK;
     if (strncmp(array->path, "/VTKHDF/", 8) == 0)
         interpret_vtk(file, array, meaning, info);
     else if (is_imaris(array, &place))
         interpret_imaris(file, array, &place, meaning, info);
     else if (!interpret_bdv(file, array, meaning, info))
         interpret_nexus(file, array, meaning, info);
+    return ISO_OK;
 }

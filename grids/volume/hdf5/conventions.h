@@ -1,4 +1,4 @@
-/* conventions: what programs agree on about arrays in HDF5 files: VTKHDF, Imaris, BigDataViewer, NeXus, and
+/* conventions: what programs agree on about arrays in HDF5 files: VTKHDF, Imaris, BigDataViewer, NeXus, MINC, and
  * the attribute element_size_um. In the child process. */
 #ifndef ISO_GRIDS_VOLUME_HDF5_CONVENTIONS_H
 #define ISO_GRIDS_VOLUME_HDF5_CONVENTIONS_H
@@ -27,8 +27,22 @@ hid_t iso_hdf5_vtk_array(const iso_hdf5_file *file, const char *name);
 hid_t iso_hdf5_signal(hid_t group);
 
 /* Fills *meaning from what the file says about an array whose axes are known; may change the array's type.
- * Sets direction and origin of info->transform, and adds notes. */
-void iso_hdf5_interpret(const iso_hdf5_file *file, iso_hdf5_array *array, iso_hdf5_meaning *meaning,
-                        iso_volume_info *info);
+ * Sets direction and origin of info->transform, and adds notes. ISO_ERR_FORMAT, ISO_ERR_UNSUPPORTED: what it says
+ * makes no sense, or cannot be drawn. */
+iso_status iso_hdf5_interpret(const iso_hdf5_file *file, iso_hdf5_array *array, iso_hdf5_meaning *meaning,
+                              iso_volume_info *info, iso_error *error);
+
+/* ---- minc.c ---- */
+
+/* Opens the image of a MINC file; negative: there is none. */
+hid_t iso_hdf5_minc_image(const iso_hdf5_file *file);
+bool iso_hdf5_is_minc(const iso_hdf5_array *array);
+/* As iso_hdf5_interpret. */
+iso_status iso_hdf5_minc_geometry(const iso_hdf5_file *file, const iso_hdf5_array *array,
+                                  iso_hdf5_meaning *meaning, iso_volume_info *info, iso_error *error);
+/* Sets info's scale and offset; or *slices, and the type to floats, if they differ from slice to slice. Needs
+ * dims, and array->at. ISO_ERR_FORMAT. */
+iso_status iso_hdf5_minc_scales(const iso_hdf5_file *file, const iso_hdf5_array *array, iso_volume_info *info,
+                                iso_hdf5_slices *slices, iso_error *error);
 
 #endif

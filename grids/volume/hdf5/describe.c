@@ -390,7 +390,7 @@ static void take_spacing(const iso_hdf5_meaning *meaning, const iso_volume_opts 
 }
 
 iso_status iso_hdf5_describe(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
-                             iso_hdf5_array *array, iso_error *error) {
+                             iso_hdf5_array *array, iso_hdf5_slices *slices, iso_error *error) {
     iso_hdf5_file file;
     iso_hdf5_meaning meaning = {0};
     hid_t dataset = -1;
@@ -410,13 +410,14 @@ iso_status iso_hdf5_describe(const char *path, const iso_volume_opts *opts, iso_
         iso_volume_note(info, "libhdf5 decodes it, one chunk at a time: %s", array->special);
     find_axes(array, &a, info);
     if (!array->chunked) divide_into_boxes(array);
-    iso_hdf5_interpret(&file, array, &meaning, info);
+    ISO_TRY(iso_hdf5_interpret(&file, array, &meaning, info, error));
     ISO_TRY(check_level(&file, opts, &meaning, error));
     ISO_TRY(take_component(&file, opts, &meaning, a.components, array, info, error));
     ISO_TRY(take_dims(&file, array, &meaning, info, error));
     info->type = iso_scalar_stored_type(array->scalar);
     snprintf(info->file_type, sizeof info->file_type, "%s", iso_scalar_name(array->scalar));
     snprintf(info->name, sizeof info->name, "%.*s", ISO_VOLUME_TEXT - 1, array->path);
+    if (iso_hdf5_is_minc(array)) ISO_TRY(iso_hdf5_minc_scales(&file, array, info, slices, error));
     take_spacing(&meaning, opts, info);
     list_arrays(&file, array->path, info, &found);
     return ISO_OK;

@@ -27,6 +27,7 @@ typedef struct description {
     iso_error error;
     iso_volume_info info;
     iso_hdf5_array array;
+    iso_hdf5_slices slices;
     uint64_t place_count;
 } description;
 
@@ -39,7 +40,8 @@ typedef struct describing {
 static void describe(void *context) {
     const describing *job = context;
     description *shared = job->shared;
-    shared->status = iso_hdf5_describe(job->path, job->opts, &shared->info, &shared->array, &shared->error);
+    shared->status = iso_hdf5_describe(job->path, job->opts, &shared->info, &shared->array, &shared->slices,
+                                       &shared->error);
 }
 
 /* The memory that libhdf5 may take: most files need a few megabytes; 32 suffice to start. */
@@ -74,8 +76,11 @@ static bool has_sense(const iso_hdf5_array *array) {
 
 static bool is_plausible(const description *d) {
     const iso_volume_info *info = &d->info;
-    bool good = has_sense(&d->array) && info->type == iso_scalar_stored_type(d->array.scalar) &&
-                info->item_count >= 0 && info->item_count <= ISO_VOLUME_ITEMS && info->note_count >= 0 &&
+    const iso_type type = d->slices.count ? ISO_FLOAT32 : iso_scalar_stored_type(d->array.scalar);
+    bool good = has_sense(&d->array) && info->type == type &&
+                (d->slices.count == 0 || d->slices.count == info->dims[2]) &&
+                d->slices.count <= ISO_HDF5_SLICES && info->item_count >= 0 &&
+                info->item_count <= ISO_VOLUME_ITEMS && info->note_count >= 0 &&
                 info->note_count <= ISO_VOLUME_NOTES;
     for (int i = 0; good && i < 3; i++)
         good = info->dims[i] >= 1 && (uint64_t)info->dims[i] <= d->array.sizes[d->array.xyz[i]];
@@ -125,8 +130,9 @@ static void measure(const iso_hdf5_array *array, iso_volume_info *info) {
             info->read_bytes = UINT64_MAX;
 }
 
+/* *slices (may be NULL): a copy of the scales of slices (free); NULL: there are none. */
 static iso_status describe_file(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
-                                iso_hdf5_array *array, iso_error *error) {
+                                iso_hdf5_array *array, iso_hdf5_slices **slices, iso_error *error) {
     description *shared = iso_hdf5_share(sizeof *shared);
     if (!shared) return iso_fail_memory(error, path);
     shared->info = *info;
@@ -136,6 +142,13 @@ static iso_status describe_file(const char *path, const iso_volume_opts *opts, i
         *array = shared->array;
         measure(array, info);
     }
+    if (status == ISO_OK && slices && shared->slices.count) {
+        *slices = malloc(sizeof **slices);
+        if (*slices)
+            **slices = shared->slices;
+        else
+            status = iso_fail_memory(error, path);
+    }
     iso_hdf5_unshare(shared, sizeof *shared);
     return status;
 }
@@ -143,7 +156,7 @@ static iso_status describe_file(const char *path, const iso_volume_opts *opts, i
 static iso_status hdf5_info(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
                             iso_error *error) {
     iso_hdf5_array array;
-    return describe_file(path, opts, info, &array, error);
+    return describe_file(path, opts, info, &array, NULL, error);
 }
 
 /* ---- places ---- */
@@ -211,6 +224,7 @@ static void destroy_tiles(void *context) {
         iso_free(room);
     }
     pthread_mutex_destroy(&tiles->lock);
+    free(source->slices);
     free(tiles->path);
     free(tiles);
 }
@@ -232,13 +246,22 @@ static iso_status open_decoder(const iso_volume_opts *opts, iso_hdf5_source *sou
     return iso_hdf5_decoder_create(source, &source->decoder, error);
 }
 
+/* What is not in the file has one value, which slices with scales of their own would make different ones. */
+static iso_status check_slices(const iso_hdf5_source *source, iso_error *error) {
+    const uint64_t all = iso_hdf5_chunk_count(&source->array, source->dims);
+    const bool complete = source->array.chunked ? source->place_count == all : source->array.allocated;
+    if (!source->slices || complete) return ISO_OK;
+    return iso_fail(error, ISO_ERR_UNSUPPORTED,
+                    "%s: its slices have scales of their own, and some are not in the file", source->path);
+}
+
 /* Opens the file that `info` describes. */
 static iso_status open_source(const iso_volume_opts *opts, const iso_volume_info *info, hdf5_tiles *tiles,
                               iso_error *error) {
     iso_volume_info now = {.components = 1, .scale = 1, .transform = iso_transform_identity()};
     iso_hdf5_source *source = &tiles->source;
     struct stat status;
-    ISO_TRY(describe_file(tiles->path, opts, &now, &source->array, error));
+    ISO_TRY(describe_file(tiles->path, opts, &now, &source->array, &source->slices, error));
     if (memcmp(now.dims, info->dims, sizeof now.dims) != 0 || now.type != info->type ||
         now.components != info->components || now.read_bytes > info->read_bytes)
         return iso_fail(error, ISO_ERR_IO, "%s: changed while it was read", tiles->path);
@@ -249,6 +272,7 @@ static iso_status open_source(const iso_volume_opts *opts, const iso_volume_info
         return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", tiles->path, strerror(errno));
     source->file_bytes = (uint64_t)status.st_size;
     ISO_TRY(open_places(opts, source, error));
+    ISO_TRY(check_slices(source, error));
     return open_decoder(opts, source, error);
 }
 

@@ -51,6 +51,13 @@ typedef struct iso_hdf5_array {
     char special[ISO_HDF5_SPECIAL]; /* why: "integers of 12 bits in 2 bytes, filter 5 (nbit)" */
 } iso_hdf5_array;
 
+/* Scales of slices along z: a value is scale[z] * stored + offset[z]. */
+enum { ISO_HDF5_SLICES = 1 << 14 };
+typedef struct iso_hdf5_slices {
+    int count; /* 0: there are none */
+    double scale[ISO_HDF5_SLICES], offset[ISO_HDF5_SLICES];
+} iso_hdf5_slices;
+
 /* Where a chunk lies in the file. */
 typedef struct iso_hdf5_place {
     uint64_t number; /* of the chunk, along x, y and z */
@@ -62,11 +69,11 @@ typedef struct iso_hdf5_place {
 /* ---- in the child process ---- */
 
 /* Chooses an array by opts->grid and the conventions of the file, and describes it. Sets of `info` what a
- * format's reader sets. ISO_ERR_IO: damaged; ISO_ERR_FORMAT: not HDF5, no array of numbers with three axes,
+ * format's reader sets, and the scales of slices, if they differ. ISO_ERR_IO: damaged; ISO_ERR_FORMAT: not HDF5, no array of numbers with three axes,
  * or several without a choice, which are listed; ISO_ERR_UNSUPPORTED: a filter, or values in other files;
  * ISO_ERR_USAGE: no such array or component; ISO_ERR_LIMIT. Leaves the file open: the process ends. */
 iso_status iso_hdf5_describe(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
-                             iso_hdf5_array *array, iso_error *error);
+                             iso_hdf5_array *array, iso_hdf5_slices *slices, iso_error *error);
 
 /* Finds the chunks that hold voxels and are in the file, in the order of their numbers; `places` has room for
  * array->stored, and *count becomes how many there are. ISO_ERR_IO. */
@@ -131,13 +138,14 @@ typedef struct iso_hdf5_source {
     int counts[3], voxels[3];     /* iso_hdf5_chunk_grid */
     const iso_hdf5_place *places; /* of the chunks in the file, by their numbers; NULL: values in one piece */
     uint64_t place_count;
+    iso_hdf5_slices *slices; /* owned (free); NULL: there are none */
     /* iso_hdf5_decode_chunk if the array is decoded by libhdf5, else NULL. */
     iso_status (*decode)(iso_hdf5_decoder *decoder, const int index[3], void *values, iso_error *error);
     iso_hdf5_decoder *decoder;
 } iso_hdf5_source;
 
 /* Reads and unpacks a chunk into voxels[0] * voxels[1] * voxels[2] values of the array's stored type
- * (iso_scalar_stored_type), x fastest; those outside of the volume are undefined. `room` has
+ * (iso_scalar_stored_type; floats if slices have scales), x fastest; those outside of the volume are undefined. `room` has
  * iso_hdf5_chunk_room bytes. For several threads. ISO_ERR_IO names the file, the array and the chunk. */
 iso_status iso_hdf5_read_chunk(const iso_hdf5_source *source, const int index[3], void *room, void *target,
                                iso_error *error);

@@ -249,3 +249,19 @@ size_t iso_hdf5_numbers(hid_t object, const char *name, double *numbers, size_t 
     memcpy(numbers, values, count * sizeof *numbers);
     return count;
 }
+
+double *iso_hdf5_values(hid_t dataset, uint64_t most, uint64_t *count) {
+    const hssize_t points = H5Sget_simple_extent_npoints(H5Dget_space(dataset));
+    const hid_t creation = H5Dget_create_plist(dataset);
+    const H5T_class_t kind = H5Tget_class(H5Dget_type(dataset));
+    if (points < 1 || (uint64_t)points > most || (kind != H5T_INTEGER && kind != H5T_FLOAT) ||
+        H5Pget_external_count(creation) > 0 || H5Pget_layout(creation) == H5D_VIRTUAL)
+        return NULL;
+    double *values = malloc((size_t)points * sizeof *values);
+    if (values && H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0) {
+        free(values);
+        return NULL;
+    }
+    *count = (uint64_t)points;
+    return values;
+}
