@@ -100,6 +100,11 @@ static bool is_hdf5(const head *h) {
     return has_at(h, 0, magic, sizeof magic) || has_at(h, 512, magic, sizeof magic);
 }
 
+/* The .xml of BigDataViewer, which names a file of HDF5. */
+static bool is_bdv(const head *h) {
+    return memmem(h->bytes, h->count, "<SpimData", 9) != NULL;
+}
+
 static bool is_xml_vtk(const head *h) {
     return memmem(h->bytes, h->count, "<VTKFile", 8) != NULL;
 }
@@ -113,7 +118,7 @@ static const iso_format *format_of_content(const head *h) {
     if (is_nifti(h) || has_at(h, 0, "\x1f\x8b", 2)) return &iso_format_nifti;
     if (is_xml_vtk(h)) return &format_vti;
     if (is_tiff(h)) return &format_tiff;
-    if (is_hdf5(h)) return &format_hdf5;
+    if (is_hdf5(h) || is_bdv(h)) return &format_hdf5;
     return is_metaimage(h) ? &iso_format_metaimage : NULL;
 }
 

@@ -183,23 +183,59 @@ static bool read_reduction(const iso_hdf5_file *file, unsigned setup, unsigned l
     return factors[0] > 0 && factors[1] > 0 && factors[2] > 0;
 }
 
-static bool interpret_bdv(const iso_hdf5_file *file, iso_hdf5_array *array, iso_hdf5_meaning *meaning,
-                          iso_volume_info *info) {
+/* Sets the transform of the finest level from the .xml. */
+static iso_status take_view(const iso_hdf5_file *file, const iso_bdv_view *view, iso_hdf5_meaning *meaning,
+                            iso_volume_info *info, iso_error *error) {
+    const double unit = iso_format_unit(view->unit), mm = unit > 0 ? unit : 1;
+    double lengths[3], ratio = 1; /* how many units a unit of the affine map is */
+    meaning->relative = !(view->has_size && unit > 0);
+    for (int i = 0; i < 3; i++) {
+        const double *map = view->affine;
+        lengths[i] = view->has_affine
+                         ? sqrt(map[i] * map[i] + map[4 + i] * map[4 + i] + map[8 + i] * map[8 + i])
+                         : view->size[i];
+        if (!(lengths[i] > 0 && isfinite(lengths[i])))
+            return iso_fail(error, ISO_ERR_FORMAT, "%s: its transforms make voxels flat", file->xml);
+        if (view->has_size) ratio *= view->size[i] / lengths[i];
+    }
+    ratio = cbrt(ratio);
+    /* Programs write transforms in the unit of the voxels' size, or in voxels. */
+    if (fabs(log(ratio)) < 0.2) ratio = 1;
+    if (ratio != 1)
+        iso_volume_note(info, "BigDataViewer: the transforms are in voxels: scaled by %g, to the voxelSize",
+                        ratio);
+    for (int i = 0; i < 3; i++) {
+        meaning->spacing[i] = lengths[i] * ratio * mm;
+        for (int row = 0; row < 3 && view->has_affine; row++)
+            info->transform.direction[3 * row + i] = view->affine[4 * row + i] / lengths[i];
+        if (view->has_affine) info->transform.origin[i] = view->affine[4 * i + 3] * ratio * mm;
+    }
+    return ISO_OK;
+}
+
+/* *found: whether the array is one of BigDataViewer. */
+static iso_status interpret_bdv(const iso_hdf5_file *file, iso_hdf5_array *array, iso_hdf5_meaning *meaning,
+                                iso_volume_info *info, bool *found, iso_error *error) {
     unsigned time, setup, level;
     double factors[3], shift[3];
-    if (sscanf(array->path, bdv_format, &time, &setup, &level) != 3) return false;
-    if (!read_reduction(file, setup, level, factors, &meaning->levels)) return false;
+    iso_bdv_view view = {.has_size = false};
+    *found = sscanf(array->path, bdv_format, &time, &setup, &level) == 3 &&
+             read_reduction(file, setup, level, factors, &meaning->levels);
+    if (!*found) return ISO_OK;
     meaning->level = (int)level;
     if (array->scalar == ISO_SCALAR_INT16) array->scalar = ISO_SCALAR_UINT16; /* Java has no such type */
+    meaning->relative = true;
+    for (int axis = 0; axis < 3; axis++) meaning->spacing[axis] = 1;
+    if (file->xml) ISO_TRY(iso_bdv_read_view(file->xml, time, setup, &view, error));
+    if (view.has_size || view.has_affine) ISO_TRY(take_view(file, &view, meaning, info, error));
     for (int axis = 0; axis < 3; axis++) {
-        meaning->spacing[axis] = factors[axis];
+        meaning->spacing[axis] *= factors[axis];
         shift[axis] = (factors[axis] - 1) / 2 / factors[axis]; /* a voxel is the mean of `factors` ones */
     }
-    meaning->relative = true;
     move_origin(&info->transform, meaning->spacing, shift);
     iso_volume_note(info, "BigDataViewer: time %u, setup %u, level %u of %d", time, setup, level,
                     meaning->levels);
-    return true;
+    return ISO_OK;
 }
 
 /* ---- NeXus ---- */
@@ -352,7 +388,10 @@ iso_status iso_hdf5_interpret(const iso_hdf5_file *file, iso_hdf5_array *array, 
         interpret_vtk(file, array, meaning, info);
     else if (is_imaris(array, &place))
         interpret_imaris(file, array, &place, meaning, info);
-    else if (!interpret_bdv(file, array, meaning, info))
-        interpret_nexus(file, array, meaning, info);
+    else {
+        bool is_bdv;
+        ISO_TRY(interpret_bdv(file, array, meaning, info, &is_bdv, error));
+        if (!is_bdv) interpret_nexus(file, array, meaning, info);
+    }
     return ISO_OK;
 }

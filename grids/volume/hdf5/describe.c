@@ -389,8 +389,9 @@ static void take_spacing(const iso_hdf5_meaning *meaning, const iso_volume_opts 
         iso_volume_note(info, "the distance of voxels is not stated: 1 mm (--spacing)");
 }
 
-iso_status iso_hdf5_describe(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
-                             iso_hdf5_array *array, iso_hdf5_slices *slices, iso_error *error) {
+iso_status iso_hdf5_describe(const char *path, const char *xml, const iso_volume_opts *opts,
+                             iso_volume_info *info, iso_hdf5_array *array, iso_hdf5_slices *slices,
+                             iso_error *error) {
     iso_hdf5_file file;
     iso_hdf5_meaning meaning = {0};
     hid_t dataset = -1;
@@ -398,6 +399,7 @@ iso_status iso_hdf5_describe(const char *path, const iso_volume_opts *opts, iso_
     axes a;
     *array = (iso_hdf5_array){0};
     ISO_TRY(iso_hdf5_open(path, &file, error));
+    file.xml = xml;
     ISO_TRY(choose(&file, opts, info, &dataset, error));
     iso_hdf5_path_of(dataset, array->path);
     if (!read_sizes(dataset, array))

@@ -13,10 +13,55 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/file.h"
 #include "base/memory.h"
 #include "grids/volume/hdf5/hdf5.h"
 #include "grids/volume/module.h"
 #include "grids/volume/tiled.h"
+
+/* ---- files ---- */
+
+/* The HDF5 file, and the .xml of BigDataViewer that belongs to it or NULL. */
+typedef struct hdf5_paths {
+    char *file, *xml;
+} hdf5_paths;
+
+static void free_paths(hdf5_paths *paths) {
+    free(paths->file);
+    free(paths->xml);
+    *paths = (hdf5_paths){NULL, NULL};
+}
+
+/* "data.xml" beside "data.h5", if it says that its images are in this file; NULL: there is none. */
+static char *find_xml(const char *file) {
+    const char *slash = strrchr(file, '/'), *dot = strrchr(slash ? slash : file, '.');
+    char *xml = NULL, *images = NULL;
+    if (asprintf(&xml, "%.*s.xml", (int)(dot ? (size_t)(dot - file) : strlen(file)), file) < 0) return NULL;
+    const bool belongs = access(xml, F_OK) == 0 && iso_bdv_is_xml(xml) &&
+                         iso_bdv_file(xml, &images, NULL) == ISO_OK && iso_file_same(images, file);
+    free(images);
+    if (belongs) return xml;
+    free(xml);
+    return NULL;
+}
+
+/* free_paths when done, also after an error. */
+static iso_status find_paths(const char *path, const iso_volume_opts *opts, hdf5_paths *paths,
+                             iso_error *error) {
+    *paths = (hdf5_paths){NULL, NULL};
+    if (iso_bdv_is_xml(path)) {
+        paths->xml = strdup(path);
+        ISO_TRY(iso_bdv_file(path, &paths->file, error));
+        ISO_TRY(iso_format_file_bytes(paths->file, &(uint64_t){0}, error)); /* it is a regular file */
+    } else {
+        paths->file = strdup(path);
+        paths->xml = find_xml(path);
+    }
+    if (!paths->file) return iso_fail_memory(error, path);
+    iso_file_set_read(opts->files, paths->file);
+    if (paths->xml) iso_file_set_read(opts->files, paths->xml);
+    return ISO_OK;
+}
 
 /* ---- what the child process finds out ---- */
 
@@ -32,7 +77,7 @@ typedef struct description {
 } description;
 
 typedef struct describing {
-    const char *path;
+    const char *path, *xml;
     const iso_volume_opts *opts;
     description *shared;
 } describing;
@@ -40,8 +85,8 @@ typedef struct describing {
 static void describe(void *context) {
     const describing *job = context;
     description *shared = job->shared;
-    shared->status = iso_hdf5_describe(job->path, job->opts, &shared->info, &shared->array, &shared->slices,
-                                       &shared->error);
+    shared->status = iso_hdf5_describe(job->path, job->xml, job->opts, &shared->info, &shared->array,
+                                       &shared->slices, &shared->error);
 }
 
 /* The memory that libhdf5 may take: most files need a few megabytes; 32 suffice to start. */
@@ -96,9 +141,10 @@ static int seconds_for(const char *path) {
 }
 
 /* Describes the file in a child process. */
-static iso_status run_description(const char *path, const iso_volume_opts *opts, description *shared,
+static iso_status run_description(const hdf5_paths *paths, const iso_volume_opts *opts, description *shared,
                                   iso_error *error) {
-    describing job = {path, opts, shared};
+    const char *path = paths->file;
+    describing job = {path, paths->xml, opts, shared};
     ISO_TRY(iso_hdf5_guard(path, child_memory(opts), seconds_for(path), describe, &job, &shared->finished,
                            error));
     end_texts(shared);
@@ -131,12 +177,13 @@ static void measure(const iso_hdf5_array *array, iso_volume_info *info) {
 }
 
 /* *slices (may be NULL): a copy of the scales of slices (free); NULL: there are none. */
-static iso_status describe_file(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
+static iso_status describe_file(const hdf5_paths *paths, const iso_volume_opts *opts, iso_volume_info *info,
                                 iso_hdf5_array *array, iso_hdf5_slices **slices, iso_error *error) {
+    const char *path = paths->file;
     description *shared = iso_hdf5_share(sizeof *shared);
     if (!shared) return iso_fail_memory(error, path);
     shared->info = *info;
-    iso_status status = run_description(path, opts, shared, error);
+    iso_status status = run_description(paths, opts, shared, error);
     if (status == ISO_OK) {
         *info = shared->info;
         *array = shared->array;
@@ -156,7 +203,11 @@ static iso_status describe_file(const char *path, const iso_volume_opts *opts, i
 static iso_status hdf5_info(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
                             iso_error *error) {
     iso_hdf5_array array;
-    return describe_file(path, opts, info, &array, NULL, error);
+    hdf5_paths paths;
+    iso_status status = find_paths(path, opts, &paths, error);
+    if (status == ISO_OK) status = describe_file(&paths, opts, info, &array, NULL, error);
+    free_paths(&paths);
+    return status;
 }
 
 /* ---- places ---- */
@@ -208,7 +259,7 @@ static iso_status find_all_places(const iso_volume_opts *opts, iso_hdf5_source *
  * uses, each of which begins with the address of the next one. */
 typedef struct hdf5_tiles {
     iso_hdf5_source source;
-    char *path;
+    hdf5_paths paths;
     pthread_mutex_t lock;
     void *rooms;
 } hdf5_tiles;
@@ -225,7 +276,7 @@ static void destroy_tiles(void *context) {
     }
     pthread_mutex_destroy(&tiles->lock);
     free(source->slices);
-    free(tiles->path);
+    free_paths(&tiles->paths);
     free(tiles);
 }
 
@@ -261,15 +312,15 @@ static iso_status open_source(const iso_volume_opts *opts, const iso_volume_info
     iso_volume_info now = {.components = 1, .scale = 1, .transform = iso_transform_identity()};
     iso_hdf5_source *source = &tiles->source;
     struct stat status;
-    ISO_TRY(describe_file(tiles->path, opts, &now, &source->array, &source->slices, error));
+    ISO_TRY(describe_file(&tiles->paths, opts, &now, &source->array, &source->slices, error));
     if (memcmp(now.dims, info->dims, sizeof now.dims) != 0 || now.type != info->type ||
         now.components != info->components || now.read_bytes > info->read_bytes)
-        return iso_fail(error, ISO_ERR_IO, "%s: changed while it was read", tiles->path);
+        return iso_fail(error, ISO_ERR_IO, "%s: changed while it was read", tiles->paths.file);
     memcpy(source->dims, info->dims, sizeof source->dims);
     iso_hdf5_chunk_grid(&source->array, source->dims, source->counts, source->voxels);
-    source->descriptor = open(tiles->path, O_RDONLY | O_CLOEXEC);
+    source->descriptor = open(tiles->paths.file, O_RDONLY | O_CLOEXEC);
     if (source->descriptor < 0 || fstat(source->descriptor, &status) != 0)
-        return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", tiles->path, strerror(errno));
+        return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", tiles->paths.file, strerror(errno));
     source->file_bytes = (uint64_t)status.st_size;
     ISO_TRY(open_places(opts, source, error));
     ISO_TRY(check_slices(source, error));
@@ -294,7 +345,7 @@ static void give_room(hdf5_tiles *tiles, void *room) {
 static iso_status read_tile(void *context, const int index[3], void *target, iso_error *error) {
     hdf5_tiles *tiles = context;
     void *room = take_room(tiles);
-    if (!room) return iso_fail_memory(error, tiles->path);
+    if (!room) return iso_fail_memory(error, tiles->paths.file);
     const iso_status status = iso_hdf5_read_chunk(&tiles->source, index, room, target, error);
     give_room(tiles, room);
     return status;
@@ -311,10 +362,10 @@ static iso_status hdf5_open_tiled(const char *path, const iso_volume_opts *opts,
     hdf5_tiles *tiles = calloc(1, sizeof *tiles);
     if (!tiles) return iso_fail_memory(error, path);
     pthread_mutex_init(&tiles->lock, NULL);
-    tiles->path = strdup(path);
-    tiles->source = (iso_hdf5_source){.path = tiles->path, .descriptor = -1};
-    const iso_status status =
-        tiles->path ? open_source(opts, info, tiles, error) : iso_fail_memory(error, path);
+    tiles->source = (iso_hdf5_source){.descriptor = -1};
+    iso_status status = find_paths(path, opts, &tiles->paths, error);
+    tiles->source.path = tiles->paths.file;
+    if (status == ISO_OK) status = open_source(opts, info, tiles, error);
     if (status != ISO_OK) {
         destroy_tiles(tiles);
         return status;

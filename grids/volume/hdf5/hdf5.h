@@ -66,14 +66,35 @@ typedef struct iso_hdf5_place {
     uint32_t skipped; /* filters that were not applied to it, a bit for each */
 } iso_hdf5_place;
 
+/* ---- BigDataViewer's .xml ---- */
+
+/* What it says about the image of a setup at a time. */
+typedef struct iso_bdv_view {
+    bool has_size, has_affine;
+    double size[3]; /* of a voxel, above 0 */
+    char unit[32];  /* of `size` */
+    /* From indices of voxels to positions, in rows of four numbers. In `unit`, or in multiples of a voxel. */
+    double affine[12];
+} iso_bdv_view;
+
+bool iso_bdv_is_xml(const char *path);
+/* The path of the HDF5 file with the images (free). ISO_ERR_UNSUPPORTED: they are in no such file; ISO_ERR_IO,
+ * ISO_ERR_LIMIT, ISO_ERR_NOMEM. */
+iso_status iso_bdv_file(const char *xml, char **path, iso_error *error);
+/* ISO_ERR_FORMAT: its numbers are none; ISO_ERR_IO, ISO_ERR_LIMIT, ISO_ERR_NOMEM. */
+iso_status iso_bdv_read_view(const char *xml, unsigned time, unsigned setup, iso_bdv_view *view,
+                             iso_error *error);
+
 /* ---- in the child process ---- */
 
 /* Chooses an array by opts->grid and the conventions of the file, and describes it. Sets of `info` what a
  * format's reader sets, and the scales of slices, if they differ. ISO_ERR_IO: damaged; ISO_ERR_FORMAT: not HDF5, no array of numbers with three axes,
  * or several without a choice, which are listed; ISO_ERR_UNSUPPORTED: a filter, or values in other files;
- * ISO_ERR_USAGE: no such array or component; ISO_ERR_LIMIT. Leaves the file open: the process ends. */
-iso_status iso_hdf5_describe(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
-                             iso_hdf5_array *array, iso_hdf5_slices *slices, iso_error *error);
+ * ISO_ERR_USAGE: no such array or component; ISO_ERR_LIMIT. `xml`: the .xml of BigDataViewer that belongs to the
+ * file, or NULL. Leaves the file open: the process ends. */
+iso_status iso_hdf5_describe(const char *path, const char *xml, const iso_volume_opts *opts,
+                             iso_volume_info *info, iso_hdf5_array *array, iso_hdf5_slices *slices,
+                             iso_error *error);
 
 /* Finds the chunks that hold voxels and are in the file, in the order of their numbers; `places` has room for
  * array->stored, and *count becomes how many there are. ISO_ERR_IO. */

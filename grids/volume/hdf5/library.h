@@ -11,6 +11,7 @@
  * that a link or a virtual dataset names. */
 typedef struct iso_hdf5_file {
     const char *path;
+    const char *xml; /* of BigDataViewer, beside the file; NULL: there is none */
     hid_t id;
     int descriptor;
     uint64_t bytes;

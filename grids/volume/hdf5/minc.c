@@ -130,10 +130,9 @@ iso_status iso_hdf5_minc_scales(const iso_hdf5_file *file, const iso_hdf5_array 
         slices->offset[z] = low[place] - range[0] * scale;
         alike = alike && scale > 0 && scale == slices->scale[0] && slices->offset[z] == slices->offset[0];
     }
-    const bool is_stated = low || high;
     free(low);
     free(high);
-    if (!found && is_stated)
+    if (!found && counts[0] + counts[1] > 0)
         return iso_fail(error, ISO_ERR_FORMAT,
                         "%s: image-min, image-max and valid_range do not tell the values of %.80s",
                         file->path, array->path);
