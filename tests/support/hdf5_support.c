@@ -151,3 +151,50 @@ void hdf5_check_chunk(const char *path) {
     iso_rgrid_destroy(grid);
     iso_volume_free(&volume);
 }
+
+/* ---- attributes, groups and axes ---- */
+
+void hdf5_write_numbers(hid_t object, const char *name, const double *numbers, hsize_t count) {
+    const hid_t space = H5Screate_simple(1, &count, NULL);
+    const hid_t attribute = H5Acreate2(object, name, H5T_IEEE_F64LE, space, H5P_DEFAULT, H5P_DEFAULT);
+    H5Awrite(attribute, H5T_NATIVE_DOUBLE, numbers);
+}
+
+void hdf5_write_text(hid_t object, const char *name, const char *text) {
+    const hid_t type = H5Tcopy(H5T_C_S1);
+    H5Tset_size(type, strlen(text));
+    H5Awrite(H5Acreate2(object, name, type, H5Screate(H5S_SCALAR), H5P_DEFAULT, H5P_DEFAULT), type, text);
+}
+
+void hdf5_write_texts(hid_t object, const char *name, const char *const *texts, hsize_t count) {
+    const hid_t type = H5Tcopy(H5T_C_S1);
+    H5Tset_size(type, H5T_VARIABLE);
+    const hid_t space = H5Screate_simple(1, &count, NULL);
+    H5Awrite(H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT), type, texts);
+}
+
+hid_t hdf5_make_group(hid_t parent, const char *path) {
+    const hid_t links = H5Pcreate(H5P_LINK_CREATE);
+    H5Pset_create_intermediate_group(links, 1);
+    const hid_t group = H5Gcreate2(parent, path, links, H5P_DEFAULT, H5P_DEFAULT);
+    assert_true(group >= 0);
+    return group;
+}
+
+hid_t hdf5_write_axis(hid_t group, const char *name, int size, double first, double step, const char *unit) {
+    const hsize_t count = (hsize_t)size;
+    double values[64];
+    for (int i = 0; i < size; i++) values[i] = first + i * step;
+    const hid_t array = H5Dcreate2(group, name, H5T_IEEE_F64LE, H5Screate_simple(1, &count, NULL),
+                                   H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+    H5Dwrite(array, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values);
+    if (unit) hdf5_write_text(array, "units", unit);
+    return array;
+}
+
+void hdf5_check_numbers(const char *what, const double *numbers, double x, double y, double z) {
+    const double wanted[3] = {x, y, z};
+    for (int i = 0; i < 3; i++)
+        if (!(numbers[i] >= wanted[i] - 1e-9 && numbers[i] <= wanted[i] + 1e-9))
+            fail_msg("%s %d is %.9g, expected %.9g", what, i, numbers[i], wanted[i]);
+}

@@ -299,53 +299,28 @@ hid_t iso_hdf5_signal(hid_t group) {
     return *name ? iso_hdf5_dataset(data, name) : -1;
 }
 
-/* The coordinates of an axis: their first value and their distance, mm. False: they are not evenly spaced. */
-static bool read_coordinates(hid_t group, const char *name, uint64_t size, double *first, double *step) {
-    enum { MOST = 1 << 17 };
-    char unit[WORD] = "mm";
+/* ---- ITK ---- */
+
+static bool read_exactly(hid_t group, const char *name, double *numbers, uint64_t wanted) {
+    uint64_t count = 0;
     const hid_t dataset = iso_hdf5_dataset(group, name);
-    if (dataset < 0 || H5Sget_simple_extent_ndims(H5Dget_space(dataset)) != 1) return false;
-    const hssize_t count = H5Sget_simple_extent_npoints(H5Dget_space(dataset));
-    const hid_t creation = H5Dget_create_plist(dataset);
-    if (count < 2 || count > MOST || ((uint64_t)count != size && (uint64_t)count != size + 1) ||
-        H5Pget_external_count(creation) > 0 || H5Pget_layout(creation) == H5D_VIRTUAL)
-        return false;
-    double *values = malloc((size_t)count * sizeof *values);
-    bool even = values && H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) >= 0;
-    if (even) {
-        *step = (values[count - 1] - values[0]) / (double)(count - 1);
-        *first =
-            values[0] + ((uint64_t)count == size ? 0 : *step / 2); /* else they are the voxels' borders */
-        for (hssize_t i = 0; i < count && even; i++)
-            even = fabs(values[i] - values[0] - (double)i * *step) <= 0.01 * fabs(*step);
-    }
+    double *values = dataset >= 0 ? iso_hdf5_values(dataset, wanted, &count) : NULL;
+    if (values && count == wanted) memcpy(numbers, values, (size_t)wanted * sizeof *numbers);
     free(values);
-    if (!even || *step == 0 || !isfinite(*step)) return false;
-    iso_hdf5_text(dataset, "units", 0, unit, sizeof unit);
-    const double mm = iso_format_unit(unit);
-    *first *= mm;
-    *step *= mm;
-    return mm > 0;
+    return count == wanted;
 }
 
-static void interpret_nexus(const iso_hdf5_file *file, const iso_hdf5_array *array, iso_hdf5_meaning *meaning,
-                            iso_volume_info *info) {
-    char path[ISO_HDF5_PATH], name[WORD];
-    snprintf(path, sizeof path, "%s", array->path);
-    char *slash = strrchr(path, '/');
-    if (!slash) return;
-    slash[slash == path] = 0;
-    const hid_t group = iso_hdf5_group(file->id, path);
-    for (int i = 0; i < 3 && group >= 0; i++) {
-        const int axis = array->xyz[i];
-        double first, step;
-        if (!iso_hdf5_text(group, "axes", (size_t)axis, name, sizeof name) ||
-            !read_coordinates(group, name, array->sizes[axis], &first, &step))
-            continue;
-        meaning->spacing[i] = fabs(step);
-        info->transform.origin[i] = first;
-        if (step < 0) info->transform.direction[3 * i + i] = -1;
-    }
+/* Origin, Spacing and Directions lie beside the voxels; a row of Directions is that of an axis. */
+static bool interpret_itk(const iso_hdf5_file *file, const iso_hdf5_array *array, iso_hdf5_meaning *meaning,
+                          iso_volume_info *info) {
+    double directions[9];
+    const hid_t group = iso_hdf5_group(file->id, "/ITKImage/0");
+    if (group < 0 || strcmp(array->path, "/ITKImage/0/VoxelData") != 0) return false;
+    if (!read_exactly(group, "Spacing", meaning->spacing, 3)) return false;
+    read_exactly(group, "Origin", info->transform.origin, 3);
+    if (!read_exactly(group, "Directions", directions, 9)) return true;
+    for (int i = 0; i < 9; i++) info->transform.direction[i] = directions[i % 3 * 3 + i / 3];
+    return true;
 }
 
 /* ---- an attribute ---- */
@@ -391,7 +366,8 @@ iso_status iso_hdf5_interpret(const iso_hdf5_file *file, iso_hdf5_array *array, 
     else {
         bool is_bdv;
         ISO_TRY(interpret_bdv(file, array, meaning, info, &is_bdv, error));
-        if (!is_bdv) interpret_nexus(file, array, meaning, info);
+        if (!is_bdv && !interpret_itk(file, array, meaning, info))
+            iso_hdf5_take_coordinates(file, array, meaning, info);
     }
     return ISO_OK;
 }

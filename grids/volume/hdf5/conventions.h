@@ -1,4 +1,4 @@
-/* conventions: what programs agree on about arrays in HDF5 files: VTKHDF, Imaris, BigDataViewer, NeXus, MINC, and
+/* conventions: what programs agree on about arrays in HDF5 files: VTKHDF, Imaris, BigDataViewer, NeXus, MINC, EMD, ITK, dimension scales, and
  * the attribute element_size_um. In the child process. */
 #ifndef ISO_GRIDS_VOLUME_HDF5_CONVENTIONS_H
 #define ISO_GRIDS_VOLUME_HDF5_CONVENTIONS_H
@@ -31,6 +31,12 @@ hid_t iso_hdf5_signal(hid_t group);
  * makes no sense, or cannot be drawn. */
 iso_status iso_hdf5_interpret(const iso_hdf5_file *file, iso_hdf5_array *array, iso_hdf5_meaning *meaning,
                               iso_volume_info *info, iso_error *error);
+
+/* ---- coordinates.c ---- */
+
+/* Sets spacing and origin from arrays of coordinates: of NeXus, EMD, and dimension scales. */
+void iso_hdf5_take_coordinates(const iso_hdf5_file *file, const iso_hdf5_array *array,
+                               iso_hdf5_meaning *meaning, iso_volume_info *info);
 
 /* ---- minc.c ---- */
 

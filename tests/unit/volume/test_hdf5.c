@@ -33,47 +33,11 @@ const char hdf5_folder[] = ISO_TEST_TMP "/hdf5";
 
 /* ---- writing ---- */
 
-static void write_numbers(hid_t object, const char *name, const double *numbers, hsize_t count) {
-    const hid_t space = H5Screate_simple(1, &count, NULL);
-    const hid_t attribute = H5Acreate2(object, name, H5T_IEEE_F64LE, space, H5P_DEFAULT, H5P_DEFAULT);
-    H5Awrite(attribute, H5T_NATIVE_DOUBLE, numbers);
-}
-
-/* A string of fixed length, as h5py's numpy.bytes_. */
-static void write_text(hid_t object, const char *name, const char *text) {
-    const hid_t type = H5Tcopy(H5T_C_S1);
-    H5Tset_size(type, strlen(text));
-    H5Awrite(H5Acreate2(object, name, type, H5Screate(H5S_SCALAR), H5P_DEFAULT, H5P_DEFAULT), type, text);
-}
-
-/* Strings of variable length, as h5py writes str. */
-static void write_texts(hid_t object, const char *name, const char *const *texts, hsize_t count) {
-    const hid_t type = H5Tcopy(H5T_C_S1);
-    H5Tset_size(type, H5T_VARIABLE);
-    const hid_t space = H5Screate_simple(1, &count, NULL);
-    H5Awrite(H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT), type, texts);
-}
-
 /* An array of single characters, as Imaris writes text. */
 static void write_characters(hid_t object, const char *name, const char *text) {
     const hsize_t count = strlen(text);
     const hid_t space = H5Screate_simple(1, &count, NULL);
     H5Awrite(H5Acreate2(object, name, H5T_C_S1, space, H5P_DEFAULT, H5P_DEFAULT), H5T_C_S1, text);
-}
-
-static hid_t make_group(hid_t parent, const char *path) {
-    const hid_t links = H5Pcreate(H5P_LINK_CREATE);
-    H5Pset_create_intermediate_group(links, 1);
-    const hid_t group = H5Gcreate2(parent, path, links, H5P_DEFAULT, H5P_DEFAULT);
-    assert_true(group >= 0);
-    return group;
-}
-
-static void check_numbers(const char *what, const double *numbers, double x, double y, double z) {
-    const double wanted[3] = {x, y, z};
-    for (int i = 0; i < 3; i++)
-        if (!(numbers[i] >= wanted[i] - 1e-9 && numbers[i] <= wanted[i] + 1e-9))
-            fail_msg("%s %d is %.9g, expected %.9g", what, i, numbers[i], wanted[i]);
 }
 
 /* ---- storage ---- */
@@ -189,7 +153,7 @@ static void test_same_as_nrrd(void **state) {
     s.shuffle = s.deflate = true;
     s.chunk[0] = s.chunk[1] = s.chunk[2] = 8;
     const hid_t file = hdf5_begin("same.h5", false);
-    write_numbers(hdf5_write_array(file, "a", &s), "element_size_um", (double[]){2000, 1000, 500}, 3);
+    hdf5_write_numbers(hdf5_write_array(file, "a", &s), "element_size_um", (double[]){2000, 1000, 500}, 3);
     H5Fclose(file);
     snprintf(header, sizeof header,
              "NRRD0004\ntype: uint8\ndimension: 3\nsizes: %d %d %d\nspace: left-posterior-superior\nspace "
@@ -250,7 +214,7 @@ static void test_imaris(void **state) {
     const char *const sizes[] = {"23", "17", "12"}, *const ends[] = {"22.5", "17", "34"};
     char name[64];
     (void)state;
-    const hid_t file = hdf5_begin("imaris.ims", false), image = make_group(file, "DataSetInfo/Image");
+    const hid_t file = hdf5_begin("imaris.ims", false), image = hdf5_make_group(file, "DataSetInfo/Image");
     for (int axis = 0; axis < 3; axis++) {
         snprintf(name, sizeof name, "ExtMin%d", axis);
         write_characters(image, name, axis == 2 ? "10" : axis == 0 ? "-.5" : "0");
@@ -262,7 +226,7 @@ static void test_imaris(void **state) {
     s.deflate = true;
     for (int c = 0; c < 2; c++) {
         snprintf(name, sizeof name, "DataSet/ResolutionLevel 0/TimePoint 0/Channel %d", c);
-        const hid_t channel = make_group(file, name);
+        const hid_t channel = hdf5_make_group(file, name);
         for (int axis = 0; axis < 3; axis++) {
             snprintf(name, sizeof name, "ImageSize%c", "XYZ"[axis]);
             write_characters(channel, name, sizes[axis]);
@@ -275,8 +239,8 @@ static void test_imaris(void **state) {
     hdf5_check_voxels(&volume, 0);
     assert_int_equal(volume.info.components, 2);
     assert_non_null(strstr(volume.info.name, "Channel 1"));
-    check_numbers("spacing", volume.info.transform.spacing, 1e-3, 1e-3, 2e-3);
-    check_numbers("origin", volume.info.transform.origin, 0, 0.5e-3, 11e-3);
+    hdf5_check_numbers("spacing", volume.info.transform.spacing, 1e-3, 1e-3, 2e-3);
+    hdf5_check_numbers("origin", volume.info.transform.origin, 0, 0.5e-3, 11e-3);
     iso_volume_free(&volume);
     test_expect_no_volume(vol_path(hdf5_folder, "imaris.ims", 0), &third, ISO_ERR_USAGE, NULL,
                           "no component 2");
@@ -291,7 +255,7 @@ static void test_bigdataviewer(void **state) {
     const hid_t file = hdf5_begin("bdv.h5", false);
     hdf5_write_array(file, "t00000/s00/0/cells", &s);
     hdf5_write_array(file, "t00000/s00/1/cells", &s);
-    const hid_t table = H5Dcreate2(make_group(file, "s00"), "resolutions", H5T_IEEE_F64LE,
+    const hid_t table = H5Dcreate2(hdf5_make_group(file, "s00"), "resolutions", H5T_IEEE_F64LE,
                                    H5Screate_simple(2, sizes, NULL), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
     H5Dwrite(table, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, factors);
     H5Fclose(file);
@@ -302,52 +266,41 @@ static void test_bigdataviewer(void **state) {
                 test_has_note(&volume.info, "only the ratios"));
     iso_volume_free(&volume);
     volume = test_read_volume(vol_path(hdf5_folder, "bdv.h5:/t00000/s00/1/cells", 0), NULL);
-    check_numbers("spacing", volume.info.transform.spacing, 2, 2, 1);
-    check_numbers("origin", volume.info.transform.origin, 0.5, 0.5, 0);
+    hdf5_check_numbers("spacing", volume.info.transform.spacing, 2, 2, 1);
+    hdf5_check_numbers("origin", volume.info.transform.origin, 0.5, 0.5, 0);
     iso_volume_free(&volume);
     const iso_volume_opts second = {.level = 1}, third = {.level = 2};
     volume = test_read_volume(vol_path(hdf5_folder, "bdv.h5", 0), &second);
-    check_numbers("spacing", volume.info.transform.spacing, 2, 2, 1);
+    hdf5_check_numbers("spacing", volume.info.transform.spacing, 2, 2, 1);
     assert_true(test_has_note(&volume.info, "level 1 of 2"));
     iso_volume_free(&volume);
     test_expect_no_volume(vol_path(hdf5_folder, "bdv.h5", 0), &third, ISO_ERR_USAGE, NULL, "there are 2");
 }
 
-/* Coordinates of an axis of a NeXus group. */
-static void write_axis(hid_t group, const char *name, int size, double first, double step, const char *unit) {
-    const hsize_t count = (hsize_t)size;
-    double values[64];
-    for (int i = 0; i < size; i++) values[i] = first + i * step;
-    const hid_t array = H5Dcreate2(group, name, H5T_IEEE_F64LE, H5Screate_simple(1, &count, NULL),
-                                   H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
-    H5Dwrite(array, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values);
-    write_text(array, "units", unit);
-}
-
 static void test_nexus(void **state) {
     hdf5_storage s = hdf5_plain();
     (void)state;
-    const hid_t file = hdf5_begin("nexus.nxs", true), entry = make_group(file, "scan"),
-                data = make_group(entry, "sinogram"), good = make_group(entry, "volume");
-    write_text(file, "default", "scan");
-    write_text(entry, "NX_class", "NXentry");
-    write_text(entry, "default", "volume");
-    write_text(data, "NX_class", "NXdata");
-    write_text(good, "NX_class", "NXdata");
-    write_text(good, "signal", "density");
-    write_texts(good, "axes", (const char *const[]){"depth", "row", "column"}, 3);
+    const hid_t file = hdf5_begin("nexus.nxs", true), entry = hdf5_make_group(file, "scan"),
+                data = hdf5_make_group(entry, "sinogram"), good = hdf5_make_group(entry, "volume");
+    hdf5_write_text(file, "default", "scan");
+    hdf5_write_text(entry, "NX_class", "NXentry");
+    hdf5_write_text(entry, "default", "volume");
+    hdf5_write_text(data, "NX_class", "NXdata");
+    hdf5_write_text(good, "NX_class", "NXdata");
+    hdf5_write_text(good, "signal", "density");
+    hdf5_write_texts(good, "axes", (const char *const[]){"depth", "row", "column"}, 3);
     hdf5_write_array(good, "density", &s);
     s.sizes[0] = 2;
     hdf5_write_array(good, "errors", &s);
-    write_axis(good, "depth", HDF5_DEPTH, 5, 2, "mm");
-    write_axis(good, "row", HDF5_HEIGHT + 1, 0, 3, "um"); /* the voxels' borders */
-    write_axis(good, "column", HDF5_WIDTH, 1, -4, "nm");
+    hdf5_write_axis(good, "depth", HDF5_DEPTH, 5, 2, "mm");
+    hdf5_write_axis(good, "row", HDF5_HEIGHT + 1, 0, 3, "um"); /* the voxels' borders */
+    hdf5_write_axis(good, "column", HDF5_WIDTH, 1, -4, "nm");
     H5Fclose(file);
     iso_volume volume = test_read_volume(vol_path(hdf5_folder, "nexus.nxs", 0), NULL);
     hdf5_check_voxels(&volume, 0);
-    check_numbers("spacing", volume.info.transform.spacing, 4e-6, 3e-3, 2);
-    check_numbers("origin", volume.info.transform.origin, 1e-6, 1.5e-3, 5);
-    check_numbers("direction", volume.info.transform.direction, -1, 0, 0);
+    hdf5_check_numbers("spacing", volume.info.transform.spacing, 4e-6, 3e-3, 2);
+    hdf5_check_numbers("origin", volume.info.transform.origin, 1e-6, 1.5e-3, 5);
+    hdf5_check_numbers("direction", volume.info.transform.direction, -1, 0, 0);
     iso_volume_free(&volume);
     hdf5_check_file(vol_path(hdf5_folder, "nexus.nxs:/scan/volume", 0), &s);
 }
@@ -355,15 +308,15 @@ static void test_nexus(void **state) {
 static void test_vtkhdf(void **state) {
     hdf5_storage s = hdf5_plain();
     (void)state;
-    const hid_t file = hdf5_begin("image.vtkhdf", false), root = make_group(file, "VTKHDF");
-    const hid_t points = make_group(root, "PointData"), cells = make_group(root, "CellData");
-    write_text(root, "Type", "ImageData");
-    write_numbers(root, "WholeExtent",
-                  (double[]){4, 4 + HDF5_WIDTH - 1, 0, HDF5_HEIGHT - 1, -2, HDF5_DEPTH - 3}, 6);
-    write_numbers(root, "Origin", (double[]){1, 2, 3}, 3);
-    write_numbers(root, "Spacing", (double[]){0.5, 1, 2}, 3);
-    write_numbers(root, "Direction", (double[]){0, -1, 0, 1, 0, 0, 0, 0, 1}, 9);
-    write_text(points, "Scalars", "rho");
+    const hid_t file = hdf5_begin("image.vtkhdf", false), root = hdf5_make_group(file, "VTKHDF");
+    const hid_t points = hdf5_make_group(root, "PointData"), cells = hdf5_make_group(root, "CellData");
+    hdf5_write_text(root, "Type", "ImageData");
+    hdf5_write_numbers(root, "WholeExtent",
+                       (double[]){4, 4 + HDF5_WIDTH - 1, 0, HDF5_HEIGHT - 1, -2, HDF5_DEPTH - 3}, 6);
+    hdf5_write_numbers(root, "Origin", (double[]){1, 2, 3}, 3);
+    hdf5_write_numbers(root, "Spacing", (double[]){0.5, 1, 2}, 3);
+    hdf5_write_numbers(root, "Direction", (double[]){0, -1, 0, 1, 0, 0, 0, 0, 1}, 9);
+    hdf5_write_text(points, "Scalars", "rho");
     hdf5_write_array(points, "rho", &s);
     s.sizes[2] = 2;
     hdf5_write_array(points, "aaa", &s);
@@ -372,15 +325,15 @@ static void test_vtkhdf(void **state) {
     const char *path = vol_path(hdf5_folder, "image.vtkhdf", 0);
     iso_volume volume = test_read_volume(path, NULL);
     hdf5_check_voxels(&volume, 0);
-    check_numbers("spacing", volume.info.transform.spacing, 0.5, 1, 2);
-    check_numbers("origin", volume.info.transform.origin, 1, 4, -1);
+    hdf5_check_numbers("spacing", volume.info.transform.spacing, 0.5, 1, 2);
+    hdf5_check_numbers("origin", volume.info.transform.origin, 1, 4, -1);
     iso_volume_free(&volume);
     const iso_volume_opts named = {.grid = "cell"};
     volume = test_read_volume(path, &named);
-    check_numbers("origin of cells", volume.info.transform.origin, 0.5, 4.25, 0);
+    hdf5_check_numbers("origin of cells", volume.info.transform.origin, 0.5, 4.25, 0);
     iso_volume_free(&volume);
     const hid_t other = hdf5_begin("mesh.vtkhdf", false);
-    write_text(make_group(other, "VTKHDF"), "Type", "UnstructuredGrid");
+    hdf5_write_text(hdf5_make_group(other, "VTKHDF"), "Type", "UnstructuredGrid");
     H5Fclose(other);
     test_expect_no_volume(vol_path(hdf5_folder, "mesh.vtkhdf", 0), NULL, ISO_ERR_FORMAT, NULL,
                           "UnstructuredGrid");
@@ -400,9 +353,9 @@ static void test_other_files(void **state) {
     test_expect_no_volume(vol_path(hdf5_folder, "link.h5:/voxels", 1), NULL, ISO_ERR_UNSUPPORTED, NULL,
                           "source.h5");
     file = hdf5_begin("signal.h5", false); /* libhdf5 would follow the link by itself */
-    const hid_t data = make_group(file, "data");
-    write_text(data, "NX_class", "NXdata");
-    write_text(data, "signal", "voxels");
+    const hid_t data = hdf5_make_group(file, "data");
+    hdf5_write_text(data, "NX_class", "NXdata");
+    hdf5_write_text(data, "signal", "voxels");
     H5Lcreate_external("source.h5", "/voxels", data, "voxels", H5P_DEFAULT, H5P_DEFAULT);
     H5Fclose(file);
     path = vol_path(hdf5_folder, "signal.h5", 0);
