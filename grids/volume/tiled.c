@@ -105,7 +105,7 @@ typedef struct filling {
     size_t count, per_task; /* of tiles */
     char *buffers;
     size_t buffer_bytes; /* of the buffer of a worker; 0: tiles lie in the grid as they are */
-    first_failure failure;
+    iso_first_failure failure;
     atomic_size_t done, stored; /* tasks; tiles that are in the file */
 } filling;
 
@@ -143,7 +143,7 @@ static void fill_task(void *context, size_t task, int worker) {
     const size_t begin = task * f->per_task,
                  end = begin + f->per_task < f->count ? begin + f->per_task : f->count;
     size_t number = begin, stored = 0;
-    if (!may_begin(&f->failure, begin)) return;
+    if (!iso_first_failure_may_begin(&f->failure, begin)) return;
     while (status == ISO_OK && (number = (size_t)next_stored(f->tiled, number, end)) < end) {
         status = fill_tile(f, number, worker, &error);
         if (status != ISO_OK) break;
@@ -152,7 +152,7 @@ static void fill_task(void *context, size_t task, int worker) {
     }
     atomic_fetch_add(&f->stored, stored);
     if (status == ISO_OK) status = report(f, end - begin, worker, &error);
-    if (status != ISO_OK) failure_enter(&f->failure, number, status, &error);
+    if (status != ISO_OK) iso_first_failure_enter(&f->failure, number, status, &error);
 }
 
 /* The pool, if the limit of memory allows a tile for each of its threads. */
@@ -202,11 +202,11 @@ static iso_status fill_grid(filling *f, iso_rgrid *grid, iso_error *error) {
     }
     if (tiled->next_stored && lacks_tiles(f))
         iso_parallel_for(f->opts->pool, (size_t)tiled->dims[2], fill_slice, f);
-    failure_init(&f->failure);
+    iso_first_failure_init(&f->failure);
     f->per_task = (f->count - 1) / MOST_TASKS + 1;
     iso_parallel_for(pool, (f->count - 1) / f->per_task + 1, fill_task, f);
     iso_free(f->buffers);
-    return failure_finish(&f->failure, error);
+    return iso_first_failure_finish(&f->failure, error);
 }
 
 static iso_status create_grid(const char *path, const iso_volume_opts *opts, const iso_volume_info *info,
@@ -564,7 +564,7 @@ typedef struct chunk_reading {
     const tile_box *box;
     int crop[3]; /* the voxel of the volume that is the grid's first */
     target_box target;
-    first_failure failure;
+    iso_first_failure failure;
 } chunk_reading;
 
 /* The voxels of a chunk that lie in a tile, in the volume's numbers. */
@@ -613,13 +613,13 @@ static void read_task(void *context, size_t number, int worker) {
     const wanted_tile *wanted = &r->cache->wanted[number];
     iso_error error = {0};
     int index[3];
-    if (wanted->kind < 0 || !may_begin(&r->failure, number)) return;
+    if (wanted->kind < 0 || !iso_first_failure_may_begin(&r->failure, number)) return;
     cached_piece *piece = &r->cache->kinds[wanted->kind].slots[wanted->slot];
     tile_of_box(r->box, wanted->number, index);
     if (!piece->is_read) {
         const iso_status status = tiled->read(tiled->context, index, piece->values, &error);
         if (status != ISO_OK) {
-            failure_enter(&r->failure, number, status, &error);
+            iso_first_failure_enter(&r->failure, number, status, &error);
             return;
         }
         piece->is_read = true;
@@ -696,9 +696,9 @@ static iso_status read_tiles(chunk_reading *r, iso_pool *pool, iso_error *error)
     for (size_t next = next_in_box(r->cache, r->box, 0); next < r->box->count;) {
         const int32_t count = take_slots(r, &next);
         if (!count) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a tile of the volume");
-        failure_init(&r->failure);
+        iso_first_failure_init(&r->failure);
         iso_parallel_for(pool, (size_t)count, read_task, r);
-        ISO_TRY(failure_finish(&r->failure, error));
+        ISO_TRY(iso_first_failure_finish(&r->failure, error));
     }
     return ISO_OK;
 }

@@ -47,13 +47,14 @@ hid_t hdf5_begin(const char *name, bool latest);
 /* A file with one array, "voxels". Returns its path: slot 0 of vol_path. */
 const char *hdf5_write_file(const char *name, const hdf5_storage *s, bool latest);
 
-/* Writes attributes: numbers; a string of fixed length, as h5py's numpy.bytes_; strings of variable length, as
- * h5py writes str. */
+/* Writes attributes: numbers; a string of fixed length, as h5py's numpy.bytes_; strings of variable length,
+ * as h5py writes str. */
 void hdf5_write_numbers(hid_t object, const char *name, const double *numbers, hsize_t count);
 void hdf5_write_text(hid_t object, const char *name, const char *text);
 void hdf5_write_texts(hid_t object, const char *name, const char *const *texts, hsize_t count);
 hid_t hdf5_make_group(hid_t parent, const char *path);
-/* Writes the coordinates of an axis: first, first + step, ..; without the attribute units if `unit` is NULL. */
+/* Writes the coordinates of an axis: first, first + step, ..; without the attribute units if `unit` is NULL.
+ * */
 hid_t hdf5_write_axis(hid_t group, const char *name, int size, double first, double step, const char *unit);
 
 void hdf5_check_numbers(const char *what, const double *numbers, double x, double y, double z);

@@ -1,7 +1,7 @@
 /* bdv: reads the .xml files of BigDataViewer ("SpimData"), which say where the images of an HDF5 file lie.
  *
- * Of the text only a few elements matter, none of which is within another one of the same name; it is searched
- * for them. */
+ * Of the text only a few elements matter, none of which is within another one of the same name; it is
+ * searched for them. */
 #define _GNU_SOURCE
 #include <stdio.h>
 #include <stdlib.h>

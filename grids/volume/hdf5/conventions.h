@@ -1,5 +1,5 @@
-/* conventions: what programs agree on about arrays in HDF5 files: VTKHDF, Imaris, BigDataViewer, NeXus, MINC, EMD, ITK, dimension scales, and
- * the attribute element_size_um. In the child process. */
+/* conventions: what programs agree on about arrays in HDF5 files: VTKHDF, Imaris, BigDataViewer, NeXus, MINC,
+ * EMD, ITK, dimension scales, and the attribute element_size_um. In the child process. */
 #ifndef ISO_GRIDS_VOLUME_HDF5_CONVENTIONS_H
 #define ISO_GRIDS_VOLUME_HDF5_CONVENTIONS_H
 
@@ -27,8 +27,8 @@ hid_t iso_hdf5_vtk_array(const iso_hdf5_file *file, const char *name);
 hid_t iso_hdf5_signal(hid_t group);
 
 /* Fills *meaning from what the file says about an array whose axes are known; may change the array's type.
- * Sets direction and origin of info->transform, and adds notes. ISO_ERR_FORMAT, ISO_ERR_UNSUPPORTED: what it says
- * makes no sense, or cannot be drawn. */
+ * Sets direction and origin of info->transform, and adds notes. ISO_ERR_FORMAT, ISO_ERR_UNSUPPORTED: what it
+ * says makes no sense, or cannot be drawn. */
 iso_status iso_hdf5_interpret(const iso_hdf5_file *file, iso_hdf5_array *array, iso_hdf5_meaning *meaning,
                               iso_volume_info *info, iso_error *error);
 

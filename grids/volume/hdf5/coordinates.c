@@ -1,8 +1,8 @@
 /* coordinates: positions of voxels that a file states as an array of numbers for each axis: axes of NeXus,
  * dimension scales of HDF5 (also those of NetCDF), and dim1, dim2, .. of EMD.
  *
- * NeXus: the manual's rules for NXdata. Dimension scales: "HDF5 Dimension Scale Specification". EMD: "EMD file
- * format", versions 0.2 and 1.0, emdatasets.com. */
+ * NeXus: the manual's rules for NXdata. Dimension scales: "HDF5 Dimension Scale Specification". EMD: "EMD
+ * file format", versions 0.2 and 1.0, emdatasets.com. */
 #define _GNU_SOURCE
 #include <math.h>
 #include <stdio.h>
@@ -73,8 +73,8 @@ static double length_of(const char *unit) {
     return iso_format_unit(plain);
 }
 
-/* The first coordinate of an axis with `size` voxels and the mean distance to the next one. False: they are not
- * evenly spaced. */
+/* The first coordinate of an axis with `size` voxels and the mean distance to the next one. False: they are
+ * not evenly spaced. */
 static bool fit_line(const double *values, uint64_t count, uint64_t size, double *first, double *step) {
     *step = (values[count - 1] - values[0]) / (double)(count - 1);
     *first = values[0] + (count == size + 1 ? *step / 2 : 0); /* else they are the voxels' borders */

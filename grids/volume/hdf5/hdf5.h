@@ -78,8 +78,8 @@ typedef struct iso_bdv_view {
 } iso_bdv_view;
 
 bool iso_bdv_is_xml(const char *path);
-/* The path of the HDF5 file with the images (free). ISO_ERR_UNSUPPORTED: they are in no such file; ISO_ERR_IO,
- * ISO_ERR_LIMIT, ISO_ERR_NOMEM. */
+/* The path of the HDF5 file with the images (free). ISO_ERR_UNSUPPORTED: they are in no such file;
+ * ISO_ERR_IO, ISO_ERR_LIMIT, ISO_ERR_NOMEM. */
 iso_status iso_bdv_file(const char *xml, char **path, iso_error *error);
 /* ISO_ERR_FORMAT: its numbers are none; ISO_ERR_IO, ISO_ERR_LIMIT, ISO_ERR_NOMEM. */
 iso_status iso_bdv_read_view(const char *xml, unsigned time, unsigned setup, iso_bdv_view *view,
@@ -88,10 +88,11 @@ iso_status iso_bdv_read_view(const char *xml, unsigned time, unsigned setup, iso
 /* ---- in the child process ---- */
 
 /* Chooses an array by opts->grid and the conventions of the file, and describes it. Sets of `info` what a
- * format's reader sets, and the scales of slices, if they differ. ISO_ERR_IO: damaged; ISO_ERR_FORMAT: not HDF5, no array of numbers with three axes,
- * or several without a choice, which are listed; ISO_ERR_UNSUPPORTED: a filter, or values in other files;
- * ISO_ERR_USAGE: no such array or component; ISO_ERR_LIMIT. `xml`: the .xml of BigDataViewer that belongs to the
- * file, or NULL. Leaves the file open: the process ends. */
+ * format's reader sets, and the scales of slices, if they differ. ISO_ERR_IO: damaged; ISO_ERR_FORMAT: not
+ * HDF5, no array of numbers with three axes, or several without a choice, which are listed;
+ * ISO_ERR_UNSUPPORTED: a filter, or values in other files; ISO_ERR_USAGE: no such array or component;
+ * ISO_ERR_LIMIT. `xml`: the .xml of BigDataViewer that belongs to the file, or NULL. Leaves the file open:
+ * the process ends. */
 iso_status iso_hdf5_describe(const char *path, const char *xml, const iso_volume_opts *opts,
                              iso_volume_info *info, iso_hdf5_array *array, iso_hdf5_slices *slices,
                              iso_error *error);
@@ -166,8 +167,9 @@ typedef struct iso_hdf5_source {
 } iso_hdf5_source;
 
 /* Reads and unpacks a chunk into voxels[0] * voxels[1] * voxels[2] values of the array's stored type
- * (iso_scalar_stored_type; floats if slices have scales), x fastest; those outside of the volume are undefined. `room` has
- * iso_hdf5_chunk_room bytes. For several threads. ISO_ERR_IO names the file, the array and the chunk. */
+ * (iso_scalar_stored_type; floats if slices have scales), x fastest; those outside of the volume are
+ * undefined. `room` has iso_hdf5_chunk_room bytes. For several threads. ISO_ERR_IO names the file, the array
+ * and the chunk. */
 iso_status iso_hdf5_read_chunk(const iso_hdf5_source *source, const int index[3], void *room, void *target,
                                iso_error *error);
 /* Whether a filter can be undone without libhdf5. */

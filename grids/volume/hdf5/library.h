@@ -34,8 +34,8 @@ bool iso_hdf5_text(hid_t object, const char *name, size_t index, char *text, siz
 /* Reads the numbers of an attribute, or of a text of numbers. Returns how many there are, at most `room`. */
 size_t iso_hdf5_numbers(hid_t object, const char *name, double *numbers, size_t room);
 
-/* Reads the numbers of a small dataset, in the order of the file; free. NULL: they are more than `most`, none, or
- * in another file. */
+/* Reads the numbers of a small dataset, in the order of the file; free. NULL: they are more than `most`,
+ * none, or in another file. */
 double *iso_hdf5_values(hid_t dataset, uint64_t most, uint64_t *count);
 
 /* Opens the object at a path; negative: there is none. */

@@ -1,8 +1,8 @@
 /* minc: geometry and values of MINC 2 files, by "MINC 2.0 File Format Reference".
  *
- * A position is the sum over the axes of space of (start + step * index) * direction_cosines, in RAS. Values of
- * integer arrays are scaled so that the ends of valid_range become image-min and image-max, which may be those
- * of a slice. */
+ * A position is the sum over the axes of space of (start + step * index) * direction_cosines, in RAS. Values
+ * of integer arrays are scaled so that the ends of valid_range become image-min and image-max, which may be
+ * those of a slice. */
 #define _GNU_SOURCE
 #include "grids/volume/hdf5/conventions.h"
 

@@ -37,8 +37,8 @@ static bool index_of(const chunk_list *list, const uint64_t first[ISO_HDF5_AXES]
     return true;
 }
 
-/* "0x00000000 512 4016 [0, 64, 128, 0]": filters that were not applied, bytes, address, the first element and a
- * byte of it. */
+/* "0x00000000 512 4016 [0, 64, 128, 0]": filters that were not applied, bytes, address, the first element and
+ * a byte of it. */
 static void take_line(chunk_list *list) {
     uint64_t first[ISO_HDF5_AXES];
     int index[3] = {0, 0, 0};

@@ -1,5 +1,5 @@
-/* HDF5: where programs say that voxels lie, and what their values are: BigDataViewer's .xml, MINC, EMD, dimension
- * scales, ITK; and files that lack most of their chunks. Files are written by libhdf5. */
+/* HDF5: where programs say that voxels lie, and what their values are: BigDataViewer's .xml, MINC, EMD,
+ * dimension scales, ITK; and files that lack most of their chunks. Files are written by libhdf5. */
 #define _GNU_SOURCE
 #include <math.h>
 #include <setjmp.h>
@@ -278,8 +278,8 @@ static void test_itk(void **state) {
 
 /* ---- absent chunks ---- */
 
-/* Arrays of chunks of one voxel, of which none or three are stored: what it costs to read them does not depend on
- * how many there might be. */
+/* Arrays of chunks of one voxel, of which none or three are stored: what it costs to read them does not
+ * depend on how many there might be. */
 static void test_mostly_absent(void **state) {
     (void)state;
     for (int latest = 0; latest < 2; latest++)
