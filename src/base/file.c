@@ -7,26 +7,39 @@
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 /* The type is checked after opening, so that the file cannot be exchanged in between. O_NONBLOCK avoids
  * waiting for the writer of a FIFO, and has no effect on regular files. */
-iso_status iso_file_open(const char *path, FILE **stream, uint64_t *bytes, iso_error *error) {
+iso_status iso_file_descriptor(const char *path, int *descriptor, uint64_t *bytes, iso_error *error) {
     struct stat info = {0};
     const int file = open(path, O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
     if (file < 0 && errno != ENXIO) /* ENXIO: a socket */
         return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
-    const bool regular = file >= 0 && fstat(file, &info) == 0 && S_ISREG(info.st_mode);
-    *stream = regular ? fdopen(file, "rb") : NULL;
-    if (*stream) {
+    if (file >= 0 && fstat(file, &info) == 0 && S_ISREG(info.st_mode)) {
+        *descriptor = file;
         if (bytes) *bytes = (uint64_t)info.st_size;
         return ISO_OK;
     }
-    const bool folder = file >= 0 && S_ISDIR(info.st_mode);
     if (file >= 0) close(file);
-    if (regular) return iso_fail_memory(error, path);
-    return iso_fail(error, ISO_ERR_IO, "%s: not a regular file%s", path, folder ? " but a folder" : "");
+    return iso_fail(error, ISO_ERR_IO, "%s: not a regular file%s", path,
+                    S_ISDIR(info.st_mode) ? " but a folder" : "");
+}
+
+iso_status iso_file_open(const char *path, FILE **stream, uint64_t *bytes, iso_error *error) {
+    int file = -1;
+    uint64_t size = 0;
+    ISO_TRY(iso_file_descriptor(path, &file, &size, error));
+    FILE *opened = fdopen(file, "rb");
+    if (!opened) {
+        close(file);
+        return iso_fail_memory(error, path);
+    }
+    *stream = opened;
+    if (bytes) *bytes = size;
+    return ISO_OK;
 }
 
 /* The permissions of the new file: those of an existing target, else those that fopen would give it. */
@@ -56,34 +69,86 @@ static iso_status open_device(const char *path, iso_sink *sink, iso_error *error
     return ISO_OK;
 }
 
+/* ---- temporary names: TARGET.isonew1 and so on. A file that has one is locked by the program that writes it,
+ * so that what a killed program left is known by its lock, which nobody holds. */
+
+enum { TEMPORARY_NAMES = 8 };
+
+static char *temporary_name(const char *target, int number) {
+    char *name;
+    return asprintf(&name, "%s.isonew%d", target, number) < 0 ? NULL : name;
+}
+
+static bool is_named(int descriptor, const char *name) {
+    struct stat file, named;
+    return fstat(descriptor, &file) == 0 && lstat(name, &named) == 0 && S_ISREG(named.st_mode) &&
+           file.st_dev == named.st_dev && file.st_ino == named.st_ino;
+}
+
+static void remove_unlocked(const char *name) {
+    struct stat info;
+    if (lstat(name, &info) != 0 || !S_ISREG(info.st_mode)) return;
+    const int file = open(name, O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+    if (file < 0) return;
+    if (flock(file, LOCK_EX | LOCK_NB) == 0 && is_named(file, name)) unlink(name);
+    close(file);
+}
+
+static void remove_stale(const char *target) {
+    for (int number = 1; number <= TEMPORARY_NAMES; number++) {
+        char *name = temporary_name(target, number);
+        if (name) remove_unlocked(name);
+        free(name);
+    }
+}
+
+/* Makes a file with a temporary name, and locks it. Returns its descriptor, or -1 with errno set. */
+static int open_temporary(const char *target, char **name) {
+    for (int number = 1; number <= TEMPORARY_NAMES; number++) {
+        *name = temporary_name(target, number);
+        const int file = *name ? open(*name, O_CREAT | O_EXCL | O_WRONLY | O_NOFOLLOW | O_CLOEXEC, 0600) : -1;
+        /* (Between the two calls another program may have removed it, as one that nobody locks.) */
+        if (file >= 0 &&
+            ((flock(file, LOCK_EX | LOCK_NB) != 0 && errno != EWOULDBLOCK) || is_named(file, *name)))
+            return file;
+        const int code = file >= 0 ? EEXIST : errno;
+        if (file >= 0) close(file);
+        free(*name);
+        *name = NULL;
+        errno = code;
+        if (code != EEXIST) return -1;
+    }
+    return -1;
+}
+
 /* Opens a new file in the target's folder: one without a name, which disappears when the process ends in any
  * way; or, where the file system has no such files (NFS, some FUSE), one with a temporary name, which a
- * killed process leaves behind. Writes that name, or "", to `name`. */
-static int open_beside(const char *path, char *name) {
+ * killed process leaves behind. Sets *name to that name, or to ""; to be freed. */
+static int open_beside(const char *path, char **name) {
     const char *slash = strrchr(path, '/');
     char *folder = slash ? strndup(path, (size_t)(slash - path) + 1) : strdup(".");
     int descriptor = folder && access("/proc/self/fd", X_OK) == 0
                          ? open(folder, O_TMPFILE | O_WRONLY | O_CLOEXEC, 0600)
                          : -1;
     free(folder);
-    if (descriptor < 0) return mkostemp(name, O_CLOEXEC);
-    *name = '\0';
+    remove_stale(path);
+    if (descriptor < 0) return open_temporary(path, name);
+    flock(descriptor, LOCK_EX | LOCK_NB); /* nobody else can have locked it */
+    *name = strdup("");
     return descriptor;
 }
 
 static iso_status open_unseen(const char *path, iso_sink *sink, iso_error *error) {
     char *target = strdup(path), *temporary = NULL;
-    if (!target || asprintf(&temporary, "%s.XXXXXX", path) < 0) {
-        free(target);
-        return iso_fail_memory(error, path);
-    }
-    int descriptor = open_beside(path, temporary);
+    if (!target) return iso_fail_memory(error, path);
+    int descriptor = open_beside(path, &temporary);
     int code = errno;
-    FILE *stream = descriptor >= 0 ? fdopen(descriptor, "wb") : NULL;
+    FILE *stream = descriptor >= 0 && temporary ? fdopen(descriptor, "wb") : NULL;
     if (!stream) {
         if (descriptor >= 0) {
             close(descriptor);
-            if (*temporary) unlink(temporary);
+            if (temporary && *temporary) unlink(temporary);
+            code = ENOMEM;
         }
         free(target);
         free(temporary);
@@ -111,6 +176,33 @@ iso_status iso_sink_open(const char *path, iso_sink *sink, iso_error *error) {
     iso_status status = open_unseen(target, sink, error);
     free(target);
     return status;
+}
+
+/* Whether `path` is a regular file that begins with `mark`. */
+static bool begins_with(const char *path, const void *mark, size_t bytes) {
+    char text[64];
+    struct stat info;
+    const int file = open(path, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
+    const bool begins = file >= 0 && fstat(file, &info) == 0 && S_ISREG(info.st_mode) &&
+                        bytes <= sizeof text && read(file, text, bytes) == (ssize_t)bytes &&
+                        memcmp(text, mark, bytes) == 0;
+    if (file >= 0) close(file);
+    return begins;
+}
+
+iso_status iso_sink_open_own(const char *path, const void *mark, size_t bytes, iso_sink *sink,
+                             iso_error *error) {
+    struct stat info;
+    if (lstat(path, &info) == 0 && !begins_with(path, mark, bytes))
+        return iso_fail(error, ISO_ERR_WRITE, "%s: cannot write: %s", path,
+                        S_ISLNK(info.st_mode) ? "it is a symbolic link" : "another file has this name");
+    return open_unseen(path, sink, error);
+}
+
+void iso_file_remove_unfinished(const char *path) {
+    char *target = iso_file_follow(path);
+    if (target) remove_stale(target);
+    free(target);
 }
 
 iso_status iso_sink_check(const char *path, iso_error *error) {
@@ -150,22 +242,31 @@ char *iso_file_follow(const char *path) {
     return at;
 }
 
-/* Gives a nameless file its target's name. linkat cannot replace an existing file: then the file gets a
- * temporary name, which is renamed. Returns 0 or an errno. */
-static int name_file(int descriptor, const char *target) {
-    char source[64], *passing = NULL;
+/* Gives a nameless file a name that no file has. Returns 0 or an errno. */
+static int link_file(int descriptor, const char *name) {
+    char source[64];
     snprintf(source, sizeof source, "/proc/self/fd/%d", descriptor);
-    if (linkat(AT_FDCWD, source, AT_FDCWD, target, AT_SYMLINK_FOLLOW) == 0) return 0;
-    if (errno != EEXIST) return errno;
-    if (asprintf(&passing, "%s.%ld-%d", target, (long)getpid(), descriptor) < 0) return ENOMEM;
-    int code = 0;
-    if (linkat(AT_FDCWD, source, AT_FDCWD, passing, AT_SYMLINK_FOLLOW) != 0) {
+    return linkat(AT_FDCWD, source, AT_FDCWD, name, AT_SYMLINK_FOLLOW) == 0 ? 0 : errno;
+}
+
+/* Gives a nameless file a temporary name, and from that its target's. Returns 0 or an errno. */
+static int link_and_rename(int descriptor, const char *target, int number) {
+    char *name = temporary_name(target, number);
+    int code = name ? link_file(descriptor, name) : ENOMEM;
+    if (!code && rename(name, target) != 0) {
         code = errno;
-    } else if (rename(passing, target) != 0) {
-        code = errno;
-        unlink(passing);
+        unlink(name);
     }
-    free(passing);
+    free(name);
+    return code;
+}
+
+/* Gives a nameless file its target's name, at once if no file has it: linkat cannot replace one. Returns 0 or
+ * an errno. */
+static int name_file(int descriptor, const char *target) {
+    int code = link_file(descriptor, target);
+    for (int number = 1; code == EEXIST && number <= TEMPORARY_NAMES; number++)
+        code = link_and_rename(descriptor, target, number);
     return code;
 }
 

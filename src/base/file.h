@@ -2,7 +2,8 @@
  *
  * A sink writes to a new file in its target's folder (without a name, where the file system supports that).
  * Commit checks that all writes succeeded and renames the file to the target; it does not fsync. Abort
- * removes the file. "-" is standard output. A symbolic link is followed: the file that it leads to is
+ * removes the file. A program that is killed while it commits, or where the file system has no files without
+ * names, can leave TARGET.isonew1 behind, which the next sink for this target removes. "-" is standard output. A symbolic link is followed: the file that it leads to is
  * replaced, and the link stays. A file that nobody may write to (no bit of 0222) is not replaced, also not by
  * root. An existing target that is not a regular file (a device, a pipe) is written to directly. One thread
  * at a time per sink. */
@@ -25,6 +26,9 @@ extern "C" {
  * device may never end. An input that may be a FIFO is copied to a file first (apps/common/input_spool.h). */
 iso_status iso_file_open(const char *path, FILE **stream, uint64_t *bytes, iso_error *error);
 
+/* The same, for what reads from a descriptor, which is the caller's (close). */
+iso_status iso_file_descriptor(const char *path, int *descriptor, uint64_t *bytes, iso_error *error);
+
 typedef struct iso_sink {
     FILE *stream;    /* write to it freely; errors are found by iso_sink_commit */
     char *target;    /* owned; NULL: standard output */
@@ -35,6 +39,15 @@ typedef struct iso_sink {
 /* Opens a sink for `path`; finish with iso_sink_commit or iso_sink_abort. ISO_ERR_WRITE names the path and
  * the reason; no file is left behind then. */
 iso_status iso_sink_open(const char *path, iso_sink *sink, iso_error *error);
+
+/* Opens a sink for a file that the program writes without being asked to, such as an index beside a volume.
+ * No symbolic link is followed, and only a regular file that begins with the `bytes` bytes of `mark`, at most
+ * 64, is replaced: nothing else that has this name is lost. ISO_ERR_WRITE. */
+iso_status iso_sink_open_own(const char *path, const void *mark, size_t bytes, iso_sink *sink,
+                             iso_error *error);
+
+/* Removes what programs that were killed while they wrote `path` left beside it. */
+void iso_file_remove_unfinished(const char *path);
 
 /* Checks early whether a sink for `path` can be opened; ISO_ERR_WRITE if not. Leaves no file behind. Pipes
  * are not opened, because closing one again would end it for its reader. NULL and "-" always pass. */

@@ -9,6 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -393,6 +394,67 @@ static void check_sink(const char *folder, int before_commit) {
     remove(path);
 }
 
+/* A temporary name that a killed program has left is used again, or removed; one that a running program has locked,
+ * and what is no file, stay. */
+static void temporary_names_are_used_again(void **state) {
+    (void)state;
+    char folder[] = ISO_TEST_TMP "/names.XXXXXX", path[512], name[3][520];
+    assert_non_null(mkdtemp(folder));
+    snprintf(path, sizeof path, "%s/sink.txt", folder);
+    for (int i = 0; i < 3; i++) snprintf(name[i], sizeof name[i], "%s.isonew%d", path, i + 1);
+    for (int without = 0; without < 2; without++) {
+        no_nameless_files = without;
+        const int locked = open(name[0], O_CREAT | O_WRONLY, 0600);
+        assert_true(locked >= 0);
+        assert_int_equal(flock(locked, LOCK_EX | LOCK_NB), 0);
+        assert_int_equal(symlink("elsewhere", name[1]), 0);
+        write_text(name[2], "left");
+        write_text(path, "first");
+        assert_int_equal(access(name[2], F_OK), -1);
+        write_text(path, "second");
+        check_contents(path, "second");
+        assert_int_equal(count_files(folder), 3);
+        close(locked);
+        remove(name[1]);
+        iso_file_remove_unfinished(path);
+        assert_int_equal(count_files(folder), 1);
+        remove(path);
+    }
+    no_nameless_files = false;
+    rmdir(folder);
+}
+
+/* What nobody has asked for is not written through links, nor over what is no such file. */
+static void own_files_replace_their_own(void **state) {
+    (void)state;
+    char folder[] = ISO_TEST_TMP "/own.XXXXXX", path[512], other[512];
+    iso_sink sink;
+    iso_error error = {0};
+    assert_non_null(mkdtemp(folder));
+    snprintf(path, sizeof path, "%s/own", folder);
+    snprintf(other, sizeof other, "%s/other", folder);
+    for (int round = 0; round < 2; round++) { /* a new file; the same again */
+        assert_int_equal(iso_sink_open_own(path, "MARK", 4, &sink, &error), ISO_OK);
+        fprintf(sink.stream, "MARK %d", round);
+        assert_int_equal(iso_sink_commit(&sink, &error), ISO_OK);
+        check_contents(path, round ? "MARK 1" : "MARK 0");
+    }
+    write_text(other, "MARK of another");
+    remove(path);
+    for (int kind = 0; kind < 4; kind++) {
+        if (kind == 0) assert_int_equal(symlink(other, path), 0);
+        if (kind == 1) assert_int_equal(mkfifo(path, 0600), 0);
+        if (kind == 2) assert_int_equal(mkdir(path, 0700), 0);
+        if (kind == 3) write_text(path, "MAR");
+        assert_int_equal(iso_sink_open_own(path, "MARK", 4, &sink, &error), ISO_ERR_WRITE);
+        check_contents(other, "MARK of another");
+        remove(path);
+    }
+    remove(other);
+    assert_int_equal(count_files(folder), 0);
+    rmdir(folder);
+}
+
 static void sinks_write_all_or_nothing(void **state) {
     (void)state;
     char folder[] = ISO_TEST_TMP "/sink.XXXXXX";
@@ -538,6 +600,8 @@ int main(void) {
         cmocka_unit_test(every_index_runs_once),
         cmocka_unit_test(results_are_placed_in_order),
         cmocka_unit_test(sinks_write_all_or_nothing),
+        cmocka_unit_test(temporary_names_are_used_again),
+        cmocka_unit_test(own_files_replace_their_own),
         cmocka_unit_test(buffers_keep_their_contents),
         cmocka_unit_test(memory_is_limited),
         cmocka_unit_test(cpu_level_can_be_limited),
