@@ -2,11 +2,14 @@
 #define _POSIX_C_SOURCE 200809L
 #include "base/file_set.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
+#include "base/crc32c.h"
 #include "base/file.h"
 #include "base/file_identity.h"
 
@@ -15,7 +18,9 @@ typedef struct iso_file_entry {
     ino_t inode;   /* likewise */
     char *missing; /* owned: name in the folder of a file that does not exist; NULL: the file exists */
     char *name;    /* owned: for messages */
-    uint64_t bytes, changed; /* of a file that exists: its size, and when it changed, nanoseconds */
+    /* Of a file that exists: its size; when its content, and when anything of it changed, nanoseconds. The second
+     * time cannot be set back. */
+    uint64_t bytes, modified, changed;
     bool written;
 } iso_file_entry;
 
@@ -28,6 +33,10 @@ static bool stat_folder(const char *path, struct stat *info) {
     return found;
 }
 
+static uint64_t nanoseconds(struct timespec time) {
+    return (uint64_t)time.tv_sec * 1000000000u + (uint64_t)time.tv_nsec;
+}
+
 /* Sets the identity of a file; false when it is not a regular file, and its folder does not exist. */
 static bool identify(const char *path, iso_file_entry *entry) {
     struct stat info;
@@ -35,7 +44,8 @@ static bool identify(const char *path, iso_file_entry *entry) {
         entry->device = info.st_dev;
         entry->inode = info.st_ino;
         entry->bytes = info.st_size > 0 ? (uint64_t)info.st_size : 0;
-        entry->changed = (uint64_t)info.st_mtim.tv_sec * 1000000000u + (uint64_t)info.st_mtim.tv_nsec;
+        entry->modified = nanoseconds(info.st_mtim);
+        entry->changed = nanoseconds(info.st_ctim);
         return S_ISREG(info.st_mode);
     }
     char *target = iso_file_follow(path); /* `path` may be a link to a file that does not exist */
@@ -130,12 +140,34 @@ uint64_t iso_file_set_read_bytes(const iso_file_set *set) {
     return bytes;
 }
 
+/* The checksum of a few blocks of a file, from its first to its last bytes; 0 if it cannot be read. */
+static uint32_t checksum_of_blocks(const char *path) {
+    enum { BLOCKS = 5, BLOCK = 4096 };
+    uint8_t block[BLOCK];
+    uint32_t crc = 0;
+    uint64_t bytes = 0;
+    FILE *stream;
+    if (iso_file_open(path, &stream, &bytes, NULL) != ISO_OK) return 0;
+    const uint64_t last = bytes > BLOCK ? bytes - BLOCK : 0;
+    for (uint64_t i = 0; i < BLOCKS; i++) {
+        if (fseeko(stream, (off_t)(last / (BLOCKS - 1) * i), SEEK_SET)) break;
+        crc = iso_crc32c(crc, block, fread(block, 1, BLOCK, stream));
+    }
+    fclose(stream);
+    return crc;
+}
+
 uint64_t iso_file_set_identity(const iso_file_set *set) {
+    enum { SAMPLED = 8 };                /* files of which blocks are read: there may be 100,000 */
     uint64_t hash = 0xcbf29ce484222325u; /* FNV-1a, by words */
+    size_t sampled = 0;
     for (size_t i = 0; i < set->count; i++) {
-        if (set->entries[i].written) continue;
-        hash = (hash ^ set->entries[i].bytes) * 0x100000001b3u;
-        hash = (hash ^ set->entries[i].changed) * 0x100000001b3u;
+        const iso_file_entry *entry = &set->entries[i];
+        if (entry->written) continue;
+        const uint32_t blocks = sampled++ < SAMPLED ? checksum_of_blocks(entry->name) : 0;
+        const uint64_t words[] = {entry->bytes, entry->modified, entry->changed, (uint64_t)entry->inode,
+                                  blocks};
+        for (size_t w = 0; w < sizeof words / sizeof *words; w++) hash = (hash ^ words[w]) * 0x100000001b3u;
     }
     return hash;
 }

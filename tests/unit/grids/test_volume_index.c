@@ -118,7 +118,7 @@ static void write_index(void) {
     make_index(&index);
     add_all(&index);
     index.has_histogram = 1;
-    index.histogram.bins[7] = 99;
+    index.histogram.bins[7] = index.histogram.counted = 99;
     for (int i = 0; i < ISO_INDEXED_SURFACES + 2; i++) {
         const iso_indexed_surface surface = {.isovalue = i, .kind = 5, .primitives = (uint64_t)i * 1000};
         iso_volume_index_add(&index, &surface);
@@ -200,6 +200,107 @@ static void other_files_are_not_used(void **state) {
     expect_nothing(&identity);
 }
 
+/* Indices whose checksum is right, and which cannot be true. */
+typedef void lie_fn(iso_volume_index *index);
+static void nan_bounds(iso_volume_index *index) {
+    index->surfaces[0].index[2] = NAN;
+}
+static void infinite_bounds(iso_volume_index *index) {
+    index->surfaces[3].world[5] = INFINITY;
+}
+static void exchanged_bounds(iso_volume_index *index) {
+    index->surfaces[0].world[0] = 1;
+}
+static void bounds_beside_the_volume(iso_volume_index *index) {
+    index->surfaces[0].index[3] = 150;
+}
+static void other_world(iso_volume_index *index) {
+    index->surfaces[0].world[4] = 3;
+}
+static void nan_isovalue(iso_volume_index *index) {
+    index->surfaces[1].isovalue = NAN;
+}
+static void isovalue_of_no_block(iso_volume_index *index) {
+    index->surfaces[1].isovalue = 1e6;
+}
+static void too_many_primitives(iso_volume_index *index) {
+    index->surfaces[0].primitives = 1u << 30;
+}
+static void nan_range(iso_volume_index *index) {
+    index->ranges.lo[1] = NAN;
+}
+static void infinite_range(iso_volume_index *index) {
+    index->ranges.hi[1] = INFINITY;
+}
+static void exchanged_range(iso_volume_index *index) {
+    index->ranges.lo[0] = index->ranges.hi[0] + 1;
+}
+static void odd_state(iso_volume_index *index) {
+    index->ranges.states[0] |= 5;
+}
+static void nan_histogram(iso_volume_index *index) {
+    index->histogram.width = NAN;
+}
+static void exchanged_histogram(iso_volume_index *index) {
+    index->histogram.low = 1;
+}
+static void too_many_counted(iso_volume_index *index) {
+    index->histogram.counted = 98;
+}
+static void counted_beyond_the_volume(iso_volume_index *index) {
+    index->histogram.bins[7] = index->histogram.counted = UINT64_C(1) << 50;
+}
+
+static void indices_that_lie_are_not_used(void **state) {
+    (void)state;
+    lie_fn *const lies[] = {
+        nan_bounds,    infinite_bounds,     exchanged_bounds,     bounds_beside_the_volume,
+        other_world,   nan_isovalue,        isovalue_of_no_block, too_many_primitives,
+        nan_range,     infinite_range,      exchanged_range,      odd_state,
+        nan_histogram, exchanged_histogram, too_many_counted,     counted_beyond_the_volume};
+    for (size_t i = 0; i < sizeof lies / sizeof *lies; i++) {
+        iso_volume_index index;
+        write_index();
+        make_index(&index);
+        assert_true(iso_volume_index_read(path, &index));
+        lies[i](&index);
+        assert_int_equal(iso_volume_index_write(path, &index, NULL), ISO_OK);
+        iso_volume_index_free(&index);
+        expect_nothing(&identity);
+    }
+    remove(path);
+}
+
+/* Only an index is written over, and nothing through a link. */
+static void other_files_stay(void **state) {
+    (void)state;
+    char target[sizeof path + 8], text[16] = "";
+    iso_volume_index index;
+    iso_error error = {0};
+    snprintf(target, sizeof target, "%s.file", path);
+    make_index(&index);
+    add_all(&index);
+    for (int links = 0; links < 3; links++) { /* a file; a symbolic link to it; a link to nothing */
+        FILE *file = fopen(links ? target : path, "wb");
+        fputs("precious", file);
+        fclose(file);
+        if (links) assert_int_equal(symlink(target, path), 0);
+        if (links == 2) remove(target);
+        assert_int_equal(iso_volume_index_write(path, &index, &error), ISO_ERR_WRITE);
+        assert_non_null(strstr(error.text, links ? "symbolic link" : "another file"));
+        file = fopen(links ? target : path, "rb");
+        assert_int_equal(file == NULL, links == 2);
+        if (file) {
+            assert_non_null(fgets(text, sizeof text, file));
+            assert_string_equal(text, "precious");
+            fclose(file);
+        }
+        remove(path);
+    }
+    remove(target);
+    iso_volume_index_free(&index);
+}
+
 static int set_up(void **state) {
     (void)state;
     snprintf(path, sizeof path, "%s/volume_index_%d.isoindex", ISO_TEST_TMP, (int)getpid());
@@ -213,6 +314,8 @@ int main(void) {
         cmocka_unit_test(indices_are_read_back),
         cmocka_unit_test(unfinished_blocks_begin_anew),
         cmocka_unit_test(other_files_are_not_used),
+        cmocka_unit_test(indices_that_lie_are_not_used),
+        cmocka_unit_test(other_files_stay),
     };
     return cmocka_run_group_tests(tests, set_up, NULL);
 }
