@@ -67,6 +67,11 @@ static iso_status load_file(const char *path, const char *file, const char *libr
 iso_status iso_module_load(const char *path, const char *name, const char *library, const iso_module **module,
                            iso_error *error) {
     folders all = {.count = 0};
+    const char *wanted = secure_getenv("ISO_MODULE_PATH");
+    if (wanted && *wanted && *wanted != '/')
+        return iso_fail(error, ISO_ERR_UNSUPPORTED,
+                        "%s: the %s reader is not loaded from ISO_MODULE_PATH='%s': it must begin with '/'",
+                        path, library, wanted);
     find_folders(&all);
     for (int i = 0; i < all.count; i++) {
         char file[PATH_MAX + 64];

@@ -7,7 +7,7 @@
  * libisopoint does not export them. The copies have separate static variables; the only one, the limit set
  * by iso_cpu_limit, is not used by readers.
  *
- * Modules are searched in the folder ISO_MODULE_PATH if it is set; otherwise in isopoint/ beside the shared
+ * Modules are searched in the folder ISO_MODULE_PATH, an absolute path, if it is set; otherwise in isopoint/ beside the shared
  * library, or at the place of the installation relative to a program in bin/, and then where it was
  * installed. Modules are never unloaded. */
 #ifndef ISO_GRIDS_VOLUME_MODULE_H

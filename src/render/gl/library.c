@@ -13,6 +13,9 @@ iso_status iso_gl_library_open(const char *name, void **library, iso_error *erro
     char path[PATH_MAX];
     const char *file = name;
     if (folder && *folder) {
+        if (*folder != '/')
+            return iso_fail(error, ISO_ERR_BACKEND, "%s: ISO_GL_LIBRARY_PATH='%s' must begin with '/'", name,
+                            folder);
         if (snprintf(path, sizeof path, "%s/%s", folder, name) >= (int)sizeof path)
             return iso_fail(error, ISO_ERR_BACKEND, "%s: ISO_GL_LIBRARY_PATH is too long", name);
         file = path;

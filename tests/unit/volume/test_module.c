@@ -138,6 +138,18 @@ static void missing_modules_are_named(void **state) {
     look_in(NULL);
 }
 
+/* A relative folder would be one of the working directory. */
+static void relative_folders_are_refused(void **state) {
+    (void)state;
+    const iso_module *module = NULL;
+    iso_error error = {0};
+    look_in("module");
+    assert_int_equal(iso_module_load("x.file", "text", "Some", &module, &error), ISO_ERR_UNSUPPORTED);
+    check_text(&error, "x.file: the Some reader",
+               (const char *const[]){"ISO_MODULE_PATH='module'", "must begin with '/'", NULL});
+    look_in(NULL);
+}
+
 /* Files that are called like modules and are none, and modules that cannot be used. */
 static void broken_modules_are_refused(void **state) {
     (void)state;
@@ -171,6 +183,7 @@ int main(void) {
         cmocka_unit_test(threads_load_the_same),
         cmocka_unit_test(tables_are_right),
         cmocka_unit_test(missing_modules_are_named),
+        cmocka_unit_test(relative_folders_are_refused),
         cmocka_unit_test(broken_modules_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
