@@ -4,6 +4,8 @@
 #ifndef ISO_GRIDS_LEVEL_SET_H
 #define ISO_GRIDS_LEVEL_SET_H
 
+#include <stdio.h>
+
 #include "base/lines.h"
 #include "base/parallel.h"
 #include "base/progress.h"
@@ -21,6 +23,11 @@ extern "C" {
  */
 iso_status iso_level_set_write_vdb(const char *path, const iso_hgrid *grid, const char *name,
                                    const iso_progress *progress, iso_error *error);
+
+/* The same to a stream of the caller; `path` is used in messages. Errors of the stream are the caller's to find
+ * (iso_sink_commit). */
+iso_status iso_level_set_put_vdb(FILE *stream, const char *path, const iso_hgrid *grid, const char *name,
+                                 const iso_progress *progress, iso_error *error);
 
 /* The grid that a mesh or lines are sampled in: whole bricks of cubic voxels along the world's axes, with
  * their box in the middle and at least `margin` voxels around it. */

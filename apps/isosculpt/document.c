@@ -15,9 +15,10 @@
 
 #include "apps/isosculpt/save.h"
 #include "base/clock.h"
+#include "base/file.h"
 #include "base/text.h"
 
-static const char STROKES[] = ".strokes", OPEN[] = ".open", UNDO[] = ".undo";
+static const char STROKES[] = ".strokes", OPEN[] = ".open";
 
 /* Grid and radius of a new ball: voxels along a side of the grid; voxel size and radius in mm. */
 enum { BALL_VOXELS = 384 };
@@ -65,13 +66,26 @@ iso_status isosculpt_document_state_folder(char folder[ISOSCULPT_PATH], iso_erro
 
 /* ---- lock files */
 
+/* Opens a lock file, whose content may be written over: never through a link, nor a file that has another name
+ * too. Returns -1 with errno set. */
+static int open_lock_file(const char *path, int flags) {
+    struct stat about;
+    const int file = open(path, O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC | flags, 0600);
+    if (file < 0 || (fstat(file, &about) == 0 && S_ISREG(about.st_mode) && about.st_nlink == 1)) return file;
+    close(file);
+    errno = ELOOP; /* as for a symbolic link */
+    return -1;
+}
+
 /* Makes and locks NAME.strokes.open. ISO_ERR_WRITE when another program holds the lock. */
 static iso_status lock_journal(const char *journal, int *lock_file, iso_error *error) {
     char path[ISOSCULPT_PATH];
     ISO_TRY(join_path(path, journal, OPEN, error));
-    int file = open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0600);
-    if (file < 0) return iso_fail(error, ISO_ERR_WRITE, "%s: %s", path, strerror(errno));
-    if (flock(file, LOCK_EX | LOCK_NB)) {
+    int file = open_lock_file(path, O_CREAT);
+    if (file < 0)
+        return iso_fail(error, ISO_ERR_WRITE, "%s: %s", path,
+                        errno == ELOOP ? "is a link to a file, and not written to" : strerror(errno));
+    if (flock(file, LOCK_EX | LOCK_NB) || iso_journal_is_locked(journal)) {
         close(file);
         return iso_fail(error, ISO_ERR_WRITE, "%s: another program has it open", journal);
     }
@@ -92,7 +106,7 @@ static bool has_lock_file(const char *journal) {
 
 /* Returns whether a running program holds the lock. */
 static bool is_locked(const char *lock_file) {
-    int file = open(lock_file, O_RDWR | O_CLOEXEC);
+    int file = open_lock_file(lock_file, 0);
     const bool locked = file < 0 || flock(file, LOCK_EX | LOCK_NB) != 0;
     if (file >= 0) close(file);
     return locked;
@@ -144,7 +158,7 @@ bool isosculpt_document_find_unclosed(const char *folder, char path[ISOSCULPT_PA
         int length = snprintf(lock_file, sizeof lock_file, "%s/%s", folder, entry->d_name);
         if (length >= ISOSCULPT_PATH) continue;
         snprintf(journal, sizeof journal, "%.*s", length - (int)strlen(OPEN), lock_file);
-        if (stat(journal, &about) || is_locked(lock_file)) continue;
+        if (stat(journal, &about) || is_locked(lock_file) || iso_journal_is_locked(journal)) continue;
         const struct timespec t = about.st_mtim;
         if (found && (t.tv_sec < newest.tv_sec || (t.tv_sec == newest.tv_sec && t.tv_nsec < newest.tv_nsec)))
             continue;
@@ -294,6 +308,7 @@ iso_status isosculpt_document_open(isosculpt_document *document, const char *jou
     document->was_unclosed = was_unclosed;
     if (status == ISO_OK) {
         if (!was_unclosed || !recall_target(document)) choose_target(document, journal);
+        if (was_unclosed) iso_file_remove_unfinished(document->target);
         document->change_count =
             was_unclosed && has_events(journal); /* the recovered work has not been saved */
         return ISO_OK;
@@ -307,9 +322,7 @@ iso_status isosculpt_document_open(isosculpt_document *document, const char *jou
 
 /* Removes a new journal in which nothing was done. */
 static void remove_empty_journal(const isosculpt_document *document) {
-    char path[ISOSCULPT_PATH];
     unlink(document->journal);
-    if (join_path(path, document->journal, UNDO, NULL) == ISO_OK) unlink(path);
 }
 
 /* `keep_unclosed`: the journal stays unclosed, so its recovery is offered again. */

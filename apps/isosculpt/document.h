@@ -9,6 +9,8 @@
 #ifndef ISO_APPS_ISOSCULPT_DOCUMENT_H
 #define ISO_APPS_ISOSCULPT_DOCUMENT_H
 
+#include <sys/types.h>
+
 #include "apps/isosculpt/task.h"
 #include "sculpt/session/session.h"
 #include "source/source.h"
@@ -20,6 +22,13 @@ extern "C" {
 enum { ISOSCULPT_PATH = ISO_JOURNAL_TEXT }; /* bytes of a path, with its end */
 
 typedef struct isosculpt_saver isosculpt_saver;
+
+/* A file that a save has kept under another name. */
+typedef struct isosculpt_backup {
+    char path[ISOSCULPT_PATH]; /* "": there is none */
+    dev_t device;
+    ino_t inode;
+} isosculpt_backup;
 
 /* Zero-initialise, then set `pool` (borrowed) and `undo_memory`; isosculpt_document_close. */
 typedef struct isosculpt_document {
@@ -40,6 +49,7 @@ typedef struct isosculpt_document {
     char target[ISOSCULPT_PATH];   /* the file that saving writes; initially a default name */
     bool target_is_own;            /* this session has written the target, so saving again need not ask */
     char saved_as[ISOSCULPT_PATH]; /* the file of the last save or export, also of a failed one */
+    isosculpt_backup backup;       /* what the last save that replaced a file has kept */
     size_t saved_open_edges;       /* of the mesh that was written last; 0 for a level set */
     isosculpt_saver *saver;        /* owned; NULL: no save is running (save.h) */
 } isosculpt_document;

@@ -13,7 +13,10 @@ static iso_status write_weld(const char *path, const iso_mesh_view *view, const 
     ISO_TRY(iso_mesh_weld(view, &weld, error));
     if (opts->closed) iso_weld_separate(view, ISO_CLOSED_TOLERANCE, &weld);
     iso_status status = iso_weld_measure(&weld, &view->transform, opts->pool, measures, error);
-    if (status == ISO_OK) status = iso_mesh_write_weld(path, &weld, &view->transform, "isosculpt", error);
+    if (status == ISO_OK && opts->stream)
+        status = iso_mesh_put_weld(opts->stream, path, &weld, &view->transform, "isosculpt", error);
+    else if (status == ISO_OK)
+        status = iso_mesh_write_weld(path, &weld, &view->transform, "isosculpt", error);
     iso_weld_free(&weld);
     return status;
 }

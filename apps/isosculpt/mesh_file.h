@@ -3,6 +3,8 @@
 #ifndef ISO_APPS_ISOSCULPT_MESH_FILE_H
 #define ISO_APPS_ISOSCULPT_MESH_FILE_H
 
+#include <stdio.h>
+
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "extract/mesh/mesh_measure.h"
@@ -16,6 +18,7 @@ typedef struct isosculpt_mesh_opts {
     bool closed;                  /* cap the solid at the border of the grid (grids/parts/closed.h) */
     iso_pool *pool;               /* borrowed for the call; NULL: the calling thread */
     const iso_progress *progress; /* or NULL */
+    FILE *stream;                 /* where the mesh is written to; NULL: to the file `path` */
 } isosculpt_mesh_opts;
 
 /* Writes the Marching Cubes mesh of the field as .stl, .ply or .obj, and measures it. The field is only read.

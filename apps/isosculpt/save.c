@@ -111,52 +111,84 @@ iso_status isosculpt_document_check_target(const isosculpt_document *document, c
     return ISO_OK;
 }
 
-/* ---- writing */
+/* ---- one save */
 
 struct isosculpt_saver {
     isosculpt_task *task;
     iso_snapshot *snapshot;    /* of the field */
     char path[ISOSCULPT_PATH]; /* of the file, symbolic links resolved */
     size_t change_count;       /* document->change_count when the save began */
+    isosculpt_backup backup;   /* document->backup */
     bool is_export;
     bool closed;                /* cap the mesh at the border of the grid */
     iso_mesh_measures measures; /* of the mesh; zero for a level set */
 };
 
-/* An unused path beside `path`, with the same extension, for the file that is being written. */
-static iso_status name_temporary(const char *path, char temporary[ISOSCULPT_PATH], iso_error *error) {
-    char ending[64];
-    for (int number = 1; number < 100; number++) {
-        snprintf(ending, sizeof ending, ".new-%d%.16s", number, extension_of(path));
-        if (!isosculpt_path_with_ending(path, ending, temporary))
-            return iso_fail(error, ISO_ERR_WRITE, "%.700s: the name is too long", path);
-        if (access(temporary, F_OK)) return ISO_OK;
-    }
-    return iso_fail(error, ISO_ERR_WRITE, "%.700s: too many unfinished files beside it", path);
+/* ---- the file that is replaced, which is kept as PATH.bak */
+
+static bool is_backup(const isosculpt_backup *backup, const char *path) {
+    struct stat info;
+    return strcmp(backup->path, path) == 0 && lstat(path, &info) == 0 && info.st_dev == backup->device &&
+           info.st_ino == backup->inode;
 }
 
-/* Renames the complete new file to `path`; the old file becomes PATH.bak. */
-static iso_status replace_file(const char *temporary, const char *path, iso_error *error) {
-    char backup[ISOSCULPT_PATH];
-    if (snprintf(backup, sizeof backup, "%s.bak", path) >= (int)sizeof backup)
-        return iso_fail(error, ISO_ERR_WRITE, "%.700s: the name is too long", path);
-    unlink(backup);
-    if (link(path, backup) && errno != ENOENT && rename(path, backup)) /* this file system has no links */
-        return iso_fail(error, ISO_ERR_WRITE, "%.700s: %s", backup, strerror(errno));
-    if (rename(temporary, path)) return iso_fail(error, ISO_ERR_WRITE, "%.700s: %s", path, strerror(errno));
+/* Gives the file `path` a second name; where the file system has no links, the second name only. Returns 0 or
+ * an errno: EEXIST if a file has that name, ENOENT if there is no file `path`. */
+static int link_or_rename(const char *path, const char *name) {
+    struct stat info;
+    if (link(path, name) == 0) return 0;
+    if (errno == EEXIST || errno == ENOENT) return errno;
+    if (lstat(name, &info) == 0) return EEXIST;
+    return rename(path, name) == 0 ? 0 : errno;
+}
+
+/* Keeps the file that will be replaced, under a name that no file has but the session's own last backup.
+ * Sets *kept; *kept->path is 0 if there was nothing to keep, or if it is kept already. */
+static iso_status keep_file(const char *path, const isosculpt_backup *last, isosculpt_backup *kept,
+                            iso_error *error) {
+    enum { NUMBERS = 1000 };
+    char name[ISOSCULPT_PATH];
+    struct stat info;
+    int code = EEXIST;
+    kept->path[0] = 0;
+    for (int number = 1; code == EEXIST && number < NUMBERS; number++) {
+        const int length = number == 1 ? snprintf(name, sizeof name, "%s.bak", path)
+                                       : snprintf(name, sizeof name, "%s.bak-%d", path, number);
+        if (length >= (int)sizeof name)
+            return iso_fail(error, ISO_ERR_WRITE, "%.700s: the name is too long", path);
+        if (iso_file_same(path, name)) return ISO_OK;
+        if (is_backup(last, name)) unlink(name);
+        code = link_or_rename(path, name);
+    }
+    if (code == ENOENT) return ISO_OK;
+    if (code || lstat(name, &info)) /* (what has just been made is there) */
+        return iso_fail(error, ISO_ERR_WRITE, "%.700s: %s", name, strerror(code ? code : errno));
+    *kept = (isosculpt_backup){.device = info.st_dev, .inode = info.st_ino};
+    memcpy(kept->path, name, sizeof name);
     return ISO_OK;
 }
 
-static iso_status write_snapshot(isosculpt_saver *saver, const char *temporary, const iso_progress *progress,
+/* After a failure: the old file is there under its own name only. */
+static void take_back(const isosculpt_backup *kept, const char *path) {
+    if (!kept->path[0]) return;
+    if (access(path, F_OK))
+        rename(kept->path, path);
+    else
+        unlink(kept->path);
+}
+
+/* ---- writing */
+
+static iso_status write_snapshot(isosculpt_saver *saver, FILE *stream, const iso_progress *progress,
                                  iso_error *error) {
     const iso_progress taking = iso_progress_part(progress, 0, 0.2),
                        writing = iso_progress_part(progress, 0.2, 1);
     iso_hgrid *grid;
     ISO_TRY(iso_snapshot_copy(saver->snapshot, &taking, &grid, error));
-    const isosculpt_mesh_opts mesh = {.closed = saver->closed, .progress = &writing};
-    iso_status status = is_level_set(temporary)
-                            ? iso_level_set_write_vdb(temporary, grid, "surface", &writing, error)
-                            : isosculpt_mesh_write(temporary, grid, &mesh, &saver->measures, error);
+    const isosculpt_mesh_opts mesh = {.closed = saver->closed, .progress = &writing, .stream = stream};
+    iso_status status = is_level_set(saver->path)
+                            ? iso_level_set_put_vdb(stream, saver->path, grid, "surface", &writing, error)
+                            : isosculpt_mesh_write(saver->path, grid, &mesh, &saver->measures, error);
     iso_hgrid_destroy(grid);
     return status;
 }
@@ -164,11 +196,22 @@ static iso_status write_snapshot(isosculpt_saver *saver, const char *temporary, 
 /* isosculpt_task_fn */
 static iso_status run_save(void *context, const iso_progress *progress, iso_error *error) {
     isosculpt_saver *saver = context;
-    char temporary[ISOSCULPT_PATH];
-    ISO_TRY(name_temporary(saver->path, temporary, error));
-    iso_status status = write_snapshot(saver, temporary, progress, error);
-    if (status == ISO_OK) status = replace_file(temporary, saver->path, error);
-    if (status != ISO_OK) unlink(temporary);
+    isosculpt_backup kept = {.path = ""};
+    iso_sink sink;
+    ISO_TRY(iso_sink_open(saver->path, &sink, error));
+    iso_status status = write_snapshot(saver, sink.stream, progress, error);
+    /* (An error of the stream is reported by the commit.) */
+    if (status == ISO_OK && fflush(sink.stream) == 0)
+        status = keep_file(saver->path, &saver->backup, &kept, error);
+    if (status != ISO_OK) {
+        iso_sink_abort(&sink);
+        return status;
+    }
+    status = iso_sink_commit(&sink, error);
+    if (status != ISO_OK)
+        take_back(&kept, saver->path);
+    else if (kept.path[0])
+        saver->backup = kept;
     return status;
 }
 
@@ -180,6 +223,7 @@ static iso_status start_task(isosculpt_document *document, isosculpt_saver *save
     snprintf(saver->path, sizeof saver->path, "%s", whole ? whole : document->saved_as);
     free(whole);
     saver->change_count = document->change_count;
+    saver->backup = document->backup;
     ISO_TRY(iso_session_snapshot(document->session, &saver->snapshot, error));
     iso_status status = isosculpt_task_start(run_save, saver, wake, &saver->task, error);
     if (status != ISO_OK) iso_session_release_snapshot(document->session, saver->snapshot);
@@ -225,6 +269,7 @@ isosculpt_save_state isosculpt_document_poll_save(isosculpt_document *document, 
         isosculpt_document_remember_target(document);
     }
     if (status) *status = saved;
+    document->backup = saver->backup;
     document->saved_open_edges = saver->measures.open_edges;
     iso_session_release_snapshot(document->session, saver->snapshot);
     free(saver);

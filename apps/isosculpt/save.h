@@ -39,7 +39,8 @@ typedef struct isosculpt_save_opts {
 } isosculpt_save_opts;
 
 /* Starts to save a snapshot of the field in a background thread; editing may go on. The new file appears only
- * when it is complete, and the old file becomes PATH.bak. Unless it is an export, `path` becomes the
+ * when it is complete, and the old file becomes PATH.bak, or PATH.bak-2 and so on if a file that this session
+ * did not put there has that name. Unless it is an export, `path` becomes the
  * document's target. ISO_ERR_USAGE while a save is running or a stroke is drawn; errors of
  * isosculpt_document_check_target; ISO_ERR_NOMEM. */
 iso_status isosculpt_document_save(isosculpt_document *document, const isosculpt_save_opts *opts,

@@ -6,6 +6,7 @@
 #include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
 
 const char *iso_temporary_folder(void) {
@@ -22,6 +23,15 @@ static int create_nameless(const char *folder) {
     file = mkostemp(name, O_CLOEXEC);
     if (file >= 0) unlink(name);
     return file;
+}
+
+int iso_temporary_file_beside(const char *path) {
+    const char *slash = strrchr(path, '/');
+    char *folder = slash ? strndup(path, (size_t)(slash - path) + 1) : strdup(".");
+    const int file = folder ? create_nameless(folder) : -1;
+    const int code = folder ? errno : ENOMEM;
+    free(folder);
+    return file < 0 ? -code : file;
 }
 
 int iso_temporary_file_create(uint64_t bytes) {

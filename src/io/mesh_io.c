@@ -138,16 +138,6 @@ static write_fn *writer_for(const char *path) {
     return NULL;
 }
 
-static iso_status write_weld(const char *path, const mesh_source *source, write_fn *write, iso_error *error) {
-    if (write == write_stl && source->weld->triangle_count > UINT32_MAX)
-        return iso_fail(error, ISO_ERR_LIMIT, "%s: %zu triangles are more than an .stl can hold", path,
-                        source->weld->triangle_count);
-    iso_sink sink;
-    ISO_TRY(iso_sink_open(path, &sink, error));
-    write(source, sink.stream);
-    return iso_sink_commit(&sink, error);
-}
-
 static mesh_source source_of(const iso_weld *weld, const iso_transform *transform, const char *comment) {
     mesh_source source = {weld, iso_transform_affine(transform), 1, 2, comment};
     if (source.affine.determinant < 0) {
@@ -157,12 +147,26 @@ static mesh_source source_of(const iso_weld *weld, const iso_transform *transfor
     return source;
 }
 
-iso_status iso_mesh_write_weld(const char *path, const iso_weld *weld, const iso_transform *transform,
-                               const char *comment, iso_error *error) {
+iso_status iso_mesh_put_weld(FILE *stream, const char *path, const iso_weld *weld,
+                             const iso_transform *transform, const char *comment, iso_error *error) {
     write_fn *write = writer_for(path);
     if (!write) return iso_fail(error, ISO_ERR_USAGE, "%s: a mesh is written as .ply, .stl or .obj", path);
+    if (write == write_stl && weld->triangle_count > UINT32_MAX)
+        return iso_fail(error, ISO_ERR_LIMIT, "%s: %zu triangles are more than an .stl can hold", path,
+                        weld->triangle_count);
     const mesh_source source = source_of(weld, transform, comment);
-    return write_weld(path, &source, write, error);
+    write(&source, stream);
+    return ISO_OK;
+}
+
+iso_status iso_mesh_write_weld(const char *path, const iso_weld *weld, const iso_transform *transform,
+                               const char *comment, iso_error *error) {
+    iso_sink sink;
+    ISO_TRY(iso_sink_open(path, &sink, error));
+    const iso_status status = iso_mesh_put_weld(sink.stream, path, weld, transform, comment, error);
+    if (status == ISO_OK) return iso_sink_commit(&sink, error);
+    iso_sink_abort(&sink);
+    return status;
 }
 
 iso_status iso_mesh_write(const char *path, const iso_mesh_view *view, const char *comment,

@@ -24,6 +24,11 @@ struct iso_weld;
 iso_status iso_mesh_write_weld(const char *path, const struct iso_weld *weld, const iso_transform *transform,
                                const char *comment, iso_error *error);
 
+/* The same to a stream of the caller, in the format that `path` names; errors of the stream are the caller's to
+ * find (iso_sink_commit). */
+iso_status iso_mesh_put_weld(FILE *stream, const char *path, const struct iso_weld *weld,
+                             const iso_transform *transform, const char *comment, iso_error *error);
+
 /* A .ply whose vertices and triangles are written in pieces, in any order. */
 typedef struct iso_mesh_file_opts {
     uint64_t vertices, triangles; /* their numbers in the whole mesh */

@@ -25,6 +25,7 @@ typedef struct file_head {
 } file_head;
 
 static const char MAGIC[8] = "isosnp2";
+enum { MARK_BYTES = 6 }; /* which files of all versions begin with */
 
 static file_head file_head_of(const iso_hgrid *grid) {
     file_head h = {.band = grid->band};
@@ -71,7 +72,7 @@ void iso_checkpoint_put(FILE *stream, const iso_hgrid *grid, const iso_mask *mas
 iso_status iso_checkpoint_write(const char *path, const iso_hgrid *grid, const iso_mask *mask,
                                 iso_error *error) {
     iso_sink sink;
-    ISO_TRY(iso_sink_open(path, &sink, error));
+    ISO_TRY(iso_sink_open_own(path, MAGIC, MARK_BYTES, &sink, error));
     iso_checkpoint_put(sink.stream, grid, mask);
     return iso_sink_commit(&sink, error);
 }

@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "base/memory.h"
+#include "base/temporary_file.h"
 #include "sculpt/field/cell_pack.h"
 #include "sculpt/field/slabs.h"
 
@@ -46,7 +47,7 @@ struct iso_history {
     void (*before_write)(void *context, uint32_t cell);
     void *context;
     size_t memory, used; /* limit and present number of bytes of steps in memory */
-    char *path;
+    char *beside;        /* iso_history_opts.beside */
     FILE *file;
     long long file_size;
     step *steps;
@@ -79,10 +80,10 @@ iso_status iso_history_create(iso_hgrid *grid, const iso_history_opts *opts, iso
     history->context = opts->context;
     history->memory = opts->memory ? opts->memory : DEFAULT_MEMORY;
     history->copy_of = iso_alloc_zero(iso_hgrid_cell_count(grid), sizeof *history->copy_of);
-    if (opts->spill) history->path = duplicate(opts->spill);
+    if (opts->beside) history->beside = duplicate(opts->beside);
     iso_status room = iso_slabs_reserve(&history->raw, 1, NULL);
     iso_slabs_prefault(&history->raw);
-    if (!history->copy_of || (opts->spill && !history->path) || room != ISO_OK) {
+    if (!history->copy_of || (opts->beside && !history->beside) || room != ISO_OK) {
         iso_history_destroy(history);
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the undo history of %zu cells",
                         iso_hgrid_cell_count(grid));
@@ -109,11 +110,8 @@ static void close_step(iso_history *history) {
 void iso_history_destroy(iso_history *history) {
     if (!history) return;
     for (size_t i = 0; i < history->count; i++) free_step(history, &history->steps[i]);
-    if (history->file) {
-        fclose(history->file);
-        unlink(history->path);
-    }
-    iso_free(history->path);
+    if (history->file) fclose(history->file);
+    iso_free(history->beside);
     iso_free(history->name);
     iso_free(history->steps);
     iso_free(history->copies);
@@ -126,7 +124,11 @@ void iso_history_destroy(iso_history *history) {
 /* ---- the spill file */
 
 static bool open_file(iso_history *history) {
-    if (!history->file && history->path) history->file = fopen(history->path, "w+b");
+    if (history->file || !history->beside) return history->file != NULL;
+    const int file = iso_temporary_file_beside(history->beside);
+    if (file < 0) return false;
+    history->file = fdopen(file, "w+b");
+    if (!history->file) close(file);
     return history->file != NULL;
 }
 
@@ -161,7 +163,8 @@ static iso_status read_back(iso_history *history, step *s, iso_error *error) {
     if (fseeko(history->file, (off_t)s->offset, SEEK_SET) ||
         fread(bytes, 1, s->size, history->file) != s->size) {
         iso_free(bytes);
-        return iso_fail(error, ISO_ERR_IO, "cannot read step '%s' back from '%s'", s->name, history->path);
+        return iso_fail(error, ISO_ERR_IO, "cannot read step '%s' back from the file beside '%s'", s->name,
+                        history->beside);
     }
     for (size_t i = 0; i < s->count; i++) {
         float brick[ISO_BRICK_VOXELS];
@@ -169,7 +172,8 @@ static iso_status read_back(iso_history *history, step *s, iso_error *error) {
         if (c->state != BRICK || iso_cell_unpack(bytes + c->first, c->size, history->grid->band, brick))
             continue;
         iso_free(bytes);
-        return iso_fail(error, ISO_ERR_IO, "step '%s' is damaged in '%s'", s->name, history->path);
+        return iso_fail(error, ISO_ERR_IO, "step '%s' is damaged in the file beside '%s'", s->name,
+                        history->beside);
     }
     s->bytes = bytes;
     history->used += s->size;

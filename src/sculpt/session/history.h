@@ -20,11 +20,13 @@ typedef struct iso_history_opts {
     /* Called before a step, undo, redo or cancel writes a cell; NULL: not called. */
     void (*before_write)(void *context, uint32_t cell);
     void *context;
-    const char *spill; /* path of the file for steps that do not fit; copied. NULL: all stay in memory */
+    const char
+        *beside; /* steps that do not fit go to a file without a name in the folder of this file; copied.
+                           NULL: all stay in memory */
 } iso_history_opts;
 
-/* The grid is borrowed until destroy. The spill file is created when it is first needed and removed by
- * destroy; if it cannot be written, steps stay in memory. ISO_ERR_NOMEM. */
+/* The grid is borrowed until destroy. The spill file is created when it is first needed, and vanishes
+ * with the history or the program; if it cannot be written, steps stay in memory. ISO_ERR_NOMEM. */
 iso_status iso_history_create(iso_hgrid *grid, const iso_history_opts *opts, iso_history **history,
                               iso_error *error);
 void iso_history_destroy(iso_history *history);

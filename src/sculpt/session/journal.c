@@ -9,6 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -166,10 +167,12 @@ static iso_journal *allocate_journal(const char *path) {
     return j;
 }
 
-static iso_status open_at(iso_journal *j, int flags, iso_error *error) {
-    j->file = open(j->path, O_WRONLY | O_CLOEXEC | flags, 0666);
+/* The lock is one of the file, whatever name it has been opened by. (There are file systems without locks.) */
+static iso_status open_locked(iso_journal *j, int flags, iso_error *error) {
+    j->file = open(j->path, O_WRONLY | O_NONBLOCK | O_CLOEXEC | flags, 0666);
     if (j->file < 0) return iso_fail(error, ISO_ERR_WRITE, "cannot write '%s': %s", j->path, strerror(errno));
-    return start_thread(j, error);
+    if (flock(j->file, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return ISO_OK;
+    return iso_fail(error, ISO_ERR_WRITE, "%s: another program has it open", j->path);
 }
 
 /* Appends a line to the queue and frees the line. Returns false if `line` is NULL or there is no memory. The
@@ -200,7 +203,8 @@ iso_status iso_journal_create(const char *path, const iso_journal_start *start, 
         if (j) free_journal(j);
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the journal");
     }
-    iso_status status = open_at(j, O_CREAT | O_EXCL, error);
+    iso_status status = open_locked(j, O_CREAT | O_EXCL, error);
+    if (status == ISO_OK) status = start_thread(j, error);
     if (status != ISO_OK) {
         free_journal(j);
         return status;
@@ -209,30 +213,37 @@ iso_status iso_journal_create(const char *path, const iso_journal_start *start, 
     return iso_journal_sync(j, error) == ISO_OK ? ISO_OK : iso_journal_close(j, error);
 }
 
-iso_status iso_journal_append(const char *path, iso_journal **out, iso_error *error) {
+/* Counts the events of a journal that is opened, and removes an incomplete last line. */
+static iso_status continue_lines(iso_journal *j, iso_error *error) {
     iso_journal_start start;
     iso_journal_reader *reader;
-    ISO_TRY(iso_journal_open(path, &start, &reader, error));
+    ISO_TRY(iso_journal_open(j->path, &start, &reader, error));
     iso_event event;
     bool more = true;
     iso_status status = ISO_OK;
-    unsigned long long lines = 0;
     while (status == ISO_OK && more) {
         status = iso_journal_next(reader, &event, &more, error);
-        lines += status == ISO_OK && more;
+        j->next += status == ISO_OK && more;
     }
-    uint64_t sound = iso_journal_sound_bytes(reader);
+    const uint64_t sound = iso_journal_sound_bytes(reader);
     iso_journal_reader_free(reader);
-    if (status != ISO_OK) return status;
+    if (status != ISO_OK || ftruncate(j->file, (off_t)sound) == 0) return status;
+    return iso_fail(error, ISO_ERR_WRITE, "cannot write '%s': %s", j->path, strerror(errno));
+}
+
+bool iso_journal_is_locked(const char *path) {
+    const int file = open(path, O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
+    const bool locked = file >= 0 && flock(file, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+    if (file >= 0) close(file);
+    return locked;
+}
+
+iso_status iso_journal_append(const char *path, iso_journal **out, iso_error *error) {
     iso_journal *j = allocate_journal(path);
     if (!j) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the journal");
-    j->next = lines;
-    /* removes an incomplete last line */
-    if (truncate(path, (off_t)sound)) {
-        free_journal(j);
-        return iso_fail(error, ISO_ERR_WRITE, "cannot write '%s': %s", path, strerror(errno));
-    }
-    status = open_at(j, O_APPEND, error);
+    iso_status status = open_locked(j, O_APPEND, error);
+    if (status == ISO_OK) status = continue_lines(j, error);
+    if (status == ISO_OK) status = start_thread(j, error);
     if (status != ISO_OK)
         free_journal(j);
     else

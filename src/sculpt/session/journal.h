@@ -62,11 +62,15 @@ typedef struct iso_journal iso_journal;
 
 /* Creates the file (ISO_ERR_WRITE: it exists, or cannot be created), or appends to a stroke file, whose
  * incomplete last line is removed. Lines are written to the file within 1 s; after every event but BEGIN and
- * SAMPLE they are written at once and synced to the disk. ISO_ERR_NOMEM; append fails as reading does, too.
+ * SAMPLE they are written at once and synced to the disk. The file is locked until it is closed, whatever
+ * names it has: ISO_ERR_WRITE if another journal has it open. ISO_ERR_NOMEM; append fails as reading does, too.
  */
 iso_status iso_journal_create(const char *path, const iso_journal_start *start, iso_journal **journal,
                               iso_error *error);
 iso_status iso_journal_append(const char *path, iso_journal **journal, iso_error *error);
+
+/* Whether another journal, of any program, has the file open for writing. */
+bool iso_journal_is_locked(const char *path);
 
 /* Adds an event; never waits for the disk. If writing fails (full disk), events stay in memory and are tried
  * again; iso_journal_status reports it. ISO_ERR_NOMEM. */

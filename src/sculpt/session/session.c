@@ -243,12 +243,11 @@ static iso_status copy_journal_path(iso_session *session, const char *journal, i
 
 static iso_status set_up(iso_session *session, const iso_journal_start *start, const iso_session_opts *opts,
                          iso_error *error) {
-    char spill[ISO_JOURNAL_TEXT];
     iso_editor_opts editor = {.pool = opts->pool};
-    iso_history_opts history = {
-        .memory = opts->undo_memory, .before_write = preserve_in_snapshots, .context = session};
-    if (opts->journal && snprintf(spill, sizeof spill, "%s.undo", opts->journal) < (int)sizeof spill)
-        history.spill = spill;
+    iso_history_opts history = {.memory = opts->undo_memory,
+                                .before_write = preserve_in_snapshots,
+                                .context = session,
+                                .beside = opts->journal};
     ISO_TRY(copy_journal_path(session, opts->journal, error));
     ISO_TRY(iso_editor_create(session->grid, &editor, &session->editor, error));
     history.mask = iso_editor_mask(session->editor);
