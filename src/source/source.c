@@ -283,9 +283,8 @@ static iso_status convert_mesh_parts(const iso_source *source, iso_hgrid **grid,
     ISO_TRY(convert_mesh(source, grid, error));
     iso_grid whole = {.hgrid = *grid};
     iso_status status = drop_parts(source, 0, &whole, &dropped, error);
-    if (status == ISO_OK)
-        return dropped ? iso_field_redistance(*grid, source->pool, &progress, error) : ISO_OK;
-    iso_hgrid_destroy(*grid);
+    if (status == ISO_OK && dropped) status = iso_field_redistance(*grid, source->pool, &progress, error);
+    if (status != ISO_OK) iso_hgrid_destroy(*grid);
     return status;
 }
 

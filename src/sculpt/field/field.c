@@ -33,7 +33,6 @@ iso_status iso_field_redistance(iso_hgrid *grid, iso_pool *pool, const iso_progr
         status = iso_editor_redistance(editor, ITERATIONS, progress, error);
         iso_editor_destroy(editor);
     }
-    if (status != ISO_OK) iso_hgrid_destroy(grid);
     return status;
 }
 
@@ -55,5 +54,8 @@ iso_status iso_field_from_grid(const char *name, const iso_grid *from, const iso
         sparse && has_cubes(sparse) && (how->voxel <= 0 || how->voxel == own_voxel) && how->isovalue == 0;
     ISO_TRY(is_copied ? copy_level_set(sparse, grid, error) : sample_volume(name, from, how, grid, error));
     const iso_progress progress = iso_progress_part(how->progress, 0.5, 1);
-    return is_copied && !opts->damaged ? ISO_OK : iso_field_redistance(*grid, how->pool, &progress, error);
+    if (is_copied && !opts->damaged) return ISO_OK;
+    const iso_status status = iso_field_redistance(*grid, how->pool, &progress, error);
+    if (status != ISO_OK) iso_hgrid_destroy(*grid);
+    return status;
 }

@@ -26,8 +26,8 @@ typedef struct iso_field_opts {
 iso_status iso_field_from_grid(const char *name, const iso_grid *from, const iso_field_opts *opts,
                                iso_hgrid **grid, iso_error *error);
 
-/* Recomputes the distances of the whole narrow band. Destroys the grid when it fails. `pool` may be NULL.
- * ISO_ERR_IO: cancelled through `progress`. */
+/* Recomputes the distances of the whole narrow band. `pool` may be NULL. ISO_ERR_NOMEM; ISO_ERR_IO: cancelled
+ * through `progress`; the caller's grid is of no use then, and still the caller's. */
 iso_status iso_field_redistance(iso_hgrid *grid, iso_pool *pool, const iso_progress *progress,
                                 iso_error *error);
 
