@@ -176,7 +176,8 @@ iso_status iso_loader_open(iso_loader *loader, iso_error *error) {
         return find_crop(loader, error);
     }
     iso_volume_opts opts = volume_opts(loader);
-    if (iso_spool_needed(loader->input)) {
+    const bool fifo_is_refused = loader->is_further && strcmp(loader->input, "-") != 0;
+    if (iso_spool_needed(loader->input) && !fifo_is_refused) {
         iso_spool_opts spooling = {.volume = &opts, .points = true};
         ISO_TRY(iso_spool_open(loader->input, &spooling, &loader->spool, error));
         loader->path = loader->spool.path;

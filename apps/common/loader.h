@@ -45,6 +45,7 @@ typedef struct iso_loader {
     /* Voxels are mapped from files if they can be (iso_volume_opts.mapped), and not counted. May be set
      * after iso_loader_open. */
     bool mapped;
+    bool is_further;    /* not the main input: a FIFO is refused, which could wait for ever */
     uint64_t set_aside; /* bytes of the memory limit that chunks and tiles may not take */
     int chunk_side;     /* voxels along the side of the chunks that will be read; 0: iso_loader_chunk_side */
 

@@ -29,6 +29,7 @@ iso_status isorender_volumes_open(isorender_job *job, iso_error *error) {
                                .options = &job->volume_input,
                                .files = job->plan->files,
                                .pool = job->pool,
+                               .is_further = true,
                                .wants_histogram = settings->info || isnan(settings->volumes[i].isovalue)};
         ISO_TRY(isorender_volume_named(job, i, open_volume(loader, error), error));
     }

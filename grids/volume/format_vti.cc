@@ -11,7 +11,6 @@
  * those of the file. */
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -40,6 +39,7 @@
 #include <vtkXMLDataParser.h>
 #include <vtkXMLImageDataReader.h>
 
+#include "base/file.h"
 #include "base/memory.h"
 #include "grids/volume/bridge_guard.hpp"
 #include "grids/volume/format.h"
@@ -267,8 +267,8 @@ bool scalar_of(int type, iso_scalar *scalar) {
 
 /* Checks that the file contains image data: VTK does not check it. */
 iso_status check_kind(const char *path, iso_error *error) {
-    FILE *file = std::fopen(path, "rb");
-    if (!file) return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, std::strerror(errno));
+    FILE *file;
+    ISO_TRY(iso_file_open(path, &file, nullptr, error));
     std::string head(4096, 0);
     head.resize(std::fread(&head[0], 1, head.size(), file));
     std::fclose(file);
@@ -287,8 +287,8 @@ iso_status check_kind(const char *path, iso_error *error) {
 
 /* Checks that the file ends with the closing tag: VTK does not notice that raw appended data ends early. */
 iso_status check_end(const char *path, iso_error *error) {
-    FILE *file = std::fopen(path, "rb");
-    if (!file) return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, std::strerror(errno));
+    FILE *file;
+    ISO_TRY(iso_file_open(path, &file, nullptr, error));
     std::string tail(1024, 0);
     if (fseeko(file, -1024, SEEK_END) != 0) std::rewind(file);
     tail.resize(std::fread(&tail[0], 1, tail.size(), file));

@@ -3,10 +3,10 @@
 #define _GNU_SOURCE
 #include "grids/volume/vdb_check.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <string.h>
 
+#include "base/file.h"
 #include "base/memory.h"
 
 /* Numbers of values in a node (leaf 8^3, lower 16^3, upper 32^3); a mask has a bit for each. */
@@ -195,14 +195,11 @@ static bool check_tree(walk *w) {
 
 static iso_status run_check(const char *path, const iso_vdb_layout *layout, bool (*check)(walk *w),
                             iso_vdb_nodes *nodes, iso_error *error) {
-    walk w = {.layout = layout, .stream = fopen(path, "rb"), .buffer = iso_alloc(BUFFER)};
-    iso_status status = ISO_OK;
-    if (!w.buffer) {
-        status = iso_fail_memory(error, path);
-    } else if (!w.stream || fseeko(w.stream, 0, SEEK_END) != 0) {
-        status = iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
-    } else {
-        w.size = w.begin = (uint64_t)ftello(w.stream);
+    walk w = {.layout = layout, .buffer = iso_alloc(BUFFER)};
+    iso_status status =
+        w.buffer ? iso_file_open(path, &w.stream, &w.size, error) : iso_fail_memory(error, path);
+    if (status == ISO_OK) {
+        w.begin = w.size;
         setvbuf(w.stream, NULL, _IONBF, 0);
         if (!check(&w))
             status = iso_fail(error, ISO_ERR_IO, "%s: %s", path,

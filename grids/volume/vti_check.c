@@ -13,6 +13,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/file.h"
 #include "base/memory.h"
 #include "grids/volume/format.h"
 
@@ -31,31 +32,33 @@ typedef struct input {
     unsigned char buffer[BUFFER];
 } input;
 
+static void close_input(input *in) {
+    fclose(in->stream);
+    iso_free(in);
+}
+
 static iso_status open_input(const char *path, uint64_t position, input **opened, iso_error *error) {
     uint64_t size = 0;
-    ISO_TRY(iso_format_file_bytes(path, &size, error));
-    if (position > size)
+    FILE *stream;
+    ISO_TRY(iso_file_open(path, &stream, &size, error));
+    input *in = position > size ? NULL : iso_alloc(sizeof *in);
+    if (!in) {
+        fclose(stream);
+        if (position <= size) return iso_fail_memory(error, path);
         return iso_fail(error, ISO_ERR_IO, "%s: truncated: an array begins behind the end of the file", path);
-    input *in = iso_alloc(sizeof *in);
-    if (!in) return iso_fail_memory(error, path);
+    }
     in->path = path;
     in->size = size;
     in->begin = position;
     in->at = in->filled = 0;
-    in->stream = fopen(path, "rb");
-    if (in->stream && fseeko(in->stream, (off_t)position, SEEK_SET) == 0) {
+    in->stream = stream;
+    if (fseeko(in->stream, (off_t)position, SEEK_SET) == 0) {
         *opened = in;
         return ISO_OK;
     }
     iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
-    if (in->stream) fclose(in->stream);
-    iso_free(in);
+    close_input(in);
     return ISO_ERR_IO;
-}
-
-static void close_input(input *in) {
-    fclose(in->stream);
-    iso_free(in);
 }
 
 /* Reads the next part of the file into the buffer; false at the end of the file. */

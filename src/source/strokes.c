@@ -4,13 +4,14 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/file.h"
 #include "grids/grid.h"
 
 bool iso_strokes_are_in(const char *path) {
     static const char first[] = "{\"format\":\"isopoint strokes\"";
     char begin[sizeof first] = "";
-    FILE *file = fopen(path, "rb");
-    if (!file) return false;
+    FILE *file;
+    if (iso_file_open(path, &file, NULL, NULL) != ISO_OK) return false;
     const size_t count = fread(begin, 1, sizeof first - 1, file);
     fclose(file);
     return count == sizeof first - 1 && strcmp(begin, first) == 0;

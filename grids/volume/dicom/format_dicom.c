@@ -12,6 +12,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "base/file.h"
 #include "base/memory.h"
 #include "grids/volume/dicom/dicom.h"
 #include "grids/volume/module.h"
@@ -538,8 +539,8 @@ static iso_status load_items(pixel_file *f, iso_error *error) {
 static iso_status open_pixels(const iso_dicom_file *file, pixel_file *f, iso_error *error) {
     close_pixels(f);
     f->file = file;
-    f->stream = fopen(file->path, "rb");
-    if (!f->stream || fseeko(f->stream, (off_t)file->pixel_offset, SEEK_SET) != 0)
+    ISO_TRY(iso_file_open(file->path, &f->stream, NULL, error));
+    if (fseeko(f->stream, (off_t)file->pixel_offset, SEEK_SET) != 0)
         return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", file->path, strerror(errno));
     return file->encapsulated ? load_items(f, error) : ISO_OK;
 }

@@ -13,6 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/file.h"
 #include "base/memory.h"
 
 /* MAX_FRAMES: more slices than volumes have; each needs about 300 bytes of memory before its pixels are read.
@@ -663,8 +664,8 @@ static iso_status parse_file(parser *p, iso_dicom_kind *kind, iso_error *error) 
 
 static iso_status open_parser(parser *p, iso_error *error) {
     const char *path = p->file->path;
-    p->stream = fopen(path, "rb");
-    if (!p->stream || fseeko(p->stream, 0, SEEK_END) != 0 || (p->size = ftello(p->stream)) < 0)
+    ISO_TRY(iso_file_open(path, &p->stream, NULL, error));
+    if (fseeko(p->stream, 0, SEEK_END) != 0 || (p->size = ftello(p->stream)) < 0)
         return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
     rewind(p->stream);
     p->c_locale = newlocale(LC_NUMERIC_MASK, "C", (locale_t)0);

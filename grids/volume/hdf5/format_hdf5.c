@@ -3,14 +3,11 @@
  * and 64 in both byte orders, in one piece or in chunks, through the filters that chunk.c or libhdf5 undo.
  * The last axis is x; a fourth axis has components. */
 #define _GNU_SOURCE
-#include <errno.h>
-#include <fcntl.h>
 #include <limits.h>
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include "base/file.h"
@@ -311,17 +308,13 @@ static iso_status open_source(const iso_volume_opts *opts, const iso_volume_info
                               iso_error *error) {
     iso_volume_info now = {.components = 1, .scale = 1, .transform = iso_transform_identity()};
     iso_hdf5_source *source = &tiles->source;
-    struct stat status;
     ISO_TRY(describe_file(&tiles->paths, opts, &now, &source->array, &source->slices, error));
     if (memcmp(now.dims, info->dims, sizeof now.dims) != 0 || now.type != info->type ||
         now.components != info->components || now.read_bytes > info->read_bytes)
         return iso_fail(error, ISO_ERR_IO, "%s: changed while it was read", tiles->paths.file);
     memcpy(source->dims, info->dims, sizeof source->dims);
     iso_hdf5_chunk_grid(&source->array, source->dims, source->counts, source->voxels);
-    source->descriptor = open(tiles->paths.file, O_RDONLY | O_CLOEXEC);
-    if (source->descriptor < 0 || fstat(source->descriptor, &status) != 0)
-        return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", tiles->paths.file, strerror(errno));
-    source->file_bytes = (uint64_t)status.st_size;
+    ISO_TRY(iso_file_descriptor(tiles->paths.file, &source->descriptor, &source->file_bytes, error));
     ISO_TRY(open_places(opts, source, error));
     ISO_TRY(check_slices(source, error));
     return open_decoder(opts, source, error);

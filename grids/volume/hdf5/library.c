@@ -7,12 +7,12 @@
 #include "grids/volume/hdf5/library.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
+
+#include "base/file.h"
 
 /* ---- the driver ---- */
 
@@ -143,11 +143,8 @@ iso_status iso_hdf5_fail(const iso_hdf5_file *file, const char *what, iso_error 
 /* ---- files and objects ---- */
 
 iso_status iso_hdf5_open(const char *path, iso_hdf5_file *file, iso_error *error) {
-    struct stat status;
-    *file = (iso_hdf5_file){.path = path, .descriptor = open(path, O_RDONLY | O_CLOEXEC)};
-    if (file->descriptor < 0 || fstat(file->descriptor, &status) != 0)
-        return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
-    file->bytes = (uint64_t)status.st_size;
+    *file = (iso_hdf5_file){.path = path, .descriptor = -1};
+    ISO_TRY(iso_file_descriptor(path, &file->descriptor, &file->bytes, error));
     H5open();
     H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
     const hid_t access = H5Pcreate(H5P_FILE_ACCESS), id = H5FDregister(&driver);

@@ -4,7 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 #include <tiffio.h>
+#include <unistd.h>
 
+#include "base/file.h"
 #include "base/memory.h"
 #include "grids/volume/tiff/tiff.h"
 
@@ -53,9 +55,17 @@ iso_status iso_tiff_open(const char *path, uint64_t most, iso_tiff_file **file, 
     TIFFOpenOptionsSetErrorHandlerExtR(options, keep_error, opened);
     TIFFOpenOptionsSetWarningHandlerExtR(options, keep_warning, opened);
     if (most) TIFFOpenOptionsSetMaxSingleMemAlloc(options, most < INT64_MAX ? (tmsize_t)most : INT64_MAX);
-    opened->tiff = TIFFOpenExt(path, "rm", options); /* m: no memory map, whose pages count as memory */
+    int descriptor = -1; /* the library's when it has opened the file */
+    if (iso_file_descriptor(path, &descriptor, NULL, error) != ISO_OK) {
+        TIFFOpenOptionsFree(options);
+        iso_tiff_close(opened);
+        return ISO_ERR_IO;
+    }
+    /* m: no memory map, whose pages count as memory */
+    opened->tiff = TIFFFdOpenExt(descriptor, path, "rm", options);
     TIFFOpenOptionsFree(options);
     if (!opened->tiff) {
+        close(descriptor);
         const char *text = opened->message[0] ? opened->message : "cannot be read";
         iso_fail(error, ISO_ERR_IO, "%s: not a TIFF file, or damaged: %s", path, text);
         iso_tiff_close(opened);

@@ -1,16 +1,15 @@
 /* chunks: finds the chunks of a Zarr array in files, one for each chunk or each shard, and reads them. */
 #define _GNU_SOURCE
 #include <errno.h>
-#include <fcntl.h>
 #include <limits.h>
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include "base/crc32c.h"
+#include "base/file.h"
 #include "base/memory.h"
 #include "grids/volume/zarr/zarr.h"
 
@@ -131,17 +130,9 @@ typedef struct part {
 
 /* Opens a file; *file is -1, without an error, if it does not exist. */
 static iso_status open_file(const place *p, int *file, uint64_t *bytes, iso_error *error) {
-    struct stat info;
-    *file = open(p->path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-    if (*file < 0 && errno == ENOENT) return ISO_OK;
-    const int code = errno;
-    if (*file >= 0 && fstat(*file, &info) == 0 && S_ISREG(info.st_mode)) {
-        *bytes = (uint64_t)info.st_size;
-        return ISO_OK;
-    }
-    if (*file < 0) return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", p->path, strerror(code));
-    close(*file);
-    return iso_fail(error, ISO_ERR_IO, "%s: is not a file", p->path);
+    *file = -1;
+    if (access(p->path, F_OK) != 0 && errno == ENOENT) return ISO_OK;
+    return iso_file_descriptor(p->path, file, bytes, error);
 }
 
 static iso_status read_part(int file, const place *p, part wanted, void *target, iso_error *error) {

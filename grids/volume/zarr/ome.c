@@ -192,7 +192,7 @@ static iso_status read_first_image(const char *folder, const iso_volume_opts *op
 static bool has_file(const char *folder, const char *name) {
     char *path;
     if (asprintf(&path, "%s/%s", folder, name) < 0) return false;
-    const bool found = access(path, F_OK) == 0;
+    const bool found = access(path, R_OK) == 0;
     free(path);
     return found;
 }

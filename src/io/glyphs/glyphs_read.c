@@ -6,8 +6,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
+#include "base/file.h"
 #include "base/memory.h"
 #include "base/text.h"
 #include "io/encode.h"
@@ -89,11 +89,10 @@ static double number_in(const char *tag, const char *attribute) {
 
 bool iso_glyphs_fill_vtp(const char *path) {
     enum { HEAD = 1 << 16 };
-    struct stat status;
     char *head = iso_alloc(HEAD);
-    FILE *file = stat(path, &status) == 0 && S_ISREG(status.st_mode) ? fopen(path, "rb") : NULL;
+    FILE *file = NULL;
     bool points = false, others = false;
-    if (head && file) {
+    if (head && iso_file_open(path, &file, NULL, NULL) == ISO_OK) {
         head[fread(head, 1, HEAD - 1, file)] = 0;
         for (const char *tag = strstr(head, "<Piece"); tag; tag = strstr(tag + 1, "<Piece")) {
             points |= number_in(tag, "NumberOfPoints=\"") > 0;
@@ -118,9 +117,8 @@ bool iso_glyphs_are_points(const char *path) {
     static const char *const endings[] = {".ply", ".pcd", ".las", ".laz", ".npy", ".pts",
                                           ".pwn", ".asc", ".txt", ".off", ".obj"};
     char head[256] = "";
-    struct stat status;
-    FILE *file = stat(path, &status) == 0 && S_ISREG(status.st_mode) ? fopen(path, "rb") : NULL;
-    if (!file) return false;
+    FILE *file;
+    if (iso_file_open(path, &file, NULL, NULL) != ISO_OK) return false;
     const size_t bytes = fread(head, 1, sizeof head - 1, file);
     head[bytes] = 0;
     fclose(file);

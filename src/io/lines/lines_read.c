@@ -4,8 +4,8 @@
 
 #include <stdio.h>
 #include <string.h>
-#include <sys/stat.h>
 
+#include "base/file.h"
 #include "io/encode.h"
 #include "io/lines/lines_format.h"
 
@@ -32,9 +32,8 @@ iso_status iso_lines_read(const char *path, const iso_read_opts *opts, iso_lines
 
 bool iso_lines_fill_vtk(const char *path) {
     char head[1024];
-    struct stat status;
-    FILE *file = stat(path, &status) == 0 && S_ISREG(status.st_mode) ? fopen(path, "rb") : NULL;
-    if (!file) return false;
+    FILE *file;
+    if (iso_file_open(path, &file, NULL, NULL) != ISO_OK) return false;
     head[fread(head, 1, sizeof head - 1, file)] = 0;
     fclose(file);
     return strncmp(head, "# vtk DataFile", 14) == 0 && strcasestr(head, "\nDATASET POLYDATA");

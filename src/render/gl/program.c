@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/file.h"
 #include "render/gl/internal.h"
 
 /* HEAD: sources that every shader begins with, before its pieces. */
@@ -157,8 +158,8 @@ static const char *embedded(const char *name) {
 static char *read_file(const char *folder, const char *name) {
     char path[PATH_MAX];
     if (snprintf(path, sizeof path, "%s/%s", folder, name) >= (int)sizeof path) return NULL;
-    FILE *file = fopen(path, "rb");
-    if (!file) return NULL;
+    FILE *file;
+    if (iso_file_open(path, &file, NULL, NULL) != ISO_OK) return NULL;
     char *text = NULL;
     size_t size = 0;
     if (getdelim(&text, &size, 0, file) < 0) {
