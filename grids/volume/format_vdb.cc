@@ -261,7 +261,7 @@ iso_status fill_info(const char *path, const iso_volume_opts *opts, archive &fil
 
 iso_status vdb_info(const char *path, const iso_volume_opts *opts, iso_volume_info *info, iso_error *error) {
     return iso::guard(path, error, [&] {
-        openvdb::initialize();
+        initialize();
         return reading(path, error, [&] {
             archive file(path, opts);
             ISO_TRY(file.scan(error));

@@ -11,6 +11,7 @@
 #include <openvdb/openvdb.h>
 
 #include "grids/volume/bridge_guard.hpp"
+#include "grids/volume/vdb_archive.hpp"
 
 namespace {
 
@@ -127,7 +128,7 @@ iso_status iso_vdb_write_level_set(FILE *stream, const char *path, const iso_hgr
                        writing = iso_progress_part(progress, 0.5, 1);
     return iso::guard(path, error, [&] {
         try {
-            openvdb::initialize();
+            iso::vdb::initialize();
             const openvdb::GridCPtrVec grids{level_set_of(*grid, name, &filling)};
             file_buffer buffer(
                 stream, LEAF_BYTES * 8.0 * static_cast<double>(iso_hgrid_brick_count(grid)) + 1, &writing);

@@ -7,12 +7,18 @@
 #include <type_traits>
 
 #include <openvdb/points/PointDataGrid.h>
+#include <tbb/global_control.h>
 
 #include "grids/volume/vdb_check.h"
 
 namespace iso::vdb {
 
 using openvdb::GridBase;
+
+void initialize() {
+    static const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
+    openvdb::initialize();
+}
 
 bool is_points(const GridBase &grid) {
     return grid.isType<openvdb::points::PointDataGrid>();

@@ -36,6 +36,10 @@ using scalar_grids = openvdb::TypeList<openvdb::FloatGrid, openvdb::DoubleGrid, 
                                        openvdb::Int64Grid, openvdb::BoolGrid, openvdb::MaskGrid>;
 using vector_grids = openvdb::TypeList<openvdb::Vec3SGrid, openvdb::Vec3DGrid, openvdb::Vec3IGrid>;
 
+/* Initialises OpenVDB, and keeps it to the thread that calls it: it counts and prunes by TBB, which ends the
+ * program where no thread can be made. Threads that are asked for are the pool's. */
+void initialize();
+
 bool is_points(const openvdb::GridBase &grid);
 bool is_scalar(const openvdb::GridBase &grid);
 bool is_vector(const openvdb::GridBase &grid);
