@@ -208,6 +208,7 @@ static iso_status put_images(iso_json *json, const isorender_job *job, iso_error
     if (job->settings->scale_bar)
         iso_json_real(json, isorender_unit(job) == ISO_WORLD_UNIT_MILLIMETRE ? "scale_bar_mm" : "scale_bar",
                       iso_scale_bar_length(&job->camera, job->settings->width, job->settings->height));
+    if (!job->frames) return ISO_OK; /* a part of a picture (--part) */
     ISO_TRY(put_frame(json, "image", job, 0, error));
     if (!job->settings->turntable) return ISO_OK;
     iso_json_begin_array(json, "frames");
