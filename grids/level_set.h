@@ -24,8 +24,8 @@ extern "C" {
 iso_status iso_level_set_write_vdb(const char *path, const iso_hgrid *grid, const char *name,
                                    const iso_progress *progress, iso_error *error);
 
-/* The same to a stream of the caller; `path` is used in messages. Errors of the stream are the caller's to find
- * (iso_sink_commit). */
+/* The same to a stream of the caller; `path` is used in messages. Errors of the stream are the caller's to
+ * find (iso_sink_commit). */
 iso_status iso_level_set_put_vdb(FILE *stream, const char *path, const iso_hgrid *grid, const char *name,
                                  const iso_progress *progress, iso_error *error);
 

@@ -2,10 +2,11 @@
  * pictures of it read only the chunks that they show: the ranges of its blocks, its histogram, and the size
  * and bounds of its surfaces.
  *
- * An index belongs to certain files (iso_file_set_identity), and to the voxels that were read from them. What it
- * says is checked when it is read, as far as that is possible without the voxels: an index that contradicts itself
- * is not used. The file is little-endian: "ISOINDEX", the version (uint32: 2), the fields of iso_volume_identity,
- * the histogram and the surfaces, the ranges, and the CRC-32C of everything before. */
+ * An index belongs to certain files (iso_file_set_identity), and to the voxels that were read from them. What
+ * it says is checked when it is read, as far as that is possible without the voxels: an index that
+ * contradicts itself is not used. The file is little-endian: "ISOINDEX", the version (uint32: 2), the fields
+ * of iso_volume_identity, the histogram and the surfaces, the ranges, and the CRC-32C of everything before.
+ */
 #ifndef ISO_GRIDS_VOLUME_INDEX_H
 #define ISO_GRIDS_VOLUME_INDEX_H
 
@@ -54,12 +55,12 @@ iso_status iso_volume_index_create(const iso_volume_identity *identity, iso_volu
                                    iso_error *error);
 void iso_volume_index_free(iso_volume_index *index);
 
-/* Reads what a file knows into a new index. False: there is no such file, it is damaged, contradicts itself, or describes
- * other voxels; the index then knows nothing. */
+/* Reads what a file knows into a new index. False: there is no such file, it is damaged, contradicts itself,
+ * or describes other voxels; the index then knows nothing. */
 bool iso_volume_index_read(const char *path, iso_volume_index *index);
 
-/* Writes a file that appears whole or not at all. ISO_ERR_WRITE: also if a file that is no index, or a symbolic
- * link, has this name. */
+/* Writes a file that appears whole or not at all. ISO_ERR_WRITE: also if a file that is no index, or a
+ * symbolic link, has this name. */
 iso_status iso_volume_index_write(const char *path, iso_volume_index *index, iso_error *error);
 
 /* Finds a surface; NULL: it is not known. */

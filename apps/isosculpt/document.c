@@ -66,8 +66,8 @@ iso_status isosculpt_document_state_folder(char folder[ISOSCULPT_PATH], iso_erro
 
 /* ---- lock files */
 
-/* Opens a lock file, whose content may be written over: never through a link, nor a file that has another name
- * too. Returns -1 with errno set. */
+/* Opens a lock file, whose content may be written over: never through a link, nor a file that has another
+ * name too. Returns -1 with errno set. */
 static int open_lock_file(const char *path, int flags) {
     struct stat about;
     const int file = open(path, O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC | flags, 0600);

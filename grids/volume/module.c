@@ -59,8 +59,8 @@ static void *pass_gate(void *gate) {
     return NULL;
 }
 
-/* Whether so many threads can run beside this one. Their stacks are kept by the C library, so that they can be made
- * again. */
+/* Whether so many threads can run beside this one. Their stacks are kept by the C library, so that they can
+ * be made again. */
 static bool can_make_threads(int count) {
     enum { MOST = 8 };
     pthread_t threads[MOST];
@@ -73,7 +73,8 @@ static bool can_make_threads(int count) {
     return made == count;
 }
 
-/* Whether the dynamic linker's message is about memory. (A folder that is mounted noexec is "not permitted".) */
+/* Whether the dynamic linker's message is about memory. (A folder that is mounted noexec is "not permitted".)
+ */
 static bool is_memory(const char *message) {
     return strstr(message, "annot allocate memory") ||
            (strstr(message, "failed to map segment") && !strstr(message, "not permitted"));

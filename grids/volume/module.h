@@ -1,15 +1,15 @@
-/* module: readers in shared objects that are loaded when a file needs them; and MPI, when mpirun has
- * started the program.
+/* module: readers in shared objects that are loaded when a file needs them; and MPI, when mpirun has started
+ * the program.
  *
- * VTK, OpenVDB and GDCM take tens of milliseconds and megabytes before they read a byte, so programs must
- * not be linked to them. A module is the file libisopoint-NAME.so. It exports one symbol, a table of
- * functions, and contains copies of the functions of this library that it needs, because the shared
- * libisopoint does not export them. The copies have separate static variables; the only one, the limit set
- * by iso_cpu_limit, is not used by readers.
+ * VTK, OpenVDB and GDCM take tens of milliseconds and megabytes before they read a byte, so programs must not
+ * be linked to them. A module is the file libisopoint-NAME.so. It exports one symbol, a table of functions,
+ * and contains copies of the functions of this library that it needs, because the shared libisopoint does not
+ * export them. The copies have separate static variables; the only one, the limit set by iso_cpu_limit, is
+ * not used by readers.
  *
- * Modules are searched in the folder ISO_MODULE_PATH, an absolute path, if it is set; otherwise in isopoint/ beside the shared
- * library, or at the place of the installation relative to a program in bin/, and then where it was
- * installed. Modules are never unloaded. */
+ * Modules are searched in the folder ISO_MODULE_PATH, an absolute path, if it is set; otherwise in isopoint/
+ * beside the shared library, or at the place of the installation relative to a program in bin/, and then
+ * where it was installed. Modules are never unloaded. */
 #ifndef ISO_GRIDS_VOLUME_MODULE_H
 #define ISO_GRIDS_VOLUME_MODULE_H
 

@@ -69,8 +69,8 @@ static iso_status open_device(const char *path, iso_sink *sink, iso_error *error
     return ISO_OK;
 }
 
-/* ---- temporary names: TARGET.isonew1 and so on. A file that has one is locked by the program that writes it,
- * so that what a killed program left is known by its lock, which nobody holds. */
+/* ---- temporary names: TARGET.isonew1 and so on. A file that has one is locked by the program that writes
+ * it, so that what a killed program left is known by its lock, which nobody holds. */
 
 enum { TEMPORARY_NAMES = 8 };
 

@@ -3,10 +3,10 @@
  * A sink writes to a new file in its target's folder (without a name, where the file system supports that).
  * Commit checks that all writes succeeded and renames the file to the target; it does not fsync. Abort
  * removes the file. A program that is killed while it commits, or where the file system has no files without
- * names, can leave TARGET.isonew1 behind, which the next sink for this target removes. "-" is standard output. A symbolic link is followed: the file that it leads to is
- * replaced, and the link stays. A file that nobody may write to (no bit of 0222) is not replaced, also not by
- * root. An existing target that is not a regular file (a device, a pipe) is written to directly. One thread
- * at a time per sink. */
+ * names, can leave TARGET.isonew1 behind, which the next sink for this target removes. "-" is standard
+ * output. A symbolic link is followed: the file that it leads to is replaced, and the link stays. A file that
+ * nobody may write to (no bit of 0222) is not replaced, also not by root. An existing target that is not a
+ * regular file (a device, a pipe) is written to directly. One thread at a time per sink. */
 #ifndef ISO_BASE_FILE_H
 #define ISO_BASE_FILE_H
 

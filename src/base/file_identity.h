@@ -13,9 +13,10 @@ extern "C" {
 /* The sizes of all files of a set that are read, together, when they were added. */
 uint64_t iso_file_set_read_bytes(const iso_file_set *set);
 
-/* A number made of the inodes and sizes of the files that are read, of when they were modified and changed, and of
- * a few blocks of the first of them (of those that iso_file_set_read has added): another one, most likely, when one
- * of them is another file, or the same with other content, whatever times have been set. It reads the files. */
+/* A number made of the inodes and sizes of the files that are read, of when they were modified and changed,
+ * and of a few blocks of the first of them (of those that iso_file_set_read has added): another one, most
+ * likely, when one of them is another file, or the same with other content, whatever times have been set. It
+ * reads the files. */
 uint64_t iso_file_set_identity(const iso_file_set *set);
 
 #ifdef __cplusplus

@@ -18,8 +18,8 @@ typedef struct iso_file_entry {
     ino_t inode;   /* likewise */
     char *missing; /* owned: name in the folder of a file that does not exist; NULL: the file exists */
     char *name;    /* owned: for messages */
-    /* Of a file that exists: its size; when its content, and when anything of it changed, nanoseconds. The second
-     * time cannot be set back. */
+    /* Of a file that exists: its size; when its content, and when anything of it changed, nanoseconds. The
+     * second time cannot be set back. */
     uint64_t bytes, modified, changed;
     bool written;
 } iso_file_entry;

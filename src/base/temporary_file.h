@@ -1,5 +1,5 @@
-/* temporary_file: files without names, in TMPDIR or beside another file, for what does not fit into memory. The
- * system removes them when they are closed, and when the program ends in any way. */
+/* temporary_file: files without names, in TMPDIR or beside another file, for what does not fit into memory.
+ * The system removes them when they are closed, and when the program ends in any way. */
 #ifndef ISO_BASE_TEMPORARY_FILE_H
 #define ISO_BASE_TEMPORARY_FILE_H
 

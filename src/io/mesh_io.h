@@ -24,8 +24,8 @@ struct iso_weld;
 iso_status iso_mesh_write_weld(const char *path, const struct iso_weld *weld, const iso_transform *transform,
                                const char *comment, iso_error *error);
 
-/* The same to a stream of the caller, in the format that `path` names; errors of the stream are the caller's to
- * find (iso_sink_commit). */
+/* The same to a stream of the caller, in the format that `path` names; errors of the stream are the caller's
+ * to find (iso_sink_commit). */
 iso_status iso_mesh_put_weld(FILE *stream, const char *path, const struct iso_weld *weld,
                              const iso_transform *transform, const char *comment, iso_error *error);
 

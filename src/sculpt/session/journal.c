@@ -167,7 +167,8 @@ static iso_journal *allocate_journal(const char *path) {
     return j;
 }
 
-/* The lock is one of the file, whatever name it has been opened by. (There are file systems without locks.) */
+/* The lock is one of the file, whatever name it has been opened by. (There are file systems without locks.)
+ */
 static iso_status open_locked(iso_journal *j, int flags, iso_error *error) {
     j->file = open(j->path, O_WRONLY | O_NONBLOCK | O_CLOEXEC | flags, 0666);
     if (j->file < 0) return iso_fail(error, ISO_ERR_WRITE, "cannot write '%s': %s", j->path, strerror(errno));

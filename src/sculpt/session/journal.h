@@ -63,8 +63,8 @@ typedef struct iso_journal iso_journal;
 /* Creates the file (ISO_ERR_WRITE: it exists, or cannot be created), or appends to a stroke file, whose
  * incomplete last line is removed. Lines are written to the file within 1 s; after every event but BEGIN and
  * SAMPLE they are written at once and synced to the disk. The file is locked until it is closed, whatever
- * names it has: ISO_ERR_WRITE if another journal has it open. ISO_ERR_NOMEM; append fails as reading does, too.
- */
+ * names it has: ISO_ERR_WRITE if another journal has it open. ISO_ERR_NOMEM; append fails as reading does,
+ * too. */
 iso_status iso_journal_create(const char *path, const iso_journal_start *start, iso_journal **journal,
                               iso_error *error);
 iso_status iso_journal_append(const char *path, iso_journal **journal, iso_error *error);

@@ -394,8 +394,8 @@ static void check_sink(const char *folder, int before_commit) {
     remove(path);
 }
 
-/* A temporary name that a killed program has left is used again, or removed; one that a running program has locked,
- * and what is no file, stay. */
+/* A temporary name that a killed program has left is used again, or removed; one that a running program has
+ * locked, and what is no file, stay. */
 static void temporary_names_are_used_again(void **state) {
     (void)state;
     char folder[] = ISO_TEST_TMP "/names.XXXXXX", path[512], name[3][520];
