@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
 """Damaged files against the programs.
 
-usage: hostile.py PROGRAMS SOURCE [--cases N] [--seed S] [--only LABEL] [--keep FOLDER]
+usage: hostile.py PROGRAMS SOURCE [--cases N] [--seed S] [--only LABEL] [--attacks] [--keep FOLDER]
 
 PROGRAMS is the folder with isorender, isosculpt and isocompare, SOURCE the project's. Every case is a small valid
 file (seeds.py) with one kind of damage: flipped bits, an end that is missing, numbers and words of its header
-replaced, lines of it doubled, dropped or swapped, numbers of its binary part replaced by ones that lie. Whatever a
-file holds, a program must end by itself with an allowed status, say what is wrong in one line of printable UTF-8,
-leave nothing behind, and keep to its time and to the memory that it was allowed. Cases that fail are kept.
+replaced, lines of it doubled, dropped or swapped, numbers of its binary part replaced by ones that lie. Half as many
+cases again, or all if N is at least ATTACKS_FROM, are the attacks of attacks.py. Whatever a file holds or is, a
+program must end by itself with an allowed status, say what is wrong in one line of printable UTF-8, leave nothing
+behind, and keep to its time and to the memory that it was allowed. Cases that fail are kept.
 """
 import argparse
 import concurrent.futures
@@ -22,12 +23,16 @@ import struct
 import subprocess
 import sys
 import tempfile
+import threading
 
 sys.dont_write_bytecode = True
+import attacks as attack_kinds  # noqa: E402
 import seeds as seed_files  # noqa: E402
 
 LIMIT = 64 << 20  # of --max-memory
 SLACK = 64 << 20  # beside it
+ATTACKS_FROM = 5000
+WAIT = 60  # seconds, by the clock, after which a program hangs
 SECONDS = 4  # of processor time; two are asked for on a machine at rest
 NUMBERS = [b"0", b"-1", b"1", b"nan", b"inf", b"-inf", b"1e300", b"-1e300", b"1e-300", b"1e-30", b"2147483647", b"2147483648",
            b"-2147483648", b"4294967296", b"99999999999999999999", b"1e39", b"", b"0x10", b"1.5", b"65536", b"1" * 400]
@@ -173,7 +178,10 @@ def run(command, folder, tmp):
         environment = dict(os.environ, TMPDIR=os.path.join(tmp, "tmp"), LC_ALL="C")
         child = subprocess.Popen(command, cwd=folder, stdin=subprocess.DEVNULL, stdout=out, stderr=err, env=environment,
                                  preexec_fn=limit_resources)
+        hangs = threading.Timer(WAIT, lambda: os.kill(child.pid, signal.SIGALRM))
+        hangs.start()
         _, status, usage = os.wait4(child.pid, 0)
+        hangs.cancel()
         child.returncode = status
         out.seek(0)
         err.seek(0)
@@ -191,14 +199,23 @@ def check_text(text, failed):
         raise Wrong("not one line of explanation")
 
 
-def check_case(command, folder, tmp, before, baseline):
+def result_of(folder, there, out):
+    """What a program has made: its files, or else what it has printed, less what differs from run to run."""
+    made = {name: open(os.path.join(folder, name), "rb").read() for name in tree(folder) if name not in there}
+    return made or re.sub(rb'"(seconds|peak_bytes|[a-z_]*seconds)": *([0-9.e+-]+|{[^}]*})', b"", out)
+
+
+def check_case(command, folder, tmp, before, baseline, attack=None, whole=None):
+    there = tree(folder)
     status, out, err, usage = run(command, folder, tmp)
+    if os.WIFSIGNALED(status) and os.WTERMSIG(status) == signal.SIGALRM:
+        raise Wrong("hangs")
     if os.WIFSIGNALED(status):
         raise Wrong("killed by %s" % signal.Signals(os.WTERMSIG(status)).name)
     code = os.WEXITSTATUS(status)
     # A level set whose class was damaged is a volume like any other, which isosculpt asks an isovalue for.
     is_volume_now = code == 2 and "--open" in command and b" needs --isovalue" in err
-    if code not in (0, 3, 5, 6) and not is_volume_now:
+    if code not in (attack.statuses if attack else (0, 3, 5, 6)) and not is_volume_now:
         raise Wrong("status %d: %s" % (code, err[:300]))
     check_text(err, code != 0)
     if code != 0 and out:
@@ -212,52 +229,71 @@ def check_case(command, folder, tmp, before, baseline):
         raise Wrong("%d MiB of memory" % (usage.ru_maxrss >> 10))
     if os.listdir(os.path.join(tmp, "tmp")):
         raise Wrong("left in TMPDIR: %s" % os.listdir(os.path.join(tmp, "tmp")))
-    left = [name for name in tree(folder) if name not in before]
+    left = [name for name in tree(folder) if name not in there]
     if code != 0 and left:
         raise Wrong("left behind: %s" % left)
     for name, data in before.items():
         with open(os.path.join(folder, name), "rb") as file:
             if file.read() != data:
                 raise Wrong("changed its input %s" % name)
+    if code == 0 and attack and attack.cut and result_of(folder, there, out) != whole:
+        raise Wrong("another result than that of the whole file, and no error")
 
 
 def one_case(programs, seed, number, root, keep, baseline):
     """None, or what is wrong."""
     rng = random.Random("%d %s %d" % (root, seed.label, number))
-    files = damage(seed, rng)
+    return play(programs, seed, "case %d" % number, damage(seed, rng), keep, baseline)
+
+
+def one_attack(programs, seed, attack, keep, undamaged_seed):
+    baseline, whole = undamaged_seed
+    return play(programs, seed, attack.label, attack.files, keep, baseline, attack, whole)
+
+
+def play(programs, seed, label, files, keep, baseline, attack=None, whole=None):
     tmp = tempfile.mkdtemp(prefix="hostile-")
     folder = os.path.join(tmp, "case")
     command = command_of(programs, seed)
+    if attack and attack.command:
+        attack.command(command)
     try:
+        os.makedirs(folder)
         write_files(folder, files)
-        check_case(command, folder, tmp, files, baseline)
+        if attack and attack.make:
+            attack.make(folder)
+        check_case(command, folder, tmp, files, baseline, attack, whole)
         return None
     except Wrong as wrong:
         if keep:
-            kept = os.path.join(keep, "%s-%d" % (seed.label.replace(" ", "-"), number))
+            kept = os.path.join(keep, re.sub("[ /%]+", "-", "%s-%s" % (seed.label, label.replace("case ", ""))))
             shutil.rmtree(kept, ignore_errors=True)
-            os.makedirs(keep, exist_ok=True)
+            os.makedirs(kept)
             write_files(kept, files)
-            return "%s, case %d: %s\n    cd %s && %s" % (seed.label, number, wrong, kept, " ".join(command))
-        return "%s, case %d: %s" % (seed.label, number, wrong)
+            if attack and attack.make:
+                attack.make(kept)
+            return "%s, %s: %s\n    cd %s && %s" % (seed.label, label, wrong, kept, " ".join(command))
+        return "%s, %s: %s" % (seed.label, label, wrong)
     finally:
         shutil.rmtree(tmp, ignore_errors=True)
 
 
 def undamaged(programs, seed):
-    """The memory that the whole file takes; a seed that cannot be read would show nothing."""
+    """The memory that the whole file takes, and its result; a seed that cannot be read would show nothing."""
     tmp = tempfile.mkdtemp(prefix="hostile-")
     folder = os.path.join(tmp, "case")
     try:
         write_files(folder, seed.files)
-        status, _, err, usage = run(command_of(programs, seed), folder, tmp)
+        there = tree(folder)
+        status, out, err, usage = run(command_of(programs, seed), folder, tmp)
+        result = usage.ru_maxrss * 1024, result_of(folder, there, out)
         if os.WIFEXITED(status) and os.WEXITSTATUS(status) == 6:
-            return usage.ru_maxrss * 1024  # read, and has no surface
+            return result  # read, and has no surface
         if status != 0:
             if b"built without" in err:
                 return None
             sys.exit("%s: the undamaged file fails: %s" % (seed.label, err.decode(errors="replace")))
-        return usage.ru_maxrss * 1024
+        return result
     finally:
         shutil.rmtree(tmp, ignore_errors=True)
 
@@ -269,26 +305,31 @@ def main():
     parser.add_argument("--cases", type=int, default=400)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--only", default="")
+    parser.add_argument("--attacks", action="store_true", help="all attacks, as for %d cases" % ATTACKS_FROM)
     parser.add_argument("--keep")
     options = parser.parse_args()
     programs = os.path.abspath(options.programs)
     with tempfile.TemporaryDirectory() as folder:
         seeds = [s for s in seed_files.make(programs, os.path.abspath(options.source), folder) if options.only in s.label]
-    memory = {}
+    whole = {}
     for seed in list(seeds):
-        memory[seed.label] = undamaged(programs, seed)
-        if memory[seed.label] is None:
+        whole[seed.label] = undamaged(programs, seed)
+        if whole[seed.label] is None:
             seeds.remove(seed)
+    attacks = [(seed, attack) for seed in seeds for attack in attack_kinds.make(seed)]
+    if options.cases < ATTACKS_FROM and not options.attacks:
+        attacks = random.Random(options.seed).sample(attacks, min(len(attacks), options.cases // 2))
     keep = os.path.abspath(options.keep) if options.keep else None
     wrong = []
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-        cases = [pool.submit(one_case, programs, seeds[i % len(seeds)], i, options.seed, keep, memory[seeds[i % len(seeds)].label])
+        cases = [pool.submit(one_case, programs, seeds[i % len(seeds)], i, options.seed, keep, whole[seeds[i % len(seeds)].label][0])
                  for i in range(options.cases)]
+        cases += [pool.submit(one_attack, programs, seed, attack, keep, whole[seed.label]) for seed, attack in attacks]
         for case in concurrent.futures.as_completed(cases):
             if case.result():
                 wrong.append(case.result())
                 print(case.result(), flush=True)
-    print("%d cases on %d files, %d wrong (seed %d)" % (options.cases, len(seeds), len(wrong), options.seed))
+    print("%d cases and %d attacks on %d files, %d wrong (seed %d)" % (options.cases, len(attacks), len(seeds), len(wrong), options.seed))
     return 1 if wrong or not seeds else 0
 
 
