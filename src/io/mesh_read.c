@@ -11,8 +11,11 @@
 
 #include "base/file.h"
 #include "base/memory.h"
+#include "base/text.h"
 #include "io/encode.h"
+#include "io/fans.h"
 #include "io/ply.h"
+#include "io/rows.h"
 
 enum { STL_HEADER = 84, STL_FACET = 50, POLYGON_MOST = 1 << 16 };
 /* Number of vertices or triangles between two reports of progress. */
@@ -23,16 +26,25 @@ typedef struct reading {
     const char *path;
     iso_buffer vertices, triangles;
     size_t vertex_count, triangle_count;
-    const iso_progress *progress;
-    FILE *file; /* one of file and ply is set; progress is measured by its position */
+    iso_buffer fans; /* of iso_fan */
+    size_t fan_count;
+    const iso_progress *progress; /* measured by the position in rows, ply or file */
+    FILE *file;
     const iso_ply *ply;
+    iso_reading text; /* of a text file, as are the rows */
+    iso_rows rows;
+    iso_read_report report;
     double bytes; /* of the file */
 } reading;
 
 static iso_status report_progress(const reading *r, iso_error *error) {
     double done = 0;
-    if (r->file) done = (double)ftello(r->file);
-    if (r->ply) done = r->bytes - (double)r->ply->in.remaining;
+    if (r->rows.at)
+        done = r->bytes - (double)(r->rows.end - r->rows.at);
+    else if (r->ply)
+        done = r->bytes - (double)r->ply->in.remaining;
+    else if (r->file)
+        done = (double)ftello(r->file);
     return iso_progress_tell(r->progress, r->path, r->bytes > 0 ? done / r->bytes : 0, error);
 }
 
@@ -63,17 +75,36 @@ static iso_status add_triangle(reading *r, uint32_t a, uint32_t b, uint32_t c, i
     return ISO_OK;
 }
 
-/* A polygon that is read corner by corner and divided into a fan of triangles. */
-typedef struct fan {
+/* A polygon that is read corner by corner. */
+typedef struct polygon {
     uint32_t first, last;
     size_t count;
-} fan;
+} polygon;
 
-static iso_status add_corner(reading *r, fan *f, uint32_t corner, iso_error *error) {
-    if (f->count == 0) f->first = corner;
-    if (f->count >= 2) ISO_TRY(add_triangle(r, f->first, f->last, corner, error));
-    f->last = corner;
-    f->count++;
+/* Adds a corner; the triangles are a fan for the time being (io/fans.h). */
+static iso_status add_corner(reading *r, polygon *p, uint32_t corner, iso_error *error) {
+    if (p->count == 0) p->first = corner;
+    if (p->count >= 2) ISO_TRY(add_triangle(r, p->first, p->last, corner, error));
+    p->last = corner;
+    p->count++;
+    return ISO_OK;
+}
+
+static iso_status end_polygon(reading *r, const polygon *p, iso_error *error) {
+    const size_t bytes = r->fan_count * sizeof(iso_fan);
+    if (p->count < 4) return ISO_OK;
+    ISO_TRY(iso_buffer_reserve(&r->fans, bytes + sizeof(iso_fan), bytes, error));
+    ((iso_fan *)r->fans.data)[r->fan_count++] = (iso_fan){r->triangle_count - (p->count - 2), p->count};
+    return ISO_OK;
+}
+
+/* ---- text */
+
+/* Loads a text file, whose rows are then read from r->rows. */
+static iso_status load_rows(reading *r, iso_error *error) {
+    r->text = iso_reading_begin(r->path, NULL, &r->report);
+    ISO_TRY(iso_rows_load(&r->text, &r->rows, error));
+    r->bytes = (double)(r->rows.end - r->rows.at);
     return ISO_OK;
 }
 
@@ -99,80 +130,97 @@ static iso_status read_stl_binary(reading *r, FILE *file, uint32_t facets, iso_e
     return ISO_OK;
 }
 
-static iso_status read_stl_text(reading *r, FILE *file, iso_error *error) {
-    char word[64] = "";
-    double p[9];
-    int corners = 0;
-    while (fscanf(file, "%63s", word) == 1) {
-        if (strcasecmp(word, "vertex") == 0) {
-            if (corners == 3 ||
-                fscanf(file, "%lf %lf %lf", &p[3 * corners], &p[3 * corners + 1], &p[3 * corners + 2]) != 3)
-                return iso_fail(error, ISO_ERR_FORMAT, "%s: facet %zu is not a triangle", r->path,
-                                r->triangle_count + 1);
-            corners++;
-        } else if (strcasecmp(word, "endfacet") == 0) {
-            if (corners != 3)
-                return iso_fail(error, ISO_ERR_FORMAT, "%s: facet %zu is not a triangle", r->path,
-                                r->triangle_count + 1);
-            ISO_TRY(add_facet(r, p, error));
-            corners = 0;
-        }
+/* Returns the next word of the file; *rest: what is left of its row, NULL before the first one. */
+static char *next_word(reading *r, char **rest) {
+    for (;;) {
+        char *word = *rest ? iso_row_word(rest) : NULL;
+        if (word) return word;
+        *rest = iso_rows_next(&r->rows);
+        if (!*rest) return NULL;
     }
-    return strcasecmp(word, "endsolid") == 0 || corners == 0
-               ? ISO_OK
-               : iso_fail(error, ISO_ERR_IO, "%s: truncated", r->path);
 }
 
-/* A binary file may also begin with "solid": it is recognized by its size. */
+static bool read_numbers(reading *r, char **rest, double *numbers, int count) {
+    for (int i = 0; i < count; i++) {
+        char *word = next_word(r, rest);
+        if (!word || !iso_row_number(&word, "", &numbers[i])) return false;
+    }
+    return true;
+}
+
+static iso_status read_stl_text(reading *r, iso_error *error) {
+    double p[9];
+    int corners = 0;
+    bool ended = true; /* by "endsolid" behind the last facet */
+    char *rest = NULL;
+    ISO_TRY(load_rows(r, error));
+    for (char *word; (word = next_word(r, &rest));) {
+        const bool end = strcasecmp(word, "endfacet") == 0;
+        if (strcasecmp(word, "endsolid") == 0) ended = true;
+        if (end ? corners != 3
+                : strcasecmp(word, "vertex") == 0 &&
+                      (corners == 3 || !read_numbers(r, &rest, &p[3 * corners++], 3)))
+            return iso_fail(error, ISO_ERR_FORMAT, "%s: facet %zu is not a triangle", r->path,
+                            r->triangle_count + 1);
+        if (!end) continue;
+        ISO_TRY(add_facet(r, p, error));
+        corners = 0;
+        ended = false;
+    }
+    return ended && corners == 0 ? ISO_OK
+                                 : iso_fail(error, ISO_ERR_IO, "%s: truncated: it has no endsolid", r->path);
+}
+
+/* Reads STL. A binary file may also begin with "solid": it is recognised by its size. */
 static iso_status read_stl(reading *r, FILE *file, iso_error *error) {
     unsigned char head[STL_HEADER] = {0};
     const size_t got = fread(head, 1, sizeof head, file);
     uint32_t facets = 0;
     memcpy(&facets, head + STL_HEADER - sizeof facets, sizeof facets);
     fseeko(file, 0, SEEK_END);
-    const bool whole = got == sizeof head && ftello(file) == (off_t)STL_HEADER + (off_t)facets * STL_FACET;
-    const bool text = !whole && memcmp(head, "solid", 5) == 0;
-    if (got < sizeof head && !text) return iso_fail(error, ISO_ERR_FORMAT, "%s: not an STL file", r->path);
-    fseeko(file, text ? 0 : STL_HEADER, SEEK_SET);
-    return text ? read_stl_text(r, file, error) : read_stl_binary(r, file, facets, error);
+    const bool whole = got == sizeof head && ftello(file) == (off_t)STL_HEADER + (off_t)facets * STL_FACET,
+               solid = strncasecmp((char *)head + iso_text_mark(head, got), "solid", 5) == 0;
+    if (!whole && (solid || iso_text_wide(head, got))) return read_stl_text(r, error);
+    if (got < sizeof head) return iso_fail(error, ISO_ERR_FORMAT, "%s: not an STL file", r->path);
+    fseeko(file, STL_HEADER, SEEK_SET);
+    return read_stl_binary(r, file, facets, error);
 }
 
 /* ---- OBJ */
 
 /* Reads the corners of a face: "7", "7/1", "7//3" or "-1". Vertices are numbered from 1, or backwards from
  * the last one, -1. */
-static iso_status read_obj_face(reading *r, char *text, size_t line, iso_error *error) {
-    fan f = {0};
-    char *save = NULL;
-    for (char *word = strtok_r(text, " \t\r\n", &save); word; word = strtok_r(NULL, " \t\r\n", &save)) {
+static iso_status read_obj_face(reading *r, char *text, iso_error *error) {
+    polygon face = {0};
+    for (char *word = iso_row_word(&text); word; word = iso_row_word(&text)) {
         char *end;
         const long long n = strtoll(word, &end, 10);
         const long long corner = n < 0 ? (long long)r->vertex_count + n : n - 1;
         if (end == word || (*end && *end != '/') || corner < 0 || corner >= UINT32_MAX)
-            return iso_fail(error, ISO_ERR_FORMAT, "%s: line %zu: '%s' is no corner of a face", r->path, line,
-                            word);
-        ISO_TRY(add_corner(r, &f, (uint32_t)corner, error));
+            return iso_fail(error, ISO_ERR_FORMAT, "%s: line %zu: '%s' is no corner of a face", r->path,
+                            r->rows.number, word);
+        ISO_TRY(add_corner(r, &face, (uint32_t)corner, error));
     }
-    return ISO_OK;
+    return end_polygon(r, &face, error);
 }
 
-static iso_status read_obj_line(reading *r, char *text, size_t line, iso_error *error) {
-    if (text[0] == 'f' && (text[1] == ' ' || text[1] == '\t')) return read_obj_face(r, text + 2, line, error);
-    if (text[0] != 'v' || (text[1] != ' ' && text[1] != '\t')) return ISO_OK;
+static iso_status read_obj_vertex(reading *r, char *text, iso_error *error) {
     double p[3];
-    if (sscanf(text + 2, "%lf %lf %lf", &p[0], &p[1], &p[2]) != 3)
-        return iso_fail(error, ISO_ERR_FORMAT, "%s: line %zu: not a vertex", r->path, line);
+    for (int axis = 0; axis < 3; axis++)
+        if (!iso_row_number(&text, "", &p[axis]))
+            return iso_fail(error, ISO_ERR_FORMAT, "%s: line %zu: not a vertex", r->path, r->rows.number);
     return add_vertex(r, p, error);
 }
 
-static iso_status read_obj(reading *r, FILE *file, iso_error *error) {
-    char *text = NULL;
-    size_t room = 0, line = 0;
-    iso_status status = ISO_OK;
-    while (status == ISO_OK && getline(&text, &room, file) > 0)
-        status = read_obj_line(r, text, ++line, error);
-    free(text);
-    return status;
+static iso_status read_obj(reading *r, iso_error *error) {
+    ISO_TRY(load_rows(r, error));
+    for (char *row; (row = iso_rows_next_continued(&r->rows));) {
+        row += strspn(row, " \t");
+        if (row[0] && row[1] != ' ' && row[1] != '\t') continue;
+        if (row[0] == 'f') ISO_TRY(read_obj_face(r, row + 2, error));
+        if (row[0] == 'v') ISO_TRY(read_obj_vertex(r, row + 2, error));
+    }
+    return ISO_OK;
 }
 
 /* ---- PLY */
@@ -191,7 +239,7 @@ static iso_status read_ply_vertex(reading *r, iso_ply *ply, const iso_ply_elemen
 
 static iso_status read_ply_corners(reading *r, iso_ply *ply, const iso_ply_property *list, iso_error *error) {
     double count, corner;
-    fan f = {0};
+    polygon face = {0};
     ISO_TRY(iso_ply_read_value(ply, list->count_type, &count, error));
     if (!(count >= 0 && count <= POLYGON_MOST))
         return iso_fail(error, ISO_ERR_FORMAT, "%s: a face of %g corners", r->path, count);
@@ -199,9 +247,9 @@ static iso_status read_ply_corners(reading *r, iso_ply *ply, const iso_ply_prope
         ISO_TRY(iso_ply_read_value(ply, list->type, &corner, error));
         if (!(corner >= 0 && corner < UINT32_MAX))
             return iso_fail(error, ISO_ERR_FORMAT, "%s: a face has corner %g", r->path, corner);
-        ISO_TRY(add_corner(r, &f, (uint32_t)corner, error));
+        ISO_TRY(add_corner(r, &face, (uint32_t)corner, error));
     }
-    return ISO_OK;
+    return end_polygon(r, &face, error);
 }
 
 static iso_status read_ply_face(reading *r, iso_ply *ply, const iso_ply_element *element, iso_error *error) {
@@ -217,7 +265,7 @@ static iso_status read_ply_face(reading *r, iso_ply *ply, const iso_ply_element 
         else
             ISO_TRY(iso_ply_read_value(ply, property->type, &value, error));
     }
-    return ISO_OK;
+    return iso_ply_end_item(ply, error);
 }
 
 static iso_status read_ply_elements(reading *r, iso_ply *ply, iso_error *error) {
@@ -252,25 +300,25 @@ static iso_status read_ply(reading *r, iso_error *error) {
 
 /* ---- any format */
 
-static iso_status check_mesh(const reading *r, iso_error *error) {
+/* Checks the numbers of vertices, then divides concave polygons. */
+static iso_status finish_mesh(const reading *r, iso_error *error) {
     const uint32_t *corners = r->triangles.data;
     for (size_t i = 0; i < 3 * r->triangle_count; i++)
         if (corners[i] >= r->vertex_count)
             return iso_fail(error, ISO_ERR_FORMAT, "%s: triangle %zu names vertex %u of %zu", r->path,
                             i / 3 + 1, corners[i], r->vertex_count);
-    if (r->triangle_count) return ISO_OK;
-    return iso_fail(error, ISO_ERR_EMPTY, "%s: holds no triangles", r->path);
+    if (r->triangle_count == 0) return iso_fail(error, ISO_ERR_EMPTY, "%s: holds no triangles", r->path);
+    return iso_fans_divide(r->path, r->fans.data, r->fan_count, (const float(*)[3])r->vertices.data,
+                           r->triangles.data, error);
 }
 
-typedef iso_status read_fn(reading *r, FILE *file, iso_error *error);
-
-static iso_status read_with(reading *r, read_fn *read, iso_error *error) {
+static iso_status read_stl_file(reading *r, iso_error *error) {
     FILE *file;
     uint64_t bytes;
     ISO_TRY(iso_file_open(r->path, &file, &bytes, error));
     r->file = file;
     r->bytes = (double)bytes;
-    iso_status status = read(r, file, error);
+    iso_status status = read_stl(r, file, error);
     if (status == ISO_OK && ferror(file))
         status = iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", r->path, strerror(errno));
     fclose(file);
@@ -279,8 +327,8 @@ static iso_status read_with(reading *r, read_fn *read, iso_error *error) {
 
 static iso_status read_any(reading *r, iso_error *error) {
     const char *dot = strrchr(r->path, '.');
-    if (dot && strcasecmp(dot, ".stl") == 0) return read_with(r, read_stl, error);
-    if (dot && strcasecmp(dot, ".obj") == 0) return read_with(r, read_obj, error);
+    if (dot && strcasecmp(dot, ".stl") == 0) return read_stl_file(r, error);
+    if (dot && strcasecmp(dot, ".obj") == 0) return read_obj(r, error);
     if (dot && strcasecmp(dot, ".ply") == 0) return read_ply(r, error);
     return iso_fail(error, ISO_ERR_UNSUPPORTED, "%s: meshes are read from .stl, .obj and .ply", r->path);
 }
@@ -291,7 +339,9 @@ iso_status iso_mesh_read(const char *path, const iso_progress *progress, iso_tri
     void *numbers = iso_encode_numbers_begin();
     iso_status status = read_any(&r, error);
     iso_encode_numbers_end(numbers);
-    if (status == ISO_OK) status = check_mesh(&r, error);
+    iso_rows_free(&r.rows);
+    if (status == ISO_OK) status = finish_mesh(&r, error);
+    iso_buffer_free(&r.fans);
     if (status != ISO_OK) {
         iso_buffer_free(&r.vertices);
         iso_buffer_free(&r.triangles);

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/text.h"
 #include "io/scalar_load.h"
 
 static const int type_size[] = {1, 1, 2, 2, 4, 4, 4, 8};
@@ -28,6 +29,7 @@ static iso_status read_text_value(iso_ply *ply, double *value, iso_error *error)
                             ply->in.path);
         token[length++] = (char)byte;
     }
+    if (byte == '\n') iso_stream_step_back(&ply->in); /* the row's end is iso_ply_end_item's */
     token[length] = 0;
     char *end;
     *value = strtod(token, &end);
@@ -105,6 +107,44 @@ iso_status iso_ply_skip_list(iso_ply *ply, const iso_ply_property *list, iso_err
     return ISO_OK;
 }
 
+/* Whether the file has as many rows with text behind this one as it has items that are left. */
+static bool has_rows_left(const iso_ply *ply, off_t at) {
+    uint64_t rows = 0;
+    bool text = false, this_one = true;
+    FILE *file = ply->in.file;
+    char bytes[4096];
+    if (fseeko(file, at, SEEK_SET) != 0) return false;
+    for (size_t count; rows < ply->items_left && (count = fread(bytes, 1, sizeof bytes, file)) > 0;)
+        for (size_t i = 0; i < count; i++) {
+            text = text || (!this_one && !is_space(bytes[i]));
+            if (bytes[i] != '\n') continue;
+            rows += text;
+            text = this_one = false;
+        }
+    return rows + text >= ply->items_left;
+}
+
+/* Decides how items follow each other, when numbers are left in a row behind an item. */
+static iso_status decide_items(iso_ply *ply, iso_error *error) {
+    const off_t file_at = ftello(ply->in.file), at = file_at - (off_t)(ply->in.end - ply->in.place);
+    ply->items = has_rows_left(ply, at) ? ISO_PLY_BY_ROW : ISO_PLY_IN_ROW;
+    clearerr(ply->in.file);
+    return fseeko(ply->in.file, file_at, SEEK_SET) == 0 ? ISO_OK : iso_stream_fail(&ply->in, error);
+}
+
+iso_status iso_ply_end_item(iso_ply *ply, iso_error *error) {
+    if (ply->format != ISO_PLY_ASCII) return ISO_OK;
+    ply->items_left--;
+    while (iso_stream_fill(&ply->in, 1)) {
+        const int byte = ply->in.buffer[ply->in.place];
+        if (!is_space(byte) && ply->items == ISO_PLY_NOT_KNOWN) ISO_TRY(decide_items(ply, error));
+        if (!is_space(byte) && ply->items == ISO_PLY_IN_ROW) break;
+        iso_stream_advance(&ply->in, 1);
+        if (byte == '\n') break;
+    }
+    return ISO_OK;
+}
+
 iso_status iso_ply_read_item(iso_ply *ply, const iso_ply_element *element, double value[ISO_PLY_PROPERTIES],
                              iso_error *error) {
     for (int i = 0; i < element->property_count; i++) {
@@ -114,7 +154,7 @@ iso_status iso_ply_read_item(iso_ply *ply, const iso_ply_element *element, doubl
         else
             ISO_TRY(iso_ply_read_value(ply, property->type, &value[i], error));
     }
-    return ISO_OK;
+    return iso_ply_end_item(ply, error);
 }
 
 iso_status iso_ply_skip_element(iso_ply *ply, const iso_ply_element *element, iso_error *error) {
@@ -244,8 +284,14 @@ static iso_status read_header(iso_ply *ply, iso_error *error) {
     return ISO_OK;
 }
 
+/* Skips a byte order mark, which some programs write at the beginning of a file's text, or of its data. */
+static void skip_mark(iso_ply *ply) {
+    if (iso_stream_fill(&ply->in, 3))
+        iso_stream_advance(&ply->in, iso_text_mark(ply->in.buffer + ply->in.place, 3));
+}
+
 static bool read_magic(iso_ply *ply) {
-    if (!iso_stream_fill(&ply->in, 4) || memcmp(ply->in.buffer, "ply", 3) != 0) return false;
+    if (!iso_stream_fill(&ply->in, 4) || memcmp(ply->in.buffer + ply->in.place, "ply", 3) != 0) return false;
     iso_stream_advance(&ply->in, 3);
     int byte = iso_stream_byte(&ply->in);
     while (byte == '\r' || byte == ' ') byte = iso_stream_byte(&ply->in);
@@ -254,12 +300,19 @@ static bool read_magic(iso_ply *ply) {
 
 iso_status iso_ply_open(const char *path, iso_ply *ply, iso_error *error) {
     ply->element_count = ply->property_count = 0;
+    ply->items = ISO_PLY_NOT_KNOWN;
     ISO_TRY(iso_stream_open(path, &ply->in, error));
+    skip_mark(ply);
     if (!read_magic(ply)) {
         if (ferror(ply->in.file)) return iso_stream_fail(&ply->in, error);
         return iso_fail(error, ISO_ERR_FORMAT, "%s: not a PLY file", path);
     }
-    return read_header(ply, error);
+    ISO_TRY(read_header(ply, error));
+    if (ply->format == ISO_PLY_ASCII) skip_mark(ply);
+    ply->items_left = 0;
+    for (int i = 0; i < ply->element_count; i++)
+        if (ply->elements[i].property_count) ply->items_left += ply->elements[i].count;
+    return ISO_OK;
 }
 
 void iso_ply_close(iso_ply *ply) {

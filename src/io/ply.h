@@ -2,7 +2,9 @@
  * and lists of all eight types under both of their names, lines that end in LF or CRLF. Internal to src/io.
  *
  * Values are read one by one, in file order, as doubles (exact for every type); items of one size can be read
- * many at a time from iso_ply.in. Before memory is allocated
+ * many at a time from iso_ply.in. In ASCII an item begins in a row of its own and may take several; numbers
+ * behind its last one are skipped, as VTK does. Only if the file has fewer rows than items do items follow
+ * each other in a row. Before memory is allocated
  * for an element, call iso_ply_check_size, which compares the header's count with the size of the file.
  * Messages begin with the path: ISO_ERR_IO (missing, unreadable, truncated), ISO_ERR_FORMAT (not PLY). One
  * thread at a time. */
@@ -56,6 +58,12 @@ typedef struct iso_ply {
     int element_count, property_count;
     iso_ply_element elements[ISO_PLY_ELEMENTS];
     iso_ply_property properties[ISO_PLY_PROPERTIES];
+    uint64_t items_left; /* of ASCII: items that have not been read to their end */
+    enum {
+        ISO_PLY_NOT_KNOWN,
+        ISO_PLY_BY_ROW,
+        ISO_PLY_IN_ROW
+    } items; /* of ASCII: how they follow each other */
 } iso_ply;
 
 /* Opens `path` and reads the header; the first item of the first element is read next. Call iso_ply_close
@@ -76,6 +84,9 @@ size_t iso_ply_record_bytes(const iso_ply *ply, const iso_ply_element *element);
 
 /* Reads the next value, of the type that the header gives. */
 iso_status iso_ply_read_value(iso_ply *ply, iso_ply_type type, double *value, iso_error *error);
+
+/* Ends an item that was read by single values. ISO_ERR_IO. */
+iso_status iso_ply_end_item(iso_ply *ply, iso_error *error);
 
 /* Reads the next item of `element`: sets value[i] to its i-th property. Lists are skipped, and their value[i]
  * is not changed. */

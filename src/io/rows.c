@@ -25,14 +25,31 @@ void iso_rows_free(iso_rows *rows) {
     if (rows->text.data) iso_reading_free(rows->reading, &rows->text);
 }
 
-char *iso_rows_next(iso_rows *rows) {
-    if (rows->at == rows->end) return NULL;
+/* Moves behind the end of the row and returns where its text ends. */
+static char *end_row(iso_rows *rows) {
     char *row = rows->at, *end = memchr(row, '\n', (size_t)(rows->end - row));
     rows->at = end ? end + 1 : rows->end;
     if (!end) end = rows->end;
-    *end = 0;
-    if (end > row && end[-1] == '\r') end[-1] = 0;
     rows->number++;
+    return end > row && end[-1] == '\r' ? end - 1 : end;
+}
+
+char *iso_rows_next(iso_rows *rows) {
+    if (rows->at == rows->end) return NULL;
+    char *row = rows->at;
+    *end_row(rows) = 0;
+    return row;
+}
+
+char *iso_rows_next_continued(iso_rows *rows) {
+    if (rows->at == rows->end) return NULL;
+    char *row = rows->at, *end = end_row(rows);
+    const bool comment = row[strspn(row, " \t")] == '#';
+    while (!comment && end > row && end[-1] == '\\' && rows->at < rows->end) {
+        memset(end - 1, ' ', (size_t)(rows->at - end + 1)); /* the backslash and the end of the row */
+        end = end_row(rows);
+    }
+    *end = 0;
     return row;
 }
 

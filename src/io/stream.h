@@ -55,6 +55,12 @@ static inline int iso_stream_byte(iso_stream *stream) {
     return byte;
 }
 
+/* Goes back by the byte that iso_stream_byte has just returned. */
+static inline void iso_stream_step_back(iso_stream *stream) {
+    stream->place--;
+    stream->remaining++;
+}
+
 /* Copies the next bytes; ISO_ERR_IO when the file ends before. */
 iso_status iso_stream_read(iso_stream *stream, void *to, size_t bytes, iso_error *error);
 

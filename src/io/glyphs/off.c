@@ -107,7 +107,7 @@ static iso_status read_face(off *o, char *row, iso_error *error) {
             return iso_rows_fail(&o->rows, "not as many corners as the face has", error);
         ISO_TRY(iso_faces_add_corner(o->data.reading, &o->faces, &face, (uint32_t)corner, error));
     }
-    return ISO_OK;
+    return iso_faces_end_face(o->data.reading, &o->faces, &face, error);
 }
 
 static iso_status read_faces(off *o, iso_error *error) {

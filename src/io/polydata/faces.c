@@ -4,6 +4,8 @@
 
 #include <math.h>
 
+#include "io/fans.h"
+
 /* ---- triangles */
 
 static iso_status add_triangle(iso_reading *reading, iso_faces *faces, uint32_t a, uint32_t b, uint32_t c,
@@ -29,9 +31,20 @@ iso_status iso_faces_add_corner(iso_reading *reading, iso_faces *faces, iso_face
     return add_triangle(reading, faces, turned ? last : first, turned ? first : last, corner, error);
 }
 
+iso_status iso_faces_end_face(iso_reading *reading, iso_faces *faces, const iso_face *face,
+                              iso_error *error) {
+    const size_t count = faces->fan_count;
+    if (face->strip || face->count < 4) return ISO_OK;
+    ISO_TRY(iso_reading_reserve(reading, &faces->fans, count + 1, sizeof(iso_fan), count, error));
+    ((iso_fan *)faces->fans.data)[faces->fan_count++] =
+        (iso_fan){faces->count - (face->count - 2), face->count};
+    return ISO_OK;
+}
+
 void iso_faces_free(iso_reading *reading, iso_faces *faces) {
     iso_reading_free(reading, &faces->corners);
-    faces->count = 0;
+    iso_reading_free(reading, &faces->fans);
+    faces->count = faces->fan_count = 0;
 }
 
 /* ---- normals */
@@ -100,6 +113,8 @@ iso_status iso_faces_make_normals(const iso_faces *faces, iso_polydata *data, is
     int column;
     if (faces->count == 0 || !iso_faces_are_wanted(data)) return ISO_OK;
     ISO_TRY(check_corners(faces, data, error));
+    ISO_TRY(iso_fans_divide(data->reading->path, faces->fans.data, faces->fan_count,
+                            (const float(*)[3])data->points.data, faces->corners.data, error));
     ISO_TRY(iso_polydata_add_column(data, "normals", 3, false, ISO_ROLE_NORMAL, &column, error));
     ISO_TRY(iso_polydata_reserve(data, data->point_count, error));
     float(*normals)[3] = iso_polydata_column(data, column)->values.data;

@@ -13,6 +13,8 @@ extern "C" {
 typedef struct iso_faces {
     iso_buffer corners; /* uint32_t, three point numbers for each triangle */
     size_t count;
+    iso_buffer fans; /* of iso_fan: the polygons (io/fans.h) */
+    size_t fan_count;
 } iso_faces;
 
 /* A polygon or strip that is read corner by corner; begin each with zeros. */
@@ -26,6 +28,9 @@ typedef struct iso_face {
  * counter-clockwise order, seen from outside. ISO_ERR_LIMIT, ISO_ERR_NOMEM. */
 iso_status iso_faces_add_corner(iso_reading *reading, iso_faces *faces, iso_face *face, uint32_t corner,
                                 iso_error *error);
+
+/* Ends a face. ISO_ERR_LIMIT, ISO_ERR_NOMEM. */
+iso_status iso_faces_end_face(iso_reading *reading, iso_faces *faces, const iso_face *face, iso_error *error);
 
 /* Whether faces are to be read for normals: the caller has asked for them, and the points have none yet. */
 bool iso_faces_are_wanted(const iso_polydata *data);

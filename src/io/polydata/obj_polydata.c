@@ -73,7 +73,7 @@ static iso_status take_face(obj *o, char *text, iso_error *error) {
             return iso_rows_fail(&o->rows, "a face names a point that cannot be", error);
         ISO_TRY(iso_faces_add_corner(o->data->reading, &o->faces, &face, corner, error));
     }
-    return ISO_OK;
+    return iso_faces_end_face(o->data->reading, &o->faces, &face, error);
 }
 
 /* Makes the column of normals, if there is one for each vertex. */
@@ -93,7 +93,7 @@ static bool begins(const char *row, char element) {
 static iso_status read_obj(obj *o, iso_error *error) {
     const bool points = o->data->points_only, faces = iso_faces_are_wanted(o->data);
     ISO_TRY(iso_rows_load(o->data->reading, &o->rows, error));
-    for (char *row = iso_rows_next(&o->rows); row; row = iso_rows_next(&o->rows)) {
+    for (char *row = iso_rows_next_continued(&o->rows); row; row = iso_rows_next_continued(&o->rows)) {
         row += strspn(row, " \t");
         if (begins(row, 'v')) ISO_TRY(take_vertex(o, row + 2, error));
         if (begins(row, 'l') && !points) ISO_TRY(take_line(o, row + 2, error));

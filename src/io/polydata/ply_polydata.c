@@ -162,7 +162,7 @@ static iso_status read_corners(ply_reader *r, const iso_ply_property *list, bool
                             corner);
         ISO_TRY(iso_faces_add_corner(r->data->reading, &r->faces, &face, (uint32_t)corner, error));
     }
-    return ISO_OK;
+    return iso_faces_end_face(r->data->reading, &r->faces, &face, error);
 }
 
 static bool has_corners(const iso_ply_property *property) {
@@ -175,7 +175,7 @@ static iso_status read_faces(ply_reader *r, const iso_ply_element *element, iso_
     const bool strip = is_named(element, "tristrips");
     if (element->property_count == 0) return ISO_OK; /* its items have no bytes */
     ISO_TRY(iso_ply_check_size(&r->ply, element, error));
-    for (uint64_t i = 0; i < element->count; i++)
+    for (uint64_t i = 0; i < element->count; i++) {
         for (int k = 0; k < element->property_count; k++) {
             if (has_corners(&property[k]))
                 ISO_TRY(read_corners(r, &property[k], strip, error));
@@ -184,6 +184,8 @@ static iso_status read_faces(ply_reader *r, const iso_ply_element *element, iso_
             else
                 ISO_TRY(iso_ply_read_value(&r->ply, property[k].type, &r->values[0], error));
         }
+        ISO_TRY(iso_ply_end_item(&r->ply, error));
+    }
     return ISO_OK;
 }
 

@@ -1,0 +1,27 @@
+# Concave polygons are not drawn as fans; rows of ASCII .ply may be longer than declared, or hold several items.
+python3 - <<'P'
+from check import *
+# the letter C, seen from above: 76 of 100; lying, as one polygon of .obj, .ply
+corners = [(0, 0), (10, 0), (10, 3), (4, 3), (4, 7), (10, 7), (10, 10), (0, 10)]
+with open("in/c.obj", "w") as file:
+    file.write("\ufeff# C:\\not continued\\\n" + "".join("v %d %d 0\n" % c for c in corners))
+    file.write("f 1 2 3 4 \\\n  5 6 7 8\n")
+header = "ply\nformat ascii 1.0\nelement vertex %d\nproperty float x\nproperty float y\nproperty float z\n" \
+         "element face %d\nproperty list uchar int vertex_index\nend_header\n"
+with open("in/c.ply", "w") as file:
+    file.write(header % (8, 1) + "".join("%d\n%d 0\n" % c for c in corners)) # a vertex over two rows
+    file.write("8 0 1 2 3 4 5 6 7 9 1 1 1 1 1 1\n")
+with open("in/square.ply", "w") as file:
+    file.write(header % (4, 2) + "0 0 0 10 0 0\n10 10 0 0 10 0 3 0 1 2\n3 0 2 3\n")
+P
+for file in c.obj c.ply square.ply; do
+    isorender --surface in/$file $file.png --camera top --orthographic --resolution 100x100 --background none --quiet
+done
+python3 - <<'P'
+from check import *
+def covered(name):
+    return sum(pixel[3] > 127 for row in Png(name).rows for pixel in row)
+square = covered("square.ply.png")
+for name in ("c.obj.png", "c.ply.png"):
+    expect(abs(covered(name) / square - .76) < .02, name, covered(name), square)
+P
