@@ -75,20 +75,29 @@ static void frame_surface(isorender_job *job, int framing, iso_camera *camera) {
         iso_camera_fit_box(camera, &job->bounds_framed, &fit);
 }
 
-/* Whether points lie in a flat box, as those of landscapes do: its height is at most 0.3 of its sides. */
-static bool is_flat(const isorender_job *job) {
-    const iso_vec3 size = iso_vec3_sub(job->bounds_framed.hi, job->bounds_framed.lo), up = job->settings->up;
-    const double sides[3] = {size.x, size.y, size.z};
-    const int axis = up.x != 0 ? 0 : up.y != 0 ? 1 : 2;
-    return sides[axis] < 0.3 * fmin(sides[(axis + 1) % 3], sides[(axis + 2) % 3]);
+static int axis_of(iso_vec3 v) {
+    return v.x != 0 ? 0 : v.y != 0 ? 1 : 2;
 }
 
-/* The direction that --camera names. Without it a flat file of points is not looked at from its edge. */
+/* Whether the framed box is flat along an axis: at most `ratio` of its other two sides. */
+static bool is_flat(const isorender_job *job, int axis, double ratio) {
+    const iso_vec3 size = iso_vec3_sub(job->bounds_framed.hi, job->bounds_framed.lo);
+    const double sides[3] = {size.x, size.y, size.z};
+    return sides[axis] < ratio * fmin(sides[(axis + 1) % 3], sides[(axis + 2) % 3]);
+}
+
+/* The direction that --camera names. Without it flat things are not looked at from their edge: they lie, as
+ * landscapes of points do already if their height is at most 0.3 of their sides, or stand across the front.
+ */
 static iso_direction direction_of(const isorender_job *job) {
+    static const double LANDSCAPE = 0.3, EDGE_ON = 0.02;
     const isorender_settings *settings = job->settings;
     if (settings->direction != ISORENDER_DIRECTION_UNCHOSEN) return (iso_direction)settings->direction;
-    const bool turned = settings->azimuth != 0 || settings->elevation != 0;
-    return job->loader.has_points && !turned && is_flat(job) ? ISO_ISOMETRIC : ISO_FRONT;
+    if (settings->azimuth != 0 || settings->elevation != 0 || job->has_volume) return ISO_FRONT;
+    iso_vec3 forward, up;
+    iso_direction_vectors(ISO_FRONT, settings->up, &forward, &up);
+    if (is_flat(job, axis_of(up), job->loader.has_points ? LANDSCAPE : EDGE_ON)) return ISO_ISOMETRIC;
+    return is_flat(job, 3 - axis_of(up) - axis_of(forward), EDGE_ON) ? ISO_LEFT : ISO_FRONT;
 }
 
 /* The camera without --camera-position: the preset, turned, at the distance that shows everything. */

@@ -173,7 +173,9 @@ iso_status isorender_object_prepare(isorender_object *object, double line_min_pi
     if (object->settings->kind == ISORENDER_MESH) {
         ISO_TRY(iso_triangle_spans_make(&object->mesh, &object->spans, error));
         object->bounds = mesh_bounds(object);
-        return ISO_OK;
+        if (!iso_box_is_empty(&object->bounds)) return ISO_OK;
+        return iso_fail(error, ISO_ERR_EMPTY, "%s: nothing to draw: no triangle has an area",
+                        object->settings->path);
     }
     ISO_TRY(has_lines(object) ? prepare_lines(object, line_min_pixels, by_pullpush, error)
                               : prepare_glyphs(object, error));

@@ -441,7 +441,9 @@ static const iso_option options[] = {
      INT(turntable, 1, 100000)},
 
     {"camera", "camera-preset", "NAME", "side to look from: front, back, left, right, top, bottom, iso",
-     .group = CAMERA, .standard = "front; iso for files of points that are flat, as landscapes",
+     .group = CAMERA,
+     .standard = "front; iso for files of points that are flat, as landscapes; left or iso for what is flat "
+                 "and edge-on from the front",
      CHOICE(direction, directions)},
     {"up", NULL, "AXIS", "world axis that is up: +x -x +y -y +z -z", .group = CAMERA, .standard = "+z",
      CALL(apply_up)},
