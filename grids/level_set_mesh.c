@@ -17,11 +17,6 @@ static const double BAND = 3;
 static const double ROUNDING = 1e-4;
 /* The distance from the centre of a brick to its outermost voxels, in voxels. */
 static const double BRICK_RADIUS = 12.991;
-/* Bricks are divided into cubes of 4^3 voxels, which are skipped if their centre is far from the mesh.
- * SUBBRICK_RADIUS: the distance from the centre of such a cube to its outermost voxels. */
-enum { SUBBRICK = 4 };
-static const double SUBBRICK_RADIUS = 2.599;
-enum { NO_REGION = 0xffff };
 
 /* A region: connected voxels without the surface between them, at first of one brick, later joined with
  * others (union-find). */
@@ -116,33 +111,17 @@ static float *brick_of(const conversion *c, size_t brick) {
     return iso_hgrid_brick(c->grid, c->grid->cell[c->brick_cell[brick]]);
 }
 
-static void measure_subbrick(const conversion *c, size_t cell, const int corner[3], float *brick) {
-    int at[3];
-    iso_nearest nearest = {0};
-    iso_hgrid_cell_position(c->grid, cell, at);
-    for (int axis = 0; axis < 3; axis++) at[axis] = ISO_BRICK * at[axis] + corner[axis];
-    const double middle = (SUBBRICK - 1) / 2.0, most = BAND + SUBBRICK_RADIUS;
-    const iso_vec3 centre = world_position(c, at[0] + middle, at[1] + middle, at[2] + middle);
-    const bool far = distance_at(c, centre, most, &nearest) >= most;
-    for (int i = 0; i < SUBBRICK * SUBBRICK * SUBBRICK; i++) {
-        const int x = i % SUBBRICK, y = i / SUBBRICK % SUBBRICK, z = i / (SUBBRICK * SUBBRICK);
-        const double d =
-            far ? BAND : distance_at(c, world_position(c, at[0] + x, at[1] + y, at[2] + z), BAND, &nearest);
-        brick[((corner[2] + z) * ISO_BRICK + corner[1] + y) * ISO_BRICK + corner[0] + x] = (float)d;
-    }
-}
-
 /* Computes the distances of a brick, without signs. */
 static void measure_brick(void *context, size_t index, int worker) {
     conversion *c = context;
-    int corner[3];
+    iso_brick_place place = {.origin = c->grid->transform.origin, .voxel = c->voxel};
+    double squared[ISO_BRICK_VOXELS];
     float *brick = brick_of(c, index);
     (void)worker;
     if (iso_progress_tell(&c->progress, "", (double)index / (double)c->bricks, NULL) != ISO_OK) return;
-    for (corner[2] = 0; corner[2] < ISO_BRICK; corner[2] += SUBBRICK)
-        for (corner[1] = 0; corner[1] < ISO_BRICK; corner[1] += SUBBRICK)
-            for (corner[0] = 0; corner[0] < ISO_BRICK; corner[0] += SUBBRICK)
-                measure_subbrick(c, c->brick_cell[index], corner, brick);
+    voxel_at(c, c->brick_cell[index], 0, place.at);
+    iso_closed_mesh_measure(c->mesh, &place, BAND, squared);
+    for (int i = 0; i < ISO_BRICK_VOXELS; i++) brick[i] = (float)(sqrt(squared[i]) / c->voxel);
 }
 
 /* ---- regions of a brick */
@@ -152,39 +131,91 @@ static bool same_side(float a, float b, double apart) {
     return (double)a + (double)b > apart + ROUNDING;
 }
 
-/* Gives the label `number` to all voxels of a brick that are connected with the voxel `seed` without the
- * surface between them, by flood fill. `stack` has room for all voxels of a brick. */
-static void label_region(const float *brick, uint16_t *label, uint16_t number, uint16_t *stack, int seed) {
-    static const double apart[4] = {0, 1, 1.4142135623730951, 1.7320508075688772};
-    int depth = 0;
-    label[seed] = number;
-    stack[depth++] = (uint16_t)seed;
-    while (depth > 0) {
-        const int voxel = stack[--depth];
-        const int x = voxel % ISO_BRICK, y = voxel / ISO_BRICK % ISO_BRICK,
-                  z = voxel / (ISO_BRICK * ISO_BRICK);
-        for (int i = 0; i < 27; i++) {
-            const int dx = i % 3 - 1, dy = i / 3 % 3 - 1, dz = i / 9 - 1;
-            const int nx = x + dx, ny = y + dy, nz = z + dz;
-            if ((nx | ny | nz) < 0 || nx >= ISO_BRICK || ny >= ISO_BRICK || nz >= ISO_BRICK) continue;
-            const int next = (nz * ISO_BRICK + ny) * ISO_BRICK + nx;
-            if (label[next] != NO_REGION ||
-                !same_side(brick[voxel], brick[next], apart[abs(dx) + abs(dy) + abs(dz)]))
-                continue;
-            label[next] = number;
-            stack[depth++] = (uint16_t)next;
-        }
+/* Returns the voxel that represents the region of a voxel, the first of the region. */
+static inline uint16_t first_of(uint16_t *parent, uint16_t voxel) {
+    while (parent[voxel] != voxel) voxel = parent[voxel] = parent[parent[voxel]];
+    return voxel;
+}
+
+static inline void join_voxels(uint16_t *parent, int a, int b) {
+    const uint16_t x = first_of(parent, (uint16_t)a), y = first_of(parent, (uint16_t)b);
+    parent[x > y ? x : y] = x < y ? x : y;
+}
+
+/* Whether a voxel is on the same side as all its neighbours that share a face with it. */
+static bool is_deep(float distance) {
+    return (double)distance > 1 + 2 * ROUNDING;
+}
+
+/* Joins a voxel with those before it that share a face with it. A neighbour in the row before is skipped if
+ * both are joined through the voxels before them. */
+static void join_faces(const float *brick, uint16_t *parent, int voxel, const int at[3]) {
+    static const int step[3] = {1, ISO_BRICK, ISO_BRICK * ISO_BRICK};
+    const bool deep = at[0] > 0 && is_deep(brick[voxel]) && is_deep(brick[voxel - 1]);
+    for (int axis = 0; axis < 3; axis++) {
+        const int other = voxel - step[axis];
+        if (at[axis] == 0 || !same_side(brick[voxel], brick[other], 1)) continue;
+        if (axis > 0 && deep && is_deep(brick[other]) && is_deep(brick[other - 1])) continue;
+        join_voxels(parent, voxel, other);
     }
 }
 
+/* Joins a voxel with those before it among its 26 neighbours; deep ones are joined through faces. */
+static void join_neighbours(const float *brick, uint16_t *parent, int voxel) {
+    static const double apart[4] = {0, 1, 1.4142135623730951, 1.7320508075688772};
+    const int at[3] = {voxel % ISO_BRICK, voxel / ISO_BRICK % ISO_BRICK, voxel / (ISO_BRICK * ISO_BRICK)};
+    join_faces(brick, parent, voxel, at);
+    if (is_deep(brick[voxel])) return;
+    for (int i = 0; i < 13; i++) {
+        const int dx = i % 3 - 1, dy = i / 3 % 3 - 1, dz = i / 9 - 1, away = abs(dx) + abs(dy) + abs(dz);
+        const int x = at[0] + dx, y = at[1] + dy, z = at[2] + dz;
+        if (away < 2 || (x | y | z) < 0 || x >= ISO_BRICK || y >= ISO_BRICK) continue;
+        const int other = (z * ISO_BRICK + y) * ISO_BRICK + x;
+        if (same_side(brick[voxel], brick[other], apart[away])) join_voxels(parent, voxel, other);
+    }
+}
+
+/* Whether all voxels of a row of a brick are deep, so that they are in one region. */
+static bool is_deep_row(const float *row) {
+    bool deep = true;
+    for (int x = 0; x < ISO_BRICK; x++) deep &= is_deep(row[x]);
+    return deep;
+}
+
+/* Joins a deep row with the one `step` voxels before it. */
+static void join_rows(const float *brick, uint16_t *parent, int row, int step, bool both_deep) {
+    if (both_deep) {
+        join_voxels(parent, row, row - step);
+        return;
+    }
+    for (int i = row; i < row + ISO_BRICK; i++)
+        if (same_side(brick[i], brick[i - step], 1)) join_voxels(parent, i, i - step);
+}
+
+/* Numbers the regions of a brick, in the order of their first voxels. */
 static void label_brick(void *context, size_t index, int worker) {
+    enum { ROWS = ISO_BRICK * ISO_BRICK };
     conversion *c = context;
-    uint16_t stack[ISO_BRICK_VOXELS], *label = c->label[index], count = 0;
+    uint16_t parent[ISO_BRICK_VOXELS], *label = c->label[index], count = 0;
+    bool deep[ROWS];
     const float *brick = brick_of(c, index);
     (void)worker;
-    memset(label, 0xff, sizeof *c->label);
-    for (int i = 0; i < ISO_BRICK_VOXELS; i++)
-        if (label[i] == NO_REGION) label_region(brick, label, count++, stack, i);
+    for (int r = 0; r < ROWS; r++) {
+        const int row = r * ISO_BRICK;
+        deep[r] = is_deep_row(brick + row);
+        for (int i = row; i < row + ISO_BRICK; i++) {
+            parent[i] = (uint16_t)(deep[r] ? row : i);
+            if (!deep[r]) join_neighbours(brick, parent, i);
+        }
+        if (!deep[r]) continue;
+        if (r % ISO_BRICK) join_rows(brick, parent, row, ISO_BRICK, deep[r - 1]);
+        if (r >= ISO_BRICK) join_rows(brick, parent, row, ROWS, deep[r - ISO_BRICK]);
+    }
+    for (int i = 0; i < ISO_BRICK_VOXELS; i++) {
+        const bool same = i % ISO_BRICK && deep[i / ISO_BRICK];
+        const uint16_t first = same ? (uint16_t)(i - 1) : first_of(parent, (uint16_t)i);
+        label[i] = first == i ? count++ : label[first];
+    }
     c->first[c->brick_cell[index]] = count;
 }
 

@@ -370,6 +370,16 @@ void iso_closed_mesh_nearest(const iso_closed_mesh *closed, iso_vec3 p, iso_near
     iso_border_nearest(&closed->border, p, nearest);
 }
 
+void iso_closed_mesh_measure(const iso_closed_mesh *closed, const iso_brick_place *brick, double band,
+                             double squared[ISO_BRICK_VOXELS]) {
+    iso_brick_distances(closed->surface, brick, band, squared);
+    for (int i = 0; i < ISO_BRICK_VOXELS && closed->border.faces; i++) {
+        iso_nearest nearest = {.squared = squared[i]};
+        iso_border_nearest(&closed->border, iso_brick_voxel(brick, i), &nearest);
+        squared[i] = nearest.squared;
+    }
+}
+
 bool iso_mesh_report_note(const iso_mesh_report *r, char *text, size_t size) {
     text[0] = 0;
     size_t at = 0;

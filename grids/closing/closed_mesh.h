@@ -14,7 +14,7 @@
 
 #include "base/primitives.h"
 #include "base/progress.h"
-#include "grids/closing/triangle_tree.h"
+#include "grids/closing/brick_distances.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -56,6 +56,11 @@ iso_box iso_closed_mesh_box(const iso_closed_mesh *closed);
 /* Return the winding number at a point, and find the nearest point of the triangles and caps. Thread-safe. */
 double iso_closed_mesh_winding(const iso_closed_mesh *closed, iso_vec3 p);
 void iso_closed_mesh_nearest(const iso_closed_mesh *closed, iso_vec3 p, iso_nearest *nearest);
+
+/* Sets the squared distances (mm2) of the voxels of a brick from the triangles and caps, at most that of
+ * `band` voxels: what iso_closed_mesh_nearest finds for each, but faster. Thread-safe. */
+void iso_closed_mesh_measure(const iso_closed_mesh *closed, const iso_brick_place *brick, double band,
+                             double squared[ISO_BRICK_VOXELS]);
 
 /* Writes a line for users that says what was closed or turned. Returns false if nothing was. */
 bool iso_mesh_report_note(const iso_mesh_report *report, char *text, size_t size);

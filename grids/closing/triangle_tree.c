@@ -59,10 +59,35 @@ static iso_box bounds_of(const iso_triangles *mesh) {
     return box;
 }
 
-static void find_places(const iso_triangles *mesh, place *places) {
+/* Whether a triangle is more than a line, as precisely as floats say. A line encloses nothing, and is no
+ * surface unless the edges of other triangles lie there. */
+static bool has_area(const iso_triangles *mesh, size_t triangle) {
+    iso_vec3 p[3];
+    for (int k = 0; k < 3; k++) {
+        const float *v = mesh->vertices[mesh->triangles[triangle][k]];
+        p[k] = iso_vec3_make(v[0], v[1], v[2]);
+    }
+    const iso_vec3 ab = iso_vec3_sub(p[1], p[0]), ac = iso_vec3_sub(p[2], p[0]),
+                   bc = iso_vec3_sub(p[2], p[1]), cross = iso_vec3_cross(ab, ac);
+    const double longest = fmax(iso_vec3_dot(ab, ab), fmax(iso_vec3_dot(ac, ac), iso_vec3_dot(bc, bc)));
+    return iso_vec3_dot(cross, cross) > 1e-14 * longest * longest;
+}
+
+/* Lists the triangles that have an area and returns their number; all of them, if none has. */
+static size_t find_triangles(const iso_triangles *mesh, place *places) {
+    size_t count = 0;
+    for (size_t t = 0; t < mesh->triangle_count; t++)
+        if (has_area(mesh, t)) places[count++].triangle = (uint32_t)t;
+    if (count) return count;
+    for (; count < mesh->triangle_count; count++) places[count].triangle = (uint32_t)count;
+    return count;
+}
+
+static void find_keys(const iso_triangles *mesh, place *places, size_t count) {
     const iso_box box = bounds_of(mesh);
     const double lo[3] = {box.lo.x, box.lo.y, box.lo.z}, hi[3] = {box.hi.x, box.hi.y, box.hi.z};
-    for (size_t t = 0; t < mesh->triangle_count; t++) {
+    for (size_t i = 0; i < count; i++) {
+        const uint32_t t = places[i].triangle;
         uint32_t key = 0;
         for (int axis = 0; axis < 3; axis++) {
             double sum = 0;
@@ -71,7 +96,7 @@ static void find_places(const iso_triangles *mesh, place *places) {
             const double at = extent > 0 ? (sum / 3 - lo[axis]) / extent * steps : 0;
             key |= spread((uint32_t)fmin(fmax(at, 0), steps)) << axis;
         }
-        places[t] = (place){key, (uint32_t)t};
+        places[i].key = key;
     }
 }
 
@@ -177,16 +202,16 @@ static void build_sums(const iso_triangle_tree *tree, sums *s) {
 static iso_triangle_tree *create_tree(const iso_triangles *mesh) {
     iso_triangle_tree *tree = iso_alloc_zero(1, sizeof *tree);
     if (!tree) return NULL;
-    tree->count = mesh->triangle_count;
+    place *places = iso_alloc(2 * mesh->triangle_count * sizeof *places);
+    tree->count = places ? find_triangles(mesh, places) : 0;
     while ((size_t)LEAF << tree->depth < tree->count) tree->depth++;
     tree->leaves = (size_t)1 << tree->depth;
-    place *places = iso_alloc(2 * tree->count * sizeof *places);
     sums *s = iso_alloc(2 * tree->leaves * sizeof *s);
     tree->triangles = iso_alloc(tree->count * sizeof *tree->triangles);
     tree->nodes = iso_alloc(2 * tree->leaves * sizeof *tree->nodes);
     const bool whole = places && s && tree->triangles && tree->nodes;
     if (whole) {
-        find_places(mesh, places);
+        find_keys(mesh, places, tree->count);
         sort_places(places, places + tree->count, tree->count);
         for (size_t i = 0; i < tree->count; i++)
             for (int k = 0; k < 3; k++)
@@ -292,8 +317,11 @@ double iso_triangle_tree_winding(const iso_triangle_tree *tree, iso_vec3 p) {
 
 /* Returns the point of a triangle that is nearest to p, depending on the region of the triangle's plane that
  * p is above (Ericson 2005, "Real-time collision detection", 5.1.5). */
-static iso_vec3 nearest_on_triangle(const corners *t, iso_vec3 p) {
-    const iso_vec3 a = corner(t, 0), b = corner(t, 1), c = corner(t, 2);
+iso_vec3 iso_triangle_nearest(const float corners[3][3], iso_vec3 p) {
+    iso_vec3 t[3];
+    for (int k = 0; k < 3; k++)
+        t[k] = iso_vec3_make((double)corners[k][0], (double)corners[k][1], (double)corners[k][2]);
+    const iso_vec3 a = t[0], b = t[1], c = t[2];
     const iso_vec3 ab = iso_vec3_sub(b, a), ac = iso_vec3_sub(c, a), ap = iso_vec3_sub(p, a);
     const double d1 = iso_vec3_dot(ab, ap), d2 = iso_vec3_dot(ac, ap);
     if (d1 <= 0 && d2 <= 0) return a;
@@ -318,7 +346,7 @@ static iso_vec3 nearest_on_triangle(const corners *t, iso_vec3 p) {
 
 /* Sets *nearest to the nearest point of a triangle, if this point is nearer. */
 static void test_triangle(const iso_triangle_tree *tree, size_t triangle, iso_vec3 p, iso_nearest *nearest) {
-    const iso_vec3 point = nearest_on_triangle(&tree->triangles[triangle], p), way = iso_vec3_sub(p, point);
+    const iso_vec3 point = iso_triangle_nearest(tree->triangles[triangle].p, p), way = iso_vec3_sub(p, point);
     const double squared = iso_vec3_dot(way, way);
     if (squared < nearest->squared) *nearest = (iso_nearest){squared, point, triangle};
 }
@@ -362,5 +390,29 @@ void iso_triangle_tree_nearest(const iso_triangle_tree *tree, iso_vec3 p, iso_ne
             stack[depth].node = child + (size_t)which;
             stack[depth++].squared = d[which];
         }
+    }
+}
+
+/* ---- all triangles in a box */
+
+void iso_triangle_tree_visit(const iso_triangle_tree *tree, const iso_box *box,
+                             void (*visit)(void *context, const float corners[3][3]), void *context) {
+    size_t stack[2 * DEEPEST];
+    int depth = 0;
+    stack[depth++] = 0;
+    while (depth > 0) {
+        const size_t i = stack[--depth];
+        const node *n = &tree->nodes[i];
+        if ((double)n->lo[0] > box->hi.x || (double)n->hi[0] < box->lo.x || (double)n->lo[1] > box->hi.y ||
+            (double)n->hi[1] < box->lo.y || (double)n->lo[2] > box->hi.z || (double)n->hi[2] < box->lo.z)
+            continue;
+        if (i < tree->leaves - 1) {
+            stack[depth++] = 2 * i + 2;
+            stack[depth++] = 2 * i + 1;
+            continue;
+        }
+        const size_t leaf = i - (tree->leaves - 1);
+        for (size_t k = leaf_first(tree, leaf); k < leaf_first(tree, leaf + 1); k++)
+            visit(context, (const float(*)[3])tree->triangles[k].p);
     }
 }

@@ -21,7 +21,7 @@ extern "C" {
 
 typedef struct iso_triangle_tree iso_triangle_tree;
 
-/* Copies the triangles, at least one. ISO_ERR_NOMEM. */
+/* Copies the triangles, at least one; without those that have no area, if others have one. ISO_ERR_NOMEM. */
 iso_status iso_triangle_tree_create(const iso_triangles *mesh, iso_triangle_tree **tree, iso_error *error);
 void iso_triangle_tree_destroy(iso_triangle_tree *tree); /* NULL is allowed */
 
@@ -37,6 +37,13 @@ typedef struct iso_nearest {
     iso_vec3 point;
     size_t triangle; /* number of the triangle in the tree */
 } iso_nearest;
+
+/* The point of a triangle that is nearest to p. */
+iso_vec3 iso_triangle_nearest(const float corners[3][3], iso_vec3 p);
+
+/* Calls `visit` with every triangle in a leaf whose box meets `box`. */
+void iso_triangle_tree_visit(const iso_triangle_tree *tree, const iso_box *box,
+                             void (*visit)(void *context, const float corners[3][3]), void *context);
 
 /* Searches for the triangle that is nearest to p. */
 void iso_triangle_tree_nearest(const iso_triangle_tree *tree, iso_vec3 p, iso_nearest *nearest);
