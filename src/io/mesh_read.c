@@ -15,6 +15,7 @@
 #include "io/encode.h"
 #include "io/fans.h"
 #include "io/ply.h"
+#include "io/polydata/faces.h"
 #include "io/rows.h"
 
 enum { STL_HEADER = 84, STL_FACET = 50, POLYGON_MOST = 1 << 16 };
@@ -298,6 +299,41 @@ static iso_status read_ply(reading *r, iso_error *error) {
     return status;
 }
 
+/* ---- VTK's formats of polygonal data */
+
+/* Makes the vertices of the points. */
+static iso_status take_points(reading *r, iso_polydata *data, iso_error *error) {
+    const double turn = data->stated == ISO_SPACE_RAS ? -1 : 1;
+    float(*p)[3] = data->points.data;
+    for (size_t i = 0; i < data->point_count; i++) {
+        if (isnan(p[i][0]))
+            return iso_fail(error, ISO_ERR_FORMAT, "%s: vertex %zu is not finite", r->path, i + 1);
+        p[i][0] = (float)(turn * (data->origin.x + (double)p[i][0]));
+        p[i][1] = (float)(turn * (data->origin.y + (double)p[i][1]));
+        p[i][2] = (float)(data->origin.z + (double)p[i][2]);
+    }
+    r->vertices = data->points;
+    r->vertex_count = data->point_count;
+    data->points = (iso_buffer){0};
+    return ISO_OK;
+}
+
+static iso_status read_polydata(reading *r, iso_status (*read)(iso_polydata *data, iso_error *error),
+                                iso_error *error) {
+    iso_faces faces = {0};
+    iso_polydata data = {.reading = &r->text, .points_only = true, .surface = &faces};
+    r->text = iso_reading_begin(r->path, NULL, &r->report);
+    iso_status status = read(&data, error);
+    if (status == ISO_OK) status = take_points(r, &data, error);
+    if (status == ISO_OK) status = iso_progress_tell(r->progress, r->path, 1, error);
+    r->triangles = faces.corners;
+    r->triangle_count = faces.count;
+    r->fans = faces.fans;
+    r->fan_count = faces.fan_count;
+    iso_polydata_free(&data);
+    return status;
+}
+
 /* ---- any format */
 
 /* Checks the numbers of vertices, then divides concave polygons. */
@@ -330,7 +366,10 @@ static iso_status read_any(reading *r, iso_error *error) {
     if (dot && strcasecmp(dot, ".stl") == 0) return read_stl_file(r, error);
     if (dot && strcasecmp(dot, ".obj") == 0) return read_obj(r, error);
     if (dot && strcasecmp(dot, ".ply") == 0) return read_ply(r, error);
-    return iso_fail(error, ISO_ERR_UNSUPPORTED, "%s: meshes are read from .stl, .obj and .ply", r->path);
+    if (dot && strcasecmp(dot, ".vtk") == 0) return read_polydata(r, iso_polydata_read_vtk, error);
+    if (dot && strcasecmp(dot, ".vtp") == 0) return read_polydata(r, iso_polydata_read_vtp, error);
+    return iso_fail(error, ISO_ERR_UNSUPPORTED, "%s: meshes are read from .stl, .obj, .ply, .vtk and .vtp",
+                    r->path);
 }
 
 iso_status iso_mesh_read(const char *path, const iso_progress *progress, iso_triangles *mesh,

@@ -1,6 +1,6 @@
 /* mesh_read: reads triangle meshes; the format is chosen by the extension: .stl (binary and ASCII), .obj,
- * .ply. Reads positions and faces only; polygons become fans of triangles. Positions are taken to be world
- * millimetres. */
+ * .ply, .vtk and .vtp with polygonal data. Reads positions and faces only; polygons become triangles.
+ * Positions are taken to be world millimetres. */
 #ifndef ISO_IO_MESH_READ_H
 #define ISO_IO_MESH_READ_H
 

@@ -13,8 +13,19 @@ with open("in/c.ply", "w") as file:
     file.write("8 0 1 2 3 4 5 6 7 9 1 1 1 1 1 1\n")
 with open("in/square.ply", "w") as file:
     file.write(header % (4, 2) + "0 0 0 10 0 0\n10 10 0 0 10 0 3 0 1 2\n3 0 2 3\n")
+points = " ".join("%d %d 0" % c for c in corners)
+with open("in/c.vtk", "w") as file:
+    file.write("# vtk DataFile Version 3.0\nC\nASCII\nDATASET POLYDATA\nPOINTS 8 float\n" + points)
+    file.write("\nPOLYGONS 1 9\n8 0 1 2 3 4 5 6 7\nCELL_DATA 1\nSCALARS a float\nLOOKUP_TABLE default\n3\n")
+array = '<DataArray type="%s" Name="%s" NumberOfComponents="%d" format="ascii">%s</DataArray>\n'
+with open("in/c.vtp", "w") as file: # the left half is a strip, the rest two polygons
+    file.write('<VTKFile type="PolyData"><PolyData>\n<Piece NumberOfPoints="10" NumberOfPolys="2" NumberOfStrips="1">\n')
+    file.write("<Points>" + array % ("Float32", "p", 3, points + " 4 0 0 4 10 0") + "</Points>\n")
+    file.write("<Strips>" + array % ("Int64", "connectivity", 1, "0 8 7 9") + array % ("Int64", "offsets", 1, "4"))
+    file.write("</Strips>\n<Polys>" + array % ("Int64", "connectivity", 1, "8 1 2 3 4 5 6 9"))
+    file.write(array % ("Int64", "offsets", 1, "4 8") + "</Polys>\n</Piece></PolyData></VTKFile>\n")
 P
-for file in c.obj c.ply square.ply; do
+for file in c.obj c.ply c.vtk c.vtp square.ply; do
     isorender --surface in/$file $file.png --camera top --orthographic --resolution 100x100 --background none --quiet
 done
 python3 - <<'P'
@@ -22,6 +33,6 @@ from check import *
 def covered(name):
     return sum(pixel[3] > 127 for row in Png(name).rows for pixel in row)
 square = covered("square.ply.png")
-for name in ("c.obj.png", "c.ply.png"):
+for name in ("c.obj.png", "c.ply.png", "c.vtk.png", "c.vtp.png"):
     expect(abs(covered(name) / square - .76) < .02, name, covered(name), square)
 P

@@ -19,6 +19,9 @@ typedef struct iso_polydata {
                          exact values */
     bool points_only; /* lines are not wanted, so readers may skip them */
     bool packed_gaussians; /* Gaussians whose "opacity" is 0 .. 1 and whose "scale" is logarithmic */
+    struct iso_faces
+        *surface; /* of .vtk and .vtp: polygons and strips are added to it, and columns are skipped;
+                                  NULL: polygons are not wanted (io/polydata/faces.h) */
     iso_vec3 origin;
     iso_buffer points; /* three floats each, relative to the origin, in the file's space; NaN: not usable */
     size_t point_count;

@@ -1,6 +1,6 @@
 /* vtk_polydata: polygonal data in VTK's legacy format (The VTK User's Guide, "VTK File Formats"; version 5 as
- * vtkPolyDataReader reads it), text or binary: the points, the lines and the arrays over both. Vertices,
- * polygons and strips are skipped.
+ * vtkPolyDataReader reads it), text or binary: the points, the lines and the arrays over both, or the
+ * points, polygons and strips of a surface. Vertices are skipped.
  *
  * Up to version 4 a line is the number of its points and the points; in version 5 lines are two arrays, the
  * offsets at which they begin and end, and the points of all of them. Binary numbers are big-endian. The
@@ -11,7 +11,7 @@
 #include <string.h>
 #include <strings.h>
 
-#include "io/polydata/polydata.h"
+#include "io/polydata/faces.h"
 #include "io/rows.h"
 #include "io/scalar_load.h"
 
@@ -213,12 +213,72 @@ static iso_status skip_cells(vtk_file *f, uint64_t count, uint64_t size, iso_err
     return skip_numbers(f, scalar, size, error);
 }
 
+/* Adds the next face, of `corners` corners. */
+static iso_status take_face(vtk_file *f, iso_scalar scalar, bool strip, uint64_t corners, iso_error *error) {
+    iso_face face = {.strip = strip};
+    for (uint64_t i = 0; i < corners; i++) {
+        double index;
+        ISO_TRY(read_number(f, scalar, &index, error));
+        if (!(index >= 0 && index < UINT32_MAX)) return bad(f, "a face names a point that cannot be", error);
+        ISO_TRY(iso_faces_add_corner(f->data->reading, f->data->surface, &face, (uint32_t)index, error));
+    }
+    return iso_faces_end_face(f->data->reading, f->data->surface, &face, error);
+}
+
+static iso_status take_packed_faces(vtk_file *f, bool strips, uint64_t count, uint64_t size,
+                                    iso_error *error) {
+    ISO_TRY(begin_numbers(f, ISO_SCALAR_INT32, size, error));
+    for (uint64_t i = 0; i < count; i++) {
+        double corners;
+        if (size == 0) return bad(f, "its faces are longer than it says", error);
+        ISO_TRY(read_number(f, ISO_SCALAR_INT32, &corners, error));
+        size--;
+        if (!(corners >= 0 && corners <= (double)size))
+            return bad(f, "a face is longer than all faces", error);
+        ISO_TRY(take_face(f, ISO_SCALAR_INT32, strips, (uint64_t)corners, error));
+        size -= (uint64_t)corners;
+    }
+    return size == 0 ? ISO_OK : bad(f, "its faces are shorter than it says", error);
+}
+
+/* Reads the corners of the faces whose offsets are `offsets`, which rise from 0 to `size`. */
+static iso_status take_split_corners(vtk_file *f, bool strips, const double *offsets, uint64_t count,
+                                     uint64_t size, iso_error *error) {
+    iso_scalar scalar;
+    ISO_TRY(begin_array(f, "CONNECTIVITY", size, &scalar, error));
+    if (count && (offsets[0] != 0 || offsets[count - 1] != (double)size))
+        return bad(f, "the offsets of its faces do not rise from 0 to their size", error);
+    for (uint64_t i = 1; i < count; i++) {
+        if (!(offsets[i] >= offsets[i - 1])) return bad(f, "the offsets of its faces do not rise", error);
+        ISO_TRY(take_face(f, scalar, strips, (uint64_t)(offsets[i] - offsets[i - 1]), error));
+    }
+    return ISO_OK;
+}
+
+static iso_status take_split_faces(vtk_file *f, bool strips, uint64_t count, uint64_t size,
+                                   iso_error *error) {
+    iso_buffer buffer = {0};
+    iso_scalar scalar;
+    ISO_TRY(begin_array(f, "OFFSETS", count, &scalar, error));
+    ISO_TRY(iso_reading_reserve(f->data->reading, &buffer, (size_t)count + 1, sizeof(double), 0, error));
+    double *offsets = buffer.data;
+    iso_status status = ISO_OK;
+    for (uint64_t i = 0; i < count && status == ISO_OK; i++)
+        status = read_number(f, scalar, &offsets[i], error);
+    if (status == ISO_OK) status = take_split_corners(f, strips, offsets, count, size, error);
+    iso_reading_free(f->data->reading, &buffer);
+    return status;
+}
+
 static iso_status take_cells(vtk_file *f, int kind, iso_error *error) {
     uint64_t count, size;
     if (f->cells[kind]) return bad(f, "cells of one kind come twice", error);
     ISO_TRY(read_size(f, &count, error));
     ISO_TRY(read_size(f, &size, error));
     f->cells[kind] = f->split_cells && count ? count - 1 : count;
+    if (kind >= POLYGONS && f->data->surface)
+        return f->split_cells ? take_split_faces(f, kind == STRIPS, count, size, error)
+                              : take_packed_faces(f, kind == STRIPS, count, size, error);
     if (kind != LINES || f->data->points_only) return skip_cells(f, count, size, error);
     if (f->data->line_count) return bad(f, "its lines come twice", error);
     return f->split_cells ? take_split_lines(f, count, size, error)
@@ -281,6 +341,7 @@ static iso_status take_array(vtk_file *f, array *a, iso_error *error) {
     if (a->components < 1 || __builtin_mul_overflow(a->components, a->tuples, &count))
         return bad(f, "an array has an impossible size", error);
     ISO_TRY(begin_numbers(f, a->scalar, count, error));
+    if (f->data->surface) return skip_numbers(f, a->scalar, count, error);
     decode_name(a->name);
     if (!is_wanted(f, a, &skipped, &wanted)) {
         if (f->section != NO_DATA && wanted > 0 && !(f->section == CELL_DATA && f->data->points_only))

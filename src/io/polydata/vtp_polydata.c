@@ -1,5 +1,6 @@
 /* vtp_polydata: polygonal data in VTK's XML format ("VTK XML Formats", docs.vtk.org): the points, the lines
- * and the arrays over both, of all pieces. Vertices, strips and polygons are skipped.
+ * and the arrays over both, of all pieces, or the points, polygons and strips of a surface. Vertices are
+ * skipped.
  *
  * Arrays are text or bytes. Bytes are raw or in base64, inside the element or appended after all elements,
  * and may be divided into blocks that are compressed by zlib. They begin with numbers that state their
@@ -14,13 +15,13 @@
 #include <strings.h>
 #include <zlib.h>
 
-#include "io/polydata/polydata.h"
+#include "io/polydata/faces.h"
 #include "io/rows.h"
 #include "io/scalar_load.h"
 
 enum { ARRAYS = 512, NAME = ISO_COLUMN_NAME, TEXT = 256 };
 
-typedef enum section { OTHER, POINT_DATA, CELL_DATA, POINTS, LINES } section;
+typedef enum section { OTHER, POINT_DATA, CELL_DATA, POINTS, LINES, POLYGONS, STRIPS } section;
 
 /* A start tag; `text` .. `end` is the text between < and >. */
 typedef struct tag {
@@ -50,6 +51,7 @@ typedef struct vtp {
     char roles[3][NAME];                         /* the names of the active normals, vectors and tensors */
     uint64_t points, lines, cells_before, cells; /* counts of the current piece; cells_before: cells that
                                                     precede its lines */
+    uint64_t polygons, strips;
     array arrays[ARRAYS];
     int array_count;
     iso_buffer values, sizes; /* the decoded bytes of an array; the numbers of its header */
@@ -347,6 +349,47 @@ static iso_status take_lines(vtp *v, uint64_t first, iso_error *error) {
     return ISO_OK;
 }
 
+/* Reads the corners of the faces that end at `offsets`. */
+static iso_status take_corners(vtp *v, section in, const double *offsets, uint64_t count, uint64_t first,
+                               iso_error *error) {
+    const array *points = find_array(v, in, "connectivity");
+    const uint64_t last = count ? (uint64_t)offsets[count - 1] : 0;
+    if (!points) return bad(v, "faces without offsets and connectivity", error);
+    ISO_TRY(decode(v, points, last, error));
+    for (uint64_t face = 0, i = 0; face < count; face++) {
+        iso_face f = {.strip = in == STRIPS};
+        for (; i < (uint64_t)offsets[face]; i++) {
+            const double point = get_number(v, points, i);
+            if (!(point >= 0 && point < (double)v->points))
+                return bad(v, "a face names a point that is not there", error);
+            ISO_TRY(iso_faces_add_corner(v->data->reading, v->data->surface, &f,
+                                         (uint32_t)(first + (uint64_t)point), error));
+        }
+        ISO_TRY(iso_faces_end_face(v->data->reading, v->data->surface, &f, error));
+    }
+    return ISO_OK;
+}
+
+/* Reads the polygons or strips of a piece; `first` is the number of its first point. */
+static iso_status take_faces(vtp *v, section in, uint64_t count, uint64_t first, iso_error *error) {
+    const array *offsets = find_array(v, in, "offsets");
+    iso_buffer buffer = {0};
+    if (count == 0) return ISO_OK;
+    if (!offsets) return bad(v, "faces without offsets and connectivity", error);
+    ISO_TRY(decode(v, offsets, count, error));
+    ISO_TRY(iso_reading_reserve(v->data->reading, &buffer, (size_t)count, sizeof(double), 0, error));
+    double *ends = buffer.data, last = 0;
+    iso_status status = ISO_OK;
+    for (uint64_t i = 0; i < count && status == ISO_OK; i++, last = ends[i - 1]) {
+        ends[i] = get_number(v, offsets, i);
+        if (!(ends[i] >= last && ends[i] < 1e15))
+            status = bad(v, "the offsets of its faces do not rise", error);
+    }
+    if (status == ISO_OK) status = take_corners(v, in, ends, count, first, error);
+    iso_reading_free(v->data->reading, &buffer);
+    return status;
+}
+
 /* Finds the column of an array, or makes it. *column -1: the array was missing in an earlier piece and is
  * ignored. */
 static iso_status find_column(vtp *v, const array *a, int *column, iso_error *error) {
@@ -399,9 +442,13 @@ static iso_status take_piece(vtp *v, iso_error *error) {
     const uint64_t point = v->data->point_count, line = v->data->line_count;
     ISO_TRY(take_points(v, error));
     if (!v->data->points_only) ISO_TRY(take_lines(v, point, error));
+    if (v->data->surface) {
+        ISO_TRY(take_faces(v, POLYGONS, v->polygons, point, error));
+        ISO_TRY(take_faces(v, STRIPS, v->strips, point, error));
+    }
     ISO_TRY(clear_columns(v, false, point, v->points, error));
     if (!v->data->points_only) ISO_TRY(clear_columns(v, true, line, v->lines, error));
-    for (int i = 0; i < v->array_count; i++) {
+    for (int i = 0; i < v->array_count && !v->data->surface; i++) {
         const array *a = &v->arrays[i];
         if (a->in == POINT_DATA) ISO_TRY(take_column(v, a, point, error));
         if (a->in == CELL_DATA && !v->data->points_only) ISO_TRY(take_column(v, a, line, error));
@@ -414,13 +461,12 @@ static iso_status take_piece(vtp *v, iso_error *error) {
 /* ---- elements */
 
 static iso_status begin_piece(vtp *v, const tag *t, iso_error *error) {
-    uint64_t strips, polygons;
     ISO_TRY(read_count(v, t, "NumberOfPoints", 0, &v->points, error));
     ISO_TRY(read_count(v, t, "NumberOfVerts", 0, &v->cells_before, error));
     ISO_TRY(read_count(v, t, "NumberOfLines", 0, &v->lines, error));
-    ISO_TRY(read_count(v, t, "NumberOfStrips", 0, &strips, error));
-    ISO_TRY(read_count(v, t, "NumberOfPolys", 0, &polygons, error));
-    v->cells = v->cells_before + v->lines + strips + polygons;
+    ISO_TRY(read_count(v, t, "NumberOfStrips", 0, &v->strips, error));
+    ISO_TRY(read_count(v, t, "NumberOfPolys", 0, &v->polygons, error));
+    v->cells = v->cells_before + v->lines + v->strips + v->polygons;
     v->array_count = 0;
     return ISO_OK;
 }
@@ -497,8 +543,10 @@ static iso_status take_tag(vtp *v, const tag *t, iso_error *error) {
     if (tag_is(t, "CellData")) v->in = CELL_DATA;
     if (tag_is(t, "Points")) v->in = POINTS;
     if (tag_is(t, "Lines")) v->in = LINES;
-    static const char *const others[] = {"/PointData", "/CellData", "/Points", "/Lines"};
-    for (int i = 0; i < 4; i++)
+    if (tag_is(t, "Polys")) v->in = POLYGONS;
+    if (tag_is(t, "Strips")) v->in = STRIPS;
+    static const char *const others[] = {"/PointData", "/CellData", "/Points", "/Lines", "/Polys", "/Strips"};
+    for (int i = 0; i < 6; i++)
         if (tag_is(t, others[i])) v->in = OTHER;
     return ISO_OK;
 }
