@@ -317,10 +317,10 @@ double iso_triangle_tree_winding(const iso_triangle_tree *tree, iso_vec3 p) {
 
 /* Returns the point of a triangle that is nearest to p, depending on the region of the triangle's plane that
  * p is above (Ericson 2005, "Real-time collision detection", 5.1.5). */
-iso_vec3 iso_triangle_nearest(const float corners[3][3], iso_vec3 p) {
+iso_vec3 iso_triangle_nearest(const float triangle[3][3], iso_vec3 p) {
     iso_vec3 t[3];
     for (int k = 0; k < 3; k++)
-        t[k] = iso_vec3_make((double)corners[k][0], (double)corners[k][1], (double)corners[k][2]);
+        t[k] = iso_vec3_make((double)triangle[k][0], (double)triangle[k][1], (double)triangle[k][2]);
     const iso_vec3 a = t[0], b = t[1], c = t[2];
     const iso_vec3 ab = iso_vec3_sub(b, a), ac = iso_vec3_sub(c, a), ap = iso_vec3_sub(p, a);
     const double d1 = iso_vec3_dot(ab, ap), d2 = iso_vec3_dot(ac, ap);
@@ -396,7 +396,7 @@ void iso_triangle_tree_nearest(const iso_triangle_tree *tree, iso_vec3 p, iso_ne
 /* ---- all triangles in a box */
 
 void iso_triangle_tree_visit(const iso_triangle_tree *tree, const iso_box *box,
-                             void (*visit)(void *context, const float corners[3][3]), void *context) {
+                             void (*visit)(void *context, const float triangle[3][3]), void *context) {
     size_t stack[2 * DEEPEST];
     int depth = 0;
     stack[depth++] = 0;
