@@ -112,11 +112,22 @@ typedef struct iso_transform {
 /* How voxels are stored. */
 typedef enum iso_type { ISO_UINT8, ISO_INT16, ISO_UINT16, ISO_FLOAT32 } iso_type;
 
+/* How the numbers of a file without a header are stored, if as none of iso_type: they are converted to int16 (int8) or to
+ * float. */
+typedef enum iso_raw_number {
+    ISO_RAW_OF_TYPE,
+    ISO_RAW_INT8,
+    ISO_RAW_INT32,
+    ISO_RAW_UINT32,
+    ISO_RAW_FLOAT64
+} iso_raw_number;
+
 /* How voxels are laid out in a file without a header. */
 typedef struct iso_raw_layout {
     int dims[3]; /* voxels, x fastest */
     iso_type type;
-    int components; /* interleaved; 0 means 1 */
+    iso_raw_number number; /* ISO_RAW_OF_TYPE: they are of `type`; else `type` is not used */
+    int components;        /* interleaved; 0 means 1 */
     bool big_endian;
     uint64_t offset; /* bytes before the first voxel */
 } iso_raw_layout;
@@ -139,6 +150,7 @@ typedef struct iso_volume_info {
     iso_transform transform;
     double scale, offset; /* physical = stored * scale + offset */
     bool anatomical;      /* world axes are known to be patient axes (LPS) */
+    bool unitless;        /* the file states no unit of length: what is called mm is the file's unit */
     bool level_set;       /* a distance field whose inside is negative */
     bool sparse;          /* stored as a narrow band of 16^3 bricks, in voxels */
     uint64_t bytes;       /* memory that the volume will take (estimated for sparse ones) */

@@ -151,7 +151,7 @@ static uint64_t longest_file(const iso_volume_info *info, int components) {
 }
 
 static uint64_t raw_file(const iso_volume_info *info, const iso_raw_layout *raw) {
-    uint64_t bytes = iso_type_size(raw->type) * (uint64_t)info->components;
+    uint64_t bytes = iso_raw_layout_number_bytes(raw) * (uint64_t)info->components;
     for (int i = 0; i < 3; i++)
         if (__builtin_mul_overflow(bytes, (uint64_t)info->dims[i], &bytes)) return UINT64_MAX;
     return __builtin_add_overflow(bytes, raw->offset, &bytes) ? UINT64_MAX : bytes;

@@ -61,14 +61,28 @@ static void list_arrays(const iso_volume_opts *opts, const iso_format_image *ima
     if (image->arrays[chosen].cells) iso_volume_note(info, "values of cells: voxels are the cells' centres");
 }
 
+/* There is no array of this name: says which there are. */
+static iso_status fail_name(const char *path, const char *name, const iso_format_image *image,
+                            iso_error *error) {
+    char names[600] = "";
+    for (int i = 0; i < image->count; i++) {
+        const size_t used = strlen(names);
+        if (used > sizeof names - 100) {
+            snprintf(names + used, sizeof names - used, " and %d more", image->count - i);
+            break;
+        }
+        snprintf(names + used, sizeof names - used, "%s'%.64s'", i ? ", " : "", image->arrays[i].name);
+    }
+    return iso_fail(error, ISO_ERR_USAGE, "%s: no array '%.80s', there %s %s", path, name,
+                    image->count == 1 ? "is" : "are", names);
+}
+
 iso_status iso_format_take_array(const char *path, const iso_volume_opts *opts, const iso_format_image *image,
                                  iso_volume_info *info, int *chosen, iso_error *error) {
     if (image->count == 0)
         return iso_fail(error, ISO_ERR_FORMAT, "%s: the image holds no array of numbers", path);
     *chosen = opts->grid ? find_named(image, opts->grid) : find_best(image, opts->component_axes);
-    if (*chosen < 0)
-        return iso_fail(error, ISO_ERR_USAGE, "%s: no array '%.80s', the first is '%.80s'", path, opts->grid,
-                        image->arrays[0].name);
+    if (*chosen < 0) return fail_name(path, opts->grid, image, error);
     const iso_format_array *array = &image->arrays[*chosen];
     uint64_t dims[3], wanted = wanted_tuples(image, array->cells);
     for (int i = 0; i < 3; i++) dims[i] = image->points[i] - (array->cells && image->points[i] > 1);

@@ -151,6 +151,7 @@ static void take_transform(const iso_nrrd_header *nrrd, const layout *found, iso
         }
     }
     info->anatomical = nrrd->anatomical;
+    info->unitless = !nrrd->anatomical && !nrrd->has_space_unit && !nrrd->axis[found->space[0]].has_unit;
     for (int i = 0; i < 9; i++) transform->direction[i] *= nrrd->space_sign[i / 3];
     for (int i = 0; i < 3; i++) transform->origin[i] *= nrrd->space_sign[i];
 }

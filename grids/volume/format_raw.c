@@ -32,14 +32,46 @@ static bool word_is(const char *word, size_t length, const char *wanted) {
     return strlen(wanted) == length && strncasecmp(word, wanted, length) == 0;
 }
 
-static bool parse_type(const char *word, size_t length, iso_type *type) {
-    for (iso_type t = ISO_UINT8; t <= ISO_FLOAT32; t++) {
-        if (!word_is(word, length, iso_type_name(t))) continue;
-        *type = t;
-        return true;
-    }
-    *type = ISO_FLOAT32;
-    return word_is(word, length, "float");
+/* The types of numbers, and what files' names call them; the first name is the one that is shown. */
+static const struct {
+    iso_type type;
+    iso_raw_number number;
+    iso_scalar scalar;
+    const char *names[5];
+} types[] = {{ISO_UINT8, ISO_RAW_OF_TYPE, ISO_SCALAR_UINT8, {"uint8", "uchar", "u8"}},
+             {ISO_INT16, ISO_RAW_OF_TYPE, ISO_SCALAR_INT16, {"int16", "short", "i16"}},
+             {ISO_UINT16, ISO_RAW_OF_TYPE, ISO_SCALAR_UINT16, {"uint16", "ushort", "u16"}},
+             {ISO_FLOAT32, ISO_RAW_OF_TYPE, ISO_SCALAR_FLOAT, {"float32", "float", "f32"}},
+             {ISO_INT16, ISO_RAW_INT8, ISO_SCALAR_INT8, {"int8", "schar", "i8"}},
+             {ISO_FLOAT32, ISO_RAW_INT32, ISO_SCALAR_INT32, {"int32", "i32"}},
+             {ISO_FLOAT32, ISO_RAW_UINT32, ISO_SCALAR_UINT32, {"uint32", "u32"}},
+             {ISO_FLOAT32, ISO_RAW_FLOAT64, ISO_SCALAR_DOUBLE, {"float64", "double", "f64"}}};
+enum { TYPES = sizeof types / sizeof *types };
+
+/* The row of a layout's type. */
+static int row_of(const iso_raw_layout *layout) {
+    for (int i = 0; i < TYPES; i++)
+        if (types[i].number == layout->number && (layout->number || types[i].type == layout->type)) return i;
+    return 0;
+}
+
+const char *iso_raw_layout_type_name(const iso_raw_layout *layout) {
+    return types[row_of(layout)].names[0];
+}
+
+size_t iso_raw_layout_number_bytes(const iso_raw_layout *layout) {
+    return iso_scalar_size(types[row_of(layout)].scalar);
+}
+
+static bool find_type(const char *word, size_t length, iso_raw_layout *layout) {
+    for (int i = 0; i < TYPES; i++)
+        for (const char *const *name = types[i].names; *name; name++)
+            if (word_is(word, length, *name)) {
+                layout->type = types[i].type;
+                layout->number = types[i].number;
+                return true;
+            }
+    return false;
 }
 
 static bool parse_offset(const char *text, uint64_t *offset) {
@@ -62,9 +94,12 @@ iso_status iso_raw_layout_parse(const char *text, iso_raw_layout *layout, iso_er
         return iso_fail(error, ISO_ERR_USAGE, "raw layout '%s': the type is missing, as in 64x64x93:uint8",
                         text);
     const char *type = dims_end + 1, *type_end = strchrnul(type, ':');
-    if (!parse_type(type, (size_t)(type_end - type), &result.type))
-        return iso_fail(error, ISO_ERR_USAGE,
-                        "raw layout '%s': the type must be uint8, int16, uint16 or float32", text);
+    if (!find_type(type, (size_t)(type_end - type), &result))
+        return iso_fail(
+            error, ISO_ERR_USAGE,
+            "raw layout '%s': the type must be uint8, int8, uint16, int16, uint32, int32, float32 or "
+            "float64",
+            text);
     const char *endian = *type_end ? type_end + 1 : type_end, *endian_end = strchrnul(endian, ':');
     size_t length = (size_t)(endian_end - endian);
     result.big_endian = word_is(endian, length, "big");
@@ -103,22 +138,6 @@ static bool is_any(const name_word *word, const char *const *names) {
     return false;
 }
 
-static bool name_type(const name_word *word, iso_type *type) {
-    static const struct {
-        iso_type type;
-        const char *names[5];
-    } types[] = {{ISO_UINT8, {"uint8", "uchar", "u8"}},
-                 {ISO_INT16, {"int16", "short", "i16"}},
-                 {ISO_UINT16, {"uint16", "ushort", "u16"}},
-                 {ISO_FLOAT32, {"float32", "float", "f32"}}};
-    for (size_t i = 0; i < sizeof types / sizeof *types; i++) {
-        if (!is_any(word, types[i].names)) continue;
-        *type = types[i].type;
-        return true;
-    }
-    return false;
-}
-
 bool iso_raw_layout_of_name(const char *path, iso_raw_layout *layout) {
     static const char *const big[] = {"be", "big", NULL};
     name_word words[NAME_WORDS];
@@ -133,9 +152,9 @@ bool iso_raw_layout_of_name(const char *path, iso_raw_layout *layout) {
     }
     if (sizes < 0) return false;
     int last = sizes + 1; /* the type is the word after the sizes, or before them */
-    if (last == count || !name_type(&words[last], &result.type)) {
+    if (last == count || !find_type(words[last].text, words[last].length, &result)) {
         last = sizes;
-        if (sizes == 0 || !name_type(&words[sizes - 1], &result.type)) return false;
+        if (sizes == 0 || !find_type(words[last - 1].text, words[last - 1].length, &result)) return false;
     }
     result.big_endian = last + 1 < count && is_any(&words[last + 1], big);
     *layout = result;
@@ -143,30 +162,18 @@ bool iso_raw_layout_of_name(const char *path, iso_raw_layout *layout) {
 }
 
 uint64_t iso_raw_layout_bytes(const iso_raw_layout *layout) {
-    uint64_t each = iso_type_size(layout->type) * (uint64_t)(layout->components ? layout->components : 1);
+    uint64_t each =
+        iso_raw_layout_number_bytes(layout) * (uint64_t)(layout->components ? layout->components : 1);
     uint64_t bytes = iso_format_size(layout->dims, each);
     return __builtin_add_overflow(bytes, layout->offset, &bytes) ? UINT64_MAX : bytes;
 }
 
 /* ---- the file ---- */
 
-static iso_scalar scalar_of(iso_type type) {
-    switch (type) {
-    case ISO_UINT8:
-        return ISO_SCALAR_UINT8;
-    case ISO_INT16:
-        return ISO_SCALAR_INT16;
-    case ISO_UINT16:
-        return ISO_SCALAR_UINT16;
-    default:
-        return ISO_SCALAR_FLOAT;
-    }
-}
-
 static iso_format_place place_of(const iso_raw_layout *raw) {
     return (iso_format_place){.known = true,
                               .swap = raw->big_endian != (__BYTE_ORDER__ == __ORDER_BIG_ENDIAN__),
-                              .scalar = scalar_of(raw->type),
+                              .scalar = types[row_of(raw)].scalar,
                               .position = raw->offset};
 }
 
@@ -176,8 +183,8 @@ static iso_status raw_info(const char *path, const iso_volume_opts *opts, iso_vo
     uint64_t dims[3];
     for (int i = 0; i < 3; i++) dims[i] = raw->dims[i] < 0 ? 0 : (uint64_t)raw->dims[i];
     ISO_TRY(iso_format_dims(path, dims, info, error));
-    info->type = raw->type;
-    snprintf(info->file_type, sizeof info->file_type, "%s", iso_type_name(raw->type));
+    info->type = types[row_of(raw)].type;
+    snprintf(info->file_type, sizeof info->file_type, "%s", iso_raw_layout_type_name(raw));
     ISO_TRY(iso_format_component(path, opts, raw->components ? raw->components : 1, info, error));
     uint64_t bytes = 0, wanted = iso_raw_layout_bytes(raw);
     ISO_TRY(iso_format_file_bytes(path, &bytes, error));

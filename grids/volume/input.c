@@ -227,7 +227,8 @@ iso_status iso_input_write(const iso_input *input, char *text, size_t room, iso_
     text[0] = 0;
     if (input->has_raw)
         put(&w, "raw=%dx%dx%d:%s:%s:%llu\n", raw->dims[0], raw->dims[1], raw->dims[2],
-            iso_type_name(raw->type), raw->big_endian ? "big" : "little", (unsigned long long)raw->offset);
+            iso_raw_layout_type_name(raw), raw->big_endian ? "big" : "little",
+            (unsigned long long)raw->offset);
     if (input->spacing[0] > 0) put_reals(&w, "spacing", input->spacing, 3);
     ISO_TRY(put_name(&w, "grid", input->grid, error));
     ISO_TRY(put_name(&w, "series", input->series, error));

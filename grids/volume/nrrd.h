@@ -64,6 +64,7 @@ typedef struct iso_nrrd_header {
     double space_sign[3]; /* 1 or -1: factors that convert the first three axes of the space to LPS */
     bool anatomical;      /* the space's axes are anatomical, such as left-posterior-superior */
     double space_origin[ISO_NRRD_SPACE], space_unit_mm[ISO_NRRD_SPACE];
+    bool has_space_unit;
     /* The axes in which vectors and matrices were measured, in the space; not finite: not stated. */
     double frame[ISO_NRRD_SPACE][ISO_NRRD_SPACE];
 

@@ -436,6 +436,7 @@ static iso_status parse_space_units(parser *p, char *value) {
         char *unit = next_quoted(&value);
         if (!unit) return bad(p, "space units", "not a word in quotes for each axis of the space");
         p->header->space_unit_mm[i] = unit_mm(unit);
+        p->header->has_space_unit |= *unit != 0;
     }
     return *skip_blanks(value) ? bad(p, "space units", "more words than axes of the space") : ISO_OK;
 }

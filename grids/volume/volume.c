@@ -20,6 +20,7 @@
 #include "grids/volume/format.h"
 #include "grids/volume/mapping.h"
 #include "grids/volume/module.h"
+#include "grids/volume/npy_header.h"
 #include "grids/volume/tiled.h"
 
 /* ---- finding the format ---- */
@@ -44,7 +45,7 @@ static const struct {
     {".vdb", &format_vdb},       {".tif", &format_tiff},          {".tiff", &format_tiff},
     {".h5", &format_hdf5},       {".hdf5", &format_hdf5},         {".hdf", &format_hdf5},
     {".he5", &format_hdf5},      {".nxs", &format_hdf5},          {".ims", &format_hdf5},
-    {".vtkhdf", &format_hdf5},
+    {".vtkhdf", &format_hdf5},   {".npy", &iso_format_npy},
 };
 
 static const iso_format *format_of_name(const char *path) {
@@ -116,6 +117,7 @@ static const iso_format *format_of_content(const head *h) {
     if (has_at(h, 0, " BDV\0\0\0\0", 8)) return &format_vdb;
     if (has_at(h, 128, "DICM", 4)) return &iso_format_dicom;
     if (is_nifti(h) || has_at(h, 0, "\x1f\x8b", 2)) return &iso_format_nifti;
+    if (iso_npy_is(h->bytes, h->count)) return &iso_format_npy;
     if (is_xml_vtk(h)) return &format_vti;
     if (is_tiff(h)) return &format_tiff;
     if (is_hdf5(h) || is_bdv(h)) return &format_hdf5;
@@ -198,7 +200,7 @@ static iso_status guess_raw(const char *path, uint64_t bytes, request *r, const 
     return iso_fail(
         error, ISO_ERR_FORMAT,
         "%s: has %llu bytes, but %dx%dx%d %s, as its name says, are %llu: give its layout (--raw)", path,
-        (unsigned long long)bytes, dims[0], dims[1], dims[2], iso_type_name(r->guessed.type),
+        (unsigned long long)bytes, dims[0], dims[1], dims[2], iso_raw_layout_type_name(&r->guessed),
         (unsigned long long)wanted);
 }
 
@@ -224,6 +226,22 @@ static bool has_zarr(const char *path) {
     return false;
 }
 
+/* Says which files are volumes: the formats, once each, by their first suffix. */
+static iso_status fail_unknown(const char *path, iso_error *error) {
+    char known[256] = "";
+    for (size_t i = 0; i < sizeof suffixes / sizeof *suffixes; i++) {
+        const size_t used = strlen(known);
+        bool named = false;
+        for (size_t k = 0; k < i; k++) named |= suffixes[k].format == suffixes[i].format;
+        if (!named) snprintf(known + used, sizeof known - used, "%s, ", suffixes[i].suffix);
+    }
+    return iso_fail(
+        error, ISO_ERR_FORMAT,
+        "%s: not a volume that isopoint can read: it reads %sZarr and DICOM folders, and raw data "
+        "with --raw",
+        path, known);
+}
+
 static iso_status find_format(const char *path, request *r, const iso_format **format, iso_error *error) {
     struct stat status;
     if (stat(path, &status) != 0)
@@ -241,7 +259,7 @@ static iso_status find_format(const char *path, request *r, const iso_format **f
     if (*format) return ISO_OK;
     if (iso_text_has_extension(path, ".raw"))
         return iso_fail(error, ISO_ERR_FORMAT, "%s: raw data needs a layout (--raw WxHxD:TYPE)", path);
-    return iso_fail(error, ISO_ERR_FORMAT, "%s: not a volume that isopoint can read", path);
+    return fail_unknown(path, error);
 }
 
 /* ---- header ---- */
@@ -413,7 +431,7 @@ static void note_unused(const iso_volume_opts *opts, iso_volume_info *info) {
 /* Whether the voxels of all files of a format can stay in them. */
 static bool is_mappable(const iso_format *format) {
     const iso_format *const formats[] = {&iso_format_nrrd, &iso_format_metaimage, &iso_format_nifti,
-                                         &iso_format_vtk};
+                                         &iso_format_vtk, &iso_format_npy};
     for (size_t i = 0; i < sizeof formats / sizeof *formats; i++)
         if (format == formats[i]) return true;
     return format->open_tiled != NULL;
@@ -421,7 +439,19 @@ static bool is_mappable(const iso_format *format) {
 
 static void note_guess(const iso_raw_layout *raw, iso_volume_info *info) {
     iso_volume_note(info, "layout taken from the file's name: %dx%dx%d:%s:%s (--raw)", raw->dims[0],
-                    raw->dims[1], raw->dims[2], iso_type_name(raw->type), raw->big_endian ? "big" : "little");
+                    raw->dims[1], raw->dims[2], iso_raw_layout_type_name(raw),
+                    raw->big_endian ? "big" : "little");
+}
+
+/* Whether a format never states a unit of length; of the others the reader says of a file that it does not. A spacing
+ * that is given is in mm. */
+static bool is_unitless(const iso_volume_opts *opts, const iso_volume_info *info) {
+    static const char *const formats[] = {"raw", "vtk", "vti", "vdb", "npy"};
+    if (opts->spacing[0] > 0 && opts->spacing[1] > 0 && opts->spacing[2] > 0) return false;
+    bool unitless = info->unitless;
+    for (size_t i = 0; i < sizeof formats / sizeof *formats; i++)
+        unitless |= strcmp(info->format, formats[i]) == 0;
+    return unitless;
 }
 
 static iso_status read_header(const char *path, request *r, const iso_format **format, iso_volume_info *info,
@@ -443,6 +473,7 @@ static iso_status read_header(const char *path, request *r, const iso_format **f
     iso_file_set_read(r->opts.files, r->path);
     ISO_TRY(name_path(path, r, (*format)->info(r->path, &r->opts, info, &detail), &detail, error));
     note_unused(&r->opts, info);
+    info->unitless = is_unitless(&r->opts, info);
     r->mappable = r->place.known || is_mappable(*format);
     if (r->opts.mappable) *r->opts.mappable = r->mappable;
     return check_info(path, &r->opts, info, error);

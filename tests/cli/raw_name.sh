@@ -39,7 +39,7 @@ done = subprocess.run(["isorender", "in/d_7x6x5_int16.raw"], capture_output=True
 wanted = "isorender: in/d_7x6x5_int16.raw: has 419 bytes, but 7x6x5 int16, as its name says, are 420: give its layout (--raw)\n"
 if done.returncode != 3 or done.stderr != wanted:
     sys.exit("sizes: status %d, %s" % (done.returncode, done.stderr))
-for name in ("e_7x6x5.raw", "e_7x6x5_1x1x1_uint8.raw", "e_7x6_uint8.raw", "e_7x6x5_double.raw", "e_0x6x5_uint8.raw"):
+for name in ("e_7x6x5.raw", "e_7x6x5_1x1x1_uint8.raw", "e_7x6_uint8.raw", "e_7x6x5_quad.raw", "e_0x6x5_uint8.raw"):
     with open("in/" + name, "wb") as file:
         file.write(bytes(210))
     done = subprocess.run(["isorender", "in/" + name], capture_output=True, text=True)

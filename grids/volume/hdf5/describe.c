@@ -244,29 +244,37 @@ static iso_status refuse_type(const iso_hdf5_file *file, const iso_hdf5_array *a
     return unsupported(file, array, what, error);
 }
 
+/* Writes the arrays that list_arrays has found, without their chunks, separated by semicolons. */
+static void join_items(const iso_volume_info *info, char *names, size_t size) {
+    size_t length = 0;
+    *names = 0;
+    for (int i = 0; i < info->item_count && length < size - 1; i++) {
+        const char *item = info->items[i], *chunks = strstr(item, ", chunks");
+        length += (size_t)snprintf(names + length, size - length, "%s%.*s", i ? "; " : "",
+                                   (int)(chunks ? (size_t)(chunks - item) : strlen(item)), item);
+    }
+}
+
 /* The file has no array, or several. */
 static iso_status fail_choice(const iso_hdf5_file *file, const listing *found, iso_error *error) {
     char names[400] = "", linked[ISO_HDF5_PATH] = "";
-    size_t length = 0;
     if (found->count == 0 && H5Lvisit(file->id, H5_INDEX_NAME, H5_ITER_INC, find_external, linked) > 0)
         ISO_TRY(check_links(file, linked, error));
     if (found->count == 0 && found->damaged) return iso_hdf5_fail(file, "the file", error);
     if (found->count == 0 && *found->refused.path) return refuse_type(file, &found->refused, error);
     if (found->count == 0)
         return iso_fail(error, ISO_ERR_FORMAT, "%s: has no array of numbers with three axes", file->path);
-    for (int i = 0; i < found->info->item_count && length < sizeof names - 1; i++) {
-        const char *item = found->info->items[i], *chunks = strstr(item, ", chunks");
-        length += (size_t)snprintf(names + length, sizeof names - length, "%s%.*s", i ? "; " : "",
-                                   (int)(chunks ? (size_t)(chunks - item) : strlen(item)), item);
-    }
+    join_items(found->info, names, sizeof names);
     return iso_fail(error, ISO_ERR_FORMAT, "%s: has %d arrays, name one as FILE:/path or by --grid: %s",
                     file->path, found->count, names);
 }
 
 /* Opens the array that the user named: by its path, by a group that says which of its arrays is meant, or by
  * a name in a file of VTK. */
-static iso_status open_named(const iso_hdf5_file *file, const char *name, hid_t *dataset, iso_error *error) {
-    char path[ISO_HDF5_PATH];
+static iso_status open_named(const iso_hdf5_file *file, const char *name, iso_volume_info *info,
+                             hid_t *dataset, iso_error *error) {
+    char path[ISO_HDF5_PATH], names[400];
+    listing found;
     snprintf(path, sizeof path, "%s%s", *name == '/' ? "" : "/", name);
     *dataset = iso_hdf5_vtk_array(file, name);
     if (*dataset >= 0) return ISO_OK;
@@ -276,13 +284,16 @@ static iso_status open_named(const iso_hdf5_file *file, const char *name, hid_t 
     const hid_t group = iso_hdf5_group(file->id, path);
     if (group >= 0) *dataset = iso_hdf5_signal(group);
     if (*dataset >= 0) return ISO_OK;
-    return iso_fail(error, ISO_ERR_USAGE, "%s: has no array %.200s", file->path, path);
+    list_arrays(file, NULL, info, &found);
+    join_items(info, names, sizeof names);
+    return iso_fail(error, ISO_ERR_USAGE, "%s: has no array %.200s%s%s", file->path, path,
+                    *names ? "; it has " : "", names);
 }
 
 static iso_status choose(const iso_hdf5_file *file, const iso_volume_opts *opts, iso_volume_info *info,
                          hid_t *dataset, iso_error *error) {
     listing found;
-    if (opts->grid) return open_named(file, opts->grid, dataset, error);
+    if (opts->grid) return open_named(file, opts->grid, info, dataset, error);
     ISO_TRY(iso_hdf5_default(file, opts, dataset, error));
     if (*dataset >= 0) return ISO_OK;
     list_arrays(file, NULL, info, &found);
@@ -382,6 +393,7 @@ static void take_spacing(const iso_hdf5_meaning *meaning, const iso_volume_opts 
         given = given && (opts->spacing[i] > 0 || (is_stated && !meaning->relative));
         info->transform.spacing[i] = is_stated ? meaning->spacing[i] : 1;
     }
+    info->unitless = !given;
     if (!given && meaning->relative)
         iso_volume_note(info, "only the ratios of the distances of voxels are stated: 1 mm in the finest "
                               "level (--spacing)");

@@ -29,6 +29,7 @@ static void set_spacing(const iso_tiff_stack *stack, const iso_volume_opts *opts
     }
     if (!(spacing[0] > 0 && spacing[1] > 0)) {
         spacing[0] = spacing[1] = 1;
+        info->unitless = true;
         if (!(opts->spacing[0] > 0 && opts->spacing[1] > 0))
             iso_volume_note(info, "the distance of pixels is not stated: 1 mm (--spacing)");
     }

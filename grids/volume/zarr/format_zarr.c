@@ -123,6 +123,7 @@ static void set_transform(const zarr_volume *v, const iso_volume_opts *opts, iso
         info->transform.origin[i] = image->translation[v->level][axis] * unit;
     }
     const bool given = opts->spacing[0] > 0 && opts->spacing[1] > 0 && opts->spacing[2] > 0;
+    info->unitless = !stated && !given;
     if (!stated && !given) iso_volume_note(info, "the distance of voxels is not stated: 1 mm (--spacing)");
     if (stated && !has_unit && !given)
         iso_volume_note(info, "the unit of its distances is not stated: taken as micrometres (--spacing)");

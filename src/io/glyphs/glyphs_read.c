@@ -10,6 +10,7 @@
 #include "base/file.h"
 #include "base/memory.h"
 #include "base/text.h"
+#include "grids/volume/npy_header.h"
 #include "io/encode.h"
 #include "io/glyphs/glyphs_format.h"
 #include "io/ply.h"
@@ -123,6 +124,7 @@ bool iso_glyphs_are_points(const char *path) {
     head[bytes] = 0;
     fclose(file);
     if (iso_text_has_extension(path, ".xyz")) return !begins_with_count(head + iso_text_mark(head, bytes));
+    if (iso_text_has_extension(path, ".npy") && iso_npy_axes(path) > 2) return false; /* a volume */
     for (size_t i = 0; i < sizeof endings / sizeof *endings; i++)
         if (iso_text_has_extension(path, endings[i])) return true;
     return strncmp(head, "ply", 3) == 0 && (head[3] == '\n' || head[3] == '\r');

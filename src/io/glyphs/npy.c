@@ -1,23 +1,16 @@
 /* npy: arrays of NumPy, versions 1 to 3 of the format: N rows of 3 to 10 numbers, in C or Fortran order.
  * What the numbers behind x y z are is decided from their values (point_columns.h), unless the options
  * name them. */
-#define _GNU_SOURCE
-#include <errno.h>
-#include <stdlib.h>
-#include <string.h>
-
+#include "grids/volume/npy_header.h"
 #include "io/glyphs/glyphs_format.h"
 #include "io/glyphs/point_columns.h"
 #include "io/polydata/records.h"
 
-enum { HEADER_MOST = 60000 };
-
 typedef struct npy {
     iso_polydata data;
     iso_stream in;
-    char header[HEADER_MOST + 1]; /* a Python dictionary as text */
-    iso_scalar scalar;
-    bool big_endian, fortran;
+    char text[ISO_NPY_TEXT + 1]; /* the header's dictionary */
+    iso_npy_header header;
     uint64_t rows, columns;
     iso_slot slots[ISO_POLYDATA_COLUMNS];
     iso_record_field fields[ISO_POLYDATA_COLUMNS];
@@ -29,67 +22,13 @@ static const char *path_of(const npy *n) {
 
 /* ---- the header */
 
-static iso_status fail_header(const npy *n, const char *what, iso_error *error) {
-    return iso_fail(error, ISO_ERR_FORMAT, "%s: its NPY header has no %s that can be read", path_of(n), what);
-}
-
-/* Returns the text behind a key of the dictionary; NULL if there is none. */
-static char *find_value(npy *n, const char *key) {
-    char *at = strstr(n->header, key);
-    if (!at) return NULL;
-    at += strlen(key);
-    at += strspn(at, " ");
-    if (*at != ':') return NULL;
-    at++;
-    return at + strspn(at, " ");
-}
-
-/* Parses a type such as '<f4'. */
-static iso_status parse_type(npy *n, iso_error *error) {
-    static const struct {
-        char name[3];
-        iso_scalar scalar;
-    } types[] = {{"f4", ISO_SCALAR_FLOAT}, {"f8", ISO_SCALAR_DOUBLE}, {"i1", ISO_SCALAR_INT8},
-                 {"u1", ISO_SCALAR_UINT8}, {"i2", ISO_SCALAR_INT16},  {"u2", ISO_SCALAR_UINT16},
-                 {"i4", ISO_SCALAR_INT32}, {"u4", ISO_SCALAR_UINT32}, {"i8", ISO_SCALAR_INT64},
-                 {"u8", ISO_SCALAR_UINT64}};
-    const char *value = find_value(n, "'descr'");
-    if (!value) return fail_header(n, "descr", error);
-    if (*value == '\'' && value[1] && strchr("<>|=", value[1]))
-        for (size_t i = 0; i < sizeof types / sizeof *types; i++)
-            if (strncmp(value + 2, types[i].name, 2) == 0 && value[4] == '\'') {
-                n->scalar = types[i].scalar;
-                n->big_endian = value[1] == '>';
-                return ISO_OK;
-            }
-    return iso_fail(error, ISO_ERR_UNSUPPORTED, "%s: numbers of type %.*s are not read from .npy", path_of(n),
-                    (int)strcspn(value, ",}\n"), value);
-}
-
-/* Parses a tuple of two numbers such as (1000, 3). */
-static bool parse_shape(npy *n) {
-    char *at = find_value(n, "'shape'"), *end;
-    uint64_t *const to[2] = {&n->rows, &n->columns};
-    if (!at || *at++ != '(') return false;
-    for (int k = 0; k < 2; k++) {
-        at += strspn(at, " ");
-        if (*at < '0' || *at > '9') return false;
-        errno = 0;
-        *to[k] = strtoull(at, &end, 10);
-        if (errno) return false;
-        at = end + strspn(end, "L "); /* (written by Python 2) */
-        if (k == 0 && *at++ != ',') return false;
-    }
-    if (*at == ',') at++;
-    return at[strspn(at, " ")] == ')';
-}
-
-static iso_status parse_header(npy *n, iso_error *error) {
-    const char *order = find_value(n, "'fortran_order'");
-    ISO_TRY(parse_type(n, error));
-    if (!order) return fail_header(n, "fortran_order", error);
-    n->fortran = strncmp(order, "True", 4) == 0;
-    if (!parse_shape(n)) return fail_header(n, "shape of two numbers", error);
+static iso_status check_shape(const npy *n, iso_error *error) {
+    if (n->header.scalar == ISO_SCALAR_HALF)
+        return iso_fail(error, ISO_ERR_UNSUPPORTED,
+                        "%s: points of numbers of type '<f2' (float16) are not read", path_of(n));
+    if (n->header.axes != 2)
+        return iso_fail(error, ISO_ERR_FORMAT,
+                        "%s: its NPY header has no shape of two numbers: points are N rows", path_of(n));
     const uint64_t most = n->data.reading->opts.columns ? ISO_POLYDATA_COLUMNS : ISO_POINT_COLUMNS_MOST;
     if (n->columns >= ISO_POINT_COLUMNS_LEAST && n->columns <= most) return ISO_OK;
     return iso_fail(error, ISO_ERR_FORMAT, "%s: %llu numbers in a row are not a point, which is 3 to 10",
@@ -97,22 +36,17 @@ static iso_status parse_header(npy *n, iso_error *error) {
 }
 
 static iso_status read_header(npy *n, iso_error *error) {
-    unsigned char head[12] = {0};
-    uint32_t length = 0;
-    ISO_TRY(iso_stream_read(&n->in, head, 8, error));
-    if (memcmp(head, "\x93NUMPY", 6) != 0)
-        return iso_fail(error, ISO_ERR_FORMAT, "%s: not an NPY file", path_of(n));
-    if (head[6] < 1 || head[6] > 3)
-        return iso_fail(error, ISO_ERR_UNSUPPORTED, "%s: version %d of NPY is not known", path_of(n),
-                        head[6]);
-    const size_t size = head[6] == 1 ? 2 : 4;
-    ISO_TRY(iso_stream_read(&n->in, head + 8, size, error));
-    memcpy(&length, head + 8, size); /* little-endian, like the machines that this runs on */
-    if (length > HEADER_MOST)
-        return iso_fail(error, ISO_ERR_FORMAT, "%s: damaged: an NPY header of %lu bytes", path_of(n),
-                        (unsigned long)length);
-    ISO_TRY(iso_stream_read(&n->in, n->header, length, error));
-    return parse_header(n, error);
+    unsigned char head[ISO_NPY_HEAD] = {0};
+    const size_t magic = 8; /* with the version, which says how long the length behind it is */
+    ISO_TRY(iso_stream_read(&n->in, head, magic, error));
+    ISO_TRY(iso_npy_begin(path_of(n), head, &n->header, error));
+    ISO_TRY(iso_stream_read(&n->in, head + magic, n->header.text_at - magic, error));
+    ISO_TRY(iso_npy_begin(path_of(n), head, &n->header, error)); /* with the length */
+    ISO_TRY(iso_stream_read(&n->in, n->text, n->header.text_bytes, error));
+    ISO_TRY(iso_npy_parse(path_of(n), n->text, &n->header, error));
+    n->rows = n->header.shape[0];
+    n->columns = n->header.shape[1];
+    return check_shape(n, error);
 }
 
 /* ---- numbers */
@@ -129,14 +63,14 @@ static iso_status add_columns(npy *n, iso_error *error) {
 }
 
 static iso_status add_fields(npy *n, iso_error *error) {
-    const size_t size = iso_scalar_size(n->scalar), columns = (size_t)n->columns;
-    n->data.keep_floats = n->scalar == ISO_SCALAR_FLOAT;
+    const size_t size = iso_scalar_size(n->header.scalar), columns = (size_t)n->columns;
+    n->data.keep_floats = n->header.scalar == ISO_SCALAR_FLOAT;
     ISO_TRY(add_columns(n, error));
     for (size_t i = 0; i < columns; i++) {
-        const size_t before = n->fortran ? i * (size_t)n->rows : i;
-        n->fields[i] =
-            iso_record_field_make(n->slots[i], n->scalar, before * size, n->fortran ? size : columns * size);
-        n->fields[i].big_endian = n->big_endian;
+        const size_t before = n->header.fortran ? i * (size_t)n->rows : i;
+        n->fields[i] = iso_record_field_make(n->slots[i], n->header.scalar, before * size,
+                                             n->header.fortran ? size : columns * size);
+        n->fields[i].big_endian = n->header.big_endian;
     }
     return ISO_OK;
 }
@@ -152,10 +86,10 @@ static iso_status read_fortran(npy *n, iso_buffer *bytes, size_t record, iso_err
 }
 
 static iso_status read_numbers(npy *n, iso_error *error) {
-    const size_t record = iso_scalar_size(n->scalar) * (size_t)n->columns;
+    const size_t record = iso_scalar_size(n->header.scalar) * (size_t)n->columns;
     ISO_TRY(iso_polydata_check_records(&n->in, record, n->rows, error));
     ISO_TRY(add_fields(n, error));
-    if (!n->fortran)
+    if (!n->header.fortran)
         return iso_polydata_stream_records(&n->data, n->fields, (int)n->columns, &n->in, record, n->rows,
                                            error);
     iso_buffer bytes = {0};
