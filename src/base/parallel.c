@@ -36,6 +36,8 @@ struct iso_pool {
     void *context;
     size_t count;
     atomic_size_t next;
+    iso_pool_watch_fn *watch; /* or NULL */
+    void *watch_context;
 };
 
 /* Polls before a waiting thread sleeps. The steps of drawing a picture follow each other within microseconds,
@@ -91,10 +93,21 @@ static void await_workers(iso_pool *pool) {
     pthread_mutex_unlock(&pool->mutex);
 }
 
+static void tell(const iso_pool *pool, size_t index, size_t count) {
+    if (pool && pool->watch) pool->watch(pool->watch_context, (double)index / (double)count);
+}
+
+void iso_pool_watch(iso_pool *pool, iso_pool_watch_fn *watch, void *context) {
+    if (!pool) return;
+    pool->watch = watch;
+    pool->watch_context = context;
+}
+
 static void run_tasks(iso_pool *pool, int number) {
-    for (;;) {
+    for (bool first = true;; first = false) {
         size_t index = atomic_fetch_add_explicit(&pool->next, 1, memory_order_relaxed);
         if (index >= pool->count) return;
+        if (number == 0) tell(pool, first ? 0 : index, pool->count);
         pool->task(pool->context, index, number);
     }
 }
@@ -167,7 +180,10 @@ int iso_pool_threads(const iso_pool *pool) {
 
 void iso_parallel_for(iso_pool *pool, size_t count, iso_task *task, void *context) {
     if (!pool || pool->threads == 1 || count < 2) {
-        for (size_t i = 0; i < count; i++) task(context, i, 0);
+        for (size_t i = 0; i < count; i++) {
+            tell(pool, i, count);
+            task(context, i, 0);
+        }
         return;
     }
     pthread_mutex_lock(&pool->mutex);

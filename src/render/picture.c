@@ -127,8 +127,13 @@ iso_status iso_picture_render(const iso_picture_opts *opts, iso_image *image, si
     iso_status status = lit ? iso_gbuffer_add_light(&p.gbuffer, error) : ISO_OK;
     if (status == ISO_OK && opts->aov && opts->aov->ids[0])
         status = iso_gbuffer_add_elements(&p.gbuffer, error);
-    for (int y0 = 0; y0 < opts->height && status == ISO_OK; y0 += rows)
-        status = render_rows(&p, y0, opts->height - y0 < rows ? opts->height - y0 : rows, error);
+    for (int y0 = 0; y0 < opts->height && status == ISO_OK; y0 += rows) {
+        const int count = opts->height - y0 < rows ? opts->height - y0 : rows;
+        if (opts->begin_strip)
+            opts->begin_strip(opts->draw_context, (double)y0 / opts->height,
+                              (double)(y0 + count) / opts->height);
+        status = render_rows(&p, y0, count, error);
+    }
     iso_gbuffer_free(&p.gbuffer);
     if (covered && status == ISO_OK) *covered = p.covered;
     return status;
