@@ -187,28 +187,48 @@ double iso_scale_bar_length(const iso_camera *camera, int width, int height) {
     return best;
 }
 
-void iso_scale_bar_label(double length, iso_world_unit unit, char label[32]) {
-    static const struct {
-        double millimetres;
-        const char *name;
-    } names[] = {{1e6, "km"}, {1e3, "m"}, {1, "mm"}, {1e-3, "um"}, {1e-6, "nm"}};
-    const double millimetres = length * iso_world_unit_millimetres(unit);
-    int name = 0;
-    if (!(millimetres > 0)) {
-        snprintf(label, 32, "%.10g%s", length, iso_world_unit_suffix(unit));
-        return;
-    }
-    while (name < 4 && millimetres < (name == 2 ? 0.1 : names[name].millimetres) * (1 - 1e-9)) name++;
-    snprintf(label, 32, "%.10g %s", millimetres / names[name].millimetres, names[name].name);
+static const struct {
+    const char *name;
+    double millimetres;
+} length_units[ISO_UNITS] = {
+    [ISO_UNIT_AUTO] = {"", 0},    [ISO_UNIT_NONE] = {"", 0},  [ISO_UNIT_NM] = {"nm", 1e-6},
+    [ISO_UNIT_UM] = {"um", 1e-3}, [ISO_UNIT_MM] = {"mm", 1},  [ISO_UNIT_CM] = {"cm", 10},
+    [ISO_UNIT_M] = {"m", 1e3},    [ISO_UNIT_KM] = {"km", 1e6}};
+
+const char *iso_length_unit_name(const iso_length_style *style) {
+    if (style->unit != ISO_UNIT_AUTO) return length_units[style->unit].name;
+    const char *suffix = iso_world_unit_suffix(style->world);
+    return suffix + (*suffix == ' ');
 }
 
-static iso_status draw_scale_bar(const pen *p, const iso_camera *camera, iso_world_unit unit,
-                                 iso_error *error) {
+double iso_length_factor(const iso_length_style *style) {
+    const double to = length_units[style->unit].millimetres, from = iso_world_unit_millimetres(style->world);
+    return to > 0 && from > 0 ? from / to : 1;
+}
+
+void iso_scale_bar_label(double length, const iso_length_style *style, char label[32]) {
+    static const iso_length_unit sizes[] = {ISO_UNIT_KM, ISO_UNIT_M, ISO_UNIT_MM, ISO_UNIT_UM, ISO_UNIT_NM};
+    const double millimetres = length * iso_world_unit_millimetres(style->world);
+    iso_length_style shown = *style;
+    if (style->unit == ISO_UNIT_AUTO && millimetres > 0) {
+        int size = 0;
+        while (size < 4 &&
+               millimetres <
+                   (sizes[size] == ISO_UNIT_MM ? 0.1 : length_units[sizes[size]].millimetres) * (1 - 1e-9))
+            size++;
+        shown.unit = sizes[size];
+    }
+    const char *name = iso_length_unit_name(&shown);
+    snprintf(label, 32, "%.10g%s%s", length * iso_length_factor(&shown), *name ? " " : "", name);
+}
+
+static iso_status draw_scale_bar(const pen *p, const iso_annotation *a, iso_error *error) {
+    const iso_camera *camera = a->camera;
     const int width = p->image->width, height = p->image->height;
     const double length = iso_scale_bar_length(camera, width, height);
     if (!(length > 0)) return ISO_OK;
     char label[32];
-    iso_scale_bar_label(length, unit, label);
+    iso_scale_bar_label(length, &a->lengths, label);
     const double pixels = length / iso_camera_mm_per_pixel(camera, height);
     const double text = iso_font_width(label) * p->unit; /* the label may be wider than the bar */
     const double right = width - 1.2 * p->text - fmax(0, 0.5 * (text - pixels)), left = right - pixels;
@@ -368,5 +388,5 @@ iso_status iso_annotate(iso_image *image, const iso_annotation *annotation, iso_
     double right = image->width - 1.2 * p.text;
     for (int i = 0; i < annotation->color_bar_count; i++)
         ISO_TRY(draw_color_bar(&p, &annotation->color_bars[i], &right, error));
-    return annotation->scale_bar ? draw_scale_bar(&p, annotation->camera, annotation->unit, error) : ISO_OK;
+    return annotation->scale_bar ? draw_scale_bar(&p, annotation, error) : ISO_OK;
 }

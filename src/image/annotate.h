@@ -24,9 +24,33 @@ typedef struct iso_color_bar {
     double low, high; /* the numbers at the ends of the bar */
 } iso_color_bar;
 
+/* In which unit a length is shown. */
+typedef enum iso_length_unit {
+    ISO_UNIT_AUTO, /* m, mm, um or nm, as it is short; none when the world has no unit */
+    ISO_UNIT_NONE,
+    ISO_UNIT_NM,
+    ISO_UNIT_UM,
+    ISO_UNIT_MM,
+    ISO_UNIT_CM,
+    ISO_UNIT_M,
+    ISO_UNIT_KM,
+    ISO_UNITS
+} iso_length_unit;
+
+/* How lengths in the world are shown. */
+typedef struct iso_length_style {
+    iso_length_unit unit;
+    iso_world_unit world; /* of the coordinates; where it is no metric length, `unit` is a label alone */
+} iso_length_style;
+
+/* "mm"; "" for ISO_UNIT_NONE and, in a world without a unit, ISO_UNIT_AUTO. Static. */
+const char *iso_length_unit_name(const iso_length_style *style);
+/* What a length in the world is multiplied by to be shown with that name. */
+double iso_length_factor(const iso_length_style *style);
+
 typedef struct iso_annotation {
     const iso_camera *camera;        /* of the picture; borrowed */
-    iso_world_unit unit;             /* of the world, for the scale bar */
+    iso_length_style lengths;        /* of the scale bar */
     bool scale_bar;                  /* bottom right, with its length; for orthographic cameras only */
     bool orientation_marker;         /* bottom left: the world's axes as the camera sees them */
     bool anatomical;                 /* the axes are L R, A P and H F (the world is LPS); else x y z */
@@ -45,9 +69,9 @@ iso_status iso_annotate(iso_image *image, const iso_annotation *annotation, iso_
  * picture's width. 0 for a perspective camera, whose pictures have no single scale. */
 double iso_scale_bar_length(const iso_camera *camera, int width, int height);
 
-/* The label of a scale bar of `length` units (from iso_scale_bar_length), such as "10 mm", "50 um" or,
- * without a unit, "20". */
-void iso_scale_bar_label(double length, iso_world_unit unit, char label[32]);
+/* The label of a scale bar of `length` (from iso_scale_bar_length), such as "10 mm", "50 um" or, without a
+ * unit, "20". */
+void iso_scale_bar_label(double length, const iso_length_style *style, char label[32]);
 
 #ifdef __cplusplus
 }

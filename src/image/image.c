@@ -17,3 +17,14 @@ void iso_image_free(iso_image *image) {
     iso_free(image->rgba);
     *image = (iso_image){0};
 }
+
+bool iso_image_is_opaque(const iso_image *image) {
+    size_t width = (size_t)image->width;
+    for (int y = 0; y < image->height; y++) {
+        const uint8_t *row = image->rgba + (size_t)y * width * 4;
+        uint8_t all = 255;
+        for (size_t x = 0; x < width; x++) all &= row[4 * x + 3];
+        if (all != 255) return false;
+    }
+    return true;
+}

@@ -16,6 +16,8 @@
 extern "C" {
 #endif
 
+bool iso_image_is_opaque(const iso_image *image); /* whether no pixel is transparent */
+
 /* A text in a PNG file: a tEXt chunk, or an iTXt chunk in UTF-8 when the value is not ASCII. Keys are those
  * of the PNG specification ("Software", "Description"). */
 typedef struct iso_png_text {

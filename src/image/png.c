@@ -60,17 +60,6 @@ static void flush_nothing(png_structp png) {
     (void)png; /* the sink flushes on commit */
 }
 
-static bool is_opaque(const iso_image *image) {
-    size_t width = (size_t)image->width;
-    for (int y = 0; y < image->height; y++) {
-        const uint8_t *row = image->rgba + (size_t)y * width * 4;
-        uint8_t all = 255;
-        for (size_t x = 0; x < width; x++) all &= row[4 * x + 3];
-        if (all != 255) return false;
-    }
-    return true;
-}
-
 static void set_palette(writer *w) {
     png_color colours[ISO_PNG_COLOURS];
     for (int i = 0; i < w->palette->count; i++) {
@@ -128,8 +117,10 @@ static png_text text_chunk(const iso_png_text *text) {
 }
 
 static iso_status choose_color_type(writer *w, const iso_image *image, const iso_png_opts *opts) {
-    w->packer = (iso_png_packer){
-        .image = image, .channels = is_opaque(image) ? 3 : 4, .small = opts->small, .pool = opts->pool};
+    w->packer = (iso_png_packer){.image = image,
+                                 .channels = iso_image_is_opaque(image) ? 3 : 4,
+                                 .small = opts->small,
+                                 .pool = opts->pool};
     if (!opts->small || w->packer.channels == 4) return ISO_OK;
     if (!(w->palette = iso_alloc(sizeof *w->palette))) return ISO_ERR_NOMEM;
     if (iso_png_palette_find(image, w->palette)) {

@@ -68,6 +68,7 @@ iso_status iso_render_key_style(const iso_key_style *style, const iso_transform 
                                    .pool = pool};
     const iso_merged_keys keys = {(iso_method)style->method, style->base, *transform, image};
     const iso_annotation annotation = {.camera = &camera,
+                                       .lengths = {(iso_length_unit)style->unit, style->unitless != 0},
                                        .scale_bar = style->scale_bar != 0,
                                        .orientation_marker = style->orientation_marker != 0,
                                        .anatomical = style->anatomical != 0,
