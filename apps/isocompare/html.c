@@ -29,6 +29,8 @@ static const char *const STYLE[] = {
     ".row{display:grid;grid-template-columns:repeat(var(--columns),minmax(150px,1fr));gap:14px;margin-top:"
     "14px;",
     "overflow-x:auto}",
+    /* side by side only where there is room for all of them */
+    "@media(max-width:1300px){.row{grid-template-columns:repeat(auto-fill,minmax(180px,1fr))}}",
     ".key{font-size:13px;color:var(--soft);align-self:end;padding:0 12px 10px 0}.key b{color:var(--ink);",
     "font-weight:600}.key i{display:block;height:10px;border-radius:5px;margin:8px 0 4px;",
     "background:linear-gradient(90deg,#000,#42106e,#9c286a,#e25c32,#fab01a,#fefdbe)}",
@@ -54,8 +56,7 @@ static const char *const STYLE[] = {
     "code{font:13px ui-monospace,SFMono-Regular,Menlo,Consolas,monospace}",
     "#view{position:fixed;inset:0;display:none;background:#0b0d11f2;color:#fff;cursor:pointer;z-index:9}",
     "#view.open{display:grid;grid-template-rows:auto 1fr;justify-items:center;padding:12px;gap:8px}",
-    "#view img{max-width:100%;max-height:calc(100vh - 60px);background:var(--under)}",
-    NULL};
+    "#view img{max-width:100%;max-height:calc(100vh - 60px);background:var(--under)}", NULL};
 
 /* A click opens a picture large; further clicks and the space bar flip between it, the truth and their
  * difference. */
@@ -156,9 +157,10 @@ static void put_shots(const report *r, const report_view *v, FILE *stream) {
         put_image(stream, &cell->picture, m ? "drawn" : "truth", method->name, alt);
         fprintf(stream, "<figcaption><b>%s</b>", method->name);
         if (m)
-            fprintf(stream, "%s, FLIP %.4f<br>",
+            fprintf(stream, "%s<br>FLIP %.4f<br>IoU %.4f<br>",
                     isocompare_metric_text(psnr_in(cell), "%.2f dB", text, sizeof text),
-                    cell->metrics[0].flip);
+                    cell->metrics[REPORT_SINGLE].flip,
+                    isocompare_metric_value(iso_metric_find("iou"), &cell->metrics[REPORT_SINGLE]));
         else
             fputs("the truth<br>", stream);
         fprintf(stream, "<span>%s, ", method->title);

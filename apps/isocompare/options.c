@@ -14,16 +14,14 @@ static const char *const groups[] = {"images: two pictures", "report: a volume",
                                      "Running", NULL};
 
 static const char *const usage[] = {"images [options] TRUTH CANDIDATE",
-                                    "report [options] VOLUME --output DIR", NULL};
+                                    "report [options] VOLUME [--output DIR]", NULL};
 
 /* ---- values that are not plain numbers ---- */
 
 static iso_status apply_background(void *target, const char *value, iso_error *error) {
     isocompare_settings *settings = target;
     uint8_t rgb[3];
-    if (!iso_parse_color(value, rgb))
-        return iso_fail(error, ISO_ERR_USAGE,
-                        "'%s' is neither RRGGBB in hexadecimal nor a colour name of CSS", value);
+    if (!iso_parse_color(value, rgb)) return iso_fail_color(value, "", error);
     settings->background = (iso_rgb){rgb[0], rgb[1], rgb[2]};
     return ISO_OK;
 }
@@ -87,10 +85,11 @@ static const iso_option options[] = {
      TEXT(difference)},
 
     {"json", NULL, "FILE", "one object with all metrics, to stdout without a FILE", .group = IMAGES,
-     CALL(iso_settings_apply_json), .flags = ISO_OPTION_VALUE_OPTIONAL},
+     CALL(iso_settings_apply_json), .extension = ".json", .flags = ISO_OPTION_VALUE_OPTIONAL},
 
     {"output", "o", "DIR", "folder for report.html and report.json; made when it is not there",
-     .group = REPORT, TEXT(output), .flags = ISO_OPTION_UNRECORDED},
+     .group = REPORT, .standard = "the volume's name with -report, in the current folder", TEXT(output),
+     .flags = ISO_OPTION_UNRECORDED},
     {"isovalue", "isosurface iso-value", "V",
      "value of the surface, in the file's physical units (of a level set: mm)", .group = REPORT,
      .standard = "as isorender chooses it", CALL(apply_isovalue)},
@@ -178,7 +177,6 @@ static iso_status take_images(isocompare_settings *settings, const iso_operands 
 
 static iso_status take_report(isocompare_settings *settings, const iso_operands *operands, iso_error *error) {
     if (operands->count != 2) return iso_fail(error, ISO_ERR_USAGE, "report takes one volume");
-    if (!settings->output) return iso_fail(error, ISO_ERR_USAGE, "report needs --output DIR");
     if (settings->side % 32)
         return iso_fail(error, ISO_ERR_USAGE, "--side: %d is not a multiple of 32", settings->side);
     settings->command = ISOCOMPARE_REPORT;

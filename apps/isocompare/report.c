@@ -19,8 +19,13 @@
 static const int ZOOMS[REPORT_ZOOMS] = {1, 4, 16};
 static const int SAMPLES[REPORT_SAMPLINGS] = {1, 4}, TRUTH_SAMPLES[REPORT_SAMPLINGS] = {1, 16};
 
-static void log_step(const report *r, const char *text) {
-    if (!r->settings->common.quiet) iso_program_log(isocompare_program(), "%s", text);
+/* Logs that the next step begins. Beside the pictures of each method at each zoom there are: reading, extracting,
+ * translucent surfaces, timing and grouping. */
+static void log_step(report *r, const char *text) {
+    const int steps = REPORT_ZOOMS * r->method_count + 5;
+    r->step++;
+    if (!r->settings->common.quiet)
+        iso_program_log(isocompare_program(), "step %d of %d: %s", r->step, steps, text);
 }
 
 /* ---- the volume ---- */
@@ -352,9 +357,9 @@ static iso_status write_files(const report *r, iso_sink sinks[2], iso_error *err
 /* ---- the command ---- */
 
 static iso_status make_report(report *r, iso_sink sinks[2], iso_error *error) {
+    choose_methods(r);
     ISO_TRY(open_volume(r, error));
     ISO_TRY(open_sinks(r->settings->output, sinks, error));
-    choose_methods(r);
     log_step(r, "extracting");
     ISO_TRY(extract(r, error));
     isocompare_processor(r->processor, sizeof r->processor);
@@ -386,7 +391,7 @@ static void name_volume(const report *r, iso_error *error) {
     iso_fail(error, error->status, "%s: %s", name, error->text);
 }
 
-iso_status isocompare_report(const isocompare_settings *settings, iso_pool *pool, iso_error *error) {
+static iso_status write_report(const isocompare_settings *settings, iso_pool *pool, iso_error *error) {
     bool made = false;
     ISO_TRY(open_folder(settings->output, &made, error));
     report *r = calloc(1, sizeof *r);
@@ -406,5 +411,25 @@ iso_status isocompare_report(const isocompare_settings *settings, iso_pool *pool
     if (status == ISO_OK && !settings->common.quiet)
         iso_program_log(isocompare_program(), "wrote %s/report.html and report.json", settings->output);
     free_report(r);
+    return status;
+}
+
+/* The folder of the report without --output: NAME-report, for the volume NAME. */
+static iso_status name_folder(const isocompare_settings *settings, char **folder, iso_error *error) {
+    char *model = NULL;
+    ISO_TRY(iso_template_model(settings->volume, &model, error));
+    const bool named = asprintf(folder, "%s-report", model) >= 0;
+    free(model);
+    return named ? ISO_OK : iso_fail_memory(error, settings->volume);
+}
+
+iso_status isocompare_report(const isocompare_settings *given, iso_pool *pool, iso_error *error) {
+    char *folder = NULL;
+    isocompare_settings with_folder = *given;
+    if (given->output) return write_report(given, pool, error);
+    ISO_TRY(name_folder(given, &folder, error));
+    with_folder.output = folder;
+    const iso_status status = write_report(&with_folder, pool, error);
+    free(folder);
     return status;
 }

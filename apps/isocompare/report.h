@@ -62,6 +62,7 @@ typedef struct report {
     const char *isovalue_from;
     const iso_renderer *methods[1 + REPORT_METHODS]; /* the truth is the first one */
     int method_count;                                /* the truth is counted */
+    int step;                                        /* of the steps that are logged, the last one */
     report_part parts[ISO_PART_COUNT];
     report_view views[REPORT_ZOOMS];
     int transparency_side; /* pixels along a side of the translucent pictures */
