@@ -103,7 +103,8 @@ void iso_json_discard(iso_json *json) {
 iso_status iso_json_write(iso_json *json, FILE *stream, iso_error *error) {
     /* In small pieces: what the stream cannot write stays in its buffer, and writing it again tells why. */
     const bool complete =
-        !json->failed && json_dumpf(json->document, stream, JSON_INDENT(2) | JSON_REAL_PRECISION(17)) == 0;
+        !json->failed && json_dumpf(json->document, stream,
+                                    (json->one_line ? 0 : JSON_INDENT(2)) | JSON_REAL_PRECISION(17)) == 0;
     iso_json_discard(json);
     if (!complete && !ferror(stream))
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a report in JSON");

@@ -1,4 +1,4 @@
-/* json: builds a JSON document, member by member, and writes it, indented. jansson, which also reads and
+/* json: builds a JSON document, member by member, and writes it, indented or as one line. jansson, which also reads and
  * writes stroke files (sculpt/session/event.c), holds and encodes it.
  *
  * `key` is the member's name inside an object and NULL inside an array (and for the outermost value). Members
@@ -25,7 +25,8 @@ enum { ISO_JSON_DEPTH = 16 };
 typedef struct iso_json {
     struct json_t *document, *open[ISO_JSON_DEPTH]; /* open: the objects and arrays that are not ended yet */
     int depth;
-    bool failed; /* there was no memory for a member */
+    bool one_line; /* written without line breaks; the caller's */
+    bool failed;   /* there was no memory for a member */
 } iso_json;
 
 void iso_json_begin_object(iso_json *json, const char *key);

@@ -5,6 +5,8 @@ void iso_put_components(iso_json *json, const char *key, const iso_components_to
     iso_json_integer(json, "kept", parts->kept);
     iso_json_integer(json, "dropped", parts->dropped);
     iso_json_real(json, "dropped_share", parts->dropped_share);
+    iso_json_integer(json, "kept_voxels", parts->kept_voxels);
+    iso_json_integer(json, "dropped_voxels", parts->dropped_voxels);
     iso_json_real(json, "kept_volume", parts->kept_volume);
     iso_json_real(json, "dropped_volume", parts->dropped_volume);
     iso_json_end_object(json);

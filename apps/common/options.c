@@ -7,7 +7,10 @@
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
+#include "apps/common/synonyms.h"
+#include "base/text.h"
 #include "base/thread.h"
 #include "image/image.h"
 
@@ -31,11 +34,23 @@ bool iso_parse_size(const char *text, uint64_t *out) {
     return true;
 }
 
+bool iso_parse_fraction(const char *text, double *out) {
+    double number;
+    const char *end;
+    if (!iso_parse_real_prefix(text, &number, &end)) return false;
+    if (strcmp(end, "%") == 0)
+        number /= 100;
+    else if (*end)
+        return false;
+    *out = number;
+    return true;
+}
+
 iso_status iso_parse_resolution(const char *text, int size[2], iso_error *error) {
     size_t digits = strspn(text, "0123456789");
     char width[16] = "";
     int w, h;
-    bool separated = digits > 0 && digits < sizeof width && (text[digits] == 'x' || text[digits] == ',');
+    bool separated = digits > 0 && digits < sizeof width && text[digits] && strchr("xX,", text[digits]);
     if (separated) memcpy(width, text, digits);
     if (!separated || !iso_parse_int(width, &w) || !iso_parse_int(text + digits + 1, &h))
         return iso_fail(error, ISO_ERR_USAGE, "'%s' is not WxH, such as 1920x1080", text);
@@ -46,17 +61,22 @@ iso_status iso_parse_resolution(const char *text, int size[2], iso_error *error)
     return ISO_OK;
 }
 
+/* The value of a hexadecimal digit; below 0: it is none. */
+static int digit_value(char c) {
+    if (c >= '0' && c <= '9') return c - '0';
+    if (c >= 'A' && c <= 'F') return c - 'A' + 10;
+    return c >= 'a' && c <= 'f' ? c - 'a' + 10 : -1;
+}
+
+/* RRGGBB, or RGB, of which each digit is doubled. */
 static bool parse_hexadecimal_color(const char *text, uint8_t rgb[3]) {
     if (*text == '#') text++;
-    if (strlen(text) != 6) return false;
-    unsigned number = 0;
-    for (int i = 0; i < 6; i++) {
-        const char *digits = "0123456789abcdef";
-        const char *digit = strchr(digits, text[i] >= 'A' && text[i] <= 'F' ? text[i] - 'A' + 'a' : text[i]);
-        if (!digit) return false;
-        number = number * 16 + (unsigned)(digit - digits);
-    }
-    for (int i = 0; i < 3; i++) rgb[i] = (uint8_t)(number >> (16 - 8 * i));
+    const size_t length = strlen(text), step = length / 3;
+    if (length != 3 && length != 6) return false;
+    for (size_t i = 0; i < length; i++)
+        if (digit_value(text[i]) < 0) return false;
+    for (size_t i = 0; i < 3; i++)
+        rgb[i] = (uint8_t)(16 * digit_value(text[step * i]) + digit_value(text[step * i + step - 1]));
     return true;
 }
 
@@ -86,22 +106,22 @@ bool iso_parse_color(const char *text, uint8_t rgb[3]) {
     return false;
 }
 
-/* ---- names ---- */
-
-/* Returns whether `name` (of `length` characters) is one of the words in `words`. */
-static bool has_word(const char *words, const char *name, size_t length) {
-    while (words && *words) {
-        size_t word = strcspn(words, " ");
-        if (word == length && memcmp(words, name, length) == 0) return true;
-        words += word + (words[word] == ' ');
-    }
-    return false;
+iso_status iso_fail_color(const char *text, const char *others, iso_error *error) {
+    const bool transparent = same_letters(text, "transparent") || same_letters(text, "none");
+    if (transparent && !*others)
+        return iso_fail(error, ISO_ERR_USAGE, "'%s' is no colour: an opacity below 1 lets be seen through",
+                        text);
+    return iso_fail(error, ISO_ERR_USAGE, "'%s' is neither RRGGBB in hexadecimal nor a colour name of CSS%s",
+                    text, others);
 }
 
-static const iso_option *find(const iso_program *program, const char *name, size_t length) {
+/* ---- names ---- */
+
+const iso_option *iso_options_find(const iso_program *program, const char *name, size_t length) {
     for (size_t i = 0; i < program->option_count; i++) {
         const iso_option *option = &program->options[i];
-        if (has_word(option->name, name, length) || has_word(option->aliases, name, length)) return option;
+        if (iso_text_has_word(option->name, name, length) || iso_text_has_word(option->aliases, name, length))
+            return option;
     }
     return NULL;
 }
@@ -156,16 +176,24 @@ const char *iso_options_nearest(const iso_program *program, const char *name) {
     return nearest;
 }
 
+/* Writes a name as the names of options are written: in lower case, words joined by '-'. */
+static void write_name(const char *typed, char *name, size_t size) {
+    snprintf(name, size, "%.*s", (int)strcspn(typed, "="), typed);
+    for (; *name; name++)
+        *name = *name == '_' ? '-' : *name >= 'A' && *name <= 'Z' ? (char)(*name - 'A' + 'a') : *name;
+}
+
 static iso_status fail_unknown(const iso_program *program, const char *argument, iso_error *error) {
-    char name[NAME_MAX_LENGTH + 1];
-    const char *bare = argument + strspn(argument, "-");
-    snprintf(name, sizeof name, "%.*s", (int)strcspn(bare, "="), bare);
-    const char *nearest = iso_options_nearest(program, name);
-    int length = (int)strcspn(argument, "=");
-    if (nearest)
-        return iso_fail(error, ISO_ERR_USAGE, "unknown option %.*s (did you mean --%s?)", length, argument,
-                        nearest);
-    return iso_fail(error, ISO_ERR_USAGE, "unknown option %.*s (see --help)", length, argument);
+    char name[NAME_MAX_LENGTH + 1], hint[256];
+    write_name(argument + strspn(argument, "-"), name, sizeof name);
+    if (iso_options_find(program, name, strlen(name))) /* with one dash, or in capitals */
+        snprintf(hint, sizeof hint, "did you mean %s%s?", name[1] ? "--" : "-", name);
+    else if (!iso_synonym_explain(program, name, hint, sizeof hint)) {
+        const char *nearest = iso_options_nearest(program, name);
+        snprintf(hint, sizeof hint, nearest ? "did you mean --%s?" : "see --help", nearest);
+    }
+    return iso_fail(error, ISO_ERR_USAGE, "unknown option %.*s (%s)", (int)strcspn(argument, "="), argument,
+                    hint);
 }
 
 /* ---- values ---- */
@@ -185,7 +213,10 @@ static iso_status store_int(const iso_option *option, const char *value, int *ou
 
 static iso_status store_real(const iso_option *option, const char *value, double *out, iso_error *error) {
     double number;
-    if (!iso_parse_real(value, &number)) return iso_fail(error, ISO_ERR_USAGE, "'%s' is not a number", value);
+    const bool fraction = option->flags & ISO_OPTION_PERCENT;
+    if (!(fraction ? iso_parse_fraction(value, &number) : iso_parse_real(value, &number)))
+        return iso_fail(error, ISO_ERR_USAGE, "'%s' is not a number%s", value,
+                        fraction ? ", or one of percent" : "");
     if (!in_range(option, number))
         return iso_fail(error, ISO_ERR_USAGE, "%s is not in %g .. %g", value, option->low, option->high);
     *out = number;
@@ -216,7 +247,8 @@ static iso_status store_choice(const iso_option *option, const char *value, int 
             used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", i ? ", " : "",
                                      option->choices[i]);
     }
-    return iso_fail(error, ISO_ERR_USAGE, "'%s' is not one of %s", value, known);
+    return iso_fail(error, ISO_ERR_USAGE, "'%s' is not one of %s%s%s", value, known, option->hint ? "; " : "",
+                    option->hint ? option->hint : "");
 }
 
 static iso_status append_text(const char *value, iso_texts *texts, iso_error *error) {
@@ -262,6 +294,11 @@ iso_status iso_option_store(const iso_option *option, const char *value, void *s
 
 /* ---- the command line ---- */
 
+/* Whether the argument behind an option whose value is optional can only be meant as its value. */
+static bool is_value_of(const iso_option *option, const char *next) {
+    return next && *next != '-' && option->extension && iso_text_has_extension(next, option->extension);
+}
+
 /* Finds the value of an option, which follows '=' or is the next argument; in this case *index is
  * advanced. */
 static iso_status find_value(const iso_option *option, int argc, char *const *argv, int *index,
@@ -270,10 +307,13 @@ static iso_status find_value(const iso_option *option, int argc, char *const *ar
     bool none = option->value == NULL;
     *value = equals ? equals + 1 : NULL;
     if (equals && none) return iso_fail(error, ISO_ERR_USAGE, "option --%s takes no value", option->name);
-    if (equals || none || option->flags & ISO_OPTION_VALUE_OPTIONAL) return ISO_OK;
-    if (*index + 1 >= argc || strncmp(argv[*index + 1], "--", 2) == 0)
+    const char *next = *index + 1 < argc ? argv[*index + 1] : NULL;
+    const bool optional = option->flags & ISO_OPTION_VALUE_OPTIONAL;
+    if (equals || none || (optional && !is_value_of(option, next))) return ISO_OK;
+    if (!next || strncmp(next, "--", 2) == 0)
         return iso_fail(error, ISO_ERR_USAGE, "option --%s needs a value: %s", option->name, option->value);
-    *value = argv[++*index];
+    *value = next;
+    ++*index;
     return ISO_OK;
 }
 
@@ -284,7 +324,7 @@ static iso_status parse_option(const iso_program *program, int argc, char *const
     size_t length = strcspn(argument + dashes, "=");
     /* -x has one letter, --name has more */
     const iso_option *option =
-        (length == 1) == (dashes == 1) ? find(program, argument + dashes, length) : NULL;
+        (length == 1) == (dashes == 1) ? iso_options_find(program, argument + dashes, length) : NULL;
     if (!option) return fail_unknown(program, argument, error);
     const char *value = NULL;
     ISO_TRY(find_value(option, argc, argv, index, &value, error));
@@ -299,6 +339,9 @@ iso_status iso_options_parse(const iso_program *program, int argc, char *const *
                              iso_operands *operands, iso_error *error) {
     bool options = true;
     operands->count = 0;
+    const iso_option *help = iso_options_find(program, "help", strlen("help"));
+    if (help && argc > 1 && strcmp(argv[1], help->name) == 0 && access(argv[1], F_OK) != 0)
+        return iso_option_store(help, NULL, settings, error);
     for (int i = 1; i < argc; i++) {
         bool operand = !options || argv[i][0] != '-' || !argv[i][1];
         if (operand)

@@ -2,6 +2,7 @@
  * the man page, the README's table and the shell completion.
  *
  * Values are given as `--name value` or `--name=value`; a value that begins with `--` needs the second form.
+ * `help` as the first word is --help, unless there is a file of that name.
  * `--` ends options, `-` alone is an operand. If an option is given several times the last one wins, unless
  * its row allows repetition. Numbers are decimal, must fill the whole text, and do not depend on the
  * locale. */
@@ -43,10 +44,11 @@ typedef struct iso_texts {
 
 enum {
     ISO_OPTION_HIDDEN = 1,         /* parsed, but not shown in the help */
-    ISO_OPTION_VALUE_OPTIONAL = 2, /* `--name` alone is allowed; a value only as `--name=value`;
-                                      an ISO_OPTION_INT is 1 without */
+    ISO_OPTION_VALUE_OPTIONAL = 2, /* `--name` alone is allowed; a value only as `--name=value`, or with
+                                      the option's extension; an ISO_OPTION_INT is 1 without */
     ISO_OPTION_REPEATABLE = 4,     /* shown in the help; the option's kind or `apply` collects the values */
-    ISO_OPTION_UNRECORDED = 8      /* affects how the program runs, but not its result */
+    ISO_OPTION_UNRECORDED = 8,     /* affects how the program runs, but not its result */
+    ISO_OPTION_PERCENT = 16        /* an ISO_OPTION_REAL may be given as 150% for 1.5 */
 };
 
 typedef struct iso_option {
@@ -62,6 +64,8 @@ typedef struct iso_option {
     double low, high;
     int count;
     const char *const *choices; /* NULL-terminated */
+    const char *hint;           /* of an ISO_OPTION_CHOICE: said behind the refusal of a value; or NULL */
+    const char *extension; /* of an optional value: the next argument is it if it ends with this; or NULL */
     /* For ISO_OPTION_CALL; value is NULL when it was omitted. Fails with iso_fail(ISO_ERR_USAGE, reason); the
      * name of the option is added in front of the reason. */
     iso_status (*apply)(void *settings, const char *value, iso_error *error);
@@ -96,6 +100,9 @@ typedef struct iso_operands {
 iso_status iso_options_parse(const iso_program *program, int argc, char *const *argv, void *settings,
                              iso_operands *operands, iso_error *error);
 
+/* The option with this name or alias, of `length` characters without dashes; NULL: there is none. */
+const iso_option *iso_options_find(const iso_program *program, const char *name, size_t length);
+
 /* Parses the value of one option into settings; NULL: the option was given without one. ISO_ERR_USAGE: the
  * reason, without the option's name. */
 iso_status iso_option_store(const iso_option *option, const char *value, void *settings, iso_error *error);
@@ -105,10 +112,15 @@ const char *iso_options_nearest(const iso_program *program, const char *name);
 
 /* Parses a number of bytes, such as 512M. False, and *out untouched, when `text` is anything else. */
 bool iso_parse_size(const char *text, uint64_t *out);
+/* Parses a number, or a percentage: 0.3 or 30%. False, and *out untouched, when `text` is anything else. */
+bool iso_parse_fraction(const char *text, double *out);
 /* Parses WxH or W,H: sides of a picture, 1 .. ISO_IMAGE_MAX. ISO_ERR_USAGE says what is wrong. */
 iso_status iso_parse_resolution(const char *text, int size[2], iso_error *error);
-/* Parses RRGGBB or #RRGGBB in hexadecimal, or one of the 148 colour names of CSS, in either case. */
+/* Parses RRGGBB or RGB in hexadecimal, with # or without, or one of the 148 colour names of CSS, in either
+ * case. */
 bool iso_parse_color(const char *text, uint8_t rgb[3]);
+/* Says why `text` is no colour. others: " nor ..", what else the option takes; or "". Returns ISO_ERR_USAGE. */
+iso_status iso_fail_color(const char *text, const char *others, iso_error *error);
 
 /* The forms of the help: for a screen, a table for the README, a man page, a bash completion script. */
 typedef enum iso_help_form { ISO_HELP_SCREEN, ISO_HELP_MARKDOWN, ISO_HELP_MAN, ISO_HELP_BASH } iso_help_form;

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "apps/common/options.h"
+#include "apps/common/progress_bar.h"
 #include "base/text.h"
 
 enum { COLUMN = 31, WIDTH = 100 };
@@ -252,6 +253,7 @@ void iso_program_log(const iso_program *program, const char *format, ...) {
     va_start(arguments, format);
     iso_text_format(line, sizeof line, format, arguments);
     va_end(arguments);
+    iso_progress_bar_clear();
     fprintf(stderr, "%s: %s\n", program->name, line);
 }
 

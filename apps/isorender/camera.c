@@ -100,6 +100,13 @@ static iso_direction direction_of(const isorender_job *job) {
     return is_flat(job, 3 - axis_of(up) - axis_of(forward), EDGE_ON) ? ISO_LEFT : ISO_FRONT;
 }
 
+/* A patient is seen from the top with the front at the picture's top, as from the bottom; other volumes as the maps
+ * that they may be, with +y at the top. */
+static bool is_from_top_of_patient(const isorender_job *job) {
+    return direction_of(job) == ISO_TOP && job->settings->up.z > 0 && job->has_volume &&
+           job->loader.volume.info.anatomical;
+}
+
 /* The camera without --camera-position: the preset, turned, at the distance that shows everything. */
 static iso_camera fitted_camera(isorender_job *job, int framing) {
     const isorender_settings *settings = job->settings;
@@ -107,6 +114,7 @@ static iso_camera fitted_camera(isorender_job *job, int framing) {
         .view_angle = settings->view_angle, .orthographic = settings->orthographic != 0, .parallel_scale = 1};
     iso_vec3 forward;
     iso_direction_vectors(direction_of(job), settings->up, &forward, &camera.view_up);
+    if (is_from_top_of_patient(job)) camera.view_up = iso_vec3_make(0, -1, 0); /* anterior */
     if (is_given(settings->view_up)) camera.view_up = vector(settings->view_up);
     camera.position = iso_vec3_scale(forward, -1);
     iso_camera_orbit(&camera, settings->azimuth, settings->elevation);
@@ -145,11 +153,17 @@ iso_camera isorender_camera_of_box(isorender_job *job, const iso_box *box) {
 
 iso_status isorender_camera_make(isorender_job *job, iso_error *error) {
     const isorender_settings *settings = job->settings;
+    isorender_same_view *first = settings->first;
     job->bounds_framed = framed_box(job);
+    if (first && first->has_camera) {
+        job->camera = first->camera;
+        return ISO_OK;
+    }
     if (!is_given(settings->position) && settings->fit == ISORENDER_FIT_BOX) log_outside(job);
     const iso_camera camera = make_camera(job, settings->fit);
     ISO_TRY(iso_camera_check(&camera, error));
     job->camera = camera;
+    if (first) *first = (isorender_same_view){first->has_isovalue, true, first->isovalue, camera};
     return ISO_OK;
 }
 

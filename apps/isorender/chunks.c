@@ -473,12 +473,13 @@ static void describe_style(const isorender_job *job, iso_key_style *style) {
     style->view_up = job->camera.view_up;
     style->view_angle = job->camera.view_angle;
     style->parallel_scale = job->camera.parallel_scale;
-    style->pixels_per_metre =
-        isorender_pixels_per_metre(&job->camera, settings->height, ISO_WORLD_UNIT_MILLIMETRE);
+    style->pixels_per_metre = isorender_pixels_per_metre(job);
     style->method = (int32_t)job->renderer->method;
     style->orthographic = job->camera.orthographic;
     style->transparent = settings->transparent != 0;
     style->scale_bar = settings->scale_bar != 0;
+    style->unit = (int32_t)settings->unit;
+    style->world_unit = (int32_t)isorender_unit(job);
     style->orientation_marker = settings->orientation_marker != 0;
     style->anatomical = job->loader.volume.info.anatomical != 0;
     memcpy(style->background, (const uint8_t[4]){background.r, background.g, background.b}, 4);

@@ -178,8 +178,13 @@ static iso_world_unit unit_of_objects(const isorender_job *job) {
     return unit;
 }
 
+iso_world_unit isorender_volume_unit(const iso_volume_info *info) {
+    return info->unitless ? ISO_WORLD_UNIT_NONE : ISO_WORLD_UNIT_MILLIMETRE;
+}
+
 iso_world_unit isorender_unit(const isorender_job *job) {
     const iso_world_unit stated = job->loader.has_points ? job->loader.report.unit
+                                  : job->has_volume      ? isorender_volume_unit(&job->loader.volume.info)
                                   : job->surface_count   ? ISO_WORLD_UNIT_MILLIMETRE
                                                          : unit_of_objects(job);
     return stated == ISO_WORLD_UNIT_NONE && job->settings->mm_per_pixel > 0 ? ISO_WORLD_UNIT_MILLIMETRE

@@ -4,6 +4,7 @@
 
 #include "apps/isorender/isorender.h"
 #include "base/text.h"
+#include "image/annotate.h"
 
 /* 1234567 bytes as "1.2 MB". */
 static void print_bytes(uint64_t bytes) {
@@ -18,12 +19,23 @@ static void print_numbers(const char *title, const double v[3], const char *unit
     printf("  %-11s %.10g %.10g %.10g%s\n", title, v[0], v[1], v[2], unit);
 }
 
-static void print_matrix(const iso_transform *transform) {
+static void print_lengths(const char *title, const double v[3], const iso_length_style *style,
+                          const char *space) {
+    const double factor = iso_length_factor(style), shown[3] = {v[0] * factor, v[1] * factor, v[2] * factor};
+    const char *name = iso_length_unit_name(style);
+    char unit[32];
+    snprintf(unit, sizeof unit, "%s%s%s", *name ? " " : "", name, space);
+    print_numbers(title, shown, unit);
+}
+
+/* unit: of the world; "": it is not known. */
+static void print_matrix(const iso_transform *transform, const char *unit) {
     iso_affine affine = iso_transform_affine(transform);
     for (int row = 0; row < 3; row++)
         printf("  %-11s %12.6g %12.6g %12.6g %12.6g\n", row ? "" : "matrix", affine.m[3 * row],
                affine.m[3 * row + 1], affine.m[3 * row + 2], affine.origin[row]);
-    printf("  %-11s from voxels to world mm%s\n", "", affine.determinant < 0 ? ", left-handed" : "");
+    printf("  %-11s from voxels to world%s%s%s\n", "", *unit ? " " : "", unit,
+           affine.determinant < 0 ? ", left-handed" : "");
 }
 
 static void print_memory(const isorender_job *job, const iso_volume_info *info) {
@@ -45,6 +57,7 @@ static void print_field(const iso_volume_info *info) {
 
 static void print_header(const isorender_job *job, const iso_loader *loader) {
     const iso_volume_info *info = &loader->volume.info;
+    const iso_length_style lengths = {(iso_length_unit)job->settings->unit, isorender_volume_unit(info)};
     iso_text_put(stdout, iso_spool_name(loader->input));
     putchar('\n');
     if (loader->has_points) return;
@@ -58,11 +71,14 @@ static void print_header(const isorender_job *job, const iso_loader *loader) {
     print_field(info);
     if (info->scale != 1 || info->offset != 0)
         printf("  %-11s physical = %.10g * stored + %.10g\n", "values", info->scale, info->offset);
-    print_numbers("spacing", info->transform.spacing, " mm");
-    print_numbers("origin", info->transform.origin, info->anatomical ? " mm (LPS)" : " mm");
+    print_lengths("spacing", info->transform.spacing, &lengths, "");
+    print_lengths("origin", info->transform.origin, &lengths, info->anatomical ? " (LPS)" : "");
     for (int row = 0; row < 3; row++)
         print_numbers(row ? "" : "direction", &info->transform.direction[3 * row], "");
-    print_matrix(&info->transform);
+    print_matrix(&info->transform, info->unitless ? iso_length_unit_name(&lengths) : "mm");
+    if (info->unitless)
+        printf("  %-11s the file states none%s\n", "unit",
+               job->settings->unit == ISO_UNIT_AUTO ? ": --unit says what its lengths are in" : "");
     print_memory(job, info);
     for (int i = 0; i < info->item_count; i++) printf("  %-11s %s\n", i ? "" : "holds", info->items[i]);
 }

@@ -24,9 +24,14 @@ static int say(const iso_error *error, iso_status status) {
 }
 
 /* One input that fails does not stop the others; the first failure gives the exit status. */
-static int render_each(const isorender_settings *settings, const isorender_plan *plans, iso_pool *pool,
+static int render_each(const isorender_settings *given, const isorender_plan *plans, iso_pool *pool,
                        const isorender_backend *backend, const iso_environment *environment) {
     int worst = 0;
+    isorender_same_view first = {0};
+    isorender_settings *settings = malloc(sizeof *settings);
+    if (!settings) return iso_status_exit(ISO_ERR_NOMEM);
+    *settings = *given;
+    if (settings->same_view) settings->first = &first;
     for (int i = 0; i < settings->input_count; i++) {
         iso_error error = {0};
         iso_status status = isorender_run(settings, &plans[i], pool, backend, environment, &error);
@@ -35,6 +40,7 @@ static int render_each(const isorender_settings *settings, const isorender_plan 
         int code = say(&error, status);
         if (worst == 0) worst = code;
     }
+    free(settings);
     return worst;
 }
 

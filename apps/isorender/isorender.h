@@ -8,6 +8,7 @@
 #include "apps/isorender/backend.h"
 #include "apps/isorender/objects.h"
 #include "apps/isorender/plan.h"
+#include "apps/isorender/progress.h"
 #include "apps/isorender/settings.h"
 #include "clouds/cloud.h"
 #include "exact/exact.h"
@@ -78,7 +79,8 @@ typedef struct isorender_job {
     bool has_volume;                    /* the input is a volume: not points, and there is an input */
     iso_loader volumes[ISORENDER_VOLUMES];
     int volume_count;
-    iso_input input, volume_input; /* how the input, of a certain level, and `volumes` are read */
+    iso_input input,
+        volume_inputs[ISORENDER_VOLUMES]; /* how the input, of a certain level, and `volumes` are read */
 
     iso_method method; /* as --method names it: ISO_METHOD_PULLPUSH and _SPLATS with any reconstruction */
     const iso_renderer *renderer; /* the row of the renderers' table for the method and its reconstruction */
@@ -108,13 +110,14 @@ typedef struct isorender_job {
     iso_camera camera;                               /* of the first frame */
     isorender_frame *frames;
     int frame_count;
+    int frame;       /* that is being drawn, */
+    double strip[2]; /* and the part of it, 0 .. 1 */
     /* Outputs written so far, to be removed when a later step fails: */
     bool points_written, mesh_written;
     int frames_written, aovs_written;
     isorender_seconds seconds;
-    double rank_bytes[3];       /* with mpirun: least, mean and greatest peak memory of a rank */
-    const char *progress_stage; /* last reported by isorender_progress */
-    int progress_percent;
+    double rank_bytes[3]; /* with mpirun: least, mean and greatest peak memory of a rank */
+    isorender_progress_state progress;
 } isorender_job;
 
 /* ---- run.c */
@@ -290,10 +293,6 @@ __attribute__((format(printf, 2, 3)))
 void isorender_log_verbose(const isorender_job *job, const char *format, ...); /* with --verbose */
 /* Logs the notes of a reader of points or lines; `path`: the file, "" for the input. */
 void isorender_log_report(const isorender_job *job, const char *path, const iso_read_report *report);
-/* Reports with --progress that a stage ("reading") is done to `fraction`, 0 .. 1. */
-void isorender_progress(isorender_job *job, const char *stage, double fraction);
-const char *isorender_input_name(const isorender_job *job); /* for messages */
-
 #ifdef __cplusplus
 }
 #endif

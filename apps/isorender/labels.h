@@ -3,6 +3,7 @@
 #define ISO_APPS_ISORENDER_LABELS_H
 
 #include "apps/isorender/isorender.h"
+#include "image/annotate.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -14,12 +15,14 @@ typedef struct isorender_labels {
     char software[64], isovalues[512], command[ISO_RECORD_SIZE + 256];
 } isorender_labels;
 void isorender_labels_make(const isorender_job *job, isorender_labels *labels);
-/* The unit of the picture's world: that of the points, or of lines and glyphs if there is nothing else, as
- * far as their files state it; mm with a volume, and
- * by --mm-per-pixel if none is stated. */
+/* The unit of the picture's world: that of the volume, of the points, or of lines and glyphs if there is
+ * nothing else, as far as their files state it; mm by --mm-per-pixel if none is stated. */
 iso_world_unit isorender_unit(const isorender_job *job);
-/* 0: there is no single scale, or `unit`, that of the world, has no length here. */
-double isorender_pixels_per_metre(const iso_camera *camera, int height, iso_world_unit unit);
+iso_world_unit isorender_volume_unit(const iso_volume_info *info);
+/* How lengths are shown. */
+iso_length_style isorender_lengths(const isorender_job *job);
+/* Of --dpi, or of a picture of one scale at its true size; 0: neither, or the world's unit has no length here. */
+double isorender_pixels_per_metre(const isorender_job *job);
 
 #ifdef __cplusplus
 }

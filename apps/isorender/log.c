@@ -1,10 +1,6 @@
-/* Messages and progress of isorender on standard error. */
-#define _GNU_SOURCE
+/* Messages of isorender on standard error. */
 #include <inttypes.h>
-#include <math.h>
 #include <stdarg.h>
-#include <string.h>
-#include <unistd.h>
 
 #include "apps/isorender/chunks.h"
 #include "apps/isorender/isorender.h"
@@ -40,31 +36,6 @@ void isorender_log_nonfinite(const isorender_job *job) {
     if (!job->loader.nonfinite) return;
     isorender_log(job, "note: %zu voxels are NaN or infinite, as floats: %s", job->loader.nonfinite,
                   job->settings->closed ? "outside the solid" : "no surface is made next to them");
-}
-
-static void draw_bar(const char *stage, int percent) {
-    enum { BAR = 40 };
-    char bar[BAR + 1];
-    for (int i = 0; i < BAR; i++) bar[i] = i < percent * BAR / 100 ? '#' : ' ';
-    bar[BAR] = 0;
-    fprintf(stderr, "\r%-12s [%s] %3d %%%s", stage, bar, percent, percent == 100 ? "\n" : "");
-    fflush(stderr);
-}
-
-void isorender_progress(isorender_job *job, const char *stage, double fraction) {
-    if (!job->settings->progress || job->settings->common.quiet) return;
-    /* In a log file, one line for every 20 % is enough. */
-    bool terminal = isatty(STDERR_FILENO);
-    int step = terminal ? 1 : 20;
-    int percent = (int)floor(100 * fraction) / step * step;
-    bool same = job->progress_stage && strcmp(job->progress_stage, stage) == 0;
-    if (same && percent <= job->progress_percent) return;
-    job->progress_stage = stage;
-    job->progress_percent = percent;
-    if (terminal)
-        draw_bar(stage, percent);
-    else
-        iso_program_log(isorender_program(), "%s: %s %d %%", isorender_input_name(job), stage, percent);
 }
 
 void isorender_log_report(const isorender_job *job, const char *path, const iso_read_report *report) {

@@ -4,6 +4,7 @@
 #include "apps/isorender/isorender.h"
 #include "base/file.h"
 #include "base/memory.h"
+#include "image/image_file.h"
 #include "io/key_file.h"
 #include "methods/keys_picture.h"
 
@@ -16,7 +17,7 @@ static iso_status write_picture(const iso_key_file *file, const iso_image *image
         if (file->texts[i]) texts[count++] = (iso_png_text){keys[i], file->texts[i]};
     const iso_png_opts opts = {
         .texts = texts, .text_count = count, .pixels_per_metre = file->style.pixels_per_metre, .pool = pool};
-    return iso_png_write_with(path, image, &opts, error);
+    return iso_image_file_write(path, image, &opts, error);
 }
 
 static iso_status merge(const isorender_settings *settings, iso_pool *pool, iso_error *error) {
@@ -40,6 +41,7 @@ static iso_status check_files(const isorender_settings *settings, iso_error *err
     iso_file_set_write(&files, settings->output);
     iso_status status = iso_file_set_check(&files, error);
     iso_file_set_free(&files);
+    if (status == ISO_OK) status = iso_image_file_check(settings->output, error);
     return status == ISO_OK ? iso_sink_check(settings->output, error) : status;
 }
 

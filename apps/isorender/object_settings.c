@@ -35,14 +35,18 @@ static iso_status set_radius(const char *option, const char *value, isorender_ob
     return ISO_OK;
 }
 
+/* Puts an option's name before the message of a failure; returns `status`. */
+static iso_status named(const char *option, iso_status status, iso_error *error) {
+    char text[sizeof error->text];
+    snprintf(text, sizeof text, "%s", error->text);
+    return iso_fail(error, status, "--%s: %s", option, text);
+}
+
 iso_status isorender_parse_color(const char *option, const char *value, const char *others, bool *given,
                                  iso_rgb *color, iso_error *error) {
     uint8_t rgb[3];
     if (!value) return ISO_OK;
-    if (!iso_parse_color(value, rgb))
-        return iso_fail(error, ISO_ERR_USAGE,
-                        "--%s: '%s' is neither RRGGBB in hexadecimal nor a colour name of CSS%s", option,
-                        value, others);
+    if (!iso_parse_color(value, rgb)) return named(option, iso_fail_color(value, others, error), error);
     *given = true;
     *color = (iso_rgb){rgb[0], rgb[1], rgb[2]};
     return ISO_OK;
@@ -62,7 +66,7 @@ static iso_status set_color(const char *option, const char *value, isorender_obj
 iso_status isorender_parse_opacity(const char *option, const char *value, double *opacity, iso_error *error) {
     double given;
     if (!value) return ISO_OK;
-    if (!iso_parse_real(value, &given) || !(given >= 0 && given <= 1))
+    if (!iso_parse_fraction(value, &given) || !(given >= 0 && given <= 1))
         return iso_fail(error, ISO_ERR_USAGE, "--%s: '%s' is not an opacity from 0 to 1", option, value);
     *opacity = (double)(float)given; /* as it is drawn */
     return ISO_OK;

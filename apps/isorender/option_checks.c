@@ -1,13 +1,15 @@
 /* option_checks: what operands are, and which options go together. */
+#define _XOPEN_SOURCE 700 /* access */
 #include "apps/isorender/option_checks.h"
 
 #include <math.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "apps/common/loader.h"
 #include "apps/isorender/backend.h"
 #include "base/text.h"
-#include "image/image.h"
+#include "image/image_file.h"
 #include "io/glyphs/glyphs_read.h"
 #include "io/lines/lines_read.h"
 #include "methods/glass.h"
@@ -71,12 +73,43 @@ static iso_status take_object(isorender_settings *settings, iso_error *error) {
     return ISO_OK;
 }
 
+static bool is_picture(const char *name) {
+    return strcmp(name, "-") != 0 && iso_image_kind_of(name) != ISO_IMAGE_UNKNOWN;
+}
+
+static bool exists(const char *path) {
+    return access(path, F_OK) == 0;
+}
+
+/* The option that writes a file of this kind; NULL: none does. */
+static const char *option_that_writes(const char *name) {
+    static const struct {
+        const char *extension, *option;
+    } kinds[] = {{".stl", "--mesh "},
+                 {".obj", "--mesh "},
+                 {".ply", "--mesh or --points "},
+                 {".exr", "--aov "},
+                 {".json", "--json="}};
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
+        if (iso_text_has_extension(name, kinds[i].extension)) return kinds[i].option;
+    return NULL;
+}
+
+/* The last operand is no picture's name: it may be an output of another kind, or a further input. */
+static iso_status fail_picture_name(const char *name, iso_error *error) {
+    const char *option = option_that_writes(name);
+    char hint[256] = "several inputs need --output TEMPLATE";
+    if (option && !exists(name)) snprintf(hint, sizeof hint, "%s%.160s writes such a file", option, name);
+    return iso_fail(error, ISO_ERR_USAGE, "%s: a picture's name must end in .png, .tif or .jpg (%s)", name,
+                    hint);
+}
+
 /* Whether the only operand is the name of a picture of --lines, --glyphs, --surface and --volume, which need
  * no input. */
 static bool is_only_picture(const isorender_settings *settings, const iso_operands *operands) {
     return (settings->object_options.count || settings->volume_options.count) && !settings->scene &&
            (operands->count == 0 ||
-            (operands->count == 1 && !settings->output && iso_text_ends_with(operands->values[0], ".png")));
+            (operands->count == 1 && !settings->output && is_picture(operands->values[0])));
 }
 
 /* Takes the output from the operands: the last of them, when it is one more than there are inputs. */
@@ -84,17 +117,18 @@ static iso_status take_output(isorender_settings *settings, const iso_operands *
                               int *count, iso_error *error) {
     if (settings->output || *count != inputs + 1) return ISO_OK;
     settings->output = operands->values[--*count];
-    if (strcmp(settings->output, "-") != 0 && !settings->parts &&
-        !iso_text_ends_with(settings->output, ".png"))
-        return iso_fail(error, ISO_ERR_USAGE,
-                        "%s: a picture's name must end in .png (several inputs need --output TEMPLATE)",
-                        settings->output);
+    if (strcmp(settings->output, "-") != 0 && !settings->parts && !is_picture(settings->output))
+        return fail_picture_name(settings->output, error);
     return ISO_OK;
 }
 
 static iso_status take_operands(isorender_settings *settings, const iso_operands *operands,
                                 iso_error *error) {
     int count = operands->count;
+    const char *const *names = operands->values;
+    const bool may_be_input = count > 0 && iso_image_kind_of(names[0]) == ISO_IMAGE_TIFF && exists(names[0]);
+    if (count == 2 && is_picture(names[0]) && !may_be_input && !is_picture(names[1]) && exists(names[1]))
+        return iso_fail(error, ISO_ERR_USAGE, "the input comes first: isorender %s %s", names[1], names[0]);
     settings->no_input = is_only_picture(settings, operands);
     ISO_TRY(take_output(settings, operands, settings->scene || settings->no_input ? 0 : 1, &count, error));
     if (count == 0 && !settings->scene && !settings->no_input)
@@ -150,7 +184,7 @@ static iso_status check_camera(isorender_settings *settings, iso_error *error) {
 
 static iso_status check_aov(const isorender_settings *settings, iso_error *error) {
     if (!settings->aov) return ISO_OK;
-    if (!iso_text_ends_with(settings->aov, ".exr"))
+    if (!iso_text_has_extension(settings->aov, ".exr"))
         return iso_fail(error, ISO_ERR_USAGE, "%s: --aov writes OpenEXR files: a name must end in .exr",
                         settings->aov);
     if (settings->info)
@@ -161,25 +195,26 @@ static iso_status check_aov(const isorender_settings *settings, iso_error *error
 static iso_status check_outputs(const isorender_settings *settings, iso_error *error) {
     bool image = !settings->no_image && !settings->info;
     bool to_stdout = image && settings->output && strcmp(settings->output, "-") == 0;
-    if (settings->output && !to_stdout && image && !settings->parts &&
-        !iso_text_ends_with(settings->output, ".png"))
-        return iso_fail(error, ISO_ERR_USAGE, "%s: a picture's name must end in .png", settings->output);
+    if (settings->output && !to_stdout && image && !settings->parts && !is_picture(settings->output))
+        return iso_fail(error, ISO_ERR_USAGE, "%s: a picture's name must end in .png, .tif or .jpg",
+                        settings->output);
+    if (image && settings->output && settings->transparent &&
+        iso_image_kind_of(settings->output) == ISO_IMAGE_JPEG)
+        return iso_fail(error, ISO_ERR_USAGE, "%s: a JPEG has no transparency: .png and .tif have",
+                        settings->output);
     if (to_stdout && settings->common.json && !settings->common.json_path)
         return iso_fail(error, ISO_ERR_USAGE, "the picture and --json cannot both go to standard output");
     if (to_stdout && settings->turntable)
         return iso_fail(error, ISO_ERR_USAGE, "a turntable cannot go to standard output");
-    if (settings->points && !iso_text_ends_with(settings->points, ".ply"))
+    if (settings->points && !iso_text_has_extension(settings->points, ".ply"))
         return iso_fail(error, ISO_ERR_USAGE, "%s: points are written as .ply", settings->points);
-    if (settings->mesh && !iso_text_ends_with(settings->mesh, ".ply") &&
-        !iso_text_ends_with(settings->mesh, ".stl") && !iso_text_ends_with(settings->mesh, ".obj"))
+    if (settings->mesh && !iso_text_has_extension(settings->mesh, ".ply") &&
+        !iso_text_has_extension(settings->mesh, ".stl") && !iso_text_has_extension(settings->mesh, ".obj"))
         return iso_fail(error, ISO_ERR_USAGE, "%s: a mesh is written as .ply, .stl or .obj", settings->mesh);
     ISO_TRY(check_aov(settings, error));
     if (settings->no_image && !settings->points && !settings->mesh && !settings->aov &&
         !settings->common.json && !settings->info)
         return iso_fail(error, ISO_ERR_USAGE, "--no-image leaves nothing to do");
-    if (settings->input_count > 1 && settings->common.json && !settings->common.json_path)
-        return iso_fail(error, ISO_ERR_USAGE,
-                        "--json of several inputs needs a template: --json='{model}.json'");
     return ISO_OK;
 }
 
@@ -373,7 +408,7 @@ static iso_status check_merge(isorender_settings *settings, const iso_operands *
         return iso_fail(error, ISO_ERR_USAGE,
                         "merge: the picture has the options that its parts were drawn with:%s", record);
     if (!operands->count) return iso_fail(error, ISO_ERR_USAGE, "merge: no files of keys (.isokeys)");
-    if (!output || (strcmp(output, "-") != 0 && !iso_text_ends_with(output, ".png")))
+    if (!output || (strcmp(output, "-") != 0 && !is_picture(output)))
         return iso_fail(error, ISO_ERR_USAGE, "merge: needs the picture's name: -o OUT.png");
     settings->inputs = operands->values;
     settings->input_count = operands->count;
@@ -381,7 +416,7 @@ static iso_status check_merge(isorender_settings *settings, const iso_operands *
 }
 
 static iso_status check_part(const isorender_settings *settings, iso_error *error) {
-    const bool keys = settings->output && iso_text_ends_with(settings->output, ".isokeys");
+    const bool keys = settings->output && iso_text_has_extension(settings->output, ".isokeys");
     if (!settings->parts && keys)
         return iso_fail(error, ISO_ERR_USAGE, "%s: --part writes files of keys", settings->output);
     if (!settings->parts) return ISO_OK;

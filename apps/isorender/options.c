@@ -41,6 +41,8 @@ static const char *const group_radii[] = {"coverage", "root", NULL};
 static const char *const directions[] = {"front", "back", "left", "right", "top", "bottom", "iso", NULL};
 static const char *const lightings[] = {"phong", "edl", NULL};
 static const char *const scalings[] = {"exact", "attenuated", NULL};
+static const char *const units[] = {"auto", "none", "nm", "um", "mm",
+                                    "cm",   "m",    "km", NULL}; /* iso_length_unit */
 static const char *const fits[] = {"box", "tight", NULL};
 static const char *const opacity_modes[] = {"angle", "constant", NULL};
 static const char *const normals_names[] = {"file", "auto", NULL};
@@ -81,8 +83,7 @@ static iso_status add_color(isorender_settings *settings, const char *value, iso
     if (settings->color_count == ISORENDER_SURFACES)
         return iso_fail(error, ISO_ERR_USAGE, "more than %d colours", ISORENDER_SURFACES);
     if (!parse_color(value, &settings->colors[settings->color_count]))
-        return iso_fail(error, ISO_ERR_USAGE,
-                        "'%s' is neither RRGGBB in hexadecimal nor a colour name of CSS", value);
+        return iso_fail_color(value, "", error);
     settings->color_count++;
     return ISO_OK;
 }
@@ -115,7 +116,7 @@ static iso_status apply_opacity(void *target, const char *value, iso_error *erro
         size_t length = strcspn(at, ",");
         snprintf(number, sizeof number, "%.*s", length < 63 ? (int)length : 63, at);
         double opacity;
-        if (length > 63 || !iso_parse_real(number, &opacity) || !(opacity >= 0 && opacity <= 1))
+        if (length > 63 || !iso_parse_fraction(number, &opacity) || !(opacity >= 0 && opacity <= 1))
             return iso_fail(error, ISO_ERR_USAGE, "'%s' is not an opacity from 0 to 1", number);
         if (settings->opacity_count == ISORENDER_SURFACES)
             return iso_fail(error, ISO_ERR_USAGE, "more than %d opacities", ISORENDER_SURFACES);
@@ -163,10 +164,9 @@ static iso_status apply_part(void *target, const char *value, iso_error *error) 
 
 static iso_status apply_background(void *target, const char *value, iso_error *error) {
     isorender_settings *settings = target;
-    bool none = strcmp(value, "none") == 0;
+    bool none = strcmp(value, "none") == 0 || strcmp(value, "transparent") == 0;
     if (!none && !parse_color(value, &settings->background))
-        return iso_fail(error, ISO_ERR_USAGE,
-                        "'%s' is neither RRGGBB in hexadecimal nor a colour name of CSS nor 'none'", value);
+        return iso_fail_color(value, " nor 'none'", error);
     settings->transparent = none;
     settings->background_given = 1;
     return ISO_OK;
@@ -175,9 +175,7 @@ static iso_status apply_background(void *target, const char *value, iso_error *e
 static iso_status apply_attenuation_color(void *target, const char *value, iso_error *error) {
     isorender_settings *settings = target;
     settings->attenuation_colored = 1;
-    if (parse_color(value, &settings->attenuation_color)) return ISO_OK;
-    return iso_fail(error, ISO_ERR_USAGE, "'%s' is neither RRGGBB in hexadecimal nor a colour name of CSS",
-                    value);
+    return parse_color(value, &settings->attenuation_color) ? ISO_OK : iso_fail_color(value, "", error);
 }
 
 static iso_status apply_resolution(void *target, const char *value, iso_error *error) {
@@ -205,14 +203,8 @@ static iso_status apply_samples(void *target, const char *value, iso_error *erro
 /* 0.05 or 5%. */
 static iso_status apply_margin(void *target, const char *value, iso_error *error) {
     isorender_settings *settings = target;
-    char number[64];
-    const size_t length = strlen(value);
-    const bool percent = length > 0 && value[length - 1] == '%';
     double margin;
-    snprintf(number, sizeof number, "%.*s", length < 63 ? (int)(length - percent) : 63, value);
-    bool good = length < 63 && iso_parse_real(number, &margin);
-    if (good && percent) margin /= 100;
-    if (!good || !(margin >= 0 && margin <= 0.45))
+    if (!iso_parse_fraction(value, &margin) || !(margin >= 0 && margin <= 0.45))
         return iso_fail(error, ISO_ERR_USAGE,
                         "'%s' is not a part of the picture from 0 to 0.45, or 0%% to 45%%", value);
     settings->margin = margin;
@@ -296,7 +288,8 @@ static const iso_option options[] = {
      "how splats are seen through: sorted (every layer of the surface, in order), groups (a picture of each "
      "group, and their mean) or nearest (the same behind a smooth nearest layer; both Zhang and Pajarola "
      "2006)",
-     .group = SURFACE, .standard = "sorted", CHOICE(transparency, transparencies)},
+     .group = SURFACE, .standard = "sorted", CHOICE(transparency, transparencies),
+     .hint = "how much is seen through a surface is its --opacity"},
     {"ior", NULL, "N",
      "draw the solid as glass with this index of refraction (1.5: window glass, 1.33: water); for the "
      "methods "
@@ -420,17 +413,24 @@ static const iso_option options[] = {
      .group = PICTURE, FLAG(strips)},
     {"resolution", NULL, "WxH", "size of the picture in pixels", .group = PICTURE, .standard = "1024x1024",
      CALL(apply_resolution)},
+    {"dpi", NULL, "N", "pixels an inch that the picture's file states, for printing; the picture is the same",
+     .group = PICTURE, .standard = "none, with one scale (--mm-per-pixel) its true size", REAL(dpi, 1, 1e5)},
     {"samples", NULL, "N", "samples a pixel: 1, 4, 9, ... 64", .group = PICTURE, .standard = "1",
      CALL(apply_samples)},
     {"background", "background-color", "COLOR|none",
-     "colour of the background, RRGGBB or a name of CSS; none is transparent", .group = PICTURE,
-     .standard = "FFFFFF", CALL(apply_background)},
+     "colour of the background, RRGGBB or a name of CSS; none is transparent (not in a .jpg)",
+     .group = PICTURE, .standard = "FFFFFF", CALL(apply_background)},
     {"no-background", NULL, NULL, "the same as --background none", .group = PICTURE, FLAG(transparent)},
     {"scale-bar", NULL, NULL,
      "draw a bar of a round length, about a fifth of the picture's width, with its length in the unit of the "
      "file; needs "
      "--orthographic or --mm-per-pixel",
      .group = PICTURE, FLAG(scale_bar)},
+    {"unit", NULL, "NAME",
+     "unit of lengths in the scale bar and --info: nm, um, mm, cm, m, km or none. Lengths are converted to "
+     "it; of a file "
+     "that states no unit, it says what the file's lengths are in",
+     .group = PICTURE, .standard = "auto: as the file has it, none if it states none", CHOICE(unit, units)},
     {"orientation-marker", NULL, NULL,
      "draw the world's axes in a corner: L R A P H F (left, right, anterior, posterior, head, foot) when the "
      "file "
@@ -444,7 +444,8 @@ static const iso_option options[] = {
      .group = CAMERA,
      .standard = "front; iso for files of points that are flat, as landscapes; left or iso for what is flat "
                  "and edge-on from the front",
-     CHOICE(direction, directions)},
+     CHOICE(direction, directions),
+     .hint = "--azimuth and --elevation turn the camera, --camera-position places it"},
     {"up", NULL, "AXIS", "world axis that is up: +x -x +y -y +z -z", .group = CAMERA, .standard = "+z",
      CALL(apply_up)},
     {"azimuth", "camera-azimuth-angle camera-azimuth", "DEGREES", "then turn the camera to the right",
@@ -452,7 +453,7 @@ static const iso_option options[] = {
     {"elevation", "camera-elevation-angle camera-elevation", "DEGREES", "and upwards", .group = CAMERA,
      REAL(elevation, -1e6, 1e6)},
     {"zoom", "camera-zoom-factor", "FACTOR", "enlarge", .group = CAMERA, .standard = "1",
-     REAL(zoom, 1e-6, 1e6)},
+     REAL(zoom, 1e-6, 1e6), .flags = ISO_OPTION_PERCENT},
     {"orthographic", "camera-orthographic", NULL, "parallel projection", .group = CAMERA, FLAG(orthographic)},
     {"mm-per-pixel", NULL, "MM",
      "scale of the picture: a parallel projection (as --orthographic) in which a pixel is this many mm wide",
@@ -462,6 +463,10 @@ static const iso_option options[] = {
      "without the few that lie far from the others) or tight (the surface as it is seen); with "
      "--mm-per-pixel, which sets the scale, what is in the middle of the picture",
      .group = CAMERA, .standard = "box", CHOICE(fit, fits)},
+    {"same-view", NULL, NULL,
+     "all inputs get the isovalue and the camera of the first one that is drawn, so that their pictures can "
+     "be compared",
+     .group = CAMERA, FLAG(same_view)},
     {"margin", NULL, "PART", "part of the picture left free on each side, as 0.1 or 10%", .group = CAMERA,
      .standard = "4%", CALL(apply_margin)},
     {"view-angle", "camera-view-angle", "DEGREES", "full vertical angle of the perspective", .group = CAMERA,
@@ -474,7 +479,8 @@ static const iso_option options[] = {
      REALS(view_up, 3)},
 
     {"output", "o", "NAME",
-     "the picture: a .png, - for stdout; {model} is the input's name, {n:3} a number with three "
+     "the picture: a .png, .tif or .jpg, - for a .png on stdout; {model} is the input's name, {n:3} a number "
+     "with three "
      "digits",
      .group = OUTPUT, .standard = "{model}.png", TEXT(output), UNRECORDED},
     {"points", NULL, "FILE.ply",
@@ -500,8 +506,11 @@ static const iso_option options[] = {
     {"no-image", "no-render", NULL, "make no picture", .group = OUTPUT, FLAG(no_image), UNRECORDED},
     {"info", NULL, NULL, "no picture: header, matrix, value range, histogram, suggested isovalues, memory",
      .group = OUTPUT, FLAG(info), UNRECORDED},
-    {"json", NULL, "FILE", "one object with what was read, made and measured, to stdout without a FILE",
-     .group = OUTPUT, CALL(iso_settings_apply_json),
+    {"json", NULL, "FILE",
+     "one object with what was read, made and measured, to stdout without a FILE: of several inputs a line "
+     "each, "
+     "or files by a template",
+     .group = OUTPUT, CALL(iso_settings_apply_json), .extension = ".json",
      .flags = ISO_OPTION_VALUE_OPTIONAL | ISO_OPTION_UNRECORDED},
 
     {"backend", "rendering-backend", "NAME",
@@ -567,6 +576,11 @@ static const char *const example_text[] = {
 
 static const iso_section sections[] = {
     {"Inputs", inputs_text}, {"Exit status", exit_text}, {"Examples", example_text}};
+
+const char *isorender_reconstruction_name(const isorender_settings *settings, bool splats) {
+    const bool usual = splats && settings->reconstruction < (int)ISO_RECONSTRUCTION_FLAT;
+    return reconstructions[usual ? (int)ISO_RECONSTRUCTION_FLAT : settings->reconstruction];
+}
 
 const iso_program *isorender_program(void) {
     static const iso_program program = {.name = "isorender",

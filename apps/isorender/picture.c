@@ -13,7 +13,7 @@
 #include "base/clock.h"
 #include "image/annotate.h"
 #include "image/exr.h"
-#include "image/image.h"
+#include "image/image_file.h"
 #include "render/gl/splats.h"
 #include "render/raster/raster.h"
 
@@ -53,11 +53,32 @@ static iso_status draw_opaque_objects(void *context, const iso_view *view, iso_g
     return ISO_OK;
 }
 
+/* The loops of the pool that follow belong to this part of the frame's rows. */
+static void tell_part(isorender_job *job, double from, double to) {
+    const int frames = job->frame_count ? job->frame_count : 1;
+    isorender_progress_part(job, "rendering", (job->frame + from) / frames, (job->frame + to) / frames);
+}
+
+/* .. to one of the surfaces, which are drawn one after the other in each strip. */
+static void tell_surface(isorender_job *job, int surface) {
+    const double length = (job->strip[1] - job->strip[0]) / job->surface_count;
+    tell_part(job, job->strip[0] + length * surface, job->strip[0] + length * (surface + 1));
+}
+
+/* iso_picture_opts.begin_strip. */
+static void begin_strip(void *context, double from, double to) {
+    isorender_job *job = context;
+    job->strip[0] = from;
+    job->strip[1] = to;
+    tell_part(job, from, to);
+}
+
 iso_status isorender_draw_from(isorender_job *job, int first, const iso_view *view, iso_gbuffer *gbuffer,
                                iso_error *error) {
     for (int i = first; i < job->surface_count; i++) {
         isorender_surface *surface = &job->surfaces[i];
         if (surface->in_pyramid) continue;
+        tell_surface(job, i);
         const iso_target target = {view, gbuffer, job->pool, (uint8_t)i};
         const iso_subject subject = subject_of(job, surface);
         ISO_TRY(job->renderer->draw(&subject, &target, error));
@@ -100,8 +121,14 @@ void isorender_labels_make(const isorender_job *job, isorender_labels *l) {
              job->settings->common.record);
 }
 
-double isorender_pixels_per_metre(const iso_camera *camera, int height, iso_world_unit unit) {
-    const double millimetres = iso_camera_mm_per_pixel(camera, height) * iso_world_unit_millimetres(unit);
+iso_length_style isorender_lengths(const isorender_job *job) {
+    return (iso_length_style){(iso_length_unit)job->settings->unit, isorender_unit(job)};
+}
+
+double isorender_pixels_per_metre(const isorender_job *job) {
+    if (job->settings->dpi > 0) return job->settings->dpi / 0.0254;
+    const double millimetres = iso_camera_mm_per_pixel(&job->camera, job->settings->height) *
+                               iso_world_unit_millimetres(isorender_unit(job));
     return millimetres > 0 ? 1000 / millimetres : 0;
 }
 
@@ -113,12 +140,11 @@ static iso_status write_picture(isorender_job *job, const iso_image *image, cons
                                   {"Title", job->plan->model},
                                   {"Comment", l.command},
                                   {"Description", l.isovalues}};
-    const iso_png_opts opts = {
-        .texts = texts,
-        .text_count = l.isovalues[0] ? 4 : 3,
-        .pixels_per_metre = isorender_pixels_per_metre(&job->camera, image->height, isorender_unit(job)),
-        .pool = job->pool};
-    return iso_png_write_with(path, image, &opts, error);
+    const iso_png_opts opts = {.texts = texts,
+                               .text_count = l.isovalues[0] ? 4 : 3,
+                               .pixels_per_metre = isorender_pixels_per_metre(job),
+                               .pool = job->pool};
+    return iso_image_file_write(path, image, &opts, error);
 }
 
 static iso_status write_aov(isorender_job *job, int frame, const iso_aov *aov, const char *path,
@@ -161,7 +187,7 @@ static iso_status annotate(const isorender_job *job, const iso_camera *camera, i
     for (int i = 0; settings->color_bar && i < job->object_count; i++)
         if (job->objects[i].has_bar) bars[bar_count++] = job->objects[i].bar;
     const iso_annotation annotation = {.camera = camera,
-                                       .unit = isorender_unit(job),
+                                       .lengths = isorender_lengths(job),
                                        .scale_bar = settings->scale_bar != 0,
                                        .orientation_marker = settings->orientation_marker != 0,
                                        .anatomical = job->has_volume && job->loader.volume.info.anatomical,
@@ -291,6 +317,7 @@ static iso_status render_frame(isorender_job *job, int frame, canvas *c, iso_err
                              .lighting = (iso_lighting)settings->lighting,
                              .draw = draw,
                              .draw_context = job,
+                             .begin_strip = begin_strip,
                              .pool = job->pool,
                              .aov = c->aov.depth ? &c->aov : NULL};
     const iso_selection_counts before = isorender_selection(job);
@@ -339,7 +366,8 @@ static iso_status make_frame(isorender_job *job, int frame, canvas *c, iso_error
 
 static iso_status render_frames(isorender_job *job, canvas *c, iso_error *error) {
     for (int frame = 0; frame < job->frame_count; frame++) {
-        isorender_progress(job, "rendering", (double)frame / job->frame_count);
+        job->frame = frame;
+        begin_strip(job, 0, 1);
         ISO_TRY(iso_ranks_agree(&job->settings->ranks, make_frame(job, frame, c, error), error));
     }
     isorender_progress(job, "rendering", 1);

@@ -41,6 +41,7 @@ static void put_volume(iso_json *json, const isorender_job *job) {
         iso_json_bool(json, "level_set", info->level_set);
         iso_json_bool(json, "sparse", info->sparse);
         iso_json_bool(json, "anatomical", info->anatomical);
+        iso_json_string(json, "unit", info->unitless ? NULL : "mm"); /* of all lengths below and above */
         iso_json_begin_array(json, "items");
         for (int i = 0; i < info->item_count; i++) iso_json_string(json, NULL, info->items[i]);
         iso_json_end_array(json);
@@ -272,6 +273,14 @@ static void put_backend(iso_json *json, const isorender_job *job) {
     iso_json_end_object(json);
 }
 
+static void put_method(iso_json *json, const isorender_job *job) {
+    const bool reconstructs = job->method == ISO_METHOD_PULLPUSH || job->method == ISO_METHOD_SPLATS;
+    iso_json_string(json, "method", job->gaussians ? "gaussians" : iso_method_name(job->method));
+    if (reconstructs && !job->gaussians)
+        iso_json_string(json, "reconstruction",
+                        isorender_reconstruction_name(job->settings, job->method == ISO_METHOD_SPLATS));
+}
+
 static iso_status put_report(iso_json *json, const isorender_job *job, iso_error *error) {
     const isorender_settings *settings = job->settings;
     iso_json_begin_object(json, NULL);
@@ -297,8 +306,7 @@ static iso_status put_report(iso_json *json, const isorender_job *job, iso_error
         iso_json_reals(json, "peak_bytes_of_ranks", job->rank_bytes, 3);
     }
     put_backend(json, job);
-    if (!settings->info)
-        iso_json_string(json, "method", job->gaussians ? "gaussians" : iso_method_name(job->method));
+    if (!settings->info) put_method(json, job);
     iso_json_integer(json, "threads", (uint64_t)iso_pool_threads(job->pool));
     ISO_TRY(put_images(json, job, error));
     iso_json_end_object(json);
@@ -307,7 +315,7 @@ static iso_status put_report(iso_json *json, const isorender_job *job, iso_error
 
 iso_status isorender_report_json(const isorender_job *job, iso_error *error) {
     iso_sink sink = {0};
-    iso_json json = {0};
+    iso_json json = {.one_line = job->settings->input_count > 1 && !job->plan->json}; /* lines of JSON */
     ISO_TRY(iso_sink_open(job->plan->json ? job->plan->json : "-", &sink, error));
     iso_status status = put_report(&json, job, error);
     if (status == ISO_OK) return iso_json_commit(&json, &sink, error);

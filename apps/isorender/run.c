@@ -183,6 +183,7 @@ iso_status isorender_run(const isorender_settings *settings, const isorender_pla
     job->backend = backend;
     job->environment = environment;
     iso_status status = run_steps(job, error);
+    iso_pool_watch(pool, NULL, NULL); /* by this job */
     status = iso_ranks_agree(&settings->ranks, status, error);
     if (status != ISO_OK && !settings->ranks.rank) remove_outputs(job);
     if (status != ISO_OK && error->text[0]) name_input(job, error);

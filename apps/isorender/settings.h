@@ -7,6 +7,7 @@
 #include "apps/isorender/volume_settings.h"
 #include "base/geometry.h"
 #include "base/ranks.h"
+#include "image/camera.h"
 #include "isopoint.h"
 #include "render/pullpush/pullpush.h"
 
@@ -49,6 +50,13 @@ typedef enum isorender_normals { ISORENDER_NORMALS_FILE, ISORENDER_NORMALS_AUTO 
 
 /* A value of iso_common_settings.action. */
 enum { ISORENDER_ACTION_LIST_BACKENDS = ISO_ACTION_OWN };
+
+/* What --same-view keeps of the first input that is drawn. Zero-initialise. */
+typedef struct isorender_same_view {
+    bool has_isovalue, has_camera;
+    double isovalue; /* physical; NaN: of points */
+    iso_camera camera;
+} isorender_same_view;
 
 /* Strings are borrowed from argv. */
 typedef struct isorender_settings {
@@ -110,14 +118,19 @@ typedef struct isorender_settings {
     iso_rgb background;
     int transparent, background_given;
 
+    int same_view;
+    isorender_same_view *first; /* borrowed; NULL: inputs do not share a view */
+
     int direction; /* iso_direction, or ISORENDER_DIRECTION_UNCHOSEN */
     iso_vec3 up;
     double azimuth, elevation, view_angle; /* degrees */
     double zoom;
     int orthographic, fit; /* isorender_fit */
     double mm_per_pixel;   /* 0: not given */
+    double dpi;            /* of the picture's file, pixels an inch; 0: not given */
     double margin;         /* on each side, as a fraction of the picture's size; NaN: not given */
     int scale_bar, orientation_marker;
+    int unit;                                       /* iso_length_unit */
     double position[3], focal_point[3], view_up[3]; /* NaN: not given */
 
     int part, parts; /* part 1 .. parts of the picture, which is drawn into a file of keys; 0: the whole */
@@ -144,6 +157,10 @@ iso_status isorender_splats_check(isorender_settings *settings, iso_error *error
 
 /* Chooses the method for --lod if none is given, and checks that it has levels of detail. ISO_ERR_USAGE. */
 iso_status isorender_detail_check(isorender_settings *settings, iso_error *error);
+
+/* The value of --reconstruction that is followed; splats: by the method splats, which files of points also have without
+ * --method. */
+const char *isorender_reconstruction_name(const isorender_settings *settings, bool splats);
 
 /* Name, version and option table of isorender. */
 const iso_program *isorender_program(void);

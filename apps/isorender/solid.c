@@ -41,7 +41,7 @@ static void log_parts(const isorender_job *job, const isorender_surface *surface
     const iso_components_totals *parts = &surface->parts;
     isorender_log(job,
                   "isovalue %g: kept %zu of %zu parts of the solid, dropped %zu with %.3g %% of its volume "
-                  "(%.6g of %.6g mm3)",
+                  "(%.6g of %.6g mm3, counted in voxels)",
                   surface->isovalue, parts->kept, parts->kept + parts->dropped, parts->dropped,
                   100 * parts->dropped_share, parts->dropped_volume,
                   parts->kept_volume + parts->dropped_volume);
@@ -78,10 +78,11 @@ iso_status isorender_solid_prepare(isorender_job *job, isorender_surface *surfac
 
 static void log_mesh(const isorender_job *job, const isorender_surface *surface) {
     const iso_mesh_measures *m = &surface->measures;
-    isorender_log_verbose(job,
-                          "isovalue %g: mesh of %zu connected pieces, %.6g mm2, %.6g mm3, %zu open edges, "
-                          "Euler number %" PRId64,
-                          surface->isovalue, m->pieces, m->area, m->volume, m->open_edges, m->euler);
+    isorender_log_verbose(
+        job,
+        "isovalue %g: mesh of %zu connected pieces, %.6g mm2, %.6g mm3 enclosed, %zu open edges, "
+        "Euler number %" PRId64,
+        surface->isovalue, m->pieces, m->area, m->volume, m->open_edges, m->euler);
 }
 
 iso_status isorender_mesh_weld(const isorender_job *job, isorender_surface *surface, iso_weld *weld,

@@ -76,7 +76,10 @@ static iso_status add_surfaces(isorender_job *job, iso_error *error) {
     const isorender_settings *settings = job->settings;
     for (int i = 0; i < settings->isovalue_count; i++)
         ISO_TRY(add_surface(job, &job->loader, settings->isovalues[i], error));
-    if (!settings->isovalue_count && !settings->no_input) ISO_TRY(add_surface(job, &job->loader, NAN, error));
+    const isorender_same_view *first = settings->first;
+    const double isovalue = first && first->has_isovalue ? first->isovalue : NAN;
+    if (!settings->isovalue_count && !settings->no_input)
+        ISO_TRY(add_surface(job, &job->loader, isovalue, error));
     job->input_surface_count = job->surface_count;
     for (int i = 0; i < job->volume_count; i++)
         ISO_TRY(isorender_volume_named(
@@ -385,7 +388,7 @@ static iso_status extract_chunks(isorender_job *job, iso_error *error) {
     return ISO_OK;
 }
 
-iso_status isorender_extract(isorender_job *job, iso_error *error) {
+static iso_status extract_all(isorender_job *job, iso_error *error) {
     job->bounds_local = job->bounds_world = iso_box_empty();
     if (job->chunks) ISO_TRY(isorender_chunks_begin(job, error));
     ISO_TRY(add_surfaces(job, error));
@@ -394,7 +397,8 @@ iso_status isorender_extract(isorender_job *job, iso_error *error) {
     if (job->chunks) return extract_chunks(job, error);
     if (job->loader.has_points) job->point_count = job->cloud.count;
     for (int i = 0; i < job->surface_count; i++) {
-        isorender_progress(job, "extracting", (double)i / job->surface_count);
+        isorender_progress_part(job, "extracting", (double)i / job->surface_count,
+                                (double)(i + 1) / job->surface_count);
         if (job->surfaces[i].loader->has_points) continue;
         ISO_TRY(isorender_volume_named(job, i - job->input_surface_count,
                                        extract_surface(job, &job->surfaces[i], error), error));
@@ -404,6 +408,15 @@ iso_status isorender_extract(isorender_job *job, iso_error *error) {
     isorender_progress(job, "extracting", 1);
     find_bounds(job);
     return prepare_objects(job, error);
+}
+
+iso_status isorender_extract(isorender_job *job, iso_error *error) {
+    isorender_same_view *first = job->settings->first;
+    ISO_TRY(extract_all(job, error));
+    if (!first || first->has_isovalue || !job->input_surface_count) return ISO_OK;
+    first->has_isovalue = true;
+    first->isovalue = job->surfaces[0].isovalue;
+    return ISO_OK;
 }
 
 /* ---- files ---- */

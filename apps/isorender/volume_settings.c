@@ -13,6 +13,11 @@ static iso_status set_isovalue(const char *value, isorender_volume_settings *vol
     return iso_fail(error, ISO_ERR_USAGE, "--volume-isovalue: '%s' is neither a number nor 'auto'", value);
 }
 
+static iso_status set_component(const char *value, isorender_volume_settings *volume, iso_error *error) {
+    if (!value || (iso_parse_int(value, &volume->component) && volume->component >= 0)) return ISO_OK;
+    return iso_fail(error, ISO_ERR_USAGE, "--volume-component: '%s' is not a whole number from 0", value);
+}
+
 iso_status isorender_volumes_resolve(const isorender_volume_options *options,
                                      isorender_volume_settings volumes[ISORENDER_VOLUMES], iso_error *error) {
     const struct {
@@ -20,7 +25,9 @@ iso_status isorender_volumes_resolve(const isorender_volume_options *options,
         const iso_texts *texts;
     } repeated[] = {{"volume-isovalue", &options->isovalues},
                     {"volume-color", &options->colors},
-                    {"volume-opacity", &options->opacities}};
+                    {"volume-opacity", &options->opacities},
+                    {"volume-grid", &options->grids},
+                    {"volume-component", &options->components}};
     for (int i = 0; i < options->count; i++) {
         isorender_volume_settings *volume = &volumes[i];
         *volume = (isorender_volume_settings){.path = options->paths[i], .opacity = 1};
@@ -29,6 +36,8 @@ iso_status isorender_volumes_resolve(const isorender_volume_options *options,
                                       &volume->colored, &volume->color, error));
         ISO_TRY(isorender_parse_opacity("volume-opacity", isorender_value_for(&options->opacities, i),
                                         &volume->opacity, error));
+        volume->grid = isorender_value_for(&options->grids, i);
+        ISO_TRY(set_component(isorender_value_for(&options->components, i), volume, error));
     }
     for (size_t i = 0; i < sizeof repeated / sizeof *repeated; i++)
         ISO_TRY(

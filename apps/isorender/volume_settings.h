@@ -19,6 +19,8 @@ typedef struct isorender_volume_settings {
     bool colored;
     iso_rgb color; /* if colored */
     double opacity;
+    const char *grid; /* as --grid of the input; NULL: not given */
+    int component;    /* as --component of the input */
 } isorender_volume_settings;
 
 /* The options as they are given: the n-th value belongs to the n-th volume, and the last one to all that
@@ -26,7 +28,7 @@ typedef struct isorender_volume_settings {
 typedef struct isorender_volume_options {
     const char *paths[ISORENDER_VOLUMES];
     int count;
-    iso_texts isovalues, colors, opacities;
+    iso_texts isovalues, colors, opacities, grids, components;
 } isorender_volume_options;
 
 /* Sets `volumes`, in the order of the command line. ISO_ERR_USAGE: a value that cannot be, more values of an

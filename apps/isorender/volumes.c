@@ -21,12 +21,14 @@ static iso_status open_volume(iso_loader *loader, iso_error *error) {
 
 iso_status isorender_volumes_open(isorender_job *job, iso_error *error) {
     const isorender_settings *settings = job->settings;
-    job->volume_input.max_memory = settings->common.input.max_memory;
     if (!isorender_plan_draws(job->plan) && !settings->info) return ISO_OK; /* exports are of the input */
     for (int i = 0; i < settings->volume_options.count; i++) {
         iso_loader *loader = &job->volumes[job->volume_count++];
+        job->volume_inputs[i].max_memory = settings->common.input.max_memory;
+        job->volume_inputs[i].grid = settings->volumes[i].grid;
+        job->volume_inputs[i].component = settings->volumes[i].component;
         *loader = (iso_loader){.input = settings->volumes[i].path,
-                               .options = &job->volume_input,
+                               .options = &job->volume_inputs[i],
                                .files = job->plan->files,
                                .pool = job->pool,
                                .is_further = true,
@@ -60,6 +62,8 @@ static void put_volume(iso_json *json, const isorender_job *job, const iso_loade
     iso_json_begin_object(json, NULL);
     iso_json_string(json, "path", loader->input);
     iso_json_string(json, "format", info->format);
+    iso_json_string(json, "name", info->name);
+    iso_json_integer(json, "component", (uint64_t)info->component);
     iso_json_ints(json, "dims", info->dims, 3);
     iso_json_reals(json, "spacing", info->transform.spacing, 3);
     iso_json_reals(json, "origin", info->transform.origin, 3);

@@ -76,7 +76,8 @@ static const iso_option options[] = {
      "closed",
      .group = OUTPUT, .kind = ISO_OPTION_FLAG, AT(closed)},
     {"json", NULL, "FILE", "say what was done as JSON, to standard output without a file", .group = OUTPUT,
-     .kind = ISO_OPTION_CALL, .apply = iso_settings_apply_json, .flags = ISO_OPTION_VALUE_OPTIONAL},
+     .kind = ISO_OPTION_CALL, .apply = iso_settings_apply_json, .extension = ".json",
+     .flags = ISO_OPTION_VALUE_OPTIONAL},
 
     {"extract", NULL, NULL, "extract the points after every sample, and time it", .group = RUNNING,
      .kind = ISO_OPTION_FLAG, AT(extract)},

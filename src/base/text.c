@@ -171,3 +171,12 @@ bool iso_text_has_extension(const char *name, const char *extension) {
     size_t length = strlen(name), tail = strlen(extension);
     return length > tail && strcasecmp(name + length - tail, extension) == 0;
 }
+
+bool iso_text_has_word(const char *words, const char *word, size_t length) {
+    while (words && *words) {
+        const size_t next = strcspn(words, " ");
+        if (next == length && memcmp(words, word, length) == 0) return true;
+        words += next + (words[next] == ' ');
+    }
+    return false;
+}

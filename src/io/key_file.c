@@ -113,9 +113,9 @@ static void pass_surface(header *h, iso_key_surface *surface) {
 }
 
 static void pass_style(header *h, iso_key_style *style) {
-    int32_t *const flags[] = {
-        &style->orthographic, &style->transparent, &style->scale_bar, &style->orientation_marker,
-        &style->anatomical,   &style->unit,        &style->unitless};
+    int32_t *const flags[] = {&style->orthographic,       &style->transparent, &style->scale_bar,
+                              &style->orientation_marker, &style->anatomical,  &style->unit,
+                              &style->world_unit};
     pass_ints(h, &style->width, 1);
     pass_ints(h, &style->height, 1);
     pass_ints(h, &style->base.base, 1);
@@ -266,14 +266,15 @@ static bool find_key_size(const iso_key_style *style, int size[2]) {
 }
 
 static bool is_sound_style(const iso_key_style *style) {
-    const int32_t flags[] = {style->orthographic,       style->transparent, style->scale_bar,
-                             style->orientation_marker, style->anatomical,  style->unitless};
+    const int32_t flags[] = {style->orthographic, style->transparent, style->scale_bar,
+                             style->orientation_marker, style->anatomical};
     const double *vectors[] = {&style->position.x, &style->focal_point.x, &style->view_up.x};
     bool sound = style->width >= 1 && style->height >= 1 && style->width <= ISO_IMAGE_MAX &&
                  style->height <= ISO_IMAGE_MAX;
     for (size_t i = 0; i < sizeof flags / sizeof *flags; i++) sound &= flags[i] == 0 || flags[i] == 1;
     for (int i = 0; i < 3; i++) sound &= all_finite(vectors[i], 3);
     sound &= style->unit >= 0 && style->unit < ISO_UNITS;
+    sound &= style->world_unit >= 0 && style->world_unit <= ISO_WORLD_UNIT_DEGREE;
     return sound && isfinite(style->view_angle) && isfinite(style->parallel_scale) &&
            isfinite(style->pixels_per_metre);
 }

@@ -67,12 +67,13 @@ iso_status iso_render_key_style(const iso_key_style *style, const iso_transform 
                                    .shading = {&color, 1, background, style->transparent},
                                    .pool = pool};
     const iso_merged_keys keys = {(iso_method)style->method, style->base, *transform, image};
-    const iso_annotation annotation = {.camera = &camera,
-                                       .lengths = {(iso_length_unit)style->unit, style->unitless != 0},
-                                       .scale_bar = style->scale_bar != 0,
-                                       .orientation_marker = style->orientation_marker != 0,
-                                       .anatomical = style->anatomical != 0,
-                                       .dark = iso_is_dark(background, style->transparent != 0)};
+    const iso_annotation annotation = {
+        .camera = &camera,
+        .lengths = {(iso_length_unit)style->unit, (iso_world_unit)style->world_unit},
+        .scale_bar = style->scale_bar != 0,
+        .orientation_marker = style->orientation_marker != 0,
+        .anatomical = style->anatomical != 0,
+        .dark = iso_is_dark(background, style->transparent != 0)};
     size_t covered = 0;
     ISO_TRY(iso_camera_check(&camera, error));
     ISO_TRY(iso_render_merged_keys(&keys, &opts, picture, &covered, error));

@@ -19,7 +19,7 @@ typedef struct iso_key_style {
     double pixels_per_metre;                                                      /* iso_png_opts */
     int32_t method;                                                               /* iso_method */
     int32_t orthographic, transparent, scale_bar, orientation_marker, anatomical; /* 0 or 1 */
-    int32_t unit, unitless;          /* of lengths: iso_length_style */
+    int32_t unit, world_unit;        /* of lengths: iso_length_style */
     uint8_t background[4], color[4]; /* RGB and 0 */
 } iso_key_style;
 

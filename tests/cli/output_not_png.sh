@@ -1,3 +1,3 @@
 # exit: 2
-# stderr: isorender: b.jpg: a picture's name must end in .png*
-isorender in/a.vti b.jpg
+# stderr: isorender: b.gif: a picture's name must end in .png*
+isorender in/a.vti b.gif

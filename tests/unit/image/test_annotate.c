@@ -34,7 +34,7 @@ static void lengths_are_round(void **state) {
         const iso_camera camera = camera_at(iso_vec3_make(0, -1, 0), cases[i].millimetres * 5 / 2);
         char label[32];
         const double length = iso_scale_bar_length(&camera, 300, 300);
-        iso_scale_bar_label(length, ISO_WORLD_UNIT_MILLIMETRE, label);
+        iso_scale_bar_label(length, &(iso_length_style){.world = ISO_WORLD_UNIT_MILLIMETRE}, label);
         assert_true(fabs(length / cases[i].length - 1) < 1e-12);
         assert_string_equal(label, cases[i].label);
         assert_true(iso_font_width(label) > 0);

@@ -1,0 +1,69 @@
+# words of other programs for options name the right option, or say honestly that there is none; values that people type are read.
+python3 -c 'from check import *; ball("in/ball.mha")'
+means() { refuses 2 "unknown option $1 ($2)" isorender "$1" 1 in/ball.mha bad.png; }
+means --threshold 'did you mean --isovalue?'
+means --bg 'did you mean --background?'
+means --size 'did you mean --resolution?'
+means --Rotate 'did you mean --azimuth?'
+means --yaw 'did you mean --azimuth?'
+means --alpha 'did you mean --opacity?'
+means --transparent 'did you mean --opacity?'
+means --aa 'did you mean --samples?'
+means --cmap 'did you mean --colormap?'
+means --array 'did you mean --grid or --color-by?'
+means --point_size 'did you mean --radius or --glyph-radius?'
+means --channel 'did you mean --component or --grid?'
+means --stl 'did you mean --mesh?'
+means --slice 'nothing is cut by a plane; --crop and --crop-mm keep a box of the volume'
+means --clip 'nothing is cut by a plane; .*'
+means --smooth 'volumes are drawn as they are, without smoothing; .*'
+means -isovalue 'did you mean --isovalue?'
+means --isovale 'did you mean --isovalue?'
+means --zzzzzzz 'see --help'
+# words whose options a program lacks are no hint there
+refuses 2 'unknown option --yaw (see --help)' isocompare --yaw 3
+refuses 2 'unknown option --threshold (did you mean --isovalue?)' isosculpt --threshold 3
+isorender_refuses 2 "option --transparency: '0.5' is not one of .*--opacity" in/ball.mha --transparency 0.5
+isorender_refuses 2 "option --camera: '30' is not one of .*--azimuth" in/ball.mha --camera 30
+isorender_refuses 2 "option --color: 'transparent' is no colour: an opacity below 1" in/ball.mha --color transparent
+refuses 2 'bad.stl: a picture.s name must end in .*(--mesh bad.stl writes' isorender in/ball.mha bad.stl
+refuses 2 'bad.exr: a picture.s name must end in .*(--aov bad.exr writes' isorender in/ball.mha bad.exr
+refuses 2 'the input comes first: isorender in/ball.mha bad.png' isorender bad.png in/ball.mha
+head -c 3000 /dev/zero >in/what.zzz
+isorender_refuses 3 'in/what.zzz: not a volume that isopoint can read: it reads .vti, .*DICOM folders, and raw data' in/what.zzz
+# values
+draw() { isorender in/ball.mha "$1" --quiet --json="$1.json" "${@:2}"; }
+draw plain.png --resolution 80x60 --zoom 1.5 --opacity 0.3 --color FFEE00 --background none
+draw typed.PNG --resolution 80X60 --zoom 150% --opacity 30% --color '#fe0' --background transparent
+cmp plain.png <(isorender in/ball.mha - --quiet --resolution 80x60 --zoom 1.5 --opacity 0.3 --color FFEE00 --background none)
+python3 - <<'P'
+from check import *
+expect(Png("plain.png").pixels() == Png("typed.PNG").pixels())
+expect(report("plain.png.json")["image"]["hash"] == report("typed.PNG.json")["image"]["hash"])
+P
+# the argument behind --json is its file when it is named so
+isorender --json first.json in/ball.mha last.png --resolution 32x32 --quiet
+isorender in/ball.mha --resolution 32x32 --no-image --quiet --json second.JSON
+python3 -c 'import json; json.load(open("first.json")); json.load(open("second.JSON"))'
+# help as a word, and the version
+isorender help | cmp - <(isorender --help)
+isocompare help | cmp - <(isocompare --help)
+isorender -v | cmp - <(isorender --version)
+# a name that no array has is refused with those that there are
+cat >in/two.vtk <<'V'
+# vtk DataFile Version 3.0
+two arrays
+ASCII
+DATASET STRUCTURED_POINTS
+DIMENSIONS 2 2 2
+ORIGIN 0 0 0
+SPACING 1 1 1
+POINT_DATA 8
+SCALARS pressure float 1
+LOOKUP_TABLE default
+0 1 0 1 0 1 0 1
+SCALARS speed float 1
+LOOKUP_TABLE default
+0 0 0 0 1 1 1 1
+V
+isorender_refuses 2 "in/two.vtk: no array 'vel', there are 'pressure', 'speed'" in/two.vtk --grid vel
