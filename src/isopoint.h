@@ -109,25 +109,14 @@ typedef struct iso_transform {
 } iso_transform;
 
 /* ---- volumes ---- */
-/* How voxels are stored. */
-typedef enum iso_type { ISO_UINT8, ISO_INT16, ISO_UINT16, ISO_FLOAT32 } iso_type;
-
-/* How the numbers of a file without a header are stored, if as none of iso_type: they are converted to int16 (int8) or to
- * float. */
-typedef enum iso_raw_number {
-    ISO_RAW_OF_TYPE,
-    ISO_RAW_INT8,
-    ISO_RAW_INT32,
-    ISO_RAW_UINT32,
-    ISO_RAW_FLOAT64
-} iso_raw_number;
+typedef enum iso_type { ISO_UINT8, ISO_INT16, ISO_UINT16, ISO_FLOAT32 } iso_type; /* how voxels are stored */
 
 /* How voxels are laid out in a file without a header. */
 typedef struct iso_raw_layout {
     int dims[3]; /* voxels, x fastest */
     iso_type type;
-    iso_raw_number number; /* ISO_RAW_OF_TYPE: they are of `type`; else `type` is not used */
-    int components;        /* interleaved; 0 means 1 */
+    char number[8]; /* "int8", "int32", "uint32" or "float64", instead of `type`: converted; "": of `type` */
+    int components; /* interleaved; 0 means 1 */
     bool big_endian;
     uint64_t offset; /* bytes before the first voxel */
 } iso_raw_layout;
@@ -148,14 +137,13 @@ typedef struct iso_volume_info {
     char file_type[32];        /* in the file, such as "int16", "double", "half" */
     int components, component; /* number of components in the file; the one that was chosen */
     iso_transform transform;
-    double scale, offset; /* physical = stored * scale + offset */
-    bool anatomical;      /* world axes are known to be patient axes (LPS) */
-    bool unitless;        /* the file states no unit of length: what is called mm is the file's unit */
-    bool level_set;       /* a distance field whose inside is negative */
-    bool sparse;          /* stored as a narrow band of 16^3 bricks, in voxels */
-    uint64_t bytes;       /* memory that the volume will take (estimated for sparse ones) */
-    uint64_t read_bytes;  /* largest amount of memory in use while the file is read */
-    int item_count;       /* number of grids in a .vdb, arrays in a file, or series in a folder */
+    double scale, offset;   /* physical = stored * scale + offset */
+    bool anatomical;        /* world axes are known to be patient axes (LPS) */
+    bool unitless;          /* the file states no unit of length: what is called mm is the file's unit */
+    bool level_set, sparse; /* a distance field, negative inside; one in a narrow band of 16^3 bricks */
+    uint64_t bytes;         /* memory that the volume will take (estimated for sparse ones) */
+    uint64_t read_bytes;    /* largest amount of memory in use while the file is read */
+    int item_count;         /* number of grids in a .vdb, arrays in a file, or series in a folder */
     char items[ISO_VOLUME_ITEMS][ISO_VOLUME_TEXT]; /* a line each; the chosen one's begins with its name */
     int note_count;                                /* decisions of the reader, to be shown to the user */
     char notes[ISO_VOLUME_NOTES][ISO_VOLUME_TEXT];

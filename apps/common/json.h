@@ -1,10 +1,10 @@
-/* json: builds a JSON document, member by member, and writes it, indented or as one line. jansson, which also reads and
- * writes stroke files (sculpt/session/event.c), holds and encodes it.
+/* json: builds a JSON document, member by member, and writes it, indented or as one line. jansson, which
+ * also reads and writes stroke files (sculpt/session/event.c), holds and encodes it.
  *
- * `key` is the member's name inside an object and NULL inside an array (and for the outermost value). Members
- * keep their order. Strings that are not UTF-8 are quoted as iso_text_clean does it. Numbers have 17 digits,
- * so that they are read back as the same number; NaN and infinities become null. Errors are reported by
- * iso_json_write. Not thread-safe. */
+ * `key` is the member's name inside an object and NULL inside an array (and for the outermost value).
+ * Members keep their order. Strings that are not UTF-8 are quoted as iso_text_clean does it. Numbers have
+ * 17 digits, so that they are read back as the same number; NaN and infinities become null. Errors are
+ * reported by iso_json_write. Not thread-safe. */
 #ifndef ISO_APPS_COMMON_JSON_H
 #define ISO_APPS_COMMON_JSON_H
 

@@ -10,9 +10,9 @@
 extern "C" {
 #endif
 
-/* Writes which parts of the solid were kept and dropped. Their volumes (mm3) are those of the voxels inside, each of
- * which counts whole: a mesh's volume is what its triangles enclose, which is less by half a voxel where caps end the
- * solid at the outermost voxels' centres. */
+/* Writes which parts of the solid were kept and dropped. Their volumes (mm3) are those of the voxels
+ * inside, each of which counts whole: a mesh's volume is what its triangles enclose, which is less by half
+ * a voxel where caps end the solid at the outermost voxels' centres. */
 void iso_put_components(iso_json *json, const char *key, const iso_components_totals *parts);
 
 /* Writes the measures of a mesh: connected pieces, area (mm2), volume (mm3; null when the mesh is open), open

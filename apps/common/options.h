@@ -119,7 +119,8 @@ iso_status iso_parse_resolution(const char *text, int size[2], iso_error *error)
 /* Parses RRGGBB or RGB in hexadecimal, with # or without, or one of the 148 colour names of CSS, in either
  * case. */
 bool iso_parse_color(const char *text, uint8_t rgb[3]);
-/* Says why `text` is no colour. others: " nor ..", what else the option takes; or "". Returns ISO_ERR_USAGE. */
+/* Says why `text` is no colour. others: " nor ..", what else the option takes; or "". Returns
+ * ISO_ERR_USAGE. */
 iso_status iso_fail_color(const char *text, const char *others, iso_error *error);
 
 /* The forms of the help: for a screen, a table for the README, a man page, a bash completion script. */

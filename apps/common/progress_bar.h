@@ -1,5 +1,5 @@
-/* progress_bar: a line on the terminal that is overwritten while work goes on and is gone when it is done. One at a
- * time, by one thread. iso_program_log takes it away before it prints. */
+/* progress_bar: a line on the terminal that is overwritten while work goes on and is gone when it is done.
+ * One at a time, by one thread. iso_program_log takes it away before it prints. */
 #ifndef ISO_APPS_COMMON_PROGRESS_BAR_H
 #define ISO_APPS_COMMON_PROGRESS_BAR_H
 

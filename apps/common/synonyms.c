@@ -4,16 +4,18 @@
 
 #include "base/text.h"
 
-/* words: separated by blanks. options: those that the words mean, the best one first, of which a program names
- * the ones that it has; NULL: no program has such an option. note: what is said instead of "did you mean"; NULL:
- * nothing. Of a row whose options a program does not have it says no more than "see --help". */
+/* words: separated by blanks. options: those that the words mean, the best one first, of which a program
+ * names the ones that it has; NULL: no program has such an option. note: what is said instead of "did you
+ * mean"; NULL: nothing. Of a row whose options a program does not have it says no more than "see --help".
+ * */
 static const struct synonym {
     const char *words, *options, *note;
 } synonyms[] = {
 #include "apps/common/synonyms.inc"
 };
 
-/* Appends "--NAME or --NAME ..": those of the options that the program has, two at most; returns their number. */
+/* Appends "--NAME or --NAME ..": those of the options that the program has, two at most; returns their
+ * number. */
 static int list_options(const iso_program *program, const char *options, char *text, size_t size) {
     int count = 0;
     while (options && *options && count < 2) {

@@ -1,5 +1,5 @@
-/* synonyms: what users of other programs call an option, and what to say about features that the programs do not
- * have. Thread-safe. */
+/* synonyms: what users of other programs call an option, and what to say about features that the programs
+ * do not have. Thread-safe. */
 #ifndef ISO_APPS_COMMON_SYNONYMS_H
 #define ISO_APPS_COMMON_SYNONYMS_H
 
@@ -11,9 +11,9 @@
 extern "C" {
 #endif
 
-/* Writes what to say to someone who typed the option `name` (no dashes, lower case, words joined by '-'), which
- * the program does not have: "did you mean --isovalue?", that there is nothing like it, or "see --help". False, and `text`
- * untouched: the name is not a known word. */
+/* Writes what to say to someone who typed the option `name` (no dashes, lower case, words joined by '-'),
+ * which the program does not have: "did you mean --isovalue?", that there is nothing like it, or "see
+ * --help". False, and `text` untouched: the name is not a known word. */
 bool iso_synonym_explain(const iso_program *program, const char *name, char *text, size_t size);
 
 #ifdef __cplusplus

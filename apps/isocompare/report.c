@@ -19,8 +19,8 @@
 static const int ZOOMS[REPORT_ZOOMS] = {1, 4, 16};
 static const int SAMPLES[REPORT_SAMPLINGS] = {1, 4}, TRUTH_SAMPLES[REPORT_SAMPLINGS] = {1, 16};
 
-/* Logs that the next step begins. Beside the pictures of each method at each zoom there are: reading, extracting,
- * translucent surfaces, timing and grouping. */
+/* Logs that the next step begins. Beside the pictures of each method at each zoom there are: reading,
+ * extracting, translucent surfaces, timing and grouping. */
 static void log_step(report *r, const char *text) {
     const int steps = REPORT_ZOOMS * r->method_count + 5;
     r->step++;

@@ -100,8 +100,8 @@ static iso_direction direction_of(const isorender_job *job) {
     return is_flat(job, 3 - axis_of(up) - axis_of(forward), EDGE_ON) ? ISO_LEFT : ISO_FRONT;
 }
 
-/* A patient is seen from the top with the front at the picture's top, as from the bottom; other volumes as the maps
- * that they may be, with +y at the top. */
+/* A patient is seen from the top with the front at the picture's top, as from the bottom; other volumes as
+ * the maps that they may be, with +y at the top. */
 static bool is_from_top_of_patient(const isorender_job *job) {
     return direction_of(job) == ISO_TOP && job->settings->up.z > 0 && job->has_volume &&
            job->loader.volume.info.anatomical;

@@ -158,8 +158,8 @@ iso_status isorender_splats_check(isorender_settings *settings, iso_error *error
 /* Chooses the method for --lod if none is given, and checks that it has levels of detail. ISO_ERR_USAGE. */
 iso_status isorender_detail_check(isorender_settings *settings, iso_error *error);
 
-/* The value of --reconstruction that is followed; splats: by the method splats, which files of points also have without
- * --method. */
+/* The value of --reconstruction that is followed; splats: by the method splats, which files of points also
+ * have without --method. */
 const char *isorender_reconstruction_name(const isorender_settings *settings, bool splats);
 
 /* Name, version and option table of isorender. */

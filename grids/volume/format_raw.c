@@ -35,23 +35,25 @@ static bool word_is(const char *word, size_t length, const char *wanted) {
 /* The types of numbers, and what files' names call them; the first name is the one that is shown. */
 static const struct {
     iso_type type;
-    iso_raw_number number;
+    bool converted; /* the file has other numbers than `type` */
     iso_scalar scalar;
     const char *names[5];
-} types[] = {{ISO_UINT8, ISO_RAW_OF_TYPE, ISO_SCALAR_UINT8, {"uint8", "uchar", "u8"}},
-             {ISO_INT16, ISO_RAW_OF_TYPE, ISO_SCALAR_INT16, {"int16", "short", "i16"}},
-             {ISO_UINT16, ISO_RAW_OF_TYPE, ISO_SCALAR_UINT16, {"uint16", "ushort", "u16"}},
-             {ISO_FLOAT32, ISO_RAW_OF_TYPE, ISO_SCALAR_FLOAT, {"float32", "float", "f32"}},
-             {ISO_INT16, ISO_RAW_INT8, ISO_SCALAR_INT8, {"int8", "schar", "i8"}},
-             {ISO_FLOAT32, ISO_RAW_INT32, ISO_SCALAR_INT32, {"int32", "i32"}},
-             {ISO_FLOAT32, ISO_RAW_UINT32, ISO_SCALAR_UINT32, {"uint32", "u32"}},
-             {ISO_FLOAT32, ISO_RAW_FLOAT64, ISO_SCALAR_DOUBLE, {"float64", "double", "f64"}}};
+} types[] = {{ISO_UINT8, false, ISO_SCALAR_UINT8, {"uint8", "uchar", "u8"}},
+             {ISO_INT16, false, ISO_SCALAR_INT16, {"int16", "short", "i16"}},
+             {ISO_UINT16, false, ISO_SCALAR_UINT16, {"uint16", "ushort", "u16"}},
+             {ISO_FLOAT32, false, ISO_SCALAR_FLOAT, {"float32", "float", "f32"}},
+             {ISO_INT16, true, ISO_SCALAR_INT8, {"int8", "schar", "i8"}},
+             {ISO_FLOAT32, true, ISO_SCALAR_INT32, {"int32", "i32"}},
+             {ISO_FLOAT32, true, ISO_SCALAR_UINT32, {"uint32", "u32"}},
+             {ISO_FLOAT32, true, ISO_SCALAR_DOUBLE, {"float64", "double", "f64"}}};
 enum { TYPES = sizeof types / sizeof *types };
 
 /* The row of a layout's type. */
 static int row_of(const iso_raw_layout *layout) {
     for (int i = 0; i < TYPES; i++)
-        if (types[i].number == layout->number && (layout->number || types[i].type == layout->type)) return i;
+        if (types[i].converted ? strcmp(types[i].names[0], layout->number) == 0
+                               : !*layout->number && types[i].type == layout->type)
+            return i;
     return 0;
 }
 
@@ -68,7 +70,8 @@ static bool find_type(const char *word, size_t length, iso_raw_layout *layout) {
         for (const char *const *name = types[i].names; *name; name++)
             if (word_is(word, length, *name)) {
                 layout->type = types[i].type;
-                layout->number = types[i].number;
+                snprintf(layout->number, sizeof layout->number, "%s",
+                         types[i].converted ? types[i].names[0] : "");
                 return true;
             }
     return false;

@@ -1,5 +1,5 @@
-/* npy_header: the header of NumPy's .npy files, versions 1 to 3 of the format: a Python dictionary that names type, order
- * and shape of one array. */
+/* npy_header: the header of NumPy's .npy files, versions 1 to 3 of the format: a Python dictionary that
+ * names type, order and shape of one array. */
 #ifndef ISO_GRIDS_VOLUME_NPY_HEADER_H
 #define ISO_GRIDS_VOLUME_NPY_HEADER_H
 
@@ -27,7 +27,8 @@ typedef struct iso_npy_header {
 /* Whether the beginning of a file is that of an .npy file. */
 bool iso_npy_is(const void *bytes, size_t count);
 
-/* Finds the dictionary. ISO_ERR_FORMAT: not such a file; ISO_ERR_UNSUPPORTED: another version of the format. */
+/* Finds the dictionary. ISO_ERR_FORMAT: not such a file; ISO_ERR_UNSUPPORTED: another version of the
+ * format. */
 iso_status iso_npy_begin(const char *path, const unsigned char head[ISO_NPY_HEAD], iso_npy_header *header,
                          iso_error *error);
 

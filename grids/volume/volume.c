@@ -443,8 +443,8 @@ static void note_guess(const iso_raw_layout *raw, iso_volume_info *info) {
                     raw->big_endian ? "big" : "little");
 }
 
-/* Whether a format never states a unit of length; of the others the reader says of a file that it does not. A spacing
- * that is given is in mm. */
+/* Whether a format never states a unit of length; of the others the reader says of a file that it does
+ * not. A spacing that is given is in mm. */
 static bool is_unitless(const iso_volume_opts *opts, const iso_volume_info *info) {
     static const char *const formats[] = {"raw", "vtk", "vti", "vdb", "npy"};
     if (opts->spacing[0] > 0 && opts->spacing[1] > 0 && opts->spacing[2] > 0) return false;

@@ -32,13 +32,15 @@
 extern "C" {
 #endif
 
-/* Parses WxHxD:TYPE[:ENDIAN[:OFFSET]]. TYPE is uint8, int8, uint16, int16, uint32, int32, float32 (float) or float64
- * (double), ENDIAN little or big; the last two may be empty. ISO_ERR_USAGE says what is wrong. */
+/* Parses WxHxD:TYPE[:ENDIAN[:OFFSET]]. TYPE is uint8, int8, uint16, int16, uint32, int32, float32 (float)
+ * or float64 (double), ENDIAN little or big; the last two may be empty. ISO_ERR_USAGE says what is wrong.
+ * */
 iso_status iso_raw_layout_parse(const char *text, iso_raw_layout *layout, iso_error *error);
 
-/* Finds the layout in the name of a file, such as tooth_103x94x161_uint8.raw: WxHxD, and before or after it
- * uint8 uchar u8, int8 i8, int16 short i16, uint16 ushort u16, int32 i32, uint32 u32, float32 float f32, float64 double
- * or f64, and for big-endian data be or big. Words are separated by _ - . or spaces. False: the name has no layout. */
+/* Finds the layout in the name of a file, such as tooth_103x94x161_uint8.raw: WxHxD, and before or after
+ * it uint8 uchar u8, int8 i8, int16 short i16, uint16 ushort u16, int32 i32, uint32 u32, float32 float
+ * f32, float64 double or f64, and for big-endian data be or big. Words are separated by _ - . or spaces.
+ * False: the name has no layout. */
 bool iso_raw_layout_of_name(const char *path, iso_raw_layout *layout);
 
 /* The name of the layout's type, and the bytes of a number. */

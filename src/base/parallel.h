@@ -32,10 +32,11 @@ int iso_pool_threads(const iso_pool *pool);
  * serves one caller at a time. */
 void iso_parallel_for(iso_pool *pool, size_t count, iso_task *task, void *context);
 
-/* Is told by the calling thread of iso_parallel_for how much of its items has been handed out, 0 .. 1: before each item
- * that this thread takes. */
+/* Is told by the calling thread of iso_parallel_for how much of its items has been handed out, 0 .. 1:
+ * before each item that this thread takes. */
 typedef void iso_pool_watch_fn(void *context, double fraction);
-/* Sets who is told of the loops of this pool from now on; NULL: nobody. Not while a loop runs. `pool` may be NULL. */
+/* Sets who is told of the loops of this pool from now on; NULL: nobody. Not while a loop runs. `pool` may
+ * be NULL. */
 void iso_pool_watch(iso_pool *pool, iso_pool_watch_fn *watch, void *context);
 
 /* The steps of iso_parallel_ordered, for results that must be written in order while others are computed. For

@@ -54,8 +54,8 @@ bool iso_text_ends_with(const char *text, const char *suffix);
 /* Whether a file's name ends in `extension` (".gz"), in either case, and has characters before it. */
 bool iso_text_has_extension(const char *name, const char *extension);
 
-/* Whether one of `words`, which are separated by blanks, equals the first `length` characters of `word`. NULL: there
- * are no words. */
+/* Whether one of `words`, which are separated by blanks, equals the first `length` characters of `word`.
+ * NULL: there are no words. */
 bool iso_text_has_word(const char *words, const char *word, size_t length);
 
 /* Formats as vsnprintf and cleans the result. */

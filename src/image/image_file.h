@@ -1,6 +1,7 @@
-/* image_file: pictures in files of the kind that the name's ending says, in either case: PNG (.png, and "-" for
- * standard output), TIFF (.tif, .tiff: deflate, 8 bits, with alpha if there is any) and JPEG (.jpg, .jpeg: full
- * resolution of colours, quality 95; needs libjpeg). The bytes are the same for every number of threads. */
+/* image_file: pictures in files of the kind that the name's ending says, in either case: PNG (.png, and
+ * "-" for standard output), TIFF (.tif, .tiff: deflate, 8 bits, with alpha if there is any) and JPEG
+ * (.jpg, .jpeg: full resolution of colours, quality 95; needs libjpeg). The bytes are the same for every
+ * number of threads. */
 #ifndef ISO_IMAGE_IMAGE_FILE_H
 #define ISO_IMAGE_IMAGE_FILE_H
 
@@ -19,12 +20,13 @@ typedef enum iso_image_kind {
 
 iso_image_kind iso_image_kind_of(const char *path);
 
-/* Whether this build can write a picture of this name: else ISO_ERR_BACKEND names the library that is missing. */
+/* Whether this build can write a picture of this name: else ISO_ERR_BACKEND names the library that is
+ * missing. */
 iso_status iso_image_file_check(const char *path, iso_error *error);
 
-/* Writes a picture as iso_png_write_with does, with its texts and its resolution.
- * ISO_ERR_USAGE for other endings, and for a JPEG of a picture that is not opaque; ISO_ERR_BACKEND, ISO_ERR_WRITE,
- * ISO_ERR_NOMEM. */
+/* Writes a picture as iso_png_write_with does, with its texts and its resolution. ISO_ERR_USAGE for other
+ * endings, and for a JPEG of a picture that is not opaque; ISO_ERR_BACKEND, ISO_ERR_WRITE, ISO_ERR_NOMEM.
+ * */
 iso_status iso_image_file_write(const char *path, const iso_image *image, const iso_png_opts *opts,
                                 iso_error *error);
 

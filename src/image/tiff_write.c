@@ -1,5 +1,5 @@
-/* tiff_write: pictures as TIFF 6.0, little-endian, without a library: one directory of tags, and strips of rows
- * compressed by deflate (compression 8 of Adobe's supplement) with horizontal differences. */
+/* tiff_write: pictures as TIFF 6.0, little-endian, without a library: one directory of tags, and strips of
+ * rows compressed by deflate (compression 8 of Adobe's supplement) with horizontal differences. */
 #include <stdlib.h>
 #include <string.h>
 #include <zlib.h>
@@ -63,8 +63,9 @@ static size_t type_size(tag_type type) {
     return type == TYPE_ASCII ? 1 : type == TYPE_SHORT ? 2 : type == TYPE_LONG ? 4 : 8;
 }
 
-/* Adds a tag whose `count` values are encoded already. Tags are added in the order of their numbers. Values of more
- * than four bytes lie behind the directory, at offsets from `values`: added to its place when it is known. */
+/* Adds a tag whose `count` values are encoded already. Tags are added in the order of their numbers.
+ * Values of more than four bytes lie behind the directory, at offsets from `values`: added to its place
+ * when it is known. */
 static bool add_encoded(tiff_writer *w, unsigned number, tag_type type, uint32_t count, const void *values) {
     const size_t size = type_size(type) * count;
     uint8_t entry[12] = {0};

@@ -41,7 +41,8 @@ typedef struct iso_picture_opts {
     iso_lighting lighting; /* not used with `layers` */
     iso_draw_fn *draw;
     void *draw_context;
-    /* NULL, or called with draw_context before each strip, which is this part of the picture's rows, 0 .. 1. */
+    /* NULL, or called with draw_context before each strip, which is this part of the picture's rows, 0 ..
+     * 1. */
     void (*begin_strip)(void *context, double from, double to);
     const iso_picture_layers
         *layers; /* NULL: all surfaces are opaque. Else `draw` is for depth and normals in
