@@ -670,6 +670,8 @@ typedef enum iso_tool {
     ISO_TOOL_MOVE,    /* drags what lay at the stroke's first sample to the current one */
     ISO_TOOL_MASK,    /* freezes the voxels within the radius: brushes do not move them across the surface */
     ISO_TOOL_UNMASK,
+    ISO_TOOL_CLEAR_MASK,  /* at a stroke's first sample: unfreezes all voxels, wherever the sample is */
+    ISO_TOOL_INVERT_MASK, /* the same: freezes what is not frozen, and unfreezes the rest */
     ISO_TOOL_COUNT
 } iso_tool;
 
@@ -720,7 +722,7 @@ typedef struct iso_sample {
 /* What edits did. Functions add to the members. */
 typedef struct iso_edit_stats {
     size_t edited, redistanced, created, pruned; /* numbers of cells (16^3 voxels) */
-    bool clipped; /* part of the brush was outside the grid and had no effect there */
+    bool clipped; /* part of a brush that makes material was outside the grid and had no effect there */
 } iso_edit_stats;
 
 /* A sculpting session: a level set, its undo history and its journal. The journal is an append-only file of

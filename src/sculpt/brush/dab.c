@@ -11,6 +11,10 @@ bool iso_tool_is_set_operation(iso_tool tool) {
     return tool <= ISO_TOOL_BLEND_CARVE;
 }
 
+bool iso_tool_is_whole_mask(iso_tool tool) {
+    return tool == ISO_TOOL_CLEAR_MASK || tool == ISO_TOOL_INVERT_MASK;
+}
+
 bool iso_tool_is_warp(iso_tool tool) {
     return tool == ISO_TOOL_PINCH || tool == ISO_TOOL_MOVE;
 }

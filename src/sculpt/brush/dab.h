@@ -18,6 +18,8 @@
 /* Whether the tool unites the field with a solid or subtracts the solid: ADD, CARVE, BLEND_ADD, BLEND_CARVE.
  */
 bool iso_tool_is_set_operation(iso_tool tool);
+/* Whether the tool changes the whole mask, once in a stroke, wherever its sample is. */
+bool iso_tool_is_whole_mask(iso_tool tool);
 /* Whether the tool samples the field at displaced positions: PINCH and MOVE. */
 bool iso_tool_is_warp(iso_tool tool);
 

@@ -1,6 +1,6 @@
 /* The editor: turns a touch into dabs in voxels (brush_to_voxels.c), lists the cells they reach, runs the
- * brush's kernel on each (dab.h), then redistances and commits them (transaction.h). The tools MASK
- * and UNMASK change only the mask. */
+ * brush's kernel on each (dab.h), then redistances and commits them (transaction.h). The tools MASK,
+ * UNMASK, CLEAR_MASK and INVERT_MASK change only the mask. */
 #include "sculpt/field/edit.h"
 
 #include <math.h>
@@ -125,8 +125,15 @@ static bool can_change(iso_tool tool, int32_t state) {
     return false;
 }
 
+/* Whether a tool can bring material to places where there was none. */
+static bool makes_material(iso_tool tool) {
+    return tool != ISO_TOOL_CARVE && tool != ISO_TOOL_BLEND_CARVE && tool != ISO_TOOL_DEFLATE &&
+           tool != ISO_TOOL_SMOOTH;
+}
+
 /* Computes the range of cells, lo .. hi, within a dab's influence, clipped to the grid. Returns whether the
- * solid (of set operations) or the radius extends beyond the grid. */
+ * tool makes material and its solid (of set operations) or the radius extends beyond the grid, where that
+ * material is lost. */
 static bool cell_range(const iso_editor *editor, const iso_dabs *dabs, const iso_dab *dab, int lo[3],
                        int hi[3]) {
     bool clipped = false;
@@ -140,7 +147,7 @@ static bool cell_range(const iso_editor *editor, const iso_dabs *dabs, const iso
         lo[axis] = (int)floor(fmax(fmin(first - influence, top), 0) / ISO_BRICK);
         hi[axis] = (int)floor(fmax(fmin(last + influence, top), 0) / ISO_BRICK);
     }
-    return clipped;
+    return clipped && makes_material(dabs->tool);
 }
 
 static double cells_in_range(const int lo[3], const int hi[3]) {
@@ -432,18 +439,24 @@ static bool find_mask_bits(const iso_editor *editor, const iso_dabs *dabs, const
     return mask_cell(bits, dabs, dab, at);
 }
 
+/* Tells the observer, once in a step, that the mask of a cell is going to change. */
+static iso_status notify_mask_observer(iso_editor *editor, uint32_t cell, iso_error *error) {
+    const iso_write_observer *observer = &editor->opts.observer;
+    const iso_voxel_bits *bits = iso_mask_bits(&editor->transaction.mask, cell);
+    if (observer->mask_before && editor->mask_notified[cell] != editor->step)
+        ISO_TRY(observer->mask_before(observer->context, cell, bits, error));
+    editor->mask_notified[cell] = editor->step;
+    return ISO_OK;
+}
+
 /* Does the part of masking a cell that can fail: notifies the observer and allocates bits. */
 static iso_status prepare_mask_cell(iso_editor *editor, const iso_dabs *dabs, const iso_dab *dab,
                                     const int at[3], iso_error *error) {
-    const iso_write_observer *observer = &editor->opts.observer;
-    iso_mask *mask = &editor->transaction.mask;
     uint32_t cell;
     iso_voxel_bits bits;
     if (!find_mask_bits(editor, dabs, dab, at, &cell, &bits)) return ISO_OK;
-    if (observer->mask_before && editor->mask_notified[cell] != editor->step)
-        ISO_TRY(observer->mask_before(observer->context, cell, iso_mask_bits(mask, cell), error));
-    editor->mask_notified[cell] = editor->step;
-    return iso_mask_reserve(mask, cell, error);
+    ISO_TRY(notify_mask_observer(editor, cell, error));
+    return iso_mask_reserve(&editor->transaction.mask, cell, error);
 }
 
 /* Writes the mask bits of a cell; cannot fail, because prepare_mask_cell has allocated them. */
@@ -496,6 +509,45 @@ static iso_status touch_mask(iso_editor *editor, const iso_dabs *dabs, iso_error
     return status;
 }
 
+/* ---- the whole mask */
+
+/* Computes the mask bits that CLEAR_MASK or INVERT_MASK gives a cell. Returns whether they differ from the
+ * present ones. */
+static bool find_whole_mask_bits(const iso_mask *mask, iso_tool tool, size_t cell, iso_voxel_bits *bits) {
+    const iso_voxel_bits *before = iso_mask_bits(mask, cell);
+    *bits = (iso_voxel_bits){{0}};
+    if (tool == ISO_TOOL_CLEAR_MASK) return before != NULL;
+    for (int row = 0; row < ISO_BRICK_ROWS; row++)
+        bits->row[row] = (uint16_t) ~(before ? before->row[row] : 0);
+    return true;
+}
+
+/* Does the part of changing the whole mask that can fail. */
+static iso_status prepare_whole_mask(iso_editor *editor, iso_tool tool, iso_error *error) {
+    iso_mask *mask = &editor->transaction.mask;
+    iso_voxel_bits bits;
+    for (size_t cell = 0; cell < mask->cells; cell++) {
+        if (!find_whole_mask_bits(mask, tool, cell, &bits)) continue;
+        ISO_TRY(notify_mask_observer(editor, (uint32_t)cell, error));
+        ISO_TRY(iso_mask_reserve(mask, cell, error));
+    }
+    return ISO_OK;
+}
+
+/* Clears or inverts the whole mask. If it fails, the bits that were allocated for it are freed again. */
+static iso_status change_whole_mask(iso_editor *editor, iso_tool tool, iso_error *error) {
+    iso_mask *mask = &editor->transaction.mask;
+    iso_voxel_bits bits;
+    editor->cost += (double)mask->cells / 64; /* inverting 64 cells takes as long as editing one */
+    const iso_status status = prepare_whole_mask(editor, tool, error);
+    for (size_t cell = 0; cell < mask->cells; cell++)
+        if (status != ISO_OK)
+            iso_mask_set(mask, cell, iso_mask_bits(mask, cell), NULL);
+        else if (find_whole_mask_bits(mask, tool, cell, &bits))
+            iso_mask_set(mask, cell, &bits, NULL); /* cannot fail: its bits are allocated */
+    return status;
+}
+
 static iso_status check_touch(const iso_editor *editor, const iso_brush *brush, const iso_touch *touch,
                               iso_error *error) {
     ISO_TRY(iso_brush_check(brush, error));
@@ -527,6 +579,8 @@ iso_status iso_editor_touch(iso_editor *editor, const iso_brush *brush, const is
     iso_status status = ISO_OK;
     if (brush->tool == ISO_TOOL_MASK || brush->tool == ISO_TOOL_UNMASK)
         status = touch_mask(editor, &dabs, error);
+    else if (iso_tool_is_whole_mask(brush->tool))
+        status = change_whole_mask(editor, brush->tool, error);
     else if (dabs.radius_voxels > 0) /* it is 0 at pressure 0 */
         status = touch_field(editor, &dabs, &made, error);
     iso_transaction_clear(&editor->transaction);

@@ -28,7 +28,7 @@ typedef struct iso_write_observer {
     /* `state` is the cell's entry in the grid (a brick number, ISO_CELL_OUTSIDE or ISO_CELL_INSIDE), `brick`
      * the brick's values, or NULL for an empty cell. */
     iso_status (*before)(void *context, uint32_t cell, int32_t state, const float *brick, iso_error *error);
-    /* Before MASK or UNMASK changes the mask of a cell; `bits` is NULL when none of its voxels is frozen. */
+    /* Before a tool changes the mask of a cell; `bits` is NULL when none of its voxels is frozen. */
     iso_status (*mask_before)(void *context, uint32_t cell, const iso_voxel_bits *bits, iso_error *error);
     void *context;
 } iso_write_observer;

@@ -27,6 +27,9 @@ typedef struct saved_cell {
                            unpacked brick or mask */
 } saved_cell;
 
+/* Cost of restoring the mask of a cell; that of its values is 1. */
+static const double MASK_COST = 1.0 / 64;
+
 static bool is_mask(const saved_cell *cell) {
     return cell->state >= MASK_BITS;
 }
@@ -484,8 +487,11 @@ size_t iso_history_count(const iso_history *history) {
 size_t iso_history_position(const iso_history *history) {
     return history->position;
 }
-size_t iso_history_cells(const iso_history *history, size_t number) {
-    return history->steps[number].count;
+double iso_history_cost(const iso_history *history, size_t number) {
+    const step *s = &history->steps[number];
+    double cost = 0;
+    for (size_t i = 0; i < s->count; i++) cost += is_mask(&s->cells[i]) ? MASK_COST : 1;
+    return cost;
 }
 const char *iso_history_name(const iso_history *history, size_t number) {
     return history->steps[number].name;

@@ -47,9 +47,10 @@ iso_status iso_history_redo(iso_history *history, iso_error *error);
 /* Discards all steps. ISO_ERR_USAGE: a step is open. */
 iso_status iso_history_clear(iso_history *history, iso_error *error);
 
-size_t iso_history_count(const iso_history *history);              /* number of steps, undone ones included */
-size_t iso_history_position(const iso_history *history);           /* number of steps that are not undone */
-size_t iso_history_cells(const iso_history *history, size_t step); /* number of cells that a step changed */
+size_t iso_history_count(const iso_history *history);    /* number of steps, undone ones included */
+size_t iso_history_position(const iso_history *history); /* number of steps that are not undone */
+/* Returns the cost of undoing or redoing a step, in the unit of iso_editor_cost. */
+double iso_history_cost(const iso_history *history, size_t step);
 const char *iso_history_name(const iso_history *history, size_t step);
 size_t iso_history_bytes(const iso_history *history);   /* packed bytes in memory */
 size_t iso_history_spilled(const iso_history *history); /* bytes of the spill file */

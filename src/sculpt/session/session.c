@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "sculpt/brush/dab.h"
 #include "sculpt/session/checkpoint.h"
 #include "sculpt/session/limits.h"
 
@@ -28,7 +29,7 @@ struct iso_session {
     bool bounded;       /* an event of a stroke file is being replayed: check_cost applies */
     double cost_factor; /* of the options */
     double samples;     /* number of samples replayed so far */
-    double undo_cost;   /* cost of all replayed undo and redo steps: the cells that they restored */
+    double undo_cost;   /* cost of all replayed undo and redo steps */
     iso_brush brush;
     iso_sample first, previous; /* the first sample of the stroke, and the sample of its last touch */
     iso_snapshot *snapshots[ISO_SESSION_SNAPSHOTS];
@@ -357,6 +358,7 @@ static iso_sample sample_between(const iso_sample *a, const iso_sample *b, doubl
 static iso_status touch_along(iso_session *session, const iso_sample *sample, iso_edit_stats *stats,
                               iso_error *error) {
     const iso_brush *brush = &session->brush;
+    if (iso_tool_is_whole_mask(brush->tool)) return ISO_OK; /* the first touch has done it */
     if (brush->tool == ISO_TOOL_MOVE ||
         (brush->shape == ISO_SOLID_CAPSULE && brush->tool <= ISO_TOOL_BLEND_CARVE))
         return touch_sample(session, sample, stats, error); /* one touch covers the whole line */
@@ -463,12 +465,12 @@ const iso_stamp *iso_session_stamp(const iso_session *session) {
     return session->stamp;
 }
 
-/* Adds the cost of an undo or redo to undo_cost: the number of cells of its step. */
+/* Adds the cost of an undo or redo to undo_cost. */
 static iso_status count_step_cost(iso_session *session, bool redo, iso_error *error) {
     const iso_history *history = session->history;
     const size_t position = iso_history_position(history);
     if (redo ? position < iso_history_count(history) : position > 0)
-        session->undo_cost += (double)iso_history_cells(history, redo ? position : position - 1);
+        session->undo_cost += iso_history_cost(history, redo ? position : position - 1);
     return check_cost(session, error);
 }
 

@@ -63,6 +63,8 @@ static void masks_are_changed_wholly_or_not(void **state) {
     assert_true(touch_with_less_memory(editor, ISO_TOOL_MASK) > 20);
     assert_true(iso_editor_has_mask(editor));
     assert_true(touch_with_less_memory(editor, ISO_TOOL_UNMASK) > 10);
+    assert_true(touch_with_less_memory(editor, ISO_TOOL_INVERT_MASK) > 20);
+    assert_true(touch_with_less_memory(editor, ISO_TOOL_CLEAR_MASK) > 20);
     assert_false(iso_editor_has_mask(editor));
     iso_editor_destroy(editor);
     iso_hgrid_destroy(grid);

@@ -163,9 +163,41 @@ static void masks_go(void **state) {
     iso_hgrid_destroy(grid);
 }
 
+/* Inverted, a mask freezes every voxel of the grid that was not frozen; cleared, none is. */
+static void whole_masks_change(void **state) {
+    (void)state;
+    static bool before[VOXELS];
+    iso_hgrid *grid = sculpt_ball(SIDE, CENTRE, RADIUS), *field = sculpt_copy(grid);
+    iso_editor *editor = make_editor(grid, NULL);
+    const iso_brush invert = {.tool = ISO_TOOL_INVERT_MASK, .radius = 1},
+                    clear = {.tool = ISO_TOOL_CLEAR_MASK, .radius = 1},
+                    inflate = {.tool = ISO_TOOL_INFLATE, .radius = 25};
+    int frozen = 0;
+    freeze(editor);
+    for (int i = 0; i < VOXELS; i++) {
+        before[i] = iso_editor_masked(editor, i % SIDE, i / SIDE % SIDE, i / SIDE / SIDE);
+        frozen += before[i];
+    }
+    assert_in_range(frozen, 100, VOXELS / 2);
+    sculpt_touch(editor, &invert, FROZEN, UP);
+    for (int i = 0; i < VOXELS; i++)
+        assert_true(iso_editor_masked(editor, i % SIDE, i / SIDE % SIDE, i / SIDE / SIDE) != before[i]);
+    sculpt_touch(editor, &invert, FROZEN, UP);
+    for (int i = 0; i < VOXELS; i++)
+        assert_true(iso_editor_masked(editor, i % SIDE, i / SIDE % SIDE, i / SIDE / SIDE) == before[i]);
+    sculpt_touch(editor, &clear, FROZEN, UP);
+    assert_false(iso_editor_has_mask(editor));
+    sculpt_touch(editor, &invert, FROZEN, UP);
+    sculpt_touch(editor, &inflate, FROZEN, UP);
+    assert_true(sculpt_same(grid, field)); /* everything is frozen */
+    iso_editor_destroy(editor);
+    iso_hgrid_destroy(grid);
+    iso_hgrid_destroy(field);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(frozen_surfaces_stay),
                                        cmocka_unit_test(same_bytes_for_threads_and_levels),
-                                       cmocka_unit_test(masks_go)};
+                                       cmocka_unit_test(masks_go), cmocka_unit_test(whole_masks_change)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -164,7 +164,7 @@ static int side_of(iso_tool tool) {
  */
 static int modelled(const stroke *w, bool before, double distance, double radius) {
     const iso_tool tool = w->brush.tool;
-    if (tool == ISO_TOOL_MASK || tool == ISO_TOOL_UNMASK) return before;
+    if (tool >= ISO_TOOL_MASK) return before; /* the mask's tools do not change the field */
     if (distance > sign_reach(&w->brush) * radius + 0.01) return before;
     if (side_of(tool) == (before ? 1 : -1)) return before;
     const bool ball = w->brush.shape == ISO_SOLID_SPHERE || w->brush.shape == ISO_SOLID_CAPSULE;
@@ -198,7 +198,7 @@ static void check_frozen(stress *s, int i, bool all) {
 static void check_stroke(stress *s) {
     const stroke *w = &s->stroke;
     const double radius = w->brush.radius / SESSION_START.voxel_size;
-    const bool masks = w->brush.tool == ISO_TOOL_MASK || w->brush.tool == ISO_TOOL_UNMASK;
+    const bool masks = w->brush.tool >= ISO_TOOL_MASK;
     for (int i = 0; i < VOXELS; i++) {
         const int at[3] = {i % SIDE, i / SIDE % SIDE, i / SIDE / SIDE};
         const bool frozen = masks || is_masked(s, i);
