@@ -349,6 +349,22 @@ static void log_mesh_notes(const player *p) {
     iso_program_log(isosculpt_program(), "%s: %s", p->report->mesh_path, note);
 }
 
+/* Prints one line for each file that was written, with the size of what it holds. */
+static void log_outputs(const player *p) {
+    const iso_program *program = isosculpt_program();
+    const char *input = input_name(p->settings);
+    if (p->settings->common.quiet) return;
+    for (int i = 0; i < 2; i++) {
+        const char *path = p->written[i];
+        if (path && path == p->report->mesh_path)
+            iso_program_log(program, "%s: wrote %s: %zu triangles", input, path, p->report->mesh.triangles);
+        else if (path && iso_text_ends_with(path, ".ply"))
+            iso_program_log(program, "%s: wrote %s: %zu points", input, path, p->report->points);
+        else if (path)
+            iso_program_log(program, "%s: wrote %s", input, path);
+    }
+}
+
 static iso_status play_and_write(player *p, iso_journal_reader *reader, iso_error *error) {
     ISO_TRY(prepare(p, error));
     double start = iso_clock_seconds();
@@ -364,6 +380,7 @@ static iso_status play_and_write(player *p, iso_journal_reader *reader, iso_erro
         iso_program_log(isosculpt_program(), "%s: a brush reached beyond the grid: what lies outside is lost",
                         input_name(p->settings));
     log_mesh_notes(p);
+    log_outputs(p);
     return ISO_OK;
 }
 
