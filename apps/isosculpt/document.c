@@ -112,25 +112,37 @@ static bool is_locked(const char *lock_file) {
     return locked;
 }
 
-/* Writes the path and a newline. The rest of a longer old path follows the newline until the file is
- * truncated. */
-void isosculpt_document_remember_target(const isosculpt_document *document) {
-    char line[ISOSCULPT_PATH + 1];
-    const int length = snprintf(line, sizeof line, "%s\n", document->target);
+/* Writes the lines. The rest of longer old lines follows them until the file is truncated. */
+void isosculpt_document_remember(const isosculpt_document *document) {
+    char lines[ISOSCULPT_PATH + ISOSCULPT_LOOK + 2];
+    const int length = snprintf(lines, sizeof lines, "%s\n%s\n",
+                                document->target_was_saved ? document->target : "", document->look);
     const int file = document->lock_file - 1;
-    if (file < 0 || pwrite(file, line, (size_t)length, 0) != length) return;
+    if (file < 0 || pwrite(file, lines, (size_t)length, 0) != length) return;
     while (ftruncate(file, length) && errno == EINTR) continue;
 }
 
-/* Reads the target that an earlier program wrote into the lock file; returns false if there is none. */
-static bool recall_target(isosculpt_document *document) {
-    char line[ISOSCULPT_PATH + 1];
-    const ssize_t length = pread(document->lock_file - 1, line, sizeof line, 0);
-    char *end = length > 0 ? memchr(line, '\n', (size_t)length) : NULL;
-    if (!end || line[0] != '/') return false;
-    *end = 0;
-    memcpy(document->target, line, (size_t)(end - line) + 1);
+/* Copies the line at *at without its newline and moves *at behind it. Returns false if the line is incomplete
+ * or too long. */
+static bool take_line(const char **at, char *line, size_t room) {
+    const char *end = strchr(*at, '\n');
+    if (!end || (size_t)(end - *at) >= room) return false;
+    memcpy(line, *at, (size_t)(end - *at));
+    line[end - *at] = 0;
+    *at = end + 1;
     return true;
+}
+
+/* Reads target and look that an earlier program wrote into the lock file. A target that is not there stays as
+ * it is. */
+static void recall(isosculpt_document *document) {
+    char lines[ISOSCULPT_PATH + ISOSCULPT_LOOK + 2] = "", target[ISOSCULPT_PATH];
+    const char *at = lines;
+    if (pread(document->lock_file - 1, lines, sizeof lines - 1, 0) <= 0) return;
+    if (!take_line(&at, target, sizeof target)) return;
+    document->target_was_saved = target[0] == '/';
+    if (document->target_was_saved) memcpy(document->target, target, sizeof target);
+    if (!take_line(&at, document->look, sizeof document->look)) document->look[0] = 0;
 }
 
 /* Returns whether a journal has events. A journal that cannot be read counts, so that the user is told about
@@ -307,8 +319,11 @@ iso_status isosculpt_document_open(isosculpt_document *document, const char *jou
     if (status == ISO_OK) status = create_session(document, grid, &opts, error);
     document->was_unclosed = was_unclosed;
     if (status == ISO_OK) {
-        if (!was_unclosed || !recall_target(document)) choose_target(document, journal);
-        if (was_unclosed) iso_file_remove_unfinished(document->target);
+        choose_target(document, journal);
+        if (was_unclosed) {
+            recall(document);
+            iso_file_remove_unfinished(document->target);
+        }
         document->change_count =
             was_unclosed && has_events(journal); /* the recovered work has not been saved */
         return ISO_OK;

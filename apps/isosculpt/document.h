@@ -3,8 +3,8 @@
  *
  * While a program has the journal NAME.strokes open, it holds a lock on NAME.strokes.open beside it. A lock
  * file that no program has locked belongs to a program that was killed: recovery of its journal is offered.
- * The lock file holds the path that the session was saved to last, so that recovered work is saved there
- * again.
+ * The lock file holds two lines, so that recovered work looks as it did and is saved where it was: the path
+ * that the session was saved to last, which may be empty, and the look (look.h).
  */
 #ifndef ISO_APPS_ISOSCULPT_DOCUMENT_H
 #define ISO_APPS_ISOSCULPT_DOCUMENT_H
@@ -20,6 +20,7 @@ extern "C" {
 #endif
 
 enum { ISOSCULPT_PATH = ISO_JOURNAL_TEXT }; /* bytes of a path, with its end */
+enum { ISOSCULPT_LOOK = 512 };              /* bytes of the text of a look, with its end (look.h) */
 
 typedef struct isosculpt_saver isosculpt_saver;
 
@@ -45,9 +46,11 @@ typedef struct isosculpt_document {
     size_t saved_change_count; /* value of change_count when the target file was saved */
     double start_seconds;      /* iso_clock_seconds when the session began */
     iso_pool *pool;
-    size_t undo_memory;            /* limit of the undo history, bytes */
-    char target[ISOSCULPT_PATH];   /* the file that saving writes; initially a default name */
-    bool target_is_own;            /* this session has written the target, so saving again need not ask */
+    size_t undo_memory;          /* limit of the undo history, bytes */
+    char target[ISOSCULPT_PATH]; /* the file that saving writes; initially a default name */
+    bool target_is_own;          /* this session has written the target, so saving again need not ask */
+    bool target_was_saved; /* the target holds a state of this session, which may be an earlier program's */
+    char look[ISOSCULPT_LOOK];     /* as in the lock file; "": none yet */
     char saved_as[ISOSCULPT_PATH]; /* the file of the last save or export, also of a failed one */
     isosculpt_backup backup;       /* what the last save that replaced a file has kept */
     size_t saved_open_edges;       /* of the mesh that was written last; 0 for a level set */
@@ -72,8 +75,8 @@ void isosculpt_document_dismiss_recovery(const char *journal);
 iso_status isosculpt_document_new(isosculpt_document *document, const char *folder, const iso_source *source,
                                   iso_error *error);
 
-/* Writes the document's target into its lock file. Called when the target was written. */
-void isosculpt_document_remember_target(const isosculpt_document *document);
+/* Writes the document's target and look into its lock file. Called when one of them has changed. */
+void isosculpt_document_remember(const isosculpt_document *document);
 
 /* Opens a stroke file: makes the field that it began with, replays it, and appends to it from now on. The
  * target is the one that was remembered when the file is recovered, else a name beside it.

@@ -79,6 +79,10 @@ bool isosculpt_tool_has_shape(iso_tool tool) {
     return iso_tool_is_set_operation(tool);
 }
 
+bool isosculpt_tool_has_strength(iso_tool tool) {
+    return tool < ISO_TOOL_MASK;
+}
+
 /* Returns the centre of a touch. For tools that add or remove a solid it is moved off the surface, so that
  * the solid extends beyond the surface by `strength` times its radius: the centre is below the surface when
  * adding, and above it when carving. */
@@ -245,6 +249,28 @@ void isosculpt_controller_apply_strokes(isosculpt_controller *controller, isoscu
     finish_edit(controller, status, &stats);
 }
 
+void isosculpt_controller_change_mask(isosculpt_controller *controller, iso_tool tool) {
+    iso_edit_stats stats = {0};
+    iso_session *session = controller->document->session;
+    if (controller->drag || controller->viewing_volume || !cancel_unfinished_stroke(controller)) return;
+    if (tool == ISO_TOOL_CLEAR_MASK && !iso_session_has_mask(session)) return;
+    const iso_brush brush = {.tool = tool, .radius = controller->brush.radius};
+    /* The tool changes all voxels; the sample only has to be somewhere in the grid. */
+    const iso_sample sample = {.position = controller->document->start.origin,
+                               .normal = {0, 0, 1},
+                               .pressure = 1,
+                               .seconds = iso_clock_seconds() - controller->document->start_seconds};
+    iso_status status = iso_session_begin(session, &brush, &sample, &stats, &controller->error);
+    if (status == ISO_OK) {
+        controller->document->change_count++;
+        status = iso_session_end(session, &controller->error);
+        controller->stroke_unfinished = status != ISO_OK;
+        cancel_unfinished_stroke(controller);
+    }
+    finish_edit(controller, status, &stats);
+    controller->viewport->mask_changed = true;
+}
+
 void isosculpt_controller_set_stamp(isosculpt_controller *controller, iso_stamp *stamp) {
     iso_edit_stats stats = {0};
     iso_status status = iso_session_set_stamp(controller->document->session, stamp, &controller->error);
@@ -274,7 +300,7 @@ void isosculpt_controller_press(isosculpt_controller *controller, isosculpt_butt
         controller->drag = ISOSCULPT_DRAG_ORBIT;
 }
 
-static void set_radius(isosculpt_controller *controller, double radius) {
+void isosculpt_controller_set_radius(isosculpt_controller *controller, double radius) {
     double voxel = controller->document->start.voxel_size;
     controller->brush.radius = fmin(fmax(radius, RADIUS_MIN_VOXELS * voxel), RADIUS_MAX_VOXELS * voxel);
 }
@@ -283,7 +309,7 @@ static void set_radius(isosculpt_controller *controller, double radius) {
  * is held. */
 static void adjust_brush(isosculpt_controller *controller, double dx) {
     if (controller->adjusting == 'x')
-        set_radius(controller, controller->brush.radius * pow(RADIUS_A_PIXEL, dx));
+        isosculpt_controller_set_radius(controller, controller->brush.radius * pow(RADIUS_A_PIXEL, dx));
     else
         controller->brush.strength =
             fmin(fmax(controller->brush.strength + STRENGTH_A_PIXEL * dx, STRENGTH_MIN), 1);
@@ -365,6 +391,8 @@ static bool handle_command_key(isosculpt_controller *controller, int key, bool s
         controller->commands |= ISOSCULPT_COMMAND_CLOSE;
     else if (key == 'z' || key == 'y')
         undo_or_redo(controller, key == 'y' || shift);
+    else if (key == 'i')
+        isosculpt_controller_change_mask(controller, ISO_TOOL_INVERT_MASK);
     else
         return false;
     return true;
@@ -435,11 +463,14 @@ static void choose_tool(isosculpt_controller *controller, int number) {
     isosculpt_controller_center_mirror(controller);
 }
 
-static bool handle_brush_key(isosculpt_controller *controller, int key) {
-    if (key >= '1' && key <= '9')
+static bool handle_brush_key(isosculpt_controller *controller, int key, unsigned modifiers) {
+    if (key == 'm' && modifiers & ISOSCULPT_MODIFIER_ALT)
+        isosculpt_controller_change_mask(controller, ISO_TOOL_CLEAR_MASK);
+    else if (key >= '1' && key <= '9')
         choose_tool(controller, key - '0');
     else if (key == '[' || key == ']' || key == ',' || key == '.')
-        set_radius(controller, key == ']' || key == '.' ? controller->brush.radius * RADIUS_STEP
+        isosculpt_controller_set_radius(controller, key == ']' || key == '.'
+                                                        ? controller->brush.radius * RADIUS_STEP
                                                         : controller->brush.radius / RADIUS_STEP);
     else if (key == 'x' || key == 'c')
         controller->adjusting = (char)key;
@@ -458,5 +489,5 @@ bool isosculpt_controller_key(isosculpt_controller *controller, int key, unsigne
     if (handle_camera_key(controller, key, modifiers)) return true;
     if (modifiers & ISOSCULPT_MODIFIER_CTRL)
         return handle_command_key(controller, key, modifiers & ISOSCULPT_MODIFIER_SHIFT);
-    return handle_brush_key(controller, key);
+    return handle_brush_key(controller, key, modifiers);
 }

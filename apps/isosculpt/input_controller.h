@@ -72,7 +72,7 @@ typedef struct isosculpt_controller {
     iso_box surface_box;    /* world box of the surface after the last stroke; the mirror planes are drawn as
                                large as it */
     bool stroke_unfinished; /* the last stroke could not be ended: there was no memory */
-    bool clipped;           /* a brush reached beyond the grid */
+    bool clipped;           /* a brush reached beyond the grid, and what it made there is lost */
     unsigned commands;      /* isosculpt_command bits; the window clears those that it has carried out */
     isosculpt_latency edit; /* times of touches */
     iso_error error;        /* error of the last stroke, undo or redo; text[0] == 0: none */
@@ -111,11 +111,21 @@ bool isosculpt_controller_key(isosculpt_controller *controller, int key, unsigne
 /* Shows the surface from a side. Does nothing during a stroke. */
 void isosculpt_controller_set_direction(isosculpt_controller *controller, iso_direction direction);
 
+/* Sets the radius of the brush in mm, within the bounds of the window. */
+void isosculpt_controller_set_radius(isosculpt_controller *controller, double radius);
+
+/* Changes the whole mask as a stroke of its own: ISO_TOOL_CLEAR_MASK, or ISO_TOOL_INVERT_MASK. Does nothing
+ * while the pointer is dragged, or while a volume is shown. */
+void isosculpt_controller_change_mask(isosculpt_controller *controller, iso_tool tool);
+
 /* Makes a stamp the shape of the brush; the session takes it over. Not during a stroke. */
 void isosculpt_controller_set_stamp(isosculpt_controller *controller, iso_stamp *stamp);
 
 /* Whether the tool adds or removes a solid whose shape can be chosen. */
 bool isosculpt_tool_has_shape(iso_tool tool);
+/* Whether the strength of the brush acts on the tool. For tools with a shape it is how far the solid extends
+ * beyond the surface, in radii. */
+bool isosculpt_tool_has_strength(iso_tool tool);
 
 /* Undoes or redoes until `position` steps of the history are done. */
 void isosculpt_controller_go_to_step(isosculpt_controller *controller, size_t position);

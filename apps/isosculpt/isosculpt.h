@@ -32,7 +32,7 @@ typedef enum isosculpt_x_ray {
 typedef struct isosculpt_settings {
     iso_common_settings common; /* first; `input` says how the opened file is read */
     const char *strokes;        /* the operand: a stroke file to continue in a window */
-    const char *replay, *open, *stamp, *output, *mesh;
+    const char *replay, *open, *stamp, *output, *mesh, *font;
     int headless, recover, extract, draw;
     int closed;           /* cap meshes at the border of the grid when they are written */
     int backend;          /* isosculpt_backend */
@@ -41,6 +41,7 @@ typedef struct isosculpt_settings {
     int space;            /* iso_space, of the references */
     int resolution[2];    /* pixels, of the pictures of --draw; 0: 1280 x 800 */
     double voxel_size;    /* mm; 0: not given */
+    double scale;         /* of text and panel in the window; 0: the screen's */
     double isovalue;      /* physical; NAN: not given */
     double close_holes;   /* iso_closing_opts.hole, mm */
     uint64_t undo_memory; /* bytes */

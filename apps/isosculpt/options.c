@@ -106,6 +106,11 @@ static const iso_option options[] = {
      "does "
      "not)",
      .group = RUNNING, .kind = ISO_OPTION_CHOICE, AT(space), .choices = spaces, .standard = "file"},
+    {"scale", NULL, "F", "size of text and panel in the window: 2 is twice as large", .group = RUNNING,
+     .kind = ISO_OPTION_REAL, AT(scale), .standard = "the screen's", .low = 0.5, .high = 4},
+    {"font", NULL, "FILE", "a TrueType or OpenType font for the window; \"\": the built-in one",
+     .group = RUNNING, .kind = ISO_OPTION_TEXT, AT(font),
+     .standard = "Inter, Noto Sans or DejaVu Sans, whichever is installed, else the built-in one"},
     {"threads", NULL, "N", "threads to use; the result does not depend on it", .group = RUNNING,
      .kind = ISO_OPTION_INT, AT(common.threads), .standard = "one a processor", .low = 1, .high = 1024},
 #include "apps/common/running_options.inc"
@@ -224,6 +229,9 @@ iso_status isosculpt_settings_parse(int argc, char *const *argv, isosculpt_setti
         return iso_fail(error, ISO_ERR_USAGE, "--space is for --reference, which is not given");
     if (!settings->headless) return check_window(settings, operands, error);
     if (settings->recover) return refuse_recovery(error);
+    if (settings->scale > 0 || settings->font)
+        return iso_fail(error, ISO_ERR_USAGE, "%s is for the window, which --headless does not open",
+                        settings->font ? "--font" : "--scale");
     if (settings->backend == ISOSCULPT_BACKEND_GL)
         return iso_fail(error, ISO_ERR_USAGE,
                         "--backend gl needs a window: with --headless the cpu engine draws");

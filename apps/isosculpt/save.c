@@ -249,6 +249,7 @@ iso_status isosculpt_document_save(isosculpt_document *document, const isosculpt
     document->saver = saver;
     if (opts->is_export) return ISO_OK;
     document->target_is_own &= strcmp(document->saved_as, document->target) == 0;
+    document->target_was_saved &= strcmp(document->saved_as, document->target) == 0;
     memcpy(document->target, document->saved_as, sizeof document->target);
     return ISO_OK;
 }
@@ -265,8 +266,8 @@ isosculpt_save_state isosculpt_document_poll_save(isosculpt_document *document, 
     const iso_status saved = isosculpt_task_finish(saver->task, error);
     if (saved == ISO_OK && !saver->is_export) {
         document->saved_change_count = saver->change_count;
-        document->target_is_own = true;
-        isosculpt_document_remember_target(document);
+        document->target_is_own = document->target_was_saved = true;
+        isosculpt_document_remember(document);
     }
     if (status) *status = saved;
     document->backup = saver->backup;

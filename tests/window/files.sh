@@ -31,7 +31,7 @@ printf 'ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty floa
 drop() { "$tools/window_drop" "$(window_number)" 640 400 "$@" || fail "dropping $*: exit status $?"; }
 said() { grep -qF "$1" "$work/said"; }
 # began_with NAME: whether there is a new journal, of a session that began with that file
-began_with() { [ "$(newest)" != "$before" ] && head -1 "$(newest)" | grep -qF "/$1\"" && title_is "$(basename "$(newest)")"; }
+began_with() { [ "$(newest)" != "$before" ] && head -1 "$(newest)" | grep -qF "/$1\"" && title_is ": $1\$"; }
 # opens NAME: waits for such a journal, and sets $journal to it
 opens() {
     before=$journal
@@ -69,7 +69,7 @@ shows_trouble || fail "what is damaged: nothing on the screen without the panel"
 key Tab
 picture same
 cmp "$work/new.png" "$work/same.png" || fail "what cannot be read changed the picture"
-title_is "$(basename "$journal")" || fail "what cannot be read changed the title"
+title_is ': new ball$' || fail "what cannot be read changed the title"
 stroke 640 400 20 20
 
 # ---- a mesh as a stamp

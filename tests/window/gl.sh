@@ -89,8 +89,8 @@ key m
 # ---- with the reference, the cpu engine draws all methods
 key r
 through() {
-    press 65 390
-    press 50 432
+    press 62 470
+    press 50 519
     picture through
     differ through gl_sculpted_exact
 }
@@ -105,8 +105,8 @@ key r m m
 
 # ---- another size
 xdotool search --onlyvisible --name '^isosculpt' windowsize --sync 701 523
-has_size() { picture resized && [ "$(size_of resized)" = 000002bd0000020b ]; }
-until_ "pictures of 701 x 523" has_size
+has_size() { picture resized && [ "$(size_of resized)" = 0000018d0000020b ]; } # without the panel
+until_ "pictures of 397 x 523" has_size
 all_methods resized
 close_window
 

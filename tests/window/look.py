@@ -3,7 +3,9 @@
 modal FILE              a question or the browser: the rest of the window is dark
 color FILE R G B BOX N  at least N pixels of about that colour in BOX (X0,Y0,X1,Y1)
 box FILE                prints the box around what is not background: X0 Y0 X1 Y1 (X1, Y1 are outside)
-same A B N              at most N pixels differ; prints how many do
+smooth FILE BOX         of the places in BOX where a row changes between background and object, half or more have
+                        a pixel of a colour between both
+same A B N [BOX]        at most N pixels differ (in BOX); prints how many do
 near A B N              no channel of a pixel differs by more than N; prints by how much one does
 """
 import os
@@ -38,9 +40,26 @@ def box(path):
     return bool(ys)
 
 
-def same(a, b, count):
+def smooth(path, box):
+    x0, y0, x1, y1 = (int(v) for v in box.split(","))
+    edges = mixed = 0
+    for row in (r[x0:x1] for r in Png(path).rows[y0:y1]):
+        background = row[-1][:3]
+        at = [x for x, pixel in enumerate(row) if pixel[:3] != background]
+        for edge, inner in ((at[0], at[0] + 1), (at[-1], at[-1] - 1)) if len(at) > 8 else ():
+            # one sample: the outermost pixel has about the colour of the pixel beside it
+            rim, beside = row[edge][:3], row[inner][:3]
+            edges += 1
+            mixed += max(abs(a - b) for a, b in zip(rim, beside)) > max(abs(a - b) for a, b in zip(background, beside)) / 5
+    print(mixed, "of", edges)
+    return edges > 100 and 2 * mixed >= edges
+
+
+def same(a, b, count, box="0,0,100000,100000"):
     first, second = Png(a), Png(b)
-    differ = sum(p != q for r, s in zip(first.rows, second.rows) for p, q in zip(r, s))
+    x0, y0, x1, y1 = (int(v) for v in box.split(","))
+    rows = zip(first.rows[y0:y1], second.rows[y0:y1])
+    differ = sum(p != q for r, s in rows for p, q in zip(r[x0:x1], s[x0:x1]))
     print(differ, "pixels differ")
     return len(first.rows) == len(second.rows) and len(first.rows[0]) == len(second.rows[0]) and differ <= int(count)
 
@@ -53,4 +72,4 @@ def near(a, b, most):
     return len(first.rows) == len(second.rows) and largest <= int(most)
 
 
-sys.exit(not {"modal": modal, "color": color, "box": box, "same": same, "near": near}[sys.argv[1]](*sys.argv[2:]))
+sys.exit(not {"modal": modal, "color": color, "box": box, "smooth": smooth, "same": same, "near": near}[sys.argv[1]](*sys.argv[2:]))

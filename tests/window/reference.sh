@@ -40,14 +40,14 @@ cmp carved.png carved_again.png || fail "the reference is another one"
 
 # ---- its opacity; seen through the sculpture; another camera and back; undone
 fainter() {
-    slide 171 390 -30
+    slide 166 470 -30
     picture fainter
     differ fainter carved
 }
 until_ "a fainter reference" fainter
 through() {
-    press 65 390
-    press 50 432
+    press 62 470
+    press 50 519
     picture through
     differ through fainter
 }

@@ -25,7 +25,7 @@ save_as() {
     enter "$1"
 }
 export_as() {
-    until_ "the browser" opens_browser 172 436
+    until_ "the browser" opens_browser 181 526
     enter "$1"
 }
 is_stl() { # whole: as long as its number of triangles says
@@ -120,7 +120,7 @@ anew
 cp box.obj before.obj
 echo "somebody's" >box.vdb
 start "$work/box.obj"
-until_ "its title" title_is "$(basename "$(newest)")"
+until_ "its title" title_is ': box.obj$'
 picture box
 stroke 640 400 20 20
 save_as box.obj
@@ -140,7 +140,7 @@ key Escape
 key F12
 until_ "a picture beside it" test -s "$work/box-2-1.png"
 rm box-2-1.png
-until_ "the browser" opens_browser 225 344
+until_ "the browser" opens_browser 249 414
 enter portrait.png
 until_ "portrait.png" test -s portrait.png
 
@@ -157,4 +157,16 @@ whole_window browser
 key Return
 opened() { [ "$(newest)" != "$before" ] && head -1 "$(newest)" | grep -qF '/shelf/inner/b.obj"'; }
 until_ "shelf/inner/b.obj" opened
+stop
+
+# ---- a viewed volume can be saved, too: its surface becomes a field; the title follows the file
+anew
+cp "$volumes/stent.nrrd" ct.nrrd
+window_program ct.nrrd --isovalue 600
+until_ "the volume" title_is ': ct.nrrd$'
+picture volume
+key ctrl+s
+until_ "ct.vdb" is_vdb ct.vdb
+until_ "the title of the saved file" title_is ': ct.vdb$'
+journal_is_there || fail "a volume was saved without becoming a field"
 echo "passed"

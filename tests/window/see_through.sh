@@ -20,7 +20,7 @@ slide() {
 command_of() {
     before_command=
     command=
-    until_ "a command on the clipboard" copies 97 "$1"
+    until_ "a command on the clipboard" copies 105 "$1"
 }
 isovalues() { grep -o -- '--isovalue=[^ ]*' <<<"$command" | cut -d= -f2; }
 opacities() { grep -o -- '--opacity=[^ ]*' <<<"$command" | cut -d= -f2; }
@@ -30,23 +30,23 @@ window_program stent.nrrd --isovalue 600
 until_ "the volume" title_is 'stent.nrrd'
 picture opaque
 translucent() {
-    slide 213 239 -120
+    slide 208 233 -120
     picture translucent
     differ opaque translucent
 }
 until_ "a translucent surface" translucent
-command_of 423
+command_of 457
 awk -v a="$(opacities)" 'BEGIN { exit !(a > 0.2 && a < 0.6) }' || fail "the opacity is $(opacities)"
 draws translucent 0
 
 # ---- a second isovalue
 two() {
-    press 25 262
+    press 23 261
     whole_window two
-    look color two.png 240 143 219 16,56,296,170 60
+    look color two.png 240 143 219 12,38,292,150 60
 }
 until_ "a second line in the histogram" two
-command_of 469
+command_of 513
 second=$(isovalues | cut -d, -f2)
 awk -v a="$second" 'BEGIN { exit !(a > 600) }' || fail "isovalues $(isovalues)"
 picture second
@@ -54,17 +54,17 @@ draws second 0
 differ second translucent || fail "a second isovalue is not to be seen"
 
 # ---- its line is dragged, and the first one stays; then the first one, and the second one stays
-line=$(awk -v v="$second" 'BEGIN { printf "%d", 16 + 280 * v / 2000 }')
+line=$(awk -v v="$second" 'BEGIN { printf "%d", 12 + 280 * (v - 62) / 1938 }')
 second_moves() {
-    slide "$line" 130 20
-    command_of 469
+    slide "$line" 100 20
+    command_of 513
     [ "$(isovalues | cut -d, -f1)" = 600 ] && [ "$(isovalues | cut -d, -f2)" != "$second" ]
 }
 until_ "the second isovalue dragged" second_moves
 second=$(isovalues | cut -d, -f2)
 first_moves() {
-    slide 100 130 -20
-    command_of 469
+    slide 90 100 -20
+    command_of 513
     [ "$(isovalues | cut -d, -f2)" = "$second" ] && [ "$(isovalues | cut -d, -f1)" != 600 ]
 }
 until_ "the first isovalue dragged" first_moves
@@ -73,8 +73,8 @@ draws dragged 0
 
 # ---- both are opaque
 both() {
-    slide 120 239 100
-    command_of 469
+    slide 120 233 100
+    command_of 513
     [ -z "$(opacities)" ]
 }
 until_ "two opaque surfaces" both
@@ -84,14 +84,13 @@ draws both 0
 # ---- a brush is chosen: the first surface becomes a field, and is opaque
 key 2
 until_ "a field" journal_is_there
-until_ "its title" title_is "$(basename "$journal")"
 picture field
 
 # ---- the reference: nothing of it lies in front of what was not changed (samples are rounded before they are averaged)
 key r
 referenced() {
     whole_window panel
-    look color panel.png 130 190 240 270,380,300,400 50
+    look color panel.png 130 190 240 268,460,294,482 50
 }
 until_ "the reference's colour in the panel" referenced
 picture unchanged

@@ -76,13 +76,15 @@ has_events() { [ "$(events "$1")" -eq "$2" ]; }
 window_number() { xdotool search --onlyvisible --name '^isosculpt' | head -1; }
 title_is() { xdotool search --onlyvisible --name "$1" >/dev/null 2>&1; }
 key() { xdotool key "$@"; }
-# drag BUTTON X Y DX DY: drags the mouse in ten steps
+# The panel takes this many columns of the window; the picture is right of it.
+PANEL=304
+# drag BUTTON X Y DX DY: drags the mouse in ten steps; 640, 400 is the middle of the picture beside the panel
 drag() {
-    local moves=() step
+    local moves=() step x=$(($2 + PANEL / 2))
     for step in 1 2 3 4 5 6 7 8 9 10; do
-        moves+=(mousemove $(($2 + $4 * step / 10)) $(($3 + $5 * step / 10)))
+        moves+=(mousemove $((x + $4 * step / 10)) $(($3 + $5 * step / 10)))
     done
-    xdotool mousemove "$2" "$3" mousedown "$1" "${moves[@]}" mouseup "$1"
+    xdotool mousemove "$x" "$3" mousedown "$1" "${moves[@]}" mouseup "$1"
 }
 # stroke X Y DX DY: drags with the left button, and waits for the stroke's end in the journal
 stroke() {

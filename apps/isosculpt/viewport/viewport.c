@@ -240,6 +240,13 @@ static void show_whole(isosculpt_viewport *viewport) {
     isosculpt_viewport_zoom(viewport, 0.8); /* leaves room beside the surface, where a drag orbits */
 }
 
+void isosculpt_viewport_set_size(isosculpt_viewport *viewport, int width, int height) {
+    viewport->width = width;
+    viewport->height = height;
+    viewport->drawn.samples = 0; /* the last picture has another size */
+    show_whole(viewport);
+}
+
 void isosculpt_viewport_set_direction(isosculpt_viewport *viewport, iso_direction direction) {
     iso_vec3 forward, up;
     iso_direction_vectors(direction, iso_vec3_make(0, 0, 1), &forward, &up);

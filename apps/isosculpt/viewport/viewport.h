@@ -244,6 +244,8 @@ void isosculpt_viewport_pan(isosculpt_viewport *viewport, double dx, double dy);
 void isosculpt_viewport_zoom(isosculpt_viewport *viewport, double factor); /* > 1: things appear larger */
 /* Shows the whole surface from a side. */
 void isosculpt_viewport_set_direction(isosculpt_viewport *viewport, iso_direction direction);
+/* Sets the size of the pictures that will be drawn, and shows the whole surface in them. */
+void isosculpt_viewport_set_size(isosculpt_viewport *viewport, int width, int height);
 /* Returns the world box around the current surface, or around the grid if there is no surface. */
 iso_box isosculpt_viewport_bounds(isosculpt_viewport *viewport);
 /* Moves a world position to the middle of the picture without changing the scale; the camera then orbits

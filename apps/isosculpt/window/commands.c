@@ -80,9 +80,13 @@ void isosculpt_window_handle_dialog_result(window *w, unsigned results) {
 
 /* ---- the panel */
 
-/* Opens the path in the input box. */
+/* Opens the path in the input box; a folder is opened in the browser. */
 static void open_typed_path(window *w) {
     char path[ISOSCULPT_PATH];
+    if (isosculpt_browser_is_folder(w->screen.typed_path)) {
+        w->screen.browse_request = ISOSCULPT_BROWSE_OPEN;
+        return;
+    }
     memcpy(path, w->screen.typed_path, sizeof path);
     w->screen.typed_path[0] = 0;
     isosculpt_window_open_file(w, path, false);
@@ -117,8 +121,7 @@ static void use_chosen_path(window *w) {
 static void process_controller_commands(window *w) {
     const unsigned commands = w->controller.commands;
     if (commands & ISOSCULPT_COMMAND_SAVE) isosculpt_window_request_save(w, ISOSCULPT_BROWSE_SAVE, NULL);
-    if (commands & ISOSCULPT_COMMAND_SAVE_AS && isosculpt_window_can_save(w))
-        w->screen.browse_request = ISOSCULPT_BROWSE_SAVE;
+    if (commands & ISOSCULPT_COMMAND_SAVE_AS) w->screen.browse_request = ISOSCULPT_BROWSE_SAVE;
     if (commands & ISOSCULPT_COMMAND_OPEN) w->screen.browse_request = ISOSCULPT_BROWSE_OPEN;
     if (commands & ISOSCULPT_COMMAND_SCULPT) isosculpt_window_start_sculpting(w);
     w->controller.commands &= ISOSCULPT_COMMAND_REDRAW | ISOSCULPT_COMMAND_CLOSE;
@@ -134,6 +137,20 @@ static void show_controller_errors(window *w) {
     controller->clipped = false;
 }
 
+/* Before a viewed volume is saved, it is converted into a field. If that fails or is cancelled, nothing is
+ * saved. */
+static void sculpt_before_saving(window *w) {
+    if (!w->pending_save || !w->volume) {
+        w->sculpting_to_save = false;
+    } else if (w->sculpting_to_save && !w->sculpting) {
+        w->sculpting_to_save = false;
+        w->pending_save = ISOSCULPT_BROWSE_NOTHING;
+    } else if (!w->sculpting) {
+        isosculpt_window_start_sculpting(w);
+        w->sculpting_to_save = true;
+    }
+}
+
 iso_status isosculpt_window_process_commands(window *w, iso_error *error) {
     proceed(w, isosculpt_window_poll_save(w));
     const unsigned results = w->screen.results;
@@ -146,6 +163,7 @@ iso_status isosculpt_window_process_commands(window *w, iso_error *error) {
     if (results & ISOSCULPT_RESULT_CHOSEN) use_chosen_path(w);
     if (results & ISOSCULPT_RESULT_COMMAND) isosculpt_window_copy_command(w);
     process_controller_commands(w);
+    sculpt_before_saving(w);
     isosculpt_window_start_save(w);
     apply_isovalue(w);
     show_controller_errors(w);

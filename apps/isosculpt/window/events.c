@@ -25,7 +25,14 @@ static void on_move(GLFWwindow *glfw, double x, double y) {
     w->frames_left = ISOSCULPT_FRAMES_AFTER_EVENT;
     if (w->controller.drag == ISOSCULPT_DRAG_BRUSH && isosculpt_pen_present(w->pen))
         w->controller.pressure = isosculpt_pen_pressure(w->pen);
-    isosculpt_controller_move(&w->controller, x * w->screen.pixels, y * w->screen.pixels);
+    isosculpt_controller_move(&w->controller, x * w->screen.pixels - w->screen.picture_x,
+                              y * w->screen.pixels);
+}
+
+/* Whether the panel or a dialog uses the pointer where the last event placed it. */
+static bool panel_has_pointer(const window *w) {
+    return isosculpt_panel_has_pointer(w->panel, (w->controller.x + w->screen.picture_x) / w->screen.pixels,
+                                       w->controller.y / w->screen.pixels);
 }
 
 static void on_button(GLFWwindow *glfw, int button, int action, int mods) {
@@ -38,8 +45,7 @@ static void on_button(GLFWwindow *glfw, int button, int action, int mods) {
                  y = w->controller.y; /* position of the last event: GLFW sends it before the button */
     if (action == GLFW_RELEASE)
         isosculpt_controller_release(&w->controller, buttons[button]);
-    else if (!w->screen.blank &&
-             !isosculpt_panel_has_pointer(w->panel, x / w->screen.pixels, y / w->screen.pixels)) {
+    else if (!w->screen.blank && !panel_has_pointer(w)) {
         w->controller.pressure = isosculpt_pen_pressure(w->pen);
         w->screen.pen = isosculpt_pen_present(w->pen);
         isosculpt_controller_press(&w->controller, buttons[button], modifiers_of(mods), x, y);
@@ -50,10 +56,7 @@ static void on_scroll(GLFWwindow *glfw, double dx, double dy) {
     (void)dx;
     window *w = window_of(glfw);
     w->frames_left = ISOSCULPT_FRAMES_AFTER_EVENT;
-    double pixels = w->screen.pixels;
-    if (!w->screen.blank &&
-        !isosculpt_panel_has_pointer(w->panel, w->controller.x / pixels, w->controller.y / pixels))
-        isosculpt_controller_scroll(&w->controller, dy);
+    if (!w->screen.blank && !panel_has_pointer(w)) isosculpt_controller_scroll(&w->controller, dy);
 }
 
 /* Returns the isosculpt_key of a key in the current keyboard layout. Digits of the number pad choose a
@@ -155,8 +158,8 @@ static bool answer_dialog(window *w, int key, int meaning) {
     return true;
 }
 
-/* Handles Escape outside a stroke: closes the help, else cancels a background task, else dismisses the
- * message. */
+/* Handles Escape outside a stroke and without an open list: closes the help, else cancels a background task,
+ * else dismisses the message. */
 static void handle_escape(window *w) {
     if (w->screen.help)
         w->screen.help = false;
@@ -185,6 +188,7 @@ static void on_key(GLFWwindow *glfw, int key, int scancode, int action, int mods
     }
     if (action == GLFW_PRESS && key == GLFW_KEY_F12)
         *(mods & GLFW_MOD_SHIFT ? &w->screenshot_window : &w->screenshot) = true;
+    if (key == GLFW_KEY_ESCAPE && isosculpt_panel_close_list(w->panel)) return;
     if (answer_dialog(w, key, meaning)) return;
     if (w->screen.browser.purpose || isosculpt_panel_has_keys()) {
         record_typed(&w->screen.browser.typed, key);
@@ -193,7 +197,9 @@ static void on_key(GLFWwindow *glfw, int key, int scancode, int action, int mods
     if (key == GLFW_KEY_ESCAPE && w->controller.drag != ISOSCULPT_DRAG_BRUSH) handle_escape(w);
     if (action == GLFW_PRESS && key == GLFW_KEY_TAB) w->screen.panel = !w->screen.panel;
     if (action == GLFW_PRESS && meaning == 'h') w->screen.help = !w->screen.help;
-    if (action == GLFW_PRESS && !(mods & GLFW_MOD_CONTROL) && change_display_mode(w, meaning)) return;
+    if (action == GLFW_PRESS && !(mods & (GLFW_MOD_CONTROL | GLFW_MOD_ALT)) &&
+        change_display_mode(w, meaning))
+        return;
     if (!w->screen.blank || meaning == 'q')
         isosculpt_controller_key(&w->controller, meaning, modifiers_of(mods), true);
     if (w->controller.commands & ISOSCULPT_COMMAND_CLOSE) request_close(w);

@@ -127,6 +127,11 @@ void isosculpt_browser_reread(isosculpt_browser *browser) {
 
 /* ---- changing folders */
 
+bool isosculpt_browser_is_folder(const char *path) {
+    struct stat about;
+    return stat(path, &about) == 0 && S_ISDIR(about.st_mode);
+}
+
 void isosculpt_browser_enter(isosculpt_browser *browser, const char *folder) {
     char *absolute = realpath(folder, NULL);
     DIR *readable = absolute ? opendir(absolute) : NULL;
@@ -226,7 +231,6 @@ static void add_extension(const isosculpt_browser *browser, char path[ISOSCULPT_
 bool isosculpt_browser_path(const isosculpt_browser *browser, char path[ISOSCULPT_PATH]) {
     const char *name = browser->name, *home = getenv("HOME"),
                *separator = strcmp(browser->folder, "/") == 0 ? "" : "/";
-    struct stat about;
     int length;
     if (!name[0]) return false;
     if (name[0] == '/')
@@ -236,8 +240,8 @@ bool isosculpt_browser_path(const isosculpt_browser *browser, char path[ISOSCULP
     else
         length = snprintf(path, ISOSCULPT_PATH, "%s%s%s", browser->folder, separator, name);
     if (length >= ISOSCULPT_PATH) return false;
-    const bool is_folder = stat(path, &about) == 0 && S_ISDIR(about.st_mode);
-    if (isosculpt_browser_saves(browser->purpose) && !is_folder) add_extension(browser, path);
+    if (isosculpt_browser_saves(browser->purpose) && !isosculpt_browser_is_folder(path))
+        add_extension(browser, path);
     return true;
 }
 

@@ -67,14 +67,15 @@ static void draw_type(isosculpt_browser *browser, float scale) {
     if (ImGui::Checkbox("hidden files", &browser->show_hidden)) isosculpt_browser_reread(browser);
 }
 
-/* Draws the input box for the name, which has the keyboard focus unless another widget is active. Returns
- * whether Enter was pressed. */
+/* Draws the input box for the name, which has the keyboard focus unless another widget is active or a list is
+ * open (which would close without the focus). Returns whether Enter was pressed. */
 static bool draw_name(isosculpt_browser *browser) {
     const bool empty = !browser->name[0];
     ImGui::SetNextItemWidth(-FLT_MIN);
     ImGui::PushID(browser->generation); /* Dear ImGui ignores changes of the text of an active box; a new id
                                            makes a new box */
-    if (ImGui::IsWindowAppearing() || !ImGui::IsAnyItemActive()) ImGui::SetKeyboardFocusHere();
+    const bool list = ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopupId);
+    if (ImGui::IsWindowAppearing() || (!list && !ImGui::IsAnyItemActive())) ImGui::SetKeyboardFocusHere();
     if (ImGui::InputTextWithHint("##name", "a name, or a path", browser->name, sizeof browser->name))
         isosculpt_browser_follow_name(browser);
     ImGui::PopID();

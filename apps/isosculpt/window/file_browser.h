@@ -61,6 +61,8 @@ bool isosculpt_browser_saves(isosculpt_purpose purpose); /* whether the chosen f
 void isosculpt_browser_open(isosculpt_browser *browser, isosculpt_purpose purpose, const char *path);
 void isosculpt_browser_close(isosculpt_browser *browser); /* frees the entries; keeps `show_hidden` */
 
+bool isosculpt_browser_is_folder(const char *path);
+
 /* Changes to another folder; when it cannot be read the folder stays, and `error_text` says why. */
 void isosculpt_browser_enter(isosculpt_browser *browser, const char *folder);
 void isosculpt_browser_up(isosculpt_browser *browser); /* to the parent folder */

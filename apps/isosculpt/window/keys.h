@@ -15,7 +15,8 @@
     X("Alt or Ctrl + left drag", "the brush, inverted")                                                      \
     X("[  ] or ,  .", "smaller, larger brush")                                                               \
     X("X, C + moving the mouse", "size, strength")                                                           \
-    X("Escape", "take back the stroke, cancel opening or saving")                                            \
+    X("Ctrl+I, Alt+M", "invert the mask, clear it")                                                          \
+    X("Escape", "take back the stroke, close a list, cancel opening or saving")                              \
     X("Ctrl+Z, Ctrl+Shift+Z or Ctrl+Y", "undo, redo")                                                        \
     X("Ctrl+O", "open a file")                                                                               \
     X("Ctrl+S, Ctrl+Shift+S", "save; save as .vdb (level set), .stl, .ply or .obj (meshes)")                 \

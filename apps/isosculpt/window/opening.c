@@ -8,17 +8,10 @@
 
 #include <GLFW/glfw3.h>
 
+#include "apps/isosculpt/look.h"
 #include "apps/isosculpt/window/reference.h"
 
 /* ---- the document and its viewport */
-
-static void show_title(window *w) {
-    char title[ISOSCULPT_PATH + 32];
-    const char *path = w->volume ? w->volume->path : w->document.journal, *slash = strrchr(path, '/'),
-               *name = slash ? slash + 1 : path;
-    snprintf(title, sizeof title, "isosculpt%s%s", name[0] ? ": " : "", name);
-    glfwSetWindowTitle(w->glfw, title);
-}
 
 /* Sets up controller and engine after document and viewport have been replaced. The brush keeps its size in
  * voxels. */
@@ -38,11 +31,17 @@ static void adopt_document(window *w) {
         w->controller.brush.symmetry = 0;
         w->controller.brush.radius = brush.radius / before * voxel;
     }
+    if (w->document.look[0]) isosculpt_look_apply(&w->controller, w->document.look); /* it is recovered */
     w->voxel = voxel;
     w->controller.viewing_volume = w->screen.volume != NULL;
-    show_title(w);
     w->controller.commands = ISOSCULPT_COMMAND_REDRAW;
     w->frames_left = ISOSCULPT_FRAMES_AFTER_EVENT;
+}
+
+/* Shows the whole surface in the part of the window that the panel leaves free. */
+static void frame_surface(window *w) {
+    isosculpt_window_update_framebuffer_size(w);
+    isosculpt_viewport_set_size(&w->viewport, w->screen.picture_width, w->screen.height);
 }
 
 static iso_status show_document(window *w, iso_error *error) {
@@ -50,6 +49,7 @@ static iso_status show_document(window *w, iso_error *error) {
     w->viewport.reference_mode.shown =
         w->settings->x_ray != ISOSCULPT_X_RAY_OFF || w->settings->references.count;
     w->viewport.reference_mode.over = w->settings->x_ray == ISOSCULPT_X_RAY_OVER;
+    frame_surface(w);
     adopt_document(w);
     return ISO_OK;
 }
@@ -159,7 +159,10 @@ static iso_status show_loaded(window *w, isosculpt_loaded *loaded, iso_error *er
     w->screen.blank = false;
     w->viewport.mode = mode;
     w->viewport.reference_mode = reference_mode;
-    if (same_camera) w->viewport.camera = camera;
+    if (same_camera)
+        w->viewport.camera = camera;
+    else
+        frame_surface(w);
     if (w->volume) {
         w->document.pool = w->pool;
         ISO_TRY(isosculpt_document_init_empty(&w->document, error));

@@ -5,11 +5,13 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <memory>
 #include <new>
 
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_opengl3.h>
 #include <imgui.h>
+#include <imgui_internal.h>
 
 #include <GLFW/glfw3.h>
 
@@ -27,13 +29,16 @@ struct rectangle { /* window coordinates */
 
 struct isosculpt_panel {
     float scale;
-    bool reposition;                          /* the scale has changed */
+    panel_font font;
     bool modal;                               /* a dialog is shown */
+    bool close_list;                          /* close lists and colour pickers in the next frame */
     rectangle place, progress_items, message; /* where panel, progress and message were last drawn */
     bool is_over(double x, double y) const {
         return place.contains(x, y) || progress_items.contains(x, y) || message.contains(x, y);
     }
 };
+
+static const float PANEL_WIDTH = 304; /* at scale 1 */
 
 /* ---- sections of the panel */
 
@@ -94,26 +99,73 @@ static void choose_mirror(isosculpt_controller *controller) {
     ImGui::TextUnformatted("at, mm");
 }
 
+/* A brush of the panel: the label of its button, and what it does. */
+struct brush_button {
+    const char *label, *tip;
+};
+static const brush_button BRUSHES[ISOSCULPT_TOOL_KEYS] = {
+    {"add", "Adds material along the stroke: a tube, or the shape that is chosen.\nAlt: carves."},
+    {"carve", "Takes material away along the stroke.\nAlt: adds."},
+    {"blend", "Adds material with a smooth transition to what is there.\nAlt: carves with one."},
+    {"smooth", "Evens out bumps and dents. Shift does this with every brush."},
+    {"inflate", "Moves the surface outwards.\nAlt: inwards."},
+    {"flatten", "Moves the surface to a plane through the place under the pointer."},
+    {"pinch", "Gathers the surface towards the middle of the brush: sharper edges."},
+    {"move", "Drags what lies under the brush along with the pointer."},
+    {"mask", "Freezes the surface, which no brush moves then.\nAlt: frees it."}};
+
+static void choose_brush(isosculpt_controller *controller) {
+    const float gap = ImGui::GetStyle().ItemInnerSpacing.x,
+                width = (ImGui::GetContentRegionAvail().x - 2 * gap) / 3;
+    for (int i = 0; i < ISOSCULPT_TOOL_KEYS; i++) {
+        const bool chosen = controller->brush.tool == isosculpt_controller_tool(i + 1);
+        char label[32];
+        snprintf(label, sizeof label, "%d  %s", i + 1, BRUSHES[i].label);
+        if (i % 3) ImGui::SameLine(0, gap);
+        if (chosen) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_CheckMark));
+        if (ImGui::Button(label, ImVec2(width, 0))) isosculpt_controller_key(controller, '1' + i, 0, true);
+        if (chosen) ImGui::PopStyleColor();
+        if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s\nKey: %d", BRUSHES[i].tip, i + 1);
+    }
+}
+
+/* The buttons for the whole mask. */
+static void change_mask(isosculpt_controller *controller) {
+    const button_row row("Invert maskClear mask", 2);
+    if (ImGui::Button("Invert mask")) isosculpt_controller_change_mask(controller, ISO_TOOL_INVERT_MASK);
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("Freezes what is free, and frees the rest.\nKey: Ctrl+I");
+    row.next();
+    ImGui::BeginDisabled(!iso_session_has_mask(controller->document->session));
+    if (ImGui::Button("Clear mask")) isosculpt_controller_change_mask(controller, ISO_TOOL_CLEAR_MASK);
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("Frees everything.\nKey: Alt+M");
+    ImGui::EndDisabled();
+}
+
+static void choose_strength(iso_brush *brush) {
+    const double none = 0.02, full = 1;
+    ImGui::BeginDisabled(!isosculpt_tool_has_strength(brush->tool));
+    ImGui::SliderScalar("strength", ImGuiDataType_Double, &brush->strength, &none, &full, "%.2f",
+                        ImGuiSliderFlags_AlwaysClamp);
+    ImGui::EndDisabled();
+    if (ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled))
+        ImGui::SetTooltip("%s", !isosculpt_tool_has_strength(brush->tool) ? "A mask has no strength."
+                                : isosculpt_tool_has_shape(brush->tool)
+                                    ? "How high the stroke is built up, or how deep it is carved:\n"
+                                      "1 is the radius. C and moving the mouse change it."
+                                    : "How much a touch changes. C and moving the mouse change it.");
+}
+
 static void draw_brush_section(const isosculpt_screen *screen) {
     isosculpt_controller *controller = screen->controller;
-    static const char *const names[] = {"1 add",     "2 carve", "3 blend", "4 smooth", "5 inflate",
-                                        "6 flatten", "7 pinch", "8 move",  "9 mask"};
-    const float width = ImGui::GetContentRegionAvail().x / 3 - ImGui::GetStyle().ItemSpacing.x * 0.67f;
-    for (int i = 0; i < ISOSCULPT_TOOL_KEYS; i++) {
-        bool chosen = controller->brush.tool == isosculpt_controller_tool(i + 1);
-        if (i % 3) ImGui::SameLine();
-        if (chosen) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_ButtonActive));
-        if (ImGui::Button(names[i], ImVec2(width, 0))) isosculpt_controller_key(controller, '1' + i, 0, true);
-        if (chosen) ImGui::PopStyleColor();
-    }
-    const double voxel = controller->document->start.voxel_size, low = 2 * voxel, high = 128 * voxel,
-                 none = 0.02, full = 1;
+    choose_brush(controller);
+    const double voxel = controller->document->start.voxel_size, low = 2 * voxel, high = 128 * voxel;
     ImGui::SliderScalar("radius", ImGuiDataType_Double, &controller->brush.radius, &low, &high, "%.2f mm",
                         ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp);
-    ImGui::SliderScalar("strength", ImGuiDataType_Double, &controller->brush.strength, &none, &full, "%.2f",
-                        ImGuiSliderFlags_AlwaysClamp);
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("[ and ], or X and moving the mouse, change it.");
+    choose_strength(&controller->brush);
     choose_shape(controller);
     choose_mirror(controller);
+    change_mask(controller);
     if (!screen->pen) return;
     ImGui::AlignTextToFramePadding();
     ImGui::TextUnformatted("pressure");
@@ -170,16 +222,22 @@ static void choose_side(isosculpt_controller *controller) {
     } sides[] = {{"front", "Shift+1", ISO_FRONT}, {"back", "Ctrl+1", ISO_BACK},
                  {"right", "Shift+3", ISO_RIGHT}, {"left", "Ctrl+3", ISO_LEFT},
                  {"top", "Shift+7", ISO_TOP},     {"bottom", "Ctrl+7", ISO_BOTTOM}};
-    const ImGuiStyle &style = ImGui::GetStyle();
-    const float gap = 0.75f * style.ItemInnerSpacing.x, room = ImGui::GetContentRegionAvail().x,
-                padding = (room - 5 * gap - ImGui::CalcTextSize("frontbackrightlefttopbottom").x) / 12;
-    ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, ImVec2(padding, style.FramePadding.y));
+    const button_row row("frontbackrightlefttopbottom", 6);
     for (int i = 0; i < 6; i++) {
-        if (i) ImGui::SameLine(0, gap);
+        if (i) row.next();
         if (ImGui::Button(sides[i].name)) isosculpt_controller_set_direction(controller, sides[i].direction);
         if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", sides[i].tip);
     }
-    ImGui::PopStyleVar();
+}
+
+/* Buttons that copy the command that draws the picture, and save the picture. */
+static void draw_picture_buttons(isosculpt_screen *screen) {
+    const button_row row("Copy isorender commandPicture...", 2);
+    if (ImGui::Button("Copy isorender command")) screen->results |= ISOSCULPT_RESULT_COMMAND;
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("a command that draws this picture, to the clipboard");
+    row.next();
+    if (ImGui::Button("Picture...")) screen->browse_request = ISOSCULPT_BROWSE_PICTURE;
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("save it under a name; F12: beside the file, at once");
 }
 
 static void draw_picture_section(isosculpt_screen *screen) {
@@ -210,11 +268,7 @@ static void draw_picture_section(isosculpt_screen *screen) {
     changed |= choose_engine(controller->viewport);
     if (changed) controller->commands |= ISOSCULPT_COMMAND_REDRAW;
     choose_side(controller);
-    if (ImGui::Button("Copy isorender command")) screen->results |= ISOSCULPT_RESULT_COMMAND;
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("a command that draws this picture, to the clipboard");
-    ImGui::SameLine();
-    if (ImGui::Button("Picture...")) screen->browse_request = ISOSCULPT_BROWSE_PICTURE;
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("save it under a name; F12: beside the file, at once");
+    draw_picture_buttons(screen);
     if (!screen->volume) panel_draw_reference(screen);
 }
 
@@ -276,12 +330,15 @@ static void draw_numbers_section(isosculpt_controller *controller) {
 }
 
 static void draw_panel(isosculpt_panel *panel, isosculpt_screen *screen) {
-    const ImVec2 display = ImGui::GetIO().DisplaySize;
-    const float width = 296 * panel->scale, gap = 8 * panel->scale;
-    ImGui::SetNextWindowPos(ImVec2(gap, gap), panel->reposition ? ImGuiCond_Always : ImGuiCond_FirstUseEver);
-    panel->reposition = false;
-    ImGui::SetNextWindowSizeConstraints(ImVec2(width, 0), ImVec2(width, display.y - 2 * gap));
-    ImGui::Begin("isosculpt", nullptr, ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_AlwaysAutoResize);
+    ImGui::SetNextWindowPos(ImVec2(0, 0), ImGuiCond_Always);
+    ImGui::SetNextWindowSize(ImVec2((float)isosculpt_panel_width(panel), ImGui::GetIO().DisplaySize.y),
+                             ImGuiCond_Always);
+    ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 0);
+    ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 0);
+    ImGui::Begin("isosculpt", nullptr,
+                 ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoMove |
+                     ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoBringToFrontOnFocus);
+    ImGui::PopStyleVar(2);
     ImGui::PushItemWidth(-76 * panel->scale);
     const bool viewing_volume = screen->volume != nullptr, brush = !viewing_volume || screen->sculpting;
     const ImGuiTreeNodeFlags open = ImGuiTreeNodeFlags_DefaultOpen;
@@ -291,7 +348,7 @@ static void draw_panel(isosculpt_panel *panel, isosculpt_screen *screen) {
     if (ImGui::CollapsingHeader("Files", open)) panel_draw_files(screen);
     if (!viewing_volume && ImGui::CollapsingHeader("History", open))
         draw_history_section(screen->controller, panel->scale);
-    if (ImGui::CollapsingHeader("Numbers", open)) draw_numbers_section(screen->controller);
+    if (ImGui::CollapsingHeader("Numbers")) draw_numbers_section(screen->controller);
     ImGui::PopItemWidth();
     panel->place = rectangle{ImGui::GetWindowPos(), ImGui::GetWindowSize()};
     ImGui::End();
@@ -299,10 +356,15 @@ static void draw_panel(isosculpt_panel *panel, isosculpt_screen *screen) {
 
 /* ---- progress of background tasks */
 
+/* The middle of the picture, in window coordinates. */
+static float picture_middle(const isosculpt_screen *screen) {
+    return (float)((screen->picture_x + 0.5 * screen->picture_width) / screen->pixels);
+}
+
 /* Draws the progress of tasks at the lower edge, also while the panel is hidden. */
 static void draw_progress(isosculpt_panel *panel, isosculpt_screen *screen) {
     const ImVec2 display = ImGui::GetIO().DisplaySize;
-    ImGui::SetNextWindowPos(ImVec2(display.x / 2, display.y - 16 * panel->scale), ImGuiCond_Always,
+    ImGui::SetNextWindowPos(ImVec2(picture_middle(screen), display.y - 16 * panel->scale), ImGuiCond_Always,
                             ImVec2(0.5f, 1));
     ImGui::SetNextWindowSize(ImVec2(420 * panel->scale, 0), ImGuiCond_Always);
     ImGui::Begin("##busy", nullptr,
@@ -330,7 +392,7 @@ static void draw_message(isosculpt_panel *panel, isosculpt_screen *screen) {
     const ImVec2 display = ImGui::GetIO().DisplaySize;
     const float below = screen->progress_item_count ? display.y - panel->progress_items.position.y : 0,
                 gap = 16 * panel->scale;
-    ImGui::SetNextWindowPos(ImVec2(display.x / 2, display.y - gap - below), ImGuiCond_Always,
+    ImGui::SetNextWindowPos(ImVec2(picture_middle(screen), display.y - gap - below), ImGuiCond_Always,
                             ImVec2(0.5f, 1));
     ImGui::SetNextWindowSizeConstraints(ImVec2(0, 0), ImVec2(display.x - 2 * gap, display.y));
     ImGui::Begin("##message", nullptr,
@@ -451,7 +513,7 @@ static void draw_replace_dialog(isosculpt_screen *screen) {
 
 /* ---- the browser */
 
-/* Opens the browser at the path in the input box, or at the target. */
+/* Opens the browser: at the folder in the input box, or at the target, with the file's name in the box. */
 static void open_browser(isosculpt_screen *screen) {
     char path[ISOSCULPT_PATH];
     const isosculpt_purpose purpose = screen->browse_request;
@@ -465,7 +527,10 @@ static void open_browser(isosculpt_screen *screen) {
         snprintf(path, sizeof path, "%s", target);
     isosculpt_browser_open(&screen->browser, purpose, path);
     if (!typed[0] || purpose == ISOSCULPT_BROWSE_PICTURE) return;
-    snprintf(screen->browser.name, sizeof screen->browser.name, "%s", typed);
+    if (purpose == ISOSCULPT_BROWSE_OPEN && isosculpt_browser_is_folder(typed))
+        isosculpt_browser_enter(&screen->browser, typed);
+    else
+        snprintf(screen->browser.name, sizeof screen->browser.name, "%s", typed);
     screen->typed_path[0] = 0;
 }
 
@@ -496,11 +561,40 @@ static void draw_all(isosculpt_panel *panel, isosculpt_screen *screen) {
     draw_replace_dialog(screen);
     draw_browser(panel, screen);
     const isosculpt_controller *controller = screen->controller;
-    const bool over = panel->is_over(controller->x / screen->pixels, controller->y / screen->pixels);
+    const bool over =
+        panel->is_over((controller->x + screen->picture_x) / screen->pixels, controller->y / screen->pixels);
     const bool brush = !screen->volume || screen->sculpting;
     panel_draw_picture(screen, panel->scale);
     if (brush && !screen->blank && !panel->modal && (!over || controller->drag == ISOSCULPT_DRAG_BRUSH))
         panel_draw_brush(screen, panel->scale);
+}
+
+double isosculpt_panel_width(const isosculpt_panel *panel) {
+    return panel ? (double)std::floor(PANEL_WIDTH * panel->scale) : 0;
+}
+
+/* The number of modal dialogs that are open; lists and colour pickers are popups above them. */
+static int count_dialogs() {
+    const ImGuiContext &context = *ImGui::GetCurrentContext();
+    int count = 0;
+    while (count < context.OpenPopupStack.Size && context.OpenPopupStack[count].Window &&
+           context.OpenPopupStack[count].Window->Flags & ImGuiWindowFlags_Modal)
+        count++;
+    return count;
+}
+
+static bool has_list() {
+    return ImGui::GetCurrentContext()->OpenPopupStack.Size > count_dialogs();
+}
+
+static void close_lists() {
+    if (has_list()) ImGui::ClosePopupToLevel(count_dialogs(), true);
+}
+
+bool isosculpt_panel_close_list(isosculpt_panel *panel) {
+    if (panel->close_list || !has_list()) return false;
+    panel->close_list = true;
+    return true;
 }
 
 iso_status isosculpt_panel_draw(isosculpt_panel *panel, isosculpt_screen *screen, iso_error *error) {
@@ -508,6 +602,8 @@ iso_status isosculpt_panel_draw(isosculpt_panel *panel, isosculpt_screen *screen
         ImGui_ImplOpenGL3_NewFrame();
         ImGui_ImplGlfw_NewFrame();
         ImGui::NewFrame();
+        if (panel->close_list) close_lists();
+        panel->close_list = false;
         draw_all(panel, screen);
         ImGui::Render();
         ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
@@ -525,38 +621,34 @@ bool isosculpt_panel_has_keys(void) {
 
 /* ---- creating and destroying */
 
-static void set_style(float scale) {
-    ImGuiIO &io = ImGui::GetIO();
-    io.IniFilename = nullptr;
-    io.Fonts->Clear();
-    ImGui::GetStyle() = ImGuiStyle();
-    ImFontConfig font;
-    font.SizePixels = std::floor(13 * scale);
-    io.Fonts->AddFontDefault(&font);
-    ImGui::StyleColorsDark();
-    ImGui::GetStyle().WindowRounding = 5;
-    ImGui::GetStyle().FrameRounding = 3;
-    ImGui::GetStyle().Colors[ImGuiCol_WindowBg].w = 0.88f;
-    ImGui::GetStyle().Colors[ImGuiCol_ModalWindowDimBg] = ImVec4(0, 0, 0, 0.45f);
-    ImGui::GetStyle().ScaleAllSizes(scale);
+/* Starts Dear ImGui's two back ends. */
+static bool start_back_ends(void *window) {
+    if (!ImGui_ImplGlfw_InitForOpenGL((GLFWwindow *)window, true)) return false;
+    if (ImGui_ImplOpenGL3_Init("#version 150")) return true;
+    ImGui_ImplGlfw_Shutdown();
+    return false;
 }
 
-iso_status isosculpt_panel_create(void *window, double scale, isosculpt_panel **out, iso_error *error) {
+iso_status isosculpt_panel_create(void *window, double scale, const char *font, isosculpt_panel **out,
+                                  iso_error *error) {
     return iso::guard("Dear ImGui", error, [&] {
-        isosculpt_panel *panel = new isosculpt_panel{};
+        std::unique_ptr<isosculpt_panel> panel(new isosculpt_panel{});
         panel->scale = (float)scale;
+        ISO_TRY(panel_choose_font(font, &panel->font, error));
         IMGUI_CHECKVERSION();
         ImGui::CreateContext();
-        set_style(panel->scale);
-        bool ready = ImGui_ImplGlfw_InitForOpenGL((GLFWwindow *)window, true);
-        if (ready && ImGui_ImplOpenGL3_Init("#version 150")) {
-            *out = panel;
+        bool styled = panel_set_style(panel->font, panel->scale);
+        if (!styled && !font) {
+            panel->font = panel_font{};
+            styled = panel_set_style(panel->font, panel->scale);
+        }
+        if (styled && start_back_ends(window)) {
+            *out = panel.release();
             return ISO_OK;
         }
-        if (ready) ImGui_ImplGlfw_Shutdown();
         ImGui::DestroyContext();
-        delete panel;
-        return iso_fail(error, ISO_ERR_BACKEND, "OpenGL cannot be used by Dear ImGui");
+        return styled ? iso_fail(error, ISO_ERR_BACKEND, "OpenGL cannot be used by Dear ImGui")
+                      : iso_fail(error, ISO_ERR_FORMAT, "%s: no TrueType or OpenType font", font);
     });
 }
 
@@ -564,10 +656,9 @@ iso_status isosculpt_panel_rescale(isosculpt_panel *panel, double scale, iso_err
     if ((float)scale == panel->scale) return ISO_OK;
     return iso::guard("Dear ImGui", error, [&] {
         panel->scale = (float)scale;
-        panel->reposition = true;
-        set_style(panel->scale);
+        const bool styled = panel_set_style(panel->font, panel->scale);
         ImGui_ImplOpenGL3_DestroyFontsTexture();
-        if (ImGui_ImplOpenGL3_CreateFontsTexture()) return ISO_OK;
+        if (styled && ImGui_ImplOpenGL3_CreateFontsTexture()) return ISO_OK;
         return iso_fail(error, ISO_ERR_BACKEND, "OpenGL has no room for letters of another size");
     });
 }

@@ -50,6 +50,8 @@ typedef struct isosculpt_screen {
     unsigned texture;                 /* OpenGL's name of the picture; 0: none yet */
     int width, height;                /* of the framebuffer */
     double pixels;                    /* framebuffer pixels to a window coordinate */
+    int picture_x, picture_width;     /* of the picture in the framebuffer: what the panel leaves free; the
+                                         controller's coordinates begin at picture_x */
     bool panel, help;                 /* shown */
     bool pen;                         /* a pen with pressure is connected */
     bool blank;                       /* nothing is open yet */
@@ -79,11 +81,20 @@ typedef struct isosculpt_screen {
 typedef struct isosculpt_panel isosculpt_panel;
 
 /* `window`: a GLFWwindow whose context is current and whose callbacks are set; Dear ImGui calls them from its
- * own. `scale`: of text and widgets. ISO_ERR_NOMEM, ISO_ERR_BACKEND. */
-iso_status isosculpt_panel_create(void *window, double scale, isosculpt_panel **panel, iso_error *error);
+ * own. `scale`: of text and widgets. `font`: a TrueType or OpenType file; "": Dear ImGui's own font; NULL: a
+ * font that is installed, else Dear ImGui's own. ISO_ERR_IO: the font cannot be read; ISO_ERR_FORMAT: it is
+ * none; ISO_ERR_NOMEM, ISO_ERR_BACKEND. */
+iso_status isosculpt_panel_create(void *window, double scale, const char *font, isosculpt_panel **panel,
+                                  iso_error *error);
 /* Changes the scale; call it between frames. ISO_ERR_NOMEM, ISO_ERR_BACKEND. */
 iso_status isosculpt_panel_rescale(isosculpt_panel *panel, double scale, iso_error *error);
 void isosculpt_panel_destroy(isosculpt_panel *panel);
+
+/* The width of the panel, in window coordinates; 0 when there is none (NULL). */
+double isosculpt_panel_width(const isosculpt_panel *panel);
+
+/* If a list or a colour picker is open, closes it in the next frame and returns true. */
+bool isosculpt_panel_close_list(isosculpt_panel *panel);
 
 /* Draws one frame into the current framebuffer. */
 iso_status isosculpt_panel_draw(isosculpt_panel *panel, isosculpt_screen *screen, iso_error *error);

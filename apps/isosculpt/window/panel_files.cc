@@ -34,17 +34,20 @@ static void draw_path_box(isosculpt_screen *screen) {
 
 static void draw_file_buttons(isosculpt_screen *screen) {
     isosculpt_controller *controller = screen->controller;
-    const bool saved = controller->document->change_count == controller->document->saved_change_count;
-    const float gap = ImGui::GetStyle().ItemInnerSpacing.x;
-    ImGui::BeginDisabled(screen->volume != nullptr);
+    const isosculpt_document *document = controller->document;
+    const bool saved = !screen->volume && document->change_count == document->saved_change_count;
+    const button_row row("Save*Save as...Export...Stamp...", 4);
     if (ImGui::Button(saved ? "Save###save" : "Save*###save")) controller->commands |= ISOSCULPT_COMMAND_SAVE;
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("Ctrl+S: %s", controller->document->target);
-    ImGui::SameLine(0, gap);
+    if (ImGui::IsItemHovered())
+        ImGui::SetTooltip("Ctrl+S: %s%s", document->target,
+                          screen->volume ? "\nThe surface at the isovalue becomes a field to sculpt." : "");
+    row.next();
     draw_browse_button(screen, "Save as...", ISOSCULPT_BROWSE_SAVE,
                        "Ctrl+Shift+S: .vdb (level set), .stl, .ply or .obj (meshes)");
-    ImGui::SameLine(0, gap);
+    row.next();
     draw_browse_button(screen, "Export...", ISOSCULPT_BROWSE_EXPORT, "a copy as .stl, .ply, .obj or .vdb");
-    ImGui::SameLine(0, gap);
+    row.next();
+    ImGui::BeginDisabled(screen->volume != nullptr);
     draw_browse_button(screen, "Stamp...", ISOSCULPT_BROWSE_STAMP, "a mesh to add and carve with");
     ImGui::EndDisabled();
 }

@@ -4,9 +4,9 @@
 #include "apps/isosculpt/viewport/mirror_line.h"
 #include "apps/isosculpt/window/panel_parts.hpp"
 
-/* Returns the window coordinates of a pixel. */
+/* Returns the window coordinates of a pixel of the picture. */
 static ImVec2 to_window(const isosculpt_screen *screen, double x, double y) {
-    return ImVec2((float)(x / screen->pixels), (float)(y / screen->pixels));
+    return ImVec2((float)((x + screen->picture_x) / screen->pixels), (float)(y / screen->pixels));
 }
 
 /* Two unit vectors that span the plane normal to `normal`. */
@@ -98,8 +98,8 @@ void panel_draw_picture(const isosculpt_screen *screen, float scale) {
     ImDrawList *list = ImGui::GetBackgroundDrawList();
     const isosculpt_controller *controller = screen->controller;
     if (screen->texture)
-        list->AddImage((ImTextureID)(intptr_t)screen->texture, ImVec2(0, 0),
-                       to_window(screen, screen->width, screen->height));
+        list->AddImage((ImTextureID)(intptr_t)screen->texture, to_window(screen, 0, 0),
+                       to_window(screen, screen->picture_width, screen->height));
     if (screen->blank || (screen->volume && !screen->sculpting)) return;
     for (int axis = 0; axis < 3; axis++)
         if (controller->brush.symmetry >> axis & 1) draw_plane(screen, list, axis, scale);

@@ -13,7 +13,7 @@
 #endif
 
 /* Seconds without a change after which the picture is drawn in each quality. */
-static const double PAUSE[] = {[ISOSCULPT_QUALITY_REST] = 0.12, [ISOSCULPT_QUALITY_FINE] = 0.6};
+static const double PAUSE[] = {[ISOSCULPT_QUALITY_REST] = 0.12, [ISOSCULPT_QUALITY_FINE] = 0.25};
 
 /* Seconds for which a message is shown. */
 static const double MESSAGE_SECONDS = 6;
@@ -109,7 +109,7 @@ double isosculpt_window_seconds_until_refine(const window *w) {
 /* Draws the picture in the next better quality. */
 static iso_status improve_picture(window *w, iso_error *error) {
     if (w->viewport.quality == ISOSCULPT_QUALITY_REST) return isosculpt_viewport_refine(&w->viewport, error);
-    return isosculpt_viewport_draw(&w->viewport, w->screen.width, w->screen.height, false, error);
+    return isosculpt_viewport_draw(&w->viewport, w->screen.picture_width, w->screen.height, false, error);
 }
 
 /* Draws the picture again if it has changed, or improves it after a pause. */
@@ -119,7 +119,8 @@ static iso_status draw_picture(window *w, iso_error *error) {
     if (w->controller.commands & ISOSCULPT_COMMAND_REDRAW) {
         w->controller.commands &= ~(unsigned)ISOSCULPT_COMMAND_REDRAW;
         w->last_change = iso_clock_seconds();
-        ISO_TRY(isosculpt_viewport_draw(&w->viewport, w->screen.width, w->screen.height, true, error));
+        ISO_TRY(
+            isosculpt_viewport_draw(&w->viewport, w->screen.picture_width, w->screen.height, true, error));
     } else if (isosculpt_window_seconds_until_refine(w) >= 0)
         return ISO_OK;
     else if (isosculpt_viewport_is_ready(&w->viewport))

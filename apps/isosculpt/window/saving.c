@@ -26,13 +26,7 @@ static void refuse_save(window *w, const char *reason) {
     isosculpt_window_set_status(w, true, text);
 }
 
-bool isosculpt_window_can_save(window *w) {
-    if (w->volume) refuse_save(w, "there is nothing to save before it is sculpted.");
-    return !w->volume;
-}
-
 void isosculpt_window_request_save(window *w, isosculpt_purpose purpose, const char *path) {
-    if (!isosculpt_window_can_save(w)) return;
     w->pending_save = purpose;
     w->replace_agreed = false;
     snprintf(w->save_path, sizeof w->save_path, "%s", path ? path : w->document.target);
@@ -53,7 +47,7 @@ static void start_now(window *w) {
 void isosculpt_window_start_save(window *w) {
     iso_error reason = {0};
     bool replaces;
-    if (!w->pending_save || w->controller.drag == ISOSCULPT_DRAG_BRUSH || w->document.saver ||
+    if (!w->pending_save || w->volume || w->controller.drag == ISOSCULPT_DRAG_BRUSH || w->document.saver ||
         w->screen.dialog)
         return;
     if (isosculpt_document_check_target(&w->document, w->save_path, &replaces, &reason) != ISO_OK)
@@ -145,7 +139,7 @@ static bool find_shown_file(const window *w, isosculpt_render_command *command) 
 void isosculpt_window_copy_command(window *w) {
     char text[8 * ISOSCULPT_PATH];
     isosculpt_render_command command = {
-        .viewport = &w->viewport, .width = w->screen.width, .height = w->screen.height};
+        .viewport = &w->viewport, .width = w->screen.picture_width, .height = w->screen.height};
     if (!find_shown_file(w, &command))
         isosculpt_window_set_status(
             w, true, "No command: isorender reads files. Save the sculpture as .vdb, then copy.");

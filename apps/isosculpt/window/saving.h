@@ -4,14 +4,12 @@
 
 #include "apps/isosculpt/window/state.h"
 
-/* Returns whether there is a sculpture to save; else shows in the status line that there is none. */
-bool isosculpt_window_can_save(window *w);
-
-/* Requests a save or an export (ISOSCULPT_BROWSE_SAVE, _EXPORT); path NULL: the document's target. */
+/* Requests a save or an export (ISOSCULPT_BROWSE_SAVE, _EXPORT); path NULL: the document's target. A viewed
+ * volume must be converted into a field before the save can start (commands.c). */
 void isosculpt_window_request_save(window *w, isosculpt_purpose purpose, const char *path);
 
-/* Starts the requested save as soon as no stroke is drawn and no save is running; asks first whether a file
- * may be overwritten. */
+/* Starts the requested save as soon as there is a field, no stroke is drawn and no save is running; asks
+ * first whether a file may be overwritten. */
 void isosculpt_window_start_save(window *w);
 
 /* Handles the user's answer: whether the file (of the save, or of a screenshot) may be overwritten. */

@@ -42,14 +42,16 @@ typedef struct window {
     isosculpt_engine engine; /* as chosen */
     unsigned texture;        /* of the cpu engine's picture; 0: none yet */
     int texture_width, texture_height;
-    int frames_left;    /* number of frames to be drawn before the loop waits for events */
-    double last_change; /* iso_clock_seconds when the picture last had to be drawn */
+    char title[ISOSCULPT_PATH + 32]; /* of the window */
+    int frames_left;                 /* number of frames to be drawn before the loop waits for events */
+    double last_change;              /* iso_clock_seconds when the picture last had to be drawn */
 
     isosculpt_load_job *load_job;           /* a file is being opened; or NULL */
     char next_path[ISOSCULPT_PATH];         /* path to be opened if the user agrees to lose unsaved changes */
     size_t agreed_changes;                  /* document.change_count that the user agreed to lose */
     isosculpt_reference_job *reference_job; /* the reference is being made; or NULL */
     bool sculpting;                         /* load_job converts the viewed volume into a field */
+    bool sculpting_to_save;                 /* it does so because a save was requested */
     bool stamp_loaded;                      /* the mesh of --stamp was opened, or tried */
 
     isosculpt_purpose pending_save; /* purpose ISOSCULPT_BROWSE_SAVE or _EXPORT: save to save_path as soon as
@@ -65,8 +67,14 @@ typedef struct window {
 /* Shows a message until there is another one, errors also on standard error. */
 void isosculpt_window_set_status(window *w, bool is_error, const char *text);
 
-/* Reads the size of the framebuffer from the window system. */
+/* Reads the size of the framebuffer from the window system, and places the picture beside the panel. */
 void isosculpt_window_update_framebuffer_size(window *w);
+
+/* Shows the name of the file that the window works on in its title, with * after unsaved changes. */
+void isosculpt_window_update_title(window *w);
+
+/* Keeps the look of picture and brush with the journal, for recovery. */
+void isosculpt_window_remember_look(window *w);
 
 /* The scale of text and widgets on the screen that the window is on. */
 double isosculpt_window_text_scale(const window *w);

@@ -34,6 +34,8 @@ static void wait_events(window *w) {
 static iso_status run_loop(window *w, iso_error *error) {
     while (!glfwWindowShouldClose(w->glfw)) {
         isosculpt_window_show_progress(w);
+        isosculpt_window_update_title(w);
+        isosculpt_window_remember_look(w);
         ISO_TRY(isosculpt_window_draw(w, error));
         wait_events(w);
         ISO_TRY(isosculpt_window_process_commands(w, error));
@@ -115,7 +117,8 @@ static iso_status open_window(window *w, iso_error *error) {
     w->pen = isosculpt_pen_open();
     w->screen.pen = isosculpt_pen_present(w->pen);
     ISO_TRY(open_engine(w, error));
-    return isosculpt_panel_create(w->glfw, isosculpt_window_text_scale(w), &w->panel, error);
+    return isosculpt_panel_create(w->glfw, isosculpt_window_text_scale(w), w->settings->font, &w->panel,
+                                  error);
 }
 
 static iso_status run_window(window *w, iso_error *error) {
