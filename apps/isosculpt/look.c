@@ -56,7 +56,8 @@ static void apply_tool(isosculpt_controller *controller, const char *value) {
 }
 
 static void apply_radius(isosculpt_controller *controller, const char *value) {
-    isosculpt_controller_set_radius(controller, strtod(value, NULL));
+    const double radius = strtod(value, NULL);
+    if (radius > 0) isosculpt_controller_set_radius(controller, radius);
 }
 
 static void apply_strength(isosculpt_controller *controller, const char *value) {

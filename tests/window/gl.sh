@@ -59,6 +59,13 @@ start --backend gl
 picture new
 all_methods new
 
+# ---- edges at rest have four samples, by the gl engine, too
+key m m m
+xdotool mousemove 1270 790 sleep 2
+whole_window rest
+look smooth rest.png 304,150,1280,650 || fail "edges at rest are jagged"
+key m
+
 # ---- strokes with each method, which picks positions from its own picture; undo restores the first picture
 for method in exact pullpush points mesh; do
     stroke 640 400 30 20

@@ -50,7 +50,7 @@ key Shift+1
 picture front
 key 2
 drag 1 758 575 0 40
-drag 1 553 540 40 0
+drag 1 755 600 12 0
 until_ "a field" journal_is_there
 until_ "two strokes" has_events end 2
 [ "$(tools)" = "carve carve " ] || fail "strokes that waited: $(tools)"

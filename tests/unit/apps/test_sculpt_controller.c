@@ -8,6 +8,7 @@
 #include <cmocka.h>
 
 #include "apps/isosculpt/input_controller.h"
+#include "apps/isosculpt/look.h"
 #include "refused_memory.h"
 #include "sculpt_support.h"
 
@@ -151,9 +152,72 @@ static void the_mirror_is_in_the_middle(void **state) {
     close_scene(&s);
 }
 
+/* The whole mask is changed as a stroke, which can be undone, and not while another one is drawn. */
+static void masks_are_inverted_and_cleared(void **state) {
+    (void)state;
+    scene s;
+    open_scene(&s);
+    const iso_history *history = iso_session_history(s.document.session);
+    isosculpt_controller_change_mask(&s.controller, ISO_TOOL_CLEAR_MASK); /* there is none */
+    assert_int_equal(iso_history_count(history), 0);
+    assert_true(isosculpt_controller_key(&s.controller, 'i', ISOSCULPT_MODIFIER_CTRL, true));
+    assert_int_equal(iso_history_count(history), 1);
+    assert_int_equal(s.document.change_count, 1);
+    assert_true(iso_session_masked(s.document.session, 0, 0, 0) && s.view.mask_changed && s.view.mask.at);
+    assert_true(isosculpt_controller_key(&s.controller, 'm', ISOSCULPT_MODIFIER_ALT, true));
+    assert_false(iso_session_has_mask(s.document.session));
+    assert_int_equal(iso_session_undo(s.document.session, NULL), ISO_OK);
+    assert_true(iso_session_masked(s.document.session, 95, 95, 95));
+    isosculpt_controller_move(&s.controller, WIDTH / 2, HEIGHT / 2);
+    press(&s.controller);
+    isosculpt_controller_change_mask(&s.controller, ISO_TOOL_CLEAR_MASK);
+    assert_true(iso_session_has_mask(s.document.session));
+    isosculpt_controller_release(&s.controller, ISOSCULPT_BUTTON_LEFT);
+    close_scene(&s);
+}
+
+/* A look that was written is applied to another session; what a damaged line says is ignored. */
+static void looks_are_written_and_applied(void **state) {
+    (void)state;
+    char text[ISOSCULPT_LOOK], again[ISOSCULPT_LOOK];
+    scene s, other;
+    open_scene(&s);
+    open_scene(&other);
+    isosculpt_look_write(&other.controller, again);
+    s.view.mode.method = ISO_METHOD_MESH;
+    s.view.mode.material.shading = ISOSCULPT_SHADING_METAL;
+    s.view.mode.material.color = (iso_rgb){1, 2, 3};
+    s.view.mode.material.background = (iso_rgb){255, 254, 0};
+    s.controller.brush.tool = ISO_TOOL_PINCH;
+    s.controller.brush.radius = 1.0 + 1.0 / 3;
+    s.controller.brush.strength = 1.0 / 7;
+    s.controller.brush.symmetry = 5;
+    s.controller.brush.mirror = iso_vec3_make(-1e9 / 3, 0.1, 1e-9);
+    isosculpt_look_write(&s.controller, text);
+    static const char *const damaged[] = {
+        "",
+        ";",
+        "=;=;==",
+        "method",
+        "method=",
+        "tool=add2;light=;color=red2;",
+        "radius=nan;strength=nan;strength=7;mirror=1,2;mirror=nan,1,2;x=y;"};
+    for (size_t i = 0; i < sizeof damaged / sizeof *damaged; i++)
+        isosculpt_look_apply(&other.controller, damaged[i]);
+    char after[ISOSCULPT_LOOK];
+    isosculpt_look_write(&other.controller, after);
+    assert_string_equal(after, again);
+    isosculpt_look_apply(&other.controller, text);
+    isosculpt_look_write(&other.controller, again);
+    assert_string_equal(text, again);
+    close_scene(&s);
+    close_scene(&other);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(strokes_that_cannot_end_are_taken_back),
-                                       cmocka_unit_test(strokes_wait_for_a_field),
-                                       cmocka_unit_test(the_mirror_is_in_the_middle)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(strokes_that_cannot_end_are_taken_back), cmocka_unit_test(strokes_wait_for_a_field),
+        cmocka_unit_test(the_mirror_is_in_the_middle), cmocka_unit_test(masks_are_inverted_and_cleared),
+        cmocka_unit_test(looks_are_written_and_applied)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
