@@ -98,7 +98,8 @@ opens_folder() {
 }
 until_ "a folder in the dialog" opens_folder shelf
 xdotool type inner/
-xdotool sleep 0.3 key Return sleep 0.5 key Down sleep 0.3 key Return
+xdotool sleep 0.3 key Return sleep 0.5 key Down sleep 0.3 key Return sleep 1
+is_modal && key Return # there may be unsaved changes
 opened() { head -1 "$(newest)" | grep -qF '/shelf/inner/b.obj"'; }
 until_ "shelf/inner/b.obj" opened
 stop
@@ -166,7 +167,7 @@ stop
 
 # ---- the built-in font: rows are where they are with every other font; a file that is no font is refused
 anew
-start --font ""
+start --font builtin
 carves() {
     press 152 50
     stroke 640 400 10 10

@@ -81,9 +81,9 @@ typedef struct isosculpt_screen {
 typedef struct isosculpt_panel isosculpt_panel;
 
 /* `window`: a GLFWwindow whose context is current and whose callbacks are set; Dear ImGui calls them from its
- * own. `scale`: of text and widgets. `font`: a TrueType or OpenType file; "": Dear ImGui's own font; NULL: a
- * font that is installed, else Dear ImGui's own. ISO_ERR_IO: the font cannot be read; ISO_ERR_FORMAT: it is
- * none; ISO_ERR_NOMEM, ISO_ERR_BACKEND. */
+ * own. `scale`: of text and widgets. `font`: a TrueType or OpenType file; "builtin": Dear ImGui's own font;
+ * NULL: a font that is installed, else Dear ImGui's own. ISO_ERR_IO: the font cannot be read; ISO_ERR_FORMAT:
+ * it is none; ISO_ERR_NOMEM, ISO_ERR_BACKEND. */
 iso_status isosculpt_panel_create(void *window, double scale, const char *font, isosculpt_panel **panel,
                                   iso_error *error);
 /* Changes the scale; call it between frames. ISO_ERR_NOMEM, ISO_ERR_BACKEND. */

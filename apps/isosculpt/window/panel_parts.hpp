@@ -37,8 +37,8 @@ struct panel_font {
     std::vector<unsigned char> bytes; /* of the file; empty: Dear ImGui's own font */
     float size;                       /* height of a line at scale 1 */
 };
-/* Chooses the file `path` ("": Dear ImGui's own font), or (nullptr) the first of some good fonts that is
- * installed, else Dear ImGui's own font. ISO_ERR_IO: the file cannot be read. */
+/* Chooses the file `path` ("builtin": Dear ImGui's own font), or (nullptr) the first of some good fonts that
+ * is installed, else Dear ImGui's own font. ISO_ERR_IO: the file cannot be read. */
 iso_status panel_choose_font(const char *path, panel_font *font, iso_error *error);
 /* Sets letters, colours and sizes. A row of widgets has the same height with every font. Returns false if the
  * file is not a font. */

@@ -1,5 +1,6 @@
 /* The panel's font, colours and sizes. */
 #include <cstdio>
+#include <cstring>
 
 #include "apps/isosculpt/window/panel_parts.hpp"
 #include "base/file.h"
@@ -39,7 +40,8 @@ static iso_status read_font(const char *path, std::vector<unsigned char> *bytes,
 iso_status panel_choose_font(const char *path, panel_font *font, iso_error *error) {
     *font = panel_font{};
     font->size = FONT_SIZE;
-    if (path) return *path ? read_font(path, &font->bytes, error) : ISO_OK;
+    if (path && std::strcmp(path, "builtin") == 0) return ISO_OK;
+    if (path) return read_font(path, &font->bytes, error);
     for (const font_file &file : FONTS) {
         font->size = file.size;
         if (read_font(file.path, &font->bytes, nullptr) == ISO_OK) return ISO_OK;
