@@ -59,6 +59,17 @@ static void tell_part(isorender_job *job, double from, double to) {
     isorender_progress_part(job, "rendering", (job->frame + from) / frames, (job->frame + to) / frames);
 }
 
+/* The frame is drawn so far, and no loop belongs to a part of it. */
+static void tell_end(isorender_job *job, double to) {
+    const int frames = job->frame_count ? job->frame_count : 1;
+    isorender_progress(job, "rendering", (job->frame + to) / frames);
+}
+
+/* Whether a strip is shaded while it is drawn, in one loop that takes most of the time. */
+static bool has_layers(const isorender_job *job) {
+    return job->environment || job->gaussians || job->translucent;
+}
+
 /* .. to one of the surfaces, which are drawn one after the other in each strip. */
 static void tell_surface(isorender_job *job, int surface) {
     const double length = (job->strip[1] - job->strip[0]) / job->surface_count;
@@ -70,7 +81,10 @@ static void begin_strip(void *context, double from, double to) {
     isorender_job *job = context;
     job->strip[0] = from;
     job->strip[1] = to;
-    tell_part(job, from, to);
+    if (has_layers(job))
+        tell_part(job, from, to);
+    else
+        tell_end(job, from); /* surfaces tell their parts: clearing and shading are short */
 }
 
 iso_status isorender_draw_from(isorender_job *job, int first, const iso_view *view, iso_gbuffer *gbuffer,
@@ -82,6 +96,7 @@ iso_status isorender_draw_from(isorender_job *job, int first, const iso_view *vi
         const iso_target target = {view, gbuffer, job->pool, (uint8_t)i};
         const iso_subject subject = subject_of(job, surface);
         ISO_TRY(job->renderer->draw(&subject, &target, error));
+        tell_end(job, job->strip[0] + (job->strip[1] - job->strip[0]) * (i + 1) / job->surface_count);
     }
     for (int i = 0; i < job->object_count; i++)
         if (!job->objects[i].in_pyramid) ISO_TRY(draw_object(job, i, view, gbuffer, error));
@@ -285,6 +300,7 @@ static iso_status render_picture(isorender_job *job, iso_picture_opts *opts, iso
     if (job->gaussians) return render_gaussians(job, opts, image, frame, error);
     if (job->chunks) return isorender_chunks_draw(job, opts, image, &frame->covered, error);
     if (job->translucent) return render_layers(job, opts, image, frame, error);
+    tell_part(job, 0, 1);
     if (is_drawn_directly(job, opts)) return draw_directly(job, opts, image, &frame->covered, error);
     return iso_picture_render(opts, image, &frame->covered, error);
 }

@@ -19,7 +19,7 @@ code = child.wait()
 sys.stdout.buffer.write(said)
 sys.exit(code)
 P
-slow=(isorender scene:gyroid:96 out.png --method raycast --samples 16 --resolution 900x900 --threads 1)
+slow=(isorender scene:gyroid:96 out.png --method raycast --samples 16 --resolution 500x500 --threads 1)
 python3 in/terminal.py xterm "${slow[@]}" >said
 python3 - <<'P'
 import re
