@@ -262,7 +262,7 @@ static const iso_option options[] = {
     {"color", "colour", "COLOR",
      "colour of the surface: RRGGBB in hexadecimal or a name of CSS such as ivory; several, separated by "
      "commas: the second one belongs to the second isovalue, and so on",
-     .group = SURFACE, .standard = "D9B36C", CALL(apply_color), .flags = ISO_OPTION_REPEATABLE},
+     .group = SURFACE, .standard = "E5DCC8", CALL(apply_color), .flags = ISO_OPTION_REPEATABLE},
     {"opacity", NULL, "A",
      "opacity of the surface, 0 (not seen) to 1; several, separated by commas: the second one belongs to the "
      "second isovalue, and so on; the last one repeats; for the methods exact, raycast and splats (files of "

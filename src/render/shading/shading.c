@@ -56,7 +56,7 @@ size_t iso_shade(const iso_shading *shading, const iso_strip *strip, iso_image *
 }
 
 iso_rgb iso_shading_palette(int surface) {
-    static const iso_rgb palette[] = {{0xD9, 0xB3, 0x6C}, {0x8F, 0x2D, 0x2D}, {0x3F, 0x6F, 0xA8},
+    static const iso_rgb palette[] = {{0xE5, 0xDC, 0xC8}, {0x8F, 0x2D, 0x2D}, {0x3F, 0x6F, 0xA8},
                                       {0x5B, 0x8E, 0x4B}, {0x7D, 0x5B, 0x9B}, {0xC7, 0x7A, 0x3A}};
     enum { COLORS = sizeof palette / sizeof *palette };
     return palette[surface % COLORS];
