@@ -1,0 +1,130 @@
+#!/bin/bash
+# Mouse and keys on volumes and meshes in a real window under Xvfb: moving the camera, strokes that wait until the field is
+# ready, the mirror, the histogram, and the isorender command that draws the view. hands.sh BIN TOOLS: the folders of the
+# programs and of the tests' own programs. Exit status 77: skipped, as something needed is missing.
+set -u
+. "$(dirname "$0")/support.sh"
+require_clipboard
+require_window
+make_box "$work/box.obj" 100 0 0 20
+"$bin/isosculpt" --open "$work/box.obj" --headless --quiet --voxel-size 1 --output "$work/probe.vdb" ||
+    { echo "skipped: built without OpenVDB"; exit 77; }
+open_display
+cd "$work" || exit 1
+cp "$volumes/stent.nrrd" "$work/stent.nrrd"
+
+box_of() { look box "$work/$1.png"; }
+
+# ---- the camera without wheel, middle button or number pad; pictures are compared by the object's box x0 y0 x1 y1
+anew
+start box.obj --voxel-size 0.5
+until_ "its title" title_is ': box.obj$'
+journal=$(newest)
+picture framed
+read -r x0 y0 x1 y1 <<<"$(box_of framed)"
+moves() { # moves NAME TEXT: the box is another, as an expression of old (x0 ..) and new (a0 ..) says
+    read -r a0 b0 a1 b1 <<<"$(box_of "$1")"
+    awk -v x0="$x0" -v y0="$y0" -v x1="$x1" -v y1="$y1" -v a0="$a0" -v b0="$b0" -v a1="$a1" -v b1="$b1" \
+        "BEGIN { exit !($2) }" || fail "$1: from $x0 $y0 $x1 $y1 to $a0 $b0 $a1 $b1"
+}
+key plus
+picture larger
+moves larger "a1 - a0 > 1.1 * (x1 - x0) && b1 - b0 > 1.1 * (y1 - y0)"
+key minus minus
+picture smaller
+moves smaller "a1 - a0 < 0.9 * (x1 - x0) && b1 - b0 < 0.9 * (y1 - y0)"
+key KP_Add Right
+picture right
+moves right "a0 > x0 + 40 && a1 > x1 + 40 && b0 - y0 <= 2 && y0 - b0 <= 2"
+key Left Up
+picture up
+moves up "b0 < y0 - 40 && a0 - x0 <= 2 && x0 - a0 <= 2"
+key Down
+drag 3 1050 650 50 30
+picture panned
+moves panned "a0 - x0 >= 45 && a0 - x0 <= 70 && b0 - y0 >= 25 && b0 - y0 <= 45" # (nearer than what it turns about)
+key f
+picture again
+moves again "a0 - x0 <= 1 && x0 - a0 <= 1 && b1 - y1 <= 1 && y1 - b1 <= 1"
+
+# ---- views from the sides: the position of the eye is in the command
+# eye_is KEY AXIS SIGN: fails unless KEY moves the eye so that it is in this direction from the focal point
+eye_is() {
+    key "$1"
+    copy_command 105 414
+    python3 - "$command" "$2" "$3" <<'PYTHON' || fail "$1: $command"
+import re, sys
+def vector(name):
+    return [float(v) for v in re.search(name + r"=(\S+)", sys.argv[1]).group(1).split(",")]
+arm = [a - b for a, b in zip(vector("position"), vector("focal-point"))]
+axis = max(range(3), key=lambda i: abs(arm[i]))
+sys.exit(not (axis == "xyz".index(sys.argv[2]) and (arm[axis] > 0) == (sys.argv[3] == "+")))
+PYTHON
+}
+key ctrl+s # (what is not saved has no command)
+until_ "box.vdb" test -s "$work/box.vdb"
+eye_is ctrl+1 y +
+eye_is shift+1 y -
+eye_is ctrl+3 x +
+eye_is shift+3 x -
+eye_is ctrl+7 z -
+eye_is shift+7 z +
+eye_is KP_1 y -
+eye_is ctrl+KP_1 y +
+eye_is KP_3 x -
+eye_is ctrl+KP_3 x +
+eye_is KP_7 z +
+eye_is ctrl+KP_7 z -
+key shift+1
+
+# ---- F frames the object in its present form
+stroke 740 340 0 0
+for repeat in 1 2 3; do stroke $((760 + 20 * repeat)) $((330 - 20 * repeat)) 10 -10; done
+picture sculpted
+key f
+picture grown
+differ sculpted grown || fail "F frames the object as it was"
+read -r a0 b0 a1 b1 <<<"$(box_of grown)"
+awk "BEGIN { exit !($a0 > 20 && $b0 > 20 && $a1 < 956 && $b1 < 780 && $b1 - $b0 > 350) }" ||
+    fail "F: the object is not in the picture: $a0 $b0 $a1 $b1"
+for repeat in 1 2 3 4; do key ctrl+z; done
+key f
+picture small
+cmp small.png again.png || fail "undone, it is not framed as before"
+
+# ---- the mirror: its plane is in the middle of the object (110, 10, 10) and shown as a line; strokes act on both sides
+symmetry() { press 90 218; whole_window mirror; look color "$work/mirror.png" 255 120 110 320,0,1280,800 100; }
+until_ "the mirror's line" symmetry
+read -r x0 y0 x1 y1 <<<"$(box_of small)"
+look color mirror.png 255 120 110 $((PANEL + (x0 + x1) / 2 - 3)),"$y0",$((PANEL + (x0 + x1) / 2 + 3)),"$y1" 100 || fail "the line is not in the middle"
+key 1
+stroke 720 400 0 0
+awk_mirror() { tail -4 "$journal" | grep -o '"mirror":\[[^]]*' | tail -1 | cut -d[ -f2; }
+mirror=$(awk_mirror)
+awk -v m="$mirror" 'BEGIN { split(m, v, ","); exit !(v[1] > 109.7 && v[1] < 110.3 && v[2] > 9.7 && v[2] < 10.3) }' ||
+    fail "the mirror is at $mirror"
+picture both
+read -r a0 b0 a1 b1 <<<"$(box_of both)"
+awk "BEGIN { exit !($a0 + $a1 - $x0 - $x1 <= 3 && $x0 + $x1 - $a0 - $a1 <= 3) }" || fail "one side: $a0 $a1"
+
+# ---- another file begins without a mirror, and has its own middle
+make_box other.obj -60 7 0 12
+before=$journal
+press 90 526 # the box for a name, one row lower now that the mirror has one
+xdotool key --delay 100 ctrl+a
+xdotool type "$work/other.obj"
+xdotool sleep 0.2 key Return
+until_ "a question" is_modal
+key o # (means nothing here)
+key Return
+other() { [ "$(newest)" != "$before" ] && head -1 "$(newest)" | grep -qF '/other.obj"'; }
+until_ "other.obj" other
+journal=$(newest)
+until_ "its title" title_is ': other.obj$'
+picture other
+stroke 640 400 0 0
+tail -4 "$journal" | grep -q '"symmetry":0' || fail "another file: the symmetry of the one before"
+mirror=$(awk_mirror)
+awk -v m="$mirror" 'BEGIN { split(m, v, ","); exit !(v[1] > -54.3 && v[1] < -53.7 && v[2] > 12.7 && v[2] < 13.3) }' ||
+    fail "another file: the mirror is at $mirror"
+echo "passed"
