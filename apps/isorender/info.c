@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "apps/isorender/isorender.h"
+#include "apps/isorender/labels.h"
 #include "base/text.h"
 #include "image/annotate.h"
 
