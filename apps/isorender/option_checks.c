@@ -12,6 +12,7 @@
 #include "image/image_file.h"
 #include "io/glyphs/glyphs_read.h"
 #include "io/lines/lines_read.h"
+#include "io/mesh_read.h"
 #include "methods/glass.h"
 #include "methods/layers.h"
 #include "render/picture.h"
@@ -48,14 +49,39 @@ static bool is_object(const char *name, isorender_object_kind *kind) {
     return iso_text_has_extension(name, ".vtk") && iso_lines_fill_vtk(name);
 }
 
+/* Whether an option that only points have is given. */
+static bool wants_points(const isorender_settings *settings) {
+    const isorender_object_options *objects = &settings->object_options;
+    return settings->columns || settings->points || settings->gaussians || settings->radius != 0 ||
+           settings->normals != ISORENDER_NORMALS_FILE || objects->color_by.count || objects->every.count ||
+           (settings->method != ISORENDER_METHOD_UNCHOSEN && settings->method != ISO_METHOD_EXACT &&
+            settings->method != ISO_METHOD_MESH);
+}
+
+/* A file of faces is a mesh, although its vertices could be drawn as points, unless an option asks for points
+ * or the vertices have colours, which a mesh does not show. */
+static bool is_mesh(isorender_settings *settings) {
+    const iso_mesh_content content = iso_mesh_find_faces(settings->inputs[0]);
+    const bool points = iso_loader_reads_points(settings->inputs[0], settings->columns);
+    if (content == ISO_MESH_NO_FACES) return false;
+    if (points && (content == ISO_MESH_COLORED_FACES || wants_points(settings))) {
+        settings->faces = ISORENDER_FACES_LEFT_OUT;
+        return false;
+    }
+    if (points) settings->faces = ISORENDER_FACES_DRAWN;
+    return true;
+}
+
 /* Takes an input that is an object: it becomes the first one. With --raw it is a volume, whatever its name.
  */
 static iso_status take_object(isorender_settings *settings, iso_error *error) {
     isorender_object_options *objects = &settings->object_options;
     isorender_object_kind kind;
-    if (settings->no_input || settings->scene || settings->common.input.has_raw ||
-        !is_object(settings->inputs[0], &kind) ||
-        iso_loader_reads_points(settings->inputs[0], settings->columns))
+    if (settings->no_input || settings->scene || settings->common.input.has_raw) return ISO_OK;
+    if (settings->input_count == 1 && is_mesh(settings))
+        kind = ISORENDER_MESH;
+    else if (!is_object(settings->inputs[0], &kind) ||
+             iso_loader_reads_points(settings->inputs[0], settings->columns))
         return ISO_OK;
     if (settings->input_count > 1)
         return iso_fail(error, ISO_ERR_USAGE,
@@ -382,6 +408,13 @@ static iso_status check_one_pyramid(const isorender_settings *settings, iso_erro
 
 static iso_status check_objects(isorender_settings *settings, iso_error *error) {
     ISO_TRY(isorender_objects_resolve(&settings->object_options, settings->objects, &settings->cloud, error));
+    isorender_object_settings *first = &settings->objects[0];
+    if (settings->no_input && settings->input_count && settings->object_options.count &&
+        settings->color_count && first->kind == ISORENDER_MESH && first->path == settings->inputs[0] &&
+        !first->colored) {
+        first->colored = true;
+        first->color = settings->colors[0];
+    }
     if (settings->object_options.has_cloud && settings->cloud.color_by && settings->color_count)
         return iso_fail(error, ISO_ERR_USAGE, "%s: --color and --color-by both say how it is coloured",
                         settings->inputs[0]);

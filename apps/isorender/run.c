@@ -131,10 +131,19 @@ static iso_status open_and_check(isorender_job *job, iso_error *error) {
     return job->settings->ranks.rank ? ISO_OK : isorender_plan_check_writable(job->plan, error);
 }
 
+/* What became of the faces of an input that could be drawn as points. */
+static void log_faces(const isorender_job *job) {
+    if (job->settings->faces == ISORENDER_FACES_DRAWN)
+        isorender_log(job, "note: drawn as the mesh of its faces (--method splats: its vertices as points)");
+    if (job->settings->faces == ISORENDER_FACES_LEFT_OUT)
+        isorender_log(job, "note: drawn as points: its faces are not drawn (--surface draws them)");
+}
+
 static iso_status run_steps(isorender_job *job, iso_error *error) {
     double start = iso_clock_seconds();
     ISO_TRY(iso_ranks_agree(&job->settings->ranks, open_and_check(job, error), error));
     const iso_ranks *ranks = &job->settings->ranks;
+    log_faces(job);
     const iso_status made = job->settings->info ? print_info(job, error) : make_outputs(job, error);
     ISO_TRY(iso_ranks_agree(ranks, made, error));
     ISO_TRY(isorender_ranks_memory(ranks, job->rank_bytes, error));

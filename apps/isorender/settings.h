@@ -48,6 +48,13 @@ typedef enum isorender_group_radii {
 /* Which normals the points of a file get: those that it has, or estimated ones. */
 typedef enum isorender_normals { ISORENDER_NORMALS_FILE, ISORENDER_NORMALS_AUTO } isorender_normals;
 
+/* What becomes of the faces of an input whose vertices can be drawn as points. */
+typedef enum isorender_faces {
+    ISORENDER_FACES_NONE,
+    ISORENDER_FACES_DRAWN, /* it is drawn as a mesh */
+    ISORENDER_FACES_LEFT_OUT
+} isorender_faces;
+
 /* A value of iso_common_settings.action. */
 enum { ISORENDER_ACTION_LIST_BACKENDS = ISO_ACTION_OWN };
 
@@ -86,6 +93,7 @@ typedef struct isorender_settings {
     int normals;                 /* isorender_normals */
     const char *columns;         /* names of the columns of a file of points; NULL: not given */
     const char *points, *mesh, *aov;
+    int faces; /* isorender_faces, of the input */
 
     isorender_object_options object_options;
     int no_input; /* the picture shows only the files of --lines, --glyphs, --surface and --volume */

@@ -16,6 +16,7 @@
 #include "io/fans.h"
 #include "io/ply.h"
 #include "io/polydata/faces.h"
+#include "io/polydata/polydata.h"
 #include "io/rows.h"
 
 enum { STL_HEADER = 84, STL_FACET = 50, POLYGON_MOST = 1 << 16 };
@@ -394,4 +395,59 @@ void iso_triangles_free(iso_triangles *mesh) {
     iso_free(mesh->vertices);
     iso_free(mesh->triangles);
     *mesh = (iso_triangles){0};
+}
+
+/* ---- what is in a file ---- */
+
+static iso_mesh_content find_ply_faces(const char *path) {
+    iso_ply *ply = iso_alloc_zero(1, sizeof *ply);
+    iso_mesh_content found = ISO_MESH_NO_FACES;
+    bool colored = false;
+    if (ply && iso_ply_open(path, ply, NULL) == ISO_OK)
+        for (int i = 0; i < ply->element_count; i++) {
+            const iso_ply_element *element = &ply->elements[i];
+            for (int k = 0; strcmp(element->name, "vertex") == 0 && k < element->property_count; k++)
+                colored |= strstr(ply->properties[element->first_property + k].name, "red") != NULL;
+            if (strcmp(element->name, "face") == 0 && element->count > 0) found = ISO_MESH_FACES;
+        }
+    if (ply) iso_ply_close(ply);
+    iso_free(ply);
+    return found == ISO_MESH_FACES && colored ? ISO_MESH_COLORED_FACES : found;
+}
+
+/* The words among `words` (NULL ends them) with which rows of a file begin, as bits of their numbers; looks no
+ * further than a row that begins with the last of them. */
+static unsigned find_rows(const char *path, const char *const *words) {
+    FILE *file;
+    char *row = NULL;
+    size_t room = 0;
+    unsigned found = 0;
+    if (iso_file_open(path, &file, NULL, NULL) != ISO_OK) return 0;
+    for (bool last = false; !last && getline(&row, &room, file) > 0;) {
+        const char *at = row + strspn(row, " \t");
+        const size_t length = strcspn(at, " \t\r\n");
+        for (int i = 0; words[i]; i++) {
+            if (strlen(words[i]) != length || strncasecmp(at, words[i], length) != 0) continue;
+            found |= 1u << i;
+            last = !words[i + 1];
+        }
+    }
+    free(row);
+    fclose(file);
+    return found;
+}
+
+iso_mesh_content iso_mesh_find_faces(const char *path) {
+    bool faces = false;
+    if (iso_text_has_extension(path, ".ply")) return find_ply_faces(path);
+    if (iso_text_has_extension(path, ".obj"))
+        faces = find_rows(path, (const char *const[]){"f", NULL});
+    else if (iso_text_has_extension(path, ".vtp"))
+        faces = iso_vtp_find_cells(path) == ISO_VTP_FACES;
+    else if (iso_text_has_extension(path, ".vtk")) {
+        const unsigned found =
+            find_rows(path, (const char *const[]){"POLYGONS", "TRIANGLE_STRIPS", "LINES", NULL});
+        faces = found && !(found & 4);
+    }
+    return faces ? ISO_MESH_FACES : ISO_MESH_NO_FACES;
 }

@@ -19,6 +19,17 @@ iso_status iso_mesh_read(const char *path, const iso_progress *progress, iso_tri
                          iso_error *error);
 void iso_triangles_free(iso_triangles *mesh);
 
+/* What a file that may be read as points or lines, too, is as a mesh. */
+typedef enum iso_mesh_content {
+    ISO_MESH_NO_FACES,
+    ISO_MESH_FACES,
+    ISO_MESH_COLORED_FACES /* .ply: its vertices have colours, which a mesh does not show */
+} iso_mesh_content;
+
+/* Looks for faces in a .obj, .ply, .vtk or .vtp file; in .vtk and .vtp that have lines as well they do not
+ * count. A file that cannot be read has none. */
+iso_mesh_content iso_mesh_find_faces(const char *path);
+
 #ifdef __cplusplus
 }
 #endif

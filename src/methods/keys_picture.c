@@ -31,6 +31,7 @@ static iso_status render_points(const iso_merged_keys *keys, const iso_picture_o
     iso_picture_opts merged = *opts;
     merged.draw = draw_merged;
     merged.draw_context = &draw;
+    merged.begin_strip = NULL; /* it would get the context of `draw` */
     return iso_picture_render(&merged, image, covered, error);
 }
 

@@ -15,6 +15,7 @@
 #include "io/glyphs/glyphs_format.h"
 #include "io/ply.h"
 #include "io/polydata/ply_gaussians.h"
+#include "io/polydata/polydata.h"
 
 /* The rows of both tables are the same formats. */
 static const iso_format_name names[] = {
@@ -82,28 +83,8 @@ bool iso_glyphs_are_gaussians(const char *path) {
     return are;
 }
 
-/* The number of an attribute such as NumberOfLines="12" in a tag; 0 if it is not there. */
-static double number_in(const char *tag, const char *attribute) {
-    const char *end = strchr(tag, '>'), *at = strstr(tag, attribute);
-    return at && (!end || at < end) ? strtod(at + strlen(attribute), NULL) : 0;
-}
-
 bool iso_glyphs_fill_vtp(const char *path) {
-    enum { HEAD = 1 << 16 };
-    char *head = iso_alloc(HEAD);
-    FILE *file = NULL;
-    bool points = false, others = false;
-    if (head && iso_file_open(path, &file, NULL, NULL) == ISO_OK) {
-        head[fread(head, 1, HEAD - 1, file)] = 0;
-        for (const char *tag = strstr(head, "<Piece"); tag; tag = strstr(tag + 1, "<Piece")) {
-            points |= number_in(tag, "NumberOfPoints=\"") > 0;
-            others |= number_in(tag, "NumberOfLines=\"") > 0 || number_in(tag, "NumberOfPolys=\"") > 0 ||
-                      number_in(tag, "NumberOfStrips=\"") > 0;
-        }
-    }
-    if (file) fclose(file);
-    iso_free(head);
-    return points && !others;
+    return iso_vtp_find_cells(path) == ISO_VTP_POINTS;
 }
 
 /* Whether the text of a .xyz file begins as molecules do: with a row of one whole number. */

@@ -110,6 +110,15 @@ iso_status iso_polydata_read_vtp(iso_polydata *data, iso_error *error);
 iso_status iso_polydata_read_obj(iso_polydata *data, iso_error *error);
 iso_status iso_polydata_read_ply(iso_polydata *data, iso_error *error);
 
+/* What a .vtp file has, judged by its first 64 KiB. */
+typedef enum iso_vtp_cells {
+    ISO_VTP_UNKNOWN, /* it cannot be read, is of another kind, or has nothing */
+    ISO_VTP_POINTS,  /* points alone */
+    ISO_VTP_FACES,   /* polygons or strips, and no lines */
+    ISO_VTP_LINES
+} iso_vtp_cells;
+iso_vtp_cells iso_vtp_find_cells(const char *path);
+
 #ifdef __cplusplus
 }
 #endif

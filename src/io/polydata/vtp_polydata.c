@@ -15,6 +15,8 @@
 #include <strings.h>
 #include <zlib.h>
 
+#include "base/file.h"
+#include "base/memory.h"
 #include "io/polydata/faces.h"
 #include "io/rows.h"
 #include "io/scalar_load.h"
@@ -609,4 +611,30 @@ iso_status iso_polydata_read_vtp(iso_polydata *data, iso_error *error) {
     iso_reading_free(data->reading, &v->sizes);
     iso_free(v);
     return status;
+}
+
+/* ---- what is in a file ---- */
+
+/* Whether an attribute such as NumberOfLines="12" of a tag is there and above 0. */
+static bool has_some(const char *piece, const char *attribute) {
+    const char *end = strchr(piece, '>'), *at = strstr(piece, attribute);
+    return at && (!end || at < end) && strtod(at + strlen(attribute), NULL) > 0;
+}
+
+iso_vtp_cells iso_vtp_find_cells(const char *path) {
+    enum { HEAD = 1 << 16 };
+    char *head = iso_alloc(HEAD);
+    FILE *file = NULL;
+    bool points = false, faces = false, lines = false;
+    if (head && iso_file_open(path, &file, NULL, NULL) == ISO_OK) {
+        head[fread(head, 1, HEAD - 1, file)] = 0;
+        for (const char *piece = strstr(head, "<Piece"); piece; piece = strstr(piece + 1, "<Piece")) {
+            points |= has_some(piece, "NumberOfPoints=\"");
+            lines |= has_some(piece, "NumberOfLines=\"");
+            faces |= has_some(piece, "NumberOfPolys=\"") || has_some(piece, "NumberOfStrips=\"");
+        }
+    }
+    if (file) fclose(file);
+    iso_free(head);
+    return lines ? ISO_VTP_LINES : faces ? ISO_VTP_FACES : points ? ISO_VTP_POINTS : ISO_VTP_UNKNOWN;
 }
