@@ -160,7 +160,8 @@ key f
 picture look_again
 cmp look.png look_again.png || fail "recovered: another picture"
 stroke 700 400 10 10
-tail -4 "$journal" | grep -q '"tool":"blend-add".*"symmetry":1,' || fail "recovered: another brush: $(tail -4 "$journal" | cut -c1-300)"
+grep '"event":"begin"' "$journal" | tail -1 >begin
+grep -q '"tool":"blend-add".*"symmetry":1,' begin || fail "recovered: another brush: $(cut -c1-300 begin)"
 grep -q 'light=matcap' "$journal.open" || fail "the light was not chosen: $(cat "$journal.open")"
 stop
 
