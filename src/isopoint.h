@@ -32,8 +32,7 @@
  * Threads: a volume owns threads that work for it and for its surfaces, so a volume and its surfaces together
  * are used by one thread at a time; different volumes are independent. Functions without a volume, a surface
  * or a sculpt are thread-safe as long as their arguments are not shared. The library has no global state.
- *
- * The header is valid C17 and C++17. The library exports nothing else. */
+ * The header is valid C17 and C++17; the library exports nothing else. */
 #ifndef ISOPOINT_H
 #define ISOPOINT_H
 
@@ -167,10 +166,9 @@ typedef struct iso_open_opts {
     void *progress_context;
 } iso_open_opts;
 
-/* Reads a volume: NRRD, NIfTI, DICOM, TIFF, HDF5, OME-Zarr, MetaImage, .vdb, .vti, .vtk or raw, told by its
- * content, else its name. Destroy it with iso_volume_destroy. ISO_ERR_IO, ISO_ERR_FORMAT,
- * ISO_ERR_UNSUPPORTED, ISO_ERR_BRIDGE, ISO_ERR_LIMIT, ISO_ERR_USAGE (no such grid, series, component or
- * level). */
+/* Reads a volume: NRRD, NIfTI, DICOM, TIFF, HDF5, OME-Zarr, MetaImage, .vdb, .vti, .vtk, .npy or raw, told by
+ * its content, else its name. iso_volume_destroy frees it. ISO_ERR_IO, ISO_ERR_FORMAT, ISO_ERR_UNSUPPORTED,
+ * ISO_ERR_BRIDGE, ISO_ERR_LIMIT, ISO_ERR_USAGE (no such grid, series, component or level). */
 ISO_API iso_status iso_volume_open(const char *path, const iso_open_opts *opts, iso_volume **volume,
                                    iso_error *error);
 

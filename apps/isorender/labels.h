@@ -21,7 +21,8 @@ iso_world_unit isorender_unit(const isorender_job *job);
 iso_world_unit isorender_volume_unit(const iso_volume_info *info);
 /* How lengths are shown. */
 iso_length_style isorender_lengths(const isorender_job *job);
-/* Of --dpi, or of a picture of one scale at its true size; 0: neither, or the world's unit has no length here. */
+/* Of --dpi, or of a picture of one scale at its true size; 0: neither, or the world's unit has no length
+ * here. */
 double isorender_pixels_per_metre(const isorender_job *job);
 
 #ifdef __cplusplus

@@ -415,8 +415,8 @@ static iso_mesh_content find_ply_faces(const char *path) {
     return found == ISO_MESH_FACES && colored ? ISO_MESH_COLORED_FACES : found;
 }
 
-/* The words among `words` (NULL ends them) with which rows of a file begin, as bits of their numbers; looks no
- * further than a row that begins with the last of them. */
+/* The words among `words` (NULL ends them) with which rows of a file begin, as bits of their numbers. Looks
+ * no further than a row that begins with the last of them. */
 static unsigned find_rows(const char *path, const char *const *words) {
     FILE *file;
     char *row = NULL;

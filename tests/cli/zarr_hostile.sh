@@ -79,7 +79,7 @@ for name in (".zarray", "zarr.json", "attributes.json", ".zattrs"):
 v2("in/fifo_chunk.zarr", [4] * 3, [2] * 3)
 os.makedirs("in/fifo_chunk.zarr/0/0")
 os.mkfifo("in/fifo_chunk.zarr/0/0/0")
-refused(3, "is not a file", "in/fifo_chunk.zarr")
+refused(3, "not a regular file", "in/fifo_chunk.zarr")
 
 # shards of 4 x 8 x 6 voxels along z, y, x, stored with the axes x, z, y
 value = [[[(x - 5) ** 2 + 2 * (y - 7) ** 2 + (z - 4) ** 2 for x in range(12)] for y in range(16)] for z in range(8)]
