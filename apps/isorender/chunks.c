@@ -342,6 +342,7 @@ iso_status isorender_chunks_extract(isorender_job *job, iso_box *index, iso_erro
     *(is_exact(job) ? &job->cell_count : &job->point_count) = found->primitives;
     *index = get_box(found->index);
     surface->bounds = get_box(found->world);
+    ISO_TRY(isorender_ranks_check_surface(job, index, error));
     ISO_TRY(count_nonfinite(job, error));
     write_index(job);
     return ISO_OK;

@@ -28,9 +28,7 @@ static int render_each(const isorender_settings *given, const isorender_plan *pl
                        const isorender_backend *backend, const iso_environment *environment) {
     int worst = 0;
     isorender_same_view first = {0};
-    isorender_settings *settings = malloc(sizeof *settings);
-    if (!settings) return iso_status_exit(ISO_ERR_NOMEM);
-    *settings = *given;
+    isorender_settings copy = *given, *settings = &copy;
     if (settings->same_view) settings->first = &first;
     for (int i = 0; i < settings->input_count; i++) {
         iso_error error = {0};
@@ -40,7 +38,6 @@ static int render_each(const isorender_settings *given, const isorender_plan *pl
         int code = say(&error, status);
         if (worst == 0) worst = code;
     }
-    free(settings);
     return worst;
 }
 
@@ -75,16 +72,17 @@ static iso_status render_inputs(const isorender_settings *settings, int *code, i
     iso_pool *pool = NULL;
     iso_environment *environment = NULL;
     iso_settings_limit_memory(&settings->common);
-    ISO_TRY(isorender_plans_make(settings, &plans, error));
+    iso_status status = isorender_plans_make(settings, &plans, error);
     isorender_backend backend = isorender_backend_cpu();
-    for (int i = 0; settings->input_count > 1 && i < settings->input_count; i++)
+    for (int i = 0; status == ISO_OK && settings->input_count > 1 && i < settings->input_count; i++)
         iso_loader_list_files(plans[i].input, &settings->common.input, plans[i].files);
-    iso_status status = iso_file_set_check(plans->files, error);
+    if (status == ISO_OK) status = iso_file_set_check(plans->files, error);
     if (status == ISO_OK) status = iso_pool_create(settings->common.threads, &pool, error);
     if (status == ISO_OK && draws_any(settings, plans))
         status = isorender_backend_open(settings, &backend, error);
     if (status == ISO_OK && draws_any(settings, plans))
         status = open_environment(settings, pool, &environment, error);
+    status = iso_ranks_agree(&settings->ranks, status, error);
     if (status == ISO_OK) *code = render_each(settings, plans, pool, &backend, environment);
     iso_environment_destroy(environment);
     isorender_backend_close(&backend);
@@ -95,17 +93,16 @@ static iso_status render_inputs(const isorender_settings *settings, int *code, i
 
 /* Only rank 0 speaks, and of a failure the lowest rank that failed. */
 static iso_status render_with_ranks(isorender_settings *settings, int *code, iso_error *error) {
-    iso_status status = isorender_ranks_start(&settings->ranks, error);
+    iso_status status = isorender_ranks_check_settings(settings, error);
     if (settings->ranks.rank) settings->common.quiet = 1;
     if (status == ISO_OK && settings->ranks.mpi && (settings->parts || settings->info || settings->no_image))
         status = iso_fail(error, ISO_ERR_USAGE, "mpirun draws one picture: it cannot be combined with %s",
                           settings->parts  ? "--part"
                           : settings->info ? "--info"
                                            : "--no-image");
+    if (status == ISO_OK) status = isorender_ranks_limit_memory(settings, error);
     if (status == ISO_OK) status = render_inputs(settings, code, error);
-    status = iso_ranks_agree(&settings->ranks, status, error);
-    isorender_ranks_finish(&settings->ranks);
-    return status;
+    return iso_ranks_agree(&settings->ranks, status, error);
 }
 
 static iso_status perform(isorender_settings *settings, int *code, iso_error *error) {
@@ -115,17 +112,31 @@ static iso_status perform(isorender_settings *settings, int *code, iso_error *er
     return render_with_ranks(settings, code, error);
 }
 
+/* Starts MPI if the command line asks for what the ranks do together, or if it is wrong: the others' may not
+ * be. Returns the status of all ranks. */
+static iso_status join_ranks(isorender_settings *settings, iso_status parsed, iso_error *error) {
+    iso_error reason = {0};
+    if (parsed == ISO_OK && (settings->common.action || settings->merge)) return ISO_OK;
+    const iso_status started = isorender_ranks_start(&settings->ranks, &reason);
+    if (started == ISO_OK) return iso_ranks_agree(&settings->ranks, parsed, error);
+    if (parsed == ISO_OK) *error = reason;
+    if (iso_ranks_number_on_node() > 0) error->text[0] = 0; /* the first rank of the node tells it */
+    return parsed == ISO_OK ? started : parsed;
+}
+
 static int run_program(int argc, char **argv) {
     iso_error error = {0};
     isorender_settings settings;
     iso_operands operands = {calloc((size_t)argc + 1, sizeof *operands.values), 0};
-    if (!operands.values) return iso_status_exit(ISO_ERR_NOMEM);
+    if (!operands.values)
+        return iso_program_fail(isorender_program(), &error,
+                                iso_fail(&error, ISO_ERR_NOMEM, "out of memory"));
     int code = 0;
     iso_status status = isorender_settings_parse(argc, argv, &settings, &operands, &error);
+    status = join_ranks(&settings, status, &error);
     if (status == ISO_OK) status = perform(&settings, &code, &error);
-    /* before MPI was started, every rank fails alike */
-    const bool is_told = iso_ranks_number() > 0 && !settings.ranks.size;
-    if (status != ISO_OK) code = is_told ? iso_status_exit(status) : say(&error, status);
+    if (status != ISO_OK) code = say(&error, status);
+    isorender_ranks_finish(&settings.ranks);
     free(operands.values);
     return iso_program_finish(isorender_program(), code);
 }

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "apps/isorender/option_checks.h"
+#include "apps/isorender/ranks.h"
 #include "base/groups.h"
 #include "base/text.h"
 #include "image/image.h"
@@ -582,6 +583,15 @@ const char *isorender_reconstruction_name(const isorender_settings *settings, bo
     return reconstructions[usual ? (int)ISO_RECONSTRUCTION_FLAT : settings->reconstruction];
 }
 
+_Static_assert(sizeof options / sizeof *options <= ISORENDER_MOST_OPTIONS, "isorender_settings.given");
+
+static void note_option(void *target, const iso_option *option, const char *value) {
+    isorender_settings *settings = target;
+    uint64_t *hash = &settings->given[option - options];
+    *hash = isorender_hash(*hash + 1, value ? value : "", value ? strlen(value) : 0);
+    iso_settings_record_option(settings, option, value);
+}
+
 const iso_program *isorender_program(void) {
     static const iso_program program = {.name = "isorender",
                                         .version = ISO_VERSION,
@@ -593,7 +603,7 @@ const iso_program *isorender_program(void) {
                                         .option_count = sizeof options / sizeof *options,
                                         .sections = sections,
                                         .section_count = sizeof sections / sizeof *sections,
-                                        .seen = iso_settings_record_option};
+                                        .seen = note_option};
     for (int i = 0; i < ISO_REFRACTIONS; i++) refractions[i] = iso_refraction_name((iso_refraction)i);
     for (int i = 0; i < METHODS; i++) method_names[i] = iso_method_name(methods[i]);
     method_names[METHOD_GAUSSIANS] = "gaussians";

@@ -2,6 +2,10 @@
  * the picture does not depend on the number of ranks. */
 #include "apps/isorender/ranks.h"
 
+#include <string.h>
+
+#include "apps/isorender/chunks.h"
+#include "base/file_identity.h"
 #include "base/memory.h"
 #include "grids/volume/module.h"
 
@@ -9,7 +13,8 @@ enum { PIECE = 1 << 15 }; /* blocks whose ranges are exchanged at a time */
 
 iso_status isorender_ranks_start(iso_ranks *ranks, iso_error *error) {
     const iso_module *module = NULL;
-    *ranks = (iso_ranks){.size = 1};
+    static iso_status failure;
+    *ranks = (iso_ranks){.size = 1, .failure = &failure};
     if (!iso_ranks_are_several()) return ISO_OK;
     ISO_TRY(iso_module_load("mpirun", "mpi", "MPI", &module, error));
     if (module->messages->start(&ranks->rank, &ranks->size))
@@ -21,6 +26,101 @@ iso_status isorender_ranks_start(iso_ranks *ranks, iso_error *error) {
 void isorender_ranks_finish(iso_ranks *ranks) {
     if (ranks->mpi) ranks->mpi->finish();
     *ranks = (iso_ranks){.size = 1};
+}
+
+/* ---- what must be the same on all ranks */
+
+uint64_t isorender_hash(uint64_t hash, const void *bytes, size_t count) {
+    const unsigned char *byte = bytes;
+    for (size_t i = 0; i < count; i++) hash = (hash ^ byte[i]) * 0x100000001b3u;
+    return hash;
+}
+
+/* Options that each rank may be given in its own way. Of the outputs those of rank 0 are written. */
+static bool may_differ(const char *option) {
+    static const char *const names[] = {"threads",  "max-memory", "no-index", "quiet",
+                                        "progress", "verbose",    "output",   "json"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        if (strcmp(option, names[i]) == 0) return true;
+    return false;
+}
+
+iso_status isorender_ranks_check_settings(const isorender_settings *settings, iso_error *error) {
+    const iso_program *program = isorender_program();
+    const int options = (int)program->option_count;
+    uint64_t numbers[ISORENDER_MOST_OPTIONS + 2];
+    int first, count = options + 2;
+    for (int i = 0; i < options; i++)
+        numbers[i] = may_differ(program->options[i].name) ? 0 : settings->given[i];
+    numbers[options] = isorender_hash(0, program->version, strlen(program->version));
+    numbers[options + 1] = (uint64_t)settings->input_count;
+    ISO_TRY(iso_ranks_compare(&settings->ranks, numbers, count, &first, error));
+    if (first == count) return ISO_OK;
+    if (first < options)
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "option --%s: the processes of mpirun were given different values",
+                        program->options[first].name);
+    return iso_fail(error, ISO_ERR_USAGE,
+                    first == options ? "the processes of mpirun are different versions of %s"
+                                     : "the processes of mpirun were given different numbers of inputs to %s",
+                    program->name);
+}
+
+iso_status isorender_ranks_limit_memory(isorender_settings *settings, iso_error *error) {
+    uint64_t *limit = &settings->common.input.max_memory;
+    double least = (double)iso_memory_limit(*limit);
+    if (!settings->ranks.mpi) return ISO_OK;
+    ISO_TRY(iso_ranks_least(&settings->ranks, &least, 1, error));
+    if (least < 0x1p63) *limit = (uint64_t)least;
+    return ISO_OK;
+}
+
+static uint64_t hash_transform(uint64_t hash, const iso_transform *transform) {
+    hash = isorender_hash(hash, transform->spacing, sizeof transform->spacing);
+    hash = isorender_hash(hash, transform->origin, sizeof transform->origin);
+    return isorender_hash(hash, transform->direction, sizeof transform->direction);
+}
+
+iso_status isorender_ranks_check_volume(const isorender_job *job, iso_error *error) {
+    enum { SIZE, VOXELS, TRANSFORM, CONTENT, CHUNKS, NUMBERS };
+    static const char *const names[] = {"dimensions", "kinds of voxels", "positions", "contents"};
+    const iso_loader *loader = &job->loader;
+    const iso_rgrid *grid = loader->volume.grid.rgrid;
+    const bool is_scene = iso_loader_is_scene(job->plan->input);
+    uint64_t numbers[NUMBERS] = {[CHUNKS] = (uint64_t)loader->chunk_side};
+    int first;
+    if (!job->settings->ranks.mpi) return ISO_OK;
+    numbers[SIZE] = isorender_hash(0, grid->dims, sizeof grid->dims);
+    numbers[SIZE] = isorender_hash(numbers[SIZE], loader->crop, sizeof loader->crop);
+    const double scale[] = {(double)grid->type, grid->scale, grid->offset};
+    numbers[VOXELS] = isorender_hash(0, scale, sizeof scale);
+    numbers[TRANSFORM] = hash_transform(0, &grid->transform);
+    numbers[CONTENT] = is_scene ? isorender_hash(0, job->plan->input, strlen(job->plan->input))
+                                : iso_file_set_content(job->plan->files);
+    ISO_TRY(iso_ranks_compare(&job->settings->ranks, numbers, NUMBERS, &first, error));
+    if (first == NUMBERS) return ISO_OK;
+    if (first == CHUNKS)
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "the processes of mpirun chose different chunks: --chunk-size "
+                        "gives them one");
+    return iso_fail(error, ISO_ERR_FORMAT, "the processes of mpirun read different volumes: their %s differ",
+                    names[first]);
+}
+
+iso_status isorender_ranks_check_surface(const isorender_job *job, const iso_box *index, iso_error *error) {
+    const isorender_surface *surface = &job->surfaces[0];
+    uint64_t numbers[] = {isorender_hash(0, &surface->isovalue, sizeof surface->isovalue),
+                          job->cell_count + job->point_count, isorender_hash(0, index, sizeof *index),
+                          isorender_hash(0, &surface->bounds, sizeof surface->bounds)};
+    enum { NUMBERS = sizeof numbers / sizeof *numbers };
+    int first;
+    ISO_TRY(iso_ranks_compare(&job->settings->ranks, numbers, NUMBERS, &first, error));
+    if (first == NUMBERS) return ISO_OK;
+    return iso_fail(error, ISO_ERR_FORMAT,
+                    first ? "the processes of mpirun found different surfaces (is one of their indexes, "
+                            "NAME.isoindex, wrong? --no-index reads none)"
+                          : "the processes of mpirun chose different isovalues (is one of their indexes, "
+                            "NAME.isoindex, wrong? --isovalue gives them one)");
 }
 
 /* ---- ranges of blocks */

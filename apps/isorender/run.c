@@ -68,6 +68,7 @@ static void log_outputs(const isorender_job *job) {
 static iso_status make_at_once(isorender_job *job, iso_error *error) {
     double start = iso_clock_seconds();
     ISO_TRY(iso_ranks_agree(&job->settings->ranks, isorender_read(job, error), error));
+    ISO_TRY(isorender_ranks_check_volume(job, error));
     double read = iso_clock_seconds();
     job->seconds.load += read - start;
     ISO_TRY(isorender_extract(job, error));
@@ -181,11 +182,18 @@ static void name_input(const isorender_job *job, iso_error *error) {
              length ? text + length + strspn(text + length, ":/ ") : text);
 }
 
+/* Agrees with the other ranks on how the work on an input has ended, before that on the next one. */
+static iso_status end_together(const isorender_settings *settings, iso_status status, iso_error *error) {
+    status = iso_ranks_agree(&settings->ranks, status, error);
+    iso_ranks_go_on(&settings->ranks);
+    return status;
+}
+
 iso_status isorender_run(const isorender_settings *settings, const isorender_plan *plan, iso_pool *pool,
                          const isorender_backend *backend, const iso_environment *environment,
                          iso_error *error) {
     isorender_job *job = calloc(1, sizeof *job);
-    if (!job) return iso_fail_memory(error, plan->input);
+    if (!job) return end_together(settings, iso_fail_memory(error, plan->input), error);
     job->settings = settings;
     job->plan = plan;
     job->pool = pool;
@@ -193,7 +201,7 @@ iso_status isorender_run(const isorender_settings *settings, const isorender_pla
     job->environment = environment;
     iso_status status = run_steps(job, error);
     iso_pool_watch(pool, NULL, NULL); /* by this job */
-    status = iso_ranks_agree(&settings->ranks, status, error);
+    status = end_together(settings, status, error);
     if (status != ISO_OK && !settings->ranks.rank) remove_outputs(job);
     if (status != ISO_OK && error->text[0]) name_input(job, error);
     free_surfaces(job);

@@ -15,7 +15,8 @@
 extern "C" {
 #endif
 
-enum { ISORENDER_SURFACES = 64 }; /* isosurfaces in one picture */
+enum { ISORENDER_SURFACES = 64 };      /* isosurfaces in one picture */
+enum { ISORENDER_MOST_OPTIONS = 256 }; /* rows of the table of options */
 
 /* isorender_settings.method when the option is not given: exact for volumes, splats for files of points, or
  * pullpush if their reconstruction is box or gaussian; none of them for files of 3-D Gaussians. */
@@ -147,6 +148,8 @@ typedef struct isorender_settings {
     int merge;       /* the command merge: `inputs` are files of keys */
 
     iso_ranks ranks; /* the processes of mpirun */
+    /* Of every option, by its index in the table: a hash of the values given; 0: not given. */
+    uint64_t given[ISORENDER_MOST_OPTIONS];
 
     int progress, verbose, info;
 } isorender_settings;

@@ -2,6 +2,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "base/file_set.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -37,9 +38,11 @@ static uint64_t nanoseconds(struct timespec time) {
     return (uint64_t)time.tv_sec * 1000000000u + (uint64_t)time.tv_nsec;
 }
 
-/* Sets the identity of a file; false when it is not a regular file, and its folder does not exist. */
+/* Sets the identity of a file; false when it is not a regular file, and its folder does not exist, or without
+ * memory (errno is ENOMEM then). */
 static bool identify(const char *path, iso_file_entry *entry) {
     struct stat info;
+    errno = 0;
     if (stat(path, &info) == 0) {
         entry->device = info.st_dev;
         entry->inode = info.st_ino;
@@ -57,7 +60,7 @@ static bool identify(const char *path, iso_file_entry *entry) {
         entry->missing = strdup(slash ? slash + 1 : target);
     }
     free(target);
-    return found;
+    return found && entry->missing;
 }
 
 static bool identify_descriptor(int descriptor, iso_file_entry *entry) {
@@ -93,9 +96,17 @@ static void add_entry(iso_file_set *set, iso_file_entry *entry, const char *name
     free(entry->name);
 }
 
+/* Adds a file that identify has looked at. */
+static void add(iso_file_set *set, bool found, iso_file_entry *entry, const char *name) {
+    if (found)
+        add_entry(set, entry, name);
+    else if (errno == ENOMEM)
+        set->incomplete = true;
+}
+
 void iso_file_set_read_as(iso_file_set *set, const char *path, const char *name) {
     iso_file_entry entry = {.written = false};
-    if (set && identify(path, &entry)) add_entry(set, &entry, name);
+    if (set) add(set, identify(path, &entry), &entry, name);
 }
 
 void iso_file_set_read(iso_file_set *set, const char *path) {
@@ -107,8 +118,8 @@ void iso_file_set_write(iso_file_set *set, const char *path) {
     if (!set || !path) return;
     if (strcmp(path, "-") == 0) {
         if (identify_descriptor(STDOUT_FILENO, &entry)) add_entry(set, &entry, "standard output");
-    } else if (identify(path, &entry)) {
-        add_entry(set, &entry, path);
+    } else {
+        add(set, identify(path, &entry), &entry, path);
     }
 }
 
@@ -157,14 +168,31 @@ static uint32_t checksum_of_blocks(const char *path) {
     return crc;
 }
 
+enum { SAMPLED_FILES = 8 }; /* of which blocks are read: there may be 100,000 */
+
+/* Of more files, which another machine may list in another order, only the sizes count. */
+uint64_t iso_file_set_content(const iso_file_set *set) {
+    size_t count = 0;
+    uint64_t sum = 0;
+    for (size_t i = 0; i < set->count; i++) count += !set->entries[i].written;
+    for (size_t i = 0; i < set->count; i++) {
+        const iso_file_entry *entry = &set->entries[i];
+        if (entry->written) continue;
+        const uint64_t words[] = {entry->bytes, count <= SAMPLED_FILES ? checksum_of_blocks(entry->name) : 0};
+        uint64_t hash = 0xcbf29ce484222325u; /* FNV-1a, by words */
+        for (size_t w = 0; w < sizeof words / sizeof *words; w++) hash = (hash ^ words[w]) * 0x100000001b3u;
+        sum += hash;
+    }
+    return sum;
+}
+
 uint64_t iso_file_set_identity(const iso_file_set *set) {
-    enum { SAMPLED = 8 };                /* files of which blocks are read: there may be 100,000 */
     uint64_t hash = 0xcbf29ce484222325u; /* FNV-1a, by words */
     size_t sampled = 0;
     for (size_t i = 0; i < set->count; i++) {
         const iso_file_entry *entry = &set->entries[i];
         if (entry->written) continue;
-        const uint32_t blocks = sampled++ < SAMPLED ? checksum_of_blocks(entry->name) : 0;
+        const uint32_t blocks = sampled++ < SAMPLED_FILES ? checksum_of_blocks(entry->name) : 0;
         const uint64_t words[] = {entry->bytes, entry->modified, entry->changed, (uint64_t)entry->inode,
                                   blocks};
         for (size_t w = 0; w < sizeof words / sizeof *words; w++) hash = (hash ^ words[w]) * 0x100000001b3u;
