@@ -146,8 +146,12 @@ until_ "unsaved changes in the title" title_is ': sculpture.vdb\*$'
 # ---- killed and recovered: method, light, tool and symmetry are as before, and so is the file to save to
 key 3
 key m
-xdotool mousemove 120 329 sleep 0.2 mousedown 1 sleep 0.1 mouseup 1 sleep 0.3 # the list of lights: its third row
-xdotool mousemove 60 398 sleep 0.2 mousedown 1 sleep 0.1 mouseup 1 sleep 0.3
+chooses_light() { # the third one of the list
+    press 120 329
+    press 60 398
+    grep -q 'light=matcap pearl' "$journal.open"
+}
+until_ "another light" chooses_light
 symmetric() { press 96 217; whole_window mirror; look color mirror.png 255 120 110 320,0,1280,800 100; }
 until_ "a mirror" symmetric
 key f
@@ -158,11 +162,10 @@ start --recover
 until_ "the title of the recovered file" title_is ': sculpture.vdb\*$'
 key f
 picture look_again
-cmp look.png look_again.png || fail "recovered: another picture"
+look same look.png look_again.png 500 || fail "recovered: another picture" # (single pixels depend on the order of points)
 stroke 700 400 10 10
 grep '"event":"begin"' "$journal" | tail -1 >begin
 grep -q '"tool":"blend-add".*"symmetry":1,' begin || fail "recovered: another brush: $(cut -c1-300 begin)"
-grep -q 'light=matcap' "$journal.open" || fail "the light was not chosen: $(cat "$journal.open")"
 stop
 
 # ---- the built-in font: rows are where they are with every other font; a file that is no font is refused
