@@ -38,7 +38,8 @@ struct panel_font {
     float size;                       /* height of a line at scale 1 */
 };
 /* Chooses the file `path` ("builtin": Dear ImGui's own font), or (nullptr) the first of some good fonts that
- * is installed, else Dear ImGui's own font. ISO_ERR_IO: the file cannot be read. */
+ * is installed, else Dear ImGui's own font. ISO_ERR_IO: the file cannot be read; ISO_ERR_FORMAT: it is no
+ * font. */
 iso_status panel_choose_font(const char *path, panel_font *font, iso_error *error);
 /* Sets letters, colours and sizes. A row of widgets has the same height with every font. Returns false if the
  * file is not a font. */

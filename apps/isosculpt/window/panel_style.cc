@@ -26,7 +26,17 @@ static const font_file FONTS[] = {{"/usr/share/fonts/opentype/inter/Inter-Regula
 static const float OWN_FONT_SIZE = 13, FONT_SIZE = 15;
 static const size_t FONT_BYTES = 64u << 20; /* no font file is larger */
 
-/* Reads a font file. ISO_ERR_IO. */
+/* Whether the bytes begin as a TrueType or OpenType font does. Dear ImGui aborts the program for anything
+ * else. */
+static bool is_font(const std::vector<unsigned char> &bytes) {
+    static const unsigned char kinds[][4] = {
+        {0, 1, 0, 0}, {'O', 'T', 'T', 'O'}, {'t', 'r', 'u', 'e'}, {'t', 't', 'c', 'f'}};
+    for (const auto &kind : kinds)
+        if (bytes.size() > 1024 && std::memcmp(bytes.data(), kind, 4) == 0) return true;
+    return false;
+}
+
+/* Reads a font file. ISO_ERR_IO, ISO_ERR_FORMAT. */
 static iso_status read_font(const char *path, std::vector<unsigned char> *bytes, iso_error *error) {
     FILE *file;
     uint64_t size;
@@ -34,7 +44,9 @@ static iso_status read_font(const char *path, std::vector<unsigned char> *bytes,
     bytes->resize(size < FONT_BYTES ? (size_t)size : 0);
     const bool whole = !bytes->empty() && std::fread(bytes->data(), 1, bytes->size(), file) == bytes->size();
     std::fclose(file);
-    return whole ? ISO_OK : iso_fail(error, ISO_ERR_IO, "%s: cannot be read as a font", path);
+    if (!whole) return iso_fail(error, ISO_ERR_IO, "%s: cannot be read as a font", path);
+    return is_font(*bytes) ? ISO_OK
+                           : iso_fail(error, ISO_ERR_FORMAT, "%s: no TrueType or OpenType font", path);
 }
 
 iso_status panel_choose_font(const char *path, panel_font *font, iso_error *error) {
