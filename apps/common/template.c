@@ -2,11 +2,14 @@
 #define _GNU_SOURCE
 #include "apps/common/template.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 #include <sys/stat.h>
+
+#include "base/file.h"
 
 static iso_status no_memory(iso_error *error) {
     return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
@@ -29,8 +32,10 @@ static void cut_extension(char *name) {
 
 static char *model_of_path(const char *path) {
     /* "." and ".." are resolved to find the folder's name */
+    errno = 0;
     char *real = is_folder(path) ? realpath(path, NULL) : NULL;
     bool folder = real != NULL;
+    if (!real && errno == ENOMEM) return NULL;
     char *copy = real ? real : strdup(path);
     if (!copy) return NULL;
     char *slash = strrchr(copy, '/');
@@ -122,7 +127,7 @@ iso_status iso_template_expand(const char *text, const char *model, int number, 
     FILE *stream = open_memstream(&made, &size);
     if (!stream) return no_memory(error);
     iso_status status = expand_into(stream, text, model, number, error);
-    if (fclose(stream) != 0 && status == ISO_OK) status = no_memory(error);
+    if (!iso_memory_stream_close(stream, &made) && status == ISO_OK) status = no_memory(error);
     if (status != ISO_OK) {
         free(made);
         return status;

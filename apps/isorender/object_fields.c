@@ -11,10 +11,7 @@
 
 bool isorender_object_is_field(const char *path) {
     char head[1024];
-    FILE *file = NULL;
-    if (iso_file_open(path, &file, NULL, NULL) != ISO_OK) return false;
-    const size_t count = fread(head, 1, sizeof head, file);
-    fclose(file);
+    const size_t count = iso_file_head(path, head, sizeof head);
     const char *format = iso_volume_format(head, count);
     if (!format) return false;
     /* VTK's files hold other things, too, and say in their first lines what */

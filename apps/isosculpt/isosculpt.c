@@ -20,7 +20,8 @@ static int run_program(int argc, char **argv) {
     iso_error error = {0};
     isosculpt_settings settings;
     iso_operands operands = {calloc((size_t)argc + 1, sizeof *operands.values), 0};
-    if (!operands.values) return iso_status_exit(ISO_ERR_NOMEM);
+    if (!operands.values)
+        return iso_program_fail(program, &error, iso_fail(&error, ISO_ERR_NOMEM, "out of memory"));
     iso_status status = isosculpt_settings_parse(argc, argv, &settings, &operands, &error);
     if (status == ISO_OK && !iso_settings_print_help(&settings.common, program))
         status = run_session(&settings, &error);

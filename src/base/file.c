@@ -42,6 +42,16 @@ iso_status iso_file_open(const char *path, FILE **stream, uint64_t *bytes, iso_e
     return ISO_OK;
 }
 
+size_t iso_file_head(const char *path, void *head, size_t bytes) {
+    int file = -1;
+    if (iso_file_descriptor(path, &file, NULL, NULL) != ISO_OK) return 0;
+    size_t done = 0;
+    for (ssize_t now = 1; done < bytes && now > 0; done += now > 0 ? (size_t)now : 0)
+        now = read(file, (char *)head + done, bytes - done);
+    close(file);
+    return done;
+}
+
 /* The permissions of the new file: those of an existing target, else those that fopen would give it. */
 static mode_t wanted_mode(const char *target) {
     struct stat info;
@@ -52,6 +62,7 @@ static mode_t wanted_mode(const char *target) {
 }
 
 static iso_status fail_path(iso_error *error, const char *path, int code) {
+    if (code == ENOMEM) return iso_fail_memory(error, path);
     return iso_fail(error, ISO_ERR_WRITE, "%s: cannot write: %s", path, strerror(code));
 }
 
@@ -311,8 +322,20 @@ void iso_file_remove(const char *path) {
     struct stat info;
     if (!path || strcmp(path, "-") == 0 || stat(path, &info) != 0 || !S_ISREG(info.st_mode)) return;
     char *target = iso_file_follow(path);
-    if (target) unlink(target);
+    if (target)
+        unlink(target);
+    else if (lstat(path, &info) == 0 && S_ISREG(info.st_mode)) /* (no memory) */
+        unlink(path);
     free(target);
+}
+
+bool iso_memory_stream_close(FILE *stream, char **bytes) {
+    bool whole = !ferror(stream);
+    whole &= fclose(stream) == 0;
+    if (whole && *bytes) return true;
+    free(*bytes);
+    *bytes = NULL;
+    return false;
 }
 
 bool iso_file_same(const char *a, const char *b) {

@@ -29,6 +29,11 @@ iso_status iso_file_open(const char *path, FILE **stream, uint64_t *bytes, iso_e
 /* The same, for what reads from a descriptor, which is the caller's (close). */
 iso_status iso_file_descriptor(const char *path, int *descriptor, uint64_t *bytes, iso_error *error);
 
+/* Reads the first bytes of a regular file, at most `bytes`, to find out what it is; returns how many there
+ * are, 0 if it cannot be read. It needs no memory, so that no file is taken for another kind where there is
+ * none. */
+size_t iso_file_head(const char *path, void *head, size_t bytes);
+
 typedef struct iso_sink {
     FILE *stream;    /* write to it freely; errors are found by iso_sink_commit */
     char *target;    /* owned; NULL: standard output */
@@ -65,6 +70,10 @@ char *iso_file_follow(const char *path);
 /* Removes the file that a sink for `path` has written, for use when a later output fails. Follows symbolic
  * links; only regular files are removed. NULL and "-" are ignored. */
 void iso_file_remove(const char *path);
+
+/* Closes a stream of open_memstream, whose `bytes` are the caller's. False: there was no memory; *bytes is
+ * NULL then. What fwrite and the like return must have been checked if more than a few kilobytes were written. */
+bool iso_memory_stream_close(FILE *stream, char **bytes);
 
 /* Whether both names lead to the same existing regular file, so that writing one would destroy the other. */
 bool iso_file_same(const char *a, const char *b);

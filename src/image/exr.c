@@ -67,12 +67,17 @@ typedef struct exr_file {
     char text[160];
 } exr_file;
 
+/* The file that this thread works on. */
+static _Thread_local exr_file *current_file;
+
 static void file_open(exr_file *file, int descriptor) {
+    current_file = file;
     *file = (exr_file){.descriptor = descriptor};
     pthread_mutex_init(&file->mutex, NULL);
 }
 
 static void file_close(exr_file *file) {
+    current_file = NULL;
     pthread_mutex_destroy(&file->mutex);
 }
 
@@ -105,13 +110,10 @@ static const char *reason_of(const exr_file *file) {
     return file->system_code ? strerror(file->system_code) : file->text;
 }
 
-static exr_file *file_of(exr_const_context_t context) {
-    void *file = NULL;
-    return exr_get_user_data(context, &file) == EXR_ERR_SUCCESS ? file : NULL;
-}
-
+/* The library may hold its context's lock, for which exr_get_user_data would wait. */
 static void on_error(exr_const_context_t context, exr_result_t code, const char *text) {
-    exr_file *file = file_of(context);
+    (void)context;
+    exr_file *file = current_file;
     if (!file) return;
     char line[sizeof file->text];
     snprintf(line, sizeof line, "%s", text ? text : exr_get_default_error_message(code));
@@ -212,6 +214,7 @@ static exr_result_t encode_chunk(const writer *w, exr_encode_pipeline_t *pipelin
 static void compress_chunk(void *context, size_t index, size_t slot, int worker) {
     (void)worker;
     writer *w = context;
+    current_file = &w->file;
     exr_encode_pipeline_t *pipeline = &w->pipelines[slot];
     exr_chunk_info_t chunk;
     int y = (int)index * w->rows;
@@ -449,6 +452,7 @@ static exr_result_t decode_chunk(const reader *r, size_t row, exr_decode_pipelin
 static void read_chunk(void *context, size_t index, int worker) {
     (void)worker;
     reader *r = context;
+    current_file = &r->file;
     exr_chunk_info_t chunk;
     size_t row = index * (size_t)r->rows, left = (size_t)r->height - row;
     if (has_failed(&r->file) ||

@@ -22,7 +22,21 @@ typedef struct png_failure {
     jmp_buf escape;
     char text[160];
     int code; /* errno of a failed read or write, else 0 */
+    bool out_of_memory;
 } png_failure;
+
+/* What libpng says of memory that it does not get depends on what it was for. */
+static png_voidp allocate(png_structp png, png_alloc_size_t bytes) {
+    png_failure *failure = png_get_mem_ptr(png);
+    void *block = malloc(bytes);
+    if (!block) failure->out_of_memory = true;
+    return block;
+}
+
+static void release(png_structp png, png_voidp block) {
+    (void)png;
+    free(block);
+}
 
 static void on_error(png_structp png, png_const_charp text) {
     png_failure *failure = png_get_error_ptr(png);
@@ -44,7 +58,6 @@ typedef struct writer {
     png_text *texts;
     int text_count;
     png_uint_32 pixels_per_metre; /* 0: not written */
-    bool out_of_memory;
     png_failure failure;
 } writer;
 
@@ -87,7 +100,7 @@ static bool write_picture(writer *w) {
     png_write_info(w->png, w->info);
     for (;;) {
         if (iso_png_pack(&w->packer) != ISO_OK) {
-            w->out_of_memory = true;
+            w->failure.out_of_memory = true;
             png_error(w->png, "out of memory");
         }
         if (w->packer.part_count == 0) break;
@@ -135,7 +148,8 @@ static iso_status choose_color_type(writer *w, const iso_image *image, const iso
 
 static iso_status prepare_writer(writer *w, const iso_image *image, const iso_png_opts *opts) {
     ISO_TRY(choose_color_type(w, image, opts));
-    w->png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &w->failure, on_error, on_warning);
+    w->png = png_create_write_struct_2(PNG_LIBPNG_VER_STRING, &w->failure, on_error, on_warning, &w->failure,
+                                       allocate, release);
     if (!w->png || !(w->info = png_create_info_struct(w->png))) return ISO_ERR_NOMEM;
     int count = opts->text_count;
     if (count && !(w->texts = iso_alloc_zero((size_t)count, sizeof *w->texts))) return ISO_ERR_NOMEM;
@@ -156,8 +170,9 @@ static iso_status write_to_sink(writer *w, const char *path, iso_error *error) {
     if (write_picture(w)) return iso_sink_commit(&sink, error);
     const char *name = sink.target ? path : "standard output";
     const char *reason = w->failure.code ? strerror(w->failure.code) : w->failure.text;
-    iso_status status = w->out_of_memory ? ISO_ERR_NOMEM : ISO_ERR_WRITE;
-    iso_fail(error, status, "%s: cannot write: %s", name, reason);
+    const iso_status status = w->failure.out_of_memory
+                                  ? iso_fail_memory(error, name)
+                                  : iso_fail(error, ISO_ERR_WRITE, "%s: cannot write: %s", name, reason);
     iso_sink_abort(&sink);
     return status;
 }
@@ -189,7 +204,7 @@ iso_status iso_png_encode(const iso_image *image, const iso_png_opts *opts, uint
     size_t length = 0;
     bool good = prepare_writer(&w, image, opts) == ISO_OK;
     good = good && (w.stream = open_memstream(&block, &length)) != NULL && write_picture(&w);
-    if (w.stream) good = fclose(w.stream) == 0 && good;
+    if (w.stream) good = iso_memory_stream_close(w.stream, &block) && good;
     free_writer(&w);
     if (!good) {
         free(block);
@@ -257,6 +272,7 @@ static bool read_rows(reader *r, const iso_image *image) {
 }
 
 static iso_status fail_reading(const reader *r, const char *path, iso_error *error) {
+    if (r->failure.out_of_memory) return iso_fail_memory(error, path);
     if (r->failure.code)
         return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(r->failure.code));
     if (r->ended) return iso_fail(error, ISO_ERR_FORMAT, "%s: PNG file ends too early", path);
@@ -264,7 +280,8 @@ static iso_status fail_reading(const reader *r, const char *path, iso_error *err
 }
 
 static iso_status read_stream(reader *r, const char *path, iso_image *image, iso_error *error) {
-    r->png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &r->failure, on_error, on_warning);
+    r->png = png_create_read_struct_2(PNG_LIBPNG_VER_STRING, &r->failure, on_error, on_warning, &r->failure,
+                                      allocate, release);
     if (!r->png || !(r->info = png_create_info_struct(r->png))) return iso_fail_memory(error, path);
     if (!read_header(r)) return fail_reading(r, path, error);
     if (r->width > ISO_IMAGE_MAX || r->height > ISO_IMAGE_MAX)

@@ -10,10 +10,7 @@
 bool iso_strokes_are_in(const char *path) {
     static const char first[] = "{\"format\":\"isopoint strokes\"";
     char begin[sizeof first] = "";
-    FILE *file;
-    if (iso_file_open(path, &file, NULL, NULL) != ISO_OK) return false;
-    const size_t count = fread(begin, 1, sizeof first - 1, file);
-    fclose(file);
+    const size_t count = iso_file_head(path, begin, sizeof first - 1);
     return count == sizeof first - 1 && strcmp(begin, first) == 0;
 }
 

@@ -33,10 +33,7 @@ static iso_status read_text(const char *path, char **text, iso_error *error) {
 
 bool iso_bdv_is_xml(const char *path) {
     char head[HEAD + 1] = "";
-    FILE *file;
-    if (iso_file_open(path, &file, NULL, NULL) != ISO_OK) return false;
-    head[fread(head, 1, HEAD, file)] = 0;
-    fclose(file);
+    head[iso_file_head(path, head, HEAD)] = 0;
     return strstr(head, "<SpimData") != NULL;
 }
 

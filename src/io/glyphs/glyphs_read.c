@@ -99,11 +99,8 @@ bool iso_glyphs_are_points(const char *path) {
     static const char *const endings[] = {".ply", ".pcd", ".las", ".laz", ".npy", ".pts",
                                           ".pwn", ".asc", ".txt", ".off", ".obj"};
     char head[256] = "";
-    FILE *file;
-    if (iso_file_open(path, &file, NULL, NULL) != ISO_OK) return false;
-    const size_t bytes = fread(head, 1, sizeof head - 1, file);
-    head[bytes] = 0;
-    fclose(file);
+    const size_t bytes = iso_file_head(path, head, sizeof head - 1);
+    if (!bytes) return false;
     if (iso_text_has_extension(path, ".xyz")) return !begins_with_count(head + iso_text_mark(head, bytes));
     if (iso_text_has_extension(path, ".npy") && iso_npy_axes(path) > 2) return false; /* a volume */
     for (size_t i = 0; i < sizeof endings / sizeof *endings; i++)

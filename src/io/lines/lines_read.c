@@ -32,9 +32,6 @@ iso_status iso_lines_read(const char *path, const iso_read_opts *opts, iso_lines
 
 bool iso_lines_fill_vtk(const char *path) {
     char head[1024];
-    FILE *file;
-    if (iso_file_open(path, &file, NULL, NULL) != ISO_OK) return false;
-    head[fread(head, 1, sizeof head - 1, file)] = 0;
-    fclose(file);
+    head[iso_file_head(path, head, sizeof head - 1)] = 0;
     return strncmp(head, "# vtk DataFile", 14) == 0 && strcasestr(head, "\nDATASET POLYDATA");
 }

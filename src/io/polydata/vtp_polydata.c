@@ -623,18 +623,13 @@ static bool has_some(const char *piece, const char *attribute) {
 
 iso_vtp_cells iso_vtp_find_cells(const char *path) {
     enum { HEAD = 1 << 16 };
-    char *head = iso_alloc(HEAD);
-    FILE *file = NULL;
+    char head[HEAD];
     bool points = false, faces = false, lines = false;
-    if (head && iso_file_open(path, &file, NULL, NULL) == ISO_OK) {
-        head[fread(head, 1, HEAD - 1, file)] = 0;
-        for (const char *piece = strstr(head, "<Piece"); piece; piece = strstr(piece + 1, "<Piece")) {
-            points |= has_some(piece, "NumberOfPoints=\"");
-            lines |= has_some(piece, "NumberOfLines=\"");
-            faces |= has_some(piece, "NumberOfPolys=\"") || has_some(piece, "NumberOfStrips=\"");
-        }
+    head[iso_file_head(path, head, HEAD - 1)] = 0;
+    for (const char *piece = strstr(head, "<Piece"); piece; piece = strstr(piece + 1, "<Piece")) {
+        points |= has_some(piece, "NumberOfPoints=\"");
+        lines |= has_some(piece, "NumberOfLines=\"");
+        faces |= has_some(piece, "NumberOfPolys=\"") || has_some(piece, "NumberOfStrips=\"");
     }
-    if (file) fclose(file);
-    iso_free(head);
     return lines ? ISO_VTP_LINES : faces ? ISO_VTP_FACES : points ? ISO_VTP_POINTS : ISO_VTP_UNKNOWN;
 }

@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/file.h"
 #include "base/memory.h"
 #include "grids/level_set.h"
 #include "sculpt/session/checkpoint.h"
@@ -112,12 +113,11 @@ static iso_status put_level(FILE *stream, const iso_hgrid *grid) {
     FILE *cells = open_memstream(&bytes, &size);
     if (!cells) return ISO_ERR_NOMEM;
     iso_checkpoint_put(cells, grid, &mask);
-    const bool whole = fclose(cells) == 0 && size < UINT32_MAX;
+    bool whole = iso_memory_stream_close(cells, &bytes) && size < UINT32_MAX;
     level_head head = {.bytes = (uint32_t)size, .spacing = grid->transform.spacing[0]};
     memcpy(head.dims, grid->dims, sizeof head.dims);
     memcpy(head.origin, grid->transform.origin, sizeof head.origin);
-    if (whole) fwrite(&head, sizeof head, 1, stream);
-    if (whole) fwrite(bytes, 1, size, stream);
+    whole = whole && fwrite(&head, sizeof head, 1, stream) == 1 && fwrite(bytes, 1, size, stream) == size;
     free(bytes);
     return whole ? ISO_OK : ISO_ERR_NOMEM;
 }
@@ -211,7 +211,8 @@ char *iso_stamp_text(const iso_stamp *stamp) {
     if (!stream) return NULL;
     iso_status status = ISO_OK;
     for (int i = 0; i < stamp->count && status == ISO_OK; i++) status = put_level(stream, stamp->level[i]);
-    if (fclose(stream) == 0 && status == ISO_OK) text = encode((const uint8_t *)bytes, size);
+    if (iso_memory_stream_close(stream, &bytes) && status == ISO_OK)
+        text = encode((const uint8_t *)bytes, size);
     free(bytes);
     return text;
 }

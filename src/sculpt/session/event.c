@@ -3,6 +3,7 @@
 #include "sculpt/session/event.h"
 
 #include <jansson.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -94,7 +95,33 @@ char *iso_event_text(const iso_event *event, unsigned long long number) {
     return NULL;
 }
 
-/* ---- reading: failures are ISO_ERR_FORMAT with a message that says what is wrong */
+/* ---- reading: failures are ISO_ERR_FORMAT with a message that says what is wrong, or ISO_ERR_NOMEM */
+
+static _Thread_local bool was_refused;
+
+static void *allocate(size_t bytes) {
+    void *block = malloc(bytes);
+    if (!block) was_refused = true;
+    return block;
+}
+
+static void watch_memory(void) {
+    json_set_alloc_funcs(allocate, free);
+}
+
+/* Parses the JSON of a line. NULL: it is none, or there is no memory, which jansson does not always tell: members
+ * can be missing then. */
+static json_t *parse_json(const char *line, size_t size, iso_error *error) {
+    static pthread_once_t once = PTHREAD_ONCE_INIT;
+    pthread_once(&once, watch_memory);
+    was_refused = false;
+    json_t *object = json_loadb(line, size, JSON_REJECT_DUPLICATES, NULL);
+    if (object && !was_refused) return object;
+    json_decref(object);
+    iso_fail(error, was_refused ? ISO_ERR_NOMEM : ISO_ERR_FORMAT, "%s",
+             was_refused ? "out of memory" : "it is not JSON");
+    return NULL;
+}
 
 /* Verifies the checksum of a line and parses the JSON. If the line is sound, the caller releases *object. */
 static iso_line parse_line(const char *line, size_t size, json_t **object, iso_error *error) {
@@ -111,10 +138,8 @@ static iso_line parse_line(const char *line, size_t size, json_t **object, iso_e
         iso_fail(error, ISO_ERR_FORMAT, "its checksum is wrong");
         return ISO_LINE_TORN;
     }
-    *object = json_loadb(line, size, JSON_REJECT_DUPLICATES, NULL);
-    if (*object) return ISO_LINE_SOUND;
-    iso_fail(error, ISO_ERR_FORMAT, "it is not JSON");
-    return ISO_LINE_WRONG;
+    *object = parse_json(line, size, error);
+    return *object ? ISO_LINE_SOUND : ISO_LINE_WRONG;
 }
 
 static iso_status bad_member(const char *key, const char *wanted, iso_error *error) {

@@ -348,6 +348,11 @@ static iso_status next_line(iso_journal_reader *reader, size_t *size, bool *whol
     return iso_fail(error, ISO_ERR_IO, "cannot read '%s': %s", reader->path, strerror(errno));
 }
 
+/* The status of a line that could not be read. */
+static iso_status status_of(const iso_error *why) {
+    return why->status == ISO_ERR_NOMEM ? ISO_ERR_NOMEM : ISO_ERR_FORMAT;
+}
+
 static iso_status read_header(iso_journal_reader *reader, iso_error *error) {
     size_t size;
     bool whole;
@@ -364,7 +369,7 @@ static iso_status read_header(iso_journal_reader *reader, iso_error *error) {
         return iso_fail(error, ISO_ERR_FORMAT, "'%s' is not a stroke file: line 1: %s", reader->path,
                         why.text);
     default:
-        return iso_fail(error, ISO_ERR_FORMAT, "'%s' line 1: %s", reader->path, why.text);
+        return iso_fail(error, status_of(&why), "'%s' line 1: %s", reader->path, why.text);
     }
     reader->lines = 1;
     reader->sound = size + 1;
@@ -415,7 +420,7 @@ iso_status iso_journal_next(iso_journal_reader *reader, iso_event *event, bool *
     case ISO_LINE_TORN:
         return check_incomplete_line(reader, why.text, error);
     default:
-        return iso_fail(error, ISO_ERR_FORMAT, "'%s' line %llu: %s", reader->path, reader->lines + 1,
+        return iso_fail(error, status_of(&why), "'%s' line %llu: %s", reader->path, reader->lines + 1,
                         why.text);
     }
     *more = true;
