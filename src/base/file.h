@@ -72,7 +72,8 @@ char *iso_file_follow(const char *path);
 void iso_file_remove(const char *path);
 
 /* Closes a stream of open_memstream, whose `bytes` are the caller's. False: there was no memory; *bytes is
- * NULL then. What fwrite and the like return must have been checked if more than a few kilobytes were written. */
+ * NULL then. What fwrite and the like return must have been checked if more than a few kilobytes were
+ * written. */
 bool iso_memory_stream_close(FILE *stream, char **bytes);
 
 /* Whether both names lead to the same existing regular file, so that writing one would destroy the other. */

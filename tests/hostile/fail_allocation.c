@@ -3,9 +3,9 @@
  *     FAIL_ALLOCATION_AT     which request fails, from 1; 0 or not set: none
  *     FAIL_ALLOCATION_COUNT  the file to which the number of requests is written when the program exits
  *
- * Requests are malloc, calloc, realloc, aligned_alloc, memalign, posix_memalign, and mmap, of the program and of
- * all its libraries, from when this library was loaded; mmap only where it is called by this name, which glibc
- * itself does not. */
+ * Requests are malloc, calloc, realloc, aligned_alloc, memalign, posix_memalign, and mmap, of the program and
+ * of all its libraries, from when this library was loaded; mmap only where it is called by this name, which
+ * glibc itself does not. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>

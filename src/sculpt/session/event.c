@@ -109,8 +109,8 @@ static void watch_memory(void) {
     json_set_alloc_funcs(allocate, free);
 }
 
-/* Parses the JSON of a line. NULL: it is none, or there is no memory, which jansson does not always tell: members
- * can be missing then. */
+/* Parses the JSON of a line. NULL: it is none, or there is no memory, which jansson does not always tell:
+ * members can be missing then. */
 static json_t *parse_json(const char *line, size_t size, iso_error *error) {
     static pthread_once_t once = PTHREAD_ONCE_INIT;
     pthread_once(&once, watch_memory);
