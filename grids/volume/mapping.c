@@ -85,6 +85,7 @@ static iso_status map(const char *path, int file, uint64_t start, uint64_t bytes
     if (mapping->pages == MAP_FAILED) {
         const int code = errno;
         iso_free(mapping);
+        if (code == ENOMEM) return iso_fail_memory(error, path);
         return iso_fail(error, ISO_ERR_IO, "%s: cannot be mapped into memory: %s", path, strerror(code));
     }
     mapping->data = mapping->pages + before;

@@ -165,8 +165,17 @@ static int64_t file_size(exr_const_context_t context, void *data) {
     return fstat(file->descriptor, &info) == 0 && S_ISREG(info.st_mode) ? (int64_t)info.st_size : -1;
 }
 
+/* The library writes other bytes, or says that data are corrupt, where it gets no memory. */
+static void *allocate(size_t bytes) {
+    void *block = malloc(bytes);
+    if (!block && current_file) succeeded(current_file, EXR_ERR_OUT_OF_MEMORY);
+    return block;
+}
+
 static exr_context_initializer_t initializer_for(exr_file *file) {
     exr_context_initializer_t initializer = EXR_DEFAULT_CONTEXT_INITIALIZER;
+    initializer.alloc_fn = allocate;
+    initializer.free_fn = free;
     initializer.error_handler_fn = on_error;
     initializer.user_data = file;
     initializer.read_fn = read_at;
@@ -331,8 +340,12 @@ iso_status iso_exr_write(const char *path, const iso_aov *aov, const iso_exr_inf
     file_open(&w.file, fileno(sink.stream));
     iso_status status = ISO_OK;
     if (!write_all(&w, path, info, pool)) {
-        status = w.file.code == EXR_ERR_OUT_OF_MEMORY ? ISO_ERR_NOMEM : ISO_ERR_WRITE;
-        iso_fail(error, status, "%s: cannot write: %s", path, reason_of(&w.file));
+        /* Nothing is decoded here: CORRUPT_CHUNK is what the library makes of zlib's having no memory. */
+        const exr_result_t code = w.file.code;
+        if (code == EXR_ERR_OUT_OF_MEMORY || code == EXR_ERR_CORRUPT_CHUNK)
+            status = iso_fail_memory(error, path);
+        else
+            status = iso_fail(error, ISO_ERR_WRITE, "%s: cannot write: %s", path, reason_of(&w.file));
         iso_sink_abort(&sink);
     }
     file_close(&w.file);
