@@ -37,7 +37,8 @@ typedef struct iso_ranks {
 
 /* Whether the environment says that MPI has started several processes. */
 bool iso_ranks_are_several(void);
-/* The number of this rank among those of its node by the environment, before MPI is started; 0 without MPI. */
+/* The number of this rank among those of its node by the environment, before MPI is started; 0 without
+ * MPI. */
 int iso_ranks_number_on_node(void);
 
 /* Returns the status of the first rank that failed, on all ranks. On the others `error` becomes empty: the
