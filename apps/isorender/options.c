@@ -544,7 +544,8 @@ static const iso_option options[] = {
 
 static const char *const inputs_text[] = {
     ".vti, legacy .vtk, .nrrd .nhdr, .mha .mhd, .nii .nii.gz .hdr, "
-    ".vdb, a DICOM folder or file, raw data with --raw,",
+    ".vdb, a DICOM folder or file,",
+    "a folder of .png slices, raw data with --raw,",
     "a .ply of points as --points writes it, scene:NAME[:SIZE], and - "
     "for stdin (the content tells the format).",
     "A .tck, .trk, .swc, .vtp, .pdb, .ent, .xyz, .csv or .stl is drawn as --lines, "

@@ -3,7 +3,6 @@
 #define _GNU_SOURCE
 #include "grids/volume/volume.h"
 
-#include <dirent.h>
 #include <errno.h>
 #include <limits.h>
 #include <math.h>
@@ -17,10 +16,12 @@
 #include "base/memory.h"
 #include "base/text.h"
 #include "grids/brick_index.h"
+#include "grids/volume/dicom/dicom.h"
 #include "grids/volume/format.h"
 #include "grids/volume/mapping.h"
 #include "grids/volume/module.h"
 #include "grids/volume/npy_header.h"
+#include "grids/volume/slice_files.h"
 #include "grids/volume/tiled.h"
 
 /* ---- finding the format ---- */
@@ -204,15 +205,15 @@ static iso_status guess_raw(const char *path, uint64_t bytes, request *r, const 
         (unsigned long long)wanted);
 }
 
-/* Whether a folder has a file that is called .tif or .tiff. */
-static bool has_tiffs(const char *path) {
-    DIR *folder = opendir(path);
-    bool found = false;
-    if (!folder) return false;
-    for (const struct dirent *entry; !found && (entry = readdir(folder));)
-        found = format_of_name(entry->d_name) == &format_tiff;
-    closedir(folder);
-    return found;
+/* Whether a folder is a stack of PNG slices. One that has DICOM images, also in its subfolders, is none: such
+ * folders often have pictures beside the images. */
+static bool is_png_stack(const char *path) {
+    iso_dicom_folder folder = {0};
+    if (!iso_slice_files_exist(path, ISO_SLICES_PNG)) return false;
+    if (iso_dicom_folder_read(path, true, &folder, NULL) != ISO_OK) return true;
+    const bool has_images = folder.count > 0;
+    iso_dicom_folder_free(&folder);
+    return !has_images;
 }
 
 /* Whether a folder has the metadata of an array or group of Zarr or N5. */
@@ -237,8 +238,8 @@ static iso_status fail_unknown(const char *path, iso_error *error) {
     }
     return iso_fail(
         error, ISO_ERR_FORMAT,
-        "%s: not a volume that isopoint can read: it reads %sZarr and DICOM folders, and raw data "
-        "with --raw",
+        "%s: not a volume that isopoint can read: it reads %sfolders of PNG slices, Zarr and DICOM folders, "
+        "and raw data with --raw",
         path, known);
 }
 
@@ -247,7 +248,10 @@ static iso_status find_format(const char *path, request *r, const iso_format **f
     if (stat(path, &status) != 0)
         return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
     if (S_ISDIR(status.st_mode)) {
-        *format = has_zarr(path) ? &format_zarr : has_tiffs(path) ? &format_tiff : &iso_format_dicom;
+        *format = has_zarr(path)                                 ? &format_zarr
+                  : iso_slice_files_exist(path, ISO_SLICES_TIFF) ? &format_tiff
+                  : is_png_stack(path)                           ? &iso_format_png
+                                                                 : &iso_format_dicom;
         if (r->opts.raw) return iso_fail(error, ISO_ERR_IO, "%s: is a folder, not a raw file", path);
         return ISO_OK;
     }
@@ -257,6 +261,9 @@ static iso_status find_format(const char *path, request *r, const iso_format **f
     *format = r->opts.raw ? &iso_format_raw : format_of_file(path, &h);
     if (!r->opts.raw) ISO_TRY(guess_raw(path, (uint64_t)status.st_size, r, format, error));
     if (*format) return ISO_OK;
+    if (has_at(&h, 0, "\x89PNG\r\n\x1a\n", 8))
+        return iso_fail(error, ISO_ERR_FORMAT,
+                        "%s: is one picture: a volume in PNG is a folder with a file for each slice", path);
     if (iso_text_has_extension(path, ".raw"))
         return iso_fail(error, ISO_ERR_FORMAT, "%s: raw data needs a layout (--raw WxHxD:TYPE)", path);
     return fail_unknown(path, error);

@@ -6,7 +6,7 @@
  *   .vdb                        OpenVDB                   legacy .vtk            our own
  *   raw                         our own, iso_raw_layout   .mha .mhd              our own
  *   .tif .tiff (also a folder)  libtiff                 HDF5                   libhdf5
- *   Zarr, OME-Zarr (folders)    our own
+ *   Zarr, OME-Zarr (folders)    our own                 PNG (folders)          libpng
  *
  * The format is found from the content, and from the name if the content does not tell.
  *
@@ -82,8 +82,8 @@ typedef struct iso_volume_opts {
      * index, and is read through iso_volume_source. */
     bool mapped;
     /* Set from the header if not NULL: whether the voxels can stay in the file. Those of nrrd, metaimage,
-     * nifti, raw, legacy vtk, tiff, hdf5 and zarr files can, those of vti files if they lie there as they
-     * are. */
+     * nifti, raw, legacy vtk, tiff, png, hdf5 and zarr files can, those of vti files if they lie there as
+     * they are. */
     bool *mappable;
     struct iso_format_place *place; /* for readers only (grids/volume/format.h) */
     int chunk_side;      /* voxels along the side of the chunks that will be read of tiles; 0: 128 */

@@ -50,6 +50,25 @@ def dicom_file(number, frames=1, time=0):
     return b"\0" * 128 + b"DICM" + meta + data
 
 
+def png_chunk(kind, data):
+    return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+
+def png_file(size, rows, depth=8, color=0, chunks=(), interlaced=False):
+    """The bytes of a PNG file. rows: for each row of the image, or of each of the seven passes of an interlaced one, the bytes of
+    its samples. color: PNG's type, 0 grey, 2 RGB, 3 palette, 4 grey and opacity, 6 RGBA. chunks: (kind, data) before the pixels."""
+    header = struct.pack(">IIBBBBB", *size, depth, color, 0, 0, int(interlaced))
+    pixels = zlib.compress(b"".join(b"\0" + row for row in rows))
+    return b"\x89PNG\r\n\x1a\n" + b"".join(png_chunk(*c) for c in ((b"IHDR", header), *chunks, (b"IDAT", pixels), (b"IEND", b"")))
+
+
+def png_slice(z):
+    x, y, _ = DIMS
+    at = z * x * y
+    return png_file((x, y), [bytes(VOXELS[at + x * row:at + x * row + x]) for row in range(y)],
+                    chunks=[(b"pHYs", struct.pack(">IIB", 2000, 2000, 1))])
+
+
 def tiff_file(slices, description=b""):
     """Slices of the voxels, uncompressed, each with a header in front of it; the first has a description."""
     x, y, _ = DIMS
@@ -162,6 +181,7 @@ def volume_seeds():
     yield "nii.gz", {"a.nii.gz": gzip.compress(nifti_header(b"n+1\0", 352) + b"\0" * 4 + voxels, mtime=0)}
     yield "tiff", {"a.tif": tiff_file(range(9), b"ImageJ=1.53t\nimages=9\nslices=9\nunit=mm\nspacing=1.5\n")}
     yield "tiff-folder", {"a/%d.tif" % z: tiff_file([z]) for z in range(9)}
+    yield "png-folder", {"a/%d.png" % z: png_slice(z) for z in range(9)}
     for label, files in zarr_files():
         yield "zarr-" + label, {"a.zarr/" + name: data for name, data in files.items()}
     yield "dicom", {"a.dcm": dicom_file(0, 9)}

@@ -22,23 +22,12 @@ enum { TILE_BYTES = 1 << 18 };
 /* ---- header ---- */
 
 static void set_spacing(const iso_tiff_stack *stack, const iso_volume_opts *opts, iso_volume_info *info) {
-    double *spacing = info->transform.spacing;
+    double stated[3];
     for (int i = 0; i < 3; i++) {
-        spacing[i] = stack->metadata.spacing[i];
-        if (!(spacing[i] > 0) && i < 2) spacing[i] = stack->resolution[i];
+        stated[i] = stack->metadata.spacing[i];
+        if (!(stated[i] > 0) && i < 2) stated[i] = stack->resolution[i];
     }
-    if (!(spacing[0] > 0 && spacing[1] > 0)) {
-        spacing[0] = spacing[1] = 1;
-        info->unitless = true;
-        if (!(opts->spacing[0] > 0 && opts->spacing[1] > 0))
-            iso_volume_note(info, "the distance of pixels is not stated: 1 mm (--spacing)");
-    }
-    if (!(spacing[2] > 0)) {
-        spacing[2] = spacing[0];
-        if (!(opts->spacing[2] > 0))
-            iso_volume_note(info, "the distance of slices is not stated: that of pixels, %g mm (--spacing)",
-                            spacing[0]);
-    }
+    iso_slice_files_set_spacing(stated, opts, info);
 }
 
 static void describe(const iso_tiff_stack *stack, const iso_volume_opts *opts, iso_volume_info *info) {

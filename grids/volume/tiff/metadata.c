@@ -146,7 +146,7 @@ static void parse_spacing(part tag, iso_tiff_metadata *m) {
 
 /* The parser of the elements TiffData. */
 typedef struct run_parser {
-    const iso_tiff_files *files;
+    const iso_slice_files *files;
     uint32_t last; /* the file that was found last */
     part uuid;     /* of the file with the description; empty: not stated */
     iso_tiff_metadata *metadata;
@@ -217,7 +217,7 @@ static iso_status parse_runs(run_parser *p, part body, uint32_t position, iso_er
     return ISO_OK;
 }
 
-static iso_status parse_ome(const char *text, const iso_tiff_files *files, iso_tiff_metadata *m,
+static iso_status parse_ome(const char *text, const iso_slice_files *files, iso_tiff_metadata *m,
                             iso_error *error) {
     const part all = {text, text + strlen(text)};
     run_parser parser = {.files = files, .metadata = m};
@@ -244,7 +244,7 @@ static iso_status parse_ome(const char *text, const iso_tiff_files *files, iso_t
     return ISO_OK;
 }
 
-iso_status iso_tiff_metadata_parse(const char *description, const iso_tiff_files *files,
+iso_status iso_tiff_metadata_parse(const char *description, const iso_slice_files *files,
                                    iso_tiff_metadata *metadata, iso_error *error) {
     *metadata =
         (iso_tiff_metadata){.order = {ISO_TIFF_CHANNEL, ISO_TIFF_SLICE, ISO_TIFF_TIME}, .positions = 1};

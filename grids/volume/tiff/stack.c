@@ -1,8 +1,6 @@
 /* stack: lists the images of a TIFF file, or of a folder of TIFF files, and checks that they fit together.
  */
 #define _GNU_SOURCE
-#include <dirent.h>
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -12,55 +10,10 @@
 #include <unistd.h>
 
 #include "base/memory.h"
-#include "base/text.h"
 #include "grids/volume/tiff/tiff.h"
 
 /* More images in one file than any program writes: a chain of headers may be endless. */
 enum { MOST_PAGES = 1 << 20 };
-
-/* ---- the files ---- */
-
-static bool is_tiff_name(const char *name) {
-    return name[0] != '.' && (iso_text_has_extension(name, ".tif") || iso_text_has_extension(name, ".tiff"));
-}
-
-static int tiffs_only(const struct dirent *entry) {
-    return is_tiff_name(entry->d_name);
-}
-
-/* Numbers within names are compared by their values: slice_2 before slice_10. */
-static int natural_order(const struct dirent **a, const struct dirent **b) {
-    return strverscmp((*a)->d_name, (*b)->d_name);
-}
-
-static iso_status list_folder(const char *path, iso_tiff_stack *stack, iso_error *error) {
-    struct dirent **entries = NULL;
-    const int count = scandir(path, &entries, tiffs_only, natural_order);
-    if (count < 0) return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
-    iso_status status = ISO_OK;
-    char **paths = stack->files.paths = calloc((size_t)count + 1, sizeof *paths);
-    if (!paths) status = iso_fail_memory(error, path);
-    for (int i = 0; i < count; i++) {
-        if (status == ISO_OK && asprintf(&paths[i], "%s/%s", path, entries[i]->d_name) < 0) {
-            paths[i] = NULL;
-            status = iso_fail_memory(error, path);
-        }
-        free(entries[i]);
-    }
-    free(entries);
-    stack->files.count = (uint32_t)count;
-    return status;
-}
-
-static iso_status list_files(const char *path, iso_tiff_stack *stack, iso_error *error) {
-    struct stat status;
-    if (stat(path, &status) == 0 && S_ISDIR(status.st_mode)) return list_folder(path, stack, error);
-    char **paths = stack->files.paths = calloc(1, sizeof *paths);
-    if (paths) paths[0] = strdup(path);
-    if (!paths || !paths[0]) return iso_fail_memory(error, path);
-    stack->files.count = 1;
-    return ISO_OK;
-}
 
 /* ---- a header ---- */
 
@@ -283,7 +236,7 @@ static iso_status read_file(uint32_t number, iso_tiff_stack *stack, iso_error *e
 iso_status iso_tiff_stack_open(const char *path, const iso_volume_opts *opts, iso_tiff_stack *stack,
                                iso_error *error) {
     *stack = (iso_tiff_stack){0};
-    ISO_TRY(list_files(path, stack, error));
+    ISO_TRY(iso_slice_files_list(path, ISO_SLICES_TIFF, &stack->files, error));
     const uint32_t count = stack->files.count;
     for (uint32_t i = 0; i < count; i++) iso_file_set_read(opts->files, stack->files.paths[i]);
     for (uint32_t i = 0; i < count; i++) ISO_TRY(read_file(i, stack, error));
@@ -292,8 +245,7 @@ iso_status iso_tiff_stack_open(const char *path, const iso_volume_opts *opts, is
 }
 
 void iso_tiff_stack_free(iso_tiff_stack *stack) {
-    for (uint32_t i = 0; stack->files.paths && i < stack->files.count; i++) free(stack->files.paths[i]);
-    free(stack->files.paths);
+    iso_slice_files_free(&stack->files);
     iso_tiff_metadata_free(&stack->metadata);
     free(stack->images);
     *stack = (iso_tiff_stack){0};

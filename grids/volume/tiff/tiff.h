@@ -8,6 +8,7 @@
 #define ISO_GRIDS_VOLUME_TIFF_TIFF_H
 
 #include "grids/volume/format.h"
+#include "grids/volume/slice_files.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -44,11 +45,7 @@ typedef struct iso_tiff_metadata {
 /* Parses the text of an ImageDescription tag of the first of `files`; NULL is fine. Numbers that make no
  * sense count as not stated. Runs are listed only of these files. iso_tiff_metadata_free when done, also
  * after an error. ISO_ERR_NOMEM. */
-typedef struct iso_tiff_files {
-    char **paths;
-    uint32_t count;
-} iso_tiff_files;
-iso_status iso_tiff_metadata_parse(const char *description, const iso_tiff_files *files,
+iso_status iso_tiff_metadata_parse(const char *description, const iso_slice_files *files,
                                    iso_tiff_metadata *metadata, iso_error *error);
 void iso_tiff_metadata_free(iso_tiff_metadata *metadata);
 
@@ -69,7 +66,7 @@ typedef struct iso_tiff_image {
 } iso_tiff_image;
 
 typedef struct iso_tiff_stack {
-    iso_tiff_files files;
+    iso_slice_files files;
     iso_tiff_image *images; /* in the order of files and pages */
     size_t count, room;
     iso_tiff_layout layout;
