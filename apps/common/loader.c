@@ -102,6 +102,7 @@ static iso_volume_opts volume_opts(iso_loader *loader) {
     iso_volume_opts opts = iso_input_volume_opts(loader->options);
     opts.files = loader->files;
     opts.mappable = &loader->mappable;
+    opts.channels = &loader->channels;
     opts.pool = loader->pool;
     opts.count_values = loader->wants_histogram;
     opts.progress = report_reading;

@@ -56,6 +56,7 @@ typedef struct iso_loader {
     bool mappable;         /* the volume's voxels can stay in its files (iso_volume_opts.mappable) */
     bool has_strokes;      /* the input is a stroke file; the volume is the level set that they make */
     iso_volume volume;     /* the header; for scenes also the grid */
+    iso_channels channels; /* of the volume's file */
     int crop[6];           /* voxels of the file that are kept: x0 x1 y0 y1 z0 z1, first and last */
     double scene_isovalue; /* the isovalue of a scene's surface; NAN when the input is not a scene */
 

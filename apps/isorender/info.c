@@ -2,7 +2,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "apps/isorender/isorender.h"
+#include "apps/isorender/channels.h"
 #include "apps/isorender/labels.h"
 #include "base/text.h"
 #include "image/annotate.h"
@@ -70,6 +70,7 @@ static void print_header(const isorender_job *job, const iso_loader *loader) {
         printf(", held as %s", iso_type_name(info->type));
     printf("%s\n", info->sparse ? ", sparse level set" : info->level_set ? ", level set" : "");
     print_field(info);
+    isorender_channels_info(loader);
     if (info->scale != 1 || info->offset != 0)
         printf("  %-11s physical = %.10g * stored + %.10g\n", "values", info->scale, info->offset);
     print_lengths("spacing", info->transform.spacing, &lengths, "");
@@ -133,14 +134,21 @@ static void print_values(const iso_loader *loader) {
     print_isovalues(loader);
 }
 
+/* Of a channel that is not the input's, the file's header has been printed. */
+static void print_volume(const isorender_job *job, const iso_loader *loader) {
+    char title[ISORENDER_CHANNEL_TITLE];
+    if (loader->options->by_channel)
+        printf("%s\n", isorender_channel_title(loader, title));
+    else
+        print_header(job, loader);
+    print_values(loader);
+}
+
 void isorender_info_values(const isorender_job *job) {
     if (job->loader.has_points)
         isorender_cloud_info(job);
     else if (!job->settings->no_input)
         print_values(&job->loader);
-    for (int i = 0; i < job->volume_count; i++) {
-        print_header(job, &job->volumes[i]);
-        print_values(&job->volumes[i]);
-    }
+    for (int i = 0; i < job->volume_count; i++) print_volume(job, &job->volumes[i]);
     for (int i = 0; i < job->object_count; i++) isorender_object_info(&job->objects[i]);
 }

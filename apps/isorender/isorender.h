@@ -195,7 +195,7 @@ void isorender_gaussians_info(const isorender_job *job);
 iso_status isorender_volumes_open(isorender_job *job, iso_error *error);
 iso_status isorender_volumes_read(isorender_job *job, iso_error *error);
 /* Puts the name of volume `volume`, from 0, before the message of a failure, unless the message begins with
- * it; below 0 the input, which is named later. Returns `status`. */
+ * it; below 0 the input, of which only the channel is named here. Returns `status`. */
 iso_status isorender_volume_named(const isorender_job *job, int volume, iso_status status, iso_error *error);
 /* Adds a member about the volumes and their surfaces to the report of --json. */
 void isorender_report_volumes(iso_json *json, const isorender_job *job);

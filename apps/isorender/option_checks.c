@@ -8,6 +8,7 @@
 
 #include "apps/common/loader.h"
 #include "apps/isorender/backend.h"
+#include "apps/isorender/channels.h"
 #include "base/text.h"
 #include "image/image_file.h"
 #include "io/glyphs/glyphs_read.h"
@@ -248,7 +249,7 @@ static iso_status check_surfaces(const isorender_settings *settings, iso_error *
     if (settings->isovalue_auto && settings->isovalue_count)
         return iso_fail(error, ISO_ERR_USAGE, "--isovalue auto cannot be combined with other isovalues");
     int surfaces = settings->isovalue_count ? settings->isovalue_count : 1;
-    if (surfaces + settings->volume_options.count > ISORENDER_SURFACES)
+    if (surfaces + settings->volume_count > ISORENDER_SURFACES)
         return iso_fail(error, ISO_ERR_USAGE, "more than %d surfaces", ISORENDER_SURFACES);
     if (settings->color_count > surfaces)
         return iso_fail(error, ISO_ERR_USAGE, "%d colours for %d isovalue%s", settings->color_count, surfaces,
@@ -274,7 +275,7 @@ static iso_status check_surfaces(const isorender_settings *settings, iso_error *
 bool isorender_is_translucent(const isorender_settings *settings) {
     for (int i = 0; i < settings->opacity_count; i++)
         if (settings->opacities[i] < 1) return true;
-    for (int i = 0; i < settings->volume_options.count; i++)
+    for (int i = 0; i < settings->volume_count; i++)
         if (settings->volumes[i].opacity < 1) return true;
     return false;
 }
@@ -343,6 +344,7 @@ static iso_status check_opacity(const isorender_settings *settings, iso_error *e
     if (settings->mesh)
         return iso_fail(error, ISO_ERR_USAGE, "--mesh writes no opacities: --opacity is for pictures");
     bool seen = settings->absorption_length > 0 || settings->volume_options.count || !settings->opacity_count;
+    for (int i = 0; i < settings->volume_count; i++) seen |= settings->volumes[i].opacity > 0;
     for (int i = 0; i < settings->opacity_count; i++) seen |= settings->opacities[i] > 0;
     return seen ? ISO_OK : iso_fail(error, ISO_ERR_EMPTY, "all opacities are 0: nothing would be seen");
 }
@@ -351,6 +353,7 @@ static iso_status check_opacity(const isorender_settings *settings, iso_error *e
 static const char *option_unfit_for_glass(const isorender_settings *settings) {
     return settings->isovalue_count > 1     ? "several isovalues"
            : settings->volume_options.count ? "--volume"
+           : settings->channel_count > 1    ? "several channels"
            : settings->opacity_count        ? "--opacity"
            : settings->color_count          ? "--color"
            : settings->mesh                 ? "--mesh"
@@ -468,12 +471,16 @@ iso_status isorender_settings_check(isorender_settings *settings, const iso_oper
                                     iso_error *error) {
     if (settings->merge) return check_merge(settings, operands, error);
     ISO_TRY(iso_input_check(&settings->common.input, error));
-    ISO_TRY(isorender_volumes_resolve(&settings->volume_options, settings->volumes, error));
+    ISO_TRY(isorender_channels_take(settings, error));
+    ISO_TRY(isorender_volumes_resolve(&settings->volume_options, settings->volumes + settings->volume_count,
+                                      error));
+    settings->volume_count += settings->volume_options.count;
     ISO_TRY(check_camera(settings, error));
     ISO_TRY(check_gaussians(settings, error));
     ISO_TRY(isorender_splats_check(settings, error));
     ISO_TRY(isorender_detail_check(settings, error));
     ISO_TRY(take_operands(settings, operands, error));
+    ISO_TRY(isorender_channels_check(settings, error));
     ISO_TRY(isorender_backend_check(settings, error));
     ISO_TRY(check_part(settings, error));
     ISO_TRY(check_outputs(settings, error));

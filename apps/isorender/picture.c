@@ -308,7 +308,7 @@ static iso_status render_picture(isorender_job *job, iso_picture_opts *opts, iso
 /* Whether a pixel can show one of several things, whose ids --aov writes. */
 static bool has_ids(const isorender_settings *settings) {
     return settings->aov &&
-           (settings->object_options.count || settings->volume_options.count || settings->isovalue_count > 1);
+           (settings->object_options.count || settings->volume_count || settings->isovalue_count > 1);
 }
 
 static void number_elements(const isorender_job *job, iso_aov *aov) {

@@ -99,7 +99,7 @@ static iso_status check_all(const isorender_settings *settings, const isorender_
     for (int i = 0; i < settings->object_options.count; i++)
         iso_file_set_read(plans->files, settings->objects[i].path);
     for (int i = 0; i < settings->volume_options.count; i++)
-        add_input(plans[0].files, settings->volumes[i].path);
+        add_input(plans[0].files, settings->volume_options.paths[i]);
     for (int i = 0; i < settings->input_count; i++) ISO_TRY(add_files(settings, &plans[i], error));
     return iso_file_set_check(plans->files, error);
 }

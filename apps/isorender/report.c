@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "apps/common/json.h"
+#include "apps/isorender/channels.h"
 #include "apps/isorender/chunks.h"
 #include "apps/isorender/labels.h"
 #include "base/file.h"
@@ -33,6 +34,8 @@ static void put_volume(iso_json *json, const isorender_job *job) {
         iso_json_string(json, "file_type", info->file_type);
         iso_json_integer(json, "components", (uint64_t)info->components);
         iso_json_integer(json, "component", (uint64_t)info->component);
+        isorender_report_channel(json, &job->loader);
+        isorender_report_channels(json, &job->loader);
         iso_json_reals(json, "spacing", info->transform.spacing, 3);
         iso_json_reals(json, "origin", info->transform.origin, 3);
         iso_json_reals(json, "direction", info->transform.direction, 9);

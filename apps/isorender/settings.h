@@ -101,8 +101,11 @@ typedef struct isorender_settings {
     isorender_object_settings objects[ISORENDER_OBJECTS]; /* the first object_options.count are used */
     isorender_object_settings cloud;                      /* of the input, if it is a file of points */
     isorender_volume_options volume_options;
-    isorender_volume_settings volumes[ISORENDER_VOLUMES]; /* the first volume_options.count are used */
-    double line_min_pixels;                               /* least width of lines in the picture, pixels */
+    isorender_volume_settings volumes[ISORENDER_VOLUMES]; /* channels of the input, then those of --volume */
+    int volume_count;
+    int channels[ISORENDER_VOLUMES + 1]; /* of --channel */
+    int channel_count;
+    double line_min_pixels; /* least width of lines in the picture, pixels */
     int color_bar;
 
     /* ISO_METHOD_EXACT, _POINTS, _PULLPUSH, _SPLATS, _MESH, _RAYCAST or ISORENDER_METHOD_UNCHOSEN */

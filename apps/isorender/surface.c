@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "apps/common/beside.h"
+#include "apps/isorender/channels.h"
 #include "apps/isorender/chunks.h"
 #include "apps/isorender/isorender.h"
 #include "apps/isorender/pyramid_sets.h"
@@ -19,8 +20,10 @@ static bool is_of_input(const isorender_job *job, const isorender_surface *surfa
 static iso_status suggest_isovalue(isorender_job *job, isorender_surface *surface, iso_error *error) {
     iso_loader *loader = surface->loader;
     /* The input is named already. */
-    const bool is_input = is_of_input(job, surface);
-    const char *name = is_input ? "" : loader->input, *colon = is_input ? "" : ": ";
+    const bool is_input = is_of_input(job, surface), is_channel = loader->options->by_channel;
+    char title[ISORENDER_CHANNEL_TITLE];
+    const char *name = is_channel ? isorender_channel_title(loader, title) : is_input ? "" : loader->input;
+    const char *colon = *name ? ": " : "";
     ISO_TRY(iso_loader_histogram(loader, error));
     double candidates[ISO_ISOVALUE_CANDIDATES];
     size_t count = iso_isovalue_suggest(&loader->volume.grid, &loader->histogram, candidates);
@@ -75,11 +78,12 @@ static iso_status add_surface(isorender_job *job, iso_loader *loader, double iso
 static iso_status add_surfaces(isorender_job *job, iso_error *error) {
     const isorender_settings *settings = job->settings;
     for (int i = 0; i < settings->isovalue_count; i++)
-        ISO_TRY(add_surface(job, &job->loader, settings->isovalues[i], error));
+        ISO_TRY(isorender_volume_named(job, -1, add_surface(job, &job->loader, settings->isovalues[i], error),
+                                       error));
     const isorender_same_view *first = settings->first;
     const double isovalue = first && first->has_isovalue ? first->isovalue : NAN;
     if (!settings->isovalue_count && !settings->no_input)
-        ISO_TRY(add_surface(job, &job->loader, isovalue, error));
+        ISO_TRY(isorender_volume_named(job, -1, add_surface(job, &job->loader, isovalue, error), error));
     job->input_surface_count = job->surface_count;
     for (int i = 0; i < job->volume_count; i++)
         ISO_TRY(isorender_volume_named(
@@ -99,7 +103,9 @@ static void choose_colors(isorender_job *job) {
         const isorender_volume_settings *volume = volume_settings(job, i);
         const iso_rgb *given = volume ? &volume->color : &settings->colors[i];
         const bool is_given = volume ? volume->colored : i < settings->color_count;
-        job->surfaces[i].color = is_given ? *given : iso_shading_palette(i);
+        iso_rgb stated = iso_shading_palette(i);
+        if (!is_given) isorender_channel_color(job, i, &stated);
+        job->surfaces[i].color = is_given ? *given : stated;
     }
 }
 
@@ -354,7 +360,8 @@ static void find_bounds(isorender_job *job) {
     for (int i = job->input_surface_count; i < job->surface_count; i++) {
         const isorender_surface *surface = &job->surfaces[i];
         find_surface_bounds(job, i, &unused);
-        log_beside(job, surface->loader->input, &surface->bounds, ISO_SPACE_FILE);
+        if (!surface->loader->options->by_channel)
+            log_beside(job, surface->loader->input, &surface->bounds, ISO_SPACE_FILE);
         iso_bounds_add(&job->bounds_world, &surface->bounds);
     }
 }

@@ -19,7 +19,7 @@ static iso_status set_component(const char *value, isorender_volume_settings *vo
 }
 
 iso_status isorender_volumes_resolve(const isorender_volume_options *options,
-                                     isorender_volume_settings volumes[ISORENDER_VOLUMES], iso_error *error) {
+                                     isorender_volume_settings *volumes, iso_error *error) {
     const struct {
         const char *name;
         const iso_texts *texts;

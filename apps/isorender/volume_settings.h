@@ -14,8 +14,9 @@ enum { ISORENDER_VOLUMES = 16 }; /* in a picture, beside the input */
 
 /* What the options say of one volume. Strings are borrowed from argv. */
 typedef struct isorender_volume_settings {
-    const char *path;
-    double isovalue; /* physical; NAN: it is chosen as that of the input */
+    const char *path; /* NULL: that of the input */
+    bool is_channel;  /* a channel of the input (--channel), which is read as the input is */
+    double isovalue;  /* physical; NAN: it is chosen as that of the input */
     bool colored;
     iso_rgb color; /* if colored */
     double opacity;
@@ -31,10 +32,10 @@ typedef struct isorender_volume_options {
     iso_texts isovalues, colors, opacities, grids, components;
 } isorender_volume_options;
 
-/* Sets `volumes`, in the order of the command line. ISO_ERR_USAGE: a value that cannot be, more values of an
- * option than there are volumes. */
+/* Sets options->count of `volumes`, in the order of the command line. ISO_ERR_USAGE: a value that cannot be,
+ * more values of an option than there are volumes. */
 iso_status isorender_volumes_resolve(const isorender_volume_options *options,
-                                     isorender_volume_settings volumes[ISORENDER_VOLUMES], iso_error *error);
+                                     isorender_volume_settings *volumes, iso_error *error);
 
 #ifdef __cplusplus
 }

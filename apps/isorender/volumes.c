@@ -1,51 +1,65 @@
-/* volumes: opens, reads and reports the further volumes of a picture (--volume). */
+/* volumes: opens, reads and reports the further volumes of a picture (--volume and --channel). */
 #include <math.h>
 #include <string.h>
 
-#include "apps/isorender/isorender.h"
+#include "apps/isorender/channels.h"
 
 iso_status isorender_volume_named(const isorender_job *job, int volume, iso_status status, iso_error *error) {
-    if (volume < 0) return status;
-    const char *path = job->volumes[volume].input;
-    if (status == ISO_OK || strncmp(error->text, path, strlen(path)) == 0) return status;
-    char text[sizeof error->text];
+    const iso_loader *loader = volume < 0 ? &job->loader : &job->volumes[volume];
+    char title[ISORENDER_CHANNEL_TITLE], text[sizeof error->text];
+    const bool is_channel = loader->options && loader->options->by_channel;
+    if (volume < 0 && !is_channel) return status;
+    if (status == ISO_OK || strncmp(error->text, loader->input, strlen(loader->input)) == 0) return status;
     snprintf(text, sizeof text, "%s", error->text);
-    return iso_fail(error, status, "%s: %s", path, text);
+    if (!is_channel) return iso_fail(error, status, "%s: %s", loader->input, text);
+    return iso_fail(error, status, "%s: %s", isorender_channel_title(loader, title), text);
 }
 
 static iso_status open_volume(iso_loader *loader, iso_error *error) {
     ISO_TRY(iso_loader_open(loader, error));
+    ISO_TRY(isorender_channel_check(loader, error));
     if (!loader->has_points) return ISO_OK;
     return iso_fail(error, ISO_ERR_USAGE, "holds points: --volume draws isosurfaces of volumes");
+}
+
+/* How a further volume is read: a channel of the input as the input. */
+static iso_input reading_of(const isorender_job *job, const isorender_volume_settings *volume) {
+    iso_input input = {.max_memory = job->settings->common.input.max_memory, .grid = volume->grid};
+    if (volume->is_channel) input = job->input;
+    input.component = volume->component;
+    return input;
 }
 
 iso_status isorender_volumes_open(isorender_job *job, iso_error *error) {
     const isorender_settings *settings = job->settings;
     if (!isorender_plan_draws(job->plan) && !settings->info) return ISO_OK; /* exports are of the input */
-    for (int i = 0; i < settings->volume_options.count; i++) {
+    for (int i = 0; i < settings->volume_count; i++) {
+        const isorender_volume_settings *volume = &settings->volumes[i];
         iso_loader *loader = &job->volumes[job->volume_count++];
-        job->volume_inputs[i].max_memory = settings->common.input.max_memory;
-        job->volume_inputs[i].grid = settings->volumes[i].grid;
-        job->volume_inputs[i].component = settings->volumes[i].component;
-        *loader = (iso_loader){.input = settings->volumes[i].path,
+        job->volume_inputs[i] = reading_of(job, volume);
+        *loader = (iso_loader){.input = volume->is_channel ? job->plan->input : volume->path,
                                .options = &job->volume_inputs[i],
                                .files = job->plan->files,
                                .pool = job->pool,
                                .is_further = true,
-                               .wants_histogram = settings->info || isnan(settings->volumes[i].isovalue)};
+                               .wants_histogram = settings->info || isnan(volume->isovalue)};
         ISO_TRY(isorender_volume_named(job, i, open_volume(loader, error), error));
     }
     return ISO_OK;
 }
 
+/* The notes on the file of a channel are those on the input. */
 static void log_notes(const isorender_job *job, const iso_loader *loader) {
     const iso_volume_info *info = &loader->volume.info;
-    for (int i = 0; i < info->note_count; i++)
-        isorender_log(job, "note: %s: %s", loader->input, info->notes[i]);
+    const bool is_channel = loader->options->by_channel;
+    char title[ISORENDER_CHANNEL_TITLE];
+    const char *name = is_channel ? isorender_channel_title(loader, title) : loader->input;
+    for (int i = 0; i < info->note_count && !is_channel; i++)
+        isorender_log(job, "note: %s: %s", name, info->notes[i]);
     if (loader->nonfinite)
         isorender_log(job,
                       "note: %s: %zu voxels are NaN or infinite, as floats: no surface is made next to them",
-                      loader->input, loader->nonfinite);
+                      name, loader->nonfinite);
 }
 
 iso_status isorender_volumes_read(isorender_job *job, iso_error *error) {
@@ -64,6 +78,7 @@ static void put_volume(iso_json *json, const isorender_job *job, const iso_loade
     iso_json_string(json, "format", info->format);
     iso_json_string(json, "name", info->name);
     iso_json_integer(json, "component", (uint64_t)info->component);
+    isorender_report_channel(json, loader);
     iso_json_ints(json, "dims", info->dims, 3);
     iso_json_reals(json, "spacing", info->transform.spacing, 3);
     iso_json_reals(json, "origin", info->transform.origin, 3);

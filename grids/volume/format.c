@@ -33,11 +33,12 @@ iso_status iso_format_component(const char *path, const iso_volume_opts *opts, i
                                 iso_volume_info *info, iso_error *error) {
     if (components < 1) return iso_fail(error, ISO_ERR_FORMAT, "%s: has no components", path);
     if (opts->component < 0 || opts->component >= components)
-        return iso_fail(error, ISO_ERR_USAGE, "%s: no component %d, there %s %d (from 0)", path,
-                        opts->component, components == 1 ? "is" : "are", components);
+        return iso_fail(error, ISO_ERR_USAGE, "%s: no %s %d, there %s %d (from 0)", path,
+                        opts->by_channel ? "channel" : "component", opts->component,
+                        components == 1 ? "is" : "are", components);
     info->components = components;
     info->component = opts->component;
-    if (components > 1 && !opts->component_axes)
+    if (components > 1 && !opts->component_axes && !opts->by_channel)
         iso_volume_note(info, "several components: using %d of %d (--component)", opts->component,
                         components);
     return ISO_OK;

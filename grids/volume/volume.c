@@ -464,6 +464,7 @@ static bool is_unitless(const iso_volume_opts *opts, const iso_volume_info *info
 static iso_status read_header(const char *path, request *r, const iso_format **format, iso_volume_info *info,
                               iso_error *error) {
     *info = (iso_volume_info){.components = 1, .scale = 1, .transform = iso_transform_identity()};
+    if (r->opts.channels) *r->opts.channels = (iso_channels){0};
     if (r->opts.component_axes)
         *r->opts.component_axes = (iso_component_axes){.to_world = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
     ISO_TRY(divide_path(path, r, error));
@@ -488,10 +489,17 @@ static iso_status read_header(const char *path, request *r, const iso_format **f
 
 /* Makes the texts from the file printable. Readers need them unchanged until here, to find them in the file.
  */
-static void clean_texts(iso_volume_info *info) {
+static void clean_texts(const iso_volume_opts *opts, iso_volume_info *info) {
+    for (int i = 0; opts->channels && i < ISO_CHANNELS; i++)
+        iso_text_clean_in_place(opts->channels->items[i].name, ISO_CHANNEL_NAME);
     iso_text_clean_in_place(info->name, sizeof info->name);
     iso_text_clean_in_place(info->file_type, sizeof info->file_type);
     for (int i = 0; i < info->item_count; i++) iso_text_clean_in_place(info->items[i], sizeof info->items[i]);
+}
+
+const iso_channel *iso_channel_of(const iso_channels *channels, int component) {
+    if (!channels->count || component % channels->count >= ISO_CHANNELS) return NULL;
+    return &channels->items[component % channels->count];
 }
 
 iso_status iso_volume_read_info(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
@@ -500,7 +508,7 @@ iso_status iso_volume_read_info(const char *path, const iso_volume_opts *opts, i
     const iso_format *format = NULL;
     iso_volume_info found;
     ISO_TRY(read_header(path, &r, &format, &found, error));
-    clean_texts(&found);
+    clean_texts(&r.opts, &found);
     *info = found;
     return ISO_OK;
 }
@@ -593,7 +601,7 @@ iso_status iso_volume_read(const char *path, const iso_volume_opts *opts, iso_vo
         iso_volume_free(&result);
         return status;
     }
-    clean_texts(&result.info);
+    clean_texts(&r.opts, &result.info);
     *volume = result;
     return ISO_OK;
 }

@@ -57,6 +57,22 @@ typedef struct iso_component_axes {
     bool lower; /* symmetric matrices are stored as their lower triangle, row by row: xx yx yy zx zy zz */
 } iso_component_axes;
 
+/* What the file says of its channels, as far as it has them: OME-TIFF and OME-Zarr do. Component c is of
+ * channel c % count. */
+enum { ISO_CHANNELS = 32, ISO_CHANNEL_NAME = 64 };
+typedef struct iso_channel {
+    char name[ISO_CHANNEL_NAME]; /* one line of printable UTF-8; empty: not stated */
+    bool colored;                /* the file states `color` */
+    iso_rgb color;
+} iso_channel;
+typedef struct iso_channels {
+    int count; /* 0: nothing is stated */
+    iso_channel items[ISO_CHANNELS];
+} iso_channels;
+
+/* The channel of a component; NULL: nothing is stated of it. */
+const iso_channel *iso_channel_of(const iso_channels *channels, int component);
+
 struct iso_format_place;
 
 /* All zero means the default. Strings are borrowed for the call. */
@@ -68,7 +84,10 @@ typedef struct iso_volume_opts {
     const char
         *series;   /* DICOM: UID of a series, or number (from 1) as listed; ":2" behind it: 2nd acquisition */
     int component; /* which of several components, from 0 */
-    int level;     /* which level of a multiscale image, 0: the finest */
+    /* The component is chosen as a channel: messages call it so, and no note says that there are others. */
+    bool by_channel;
+    iso_channels *channels; /* set from the header if not NULL */
+    int level;              /* which level of a multiscale image, 0: the finest */
     /* Set from the header. Not NULL: the volume is read for its vectors: of a file with several grids or
      * arrays, one with as many components as vectors or matrices have is chosen if there is one. */
     iso_component_axes *component_axes;

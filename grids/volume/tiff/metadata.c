@@ -144,6 +144,55 @@ static void parse_spacing(part tag, iso_tiff_metadata *m) {
     }
 }
 
+/* ---- channels */
+
+/* Copies text of XML with the characters that its entities stand for. */
+static void copy_name(part text, char name[ISO_CHANNEL_NAME]) {
+    static const struct {
+        const char *entity;
+        char character;
+    } entities[] = {{"&amp;", '&'}, {"&lt;", '<'}, {"&gt;", '>'}, {"&quot;", '"'}, {"&apos;", '\''}};
+    size_t used = 0;
+    while (text.at < text.end && used < ISO_CHANNEL_NAME - 1) {
+        size_t length = 1;
+        name[used] = *text.at;
+        for (size_t i = 0; i < sizeof entities / sizeof *entities; i++) {
+            const size_t entity = strlen(entities[i].entity);
+            if ((size_t)(text.end - text.at) < entity || memcmp(text.at, entities[i].entity, entity) != 0)
+                continue;
+            name[used] = entities[i].character;
+            length = entity;
+        }
+        text.at += length;
+        used++;
+    }
+    name[used] = 0;
+}
+
+/* The attribute Color is a 32-bit integer RGBA, whose sign is that of its highest bit. */
+static void parse_color(part tag, iso_channel *channel) {
+    char value[VALUE], *end;
+    if (!attribute_text(tag, "Color", value)) return;
+    const long long rgba = strtoll(value, &end, 10);
+    if (end == value || *end || rgba < INT32_MIN || rgba > UINT32_MAX) return;
+    channel->colored = true;
+    channel->color = (iso_rgb){(uint8_t)(rgba >> 24), (uint8_t)(rgba >> 16), (uint8_t)(rgba >> 8)};
+}
+
+/* Lists the elements Channel of a position. */
+static void parse_channels(part body, iso_tiff_metadata *m) {
+    static const char word[] = "<Channel";
+    const char *at = find(body, word);
+    for (; at && m->channels.count < ISO_CHANNELS; at = find((part){at + 1, body.end}, word)) {
+        const part tag = tag_at(at, body.end);
+        part name;
+        if (!strchr(" \t\r\n/>", at[strlen(word)])) continue; /* an element with a longer name */
+        iso_channel *channel = &m->channels.items[m->channels.count++];
+        if (attribute(tag, "Name", &name)) copy_name(name, channel->name);
+        parse_color(tag, channel);
+    }
+}
+
 /* The parser of the elements TiffData. */
 typedef struct run_parser {
     const iso_slice_files *files;
@@ -236,6 +285,7 @@ static iso_status parse_ome(const char *text, const iso_slice_files *files, iso_
             memcpy(m->order, s.order, sizeof m->order);
             memcpy(m->sizes, s.sizes, sizeof m->sizes);
             parse_spacing(tag, m);
+            parse_channels(body, m);
         } else if (memcmp(&s, &first, sizeof s) != 0) {
             continue;
         }

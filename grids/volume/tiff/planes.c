@@ -193,6 +193,15 @@ static int count_components(const axes *a, const iso_tiff_stack *stack, const is
     return (int)count;
 }
 
+/* The samples of a pixel, such as red, green and blue, are of one channel. */
+static void name_channels(const iso_tiff_stack *stack, const axes *a, iso_channels *channels) {
+    const iso_channels *stated = &stack->metadata.channels;
+    if (!channels || stack->layout.samples > 1 || !stated->count) return;
+    if ((uint64_t)stated->count > a->size[ISO_TIFF_CHANNEL]) return;
+    *channels = *stated;
+    channels->count = (int)a->size[ISO_TIFF_CHANNEL];
+}
+
 static iso_status choose_component(const char *path, const iso_volume_opts *opts, const iso_tiff_stack *stack,
                                    const axes *a, iso_tiff_planes *planes, iso_volume_info *info,
                                    iso_error *error) {
@@ -208,6 +217,7 @@ static iso_status choose_component(const char *path, const iso_volume_opts *opts
                                 .first = plane % channels * a->step[ISO_TIFF_CHANNEL] +
                                          time * a->step[ISO_TIFF_TIME] + position * a->position_step,
                                 .step = a->step[ISO_TIFF_SLICE]};
+    name_channels(stack, a, opts->channels);
     note_choice(info, "time", time, times, samples * channels);
     note_choice(info, "position", position, a->positions, samples * channels * times);
     return ISO_OK;

@@ -36,10 +36,11 @@ typedef struct iso_tiff_metadata {
                            order of the first one; at least 1 */
     iso_tiff_run *runs; /* where the planes are; none: images are in the order of the axes, positions last */
     size_t run_count, run_room;
-    uint32_t images;    /* ImageJ: number of images in the file; 0: not stated */
-    double spacing[3];  /* mm; 0: not stated */
-    double unit;        /* ImageJ: length of the unit of the resolution tags, mm; 0: not stated */
-    const char *writer; /* "ImageJ", "OME", or NULL: the description has no metadata */
+    uint32_t images;       /* ImageJ: number of images in the file; 0: not stated */
+    double spacing[3];     /* mm; 0: not stated */
+    double unit;           /* ImageJ: length of the unit of the resolution tags, mm; 0: not stated */
+    iso_channels channels; /* OME: of the first position, as far as it has elements Channel */
+    const char *writer;    /* "ImageJ", "OME", or NULL: the description has no metadata */
 } iso_tiff_metadata;
 
 /* Parses the text of an ImageDescription tag of the first of `files`; NULL is fine. Numbers that make no

@@ -175,6 +175,18 @@ static void list_levels(const zarr_volume *v, iso_volume_info *info) {
     }
 }
 
+/* Channels vary fastest among the components if they are the last of the other axes, as OME-Zarr has them. */
+static void name_channels(const zarr_volume *v, iso_channels *channels) {
+    const iso_channels *stated = &v->image.channels;
+    const int axis = v->other_count ? v->others[v->other_count - 1] : -1;
+    const bool is_channel = axis >= 0 && (strcmp(v->image.axis_types[axis], "channel") == 0 ||
+                                          strcasecmp(v->image.axis_names[axis], "c") == 0);
+    const uint64_t count = is_channel ? v->array.shape[axis] : 1;
+    if (!channels || !stated->count || (uint64_t)stated->count > count) return;
+    *channels = *stated;
+    channels->count = (int)count;
+}
+
 static void describe(const zarr_volume *v, const iso_volume_opts *opts, iso_volume_info *info) {
     const iso_zarr_array *array = &v->array;
     char text[ISO_VOLUME_TEXT];
@@ -217,6 +229,7 @@ static iso_status describe_volume(const char *path, const iso_volume_opts *opts,
     ISO_TRY(iso_format_dims(path, dims, info, error));
     ISO_TRY(iso_format_component(path, opts, (int)v->components, info, error));
     describe(v, opts, info);
+    name_channels(v, opts->channels);
     info->bytes = info->read_bytes = iso_format_size(info->dims, iso_type_size(info->type));
     const uint64_t more = least_bytes(&v->array) + iso_zarr_chunk_elements(&v->array) * sizeof(float);
     if (__builtin_add_overflow(info->read_bytes, more, &info->read_bytes)) info->read_bytes = UINT64_MAX;

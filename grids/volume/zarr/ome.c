@@ -127,6 +127,28 @@ static iso_status read_levels(const metadata *m, const json_t *scales, iso_error
     return ISO_OK;
 }
 
+/* ---- channels */
+
+/* "RRGGBB". */
+static bool parse_color(const char *text, iso_rgb *color) {
+    if (!text || strspn(text, "0123456789abcdefABCDEF") != 6 || text[6]) return false;
+    const unsigned long rgb = strtoul(text, NULL, 16);
+    *color = (iso_rgb){(uint8_t)(rgb >> 16), (uint8_t)(rgb >> 8), (uint8_t)rgb};
+    return true;
+}
+
+static void read_channels(const metadata *m) {
+    const json_t *list = json_object_get(json_object_get(m->json, "omero"), "channels");
+    iso_channels *channels = &m->image->channels;
+    for (size_t i = 0; i < json_array_size(list) && channels->count < ISO_CHANNELS; i++) {
+        const json_t *stated = json_array_get(list, i);
+        iso_channel *channel = &channels->items[channels->count++];
+        const char *label = json_string_value(json_object_get(stated, "label"));
+        if (label) snprintf(channel->name, sizeof channel->name, "%s", label);
+        channel->colored = parse_color(json_string_value(json_object_get(stated, "color")), &channel->color);
+    }
+}
+
 static iso_status read_scales(const metadata *m, iso_error *error) {
     const json_t *list = json_object_get(m->json, "multiscales"), *scales = json_array_get(list, 0);
     iso_zarr_image *image = m->image;
@@ -135,6 +157,7 @@ static iso_status read_scales(const metadata *m, iso_error *error) {
     if (name) snprintf(image->name, sizeof image->name, "%s", name);
     copy_name(json_object_get(scales, "version"), image->version);
     copy_name(json_object_get(m->json, "version"), image->version);
+    read_channels(m);
     ISO_TRY(read_axes(m, scales, error));
     return read_levels(m, scales, error);
 }

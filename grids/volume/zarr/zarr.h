@@ -103,6 +103,7 @@ typedef struct iso_zarr_image {
     double scale[ISO_ZARR_LEVELS][ISO_ZARR_AXES], translation[ISO_ZARR_LEVELS][ISO_ZARR_AXES];
     bool has_scale;
     char name[ISO_VOLUME_TEXT], version[ISO_ZARR_NAME];
+    iso_channels channels; /* of the member omero */
 } iso_zarr_image;
 
 /* Reads the metadata of the image in a folder; iso_zarr_image_free when done, also after an error. An image

@@ -1,0 +1,188 @@
+#include "apps/isorender/channels.h"
+
+#include <math.h>
+#include <string.h>
+
+/* ---- options */
+
+static iso_status add_channel(isorender_settings *settings, const char *number, iso_error *error) {
+    int channel;
+    if (!iso_parse_int(number, &channel) || channel < 0)
+        return iso_fail(error, ISO_ERR_USAGE, "'%s' is not the number of a channel, from 0", number);
+    if (settings->channel_count == ISORENDER_VOLUMES + 1)
+        return iso_fail(error, ISO_ERR_USAGE, "more than %d channels", ISORENDER_VOLUMES + 1);
+    for (int i = 0; i < settings->channel_count; i++)
+        if (settings->channels[i] == channel)
+            return iso_fail(error, ISO_ERR_USAGE, "channel %d is given twice", channel);
+    settings->channels[settings->channel_count++] = channel;
+    return ISO_OK;
+}
+
+iso_status isorender_apply_channel(void *settings, const char *value, iso_error *error) {
+    for (const char *at = value;;) {
+        char number[64];
+        const size_t length = strcspn(at, ",");
+        snprintf(number, sizeof number, "%.*s", length < 63 ? (int)length : 63, at);
+        ISO_TRY(add_channel(settings, number, error));
+        if (!at[length]) return ISO_OK;
+        at += length + 1;
+    }
+}
+
+static bool is_given(const isorender_settings *settings, const char *name) {
+    const iso_program *program = isorender_program();
+    return settings->given[iso_options_find(program, name, strlen(name)) - program->options] != 0;
+}
+
+static iso_status check_value_count(const char *what, int values, int channels, iso_error *error) {
+    if (values <= channels) return ISO_OK;
+    return iso_fail(error, ISO_ERR_USAGE, "%d %s for %d channels", values, what, channels);
+}
+
+/* The value of a list for the i-th channel: the last one repeats. */
+static double value_for(const double *values, int count, int i, double standard) {
+    return count ? values[i < count ? i : count - 1] : standard;
+}
+
+static void make_volume(isorender_settings *settings, int i) {
+    settings->volumes[settings->volume_count++] = (isorender_volume_settings){
+        .is_channel = true,
+        .component = settings->channels[i],
+        .isovalue = value_for(settings->isovalues, settings->isovalue_count, i, NAN),
+        .colored = i < settings->color_count,
+        .color = settings->colors[i],
+        .opacity = value_for(settings->opacities, settings->opacity_count, i, 1)};
+}
+
+static int at_most_one(int count) {
+    return count > 1 ? 1 : count;
+}
+
+iso_status isorender_channels_take(isorender_settings *settings, iso_error *error) {
+    const int count = settings->channel_count;
+    if (!count) return ISO_OK;
+    if (is_given(settings, "component"))
+        return iso_fail(error, ISO_ERR_USAGE, "--channel and --component both say what is read: give one");
+    settings->common.input.component = settings->channels[0];
+    settings->common.input.by_channel = true;
+    if (count == 1) return ISO_OK;
+    if (count - 1 + settings->volume_options.count > ISORENDER_VOLUMES)
+        return iso_fail(error, ISO_ERR_USAGE, "more than %d channels and volumes", ISORENDER_VOLUMES + 1);
+    ISO_TRY(check_value_count("isovalues", settings->isovalue_count, count, error));
+    ISO_TRY(check_value_count("colours", settings->color_count, count, error));
+    ISO_TRY(check_value_count("opacities", settings->opacity_count, count, error));
+    for (int i = 1; i < count; i++) make_volume(settings, i);
+    settings->isovalue_count = at_most_one(settings->isovalue_count);
+    settings->color_count = at_most_one(settings->color_count);
+    settings->opacity_count = at_most_one(settings->opacity_count);
+    return ISO_OK;
+}
+
+/* An option that is for one surface, or for the input alone; NULL: none is given. */
+static const char *option_of_one_channel(const isorender_settings *settings) {
+    return settings->points                      ? "--points"
+           : settings->mesh                      ? "--mesh"
+           : settings->closed                    ? "--closed"
+           : settings->common.input.largest      ? "--largest"
+           : settings->common.input.min_size > 0 ? "--min-size"
+                                                 : NULL;
+}
+
+iso_status isorender_channels_check(const isorender_settings *settings, iso_error *error) {
+    const char *option = option_of_one_channel(settings);
+    if (!settings->channel_count) return ISO_OK;
+    if (settings->no_input || settings->object_options.has_cloud)
+        return iso_fail(error, ISO_ERR_USAGE, "--channel is for an input that is a volume");
+    if (settings->channel_count == 1) return ISO_OK;
+    if (settings->input_count > 1)
+        return iso_fail(error, ISO_ERR_USAGE, "several channels are drawn of one input: there are %d",
+                        settings->input_count);
+    if (!settings->scene && iso_spool_needed(settings->inputs[0]))
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "%s: several channels are read one after another: from a file, not from a pipe",
+                        iso_spool_name(settings->inputs[0]));
+    if (!option) return ISO_OK;
+    return iso_fail(error, ISO_ERR_USAGE, "%s is for one surface: give one --channel", option);
+}
+
+iso_status isorender_channel_check(const iso_loader *loader, iso_error *error) {
+    const int count = loader->volume.info.components;
+    if (!loader->options->by_channel || loader->options->component < count) return ISO_OK;
+    return iso_fail(error, ISO_ERR_USAGE, "%s: no channel %d, there %s %d (from 0)",
+                    iso_spool_name(loader->input), loader->options->component, count == 1 ? "is" : "are",
+                    count);
+}
+
+/* ---- names and colours */
+
+static const iso_channel *channel_of(const iso_loader *loader) {
+    return loader->options->by_channel ? iso_channel_of(&loader->channels, loader->options->component) : NULL;
+}
+
+const char *isorender_channel_title(const iso_loader *loader, char title[ISORENDER_CHANNEL_TITLE]) {
+    const iso_channel *channel = channel_of(loader);
+    const int number = loader->options->component;
+    if (!loader->options->by_channel) return "";
+    if (channel && channel->name[0])
+        snprintf(title, ISORENDER_CHANNEL_TITLE, "channel %d (%s)", number, channel->name);
+    else
+        snprintf(title, ISORENDER_CHANNEL_TITLE, "channel %d", number);
+    return title;
+}
+
+static bool are_equal(iso_rgb a, iso_rgb b) {
+    return a.r == b.r && a.g == b.g && a.b == b.b;
+}
+
+bool isorender_channel_color(const isorender_job *job, int surface, iso_rgb *color) {
+    const iso_channel *channel = channel_of(job->surfaces[surface].loader);
+    const iso_rgb white = {255, 255, 255}, black = {0, 0, 0};
+    if (!channel || !channel->colored) return false;
+    if (are_equal(channel->color, white) || are_equal(channel->color, black)) return false;
+    for (int i = 0; i < surface; i++)
+        if (are_equal(job->surfaces[i].color, channel->color)) return false;
+    *color = channel->color;
+    return true;
+}
+
+/* ---- reports */
+
+static int listed_count(const iso_loader *loader) {
+    const int count = loader->channels.count;
+    return count < ISO_CHANNELS ? count : ISO_CHANNELS;
+}
+
+static const char *hexadecimal(iso_rgb color, char text[8]) {
+    snprintf(text, 8, "%02X%02X%02X", color.r, color.g, color.b);
+    return text;
+}
+
+void isorender_channels_info(const iso_loader *loader) {
+    for (int i = 0; i < listed_count(loader); i++) {
+        const iso_channel *channel = &loader->channels.items[i];
+        char color[8];
+        printf("  %-11s %d", i ? "" : "channels", i);
+        if (channel->name[0]) printf(" %s", channel->name);
+        if (channel->colored) printf(", colour %s", hexadecimal(channel->color, color));
+        printf("\n");
+    }
+}
+
+void isorender_report_channel(iso_json *json, const iso_loader *loader) {
+    const iso_channel *channel = channel_of(loader);
+    if (channel && channel->name[0]) iso_json_string(json, "channel", channel->name);
+}
+
+void isorender_report_channels(iso_json *json, const iso_loader *loader) {
+    if (!loader->channels.count) return;
+    iso_json_begin_array(json, "channels");
+    for (int i = 0; i < listed_count(loader); i++) {
+        const iso_channel *channel = &loader->channels.items[i];
+        char color[8];
+        iso_json_begin_object(json, NULL);
+        iso_json_string(json, "name", channel->name[0] ? channel->name : NULL);
+        iso_json_string(json, "color", channel->colored ? hexadecimal(channel->color, color) : NULL);
+        iso_json_end_object(json);
+    }
+    iso_json_end_array(json);
+}
