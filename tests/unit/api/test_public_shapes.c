@@ -36,7 +36,8 @@ static void test_translucent_shapes(void **state) {
     iso_aov aov = {0};
     iso_volume *volume = lend_ball();
     iso_surface *surface = NULL;
-    assert_int_equal(iso_surface_create(volume, &(iso_surface_opts){.isovalue = 0}, &surface, NULL), ISO_OK);
+    const iso_rgb sand = {217, 179, 108};
+    assert_int_equal(iso_surface_create(volume, &(iso_surface_opts){.color = &sand}, &surface, NULL), ISO_OK);
     assert_int_equal(iso_surface_bounds(surface, &box, NULL), ISO_OK);
     const float position[1][3] = {{(float)(box.lo.x + box.hi.x) / 2, (float)box.lo.y - 20,
                                    (float)(box.lo.z + box.hi.z) / 2}}; /* in front */
