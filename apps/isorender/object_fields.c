@@ -6,6 +6,7 @@
 
 #include "apps/isorender/objects.h"
 #include "base/file.h"
+#include "grids/volume/npy_header.h"
 
 /* ---- recognising volumes */
 
@@ -14,6 +15,7 @@ bool isorender_object_is_field(const char *path) {
     const size_t count = iso_file_head(path, head, sizeof head);
     const char *format = iso_volume_format(head, count);
     if (!format) return false;
+    if (strcmp(format, "npy") == 0) return iso_npy_axes(path) > 2; /* else rows of points */
     /* VTK's files hold other things, too, and say in their first lines what */
     const char *kind = strcmp(format, "vtk") == 0 ? "STRUCTURED_POINTS" : "ImageData";
     if (strcmp(format, "vtk") != 0 && strcmp(format, "vti") != 0) return true;
