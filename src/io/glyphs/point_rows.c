@@ -94,7 +94,8 @@ static iso_status take_names(point_rows *p, char *row, int count, iso_error *err
 static void find_commas(point_rows *p, const char *names, const char *row) {
     const char separator = names ? iso_row_separator(names) : 0;
     const bool between = separator == ';' || separator == '\t';
-    p->decimal_commas = row && (iso_row_has_decimal_commas(row) || (between && !strchr(row, ',')));
+    p->decimal_commas =
+        row && (iso_row_has_decimal_commas(row) || (between && strchr(row, separator) && !strchr(row, ',')));
 }
 
 /* Whether a row has names instead of numbers. (nan and inf are numbers.) */
