@@ -57,7 +57,7 @@ def instead_of_outputs(seed):
     """Outputs that lead to the input are refused."""
     outputs = [word for word in seed.arguments if word in ("out.png", "out.stl", "out.ply")]
     for name in outputs:
-        for target in seed.names[:1]:
+        for target in [n for n in seed.names if not n.endswith("DICOMDIR")][:1]: # (which is not read)
             yield Attack("%s leads to %s" % (name, target), seed.files, (2,),
                          lambda folder, name=name, target=target: put("link", os.path.join(folder, name), os.path.join(folder, target)))
 
@@ -85,6 +85,8 @@ def cut_short(seed):
     for name in seed.names:
         if name.endswith(ENDLESS):
             continue
+        if "dicom" in seed.label and len(seed.files) > 1:
+            continue  # cut before its series is said, it is another file of the folder, which a note leaves out
         for percent in PERCENT:
             data = seed.files[name]
             yield Attack("%s cut at %d %%" % (name, percent), dict(seed.files, **{name: data[:len(data) * percent // 100]}),
