@@ -14,6 +14,7 @@
 #include "base/text.h"
 #include "io/encode.h"
 #include "io/fans.h"
+#include "io/lines/lines_read.h"
 #include "io/ply.h"
 #include "io/polydata/faces.h"
 #include "io/polydata/polydata.h"
@@ -416,23 +417,29 @@ static iso_mesh_content find_ply_faces(const char *path) {
 }
 
 /* The words among `words` (NULL ends them) with which rows of a file begin, as bits of their numbers. Looks
- * no further than a row that begins with the last of them. */
+ * no further than a row that begins with the last of them. Rows may be long: binary numbers have no ends. */
 static unsigned find_rows(const char *path, const char *const *words) {
     FILE *file;
-    char *row = NULL;
-    size_t room = 0;
+    char row[64]; /* its beginning */
+    size_t count = 0;
     unsigned found = 0;
     if (iso_file_open(path, &file, NULL, NULL) != ISO_OK) return 0;
-    for (bool last = false; !last && getline(&row, &room, file) > 0;) {
+    bool last = false;
+    for (int byte; !last && (byte = getc(file)) != EOF;) {
+        if (byte != '\n') {
+            if (count < sizeof row - 1) row[count++] = (char)byte;
+            continue;
+        }
+        row[count] = 0;
+        count = 0;
         const char *at = row + strspn(row, " \t");
-        const size_t length = strcspn(at, " \t\r\n");
+        const size_t length = strcspn(at, " \t\r");
         for (int i = 0; words[i]; i++) {
             if (strlen(words[i]) != length || strncasecmp(at, words[i], length) != 0) continue;
             found |= 1u << i;
             last = !words[i + 1];
         }
     }
-    free(row);
     fclose(file);
     return found;
 }
@@ -444,7 +451,7 @@ iso_mesh_content iso_mesh_find_faces(const char *path) {
         faces = find_rows(path, (const char *const[]){"f", NULL});
     else if (iso_text_has_extension(path, ".vtp"))
         faces = iso_vtp_find_cells(path) == ISO_VTP_FACES;
-    else if (iso_text_has_extension(path, ".vtk")) {
+    else if (iso_text_has_extension(path, ".vtk") && iso_lines_fill_vtk(path)) {
         const unsigned found =
             find_rows(path, (const char *const[]){"POLYGONS", "TRIANGLE_STRIPS", "LINES", NULL});
         faces = found && !(found & 4);
