@@ -11,10 +11,17 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* The type is checked after opening, so that the file cannot be exchanged in between. O_NONBLOCK avoids
- * waiting for the writer of a FIFO, and has no effect on regular files. */
+static iso_status fail_type(const char *path, const struct stat *info, iso_error *error) {
+    return iso_fail(error, ISO_ERR_IO, "%s: not a regular file%s", path,
+                    S_ISDIR(info->st_mode) ? " but a folder" : "");
+}
+
+/* The type is checked before opening, because a FIFO that is opened and closed again loses its writer, and
+ * again after opening, because the file may be exchanged in between. O_NONBLOCK avoids waiting for the writer
+ * of such a FIFO, and has no effect on regular files. */
 iso_status iso_file_descriptor(const char *path, int *descriptor, uint64_t *bytes, iso_error *error) {
     struct stat info = {0};
+    if (stat(path, &info) == 0 && !S_ISREG(info.st_mode)) return fail_type(path, &info, error);
     const int file = open(path, O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
     if (file < 0 && errno != ENXIO) /* ENXIO: a socket */
         return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
@@ -24,8 +31,7 @@ iso_status iso_file_descriptor(const char *path, int *descriptor, uint64_t *byte
         return ISO_OK;
     }
     if (file >= 0) close(file);
-    return iso_fail(error, ISO_ERR_IO, "%s: not a regular file%s", path,
-                    S_ISDIR(info.st_mode) ? " but a folder" : "");
+    return fail_type(path, &info, error);
 }
 
 iso_status iso_file_open(const char *path, FILE **stream, uint64_t *bytes, iso_error *error) {

@@ -1,7 +1,9 @@
 /* base: geometry, packed points, the thread pool, sinks. */
 #define _GNU_SOURCE
 #include <dirent.h>
+#include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -10,6 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/file.h>
+#include <sys/inotify.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -424,6 +427,25 @@ static void temporary_names_are_used_again(void **state) {
     rmdir(folder);
 }
 
+/* A writer that waits for the reader of a FIFO still waits after the FIFO was refused. */
+static void fifos_are_refused_unopened(void **state) {
+    (void)state;
+    static const char path[] = ISO_TEST_TMP "/refused.fifo";
+    char event[sizeof(struct inotify_event) + NAME_MAX + 1];
+    FILE *stream;
+    iso_error error = {0};
+    unlink(path);
+    assert_int_equal(mkfifo(path, 0600), 0);
+    const int watch = inotify_init1(IN_NONBLOCK);
+    assert_true(inotify_add_watch(watch, path, IN_OPEN) >= 0);
+    assert_int_equal(iso_file_open(path, &stream, NULL, &error), ISO_ERR_IO);
+    assert_int_equal(iso_file_head(path, event, sizeof event), 0);
+    assert_int_equal(read(watch, event, sizeof event), -1);
+    assert_int_equal(errno, EAGAIN);
+    close(watch);
+    unlink(path);
+}
+
 /* What nobody has asked for is not written through links, nor over what is no such file. */
 static void own_files_replace_their_own(void **state) {
     (void)state;
@@ -601,6 +623,7 @@ int main(void) {
         cmocka_unit_test(results_are_placed_in_order),
         cmocka_unit_test(sinks_write_all_or_nothing),
         cmocka_unit_test(temporary_names_are_used_again),
+        cmocka_unit_test(fifos_are_refused_unopened),
         cmocka_unit_test(own_files_replace_their_own),
         cmocka_unit_test(buffers_keep_their_contents),
         cmocka_unit_test(memory_is_limited),
