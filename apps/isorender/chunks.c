@@ -39,6 +39,7 @@ static const char *find_obstacle(const isorender_job *job, const char **reason) 
         bool given;
         const char *option, *reason;
     } obstacles[] = {
+        {settings->instances != NULL, "--instances", "an instance shows the whole surface"},
         {!is_exact(job) && !is_pullpush(job), "--method",
          "only exact, and pullpush with --reconstruction box or gaussian, decide pixels by an order that is "
          "known beforehand"},

@@ -28,6 +28,31 @@ static double scale_of(const iso_instances *all, const iso_instance *instance) {
     return instance->transform.spacing[0] / set->lod->points.transform.spacing[0];
 }
 
+/* The greatest depth of a box, mm. */
+static double farthest_depth(const iso_projector *projector, const iso_box *box) {
+    const double *m = projector->matrix + 6;
+    return projector->origin[2] + iso_max(m[0] * box->lo.x, m[0] * box->hi.x) +
+           iso_max(m[1] * box->lo.y, m[1] * box->hi.y) + iso_max(m[2] * box->lo.z, m[2] * box->hi.z);
+}
+
+/* How far the discs of an instance reach beyond its box, mm. Those of levels of detail are larger the farther
+ * away they are: a level is drawn where its voxels, of which an error is half of one at least, are small
+ * enough in the picture, and its radii are in proportion to its voxels. */
+static double reach_of(const iso_instances *all, const iso_instance *instance,
+                       const iso_projector *projector) {
+    const iso_instanced *set = &all->sets[instance->set];
+    const double scale = scale_of(all, instance), own = set->reach * scale;
+    const double *side = instance->transform.spacing,
+                 voxel = iso_max(side[0], iso_max(side[1], side[2])); /* of level 0 */
+    if (!(all->lod_pixels > 0) || set->lod->count < 2) return DISC_REACH * own;
+    const iso_view *view = projector->view;
+    const double depth = iso_max(view->orthographic ? 1 : farthest_depth(projector, &set->box), 0),
+                 pixel = view->orthographic ? 1 / view->focal : depth / view->focal,
+                 largest = all->lod_pixels * pixel / (double)ISO_LOD_FLAT_ERROR; /* voxel */
+    const double in_voxels = iso_max(1, ISO_LOD_RADIUS * own / voxel); /* of a radius, without level 0's */
+    return DISC_REACH * (ISO_LOD_RADIUS * own + in_voxels * largest);
+}
+
 /* Lists the instances that are in the picture, sorted. */
 static iso_status sort_instances(iso_instance_drawing *drawing, const iso_view *view,
                                  const iso_instances *all, size_t *count, iso_error *error) {
@@ -38,8 +63,7 @@ static iso_status sort_instances(iso_instance_drawing *drawing, const iso_view *
         const iso_instance *instance = &all->instances[i];
         const iso_instanced *set = &all->sets[instance->set];
         const iso_projector projector = iso_projector_make(view, &instance->transform);
-        const iso_area area =
-            iso_projector_area(&projector, &set->box, DISC_REACH * set->reach * scale_of(all, instance));
+        const iso_area area = iso_projector_area(&projector, &set->box, reach_of(all, instance, &projector));
         if (!iso_area_is_empty(&area)) order[(*count)++] = (placed){area.nearest, (uint32_t)i, area};
     }
     qsort(order, *count, sizeof *order, compare_depths);
@@ -48,12 +72,16 @@ static iso_status sort_instances(iso_instance_drawing *drawing, const iso_view *
 
 /* Draws an instance; adds to *points how many points that were. */
 static iso_status draw_instance(iso_instance_drawing *drawing, const iso_target *target,
-                                const iso_instances *all, const iso_instance *instance, size_t *points,
-                                iso_error *error) {
-    const iso_pullpush_opts opts = {.workspace = drawing->pullpush};
+                                const iso_instances *all, size_t number, size_t *points, iso_error *error) {
+    const iso_instance *instance = &all->instances[number];
+    const iso_pullpush_opts opts = {.reconstruction = all->reconstruction,
+                                    .workspace = drawing->pullpush,
+                                    .selection = all->selection,
+                                    .color = all->colors ? &all->colors[number] : NULL};
     iso_lod lod = *all->sets[instance->set].lod; /* a copy, which borrows the levels */
     lod.points.transform = instance->transform;
     lod.points.radius *= scale_of(all, instance);
+    lod.points.radii_scale = (float)scale_of(all, instance);
     ISO_TRY(iso_lod_cut_make(&drawing->cut, &lod, target->view, all->lod_pixels, error));
     for (int k = 0; k < drawing->cut.levels; k++) {
         if (!drawing->cut.view[k].span_count) continue;
@@ -61,6 +89,10 @@ static iso_status draw_instance(iso_instance_drawing *drawing, const iso_target 
         ISO_TRY(iso_draw_pullpush(target, &drawing->cut.view[k], &opts, error));
     }
     return ISO_OK;
+}
+
+static void note_state(const iso_instances *all, size_t number, iso_instance_state state) {
+    if (all->states && all->states[number] < (uint8_t)state) all->states[number] = (uint8_t)state;
 }
 
 iso_status iso_draw_instances(iso_instance_drawing *drawing, const iso_target *target,
@@ -75,9 +107,11 @@ iso_status iso_draw_instances(iso_instance_drawing *drawing, const iso_target *t
     for (size_t i = 0; i < count; i++) {
         if (!all->draw_hidden && iso_depth_pyramid_hides(&drawing->pyramid, &order[i].area)) {
             n.hidden++;
+            note_state(all, order[i].number, ISO_INSTANCE_HIDDEN);
             continue;
         }
-        ISO_TRY(draw_instance(drawing, target, all, &all->instances[order[i].number], &n.points, error));
+        ISO_TRY(draw_instance(drawing, target, all, order[i].number, &n.points, error));
+        note_state(all, order[i].number, ISO_INSTANCE_DRAWN);
         n.drawn++;
         if (!all->draw_hidden) iso_depth_pyramid_update(&drawing->pyramid, target->gbuffer, &order[i].area);
     }
