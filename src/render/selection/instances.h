@@ -54,7 +54,7 @@ typedef struct iso_instance_drawing {
     iso_pullpush *pullpush;
     iso_depth_pyramid pyramid;
     iso_lod_cut cut;
-    iso_buffer order;
+    iso_buffer order, levels;
 } iso_instance_drawing;
 
 /* Draws all instances as one surface into the gbuffer, as discs (render/refined/refined.h), as
