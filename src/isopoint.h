@@ -414,7 +414,7 @@ ISO_API iso_box iso_shape_set_bounds(const iso_shape_set *set);
 typedef struct iso_placement {
     iso_vec3 position;  /* mm */
     double rotation[4]; /* quaternion x y z w, of any length; all 0 means none */
-    double scale;       /* 1e-6 .. 1e6; 0 means 1 */
+    double scale;       /* 1e-9 .. 1e9; 0 means 1 */
 } iso_placement;
 
 typedef struct iso_placements {

@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-static const double FARTHEST = 1e12, LEAST_SCALE = 1e-6, MOST_SCALE = 1e6; /* mm; factors */
+static const double FARTHEST = 1e12, LEAST_SCALE = 1e-9, MOST_SCALE = 1e9; /* mm; factors */
 
 iso_status iso_placement_check(const iso_placement *placement, iso_error *error) {
     const iso_vec3 p = placement->position;

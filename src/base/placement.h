@@ -10,7 +10,7 @@ extern "C" {
 #endif
 
 /* Whether the placement's numbers can be used: ISO_ERR_USAGE with a reason if a number is not finite, a
- * position is beyond 1e12 mm, a scale is not 0 or from 1e-6 to 1e6. */
+ * position is beyond 1e12 mm, a scale is not 0 or from 1e-9 to 1e9. */
 iso_status iso_placement_check(const iso_placement *placement, iso_error *error);
 
 /* Whether the placement rotates. */

@@ -169,7 +169,8 @@ static iso_status draw_mesh(const iso_subject *subject, const iso_target *target
 static iso_status draw_pyramid(const iso_subject *subject, const iso_target *target,
                                iso_reconstruction reconstruction, iso_error *error) {
     iso_point_view view = iso_subject_points(subject);
-    const iso_pullpush_opts opts = {reconstruction, subject->workspace, subject->selection};
+    const iso_pullpush_opts opts = {
+        .reconstruction = reconstruction, .workspace = subject->workspace, .selection = subject->selection};
     if (!subject->lod) return iso_draw_pullpush(target, &view, &opts, error);
     iso_lod_cut *cut = subject->cut;
     ISO_TRY(iso_lod_cut_make(cut, subject->lod, target->view, subject->lod_pixels, error));

@@ -10,6 +10,9 @@
  * and depths are rounded. */
 static const double DISC_REACH = 1.45;
 
+/* An instance of fewer points is drawn before other threads would have begun to. */
+enum { LEAST_SHARED = 8192 };
+
 /* An instance in the order of drawing. */
 typedef struct placed {
     double depth; /* least depth of its box, mm */
@@ -63,8 +66,8 @@ static set_levels survey_levels(const iso_instanced *set) {
     return levels;
 }
 
-/* How far the discs of an instance reach beyond its box, mm: those of coarser levels farther, but these are drawn
- * only where their errors are small enough in the picture, at the box's farthest depth if anywhere. */
+/* How far the discs of an instance reach beyond its box, mm: those of coarser levels farther, but these are
+ * drawn only where their errors are small enough in the picture, at the box's farthest depth if anywhere. */
 static double reach_of(const iso_instances *all, const iso_instance *instance, const set_levels *levels,
                        const iso_projector *projector) {
     const iso_instanced *set = &all->sets[instance->set];
@@ -114,10 +117,14 @@ static iso_status draw_instance(iso_instance_drawing *drawing, const iso_target 
     lod.points.radius *= scale_of(all, instance);
     lod.points.radii_scale = (float)scale_of(all, instance);
     ISO_TRY(iso_lod_cut_make(&drawing->cut, &lod, target->view, all->lod_pixels, error));
+    size_t count = 0;
+    for (int k = 0; k < drawing->cut.levels; k++) count += drawing->cut.points[k];
+    iso_target alone = *target;
+    if (count < LEAST_SHARED) alone.pool = NULL;
     for (int k = 0; k < drawing->cut.levels; k++) {
         if (!drawing->cut.view[k].span_count) continue;
         *points += drawing->cut.points[k];
-        ISO_TRY(iso_draw_pullpush(target, &drawing->cut.view[k], &opts, error));
+        ISO_TRY(iso_draw_pullpush(&alone, &drawing->cut.view[k], &opts, error));
     }
     return ISO_OK;
 }

@@ -438,6 +438,39 @@ static void an_instance_in_place_is_the_set(void **state) {
     }
 }
 
+/* The discs of coarse levels of detail reach far beyond the box of their points: strips of the picture beside
+ * the box have them, too. */
+static void coarse_discs_reach_beyond_boxes(void **state) {
+    (void)state;
+    test_scene s = test_scene_make("cube", 24, NULL, true);
+    s.points.curvatures = NULL;
+    iso_lod lod = {.count = 0};
+    assert_int_equal(iso_lod_update(&lod, &s.points, NULL, NULL), ISO_OK);
+    const iso_instanced set = {&lod, iso_point_view_bounds(&s.points), s.points.radius};
+    const iso_instance instance = {0, s.points.transform};
+    forest f = {.all = {.sets = &set, .instances = &instance, .set_count = 1, .count = 1}};
+    iso_instance_drawing drawing = {0};
+    iso_instance_counts counts;
+    for (int pixels = 0; pixels <= 24; pixels += 6) {
+        const iso_view view = test_look_at(&s, 2, 0.4, pixels % 12 == 6, WIDTH, HEIGHT);
+        f.all.lod_pixels = pixels;
+        iso_gbuffer whole = draw_forest(&drawing, &f, &view, false, &counts);
+        size_t strips = 0;
+        for (int y = 0; y < HEIGHT; y++) {
+            const iso_view row = iso_view_rows(&view, y, 1);
+            iso_gbuffer strip = draw_forest(&drawing, &f, &row, false, &counts);
+            test_same_rows(&whole, y, &strip);
+            strips += counts.drawn;
+            iso_gbuffer_free(&strip);
+        }
+        assert_true(strips > 10 && strips < HEIGHT);
+        iso_gbuffer_free(&whole);
+    }
+    iso_instance_drawing_free(&drawing);
+    iso_lod_free(&lod);
+    test_scene_free(&s);
+}
+
 /* Radii of the points' own grow with an instance: of another size, it is the set with other spacings and
  * radii. */
 static void radii_grow_with_instances(void **state) {
@@ -502,6 +535,7 @@ int main(void) {
         cmocka_unit_test(pictures_do_not_depend_on_earlier_ones),
         cmocka_unit_test(eye_among_instances),
         cmocka_unit_test(an_instance_in_place_is_the_set),
+        cmocka_unit_test(coarse_discs_reach_beyond_boxes),
         cmocka_unit_test(radii_grow_with_instances),
         cmocka_unit_test(instances_have_colors),
     };
