@@ -534,7 +534,8 @@ ISO_API iso_status iso_camera_of_box(const iso_box *box, int width, int height, 
 typedef struct iso_render_opts {
     iso_method method;
     int width, height; /* pixels; 0 means 1024 */
-    int samples;       /* number of samples of a pixel: a square number 1, 4, 9 .. 64; 0 means 1 */
+    int samples;       /* number of samples of a pixel: a square number 1, 4, 9 .. 64; 0 means 4 for opaque
+                          pictures by EXACT, else 1 */
     /* The camera. NULL: a camera that shows everything, placed by `fit`. */
     const iso_camera *camera;
     iso_fit_opts fit;
@@ -580,6 +581,7 @@ typedef struct iso_keys_opts {
     double isovalue;
     iso_method method;                 /* EXACT, PULLPUSH_GAUSSIAN or PULLPUSH_BOX */
     int width, height;                 /* pixels; 0 means 1024 */
+    int samples;                       /* as of iso_render_opts */
     const iso_camera *camera;          /* not NULL */
     const iso_rgb *color, *background; /* NULL: the palette's first; white */
     bool transparent;

@@ -33,7 +33,7 @@ static bool has_gl(const isorender_settings *settings) {
 /* The gl engine reads every sample back. */
 static bool is_too_large(const isorender_settings *settings) {
     uint64_t pixels = (uint64_t)settings->width * (uint64_t)settings->height;
-    return pixels * (uint64_t)settings->samples > ISO_GL_SAMPLES_MAX;
+    return pixels * (uint64_t)(settings->samples ? settings->samples : 1) > ISO_GL_SAMPLES_MAX;
 }
 
 /* Whether an option is given that only OpenGL has. */
@@ -81,7 +81,7 @@ iso_status isorender_backend_check(isorender_settings *settings, iso_error *erro
         return iso_fail(error, ISO_ERR_LIMIT,
                         "%dx%d with %d samples a pixel is more than OpenGL is used for here (2^32 samples): "
                         "--backend cpu draws it",
-                        settings->width, settings->height, settings->samples);
+                        settings->width, settings->height, settings->samples ? settings->samples : 1);
     return ISO_OK;
 }
 

@@ -51,7 +51,6 @@ static const char *find_obstacle(const isorender_job *job, const char **reason) 
         {settings->channel_count > 1, "several channels (--channel)", "one surface is drawn at a time"},
         {settings->object_options.count > 0, "--lines, --glyphs or --surface",
          "one surface is drawn at a time"},
-        {settings->samples > 1, "--samples", "the samples of a pixel are averaged before they are rounded"},
         {settings->aov != NULL, "--aov", "a pixel's key is its colour"},
         {settings->lighting != 0, "--shading edl", "it compares the depths of neighbouring pixels"},
         {exports(job) && (settings->parts || settings->ranks.mpi), "--points or --mesh",
@@ -120,7 +119,8 @@ iso_status isorender_chunks_choose(isorender_job *job, iso_error *error) {
 }
 
 uint64_t isorender_chunks_bytes(const isorender_job *job) {
-    return job->chunks ? (uint64_t)job->settings->width * (uint64_t)job->settings->height * sizeof(uint64_t)
+    return job->chunks ? (uint64_t)job->settings->width * (uint64_t)job->settings->height *
+                             (uint64_t)job->samples * sizeof(uint64_t)
                        : 0;
 }
 
@@ -397,7 +397,8 @@ static iso_status draw_points(isorender_job *job, const iso_view *view, iso_pull
 /* Draws the share of --part, or everything. Sets `base` for pull-push. */
 static iso_status draw_keys(isorender_job *job, const iso_camera *camera, iso_pullpush_base *base,
                             iso_key_image *keys, iso_error *error) {
-    const iso_view view = iso_view_make(camera, job->settings->width, job->settings->height);
+    const iso_view pixels = iso_view_make(camera, job->settings->width, job->settings->height),
+                   view = iso_view_scaled(&pixels, iso_picture_factor(job->samples));
     const iso_ranks *ranks = &job->settings->ranks;
     job->chunks->stage = "rendering";
     const iso_status status =
@@ -470,6 +471,7 @@ static void describe_style(const isorender_job *job, iso_key_style *style) {
     const iso_rgb color = job->surfaces[0].color, background = settings->background;
     style->width = settings->width;
     style->height = settings->height;
+    style->samples = job->samples;
     style->position = job->camera.position;
     style->focal_point = job->camera.focal_point;
     style->view_up = job->camera.view_up;

@@ -32,7 +32,7 @@ static bool is_fine(const isorender_job *job, int surface, double pixels) {
     const double *side = isorender_points_view(job, surface).transform.spacing,
                  voxel = 2 * fmax(side[0], fmax(side[1], side[2])),
                  scale = view.orthographic ? view.focal : view.focal / fmax(seen.z, view.near),
-                 samples = sqrt(job->settings->samples);
+                 samples = sqrt(job->samples);
     return voxel * ISO_LOD_FLAT_ERROR * scale * samples <= pixels;
 }
 

@@ -7,9 +7,8 @@
 uint64_t isorender_gl_bytes(const isorender_job *job) {
     const isorender_backend *backend = job->backend;
     if (!backend->engine || iso_gl_context_info(backend->context).hardware) return 0;
-    int factor = 1;
-    while (factor * factor < job->settings->samples) factor++;
-    const int width = job->settings->width * factor, height = job->settings->height * factor;
+    const int factor = iso_picture_factor(job->samples), width = job->settings->width * factor,
+              height = job->settings->height * factor;
     const uint64_t shapes =
         job->settings->object_options.count ? iso_gl_shapes_bytes(backend->engine, width, height) : 0;
     const bool splats = job->settings->method == ISO_METHOD_SPLATS;

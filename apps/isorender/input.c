@@ -20,8 +20,11 @@ static iso_status check_picture(const isorender_job *job, iso_error *error) {
     uint64_t needs = isorender_picture_bytes(job);
     uint64_t limit = memory_limit(job->settings);
     if (needs <= limit) return ISO_OK;
-    return iso_fail(error, ISO_ERR_LIMIT, "a picture of %dx%d needs %.0f MB, limit is %.0f MB (--max-memory)",
-                    job->settings->width, job->settings->height, (double)needs / 1e6, (double)limit / 1e6);
+    return iso_fail(error, ISO_ERR_LIMIT,
+                    "a picture of %dx%d with %d sample%s a pixel needs %.0f MB, limit is %.0f MB "
+                    "(--max-memory)",
+                    job->settings->width, job->settings->height, job->samples, job->samples > 1 ? "s" : "",
+                    (double)needs / 1e6, (double)limit / 1e6);
 }
 
 /* Checks that the limit of memory allows the grids of their own that surfaces will get (closed, or with
@@ -60,6 +63,13 @@ static iso_method find_method(iso_method method, int reconstruction) {
                                                              : ISO_METHOD_SPLATS_FLAT;
 }
 
+static int usual_samples(const isorender_job *job) {
+    const isorender_settings *settings = job->settings;
+    const bool opaque = !isorender_is_translucent(settings) && !isorender_object_opacity_option(settings) &&
+                        !(settings->ior > 0) && !job->gaussians;
+    return opaque && !job->backend->engine ? iso_method_samples(job->method) : 1;
+}
+
 static void choose_method(isorender_job *job) {
     const isorender_settings *settings = job->settings;
     const bool pyramid = settings->reconstruction == (int)ISO_RECONSTRUCTION_BOX ||
@@ -69,6 +79,7 @@ static void choose_method(isorender_job *job) {
     const iso_method usual = job->loader.has_points && !job->gaussians ? of_points : ISO_METHOD_EXACT;
     job->method = settings->method == ISORENDER_METHOD_UNCHOSEN ? usual : (iso_method)settings->method;
     job->renderer = iso_renderer_get(find_method(job->method, settings->reconstruction));
+    job->samples = settings->samples ? settings->samples : usual_samples(job);
 }
 
 /* Whether --method says how lines are drawn, or nothing. */

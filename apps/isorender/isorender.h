@@ -83,6 +83,7 @@ typedef struct isorender_job {
         volume_inputs[ISORENDER_VOLUMES]; /* how the input, of a certain level, and `volumes` are read */
 
     iso_method method; /* as --method names it: ISO_METHOD_PULLPUSH and _SPLATS with any reconstruction */
+    int samples;       /* a pixel: of --samples, or the usual number */
     const iso_renderer *renderer; /* the row of the renderers' table for the method and its reconstruction */
 
     isorender_surface surfaces[ISORENDER_SURFACES]; /* those of the input, then one of each of `volumes` */

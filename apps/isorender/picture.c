@@ -328,7 +328,7 @@ static iso_status render_frame(isorender_job *job, int frame, canvas *c, iso_err
     iso_picture_opts opts = {.camera = &camera,
                              .width = settings->width,
                              .height = settings->height,
-                             .samples = settings->samples,
+                             .samples = job->samples,
                              .shading = {colors, count, settings->background, settings->transparent},
                              .lighting = (iso_lighting)settings->lighting,
                              .draw = draw,
@@ -402,8 +402,8 @@ uint64_t isorender_picture_bytes(const isorender_job *job) {
     const isorender_settings *settings = job->settings;
     enum { SAMPLE = sizeof(float) + 3 * sizeof(float) + 1, STRIP = 256 << 20 };
     uint64_t pixels = (uint64_t)settings->width * (uint64_t)settings->height;
-    uint64_t samples = pixels * (uint64_t)settings->samples * SAMPLE;
-    if (settings->lighting) samples += pixels * (uint64_t)settings->samples * sizeof(float);
+    uint64_t samples = pixels * (uint64_t)job->samples * SAMPLE;
+    if (settings->lighting) samples += pixels * (uint64_t)job->samples * sizeof(float);
     uint64_t aov = settings->aov ? pixels * (ISO_AOV_PLANES + 1) * sizeof(float) : 0;
     if (has_ids(settings)) aov += pixels * ISO_ID_PLANES * sizeof(uint32_t);
     uint64_t bytes = 4 * pixels + isorender_chunks_bytes(job) + aov + (samples < STRIP ? samples : STRIP);
@@ -412,8 +412,7 @@ uint64_t isorender_picture_bytes(const isorender_job *job) {
     if (isorender_is_translucent(settings) || fragments) bytes += threads * ISO_EXACT_LAYERS_BYTES;
     if (fragments) bytes += threads * ISO_SHAPES_PIECES_BYTES;
     if (settings->ior > 0)
-        bytes +=
-            iso_glass_scene_bytes((iso_refraction)settings->refraction, pixels * (uint64_t)settings->samples);
+        bytes += iso_glass_scene_bytes((iso_refraction)settings->refraction, pixels * (uint64_t)job->samples);
     if (job->backend->engine && settings->object_options.count) bytes += samples < STRIP ? samples : STRIP;
     if (job->backend->engine) return bytes + isorender_gl_bytes(job);
     if (job->method != ISO_METHOD_PULLPUSH && job->method != ISO_METHOD_HYBRID) return bytes;
@@ -424,7 +423,7 @@ uint64_t isorender_picture_bytes(const isorender_job *job) {
         meshes |= settings->object_options.kinds[i] == ISORENDER_MESH;
     }
     if (meshes) bytes += samples < STRIP ? samples : STRIP; /* the triangles' picture */
-    uint64_t pyramid = pixels * (uint64_t)settings->samples * (PYRAMID + (sets ? SETS : 0));
+    uint64_t pyramid = pixels * (uint64_t)job->samples * (PYRAMID + (sets ? SETS : 0));
     return bytes + (pyramid < STRIP ? pyramid : STRIP);
 }
 

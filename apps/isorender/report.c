@@ -197,7 +197,7 @@ static iso_status put_frame(iso_json *json, const char *key, const isorender_job
     ISO_TRY(put_name(json, "aov_path", job->plan, job->plan->aov, frame, error));
     iso_json_integer(json, "width", (uint64_t)settings->width);
     iso_json_integer(json, "height", (uint64_t)settings->height);
-    iso_json_integer(json, "samples", (uint64_t)settings->samples);
+    iso_json_integer(json, "samples", (uint64_t)job->samples);
     iso_json_integer(json, "covered", job->frames[frame].covered);
     iso_json_string(json, "hash", hash);
     if (job->translucent || job->gaussians) put_layers(json, &job->frames[frame]);

@@ -126,7 +126,8 @@ typedef struct isorender_settings {
     const char *backend;
     int scaling; /* iso_point_scaling */
     int strips;
-    int width, height, samples, turntable, no_image;
+    int samples; /* of a pixel; 0: the usual number (isorender_job.samples) */
+    int width, height, turntable, no_image;
     iso_rgb background;
     int transparent, background_given;
 

@@ -257,6 +257,8 @@ static iso_status set_up_layers(rendering *r, const iso_render_opts *opts, iso_e
     ISO_TRY(list_sets(r, opts, error));
     r->translucent |= r->sets_count > 0;
     ISO_TRY(check_layers(r, opts, error));
+    if (!r->picture.samples)
+        r->picture.samples = r->translucent ? 1 : iso_method_samples(r->renderer->method);
     if (opts->aov && !r->translucent) iso_aov_remove_layers(opts->aov);
     if (!r->translucent) return ISO_OK;
     r->layers = (iso_layered_picture){.method = r->renderer->method,

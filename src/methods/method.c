@@ -277,6 +277,10 @@ const iso_renderer *iso_renderer_get(iso_method method) {
     return NULL;
 }
 
+int iso_method_samples(iso_method method) {
+    return method == ISO_METHOD_EXACT ? 4 : 1;
+}
+
 const char *iso_method_name(iso_method method) {
     const iso_renderer *renderer = iso_renderer_get(method);
     return renderer ? renderer->name : NULL;
