@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/cpu.h"
+#include "methods/method.h"
 
 static bool is_any(const char *name, const char *a, const char *b) {
     return strcmp(name, a) == 0 || strcmp(name, b) == 0;
@@ -30,10 +31,16 @@ static bool has_gl(const isorender_settings *settings) {
     return settings->method == ISO_METHOD_POINTS || settings->method == ISO_METHOD_MESH;
 }
 
+/* Samples a pixel of an opaque picture. */
+static int count_samples(const isorender_settings *settings) {
+    if (settings->samples) return settings->samples;
+    return iso_method_samples(has_no_surface(settings) ? ISO_METHOD_EXACT : (iso_method)settings->method);
+}
+
 /* The gl engine reads every sample back. */
 static bool is_too_large(const isorender_settings *settings) {
     uint64_t pixels = (uint64_t)settings->width * (uint64_t)settings->height;
-    return pixels * (uint64_t)(settings->samples ? settings->samples : 1) > ISO_GL_SAMPLES_MAX;
+    return pixels * (uint64_t)count_samples(settings) > ISO_GL_SAMPLES_MAX;
 }
 
 /* Whether an option is given that only OpenGL has. */
@@ -81,7 +88,7 @@ iso_status isorender_backend_check(isorender_settings *settings, iso_error *erro
         return iso_fail(error, ISO_ERR_LIMIT,
                         "%dx%d with %d samples a pixel is more than OpenGL is used for here (2^32 samples): "
                         "--backend cpu draws it",
-                        settings->width, settings->height, settings->samples ? settings->samples : 1);
+                        settings->width, settings->height, count_samples(settings));
     return ISO_OK;
 }
 

@@ -67,7 +67,7 @@ static int usual_samples(const isorender_job *job) {
     const isorender_settings *settings = job->settings;
     const bool opaque = !isorender_is_translucent(settings) && !isorender_object_opacity_option(settings) &&
                         !(settings->ior > 0) && !job->gaussians;
-    return opaque && !job->backend->engine ? iso_method_samples(job->method) : 1;
+    return opaque ? iso_method_samples(job->method) : 1;
 }
 
 static void choose_method(isorender_job *job) {

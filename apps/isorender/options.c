@@ -424,7 +424,7 @@ static const iso_option options[] = {
     {"dpi", NULL, "N", "pixels an inch that the picture's file states, for printing; the picture is the same",
      .group = PICTURE, .standard = "none, with one scale (--mm-per-pixel) its true size", REAL(dpi, 1, 1e5)},
     {"samples", NULL, "N", "samples a pixel: 1, 4, 9, ... 64", .group = PICTURE,
-     .standard = "4 of opaque surfaces by exact on the cpu, else 1", CALL(apply_samples)},
+     .standard = "4 of opaque pictures by exact, else 1", CALL(apply_samples)},
     {"background", "background-color", "COLOR|none",
      "colour of the background, RRGGBB or a name of CSS; none is transparent (not in a .jpg)",
      .group = PICTURE, .standard = "FFFFFF", CALL(apply_background)},

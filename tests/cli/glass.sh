@@ -1,6 +1,6 @@
 # glass is seen where the surface is, by every mode and both methods, and is not the surface
 options="scene:torus:32 --resolution 60x50 --quiet"
-isorender $options opaque.png --json=opaque.json
+isorender $options opaque.png --samples 1 --json=opaque.json
 for mode in none layers two-sided traced; do
     for method in exact raycast; do
         isorender $options $mode-$method.png --ior 1.5 --refraction $mode --method $method --attenuation-color teal \
