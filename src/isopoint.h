@@ -243,7 +243,7 @@ typedef struct iso_rgb {
     uint8_t r, g, b;
 } iso_rgb;
 
-/* The kind of points that iso_surface_points extracts. */
+/* The kind of points that iso_surface_points extracts and pictures are drawn from, where AUTO means EDGE. */
 typedef enum iso_primitive {
     ISO_PRIMITIVE_AUTO, /* FOOT for sparse level sets whose band does not end near the isovalue, else EDGE */
     ISO_PRIMITIVE_EDGE, /* the vertices of Marching Cubes, on the edges between voxels */

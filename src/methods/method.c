@@ -12,8 +12,7 @@
 static iso_status make_points(iso_subject *subject, iso_error *error) {
     if (!subject->workspace) ISO_TRY(iso_pullpush_create(&subject->workspace, error));
     iso_points_opts opts = {.isovalue = subject->isovalue,
-                            .primitive = ISO_PRIMITIVE_EDGE, /* the points with which pullpush gives the best
-                                                                pictures */
+                            .primitive = subject->primitive ? subject->primitive : ISO_PRIMITIVE_EDGE,
                             .curvature = true,
                             .pool = subject->pool};
     return iso_point_set_create(subject->grid, &opts, &subject->points, error);
@@ -106,7 +105,8 @@ void iso_subject_free(iso_subject *subject) {
     *subject = (iso_subject){.grid = subject->grid,
                              .isovalue = subject->isovalue,
                              .pool = subject->pool,
-                             .bounded = subject->bounded};
+                             .bounded = subject->bounded,
+                             .primitive = subject->primitive};
 }
 
 const char *iso_part_name(iso_part part) {
