@@ -51,8 +51,8 @@ static void report_reading(void *context, double fraction) {
 static iso_method find_method(iso_method method, int reconstruction) {
     if (method == ISO_METHOD_PULLPUSH && reconstruction == (int)ISO_RECONSTRUCTION_BOX)
         return ISO_METHOD_PULLPUSH_BOX;
-    if (method == ISO_METHOD_PULLPUSH && reconstruction == (int)ISO_RECONSTRUCTION_GAUSSIAN)
-        return ISO_METHOD_PULLPUSH_GAUSSIAN;
+    if (method == ISO_METHOD_DISCS && reconstruction == (int)ISO_RECONSTRUCTION_FLAT)
+        return ISO_METHOD_SPLATS_FLAT;
     if (method != ISO_METHOD_SPLATS || reconstruction == ISORENDER_RECONSTRUCTION_GROUPS) return method;
     return reconstruction == (int)ISO_RECONSTRUCTION_ONEPASS ? ISO_METHOD_SPLATS_ONEPASS
            : reconstruction == (int)ISO_RECONSTRUCTION_EWA   ? ISO_METHOD_SPLATS_EWA

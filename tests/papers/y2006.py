@@ -60,7 +60,7 @@ def table_2(machine, clouds, table):
     gains = []
     for name, path in clouds.files():
         size = ("--resolution", "1024x1024", "--backend", "cpu")
-        two = rate(machine.seconds_a_frame(5, path, "--method", "pullpush", *size))
+        two = rate(machine.seconds_a_frame(5, path, "--method", "discs", *size))
         one = [rate(machine.seconds_a_frame(5, path, "--method", "splats", "--groups", 64, "--group-overlap", overlap, *size))
                for overlap in (0.8, 0.4)]
         table.row("ours: %s, frames/s" % name, two, *one)
@@ -72,7 +72,7 @@ def table_2(machine, clouds, table):
 
 def figure_8(machine, clouds, table):
     path = clouds.extracted(VOLUMES[0])
-    _, command = machine.render("two-passes.png", path, "--method", "pullpush", *PICTURE)
+    _, command = machine.render("two-passes.png", path, "--method", "discs", *PICTURE)
     table.picture("two-passes.png", "two passes", command)
     for overlap in OVERLAPS:
         name = "groups-%g.png" % overlap
@@ -209,7 +209,7 @@ def tables(machine):
            lambda table: table_1(machine, clouds, table))
     yield (Table("2006-table-2", 2006, "Table 2: one pass against two",
                  ["two passes", "one pass, c = .8", "one pass, c = .4"],
-                 "1024 × 1024 pixels, all threads. Two passes: pullpush with flat discs, which has the same picture."),
+                 "1024 × 1024 pixels, all threads. Two passes: discs, which are flat ones of points of files and which have the same picture."),
            lambda table: table_2(machine, clouds, table))
     yield (Table("2006-figure-8", 2006, "Figure 8: relaxed overlaps",
                  ["PSNR inside to c = 1, dB", "to two passes, dB"],

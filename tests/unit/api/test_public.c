@@ -109,6 +109,9 @@ static void test_version(void **state) {
         assert_int_equal(found, i);
     }
     assert_null(iso_method_name((iso_method)ISO_METHODS));
+    iso_method old;
+    assert_int_equal(iso_method_find("pullpush-gaussian", &old, NULL), ISO_OK);
+    assert_int_equal(old, ISO_METHOD_PULLPUSH);
 }
 
 static void test_volume(void **state) {
@@ -328,9 +331,8 @@ static size_t count_differing(const iso_image *a, const iso_image *b) {
 /* Methods that draw points draw those of the primitive; edge points with AUTO. Others are not concerned. */
 static void test_primitives(void **state) {
     fixture *f = *state;
-    static const iso_method of_points[] = {ISO_METHOD_POINTS,       ISO_METHOD_PULLPUSH_GAUSSIAN,
-                                           ISO_METHOD_PULLPUSH_BOX, ISO_METHOD_PULLPUSH,
-                                           ISO_METHOD_SPLATS,       ISO_METHOD_SPLATS_FLAT};
+    static const iso_method of_points[] = {ISO_METHOD_POINTS, ISO_METHOD_PULLPUSH, ISO_METHOD_PULLPUSH_BOX,
+                                           ISO_METHOD_DISCS,  ISO_METHOD_SPLATS,   ISO_METHOD_SPLATS_FLAT};
     iso_sculpt *sculpt = NULL;
     assert_int_equal(iso_sculpt_from_volume(f->volume, ISOVALUE, NULL, &sculpt, NULL), ISO_OK);
     iso_volume *field = iso_sculpt_volume(sculpt);
