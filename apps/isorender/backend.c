@@ -27,7 +27,8 @@ static bool has_gl(const isorender_settings *settings) {
     if (has_no_surface(settings)) return is_any(settings->backend, "egl", "osmesa");
     if (settings->one_pyramid) return false;
     if (settings->method == ISO_METHOD_SPLATS) return has_gl_splats(settings);
-    if (settings->method == ISO_METHOD_PULLPUSH) return !(settings->lod > 0);
+    if (settings->method == ISO_METHOD_PULLPUSH || settings->method == ISO_METHOD_DISCS)
+        return !(settings->lod > 0);
     return settings->method == ISO_METHOD_POINTS || settings->method == ISO_METHOD_MESH;
 }
 
@@ -78,10 +79,11 @@ iso_status isorender_backend_check(isorender_settings *settings, iso_error *erro
     if ((gl || needed) && settings->method == ISORENDER_METHOD_UNCHOSEN && !has_no_surface(settings))
         settings->method = settings->strips ? ISO_METHOD_MESH : ISO_METHOD_POINTS;
     if (gl && !has_gl(settings))
-        return iso_fail(error, ISO_ERR_USAGE,
-                        "--backend %s has the methods points, pullpush (without --lod), splats (flat without "
-                        "--lod, groups without --group-bins) and mesh: others need the cpu",
-                        name);
+        return iso_fail(
+            error, ISO_ERR_USAGE,
+            "--backend %s has the methods points, pullpush and discs (without --lod), splats (flat "
+            "without --lod, groups without --group-bins) and mesh: others need the cpu",
+            name);
     ISO_TRY(check_needs(settings, error));
     bool draws = !settings->info && (!settings->no_image || settings->aov);
     if ((gl || needed) && draws && is_too_large(settings))
@@ -110,9 +112,7 @@ isorender_backend isorender_backend_cpu(void) {
 /* Whether the picture has several image pyramids. On the only GPU that the engine has been tried on (NVIDIA
  * H200, driver 580.159) the second one is drawn in a wrong place, for a reason that has not been found. */
 static bool has_several_pyramids(const isorender_settings *settings) {
-    return settings->method == ISO_METHOD_PULLPUSH && settings->isovalue_count > 1 &&
-           (settings->reconstruction == ISO_RECONSTRUCTION_BOX ||
-            settings->reconstruction == ISO_RECONSTRUCTION_GAUSSIAN);
+    return settings->method == ISO_METHOD_PULLPUSH && settings->isovalue_count > 1;
 }
 
 iso_status isorender_backend_open(const isorender_settings *settings, isorender_backend *backend,
@@ -132,7 +132,7 @@ iso_status isorender_backend_open(const isorender_settings *settings, isorender_
                    ? ISO_OK
                    : iso_fail(error, ISO_ERR_BACKEND,
                               "pull-push of several isovalues is not right on GPUs yet: --backend cpu, or "
-                              "--reconstruction refined");
+                              "--method discs");
     }
     status = iso_gl_engine_create(made.context, &made.engine, error);
     if (status != ISO_OK) {

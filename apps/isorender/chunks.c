@@ -24,8 +24,7 @@ static bool is_exact(const isorender_job *job) {
 }
 
 static bool is_pullpush(const isorender_job *job) {
-    return job->renderer->method == ISO_METHOD_PULLPUSH_BOX ||
-           job->renderer->method == ISO_METHOD_PULLPUSH_GAUSSIAN;
+    return job->method == ISO_METHOD_PULLPUSH;
 }
 
 static bool exports(const isorender_job *job) {
@@ -40,8 +39,7 @@ static const char *find_obstacle(const isorender_job *job, const char **reason) 
         const char *option, *reason;
     } obstacles[] = {
         {!is_exact(job) && !is_pullpush(job), "--method",
-         "only exact, and pullpush with --reconstruction box or gaussian, decide pixels by an order that is "
-         "known beforehand"},
+         "only exact and pullpush decide pixels by an order that is known beforehand"},
         {settings->primitive != ISO_PRIMITIVE_AUTO && settings->primitive != ISO_PRIMITIVE_EDGE,
          "--primitive", "only edge points are made chunk by chunk"},
         {isorender_is_translucent(settings), "--opacity", "the layers of a pixel are blended in order"},

@@ -13,9 +13,9 @@ enum { PAYING_FRAMES = 50 };
 iso_status isorender_detail_check(isorender_settings *settings, iso_error *error) {
     const bool asked = settings->lod > 0; /* NaN: not given */
     if (!asked) return ISO_OK;
-    if (settings->method == ISORENDER_METHOD_UNCHOSEN) settings->method = ISO_METHOD_PULLPUSH;
-    if (settings->method != ISO_METHOD_PULLPUSH && settings->method != ISO_METHOD_SPLATS)
-        return iso_fail(error, ISO_ERR_USAGE, "--lod is for --method pullpush and splats");
+    if (settings->method == ISORENDER_METHOD_UNCHOSEN) settings->method = ISO_METHOD_DISCS;
+    if (!isorender_has_reconstructions(settings->method))
+        return iso_fail(error, ISO_ERR_USAGE, "--lod is for --method discs, pullpush and splats");
     return ISO_OK;
 }
 
@@ -38,9 +38,8 @@ static bool is_fine(const isorender_job *job, int surface, double pixels) {
 
 static bool is_wanted(const isorender_job *job, int surface) {
     const isorender_settings *settings = job->settings;
-    const bool discs = job->method == ISO_METHOD_PULLPUSH ||
-                       (job->method == ISO_METHOD_SPLATS && !isorender_uses_groups(job));
-    if (!discs || job->backend->engine || settings->lod == 0 || settings->one_pyramid) return false;
+    const bool has_levels = isorender_has_reconstructions(job->method) && !isorender_uses_groups(job);
+    if (!has_levels || job->backend->engine || settings->lod == 0 || settings->one_pyramid) return false;
     if (settings->lod > 0) return true;
     return settings->turntable >= PAYING_FRAMES && is_fine(job, surface, DEFAULT_PIXELS);
 }

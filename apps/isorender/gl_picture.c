@@ -16,7 +16,7 @@ uint64_t isorender_gl_bytes(const isorender_job *job) {
         const int slots = job->settings->groups ? job->settings->groups : ISO_SPLATS_GROUPS;
         return shapes + iso_gl_splats_bytes(backend->engine, slots, width, height);
     }
-    if (!splats && job->settings->method != ISO_METHOD_PULLPUSH)
+    if (!isorender_has_reconstructions(job->settings->method))
         return shapes + iso_gl_draw_bytes(backend->engine, width, height);
     const bool selects = job->settings->selection == (int)ISO_SELECTION_VISIBLE;
     return shapes + (selects ? iso_gl_selection_bytes(width, height) : 0) +
@@ -87,7 +87,7 @@ static iso_status draw_surfaces(const isorender_job *job, const iso_view *view, 
     const isorender_settings *settings = job->settings;
     const iso_gl_surface *const *surfaces = (const iso_gl_surface *const *)job->gl_surfaces;
     if (isorender_uses_groups(job)) return draw_splats(job, view, gbuffer, error);
-    if (job->method == ISO_METHOD_PULLPUSH || job->method == ISO_METHOD_SPLATS) {
+    if (isorender_has_reconstructions(job->method)) {
         const iso_gl_pullpush_opts pullpush = {view, surfaces, job->surface_count,
                                                (iso_reconstruction)settings->reconstruction,
                                                (iso_point_selection)settings->selection};

@@ -19,12 +19,12 @@ static iso_status check_picture(const isorender_job *job, iso_error *error) {
     if (!isorender_plan_draws(job->plan)) return ISO_OK;
     uint64_t needs = isorender_picture_bytes(job);
     uint64_t limit = memory_limit(job->settings);
+    char samples[40] = "";
     if (needs <= limit) return ISO_OK;
-    return iso_fail(error, ISO_ERR_LIMIT,
-                    "a picture of %dx%d with %d sample%s a pixel needs %.0f MB, limit is %.0f MB "
-                    "(--max-memory)",
-                    job->settings->width, job->settings->height, job->samples, job->samples > 1 ? "s" : "",
-                    (double)needs / 1e6, (double)limit / 1e6);
+    if (job->samples > 1) snprintf(samples, sizeof samples, " with %d samples a pixel", job->samples);
+    return iso_fail(
+        error, ISO_ERR_LIMIT, "a picture of %dx%d%s needs %.0f MB, limit is %.0f MB (--max-memory)",
+        job->settings->width, job->settings->height, samples, (double)needs / 1e6, (double)limit / 1e6);
 }
 
 /* Checks that the limit of memory allows the grids of their own that surfaces will get (closed, or with
@@ -54,8 +54,8 @@ static void report_reading(void *context, double fraction) {
 static iso_method find_method(iso_method method, int reconstruction) {
     if (method == ISO_METHOD_PULLPUSH && reconstruction == (int)ISO_RECONSTRUCTION_BOX)
         return ISO_METHOD_PULLPUSH_BOX;
-    if (method == ISO_METHOD_PULLPUSH && reconstruction == (int)ISO_RECONSTRUCTION_GAUSSIAN)
-        return ISO_METHOD_PULLPUSH_GAUSSIAN;
+    if (method == ISO_METHOD_DISCS && reconstruction == (int)ISO_RECONSTRUCTION_FLAT)
+        return ISO_METHOD_SPLATS_FLAT;
     if (method != ISO_METHOD_SPLATS || reconstruction == ISORENDER_RECONSTRUCTION_GROUPS) return method;
     return reconstruction == (int)ISO_RECONSTRUCTION_ONEPASS ? ISO_METHOD_SPLATS_ONEPASS
            : reconstruction == (int)ISO_RECONSTRUCTION_EWA   ? ISO_METHOD_SPLATS_EWA

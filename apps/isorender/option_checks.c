@@ -397,13 +397,10 @@ static iso_status check_line_shading(const isorender_settings *settings, iso_err
 }
 
 static iso_status check_one_pyramid(const isorender_settings *settings, iso_error *error) {
-    const bool pullpush = settings->method == ISO_METHOD_PULLPUSH &&
-                          settings->reconstruction != (int)ISO_RECONSTRUCTION_REFINED;
     if (!settings->one_pyramid) return ISO_OK;
-    if (!pullpush && settings->method != ISO_METHOD_HYBRID)
+    if (settings->method != ISO_METHOD_PULLPUSH && settings->method != ISO_METHOD_HYBRID)
         return iso_fail(error, ISO_ERR_USAGE,
-                        "--one-pyramid is for --method hybrid, and for pullpush with --reconstruction "
-                        "gaussian or box: refined discs are not made in the pyramid");
+                        "--one-pyramid is for --method pullpush and hybrid: others have no image pyramid");
     if (settings->lod > 0)
         return iso_fail(error, ISO_ERR_USAGE, "--one-pyramid draws all points: --lod is without it");
     return ISO_OK;

@@ -415,7 +415,8 @@ uint64_t isorender_picture_bytes(const isorender_job *job) {
         bytes += iso_glass_scene_bytes((iso_refraction)settings->refraction, pixels * (uint64_t)job->samples);
     if (job->backend->engine && settings->object_options.count) bytes += samples < STRIP ? samples : STRIP;
     if (job->backend->engine) return bytes + isorender_gl_bytes(job);
-    if (job->method != ISO_METHOD_PULLPUSH && job->method != ISO_METHOD_HYBRID) return bytes;
+    const bool pyramids = job->method == ISO_METHOD_PULLPUSH || job->method == ISO_METHOD_HYBRID;
+    if (!pyramids && job->method != ISO_METHOD_DISCS) return bytes;
     enum { PYRAMID = 24, SETS = 104 }; /* bytes a sample; drawn in parts as well */
     bool sets = false, meshes = job->method == ISO_METHOD_HYBRID;
     for (int i = 0; i < settings->object_options.count; i++) {
@@ -423,7 +424,7 @@ uint64_t isorender_picture_bytes(const isorender_job *job) {
         meshes |= settings->object_options.kinds[i] == ISORENDER_MESH;
     }
     if (meshes) bytes += samples < STRIP ? samples : STRIP; /* the triangles' picture */
-    uint64_t pyramid = pixels * (uint64_t)job->samples * (PYRAMID + (sets ? SETS : 0));
+    uint64_t pyramid = pixels * (uint64_t)job->samples * (PYRAMID + (sets && pyramids ? SETS : 0));
     return bytes + (pyramid < STRIP ? pyramid : STRIP);
 }
 
@@ -455,9 +456,9 @@ iso_status isorender_render(isorender_job *job, iso_error *error) {
     if (!job->frames) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
     canvas c = {0};
     iso_status status = iso_image_create(settings->width, settings->height, &c.image, error);
-    const bool pyramid = job->method == ISO_METHOD_PULLPUSH || job->method == ISO_METHOD_HYBRID ||
-                         (job->method == ISO_METHOD_SPLATS && !isorender_uses_groups(job));
-    if (status == ISO_OK && pyramid && (job->object_count || !job->backend->engine))
+    const bool has_workspace = job->method == ISO_METHOD_HYBRID ||
+                               (isorender_has_reconstructions(job->method) && !isorender_uses_groups(job));
+    if (status == ISO_OK && has_workspace && (job->object_count || !job->backend->engine))
         status = iso_pullpush_create(&job->pullpush, error);
     if (status == ISO_OK && job->plan->aov)
         status = iso_aov_create(settings->width, settings->height, &c.aov, error);

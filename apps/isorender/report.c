@@ -277,9 +277,8 @@ static void put_backend(iso_json *json, const isorender_job *job) {
 }
 
 static void put_method(iso_json *json, const isorender_job *job) {
-    const bool reconstructs = job->method == ISO_METHOD_PULLPUSH || job->method == ISO_METHOD_SPLATS;
     iso_json_string(json, "method", job->gaussians ? "gaussians" : iso_method_name(job->method));
-    if (reconstructs && !job->gaussians)
+    if (isorender_has_reconstructions(job->method) && !job->gaussians)
         iso_json_string(json, "reconstruction",
                         isorender_reconstruction_name(job->settings, job->method == ISO_METHOD_SPLATS));
 }

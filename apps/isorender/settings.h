@@ -108,13 +108,16 @@ typedef struct isorender_settings {
     double line_min_pixels; /* least width of lines in the picture, pixels */
     int color_bar;
 
-    /* ISO_METHOD_EXACT, _POINTS, _PULLPUSH, _SPLATS, _MESH, _RAYCAST or ISORENDER_METHOD_UNCHOSEN */
+    /* ISO_METHOD_EXACT, _POINTS, _PULLPUSH, _DISCS, _SPLATS, _MESH, _RAYCAST, _HYBRID or
+     * ISORENDER_METHOD_UNCHOSEN */
     int method;
     int gaussians;      /* --method gaussians: the points of the file are drawn as 3-D Gaussians; `method` is
                            ISORENDER_METHOD_UNCHOSEN then */
     int lighting;       /* iso_lighting */
-    int reconstruction; /* iso_reconstruction; of splats from FLAT on, or _GROUPS;
-                           for files of points without --method REFINED, which is then FLAT */
+    int reconstruction; /* iso_reconstruction; of pullpush GAUSSIAN or BOX, of discs REFINED or FLAT, of
+                           splats from FLAT on, or _GROUPS; for files of points without --method REFINED,
+                           which is then FLAT */
+    bool old_discs;     /* discs were chosen by an older name: --method pullpush --reconstruction refined */
     int one_pyramid;    /* of pullpush and hybrid */
     /* Of splats: iso_groups_opts, and iso_splats_opts.bins. 0: not given. */
     int groups, group_bins, group_opposite;
@@ -166,8 +169,10 @@ iso_status isorender_translucent_check(const isorender_settings *settings, bool 
                                        iso_error *error);
 /* The option that makes lines, glyphs or meshes translucent; NULL: all are opaque. */
 const char *isorender_object_opacity_option(const isorender_settings *settings);
-/* Chooses the reconstruction when none is given, and checks that the options of splats are for splats.
- * ISO_ERR_USAGE. */
+/* Whether --reconstruction is for this iso_method: for pullpush, discs and splats. */
+bool isorender_has_reconstructions(int method);
+/* Chooses the reconstruction when none is given, and checks that it is one of the method's and that the
+ * options of splats are for splats. Replaces an older name of discs. ISO_ERR_USAGE. */
 iso_status isorender_splats_check(isorender_settings *settings, iso_error *error);
 
 /* Chooses the method for --lod if none is given, and checks that it has levels of detail. ISO_ERR_USAGE. */

@@ -30,7 +30,6 @@ struct iso_surface {
     iso_api_volume *volume;
     iso_subject subject;   /* the parts that renderers draw */
     iso_point_set *points; /* points as floats for iso_surface_points; NULL: not requested yet */
-    iso_primitive primitive;
     double opacity;
     bool has_color;
     iso_rgb color;

@@ -35,9 +35,8 @@ static iso_status check_opts(const iso_keys_opts *opts, iso_error *error) {
     if (opts->transform && iso_transform_is_singular(opts->transform))
         return iso_fail(error, ISO_ERR_USAGE, "spacing and direction of the whole do not span the space");
     if (opts->method != ISO_METHOD_EXACT && opts->method != ISO_METHOD_PULLPUSH_BOX &&
-        opts->method != ISO_METHOD_PULLPUSH_GAUSSIAN)
-        return iso_fail(error, ISO_ERR_USAGE,
-                        "parts are drawn by exact, pullpush-gaussian and pullpush-box only");
+        opts->method != ISO_METHOD_PULLPUSH)
+        return iso_fail(error, ISO_ERR_USAGE, "parts are drawn by exact, pullpush and pullpush-box only");
     if (opts->width < 0 || opts->height < 0 || opts->width > ISO_IMAGE_MAX || opts->height > ISO_IMAGE_MAX)
         return iso_fail(error, ISO_ERR_USAGE, "a picture of %d x %d pixels: sides are 1 to %d", opts->width,
                         opts->height, ISO_IMAGE_MAX);

@@ -181,6 +181,12 @@ static iso_status check(iso_surface *const *surfaces, int count, const iso_rende
         if (!surfaces[i]) return iso_fail(error, ISO_ERR_USAGE, "surface %d is NULL", i);
     if (!iso_renderer_get(opts->method))
         return iso_fail(error, ISO_ERR_USAGE, "there is no method %d", (int)opts->method);
+    for (int i = 0; i < count && opts->method == ISO_METHOD_HYBRID; i++)
+        if (surfaces[i]->subject.primitive > ISO_PRIMITIVE_EDGE)
+            return iso_fail(
+                error, ISO_ERR_USAGE,
+                "the method hybrid joins edge points to triangles: the primitive %s lies elsewhere",
+                iso_primitive_name(surfaces[i]->subject.primitive));
     return opts->camera ? iso_camera_check(opts->camera, error) : ISO_OK;
 }
 

@@ -256,8 +256,7 @@ static bool find_key_size(const iso_key_style *style, int size[2]) {
     size[0] = view.width;
     size[1] = view.height;
     if (style->method == ISO_METHOD_EXACT) return true;
-    if (style->method != ISO_METHOD_PULLPUSH_BOX && style->method != ISO_METHOD_PULLPUSH_GAUSSIAN)
-        return false;
+    if (style->method != ISO_METHOD_PULLPUSH_BOX && style->method != ISO_METHOD_PULLPUSH) return false;
     if (base->base < 0 || base->base >= base->top || base->top > ISO_PYRAMID_TOP || base->cull < 0 ||
         base->cull > 1)
         return false;

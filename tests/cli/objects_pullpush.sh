@@ -52,11 +52,11 @@ together() { # NAME OPTION..
     isorender --scene sphere $name.png --samples 1 --surface in/plate.stl --lines in/around.obj --line-style ribbon --tube-radius 2 \
         --resolution 200x160 --json=$name.json --quiet "$@"
 }
-for method in "pullpush --reconstruction gaussian" hybrid; do
-    together alone_${method%% *} --method $method
-    together one_${method%% *} --method $method --one-pyramid --aov one.exr
+for method in pullpush hybrid; do
+    together alone_$method --method $method
+    together one_$method --method $method --one-pyramid --aov one.exr
     together two_threads --method $method --one-pyramid --threads 2
-    cmp one_${method%% *}.png two_threads.png
+    cmp one_$method.png two_threads.png
 done
 python3 - <<'E'
 import json
@@ -67,7 +67,7 @@ for method in ("pullpush", "hybrid"):
     wanted, got = (report["objects"][1]["samples"] for report in (alone, one))
     assert wanted > 50 and abs(wanted - got) * 10 <= wanted, (method, wanted, got)
 E
-for options in "--method pullpush" "--method exact" "" "--method hybrid --backend osmesa"; do
+for options in "--method discs" "--method exact" "" "--method hybrid --backend osmesa"; do
     code=0
     together none --one-pyramid $options 2>notes || code=$?
     [ $code -eq 2 ]

@@ -13,7 +13,7 @@ ball, file = json.load(open('ball.json')), json.load(open('file.json'))
 assert len(ball['groups']) == 1 and ball['groups'][0]['count'] == 8, ball['groups']
 assert 8 < file['groups'][0]['count'] < 20 and file['groups'][0]['conflicts'] == 0, file['groups']
 P
-# flat discs, which are filtered, are the default, also of files of points; those of pullpush are not filtered
+# flat discs, which are filtered, are the default, also of files of points; those of discs are not filtered
 isorender in/ball.mha flat.png --isovalue 500 --method splats --json=flat.json --quiet
 for how in flat onepass ewa; do
     isorender in/ball.mha $how.png --isovalue 500 --method splats --reconstruction $how --quiet
@@ -30,7 +30,7 @@ isocompare images small_flat.png small_mean.png --fail-under psnr=15 >/dev/null
 isorender in/ball.mha usual.png --isovalue 500 --method splats --quiet
 isocompare images flat.png usual.png --fail-under psnr=100 >/dev/null
 isorender ball.ply usual.png --quiet
-isorender ball.ply pull.png --method pullpush --reconstruction refined --quiet
+isorender ball.ply pull.png --method discs --quiet
 isocompare images file_flat.png usual.png --fail-under psnr=100 >/dev/null
 isocompare images file_flat.png pull.png --fail-under psnr=26 >/dev/null
 python3 - <<'P'
@@ -56,7 +56,7 @@ assert all(1.05 < f < 1.6 for f in covering['radius_factors']) and 'radius_facto
 layers = json.load(open('sorted.json'))['image']['layers']
 assert 1.9 < layers['mean'] < 2.1 and layers['most'] < 5, layers
 P
-for wrong in "--groups 4" "--reconstruction groups" "--method splats --groups 65" "--method splats --reconstruction box" "--reconstruction flat" "--method pullpush --reconstruction ewa" \
+for wrong in "--groups 4" "--reconstruction groups" "--method splats --groups 65" "--method splats --reconstruction box" "--reconstruction flat" "--method pullpush --reconstruction ewa" "--method discs --reconstruction gaussian" "--method discs --reconstruction onepass" \
     "--method splats --reconstruction flat --groups 4" "--method splats --reconstruction onepass --backend egl" \
     "--method splats --reconstruction mean --backend egl" "--method splats --reconstruction mean --opacity 0.5" \
     "--opacity 0.5 --transparency groups --reconstruction flat" "--method splats --opacity 0.5 --reconstruction ewa" \

@@ -68,6 +68,7 @@ COMMANDS = {
     "volume": ["isorender", "in/v.nrrd", "a.png", "--orthographic", "--scale-bar", "--samples=4", *SMALL],
     "files": ["isorender", "in/v.nrrd", "a.png", "--isovalue=120", "--mesh=a.ply", "--points=p.ply", "--json=a.json", *SMALL],
     "turntable": ["isorender", "in/v.nrrd", "--isovalue=120", "--turntable=2", "--output=a{n}.png", *SMALL],
+    "discs": ["isorender", "in/v.nrrd", "a.png", "--isovalue=120", "--method=discs", *SMALL],
     "pullpush": ["isorender", "in/v.nrrd", "a.png", "--isovalue=120", "--method=pullpush", "--lines=in/cell.swc",
                  "--surface=in/tetrahedron.stl", *SMALL],
     "layers": ["isorender", "in/v.nrrd", "a.png", "--isovalue=110,140", "--opacity=0.5", "--largest", "--closed", *SMALL],

@@ -170,7 +170,7 @@ def figure_4(machine, table):
     voxel = truth["volume"]["spacing"][0] / truth["camera"]["mm_per_pixel"]  # pixels
     for method, title, more in (("points", "points as discs (OpenGL's way)", ()),
                                 ("splats", "points as ellipses (the software way)", ("--reconstruction", "onepass")),
-                                ("pullpush", "points as curved discs", ()),
+                                ("discs", "points as curved discs", ()),
                                 ("mesh", "Marching Cubes", ()), ("exact", "exact", ())):
         name = "cylinder-%s.png" % method
         _, command = machine.render(name, "scene:cylinder:32", "--method", method, *more, *size)

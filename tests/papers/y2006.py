@@ -85,7 +85,7 @@ def table_2(machine, clouds, table):
 
 def figure_8(machine, clouds, table):
     path = clouds.extracted(VOLUMES[0])
-    _, command = machine.render("two-passes.png", path, "--method", "pullpush", *PICTURE)
+    _, command = machine.render("two-passes.png", path, "--method", "discs", *PICTURE)
     table.picture("two-passes.png", "two passes", command)
     for overlap in OVERLAPS:
         name = "groups-%g.png" % overlap

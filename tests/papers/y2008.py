@@ -48,7 +48,7 @@ def table_1(machine, table):
     for model, thousands, without, with_colors in MODELS:
         size = round(BASE * math.sqrt(1000 * thousands / base))
         name, count = gyroid_points(machine, size)
-        how = ("--method", "pullpush", "--reconstruction", "gaussian", "--resolution", "%dx%d" % (SIDE, SIDE), "--backend", "cpu")
+        how = ("--method", "pullpush", "--resolution", "%dx%d" % (SIDE, SIDE), "--backend", "cpu")
         seconds = machine.seconds_a_frame(10, name, *how)
         colored = color_points(machine, name)
         color = machine.seconds_a_frame(10, colored, *how)
@@ -166,8 +166,7 @@ def figure_15(machine, table):
     view = ("scene:gyroid:96", "--surface", "torus.stl", "--resolution", "512x512", "--azimuth", 30, "--elevation", 20)
     _, command = machine.render("mixed-exact.png", *view)
     table.picture("mixed-exact.png", "the exact surface with the triangles", command)
-    _, command = machine.render("mixed-pyramid.png", *view, "--method", "pullpush", "--reconstruction", "gaussian",
-                                "--one-pyramid")
+    _, command = machine.render("mixed-pyramid.png", *view, "--method", "pullpush", "--one-pyramid")
     metric = machine.compare("mixed-exact.png", "mixed-pyramid.png")
     table.row("points and triangles in one pyramid", metric("psnr_in"), metric("holes"))
     table.picture("mixed-pyramid.png", "points (gyroid) and triangles (torus)", command)
@@ -180,9 +179,8 @@ def figure_16(machine, table):
     view = ("scene:torus:160", "--resolution", "512x512", "--azimuth", 40, "--elevation", 25, "--view-angle", 60, "--zoom", 0.7)
     machine.render("hybrid-exact.png", *view)
     for method in ("hybrid", "pullpush", "mesh"):
-        more = ("--reconstruction", "gaussian") if method == "pullpush" else ()
         name = "hybrid-%s.png" % method
-        _, command = machine.render(name, *view, "--method", method, *more)
+        _, command = machine.render(name, *view, "--method", method)
         metric = machine.compare("hybrid-exact.png", name)
         table.row({"pullpush": "points"}.get(method, method), metric("psnr_in"), metric("holes"))
         table.picture(name, {"pullpush": "points"}.get(method, method), command)
