@@ -1,6 +1,7 @@
 /* The input of one run: opened, checked against the options and the memory limit, and read. */
 #include <inttypes.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "apps/isorender/channels.h"
