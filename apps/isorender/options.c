@@ -300,15 +300,19 @@ static const iso_option options[] = {
      .hint = "how much is seen through a surface is its --opacity"},
     {"ior", NULL, "N",
      "draw the solid as glass with this index of refraction (1.5: window glass, 1.33: water); for the "
-     "methods "
-     "exact and raycast",
+     "methods exact, raycast and splats, and for files of points. With --opacity every surface on the way "
+     "takes away this share of the light",
      .group = SURFACE, REAL(ior, 1, 10)},
     {"refraction", NULL, "NAME",
-     "how glass bends light: traced (rays are followed through the solid, with all reflections: the truth), "
-     "two-sided (bent where they enter and first leave), layers (bent once, more for each surface: pretty, "
-     "but "
-     "no approximation) or none (only reflection and absorption)",
-     .group = SURFACE, .standard = "traced", CHOICE(refraction, refractions)},
+     "how glass bends light: traced (rays are followed through the solid of a volume, with all reflections: "
+     "the truth), two-sided (bent where they enter and first leave, and followed where they are totally "
+     "reflected), layers (bent once, more for each surface: pretty, but no approximation), single (bent "
+     "once, by the first surface) or none (only reflection and absorption)",
+     .group = SURFACE, .standard = "traced; of points two-sided", CHOICE(refraction, refractions)},
+    {"dispersion", NULL, "ABBE",
+     "glass bends blue light more than red: its Abbe number, 60 for crown glass, 30 for flint; smaller "
+     "numbers give wider rainbows (each colour is followed by itself: three times the time)",
+     .group = SURFACE, .standard = "none", REAL(dispersion, 1, 1e6)},
     {"environment", NULL, "FILE",
      "what glass reflects and refracts: an equirectangular .exr (linear R G B) or .png; it is also the "
      "background unless --background is given",
@@ -628,7 +632,7 @@ iso_status isorender_settings_parse(int argc, char *const *argv, isorender_setti
                                      .height = 1024,
                                      .samples = 1,
                                      .background = {255, 255, 255},
-                                     .refraction = ISO_REFRACTION_TRACED,
+                                     .refraction = ISORENDER_REFRACTION_UNCHOSEN,
                                      .direction = ISORENDER_DIRECTION_UNCHOSEN,
                                      .up = {0, 0, 1},
                                      .zoom = 1,

@@ -15,7 +15,7 @@ static const char *given_option(const isorender_settings *settings) {
 /* --transparency, and options of translucent surfaces that splats do not have. */
 static iso_status check_transparency(const isorender_settings *settings, iso_error *error) {
     const bool sorted = settings->transparency == (int)ISO_TRANSPARENCY_SORTED;
-    if (!sorted && !(settings->method == ISO_METHOD_SPLATS && isorender_is_translucent(settings)))
+    if (!sorted && settings->method != ISO_METHOD_SPLATS)
         return iso_fail(error, ISO_ERR_USAGE, "--transparency is for --method splats with --opacity below 1");
     if (sorted && settings->group_radii)
         return iso_fail(error, ISO_ERR_USAGE, "--group-radii is for --transparency groups and nearest");
@@ -70,11 +70,11 @@ iso_status isorender_splats_check(isorender_settings *settings, iso_error *error
         return iso_fail(error, ISO_ERR_USAGE, "--reconstruction groups has no levels of detail (--lod)");
     ISO_TRY(check_transparency(settings, error));
     ISO_TRY(check_selection(settings, error));
-    if (isorender_is_translucent(settings) && of_splats && !groups &&
+    if ((isorender_is_translucent(settings) || settings->ior > 0) && of_splats && !groups &&
         settings->reconstruction != (int)ISO_RECONSTRUCTION_FLAT)
         return iso_fail(error, ISO_ERR_USAGE,
-                        "--reconstruction onepass, ewa and mean draw opaque points: --opacity below 1 needs "
-                        "flat or groups");
+                        "--reconstruction onepass, ewa and mean draw opaque points: %s needs flat or groups",
+                        settings->ior > 0 ? "--ior" : "--opacity below 1");
     if (settings->transparency != (int)ISO_TRANSPARENCY_SORTED && !groups)
         return iso_fail(error, ISO_ERR_USAGE,
                         "--transparency groups and nearest need --reconstruction groups");

@@ -19,6 +19,7 @@
 #ifndef ISO_RENDER_SPLATS_LAYERS_H
 #define ISO_RENDER_SPLATS_LAYERS_H
 
+#include "render/glass/glass.h"
 #include "render/layers/compose.h"
 #include "render/splats/splats.h"
 
@@ -63,11 +64,31 @@ typedef struct iso_splat_layers {
     const iso_splat_layer *layers; /* the picture's translucent surfaces */
     int count;                     /* 1 or more */
     iso_layer_picture picture;
+    const iso_glass_map *crossings; /* NULL; else crossings are stored here, for iso_splats_map_glass, and no
+                                       picture is composited */
 } iso_splat_layers;
 
 /* Draws and composites a strip. Adds to *totals. The picture gets the same bytes with every number of
  * threads and when drawn in strips of any height. ISO_ERR_NOMEM; ISO_ERR_LIMIT: 2^32 - 1 points or more. */
 iso_status iso_shade_splat_layers(const iso_splat_layers *input, iso_layer_totals *totals, iso_error *error);
+
+/* Fills a map with the crossings of a solid whose surface is given by points (section 5.2.3). `groups` as in
+ * iso_splat_layer.
+ *
+ * sorted: a crossing for every layer. Consecutive layers of one side are one crossing of the solid, which may
+ * have other surfaces within it; all are counted. The eye, and the border of a volume, count as outside the
+ * solid.
+ *
+ * nearest: algorithm 3. The first crossing is that of the smooth nearest layer. How many layers follow is the
+ * opacity that each group's picture accumulates behind it, divided by the opacity of one layer: the mean of
+ * the groups, rounded. Where the solid ends is not known: the map has no thicknesses and no normals of the
+ * far side.
+ *
+ * The bytes are the same for every number of threads. ISO_ERR_NOMEM; ISO_ERR_LIMIT: 2^32 - 1 points or
+ * more. */
+iso_status iso_splats_map_glass(const iso_point_view *points, const iso_groups *groups,
+                                iso_transparency transparency, const iso_glass_map *map, iso_pool *pool,
+                                iso_error *error);
 
 #ifdef __cplusplus
 }
