@@ -411,6 +411,10 @@ static const iso_option options[] = {
      "discs of splats that face opposite ways may share a group: fewer groups, but the sides of thin things "
      "then hide each other",
      .group = PICTURE, FLAG(group_opposite)},
+    {"group-coplanar", NULL, "DEGREES",
+     "discs of splats of one colour may share a group if they lie in one plane within this angle: fewer "
+     "groups",
+     .group = PICTURE, .standard = "0: they may not", REAL(group_coplanar, 0, 45)},
     {"shading", NULL, "NAME",
      "phong (by normals, with two lights) or edl (eye-dome lighting: samples are darker the more the "
      "surfaces "

@@ -123,11 +123,11 @@ typedef struct isorender_settings {
     int one_pyramid;    /* of pullpush and hybrid */
     /* Of splats: iso_groups_opts, and iso_splats_opts.bins. 0: not given. */
     int groups, group_bins, group_opposite;
-    double group_overlap;
-    int group_radii;  /* isorender_group_radii */
-    int transparency; /* iso_transparency, of splats */
-    int selection;    /* iso_point_selection, of discs */
-    double lod;       /* levels of detail: pixels; 0: none; NaN: not given */
+    double group_overlap, group_coplanar; /* group_coplanar: degrees */
+    int group_radii;                      /* isorender_group_radii */
+    int transparency;                     /* iso_transparency, of splats */
+    int selection;                        /* iso_point_selection, of discs */
+    double lod;                           /* levels of detail: pixels; 0: none; NaN: not given */
     const char *backend;
     int scaling; /* iso_point_scaling */
     int strips;

@@ -4,12 +4,13 @@
 
 /* The option of splats that is given, NULL: none. */
 static const char *given_option(const isorender_settings *settings) {
-    return settings->groups              ? "--groups"
-           : settings->group_overlap > 0 ? "--group-overlap"
-           : settings->group_bins        ? "--group-bins"
-           : settings->group_opposite    ? "--group-opposite"
-           : settings->group_radii       ? "--group-radii"
-                                         : NULL;
+    return settings->groups               ? "--groups"
+           : settings->group_overlap > 0  ? "--group-overlap"
+           : settings->group_bins         ? "--group-bins"
+           : settings->group_opposite     ? "--group-opposite"
+           : settings->group_coplanar > 0 ? "--group-coplanar"
+           : settings->group_radii        ? "--group-radii"
+                                          : NULL;
 }
 
 /* --transparency, and options of translucent surfaces that splats do not have. */
@@ -94,6 +95,7 @@ iso_status isorender_groups_make(isorender_job *job, int surface, iso_error *err
     if (settings->groups) opts.limit = settings->groups;
     opts.overlap = settings->group_overlap;
     opts.ignore_opposite = settings->group_opposite;
+    opts.coplanar = settings->group_coplanar;
     ISO_TRY(iso_groups_make(&points, &opts, groups, error));
     if (!sorted && settings->group_radii == ISORENDER_GROUP_RADII_COVERAGE)
         ISO_TRY(iso_groups_cover(&points, opts.disc, job->pool, groups, error));
