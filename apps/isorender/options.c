@@ -39,7 +39,7 @@ static const char *const reconstructions[] = {"refined", "box",  "gaussian", "fl
                                               "ewa",     "mean", "groups",   NULL};
 static const char *const transparencies[] = {"sorted", "groups", "nearest", NULL};
 static const char *const selections[] = {"auto", "visible", "all", NULL};
-static const char *const group_radii[] = {"coverage", "root", NULL};
+static const char *const group_radii[] = {"coverage", "root", "copies", NULL};
 static const char *const directions[] = {"front", "back", "left", "right", "top", "bottom", "iso", NULL};
 static const char *const lightings[] = {"phong", "edl", NULL};
 static const char *const scalings[] = {"exact", "attenuated", NULL};
@@ -391,7 +391,9 @@ static const iso_option options[] = {
     {"group-radii", NULL, "NAME",
      "how much larger the discs of a group are with --transparency groups and nearest, so that the group "
      "covers the surface by itself: coverage (until they cover nearly the area of all discs, three times at "
-     "most: eq. 7 to 9 of the paper) or root (by the square root of half the number of groups)",
+     "most: eq. 7 to 9 of the paper), root (by the square root of half the number of groups) or copies (not "
+     "at "
+     "all: copies of discs of other groups fill the gaps)",
      .group = PICTURE, .standard = "coverage", CHOICE(group_radii, group_radii)},
     {"group-bins", NULL, "N",
      "bins of depth in which splats are compared (eq. 6 of the paper) instead of by their own depths",

@@ -47,7 +47,8 @@ typedef enum isorender_opacity_mode {
 /* How the discs of a group are enlarged so that the group covers the surface. */
 typedef enum isorender_group_radii {
     ISORENDER_GROUP_RADII_COVERAGE,
-    ISORENDER_GROUP_RADII_ROOT
+    ISORENDER_GROUP_RADII_ROOT,
+    ISORENDER_GROUP_RADII_COPIES /* not at all: copies of discs of other groups fill the gaps */
 } isorender_group_radii;
 
 /* Which normals the points of a file get: those that it has, or estimated ones. */

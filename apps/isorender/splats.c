@@ -1,5 +1,6 @@
 /* Splats: checks their options, divides points into groups, and reports the groups. */
 #include "apps/isorender/isorender.h"
+#include "base/copies.h"
 #include "base/coverage.h"
 
 /* The option of splats that is given, NULL: none. */
@@ -99,6 +100,8 @@ iso_status isorender_groups_make(isorender_job *job, int surface, iso_error *err
     ISO_TRY(iso_groups_make(&points, &opts, groups, error));
     if (!sorted && settings->group_radii == ISORENDER_GROUP_RADII_COVERAGE)
         ISO_TRY(iso_groups_cover(&points, opts.disc, job->pool, groups, error));
+    if (!sorted && settings->group_radii == ISORENDER_GROUP_RADII_COPIES)
+        ISO_TRY(iso_groups_copy(&points, opts.disc, job->pool, groups, error));
     const double count = (double)iso_point_view_count(&points);
     isorender_log_verbose(job, "%d groups: %.2f overlapping discs a disc, %.4f of them in its group",
                           groups->count, 2 * (double)groups->joined / count,
@@ -121,6 +124,7 @@ void isorender_report_groups(iso_json *json, const isorender_job *job) {
         iso_json_integer(json, "count", (uint64_t)groups->count);
         iso_json_integer(json, "overlaps", groups->joined);
         iso_json_integer(json, "conflicts", groups->conflicts);
+        if (groups->copies) iso_json_integer(json, "copies", groups->copy_count);
         if (groups->widening[0] > 0) report_widening(json, groups);
         iso_json_end_object(json);
     }

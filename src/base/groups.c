@@ -385,6 +385,7 @@ size_t iso_groups_memory_bytes(const iso_groups *groups) {
 
 void iso_groups_free(iso_groups *groups) {
     iso_free(groups->group);
+    iso_free(groups->copies);
     free_memory(groups->memory);
     *groups = (iso_groups){0};
 }

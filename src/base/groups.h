@@ -61,6 +61,10 @@ typedef struct iso_groups {
     /* Factors of radii with which each group covers the surface by itself (base/coverage.h); 0: not
      * computed. */
     float widening[ISO_GROUPS_MOST];
+    /* One per item of the view's arrays: bits of the groups that have a copy of the point beside its own
+     * group; NULL: there are none (base/copies.h). */
+    uint64_t *copies;
+    size_t copy_count;         /* of all points */
     iso_groups_memory *memory; /* of iso_groups_update; NULL after iso_groups_make */
 } iso_groups;
 

@@ -64,7 +64,9 @@ static void draw_disc(const images *im, uint32_t number) {
         iso_splat_thickness((const iso_disc *)surface->discs.disc.data + number); /* based on the disc's usual
                                                                                      size, not on the enlarged
                                                                                      one */
-    pixel *image = im->image + im->pixels * surface->input->groups->group[disc->point];
+    const iso_groups *groups = surface->input->groups;
+    const uint64_t drawn =
+        (uint64_t)1 << groups->group[disc->point] | (groups->copies ? groups->copies[disc->point] : 0);
     for (int y = box.rows.first; y <= box.rows.last; y++)
         for (int x = box.columns.first; x <= box.columns.last; x++) {
             const size_t at = (size_t)(y - band->rows.first) * (size_t)band->width + (size_t)x;
@@ -73,7 +75,10 @@ static void draw_disc(const images *im, uint32_t number) {
                 hit.depth <= im->mask[at] + thickness ||
                 (band->lists->limit && !(hit.depth < band->lists->limit[at])))
                 continue;
-            composite(&image[at], &shaded, floorf(hit.depth / surface->bin));
+            for (uint64_t left = drawn; left; left &= left - 1) {
+                pixel *image = im->image + im->pixels * (size_t)__builtin_ctzll(left);
+                composite(&image[at], &shaded, floorf(hit.depth / surface->bin));
+            }
             im->front[at] = hit.depth < im->front[at] ? hit.depth : im->front[at];
         }
 }

@@ -80,9 +80,10 @@ iso_fragment iso_splat_mean_fragment(const iso_splat_surface *surface, const iso
 /* ---- setting up */
 
 /* Sets `radii` to the radii with which each group covers the surface: those of the points, enlarged by the
- * groups' factors; without factors by the square root of half the number of groups. */
+ * groups' factors; without factors by the square root of half the number of groups, or not if groups have
+ * copies of points. */
 static void widen(const iso_point_view *points, const iso_groups *groups, float *radii) {
-    const float all = groups->count > 2 ? sqrtf((float)groups->count / 2) : 1;
+    const float all = groups->copies ? 1 : groups->count > 2 ? sqrtf((float)groups->count / 2) : 1;
     for (size_t s = 0; s < points->span_count; s++)
         for (size_t i = points->spans[s].first; i < points->spans[s].first + points->spans[s].count; i++) {
             const float factor = groups->widening[groups->group[i]];

@@ -6,10 +6,12 @@
  *
  * groups: Zhang and Pajarola 2006, algorithm 2. The discs of each group are composited back to front into a
  * picture of their own, and the pictures are averaged, except those that lack the front layer where most have
- * it. The discs are enlarged so that each group covers the surface by itself (section 4.2.2): by the factors
- * of iso_groups_cover (base/coverage.h), or by the square root of half the number of groups. Discs of a group
- * then overlap; therefore depths are compared in bins as wide as a layer (eq. 6), and only one disc of a
- * layer is composited.
+ * it. So that each group covers the surface by itself (section 4.2.2), it gets copies of discs of other
+ * groups (base/copies.h), or its discs are enlarged: by the factors of iso_groups_cover (base/coverage.h), or
+ * by the square root of half the number of groups. With copies pictures are 1 to 6 dB nearer to sorted
+ * layers, but the groups take several times as long to make, and the gl engine does not draw them. Discs of a
+ * group then overlap; therefore depths are compared in bins as wide as a layer (eq. 6), and only one disc of
+ * a layer is composited.
  *
  * nearest: algorithm 3. The nearest layer is drawn smoothly by slots (render/splats/splats.h), and what is
  * behind it by algorithm 2 without the discs of the nearest layer.
