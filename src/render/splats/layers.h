@@ -16,8 +16,10 @@
  * nearest: algorithm 3. The nearest layer is drawn smoothly by slots (render/splats/splats.h), and what is
  * behind it by algorithm 2 without the discs of the nearest layer.
  *
- * The paper orders discs by a tree of planes, this code by the depths of their centres. The paper shades with
- * the colours of points, this code with normals: each disc in algorithm 2, else each pixel. */
+ * The paper orders discs by a tree of planes, this code by the depths of their centres. Both shade each pixel
+ * of the nearest layer by its mean normal (section 5.2.4). The paper's algorithm 2 has the colours of points,
+ * this code's shades each disc by its normal; shading the mean normal of the groups' front discs instead
+ * brings pictures .05 dB nearer to sorted layers at most (a bear and a scan, 4 and 8 groups). */
 #ifndef ISO_RENDER_SPLATS_LAYERS_H
 #define ISO_RENDER_SPLATS_LAYERS_H
 
