@@ -94,6 +94,9 @@ static iso_status choose_opacities(isorender_job *job, iso_error *error) {
     if (job->read_points.opacities && !made_opaque && isorender_plan_draws(job->plan))
         reason = why_opaque(job);
     if (reason) isorender_log(job, "note: its points have opacities, but %s", reason);
+    if (settings->ior > 0 && job->read_points.colors && isorender_plan_draws(job->plan))
+        isorender_log(job,
+                      "note: its points have colours, but glass shows those of --attenuation-color only");
     if (reason || made_opaque) job->read_points.opacities = NULL;
     job->translucent |= job->read_points.opacities != NULL;
     return isorender_translucent_check(settings, job->translucent || isorender_is_translucent(settings),

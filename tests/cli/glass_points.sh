@@ -38,3 +38,8 @@ isorender_refuses 2 "two-sided needs sorted" in/torus.ply --ior 1.5 --transparen
 isorender_refuses 2 "attenuation-color needs sorted" in/torus.ply --ior 1.5 --transparency nearest $tint
 isorender_refuses 2 "needs flat or groups" in/torus.ply --ior 1.5 --method splats --reconstruction ewa
 isorender_refuses 2 "draws no glass" in/torus.ply --ior 1.5 --method points
+# colours and opacities of the points are left out, and that is said
+printf 'ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\nproperty float ny\nproperty float nz\nproperty uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\nend_header\n0 0 0 0 -1 0 1 2 3 90\n1 0 0 0 -1 0 1 2 3 90\n' >in/colored.ply
+isorender in/colored.ply colored.png --ior 1.5 --resolution 64x64 2>said
+grep -q 'note: its points have colours, but glass' said
+grep -q 'note: its points have opacities, but glass' said
