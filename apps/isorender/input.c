@@ -75,8 +75,9 @@ static void choose_method(isorender_job *job) {
     const isorender_settings *settings = job->settings;
     const bool pyramid = settings->reconstruction == (int)ISO_RECONSTRUCTION_BOX ||
                          settings->reconstruction == (int)ISO_RECONSTRUCTION_GAUSSIAN;
-    const iso_method of_points =
-        pyramid && !isorender_is_translucent(settings) ? ISO_METHOD_PULLPUSH : ISO_METHOD_SPLATS;
+    const iso_method of_points = pyramid && !isorender_is_translucent(settings) && !(settings->ior > 0)
+                                     ? ISO_METHOD_PULLPUSH
+                                     : ISO_METHOD_SPLATS;
     const iso_method usual = job->loader.has_points && !job->gaussians ? of_points : ISO_METHOD_EXACT;
     job->method = settings->method == ISORENDER_METHOD_UNCHOSEN ? usual : (iso_method)settings->method;
     job->renderer = iso_renderer_get(find_method(job->method, settings->reconstruction));

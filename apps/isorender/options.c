@@ -39,7 +39,7 @@ static const char *const reconstructions[] = {"refined", "box",  "gaussian", "fl
                                               "ewa",     "mean", "groups",   NULL};
 static const char *const transparencies[] = {"sorted", "groups", "nearest", NULL};
 static const char *const selections[] = {"auto", "visible", "all", NULL};
-static const char *const group_radii[] = {"coverage", "root", NULL};
+static const char *const group_radii[] = {"coverage", "root", "copies", NULL};
 static const char *const directions[] = {"front", "back", "left", "right", "top", "bottom", "iso", NULL};
 static const char *const lightings[] = {"phong", "edl", NULL};
 static const char *const scalings[] = {"exact", "attenuated", NULL};
@@ -300,15 +300,19 @@ static const iso_option options[] = {
      .hint = "how much is seen through a surface is its --opacity"},
     {"ior", NULL, "N",
      "draw the solid as glass with this index of refraction (1.5: window glass, 1.33: water); for the "
-     "methods "
-     "exact and raycast",
+     "methods exact, raycast and splats, and for files of points. With --opacity every surface on the way "
+     "takes away this share of the light",
      .group = SURFACE, REAL(ior, 1, 10)},
     {"refraction", NULL, "NAME",
-     "how glass bends light: traced (rays are followed through the solid, with all reflections: the truth), "
-     "two-sided (bent where they enter and first leave), layers (bent once, more for each surface: pretty, "
-     "but "
-     "no approximation) or none (only reflection and absorption)",
-     .group = SURFACE, .standard = "traced", CHOICE(refraction, refractions)},
+     "how glass bends light: traced (rays are followed through the solid of a volume, with all reflections: "
+     "the truth), two-sided (bent where they enter and first leave, and followed where they are totally "
+     "reflected), layers (bent once, more for each surface: pretty, but no approximation), single (bent "
+     "once, by the first surface) or none (only reflection and absorption)",
+     .group = SURFACE, .standard = "traced; of points two-sided", CHOICE(refraction, refractions)},
+    {"dispersion", NULL, "ABBE",
+     "glass bends blue light more than red: its Abbe number, 60 for crown glass, 30 for flint; smaller "
+     "numbers give wider rainbows (each colour is followed by itself: three times the time)",
+     .group = SURFACE, .standard = "none", REAL(dispersion, 1, 1e6)},
     {"environment", NULL, "FILE",
      "what glass reflects and refracts: an equirectangular .exr (linear R G B) or .png; it is also the "
      "background unless --background is given",
@@ -389,7 +393,9 @@ static const iso_option options[] = {
     {"group-radii", NULL, "NAME",
      "how much larger the discs of a group are with --transparency groups and nearest, so that the group "
      "covers the surface by itself: coverage (until they cover nearly the area of all discs, three times at "
-     "most: eq. 7 to 9 of the paper) or root (by the square root of half the number of groups)",
+     "most: eq. 7 to 9 of the paper), root (by the square root of half the number of groups) or copies (not "
+     "at "
+     "all: copies of discs of other groups fill the gaps)",
      .group = PICTURE, .standard = "coverage", CHOICE(group_radii, group_radii)},
     {"group-bins", NULL, "N",
      "bins of depth in which splats are compared (eq. 6 of the paper) instead of by their own depths",
@@ -409,6 +415,10 @@ static const iso_option options[] = {
      "discs of splats that face opposite ways may share a group: fewer groups, but the sides of thin things "
      "then hide each other",
      .group = PICTURE, FLAG(group_opposite)},
+    {"group-coplanar", NULL, "DEGREES",
+     "discs of splats of one colour may share a group if they lie in one plane within this angle: fewer "
+     "groups",
+     .group = PICTURE, .standard = "0: they may not", REAL(group_coplanar, 0, 45)},
     {"shading", NULL, "NAME",
      "phong (by normals, with two lights) or edl (eye-dome lighting: samples are darker the more the "
      "surfaces "
@@ -630,7 +640,7 @@ iso_status isorender_settings_parse(int argc, char *const *argv, isorender_setti
                                      .width = 1024,
                                      .height = 1024,
                                      .background = {255, 255, 255},
-                                     .refraction = ISO_REFRACTION_TRACED,
+                                     .refraction = ISORENDER_REFRACTION_UNCHOSEN,
                                      .direction = ISORENDER_DIRECTION_UNCHOSEN,
                                      .up = {0, 0, 1},
                                      .zoom = 1,

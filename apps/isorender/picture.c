@@ -270,12 +270,17 @@ static iso_status render_glass(isorender_job *job, iso_picture_opts *opts, iso_i
                                isorender_frame *frame, iso_error *error) {
     const isorender_settings *settings = job->settings;
     const iso_subject subject = subject_of(job, &job->surfaces[0]);
-    iso_glass_scene scene = {.method = job->method,
-                             .refraction = (iso_refraction)settings->refraction,
-                             .subject = &subject,
-                             .glass = {.ior = settings->ior, .environment = job->environment},
-                             .shows_environment = !settings->background_given && !settings->transparent,
-                             .opts = opts};
+    iso_glass_scene scene = {
+        .method = job->method,
+        .refraction = (iso_refraction)settings->refraction,
+        .transparency = (iso_transparency)settings->transparency,
+        .abbe = settings->dispersion,
+        .subject = &subject,
+        .glass = {.ior = settings->ior,
+                  .surface_opacity = settings->opacity_count ? settings->opacities[0] : 0,
+                  .environment = job->environment},
+        .shows_environment = !settings->background_given && !settings->transparent,
+        .opts = opts};
     if (settings->attenuation_colored)
         iso_glass_set_absorption(&scene.glass, settings->attenuation_color, settings->attenuation_distance);
     iso_picture_layers callbacks;

@@ -96,6 +96,8 @@ static void put_glass(iso_json *json, const isorender_settings *settings) {
     iso_json_begin_object(json, "glass");
     iso_json_real(json, "ior", settings->ior);
     iso_json_string(json, "refraction", iso_refraction_name((iso_refraction)settings->refraction));
+    if (settings->dispersion > 0) iso_json_real(json, "dispersion", settings->dispersion);
+    if (settings->opacity_count) iso_json_real(json, "surface_opacity", settings->opacities[0]);
     iso_json_string(json, "environment", settings->environment ? settings->environment : "studio");
     iso_json_end_object(json);
 }

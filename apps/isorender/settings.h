@@ -22,6 +22,10 @@ enum { ISORENDER_MOST_OPTIONS = 256 }; /* rows of the table of options */
  * pullpush if their reconstruction is box or gaussian; none of them for files of 3-D Gaussians. */
 enum { ISORENDER_METHOD_UNCHOSEN = -1 };
 
+/* isorender_settings.refraction when the option is not given: traced for volumes; two-sided for points, and
+ * layers if only their nearest layer is drawn as a surface (--transparency nearest). */
+enum { ISORENDER_REFRACTION_UNCHOSEN = -1 };
+
 /* isorender_settings.direction when the option is not given: front, but iso for flat files of points. */
 enum { ISORENDER_DIRECTION_UNCHOSEN = -1 };
 
@@ -43,7 +47,8 @@ typedef enum isorender_opacity_mode {
 /* How the discs of a group are enlarged so that the group covers the surface. */
 typedef enum isorender_group_radii {
     ISORENDER_GROUP_RADII_COVERAGE,
-    ISORENDER_GROUP_RADII_ROOT
+    ISORENDER_GROUP_RADII_ROOT,
+    ISORENDER_GROUP_RADII_COPIES /* not at all: copies of discs of other groups fill the gaps */
 } isorender_group_radii;
 
 /* Which normals the points of a file get: those that it has, or estimated ones. */
@@ -83,7 +88,8 @@ typedef struct isorender_settings {
     double absorption_length; /* mm; 0: not given */
     int layers;               /* crossings of each surface that are drawn; 0: all */
     double ior;               /* index of refraction; 0: not given, so the surface is not glass */
-    int refraction;           /* iso_refraction */
+    int refraction;           /* iso_refraction; ISORENDER_REFRACTION_UNCHOSEN until options are checked */
+    double dispersion;        /* Abbe number; 0: not given */
     const char *environment;  /* NULL: the built-in studio */
     iso_rgb attenuation_color;
     int attenuation_colored;     /* attenuation_color is given */
@@ -121,11 +127,11 @@ typedef struct isorender_settings {
     int one_pyramid;    /* of pullpush and hybrid */
     /* Of splats: iso_groups_opts, and iso_splats_opts.bins. 0: not given. */
     int groups, group_bins, group_opposite;
-    double group_overlap;
-    int group_radii;  /* isorender_group_radii */
-    int transparency; /* iso_transparency, of splats */
-    int selection;    /* iso_point_selection, of discs */
-    double lod;       /* levels of detail: pixels; 0: none; NaN: not given */
+    double group_overlap, group_coplanar; /* group_coplanar: degrees */
+    int group_radii;                      /* isorender_group_radii */
+    int transparency;                     /* iso_transparency, of splats */
+    int selection;                        /* iso_point_selection, of discs */
+    double lod;                           /* levels of detail: pixels; 0: none; NaN: not given */
     const char *backend;
     int scaling; /* iso_point_scaling */
     int strips;

@@ -120,7 +120,9 @@ static void choose_opacities(isorender_job *job) {
     const int given = settings->opacity_count;
     for (int i = 0; i < job->surface_count; i++) {
         const isorender_volume_settings *volume = volume_settings(job, i);
-        const double of_input = given ? settings->opacities[i < given ? i : given - 1] : 1;
+        const double of_input = settings->ior > 0 ? 1
+                                : given           ? settings->opacities[i < given ? i : given - 1]
+                                                  : 1;
         iso_translucency *translucency = &job->surfaces[i].translucency;
         *translucency = isorender_translucency(settings, volume ? volume->opacity : of_input);
         translucency->absorption_length = (float)settings->absorption_length;
