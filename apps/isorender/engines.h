@@ -8,8 +8,8 @@
 extern "C" {
 #endif
 
-/* Returns the backend that has drawn the picture, or most of it: the cpu engine where OpenGL has drawn nothing,
- * although there is a context. If nothing was to be drawn, that of the options. */
+/* Returns the backend that has drawn the picture, or most of it: the cpu engine where OpenGL has drawn
+ * nothing, although there is a context. If nothing was to be drawn, that of the options. */
 isorender_backend isorender_engines_backend(const isorender_job *job);
 
 /* Logs what the cpu engine has drawn, and why, if OpenGL was asked for by name. */
