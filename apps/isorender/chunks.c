@@ -110,10 +110,13 @@ iso_status isorender_chunks_choose(isorender_job *job, iso_error *error) {
     if (option || (!isorender_plan_draws(job->plan) && !exports(job)))
         return ISO_OK; /* the volume is refused when it is read, or its surface when it is made */
     job->chunks = calloc(1, sizeof *job->chunks);
-    job->loader.mapped = job->chunks != NULL;
+    if (!job->chunks) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
+    job->chunks->cpu = isorender_backend_cpu();
+    job->backend = &job->chunks->cpu;
+    job->loader.mapped = true;
     job->loader.set_aside = isorender_plan_draws(job->plan) ? isorender_picture_bytes(job) : 0;
     job->loader.chunk_side = choose_side(job);
-    return job->chunks ? ISO_OK : iso_fail(error, ISO_ERR_NOMEM, "out of memory");
+    return ISO_OK;
 }
 
 uint64_t isorender_chunks_bytes(const isorender_job *job) {

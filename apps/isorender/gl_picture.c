@@ -131,6 +131,7 @@ static iso_status draw_object(isorender_job *job, int object, const iso_view *vi
     const iso_target target = {view, gbuffer, job->pool, (uint8_t)(job->surface_count + object)};
     if (job->gl_shapes[object]) return draw_shapes(job, object, view, gbuffer, error);
     if (job->gl_meshes[object] && !gbuffer->element) return draw_mesh(job, object, view, gbuffer, error);
+    job->objects[object].by_cpu = true;
     return isorender_object_draw(&job->objects[object], &target, job->pullpush, error);
 }
 

@@ -41,6 +41,7 @@ static bool is_opaque(const isorender_object *object) {
 static iso_status draw_object(isorender_job *job, int i, const iso_view *view, iso_gbuffer *gbuffer,
                               iso_error *error) {
     const iso_target target = {view, gbuffer, job->pool, (uint8_t)(job->surface_count + i)};
+    job->objects[i].by_cpu = job->backend->engine != NULL;
     return isorender_object_draw(&job->objects[i], &target, job->pullpush, error);
 }
 

@@ -6,6 +6,7 @@
 #include "apps/common/json.h"
 #include "apps/isorender/channels.h"
 #include "apps/isorender/chunks.h"
+#include "apps/isorender/engines.h"
 #include "apps/isorender/labels.h"
 #include "base/file.h"
 #include "base/memory.h"
@@ -263,18 +264,18 @@ static void put_passes(iso_json *json, const iso_gl_engine *engine) {
 }
 
 static void put_backend(iso_json *json, const isorender_job *job) {
-    const isorender_backend *backend = job->backend;
-    iso_json_string(json, "backend", backend->name);
-    iso_json_string(json, "renderer", backend->renderer);
-    if (!backend->context) return;
-    iso_gl_info info = iso_gl_context_info(backend->context);
+    const isorender_backend backend = isorender_engines_backend(job);
+    iso_json_string(json, "backend", backend.name);
+    iso_json_string(json, "renderer", backend.renderer);
+    if (!backend.context) return;
+    iso_gl_info info = iso_gl_context_info(backend.context);
     iso_json_begin_object(json, "gl");
     iso_json_string(json, "context", info.name);
     iso_json_string(json, "vendor", info.vendor);
     iso_json_string(json, "version", info.version);
-    iso_json_integer(json, "messages", iso_gl_context_messages(backend->context).count);
+    iso_json_integer(json, "messages", iso_gl_context_messages(backend.context).count);
     if (job->settings->strips) put_strips(json, job);
-    put_passes(json, backend->engine);
+    put_passes(json, backend.engine);
     iso_json_end_object(json);
 }
 

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "apps/isorender/chunks.h"
+#include "apps/isorender/engines.h"
 #include "apps/isorender/isorender.h"
 #include "apps/isorender/ranks.h"
 #include "base/clock.h"
@@ -160,6 +161,7 @@ static iso_status run_steps(isorender_job *job, iso_error *error) {
     ISO_TRY(isorender_ranks_memory(ranks, job->rank_bytes, error));
     job->seconds.total = iso_clock_seconds() - start;
     if (job->settings->common.json && !job->settings->ranks.rank) ISO_TRY(isorender_report_json(job, error));
+    if (!job->settings->info) isorender_engines_log(job);
     if (!job->settings->info) log_outputs(job);
     return ISO_OK;
 }
