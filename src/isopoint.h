@@ -6,6 +6,7 @@
  *     iso_surface_create                  a volume and an isovalue: a surface, which follows edits
  *     iso_render                          a picture of it, by any method, with depth and normals
  *     iso_surface_points, iso_surface_mesh    the same surface as points, or as Marching Cubes triangles
+ *     iso_placements_read                 instances of surfaces, such as the trees of a forest
  *     iso_shape_set_read_lines, ...          lines and glyphs, also of vectors, in the same picture
  *     iso_sculpt_create                   a level set under brushes, with strokes, undo and a journal
  *     iso_keys_draw                       parts of a picture, drawn by several processes and merged
@@ -171,7 +172,6 @@ typedef struct iso_open_opts {
  * ISO_ERR_BRIDGE, ISO_ERR_LIMIT, ISO_ERR_USAGE (no such grid, series, component or level). */
 ISO_API iso_status iso_volume_open(const char *path, const iso_open_opts *opts, iso_volume **volume,
                                    iso_error *error);
-
 /* Reads only the header of a file. The errors are those of iso_volume_open. */
 ISO_API iso_status iso_volume_inspect(const char *path, const iso_open_opts *opts, iso_volume_info *info,
                                       iso_error *error);
@@ -194,21 +194,16 @@ typedef struct iso_lend_opts {
  * changes to the array it calls iso_volume_changed. ISO_ERR_USAGE (no data, a wrong number of threads),
  * ISO_ERR_FORMAT (dims, scale or transform), ISO_ERR_LIMIT. */
 ISO_API iso_status iso_volume_lend(const iso_lend_opts *opts, iso_volume **volume, iso_error *error);
-
 /* Frees a volume. Destroy its surfaces first. NULL is allowed. */
 ISO_API void iso_volume_destroy(iso_volume *volume);
-
 /* Returns the description of a volume, valid until it is destroyed. The format of a lent one is "lent". */
 ISO_API const iso_volume_info *iso_volume_describe(const iso_volume *volume);
-
 /* Crops the volume to the voxels lo .. hi (inclusive), which keep their positions in the world, before it has
  * surfaces. ISO_ERR_USAGE: the range is empty or not within the volume, or a sculpt owns the volume. */
 ISO_API iso_status iso_volume_crop(iso_volume *volume, const int lo[3], const int hi[3], iso_error *error);
-
 /* Tells that the voxels lo .. hi (inclusive, clipped to the volume) of a lent array have changed. Its
  * surfaces are updated at their next use, from the changed bricks. ISO_ERR_USAGE: the volume is sparse. */
 ISO_API iso_status iso_volume_changed(iso_volume *volume, const int lo[3], const int hi[3], iso_error *error);
-
 /* Returns the physical value of a voxel. Coordinates outside the volume are clamped to it. */
 ISO_API double iso_volume_value(const iso_volume *volume, int x, int y, int z);
 
@@ -227,10 +222,8 @@ typedef struct iso_histogram {
 /* Computes the histogram. Padding, which is not counted in bins, are voxels with the value of more than half
  * of the volume's six faces, if it is also the data's least or largest. ISO_ERR_EMPTY: no voxel is finite. */
 ISO_API iso_status iso_volume_histogram(iso_volume *volume, iso_histogram *histogram, iso_error *error);
-
 /* Suggests an isovalue, the default of isorender: 0 for level sets, else Otsu's. ISO_ERR_EMPTY: constant. */
 ISO_API iso_status iso_volume_suggest(iso_volume *volume, double *isovalue, iso_error *error);
-
 /* Writes a sparse level set, such as a sculpt's volume, as .vdb for OpenVDB's tools, Blender and Houdini.
  * `name` is the grid's name; NULL: "surface". ISO_ERR_USAGE: the volume is dense, or its voxels are not
  * cubes; ISO_ERR_UNSUPPORTED: this build has no OpenVDB; ISO_ERR_WRITE. */
@@ -268,13 +261,10 @@ typedef struct iso_surface_opts {
  * that is not a level set; ISO_ERR_EMPTY: the isovalue lies outside the narrow band. */
 ISO_API iso_status iso_surface_create(iso_volume *volume, const iso_surface_opts *opts, iso_surface **surface,
                                       iso_error *error);
-
 /* Frees a surface. NULL is allowed. */
 ISO_API void iso_surface_destroy(iso_surface *surface);
-
 /* Changes the isovalue, which stays as it was after a failure. Errors as iso_surface_create. */
 ISO_API iso_status iso_surface_set_isovalue(iso_surface *surface, double isovalue, iso_error *error);
-
 /* Computes the bounding box of the surface in the world, mm. ISO_ERR_EMPTY: the surface is empty. */
 ISO_API iso_status iso_surface_bounds(iso_surface *surface, iso_box *box, iso_error *error);
 
@@ -303,7 +293,6 @@ typedef struct iso_mesh {
  * closed where the surface is. On ambiguous faces, corners at or above the isovalue are separated, as in VTK.
  * Free the mesh with iso_mesh_free. It may be empty. ISO_ERR_LIMIT: more than 2^32 - 1 vertices. */
 ISO_API iso_status iso_surface_mesh(iso_surface *surface, iso_mesh *mesh, iso_error *error);
-
 /* Frees the arrays and zeroes the struct. A zeroed struct is allowed. */
 ISO_API void iso_mesh_free(iso_mesh *mesh);
 
@@ -321,10 +310,8 @@ typedef struct iso_mesh_measures {
 
 /* Measures the mesh of a surface. ISO_ERR_LIMIT: more than 2^31 - 1 vertices. */
 ISO_API iso_status iso_surface_measure(iso_surface *surface, iso_mesh_measures *measures, iso_error *error);
-
 /* Writes the points as binary .ply with x y z nx ny nz radius. ISO_ERR_EMPTY, ISO_ERR_WRITE. */
 ISO_API iso_status iso_surface_write_points(iso_surface *surface, const char *path, iso_error *error);
-
 /* Writes the welded mesh as binary .ply or .stl, or as .obj, according to the extension of `path`.
  * ISO_ERR_USAGE: another extension; ISO_ERR_EMPTY, ISO_ERR_WRITE, ISO_ERR_LIMIT. */
 ISO_API iso_status iso_surface_write_mesh(iso_surface *surface, const char *path, iso_error *error);
@@ -383,7 +370,6 @@ ISO_API iso_status iso_shape_set_of_lines(const iso_line_arrays *lines, const is
                                           iso_shape_set **set, iso_error *error);
 ISO_API iso_status iso_shape_set_of_glyphs(const iso_glyph_arrays *glyphs, const iso_shape_set_opts *opts,
                                            iso_shape_set **set, iso_error *error);
-
 /* Reads lines from .tck, .trk, .swc, .obj, .ply with edges, or polydata in .vtk or .vtp. ISO_ERR_IO,
  * ISO_ERR_FORMAT, ISO_ERR_UNSUPPORTED, and the errors of iso_shape_set_of_lines. */
 ISO_API iso_status iso_shape_set_read_lines(const char *path, const iso_shape_set_opts *opts,
@@ -418,12 +404,36 @@ ISO_API iso_status iso_shape_set_of_vectors(const iso_vector_array *vectors, con
 ISO_API iso_status iso_shape_set_read_vectors(const char *path, const iso_vector_shape_opts *how,
                                               const iso_shape_set_opts *opts, iso_shape_set **set,
                                               iso_error *error);
-
 /* Frees a set. NULL is allowed. */
 ISO_API void iso_shape_set_destroy(iso_shape_set *set);
-
 /* Returns a world box (mm) that contains all lines or glyphs with their radii. */
 ISO_API iso_box iso_shape_set_bounds(const iso_shape_set *set);
+
+/* ---- instances ---- */
+/* Where an instance of surfaces stands: what is at p is drawn at position + scale * (p rotated). */
+typedef struct iso_placement {
+    iso_vec3 position;  /* mm */
+    double rotation[4]; /* quaternion x y z w, of any length; all 0 means none */
+    double scale;       /* 1e-6 .. 1e6; 0 means 1 */
+} iso_placement;
+
+typedef struct iso_placements {
+    iso_placement *items; /* count of them */
+    iso_rgb *colors;      /* one for each, instead of the surfaces' and points'; NULL: none */
+    size_t count;
+} iso_placements;
+/* What a picture shows of instances; an instance of several surfaces counts once. */
+typedef struct iso_instance_counts {
+    size_t drawn, outside, hidden; /* outside the picture; hidden by nearer ones as a whole */
+    size_t points;                 /* points of the instances that were drawn */
+} iso_instance_counts;
+
+/* Reads placements from .csv, .ply or another file of points: x y z; qx qy qz qw, or rx ry rz (degrees about
+ * the world's x axis, then y, then z); scale; red green blue. Owned by the struct: iso_placements_free.
+ * ISO_ERR_IO, ISO_ERR_FORMAT, ISO_ERR_LIMIT; ISO_ERR_EMPTY: the file holds no placement. */
+ISO_API iso_status iso_placements_read(const char *path, iso_placements *placements, iso_error *error);
+/* Frees the arrays and zeroes the struct. A zeroed struct is allowed. */
+ISO_API void iso_placements_free(iso_placements *placements);
 
 /* ---- pictures ---- */
 /* Largest width or height of a picture, in pixels. */
@@ -437,13 +447,10 @@ typedef struct iso_image {
 
 /* Allocates an image; its pixels are uninitialised. ISO_ERR_USAGE: a side is not in 1 .. ISO_IMAGE_MAX. */
 ISO_API iso_status iso_image_create(int width, int height, iso_image *image, iso_error *error);
-
 /* Frees the pixels and zeroes the struct. A zeroed struct is allowed. */
 ISO_API void iso_image_free(iso_image *image);
-
 /* Writes a PNG: RGB when all pixels are opaque, else RGBA. Path "-": to standard output. ISO_ERR_WRITE. */
 ISO_API iso_status iso_image_write(const iso_image *image, const char *path, iso_error *error);
-
 /* Reads any PNG. Gamma and colour profiles are ignored. ISO_ERR_IO, ISO_ERR_FORMAT. */
 ISO_API iso_status iso_image_read(const char *path, iso_image *image, iso_error *error);
 
@@ -464,12 +471,10 @@ typedef struct iso_aov {
 
 /* Frees the planes and zeroes the struct. A zeroed struct is allowed. */
 ISO_API void iso_aov_free(iso_aov *aov);
-
 /* Writes OpenEXR with the 32-bit float channels Z, N.X N.Y N.Z and A, one for the layers if they are known,
  * and the 32-bit integer channels id.surface, id.element and id.segment if ids are known.
  * ISO_ERR_UNSUPPORTED: there is no OpenEXR; ISO_ERR_USAGE: the path is "-"; ISO_ERR_WRITE. */
 ISO_API iso_status iso_aov_write(const iso_aov *aov, const char *path, iso_error *error);
-
 /* Reads OpenEXR with these channels, of any program. ISO_ERR_IO, ISO_ERR_FORMAT, ISO_ERR_UNSUPPORTED. */
 ISO_API iso_status iso_aov_read(const char *path, iso_aov *aov, iso_error *error);
 
@@ -553,6 +558,12 @@ typedef struct iso_render_opts {
     /* Lines and glyphs in the same picture, for every method; in `aov` where they are opaque. */
     iso_shape_set *const *shapes;
     int shapes_count;
+    /* Draw the surfaces once for each placement; NULL: once, where they are. For opaque surfaces, drawn as
+     * discs: by DISCS or SPLATS_FLAT, _ONEPASS, _EWA or _MEAN. What is outside the picture or hidden as a
+     * whole takes no time (Guennebaud et al. 2004, section 7.1). Borrowed. */
+    const iso_placements *instances;
+    double instance_lod; /* levels of detail of instances: their error in pixels; 0: all points are drawn */
+    iso_instance_counts *instance_counts; /* receives what became of the instances; NULL: not wanted */
     iso_aov *aov; /* receives depth, normals and coverage, and with shapes also ids; NULL: not wanted */
 } iso_render_opts;
 
@@ -562,7 +573,6 @@ typedef struct iso_render_opts {
  * with a method that cannot draw it; ISO_ERR_LIMIT: more than 64 translucent surfaces and sets of shapes. */
 ISO_API iso_status iso_render(iso_surface *surface, const iso_render_opts *opts, iso_image *image,
                               iso_error *error);
-
 /* Renders several surfaces in one picture; the nearest hides the others. `count` plus the number of
  * opts->shapes is at most 255; `count` may be 0 if there are shapes. The surfaces may be of different
  * volumes; no other thread may use any of these volumes during the call. */
@@ -741,31 +751,25 @@ typedef struct iso_sculpt_opts {
 /* Creates a ball at the world's origin, in the middle of its grid. ISO_ERR_USAGE, ISO_ERR_LIMIT: the size;
  * ISO_ERR_WRITE: the journal already exists or cannot be created. */
 ISO_API iso_status iso_sculpt_create(const iso_sculpt_opts *opts, iso_sculpt **sculpt, iso_error *error);
-
 /* Converts the solid that a volume has at an isovalue to a level set with cubic voxels along the volume's
  * axes and a margin of 32 voxels on each side. The volume is borrowed for the call. opts->journal must be
  * NULL (else ISO_ERR_UNSUPPORTED), because a journal would have to name the volume's file. ISO_ERR_EMPTY: no
  * voxel is inside, or none is outside; ISO_ERR_LIMIT. */
 ISO_API iso_status iso_sculpt_from_volume(iso_volume *volume, double isovalue, const iso_sculpt_opts *opts,
                                           iso_sculpt **sculpt, iso_error *error);
-
 /* Replays a stroke file and leaves it unchanged. The file that the session began with, if any, is looked for
  * at its path and beside the stroke file. Of `opts` undo_memory and threads are used. An incomplete last
  * line, as after a crash, is ignored. ISO_ERR_IO: a file is missing; ISO_ERR_FORMAT: a line is damaged or
  * exceeds the limits, or the first file has changed (the text says which); else errors of reading it. */
 ISO_API iso_status iso_sculpt_replay(const char *path, const iso_sculpt_opts *opts, iso_sculpt **sculpt,
                                      iso_error *error);
-
 /* Replays a stroke file, and appends all further strokes to it. ISO_ERR_WRITE: it cannot be written to. */
 ISO_API iso_status iso_sculpt_resume(const char *path, const iso_sculpt_opts *opts, iso_sculpt **sculpt,
                                      iso_error *error);
-
 /* Waits until the journal is on disk; frees everything. Destroy the volume's surfaces first. NULL is fine. */
 ISO_API void iso_sculpt_destroy(iso_sculpt *sculpt);
-
 /* Returns the level set, whose surfaces follow every touch. It belongs to the sculpt: do not destroy it. */
 ISO_API iso_volume *iso_sculpt_volume(iso_sculpt *sculpt);
-
 /* Begins a stroke with its first sample; more samples follow, then the end or a cancel. Each sample makes as
  * many touches as the brush's spacing requires, perhaps none. `stats` (may be NULL) is added to.
  * ISO_ERR_USAGE: an invalid brush or sample, or a stroke is in progress; nothing has changed. */
@@ -778,21 +782,17 @@ ISO_API iso_status iso_sculpt_sample(iso_sculpt *sculpt, const iso_sample *sampl
 ISO_API iso_status iso_sculpt_end(iso_sculpt *sculpt, iso_error *error);
 /* Cancels the stroke: the field is again as it was before it. ISO_ERR_USAGE: no stroke is in progress. */
 ISO_API iso_status iso_sculpt_cancel(iso_sculpt *sculpt, iso_error *error);
-
 /* Undoes the last stroke, exactly. ISO_ERR_USAGE: nothing to undo, or a stroke is in progress. */
 ISO_API iso_status iso_sculpt_undo(iso_sculpt *sculpt, iso_error *error);
 /* Redoes the stroke undone last, exactly. ISO_ERR_USAGE: nothing to redo, or a stroke is in progress. */
 ISO_API iso_status iso_sculpt_redo(iso_sculpt *sculpt, iso_error *error);
-
 /* The numbers of strokes that can be undone, and redone. */
 ISO_API size_t iso_sculpt_undo_count(iso_sculpt *sculpt);
 ISO_API size_t iso_sculpt_redo_count(iso_sculpt *sculpt);
-
 /* Sets the solid of ISO_SOLID_STAMP: the inside of a mesh in an .stl, .obj or .ply file, small holes closed.
  * Its longest side is twice the brush's radius. The journal gets a copy of its distance field. ISO_ERR_IO,
  * ISO_ERR_FORMAT, ISO_ERR_EMPTY (the mesh encloses nothing), ISO_ERR_USAGE (a stroke is in progress). */
 ISO_API iso_status iso_sculpt_set_stamp(iso_sculpt *sculpt, const char *path, iso_error *error);
-
 /* Returns ISO_OK, or why the journal is incomplete (such as a full disk). Writing is tried again. */
 ISO_API iso_status iso_sculpt_journal_status(iso_sculpt *sculpt, iso_error *error);
 

@@ -25,7 +25,7 @@ static bool has_gl_splats(const isorender_settings *settings) {
 /* Whether OpenGL has the method. Of pictures without one it draws those that ask for it. */
 static bool has_gl(const isorender_settings *settings) {
     if (has_no_surface(settings)) return is_any(settings->backend, "egl", "osmesa");
-    if (settings->one_pyramid) return false;
+    if (settings->one_pyramid || settings->instances) return false;
     if (settings->method == ISO_METHOD_SPLATS) return has_gl_splats(settings);
     if (settings->method == ISO_METHOD_PULLPUSH || settings->method == ISO_METHOD_DISCS)
         return !(settings->lod > 0);
@@ -79,6 +79,9 @@ iso_status isorender_backend_check(isorender_settings *settings, iso_error *erro
     if (gl && settings->one_pyramid)
         return iso_fail(error, ISO_ERR_USAGE,
                         "--backend %s draws each set alone: --one-pyramid needs the cpu", name);
+    if (gl && settings->instances)
+        return iso_fail(error, ISO_ERR_USAGE, "--backend %s draws no instances: --instances needs the cpu",
+                        name);
     if ((gl || needed) && settings->method == ISORENDER_METHOD_UNCHOSEN && !has_no_surface(settings))
         settings->method = settings->strips ? ISO_METHOD_MESH : ISO_METHOD_POINTS;
     if (gl && !has_gl(settings))

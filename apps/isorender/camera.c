@@ -46,6 +46,10 @@ static iso_box frame_of_cloud(const isorender_job *job) {
 static iso_box framed_box(const isorender_job *job) {
     if (!job->loader.has_points) return job->bounds_world;
     iso_box box = frame_of_cloud(job);
+    if (isorender_has_instances(job, 0)) {
+        const iso_box own = box, index = iso_point_view_bounds(&job->read_points);
+        box = iso_placed_bounds(&job->instances.placements, &job->cloud.transform, &index, &own, NULL);
+    }
     for (int i = 1; i < job->surface_count; i++) iso_bounds_add(&box, &job->surfaces[i].bounds);
     for (int i = 0; i < job->object_count; i++) iso_bounds_add(&box, &job->objects[i].bounds);
     return box;

@@ -38,6 +38,7 @@ static const char *find_obstacle(const isorender_job *job, const char **reason) 
         bool given;
         const char *option, *reason;
     } obstacles[] = {
+        {settings->instances != NULL, "--instances", "an instance shows the whole surface"},
         {!is_exact(job) && !is_pullpush(job), "--method",
          "only exact and pullpush decide pixels by an order that is known beforehand"},
         {settings->primitive != ISO_PRIMITIVE_AUTO && settings->primitive != ISO_PRIMITIVE_EDGE,

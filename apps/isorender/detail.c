@@ -6,9 +6,6 @@
 
 /* The value of --lod that is assumed. */
 static const double DEFAULT_PIXELS = 1;
-/* Making the levels takes as long as they save in this many pictures, measured with 5 to 20 million
- * points. */
-enum { PAYING_FRAMES = 50 };
 
 iso_status isorender_detail_check(isorender_settings *settings, iso_error *error) {
     const bool asked = settings->lod > 0; /* NaN: not given */
@@ -36,12 +33,19 @@ static bool is_fine(const isorender_job *job, int surface, double pixels) {
     return voxel * ISO_LOD_FLAT_ERROR * scale * samples <= pixels;
 }
 
+/* How often a surface is drawn in all pictures together. */
+static double drawings_of(const isorender_job *job) {
+    const int pictures = job->settings->turntable > 1 ? job->settings->turntable : 1;
+    return (double)pictures * (double)job->instances.placements.count;
+}
+
 static bool is_wanted(const isorender_job *job, int surface) {
     const isorender_settings *settings = job->settings;
     const bool has_levels = isorender_has_reconstructions(job->method) && !isorender_uses_groups(job);
     if (!has_levels || job->backend->engine || settings->lod == 0 || settings->one_pyramid) return false;
     if (settings->lod > 0) return true;
-    return settings->turntable >= PAYING_FRAMES && is_fine(job, surface, DEFAULT_PIXELS);
+    if (isorender_has_instances(job, surface)) return drawings_of(job) >= ISO_LOD_PAYING_DRAWINGS;
+    return settings->turntable >= ISO_LOD_PAYING_DRAWINGS && is_fine(job, surface, DEFAULT_PIXELS);
 }
 
 iso_status isorender_detail_make(isorender_job *job, iso_error *error) {
@@ -61,7 +65,16 @@ iso_status isorender_detail_make(isorender_job *job, iso_error *error) {
 iso_selection_counts isorender_selection(const isorender_job *job) {
     if (job->backend->engine && job->settings->selection == (int)ISO_SELECTION_VISIBLE)
         return iso_gl_engine_selection(job->backend->engine);
-    return job->pullpush ? iso_pullpush_counts(job->pullpush) : (iso_selection_counts){0};
+    const iso_pullpush *workspaces[] = {job->pullpush, job->instances.placed.drawing.pullpush};
+    iso_selection_counts all = {0};
+    for (int i = 0; i < 2; i++) {
+        if (!workspaces[i]) continue;
+        const iso_selection_counts counts = iso_pullpush_counts(workspaces[i]);
+        all.points += counts.points;
+        all.tested += counts.tested;
+        all.drawn += counts.drawn;
+    }
+    return all;
 }
 
 void isorender_detail_note(const isorender_job *job, const iso_selection_counts *before,

@@ -150,5 +150,6 @@ void isorender_info_values(const isorender_job *job) {
     else if (!job->settings->no_input)
         print_values(&job->loader);
     for (int i = 0; i < job->volume_count; i++) print_volume(job, &job->volumes[i]);
+    isorender_instances_info(job);
     for (int i = 0; i < job->object_count; i++) isorender_object_info(&job->objects[i]);
 }

@@ -78,7 +78,8 @@ static void choose_method(isorender_job *job) {
     const iso_method of_points = pyramid && !isorender_is_translucent(settings) && !(settings->ior > 0)
                                      ? ISO_METHOD_PULLPUSH
                                      : ISO_METHOD_SPLATS;
-    const iso_method usual = job->loader.has_points && !job->gaussians ? of_points : ISO_METHOD_EXACT;
+    const iso_method of_volumes = settings->instances ? ISO_METHOD_DISCS : ISO_METHOD_EXACT;
+    const iso_method usual = job->loader.has_points && !job->gaussians ? of_points : of_volumes;
     job->method = settings->method == ISORENDER_METHOD_UNCHOSEN ? usual : (iso_method)settings->method;
     job->renderer = iso_renderer_get(find_method(job->method, settings->reconstruction));
     job->samples = settings->samples ? settings->samples : usual_samples(job);
@@ -141,6 +142,7 @@ iso_status isorender_open(isorender_job *job, iso_error *error) {
     job->has_volume = !loader->has_points && !job->settings->no_input;
     ISO_TRY(isorender_gaussians_choose(job, error));
     choose_method(job);
+    ISO_TRY(isorender_instances_check(job, error));
     ISO_TRY(check_columns(job, error));
     ISO_TRY(isorender_chunks_choose(job, error));
     if (job->settings->no_input) {
@@ -194,5 +196,6 @@ iso_status isorender_read(isorender_job *job, iso_error *error) {
     if (job->has_volume) log_notes(job);
     if (job->loader.has_points) ISO_TRY(isorender_cloud_read(job, error));
     ISO_TRY(isorender_volumes_read(job, error));
+    ISO_TRY(isorender_instances_read(job, memory_limit(job->settings), error));
     return read_objects(job, error);
 }

@@ -6,6 +6,7 @@
 #include "apps/common/json.h"
 #include "apps/common/loader.h"
 #include "apps/isorender/backend.h"
+#include "apps/isorender/instances.h"
 #include "apps/isorender/objects.h"
 #include "apps/isorender/plan.h"
 #include "apps/isorender/progress.h"
@@ -22,8 +23,6 @@
 #include "methods/layers.h"
 #include "render/gl/shapes.h"
 #include "render/picture.h"
-#include "render/pullpush/pullpush.h"
-#include "render/selection/lod_cut.h"
 #include "render/shading/shading.h"
 #include "truth/raycast.h"
 
@@ -62,6 +61,7 @@ typedef struct isorender_frame {
     size_t detail[ISO_LOD_LEVELS];  /* points of each level of detail in the cuts of all surfaces */
     int detail_levels;              /* 0: there are no levels */
     iso_selection_counts selection; /* of discs and splats */
+    iso_instance_counts instances;  /* with --instances */
 } isorender_frame;
 
 typedef struct isorender_seconds {
@@ -69,7 +69,7 @@ typedef struct isorender_seconds {
 } isorender_seconds;
 
 /* Everything about one input; owned by isorender_run. */
-typedef struct isorender_job {
+struct isorender_job {
     const isorender_settings *settings;
     const isorender_plan *plan;
     iso_pool *pool;
@@ -99,6 +99,7 @@ typedef struct isorender_job {
     isorender_object objects[ISORENDER_OBJECTS]; /* their surface numbers follow those of the surfaces */
     int object_count;
     bool translucent;                                /* at least one surface or object is */
+    isorender_instances instances;                   /* of the input's surfaces */
     iso_gl_surface *gl_surfaces[ISORENDER_SURFACES]; /* of OpenGL; NULL before isorender_gl_upload */
     iso_gl_shapes *gl_shapes[ISORENDER_OBJECTS];     /* the same of lines and glyphs; NULL of meshes */
     iso_gl_surface *gl_meshes[ISORENDER_OBJECTS];    /* the same of meshes of files */
@@ -120,7 +121,7 @@ typedef struct isorender_job {
     isorender_seconds seconds;
     double rank_bytes[3]; /* with mpirun: least, mean and greatest peak memory of a rank */
     isorender_progress_state progress;
-} isorender_job;
+};
 
 /* ---- run.c */
 

@@ -93,10 +93,15 @@ iso_status isorender_draw_from(isorender_job *job, int first, const iso_view *vi
     for (int i = first; i < job->surface_count; i++) {
         isorender_surface *surface = &job->surfaces[i];
         if (surface->in_pyramid) continue;
-        tell_surface(job, i);
+        if (isorender_has_instances(job, i))
+            tell_end(job, job->strip[0]); /* each of them is drawn by loops of its own */
+        else
+            tell_surface(job, i);
         const iso_target target = {view, gbuffer, job->pool, (uint8_t)i};
         const iso_subject subject = subject_of(job, surface);
-        ISO_TRY(job->renderer->draw(&subject, &target, error));
+        ISO_TRY(isorender_has_instances(job, i)
+                    ? iso_placed_draw(&job->instances.placed, job->renderer->method, &subject, &target, error)
+                    : job->renderer->draw(&subject, &target, error));
         tell_end(job, job->strip[0] + (job->strip[1] - job->strip[0]) * (i + 1) / job->surface_count);
     }
     for (int i = 0; i < job->object_count; i++)
@@ -344,7 +349,9 @@ static iso_status render_frame(isorender_job *job, int frame, canvas *c, iso_err
                              .aov = c->aov.depth ? &c->aov : NULL};
     const iso_selection_counts before = isorender_selection(job);
     double start = iso_clock_seconds();
+    ISO_TRY(isorender_instances_begin(job, error));
     ISO_TRY(render_picture(job, &opts, &c->image, &job->frames[frame], error));
+    job->frames[frame].instances = iso_placed_counts(&job->instances.placed);
     number_elements(job, &c->aov);
     isorender_detail_note(job, &before, &job->frames[frame]);
     job->seconds.render += iso_clock_seconds() - start;

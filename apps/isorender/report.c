@@ -205,6 +205,7 @@ static iso_status put_frame(iso_json *json, const char *key, const isorender_job
     iso_json_string(json, "hash", hash);
     if (job->translucent || job->gaussians) put_layers(json, &job->frames[frame]);
     isorender_detail_report(json, &job->frames[frame]);
+    isorender_instances_put(json, &job->frames[frame].instances);
     iso_json_end_object(json);
     return ISO_OK;
 }
@@ -299,6 +300,7 @@ static iso_status put_report(iso_json *json, const isorender_job *job, iso_error
     if (!settings->no_input) iso_json_integer(json, "nonfinite", job->loader.nonfinite);
     isorender_report_volumes(json, job);
     isorender_report_chunks(json, job);
+    isorender_instances_report(json, job);
     if (settings->info)
         put_info(json, job);
     else

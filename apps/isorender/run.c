@@ -94,6 +94,7 @@ static void free_surfaces(isorender_job *job) {
         iso_grid_destroy(&job->surfaces[i].own_grid);
     }
     iso_cloud_free(&job->cloud);
+    isorender_instances_free(job);
     for (int i = 0; i < job->object_count; i++) isorender_object_free(&job->objects[i]);
     free(job->frames);
 }

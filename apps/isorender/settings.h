@@ -100,7 +100,8 @@ typedef struct isorender_settings {
     int normals;                 /* isorender_normals */
     const char *columns;         /* names of the columns of a file of points; NULL: not given */
     const char *points, *mesh, *aov;
-    int faces; /* isorender_faces, of the input */
+    const char *instances; /* where the model is drawn; NULL: once, where it is */
+    int faces;             /* isorender_faces, of the input */
 
     isorender_object_options object_options;
     int no_input; /* the picture shows only the files of --lines, --glyphs, --surface and --volume */

@@ -303,13 +303,23 @@ static iso_affine affine_along(const iso_affine *world, const iso_vec3 vectors[3
     return along;
 }
 
+/* The box of all instances of a surface along three world vectors (NULL: the axes), of which `own` is the box
+ * without instances. */
+static iso_box bounds_of_instances(const isorender_job *job, int i, const iso_box *own,
+                                   const iso_vec3 *vectors) {
+    if (!isorender_has_instances(job, i)) return *own;
+    const iso_transform transform = transform_of(job, &job->surfaces[i]);
+    const iso_box index = index_bounds(job, i);
+    return iso_placed_bounds(&job->instances.placements, &transform, &index, own, vectors);
+}
+
 iso_box isorender_bounds(const isorender_job *job, const iso_vec3 vectors[3]) {
     iso_box all = iso_box_empty();
     for (int i = 0; i < job->surface_count; i++) {
         const iso_transform transform = transform_of(job, &job->surfaces[i]);
         const iso_affine world = iso_transform_affine(&transform);
         const iso_affine along = affine_along(&world, vectors);
-        const iso_box box = bounds_of(job, i, &along);
+        const iso_box own = bounds_of(job, i, &along), box = bounds_of_instances(job, i, &own, vectors);
         iso_bounds_add(&all, &box);
     }
     return all;
@@ -340,8 +350,9 @@ static void find_surface_bounds(isorender_job *job, int i, iso_box *index) {
     const iso_transform transform = transform_of(job, surface);
     const iso_affine affine = iso_transform_affine(&transform);
     const iso_box box = index_bounds(job, i);
-    surface->bounds =
+    const iso_box own =
         iso_bounds_is_oblique(&transform) ? bounds_of(job, i, &affine) : iso_box_transform(&box, &affine);
+    surface->bounds = bounds_of_instances(job, i, &own, NULL);
     iso_bounds_add(index, &box);
 }
 

@@ -7,7 +7,7 @@
 #include "extract/points/points.h"
 #include "grids/volume/volume.h"
 #include "isopoint.h"
-#include "methods/method.h"
+#include "methods/instances.h"
 #include "render/shapes/shapes.h"
 
 #ifdef __cplusplus
@@ -30,6 +30,7 @@ struct iso_surface {
     iso_api_volume *volume;
     iso_subject subject;   /* the parts that renderers draw */
     iso_point_set *points; /* points as floats for iso_surface_points; NULL: not requested yet */
+    iso_lod lod;           /* of the subject's points; without levels until instances ask for them */
     double opacity;
     bool has_color;
     iso_rgb color;

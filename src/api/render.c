@@ -8,6 +8,7 @@
 #include "image/camera.h"
 #include "image/exr.h"
 #include "image/image.h"
+#include "io/glyphs/placements_read.h"
 #include "methods/bounds.h"
 #include "methods/layers.h"
 #include "render/picture.h"
@@ -64,6 +65,8 @@ typedef struct rendering {
     iso_shape_set *const *shapes; /* their surface numbers follow those of the surfaces */
     int shapes_count;
     const iso_renderer *renderer;
+    const iso_render_opts *opts;
+    iso_placed placed; /* with opts->instances */
     iso_picture_opts picture;
     iso_camera camera;
     iso_rgb colors[ISO_SURFACE_MAX];
@@ -83,6 +86,26 @@ static iso_part framing_part(const iso_renderer *renderer) {
     return renderer->needs & 1u << ISO_PART_MESH ? ISO_PART_MESH : ISO_PART_CELLS;
 }
 
+/* The box of a surface, or of all its instances. */
+static iso_box bounds_of(const rendering *r, int i, iso_part framed) {
+    const iso_box own = iso_api_surface_bounds(r->surfaces[i], framed);
+    if (!r->opts->instances) return own;
+    const iso_point_view points = iso_subject_points(&r->surfaces[i]->subject);
+    const iso_box index = iso_point_view_bounds(&points);
+    return iso_placed_bounds(r->opts->instances, &points.transform, &index, &own, NULL);
+}
+
+/* Makes the levels of detail of instances, or brings them up to date. */
+static iso_status prepare_instances(const rendering *r, iso_error *error) {
+    for (int i = 0; i < r->count && r->opts->instances; i++) {
+        iso_surface *surface = r->surfaces[i];
+        const iso_point_view points = iso_subject_points(&surface->subject);
+        if (r->opts->instance_lod > 0)
+            ISO_TRY(iso_lod_update(&surface->lod, &points, surface->volume->pool, error));
+    }
+    return ISO_OK;
+}
+
 static iso_status prepare(const rendering *r, iso_box *box, iso_error *error) {
     const iso_part framed = framing_part(r->renderer);
     *box = iso_box_empty();
@@ -95,9 +118,10 @@ static iso_status prepare(const rendering *r, iso_box *box, iso_error *error) {
         for (int part = 0; part < ISO_PART_COUNT; part++)
             if (part != (int)framed && r->renderer->needs & 1u << part)
                 ISO_TRY(iso_api_surface_part(r->surfaces[i], (iso_part)part, error));
-        const iso_box own = iso_api_surface_bounds(r->surfaces[i], framed);
+        const iso_box own = bounds_of(r, i, framed);
         iso_bounds_add(box, &own);
     }
+    ISO_TRY(prepare_instances(r, error));
     return iso_box_is_empty(box) ? iso_fail(error, ISO_ERR_EMPTY, "there is no surface") : ISO_OK;
 }
 
@@ -112,10 +136,21 @@ static iso_status draw_shapes(void *context, const iso_view *view, iso_gbuffer *
     return ISO_OK;
 }
 
+static iso_status draw_instances(rendering *r, int i, const iso_target *target, iso_error *error) {
+    iso_subject subject = r->surfaces[i]->subject; /* a copy, which borrows the parts */
+    subject.lod = r->opts->instance_lod > 0 ? &r->surfaces[i]->lod : NULL;
+    subject.lod_pixels = r->opts->instance_lod;
+    return iso_placed_draw(&r->placed, r->renderer->method, &subject, target, error);
+}
+
 static iso_status draw(void *context, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
-    const rendering *r = context;
+    rendering *r = context;
     for (int i = 0; i < r->count; i++) {
         const iso_target target = {view, gbuffer, r->picture.pool, (uint8_t)i};
+        if (r->opts->instances) {
+            ISO_TRY(draw_instances(r, i, &target, error));
+            continue;
+        }
         ISO_TRY(r->renderer->draw(&r->surfaces[i]->subject, &target, error));
     }
     return draw_shapes(context, view, gbuffer, error);
@@ -187,6 +222,11 @@ static iso_status check(iso_surface *const *surfaces, int count, const iso_rende
                 error, ISO_ERR_USAGE,
                 "the method hybrid joins edge points to triangles: the primitive %s lies elsewhere",
                 iso_primitive_name(surfaces[i]->subject.primitive));
+    if (opts->instances && !iso_method_has_instances(opts->method))
+        return iso_fail(error, ISO_ERR_USAGE, "the method %s draws no instances: those that draw discs do",
+                        iso_renderer_get(opts->method)->name);
+    if (!(opts->instance_lod >= 0 && opts->instance_lod <= 1000))
+        return iso_fail(error, ISO_ERR_USAGE, "instance_lod %g is not from 0 to 1000", opts->instance_lod);
     return opts->camera ? iso_camera_check(opts->camera, error) : ISO_OK;
 }
 
@@ -221,6 +261,8 @@ static iso_status check_layers(const rendering *r, const iso_render_opts *opts, 
     if (r->sets_count && r->renderer->method != ISO_METHOD_EXACT)
         return iso_fail(error, ISO_ERR_USAGE,
                         "the method %s draws no translucent lines and glyphs: exact does", r->renderer->name);
+    if (r->translucent && opts->instances)
+        return iso_fail(error, ISO_ERR_USAGE, "instances are opaque: nothing translucent can be beside them");
     if (r->translucent && !iso_method_has_layers(r->renderer->method))
         return iso_fail(error, ISO_ERR_USAGE,
                         "the method %s draws no translucent surfaces: exact, raycast and splats do",
@@ -281,6 +323,26 @@ static iso_status set_up_layers(rendering *r, const iso_render_opts *opts, iso_e
     return iso_layered_picture_callbacks(&r->layers, &r->callbacks, error);
 }
 
+/* Renders what was checked and set up. */
+static iso_status render(rendering *r, iso_image *image, iso_error *error) {
+    const iso_render_opts *opts = r->opts;
+    const int width = r->picture.width, height = r->picture.height;
+    iso_box box;
+    if (opts->instances) ISO_TRY(iso_placed_begin(&r->placed, opts->instances, error));
+    ISO_TRY(prepare(r, &box, error));
+    if (opts->camera)
+        r->camera = *opts->camera;
+    else
+        ISO_TRY(iso_camera_of_box(&box, width, height, &opts->fit, &r->camera, error));
+    if (opts->aov) opts->aov->voxel = smallest_spacing(r);
+    size_t covered = 0;
+    ISO_TRY(is_painted(r) ? paint(r, image, &covered, error)
+                          : iso_picture_render(&r->picture, image, &covered, error));
+    if (opts->aov) number_elements(r, opts->aov);
+    if (opts->instance_counts) *opts->instance_counts = iso_placed_counts(&r->placed);
+    return covered ? ISO_OK : iso_fail(error, ISO_ERR_EMPTY, "nothing of the surface is in view");
+}
+
 iso_status iso_render_surfaces(iso_surface *const *surfaces, int count, const iso_render_opts *opts,
                                iso_image *image, iso_error *error) {
     static const iso_render_opts defaults;
@@ -290,28 +352,24 @@ iso_status iso_render_surfaces(iso_surface *const *surfaces, int count, const is
                    .count = count,
                    .shapes = opts->shapes,
                    .shapes_count = opts->shapes_count,
-                   .renderer = iso_renderer_get(opts->method)};
+                   .renderer = iso_renderer_get(opts->method),
+                   .opts = opts};
     set_up(&r, opts);
-    const int width = r.picture.width, height = r.picture.height;
-    iso_box box;
-    ISO_TRY(make_room(width, height, image, opts->aov, error));
+    ISO_TRY(make_room(r.picture.width, r.picture.height, image, opts->aov, error));
     ISO_TRY(make_room_for_ids(opts->shapes_count, opts->aov, error));
     ISO_TRY(set_up_layers(&r, opts, error));
-    ISO_TRY(prepare(&r, &box, error));
-    if (opts->camera)
-        r.camera = *opts->camera;
-    else
-        ISO_TRY(iso_camera_of_box(&box, width, height, &opts->fit, &r.camera, error));
-    if (opts->aov) opts->aov->voxel = smallest_spacing(&r);
-    size_t covered = 0;
-    ISO_TRY(is_painted(&r) ? paint(&r, image, &covered, error)
-                           : iso_picture_render(&r.picture, image, &covered, error));
-    if (opts->aov) number_elements(&r, opts->aov);
-    return covered ? ISO_OK : iso_fail(error, ISO_ERR_EMPTY, "nothing of the surface is in view");
+    const iso_status status = render(&r, image, error);
+    iso_placed_free(&r.placed);
+    return status;
 }
 
 iso_status iso_render(iso_surface *surface, const iso_render_opts *opts, iso_image *image, iso_error *error) {
     return iso_render_surfaces(&surface, 1, opts, image, error);
+}
+
+iso_status iso_placements_read(const char *path, iso_placements *placements, iso_error *error) {
+    if (!path) return iso_fail(error, ISO_ERR_USAGE, "no file is named");
+    return iso_placements_read_file(path, NULL, placements, error);
 }
 
 /* ---- files ---- */

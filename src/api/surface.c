@@ -57,6 +57,7 @@ void iso_surface_destroy(iso_surface *surface) {
     if (!surface) return;
     surface->volume->surfaces--;
     iso_point_set_destroy(surface->points);
+    iso_lod_free(&surface->lod);
     iso_subject_free(&surface->subject);
     iso_free(surface);
 }

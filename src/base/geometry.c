@@ -2,6 +2,7 @@
 #include "base/geometry.h"
 
 #include <float.h>
+#include <string.h>
 
 iso_box iso_box_empty(void) {
     return (iso_box){{DBL_MAX, DBL_MAX, DBL_MAX}, {-DBL_MAX, -DBL_MAX, -DBL_MAX}};
@@ -160,4 +161,20 @@ double iso_atan2(double y, double x) {
     if (b > a) angle = ISO_PI / 2 - angle;
     if (x < 0) angle = ISO_PI - angle;
     return y < 0 ? -angle : angle;
+}
+
+void iso_quaternion_matrix(const double quaternion[4], double m[9]) {
+    double w = quaternion[0], x = quaternion[1], y = quaternion[2], z = quaternion[3];
+    const double square = w * w + x * x + y * y + z * z;
+    if (!(square > 0 && isfinite(square))) {
+        w = 1;
+        x = y = z = 0;
+    } else {
+        const double scale = 1 / sqrt(square);
+        w *= scale, x *= scale, y *= scale, z *= scale;
+    }
+    const double rows[9] = {1 - 2 * (y * y + z * z), 2 * (x * y - w * z),     2 * (x * z + w * y),
+                            2 * (x * y + w * z),     1 - 2 * (x * x + z * z), 2 * (y * z - w * x),
+                            2 * (x * z - w * y),     2 * (y * z + w * x),     1 - 2 * (x * x + y * y)};
+    memcpy(m, rows, sizeof rows);
 }

@@ -96,6 +96,10 @@ bool iso_transform_is_singular(const iso_transform *transform);
 /* The world box of `box`, which is in index coordinates: the box of its eight corners. */
 iso_box iso_box_transform(const iso_box *box, const iso_affine *affine);
 
+/* The rotation matrix of a quaternion w x y z, of any length but 0, row by row; the identity if it is 0 or
+ * not finite. */
+void iso_quaternion_matrix(const double quaternion[4], double m[9]);
+
 #define ISO_PI 3.14159265358979323846
 
 /* Sine and cosine of `angle` radians (|angle| up to 1e6), error below 1e-14, the same bits on every machine.

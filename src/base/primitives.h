@@ -99,7 +99,9 @@ typedef struct iso_point_view {
     size_t span_count;
     iso_transform transform;
     int32_t dims[3]; /* size of the points' grid: the surface ends at its first and last voxels; 0: unknown */
-    double radius;   /* mm; extracted points: largest spacing * sqrt(2) / 2 (2003 paper, section 4.1) */
+    float radii_scale; /* what `radii` are multiplied by where points are drawn as discs (iso_draw_pullpush):
+                          of instances of another size; 0 means 1 */
+    double radius;     /* mm; extracted points: largest spacing * sqrt(2) / 2 (2003 paper, section 4.1) */
     const uint8_t (
         *colors)[3]; /* one per point, red green blue, display values; NULL: the surface's colour */
     /* One per point, 0 (not seen) to 255 (opaque), of translucent points (iso_splat_layer in
@@ -115,6 +117,11 @@ typedef struct iso_point_view {
                          scans: splats are drawn in two passes, so that they do not depend on the order of
                          the points, and points of levels of detail have radii of their own */
 } iso_point_view;
+
+/* The factor of the view's radii. */
+static inline float iso_point_view_radii_scale(const iso_point_view *view) {
+    return view->radii_scale > 0 ? view->radii_scale : 1;
+}
 
 /* Number of points in all spans. */
 size_t iso_point_view_count(const iso_point_view *view);

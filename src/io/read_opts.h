@@ -50,6 +50,9 @@ typedef struct iso_read_opts {
      * means of their faces' normals, weighted with angles; zero at points without a face. False: faces are
      * not read. */
     bool normals_from_faces;
+    /* Glyphs: many points at exactly 0 0 0 are kept like others: they are places where something is put.
+     * False: they are left out, as what a depth camera has not measured. */
+    bool keep_zeros;
     /* Files of rows of numbers (.xyz that are no molecules, .pts, .pwn, .asc, .txt, .csv, .npy): the names of
      * their columns, separated by commas, "-" for one that is not wanted. They take the place of names in the
      * file. NULL: the file's names, or the values, say what the columns are. */

@@ -70,8 +70,9 @@ static void radius_range(const iso_point_view *points, const iso_point_block *bl
     if (!points->radii) return;
     range[0] = DBL_MAX;
     range[1] = 0;
+    const float scale = iso_point_view_radii_scale(points);
     for (size_t i = block->first; i < block->first + block->count; i++) {
-        double radius = ISO_DISC_RADII * iso_max((double)points->radii[i], 0);
+        double radius = ISO_DISC_RADII * iso_max((double)(points->radii[i] * scale), 0);
         range[0] = iso_min(range[0], radius);
         range[1] = iso_max(range[1], radius);
     }

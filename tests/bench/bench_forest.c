@@ -124,7 +124,8 @@ static iso_status open_row(bench_row *row, iso_error *error) {
 static iso_status draw_all(forest_work *work, const iso_target *target, const forest *f, iso_error *error) {
     work->counts = (iso_instance_counts){0};
     for (size_t i = f->count; i-- > 0;) {
-        const iso_instances one = {&f->tree, &f->instances[i], 1, 1, 0, true};
+        const iso_instances one = {
+            .sets = &f->tree, .instances = &f->instances[i], .set_count = 1, .count = 1, .draw_hidden = true};
         iso_instance_counts counts;
         ISO_TRY(iso_draw_instances(&work->drawing, target, &one, &counts, error));
         work->counts.drawn += counts.drawn;
@@ -140,7 +141,11 @@ static iso_status run_row(bench_row *row, bench_sample *sample, iso_error *error
     forest_work *work = row->context;
     const iso_view view = iso_view_make(&f->camera, f->gbuffer.width, f->gbuffer.height);
     const iso_target target = {.view = &view, .gbuffer = &f->gbuffer};
-    const iso_instances all = {&f->tree, f->instances, 1, f->count, plan->mode == DETAIL ? 1 : 0, false};
+    const iso_instances all = {.sets = &f->tree,
+                               .instances = f->instances,
+                               .set_count = 1,
+                               .count = f->count,
+                               .lod_pixels = plan->mode == DETAIL ? 1 : 0};
     sample->primitives = f->count;
     if (f->moving) turn_trees(f);
     const bench_clock clock = bench_clock_start();

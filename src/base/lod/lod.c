@@ -422,6 +422,7 @@ iso_point_view iso_lod_view(const iso_lod *lod, int number) {
                            .spans = level->spans,
                            .span_count = level->span_count,
                            .transform = lod->points.transform,
+                           .radii_scale = lod->points.radii_scale,
                            .radius = ldexp(ISO_LOD_RADIUS * lod->points.radius, number),
                            .versions = lod->points.versions ? level->versions : NULL,
                            .bounds = level->bounds,

@@ -29,6 +29,7 @@ static bool is_zero(const iso_polydata *data, const float p[3]) {
 static bool has_unmeasured(const iso_polydata *data) {
     const float(*points)[3] = data->points.data;
     size_t zeros = 0;
+    if (data->reading->opts.keep_zeros) return false;
     if (iso_column_find(data->column_array.data, data->column_count, ISO_ROLE_VECTOR)) return false;
     for (size_t i = 0; i < data->point_count; i++) zeros += is_zero(data, points[i]);
     if (!iso_zeros_are_unmeasured(zeros, data->point_count)) return false;
@@ -75,25 +76,6 @@ static iso_column *find_column(iso_polydata *data, const char *name, int compone
     return NULL;
 }
 
-/* Computes the rotation matrix of a quaternion (w, x, y, z), row by row; the identity if the quaternion is
- * 0. */
-static void rotation_of(const float quaternion[4], double m[9]) {
-    double w = (double)quaternion[0], x = (double)quaternion[1], y = (double)quaternion[2],
-           z = (double)quaternion[3];
-    const double square = w * w + x * x + y * y + z * z;
-    if (!(square > 0 && isfinite(square))) {
-        w = 1;
-        x = y = z = 0;
-    } else {
-        const double scale = 1 / sqrt(square);
-        w *= scale, x *= scale, y *= scale, z *= scale;
-    }
-    const double rows[9] = {1 - 2 * (y * y + z * z), 2 * (x * y - w * z),     2 * (x * z + w * y),
-                            2 * (x * y + w * z),     1 - 2 * (x * x + z * z), 2 * (y * z - w * x),
-                            2 * (x * z - w * y),     2 * (y * z + w * x),     1 - 2 * (x * x + y * y)};
-    memcpy(m, rows, sizeof rows);
-}
-
 /* Returns the length of a half axis; if the file's number is not usable, counts it and returns 0. */
 static double length_of(iso_reading *reading, float scale, bool logarithmic) {
     const double log2_e = 1.4426950408889634;
@@ -106,8 +88,10 @@ static double length_of(iso_reading *reading, float scale, bool logarithmic) {
 
 static void make_axes(iso_reading *reading, const float *scale, const float *quaternion, bool logarithmic,
                       bool ras, float axes[9]) {
+    const double wxyz[4] = {(double)quaternion[0], (double)quaternion[1], (double)quaternion[2],
+                            (double)quaternion[3]};
     double m[9];
-    rotation_of(quaternion, m);
+    iso_quaternion_matrix(wxyz, m);
     for (int k = 0; k < 3; k++) {
         const double length = length_of(reading, scale[k], logarithmic);
         for (int row = 0; row < 3; row++)

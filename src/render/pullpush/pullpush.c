@@ -437,7 +437,8 @@ static iso_status draw_surface(const iso_target *target, const iso_point_view *p
                                const iso_pullpush_opts *opts, iso_error *error) {
     const iso_view *view = target->view;
     const iso_reconstruction reconstruction = opts->reconstruction;
-    const iso_refined_opts refined = {flat_discs(reconstruction), opts->selection == ISO_SELECTION_ALL};
+    const iso_refined_opts refined = {flat_discs(reconstruction), opts->selection == ISO_SELECTION_ALL,
+                                      opts->color};
     iso_pullpush *workspace = opts->workspace;
     pullpush_call call = {.points = points,
                           .reconstruction = reconstruction,
@@ -447,7 +448,7 @@ static iso_status draw_surface(const iso_target *target, const iso_point_view *p
                           .pyramid = &workspace->pyramid};
     ISO_TRY(iso_point_blocks_make(call.blocks, points, &call.projector, target->pool, error));
     if (call.blocks->seen == 0 && !polygons) return ISO_OK;
-    if (points->colors) ISO_TRY(iso_gbuffer_add_color(target->gbuffer, error));
+    if (points->colors || opts->color) ISO_TRY(iso_gbuffer_add_color(target->gbuffer, error));
     if (reconstruction == ISO_RECONSTRUCTION_REFINED || is_splats(reconstruction))
         return iso_refined_draw(&workspace->refined, target, points, call.blocks, &refined, error);
     return draw_strips(&call, target, error);
@@ -462,6 +463,7 @@ iso_status iso_draw_pullpush(const iso_target *target, const iso_point_view *poi
     if (!filled.workspace) filled.workspace = &once;
     iso_point_view flat = *points;
     if (is_splats(filled.reconstruction)) flat.curvatures = NULL;
+    if (filled.color) flat.colors = NULL;
     iso_status status = draw_surface(target, &flat, NULL, &filled, error);
     iso_point_blocks_free(&once.blocks);
     iso_pyramid_free(&once.pyramid);

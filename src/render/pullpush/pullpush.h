@@ -62,6 +62,9 @@ typedef struct iso_pullpush_opts {
     iso_reconstruction reconstruction;
     iso_pullpush *workspace; /* borrowed; NULL: made for the call */
     iso_point_selection selection;
+    /* The colour of all discs, instead of the surface's and the points'; NULL: none. Only of reconstructions
+     * that draw discs. */
+    const iso_rgb *color;
 } iso_pullpush_opts;
 
 /* Draws one surface into the gbuffer, as iso_draw_points does: a sample is replaced when the new depth is

@@ -139,8 +139,10 @@ typedef struct iso_refined_params {
     float per_length;   /* 1 / length of a unit normal after `normal`; 0: depends on the direction */
     float near;         /* depth of the near plane, mm */
     bool orthographic;
-    bool cull;    /* leave out back-facing points */
-    bool colored; /* points have colours; they have no curvatures then */
+    bool cull;         /* leave out back-facing points */
+    bool colored;      /* points have colours; they have no curvatures then */
+    uint32_t color;    /* of all discs, as in iso_gbuffer.color; 0: they have none */
+    float radii_scale; /* what radii of the points' own are multiplied by */
     /* Of flat discs (iso_flat_discs): */
     bool filtered; /* small discs are convolved with a low-pass filter; */
     bool widened;  /* they then cover what the convolved discs cover, else what they cover themselves */

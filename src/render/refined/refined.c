@@ -106,8 +106,16 @@ static void set_up_params(refined_call *call, const iso_projector *projector) {
     params->near = view->near < -ISO_NOWHERE ? -ISO_NOWHERE : (float)view->near;
     params->orthographic = view->orthographic;
     params->cull = params->points->closed && !call->blocks->around_eye;
+    params->radii_scale = iso_point_view_radii_scale(params->points);
     params->colored = params->points->colors != NULL;
     set_up_border(params);
+}
+
+/* `color` NULL: there is no colour of all discs. */
+static void set_up_color(iso_refined_params *params, const iso_rgb *color) {
+    if (!color) return;
+    params->color = (uint32_t)color->r | (uint32_t)color->g << 8 | (uint32_t)color->b << 16 |
+                    (uint32_t)(params->target->surface + 1) << 24;
 }
 
 static void set_up_flat_discs(iso_refined_params *params, iso_flat_discs flat) {
@@ -138,7 +146,7 @@ static float largest_radius(const iso_point_view *points, float shared) {
             const float radius = points->radii[points->spans[s].first + i];
             largest = radius > largest ? radius : largest;
         }
-    return largest;
+    return points->radii ? largest * iso_point_view_radii_scale(points) : largest;
 }
 
 /* The width of a pixel (mm) at the depth of the farthest point that is seen. */
@@ -505,6 +513,7 @@ iso_status iso_refined_draw(iso_refined *workspace, const iso_target *target, co
     const iso_projector projector = iso_projector_make(target->view, &points->transform);
     set_up_params(&call, &projector);
     set_up_flat_discs(&call.params, opts->flat);
+    set_up_color(&call.params, opts->color);
     const bool overlapping = points->radii || points->overlapping,
                two_passes = call.params.centres || (overlapping && opts->flat == ISO_FLAT_DISCS_FILTERED);
     call.params.pass = two_passes ? ISO_REFINED_SUM_PASS : ISO_REFINED_ONE_PASS;

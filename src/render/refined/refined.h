@@ -62,6 +62,7 @@ typedef struct iso_refined_opts {
     iso_flat_discs flat; /* for points without curvatures or with colours, whose discs are flat */
     bool
         draw_hidden; /* draw also the discs that are hidden by what has been drawn; the picture is the same */
+    const iso_rgb *color; /* of all discs, for points without colours; NULL: none */
 } iso_refined_opts;
 
 /* Working memory, reused from one picture to the next. Zero-initialise; free with iso_refined_free. */

@@ -2,6 +2,7 @@
  * what has been drawn, and brings the pyramid up to date where an instance was drawn. */
 #include "render/selection/instances.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -28,18 +29,72 @@ static double scale_of(const iso_instances *all, const iso_instance *instance) {
     return instance->transform.spacing[0] / set->lod->points.transform.spacing[0];
 }
 
+/* The greatest depth of a box, mm. */
+static double farthest_depth(const iso_projector *projector, const iso_box *box) {
+    const double *m = projector->matrix + 6;
+    return projector->origin[2] + iso_max(m[0] * box->lo.x, m[0] * box->hi.x) +
+           iso_max(m[1] * box->lo.y, m[1] * box->hi.y) + iso_max(m[2] * box->lo.z, m[2] * box->hi.z);
+}
+
+/* What is known of the levels of detail of a set. */
+typedef struct set_levels {
+    double radius[ISO_LOD_LEVELS]; /* the largest of a level's points, mm in the set's own transform */
+    double error[ISO_LOD_LEVELS];  /* the least of a level's spans, voxels */
+} set_levels;
+
+static double largest_radius(const iso_point_view *points) {
+    double largest = points->radii ? 0 : points->radius;
+    for (size_t s = 0; points->radii && s < points->span_count; s++)
+        for (size_t i = points->spans[s].first; i < points->spans[s].first + points->spans[s].count; i++)
+            largest = iso_max((double)points->radii[i], largest);
+    return largest;
+}
+
+static set_levels survey_levels(const iso_instanced *set) {
+    const iso_lod *lod = set->lod;
+    set_levels levels = {.radius = {set->reach}};
+    for (int k = 1; k < lod->count; k++) {
+        const iso_point_view view = iso_lod_view(lod, k);
+        levels.radius[k] = largest_radius(&view);
+        levels.error[k] = 1;
+        for (size_t s = 0; s < lod->level[k].span_count; s++)
+            levels.error[k] = iso_min(levels.error[k], (double)lod->level[k].errors[s]);
+    }
+    return levels;
+}
+
+/* How far the discs of an instance reach beyond its box, mm: those of coarser levels farther, but these are drawn
+ * only where their errors are small enough in the picture, at the box's farthest depth if anywhere. */
+static double reach_of(const iso_instances *all, const iso_instance *instance, const set_levels *levels,
+                       const iso_projector *projector) {
+    const iso_instanced *set = &all->sets[instance->set];
+    const double *side = instance->transform.spacing, depth = farthest_depth(projector, &set->box),
+                 scale = scale_of(all, instance);
+    double radius = levels->radius[0], voxel = iso_max(side[0], iso_max(side[1], side[2]));
+    for (int k = 1; k < set->lod->count && all->lod_pixels > 0; k++) {
+        const double error = ldexp(voxel, k) * levels->error[k];
+        if (!projector->view->orthographic && !(depth > 0)) break;
+        if (error * iso_projector_scale(projector, depth) > 1.01 * all->lod_pixels) continue;
+        radius = iso_max(radius, levels->radius[k]);
+    }
+    return DISC_REACH * radius * scale;
+}
+
 /* Lists the instances that are in the picture, sorted. */
 static iso_status sort_instances(iso_instance_drawing *drawing, const iso_view *view,
                                  const iso_instances *all, size_t *count, iso_error *error) {
     ISO_TRY(iso_buffer_reserve(&drawing->order, all->count * sizeof(placed), 0, error));
+    ISO_TRY(iso_buffer_reserve(&drawing->levels, all->set_count * sizeof(set_levels), 0, error));
     placed *order = drawing->order.data;
+    set_levels *levels = drawing->levels.data;
     *count = 0;
+    for (size_t i = 0; i < all->set_count; i++) levels[i] = survey_levels(&all->sets[i]);
     for (size_t i = 0; i < all->count; i++) {
         const iso_instance *instance = &all->instances[i];
         const iso_instanced *set = &all->sets[instance->set];
         const iso_projector projector = iso_projector_make(view, &instance->transform);
-        const iso_area area =
-            iso_projector_area(&projector, &set->box, DISC_REACH * set->reach * scale_of(all, instance));
+        const iso_area area = iso_projector_area(&projector, &set->box,
+                                                 reach_of(all, instance, &levels[instance->set], &projector));
         if (!iso_area_is_empty(&area)) order[(*count)++] = (placed){area.nearest, (uint32_t)i, area};
     }
     qsort(order, *count, sizeof *order, compare_depths);
@@ -48,12 +103,16 @@ static iso_status sort_instances(iso_instance_drawing *drawing, const iso_view *
 
 /* Draws an instance; adds to *points how many points that were. */
 static iso_status draw_instance(iso_instance_drawing *drawing, const iso_target *target,
-                                const iso_instances *all, const iso_instance *instance, size_t *points,
-                                iso_error *error) {
-    const iso_pullpush_opts opts = {.workspace = drawing->pullpush};
+                                const iso_instances *all, size_t number, size_t *points, iso_error *error) {
+    const iso_instance *instance = &all->instances[number];
+    const iso_pullpush_opts opts = {.reconstruction = all->reconstruction,
+                                    .workspace = drawing->pullpush,
+                                    .selection = all->selection,
+                                    .color = all->colors ? &all->colors[number] : NULL};
     iso_lod lod = *all->sets[instance->set].lod; /* a copy, which borrows the levels */
     lod.points.transform = instance->transform;
     lod.points.radius *= scale_of(all, instance);
+    lod.points.radii_scale = (float)scale_of(all, instance);
     ISO_TRY(iso_lod_cut_make(&drawing->cut, &lod, target->view, all->lod_pixels, error));
     for (int k = 0; k < drawing->cut.levels; k++) {
         if (!drawing->cut.view[k].span_count) continue;
@@ -61,6 +120,10 @@ static iso_status draw_instance(iso_instance_drawing *drawing, const iso_target 
         ISO_TRY(iso_draw_pullpush(target, &drawing->cut.view[k], &opts, error));
     }
     return ISO_OK;
+}
+
+static void note_state(const iso_instances *all, size_t number, iso_instance_state state) {
+    if (all->states && all->states[number] < (uint8_t)state) all->states[number] = (uint8_t)state;
 }
 
 iso_status iso_draw_instances(iso_instance_drawing *drawing, const iso_target *target,
@@ -75,9 +138,11 @@ iso_status iso_draw_instances(iso_instance_drawing *drawing, const iso_target *t
     for (size_t i = 0; i < count; i++) {
         if (!all->draw_hidden && iso_depth_pyramid_hides(&drawing->pyramid, &order[i].area)) {
             n.hidden++;
+            note_state(all, order[i].number, ISO_INSTANCE_HIDDEN);
             continue;
         }
-        ISO_TRY(draw_instance(drawing, target, all, &all->instances[order[i].number], &n.points, error));
+        ISO_TRY(draw_instance(drawing, target, all, order[i].number, &n.points, error));
+        note_state(all, order[i].number, ISO_INSTANCE_DRAWN);
         n.drawn++;
         if (!all->draw_hidden) iso_depth_pyramid_update(&drawing->pyramid, target->gbuffer, &order[i].area);
     }
@@ -90,5 +155,6 @@ void iso_instance_drawing_free(iso_instance_drawing *drawing) {
     iso_depth_pyramid_free(&drawing->pyramid);
     iso_lod_cut_free(&drawing->cut);
     iso_buffer_free(&drawing->order);
+    iso_buffer_free(&drawing->levels);
     *drawing = (iso_instance_drawing){0};
 }

@@ -22,23 +22,31 @@ typedef struct iso_instanced {
 /* A copy: a set of points in another place. */
 typedef struct iso_instance {
     uint32_t set;
-    /* Takes the place of the set's transform. If the points have radii of their own, it must have the same
-     * spacing; else the shared radius is scaled as the spacing of the first axis is. */
+    /* Takes the place of the set's transform: the copy is scaled as the spacing of the first axis is, with
+     * the radii of its points. */
     iso_transform transform;
 } iso_instance;
+
+/* What became of an instance. */
+typedef enum iso_instance_state {
+    ISO_INSTANCE_OUTSIDE, /* of the picture */
+    ISO_INSTANCE_HIDDEN,  /* by what was drawn before */
+    ISO_INSTANCE_DRAWN
+} iso_instance_state;
 
 typedef struct iso_instances {
     const iso_instanced *sets;
     const iso_instance *instances;
     size_t set_count, count;
-    double lod_pixels; /* for iso_lod_cut_make; 0: all points are drawn */
-    bool draw_hidden;  /* do not look for hidden instances: to measure what that saves */
+    double lod_pixels;                 /* for iso_lod_cut_make; 0: all points are drawn */
+    bool draw_hidden;                  /* do not look for hidden instances: to measure what that saves */
+    iso_reconstruction reconstruction; /* one that draws discs: not BOX or GAUSSIAN */
+    iso_point_selection selection;     /* of points */
+    const iso_rgb *colors;             /* one of each instance, instead of the points'; NULL: none */
+    /* One iso_instance_state of each instance, which is raised to what became of it in this call: of the
+     * strips of a picture the greatest is kept. NULL: not wanted. */
+    uint8_t *states;
 } iso_instances;
-
-/* How many instances were drawn, outside the picture and hidden; and how many points were drawn. */
-typedef struct iso_instance_counts {
-    size_t drawn, outside, hidden, points;
-} iso_instance_counts;
 
 /* Working memory, kept from one picture to the next. Zero-initialise; free with
  * iso_instance_drawing_free. */
@@ -46,12 +54,13 @@ typedef struct iso_instance_drawing {
     iso_pullpush *pullpush;
     iso_depth_pyramid pyramid;
     iso_lod_cut cut;
-    iso_buffer order;
+    iso_buffer order, levels;
 } iso_instance_drawing;
 
-/* Draws all instances as one surface into the gbuffer, refined (render/refined/refined.h), as
+/* Draws all instances as one surface into the gbuffer, as discs (render/refined/refined.h), as
  * iso_draw_pullpush draws one after the other from front to back. What is left out would not be seen: the
- * picture is the same with `draw_hidden`, byte for byte. *counts may be NULL. ISO_ERR_NOMEM. */
+ * picture is the same with `draw_hidden`, byte for byte, for every number of threads and instruction set, and
+ * in strips. `counts` may be NULL. ISO_ERR_NOMEM. */
 iso_status iso_draw_instances(iso_instance_drawing *drawing, const iso_target *target,
                               const iso_instances *instances, iso_instance_counts *counts, iso_error *error);
 void iso_instance_drawing_free(iso_instance_drawing *drawing);

@@ -1,6 +1,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/placement.h"
 #include "render/selection/instances.h"
 #include "scene_support.h"
 
@@ -305,7 +306,7 @@ static void hidden_instances_are_not_missed(void **state) {
     size_t hidden = 0, drawn = 0;
     for (int frame = 0; frame < 60; frame += 3) {
         const iso_view view = view_of_walk(f, frame);
-        f->all.lod_pixels = frame % 2;
+        f->all.lod_pixels = frame % 2 * (1 + frame % 5); /* up to discs of many pixels */
         iso_instance_drawing drawing = {0};
         iso_instance_counts few, all;
         iso_gbuffer a = draw_forest(&drawing, f, &view, false, &few),
@@ -397,6 +398,100 @@ static void eye_among_instances(void **state) {
     free_forest(f);
 }
 
+/* ---- one instance */
+
+/* A picture of a set as one instance. */
+static iso_gbuffer draw_one(const iso_view *view, const iso_point_view *points, const iso_transform *place,
+                            const iso_rgb *color) {
+    const iso_lod lod = {.points = *points, .count = 1};
+    const iso_instanced set = {&lod, iso_point_view_bounds(points), points->radii ? 4 : points->radius};
+    const iso_instance instance = {0, *place};
+    const iso_instances all = {
+        .sets = &set, .instances = &instance, .set_count = 1, .count = 1, .colors = color};
+    iso_instance_drawing drawing = {0};
+    iso_error error = {0};
+    iso_gbuffer g = test_clear_gbuffer(view->width, view->height, false);
+    const iso_target target = {view, &g, NULL, 0};
+    test_ok(iso_draw_instances(&drawing, &target, &all, NULL, &error), &error);
+    iso_instance_drawing_free(&drawing);
+    return g;
+}
+
+/* An instance where the set is has the bytes of the set, with curvatures and without. */
+static void an_instance_in_place_is_the_set(void **state) {
+    (void)state;
+    for (int curved = 0; curved < 2; curved++) {
+        const iso_points_opts opts = {.curvature = curved, .primitive = ISO_PRIMITIVE_EDGE};
+        test_scene s = test_scene_make("gyroid", 40, &opts, true);
+        const iso_placement here = {.scale = 1};
+        const iso_transform place = iso_placement_transform(&here, &s.points.transform);
+        assert_memory_equal(&place, &s.points.transform, sizeof place);
+        for (int zoom = 1; zoom <= 8; zoom *= 2) {
+            const iso_view view = test_look_at(&s, zoom, zoom, zoom == 4, 150, 140);
+            iso_gbuffer plain = test_drawn(&view, &s.points, &(iso_pullpush_opts){0}, NULL),
+                        placed = draw_one(&view, &s.points, &place, NULL);
+            test_same_rows(&plain, 0, &placed);
+            iso_gbuffer_free(&plain);
+            iso_gbuffer_free(&placed);
+        }
+        test_scene_free(&s);
+    }
+}
+
+/* Radii of the points' own grow with an instance: of another size, it is the set with other spacings and
+ * radii. */
+static void radii_grow_with_instances(void **state) {
+    (void)state;
+    test_scene s = test_scene_make("head", 30, NULL, true);
+    const size_t count = iso_point_view_count(&s.points);
+    float *radii = malloc(2 * count * sizeof *radii);
+    uint32_t seed = 5;
+    assert_non_null(radii);
+    s.points.curvatures = NULL;
+    for (size_t i = 0; i < count; i++) {
+        radii[i] = (float)(s.points.radius * (0.5 + uniform(&seed)));
+        radii[count + i] = 0.75f * radii[i];
+    }
+    const iso_placement small = {.scale = 0.75, .position = {3, -2, 1}, .rotation = {0.1, 0.2, 0.3, 0.9}};
+    iso_point_view scaled = s.points;
+    scaled.transform = iso_placement_transform(&small, &s.points.transform);
+    scaled.radii = radii + count;
+    s.points.radii = radii;
+    for (int zoom = 1; zoom <= 8; zoom *= 2) {
+        const iso_view view = test_look_at(&s, zoom, zoom, zoom == 4, 150, 140);
+        iso_gbuffer copied = test_drawn(&view, &scaled, &(iso_pullpush_opts){0}, NULL),
+                    placed = draw_one(&view, &s.points, &scaled.transform, NULL);
+        test_same_rows(&copied, 0, &placed);
+        iso_gbuffer_free(&copied);
+        iso_gbuffer_free(&placed);
+    }
+    test_scene_free(&s);
+    free(radii);
+}
+
+/* The colour of an instance takes the place of the surface's in all of its samples, and nothing else
+ * changes. */
+static void instances_have_colors(void **state) {
+    (void)state;
+    const iso_points_opts opts = {.curvature = true, .primitive = ISO_PRIMITIVE_EDGE};
+    test_scene s = test_scene_make("head", 40, &opts, true);
+    const iso_rgb red = {200, 30, 7};
+    for (int zoom = 1; zoom <= 16; zoom *= 4) {
+        const iso_view view = test_look_at(&s, 1, zoom, false, 150, 140);
+        iso_gbuffer plain = draw_one(&view, &s.points, &s.points.transform, NULL),
+                    placed = draw_one(&view, &s.points, &s.points.transform, &red);
+        assert_null(plain.color);
+        assert_non_null(placed.color);
+        for (int i = 0; i < 150 * 140; i++) {
+            assert_true(plain.depth[i] == placed.depth[i] && plain.surface[i] == placed.surface[i]);
+            if (placed.surface[i] == 0) assert_int_equal(placed.color[i], 0x01071EC8);
+        }
+        iso_gbuffer_free(&plain);
+        iso_gbuffer_free(&placed);
+    }
+    test_scene_free(&s);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(pyramid_hides_what_is_hidden),
@@ -406,6 +501,9 @@ int main(void) {
         cmocka_unit_test(hidden_instances_are_not_missed),
         cmocka_unit_test(pictures_do_not_depend_on_earlier_ones),
         cmocka_unit_test(eye_among_instances),
+        cmocka_unit_test(an_instance_in_place_is_the_set),
+        cmocka_unit_test(radii_grow_with_instances),
+        cmocka_unit_test(instances_have_colors),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
