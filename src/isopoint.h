@@ -236,7 +236,7 @@ typedef struct iso_rgb {
     uint8_t r, g, b;
 } iso_rgb;
 
-/* The kind of points that iso_surface_points extracts. */
+/* The kind of points that iso_surface_points extracts and pictures are drawn from, where AUTO means EDGE. */
 typedef enum iso_primitive {
     ISO_PRIMITIVE_AUTO, /* FOOT for sparse level sets whose band does not end near the isovalue, else EDGE */
     ISO_PRIMITIVE_EDGE, /* the vertices of Marching Cubes, on the edges between voxels */
@@ -480,13 +480,14 @@ ISO_API iso_status iso_aov_read(const char *path, iso_aov *aov, iso_error *error
 
 /* How a surface is drawn. */
 typedef enum iso_method {
-    ISO_METHOD_EXACT,             /* the trilinear surface itself, found cell by cell: the best pictures */
-    ISO_METHOD_MESH,              /* Marching Cubes triangles, as most other programs draw them */
-    ISO_METHOD_PULLPUSH,          /* points as curved discs, filled in image space */
-    ISO_METHOD_PULLPUSH_GAUSSIAN, /* points, filled with Gaussian weights (Marroquim et al. 2008) */
-    ISO_METHOD_PULLPUSH_BOX,      /* points, filled with equal weights */
-    ISO_METHOD_POINTS,            /* a flat disc parallel to the picture at each point */
-    ISO_METHOD_SPLATS,            /* points as flat discs, blended in one pass (Zhang and Pajarola 2006) */
+    ISO_METHOD_EXACT,    /* the trilinear surface itself, found cell by cell: the best pictures */
+    ISO_METHOD_MESH,     /* Marching Cubes triangles, as most other programs draw them */
+    ISO_METHOD_DISCS,    /* points as curved discs, which follow the surface's curvature */
+    ISO_METHOD_PULLPUSH, /* points, joined in an image pyramid by Gaussian weights (Marroquim et al. 2008) */
+    ISO_METHOD_PULLPUSH_GAUSSIAN = ISO_METHOD_PULLPUSH, /* an older name */
+    ISO_METHOD_PULLPUSH_BOX,                            /* the same by equal weights */
+    ISO_METHOD_POINTS,         /* a flat disc parallel to the picture at each point */
+    ISO_METHOD_SPLATS,         /* points as flat discs, blended in one pass (Zhang and Pajarola 2006) */
     ISO_METHOD_RAYCAST,        /* rays through the whole volume: slow, the reference for the other methods */
     ISO_METHOD_HYBRID,         /* points where cells are small in the picture, else triangles (2008) */
     ISO_METHOD_SPLATS_FLAT,    /* points as flat discs, filtered against aliasing: for points of files */
@@ -539,16 +540,16 @@ ISO_API iso_status iso_camera_of_box(const iso_box *box, int width, int height, 
 typedef struct iso_render_opts {
     iso_method method;
     int width, height; /* pixels; 0 means 1024 */
-    int samples;       /* number of samples of a pixel: a square number 1, 4, 9 .. 64; 0 means 1 */
+    int samples;       /* number of samples of a pixel: a square number 1, 4, 9 .. 64; 0 means 4 for opaque
+                          pictures by EXACT, else 1 */
     /* The camera. NULL: a camera that shows everything, placed by `fit`. */
     const iso_camera *camera;
     iso_fit_opts fit;
     const iso_rgb *background; /* NULL: white */
     bool transparent;          /* the background has alpha 0 */
     /* Options of translucent surfaces and shapes, whose crossings are composited in order of depth. */
-    bool constant_opacity; /* the opacity is the same at every angle. If not, the surface acts as a thin slab,
-                              which stops more light from slanting rays: 1 - (1 - opacity)^(1 / cos) (Kay and
-                              Greenberg 1979) */
+    bool constant_opacity; /* the opacity is the same at every angle. If not, a thin slab's, which stops more
+                              light from slanting rays: 1 - (1 - opacity)^(1 / cos) (Kay, Greenberg 1979) */
     double absorption_length; /* the solid absorbs light: mm after which 1/e of the light is left; what is
                                  absorbed becomes the surface's colour. All surfaces must be of one volume;
                                  not for the method SPLATS. 0: the solid is clear */
@@ -558,7 +559,7 @@ typedef struct iso_render_opts {
     iso_shape_set *const *shapes;
     int shapes_count;
     /* Draw the surfaces once for each placement; NULL: once, where they are. For opaque surfaces, drawn as
-     * discs: by PULLPUSH or SPLATS_FLAT, _ONEPASS, _EWA or _MEAN. What is outside the picture or hidden as a
+     * discs: by DISCS or SPLATS_FLAT, _ONEPASS, _EWA or _MEAN. What is outside the picture or hidden as a
      * whole takes no time (Guennebaud et al. 2004, section 7.1). Borrowed. */
     const iso_placements *instances;
     double instance_lod; /* levels of detail of instances: their error in pixels; 0: all points are drawn */
@@ -588,8 +589,9 @@ typedef struct iso_keys_opts {
     int dims[3];                    /* of the whole volume, voxels */
     const iso_transform *transform; /* of the whole; NULL: spacing 1, origin 0 */
     double isovalue;
-    iso_method method;                 /* EXACT, PULLPUSH_GAUSSIAN or PULLPUSH_BOX */
+    iso_method method;                 /* EXACT, PULLPUSH or PULLPUSH_BOX */
     int width, height;                 /* pixels; 0 means 1024 */
+    int samples;                       /* as of iso_render_opts */
     const iso_camera *camera;          /* not NULL */
     const iso_rgb *color, *background; /* NULL: the palette's first; white */
     bool transparent;

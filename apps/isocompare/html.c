@@ -420,8 +420,7 @@ static void put_facts(const report *r, FILE *stream) {
         stream,
         "</h1>\n<p class=soft>Every way to draw one isosurface, against rays through the trilinear field "
         "itself (raycast). For pictures choose exact, isorender's default: it draws that field at any zoom. "
-        "Choose mesh to export the surface or to compare with other programs, pullpush to draw points "
-        "without "
+        "Choose mesh to export the surface or to compare with other programs, discs to draw points without "
         "holes, as for files of points and on a GPU, points to see the samples themselves, and raycast, "
         "which is "
         "slow, to check the others.</p>\n<ul class=facts><li><b>%d × %d × %d</b><span>voxels, %s</span></li>",

@@ -50,8 +50,8 @@ static void put_splats(const report *r, FILE *stream) {
 
 void isocompare_put_points(const report *r, FILE *stream) {
     fputs("<h2>What the later papers add</h2>\n<p class=soft>Layers in order and without sorting stand under "
-          "<i>Transparency</i>, points reconstructed in image space (Marroquim et al. 2008) above, as "
-          "pullpush-box and pullpush-gaussian.</p>\n",
+          "<i>Transparency</i>, points reconstructed in an image pyramid (Marroquim et al. 2008) above, as "
+          "pullpush and pullpush-box.</p>\n",
           stream);
     put_selection(r, stream);
     put_splats(r, stream);

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/cpu.h"
+#include "methods/method.h"
 
 static bool is_any(const char *name, const char *a, const char *b) {
     return strcmp(name, a) == 0 || strcmp(name, b) == 0;
@@ -26,14 +27,21 @@ static bool has_gl(const isorender_settings *settings) {
     if (has_no_surface(settings)) return is_any(settings->backend, "egl", "osmesa");
     if (settings->one_pyramid || settings->instances) return false;
     if (settings->method == ISO_METHOD_SPLATS) return has_gl_splats(settings);
-    if (settings->method == ISO_METHOD_PULLPUSH) return !(settings->lod > 0);
+    if (settings->method == ISO_METHOD_PULLPUSH || settings->method == ISO_METHOD_DISCS)
+        return !(settings->lod > 0);
     return settings->method == ISO_METHOD_POINTS || settings->method == ISO_METHOD_MESH;
+}
+
+/* Samples a pixel of an opaque picture. */
+static int count_samples(const isorender_settings *settings) {
+    if (settings->samples) return settings->samples;
+    return iso_method_samples(has_no_surface(settings) ? ISO_METHOD_EXACT : (iso_method)settings->method);
 }
 
 /* The gl engine reads every sample back. */
 static bool is_too_large(const isorender_settings *settings) {
     uint64_t pixels = (uint64_t)settings->width * (uint64_t)settings->height;
-    return pixels * (uint64_t)settings->samples > ISO_GL_SAMPLES_MAX;
+    return pixels * (uint64_t)count_samples(settings) > ISO_GL_SAMPLES_MAX;
 }
 
 /* Whether an option is given that only OpenGL has. */
@@ -65,6 +73,9 @@ iso_status isorender_backend_check(isorender_settings *settings, iso_error *erro
         return iso_fail(
             error, ISO_ERR_USAGE,
             "--backend %s draws translucent surfaces with --method splats only: others need the cpu", name);
+    if (gl && settings->group_radii == ISORENDER_GROUP_RADII_COPIES)
+        return iso_fail(error, ISO_ERR_USAGE, "--backend %s draws no --group-radii copies: they need the cpu",
+                        name);
     if (gl && settings->one_pyramid)
         return iso_fail(error, ISO_ERR_USAGE,
                         "--backend %s draws each set alone: --one-pyramid needs the cpu", name);
@@ -74,17 +85,18 @@ iso_status isorender_backend_check(isorender_settings *settings, iso_error *erro
     if ((gl || needed) && settings->method == ISORENDER_METHOD_UNCHOSEN && !has_no_surface(settings))
         settings->method = settings->strips ? ISO_METHOD_MESH : ISO_METHOD_POINTS;
     if (gl && !has_gl(settings))
-        return iso_fail(error, ISO_ERR_USAGE,
-                        "--backend %s has the methods points, pullpush (without --lod), splats (flat without "
-                        "--lod, groups without --group-bins) and mesh: others need the cpu",
-                        name);
+        return iso_fail(
+            error, ISO_ERR_USAGE,
+            "--backend %s has the methods points, pullpush and discs (without --lod), splats (flat "
+            "without --lod, groups without --group-bins) and mesh: others need the cpu",
+            name);
     ISO_TRY(check_needs(settings, error));
     bool draws = !settings->info && (!settings->no_image || settings->aov);
     if ((gl || needed) && draws && is_too_large(settings))
         return iso_fail(error, ISO_ERR_LIMIT,
                         "%dx%d with %d samples a pixel is more than OpenGL is used for here (2^32 samples): "
                         "--backend cpu draws it",
-                        settings->width, settings->height, settings->samples);
+                        settings->width, settings->height, count_samples(settings));
     return ISO_OK;
 }
 
@@ -106,9 +118,7 @@ isorender_backend isorender_backend_cpu(void) {
 /* Whether the picture has several image pyramids. On the only GPU that the engine has been tried on (NVIDIA
  * H200, driver 580.159) the second one is drawn in a wrong place, for a reason that has not been found. */
 static bool has_several_pyramids(const isorender_settings *settings) {
-    return settings->method == ISO_METHOD_PULLPUSH && settings->isovalue_count > 1 &&
-           (settings->reconstruction == ISO_RECONSTRUCTION_BOX ||
-            settings->reconstruction == ISO_RECONSTRUCTION_GAUSSIAN);
+    return settings->method == ISO_METHOD_PULLPUSH && settings->isovalue_count > 1;
 }
 
 iso_status isorender_backend_open(const isorender_settings *settings, isorender_backend *backend,
@@ -128,7 +138,7 @@ iso_status isorender_backend_open(const isorender_settings *settings, isorender_
                    ? ISO_OK
                    : iso_fail(error, ISO_ERR_BACKEND,
                               "pull-push of several isovalues is not right on GPUs yet: --backend cpu, or "
-                              "--reconstruction refined");
+                              "--method discs");
     }
     status = iso_gl_engine_create(made.context, &made.engine, error);
     if (status != ISO_OK) {

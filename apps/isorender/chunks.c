@@ -24,8 +24,7 @@ static bool is_exact(const isorender_job *job) {
 }
 
 static bool is_pullpush(const isorender_job *job) {
-    return job->renderer->method == ISO_METHOD_PULLPUSH_BOX ||
-           job->renderer->method == ISO_METHOD_PULLPUSH_GAUSSIAN;
+    return job->method == ISO_METHOD_PULLPUSH;
 }
 
 static bool exports(const isorender_job *job) {
@@ -41,8 +40,7 @@ static const char *find_obstacle(const isorender_job *job, const char **reason) 
     } obstacles[] = {
         {settings->instances != NULL, "--instances", "an instance shows the whole surface"},
         {!is_exact(job) && !is_pullpush(job), "--method",
-         "only exact, and pullpush with --reconstruction box or gaussian, decide pixels by an order that is "
-         "known beforehand"},
+         "only exact and pullpush decide pixels by an order that is known beforehand"},
         {settings->primitive != ISO_PRIMITIVE_AUTO && settings->primitive != ISO_PRIMITIVE_EDGE,
          "--primitive", "only edge points are made chunk by chunk"},
         {isorender_is_translucent(settings), "--opacity", "the layers of a pixel are blended in order"},
@@ -52,7 +50,6 @@ static const char *find_obstacle(const isorender_job *job, const char **reason) 
         {settings->channel_count > 1, "several channels (--channel)", "one surface is drawn at a time"},
         {settings->object_options.count > 0, "--lines, --glyphs or --surface",
          "one surface is drawn at a time"},
-        {settings->samples > 1, "--samples", "the samples of a pixel are averaged before they are rounded"},
         {settings->aov != NULL, "--aov", "a pixel's key is its colour"},
         {settings->lighting != 0, "--shading edl", "it compares the depths of neighbouring pixels"},
         {exports(job) && (settings->parts || settings->ranks.mpi), "--points or --mesh",
@@ -114,14 +111,18 @@ iso_status isorender_chunks_choose(isorender_job *job, iso_error *error) {
     if (option || (!isorender_plan_draws(job->plan) && !exports(job)))
         return ISO_OK; /* the volume is refused when it is read, or its surface when it is made */
     job->chunks = calloc(1, sizeof *job->chunks);
-    job->loader.mapped = job->chunks != NULL;
+    if (!job->chunks) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
+    job->chunks->cpu = isorender_backend_cpu();
+    job->backend = &job->chunks->cpu;
+    job->loader.mapped = true;
     job->loader.set_aside = isorender_plan_draws(job->plan) ? isorender_picture_bytes(job) : 0;
     job->loader.chunk_side = choose_side(job);
-    return job->chunks ? ISO_OK : iso_fail(error, ISO_ERR_NOMEM, "out of memory");
+    return ISO_OK;
 }
 
 uint64_t isorender_chunks_bytes(const isorender_job *job) {
-    return job->chunks ? (uint64_t)job->settings->width * (uint64_t)job->settings->height * sizeof(uint64_t)
+    return job->chunks ? (uint64_t)job->settings->width * (uint64_t)job->settings->height *
+                             (uint64_t)job->samples * sizeof(uint64_t)
                        : 0;
 }
 
@@ -398,7 +399,8 @@ static iso_status draw_points(isorender_job *job, const iso_view *view, iso_pull
 /* Draws the share of --part, or everything. Sets `base` for pull-push. */
 static iso_status draw_keys(isorender_job *job, const iso_camera *camera, iso_pullpush_base *base,
                             iso_key_image *keys, iso_error *error) {
-    const iso_view view = iso_view_make(camera, job->settings->width, job->settings->height);
+    const iso_view pixels = iso_view_make(camera, job->settings->width, job->settings->height),
+                   view = iso_view_scaled(&pixels, iso_picture_factor(job->samples));
     const iso_ranks *ranks = &job->settings->ranks;
     job->chunks->stage = "rendering";
     const iso_status status =
@@ -471,6 +473,7 @@ static void describe_style(const isorender_job *job, iso_key_style *style) {
     const iso_rgb color = job->surfaces[0].color, background = settings->background;
     style->width = settings->width;
     style->height = settings->height;
+    style->samples = job->samples;
     style->position = job->camera.position;
     style->focal_point = job->camera.focal_point;
     style->view_up = job->camera.view_up;

@@ -14,6 +14,7 @@ extern "C" {
 
 /* A volume that is drawn chunk by chunk. */
 typedef struct isorender_chunks {
+    isorender_backend cpu; /* job->backend: OpenGL draws no chunks */
     iso_chunk_source source;
     iso_chunk_walk *walk;
     iso_volume_index index;

@@ -18,17 +18,17 @@ iso_status isorender_cloud_check(const isorender_settings *settings, iso_error *
             return iso_fail(error, ISO_ERR_USAGE, "holds points, not a volume: --method %s needs a volume",
                             renderer->name);
     }
-    const char *option = settings->isovalue_count              ? "--isovalue"
-                         : settings->mesh                      ? "--mesh"
-                         : input->cropped                      ? "--crop"
-                         : settings->primitive                 ? "--primitive"
-                         : input->largest                      ? "--largest"
-                         : input->min_size > 0                 ? "--min-size"
-                         : settings->closed                    ? "--closed"
-                         : settings->ior > 0                   ? "--ior"
-                         : input->grid                         ? "--grid"
-                         : input->series                       ? "--series"
-                         : isorender_wants_gradients(settings) ? "--glyphs surface"
+    const char *option = settings->isovalue_count                             ? "--isovalue"
+                         : settings->mesh                                     ? "--mesh"
+                         : input->cropped                                     ? "--crop"
+                         : settings->primitive                                ? "--primitive"
+                         : input->largest                                     ? "--largest"
+                         : input->min_size > 0                                ? "--min-size"
+                         : settings->closed                                   ? "--closed"
+                         : settings->refraction == (int)ISO_REFRACTION_TRACED ? "--refraction traced"
+                         : input->grid                                        ? "--grid"
+                         : input->series                                      ? "--series"
+                         : isorender_wants_gradients(settings)                ? "--glyphs surface"
                                                                : isorender_object_opacity_option(settings);
     if (!option) return ISO_OK;
     return iso_fail(error, ISO_ERR_USAGE, "holds points, not a volume: %s needs a volume", option);
@@ -79,6 +79,7 @@ static const char *why_opaque(const isorender_job *job) {
     const iso_method method = job->renderer->method;
     if (method != ISO_METHOD_SPLATS && method != ISO_METHOD_SPLATS_FLAT)
         return "only --method splats with --reconstruction flat or groups draws them";
+    if (settings->ior > 0) return "glass has one --opacity for all";
     if (settings->lighting) return "--shading edl shades opaque surfaces";
     return NULL;
 }
@@ -93,6 +94,9 @@ static iso_status choose_opacities(isorender_job *job, iso_error *error) {
     if (job->read_points.opacities && !made_opaque && isorender_plan_draws(job->plan))
         reason = why_opaque(job);
     if (reason) isorender_log(job, "note: its points have opacities, but %s", reason);
+    if (settings->ior > 0 && job->read_points.colors && isorender_plan_draws(job->plan))
+        isorender_log(job,
+                      "note: its points have colours, but glass shows those of --attenuation-color only");
     if (reason || made_opaque) job->read_points.opacities = NULL;
     job->translucent |= job->read_points.opacities != NULL;
     return isorender_translucent_check(settings, job->translucent || isorender_is_translucent(settings),

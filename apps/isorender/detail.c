@@ -10,9 +10,9 @@ static const double DEFAULT_PIXELS = 1;
 iso_status isorender_detail_check(isorender_settings *settings, iso_error *error) {
     const bool asked = settings->lod > 0; /* NaN: not given */
     if (!asked) return ISO_OK;
-    if (settings->method == ISORENDER_METHOD_UNCHOSEN) settings->method = ISO_METHOD_PULLPUSH;
-    if (settings->method != ISO_METHOD_PULLPUSH && settings->method != ISO_METHOD_SPLATS)
-        return iso_fail(error, ISO_ERR_USAGE, "--lod is for --method pullpush and splats");
+    if (settings->method == ISORENDER_METHOD_UNCHOSEN) settings->method = ISO_METHOD_DISCS;
+    if (!isorender_has_reconstructions(settings->method))
+        return iso_fail(error, ISO_ERR_USAGE, "--lod is for --method discs, pullpush and splats");
     return ISO_OK;
 }
 
@@ -29,7 +29,7 @@ static bool is_fine(const isorender_job *job, int surface, double pixels) {
     const double *side = isorender_points_view(job, surface).transform.spacing,
                  voxel = 2 * fmax(side[0], fmax(side[1], side[2])),
                  scale = view.orthographic ? view.focal : view.focal / fmax(seen.z, view.near),
-                 samples = sqrt(job->settings->samples);
+                 samples = sqrt(job->samples);
     return voxel * ISO_LOD_FLAT_ERROR * scale * samples <= pixels;
 }
 
@@ -41,9 +41,8 @@ static double drawings_of(const isorender_job *job) {
 
 static bool is_wanted(const isorender_job *job, int surface) {
     const isorender_settings *settings = job->settings;
-    const bool discs = job->method == ISO_METHOD_PULLPUSH ||
-                       (job->method == ISO_METHOD_SPLATS && !isorender_uses_groups(job));
-    if (!discs || job->backend->engine || settings->lod == 0 || settings->one_pyramid) return false;
+    const bool has_levels = isorender_has_reconstructions(job->method) && !isorender_uses_groups(job);
+    if (!has_levels || job->backend->engine || settings->lod == 0 || settings->one_pyramid) return false;
     if (settings->lod > 0) return true;
     if (isorender_has_instances(job, surface)) return drawings_of(job) >= ISO_LOD_PAYING_DRAWINGS;
     return settings->turntable >= ISO_LOD_PAYING_DRAWINGS && is_fine(job, surface, DEFAULT_PIXELS);

@@ -32,7 +32,7 @@ iso_status isorender_gaussians_choose(isorender_job *job, iso_error *error) {
     const char *option = job->gaussians ? unfit_option(settings) : NULL;
     if (!option) return ISO_OK;
     return iso_fail(error, ISO_ERR_USAGE,
-                    "holds 3-D Gaussians: %s is for opaque discs, which --method pullpush draws", option);
+                    "holds 3-D Gaussians: %s is for opaque discs, which --method discs draws", option);
 }
 
 /* ---- pictures ---- */
@@ -95,8 +95,7 @@ double isorender_gaussians_size(const iso_glyphs *glyphs) {
 void isorender_gaussians_info(const isorender_job *job) {
     const iso_glyphs *glyphs = &job->loader.points;
     double range[2];
-    printf("  %-11s as 3-D Gaussians (--method gaussians); pullpush, splats and points draw discs\n",
-           "drawn");
+    printf("  %-11s as 3-D Gaussians (--method gaussians); discs, splats and points draw discs\n", "drawn");
     printf("  %-11s %.4g%s, the median of the standard deviations\n", "size",
            isorender_gaussians_size(glyphs), iso_world_unit_suffix(isorender_unit(job)));
     if (isorender_attribute_range(opacity_of(glyphs), glyphs->count, range))

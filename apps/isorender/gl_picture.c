@@ -7,9 +7,8 @@
 uint64_t isorender_gl_bytes(const isorender_job *job) {
     const isorender_backend *backend = job->backend;
     if (!backend->engine || iso_gl_context_info(backend->context).hardware) return 0;
-    int factor = 1;
-    while (factor * factor < job->settings->samples) factor++;
-    const int width = job->settings->width * factor, height = job->settings->height * factor;
+    const int factor = iso_picture_factor(job->samples), width = job->settings->width * factor,
+              height = job->settings->height * factor;
     const uint64_t shapes =
         job->settings->object_options.count ? iso_gl_shapes_bytes(backend->engine, width, height) : 0;
     const bool splats = job->settings->method == ISO_METHOD_SPLATS;
@@ -17,7 +16,7 @@ uint64_t isorender_gl_bytes(const isorender_job *job) {
         const int slots = job->settings->groups ? job->settings->groups : ISO_SPLATS_GROUPS;
         return shapes + iso_gl_splats_bytes(backend->engine, slots, width, height);
     }
-    if (!splats && job->settings->method != ISO_METHOD_PULLPUSH)
+    if (!isorender_has_reconstructions(job->settings->method))
         return shapes + iso_gl_draw_bytes(backend->engine, width, height);
     const bool selects = job->settings->selection == (int)ISO_SELECTION_VISIBLE;
     return shapes + (selects ? iso_gl_selection_bytes(width, height) : 0) +
@@ -88,7 +87,7 @@ static iso_status draw_surfaces(const isorender_job *job, const iso_view *view, 
     const isorender_settings *settings = job->settings;
     const iso_gl_surface *const *surfaces = (const iso_gl_surface *const *)job->gl_surfaces;
     if (isorender_uses_groups(job)) return draw_splats(job, view, gbuffer, error);
-    if (job->method == ISO_METHOD_PULLPUSH || job->method == ISO_METHOD_SPLATS) {
+    if (isorender_has_reconstructions(job->method)) {
         const iso_gl_pullpush_opts pullpush = {view, surfaces, job->surface_count,
                                                (iso_reconstruction)settings->reconstruction,
                                                (iso_point_selection)settings->selection};
@@ -132,6 +131,7 @@ static iso_status draw_object(isorender_job *job, int object, const iso_view *vi
     const iso_target target = {view, gbuffer, job->pool, (uint8_t)(job->surface_count + object)};
     if (job->gl_shapes[object]) return draw_shapes(job, object, view, gbuffer, error);
     if (job->gl_meshes[object] && !gbuffer->element) return draw_mesh(job, object, view, gbuffer, error);
+    job->objects[object].by_cpu = true;
     return isorender_object_draw(&job->objects[object], &target, job->pullpush, error);
 }
 

@@ -1,6 +1,7 @@
 /* The input of one run: opened, checked against the options and the memory limit, and read. */
 #include <inttypes.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "apps/isorender/channels.h"
@@ -19,9 +20,12 @@ static iso_status check_picture(const isorender_job *job, iso_error *error) {
     if (!isorender_plan_draws(job->plan)) return ISO_OK;
     uint64_t needs = isorender_picture_bytes(job);
     uint64_t limit = memory_limit(job->settings);
+    char samples[40] = "";
     if (needs <= limit) return ISO_OK;
-    return iso_fail(error, ISO_ERR_LIMIT, "a picture of %dx%d needs %.0f MB, limit is %.0f MB (--max-memory)",
-                    job->settings->width, job->settings->height, (double)needs / 1e6, (double)limit / 1e6);
+    if (job->samples > 1) snprintf(samples, sizeof samples, " with %d samples a pixel", job->samples);
+    return iso_fail(
+        error, ISO_ERR_LIMIT, "a picture of %dx%d%s needs %.0f MB, limit is %.0f MB (--max-memory)",
+        job->settings->width, job->settings->height, samples, (double)needs / 1e6, (double)limit / 1e6);
 }
 
 /* Checks that the limit of memory allows the grids of their own that surfaces will get (closed, or with
@@ -51,8 +55,8 @@ static void report_reading(void *context, double fraction) {
 static iso_method find_method(iso_method method, int reconstruction) {
     if (method == ISO_METHOD_PULLPUSH && reconstruction == (int)ISO_RECONSTRUCTION_BOX)
         return ISO_METHOD_PULLPUSH_BOX;
-    if (method == ISO_METHOD_PULLPUSH && reconstruction == (int)ISO_RECONSTRUCTION_GAUSSIAN)
-        return ISO_METHOD_PULLPUSH_GAUSSIAN;
+    if (method == ISO_METHOD_DISCS && reconstruction == (int)ISO_RECONSTRUCTION_FLAT)
+        return ISO_METHOD_SPLATS_FLAT;
     if (method != ISO_METHOD_SPLATS || reconstruction == ISORENDER_RECONSTRUCTION_GROUPS) return method;
     return reconstruction == (int)ISO_RECONSTRUCTION_ONEPASS ? ISO_METHOD_SPLATS_ONEPASS
            : reconstruction == (int)ISO_RECONSTRUCTION_EWA   ? ISO_METHOD_SPLATS_EWA
@@ -60,16 +64,25 @@ static iso_method find_method(iso_method method, int reconstruction) {
                                                              : ISO_METHOD_SPLATS_FLAT;
 }
 
+static int usual_samples(const isorender_job *job) {
+    const isorender_settings *settings = job->settings;
+    const bool opaque = !isorender_is_translucent(settings) && !isorender_object_opacity_option(settings) &&
+                        !(settings->ior > 0) && !job->gaussians;
+    return opaque ? iso_method_samples(job->method) : 1;
+}
+
 static void choose_method(isorender_job *job) {
     const isorender_settings *settings = job->settings;
     const bool pyramid = settings->reconstruction == (int)ISO_RECONSTRUCTION_BOX ||
                          settings->reconstruction == (int)ISO_RECONSTRUCTION_GAUSSIAN;
-    const iso_method of_points =
-        pyramid && !isorender_is_translucent(settings) ? ISO_METHOD_PULLPUSH : ISO_METHOD_SPLATS;
-    const iso_method of_volumes = settings->instances ? ISO_METHOD_PULLPUSH : ISO_METHOD_EXACT;
+    const iso_method of_points = pyramid && !isorender_is_translucent(settings) && !(settings->ior > 0)
+                                     ? ISO_METHOD_PULLPUSH
+                                     : ISO_METHOD_SPLATS;
+    const iso_method of_volumes = settings->instances ? ISO_METHOD_DISCS : ISO_METHOD_EXACT;
     const iso_method usual = job->loader.has_points && !job->gaussians ? of_points : of_volumes;
     job->method = settings->method == ISORENDER_METHOD_UNCHOSEN ? usual : (iso_method)settings->method;
     job->renderer = iso_renderer_get(find_method(job->method, settings->reconstruction));
+    job->samples = settings->samples ? settings->samples : usual_samples(job);
 }
 
 /* Whether --method says how lines are drawn, or nothing. */

@@ -47,7 +47,7 @@ typedef struct isorender_surface {
     iso_exact *exact;
     iso_raycaster *caster;
     iso_groups groups; /* of the points, for splats */
-    iso_lod lod;       /* of the points, for pullpush; without levels unless --lod wants them */
+    iso_lod lod;       /* of the points; without levels unless --lod wants them */
     iso_lod_cut cut;   /* of the levels, for the picture that is being drawn */
     iso_box bounds;    /* in the world, mm */
     bool in_pyramid;   /* drawn with other sets in one pyramid (pyramid_sets.c) */
@@ -60,7 +60,7 @@ typedef struct isorender_frame {
     iso_exact_layers_totals layers; /* with translucent surfaces */
     size_t detail[ISO_LOD_LEVELS];  /* points of each level of detail in the cuts of all surfaces */
     int detail_levels;              /* 0: there are no levels */
-    iso_selection_counts selection; /* of pullpush, refined */
+    iso_selection_counts selection; /* of discs and splats */
     iso_instance_counts instances;  /* with --instances */
 } isorender_frame;
 
@@ -82,7 +82,9 @@ struct isorender_job {
     iso_input input,
         volume_inputs[ISORENDER_VOLUMES]; /* how the input, of a certain level, and `volumes` are read */
 
-    iso_method method; /* as --method names it: ISO_METHOD_PULLPUSH and _SPLATS with any reconstruction */
+    iso_method
+        method;  /* as --method names it: ISO_METHOD_PULLPUSH, _DISCS, _SPLATS with any reconstruction */
+    int samples; /* a pixel: of --samples, or the usual number */
     const iso_renderer *renderer; /* the row of the renderers' table for the method and its reconstruction */
 
     isorender_surface surfaces[ISORENDER_SURFACES]; /* those of the input, then one of each of `volumes` */

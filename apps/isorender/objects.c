@@ -287,6 +287,7 @@ void isorender_object_put(iso_json *json, const isorender_object *object) {
         iso_json_integer(json, "triangles", object->mesh.triangle_count);
     else
         put_shapes(json, object);
+    if (object->by_cpu) iso_json_string(json, "backend", "cpu");
     if (object->settings->opacity < 1) put_layers(json, object);
     iso_json_reals(json, "bounds_world", bounds, 6);
     iso_json_end_object(json);

@@ -45,6 +45,7 @@ typedef struct isorender_object {
     const char *color_by;             /* borrowed: the attribute with numbers to be coloured; NULL: none */
     iso_shapes *shapes;               /* of lines and glyphs; NULL before isorender_object_prepare */
     iso_pyramid_lines *pyramid_lines; /* of lines, if they are drawn by pull-push */
+    bool by_cpu;                      /* drawn by the cpu engine where OpenGL was to draw the picture */
     bool in_pyramid;            /* a mesh or ribbons, drawn in one pyramid with others (pyramid_sets.c) */
     iso_shapes_drawn drawn;     /* totals of opaque lines and glyphs, over all frames */
     iso_shapes_layered layered; /* the same of translucent lines and glyphs, and of meshes */

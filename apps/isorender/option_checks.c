@@ -273,6 +273,7 @@ static iso_status check_surfaces(const isorender_settings *settings, iso_error *
 }
 
 bool isorender_is_translucent(const isorender_settings *settings) {
+    if (settings->ior > 0) return false; /* glass; its opacity takes light away */
     for (int i = 0; i < settings->opacity_count; i++)
         if (settings->opacities[i] < 1) return true;
     for (int i = 0; i < settings->volume_count; i++)
@@ -291,13 +292,15 @@ const char *isorender_object_opacity_option(const isorender_settings *settings) 
 
 iso_status isorender_translucent_check(const isorender_settings *settings, bool translucent,
                                        iso_error *error) {
-    const bool absorbs = settings->absorption_length > 0;
+    const bool absorbs = settings->absorption_length > 0,
+               ordered = settings->transparency && !(settings->ior > 0);
     const char *needs = absorbs                                                ? "--absorption"
+                        : ordered                                              ? "--transparency"
                         : settings->layers                                     ? "--layers"
                         : settings->opacity_mode != ISORENDER_OPACITY_BY_ANGLE ? "--opacity-mode"
                                                                                : NULL;
     if (!needs || translucent) return ISO_OK;
-    if (!absorbs && isorender_object_opacity_option(settings)) return ISO_OK;
+    if (!absorbs && !ordered && isorender_object_opacity_option(settings)) return ISO_OK;
     return iso_fail(error, ISO_ERR_USAGE, "%s is for translucent surfaces: it needs an opacity below 1",
                     needs);
 }
@@ -341,6 +344,7 @@ static iso_status check_opacity(const isorender_settings *settings, iso_error *e
         return iso_fail(error, ISO_ERR_USAGE,
                         "--method %s draws no translucent surfaces: exact, raycast and splats do",
                         iso_method_name((iso_method)settings->method));
+    if (settings->ior > 0) return ISO_OK;
     if (settings->mesh)
         return iso_fail(error, ISO_ERR_USAGE, "--mesh writes no opacities: --opacity is for pictures");
     bool seen = settings->absorption_length > 0 || settings->volume_options.count || !settings->opacity_count;
@@ -354,7 +358,6 @@ static const char *option_unfit_for_glass(const isorender_settings *settings) {
     return settings->isovalue_count > 1     ? "several isovalues"
            : settings->volume_options.count ? "--volume"
            : settings->channel_count > 1    ? "several channels"
-           : settings->opacity_count        ? "--opacity"
            : settings->color_count          ? "--color"
            : settings->mesh                 ? "--mesh"
                                             : NULL;
@@ -362,14 +365,43 @@ static const char *option_unfit_for_glass(const isorender_settings *settings) {
 
 /* An option that is for glass only; NULL: none is given. */
 static const char *option_of_glass(const isorender_settings *settings) {
-    return settings->refraction != ISO_REFRACTION_TRACED ? "--refraction"
-           : settings->environment                       ? "--environment"
-           : settings->attenuation_colored               ? "--attenuation-color"
-           : settings->attenuation_distance > 0          ? "--attenuation-distance"
-                                                         : NULL;
+    return settings->refraction != ISORENDER_REFRACTION_UNCHOSEN ? "--refraction"
+           : settings->dispersion > 0                            ? "--dispersion"
+           : settings->environment                               ? "--environment"
+           : settings->attenuation_colored                       ? "--attenuation-color"
+           : settings->attenuation_distance > 0                  ? "--attenuation-distance"
+                                                                 : NULL;
 }
 
-static iso_status check_glass(const isorender_settings *settings, iso_error *error) {
+/* Chooses the refraction when none is given, and checks that the chosen one can be drawn. */
+static iso_status check_refraction(isorender_settings *settings, iso_error *error) {
+    const bool splats = settings->method == ISO_METHOD_SPLATS,
+               nearest = settings->transparency == (int)ISO_TRANSPARENCY_NEAREST;
+    if (settings->refraction == ISORENDER_REFRACTION_UNCHOSEN)
+        settings->refraction = nearest                                        ? ISO_REFRACTION_LAYERS
+                               : splats || settings->object_options.has_cloud ? ISO_REFRACTION_TWO_SIDED
+                                                                              : ISO_REFRACTION_TRACED;
+    const bool two_sided = settings->refraction == ISO_REFRACTION_TWO_SIDED,
+               traced = settings->refraction == ISO_REFRACTION_TRACED;
+    if (splats && traced)
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "--refraction traced follows rays through a volume: --method splats has two-sided, "
+                        "layers, single and none");
+    if (settings->transparency == (int)ISO_TRANSPARENCY_GROUPS)
+        return iso_fail(
+            error, ISO_ERR_USAGE,
+            "--transparency groups draws no surface that could refract: --ior needs sorted or nearest");
+    if (nearest && (two_sided || settings->attenuation_colored))
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "--transparency nearest knows no far side of the glass: %s needs sorted",
+                        two_sided ? "--refraction two-sided" : "--attenuation-color");
+    if (settings->opacity_count && (two_sided || traced))
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "--opacity of glass counts surfaces: it needs --refraction layers, single or none");
+    return ISO_OK;
+}
+
+static iso_status check_glass(isorender_settings *settings, iso_error *error) {
     const char *needs = option_of_glass(settings), *unfit = option_unfit_for_glass(settings);
     if (!(settings->ior > 0) && needs)
         return iso_fail(error, ISO_ERR_USAGE, "%s is for glass: it needs --ior", needs);
@@ -378,8 +410,9 @@ static iso_status check_glass(const isorender_settings *settings, iso_error *err
         return iso_fail(error, ISO_ERR_USAGE,
                         "--ior draws one surface, as glass: it cannot be combined with %s", unfit);
     if (settings->method != ISORENDER_METHOD_UNCHOSEN && !iso_method_has_glass((iso_method)settings->method))
-        return iso_fail(error, ISO_ERR_USAGE, "--method %s draws no glass: exact and raycast do",
+        return iso_fail(error, ISO_ERR_USAGE, "--method %s draws no glass: exact, raycast and splats do",
                         iso_method_name((iso_method)settings->method));
+    ISO_TRY(check_refraction(settings, error));
     if (settings->attenuation_colored != (settings->attenuation_distance > 0))
         return iso_fail(error, ISO_ERR_USAGE,
                         "--attenuation-color and --attenuation-distance need each other");
@@ -397,13 +430,10 @@ static iso_status check_line_shading(const isorender_settings *settings, iso_err
 }
 
 static iso_status check_one_pyramid(const isorender_settings *settings, iso_error *error) {
-    const bool pullpush = settings->method == ISO_METHOD_PULLPUSH &&
-                          settings->reconstruction != (int)ISO_RECONSTRUCTION_REFINED;
     if (!settings->one_pyramid) return ISO_OK;
-    if (!pullpush && settings->method != ISO_METHOD_HYBRID)
+    if (settings->method != ISO_METHOD_PULLPUSH && settings->method != ISO_METHOD_HYBRID)
         return iso_fail(error, ISO_ERR_USAGE,
-                        "--one-pyramid is for --method hybrid, and for pullpush with --reconstruction "
-                        "gaussian or box: refined discs are not made in the pyramid");
+                        "--one-pyramid is for --method pullpush and hybrid: others have no image pyramid");
     if (settings->lod > 0)
         return iso_fail(error, ISO_ERR_USAGE, "--one-pyramid draws all points: --lod is without it");
     return ISO_OK;

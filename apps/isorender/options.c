@@ -27,11 +27,11 @@ static const char *const usage[] = {"[options] IN [OUT.png]",
                                     "merge PART.isokeys ... -o OUT.png",
                                     NULL};
 
-/* The reconstructions of pullpush have an option of their own. The names come from the table of renderers. */
-enum { METHODS = 7 };
-static const iso_method methods[METHODS] = {ISO_METHOD_EXACT,  ISO_METHOD_POINTS, ISO_METHOD_PULLPUSH,
-                                            ISO_METHOD_SPLATS, ISO_METHOD_MESH,   ISO_METHOD_RAYCAST,
-                                            ISO_METHOD_HYBRID};
+/* The reconstructions of a method have an option of their own. The names come from the table of renderers. */
+enum { METHODS = 8 };
+static const iso_method methods[METHODS] = {ISO_METHOD_EXACT,   ISO_METHOD_POINTS, ISO_METHOD_PULLPUSH,
+                                            ISO_METHOD_DISCS,   ISO_METHOD_SPLATS, ISO_METHOD_MESH,
+                                            ISO_METHOD_RAYCAST, ISO_METHOD_HYBRID};
 /* Files of 3-D Gaussians have a renderer that no isosurface has. */
 enum { METHOD_GAUSSIANS = METHODS };
 static const char *method_names[METHODS + 2]; /* filled by isorender_program */
@@ -39,7 +39,7 @@ static const char *const reconstructions[] = {"refined", "box",  "gaussian", "fl
                                               "ewa",     "mean", "groups",   NULL};
 static const char *const transparencies[] = {"sorted", "groups", "nearest", NULL};
 static const char *const selections[] = {"auto", "visible", "all", NULL};
-static const char *const group_radii[] = {"coverage", "root", NULL};
+static const char *const group_radii[] = {"coverage", "root", "copies", NULL};
 static const char *const directions[] = {"front", "back", "left", "right", "top", "bottom", "iso", NULL};
 static const char *const lightings[] = {"phong", "edl", NULL};
 static const char *const scalings[] = {"exact", "attenuated", NULL};
@@ -300,15 +300,19 @@ static const iso_option options[] = {
      .hint = "how much is seen through a surface is its --opacity"},
     {"ior", NULL, "N",
      "draw the solid as glass with this index of refraction (1.5: window glass, 1.33: water); for the "
-     "methods "
-     "exact and raycast",
+     "methods exact, raycast and splats, and for files of points. With --opacity every surface on the way "
+     "takes away this share of the light",
      .group = SURFACE, REAL(ior, 1, 10)},
     {"refraction", NULL, "NAME",
-     "how glass bends light: traced (rays are followed through the solid, with all reflections: the truth), "
-     "two-sided (bent where they enter and first leave), layers (bent once, more for each surface: pretty, "
-     "but "
-     "no approximation) or none (only reflection and absorption)",
-     .group = SURFACE, .standard = "traced", CHOICE(refraction, refractions)},
+     "how glass bends light: traced (rays are followed through the solid of a volume, with all reflections: "
+     "the truth), two-sided (bent where they enter and first leave, and followed where they are totally "
+     "reflected), layers (bent once, more for each surface: pretty, but no approximation), single (bent "
+     "once, by the first surface) or none (only reflection and absorption)",
+     .group = SURFACE, .standard = "traced; of points two-sided", CHOICE(refraction, refractions)},
+    {"dispersion", NULL, "ABBE",
+     "glass bends blue light more than red: its Abbe number, 60 for crown glass, 30 for flint; smaller "
+     "numbers give wider rainbows (each colour is followed by itself: three times the time)",
+     .group = SURFACE, .standard = "none", REAL(dispersion, 1, 1e6)},
     {"environment", NULL, "FILE",
      "what glass reflects and refracts: an equirectangular .exr (linear R G B) or .png; it is also the "
      "background unless --background is given",
@@ -320,8 +324,8 @@ static const iso_option options[] = {
      REAL(attenuation_distance, 1e-6, 1e9)},
     {"primitive", NULL, "NAME",
      "which points: auto, edge, foot, foot-iterated; auto is foot for sparse level sets unless they are "
-     "drawn by "
-     "refined or the isovalue is near the end of the narrow band, edge for the rest",
+     "drawn as "
+     "curved discs or the isovalue is near the end of the narrow band, edge for the rest",
      .group = SURFACE, .standard = "auto", CHOICE(primitive, primitives)},
 
     {"radius", NULL, "MM",
@@ -362,29 +366,31 @@ static const iso_option options[] = {
      .group = PICTURE, TEXT(instances)},
     {"method", NULL, "NAME",
      "how the surface is drawn: exact (the trilinear surface itself, at any zoom: choose it for pictures), "
-     "mesh (Marching Cubes: to see what --mesh exports, or to compare with other programs), pullpush "
-     "(points, filled in image space: to draw many points on a GPU; --lines are "
-     "drawn that way, too: the method of Marroquim et al. 2008, to compare it), points (discs: to see the "
-     "samples themselves), splats (points as flat discs with smooth edges: for files of points), raycast "
+     "mesh (Marching Cubes: to see what --mesh exports, or to compare with other programs), discs (points as "
+     "discs that follow the surface's curvature: the best picture of points), pullpush (points, and the "
+     "surface between them reconstructed in an image pyramid: Marroquim et al. 2008; --lines are drawn that "
+     "way, too), points (discs parallel to the picture: to see the samples themselves), splats (points as "
+     "flat discs with smooth edges: for files of points), raycast "
      "(rays through the field, slow: to check the others), hybrid (triangles where the volume's cells are "
      "larger than 3 pixels, points elsewhere: also of 2008) or gaussians (files of 3-D Gaussians: "
      "translucent ellipsoids, sorted by depth)",
      .group = PICTURE, .standard = "exact, for files of points splats, of 3-D Gaussians gaussians",
      CHOICE(method, method_names)},
     {"reconstruction", NULL, "NAME",
-     "of pullpush: refined (second-order discs; flat ones for points that have colours, and for files of "
-     "points), box or gaussian (equal or Gaussian weights in ellipses; Marroquim 2008); of splats: flat "
-     "(Gaussian discs with a "
-     "low-pass "
+     "of pullpush: gaussian or box (Gaussian or equal weights in ellipses; Marroquim 2008); of discs: "
+     "refined "
+     "(second-order discs; flat ones for points that have colours, and for files of points) or flat (as of "
+     "splats); of splats: flat (Gaussian discs with a low-pass "
      "filter, so that many small points do not flicker), onepass (without the filter, front to back: "
      "Baerentzen and Christensen 2003), ewa (the filter also widens outlines: Zwicker 2001), mean (of the "
      "points with centres in a pixel, near the nearest: for scans with several points a pixel, with holes "
      "where there are none; Schuetz 2021) or groups (deferred blending of groups of discs that do not "
      "overlap: Zhang and Pajarola 2006)",
-     .group = PICTURE, .standard = "refined; of splats flat, or groups with options of groups",
+     .group = PICTURE,
+     .standard = "gaussian; of discs refined; of splats flat, or groups with options of groups",
      CHOICE(reconstruction, reconstructions)},
     {"one-pyramid", NULL, NULL,
-     "pullpush by box or gaussian, and hybrid, draw the input's surfaces, meshes and ribbons in one image "
+     "pullpush and hybrid draw the input's surfaces, meshes and ribbons in one image "
      "pyramid (2008, section 5.1: to compare it) instead of each alone with the nearer one kept, which loses "
      "less around outlines",
      .group = PICTURE, FLAG(one_pyramid)},
@@ -397,19 +403,21 @@ static const iso_option options[] = {
     {"group-radii", NULL, "NAME",
      "how much larger the discs of a group are with --transparency groups and nearest, so that the group "
      "covers the surface by itself: coverage (until they cover nearly the area of all discs, three times at "
-     "most: eq. 7 to 9 of the paper) or root (by the square root of half the number of groups)",
+     "most: eq. 7 to 9 of the paper), root (by the square root of half the number of groups) or copies (not "
+     "at "
+     "all: copies of discs of other groups fill the gaps)",
      .group = PICTURE, .standard = "coverage", CHOICE(group_radii, group_radii)},
     {"group-bins", NULL, "N",
      "bins of depth in which splats are compared (eq. 6 of the paper) instead of by their own depths",
      .group = PICTURE, INT(group_bins, 1, 1 << 20)},
     {"lod", NULL, "PIXELS",
-     "levels of detail for pullpush and splats: where points are closer together than about two times "
+     "levels of detail for discs, pullpush and splats: where points are closer together than about two times "
      "PIXELS, fewer are "
      "drawn, each the mean of several; for turntables of many points; 0: all points are drawn",
      .group = PICTURE, .standard = "1 if there are so many pictures that it saves time, else 0",
      REAL(lod, 0, 1000)},
     {"selection", NULL, "WHICH",
-     "points that pullpush (refined) and splats (all but groups) draw: visible (points that nearer ones "
+     "points that discs and splats (all but groups) draw: visible (points that nearer ones "
      "hide are left out; by OpenGL also some of those that share a pixel), all, or auto (visible on the cpu, "
      "all by OpenGL)",
      .group = PICTURE, .standard = "auto", CHOICE(selection, selections)},
@@ -417,6 +425,10 @@ static const iso_option options[] = {
      "discs of splats that face opposite ways may share a group: fewer groups, but the sides of thin things "
      "then hide each other",
      .group = PICTURE, FLAG(group_opposite)},
+    {"group-coplanar", NULL, "DEGREES",
+     "discs of splats of one colour may share a group if they lie in one plane within this angle: fewer "
+     "groups",
+     .group = PICTURE, .standard = "0: they may not", REAL(group_coplanar, 0, 45)},
     {"shading", NULL, "NAME",
      "phong (by normals, with two lights) or edl (eye-dome lighting: samples are darker the more the "
      "surfaces "
@@ -433,8 +445,8 @@ static const iso_option options[] = {
      CALL(apply_resolution)},
     {"dpi", NULL, "N", "pixels an inch that the picture's file states, for printing; the picture is the same",
      .group = PICTURE, .standard = "none, with one scale (--mm-per-pixel) its true size", REAL(dpi, 1, 1e5)},
-    {"samples", NULL, "N", "samples a pixel: 1, 4, 9, ... 64", .group = PICTURE, .standard = "1",
-     CALL(apply_samples)},
+    {"samples", NULL, "N", "samples a pixel: 1, 4, 9, ... 64", .group = PICTURE,
+     .standard = "4 of opaque pictures by exact, else 1", CALL(apply_samples)},
     {"background", "background-color", "COLOR|none",
      "colour of the background, RRGGBB or a name of CSS; none is transparent (not in a .jpg)",
      .group = PICTURE, .standard = "FFFFFF", CALL(apply_background)},
@@ -532,7 +544,8 @@ static const iso_option options[] = {
      .flags = ISO_OPTION_VALUE_OPTIONAL | ISO_OPTION_UNRECORDED},
 
     {"backend", "rendering-backend", "NAME",
-     "cpu, egl or osmesa (OpenGL without a window: points, pullpush, opaque splats, mesh, lines and glyphs); "
+     "cpu, egl or osmesa (OpenGL without a window: points, discs, pullpush, opaque splats, mesh, lines and "
+     "glyphs); "
      "auto is a GPU "
      "where EGL finds "
      "one, else cpu; but what needs the cpu is drawn by it",
@@ -636,9 +649,8 @@ iso_status isorender_settings_parse(int argc, char *const *argv, isorender_setti
                                      .backend = "auto",
                                      .width = 1024,
                                      .height = 1024,
-                                     .samples = 1,
                                      .background = {255, 255, 255},
-                                     .refraction = ISO_REFRACTION_TRACED,
+                                     .refraction = ISORENDER_REFRACTION_UNCHOSEN,
                                      .direction = ISORENDER_DIRECTION_UNCHOSEN,
                                      .up = {0, 0, 1},
                                      .zoom = 1,

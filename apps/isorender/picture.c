@@ -41,6 +41,7 @@ static bool is_opaque(const isorender_object *object) {
 static iso_status draw_object(isorender_job *job, int i, const iso_view *view, iso_gbuffer *gbuffer,
                               iso_error *error) {
     const iso_target target = {view, gbuffer, job->pool, (uint8_t)(job->surface_count + i)};
+    job->objects[i].by_cpu = job->backend->engine != NULL;
     return isorender_object_draw(&job->objects[i], &target, job->pullpush, error);
 }
 
@@ -275,12 +276,17 @@ static iso_status render_glass(isorender_job *job, iso_picture_opts *opts, iso_i
                                isorender_frame *frame, iso_error *error) {
     const isorender_settings *settings = job->settings;
     const iso_subject subject = subject_of(job, &job->surfaces[0]);
-    iso_glass_scene scene = {.method = job->method,
-                             .refraction = (iso_refraction)settings->refraction,
-                             .subject = &subject,
-                             .glass = {.ior = settings->ior, .environment = job->environment},
-                             .shows_environment = !settings->background_given && !settings->transparent,
-                             .opts = opts};
+    iso_glass_scene scene = {
+        .method = job->method,
+        .refraction = (iso_refraction)settings->refraction,
+        .transparency = (iso_transparency)settings->transparency,
+        .abbe = settings->dispersion,
+        .subject = &subject,
+        .glass = {.ior = settings->ior,
+                  .surface_opacity = settings->opacity_count ? settings->opacities[0] : 0,
+                  .environment = job->environment},
+        .shows_environment = !settings->background_given && !settings->transparent,
+        .opts = opts};
     if (settings->attenuation_colored)
         iso_glass_set_absorption(&scene.glass, settings->attenuation_color, settings->attenuation_distance);
     iso_picture_layers callbacks;
@@ -333,7 +339,7 @@ static iso_status render_frame(isorender_job *job, int frame, canvas *c, iso_err
     iso_picture_opts opts = {.camera = &camera,
                              .width = settings->width,
                              .height = settings->height,
-                             .samples = settings->samples,
+                             .samples = job->samples,
                              .shading = {colors, count, settings->background, settings->transparent},
                              .lighting = (iso_lighting)settings->lighting,
                              .draw = draw,
@@ -409,8 +415,8 @@ uint64_t isorender_picture_bytes(const isorender_job *job) {
     const isorender_settings *settings = job->settings;
     enum { SAMPLE = sizeof(float) + 3 * sizeof(float) + 1, STRIP = 256 << 20 };
     uint64_t pixels = (uint64_t)settings->width * (uint64_t)settings->height;
-    uint64_t samples = pixels * (uint64_t)settings->samples * SAMPLE;
-    if (settings->lighting) samples += pixels * (uint64_t)settings->samples * sizeof(float);
+    uint64_t samples = pixels * (uint64_t)job->samples * SAMPLE;
+    if (settings->lighting) samples += pixels * (uint64_t)job->samples * sizeof(float);
     uint64_t aov = settings->aov ? pixels * (ISO_AOV_PLANES + 1) * sizeof(float) : 0;
     if (has_ids(settings)) aov += pixels * ISO_ID_PLANES * sizeof(uint32_t);
     uint64_t bytes = 4 * pixels + isorender_chunks_bytes(job) + aov + (samples < STRIP ? samples : STRIP);
@@ -419,11 +425,11 @@ uint64_t isorender_picture_bytes(const isorender_job *job) {
     if (isorender_is_translucent(settings) || fragments) bytes += threads * ISO_EXACT_LAYERS_BYTES;
     if (fragments) bytes += threads * ISO_SHAPES_PIECES_BYTES;
     if (settings->ior > 0)
-        bytes +=
-            iso_glass_scene_bytes((iso_refraction)settings->refraction, pixels * (uint64_t)settings->samples);
+        bytes += iso_glass_scene_bytes((iso_refraction)settings->refraction, pixels * (uint64_t)job->samples);
     if (job->backend->engine && settings->object_options.count) bytes += samples < STRIP ? samples : STRIP;
     if (job->backend->engine) return bytes + isorender_gl_bytes(job);
-    if (job->method != ISO_METHOD_PULLPUSH && job->method != ISO_METHOD_HYBRID) return bytes;
+    const bool pyramids = job->method == ISO_METHOD_PULLPUSH || job->method == ISO_METHOD_HYBRID;
+    if (!pyramids && job->method != ISO_METHOD_DISCS) return bytes;
     enum { PYRAMID = 24, SETS = 104 }; /* bytes a sample; drawn in parts as well */
     bool sets = false, meshes = job->method == ISO_METHOD_HYBRID;
     for (int i = 0; i < settings->object_options.count; i++) {
@@ -431,7 +437,7 @@ uint64_t isorender_picture_bytes(const isorender_job *job) {
         meshes |= settings->object_options.kinds[i] == ISORENDER_MESH;
     }
     if (meshes) bytes += samples < STRIP ? samples : STRIP; /* the triangles' picture */
-    uint64_t pyramid = pixels * (uint64_t)settings->samples * (PYRAMID + (sets ? SETS : 0));
+    uint64_t pyramid = pixels * (uint64_t)job->samples * (PYRAMID + (sets && pyramids ? SETS : 0));
     return bytes + (pyramid < STRIP ? pyramid : STRIP);
 }
 
@@ -463,9 +469,9 @@ iso_status isorender_render(isorender_job *job, iso_error *error) {
     if (!job->frames) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
     canvas c = {0};
     iso_status status = iso_image_create(settings->width, settings->height, &c.image, error);
-    const bool pyramid = job->method == ISO_METHOD_PULLPUSH || job->method == ISO_METHOD_HYBRID ||
-                         (job->method == ISO_METHOD_SPLATS && !isorender_uses_groups(job));
-    if (status == ISO_OK && pyramid && (job->object_count || !job->backend->engine))
+    const bool has_workspace = job->method == ISO_METHOD_HYBRID ||
+                               (isorender_has_reconstructions(job->method) && !isorender_uses_groups(job));
+    if (status == ISO_OK && has_workspace && (job->object_count || !job->backend->engine))
         status = iso_pullpush_create(&job->pullpush, error);
     if (status == ISO_OK && job->plan->aov)
         status = iso_aov_create(settings->width, settings->height, &c.aov, error);

@@ -6,6 +6,7 @@
 #include "apps/common/json.h"
 #include "apps/isorender/channels.h"
 #include "apps/isorender/chunks.h"
+#include "apps/isorender/engines.h"
 #include "apps/isorender/labels.h"
 #include "base/file.h"
 #include "base/memory.h"
@@ -96,6 +97,8 @@ static void put_glass(iso_json *json, const isorender_settings *settings) {
     iso_json_begin_object(json, "glass");
     iso_json_real(json, "ior", settings->ior);
     iso_json_string(json, "refraction", iso_refraction_name((iso_refraction)settings->refraction));
+    if (settings->dispersion > 0) iso_json_real(json, "dispersion", settings->dispersion);
+    if (settings->opacity_count) iso_json_real(json, "surface_opacity", settings->opacities[0]);
     iso_json_string(json, "environment", settings->environment ? settings->environment : "studio");
     iso_json_end_object(json);
 }
@@ -197,7 +200,7 @@ static iso_status put_frame(iso_json *json, const char *key, const isorender_job
     ISO_TRY(put_name(json, "aov_path", job->plan, job->plan->aov, frame, error));
     iso_json_integer(json, "width", (uint64_t)settings->width);
     iso_json_integer(json, "height", (uint64_t)settings->height);
-    iso_json_integer(json, "samples", (uint64_t)settings->samples);
+    iso_json_integer(json, "samples", (uint64_t)job->samples);
     iso_json_integer(json, "covered", job->frames[frame].covered);
     iso_json_string(json, "hash", hash);
     if (job->translucent || job->gaussians) put_layers(json, &job->frames[frame]);
@@ -262,25 +265,24 @@ static void put_passes(iso_json *json, const iso_gl_engine *engine) {
 }
 
 static void put_backend(iso_json *json, const isorender_job *job) {
-    const isorender_backend *backend = job->backend;
-    iso_json_string(json, "backend", backend->name);
-    iso_json_string(json, "renderer", backend->renderer);
-    if (!backend->context) return;
-    iso_gl_info info = iso_gl_context_info(backend->context);
+    const isorender_backend backend = isorender_engines_backend(job);
+    iso_json_string(json, "backend", backend.name);
+    iso_json_string(json, "renderer", backend.renderer);
+    if (!backend.context) return;
+    iso_gl_info info = iso_gl_context_info(backend.context);
     iso_json_begin_object(json, "gl");
     iso_json_string(json, "context", info.name);
     iso_json_string(json, "vendor", info.vendor);
     iso_json_string(json, "version", info.version);
-    iso_json_integer(json, "messages", iso_gl_context_messages(backend->context).count);
+    iso_json_integer(json, "messages", iso_gl_context_messages(backend.context).count);
     if (job->settings->strips) put_strips(json, job);
-    put_passes(json, backend->engine);
+    put_passes(json, backend.engine);
     iso_json_end_object(json);
 }
 
 static void put_method(iso_json *json, const isorender_job *job) {
-    const bool reconstructs = job->method == ISO_METHOD_PULLPUSH || job->method == ISO_METHOD_SPLATS;
     iso_json_string(json, "method", job->gaussians ? "gaussians" : iso_method_name(job->method));
-    if (reconstructs && !job->gaussians)
+    if (isorender_has_reconstructions(job->method) && !job->gaussians)
         iso_json_string(json, "reconstruction",
                         isorender_reconstruction_name(job->settings, job->method == ISO_METHOD_SPLATS));
 }

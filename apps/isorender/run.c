@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "apps/isorender/chunks.h"
+#include "apps/isorender/engines.h"
 #include "apps/isorender/isorender.h"
 #include "apps/isorender/ranks.h"
 #include "base/clock.h"
@@ -141,16 +142,27 @@ static void log_faces(const isorender_job *job) {
         isorender_log(job, "note: drawn as points: its faces are not drawn (--surface draws them)");
 }
 
+static void log_old_discs(const isorender_job *job) {
+    const char *name = isorender_reconstruction_name(job->settings, false);
+    if (job->settings->old_discs)
+        isorender_log(job,
+                      "note: --method pullpush --reconstruction %s is an older name of --method discs "
+                      "--reconstruction %s, which is drawn",
+                      name, name);
+}
+
 static iso_status run_steps(isorender_job *job, iso_error *error) {
     double start = iso_clock_seconds();
     ISO_TRY(iso_ranks_agree(&job->settings->ranks, open_and_check(job, error), error));
     const iso_ranks *ranks = &job->settings->ranks;
     log_faces(job);
+    log_old_discs(job);
     const iso_status made = job->settings->info ? print_info(job, error) : make_outputs(job, error);
     ISO_TRY(iso_ranks_agree(ranks, made, error));
     ISO_TRY(isorender_ranks_memory(ranks, job->rank_bytes, error));
     job->seconds.total = iso_clock_seconds() - start;
     if (job->settings->common.json && !job->settings->ranks.rank) ISO_TRY(isorender_report_json(job, error));
+    if (!job->settings->info) isorender_engines_log(job);
     if (!job->settings->info) log_outputs(job);
     return ISO_OK;
 }

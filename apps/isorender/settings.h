@@ -22,6 +22,10 @@ enum { ISORENDER_MOST_OPTIONS = 256 }; /* rows of the table of options */
  * pullpush if their reconstruction is box or gaussian; none of them for files of 3-D Gaussians. */
 enum { ISORENDER_METHOD_UNCHOSEN = -1 };
 
+/* isorender_settings.refraction when the option is not given: traced for volumes; two-sided for points, and
+ * layers if only their nearest layer is drawn as a surface (--transparency nearest). */
+enum { ISORENDER_REFRACTION_UNCHOSEN = -1 };
+
 /* isorender_settings.direction when the option is not given: front, but iso for flat files of points. */
 enum { ISORENDER_DIRECTION_UNCHOSEN = -1 };
 
@@ -43,7 +47,8 @@ typedef enum isorender_opacity_mode {
 /* How the discs of a group are enlarged so that the group covers the surface. */
 typedef enum isorender_group_radii {
     ISORENDER_GROUP_RADII_COVERAGE,
-    ISORENDER_GROUP_RADII_ROOT
+    ISORENDER_GROUP_RADII_ROOT,
+    ISORENDER_GROUP_RADII_COPIES /* not at all: copies of discs of other groups fill the gaps */
 } isorender_group_radii;
 
 /* Which normals the points of a file get: those that it has, or estimated ones. */
@@ -83,7 +88,8 @@ typedef struct isorender_settings {
     double absorption_length; /* mm; 0: not given */
     int layers;               /* crossings of each surface that are drawn; 0: all */
     double ior;               /* index of refraction; 0: not given, so the surface is not glass */
-    int refraction;           /* iso_refraction */
+    int refraction;           /* iso_refraction; ISORENDER_REFRACTION_UNCHOSEN until options are checked */
+    double dispersion;        /* Abbe number; 0: not given */
     const char *environment;  /* NULL: the built-in studio */
     iso_rgb attenuation_color;
     int attenuation_colored;     /* attenuation_color is given */
@@ -109,25 +115,29 @@ typedef struct isorender_settings {
     double line_min_pixels; /* least width of lines in the picture, pixels */
     int color_bar;
 
-    /* ISO_METHOD_EXACT, _POINTS, _PULLPUSH, _SPLATS, _MESH, _RAYCAST or ISORENDER_METHOD_UNCHOSEN */
+    /* ISO_METHOD_EXACT, _POINTS, _PULLPUSH, _DISCS, _SPLATS, _MESH, _RAYCAST, _HYBRID or
+     * ISORENDER_METHOD_UNCHOSEN */
     int method;
     int gaussians;      /* --method gaussians: the points of the file are drawn as 3-D Gaussians; `method` is
                            ISORENDER_METHOD_UNCHOSEN then */
     int lighting;       /* iso_lighting */
-    int reconstruction; /* iso_reconstruction; of splats from FLAT on, or _GROUPS;
-                           for files of points without --method REFINED, which is then FLAT */
+    int reconstruction; /* iso_reconstruction; of pullpush GAUSSIAN or BOX, of discs REFINED or FLAT, of
+                           splats from FLAT on, or _GROUPS; for files of points without --method REFINED,
+                           which is then FLAT */
+    bool old_discs;     /* discs were chosen by an older name: --method pullpush --reconstruction refined */
     int one_pyramid;    /* of pullpush and hybrid */
     /* Of splats: iso_groups_opts, and iso_splats_opts.bins. 0: not given. */
     int groups, group_bins, group_opposite;
-    double group_overlap;
-    int group_radii;  /* isorender_group_radii */
-    int transparency; /* iso_transparency, of splats */
-    int selection;    /* iso_point_selection, of discs */
-    double lod;       /* levels of detail: pixels; 0: none; NaN: not given */
+    double group_overlap, group_coplanar; /* group_coplanar: degrees */
+    int group_radii;                      /* isorender_group_radii */
+    int transparency;                     /* iso_transparency, of splats */
+    int selection;                        /* iso_point_selection, of discs */
+    double lod;                           /* levels of detail: pixels; 0: none; NaN: not given */
     const char *backend;
     int scaling; /* iso_point_scaling */
     int strips;
-    int width, height, samples, turntable, no_image;
+    int samples; /* of a pixel; 0: the usual number (isorender_job.samples) */
+    int width, height, turntable, no_image;
     iso_rgb background;
     int transparent, background_given;
 
@@ -166,8 +176,10 @@ iso_status isorender_translucent_check(const isorender_settings *settings, bool 
                                        iso_error *error);
 /* The option that makes lines, glyphs or meshes translucent; NULL: all are opaque. */
 const char *isorender_object_opacity_option(const isorender_settings *settings);
-/* Chooses the reconstruction when none is given, and checks that the options of splats are for splats.
- * ISO_ERR_USAGE. */
+/* Whether --reconstruction is for this iso_method: for pullpush, discs and splats. */
+bool isorender_has_reconstructions(int method);
+/* Chooses the reconstruction when none is given, and checks that it is one of the method's and that the
+ * options of splats are for splats. Replaces an older name of discs. ISO_ERR_USAGE. */
 iso_status isorender_splats_check(isorender_settings *settings, iso_error *error);
 
 /* Chooses the method for --lod if none is given, and checks that it has levels of detail. ISO_ERR_USAGE. */

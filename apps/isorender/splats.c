@@ -1,21 +1,24 @@
-/* Splats: checks their options, divides points into groups, and reports the groups. */
+/* Reconstructions of pullpush, discs and splats: checks them and the options of splats, divides points into
+ * groups, and reports the groups. */
 #include "apps/isorender/isorender.h"
+#include "base/copies.h"
 #include "base/coverage.h"
 
 /* The option of splats that is given, NULL: none. */
 static const char *given_option(const isorender_settings *settings) {
-    return settings->groups              ? "--groups"
-           : settings->group_overlap > 0 ? "--group-overlap"
-           : settings->group_bins        ? "--group-bins"
-           : settings->group_opposite    ? "--group-opposite"
-           : settings->group_radii       ? "--group-radii"
-                                         : NULL;
+    return settings->groups               ? "--groups"
+           : settings->group_overlap > 0  ? "--group-overlap"
+           : settings->group_bins         ? "--group-bins"
+           : settings->group_opposite     ? "--group-opposite"
+           : settings->group_coplanar > 0 ? "--group-coplanar"
+           : settings->group_radii        ? "--group-radii"
+                                          : NULL;
 }
 
 /* --transparency, and options of translucent surfaces that splats do not have. */
 static iso_status check_transparency(const isorender_settings *settings, iso_error *error) {
     const bool sorted = settings->transparency == (int)ISO_TRANSPARENCY_SORTED;
-    if (!sorted && !(settings->method == ISO_METHOD_SPLATS && isorender_is_translucent(settings)))
+    if (!sorted && settings->method != ISO_METHOD_SPLATS)
         return iso_fail(error, ISO_ERR_USAGE, "--transparency is for --method splats with --opacity below 1");
     if (sorted && settings->group_radii)
         return iso_fail(error, ISO_ERR_USAGE, "--group-radii is for --transparency groups and nearest");
@@ -27,54 +30,74 @@ static iso_status check_transparency(const isorender_settings *settings, iso_err
     return ISO_OK;
 }
 
-/* --selection is for discs: pullpush by the reconstruction refined, and splats but for groups. */
+/* --selection is for the method discs, and for splats but for groups. */
 static iso_status check_selection(const isorender_settings *settings, iso_error *error) {
-    const bool refined = settings->method == ISO_METHOD_PULLPUSH &&
-                         settings->reconstruction == (int)ISO_RECONSTRUCTION_REFINED,
+    const bool discs = settings->method == ISO_METHOD_DISCS,
                splats = settings->method == ISO_METHOD_SPLATS &&
                         settings->reconstruction != ISORENDER_RECONSTRUCTION_GROUPS;
     if (settings->selection == (int)ISO_SELECTION_AUTO) return ISO_OK;
     if (isorender_is_translucent(settings))
         return iso_fail(error, ISO_ERR_USAGE, "--selection is for opaque surfaces");
-    if (!refined && !splats)
+    if (!discs && !splats)
         return iso_fail(error, ISO_ERR_USAGE,
-                        "--selection is for --method pullpush --reconstruction refined, and for --method "
-                        "splats --reconstruction flat, onepass, ewa or mean");
+                        "--selection is for --method discs, and for --method splats --reconstruction flat, "
+                        "onepass, ewa or mean");
     return ISO_OK;
 }
 
+bool isorender_has_reconstructions(int method) {
+    return method == ISO_METHOD_PULLPUSH || method == ISO_METHOD_DISCS || method == ISO_METHOD_SPLATS;
+}
+
 static int usual_reconstruction(const isorender_settings *settings) {
+    if (settings->method == ISO_METHOD_PULLPUSH) return ISO_RECONSTRUCTION_GAUSSIAN;
     if (settings->method != ISO_METHOD_SPLATS) return ISO_RECONSTRUCTION_REFINED;
     const bool sorted = settings->transparency == (int)ISO_TRANSPARENCY_SORTED;
     return given_option(settings) || !sorted ? ISORENDER_RECONSTRUCTION_GROUPS : (int)ISO_RECONSTRUCTION_FLAT;
 }
 
+static iso_status check_reconstruction(const isorender_settings *settings, iso_error *error) {
+    const int chosen = settings->reconstruction;
+    const bool pyramid = chosen == (int)ISO_RECONSTRUCTION_BOX || chosen == (int)ISO_RECONSTRUCTION_GAUSSIAN,
+               flat = chosen == (int)ISO_RECONSTRUCTION_FLAT,
+               of_splats = chosen >= (int)ISO_RECONSTRUCTION_FLAT;
+    if (settings->method == ISO_METHOD_SPLATS && !of_splats)
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "--method splats has --reconstruction flat, onepass, ewa, mean or groups");
+    if (settings->method == ISO_METHOD_PULLPUSH && !pyramid)
+        return iso_fail(error, ISO_ERR_USAGE, "--method pullpush has --reconstruction gaussian or box");
+    if (settings->method == ISO_METHOD_DISCS && chosen != (int)ISO_RECONSTRUCTION_REFINED && !flat)
+        return iso_fail(error, ISO_ERR_USAGE, "--method discs has --reconstruction refined or flat");
+    if (!isorender_has_reconstructions(settings->method) && of_splats)
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "--reconstruction flat, onepass, ewa, mean and groups are for --method splats%s",
+                        flat ? " (flat for discs, too)" : "");
+    return ISO_OK;
+}
+
 iso_status isorender_splats_check(isorender_settings *settings, iso_error *error) {
     if ((settings->transparency || settings->selection) && settings->method == ISORENDER_METHOD_UNCHOSEN)
         settings->method = ISO_METHOD_SPLATS;
-    const bool splats = settings->method == ISO_METHOD_SPLATS;
+    settings->old_discs =
+        settings->method == ISO_METHOD_PULLPUSH && (settings->reconstruction == ISO_RECONSTRUCTION_REFINED ||
+                                                    settings->reconstruction == ISO_RECONSTRUCTION_FLAT);
+    if (settings->old_discs) settings->method = ISO_METHOD_DISCS;
     const char *option = given_option(settings);
     if (settings->reconstruction == ISORENDER_RECONSTRUCTION_UNCHOSEN)
         settings->reconstruction = usual_reconstruction(settings);
-    const bool of_splats = settings->reconstruction >= (int)ISO_RECONSTRUCTION_FLAT;
+    ISO_TRY(check_reconstruction(settings, error));
     const bool groups = settings->reconstruction == ISORENDER_RECONSTRUCTION_GROUPS;
-    if (splats && !of_splats)
-        return iso_fail(error, ISO_ERR_USAGE,
-                        "--method splats has --reconstruction flat, onepass, ewa, mean or groups");
-    if (!splats && of_splats)
-        return iso_fail(error, ISO_ERR_USAGE,
-                        "--reconstruction flat, onepass, ewa, mean and groups are for --method splats");
-    if (option && !(splats && groups))
+    if (option && !groups)
         return iso_fail(error, ISO_ERR_USAGE, "%s is for --method splats --reconstruction groups", option);
     if (groups && settings->lod > 0)
         return iso_fail(error, ISO_ERR_USAGE, "--reconstruction groups has no levels of detail (--lod)");
     ISO_TRY(check_transparency(settings, error));
     ISO_TRY(check_selection(settings, error));
-    if (isorender_is_translucent(settings) && of_splats && !groups &&
-        settings->reconstruction != (int)ISO_RECONSTRUCTION_FLAT)
+    if ((isorender_is_translucent(settings) || settings->ior > 0) && settings->method == ISO_METHOD_SPLATS &&
+        !groups && settings->reconstruction != (int)ISO_RECONSTRUCTION_FLAT)
         return iso_fail(error, ISO_ERR_USAGE,
-                        "--reconstruction onepass, ewa and mean draw opaque points: --opacity below 1 needs "
-                        "flat or groups");
+                        "--reconstruction onepass, ewa and mean draw opaque points: %s needs flat or groups",
+                        settings->ior > 0 ? "--ior" : "--opacity below 1");
     if (settings->transparency != (int)ISO_TRANSPARENCY_SORTED && !groups)
         return iso_fail(error, ISO_ERR_USAGE,
                         "--transparency groups and nearest need --reconstruction groups");
@@ -94,9 +117,12 @@ iso_status isorender_groups_make(isorender_job *job, int surface, iso_error *err
     if (settings->groups) opts.limit = settings->groups;
     opts.overlap = settings->group_overlap;
     opts.ignore_opposite = settings->group_opposite;
+    opts.coplanar = settings->group_coplanar;
     ISO_TRY(iso_groups_make(&points, &opts, groups, error));
     if (!sorted && settings->group_radii == ISORENDER_GROUP_RADII_COVERAGE)
         ISO_TRY(iso_groups_cover(&points, opts.disc, job->pool, groups, error));
+    if (!sorted && settings->group_radii == ISORENDER_GROUP_RADII_COPIES)
+        ISO_TRY(iso_groups_copy(&points, opts.disc, job->pool, groups, error));
     const double count = (double)iso_point_view_count(&points);
     isorender_log_verbose(job, "%d groups: %.2f overlapping discs a disc, %.4f of them in its group",
                           groups->count, 2 * (double)groups->joined / count,
@@ -119,6 +145,7 @@ void isorender_report_groups(iso_json *json, const isorender_job *job) {
         iso_json_integer(json, "count", (uint64_t)groups->count);
         iso_json_integer(json, "overlaps", groups->joined);
         iso_json_integer(json, "conflicts", groups->conflicts);
+        if (groups->copies) iso_json_integer(json, "copies", groups->copy_count);
         if (groups->widening[0] > 0) report_widening(json, groups);
         iso_json_end_object(json);
     }

@@ -120,7 +120,9 @@ static void choose_opacities(isorender_job *job) {
     const int given = settings->opacity_count;
     for (int i = 0; i < job->surface_count; i++) {
         const isorender_volume_settings *volume = volume_settings(job, i);
-        const double of_input = given ? settings->opacities[i < given ? i : given - 1] : 1;
+        const double of_input = settings->ior > 0 ? 1
+                                : given           ? settings->opacities[i < given ? i : given - 1]
+                                                  : 1;
         iso_translucency *translucency = &job->surfaces[i].translucency;
         *translucency = isorender_translucency(settings, volume ? volume->opacity : of_input);
         translucency->absorption_length = (float)settings->absorption_length;
@@ -168,7 +170,7 @@ static iso_status fail_empty(const isorender_surface *surface, iso_error *error)
 
 /* Whether points are drawn as curved discs. */
 static bool is_refined(const isorender_job *job) {
-    return job->renderer->method == ISO_METHOD_PULLPUSH;
+    return job->renderer->method == ISO_METHOD_DISCS;
 }
 
 iso_primitive isorender_primitive(const isorender_job *job) {
@@ -191,8 +193,7 @@ static iso_status extract_points(isorender_job *job, isorender_surface *surface,
                             .pool = job->pool};
     ISO_TRY(iso_point_set_create(&surface->grid, &opts, &surface->points, error));
     ISO_TRY(iso_point_set_update(surface->points, error));
-    if (job->method == ISO_METHOD_PULLPUSH || job->method == ISO_METHOD_SPLATS)
-        ISO_TRY(iso_point_set_bound(surface->points, error));
+    if (isorender_has_reconstructions(job->method)) ISO_TRY(iso_point_set_bound(surface->points, error));
     iso_points_stats stats = iso_point_set_stats(surface->points);
     job->point_count += stats.points;
     job->rejected += stats.rejected;

@@ -86,7 +86,8 @@ static const iso_option options[] = {
     {"resolution", NULL, "WxH", "size of the pictures that --draw draws", .group = RUNNING,
      .kind = ISO_OPTION_CALL, .apply = apply_resolution, .standard = "1280x800"},
     {"backend", "rendering-backend", "NAME",
-     "what draws in the window: cpu, or gl (OpenGL: points, pullpush and mesh, and exact as a mesh while it "
+     "what draws in the window: cpu, or gl (OpenGL: points, discs, pullpush and mesh, and exact as a mesh "
+     "while it "
      "moves); "
      "auto is gl where a GPU does it; the panel changes it",
      .group = RUNNING, .kind = ISO_OPTION_CHOICE, AT(backend), .choices = backends, .standard = "auto"},

@@ -93,6 +93,13 @@ static void put_opacities(writer *w, const isosculpt_viewport *viewport) {
     put_number(w, how->second_opacity);
 }
 
+static void put_method(writer *w, iso_method method) {
+    if (method == ISO_METHOD_PULLPUSH_BOX)
+        put(w, " --method pullpush --reconstruction box");
+    else
+        put(w, " --method %s", iso_method_name(method));
+}
+
 bool isosculpt_render_command_text(const isosculpt_render_command *command, char *text, size_t room) {
     const isosculpt_viewport *viewport = command->viewport;
     const iso_camera *camera = &viewport->camera;
@@ -111,8 +118,8 @@ bool isosculpt_render_command_text(const isosculpt_render_command *command, char
         put_number(&w, how->second_isovalue);
     }
     put_opacities(&w, viewport);
-    put(&w, " --method %s --backend cpu --samples 4 --resolution %dx%d",
-        iso_method_name(isosculpt_viewport_method(viewport)), command->width, command->height);
+    put_method(&w, isosculpt_viewport_method(viewport));
+    put(&w, " --backend cpu --samples 4 --resolution %dx%d", command->width, command->height);
     put_color(&w, "--color", viewport->mode.material.color);
     if (two) put(&w, ",%02X%02X%02X", second.r, second.g, second.b);
     put_color(&w, "--background", viewport->mode.material.background);

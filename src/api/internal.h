@@ -31,7 +31,6 @@ struct iso_surface {
     iso_subject subject;   /* the parts that renderers draw */
     iso_point_set *points; /* points as floats for iso_surface_points; NULL: not requested yet */
     iso_lod lod;           /* of the subject's points; without levels until instances ask for them */
-    iso_primitive primitive;
     double opacity;
     bool has_color;
     iso_rgb color;

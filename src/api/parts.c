@@ -35,12 +35,12 @@ static iso_status check_opts(const iso_keys_opts *opts, iso_error *error) {
     if (opts->transform && iso_transform_is_singular(opts->transform))
         return iso_fail(error, ISO_ERR_USAGE, "spacing and direction of the whole do not span the space");
     if (opts->method != ISO_METHOD_EXACT && opts->method != ISO_METHOD_PULLPUSH_BOX &&
-        opts->method != ISO_METHOD_PULLPUSH_GAUSSIAN)
-        return iso_fail(error, ISO_ERR_USAGE,
-                        "parts are drawn by exact, pullpush-gaussian and pullpush-box only");
+        opts->method != ISO_METHOD_PULLPUSH)
+        return iso_fail(error, ISO_ERR_USAGE, "parts are drawn by exact, pullpush and pullpush-box only");
     if (opts->width < 0 || opts->height < 0 || opts->width > ISO_IMAGE_MAX || opts->height > ISO_IMAGE_MAX)
         return iso_fail(error, ISO_ERR_USAGE, "a picture of %d x %d pixels: sides are 1 to %d", opts->width,
                         opts->height, ISO_IMAGE_MAX);
+    ISO_TRY(iso_picture_check_samples(opts->samples, error));
     if (!opts->camera) return iso_fail(error, ISO_ERR_USAGE, "parts need the camera of the whole");
     return iso_camera_check(opts->camera, error);
 }
@@ -58,6 +58,7 @@ static void describe_picture(const iso_keys_opts *opts, iso_key_file *file) {
     file->surface.isovalue = opts->isovalue;
     style->width = opts->width ? opts->width : DEFAULT_SIDE;
     style->height = opts->height ? opts->height : DEFAULT_SIDE;
+    style->samples = opts->samples ? opts->samples : iso_method_samples(opts->method);
     style->position = opts->camera->position;
     style->focal_point = opts->camera->focal_point;
     style->view_up = opts->camera->view_up;
@@ -232,12 +233,6 @@ static iso_status with_part(iso_keys *keys, const iso_keys_part *part, use_part 
     return status;
 }
 
-static iso_view view_of(const iso_keys *keys) {
-    const iso_key_style *style = &keys->file.style;
-    const iso_camera camera = iso_key_style_camera(style);
-    return iso_view_make(&camera, style->width, style->height);
-}
-
 /* Points near voxels that are not finite depend on more than a part. */
 static iso_status extract_points(const iso_keys *keys, const iso_grid_chunk *chunk, iso_rgrid *grid,
                                  iso_point_set **points, iso_error *error) {
@@ -250,7 +245,7 @@ static iso_status extract_points(const iso_keys *keys, const iso_grid_chunk *chu
 }
 
 static iso_status survey(iso_keys *keys, const iso_grid_chunk *chunk, iso_rgrid *grid, iso_error *error) {
-    const iso_view view = view_of(keys);
+    const iso_view view = iso_key_style_view(&keys->file.style);
     iso_pullpush_survey all = iso_pullpush_survey_get(keys->survey);
     iso_point_set *points = NULL;
     ISO_TRY(extract_points(keys, chunk, grid, &points, error));
@@ -275,11 +270,11 @@ double *iso_keys_surveyed(iso_keys *keys) {
 /* Completes the survey and allocates the pixels, unless that is done. */
 static iso_status begin(iso_keys *keys, iso_error *error) {
     iso_key_style *style = &keys->file.style;
-    int width = style->width, height = style->height;
+    const iso_view view = iso_key_style_view(style);
+    int width = view.width, height = view.height;
     if (keys->begun) return ISO_OK;
     if (!is_exact(keys)) {
         const iso_pullpush_survey whole = iso_pullpush_survey_get(keys->survey);
-        const iso_view view = view_of(keys);
         if (whole.lo[0] > whole.hi[0])
             return iso_fail(error, ISO_ERR_EMPTY, "the survey of the parts has found no surface");
         style->base = iso_pullpush_base_of(&whole, &view);
@@ -292,7 +287,7 @@ static iso_status begin(iso_keys *keys, iso_error *error) {
 }
 
 static iso_status draw_cells(iso_keys *keys, const iso_grid_chunk *chunk, iso_rgrid *grid, iso_error *error) {
-    const iso_view view = view_of(keys);
+    const iso_view view = iso_key_style_view(&keys->file.style);
     const uint8_t *color = keys->file.style.color;
     const iso_exact_key_picture picture = {
         &view, {color[0], color[1], color[2]}, &keys->file.keys, keys->pool};
@@ -305,7 +300,7 @@ static iso_status draw_cells(iso_keys *keys, const iso_grid_chunk *chunk, iso_rg
 
 static iso_status draw_points(iso_keys *keys, const iso_grid_chunk *chunk, iso_rgrid *grid,
                               iso_error *error) {
-    const iso_view view = view_of(keys);
+    const iso_view view = iso_key_style_view(&keys->file.style);
     const iso_pullpush_survey whole = iso_pullpush_survey_get(keys->survey);
     const iso_pullpush_keys picture = {&view, keys->file.style.base, &keys->file.keys, keys->pool};
     iso_point_set *points = NULL;

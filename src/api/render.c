@@ -216,6 +216,12 @@ static iso_status check(iso_surface *const *surfaces, int count, const iso_rende
         if (!surfaces[i]) return iso_fail(error, ISO_ERR_USAGE, "surface %d is NULL", i);
     if (!iso_renderer_get(opts->method))
         return iso_fail(error, ISO_ERR_USAGE, "there is no method %d", (int)opts->method);
+    for (int i = 0; i < count && opts->method == ISO_METHOD_HYBRID; i++)
+        if (surfaces[i]->subject.primitive > ISO_PRIMITIVE_EDGE)
+            return iso_fail(
+                error, ISO_ERR_USAGE,
+                "the method hybrid joins edge points to triangles: the primitive %s lies elsewhere",
+                iso_primitive_name(surfaces[i]->subject.primitive));
     if (opts->instances && !iso_method_has_instances(opts->method))
         return iso_fail(error, ISO_ERR_USAGE, "the method %s draws no instances: those that draw discs do",
                         iso_renderer_get(opts->method)->name);
@@ -299,6 +305,8 @@ static iso_status set_up_layers(rendering *r, const iso_render_opts *opts, iso_e
     ISO_TRY(list_sets(r, opts, error));
     r->translucent |= r->sets_count > 0;
     ISO_TRY(check_layers(r, opts, error));
+    if (!r->picture.samples)
+        r->picture.samples = r->translucent ? 1 : iso_method_samples(r->renderer->method);
     if (opts->aov && !r->translucent) iso_aov_remove_layers(opts->aov);
     if (!r->translucent) return ISO_OK;
     r->layers = (iso_layered_picture){.method = r->renderer->method,

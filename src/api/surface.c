@@ -41,9 +41,11 @@ iso_status iso_surface_create(iso_volume *volume, const iso_surface_opts *opts, 
     if (!made) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a surface");
     made->volume = iso_api_volume_of(volume);
     made->volume->surfaces++;
-    made->subject = (iso_subject){
-        .grid = &volume->grid, .isovalue = opts->isovalue, .pool = made->volume->pool, .bounded = true};
-    made->primitive = opts->primitive;
+    made->subject = (iso_subject){.grid = &volume->grid,
+                                  .isovalue = opts->isovalue,
+                                  .pool = made->volume->pool,
+                                  .bounded = true,
+                                  .primitive = opts->primitive};
     made->opacity = opts->opacity > 0 ? opts->opacity : 1;
     made->has_color = opts->color != NULL;
     if (opts->color) made->color = *opts->color;
@@ -114,7 +116,7 @@ iso_status iso_surface_bounds(iso_surface *surface, iso_box *box, iso_error *err
 /* Extracts the points as floats, because packed points have rounded positions and are for pictures only. */
 static iso_status update_points(iso_surface *surface, iso_point_view *view, iso_error *error) {
     const iso_points_opts opts = {.isovalue = surface->subject.isovalue,
-                                  .primitive = surface->primitive,
+                                  .primitive = surface->subject.primitive,
                                   .floats = true,
                                   .pool = surface->volume->pool};
     ISO_TRY(iso_api_surface_ready(surface, error));

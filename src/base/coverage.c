@@ -9,10 +9,11 @@
  * hardly grows any more; here factors up to ISO_COVERAGE_MOST are tried, and bisection finds the least. */
 #include "base/coverage.h"
 
+#include "base/disc_samples.h"
 #include "base/point_cells.h"
 
 enum {
-    SAMPLES = 32,      /* of a disc */
+    SAMPLES = ISO_DISC_SAMPLES,
     DISCS = 8192,      /* whose overlaps are computed, about */
     NEIGHBOURS = 2048, /* most of a disc that are examined */
     FACTORS = 16,      /* that are tried, evenly spaced */
@@ -114,19 +115,6 @@ static void find_neighbours(covering *c) {
 }
 
 /* ---- areas */
-
-/* The golden angle, by rotating. */
-static void spread_samples(float samples[SAMPLES][2]) {
-    const double cosine = -0.73736887807831990, sine = 0.67549029426152364;
-    double x = 1, y = 0;
-    for (int i = 0; i < SAMPLES; i++) {
-        const double radius = sqrt((i + 0.5) / SAMPLES), turned = cosine * x - sine * y;
-        samples[i][0] = (float)(radius * x);
-        samples[i][1] = (float)(radius * y);
-        y = sine * x + cosine * y;
-        x = turned;
-    }
-}
 
 /* Copies those neighbours of a disc that overlap it if both are enlarged; returns how many. */
 static int find_overlapping(const covering *c, const measured *disc, float factor, bool all_groups,
@@ -266,7 +254,7 @@ static iso_status measure(covering *c, iso_pool *pool, iso_error *error) {
     c->neighbours = iso_alloc(total * sizeof *c->neighbours);
     if (!c->neighbours) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the coverage of groups");
     find_neighbours(c);
-    spread_samples(c->samples);
+    iso_spread_disc_samples(c->samples);
     c->whole = area_of_all(c);
     iso_parallel_for(pool, (size_t)c->groups->count, widen_group, c);
     return ISO_OK;

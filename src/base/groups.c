@@ -7,6 +7,7 @@
  * before it. If all of these are unchanged, so is the result, which is copied. */
 #include "base/groups.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "base/point_cells.h"
@@ -31,19 +32,21 @@ struct iso_groups_memory {
     uint8_t *group; /* one per point of the cells */
     tally *tallies; /* one per block */
     int limit;
-    bool ignore_opposite, by_number;
+    bool by_number, by_normals; /* by_normals: rule 1 or 2 is followed */
 };
 
 typedef struct colouring {
     const iso_point_view *view;
+    iso_affine affine; /* of the view */
     const iso_point_cells *cells;
     uint8_t *group;               /* one per point of the cells; NO_GROUP: not yet */
     tally *tallies;               /* one per block */
     const iso_cell_block *blocks; /* of one pass; its tallies begin at the same number */
     size_t first_block;
     int limit;
-    bool ignore_opposite, by_number;
-    const iso_groups_memory *last; /* of the last call, or NULL: all points are coloured */
+    bool by_number, by_normals, ignore_opposite;
+    double least_cosine, most_sine; /* of rule 1; least_cosine above 1: it is not followed */
+    const iso_groups_memory *last;  /* of the last call, or NULL: all points are coloured */
     /* One per block: its points, or their groups, differ from those of the last call. */
     uint8_t *altered;
 } colouring;
@@ -54,15 +57,29 @@ typedef struct surroundings {
     int count;
 } surroundings;
 
-static bool are_opposite(const iso_point_view *view, uint32_t a, uint32_t b) {
-    const iso_affine affine = iso_transform_affine(&view->transform);
+static iso_vec3 vector_between(const iso_cell_point *a, const iso_cell_point *b) {
+    return iso_vec3_make((double)(b->position[0] - a->position[0]), (double)(b->position[1] - a->position[1]),
+                         (double)(b->position[2] - a->position[2]));
+}
+
+static bool have_other_colors(const iso_point_view *view, uint32_t a, uint32_t b) {
+    return view->colors && memcmp(view->colors[a], view->colors[b], sizeof view->colors[a]) != 0;
+}
+
+/* Whether two points that overlap do not conflict, by rule 1 or 2. */
+static bool is_allowed(const colouring *c, const iso_cell_point *a, const iso_cell_point *b) {
     iso_vec3 normal[2];
     for (int i = 0; i < 2; i++) {
-        const iso_surfel surfel = iso_point_view_get(view, i ? b : a);
-        normal[i] =
-            iso_affine_normal(&affine, iso_vec3_make(surfel.normal[0], surfel.normal[1], surfel.normal[2]));
+        const iso_surfel surfel = iso_point_view_get(c->view, i ? b->index : a->index);
+        normal[i] = iso_affine_normal(&c->affine,
+                                      iso_vec3_make(surfel.normal[0], surfel.normal[1], surfel.normal[2]));
     }
-    return iso_vec3_dot(normal[0], normal[1]) < 0;
+    const double cosine = iso_vec3_dot(normal[0], normal[1]);
+    if (c->ignore_opposite && cosine < 0) return true;
+    if (cosine < c->least_cosine || have_other_colors(c->view, a->index, b->index)) return false;
+    const iso_vec3 between = vector_between(a, b);
+    const double most = c->most_sine * iso_vec3_length(between);
+    return fabs(iso_vec3_dot(normal[0], between)) <= most && fabs(iso_vec3_dot(normal[1], between)) <= most;
 }
 
 static float squared_distance(const iso_cell_point *a, const iso_cell_point *b) {
@@ -90,13 +107,12 @@ static void count_range(const colouring *c, iso_cell_range range, const iso_cell
     for (uint32_t i = range.first; i < range.end; i++) conflicts[c->group[i]] += do_overlap(at, &points[i]);
 }
 
-/* As count_range, but ignores points whose normals are opposite to that of point `at`. */
-static void count_alike(const colouring *c, iso_cell_range range, const iso_cell_point *at,
-                        uint32_t conflicts[COUNTS]) {
+/* As count_range, but ignores points that are allowed in the group of point `at`. */
+static void count_by_normals(const colouring *c, iso_cell_range range, const iso_cell_point *at,
+                             uint32_t conflicts[COUNTS]) {
     const iso_cell_point *points = c->cells->points.data;
     for (uint32_t i = range.first; i < range.end; i++)
-        conflicts[c->group[i]] +=
-            do_overlap(at, &points[i]) && !are_opposite(c->view, at->index, points[i].index);
+        conflicts[c->group[i]] += do_overlap(at, &points[i]) && !is_allowed(c, at, &points[i]);
 }
 
 /* Returns the first `most` points of a range. */
@@ -113,9 +129,8 @@ static void weigh_conflicts(const colouring *c, const surroundings *around, cons
         const iso_cell_range range = limited(around->range[r], left);
         for (uint32_t i = range.first; i < range.end; i++) {
             const uint32_t overlap = overlap_of(at, &points[i]);
-            const bool ignored =
-                overlap && c->ignore_opposite && are_opposite(c->view, at->index, points[i].index);
-            weights[c->group[i]] += ignored ? 0 : overlap;
+            const bool allowed = overlap && c->by_normals && is_allowed(c, at, &points[i]);
+            weights[c->group[i]] += allowed ? 0 : overlap;
         }
         left -= range.end - range.first;
     }
@@ -139,7 +154,7 @@ static void colour_cell(const colouring *c, uint32_t cell, tally *t) {
         uint32_t left = LOOKED_AT;
         for (int r = 0; r < around.count && left; r++) {
             const iso_cell_range range = limited(around.range[r], left);
-            (c->ignore_opposite ? count_alike : count_range)(c, range, &points[i], conflicts);
+            (c->by_normals ? count_by_normals : count_range)(c, range, &points[i], conflicts);
             left -= range.end - range.first;
         }
         for (int k = 0; k < c->limit; k++) t->joined += conflicts[k];
@@ -289,7 +304,7 @@ size_t iso_groups_length(const iso_point_view *view) {
 /* Returns whether points that have not changed get the same groups as in the last call. The cells' points
  * have no normals, so changes of normals are not noticed. */
 static bool is_comparable(const iso_groups_memory *last, const colouring *c) {
-    return last && !c->ignore_opposite && !last->ignore_opposite && last->limit == c->limit &&
+    return last && !c->by_normals && !last->by_normals && last->limit == c->limit &&
            last->by_number == c->by_number;
 }
 
@@ -298,18 +313,24 @@ static iso_status colour(const iso_point_view *view, const iso_groups_opts *opts
                          const iso_groups_memory *last, iso_groups *groups, iso_error *error) {
     const iso_point_cells *cells = &memory->cells;
     const size_t blocks = cells->start[ISO_CELL_LEVELS * ISO_CELL_PARITIES];
+    double sine, cosine;
+    iso_sincos(opts->coplanar * (3.14159265358979323846 / 180), &sine, &cosine);
     memory->group = iso_alloc(cells->point_count);
     memory->tallies = iso_alloc_zero(blocks, sizeof *memory->tallies);
     memory->limit = opts->limit ? opts->limit : ISO_GROUPS_MOST;
-    memory->ignore_opposite = opts->ignore_opposite;
+    memory->by_normals = opts->ignore_opposite || opts->coplanar > 0;
     memory->by_number = opts->by_number;
     colouring c = {.view = view,
+                   .affine = iso_transform_affine(&view->transform),
                    .cells = cells,
                    .group = memory->group,
                    .tallies = memory->tallies,
                    .blocks = cells->blocks.data,
                    .limit = memory->limit,
-                   .ignore_opposite = memory->ignore_opposite,
+                   .by_normals = memory->by_normals,
+                   .ignore_opposite = opts->ignore_opposite,
+                   .least_cosine = opts->coplanar > 0 ? cosine : 2,
+                   .most_sine = sine,
                    .by_number = memory->by_number,
                    .altered = iso_alloc(blocks)};
     c.last = is_comparable(last, &c) ? last : NULL;
@@ -364,6 +385,7 @@ size_t iso_groups_memory_bytes(const iso_groups *groups) {
 
 void iso_groups_free(iso_groups *groups) {
     iso_free(groups->group);
+    iso_free(groups->copies);
     free_memory(groups->memory);
     *groups = (iso_groups){0};
 }

@@ -10,8 +10,8 @@
 
 const int ISO_COST_VIEWPORT[ISO_COST_VIEWPORTS] = {100, 200, 400, 800, 2048};
 
-static const iso_method METHODS[ISO_COST_METHODS] = {ISO_METHOD_POINTS, ISO_METHOD_PULLPUSH_GAUSSIAN,
-                                                     ISO_METHOD_MESH, ISO_METHOD_EXACT};
+static const iso_method METHODS[ISO_COST_METHODS] = {ISO_METHOD_POINTS, ISO_METHOD_PULLPUSH, ISO_METHOD_MESH,
+                                                     ISO_METHOD_EXACT};
 
 enum { MOST_FRAMES = 200 };
 

@@ -12,12 +12,13 @@
 #include "base/file.h"
 #include "base/memory.h"
 #include "image/annotate.h"
+#include "render/picture.h"
 #include "render/pullpush/pyramid.h"
 
 static const char MAGIC[8] = {'I', 'S', 'O', 'K', 'E', 'Y', 'S', '\n'};
 
 enum {
-    VERSION = 2,
+    VERSION = 3,
     BUFFER_BYTES = 1 << 16,
     HEADER_MOST = 1 << 20, /* bytes */
     TEXT_NONE = -1,        /* the length of a text that is not there */
@@ -118,6 +119,7 @@ static void pass_style(header *h, iso_key_style *style) {
                               &style->world_unit};
     pass_ints(h, &style->width, 1);
     pass_ints(h, &style->height, 1);
+    pass_ints(h, &style->samples, 1);
     pass_ints(h, &style->base.base, 1);
     pass_ints(h, &style->base.top, 1);
     pass_ints(h, &style->base.width, 1);
@@ -249,12 +251,12 @@ static bool all_finite(const double *values, int count) {
 /* Sets `size` to that of the keys; false: there are none of such a picture. */
 static bool find_key_size(const iso_key_style *style, int size[2]) {
     const iso_pullpush_base *base = &style->base;
-    const iso_view view = {.width = style->width, .height = style->height};
-    size[0] = style->width;
-    size[1] = style->height;
+    const int factor = iso_picture_factor(style->samples);
+    const iso_view view = {.width = style->width * factor, .height = style->height * factor};
+    size[0] = view.width;
+    size[1] = view.height;
     if (style->method == ISO_METHOD_EXACT) return true;
-    if (style->method != ISO_METHOD_PULLPUSH_BOX && style->method != ISO_METHOD_PULLPUSH_GAUSSIAN)
-        return false;
+    if (style->method != ISO_METHOD_PULLPUSH_BOX && style->method != ISO_METHOD_PULLPUSH) return false;
     if (base->base < 0 || base->base >= base->top || base->top > ISO_PYRAMID_TOP || base->cull < 0 ||
         base->cull > 1)
         return false;
@@ -270,7 +272,8 @@ static bool is_sound_style(const iso_key_style *style) {
                              style->orientation_marker, style->anatomical};
     const double *vectors[] = {&style->position.x, &style->focal_point.x, &style->view_up.x};
     bool sound = style->width >= 1 && style->height >= 1 && style->width <= ISO_IMAGE_MAX &&
-                 style->height <= ISO_IMAGE_MAX;
+                 style->height <= ISO_IMAGE_MAX && style->samples >= 1 &&
+                 iso_picture_factor(style->samples) > 0;
     for (size_t i = 0; i < sizeof flags / sizeof *flags; i++) sound &= flags[i] == 0 || flags[i] == 1;
     for (int i = 0; i < 3; i++) sound &= all_finite(vectors[i], 3);
     sound &= style->unit >= 0 && style->unit < ISO_UNITS;

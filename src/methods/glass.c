@@ -2,13 +2,20 @@
 #include "methods/glass.h"
 
 #include "exact/glass.h"
+#include "render/splats/layers.h"
 #include "truth/traced_glass.h"
 
+/* Of flat discs and of groups. */
+static bool is_splats(iso_method method) {
+    return method == ISO_METHOD_SPLATS || method == ISO_METHOD_SPLATS_FLAT;
+}
+
 bool iso_method_has_glass(iso_method method) {
-    return method == ISO_METHOD_EXACT || method == ISO_METHOD_RAYCAST;
+    return method == ISO_METHOD_EXACT || method == ISO_METHOD_RAYCAST || is_splats(method);
 }
 
 iso_part iso_glass_part(iso_method method, iso_refraction refraction) {
+    if (is_splats(method)) return ISO_PART_POINTS;
     const bool rays = method == ISO_METHOD_RAYCAST || refraction == ISO_REFRACTION_TRACED;
     return rays ? ISO_PART_CASTER : ISO_PART_CELLS;
 }
@@ -22,6 +29,11 @@ static iso_status make_map(iso_glass_scene *scene, iso_error *error) {
     ISO_TRY(iso_glass_map_create(&scene->view, &scene->map, error));
     if (scene->method == ISO_METHOD_EXACT)
         return iso_exact_map_glass(scene->subject->exact, &scene->map, pool, error);
+    if (is_splats(scene->method)) {
+        const iso_point_view points = iso_subject_points(scene->subject);
+        return iso_splats_map_glass(&points, &scene->subject->groups, scene->transparency, &scene->map, pool,
+                                    error);
+    }
     iso_raycast_map_glass(scene->subject->caster, &scene->map, pool);
     return ISO_OK;
 }
@@ -31,13 +43,24 @@ static iso_status shade(void *context, const iso_strip *strip, iso_image *image,
                         size_t *covered, iso_error *error) {
     (void)aov, (void)error; /* coverage is already that of the surface */
     const iso_glass_scene *scene = context;
-    const bool traced = scene->refraction == ISO_REFRACTION_TRACED;
-    const iso_traced_glass rays = {scene->subject->caster, &scene->glass, &scene->view};
-    const iso_mapped_glass mapped = {&scene->glass, &scene->map, scene->refraction};
+    const bool traced = scene->refraction == ISO_REFRACTION_TRACED, disperses = scene->abbe > 0;
+    double iors[3] = {scene->glass.ior, scene->glass.ior, scene->glass.ior};
+    if (disperses) iso_glass_disperse(scene->glass.ior, scene->abbe, iors);
+    iso_glass glass[3];
+    iso_traced_glass rays[3];
+    iso_mapped_glass mapped[3];
+    iso_dispersed_glass colors = {.light = traced ? iso_traced_glass_light : iso_glass_light};
+    for (int k = 0; k < 3; k++) {
+        glass[k] = scene->glass;
+        glass[k].ior = iors[k];
+        rays[k] = (iso_traced_glass){scene->subject->caster, &glass[k], &scene->view};
+        mapped[k] = (iso_mapped_glass){&glass[k], &scene->map, scene->refraction};
+        colors.contexts[k] = traced ? (const void *)&rays[k] : (const void *)&mapped[k];
+    }
     const iso_glass_picture picture = {.view = &scene->view,
                                        .strip = strip,
-                                       .light = traced ? iso_traced_glass_light : iso_glass_light,
-                                       .context = traced ? (const void *)&rays : (const void *)&mapped,
+                                       .light = disperses ? iso_dispersed_glass_light : colors.light,
+                                       .context = disperses ? (const void *)&colors : colors.contexts[0],
                                        .behind = scene->shows_environment ? scene->glass.environment : NULL,
                                        .background = &scene->opts->shading,
                                        .image = image,

@@ -1,10 +1,12 @@
-/* glass: pictures of a surface as transparent glass, by the methods exact and raycast. */
+/* glass: pictures of a surface as transparent glass, by the methods exact and raycast, and by splats for
+ * points. */
 #ifndef ISO_METHODS_GLASS_H
 #define ISO_METHODS_GLASS_H
 
 #include "methods/method.h"
 #include "render/glass/glass.h"
 #include "render/picture.h"
+#include "render/splats/layers.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -21,8 +23,10 @@ iso_part iso_glass_part(iso_method method, iso_refraction refraction);
 typedef struct iso_glass_scene {
     iso_method method; /* one for which iso_method_has_glass is true. With traced refraction the method makes
                           no difference */
-    iso_refraction refraction;
-    const iso_subject *subject; /* its part iso_glass_part is up to date */
+    iso_refraction refraction;     /* of splats not traced; with ISO_TRANSPARENCY_NEAREST not two-sided */
+    iso_transparency transparency; /* how splats find layers: sorted or nearest */
+    double abbe;                   /* dispersion as an Abbe number; 0: all colours are refracted alike */
+    const iso_subject *subject;    /* its part iso_glass_part is up to date */
     iso_glass glass;
     bool shows_environment; /* the environment is seen behind the solid; if not, the background colour */
     const iso_picture_opts *opts;

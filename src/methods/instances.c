@@ -11,7 +11,7 @@ static bool find_reconstruction(iso_method method, iso_reconstruction *reconstru
     static const struct {
         iso_method method;
         iso_reconstruction reconstruction;
-    } rows[] = {{ISO_METHOD_PULLPUSH, ISO_RECONSTRUCTION_REFINED},
+    } rows[] = {{ISO_METHOD_DISCS, ISO_RECONSTRUCTION_REFINED},
                 {ISO_METHOD_SPLATS_FLAT, ISO_RECONSTRUCTION_FLAT},
                 {ISO_METHOD_SPLATS_ONEPASS, ISO_RECONSTRUCTION_ONEPASS},
                 {ISO_METHOD_SPLATS_EWA, ISO_RECONSTRUCTION_EWA},

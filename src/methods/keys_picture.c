@@ -1,4 +1,4 @@
-/* keys_picture: paints the keys of exact; pulls and pushes those of points; annotates. */
+/* keys_picture: paints the keys of exact, or averages them; pulls and pushes those of points; annotates. */
 #include "methods/keys_picture.h"
 
 #include "extract/points/points.h"
@@ -21,7 +21,8 @@ static iso_status draw_merged(void *context, const iso_view *view, iso_gbuffer *
 
 static iso_status render_points(const iso_merged_keys *keys, const iso_picture_opts *opts, iso_image *image,
                                 size_t *covered, iso_error *error) {
-    const iso_view view = iso_view_make(opts->camera, opts->width, opts->height);
+    const iso_view pixels = iso_view_make(opts->camera, opts->width, opts->height),
+                   view = iso_view_scaled(&pixels, iso_picture_factor(opts->samples));
     points_draw draw = {
         .reconstruction =
             keys->method == ISO_METHOD_PULLPUSH_BOX ? ISO_RECONSTRUCTION_BOX : ISO_RECONSTRUCTION_GAUSSIAN,
@@ -35,26 +36,65 @@ static iso_status render_points(const iso_merged_keys *keys, const iso_picture_o
     return iso_picture_render(&merged, image, covered, error);
 }
 
+/* ---- cells */
+
+typedef struct cells_draw {
+    const iso_key_image *keys;
+    iso_pool *pool;
+} cells_draw;
+
+typedef struct cell_rows {
+    const uint64_t *keys; /* from the first row on */
+    iso_gbuffer *gbuffer;
+} cell_rows;
+
+/* Writes a row of keys as samples that have colours of their own, and all the light. */
+static void write_row(void *context, size_t row, int worker) {
+    (void)worker;
+    const cell_rows *rows = context;
+    const iso_gbuffer *gbuffer = rows->gbuffer;
+    const size_t width = (size_t)gbuffer->width, end = (row + 1) * width;
+    for (size_t i = row * width; i < end; i++) {
+        if (rows->keys[i] == ISO_KEY_EMPTY) continue;
+        gbuffer->surface[i] = 0;
+        gbuffer->color[i] = ((uint32_t)rows->keys[i] & 0xffffff) | 1u << 24;
+        gbuffer->light[i] = 1;
+    }
+}
+
+static iso_status draw_cells(void *context, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
+    const cells_draw *draw = context;
+    ISO_TRY(iso_gbuffer_add_color(gbuffer, error));
+    ISO_TRY(iso_gbuffer_add_light(gbuffer, error));
+    cell_rows rows = {draw->keys->keys + (size_t)view->above * (size_t)view->width, gbuffer};
+    iso_parallel_for(draw->pool, (size_t)view->height, write_row, &rows);
+    return ISO_OK;
+}
+
+static iso_status render_cells(const iso_merged_keys *keys, const iso_picture_opts *opts, iso_image *image,
+                               size_t *covered, iso_error *error) {
+    if (iso_picture_factor(opts->samples) == 1) {
+        *covered = iso_key_image_paint(keys->image, &opts->shading, image, opts->pool);
+        return ISO_OK;
+    }
+    cells_draw draw = {keys->image, opts->pool};
+    iso_picture_opts merged = *opts;
+    merged.draw = draw_cells;
+    merged.draw_context = &draw;
+    merged.begin_strip = NULL;
+    return iso_picture_render(&merged, image, covered, error);
+}
+
 iso_status iso_render_merged_keys(const iso_merged_keys *keys, const iso_picture_opts *opts, iso_image *image,
                                   size_t *covered, iso_error *error) {
-    if (keys->method != ISO_METHOD_EXACT) return render_points(keys, opts, image, covered, error);
-    *covered = iso_key_image_paint(keys->image, &opts->shading, image, opts->pool);
-    return ISO_OK;
+    return keys->method == ISO_METHOD_EXACT ? render_cells(keys, opts, image, covered, error)
+                                            : render_points(keys, opts, image, covered, error);
 }
 
 /* ---- styles */
 
 static iso_rgb rgb_of(const uint8_t bytes[4]) {
     return (iso_rgb){bytes[0], bytes[1], bytes[2]};
-}
-
-iso_camera iso_key_style_camera(const iso_key_style *style) {
-    return (iso_camera){.position = style->position,
-                        .focal_point = style->focal_point,
-                        .view_up = style->view_up,
-                        .view_angle = style->view_angle,
-                        .orthographic = style->orthographic != 0,
-                        .parallel_scale = style->parallel_scale};
 }
 
 iso_status iso_render_key_style(const iso_key_style *style, const iso_transform *transform,
@@ -64,7 +104,7 @@ iso_status iso_render_key_style(const iso_key_style *style, const iso_transform 
     const iso_picture_opts opts = {.camera = &camera,
                                    .width = style->width,
                                    .height = style->height,
-                                   .samples = 1,
+                                   .samples = style->samples,
                                    .shading = {&color, 1, background, style->transparent},
                                    .pool = pool};
     const iso_merged_keys keys = {(iso_method)style->method, style->base, *transform, image};

@@ -18,12 +18,10 @@ typedef struct iso_merged_keys {
     iso_key_image *image;    /* borrowed */
 } iso_merged_keys;
 
-/* Makes the picture of opts->camera and opts->shading, with one sample a pixel: opts->draw is not used.
- * Errors as iso_picture_render. */
+/* Makes the picture of opts->camera and opts->shading; the keys are those of its samples. opts->draw is not
+ * used. Errors as iso_picture_render. */
 iso_status iso_render_merged_keys(const iso_merged_keys *keys, const iso_picture_opts *opts, iso_image *image,
                                   size_t *covered, iso_error *error);
-
-iso_camera iso_key_style_camera(const iso_key_style *style);
 
 /* Makes the picture that a style describes, with its annotations. `transform`: of the volume.
  * ISO_ERR_USAGE: the camera; ISO_ERR_EMPTY: no pixel has a key; errors as iso_picture_render. */

@@ -12,8 +12,7 @@
 static iso_status make_points(iso_subject *subject, iso_error *error) {
     if (!subject->workspace) ISO_TRY(iso_pullpush_create(&subject->workspace, error));
     iso_points_opts opts = {.isovalue = subject->isovalue,
-                            .primitive = ISO_PRIMITIVE_EDGE, /* the points with which pullpush gives the best
-                                                                pictures */
+                            .primitive = subject->primitive ? subject->primitive : ISO_PRIMITIVE_EDGE,
                             .curvature = true,
                             .pool = subject->pool};
     return iso_point_set_create(subject->grid, &opts, &subject->points, error);
@@ -106,7 +105,8 @@ void iso_subject_free(iso_subject *subject) {
     *subject = (iso_subject){.grid = subject->grid,
                              .isovalue = subject->isovalue,
                              .pool = subject->pool,
-                             .bounded = subject->bounded};
+                             .bounded = subject->bounded,
+                             .primitive = subject->primitive};
 }
 
 const char *iso_part_name(iso_part part) {
@@ -238,17 +238,16 @@ enum {
 
 static const iso_renderer METHODS[] = {
     {ISO_METHOD_POINTS, "points", "attenuated points (2003)", POINTS, draw_points},
-    {ISO_METHOD_PULLPUSH_BOX, "pullpush-box", "pull-push, box filter (2008)", POINTS, draw_box},
-    {ISO_METHOD_PULLPUSH_GAUSSIAN, "pullpush-gaussian", "pull-push, Gaussian filter (2008)", POINTS,
-     draw_gaussian},
-    {ISO_METHOD_PULLPUSH, "pullpush", "pull-push, curved discs", POINTS, draw_refined},
+    {ISO_METHOD_PULLPUSH_BOX, "pullpush-box", "pull-push, equal weights (2008)", POINTS, draw_box},
+    {ISO_METHOD_PULLPUSH, "pullpush", "pull-push, Gaussian weights (2008)", POINTS, draw_gaussian},
+    {ISO_METHOD_DISCS, "discs", "points as curved discs", POINTS, draw_refined},
     {ISO_METHOD_SPLATS, "splats", "splats in groups, one pass (2006)", POINTS | GROUPS, draw_splats},
     {ISO_METHOD_MESH, "mesh", "Marching Cubes mesh", MESH, draw_mesh},
     {ISO_METHOD_EXACT, "exact", "the trilinear surface, cell by cell", CELLS, draw_exact},
 };
 
-/* Not in the list of what is compared. Where cells are small hybrid is pullpush-gaussian, where they are
- * large it is mesh; flat discs are pullpush without curvatures, which is for points of files. */
+/* Not in the list of what is compared. Where cells are small hybrid is pullpush, where they are large it is
+ * mesh; flat discs are discs without curvatures, which are for points of files. */
 static const iso_renderer OTHERS[] = {
     {ISO_METHOD_HYBRID, "hybrid", "points and triangles (2008)", POINTS | MESH, draw_hybrid},
     {ISO_METHOD_SPLATS_FLAT, "splats-flat", "splats, flat discs", POINTS, draw_flat},
@@ -256,6 +255,9 @@ static const iso_renderer OTHERS[] = {
     {ISO_METHOD_SPLATS_EWA, "splats-ewa", "splats, EWA filter", POINTS, draw_ewa},
     {ISO_METHOD_SPLATS_MEAN, "splats-mean", "mean of a pixel's points", POINTS, draw_mean},
 };
+
+/* A name that a method had before. */
+static const char OLD_PULLPUSH[] = "pullpush-gaussian";
 
 static const iso_renderer TRUTH = {ISO_METHOD_RAYCAST, "raycast", "rays through the trilinear field", CASTER,
                                    draw_raycast};
@@ -278,12 +280,17 @@ const iso_renderer *iso_renderer_get(iso_method method) {
     return NULL;
 }
 
+int iso_method_samples(iso_method method) {
+    return method == ISO_METHOD_EXACT ? 4 : 1;
+}
+
 const char *iso_method_name(iso_method method) {
     const iso_renderer *renderer = iso_renderer_get(method);
     return renderer ? renderer->name : NULL;
 }
 
 iso_status iso_method_find(const char *name, iso_method *method, iso_error *error) {
+    if (name && strcmp(name, OLD_PULLPUSH) == 0) name = iso_method_name(ISO_METHOD_PULLPUSH);
     for (int i = 0; i < ISO_METHODS; i++) {
         const iso_renderer *renderer = iso_renderer_get((iso_method)i);
         if (!name || strcmp(renderer->name, name) != 0) continue;

@@ -30,14 +30,15 @@ typedef enum iso_part {
     ISO_PART_COUNT
 } iso_part;
 
-/* An isosurface and its parts. The caller sets grid, isovalue (physical), pool and bounded (grid and pool are
- * borrowed) and zeroes the rest; iso_subject_free frees the parts. */
+/* An isosurface and its parts. The caller sets grid, isovalue (physical), pool, bounded and primitive (grid
+ * and pool are borrowed) and zeroes the rest; iso_subject_free frees the parts. */
 typedef struct iso_subject {
     const iso_grid *grid;
     double isovalue;
     iso_pool *pool; /* or NULL */
     bool bounded;   /* also compute the bounds of points (iso_point_set_bound), which lets drawing skip hidden
                      points */
+    iso_primitive primitive; /* of the points; AUTO: EDGE, with which pictures of points are best */
     iso_point_set *points;
     const iso_point_view
         *given;              /* points to draw instead of extracted ones; borrowed; NULL: extracted ones */
@@ -97,6 +98,10 @@ const iso_renderer *iso_renderer_truth(void);
 /* The renderer of any method, also the reference and those that are not compared; NULL when there is no such
  * method. */
 const iso_renderer *iso_renderer_get(iso_method method);
+
+/* Samples a pixel of opaque pictures when nobody says how many: 4 by exact, whose edges they smooth for less
+ * than twice its time, else 1. */
+int iso_method_samples(iso_method method);
 
 #ifdef __cplusplus
 }

@@ -3,6 +3,7 @@
 #ifndef ISO_RENDER_KEY_STYLE_H
 #define ISO_RENDER_KEY_STYLE_H
 
+#include "image/camera.h"
 #include "isopoint.h"
 #include "render/pullpush/keys.h"
 
@@ -13,6 +14,7 @@ extern "C" {
 /* Zero-initialised: it is compared byte by byte. */
 typedef struct iso_key_style {
     int32_t width, height;                   /* of the picture */
+    int32_t samples;                         /* per pixel: 1, 4, 9 .. 64 */
     iso_pullpush_base base;                  /* of pull-push; zero for exact */
     iso_vec3 position, focal_point, view_up; /* iso_camera */
     double view_angle, parallel_scale;
@@ -22,6 +24,10 @@ typedef struct iso_key_style {
     int32_t unit, world_unit;        /* of lengths: iso_length_style */
     uint8_t background[4], color[4]; /* RGB and 0 */
 } iso_key_style;
+
+iso_camera iso_key_style_camera(const iso_key_style *style);
+/* The view of all samples of the picture. */
+iso_view iso_key_style_view(const iso_key_style *style);
 
 #ifdef __cplusplus
 }

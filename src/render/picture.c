@@ -9,11 +9,17 @@
 enum { SAMPLE_BYTES = 4 * sizeof(float) + 1 };
 static const size_t GBUFFER_BYTES = (size_t)256 << 20;
 
-/* Samples along a pixel's side: the square root of a square number 1 .. 64. 0: not a square number. */
-static int factor_of(int samples) {
+int iso_picture_factor(int samples) {
+    if (samples == 0) return 1;
     for (int factor = 1; factor <= ISO_FACTOR_MAX; factor++)
         if (factor * factor == samples) return factor;
     return 0;
+}
+
+iso_status iso_picture_check_samples(int samples, iso_error *error) {
+    if (iso_picture_factor(samples)) return ISO_OK;
+    return iso_fail(error, ISO_ERR_USAGE, "%d samples a pixel: must be a square number 1, 4, 9 .. 64",
+                    samples);
 }
 
 static int strip_rows(const iso_picture_opts *opts, int factor) {
@@ -113,10 +119,8 @@ iso_status iso_picture_render(const iso_picture_opts *opts, iso_image *image, si
                               iso_error *error) {
     assert(image->width == opts->width && image->height == opts->height);
     assert(!opts->aov || (opts->aov->width == opts->width && opts->aov->height == opts->height));
-    int factor = factor_of(opts->samples ? opts->samples : 1);
-    if (!factor)
-        return iso_fail(error, ISO_ERR_USAGE, "%d samples a pixel: must be a square number 1, 4, 9 .. 64",
-                        opts->samples);
+    ISO_TRY(iso_picture_check_samples(opts->samples, error));
+    const int factor = iso_picture_factor(opts->samples);
     int rows = strip_rows(opts, factor);
     iso_view pixels = opts->view ? *opts->view : iso_view_make(opts->camera, opts->width, opts->height);
     picture p = {.opts = opts, .view = iso_view_scaled(&pixels, factor), .factor = factor, .image = image};

@@ -51,6 +51,12 @@ typedef struct iso_picture_opts {
     iso_aov *aov; /* NULL, or planes of the picture's size for depth, normals and coverage, and for ids */
 } iso_picture_opts;
 
+/* Samples along a pixel's side: the square root of a square number 1, 4, 9 .. 64; 0 samples mean 1. Returns 0
+ * for other numbers. */
+int iso_picture_factor(int samples);
+/* ISO_ERR_USAGE: no such number. */
+iso_status iso_picture_check_samples(int samples, iso_error *error);
+
 /* Renders in strips of rows so that the gbuffer stays below 256 MiB. `image` must be width x height pixels.
  * *covered (NULL is fine) is set to the number of samples that show a surface. Errors: ISO_ERR_USAGE
  * (samples), ISO_ERR_NOMEM, and the errors of `draw`. */

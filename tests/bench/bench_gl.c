@@ -127,7 +127,7 @@ const bench_method bench_gl_methods[] = {
      .draw = draw_pullpush,
      .finish = finish_gl,
      .close = close_gl},
-    {.name = "gl_refined", .open = open_points, .draw = draw_refined, .finish = finish_gl, .close = close_gl},
+    {.name = "gl_discs", .open = open_points, .draw = draw_refined, .finish = finish_gl, .close = close_gl},
 };
 const int bench_gl_method_count = sizeof bench_gl_methods / sizeof *bench_gl_methods;
 

@@ -78,9 +78,10 @@ static iso_status run_isorender_tracts(bench_row *row, bench_sample *sample, iso
     ISO_TRY(bench_sibling("isorender", program, sizeof program, error));
     snprintf(resolution, sizeof resolution, "%sx%s", bench_file_picture_side(row),
              bench_file_picture_side(row));
-    const char *const argv[] = {program,        file->path, file->picture, "--tube-radius", "0.1",
-                                "--resolution", resolution, "--camera",    "iso",           "--quiet",
-                                "--threads",    "1",        NULL};
+    const char *const argv[] = {
+        program,     file->path, file->picture, "--tube-radius", "0.1",       "--resolution",
+        resolution,  "--camera", "iso",         "--quiet",       "--threads", "1",
+        "--samples", "1",        NULL};
     return bench_time_program(argv, row->threads, NULL, sample, error);
 }
 

@@ -221,9 +221,9 @@ static iso_status run_isorender(bench_row *row, bench_sample *sample, iso_error 
     ISO_TRY(bench_sibling("isorender", program, sizeof program, error));
     snprintf(threads, sizeof threads, "%d", row->threads);
     snprintf(resolution, sizeof resolution, "%sx%s", picture_side(row), picture_side(row));
-    const char *const argv[] = {program,    file->path, file->picture,  "--isovalue", "127.5",
-                                "--method", row->plan,  "--resolution", resolution,   "--camera",
-                                "iso",      "--quiet",  "--threads",    threads,      NULL};
+    const char *const argv[] = {program,     file->path,     file->picture, "--isovalue", "127.5", "--method",
+                                row->plan,   "--resolution", resolution,    "--camera",   "iso",   "--quiet",
+                                "--threads", threads,        "--samples",   "1",          NULL};
     return bench_time_program(argv, row->threads, NULL, sample, error);
 }
 

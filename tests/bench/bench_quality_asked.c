@@ -32,7 +32,7 @@ static const quality_row *find(const quality_row *rows, int count, const quality
     return NULL;
 }
 
-static void judge_pullpush_psnr(tally *t, const quality_row *r) {
+static void judge_discs_psnr(tally *t, const quality_row *r) {
     static const struct {
         const char *volume;
         double least[3];
@@ -48,12 +48,12 @@ static void judge_pullpush_psnr(tally *t, const quality_row *r) {
     }
 }
 
-static void judge_pullpush(tally *t, const quality_row *r, const quality_row *mesh) {
+static void judge_discs(tally *t, const quality_row *r, const quality_row *mesh) {
     const iso_metrics *m = &r->metrics;
     bool stent = strcmp(r->volume, "stent") == 0, iron = strcmp(r->volume, "ironProt") == 0;
     bool sphere = strncmp(r->volume, "sphere", 6) == 0;
     double holes = stent ? 0.5 : 0.2, dilation = stent || iron ? 0.5 : 0.15;
-    judge_pullpush_psnr(t, r);
+    judge_discs_psnr(t, r);
     demand(t, r, !(m->holes > holes), "holes, %, at most", m->holes, holes);
     demand(t, r, !(fabs(m->dilation_mean_voxel) > dilation), "mean dilation, voxels, at most",
            m->dilation_mean_voxel, dilation);
@@ -115,7 +115,7 @@ void quality_print_asked(const quality_row *rows, int count) {
     size_t missing = 0, extra = 0, off = 0, others = 0, pictures = 0;
     printf("\nwhat is asked for and not reached\n");
     for (const quality_row *r = rows; r < rows + count; r++) {
-        if (strcmp(r->method->name, "pullpush") == 0) judge_pullpush(&t, r, find(rows, count, r, "mesh"));
+        if (strcmp(r->method->name, "discs") == 0) judge_discs(&t, r, find(rows, count, r, "mesh"));
         if (strcmp(r->method->name, "exact") != 0) continue;
         judge_exact(&t, r);
         pictures++;

@@ -15,7 +15,7 @@ static bool is_method(const bench_method *method, const char *name) {
 /* Pull-push is judged by the bumpy sphere, at full size and with what this machine does best. */
 static bool is_judged_pullpush(const bench_row *row, const bench_method *method) {
     const bench_frame_plan *plan = row->plan;
-    return is_method(method, "pullpush/gaussian") && row->level == row->bench->best && plan &&
+    return is_method(method, "pullpush") && row->level == row->bench->best && plan &&
            plan->subject->bumpy_side && !row->bench->settings->small;
 }
 
@@ -144,7 +144,7 @@ static void add_gl(frame_group *group, int subject) {
     for (int m = 0; m < bench_gl_method_count; m++) {
         const bench_method *method = &bench_gl_methods[m];
         if (group->subjects[subject].bumpy_meshless && is_method(method, "gl_mesh")) continue;
-        if (is_method(method, "gl_refined") && !iso_gl_context_info(group->gl->context).hardware)
+        if (is_method(method, "gl_discs") && !iso_gl_context_info(group->gl->context).hardware)
             continue; /* a frame of many points takes software a minute */
         bench_row *row = bench_add(group->bench, &bench_slow_frame_kind, "render/%s/%s/%s", method->name,
                                    group->subjects[subject].name, group->gl->name);
@@ -178,8 +178,7 @@ static void compare_exact(const frame_group *group, bench_row *row, int subject,
     const bench_method *method = &bench_methods[method_number("exact")];
     bench_compare(row, row_of(group, subject, view, "raycast", row, t), "ratio_vs_raycast", NULL,
                   is_judged_exact(row, method) ? 5 : 0);
-    bench_compare(row, row_of(group, subject, view, "pullpush/gaussian", row, t), "ratio_vs_pullpush", NULL,
-                  0);
+    bench_compare(row, row_of(group, subject, view, "pullpush", row, t), "ratio_vs_pullpush", NULL, 0);
 }
 
 static bool is_layers(const bench_method *method) {
@@ -204,11 +203,9 @@ static void compare_layers(const frame_group *group, bench_row *row, const bench
 
 /* The same method by OpenGL. Pull-push is asked to be faster than a software renderer alone. */
 static void compare_gl(const frame_group *group, bench_row *row, const bench_method *method, int subject) {
-    const bool pullpush = is_method(method, "pullpush/gaussian");
     if (!group->gl || !group->gl->context || row->level != group->bench->best) return;
     for (int m = 0; m < bench_gl_method_count; m++) {
-        if (strcmp(bench_gl_methods[m].name + strlen("gl_"), pullpush ? "pullpush" : method->name) != 0)
-            continue;
+        if (strcmp(bench_gl_methods[m].name + strlen("gl_"), method->name) != 0) continue;
         bool asked =
             is_judged_pullpush(row, method) && !iso_gl_context_info(group->gl->context).hardware &&
             row->threads == group->bench->settings->threads[group->bench->settings->thread_count - 1];
@@ -216,20 +213,20 @@ static void compare_gl(const frame_group *group, bench_row *row, const bench_met
     }
 }
 
-/* A twentyfold of points in at most five times the time; refined in three times gaussian's; the most points
- * with levels of detail in a third of refined's. */
+/* A twentyfold of points in at most five times the time; discs in three times pull-push's; the most points
+ * with levels of detail in a third of the discs'. */
 static void compare_pullpush(const frame_group *group, bench_row *row, const bench_method *method,
                              int subject, int view, int t) {
     bool judged = group->subjects[subject].bumpy_side && row->level == group->bench->best &&
                   !group->bench->settings->small;
-    if (is_method(method, "pullpush/refined"))
-        bench_compare(row, row_of(group, subject, view, "pullpush/gaussian", row, t), "ratio_vs_gaussian",
-                      NULL, judged ? 1.0 / 3 : 0);
+    if (is_method(method, "discs"))
+        bench_compare(row, row_of(group, subject, view, "pullpush", row, t), "ratio_vs_pullpush", NULL,
+                      judged ? 1.0 / 3 : 0);
     bool most = group->subject_count == SUBJECTS && subject == SUBJECTS - 1;
-    if (is_method(method, "pullpush/lod"))
-        bench_compare(row, row_of(group, subject, view, "pullpush/refined", row, t), "ratio_vs_refined", NULL,
+    if (is_method(method, "discs/lod"))
+        bench_compare(row, row_of(group, subject, view, "discs", row, t), "ratio_vs_discs", NULL,
                       most && judged ? 3 : 0);
-    if (most && is_method(method, "pullpush/gaussian"))
+    if (most && is_method(method, "pullpush"))
         bench_compare(row, group->rows[1][view][method_number(method->name)][row->level][t], "ratio_vs_1M",
                       NULL, judged ? 1.0 / 5 : 0);
 }
@@ -241,7 +238,7 @@ static void compare_splats(const frame_group *group, bench_row *row, const bench
     bench_against *vtk =
         bench_compare(row, group->vtk_points[subject][t], "ratio_vs_vtk_gaussians", NULL, judged ? 40 : 0);
     if (vtk && row->threads == 1) vtk->cpu = "ratio_vs_vtk_gaussians_cpu";
-    bench_compare(row, row_of(group, subject, view, "pullpush/refined", row, t), "ratio_vs_refined", NULL, 0);
+    bench_compare(row, row_of(group, subject, view, "discs", row, t), "ratio_vs_discs", NULL, 0);
     if (is_method(method, "splats/colors"))
         bench_compare(row, row_of(group, subject, view, "splats/flat", row, t), "ratio_vs_flat", NULL,
                       judged && row->threads == 1 ? 1 / 1.15 : 0);

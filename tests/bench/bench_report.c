@@ -34,7 +34,7 @@ static const char *const pair_names[] = {
     "ratio_vs_vtkFlyingEdges3D_pairwise", "ratio_vs_volumeToMesh_pairwise", "ratio_vs_full_pairwise",
     "ratio_vs_vtk_frame_pairwise",        "ratio_vs_vtk_process_pairwise",  NULL};
 static const char *const own_names[] = {"ratio_vs_marching_cubes", "ratio_vs_full", "ratio_vs_raycast",
-                                        "ratio_vs_gaussian", NULL};
+                                        "ratio_vs_pullpush", NULL};
 static const char *const scaling_names[] = {"scaling", NULL};
 static const char *const first_names[] = {"first_ms", NULL};
 static const char *const *const columns[] = {peer_names, pair_names, own_names, scaling_names, first_names};

@@ -38,7 +38,7 @@ wanted += ["extract/isovalue/ct48/212.5", "extract/dirty/head64/r8", "extract/me
 spheres, views = ("4k", "8k", "14k"), [f"{ct}/{view}" for ct in ("ct32", "ct48") for view in ("fit", "4x")]
 wanted += [f"render/mesh/{what}/threads:{n}" for what in [*spheres, *views] for n in (1, 2)]
 wanted += [f"render/raycast/{what}/threads:{n}" for what in views for n in (1, 2)]
-wanted += [f"render/{method}/{what}/generic/threads:{n}" for method in ("points", "pullpush/gaussian", "pullpush/refined")
+wanted += [f"render/{method}/{what}/generic/threads:{n}" for method in ("points", "pullpush", "discs")
            for what in [*spheres, "25k", *views] for n in (1, 2)]
 wanted += [f"render/exact/{what}/generic/threads:{n}" for what in views for n in (1, 2)]
 wanted += [f"render/together/{what}/threads:1" for what in
@@ -77,14 +77,14 @@ for what in spheres:
     triangles = rows[f"render/mesh/{what}/threads:1"]["primitives"]
     assert abs(triangles - 2 * points) < 0.01 * points, f"{points} points and {triangles} triangles are not closed"
 assert rows["render/points/25k/generic/threads:1"]["primitives"] == 26606
-assert rows["render/pullpush/gaussian/25k/generic/threads:1"]["ratio_vs_1M"] > 0
-assert rows["render/pullpush/refined/25k/generic/threads:1"]["ratio_vs_gaussian"] > 0
+assert rows["render/pullpush/25k/generic/threads:1"]["ratio_vs_1M"] > 0
+assert rows["render/discs/25k/generic/threads:1"]["ratio_vs_pullpush"] > 0
 
 if drawn_by:
     pull = rows[f"render/gl_pullpush/4k/{drawn_by}"]
     assert all(pull[key] > 0 for key in ("project_ms", "pull_ms", "push_ms", "finish_ms")), pull
     assert "draw_ms" not in pull and rows[f"render/gl_mesh/4k/{drawn_by}"]["draw_ms"] > 0
-    assert rows["render/pullpush/gaussian/4k/generic/threads:1"]["covered_pixels"] == pull["covered_pixels"]
+    assert rows["render/pullpush/4k/generic/threads:1"]["covered_pixels"] == pull["covered_pixels"]
     assert f"limit of render/gl_pullpush/25k/{drawn_by}" in text
 
 # VTK and all methods show the same thing, from the same place.

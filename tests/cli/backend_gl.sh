@@ -2,7 +2,7 @@ python3 -c 'from check import *; ball("in/ball.mha")'
 isorender in/ball.mha cpu.png --isovalue 500 --method points --backend cpu --json --quiet >cpu.json
 isorender in/ball.mha cpu_pull.png --isovalue 500 --method pullpush --reconstruction gaussian --backend cpu --json \
     --quiet >cpu_pull.json
-isorender in/ball.mha cpu_refined.png --isovalue 500 --method pullpush --backend cpu --quiet
+isorender in/ball.mha cpu_discs.png --isovalue 500 --method discs --backend cpu --quiet
 for how in sorted groups nearest; do
     isorender in/ball.mha cpu_$how.png --isovalue 500 --method splats --opacity 0.5 --transparency $how --samples 4 --quiet
 done
@@ -17,8 +17,8 @@ for backend in egl osmesa; do
     isorender in/ball.mha wide.png --isovalue 500 --backend $backend --point-scaling attenuated --json --quiet >wide.json
     isorender in/ball.mha pull.png --isovalue 500 --backend $backend --method pullpush --reconstruction gaussian \
         --json --quiet >pull.json
-    isorender in/ball.mha refined.png --isovalue 500 --backend $backend --method pullpush --json --quiet >refined.json
-    isocompare images cpu_refined.png refined.png --fail-under psnr=40 >/dev/null
+    isorender in/ball.mha discs.png --isovalue 500 --backend $backend --method discs --json --quiet >discs.json
+    isocompare images cpu_discs.png discs.png --fail-under psnr=40 >/dev/null
     for how in sorted groups nearest; do
         isorender in/ball.mha $how.png --isovalue 500 --method splats --opacity 0.5 --transparency $how --samples 4 --backend $backend \
             --json --quiet >$how.json
@@ -44,9 +44,9 @@ expect(gl["gl"]["vendor"] and gl["gl"]["version"], gl["gl"])
 expect(list(pull["gl"]["seconds"]) == ["project", "pull", "push", "finish"], pull["gl"])
 for how in "sorted", "groups", "nearest":
     expect(report(how + ".json")["backend"] == backend and report(how + ".json")["gl"]["messages"] == 0, how)
-refined = report("refined.json")
-expect(list(refined["gl"]["seconds"]) == ["front", "add", "resolve"], refined["gl"])
-expect(refined["gl"]["messages"] == 0, refined["gl"])
+discs = report("discs.json")
+expect(list(discs["gl"]["seconds"]) == ["front", "add", "resolve"], discs["gl"])
+expect(discs["gl"]["messages"] == 0, discs["gl"])
 a_pull, b_pull = cpu_pull["image"]["covered"], pull["image"]["covered"]
 expect(abs(a_pull - b_pull) <= 30, (a_pull, b_pull))
 expect(b < wide["image"]["covered"] < 1.05 * b, (b, wide["image"]["covered"]))

@@ -94,7 +94,7 @@ expect("--component" not in said and said.count("written by OME") == 1, said)
 expect([(c["name"], c["color"]) for c in j["volume"]["channels"]] == list(zip(NAMES, COLORS)), j["volume"])
 
 # It is the picture that --component and --volume-component make, in every method that draws further volumes.
-for method in "exact", "raycast", "mesh", "pullpush", "points":
+for method in "exact", "raycast", "mesh", "discs", "pullpush", "points":
     by_channel = draw("in/cells.ome.tif", "--channel", "2,0,1", "--isovalue", "100,40,60", "--color", "ivory,navy,coral", "--method", method)[0]
     by_volume = draw("in/cells.ome.tif", "--component", "2", "--isovalue", "100", "--color", "ivory", "--method", method,
                      "--volume", "in/cells.ome.tif", "--volume-component", "0", "--volume-isovalue", "40", "--volume-color", "navy",

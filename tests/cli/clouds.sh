@@ -96,7 +96,7 @@ for name in bytes fractions opaque nothing; do isorender in/$name.ply $name.png 
 isorender in/bytes.ply solid.png $view --opacity 1 --json=solid.json
 isorender in/bytes.ply half.png $view --opacity .5 --opacity-mode constant --json=half.json
 isorender in/opaque.ply through.png $view --opacity .5 --opacity-mode constant --json=through.json
-isorender in/bytes.ply pull.png --camera front --resolution 100x100 --method pullpush --points in/kept.ply --json=pull.json 2>said
+isorender in/bytes.ply pull.png --camera front --resolution 100x100 --method discs --points in/kept.ply --json=pull.json 2>said
 grep -q "note: its points have opacities, but only --method splats" said || { cat said; exit 1; }
 isorender in/kept.ply kept.png $view --json=kept.json
 isorender --info in/bytes.ply | grep -q "opacities   of the file"

@@ -73,7 +73,7 @@ expect(cost["side"] == 800 and cost["viewports"] == [100, 200, 400, 800, 2048], 
 expect(0.4 < cost["strip_indices"] < 0.7 and cost["edited_bricks"] == 4, cost["strip_indices"])
 expect(0 < cost["crossed_bricks"] <= cost["bricks"] == 8, cost)
 costs = {row["method"]: row for row in cost["rows"]}
-expect(list(costs) == ["points", "pullpush-gaussian", "mesh", "exact"], list(costs))
+expect(list(costs) == ["points", "pullpush", "mesh", "exact"], list(costs))
 for row in cost["rows"]:
     expect(row["extraction_seconds"] > 0 and row["primitives"] > 500, row)
     for frame in [row["frame"], row["edited_frame"], *row["viewports"]]:

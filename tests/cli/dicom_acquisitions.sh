@@ -56,7 +56,16 @@ write("in/a", lambda time, z: z, lambda time, z: time, left_out=[(1, 4), (1, 5)]
 read("in/a", 0)
 read("in/a", 2, "--series", "1:3")
 
-# Copies cannot be told apart.
+# Images with the same unique identifier are copies of one file: all but one are left out.
+for z in range(10):
+    slice_of("in/c/%d.dcm" % z, z, z, instance=b"1.5.%d" % z)
+slice_of("in/c/3 copy.dcm", 3, 3, instance=b"1.5.3")
+read("in/c", 0, note="a copy of 3 copy.dcm is left out")
+slice_of("in/c/5 copy.dcm", 5, 5, instance=b"1.5.5")
+slice_of("in/c/5 copy 2.dcm", 5, 5, instance=b"1.5.5")
+read("in/c", 0, note="3 copies of images are left out")
+
+# Images without one cannot be told from copies.
 write("in/a", lambda time, z: z)
 refused("in/a", "lie at the same place", 3)
 P

@@ -18,7 +18,7 @@ def whole(path, storage, elements, syntax=PLAIN):
         file.write(b"\0" * 128 + b"DICM" + dicom_element(2, 0, b"UL", struct.pack("<I", len(meta))) + meta + elements)
 
 
-def slice_of(path, z, number=1, series=b"1.2.3", value=0, acquisition=None, spacing=1.5, jpeg=None):
+def slice_of(path, z, number=1, series=b"1.2.3", value=0, acquisition=None, spacing=1.5, jpeg=None, instance=None):
     """Slice z of a ball of values up to 100 + `value`. `jpeg`: its pixels are this stream instead."""
     middle = (SIDE - 1) / 2
     pixels = [max(0, int(100 + value - 12 * (((x - middle) ** 2 + (y - middle) ** 2 + (z - middle) ** 2) ** 0.5)))
@@ -26,6 +26,8 @@ def slice_of(path, z, number=1, series=b"1.2.3", value=0, acquisition=None, spac
     data = struct.pack("<%dh" % len(pixels), *pixels)
     elements = [(0x08, 0x16, b"UI", b"1.2.840.10008.5.1.4.1.1.2"), (0x08, 0x60, b"CS", b"CT"), (0x20, 0x0D, b"UI", b"1.2"),
                 (0x20, 0x0E, b"UI", series)]
+    if instance is not None:
+        elements.insert(1, (0x08, 0x18, b"UI", instance))
     if acquisition is not None:
         elements.append((0x20, 0x12, b"IS", b"%d" % acquisition))
     elements += [(0x20, 0x13, b"IS", b"%d" % number), (0x20, 0x32, b"DS", b"0\\0\\%g" % (spacing * z)),

@@ -1,10 +1,10 @@
 # the default, framed as raycast frames it, shows what raycast shows; and where points and meshes say that the surface is
 python3 -c 'from check import *; ball("in/ball.mha", header="ElementSpacing = 0.5 0.5 2\nOffset = 10 20 30\n")'
-isorender in/ball.mha exact.png --isovalue 500 --json=exact.json --resolution 120x90 --quiet
+isorender in/ball.mha exact.png --isovalue 500 --samples 1 --json=exact.json --resolution 120x90 --quiet
 for method in raycast points mesh; do
     isorender in/ball.mha $method.png --method $method --isovalue 500 --json=$method.json --resolution 120x90 --quiet
 done
-isorender in/ball.mha both.png --isovalue 500 --points p.ply --json=both.json --resolution 120x90 --quiet
+isorender in/ball.mha both.png --isovalue 500 --samples 1 --points p.ply --json=both.json --resolution 120x90 --quiet
 isorender scene:gyroid:48 gyroid.png --isovalue=-0.4,0.4 --camera iso --orthographic --samples 4 --json=gyroid.json \
     --resolution 80x80 --quiet
 python3 - <<'P'

@@ -30,7 +30,7 @@ same() { isorender "${@:2}" "$1.png" --quiet --resolution 150x150 --json="$1.jso
 same a in/ball.ply
 same b in/ball.ply --threads 1 --method gaussians
 ISO_CPU=generic same c in/ball.ply
-same discs in/ball.ply --method pullpush
+same discs in/ball.ply --method discs
 same one in/one.ply --mm-per-pixel 0.2 --background 0000FF
 same turned in/turned.ply --mm-per-pixel 0.2 --background 0000FF
 same none in/one.ply --mm-per-pixel 0.2 --background none
@@ -45,7 +45,7 @@ python3 - <<'P'
 import math
 from check import *
 a, b, c, discs = (report(n + ".json") for n in ("a", "b", "c", "discs"))
-expect(a["method"] == "gaussians" and discs["method"] == "pullpush", a["method"], discs["method"])
+expect(a["method"] == "gaussians" and discs["method"] == "discs", a["method"], discs["method"])
 expect(a["image"]["hash"] == b["image"]["hash"] == c["image"]["hash"] != discs["image"]["hash"])
 expect(a["primitives"]["estimated_normals"] == 0 < discs["primitives"]["estimated_normals"], a["primitives"])
 expect(a["primitives"]["points"] == 800 and a["image"]["layers"]["mean"] > 2, a)
@@ -70,7 +70,7 @@ expect(b"element vertex 800" in head and b"property uchar red" in head, head)
 P
 printf 'ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0\n' >in/plain.ply
 isorender_refuses 2 "in/plain.ply: --method gaussians draws files of 3-D Gaussians only" in/plain.ply --method gaussians
-isorender_refuses 2 "in/ball.ply: holds 3-D Gaussians: --aov is for opaque discs, which --method pullpush draws" in/ball.ply --aov a.exr
+isorender_refuses 2 "in/ball.ply: holds 3-D Gaussians: --aov is for opaque discs, which --method discs draws" in/ball.ply --aov a.exr
 isorender_refuses 2 "--radius is for opaque discs" in/ball.ply --radius 2
 isorender_refuses 2 "--shading edl is for opaque discs" in/ball.ply --shading edl
 isorender_refuses 2 "in/ball.ply: holds points, not a volume: --method exact needs a volume" in/ball.ply --method exact

@@ -48,7 +48,7 @@ for name in plain packed flat thin; do
     isorender in/$name.ply $name.png --quiet --resolution 120x120 --json=$name.json
 done
 isorender --info in/packed.ply | grep -q 'as 3-D Gaussians'
-isorender in/packed.ply discs.png --quiet --method pullpush --resolution 100x100
+isorender in/packed.ply discs.png --quiet --method discs --resolution 100x100
 python3 - <<'P'
 from check import *
 def apart(a, b):

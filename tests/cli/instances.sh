@@ -34,13 +34,13 @@ look="--resolution 120x90 --camera iso --quiet"
 
 # one instance at the origin is the model itself
 for model in "in/ball.mha --isovalue 500" model.ply "scene:gyroid:24"; do
-    for method in pullpush splats; do
+    for method in discs splats; do
         isorender $model plain.png --method $method $look
         isorender $model placed.png --method $method $look --instances in/one.csv
         same plain.png placed.png
     done
 done
-isorender in/ball.mha plain.png --isovalue 500 --method pullpush --fit tight --samples 4 $look
+isorender in/ball.mha plain.png --isovalue 500 --method discs --fit tight --samples 4 $look
 isorender in/ball.mha placed.png --isovalue 500 --fit tight --samples 4 $look --instances in/one.csv --json=one.json
 same plain.png placed.png
 
@@ -99,7 +99,7 @@ same turn_1.png turned.png
 isorender in/ball.mha row.png --isovalue 500 --instances in/row.csv --camera front --camera-position 9.5,-60,9.5 \
     --camera-focal-point 9.5,0,9.5 --resolution 160x160 --quiet --json=row.json
 isorender in/ball.mha all.png --isovalue 500 --instances in/row.csv --camera front --camera-position 9.5,-60,9.5 \
-    --camera-focal-point 9.5,0,9.5 --resolution 160x160 --quiet --selection all --method pullpush
+    --camera-focal-point 9.5,0,9.5 --resolution 160x160 --quiet --selection all --method discs
 same row.png all.png
 isorender in/ball.mha beside.png --isovalue 500 --instances in/one.csv --glyphs in/row.csv --glyph-radius 3 $look
 isorender model.ply zeros.png $look --instances in/zeros.csv --json=zeros.json
@@ -109,7 +109,7 @@ python3 - <<'P'
 import struct
 from check import *
 one, angles, row, turn = (report(name + ".json") for name in ("one", "angles", "row", "turn"))
-expect(one["image"]["instances"]["drawn"] == 1 and one["method"] == "pullpush", one)
+expect(one["image"]["instances"]["drawn"] == 1 and one["method"] == "discs", one)
 expect(angles["instances"]["count"] == 4 and angles["instances"]["scale"] == [float.fromhex("0x1.99999ap-1"), 1.5], angles["instances"])
 expect(angles["image"]["instances"]["drawn"] == 4, angles["image"])
 expect(angles["image"]["instances"]["points"] == 4 * angles["primitives"]["points"], angles)

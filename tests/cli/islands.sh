@@ -13,7 +13,7 @@ run --no-image --mesh one.ply --largest --json >one.json 2>one.err
 run --no-image --mesh two.ply --largest=2 --json >two.json 2>two.err
 run --no-image --mesh min.ply --min-size 54 --json >min.json 2>/dev/null
 run --no-image --points p.ply --min-size 54.1 --json >points.json 2>/dev/null
-for method in exact points pullpush mesh raycast; do
+for method in exact points discs pullpush mesh raycast; do
     isorender in/three.mha --isovalue 100,150 --method $method --largest --resolution 60x60 --json=$method.json --quiet $method.png
     run --method $method --largest --resolution 60x60 one-$method.png --quiet
 done
@@ -32,7 +32,7 @@ expect(open("min.ply", "rb").read() == open("two.ply", "rb").read(), "54 mm3 are
 expect(parts("points.json")["kept"] == 1, parts("points.json"))
 several = report("exact.json")["surfaces"]
 expect([s["isovalue"] for s in several] == [100, 150] and all(s["solid_parts"]["kept"] == 1 for s in several), several)
-for method in ("exact", "points", "pullpush", "mesh", "raycast"):
+for method in ("exact", "points", "discs", "pullpush", "mesh", "raycast"):
     a = Png("one-%s.png" % method)
     expect(a.width == 60, method)
 P

@@ -1,13 +1,13 @@
 # levels of detail of the points of a volume and of a file; when they are made without being asked for
 python3 -c 'from check import *; ball("in/ball.mha")'
-isorender in/ball.mha all.png --isovalue 500 --method pullpush --resolution 6x6 --json=all.json --quiet
+isorender in/ball.mha all.png --isovalue 500 --method discs --resolution 6x6 --json=all.json --quiet
 isorender in/ball.mha --isovalue 500 --points ball.ply --no-image --quiet
-isorender in/ball.mha none.png --isovalue 500 --method pullpush --lod 0 --resolution 6x6 --json=none.json --quiet
+isorender in/ball.mha none.png --isovalue 500 --method discs --lod 0 --resolution 6x6 --json=none.json --quiet
 isorender in/ball.mha lod.png --isovalue 500 --lod 1 --resolution 6x6 --json=lod.json --quiet
 isorender in/ball.mha one.png --isovalue 500 --lod 1 --threads 1 --resolution 6x6 --quiet
 isorender ball.ply file.png --lod 1 --resolution 6x6 --json=file.json --quiet
-isorender in/ball.mha turn_{n:2}.png --isovalue 500 --method pullpush --turntable 50 --resolution 6x6 --json=turn.json --quiet
-isorender in/ball.mha large_{n:2}.png --isovalue 500 --method pullpush --turntable 50 --resolution 90x90 --json=large.json --quiet
+isorender in/ball.mha turn_{n:2}.png --isovalue 500 --method discs --turntable 50 --resolution 6x6 --json=turn.json --quiet
+isorender in/ball.mha large_{n:2}.png --isovalue 500 --method discs --turntable 50 --resolution 90x90 --json=large.json --quiet
 cmp lod.png one.png
 isocompare images all.png lod.png --fail-under psnr=14 >/dev/null
 python3 - <<'P'
@@ -22,9 +22,9 @@ chosen = {name: image[name]['selection'] for name in image}
 assert chosen['all']['points'] > 3 * chosen['lod']['points'] > 0, chosen
 for name in chosen:
     assert 0 < chosen[name]['drawn'] <= chosen[name]['tested'], chosen
-assert json.load(open('lod.json'))['method'] == 'pullpush'
+assert json.load(open('lod.json'))['method'] == 'discs'
 P
-for wrong in "--lod -1" "--lod x" "--method exact --lod 1" "--method pullpush --lod 1 --backend egl"; do
+for wrong in "--lod -1" "--lod x" "--method exact --lod 1" "--method pullpush --lod 1 --backend egl" "--method discs --lod 1 --backend egl"; do
     code=0
     isorender in/ball.mha wrong.png --isovalue 500 $wrong 2>message || code=$?
     [ $code = 2 ] || { echo "exit status $code for $wrong"; exit 1; }

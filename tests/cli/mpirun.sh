@@ -68,7 +68,7 @@ def check_failure(status, words, done):
 
 
 check_failure(2, "unknown option", run(3, "in/waves.mha", "-o", "together.png", "--no-such-option"))
-check_failure(2, "cannot be drawn in chunks", run(3, "in/waves.mha", "-o", "together.png", "--samples", "4"))
+check_failure(2, "cannot be drawn in chunks", run(3, "in/waves.mha", "-o", "together.png", "--aov", "a.exr"))
 check_failure(3, "missing.mha", run(3, "in/missing.mha", "-o", "together.png"))
 check_failure(6, "no surface", run(2, "in/waves.mha", "-o", "together.png", "--isovalue", "1e6"))
 check_failure(7, "nowhere", run(2, "in/waves.mha", "-o", "nowhere/together.png", "--isovalue", "20"))

@@ -30,11 +30,12 @@ for backend in egl osmesa; do
     draw dots --glyphs in/dots.csv --glyph ellipsoid --color-by heat --samples 4
     draw mesh in/ball.mha --isovalue 500 --method mesh $objects
     draw splats in/ball.mha --isovalue 500 --method splats $objects
+    draw discs in/ball.mha --isovalue 500 --method discs $objects
     draw pullpush in/ball.mha --isovalue 500 --method pullpush $objects
     BACKEND=$backend python3 - <<'P'
 import os
 from check import *
-for name in ("ribbons", "alone", "dots", "mesh", "splats", "pullpush"):
+for name in ("ribbons", "alone", "dots", "mesh", "splats", "discs", "pullpush"):
     cpu, gl = report("cpu_%s.json" % name), report("gl_%s.json" % name)
     expect(gl["backend"] == os.environ["BACKEND"] and gl["gl"]["messages"] == 0, gl)
     expect(gl["gl"]["seconds"]["draw"] > 0, gl["gl"])

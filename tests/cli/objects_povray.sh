@@ -77,7 +77,7 @@ def tubes():
 
 def outline(name, file, options, solids, parallel):
     view = ["--mm-per-pixel", str(PIXEL)] if parallel else []
-    subprocess.run(["isorender", *file, name + ".png", "--camera-position", "%g,%g,%g" % EYE, "--camera-focal-point", "0,0,0",
+    subprocess.run(["isorender", *file, name + ".png", "--samples", "1", "--camera-position", "%g,%g,%g" % EYE, "--camera-focal-point", "0,0,0",
                     "--camera-view-up", "%g,%g,%g" % UP, "--view-angle", str(ANGLE), "--resolution", "%dx%d" % (SIZE, SIZE),
                     "--background", "none", "--quiet", *options, *view], check=True)
     with open("in/%s.pov" % name, "w") as scene:

@@ -27,14 +27,14 @@ draw stored 10M in/stored.ply --radius 0.2
 draw bare 12M in/bare.ply
 draw text 12M in/text.xyz
 draw groups 16M in/stored.ply --radius 0.2 --method splats --reconstruction groups
-draw pullpush 12M in/stored.ply --method pullpush --lod 1
+draw discs 12M in/stored.ply --method discs --lod 1
 isorender in/bare.ply --no-image --points a.ply --quiet
 isorender in/bare.ply --no-image --points b.ply --quiet --max-memory 12M
 cmp a.ply b.ply
 [ -z "$(ls "$TMPDIR")" ]
 python3 - <<'P'
 from check import *
-for name in "stored bare text groups pullpush".split():
+for name in "stored bare text groups discs".split():
     whole, limited = report(name + ".json"), report(name + "-limited.json")
     expect(whole["primitives"]["temporary_file_bytes"] == 0, name, whole["primitives"])
     expect(limited["primitives"]["temporary_file_bytes"] > 1 << 20, name, limited["primitives"])

@@ -5,5 +5,5 @@ for method in exact raycast; do
     ! isorender in/p.ply --method $method 2>in/message || exit 1
     grep -q "holds points, not a volume: --method $method needs a volume" in/message
 done
-isorender in/p.ply in/p.png --method pullpush --quiet --resolution 50x50
+isorender in/p.ply in/p.png --method discs --quiet --resolution 50x50
 isorender in/p.ply --method mesh

@@ -1,7 +1,7 @@
 # the points that nearer ones hide: drawn or left out, the picture is the same; refused where nothing is selected
 python3 -c 'from check import *; ball("in/ball.mha")'
 isorender in/ball.mha --isovalue 500 --points ball.ply --no-image --quiet
-for method in "pullpush" "splats" "splats --reconstruction onepass" "splats --reconstruction ewa"; do
+for method in "discs" "discs --reconstruction flat" "splats" "splats --reconstruction onepass" "splats --reconstruction ewa"; do
     for which in auto visible all; do
         isorender --scene gyroid:128 $which.png --method $method --selection $which --resolution 300x300 \
             --json=$which.json --quiet
@@ -44,7 +44,7 @@ P
     done
 done
 for wrong in "--selection some" "--method exact --selection all" \
-    "--method splats --reconstruction groups --selection all" "--method pullpush --reconstruction box --selection visible" \
+    "--method splats --reconstruction groups --selection all" "--method pullpush --selection visible" \
     "--method splats --opacity 0.5 --selection all"; do
     code=0
     isorender in/ball.mha wrong.png --isovalue 500 $wrong 2>message || code=$?

@@ -12,7 +12,7 @@ expect(strokes["volume"]["format"] == "strokes" and strokes["volume"]["level_set
 expect(strokes["volume"]["spacing"] == vdb["volume"]["spacing"], strokes["volume"])
 cost = report("made/report.json")["strokes"]
 expect(cost["strokes"] >= 1 and cost["samples"] >= cost["strokes"] and 1 <= cost["frames"] <= 50, cost)
-expect([row["method"] for row in cost["rows"]] == ["points", "pullpush-gaussian", "mesh", "exact"], cost)
+expect([row["method"] for row in cost["rows"]] == ["points", "pullpush", "mesh", "exact"], cost)
 expect(all(0 <= row["extraction_seconds"] < 60 and 0 < row["frame_seconds"] < 60 for row in cost["rows"]), cost)
 expect("<h3>Strokes</h3>" in open("made/report.html", encoding="utf-8").read(), "a table of strokes")
 P

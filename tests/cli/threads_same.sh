@@ -1,5 +1,5 @@
 python3 -c 'from check import *; ball("in/ball.mha")'
-for method in exact points pullpush mesh raycast; do
+for method in exact points discs pullpush mesh raycast; do
     for threads in 1 2 7; do
         isorender in/ball.mha $method$threads.png --method $method --threads $threads --samples 4 --resolution 200x150 --quiet
     done

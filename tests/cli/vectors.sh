@@ -43,7 +43,7 @@ assert l["lines"] == 20 and sum(l["field"]["ends"].values()) == 40 and l["field"
 assert [o["path"] for o in both["objects"]] == ["in/turn.mha"] * 2
 P
 isorender --scene sphere:40 gradients.png --glyphs surface --every 8 --color-bar --json=gradients.json --quiet
-isorender --scene sphere:40 --method pullpush --glyphs surface --glyph-color red --every 8 red.png --quiet
+isorender --scene sphere:40 --method discs --glyphs surface --glyph-color red --every 8 red.png --quiet
 python3 - <<'P'
 import json
 o = json.load(open("gradients.json"))["objects"][0]

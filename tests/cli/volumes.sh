@@ -8,7 +8,7 @@ ball("in/turned.mha", radius=9.0,
 ball("in/far.mha", header="Offset = 300 0 0\n")
 P
 options="in/ball.mha --resolution 90x70 --quiet"
-for method in exact raycast mesh pullpush; do
+for method in exact raycast mesh discs pullpush; do
     isorender $options several_$method.png --isovalue 500,800 --color ivory,navy --method $method --azimuth 20
     isorender $options further_$method.png --isovalue 500 --color ivory --volume in/ball.mha --volume-isovalue 800 \
         --volume-color navy --method $method --azimuth 20
@@ -29,7 +29,7 @@ isorender in/ball.mha --isovalue 500 --no-image --volume in/turned.mha --mesh on
 cmp both.stl only.stl
 python3 - <<'P'
 from check import *
-for name in ("exact", "raycast", "mesh", "pullpush", "glass"):
+for name in ("exact", "raycast", "mesh", "discs", "pullpush", "glass"):
     several, further = Png("several_%s.png" % name), Png("further_%s.png" % name)
     expect(several.pixels() == further.pixels(), name, "differs from several isovalues")
 exact, raycast = Png("both_exact.png"), Png("both_raycast.png")

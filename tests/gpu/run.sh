@@ -60,17 +60,17 @@ compare() {
 }
 for scene in gyroid:192 head:192 ct:256; do
     for view in 1 4; do
-        for method in points pullpush splats mesh; do
+        for method in points discs splats mesh; do
             compare "$scene-$view-$method" "scene:$scene" --method $method --zoom $view
         done
-        compare "$scene-$view-gaussian" "scene:$scene" --method pullpush --reconstruction gaussian --zoom $view
+        compare "$scene-$view-pullpush" "scene:$scene" --method pullpush --zoom $view
         compare "$scene-$view-visible" "scene:$scene" --method splats --selection visible --zoom $view
     done
 done
-for reconstruction in gaussian refined; do
-    compare "two-surfaces-$reconstruction" scene:ct:128 --isovalue 60,150 --method pullpush --reconstruction $reconstruction
+for method in pullpush discs; do
+    compare "two-surfaces-$method" scene:ct:128 --isovalue 60,150 --method $method
 done
-compare stent "$here/volumes/stent.nrrd" --isovalue 600 --method pullpush
+compare stent "$here/volumes/stent.nrrd" --isovalue 600 --method discs
 
 say "" "Frames of 800 x 800 of a bumpy sphere, milliseconds"
 run 200 "$bin/bench" render --filter gl_ --repeat 5 --json "$out/bench.json"

@@ -227,7 +227,7 @@ def point_seeds(source, picture):
         if seed.names[0].endswith(points) or "ten.xyz" in seed.label or "points.xyz" in seed.label:
             yield Seed(seed.label.replace("glyphs", "points"), seed.files, "isorender", picture)
     yield Seed("isorender points gaussians", {"a.ply": gaussians_file()}, "isorender", picture)
-    yield Seed("isorender points edl", {"a.ply": gaussians_file()}, "isorender --method pullpush --shading edl", picture)
+    yield Seed("isorender points edl", {"a.ply": gaussians_file()}, "isorender --method discs --shading edl", picture)
     rows = b"1 2 3 0.5 7\n4 5 6 0.25 8\n7 8 8 0.75 9\n"
     yield Seed("isorender points columns", {"a.xyz": rows}, "isorender --columns x,y,z,-,heat", picture)
     yield Seed("isorender points table", {"a.csv": rows.replace(b" ", b",")}, "isorender --columns x,y,z,-,heat", picture)

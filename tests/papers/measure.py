@@ -23,6 +23,10 @@ class Failed(Exception):
     """A program ended with an error; its text is the program's line."""
 
 
+def one_sample(words):
+    return words if "--samples" in words else (*words, "--samples", 1)
+
+
 class Machine:
     """Where the programs are, and where files go."""
 
@@ -34,28 +38,29 @@ class Machine:
     def path(self, name):
         return os.path.join(self.folder, name)
 
-    def run(self, *words):
-        """Runs a program of ours; returns what it printed, and the command as a user would type it."""
+    def run(self, *words, level=""):
+        """Runs a program of ours; returns what it printed, and the command as a user would type it. level: of ISO_CPU, or
+        "", the processor's own."""
         words = [str(word) for word in words]
-        command = shlex.join(words).replace(self.source + "/", "")
-        done = subprocess.run([os.path.join(self.programs, words[0]), *words[1:]], cwd=self.folder,
-                              capture_output=True, text=True, check=False)
+        command = ("ISO_CPU=%s " % level if level else "") + shlex.join(words).replace(self.source + "/", "")
+        done = subprocess.run([os.path.join(self.programs, words[0]), *words[1:]], cwd=self.folder, capture_output=True, text=True,
+                              env={**os.environ, "ISO_CPU": level} if level else None, check=False)
         if done.returncode != 0:
             raise Failed((done.stderr.strip().splitlines() or ["%s ended with %d" % (words[0], done.returncode)])[-1])
         return done.stdout, command
 
-    def report(self, *words):
+    def report(self, *words, level=""):
         """The same for a program with --json; returns the object and the command."""
-        text, command = self.run(*words, "--json", "--quiet")
+        text, command = self.run(*words, "--json", "--quiet", level=level)
         return json.loads(text), command
 
     def render(self, name, *words):
-        """One picture of isorender, NAME; returns its report and the command."""
-        return self.report("isorender", *words, "--output", name)
+        """One picture of isorender, NAME, with one sample a pixel unless `words` say more; its report and the command."""
+        return self.report("isorender", *one_sample(words), "--output", name)
 
-    def seconds_a_frame(self, frames, *words):
+    def seconds_a_frame(self, frames, *words, level=""):
         """Seconds that isorender takes to draw a frame of a turntable."""
-        report, command = self.report("isorender", *words, "--turntable", frames, "--output", "turn_{n:3}.png")
+        report, command = self.report("isorender", *one_sample(words), "--turntable", frames, "--output", "turn_{n:3}.png", level=level)
         for frame in report["frames"]:
             os.remove(self.path(frame["path"]))
         return Number(report["seconds"]["render"] / frames, command)

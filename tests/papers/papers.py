@@ -18,7 +18,7 @@ import y2010
 from measure import Machine, processor
 from tables import measure
 
-SCHEMA = "isopoint-papers/2"
+SCHEMA = "isopoint-papers/3"
 PAPERS = (y2003, y2004, y2006, y2008, y2010)
 
 
@@ -42,7 +42,9 @@ def main():
                     made.extend(kept[name] for name in kept if name == table.name)
                     continue
                 measure(table, fill)
-                print("%-18s %5.1f s  %s: %s" % (table.name, table.seconds, table.holds, table.verdict), flush=True)
+                print("%-18s %5.1f s  %s. %s" % (table.name, table.seconds, table.holds(), table.remark), flush=True)
+                for text, holds, found in table.claims:
+                    print("    %s: %s: %s" % ("holds" if holds else "does not hold", text, found), flush=True)
                 made.append(table.json())
     finally:
         if machine.display:

@@ -1,4 +1,7 @@
-"""Tables of the page: rows of numbers, each with the command that measured it, pictures and a verdict."""
+"""Tables of the page: rows of numbers, each with the command that measured it, pictures and claims.
+
+A claim is what the paper says, with a threshold that its own numbers give, and stands in these sources before anything is
+measured; the numbers decide whether it holds. Where a paper shows pictures only, 30 dB is "hardly visible"."""
 import datetime
 import math
 import os
@@ -6,7 +9,7 @@ import time
 
 from measure import Failed, Number
 
-HOLDS = ("yes", "partly", "no", "not measured")
+HARDLY_VISIBLE = 30  # dB
 
 
 class Table:
@@ -14,7 +17,7 @@ class Table:
 
     def __init__(self, name, paper, title, columns, text):
         self.name, self.paper, self.title, self.columns, self.text = name, paper, title, columns, text
-        self.rows, self.pictures, self.holds, self.verdict = [], [], "not measured", ""
+        self.rows, self.pictures, self.claims, self.remark = [], [], [], ""
         self.seconds, self.date, self.load = 0.0, "", 0.0
 
     def row(self, what, *cells):
@@ -26,10 +29,14 @@ class Table:
     def picture(self, path, caption, command):
         self.pictures.append((path, caption, command))
 
-    def judge(self, holds, verdict):
-        """One or two sentences: whether the claim holds today, and why (not)."""
-        assert holds in HOLDS
-        self.holds, self.verdict = holds, verdict
+    def claim(self, text, holds, found):
+        """The paper's claim, whether it holds, and what was found: a text with the numbers that decide."""
+        self.claims.append((text, bool(holds), found))
+
+    def holds(self):
+        """All claims of the table hold, some do, or none does."""
+        held = [holds for _, holds, _ in self.claims]
+        return "not measured" if not held else "yes" if all(held) else "partly" if any(held) else "no"
 
     def json(self):
         return {
@@ -40,7 +47,8 @@ class Table:
                                 for cell in cells]} for what, cells in self.rows],
             "pictures": [{"file": path, "caption": caption, "command": command}
                          for path, caption, command in self.pictures],
-            "holds": self.holds, "verdict": self.verdict, "seconds": round(self.seconds, 1), "date": self.date,
+            "holds": self.holds(), "remark": self.remark,
+            "claims": [{"claim": text, "holds": holds, "found": found} for text, holds, found in self.claims], "seconds": round(self.seconds, 1), "date": self.date,
             "load": round(self.load, 1)}
 
 
@@ -62,11 +70,11 @@ def ratio(above, below):
 
 
 def measure(table, fill):
-    """Fills a table; a program that fails, or a file that is missing, is the table's verdict."""
+    """Fills a table; a program that fails, or a file that is missing, is the table's remark."""
     start, table.date, table.load = time.monotonic(), datetime.date.today().isoformat(), os.getloadavg()[0]
     try:
         fill(table)
     except (Failed, OSError, KeyError) as problem:
-        table.judge("not measured", "%s." % str(problem).rstrip("."))
+        table.claims, table.remark = [], "%s." % str(problem).rstrip(".")
     table.seconds = time.monotonic() - start
     return table

@@ -45,14 +45,14 @@ both() {
 # all_methods NAME: takes the pictures of all methods, and compares those of both engines (at rest, exact is drawn by the cpu engine)
 all_methods() {
     local method
-    for method in exact pullpush points mesh; do
+    for method in exact discs pullpush box points mesh; do
         both "$1_$method"
         key m
     done
     cmp "$work/gl_$1_exact.png" "$work/cpu_$1_exact.png" || fail "exact is not exact"
-    agree "cpu_$1_pullpush" "gl_$1_pullpush"
-    agree "cpu_$1_points" "gl_$1_points"
-    agree "cpu_$1_mesh" "gl_$1_mesh"
+    for method in discs pullpush box points mesh; do
+        agree "cpu_$1_$method" "gl_$1_$method"
+    done
 }
 
 start --backend gl
@@ -60,14 +60,14 @@ picture new
 all_methods new
 
 # ---- edges at rest have four samples, by the gl engine, too
-key m m m
+key m m m m m
 xdotool mousemove 1270 790 sleep 2
 whole_window rest
 look smooth rest.png 304,150,1280,650 || fail "edges at rest are jagged"
 key m
 
 # ---- strokes with each method, which picks positions from its own picture; undo restores the first picture
-for method in exact pullpush points mesh; do
+for method in exact discs pullpush box points mesh; do
     stroke 640 400 30 20
     picture "stroke_$method"
     cmp -s "$work/stroke_$method.png" "$work/gl_new_$method.png" && fail "$method: the stroke is not to be seen"
@@ -82,7 +82,7 @@ all_methods sculpted
 cmp -s "$work/gl_sculpted_mesh.png" "$work/gl_new_mesh.png" && fail "nothing was sculpted"
 
 # ---- frozen parts are drawn darker; by the cpu engine
-key m m m
+key m m m m m
 picture free
 key 9
 stroke 560 300 30 20
@@ -102,7 +102,7 @@ through() {
     differ through gl_sculpted_exact
 }
 until_ "the reference through the sculpture" through
-for method in exact pullpush; do
+for method in exact discs pullpush box; do
     both "reference_$method"
     cmp "$work/gl_reference_$method.png" "$work/cpu_reference_$method.png" || fail "reference, $method: not the cpu engine's"
     differ "gl_reference_$method" "gl_sculpted_$method" || fail "reference, $method: it is not to be seen"
@@ -120,7 +120,7 @@ close_window
 # ---- a software OpenGL renderer is not chosen automatically: the cpu engine is used
 anew # (the journal to look at is the one that will be there)
 start
-key m m m
+key m m m m m
 picture automatic
 cmp "$work/automatic.png" "$work/cpu_new_mesh.png" || fail "auto is not the cpu engine here"
 close_window

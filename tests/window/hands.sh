@@ -29,8 +29,8 @@ journal_is_there && fail "a drag on a volume sculpts it"
 copy_command 105 457
 draws orbit 0
 key M # the same view by the other methods: pixels at edges may differ
-picture pullpush
-key M M M
+picture discs
+key M M M M M
 
 # ---- the histogram: its ends, its marks, and the isovalues that --info suggests
 whole_window histogram

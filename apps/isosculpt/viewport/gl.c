@@ -56,20 +56,20 @@ iso_status isosculpt_gl_draw_mesh(isosculpt_gl *gl, const iso_mesh_view *mesh, c
     return iso_gl_canvas_draw(gl->drawn, &opts, paint, error);
 }
 
-iso_status isosculpt_gl_draw_points(isosculpt_gl *gl, const iso_point_view *points, bool pullpush,
-                                    const iso_view *view, const iso_gl_paint *paint, iso_gl_canvas **canvas,
-                                    iso_error *error) {
+iso_status isosculpt_gl_draw_points(isosculpt_gl *gl, const iso_point_view *points,
+                                    const iso_reconstruction *reconstruction, const iso_view *view,
+                                    const iso_gl_paint *paint, iso_gl_canvas **canvas, iso_error *error) {
     if (gl->points)
         ISO_TRY(iso_gl_update_points(gl->points, points, error));
     else
         ISO_TRY(iso_gl_upload_points(gl->engine, points, &gl->points, error));
     const iso_gl_surface *const surface = gl->points;
-    const iso_gl_draw_opts discs = {.view = view, .surfaces = &surface, .surface_count = 1};
-    const iso_gl_pullpush_opts filled = {
-        .view = view, .surfaces = &surface, .surface_count = 1, .reconstruction = ISO_RECONSTRUCTION_REFINED};
+    const iso_gl_draw_opts dots = {.view = view, .surfaces = &surface, .surface_count = 1};
     *canvas = gl->drawn;
-    return pullpush ? iso_gl_canvas_draw_pullpush(gl->drawn, &filled, paint, error)
-                    : iso_gl_canvas_draw(gl->drawn, &discs, paint, error);
+    if (!reconstruction) return iso_gl_canvas_draw(gl->drawn, &dots, paint, error);
+    const iso_gl_pullpush_opts opts = {
+        .view = view, .surfaces = &surface, .surface_count = 1, .reconstruction = *reconstruction};
+    return iso_gl_canvas_draw_pullpush(gl->drawn, &opts, paint, error);
 }
 
 iso_status isosculpt_gl_keep_pick_buffer(isosculpt_gl *gl, iso_gl_canvas **pick_buffer, iso_error *error) {

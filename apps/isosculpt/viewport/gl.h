@@ -27,11 +27,11 @@ const char *isosculpt_gl_renderer(const isosculpt_gl *gl);
  * borrowed, and the next drawing reuses it. Errors: those of iso_gl_canvas_draw and of the uploads. */
 iso_status isosculpt_gl_draw_mesh(isosculpt_gl *gl, const iso_mesh_view *mesh, const iso_view *view,
                                   const iso_gl_paint *paint, iso_gl_canvas **canvas, iso_error *error);
-/* Like isosculpt_gl_draw_mesh, for points. `pullpush`: pixels between points are filled in image space; if
- * false, each point is drawn as a disc. */
-iso_status isosculpt_gl_draw_points(isosculpt_gl *gl, const iso_point_view *points, bool pullpush,
-                                    const iso_view *view, const iso_gl_paint *paint, iso_gl_canvas **canvas,
-                                    iso_error *error);
+/* Like isosculpt_gl_draw_mesh, for points. `reconstruction` NULL: each point is drawn as a disc parallel to
+ * the picture (the method points). */
+iso_status isosculpt_gl_draw_points(isosculpt_gl *gl, const iso_point_view *points,
+                                    const iso_reconstruction *reconstruction, const iso_view *view,
+                                    const iso_gl_paint *paint, iso_gl_canvas **canvas, iso_error *error);
 
 /* Copies depth and normals of the last picture, so that picks keep working on it while newer pictures are
  * drawn. *pick_buffer is borrowed; the next call overwrites it. ISO_ERR_NOMEM, ISO_ERR_BACKEND. */

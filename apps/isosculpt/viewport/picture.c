@@ -49,7 +49,7 @@ static iso_status draw_surface(isosculpt_viewport *viewport, iso_method method, 
         return iso_draw_mesh(target, &mesh, error);
     }
     iso_point_view points = iso_point_set_view(viewport->drawn_points);
-    iso_pullpush_opts opts = {.workspace = viewport->workspace};
+    const iso_pullpush_opts opts = {isosculpt_reconstruction(method), .workspace = viewport->workspace};
     return method == ISO_METHOD_POINTS ? iso_draw_points(target, &points, error)
                                        : iso_draw_pullpush(target, &points, &opts, error);
 }
@@ -158,7 +158,9 @@ static iso_status draw_canvas(isosculpt_viewport *viewport, iso_method method, i
         ISO_TRY(isosculpt_gl_draw_mesh(viewport->gl, &mesh, &samples, &paint, &canvas, error));
     } else {
         iso_point_view points = iso_point_set_view(viewport->drawn_points);
-        ISO_TRY(isosculpt_gl_draw_points(viewport->gl, &points, method == ISO_METHOD_PULLPUSH, &samples,
+        const iso_reconstruction reconstruction = isosculpt_reconstruction(method);
+        ISO_TRY(isosculpt_gl_draw_points(viewport->gl, &points,
+                                         method == ISO_METHOD_POINTS ? NULL : &reconstruction, &samples,
                                          &paint, &canvas, error));
     }
     viewport->drawn.canvas = canvas;
@@ -328,7 +330,7 @@ static iso_status draw_again(isosculpt_viewport *viewport, bool moving, bool hur
     const bool layers = isosculpt_viewport_is_see_through(viewport),
                quick = moving && viewport->lod &&
                        (viewport->sliding || (layers && viewport->slow_layers) || !is_ready(viewport, best));
-    const iso_method method = quick ? ISO_METHOD_PULLPUSH : best;
+    const iso_method method = quick ? ISO_METHOD_DISCS : best;
     const double extract_start = iso_clock_seconds();
     ISO_TRY(extract_part(viewport, isosculpt_method_part(method), quick, error));
     choose_points(viewport, quick);

@@ -12,8 +12,15 @@
 
 static const double DEGREES_A_PIXEL = 0.4;
 
-const iso_method isosculpt_methods[ISOSCULPT_METHODS] = {ISO_METHOD_EXACT, ISO_METHOD_PULLPUSH,
-                                                         ISO_METHOD_POINTS, ISO_METHOD_MESH};
+const iso_method isosculpt_methods[ISOSCULPT_METHODS] = {ISO_METHOD_EXACT,    ISO_METHOD_DISCS,
+                                                         ISO_METHOD_PULLPUSH, ISO_METHOD_PULLPUSH_BOX,
+                                                         ISO_METHOD_POINTS,   ISO_METHOD_MESH};
+
+iso_reconstruction isosculpt_reconstruction(iso_method method) {
+    return method == ISO_METHOD_PULLPUSH       ? ISO_RECONSTRUCTION_GAUSSIAN
+           : method == ISO_METHOD_PULLPUSH_BOX ? ISO_RECONSTRUCTION_BOX
+                                               : ISO_RECONSTRUCTION_REFINED;
+}
 
 /* ---- latencies */
 

@@ -28,8 +28,10 @@ extern "C" {
 
 /* The methods that a user can choose, in the order of the panel: a selection from the table of renderers
  * (methods/method.h). */
-enum { ISOSCULPT_METHODS = 4 };
+enum { ISOSCULPT_METHODS = 6 };
 extern const iso_method isosculpt_methods[ISOSCULPT_METHODS];
+/* How iso_draw_pullpush draws the points of the methods discs, pullpush and pullpush-box. */
+iso_reconstruction isosculpt_reconstruction(iso_method method);
 
 /* The engine that draws. OpenGL has all methods except exact; instead of it the mesh is drawn while the
  * camera moves. Fields with a mask are drawn by the cpu engine. */

@@ -36,6 +36,7 @@ typedef struct iso_dicom_frame {
 
 typedef struct iso_dicom_file {
     char *path;
+    char instance[65]; /* unique to an image: two files with the same are copies; "": not stated */
     char syntax[65], series[65], description[65], modality[17], photometric[17];
     long series_number;
     int rows, columns, samples, bits_allocated, bits_stored, high_bit;
@@ -114,7 +115,7 @@ typedef struct iso_dicom_wanted {
 } iso_dicom_wanted;
 
 /* Sorts the planes, which have the same size and orientation, by their positions along the slice normal.
- * Where several lie at the same place, divides them into acquisitions, keeps one of these and reduces *count.
+ * Leaves out copies of images. Where several lie at the same place, divides them into acquisitions, keeps one of these and reduces *count.
  * Sets info's transform, dims[2], anatomical and notes. ISO_ERR_FORMAT: a slice is missing, duplicate or out
  * of line; ISO_ERR_USAGE: no such acquisition. */
 iso_status iso_dicom_stack(const iso_dicom_wanted *wanted, iso_dicom_frame *frames, size_t *count,

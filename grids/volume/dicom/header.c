@@ -277,6 +277,9 @@ static void use_file_text(parser *p, uint32_t tag, const char *text) {
     case TAG(0x0002, 0x0010):
         copy_text(file->syntax, sizeof file->syntax, text);
         break;
+    case TAG(0x0008, 0x0018):
+        copy_text(file->instance, sizeof file->instance, text);
+        break;
     case TAG(0x0020, 0x000e):
         copy_text(file->series, sizeof file->series, text);
         break;
@@ -354,7 +357,7 @@ static bool is_file_text(uint32_t tag) {
                                     TAG(0x0008, 0x103e), TAG(0x0008, 0x0060), TAG(0x0028, 0x0004),
                                     TAG(0x0020, 0x0011), TAG(0x0028, 0x0008), TAG(0x0020, 0x0013),
                                     TAG(0x0020, 0x0100), TAG(0x0020, 0x0012), TAG(0x0018, 0x0086),
-                                    TAG(0x3004, 0x000c)};
+                                    TAG(0x3004, 0x000c), TAG(0x0008, 0x0018)};
     for (size_t i = 0; i < sizeof tags / sizeof *tags; i++)
         if (tags[i] == tag) return true;
     return false;

@@ -100,6 +100,33 @@ static void sort(stack *s, int (*compare)(const void *, const void *)) {
     qsort(s->frames, s->count, sizeof *s->frames, compare);
 }
 
+static bool are_copies(const stack *s, const iso_dicom_frame *a, const iso_dicom_frame *b) {
+    const char *one = s->wanted->files[a->file].instance, *other = s->wanted->files[b->file].instance;
+    return a->file != b->file && a->index == b->index && a->number == b->number &&
+           compare_phases(a, b) == 0 && *one && strcmp(one, other) == 0;
+}
+
+/* Of copies of an image, which lie at the same position, keeps the named file, or else the first by name. */
+static void leave_out_copies(stack *s) {
+    size_t count = 0, copied = 0;
+    for (size_t i = 0; i < s->count; i++) {
+        const iso_dicom_frame *frame = &s->frames[i];
+        size_t same = count;
+        while (same > 0 && s->frames[same - 1].at == frame->at && !are_copies(s, &s->frames[same - 1], frame))
+            same--;
+        if (same == 0 || s->frames[same - 1].at != frame->at) {
+            s->frames[count++] = *frame;
+            continue;
+        }
+        if (frame->file == s->wanted->named) s->frames[same - 1] = *frame;
+        copied = same - 1;
+    }
+    const size_t copies = s->count - count;
+    if (copies == 1) iso_volume_note(s->info, "a copy of %s is left out", name_of(s, copied));
+    if (copies > 1) iso_volume_note(s->info, "%zu copies of images are left out", copies);
+    s->count = count;
+}
+
 static void number_places(stack *s) {
     s->places = s->count > 0;
     for (size_t i = 0; i < s->count; i++) {
@@ -133,6 +160,7 @@ static iso_status choose_order(stack *s) {
         frame->at = s->by_position ? iso_vec3_dot(position_of(frame), normal) : (double)frame->number;
     }
     sort(s, compare_positions);
+    leave_out_copies(s);
     number_places(s);
     return ISO_OK;
 }

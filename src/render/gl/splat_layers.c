@@ -223,8 +223,8 @@ static iso_packed_fragment shade(const layers_call *call, size_t sample, const f
     const int x = (int)(sample % (size_t)call->view.width), y = (int)(sample / (size_t)call->view.width);
     const iso_splat_sums sums = {f[3], f[7], {f[0], f[1], f[2]}, {f[4], f[5], f[6]}, f[3]};
     if (!(sums.weight > 0)) return (iso_packed_fragment){0};
-    const iso_fragment fragment =
-        iso_splat_mean_fragment(&call->surface, &sums, iso_disc_column(view, x), iso_disc_row(view, y));
+    const iso_fragment fragment = iso_splat_mean_fragment(&call->surface, &sums, false,
+                                                          iso_disc_column(view, x), iso_disc_row(view, y));
     return iso_fragment_pack(&fragment);
 }
 

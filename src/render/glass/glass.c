@@ -9,7 +9,7 @@
 #include "image/srgb.h"
 
 const char *iso_refraction_name(iso_refraction refraction) {
-    static const char *const names[ISO_REFRACTIONS] = {"none", "layers", "two-sided", "traced"};
+    static const char *const names[ISO_REFRACTIONS] = {"none", "single", "layers", "two-sided", "traced"};
     return names[refraction];
 }
 
@@ -132,21 +132,77 @@ static way_out find_way_out(const iso_glass_map *map, iso_vec3 entry, iso_vec3 r
     return out;
 }
 
+/* Returns the crossings of the sample that shows a point (view space), if the point lies in the solid before
+ * that sample's ray first leaves it; else NULL. */
+static const iso_glass_crossings *crossings_around(const iso_glass_map *map, iso_vec3 at) {
+    const iso_view *view = map->view;
+    const double scale = view->focal / (view->orthographic ? 1 : at.z), x = floor(view->cx + scale * at.x),
+                 y = floor(view->cy + scale * at.y);
+    if (!(at.z > view->near && x >= 0 && y >= 0 && x < view->width && y < view->height)) return NULL;
+    const iso_glass_crossings *c = crossings_at(map, (int)x, (int)y);
+    return (double)c->depth[0] < at.z && at.z < (double)c->depth[1] ? c : NULL;
+}
+
+/* Follows a ray that was reflected at a point of the surface through the solid, in steps of `step` mm.
+ * Returns false if the map does not show the ray's way out. */
+static bool march_out(const iso_glass_map *map, iso_vec3 point, iso_vec3 ray, double step, way_out *out) {
+    enum { STEPS = 96, BISECTIONS = 6 };
+    const iso_vec3 start = iso_view_point(map->view, point), along = iso_view_vector(map->view, ray);
+    const iso_glass_crossings *last = NULL, *c = NULL; /* at the farthest point inside so far; at the next */
+    double inside = 0, outside = 0;
+    for (int i = 1; i <= STEPS; i++) {
+        outside = i * step;
+        c = crossings_around(map, iso_vec3_add(start, iso_vec3_scale(along, outside)));
+        if (!c) break;
+        inside = outside;
+        last = c;
+    }
+    if (c || !last) return false;
+    for (int i = 0; i < BISECTIONS; i++) {
+        const double middle = (inside + outside) / 2;
+        c = crossings_around(map, iso_vec3_add(start, iso_vec3_scale(along, middle)));
+        if (c) last = c;
+        *(c ? &inside : &outside) = middle;
+    }
+    const double z = start.z + inside * along.z;
+    const bool far = z - (double)last->depth[0] > (double)last->depth[1] - z;
+    if (!far && last->inside) return false; /* there is no surface */
+    out->distance = inside;
+    memcpy(out->normal, last->normal[far], sizeof out->normal);
+    return true;
+}
+
+/* Follows a ray from the point of entry until it leaves the solid, also where it is totally reflected, unless
+ * the map does not show its way. Sets `ray` to its direction then; returns its length in the solid, mm. */
+static double leave(const iso_mapped_glass *m, const sample *s, iso_vec3 *ray) {
+    enum { REFLECTIONS = 6 };
+    const iso_view *view = m->map->view;
+    const iso_glass_crossings *c = s->crossings;
+    const double depth = (double)c->depth[0], straight = ((double)c->depth[1] - depth) * s->length,
+                 pixel = (view->orthographic ? 1 : depth) / view->focal,
+                 step = fmax(2 * pixel, 0.01 * straight);
+    iso_vec3 at = iso_vec3_add(s->origin, iso_vec3_scale(s->ray, depth * s->length)), out;
+    way_out way = find_way_out(m->map, at, *ray, straight, c->normal[1]);
+    double length = way.distance;
+    for (int i = 0; i <= REFLECTIONS; i++) {
+        const iso_vec3 normal = normal_against(m->map, way.normal, *ray);
+        if (iso_glass_refract(*ray, normal, m->glass->ior, &out)) {
+            *ray = out;
+            return length;
+        }
+        at = iso_vec3_add(at, iso_vec3_scale(*ray, way.distance));
+        *ray = iso_glass_reflect(*ray, normal);
+        if (i == REFLECTIONS || !march_out(m->map, at, *ray, step, &way)) break;
+        length += way.distance;
+    }
+    return length;
+}
+
 /* Adds the light along a ray that starts inside the solid, at the point where the sample's ray does. */
 static void light_behind(const iso_mapped_glass *m, const sample *s, iso_vec3 ray, double light[3]) {
-    const iso_glass_crossings *c = s->crossings;
-    iso_vec3 out = ray;
-    double distance = (double)c->thickness;
-    if (isfinite(c->depth[1])) {
-        const iso_vec3 entry =
-            iso_vec3_add(s->origin, iso_vec3_scale(s->ray, (double)c->depth[0] * s->length));
-        const double straight = (double)(c->depth[1] - c->depth[0]) * s->length;
-        const way_out way = find_way_out(m->map, entry, ray, straight, c->normal[1]);
-        const iso_vec3 normal = normal_against(m->map, way.normal, ray);
-        distance = way.distance;
-        if (!iso_glass_refract(ray, normal, m->glass->ior, &out)) out = iso_glass_reflect(ray, normal);
-    }
-    iso_environment_look(m->glass->environment, out, light);
+    const double distance =
+        isfinite(s->crossings->depth[1]) ? leave(m, s, &ray) : (double)s->crossings->thickness;
+    iso_environment_look(m->glass->environment, ray, light);
     iso_glass_absorb(m->glass, distance, light);
 }
 
@@ -163,10 +219,14 @@ static void light_through(const iso_mapped_glass *m, const sample *s, iso_vec3 n
         light_behind(m, s, ray, light);
         return;
     }
-    if (m->refraction == ISO_REFRACTION_LAYERS)
-        ray = bend_by_layers(ray, normal, c->inside ? ior : 1 / ior, c->layers);
+    const int layers = m->refraction == ISO_REFRACTION_SINGLE && c->layers > 1 ? 1 : c->layers;
+    if (m->refraction != ISO_REFRACTION_NONE)
+        ray = bend_by_layers(ray, normal, c->inside ? ior : 1 / ior, layers);
     iso_environment_look(m->glass->environment, ray, light);
     iso_glass_absorb(m->glass, (double)c->thickness, light);
+    if (!(m->glass->surface_opacity > 0)) return;
+    for (int i = 0; i < layers; i++)
+        for (int k = 0; k < 3; k++) light[k] *= 1 - m->glass->surface_opacity;
 }
 
 bool iso_glass_light(const void *context, int x, int y, double rgb[3]) {
@@ -181,6 +241,16 @@ bool iso_glass_light(const void *context, int x, int y, double rgb[3]) {
     const double share = iso_glass_reflectance(m->glass->ior, -iso_vec3_dot(s.ray, normal));
     iso_environment_look(m->glass->environment, iso_glass_reflect(s.ray, normal), mirrored);
     for (int k = 0; k < 3; k++) rgb[k] = share * mirrored[k] + (1 - share) * rgb[k];
+    return true;
+}
+
+bool iso_dispersed_glass_light(const void *context, int x, int y, double rgb[3]) {
+    const iso_dispersed_glass *glass = context;
+    for (int k = 0; k < 3; k++) {
+        double light[3];
+        if (!glass->light(glass->contexts[k], x, y, light)) return false;
+        rgb[k] = light[k];
+    }
     return true;
 }
 

@@ -6,15 +6,16 @@
  *
  * none: shows what is straight behind the solid, attenuated by the solid's thickness.
  *
- * layers: bends the ray once, by an angle that grows with the number of layers (Zhang and Pajarola 2006,
- * "Single-pass point rendering and transparent shading", equation 12). This is an effect, not an
- * approximation of refraction, because the number of layers does not determine the path of a ray; the paper
- * does not claim more.
+ * single and layers: bend the ray once, as the first surface bends it, or by an angle that grows with the
+ * number of layers (Zhang and Pajarola 2006, "Single-pass point rendering and transparent shading", section
+ * 5.2.3, equation 12). The second is an effect, not an approximation of refraction, because the number of
+ * layers does not determine the path of a ray; the paper does not claim more.
  *
  * two-sided: bends the ray where it enters and where it first leaves (Wyman 2005, "An approximate image-space
- * approach for interactive refraction").
+ * approach for interactive refraction"). A ray that is totally reflected there is followed through the solid
+ * as far as the map shows it.
  *
- * The fourth mode, traced, follows rays through the solid: truth/traced_glass.h. */
+ * The fifth mode, traced, follows rays through the solid: truth/traced_glass.h. */
 #ifndef ISO_RENDER_GLASS_GLASS_H
 #define ISO_RENDER_GLASS_GLASS_H
 
@@ -32,13 +33,14 @@ extern "C" {
 
 typedef enum iso_refraction {
     ISO_REFRACTION_NONE,
+    ISO_REFRACTION_SINGLE,
     ISO_REFRACTION_LAYERS,
     ISO_REFRACTION_TWO_SIDED,
     ISO_REFRACTION_TRACED,
     ISO_REFRACTIONS
 } iso_refraction;
 
-/* Returns "none", "layers", "two-sided" or "traced". */
+/* Returns "none", "single", "layers", "two-sided" or "traced". */
 const char *iso_refraction_name(iso_refraction refraction);
 
 /* ---- maps */
@@ -102,6 +104,15 @@ typedef struct iso_mapped_glass {
 
 /* An iso_glass_fn that uses a map of crossings. */
 bool iso_glass_light(const void *context, int x, int y, double rgb[3]);
+
+/* The context of iso_dispersed_glass_light; all pointers are borrowed. */
+typedef struct iso_dispersed_glass {
+    iso_glass_fn *light;
+    const void *contexts[3]; /* of `light`, for red, green and blue: as iso_glass_disperse says */
+} iso_dispersed_glass;
+
+/* An iso_glass_fn that takes each colour from a context of its own. */
+bool iso_dispersed_glass_light(const void *context, int x, int y, double rgb[3]);
 
 /* A picture to shade; all pointers are borrowed for the call. */
 typedef struct iso_glass_picture {

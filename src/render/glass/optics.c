@@ -12,6 +12,13 @@ void iso_glass_set_absorption(iso_glass *glass, iso_rgb color, double distance) 
     }
 }
 
+void iso_glass_disperse(double ior, double abbe, double iors[3]) {
+    const double half = (ior - 1) / (2 * abbe);
+    iors[0] = ior - half < 1 ? 1 : ior - half;
+    iors[1] = ior;
+    iors[2] = ior + half;
+}
+
 void iso_glass_absorb(const iso_glass *glass, double mm, double light[3]) {
     for (int k = 0; k < 3; k++)
         if (glass->absorption[k] > 0) light[k] *= (double)iso_exp2((float)(-glass->absorption[k] * mm));

@@ -17,12 +17,20 @@ typedef struct iso_glass {
     /* Attenuation for red, green and blue: after 1 mm in the solid, 2^-absorption of the light is left (Beer
      * and Lambert). */
     double absorption[3];
+    /* Share of the light that each surface on the way takes away, 0 .. 1 (Zhang and Pajarola 2006, equation
+     * 11); for the refraction modes none, single and layers. */
+    double surface_opacity;
     const iso_environment *environment; /* borrowed */
 } iso_glass;
 
 /* Sets the absorption so that `color` (display values) is left of white light after `distance` mm:
  * attenuationColor and attenuationDistance of KHR_materials_volume. */
 void iso_glass_set_absorption(iso_glass *glass, iso_rgb color, double distance);
+
+/* Sets indices of refraction for red, green and blue, 1 or more, as KHR_materials_dispersion suggests for
+ * three colours. ior: that of green; abbe: the Abbe number, above 0: (ior - 1) / (index of blue - index of
+ * red). */
+void iso_glass_disperse(double ior, double abbe, double iors[3]);
 
 /* Attenuates `light` by a path of `mm` mm in the solid. */
 void iso_glass_absorb(const iso_glass *glass, double mm, double light[3]);

@@ -8,6 +8,7 @@
 typedef struct pixel {
     float color[3], through; /* composited so far: premultiplied colour, share of the light that passes */
     float bin;               /* bin of depth of the last disc */
+    int layers;              /* number of discs that were composited */
 } pixel;
 
 /* The pictures of a band. In algorithm 3 the band's memory begins with the slots. */
@@ -32,7 +33,7 @@ static bool set_up(const iso_splat_surface *surface, const iso_splat_band *band,
     im->image = (pixel *)(im->keys + pixels * groups);
     im->front = (float *)(im->image + pixels * groups);
     im->mask = im->front + pixels;
-    for (size_t i = 0; i < pixels * groups; i++) im->image[i] = (pixel){{0, 0, 0}, 1, INFINITY};
+    for (size_t i = 0; i < pixels * groups; i++) im->image[i] = (pixel){{0, 0, 0}, 1, INFINITY, 0};
     for (size_t i = 0; i < pixels; i++) im->front[i] = INFINITY;
     for (size_t i = 0; i < pixels; i++) im->mask[i] = -INFINITY;
     return true;
@@ -45,6 +46,7 @@ static bool set_up(const iso_splat_surface *surface, const iso_splat_band *band,
 static void composite(pixel *to, const iso_fragment *disc, float bin) {
     if (!(bin < to->bin)) return;
     to->bin = bin;
+    to->layers++;
     to->through *= 1 - disc->opacity;
     for (int k = 0; k < 3; k++)
         to->color[k] = disc->opacity * disc->color[k] + (1 - disc->opacity) * to->color[k];
@@ -62,7 +64,9 @@ static void draw_disc(const images *im, uint32_t number) {
         iso_splat_thickness((const iso_disc *)surface->discs.disc.data + number); /* based on the disc's usual
                                                                                      size, not on the enlarged
                                                                                      one */
-    pixel *image = im->image + im->pixels * surface->input->groups->group[disc->point];
+    const iso_groups *groups = surface->input->groups;
+    const uint64_t drawn =
+        (uint64_t)1 << groups->group[disc->point] | (groups->copies ? groups->copies[disc->point] : 0);
     for (int y = box.rows.first; y <= box.rows.last; y++)
         for (int x = box.columns.first; x <= box.columns.last; x++) {
             const size_t at = (size_t)(y - band->rows.first) * (size_t)band->width + (size_t)x;
@@ -71,7 +75,10 @@ static void draw_disc(const images *im, uint32_t number) {
                 hit.depth <= im->mask[at] + thickness ||
                 (band->lists->limit && !(hit.depth < band->lists->limit[at])))
                 continue;
-            composite(&image[at], &shaded, floorf(hit.depth / surface->bin));
+            for (uint64_t left = drawn; left; left &= left - 1) {
+                pixel *image = im->image + im->pixels * (size_t)__builtin_ctzll(left);
+                composite(&image[at], &shaded, floorf(hit.depth / surface->bin));
+            }
             im->front[at] = hit.depth < im->front[at] ? hit.depth : im->front[at];
         }
 }
@@ -82,28 +89,49 @@ static void draw_discs(const images *im) {
     for (size_t i = start[0]; i < start[1]; i++) draw_disc(im, order[i]);
 }
 
-/* Sets a fragment to the mean of the groups' pictures; returns false if they are empty. If most groups have
- * the front layer, a group without it has a hole there and is left out; if few groups have it, the layer
- * itself may end there. */
-static bool take_mean(const images *im, size_t at, iso_fragment *fragment) {
+/* Sums over the groups' pictures at a pixel. */
+typedef struct group_sums {
+    float through, color[3];
+    int layers, count; /* count: of groups */
+} group_sums;
+
+/* Sums up the groups' pictures. If most groups have the front layer, a group without it has a hole there and
+ * is left out; if few groups have it, the layer itself may end there. */
+static group_sums sum_groups(const images *im, size_t at) {
     const pixel *pixels = im->image + at;
     const int groups = im->surface->input->groups->count;
     const float front = floorf(im->front[at] / im->surface->bin) + 1;
-    int whole = 0, count = 0;
-    float through = 0, color[3] = {0, 0, 0};
+    group_sums sums = {.count = 0};
+    int whole = 0;
     for (int g = 0; g < groups; g++) whole += pixels[(size_t)g * im->pixels].bin <= front;
     for (int g = 0; g < groups; g++) {
         const pixel *p = &pixels[(size_t)g * im->pixels];
         if (2 * whole > groups && p->bin > front) continue;
-        through += p->through;
-        for (int k = 0; k < 3; k++) color[k] += p->color[k];
-        count++;
+        sums.through += p->through;
+        for (int k = 0; k < 3; k++) sums.color[k] += p->color[k];
+        sums.layers += p->layers;
+        sums.count++;
     }
-    *fragment = (iso_fragment){
-        .depth = im->front[at], .opacity = 1 - through / (float)count, .surface = im->surface->number};
+    return sums;
+}
+
+/* Sets a fragment to the mean of the groups' pictures; returns false if they are empty. */
+static bool take_mean(const images *im, size_t at, iso_fragment *fragment) {
+    const group_sums sums = sum_groups(im, at);
+    *fragment = (iso_fragment){.depth = im->front[at],
+                               .opacity = 1 - sums.through / (float)sums.count,
+                               .surface = im->surface->number};
     if (!(fragment->opacity > 0)) return false;
-    for (int k = 0; k < 3; k++) fragment->color[k] = color[k] / (float)count / fragment->opacity;
+    for (int k = 0; k < 3; k++) fragment->color[k] = sums.color[k] / (float)sums.count / fragment->opacity;
     return true;
+}
+
+/* Lists as many layers without normals as the groups' pictures have in the mean. */
+static void list_count(const images *im, size_t at, int x, int row) {
+    const group_sums sums = sum_groups(im, at);
+    const iso_fragment layer = {.depth = im->front[at], .surface = im->surface->number};
+    for (int i = (sums.layers + sums.count / 2) / sums.count; i > 0; i--)
+        iso_layer_add(im->band->lists, x, row, &layer, false);
 }
 
 /* ---- the nearest layer */
@@ -127,7 +155,7 @@ static void list_nearest(const images *im, const iso_slots *slots) {
         if (!iso_slots_resolve(slots, im->keys + i * (size_t)slots->groups->count, px, py, &sums,
                                &im->mask[i]))
             continue;
-        const iso_fragment fragment = iso_splat_mean_fragment(im->surface, &sums, px, py);
+        const iso_fragment fragment = iso_splat_mean_fragment(im->surface, &sums, false, px, py);
         iso_layer_add(band->lists, x, row, &fragment, false);
     }
 }
@@ -144,6 +172,10 @@ bool iso_splats_list_images(const iso_splat_surface *surface, const iso_splat_ba
     draw_discs(&im);
     for (size_t i = 0; i < im.pixels; i++) {
         iso_fragment fragment;
+        if (surface->normals) {
+            list_count(&im, i, (int)(i % (size_t)band->width), (int)(i / (size_t)band->width));
+            continue;
+        }
         if (!take_mean(&im, i, &fragment)) continue;
         fragment.depth = fragment.depth < im.mask[i] ? im.mask[i] : fragment.depth;
         iso_layer_add(band->lists, (int)(i % (size_t)band->width), (int)(i / (size_t)band->width), &fragment,

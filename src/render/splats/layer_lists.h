@@ -2,6 +2,7 @@
 #ifndef ISO_RENDER_SPLATS_LAYER_LISTS_H
 #define ISO_RENDER_SPLATS_LAYER_LISTS_H
 
+#include "render/glass/glass.h"
 #include "render/layers/opacity.h"
 #include "render/splats/layers.h"
 #include "render/splats/slots.h"
@@ -14,7 +15,9 @@ typedef struct iso_splat_surface {
     iso_discs wide;  /* for the modes groups and nearest: enlarged discs, so that each group covers the
                         surface; back to front */
     iso_layer_opacity opacity;
-    float bin; /* mm: width of the bins of depth */
+    float bin;    /* mm: width of the bins of depth */
+    bool normals; /* layers are listed with their normals instead of colours, and hide nothing; in the mode
+                     nearest those behind the first one have no normals */
 } iso_splat_surface;
 
 /* Projects the points of a surface into `view`, and assigns their discs to bands of `band_rows` rows. With
@@ -41,10 +44,13 @@ bool iso_splats_list_sorted(const iso_splat_surface *surface, const iso_splat_ba
 /* Lists one layer by algorithm 2, or two layers by algorithm 3. Returns false in the same cases. */
 bool iso_splats_list_images(const iso_splat_surface *surface, const iso_splat_band *band, bool nearest);
 
+/* Stores the crossings of the listed rows in the rows of a map from `first` on, from layers with normals. */
+void iso_splats_read_crossings(const iso_layer_lists *lists, int first, const iso_glass_map *map);
+
 /* Returns a fragment for a single disc at its centre. */
 iso_fragment iso_splat_fragment(const iso_splat_surface *surface, const iso_disc *disc);
-/* Returns a fragment for a layer of averaged discs. */
-iso_fragment iso_splat_mean_fragment(const iso_splat_surface *surface, const iso_splat_sums *sums, float x,
-                                     float y);
+/* Returns a fragment for a layer of averaged discs. away: they are back-facing. */
+iso_fragment iso_splat_mean_fragment(const iso_splat_surface *surface, const iso_splat_sums *sums, bool away,
+                                     float x, float y);
 
 #endif

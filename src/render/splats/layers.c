@@ -55,13 +55,21 @@ iso_fragment iso_splat_fragment(const iso_splat_surface *surface, const iso_disc
     return shade(surface, &layer, disc->x, disc->y);
 }
 
-iso_fragment iso_splat_mean_fragment(const iso_splat_surface *surface, const iso_splat_sums *sums, float x,
-                                     float y) {
+/* Returns a fragment that stores a layer's normal. */
+static iso_fragment with_normal(const iso_splat_surface *surface, const seen_layer *layer, bool away) {
+    iso_fragment fragment = {.depth = layer->depth, .surface = surface->number, .leaves = away};
+    for (int k = 0; k < 3; k++) fragment.color[k] = (layer->normal[k] + 1) * ISO_LAYER_NORMAL_SCALE;
+    return fragment;
+}
+
+iso_fragment iso_splat_mean_fragment(const iso_splat_surface *surface, const iso_splat_sums *sums, bool away,
+                                     float x, float y) {
     seen_layer layer = {.depth = sums->depth / sums->weight,
                         .share = sums->opacity / sums->weight,
                         .color = surface->input->color};
     uint8_t rgb[3];
     iso_splat_normal(sums, layer.normal);
+    if (surface->normals) return with_normal(surface, &layer, away);
     if (surface->input->points.colors) {
         iso_splat_color(sums, rgb);
         layer.color = (iso_rgb){rgb[0], rgb[1], rgb[2]};
@@ -72,9 +80,10 @@ iso_fragment iso_splat_mean_fragment(const iso_splat_surface *surface, const iso
 /* ---- setting up */
 
 /* Sets `radii` to the radii with which each group covers the surface: those of the points, enlarged by the
- * groups' factors; without factors by the square root of half the number of groups. */
+ * groups' factors; without factors by the square root of half the number of groups, or not if groups have
+ * copies of points. */
 static void widen(const iso_point_view *points, const iso_groups *groups, float *radii) {
-    const float all = groups->count > 2 ? sqrtf((float)groups->count / 2) : 1;
+    const float all = groups->copies ? 1 : groups->count > 2 ? sqrtf((float)groups->count / 2) : 1;
     for (size_t s = 0; s < points->span_count; s++)
         for (size_t i = points->spans[s].first; i < points->spans[s].first + points->spans[s].count; i++) {
             const float factor = groups->widening[groups->group[i]];
@@ -136,6 +145,7 @@ static iso_status set_up_surface(const layers_draw *draw, int number, iso_error 
     iso_splat_surface *s = &draw->surfaces[number];
     s->number = number;
     s->input = &input->layers[number];
+    s->normals = input->crossings != NULL;
     if (s->input->lists) return ISO_OK;
     return iso_splats_start_surface(s->input, input->picture.strip->view,
                                     input->transparency == ISO_TRANSPARENCY_SORTED, draw->band_rows,
@@ -154,6 +164,7 @@ static iso_status set_up(layers_draw *draw, iso_error *error) {
     for (int i = 0; i < iso_pool_threads(picture->pool); i++) {
         worker *w = &draw->workers[i];
         ISO_TRY(iso_layer_lists_reserve(&w->lists, picture->strip->view->width, draw->band_rows, error));
+        if (draw->input->crossings) continue;
         ISO_TRY(iso_layer_composer_reserve(&w->composer, picture->image->width, factor, error));
     }
     return ISO_OK;
@@ -217,7 +228,10 @@ static bool list_rows(void *context, int number, size_t band_number, iso_rows ro
 static void compose_rows(void *context, int number, iso_rows rows) {
     const layers_draw *draw = context;
     worker *w = &draw->workers[number];
-    iso_layers_compose(&draw->input->picture, &w->lists, NULL, rows.first, &w->composer, &w->totals);
+    if (draw->input->crossings)
+        iso_splats_read_crossings(&w->lists, rows.first, draw->input->crossings);
+    else
+        iso_layers_compose(&draw->input->picture, &w->lists, NULL, rows.first, &w->composer, &w->totals);
 }
 
 iso_groups_opts iso_splat_layers_grouping(iso_pool *pool) {
@@ -225,6 +239,22 @@ iso_groups_opts iso_splat_layers_grouping(iso_pool *pool) {
     opts.limit = ISO_SPLAT_LAYERS_GROUPS;
     opts.by_number = true;
     return opts;
+}
+
+iso_status iso_splats_map_glass(const iso_point_view *points, const iso_groups *groups,
+                                iso_transparency transparency, const iso_glass_map *map, iso_pool *pool,
+                                iso_error *error) {
+    const iso_gbuffer size = {.width = map->view->width, .height = map->view->height};
+    const iso_strip strip = {.view = map->view, .gbuffer = &size, .factor = 1};
+    const iso_splat_layer layer = {
+        .points = *points, .groups = groups, .translucency = {.opacity = 0, .constant = true}};
+    const iso_splat_layers layers = {.transparency = transparency,
+                                     .layers = &layer,
+                                     .count = 1,
+                                     .picture = {.strip = &strip, .pool = pool},
+                                     .crossings = map};
+    iso_layer_totals totals = {.covered = 0};
+    return iso_shade_splat_layers(&layers, &totals, error);
 }
 
 iso_status iso_shade_splat_layers(const iso_splat_layers *input, iso_layer_totals *totals, iso_error *error) {

@@ -6,19 +6,24 @@
  *
  * groups: Zhang and Pajarola 2006, algorithm 2. The discs of each group are composited back to front into a
  * picture of their own, and the pictures are averaged, except those that lack the front layer where most have
- * it. The discs are enlarged so that each group covers the surface by itself (section 4.2.2): by the factors
- * of iso_groups_cover (base/coverage.h), or by the square root of half the number of groups. Discs of a group
- * then overlap; therefore depths are compared in bins as wide as a layer (eq. 6), and only one disc of a
- * layer is composited.
+ * it. So that each group covers the surface by itself (section 4.2.2), it gets copies of discs of other
+ * groups (base/copies.h), or its discs are enlarged: by the factors of iso_groups_cover (base/coverage.h), or
+ * by the square root of half the number of groups. With copies pictures are 1 to 6 dB nearer to sorted
+ * layers, but the groups take several times as long to make, and the gl engine does not draw them. Discs of a
+ * group then overlap; therefore depths are compared in bins as wide as a layer (eq. 6), and only one disc of
+ * a layer is composited.
  *
  * nearest: algorithm 3. The nearest layer is drawn smoothly by slots (render/splats/splats.h), and what is
  * behind it by algorithm 2 without the discs of the nearest layer.
  *
- * The paper orders discs by a tree of planes, this code by the depths of their centres. The paper shades with
- * the colours of points, this code with normals: each disc in algorithm 2, else each pixel. */
+ * The paper orders discs by a tree of planes, this code by the depths of their centres. Both shade each pixel
+ * of the nearest layer by its mean normal (section 5.2.4). The paper's algorithm 2 has the colours of points,
+ * this code's shades each disc by its normal; shading the mean normal of the groups' front discs instead
+ * brings pictures .05 dB nearer to sorted layers at most (a bear and a scan, 4 and 8 groups). */
 #ifndef ISO_RENDER_SPLATS_LAYERS_H
 #define ISO_RENDER_SPLATS_LAYERS_H
 
+#include "render/glass/glass.h"
 #include "render/layers/compose.h"
 #include "render/splats/splats.h"
 
@@ -63,11 +68,31 @@ typedef struct iso_splat_layers {
     const iso_splat_layer *layers; /* the picture's translucent surfaces */
     int count;                     /* 1 or more */
     iso_layer_picture picture;
+    const iso_glass_map *crossings; /* NULL; else crossings are stored here, for iso_splats_map_glass, and no
+                                       picture is composited */
 } iso_splat_layers;
 
 /* Draws and composites a strip. Adds to *totals. The picture gets the same bytes with every number of
  * threads and when drawn in strips of any height. ISO_ERR_NOMEM; ISO_ERR_LIMIT: 2^32 - 1 points or more. */
 iso_status iso_shade_splat_layers(const iso_splat_layers *input, iso_layer_totals *totals, iso_error *error);
+
+/* Fills a map with the crossings of a solid whose surface is given by points (section 5.2.3). `groups` as in
+ * iso_splat_layer.
+ *
+ * sorted: a crossing for every layer. Consecutive layers of one side are one crossing of the solid, which may
+ * have other surfaces within it; all are counted. The eye, and the border of a volume, count as outside the
+ * solid.
+ *
+ * nearest: algorithm 3. The first crossing is that of the smooth nearest layer. How many layers follow is the
+ * opacity that each group's picture accumulates behind it, divided by the opacity of one layer: the mean of
+ * the groups, rounded. Where the solid ends is not known: the map has no thicknesses and no normals of the
+ * far side.
+ *
+ * The bytes are the same for every number of threads. ISO_ERR_NOMEM; ISO_ERR_LIMIT: 2^32 - 1 points or
+ * more. */
+iso_status iso_splats_map_glass(const iso_point_view *points, const iso_groups *groups,
+                                iso_transparency transparency, const iso_glass_map *map, iso_pool *pool,
+                                iso_error *error);
 
 #ifdef __cplusplus
 }

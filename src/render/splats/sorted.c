@@ -117,8 +117,8 @@ static void list_layers(const iso_splat_surface *surface, const iso_splat_band *
     for (int k = 0; k < 2; k++) find_layer(surface, hits, count, &sides[k]);
     while (sides[0].found || sides[1].found) {
         side *nearer = &sides[mean_depth(&sides[1]) < mean_depth(&sides[0])];
-        const iso_fragment fragment =
-            iso_splat_mean_fragment(surface, &nearer->next, iso_disc_column(view, x), iso_disc_row(view, y));
+        const iso_fragment fragment = iso_splat_mean_fragment(
+            surface, &nearer->next, nearer->away, iso_disc_column(view, x), iso_disc_row(view, y));
         if (iso_layer_add(band->lists, x, y - band->rows.first, &fragment, false)) return;
         find_layer(surface, hits, count, nearer);
     }

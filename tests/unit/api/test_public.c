@@ -109,6 +109,9 @@ static void test_version(void **state) {
         assert_int_equal(found, i);
     }
     assert_null(iso_method_name((iso_method)ISO_METHODS));
+    iso_method old;
+    assert_int_equal(iso_method_find("pullpush-gaussian", &old, NULL), ISO_OK);
+    assert_int_equal(old, ISO_METHOD_PULLPUSH);
 }
 
 static void test_volume(void **state) {
@@ -305,6 +308,55 @@ static void test_methods(void **state) {
     }
     iso_image_free(&image);
     iso_surface_destroy(surface);
+}
+
+static iso_image picture_of(iso_volume *volume, iso_primitive primitive, iso_method method) {
+    iso_surface *surface = NULL;
+    iso_image image = {0};
+    const iso_render_opts opts = {.method = method, .width = PIXELS, .height = PIXELS};
+    assert_int_equal(iso_surface_create(volume, &(iso_surface_opts){.primitive = primitive}, &surface, NULL),
+                     ISO_OK);
+    assert_int_equal(iso_render(surface, &opts, &image, NULL), ISO_OK);
+    iso_surface_destroy(surface);
+    return image;
+}
+
+static size_t count_differing(const iso_image *a, const iso_image *b) {
+    size_t differing = 0;
+    for (size_t i = 0; i < (size_t)PIXELS * PIXELS; i++)
+        differing += memcmp(a->rgba + 4 * i, b->rgba + 4 * i, 4) != 0;
+    return differing;
+}
+
+/* Methods that draw points draw those of the primitive; edge points with AUTO. Others are not concerned. */
+static void test_primitives(void **state) {
+    fixture *f = *state;
+    static const iso_method of_points[] = {ISO_METHOD_POINTS, ISO_METHOD_PULLPUSH, ISO_METHOD_PULLPUSH_BOX,
+                                           ISO_METHOD_DISCS,  ISO_METHOD_SPLATS,   ISO_METHOD_SPLATS_FLAT};
+    iso_sculpt *sculpt = NULL;
+    assert_int_equal(iso_sculpt_from_volume(f->volume, ISOVALUE, NULL, &sculpt, NULL), ISO_OK);
+    iso_volume *field = iso_sculpt_volume(sculpt);
+    for (size_t m = 0; m < sizeof of_points / sizeof *of_points; m++) {
+        iso_image images[4];
+        for (int primitive = 0; primitive < 4; primitive++)
+            images[primitive] = picture_of(field, (iso_primitive)primitive, of_points[m]);
+        assert_same(&images[ISO_PRIMITIVE_AUTO], &images[ISO_PRIMITIVE_EDGE]);
+        for (int i = ISO_PRIMITIVE_EDGE; i <= ISO_PRIMITIVE_FOOT_ITERATED; i++)
+            for (int j = ISO_PRIMITIVE_EDGE; j < i; j++)
+                assert_true(count_differing(&images[i], &images[j]) > 0);
+        for (int primitive = 0; primitive < 4; primitive++) iso_image_free(&images[primitive]);
+    }
+    iso_image edge = picture_of(field, ISO_PRIMITIVE_EDGE, ISO_METHOD_MESH),
+              foot = picture_of(field, ISO_PRIMITIVE_FOOT, ISO_METHOD_MESH);
+    assert_same(&edge, &foot);
+    iso_surface *surface = NULL;
+    iso_surface_create(field, &(iso_surface_opts){.primitive = ISO_PRIMITIVE_FOOT}, &surface, NULL);
+    const iso_render_opts hybrid = {.method = ISO_METHOD_HYBRID};
+    assert_int_equal(iso_render(surface, &hybrid, &foot, NULL), ISO_ERR_USAGE);
+    iso_surface_destroy(surface);
+    iso_image_free(&edge);
+    iso_image_free(&foot);
+    iso_sculpt_destroy(sculpt);
 }
 
 static void test_following(void **state) {
@@ -699,6 +751,7 @@ int main(void) {
                                        TEST(test_points),
                                        TEST(test_mesh),
                                        TEST(test_methods),
+                                       TEST(test_primitives),
                                        TEST(test_following),
                                        TEST(test_picture),
                                        TEST(test_shapes),

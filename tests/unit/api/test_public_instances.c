@@ -33,7 +33,7 @@ static size_t bytes_of(const iso_image *image) {
 /* One placement at the origin changes nothing, whatever draws the discs. */
 static void a_placement_at_the_origin(void **state) {
     (void)state;
-    static const iso_method methods[] = {ISO_METHOD_PULLPUSH, ISO_METHOD_SPLATS_FLAT,
+    static const iso_method methods[] = {ISO_METHOD_DISCS, ISO_METHOD_SPLATS_FLAT,
                                          ISO_METHOD_SPLATS_ONEPASS, ISO_METHOD_SPLATS_EWA,
                                          ISO_METHOD_SPLATS_MEAN};
     iso_placement here = {.scale = 0}; /* all 0 */
@@ -79,7 +79,7 @@ static void a_row_of_placements(void **state) {
         iso_volume *volume = lend_ball(threads);
         iso_surface *surface = NULL;
         iso_instance_counts counts = {0};
-        iso_render_opts opts = {.method = ISO_METHOD_PULLPUSH,
+        iso_render_opts opts = {.method = ISO_METHOD_DISCS,
                                 .width = WIDTH,
                                 .height = HEIGHT,
                                 .camera = &camera,

@@ -23,7 +23,7 @@ static const iso_transform transform = {
     {2.0 / 3, -1.0 / 3, 2.0 / 3, 2.0 / 3, 2.0 / 3, -1.0 / 3, -1.0 / 3, 2.0 / 3, 2.0 / 3}};
 static const double isovalue = 10.25;
 static const iso_rgb color = {200, 90, 30}, background = {1, 2, 3};
-static const iso_method methods[] = {ISO_METHOD_EXACT, ISO_METHOD_PULLPUSH_BOX, ISO_METHOD_PULLPUSH_GAUSSIAN};
+static const iso_method methods[] = {ISO_METHOD_EXACT, ISO_METHOD_PULLPUSH_BOX, ISO_METHOD_PULLPUSH};
 static const int part_counts[] = {1, 2, 3, 5, PARTS_MOST};
 
 /* Waves, which end at the volume's border; or a ball, which is closed. */

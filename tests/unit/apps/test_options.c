@@ -216,7 +216,7 @@ static void test_usage_errors(void **state) {
     expect_failure("--resolution 0x480 x.vti", ISO_ERR_USAGE, "1 to 16384");
     expect_failure("--resolution 16385x480 x.vti", ISO_ERR_USAGE, "1 to 16384");
     expect_failure("--method splat x.vti", ISO_ERR_USAGE,
-                   "exact, points, pullpush, splats, mesh, raycast, hybrid");
+                   "exact, points, pullpush, discs, splats, mesh, raycast, hybrid");
     expect_failure("--camera nose x.vti", ISO_ERR_USAGE, "front, back");
     expect_failure("--up w x.vti", ISO_ERR_USAGE, "+x -x");
     expect_failure("--crop 5,4,0,1,0,1 x.vti", ISO_ERR_USAGE, "option --crop");
@@ -235,7 +235,7 @@ static void test_usage_errors(void **state) {
     expect_failure("x.vti --no-image", ISO_ERR_USAGE, "nothing to do");
     expect_failure("--backend glx x.vti", ISO_ERR_BACKEND, "no backend 'glx'");
     expect_failure("--backend egl --method raycast x.vti", ISO_ERR_USAGE,
-                   "methods points, pullpush (without --lod), splats");
+                   "methods points, pullpush and discs (without --lod), splats");
     expect_failure("--backend cpu --point-scaling attenuated x.vti", ISO_ERR_USAGE,
                    "--backend egl or osmesa");
 }

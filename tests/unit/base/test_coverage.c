@@ -2,7 +2,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/copies.h"
 #include "base/coverage.h"
+#include "base/memory.h"
 #include "scene_support.h"
 
 enum { COUNT = 20000, GRID = 900 };
@@ -46,7 +48,9 @@ static size_t count_covered(const plane *p, int group, double factor) {
     size_t count = 0;
     memset(covered, 0, sizeof covered);
     for (uint32_t i = 0; i < p->span.count; i++) {
-        if (group >= 0 && p->groups.group[i] != group) continue;
+        if (group >= 0 && p->groups.group[i] != group &&
+            !(p->groups.copies && p->groups.copies[i] >> group & 1))
+            continue;
         const double radius = factor * DISC * (double)p->radii[i],
                      x = (double)p->surfels[i].position[0] / step,
                      y = (double)p->surfels[i].position[1] / step, r = radius / step;
@@ -124,8 +128,57 @@ static void test_unusual(void **state) {
     iso_groups_free(&p.groups);
 }
 
+/* With copies each group covers nearly what all discs do, without larger discs; their number stays small,
+ * none is a copy in its own group, and threads do not change them. */
+static void test_copies(void **state) {
+    (void)state;
+    static plane p;
+    iso_pool *pool;
+    assert_int_equal(iso_pool_create(3, &pool, NULL), ISO_OK);
+    for (int s = 0; s < 2; s++) {
+        make_plane(&p, 8000, s ? 4 : 1, 4);
+        size_t alone[4];
+        const double all = (double)count_covered(&p, -1, 1);
+        for (int k = 0; k < 4; k++) alone[k] = count_covered(&p, k, 1);
+        assert_int_equal(iso_groups_copy(&p.view, DISC, pool, &p.groups, NULL), ISO_OK);
+        for (int k = 0; k < 4; k++) {
+            const double share = (double)count_covered(&p, k, 1) / all;
+            print_message("group %d covers %.3f, with copies %.3f\n", k, (double)alone[k] / all, share);
+            assert_true(share > 0.97 && share > (double)alone[k] / all);
+        }
+        assert_in_range(p.groups.copy_count, 1, 2 * 8000);
+        for (int i = 0; i < 8000; i++) assert_false(p.groups.copies[i] >> p.groups.group[i] & 1);
+        uint64_t *copies = p.groups.copies;
+        p.groups.copies = NULL;
+        assert_int_equal(iso_groups_copy(&p.view, DISC, NULL, &p.groups, NULL), ISO_OK);
+        assert_memory_equal(copies, p.groups.copies, 8000 * sizeof *copies);
+        iso_free(copies);
+        iso_groups_free(&p.groups);
+    }
+    iso_pool_destroy(pool);
+}
+
+/* Many points in one place, facing both ways or not at all, and points that are left out. */
+static void test_unusual_copies(void **state) {
+    (void)state;
+    static plane p;
+    make_plane(&p, 5000, 1, 4);
+    for (int i = 0; i < 5000; i++) {
+        p.surfels[i].position[0] = p.surfels[i].position[1] = 0;
+        p.surfels[i].normal[2] = (float)(i % 3 - 1);
+        if (i % 7 == 0) p.radii[i] = i % 2 ? NAN : 0;
+    }
+    assert_int_equal(iso_groups_copy(&p.view, DISC, NULL, &p.groups, NULL), ISO_OK);
+    iso_groups_free(&p.groups);
+    make_plane(&p, 0, 1, 4);
+    assert_int_equal(iso_groups_copy(&p.view, DISC, NULL, &p.groups, NULL), ISO_OK);
+    assert_int_equal(p.groups.copy_count, 0);
+    iso_groups_free(&p.groups);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_areas), cmocka_unit_test(test_threads),
-                                       cmocka_unit_test(test_unusual)};
+                                       cmocka_unit_test(test_unusual), cmocka_unit_test(test_copies),
+                                       cmocka_unit_test(test_unusual_copies)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -111,6 +111,61 @@ static void test_no_conflict(void **state) {
     }
 }
 
+static int has_most_neighbours(const void *a, const void *b) {
+    const uint32_t *x = a, *y = b; /* neighbours, point */
+    return x[0] != y[0] ? (x[0] < y[0]) - (x[0] > y[0]) : (x[1] > y[1]) - (x[1] < y[1]);
+}
+
+/* The groups of the paper's colouring (Largest First), over every pair of points: those with the most
+ * neighbours come first, and get the smallest free number. */
+static int count_largest_first(const iso_point_view *view, const iso_groups *groups, double factor) {
+    located all = locate_all(view, groups);
+    uint32_t(*order)[2] = malloc(all.count * sizeof *order);
+    int count = 0;
+    for (size_t i = 0; i < all.count; i++) {
+        order[i][0] = 0;
+        order[i][1] = (uint32_t)i;
+        all.group[i] = ISO_GROUPS_MOST;
+        for (size_t j = 0; j < all.count; j++)
+            order[i][0] += iso_vec3_length(iso_vec3_sub(all.at[i], all.at[j])) <
+                           factor * (all.radius[i] + all.radius[j]);
+    }
+    qsort(order, all.count, sizeof *order, has_most_neighbours);
+    for (size_t k = 0; k < all.count; k++) {
+        const uint32_t i = order[k][1];
+        bool taken[ISO_GROUPS_MOST + 1] = {false};
+        int group = 0;
+        for (size_t j = 0; j < all.count; j++)
+            if (iso_vec3_length(iso_vec3_sub(all.at[i], all.at[j])) <
+                factor * (all.radius[i] + all.radius[j]))
+                taken[all.group[j]] = true;
+        while (taken[group]) group++;
+        all.group[i] = (uint8_t)group;
+        count = group >= count ? group + 1 : count;
+    }
+    free(order);
+    free_located(&all);
+    return count;
+}
+
+/* Points are coloured cell by cell; in the order of the paper the groups are as few within 3. */
+static void test_largest_first(void **state) {
+    (void)state;
+    const char *const scenes[] = {"sphere", "gyroid", "head"};
+    for (int k = 0; k < 3; k++)
+        for (int tenths = 4; tenths <= 10; tenths += 3) {
+            test_scene scene = test_scene_make(scenes[k], 24, NULL, false);
+            iso_groups groups =
+                make_groups(&scene.points, &(iso_groups_opts){.disc = 1.35, .overlap = tenths / 10.0});
+            const int paper = count_largest_first(&scene.points, &groups, 1.35 * tenths / 10);
+            print_message("%s, c = %.1f: %d groups, largest first %d\n", scenes[k], tenths / 10.0,
+                          groups.count, paper);
+            assert_in_range(groups.count, paper - 3, paper + 3);
+            iso_groups_free(&groups);
+            test_scene_free(&scene);
+        }
+}
+
 static void test_no_conflict_in_a_scene(void **state) {
     (void)state;
     const char *const scenes[] = {"sphere", "gyroid", "head"};
@@ -170,6 +225,31 @@ static void test_opposite_normals(void **state) {
     assert_true(without.joined < with.joined && without.conflicts == 0);
     iso_groups_free(&with);
     iso_groups_free(&without);
+}
+
+/* Rule 1: overlapping points of a plane share a group unless they are tilted, displaced or coloured. */
+static void test_coplanar(void **state) {
+    (void)state;
+    static cloud c;
+    static uint8_t colors[MOST][3];
+    const iso_groups_opts coplanar = {.coplanar = 5}, all = {.coplanar = 0};
+    for (int what = 0; what < 5; what++) {
+        make_cloud(&c, 2, 1, 1, 3);
+        for (int i = 0; i < 2; i++)
+            c.surfels[i] = (iso_surfel){.position = {(float)i, 0, 0}, .normal = {0, 0, 1}};
+        if (what == 1) c.surfels[1].normal[0] = 0.2f;   /* by 11 degrees */
+        if (what == 2) c.surfels[1].position[2] = 0.2f; /* out of the plane */
+        if (what == 3) c.surfels[1].normal[2] = -1;
+        memset(colors, 0, sizeof colors);
+        colors[1][2] = 9;
+        if (what == 4) c.view.colors = (const uint8_t(*)[3])colors;
+        iso_groups without = make_groups(&c.view, &all), with = make_groups(&c.view, &coplanar);
+        assert_int_equal(without.count, 2);
+        assert_int_equal(with.count, what == 0 ? 1 : 2);
+        assert_int_equal(with.joined, what == 0 ? 0 : 1);
+        iso_groups_free(&without);
+        iso_groups_free(&with);
+    }
 }
 
 static void test_threads(void **state) {
@@ -271,7 +351,8 @@ static void test_updates_of_everything(void **state) {
     assert_int_equal(follow(&groups, &c.view, &(iso_groups_opts){.limit = 5}), 3000);
     assert_int_equal(follow(&groups, &c.view, &(iso_groups_opts){.limit = 5, .by_number = true}), 3000);
     assert_true(follow(&groups, &c.view, &(iso_groups_opts){.disc = 1.1, .limit = 5}) > 2900);
-    const iso_groups_opts opposite = {.ignore_opposite = true};
+    const iso_groups_opts opposite = {.ignore_opposite = true}, coplanar = {.coplanar = 30};
+    follow(&groups, &c.view, &coplanar);
     follow(&groups, &c.view, &opposite);
     for (int i = 0; i < 3000; i += 7)
         for (int k = 0; k < 3; k++) c.surfels[i].normal[k] *= -1;
@@ -395,16 +476,12 @@ static void test_outliers(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_no_conflict),
-        cmocka_unit_test(test_no_conflict_in_a_scene),
-        cmocka_unit_test(test_limits),
-        cmocka_unit_test(test_opposite_normals),
-        cmocka_unit_test(test_threads),
-        cmocka_unit_test(test_locality),
-        cmocka_unit_test(test_unusable_points),
-        cmocka_unit_test(test_outliers),
-        cmocka_unit_test(test_updates),
-        cmocka_unit_test(test_updates_of_everything),
+        cmocka_unit_test(test_no_conflict),       cmocka_unit_test(test_no_conflict_in_a_scene),
+        cmocka_unit_test(test_largest_first),     cmocka_unit_test(test_limits),
+        cmocka_unit_test(test_opposite_normals),  cmocka_unit_test(test_coplanar),
+        cmocka_unit_test(test_threads),           cmocka_unit_test(test_locality),
+        cmocka_unit_test(test_unusable_points),   cmocka_unit_test(test_outliers),
+        cmocka_unit_test(test_updates),           cmocka_unit_test(test_updates_of_everything),
         cmocka_unit_test(test_updates_of_a_grid),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

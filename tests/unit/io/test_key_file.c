@@ -253,7 +253,7 @@ static void pyramids_have_keys_of_their_own(void **state) {
         iso_key_image_free(&file.keys);
         assert_int_equal(iso_key_image_allocate(level.width, level.height, &file.keys, NULL), ISO_OK);
         file.keys.keys[level.width * level.height - 1] = 7;
-        file.style.method = ISO_METHOD_PULLPUSH_GAUSSIAN;
+        file.style.method = ISO_METHOD_PULLPUSH;
         file.style.base = right;
         if (kind == 1) file.style.base.width++;
         if (kind == 2) file.style.base.height--;
