@@ -1,15 +1,11 @@
-/* foot_points: foot points voxel by voxel, by eq. 1 for distance fields, and by iterating eq. 2 for any
- * scalar field (Baerentzen and Christensen 2003, section 4). Distances up to sqrt 3 voxels are taken, because
- * all outer corners of crossed cells are so near. */
+/* foot_points: foot points voxel by voxel, by eq. 1 for distance fields (Baerentzen and Christensen 2003,
+ * section 4). Distances up to sqrt 3 voxels are taken, because all outer corners of crossed cells are so
+ * near. */
 #include "extract/points/foot_points.h"
 
 #include <string.h>
 
 static const float BAND = 1.7320508f; /* sqrt 3, voxels */
-static const double REACH =
-    2; /* voxels that iteration may move; more than sqrt 3, because the field need not be a distance field */
-static const int MOST_STEPS = 10;
-static const double CONVERGED = 1e-4; /* voxels */
 
 static bool in_band(const iso_threshold *surface, float value) {
     float distance = value - surface->isovalue_ceil - surface->residual;
@@ -119,82 +115,6 @@ bool iso_foot_points_may_exist(const iso_grid *grid, const iso_threshold *surfac
     /* all finite voxels are on one side of the band or in it: one voxel decides */
     float value = iso_grid_at(grid, ISO_BRICK * brick[0], ISO_BRICK * brick[1], ISO_BRICK * brick[2]);
     return !isfinite(value) || (value >= surface->isovalue_ceil && value < top);
-}
-
-/* Whether the surface crosses a cell of the window and all its corners are finite. */
-static bool cell_is_crossed(const iso_brick_window *window, const iso_threshold *surface, const int cell[3]) {
-    int inside = 0;
-    for (int axis = 0; axis < 3; axis++)
-        if (cell[axis] < window->first[axis] || cell[axis] >= window->last[axis]) return false;
-    for (int i = 0; i < 8; i++) {
-        float value =
-            window->values[iso_window_index(cell[0] + (i & 1), cell[1] + (i >> 1 & 1), cell[2] + (i >> 2))];
-        if (!isfinite(value)) return false;
-        inside += iso_threshold_inside(surface, value);
-    }
-    return inside > 0 && inside < 8;
-}
-
-/* Whether a voxel is on the outer side and a corner of a crossed cell: iteration starts from such voxels. */
-static bool is_seed(const iso_brick_window *window, const iso_threshold *surface, const int voxel[3]) {
-    float value = window->values[iso_window_index(voxel[0], voxel[1], voxel[2])];
-    if (!isfinite(value)) return false;
-    bool outside = iso_threshold_inside(surface, value) == (surface->normal_sign > 0);
-    if (!outside) return false;
-    for (int i = 0; i < 8; i++) {
-        const int cell[3] = {voxel[0] - (i & 1), voxel[1] - (i >> 1 & 1), voxel[2] - (i >> 2)};
-        if (cell_is_crossed(window, surface, cell)) return true;
-    }
-    return false;
-}
-
-static bool inside_volume(const int *dims, iso_vec3 p) {
-    return p.x >= 0 && p.y >= 0 && p.z >= 0 && p.x <= dims[0] - 1 && p.y <= dims[1] - 1 && p.z <= dims[2] - 1;
-}
-
-/* Moves p to the surface by repeating eq. 2; *gradient: the gradient there. Returns false if p gets farther
- * than REACH from its start, or does not arrive (points.h). */
-static bool iterate(const iso_grid *grid, double isovalue, iso_vec3 *p, iso_vec3 *gradient) {
-    const int *dims = iso_grid_dims(grid);
-    iso_vec3 seed = *p;
-    for (int step = 0; step <= MOST_STEPS; step++) {
-        double excess = iso_grid_sample(grid, *p) - isovalue;
-        *gradient = iso_grid_gradient(grid, *p);
-        double squared = iso_vec3_dot(*gradient, *gradient);
-        if (!(squared > 0) || !isfinite(excess)) return false;
-        if (fabs(excess) <= CONVERGED * sqrt(squared)) return true;
-        *p = iso_vec3_sub(*p, iso_vec3_scale(*gradient, excess / squared));
-        iso_vec3 way = iso_vec3_sub(*p, seed);
-        if (!(iso_vec3_dot(way, way) < REACH * REACH) || !inside_volume(dims, *p)) return false;
-    }
-    return false;
-}
-
-static bool iterated_foot_of(const iso_grid *grid, const iso_brick_window *window,
-                             const iso_threshold *surface, const int voxel[3], iso_surfel *point) {
-    iso_vec3 origin = {ISO_BRICK * window->brick[0], ISO_BRICK * window->brick[1],
-                       ISO_BRICK * window->brick[2]};
-    iso_vec3 p = iso_vec3_add(origin, iso_vec3_make(voxel[0], voxel[1], voxel[2])), gradient;
-    if (!iterate(grid, (double)surface->isovalue_ceil + surface->residual, &p, &gradient)) return false;
-    iso_vec3 local = iso_vec3_sub(p, origin), normal = iso_vec3_unit(gradient);
-    *point = (iso_surfel){{(float)local.x, (float)local.y, (float)local.z},
-                          {(float)(surface->normal_sign * normal.x), (float)(surface->normal_sign * normal.y),
-                           (float)(surface->normal_sign * normal.z)}};
-    return true;
-}
-
-void iso_foot_points_iterated(const iso_grid *grid, const iso_brick_window *window,
-                              const iso_threshold *surface, iso_foot_points *out) {
-    for (int z = 0; z <= last_voxel(window, 2); z++)
-        for (int y = 0; y <= last_voxel(window, 1); y++)
-            for (int x = 0; x <= last_voxel(window, 0); x++) {
-                const int voxel[3] = {x, y, z};
-                if (!is_seed(window, surface, voxel)) continue;
-                if (iterated_foot_of(grid, window, surface, voxel, &out->points[out->count]))
-                    out->count++;
-                else
-                    out->rejected++;
-            }
 }
 
 bool iso_foot_seeds_may_exist(const iso_grid *grid, const iso_threshold *surface, const int brick[3]) {

@@ -52,9 +52,19 @@ void iso_foot_points_direct(const iso_brick_window *window, const iso_foot_surfa
 /* Whether the brick may have foot points by eq. 1: a quick test of its range of values. */
 bool iso_foot_points_may_exist(const iso_grid *grid, const iso_threshold *surface, const int brick[3]);
 
-/* Foot points of any scalar field by iterating eq. 2. The window must be of `grid`. */
+/* The voxels that iteration may read: those of a brick, and 3 beyond its faces, which is 2 for the way from a
+ * voxel to its foot point and 1 for the gradients there. */
+enum { ISO_FOOT_REACH = 2, ISO_FOOT_LOW = ISO_FOOT_REACH + 1, ISO_FOOT_SIDE = ISO_BRICK + 2 * ISO_FOOT_LOW };
+
+/* Working memory of iso_foot_points_iterated. */
+typedef struct iso_foot_block {
+    float values[ISO_FOOT_SIDE * ISO_FOOT_SIDE * ISO_FOOT_SIDE]; /* x fastest; NaN outside the grid */
+} iso_foot_block;
+
+/* Foot points of any scalar field by iterating eq. 2, in z, y, x order of the voxels that iteration begins
+ * at. The window must be of `grid`. */
 void iso_foot_points_iterated(const iso_grid *grid, const iso_brick_window *window,
-                              const iso_threshold *surface, iso_foot_points *out);
+                              const iso_threshold *surface, iso_foot_block *block, iso_foot_points *out);
 
 /* Whether the brick can have a seed, a voxel from which eq. 2 is iterated: a quick test of the ranges of
  * values of the brick and of its lower neighbours. */

@@ -19,6 +19,7 @@ typedef struct point_scratch {
     iso_point packed[ISO_EDGES_OWN];
     iso_curvature curvatures[ISO_EDGES_OWN];
     int32_t voxels[ISO_BRICK_VOXELS];
+    iso_foot_block block; /* of iterated foot points */
 } point_scratch;
 
 struct iso_point_set {
@@ -172,7 +173,7 @@ static void extract_iterated(const void *context, const int brick[3], void *memo
     point_scratch *scratch = memory;
     iso_brick_window_fill(&points->grid, brick, &scratch->window);
     iso_foot_points feet = {.points = scratch->surfels};
-    iso_foot_points_iterated(&points->grid, &scratch->window, &points->surface, &feet);
+    iso_foot_points_iterated(&points->grid, &scratch->window, &points->surface, &scratch->block, &feet);
     output->rejected = feet.rejected;
     pack_points(points, scratch, feet.count);
     if (points->opts.curvature) {

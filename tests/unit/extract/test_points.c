@@ -321,7 +321,7 @@ static void every_voxel_of_the_band_counts(void **state) {
     }
 }
 
-/* Whether a voxel is on the outer side and a corner of a cell with corners on both. */
+/* Whether a voxel is on the outer side and a corner of a cell with corners on both, all of them finite. */
 static bool is_outer_corner(const iso_grid *grid, const int v[3], double isovalue) {
     const int *dims = iso_grid_dims(grid);
     bool inside = iso_grid_at(grid, v[0], v[1], v[2]) >= isovalue;
@@ -331,9 +331,11 @@ static bool is_outer_corner(const iso_grid *grid, const int v[3], double isovalu
         int count = 0;
         bool exists = true;
         for (int axis = 0; axis < 3; axis++) exists = exists && low[axis] >= 0 && low[axis] + 1 < dims[axis];
-        for (int i = 0; i < 8; i++)
-            count +=
-                iso_grid_at(grid, low[0] + (i & 1), low[1] + (i >> 1 & 1), low[2] + (i >> 2)) >= isovalue;
+        for (int i = 0; i < 8; i++) {
+            const float value = iso_grid_at(grid, low[0] + (i & 1), low[1] + (i >> 1 & 1), low[2] + (i >> 2));
+            exists = exists && isfinite(value);
+            count += value >= isovalue;
+        }
         if (exists && count > 0 && count < 8) return true;
     }
     return false;
@@ -389,6 +391,65 @@ static void iterated_foot_points_lie_on_the_surface(void **state) {
     }
     print_message("%zu iterated foot points, %zu seeds rejected\n", points, rejected);
     assert_true(points > 10000 && rejected < points / 3);
+}
+
+/* Eq. 2 voxel by voxel, on the whole grid; false: the voxel has no foot. */
+static bool reference_foot(const iso_grid *grid, double isovalue, const int voxel[3], iso_vec3 *foot) {
+    const int *dims = iso_grid_dims(grid);
+    const iso_vec3 seed = iso_vec3_make(voxel[0], voxel[1], voxel[2]);
+    iso_vec3 p = seed;
+    for (int step = 0; step <= 10; step++) {
+        const double excess = iso_grid_sample(grid, p) - isovalue;
+        const iso_vec3 g = iso_grid_gradient(grid, p), way = iso_vec3_sub(p, seed);
+        const double squared = iso_vec3_dot(g, g);
+        if (!(iso_vec3_dot(way, way) < 4) || p.x < 0 || p.y < 0 || p.z < 0 || p.x > dims[0] - 1 ||
+            p.y > dims[1] - 1 || p.z > dims[2] - 1 || !(squared > 0) || !isfinite(excess))
+            return false;
+        *foot = p;
+        if (fabs(excess) <= 1e-4 * sqrt(squared)) return true;
+        p = iso_vec3_sub(p, iso_vec3_scale(g, excess / squared));
+    }
+    return false;
+}
+
+/* Feet that are found from the surroundings of a brick are those of the whole grid, bit for bit: at borders,
+ * along axes of one voxel, and beside voxels that are not finite. */
+static void iterated_foot_points_are_those_of_the_whole(void **state) {
+    (void)state;
+    test_random random = {8};
+    size_t points = 0;
+    for (int round = 0; round < 16; round++) {
+        int dims[3];
+        test_random_dims(&random, 2, 40, dims);
+        if (round % 4 == 3) dims[round / 4 % 3] = 1;
+        iso_grid grid = test_rgrid(dims, ISO_FLOAT32);
+        test_fill(&grid, round % 2 ? TEST_NOISE : TEST_SMOOTH, &random);
+        if (round % 4 > 1) test_scatter_nonfinite(&grid, &random);
+        const iso_points_opts opts = {100, ISO_PRIMITIVE_FOOT_ITERATED, .floats = true};
+        iso_point_set *set = test_point_set(&grid, &opts);
+        const iso_point_view view = iso_point_set_view(set);
+        for (size_t s = 0; s < view.span_count; s++) {
+            const iso_point_span *span = &view.spans[s];
+            uint32_t found = 0;
+            for (int i = 0; i < ISO_BRICK_VOXELS; i++) {
+                const int v[3] = {16 * span->brick[0] + i % 16, 16 * span->brick[1] + i / 16 % 16,
+                                  16 * span->brick[2] + i / 256};
+                iso_vec3 foot = {0, 0, 0};
+                if (v[0] >= dims[0] || v[1] >= dims[1] || v[2] >= dims[2]) continue;
+                if (!is_outer_corner(&grid, v, 100) || !reference_foot(&grid, 100, v, &foot)) continue;
+                assert_true(found < span->count);
+                const iso_surfel got = iso_point_view_get(&view, span->first + found++);
+                const double wanted[3] = {foot.x, foot.y, foot.z};
+                for (int k = 0; k < 3; k++)
+                    assert_true(got.position[k] == (float)(wanted[k] - 16 * span->brick[k]));
+            }
+            assert_int_equal(found, span->count);
+            points += found;
+        }
+        iso_point_set_destroy(set);
+        iso_grid_destroy(&grid);
+    }
+    assert_true(points > 5000);
 }
 
 /* ---- sets */
@@ -724,6 +785,7 @@ int main(void) {
         cmocka_unit_test(foot_points_are_rejected_by_the_stated_rules),
         cmocka_unit_test(every_voxel_of_the_band_counts),
         cmocka_unit_test(iterated_foot_points_lie_on_the_surface),
+        cmocka_unit_test(iterated_foot_points_are_those_of_the_whole),
         cmocka_unit_test(packed_points_are_the_floats_packed),
         cmocka_unit_test(same_bytes_for_any_thread_count),
         cmocka_unit_test(following_edits_equals_extracting_everything),
