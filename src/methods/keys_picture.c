@@ -1,6 +1,8 @@
 /* keys_picture: paints the keys of exact; pulls and pushes those of points; annotates. */
 #include "methods/keys_picture.h"
 
+#include <string.h>
+
 #include "extract/points/points.h"
 #include "image/annotate.h"
 #include "image/camera.h"
@@ -29,6 +31,7 @@ static iso_status render_points(const iso_merged_keys *keys, const iso_picture_o
         .view = {.transform = keys->transform, .radius = iso_edge_point_radius(&keys->transform)},
     };
     iso_picture_opts merged = *opts;
+    memcpy(draw.view.dims, keys->dims, sizeof draw.view.dims);
     merged.draw = draw_merged;
     merged.draw_context = &draw;
     merged.begin_strip = NULL; /* it would get the context of `draw` */
@@ -58,7 +61,8 @@ iso_camera iso_key_style_camera(const iso_key_style *style) {
 }
 
 iso_status iso_render_key_style(const iso_key_style *style, const iso_transform *transform,
-                                iso_key_image *image, iso_pool *pool, iso_image *picture, iso_error *error) {
+                                const int32_t dims[3], iso_key_image *image, iso_pool *pool,
+                                iso_image *picture, iso_error *error) {
     const iso_rgb color = rgb_of(style->color), background = rgb_of(style->background);
     const iso_camera camera = iso_key_style_camera(style);
     const iso_picture_opts opts = {.camera = &camera,
@@ -67,7 +71,8 @@ iso_status iso_render_key_style(const iso_key_style *style, const iso_transform 
                                    .samples = 1,
                                    .shading = {&color, 1, background, style->transparent},
                                    .pool = pool};
-    const iso_merged_keys keys = {(iso_method)style->method, style->base, *transform, image};
+    const iso_merged_keys keys = {
+        (iso_method)style->method, style->base, *transform, {dims[0], dims[1], dims[2]}, image};
     const iso_annotation annotation = {
         .camera = &camera,
         .lengths = {(iso_length_unit)style->unit, (iso_world_unit)style->world_unit},
