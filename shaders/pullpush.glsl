@@ -22,24 +22,25 @@ bool orthographic = flags.x != 0u, two_sided = flags.y != 0u;
 
 struct pixel {
     vec4 shade;   /* mean normal, not unit; mean depth, mm */
-    vec4 range;   /* least and greatest depth, mm; offset of the ellipse's centre from the pixel's, pixels */
+    vec4 range;   /* depth, mm, ISO_GL_NOWHERE without a point; interval, mm; offset of the ellipse's centre
+                     from the pixel's, pixels */
     float radius; /* mean radius of discs, mm */
-    bool hides;   /* another surface continues behind this one (ISO_PLANE_HIDDEN) */
+    bool weak;    /* made by push where an ellipse meets the pixel though not its centre (mixed) */
 #if COLORS
     vec4 tint; /* colour, 0 .. 255 */
 #endif
 };
 
-pixel colorless(vec4 shade, vec4 range, float radius, bool hides) {
+pixel colorless(vec4 shade, vec4 range, float radius, bool weak) {
 #if COLORS
-    return pixel(shade, range, radius, hides, vec4(0.0));
+    return pixel(shade, range, radius, weak, vec4(0.0));
 #else
-    return pixel(shade, range, radius, hides);
+    return pixel(shade, range, radius, weak);
 #endif
 }
 
 pixel no_pixel() {
-    return colorless(vec4(0.0), vec4(ISO_GL_NOWHERE, ISO_GL_NOWHERE, 0.0, 0.0), 0.0, false);
+    return colorless(vec4(0.0), vec4(ISO_GL_NOWHERE, 0.0, 0.0, 0.0), 0.0, false);
 }
 
 bool is_inside(int level, ivec2 at) {
@@ -72,7 +73,7 @@ pixel decoded(ivec2 at) {
     float radius = flags.z != 0u ? ISO_GL_DISC_RADII * uintBitsToFloat(discs[index]) : disc.x;
     /* the point is assumed in the middle of its 1/32 of the pixel */
     vec2 offset = vec2(key.x >> 22 & 31u, key.x >> 27) * (1.0 / 32.0) - 31.0 / 64.0;
-    pixel p = colorless(vec4(normal_of(key), depth), vec4(depth, depth + radius, offset), radius, false);
+    pixel p = colorless(vec4(normal_of(key), depth), vec4(depth, radius, offset), radius, false);
 #if COLORS
     uint color = discs[levels[lattice.x].x * levels[lattice.x].y + index];
     p.tint.xyz = vec3(uvec3(color, color >> 8, color >> 16) & 255u);
@@ -113,9 +114,20 @@ vec4 ellipse(int level, ivec2 at, pixel p) {
     vec2 n = p.shade.xy - (along + p.shade.z) * ray_z / (1.0 + ray_z) * slope;
     float flat_part = dot(n, n), square = max(flat_part + along * along, 1e-12);
     float b = radius * radius, a = b + added.x, e = a * square - b * flat_part, inverse = 1.0 / (a * e);
-    float thin = sqrt(b * inverse), end = p.hides ? added.y : added.z;
-    float reach = sqrt(flat_part * ((b + added.y) * along * along + end * flat_part) / square);
+    float thin = sqrt(b * inverse);
+    float reach = sqrt(flat_part * ((b + added.y) * along * along + added.z * flat_part) / square);
     return vec4(e * inverse, n * (along < 0.0 ? thin : -thin), reach * thin);
+}
+
+/* Whether the ray of a pixel, at depth z, is beyond the border of the points' grid. (Points on the border are
+ * rounded.) */
+bool is_beyond_grid(int level, ivec2 at, float z) {
+    if (border.w == 0.0) return false;
+    vec2 whole = vec2(at.x, at.y + (lattice.y >> level));
+    vec2 view = ((whole + 0.5) * float(1 << level) - ray.xy) / axis.w;
+    if (!orthographic) view *= z;
+    vec3 index = eye.xyz + normal_x.xyz * view.x + normal_y.xyz * view.y + normal_z.xyz * z;
+    return any(lessThan(index, vec3(-0.02))) || any(greaterThan(index, border.xyz + 0.02));
 }
 
 /* Writes a pixel of level 1 or higher and its ellipse. */
@@ -125,7 +137,7 @@ void store(int level, ivec2 at, pixel p) {
     shades[index] = p.shade;
     ranges[index] = p.range;
     ellipses[index] = vec4(e.xyz, p.radius);
-    reaches[index] = (floatBitsToUint(e.w) & ~1u) | uint(p.hides);
+    reaches[index] = (floatBitsToUint(e.w) & ~1u) | uint(p.weak);
 #if COLORS
     tints[index] = p.tint;
 #endif

@@ -4,7 +4,7 @@
 layout(local_size_x = ISO_GL_TILE, local_size_y = ISO_GL_TILE) in;
 
 /* Whether a pixel's centre lies outside its own point's disc on the side of the silhouette: the condition
- * that the ellipse's OUT stands for, of a single point. */
+ * that the ellipse's OUT stands for, of a single point; or where the disc is beyond the grid's border. */
 bool is_beyond(ivec2 at, pixel own) {
     vec2 slope = slope_of(0, at), away = -own.range.zw;
     vec3 n = own.shade.xyz;
@@ -13,7 +13,10 @@ bool is_beyond(ivec2 at, pixel own) {
     float size = own.radius * axis.w;
     if (!orthographic) size /= own.shade.w;
     float reach = (size * size + disc.z) * along * along + disc.w * square;
-    return outward * along < 0.0 && reach < outward * outward * length_of_ray;
+    if (outward * along < 0.0 && reach < outward * outward * length_of_ray) return true;
+    /* the disc's plane at the pixel's centre, no further than the disc reaches */
+    float steep = abs(along) < 1e-6 ? 1e-6 : along, mm = (orthographic ? 1.0 : own.shade.w) / axis.w;
+    return is_beyond_grid(0, at, own.shade.w + clamp(-outward * mm / steep, -own.radius, own.radius));
 }
 
 void main() {
@@ -25,7 +28,7 @@ void main() {
     bool has_own = own.range.x < ISO_GL_NOWHERE;
     mixture m = mixed(1, at, own.range.x);
     if (!m.made && !has_own) return;
-    if (has_own && !m.covered && is_beyond(at, own)) return;
+    if (has_own && !m.covered && !m.around && is_beyond(at, own)) return;
     vec4 shade = m.made ? mixed_shade(m) : own.shade;
 
     if (!put_sample(sample_at, shade.w, shade.xyz)) return;

@@ -2,45 +2,73 @@
  * (Marroquim, Kraus and Cavalcanti 2008, section 3.2). Included after pullpush.glsl. */
 struct mixture {
     bool covered; /* the pixel's centre is inside an ellipse */
+    bool around;  /* all coarser pixels around it have values that are not weak */
     bool made;    /* the pixel gets a new value */
+    bool weak;    /* which is weak */
     vec4 weights; /* sum 1 if made, else 0 */
     ivec4 at;     /* indices of the coarser pixels; -1: outside the level */
 };
 
+float weigh(float q) {
+    return max(weight.x + q * (weight.y + q * (weight.z + q * weight.w)), 1e-5);
+}
+
 /* Mixes pixel `at` of the level below `level` from the four pixels of `level` around it, in the order
- * upper left, upper right, lower left, lower right. `own`: the least depth of the pixel's own value,
- * ISO_GL_NOWHERE if it has none; it is replaced when it lies behind the depth interval of the frontmost
- * ellipse that contains the pixel's centre. */
+ * upper left, upper right, lower left, lower right. `own`: the depth of the pixel's own value, ISO_GL_NOWHERE
+ * if it has none; it is replaced when it lies behind the frontmost ellipse that contains the pixel's centre,
+ * by more than its interval. Pixels in gaps between ellipses get values, too: render/pullpush/gaps.inc says
+ * which. */
 mixture mixed(int level, ivec2 at, float own) {
-    mixture m = mixture(false, false, vec4(0.0), ivec4(-1));
+    const float grow = 1.5;
+    mixture m = mixture(false, true, false, false, vec4(0.0), ivec4(-1));
     ivec2 fine = at & 1, corner = (at >> 1) + fine - 1;
-    vec4 low = vec4(ISO_GL_NOWHERE);
-    float least = ISO_GL_NOWHERE, limit = -ISO_GL_NOWHERE;
-    vec3 front = vec3(0.0);
+    vec2 offsets[4];
+    vec4 depths = vec4(ISO_GL_NOWHERE); /* of the coarser pixels' discs at this pixel */
+    int front = -1;
     for (int k = 0; k < 4; k++) {
         ivec2 side = ivec2(k & 1, k >> 1), coarse = corner + side;
-        if (!is_inside(level, coarse)) continue;
-        m.at[k] = place(level, coarse);
+        bool there = is_inside(level, coarse);
+        if (there) {
+            m.at[k] = place(level, coarse);
+            there = ranges[m.at[k]].x < ISO_GL_NOWHERE;
+        }
+        m.around = m.around && there && (reaches[m.at[k]] & 1u) == 0u;
+        if (!there) continue;
         vec4 range = ranges[m.at[k]];
-        low[k] = range.x;
-        if (range.x >= ISO_GL_NOWHERE) continue;
         vec3 wide_thin = ellipses[m.at[k]].xyz; /* WIDE, THIN_X, THIN_Y */
         vec2 d = 0.75 - 0.5 * vec2(fine) - vec2(side) - range.zw;
         float thin = dot(d, wide_thin.yz), q = dot(d, d) * wide_thin.x + thin * thin;
+        offsets[k] = d;
+        depths[k] = range.x + ellipses[m.at[k]].w * thin;
         if (!(q < 1.0 && thin <= uintBitsToFloat(reaches[m.at[k]]))) continue;
-        m.weights[k] = weight.x + q * (weight.y + q * (weight.z + q * weight.w));
-        if (range.x < least) {
-            least = range.x;
-            limit = range.y;
-            if (two_sided) front = shades[m.at[k]].xyz;
-        }
+        if (is_beyond_grid(level - 1, at, depths[k])) continue;
+        m.weights[k] = weigh(q);
+        if (front < 0 || depths[k] < depths[front]) front = k;
     }
-    m.covered = least < ISO_GL_NOWHERE;
-    m.made = m.covered && !(own <= limit);
-    if (!m.made) return mixture(m.covered, false, vec4(0.0), m.at);
+    m.covered = front >= 0;
+    bool gap = !m.covered && own >= ISO_GL_NOWHERE && (m.around || level > 1), farthest = gap && m.around;
+    for (int k = 0; k < 4 && gap; k++) {
+        if (depths[k] >= ISO_GL_NOWHERE) continue;
+        /* the ellipse, half a coarser pixel wider */
+        vec3 wide_thin = ellipses[m.at[k]].xyz;
+        float square = max(dot(wide_thin.yz, wide_thin.yz), 1e-12), thin = dot(offsets[k], wide_thin.yz);
+        float t = thin * thin / square, across = 1.0 / (1.0 / wide_thin.x + 0.25);
+        float q = across * (dot(offsets[k], offsets[k]) - t) + t / (1.0 / (wide_thin.x + square) + 0.25);
+        if (m.around) q /= grow * grow;
+        if (!(q < 1.0) || level == 1 && is_beyond_grid(level - 1, at, depths[k])) continue;
+        m.weights[k] = weigh(q);
+        if (front < 0 || (farthest ? depths[k] > depths[front] : depths[k] < depths[front])) front = k;
+    }
+    if (front < 0) return m;
+    float interval = ranges[m.at[front]].y, limit = depths[front] + (farthest ? -interval : interval);
+    m.made = gap || !(own <= limit);
+    if (!m.made) m.weights = vec4(0.0);
+    if (!m.made) return m;
+    m.weak = gap && !m.around;
     for (int k = 0; k < 4; k++) {
-        bool joins = low[k] <= limit && m.weights[k] != 0.0;
-        if (joins && two_sided) joins = dot(front, shades[m.at[k]].xyz) >= 0.0;
+        if (m.weights[k] == 0.0) continue;
+        bool joins = farthest ? depths[k] >= limit : depths[k] <= limit;
+        if (two_sided) joins = joins && dot(shades[m.at[front]].xyz, shades[m.at[k]].xyz) >= 0.0;
         if (!joins) m.weights[k] = 0.0;
     }
     m.weights /= m.weights.x + m.weights.y + (m.weights.z + m.weights.w);

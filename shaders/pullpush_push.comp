@@ -14,7 +14,7 @@ void main() {
         if (!pulled) store(level, at, no_pixel());
         return;
     }
-    pixel p = colorless(mixed_shade(m), vec4(ISO_GL_NOWHERE, -ISO_GL_NOWHERE, 0.0, 0.0), 0.0, false);
+    pixel p = colorless(mixed_shade(m), vec4(0.0), 0.0, m.weak);
 #if COLORS
     p.tint = mixed_tint(m);
 #endif
@@ -22,13 +22,11 @@ void main() {
     for (int k = 0; k < 4; k++) {
         if (m.weights[k] == 0.0) continue;
         vec4 range = ranges[m.at[k]];
-        p.range.x = min(p.range.x, range.x);
-        p.range.y = max(p.range.y, range.y);
         /* offset from the finer pixel's centre to the ellipse's, in finer pixels */
         vec2 centre = 0.75 - 0.5 * vec2(fine) - vec2(k & 1, k >> 1);
         p.range.zw += m.weights[k] * 2.0 * (range.zw - centre);
         p.radius += m.weights[k] * ellipses[m.at[k]].w;
-        p.hides = p.hides || (reaches[m.at[k]] & 1u) != 0u;
     }
+    p.range.xy = vec2(p.shade.w, p.radius);
     store(level, at, p);
 }

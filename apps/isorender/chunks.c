@@ -415,6 +415,7 @@ iso_status isorender_chunks_draw(isorender_job *job, const iso_picture_opts *opt
     iso_merged_keys keys = {.method = job->renderer->method,
                             .transform = job->surfaces[0].grid.rgrid->transform,
                             .image = &drawn};
+    for (int k = 0; k < 3; k++) keys.dims[k] = job->surfaces[0].grid.rgrid->dims[k];
     iso_status status = draw_keys(job, opts->camera, &keys.base, &drawn, error);
     *covered = 1; /* (of ranks that have no picture) */
     if (status == ISO_OK && !job->settings->ranks.rank)

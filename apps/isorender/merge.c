@@ -28,7 +28,8 @@ static iso_status merge(const isorender_settings *settings, iso_pool *pool, iso_
                                 pool, &file, error));
     iso_status status = iso_image_create(file.style.width, file.style.height, &image, error);
     if (status == ISO_OK)
-        status = iso_render_key_style(&file.style, &file.surface.transform, &file.keys, pool, &image, error);
+        status = iso_render_key_style(&file.style, &file.surface.transform, file.surface.dims, &file.keys,
+                                      pool, &image, error);
     if (status == ISO_OK) status = write_picture(&file, &image, settings->output, pool, error);
     iso_image_free(&image);
     iso_key_file_free(&file);

@@ -350,7 +350,8 @@ iso_status iso_keys_show(const iso_keys *keys, iso_image *image, iso_error *erro
         iso_image_free(image);
         ISO_TRY(iso_image_create(style->width, style->height, image, error));
     }
-    return iso_render_key_style(style, &keys->file.surface.transform, &merged, keys->pool, image, error);
+    return iso_render_key_style(style, &keys->file.surface.transform, keys->file.surface.dims, &merged,
+                                keys->pool, image, error);
 }
 
 /* ---- files */

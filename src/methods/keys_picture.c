@@ -1,6 +1,8 @@
 /* keys_picture: paints the keys of exact, or averages them; pulls and pushes those of points; annotates. */
 #include "methods/keys_picture.h"
 
+#include <string.h>
+
 #include "extract/points/points.h"
 #include "image/annotate.h"
 #include "image/camera.h"
@@ -30,6 +32,7 @@ static iso_status render_points(const iso_merged_keys *keys, const iso_picture_o
         .view = {.transform = keys->transform, .radius = iso_edge_point_radius(&keys->transform)},
     };
     iso_picture_opts merged = *opts;
+    memcpy(draw.view.dims, keys->dims, sizeof draw.view.dims);
     merged.draw = draw_merged;
     merged.draw_context = &draw;
     merged.begin_strip = NULL; /* it would get the context of `draw` */
@@ -98,7 +101,8 @@ static iso_rgb rgb_of(const uint8_t bytes[4]) {
 }
 
 iso_status iso_render_key_style(const iso_key_style *style, const iso_transform *transform,
-                                iso_key_image *image, iso_pool *pool, iso_image *picture, iso_error *error) {
+                                const int32_t dims[3], iso_key_image *image, iso_pool *pool,
+                                iso_image *picture, iso_error *error) {
     const iso_rgb color = rgb_of(style->color), background = rgb_of(style->background);
     const iso_camera camera = iso_key_style_camera(style);
     const iso_picture_opts opts = {.camera = &camera,
@@ -107,7 +111,8 @@ iso_status iso_render_key_style(const iso_key_style *style, const iso_transform 
                                    .samples = style->samples,
                                    .shading = {&color, 1, background, style->transparent},
                                    .pool = pool};
-    const iso_merged_keys keys = {(iso_method)style->method, style->base, *transform, image};
+    const iso_merged_keys keys = {
+        (iso_method)style->method, style->base, *transform, {dims[0], dims[1], dims[2]}, image};
     const iso_annotation annotation = {
         .camera = &camera,
         .lengths = {(iso_length_unit)style->unit, (iso_world_unit)style->world_unit},

@@ -15,6 +15,7 @@ typedef struct iso_merged_keys {
     iso_method method;       /* exact, or pullpush by the box or the Gaussian reconstruction */
     iso_pullpush_base base;  /* of pullpush */
     iso_transform transform; /* of the volume */
+    int32_t dims[3];         /* of the volume, voxels */
     iso_key_image *image;    /* borrowed */
 } iso_merged_keys;
 
@@ -23,10 +24,11 @@ typedef struct iso_merged_keys {
 iso_status iso_render_merged_keys(const iso_merged_keys *keys, const iso_picture_opts *opts, iso_image *image,
                                   size_t *covered, iso_error *error);
 
-/* Makes the picture that a style describes, with its annotations. `transform`: of the volume.
+/* Makes the picture that a style describes, with its annotations. `transform`, `dims`: of the volume.
  * ISO_ERR_USAGE: the camera; ISO_ERR_EMPTY: no pixel has a key; errors as iso_picture_render. */
 iso_status iso_render_key_style(const iso_key_style *style, const iso_transform *transform,
-                                iso_key_image *image, iso_pool *pool, iso_image *picture, iso_error *error);
+                                const int32_t dims[3], iso_key_image *image, iso_pool *pool,
+                                iso_image *picture, iso_error *error);
 
 #ifdef __cplusplus
 }

@@ -26,9 +26,9 @@ enum {
 static const size_t STORAGE_BYTES = (size_t)256 << 20;
 
 _Static_assert(ISO_GL_LEVELS == ISO_PYRAMID_TOP + 1, "room for all levels");
-_Static_assert(offsetof(iso_gl_pullpush_uniforms, lattice) == 160 &&
-                   offsetof(iso_gl_pullpush_uniforms, levels) == 208 &&
-                   sizeof(iso_gl_pullpush_uniforms) == 208 + 16 * ISO_GL_LEVELS,
+_Static_assert(offsetof(iso_gl_pullpush_uniforms, lattice) == 192 &&
+                   offsetof(iso_gl_pullpush_uniforms, levels) == 240 &&
+                   sizeof(iso_gl_pullpush_uniforms) == 240 + 16 * ISO_GL_LEVELS,
                "layout of std140");
 _Static_assert(sizeof(iso_gl_point_block) == 48, "layout of std430");
 _Static_assert(RANGE_POINTS * sizeof(iso_point) % 256 == 0 && RANGE_POINTS * sizeof(iso_surfel) % 256 == 0 &&
@@ -104,8 +104,8 @@ static void set_floats(float to[4], const float *from, int count) {
 static void set_uniforms(pullpush_draw *d, int surface) {
     const iso_pyramid_layout *layout = &d->pyramid;
     const iso_point_projection *p = &d->projection;
-    const iso_pullpush_params params = iso_pullpush_params_make(layout, &d->projector, d->surface->radius,
-                                                                d->call->opts->reconstruction, !d->cull);
+    const iso_pullpush_params params = iso_pullpush_params_make(
+        layout, &d->projector, d->surface->radius, d->surface->dims, d->call->opts->reconstruction, !d->cull);
     iso_gl_pullpush_uniforms *u = &d->uniforms;
     *u = (iso_gl_pullpush_uniforms){
         .axis = {p->column, p->row, p->near, params.scale},
@@ -121,6 +121,9 @@ static void set_uniforms(pullpush_draw *d, int surface) {
         set_floats(normals[k], params.normal + 3 * k, 3);
     }
     set_floats(u->weight, params.weight, 4);
+    set_floats(u->border, params.border, 3);
+    set_floats(u->eye, params.eye, 3);
+    u->border[3] = params.has_border;
     int next = 0;
     for (int l = 0; l <= layout->top; l++) {
         iso_pyramid_level level = iso_pyramid_level_of(layout, l);

@@ -190,6 +190,8 @@ uint ordered(float depth) {
     ISO_GL_FLOATS(disc);   /* radius; low_pass, facing, edge */                                              \
     ISO_GL_FLOATS(ray);    /* ray; slope */                                                                  \
     ISO_GL_FLOATS(weight); /* coefficients */                                                                \
+    ISO_GL_FLOATS(border); /* index coordinates of the grid's last voxel; 1: discs end there */              \
+    ISO_GL_FLOATS(eye);    /* index coordinates of view space's origin */                                    \
     ISO_GL_INTS(lattice);  /* base level; rows_before; the picture's pixel that is (0, 0) of level 0 */      \
     ISO_GL_INTS(picture);  /* width, height, surface number */                                               \
     ISO_GL_UINTS(flags);   /* orthographic; two_sided; points have radii; points have colours */             \

@@ -57,8 +57,12 @@ typedef struct iso_pullpush_params {
     float low_pass;     /* added to the squared axes of ellipses, pixels^2 */
     float least_radius; /* pixels: a pixel with a smaller mean radius has no ellipse */
     float facing, edge; /* the same towards the silhouette, for discs seen face-on and edge-on */
-    bool illuminated;   /* tubes get the normals of illuminated lines */
-    float weight[4];    /* weight of a pixel at q (pyramid.h), 0 <= q < 1: a cubic, constant term first */
+    /* Discs of a surface end at the border of the grid that its points come from: index coordinates 0 and
+     * `border`. `eye`: index coordinates of view space's origin. */
+    bool has_border;
+    float border[3], eye[3];
+    bool illuminated; /* tubes get the normals of illuminated lines */
+    float weight[4];  /* weight of a pixel at q (pyramid.h), 0 <= q < 1: a cubic, constant term first */
 } iso_pullpush_params;
 
 /* Blocks order[0] .. order[count - 1] of the array `blocks`. */

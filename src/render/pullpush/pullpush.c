@@ -110,9 +110,9 @@ static iso_status prepare_lines(pullpush_call *call, iso_error *error) {
     const iso_pyramid_layout layout = choose_layout(call, call->target->view);
     ISO_TRY(iso_pyramid_resize(call->pyramid, &layout, error));
     choose_bands(call);
-    call->params = iso_pullpush_params_make(&layout, &call->projector, 0, ISO_RECONSTRUCTION_GAUSSIAN, true);
-    call->params.kind =
-        call->lines->lines->opts.style == ISO_LINE_RIBBON ? ISO_PULLPUSH_RIBBONS : ISO_PULLPUSH_TUBES;
+    const bool ribbons = call->lines->lines->opts.style == ISO_LINE_RIBBON;
+    call->params = iso_pullpush_params_of_intervals(&layout, &call->projector, ISO_RECONSTRUCTION_GAUSSIAN,
+                                                    ribbons ? ISO_PULLPUSH_RIBBONS : ISO_PULLPUSH_TUBES);
     call->params.illuminated = call->lines->lines->opts.shading == ISO_LINE_ILLUMINATED;
     call->params.pyramid = call->pyramid;
     call->params.target = call->target;
@@ -124,8 +124,9 @@ static iso_status prepare_given(pullpush_call *call, iso_error *error) {
     const iso_pyramid_layout layout = choose_layout(call, call->target->view);
     ISO_TRY(iso_pyramid_resize(call->pyramid, &layout, error));
     choose_bands(call);
-    call->params = iso_pullpush_params_make(&layout, &call->projector, call->points->radius,
-                                            call->reconstruction, !call->given->base.cull);
+    call->params =
+        iso_pullpush_params_make(&layout, &call->projector, call->points->radius, call->points->dims,
+                                 call->reconstruction, !call->given->base.cull);
     call->params.pyramid = call->pyramid;
     call->params.target = call->target;
     return ISO_OK;
@@ -142,7 +143,7 @@ static iso_status prepare_pyramid(pullpush_call *call, iso_error *error) {
     call->projection.points = call->points;
     call->projection.pyramid = call->pyramid;
     call->params = iso_pullpush_params_make(&layout, &call->projector, call->points->radius,
-                                            call->reconstruction, !cull);
+                                            call->points->dims, call->reconstruction, !cull);
     call->params.pyramid = call->pyramid;
     call->params.target = call->target;
     call->params.least_radius = call->polygons ? LEAST_RADIUS : 0;
@@ -154,8 +155,8 @@ static iso_status prepare_sets(pullpush_call *call, iso_error *error) {
     const iso_pyramid_layout layout = choose_layout(call, call->target->view);
     ISO_TRY(iso_pyramid_resize(call->pyramid, &layout, error));
     choose_bands(call);
-    call->params = iso_pullpush_params_make(&layout, &call->projector, 0, call->reconstruction, true);
-    call->params.kind = ISO_PULLPUSH_SETS;
+    call->params =
+        iso_pullpush_params_of_intervals(&layout, &call->projector, call->reconstruction, ISO_PULLPUSH_SETS);
     call->params.pyramid = call->pyramid;
     call->params.target = call->target;
     call->params.least_radius = LEAST_RADIUS;

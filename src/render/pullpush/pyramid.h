@@ -27,7 +27,8 @@ enum {
     ISO_PLANE_NY,
     ISO_PLANE_NZ,
     ISO_PLANE_DEPTH, /* mean depth, mm */
-    ISO_PLANE_LOW,   /* depth interval, mm; both ISO_NOWHERE where there is no point */
+    ISO_PLANE_LOW, /* depth interval, mm; both ISO_NOWHERE where there is no point. Of a surface alone LOW is
+                        the mean depth, and HIGH is not used */
     ISO_PLANE_HIGH,
     ISO_PLANE_DX, /* from the pixel's centre to the ellipse's centre, in pixels of the level */
     ISO_PLANE_DY,
@@ -36,7 +37,8 @@ enum {
      * the side on which a surface that curves away ends. WIDE is infinite where there is no point.
      * Until the ellipse is computed, the plane of WIDE contains HIDDEN instead: 1 where another surface
      * continues behind this pixel's, else 0. There OUT is larger, because otherwise gaps would show between
-     * the front surface's silhouette and the surface behind. Afterwards HIDDEN is the lowest bit of OUT. */
+     * the front surface's silhouette and the surface behind. Of a surface alone it is 1 in pixels that push has
+     * made WEAK (gaps.inc). Afterwards it is the bit ISO_OUT_MARK of OUT. */
     ISO_PLANE_WIDE,
     ISO_PLANE_HIDDEN = ISO_PLANE_WIDE,
     ISO_PLANE_THIN_X,
@@ -65,6 +67,9 @@ enum {
     ISO_PLANES,
     ISO_PLANE_OPTIONAL = ISO_PLANE_RADIUS
 };
+
+/* The lowest bits of ISO_PLANE_OUT: HIDDEN; of a surface alone: the disc may reach the grid's border. */
+enum { ISO_OUT_MARK = 1, ISO_OUT_BORDER = 2 };
 
 /* In values of ISO_PLANE_SET: the set's pixels are line fragments of ribbons, not of a surface; it has
  * colours of its own. */

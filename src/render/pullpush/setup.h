@@ -17,11 +17,18 @@ iso_pyramid_layout iso_pullpush_layout(const iso_view *view, const float radius[
 iso_point_projection iso_pullpush_projection(const iso_pyramid_layout *layout, const iso_projector *projector,
                                              const iso_transform *transform, bool packed, bool cull);
 
-/* Sets all fields except `pyramid` and `target`. `radius`: of points without radii of their own, mm.
- * `two_sided`: back-facing points are drawn too. */
+/* Sets all fields except `pyramid` and `target`, for a surface alone. `radius`: of points without radii of
+ * their own, mm. `dims`: of the points' grid (iso_point_view). `two_sided`: back-facing points are drawn
+ * too. */
 iso_pullpush_params iso_pullpush_params_make(const iso_pyramid_layout *layout, const iso_projector *projector,
-                                             double radius, iso_reconstruction reconstruction,
-                                             bool two_sided);
+                                             double radius, const int32_t dims[3],
+                                             iso_reconstruction reconstruction, bool two_sided);
+
+/* The same for line fragments and several sets, which have depth intervals. */
+iso_pullpush_params iso_pullpush_params_of_intervals(const iso_pyramid_layout *layout,
+                                                     const iso_projector *projector,
+                                                     iso_reconstruction reconstruction,
+                                                     iso_pullpush_kind kind);
 
 #ifdef __cplusplus
 }

@@ -139,6 +139,7 @@ static void render_chunks(iso_chunk_walk *walk, int parts, iso_method method, co
     iso_key_image keys;
     iso_merged_keys merged = {.method = method, .transform = walked->source->transform, .image = &keys};
     size_t covered;
+    for (int k = 0; k < 3; k++) merged.dims[k] = walked->source->dims[k];
     if (method == ISO_METHOD_EXACT)
         render_cells(walk, parts, &view, &keys, walked->pool);
     else
