@@ -7,8 +7,8 @@
 #include "render/project.h"
 
 typedef struct cell {
-    bool valid, hides; /* hides: another surface lies behind it */
-    double n[3], depth, low, high;
+    bool valid, weak; /* weak: made by push though no ellipse contains its centre, beside an outline */
+    double n[3], depth;
     double x, y; /* the ellipse's centre, pixels of level 0 from the frame's corner */
     double radius, rgb[3];
 } cell;
@@ -22,6 +22,8 @@ typedef struct level {
 typedef struct work {
     const reference_opts *opts;
     const iso_view *view;
+    iso_projector projector;
+    const int32_t *dims; /* of the points' grid */
     level levels[16];
 } work;
 
@@ -82,9 +84,8 @@ static void project(work *w, const iso_point_view *points) {
             x = (floor(x / base->size * 32) + 0.5) / 32 * base->size;
             y = (floor(y / base->size * 32) + 0.5) / 32 * base->size;
             double radius = points->radii ? (double)points->radii[number] : points->radius;
-            *c = (cell){.valid = true, .n = {n[0], n[1], n[2]}, .depth = at.z, .low = at.z, .x = x, .y = y};
+            *c = (cell){.valid = true, .n = {n[0], n[1], n[2]}, .depth = at.z, .x = x, .y = y};
             c->radius = w->opts->disc_radii * radius;
-            c->high = at.z + c->radius;
             for (int k = 0; points->colors && k < 3; k++) c->rgb[k] = points->colors[number][k];
         }
 }
@@ -93,25 +94,31 @@ static void project(work *w, const iso_point_view *points) {
 
 typedef struct share {
     const cell *from;
-    double weight;
+    double weight, depth; /* depth: of the cell's disc where it is mixed, mm */
 } share;
 
-/* Whether `c` belongs to the same surface as the frontmost cell. */
-static bool joins(const work *w, const cell *c, const cell *front) {
-    return c->low <= front->high && (w->opts->cull || dot3(c->n, front->n) >= 0);
+/* Whether a share belongs to the same surface as the one at the front, which lies farthest with `back`. */
+static bool joins(const work *w, const share *s, const share *front, bool back) {
+    const double behind = back ? front->depth - s->depth : s->depth - front->depth;
+    return behind <= front->from->radius && (w->opts->cull || dot3(s->from->n, front->from->n) >= 0);
 }
 
-static cell mix(const work *w, const share *shares, int count) {
-    const cell *front = NULL;
+static const share *front_of(const share *shares, int count, bool back) {
+    const share *front = NULL;
     for (int i = 0; i < count; i++)
-        if (!front || shares[i].from->low < front->low) front = shares[i].from;
-    cell sum = {.valid = true, .low = INFINITY, .high = -INFINITY};
+        if (!front || (back ? shares[i].depth > front->depth : shares[i].depth < front->depth))
+            front = &shares[i];
+    return front;
+}
+
+static cell mix(const work *w, const share *shares, int count, bool back) {
+    const share *front = front_of(shares, count, back);
+    cell sum = {.valid = true};
     double total = 0;
     for (int i = 0; i < count; i++) {
         const cell *c = shares[i].from;
         double weight = shares[i].weight;
-        if (!joins(w, c, front)) continue;
-        sum.hides = sum.hides || c->hides;
+        if (!joins(w, &shares[i], front, back)) continue;
         total += weight;
         for (int k = 0; k < 3; k++) sum.n[k] += weight * c->n[k];
         for (int k = 0; k < 3; k++) sum.rgb[k] += weight * c->rgb[k];
@@ -119,8 +126,6 @@ static cell mix(const work *w, const share *shares, int count) {
         sum.radius += weight * c->radius;
         sum.x += weight * c->x;
         sum.y += weight * c->y;
-        sum.low = fmin(sum.low, c->low);
-        sum.high = fmax(sum.high, c->high);
     }
     for (int k = 0; k < 3; k++) sum.n[k] /= total;
     for (int k = 0; k < 3; k++) sum.rgb[k] /= total;
@@ -131,90 +136,179 @@ static cell mix(const work *w, const share *shares, int count) {
     return sum;
 }
 
+/* ---- ellipses */
+
+/* The ellipse of a disc in the picture: the matrix of d'M^-1 d, pixels of level 0, its unit normal m seen along
+ * a ray, and the depth that its plane gains per pixel along m. */
+typedef struct ellipse {
+    double xx, xy, yy, m[2], along, square, rise;
+} ellipse;
+
+static ellipse ellipse_of(const work *w, const cell *c, const double ray[3], double low_pass) {
+    const iso_view *view = w->view;
+    double n[3] = {c->n[0], c->n[1], c->n[2]}, length = sqrt(dot3(ray, ray)), normal = sqrt(dot3(n, n));
+    for (int k = 0; k < 3; k++) n[k] /= normal;
+    /* rotates so that the ray becomes (0, 0, 1) */
+    double along = dot3(n, ray) / length, turn = (along + n[2]) / (1 + ray[2] / length) / length;
+    ellipse e = {.m = {n[0] - ray[0] * turn, n[1] - ray[1] * turn}, .along = along};
+    double radius = c->radius * view->focal / (view->orthographic ? 1 : c->depth);
+    e.square = radius * radius;
+    e.xx = e.square * (1 - e.m[0] * e.m[0]) + low_pass;
+    e.xy = -e.square * e.m[0] * e.m[1];
+    e.yy = e.square * (1 - e.m[1] * e.m[1]) + low_pass;
+    /* at the edge of the ellipse without a filter the depth differs from the centre's by radius * |m| */
+    double a = e.square + low_pass, flat = e.m[0] * e.m[0] + e.m[1] * e.m[1];
+    double thin = sqrt(e.square / (a * (a - e.square * flat)));
+    e.rise = c->radius * thin * (along < 0 ? 1 : -1);
+    return e;
+}
+
+/* The ray through a pixel of a level. */
+static void ray_of(const work *w, double size, double x, double y, double ray[3]) {
+    const iso_view *view = w->view;
+    ray[0] = view->orthographic ? 0 : ((x + 0.5) * size - w->opts->guard - view->cx) / view->focal;
+    ray[1] = view->orthographic ? 0 : ((y + 0.5) * size - w->opts->guard - view->cy) / view->focal;
+    ray[2] = 1;
+}
+
+static double form(const ellipse *e, double dx, double dy) {
+    return (e->yy * dx * dx - 2 * e->xy * dx * dy + e->xx * dy * dy) / (e->xx * e->yy - e->xy * e->xy);
+}
+
+/* Whether the surface ends before the point of a pixel's ray at this depth: beyond the grid's border. */
+static bool is_beyond_grid(const work *w, double x, double y, double depth) {
+    const iso_view *view = w->view;
+    if (w->dims[0] <= 0 || w->dims[1] <= 0 || w->dims[2] <= 0) return false;
+    double scale = view->orthographic ? 1 / view->focal : depth / view->focal;
+    double at[3] = {(x - w->opts->guard - view->cx) * scale, (y - w->opts->guard - view->cy) * scale, depth};
+    for (int k = 0; k < 3; k++) {
+        double index = 0;
+        for (int row = 0; row < 3; row++)
+            index += (double)w->projector.normal[3 * row + k] * (at[row] - w->projector.origin[row]);
+        if (index < -0.02 || index > w->dims[k] - 1 + 0.02) return true;
+    }
+    return false;
+}
+
+/* ---- pull */
+
+/* The ellipse test of pull: level 0 is averaged without it. Ellipses are seen along the view's axis, and
+ * widened by half a coarser pixel. */
 static void pull(work *w, int number) {
     const level *fine = &w->levels[number - 1];
     level *coarse = &w->levels[number];
+    const double axis[3] = {0, 0, 1};
     for (int y = 0; y < coarse->height; y++)
         for (int x = 0; x < coarse->width; x++) {
             share shares[4];
-            int count = 0;
+            bool contains[4], any = false;
+            int count = 0, left = 0;
             for (int k = 0; k < 4; k++) {
                 const cell *c = cell_at(fine, 2 * x + (k & 1), 2 * y + (k >> 1));
-                if (c && c->valid) shares[count++] = (share){c, 1};
+                if (!c || !c->valid) continue;
+                contains[count] = false;
+                shares[count] = (share){c, 1, c->depth};
+                if (number > 1) {
+                    ellipse e =
+                        ellipse_of(w, c, axis, w->opts->low_pass + 0.25 * coarse->size * coarse->size);
+                    double dx = (x + 0.5) * coarse->size - c->x, dy = (y + 0.5) * coarse->size - c->y;
+                    contains[count] = form(&e, dx, dy) < 1;
+                    shares[count].depth +=
+                        (c->n[2] < 0 ? fabs(e.rise) : -fabs(e.rise)) * (dx * e.m[0] + dy * e.m[1]);
+                }
+                count++;
             }
             if (!count) continue;
-            cell made = mix(w, shares, count), front = made;
+            const share front = *front_of(shares, count, false);
+            for (int i = 0; i < count; i++) any |= joins(w, &shares[i], &front, false) && contains[i];
             for (int i = 0; i < count; i++)
-                if (shares[i].from->low == made.low) front = *shares[i].from;
-            for (int i = 0; i < count; i++)
-                if (!joins(w, shares[i].from, &front)) made.hides = true;
-            *cell_at(coarse, x, y) = made;
+                if (joins(w, &shares[i], &front, false) && (!any || contains[i])) {
+                    shares[left] = shares[i];
+                    shares[left++].depth = front.depth; /* all join */
+                }
+            *cell_at(coarse, x, y) = mix(w, shares, left, false);
         }
 }
 
-/* The quadratic form q at (x, y) of the ellipse of a coarser pixel (cx, cy) of level `number`: the projection
- * of its disc along the ray to the pixel's centre; infinite where that is too far away for a disc seen
- * edge-on. */
-static double ellipse(const work *w, const cell *c, int number, int cx, int cy, double x, double y) {
-    const iso_view *view = w->view;
-    double size = w->levels[number].size, n[3] = {c->n[0], c->n[1], c->n[2]}, ray[3] = {0, 0, 1};
-    if (!view->orthographic) {
-        ray[0] = ((cx + 0.5) * size - w->opts->guard - view->cx) / view->focal;
-        ray[1] = ((cy + 0.5) * size - w->opts->guard - view->cy) / view->focal;
-    }
-    double length = sqrt(dot3(ray, ray)), normal = sqrt(dot3(n, n));
-    for (int k = 0; k < 3; k++) {
-        ray[k] /= length;
-        n[k] /= normal;
-    }
-    /* rotates so that the ray becomes (0, 0, 1) */
-    double along = dot3(n, ray), turn = (along + n[2]) / (1 + ray[2]);
-    double m[2] = {n[0] - ray[0] * turn, n[1] - ray[1] * turn};
-    double radius = c->radius * view->focal / (view->orthographic ? 1 : c->depth), square = radius * radius;
-    double xx = square * (1 - m[0] * m[0]) + w->opts->low_pass, xy = -square * m[0] * m[1],
-           yy = square * (1 - m[1] * m[1]) + w->opts->low_pass;
-    double dx = x - c->x, dy = y - c->y, out = dx * m[0] + dy * m[1], flat = m[0] * m[0] + m[1] * m[1];
-    double reach =
-        (square + w->opts->facing) * along * along + (c->hides ? w->opts->facing : w->opts->edge) * flat;
-    if (out * along < 0 && out * out > flat * reach) return INFINITY;
-    return (yy * dx * dx - 2 * xy * dx * dy + xx * dy * dy) / (xx * yy - xy * xy);
-}
+/* ---- push */
 
 /* Whether the disc of a point of level 0 does not cover its pixel's centre (x + 0.5, y + 0.5): by the same
  * rule, but along the ray to that centre. */
 static bool is_beyond(const work *w, const cell *c, int x, int y) {
     const iso_view *view = w->view;
-    double ray[3] = {0, 0, 1}, normal = sqrt(dot3(c->n, c->n)), scale = view->focal;
-    if (!view->orthographic) {
-        ray[0] = (x + 0.5 - w->opts->guard - view->cx) / view->focal;
-        ray[1] = (y + 0.5 - w->opts->guard - view->cy) / view->focal;
-        scale /= c->depth;
-    }
+    double ray[3], normal = sqrt(dot3(c->n, c->n)), scale = view->focal;
+    ray_of(w, 1, x, y, ray);
+    if (!view->orthographic) scale /= c->depth;
     double along = dot3(c->n, ray) / normal / sqrt(dot3(ray, ray)), radius = c->radius * scale;
     double out = ((x + 0.5 - c->x) * c->n[0] + (y + 0.5 - c->y) * c->n[1]) / normal;
-    return out * along < 0 && out * out > (radius * radius + w->opts->facing) * along * along + w->opts->edge;
+    double gain = -out / scale / (along * sqrt(dot3(ray, ray)));
+    return (out * along < 0 &&
+            out * out > (radius * radius + w->opts->facing) * along * along + w->opts->edge) ||
+           is_beyond_grid(w, x + 0.5, y + 0.5, c->depth + fmax(-c->radius, fmin(c->radius, gain)));
+}
+
+/* Gaussian weights fall to nothing at the edge: the library's cubic for (exp(-2q) - exp(-2)) / (1 - exp(-2)). */
+static double weight_of(const work *w, double q) {
+    return w->opts->box ? 1 : fmax(1 + q * (-2.2440141 + q * (1.8788016 - q * 0.6347875)), 1e-5);
+}
+
+/* The corners around a finer pixel whose ellipses contain its centre. Otherwise, with `widened`, those whose
+ * ellipses do when they are half a coarser pixel wider; all of them grow when all corners are there. */
+static int find_corners(const work *w, int number, int x, int y, bool widened, bool around, share shares[4]) {
+    const level *fine = &w->levels[number], *coarse = &w->levels[number + 1];
+    const double at_x = (x + 0.5) * fine->size, at_y = (y + 0.5) * fine->size;
+    int count = 0;
+    for (int k = 0; k < 4; k++) {
+        int cx = ((x - 1) >> 1) + (k & 1), cy = ((y - 1) >> 1) + (k >> 1);
+        const cell *c = cell_at(coarse, cx, cy);
+        double ray[3];
+        if (!c || !c->valid) continue;
+        ray_of(w, coarse->size, cx, cy, ray);
+        ellipse e = ellipse_of(w, c, ray, w->opts->low_pass), wide = e;
+        double dx = at_x - c->x, dy = at_y - c->y, out = dx * e.m[0] + dy * e.m[1];
+        wide.xx += 0.25 * coarse->size * coarse->size;
+        wide.yy += 0.25 * coarse->size * coarse->size;
+        double q = form(widened ? &wide : &e, dx, dy) / (widened && around ? 1.5 * 1.5 : 1);
+        double depth = c->depth + e.rise * out, flat = e.m[0] * e.m[0] + e.m[1] * e.m[1];
+        double reach = (e.square + w->opts->facing) * e.along * e.along + w->opts->edge * flat;
+        if (!(q < 1) || (!widened && out * e.along < 0 && out * out > flat * reach)) continue;
+        if ((!widened || number == 0) && is_beyond_grid(w, at_x, at_y, depth)) continue;
+        shares[count++] = (share){c, weight_of(w, q), depth};
+    }
+    return count;
+}
+
+static bool is_around(const work *w, int number, int x, int y) {
+    for (int k = 0; k < 4; k++) {
+        const cell *c = cell_at(&w->levels[number + 1], ((x - 1) >> 1) + (k & 1), ((y - 1) >> 1) + (k >> 1));
+        if (!c || !c->valid || c->weak) return false;
+    }
+    return true;
 }
 
 static void push(work *w, int number) {
-    level *fine = &w->levels[number], *coarse = &w->levels[number + 1];
+    level *fine = &w->levels[number];
     for (int y = 0; y < fine->height; y++)
         for (int x = 0; x < fine->width; x++) {
             share shares[4];
-            const cell *front = NULL;
-            int count = 0;
-            for (int k = 0; k < 4; k++) {
-                int cx = ((x - 1) >> 1) + (k & 1), cy = ((y - 1) >> 1) + (k >> 1);
-                const cell *c = cell_at(coarse, cx, cy);
-                if (!c || !c->valid) continue;
-                double q = ellipse(w, c, number + 1, cx, cy, (x + 0.5) * fine->size, (y + 0.5) * fine->size);
-                if (!(q < 1)) continue;
-                if (!front || c->low < front->low) front = c;
-                shares[count++] = (share){c, w->opts->box ? 1 : exp(-2 * q)};
-            }
             cell *own = cell_at(fine, x, y);
-            if (number == 0 && !count && own->valid && is_beyond(w, own, x, y)) own->valid = false;
-            if (!count || (own->valid && own->low <= front->high)) continue;
-            *own = mix(w, shares, count);
+            const bool around = is_around(w, number, x, y);
+            int count = find_corners(w, number, x, y, false, around, shares);
+            if (count) {
+                const share *front = front_of(shares, count, false);
+                if (!own->valid || own->depth > front->depth + front->from->radius)
+                    *own = mix(w, shares, count, false);
+                continue;
+            }
+            if (own->valid) {
+                if (number == 0 && !around && is_beyond(w, own, x, y)) own->valid = false;
+                continue;
+            }
+            if (number == 0 && !around) continue;
+            count = find_corners(w, number, x, y, true, around, shares);
+            if (!count) continue;
+            *own = mix(w, shares, count, around);
+            own->weak = !around;
         }
 }
 
@@ -236,7 +330,8 @@ static void resolve_picture(const work *w, const iso_point_view *points, iso_gbu
 
 void reference_pullpush(const reference_opts *opts, const iso_view *view, const iso_point_view *points,
                         iso_gbuffer *gbuffer) {
-    work w = {.opts = opts, .view = view};
+    work w = {.opts = opts, .view = view, .dims = points->dims};
+    w.projector = iso_projector_make(view, &points->transform);
     for (int l = 0; l <= opts->top; l++)
         w.levels[l] = make_level(view->width + 2 * opts->guard, view->height + 2 * opts->guard, l);
     project(&w, points);
