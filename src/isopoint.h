@@ -410,11 +410,10 @@ ISO_API void iso_shape_set_destroy(iso_shape_set *set);
 ISO_API iso_box iso_shape_set_bounds(const iso_shape_set *set);
 
 /* ---- instances ---- */
-/* Where an instance of surfaces stands: what is at p is drawn at position + scale * (p rotated). */
-typedef struct iso_placement {
-    iso_vec3 position;  /* mm */
-    double rotation[4]; /* quaternion x y z w, of any length; all 0 means none */
-    double scale;       /* 1e-9 .. 1e9; 0 means 1 */
+typedef struct iso_placement { /* what is at p is drawn at position + scale * (p rotated) */
+    iso_vec3 position;         /* mm */
+    double rotation[4];        /* quaternion x y z w, of any length; all 0 means none */
+    double scale;              /* 1e-9 .. 1e9; 0 means 1 */
 } iso_placement;
 
 typedef struct iso_placements {
@@ -540,8 +539,7 @@ ISO_API iso_status iso_camera_of_box(const iso_box *box, int width, int height, 
 typedef struct iso_render_opts {
     iso_method method;
     int width, height; /* pixels; 0 means 1024 */
-    int samples;       /* number of samples of a pixel: a square number 1, 4, 9 .. 64; 0 means 4 for opaque
-                          pictures by EXACT, else 1 */
+    int samples;       /* of a pixel: 1, 4, 9 .. 64; 0 means 4 for opaque pictures by EXACT, else 1 */
     /* The camera. NULL: a camera that shows everything, placed by `fit`. */
     const iso_camera *camera;
     iso_fit_opts fit;

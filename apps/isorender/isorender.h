@@ -32,9 +32,8 @@ extern "C" {
 
 /* One isosurface, of the input or of a further volume. */
 typedef struct isorender_surface {
-    iso_loader
-        *loader; /* the volume that it is extracted from; borrowed: the job's `loader` or one of `volumes` */
-    double isovalue; /* physical; NaN for points that were read */
+    iso_loader *loader; /* of its volume; borrowed: the job's `loader` or one of `volumes` */
+    double isovalue;    /* physical; NaN for points that were read */
     iso_rgb color;
     iso_translucency translucency;
     iso_grid grid; /* what the surface is extracted from; borrowed: the volume's grid or own_grid */
@@ -82,9 +81,8 @@ struct isorender_job {
     iso_input input,
         volume_inputs[ISORENDER_VOLUMES]; /* how the input, of a certain level, and `volumes` are read */
 
-    iso_method
-        method;  /* as --method names it: ISO_METHOD_PULLPUSH, _DISCS, _SPLATS with any reconstruction */
-    int samples; /* a pixel: of --samples, or the usual number */
+    iso_method method; /* of --method: ISO_METHOD_PULLPUSH, _DISCS, _SPLATS with any reconstruction */
+    int samples;       /* a pixel: of --samples, or the usual number */
     const iso_renderer *renderer; /* the row of the renderers' table for the method and its reconstruction */
 
     isorender_surface surfaces[ISORENDER_SURFACES]; /* those of the input, then one of each of `volumes` */

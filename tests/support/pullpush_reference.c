@@ -138,8 +138,8 @@ static cell mix(const work *w, const share *shares, int count, bool back) {
 
 /* ---- ellipses */
 
-/* The ellipse of a disc in the picture: the matrix of d'M^-1 d, pixels of level 0, its unit normal m seen along
- * a ray, and the depth that its plane gains per pixel along m. */
+/* The ellipse of a disc in the picture: the matrix of d'M^-1 d, pixels of level 0, its unit normal m seen
+ * along a ray, and the depth that its plane gains per pixel along m. */
 typedef struct ellipse {
     double xx, xy, yy, m[2], along, square, rise;
 } ellipse;

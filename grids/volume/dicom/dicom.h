@@ -115,9 +115,9 @@ typedef struct iso_dicom_wanted {
 } iso_dicom_wanted;
 
 /* Sorts the planes, which have the same size and orientation, by their positions along the slice normal.
- * Leaves out copies of images. Where several lie at the same place, divides them into acquisitions, keeps one of these and reduces *count.
- * Sets info's transform, dims[2], anatomical and notes. ISO_ERR_FORMAT: a slice is missing, duplicate or out
- * of line; ISO_ERR_USAGE: no such acquisition. */
+ * Leaves out copies of images. Where several lie at the same place, divides them into acquisitions, keeps one
+ * of these and reduces *count. Sets info's transform, dims[2], anatomical and notes. ISO_ERR_FORMAT: a slice
+ * is missing, duplicate or out of line; ISO_ERR_USAGE: no such acquisition. */
 iso_status iso_dicom_stack(const iso_dicom_wanted *wanted, iso_dicom_frame *frames, size_t *count,
                            iso_volume_info *info, iso_error *error);
 

@@ -37,10 +37,10 @@ static inline bool iso_rgb_equal(iso_rgb a, iso_rgb b) {
 void iso_shade_sample(const float normal[3], const float to_eye[3], iso_rgb color, float rgb[3]);
 
 /* Shades a strip into its rows of the image, which has the picture's width. A pixel's colour is the mean
- * of its covered samples, each rounded to 8 bits, blended with the background by coverage, or with `transparent` stored with
- * coverage as alpha (not premultiplied). Returns the number of samples that show a surface. The result has
- * the same bytes for every instruction set and number of threads, and however the picture is cut into
- * strips. */
+ * of its covered samples, each rounded to 8 bits, blended with the background by coverage, or with
+ * `transparent` stored with coverage as alpha (not premultiplied). Returns the number of samples that show a
+ * surface. The result has the same bytes for every instruction set and number of threads, and however the
+ * picture is cut into strips. */
 size_t iso_shade(const iso_shading *shading, const iso_strip *strip, iso_image *image, iso_pool *pool);
 
 #ifdef __cplusplus

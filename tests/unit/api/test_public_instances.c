@@ -33,9 +33,8 @@ static size_t bytes_of(const iso_image *image) {
 /* One placement at the origin changes nothing, whatever draws the discs. */
 static void a_placement_at_the_origin(void **state) {
     (void)state;
-    static const iso_method methods[] = {ISO_METHOD_DISCS, ISO_METHOD_SPLATS_FLAT,
-                                         ISO_METHOD_SPLATS_ONEPASS, ISO_METHOD_SPLATS_EWA,
-                                         ISO_METHOD_SPLATS_MEAN};
+    static const iso_method methods[] = {ISO_METHOD_DISCS, ISO_METHOD_SPLATS_FLAT, ISO_METHOD_SPLATS_ONEPASS,
+                                         ISO_METHOD_SPLATS_EWA, ISO_METHOD_SPLATS_MEAN};
     iso_placement here = {.scale = 0}; /* all 0 */
     const iso_placements one = {.items = &here, .count = 1};
     iso_volume *volume = lend_ball(1);

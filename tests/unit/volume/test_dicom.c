@@ -345,11 +345,9 @@ static void doubled_slices(void **state) {
     write_series(&plain, "IM", 0);
     write_slice(&plain, "again", (slice_place){-10, -20, -3, 0});
     iso_volume copied = read_ok(FOLDER, NULL); /* the writer gives all images one identifier */
-    check_values(copied.grid.rgrid, SLICES);
     assert_true(test_has_note(&copied.info, "a copy of IM3 is left out"));
     iso_volume_free(&copied);
-    /* Two acquisitions, the second named first: the first is taken. */
-    for (int by = 0; by < 2; by++) {
+    for (int by = 0; by < 2; by++) { /* two acquisitions, the second named first: the first is taken */
         dicom_spec first = plain, second = plain;
         clear_folder();
         *(by ? &first.acquisition : &first.temporal) = "1";
