@@ -19,7 +19,7 @@ float weigh(float q) {
  * by more than its interval. Pixels in gaps between ellipses get values, too: render/pullpush/gaps.inc says
  * which. */
 mixture mixed(int level, ivec2 at, float own) {
-    const float grow = 1.5;
+    const float grow = 1.4, round = 0.05;
     mixture m = mixture(false, true, false, false, vec4(0.0), ivec4(-1));
     ivec2 fine = at & 1, corner = (at >> 1) + fine - 1;
     vec2 offsets[4];
@@ -53,7 +53,8 @@ mixture mixed(int level, ivec2 at, float own) {
         vec3 wide_thin = ellipses[m.at[k]].xyz;
         float square = max(dot(wide_thin.yz, wide_thin.yz), 1e-12), thin = dot(offsets[k], wide_thin.yz);
         float t = thin * thin / square, across = 1.0 / (1.0 / wide_thin.x + 0.25);
-        float q = across * (dot(offsets[k], offsets[k]) - t) + t / (1.0 / (wide_thin.x + square) + 0.25);
+        float minor = 1.0 / (wide_thin.x + square) + 0.25 + (m.around ? round / wide_thin.x : 0.0);
+        float q = across * (dot(offsets[k], offsets[k]) - t) + t / minor;
         if (m.around) q /= grow * grow;
         if (!(q < 1.0) || level == 1 && is_beyond_grid(level - 1, at, depths[k])) continue;
         m.weights[k] = weigh(q);

@@ -253,7 +253,8 @@ static double weight_of(const work *w, double q) {
 }
 
 /* The corners around a finer pixel whose ellipses contain its centre. Otherwise, with `widened`, those whose
- * ellipses do when they are half a coarser pixel wider; all of them grow when all corners are there. */
+ * ellipses do when they are half a coarser pixel wider; all of them grow, and become rounder, when all corners
+ * are there. */
 static int find_corners(const work *w, int number, int x, int y, bool widened, bool around, share shares[4]) {
     const level *fine = &w->levels[number], *coarse = &w->levels[number + 1];
     const double at_x = (x + 0.5) * fine->size, at_y = (y + 0.5) * fine->size;
@@ -268,8 +269,13 @@ static int find_corners(const work *w, int number, int x, int y, bool widened, b
         double dx = at_x - c->x, dy = at_y - c->y, out = dx * e.m[0] + dy * e.m[1];
         wide.xx += 0.25 * coarse->size * coarse->size;
         wide.yy += 0.25 * coarse->size * coarse->size;
-        double q = form(widened ? &wide : &e, dx, dy) / (widened && around ? 1.5 * 1.5 : 1);
-        double depth = c->depth + e.rise * out, flat = e.m[0] * e.m[0] + e.m[1] * e.m[1];
+        const double flat = e.m[0] * e.m[0] + e.m[1] * e.m[1];
+        const double round = around && flat > 0 ? 0.05 * (e.square + w->opts->low_pass) / flat : 0;
+        wide.xx += round * e.m[0] * e.m[0];
+        wide.xy += round * e.m[0] * e.m[1];
+        wide.yy += round * e.m[1] * e.m[1];
+        double q = form(widened ? &wide : &e, dx, dy) / (widened && around ? 1.4 * 1.4 : 1);
+        double depth = c->depth + e.rise * out;
         double reach = (e.square + w->opts->facing) * e.along * e.along + w->opts->edge * flat;
         if (!(q < 1) || (!widened && out * e.along < 0 && out * out > flat * reach)) continue;
         if ((!widened || number == 0) && is_beyond_grid(w, at_x, at_y, depth)) continue;
