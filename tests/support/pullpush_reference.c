@@ -138,8 +138,8 @@ static cell mix(const work *w, const share *shares, int count, bool back) {
 
 /* ---- ellipses */
 
-/* The ellipse of a disc in the picture: the matrix of d'M^-1 d, pixels of level 0, its unit normal m seen along
- * a ray, and the depth that its plane gains per pixel along m. */
+/* The ellipse of a disc in the picture: the matrix of d'M^-1 d, pixels of level 0, its unit normal m seen
+ * along a ray, and the depth that its plane gains per pixel along m. */
 typedef struct ellipse {
     double xx, xy, yy, m[2], along, square, rise;
 } ellipse;
@@ -247,14 +247,14 @@ static bool is_beyond(const work *w, const cell *c, int x, int y) {
            is_beyond_grid(w, x + 0.5, y + 0.5, c->depth + fmax(-c->radius, fmin(c->radius, gain)));
 }
 
-/* Gaussian weights fall to nothing at the edge: the library's cubic for (exp(-2q) - exp(-2)) / (1 - exp(-2)). */
+/* Gaussian weights fall to nothing at the edge: the library's cubic for exp(-2q) - exp(-2), 1 at q = 0. */
 static double weight_of(const work *w, double q) {
     return w->opts->box ? 1 : fmax(1 + q * (-2.2440141 + q * (1.8788016 - q * 0.6347875)), 1e-5);
 }
 
 /* The corners around a finer pixel whose ellipses contain its centre. Otherwise, with `widened`, those whose
- * ellipses do when they are half a coarser pixel wider; all of them grow, and become rounder, when all corners
- * are there. */
+ * ellipses do when they are half a coarser pixel wider; all of them grow, and become rounder, when all
+ * corners are there. */
 static int find_corners(const work *w, int number, int x, int y, bool widened, bool around, share shares[4]) {
     const level *fine = &w->levels[number], *coarse = &w->levels[number + 1];
     const double at_x = (x + 0.5) * fine->size, at_y = (y + 0.5) * fine->size;
