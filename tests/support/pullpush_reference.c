@@ -247,8 +247,7 @@ static bool is_beyond(const work *w, const cell *c, int x, int y) {
            is_beyond_grid(w, x + 0.5, y + 0.5, c->depth + fmax(-c->radius, fmin(c->radius, gain)));
 }
 
-/* Gaussian weights fall to nothing at the edge: (exp(-2q) - exp(-2)) / (1 - exp(-2)), by the cubic of the
- * library. */
+/* Gaussian weights fall to nothing at the edge: the library's cubic for exp(-2q) - exp(-2), 1 at q = 0. */
 static double weight_of(const work *w, double q) {
     return w->opts->box ? 1 : fmax(1 + q * (-2.2440141 + q * (1.8788016 - q * 0.6347875)), 1e-5);
 }

@@ -1,12 +1,19 @@
 /* pullpush: draws points by projecting each to a single pixel and reconstructing the surface between them in
  * image space (Marroquim, Kraus and Cavalcanti 2008, section 3), on the cpu, fast enough for interaction.
  *
- * A point is stored in the pixel that contains its centre, with its normal, its radius and the depth interval
- * [z, z + radius]. Pull averages, level by level, the pixels whose intervals overlap that of the frontmost
- * one into a coarser pixel. Push goes from coarse to fine: a pixel without a point, or with a point behind
- * the surface, gets the weighted mean of those of the four coarser pixels around it whose ellipses contain
- * its centre. A pixel's ellipse is the projection of a disc with the pixel's normal and radius, low-pass
- * filtered (Zwicker et al. 2001). Points outside the picture take part when their discs reach into it.
+ * A point is stored in the pixel that contains its centre, with its normal and its radius. Pull averages,
+ * level by level, the pixels that lie less than a radius behind the frontmost one into a coarser pixel: of
+ * these, if the ellipses of some contain its centre, only those. Push goes from coarse to fine: a pixel
+ * without a point, or with a point behind the surface, gets the weighted mean of those of the four coarser
+ * pixels around it whose ellipses contain its centre; the weights fall to nothing at the ellipse's edge. A
+ * pixel's ellipse is the projection of a disc with the pixel's normal and radius, low-pass filtered (Zwicker
+ * et al. 2001). Points outside the picture take part when their discs reach into it.
+ *
+ * Beyond the paper: depths are compared where the discs' planes meet a pixel's ray, instead of by intervals
+ * that hold all averaged ones; the ellipse test of pull is made with ellipses half a coarser pixel wider, and
+ * not into level 1, because without that front surfaces lose thin discs; discs end at the grid's border; and
+ * gaps between ellipses, with values all around, are filled (gaps.inc). Line fragments and several sets in
+ * one pyramid keep the paper's intervals, have no ellipse test in pull, and gaps are not filled.
  *
  * Back-facing points are left out when the set is closed and the eye is outside the box around it. Otherwise
  * they are drawn too; their normals are not flipped and point out of the solid. */
