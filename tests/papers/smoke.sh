@@ -6,7 +6,7 @@ programs=$1 source=$2 folder=$3/made
 rm -rf "$folder"
 mkdir -p "$folder"
 python3 "$source/tests/papers/papers.py" "$programs" "$source" "$folder" 2003-figure-4 >"$folder/log"
-grep -q '^2003-figure-4 .* yes: ' "$folder/log" || { cat "$folder/log"; exit 1; }
+grep -q '^2003-figure-4 .* yes\.' "$folder/log" || { cat "$folder/log"; exit 1; }
 python3 - "$folder" <<'P'
 import json
 import sys
