@@ -23,9 +23,10 @@ static iso_status check_picture(const isorender_job *job, iso_error *error) {
     char samples[40] = "";
     if (needs <= limit) return ISO_OK;
     if (job->samples > 1) snprintf(samples, sizeof samples, " with %d samples a pixel", job->samples);
-    return iso_fail(
-        error, ISO_ERR_LIMIT, "a picture of %dx%d%s needs %.0f MB, limit is %.0f MB (--max-memory)",
-        job->settings->width, job->settings->height, samples, (double)needs / 1e6, (double)limit / 1e6);
+    return iso_fail(error, ISO_ERR_LIMIT,
+                    "a picture of %dx%d%s needs %.0f MB, limit is %.0f MB (--max-memory%s)",
+                    job->settings->width, job->settings->height, samples, (double)needs / 1e6,
+                    (double)limit / 1e6, job->samples > 1 ? "; --samples 1 needs less" : "");
 }
 
 /* Checks that the limit of memory allows the grids of their own that surfaces will get (closed, or with

@@ -7,7 +7,7 @@ for method in exact raycast; do
 done
 isorender $options opaque.png
 isorender $options zero.png --opacity 0,1
-isorender in/ball.mha bone.png --isovalue 800 --color navy --resolution 80x60 --quiet \
+isorender in/ball.mha bone.png --samples 1 --isovalue 800 --color navy --resolution 80x60 --quiet \
     --camera-position 11.5,-60,11.5 --camera-focal-point 11.5,11.5,11.5
 isorender $options zero.png --opacity 0,1 --camera-position 11.5,-60,11.5 --camera-focal-point 11.5,11.5,11.5
 isorender $options first.png --opacity 0.4 --layers 1 --json=first.json

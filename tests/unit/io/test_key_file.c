@@ -41,6 +41,7 @@ static void make_part(int part, iso_key_file *file) {
     for (int axis = 0; axis < 3; axis++) file->surface.dims[axis] = 100 + axis;
     file->style.width = WIDTH;
     file->style.height = HEIGHT;
+    file->style.samples = 1;
     file->style.view_angle = 30;
     file->style.color[2] = 255;
     file->texts[ISO_KEY_TITLE] = strdup("a title");
@@ -222,6 +223,7 @@ static void impossible_numbers_are_refused(void **state) {
     REFUSE(surface.type = -1);
     REFUSE(style.width = 0);
     REFUSE(style.height = -1);
+    REFUSE(style.samples = 2);
     REFUSE(style.width = ISO_IMAGE_MAX + 1);
     REFUSE(style.method = ISO_METHOD_MESH);
     REFUSE(style.method = -1);

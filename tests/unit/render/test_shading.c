@@ -77,7 +77,7 @@ static void shade_sample(const subject *s, int x, int y, float rgb[3]) {
     iso_shade_sample(n, eye, COLORS[surface < last ? surface : last], rgb);
 }
 
-/* Sums of the covered samples of a pixel: columns first. */
+/* Sums of the covered samples of a pixel, each rounded to 0 .. 255: columns first. */
 static int sum_samples(const subject *s, int x, int y, float sum[3]) {
     int factor = s->strip.factor, covered = 0;
     for (int i = x * factor; i < (x + 1) * factor; i++) {
@@ -87,7 +87,7 @@ static int sum_samples(const subject *s, int x, int y, float sum[3]) {
                 continue;
             float rgb[3];
             shade_sample(s, i, j, rgb);
-            for (int c = 0; c < 3; c++) column[c] += rgb[c];
+            for (int c = 0; c < 3; c++) column[c] += floorf(rgb[c] * 255 + 0.5f);
             covered++;
         }
         for (int c = 0; c < 3; c++) sum[c] += column[c];
@@ -105,7 +105,7 @@ static size_t reference_pixel(const subject *s, int x, int y, uint8_t rgba[4]) {
     if (covered == 0) return 0;
     float part = (float)covered / (float)(s->strip.factor * s->strip.factor);
     for (int c = 0; c < 3; c++) {
-        float value = sum[c] / (float)covered;
+        float value = sum[c] / ((float)covered * 255);
         if (!s->shading.transparent) value = value * part + (float)background[c] / 255 * (1 - part);
         rgba[c] = (uint8_t)(value * 255 + 0.5f);
     }
