@@ -106,7 +106,7 @@ static void test_defaults(void **state) {
     assert_int_equal(s->height, 1024);
     assert_int_equal(s->method, ISORENDER_METHOD_UNCHOSEN);
     assert_int_equal(s->isovalue_count, 0);
-    assert_int_equal(s->samples, 1);
+    assert_int_equal(s->samples, 0); /* the usual number */
     assert_true(s->up.x == 0 && s->up.y == 0 && s->up.z == 1);
     assert_true(isnan(s->position[0]));
 }
