@@ -82,8 +82,14 @@ picture both
 draws both 0
 
 # ---- a brush is chosen: the first surface becomes a field, and is opaque
+# (the panel names the journal as soon as the window shows the field: until then F12 takes a picture of the volume)
 key 2
-until_ "a field" journal_is_there
+sculpting() {
+    whole_window sculpting
+    look color sculpting.png 150 208 150 8,560,240,582 50
+}
+until_ "a field" sculpting
+until_ "its journal" journal_is_there
 picture field
 
 # ---- the reference: nothing of it lies in front of what was not changed (samples are rounded before they are averaged)
