@@ -365,22 +365,21 @@ static const char *option_unfit_for_glass(const isorender_settings *settings) {
 
 /* An option that is for glass only; NULL: none is given. */
 static const char *option_of_glass(const isorender_settings *settings) {
-    return settings->refraction != ISORENDER_REFRACTION_UNCHOSEN ? "--refraction"
-           : settings->dispersion > 0                            ? "--dispersion"
-           : settings->environment                               ? "--environment"
-           : settings->attenuation_colored                       ? "--attenuation-color"
-           : settings->attenuation_distance > 0                  ? "--attenuation-distance"
-                                                                 : NULL;
+    return settings->refraction != (int)ISO_REFRACTION_AUTO ? "--refraction"
+           : settings->dispersion > 0                       ? "--dispersion"
+           : settings->environment                          ? "--environment"
+           : settings->attenuation_colored                  ? "--attenuation-color"
+           : settings->attenuation_distance > 0             ? "--attenuation-distance"
+                                                            : NULL;
 }
 
 /* Chooses the refraction when none is given, and checks that the chosen one can be drawn. */
 static iso_status check_refraction(isorender_settings *settings, iso_error *error) {
     const bool splats = settings->method == ISO_METHOD_SPLATS,
                nearest = settings->transparency == (int)ISO_TRANSPARENCY_NEAREST;
-    if (settings->refraction == ISORENDER_REFRACTION_UNCHOSEN)
-        settings->refraction = nearest                                        ? ISO_REFRACTION_LAYERS
-                               : splats || settings->object_options.has_cloud ? ISO_REFRACTION_TWO_SIDED
-                                                                              : ISO_REFRACTION_TRACED;
+    if (settings->refraction == (int)ISO_REFRACTION_AUTO)
+        settings->refraction = (int)iso_glass_usual_refraction(splats || settings->object_options.has_cloud,
+                                                               (iso_transparency)settings->transparency);
     const bool two_sided = settings->refraction == ISO_REFRACTION_TWO_SIDED,
                traced = settings->refraction == ISO_REFRACTION_TRACED;
     if (splats && traced)

@@ -307,8 +307,9 @@ static const iso_option options[] = {
      "how glass bends light: traced (rays are followed through the solid of a volume, with all reflections: "
      "the truth), two-sided (bent where they enter and first leave, and followed where they are totally "
      "reflected), layers (bent once, more for each surface: pretty, but no approximation), single (bent "
-     "once, by the first surface) or none (only reflection and absorption)",
-     .group = SURFACE, .standard = "traced; of points two-sided", CHOICE(refraction, refractions)},
+     "once, by the first surface), none (only reflection and absorption) or auto (traced; of points "
+     "two-sided, layers with --transparency nearest)",
+     .group = SURFACE, .standard = "auto", CHOICE(refraction, refractions)},
     {"dispersion", NULL, "ABBE",
      "glass bends blue light more than red: its Abbe number, 60 for crown glass, 30 for flint; smaller "
      "numbers give wider rainbows (each colour is followed by itself: three times the time)",
@@ -650,7 +651,6 @@ iso_status isorender_settings_parse(int argc, char *const *argv, isorender_setti
                                      .width = 1024,
                                      .height = 1024,
                                      .background = {255, 255, 255},
-                                     .refraction = ISORENDER_REFRACTION_UNCHOSEN,
                                      .direction = ISORENDER_DIRECTION_UNCHOSEN,
                                      .up = {0, 0, 1},
                                      .zoom = 1,

@@ -22,10 +22,6 @@ enum { ISORENDER_MOST_OPTIONS = 256 }; /* rows of the table of options */
  * pullpush if their reconstruction is box or gaussian; none of them for files of 3-D Gaussians. */
 enum { ISORENDER_METHOD_UNCHOSEN = -1 };
 
-/* isorender_settings.refraction when the option is not given: traced for volumes; two-sided for points, and
- * layers if only their nearest layer is drawn as a surface (--transparency nearest). */
-enum { ISORENDER_REFRACTION_UNCHOSEN = -1 };
-
 /* isorender_settings.direction when the option is not given: front, but iso for flat files of points. */
 enum { ISORENDER_DIRECTION_UNCHOSEN = -1 };
 
@@ -88,7 +84,7 @@ typedef struct isorender_settings {
     double absorption_length; /* mm; 0: not given */
     int layers;               /* crossings of each surface that are drawn; 0: all */
     double ior;               /* index of refraction; 0: not given, so the surface is not glass */
-    int refraction;           /* iso_refraction; ISORENDER_REFRACTION_UNCHOSEN until options are checked */
+    int refraction;           /* iso_refraction; of glass not AUTO when options are checked */
     double dispersion;        /* Abbe number; 0: not given */
     const char *environment;  /* NULL: the built-in studio */
     iso_rgb attenuation_color;

@@ -10,6 +10,7 @@
 #include "image/image.h"
 #include "io/glyphs/placements_read.h"
 #include "methods/bounds.h"
+#include "methods/glass.h"
 #include "methods/layers.h"
 #include "render/picture.h"
 
@@ -77,7 +78,14 @@ typedef struct rendering {
     int sets_count; /* translucent sets of shapes */
     iso_layered_picture layers;
     iso_picture_layers callbacks;
+    iso_refraction refraction; /* of glass; not AUTO */
 } rendering;
+
+/* Returns the bits of the parts that the picture is drawn from. */
+static unsigned needs_of(const rendering *r) {
+    const unsigned glass = r->opts->glass ? 1u << iso_glass_part(r->renderer->method, r->refraction) : 0;
+    return r->renderer->needs | glass;
+}
 
 /* Returns the part whose box frames the picture. The ray caster has no box; it uses that of the exact
  * surface, which looks the same. */
@@ -114,9 +122,11 @@ static iso_status prepare(const rendering *r, iso_box *box, iso_error *error) {
         iso_bounds_add(box, &own);
     }
     for (int i = 0; i < r->count; i++) {
+        r->surfaces[i]->subject.transparency =
+            r->translucent ? r->opts->transparency : ISO_TRANSPARENCY_SORTED;
         ISO_TRY(iso_api_surface_part(r->surfaces[i], framed, error));
         for (int part = 0; part < ISO_PART_COUNT; part++)
-            if (part != (int)framed && r->renderer->needs & 1u << part)
+            if (part != (int)framed && needs_of(r) & 1u << part)
                 ISO_TRY(iso_api_surface_part(r->surfaces[i], (iso_part)part, error));
         const iso_box own = bounds_of(r, i, framed);
         iso_bounds_add(box, &own);
@@ -222,6 +232,11 @@ static iso_status check(iso_surface *const *surfaces, int count, const iso_rende
                 error, ISO_ERR_USAGE,
                 "the method hybrid joins edge points to triangles: the primitive %s lies elsewhere",
                 iso_primitive_name(surfaces[i]->subject.primitive));
+    if ((int)opts->transparency < 0 || opts->transparency >= ISO_TRANSPARENCIES)
+        return iso_fail(error, ISO_ERR_USAGE, "there is no transparency %d", (int)opts->transparency);
+    if (opts->transparency && (opts->method != ISO_METHOD_SPLATS || opts->glass))
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "the transparencies GROUPS and NEAREST are for translucent surfaces by SPLATS");
     if (opts->instances && !iso_method_has_instances(opts->method))
         return iso_fail(error, ISO_ERR_USAGE, "the method %s draws no instances: those that draw discs do",
                         iso_renderer_get(opts->method)->name);
@@ -306,7 +321,7 @@ static iso_status set_up_layers(rendering *r, const iso_render_opts *opts, iso_e
     r->translucent |= r->sets_count > 0;
     ISO_TRY(check_layers(r, opts, error));
     if (!r->picture.samples)
-        r->picture.samples = r->translucent ? 1 : iso_method_samples(r->renderer->method);
+        r->picture.samples = r->translucent || opts->glass ? 1 : iso_method_samples(r->renderer->method);
     if (opts->aov && !r->translucent) iso_aov_remove_layers(opts->aov);
     if (!r->translucent) return ISO_OK;
     r->layers = (iso_layered_picture){.method = r->renderer->method,
@@ -316,11 +331,84 @@ static iso_status set_up_layers(rendering *r, const iso_render_opts *opts, iso_e
                                       .set_count = r->sets_count,
                                       .draw_others = r->shapes_count ? draw_shapes : NULL,
                                       .others_context = r,
+                                      .transparency = opts->transparency,
                                       .shading = &r->picture.shading,
                                       .pool = r->picture.pool};
     r->picture.layers = &r->callbacks;
     if (opts->aov) ISO_TRY(iso_aov_add_layers(opts->aov, error));
     return iso_layered_picture_callbacks(&r->layers, &r->callbacks, error);
+}
+
+/* ---- glass ---- */
+
+/* Checks the options of glass, and chooses its refraction. */
+static iso_status set_up_glass(rendering *r, iso_error *error) {
+    const iso_glass_opts *glass = r->opts->glass;
+    if (!glass) return ISO_OK;
+    if (r->count != 1 || r->shapes_count || r->translucent || r->opts->instances)
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "glass is drawn alone: one opaque surface, no shapes or instances");
+    if (!iso_method_has_glass(r->renderer->method))
+        return iso_fail(error, ISO_ERR_USAGE, "the method %s draws no glass", r->renderer->name);
+    if (!(glass->ior >= 1 && glass->ior <= 10))
+        return iso_fail(error, ISO_ERR_USAGE, "index of refraction %g is not in 1 .. 10", glass->ior);
+    if ((int)glass->refraction < 0 || glass->refraction >= ISO_REFRACTIONS)
+        return iso_fail(error, ISO_ERR_USAGE, "there is no refraction %d", (int)glass->refraction);
+    if (!(glass->dispersion == 0 || (glass->dispersion >= 1 && isfinite(glass->dispersion))))
+        return iso_fail(error, ISO_ERR_USAGE, "Abbe number %g is not 1 or more", glass->dispersion);
+    if (!(glass->attenuation_distance >= 0 && isfinite(glass->attenuation_distance)))
+        return iso_fail(error, ISO_ERR_USAGE, "attenuation distance %g is not above 0",
+                        glass->attenuation_distance);
+    if (!(glass->surface_opacity >= 0 && glass->surface_opacity <= 1))
+        return iso_fail(error, ISO_ERR_USAGE, "surface opacity %g is not in 0 .. 1", glass->surface_opacity);
+    const bool points = iso_glass_part(r->renderer->method, ISO_REFRACTION_TRACED) == ISO_PART_POINTS;
+    r->refraction =
+        glass->refraction ? glass->refraction : iso_glass_usual_refraction(points, ISO_TRANSPARENCY_SORTED);
+    if (points && r->refraction == ISO_REFRACTION_TRACED)
+        return iso_fail(error, ISO_ERR_USAGE, "rays cannot be traced through points");
+    if (glass->surface_opacity > 0 && r->refraction >= ISO_REFRACTION_TWO_SIDED)
+        return iso_fail(
+            error, ISO_ERR_USAGE,
+            "the opacity of glass counts surfaces: it needs the refraction LAYERS, SINGLE or NONE");
+    return ISO_OK;
+}
+
+static iso_status open_environment(const rendering *r, iso_environment **environment, iso_error *error) {
+    const iso_render_opts *opts = r->opts;
+    const char *path = opts->glass->environment;
+    ISO_TRY(path ? iso_environment_read(path, UINT64_MAX, r->picture.pool, environment, error)
+                 : iso_environment_studio(environment, error));
+    if (opts->fit.up) iso_environment_set_up(*environment, iso_vec3_unit(*opts->fit.up));
+    return ISO_OK;
+}
+
+static iso_status render_glass(rendering *r, iso_image *image, size_t *covered, iso_error *error) {
+    const iso_render_opts *opts = r->opts;
+    const iso_glass_opts *glass = opts->glass;
+    iso_environment *environment = NULL;
+    ISO_TRY(open_environment(r, &environment, error));
+    iso_glass_scene scene = {
+        .method = r->renderer->method,
+        .refraction = r->refraction,
+        .abbe = glass->dispersion,
+        .subject = &r->surfaces[0]->subject,
+        .glass = {.ior = glass->ior, .surface_opacity = glass->surface_opacity, .environment = environment},
+        .shows_environment = !opts->background && !opts->transparent,
+        .opts = &r->picture};
+    if (glass->attenuation_distance > 0)
+        iso_glass_set_absorption(&scene.glass, glass->attenuation_color, glass->attenuation_distance);
+    iso_status status = iso_glass_scene_start(&scene, &r->callbacks, error);
+    r->picture.layers = &r->callbacks;
+    if (status == ISO_OK) status = iso_picture_render(&r->picture, image, covered, error);
+    iso_glass_scene_free(&scene);
+    iso_environment_destroy(environment);
+    return status;
+}
+
+static iso_status draw_picture(rendering *r, iso_image *image, size_t *covered, iso_error *error) {
+    if (r->opts->glass) return render_glass(r, image, covered, error);
+    return is_painted(r) ? paint(r, image, covered, error)
+                         : iso_picture_render(&r->picture, image, covered, error);
 }
 
 /* Renders what was checked and set up. */
@@ -336,8 +424,7 @@ static iso_status render(rendering *r, iso_image *image, iso_error *error) {
         ISO_TRY(iso_camera_of_box(&box, width, height, &opts->fit, &r->camera, error));
     if (opts->aov) opts->aov->voxel = smallest_spacing(r);
     size_t covered = 0;
-    ISO_TRY(is_painted(r) ? paint(r, image, &covered, error)
-                          : iso_picture_render(&r->picture, image, &covered, error));
+    ISO_TRY(draw_picture(r, image, &covered, error));
     if (opts->aov) number_elements(r, opts->aov);
     if (opts->instance_counts) *opts->instance_counts = iso_placed_counts(&r->placed);
     return covered ? ISO_OK : iso_fail(error, ISO_ERR_EMPTY, "nothing of the surface is in view");
@@ -358,6 +445,7 @@ iso_status iso_render_surfaces(iso_surface *const *surfaces, int count, const is
     ISO_TRY(make_room(r.picture.width, r.picture.height, image, opts->aov, error));
     ISO_TRY(make_room_for_ids(opts->shapes_count, opts->aov, error));
     ISO_TRY(set_up_layers(&r, opts, error));
+    ISO_TRY(set_up_glass(&r, error));
     const iso_status status = render(&r, image, error);
     iso_placed_free(&r.placed);
     return status;

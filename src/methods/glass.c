@@ -14,6 +14,11 @@ bool iso_method_has_glass(iso_method method) {
     return method == ISO_METHOD_EXACT || method == ISO_METHOD_RAYCAST || is_splats(method);
 }
 
+iso_refraction iso_glass_usual_refraction(bool points, iso_transparency transparency) {
+    if (!points) return ISO_REFRACTION_TRACED;
+    return transparency == ISO_TRANSPARENCY_NEAREST ? ISO_REFRACTION_LAYERS : ISO_REFRACTION_TWO_SIDED;
+}
+
 iso_part iso_glass_part(iso_method method, iso_refraction refraction) {
     if (is_splats(method)) return ISO_PART_POINTS;
     const bool rays = method == ISO_METHOD_RAYCAST || refraction == ISO_REFRACTION_TRACED;

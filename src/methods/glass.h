@@ -15,6 +15,10 @@ extern "C" {
 /* Whether a method draws glass. */
 bool iso_method_has_glass(iso_method method);
 
+/* Returns the refraction that ISO_REFRACTION_AUTO means. points: glass is drawn from points; transparency:
+ * how their layers are found. */
+iso_refraction iso_glass_usual_refraction(bool points, iso_transparency transparency);
+
 /* Returns the part of the subject (iso_part) that must be computed before rendering. */
 iso_part iso_glass_part(iso_method method, iso_refraction refraction);
 
@@ -23,7 +27,8 @@ iso_part iso_glass_part(iso_method method, iso_refraction refraction);
 typedef struct iso_glass_scene {
     iso_method method; /* one for which iso_method_has_glass is true. With traced refraction the method makes
                           no difference */
-    iso_refraction refraction;     /* of splats not traced; with ISO_TRANSPARENCY_NEAREST not two-sided */
+    iso_refraction
+        refraction; /* not AUTO; of splats not traced; with ISO_TRANSPARENCY_NEAREST not two-sided */
     iso_transparency transparency; /* how splats find layers: sorted or nearest */
     double abbe;                   /* dispersion as an Abbe number; 0: all colours are refracted alike */
     const iso_subject *subject;    /* its part iso_glass_part is up to date */

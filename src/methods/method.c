@@ -4,8 +4,10 @@
 #include <assert.h>
 #include <string.h>
 
+#include "base/coverage.h"
 #include "grids/change_log.h"
 #include "render/pullpush/hybrid.h"
+#include "render/splats/layers.h"
 
 /* ---- parts ---- */
 
@@ -48,12 +50,17 @@ static iso_status update_caster(iso_subject *subject, iso_error *error) {
 
 static iso_status update_groups(iso_subject *subject, iso_error *error) {
     const uint64_t now = iso_change_log_now(iso_grid_log(subject->grid));
+    const bool sorted = subject->transparency == ISO_TRANSPARENCY_SORTED;
+    if (subject->grouped_for != subject->transparency) iso_groups_free(&subject->groups);
     if (subject->groups.group && subject->groups_edit == now) return ISO_OK;
     if (!subject->points) ISO_TRY(update_points(subject, error));
     subject->groups_edit = now;
+    subject->grouped_for = subject->transparency;
     const iso_point_view view = iso_point_set_view(subject->points);
-    const iso_groups_opts opts = iso_splats_grouping(subject->pool);
-    return iso_groups_update(&view, &opts, &subject->groups, error);
+    const iso_groups_opts opts =
+        sorted ? iso_splats_grouping(subject->pool) : iso_splat_layers_grouping(subject->pool);
+    ISO_TRY(iso_groups_update(&view, &opts, &subject->groups, error));
+    return sorted ? ISO_OK : iso_groups_cover(&view, opts.disc, subject->pool, &subject->groups, error);
 }
 
 iso_status iso_subject_update(iso_subject *subject, iso_part part, iso_error *error) {

@@ -77,10 +77,10 @@ if [ "$has_vti" = 1 ]; then
     [ "$(count "$work/small.vti")" = 24 ] || fail "isorender found $(count "$work/small.vti") points in a .vti"
 fi
 
-# ---- one header is installed, and compiles alone as C and as C++
-(cd "$root/include" && find . -type f) >"$work/headers"
-[ "$(cat "$work/headers")" = ./isopoint.h ] || fail "installed headers: $(cat "$work/headers")"
-echo '#include <isopoint.h>' >"$work/alone.c"
+# ---- the public headers are installed, and each compiles alone as C and as C++
+(cd "$root/include" && echo *) >"$work/headers"
+[ "$(cat "$work/headers")" = "isopoint.h isopoint_sculpt.h" ] || fail "installed headers: $(cat "$work/headers")"
+printf '#include <%s>\n' isopoint_sculpt.h isopoint.h >"$work/alone.c"
 for language in c:-std=c17 c++:-std=c++17; do
     ${CC:-cc} -x ${language%%:*} ${language#*:} -pedantic -Wall -Wextra -Werror -fsyntax-only -I"$root/include" "$work/alone.c" \
         2>"$work/err" || fail "${language%%:*}: $(head -n 3 "$work/err")"

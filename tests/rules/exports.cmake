@@ -2,6 +2,8 @@
 # Usage: cmake -DROOT=... -DNM=... -DLIBRARY=... -P exports.cmake
 cmake_minimum_required(VERSION 3.25)
 file(READ ${ROOT}/src/isopoint.h header)
+file(READ ${ROOT}/src/isopoint_sculpt.h sculpt)
+string(APPEND header "${sculpt}")
 string(REGEX REPLACE "/\\*([^*]|\\*[^/])*\\*/" "" header "${header}")
 string(REGEX MATCHALL "\nISO_API [^;(]*\\(" declared "${header}")
 list(TRANSFORM declared REPLACE "^.*[ *\n]([a-z_0-9]+)\\($" "\\1")

@@ -25,7 +25,7 @@ foreach(file ${files})
     if(NOT file MATCHES "\\.(c|h|cc|hpp|inc)$")
         continue()
     endif()
-    if(file STREQUAL "src/isopoint.h")
+    if(file MATCHES "^src/isopoint[a-z_]*\\.h$") # the public headers
         continue()
     endif()
     string(REGEX REPLACE "^(src/)?([a-z]+)/.*" "\\2" layer ${file})

@@ -9,7 +9,8 @@
 #include "image/srgb.h"
 
 const char *iso_refraction_name(iso_refraction refraction) {
-    static const char *const names[ISO_REFRACTIONS] = {"none", "single", "layers", "two-sided", "traced"};
+    static const char *const names[ISO_REFRACTIONS] = {"auto",   "none",      "single",
+                                                       "layers", "two-sided", "traced"};
     return names[refraction];
 }
 

@@ -31,16 +31,7 @@
 extern "C" {
 #endif
 
-typedef enum iso_refraction {
-    ISO_REFRACTION_NONE,
-    ISO_REFRACTION_SINGLE,
-    ISO_REFRACTION_LAYERS,
-    ISO_REFRACTION_TWO_SIDED,
-    ISO_REFRACTION_TRACED,
-    ISO_REFRACTIONS
-} iso_refraction;
-
-/* Returns "none", "single", "layers", "two-sided" or "traced". */
+/* Returns "auto", "none", "single", "layers", "two-sided" or "traced". */
 const char *iso_refraction_name(iso_refraction refraction);
 
 /* ---- maps */
@@ -99,7 +90,7 @@ typedef bool iso_glass_fn(const void *context, int x, int y, double rgb[3]);
 typedef struct iso_mapped_glass {
     const iso_glass *glass;
     const iso_glass_map *map;
-    iso_refraction refraction; /* not ISO_REFRACTION_TRACED */
+    iso_refraction refraction; /* neither AUTO nor TRACED */
 } iso_mapped_glass;
 
 /* An iso_glass_fn that uses a map of crossings. */

@@ -1,4 +1,5 @@
-/* layers: translucent surfaces of points, drawn as splats in one of three modes.
+/* layers: translucent surfaces of points, drawn as splats in one of three modes
+ * (iso_transparency in isopoint.h).
  *
  * sorted: all discs that a pixel's ray hits are sorted by depth. Discs of one side (front- or back-facing)
  * that lie at most 1.5 radii of their points behind the first disc of a layer are averaged, shaded and
@@ -30,12 +31,6 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-typedef enum iso_transparency {
-    ISO_TRANSPARENCY_SORTED,
-    ISO_TRANSPARENCY_GROUPS,
-    ISO_TRANSPARENCY_NEAREST
-} iso_transparency;
 
 /* The default number of groups for transparency (section 6.2). */
 enum { ISO_SPLAT_LAYERS_GROUPS = 4 };

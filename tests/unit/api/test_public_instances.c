@@ -8,27 +8,9 @@
 
 #include <cmocka.h>
 
-#include "isopoint.h"
+#include "lent_ball.h"
 
-enum { SIDE = 24, WIDTH = 96, HEIGHT = 64 };
-
-/* A ball of radius 8 in the middle of a volume, whose isovalue is 0. */
-static iso_volume *lend_ball(int threads) {
-    static float values[SIDE * SIDE * SIDE];
-    for (int i = 0; i < SIDE * SIDE * SIDE; i++) {
-        const double x = i % SIDE - 11.5, y = i / SIDE % SIDE - 11.5, z = i / (SIDE * SIDE) - 11.5;
-        values[i] = (float)(8 - sqrt(x * x + y * y + z * z));
-    }
-    iso_volume *volume = NULL;
-    const iso_lend_opts opts = {
-        .dims = {SIDE, SIDE, SIDE}, .type = ISO_FLOAT32, .data = values, .threads = threads};
-    assert_int_equal(iso_volume_lend(&opts, &volume, NULL), ISO_OK);
-    return volume;
-}
-
-static size_t bytes_of(const iso_image *image) {
-    return (size_t)image->width * (size_t)image->height * 4;
-}
+enum { WIDTH = 96, HEIGHT = 64 };
 
 /* One placement at the origin changes nothing, whatever draws the discs. */
 static void a_placement_at_the_origin(void **state) {

@@ -427,7 +427,7 @@ static void the_border_begins_and_ends_the_solid(void **state) {
     const iso_view view = test_axis_view(1, true, 1, 5, 4);
     iso_raycaster *caster = make_caster(&grid, 90);
     iso_glass_map map = exact_map(&grid, 90, &view, NULL);
-    for (int mode = 0; mode < ISO_REFRACTIONS; mode++) {
+    for (int mode = ISO_REFRACTION_NONE; mode < ISO_REFRACTIONS; mode++) {
         const iso_traced_glass traced = {caster, &glass, &view};
         const iso_mapped_glass mapped = {&glass, &map, (iso_refraction)mode};
         const bool rays = mode == ISO_REFRACTION_TRACED;

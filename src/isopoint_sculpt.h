@@ -1,0 +1,145 @@
+/* isopoint_sculpt: the chapter of isopoint.h about sculpting. isopoint.h includes it; what that file says of
+ * units, errors, ownership and threads holds here too. */
+#ifndef ISOPOINT_SCULPT_H
+#define ISOPOINT_SCULPT_H
+
+#include "isopoint.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* The first four are set operations with the brush's solid; the others deform, or change the mask. */
+typedef enum iso_tool {
+    ISO_TOOL_ADD,         /* union */
+    ISO_TOOL_CARVE,       /* difference */
+    ISO_TOOL_BLEND_ADD,   /* smooth union, over `blend` */
+    ISO_TOOL_BLEND_CARVE, /* smooth difference */
+    ISO_TOOL_SMOOTH,
+    ISO_TOOL_INFLATE,
+    ISO_TOOL_DEFLATE,
+    ISO_TOOL_FLATTEN, /* towards the plane of the sample's position and normal */
+    ISO_TOOL_PINCH,   /* towards the axis of the sample's normal */
+    ISO_TOOL_MOVE,    /* drags what lay at the stroke's first sample to the current one */
+    ISO_TOOL_MASK,    /* freezes the voxels within the radius: brushes do not move them across the surface */
+    ISO_TOOL_UNMASK,
+    ISO_TOOL_CLEAR_MASK,  /* at a stroke's first sample: unfreezes all voxels, wherever the sample is */
+    ISO_TOOL_INVERT_MASK, /* the same: freezes what is not frozen, and unfreezes the rest */
+    ISO_TOOL_COUNT
+} iso_tool;
+
+/* The solid of a set operation, centred on the sample, its z axis along the normal. Sizes in brush radii. */
+typedef enum iso_solid {
+    ISO_SOLID_SPHERE,
+    ISO_SOLID_BOX,      /* half sides 1, `aspect`, `aspect` */
+    ISO_SOLID_CAPSULE,  /* from the previous sample to this one */
+    ISO_SOLID_CYLINDER, /* radius 1, half height `aspect` */
+    ISO_SOLID_TORUS,    /* ring radius 1, tube radius `aspect` */
+    ISO_SOLID_STAMP,    /* a mesh, set by iso_sculpt_set_stamp */
+    ISO_SOLID_COUNT
+} iso_solid;
+
+/* How a deforming touch weakens from 1 at the centre to 0 at the radius; t = distance / radius. */
+typedef enum iso_falloff {
+    ISO_FALLOFF_SMOOTH, /* (1 - t^2)^2 */
+    ISO_FALLOFF_LINEAR,
+    ISO_FALLOFF_CONSTANT,
+    ISO_FALLOFF_COUNT
+} iso_falloff;
+
+/* A brush. Members that are 0 mean: tool add, sphere, smooth falloff, full strength (for tools with a
+ * strength), aspect 0.5, blend and spacing 0.25 of the radius, no symmetry. The radius must be set. */
+typedef struct iso_brush {
+    iso_tool tool;
+    iso_solid shape;
+    iso_falloff falloff;
+    double radius;          /* mm, > 0 */
+    double strength;        /* 0 .. 1 */
+    double aspect;          /* of a box, cylinder or torus, in radii: see iso_solid */
+    double blend;           /* width of the smooth transition of BLEND tools, mm */
+    double spacing;         /* distance between touches along the stroke, in radii */
+    unsigned symmetry;      /* bit a: mirrored at the plane through `mirror` perpendicular to axis a */
+    iso_vec3 mirror;        /* a point in the world, mm */
+    bool pressure_radius;   /* pressure scales the radius */
+    bool pressure_strength; /* pressure scales the strength */
+} iso_brush;
+
+/* One position of the pointer during a stroke, on the surface or in space. */
+typedef struct iso_sample {
+    iso_vec3 position; /* world, mm */
+    iso_vec3 normal;   /* unit, world, out of the solid */
+    double pressure;   /* 0 .. 1; 1 for a mouse */
+    double seconds;    /* time since the session began; recorded only, the result does not depend on it */
+} iso_sample;
+
+/* What edits did. Functions add to the members. */
+typedef struct iso_edit_stats {
+    size_t edited, redistanced, created, pruned; /* numbers of cells (16^3 voxels) */
+    bool clipped; /* part of a brush that makes material was outside the grid and had no effect there */
+} iso_edit_stats;
+
+/* A sculpting session: a level set, its undo history and its journal. The journal is an append-only file of
+ * all strokes (JSON lines with checksums): autosave, crash recovery, recording. */
+typedef struct iso_sculpt iso_sculpt;
+
+typedef struct iso_sculpt_opts {
+    double voxel_size;   /* mm; 0 means 1 for a ball, and the smallest spacing for a volume */
+    int dims[3];         /* voxels of the grid of a new ball, each at most 2048; 0 means 256 */
+    double radius;       /* radius of a new ball, mm; 0: a quarter of the grid's smallest side */
+    const char *journal; /* path of the journal (stroke file) to create; NULL: no journal */
+    size_t undo_memory;  /* bytes; 0 means 1 GiB; further undo steps are kept in a file beside the journal */
+    int threads;         /* 0: one for each processor */
+} iso_sculpt_opts;
+
+/* Creates a ball at the world's origin, in the middle of its grid. ISO_ERR_USAGE, ISO_ERR_LIMIT: the size;
+ * ISO_ERR_WRITE: the journal already exists or cannot be created. */
+ISO_API iso_status iso_sculpt_create(const iso_sculpt_opts *opts, iso_sculpt **sculpt, iso_error *error);
+/* Converts the solid that a volume has at an isovalue to a level set with cubic voxels along the volume's
+ * axes and a margin of 32 voxels on each side. The volume is borrowed for the call. opts->journal must be
+ * NULL (else ISO_ERR_UNSUPPORTED), because a journal would have to name the volume's file. ISO_ERR_EMPTY: no
+ * voxel is inside, or none is outside; ISO_ERR_LIMIT. */
+ISO_API iso_status iso_sculpt_from_volume(iso_volume *volume, double isovalue, const iso_sculpt_opts *opts,
+                                          iso_sculpt **sculpt, iso_error *error);
+/* Replays a stroke file and leaves it unchanged. The file that the session began with, if any, is looked for
+ * at its path and beside the stroke file. Of `opts` undo_memory and threads are used. An incomplete last
+ * line, as after a crash, is ignored. ISO_ERR_IO: a file is missing; ISO_ERR_FORMAT: a line is damaged or
+ * exceeds the limits, or the first file has changed (the text says which); else errors of reading it. */
+ISO_API iso_status iso_sculpt_replay(const char *path, const iso_sculpt_opts *opts, iso_sculpt **sculpt,
+                                     iso_error *error);
+/* Replays a stroke file, and appends all further strokes to it. ISO_ERR_WRITE: it cannot be written to. */
+ISO_API iso_status iso_sculpt_resume(const char *path, const iso_sculpt_opts *opts, iso_sculpt **sculpt,
+                                     iso_error *error);
+/* Waits until the journal is on disk; frees everything. Destroy the volume's surfaces first. NULL is fine. */
+ISO_API void iso_sculpt_destroy(iso_sculpt *sculpt);
+/* Returns the level set, whose surfaces follow every touch. It belongs to the sculpt: do not destroy it. */
+ISO_API iso_volume *iso_sculpt_volume(iso_sculpt *sculpt);
+/* Begins a stroke with its first sample; more samples follow, then the end or a cancel. Each sample makes as
+ * many touches as the brush's spacing requires, perhaps none. `stats` (may be NULL) is added to.
+ * ISO_ERR_USAGE: an invalid brush or sample, or a stroke is in progress; nothing has changed. */
+ISO_API iso_status iso_sculpt_begin(iso_sculpt *sculpt, const iso_brush *brush, const iso_sample *sample,
+                                    iso_edit_stats *stats, iso_error *error);
+/* Adds a sample to the stroke. ISO_ERR_USAGE: an invalid sample, or no stroke is in progress. */
+ISO_API iso_status iso_sculpt_sample(iso_sculpt *sculpt, const iso_sample *sample, iso_edit_stats *stats,
+                                     iso_error *error);
+/* Ends the stroke, which becomes one step of the undo history. ISO_ERR_USAGE: no stroke is in progress. */
+ISO_API iso_status iso_sculpt_end(iso_sculpt *sculpt, iso_error *error);
+/* Cancels the stroke: the field is again as it was before it. ISO_ERR_USAGE: no stroke is in progress. */
+ISO_API iso_status iso_sculpt_cancel(iso_sculpt *sculpt, iso_error *error);
+/* Undoes the last stroke, exactly. ISO_ERR_USAGE: nothing to undo, or a stroke is in progress. */
+ISO_API iso_status iso_sculpt_undo(iso_sculpt *sculpt, iso_error *error);
+/* Redoes the stroke undone last, exactly. ISO_ERR_USAGE: nothing to redo, or a stroke is in progress. */
+ISO_API iso_status iso_sculpt_redo(iso_sculpt *sculpt, iso_error *error);
+/* The numbers of strokes that can be undone, and redone. */
+ISO_API size_t iso_sculpt_undo_count(iso_sculpt *sculpt);
+ISO_API size_t iso_sculpt_redo_count(iso_sculpt *sculpt);
+/* Sets the solid of ISO_SOLID_STAMP: the inside of a mesh in an .stl, .obj or .ply file, small holes closed.
+ * Its longest side is twice the brush's radius. The journal gets a copy of its distance field. ISO_ERR_IO,
+ * ISO_ERR_FORMAT, ISO_ERR_EMPTY (the mesh encloses nothing), ISO_ERR_USAGE (a stroke is in progress). */
+ISO_API iso_status iso_sculpt_set_stamp(iso_sculpt *sculpt, const char *path, iso_error *error);
+/* Returns ISO_OK, or why the journal is incomplete (such as a full disk). Writing is tried again. */
+ISO_API iso_status iso_sculpt_journal_status(iso_sculpt *sculpt, iso_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
