@@ -687,11 +687,15 @@ typedef struct iso_difference_opts {
 typedef struct iso_difference {
     double psnr_in; /* PSNR in dB over the pixels of either silhouette, widened by 2 pixels */
     double psnr;    /* PSNR in dB of the whole picture; 138.1 for equal pictures */
-    double ssim;    /* SSIM of the luma (Wang et al. 2004); 1 for equal pictures */
-    double flip;    /* LDR-FLIP (Andersson et al. 2020); 0 for equal pictures */
-    double iou;     /* pixels in both silhouettes / pixels in either of them */
-    /* Pixels by which the candidate's silhouette is too large; the mean is signed. */
-    double dilation_mean, dilation_max;
+    /* Of the same pixels as psnr_in, the largest difference of R, G and B, 0 .. 255: what 99 % of the pixels do
+     * not exceed, and the largest. */
+    double error_p99, error_max;
+    double ssim; /* SSIM of the luma (Wang et al. 2004); 1 for equal pictures */
+    double flip; /* LDR-FLIP (Andersson et al. 2020); 0 for equal pictures */
+    double iou;  /* pixels in both silhouettes / pixels in either of them */
+    /* Pixels by which the candidate's silhouette is too large; the mean is signed; 99 % of the pixels of its
+     * border do not exceed dilation_p99. */
+    double dilation_mean, dilation_p99, dilation_max;
     double dilation_mean_voxel, dilation_max_voxel; /* the same in voxels */
     double holes;             /* % of the true silhouette, eroded by 2 pixels, that is not covered */
     double normal_error_deg;  /* mean angle between normals, degrees */

@@ -202,10 +202,12 @@ typedef struct column {
 
 static const column COLUMNS[] = {{"PSNR inside, dB", "psnr_in", "%.2f"},
                                  {"PSNR, dB", "psnr", "%.2f"},
+                                 {"error, p99", "error_p99", "%.0f"},
                                  {"SSIM", "ssim", "%.4f"},
                                  {"FLIP", "flip", "%.4f"},
                                  {"IoU", "iou", "%.4f"},
                                  {"dilation, voxels", "dilation_mean_voxel", "%+.3f"},
+                                 {"p99, px", "dilation_p99", "%.1f"},
                                  {"largest, px", "dilation_max", "%.1f"},
                                  {"holes, %", "holes", "%.3f"},
                                  {"normals, °", "normal_error_deg", "%.2f"},

@@ -106,10 +106,13 @@ static const char *const metrics_text[] = {
     "psnr_in            dB, over both silhouettes widened by 2 pixels    larger is better; identical "
     "(--json: \"inf\")",
     "psnr               dB, over the whole picture                       larger",
+    "error_p99          of 255: 99 % of these pixels differ by at most   smaller",
+    "error_max          of 255: largest difference of a channel          smaller",
     "ssim               structural similarity (2004) of luma             larger; 1 when equal",
     "flip               LDR-FLIP (2020), mean                            smaller; 0 when equal",
     "iou                shared part of the silhouettes                   larger; 1 when equal",
     "dilation_mean      pixels: area gained along the truth's border     nearer to 0",
+    "dilation_p99       pixels: 99 % of the border are at most so far    smaller",
     "dilation_max       pixels: farthest from the truth's silhouette     smaller",
     "dilation_mean_voxel, dilation_max_voxel: with --pixels-per-voxel    smaller",
     "holes              % open inside the truth's silhouette             smaller",

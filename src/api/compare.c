@@ -23,10 +23,13 @@ static iso_status check(const iso_image *image, const iso_aov *aov, const char *
 static iso_difference difference_of(const iso_metrics *m) {
     return (iso_difference){.psnr_in = m->psnr_in,
                             .psnr = m->psnr,
+                            .error_p99 = m->error_p99,
+                            .error_max = m->error_max,
                             .ssim = m->ssim,
                             .flip = m->flip,
                             .iou = m->iou,
                             .dilation_mean = m->dilation_mean,
+                            .dilation_p99 = m->dilation_p99,
                             .dilation_max = m->dilation_max,
                             .dilation_mean_voxel = m->dilation_mean_voxel,
                             .dilation_max_voxel = m->dilation_max_voxel,

@@ -71,6 +71,7 @@ static void flatten(const uint8_t *rgba, size_t count, iso_rgb background, uint8
 typedef struct color_sums {
     double squares, squares_in; /* of differences, three channels */
     size_t pixels_in, differing, others_differing;
+    size_t errors[256]; /* pixels_in, by their error */
 } color_sums;
 
 /* The masks and opaque colours of one comparison. */
@@ -98,6 +99,7 @@ static color_sums add_colors(const work *w) {
         if (!w->inside[i]) continue;
         sums.squares_in += squares;
         sums.pixels_in++;
+        sums.errors[largest]++;
     }
     return sums;
 }
@@ -113,6 +115,16 @@ static void add_unrounded(const work *w, const float *a, const float *b, color_s
         }
         sums->squares += squares;
         sums->squares_in += w->inside[i] ? squares : 0;
+    }
+}
+
+/* Sets the errors that 99 % of the pixels, and all of them, do not exceed. */
+static void find_errors(const color_sums *sums, iso_metrics *metrics) {
+    size_t seen = 0;
+    for (int error = 0; error < 256 && seen < sums->pixels_in; error++) {
+        seen += sums->errors[error];
+        if (isnan(metrics->error_p99) && 100 * seen >= 99 * sums->pixels_in) metrics->error_p99 = error;
+        if (seen == sums->pixels_in) metrics->error_max = error;
     }
 }
 
@@ -163,6 +175,7 @@ static iso_status compare_silhouettes(work *w, double pixels_per_voxel, iso_metr
     ISO_TRY(iso_silhouette_compare(w->mask[0], w->mask[1], w->size, &d, error));
     metrics->iou = d.iou;
     metrics->dilation_mean = d.dilation_mean;
+    metrics->dilation_p99 = d.dilation_p99;
     metrics->dilation_max = d.dilation_max;
     if (pixels_per_voxel > 0) {
         metrics->dilation_mean_voxel = d.dilation_mean / pixels_per_voxel;
@@ -199,6 +212,7 @@ static iso_status compare_colors(work *w, const iso_compare_picture *const pictu
     metrics->psnr = iso_psnr(sums.squares, w->count);
     metrics->psnr_in = iso_psnr(sums.squares_in, sums.pixels_in);
     metrics->pixels_differing = (double)sums.differing;
+    find_errors(&sums, metrics);
     ISO_TRY(iso_ssim(w->rgb[0], w->rgb[1], w->size, opts->pool, &metrics->ssim, error));
     iso_flip_opts flip = {opts->pixels_per_degree, opts->flip_map, opts->pool};
     return iso_flip(w->rgb[0], w->rgb[1], w->size, &flip, &metrics->flip, error);

@@ -47,10 +47,13 @@ typedef struct iso_compare_opts {
 #define ISO_METRIC_MAP(X)                                                                                    \
     X(psnr_in, "PSNR, both silhouettes widened by 2 pixels", "dB", true)                                     \
     X(psnr, "PSNR, whole picture", "dB", true)                                                               \
+    X(error_p99, "colour error, 99th percentile of the same pixels", "of 255", false)                        \
+    X(error_max, "colour error, largest", "of 255", false)                                                   \
     X(ssim, "SSIM (2004), luma", "", true)                                                                   \
     X(flip, "LDR-FLIP (2020)", "", false)                                                                    \
     X(iou, "silhouettes, shared part", "", true)                                                             \
     X(dilation_mean, "silhouette's dilation, mean, signed", "pixels", false)                                 \
+    X(dilation_p99, "silhouette's dilation, 99th percentile", "pixels", false)                               \
     X(dilation_max, "silhouette's dilation, largest", "pixels", false)                                       \
     X(dilation_mean_voxel, "the same, mean", "voxels", false)                                                \
     X(dilation_max_voxel, "the same, largest", "voxels", false)                                              \
@@ -64,9 +67,12 @@ typedef struct iso_compare_opts {
  *
  * psnr      10 log10(255^2 / (mean squared difference of R, G and B + 1e-9)): 138.1 dB for equal pictures
  * psnr_in   the same over the pixels of either silhouette widened by 2 pixels
+ * error_p99 the error of a pixel is the largest difference of R, G and B: 99 % of the pixels of psnr_in have at
+ *           most this one
+ * error_max the largest error of these pixels
  * ssim      see compare/ssim.h
  * flip      see compare/flip.h
- * iou, dilation_mean, dilation_max, holes: see compare/silhouette.h
+ * iou, dilation_mean, dilation_p99, dilation_max, holes: see compare/silhouette.h
  * normal_error_deg   mean angle where both are covered, depth is known (or not given) and not wrong
  * depth_error_voxel  mean |difference of depth| where both are covered and not wrong
  * wrong              percent of the pixels covered by both that lie more than 2 voxels apart in depth

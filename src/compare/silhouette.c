@@ -5,9 +5,11 @@
 #include "compare/silhouette.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/memory.h"
+#include "base/numbers.h"
 
 const char *iso_silhouette_source_name(iso_silhouette_source source) {
     static const char *const names[] = {"alpha", "coverage", "background"};
@@ -74,11 +76,11 @@ iso_status iso_silhouette_erode(const uint8_t *mask, const int size[2], int radi
 
 /* Computes for each pixel the distance in rows to the nearest set pixel of its column; 1e6 if the column has
  * none. */
-static void column_distances(const uint8_t *mask, const int size[2], float *rows) {
+static void column_distances(const uint8_t *mask, const int size[2], double *rows) {
     size_t width = (size_t)size[0];
-    const float far = 1e6f;
+    const double far = 1e6;
     for (size_t x = 0; x < width; x++) {
-        float distance = far;
+        double distance = far;
         for (size_t y = 0; y < (size_t)size[1]; y++) {
             distance = mask[y * width + x] ? 0 : distance < far ? distance + 1 : far;
             rows[y * width + x] = distance;
@@ -93,55 +95,48 @@ static void column_distances(const uint8_t *mask, const int size[2], float *rows
 
 /* The lower envelope of parabolas along a row. */
 typedef struct envelope {
-    int *center;   /* column of each parabola, from left to right */
-    double *start; /* x where each parabola begins to be the lowest */
+    int *center;    /* column of each parabola, from left to right */
+    double *start;  /* x where each parabola begins to be the lowest */
+    double *height; /* of its lowest point */
 } envelope;
 
-/* Returns the largest squared distance from a pixel of a row to the nearest set pixel of the picture, among
- * the pixels of the row that are in `wanted` and not in `mask`. rows: this row of column_distances. */
-static double row_farthest(const float *rows, int width, const uint8_t *wanted, const uint8_t *mask,
-                           const envelope *e) {
+/* Replaces a row of column_distances by the distances of its pixels to the nearest set pixel of the picture. */
+static void row_distances(double *rows, int width, const envelope *e) {
     int count = 0;
     for (int x = 0; x < width; x++) {
-        double height = (double)rows[x] * rows[x] + (double)x * x, cut = -INFINITY;
+        double height = rows[x] * rows[x] + (double)x * x, cut = -INFINITY;
         for (; count > 0; count--) {
             int c = e->center[count - 1];
-            cut = (height - ((double)rows[c] * rows[c] + (double)c * c)) / (2.0 * (x - c));
+            cut = (height - (rows[c] * rows[c] + (double)c * c)) / (2.0 * (x - c));
             if (cut > e->start[count - 1]) break;
         }
         e->center[count] = x;
         e->start[count] = count ? cut : -INFINITY;
+        e->height[count] = rows[x] * rows[x];
         count++;
     }
-    double farthest = 0;
     for (int x = 0, at = 0; x < width; x++) {
         while (at + 1 < count && e->start[at + 1] <= x) at++;
-        if (!wanted[x] || mask[x]) continue;
         int c = e->center[at];
-        farthest = fmax(farthest, (double)(x - c) * (x - c) + (double)rows[c] * rows[c]);
+        rows[x] = sqrt((double)(x - c) * (x - c) + e->height[at]);
     }
-    return farthest;
 }
 
-/* Computes the largest distance of a pixel of `candidate` from `truth`, which must not be empty. */
-static iso_status farthest_extra(const uint8_t *truth, const uint8_t *candidate, const int size[2],
-                                 double *distance, iso_error *error) {
-    size_t width = (size_t)size[0], count = width * (size_t)size[1];
-    float *rows = iso_alloc(count * sizeof *rows);
-    envelope e = {iso_alloc(width * sizeof *e.center), iso_alloc(width * sizeof *e.start)};
+/* Computes the distance of each pixel to the nearest set pixel of `mask`, which must not be empty. */
+static iso_status distances(const uint8_t *mask, const int size[2], double *out, iso_error *error) {
+    const size_t width = (size_t)size[0], count = width * (size_t)size[1];
+    envelope e = {iso_alloc(width * sizeof *e.center), iso_alloc(width * sizeof *e.start),
+                  iso_alloc(width * sizeof *e.height)};
     iso_status status = ISO_OK;
-    if (rows && e.center && e.start) {
-        double farthest = 0;
-        column_distances(truth, size, rows);
-        for (size_t i = 0; i < count; i += width)
-            farthest = fmax(farthest, row_farthest(rows + i, size[0], candidate + i, truth + i, &e));
-        *distance = sqrt(farthest);
+    if (e.center && e.start && e.height) {
+        column_distances(mask, size, out);
+        for (size_t i = 0; i < count; i += width) row_distances(out + i, size[0], &e);
     } else {
         status = iso_fail(error, ISO_ERR_NOMEM, "out of memory for distances to a silhouette");
     }
-    iso_free(rows);
     iso_free(e.center);
     iso_free(e.start);
+    iso_free(e.height);
     return status;
 }
 
@@ -176,6 +171,28 @@ static iso_status count_holes(const uint8_t *truth, const uint8_t *candidate, co
     return status;
 }
 
+/* Measures how far the candidate's pixels are from the truth, which must not be empty. */
+static iso_status measure_dilation(const uint8_t *truth, const uint8_t *candidate, const int size[2],
+                                   iso_silhouette_difference *d, iso_error *error) {
+    const size_t count = (size_t)size[0] * (size_t)size[1];
+    double *far = iso_alloc(count * sizeof *far);
+    if (!far) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for distances to a silhouette");
+    const iso_status status = distances(truth, size, far, error);
+    size_t border = 0;
+    for (size_t i = 0; status == ISO_OK && i < count; i++) {
+        if (!candidate[i]) continue;
+        d->dilation_max = fmax(d->dilation_max, far[i]);
+        if (is_border(candidate, size, (int)(i % (size_t)size[0]), (int)(i / (size_t)size[0])))
+            far[border++] = far[i]; /* in place: those before i are not needed any more */
+    }
+    if (border) {
+        qsort(far, border, sizeof *far, iso_compare_doubles);
+        d->dilation_p99 = far[(border * 99 + 99) / 100 - 1];
+    }
+    iso_free(far);
+    return status;
+}
+
 iso_status iso_silhouette_compare(const uint8_t *truth, const uint8_t *candidate, const int size[2],
                                   iso_silhouette_difference *difference, iso_error *error) {
     size_t count = (size_t)size[0] * (size_t)size[1], area[2] = {0, 0}, both = 0;
@@ -188,11 +205,12 @@ iso_status iso_silhouette_compare(const uint8_t *truth, const uint8_t *candidate
     iso_silhouette_difference d = {.iou = either ? (double)both / (double)either : NAN,
                                    .dilation_mean =
                                        border ? ((double)area[1] - (double)area[0]) / (double)border : NAN,
+                                   .dilation_p99 = area[0] ? 0 : NAN,
                                    .dilation_max = area[0] ? 0 : NAN,
                                    .missing = area[0] - both,
                                    .extra = area[1] - both};
     ISO_TRY(count_holes(truth, candidate, size, &d.holes, error));
-    if (area[0] && d.extra) ISO_TRY(farthest_extra(truth, candidate, size, &d.dilation_max, error));
+    if (area[0] && d.extra) ISO_TRY(measure_dilation(truth, candidate, size, &d, error));
     *difference = d;
     return ISO_OK;
 }

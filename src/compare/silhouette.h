@@ -44,6 +44,8 @@ typedef struct iso_silhouette_difference {
     double iou;            /* pixels in both / pixels in either; NaN when both are empty */
     double dilation_mean;  /* pixels, signed: (candidate's area - truth's area) / number of the truth's border
                               pixels (covered pixels of which one of the four neighbours is not covered) */
+    double dilation_p99;   /* pixels: 99 % of the candidate's border pixels are at most this far, centre to
+                              centre, from the nearest pixel of the truth; 0 when it has none */
     double dilation_max;   /* pixels: the largest distance, centre to centre, of a candidate's pixel from the
                               nearest pixel of the truth; 0 when the candidate has no extra pixels */
     double holes;          /* percent of the truth, eroded by 2 pixels, that the candidate does not cover */

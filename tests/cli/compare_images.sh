@@ -15,8 +15,9 @@ from check import *
 j = report("mesh.json")
 expect(j["schema"] == "isocompare-images/1" and (j["width"], j["height"]) == (200, 160) and j["passed"], j)
 m = j["metrics"]
-expect(set(m) == {"psnr_in", "psnr", "ssim", "flip", "iou", "dilation_mean", "dilation_max", "dilation_mean_voxel",
+expect(set(m) == {"psnr_in", "psnr", "error_p99", "error_max", "ssim", "flip", "iou", "dilation_mean", "dilation_p99", "dilation_max", "dilation_mean_voxel",
                   "dilation_max_voxel", "holes", "normal_error_deg", "depth_error_voxel", "wrong", "pixels_differing"}, m)
+expect(0 < m["error_p99"] < m["error_max"] <= 255 and 0 <= m["dilation_p99"] <= m["dilation_max"], m)
 expect(20 < m["psnr_in"] < m["psnr"] < 60 and 0.9 < m["ssim"] < 1 and 0 < m["flip"] < 0.1, m)
 expect(0.95 < m["iou"] < 1 and m["dilation_mean_voxel"] == m["dilation_mean"] / 4 and m["wrong"] is None, m)
 same = report("same.json")["metrics"]

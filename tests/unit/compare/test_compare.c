@@ -195,7 +195,8 @@ static void silhouettes_by_hand(void **state) {
     near(d.iou, 48.0 / (49 + 8), 1e-15);
     near(d.dilation_mean, (56.0 - 49) / 24, 1e-15);
     near(d.dilation_max, sqrt(3 * 3 + 3 * 3), 1e-12);
-    near(d.holes, 100.0 / 9, 1e-12); /* 7 x 7 eroded by 2 is 3 x 3 */
+    near(d.dilation_p99, sqrt(3 * 3 + 3 * 3), 1e-12); /* one pixel of the border is more than 1 % */
+    near(d.holes, 100.0 / 9, 1e-12);                  /* 7 x 7 eroded by 2 is 3 x 3 */
     assert_int_equal(d.missing, 1);
     assert_int_equal(d.extra, 8);
     assert_int_equal(iso_silhouette_compare(truth, truth, size, &d, NULL), ISO_OK);
@@ -232,7 +233,8 @@ static void squares_and_distances_are_right(void **state) {
         int radius = round % 4;
         assert_int_equal(iso_silhouette_dilate(truth, size, radius, wide, NULL), ISO_OK);
         assert_int_equal(iso_silhouette_erode(truth, size, radius, thin, NULL), ISO_OK);
-        double farthest = 0;
+        double farthest = 0, far[ALL];
+        int borders = 0;
         for (int i = 0; i < ALL; i++) {
             int x = i % A, y = i / A, any = 0, all = 1, nearest = 1 << 20;
             for (int k = 0; k < ALL; k++) {
@@ -244,11 +246,22 @@ static void squares_and_distances_are_right(void **state) {
             }
             assert_int_equal(wide[i], any);
             assert_int_equal(thin[i], all);
-            if (candidate[i] && nearest < 1 << 20 && sqrt(nearest) > farthest) farthest = sqrt(nearest);
+            if (!candidate[i] || nearest == 1 << 20) continue;
+            if (sqrt(nearest) > farthest) farthest = sqrt(nearest);
+            const bool border = (x && !candidate[i - 1]) || (x + 1 < A && !candidate[i + 1]) ||
+                                (y && !candidate[i - A]) || (y + 1 < B && !candidate[i + A]);
+            if (border) far[borders++] = sqrt(nearest);
         }
         iso_silhouette_difference d;
         assert_int_equal(iso_silhouette_compare(truth, candidate, size, &d, NULL), ISO_OK);
-        if (!isnan(d.dilation_max)) near(d.dilation_max, farthest, 1e-12);
+        if (isnan(d.dilation_max)) continue;
+        near(d.dilation_max, farthest, 1e-12);
+        int below = 0, at = 0; /* of the border's pixels: nearer than dilation_p99; at most so far */
+        for (int i = 0; i < borders; i++) {
+            below += far[i] < d.dilation_p99 - 1e-9;
+            at += far[i] <= d.dilation_p99 + 1e-9;
+        }
+        assert_true(borders == 0 || (100 * below < 99 * borders && 100 * at >= 99 * borders));
     }
 }
 
@@ -295,6 +308,7 @@ static void colors_by_hand(void **state) {
     near(m.psnr, 10 * log10(65025 / (squares / (3 * ALL))), 1e-9);
     near(m.psnr_in, 10 * log10(65025 / (squares / (3 * 11 * 10))), 1e-9);
     assert_true(m.pixels_differing == 7);
+    assert_true(m.error_p99 == 155 && m.error_max == 155); /* 6 of 110 pixels differ by 155 */
     assert_int_equal(m.others_differing, 1);
     near(m.iou, 36.0 / 42, 1e-15);
     near(m.dilation_mean, 6.0 / 20, 1e-15);
