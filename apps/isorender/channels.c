@@ -5,25 +5,24 @@
 
 /* ---- options */
 
-static iso_status add_channel(isorender_settings *settings, const char *number, iso_error *error) {
-    int channel;
-    if (!iso_parse_int(number, &channel) || channel < 0)
-        return iso_fail(error, ISO_ERR_USAGE, "'%s' is not the number of a channel, from 0", number);
+/* Adds the number or name that the first `length` characters are, without blanks around it. */
+static iso_status add_channel(isorender_settings *settings, const char *text, size_t length,
+                              iso_error *error) {
+    enum { MOST = ISO_CHANNEL_NAME - 1 };
+    for (; length && *text == ' '; text++) length--;
+    while (length && text[length - 1] == ' ') length--;
+    if (!length) return iso_fail(error, ISO_ERR_USAGE, "between its commas are numbers or names of channels");
     if (settings->channel_count == ISORENDER_VOLUMES + 1)
         return iso_fail(error, ISO_ERR_USAGE, "more than %d channels", ISORENDER_VOLUMES + 1);
-    for (int i = 0; i < settings->channel_count; i++)
-        if (settings->channels[i] == channel)
-            return iso_fail(error, ISO_ERR_USAGE, "channel %d is given twice", channel);
-    settings->channels[settings->channel_count++] = channel;
+    snprintf(settings->channels[settings->channel_count++], ISO_CHANNEL_NAME, "%.*s",
+             length < MOST ? (int)length : MOST, text);
     return ISO_OK;
 }
 
 iso_status isorender_apply_channel(void *settings, const char *value, iso_error *error) {
     for (const char *at = value;;) {
-        char number[64];
         const size_t length = strcspn(at, ",");
-        snprintf(number, sizeof number, "%.*s", length < 63 ? (int)length : 63, at);
-        ISO_TRY(add_channel(settings, number, error));
+        ISO_TRY(add_channel(settings, at, length, error));
         if (!at[length]) return ISO_OK;
         at += length + 1;
     }
@@ -46,8 +45,7 @@ static double value_for(const double *values, int count, int i, double standard)
 
 static void make_volume(isorender_settings *settings, int i) {
     settings->volumes[settings->volume_count++] = (isorender_volume_settings){
-        .is_channel = true,
-        .component = settings->channels[i],
+        .channel = settings->channels[i],
         .isovalue = value_for(settings->isovalues, settings->isovalue_count, i, NAN),
         .colored = i < settings->color_count,
         .color = settings->colors[i],
@@ -63,8 +61,7 @@ iso_status isorender_channels_take(isorender_settings *settings, iso_error *erro
     if (!count) return ISO_OK;
     if (is_given(settings, "component"))
         return iso_fail(error, ISO_ERR_USAGE, "--channel and --component both say what is read: give one");
-    settings->common.input.component = settings->channels[0];
-    settings->common.input.by_channel = true;
+    settings->common.input.channel = settings->channels[0];
     if (count == 1) return ISO_OK;
     if (count - 1 + settings->volume_options.count > ISORENDER_VOLUMES)
         return iso_fail(error, ISO_ERR_USAGE, "more than %d channels and volumes", ISORENDER_VOLUMES + 1);
@@ -105,24 +102,27 @@ iso_status isorender_channels_check(const isorender_settings *settings, iso_erro
     return iso_fail(error, ISO_ERR_USAGE, "%s is for one surface: give one --channel", option);
 }
 
-iso_status isorender_channel_check(const iso_loader *loader, iso_error *error) {
-    const int count = loader->volume.info.components;
-    if (!loader->options->by_channel || loader->options->component < count) return ISO_OK;
-    return iso_fail(error, ISO_ERR_USAGE, "%s: no channel %d, there %s %d (from 0)",
-                    iso_spool_name(loader->input), loader->options->component, count == 1 ? "is" : "are",
-                    count);
+iso_status isorender_channel_check(const isorender_job *job, int volume, iso_error *error) {
+    const iso_loader *loader = &job->volumes[volume], *input = &job->loader;
+    char title[ISORENDER_CHANNEL_TITLE];
+    bool repeated = input->component == loader->component;
+    if (!loader->options->channel) return ISO_OK;
+    for (int i = 0; i < volume; i++) repeated |= job->volumes[i].component == loader->component;
+    if (!repeated) return ISO_OK;
+    return iso_fail(error, ISO_ERR_USAGE, "%s: %s is given twice", iso_spool_name(loader->input),
+                    isorender_channel_title(loader, title));
 }
 
 /* ---- names and colours */
 
 static const iso_channel *channel_of(const iso_loader *loader) {
-    return loader->options->by_channel ? iso_channel_of(&loader->channels, loader->options->component) : NULL;
+    return loader->options->channel ? iso_channel_of(&loader->channels, loader->component) : NULL;
 }
 
 const char *isorender_channel_title(const iso_loader *loader, char title[ISORENDER_CHANNEL_TITLE]) {
     const iso_channel *channel = channel_of(loader);
-    const int number = loader->options->component;
-    if (!loader->options->by_channel) return "";
+    const int number = loader->component;
+    if (!loader->options->channel) return "";
     if (channel && channel->name[0])
         snprintf(title, ISORENDER_CHANNEL_TITLE, "channel %d (%s)", number, channel->name);
     else

@@ -249,11 +249,11 @@ static iso_status apply_list_backends(void *target, const char *value, iso_error
 
 static const iso_option options[] = {
 #include "apps/common/input_options.inc"
-    {"channel", NULL, "N",
-     "a channel (component) of the file, from 0; several, separated by commas, are surfaces in one picture, "
-     "with "
-     "the names and colours that OME-TIFF and OME-Zarr state (--info lists them); --isovalue, --color and "
-     "--opacity are then lists by channel, of which the last isovalue and the last opacity repeat",
+    {"channel", NULL, "N|NAME",
+     "a channel (component) of the file, by its number from 0 or its name; several, separated by commas, are "
+     "surfaces in one picture, with the names and colours that OME-TIFF, OME-Zarr and Imaris state (--info "
+     "lists them); --isovalue, --color and --opacity are then lists by channel, of which the last isovalue "
+     "and the last opacity repeat",
      .group = INPUT, CALL(isorender_apply_channel), .flags = ISO_OPTION_REPEATABLE},
     {"scene", NULL, "NAME[:SIZE]",
      "a procedural volume instead of a file: sphere, cylinder, cube, gyroid, torus, ct, "

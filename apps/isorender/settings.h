@@ -110,7 +110,7 @@ typedef struct isorender_settings {
     isorender_volume_options volume_options;
     isorender_volume_settings volumes[ISORENDER_VOLUMES]; /* channels of the input, then those of --volume */
     int volume_count;
-    int channels[ISORENDER_VOLUMES + 1]; /* of --channel */
+    char channels[ISORENDER_VOLUMES + 1][ISO_CHANNEL_NAME]; /* of --channel: numbers and names */
     int channel_count;
     double line_min_pixels; /* least width of lines in the picture, pixels */
     int color_bar;

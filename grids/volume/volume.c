@@ -497,11 +497,6 @@ static void clean_texts(const iso_volume_opts *opts, iso_volume_info *info) {
     for (int i = 0; i < info->item_count; i++) iso_text_clean_in_place(info->items[i], sizeof info->items[i]);
 }
 
-const iso_channel *iso_channel_of(const iso_channels *channels, int component) {
-    if (!channels->count || component % channels->count >= ISO_CHANNELS) return NULL;
-    return &channels->items[component % channels->count];
-}
-
 iso_status iso_volume_read_info(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
                                 iso_error *error) {
     request r = {.opts = opts ? *opts : (iso_volume_opts){0}};

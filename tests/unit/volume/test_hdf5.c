@@ -221,6 +221,9 @@ static void test_imaris(void **state) {
         snprintf(name, sizeof name, "ExtMax%d", axis);
         write_characters(image, name, ends[axis]);
     }
+    const hid_t described = hdf5_make_group(file, "DataSetInfo/Channel 1");
+    write_characters(described, "Name", "GFP (488)");
+    write_characters(described, "Color", "0.000 0.502 1.000");
     s.sizes[0] = s.sizes[1] = s.sizes[2] = 24; /* padded to whole chunks */
     s.chunk[0] = s.chunk[1] = s.chunk[2] = 8;
     s.deflate = true;
@@ -234,8 +237,15 @@ static void test_imaris(void **state) {
         hdf5_write_array(channel, "Data", &s);
     }
     H5Fclose(file);
-    const iso_volume_opts second = {.component = 1}, third = {.component = 2};
+    iso_channels channels;
+    const iso_volume_opts second = {.component = 1, .channels = &channels}, third = {.component = 2};
     iso_volume volume = test_read_volume(vol_path(hdf5_folder, "imaris.ims", 0), &second);
+    assert_int_equal(channels.count, 2);
+    assert_string_equal(channels.items[0].name, "");
+    assert_false(channels.items[0].colored);
+    assert_string_equal(channels.items[1].name, "GFP (488)");
+    assert_true(channels.items[1].colored);
+    assert_memory_equal(&channels.items[1].color, (&(iso_rgb){0, 128, 255}), sizeof(iso_rgb));
     hdf5_check_voxels(&volume, 0);
     assert_int_equal(volume.info.components, 2);
     assert_non_null(strstr(volume.info.name, "Channel 1"));
