@@ -5,27 +5,17 @@
 
 /* ---- options */
 
-/* Adds the number or name that the first `length` characters are, without blanks around it. */
-static iso_status add_channel(isorender_settings *settings, const char *text, size_t length,
-                              iso_error *error) {
-    enum { MOST = ISO_CHANNEL_NAME - 1 };
-    for (; length && *text == ' '; text++) length--;
-    while (length && text[length - 1] == ' ') length--;
-    if (!length) return iso_fail(error, ISO_ERR_USAGE, "between its commas are numbers or names of channels");
+static iso_status add_channel(void *target, const char *value, iso_error *error) {
+    isorender_settings *settings = target;
+    if (!*value) return iso_fail(error, ISO_ERR_USAGE, "between its commas are numbers or names of channels");
     if (settings->channel_count == ISORENDER_VOLUMES + 1)
         return iso_fail(error, ISO_ERR_USAGE, "more than %d channels", ISORENDER_VOLUMES + 1);
-    snprintf(settings->channels[settings->channel_count++], ISO_CHANNEL_NAME, "%.*s",
-             length < MOST ? (int)length : MOST, text);
+    snprintf(settings->channels[settings->channel_count++], ISO_CHANNEL_NAME, "%s", value);
     return ISO_OK;
 }
 
 iso_status isorender_apply_channel(void *settings, const char *value, iso_error *error) {
-    for (const char *at = value;;) {
-        const size_t length = strcspn(at, ",");
-        ISO_TRY(add_channel(settings, at, length, error));
-        if (!at[length]) return ISO_OK;
-        at += length + 1;
-    }
+    return iso_parse_items(value, add_channel, settings, error);
 }
 
 static bool is_given(const isorender_settings *settings, const char *name) {

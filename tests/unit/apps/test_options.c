@@ -70,6 +70,10 @@ static void test_numbers(void **state) {
     double three[3];
     assert_true(iso_parse_reals("1,-2.5,3e2", 3, three));
     assert_true(three[0] == 1 && three[1] == -2.5 && three[2] == 300);
+    assert_true(iso_parse_reals(" 4, 5 ,6 ", 3, three) && three[0] == 4 && three[1] == 5 && three[2] == 6);
+    assert_true(iso_parse_reals("7 8  -9", 3, three) && three[0] == 7 && three[1] == 8 && three[2] == -9);
+    assert_false(iso_parse_reals("7 8-9", 3, three));
+    assert_false(iso_parse_reals("1 2 , , 3", 3, three));
     assert_false(iso_parse_reals("1,2", 3, three));
     assert_false(iso_parse_reals("1,2,3,", 3, three));
     assert_false(iso_parse_reals("1,,3", 3, three));
