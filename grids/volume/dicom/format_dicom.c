@@ -466,10 +466,8 @@ static iso_status order(const char *path, const iso_volume_opts *opts, source *s
 
 static iso_status open_source(const char *path, const iso_volume_opts *opts, source *s, iso_volume_info *info,
                               iso_error *error) {
-    *s = (source){.named = SIZE_MAX};
+    *s = (source){.folder.read = opts->files, .named = SIZE_MAX};
     iso_status status = read_files(s, path, error);
-    for (size_t i = 0; opts->files && i < s->folder.count; i++)
-        iso_file_set_read(opts->files, s->folder.files[i].path);
     if (status == ISO_OK) status = order(path, opts, s, info, error);
     if (status != ISO_OK) free_source(s);
     return status;
