@@ -148,10 +148,13 @@ static const char *hexadecimal(iso_rgb color, char text[8]) {
 }
 
 void isorender_channels_info(const iso_loader *loader) {
+    const char *label = "channels";
     for (int i = 0; i < listed_count(loader); i++) {
         const iso_channel *channel = &loader->channels.items[i];
         char color[8];
-        printf("  %-11s %d", i ? "" : "channels", i);
+        if (!channel->name[0] && !channel->colored) continue;
+        printf("  %-11s %d", label, i);
+        label = "";
         if (channel->name[0]) printf(" %s", channel->name);
         if (channel->colored) printf(", colour %s", hexadecimal(channel->color, color));
         printf("\n");

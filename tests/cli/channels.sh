@@ -129,6 +129,8 @@ for stated in [channel(i) for i in range(3)], [channel(i, None, "FFFFFF") for i 
     colors = [row[3] for row in surfaces(draw("in/plain.ome.tif", "--channel", "0,1,2")[1])]
     expect(len(set(colors)) == 3 and "FFFFFF" not in colors, stated, colors)
 
+ome_tiff("in/plain.ome.tif", [channel(i) for i in range(3)])
+expect("channels" not in run("in/plain.ome.tif", "--info")[0], "channels of which nothing is stated are listed")
 for text in run("in/cells.ome.tif", "--info")[0], run("in/cells.ome.tif", "--info", "--channel", "1,2")[0]:
     for i, (name, color) in enumerate(zip(NAMES, COLORS)):
         expect("%d %s, colour %s\n" % (i, name, color) in text, i, text)

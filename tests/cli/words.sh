@@ -46,6 +46,19 @@ isorender_refuses 2 "option --threads: 'auto' is not a whole number from 1 to 10
 isorender_refuses 4 "there is no backend 'gpu': auto, cpu, egl or osmesa" in/ball.mha --backend gpu
 head -c 3000 /dev/zero >in/what.zzz
 isorender_refuses 3 'in/what.zzz: not a volume that isopoint can read: it reads .vti, .*DICOM folders, and raw data' in/what.zzz
+python3 - <<'P'
+import gzip
+import zipfile
+with zipfile.ZipFile("in/scan.zarr.zip", "w") as archive:
+    archive.writestr("zarr.json", "{}")
+with gzip.open("in/scan.tar.gz", "wb") as archive:
+    archive.write(b"slices")
+P
+mkdir in/a.zarr
+echo '{}' >in/a.zarr/zarr.json
+isorender_refuses 3 'in/scan.zarr.zip: is a .zip archive: unpack it, and name the file or folder in it' in/scan.zarr.zip
+isorender_refuses 3 'in/scan.tar.gz: is compressed by gzip: unpack it' in/scan.tar.gz
+isorender_refuses 3 'in/a.zarr/zarr.json: is the metadata of an array: name the folder that it is in' in/a.zarr/zarr.json
 # values
 draw() { isorender in/ball.mha "$1" --quiet --json="$1.json" "${@:2}"; }
 draw plain.png --resolution 80x60 --zoom 1.5 --opacity 0.3 --color FFEE00 --background none
