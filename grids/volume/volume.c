@@ -245,8 +245,6 @@ static const char *near_miss(const char *path, const head *h) {
     if (has_at(h, 0, "\xff\xd8\xff", 3))
         return "is a picture in JPEG, which is not read as a slice of a volume";
     if (has_at(h, 0, "PK\3\4", 4)) return "is a .zip archive: unpack it, and name the file or folder in it";
-    if (has_at(h, 0, "\x1f\x8b", 2))
-        return "is compressed by gzip: unpack it (of such files only .nii.gz are read)";
     if (is_metadata(path)) return "is the metadata of an array: name the folder that it is in";
     return NULL;
 }

@@ -57,7 +57,7 @@ P
 mkdir in/a.zarr
 echo '{}' >in/a.zarr/zarr.json
 isorender_refuses 3 'in/scan.zarr.zip: is a .zip archive: unpack it, and name the file or folder in it' in/scan.zarr.zip
-isorender_refuses 3 'in/scan.tar.gz: is compressed by gzip: unpack it' in/scan.tar.gz
+isorender_refuses 3 'in/scan.tar.gz: not a NIfTI file, and other files are read when gzip.s compression is undone' in/scan.tar.gz
 isorender_refuses 3 'in/a.zarr/zarr.json: is the metadata of an array: name the folder that it is in' in/a.zarr/zarr.json
 # values
 draw() { isorender in/ball.mha "$1" --quiet --json="$1.json" "${@:2}"; }

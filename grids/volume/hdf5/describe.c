@@ -435,5 +435,6 @@ iso_status iso_hdf5_describe(const char *path, const char *xml, const iso_volume
     if (iso_hdf5_is_minc(array)) ISO_TRY(iso_hdf5_minc_scales(&file, array, info, slices, error));
     take_spacing(&meaning, opts, info);
     list_arrays(&file, array->path, info, &found);
+    if (file.has_bad_heap) return iso_fail(error, ISO_ERR_IO, "%s: damaged: a heap with its texts", path);
     return ISO_OK;
 }

@@ -208,8 +208,9 @@ static void test_usage_errors(void **state) {
     expect_failure("--isovalue 3, x.vti", ISO_ERR_USAGE, "option --isovalue");
     expect_failure("--isovalue auto --isovalue 3 x.vti", ISO_ERR_USAGE, "auto cannot be combined");
     expect_failure("--isovalue 3 --isovalue 3 x.vti", ISO_ERR_USAGE, "given twice");
-    expect_failure("--color rad x.vti", ISO_ERR_USAGE,
-                   "option --color: 'rad' is neither RRGGBB in hexadecimal nor a colour name of CSS");
+    expect_failure(
+        "--color rad x.vti", ISO_ERR_USAGE,
+        "option --color: 'rad' is neither RRGGBB in hexadecimal, rgb(255,128,0), nor a colour name of CSS");
     expect_failure("--isovalue 1,2 --color red, x.vti", ISO_ERR_USAGE, "option --color: '' is neither");
     expect_failure("--color red,blue x.vti", ISO_ERR_USAGE, "2 colours for 1 isovalue");
     expect_failure("--background blu x.vti", ISO_ERR_USAGE, "option --background: 'blu' is neither");
