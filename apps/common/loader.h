@@ -73,8 +73,8 @@ typedef struct iso_loader {
 
 /* Reads the header, adds the files to `files` and checks that none of them is also an output. A scene is
  * created at once, because that is fast. ISO_ERR_USAGE (unknown scene, no such channel, crop outside the
- * volume, an output would overwrite an input), ISO_ERR_LIMIT (a scene larger than the memory limit), and the errors of
- * iso_spool_open and iso_volume_read_info. */
+ * volume, an output would overwrite an input), ISO_ERR_LIMIT (a scene larger than the memory limit), and the
+ * errors of iso_spool_open and iso_volume_read_info. */
 iso_status iso_loader_open(iso_loader *loader, iso_error *error);
 
 /* Reads the voxels and crops them to `crop`, or reads the points. Errors: those of iso_volume_read and

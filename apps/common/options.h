@@ -123,8 +123,8 @@ iso_status iso_parse_items(const char *list,
 /* Parses WxH, W,H or W*H, in pixels with or without px: sides of a picture, 1 .. ISO_IMAGE_MAX. ISO_ERR_USAGE
  * says what is wrong. */
 iso_status iso_parse_resolution(const char *text, int size[2], iso_error *error);
-/* Parses RRGGBB or RGB in hexadecimal, with #, 0x or nothing before it, rgb(R,G,B) with numbers to 255, or one
- * of the 148 colour names of CSS, in either case. */
+/* Parses RRGGBB or RGB in hexadecimal, with #, 0x or nothing before it, rgb(R,G,B) with numbers to 255, or
+ * one of the 148 colour names of CSS, in either case. */
 bool iso_parse_color(const char *text, uint8_t rgb[3]);
 /* Says why `text` is no colour. others: " nor ..", what else the option takes; or "". Returns
  * ISO_ERR_USAGE. */

@@ -57,8 +57,8 @@ typedef struct iso_component_axes {
     bool lower; /* symmetric matrices are stored as their lower triangle, row by row: xx yx yy zx zy zz */
 } iso_component_axes;
 
-/* What the file says of its channels, as far as it has them: OME-TIFF, OME-Zarr and Imaris do. Component c is of
- * channel c % count. */
+/* What the file says of its channels, as far as it has them: OME-TIFF, OME-Zarr and Imaris do. Component c is
+ * of channel c % count. */
 enum { ISO_CHANNELS = 32, ISO_CHANNEL_NAME = 64 };
 typedef struct iso_channel {
     char name[ISO_CHANNEL_NAME]; /* one line of printable UTF-8; empty: not stated */
