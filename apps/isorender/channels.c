@@ -46,8 +46,18 @@ static int at_most_one(int count) {
     return count > 1 ? 1 : count;
 }
 
+/* Several surfaces of one volume have isovalues that are all given. */
+static iso_status check_isovalues(const isorender_settings *settings, iso_error *error) {
+    for (int i = 0; i < settings->isovalue_count; i++)
+        if (isnan(settings->isovalues[i]))
+            return iso_fail(error, ISO_ERR_USAGE,
+                            "--isovalue: auto stands alone, or is that of one of several --channel");
+    return ISO_OK;
+}
+
 iso_status isorender_channels_take(isorender_settings *settings, iso_error *error) {
     const int count = settings->channel_count;
+    if (count < 2) ISO_TRY(check_isovalues(settings, error));
     if (!count) return ISO_OK;
     if (is_given(settings, "component"))
         return iso_fail(error, ISO_ERR_USAGE, "--channel and --component both say what is read: give one");
@@ -59,7 +69,7 @@ iso_status isorender_channels_take(isorender_settings *settings, iso_error *erro
     ISO_TRY(check_value_count("colours", settings->color_count, count, error));
     ISO_TRY(check_value_count("opacities", settings->opacity_count, count, error));
     for (int i = 1; i < count; i++) make_volume(settings, i);
-    settings->isovalue_count = at_most_one(settings->isovalue_count);
+    settings->isovalue_count = isnan(settings->isovalues[0]) ? 0 : at_most_one(settings->isovalue_count);
     settings->color_count = at_most_one(settings->color_count);
     settings->opacity_count = at_most_one(settings->opacity_count);
     return ISO_OK;

@@ -14,7 +14,8 @@ iso_status isorender_apply_channel(void *settings, const char *value, iso_error 
 
 /* Makes all channels but the first one further volumes, and gives them their isovalues, colours and
  * opacities, of which the settings keep only those of the first one; to be called before the --volume are
- * resolved. ISO_ERR_USAGE: there are more values than channels, or --component is given as well. */
+ * resolved. ISO_ERR_USAGE: there are more values than channels, --component is given as well, or an isovalue
+ * of several of one channel is auto. */
 iso_status isorender_channels_take(isorender_settings *settings, iso_error *error);
 /* Checks that the inputs and the outputs go together with --channel. ISO_ERR_USAGE. */
 iso_status isorender_channels_check(const isorender_settings *settings, iso_error *error);

@@ -55,8 +55,8 @@ static const char *const primitives[] = {"auto", "edge", "foot", "foot-iterated"
 
 static iso_status add_isovalue(void *target, const char *value, iso_error *error) {
     isorender_settings *settings = target;
-    double isovalue;
-    if (!iso_parse_real(value, &isovalue))
+    double isovalue = NAN;
+    if (strcmp(value, "auto") != 0 && !iso_parse_real(value, &isovalue))
         return iso_fail(error, ISO_ERR_USAGE, "'%s' is neither a number nor 'auto'", value);
     if (settings->isovalue_count == ISORENDER_SURFACES)
         return iso_fail(error, ISO_ERR_USAGE, "more than %d isovalues", ISORENDER_SURFACES);

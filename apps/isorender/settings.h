@@ -78,7 +78,7 @@ typedef struct isorender_settings {
     int input_count;
     const char *scene, *output;
 
-    double isovalues[ISORENDER_SURFACES];
+    double isovalues[ISORENDER_SURFACES]; /* until channels are taken NaN stands for auto */
     int isovalue_count, isovalue_auto;
     iso_rgb colors[ISORENDER_SURFACES];
     int color_count;

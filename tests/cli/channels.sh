@@ -106,6 +106,10 @@ j = draw("in/cells.ome.tif", "--channel", "1", "--channel", "0,2", "--isovalue",
          "--crop", "0,23,0,11,0,11")[1]
 expect(surfaces(j) == [(1, NAMES[1], 50, "000080", 1), (0, NAMES[0], 30, COLORS[0], 0.5), (2, NAMES[2], 30, COLORS[2], 0.5)], surfaces(j))
 expect(all(v["bounds_world"][3] <= 11e-3 for v in j["volumes"]), j["volumes"])
+j = draw("in/cells.ome.tif", "--channel", "0,1,2", "--isovalue", "50,auto,60")[1]
+expect([row[2] for row in surfaces(j)] == [50, rows[1][2], 60], surfaces(j))
+j = draw("in/cells.ome.tif", "--channel", "0,1,2", "--isovalue", "auto,30")[1]
+expect([row[2] for row in surfaces(j)] == [rows[0][2], 30, 30], surfaces(j))
 # A --volume beside them; one channel alone, and with several isovalues.
 j = draw("in/cells.ome.tif", "--channel", "1,2", "--isovalue", "50", "--volume", "in/cells.ome.tif", "--volume-isovalue", "70")[1]
 expect([(v["component"], v.get("channel"), v["isovalue"]) for v in j["volumes"]] == [(2, NAMES[2], 50), (0, None, 70)], j["volumes"])
@@ -158,6 +162,7 @@ isorender_refuses 2 "between its commas are numbers or names of channels" in/cel
 isorender_refuses 2 "channel 1 (F-actin <R&D>) is given twice" in/cells.ome.tif --channel 1,0,F-ACTIN\ \<R\&D\>
 isorender_refuses 2 "--channel and --component both" in/cells.ome.tif --channel 0,1 --component 0
 isorender_refuses 2 "3 isovalues for 2 channels" in/cells.ome.tif --channel 0,1 --isovalue 40,50,60
+isorender_refuses 2 "--isovalue: auto stands alone, or is that of one of several --channel" in/cells.ome.tif --isovalue 40,auto
 isorender_refuses 2 "3 colours for 2 channels" in/cells.ome.tif --channel 0,1 --color red,blue,green
 isorender_refuses 2 "cannot be combined with several channels" in/cells.ome.tif --channel 0,1 --ior 1.5
 isorender_refuses 2 "several channels" in/cells.ome.tif --channel 0,1 --chunk-size 32
