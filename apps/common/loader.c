@@ -100,6 +100,7 @@ static int report_reading(void *context, double fraction) {
 
 static iso_volume_opts volume_opts(iso_loader *loader) {
     iso_volume_opts opts = iso_input_volume_opts(loader->options);
+    opts.component = loader->component;
     opts.files = loader->files;
     opts.mappable = &loader->mappable;
     opts.channels = &loader->channels;
@@ -169,11 +170,35 @@ static iso_status find_crop(iso_loader *loader, iso_error *error) {
     return iso_input_box(loader->options, info->dims, &info->transform, loader->crop, error);
 }
 
+/* Sets `component` to that of options->channel, among `components` of the file. */
+static iso_status choose_channel(iso_loader *loader, int components, iso_error *error) {
+    iso_error reason = {0};
+    const iso_status status = iso_channels_find(&loader->channels, components, loader->options->channel,
+                                                &loader->component, &reason);
+    if (status == ISO_OK) return ISO_OK;
+    return iso_fail(error, status, "%s: %s", iso_spool_name(loader->input), reason.text);
+}
+
+/* Reads the header. That of the first component tells which components and channels there are. */
+static iso_status read_header(iso_loader *loader, iso_error *error) {
+    iso_volume_info *info = &loader->volume.info;
+    iso_volume_opts opts = volume_opts(loader);
+    ISO_TRY(loader->has_strokes ? describe_strokes(loader, error)
+                                : iso_volume_read_info(loader->path, &opts, info, error));
+    if (!loader->options->channel) return ISO_OK;
+    ISO_TRY(choose_channel(loader, info->components, error));
+    if (loader->component == opts.component) return ISO_OK;
+    opts.component = loader->component;
+    return iso_volume_read_info(loader->path, &opts, info, error);
+}
+
 iso_status iso_loader_open(iso_loader *loader, iso_error *error) {
     loader->scene_isovalue = NAN;
     loader->path = loader->input;
+    loader->component = loader->options->component;
     if (iso_loader_is_scene(loader->input)) {
         ISO_TRY(make_scene(loader, error));
+        if (loader->options->channel) ISO_TRY(choose_channel(loader, 1, error));
         return find_crop(loader, error);
     }
     iso_volume_opts opts = volume_opts(loader);
@@ -190,8 +215,7 @@ iso_status iso_loader_open(iso_loader *loader, iso_error *error) {
         return check_files(loader, error);
     }
     loader->has_strokes = !loader->options->has_raw && iso_strokes_are_in(loader->path);
-    ISO_TRY(loader->has_strokes ? describe_strokes(loader, error)
-                                : iso_volume_read_info(loader->path, &opts, &loader->volume.info, error));
+    ISO_TRY(read_header(loader, error));
     ISO_TRY(check_files(loader, error));
     return find_crop(loader, error);
 }

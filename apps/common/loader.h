@@ -57,6 +57,7 @@ typedef struct iso_loader {
     bool has_strokes;      /* the input is a stroke file; the volume is the level set that they make */
     iso_volume volume;     /* the header; for scenes also the grid */
     iso_channels channels; /* of the volume's file */
+    int component;         /* options->component, or that of options->channel */
     int crop[6];           /* voxels of the file that are kept: x0 x1 y0 y1 z0 z1, first and last */
     double scene_isovalue; /* the isovalue of a scene's surface; NAN when the input is not a scene */
 
@@ -71,9 +72,9 @@ typedef struct iso_loader {
 } iso_loader;
 
 /* Reads the header, adds the files to `files` and checks that none of them is also an output. A scene is
- * created at once, because that is fast. ISO_ERR_USAGE (unknown scene, crop outside the volume, an output
- * would overwrite an input), ISO_ERR_LIMIT (a scene larger than the memory limit), and the errors of
- * iso_spool_open and iso_volume_read_info. */
+ * created at once, because that is fast. ISO_ERR_USAGE (unknown scene, no such channel, crop outside the
+ * volume, an output would overwrite an input), ISO_ERR_LIMIT (a scene larger than the memory limit), and the
+ * errors of iso_spool_open and iso_volume_read_info. */
 iso_status iso_loader_open(iso_loader *loader, iso_error *error);
 
 /* Reads the voxels and crops them to `crop`, or reads the points. Errors: those of iso_volume_read and

@@ -14,6 +14,15 @@
 #include "base/thread.h"
 #include "image/image.h"
 
+/* Compares words without regard to case, independent of the locale. */
+static bool same_letters(const char *a, const char *b) {
+    for (; *a && *b; a++, b++) {
+        char x = *a >= 'A' && *a <= 'Z' ? (char)(*a - 'A' + 'a') : *a;
+        if (x != *b) return false;
+    }
+    return *a == *b;
+}
+
 /* ---- numbers ---- */
 
 bool iso_parse_size(const char *text, uint64_t *out) {
@@ -34,6 +43,28 @@ bool iso_parse_size(const char *text, uint64_t *out) {
     return true;
 }
 
+iso_status iso_parse_items(const char *list,
+                           iso_status (*take)(void *settings, const char *item, iso_error *error),
+                           void *settings, iso_error *error) {
+    enum { ROOM = 128 };
+    for (const char *at = list;; at++) {
+        char item[ROOM];
+        const size_t blanks = strspn(at, " ");
+        size_t length = 0;
+        at += blanks;
+        for (int depth = 0; at[length] && (at[length] != ',' || depth > 0); length++)
+            depth += (at[length] == '(') - (at[length] == ')');
+        const char *end = at + length;
+        while (length && at[length - 1] == ' ') length--;
+        if (length >= ROOM)
+            return iso_fail(error, ISO_ERR_USAGE, "'%.40s..' is too long between two commas", at);
+        snprintf(item, sizeof item, "%.*s", (int)length, at);
+        ISO_TRY(take(settings, item, error));
+        if (!*end) return ISO_OK;
+        at = end;
+    }
+}
+
 bool iso_parse_fraction(const char *text, double *out) {
     double number;
     const char *end;
@@ -46,14 +77,37 @@ bool iso_parse_fraction(const char *text, double *out) {
     return true;
 }
 
+/* Takes the number of pixels, as 640 or 640px, that *at points to, and the blanks before it. */
+static bool take_pixels(const char **at, int *pixels) {
+    char number[16];
+    const char *text = *at + strspn(*at, " ");
+    const size_t digits = strspn(text, "0123456789");
+    if (digits == 0 || digits >= sizeof number) return false;
+    snprintf(number, sizeof number, "%.*s", (int)digits, text);
+    *at = text + digits + (strncmp(text + digits, "px", 2) == 0 ? 2 : 0);
+    return iso_parse_int(number, pixels);
+}
+
+static iso_status fail_resolution(const char *text, iso_error *error) {
+    static const struct {
+        const char *name, *size;
+    } names[] = {{"720p", "1280x720"}, {"hd", "1920x1080"}, {"1080p", "1920x1080"}, {"1440p", "2560x1440"},
+                 {"2k", "2048x1080"},  {"4k", "3840x2160"}, {"uhd", "3840x2160"},   {"8k", "7680x4320"}};
+    int side;
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        if (same_letters(text, names[i].name))
+            return iso_fail(error, ISO_ERR_USAGE, "'%s' is not WxH: %s", text, names[i].size);
+    if (iso_parse_int(text, &side) && side > 0)
+        return iso_fail(error, ISO_ERR_USAGE, "'%s' is not WxH, such as %dx%d", text, side, side);
+    return iso_fail(error, ISO_ERR_USAGE, "'%s' is not WxH, such as 1920x1080", text);
+}
+
 iso_status iso_parse_resolution(const char *text, int size[2], iso_error *error) {
-    size_t digits = strspn(text, "0123456789");
-    char width[16] = "";
+    const char *at = text;
     int w, h;
-    bool separated = digits > 0 && digits < sizeof width && text[digits] && strchr("xX,", text[digits]);
-    if (separated) memcpy(width, text, digits);
-    if (!separated || !iso_parse_int(width, &w) || !iso_parse_int(text + digits + 1, &h))
-        return iso_fail(error, ISO_ERR_USAGE, "'%s' is not WxH, such as 1920x1080", text);
+    if (!take_pixels(&at, &w)) return fail_resolution(text, error);
+    at += strspn(at, " ");
+    if (!*at || !strchr("xX,*", *at++) || !take_pixels(&at, &h) || *at) return fail_resolution(text, error);
     if (w < 1 || h < 1 || w > ISO_IMAGE_MAX || h > ISO_IMAGE_MAX)
         return iso_fail(error, ISO_ERR_USAGE, "%s: sides must be 1 to %d pixels", text, ISO_IMAGE_MAX);
     size[0] = w;
@@ -68,9 +122,12 @@ static int digit_value(char c) {
     return c >= 'a' && c <= 'f' ? c - 'a' + 10 : -1;
 }
 
-/* RRGGBB, or RGB, of which each digit is doubled. */
+/* RRGGBB, or RGB, of which each digit is doubled; behind # or 0x. */
 static bool parse_hexadecimal_color(const char *text, uint8_t rgb[3]) {
-    if (*text == '#') text++;
+    if (*text == '#')
+        text++;
+    else if (strncmp(text, "0x", 2) == 0)
+        text += 2;
     const size_t length = strlen(text), step = length / 3;
     if (length != 3 && length != 6) return false;
     for (size_t i = 0; i < length; i++)
@@ -80,15 +137,6 @@ static bool parse_hexadecimal_color(const char *text, uint8_t rgb[3]) {
     return true;
 }
 
-/* Compares words without regard to case, independent of the locale. */
-static bool same_letters(const char *a, const char *b) {
-    for (; *a && *b; a++, b++) {
-        char x = *a >= 'A' && *a <= 'Z' ? (char)(*a - 'A' + 'a') : *a;
-        if (x != *b) return false;
-    }
-    return *a == *b;
-}
-
 static const struct color_name {
     const char *name;
     unsigned rgb;
@@ -96,8 +144,26 @@ static const struct color_name {
 #include "color_names.inc"
 };
 
+/* rgb(255,128,0), as in CSS. Numbers of which none is above 1 are refused: they are meant as parts of 1. */
+static bool parse_rgb_color(const char *text, uint8_t rgb[3]) {
+    char numbers[64];
+    double values[3];
+    const size_t length = strlen(text);
+    if (strncmp(text, "rgb(", 4) != 0 || text[length - 1] != ')' || length >= sizeof numbers) return false;
+    snprintf(numbers, sizeof numbers, "%.*s", (int)(length - 5), text + 4);
+    if (!iso_parse_reals(numbers, 3, values)) return false;
+    double most = 0;
+    for (int i = 0; i < 3; i++) {
+        if (!(values[i] >= 0 && values[i] <= 255)) return false;
+        most = fmax(most, values[i]);
+    }
+    if (most > 0 && most <= 1) return false;
+    for (int i = 0; i < 3; i++) rgb[i] = (uint8_t)(values[i] + 0.5);
+    return true;
+}
+
 bool iso_parse_color(const char *text, uint8_t rgb[3]) {
-    if (parse_hexadecimal_color(text, rgb)) return true;
+    if (parse_hexadecimal_color(text, rgb) || parse_rgb_color(text, rgb)) return true;
     for (size_t i = 0; i < sizeof color_names / sizeof *color_names; i++) {
         if (!same_letters(text, color_names[i].name)) continue;
         for (int k = 0; k < 3; k++) rgb[k] = (uint8_t)(color_names[i].rgb >> (16 - 8 * k));
@@ -111,8 +177,9 @@ iso_status iso_fail_color(const char *text, const char *others, iso_error *error
     if (transparent && !*others)
         return iso_fail(error, ISO_ERR_USAGE, "'%s' is no colour: an opacity below 1 lets be seen through",
                         text);
-    return iso_fail(error, ISO_ERR_USAGE, "'%s' is neither RRGGBB in hexadecimal nor a colour name of CSS%s",
-                    text, others);
+    return iso_fail(error, ISO_ERR_USAGE,
+                    "'%s' is neither RRGGBB in hexadecimal, rgb(255,128,0), nor a colour name of CSS%s", text,
+                    others);
 }
 
 /* ---- names ---- */
@@ -205,8 +272,9 @@ static bool in_range(const iso_option *option, double value) {
 static iso_status store_int(const iso_option *option, const char *value, int *out, iso_error *error) {
     int number;
     if (!iso_parse_int(value, &number) || !in_range(option, number))
-        return iso_fail(error, ISO_ERR_USAGE, "'%s' is not a whole number from %.0f to %.0f", value,
-                        option->low, option->high);
+        return iso_fail(error, ISO_ERR_USAGE, "'%s' is not a whole number from %.0f to %.0f%s%s%s", value,
+                        option->low, option->high, option->standard ? " (default: " : "",
+                        option->standard ? option->standard : "", option->standard ? ")" : "");
     *out = number;
     return ISO_OK;
 }
@@ -239,7 +307,7 @@ static iso_status store_choice(const iso_option *option, const char *value, int 
     char known[256] = "";
     size_t used = 0;
     for (int i = 0; option->choices[i]; i++) {
-        if (strcmp(option->choices[i], value) == 0) {
+        if (same_letters(value, option->choices[i])) {
             *out = i;
             return ISO_OK;
         }

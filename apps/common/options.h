@@ -114,10 +114,17 @@ const char *iso_options_nearest(const iso_program *program, const char *name);
 bool iso_parse_size(const char *text, uint64_t *out);
 /* Parses a number, or a percentage: 0.3 or 30%. False, and *out untouched, when `text` is anything else. */
 bool iso_parse_fraction(const char *text, double *out);
-/* Parses WxH or W,H: sides of a picture, 1 .. ISO_IMAGE_MAX. ISO_ERR_USAGE says what is wrong. */
+/* Calls `take` with each item of a list, without the blanks around it, in order. Items are separated by
+ * commas that are not within parentheses; an item may be empty. Ends with the first error: of `take`, or
+ * ISO_ERR_USAGE of an item with 128 characters or more. */
+iso_status iso_parse_items(const char *list,
+                           iso_status (*take)(void *settings, const char *item, iso_error *error),
+                           void *settings, iso_error *error);
+/* Parses WxH, W,H or W*H, in pixels with or without px: sides of a picture, 1 .. ISO_IMAGE_MAX. ISO_ERR_USAGE
+ * says what is wrong. */
 iso_status iso_parse_resolution(const char *text, int size[2], iso_error *error);
-/* Parses RRGGBB or RGB in hexadecimal, with # or without, or one of the 148 colour names of CSS, in either
- * case. */
+/* Parses RRGGBB or RGB in hexadecimal, with #, 0x or nothing before it, rgb(R,G,B) with numbers to 255, or
+ * one of the 148 colour names of CSS, in either case. */
 bool iso_parse_color(const char *text, uint8_t rgb[3]);
 /* Says why `text` is no colour. others: " nor ..", what else the option takes; or "". Returns
  * ISO_ERR_USAGE. */

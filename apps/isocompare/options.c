@@ -193,7 +193,8 @@ static iso_status take_operands(isocompare_settings *settings, const iso_operand
     const char *command = operands->values[0];
     if (strcmp(command, "images") == 0) return take_images(settings, operands, error);
     if (strcmp(command, "report") == 0) return take_report(settings, operands, error);
-    return iso_fail(error, ISO_ERR_USAGE, "there is no command '%s': images, report", command);
+    return iso_fail(error, ISO_ERR_USAGE,
+                    "there is no command '%s': 'images TRUTH CANDIDATE' or 'report VOLUME'", command);
 }
 
 static iso_status check_command(const isocompare_settings *settings, iso_error *error) {

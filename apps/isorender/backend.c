@@ -66,7 +66,8 @@ iso_status isorender_backend_check(isorender_settings *settings, iso_error *erro
     const char *name = settings->backend;
     bool gl = is_any(name, "egl", "osmesa"), needed = needs_gl(settings);
     if (!gl && !is_any(name, "auto", "cpu"))
-        return iso_fail(error, ISO_ERR_BACKEND, "there is no backend '%s' (see --list-backends)", name);
+        return iso_fail(error, ISO_ERR_BACKEND,
+                        "there is no backend '%s': auto, cpu, egl or osmesa (see --list-backends)", name);
     if (gl && settings->ior > 0)
         return iso_fail(error, ISO_ERR_USAGE, "--backend %s draws no glass: --ior needs the cpu", name);
     if (gl && isorender_is_translucent(settings) && settings->method != ISO_METHOD_SPLATS)

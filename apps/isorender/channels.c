@@ -5,28 +5,17 @@
 
 /* ---- options */
 
-static iso_status add_channel(isorender_settings *settings, const char *number, iso_error *error) {
-    int channel;
-    if (!iso_parse_int(number, &channel) || channel < 0)
-        return iso_fail(error, ISO_ERR_USAGE, "'%s' is not the number of a channel, from 0", number);
+static iso_status add_channel(void *target, const char *value, iso_error *error) {
+    isorender_settings *settings = target;
+    if (!*value) return iso_fail(error, ISO_ERR_USAGE, "between its commas are numbers or names of channels");
     if (settings->channel_count == ISORENDER_VOLUMES + 1)
         return iso_fail(error, ISO_ERR_USAGE, "more than %d channels", ISORENDER_VOLUMES + 1);
-    for (int i = 0; i < settings->channel_count; i++)
-        if (settings->channels[i] == channel)
-            return iso_fail(error, ISO_ERR_USAGE, "channel %d is given twice", channel);
-    settings->channels[settings->channel_count++] = channel;
+    snprintf(settings->channels[settings->channel_count++], ISO_CHANNEL_NAME, "%s", value);
     return ISO_OK;
 }
 
 iso_status isorender_apply_channel(void *settings, const char *value, iso_error *error) {
-    for (const char *at = value;;) {
-        char number[64];
-        const size_t length = strcspn(at, ",");
-        snprintf(number, sizeof number, "%.*s", length < 63 ? (int)length : 63, at);
-        ISO_TRY(add_channel(settings, number, error));
-        if (!at[length]) return ISO_OK;
-        at += length + 1;
-    }
+    return iso_parse_items(value, add_channel, settings, error);
 }
 
 static bool is_given(const isorender_settings *settings, const char *name) {
@@ -46,8 +35,7 @@ static double value_for(const double *values, int count, int i, double standard)
 
 static void make_volume(isorender_settings *settings, int i) {
     settings->volumes[settings->volume_count++] = (isorender_volume_settings){
-        .is_channel = true,
-        .component = settings->channels[i],
+        .channel = settings->channels[i],
         .isovalue = value_for(settings->isovalues, settings->isovalue_count, i, NAN),
         .colored = i < settings->color_count,
         .color = settings->colors[i],
@@ -58,13 +46,22 @@ static int at_most_one(int count) {
     return count > 1 ? 1 : count;
 }
 
+/* Several surfaces of one volume have isovalues that are all given. */
+static iso_status check_isovalues(const isorender_settings *settings, iso_error *error) {
+    for (int i = 0; i < settings->isovalue_count; i++)
+        if (isnan(settings->isovalues[i]))
+            return iso_fail(error, ISO_ERR_USAGE,
+                            "--isovalue: auto stands alone, or is that of one of several --channel");
+    return ISO_OK;
+}
+
 iso_status isorender_channels_take(isorender_settings *settings, iso_error *error) {
     const int count = settings->channel_count;
+    if (count < 2) ISO_TRY(check_isovalues(settings, error));
     if (!count) return ISO_OK;
     if (is_given(settings, "component"))
         return iso_fail(error, ISO_ERR_USAGE, "--channel and --component both say what is read: give one");
-    settings->common.input.component = settings->channels[0];
-    settings->common.input.by_channel = true;
+    settings->common.input.channel = settings->channels[0];
     if (count == 1) return ISO_OK;
     if (count - 1 + settings->volume_options.count > ISORENDER_VOLUMES)
         return iso_fail(error, ISO_ERR_USAGE, "more than %d channels and volumes", ISORENDER_VOLUMES + 1);
@@ -72,7 +69,7 @@ iso_status isorender_channels_take(isorender_settings *settings, iso_error *erro
     ISO_TRY(check_value_count("colours", settings->color_count, count, error));
     ISO_TRY(check_value_count("opacities", settings->opacity_count, count, error));
     for (int i = 1; i < count; i++) make_volume(settings, i);
-    settings->isovalue_count = at_most_one(settings->isovalue_count);
+    settings->isovalue_count = isnan(settings->isovalues[0]) ? 0 : at_most_one(settings->isovalue_count);
     settings->color_count = at_most_one(settings->color_count);
     settings->opacity_count = at_most_one(settings->opacity_count);
     return ISO_OK;
@@ -105,24 +102,27 @@ iso_status isorender_channels_check(const isorender_settings *settings, iso_erro
     return iso_fail(error, ISO_ERR_USAGE, "%s is for one surface: give one --channel", option);
 }
 
-iso_status isorender_channel_check(const iso_loader *loader, iso_error *error) {
-    const int count = loader->volume.info.components;
-    if (!loader->options->by_channel || loader->options->component < count) return ISO_OK;
-    return iso_fail(error, ISO_ERR_USAGE, "%s: no channel %d, there %s %d (from 0)",
-                    iso_spool_name(loader->input), loader->options->component, count == 1 ? "is" : "are",
-                    count);
+iso_status isorender_channel_check(const isorender_job *job, int volume, iso_error *error) {
+    const iso_loader *loader = &job->volumes[volume], *input = &job->loader;
+    char title[ISORENDER_CHANNEL_TITLE];
+    bool repeated = input->component == loader->component;
+    if (!loader->options->channel) return ISO_OK;
+    for (int i = 0; i < volume; i++) repeated |= job->volumes[i].component == loader->component;
+    if (!repeated) return ISO_OK;
+    return iso_fail(error, ISO_ERR_USAGE, "%s: %s is given twice", iso_spool_name(loader->input),
+                    isorender_channel_title(loader, title));
 }
 
 /* ---- names and colours */
 
 static const iso_channel *channel_of(const iso_loader *loader) {
-    return loader->options->by_channel ? iso_channel_of(&loader->channels, loader->options->component) : NULL;
+    return loader->options->channel ? iso_channel_of(&loader->channels, loader->component) : NULL;
 }
 
 const char *isorender_channel_title(const iso_loader *loader, char title[ISORENDER_CHANNEL_TITLE]) {
     const iso_channel *channel = channel_of(loader);
-    const int number = loader->options->component;
-    if (!loader->options->by_channel) return "";
+    const int number = loader->component;
+    if (!loader->options->channel) return "";
     if (channel && channel->name[0])
         snprintf(title, ISORENDER_CHANNEL_TITLE, "channel %d (%s)", number, channel->name);
     else
@@ -158,10 +158,13 @@ static const char *hexadecimal(iso_rgb color, char text[8]) {
 }
 
 void isorender_channels_info(const iso_loader *loader) {
+    const char *label = "channels";
     for (int i = 0; i < listed_count(loader); i++) {
         const iso_channel *channel = &loader->channels.items[i];
         char color[8];
-        printf("  %-11s %d", i ? "" : "channels", i);
+        if (!channel->name[0] && !channel->colored) continue;
+        printf("  %-11s %d", label, i);
+        label = "";
         if (channel->name[0]) printf(" %s", channel->name);
         if (channel->colored) printf(", colour %s", hexadecimal(channel->color, color));
         printf("\n");

@@ -9,17 +9,19 @@
 extern "C" {
 #endif
 
-/* Parses the value of --channel, "0,2,1". ISO_ERR_USAGE. */
+/* Parses the value of --channel, "0,2,GFP". ISO_ERR_USAGE. */
 iso_status isorender_apply_channel(void *settings, const char *value, iso_error *error);
 
 /* Makes all channels but the first one further volumes, and gives them their isovalues, colours and
  * opacities, of which the settings keep only those of the first one; to be called before the --volume are
- * resolved. ISO_ERR_USAGE: there are more values than channels, or --component is given as well. */
+ * resolved. ISO_ERR_USAGE: there are more values than channels, --component is given as well, or an isovalue
+ * of several of one channel is auto. */
 iso_status isorender_channels_take(isorender_settings *settings, iso_error *error);
 /* Checks that the inputs and the outputs go together with --channel. ISO_ERR_USAGE. */
 iso_status isorender_channels_check(const isorender_settings *settings, iso_error *error);
-/* Checks, after iso_loader_open, that the file has the channel. ISO_ERR_USAGE. */
-iso_status isorender_channel_check(const iso_loader *loader, iso_error *error);
+/* Checks, after iso_loader_open, that a further volume is not a channel that the input or a volume before it
+ * is. ISO_ERR_USAGE. */
+iso_status isorender_channel_check(const isorender_job *job, int volume, iso_error *error);
 
 /* "channel 1 (GFP)", or "channel 1" if the file does not name it; "" if it is not chosen by --channel. */
 enum { ISORENDER_CHANNEL_TITLE = ISO_CHANNEL_NAME + 32 };

@@ -157,7 +157,7 @@ static void identify(const isorender_job *job, iso_volume_identity *identity) {
         identity->before[axis] = before[axis];
     }
     identity->type = (int32_t)grid->type;
-    identity->component = loader->options->component;
+    identity->component = loader->component;
     identity->scale = grid->scale;
     identity->offset = grid->offset;
     identity->transform = grid->transform;

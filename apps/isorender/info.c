@@ -137,7 +137,7 @@ static void print_values(const iso_loader *loader) {
 /* Of a channel that is not the input's, the file's header has been printed. */
 static void print_volume(const isorender_job *job, const iso_loader *loader) {
     char title[ISORENDER_CHANNEL_TITLE];
-    if (loader->options->by_channel)
+    if (loader->options->channel)
         printf("%s\n", isorender_channel_title(loader, title));
     else
         print_header(job, loader);

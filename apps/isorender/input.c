@@ -4,7 +4,6 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "apps/isorender/channels.h"
 #include "apps/isorender/chunks.h"
 #include "apps/isorender/level.h"
 #include "base/memory.h"
@@ -135,10 +134,7 @@ iso_status isorender_open(isorender_job *job, iso_error *error) {
                            .wants_histogram = job->settings->info || !job->settings->isovalue_count,
                            .progress = report_reading,
                            .progress_context = job};
-    if (!job->settings->no_input) {
-        ISO_TRY(iso_loader_open(loader, error));
-        ISO_TRY(isorender_channel_check(loader, error));
-    }
+    if (!job->settings->no_input) ISO_TRY(iso_loader_open(loader, error));
     ISO_TRY(isorender_volumes_open(job, error));
     job->has_volume = !loader->has_points && !job->settings->no_input;
     ISO_TRY(isorender_gaussians_choose(job, error));

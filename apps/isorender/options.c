@@ -53,25 +53,22 @@ static const char *const primitives[] = {"auto", "edge", "foot", "foot-iterated"
 
 /* ---- values that are not plain numbers ---- */
 
+static iso_status add_isovalue(void *target, const char *value, iso_error *error) {
+    isorender_settings *settings = target;
+    double isovalue = NAN;
+    if (strcmp(value, "auto") != 0 && !iso_parse_real(value, &isovalue))
+        return iso_fail(error, ISO_ERR_USAGE, "'%s' is neither a number nor 'auto'", value);
+    if (settings->isovalue_count == ISORENDER_SURFACES)
+        return iso_fail(error, ISO_ERR_USAGE, "more than %d isovalues", ISORENDER_SURFACES);
+    settings->isovalues[settings->isovalue_count++] = isovalue;
+    return ISO_OK;
+}
+
 static iso_status apply_isovalue(void *target, const char *value, iso_error *error) {
     isorender_settings *settings = target;
-    if (strcmp(value, "auto") == 0) {
-        settings->isovalue_auto = 1;
-        return ISO_OK;
-    }
-    for (const char *at = value;;) {
-        char number[64];
-        size_t length = strcspn(at, ",");
-        snprintf(number, sizeof number, "%.*s", length < 63 ? (int)length : 63, at);
-        double isovalue;
-        if (length > 63 || !iso_parse_real(number, &isovalue))
-            return iso_fail(error, ISO_ERR_USAGE, "'%s' is neither a number nor 'auto'", value);
-        if (settings->isovalue_count == ISORENDER_SURFACES)
-            return iso_fail(error, ISO_ERR_USAGE, "more than %d isovalues", ISORENDER_SURFACES);
-        settings->isovalues[settings->isovalue_count++] = isovalue;
-        if (!at[length]) return ISO_OK;
-        at += length + 1;
-    }
+    if (strcmp(value, "auto") != 0) return iso_parse_items(value, add_isovalue, settings, error);
+    settings->isovalue_auto = 1;
+    return ISO_OK;
 }
 
 static bool parse_color(const char *value, iso_rgb *color) {
@@ -81,7 +78,8 @@ static bool parse_color(const char *value, iso_rgb *color) {
     return true;
 }
 
-static iso_status add_color(isorender_settings *settings, const char *value, iso_error *error) {
+static iso_status add_color(void *target, const char *value, iso_error *error) {
+    isorender_settings *settings = target;
     if (settings->color_count == ISORENDER_SURFACES)
         return iso_fail(error, ISO_ERR_USAGE, "more than %d colours", ISORENDER_SURFACES);
     if (!parse_color(value, &settings->colors[settings->color_count]))
@@ -91,14 +89,7 @@ static iso_status add_color(isorender_settings *settings, const char *value, iso
 }
 
 static iso_status apply_color(void *target, const char *value, iso_error *error) {
-    for (const char *at = value;;) {
-        char color[64];
-        size_t length = strcspn(at, ",");
-        snprintf(color, sizeof color, "%.*s", length < 63 ? (int)length : 63, at);
-        ISO_TRY(add_color(target, color, error));
-        if (!at[length]) return ISO_OK;
-        at += length + 1;
-    }
+    return iso_parse_items(value, add_color, target, error);
 }
 
 static iso_status apply_radius(void *target, const char *value, iso_error *error) {
@@ -111,21 +102,19 @@ static iso_status apply_radius(void *target, const char *value, iso_error *error
     return ISO_OK;
 }
 
-static iso_status apply_opacity(void *target, const char *value, iso_error *error) {
+static iso_status add_opacity(void *target, const char *value, iso_error *error) {
     isorender_settings *settings = target;
-    for (const char *at = value;;) {
-        char number[64];
-        size_t length = strcspn(at, ",");
-        snprintf(number, sizeof number, "%.*s", length < 63 ? (int)length : 63, at);
-        double opacity;
-        if (length > 63 || !iso_parse_fraction(number, &opacity) || !(opacity >= 0 && opacity <= 1))
-            return iso_fail(error, ISO_ERR_USAGE, "'%s' is not an opacity from 0 to 1", number);
-        if (settings->opacity_count == ISORENDER_SURFACES)
-            return iso_fail(error, ISO_ERR_USAGE, "more than %d opacities", ISORENDER_SURFACES);
-        settings->opacities[settings->opacity_count++] = opacity;
-        if (!at[length]) return ISO_OK;
-        at += length + 1;
-    }
+    double opacity;
+    if (!iso_parse_fraction(value, &opacity) || !(opacity >= 0 && opacity <= 1))
+        return iso_fail(error, ISO_ERR_USAGE, "'%s' is not an opacity from 0 to 1", value);
+    if (settings->opacity_count == ISORENDER_SURFACES)
+        return iso_fail(error, ISO_ERR_USAGE, "more than %d opacities", ISORENDER_SURFACES);
+    settings->opacities[settings->opacity_count++] = opacity;
+    return ISO_OK;
+}
+
+static iso_status apply_opacity(void *target, const char *value, iso_error *error) {
+    return iso_parse_items(value, add_opacity, target, error);
 }
 
 static iso_status apply_lines(void *target, const char *value, iso_error *error) {
@@ -217,9 +206,11 @@ static iso_status apply_up(void *target, const char *value, iso_error *error) {
     isorender_settings *settings = target;
     const char *axis = value + (*value == '+' || *value == '-');
     double sign = *value == '-' ? -1 : 1;
-    if (strlen(axis) != 1 || *axis < 'x' || *axis > 'z')
+    const char letter = (char)(*axis | ('a' - 'A')); /* in lower case */
+    if (strlen(axis) != 1 || letter < 'x' || letter > 'z')
         return iso_fail(error, ISO_ERR_USAGE, "'%s' is not one of +x -x +y -y +z -z", value);
-    settings->up = iso_vec3_make(*axis == 'x' ? sign : 0, *axis == 'y' ? sign : 0, *axis == 'z' ? sign : 0);
+    settings->up =
+        iso_vec3_make(letter == 'x' ? sign : 0, letter == 'y' ? sign : 0, letter == 'z' ? sign : 0);
     return ISO_OK;
 }
 
@@ -249,11 +240,11 @@ static iso_status apply_list_backends(void *target, const char *value, iso_error
 
 static const iso_option options[] = {
 #include "apps/common/input_options.inc"
-    {"channel", NULL, "N",
-     "a channel (component) of the file, from 0; several, separated by commas, are surfaces in one picture, "
-     "with "
-     "the names and colours that OME-TIFF and OME-Zarr state (--info lists them); --isovalue, --color and "
-     "--opacity are then lists by channel, of which the last isovalue and the last opacity repeat",
+    {"channel", NULL, "N|NAME",
+     "a channel (component) of the file, by its number from 0 or its name; several, separated by commas, are "
+     "surfaces in one picture, with the names and colours that OME-TIFF, OME-Zarr and Imaris state (--info "
+     "lists them); --isovalue, --color and --opacity are then lists by channel, of which the last isovalue "
+     "and the last opacity repeat",
      .group = INPUT, CALL(isorender_apply_channel), .flags = ISO_OPTION_REPEATABLE},
     {"scene", NULL, "NAME[:SIZE]",
      "a procedural volume instead of a file: sphere, cylinder, cube, gyroid, torus, ct, "

@@ -74,7 +74,7 @@ typedef struct isorender_settings {
     int input_count;
     const char *scene, *output;
 
-    double isovalues[ISORENDER_SURFACES];
+    double isovalues[ISORENDER_SURFACES]; /* until channels are taken NaN stands for auto */
     int isovalue_count, isovalue_auto;
     iso_rgb colors[ISORENDER_SURFACES];
     int color_count;
@@ -106,7 +106,7 @@ typedef struct isorender_settings {
     isorender_volume_options volume_options;
     isorender_volume_settings volumes[ISORENDER_VOLUMES]; /* channels of the input, then those of --volume */
     int volume_count;
-    int channels[ISORENDER_VOLUMES + 1]; /* of --channel */
+    char channels[ISORENDER_VOLUMES + 1][ISO_CHANNEL_NAME]; /* of --channel: numbers and names */
     int channel_count;
     double line_min_pixels; /* least width of lines in the picture, pixels */
     int color_bar;

@@ -20,7 +20,7 @@ static bool is_of_input(const isorender_job *job, const isorender_surface *surfa
 static iso_status suggest_isovalue(isorender_job *job, isorender_surface *surface, iso_error *error) {
     iso_loader *loader = surface->loader;
     /* The input is named already. */
-    const bool is_input = is_of_input(job, surface), is_channel = loader->options->by_channel;
+    const bool is_input = is_of_input(job, surface), is_channel = loader->options->channel;
     char title[ISORENDER_CHANNEL_TITLE];
     const char *name = is_channel ? isorender_channel_title(loader, title) : is_input ? "" : loader->input;
     const char *colon = *name ? ": " : "";
@@ -372,7 +372,7 @@ static void find_bounds(isorender_job *job) {
     for (int i = job->input_surface_count; i < job->surface_count; i++) {
         const isorender_surface *surface = &job->surfaces[i];
         find_surface_bounds(job, i, &unused);
-        if (!surface->loader->options->by_channel)
+        if (!surface->loader->options->channel)
             log_beside(job, surface->loader->input, &surface->bounds, ISO_SPACE_FILE);
         iso_bounds_add(&job->bounds_world, &surface->bounds);
     }

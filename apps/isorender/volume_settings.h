@@ -14,9 +14,9 @@ enum { ISORENDER_VOLUMES = 16 }; /* in a picture, beside the input */
 
 /* What the options say of one volume. Strings are borrowed from argv. */
 typedef struct isorender_volume_settings {
-    const char *path; /* NULL: that of the input */
-    bool is_channel;  /* a channel of the input (--channel), which is read as the input is */
-    double isovalue;  /* physical; NAN: it is chosen as that of the input */
+    const char *path;    /* NULL: that of the input */
+    const char *channel; /* of the input (--channel), which is read as the input is; NULL: not a channel */
+    double isovalue;     /* physical; NAN: it is chosen as that of the input */
     bool colored;
     iso_rgb color; /* if colored */
     double opacity;

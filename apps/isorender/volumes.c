@@ -7,7 +7,7 @@
 iso_status isorender_volume_named(const isorender_job *job, int volume, iso_status status, iso_error *error) {
     const iso_loader *loader = volume < 0 ? &job->loader : &job->volumes[volume];
     char title[ISORENDER_CHANNEL_TITLE], text[sizeof error->text];
-    const bool is_channel = loader->options && loader->options->by_channel;
+    const bool is_channel = loader->options && loader->options->channel;
     if (volume < 0 && !is_channel) return status;
     if (status == ISO_OK || strncmp(error->text, loader->input, strlen(loader->input)) == 0) return status;
     snprintf(text, sizeof text, "%s", error->text);
@@ -15,9 +15,10 @@ iso_status isorender_volume_named(const isorender_job *job, int volume, iso_stat
     return iso_fail(error, status, "%s: %s", isorender_channel_title(loader, title), text);
 }
 
-static iso_status open_volume(iso_loader *loader, iso_error *error) {
+static iso_status open_volume(isorender_job *job, int volume, iso_error *error) {
+    iso_loader *loader = &job->volumes[volume];
     ISO_TRY(iso_loader_open(loader, error));
-    ISO_TRY(isorender_channel_check(loader, error));
+    ISO_TRY(isorender_channel_check(job, volume, error));
     if (!loader->has_points) return ISO_OK;
     return iso_fail(error, ISO_ERR_USAGE, "holds points: --volume draws isosurfaces of volumes");
 }
@@ -25,7 +26,8 @@ static iso_status open_volume(iso_loader *loader, iso_error *error) {
 /* How a further volume is read: a channel of the input as the input. */
 static iso_input reading_of(const isorender_job *job, const isorender_volume_settings *volume) {
     iso_input input = {.max_memory = job->settings->common.input.max_memory, .grid = volume->grid};
-    if (volume->is_channel) input = job->input;
+    if (volume->channel) input = job->input;
+    input.channel = volume->channel;
     input.component = volume->component;
     return input;
 }
@@ -37,13 +39,13 @@ iso_status isorender_volumes_open(isorender_job *job, iso_error *error) {
         const isorender_volume_settings *volume = &settings->volumes[i];
         iso_loader *loader = &job->volumes[job->volume_count++];
         job->volume_inputs[i] = reading_of(job, volume);
-        *loader = (iso_loader){.input = volume->is_channel ? job->plan->input : volume->path,
+        *loader = (iso_loader){.input = volume->channel ? job->plan->input : volume->path,
                                .options = &job->volume_inputs[i],
                                .files = job->plan->files,
                                .pool = job->pool,
                                .is_further = true,
                                .wants_histogram = settings->info || isnan(volume->isovalue)};
-        ISO_TRY(isorender_volume_named(job, i, open_volume(loader, error), error));
+        ISO_TRY(isorender_volume_named(job, i, open_volume(job, i, error), error));
     }
     return ISO_OK;
 }
@@ -51,7 +53,7 @@ iso_status isorender_volumes_open(isorender_job *job, iso_error *error) {
 /* The notes on the file of a channel are those on the input. */
 static void log_notes(const isorender_job *job, const iso_loader *loader) {
     const iso_volume_info *info = &loader->volume.info;
-    const bool is_channel = loader->options->by_channel;
+    const bool is_channel = loader->options->channel;
     char title[ISORENDER_CHANNEL_TITLE];
     const char *name = is_channel ? isorender_channel_title(loader, title) : loader->input;
     for (int i = 0; i < info->note_count && !is_channel; i++)

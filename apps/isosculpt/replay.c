@@ -288,6 +288,8 @@ static iso_status write_outputs(player *p, iso_error *error) {
 /* Checks, before the work begins, whether all outputs can be written. */
 static iso_status check_outputs(const isosculpt_settings *settings, iso_file_set *files, iso_error *error) {
     const char *const outputs[] = {settings->output, settings->mesh, settings->common.json_path};
+    for (int i = 0; i < settings->references.count; i++)
+        iso_file_set_read(files, settings->references.values[i]);
     for (int i = 0; i < 3; i++) iso_file_set_write(files, outputs[i]);
     ISO_TRY(iso_file_set_check(files, error));
     for (int i = 0; i < 3; i++) ISO_TRY(iso_sink_check(outputs[i], error));
@@ -354,6 +356,8 @@ static void log_outputs(const player *p) {
     const iso_program *program = isosculpt_program();
     const char *input = input_name(p->settings);
     if (p->settings->common.quiet) return;
+    if (!p->written[0] && !p->written[1] && !p->settings->common.json)
+        iso_program_log(program, "%s: note: nothing is written: --output or --mesh names a file", input);
     for (int i = 0; i < 2; i++) {
         const char *path = p->written[i];
         if (path && path == p->report->mesh_path)

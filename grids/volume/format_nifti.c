@@ -186,7 +186,11 @@ static iso_status open_nifti(const char *path, nifti_file *file, iso_error *erro
     if (begins_well && count < sizeof any.one)
         return iso_format_truncated(file->header, count, sizeof any.one, error);
     int version = begins_well ? nifti_header_version((const char *)&any, count) : -1;
-    if (version < 0) return iso_fail(error, ISO_ERR_FORMAT, "%s: not a NIfTI file", file->header);
+    if (version < 0)
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: not a NIfTI file%s", file->header,
+                        nifti_is_gzfile(file->header)
+                            ? ", and other files are read when gzip's compression is undone"
+                            : "");
     if (version == 2 && count < sizeof any.two)
         return iso_format_truncated(file->header, count, sizeof any.two, error);
     ISO_TRY(convert_header(file->header, &any, version, file, error));

@@ -92,7 +92,7 @@ iso_volume_opts iso_input_volume_opts(const iso_input *input) {
     return (iso_volume_opts){.grid = input->grid,
                              .series = input->series,
                              .component = input->component,
-                             .by_channel = input->by_channel,
+                             .by_channel = input->channel != NULL,
                              .level = input->level,
                              .raw = input->has_raw ? &input->raw : NULL,
                              .spacing = {input->spacing[0], input->spacing[1], input->spacing[2]},

@@ -19,8 +19,9 @@ enum { ISO_LEVEL_AUTO = -1 };
 typedef struct iso_input {
     const char *grid, *series;
     int component, has_raw, cropped, cropped_mm;
-    bool by_channel; /* iso_volume_opts.by_channel */
-    int level;       /* of a multiscale image; ISO_LEVEL_AUTO: to be chosen by the program for its picture */
+    const char
+        *channel; /* number or name of the channel that is read instead of `component`; NULL: not given */
+    int level;    /* of a multiscale image; ISO_LEVEL_AUTO: to be chosen by the program for its picture */
     iso_raw_layout raw;
     double spacing[3];   /* mm; 0: the file's */
     int crop[6];         /* with `cropped`: x0 x1 y0 y1 z0 z1, voxels, first and last */

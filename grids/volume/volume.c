@@ -216,20 +216,44 @@ static bool is_png_stack(const char *path) {
     return !has_images;
 }
 
-/* Whether a folder has the metadata of an array or group of Zarr or N5. */
+/* The files with the metadata of an array or group of Zarr or N5. */
+static const char *const metadata_names[] = {"zarr.json", ".zarray", ".zgroup", ".zattrs", "attributes.json"};
+
+/* Whether a folder has metadata of Zarr or N5. */
 static bool has_zarr(const char *path) {
-    static const char *const names[] = {"zarr.json", ".zarray", ".zgroup", ".zattrs", "attributes.json"};
     char name[PATH_MAX];
-    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
-        if (snprintf(name, sizeof name, "%s/%s", path, names[i]) < (int)sizeof name &&
+    for (size_t i = 0; i < sizeof metadata_names / sizeof *metadata_names; i++)
+        if (snprintf(name, sizeof name, "%s/%s", path, metadata_names[i]) < (int)sizeof name &&
             access(name, F_OK) == 0)
             return true;
     return false;
 }
 
+/* Whether a file is the metadata of an array or group of Zarr or N5. */
+static bool is_metadata(const char *path) {
+    const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
+    for (size_t i = 0; i < sizeof metadata_names / sizeof *metadata_names; i++)
+        if (strcmp(name, metadata_names[i]) == 0) return true;
+    return false;
+}
+
+/* What a file is that is often taken for a volume, and what to give instead; NULL: nothing is known of it. */
+static const char *near_miss(const char *path, const head *h) {
+    if (has_at(h, 0, "\x89PNG\r\n\x1a\n", 8))
+        return "is one picture: a volume in PNG is a folder with a file for each slice";
+    if (iso_text_has_extension(path, ".raw")) return "raw data needs a layout (--raw WxHxD:TYPE)";
+    if (has_at(h, 0, "\xff\xd8\xff", 3))
+        return "is a picture in JPEG, which is not read as a slice of a volume";
+    if (has_at(h, 0, "PK\3\4", 4)) return "is a .zip archive: unpack it, and name the file or folder in it";
+    if (is_metadata(path)) return "is the metadata of an array: name the folder that it is in";
+    return NULL;
+}
+
 /* Says which files are volumes: the formats, once each, by their first suffix. */
-static iso_status fail_unknown(const char *path, iso_error *error) {
+static iso_status fail_unknown(const char *path, const head *h, iso_error *error) {
     char known[256] = "";
+    const char *reason = near_miss(path, h);
+    if (reason) return iso_fail(error, ISO_ERR_FORMAT, "%s: %s", path, reason);
     for (size_t i = 0; i < sizeof suffixes / sizeof *suffixes; i++) {
         const size_t used = strlen(known);
         bool named = false;
@@ -261,12 +285,7 @@ static iso_status find_format(const char *path, request *r, const iso_format **f
     *format = r->opts.raw ? &iso_format_raw : format_of_file(path, &h);
     if (!r->opts.raw) ISO_TRY(guess_raw(path, (uint64_t)status.st_size, r, format, error));
     if (*format) return ISO_OK;
-    if (has_at(&h, 0, "\x89PNG\r\n\x1a\n", 8))
-        return iso_fail(error, ISO_ERR_FORMAT,
-                        "%s: is one picture: a volume in PNG is a folder with a file for each slice", path);
-    if (iso_text_has_extension(path, ".raw"))
-        return iso_fail(error, ISO_ERR_FORMAT, "%s: raw data needs a layout (--raw WxHxD:TYPE)", path);
-    return fail_unknown(path, error);
+    return fail_unknown(path, &h, error);
 }
 
 /* ---- header ---- */
@@ -495,11 +514,6 @@ static void clean_texts(const iso_volume_opts *opts, iso_volume_info *info) {
     iso_text_clean_in_place(info->name, sizeof info->name);
     iso_text_clean_in_place(info->file_type, sizeof info->file_type);
     for (int i = 0; i < info->item_count; i++) iso_text_clean_in_place(info->items[i], sizeof info->items[i]);
-}
-
-const iso_channel *iso_channel_of(const iso_channels *channels, int component) {
-    if (!channels->count || component % channels->count >= ISO_CHANNELS) return NULL;
-    return &channels->items[component % channels->count];
 }
 
 iso_status iso_volume_read_info(const char *path, const iso_volume_opts *opts, iso_volume_info *info,

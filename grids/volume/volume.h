@@ -57,8 +57,8 @@ typedef struct iso_component_axes {
     bool lower; /* symmetric matrices are stored as their lower triangle, row by row: xx yx yy zx zy zz */
 } iso_component_axes;
 
-/* What the file says of its channels, as far as it has them: OME-TIFF and OME-Zarr do. Component c is of
- * channel c % count. */
+/* What the file says of its channels, as far as it has them: OME-TIFF, OME-Zarr and Imaris do. Component c is
+ * of channel c % count. */
 enum { ISO_CHANNELS = 32, ISO_CHANNEL_NAME = 64 };
 typedef struct iso_channel {
     char name[ISO_CHANNEL_NAME]; /* one line of printable UTF-8; empty: not stated */
@@ -72,6 +72,11 @@ typedef struct iso_channels {
 
 /* The channel of a component; NULL: nothing is stated of it. */
 const iso_channel *iso_channel_of(const iso_channels *channels, int component);
+/* Finds the component that `text` means: a number below `components`, or the name of a channel, in either
+ * case if no channel has it as it is written. ISO_ERR_USAGE: there is none, or several channels have the
+ * name; the message lists what there is. */
+iso_status iso_channels_find(const iso_channels *channels, int components, const char *text, int *component,
+                             iso_error *error);
 
 struct iso_format_place;
 

@@ -69,7 +69,8 @@ static mode_t wanted_mode(const char *target) {
 
 static iso_status fail_path(iso_error *error, const char *path, int code) {
     if (code == ENOMEM) return iso_fail_memory(error, path);
-    return iso_fail(error, ISO_ERR_WRITE, "%s: cannot write: %s", path, strerror(code));
+    return iso_fail(error, ISO_ERR_WRITE, "%s: cannot write: %s", path,
+                    code == ENOENT ? "its folder does not exist" : strerror(code));
 }
 
 /* Opens /dev/null, a terminal or a pipe directly, because renaming a file to its name would replace it. */

@@ -35,15 +35,25 @@ bool iso_parse_int(const char *text, int *out) {
     return true;
 }
 
+/* Skips a comma with the blanks around it, or blanks. */
+static const char *skip_separator(const char *text) {
+    text += strspn(text, " ");
+    if (*text == ',') text++;
+    return text + strspn(text, " ");
+}
+
 bool iso_parse_reals(const char *text, int count, double *out) {
     enum { MOST = 16 };
     double values[MOST];
     if (count > MOST) return false;
+    text += strspn(text, " ");
     for (int i = 0; i < count; i++) {
         const char *end;
-        if (!iso_parse_real_prefix(text, &values[i], &end) || *end != (i + 1 < count ? ',' : 0)) return false;
-        text = end + 1;
+        if (!iso_parse_real_prefix(text, &values[i], &end)) return false;
+        text = i + 1 < count ? skip_separator(end) : end + strspn(end, " ");
+        if (i + 1 < count && text == end) return false;
     }
+    if (*text) return false;
     memcpy(out, values, (size_t)count * sizeof *out);
     return true;
 }

@@ -17,7 +17,8 @@ bool iso_parse_real_prefix(const char *text, double *out, const char **end);
 bool iso_parse_real(const char *text, double *out);
 bool iso_parse_int(const char *text, int *out);
 
-/* Parses exactly `count` (at most 16) real numbers, separated by commas. False: `out` is untouched. */
+/* Parses exactly `count` (at most 16) real numbers, separated by commas or blanks. False: `out` is untouched.
+ */
 bool iso_parse_reals(const char *text, int count, double *out);
 
 #ifdef __cplusplus

@@ -206,13 +206,59 @@ def volumes():
     check("scan {1}.mha", done.status == 0 and os.path.exists("scan {1}.png"), done.status, done.error)
 
 
+def shown(name, *words, status=0, options=()):
+    """Whether --info of a file of other projects ends with this status and says these words."""
+    done = Run("isorender", "--info", case("real/" + name), *options)
+    said = done.out + done.error
+    good = done.status == status and all(word in said for word in words) and (status == 0 or done.error.count("\n") == 1)
+    check("real/" + name, good, words, done.status, done.error, done.out)
+
+
+def others():
+    """What the other rows of real/INDEX.tsv expect."""
+    shown("points/1.2-with-color.las", "points      1065", "bounds      635619.85 848899.7 406.58", "638982.55 853535.43", "colours     of the file")
+    shown("points/epsg_4326.las", "degrees of longitude and latitude")
+    shown("points/unregistered_extra_bytes.las", "points      4")
+    shown("points/train-1000.ply", "as 3-D Gaussians")
+    shown("mesh/points_agisoft.xyz", "points      100", "bounds      665171.375", "colours     of the file")
+    shown("dicom/mixed", "1 file is left out: ExplVR_BigEndNoMeta.dcm", "range       -896 .. 1167")
+    shown("dicom/rtdose.dcm", "10 x 10 x 15", "range       0.795 .. 1.254")
+    shown("dicom/eCT_Supplemental.dcm", "512 x 512 x 2", "range       -1024 .. 172")
+    shown("dicom/MR_small_expb.dcm", "range       127 .. 2145")
+    shown("dicom/image_dfl.dcm", "the whole data set is deflated", status=3)
+    shown("nrrd/BallBinary30x30x30.nii.gz", "range       0 .. 257")
+    shown("nrrd/BallBinary30x30x30_byteskip_minus_one_nifti.nhdr", "range       0 .. 257")
+    shown("nrrd/BallBinary30x30x30_nifti.nhdr", "a 'byte skip' may be missing")
+    shown("tiff/4D-series.ome.tif", "439 x 167 x 5", "the first of 7 times is read")
+    shown("tiff/time-series.ome.tif", "7 times of a single slice: they are taken as slices")
+    shown("tiff/multi-channel-z-series.ome.tif", "439 x 167 x 5", "component 0 of 3")
+    surface("real/mesh/multibody.stl", 32)
+    refused("real/mesh/Wuson.ply", 3, "Created", "--surface", case("real/mesh/Wuson.ply"))
+    for name in ("1.0_0", "1.0_1", "1.1_0", "1.1_1", "1.2_0", "1.2_1", "1.2_2", "1.2_3"):
+        shown("points/las_permutations/%s.las" % name, "points      1\n",
+              "colours     of the file" if name in ("1.2_2", "1.2_3") else "colours     none")
+    shown("points/las_permutations/1.2-no-points.las", "promises 1065 points", status=3)
+    for name in ("blosc", "blosc_transpose", "bz2", "gzip", "none", "none_transpose", "zstd"):
+        shown("zarr/zarrs_v3/array_%s.zarr" % name, "range       0 .. 99")
+    for name in ("blosc", "bz2", "gzip", "none", "zlib", "zstd"):
+        shown("zarr/zarrs_python/array_%s.zarr" % name, "range       0 .. 99")
+    for name in ("zarrs_v3/array_pcodec.zarr", "zarrs_v3/array_zfpy.zarr", "zarrs_python/array_adler32.zarr", "zarrs_python/array_fletcher32.zarr"):
+        shown("zarr/" + name, "the codec \"numcodecs.", "is not supported", status=3)
+    shown("zarr/zarrs_v3/array_optional.zarr/array", "\"optional\" is not supported", status=3)
+    for name in ("v2/data.zarr/3d.chunked.i2", "v2/data.zarr/3d.chunked.mixed.i2.F", "v3/data.zarr/3d.chunked.mixed.i2.C"):
+        shown("zarr/zarrita_" + name, "3 x 3 x 3, int16")
+    shown("zarr/zarrita_v3/data.zarr/3d.chunked.compressed.sharded.i2", "4 x 4 x 4, int16")
+    shown("zarr/zarrita_v2/data.zarr/1d.contiguous.i4", "no shape of 2 to 8 axes", status=3)
+    shown("zarr/zarrita_v3/data.zarr/3d.contiguous.delta.i4.mixed", "\"numcodecs.delta\" is not supported", status=3)
+
+
 def main():
     if not os.path.isdir(FOLDER):
         print("skipped:", FOLDER, "is not there")
         sys.exit(77)
     with tempfile.TemporaryDirectory() as work:
         os.chdir(work)
-        for part in (meshes, clouds, lines, volumes):
+        for part in (meshes, clouds, lines, volumes, others):
             part()
     print("%d cases failed" % len(FAILED))
     sys.exit(1 if FAILED else 0)

@@ -106,11 +106,26 @@ j = draw("in/cells.ome.tif", "--channel", "1", "--channel", "0,2", "--isovalue",
          "--crop", "0,23,0,11,0,11")[1]
 expect(surfaces(j) == [(1, NAMES[1], 50, "000080", 1), (0, NAMES[0], 30, COLORS[0], 0.5), (2, NAMES[2], 30, COLORS[2], 0.5)], surfaces(j))
 expect(all(v["bounds_world"][3] <= 11e-3 for v in j["volumes"]), j["volumes"])
+j = draw("in/cells.ome.tif", "--channel", "0,1,2", "--isovalue", "50,auto,60")[1]
+expect([row[2] for row in surfaces(j)] == [50, rows[1][2], 60], surfaces(j))
+j = draw("in/cells.ome.tif", "--channel", "0,1,2", "--isovalue", "auto,30")[1]
+expect([row[2] for row in surfaces(j)] == [rows[0][2], 30, 30], surfaces(j))
 # A --volume beside them; one channel alone, and with several isovalues.
 j = draw("in/cells.ome.tif", "--channel", "1,2", "--isovalue", "50", "--volume", "in/cells.ome.tif", "--volume-isovalue", "70")[1]
 expect([(v["component"], v.get("channel"), v["isovalue"]) for v in j["volumes"]] == [(2, NAMES[2], 50), (0, None, 70)], j["volumes"])
 j = draw("in/cells.ome.tif", "--channel", "2", "--isovalue", "50,90")[1]
 expect(j["colors"][0] == COLORS[2] != j["colors"][1] and j["volume"]["channel"] == "GFP" and "volumes" not in j, j)
+
+# By their names: as they are written, else in either case; numbers that are no channel's are names, too.
+by_name, j, said = draw("in/cells.ome.tif", "--channel", "dapi, 1,gfp")
+expect(by_name == wanted and surfaces(j) == rows, surfaces(j))
+ome_tiff("in/names.ome.tif", [channel(0, "gfp"), channel(1, "GFP"), channel(2, "488")])
+j = draw("in/names.ome.tif", "--channel", "GFP,488,0")[1]
+expect([row[:2] for row in surfaces(j)] == [(1, "GFP"), (2, "488"), (0, "gfp")], surfaces(j))
+text = run("in/cells.ome.tif", "--info", "--channel", "GFP")[0]
+expect("component 2 of 3" in text, text)
+done = subprocess.run(["isorender", "-", "stdin.png", "--channel", "GFP", "--json=o.json"], capture_output=True, text=True, stdin=open("in/cells.ome.tif"))
+expect(done.returncode == 0 and report("o.json")["volume"]["channel"] == "GFP", done)
 
 # What programs write that know no colours gives distinct ones: none, white for all, or one for all.
 for stated in [channel(i) for i in range(3)], [channel(i, None, "FFFFFF") for i in range(3)], [channel(i, "c", "00C800") for i in range(3)], []:
@@ -118,6 +133,8 @@ for stated in [channel(i) for i in range(3)], [channel(i, None, "FFFFFF") for i 
     colors = [row[3] for row in surfaces(draw("in/plain.ome.tif", "--channel", "0,1,2")[1])]
     expect(len(set(colors)) == 3 and "FFFFFF" not in colors, stated, colors)
 
+ome_tiff("in/plain.ome.tif", [channel(i) for i in range(3)])
+expect("channels" not in run("in/plain.ome.tif", "--info")[0], "channels of which nothing is stated are listed")
 for text in run("in/cells.ome.tif", "--info")[0], run("in/cells.ome.tif", "--info", "--channel", "1,2")[0]:
     for i, (name, color) in enumerate(zip(NAMES, COLORS)):
         expect("%d %s, colour %s\n" % (i, name, color) in text, i, text)
@@ -137,10 +154,15 @@ P
 isorender_refuses 2 "cells.ome.tif: no channel 3, there are 3" in/cells.ome.tif --channel 0,3
 isorender_refuses 2 "cells.ome.tif: no channel 4, there are 3" in/cells.ome.tif --channel 4
 isorender_refuses 2 "no channel 1, there is 1" scene:sphere:32 --channel 0,1
-isorender_refuses 2 "'x' is not the number of a channel" in/cells.ome.tif --channel 0,x
-isorender_refuses 2 "channel 1 is given twice" in/cells.ome.tif --channel 1,0,1
+isorender_refuses 2 "cells.ome.tif: no channel 'x', there are 0 'DAPI', 1 'F-actin <R&D>', 2 'GFP'" in/cells.ome.tif --channel 0,x
+isorender_refuses 2 "no channel -1, there are 3 (from 0), without names" in/plain.ome.tif --channel=-1
+isorender_refuses 2 "no channel GFP, there is 1 (from 0), without names" scene:sphere:32 --channel GFP
+isorender_refuses 2 "2 channels are called 'Gfp': choose by number: 0 'gfp', 1 'GFP'" in/names.ome.tif --channel Gfp
+isorender_refuses 2 "between its commas are numbers or names of channels" in/cells.ome.tif --channel 0,,1
+isorender_refuses 2 "channel 1 (F-actin <R&D>) is given twice" in/cells.ome.tif --channel 1,0,F-ACTIN\ \<R\&D\>
 isorender_refuses 2 "--channel and --component both" in/cells.ome.tif --channel 0,1 --component 0
 isorender_refuses 2 "3 isovalues for 2 channels" in/cells.ome.tif --channel 0,1 --isovalue 40,50,60
+isorender_refuses 2 "--isovalue: auto stands alone, or is that of one of several --channel" in/cells.ome.tif --isovalue 40,auto
 isorender_refuses 2 "3 colours for 2 channels" in/cells.ome.tif --channel 0,1 --color red,blue,green
 isorender_refuses 2 "cannot be combined with several channels" in/cells.ome.tif --channel 0,1 --ior 1.5
 isorender_refuses 2 "several channels" in/cells.ome.tif --channel 0,1 --chunk-size 32

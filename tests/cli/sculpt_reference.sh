@@ -27,6 +27,11 @@ play --output with.ply --reference in/far.swc 2>notes
 grep -q "in/far.swc lies beside the rest: .* --space ras" notes
 play --output with.ply --reference in/far.swc --space ras 2>notes
 grep -q "in/far.swc lies beside the rest: .* --space lps" notes
+# a reference is an input, which no output overwrites
+cp in/mesh.ply before.ply
+ln -s in/mesh.ply link.ply
+refuses 2 'link.ply: an output would overwrite the input in/mesh.ply' play --reference in/mesh.ply --output link.ply --quiet
+cmp before.ply in/mesh.ply
 fails() { refuses "$1" "$2" isosculpt --headless --quiet --output bad.ply "${@:3}"; }
 bear="--replay $volumes/bear.strokes --voxel-size 2"
 fails 2 "--reference is for pictures" $bear --reference in/axis.swc

@@ -7,3 +7,6 @@ isosculpt --replay "$bear" --headless --voxel-size 2 --output a.ply --mesh a.stl
 [ ! -s said ] || { cat said; exit 1; }
 isosculpt --replay "$bear" --headless --voxel-size 2 --json=a.json 2>said
 [ ! -s said ] || { cat said; exit 1; }
+# nor is it silent that nothing was written
+isosculpt --replay "$bear" --headless --voxel-size 4 2>said
+grep -q "^isosculpt: $bear: note: nothing is written: --output or --mesh names a file$" said || { cat said; exit 1; }

@@ -21,6 +21,15 @@ means --smooth 'volumes are drawn as they are, without smoothing; .*'
 means -isovalue 'did you mean --isovalue?'
 means --isovale 'did you mean --isovalue?'
 means --zzzzzzz 'see --help'
+means --fps 'no films are written; --turntable writes numbered pictures, .*'
+means --zoom-in 'did you mean --zoom or --mm-per-pixel?'
+means --no-gui 'only isosculpt opens a window, .*'
+means --up-axis 'did you mean --up or --camera-view-up?'
+means --window-level 'surfaces have no window: --isovalue .*'
+means --metallic 'surfaces are lit by one model; .* --ior makes glass'
+means --bone 'a tissue has no name here: .*'
+means --jpg 'did you mean --output?'
+means --export-stl 'did you mean --mesh?'
 # words whose options a program lacks are no hint there
 refuses 2 'unknown option --yaw (see --help)' isocompare --yaw 3
 refuses 2 'unknown option --threshold (did you mean --isovalue?)' isosculpt --threshold 3
@@ -30,16 +39,35 @@ isorender_refuses 2 "option --color: 'transparent' is no colour: an opacity belo
 refuses 2 'bad.stl: a picture.s name must end in .*(--mesh bad.stl writes' isorender in/ball.mha bad.stl
 refuses 2 'bad.exr: a picture.s name must end in .*(--aov bad.exr writes' isorender in/ball.mha bad.exr
 refuses 2 'the input comes first: isorender in/ball.mha bad.png' isorender bad.png in/ball.mha
+isorender_refuses 2 "option --resolution: '4k' is not WxH: 3840x2160" in/ball.mha --resolution 4k
+isorender_refuses 2 "option --resolution: '512' is not WxH, such as 512x512" in/ball.mha --resolution 512
+isorender_refuses 2 "option --color: 'rgb(1,0,0)' is neither RRGGBB in hexadecimal, rgb(255,128,0), nor" in/ball.mha --color 'rgb(1,0,0)'
+isorender_refuses 2 "option --threads: 'auto' is not a whole number from 1 to 1024 (default: one a processor)" in/ball.mha --threads auto
+isorender_refuses 4 "there is no backend 'gpu': auto, cpu, egl or osmesa" in/ball.mha --backend gpu
 head -c 3000 /dev/zero >in/what.zzz
 isorender_refuses 3 'in/what.zzz: not a volume that isopoint can read: it reads .vti, .*DICOM folders, and raw data' in/what.zzz
+python3 - <<'P'
+import gzip
+import zipfile
+with zipfile.ZipFile("in/scan.zarr.zip", "w") as archive:
+    archive.writestr("zarr.json", "{}")
+with gzip.open("in/scan.tar.gz", "wb") as archive:
+    archive.write(b"slices")
+P
+mkdir in/a.zarr
+echo '{}' >in/a.zarr/zarr.json
+isorender_refuses 3 'in/scan.zarr.zip: is a .zip archive: unpack it, and name the file or folder in it' in/scan.zarr.zip
+isorender_refuses 3 'in/scan.tar.gz: not a NIfTI file, and other files are read when gzip.s compression is undone' in/scan.tar.gz
+isorender_refuses 3 'in/a.zarr/zarr.json: is the metadata of an array: name the folder that it is in' in/a.zarr/zarr.json
 # values
 draw() { isorender in/ball.mha "$1" --quiet --json="$1.json" "${@:2}"; }
 draw plain.png --resolution 80x60 --zoom 1.5 --opacity 0.3 --color FFEE00 --background none
 draw typed.PNG --resolution 80X60 --zoom 150% --opacity 30% --color '#fe0' --background transparent
+draw blanks.png --resolution '80 x 60px' --zoom 1.5 --opacity ' 0.3' --color 'rgb(255, 238, 0)' --background none --up Z --method EXACT --spacing '1 1 1' --crop '0, 23, 0, 23, 0, 23'
 cmp plain.png <(isorender in/ball.mha - --quiet --resolution 80x60 --zoom 1.5 --opacity 0.3 --color FFEE00 --background none)
 python3 - <<'P'
 from check import *
-expect(Png("plain.png").pixels() == Png("typed.PNG").pixels())
+expect(Png("plain.png").pixels() == Png("typed.PNG").pixels() == Png("blanks.png").pixels())
 expect(report("plain.png.json")["image"]["hash"] == report("typed.PNG.json")["image"]["hash"])
 P
 # the argument behind --json is its file when it is named so

@@ -76,7 +76,9 @@ typedef struct iso_dicom_damaged {
 
 /* The DICOM files of a folder. Free with iso_dicom_folder_free. */
 typedef struct iso_dicom_folder {
-    const char *path;      /* borrowed */
+    iso_file_set *read; /* borrowed, set by the caller: all DICOM files that are opened are added, also those
+                           without an image and damaged ones; NULL is fine */
+    const char *path;   /* borrowed */
     iso_dicom_file *files; /* the images, by path */
     size_t count, room;
     iso_dicom_damaged *damaged;
@@ -87,10 +89,10 @@ typedef struct iso_dicom_folder {
     bool descended;           /* the images are those of subfolders */
 } iso_dicom_folder;
 
-/* Reads the headers of all files in a folder. Files that are not DICOM or damaged are only counted.
- * `subfolders`: where the folder has no image itself, or a DICOMDIR as a CD has, those in its subfolders are
- * read, too. ISO_ERR_IO: the folder cannot be read; ISO_ERR_FORMAT: too many files in subfolders;
- * ISO_ERR_NOMEM. */
+/* Reads the headers of all files in a folder. *folder is zero but for `read`. Files that are not DICOM or
+ * damaged are only counted. `subfolders`: where the folder has no image itself, or a DICOMDIR as a CD has,
+ * those in its subfolders are read, too. ISO_ERR_IO: the folder cannot be read; ISO_ERR_FORMAT: too many
+ * files in subfolders; ISO_ERR_NOMEM. */
 iso_status iso_dicom_folder_read(const char *path, bool subfolders, iso_dicom_folder *folder,
                                  iso_error *error);
 

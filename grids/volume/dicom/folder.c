@@ -78,6 +78,7 @@ iso_status iso_dicom_folder_add(iso_dicom_folder *f, const char *path, iso_error
     iso_dicom_kind kind = ISO_DICOM_NOT;
     iso_error detail = {0};
     iso_status status = iso_dicom_file_read(path, &file, &kind, &detail);
+    if (status != ISO_OK || kind != ISO_DICOM_NOT) iso_file_set_read(f->read, path);
     if (status == ISO_ERR_NOMEM)
         iso_fail(error, status, "%s", detail.text);
     else if (status != ISO_OK)
@@ -162,7 +163,7 @@ iso_status iso_dicom_folder_read(const char *path, bool subfolders, iso_dicom_fo
                                  iso_error *error) {
     struct stat about;
     size_t entries = 0;
-    *folder = (iso_dicom_folder){.path = path};
+    folder->path = path;
     if (stat(path, &about) != 0)
         return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
     walk w = {.folder = folder, .device = about.st_dev, .entries = &entries};

@@ -118,7 +118,8 @@ static iso_status choose_series(const iso_dicom_folder *f, const iso_volume_opts
         const size_t others = f->strays + f->imageless + f->damaged_count;
         return iso_fail(error, ISO_ERR_FORMAT, "%s: holds no DICOM images (%zu other file%s)%s%s", f->path,
                         others, others == 1 ? "" : "s", f->damaged_count ? ": " : "",
-                        f->damaged_count ? iso_dicom_folder_name(f->path, f->damaged[0].reason) : "");
+                        f->damaged_count ? iso_dicom_folder_name(f->path, f->damaged[0].reason)
+                                         : ": a folder is read as slices in DICOM, TIFF or PNG, or as Zarr");
     }
     if (opts->series) ISO_TRY(divide_choice(opts->series, wanted, acquisition, error));
     *chosen = name ? find_series(all, name) : largest(all);
@@ -466,10 +467,8 @@ static iso_status order(const char *path, const iso_volume_opts *opts, source *s
 
 static iso_status open_source(const char *path, const iso_volume_opts *opts, source *s, iso_volume_info *info,
                               iso_error *error) {
-    *s = (source){.named = SIZE_MAX};
+    *s = (source){.folder.read = opts->files, .named = SIZE_MAX};
     iso_status status = read_files(s, path, error);
-    for (size_t i = 0; opts->files && i < s->folder.count; i++)
-        iso_file_set_read(opts->files, s->folder.files[i].path);
     if (status == ISO_OK) status = order(path, opts, s, info, error);
     if (status != ISO_OK) free_source(s);
     return status;

@@ -152,6 +152,35 @@ static void interpret_imaris(const iso_hdf5_file *file, const iso_hdf5_array *ar
                     at.time, times);
 }
 
+/* "1.000 0.500 0.000". */
+static bool read_imaris_color(hid_t channel, iso_rgb *color) {
+    double parts[3];
+    if (iso_hdf5_numbers(channel, "Color", parts, 3) != 3) return false;
+    for (int i = 0; i < 3; i++)
+        if (!(parts[i] >= 0 && parts[i] <= 1)) return false;
+    *color = (iso_rgb){(uint8_t)(255 * parts[0] + 0.5), (uint8_t)(255 * parts[1] + 0.5),
+                       (uint8_t)(255 * parts[2] + 0.5)};
+    return true;
+}
+
+void iso_hdf5_name_channels(const iso_hdf5_file *file, const iso_hdf5_array *array, int count,
+                            iso_channels *channels) {
+    imaris_place place;
+    bool stated = false;
+    if (!is_imaris(array, &place)) return;
+    for (int i = 0; i < count && i < ISO_CHANNELS; i++) {
+        iso_channel *channel = &channels->items[i];
+        char path[WORD];
+        snprintf(path, sizeof path, "/DataSetInfo/Channel %d", i);
+        const hid_t group = iso_hdf5_group(file->id, path);
+        if (group < 0) continue;
+        const bool named = iso_hdf5_text(group, "Name", 0, channel->name, sizeof channel->name);
+        channel->colored = read_imaris_color(group, &channel->color);
+        stated = stated || named || channel->colored;
+    }
+    if (stated) channels->count = count;
+}
+
 /* ---- BigDataViewer ---- */
 
 static const char bdv_format[] = "/t%5u/s%2u/%u/cells";

@@ -32,6 +32,11 @@ hid_t iso_hdf5_signal(hid_t group);
 iso_status iso_hdf5_interpret(const iso_hdf5_file *file, iso_hdf5_array *array, iso_hdf5_meaning *meaning,
                               iso_volume_info *info, iso_error *error);
 
+/* Sets the names and colours that an Imaris file states of the channels of an array, of which there are
+ * `count`. *channels is zero before. */
+void iso_hdf5_name_channels(const iso_hdf5_file *file, const iso_hdf5_array *array, int count,
+                            iso_channels *channels);
+
 /* ---- coordinates.c ---- */
 
 /* Sets spacing and origin from arrays of coordinates: of NeXus, EMD, and dimension scales. */

@@ -427,6 +427,7 @@ iso_status iso_hdf5_describe(const char *path, const char *xml, const iso_volume
     ISO_TRY(iso_hdf5_interpret(&file, array, &meaning, info, error));
     ISO_TRY(check_level(&file, opts, &meaning, error));
     ISO_TRY(take_component(&file, opts, &meaning, a.components, array, info, error));
+    if (opts->channels && !opts->grid) iso_hdf5_name_channels(&file, array, info->components, opts->channels);
     ISO_TRY(take_dims(&file, array, &meaning, info, error));
     info->type = iso_scalar_stored_type(array->scalar);
     snprintf(info->file_type, sizeof info->file_type, "%s", iso_scalar_name(array->scalar));
@@ -434,5 +435,6 @@ iso_status iso_hdf5_describe(const char *path, const char *xml, const iso_volume
     if (iso_hdf5_is_minc(array)) ISO_TRY(iso_hdf5_minc_scales(&file, array, info, slices, error));
     take_spacing(&meaning, opts, info);
     list_arrays(&file, array->path, info, &found);
+    if (file.has_bad_heap) return iso_fail(error, ISO_ERR_IO, "%s: damaged: a heap with its texts", path);
     return ISO_OK;
 }

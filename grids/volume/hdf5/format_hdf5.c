@@ -71,6 +71,7 @@ typedef struct description {
     iso_volume_info info;
     iso_hdf5_array array;
     iso_hdf5_slices slices;
+    iso_channels channels;
     uint64_t place_count;
 } description;
 
@@ -83,7 +84,9 @@ typedef struct describing {
 static void describe(void *context) {
     const describing *job = context;
     description *shared = job->shared;
-    shared->status = iso_hdf5_describe(job->path, job->xml, job->opts, &shared->info, &shared->array,
+    iso_volume_opts opts = *job->opts;
+    opts.channels = &shared->channels;
+    shared->status = iso_hdf5_describe(job->path, job->xml, &opts, &shared->info, &shared->array,
                                        &shared->slices, &shared->error);
 }
 
@@ -99,6 +102,7 @@ static void end_texts(description *d) {
     d->array.path[sizeof d->array.path - 1] = d->array.special[sizeof d->array.special - 1] = 0;
     info->name[sizeof info->name - 1] = info->file_type[sizeof info->file_type - 1] = 0;
     info->format[sizeof info->format - 1] = 0;
+    for (int i = 0; i < ISO_CHANNELS; i++) d->channels.items[i].name[ISO_CHANNEL_NAME - 1] = 0;
     for (int i = 0; i < ISO_VOLUME_ITEMS; i++) info->items[i][ISO_VOLUME_TEXT - 1] = 0;
     for (int i = 0; i < ISO_VOLUME_NOTES; i++) info->notes[i][ISO_VOLUME_TEXT - 1] = 0;
 }
@@ -124,7 +128,7 @@ static bool is_plausible(const description *d) {
                 (d->slices.count == 0 || d->slices.count == info->dims[2]) &&
                 d->slices.count <= ISO_HDF5_SLICES && info->item_count >= 0 &&
                 info->item_count <= ISO_VOLUME_ITEMS && info->note_count >= 0 &&
-                info->note_count <= ISO_VOLUME_NOTES;
+                info->note_count <= ISO_VOLUME_NOTES && d->channels.count >= 0;
     for (int i = 0; good && i < 3; i++)
         good = info->dims[i] >= 1 && (uint64_t)info->dims[i] <= d->array.sizes[d->array.xyz[i]];
     return good;
@@ -185,6 +189,7 @@ static iso_status describe_file(const hdf5_paths *paths, const iso_volume_opts *
     if (status == ISO_OK) {
         *info = shared->info;
         *array = shared->array;
+        if (opts->channels) *opts->channels = shared->channels;
         measure(array, info);
     }
     if (status == ISO_OK && slices && shared->slices.count) {

@@ -66,6 +66,43 @@ static haddr_t driver_get_size(const H5FD_t *base, H5FD_mem_t type) {
 }
 
 /* What lies behind the end of the file is read as zeros, as libhdf5's own driver does it; but not values. */
+static bool read_bytes(const iso_hdf5_file *file, bool values, haddr_t address, size_t bytes, void *target) {
+    for (size_t done = 0; done < bytes;) {
+        const ssize_t got =
+            pread(file->descriptor, (char *)target + done, bytes - done, (off_t)(address + done));
+        if (got < 0 && errno == EINTR) continue;
+        if (got < 0 || (got == 0 && values)) return false;
+        if (got == 0) {
+            memset((char *)target + done, 0, bytes - done);
+            return true;
+        }
+        done += (size_t)got;
+    }
+    return true;
+}
+
+static uint64_t little64(const uint8_t *bytes) {
+    uint64_t number = 0;
+    for (int i = 0; i < 8; i++) number |= (uint64_t)bytes[i] << 8 * i;
+    return number;
+}
+
+/* Whether the objects of a global heap, which holds strings of variable length, follow each other. libhdf5
+ * 1.10 takes the size of each as it is, and never ends where that of the free space (object 0) is 0. Only as
+ * far as it has been read; sizes have 8 bytes. */
+static bool is_heap_sound(const uint8_t *heap, size_t bytes) {
+    enum { HEADER = 16 };
+    if (bytes < HEADER || memcmp(heap, "GCOL\1\0\0\0", 8) != 0) return true;
+    const uint64_t size = little64(heap + 8), end = size < bytes ? size : bytes;
+    for (uint64_t at = HEADER; at + HEADER <= end;) {
+        const bool is_free = heap[at] == 0 && heap[at + 1] == 0;
+        const uint64_t length = little64(heap + at + 8);
+        if (length > size - at || (is_free && length < HEADER)) return false;
+        at += is_free ? length : HEADER + (length + 7) / 8 * 8;
+    }
+    return true;
+}
+
 static herr_t driver_read(H5FD_t *base, H5FD_mem_t type, hid_t transfer, haddr_t address, size_t bytes,
                           void *target) {
     iso_hdf5_file *file = ((driver_file *)base)->file;
@@ -75,18 +112,11 @@ static herr_t driver_read(H5FD_t *base, H5FD_mem_t type, hid_t transfer, haddr_t
         file->place.bytes = (uint32_t)bytes;
         return bytes > UINT32_MAX ? -1 : 0;
     }
-    for (size_t done = 0; done < bytes;) {
-        const ssize_t got =
-            pread(file->descriptor, (char *)target + done, bytes - done, (off_t)(address + done));
-        if (got < 0 && errno == EINTR) continue;
-        if (got < 0 || (got == 0 && type == H5FD_MEM_DRAW)) return -1;
-        if (got == 0) {
-            memset((char *)target + done, 0, bytes - done);
-            return 0;
-        }
-        done += (size_t)got;
-    }
-    return 0;
+    if (!read_bytes(file, type == H5FD_MEM_DRAW, address, bytes, target)) return -1;
+    /* libhdf5 reads heaps as values */
+    if (type != H5FD_MEM_DRAW || !file->has_long_sizes || is_heap_sound(target, bytes)) return 0;
+    file->has_bad_heap = true;
+    return -1;
 }
 
 /* libhdf5 asks for such a function, also of files that are only read. */
@@ -151,7 +181,11 @@ iso_status iso_hdf5_open(const char *path, iso_hdf5_file *file, iso_error *error
     if (access < 0 || id < 0 || H5Pset_driver(access, id, &file) < 0)
         return iso_hdf5_fail(file, "libhdf5's driver", error);
     file->id = H5Fopen(path, H5F_ACC_RDONLY, access);
-    return file->id < 0 ? iso_hdf5_fail(file, "the file", error) : ISO_OK;
+    if (file->id < 0) return iso_hdf5_fail(file, "the file", error);
+    size_t address_bytes, size_bytes = 0;
+    file->has_long_sizes =
+        H5Pget_sizes(H5Fget_create_plist(file->id), &address_bytes, &size_bytes) >= 0 && size_bytes == 8;
+    return ISO_OK;
 }
 
 hid_t iso_hdf5_object(hid_t parent, const char *path) {

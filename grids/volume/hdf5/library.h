@@ -16,6 +16,8 @@ typedef struct iso_hdf5_file {
     int descriptor;
     uint64_t bytes;
     bool opened, refused; /* refused: libhdf5 asked for another file */
+    bool has_long_sizes;  /* sizes of objects are stored in 8 bytes, as nearly always */
+    bool has_bad_heap;    /* a heap of texts that libhdf5 has asked for is damaged */
     /* While `locating`, values are not read: the place of the last ones that were asked for is kept. */
     bool locating;
     iso_hdf5_place place;

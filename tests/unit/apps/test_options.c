@@ -70,6 +70,10 @@ static void test_numbers(void **state) {
     double three[3];
     assert_true(iso_parse_reals("1,-2.5,3e2", 3, three));
     assert_true(three[0] == 1 && three[1] == -2.5 && three[2] == 300);
+    assert_true(iso_parse_reals(" 4, 5 ,6 ", 3, three) && three[0] == 4 && three[1] == 5 && three[2] == 6);
+    assert_true(iso_parse_reals("7 8  -9", 3, three) && three[0] == 7 && three[1] == 8 && three[2] == -9);
+    assert_false(iso_parse_reals("7 8-9", 3, three));
+    assert_false(iso_parse_reals("1 2 , , 3", 3, three));
     assert_false(iso_parse_reals("1,2", 3, three));
     assert_false(iso_parse_reals("1,2,3,", 3, three));
     assert_false(iso_parse_reals("1,,3", 3, three));
@@ -204,8 +208,9 @@ static void test_usage_errors(void **state) {
     expect_failure("--isovalue 3, x.vti", ISO_ERR_USAGE, "option --isovalue");
     expect_failure("--isovalue auto --isovalue 3 x.vti", ISO_ERR_USAGE, "auto cannot be combined");
     expect_failure("--isovalue 3 --isovalue 3 x.vti", ISO_ERR_USAGE, "given twice");
-    expect_failure("--color rad x.vti", ISO_ERR_USAGE,
-                   "option --color: 'rad' is neither RRGGBB in hexadecimal nor a colour name of CSS");
+    expect_failure(
+        "--color rad x.vti", ISO_ERR_USAGE,
+        "option --color: 'rad' is neither RRGGBB in hexadecimal, rgb(255,128,0), nor a colour name of CSS");
     expect_failure("--isovalue 1,2 --color red, x.vti", ISO_ERR_USAGE, "option --color: '' is neither");
     expect_failure("--color red,blue x.vti", ISO_ERR_USAGE, "2 colours for 1 isovalue");
     expect_failure("--background blu x.vti", ISO_ERR_USAGE, "option --background: 'blu' is neither");
