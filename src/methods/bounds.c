@@ -1,32 +1,62 @@
 /* bounds: world boxes of points, meshes and cells. */
 #include "methods/bounds.h"
 
+#include "base/box_items.h"
+
 bool iso_bounds_is_oblique(const iso_transform *transform) {
     int zeros = 0;
     for (int i = 0; i < 9; i++) zeros += transform->direction[i] == 0;
     return zeros < 6;
 }
 
+/* A box, in index coordinates, of positions relative to a brick: by default of those that packed points can
+ * have. */
+static iso_box in_brick(const int32_t brick[3], const iso_point_bounds *bounds) {
+    static const iso_point_bounds most = {{-2, -2, -2}, {18, 18, 18}, {0}, {0}};
+    if (!bounds) bounds = &most;
+    if (bounds->lo[0] > bounds->hi[0]) return iso_box_empty();
+    return (iso_box){iso_brick_position(brick, bounds->lo), iso_brick_position(brick, bounds->hi)};
+}
+
+static iso_box around_points(const void *context, size_t span) {
+    const iso_point_view *view = context;
+    return in_brick(view->spans[span].brick, view->bounds ? &view->bounds[span] : NULL);
+}
+
+static void add_points(const void *context, size_t span, const iso_affine *affine, iso_box *box) {
+    const iso_point_view *view = context;
+    for (uint32_t i = 0; i < view->spans[span].count; i++) {
+        iso_surfel surfel = iso_point_view_get(view, view->spans[span].first + i);
+        iso_box_add(box,
+                    iso_affine_point(affine, iso_brick_position(view->spans[span].brick, surfel.position)));
+    }
+}
+
 iso_box iso_bounds_of_each_point(const iso_point_view *view, const iso_affine *affine) {
+    const iso_box_items spans = {view, view->span_count, around_points, add_points};
     iso_box box = iso_box_empty();
-    for (size_t s = 0; s < view->span_count; s++)
-        for (uint32_t i = 0; i < view->spans[s].count; i++) {
-            iso_surfel surfel = iso_point_view_get(view, view->spans[s].first + i);
-            iso_box_add(&box,
-                        iso_affine_point(affine, iso_brick_position(view->spans[s].brick, surfel.position)));
-        }
+    if (view->packed || view->bounds) return iso_box_of_items(&spans, affine);
+    for (size_t s = 0; s < view->span_count; s++) add_points(view, s, affine, &box);
     return box;
 }
 
+static iso_box around_vertices(const void *context, size_t span) {
+    const iso_mesh_view *view = context;
+    return in_brick(view->spans[span].brick, view->bounds ? &view->bounds[span] : NULL);
+}
+
+static void add_vertices(const void *context, size_t span, const iso_affine *affine, iso_box *box) {
+    const iso_mesh_view *view = context;
+    for (uint32_t i = 0; i < view->spans[span].owned_count; i++) {
+        const iso_surfel *vertex = &view->vertices[view->spans[span].first_vertex + i];
+        iso_box_add(box,
+                    iso_affine_point(affine, iso_brick_position(view->spans[span].brick, vertex->position)));
+    }
+}
+
 iso_box iso_bounds_of_each_vertex(const iso_mesh_view *view, const iso_affine *affine) {
-    iso_box box = iso_box_empty();
-    for (size_t s = 0; s < view->span_count; s++)
-        for (uint32_t i = 0; i < view->spans[s].owned_count; i++) {
-            const iso_surfel *vertex = &view->vertices[view->spans[s].first_vertex + i];
-            iso_box_add(&box,
-                        iso_affine_point(affine, iso_brick_position(view->spans[s].brick, vertex->position)));
-        }
-    return box;
+    const iso_box_items spans = {view, view->span_count, around_vertices, add_vertices};
+    return iso_box_of_items(&spans, affine);
 }
 
 iso_box iso_bounds_of_points(const iso_point_view *view) {

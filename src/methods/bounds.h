@@ -22,7 +22,8 @@ iso_box iso_bounds_of_cells(const iso_exact *cells, const iso_transform *transfo
 /* Whether an axis of the volume is not parallel to an axis of the world. */
 bool iso_bounds_is_oblique(const iso_transform *transform);
 
-/* Returns the box of all positions, in the coordinates to which `affine` maps index coordinates. */
+/* Returns the box of all positions, in the coordinates to which `affine` maps index coordinates. Meshes are
+ * extracted ones: their vertices lie in their bricks or at most two voxels beyond them. */
 iso_box iso_bounds_of_each_point(const iso_point_view *view, const iso_affine *affine);
 iso_box iso_bounds_of_each_vertex(const iso_mesh_view *view, const iso_affine *affine);
 
