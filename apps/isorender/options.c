@@ -492,7 +492,11 @@ static const iso_option options[] = {
      "what fills the picture: box (the box around the surface along the world's axes; of a file of points "
      "without the few that lie far from the others) or tight (the surface as it is seen); with "
      "--mm-per-pixel, which sets the scale, what is in the middle of the picture",
-     .group = CAMERA, .standard = "box", CHOICE(fit, fits)},
+     .group = CAMERA,
+     .standard = "tight; box with --camera-focal-point, --same-view, --part, --chunk-size or "
+                 "mpirun, of volumes larger than memory, of Gaussians and of points some of which lie far "
+                 "from the others",
+     CHOICE(fit, fits)},
     {"same-view", NULL, NULL,
      "all inputs get the isovalue and the camera of the first one that is drawn, so that their pictures can "
      "be compared",
@@ -558,8 +562,7 @@ static const iso_option options[] = {
      .group = RUNNING, CALL(apply_verbose), .flags = ISO_OPTION_VALUE_OPTIONAL | ISO_OPTION_UNRECORDED},
     {"chunk-size", NULL, "N",
      "draw the volume in chunks of N voxels a side, rounded up to multiples of 16, one after the other; what "
-     "comes "
-     "out does not depend on it",
+     "comes out does not depend on it, but for what fills the picture (--fit)",
      .group = RUNNING, .standard = "128, and only volumes larger than --max-memory",
      INT(chunk_size, 1, 1 << 20), UNRECORDED},
     {"no-index", NULL, NULL,
@@ -653,6 +656,7 @@ iso_status isorender_settings_parse(int argc, char *const *argv, isorender_setti
                                      .refraction = ISORENDER_REFRACTION_UNCHOSEN,
                                      .direction = ISORENDER_DIRECTION_UNCHOSEN,
                                      .up = {0, 0, 1},
+                                     .fit = ISORENDER_FIT_UNCHOSEN,
                                      .zoom = 1,
                                      .line_min_pixels = 1,
                                      .margin = NAN,

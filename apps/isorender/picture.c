@@ -139,8 +139,8 @@ void isorender_labels_make(const isorender_job *job, isorender_labels *l) {
         if (!job->surfaces[i].loader->has_points)
             used += (size_t)snprintf(l->isovalues + used, sizeof l->isovalues - used, "%s%.10g",
                                      used ? ", " : "isovalue ", job->surfaces[i].isovalue);
-    snprintf(l->command, sizeof l->command, "%s %s%s", program->name, job->plan->model,
-             job->settings->common.record);
+    snprintf(l->command, sizeof l->command, "%s %s%s%s", program->name, job->plan->model,
+             job->settings->common.record, isorender_camera_record(job));
 }
 
 iso_length_style isorender_lengths(const isorender_job *job) {

@@ -27,6 +27,14 @@ bool iso_bounds_is_oblique(const iso_transform *transform);
 iso_box iso_bounds_of_each_point(const iso_point_view *view, const iso_affine *affine);
 iso_box iso_bounds_of_each_vertex(const iso_mesh_view *view, const iso_affine *affine);
 
+/* How far a disc is drawn around its point, in radii. */
+#define ISO_BOUNDS_DISC_REACH 1.4
+
+/* The box of points with their discs, which reach ISO_BOUNDS_DISC_REACH radii, in coordinates along three
+ * world vectors, to which `along` maps index coordinates. */
+iso_box iso_bounds_of_each_disc(const iso_point_view *view, const iso_affine *along,
+                                const iso_vec3 vectors[3]);
+
 /* Extends `box` so that it contains `more`, which may be empty. */
 void iso_bounds_add(iso_box *box, const iso_box *more);
 
