@@ -1,6 +1,7 @@
 /* The camera: presets, framing and turntables. */
 #include <math.h>
 
+#include "apps/isorender/flat.h"
 #include "apps/isorender/labels.h"
 #include "apps/isorender/level.h"
 #include "methods/bounds.h"
@@ -114,25 +115,40 @@ static bool is_flat(const isorender_job *job, int axis, double ratio) {
     return sides[axis] < ratio * fmin(sides[(axis + 1) % 3], sides[(axis + 2) % 3]);
 }
 
+/* The least part of its area that a flat thing shows to an eye that does not see it from the edge. */
+static const double FACE_ON = 0.1;
+
+/* The one of left and iso that looks more squarely at a plane with this normal. */
+static iso_direction facing_direction(iso_vec3 normal, iso_vec3 world_up) {
+    iso_vec3 left, isometric, up;
+    iso_direction_vectors(ISO_LEFT, world_up, &left, &up);
+    iso_direction_vectors(ISO_ISOMETRIC, world_up, &isometric, &up);
+    return fabs(iso_vec3_dot(normal, isometric)) > fabs(iso_vec3_dot(normal, left)) ? ISO_ISOMETRIC
+                                                                                    : ISO_LEFT;
+}
+
 /* The direction that --camera names. Without it flat things are not looked at from their edge: they lie, as
- * landscapes of points do already if their height is at most 0.3 of their sides, or stand across the front.
- */
+ * landscapes of points do already if their height is at most 0.3 of their sides, or stand, along an axis or
+ * obliquely. */
 static iso_direction direction_of(const isorender_job *job) {
     static const double LANDSCAPE = 0.3, EDGE_ON = 0.02;
     const isorender_settings *settings = job->settings;
     if (settings->direction != ISORENDER_DIRECTION_UNCHOSEN) return (iso_direction)settings->direction;
     if (settings->azimuth != 0 || settings->elevation != 0 || job->has_volume) return ISO_FRONT;
-    iso_vec3 forward, up;
+    iso_vec3 forward, up, across;
     iso_direction_vectors(ISO_FRONT, settings->up, &forward, &up);
     if (is_flat(job, axis_of(up), job->loader.has_points ? LANDSCAPE : EDGE_ON)) return ISO_ISOMETRIC;
-    return is_flat(job, 3 - axis_of(up) - axis_of(forward), EDGE_ON) ? ISO_LEFT : ISO_FRONT;
+    if (is_flat(job, 3 - axis_of(up) - axis_of(forward), EDGE_ON)) return ISO_LEFT;
+    const bool edge_on =
+        isorender_is_flat(job, EDGE_ON, &across) && fabs(iso_vec3_dot(across, forward)) < FACE_ON;
+    return edge_on ? facing_direction(across, settings->up) : ISO_FRONT;
 }
 
 /* A patient is seen from the top with the front at the picture's top, as from the bottom; other volumes as
  * the maps that they may be, with +y at the top. */
 static bool is_from_top_of_patient(const isorender_job *job) {
-    return direction_of(job) == ISO_TOP && job->settings->up.z > 0 && job->has_volume &&
-           job->loader.volume.info.anatomical;
+    return job->has_volume && job->loader.volume.info.anatomical && direction_of(job) == ISO_TOP &&
+           job->settings->up.z > 0;
 }
 
 /* The camera without --camera-position: the preset, turned, at the distance that shows everything. */

@@ -472,8 +472,8 @@ static const iso_option options[] = {
 
     {"camera", "camera-preset", "NAME", "side to look from: front, back, left, right, top, bottom, iso",
      .group = CAMERA,
-     .standard = "front; iso for files of points that are flat, as landscapes; left or iso for what is flat "
-                 "and edge-on from the front",
+     .standard = "front; iso for files of points that are flat, as landscapes; left or iso, whichever shows "
+                 "more, for what is flat and edge-on from the front",
      CHOICE(direction, directions),
      .hint = "--azimuth and --elevation turn the camera, --camera-position places it"},
     {"up", NULL, "AXIS", "world axis that is up: +x -x +y -y +z -z", .group = CAMERA, .standard = "+z",
