@@ -1,6 +1,8 @@
 /* The camera: presets, framing and turntables. */
 #include <math.h>
 
+#include "apps/isorender/flat.h"
+#include "apps/isorender/labels.h"
 #include "apps/isorender/level.h"
 #include "methods/bounds.h"
 
@@ -37,7 +39,7 @@ static iso_box frame_of_cloud(const isorender_job *job) {
     const double radius = job->cloud.radius, size = iso_vec3_length(iso_vec3_sub(box.hi, box.lo));
     const bool chosen = job->settings->radius > 0 && size > 0; /* the user knows how large they are */
     if (1.01 * FEW_ACROSS * radius < size || chosen) return box;
-    const double reach = 1.4 * radius; /* of a disc as it is drawn */
+    const double reach = ISO_BOUNDS_DISC_REACH * radius;
     const iso_vec3 more = {reach, reach, reach};
     return (iso_box){iso_vec3_sub(box.lo, more), iso_vec3_add(box.hi, more)};
 }
@@ -55,6 +57,29 @@ static iso_box framed_box(const isorender_job *job) {
     return box;
 }
 
+/* What fills the picture of a whole volume, or of anything else, when --fit does not say it: the surface as
+ * it is seen, unless
+ * - the camera's place is said, or is that of several inputs: a box leaves room around the first one;
+ * - it is Gaussians, which extend beyond their middles;
+ * - a few points lie so far from the others that these would become specks. */
+static isorender_fit usual_fit(const isorender_job *job) {
+    const isorender_settings *settings = job->settings;
+    const bool placed = is_given(settings->position) || is_given(settings->focal_point) || settings->first;
+    return placed || job->gaussians || job->outside_frame ? ISORENDER_FIT_BOX : ISORENDER_FIT_TIGHT;
+}
+
+/* What fills the picture. In chunks it is the box when --fit does not say it: to find how far the surface
+ * extends as it is seen, all chunks would be read several times more. */
+static isorender_fit fit_of(const isorender_job *job) {
+    if (job->settings->fit != ISORENDER_FIT_UNCHOSEN) return (isorender_fit)job->settings->fit;
+    return job->chunks ? ISORENDER_FIT_BOX : usual_fit(job);
+}
+
+const char *isorender_camera_record(const isorender_job *job) {
+    const bool unchosen = job->settings->fit == ISORENDER_FIT_UNCHOSEN;
+    return unchosen && fit_of(job) != usual_fit(job) ? " --fit=box" : "";
+}
+
 static void log_outside(const isorender_job *job) {
     if (job->outside_frame)
         isorender_log(
@@ -66,14 +91,14 @@ static iso_vec3 middle_of(const iso_box *box) {
     return iso_vec3_scale(iso_vec3_add(box->lo, box->hi), 0.5);
 }
 
-static void frame_surface(isorender_job *job, int framing, iso_camera *camera) {
+static void frame_surface(isorender_job *job, isorender_fit fitting, iso_camera *camera) {
     const isorender_settings *settings = job->settings;
     const iso_fit fit = {.aspect = (double)settings->width / settings->height,
                          .turns = settings->turntable,
                          .fill = isnan(settings->margin) ? 0 : 1 - 2 * settings->margin,
                          .bounds = bounds_along,
                          .context = job};
-    if (framing == ISORENDER_FIT_TIGHT)
+    if (fitting == ISORENDER_FIT_TIGHT)
         iso_camera_fit_tight(camera, middle_of(&job->bounds_world), &fit);
     else
         iso_camera_fit_box(camera, &job->bounds_framed, &fit);
@@ -90,29 +115,44 @@ static bool is_flat(const isorender_job *job, int axis, double ratio) {
     return sides[axis] < ratio * fmin(sides[(axis + 1) % 3], sides[(axis + 2) % 3]);
 }
 
+/* The least part of its area that a flat thing shows to an eye that does not see it from the edge. */
+static const double FACE_ON = 0.1;
+
+/* The one of left and iso that looks more squarely at a plane with this normal. */
+static iso_direction facing_direction(iso_vec3 normal, iso_vec3 world_up) {
+    iso_vec3 left, isometric, up;
+    iso_direction_vectors(ISO_LEFT, world_up, &left, &up);
+    iso_direction_vectors(ISO_ISOMETRIC, world_up, &isometric, &up);
+    return fabs(iso_vec3_dot(normal, isometric)) > fabs(iso_vec3_dot(normal, left)) ? ISO_ISOMETRIC
+                                                                                    : ISO_LEFT;
+}
+
 /* The direction that --camera names. Without it flat things are not looked at from their edge: they lie, as
- * landscapes of points do already if their height is at most 0.3 of their sides, or stand across the front.
- */
+ * landscapes of points do already if their height is at most 0.3 of their sides, or stand, along an axis or
+ * obliquely. */
 static iso_direction direction_of(const isorender_job *job) {
     static const double LANDSCAPE = 0.3, EDGE_ON = 0.02;
     const isorender_settings *settings = job->settings;
     if (settings->direction != ISORENDER_DIRECTION_UNCHOSEN) return (iso_direction)settings->direction;
     if (settings->azimuth != 0 || settings->elevation != 0 || job->has_volume) return ISO_FRONT;
-    iso_vec3 forward, up;
+    iso_vec3 forward, up, across;
     iso_direction_vectors(ISO_FRONT, settings->up, &forward, &up);
     if (is_flat(job, axis_of(up), job->loader.has_points ? LANDSCAPE : EDGE_ON)) return ISO_ISOMETRIC;
-    return is_flat(job, 3 - axis_of(up) - axis_of(forward), EDGE_ON) ? ISO_LEFT : ISO_FRONT;
+    if (is_flat(job, 3 - axis_of(up) - axis_of(forward), EDGE_ON)) return ISO_LEFT;
+    const bool edge_on =
+        isorender_is_flat(job, EDGE_ON, &across) && fabs(iso_vec3_dot(across, forward)) < FACE_ON;
+    return edge_on ? facing_direction(across, settings->up) : ISO_FRONT;
 }
 
 /* A patient is seen from the top with the front at the picture's top, as from the bottom; other volumes as
  * the maps that they may be, with +y at the top. */
 static bool is_from_top_of_patient(const isorender_job *job) {
-    return direction_of(job) == ISO_TOP && job->settings->up.z > 0 && job->has_volume &&
-           job->loader.volume.info.anatomical;
+    return job->has_volume && job->loader.volume.info.anatomical && direction_of(job) == ISO_TOP &&
+           job->settings->up.z > 0;
 }
 
 /* The camera without --camera-position: the preset, turned, at the distance that shows everything. */
-static iso_camera fitted_camera(isorender_job *job, int framing) {
+static iso_camera fitted_camera(isorender_job *job, isorender_fit fitting) {
     const isorender_settings *settings = job->settings;
     iso_camera camera = {
         .view_angle = settings->view_angle, .orthographic = settings->orthographic != 0, .parallel_scale = 1};
@@ -122,7 +162,7 @@ static iso_camera fitted_camera(isorender_job *job, int framing) {
     if (is_given(settings->view_up)) camera.view_up = vector(settings->view_up);
     camera.position = iso_vec3_scale(forward, -1);
     iso_camera_orbit(&camera, settings->azimuth, settings->elevation);
-    frame_surface(job, framing, &camera);
+    frame_surface(job, fitting, &camera);
     if (is_given(settings->focal_point)) {
         iso_vec3 shift = iso_vec3_sub(vector(settings->focal_point), camera.focal_point);
         camera.focal_point = vector(settings->focal_point);
@@ -139,11 +179,11 @@ static void place_camera(const isorender_job *job, iso_camera *camera) {
         iso_camera_orbit(camera, settings->azimuth, settings->elevation);
 }
 
-/* The camera of the settings, at a distance that shows job->bounds_framed or, if --fit tight is followed, the
+/* The camera of the settings, at a distance that shows job->bounds_framed or, if the fit is tight, the
  * surface. */
-static iso_camera make_camera(isorender_job *job, int framing) {
+static iso_camera make_camera(isorender_job *job, isorender_fit fitting) {
     const isorender_settings *settings = job->settings;
-    iso_camera camera = fitted_camera(job, framing);
+    iso_camera camera = fitted_camera(job, fitting);
     if (is_given(settings->position)) place_camera(job, &camera);
     if (settings->zoom != 1) iso_camera_zoom(&camera, settings->zoom);
     if (settings->mm_per_pixel > 0) camera.parallel_scale = settings->mm_per_pixel * settings->height / 2;
@@ -163,8 +203,9 @@ iso_status isorender_camera_make(isorender_job *job, iso_error *error) {
         job->camera = first->camera;
         return ISO_OK;
     }
-    if (!is_given(settings->position) && settings->fit == ISORENDER_FIT_BOX) log_outside(job);
-    const iso_camera camera = make_camera(job, settings->fit);
+    const isorender_fit fitting = fit_of(job);
+    if (!is_given(settings->position) && fitting == ISORENDER_FIT_BOX) log_outside(job);
+    const iso_camera camera = make_camera(job, fitting);
     ISO_TRY(iso_camera_check(&camera, error));
     job->camera = camera;
     if (first) *first = (isorender_same_view){first->has_isovalue, true, first->isovalue, camera};

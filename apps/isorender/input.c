@@ -15,17 +15,26 @@ static uint64_t memory_limit(const isorender_settings *settings) {
     return iso_memory_limit(settings->common.input.max_memory);
 }
 
-static iso_status check_picture(const isorender_job *job, iso_error *error) {
+/* The memory that the picture takes with one sample a pixel. */
+static uint64_t least_picture_bytes(isorender_job *job) {
+    const int samples = job->samples;
+    job->samples = 1;
+    const uint64_t bytes = isorender_picture_bytes(job);
+    job->samples = samples;
+    return bytes;
+}
+
+static iso_status check_picture(isorender_job *job, iso_error *error) {
     if (!isorender_plan_draws(job->plan)) return ISO_OK;
-    uint64_t needs = isorender_picture_bytes(job);
-    uint64_t limit = memory_limit(job->settings);
+    const uint64_t needs = isorender_picture_bytes(job), limit = memory_limit(job->settings);
     char samples[40] = "";
     if (needs <= limit) return ISO_OK;
-    if (job->samples > 1) snprintf(samples, sizeof samples, " with %d samples a pixel", job->samples);
+    const bool fewer_help = job->samples > 1 && least_picture_bytes(job) <= limit;
+    if (fewer_help) snprintf(samples, sizeof samples, " with %d samples a pixel", job->samples);
     return iso_fail(error, ISO_ERR_LIMIT,
                     "a picture of %dx%d%s needs %.0f MB, limit is %.0f MB (--max-memory%s)",
                     job->settings->width, job->settings->height, samples, (double)needs / 1e6,
-                    (double)limit / 1e6, job->samples > 1 ? "; --samples 1 needs less" : "");
+                    (double)limit / 1e6, fewer_help ? "; --samples 1 needs less" : "");
 }
 
 /* Checks that the limit of memory allows the grids of their own that surfaces will get (closed, or with

@@ -154,8 +154,8 @@ iso_point_view isorender_points_view(const isorender_job *job, int surface);
 /* Returns the translucency of a surface or an object with this opacity; without absorption. */
 iso_translucency isorender_translucency(const isorender_settings *settings, double opacity);
 
-/* Returns the box of all surfaces, without objects, in coordinates along three world vectors, as
- * iso_fit.bounds asks for it. */
+/* Returns the box of all surfaces, of clouds with their discs, without objects, in coordinates along three
+ * world vectors, as iso_fit.bounds asks for it. */
 iso_box isorender_bounds(const isorender_job *job, const iso_vec3 vectors[3]);
 
 /* ---- cloud.c: a file of points as the input */

@@ -15,6 +15,9 @@ typedef struct isorender_labels {
     char software[64], isovalues[512], command[ISO_RECORD_SIZE + 256];
 } isorender_labels;
 void isorender_labels_make(const isorender_job *job, isorender_labels *labels);
+/* camera.c: the end of the command that the picture's file states: --fit=box if the picture frames the box
+ * only because it is drawn in chunks; else nothing. */
+const char *isorender_camera_record(const isorender_job *job);
 /* The unit of the picture's world: that of the volume, of the points, or of lines and glyphs if there is
  * nothing else, as far as their files state it; mm by --mm-per-pixel if none is stated. */
 iso_world_unit isorender_unit(const isorender_job *job);

@@ -464,8 +464,8 @@ static const iso_option options[] = {
 
     {"camera", "camera-preset", "NAME", "side to look from: front, back, left, right, top, bottom, iso",
      .group = CAMERA,
-     .standard = "front; iso for files of points that are flat, as landscapes; left or iso for what is flat "
-                 "and edge-on from the front",
+     .standard = "front; iso for files of points that are flat, as landscapes; left or iso, whichever shows "
+                 "more, for what is flat and edge-on from the front",
      CHOICE(direction, directions),
      .hint = "--azimuth and --elevation turn the camera, --camera-position places it"},
     {"up", NULL, "AXIS", "world axis that is up: +x -x +y -y +z -z", .group = CAMERA, .standard = "+z",
@@ -484,7 +484,11 @@ static const iso_option options[] = {
      "what fills the picture: box (the box around the surface along the world's axes; of a file of points "
      "without the few that lie far from the others) or tight (the surface as it is seen); with "
      "--mm-per-pixel, which sets the scale, what is in the middle of the picture",
-     .group = CAMERA, .standard = "box", CHOICE(fit, fits)},
+     .group = CAMERA,
+     .standard = "tight; box with --camera-focal-point, --same-view, --part, --chunk-size or "
+                 "mpirun, of volumes larger than memory, of Gaussians and of points some of which lie far "
+                 "from the others",
+     CHOICE(fit, fits)},
     {"same-view", NULL, NULL,
      "all inputs get the isovalue and the camera of the first one that is drawn, so that their pictures can "
      "be compared",
@@ -550,8 +554,7 @@ static const iso_option options[] = {
      .group = RUNNING, CALL(apply_verbose), .flags = ISO_OPTION_VALUE_OPTIONAL | ISO_OPTION_UNRECORDED},
     {"chunk-size", NULL, "N",
      "draw the volume in chunks of N voxels a side, rounded up to multiples of 16, one after the other; what "
-     "comes "
-     "out does not depend on it",
+     "comes out does not depend on it, but for what fills the picture (--fit)",
      .group = RUNNING, .standard = "128, and only volumes larger than --max-memory",
      INT(chunk_size, 1, 1 << 20), UNRECORDED},
     {"no-index", NULL, NULL,
@@ -644,6 +647,7 @@ iso_status isorender_settings_parse(int argc, char *const *argv, isorender_setti
                                      .background = {255, 255, 255},
                                      .direction = ISORENDER_DIRECTION_UNCHOSEN,
                                      .up = {0, 0, 1},
+                                     .fit = ISORENDER_FIT_UNCHOSEN,
                                      .zoom = 1,
                                      .line_min_pixels = 1,
                                      .margin = NAN,

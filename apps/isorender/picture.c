@@ -11,6 +11,7 @@
 #include "apps/isorender/labels.h"
 #include "apps/isorender/pyramid_sets.h"
 #include "base/clock.h"
+#include "base/memory.h"
 #include "image/annotate.h"
 #include "image/exr.h"
 #include "image/image_file.h"
@@ -138,8 +139,8 @@ void isorender_labels_make(const isorender_job *job, isorender_labels *l) {
         if (!job->surfaces[i].loader->has_points)
             used += (size_t)snprintf(l->isovalues + used, sizeof l->isovalues - used, "%s%.10g",
                                      used ? ", " : "isovalue ", job->surfaces[i].isovalue);
-    snprintf(l->command, sizeof l->command, "%s %s%s", program->name, job->plan->model,
-             job->settings->common.record);
+    snprintf(l->command, sizeof l->command, "%s %s%s%s", program->name, job->plan->model,
+             job->settings->common.record, isorender_camera_record(job));
 }
 
 iso_length_style isorender_lengths(const isorender_job *job) {
@@ -328,6 +329,15 @@ static void number_elements(const isorender_job *job, iso_aov *aov) {
         isorender_object_number(&job->objects[i], (uint32_t)(job->surface_count + i + 1), aov);
 }
 
+static uint64_t smaller(uint64_t a, uint64_t b) {
+    return a < b ? a : b;
+}
+
+/* The most bytes of the gbuffer of a strip: where memory is scarce, strips are shorter. */
+static uint64_t strip_bytes(const isorender_settings *settings) {
+    return smaller(iso_memory_limit(settings->common.input.max_memory) / 4, ISO_PICTURE_STRIP_BYTES);
+}
+
 static iso_status render_frame(isorender_job *job, int frame, canvas *c, iso_error *error) {
     const isorender_settings *settings = job->settings;
     iso_camera camera = isorender_camera_of_frame(job, frame);
@@ -340,6 +350,7 @@ static iso_status render_frame(isorender_job *job, int frame, canvas *c, iso_err
                              .width = settings->width,
                              .height = settings->height,
                              .samples = job->samples,
+                             .strip_bytes = (size_t)strip_bytes(settings),
                              .shading = {colors, count, settings->background, settings->transparent},
                              .lighting = (iso_lighting)settings->lighting,
                              .draw = draw,
@@ -413,20 +424,20 @@ static float smallest_spacing(const isorender_job *job) {
 
 uint64_t isorender_picture_bytes(const isorender_job *job) {
     const isorender_settings *settings = job->settings;
-    enum { SAMPLE = sizeof(float) + 3 * sizeof(float) + 1, STRIP = 256 << 20 };
     uint64_t pixels = (uint64_t)settings->width * (uint64_t)settings->height;
-    uint64_t samples = pixels * (uint64_t)job->samples * SAMPLE;
+    uint64_t samples = pixels * (uint64_t)job->samples * ISO_PICTURE_SAMPLE_BYTES;
     if (settings->lighting) samples += pixels * (uint64_t)job->samples * sizeof(float);
+    const uint64_t gbuffer = smaller(samples, strip_bytes(settings));
     uint64_t aov = settings->aov ? pixels * (ISO_AOV_PLANES + 1) * sizeof(float) : 0;
     if (has_ids(settings)) aov += pixels * ISO_ID_PLANES * sizeof(uint32_t);
-    uint64_t bytes = 4 * pixels + isorender_chunks_bytes(job) + aov + (samples < STRIP ? samples : STRIP);
+    uint64_t bytes = 4 * pixels + isorender_chunks_bytes(job) + aov + gbuffer;
     const uint64_t threads = (uint64_t)iso_pool_threads(job->pool);
     const bool fragments = isorender_object_opacity_option(settings) != NULL;
     if (isorender_is_translucent(settings) || fragments) bytes += threads * ISO_EXACT_LAYERS_BYTES;
     if (fragments) bytes += threads * ISO_SHAPES_PIECES_BYTES;
     if (settings->ior > 0)
         bytes += iso_glass_scene_bytes((iso_refraction)settings->refraction, pixels * (uint64_t)job->samples);
-    if (job->backend->engine && settings->object_options.count) bytes += samples < STRIP ? samples : STRIP;
+    if (job->backend->engine && settings->object_options.count) bytes += gbuffer;
     if (job->backend->engine) return bytes + isorender_gl_bytes(job);
     const bool pyramids = job->method == ISO_METHOD_PULLPUSH || job->method == ISO_METHOD_HYBRID;
     if (!pyramids && job->method != ISO_METHOD_DISCS) return bytes;
@@ -436,9 +447,9 @@ uint64_t isorender_picture_bytes(const isorender_job *job) {
         sets |= settings->object_options.kinds[i] != ISORENDER_GLYPHS;
         meshes |= settings->object_options.kinds[i] == ISORENDER_MESH;
     }
-    if (meshes) bytes += samples < STRIP ? samples : STRIP; /* the triangles' picture */
+    if (meshes) bytes += gbuffer; /* the triangles' picture */
     uint64_t pyramid = pixels * (uint64_t)job->samples * (PYRAMID + (sets && pyramids ? SETS : 0));
-    return bytes + (pyramid < STRIP ? pyramid : STRIP);
+    return bytes + smaller(pyramid, ISO_PICTURE_STRIP_BYTES);
 }
 
 /* Logs an ffmpeg command that makes a film of a turntable; {n:3} becomes %03d in its input. */

@@ -25,8 +25,13 @@ enum { ISORENDER_METHOD_UNCHOSEN = -1 };
 /* isorender_settings.direction when the option is not given: front, but iso for flat files of points. */
 enum { ISORENDER_DIRECTION_UNCHOSEN = -1 };
 
-/* What the camera frames: the box around the surface, or the surface itself. */
-typedef enum isorender_fit { ISORENDER_FIT_BOX, ISORENDER_FIT_TIGHT } isorender_fit;
+/* What the camera frames: the box around the surface, or the surface itself. Unchosen: as
+ * isorender_camera_make decides. */
+typedef enum isorender_fit {
+    ISORENDER_FIT_BOX,
+    ISORENDER_FIT_TIGHT,
+    ISORENDER_FIT_UNCHOSEN = -1
+} isorender_fit;
 
 /* Values of isorender_settings.reconstruction beside iso_reconstruction. */
 enum {

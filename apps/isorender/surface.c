@@ -313,13 +313,22 @@ static iso_box bounds_of_instances(const isorender_job *job, int i, const iso_bo
     return iso_placed_bounds(&job->instances.placements, &transform, &index, own, vectors);
 }
 
+/* Whether a surface is a cloud that is framed with its discs: not if the user has said how large they are. */
+static bool has_framed_discs(const isorender_job *job, int i) {
+    const bool has_discs = job->method != ISO_METHOD_POINTS && !job->gaussians;
+    return job->surfaces[i].loader->has_points && has_discs && !(job->settings->radius > 0);
+}
+
 iso_box isorender_bounds(const isorender_job *job, const iso_vec3 vectors[3]) {
     iso_box all = iso_box_empty();
     for (int i = 0; i < job->surface_count; i++) {
         const iso_transform transform = transform_of(job, &job->surfaces[i]);
         const iso_affine world = iso_transform_affine(&transform);
         const iso_affine along = affine_along(&world, vectors);
-        const iso_box own = bounds_of(job, i, &along), box = bounds_of_instances(job, i, &own, vectors);
+        const iso_box own = has_framed_discs(job, i)
+                                ? iso_bounds_of_each_disc(&job->read_points, &along, vectors)
+                                : bounds_of(job, i, &along),
+                      box = bounds_of_instances(job, i, &own, vectors);
         iso_bounds_add(&all, &box);
     }
     return all;

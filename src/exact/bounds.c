@@ -1,7 +1,9 @@
-/* bounds: the box of the points where the surface crosses the edges of cells. Octants whose crossed cells lie
- * wholly in the box found so far are skipped, so that the points of only a few octants are computed. */
+/* bounds: the box of the points where the surface crosses the edges of cells. Bricks and octants whose
+ * crossed cells lie wholly in the box found so far are skipped, so that the points of only a few octants are
+ * computed. */
 #include <math.h>
 
+#include "base/box_items.h"
 #include "exact/set.h"
 
 /* Value number `at` of the corner values of an octant (iso_exact_corners), as a float. */
@@ -57,27 +59,40 @@ static void add_octant(const iso_exact *exact, const iso_exact_span *span, const
         }
 }
 
-static bool contains(const iso_box *box, const iso_box *other) {
-    return box->lo.x <= other->lo.x && box->lo.y <= other->lo.y && box->lo.z <= other->lo.z &&
-           box->hi.x >= other->hi.x && box->hi.y >= other->hi.y && box->hi.z >= other->hi.z;
+static iso_box box_of(const iso_exact_span *span, const int first[3], const int end[3]) {
+    const int32_t *brick = span->brick;
+    const double x = ISO_BRICK * (double)brick[0], y = ISO_BRICK * (double)brick[1],
+                 z = ISO_BRICK * (double)brick[2];
+    return (iso_box){{x + first[0], y + first[1], z + first[2]}, {x + end[0], y + end[1], z + end[2]}};
+}
+
+static iso_box around_octant(const iso_exact_span *span, const iso_exact_octant *octant) {
+    int first[3], end[3];
+    for (int axis = 0; axis < 3; axis++) {
+        first[axis] = octant->origin[axis] + octant->low[axis];
+        end[axis] = octant->origin[axis] + octant->high[axis] + 1;
+    }
+    return box_of(span, first, end);
+}
+
+static iso_box around_span(const void *context, size_t item) {
+    const iso_exact *exact = context;
+    static const int first[3] = {0}, end[3] = {ISO_BRICK, ISO_BRICK, ISO_BRICK};
+    const iso_exact_span *span = &iso_exact_spans(exact)[item];
+    return span->octants ? box_of(span, first, end) : iso_box_empty();
+}
+
+static void add_span(const void *context, size_t item, const iso_affine *affine, iso_box *box) {
+    const iso_exact *exact = context;
+    const iso_exact_span *span = &iso_exact_spans(exact)[item];
+    for (uint32_t b = 0; b < span->octants; b++) {
+        const iso_exact_octant *octant = &iso_exact_octants(exact)[span->octant + b];
+        const iso_box around = around_octant(span, octant);
+        if (!iso_box_contains_mapped(box, &around, affine)) add_octant(exact, span, octant, affine, box);
+    }
 }
 
 iso_box iso_exact_bounds(const iso_exact *exact, const iso_affine *affine) {
-    iso_box box = iso_box_empty();
-    for (size_t s = 0; s < exact->set.span_count; s++) {
-        const iso_exact_span *span = &iso_exact_spans(exact)[s];
-        for (uint32_t b = 0; b < span->octants; b++) {
-            const iso_exact_octant *octant = &iso_exact_octants(exact)[span->octant + b];
-            double low[3], high[3];
-            for (int axis = 0; axis < 3; axis++) {
-                const double first = ISO_BRICK * (double)span->brick[axis] + octant->origin[axis];
-                low[axis] = first + octant->low[axis];
-                high[axis] = first + octant->high[axis] + 1;
-            }
-            iso_box most = {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}};
-            if (affine) most = iso_box_transform(&most, affine);
-            if (!contains(&box, &most)) add_octant(exact, span, octant, affine, &box);
-        }
-    }
-    return box;
+    const iso_box_items spans = {exact, exact->set.span_count, around_span, add_span};
+    return iso_box_of_items(&spans, affine);
 }

@@ -1,32 +1,126 @@
 /* bounds: world boxes of points, meshes and cells. */
 #include "methods/bounds.h"
 
+#include <math.h>
+
+#include "base/box_items.h"
+
 bool iso_bounds_is_oblique(const iso_transform *transform) {
     int zeros = 0;
     for (int i = 0; i < 9; i++) zeros += transform->direction[i] == 0;
     return zeros < 6;
 }
 
+/* A box, in index coordinates, of positions relative to a brick: by default of those that packed points can
+ * have. */
+static iso_box in_brick(const int32_t brick[3], const iso_point_bounds *bounds) {
+    static const iso_point_bounds most = {{-2, -2, -2}, {18, 18, 18}, {0}, {0}};
+    if (!bounds) bounds = &most;
+    if (bounds->lo[0] > bounds->hi[0]) return iso_box_empty();
+    return (iso_box){iso_brick_position(brick, bounds->lo), iso_brick_position(brick, bounds->hi)};
+}
+
+static iso_box around_points(const void *context, size_t span) {
+    const iso_point_view *view = context;
+    return in_brick(view->spans[span].brick, view->bounds ? &view->bounds[span] : NULL);
+}
+
+static void add_points(const void *context, size_t span, const iso_affine *affine, iso_box *box) {
+    const iso_point_view *view = context;
+    for (uint32_t i = 0; i < view->spans[span].count; i++) {
+        iso_surfel surfel = iso_point_view_get(view, view->spans[span].first + i);
+        iso_box_add(box,
+                    iso_affine_point(affine, iso_brick_position(view->spans[span].brick, surfel.position)));
+    }
+}
+
 iso_box iso_bounds_of_each_point(const iso_point_view *view, const iso_affine *affine) {
+    const iso_box_items spans = {view, view->span_count, around_points, add_points};
     iso_box box = iso_box_empty();
-    for (size_t s = 0; s < view->span_count; s++)
-        for (uint32_t i = 0; i < view->spans[s].count; i++) {
-            iso_surfel surfel = iso_point_view_get(view, view->spans[s].first + i);
-            iso_box_add(&box,
-                        iso_affine_point(affine, iso_brick_position(view->spans[s].brick, surfel.position)));
-        }
+    if (view->packed || view->bounds) return iso_box_of_items(&spans, affine);
+    for (size_t s = 0; s < view->span_count; s++) add_points(view, s, affine, &box);
     return box;
 }
 
-iso_box iso_bounds_of_each_vertex(const iso_mesh_view *view, const iso_affine *affine) {
+typedef struct discs {
+    const iso_point_view *view;
+    iso_affine world;
+    const iso_vec3 *vectors;
+    double most; /* how far the largest disc reaches, in index coordinates */
+} discs;
+
+/* How far a disc reaches, mm. */
+static double reach_of(const discs *d, size_t point) {
+    const iso_point_view *view = d->view;
+    const double scale = (double)iso_point_view_radii_scale(view);
+    return ISO_BOUNDS_DISC_REACH * (view->radii ? scale * (double)view->radii[point] : view->radius);
+}
+
+/* The length of the part of v that is perpendicular to a unit vector n, or of all of it if n is 0. */
+static double share_across(iso_vec3 n, iso_vec3 v) {
+    const double along = iso_vec3_dot(n, v);
+    return sqrt(fmax(iso_vec3_dot(v, v) - along * along, 0));
+}
+
+static iso_box around_discs(const void *context, size_t span) {
+    const discs *d = context;
+    iso_box box = around_points(d->view, span);
+    if (iso_box_is_empty(&box)) return box;
+    const iso_vec3 most = {d->most, d->most, d->most};
+    return (iso_box){iso_vec3_sub(box.lo, most), iso_vec3_add(box.hi, most)};
+}
+
+static void add_discs(const void *context, size_t span, const iso_affine *affine, iso_box *box) {
+    const discs *d = context;
+    const iso_point_view *view = d->view;
+    for (uint32_t i = 0; i < view->spans[span].count; i++) {
+        const size_t point = view->spans[span].first + i;
+        const iso_surfel surfel = iso_point_view_get(view, point);
+        const iso_vec3 p =
+            iso_affine_point(affine, iso_brick_position(view->spans[span].brick, surfel.position));
+        const iso_vec3 n =
+            iso_affine_normal(&d->world, iso_vec3_make((double)surfel.normal[0], (double)surfel.normal[1],
+                                                       (double)surfel.normal[2]));
+        const double reach = reach_of(d, point);
+        const iso_vec3 more = {reach * share_across(n, d->vectors[0]), reach * share_across(n, d->vectors[1]),
+                               reach * share_across(n, d->vectors[2])};
+        iso_box_add(box, iso_vec3_sub(p, more));
+        iso_box_add(box, iso_vec3_add(p, more));
+    }
+}
+
+iso_box iso_bounds_of_each_disc(const iso_point_view *view, const iso_affine *along,
+                                const iso_vec3 vectors[3]) {
+    const double *s = view->transform.spacing;
+    discs d = {.view = view, .world = iso_transform_affine(&view->transform), .vectors = vectors};
+    for (size_t span = 0; span < view->span_count; span++)
+        for (uint32_t i = 0; i < view->spans[span].count; i++)
+            d.most = fmax(d.most, reach_of(&d, view->spans[span].first + i));
+    d.most /= fmin(s[0], fmin(s[1], s[2]));
+    const iso_box_items spans = {&d, view->span_count, around_discs, add_discs};
     iso_box box = iso_box_empty();
-    for (size_t s = 0; s < view->span_count; s++)
-        for (uint32_t i = 0; i < view->spans[s].owned_count; i++) {
-            const iso_surfel *vertex = &view->vertices[view->spans[s].first_vertex + i];
-            iso_box_add(&box,
-                        iso_affine_point(affine, iso_brick_position(view->spans[s].brick, vertex->position)));
-        }
+    if (view->packed || view->bounds) return iso_box_of_items(&spans, along);
+    for (size_t span = 0; span < view->span_count; span++) add_discs(&d, span, along, &box);
     return box;
+}
+
+static iso_box around_vertices(const void *context, size_t span) {
+    const iso_mesh_view *view = context;
+    return in_brick(view->spans[span].brick, view->bounds ? &view->bounds[span] : NULL);
+}
+
+static void add_vertices(const void *context, size_t span, const iso_affine *affine, iso_box *box) {
+    const iso_mesh_view *view = context;
+    for (uint32_t i = 0; i < view->spans[span].owned_count; i++) {
+        const iso_surfel *vertex = &view->vertices[view->spans[span].first_vertex + i];
+        iso_box_add(box,
+                    iso_affine_point(affine, iso_brick_position(view->spans[span].brick, vertex->position)));
+    }
+}
+
+iso_box iso_bounds_of_each_vertex(const iso_mesh_view *view, const iso_affine *affine) {
+    const iso_box_items spans = {view, view->span_count, around_vertices, add_vertices};
+    return iso_box_of_items(&spans, affine);
 }
 
 iso_box iso_bounds_of_points(const iso_point_view *view) {

@@ -22,9 +22,18 @@ iso_box iso_bounds_of_cells(const iso_exact *cells, const iso_transform *transfo
 /* Whether an axis of the volume is not parallel to an axis of the world. */
 bool iso_bounds_is_oblique(const iso_transform *transform);
 
-/* Returns the box of all positions, in the coordinates to which `affine` maps index coordinates. */
+/* Returns the box of all positions, in the coordinates to which `affine` maps index coordinates. Meshes are
+ * extracted ones: their vertices lie in their bricks or at most two voxels beyond them. */
 iso_box iso_bounds_of_each_point(const iso_point_view *view, const iso_affine *affine);
 iso_box iso_bounds_of_each_vertex(const iso_mesh_view *view, const iso_affine *affine);
+
+/* How far a disc is drawn around its point, in radii. */
+#define ISO_BOUNDS_DISC_REACH 1.4
+
+/* The box of points with their discs, which reach ISO_BOUNDS_DISC_REACH radii, in coordinates along three
+ * world vectors, to which `along` maps index coordinates. */
+iso_box iso_bounds_of_each_disc(const iso_point_view *view, const iso_affine *along,
+                                const iso_vec3 vectors[3]);
 
 /* Extends `box` so that it contains `more`, which may be empty. */
 void iso_bounds_add(iso_box *box, const iso_box *more);

@@ -5,10 +5,6 @@
 
 #include "render/shading/eye_dome.h"
 
-/* Bytes of the gbuffer per sample: depth, normal, surface. */
-enum { SAMPLE_BYTES = 4 * sizeof(float) + 1 };
-static const size_t GBUFFER_BYTES = (size_t)256 << 20;
-
 int iso_picture_factor(int samples) {
     if (samples == 0) return 1;
     for (int factor = 1; factor <= ISO_FACTOR_MAX; factor++)
@@ -23,8 +19,10 @@ iso_status iso_picture_check_samples(int samples, iso_error *error) {
 }
 
 static int strip_rows(const iso_picture_opts *opts, int factor) {
-    size_t row = (size_t)opts->width * (size_t)(factor * factor) * SAMPLE_BYTES;
-    size_t rows = (GBUFFER_BYTES - 1) / row;
+    const size_t row = (size_t)opts->width * (size_t)(factor * factor) * ISO_PICTURE_SAMPLE_BYTES,
+                 most = opts->strip_bytes ? opts->strip_bytes : ISO_PICTURE_STRIP_BYTES,
+                 rows = (most - 1) / row;
+    if (rows < 1) return 1;
     return rows > (size_t)opts->height ? opts->height : (int)rows;
 }
 

@@ -32,11 +32,15 @@ typedef struct iso_picture_layers {
  * sample (render/shading/eye_dome.h). */
 typedef enum iso_lighting { ISO_LIGHTING_PHONG, ISO_LIGHTING_EYE_DOME } iso_lighting;
 
+/* Bytes of a gbuffer per sample (depth, normal, surface), and of the gbuffer of a strip at most. */
+enum { ISO_PICTURE_SAMPLE_BYTES = 4 * sizeof(float) + 1, ISO_PICTURE_STRIP_BYTES = 256 << 20 };
+
 typedef struct iso_picture_opts {
     const iso_camera *camera;
     const iso_view *view; /* NULL, or a view of width x height pixels that is used instead of the camera */
     int width, height;
-    int samples; /* per pixel: a square number 1, 4, 9 .. 64; 0 means 1 */
+    int samples;        /* per pixel: a square number 1, 4, 9 .. 64; 0 means 1 */
+    size_t strip_bytes; /* of the gbuffer, at most; 0 means ISO_PICTURE_STRIP_BYTES */
     iso_shading shading;
     iso_lighting lighting; /* not used with `layers` */
     iso_draw_fn *draw;
@@ -57,7 +61,8 @@ int iso_picture_factor(int samples);
 /* ISO_ERR_USAGE: no such number. */
 iso_status iso_picture_check_samples(int samples, iso_error *error);
 
-/* Renders in strips of rows so that the gbuffer stays below 256 MiB. `image` must be width x height pixels.
+/* Renders in strips of rows so that the gbuffer stays below strip_bytes, but a row of pixels at a time at
+ * least. The picture does not depend on the height of the strips. `image` must be width x height pixels.
  * *covered (NULL is fine) is set to the number of samples that show a surface. Errors: ISO_ERR_USAGE
  * (samples), ISO_ERR_NOMEM, and the errors of `draw`. */
 iso_status iso_picture_render(const iso_picture_opts *opts, iso_image *image, size_t *covered,

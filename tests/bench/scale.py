@@ -106,7 +106,8 @@ def differing(picture, other):
 
 
 def list_programs(options, volume):
-    pictures = ["--isovalue", ISOVALUE, "--resolution", "%dx%d" % (options.width, options.width), "--samples", "1", "--quiet", "--no-index"]
+    pictures = ["--isovalue", ISOVALUE, "--resolution", "%dx%d" % (options.width, options.width), "--samples", "1", "--fit", "box", "--quiet",
+                "--no-index"]
     isorender = os.path.join(options.bin, "isorender")
 
     def isorender_command(picture):

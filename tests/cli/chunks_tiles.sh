@@ -25,7 +25,7 @@ for z in range(0, side, tile):
 
 
 def run(*arguments):
-    done = subprocess.run(["isorender", "in/a.zarr", "-o", "a.png", "--isovalue", "75", "--resolution", "120x90", "--samples", "1", "--threads", "2",
+    done = subprocess.run(["isorender", "in/a.zarr", "-o", "a.png", "--isovalue", "75", "--resolution", "120x90", "--fit", "box", "--samples", "1", "--threads", "2",
                            "--quiet", "--json=a.json", *arguments], capture_output=True, text=True)
     if done.returncode == 3 and "not installed" in done.stderr:
         print("SKIP: built without Zarr")

@@ -30,7 +30,7 @@ def write(name, data=little, kind="Int16", pad=0, order="LittleEndian", length=N
 
 
 def run(*arguments):
-    done = subprocess.run(["isorender", *arguments, "--resolution", "160x120", "--isovalue", "520.5", "--quiet", "--camera", "iso",
+    done = subprocess.run(["isorender", *arguments, "--resolution", "160x120", "--isovalue", "520.5", "--quiet", "--camera", "iso", "--fit", "box",
                            "--threads", "2"], capture_output=True, text=True)
     return done.returncode, done.stderr
 

@@ -20,7 +20,7 @@ def write(shift):
 
 
 def run(name, *arguments):
-    done = subprocess.run(["isorender", "in/a.nrrd", "-o", name, "--isovalue", "100", "--resolution", "120x90", "--threads", "2",
+    done = subprocess.run(["isorender", "in/a.nrrd", "-o", name, "--isovalue", "100", "--resolution", "120x90", "--fit", "box", "--threads", "2",
                            "--json=%s.json" % name, *arguments], capture_output=True, text=True)
     expect(done.returncode == 0, done.stderr)
     return open(name, "rb").read(), report(name + ".json"), done.stderr
@@ -59,7 +59,7 @@ expect(picture == whole and said["chunks"]["bytes_read"] >= size, said["chunks"]
 expect(open("in/a.nrrd.isoindex", "rb").read() != index)
 # parts use it too, and a part of the file is another volume
 for k in (1, 2):
-    subprocess.run(["isorender", "in/a.nrrd", "--isovalue", "100", "--resolution", "120x90", "--part", "%d/2" % k, "-o",
+    subprocess.run(["isorender", "in/a.nrrd", "--isovalue", "100", "--resolution", "120x90", "--fit", "box", "--part", "%d/2" % k, "-o",
                     "%d.isokeys" % k, "--quiet"], check=True)
 subprocess.run(["isorender", "merge", "1.isokeys", "2.isokeys", "-o", "merged.png", "--quiet"], check=True)
 expect(open("merged.png", "rb").read() == whole)

@@ -19,7 +19,7 @@ def run(limit, *more, stdin=None):
     for name in ("a.png", "p.ply", "in/a.nrrd.isoindex"):
         if os.path.exists(name):
             os.remove(name)
-    done = subprocess.run(["isorender", "-" if stdin else "in/a.nrrd", "-o", "a.png", "--resolution", "120x90", "--threads", "2",
+    done = subprocess.run(["isorender", "-" if stdin else "in/a.nrrd", "-o", "a.png", "--resolution", "120x90", "--fit", "box", "--threads", "2",
                            *(["--max-memory", str(limit)] if limit else []), *more], stdin=stdin, capture_output=True, text=True)
     return done.returncode, done.stderr
 

@@ -18,11 +18,12 @@ def run(ranks, *arguments, shell=None):
     return subprocess.run([*start, *program, *arguments, "--threads", "1"], capture_output=True, text=True)
 
 
-pictures = [["in/waves.mha", "--isovalue", "20", "--camera", "iso"],
+pictures = [["in/waves.mha", "--isovalue", "20", "--camera", "iso", "--fit", "box"],
             ["in/waves.mha", "--isovalue", "20", "--chunk-size", "32", "--orthographic", "--azimuth", "30", "--fit", "tight", "--scale-bar"],
             ["scene:ct:80", "--chunk-size", "16", "--camera-position", "20,60,40", "--camera-focal-point", "60,10,30", "--view-angle", "90"],
-            ["in/waves.mha", "--isovalue", "-9", "--chunk-size", "32", "--method", "pullpush", "--reconstruction", "gaussian"],
-            ["scene:ct:80", "--chunk-size", "32", "--method", "pullpush", "--reconstruction", "box"]]
+            ["in/waves.mha", "--isovalue", "-9", "--chunk-size", "32", "--method", "pullpush", "--reconstruction", "gaussian",
+             "--fit", "box"],
+            ["scene:ct:80", "--chunk-size", "32", "--method", "pullpush", "--reconstruction", "box", "--fit", "box"]]
 for number, picture in enumerate(pictures):
     alone = run(0, *[a for a in picture if a not in ("--chunk-size", "16", "32")], "-o", "alone.png", "--resolution", "160x120", "--quiet")
     expect(alone.returncode == 0, alone.stderr)
@@ -41,10 +42,10 @@ volume("in/padded.mha", (60, 50, 33), lambda x, y, z: -1000 if x < 9 or y < 9 or
 with open("in/counted_40x50x41_int16.raw", "wb") as file:
     file.write(struct.pack("<%dh" % (40 * 50 * 41), *[(x * y + 7 * z) % 1200 - 300 for z in range(41) for y in range(50) for x in range(40)]))
 for name in ("in/padded.mha", "in/counted_40x50x41_int16.raw"):
-    alone = run(0, name, "-o", "alone.png", "--resolution", "160x120", "--json=alone.json", "--quiet")
+    alone = run(0, name, "-o", "alone.png", "--resolution", "160x120", "--fit", "box", "--json=alone.json", "--quiet")
     expect(alone.returncode == 0, alone.stderr)
     for ranks in (2, 3, 7):
-        done = run(ranks, name, "-o", "together.png", "--resolution", "160x120", "--json=a.json", "--no-index")
+        done = run(ranks, name, "-o", "together.png", "--resolution", "160x120", "--fit", "box", "--json=a.json", "--no-index")
         expect(done.returncode == 0, name, ranks, done.stderr)
         expect(open("alone.png", "rb").read() == open("together.png", "rb").read(), name, ranks)
         for key in ("histogram", "isovalues", "isovalue"):
@@ -54,7 +55,7 @@ for name in ("in/padded.mha", "in/counted_40x50x41_int16.raw"):
 # ranks without any crossed brick
 volume("in/dot.mha", (64, 64, 64), lambda x, y, z: 9 if 20 <= x < 25 and 40 <= y < 44 and 50 <= z < 55 else 0)
 for method in ([], ["--method", "pullpush", "--reconstruction", "box"]):
-    dot = ["in/dot.mha", "--isovalue", "4", "--resolution", "160x120", *method, "-o"]
+    dot = ["in/dot.mha", "--isovalue", "4", "--resolution", "160x120", "--fit", "box", *method, "-o"]
     alone, done = run(0, *dot, "alone.png"), run(5, *dot, "together.png", "--chunk-size", "16")
     expect(alone.returncode == 0 and done.returncode == 0, method, alone.stderr, done.stderr)
     expect(open("alone.png", "rb").read() == open("together.png", "rb").read(), method)

@@ -40,7 +40,7 @@ def integer(like, size, bits, offset):
 
 def run(*arguments, ranks=0):
     start = ["mpirun", "--oversubscribe", "-n", str(ranks)] if ranks else []
-    done = subprocess.run([*start, "isorender", *arguments, "--isovalue", "1100", "--resolution", "160x120", "--threads", "2"],
+    done = subprocess.run([*start, "isorender", *arguments, "--isovalue", "1100", "--resolution", "160x120", "--fit", "box", "--threads", "2"],
                           capture_output=True, text=True)
     expect(done.returncode == 0, arguments, done.stderr)
     return done.stderr

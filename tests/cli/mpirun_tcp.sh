@@ -35,7 +35,7 @@ together() {
 sent() {
     ip netns exec $near cat /sys/class/net/iso_n$$/statistics/rx_bytes
 }
-for options in "scene:ct:80 --chunk-size 16" "scene:ct:80 --chunk-size 32 --method pullpush --reconstruction gaussian"; do
+for options in "scene:ct:80 --fit box --chunk-size 16" "scene:ct:80 --fit box --chunk-size 32 --method pullpush --reconstruction gaussian"; do
     before=$(sent)
     isorender ${options/--chunk-size ??/} -o alone.png --resolution 320x240 --threads 1 --quiet
     together $options -o together.png --resolution 320x240

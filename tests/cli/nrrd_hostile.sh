@@ -35,7 +35,7 @@ for name, text in FILES.items():
     with open("in/" + name, "w") as file:
         file.write(text)
     begin = time.monotonic()
-    run = subprocess.run(["isorender", "in/" + name, "out.png", "--samples", "1", "--max-memory", str(LIMIT)], capture_output=True, timeout=60)
+    run = subprocess.run(["isorender", "in/" + name, "out.png", "--max-memory", str(LIMIT)], capture_output=True, timeout=60)
     seconds = time.monotonic() - begin
     line = run.stderr.decode()
     good = run.returncode == 3 and line.count("\n") == 1 and line.startswith("isorender: in/" + name + ": ")

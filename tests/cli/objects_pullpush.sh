@@ -49,7 +49,7 @@ printf 'v -70 -70 0\nv 70 -60 20\nv -60 70 40\nv 60 60 -60\nl 1 2\nl 3 4\nl 1 3\
 together() { # NAME OPTION..
     local name=$1
     shift
-    isorender --scene sphere $name.png --samples 1 --surface in/plate.stl --lines in/around.obj --line-style ribbon --tube-radius 2 \
+    isorender --scene sphere $name.png --samples 1 --surface in/plate.stl --lines in/around.obj --line-style ribbon --tube-radius 2 --fit box \
         --resolution 200x160 --json=$name.json --quiet "$@"
 }
 for method in pullpush hybrid; do

@@ -68,8 +68,8 @@ else
     [ $? -eq 4 ] || grep -q 'built without libjpeg' error.txt
 fi
 # the parts of a picture become any kind
-isorender in/ball.mha --part 1/2 -o 1.isokeys --resolution 90x70 --dpi 300 --quiet
-isorender in/ball.mha --part 2/2 -o 2.isokeys --resolution 90x70 --dpi 300 --quiet
+isorender in/ball.mha --part 1/2 -o 1.isokeys --resolution 90x70 --dpi 300 --fit tight --quiet
+isorender in/ball.mha --part 2/2 -o 2.isokeys --resolution 90x70 --dpi 300 --fit tight --quiet
 isorender merge 1.isokeys 2.isokeys -o merged.tif --quiet
 python3 -c 'a, b = (open(n, "rb").read() for n in ("a.tif", "merged.tif")); assert a[8:2000] == b[8:2000]'
 # a patient from the top has its front at the picture's top; another volume is a map

@@ -20,14 +20,15 @@ inputs = [["in/waves.mha", "--isovalue", "20"], ["scene:ct:96"], ["in/waves.mha"
 levels = ["generic", "avx2", "avx512"]
 
 
-def run(arguments, level=None):
+def run(arguments, level=None, last=()):
     environment = dict(os.environ, **({"ISO_CPU": level} if level else {}))
-    subprocess.run(["isorender", *arguments, "--resolution", "200x150", "--quiet"], check=True, env=environment)
+    subprocess.run(["isorender", *arguments, "--resolution", "200x150", "--quiet", *last], check=True, env=environment)
 
 
 for number, (what, camera, parts) in enumerate(zip(itertools.cycle(inputs), itertools.cycle(cameras), [1, 2, 3, 5, 8, 8, 5, 3, 2, 7, 3, 2])):
     level, threads = levels[number % 3], str([1, 2, 7][number // 3 % 3])
-    run([*what, "whole.png", *camera])
+    # what a part frames when nothing is said, and its file states
+    run([*what, "whole.png", *camera], last=["--fit", "box"] if camera == cameras[0] else [])
     names = ["%d.isokeys" % k for k in range(1, parts + 1)]
     for k, name in enumerate(names):
         side = [] if parts == 1 else ["--chunk-size", str(random.choice([16, 32, 48]))]

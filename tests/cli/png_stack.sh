@@ -101,7 +101,7 @@ write("in/plain", *(png_file((SIDE, SIDE), [bytes(value(x, y) for x in range(SID
 write("in/interlaced", *(png_file((SIDE, SIDE), interlaced_rows((SIDE, SIDE), value), interlaced=True) for value in balls), names=names)
 pictures = []
 for path, options in ("in/plain", ["--threads", "1"]), ("in/interlaced", ["--threads", "3"]), ("in/plain", ["--chunk-size", "16"]):
-    done = subprocess.run(["isorender", path, "p.png", "--isovalue", "120", "--spacing", "1,1,2", "--resolution", "48x48", *options],
+    done = subprocess.run(["isorender", path, "p.png", "--isovalue", "120", "--spacing", "1,1,2", "--resolution", "48x48", "--fit", "box", *options],
                           capture_output=True, text=True)
     expect(done.returncode == 0, done)
     pictures.append(Png("p.png").rows)

@@ -20,18 +20,21 @@ write("in/plane.xyz", [[random.uniform(0, 100), random.uniform(0, 80), 0] for _ 
 write("in/map.txt", ball(2000, 5403850.25))
 write("in/one.xyz", [[3, 4, 5]])
 P
-for name in ball outliers land plane one; do isorender in/$name.xyz $name.png --json=$name.json --quiet --resolution 200x200; done
+for name in outliers land plane one; do isorender in/$name.xyz $name.png --json=$name.json --quiet --resolution 200x200; done
+isorender in/ball.xyz ball.png --fit box --json=ball.json --quiet --resolution 200x200
+isorender in/ball.xyz usual.png --json=usual.json --quiet --resolution 200x200 # as it is seen: without outliers
 isorender in/outliers.xyz said.png --resolution 200x200 2>said
 grep -q "note: 4 of 3004 points lie far from the others, and are not framed (--fit tight does)" said
 isorender in/outliers.xyz tight.png --fit tight --json=tight.json --quiet --resolution 200x200 || true
-isorender in/land.xyz top.png --camera front --json=edge.json --quiet --resolution 200x200
+isorender in/land.xyz top.png --camera front --fit box --json=edge.json --quiet --resolution 200x200
 isorender in/map.txt --no-image --points in/map.ply --quiet
 python3 - <<'P'
 import struct
 from check import *
-ball, outliers, land, plane, edge, one = (report(n + ".json") for n in "ball outliers land plane edge one".split())
+ball, usual, outliers, land, plane, edge, one = (report(n + ".json") for n in "ball usual outliers land plane edge one".split())
 def covered(r): return r["image"]["covered"]
 expect(abs(covered(ball) - covered(outliers)) < 0.02 * covered(ball), covered(ball), covered(outliers))
+expect(covered(usual) > 1.1 * covered(ball), covered(usual), covered(ball))
 expect(outliers["bounds_world"][1] == 5000, outliers["bounds_world"])
 expect(covered(land) > 3 * covered(edge) and covered(plane) > 5000, covered(land), covered(edge), covered(plane))
 expect(10000 < covered(one) < 35000, covered(one)) # a disc, not cut off by the picture

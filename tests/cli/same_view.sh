@@ -5,7 +5,7 @@ ball("in/large.mha", radius=8.0)
 ball("in/small.mha", radius=4.0)
 P
 isorender in/large.mha in/small.mha --output '{model}.png' --resolution 60x60 --same-view --json >lines 2>log
-isorender in/large.mha in/small.mha --output '{model}_own.png' --resolution 60x60 --json --quiet >own
+isorender in/large.mha in/small.mha --output '{model}_own.png' --resolution 60x60 --fit box --json --quiet >own
 [ "$(grep -c isovalue log)" -eq 1 ]
 python3 - <<'P'
 import json

@@ -5,7 +5,7 @@ for samples in 1 4 9; do
     for method in exact "pullpush --reconstruction gaussian" "pullpush --reconstruction box"; do
         for look in "" "--background none" "--background 204060"; do
             set -- --method $method --samples $samples $look
-            draw whole.png "$@"
+            draw whole.png "$@" --fit box # as parts and chunks do when nothing is said
             draw chunks.png --chunk-size 32 "$@"
             for part in 1 2 3; do draw $part.isokeys --part $part/3 "$@"; done
             isorender merge [123].isokeys -o merged.png --quiet

@@ -49,19 +49,19 @@ flat = json.load(open('flat.json'))
 assert flat['method'] == 'splats' and 'groups' not in flat, flat
 P
 for how in sorted groups nearest; do
-    isorender ball.ply $how.png --opacity 0.5 --transparency $how --resolution 400x400 --json=$how.json --background 000000 --quiet
+    isorender ball.ply $how.png --opacity 0.5 --transparency $how --resolution 400x400 --fit box --json=$how.json --background 000000 --quiet
     isorender in/ball.mha volume.png --isovalue 500 --method splats --opacity 0.5 --transparency $how --samples 4 --resolution 200x200 --quiet
 done
-isorender ball.ply usual.png --opacity 0.5 --resolution 400x400 --background 000000 --quiet
+isorender ball.ply usual.png --opacity 0.5 --resolution 400x400 --fit box --background 000000 --quiet
 isocompare images sorted.png usual.png --fail-under psnr=100 >/dev/null
 isocompare images sorted.png groups.png --fail-under psnr=30 >/dev/null
 isocompare images sorted.png nearest.png --fail-under psnr=32 >/dev/null
-isorender ball.ply root.png --opacity 0.5 --transparency groups --group-radii root --resolution 400x400 --json=root.json --background 000000 --quiet
+isorender ball.ply root.png --opacity 0.5 --transparency groups --group-radii root --resolution 400x400 --fit box --json=root.json --background 000000 --quiet
 isocompare images sorted.png root.png --fail-under psnr=30 >/dev/null
 ! cmp -s groups.png root.png
 # copies of discs in other groups are better than larger discs
-isorender ball.ply copies.png --opacity 0.5 --transparency groups --group-radii copies --resolution 400x400 --json=copies.json --background 000000 --quiet
-isorender ball.ply copies_1.png --opacity 0.5 --transparency groups --group-radii copies --resolution 400x400 --background 000000 --quiet --threads 1
+isorender ball.ply copies.png --opacity 0.5 --transparency groups --group-radii copies --resolution 400x400 --fit box --json=copies.json --background 000000 --quiet
+isorender ball.ply copies_1.png --opacity 0.5 --transparency groups --group-radii copies --resolution 400x400 --fit box --background 000000 --quiet --threads 1
 isocompare images copies.png copies_1.png --fail-under psnr=100 >/dev/null
 for how in groups copies; do isocompare images sorted.png $how.png --json=to_$how.json >/dev/null; done
 isorender_refuses 2 "group-radii copies" ball.ply --opacity 0.5 --transparency groups --group-radii copies --backend egl

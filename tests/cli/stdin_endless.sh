@@ -4,7 +4,7 @@ refused() {
     local status=$1 words=$2
     shift 2
     code=0
-    timeout 60 isorender - out.png --samples 1 --max-memory 64M --quiet "$@" 2>said || code=$?
+    timeout 60 isorender - out.png --max-memory 64M --quiet "$@" 2>said || code=$?
     [ $code = $status ] && [ "$(grep -c '' said)" = 1 ] && grep -q "$words" said || { cat said; echo "$code instead of $status"; exit 1; }
     rm said
     [ ! -e out.png ] || exit 1

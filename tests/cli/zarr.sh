@@ -128,7 +128,7 @@ def nrrd(name, spacing, step=1):
 
 
 def picture(name, *more):
-    status, text = run(name, "-o", "out.png", *more)
+    status, text = run(name, "-o", "out.png", "--fit", "box", *more)
     expect(status == 0, name, more, text)
     return Png("out.png").rows
 

@@ -24,7 +24,10 @@ class Failed(Exception):
 
 
 def one_sample(words):
-    return words if "--samples" in words else (*words, "--samples", 1)
+    """The options of a picture, with one sample a pixel and the frame of the box, unless `words` say more: the tables are
+    measured so."""
+    words = words if "--samples" in words else (*words, "--samples", 1)
+    return words if "--fit" in words else (*words, "--fit", "box")
 
 
 class Machine:

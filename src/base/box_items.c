@@ -1,0 +1,48 @@
+/* box_items: begins with the items whose boxes extend farthest: most others then lie in the result. */
+#include "base/box_items.h"
+
+enum { SIDES = 6 };
+
+bool iso_box_contains(const iso_box *box, const iso_box *other) {
+    return box->lo.x <= other->lo.x && box->lo.y <= other->lo.y && box->lo.z <= other->lo.z &&
+           box->hi.x >= other->hi.x && box->hi.y >= other->hi.y && box->hi.z >= other->hi.z;
+}
+
+bool iso_box_contains_mapped(const iso_box *box, const iso_box *index, const iso_affine *affine) {
+    const iso_box mapped = affine ? iso_box_transform(index, affine) : *index;
+    return iso_box_contains(box, &mapped);
+}
+
+/* How far a box extends to each side. */
+static void find_reaches(const iso_box *box, double reaches[SIDES]) {
+    iso_vec3_store(box->hi, reaches);
+    iso_vec3_store(iso_vec3_scale(box->lo, -1), reaches + 3);
+}
+
+/* Finds the items whose boxes extend farthest to each side. */
+static void find_farthest(const iso_box_items *items, const iso_affine *affine, size_t farthest[SIDES]) {
+    double most[SIDES], reaches[SIDES];
+    for (size_t i = 0; i < items->count; i++) {
+        iso_box box = items->around(items->context, i);
+        if (affine) box = iso_box_transform(&box, affine);
+        find_reaches(&box, reaches);
+        for (int side = 0; side < SIDES; side++)
+            if (i == 0 || reaches[side] > most[side]) {
+                most[side] = reaches[side];
+                farthest[side] = i;
+            }
+    }
+}
+
+iso_box iso_box_of_items(const iso_box_items *items, const iso_affine *affine) {
+    iso_box box = iso_box_empty();
+    size_t farthest[SIDES];
+    if (items->count == 0) return box;
+    find_farthest(items, affine, farthest);
+    for (int side = 0; side < SIDES; side++) items->add(items->context, farthest[side], affine, &box);
+    for (size_t i = 0; i < items->count; i++) {
+        const iso_box around = items->around(items->context, i);
+        if (!iso_box_contains_mapped(&box, &around, affine)) items->add(items->context, i, affine, &box);
+    }
+    return box;
+}
