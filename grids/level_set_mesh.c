@@ -69,14 +69,6 @@ static void voxel_at(const conversion *c, size_t cell, int voxel, int at[3]) {
 
 /* ---- the grid */
 
-/* Returns the distance from p to the mesh in voxels, at most `most`. nearest: a guess of the nearest place on
- * the mesh, replaced by that place. */
-static double distance_at(const conversion *c, iso_vec3 p, double most, iso_nearest *nearest) {
-    nearest->squared = most * most * c->voxel * c->voxel;
-    iso_closed_mesh_nearest(c->mesh, p, nearest);
-    return sqrt(nearest->squared) / c->voxel;
-}
-
 static bool cancelled(const conversion *c) {
     return iso_progress_cancelled(&c->progress);
 }
@@ -85,13 +77,14 @@ static void find_near_cell(void *context, size_t cell, int worker) {
     (void)worker;
     conversion *c = context;
     int at[3];
-    iso_nearest nearest = {0};
     if (cancelled(c)) return;
     iso_hgrid_cell_position(c->grid, cell, at);
-    const double middle = (ISO_BRICK - 1) / 2.0, most = BAND + BRICK_RADIUS;
+    const double middle = (ISO_BRICK - 1) / 2.0, most = (BAND + BRICK_RADIUS) * c->voxel;
     const iso_vec3 p =
         world_position(c, ISO_BRICK * at[0] + middle, ISO_BRICK * at[1] + middle, ISO_BRICK * at[2] + middle);
-    c->near[cell] = distance_at(c, p, most, &nearest) < most;
+    iso_nearest nearest = {.squared = most * most};
+    iso_closed_mesh_nearest(c->mesh, p, &nearest);
+    c->near[cell] = nearest.squared < most * most;
 }
 
 static iso_status make_bricks(conversion *c, iso_error *error) {
