@@ -41,9 +41,14 @@ typedef struct iso_nearest {
 /* The point of a triangle that is nearest to p. */
 iso_vec3 iso_triangle_nearest(const float triangle[3][3], iso_vec3 p);
 
+typedef struct iso_tree_triangle {
+    float corners[3][3];
+    float reach; /* grids/closing/triangle_reach.h */
+} iso_tree_triangle;
+
 /* Calls `visit` with every triangle in a leaf whose box meets `box`. */
 void iso_triangle_tree_visit(const iso_triangle_tree *tree, const iso_box *box,
-                             void (*visit)(void *context, const float triangle[3][3]), void *context);
+                             void (*visit)(void *context, const iso_tree_triangle *triangle), void *context);
 
 /* Searches for the triangle that is nearest to p. */
 void iso_triangle_tree_nearest(const iso_triangle_tree *tree, iso_vec3 p, iso_nearest *nearest);
