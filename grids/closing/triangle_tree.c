@@ -407,3 +407,58 @@ void iso_triangle_tree_visit(const iso_triangle_tree *tree, const iso_box *box,
             visit(context, &tree->triangles[k]);
     }
 }
+
+/* ---- changes of the winding number along a way */
+
+/* How small a volume may be in comparison with the lengths that it is computed from, before its sign counts as
+ * unknown. Cracks without an area, which the tree leaves out, are narrower. */
+static const double UNSURE = 1e-6;
+
+/* The way from p to q, with q and the triangles relative to p. */
+typedef struct crossing {
+    iso_vec3 from, way;
+    double length;
+    int change;
+    bool unsure;
+} crossing;
+
+/* Returns the sign of a volume, 0 if it is unknown. */
+static int sign_of(double volume, double size) {
+    return volume > UNSURE * size ? 1 : volume < -UNSURE * size ? -1 : 0;
+}
+
+static void cross_triangle(void *context, const iso_tree_triangle *triangle) {
+    crossing *c = context;
+    iso_vec3 p[3];
+    double size = c->length;
+    for (int k = 0; k < 3; k++) {
+        p[k] = iso_vec3_sub(corner(triangle, k), c->from);
+        size = fmax(size, fmax(fabs(p[k].x), fmax(fabs(p[k].y), fabs(p[k].z))));
+    }
+    int inside[3];
+    for (int k = 0; k < 3; k++)
+        inside[k] =
+            sign_of(iso_vec3_dot(c->way, iso_vec3_cross(p[k], p[(k + 1) % 3])), c->length * size * size);
+    const bool some_left = inside[0] > 0 || inside[1] > 0 || inside[2] > 0,
+               some_right = inside[0] < 0 || inside[1] < 0 || inside[2] < 0;
+    if (some_left && some_right) return; /* the line passes beside the triangle */
+    const iso_vec3 normal = iso_vec3_cross(iso_vec3_sub(p[1], p[0]), iso_vec3_sub(p[2], p[0]));
+    const double start = -iso_vec3_dot(normal, p[0]), end = start + iso_vec3_dot(normal, c->way);
+    const int before = sign_of(start, size * size * size), after = sign_of(end, size * size * size);
+    if (before * after > 0) return;
+    if (before && after && inside[0] && inside[1] && inside[2])
+        c->change += before > 0 ? 1 : -1;
+    else
+        c->unsure = true;
+}
+
+bool iso_triangle_tree_change(const iso_triangle_tree *tree, iso_vec3 p, iso_vec3 q, int *change) {
+    crossing c = {.from = p, .way = iso_vec3_sub(q, p)};
+    iso_box box = iso_box_empty();
+    c.length = iso_vec3_length(c.way);
+    iso_box_add(&box, p);
+    iso_box_add(&box, q);
+    if (tree) iso_triangle_tree_visit(tree, &box, cross_triangle, &c);
+    *change = c.change;
+    return !c.unsure;
+}
