@@ -3,9 +3,9 @@
  * Distances are exact: to the nearest triangle or cap. If the distances of two neighbouring voxels add up to
  * more than the distance between the voxels, no surface lies between them and both are on the same side.
  * Voxels are joined to regions in this way, and the side of a region is found by one winding number (Jacobson
- * et al. 2013), at its voxel that is farthest from the surface. Thousands of voxels so near to the surface that
- * they are joined to no other are regions of their own: their winding numbers are those of a neighbour, changed
- * by each triangle between the two. */
+ * et al. 2013), at its voxel that is farthest from the surface. Thousands of voxels so near to the surface
+ * that they are joined to no other are regions of their own: their winding numbers are those of a neighbour,
+ * changed by each triangle between the two. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -410,8 +410,8 @@ void iso_triangle_tree_visit(const iso_triangle_tree *tree, const iso_box *box,
 
 /* ---- changes of the winding number along a way */
 
-/* How small a volume may be in comparison with the lengths that it is computed from, before its sign counts as
- * unknown. Cracks without an area, which the tree leaves out, are narrower. */
+/* How small a volume may be in comparison with the lengths that it is computed from, before its sign counts
+ * as unknown. Cracks without an area, which the tree leaves out, are narrower. */
 static const double UNSURE = 1e-6;
 
 /* The way from p to q, with q and the triangles relative to p. */

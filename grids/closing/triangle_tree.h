@@ -30,9 +30,9 @@ void iso_triangle_tree_destroy(iso_triangle_tree *tree); /* NULL is allowed */
 double iso_triangle_tree_winding(const iso_triangle_tree *tree, iso_vec3 p);
 
 /* Finds by how much the winding number at q exceeds that at p, from the triangles that the way between them
- * crosses; this is fast if they are near to each other. The triangles must be closed. Returns false if the way
- * passes too near to an edge or ends too near to a triangle, so that this cannot be told. NULL: *change is
- * 0. */
+ * crosses; this is fast if they are near to each other. The triangles must be closed. Returns false if the
+ * way passes too near to an edge or ends too near to a triangle, so that this cannot be told. NULL: *change
+ * is 0. */
 bool iso_triangle_tree_change(const iso_triangle_tree *tree, iso_vec3 p, iso_vec3 q, int *change);
 
 /* The start and the result of a search for the nearest triangle. Set `squared` to the squared distance within

@@ -638,8 +638,8 @@ static void check_distances(const char *what, const iso_triangles *mesh, double 
     iso_closed_mesh_destroy(closed);
 }
 
-/* Distances from triangles, edges and corners: smooth, rough and sharp ones, triangles smaller and larger than
- * voxels, and holes that were filled. */
+/* Distances from triangles, edges and corners: smooth, rough and sharp ones, triangles smaller and larger
+ * than voxels, and holes that were filled. */
 static void distances_of_bricks(void **state) {
     (void)state;
     static const double voxels[3] = {0.1, 0.4, 1.5};
