@@ -3,7 +3,9 @@
  * Distances are exact: to the nearest triangle or cap. If the distances of two neighbouring voxels add up to
  * more than the distance between the voxels, no surface lies between them and both are on the same side.
  * Voxels are joined to regions in this way, and the side of a region is found by one winding number (Jacobson
- * et al. 2013), at its voxel that is farthest from the surface. */
+ * et al. 2013), at its voxel that is farthest from the surface. Thousands of voxels so near to the surface
+ * that they are joined to no other are regions of their own: their winding numbers are those of a neighbour,
+ * changed by each triangle between the two. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -44,6 +46,7 @@ typedef struct conversion {
     iso_progress progress; /* progress of the current step */
     size_t cells, bricks;
     uint8_t *near;                       /* by cell: it may contain part of the band */
+    uint32_t *brick_of_cell;             /* by cell: its brick, if it has one */
     uint32_t *brick_cell;                /* by brick: its cell; bricks are numbered in the order of cells */
     uint16_t (*label)[ISO_BRICK_VOXELS]; /* by brick: the region of each voxel, counted from the first one of
                                             the brick */
@@ -69,14 +72,6 @@ static void voxel_at(const conversion *c, size_t cell, int voxel, int at[3]) {
 
 /* ---- the grid */
 
-/* Returns the distance from p to the mesh in voxels, at most `most`. nearest: a guess of the nearest place on
- * the mesh, replaced by that place. */
-static double distance_at(const conversion *c, iso_vec3 p, double most, iso_nearest *nearest) {
-    nearest->squared = most * most * c->voxel * c->voxel;
-    iso_closed_mesh_nearest(c->mesh, p, nearest);
-    return sqrt(nearest->squared) / c->voxel;
-}
-
 static bool cancelled(const conversion *c) {
     return iso_progress_cancelled(&c->progress);
 }
@@ -85,13 +80,14 @@ static void find_near_cell(void *context, size_t cell, int worker) {
     (void)worker;
     conversion *c = context;
     int at[3];
-    iso_nearest nearest = {0};
     if (cancelled(c)) return;
     iso_hgrid_cell_position(c->grid, cell, at);
-    const double middle = (ISO_BRICK - 1) / 2.0, most = BAND + BRICK_RADIUS;
+    const double middle = (ISO_BRICK - 1) / 2.0, most = (BAND + BRICK_RADIUS) * c->voxel;
     const iso_vec3 p =
         world_position(c, ISO_BRICK * at[0] + middle, ISO_BRICK * at[1] + middle, ISO_BRICK * at[2] + middle);
-    c->near[cell] = distance_at(c, p, most, &nearest) < most;
+    iso_nearest nearest = {.squared = most * most};
+    iso_closed_mesh_nearest(c->mesh, p, &nearest);
+    c->near[cell] = nearest.squared < most * most;
 }
 
 static iso_status make_bricks(conversion *c, iso_error *error) {
@@ -254,9 +250,9 @@ typedef struct cell_labels {
     uint32_t first;
 } cell_labels;
 
-static cell_labels labels_of(const conversion *c, const uint32_t *brick_of_cell, size_t cell) {
+static cell_labels labels_of(const conversion *c, size_t cell) {
     if (!c->near[cell]) return (cell_labels){NULL, NULL, c->first[cell]};
-    return (cell_labels){iso_hgrid_brick(c->grid, c->grid->cell[cell]), c->label[brick_of_cell[cell]],
+    return (cell_labels){iso_hgrid_brick(c->grid, c->grid->cell[cell]), c->label[c->brick_of_cell[cell]],
                          c->first[cell]};
 }
 
@@ -283,16 +279,16 @@ static void join_cells(conversion *c, const cell_labels *low, const cell_labels 
     }
 }
 
-static void join_all(conversion *c, const uint32_t *brick_of_cell) {
+static void join_all(conversion *c) {
     for (size_t cell = 0; cell < c->cells; cell++) {
         const size_t step[3] = {1, (size_t)c->grid->cells[0],
                                 (size_t)c->grid->cells[0] * (size_t)c->grid->cells[1]};
-        const cell_labels low = labels_of(c, brick_of_cell, cell);
+        const cell_labels low = labels_of(c, cell);
         int at[3];
         iso_hgrid_cell_position(c->grid, cell, at);
         for (int axis = 0; axis < 3; axis++) {
             if (at[axis] + 1 >= c->grid->cells[axis]) continue;
-            const cell_labels high = labels_of(c, brick_of_cell, cell + step[axis]);
+            const cell_labels high = labels_of(c, cell + step[axis]);
             join_cells(c, &low, &high, axis);
         }
     }
@@ -332,27 +328,79 @@ static iso_status make_regions(conversion *c, iso_error *error) {
     }
     c->region_count = sum;
     c->regions = sum < UINT32_MAX ? iso_alloc(sum * sizeof *c->regions) : NULL;
-    uint32_t *brick_of_cell = iso_alloc(c->cells * sizeof *brick_of_cell);
-    const bool whole = c->regions && brick_of_cell;
+    c->brick_of_cell = iso_alloc(c->cells * sizeof *c->brick_of_cell);
+    const bool whole = c->regions && c->brick_of_cell;
     if (whole) {
-        for (size_t i = 0; i < c->bricks; i++) brick_of_cell[c->brick_cell[i]] = (uint32_t)i;
+        for (size_t i = 0; i < c->bricks; i++) c->brick_of_cell[c->brick_cell[i]] = (uint32_t)i;
         begin_regions(c);
-        join_all(c, brick_of_cell);
+        join_all(c);
     }
-    iso_free(brick_of_cell);
     return whole ? ISO_OK : iso_fail_memory(error, c->path);
 }
 
-/* Computes the winding number of a representative. */
+/* A representative with a voxel at least this far from the surface is a large region. Most others are single
+ * voxels beside the surface. */
+static bool is_large(const region *r) {
+    return r->depth >= 1;
+}
+
+static iso_vec3 voxel_position(const conversion *c, const int at[3]) {
+    return world_position(c, at[0], at[1], at[2]);
+}
+
+static void compute_winding(const conversion *c, region *r) {
+    int at[3];
+    voxel_at(c, r->cell, r->voxel, at);
+    const double winding = iso_closed_mesh_winding(c->mesh, voxel_position(c, at));
+    r->winding = (int16_t)floor(fmin(fmax(winding, -1000), 1000) + 0.5);
+}
+
+/* Finds the sides of large regions. */
 static void find_side(void *context, size_t index, int worker) {
     conversion *c = context;
     region *r = &c->regions[index];
-    int at[3];
     (void)worker;
-    if (r->parent != index || cancelled(c)) return;
+    if (r->parent == index && is_large(r) && !cancelled(c)) compute_winding(c, r);
+}
+
+/* Returns the representative of the region of a voxel. */
+static const region *region_at(const conversion *c, const int at[3]) {
+    const size_t cell =
+        iso_hgrid_cell_index(c->grid, at[0] / ISO_BRICK, at[1] / ISO_BRICK, at[2] / ISO_BRICK);
+    uint32_t r = c->first[cell];
+    if (c->near[cell]) {
+        const int x = at[0] % ISO_BRICK, y = at[1] % ISO_BRICK, z = at[2] % ISO_BRICK;
+        r += c->label[c->brick_of_cell[cell]][(z * ISO_BRICK + y) * ISO_BRICK + x];
+    }
+    while (c->regions[r].parent != r) r = c->regions[r].parent;
+    return &c->regions[r];
+}
+
+/* Finds the side of a region from that of a large one at a neighbouring voxel. */
+static bool side_from_neighbour(const conversion *c, region *r) {
+    int at[3];
     voxel_at(c, r->cell, r->voxel, at);
-    const double winding = iso_closed_mesh_winding(c->mesh, world_position(c, at[0], at[1], at[2]));
-    r->winding = (int16_t)floor(fmin(fmax(winding, -1000), 1000) + 0.5);
+    for (int i = 0; i < 6; i++) {
+        int beside[3] = {at[0], at[1], at[2]}, change;
+        beside[i / 2] += i % 2 ? 1 : -1;
+        if (beside[i / 2] < 0 || beside[i / 2] >= c->grid->dims[i / 2]) continue;
+        const region *other = region_at(c, beside);
+        if (!is_large(other) ||
+            !iso_closed_mesh_change(c->mesh, voxel_position(c, beside), voxel_position(c, at), &change))
+            continue;
+        r->winding = (int16_t)(other->winding + change);
+        return true;
+    }
+    return false;
+}
+
+/* Finds the sides of the other regions, after those of the large ones. */
+static void find_small_side(void *context, size_t index, int worker) {
+    conversion *c = context;
+    region *r = &c->regions[index];
+    (void)worker;
+    if (r->parent != index || is_large(r) || cancelled(c)) return;
+    if (!side_from_neighbour(c, r)) compute_winding(c, r);
 }
 
 /* ---- signs */
@@ -435,6 +483,7 @@ static iso_status compute_field(conversion *c, const iso_sampling *sampling, iso
     ISO_TRY(make_regions(c, error));
     ISO_TRY(iso_progress_tell(&c->progress, c->path, 0.5, error));
     iso_parallel_for(sampling->pool, c->region_count, find_side, c);
+    iso_parallel_for(sampling->pool, c->region_count, find_small_side, c);
     ISO_TRY(iso_progress_tell(&c->progress, c->path, 0.8, error));
     const volumes field = sign_all(c, sampling->pool);
     ISO_TRY(check_volume(c, &field, error));
@@ -453,6 +502,7 @@ static iso_status convert_mesh(conversion *c, const iso_sampling *sampling, iso_
     iso_free(c->near);
     iso_free(c->first);
     iso_free(c->brick_cell);
+    iso_free(c->brick_of_cell);
     iso_free(c->label);
     iso_free(c->sums);
     iso_free(c->regions);

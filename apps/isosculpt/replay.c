@@ -1,11 +1,13 @@
 /* Headless: makes a field, plays a stroke file on it, writes the outputs and the report. */
 #include <math.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "apps/common/json.h"
 #include "apps/common/json_parts.h"
+#include "apps/common/progress_bar.h"
 #include "apps/isosculpt/document.h"
 #include "apps/isosculpt/isosculpt.h"
 #include "apps/isosculpt/mesh_file.h"
@@ -78,10 +80,31 @@ static void log_note(const char *text) {
     iso_program_log(isosculpt_program(), "%s", text);
 }
 
+/* How far opening is, for the bar: any thread tells it, one at a time shows it. */
+typedef struct opening {
+    atomic_flag busy;
+    int percent;
+} opening;
+
+/* iso_progress.tell. -1 asks whether to cancel. */
+static int show_opening(void *context, double fraction) {
+    opening *o = context;
+    const int percent = (int)(100 * fraction);
+    if (fraction < 0 || atomic_flag_test_and_set(&o->busy)) return 0;
+    if (percent > o->percent) iso_progress_bar_show("opening", percent);
+    o->percent = percent > o->percent ? percent : o->percent;
+    atomic_flag_clear(&o->busy);
+    return 0;
+}
+
 static iso_status make_field(const isosculpt_settings *settings, iso_pool *pool, iso_file_set *files,
                              report *r, iso_hgrid **grid, iso_error *error) {
     iso_journal_start *start = &r->start;
+    opening shown = {.busy = ATOMIC_FLAG_INIT};
+    const iso_progress bar = {.tell = show_opening, .context = &shown};
+    const bool shows = !settings->common.quiet && iso_progress_bar_possible();
     const iso_source source = {.path = settings->open,
+                               .progress = shows ? &bar : NULL,
                                .isovalue = settings->isovalue,
                                .voxel = settings->voxel_size,
                                .pool = pool,
@@ -403,6 +426,7 @@ iso_status isosculpt_replay(const isosculpt_settings *settings, iso_pool *pool, 
     iso_file_set files = {0};
     if (settings->replay) iso_file_set_read(&files, settings->replay);
     iso_status status = make_field(settings, pool, &files, &r, &grid, error);
+    iso_progress_bar_clear();
     if (status == ISO_OK && (status = check_outputs(settings, &files, error)) != ISO_OK)
         iso_hgrid_destroy(grid);
     iso_file_set_free(&files);

@@ -5,35 +5,19 @@
 
 #include "base/cpu.h"
 
-/* A side of a triangle, in voxels from the brick's first one. */
-typedef struct near_side {
-    float from[3], way[3]; /* the corner where it begins; the way to the next one */
-    float rise[3];         /* way / |way|^2: along the side from 0 to 1 */
-    float inward[3];       /* the unit vector in the triangle's plane that leads inside, across the side */
-} near_side;
-
 /* A triangle as the kernels need it. Unit: voxels, from the brick's first one. */
 typedef struct near_triangle {
-    int lo[3], hi[3];           /* the voxels of the brick that it may be near to */
-    float box_lo[3], box_hi[3]; /* its box */
-    near_side sides[3];
-    float normal[3], plane; /* the distance from the plane is normal * p + plane */
-    float reach;            /* how far outside a point may count as above the triangle */
+    int lo[3], hi[3];            /* the voxels of the brick that it reaches */
+    float plane[4], sides[3][4]; /* (a, b, c, d): a x + b y + c z + d is the distance above the plane, and
+                                     inside each side, along the plane */
+    float outside;               /* how far outside its sides it reaches */
     float slack,
         most; /* what is added to squared bounds, and to that of the band, for the rounding of floats */
 } near_triangle;
 
-/* The distance of a place from an interval. */
-static inline float gap(float lo, float hi, float at) {
-    return at < lo ? lo - at : at > hi ? at - hi : 0;
-}
-
-static inline int larger(int a, int b) {
-    return a > b ? a : b;
-}
-
-static inline int smaller(int a, int b) {
-    return a < b ? a : b;
+/* What (a, b, c, d) are at x = 0. */
+static inline float row_value(const float plane[4], float y, float z) {
+    return plane[1] * y + plane[2] * z + plane[3];
 }
 
 #define ISO_KERNEL_BODY "grids/closing/brick_distances_body.inc"
@@ -50,52 +34,80 @@ typedef struct measuring {
     uint16_t near[ISO_BRICK_VOXELS];
 } measuring;
 
-/* Sets the box of voxels; false: none is near. */
-static bool set_range(const measuring *m, near_triangle *t, const double p[3][3]) {
-    for (int axis = 0; axis < 3; axis++) {
-        const double lo = fmin(fmin(p[0][axis], p[1][axis]), p[2][axis]),
-                     hi = fmax(fmax(p[0][axis], p[1][axis]), p[2][axis]);
-        if (!(hi + m->band >= 0 && lo - m->band <= ISO_BRICK - 1)) return false;
-        t->box_lo[axis] = (float)lo;
-        t->box_hi[axis] = (float)hi;
-        t->lo[axis] = (int)fmax(ceil(lo - m->band - 1e-6), 0);
-        t->hi[axis] = (int)fmin(floor(hi + m->band + 1e-6), ISO_BRICK - 1);
-    }
+static void vector_axes(iso_vec3 v, double axes[3]) {
+    axes[0] = v.x;
+    axes[1] = v.y;
+    axes[2] = v.z;
+}
+
+static inline double lesser(double a, double b) {
+    return a < b ? a : b;
+}
+
+static inline double greater(double a, double b) {
+    return a > b ? a : b;
+}
+
+/* Sets the range of voxels of the brick from `lo` to `hi`; false: there are none. */
+static bool set_range(double lo, double hi, int *first, int *last) {
+    const double begin = ceil(greater(lo - 1e-6, 0)), end = floor(lesser(hi + 1e-6, ISO_BRICK - 1));
+    if (!(begin <= end)) return false;
+    *first = (int)begin;
+    *last = (int)end;
     return true;
 }
 
-static void set_side(near_side *s, const double from[3], const double to[3], iso_vec3 normal) {
-    const iso_vec3 way = iso_vec3_make(to[0] - from[0], to[1] - from[1], to[2] - from[2]),
-                   inward = iso_vec3_unit(iso_vec3_cross(normal, way));
-    const double square = iso_vec3_dot(way, way), part = square > 1e-60 ? 1 / square : 0;
-    const double ways[3] = {way.x, way.y, way.z}, inwards[3] = {inward.x, inward.y, inward.z};
-    for (int axis = 0; axis < 3; axis++) {
-        s->from[axis] = (float)from[axis];
-        s->way[axis] = (float)ways[axis];
-        s->rise[axis] = (float)(ways[axis] * part);
-        s->inward[axis] = (float)inwards[axis];
+/* Sets a plane through p with a unit normal. */
+static void set_plane(float plane[4], iso_vec3 normal, iso_vec3 p) {
+    plane[0] = (float)normal.x;
+    plane[1] = (float)normal.y;
+    plane[2] = (float)normal.z;
+    plane[3] = (float)-iso_vec3_dot(normal, p);
+}
+
+/* Sets the planes and the lengths of the sides. */
+static void set_planes(near_triangle *t, const iso_vec3 p[3], iso_vec3 normal, double length[3]) {
+    set_plane(t->plane, normal, p[0]);
+    for (int k = 0; k < 3; k++) {
+        const iso_vec3 inward = iso_vec3_cross(normal, iso_vec3_sub(p[(k + 1) % 3], p[k]));
+        length[k] = iso_vec3_length(inward);
+        set_plane(t->sides[k], iso_vec3_scale(inward, length[k] > 0 ? 1 / length[k] : 0), p[k]);
     }
 }
 
-/* Sets the sides and the plane. Floats are wrong by less than 2e-6 of the largest coordinate. */
-static void set_shape(const measuring *m, near_triangle *t, const double p[3][3]) {
-    const iso_vec3 a = iso_vec3_make(p[0][0], p[0][1], p[0][2]), b = iso_vec3_make(p[1][0], p[1][1], p[1][2]),
-                   c = iso_vec3_make(p[2][0], p[2][1], p[2][2]);
-    const iso_vec3 normal = iso_vec3_unit(iso_vec3_cross(iso_vec3_sub(b, a), iso_vec3_sub(c, a)));
-    const bool flat = !(iso_vec3_dot(normal, normal) > 0.5); /* no area: its sides are all there is */
-    double largest = 2 * ISO_BRICK;
-    for (int k = 0; k < 3; k++) {
-        set_side(&t->sides[k], p[k], p[(k + 1) % 3], normal);
-        for (int axis = 0; axis < 3; axis++) largest = fmax(largest, fabs(p[k][axis]));
-    }
+/* Sets how far floats may be wrong: by less than 2e-6 of the largest coordinate. */
+static void set_slack(const measuring *m, near_triangle *t, double outside, double largest) {
     const double wrong = 2e-6 * largest;
-    t->normal[0] = flat ? 0 : (float)normal.x;
-    t->normal[1] = flat ? 0 : (float)normal.y;
-    t->normal[2] = flat ? 0 : (float)normal.z;
-    t->plane = flat ? 0 : (float)-iso_vec3_dot(normal, a);
-    t->reach = flat ? -INFINITY : (float)wrong;
-    t->slack = (float)(1e-5 + wrong * (2 * m->band + wrong));
+    t->outside = (float)(outside + wrong);
+    t->slack = (float)(1e-5 + 2 * wrong * (2 * m->band + wrong));
     t->most = (float)(m->band * m->band) + t->slack;
+}
+
+/* Prepares a triangle; false: it reaches no voxel. When its sides are moved outwards, its corners move away
+ * from the centre of the incircle. */
+static bool set_triangle(const measuring *m, near_triangle *t, const iso_vec3 p[3], double reach) {
+    const iso_vec3 cross = iso_vec3_cross(iso_vec3_sub(p[1], p[0]), iso_vec3_sub(p[2], p[0])),
+                   normal = iso_vec3_unit(cross);
+    double length[3], corner[3][3], n[3], largest = 2 * ISO_BRICK;
+    set_planes(t, p, normal, length);
+    const double perimeter = length[0] + length[1] + length[2];
+    const double growth = reach < 1 ? reach * m->band * perimeter / iso_vec3_length(cross) : 0;
+    vector_axes(normal, n);
+    for (int k = 0; k < 3; k++) vector_axes(p[k], corner[k]);
+    for (int axis = 0; axis < 3; axis++) {
+        const double a = corner[0][axis], b = corner[1][axis], c = corner[2][axis];
+        const double lo = lesser(lesser(a, b), c), hi = greater(greater(a, b), c);
+        double below = m->band, above = m->band;
+        if (reach < 1) {
+            const double centre = (a * length[1] + b * length[2] + c * length[0]) / perimeter;
+            below = lesser(below, m->band * fabs(n[axis]) + growth * (centre - lo));
+            above = lesser(above, m->band * fabs(n[axis]) + growth * (hi - centre));
+        }
+        if (!set_range(lo - below, hi + above, &t->lo[axis], &t->hi[axis])) return false;
+        largest = greater(largest, greater(fabs(lo), fabs(hi)));
+    }
+    set_slack(m, t, reach * m->band, largest);
+    return true;
 }
 
 /* Whether the ball around the brick is within the band around the triangle. */
@@ -107,25 +119,28 @@ static bool reaches(const measuring *m, const float corners[3][3]) {
     return iso_vec3_dot(away, away) <= most * most;
 }
 
-static void take_triangle(void *context, const float corners[3][3]) {
+/* Returns a position of the mesh in voxels from the brick's first one. */
+static iso_vec3 in_brick(const iso_brick_place *b, const float p[3]) {
+    const double part = 1 / b->voxel;
+    return iso_vec3_make(((double)p[0] - b->origin[0]) * part - b->at[0],
+                         ((double)p[1] - b->origin[1]) * part - b->at[1],
+                         ((double)p[2] - b->origin[2]) * part - b->at[2]);
+}
+
+static void take_triangle(void *context, const iso_tree_triangle *triangle) {
     measuring *m = context;
-    const iso_brick_place *brick = m->brick;
-    const double part = 1 / brick->voxel;
     near_triangle t;
-    double p[3][3];
-    for (int k = 0; k < 3; k++)
-        for (int axis = 0; axis < 3; axis++)
-            p[k][axis] = ((double)corners[k][axis] - brick->origin[axis]) * part - brick->at[axis];
-    if (!set_range(m, &t, p)) return;
+    iso_vec3 p[3];
+    for (int k = 0; k < 3; k++) p[k] = in_brick(m->brick, triangle->corners[k]);
+    if (!set_triangle(m, &t, p, (double)triangle->reach)) return;
     const bool large = t.hi[0] - t.lo[0] + t.hi[1] - t.lo[1] + t.hi[2] - t.lo[2] > 2 * ISO_BRICK;
-    if (large && !reaches(m, corners)) return;
-    set_shape(m, &t, p);
+    if (large && !reaches(m, triangle->corners)) return;
     const int count = m->find_near(&t, m->bound, m->near);
     for (int i = 0; i < count; i++) {
         const int voxel = m->near[i];
-        const iso_vec3 at = iso_brick_voxel(brick, voxel),
-                       away = iso_vec3_sub(at, iso_triangle_nearest(corners, at));
-        const double squared = iso_vec3_dot(away, away);
+        const iso_vec3 at = iso_brick_voxel(m->brick, voxel),
+                       away = iso_vec3_sub(at, iso_triangle_nearest(triangle->corners, at));
+        const double squared = iso_vec3_dot(away, away), part = 1 / m->brick->voxel;
         if (squared >= m->squared[voxel]) continue;
         m->squared[voxel] = squared;
         m->bound[voxel] = (float)(squared * part * part);

@@ -1,6 +1,7 @@
 /* brick_distances: the distances of all voxels of a brick from the triangles near it, triangle by triangle.
- * This is many times faster than a search for each voxel: voxels for which a triangle may be the nearest are
- * found with floats, several at a time, and only for them the distance is computed in double precision. */
+ * This is many times faster than a search for each voxel: of the voxels that a triangle reaches
+ * (grids/closing/triangle_reach.h), those for which it may be the nearest are found with floats, several at a
+ * time, and only for them the distance is computed in double precision. */
 #ifndef ISO_GRIDS_CLOSING_BRICK_DISTANCES_H
 #define ISO_GRIDS_CLOSING_BRICK_DISTANCES_H
 
@@ -26,7 +27,8 @@ static inline iso_vec3 iso_brick_voxel(const iso_brick_place *brick, int voxel) 
 }
 
 /* Sets the squared distances (mm2) of the voxels of a brick from the nearest triangle, at most that of `band`
- * voxels: exactly what iso_triangle_tree_nearest finds, on every machine. Thread-safe. */
+ * voxels: what iso_triangle_tree_nearest finds, but for the last bits, and the same on every machine.
+ * Thread-safe. */
 void iso_brick_distances(const iso_triangle_tree *tree, const iso_brick_place *brick, double band,
                          double squared[ISO_BRICK_VOXELS]);
 

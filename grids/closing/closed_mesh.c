@@ -365,6 +365,15 @@ double iso_closed_mesh_winding(const iso_closed_mesh *closed, iso_vec3 p) {
     return iso_triangle_tree_winding(closed->surface, p) + iso_triangle_tree_winding(closed->caps, p);
 }
 
+bool iso_closed_mesh_change(const iso_closed_mesh *closed, iso_vec3 p, iso_vec3 q, int *change) {
+    int caps;
+    if (!iso_triangle_tree_change(closed->surface, p, q, change) ||
+        !iso_triangle_tree_change(closed->caps, p, q, &caps))
+        return false;
+    *change += caps;
+    return true;
+}
+
 void iso_closed_mesh_nearest(const iso_closed_mesh *closed, iso_vec3 p, iso_nearest *nearest) {
     iso_triangle_tree_nearest(closed->surface, p, nearest);
     iso_border_nearest(&closed->border, p, nearest);

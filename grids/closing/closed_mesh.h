@@ -53,6 +53,10 @@ void iso_closed_mesh_destroy(iso_closed_mesh *closed); /* NULL is allowed */
 const iso_mesh_report *iso_closed_mesh_report(const iso_closed_mesh *closed);
 iso_box iso_closed_mesh_box(const iso_closed_mesh *closed);
 
+/* Finds by how much the winding number at q exceeds that at p, fast if they are near to each other; false:
+ * this cannot be told (iso_triangle_tree_change). Thread-safe. */
+bool iso_closed_mesh_change(const iso_closed_mesh *closed, iso_vec3 p, iso_vec3 q, int *change);
+
 /* Return the winding number at a point, and find the nearest point of the triangles and caps. Thread-safe. */
 double iso_closed_mesh_winding(const iso_closed_mesh *closed, iso_vec3 p);
 void iso_closed_mesh_nearest(const iso_closed_mesh *closed, iso_vec3 p, iso_nearest *nearest);

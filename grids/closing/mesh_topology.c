@@ -9,7 +9,7 @@
 #include "base/memory.h"
 
 enum { MOST_TRIANGLES = 1 << 30, KEY = 12 };
-static const uint32_t NONE = UINT32_MAX;
+static const uint32_t NONE = ISO_NO_PARTNER;
 
 /* ---- hash tables from keys to numbers */
 
@@ -215,6 +215,14 @@ static size_t find_partners(const iso_triangles *mesh, const edges *e, uint32_t 
             wrong += from[0] == from[1];
         }
     return wrong;
+}
+
+bool iso_mesh_partners(const iso_triangles *mesh, uint32_t *partner) {
+    edges e;
+    const bool whole = edges_make(mesh, &e);
+    if (whole) find_partners(mesh, &e, partner);
+    edges_free(&e);
+    return whole;
 }
 
 static double area_of(const iso_triangles *mesh, size_t triangle) {

@@ -30,6 +30,13 @@ iso_status iso_mesh_topology_make(const char *path, const iso_triangles *mesh, i
                                   iso_error *error);
 void iso_mesh_topology_free(iso_mesh_topology *topology);
 
+/* partner[3 t + k]: the number of the half-edge that shares its edge with that of triangle t from its corner
+ * k to the next one; ISO_NO_PARTNER: the edge has one triangle, or more than two. Half-edges in the same
+ * direction can be partners, too: then the triangles face opposite ways. Returns false if there is no
+ * memory. */
+#define ISO_NO_PARTNER UINT32_MAX
+bool iso_mesh_partners(const iso_triangles *mesh, uint32_t *partner);
+
 #ifdef __cplusplus
 }
 #endif

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "grids/closing/triangle_reach.h"
 
 /* LEAF: the largest number of triangles of a leaf. DEEPEST: the largest depth of a tree; the stack of a
  * search has room for twice as many nodes. MORTON_BITS: bits of a Morton key for each axis. */
@@ -15,10 +16,6 @@ enum { LEAF = 4, DEEPEST = 30, MORTON_BITS = 10 };
 /* The triangles of a node are approximated by a dipole beyond this many times the node's radius. The error of
  * the winding number of a closed surface is then below 0.1 (tests/unit/grids/test_closed_mesh.c). */
 static const double FAR = 2;
-
-typedef struct corners {
-    float p[3][3];
-} corners;
 
 typedef struct node {
     float lo[3], hi[3];
@@ -29,7 +26,7 @@ typedef struct node {
 /* A complete binary tree: the children of node i are 2 i + 1 and 2 i + 2, and the triangles, in the order of
  * a Morton curve, are divided evenly among the leaves. */
 struct iso_triangle_tree {
-    corners *triangles;
+    iso_tree_triangle *triangles;
     node *nodes;
     size_t count, leaves; /* leaves: 2^depth */
     int depth;
@@ -59,25 +56,12 @@ static iso_box bounds_of(const iso_triangles *mesh) {
     return box;
 }
 
-/* Whether a triangle is more than a line, as precisely as floats say. A line encloses nothing, and is no
- * surface unless the edges of other triangles lie there. */
-static bool has_area(const iso_triangles *mesh, size_t triangle) {
-    iso_vec3 p[3];
-    for (int k = 0; k < 3; k++) {
-        const float *v = mesh->vertices[mesh->triangles[triangle][k]];
-        p[k] = iso_vec3_make(v[0], v[1], v[2]);
-    }
-    const iso_vec3 ab = iso_vec3_sub(p[1], p[0]), ac = iso_vec3_sub(p[2], p[0]),
-                   bc = iso_vec3_sub(p[2], p[1]), cross = iso_vec3_cross(ab, ac);
-    const double longest = fmax(iso_vec3_dot(ab, ab), fmax(iso_vec3_dot(ac, ac), iso_vec3_dot(bc, bc)));
-    return iso_vec3_dot(cross, cross) > 1e-14 * longest * longest;
-}
-
-/* Lists the triangles that have an area and returns their number; all of them, if none has. */
+/* Lists the triangles that have an area and returns their number; all of them, if none has. A line encloses
+ * nothing, and is no surface unless the edges of other triangles lie there. */
 static size_t find_triangles(const iso_triangles *mesh, place *places) {
     size_t count = 0;
     for (size_t t = 0; t < mesh->triangle_count; t++)
-        if (has_area(mesh, t)) places[count++].triangle = (uint32_t)t;
+        if (iso_triangle_has_area(mesh, t)) places[count++].triangle = (uint32_t)t;
     if (count) return count;
     for (; count < mesh->triangle_count; count++) places[count].triangle = (uint32_t)count;
     return count;
@@ -118,11 +102,11 @@ static size_t leaf_first(const iso_triangle_tree *tree, size_t leaf) {
     return tree->count * leaf >> tree->depth; /* the product is below 2^62 */
 }
 
-static iso_vec3 corner(const corners *t, int k) {
-    return iso_vec3_make(t->p[k][0], t->p[k][1], t->p[k][2]);
+static iso_vec3 corner(const iso_tree_triangle *t, int k) {
+    return iso_vec3_make(t->corners[k][0], t->corners[k][1], t->corners[k][2]);
 }
 
-static iso_vec3 area_vector(const corners *t) {
+static iso_vec3 area_vector(const iso_tree_triangle *t) {
     const iso_vec3 a = corner(t, 0);
     return iso_vec3_scale(iso_vec3_cross(iso_vec3_sub(corner(t, 1), a), iso_vec3_sub(corner(t, 2), a)), 0.5);
 }
@@ -162,15 +146,15 @@ static void build_leaf(const iso_triangle_tree *tree, size_t leaf, node *n, sums
     *s = (sums){0};
     clear_box(n);
     for (size_t i = leaf_first(tree, leaf); i < leaf_first(tree, leaf + 1); i++) {
-        const corners *t = &tree->triangles[i];
+        const iso_tree_triangle *t = &tree->triangles[i];
         const iso_vec3 vector = area_vector(t);
         const double area = iso_vec3_length(vector);
         iso_vec3 middle = {0, 0, 0};
         for (int k = 0; k < 3; k++) {
             middle = iso_vec3_add(middle, iso_vec3_scale(corner(t, k), 1.0 / 3));
             for (int axis = 0; axis < 3; axis++) {
-                n->lo[axis] = fminf(n->lo[axis], t->p[k][axis]);
-                n->hi[axis] = fmaxf(n->hi[axis], t->p[k][axis]);
+                n->lo[axis] = fminf(n->lo[axis], t->corners[k][axis]);
+                n->hi[axis] = fmaxf(n->hi[axis], t->corners[k][axis]);
             }
         }
         s->moment = iso_vec3_add(s->moment, iso_vec3_scale(middle, area));
@@ -209,18 +193,24 @@ static iso_triangle_tree *create_tree(const iso_triangles *mesh) {
     sums *s = iso_alloc(2 * tree->leaves * sizeof *s);
     tree->triangles = iso_alloc(tree->count * sizeof *tree->triangles);
     tree->nodes = iso_alloc(2 * tree->leaves * sizeof *tree->nodes);
-    const bool whole = places && s && tree->triangles && tree->nodes;
+    float *reaches = iso_alloc(mesh->triangle_count * sizeof *reaches);
+    const bool whole =
+        places && s && tree->triangles && tree->nodes && reaches && iso_triangle_reaches(mesh, reaches);
     if (whole) {
         find_keys(mesh, places, tree->count);
         sort_places(places, places + tree->count, tree->count);
-        for (size_t i = 0; i < tree->count; i++)
+        for (size_t i = 0; i < tree->count; i++) {
+            const uint32_t number = places[i].triangle;
+            tree->triangles[i].reach = reaches[number];
             for (int k = 0; k < 3; k++)
-                memcpy(tree->triangles[i].p[k], mesh->vertices[mesh->triangles[places[i].triangle][k]],
-                       sizeof tree->triangles[i].p[k]);
+                memcpy(tree->triangles[i].corners[k], mesh->vertices[mesh->triangles[number][k]],
+                       sizeof tree->triangles[i].corners[k]);
+        }
         build_sums(tree, s);
     }
     iso_free(places);
     iso_free(s);
+    iso_free(reaches);
     if (whole) return tree;
     iso_triangle_tree_destroy(tree);
     return NULL;
@@ -264,7 +254,7 @@ static double angle_of(double y, double x) {
 }
 
 /* Returns the winding number of a triangle around p: its solid angle divided by 4 pi. */
-static double triangle_winding(const corners *t, iso_vec3 p) {
+static double triangle_winding(const iso_tree_triangle *t, iso_vec3 p) {
     const iso_vec3 a = iso_vec3_sub(corner(t, 0), p), b = iso_vec3_sub(corner(t, 1), p),
                    c = iso_vec3_sub(corner(t, 2), p);
     const double la = iso_vec3_length(a), lb = iso_vec3_length(b), lc = iso_vec3_length(c);
@@ -346,7 +336,8 @@ iso_vec3 iso_triangle_nearest(const float triangle[3][3], iso_vec3 p) {
 
 /* Sets *nearest to the nearest point of a triangle, if this point is nearer. */
 static void test_triangle(const iso_triangle_tree *tree, size_t triangle, iso_vec3 p, iso_nearest *nearest) {
-    const iso_vec3 point = iso_triangle_nearest(tree->triangles[triangle].p, p), way = iso_vec3_sub(p, point);
+    const iso_vec3 point = iso_triangle_nearest(tree->triangles[triangle].corners, p),
+                   way = iso_vec3_sub(p, point);
     const double squared = iso_vec3_dot(way, way);
     if (squared < nearest->squared) *nearest = (iso_nearest){squared, point, triangle};
 }
@@ -396,7 +387,7 @@ void iso_triangle_tree_nearest(const iso_triangle_tree *tree, iso_vec3 p, iso_ne
 /* ---- all triangles in a box */
 
 void iso_triangle_tree_visit(const iso_triangle_tree *tree, const iso_box *box,
-                             void (*visit)(void *context, const float triangle[3][3]), void *context) {
+                             void (*visit)(void *context, const iso_tree_triangle *triangle), void *context) {
     size_t stack[2 * DEEPEST];
     int depth = 0;
     stack[depth++] = 0;
@@ -413,6 +404,61 @@ void iso_triangle_tree_visit(const iso_triangle_tree *tree, const iso_box *box,
         }
         const size_t leaf = i - (tree->leaves - 1);
         for (size_t k = leaf_first(tree, leaf); k < leaf_first(tree, leaf + 1); k++)
-            visit(context, (const float(*)[3])tree->triangles[k].p);
+            visit(context, &tree->triangles[k]);
     }
+}
+
+/* ---- changes of the winding number along a way */
+
+/* How small a volume may be in comparison with the lengths that it is computed from, before its sign counts
+ * as unknown. Cracks without an area, which the tree leaves out, are narrower. */
+static const double UNSURE = 1e-6;
+
+/* The way from p to q, with q and the triangles relative to p. */
+typedef struct crossing {
+    iso_vec3 from, way;
+    double length;
+    int change;
+    bool unsure;
+} crossing;
+
+/* Returns the sign of a volume, 0 if it is unknown. */
+static int sign_of(double volume, double size) {
+    return volume > UNSURE * size ? 1 : volume < -UNSURE * size ? -1 : 0;
+}
+
+static void cross_triangle(void *context, const iso_tree_triangle *triangle) {
+    crossing *c = context;
+    iso_vec3 p[3];
+    double size = c->length;
+    for (int k = 0; k < 3; k++) {
+        p[k] = iso_vec3_sub(corner(triangle, k), c->from);
+        size = fmax(size, fmax(fabs(p[k].x), fmax(fabs(p[k].y), fabs(p[k].z))));
+    }
+    int inside[3];
+    for (int k = 0; k < 3; k++)
+        inside[k] =
+            sign_of(iso_vec3_dot(c->way, iso_vec3_cross(p[k], p[(k + 1) % 3])), c->length * size * size);
+    const bool some_left = inside[0] > 0 || inside[1] > 0 || inside[2] > 0,
+               some_right = inside[0] < 0 || inside[1] < 0 || inside[2] < 0;
+    if (some_left && some_right) return; /* the line passes beside the triangle */
+    const iso_vec3 normal = iso_vec3_cross(iso_vec3_sub(p[1], p[0]), iso_vec3_sub(p[2], p[0]));
+    const double start = -iso_vec3_dot(normal, p[0]), end = start + iso_vec3_dot(normal, c->way);
+    const int before = sign_of(start, size * size * size), after = sign_of(end, size * size * size);
+    if (before * after > 0) return;
+    if (before && after && inside[0] && inside[1] && inside[2])
+        c->change += before > 0 ? 1 : -1;
+    else
+        c->unsure = true;
+}
+
+bool iso_triangle_tree_change(const iso_triangle_tree *tree, iso_vec3 p, iso_vec3 q, int *change) {
+    crossing c = {.from = p, .way = iso_vec3_sub(q, p)};
+    iso_box box = iso_box_empty();
+    c.length = iso_vec3_length(c.way);
+    iso_box_add(&box, p);
+    iso_box_add(&box, q);
+    if (tree) iso_triangle_tree_visit(tree, &box, cross_triangle, &c);
+    *change = c.change;
+    return !c.unsure;
 }

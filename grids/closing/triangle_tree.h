@@ -29,6 +29,12 @@ void iso_triangle_tree_destroy(iso_triangle_tree *tree); /* NULL is allowed */
  * are counter-clockwise seen from outside, -1 if they are clockwise. 0 for NULL. */
 double iso_triangle_tree_winding(const iso_triangle_tree *tree, iso_vec3 p);
 
+/* Finds by how much the winding number at q exceeds that at p, from the triangles that the way between them
+ * crosses; this is fast if they are near to each other. The triangles must be closed. Returns false if the
+ * way passes too near to an edge or ends too near to a triangle, so that this cannot be told. NULL: *change
+ * is 0. */
+bool iso_triangle_tree_change(const iso_triangle_tree *tree, iso_vec3 p, iso_vec3 q, int *change);
+
 /* The start and the result of a search for the nearest triangle. Set `squared` to the squared distance within
  * which to search, and `triangle` to a guess (0, or the result for a nearby point). If a triangle is nearer,
  * all three are set; otherwise nothing changes. */
@@ -41,9 +47,14 @@ typedef struct iso_nearest {
 /* The point of a triangle that is nearest to p. */
 iso_vec3 iso_triangle_nearest(const float triangle[3][3], iso_vec3 p);
 
+typedef struct iso_tree_triangle {
+    float corners[3][3];
+    float reach; /* grids/closing/triangle_reach.h */
+} iso_tree_triangle;
+
 /* Calls `visit` with every triangle in a leaf whose box meets `box`. */
 void iso_triangle_tree_visit(const iso_triangle_tree *tree, const iso_box *box,
-                             void (*visit)(void *context, const float triangle[3][3]), void *context);
+                             void (*visit)(void *context, const iso_tree_triangle *triangle), void *context);
 
 /* Searches for the triangle that is nearest to p. */
 void iso_triangle_tree_nearest(const iso_triangle_tree *tree, iso_vec3 p, iso_nearest *nearest);

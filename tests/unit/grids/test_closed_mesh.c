@@ -605,6 +605,61 @@ static void thin_things_are_refused(void **state) {
     mesh_free(&mesh);
 }
 
+/* Moves every vertex by up to `most` mm on each axis. */
+static void shake(iso_triangles *mesh, double most) {
+    uint32_t state = 12345;
+    for (size_t i = 0; i < 3 * mesh->vertex_count; i++) {
+        state = state * 1664525u + 1013904223u;
+        mesh->vertices[i / 3][i % 3] += (float)(most * ((state >> 8) / 8388608.0 - 1));
+    }
+}
+
+/* Compares the distances of the voxels of bricks around a place of the ball's surface with a search for the
+ * nearest point of each. */
+static void check_distances(const char *what, const iso_triangles *mesh, double voxel) {
+    iso_closed_mesh *closed = close_mesh(mesh, 0);
+    const double half = 24 * voxel, origin[3] = {-8.5 - half, -15.5 - half, -6.4 - half}, band = 3,
+                 most = band * band * voxel * voxel;
+    size_t near = 0;
+    for (int i = 0; i < 27; i++) {
+        const iso_brick_place brick = {origin, voxel, {16 * (i % 3), 16 * (i / 3 % 3), 16 * (i / 9)}};
+        double squared[ISO_BRICK_VOXELS];
+        iso_closed_mesh_measure(closed, &brick, band, squared);
+        for (int v = 0; v < ISO_BRICK_VOXELS; v++) {
+            iso_nearest nearest = {.squared = most};
+            iso_closed_mesh_nearest(closed, iso_brick_voxel(&brick, v), &nearest);
+            near += nearest.squared < most;
+            if (fabs(squared[v] - nearest.squared) > 1e-12 * most)
+                fail_msg("%s, voxels of %g mm: %.17g mm2 instead of %.17g", what, voxel, squared[v],
+                         nearest.squared);
+        }
+    }
+    if (near < 100) fail_msg("%s: %zu voxels are near", what, near);
+    iso_closed_mesh_destroy(closed);
+}
+
+/* Distances from triangles, edges and corners: smooth, rough and sharp ones, triangles smaller and larger
+ * than voxels, and holes that were filled. */
+static void distances_of_bricks(void **state) {
+    (void)state;
+    static const double voxels[3] = {0.1, 0.4, 1.5};
+    for (int i = 0; i < 3; i++) {
+        iso_triangles mesh = ball_mesh();
+        check_distances("ball", &mesh, voxels[i]);
+        for (size_t k = 0; k < 30; k++) take_out(&mesh, 700 * k + 11);
+        shake(&mesh, 0.01);
+        check_distances("shaken ball", &mesh, voxels[i]);
+        shake(&mesh, 0.3);
+        check_distances("rough ball", &mesh, voxels[i]);
+        mesh_free(&mesh);
+        mesh = mesh_make();
+        put_box(&mesh, iso_vec3_make(-8.11, -19.3, -15.03), iso_vec3_make(-7.2, 4.4, -6.1));
+        put_box(&mesh, iso_vec3_make(-9, -20, -6.3), iso_vec3_make(20, -15, -6));
+        check_distances("boxes", &mesh, voxels[i]);
+        mesh_free(&mesh);
+    }
+}
+
 /* The same bytes on any number of threads; cancelling leaves nothing. */
 static int give_up(void *context, double fraction) {
     return fraction >= *(double *)context;
@@ -647,6 +702,7 @@ int main(void) {
                                        cmocka_unit_test(sheets_are_refused),
                                        cmocka_unit_test(holes_have_sizes),
                                        cmocka_unit_test(thin_things_are_refused),
+                                       cmocka_unit_test(distances_of_bricks),
                                        cmocka_unit_test(threads_and_cancelling),
                                        cmocka_unit_test(self_intersections)};
     return cmocka_run_group_tests(tests, NULL, NULL);
