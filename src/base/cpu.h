@@ -34,8 +34,9 @@ iso_cpu_level iso_cpu_supported(void);
 const char *iso_cpu_level_name(iso_cpu_level level);
 
 /* ISO_TARGET_...: attributes for the functions of a variant. Functions that they inline have the same
- * attribute or none. */
-#if defined(__x86_64__) && defined(__GNUC__)
+ * attribute or none. A source that defines ISO_GENERIC_ONLY has the generic level alone: it need not include
+ * <immintrin.h>, which takes half a second. */
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(ISO_GENERIC_ONLY)
 #define ISO_HAVE_X86 1
 #define ISO_TARGET_AVX2 __attribute__((target("avx2,bmi,bmi2,popcnt")))
 #ifdef __clang__

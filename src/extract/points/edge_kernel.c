@@ -145,6 +145,9 @@ void iso_edge_source_prepare(iso_edge_source *source) {
 
 #include "extract/points/edge_kernel_rows.inc"
 
+#define ISO_KERNEL_BODY "extract/points/edge_kernel_finish.inc"
+#include "base/kernel_levels.inc"
+
 #define ISO_KERNEL_BODY "grids/voxel_kernels.inc"
 #define ISO_VOXEL_BODY "extract/points/edge_kernel_body.inc"
 #include "base/kernel_levels.inc"
