@@ -14,8 +14,9 @@ static const double EDGE = 0.04;
 static const double MOST_RADII = 16;
 /* Ellipses are made longer as far as a line that curves leaves them by half of this, in its radii. */
 static const double CURVE = 0.5;
-/* Ellipses of ribbons are at least and at most so long along the line, in half, in pixels of the base level: thin
- * ribbons have no gaps between fragments, and a ribbon that twists leaves the plane of a longer ellipse. */
+/* Ellipses of ribbons are at least and at most so long along the line, in half, in pixels of the base level:
+ * thin ribbons have no gaps between fragments, and a ribbon that twists leaves the plane of a longer ellipse.
+ * */
 static const double RIBBON_LENGTH[2] = {1.5, 4};
 /* Discs' radii in pixels are limited to this. */
 static const double MOST_PIXELS = 1e6;
@@ -259,13 +260,15 @@ static double room_at(const segment *s, double u, double part, double radius, do
     return room;
 }
 
-/* How far the nearer end of the leg is from a place of a segment, mm: less than 0 if it is where the leg begins. */
+/* How far the nearer end of the leg is from a place of a segment, mm: less than 0 if it is where the leg
+ * begins. */
 static double nearer_end(const segment *s, double u) {
     const double before = s->before + u * s->length, after = s->after + (1 - u) * s->length;
     return before < after ? -iso_max(before, 1e-30) : after;
 }
 
-/* Half the length of a ribbon's ellipse, mm. `length`: of the disc; `scale`: pixels of a mm along the line. */
+/* Half the length of a ribbon's ellipse, mm. `length`: of the disc; `scale`: pixels of a mm along the line.
+ * */
 static double ribbon_length(const line_pen *pen, double length, double radius, double scale) {
     const double pixel = (1 << pen->pyramid->layout.base) / iso_max(scale, 1e-12);
     if (length == radius) length = iso_max(length, RIBBON_LENGTH[0] * pixel); /* no end is near */

@@ -1,11 +1,12 @@
 /* line_levels: pull and push of lines alone (Marroquim, Kraus and Cavalcanti 2008, section 4).
  *
- * A mean of several fragments of a line that turns in the picture lies beside the line, and its ellipse has to
- * be longer than theirs, so that a pixel of a coarse level stands for its whole piece of the line: a bend would
- * get horns. Here a pixel of every level shows one fragment instead. Pull keeps, of the frontmost fragments, the
- * one nearest to the pixel's centre. Push takes the fragments of the coarser pixels around, and goes from there
- * along the line, from a fragment of the base level to the next one beside it, to the fragment nearest to the
- * finer pixel's centre; only if that one's ellipse reaches the pixel, the pixel shows it. */
+ * A mean of several fragments of a line that turns in the picture lies beside the line, and its ellipse has
+ * to be longer than theirs, so that a pixel of a coarse level stands for its whole piece of the line: a bend
+ * would get horns. Here a pixel of every level shows one fragment instead. Pull keeps, of the frontmost
+ * fragments, the one nearest to the pixel's centre. Push takes the fragments of the coarser pixels around,
+ * and goes from there along the line, from a fragment of the base level to the next one beside it, to the
+ * fragment nearest to the finer pixel's centre; only if that one's ellipse reaches the pixel, the pixel shows
+ * it. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -20,11 +21,16 @@ static const double MARGIN = 0.75;
 /* A fragment is beside a pixel's centre if the nearest place of the line is within so many pixels of the base
  * level of it, along the line. */
 static const double BESIDE = 1.5;
-/* In the last push a tube's fragment is near enough if the nearest place of the line is within so many pixels. */
-static const double NEAREST = 0.75;
+/* How much a line can bend between the fragments of the last push, pixels. */
+static const double LAST_BEND = 0.5;
+/* A fragment is near enough if the nearest place of the line is within so many pixels: of a tube in the last
+ * push, and everywhere if the ellipse is less than THIN pixels of level 0 wide. A bend of a wide line has
+ * places that are the nearest of none. */
+static const double NEAREST = 0.75, THIN = 4;
 /* Half a pixel, and what rounding a fragment's place in its pixel can change. */
 static const double HALF = 0.5 + 1.0 / 32;
-/* The least slope of a ribbon's plane against the ray (its sine), and the least of a tube's axis (squared). */
+/* The least slope of a ribbon's plane against the ray (its sine), and the least of a tube's axis (squared).
+ * */
 static const double RIBBON_SLOPE = 0.25, TUBE_SLOPE = 1.0 / 16;
 
 /* A fragment as a pixel's centre sees it. */
@@ -97,7 +103,8 @@ static void set_q(const line_levels *l, fragment *f) {
     f->q = m.xx * x * x + 2 * m.xy * x * y + m.yy * y * y;
 }
 
-/* The square of the distance from the nearest place of the line to a pixel's centre, along the line, pixels^2. */
+/* The square of the distance from the nearest place of the line to a pixel's centre, along the line,
+ * pixels^2. */
 static double along_square(const line_levels *l, const fragment *f) {
     const form m = form_of(l, f);
     const double c = plane_at(l, ISO_PLANE_TWICE_X, f), s = plane_at(l, ISO_PLANE_TWICE_Y, f);
@@ -133,8 +140,8 @@ static void look_around(const line_levels *l, const double at[2], const fragment
         }
 }
 
-/* Goes along the line to the fragment that is nearest to the pixel's centre, in at most so many steps, or to one
- * that is `enough` pixels of the base level from there along the line. Sets its q and along. */
+/* Goes along the line to the fragment that is nearest to the pixel's centre, in at most so many steps, or to
+ * one that is `enough` pixels of the base level from there along the line. Sets its q and along. */
 static void go_along(const line_levels *l, const double at[2], int steps, double enough, fragment *f) {
     const double square = l->pixel * l->pixel;
     set_q(l, f);
@@ -142,7 +149,8 @@ static void go_along(const line_levels *l, const double at[2], int steps, double
          f->along = along_square(l, f)) {
         fragment best = *f;
         look_around(l, at, f, 1, &best);
-        if (best.q >= f->q && f->along > BESIDE * BESIDE * square) look_around(l, at, f, 2, &best);
+        if (best.q >= f->q && !(enough > 0) && f->along > BESIDE * BESIDE * square)
+            look_around(l, at, f, 2, &best);
         if (best.q >= f->q) return;
         *f = best;
     }
@@ -272,8 +280,9 @@ static void make_ellipses(const iso_pullpush_params *params, int level, iso_rows
 
 enum { CORNERS = 8, CANDIDATES = 10 }; /* fragments of a cell's corners; these and a pixel's own two */
 
-/* Whether going along the line from a corner's fragment can end at one that reaches within `margin` of the pixel:
- * it does if the line is straight, or bends by less than `bend` pixels of level 0. Sets q and along. */
+/* Whether going along the line from a corner's fragment can end at one that reaches within `margin` of the
+ * pixel: it does if the line is straight, or bends by less than `bend` pixels of level 0. Sets q and along.
+ * */
 static bool may_reach(const line_levels *l, fragment *f, double margin, double bend) {
     set_q(l, f);
     f->along = along_square(l, f);
@@ -283,8 +292,8 @@ static bool may_reach(const line_levels *l, fragment *f, double margin, double b
     return square - f->along <= reach * reach;
 }
 
-/* The fragments of the corners of the cell of a level that contains pixel (x, y) of the level below, the front ones
- * first. Returns their number. */
+/* The fragments of the corners of the cell of a level that contains pixel (x, y) of the level below, the
+ * front ones first. Returns their number. */
 static int read_corners(const line_levels *l, int level, int x, int y, int32_t place[CORNERS]) {
     const ptrdiff_t stride = (ptrdiff_t)l->pyramid->level[level].stride;
     const ptrdiff_t corner = (ptrdiff_t)((y + 1) / 2) * stride + (x + 1) / 2;
@@ -305,24 +314,25 @@ static int pixels_of(const line_levels *l, int level) {
     return finer > 0 ? 1 << finer : 1;
 }
 
-/* Goes from a corner's fragment to the one of its line that is nearest to `at`. False: it is one of those that were
- * found before, or does not reach within `margin`. */
+/* Goes from a corner's fragment to the one of its line that is nearest to `at`. False: it is one of those
+ * that were found before, or does not reach within `margin`. */
 static bool find_nearest(const line_levels *l, int level, const double at[2], double margin,
                          const fragment *found, int count, fragment *f) {
     const int pixels = pixels_of(l, level), near = 4 * pixels;
-    const double enough = level == 1 && l->params->kind == ISO_PULLPUSH_TUBES ? NEAREST : 0;
+    const bool thin = plane_at(l, ISO_PLANE_SHAPE_XX, f) + plane_at(l, ISO_PLANE_SHAPE_YY, f) < THIN * THIN;
+    const double enough = thin || (level == 1 && l->params->kind == ISO_PULLPUSH_TUBES) ? NEAREST : 0;
     const double interval = plane_at(l, ISO_PLANE_INTERVAL, f);
     for (int i = 0; i < count; i++) /* going along the line would end at the same place */
         if (abs(f->x - found[i].x) <= near && abs(f->y - found[i].y) <= near &&
             fabs(f->depth - found[i].depth) <= interval)
             return false;
-    if (!may_reach(l, f, margin, 2 * pixels * l->pixel)) return false;
+    if (!may_reach(l, f, margin, (level == 1 ? LAST_BEND : 2 * pixels) * l->pixel)) return false;
     go_along(l, at, 8 * pixels + 2, enough, f);
     return true;
 }
 
-/* Of the fragments that reach a pixel and lie behind `front` the frontmost, or one within its interval that is
- * nearer to the pixel's centre; NULL: there is none. */
+/* Of the fragments that reach a pixel and lie behind `front` the frontmost, or one within its interval that
+ * is nearer to the pixel's centre; NULL: there is none. */
 static const fragment *choose_found(const line_levels *l, const fragment *found, int count, double front,
                                     double *limit) {
     const fragment *chosen = NULL;
@@ -340,7 +350,8 @@ static int32_t place_of(const line_levels *l, const fragment *f) {
     return f ? (int32_t)((size_t)f->y * l->pyramid->key_stride) + f->x + 1 : 0;
 }
 
-/* Makes what a pixel of level - 1 shows, from its own fragments in out[0] and out[1] and from those around. */
+/* Makes what a pixel of level - 1 shows, from its own fragments in out[0] and out[1] and from those around.
+ * */
 static void push_pixel(const line_levels *l, int level, int x, int y, int32_t *const out[2]) {
     const double size = (double)(1 << (level - 1)), at[2] = {size * (x + 0.5), size * (y + 0.5)},
                  margin = MARGIN * size;
@@ -426,8 +437,8 @@ static meeting meet(const line_levels *l, const fragment *f, int x, int y) {
 }
 
 /* Where the ray meets the cylinder around the tangent, or where it is nearest to it; returns whether it meets
- * it. The intersection is computed in the plane perpendicular to the tangent. A tube that points at the eye is
- * drawn as if it pointed 14 degrees beside it. */
+ * it. The intersection is computed in the plane perpendicular to the tangent. A tube that points at the eye
+ * is drawn as if it pointed 14 degrees beside it. */
 static bool meet_cylinder(const meeting *m, sample *out) {
     const double along = dot(m->ray, m->n), before = dot(m->beside, m->n), length = dot(m->ray, m->ray);
     double turn[3], from[3];
@@ -463,8 +474,8 @@ static void meet_plane(const meeting *m, sample *out) {
     out->depth += side * dot(m->beside, m->n) / steep;
 }
 
-/* The normal of an illuminated line: the direction to the key light, projected onto the plane perpendicular to
- * the tangent (section 4.2, figure 11); towards the eye where the line points at the light. */
+/* The normal of an illuminated line: the direction to the key light, projected onto the plane perpendicular
+ * to the tangent (section 4.2, figure 11); towards the eye where the line points at the light. */
 static void illuminate(const meeting *m, double normal[3]) {
     const double light[3] = {(double)ISO_PHONG_LIGHT_X, (double)ISO_PHONG_LIGHT_Y, (double)ISO_PHONG_LIGHT_Z},
                  along = dot(light, m->n);
@@ -493,8 +504,8 @@ static bool complete_tube(const line_levels *l, const fragment *f, const meeting
     return meets;
 }
 
-/* Whether a pixel's own fragment is less than half a pixel beside the line, or near its end: then the pixel shows
- * it in any case, so that lines are at least a pixel wide. */
+/* Whether a pixel's own fragment is less than half a pixel beside the line, or near its end: then the pixel
+ * shows it in any case, so that lines are at least a pixel wide. */
 static bool is_on_line(const line_levels *l, const fragment *f, const meeting *m) {
     const double c = plane_at(l, ISO_PLANE_TWICE_X, f), s = plane_at(l, ISO_PLANE_TWICE_Y, f), x = f->away[0],
                  y = f->away[1];

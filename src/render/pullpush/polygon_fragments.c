@@ -9,8 +9,6 @@
 /* A depth interval is as long as the depth changes in two pixels, but not longer than so many radii of the
  * points it blends with, or so many pixels. */
 static const double MOST_RADII = 4, MOST_PIXELS = 16;
-/* The cosine between ray and normal from which on a sample faces away. */
-static const double AWAY = 0.1;
 
 static double length_of(const double v[3]) {
     return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
@@ -147,13 +145,6 @@ void iso_set_planes_clear(const iso_pyramid_level *level, size_t at, int set) {
     level->plane[ISO_PLANE_SET][at] = (float)set;
 }
 
-/* Whether a sample shows the inside of the surface: such samples would be seen in gaps between the points in
- * front. Interpolated normals may face away a little at outlines that are seen. */
-static bool faces_away(const polygon_sample *s) {
-    const double along = s->normal[0] * s->ray[0] + s->normal[1] * s->ray[1] + s->normal[2] * s->ray[2];
-    return along > AWAY * length_of(s->ray) * length_of(s->normal);
-}
-
 static const iso_polygon_set *set_of(const iso_polygons *polygons, uint8_t surface) {
     const iso_polygon_set *set = polygons->sets;
     while (set->surface != surface) set++;
@@ -174,7 +165,6 @@ static void project_sample(const iso_polygons *polygons, const iso_pyramid *pyra
     const int64_t made = (int64_t)depth * ((int64_t)1 << 32) + make_payload(polygons, &s);
     if (made >= pyramid->keys[place]) return;
     const iso_polygon_set *set = set_of(polygons, polygons->picture.surface[index]);
-    if (set->cull && faces_away(&s)) return;
     pyramid->keys[place] = made;
     set_extent(polygons, set, &s, level->plane[ISO_PLANE_RADIUS] + at, level->plane[ISO_PLANE_INTERVAL] + at);
     if (!pyramid->index) return;

@@ -42,12 +42,11 @@ typedef struct iso_polygon_set {
      * triangles do not blend. */
     const iso_brick_choice *choice;
     double radius, to_index[9];
-    bool cull; /* triangles that face away are left out, as the points are that they blend with */
 } iso_polygon_set;
 
 /* Zero-initialise `picture`; free it when done. */
 typedef struct iso_polygons {
-    iso_polygon_set *sets;
+    const iso_polygon_set *sets;
     size_t count;
     iso_projector projector; /* of the index space in which keys have normals */
     float normal[9];         /* normals from view to that index space */

@@ -461,7 +461,6 @@ static iso_status draw_surface(const iso_target *target, const iso_point_view *p
                           .pyramid = &workspace->pyramid};
     ISO_TRY(iso_point_blocks_make(call.blocks, points, &call.projector, target->pool, error));
     if (call.blocks->seen == 0 && !polygons) return ISO_OK;
-    if (polygons) polygons->sets[0].cull = points->closed && !call.blocks->around_eye;
     if (points->colors || opts->color) ISO_TRY(iso_gbuffer_add_color(target->gbuffer, error));
     if (reconstruction == ISO_RECONSTRUCTION_REFINED || is_splats(reconstruction))
         return iso_refined_draw(&workspace->refined, target, points, call.blocks, &refined, error);

@@ -61,7 +61,6 @@ static void add_polygons(iso_sets_frame *frame, const iso_set_frame *made) {
     if (made->points && iso_matrix_invert(made->parts.choice.projector.matrix, polygons->to_index)) {
         polygons->choice = &made->parts.choice;
         polygons->radius = ISO_DISC_RADII * made->points->radius;
-        polygons->cull = made->points->closed && !made->blocks.around_eye;
     }
     frame->polygons.count++;
 }

@@ -219,8 +219,8 @@ static void test_ribbons(void **state) {
     iso_free(scene.lines.normals);
 }
 
-/* A helix, whose line turns in the picture, and a ribbon that turns once around its line: pixels that averages of
- * what lies before and behind a bend cover stand out of the outline like horns. */
+/* A helix, whose line turns in the picture, and a ribbon that turns once around its line: pixels that
+ * averages of what lies before and behind a bend cover stand out of the outline like horns. */
 static void test_turning(void **state) {
     (void)state;
     const double bounds[][2] = {{0.5, 1}, {2, 1.2}, {8, 1.5}, {20, 2}}; /* radius, reach; pixels */
