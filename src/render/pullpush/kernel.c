@@ -6,7 +6,6 @@
 ISO_KERNEL_UNITS(iso_pullpush_project, iso_pullpush_project);
 ISO_KERNEL_UNITS(iso_pullpush_steps, iso_pullpush_steps_ONE);
 ISO_KERNEL_UNITS(iso_pullpush_steps, iso_pullpush_steps_TWO);
-ISO_KERNEL_UNITS(iso_pullpush_steps, iso_pullpush_steps_NONE);
 ISO_KERNEL_UNITS(iso_pullpush_steps, iso_pullpush_steps_SETS);
 
 iso_pullpush_project iso_pullpush_project_get(void) {
@@ -26,5 +25,5 @@ const iso_pullpush_steps *iso_pullpush_steps_get(iso_pullpush_kind kind) {
     case ISO_PULLPUSH_RIBBONS:
         break;
     }
-    return ISO_KERNEL(iso_pullpush_steps_NONE, level);
+    return &iso_line_steps;
 }

@@ -98,4 +98,7 @@ typedef void (*iso_pullpush_project)(const iso_point_projection *projection, con
 iso_pullpush_project iso_pullpush_project_get(void);
 const iso_pullpush_steps *iso_pullpush_steps_get(iso_pullpush_kind kind);
 
+/* The steps of lines alone (line_levels.c). */
+extern const iso_pullpush_steps iso_line_steps;
+
 #endif

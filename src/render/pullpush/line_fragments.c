@@ -14,6 +14,10 @@ static const double EDGE = 0.04;
 static const double MOST_RADII = 16;
 /* Ellipses are made longer as far as a line that curves leaves them by half of this, in its radii. */
 static const double CURVE = 0.5;
+/* Ellipses of ribbons are at least and at most so long along the line, in half, in pixels of the base level:
+ * thin ribbons have no gaps between fragments, and a ribbon that twists leaves the plane of a longer ellipse.
+ * */
+static const double RIBBON_LENGTH[2] = {1.5, 4};
 /* Discs' radii in pixels are limited to this. */
 static const double MOST_PIXELS = 1e6;
 
@@ -256,6 +260,21 @@ static double room_at(const segment *s, double u, double part, double radius, do
     return room;
 }
 
+/* How far the nearer end of the leg is from a place of a segment, mm: less than 0 if it is where the leg
+ * begins. */
+static double nearer_end(const segment *s, double u) {
+    const double before = s->before + u * s->length, after = s->after + (1 - u) * s->length;
+    return before < after ? -iso_max(before, 1e-30) : after;
+}
+
+/* Half the length of a ribbon's ellipse, mm. `length`: of the disc; `scale`: pixels of a mm along the line.
+ * */
+static double ribbon_length(const line_pen *pen, double length, double radius, double scale) {
+    const double pixel = (1 << pen->pyramid->layout.base) / iso_max(scale, 1e-12);
+    if (length == radius) length = iso_max(length, RIBBON_LENGTH[0] * pixel); /* no end is near */
+    return iso_min(length, RIBBON_LENGTH[1] * pixel);
+}
+
 /* The ellipse of a fragment, and how it may be longer at coarser levels: the planes from SHAPE_XX to ROOM. */
 static void make_shape(const line_pen *pen, const segment *s, const place *p, double u, double radius,
                        float shape[6]) {
@@ -267,14 +286,15 @@ static void make_shape(const line_pen *pen, const segment *s, const place *p, do
     const double room = room_at(s, u, part, radius, &length);
     project_vector(view, p, axis[0], a);
     project_vector(view, p, axis[1], b);
-    const double wide = radius * radius, tall = length * length,
-                 size = b[0] * b[0] + b[1] * b[1]; /* of a unit along the line */
+    const double size = b[0] * b[0] + b[1] * b[1]; /* of a unit along the line */
+    if (ribbon) length = ribbon_length(pen, length, radius, sqrt(size));
+    const double wide = radius * radius, tall = length * length;
     shape[0] = (float)iso_min(wide * a[0] * a[0] + tall * b[0] * b[0] + EDGE, most);
     shape[1] = (float)iso_max(iso_min(wide * a[0] * a[1] + tall * b[0] * b[1], most), -most);
     shape[2] = (float)iso_min(wide * a[1] * a[1] + tall * b[1] * b[1] + EDGE, most);
     shape[3] = (float)(size > 0 ? (b[0] * b[0] - b[1] * b[1]) / size : 0);
     shape[4] = (float)(size > 0 ? 2 * b[0] * b[1] / size : 0);
-    shape[5] = (float)iso_min(room * sqrt(size), MOST_PIXELS);
+    shape[5] = (float)(ribbon ? iso_min(room * sqrt(size), MOST_PIXELS) : nearer_end(s, u));
 }
 
 /* Bits 0 .. 21 of a key's payload. `n` is in view space. */

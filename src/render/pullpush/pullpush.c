@@ -76,6 +76,23 @@ static void choose_bands(pullpush_call *call) {
     if (call->band_levels > most) call->band_levels = most;
 }
 
+/* Lines are followed in the base level, so that pixels depend on more rows than those of points do. */
+static iso_pyramid_layout choose_lines_layout(const iso_line_frame *lines, const iso_view *view) {
+    const int more = 2 << iso_pullpush_layout(view, lines->radius).top;
+    const int above = more < view->above ? more : view->above,
+              below = more < view->below ? more : view->below;
+    iso_view wide = *view;
+    wide.above -= above;
+    wide.height += above + below;
+    wide.below -= below;
+    iso_pyramid_layout layout = iso_pullpush_layout(&wide, lines->radius);
+    layout.row -= above;
+    layout.planes =
+        1u << ISO_PLANE_RADIUS | 1u << ISO_PLANE_INTERVAL | 63u << ISO_PLANE_SHAPE_XX | 3u << ISO_PLANE_PLACE;
+    if (lines->lines->lines.colors) layout.planes |= 7u << ISO_PLANE_RED;
+    return layout;
+}
+
 static iso_pyramid_layout choose_layout(const pullpush_call *call, const iso_view *view) {
     if (call->given) return iso_pyramid_layout_of(view, call->given->base.base, call->given->base.top);
     if (call->sets) {
@@ -87,12 +104,7 @@ static iso_pyramid_layout choose_layout(const pullpush_call *call, const iso_vie
         layout.indexed = 1;
         return layout;
     }
-    if (call->lines) {
-        iso_pyramid_layout layout = iso_pullpush_layout(view, call->lines->radius);
-        layout.planes = 1u << ISO_PLANE_RADIUS | 1u << ISO_PLANE_INTERVAL | 63u << ISO_PLANE_SHAPE_XX;
-        if (call->lines->lines->lines.colors) layout.planes |= 7u << ISO_PLANE_RED;
-        return layout;
-    }
+    if (call->lines) return choose_lines_layout(call->lines, view);
     if (call->polygons) {
         const float radius[2] = {0, call->blocks->seen ? call->blocks->radius[1] : 0};
         iso_pyramid_layout layout = iso_pullpush_layout(view, radius);

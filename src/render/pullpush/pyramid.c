@@ -54,7 +54,10 @@ iso_pyramid_layout iso_pyramid_layout_of(const iso_view *view, int base, int top
 }
 
 static bool has_plane(const iso_pyramid_layout *layout, int level, int plane) {
-    if (plane >= ISO_PLANE_OPTIONAL) return (level > 0 || layout->base == 0) && (layout->planes >> plane & 1);
+    const uint32_t optional = plane >= ISO_PLANE_OPTIONAL ? layout->planes >> plane & 1 : 0;
+    if (layout->planes >> ISO_PLANE_PLACE & 1)
+        return optional && (plane >= ISO_PLANE_PLACE ? level > 0 : level == layout->base);
+    if (plane >= ISO_PLANE_OPTIONAL) return (level > 0 || layout->base == 0) && optional;
     return level > 0;
 }
 

@@ -57,13 +57,20 @@ enum {
     ISO_PLANE_SHAPE_XY,
     ISO_PLANE_SHAPE_YY,
     /* Of line fragments: the line's direction in the picture, as cosine and sine of twice its angle, so that
-     * opposite directions are the same; and how far the line goes on in this direction, pixels of level 0. */
+     * opposite directions are the same. ROOM: of ribbons, how far the line goes on in this direction, pixels
+     * of level 0; of tubes, the distance to the nearer end of the line's leg, mm, less than 0 if the leg
+     * begins there. */
     ISO_PLANE_TWICE_X,
     ISO_PLANE_TWICE_Y,
     ISO_PLANE_ROOM,
     /* In a pyramid of several sets: which set a pixel shows. Its surface number, plus ISO_SET_RIBBON and
      * ISO_SET_COLORED. */
     ISO_PLANE_SET,
+    /* Of lines alone: the only planes of the levels from 1 on, and the others only of the base level. Not
+     * floats but int32_t: the place among the keys of the line fragment that a pixel shows, plus 1, and of
+     * one that lies behind it; 0: none. */
+    ISO_PLANE_PLACE,
+    ISO_PLANE_BEHIND,
     ISO_PLANES,
     ISO_PLANE_OPTIONAL = ISO_PLANE_RADIUS
 };

@@ -74,7 +74,8 @@ typedef struct measures {
     size_t gaps;                      /* places along the lines that nothing is drawn at */
     double depth, normal;             /* mean errors where both are: radii, degrees */
     double far;                       /* part of the depths that are wrong by more than a radius */
-    double width;                     /* pixels by which the drawn outline is wider, on average */
+    double width;                     /* pixels by which the drawn outline is wider, on average, */
+    double reach;                     /* and at most */
 } measures;
 
 static bool is_edge(const bool *wanted, const iso_view *view, int x, int y) {
@@ -82,6 +83,19 @@ static bool is_edge(const bool *wanted, const iso_view *view, int x, int y) {
     if (!wanted[y * w + x] || x == 0 || y == 0 || x == w - 1 || y == view->height - 1) return false;
     return !wanted[y * w + x - 1] || !wanted[y * w + x + 1] || !wanted[(y - 1) * w + x] ||
            !wanted[(y + 1) * w + x];
+}
+
+/* How far a drawn sample is from the nearest wanted one, pixels; at most 16. */
+static double distance_to(const bool *wanted, const iso_view *view, int x, int y) {
+    enum { FAR = 16 };
+    double least = FAR * FAR;
+    for (int dy = -FAR; dy <= FAR; dy++)
+        for (int dx = -FAR; dx <= FAR; dx++) {
+            const int column = x + dx, row = y + dy;
+            if (column < 0 || row < 0 || column >= view->width || row >= view->height) continue;
+            if (wanted[row * view->width + column]) least = fmin(least, dx * dx + dy * dy);
+        }
+    return sqrt(least);
 }
 
 static double angle_between(const iso_gbuffer *g, size_t sample, const double normal[3]) {
@@ -139,6 +153,9 @@ static measures measure(const iso_view *view, const iso_shapes_opts *opts) {
     }
     for (int y = 0; y < view->height; y++)
         for (int x = 0; x < view->width; x++) m.edge += is_edge(wanted, view, x, y);
+    for (int i = 0; i < view->width * view->height; i++)
+        if (isfinite(g.depth[i]) && !wanted[i])
+            m.reach = fmax(m.reach, distance_to(wanted, view, i % view->width, i / view->width));
     m.depth /= (double)m.both;
     m.normal /= (double)m.both;
     m.far /= (double)m.both;
@@ -200,6 +217,58 @@ static void test_ribbons(void **state) {
     test_ok(iso_lines_add_normals(&scene.lines, &error), &error);
     for (size_t i = 0; i < sizeof bounds / sizeof *bounds; i++) check(&bounds[i], ISO_LINE_RIBBON, "ribbons");
     iso_free(scene.lines.normals);
+}
+
+/* A helix, whose line turns in the picture, and a ribbon that turns once around its line: pixels that
+ * averages of what lies before and behind a bend cover stand out of the outline like horns. */
+static void test_turning(void **state) {
+    (void)state;
+    const double bounds[][2] = {{0.5, 1}, {2, 1.2}, {8, 1.5}, {20, 2}}; /* radius, reach; pixels */
+    test_lines_start(&scene, 0, 0, 0);
+    for (int i = 0; i < 400; i++) {
+        double sine, cosine;
+        iso_sincos(i * ISO_PI / 50, &sine, &cosine);
+        test_lines_add(&scene, 7 * cosine, 7 * sine, i / 25.0 - 8, 1);
+    }
+    test_lines_end(&scene);
+    scene.lines.radii = NULL;
+    for (int parallel = 0; parallel < 2; parallel++)
+        for (size_t i = 0; i < sizeof bounds / sizeof *bounds; i++) {
+            iso_view view = test_shapes_view(scene.lines.origin, AWAY, 24, parallel);
+            view = iso_view_scaled(&view, 4);
+            const iso_shapes_opts opts = {.radius = bounds[i][0] * 24 / view.height, .min_pixels = 1};
+            const measures m = measure(&view, &opts);
+            const double overlap = (double)m.both / (double)(m.drawn + m.wanted - m.both);
+            print_message("helix of %g px: overlap %.3f, reach %.2f px, depth %.3f r, normal %.1f degrees\n",
+                          bounds[i][0], overlap, m.reach, m.depth, m.normal);
+            assert_int_equal(m.gaps, 0);
+            assert_true(overlap >= 0.96 && m.reach <= bounds[i][1]);
+        }
+}
+
+static void test_twisted(void **state) {
+    (void)state;
+    float normals[200][3];
+    test_lines_start(&scene, 0, 0, 0);
+    for (int i = 0; i < 200; i++) {
+        double sine, cosine;
+        iso_sincos(i * 2 * ISO_PI / 199, &sine, &cosine);
+        test_lines_add(&scene, 20 * i / 199.0 - 10, 0, 0, 1.5);
+        normals[i][0] = 0, normals[i][1] = (float)cosine, normals[i][2] = (float)sine;
+    }
+    test_lines_end(&scene);
+    scene.lines.radii = NULL;
+    scene.lines.normals = normals;
+    const iso_shapes_opts opts = {.radius = 1.5, .style = ISO_LINE_RIBBON, .min_pixels = 1};
+    for (int parallel = 0; parallel < 2; parallel++) {
+        iso_view view = test_shapes_view(scene.lines.origin, AWAY, 24, parallel);
+        view = iso_view_scaled(&view, 4);
+        const measures m = measure(&view, &opts);
+        const double overlap = (double)m.both / (double)(m.drawn + m.wanted - m.both);
+        print_message("twisted ribbon: overlap %.3f, reach %.2f px\n", overlap, m.reach);
+        assert_true(overlap >= 0.95 && m.reach <= 4);
+    }
+    scene.lines.normals = NULL;
 }
 
 /* ---- special places */
@@ -458,6 +527,7 @@ static void test_bad_lines(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_tubes),          cmocka_unit_test(test_ribbons),
+        cmocka_unit_test(test_turning),        cmocka_unit_test(test_twisted),
         cmocka_unit_test(test_line_over_wall), cmocka_unit_test(test_end_on),
         cmocka_unit_test(test_near),           cmocka_unit_test(test_reversed),
         cmocka_unit_test(test_illuminated),    cmocka_unit_test(test_same_bytes),
