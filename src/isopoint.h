@@ -687,8 +687,8 @@ typedef struct iso_difference_opts {
 typedef struct iso_difference {
     double psnr_in; /* PSNR in dB over the pixels of either silhouette, widened by 2 pixels */
     double psnr;    /* PSNR in dB of the whole picture; 138.1 for equal pictures */
-    /* Of the same pixels as psnr_in, the largest difference of R, G and B, 0 .. 255: what 99 % of the pixels do
-     * not exceed, and the largest. */
+    /* The largest difference of R, G and B, 0 .. 255: what 99 % of the pixels of psnr_in do not exceed, and
+     * its maximum. */
     double error_p99, error_max;
     double ssim; /* SSIM of the luma (Wang et al. 2004); 1 for equal pictures */
     double flip; /* LDR-FLIP (Andersson et al. 2020); 0 for equal pictures */

@@ -67,8 +67,7 @@ typedef struct iso_compare_opts {
  *
  * psnr      10 log10(255^2 / (mean squared difference of R, G and B + 1e-9)): 138.1 dB for equal pictures
  * psnr_in   the same over the pixels of either silhouette widened by 2 pixels
- * error_p99 the error of a pixel is the largest difference of R, G and B: 99 % of the pixels of psnr_in have at
- *           most this one
+ * error_p99 of the pixels of psnr_in, 99 % have at most this largest difference of R, G and B
  * error_max the largest error of these pixels
  * ssim      see compare/ssim.h
  * flip      see compare/flip.h

@@ -100,7 +100,7 @@ typedef struct envelope {
     double *height; /* of its lowest point */
 } envelope;
 
-/* Replaces a row of column_distances by the distances of its pixels to the nearest set pixel of the picture. */
+/* Replaces a row of column_distances by the distances to the nearest set pixel of the picture. */
 static void row_distances(double *rows, int width, const envelope *e) {
     int count = 0;
     for (int x = 0; x < width; x++) {

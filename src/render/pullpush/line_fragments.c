@@ -15,8 +15,7 @@ static const double MOST_RADII = 16;
 /* Ellipses are made longer as far as a line that curves leaves them by half of this, in its radii. */
 static const double CURVE = 0.5;
 /* Ellipses of ribbons are at least and at most so long along the line, in half, in pixels of the base level:
- * thin ribbons have no gaps between fragments, and a ribbon that twists leaves the plane of a longer ellipse.
- * */
+ * thin ribbons have no gaps between fragments, and a ribbon that twists leaves the plane of a longer one. */
 static const double RIBBON_LENGTH[2] = {1.5, 4};
 /* Discs' radii in pixels are limited to this. */
 static const double MOST_PIXELS = 1e6;
@@ -267,8 +266,7 @@ static double nearer_end(const segment *s, double u) {
     return before < after ? -iso_max(before, 1e-30) : after;
 }
 
-/* Half the length of a ribbon's ellipse, mm. `length`: of the disc; `scale`: pixels of a mm along the line.
- * */
+/* Half the length of a ribbon's ellipse, mm. length: of the disc; scale: pixels of a mm along the line. */
 static double ribbon_length(const line_pen *pen, double length, double radius, double scale) {
     const double pixel = (1 << pen->pyramid->layout.base) / iso_max(scale, 1e-12);
     if (length == radius) length = iso_max(length, RIBBON_LENGTH[0] * pixel); /* no end is near */

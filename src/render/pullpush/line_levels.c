@@ -29,8 +29,7 @@ static const double LAST_BEND = 0.5;
 static const double NEAREST = 0.75, THIN = 4;
 /* Half a pixel, and what rounding a fragment's place in its pixel can change. */
 static const double HALF = 0.5 + 1.0 / 32;
-/* The least slope of a ribbon's plane against the ray (its sine), and the least of a tube's axis (squared).
- * */
+/* The least slope of a ribbon's plane against the ray (its sine), and of a tube's axis (squared). */
 static const double RIBBON_SLOPE = 0.25, TUBE_SLOPE = 1.0 / 16;
 
 /* A fragment as a pixel's centre sees it. */
@@ -281,8 +280,7 @@ static void make_ellipses(const iso_pullpush_params *params, int level, iso_rows
 enum { CORNERS = 8, CANDIDATES = 10 }; /* fragments of a cell's corners; these and a pixel's own two */
 
 /* Whether going along the line from a corner's fragment can end at one that reaches within `margin` of the
- * pixel: it does if the line is straight, or bends by less than `bend` pixels of level 0. Sets q and along.
- * */
+ * pixel: it does if the line is straight, or bends by less than `bend` pixels of level 0. Sets q, along. */
 static bool may_reach(const line_levels *l, fragment *f, double margin, double bend) {
     set_q(l, f);
     f->along = along_square(l, f);
@@ -350,8 +348,7 @@ static int32_t place_of(const line_levels *l, const fragment *f) {
     return f ? (int32_t)((size_t)f->y * l->pyramid->key_stride) + f->x + 1 : 0;
 }
 
-/* Makes what a pixel of level - 1 shows, from its own fragments in out[0] and out[1] and from those around.
- * */
+/* Makes what a pixel of level - 1 shows, from its own fragments in out[0] and out[1] and those around. */
 static void push_pixel(const line_levels *l, int level, int x, int y, int32_t *const out[2]) {
     const double size = (double)(1 << (level - 1)), at[2] = {size * (x + 0.5), size * (y + 0.5)},
                  margin = MARGIN * size;

@@ -6,14 +6,14 @@
  * between points. A fragment is a disc: of tubes one that faces the eye, of ribbons one in the plane of the
  * ribbon. What is not the paper's:
  * - fragments are not averaged: a pixel of a level shows one, and one behind it, and pull and push choose
- * those   that are nearest to its centre (line_levels.c), so that lines turn in the picture without horns.
- * Ribbons in   a pyramid of several sets (sets.h) are averaged, and their ellipses are longer on coarse
- * levels;
+ *   those that are nearest to its centre (line_levels.c), so that lines turn in the picture without horns.
+ *   Ribbons in a pyramid of several sets (sets.h) are averaged, and their ellipses are longer on coarse
+ *   levels;
  * - attributes are interpolated with perspective; normals of ribbons are made perpendicular to the segment;
  * - discs are not widened or filtered. Those of ribbons are short along the line, and those of ribbons and of
  *   flat caps get shorter towards the ends of a line, so that it ends there;
  * - each sample lies where its ray meets the tube's side or round end, or the plane of the ribbon, and gets
- * the   normal there, for shading with any lights.
+ *   the normal there, for shading with any lights.
  * With ISO_LINE_ILLUMINATED tubes get the paper's normals instead (section 4.2, figure 11): the direction to
  * the key light, projected onto the plane perpendicular to the tangent. A tube is then as bright across its
  * whole width as its brightest place in that light, which suits lines of few pixels. Where this place is on

@@ -33,14 +33,12 @@ static iso_gbuffer draw_alone(const iso_view *view, const iso_pyramid_set *sets,
     for (size_t i = 0; i < count; i++) {
         const iso_target target = {view, &g, NULL, sets[i].surface};
         const iso_pullpush_opts gaussian = {.reconstruction = ISO_RECONSTRUCTION_GAUSSIAN};
-        /* surfaces of points in a pyramid of their own with the rules of one pyramid: iso_draw_pullpush fills
-         * gaps and ends discs at the grid's border, which one pyramid does not */
-        if (sets[i].points)
-            test_ok(iso_draw_pyramid_sets(&target, &sets[i], 1, &gaussian, &error), &error);
-        else if (sets[i].mesh)
+        /* points and lines in a pyramid of their own with the rules of one pyramid: iso_draw_pullpush fills
+         * gaps and ends discs at the grid's border, and iso_draw_pyramid_lines averages no fragments */
+        if (sets[i].mesh)
             test_ok(iso_draw_mesh(&target, sets[i].mesh, &error), &error);
         else
-            test_ok(iso_draw_pyramid_lines(&target, sets[i].ribbons, NULL, &error), &error);
+            test_ok(iso_draw_pyramid_sets(&target, &sets[i], 1, &gaussian, &error), &error);
     }
     return g;
 }
