@@ -36,3 +36,14 @@ for method in ("exact", "points", "discs", "pullpush", "mesh", "raycast"):
     a = Png("one-%s.png" % method)
     expect(a.width == 60, method)
 P
+
+# The two volumes of --json, of voxels and inside the triangles, against a ball's: radius 0.4 x 64 mm.
+isorender scene:sphere:64 --no-image --mesh ball.ply --largest --json >ball.json 2>/dev/null
+python3 - <<'P'
+from check import *
+from math import pi
+ball = report("ball.json")
+wanted = 4 / 3 * pi * 25.6 ** 3
+voxels, inside = ball["solid_parts"]["kept_volume"], ball["mesh"]["volume"]
+expect(abs(voxels / wanted - 1) < 0.002 and abs(inside / wanted - 1) < 0.002, (voxels, inside, wanted))
+P

@@ -53,7 +53,7 @@ def check_picture(done, right="alone.png"):
     os.remove("together.png")
 
 
-alone = subprocess.run(["isorender", "in/v.nrrd", *COMMON, "-o", "alone.png"], capture_output=True, text=True)
+alone = subprocess.run(["isorender", "in/v.nrrd", *COMMON, "--fit", "box", "-o", "alone.png"], capture_output=True, text=True)
 expect(alone.returncode == 0, alone.stderr)
 
 # options
