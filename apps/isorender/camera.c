@@ -69,10 +69,11 @@ static isorender_fit usual_fit(const isorender_job *job) {
 }
 
 /* What fills the picture. In chunks it is the box when --fit does not say it: to find how far the surface
- * extends as it is seen, all chunks would be read several times more. */
+ * extends as it is seen, all chunks would be read several times more. That is done for a volume that fits
+ * into memory without its surface, so that pictures do not depend on how much memory happens to be free. */
 static isorender_fit fit_of(const isorender_job *job) {
     if (job->settings->fit != ISORENDER_FIT_UNCHOSEN) return (isorender_fit)job->settings->fit;
-    return job->chunks ? ISORENDER_FIT_BOX : usual_fit(job);
+    return job->chunks && !job->did_not_fit ? ISORENDER_FIT_BOX : usual_fit(job);
 }
 
 const char *isorender_camera_record(const isorender_job *job) {
@@ -115,6 +116,13 @@ static bool is_flat(const isorender_job *job, int axis, double ratio) {
     return sides[axis] < ratio * fmin(sides[(axis + 1) % 3], sides[(axis + 2) % 3]);
 }
 
+/* Whether the framed box is a line along an axis: its other two sides are at most `ratio` of it. */
+static bool is_line(const isorender_job *job, int axis, double ratio) {
+    const iso_vec3 size = iso_vec3_sub(job->bounds_framed.hi, job->bounds_framed.lo);
+    const double sides[3] = {size.x, size.y, size.z};
+    return fmax(sides[(axis + 1) % 3], sides[(axis + 2) % 3]) < ratio * sides[axis];
+}
+
 /* The least part of its area that a flat thing shows to an eye that does not see it from the edge. */
 static const double FACE_ON = 0.1;
 
@@ -127,9 +135,9 @@ static iso_direction facing_direction(iso_vec3 normal, iso_vec3 world_up) {
                                                                                     : ISO_LEFT;
 }
 
-/* The direction that --camera names. Without it flat things are not looked at from their edge: they lie, as
- * landscapes of points do already if their height is at most 0.3 of their sides, or stand, along an axis or
- * obliquely. */
+/* The direction that --camera names. Without it flat things are not looked at from their edge, nor straight
+ * lines from their end: flat things lie, as landscapes of points do already if their height is at most 0.3 of
+ * their sides, or stand, along an axis or obliquely. */
 static iso_direction direction_of(const isorender_job *job) {
     static const double LANDSCAPE = 0.3, EDGE_ON = 0.02;
     const isorender_settings *settings = job->settings;
@@ -139,6 +147,7 @@ static iso_direction direction_of(const isorender_job *job) {
     iso_direction_vectors(ISO_FRONT, settings->up, &forward, &up);
     if (is_flat(job, axis_of(up), job->loader.has_points ? LANDSCAPE : EDGE_ON)) return ISO_ISOMETRIC;
     if (is_flat(job, 3 - axis_of(up) - axis_of(forward), EDGE_ON)) return ISO_LEFT;
+    if (is_line(job, axis_of(forward), EDGE_ON)) return ISO_LEFT;
     const bool edge_on =
         isorender_is_flat(job, EDGE_ON, &across) && fabs(iso_vec3_dot(across, forward)) < FACE_ON;
     return edge_on ? facing_direction(across, settings->up) : ISO_FRONT;

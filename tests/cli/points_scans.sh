@@ -3,8 +3,8 @@
 points=${ISO_TEST_VOLUMES:-}/../points
 [ -f "$points/INDEX.tsv" ] || { echo "skipped: no real points beside '${ISO_TEST_VOLUMES:-}'"; exit 77; }
 for name in bunny horse; do
-    isorender "$points/scans/$name.ply" $name.png --normals auto --json=$name.json --quiet --resolution 600x600 --background 0000FF
-    isorender --surface "$points/scans/$name.ply" mesh_$name.png --quiet --resolution 600x600 --background 0000FF
+    isorender "$points/scans/$name.ply" $name.png --normals auto --json=$name.json --quiet --resolution 600x600 --fit box --background 0000FF
+    isorender --surface "$points/scans/$name.ply" mesh_$name.png --quiet --resolution 600x600 --fit box --background 0000FF
 done
 python3 - <<'P'
 from check import *

@@ -107,7 +107,7 @@ grep -q 'int main' "$work/readme.c" || fail "README.md has no C program below 'F
 ${CC:-cc} -std=c17 -Wall -Wextra -Werror -o "$work/tools/readme" "$work/readme.c" $flags -Wl,-rpath,"$(dirname "$library")" ||
     fail "the README's program does not compile"
 "$work/tools/readme" "$work/small.mha" 100 "$work/readme.png" || fail "the README's program ended with $?"
-"$root/bin/isorender" "$work/small.mha" "$work/isorender.png" --isovalue 100 --quiet
+"$root/bin/isorender" "$work/small.mha" "$work/isorender.png" --isovalue 100 --fit box --quiet
 "$root/bin/isocompare" images "$work/isorender.png" "$work/readme.png" --fail-under psnr=138 --quiet ||
     fail "the README's program and isorender make different pictures"
 status=0
