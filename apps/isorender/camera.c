@@ -147,7 +147,7 @@ static iso_direction direction_of(const isorender_job *job) {
     iso_direction_vectors(ISO_FRONT, settings->up, &forward, &up);
     if (is_flat(job, axis_of(up), job->loader.has_points ? LANDSCAPE : EDGE_ON)) return ISO_ISOMETRIC;
     if (is_flat(job, 3 - axis_of(up) - axis_of(forward), EDGE_ON)) return ISO_LEFT;
-    if (is_line(job, axis_of(forward), EDGE_ON)) return ISO_LEFT;
+    if (is_line(job, axis_of(forward), EDGE_ON)) return ISO_ISOMETRIC; /* its discs may lie as they like */
     const bool edge_on =
         isorender_is_flat(job, EDGE_ON, &across) && fabs(iso_vec3_dot(across, forward)) < FACE_ON;
     return edge_on ? facing_direction(across, settings->up) : ISO_FRONT;
