@@ -118,8 +118,8 @@ static void test_solids(void **state) {
         if (differ * 10 > shown) fail_msg("%zu of %zu pixels have other numbers of layers", differ, shown);
         iso_glass_map_free(&map);
         iso_glass_map_free(&counted);
+        iso_groups_free(&b.groups);
     }
-    iso_groups_free(&b.groups);
 }
 
 /* A sheet seen from behind bends rays as its front does. */
