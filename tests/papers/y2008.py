@@ -154,7 +154,7 @@ def figure_14(machine, table):
         table.picture(name, "tubes of a radius of %g pixels, in the pyramid" % radius, command)
         overlaps.append(metric("iou").value)
         widest.append(metric("dilation_max").value)
-    table.remark = "The largest tubes are visibly flat, as the paper says of close views."
+    table.remark = "Each pixel lies where its ray meets the tube around its fragment, so that large tubes are round; in the paper they look flat."
     table.claim("Tubes in the pyramid have the outline of exact ones: they share .96 of its area or more", min(overlaps) >= .96,
                 "%.3f to %.3f" % (min(overlaps), max(overlaps)))
     table.claim("Nowhere does their outline reach 2 pixels beyond", max(widest) <= 2, "%.2g pixels at most" % max(widest))
