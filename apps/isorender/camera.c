@@ -135,9 +135,9 @@ static iso_direction facing_direction(iso_vec3 normal, iso_vec3 world_up) {
                                                                                     : ISO_LEFT;
 }
 
-/* The direction that --camera names. Without it flat things are not looked at from their edge, nor straight
- * lines from their end: flat things lie, as landscapes of points do already if their height is at most 0.3 of
- * their sides, or stand, along an axis or obliquely. */
+/* The direction that --camera names. Without it flat things are not looked at from their edge: they lie, as
+ * landscapes of points do already if their height is at most 0.3 of their sides, or stand, along an axis or
+ * obliquely. Nor are straight lines looked at from their end, but from iso: their discs may face any way. */
 static iso_direction direction_of(const isorender_job *job) {
     static const double LANDSCAPE = 0.3, EDGE_ON = 0.02;
     const isorender_settings *settings = job->settings;
@@ -147,7 +147,7 @@ static iso_direction direction_of(const isorender_job *job) {
     iso_direction_vectors(ISO_FRONT, settings->up, &forward, &up);
     if (is_flat(job, axis_of(up), job->loader.has_points ? LANDSCAPE : EDGE_ON)) return ISO_ISOMETRIC;
     if (is_flat(job, 3 - axis_of(up) - axis_of(forward), EDGE_ON)) return ISO_LEFT;
-    if (is_line(job, axis_of(forward), EDGE_ON)) return ISO_ISOMETRIC; /* its discs may lie as they like */
+    if (is_line(job, axis_of(forward), EDGE_ON)) return ISO_ISOMETRIC;
     const bool edge_on =
         isorender_is_flat(job, EDGE_ON, &across) && fabs(iso_vec3_dot(across, forward)) < FACE_ON;
     return edge_on ? facing_direction(across, settings->up) : ISO_FRONT;

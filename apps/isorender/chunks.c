@@ -115,7 +115,7 @@ iso_status isorender_chunks_choose(isorender_job *job, iso_error *error) {
     job->chunks->cpu = isorender_backend_cpu();
     job->backend = &job->chunks->cpu;
     job->loader.mapped = true;
-    job->loader.set_aside = isorender_plan_draws(job->plan) ? isorender_picture_bytes(job) : 0;
+    job->loader.set_aside = isorender_plan_draws(job->plan) ? isorender_picture_bytes(job, job->samples) : 0;
     job->loader.chunk_side = choose_side(job);
     return ISO_OK;
 }

@@ -50,7 +50,7 @@ static void add_object(moments *m, const isorender_object *object) {
     add_positions(m, glyphs->origin, (const float(*)[3])glyphs->positions, glyphs->count);
 }
 
-/* Of standard deviations: as much longer than wide, a thing is a line, which has no face. */
+/* What is at most this part of its length wide, by standard deviations, is a line, which has no face. */
 static const double LINE = 0.02;
 
 bool isorender_is_flat(const isorender_job *job, double ratio, iso_vec3 *across) {

@@ -45,7 +45,7 @@ static void print_memory(const isorender_job *job, const iso_volume_info *info) 
     printf(" for the grid, ");
     print_bytes(info->read_bytes);
     printf(" while reading, ");
-    print_bytes(isorender_picture_bytes(job));
+    print_bytes(isorender_picture_bytes(job, job->samples));
     printf(" for a picture of %dx%d\n", job->settings->width, job->settings->height);
 }
 

@@ -15,21 +15,12 @@ static uint64_t memory_limit(const isorender_settings *settings) {
     return iso_memory_limit(settings->common.input.max_memory);
 }
 
-/* The memory that the picture takes with one sample a pixel. */
-static uint64_t least_picture_bytes(isorender_job *job) {
-    const int samples = job->samples;
-    job->samples = 1;
-    const uint64_t bytes = isorender_picture_bytes(job);
-    job->samples = samples;
-    return bytes;
-}
-
-static iso_status check_picture(isorender_job *job, iso_error *error) {
+static iso_status check_picture(const isorender_job *job, iso_error *error) {
     if (!isorender_plan_draws(job->plan)) return ISO_OK;
-    const uint64_t needs = isorender_picture_bytes(job), limit = memory_limit(job->settings);
+    const uint64_t needs = isorender_picture_bytes(job, job->samples), limit = memory_limit(job->settings);
     char samples[40] = "";
     if (needs <= limit) return ISO_OK;
-    const bool fewer_help = job->samples > 1 && least_picture_bytes(job) <= limit;
+    const bool fewer_help = job->samples > 1 && isorender_picture_bytes(job, 1) <= limit;
     if (fewer_help) snprintf(samples, sizeof samples, " with %d samples a pixel", job->samples);
     return iso_fail(error, ISO_ERR_LIMIT,
                     "a picture of %dx%d%s needs %.0f MB, limit is %.0f MB (--max-memory%s)",

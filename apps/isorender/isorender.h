@@ -260,7 +260,7 @@ iso_status isorender_draw_from(isorender_job *job, int first, const iso_view *vi
                                iso_error *error);
 /* Renders and writes all frames. ISO_ERR_EMPTY when a frame shows nothing of the surface. */
 iso_status isorender_render(isorender_job *job, iso_error *error);
-uint64_t isorender_picture_bytes(const isorender_job *job); /* main memory that rendering takes */
+uint64_t isorender_picture_bytes(const isorender_job *job, int samples); /* main memory to render */
 
 /* ---- gl_picture.c: with backend->engine only */
 

@@ -422,12 +422,13 @@ static float smallest_spacing(const isorender_job *job) {
     return (float)fmin(s[0], fmin(s[1], s[2]));
 }
 
-uint64_t isorender_picture_bytes(const isorender_job *job) {
+uint64_t isorender_picture_bytes(const isorender_job *job, int samples) {
     const isorender_settings *settings = job->settings;
     uint64_t pixels = (uint64_t)settings->width * (uint64_t)settings->height;
-    uint64_t samples = pixels * (uint64_t)job->samples * ISO_PICTURE_SAMPLE_BYTES;
-    if (settings->lighting) samples += pixels * (uint64_t)job->samples * sizeof(float);
-    const uint64_t gbuffer = smaller(samples, strip_bytes(settings));
+    const uint64_t count = pixels * (uint64_t)samples;
+    uint64_t strip = count * ISO_PICTURE_SAMPLE_BYTES;
+    if (settings->lighting) strip += count * sizeof(float);
+    const uint64_t gbuffer = smaller(strip, strip_bytes(settings));
     uint64_t aov = settings->aov ? pixels * (ISO_AOV_PLANES + 1) * sizeof(float) : 0;
     if (has_ids(settings)) aov += pixels * ISO_ID_PLANES * sizeof(uint32_t);
     uint64_t bytes = 4 * pixels + isorender_chunks_bytes(job) + aov + gbuffer;
@@ -435,8 +436,7 @@ uint64_t isorender_picture_bytes(const isorender_job *job) {
     const bool fragments = isorender_object_opacity_option(settings) != NULL;
     if (isorender_is_translucent(settings) || fragments) bytes += threads * ISO_EXACT_LAYERS_BYTES;
     if (fragments) bytes += threads * ISO_SHAPES_PIECES_BYTES;
-    if (settings->ior > 0)
-        bytes += iso_glass_scene_bytes((iso_refraction)settings->refraction, pixels * (uint64_t)job->samples);
+    if (settings->ior > 0) bytes += iso_glass_scene_bytes((iso_refraction)settings->refraction, count);
     if (job->backend->engine && settings->object_options.count) bytes += gbuffer;
     if (job->backend->engine) return bytes + isorender_gl_bytes(job);
     const bool pyramids = job->method == ISO_METHOD_PULLPUSH || job->method == ISO_METHOD_HYBRID;
@@ -448,7 +448,7 @@ uint64_t isorender_picture_bytes(const isorender_job *job) {
         meshes |= settings->object_options.kinds[i] == ISORENDER_MESH;
     }
     if (meshes) bytes += gbuffer; /* the triangles' picture */
-    uint64_t pyramid = pixels * (uint64_t)job->samples * (PYRAMID + (sets && pyramids ? SETS : 0));
+    uint64_t pyramid = count * (PYRAMID + (sets && pyramids ? SETS : 0));
     return bytes + smaller(pyramid, ISO_PICTURE_STRIP_BYTES);
 }
 

@@ -89,7 +89,7 @@ static void put_info(iso_json *json, const isorender_job *job) {
     iso_json_begin_object(json, "memory");
     iso_json_integer(json, "grid", job->loader.volume.info.bytes);
     iso_json_integer(json, "reading", job->loader.volume.info.read_bytes);
-    iso_json_integer(json, "picture", isorender_picture_bytes(job));
+    iso_json_integer(json, "picture", isorender_picture_bytes(job, job->samples));
     iso_json_end_object(json);
 }
 

@@ -4,6 +4,7 @@
 #include <math.h>
 
 #include "base/cpu.h"
+#include "base/numbers.h"
 
 /* A triangle as the kernels need it. Unit: voxels, from the brick's first one. */
 typedef struct near_triangle {
@@ -34,23 +35,9 @@ typedef struct measuring {
     uint16_t near[ISO_BRICK_VOXELS];
 } measuring;
 
-static void vector_axes(iso_vec3 v, double axes[3]) {
-    axes[0] = v.x;
-    axes[1] = v.y;
-    axes[2] = v.z;
-}
-
-static inline double lesser(double a, double b) {
-    return a < b ? a : b;
-}
-
-static inline double greater(double a, double b) {
-    return a > b ? a : b;
-}
-
 /* Sets the range of voxels of the brick from `lo` to `hi`; false: there are none. */
 static bool set_range(double lo, double hi, int *first, int *last) {
-    const double begin = ceil(greater(lo - 1e-6, 0)), end = floor(lesser(hi + 1e-6, ISO_BRICK - 1));
+    const double begin = ceil(iso_max(lo - 1e-6, 0)), end = floor(iso_min(hi + 1e-6, ISO_BRICK - 1));
     if (!(begin <= end)) return false;
     *first = (int)begin;
     *last = (int)end;
@@ -92,19 +79,19 @@ static bool set_triangle(const measuring *m, near_triangle *t, const iso_vec3 p[
     set_planes(t, p, normal, length);
     const double perimeter = length[0] + length[1] + length[2];
     const double growth = reach < 1 ? reach * m->band * perimeter / iso_vec3_length(cross) : 0;
-    vector_axes(normal, n);
-    for (int k = 0; k < 3; k++) vector_axes(p[k], corner[k]);
+    iso_vec3_store(normal, n);
+    for (int k = 0; k < 3; k++) iso_vec3_store(p[k], corner[k]);
     for (int axis = 0; axis < 3; axis++) {
         const double a = corner[0][axis], b = corner[1][axis], c = corner[2][axis];
-        const double lo = lesser(lesser(a, b), c), hi = greater(greater(a, b), c);
+        const double lo = iso_min(iso_min(a, b), c), hi = iso_max(iso_max(a, b), c);
         double below = m->band, above = m->band;
         if (reach < 1) {
             const double centre = (a * length[1] + b * length[2] + c * length[0]) / perimeter;
-            below = lesser(below, m->band * fabs(n[axis]) + growth * (centre - lo));
-            above = lesser(above, m->band * fabs(n[axis]) + growth * (hi - centre));
+            below = iso_min(below, m->band * fabs(n[axis]) + growth * (centre - lo));
+            above = iso_min(above, m->band * fabs(n[axis]) + growth * (hi - centre));
         }
         if (!set_range(lo - below, hi + above, &t->lo[axis], &t->hi[axis])) return false;
-        largest = greater(largest, greater(fabs(lo), fabs(hi)));
+        largest = iso_max(largest, iso_max(fabs(lo), fabs(hi)));
     }
     set_slack(m, t, reach * m->band, largest);
     return true;

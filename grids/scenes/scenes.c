@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "base/numbers.h"
 #include "grids/scenes/scene_parts.h"
 
 /* A solid whose exact distance has a closed form; p is relative to the centre, in voxels. */
@@ -16,26 +17,22 @@ static double sphere_distance(double side, iso_vec3 p) {
     return iso_vec3_length(p) - 0.4 * side;
 }
 
-static double larger(double a, double b) {
-    return a > b ? a : b;
-}
-
 static double cylinder_distance(double side, iso_vec3 p) {
     const double radius = 0.2 * side, half_height = 0.32 * side;
     iso_vec3 axis = iso_vec3_unit(iso_vec3_make(0.35, 0.25, 0.9));
     double height = iso_vec3_dot(p, axis);
     double out = iso_vec3_length(iso_vec3_sub(p, iso_vec3_scale(axis, height))) - radius;
     double up = fabs(height) - half_height;
-    if (out <= 0 || up <= 0) return larger(out, up);
+    if (out <= 0 || up <= 0) return iso_max(out, up);
     return sqrt(out * out + up * up);
 }
 
 static double cube_distance(double side, iso_vec3 p) {
     double half = 0.4 * side;
     iso_vec3 q = iso_vec3_make(fabs(p.x) - half, fabs(p.y) - half, fabs(p.z) - half);
-    double inside = larger(q.x, larger(q.y, q.z));
+    double inside = iso_max(q.x, iso_max(q.y, q.z));
     if (inside <= 0) return inside;
-    return iso_vec3_length(iso_vec3_make(larger(q.x, 0), larger(q.y, 0), larger(q.z, 0)));
+    return iso_vec3_length(iso_vec3_make(iso_max(q.x, 0), iso_max(q.y, 0), iso_max(q.z, 0)));
 }
 
 static double torus_distance(double side, iso_vec3 p) {

@@ -3,14 +3,14 @@
 
 enum { SIDES = 6 };
 
-bool iso_box_contains(const iso_box *box, const iso_box *other) {
+static bool contains(const iso_box *box, const iso_box *other) {
     return box->lo.x <= other->lo.x && box->lo.y <= other->lo.y && box->lo.z <= other->lo.z &&
            box->hi.x >= other->hi.x && box->hi.y >= other->hi.y && box->hi.z >= other->hi.z;
 }
 
 bool iso_box_contains_mapped(const iso_box *box, const iso_box *index, const iso_affine *affine) {
     const iso_box mapped = affine ? iso_box_transform(index, affine) : *index;
-    return iso_box_contains(box, &mapped);
+    return contains(box, &mapped);
 }
 
 /* How far a box extends to each side. */
@@ -37,7 +37,9 @@ static void find_farthest(const iso_box_items *items, const iso_affine *affine, 
 iso_box iso_box_of_items(const iso_box_items *items, const iso_affine *affine) {
     iso_box box = iso_box_empty();
     size_t farthest[SIDES];
-    if (items->count == 0) return box;
+    if (!items->around)
+        for (size_t i = 0; i < items->count; i++) items->add(items->context, i, affine, &box);
+    if (!items->around || items->count == 0) return box;
     find_farthest(items, affine, farthest);
     for (int side = 0; side < SIDES; side++) items->add(items->context, farthest[side], affine, &box);
     for (size_t i = 0; i < items->count; i++) {

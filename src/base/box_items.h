@@ -14,7 +14,8 @@ extern "C" {
 typedef struct iso_box_items {
     const void *context;
     size_t count;
-    /* Returns a box, in index coordinates, that contains all positions of an item; empty: there are none. */
+    /* Returns a box, in index coordinates, that contains all positions of an item; empty: there are none.
+     * NULL: no boxes are known, and all items are looked into. */
     iso_box (*around)(const void *context, size_t item);
     /* Adds the positions of an item to *box, in the coordinates to which `affine` (NULL: the identity) maps
      * index coordinates. Positions that lie in *box already may be left out. May be called twice. */
@@ -25,9 +26,7 @@ typedef struct iso_box_items {
  * coordinates. */
 iso_box iso_box_of_items(const iso_box_items *items, const iso_affine *affine);
 
-/* Whether `box` contains `other`, and whether it contains the box to which `affine` (NULL: the identity) maps
- * the corners of `index`. */
-bool iso_box_contains(const iso_box *box, const iso_box *other);
+/* Whether `box` contains the box to which `affine` (NULL: the identity) maps the corners of `index`. */
 bool iso_box_contains_mapped(const iso_box *box, const iso_box *index, const iso_affine *affine);
 
 #ifdef __cplusplus

@@ -10,6 +10,15 @@ static inline int iso_min_int(int a, int b) {
     return a < b ? a : b;
 }
 
+/* Minimum and maximum. fmin and fmax would be library calls. */
+static inline double iso_min(double a, double b) {
+    return a < b ? a : b;
+}
+
+static inline double iso_max(double a, double b) {
+    return a > b ? a : b;
+}
+
 /* The index in 0 .. count - 1 that is nearest to `index`; count is at least 1. */
 static inline int iso_clamp_index(int index, int count) {
     return index < 0 ? 0 : index < count ? index : count - 1;

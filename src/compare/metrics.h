@@ -68,7 +68,7 @@ typedef struct iso_compare_opts {
  * psnr      10 log10(255^2 / (mean squared difference of R, G and B + 1e-9)): 138.1 dB for equal pictures
  * psnr_in   the same over the pixels of either silhouette widened by 2 pixels
  * error_p99 of the pixels of psnr_in, 99 % have at most this largest difference of R, G and B
- * error_max the largest error of these pixels
+ * error_max the largest such difference
  * ssim      see compare/ssim.h
  * flip      see compare/flip.h
  * iou, dilation_mean, dilation_p99, dilation_max, holes: see compare/silhouette.h

@@ -20,6 +20,11 @@ static iso_box in_brick(const int32_t brick[3], const iso_point_bounds *bounds) 
     return (iso_box){iso_brick_position(brick, bounds->lo), iso_brick_position(brick, bounds->hi)};
 }
 
+/* Points of files that are not packed may lie anywhere. */
+static bool knows_boxes(const iso_point_view *view) {
+    return view->packed || view->bounds;
+}
+
 static iso_box around_points(const void *context, size_t span) {
     const iso_point_view *view = context;
     return in_brick(view->spans[span].brick, view->bounds ? &view->bounds[span] : NULL);
@@ -35,11 +40,9 @@ static void add_points(const void *context, size_t span, const iso_affine *affin
 }
 
 iso_box iso_bounds_of_each_point(const iso_point_view *view, const iso_affine *affine) {
-    const iso_box_items spans = {view, view->span_count, around_points, add_points};
-    iso_box box = iso_box_empty();
-    if (view->packed || view->bounds) return iso_box_of_items(&spans, affine);
-    for (size_t s = 0; s < view->span_count; s++) add_points(view, s, affine, &box);
-    return box;
+    const iso_box_items spans = {view, view->span_count, knows_boxes(view) ? around_points : NULL,
+                                 add_points};
+    return iso_box_of_items(&spans, affine);
 }
 
 typedef struct discs {
@@ -97,11 +100,8 @@ iso_box iso_bounds_of_each_disc(const iso_point_view *view, const iso_affine *al
         for (uint32_t i = 0; i < view->spans[span].count; i++)
             d.most = fmax(d.most, reach_of(&d, view->spans[span].first + i));
     d.most /= fmin(s[0], fmin(s[1], s[2]));
-    const iso_box_items spans = {&d, view->span_count, around_discs, add_discs};
-    iso_box box = iso_box_empty();
-    if (view->packed || view->bounds) return iso_box_of_items(&spans, along);
-    for (size_t span = 0; span < view->span_count; span++) add_discs(&d, span, along, &box);
-    return box;
+    const iso_box_items spans = {&d, view->span_count, knows_boxes(view) ? around_discs : NULL, add_discs};
+    return iso_box_of_items(&spans, along);
 }
 
 static iso_box around_vertices(const void *context, size_t span) {

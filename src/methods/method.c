@@ -60,7 +60,10 @@ static iso_status update_groups(iso_subject *subject, iso_error *error) {
     const iso_groups_opts opts =
         sorted ? iso_splats_grouping(subject->pool) : iso_splat_layers_grouping(subject->pool);
     ISO_TRY(iso_groups_update(&view, &opts, &subject->groups, error));
-    return sorted ? ISO_OK : iso_groups_cover(&view, opts.disc, subject->pool, &subject->groups, error);
+    if (sorted) return ISO_OK;
+    const iso_status status = iso_groups_cover(&view, opts.disc, subject->pool, &subject->groups, error);
+    if (status != ISO_OK) iso_groups_free(&subject->groups); /* they are made again */
+    return status;
 }
 
 iso_status iso_subject_update(iso_subject *subject, iso_part part, iso_error *error) {

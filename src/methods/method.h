@@ -48,7 +48,7 @@ typedef struct iso_subject {
     iso_raycaster *caster;
     iso_transparency transparency; /* what the groups are for; SORTED: also for opaque pictures */
     iso_groups groups;
-    iso_transparency grouped_for;
+    iso_transparency grouped_for; /* what the groups were made for */
     /* the number of the grid's last edit when the caster and the groups were computed */
     uint64_t caster_edit, groups_edit;
     int bins; /* for the method splats: iso_splats_opts.bins */

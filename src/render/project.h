@@ -8,6 +8,7 @@
 
 #include <stdbool.h>
 
+#include "base/numbers.h"
 #include "base/parallel.h"
 #include "base/primitives.h"
 #include "image/camera.h"
@@ -15,15 +16,6 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-/* Minimum and maximum. fmin and fmax would be library calls. */
-static inline double iso_min(double a, double b) {
-    return a < b ? a : b;
-}
-
-static inline double iso_max(double a, double b) {
-    return a > b ? a : b;
-}
 
 typedef struct iso_projector {
     const iso_view *view;        /* borrowed */
