@@ -1,4 +1,4 @@
-/* Computes the ranges of bricks: kernels (brick_range_body.inc) find the range of each row group in a batch
+/* Computes the ranges of bricks: kernels (brick_range_kernel.h) find the range of each row group in a batch
  * of bricks, and the range of a brick is the union of those of its groups. */
 #include "grids/brick_range.h"
 
@@ -6,85 +6,10 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/kernel_units.h"
 #include "base/numbers.h"
 #include "base/primitives.h"
-#include "grids/voxel_kernels.h"
-
-/* A batch of bricks is read slice by slice. The rows of a slice follow each other in memory, and long ranges
- * of memory are read fastest (twice as fast as 17 rows of one brick at a time). The intermediate results of a
- * batch fit into the second-level cache: lines of columns, where a line has one value for each voxel along x
- * and stands for the rows of one group. */
-enum {
-    BATCH_BYTES = ISO_BATCH_BRICKS * ISO_BRICK,
-    COLUMN_SLACK = 64,
-    LINES = ISO_GROUPS_SIDE * ISO_BATCH_ROWS
-};
-#define LINE_ITEMS(type) (ISO_GROUPS_SIDE * BATCH_BYTES / (int)sizeof(type) + LINES * COLUMN_SLACK)
-
-/* The box of voxels that a kernel reads; its first voxel is passed as a pointer. */
-typedef struct range_box {
-    ptrdiff_t stride_y, stride_z; /* elements */
-    int n[3];
-    int bricks, lines, pitch; /* bricks along x; number of lines; items from one line to the next */
-} range_box;
-
-/* The result of a kernel: the range of each row group of the bricks of a batch. */
-typedef struct range_values {
-    _Alignas(64) float lo[ISO_ROW_GROUPS][ISO_BATCH_BRICKS],
-        hi[ISO_ROW_GROUPS][ISO_BATCH_BRICKS]; /* lo > hi: the group has no voxels */
-} range_values;
-
-/* Floats are compared as integers (keys) with the same order: infinities lie beyond all finite values, and
- * NaNs beyond the infinities, on either side. */
-typedef int32_t __attribute__((may_alias)) float_bits;
-
-static inline int32_t key_of_bits(int32_t bits) {
-    return bits ^ (int32_t)((uint32_t)(bits >> 31) >> 1);
-}
-
-static inline float value_of_key(int32_t key) {
-    const int32_t bits = key_of_bits(key);
-    float value;
-    memcpy(&value, &bits, sizeof value);
-    return value;
-}
-
-static inline int32_t key_of_value(float value) {
-    int32_t bits;
-    memcpy(&bits, &value, sizeof bits);
-    return key_of_bits(bits);
-}
-
-enum {
-    LARGEST_KEY = 0x7f7fffff,
-    LEAST_KEY = ~LARGEST_KEY
-}; /* keys of the largest and smallest finite float */
-
-/* Reads a slice once, row by row, without using the values. The hardware prefetcher recognises this order; it
- * would not recognise that of the kernels, which read many rows at once. */
-static inline void touch_slice(const void *slice, const range_box *box, size_t size) {
-    for (int y = 0; y < box->n[1]; y++)
-        for (size_t byte = 0; byte < (size_t)box->n[0] * size; byte += 64)
-            (void)*((const volatile char *)slice + (ptrdiff_t)size * y * box->stride_y + byte);
-}
-
-static inline bool is_finite_key(int32_t key) {
-    return (key >= LEAST_KEY) & (key <= LARGEST_KEY);
-}
-
-/* Return the key of a finite float. Other floats get the key that has no effect on a minimum (finite_low) or
- * a maximum (finite_high). */
-static inline int32_t finite_low(int32_t bits) {
-    const int32_t key = key_of_bits(bits);
-    return is_finite_key(key) ? key : INT32_MAX;
-}
-static inline int32_t finite_high(int32_t bits) {
-    const int32_t key = key_of_bits(bits);
-    return is_finite_key(key) ? key : INT32_MIN;
-}
-
-#define ISO_KERNEL_BODY "grids/brick_range_types.inc"
-#include "base/kernel_levels.inc"
+#include "grids/brick_range_kernel.h"
 
 /* ---- from groups to bricks */
 
@@ -173,13 +98,14 @@ void iso_brick_ranges(const iso_rgrid *grid, iso_cpu_level level, const iso_bric
     const char *data = (const char *)grid->data + at * (ptrdiff_t)iso_type_size(grid->type);
     range_values values;
     clear_values(&values, bricks);
-    ISO_VOXEL_KERNEL(ranges, grid->type, level)(data, &box, &values);
+    const iso_range_kernel *kernel = ISO_KERNEL_UNIT(iso_range_kernel, level);
+    kernel->of_type[grid->type](data, &box, &values);
     unite_groups(&values, bricks, readings);
     if (!all_finite(readings, bricks)) {
         bool finite[ISO_BATCH_BRICKS];
         for (int b = 0; b < bricks; b++) finite[b] = readings[b].range.finite;
         clear_values(&values, bricks);
-        ISO_KERNEL(ranges_finite, level)(data, &box, &values);
+        kernel->finite(data, &box, &values);
         unite_groups(&values, bricks, readings);
         for (int b = 0; b < bricks; b++) readings[b].range.finite = finite[b];
     }

@@ -52,6 +52,14 @@ const char *iso_cpu_level_name(iso_cpu_level level);
 #define ISO_HAVE_X86 0
 #endif
 
+/* name_level, of macros too. */
+#define ISO_PASTE_(name, level) name##_##level
+#define ISO_PASTE(name, level) ISO_PASTE_(name, level)
+
+/* Declares the constants kernel_generic, kernel_avx2 and kernel_avx512, each of which is defined in a unit of
+ * its own and chosen by ISO_KERNEL_UNIT (base/kernel_units.h). */
+#define ISO_KERNEL_UNITS(type, kernel) extern const type kernel##_generic, kernel##_avx2, kernel##_avx512
+
 #ifdef __cplusplus
 }
 #endif

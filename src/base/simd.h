@@ -9,7 +9,8 @@
  * of lanes. Code that needs instructions of one level is a function NAME_level, defined before the body,
  * which calls it as ISO_V(NAME).
  *
- * A kernel file chooses the variant in one function, iso_X_kernel_get(level), with the macro ISO_KERNEL.
+ * A kernel file chooses the variant in one function, iso_X_kernel_get(level), with the macro ISO_KERNEL. What
+ * takes long to compile has a source for each variant instead: base/kernel_units.h.
  * Internal: for kernel files only. */
 #ifndef ISO_BASE_SIMD_H
 #define ISO_BASE_SIMD_H
@@ -24,8 +25,6 @@
 #include <immintrin.h>
 #endif
 
-#define ISO_PASTE_(name, level) name##_##level
-#define ISO_PASTE(name, level) ISO_PASTE_(name, level)
 #define ISO_V(name) ISO_PASTE(name, ISO_LEVEL)
 #define ISO_TARGET ISO_V(ISO_TARGET)
 #define ISO_LANES ISO_V(ISO_LANES)
@@ -54,14 +53,6 @@ enum { ISO_LANES_generic = 4, ISO_LANES_avx2 = 8, ISO_LANES_avx512 = 16, ISO_LAN
                                : &kernel##_generic)
 #else
 #define ISO_KERNEL(kernel, level) ((void)(level), &kernel##_generic)
-#endif
-
-/* Declares the constants kernel_generic, kernel_avx2 and kernel_avx512 for ISO_KERNEL, when each of them is
- * defined in a unit of its own (base/kernel_levels.inc). */
-#if ISO_HAVE_X86
-#define ISO_KERNEL_UNITS(type, kernel) extern const type kernel##_generic, kernel##_avx2, kernel##_avx512
-#else
-#define ISO_KERNEL_UNITS(type, kernel) extern const type kernel##_generic
 #endif
 
 #define vf ISO_V(vf)

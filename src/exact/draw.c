@@ -1,6 +1,7 @@
 /* draw: draws or paints a surface in bands of rows, distributed over threads. */
 #include <stdatomic.h>
 
+#include "base/kernel_units.h"
 #include "base/memory.h"
 #include "exact/frame.h"
 #include "render/shading/phong_vectors.h"
@@ -88,7 +89,7 @@ static iso_status draw_started_frame(exact_draw *draw, iso_error *error) {
 }
 
 static iso_status draw_bands(exact_draw *draw, iso_error *error) {
-    draw->frame.kernel = iso_exact_kernel_get(iso_cpu_best());
+    draw->frame.kernel = ISO_KERNEL_UNIT(iso_exact_kernel, iso_cpu_best());
     iso_status status = iso_exact_frame_start(&draw->frame, error);
     if (status == ISO_OK && choose_rows(draw)) status = draw_started_frame(draw, error);
     iso_exact_frame_free(&draw->frame);

@@ -1,7 +1,4 @@
 /* kernel: the drawing kernel that shows the first crossing of each ray. */
 #define ISO_EXACT_LAYERED 0
+#define ISO_EXACT_KERNEL iso_exact_kernel
 #include "exact/kernel_source.inc"
-
-const iso_exact_kernel *iso_exact_kernel_get(iso_cpu_level level) {
-    return ISO_KERNEL(kernel, level);
-}

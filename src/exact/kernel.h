@@ -189,12 +189,11 @@ typedef struct iso_exact_kernel {
     void (*flush)(const iso_exact_projection *projection, iso_exact_scratch *scratch);
 } iso_exact_kernel;
 
-/* Return a kernel for an instruction set, or for the best below it that this build has. Never NULL. The first
- * kernel shows the first crossing of each ray; the other one lists all crossings as fragments
+/* The first kernel shows the first crossing of each ray; the other one lists all crossings as fragments
  * (render/layers), and for it a pixel is free as long as something of the surface can be seen behind the
  * fragments listed so far. */
-const iso_exact_kernel *iso_exact_kernel_get(iso_cpu_level level);
-const iso_exact_kernel *iso_exact_layers_kernel_get(iso_cpu_level level);
+ISO_KERNEL_UNITS(iso_exact_kernel, iso_exact_kernel);
+ISO_KERNEL_UNITS(iso_exact_kernel, iso_exact_layers_kernel);
 
 /* Sets scratch->record and scratch->box of the cells of an octant next to the eye, one by one in double
  * precision. Boxes of cells that cannot be seen are empty. */

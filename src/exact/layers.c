@@ -5,6 +5,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/kernel_units.h"
 #include "base/memory.h"
 #include "exact/frame.h"
 #include "grids/ray/ray_tracer.h"
@@ -91,7 +92,7 @@ static void set_up_layer(layers_draw *draw, int number) {
     l->frame.projection.middle = draw->middle;
     l->frame.projection.paint = &l->paint;
     l->frame.projection.fragments = &l->fragments;
-    l->frame.kernel = iso_exact_layers_kernel_get(iso_cpu_best());
+    l->frame.kernel = ISO_KERNEL_UNIT(iso_exact_layers_kernel, iso_cpu_best());
     l->fragments = (iso_exact_fragments){.opacity = iso_layer_opacity_make(translucency),
                                          .normals = wants_normals(draw->input),
                                          .surface = number,

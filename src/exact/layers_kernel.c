@@ -4,8 +4,5 @@
  *   reported as doubtful, and their pixels are traced again in double precision (layers.c);
  * - a ray may cross the surface three times in a cell: its pieces are queued one by one. */
 #define ISO_EXACT_LAYERED 1
+#define ISO_EXACT_KERNEL iso_exact_layers_kernel
 #include "exact/kernel_source.inc"
-
-const iso_exact_kernel *iso_exact_layers_kernel_get(iso_cpu_level level) {
-    return ISO_KERNEL(kernel, level);
-}

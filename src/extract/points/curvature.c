@@ -5,6 +5,7 @@
 #include <assert.h>
 #include <string.h>
 
+#include "base/kernel_units.h"
 #include "base/numbers.h"
 #include "base/point_code.h"
 #include "extract/points/curvature_kernel.h"
@@ -268,7 +269,7 @@ static iso_curvature_params params_for(const iso_curvature_source *source, const
 
 void iso_curvatures_of_edges(const iso_curvature_source *source, const iso_curvature_points *points,
                              iso_curvature *curvatures) {
-    const iso_curvature_kernel *kernel = iso_curvature_kernel_get(iso_cpu_best());
+    const iso_curvature_kernel *kernel = ISO_KERNEL_UNIT(iso_curvature_kernel, iso_cpu_best());
     iso_curvature_batch batch;
     batch_voxels places = {.axis = 0};
     int misses = 0;
@@ -296,7 +297,7 @@ static uint32_t batch_of(uint32_t left) {
 void iso_curvatures_of_feet(const iso_curvature_source *source, const iso_curvature_points *points,
                             const iso_curvature_feet *feet, iso_curvature *curvatures) {
     assert(source->type == ISO_FLOAT32);
-    const iso_curvature_kernel *kernel = iso_curvature_kernel_get(iso_cpu_best());
+    const iso_curvature_kernel *kernel = ISO_KERNEL_UNIT(iso_curvature_kernel, iso_cpu_best());
     iso_curvature_params params = params_for(source, points, 0);
     params.band = feet->band;
     iso_curvature_batch batch;
@@ -329,7 +330,7 @@ void iso_curvatures_of_nearest_voxels(const iso_grid *grid, const int brick[3], 
     const int *dims = iso_grid_dims(grid), first[3] = {0, 0, 0};
     const int last[3] = {dims[0] - 1, dims[1] - 1, dims[2] - 1};
     const reader from = {grid, grid_value, first, last};
-    const iso_curvature_kernel *kernel = iso_curvature_kernel_get(iso_cpu_best());
+    const iso_curvature_kernel *kernel = ISO_KERNEL_UNIT(iso_curvature_kernel, iso_cpu_best());
     const iso_curvature_params params = {
         .floats = true, .packed = points->packed != NULL, .normal_sign = normal_sign, .band = INFINITY};
     iso_curvature_batch batch;

@@ -79,8 +79,7 @@ typedef struct iso_curvature_kernel {
     void (*voxels)(const iso_curvature_params *params, iso_curvature_batch *batch);
 } iso_curvature_kernel;
 
-/* The kernel at an instruction set, or at the best below it that this build has. Never NULL. */
-const iso_curvature_kernel *iso_curvature_kernel_get(iso_cpu_level level);
+ISO_KERNEL_UNITS(iso_curvature_kernel, iso_curvature_kernel);
 
 #ifdef __cplusplus
 }

@@ -1,5 +1,6 @@
 /* edge_kernel: batches, stencils next to the grid's border and other scalar helpers of the edge kernel;
- * includes its body (edge_kernel_body.inc) once per voxel type and instruction set. */
+ * includes its body (edge_kernel_body.inc) once per voxel type. A unit for each instruction set
+ * (base/kernel_units.h). */
 #include "extract/points/edge_kernel.h"
 
 #include <float.h>
@@ -137,12 +138,6 @@ static uint64_t iso_edge_columns(iso_edge_active active, int voxels) {
     return voxels < ISO_EDGE_BLOCK_X ? lanes & (((uint64_t)1 << voxels) - 1) : lanes;
 }
 
-void iso_edge_source_prepare(iso_edge_source *source) {
-    for (int row = 0; row < ISO_EDGE_ROW_NAMES; row++)
-        source->row_offset[row] =
-            (row & 31) * source->stride_y + (row >> 5 & 31) * source->stride_z + !!(row & ISO_EDGE_FACE);
-}
-
 #include "extract/points/edge_kernel_rows.inc"
 
 #define ISO_KERNEL_BODY "extract/points/edge_kernel_finish.inc"
@@ -153,6 +148,10 @@ void iso_edge_source_prepare(iso_edge_source *source) {
 #include "base/kernel_levels.inc"
 #undef ISO_VOXEL_BODY
 
-const iso_edge_kernel *iso_edge_kernel_get(iso_type type, iso_cpu_level level) {
-    return ISO_VOXEL_KERNEL(kernel, type, level);
-}
+#define FUNCTION(name, type) ISO_PASTE(ISO_PASTE(name, type), ISO_KERNEL_LEVEL)
+#define KERNEL(type)                                                                                         \
+    { FUNCTION(list_edges, type), FUNCTION(compute_points, type), FUNCTION(classify_voxels, type) }
+const iso_edge_kernels ISO_PASTE(iso_edge_kernels, ISO_KERNEL_LEVEL) = {[ISO_UINT8] = KERNEL(uint8),
+                                                                        [ISO_INT16] = KERNEL(int16),
+                                                                        [ISO_UINT16] = KERNEL(uint16),
+                                                                        [ISO_FLOAT32] = KERNEL(float)};

@@ -144,6 +144,9 @@ typedef struct iso_edge_kernel {
     void (*classify_voxels)(const iso_edge_source *source, const int origin[3], iso_edge_words *words);
 } iso_edge_kernel;
 
+typedef iso_edge_kernel iso_edge_kernels[ISO_FLOAT32 + 1]; /* by voxel type */
+ISO_KERNEL_UNITS(iso_edge_kernels, iso_edge_kernels);
+
 /* The kernel for a voxel type at an instruction set, or at the best below it that this build has. Never NULL.
  */
 const iso_edge_kernel *iso_edge_kernel_get(iso_type type, iso_cpu_level level);

@@ -3,7 +3,18 @@
  * are read in order. */
 #include "extract/points/edge_run.h"
 
+#include "base/kernel_units.h"
 #include "grids/brick_index.h"
+
+const iso_edge_kernel *iso_edge_kernel_get(iso_type type, iso_cpu_level level) {
+    return &(*ISO_KERNEL_UNIT(iso_edge_kernels, level))[type];
+}
+
+void iso_edge_source_prepare(iso_edge_source *source) {
+    for (int row = 0; row < ISO_EDGE_ROW_NAMES; row++)
+        source->row_offset[row] =
+            (row & 31) * source->stride_y + (row >> 5 & 31) * source->stride_z + !!(row & ISO_EDGE_FACE);
+}
 
 void iso_edge_context_init(iso_edge_context *context, const iso_rgrid *grid, const iso_threshold *surface) {
     *context = (iso_edge_context){

@@ -1,5 +1,4 @@
-/* shading_kernel: compiles shading_kernel_body.inc once per instruction set, and defines what the body
- * needs. */
+/* shading_kernel: what shading_kernel_body.inc needs. A unit for each instruction set (base/kernel_units.h). */
 #include "render/shading/shading_kernel.h"
 
 #include "render/shading/phong_vectors.h"
@@ -72,20 +71,3 @@ static void add_columns(float columns[SUMS][TILE + ISO_LANES_MAX], int factor, i
 
 #define ISO_KERNEL_BODY "render/shading/shading_kernel_body.inc"
 #include "base/kernel_levels.inc"
-
-iso_shade_rows *iso_shade_rows_get(iso_cpu_level level) {
-    return ISO_KERNEL(shade_rows, level);
-}
-
-/* Shades a vector of equal samples, so that the model is implemented only once. */
-void iso_shade_sample(const float normal[3], const float to_eye[3], iso_rgb color, float rgb[3]) {
-    const float base[3] = {(float)color.r / 255, (float)color.g / 255, (float)color.b / 255};
-    vf_generic n[3], eye[3], b[3], out[3];
-    for (int axis = 0; axis < 3; axis++) {
-        n[axis] = v_set_generic(normal[axis]);
-        eye[axis] = v_set_generic(to_eye[axis]);
-        b[axis] = v_set_generic(base[axis]);
-    }
-    phong_generic(n, eye, b, out);
-    for (int c = 0; c < 3; c++) rgb[c] = out[c][0];
-}

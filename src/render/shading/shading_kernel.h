@@ -26,10 +26,8 @@ typedef struct iso_shade_params {
 } iso_shade_params;
 
 /* Shades pixel rows first .. last of the strip; returns the number of samples that show a surface. */
-typedef size_t iso_shade_rows(const iso_shade_params *params, int first, int last);
-
-/* The kernel for an instruction set, or for the best below it that this build has. Never NULL. */
-iso_shade_rows *iso_shade_rows_get(iso_cpu_level level);
+typedef size_t (*iso_shade_rows)(const iso_shade_params *params, int first, int last);
+ISO_KERNEL_UNITS(iso_shade_rows, iso_shade_rows);
 
 #ifdef __cplusplus
 }

@@ -2,6 +2,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/kernel_units.h"
 #include "base/memory.h"
 #include "render/shapes/kernel.h"
 
@@ -169,7 +170,7 @@ static iso_status draw_bins(shapes_draw *draw, iso_shapes_drawn *drawn, iso_erro
 iso_status iso_draw_shapes(const iso_target *target, const iso_shapes *shapes, iso_shapes_drawn *drawn,
                            iso_error *error) {
     if (shapes->colors) ISO_TRY(iso_gbuffer_add_color(target->gbuffer, error));
-    shapes_draw draw = {.kernel = iso_shapes_kernel_get(iso_cpu_best())};
+    shapes_draw draw = {.kernel = ISO_KERNEL_UNIT(iso_shapes_kernel, iso_cpu_best())};
     iso_status status = iso_shapes_frame_make(target, shapes, &draw.frame, error);
     if (status == ISO_OK) status = draw_bins(&draw, drawn, error);
     iso_shapes_frame_free(&draw.frame);

@@ -1,4 +1,5 @@
-/* kernel: patches of pixels for each instruction set, and the kernel's body once for each. */
+/* kernel: patches of pixels for each instruction set, and the kernel's body. A unit for each instruction set
+ * (base/kernel_units.h). */
 #include "render/shapes/solid.h"
 
 /* A patch is a vector of pixels: one row of them, or two rows of eight where vectors have sixteen lanes. For
@@ -71,7 +72,3 @@ ISO_TARGET_AVX512 static inline void patch_store_avx512(float *depth, int32_t *r
 
 #define ISO_KERNEL_BODY "render/shapes/kernel_body.inc"
 #include "base/kernel_levels.inc"
-
-const iso_shapes_kernel *iso_shapes_kernel_get(iso_cpu_level level) {
-    return ISO_KERNEL(kernel, level);
-}

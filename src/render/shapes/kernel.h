@@ -111,8 +111,7 @@ typedef struct iso_shapes_kernel {
     void (*resolve)(iso_shapes_bin *bin);
 } iso_shapes_kernel;
 
-/* The kernel for an instruction set, or for the best below it that this build has. Never NULL. */
-const iso_shapes_kernel *iso_shapes_kernel_get(iso_cpu_level level);
+ISO_KERNEL_UNITS(iso_shapes_kernel, iso_shapes_kernel);
 
 /* Floats of a record. */
 static inline int iso_shapes_record_floats(iso_shape_kind kind) {

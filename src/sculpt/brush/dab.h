@@ -97,7 +97,6 @@ typedef struct iso_dab_kernel {
                          iso_voxel_bits *changed);
 } iso_dab_kernel;
 
-/* Returns the kernels for an instruction set, or for the best one below it that this build has. */
-const iso_dab_kernel *iso_dab_kernel_get(iso_cpu_level level);
+ISO_KERNEL_UNITS(iso_dab_kernel, iso_dab_kernel);
 
 #endif
