@@ -1,4 +1,5 @@
-/* brick_range_kernel: the variants for each voxel type. A unit for each instruction set (base/kernel_units.h). */
+/* brick_range_kernel: the variants for each voxel type. A unit for each instruction set
+ * (base/kernel_units.h). */
 #include "grids/brick_range_kernel.h"
 
 #include "base/numbers.h"

@@ -2,6 +2,7 @@
 #ifndef ISO_GRIDS_BRICK_RANGE_KERNEL_H
 #define ISO_GRIDS_BRICK_RANGE_KERNEL_H
 
+#include <stdalign.h>
 #include <stddef.h>
 #include <string.h>
 
@@ -27,7 +28,7 @@ typedef struct range_box {
 
 /* The result of a kernel: the range of each row group of the bricks of a batch. */
 typedef struct range_values {
-    _Alignas(64) float lo[ISO_ROW_GROUPS][ISO_BATCH_BRICKS],
+    alignas(64) float lo[ISO_ROW_GROUPS][ISO_BATCH_BRICKS],
         hi[ISO_ROW_GROUPS][ISO_BATCH_BRICKS]; /* lo > hi: the group has no voxels */
 } range_values;
 

@@ -1,6 +1,6 @@
 # Every header compiles alone, as C17 and as C++17, with no warning. HDF5: the folder of hdf5.h; without it the headers that include it
-# are left out. Usage:
-# cmake -DROOT=... -DCC=... -DCXX=... -DTMP=... -DHDF5=... -P headers.cmake
+# are left out. GENERATED: the folder of headers that the build writes. Usage:
+# cmake -DROOT=... -DCC=... -DCXX=... -DTMP=... -DGENERATED=... -DHDF5=... -P headers.cmake
 cmake_minimum_required(VERSION 3.25)
 set(bad "")
 set(seen 0)
@@ -20,7 +20,7 @@ foreach(header ${headers})
             set(compile ${CXX} -std=c++17)
         endif()
         execute_process(
-            COMMAND ${compile} -x ${language} -fsyntax-only -Wall -Wextra -Wshadow -Werror -I${ROOT} -I${ROOT}/src ${libraries}
+            COMMAND ${compile} -x ${language} -fsyntax-only -Wall -Wextra -Wshadow -Werror -I${ROOT} -I${ROOT}/src -I${GENERATED} ${libraries}
                     ${TMP}/header_alone.${language}
             RESULT_VARIABLE result ERROR_VARIABLE text)
         math(EXPR seen "${seen} + 1")

@@ -1,4 +1,5 @@
-/* shading_kernel: what shading_kernel_body.inc needs. A unit for each instruction set (base/kernel_units.h). */
+/* shading_kernel: what shading_kernel_body.inc needs. A unit for each instruction set
+ * (base/kernel_units.h). */
 #include "render/shading/shading_kernel.h"
 
 #include "render/shading/phong_vectors.h"

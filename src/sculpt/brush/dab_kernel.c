@@ -1,5 +1,5 @@
-/* dab_kernel: edits of a brick (dab.h). The parts that are the same for every instruction set; dab_body.inc has
- * the others. A unit for each instruction set (base/kernel_units.h). */
+/* dab_kernel: edits of a brick (dab.h): the parts that are the same for every instruction set; dab_body.inc
+ * has the others. A unit for each instruction set (base/kernel_units.h). */
 #include <math.h>
 
 #include "base/simd.h"
