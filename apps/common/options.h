@@ -1,5 +1,5 @@
 /* options: parses a command line according to a program's table of options. The same table produces --help,
- * the man page, the README's table and the shell completion.
+ * the man page, the table in docs and the shell completion.
  *
  * Values are given as `--name value` or `--name=value`; a value that begins with `--` needs the second form.
  * `help` as the first word is --help, unless there is a file of that name.
@@ -130,7 +130,7 @@ bool iso_parse_color(const char *text, uint8_t rgb[3]);
  * ISO_ERR_USAGE. */
 iso_status iso_fail_color(const char *text, const char *others, iso_error *error);
 
-/* The forms of the help: for a screen, a table for the README, a man page, a bash completion script. */
+/* The forms of the help: for a screen, a table for docs, a man page, a bash completion script. */
 typedef enum iso_help_form { ISO_HELP_SCREEN, ISO_HELP_MARKDOWN, ISO_HELP_MAN, ISO_HELP_BASH } iso_help_form;
 
 void iso_options_help(const iso_program *program, iso_help_form form, FILE *stream);

@@ -1,4 +1,4 @@
-/* The texts generated from an option table: help for a screen, README table, man page (roff), shell
+/* The texts generated from an option table: help for a screen, table for docs, man page (roff), shell
  * completion. */
 #include <ctype.h>
 #include <errno.h>

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """The page and the short form of what papers.py measured.
 
-usage: page.py PAPERS.json PAPERS.md README.md [--check]
+usage: page.py PAPERS.json PAPERS.md claims.md [--check]
 
-Writes the tables and verdicts of PAPERS.json between the markers of PAPERS.md, and into README.md whether each claim
+Writes the tables and verdicts of PAPERS.json between the markers of PAPERS.md, and into claims.md whether each claim
 that it links to holds. --check: only compares, and ends with 1 when a line differs."""
 import base64
 import html
@@ -137,11 +137,15 @@ def short_form(papers, text):
     return head + BEGIN + "".join(markdown(papers)) + END + rest.split(END)[1]
 
 
-def readme(papers, text):
-    """The README with the verdict's words in each link to a table; a link to a table that does not exist is an error."""
+def claims(papers, text):
+    """docs/claims.md with the verdict's words in each link to a table; a link to a table that does not exist is an error."""
     holds = {table["name"]: HOLDS[table["holds"]] for table in papers["tables"]}
-    return re.sub(r"\[[^\]]*\]\(docs/PAPERS\.md#([^)]*)\)",
-                  lambda link: "[%s](docs/PAPERS.md#%s)" % (holds[link.group(1)], link.group(1)), text)
+
+    def link(found):
+        words, name = found.groups()
+        return found.group(0) if words.split() == holds[name].split() else "[%s](PAPERS.md#%s)" % (holds[name], name)
+
+    return re.sub(r"\[([^\]]*)\]\(PAPERS\.md#([^)]*)\)", link, text)
 
 
 def renew(path, after, check):
@@ -164,7 +168,7 @@ def main():
     with open(words[0], encoding="utf-8") as file:
         papers = json.load(file)
     same = [renew(path, lambda text, make=make: make(papers, text), "--check" in sys.argv)
-            for path, make in zip(words[1:], (short_form, readme))]
+            for path, make in zip(words[1:], (short_form, claims))]
     sys.exit(0 if all(same) else 1)
 
 

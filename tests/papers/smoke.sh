@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # smoke.sh PROGRAMS SOURCE FOLDER: one figure is measured and shown; numbers changed by hand in docs/PAPERS.md,
-# and verdicts in README.md, are found.
+# and verdicts in docs/claims.md, are found.
 set -euo pipefail
 programs=$1 source=$2 folder=$3/made
 rm -rf "$folder"
@@ -18,14 +18,14 @@ page = open(sys.argv[1] + "/index.html", encoding="utf-8").read()
 assert page.count("data:image/png;base64,") == len(table["pictures"]) == 5, page[:400]
 P
 check() { python3 "$source/tests/papers/page.py" "$source/docs/papers.json" "$@" --check; }
-check "$source/docs/PAPERS.md" "$source/README.md"
+check "$source/docs/PAPERS.md" "$source/docs/claims.md"
 sed '0,/| [0-9]/s/| \([0-9]\)/| 7\1/' "$source/docs/PAPERS.md" >"$folder/changed.md"
-if check "$folder/changed.md" "$source/README.md" >/dev/null; then
+if check "$folder/changed.md" "$source/docs/claims.md" >/dev/null; then
     echo "a number that was changed by hand is not found"
     exit 1
 fi
-sed 's/\[does not hold\](docs/[holds](docs/' "$source/README.md" >"$folder/readme.md"
-if check "$source/docs/PAPERS.md" "$folder/readme.md" >/dev/null; then
-    echo "a verdict that was changed by hand in the README is not found"
+sed 's/\[does not hold\](PAPERS/[holds](PAPERS/' "$source/docs/claims.md" >"$folder/claims.md"
+if check "$source/docs/PAPERS.md" "$folder/claims.md" >/dev/null; then
+    echo "a verdict that was changed by hand in docs/claims.md is not found"
     exit 1
 fi
