@@ -409,7 +409,7 @@ iso_status iso_options_parse(const iso_program *program, int argc, char *const *
     operands->count = 0;
     const iso_option *help = iso_options_find(program, "help", strlen("help"));
     if (help && argc > 1 && strcmp(argv[1], help->name) == 0 && access(argv[1], F_OK) != 0)
-        return iso_option_store(help, NULL, settings, error);
+        return iso_option_store(help, argc > 2 ? argv[2] : NULL, settings, error);
     for (int i = 1; i < argc; i++) {
         bool operand = !options || argv[i][0] != '-' || !argv[i][1];
         if (operand)

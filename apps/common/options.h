@@ -2,7 +2,7 @@
  * the man page, the table in docs and the shell completion.
  *
  * Values are given as `--name value` or `--name=value`; a value that begins with `--` needs the second form.
- * `help` as the first word is --help, unless there is a file of that name.
+ * `help` as the first word is --help, unless there is a file of that name; a word behind it is its topic.
  * `--` ends options, `-` alone is an operand. If an option is given several times the last one wins, unless
  * its row allows repetition. Numbers are decimal, must fill the whole text, and do not depend on the
  * locale. */
@@ -65,13 +65,15 @@ typedef struct iso_option {
     int count;
     const char *const *choices; /* NULL-terminated */
     const char *hint;           /* of an ISO_OPTION_CHOICE: said behind the refusal of a value; or NULL */
-    const char *extension; /* of an optional value: the next argument is it if it ends with this; or NULL */
+    const char
+        *extension; /* of an optional value: the next argument is it if it ends with this; or NULL: never */
     /* For ISO_OPTION_CALL; value is NULL when it was omitted. Fails with iso_fail(ISO_ERR_USAGE, reason); the
      * name of the option is added in front of the reason. */
     iso_status (*apply)(void *settings, const char *value, iso_error *error);
 } iso_option;
 
-/* A part of the help below the options: "EXIT STATUS", "EXAMPLES". Lines are NULL-terminated. */
+/* A part of the help below the options: "Exit status"; the last one has the examples. Lines are
+ * NULL-terminated. */
 typedef struct iso_section {
     const char *title;
     const char *const *lines;
@@ -130,13 +132,10 @@ bool iso_parse_color(const char *text, uint8_t rgb[3]);
  * ISO_ERR_USAGE. */
 iso_status iso_fail_color(const char *text, const char *others, iso_error *error);
 
-/* The forms of the help: for a screen, a table for docs, a man page, a bash completion script. */
-typedef enum iso_help_form { ISO_HELP_SCREEN, ISO_HELP_MARKDOWN, ISO_HELP_MAN, ISO_HELP_BASH } iso_help_form;
-
-void iso_options_help(const iso_program *program, iso_help_form form, FILE *stream);
-
-/* Parses the value of --help=TEXT; NULL means the screen. ISO_ERR_USAGE lists the forms. */
-iso_status iso_parse_help_form(const char *text, iso_help_form *form, iso_error *error);
+/* Prints help. topic: NULL, a page with usage, examples and topics; the first word of a group's or a section's
+ * title, these; "all", everything; "markdown", "man" or "bash", everything as a table for docs, a man page or
+ * a completion script; any other word, the options that speak of it. ISO_ERR_USAGE: none does. */
+iso_status iso_options_help(const iso_program *program, const char *topic, FILE *stream, iso_error *error);
 
 /* Prints one line on stderr that begins with the program's name. Arguments may contain any bytes
  * (base/text.h). */

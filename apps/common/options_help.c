@@ -4,6 +4,7 @@
 #include <errno.h>
 #include <stdarg.h>
 #include <string.h>
+#include <strings.h>
 
 #include "apps/common/options.h"
 #include "apps/common/progress_bar.h"
@@ -73,20 +74,97 @@ static void print_option(FILE *stream, const iso_option *option) {
     print_wrapped(stream, help, COLUMN);
 }
 
-static void print_screen(const iso_program *program, FILE *stream) {
+static void print_group(const iso_program *program, int group, FILE *stream) {
+    fprintf(stream, "\n%s:\n", program->groups[group]);
+    for (size_t i = 0; i < program->option_count; i++)
+        if (is_shown(&program->options[i], group)) print_option(stream, &program->options[i]);
+}
+
+static void print_section(const iso_section *section, FILE *stream) {
+    fprintf(stream, "\n%s:\n", section->title);
+    for (const char *const *line = section->lines; *line; line++) fprintf(stream, "  %s\n", *line);
+}
+
+static void print_usage(const iso_program *program, FILE *stream) {
     for (int i = 0; program->usage[i]; i++)
         fprintf(stream, "%s %s %s\n", i ? "      " : "usage:", program->name, program->usage[i]);
     fprintf(stream, "\n%s\n", program->summary);
-    for (int group = 0; program->groups[group]; group++) {
-        fprintf(stream, "\n%s:\n", program->groups[group]);
-        for (size_t i = 0; i < program->option_count; i++)
-            if (is_shown(&program->options[i], group)) print_option(stream, &program->options[i]);
+}
+
+static void print_everything(const iso_program *program, FILE *stream) {
+    print_usage(program, stream);
+    for (int group = 0; program->groups[group]; group++) print_group(program, group, stream);
+    for (size_t i = 0; i < program->section_count; i++) print_section(&program->sections[i], stream);
+}
+
+/* ---- topics ---- */
+
+/* Whether a word is the first one of a title, in either case. */
+static bool is_first_word(const char *title, const char *word) {
+    const size_t length = strcspn(title, " ,:");
+    return strlen(word) == length && strncasecmp(title, word, length) == 0;
+}
+
+/* Writes "input, surface, ..": the first words of all titles, each once. */
+static void write_topics(const iso_program *program, char *text, size_t size) {
+    const char *titles[32];
+    size_t count = 0, used = 0;
+    for (int i = 0; program->groups[i]; i++) titles[count++] = program->groups[i];
+    for (size_t i = 0; i < program->section_count; i++) titles[count++] = program->sections[i].title;
+    for (size_t i = 0; i < count && used < size; i++) {
+        const int length = (int)strcspn(titles[i], " ,:");
+        if (i > 0 && strncasecmp(titles[i], titles[i - 1], (size_t)length) == 0) continue;
+        used += (size_t)snprintf(text + used, size - used, "%s%c%.*s", used ? ", " : "",
+                                 tolower((unsigned char)*titles[i]), length - 1, titles[i] + 1);
     }
-    for (size_t i = 0; i < program->section_count; i++) {
-        fprintf(stream, "\n%s:\n", program->sections[i].title);
-        for (const char *const *line = program->sections[i].lines; *line; line++)
-            fprintf(stream, "  %s\n", *line);
-    }
+}
+
+static void print_first_page(const iso_program *program, FILE *stream) {
+    char topics[512];
+    print_usage(program, stream);
+    print_section(&program->sections[program->section_count - 1], stream); /* the examples */
+    write_topics(program, topics, sizeof topics);
+    fprintf(stream, "\nMore, by --help TOPIC:%*s", COLUMN - (int)strlen("More, by --help TOPIC:"), "");
+    print_wrapped(stream, topics, COLUMN);
+    fprintf(stream, "--help WORD: the options that speak of it; --help all: everything\n");
+}
+
+static bool print_topic(const iso_program *program, const char *topic, FILE *stream) {
+    bool found = false;
+    for (int group = 0; program->groups[group]; group++)
+        if (is_first_word(program->groups[group], topic)) {
+            print_group(program, group, stream);
+            found = true;
+        }
+    for (size_t i = 0; i < program->section_count; i++)
+        if (is_first_word(program->sections[i].title, topic)) {
+            print_section(&program->sections[i], stream);
+            found = true;
+        }
+    return found;
+}
+
+/* Whether an option's name, its aliases or what is said about it has a word that begins with `word`. */
+static bool speaks_of(const iso_option *option, const char *word) {
+    const char *texts[] = {option->name, option->aliases, option->value, option->help};
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
+        for (const char *at = texts[i]; at && *at; at++)
+            if ((at == texts[i] || !isalnum((unsigned char)at[-1])) &&
+                strncasecmp(at, word, strlen(word)) == 0)
+                return true;
+    return false;
+}
+
+static bool print_options_with(const iso_program *program, const char *word, FILE *stream) {
+    bool found = false;
+    for (int group = 0; program->groups[group]; group++)
+        for (size_t i = 0; i < program->option_count; i++) {
+            const iso_option *option = &program->options[i];
+            if (!is_shown(option, group) || !speaks_of(option, word)) continue;
+            print_option(stream, option);
+            found = true;
+        }
+    return found;
 }
 
 /* ---- markdown ---- */
@@ -220,31 +298,28 @@ static void print_bash(const iso_program *program, FILE *stream) {
     fprintf(stream, "}\ncomplete -o default -F _%s %s\n", program->name, program->name);
 }
 
-void iso_options_help(const iso_program *program, iso_help_form form, FILE *stream) {
-    switch (form) {
-    case ISO_HELP_SCREEN:
-        print_screen(program, stream);
-        break;
-    case ISO_HELP_MARKDOWN:
-        print_markdown(program, stream);
-        break;
-    case ISO_HELP_MAN:
-        print_man(program, stream);
-        break;
-    case ISO_HELP_BASH:
-        print_bash(program, stream);
-        break;
+iso_status iso_options_help(const iso_program *program, const char *topic, FILE *stream, iso_error *error) {
+    static const struct {
+        const char *name;
+        void (*print)(const iso_program *program, FILE *stream);
+    } forms[] = {
+        {"all", print_everything}, {"markdown", print_markdown}, {"man", print_man}, {"bash", print_bash}};
+    char topics[512];
+    if (!topic) {
+        print_first_page(program, stream);
+        return ISO_OK;
     }
-}
-
-iso_status iso_parse_help_form(const char *text, iso_help_form *form, iso_error *error) {
-    static const char *const forms[] = {"screen", "markdown", "man", "bash"};
-    int chosen = 0;
-    if (text)
-        while (chosen < 4 && strcmp(forms[chosen], text) != 0) chosen++;
-    if (chosen == 4) return iso_fail(error, ISO_ERR_USAGE, "'%s' is not one of markdown, man, bash", text);
-    *form = (iso_help_form)chosen;
-    return ISO_OK;
+    for (size_t i = 0; i < sizeof forms / sizeof *forms; i++)
+        if (strcmp(forms[i].name, topic) == 0) {
+            forms[i].print(program, stream);
+            return ISO_OK;
+        }
+    const char *word = topic + strspn(topic, "-");
+    if (print_topic(program, word, stream) || (*word && print_options_with(program, word, stream)))
+        return ISO_OK;
+    write_topics(program, topics, sizeof topics);
+    return iso_fail(error, ISO_ERR_USAGE, "--help: no option speaks of '%s'; topics are %s, all", topic,
+                    topics);
 }
 
 void iso_program_log(const iso_program *program, const char *format, ...) {

@@ -17,8 +17,10 @@ iso_status iso_settings_apply_json(void *target, const char *value, iso_error *e
 
 iso_status iso_settings_apply_help(void *target, const char *value, iso_error *error) {
     iso_common_settings *settings = target;
+    (void)error;
     settings->action = ISO_ACTION_HELP;
-    return iso_parse_help_form(value, &settings->help_form, error);
+    settings->help_topic = value;
+    return ISO_OK;
 }
 
 iso_status iso_settings_apply_version(void *target, const char *value, iso_error *error) {
@@ -54,12 +56,11 @@ void iso_settings_explain_memory(const iso_common_settings *settings, iso_error 
         iso_fail(error, ISO_ERR_LIMIT, "%s, limit is %.0f MB (--max-memory)", error->text, limit);
 }
 
-bool iso_settings_print_help(const iso_common_settings *settings, const iso_program *program) {
+iso_status iso_settings_print_help(const iso_common_settings *settings, const iso_program *program,
+                                   bool *asked, iso_error *error) {
+    *asked = settings->action == ISO_ACTION_HELP || settings->action == ISO_ACTION_VERSION;
     if (settings->action == ISO_ACTION_HELP)
-        iso_options_help(program, settings->help_form, stdout);
-    else if (settings->action == ISO_ACTION_VERSION)
-        printf("%s %s\n", program->name, program->version);
-    else
-        return false;
-    return true;
+        return iso_options_help(program, settings->help_topic, stdout, error);
+    if (settings->action == ISO_ACTION_VERSION) printf("%s %s\n", program->name, program->version);
+    return ISO_OK;
 }

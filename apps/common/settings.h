@@ -25,13 +25,13 @@ typedef enum iso_program_action {
 
 /* Zero-initialise. Strings are borrowed from argv. */
 typedef struct iso_common_settings {
-    iso_input input;       /* the first member, because the rows of input_options.inc store into it */
-    int threads;           /* 0: one for each processor */
-    int quiet;             /* print nothing but errors */
-    int json;              /* write a report as JSON */
-    const char *json_path; /* file of the report; NULL: standard output */
-    int action;            /* iso_program_action; the last such option on the command line wins */
-    iso_help_form help_form;
+    iso_input input;              /* the first member, because the rows of input_options.inc store into it */
+    int threads;                  /* 0: one for each processor */
+    int quiet;                    /* print nothing but errors */
+    int json;                     /* write a report as JSON */
+    const char *json_path;        /* file of the report; NULL: standard output */
+    int action;                   /* iso_program_action; the last such option on the command line wins */
+    const char *help_topic;       /* of iso_options_help */
     char record[ISO_RECORD_SIZE]; /* the options that influence the result, as typed: " --name=value ..." */
 } iso_common_settings;
 
@@ -50,9 +50,10 @@ void iso_settings_limit_memory(const iso_common_settings *settings);
 /* Adds the name of the option --max-memory to the message if a run failed because of that limit. */
 void iso_settings_explain_memory(const iso_common_settings *settings, iso_error *error);
 
-/* Prints the help or the version to standard output if the settings ask for one of them; returns whether they
- * do. */
-bool iso_settings_print_help(const iso_common_settings *settings, const iso_program *program);
+/* Prints the help or the version to standard output if the settings ask for one of them; *asked: whether they
+ * do. ISO_ERR_USAGE: no such topic. */
+iso_status iso_settings_print_help(const iso_common_settings *settings, const iso_program *program,
+                                   bool *asked, iso_error *error);
 
 #ifdef __cplusplus
 }

@@ -21,8 +21,9 @@ static int run_program(int argc, char **argv) {
     if (!operands.values)
         return iso_program_fail(program, &error, iso_fail(&error, ISO_ERR_NOMEM, "out of memory"));
     iso_status status = isocompare_settings_parse(argc, argv, &settings, &operands, &error);
-    if (status == ISO_OK && !iso_settings_print_help(&settings.common, program))
-        status = run_command(&settings, &error);
+    bool helped = false;
+    if (status == ISO_OK) status = iso_settings_print_help(&settings.common, program, &helped, &error);
+    if (status == ISO_OK && !helped) status = run_command(&settings, &error);
     free(operands.values);
     iso_settings_explain_memory(&settings.common, &error);
     int code = status == ISO_OK ? 0 : iso_program_fail(program, &error, status);

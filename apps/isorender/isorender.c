@@ -106,7 +106,9 @@ static iso_status render_with_ranks(isorender_settings *settings, int *code, iso
 }
 
 static iso_status perform(isorender_settings *settings, int *code, iso_error *error) {
-    if (iso_settings_print_help(&settings->common, isorender_program())) return ISO_OK;
+    bool helped;
+    ISO_TRY(iso_settings_print_help(&settings->common, isorender_program(), &helped, error));
+    if (helped) return ISO_OK;
     if (settings->common.action == ISORENDER_ACTION_LIST_BACKENDS) return list_backends(settings, error);
     if (settings->merge) return isorender_merge(settings, error);
     return render_with_ranks(settings, code, error);

@@ -15,10 +15,11 @@
 #error "ISO_VERSION comes from CMake"
 #endif
 
-enum group { INPUT, SURFACE, OBJECTS, PICTURE, CAMERA, OUTPUT, RUNNING };
+enum group { INPUT, SURFACE, POINTS, OBJECTS, PICTURE, CAMERA, OUTPUT, RUNNING, PAPERS };
 
 static const char *const groups[] = {
-    "Input", "Surface", "Lines, glyphs and meshes", "Picture", "Camera", "Other outputs", "Running", NULL};
+    "Input",  "Surface", "Points",  "Lines, glyphs and meshes",          "Picture",
+    "Camera", "Output",  "Running", "Papers: variants, to compare with", NULL};
 
 static const char *const usage[] = {"[options] IN [OUT.png]",
                                     "[options] --output TEMPLATE IN ...",
@@ -318,23 +319,23 @@ static const iso_option options[] = {
      "which points: auto, edge, foot, foot-iterated; auto is foot for sparse level sets unless they are "
      "drawn as "
      "curved discs or the isovalue is near the end of the narrow band, edge for the rest",
-     .group = SURFACE, .standard = "auto", CHOICE(primitive, primitives)},
+     .group = POINTS, .standard = "auto", CHOICE(primitive, primitives)},
 
     {"radius", NULL, "MM",
      "radius of the points of a file (.ply, .pcd, .las, .xyz, .npy ..); auto: estimated from the "
      "distances to the nearest neighbours, as are those that the file lacks",
-     .group = SURFACE, .standard = "the file's, or auto", CALL(apply_radius)},
+     .group = POINTS, .standard = "the file's, or auto", CALL(apply_radius)},
     {"normals", NULL, "NAME",
      "normals of the points of a file: file (those that it lacks are estimated) or auto (all are estimated "
      "from the nearest neighbours)",
-     .group = SURFACE, .standard = "file", CHOICE(normals, normals_names)},
+     .group = POINTS, .standard = "file", CHOICE(normals, normals_names)},
 
     {"columns", NULL, "NAMES",
      "what the numbers of a file of points are, if it has no names for them or wrong ones (.xyz, .pts, .pwn, "
      ".asc, .txt, .csv, .npy): x y z, nx ny nz, red green blue, radius or any name, separated by commas; - "
      "is "
      "a number that is not wanted",
-     .group = SURFACE, .standard = "the file's, or found out", TEXT(columns)},
+     .group = POINTS, .standard = "the file's, or found out", TEXT(columns)},
 
 #define SOLID SURFACE
 #include "apps/common/solid_options.inc"
@@ -385,12 +386,12 @@ static const iso_option options[] = {
      "pullpush and hybrid draw the input's surfaces, meshes and ribbons in one image "
      "pyramid (2008, section 5.1: to compare it) instead of each alone with the nearer one kept, which loses "
      "less around outlines",
-     .group = PICTURE, FLAG(one_pyramid)},
+     .group = PAPERS, FLAG(one_pyramid)},
     {"groups", NULL, "N",
-     "most groups of splats; 64: as many as it takes so that no discs of a group overlap", .group = PICTURE,
+     "most groups of splats; 64: as many as it takes so that no discs of a group overlap", .group = PAPERS,
      .standard = "8, with --transparency 4", INT(groups, 1, ISO_GROUPS_MOST)},
     {"group-overlap", NULL, "C",
-     "discs of splats conflict when their distance is below C times the sum of their radii", .group = PICTURE,
+     "discs of splats conflict when their distance is below C times the sum of their radii", .group = PAPERS,
      .standard = "1", REAL(group_overlap, 0.01, 1)},
     {"group-radii", NULL, "NAME",
      "how much larger the discs of a group are with --transparency groups and nearest, so that the group "
@@ -398,29 +399,29 @@ static const iso_option options[] = {
      "most: eq. 7 to 9 of the paper), root (by the square root of half the number of groups) or copies (not "
      "at "
      "all: copies of discs of other groups fill the gaps)",
-     .group = PICTURE, .standard = "coverage", CHOICE(group_radii, group_radii)},
+     .group = PAPERS, .standard = "coverage", CHOICE(group_radii, group_radii)},
     {"group-bins", NULL, "N",
      "bins of depth in which splats are compared (eq. 6 of the paper) instead of by their own depths",
-     .group = PICTURE, INT(group_bins, 1, 1 << 20)},
+     .group = PAPERS, INT(group_bins, 1, 1 << 20)},
     {"lod", NULL, "PIXELS",
      "levels of detail for discs, pullpush and splats: where points are closer together than about two times "
      "PIXELS, fewer are "
      "drawn, each the mean of several; for turntables of many points; 0: all points are drawn",
-     .group = PICTURE, .standard = "1 if there are so many pictures that it saves time, else 0",
+     .group = POINTS, .standard = "1 if there are so many pictures that it saves time, else 0",
      REAL(lod, 0, 1000)},
     {"selection", NULL, "WHICH",
      "points that discs and splats (all but groups) draw: visible (points that nearer ones "
      "hide are left out; by OpenGL also some of those that share a pixel), all, or auto (visible on the cpu, "
      "all by OpenGL)",
-     .group = PICTURE, .standard = "auto", CHOICE(selection, selections)},
+     .group = POINTS, .standard = "auto", CHOICE(selection, selections)},
     {"group-opposite", NULL, NULL,
      "discs of splats that face opposite ways may share a group: fewer groups, but the sides of thin things "
      "then hide each other",
-     .group = PICTURE, FLAG(group_opposite)},
+     .group = PAPERS, FLAG(group_opposite)},
     {"group-coplanar", NULL, "DEGREES",
      "discs of splats of one colour may share a group if they lie in one plane within this angle: fewer "
      "groups",
-     .group = PICTURE, .standard = "0: they may not", REAL(group_coplanar, 0, 45)},
+     .group = PAPERS, .standard = "0: they may not", REAL(group_coplanar, 0, 45)},
     {"shading", NULL, "NAME",
      "phong (by normals, with two lights) or edl (eye-dome lighting: samples are darker the more the "
      "surfaces "
@@ -429,10 +430,10 @@ static const iso_option options[] = {
      .group = PICTURE, .standard = "phong", CHOICE(lighting, lightings)},
     {"point-scaling", NULL, "NAME",
      "width of points: exact (by depth) or attenuated (by distance, as OpenGL 1.4 did it; needs OpenGL)",
-     .group = PICTURE, .standard = "exact", CHOICE(scaling, scalings)},
+     .group = PAPERS, .standard = "exact", CHOICE(scaling, scalings)},
     {"strips", NULL, NULL,
      "draw the mesh as triangle strips; --json tells how many indices they save (needs OpenGL)",
-     .group = PICTURE, FLAG(strips)},
+     .group = PAPERS, FLAG(strips)},
     {"resolution", NULL, "WxH", "size of the picture in pixels", .group = PICTURE, .standard = "1024x1024",
      CALL(apply_resolution)},
     {"dpi", NULL, "N", "pixels an inch that the picture's file states, for printing; the picture is the same",
@@ -602,7 +603,7 @@ static const char *const example_text[] = {
     NULL};
 
 static const iso_section sections[] = {
-    {"Inputs", inputs_text}, {"Exit status", exit_text}, {"Examples", example_text}};
+    {"Files that are read", inputs_text}, {"Exit status", exit_text}, {"Examples", example_text}};
 
 const char *isorender_reconstruction_name(const isorender_settings *settings, bool splats) {
     const bool usual = splats && settings->reconstruction < (int)ISO_RECONSTRUCTION_FLAT;

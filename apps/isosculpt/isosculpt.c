@@ -23,8 +23,9 @@ static int run_program(int argc, char **argv) {
     if (!operands.values)
         return iso_program_fail(program, &error, iso_fail(&error, ISO_ERR_NOMEM, "out of memory"));
     iso_status status = isosculpt_settings_parse(argc, argv, &settings, &operands, &error);
-    if (status == ISO_OK && !iso_settings_print_help(&settings.common, program))
-        status = run_session(&settings, &error);
+    bool helped = false;
+    if (status == ISO_OK) status = iso_settings_print_help(&settings.common, program, &helped, &error);
+    if (status == ISO_OK && !helped) status = run_session(&settings, &error);
     free(operands.values);
     if (settings.headless) iso_settings_explain_memory(&settings.common, &error);
     return iso_program_finish(program, status == ISO_OK ? 0 : iso_program_fail(program, &error, status));

@@ -11,7 +11,7 @@ isorender in/ball.mha bare.png --isovalue 500 --orthographic --resolution 300x30
 python3 -c 'from check import *; volume("in/half.mha", (24, 24, 24), lambda x, y, z: 11.0 - x - y - z + 12 if min(x, y, z) > 1 else 0.0)'
 isorender in/half.mha half.png --isovalue 5.5 --mm-per-pixel 0.5 --camera iso --resolution 160x160 --background none --json=h.json --quiet
 isorender in/half.mha box.png --isovalue 5.5 --mm-per-pixel 0.5 --fit box --camera iso --resolution 160x160 --background none --quiet
-isorender --help | tr -s ' \n' ' ' | grep -q 'with --mm-per-pixel, which sets the scale, what is in the middle of the picture'
+isorender --help all | tr -s ' \n' ' ' | grep -q 'with --mm-per-pixel, which sets the scale, what is in the middle of the picture'
 isorender in/ball.mha turn.png --isovalue 500 --fit tight --turntable 3 --resolution 100x100 --background none --quiet
 cmp marked.png marked1.png
 python3 - <<'P'
