@@ -132,9 +132,9 @@ bool iso_parse_color(const char *text, uint8_t rgb[3]);
  * ISO_ERR_USAGE. */
 iso_status iso_fail_color(const char *text, const char *others, iso_error *error);
 
-/* Prints help. topic: NULL, a page with usage, examples and topics; the first word of a group's or a section's
- * title, these; "all", everything; "markdown", "man" or "bash", everything as a table for docs, a man page or
- * a completion script; any other word, the options that speak of it. ISO_ERR_USAGE: none does. */
+/* Prints help. topic: NULL, a page with usage, examples and topics; the first word of a group's or a
+ * section's title, these; "all", everything; "markdown", "man" or "bash", everything as a table for docs, a
+ * man page or a completion script; any other word, the options that speak of it. ISO_ERR_USAGE: none does. */
 iso_status iso_options_help(const iso_program *program, const char *topic, FILE *stream, iso_error *error);
 
 /* Prints one line on stderr that begins with the program's name. Arguments may contain any bytes
