@@ -13,10 +13,14 @@ import subprocess
 
 
 class Number:
-    """A value with the command that gave it; None stands for a number that could not be measured."""
+    """A value with the command that gave it; None stands for a number that could not be measured. A mean over pixels has
+    their 99th percentile and their maximum, which it hides."""
 
-    def __init__(self, value, command):
-        self.value, self.command = value, command
+    def __init__(self, value, command, extremes=None):
+        self.value, self.command, self.extremes = value, command, extremes
+
+
+EXTREMES = {"psnr_in": ("error_p99", "error_max"), "dilation_mean": ("dilation_p99", "dilation_max")}
 
 
 class Failed(Exception):
@@ -73,8 +77,8 @@ class Machine:
         report, command = self.report("isocompare", "images", truth, candidate, *words)
 
         def metric(name):
-            value = report["metrics"][name]
-            return Number(math.inf if value == "inf" else value, command)
+            value, extremes = report["metrics"][name], [report["metrics"][more] for more in EXTREMES.get(name, ())]
+            return Number(math.inf if value == "inf" else value, command, extremes or None)
 
         return metric
 

@@ -42,14 +42,17 @@ class Table:
         return {
             "name": self.name, "paper": self.paper, "title": self.title, "text": self.text, "columns": self.columns,
             "rows": [{"what": what,
-                      "cells": [None if cell is None or cell.value is None else
-                                {"value": number_json(cell.value), **({"command": cell.command} if cell.command else {})}
-                                for cell in cells]} for what, cells in self.rows],
+                      "cells": [None if cell is None or cell.value is None else cell_json(cell) for cell in cells]} for what, cells in self.rows],
             "pictures": [{"file": path, "caption": caption, "command": command}
                          for path, caption, command in self.pictures],
             "holds": self.holds(), "remark": self.remark,
             "claims": [{"claim": text, "holds": holds, "found": found} for text, holds, found in self.claims], "seconds": round(self.seconds, 1), "date": self.date,
             "load": round(self.load, 1)}
+
+
+def cell_json(cell):
+    found = {"value": number_json(cell.value), "extremes": cell.extremes, "command": cell.command}
+    return {name: value for name, value in found.items() if value is not None}
 
 
 def number_json(value):
