@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Runs one case of the command line's tests: run.sh FOLDER-OF-PROGRAMS CASE.sh
+# Runs one case of the command line's tests: run.sh FOLDER-OF-PROGRAMS CASE.sh, or a line of refusals.tsv by its name:
+# run.sh FOLDER-OF-PROGRAMS NAME
 # The case runs in a fresh folder with the programs on its PATH. Its first lines may say what is expected of it:
 #     # exit: 2                 the exit status, 0 when not said
 #     # stdout: GLOB            a bash pattern for the whole of standard output
@@ -9,11 +10,17 @@
 # `refuses`, below.
 set -u
 programs=$(cd "$1" && pwd)
-case=$(realpath "$2")
 here=$(cd "$(dirname "$0")" && pwd)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 mkdir "$work/run" "$work/run/in" "$work/tmp"
+if [[ $2 == *.sh ]]; then
+    case=$(realpath "$2")
+else
+    case=$work/$2.sh
+    awk -F'\t' -v name="$2" '$1 == name { printf "# exit: %s\n# stderr: %s\n%s\n", $2, $3, $4 }' "$here/refusals.tsv" >"$case"
+    [ -s "$case" ] || { echo "FAILED: refusals.tsv has no $2"; exit 1; }
+fi
 
 problem() {
     printf 'FAILED: %s\n--- stdout\n' "$*"

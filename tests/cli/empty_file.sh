@@ -1,4 +1,0 @@
-# exit: 3
-# stderr: isorender: in/a.vti: the file is empty
-: >in/a.vti
-isorender in/a.vti

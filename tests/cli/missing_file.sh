@@ -1,3 +1,0 @@
-# exit: 3
-# stderr: isorender: in/missing.vti: cannot read: No such file or directory
-isorender in/missing.vti

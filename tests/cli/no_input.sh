@@ -1,3 +1,0 @@
-# exit: 2
-# stderr: isorender: no input (see --help)
-isorender

@@ -1,3 +1,0 @@
-# exit: 2
-# stderr: isorender: *cannot be drawn in chunks*
-isorender scene:ct:32 --part 1/2 -o a.isokeys --isovalue 100,150

@@ -1,3 +1,0 @@
-# exit: 2
-# stderr: isorender: *cannot be drawn in chunks*
-isorender scene:ct:32 --part 1/2 -o a.isokeys --opacity 0.5

@@ -1,3 +1,0 @@
-# exit: 2
-# stderr: isorender: scene:nose: no scene 'nose'*sphere*
-isorender scene:nose out.png

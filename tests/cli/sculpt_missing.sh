@@ -1,3 +1,0 @@
-# exit: 3
-# stderr: isosculpt: *in/no.strokes*
-isosculpt --replay in/no.strokes --headless

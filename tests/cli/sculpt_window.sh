@@ -1,3 +1,0 @@
-# exit: 4
-# stderr: isosculpt: *--headless*
-isosculpt

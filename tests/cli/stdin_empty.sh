@@ -1,3 +1,0 @@
-# exit: 3
-# stderr: isorender: standard input: is empty
-isorender -

@@ -1,3 +1,0 @@
-# exit: 3
-# stderr: isorender: standard input: *
-echo "this is not a volume" | isorender - out.png
