@@ -49,6 +49,10 @@ static const struct {
     {".vtkhdf", &format_hdf5},   {".npy", &iso_format_npy},
 };
 
+const char *iso_volume_extension(size_t index) {
+    return index < sizeof suffixes / sizeof *suffixes ? suffixes[index].suffix : NULL;
+}
+
 static const iso_format *format_of_name(const char *path) {
     for (size_t i = 0; i < sizeof suffixes / sizeof *suffixes; i++)
         if (iso_text_has_extension(path, suffixes[i].suffix)) return suffixes[i].format;

@@ -13,17 +13,24 @@
 
 /* ---- file types */
 
-#define VOLUMES ".nrrd .nhdr .nii .nii.gz .hdr .img .dcm .vti .vtk .mha .mhd"
+/* Every name that grids/volume knows (a test compares), except .vdb, which has a row of its own, and others
+ * of HDF5. */
+#define VOLUMES                                                                                              \
+    ".nrrd .nhdr .nii .nii.gz .hdr .img .hdr.gz .img.gz .dcm .dicom .ima .vti .vtk .mha .mhd .tif .tiff "    \
+    ".h5 "                                                                                                   \
+    ".hdf5 .hdf .he5 .nxs .ims .vtkhdf .mnc .emd .npy"
+#define POINTS ".ply .pcd .las .xyz .pts .pwn .asc .txt .npy"
 #define MESHES ".stl .obj .ply"
 #define LINES ".swc .tck .trk"
 
 const isosculpt_file_type *isosculpt_browser_types(isosculpt_purpose purpose) {
     static const isosculpt_file_type open[] = {{"all that can be opened",
-                                                ".strokes .vdb " MESHES " " LINES " " VOLUMES},
+                                                ".strokes .vdb " MESHES " " LINES " " POINTS " " VOLUMES},
                                                {"strokes (.strokes)", ".strokes"},
                                                {"level sets (.vdb)", ".vdb"},
                                                {"meshes (" MESHES ")", MESHES},
                                                {"lines (" LINES ")", LINES},
+                                               {"points (" POINTS ")", POINTS},
                                                {"volumes", VOLUMES},
                                                {"all files", ""},
                                                {NULL, NULL}},

@@ -17,6 +17,7 @@
 #include "apps/isosculpt/save.h"
 #include "apps/isosculpt/window/axis.h"
 #include "apps/isosculpt/window/file_browser.h"
+#include "grids/volume/volume.h"
 
 static char folder[] = ISO_TEST_TMP "/names-XXXXXX";
 
@@ -150,6 +151,21 @@ static void the_browser_shows_what_can_be_chosen(void **state) {
     isosculpt_browser_close(&browser);
 }
 
+/* Every volume and every level set that can be read is shown when a file is opened. */
+static void volumes_can_be_chosen(void **state) {
+    (void)state;
+    const isosculpt_file_type *everything = isosculpt_browser_types(ISOSCULPT_BROWSE_OPEN);
+    const char *extension;
+    size_t count = 0;
+    while ((extension = iso_volume_extension(count++))) {
+        char word[32], all[1024];
+        snprintf(word, sizeof word, " %s ", extension);
+        snprintf(all, sizeof all, " %s ", everything->extensions);
+        if (!strstr(all, word)) fail_msg("%s is not shown", extension);
+    }
+    assert_true(count > 20);
+}
+
 static void commands_are_quoted(void **state) {
     (void)state;
     isosculpt_viewport view = {.camera = {.position = {0.1, -2, 3}, .view_up = {0, 0, 1}, .view_angle = 30}};
@@ -182,9 +198,11 @@ static void ticks_are_round(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(saving_goes_beside_the_source), cmocka_unit_test(some_files_are_not_written),
-        cmocka_unit_test(the_browser_shows_what_can_be_chosen), cmocka_unit_test(commands_are_quoted),
-        cmocka_unit_test(ticks_are_round)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(saving_goes_beside_the_source),
+                                       cmocka_unit_test(some_files_are_not_written),
+                                       cmocka_unit_test(the_browser_shows_what_can_be_chosen),
+                                       cmocka_unit_test(volumes_can_be_chosen),
+                                       cmocka_unit_test(commands_are_quoted),
+                                       cmocka_unit_test(ticks_are_round)};
     return cmocka_run_group_tests(tests, open_folder, remove_folder);
 }
