@@ -6,10 +6,6 @@
 #include "grids/brick_range.h"
 #include "grids/grid_chunk.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 enum { ISO_BLOCK_BRICKS = 4 }; /* bricks along the side of a block */
 
 /* Ranges are those of a block's bricks together (iso_brick_range): they include the first voxels of the next
@@ -49,7 +45,4 @@ void iso_block_ranges_counts(const iso_block_ranges *ranges, size_t first, size_
 void iso_block_ranges_set_counts(iso_block_ranges *ranges, size_t first, size_t count, const uint64_t *bricks,
                                  const uint64_t *nonfinite);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

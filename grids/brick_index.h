@@ -22,10 +22,6 @@
 #include "grids/rgrid.h"
 #include "grids/value_counts.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 typedef struct iso_brick_index iso_brick_index;
 
 /* Creates an index by reading the whole grid, which is borrowed until the index is destroyed. `pool` may be
@@ -103,7 +99,4 @@ size_t iso_brick_index_bytes(const iso_brick_index *index);   /* size of the ind
  * including the index itself. */
 uint64_t iso_brick_index_estimate(const int dims[3]);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -11,10 +11,6 @@
 #include "grids/block_ranges.h"
 #include "grids/chunk_source.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 typedef struct iso_chunk_walk iso_chunk_walk;
 
 typedef struct iso_chunk_walk_opts {
@@ -72,7 +68,4 @@ typedef struct iso_chunk_totals {
 /* Complete after a visit of all chunks. */
 iso_chunk_totals iso_chunk_walk_stats(const iso_chunk_walk *walk);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

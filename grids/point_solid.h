@@ -15,10 +15,6 @@
 #include "grids/grid.h"
 #include "grids/level_set.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Samples the solid as float voxels: mm, above 0 inside and below 0 outside, not distances. sampling->margin
  * voxels are added around the points on each side. `path` is used in messages. The caller owns *grid.
  *
@@ -28,7 +24,4 @@ extern "C" {
 iso_status iso_grid_from_points(const char *path, const iso_point_view *points, const iso_sampling *sampling,
                                 uint64_t max_memory, iso_grid *grid, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

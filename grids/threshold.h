@@ -7,10 +7,6 @@
 
 #include "grids/grid.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* An isovalue in stored values. isovalue_ceil is the smallest float at or above the isovalue, so that v >=
  * isovalue_ceil holds for exactly the floats v at or above the isovalue; the isovalue itself is
  * isovalue_ceil + residual. */
@@ -32,7 +28,4 @@ static inline int32_t iso_integer_threshold(float isovalue) {
     return isovalue < -40000 ? -40000 : isovalue > 70000 ? 70000 : (int32_t)ceilf(isovalue);
 }
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -11,10 +11,6 @@
 #include "base/parallel.h"
 #include "grids/rgrid.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 enum { ISO_COUNTED_VALUES = 1 << 16 };
 
 /* The counts are indexed by value, of int16 by value + 32768. */
@@ -55,7 +51,4 @@ iso_value_counts *iso_value_counter_finish(iso_value_counter *counter);
 /* Destroys a counter whose counts are not wanted. NULL is fine. */
 void iso_value_counter_destroy(iso_value_counter *counter);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -12,10 +12,6 @@
 
 #include "grids/block_ranges.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Which voxels an index describes. Zero-initialise: identities are compared byte by byte. */
 typedef struct iso_volume_identity {
     uint64_t files;    /* iso_file_set_identity of the volume's files */
@@ -69,7 +65,4 @@ const iso_indexed_surface *iso_volume_index_find(const iso_volume_index *index, 
 /* Adds a surface; the oldest one gives way. */
 void iso_volume_index_add(iso_volume_index *index, const iso_indexed_surface *surface);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

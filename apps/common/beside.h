@@ -6,10 +6,6 @@
 #include "base/geometry.h"
 #include "io/read_opts.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 enum { ISO_BESIDE_TEXT = 1024 };
 
 /* Returns whether `box`, of the file `path` that was read as `space`, lies beside `rest`; if so, writes a
@@ -18,7 +14,4 @@ enum { ISO_BESIDE_TEXT = 1024 };
 bool iso_beside_note(const char *path, const iso_box *box, const iso_box *rest, iso_space space,
                      char text[ISO_BESIDE_TEXT]);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -22,10 +22,6 @@
 
 #include "grids/volume/volume.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Zero-initialise. */
 typedef struct iso_spool {
     char *path;     /* of the copy; owned; NULL: nothing was copied */
@@ -54,7 +50,4 @@ void iso_spool_close(iso_spool *spool);
 /* Returns the name of an input for messages: "standard input" for "-". */
 const char *iso_spool_name(const char *path);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -15,10 +15,6 @@
 #include "base/file.h"
 #include "base/status.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 enum { ISO_JSON_DEPTH = 16 };
 
 /* A document under construction. Zero-initialise; ends with iso_json_write or iso_json_discard. */
@@ -54,7 +50,4 @@ iso_status iso_json_commit(iso_json *json, iso_sink *sink, iso_error *error);
 /* Frees a document that is not to be written. */
 void iso_json_discard(iso_json *json);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

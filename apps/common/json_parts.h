@@ -6,10 +6,6 @@
 #include "extract/mesh/mesh_measure.h"
 #include "grids/parts/components.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Writes which parts of the solid were kept and dropped. Their volumes (mm3) are those of the voxels
  * inside, each of which counts whole: a mesh's volume is what its triangles enclose, which is less by half
  * a voxel where caps end the solid at the outermost voxels' centres. */
@@ -19,7 +15,4 @@ void iso_put_components(iso_json *json, const char *key, const iso_components_to
  * and crowded edges, and Euler number. */
 void iso_put_mesh_measures(iso_json *json, const char *key, const iso_mesh_measures *measures);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -21,10 +21,6 @@
 #include "grids/volume/input.h"
 #include "io/glyphs/mapped_points.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* The caller sets the members up to progress_context, all borrowed until iso_loader_close, and zeroes the
  * others, which the functions below set. */
 typedef struct iso_loader {
@@ -117,7 +113,4 @@ bool iso_loader_reads_points(const char *path, const char *columns);
 /* Returns whether the input is a scene, judged by its name. */
 bool iso_loader_is_scene(const char *input);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

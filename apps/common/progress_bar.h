@@ -5,10 +5,6 @@
 
 #include <stdbool.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Whether standard error is a terminal that can overwrite a line. */
 bool iso_progress_bar_possible(void);
 
@@ -18,7 +14,4 @@ void iso_progress_bar_show(const char *stage, int percent);
 /* Takes the bar away, if one is shown. */
 void iso_progress_bar_clear(void);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -9,10 +9,6 @@
 #include "apps/common/options.h"
 #include "grids/volume/input.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 enum { ISO_RECORD_SIZE = 4096 };
 
 /* What a program does instead of its normal work. */
@@ -55,7 +51,4 @@ void iso_settings_explain_memory(const iso_common_settings *settings, iso_error 
 iso_status iso_settings_print_help(const iso_common_settings *settings, const iso_program *program,
                                    bool *asked, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -7,16 +7,9 @@
 
 #include "apps/common/options.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Writes what to say to someone who typed the option `name` (no dashes, lower case, words joined by '-'),
  * which the program does not have: "did you mean --isovalue?", that there is nothing like it, or "see
  * --help". False, and `text` untouched: the name is not a known word. */
 bool iso_synonym_explain(const iso_program *program, const char *name, char *text, size_t size);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

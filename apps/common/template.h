@@ -9,10 +9,6 @@
 
 #include "base/status.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Computes {model}: "a/foo.nii.gz" gives "foo", a folder gives its own name, "scene:gyroid:64" gives
  * "gyroid", and "-" gives "stdin". */
 iso_status iso_template_model(const char *input, char **model, iso_error *error);
@@ -27,7 +23,4 @@ iso_status iso_template_expand(const char *text, const char *model, int number, 
 /* Returns `path` with {n:digits} inserted before its extension, unless it contains {n} already. */
 iso_status iso_template_numbered(const char *path, int digits, char **out, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -7,10 +7,6 @@
 #include "base/parallel.h"
 #include "compare/metrics.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 enum { ISOCOMPARE_BOUNDS = 32 };
 
 typedef enum isocompare_command { ISOCOMPARE_IMAGES, ISOCOMPARE_REPORT } isocompare_command;
@@ -61,7 +57,4 @@ iso_status isocompare_images(const isocompare_settings *settings, iso_pool *pool
 /* report.c: draws a volume by every method and writes report.html and report.json, both or neither. */
 iso_status isocompare_report(const isocompare_settings *settings, iso_pool *pool, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

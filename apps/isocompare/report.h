@@ -11,10 +11,6 @@
 #include "compare/visible_points.h"
 #include "methods/method.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 enum { REPORT_ZOOMS = 3, REPORT_METHODS = 16 };
 
 /* Number of samples for each pixel. REPORT_SINGLE: 1 in the candidate and 1 in the truth; REPORT_FINE: 4 and
@@ -112,7 +108,4 @@ bool isocompare_reset_peak(void);        /* false: the system does not allow it 
 uint64_t isocompare_resident(bool peak); /* bytes now, or (peak) the largest number since the reset; 0:
                                             unknown */
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -5,10 +5,6 @@
 #include "apps/isorender/settings.h"
 #include "render/gl/engine.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* isorender_backend_close when done. */
 typedef struct isorender_backend {
     const char *name;        /* "cpu", "egl", "osmesa" */
@@ -33,7 +29,4 @@ void isorender_backend_close(isorender_backend *backend);
 /* Prints every backend to standard output: what it is, or why it cannot be used. */
 void isorender_backends_list(int threads);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

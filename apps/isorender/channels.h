@@ -5,10 +5,6 @@
 
 #include "apps/isorender/isorender.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Parses the value of --channel, "0,2,GFP". ISO_ERR_USAGE. */
 iso_status isorender_apply_channel(void *settings, const char *value, iso_error *error);
 
@@ -39,7 +35,4 @@ void isorender_report_channel(iso_json *json, const iso_loader *loader);
 /* The same of all channels of the file. */
 void isorender_report_channels(iso_json *json, const iso_loader *loader);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -8,10 +8,6 @@
 #include "grids/volume_index.h"
 #include "methods/point_chunks.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* A volume that is drawn chunk by chunk. */
 typedef struct isorender_chunks {
     isorender_backend cpu; /* job->backend: OpenGL draws no chunks */
@@ -53,7 +49,4 @@ iso_status isorender_chunks_write_part(isorender_job *job, iso_error *error);
 /* log.c: logs that voxels are NaN or infinite, if some are. */
 void isorender_log_nonfinite(const isorender_job *job);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -4,10 +4,6 @@
 
 #include "apps/isorender/isorender.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Returns the backend that has drawn the picture, or most of it: the cpu engine where OpenGL has drawn
  * nothing, although there is a context. If nothing was to be drawn, that of the options. */
 isorender_backend isorender_engines_backend(const isorender_job *job);
@@ -15,7 +11,4 @@ isorender_backend isorender_engines_backend(const isorender_job *job);
 /* Logs what the cpu engine has drawn, and why, if OpenGL was asked for by name. */
 void isorender_engines_log(const isorender_job *job);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -6,10 +6,6 @@
 #include "io/read_opts.h"
 #include "methods/instances.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 typedef struct isorender_job isorender_job; /* isorender.h */
 
 /* Where the surfaces of the input stand, and what is kept from one picture to the next. Zero-initialise. */
@@ -37,7 +33,4 @@ void isorender_instances_info(const isorender_job *job);
 void isorender_instances_report(iso_json *json, const isorender_job *job);
 void isorender_instances_put(iso_json *json, const iso_instance_counts *counts);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

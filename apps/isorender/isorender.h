@@ -26,10 +26,6 @@
 #include "render/shading/shading.h"
 #include "truth/raycast.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* One isosurface, of the input or of a further volume. */
 typedef struct isorender_surface {
     iso_loader *loader; /* of its volume; borrowed: the job's `loader` or one of `volumes` */
@@ -294,7 +290,5 @@ __attribute__((format(printf, 2, 3)))
 void isorender_log_verbose(const isorender_job *job, const char *format, ...); /* with --verbose */
 /* Logs the notes of a reader of points or lines; `path`: the file, "" for the input. */
 void isorender_log_report(const isorender_job *job, const char *path, const iso_read_report *report);
-#ifdef __cplusplus
-}
-#endif
+
 #endif

@@ -5,10 +5,6 @@
 #include "apps/isorender/isorender.h"
 #include "image/annotate.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Metadata of the picture's file. Without paths and thread counts, so that the same picture is the same file
  * everywhere. */
 typedef struct isorender_labels {
@@ -28,7 +24,4 @@ iso_length_style isorender_lengths(const isorender_job *job);
  * here. */
 double isorender_pixels_per_metre(const isorender_job *job);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

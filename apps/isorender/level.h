@@ -4,10 +4,6 @@
 
 #include "apps/isorender/isorender.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Sets job->input to the options that the input is read with: for --level auto to the finest level whose
  * voxels are at least half a pixel in a picture of the whole volume, else the coarsest, which a message says.
  * Errors of iso_volume_read_info. */
@@ -16,7 +12,4 @@ iso_status isorender_level_choose(isorender_job *job, iso_error *error);
 /* camera.c: the camera of a picture that frames a box, before surfaces are known. */
 iso_camera isorender_camera_of_box(isorender_job *job, const iso_box *box);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -10,10 +10,6 @@
 #include "io/read_opts.h"
 #include "render/shapes/shapes.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 enum { ISORENDER_OBJECTS = 32 }; /* in a picture */
 
 typedef enum isorender_object_kind {
@@ -105,7 +101,4 @@ iso_status isorender_parse_opacity(const char *option, const char *value, double
 iso_status isorender_check_count(const char *option, const iso_texts *texts, const char *objects, int count,
                                  iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

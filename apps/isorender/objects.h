@@ -18,10 +18,6 @@
 #include "render/shapes/fragments.h"
 #include "render/shapes/shapes.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Facts about the volume of vectors or tensors that an object was made of. */
 typedef struct isorender_field {
     int dims[3];
@@ -131,7 +127,4 @@ bool isorender_attribute_range(const iso_attribute *attribute, size_t count, dou
 /* Colours the elements as the settings say, in place of the colours of the file. */
 iso_status isorender_object_color(isorender_object *object, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -5,10 +5,6 @@
 
 #include "apps/isorender/settings.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Adds a file of lines, glyphs or triangles to the options. ISO_ERR_USAGE: there are too many, or the path is
  * empty. */
 iso_status isorender_settings_add_object(isorender_settings *settings, isorender_object_kind kind,
@@ -18,7 +14,4 @@ iso_status isorender_settings_add_object(isorender_settings *settings, isorender
 iso_status isorender_settings_check(isorender_settings *settings, const iso_operands *operands,
                                     iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -5,10 +5,6 @@
 #include "apps/isorender/settings.h"
 #include "base/file.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* The outputs of one input. The names are owned; NULL for an output that is not written. */
 typedef struct isorender_plan {
     const char *input; /* as typed, or `scene` */
@@ -37,7 +33,4 @@ iso_status isorender_plan_frame(const isorender_plan *plan, const char *name, in
  * ISO_ERR_UNSUPPORTED when this build cannot write its format. */
 iso_status isorender_plan_check_writable(const isorender_plan *plan, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -3,10 +3,6 @@
 #ifndef ISO_APPS_ISORENDER_PROGRESS_H
 #define ISO_APPS_ISORENDER_PROGRESS_H
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 struct isorender_job;
 
 /* A member of a job. Zero-initialise. */
@@ -25,7 +21,4 @@ void isorender_progress(struct isorender_job *job, const char *stage, double fra
 void isorender_progress_part(struct isorender_job *job, const char *stage, double from, double to);
 const char *isorender_input_name(const struct isorender_job *job); /* for messages */
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -4,17 +4,10 @@
 
 #include "apps/isorender/isorender.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* With --one-pyramid, marks what is drawn so: in_pyramid of surfaces and objects. */
 void isorender_pyramid_choose(isorender_job *job);
 /* Draws what is marked, on the cpu. ISO_ERR_NOMEM. */
 iso_status isorender_pyramid_draw(isorender_job *job, const iso_view *view, iso_gbuffer *gbuffer,
                                   iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -8,10 +8,6 @@
 #include "exact/chunks.h"
 #include "render/pullpush/keys.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Starts MPI if mpirun has started several processes; else there is one rank. ISO_ERR_UNSUPPORTED: the
  * module is not installed; ISO_ERR_BRIDGE. isorender_ranks_finish when done, also after a failure. */
 iso_status isorender_ranks_start(iso_ranks *ranks, iso_error *error);
@@ -40,7 +36,4 @@ iso_status isorender_ranks_survey(const iso_ranks *ranks, iso_pullpush_survey *s
 /* Sets bytes[] to the least, the mean and the greatest peak memory of a rank. */
 iso_status isorender_ranks_memory(const iso_ranks *ranks, double bytes[3], iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

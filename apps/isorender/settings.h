@@ -11,10 +11,6 @@
 #include "isopoint.h"
 #include "render/pullpush/pullpush.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 enum { ISORENDER_SURFACES = 64 };      /* isosurfaces in one picture */
 enum { ISORENDER_MOST_OPTIONS = 256 }; /* rows of the table of options */
 
@@ -199,7 +195,4 @@ const iso_program *isorender_program(void);
 iso_status isorender_settings_parse(int argc, char *const *argv, isorender_settings *settings,
                                     iso_operands *operands, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

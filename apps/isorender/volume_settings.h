@@ -6,10 +6,6 @@
 #include "apps/common/options.h"
 #include "image/image.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 enum { ISORENDER_VOLUMES = 16 }; /* in a picture, beside the input */
 
 /* What the options say of one volume. Strings are borrowed from argv. */
@@ -37,7 +33,4 @@ typedef struct isorender_volume_options {
 iso_status isorender_volumes_resolve(const isorender_volume_options *options,
                                      isorender_volume_settings *volumes, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

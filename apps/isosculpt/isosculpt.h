@@ -9,10 +9,6 @@
 #include "grids/parts/components.h"
 #include "sculpt/session/session.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* The engine with which the window starts. Auto: OpenGL if a GPU runs it, else the cpu engine. */
 typedef enum isosculpt_backend {
     ISOSCULPT_BACKEND_AUTO,
@@ -63,7 +59,4 @@ iso_status isosculpt_replay(const isosculpt_settings *settings, iso_pool *pool, 
  * or the program was built without one. */
 iso_status isosculpt_window(const isosculpt_settings *settings, iso_pool *pool, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -6,10 +6,6 @@
 #include "apps/isosculpt/document.h"
 #include "apps/isosculpt/viewport/viewport.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* What to open. The job copies everything except the borrowed pointers. */
 typedef struct isosculpt_load_request {
     const char *path;                /* of strokes (.strokes), or of anything that iso_source_open reads */
@@ -54,7 +50,4 @@ const char *isosculpt_load_job_path(const isosculpt_load_job *load_job);
 iso_status isosculpt_load_job_finish(isosculpt_load_job *load_job, isosculpt_loaded *loaded,
                                      iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -6,10 +6,6 @@
 
 #include "apps/isosculpt/input_controller.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Writes the look of the controller's brush and of its viewport: "name=value;" for each setting. */
 void isosculpt_look_write(const isosculpt_controller *controller, char text[ISOSCULPT_LOOK]);
 
@@ -17,7 +13,4 @@ void isosculpt_look_write(const isosculpt_controller *controller, char text[ISOS
  * range, as in a damaged file, are ignored. */
 void isosculpt_look_apply(isosculpt_controller *controller, const char *text);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

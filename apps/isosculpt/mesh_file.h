@@ -10,10 +10,6 @@
 #include "extract/mesh/mesh_measure.h"
 #include "grids/hgrid.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 typedef struct isosculpt_mesh_opts {
     bool closed;                  /* cap the solid at the border of the grid (grids/parts/closed.h) */
     iso_pool *pool;               /* borrowed for the call; NULL: the calling thread */
@@ -29,7 +25,4 @@ iso_status isosculpt_mesh_write(const char *path, iso_hgrid *field, const isoscu
 /* One line that says how many edges of the written mesh are open, why, and that --closed caps them. */
 void isosculpt_mesh_open_note(size_t open_edges, char *text, size_t size);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

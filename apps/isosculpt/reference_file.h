@@ -6,10 +6,6 @@
 #include "apps/isosculpt/viewport/reference.h"
 #include "base/progress.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 enum { ISOSCULPT_REFERENCE_NOTES = 8, ISOSCULPT_REFERENCE_NOTE = 1024 };
 
 /* The settings are borrowed: references, space, close_holes, threads and input.max_memory count. */
@@ -31,7 +27,4 @@ typedef struct isosculpt_reference_files {
 iso_status isosculpt_reference_read(isosculpt_reference_files *files, isosculpt_reference **reference,
                                     iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -6,10 +6,6 @@
 #include "apps/isosculpt/document.h"
 #include "apps/isosculpt/reference_file.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 typedef struct isosculpt_reference_job isosculpt_reference_job;
 
 /* The files are copied, and their settings borrowed. `wake`: as in isosculpt_task_start. ISO_ERR_NOMEM. */
@@ -24,7 +20,4 @@ iso_status isosculpt_reference_job_finish(isosculpt_reference_job *job, isosculp
 /* Cancels the job, waits for its end and frees it. NULL is fine. */
 void isosculpt_reference_job_cancel(isosculpt_reference_job *job);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -4,10 +4,6 @@
 
 #include "apps/isosculpt/viewport/viewport.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 typedef struct isosculpt_render_command {
     const char *path;    /* of the volume or level set */
     const char *reading; /* the options it is read with, as iso_input_write writes them; "" for none */
@@ -19,7 +15,4 @@ typedef struct isosculpt_render_command {
  * `room` bytes are not enough. */
 bool isosculpt_render_command_text(const isosculpt_render_command *command, char *text, size_t room);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -12,10 +12,6 @@
 #include "base/status.h"
 #include "grids/closing/triangle_tree.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 typedef struct iso_border_face iso_border_face;
 
 /* The box of a mesh and its caps. Zero-initialise; iso_border_free when done. */
@@ -45,7 +41,4 @@ void iso_border_nearest(const iso_border *border, iso_vec3 p, iso_nearest *neare
  * iso_free. ISO_ERR_NOMEM. */
 iso_status iso_border_fans(const iso_border *border, iso_triangles *fans, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

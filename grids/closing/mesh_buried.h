@@ -7,17 +7,10 @@
 #include "grids/closing/closed_mesh.h"
 #include "grids/hgrid.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* `grid` has distances to the mesh's triangles, with the right signs. The distances of inside voxels whose
  * nearest triangle lies inside the solid are replaced by distances to the solid's surface, with an error of
  * about 0.05 voxel. ISO_ERR_NOMEM: only some bricks are corrected. */
 iso_status iso_mesh_remove_buried(iso_hgrid *grid, const iso_closed_mesh *mesh, iso_pool *pool,
                                   iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -6,10 +6,6 @@
 #include "base/primitives.h"
 #include "base/status.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Zero-initialise; iso_mesh_topology_free when done. */
 typedef struct iso_mesh_topology {
     iso_triangles mesh; /* owned: equal positions are one vertex; no triangle twice */
@@ -37,7 +33,4 @@ void iso_mesh_topology_free(iso_mesh_topology *topology);
 #define ISO_NO_PARTNER UINT32_MAX
 bool iso_mesh_partners(const iso_triangles *mesh, uint32_t *partner);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

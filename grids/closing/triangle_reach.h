@@ -15,10 +15,6 @@
 
 #include "base/primitives.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Whether a triangle is more than a line, as precisely as floats say. */
 bool iso_triangle_has_area(const iso_triangles *mesh, size_t triangle);
 
@@ -28,7 +24,4 @@ bool iso_triangle_has_area(const iso_triangles *mesh, size_t triangle);
  * memory. */
 bool iso_triangle_reaches(const iso_triangles *mesh, float *reaches);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -8,10 +8,6 @@
 #include "base/parallel.h"
 #include "grids/grid.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* The largest distance of a cap from the border's samples, in voxels. */
 #define ISO_CLOSED_TOLERANCE 1e-3
 
@@ -29,7 +25,4 @@ iso_status iso_grid_close(const iso_grid *from, double isovalue, iso_pool *pool,
 /* Returns the bytes that iso_grid_close allocates for a dense grid of this size in voxels, with its index. */
 uint64_t iso_grid_close_estimate(const int dims[3]);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -12,10 +12,6 @@
 #include "base/parallel.h"
 #include "grids/grid.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Knows which bricks of a grid the surface may cross, so that rays can skip the others. Borrows the grid. It
  * does not follow edits: after an edit, destroy it and create another one. Any number of threads may trace
  * rays with one tracer. */
@@ -85,7 +81,4 @@ double iso_ray_end(const iso_ray_tracer *tracer, const iso_ray *ray);
  * direction back along the ray. */
 iso_vec3 iso_ray_hit_normal(const iso_ray_tracer *tracer, const iso_ray *ray, const iso_ray_hit *hit);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -4,10 +4,6 @@
 
 #include "grids/scenes/scenes.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Half width of the narrow band of every scene, voxels. */
 #define ISO_SCENE_BAND 3.0
 
@@ -39,7 +35,4 @@ void iso_scene_sines(const iso_scene_axis *axis, double *out);
 iso_status iso_scene_head(const iso_scene_opts *opts, iso_grid *grid, iso_error *error);
 iso_status iso_scene_ct(const iso_scene_opts *opts, iso_grid *grid, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -10,10 +10,6 @@
 #include "base/lines.h"
 #include "base/primitives.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* A stem is a line of tubes, with rings of three vertices around each of its vertices as triangles. A leaf
  * is a ribbon of four vertices, or four triangles. World mm, z up, about 1000 mm high, standing on the
  * origin. All owned; zero-initialise, iso_scene_tree_free. */
@@ -32,7 +28,4 @@ typedef struct iso_scene_tree_opts {
 iso_status iso_scene_tree_make(const iso_scene_tree_opts *opts, iso_scene_tree *tree, iso_error *error);
 void iso_scene_tree_free(iso_scene_tree *tree);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -22,10 +22,6 @@
 #include "base/parallel.h"
 #include "grids/grid.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 typedef struct iso_scene_opts {
     int size; /* voxels a side, 16 .. 2048; 0: the scene's own (sphere 64, cylinder 64, cube 32, others 128)
                */
@@ -43,7 +39,4 @@ iso_status iso_scene_create(const char *name, const iso_scene_opts *opts, iso_gr
 /* The known names, NULL-terminated. */
 const char *const *iso_scene_names(void);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

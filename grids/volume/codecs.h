@@ -8,10 +8,6 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 typedef enum iso_codec {
     ISO_CODEC_BLOSC,
     ISO_CODEC_ZSTD,
@@ -41,7 +37,4 @@ bool iso_codec_is_built_in(iso_codec codec);
 /* Returns NULL, or what is wrong: "damaged", .. Nothing is written behind the room. For several threads. */
 const char *iso_codec_undo(iso_codec codec, iso_coded *coded);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -9,10 +9,6 @@
 
 #include "base/status.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 typedef struct iso_first_failure {
     pthread_mutex_t lock;
     size_t item; /* SIZE_MAX: none has failed */
@@ -30,7 +26,4 @@ void iso_first_failure_enter(iso_first_failure *failure, size_t item, iso_status
 /* The failure of the first item that failed; ISO_OK: none has. */
 iso_status iso_first_failure_finish(iso_first_failure *failure, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -11,10 +11,6 @@
 
 #include "grids/chunk_source.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 typedef struct iso_mapping iso_mapping;
 
 /* Maps `bytes` bytes of a file, for reading, from its current position on; the file may then be closed.
@@ -36,7 +32,4 @@ void iso_mapping_destroy(void *mapping);
  * known to be zero, and pages are given back when the source rests. */
 iso_chunk_source iso_mapping_source(const iso_rgrid *grid);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

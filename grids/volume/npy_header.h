@@ -5,10 +5,6 @@
 
 #include "grids/volume/format.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 enum {
     ISO_NPY_HEAD = 12,    /* bytes at the file's beginning, for iso_npy_begin */
     ISO_NPY_TEXT = 60000, /* the longest dictionary that is read */
@@ -38,7 +34,4 @@ iso_status iso_npy_parse(const char *path, const char *text, iso_npy_header *hea
 /* The number of axes of the array in a file; 0: it is none, or cannot be read. */
 int iso_npy_axes(const char *path);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -8,10 +8,6 @@
 
 #include "grids/volume/volume.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 typedef enum iso_slice_kind { ISO_SLICES_TIFF, ISO_SLICES_PNG } iso_slice_kind;
 
 /* Whether a folder has a file whose name is that of such a slice: it ends in .tif, .tiff or .png, in either
@@ -35,7 +31,4 @@ void iso_slice_files_free(iso_slice_files *files);
  * them. */
 void iso_slice_files_set_spacing(const double stated[3], const iso_volume_opts *opts, iso_volume_info *info);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

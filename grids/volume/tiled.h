@@ -11,10 +11,6 @@
 #include "grids/chunk_source.h"
 #include "grids/volume/volume.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* An open tiled volume. Its scale, offset and transform are those of its iso_volume_info. */
 typedef struct iso_tiled {
     int dims[3];      /* voxels of the volume, x fastest */
@@ -67,7 +63,4 @@ bool iso_tiled_is(const iso_rgrid *grid);
  * at a time, which `read` may be given a pool. */
 iso_chunk_source iso_tiled_source(const iso_rgrid *grid);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

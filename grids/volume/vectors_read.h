@@ -21,10 +21,6 @@
 #include "grids/vectors.h"
 #include "grids/volume/volume.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* The axes in which components are given. */
 typedef enum iso_vector_axes {
     ISO_VECTOR_AXES_FILE, /* those of the file, as described above */
@@ -63,7 +59,4 @@ typedef struct iso_vectors_info {
 iso_status iso_vectors_read(const char *path, const iso_vectors_opts *opts, iso_vectors *vectors,
                             iso_vectors_info *info, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

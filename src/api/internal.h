@@ -10,10 +10,6 @@
 #include "methods/instances.h"
 #include "render/shapes/shapes.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* A volume. Its handle points to the first member. */
 typedef struct iso_api_volume {
     iso_volume volume;
@@ -58,7 +54,4 @@ iso_box iso_api_surface_bounds(const iso_surface *surface, iso_part part);
 /* Creates a pool of `threads` threads. ISO_ERR_USAGE: the number of threads is not in 0 .. 1024. */
 iso_status iso_api_pool(int threads, iso_pool **pool, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -7,10 +7,6 @@
 
 #include "base/geometry.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 typedef struct iso_box_items {
     const void *context;
     size_t count;
@@ -29,7 +25,4 @@ iso_box iso_box_of_items(const iso_box_items *items, const iso_affine *affine);
 /* Whether `box` contains the box to which `affine` (NULL: the identity) maps the corners of `index`. */
 bool iso_box_contains_mapped(const iso_box *box, const iso_box *index, const iso_affine *affine);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -5,10 +5,6 @@
 
 #include <stdint.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Returns how many bytes the process may still take: the least of limit minus usage over its own memory
  * cgroup and all those above it. Cached file pages, which the kernel drops when memory is short, do not
  * count as used. UINT64_MAX: there is no limit, or no cgroup. `root`: "" for this system, or a folder with
@@ -19,7 +15,4 @@ uint64_t iso_cgroup_memory_left(const char *root);
  * empty. UINT64_MAX: there is no such file, line or number. */
 uint64_t iso_number_in_file(const char *path, const char *key);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -5,10 +5,6 @@
 
 #include "base/groups.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Sets groups->copies. To each group points of other groups are added, always the one that the group's discs
  * overlap most, but none of which they overlap more than seven eighths. disc: the radius of discs in radii of
  * their points, as it was for the groups. The result depends on the points and their order only. Takes about
@@ -16,7 +12,4 @@ extern "C" {
 iso_status iso_groups_copy(const iso_point_view *view, double disc, iso_pool *pool, iso_groups *groups,
                            iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

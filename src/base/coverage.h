@@ -5,10 +5,6 @@
 
 #include "base/groups.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* The largest factor. */
 #define ISO_COVERAGE_MOST 3.0
 
@@ -19,7 +15,4 @@ extern "C" {
 iso_status iso_groups_cover(const iso_point_view *view, double disc, iso_pool *pool, iso_groups *groups,
                             iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -7,10 +7,6 @@
 #include <stdint.h>
 #include <string.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Coefficients of x, x^2, .. x^6 of a polynomial for 2^x - 1 in [-0.5, 0.5]: an interpolation at Chebyshev
  * points, with a relative error of 2^x below 1e-7. */
 #define ISO_EXP2_1 0.693147182f
@@ -39,7 +35,4 @@ static inline float iso_exp2(float x) {
  * results up to 1 and relative for larger ones. */
 double iso_log2(double x);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -6,10 +6,6 @@
 
 #include "base/file_set.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* The sizes of all files of a set that are read, together, when they were added. */
 uint64_t iso_file_set_read_bytes(const iso_file_set *set);
 
@@ -23,7 +19,4 @@ uint64_t iso_file_set_identity(const iso_file_set *set);
  * for copies in other folders and on other machines. It reads the files. */
 uint64_t iso_file_set_content(const iso_file_set *set);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -5,10 +5,6 @@
 
 #include "base/lines.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* The names of the solids, in the order of iso_glyph: X(name, text). */
 #define ISO_GLYPHS(X)                                                                                        \
     X(SPHERE, "sphere")                                                                                      \
@@ -50,7 +46,4 @@ void iso_glyphs_crop(iso_glyphs *glyphs, const iso_box *box);
  * follows from their length. */
 double iso_glyphs_usual_radius(const iso_glyphs *glyphs, iso_glyph glyph);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -2,10 +2,6 @@
 #ifndef ISO_BASE_NUMBERS_H
 #define ISO_BASE_NUMBERS_H
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 static inline int iso_min_int(int a, int b) {
     return a < b ? a : b;
 }
@@ -30,7 +26,4 @@ static inline int iso_compare_doubles(const void *left, const void *right) {
     return (a > b) - (a < b);
 }
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -5,10 +5,6 @@
 
 #include "base/geometry.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Whether the placement's numbers can be used: ISO_ERR_USAGE with a reason if a number is not finite, a
  * position is beyond 1e12 mm, a scale is not 0 or from 1e-9 to 1e9. */
 iso_status iso_placement_check(const iso_placement *placement, iso_error *error);
@@ -24,7 +20,4 @@ iso_transform iso_placement_transform(const iso_placement *placement, const iso_
  * axis (XYZ Euler angles, extrinsic). */
 void iso_quaternion_of_angles(const double degrees[3], double quaternion[4]);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -5,15 +5,8 @@
 
 #include "base/primitives.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Computes the bounds of points first .. first + count - 1 of the view. Positions that are not finite and
  * normals that are zero or not finite are ignored; when nothing is left, lo > hi. Thread-safe. */
 void iso_point_bounds_find(const iso_point_view *view, size_t first, size_t count, iso_point_bounds *bounds);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

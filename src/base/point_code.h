@@ -7,10 +7,6 @@
 
 #include "base/primitives.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Always inlined, so that compilers vectorize loops that call these functions. */
 #define ISO_POINT_INLINE static inline __attribute__((always_inline))
 
@@ -88,7 +84,4 @@ ISO_POINT_INLINE iso_point iso_point_encode(float x, float y, float z, float u, 
         (uint32_t)(int32_t)iso_point_scale_normal(v));
 }
 
-#ifdef __cplusplus
-}
-#endif
 #endif

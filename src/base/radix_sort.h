@@ -5,10 +5,6 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* An item: the number that it is sorted by, and which item it is. */
 typedef struct iso_radix_item {
     uint32_t key, index;
@@ -19,7 +15,4 @@ typedef struct iso_radix_item {
  * the contents of the other one are undefined. */
 iso_radix_item *iso_radix_sort(iso_radix_item *items, iso_radix_item *spare, size_t count, int bits);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -5,10 +5,6 @@
 
 #include <stdint.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* The value of TMPDIR, or /tmp. */
 const char *iso_temporary_folder(void);
 
@@ -21,7 +17,4 @@ int iso_temporary_file_beside(const char *path);
  * descriptor, which the caller closes, or a negative number: the negated errno. Any thread. */
 int iso_temporary_file_create(uint64_t bytes);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -2,10 +2,6 @@
 #ifndef ISO_BASE_TENSOR_H
 #define ISO_BASE_TENSOR_H
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 typedef struct iso_eigen {
     double values[3];     /* in descending order */
     double vectors[3][3]; /* vectors[i]: unit vector for values[i]; perpendicular to each other; the sign is
@@ -21,7 +17,4 @@ iso_eigen iso_tensor_eigen(const float tensor[6]);
  * quantitative-diffusion-tensor MRI"). */
 double iso_eigen_anisotropy(const iso_eigen *eigen);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

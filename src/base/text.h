@@ -12,10 +12,6 @@
 #include <stddef.h>
 #include <stdio.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* The length in bytes of the valid UTF-8 sequence at `text`, 1 to 4; 0: the bytes there are not valid. The
  * terminating zero is a sequence of one byte. */
 int iso_text_utf8(const char *text);
@@ -61,7 +57,4 @@ bool iso_text_has_word(const char *words, const char *word, size_t length);
 /* Formats as vsnprintf and cleans the result. */
 void iso_text_format(char *clean, size_t room, const char *format, va_list arguments);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -5,10 +5,6 @@
 
 #include <pthread.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* The size of stacks: several times what any function of the library needs. Only pages that are used take
  * memory. */
 enum { ISO_STACK_BYTES = 2 << 20 };
@@ -21,7 +17,4 @@ int iso_thread_start(pthread_t *thread, void *(*main)(void *argument), void *arg
  * of programs. */
 void *iso_call_with_stack(void *(*function)(void *argument), void *argument);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -3,10 +3,6 @@
 #ifndef ISO_BASE_UNIT_H
 #define ISO_BASE_UNIT_H
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 typedef enum iso_world_unit {
     ISO_WORLD_UNIT_MILLIMETRE, /* the world's own */
     ISO_WORLD_UNIT_NONE,       /* neither the format nor the file states one */
@@ -23,7 +19,4 @@ const char *iso_world_unit_suffix(iso_world_unit unit);
 /* Millimetres of a unit; 0: it is no length, or not a power of ten of a metre. */
 double iso_world_unit_millimetres(iso_world_unit unit);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

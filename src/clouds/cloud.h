@@ -7,10 +7,6 @@
 #include "base/primitives.h"
 #include "clouds/point_source.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* All zero means the default. */
 typedef struct iso_cloud_opts {
     double radius;         /* of all points, mm; 0: those of the file, or estimated ones */
@@ -60,7 +56,4 @@ iso_status iso_cloud_spacing(const iso_glyphs *glyphs, iso_pool *pool, double *s
 /* A view of the cloud, which it borrows until iso_cloud_free. */
 iso_point_view iso_cloud_view(const iso_cloud *cloud);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -5,10 +5,6 @@
 
 #include "clouds/point_source.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Sets *box to the world box of the points but those that lie far from the others, and *outside to how
  * many of these there are. They are looked for only if the box of all is more than three times as large as
  * that of the middle 96 % of the coordinates on each axis, and lie farther from it than half its diagonal.
@@ -16,7 +12,4 @@ extern "C" {
 iso_status iso_cloud_frame(const iso_point_source *source, const iso_point_survey *survey, iso_box *box,
                            size_t *outside, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -17,10 +17,6 @@
 #include "base/parallel.h"
 #include "base/status.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 enum { ISO_TREE_LEAF = 12, ISO_NEIGHBOURS_MOST = 32 };
 
 /* A point of the tree. */
@@ -57,7 +53,4 @@ int iso_tree_nearest(const iso_tree *tree, size_t slot, int most, iso_neighbour 
 /* The same for any position: finds the `most` nearest points. */
 int iso_tree_nearest_to(const iso_tree *tree, const float position[3], int most, iso_neighbour *found);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

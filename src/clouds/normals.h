@@ -4,10 +4,6 @@
 
 #include "clouds/neighbours.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* The neighbours of a point from which its normal and its radius are estimated. */
 enum { ISO_CLOUD_NEIGHBOURS = 12 };
 
@@ -31,7 +27,4 @@ typedef uint32_t iso_neighbour_row[ISO_CLOUD_NEIGHBOURS];
 iso_status iso_normals_estimate(const iso_tree *tree, const iso_neighbour_row *neighbours,
                                 float (*normals)[3], iso_pool *pool, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

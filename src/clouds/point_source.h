@@ -9,10 +9,6 @@
 #include "base/glyphs.h"
 #include "base/parallel.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* One or several numbers of every point, `stride` bytes from one point to the next, not aligned. */
 typedef struct iso_point_column {
     const unsigned char *data; /* NULL: there are none */
@@ -73,7 +69,4 @@ static inline bool iso_point_normal_is_unit(const float normal[3]) {
     return fabs(x * x + y * y + z * z - 1) < 1e-6;
 }
 
-#ifdef __cplusplus
-}
-#endif
 #endif

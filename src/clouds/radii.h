@@ -4,10 +4,6 @@
 
 #include "clouds/normals.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* The radius of a point in distances to its sixth nearest neighbour: the discs that renderers draw, of 1.35
  * radii, then leave about one in a thousand pixels of a surface with randomly placed points empty. */
 #define ISO_CLOUD_RADIUS 0.8f
@@ -18,7 +14,4 @@ extern "C" {
 iso_status iso_radii_estimate(const iso_tree *tree, const iso_neighbour_row *neighbours, float *radii,
                               iso_pool *pool, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -6,10 +6,6 @@
 #include "base/primitives.h"
 #include "clouds/point_source.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Points in the order of their bricks (z, then y, then x), and within a brick in that of the source.
  * Zero-initialise; free with iso_sorted_points_free. */
 typedef struct iso_sorted_points {
@@ -33,7 +29,4 @@ iso_status iso_points_sort(const iso_point_source *source, const iso_point_surve
                            iso_pool *pool, iso_sorted_points *sorted, iso_error *error);
 void iso_sorted_points_free(iso_sorted_points *sorted);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

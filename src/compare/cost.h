@@ -8,10 +8,6 @@
 
 #include "compare/study.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 enum { ISO_COST_METHODS = 4, ISO_COST_VIEWPORTS = 5, ISO_COST_RUNS = 3 };
 
 /* Returns the methods that are measured: attenuated points, pull-push with Gaussian weights, the mesh and
@@ -58,7 +54,4 @@ typedef struct iso_cost_opts {
 iso_status iso_study_cost(const iso_subject *subject, const iso_study_ball *ball, const iso_study_look *look,
                           const iso_cost_opts *opts, iso_cost_study *study, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

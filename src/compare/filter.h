@@ -10,10 +10,6 @@
 
 #include "base/parallel.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 enum { ISO_KERNEL_RADIUS = 64, ISO_COMPARE_BAND = 32 };
 
 /* A one-dimensional kernel: taps[radius + k] is the weight of the sample k to the right or below. */
@@ -40,7 +36,4 @@ static inline size_t iso_compare_bands(int height) {
     return ((size_t)height + ISO_COMPARE_BAND - 1) / ISO_COMPARE_BAND;
 }
 
-#ifdef __cplusplus
-}
-#endif
 #endif

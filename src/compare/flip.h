@@ -13,10 +13,6 @@
 #include "base/parallel.h"
 #include "base/status.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* The authors' default: a 0.7 m wide screen of 3840 pixels seen from 0.7 m. */
 #define ISO_FLIP_PIXELS_PER_DEGREE 67.0206432765823
 
@@ -36,7 +32,4 @@ typedef struct iso_flip_opts {
 iso_status iso_flip(const uint8_t *reference, const uint8_t *test, const int size[2],
                     const iso_flip_opts *opts, double *mean, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

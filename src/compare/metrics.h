@@ -14,10 +14,6 @@
 #include "compare/silhouette.h"
 #include "render/shading/shading.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* A picture as planes of width * height, borrowed; NULL: not known. At least one of rgba and coverage must be
  * set. */
 typedef struct iso_compare_picture {
@@ -114,7 +110,4 @@ bool iso_metric_is_infinite(const iso_metric *metric, double value);
  * above it. Mean dilations are compared by magnitude. An unknown value is worse than any bound. */
 bool iso_metric_is_worse(const iso_metric *metric, double value, double bound);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -12,10 +12,6 @@
 #include "base/status.h"
 #include "render/shading/shading.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* How a mask was made. */
 typedef enum iso_silhouette_source {
     ISO_SILHOUETTE_ALPHA,     /* alpha of at least one half */
@@ -56,7 +52,4 @@ typedef struct iso_silhouette_difference {
 iso_status iso_silhouette_compare(const uint8_t *truth, const uint8_t *candidate, const int size[2],
                                   iso_silhouette_difference *difference, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

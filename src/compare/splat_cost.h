@@ -5,10 +5,6 @@
 
 #include "compare/study.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 enum { ISO_SPLAT_COST_OVERLAPS = 4 };
 /* The parameter c of the paper's section 4.2.1, which is how much discs of one group may overlap: 1 (not at
  * all), .8, .6, .4. */
@@ -31,7 +27,4 @@ typedef struct iso_splat_cost {
 iso_status iso_study_splats(const iso_subject *subject, const iso_view *view, const iso_study_look *look,
                             iso_splat_cost *cost, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

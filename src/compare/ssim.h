@@ -12,10 +12,6 @@
 #include "base/parallel.h"
 #include "base/status.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 enum { ISO_SSIM_WINDOW = 11 };
 
 /* Compares two RGB pictures of width * height * 3 bytes; size is {width, height}. *ssim is 1 for equal
@@ -24,7 +20,4 @@ enum { ISO_SSIM_WINDOW = 11 };
 iso_status iso_ssim(const uint8_t *a, const uint8_t *b, const int size[2], iso_pool *pool, double *ssim,
                     iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

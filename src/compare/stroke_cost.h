@@ -6,10 +6,6 @@
 #include "compare/cost.h"
 #include "source/strokes.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Medians, in seconds. */
 typedef struct iso_stroke_cost {
     size_t strokes, samples, frames; /* number of strokes and samples, and of samples that were drawn */
@@ -27,7 +23,4 @@ typedef struct iso_stroke_cost {
 iso_status iso_study_strokes(const char *path, const iso_source *how, const iso_study_ball *ball, int side,
                              const iso_study_look *look, iso_stroke_cost *cost, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -15,10 +15,6 @@
 #include "methods/method.h"
 #include "render/shading/shading.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* A ball that contains the surface: around the centre of its box, with its farthest vertex on the sphere. */
 typedef struct iso_study_ball {
     iso_vec3 center; /* world */
@@ -86,7 +82,4 @@ double iso_study_change(const iso_study_frame *a, const iso_study_frame *b);
  * even; NaN without values. Sorts the values. */
 double iso_study_median(double *values, size_t count);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -9,10 +9,6 @@
 
 #include "compare/study.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 typedef enum iso_compositing {
     ISO_COMPOSITING_EXACT, /* the layers that exact finds, in order (exact/layers.h) */
     /* The mean of the crossings' colours weighted by opacity, which covers 1 - prod(1 - opacity) of the
@@ -57,7 +53,4 @@ iso_status iso_study_transparency(const iso_subject *subject, const iso_study_ba
                                   const iso_view *view, const iso_study_look *look,
                                   iso_transparency_study *study, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -7,10 +7,6 @@
 #include "base/primitives.h"
 #include "image/camera.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* How many points there are, and why they are not seen. `seen` are the rest. */
 typedef struct iso_visible_points {
     size_t points, seen;
@@ -27,7 +23,4 @@ iso_visible_points iso_find_visible_points(const iso_point_view *points, const i
                                            const float *depth, double tolerance, uint32_t *number,
                                            float *nearest);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -6,10 +6,6 @@
 #include "exact/exact.h"
 #include "grids/chunk_walk.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Extracts the cells of a chunk; destroy them before `voxels`, the chunk's grid. Errors as
  * iso_exact_create. */
 iso_status iso_exact_chunk_extract(iso_rgrid *voxels, const iso_grid_chunk *chunk, double isovalue,
@@ -30,7 +26,4 @@ iso_status iso_exact_chunks_bounds(iso_chunk_walk *walk, iso_chunk_bounds *bound
 iso_status iso_exact_chunks_draw(iso_chunk_walk *walk, iso_chunk_share share,
                                  const iso_exact_key_picture *picture, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

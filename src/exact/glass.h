@@ -5,16 +5,9 @@
 #include "exact/exact.h"
 #include "render/glass/glass.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Fills the map with the crossings of the surface, which must be up to date. The bytes are the same for every
  * number of threads and instruction set. `pool` may be NULL. ISO_ERR_NOMEM. */
 iso_status iso_exact_map_glass(const iso_exact *exact, const iso_glass_map *map, iso_pool *pool,
                                iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

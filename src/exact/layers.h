@@ -11,10 +11,6 @@
 #include "exact/exact.h"
 #include "render/layers/bands.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* A translucent surface, with an opacity below 1. Opaque surfaces are drawn into the strip's gbuffer
  * beforehand (iso_draw_exact). */
 typedef struct iso_exact_layer {
@@ -61,7 +57,4 @@ typedef struct iso_exact_layers_totals {
 iso_status iso_shade_exact_layers(const iso_exact_layers *input, iso_exact_layers_totals *totals,
                                   iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

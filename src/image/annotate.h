@@ -14,10 +14,6 @@
 #include "image/colormap.h"
 #include "image/image.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* A colour bar: shows which colours of a map stand for which numbers. */
 typedef struct iso_color_bar {
     iso_colormap map;
@@ -73,7 +69,4 @@ double iso_scale_bar_length(const iso_camera *camera, int width, int height);
  * unit, "20". */
 void iso_scale_bar_label(double length, const iso_length_style *style, char label[32]);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

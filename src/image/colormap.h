@@ -4,10 +4,6 @@
 
 #include "isopoint.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 #define ISO_COLORMAPS(X)                                                                                     \
     X(VIRIDIS, "viridis")                                                                                    \
     X(INFERNO, "inferno")                                                                                    \
@@ -26,7 +22,4 @@ const char *iso_colormap_name(iso_colormap map);
 /* Returns the colour of `at`, 0 (lowest) .. 1 (highest). Values outside are clamped; NaN is middle gray. */
 iso_rgb iso_colormap_at(iso_colormap map, double at);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -12,10 +12,6 @@
 #include "base/parallel.h"
 #include "base/status.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Read-only after it has been set up; may then be used by any number of threads. */
 typedef struct iso_environment iso_environment;
 
@@ -46,7 +42,4 @@ void iso_environment_size(const iso_environment *environment, int size[2]);
  * centres of pixels. */
 void iso_environment_look(const iso_environment *environment, iso_vec3 direction, double rgb[3]);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

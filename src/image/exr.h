@@ -16,10 +16,6 @@
 #include "image/aov.h"
 #include "image/camera.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Further attributes for the header; members that are zero are not written. */
 typedef struct iso_exr_info {
     const iso_view *view;            /* written as the standard attributes worldToCamera and worldToNDC */
@@ -57,7 +53,4 @@ typedef struct iso_float_image {
  * NaN and infinity included. ISO_ERR_IO; ISO_ERR_NOMEM; ISO_ERR_FORMAT. */
 iso_status iso_exr_read_color(const char *path, iso_pool *pool, iso_float_image *image, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -7,10 +7,6 @@
 
 #include "image/image.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 typedef enum iso_image_kind {
     ISO_IMAGE_UNKNOWN,
     ISO_IMAGE_PNG,
@@ -38,7 +34,4 @@ bool iso_jpeg_available(void);
 iso_status iso_jpeg_write(const char *path, const iso_image *image, const iso_png_opts *opts,
                           iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -11,10 +11,6 @@
 #include "image/image.h"
 #include "image/png_palette.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 enum { ISO_PNG_ROUND = 64 }; /* most bands that one call compresses */
 
 /* The compressed bytes of a band, owned by the packer. */
@@ -43,7 +39,4 @@ typedef struct iso_png_packer {
 iso_status iso_png_pack(iso_png_packer *packer);
 void iso_png_packer_free(iso_png_packer *packer);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

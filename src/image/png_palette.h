@@ -8,10 +8,6 @@
 
 #include "image/image.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 enum { ISO_PNG_COLOURS = 256, ISO_PNG_SLOTS = 1024 };
 
 typedef struct iso_png_palette {
@@ -28,7 +24,4 @@ bool iso_png_palette_find(const iso_image *image, iso_png_palette *palette);
 /* The number of a pixel's colour; the pixel must be of the picture from which the palette was made. */
 uint8_t iso_png_palette_index(const iso_png_palette *palette, const uint8_t rgba[4]);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

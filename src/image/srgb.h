@@ -5,10 +5,6 @@
 
 #include "base/exponential.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* base^exponent for a base above 0 and a result below 2^127, with a relative error of at most 2e-7. */
 static inline double iso_srgb_power(double base, double exponent) {
     return (double)iso_exp2((float)(iso_log2(base) * exponent));
@@ -26,7 +22,4 @@ static inline double iso_srgb_encode(double light) {
     return light <= 0.0031308 ? light * 12.92 : 1.055 * iso_srgb_power(light, 1 / 2.4) - 0.055;
 }
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -3,10 +3,6 @@
 #ifndef ISO_IMAGE_VECTOR_FONT_H
 #define ISO_IMAGE_VECTOR_FONT_H
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Capitals are this many units tall; y grows downwards from their top. */
 enum { ISO_FONT_HEIGHT = 6 };
 
@@ -23,7 +19,4 @@ int iso_font_width(const char *text);
 /* Writes the lines of a text to `lines`, at most `room` of them. Returns how many lines the text has. */
 int iso_font_lines(const char *text, iso_font_line *lines, int room);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

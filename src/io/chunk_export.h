@@ -9,10 +9,6 @@
 
 #include "grids/chunk_walk.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Numbers of what was written. */
 typedef struct iso_chunk_exported {
     uint64_t points, triangles; /* points: edge points, or the mesh's vertices */
@@ -26,7 +22,4 @@ iso_status iso_chunk_export_points(iso_chunk_walk *walk, const char *path, const
 iso_status iso_chunk_export_mesh(iso_chunk_walk *walk, const char *path, const char *comment,
                                  iso_chunk_exported *exported, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -8,10 +8,6 @@
 
 #include "base/geometry.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Store a value at `bytes`, and return the address after it. */
 unsigned char *iso_encode_uint32(unsigned char *bytes, uint32_t value);
 unsigned char *iso_encode_float(unsigned char *bytes, float value);
@@ -28,7 +24,4 @@ void iso_encode_comment(FILE *stream, const char *prefix, const char *text);
 void *iso_encode_numbers_begin(void);
 void iso_encode_numbers_end(void *state);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

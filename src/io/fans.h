@@ -9,10 +9,6 @@
 
 #include "base/status.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* A polygon of `corners` corners, at least 4, whose corners - 2 triangles begin with number `first`. */
 typedef struct iso_fan {
     size_t first, corners;
@@ -26,7 +22,4 @@ typedef struct iso_fan {
 iso_status iso_fans_divide(const char *path, const iso_fan *fans, size_t count, const float (*points)[3],
                            uint32_t (*triangles)[3], iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -17,10 +17,6 @@
 #include "render/key_image.h"
 #include "render/key_style.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 enum { ISO_KEY_PARTS = 1000000 }; /* the most parts of a picture */
 
 /* The texts of the picture's file: iso_png_text. */
@@ -62,7 +58,4 @@ iso_status iso_key_file_read(const char *path, uint64_t max_memory, iso_key_file
 iso_status iso_key_files_merge(const char *const *paths, int count, uint64_t max_memory, iso_pool *pool,
                                iso_key_file *merged, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

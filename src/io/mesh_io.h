@@ -11,10 +11,6 @@
 #include "base/primitives.h"
 #include "base/status.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Welds a mesh and writes it through base/file.h. `comment` (one line) may be NULL. ISO_ERR_USAGE for
  * another extension, ISO_ERR_WRITE, ISO_ERR_LIMIT (.stl above 2^32 - 1 triangles), ISO_ERR_NOMEM. */
 iso_status iso_mesh_write(const char *path, const iso_mesh_view *view, const char *comment, iso_error *error);
@@ -55,7 +51,4 @@ void iso_mesh_file_put_vertices(iso_mesh_file *file, uint64_t number, const stru
 void iso_mesh_file_put_triangles(iso_mesh_file *file, uint64_t number, const struct iso_weld *part,
                                  size_t first, size_t end);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -7,10 +7,6 @@
 #include "base/primitives.h"
 #include "base/progress.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Reads a mesh; iso_triangles_free when done. `progress` may be NULL. Memory grows with what is read: a
  * damaged header cannot make it large. ISO_ERR_IO (missing, truncated, or cancelled by `progress`),
  * ISO_ERR_FORMAT (damaged or of another format, an index without a vertex, a position that is not finite),
@@ -30,7 +26,4 @@ typedef enum iso_mesh_content {
  * count. A file that cannot be read has none. */
 iso_mesh_content iso_mesh_find_faces(const char *path);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -19,10 +19,6 @@
 #include "grids/volume/format.h"
 #include "io/stream.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 enum { ISO_PLY_NAME = 64, ISO_PLY_ELEMENTS = 32, ISO_PLY_PROPERTIES = 512 };
 
 typedef enum iso_ply_format { ISO_PLY_ASCII, ISO_PLY_LITTLE, ISO_PLY_BIG } iso_ply_format;
@@ -101,7 +97,4 @@ iso_status iso_ply_read_list_count(iso_ply *ply, const iso_ply_property *list, u
 iso_status iso_ply_skip_list(iso_ply *ply, const iso_ply_property *list, iso_error *error);
 iso_status iso_ply_skip_element(iso_ply *ply, const iso_ply_element *element, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -15,10 +15,6 @@
 #include "base/primitives.h"
 #include "base/status.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Writes through base/file.h. `comment` (one line) may be NULL. ISO_ERR_WRITE. */
 iso_status iso_points_write_ply(const char *path, const iso_point_view *view, const char *comment,
                                 iso_error *error);
@@ -49,7 +45,4 @@ void iso_point_file_seek(iso_point_file *file, uint64_t number);
 /* Writes the points of a span of the view. Errors are found by iso_sink_commit. */
 void iso_point_file_put(iso_point_file *file, const iso_point_view *view, const iso_point_span *span);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

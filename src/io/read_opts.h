@@ -10,10 +10,6 @@
 #include "base/file_set.h"
 #include "base/unit.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* The axes of a file's coordinates. RAS (x to the patient's right, y to the front) becomes LPS, the space of
  * all coordinates here, by changing the signs of x and y. */
 typedef enum iso_space {
@@ -61,7 +57,4 @@ typedef struct iso_read_opts {
     iso_read_report *report; /* may be NULL */
 } iso_read_opts;
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -7,10 +7,6 @@
 #include "base/memory.h"
 #include "io/read_opts.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* A file that is being read. */
 typedef struct iso_reading {
     const char *path; /* borrowed; messages begin with it */
@@ -110,7 +106,4 @@ float (*iso_column_take_vectors(iso_column *column, size_t items, bool unit))[3]
 iso_status iso_columns_take(iso_column *columns, int count, iso_attribute **attributes, int *attribute_count,
                             iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

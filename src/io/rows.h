@@ -5,10 +5,6 @@
 
 #include "io/reading.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Zero-initialise; iso_rows_free when done. */
 typedef struct iso_rows {
     iso_reading *reading;
@@ -55,7 +51,4 @@ void iso_row_turn_commas(char *row);
 /* Fails with ISO_ERR_FORMAT and the message "path: row N: problem". */
 iso_status iso_rows_fail(const iso_rows *rows, const char *problem, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

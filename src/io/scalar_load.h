@@ -6,10 +6,6 @@
 
 #include "grids/volume/format.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Returns the number at `bytes`; 64-bit integers are rounded to doubles. */
 static inline double iso_scalar_load(const void *bytes, iso_scalar scalar, bool big_endian) {
     const unsigned char *at = (const unsigned char *)bytes;
@@ -41,7 +37,4 @@ static inline double iso_scalar_load(const void *bytes, iso_scalar scalar, bool 
     }
 }
 
-#ifdef __cplusplus
-}
-#endif
 #endif

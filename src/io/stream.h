@@ -11,10 +11,6 @@
 
 #include "base/status.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 enum { ISO_STREAM_BUFFER = 1 << 16 };
 
 /* More than 64 KiB: allocate it on the heap. */
@@ -70,7 +66,4 @@ iso_status iso_stream_skip(iso_stream *stream, uint64_t bytes, iso_error *error)
 /* Fails with ISO_ERR_IO for a file that ended too early or could not be read. */
 iso_status iso_stream_fail(const iso_stream *stream, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -9,10 +9,6 @@
 #include "base/primitives.h"
 #include "exact/exact.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* The following functions return a world box in mm; it is empty when there are no positions. */
 iso_box iso_bounds_of_points(const iso_point_view *view);
 iso_box iso_bounds_of_mesh(const iso_mesh_view *view);
@@ -38,7 +34,4 @@ iso_box iso_bounds_of_each_disc(const iso_point_view *view, const iso_affine *al
 /* Extends `box` so that it contains `more`, which may be empty. */
 void iso_bounds_add(iso_box *box, const iso_box *more);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

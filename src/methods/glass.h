@@ -8,10 +8,6 @@
 #include "render/picture.h"
 #include "render/splats/layers.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Whether a method draws glass. */
 bool iso_method_has_glass(iso_method method);
 
@@ -48,7 +44,4 @@ void iso_glass_scene_free(iso_glass_scene *scene);
 /* Returns the bytes that a picture with so many samples needs in addition to image and gbuffer. */
 uint64_t iso_glass_scene_bytes(iso_refraction refraction, uint64_t samples);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -6,10 +6,6 @@
 #include "methods/method.h"
 #include "render/selection/instances.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* From so many drawings of a surface on levels of detail save more time than making them takes: of a
  * number of pictures, times the instances in each (measured with 5 to 20 million points). */
 enum { ISO_LOD_PAYING_DRAWINGS = 50 };
@@ -47,7 +43,4 @@ void iso_placed_free(iso_placed *placed);
 iso_box iso_placed_bounds(const iso_placements *placements, const iso_transform *own, const iso_box *index,
                           const iso_box *along, const iso_vec3 *vectors);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -6,10 +6,6 @@
 #include "render/key_style.h"
 #include "render/picture.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* The keys of a whole picture. */
 typedef struct iso_merged_keys {
     iso_method method;       /* exact, or pullpush by the box or the Gaussian reconstruction */
@@ -30,7 +26,4 @@ iso_status iso_render_key_style(const iso_key_style *style, const iso_transform 
                                 const int32_t dims[3], iso_key_image *image, iso_pool *pool,
                                 iso_image *picture, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -9,10 +9,6 @@
 #include "render/shapes/fragments.h"
 #include "render/splats/layers.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Whether a method draws translucent surfaces. */
 bool iso_method_has_layers(iso_method method);
 
@@ -52,7 +48,4 @@ typedef struct iso_layered_picture {
 iso_status iso_layered_picture_callbacks(iso_layered_picture *picture, iso_picture_layers *callbacks,
                                          iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -8,10 +8,6 @@
 #include "extract/points/points.h"
 #include "render/pullpush/keys.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Extracts the edge points of a chunk with their bounds; destroy them before `voxels`, the chunk's grid.
  * Errors as iso_point_set_create. */
 iso_status iso_point_chunk_extract(iso_rgrid *voxels, const iso_grid_chunk *chunk, double isovalue,
@@ -29,7 +25,4 @@ iso_status iso_point_chunks_draw(iso_chunk_walk *walk, iso_chunk_share share,
                                  const iso_pullpush_keys *picture, const iso_pullpush_survey *survey,
                                  iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

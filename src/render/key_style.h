@@ -7,10 +7,6 @@
 #include "isopoint.h"
 #include "render/pullpush/keys.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Zero-initialised: it is compared byte by byte. */
 typedef struct iso_key_style {
     int32_t width, height;                   /* of the picture */
@@ -29,7 +25,4 @@ iso_camera iso_key_style_camera(const iso_key_style *style);
 /* The view of all samples of the picture. */
 iso_view iso_key_style_view(const iso_key_style *style);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

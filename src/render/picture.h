@@ -10,10 +10,6 @@
 #include "render/gbuffer.h"
 #include "render/shading/shading.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Draws all surfaces into a cleared gbuffer of the view's size. Called once per strip. */
 typedef iso_status iso_draw_fn(void *context, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error);
 
@@ -68,7 +64,4 @@ iso_status iso_picture_check_samples(int samples, iso_error *error);
 iso_status iso_picture_render(const iso_picture_opts *opts, iso_image *image, size_t *covered,
                               iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

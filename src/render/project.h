@@ -13,10 +13,6 @@
 #include "base/primitives.h"
 #include "image/camera.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 typedef struct iso_projector {
     const iso_view *view;        /* borrowed */
     double matrix[9], origin[3]; /* index to view space */
@@ -90,7 +86,4 @@ static inline bool iso_rows_meet(iso_rows a, iso_rows b) {
     return a.first <= b.last && b.first <= a.last;
 }
 
-#ifdef __cplusplus
-}
-#endif
 #endif

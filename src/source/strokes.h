@@ -6,10 +6,6 @@
 #include "sculpt/session/session.h"
 #include "source/source.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 typedef struct iso_strokes {
     iso_journal_start start; /* the header */
     iso_session *session;    /* owned */
@@ -37,7 +33,4 @@ void iso_strokes_close(iso_strokes *strokes);
 /* Plays a whole stroke file. The caller owns *grid. Errors: those above. */
 iso_status iso_strokes_play(const char *path, const iso_source *how, iso_hgrid **grid, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -6,10 +6,6 @@
 #include "render/layers/compose.h"
 #include "truth/raycast.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* A translucent surface, with an opacity below 1. */
 typedef struct iso_raycast_layer {
     const iso_raycaster *caster; /* borrowed for the call */
@@ -48,7 +44,4 @@ typedef struct iso_raycast_reader {
  * Of the picture only the strip and the pool are used. Cannot fail. */
 void iso_read_raycast_layers(const iso_raycast_layers *input, const iso_raycast_reader *reader);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -9,10 +9,6 @@
 #include "image/camera.h"
 #include "render/shapes/shapes.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* The shapes of a set, prepared for one view. */
 typedef struct iso_shapes_truth iso_shapes_truth;
 
@@ -58,7 +54,4 @@ typedef struct iso_shapes_layer {
 size_t iso_shapes_truth_layers(iso_shapes_truth *truth, double px, double py, iso_shapes_layer *layers,
                                size_t most);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

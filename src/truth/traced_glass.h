@@ -12,10 +12,6 @@
 #include "render/glass/glass.h"
 #include "truth/raycast.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 enum { ISO_GLASS_BOUNDARIES = 16 };
 #define ISO_GLASS_CUT (1 / 64.0)
 
@@ -33,7 +29,4 @@ bool iso_traced_glass_light(const void *context, int x, int y, double rgb[3]);
  * iso_exact_map_glass. `pool` may be NULL. */
 void iso_raycast_map_glass(const iso_raycaster *caster, const iso_glass_map *map, iso_pool *pool);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -10,10 +10,6 @@
 #include "extract/mesh/mesh.h"
 #include "grids/hgrid.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 typedef struct bench_bumpy {
     iso_point_view points; /* edge points; arrays owned */
     iso_mesh_set *mesh;    /* with its grid, owned; NULL when none was asked for */
@@ -29,7 +25,4 @@ void bench_bumpy_free(bench_bumpy *bumpy);
 
 enum { BENCH_BUMPY_PIECE = ISO_HGRID_MAX / ISO_BRICK - 2 };
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -7,10 +7,6 @@
 
 #include "base/status.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 typedef struct bench_child bench_child;
 
 /* Starts a program, argv[0] being its path or a name to be looked for in PATH. `threads`: 0, or the number of
@@ -41,7 +37,4 @@ typedef struct bench_display {
 iso_status bench_display_open(bench_display *display, const char **name, iso_error *error);
 void bench_display_close(bench_display *display);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -7,10 +7,6 @@
 
 #include "bench_harness.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* What a row writes and reads. Copied into bench_row.plan. */
 typedef struct bench_file_plan {
     const char *ending;                 /* of the file's name, without the dot */
@@ -40,7 +36,4 @@ const char *bench_file_picture_side(const bench_row *row);
 iso_status bench_file_run_vtk(bench_row *row, const char *mode, const char *radius, bench_sample *sample,
                               iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

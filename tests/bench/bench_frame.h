@@ -8,10 +8,6 @@
 #include "exact/layers.h"
 #include "render/selection/lod_cut.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 typedef struct bench_frame bench_frame;
 
 /* A way to draw. */
@@ -67,7 +63,4 @@ extern const bench_kind bench_frame_kind, bench_slow_frame_kind;
 extern const bench_method bench_methods[];
 extern const int bench_method_count;
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -5,10 +5,6 @@
 #include "bench_frame.h"
 #include "render/gl/engine.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 typedef struct bench_gl {
     iso_gl_context *context; /* NULL: there is none */
     iso_gl_engine *engine;
@@ -27,7 +23,4 @@ extern const int bench_gl_method_count;
  * pull-push that has its numbers. */
 void bench_gl_say_limit(const bench_gl *gl, const bench_row *row);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

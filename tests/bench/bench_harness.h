@@ -17,10 +17,6 @@
 #include "bench_child.h"
 #include "grids/grid.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 enum { BENCH_ROWS = 640, BENCH_ROUNDS = 64, BENCH_COUNTERS = 12, BENCH_AGAINST = 6, BENCH_THREADS = 8 };
 
 /* One timed run; milliseconds. */
@@ -179,7 +175,4 @@ int bench_vtk_child(const bench_settings *settings);
 /* Position of one thread in settings->threads, -1 when it is not measured. */
 int bench_single_thread(const bench_settings *settings);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

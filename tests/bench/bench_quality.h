@@ -5,10 +5,6 @@
 #include "compare/metrics.h"
 #include "methods/method.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 enum { QUALITY_NAME = 64 };
 
 /* One picture of a method, and how far it is from the truth. */
@@ -30,7 +26,4 @@ void quality_print_asked(const quality_row *rows, int count);
 /* The whole program, from the command line behind the name `quality`; the exit status. */
 int bench_quality(int argc, char **argv);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -7,10 +7,6 @@
 #include "extract/points/points.h"
 #include "grids/grid.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 typedef struct bench_scenes bench_scenes;
 
 iso_status bench_scenes_create(bench_scenes **scenes, iso_error *error);
@@ -31,7 +27,4 @@ void bench_scene_drop_head(bench_scenes *scenes);
  * Returns how many. */
 int bench_scatter_places(const iso_point_set *set, iso_vec3 *places, int room);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

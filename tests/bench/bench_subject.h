@@ -13,10 +13,6 @@
 #include "render/raster/raster.h"
 #include "truth/raycast.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Instead of a number of peels: the mesh is opaque. */
 enum { BENCH_VTK_OPAQUE = -1 };
 
@@ -90,7 +86,4 @@ typedef struct bench_frame_plan bench_frame_plan;
 extern const bench_kind bench_vtk_kind;
 void bench_vtk_end(bench_vtk *vtk);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -1,4 +1,4 @@
-# Every header compiles alone, as C17 and as C++17, with no warning. HDF5: the folder of hdf5.h; without it the headers that include it
+# Every header compiles alone as C17 with no warning, and those with `extern "C"`, which C++ includes, as C++17. HDF5: the folder of hdf5.h; without it the headers that include it
 # are left out. GENERATED: the folder of headers that the build writes. Usage:
 # cmake -DROOT=... -DCC=... -DCXX=... -DTMP=... -DGENERATED=... -DHDF5=... -P headers.cmake
 cmake_minimum_required(VERSION 3.25)
@@ -12,7 +12,12 @@ else()
 endif()
 foreach(header ${headers})
     string(REGEX REPLACE "^src/" "" path ${header})
-    foreach(language c c++)
+    set(languages c)
+    file(STRINGS ${ROOT}/${header} guard REGEX "extern \"C\"")
+    if(guard)
+        list(APPEND languages c++)
+    endif()
+    foreach(language ${languages})
         file(WRITE ${TMP}/header_alone.${language} "#include \"${path}\"\n")
         if(language STREQUAL "c")
             set(compile ${CC} -std=c17 -Wstrict-prototypes)

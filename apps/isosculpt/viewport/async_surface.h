@@ -5,10 +5,6 @@
 
 #include "apps/isosculpt/viewport/viewport.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* The part of a surface (points, mesh or cells) that a method draws from. */
 iso_part isosculpt_method_part(iso_method method);
 
@@ -22,7 +18,4 @@ iso_status isosculpt_async_surface_update(isosculpt_viewport *viewport, int part
 /* Waits until the background thread is done, if it runs, and takes over its results. */
 void isosculpt_async_surface_wait(isosculpt_viewport *viewport);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -9,10 +9,6 @@
 #include "render/gbuffer.h"
 #include "render/shapes/shapes.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* A layer behind a sample, in 12 bytes. */
 typedef struct isosculpt_stored_layer {
     float depth;       /* view z, mm */
@@ -81,9 +77,5 @@ typedef struct isosculpt_layer_blend {
     iso_pool *pool;
 } isosculpt_layer_blend;
 void isosculpt_layer_store_blend(const isosculpt_layer_blend *blend);
-
-#ifdef __cplusplus
-}
-#endif
 
 #endif

@@ -4,15 +4,8 @@
 
 #include "apps/isosculpt/viewport/viewport.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Darkens the pixels of a shaded strip that show masked voxels. The viewport has a mask; `image` has the
  * strip's rows only. */
 void isosculpt_darken_masked(const isosculpt_viewport *viewport, const iso_strip *strip, iso_image *image);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

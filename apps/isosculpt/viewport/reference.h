@@ -12,10 +12,6 @@
 #include "apps/isosculpt/viewport/viewport.h"
 #include "render/shapes/shapes.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Largest memory for kept layers, in bytes. */
 enum { ISOSCULPT_REFERENCE_BYTES = 512 << 20 };
 
@@ -55,7 +51,4 @@ void isosculpt_reference_blend_fine(isosculpt_viewport *viewport, isosculpt_rect
 /* Returns whether the reference is shown, but was listed for fewer samples than the picture has pixels. */
 bool isosculpt_reference_is_coarse(const isosculpt_viewport *viewport);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

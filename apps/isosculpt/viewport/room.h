@@ -6,10 +6,6 @@
 #include "image/image.h"
 #include "render/gbuffer.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Makes a gbuffer width x height samples large; its contents are undefined afterwards if it had to grow.
  * ISO_ERR_NOMEM leaves it as it was. */
 iso_status isosculpt_reserve_samples(iso_gbuffer *gbuffer, int width, int height, iso_error *error);
@@ -17,7 +13,4 @@ iso_status isosculpt_reserve_samples(iso_gbuffer *gbuffer, int width, int height
 /* The same for an image, for which *room pixels are allocated. */
 iso_status isosculpt_reserve_pixels(iso_image *image, size_t *room, int width, int height, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

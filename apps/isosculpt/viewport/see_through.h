@@ -9,10 +9,6 @@
 
 #include "apps/isosculpt/viewport/viewport.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Draws and shades the surfaces into the strip's rows of `image`. Their cells are up to date. `gbuffer` has
  * the strip's size and is overwritten. ISO_ERR_NOMEM. */
 iso_status isosculpt_see_through_shade(const isosculpt_viewport *viewport, const iso_strip *strip,
@@ -28,7 +24,4 @@ iso_status isosculpt_see_through_draw_samples(const isosculpt_viewport *viewport
  * the size of the view. Uses viewport->tile. ISO_ERR_NOMEM. */
 iso_status isosculpt_see_through_draw_quick(isosculpt_viewport *viewport, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -12,10 +12,6 @@
 
 #include "grids/volume/format.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 enum { ISO_HDF5_AXES = 8, ISO_HDF5_FILTERS = 8, ISO_HDF5_PATH = 1024, ISO_HDF5_SPECIAL = 120 };
 
 /* Filters by their registered numbers. */
@@ -197,7 +193,4 @@ void iso_hdf5_decoder_destroy(iso_hdf5_decoder *decoder);
 iso_status iso_hdf5_decode_chunk(iso_hdf5_decoder *decoder, const int index[3], void *values,
                                  iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -10,10 +10,6 @@
 #include "grids/volume/format.h"
 #include "grids/volume/slice_files.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* ---- metadata ---- */
 
 /* The axes of the images of a file, in the order in which they follow one another, fastest first. */
@@ -147,7 +143,4 @@ typedef struct iso_tiff_target {
 iso_status iso_tiff_read_box(iso_tiff_file *file, const iso_tiff_stack *stack, uint32_t page, void *block,
                              const iso_tiff_target *target, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -19,10 +19,6 @@
 #include "grids/volume/codecs.h"
 #include "grids/volume/format.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 enum { ISO_ZARR_AXES = 8, ISO_ZARR_CODECS = 8, ISO_ZARR_LEVELS = 32, ISO_ZARR_NAME = 64 };
 
 /* ---- codecs ---- */
@@ -171,7 +167,4 @@ iso_status iso_zarr_decode_block(const iso_zarr_array *array, const char *name, 
 /* Adds the files of at most `most` chunks or shards to a set. Nothing is added if there are more. */
 void iso_zarr_list_files(iso_zarr_chunks *chunks, uint64_t most, iso_file_set *files);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -7,10 +7,6 @@
 
 #include "base/cpu.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* The lowest and highest finite value of a row; if there is none, +infinity and -infinity. */
 typedef struct iso_row_range {
     float lowest, highest;
@@ -41,7 +37,4 @@ typedef struct iso_histogram_kernels {
 /* The kernels at an instruction set, or at the best below it that this build has. Never NULL. */
 const iso_histogram_kernels *iso_histogram_kernels_get(iso_cpu_level level);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -9,10 +9,6 @@
 #include "base/cpu.h"
 #include "base/primitives.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 enum { ISO_CURVATURE_BATCH = 128 };
 
 /* The numbers of the values around a point. A name is an offset from HERE along three axes a, b, c: B0 is one
@@ -81,7 +77,4 @@ typedef struct iso_curvature_kernel {
 
 ISO_KERNEL_UNITS(iso_curvature_kernel, iso_curvature_kernel);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -18,10 +18,6 @@
 #include "base/primitives.h"
 #include "grids/rgrid.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 enum {
     ISO_EDGE_BRICKS = 4,                            /* bricks in a block, along x */
     ISO_EDGE_BLOCK_X = ISO_EDGE_BRICKS * ISO_BRICK, /* = bits of a mask word */
@@ -151,7 +147,4 @@ ISO_KERNEL_UNITS(iso_edge_kernels, iso_edge_kernels);
  */
 const iso_edge_kernel *iso_edge_kernel_get(iso_type type, iso_cpu_level level);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -15,10 +15,6 @@
 #include "extract/points/foot_points.h"
 #include "grids/hgrid.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* The voxels beyond one face of a brick. The neighbour of the brick's voxel at offset o (x fastest) is
  * base[o & mask] beyond the faces in x, and base[(o & mask) + x] beyond those in y and z. */
 typedef struct iso_foot_face {
@@ -81,7 +77,4 @@ const iso_foot_kernel *iso_foot_kernel_get(iso_cpu_level level);
 void iso_foot_brick_of(const iso_hgrid *grid, const int cell[3], iso_foot_scratch *scratch,
                        iso_foot_brick *out);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

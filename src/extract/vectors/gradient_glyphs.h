@@ -7,10 +7,6 @@
 #include "base/primitives.h"
 #include "grids/grid.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* A surface and the grid that it was extracted from, both borrowed. */
 typedef struct iso_gradient_source {
     const iso_grid *grid;
@@ -44,7 +40,4 @@ iso_status iso_gradient_glyphs(const iso_gradient_source *sources, int count,
                                const iso_gradient_glyphs_opts *opts, iso_glyphs *glyphs,
                                iso_gradient_glyphs_totals *totals, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -7,10 +7,6 @@
 #include "base/glyphs.h"
 #include "grids/vectors.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* The largest number of glyphs that a picture shows clearly; with opts.every 0, so many voxels are skipped
  * that no more are made. */
 enum { ISO_VECTOR_GLYPHS_USUAL = 10000 };
@@ -48,7 +44,4 @@ typedef struct iso_vector_glyphs_totals {
 iso_status iso_vector_glyphs(const iso_vectors *vectors, const iso_vector_glyphs_opts *opts,
                              iso_glyphs *glyphs, iso_vector_glyphs_totals *totals, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -5,10 +5,6 @@
 
 #include "io/rows.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* A copy of some chains, moved by a matrix. */
 typedef struct iso_assembly_copy {
     double matrix[12]; /* rows of a 3 x 4 matrix */
@@ -35,7 +31,4 @@ void iso_assembly_free(iso_assembly *assembly, iso_reading *reading);
 /* Parses the number in characters from .. to - 1 of a row, which may be shorter. False: there is none. */
 bool iso_pdb_number(const char *row, int from, int to, double *number);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

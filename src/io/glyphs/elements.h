@@ -5,10 +5,6 @@
 
 #include <stdint.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* The element with a symbol of `length` characters, in any case; 0: there is none. D and T are hydrogen. */
 int iso_element_of(const char *symbol, int length);
 /* The element with an atomic number; 0: there is none. */
@@ -18,7 +14,4 @@ int iso_element_of_number(double number);
 float iso_element_radius(int element);
 void iso_element_color(int element, uint8_t color[3]);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

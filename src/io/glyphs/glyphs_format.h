@@ -7,10 +7,6 @@
 #include "base/glyphs.h"
 #include "io/reading.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 iso_status iso_glyphs_read_vtp(iso_reading *reading, iso_glyphs *glyphs, iso_error *error);
 iso_status iso_glyphs_read_vtk(iso_reading *reading, iso_glyphs *glyphs, iso_error *error);
 iso_status iso_glyphs_read_ply(iso_reading *reading, iso_glyphs *glyphs, iso_error *error);
@@ -24,7 +20,4 @@ iso_status iso_glyphs_read_off(iso_reading *reading, iso_glyphs *glyphs, iso_err
 iso_status iso_glyphs_read_obj(iso_reading *reading, iso_glyphs *glyphs, iso_error *error);
 iso_status iso_glyphs_read_las(iso_reading *reading, iso_glyphs *glyphs, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

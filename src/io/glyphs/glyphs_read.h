@@ -42,10 +42,6 @@
 #include "base/glyphs.h"
 #include "io/read_opts.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Reads glyphs; iso_glyphs_free when done. `opts` may be NULL. A file without points is no error: count is
  * then 0. Errors as iso_lines_read; ISO_ERR_USAGE: no such assembly. Thread-safe for different reports and
  * file sets. */
@@ -67,7 +63,4 @@ bool iso_glyphs_have_rows(const char *path);
  * regular files are. */
 bool iso_glyphs_are_points(const char *path);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

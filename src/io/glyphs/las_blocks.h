@@ -6,10 +6,6 @@
 
 #include "io/polydata/records.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 enum { ISO_LAS_BLOCK = UINT16_MAX, ISO_LAS_EXTRA = 192, ISO_LAS_EXTRAS = ISO_LAS_BLOCK / ISO_LAS_EXTRA };
 
 /* The numbers of a column: 1 to 3 of one type for each point, or bytes without a known meaning. */
@@ -37,7 +33,4 @@ typedef struct iso_las_blocks {
 iso_status iso_las_blocks_read(iso_las_blocks *blocks, iso_stream *stream, uint64_t count, uint64_t bytes,
                                iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

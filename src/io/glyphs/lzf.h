@@ -5,10 +5,6 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Three bytes of compressed data stand for at most 264 bytes. */
 enum { ISO_LZF_MOST_RATIO = 88 };
 
@@ -16,7 +12,4 @@ enum { ISO_LZF_MOST_RATIO = 88 };
  * data is damaged or has another length. Never reads or writes outside the two ranges. Thread-safe. */
 bool iso_lzf_decompress(const unsigned char *from, size_t from_bytes, unsigned char *to, size_t to_bytes);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -8,10 +8,6 @@
 #include "grids/volume/mapping.h"
 #include "io/read_opts.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* iso_mapped_points_close when done. */
 typedef struct iso_mapped_points {
     iso_point_source source;
@@ -31,7 +27,4 @@ bool iso_mapped_points_open(const char *path, const iso_read_opts *opts, iso_poo
                             iso_mapped_points *points);
 void iso_mapped_points_close(iso_mapped_points *points);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

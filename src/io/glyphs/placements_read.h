@@ -15,17 +15,10 @@
 #include "io/read_opts.h"
 #include "isopoint.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Reads placements; iso_placements_free when done. `opts` may be NULL. Errors as iso_glyphs_read, and
  * ISO_ERR_EMPTY: there is none; ISO_ERR_FORMAT: a rotation or scale that cannot be used, or a rotation
  * given in two ways. Thread-safe for different reports and file sets. */
 iso_status iso_placements_read_file(const char *path, const iso_read_opts *opts, iso_placements *placements,
                                     iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -5,10 +5,6 @@
 
 #include "io/polydata/polydata.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 enum { ISO_POINT_COLUMNS_LEAST = 3, ISO_POINT_COLUMNS_MOST = 10 };
 
 /* Adds a column for each number of a point but x y z, and stores where the numbers go. The polydata must not
@@ -34,7 +30,4 @@ iso_status iso_point_columns_given(iso_polydata *data, iso_slot slots[ISO_POLYDA
  * All others become attributes called "column 4" .. ISO_ERR_LIMIT, ISO_ERR_NOMEM. */
 iso_status iso_point_columns_decide(iso_polydata *data, bool number_first, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

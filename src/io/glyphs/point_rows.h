@@ -5,10 +5,6 @@
 #include "io/polydata/polydata.h"
 #include "io/rows.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Returns the next row that is neither empty nor a comment (# or //); NULL at the end. */
 char *iso_point_rows_next(iso_rows *rows);
 
@@ -20,7 +16,4 @@ bool iso_point_rows_is_count(char *row, double *count);
  * names. ISO_ERR_FORMAT; ISO_ERR_LIMIT, ISO_ERR_NOMEM. */
 iso_status iso_point_rows_read(iso_polydata *data, iso_rows *rows, char *row, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

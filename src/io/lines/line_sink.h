@@ -9,10 +9,6 @@
 
 #include "io/reading.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Zero-initialise, then set reading and ras. */
 typedef struct iso_line_sink {
     iso_reading *reading;
@@ -48,7 +44,4 @@ iso_status iso_line_sink_finish(iso_line_sink *sink, iso_lines *lines, iso_error
 /* Frees everything that is left, including columns; also after iso_line_sink_finish. */
 void iso_line_sink_free(iso_line_sink *sink);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

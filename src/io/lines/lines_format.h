@@ -6,10 +6,6 @@
 
 #include "io/reading.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 iso_status iso_lines_read_tck(iso_reading *reading, iso_lines *lines, iso_error *error);
 iso_status iso_lines_read_trk(iso_reading *reading, iso_lines *lines, iso_error *error);
 iso_status iso_lines_read_swc(iso_reading *reading, iso_lines *lines, iso_error *error);
@@ -18,7 +14,4 @@ iso_status iso_lines_read_vtp(iso_reading *reading, iso_lines *lines, iso_error 
 iso_status iso_lines_read_vtk(iso_reading *reading, iso_lines *lines, iso_error *error);
 iso_status iso_lines_read_ply(iso_reading *reading, iso_lines *lines, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -21,10 +21,6 @@
 #include "base/lines.h"
 #include "io/read_opts.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Reads lines; iso_lines_free when done. `opts` may be NULL. A file without lines is no error: line_count is
  * then 0. Errors: ISO_ERR_IO (missing, unreadable, shorter than it says), ISO_ERR_FORMAT (damaged, or not a
  * file of lines), ISO_ERR_UNSUPPORTED, ISO_ERR_LIMIT (over max_memory, checked before memory is allocated),
@@ -35,7 +31,4 @@ iso_status iso_lines_read(const char *path, const iso_read_opts *opts, iso_lines
  * grids of other kinds. */
 bool iso_lines_fill_vtk(const char *path);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -5,10 +5,6 @@
 
 #include "io/polydata/polydata.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Triangles. Zero-initialise; iso_faces_free when done. */
 typedef struct iso_faces {
     iso_buffer corners; /* uint32_t, three point numbers for each triangle */
@@ -43,7 +39,4 @@ iso_status iso_faces_make_normals(const iso_faces *faces, iso_polydata *data, is
 
 void iso_faces_free(iso_reading *reading, iso_faces *faces);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -6,10 +6,6 @@
 #include "io/ply.h"
 #include "io/polydata/polydata.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Whether the header names elements "chunk" and "vertex" whose vertices are packed. */
 bool iso_ply_packs_gaussians(const iso_ply *ply);
 
@@ -17,7 +13,4 @@ bool iso_ply_packs_gaussians(const iso_ply *ply);
  * and "opacity". ISO_ERR_IO, ISO_ERR_FORMAT, ISO_ERR_LIMIT, ISO_ERR_NOMEM. */
 iso_status iso_ply_read_packed_gaussians(iso_ply *ply, iso_polydata *data, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

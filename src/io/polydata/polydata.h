@@ -7,10 +7,6 @@
 #include "base/glyphs.h"
 #include "io/reading.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Zero-initialise, then set `reading`; iso_polydata_free when done. */
 typedef struct iso_polydata {
     iso_reading *reading;
@@ -119,7 +115,4 @@ typedef enum iso_vtp_cells {
 } iso_vtp_cells;
 iso_vtp_cells iso_vtp_find_cells(const char *path);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -7,10 +7,6 @@
 #include "io/polydata/polydata.h"
 #include "io/stream.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* A number that every record holds: (number & mask) * scale + shift goes to `slot`; no_data, if there is
  * one, as NaN. */
 typedef struct iso_record_field {
@@ -44,7 +40,4 @@ iso_status iso_polydata_check_records(const iso_stream *stream, size_t record, u
 iso_status iso_polydata_stream_records(iso_polydata *data, const iso_record_field *fields, int count,
                                        iso_stream *stream, size_t record, uint64_t items, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -13,10 +13,6 @@
 
 #include "render/layers/compose.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 #define ISO_GAUSSIAN_LOW_PASS 0.3f      /* square samples, added to the variances in the picture */
 #define ISO_GAUSSIAN_LEAST (1.0f / 255) /* opacity of a contribution that counts */
 #define ISO_GAUSSIAN_CUT (1.0f / 512)   /* share of the light that is left when a sample is finished */
@@ -43,7 +39,4 @@ typedef struct iso_gaussians {
 iso_status iso_shade_gaussians(const iso_gaussians *gaussians, const iso_layer_picture *picture,
                                iso_layer_totals *totals, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -5,10 +5,6 @@
 #include "render/gl/platform.h"
 #include "render/gl/state.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 enum { ISO_GL_TEXT = 256 };
 
 struct iso_gl_context {
@@ -33,7 +29,4 @@ iso_status iso_gl_check(iso_gl_context *context, iso_error *error);
  * ISO_OK, the result of iso_gl_check. A lost context is reported in any case. */
 iso_status iso_gl_leave(iso_gl_context *context, iso_status status, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

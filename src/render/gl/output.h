@@ -4,10 +4,6 @@
 
 #include "render/gl/canvas.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 typedef struct iso_gl_output {
     iso_gbuffer *gbuffer; /* NULL: the two below are set */
     iso_gl_canvas *canvas;
@@ -29,7 +25,4 @@ static inline int iso_gl_output_factor(const iso_gl_output *to) {
 iso_status iso_gl_canvas_shade(const iso_gl_output *to, bool pullpush, const iso_view *part, int x, int y,
                                iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -5,10 +5,6 @@
 
 #include "render/gl/surface.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Sets depth to INFINITY and surface to ISO_SURFACE_NONE, the other planes to 0. planes:
  * ISO_GL_PICTURE_PLANES, or one more with colours. */
 void iso_gl_picture_clear(const iso_gl_engine *engine, size_t planes, size_t samples);
@@ -17,7 +13,4 @@ void iso_gl_picture_clear(const iso_gl_engine *engine, size_t planes, size_t sam
 iso_status iso_gl_picture_read(const iso_gl_engine *engine, size_t planes, const iso_gbuffer *to,
                                size_t start, size_t samples, iso_buffer *room, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -4,10 +4,6 @@
 
 #include "render/gl/context.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Any function; cast to its own type before calling. */
 typedef void (*iso_gl_function)(void);
 
@@ -38,7 +34,4 @@ iso_status iso_gl_library_open(const char *name, void **library, iso_error *erro
 /* NULL: the library has no such symbol. */
 iso_gl_function iso_gl_library_symbol(void *library, const char *name);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

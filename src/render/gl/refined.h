@@ -4,10 +4,6 @@
 
 #include "render/gl/surface.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 typedef struct iso_gl_refined_style {
     bool flat;   /* curvatures are not used and discs are filtered (ISO_FLAT_DISCS_FILTERED) */
     bool select; /* draw only visible points (render/gl/selection.h), where the driver can select them */
@@ -24,7 +20,4 @@ iso_status iso_gl_draw_refined(const iso_gl_surface *surface, const iso_view *vi
 uint64_t iso_gl_discs_bytes(uint64_t samples);
 void iso_gl_discs_free(iso_gl_discs *discs, const GladGLContext *gl);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -5,10 +5,6 @@
 
 #include "render/gl/surface.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* The drawing of one surface. */
 typedef struct iso_gl_refined_draw {
     iso_gl_engine *engine;
@@ -45,7 +41,4 @@ typedef struct iso_gl_tile {
     bool *wide; /* discs may be wider than the driver's points: they are drawn as quads too */
 } iso_gl_tile;
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -23,10 +23,6 @@
 
 #include "render/gl/refined_draw.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Whether the driver can select points of the surface, in tiles of at most this size: vertex shaders
  * need storage buffers, which must be large enough. Else all points are drawn. */
 bool iso_gl_can_select(const iso_gl_surface *surface, int width, int height);
@@ -53,7 +49,4 @@ iso_status iso_gl_find_hidden(const iso_gl_refined_draw *draw, iso_gl_tile *tile
 /* Remembers the blocks that are seen for the next frame, and counts points. */
 void iso_gl_selection_end(const iso_gl_refined_draw *draw, const iso_gl_tile *tile);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

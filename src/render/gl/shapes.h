@@ -6,10 +6,6 @@
 #include "render/gl/engine.h"
 #include "render/shapes/shapes.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* A set of shapes in GPU memory. */
 typedef struct iso_gl_shapes iso_gl_shapes;
 
@@ -37,7 +33,4 @@ iso_status iso_gl_draw_shapes(iso_gl_engine *engine, const iso_gl_shapes_opts *o
  * width x height samples, without the sets. */
 uint64_t iso_gl_shapes_bytes(const iso_gl_engine *engine, int width, int height);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -6,10 +6,6 @@
 #include "render/gl/surface.h"
 #include "render/shapes/solid.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 struct iso_gl_shapes {
     iso_gl_engine *engine;
     const iso_shapes *set;
@@ -30,7 +26,4 @@ static inline uint32_t iso_gl_shape_color(const iso_shapes *set, size_t id) {
     return (uint32_t)c[0] | (uint32_t)c[1] << 8 | (uint32_t)c[2] << 16;
 }
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -6,10 +6,6 @@
 #include "render/gl/engine.h"
 #include "render/splats/layers.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Points and their groups (with discs of ISO_SPLATS_DISC); borrowed for the call. */
 typedef struct iso_gl_splats {
     iso_point_view points;
@@ -41,7 +37,4 @@ iso_status iso_gl_shade_splat_layers(iso_gl_engine *engine, const iso_splat_laye
  * of this size, without the discs. */
 uint64_t iso_gl_splats_bytes(const iso_gl_engine *engine, int slots, int width, int height);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -5,10 +5,6 @@
 
 #include <stdbool.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 typedef struct GladGLContext GladGLContext;
 
 enum {
@@ -37,7 +33,4 @@ void iso_gl_state_save(iso_gl_state *state, const GladGLContext *gl);
  * not saved: the slots that this renderer uses are unbound. */
 void iso_gl_state_restore(const iso_gl_state *state, const GladGLContext *gl);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

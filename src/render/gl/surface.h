@@ -15,10 +15,6 @@
 #include "render/pullpush/pullpush.h"
 #include "render/raster/triangle_strips.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* A span of the surface: what drawing needs to know on the CPU. */
 typedef struct iso_gl_span {
     int32_t brick[3];
@@ -181,7 +177,4 @@ void iso_gl_surface_draw_chosen(const iso_gl_surface *surface, size_t count);
 void iso_gl_surface_draw_quads(const iso_gl_surface *surface, size_t first, size_t count,
                                const iso_gl_instance *instance);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -5,10 +5,6 @@
 #include "render/gl/engine.h"
 #include "render/gl/internal.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 enum { ISO_GL_QUERIES = 64 };
 
 /* Zero-initialise; set by_clock for software renderers: timer queries of llvmpipe (Mesa 22.3) begin and
@@ -31,7 +27,4 @@ void iso_gl_timer_end(iso_gl_timer *timer, const GladGLContext *gl);
 void iso_gl_timer_read(iso_gl_timer *timer, const GladGLContext *gl);
 void iso_gl_timer_free(iso_gl_timer *timer, const GladGLContext *gl);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -27,10 +27,6 @@
 #include "render/shading/shading.h"
 #include "render/strip.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Returns "auto", "none", "single", "layers", "two-sided" or "traced". */
 const char *iso_refraction_name(iso_refraction refraction);
 
@@ -122,7 +118,4 @@ typedef struct iso_glass_picture {
  * every number of threads and for strips of any height. */
 size_t iso_glass_shade(const iso_glass_picture *picture);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

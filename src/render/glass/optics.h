@@ -7,10 +7,6 @@
 #include "base/geometry.h"
 #include "image/environment.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* A transparent solid and its surroundings. */
 typedef struct iso_glass {
     double ior; /* index of refraction, 1 or more; the surroundings have 1 */
@@ -57,7 +53,4 @@ static inline double iso_glass_reflectance(double ior, double cosine) {
     return ior > 1 ? least + (1 - least) * (x * x) * (x * x) * x : 0;
 }
 
-#ifdef __cplusplus
-}
-#endif
 #endif

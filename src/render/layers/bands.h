@@ -6,10 +6,6 @@
 #include "render/layers/compose.h"
 #include "render/project.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* How the bands of a strip are drawn. */
 typedef struct iso_layer_bands {
     const iso_strip *strip;
@@ -41,7 +37,4 @@ int iso_layer_band_rows(const iso_strip *strip, int wanted);
  * ISO_ERR_NOMEM: a single row of pixels does not fit. */
 iso_status iso_layer_bands_draw(const iso_layer_bands *bands, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

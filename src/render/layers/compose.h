@@ -6,10 +6,6 @@
 #include "render/shading/shading.h"
 #include "render/strip.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* The part of each ray that lies in the volume, for solids that absorb light: arrays indexed by the sample in
  * the band. */
 typedef struct iso_layer_rays {
@@ -85,7 +81,4 @@ void iso_layers_compose(const iso_layer_picture *picture, const iso_layer_lists 
                         const iso_layer_media *media, int first, iso_layer_composer *composer,
                         iso_layer_totals *totals);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -19,10 +19,6 @@
 #include "base/status.h"
 #include "isopoint.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* How much light passes a surface and its solid. */
 typedef struct iso_translucency {
     float opacity; /* share of the light that the surface stops where it is seen face on, 0 .. 1 */
@@ -271,7 +267,4 @@ static inline void iso_layer_prefetch_next(const iso_layer_lists *lists, int x, 
     if (chunk) __builtin_prefetch(&chunk->layer[k][column], 1);
 }
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -8,10 +8,6 @@
 #include "base/exponential.h"
 #include "render/layers/layers.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* The least cosine of the angle between normal and ray for which an opacity by angle is computed. */
 #define ISO_LAYER_LEAST_COSINE 1e-6f
 
@@ -43,7 +39,4 @@ static inline float iso_layer_opacity_at(const iso_layer_opacity *opacity, const
     return 1 - iso_exp2(opacity->log_through / fmaxf(cosine, ISO_LAYER_LEAST_COSINE));
 }
 
-#ifdef __cplusplus
-}
-#endif
 #endif

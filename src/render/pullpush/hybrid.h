@@ -11,10 +11,6 @@
 
 #include "render/pullpush/pullpush.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 typedef struct iso_hybrid_opts {
     double pixels;           /* a brick whose cells can be larger is drawn as triangles; 0: 3 */
     iso_pullpush *workspace; /* borrowed; NULL: made for the call */
@@ -26,7 +22,4 @@ typedef struct iso_hybrid_opts {
 iso_status iso_draw_hybrid(const iso_target *target, const iso_point_view *points, const iso_mesh_view *mesh,
                            const iso_hybrid_opts *opts, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

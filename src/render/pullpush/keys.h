@@ -11,10 +11,6 @@
 #include "render/key_image.h"
 #include "render/pullpush/pullpush.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* What must be known of all points before some of them are drawn. */
 typedef struct iso_pullpush_survey {
     bool closed;         /* all parts are (iso_point_view.closed) */
@@ -65,7 +61,4 @@ iso_status iso_pullpush_draw_merged(const iso_target *target, const iso_pullpush
                                     const iso_point_view *points, iso_reconstruction reconstruction,
                                     iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -24,10 +24,6 @@
 #include "render/pullpush/pullpush.h"
 #include "render/shapes/shapes.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Lines that are prepared for drawing. Immutable; any number of threads may draw them at the same time. */
 typedef struct iso_pyramid_lines iso_pyramid_lines;
 
@@ -44,7 +40,4 @@ void iso_pyramid_lines_destroy(iso_pyramid_lines *lines);
 iso_status iso_draw_pyramid_lines(const iso_target *target, const iso_pyramid_lines *lines,
                                   iso_pullpush *workspace, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

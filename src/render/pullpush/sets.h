@@ -18,10 +18,6 @@
 #include "render/pullpush/lines.h"
 #include "render/pullpush/pullpush.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Points, triangles or ribbons; points and triangles together are a hybrid surface
  * (render/pullpush/hybrid.h). All borrowed. */
 typedef struct iso_pyramid_set {
@@ -37,7 +33,4 @@ typedef struct iso_pyramid_set {
 iso_status iso_draw_pyramid_sets(const iso_target *target, const iso_pyramid_set *sets, size_t count,
                                  const iso_pullpush_opts *opts, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -5,10 +5,6 @@
 #include "render/pullpush/kernel.h"
 #include "render/pullpush/pullpush.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* The layout of a view's pyramid for discs with projected radii from radius[0] to radius[1] pixels, without
  * optional planes and index. */
 iso_pyramid_layout iso_pullpush_layout(const iso_view *view, const float radius[2]);
@@ -30,7 +26,4 @@ iso_pullpush_params iso_pullpush_params_of_intervals(const iso_pyramid_layout *l
                                                      iso_reconstruction reconstruction,
                                                      iso_pullpush_kind kind);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

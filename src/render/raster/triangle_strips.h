@@ -6,10 +6,6 @@
 #include "base/memory.h"
 #include "base/primitives.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 enum {
     ISO_TRIANGLE_STRIP_ROOM = 4, /* most indices per triangle: a strip of one triangle and its restart */
     ISO_TRIANGLE_STRIP_RESTART = 0xFFFF /* ends a strip: GL_PRIMITIVE_RESTART_FIXED_INDEX of 16 bits */
@@ -27,7 +23,4 @@ iso_status iso_triangle_strips_make(iso_triangle_strips *strips, const iso_mesh_
 const uint16_t *iso_triangle_strips_indices(const iso_triangle_strips *strips);
 void iso_triangle_strips_free(iso_triangle_strips *strips);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

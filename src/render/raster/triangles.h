@@ -5,10 +5,6 @@
 #include "base/primitives.h"
 #include "base/status.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* A mesh with three vertices of its own for each triangle. Zero-initialise; iso_triangle_spans_free. */
 typedef struct iso_triangle_spans {
     iso_surfel *vertices; /* owned; world mm */
@@ -30,7 +26,4 @@ void iso_triangle_spans_free(iso_triangle_spans *spans);
  * coordinates are mm. */
 iso_mesh_view iso_triangle_spans_view(const iso_triangle_spans *spans);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

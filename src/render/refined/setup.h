@@ -5,10 +5,6 @@
 
 #include "render/point_blocks.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* How much longer the projection of a ball can be than at the optical axis, in the picture and `beyond`
  * pixels around it, because rays are oblique: a factor, with a margin for rounding. */
 float iso_refined_slant(const iso_view *view, double beyond);
@@ -22,7 +18,4 @@ bool iso_refined_is_filtered(const iso_point_block *block);
 /* Voxels per mm along the axis with the smallest spacing; `normal` of an iso_projector. */
 float iso_refined_voxels_per_mm(const float normal[9]);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -8,10 +8,6 @@
 #include "render/gbuffer.h"
 #include "render/project.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 enum {
     ISO_DEPTH_CELL = 8,
     ISO_DEPTH_LEVELS = 24
@@ -36,7 +32,4 @@ void iso_depth_pyramid_update(iso_depth_pyramid *pyramid, const iso_gbuffer *gbu
 bool iso_depth_pyramid_hides(const iso_depth_pyramid *pyramid, const iso_area *area);
 void iso_depth_pyramid_free(iso_depth_pyramid *pyramid);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

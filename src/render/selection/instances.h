@@ -8,10 +8,6 @@
 #include "render/selection/depth_pyramid.h"
 #include "render/selection/lod_cut.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* A set of points of which there are copies. All borrowed. */
 typedef struct iso_instanced {
     const iso_lod *lod; /* the points, and their levels of detail if there are any */
@@ -65,7 +61,4 @@ iso_status iso_draw_instances(iso_instance_drawing *drawing, const iso_target *t
                               const iso_instances *instances, iso_instance_counts *counts, iso_error *error);
 void iso_instance_drawing_free(iso_instance_drawing *drawing);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -14,10 +14,6 @@
 #include "image/camera.h"
 #include "render/gbuffer.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Neighbours are 1, 2, 4 pixels away, on diagonals in both coordinates. */
 enum { ISO_EYE_DOME_RINGS = 3, ISO_EYE_DOME_REACH = 1 << (ISO_EYE_DOME_RINGS - 1) };
 #define ISO_EYE_DOME_STRENGTH 3.5f
@@ -29,7 +25,4 @@ enum { ISO_EYE_DOME_RINGS = 3, ISO_EYE_DOME_REACH = 1 << (ISO_EYE_DOME_RINGS - 1
 void iso_eye_dome_light(const iso_view *view, int factor, int first, int last, const iso_gbuffer *gbuffer,
                         iso_pool *pool);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -10,10 +10,6 @@
 #include "base/cpu.h"
 #include "render/shading/shading.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* What all rows of a strip have in common. */
 typedef struct iso_shade_params {
     const iso_strip *strip;
@@ -29,7 +25,4 @@ typedef struct iso_shade_params {
 typedef size_t (*iso_shade_rows)(const iso_shade_params *params, int first, int last);
 ISO_KERNEL_UNITS(iso_shade_rows, iso_shade_rows);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

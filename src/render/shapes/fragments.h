@@ -12,10 +12,6 @@
 #include "render/layers/bands.h"
 #include "render/shapes/shapes.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Bytes that each thread takes for the pieces of a part of a band, at most; a single sample may take more. */
 enum { ISO_SHAPES_PIECES_BYTES = 16 << 20 };
 
@@ -52,7 +48,4 @@ iso_layer_source iso_shapes_lister_source(iso_shapes_lister *lister);
 /* A depth in the middle of the sets, that depths of fragments can be counted from. */
 double iso_translucent_middle(const iso_translucent_set *sets, int count, const iso_view *view);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

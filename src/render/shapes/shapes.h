@@ -15,10 +15,6 @@
 #include "base/lines.h"
 #include "render/raster/raster.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* How glyphs are projected. */
 typedef enum iso_glyph_projection {
     ISO_GLYPH_PROJECTION_EXACT,
@@ -112,7 +108,4 @@ typedef struct iso_shapes_drawn {
 iso_status iso_draw_shapes(const iso_target *target, const iso_shapes *shapes, iso_shapes_drawn *drawn,
                            iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

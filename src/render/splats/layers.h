@@ -28,10 +28,6 @@
 #include "render/layers/compose.h"
 #include "render/splats/splats.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* The default number of groups for transparency (section 6.2). */
 enum { ISO_SPLAT_LAYERS_GROUPS = 4 };
 
@@ -89,7 +85,4 @@ iso_status iso_splats_map_glass(const iso_point_view *points, const iso_groups *
                                 iso_transparency transparency, const iso_glass_map *map, iso_pool *pool,
                                 iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

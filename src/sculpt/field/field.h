@@ -6,10 +6,6 @@
 
 #include "grids/level_set.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Voxels added on each side of the source grid, as room for what will be sculpted onto its surface. */
 enum { ISO_FIELD_MARGIN = 32 };
 
@@ -31,7 +27,4 @@ iso_status iso_field_from_grid(const char *name, const iso_grid *from, const iso
 iso_status iso_field_redistance(iso_hgrid *grid, iso_pool *pool, const iso_progress *progress,
                                 iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -8,10 +8,6 @@
 
 #include "sculpt/session/journal.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* X(name, text in messages, lowest, highest, unit). With the unit "voxels" the value is a length in
  * millimetres, compared after division by the voxel size. Values with other units are compared as they are.
  */
@@ -73,7 +69,4 @@ iso_status iso_limit_check(iso_limit limit, double value, double voxel, iso_erro
 iso_status iso_limits_start(const iso_journal_start *start, iso_error *error);
 iso_status iso_limits_event(const iso_event *event, const iso_journal_start *start, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif
