@@ -479,7 +479,8 @@ static const iso_option options[] = {
      REAL(zoom, 1e-6, 1e6), .flags = ISO_OPTION_PERCENT},
     {"orthographic", "camera-orthographic", NULL, "parallel projection", .group = CAMERA, FLAG(orthographic)},
     {"mm-per-pixel", NULL, "MM",
-     "scale of the picture: a parallel projection (as --orthographic) in which a pixel is this many mm wide",
+     "scale of the picture: a parallel projection (as --orthographic) in which a pixel is this many mm wide "
+     "(of a file in another unit, such as metres, this many of it)",
      .group = CAMERA, REAL(mm_per_pixel, 1e-9, 1e9)},
     {"fit", NULL, "NAME",
      "what fills the picture: box (the box around the surface along the world's axes; of a file of points "
