@@ -3,6 +3,7 @@
 #include "apps/isorender/option_checks.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -122,13 +123,44 @@ static const char *option_that_writes(const char *name) {
     return NULL;
 }
 
+static bool is_number(const char *word) {
+    char *end;
+    return strtod(word, &end), end > word && !*end;
+}
+
+/* Whether an operand is no file and not like the name of one: it may be a further value of an option. */
+static bool is_stray(const char *word) {
+    return !exists(word) && (is_number(word) || !strpbrk(word, "./:-"));
+}
+
+static iso_status fail_value(const char *word, iso_error *error) {
+    return iso_fail(error, ISO_ERR_USAGE,
+                    "%s: no such file; several values of an option are one word, as in --isovalue 40,90, and "
+                    "those that may be left out follow =, as in --largest=2",
+                    word);
+}
+
 /* The last operand is no picture's name: it may be an output of another kind, or a further input. */
 static iso_status fail_picture_name(const char *name, iso_error *error) {
     const char *option = option_that_writes(name);
-    char hint[256] = "several inputs need --output TEMPLATE";
-    if (option && !exists(name)) snprintf(hint, sizeof hint, "%s%.160s writes such a file", option, name);
-    return iso_fail(error, ISO_ERR_USAGE, "%s: a picture's name must end in .png, .tif or .jpg (%s)", name,
+    char hint[256] = "";
+    if (exists(name)) snprintf(hint, sizeof hint, " (several inputs need --output TEMPLATE)");
+    if (option && !exists(name)) snprintf(hint, sizeof hint, " (%s%.160s writes such a file)", option, name);
+    return iso_fail(error, ISO_ERR_USAGE, "%s: a picture's name must end in .png, .tif or .jpg%s", name,
                     hint);
+}
+
+/* Several operands without --output. */
+static iso_status fail_several(const iso_operands *operands, iso_error *error) {
+    const char *last = operands->values[operands->count - 1];
+    for (int i = 1; i < operands->count; i++)
+        if (is_stray(operands->values[i])) return fail_value(operands->values[i], error);
+    if (is_picture(last) && !exists(last))
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "%d inputs need --output TEMPLATE, such as '{model}.png', not %s",
+                        operands->count - 1, last);
+    return iso_fail(error, ISO_ERR_USAGE, "%d inputs need --output TEMPLATE, such as '{model}.png'",
+                    operands->count);
 }
 
 /* Whether the only operand is the name of a picture of --lines, --glyphs, --surface and --volume, which need
@@ -144,6 +176,7 @@ static iso_status take_output(isorender_settings *settings, const iso_operands *
                               int *count, iso_error *error) {
     if (settings->output || *count != inputs + 1) return ISO_OK;
     settings->output = operands->values[--*count];
+    if (is_number(settings->output)) return fail_value(settings->output, error);
     if (strcmp(settings->output, "-") != 0 && !settings->parts && !is_picture(settings->output))
         return fail_picture_name(settings->output, error);
     return ISO_OK;
@@ -163,8 +196,7 @@ static iso_status take_operands(isorender_settings *settings, const iso_operands
     if (settings->scene && count > 0)
         return iso_fail(error, ISO_ERR_USAGE, "%s: --scene takes no other input", operands->values[0]);
     if (count > 1 && !settings->output && !settings->info && !settings->no_image)
-        return iso_fail(error, ISO_ERR_USAGE, "%d inputs need --output TEMPLATE, such as '{model}.png'",
-                        count);
+        return fail_several(operands, error);
     const char *const *files =
         settings->object_options.count ? settings->object_options.paths : settings->volume_options.paths;
     settings->inputs = settings->no_input ? files : operands->values;

@@ -16,6 +16,15 @@ means --point_size 'did you mean --radius or --glyph-radius?'
 means --channels 'did you mean --channel or --component?'
 means --stl 'did you mean --mesh?'
 means --slice 'nothing is cut by a plane; --crop and --crop-mm keep a box of the volume'
+means --raycast 'did you mean --method?'
+means --voxel-size 'did you mean --spacing?'
+means --orthogonal 'did you mean --orthographic?'
+means --log 'did you mean --verbose?'
+means --fill 'did you mean --closed?'
+means --keep 'did you mean --largest?'
+means --steps 'did you mean --every or --level?'
+means --time '--component chooses one of several times of a file, .*'
+means --gui 'isosculpt opens a window: .*'
 means --clip 'nothing is cut by a plane; .*'
 means --smooth 'volumes are drawn as they are, without smoothing; .*'
 means -isovalue 'did you mean --isovalue?'
@@ -30,6 +39,8 @@ means --metallic 'surfaces are lit by one model; .* --ior makes glass'
 means --bone 'a tissue has no name here: .*'
 means --jpg 'did you mean --output?'
 means --export-stl 'did you mean --mesh?'
+refuses 2 'unknown option --input (files are named without an option: .*)' isosculpt --input x.stl
+refuses 2 'unknown option --matcap (colours and lights are chosen in the window)' isosculpt --matcap x
 # words whose options a program lacks are no hint there
 refuses 2 'unknown option --yaw (see --help)' isocompare --yaw 3
 refuses 2 'unknown option --threshold (did you mean --isovalue?)' isosculpt --threshold 3
@@ -96,3 +107,13 @@ LOOKUP_TABLE default
 0 0 0 0 1 1 1 1
 V
 isorender_refuses 2 "in/two.vtk: no array 'vel', there are 'pressure', 'speed'" in/two.vtk --grid vel
+# values of an option that stand as words of their own are no inputs
+stray() { refuses 2 "$1: no such file; several values of an option are one word, .*--isovalue 40,90, .*--largest=2" isorender in/ball.mha "${@:2}"; }
+stray 2 bad.png --largest 2
+stray 2 --largest 2
+stray 90 bad.png --isovalue 40 90
+stray info bad.png --verbose info
+stray blue bad.png --isovalue 40,90 --color red blue
+cp in/ball.mha in/ball2.mha
+refuses 2 "2 inputs need --output TEMPLATE, such as '{model}.png', not bad.png" isorender in/ball.mha in/ball2.mha bad.png
+refuses 2 "bad: a picture's name must end in .png, .tif or .jpg" isorender in/ball.mha bad
