@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "apps/common/loader.h"
@@ -205,6 +206,27 @@ static iso_status take_operands(isorender_settings *settings, const iso_operands
     settings->object_options.has_cloud = !settings->no_input && !settings->scene &&
                                          !settings->common.input.has_raw &&
                                          iso_loader_reads_points(settings->inputs[0], settings->columns);
+    return ISO_OK;
+}
+
+/* Several inputs cannot write one file, but for a device. */
+static iso_status check_templates(const isorender_settings *settings, iso_error *error) {
+    const struct {
+        const char *option, *name;
+    } outputs[] = {{"output", settings->output},
+                   {"json", settings->common.json_path},
+                   {"points", settings->points},
+                   {"mesh", settings->mesh},
+                   {"aov", settings->aov}};
+    for (size_t i = 0; settings->input_count > 1 && i < sizeof outputs / sizeof *outputs; i++) {
+        const char *name = outputs[i].name, *dot = name ? strrchr(name, '.') : NULL;
+        struct stat found;
+        const bool device = name && stat(name, &found) == 0 && !S_ISREG(found.st_mode);
+        if (name && !device && strcmp(name, "-") != 0 && !strchr(name, '{'))
+            return iso_fail(error, ISO_ERR_USAGE,
+                            "option --%s: %s: %d inputs need an output each: a template, such as '{model}%s'",
+                            outputs[i].option, name, settings->input_count, dot ? dot : "");
+    }
     return ISO_OK;
 }
 
@@ -541,6 +563,7 @@ iso_status isorender_settings_check(isorender_settings *settings, const iso_oper
     ISO_TRY(isorender_splats_check(settings, error));
     ISO_TRY(isorender_detail_check(settings, error));
     ISO_TRY(take_operands(settings, operands, error));
+    ISO_TRY(check_templates(settings, error));
     ISO_TRY(isorender_channels_check(settings, error));
     ISO_TRY(isorender_backend_check(settings, error));
     ISO_TRY(check_part(settings, error));

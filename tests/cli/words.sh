@@ -45,6 +45,7 @@ refuses 2 'unknown option --matcap (colours and lights are chosen in the window)
 refuses 2 'unknown option --yaw (see --help)' isocompare --yaw 3
 refuses 2 'unknown option --threshold (did you mean --isovalue?)' isosculpt --threshold 3
 isorender_refuses 2 "option --transparency: '0.5' is not one of .*--opacity" in/ball.mha --transparency 0.5
+isorender_refuses 2 "option --method: 'raytrace' is not one of .*; raycast follows rays, mesh draws Marching Cubes" in/ball.mha --method raytrace
 isorender_refuses 2 "option --camera: '30' is not one of .*--azimuth" in/ball.mha --camera 30
 isorender_refuses 2 "option --color: 'transparent' is no colour: an opacity below 1" in/ball.mha --color transparent
 refuses 2 'bad.stl: a picture.s name must end in .*(--mesh bad.stl writes' isorender in/ball.mha bad.stl
@@ -56,7 +57,7 @@ isorender_refuses 2 "option --color: 'rgb(1,0,0)' is neither RRGGBB in hexadecim
 isorender_refuses 2 "option --threads: 'auto' is not a whole number from 1 to 1024 (default: one a processor)" in/ball.mha --threads auto
 isorender_refuses 4 "there is no backend 'gpu': auto, cpu, egl or osmesa" in/ball.mha --backend gpu
 head -c 3000 /dev/zero >in/what.zzz
-isorender_refuses 3 'in/what.zzz: not a volume that isopoint can read: it reads .vti, .*DICOM folders, and raw data' in/what.zzz
+isorender_refuses 3 'in/what.zzz: not a volume that isopoint can read: it reads .vti, .*DICOM folders, and raw data .*.ply, .*.swc, .*.off' in/what.zzz
 python3 - <<'P'
 import gzip
 import zipfile
@@ -116,4 +117,6 @@ stray info bad.png --verbose info
 stray blue bad.png --isovalue 40,90 --color red blue
 cp in/ball.mha in/ball2.mha
 refuses 2 "2 inputs need --output TEMPLATE, such as '{model}.png', not bad.png" isorender in/ball.mha in/ball2.mha bad.png
+refuses 2 "option --json: out.json: 2 inputs need an output each: a template, such as '{model}.json'" isorender in/ball.mha in/ball2.mha -o '{model}.png' --json out.json
+refuses 2 "option --output: bad.png: 2 inputs need an output each: a template, such as '{model}.png'" isorender in/ball.mha in/ball2.mha -o bad.png
 refuses 2 "bad: a picture's name must end in .png, .tif or .jpg" isorender in/ball.mha bad
