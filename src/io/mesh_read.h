@@ -26,8 +26,8 @@ typedef enum iso_mesh_content {
     ISO_MESH_COLORED_FACES /* .ply and .off: its vertices have colours, which a mesh does not show */
 } iso_mesh_content;
 
-/* Looks for faces in a .obj, .ply, .off, .vtk or .vtp file; in .vtk and .vtp that have lines as well they do not
- * count. A file that cannot be read has none. */
+/* Looks for faces in a .obj, .ply, .off, .vtk or .vtp file; in .vtk and .vtp that have lines as well they
+ * do not count. A file that cannot be read has none. */
 iso_mesh_content iso_mesh_find_faces(const char *path);
 
 #ifdef __cplusplus
