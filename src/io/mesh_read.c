@@ -154,7 +154,7 @@ static bool read_numbers(reading *r, char **rest, double *numbers, int count) {
 static iso_status read_stl_text(reading *r, iso_error *error) {
     double p[9];
     int corners = 0;
-    bool ended = true; /* by "endsolid" behind the last facet */
+    bool ended = false; /* by "endsolid" behind the last facet */
     char *rest = NULL;
     ISO_TRY(load_rows(r, error));
     for (char *word; (word = next_word(r, &rest));) {
