@@ -151,17 +151,37 @@ static iso_status fail_picture_name(const char *name, iso_error *error) {
                     hint);
 }
 
+/* Writes what to do if the inputs are the slices of one volume: three or more files of one kind in one folder;
+ * else an empty text. */
+static void hint_at_folder(const char *const *inputs, int count, char text[256]) {
+    static const char *const kinds[] = {".dcm", ".ima", ".png", ".tif", ".tiff", NULL};
+    const char *slash = strrchr(inputs[0], '/');
+    const int folder = slash ? (int)(slash - inputs[0]) : 0;
+    int kind = 0;
+    text[0] = 0;
+    while (kinds[kind] && !iso_text_has_extension(inputs[0], kinds[kind])) kind++;
+    if (!kinds[kind] || count < 3 || folder > 150) return;
+    for (int i = 1; i < count; i++) {
+        const char *end = strrchr(inputs[i], '/');
+        const bool beside =
+            (end ? end - inputs[i] : 0) == folder && !strncmp(inputs[i], inputs[0], (size_t)folder);
+        if (!beside || !iso_text_has_extension(inputs[i], kinds[kind])) return;
+    }
+    snprintf(text, 256, "; slices of one volume are read by their folder: isorender %.*s", slash ? folder : 1,
+             slash ? inputs[0] : ".");
+}
+
 /* Several operands without --output. */
 static iso_status fail_several(const iso_operands *operands, iso_error *error) {
     const char *last = operands->values[operands->count - 1];
     for (int i = 1; i < operands->count; i++)
         if (is_stray(operands->values[i])) return fail_value(operands->values[i], error);
-    if (is_picture(last) && !exists(last))
-        return iso_fail(error, ISO_ERR_USAGE,
-                        "%d inputs need --output TEMPLATE, such as '{model}.png', not %s",
-                        operands->count - 1, last);
-    return iso_fail(error, ISO_ERR_USAGE, "%d inputs need --output TEMPLATE, such as '{model}.png'",
-                    operands->count);
+    const bool picture = is_picture(last) && !exists(last);
+    const int inputs = operands->count - picture;
+    char hint[256];
+    hint_at_folder(operands->values, inputs, hint);
+    return iso_fail(error, ISO_ERR_USAGE, "%d inputs need --output TEMPLATE, such as '{model}.png'%s%s%s",
+                    inputs, picture ? ", not " : "", picture ? last : "", hint);
 }
 
 /* Whether the only operand is the name of a picture of --lines, --glyphs, --surface and --volume, which need
@@ -222,10 +242,12 @@ static iso_status check_templates(const isorender_settings *settings, iso_error 
         const char *name = outputs[i].name, *dot = name ? strrchr(name, '.') : NULL;
         struct stat found;
         const bool device = name && stat(name, &found) == 0 && !S_ISREG(found.st_mode);
-        if (name && !device && strcmp(name, "-") != 0 && !strchr(name, '{'))
-            return iso_fail(error, ISO_ERR_USAGE,
-                            "option --%s: %s: %d inputs need an output each: a template, such as '{model}%s'",
-                            outputs[i].option, name, settings->input_count, dot ? dot : "");
+        if (!name || device || strcmp(name, "-") == 0 || strchr(name, '{')) continue;
+        char hint[256];
+        hint_at_folder(settings->inputs, settings->input_count, hint);
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "option --%s: %s: %d inputs need an output each: a template, such as '{model}%s'%s",
+                        outputs[i].option, name, settings->input_count, dot ? dot : "", hint);
     }
     return ISO_OK;
 }

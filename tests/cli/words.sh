@@ -127,3 +127,12 @@ refuses 2 "--volume-color: 'red,blue' is neither .*; the option is given again f
     isorender in/ball.mha bad.png --volume in/ball.mha --volume in/ball2.mha --volume-color red,blue
 printf 'x,y,z\n0,0,0\n1,0,0\n' >in/two.csv
 isorender in/two.csv two.png --glyph Box --resolution 200x200 --quiet
+# slices of one volume are its folder
+mkdir in/slices
+for i in 1 2 3; do head -c 100 /dev/zero >in/slices/$i.dcm; done
+refuses 2 "3 inputs need --output TEMPLATE, .*, not bad.png; slices of one volume are read by their folder: isorender in/slices" isorender in/slices/*.dcm bad.png
+refuses 2 "option --output: bad.png: 3 inputs need .*; slices of one volume are read by their folder: isorender in/slices" isorender in/slices/*.dcm -o bad.png
+# options of surfaces name those of lines, glyphs and meshes
+isorender_refuses 2 "--color is for surfaces of volumes: here it is --glyph-color" in/two.csv --color red
+isorender_refuses 2 "--opacity is for surfaces of volumes: here it is --glyph-opacity" in/two.csv --opacity .5
+refuses 2 "in/ball.mha: with --headless a file is named by --open, and strokes by --replay" isosculpt in/ball.mha --headless
