@@ -151,8 +151,8 @@ static iso_status fail_picture_name(const char *name, iso_error *error) {
                     hint);
 }
 
-/* Writes what to do if the inputs are the slices of one volume: three or more files of one kind in one folder;
- * else an empty text. */
+/* Writes what to do if the inputs are the slices of one volume: three or more files of one kind in one
+ * folder; else an empty text. */
 static void hint_at_folder(const char *const *inputs, int count, char text[256]) {
     static const char *const kinds[] = {".dcm", ".ima", ".png", ".tif", ".tiff", NULL};
     const char *slash = strrchr(inputs[0], '/');
@@ -195,7 +195,12 @@ static bool is_only_picture(const isorender_settings *settings, const iso_operan
 /* Takes the output from the operands: the last of them, when it is one more than there are inputs. */
 static iso_status take_output(isorender_settings *settings, const iso_operands *operands, int inputs,
                               int *count, iso_error *error) {
-    if (settings->output || *count != inputs + 1) return ISO_OK;
+    if (*count != inputs + 1) return ISO_OK;
+    const char *last = operands->values[*count - 1];
+    if (settings->output && !strchr(settings->output, '{') && is_picture(last) && !exists(last))
+        return iso_fail(error, ISO_ERR_USAGE, "%s: the picture has a name already: --output %s", last,
+                        settings->output);
+    if (settings->output) return ISO_OK;
     settings->output = operands->values[--*count];
     if (is_number(settings->output)) return fail_value(settings->output, error);
     if (strcmp(settings->output, "-") != 0 && !settings->parts && !is_picture(settings->output))

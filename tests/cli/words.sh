@@ -136,3 +136,4 @@ refuses 2 "option --output: bad.png: 3 inputs need .*; slices of one volume are 
 isorender_refuses 2 "--color is for surfaces of volumes: here it is --glyph-color" in/two.csv --color red
 isorender_refuses 2 "--opacity is for surfaces of volumes: here it is --glyph-opacity" in/two.csv --opacity .5
 refuses 2 "in/ball.mha: with --headless a file is named by --open, and strokes by --replay" isosculpt in/ball.mha --headless
+refuses 2 "bad.png: the picture has a name already: --output other.png" isorender in/ball.mha bad.png -o other.png
