@@ -30,7 +30,7 @@ static const char *const STYLE[] = {
     "14px;",
     "overflow-x:auto}",
     /* side by side only where there is room for all of them */
-    "@media(max-width:1300px){.row{grid-template-columns:repeat(auto-fill,minmax(180px,1fr))}}",
+    "@media(max-width:1350px){.row{grid-template-columns:repeat(auto-fill,minmax(180px,1fr))}}",
     ".key{font-size:13px;color:var(--soft);align-self:end;padding:0 12px 10px 0}.key b{color:var(--ink);",
     "font-weight:600}.key i{display:block;height:10px;border-radius:5px;margin:8px 0 4px;",
     "background:linear-gradient(90deg,#000,#42106e,#9c286a,#e25c32,#fab01a,#fefdbe)}",

@@ -191,8 +191,9 @@ iso_world_unit isorender_unit(const isorender_job *job) {
                                   : job->has_volume      ? isorender_volume_unit(&job->loader.volume.info)
                                   : job->surface_count   ? ISO_WORLD_UNIT_MILLIMETRE
                                                          : unit_of_objects(job);
-    return stated == ISO_WORLD_UNIT_NONE && job->settings->mm_per_pixel > 0 ? ISO_WORLD_UNIT_MILLIMETRE
-                                                                            : stated;
+    /* --mm-per-pixel speaks of mm, unless --unit says what the file's lengths are in. */
+    const bool millimetres = job->settings->mm_per_pixel > 0 && job->settings->unit == ISO_UNIT_AUTO;
+    return stated == ISO_WORLD_UNIT_NONE && millimetres ? ISO_WORLD_UNIT_MILLIMETRE : stated;
 }
 
 static const char *origin_of(size_t estimated, size_t count) {

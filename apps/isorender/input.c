@@ -90,6 +90,20 @@ static bool is_method_of_lines(int method) {
     return method == ISORENDER_METHOD_UNCHOSEN || method == ISO_METHOD_EXACT || method == ISO_METHOD_PULLPUSH;
 }
 
+/* The option of the first line, glyph or mesh file that is called as one of surfaces is; NULL: none is. */
+static const char *option_of_object(const isorender_settings *settings, const char *option) {
+    static const char *const colors[ISORENDER_OBJECT_KINDS] = {[ISORENDER_LINES] = "--line-color",
+                                                               [ISORENDER_GLYPHS] = "--glyph-color",
+                                                               [ISORENDER_MESH] = "--surface-color"};
+    static const char *const opacities[ISORENDER_OBJECT_KINDS] = {[ISORENDER_LINES] = "--line-opacity",
+                                                                  [ISORENDER_GLYPHS] = "--glyph-opacity",
+                                                                  [ISORENDER_MESH] = "--surface-opacity"};
+    const isorender_object_kind kind = settings->object_options.kinds[0];
+    return strcmp(option, "--color") == 0     ? colors[kind]
+           : strcmp(option, "--opacity") == 0 ? opacities[kind]
+                                              : NULL;
+}
+
 /* Options that need an input, for pictures without one. */
 static iso_status check_no_input(const isorender_settings *settings, iso_error *error) {
     const iso_input *input = &settings->common.input;
@@ -108,9 +122,14 @@ static iso_status check_no_input(const isorender_settings *settings, iso_error *
                                                                             : NULL;
     if (!option && isorender_wants_gradients(settings)) option = "--glyphs surface";
     if (!option) return ISO_OK;
+    const char *of_object =
+        surfaces || !settings->object_options.count ? NULL : option_of_object(settings, option);
+    if (of_object)
+        return iso_fail(error, ISO_ERR_USAGE, "%s is for surfaces of volumes: here it is %s", option,
+                        of_object);
     return iso_fail(error, ISO_ERR_USAGE,
                     surfaces ? "%s is for an input: there are only further files (--volume and others)"
-                             : "%s is for surfaces: there are lines or glyphs only",
+                             : "%s is for surfaces of volumes: there are lines, glyphs or meshes only",
                     option);
 }
 

@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <string.h>
+#include <strings.h>
 
 const char *isorender_value_for(const iso_texts *texts, int number) {
     if (!texts->count) return NULL;
@@ -15,7 +16,7 @@ static iso_status choose(const char *option, const char *value, const char *cons
     char known[256] = "";
     for (int i = 0; names[i]; i++) {
         const size_t used = strlen(known);
-        if (strcmp(names[i], value) == 0) {
+        if (strcasecmp(names[i], value) == 0) {
             *index = i;
             return ISO_OK;
         }
@@ -35,18 +36,21 @@ static iso_status set_radius(const char *option, const char *value, isorender_ob
     return ISO_OK;
 }
 
-/* Puts an option's name before the message of a failure; returns `status`. */
-static iso_status named(const char *option, iso_status status, iso_error *error) {
+/* Puts an option's name before the message of a failure, and behind it what else a value with commas may
+ * mean; returns `status`. */
+static iso_status named(const char *option, const char *value, iso_status status, iso_error *error) {
     char text[sizeof error->text];
     snprintf(text, sizeof text, "%s", error->text);
-    return iso_fail(error, status, "--%s: %s", option, text);
+    return iso_fail(error, status, "--%s: %s%s", option, text,
+                    strchr(value, ',') ? "; the option is given again for each file" : "");
 }
 
 iso_status isorender_parse_color(const char *option, const char *value, const char *others, bool *given,
                                  iso_rgb *color, iso_error *error) {
     uint8_t rgb[3];
     if (!value) return ISO_OK;
-    if (!iso_parse_color(value, rgb)) return named(option, iso_fail_color(value, others, error), error);
+    if (!iso_parse_color(value, rgb))
+        return named(option, value, iso_fail_color(value, others, error), error);
     *given = true;
     *color = (iso_rgb){rgb[0], rgb[1], rgb[2]};
     return ISO_OK;
@@ -67,7 +71,8 @@ iso_status isorender_parse_opacity(const char *option, const char *value, double
     double given;
     if (!value) return ISO_OK;
     if (!iso_parse_fraction(value, &given) || !(given >= 0 && given <= 1))
-        return iso_fail(error, ISO_ERR_USAGE, "--%s: '%s' is not an opacity from 0 to 1", option, value);
+        return named(option, value,
+                     iso_fail(error, ISO_ERR_USAGE, "'%s' is not an opacity from 0 to 1", value), error);
     *opacity = (double)(float)given; /* as it is drawn */
     return ISO_OK;
 }

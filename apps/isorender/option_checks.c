@@ -3,7 +3,9 @@
 #include "apps/isorender/option_checks.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "apps/common/loader.h"
@@ -122,13 +124,64 @@ static const char *option_that_writes(const char *name) {
     return NULL;
 }
 
+static bool is_number(const char *word) {
+    char *end;
+    return strtod(word, &end), end > word && !*end;
+}
+
+/* Whether an operand is no file and not like the name of one: it may be a further value of an option. */
+static bool is_stray(const char *word) {
+    return !exists(word) && (is_number(word) || !strpbrk(word, "./:-"));
+}
+
+static iso_status fail_value(const char *word, iso_error *error) {
+    return iso_fail(error, ISO_ERR_USAGE,
+                    "%s: no such file; several values of an option are one word, as in --isovalue 40,90, and "
+                    "those that may be left out follow =, as in --largest=2",
+                    word);
+}
+
 /* The last operand is no picture's name: it may be an output of another kind, or a further input. */
 static iso_status fail_picture_name(const char *name, iso_error *error) {
     const char *option = option_that_writes(name);
-    char hint[256] = "several inputs need --output TEMPLATE";
-    if (option && !exists(name)) snprintf(hint, sizeof hint, "%s%.160s writes such a file", option, name);
-    return iso_fail(error, ISO_ERR_USAGE, "%s: a picture's name must end in .png, .tif or .jpg (%s)", name,
+    char hint[256] = "";
+    if (exists(name)) snprintf(hint, sizeof hint, " (several inputs need --output TEMPLATE)");
+    if (option && !exists(name)) snprintf(hint, sizeof hint, " (%s%.160s writes such a file)", option, name);
+    return iso_fail(error, ISO_ERR_USAGE, "%s: a picture's name must end in .png, .tif or .jpg%s", name,
                     hint);
+}
+
+/* Writes what to do if the inputs are the slices of one volume: three or more files of one kind in one
+ * folder; else an empty text. */
+static void hint_at_folder(const char *const *inputs, int count, char text[256]) {
+    static const char *const kinds[] = {".dcm", ".ima", ".png", ".tif", ".tiff", NULL};
+    const char *slash = strrchr(inputs[0], '/');
+    const int folder = slash ? (int)(slash - inputs[0]) : 0;
+    int kind = 0;
+    text[0] = 0;
+    while (kinds[kind] && !iso_text_has_extension(inputs[0], kinds[kind])) kind++;
+    if (!kinds[kind] || count < 3 || folder > 150) return;
+    for (int i = 1; i < count; i++) {
+        const char *end = strrchr(inputs[i], '/');
+        const bool beside =
+            (end ? end - inputs[i] : 0) == folder && !strncmp(inputs[i], inputs[0], (size_t)folder);
+        if (!beside || !iso_text_has_extension(inputs[i], kinds[kind])) return;
+    }
+    snprintf(text, 256, "; slices of one volume are read by their folder: isorender %.*s", slash ? folder : 1,
+             slash ? inputs[0] : ".");
+}
+
+/* Several operands without --output. */
+static iso_status fail_several(const iso_operands *operands, iso_error *error) {
+    const char *last = operands->values[operands->count - 1];
+    for (int i = 1; i < operands->count; i++)
+        if (is_stray(operands->values[i])) return fail_value(operands->values[i], error);
+    const bool picture = is_picture(last) && !exists(last);
+    const int inputs = operands->count - picture;
+    char hint[256];
+    hint_at_folder(operands->values, inputs, hint);
+    return iso_fail(error, ISO_ERR_USAGE, "%d inputs need --output TEMPLATE, such as '{model}.png'%s%s%s",
+                    inputs, picture ? ", not " : "", picture ? last : "", hint);
 }
 
 /* Whether the only operand is the name of a picture of --lines, --glyphs, --surface and --volume, which need
@@ -142,8 +195,14 @@ static bool is_only_picture(const isorender_settings *settings, const iso_operan
 /* Takes the output from the operands: the last of them, when it is one more than there are inputs. */
 static iso_status take_output(isorender_settings *settings, const iso_operands *operands, int inputs,
                               int *count, iso_error *error) {
-    if (settings->output || *count != inputs + 1) return ISO_OK;
+    if (*count != inputs + 1) return ISO_OK;
+    const char *last = operands->values[*count - 1];
+    if (settings->output && !strchr(settings->output, '{') && is_picture(last) && !exists(last))
+        return iso_fail(error, ISO_ERR_USAGE, "%s: the picture has a name already: --output %s", last,
+                        settings->output);
+    if (settings->output) return ISO_OK;
     settings->output = operands->values[--*count];
+    if (is_number(settings->output)) return fail_value(settings->output, error);
     if (strcmp(settings->output, "-") != 0 && !settings->parts && !is_picture(settings->output))
         return fail_picture_name(settings->output, error);
     return ISO_OK;
@@ -163,8 +222,7 @@ static iso_status take_operands(isorender_settings *settings, const iso_operands
     if (settings->scene && count > 0)
         return iso_fail(error, ISO_ERR_USAGE, "%s: --scene takes no other input", operands->values[0]);
     if (count > 1 && !settings->output && !settings->info && !settings->no_image)
-        return iso_fail(error, ISO_ERR_USAGE, "%d inputs need --output TEMPLATE, such as '{model}.png'",
-                        count);
+        return fail_several(operands, error);
     const char *const *files =
         settings->object_options.count ? settings->object_options.paths : settings->volume_options.paths;
     settings->inputs = settings->no_input ? files : operands->values;
@@ -173,6 +231,29 @@ static iso_status take_operands(isorender_settings *settings, const iso_operands
     settings->object_options.has_cloud = !settings->no_input && !settings->scene &&
                                          !settings->common.input.has_raw &&
                                          iso_loader_reads_points(settings->inputs[0], settings->columns);
+    return ISO_OK;
+}
+
+/* Several inputs cannot write one file, but for a device. */
+static iso_status check_templates(const isorender_settings *settings, iso_error *error) {
+    const struct {
+        const char *option, *name;
+    } outputs[] = {{"output", settings->output},
+                   {"json", settings->common.json_path},
+                   {"points", settings->points},
+                   {"mesh", settings->mesh},
+                   {"aov", settings->aov}};
+    for (size_t i = 0; settings->input_count > 1 && i < sizeof outputs / sizeof *outputs; i++) {
+        const char *name = outputs[i].name, *dot = name ? strrchr(name, '.') : NULL;
+        struct stat found;
+        const bool device = name && stat(name, &found) == 0 && !S_ISREG(found.st_mode);
+        if (!name || device || strcmp(name, "-") == 0 || strchr(name, '{')) continue;
+        char hint[256];
+        hint_at_folder(settings->inputs, settings->input_count, hint);
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "option --%s: %s: %d inputs need an output each: a template, such as '{model}%s'%s",
+                        outputs[i].option, name, settings->input_count, dot ? dot : "", hint);
+    }
     return ISO_OK;
 }
 
@@ -509,6 +590,7 @@ iso_status isorender_settings_check(isorender_settings *settings, const iso_oper
     ISO_TRY(isorender_splats_check(settings, error));
     ISO_TRY(isorender_detail_check(settings, error));
     ISO_TRY(take_operands(settings, operands, error));
+    ISO_TRY(check_templates(settings, error));
     ISO_TRY(isorender_channels_check(settings, error));
     ISO_TRY(isorender_backend_check(settings, error));
     ISO_TRY(check_part(settings, error));

@@ -368,7 +368,7 @@ static const iso_option options[] = {
      "larger than 3 pixels, points elsewhere: also of 2008) or gaussians (files of 3-D Gaussians: "
      "translucent ellipsoids, sorted by depth)",
      .group = PICTURE, .standard = "exact, for files of points splats, of 3-D Gaussians gaussians",
-     CHOICE(method, method_names)},
+     CHOICE(method, method_names), .hint = "raycast follows rays, mesh draws Marching Cubes"},
     {"reconstruction", NULL, "NAME",
      "of pullpush: gaussian or box (Gaussian or equal weights in ellipses; Marroquim 2008); of discs: "
      "refined "
@@ -479,7 +479,8 @@ static const iso_option options[] = {
      REAL(zoom, 1e-6, 1e6), .flags = ISO_OPTION_PERCENT},
     {"orthographic", "camera-orthographic", NULL, "parallel projection", .group = CAMERA, FLAG(orthographic)},
     {"mm-per-pixel", NULL, "MM",
-     "scale of the picture: a parallel projection (as --orthographic) in which a pixel is this many mm wide",
+     "scale of the picture: a parallel projection (as --orthographic) in which a pixel is this many mm wide "
+     "(of a file in another unit, such as metres, this many of it)",
      .group = CAMERA, REAL(mm_per_pixel, 1e-9, 1e9)},
     {"fit", NULL, "NAME",
      "what fills the picture: box (the box around the surface along the world's axes; of a file of points "
@@ -569,13 +570,15 @@ static const iso_option options[] = {
 };
 
 static const char *const inputs_text[] = {
-    ".vti, legacy .vtk, .nrrd .nhdr, .mha .mhd, .nii .nii.gz .hdr, "
-    ".vdb, a DICOM folder or file,",
-    "a folder of .png slices, raw data with --raw,",
-    "a .ply of points as --points writes it, scene:NAME[:SIZE], and - "
-    "for stdin (the content tells the format).",
-    "A .tck, .trk, .swc, .vtp, .pdb, .ent, .xyz, .csv or .stl is drawn as --lines, "
-    "--glyphs and --surface draw it.",
+    "Volumes: .nrrd .nhdr, .nii .nii.gz .hdr, .mha .mhd, .vti, legacy .vtk, .vdb, .npy, .tif, .h5 and other "
+    "HDF5,",
+    "a DICOM folder or file, folders of .tif or .png slices, Zarr and N5 folders, .strokes, raw data "
+    "with --raw,",
+    "scene:NAME[:SIZE], and - for stdin (the content tells the format).",
+    "Points: .ply .pcd .las .xyz .pts .asc .txt .pwn .npy, and .obj .off without faces.",
+    "A .tck, .trk or .swc is drawn as --lines draws it, a .pdb, .ent or .csv as --glyphs, a .stl, .obj, "
+    ".ply, .off,",
+    ".vtk or .vtp with faces as --surface.",
     "Without OUT the picture is IN's name with .png, in the current "
     "folder. World axes are LPS: front looks along +y.",
     NULL};

@@ -66,6 +66,14 @@ static void log_outputs(const isorender_job *job) {
     if (job->plan->aov) log_pictures(job, job->plan->aov);
 }
 
+/* What became of the faces of an input that could be drawn as points. */
+static void log_faces(const isorender_job *job) {
+    if (job->settings->faces == ISORENDER_FACES_DRAWN)
+        isorender_log(job, "note: drawn as the mesh of its faces (--method splats: its vertices as points)");
+    if (job->settings->faces == ISORENDER_FACES_LEFT_OUT)
+        isorender_log(job, "note: drawn as points: its faces are not drawn (--surface draws them)");
+}
+
 static iso_status make_at_once(isorender_job *job, iso_error *error) {
     double start = iso_clock_seconds();
     ISO_TRY(iso_ranks_agree(&job->settings->ranks, isorender_read(job, error), error));
@@ -73,6 +81,7 @@ static iso_status make_at_once(isorender_job *job, iso_error *error) {
     double read = iso_clock_seconds();
     job->seconds.load += read - start;
     ISO_TRY(isorender_extract(job, error));
+    log_faces(job);
     double extracted = iso_clock_seconds();
     job->seconds.extract = extracted - read;
     ISO_TRY(isorender_export(job, error));
@@ -134,14 +143,6 @@ static iso_status open_and_check(isorender_job *job, iso_error *error) {
     return job->settings->ranks.rank ? ISO_OK : isorender_plan_check_writable(job->plan, error);
 }
 
-/* What became of the faces of an input that could be drawn as points. */
-static void log_faces(const isorender_job *job) {
-    if (job->settings->faces == ISORENDER_FACES_DRAWN)
-        isorender_log(job, "note: drawn as the mesh of its faces (--method splats: its vertices as points)");
-    if (job->settings->faces == ISORENDER_FACES_LEFT_OUT)
-        isorender_log(job, "note: drawn as points: its faces are not drawn (--surface draws them)");
-}
-
 static void log_old_discs(const isorender_job *job) {
     const char *name = isorender_reconstruction_name(job->settings, false);
     if (job->settings->old_discs)
@@ -155,7 +156,6 @@ static iso_status run_steps(isorender_job *job, iso_error *error) {
     double start = iso_clock_seconds();
     ISO_TRY(iso_ranks_agree(&job->settings->ranks, open_and_check(job, error), error));
     const iso_ranks *ranks = &job->settings->ranks;
-    log_faces(job);
     log_old_discs(job);
     const iso_status made = job->settings->info ? print_info(job, error) : make_outputs(job, error);
     ISO_TRY(iso_ranks_agree(ranks, made, error));

@@ -237,7 +237,8 @@ iso_status isosculpt_settings_parse(int argc, char *const *argv, isosculpt_setti
         return iso_fail(error, ISO_ERR_USAGE,
                         "--backend gl needs a window: with --headless the cpu engine draws");
     if (operands->count > 0)
-        return iso_fail(error, ISO_ERR_USAGE, "%s: with --headless a stroke file is given with --replay",
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "%s: with --headless a file is named by --open, and strokes by --replay",
                         operands->values[0]);
     if (!settings->replay && !settings->open)
         return iso_fail(error, ISO_ERR_USAGE, "--headless needs --replay FILE or --open FILE");

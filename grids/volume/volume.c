@@ -267,7 +267,9 @@ static iso_status fail_unknown(const char *path, const head *h, iso_error *error
     return iso_fail(
         error, ISO_ERR_FORMAT,
         "%s: not a volume that isopoint can read: it reads %sfolders of PNG slices, Zarr and DICOM folders, "
-        "and raw data with --raw",
+        "and raw data with --raw; points and shapes are .ply, .pcd, .las, .xyz, .csv, .pdb, .tck, .trk, "
+        ".swc, "
+        ".stl, .obj, .off, .vtp ..",
         path, known);
 }
 

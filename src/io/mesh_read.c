@@ -154,7 +154,7 @@ static bool read_numbers(reading *r, char **rest, double *numbers, int count) {
 static iso_status read_stl_text(reading *r, iso_error *error) {
     double p[9];
     int corners = 0;
-    bool ended = true; /* by "endsolid" behind the last facet */
+    bool ended = false; /* by "endsolid" behind the last facet */
     char *rest = NULL;
     ISO_TRY(load_rows(r, error));
     for (char *word; (word = next_word(r, &rest));) {
@@ -370,8 +370,9 @@ static iso_status read_any(reading *r, iso_error *error) {
     if (dot && strcasecmp(dot, ".ply") == 0) return read_ply(r, error);
     if (dot && strcasecmp(dot, ".vtk") == 0) return read_polydata(r, iso_polydata_read_vtk, error);
     if (dot && strcasecmp(dot, ".vtp") == 0) return read_polydata(r, iso_polydata_read_vtp, error);
-    return iso_fail(error, ISO_ERR_UNSUPPORTED, "%s: meshes are read from .stl, .obj, .ply, .vtk and .vtp",
-                    r->path);
+    if (dot && strcasecmp(dot, ".off") == 0) return read_polydata(r, iso_polydata_read_off, error);
+    return iso_fail(error, ISO_ERR_UNSUPPORTED,
+                    "%s: meshes are read from .stl, .obj, .ply, .off, .vtk and .vtp", r->path);
 }
 
 iso_status iso_mesh_read(const char *path, const iso_progress *progress, iso_triangles *mesh,
@@ -444,6 +445,24 @@ static unsigned find_rows(const char *path, const char *const *words) {
     return found;
 }
 
+/* Looks into the header: the keyword, which says whether vertices have colours, and the numbers of vertices
+ * and faces, between comments. */
+static iso_mesh_content find_off_faces(const char *path) {
+    enum { WORDS = 3 };
+    FILE *file;
+    char words[WORDS][32] = {""};
+    if (iso_file_open(path, &file, NULL, NULL) != ISO_OK) return ISO_MESH_NO_FACES;
+    int found = 0;
+    while (found < WORDS && fscanf(file, "%31s", words[found]) == 1)
+        if (words[found][0] != '#')
+            found++;
+        else if (fscanf(file, "%*[^\n]") == EOF)
+            break;
+    fclose(file);
+    if (found < WORDS || strtod(words[2], NULL) <= 0) return ISO_MESH_NO_FACES;
+    return strchr(words[0], 'C') ? ISO_MESH_COLORED_FACES : ISO_MESH_FACES;
+}
+
 iso_mesh_content iso_mesh_find_faces(const char *path) {
     bool faces = false;
     if (iso_text_has_extension(path, ".ply")) return find_ply_faces(path);
@@ -455,6 +474,7 @@ iso_mesh_content iso_mesh_find_faces(const char *path) {
         const unsigned found =
             find_rows(path, (const char *const[]){"POLYGONS", "TRIANGLE_STRIPS", "LINES", NULL});
         faces = found && !(found & 4);
-    }
+    } else if (iso_text_has_extension(path, ".off"))
+        return find_off_faces(path);
     return faces ? ISO_MESH_FACES : ISO_MESH_NO_FACES;
 }

@@ -1,5 +1,5 @@
 /* mesh_read: reads triangle meshes; the format is chosen by the extension: .stl (binary and ASCII), .obj,
- * .ply, .vtk and .vtp with polygonal data. Reads positions and faces only; polygons become triangles.
+ * .ply, .off, .vtk and .vtp with polygonal data. Reads positions and faces only; polygons become triangles.
  * Positions are taken to be world millimetres. */
 #ifndef ISO_IO_MESH_READ_H
 #define ISO_IO_MESH_READ_H
@@ -19,11 +19,11 @@ void iso_triangles_free(iso_triangles *mesh);
 typedef enum iso_mesh_content {
     ISO_MESH_NO_FACES,
     ISO_MESH_FACES,
-    ISO_MESH_COLORED_FACES /* .ply: its vertices have colours, which a mesh does not show */
+    ISO_MESH_COLORED_FACES /* .ply and .off: its vertices have colours, which a mesh does not show */
 } iso_mesh_content;
 
-/* Looks for faces in a .obj, .ply, .vtk or .vtp file; in .vtk and .vtp that have lines as well they do not
- * count. A file that cannot be read has none. */
+/* Looks for faces in a .obj, .ply, .off, .vtk or .vtp file; in .vtk and .vtp that have lines as well they
+ * do not count. A file that cannot be read has none. */
 iso_mesh_content iso_mesh_find_faces(const char *path);
 
 #endif

@@ -31,4 +31,4 @@ isorender_refuses 2 "hybrid" in/ball.mha --isovalue 500 --primitive foot --metho
 isorender_refuses 2 "hybrid" in/ball.mha --isovalue 500 --opacity 0.5 --method hybrid
 isorender_refuses 2 "hybrid" in/ball.mha --isovalue 500 --ior 1.5 --method hybrid
 isorender_refuses 2 "others need the cpu" in/ball.mha --isovalue 500 --backend egl --method hybrid
-isorender_refuses 2 "there are lines or glyphs only" in/line.swc --method hybrid
+isorender_refuses 2 "there are lines, glyphs or meshes only" in/line.swc --method hybrid

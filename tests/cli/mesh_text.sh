@@ -9,6 +9,7 @@ open("in/wide.obj", "w", encoding="utf-16").write("v 0 0 0\n")
 open("in/number.stl", "w").write(solid.replace("vertex 9 0 0", "vertex 9 0 0x"))
 open("in/number.obj", "w").write("v 0 0 0\nv 1 0 3.1+e2\nv 0 1 0\nf 1 2 3\n")
 open("in/cut.stl", "w").write(solid[:solid.index("endsolid")])
+open("in/early.stl", "w").write(solid[:30])
 open("in/cut.obj", "w").write("f 1 2 3\nv 0 0 0\nv 1 0 3\n")
 header = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n" \
          "element face 1\nproperty list uchar int vertex_index\nend_header\n"
@@ -30,6 +31,7 @@ isorender_refuses 3 "wide.obj: text in UTF-16" --surface in/wide.obj
 isorender_refuses 3 "facet 1 is not a triangle" --surface in/number.stl
 isorender_refuses 3 "line 2: not a vertex" --surface in/number.obj
 isorender_refuses 3 "cut.stl: truncated" --surface in/cut.stl
+isorender_refuses 3 "early.stl: truncated: it has no endsolid" --surface in/early.stl
 isorender_refuses 3 "names vertex 2 of 2" --surface in/cut.obj
 isorender_refuses 6 "none.obj: nothing to draw: no triangle has an area" --surface in/none.obj
 rm -f said

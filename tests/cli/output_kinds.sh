@@ -51,7 +51,7 @@ at = data.index(b"pHYs")
 expect(struct.unpack(">IIB", data[at + 4:at + 13]) == (11811, 11811, 1), "pHYs")
 expect(b"pHYs" not in open("c.png", "rb").read(), "no resolution is invented")
 P
-isorender_refuses 2 'bad.jpg: a JPEG has no transparency' in/ball.mha -o bad.jpg --background none
+refuses 2 'bad.jpg: a JPEG has no transparency' isorender in/ball.mha -o bad.jpg --background none
 if isorender in/ball.mha a.jpg --resolution 90x70 --dpi 300 --quiet 2>error.txt; then
     python3 - <<'P'
 import struct

@@ -51,6 +51,16 @@ expect(all(i // 300 > 170 for i in corner) and any(i % 300 < 60 for i in corner)
 sides = [covered("turn_%03d.png" % n) for n in range(3)]
 expect(max(abs(s[k] - sides[0][k]) for s in sides for k in range(4)) <= 1 and min(sides[0]) in (3, 4), sides)
 P
+# Of a file without a unit --mm-per-pixel speaks of mm, or of what --unit says that its lengths are in.
+printf '0 0 0\n9 0 0\n9 0 9\n0 0 9\n' >in/dots.xyz
+dots() { isorender in/dots.xyz "$1.png" --radius 2 --mm-per-pixel 0.1 --scale-bar --resolution 200x200 --json="$1.json" --quiet "${@:2}"; }
+dots dots_mm && dots dots_um --unit um && dots dots_cm --unit cm
+python3 - <<'P'
+from check import *
+mm, um, cm = (report("dots_%s.json" % unit) for unit in ("mm", "um", "cm"))
+expect(mm["scale_bar_mm"] == um["scale_bar"] == cm["scale_bar"] == 5, mm, um, cm)
+expect("scale_bar_mm" not in um and "scale_bar_mm" not in cm)
+P
 fails() { refuses 2 "$1" isorender in/ball.mha bad.png --isovalue 500 "${@:2}"; }
 fails "--scale-bar needs --orthographic or --mm-per-pixel" --scale-bar
 fails "--mm-per-pixel and --zoom both set the scale" --mm-per-pixel 1 --zoom 2

@@ -16,6 +16,15 @@ means --point_size 'did you mean --radius or --glyph-radius?'
 means --channels 'did you mean --channel or --component?'
 means --stl 'did you mean --mesh?'
 means --slice 'nothing is cut by a plane; --crop and --crop-mm keep a box of the volume'
+means --raycast 'did you mean --method?'
+means --voxel-size 'did you mean --spacing?'
+means --orthogonal 'did you mean --orthographic?'
+means --log 'did you mean --verbose?'
+means --fill 'did you mean --closed?'
+means --keep 'did you mean --largest?'
+means --steps 'did you mean --every or --level?'
+means --time '--component chooses one of several times of a file, .*'
+means --gui 'isosculpt opens a window: .*'
 means --clip 'nothing is cut by a plane; .*'
 means --smooth 'volumes are drawn as they are, without smoothing; .*'
 means -isovalue 'did you mean --isovalue?'
@@ -30,10 +39,13 @@ means --metallic 'surfaces are lit by one model; .* --ior makes glass'
 means --bone 'a tissue has no name here: .*'
 means --jpg 'did you mean --output?'
 means --export-stl 'did you mean --mesh?'
+refuses 2 'unknown option --input (files are named without an option: .*)' isosculpt --input x.stl
+refuses 2 'unknown option --matcap (colours and lights are chosen in the window)' isosculpt --matcap x
 # words whose options a program lacks are no hint there
 refuses 2 'unknown option --yaw (see --help)' isocompare --yaw 3
 refuses 2 'unknown option --threshold (did you mean --isovalue?)' isosculpt --threshold 3
 isorender_refuses 2 "option --transparency: '0.5' is not one of .*--opacity" in/ball.mha --transparency 0.5
+isorender_refuses 2 "option --method: 'raytrace' is not one of .*; raycast follows rays, mesh draws Marching Cubes" in/ball.mha --method raytrace
 isorender_refuses 2 "option --camera: '30' is not one of .*--azimuth" in/ball.mha --camera 30
 isorender_refuses 2 "option --color: 'transparent' is no colour: an opacity below 1" in/ball.mha --color transparent
 refuses 2 'bad.stl: a picture.s name must end in .*(--mesh bad.stl writes' isorender in/ball.mha bad.stl
@@ -45,7 +57,7 @@ isorender_refuses 2 "option --color: 'rgb(1,0,0)' is neither RRGGBB in hexadecim
 isorender_refuses 2 "option --threads: 'auto' is not a whole number from 1 to 1024 (default: one a processor)" in/ball.mha --threads auto
 isorender_refuses 4 "there is no backend 'gpu': auto, cpu, egl or osmesa" in/ball.mha --backend gpu
 head -c 3000 /dev/zero >in/what.zzz
-isorender_refuses 3 'in/what.zzz: not a volume that isopoint can read: it reads .vti, .*DICOM folders, and raw data' in/what.zzz
+isorender_refuses 3 'in/what.zzz: not a volume that isopoint can read: it reads .vti, .*DICOM folders, and raw data .*.ply, .*.swc, .*.off' in/what.zzz
 python3 - <<'P'
 import gzip
 import zipfile
@@ -96,3 +108,32 @@ LOOKUP_TABLE default
 0 0 0 0 1 1 1 1
 V
 isorender_refuses 2 "in/two.vtk: no array 'vel', there are 'pressure', 'speed'" in/two.vtk --grid vel
+# values of an option that stand as words of their own are no inputs
+stray() { refuses 2 "$1: no such file; several values of an option are one word, .*--isovalue 40,90, .*--largest=2" isorender in/ball.mha "${@:2}"; }
+stray 2 bad.png --largest 2
+stray 2 --largest 2
+stray 90 bad.png --isovalue 40 90
+stray info bad.png --verbose info
+stray blue bad.png --isovalue 40,90 --color red blue
+cp in/ball.mha in/ball2.mha
+refuses 2 "2 inputs need --output TEMPLATE, such as '{model}.png', not bad.png" isorender in/ball.mha in/ball2.mha bad.png
+refuses 2 "option --json: out.json: 2 inputs need an output each: a template, such as '{model}.json'" isorender in/ball.mha in/ball2.mha -o '{model}.png' --json out.json
+refuses 2 "option --output: bad.png: 2 inputs need an output each: a template, such as '{model}.png'" isorender in/ball.mha in/ball2.mha -o bad.png
+refuses 2 "bad: a picture's name must end in .png, .tif or .jpg" isorender in/ball.mha bad
+# options that are given once for each file are no lists; their names may be in capitals, as those of all options
+refuses 2 "--volume-opacity: '.4,1' is not an opacity from 0 to 1; the option is given again for each file" \
+    isorender in/ball.mha bad.png --volume in/ball.mha --volume in/ball2.mha --volume-opacity .4,1
+refuses 2 "--volume-color: 'red,blue' is neither .*; the option is given again for each file" \
+    isorender in/ball.mha bad.png --volume in/ball.mha --volume in/ball2.mha --volume-color red,blue
+printf 'x,y,z\n0,0,0\n1,0,0\n' >in/two.csv
+isorender in/two.csv two.png --glyph Box --resolution 200x200 --quiet
+# slices of one volume are its folder
+mkdir in/slices
+for i in 1 2 3; do head -c 100 /dev/zero >in/slices/$i.dcm; done
+refuses 2 "3 inputs need --output TEMPLATE, .*, not bad.png; slices of one volume are read by their folder: isorender in/slices" isorender in/slices/*.dcm bad.png
+refuses 2 "option --output: bad.png: 3 inputs need .*; slices of one volume are read by their folder: isorender in/slices" isorender in/slices/*.dcm -o bad.png
+# options of surfaces name those of lines, glyphs and meshes
+isorender_refuses 2 "--color is for surfaces of volumes: here it is --glyph-color" in/two.csv --color red
+isorender_refuses 2 "--opacity is for surfaces of volumes: here it is --glyph-opacity" in/two.csv --opacity .5
+refuses 2 "in/ball.mha: with --headless a file is named by --open, and strokes by --replay" isosculpt in/ball.mha --headless
+refuses 2 "bad.png: the picture has a name already: --output other.png" isorender in/ball.mha bad.png -o other.png

@@ -1,5 +1,5 @@
 /* off: Geomview's OFF as text: vertices, with their normals (NOFF) and colours (COFF) if the first word says
- * so, and faces, which serve normals. Texture coordinates (STOFF) are left out. */
+ * so, and faces, which serve normals or are the surface. Texture coordinates (STOFF) are left out. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -11,8 +11,8 @@ enum { MOST = 16 }; /* numbers of a vertex: at most 3 + 3 + 4 + 2 are used */
 
 typedef struct off {
     iso_rows rows;
-    iso_polydata data;
-    iso_faces faces;
+    iso_polydata *data;
+    iso_faces *faces;
     bool has_normals, has_colors, has_texture;
     uint64_t vertices, face_count;
     iso_slot slots[MOST];
@@ -72,7 +72,7 @@ static iso_status next_row(off *o, const char *what, char **row, iso_error *erro
 /* Adds a column of three numbers to the slots. */
 static iso_status add_three(off *o, const char *name, iso_role role, iso_error *error) {
     int column;
-    ISO_TRY(iso_polydata_add_column(&o->data, name, 3, false, role, &column, error));
+    ISO_TRY(iso_polydata_add_column(o->data, name, 3, false, role, &column, error));
     for (int k = 0; k < 3; k++) o->slots[o->used++] = (iso_slot){column, k};
     return ISO_OK;
 }
@@ -83,16 +83,16 @@ static iso_status read_vertices(off *o, iso_error *error) {
     if (o->has_normals) ISO_TRY(add_three(o, "normals", ISO_ROLE_NORMAL, error));
     if (o->has_colors) ISO_TRY(add_three(o, "colors", ISO_ROLE_COLOR, error));
     const int wanted = o->used + (o->has_texture ? 2 : 0);
-    ISO_TRY(iso_polydata_reserve(&o->data, (size_t)o->vertices, error));
+    ISO_TRY(iso_polydata_reserve(o->data, (size_t)o->vertices, error));
     for (uint64_t i = 0; i < o->vertices; i++) {
         char *row;
         int count = 0;
         ISO_TRY(next_row(o, "vertices", &row, error));
         while (count < MOST && iso_row_number(&row, "", &numbers[count])) count++;
         if (count < wanted) return iso_rows_fail(&o->rows, "not enough numbers for a vertex", error);
-        iso_polydata_add_row(&o->data, o->slots, numbers, o->used);
+        iso_polydata_add_row(o->data, o->slots, numbers, o->used);
     }
-    iso_polydata_scale_colors(&o->data, true);
+    iso_polydata_scale_colors(o->data, true);
     return ISO_OK;
 }
 
@@ -105,34 +105,42 @@ static iso_status read_face(off *o, char *row, iso_error *error) {
     for (uint64_t i = 0; i < corners; i++) {
         if (!parse_count(&row, &corner) || corner >= UINT32_MAX)
             return iso_rows_fail(&o->rows, "not as many corners as the face has", error);
-        ISO_TRY(iso_faces_add_corner(o->data.reading, &o->faces, &face, (uint32_t)corner, error));
+        ISO_TRY(iso_faces_add_corner(o->data->reading, o->faces, &face, (uint32_t)corner, error));
     }
-    return iso_faces_end_face(o->data.reading, &o->faces, &face, error);
+    return iso_faces_end_face(o->data->reading, o->faces, &face, error);
 }
 
 static iso_status read_faces(off *o, iso_error *error) {
-    if (!iso_faces_are_wanted(&o->data)) return ISO_OK;
+    const bool normals = iso_faces_are_wanted(o->data);
+    if (!normals && !o->data->surface) return ISO_OK;
     for (uint64_t i = 0; i < o->face_count; i++) {
         char *row;
         ISO_TRY(next_row(o, "faces", &row, error));
         ISO_TRY(read_face(o, row, error));
     }
-    return iso_faces_make_normals(&o->faces, &o->data, error);
+    return normals ? iso_faces_make_normals(o->faces, o->data, error) : ISO_OK;
 }
 
-static iso_status read_off(off *o, iso_glyphs *glyphs, iso_error *error) {
-    ISO_TRY(iso_rows_load(o->data.reading, &o->rows, error));
+static iso_status read_off(off *o, iso_error *error) {
+    ISO_TRY(iso_rows_load(o->data->reading, &o->rows, error));
     ISO_TRY(read_header(o, error));
     ISO_TRY(read_vertices(o, error));
-    ISO_TRY(read_faces(o, error));
-    return iso_polydata_to_glyphs(&o->data, glyphs, error);
+    return read_faces(o, error);
+}
+
+iso_status iso_polydata_read_off(iso_polydata *data, iso_error *error) {
+    iso_faces own = {0};
+    off o = {.data = data, .faces = data->surface ? data->surface : &own};
+    const iso_status status = read_off(&o, error);
+    iso_rows_free(&o.rows);
+    iso_faces_free(data->reading, &own);
+    return status;
 }
 
 iso_status iso_glyphs_read_off(iso_reading *reading, iso_glyphs *glyphs, iso_error *error) {
-    off o = {.data = {.reading = reading, .points_only = true}};
-    iso_status status = read_off(&o, glyphs, error);
-    iso_rows_free(&o.rows);
-    iso_faces_free(reading, &o.faces);
-    iso_polydata_free(&o.data);
+    iso_polydata data = {.reading = reading, .points_only = true};
+    iso_status status = iso_polydata_read_off(&data, error);
+    if (status == ISO_OK) status = iso_polydata_to_glyphs(&data, glyphs, error);
+    iso_polydata_free(&data);
     return status;
 }

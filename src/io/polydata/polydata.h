@@ -16,7 +16,7 @@ typedef struct iso_polydata {
     bool points_only; /* lines are not wanted, so readers may skip them */
     bool packed_gaussians; /* Gaussians whose "opacity" is 0 .. 1 and whose "scale" is logarithmic */
     struct iso_faces
-        *surface; /* of .vtk and .vtp: polygons and strips are added to it, and columns are skipped;
+        *surface; /* of .vtk, .vtp and .off: polygons and strips are added to it, and columns are skipped;
                                   NULL: polygons are not wanted (io/polydata/faces.h) */
     iso_vec3 origin;
     iso_buffer points; /* three floats each, relative to the origin, in the file's space; NaN: not usable */
@@ -103,6 +103,7 @@ void iso_polydata_free(iso_polydata *data);
 /* The readers of single formats. Errors as for iso_lines_read. */
 iso_status iso_polydata_read_vtk(iso_polydata *data, iso_error *error);
 iso_status iso_polydata_read_vtp(iso_polydata *data, iso_error *error);
+iso_status iso_polydata_read_off(iso_polydata *data, iso_error *error);
 iso_status iso_polydata_read_obj(iso_polydata *data, iso_error *error);
 iso_status iso_polydata_read_ply(iso_polydata *data, iso_error *error);
 

@@ -3,7 +3,9 @@
 
 #include <math.h>
 
+#include "base/box_items.h"
 #include "base/memory.h"
+#include "render/shapes/solid.h"
 
 iso_shapes *iso_shapes_make(const iso_shapes_opts *opts, iso_vec3 origin) {
     iso_shapes *made = iso_alloc(sizeof *made);
@@ -100,22 +102,57 @@ iso_box iso_shapes_bounds(const iso_shapes *shapes) {
     return shapes->bounds;
 }
 
-iso_box iso_shapes_bounds_along(const iso_shapes *shapes, const iso_vec3 vectors[3]) {
-    iso_box all = iso_box_empty();
-    for (size_t b = 0; b < shapes->block_count; b++) {
-        const iso_shapes_block *block = &shapes->blocks[b];
-        const iso_vec3 center =
-            iso_vec3_add(shapes->origin, iso_vec3_make((double)block->origin[0], (double)block->origin[1],
-                                                       (double)block->origin[2]));
-        double middle[3], extent[3];
-        for (int k = 0; k < 3; k++) {
-            const iso_vec3 v = vectors[k];
-            middle[k] = iso_vec3_dot(v, center);
-            extent[k] = fabs(v.x) * (double)block->half[0] + fabs(v.y) * (double)block->half[1] +
-                        fabs(v.z) * (double)block->half[2] + iso_vec3_length(v) * (double)block->reach;
+/* ---- bounds along vectors */
+
+/* A box that holds a block. */
+static iso_box around_block(const void *context, size_t item) {
+    const iso_shapes_block *block = &((const iso_shapes *)context)->blocks[item];
+    const iso_vec3 center = {(double)block->origin[0], (double)block->origin[1], (double)block->origin[2]},
+                   half = {(double)block->half[0] + (double)block->reach,
+                           (double)block->half[1] + (double)block->reach,
+                           (double)block->half[2] + (double)block->reach};
+    return (iso_box){iso_vec3_sub(center, half), iso_vec3_add(center, half)};
+}
+
+/* Adds the ball around a place of the set. */
+static void add_ball(const iso_affine *affine, iso_vec3 place, double radius, iso_box *box) {
+    const double *m = affine->m, wider = radius * (1 + 1e-6); /* than a radius that was rounded to a float */
+    const iso_vec3 middle = iso_affine_point(affine, place),
+                   reach = {wider * iso_vec3_length(iso_vec3_make(m[0], m[1], m[2])),
+                            wider * iso_vec3_length(iso_vec3_make(m[3], m[4], m[5])),
+                            wider * iso_vec3_length(iso_vec3_make(m[6], m[7], m[8]))};
+    iso_box_add(box, iso_vec3_sub(middle, reach));
+    iso_box_add(box, iso_vec3_add(middle, reach));
+}
+
+static void add_vertices(const void *context, size_t item, const iso_affine *affine, iso_box *box) {
+    const iso_shapes *shapes = context;
+    const iso_shapes_block *block = &shapes->blocks[item];
+    for (uint32_t i = block->first; i < block->first + block->count; i++)
+        for (uint32_t k = 0; k <= shapes->runs.length[i]; k++) {
+            const float *v = shapes->vertices[shapes->runs.first[i] + k];
+            add_ball(affine, iso_vec3_make((double)v[0], (double)v[1], (double)v[2]), (double)v[3], box);
         }
-        iso_box_add(&all, iso_vec3_make(middle[0] - extent[0], middle[1] - extent[1], middle[2] - extent[2]));
-        iso_box_add(&all, iso_vec3_make(middle[0] + extent[0], middle[1] + extent[1], middle[2] + extent[2]));
+}
+
+static void add_glyphs(const void *context, size_t item, const iso_affine *affine, iso_box *box) {
+    const iso_shapes *shapes = context;
+    const iso_shapes_block *block = &shapes->blocks[item];
+    for (uint32_t i = block->first; i < block->first + block->count; i++) {
+        const iso_vec3 place = {(double)block->origin[0] + (double)shapes->x[i],
+                                (double)block->origin[1] + (double)shapes->y[i],
+                                (double)block->origin[2] + (double)shapes->z[i]};
+        add_ball(affine, place, iso_solid_reach(shapes, iso_shapes_id(shapes, i)), box);
     }
-    return all;
+}
+
+iso_box iso_shapes_bounds_along(const iso_shapes *shapes, const iso_vec3 vectors[3]) {
+    iso_affine along = {.determinant = 1}; /* for points only: the inverse is not set */
+    for (int k = 0; k < 3; k++) {
+        iso_vec3_store(vectors[k], along.m + 3 * k);
+        along.origin[k] = iso_vec3_dot(vectors[k], shapes->origin);
+    }
+    const iso_box_items blocks = {shapes, shapes->block_count, around_block,
+                                  iso_shapes_are_lines(shapes) ? add_vertices : add_glyphs};
+    return iso_box_of_items(&blocks, &along);
 }

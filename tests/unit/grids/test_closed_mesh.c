@@ -691,8 +691,46 @@ static void threads_and_cancelling(void **state) {
     mesh_free(&mesh);
 }
 
+/* Ways that meet corners and edges, as between voxels of the grid that a mesh was made of. */
+static void changes(void **state) {
+    (void)state;
+    iso_triangles mesh = mesh_make();
+    uint32_t v[6];
+    for (int i = 0; i < 6; i++)
+        v[i] = put_vertex(&mesh,
+                          i == 0   ? 3
+                          : i == 1 ? -3
+                                   : 0,
+                          i == 2   ? 3
+                          : i == 3 ? -3
+                                   : 0,
+                          i == 4   ? 3
+                          : i == 5 ? -3
+                                   : 0);
+    for (int i = 0; i < 8; i++) {
+        const uint32_t x = v[i & 1], y = v[2 + (i >> 1 & 1)], z = v[4 + (i >> 2)];
+        const bool odd = (i ^ i >> 1 ^ i >> 2) & 1;
+        put_triangle(&mesh, x, odd ? z : y, odd ? y : z);
+    }
+    iso_closed_mesh *closed = close_mesh(&mesh, 0);
+    const iso_vec3 ways[][2] = {{{2.5, 0, 0}, {3.5, 0, 0}},
+                                {{0, 0, -3.25}, {0, 0, -2}},
+                                {{1, 1, 0}, {2, 2, 0}},
+                                {{0.5, 0.5, 0.5}, {1.5, 0.5, 0.5}},
+                                {{3.5, 0, 0}, {3.5, 0.5, 0}}};
+    for (size_t i = 0; i < sizeof ways / sizeof *ways; i++) {
+        int change;
+        assert_true(iso_closed_mesh_change(closed, ways[i][0], ways[i][1], &change));
+        assert_int_equal(change, (int)lrint(iso_closed_mesh_winding(closed, ways[i][1]) -
+                                            iso_closed_mesh_winding(closed, ways[i][0])));
+    }
+    iso_closed_mesh_destroy(closed);
+    mesh_free(&mesh);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(winding_numbers),
+                                       cmocka_unit_test(changes),
                                        cmocka_unit_test(damaged_balls),
                                        cmocka_unit_test(separate_corners),
                                        cmocka_unit_test(shells),

@@ -274,35 +274,42 @@ static void test_bad_glyphs(void **state) {
     iso_shapes_destroy(shapes);
 }
 
-/* Bounds in a turned and scaled space hold every sphere, and little more. */
-static void test_bounds_along(void **state) {
-    (void)state;
-    const iso_vec3 origin = {300, -20, 7}, vectors[3] = {{0.6, 0.8, 0}, {-1.6, 1.2, 0}, {0, 0.5, 0.5}};
-    cloud_start(&scene, origin);
-    add_random(&scene, 2000, 50, 0.2, 1, 3);
-    const iso_glyphs glyphs = scene.glyphs;
+/* Checks the set's bounds along three vectors against its spheres: they hold every sphere, and no more. */
+static void check_bounds_along(const iso_glyphs *glyphs, const iso_vec3 vectors[3]) {
     iso_shapes *shapes = NULL;
     iso_error error = {0};
-    test_ok(iso_shapes_from_glyphs(&glyphs, &SPHERES, &shapes, &error), &error);
+    test_ok(iso_shapes_from_glyphs(glyphs, &SPHERES, &shapes, &error), &error);
     const iso_box box = iso_shapes_bounds_along(shapes, vectors);
     double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
-    for (size_t i = 0; i < glyphs.count; i++)
+    for (size_t i = 0; i < glyphs->count; i++)
         for (int k = 0; k < 3; k++) {
-            const float *p = glyphs.positions[i];
-            const iso_vec3 at = {glyphs.origin.x + (double)p[0], glyphs.origin.y + (double)p[1],
-                                 glyphs.origin.z + (double)p[2]};
+            const float *p = glyphs->positions[i];
+            const iso_vec3 at = {glyphs->origin.x + (double)p[0], glyphs->origin.y + (double)p[1],
+                                 glyphs->origin.z + (double)p[2]};
             const double middle = iso_vec3_dot(at, vectors[k]),
-                         reach = (double)glyphs.radii[i] * iso_vec3_length(vectors[k]);
+                         reach = (double)glyphs->radii[i] * iso_vec3_length(vectors[k]);
             low[k] = fmin(low[k], middle - reach);
             high[k] = fmax(high[k], middle + reach);
         }
     const double got_low[3] = {box.lo.x, box.lo.y, box.lo.z}, got_high[3] = {box.hi.x, box.hi.y, box.hi.z};
     for (int k = 0; k < 3; k++) {
-        const double slack = 0.2 * (high[k] - low[k]); /* blocks are boxes */
-        assert_true(got_low[k] <= low[k] + 1e-4 && got_low[k] > low[k] - slack);
-        assert_true(got_high[k] >= high[k] - 1e-4 && got_high[k] < high[k] + slack);
+        assert_true(got_low[k] <= low[k] + 1e-4 && got_low[k] > low[k] - 1e-3);
+        assert_true(got_high[k] >= high[k] - 1e-4 && got_high[k] < high[k] + 1e-3);
     }
     iso_shapes_destroy(shapes);
+}
+
+/* Bounds in a turned and scaled space, of many blocks, and of one on one side of the origin. */
+static void test_bounds_along(void **state) {
+    (void)state;
+    const iso_vec3 vectors[3] = {{0.6, 0.8, 0}, {-1.6, 1.2, 0}, {0, 0.5, 0.5}};
+    cloud_start(&scene, iso_vec3_make(300, -20, 7));
+    add_random(&scene, 2000, 50, 0.2, 1, 3);
+    check_bounds_along(&scene.glyphs, vectors);
+    cloud_start(&scene, (iso_vec3){0});
+    add(&scene, 0, 0, 0, 1);
+    add(&scene, 10, 4, -2, 0.5);
+    check_bounds_along(&scene.glyphs, vectors);
 }
 
 int main(void) {
