@@ -193,7 +193,9 @@ static iso_status extract_points(isorender_job *job, isorender_surface *surface,
                             .pool = job->pool};
     ISO_TRY(iso_point_set_create(&surface->grid, &opts, &surface->points, error));
     ISO_TRY(iso_point_set_update(surface->points, error));
-    if (isorender_has_reconstructions(job->method)) ISO_TRY(iso_point_set_bound(surface->points, error));
+    /* Bounds tell whether the surface is closed: of closed ones, pyramids leave out points that face away. */
+    if (isorender_has_reconstructions(job->method) || job->method == ISO_METHOD_HYBRID)
+        ISO_TRY(iso_point_set_bound(surface->points, error));
     iso_points_stats stats = iso_point_set_stats(surface->points);
     job->point_count += stats.points;
     job->rejected += stats.rejected;

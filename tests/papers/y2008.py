@@ -2,7 +2,11 @@
 section 6, figures 4, 9, 13 to 16 and 19."""
 import math
 import os
+import sys
 
+sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "cli"))
+
+from check import Exr
 from measure import Number, read_ply_header
 from tables import Table, rate
 from y2003 import VOLUMES, Volumes
@@ -175,15 +179,22 @@ def figure_15(machine, table):
 
 
 # scene, azimuth, elevation, view angle, zoom: views in which a part of the visible cells is larger than 3 pixels
-MIXED = (("torus:160", 40, 25, 60, 0.7), ("torus:160", 40, 25, 60, 1.0), ("torus:160", 40, 25, 90, 0.7), ("torus:160", 40, 25, 90, 1.0),
+MIXED = (("torus:160", 40, 25, 75, 0.8), ("torus:160", 40, 25, 60, 1.0), ("torus:160", 40, 25, 90, 0.7), ("torus:160", 40, 25, 90, 1.0),
          ("torus:160", 10, 60, 60, 1.0), ("torus:160", 10, 10, 60, 1.2), ("torus:160", 100, 40, 75, 0.9), ("torus:128", 40, 25, 60, 1.0),
          ("gyroid:96", 40, 25, 60, 1.0), ("gyroid:96", 30, 20, 75, 0.8), ("gyroid:128", 10, 50, 60, 1.2), ("sphere:128", 40, 25, 60, 1.0),
          ("sphere:128", 40, 25, 90, 1.0), ("head:128", 30, 10, 75, 1.0), ("head:128", 30, 10, 75, 0.9))
 
 
+def share_of_triangles(machine, hybrid, mesh):
+    """The share of a hybrid picture's pixels that show triangles: those with the mesh's depth within 1/300 of a voxel. Points
+    have it by chance in 2 to 4 % of theirs."""
+    drawn, wanted = (Exr(machine.path(name)).planes["Z"] for name in (hybrid, mesh))
+    covered = [pair for pair in zip(drawn, wanted) if math.isfinite(pair[0])]
+    return sum(abs(a - b) < 1 / 300 for a, b in covered) / len(covered)
+
+
 def figure_16(machine, table):
-    """Views whose near part is triangles and whose far part is points, chosen by how many pixels show each: those of
-    the hybrid picture that are not the mesh's are counted as points."""
+    """Views whose near part is triangles and whose far part is points."""
     gains, shares, all_holes = [], [], []
     for scene, azimuth, elevation, angle, zoom in MIXED:
         view = ("scene:" + scene, "--resolution", "512x512", "--azimuth", azimuth, "--elevation", elevation, "--view-angle", angle,
@@ -191,17 +202,16 @@ def figure_16(machine, table):
         machine.render("hybrid-exact.png", *view)
         metric, command = {}, {}
         for method in ("mesh", "hybrid", "pullpush"):
-            name = "hybrid-%s.png" % method
-            _, command[method] = machine.render(name, *view, "--method", method)
-            metric[method] = machine.compare("hybrid-exact.png", name)
+            name = "hybrid-%s" % method
+            _, command[method] = machine.render(name + ".png", *view, "--method", method, "--aov", name + ".exr")
+            metric[method] = machine.compare("hybrid-exact.png", name + ".png")
         if not gains:
             for method in ("hybrid", "pullpush", "mesh"):
                 table.picture("hybrid-%s.png" % method, {"pullpush": "points"}.get(method, method), command[method])
-        report, counted = machine.report("isocompare", "images", "hybrid-mesh.png", "hybrid-hybrid.png")
-        share = 1 - report["metrics"]["pixels_differing"] / report["truth"]["covered"]
+        share = share_of_triangles(machine, "hybrid-hybrid.exr", "hybrid-mesh.exr")
         hybrid, points, holes = metric["hybrid"]("psnr_in"), metric["pullpush"]("psnr_in"), metric["hybrid"]("holes")
         table.row("%s, %d, %d, %d degrees, zoom %g" % (scene, azimuth, elevation, angle, zoom), hybrid, points,
-                  metric["mesh"]("psnr_in"), Number(100 * share, counted), holes)
+                  metric["mesh"]("psnr_in"), Number(100 * share, command["hybrid"]), holes)
         gains.append(hybrid.value - points.value)
         shares.append(share)
         all_holes.append(holes.value or 0)
@@ -233,5 +243,5 @@ def tables(machine):
     yield (Table("2008-figure-15", 2008, "Figure 15: points and triangles together", ["PSNR inside to exact, dB", "holes, %"],
                  "The paper shows a picture only."), lambda table: figure_15(machine, table))
     yield (Table("2008-figure-16", 2008, "Figure 16: hybrid surfaces",
-                 ["hybrid, PSNR inside to exact, dB", "points, dB", "mesh, dB", "pixels that are the mesh's, %", "holes of hybrid, %"],
+                 ["hybrid, PSNR inside to exact, dB", "points, dB", "mesh, dB", "pixels that show triangles, %", "holes of hybrid, %"],
                  "The paper shows a picture only."), lambda table: figure_16(machine, table))

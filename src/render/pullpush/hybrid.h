@@ -1,11 +1,14 @@
 /* hybrid: a surface as points where its cells are small in the picture and as triangles where they are large,
  * in one pyramid (Marroquim, Kraus and Cavalcanti 2008, section 5.2).
  *
- * Each brick is drawn one way or the other. Triangles are rasterized into the base level: such a polygon
- * fragment has a depth interval, widened by the depth's slope, but no ellipse, so that triangles do not grow
- * beyond their edges. Within a voxel of a brick that is drawn as points, fragments get a radius, from the
- * points' own at the seam to 0, so that points and triangles blend there. Nothing has to be matched: vertices
- * of the mesh are the edge points, bit for bit. */
+ * Each brick is drawn one way or the other. Vertices of the mesh are the edge points, bit for bit. Within
+ * half a voxel of a brick that is drawn as points, samples of triangles are fragments in the base level,
+ * with the points' radius, so that the points' surface goes on to the triangles without a gap. The paper
+ * puts all other triangles into the base level, too, with a radius near 0. Here they are drawn after the
+ * pyramid: the base level keeps one fragment a pixel, so that triangles would hide the points behind them,
+ * and the surface of these points would end before it reaches the triangles' outline. Where points of the
+ * surface are less than a depth interval before its triangles, the triangles are drawn, which are nearer to
+ * the surface. */
 #ifndef ISO_RENDER_PULLPUSH_HYBRID_H
 #define ISO_RENDER_PULLPUSH_HYBRID_H
 

@@ -1,14 +1,19 @@
-/* polygon_fragments: rasterizes triangles as iso_draw_mesh does, and turns samples into keys. */
+/* polygon_fragments: rasterizes triangles as iso_draw_mesh does, turns samples into keys, and draws them. */
 #include "render/pullpush/polygon_fragments.h"
 
 #include <math.h>
 #include <string.h>
 
+#include "base/parallel.h"
 #include "render/raster/raster.h"
 
 /* A depth interval is as long as the depth changes in two pixels, but not longer than so many radii of the
- * points it blends with, or so many pixels. */
+ * points it continues, or so many pixels. */
 static const double MOST_RADII = 4, MOST_PIXELS = 16;
+
+/* How far from bricks that are drawn as points the triangles of a hybrid surface continue the points, voxels:
+ * less leaves gaps at the seam, more makes outlines of the mesh grow. */
+static const double SEAM = 0.5;
 
 static double length_of(const double v[3]) {
     return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
@@ -72,30 +77,22 @@ static polygon_sample sample_at(const iso_polygons *polygons, const iso_pyramid_
     return s;
 }
 
-/* How near a place of a brick is to bricks that are drawn as points: 1 at their border, 0 from a voxel on. */
-static double nearness(const iso_polygon_set *set, const polygon_sample *s) {
+/* Whether a sample lies at the seam: within SEAM of a brick that is drawn as points. */
+static bool is_at_seam(const iso_polygon_set *set, const polygon_sample *s) {
     const iso_projector *projector = &set->choice->projector;
     const double *m = set->to_index;
-    double local[3], most = 0;
-    int32_t brick[3];
+    int32_t low[3], high[3]; /* the bricks within SEAM */
     for (int k = 0; k < 3; k++) {
         double at = 0;
         for (int i = 0; i < 3; i++) at += m[3 * k + i] * (s->at[i] - projector->origin[i]);
-        const double whole = floor(at / ISO_BRICK);
-        brick[k] = (int32_t)whole;
-        local[k] = at - whole * ISO_BRICK;
+        low[k] = (int32_t)floor((at - SEAM) / ISO_BRICK);
+        high[k] = (int32_t)floor((at + SEAM) / ISO_BRICK);
     }
-    for (int way = 0; way < 27; way++) {
-        const int step[3] = {way % 3 - 1, way / 3 % 3 - 1, way / 9 - 1};
-        const int32_t other[3] = {brick[0] + step[0], brick[1] + step[1], brick[2] + step[2]};
-        double distance = 0;
-        for (int k = 0; k < 3; k++) {
-            const double away = step[k] < 0 ? local[k] : step[k] > 0 ? ISO_BRICK - local[k] : 0;
-            distance = iso_max(distance, away);
-        }
-        if (1 - distance > most && !iso_brick_is_large(set->choice, other)) most = 1 - distance;
-    }
-    return most;
+    for (int32_t z = low[2]; z <= high[2]; z++)
+        for (int32_t y = low[1]; y <= high[1]; y++)
+            for (int32_t x = low[0]; x <= high[0]; x++)
+                if (!iso_brick_is_large(set->choice, (int32_t[3]){x, y, z})) return true;
+    return false;
 }
 
 /* A pixel's size at a sample, mm. */
@@ -124,18 +121,16 @@ static uint32_t make_payload(const iso_polygons *polygons, const polygon_sample 
     return (uint32_t)(iso_point_pack(&surfel).bits >> 42) | 16u << 22 | 16u << 27;
 }
 
-/* Radius and interval of a sample: without blending the radius is 0, so that the pixel has no ellipse. */
-static void set_extent(const iso_polygons *polygons, const iso_polygon_set *set, const polygon_sample *s,
-                       float *radius, float *interval) {
-    const double rise = 2 * slope_at(polygons, s);
-    if (set->choice) {
-        *radius = (float)(set->radius * nearness(set, s));
-        *interval = (float)iso_min(iso_max(set->radius, rise), MOST_RADII * set->radius);
-    } else {
-        const double pixel = pixel_at(polygons, s);
-        *radius = 0;
-        *interval = (float)iso_min(iso_max(pixel, rise), MOST_PIXELS * pixel);
-    }
+/* The radius of a sample's disc: at seams that of points, elsewhere 0, so that the pixel has no ellipse. */
+static float radius_of(const iso_polygon_set *set, const polygon_sample *s) {
+    return set->choice && is_at_seam(set, s) ? (float)set->radius : 0;
+}
+
+static float interval_of(const iso_polygons *polygons, const iso_polygon_set *set, const polygon_sample *s) {
+    const double rise = 2 * slope_at(polygons, s), pixel = pixel_at(polygons, s),
+                 least = set->choice ? set->radius : pixel,
+                 most = set->choice ? MOST_RADII * set->radius : MOST_PIXELS * pixel;
+    return (float)iso_min(iso_max(least, rise), most);
 }
 
 /* The planes that only a pyramid of several sets has, at a pixel that shows no ribbon. */
@@ -151,36 +146,79 @@ static const iso_polygon_set *set_of(const iso_polygons *polygons, uint8_t surfa
     return set;
 }
 
-/* Adds the sample of a pixel, if there is one that is nearer than the pixel's key. */
+/* Adds the sample of a pixel, if there is one that is nearer than the pixel's key. In a pyramid without
+ * index, only at the seam. */
 static void project_sample(const iso_polygons *polygons, const iso_pyramid *pyramid, int x, int y) {
     const iso_pyramid_level *level = &pyramid->level[0];
     const size_t index = (size_t)y * (size_t)polygons->picture.width + (size_t)x,
                  at = (size_t)y * level->stride + (size_t)x,
                  place = (size_t)y * pyramid->key_stride + (size_t)x;
     if (polygons->picture.surface[index] == ISO_SURFACE_NONE) return;
+    const iso_polygon_set *set = set_of(polygons, polygons->picture.surface[index]);
+    const polygon_sample s = sample_at(polygons, &pyramid->layout, x, y, index);
+    if (!pyramid->index && !is_at_seam(set, &s)) return;
     int32_t depth;
     memcpy(&depth, &polygons->picture.depth[index], sizeof depth);
     depth ^= depth >> 31 & INT32_MAX;
-    const polygon_sample s = sample_at(polygons, &pyramid->layout, x, y, index);
     const int64_t made = (int64_t)depth * ((int64_t)1 << 32) + make_payload(polygons, &s);
     if (made >= pyramid->keys[place]) return;
-    const iso_polygon_set *set = set_of(polygons, polygons->picture.surface[index]);
     pyramid->keys[place] = made;
-    set_extent(polygons, set, &s, level->plane[ISO_PLANE_RADIUS] + at, level->plane[ISO_PLANE_INTERVAL] + at);
     if (!pyramid->index) return;
+    level->plane[ISO_PLANE_RADIUS][at] = radius_of(set, &s);
+    level->plane[ISO_PLANE_INTERVAL][at] = interval_of(polygons, set, &s);
     pyramid->index[place] = ISO_INDEX_NONE;
     iso_set_planes_clear(level, at, set->surface);
 }
 
 void iso_polygon_fragments_project(const iso_polygons *polygons, const iso_pyramid *pyramid, iso_rows rows) {
-    const iso_pyramid_level *level = &pyramid->level[0];
-    for (int y = rows.first; y <= rows.last; y++) {
-        const size_t at = (size_t)y * level->stride;
-        for (int x = 0; x < level->width; x++) {
-            if (!pyramid->index)
-                level->plane[ISO_PLANE_RADIUS][at + (size_t)x] =
-                    level->plane[ISO_PLANE_INTERVAL][at + (size_t)x] = (float)polygons->sets[0].radius;
-            project_sample(polygons, pyramid, x, y);
-        }
+    for (int y = rows.first; y <= rows.last; y++)
+        for (int x = 0; x < pyramid->level[0].width; x++) project_sample(polygons, pyramid, x, y);
+}
+
+/* ---- samples */
+
+/* Whether a sample of the only set is drawn where the points have the depth `points`, mm. */
+static bool is_in_front(const iso_polygons *polygons, const iso_pyramid_layout *layout, int x, int y,
+                        size_t index, double points) {
+    const double depth = (double)polygons->picture.depth[index];
+    if (depth <= points) return true;
+    const iso_polygon_set *set = &polygons->sets[0];
+    if (depth > points + MOST_RADII * set->radius) return false;
+    const polygon_sample s = sample_at(polygons, layout, x, y, index);
+    return depth <= points + (double)interval_of(polygons, set, &s);
+}
+
+typedef struct polygon_drawing {
+    const iso_polygons *polygons;
+    const iso_target *target;
+    const iso_pyramid_layout *layout;
+} polygon_drawing;
+
+static void draw_row(void *context, size_t row, int worker) {
+    (void)worker;
+    const polygon_drawing *drawing = context;
+    const iso_gbuffer *from = &drawing->polygons->picture, *to = drawing->target->gbuffer;
+    const uint8_t surface = drawing->target->surface;
+    const int y = (int)row - drawing->layout->row;
+    for (int column = 0; column < to->width; column++) {
+        const int x = column - drawing->layout->column;
+        const size_t index = (size_t)y * (size_t)from->width + (size_t)x,
+                     at = row * (size_t)to->width + (size_t)column;
+        if (from->surface[index] == ISO_SURFACE_NONE) continue;
+        const float there = to->depth[at];
+        if (to->surface[at] == surface
+                ? !is_in_front(drawing->polygons, drawing->layout, x, y, index, (double)there)
+                : !(from->depth[index] < there))
+            continue;
+        to->depth[at] = from->depth[index];
+        for (int k = 0; k < 3; k++) to->normal[k][at] = from->normal[k][index];
+        to->surface[at] = surface;
+        if (to->color) to->color[at] = 0;
     }
+}
+
+void iso_polygons_draw(const iso_polygons *polygons, const iso_target *target,
+                       const iso_pyramid_layout *layout) {
+    polygon_drawing drawing = {polygons, target, layout};
+    iso_parallel_for(target->pool, (size_t)target->gbuffer->height, draw_row, &drawing);
 }

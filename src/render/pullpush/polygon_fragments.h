@@ -37,9 +37,9 @@ bool iso_matrix_invert(const double m[9], double out[9]);
 typedef struct iso_polygon_set {
     const iso_mesh_view *mesh;
     uint8_t surface;
-    /* Of hybrid surfaces, whose triangles blend with points: which bricks are points, the radius of the
+    /* Of hybrid surfaces, whose triangles continue points: which bricks are points, the radius of the
      * points' discs, mm, and from view space to index coordinates, without the origin. `choice` NULL:
-     * triangles do not blend. */
+     * triangles alone. */
     const iso_brick_choice *choice;
     double radius, to_index[9];
 } iso_polygon_set;
@@ -57,9 +57,15 @@ typedef struct iso_polygons {
 iso_status iso_polygons_rasterize(iso_polygons *polygons, const iso_target *target,
                                   const iso_pyramid_layout *layout, iso_error *error);
 
-/* Adds the triangles to rows of level 0. In a pyramid without index, also sets radius and interval of the
- * points there: those of the only set. */
+/* Adds the triangles to rows of level 0: all of them, with radius and interval, in a pyramid with index;
+ * in one without, which is of a hybrid surface alone, those at the seam, as if they were points. */
 void iso_polygon_fragments_project(const iso_polygons *polygons, const iso_pyramid *pyramid, iso_rows rows);
+
+/* Draws the triangles of a hybrid surface over its points, which `target` shows already: a sample is
+ * replaced by the triangles' when that is nearer or, where it shows points of this surface, less than a
+ * depth interval behind. */
+void iso_polygons_draw(const iso_polygons *polygons, const iso_target *target,
+                       const iso_pyramid_layout *layout);
 
 /* Sets the planes that only a pyramid of several sets has, at a pixel that shows no ribbon and no colour.
  * `set`: as in ISO_PLANE_SET. */

@@ -22,7 +22,7 @@ enum {
     STRIP_ROWS_LEAST = 64
 };
 
-/* With polygons: ellipses of a smaller radius are none, pixels. */
+/* Of several sets: ellipses of a smaller radius are none, pixels. */
 static const float LEAST_RADIUS = 0.5f;
 
 /* Limit of the pyramid's memory: a larger picture is drawn in strips. */
@@ -106,10 +106,9 @@ static iso_pyramid_layout choose_layout(const pullpush_call *call, const iso_vie
     }
     if (call->lines) return choose_lines_layout(call->lines, view);
     if (call->polygons) {
+        /* triangles need the picture's resolution */
         const float radius[2] = {0, call->blocks->seen ? call->blocks->radius[1] : 0};
-        iso_pyramid_layout layout = iso_pullpush_layout(view, radius);
-        layout.planes = 1u << ISO_PLANE_RADIUS | 1u << ISO_PLANE_INTERVAL;
-        return layout;
+        return iso_pullpush_layout(view, radius);
     }
     iso_pyramid_layout layout = iso_pullpush_layout(view, call->blocks->radius);
     if (call->points->radii) layout.planes |= 1u << ISO_PLANE_RADIUS;
@@ -158,7 +157,6 @@ static iso_status prepare_pyramid(pullpush_call *call, iso_error *error) {
                                             call->points->dims, call->reconstruction, !cull);
     call->params.pyramid = call->pyramid;
     call->params.target = call->target;
-    call->params.least_radius = call->polygons ? LEAST_RADIUS : 0;
     if (call->polygons) ISO_TRY(iso_polygons_rasterize(call->polygons, call->target, &layout, error));
     return iso_point_blocks_assign_bands(call->blocks, view, call->pyramid, call->band_rows, cull, error);
 }
@@ -413,6 +411,7 @@ static iso_status draw_rows(pullpush_call *call, const iso_target *whole, int fi
                           : prepare_pyramid(call, error));
     call->steps = iso_pullpush_steps_get(call->params.kind);
     reconstruct_surface(call);
+    if (call->polygons) iso_polygons_draw(call->polygons, call->target, &call->pyramid->layout);
     return ISO_OK;
 }
 

@@ -1,7 +1,7 @@
 /* Surfaces as points and triangles in one pyramid: vertices of the mesh are the edge points, bit for
- * bit; where bricks of both kinds meet there are no more holes than points have; with one kind only the
- * picture is that of pull-push or of the mesh; and the same bytes for every instruction set, number of
- * threads and strip. */
+ * bit; where bricks of both kinds meet there are no holes, and fewer places than with points alone where one
+ * sees through the surface; with one kind only the picture is that of pull-push or of the mesh; and the same
+ * bytes for every instruction set, number of threads and strip. */
 #include <math.h>
 #include <string.h>
 
@@ -112,9 +112,8 @@ static void seams_are_closed(void **state) {
                     names[i], side, zoom, cell, j.covered, j.holes, p.holes, j.through, p.through, j.beyond,
                     p.beyond);
                 assert_true(j.covered > 1000);
-                assert_true(j.holes <= p.holes + j.covered / 1000 &&
-                            j.through <= p.through + j.covered / 1000);
-                assert_true(j.holes * 100 <= j.covered);
+                assert_true(j.holes <= p.holes && j.through <= p.through);
+                assert_true(j.through * 1000 <= j.covered);
                 iso_gbuffer_free(&points);
                 iso_gbuffer_free(&drawn);
                 iso_gbuffer_free(&wanted);
