@@ -82,7 +82,7 @@ void mark() {
 layout(std430, binding = ISO_GL_DEEPEST) readonly buffer deepest_buffer { float deepest[]; };
 
 /* Squares of pixels along an axis; wider discs are not tested. */
-const int SQUARES_MOST = 4;
+const int SQUARES_MOST = 8;
 
 /* Whether a disc lies behind the fronts of all pixels that it can reach, so that neither pass needs it.
  * `reach`: pixels around its centre; `nearest`: the least depth, mm, that it has anywhere, less its

@@ -170,9 +170,8 @@ static iso_status find_blocks(const iso_gl_refined_draw *d, iso_gl_tile *t, iso_
     t->wide = (bool *)(t->blocks + blocks->count);
     for (size_t i = 0; i < blocks->count; i++) {
         if (!is_visible(d, &block[i], t)) continue;
-        const bool whole = !d->select || is_wide(d, &block[i]);
-        t->blocks[t->block_count++] = (iso_gl_tile_block){
-            .number = (uint32_t)i, .kind = whole ? ISO_GL_WHOLE : iso_gl_block_kind_of(d, &block[i])};
+        const iso_gl_block_kind kind = d->select ? iso_gl_block_kind_of(d, &block[i]) : ISO_GL_WHOLE;
+        t->blocks[t->block_count++] = (iso_gl_tile_block){.number = (uint32_t)i, .kind = kind};
     }
     return ISO_OK;
 }
@@ -224,7 +223,7 @@ static iso_status draw_discs(const iso_gl_refined_draw *d, const iso_gl_tile *t,
     iso_gl_surface_draw_chosen(d->surface, 0, listed);
     iso_gl_surface_draw_range(d->surface, listed, t->draws - listed);
     bool quads = false;
-    for (size_t i = listed; i < t->draws; i++) {
+    for (size_t i = 0; i < t->draws; i++) {
         if (!t->wide[i]) continue;
         if (!quads) ISO_TRY(use_program(d, (iso_gl_program)(program + 1), error));
         quads = true;

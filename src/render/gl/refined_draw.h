@@ -28,7 +28,7 @@ typedef struct iso_gl_refined_draw {
 typedef enum iso_gl_block_kind {
     ISO_GL_DENSE,  /* small discs: by the cells of pixels */
     ISO_GL_TESTED, /* larger ones: those that the fronts do not hide */
-    ISO_GL_WHOLE   /* not: all are drawn */
+    ISO_GL_WHOLE /* not: without selection. Sums depend on the order of blocks, which kinds must not change */
 } iso_gl_block_kind;
 enum { ISO_GL_BLOCK_KINDS = 3 };
 

@@ -21,7 +21,7 @@ static const float SMALL = 1.5f;
 static const double SMALL_AROUND = 7, RADII_BEHIND = 4.5;
 /* Pixels: the largest radius of discs that are tested against the fronts; larger ones reach more squares than
  * refined.vert looks at. */
-static const float TESTED = 12;
+static const float TESTED = 24;
 /* Pixels of focal length below which such a disc is not much smaller than its distance. */
 static const double FOCAL_LEAST = 64;
 
@@ -58,7 +58,7 @@ iso_gl_block_kind iso_gl_block_kind_of(const iso_gl_refined_draw *d, const iso_p
     const float radius = iso_refined_largest_radius(block) * d->slant;
     const bool small = radius <= SMALL && (view->orthographic || view->focal >= FOCAL_LEAST);
     if (d->cells && small && !iso_gl_is_curved(d, block)) return ISO_GL_DENSE;
-    return radius <= TESTED ? ISO_GL_TESTED : ISO_GL_WHOLE;
+    return ISO_GL_TESTED;
 }
 
 /* ---- points */
@@ -257,7 +257,7 @@ iso_status iso_gl_selection_pays(const iso_gl_refined_draw *d, iso_buffer *room,
     memset(room->data, 0, bytes);
     for (size_t i = 0; i < d->surface->blocks->count; i++) {
         if (!block[i].seen || (d->cull && block[i].back_facing)) continue;
-        if (iso_gl_block_kind_of(d, &block[i]) == ISO_GL_WHOLE) continue;
+        if (iso_refined_largest_radius(&block[i]) * d->slant > TESTED) continue;
         add_block(&sums, &block[i]);
         cover_squares(view, &block[i], room->data, &sums);
     }
