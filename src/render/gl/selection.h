@@ -7,10 +7,10 @@
  *   2. All points are drawn as pixels with their numbers, and the numbers are read back. Here: a vertex
  *      shader tests the discs of all blocks seen in the frame before against the deepest fronts of the
  *      squares of pixels that they reach, and marks those that are not hidden; a compute shader lists these
- *      for an indirect draw. So every disc is drawn that changes a pixel. With ISO_SELECTION_VISIBLE small flat
- *      discs are chosen instead, without fronts: one minimum of depths for each of the four quarters of a
- *      pixel, and one for the discs that cover the pixel's centre; the points with these depths are visible.
- *      So there are up to six points a pixel, and every pixel that some disc covers stays covered.
+ *      for an indirect draw. So every disc is drawn that changes a pixel. With ISO_SELECTION_VISIBLE small
+ *      flat discs are chosen instead, without fronts: one minimum of depths for each of the four quarters of
+ *      a pixel, and one for the discs that cover the pixel's centre; the points with these depths are
+ *      visible. So there are up to six points a pixel, and every pixel that some disc covers stays covered.
  *   3. Visibility splatting of points that have become visible: those marked by pass 2 that were not seen in
  *      the frame before. Then blocks that the fronts do not hide and that were not seen in the frame
  *      before are added in the same way, until there are none.
