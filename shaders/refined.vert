@@ -7,7 +7,8 @@
  *
  * SELECT 1 and 2: nothing is drawn, but the visible points of small discs are found
  * (render/gl/selection.h) in two passes. 1: each cell gets the least depth of the points that it
- * contains, or whose discs cover the centre of its pixel. 2: the points with these depths are marked. */
+ * contains, or whose discs cover the centre of its pixel. 2: the points with these depths are marked.
+ * SELECT 3: the points of larger discs are marked that the fronts found so far do not hide. */
 #ifndef SURFELS
 #define SURFELS 0
 #endif
@@ -69,11 +70,50 @@ vec4 convolved(vec3 n, vec2 ray, float away, float size) {
     return vec4((xx + det) * part, xy * part, (yy + det) * part, sqrt(part));
 }
 
-#if SELECT
-layout(std430, binding = ISO_GL_CELLS) buffer cell_buffer { uint cells[]; };
-#if SELECT == 2
+#if SELECT >= 2
 layout(std430, binding = ISO_GL_MARKED) buffer marked_buffer { uint marked[]; };
+
+void mark() {
+    atomicOr(marked[gl_VertexID >> 5], 1u << (gl_VertexID & 31));
+}
 #endif
+
+#if SELECT == 3
+layout(std430, binding = ISO_GL_DEEPEST) readonly buffer deepest_buffer { float deepest[]; };
+
+/* Squares of pixels along an axis; wider discs are not tested. */
+const int SQUARES_MOST = 8;
+
+/* Whether a disc lies behind the fronts of all pixels that it can reach, so that neither pass needs it.
+ * `reach`: pixels around its centre; `nearest`: the least depth, mm, that it has anywhere, less its
+ * thickness. */
+bool is_behind(vec2 at, float reach, float nearest) {
+    ivec2 count = (tile.xy + ISO_GL_SQUARE - 1) / ISO_GL_SQUARE;
+    ivec2 first = clamp(ivec2(floor((at - reach) / ISO_GL_SQUARE)), ivec2(0), count - 1),
+          last = clamp(ivec2(floor((at + reach) / ISO_GL_SQUARE)), ivec2(0), count - 1);
+    if (any(greaterThanEqual(last - first, ivec2(SQUARES_MOST)))) return false;
+    float most = -ISO_GL_NOWHERE;
+    for (int y = first.y; y <= last.y; y++)
+        for (int x = first.x; x <= last.x; x++) most = max(most, deepest[y * count.x + x]);
+    return most < nearest;
+}
+
+/* Whether the fronts hide a disc: its centre in view space is `at`, in the picture `column_row`. */
+bool is_hidden(vec3 at, vec2 column_row, float scale, float radius, bool filtered) {
+    vec2 ray = ray_to(column_row).xy;
+    float pixel = orthographic ? 1.0 / axis.w : at.z * sizes.x;
+    float reach = 1.03 * radius * scale * sqrt(1.0 + dot(ray, ray)) + ISO_GL_POINT_MARGIN,
+          behind = (1.0 + ISO_REFINED_THICKNESS) * radius;
+    if (filtered) {
+        reach += ISO_REFINED_LOW_PASS;
+        behind += ISO_REFINED_LOW_PASS_DEPTH * pixel;
+    }
+    return at.z >= axis.z && is_behind(column_row, reach, at.z - 1.001 * behind - 1e-6 * abs(at.z));
+}
+#endif
+
+#if SELECT == 1 || SELECT == 2
+layout(std430, binding = ISO_GL_CELLS) buffer cell_buffer { uint cells[]; };
 
 /* Takes part in the minimum of a cell, or marks the point if it has the cell's depth. */
 void enter_cell(int at, float depth) {
@@ -81,7 +121,7 @@ void enter_cell(int at, float depth) {
 #if SELECT == 1
     if (key < cells[at]) atomicMin(cells[at], key);
 #else
-    if (key == cells[at]) atomicOr(marked[gl_VertexID >> 5], 1u << (gl_VertexID & 31));
+    if (key == cells[at]) mark();
 #endif
 }
 
@@ -154,6 +194,11 @@ void main() {
     float radius = mm * (ISO_REFINED_BALL + clamp(wide, 0.0, 1.0) * more);
     if (place.w > 0.0) radius *= disc_scale(curvature);
     centre.zw = vec2(at.z, radius);
+#if SELECT == 3
+    if (!is_hidden(at, centre.xy, scale, radius, place.w < 0.0)) mark();
+    leave_out();
+    return;
+#endif
 
     vec3 view_normal = to_view(n), ray = ray_to(centre.xy);
     float per_length = inversesqrt(dot(view_normal, view_normal));
@@ -214,7 +259,7 @@ void main() {
         leave_out();
         return;
     }
-#if SELECT
+#if SELECT == 1 || SELECT == 2
     enter_cells(flat_disc(centre, facing, along, low, high));
     leave_out();
     return;

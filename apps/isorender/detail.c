@@ -63,7 +63,7 @@ iso_status isorender_detail_make(isorender_job *job, iso_error *error) {
 }
 
 iso_selection_counts isorender_selection(const isorender_job *job) {
-    if (job->backend->engine && job->settings->selection == (int)ISO_SELECTION_VISIBLE)
+    if (job->backend->engine && job->settings->selection != (int)ISO_SELECTION_ALL)
         return iso_gl_engine_selection(job->backend->engine);
     const iso_pullpush *workspaces[] = {job->pullpush, job->instances.placed.drawing.pullpush};
     iso_selection_counts all = {0};

@@ -18,7 +18,7 @@ uint64_t isorender_gl_bytes(const isorender_job *job) {
     }
     if (!isorender_has_reconstructions(job->settings->method))
         return shapes + iso_gl_draw_bytes(backend->engine, width, height);
-    const bool selects = job->settings->selection == (int)ISO_SELECTION_VISIBLE;
+    const bool selects = job->settings->selection != (int)ISO_SELECTION_ALL;
     return shapes + (selects ? iso_gl_selection_bytes(width, height) : 0) +
            iso_gl_pullpush_bytes(backend->engine, (iso_reconstruction)job->settings->reconstruction, width,
                                  height);

@@ -412,7 +412,7 @@ static const iso_option options[] = {
     {"selection", NULL, "WHICH",
      "points that discs and splats (all but groups) draw: visible (points that nearer ones "
      "hide are left out; by OpenGL also some of those that share a pixel), all, or auto (visible on the cpu, "
-     "all by OpenGL)",
+     "and by OpenGL in software renderers where it saves time)",
      .group = POINTS, .standard = "auto", CHOICE(selection, selections)},
     {"group-opposite", NULL, NULL,
      "discs of splats that face opposite ways may share a group: fewer groups, but the sides of thin things "

@@ -132,6 +132,36 @@ static void pictures_are_the_cpu_engines(iso_gl_context *context) {
     close_studio(&s);
 }
 
+/* Discs of what is visible: turning the model and editing it gives the bytes of a new engine, which has no
+ * frames before, and the cpu engine's picture. */
+static void frames_of_discs_do_not_depend_on_frames_before(iso_gl_context *context) {
+    studio s;
+    open_studio(&s, context);
+    s.by_cpu.mode.method = s.by_gl.mode.method = ISO_METHOD_DISCS;
+    for (int frame = 0; frame < 12; frame++) {
+        if (frame % 4 == 3) stroke(&s, frame - 6);
+        if (frame == 8) assert_int_equal(iso_session_undo(s.session, NULL), ISO_OK);
+        draw(&s.by_gl, false);
+        isosculpt_gl *anew;
+        isosculpt_viewport other;
+        assert_int_equal(isosculpt_gl_create(context, &anew, NULL), ISO_OK);
+        assert_int_equal(isosculpt_viewport_init(&other, iso_session_grid(s.session), NULL, NULL), ISO_OK);
+        other.gl = anew;
+        other.mode = s.by_gl.mode;
+        other.camera = s.by_cpu.camera = s.by_gl.camera;
+        draw(&other, false);
+        draw(&s.by_cpu, false);
+        assert_non_null(s.by_gl.drawn.canvas);
+        assert_true(isinf(psnr_of(&s.by_gl, &other)));
+        const double psnr = psnr_of(&s.by_gl, &s.by_cpu);
+        if (!(psnr >= 43)) fail_msg("frame %d: %.1f dB from the cpu engine", frame, psnr);
+        isosculpt_viewport_free(&other);
+        isosculpt_gl_destroy(anew);
+        isosculpt_viewport_orbit(&s.by_gl, frame == 6 ? 150 : 4, 2);
+    }
+    close_studio(&s);
+}
+
 /* Exact pictures cannot be had while the camera moves: the mesh stands in, as fine as the window. */
 static void mesh_stands_in_for_exact(iso_gl_context *context) {
     studio s;
@@ -276,6 +306,7 @@ static void levels_do_not_mix(iso_gl_context *context) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         gl_context_test(pictures_are_the_cpu_engines),
+        gl_context_test(frames_of_discs_do_not_depend_on_frames_before),
         gl_context_test(mesh_stands_in_for_exact),
         gl_context_test(held_picture_stays),
         gl_context_test(driver_that_fails_is_done_without),

@@ -60,8 +60,12 @@ typedef struct recipe {
                {"refined.vert"},                                                                             \
                {"unpack.glsl", REFINED},                                                                     \
                defines "#define SELECT 1\n"},                                                                \
-    [first + 1] = {                                                                                          \
-        "selected points" what, {"refined.vert"}, {"unpack.glsl", REFINED}, defines "#define SELECT 2\n"}
+    [first + 1] = {"selected points" what,                                                                   \
+                   {"refined.vert"},                                                                         \
+                   {"unpack.glsl", REFINED},                                                                 \
+                   defines "#define SELECT 2\n"},                                                            \
+    [first + 2] = {                                                                                          \
+        "visible points" what, {"refined.vert"}, {"unpack.glsl", REFINED}, defines "#define SELECT 3\n"}
 
 /* Lines and glyphs of one kind: `index` 0 to 8, in floats and in double precision. Each has programs of
  * its own, because software renderers execute all branches of a shader. */

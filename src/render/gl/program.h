@@ -47,8 +47,9 @@ typedef enum iso_gl_program {
     /* Selection of points for refined: by SELECT of refined.vert, of packed points, then of surfels. */
     ISO_GL_SELECT_DEPTHS,
     ISO_GL_SELECT_MARKS,
+    ISO_GL_SELECT_VISIBLE,
     ISO_GL_SELECT_SURFELS,
-    ISO_GL_CHOOSE = ISO_GL_SELECT_SURFELS + 2,
+    ISO_GL_CHOOSE = ISO_GL_SELECT_SURFELS + 3,
     ISO_GL_FIND_DEEPEST,
     /* Splats: by the KIND of splats.comp. */
     ISO_GL_SPLAT_DEPTHS,

@@ -348,7 +348,7 @@ static iso_status draw_strip(pullpush_call *call, const iso_view *view, int row,
         if (surface->blocks->seen == 0) continue;
         if (is_refined(call->opts->reconstruction)) {
             const iso_gl_refined_style style = {call->opts->reconstruction == ISO_RECONSTRUCTION_FLAT,
-                                                call->opts->selection == ISO_SELECTION_VISIBLE};
+                                                call->opts->selection};
             ISO_TRY(iso_gl_draw_refined(surface, view, i, style, &call->room, error));
             continue;
         }

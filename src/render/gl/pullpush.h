@@ -16,7 +16,7 @@ typedef struct iso_gl_pullpush_opts {
     const iso_gl_surface *const *surfaces; /* of points; surfaces[i] gets surface number i in the gbuffer */
     int surface_count;
     iso_reconstruction reconstruction; /* REFINED, FLAT, BOX or GAUSSIAN */
-    iso_point_selection selection;     /* of REFINED and FLAT; AUTO is ALL */
+    iso_point_selection selection;     /* of REFINED and FLAT */
 } iso_gl_pullpush_opts;
 
 /* Draws all surfaces and fills the whole gbuffer, which must have the view's size: what
@@ -27,11 +27,15 @@ typedef struct iso_gl_pullpush_opts {
  * the front at a pixel is the nearest disc of all; the cpu engine takes discs in the order of their
  * blocks, so its averages may include a little more.
  *
- * With ISO_SELECTION_VISIBLE, discs of up to 1.5 pixels radius are up to six a pixel, the nearest ones
+ * With ISO_SELECTION_VISIBLE, flat discs of up to 1.5 pixels radius are up to six a pixel, the nearest ones
  * of each quarter of it and those that cover its centre, so pictures of denser points differ a little
  * from those of all points; no pixel is covered that would not be, or the other way round. Larger discs
- * are left out only where they are hidden. The surface remembers which blocks of points a picture has
- * shown, to look at them first in the next one; the bytes do not depend on it.
+ * are left out only where they are hidden. The surface remembers which blocks and points a picture has
+ * shown, to draw them first in the next one; the bytes do not depend on it.
+ *
+ * ISO_SELECTION_AUTO leaves out hidden discs of any size, and no others: its pictures have the bytes of
+ * those of all points. It does so in software renderers, if it saves time by an estimate from the blocks of
+ * points in the view (iso_gl_selection_pays); GPUs, where this has not been measured, draw all points.
  *
  * Errors: ISO_ERR_NOMEM, ISO_ERR_LIMIT (free main memory with a software renderer; the driver's storage
  * buffers cannot hold a strip of the picture), ISO_ERR_BACKEND; the gbuffer is then undefined. */
@@ -44,11 +48,11 @@ iso_status iso_gl_draw_pullpush(iso_gl_engine *engine, const iso_gl_pullpush_opt
 uint64_t iso_gl_pullpush_bytes(const iso_gl_engine *engine, iso_reconstruction reconstruction, int width,
                                int height);
 
-/* Bytes that ISO_SELECTION_VISIBLE takes in addition, without the 4.2 bytes a point that are allocated
+/* Bytes that selection takes in addition, without the 4.4 bytes a point that are allocated
  * with the first picture. */
 uint64_t iso_gl_selection_bytes(int width, int height);
 
-/* The counts of all pictures that the engine has drawn with ISO_SELECTION_VISIBLE: points; those in
+/* The counts of all pictures in which the engine has selected points: points; those in
  * blocks that were looked at; those drawn. Points that two parts of a picture show are counted for each. */
 iso_selection_counts iso_gl_engine_selection(const iso_gl_engine *engine);
 

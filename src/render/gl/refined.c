@@ -71,6 +71,14 @@ static iso_status ensure_discs(const iso_gl_refined_draw *d, int width, int heig
 
 /* ---- uniforms and visible blocks */
 
+/* The largest radius of the surface's points, mm. */
+static double largest_radius(const iso_gl_surface *surface) {
+    const iso_gl_span *spans = surface->spans.data;
+    double radius = 0;
+    for (size_t s = 0; s < surface->span_count; s++) radius = fmax(radius, spans[s].radius);
+    return radius;
+}
+
 static void upload_uniforms(const iso_gl_refined_draw *d, const iso_gl_tile *t) {
     const iso_projector *p = &d->projector;
     const iso_view *view = d->view;
@@ -79,12 +87,15 @@ static void upload_uniforms(const iso_gl_refined_draw *d, const iso_gl_tile *t) 
     const bool anisotropic = spacing[0] != spacing[1] || spacing[1] != spacing[2];
     const double voxels = surface->surfels ? 1 : ISO_POINT_STEP;
     const int margin = iso_gl_engine_margin(d->engine);
+    const double thickness = (double)ISO_REFINED_THICKNESS *
+                             (double)(ISO_REFINED_BALL + ISO_REFINED_BALL_MORE) * largest_radius(surface);
     const bool bordered = surface->dims[0] > 0 && surface->dims[1] > 0 && surface->dims[2] > 0;
     iso_gl_refined_uniforms u = {
         .axis = {(float)(view->cx - t->x), (float)(view->cy - t->y),
                  view->near < -ISO_NOWHERE ? -ISO_NOWHERE : (float)view->near, (float)view->focal},
         .sizes = {view->orthographic ? 0 : (float)(1 / view->focal), iso_refined_voxels_per_mm(p->normal),
-                  anisotropic ? (float)fmax(spacing[0], fmax(spacing[1], spacing[2])) : 0},
+                  anisotropic ? (float)fmax(spacing[0], fmax(spacing[1], spacing[2])) : 0,
+                  (float)(1.001 * thickness)},
         .screen = {(float)(t->width + 2 * margin), (float)(t->height + 2 * margin), (float)margin,
                    (float)d->engine->max_point},
         .tile = {t->width, t->height, t->x, t->y},
@@ -110,9 +121,9 @@ static bool is_visible(const iso_gl_refined_draw *d, const iso_point_block *bloc
            block->row[0] + cy - reach <= t->height;
 }
 
-/* Whether all discs are flat. */
-static bool is_flat(const iso_gl_refined_draw *d) {
-    return d->flat || !d->surface->has_curvatures || d->surface->has_colors;
+bool iso_gl_is_curved(const iso_gl_refined_draw *d, const iso_point_block *block) {
+    return !d->flat && d->surface->has_curvatures && !d->surface->has_colors &&
+           block->radius[1] >= ISO_REFINED_FLAT_RADIUS;
 }
 
 static bool is_filtered(const iso_gl_refined_draw *d, const iso_point_block *block) {
@@ -126,7 +137,7 @@ static iso_gl_instance instance_of(const iso_gl_refined_draw *d, const iso_point
     iso_gl_instance to = {.place = {[3] = 0}};
     if (is_filtered(d, block))
         to.place[3] = -1;
-    else if (!is_flat(d) && block->radius[1] >= ISO_REFINED_FLAT_RADIUS)
+    else if (iso_gl_is_curved(d, block))
         to.place[3] = 1;
     double at[3];
     for (int k = 0; k < 3; k++) at[k] = block->brick[k] * (double)ISO_BRICK + low;
@@ -157,23 +168,23 @@ static iso_status find_blocks(const iso_gl_refined_draw *d, iso_gl_tile *t, iso_
     t->instances = (iso_gl_instance *)(t->commands + blocks->count);
     t->blocks = (iso_gl_tile_block *)(t->instances + blocks->count);
     t->wide = (bool *)(t->blocks + blocks->count);
-    for (size_t i = 0; i < blocks->count; i++)
-        if (is_visible(d, &block[i], t))
-            t->blocks[t->block_count++] = (iso_gl_tile_block){
-                .number = (uint32_t)i,
-                .small = d->select && iso_gl_is_small(d, &block[i]) && !is_wide(d, &block[i])};
+    for (size_t i = 0; i < blocks->count; i++) {
+        if (!is_visible(d, &block[i], t)) continue;
+        const iso_gl_block_kind kind = d->select ? iso_gl_block_kind_of(d, &block[i]) : ISO_GL_WHOLE;
+        t->blocks[t->block_count++] = (iso_gl_tile_block){.number = (uint32_t)i, .kind = kind};
+    }
     return ISO_OK;
 }
 
-/* Adds the draw commands of the blocks that have been tested, `small` or not; with `visible` only of
- * those that are not hidden. */
-static void list_blocks(const iso_gl_refined_draw *d, iso_gl_tile *t, bool small, bool visible) {
+/* Adds the draw commands of the blocks of a kind that are to be drawn into the fronts; with `visible` of
+ * those that have been and are not hidden. */
+static void list_blocks(const iso_gl_refined_draw *d, iso_gl_tile *t, int kind, bool visible) {
     const iso_point_block *blocks = d->surface->blocks->blocks.data;
     const iso_gl_span *spans = d->surface->spans.data;
     for (size_t i = 0; i < t->block_count; i++) {
         const iso_gl_tile_block *of = &t->blocks[i];
         const iso_point_block *block = &blocks[of->number];
-        if (of->small != small || !of->tested || (visible && of->hidden)) continue;
+        if (of->kind != kind || !(visible ? of->tested && !of->hidden : of->fresh)) continue;
         const uint32_t first = (uint32_t)(spans[block->span].first + block->first);
         t->commands[t->draws] = (iso_gl_points_command){block->count, 1, first, (uint32_t)t->draws};
         t->wide[t->draws] = is_wide(d, block);
@@ -181,12 +192,13 @@ static void list_blocks(const iso_gl_refined_draw *d, iso_gl_tile *t, bool small
     }
 }
 
-/* Makes and uploads the draw commands of tested blocks. */
+/* Makes and uploads draw commands; `visible` as of list_blocks. */
 static void make_commands(const iso_gl_refined_draw *d, iso_gl_tile *t, bool visible) {
     t->draws = 0;
-    list_blocks(d, t, true, visible);
-    t->small_draws = t->draws;
-    list_blocks(d, t, false, visible);
+    for (int kind = 0; kind < ISO_GL_BLOCK_KINDS; kind++) {
+        list_blocks(d, t, kind, visible);
+        t->end[kind] = t->draws;
+    }
     iso_gl_surface_command(d->surface, t->draws, t->commands, t->instances);
 }
 
@@ -207,10 +219,11 @@ static iso_status draw_discs(const iso_gl_refined_draw *d, const iso_gl_tile *t,
                              iso_error *error) {
     ISO_TRY(use_program(d, program, error));
     if (!d->surface->has_radii) d->gl->VertexAttrib1f(ISO_GL_RADIUS, (GLfloat)d->surface->radius);
-    iso_gl_surface_draw_chosen(d->surface, t->small_draws);
-    iso_gl_surface_draw_range(d->surface, t->small_draws, t->draws - t->small_draws);
+    const size_t listed = t->end[ISO_GL_TESTED];
+    iso_gl_surface_draw_chosen(d->surface, 0, listed);
+    iso_gl_surface_draw_range(d->surface, listed, t->draws - listed);
     bool quads = false;
-    for (size_t i = t->small_draws; i < t->draws; i++) {
+    for (size_t i = 0; i < t->draws; i++) {
         if (!t->wide[i]) continue;
         if (!quads) ISO_TRY(use_program(d, (iso_gl_program)(program + 1), error));
         quads = true;
@@ -233,14 +246,25 @@ static void begin_pass(const iso_gl_refined_draw *d, const iso_gl_tile *t, int f
     gl->Enable(GL_BLEND);
 }
 
-/* First pass: the nearest depths. */
+/* First pass: the nearest depths. In later rounds they are added to, if possible. */
 static iso_status find_fronts(const iso_gl_refined_draw *d, const iso_gl_tile *t, iso_error *error) {
     const GladGLContext *gl = d->gl;
     const GLfloat nowhere[4] = {ISO_NOWHERE, ISO_NOWHERE, ISO_NOWHERE, ISO_NOWHERE};
     begin_pass(d, t, 0);
     gl->BlendEquationi(0, GL_MIN);
-    gl->ClearBufferfv(GL_COLOR, 0, nowhere);
+    if (!t->rounds || !t->grows) gl->ClearBufferfv(GL_COLOR, 0, nowhere);
     return draw_discs(d, t, ISO_GL_FRONT_POINTS, error);
+}
+
+/* And those of points that have become visible. */
+static iso_status add_fronts(const iso_gl_refined_draw *d, const iso_gl_tile *t, iso_error *error) {
+    begin_pass(d, t, 0);
+    d->gl->BlendEquationi(0, GL_MIN);
+    ISO_TRY(use_program(d, ISO_GL_FRONT_POINTS, error));
+    if (!d->surface->has_radii) d->gl->VertexAttrib1f(ISO_GL_RADIUS, (GLfloat)d->surface->radius);
+    iso_gl_surface_draw_chosen(d->surface, t->end[ISO_GL_DENSE],
+                               t->end[ISO_GL_TESTED] - t->end[ISO_GL_DENSE]);
+    return ISO_OK;
 }
 
 /* Second pass: weighted sums over the discs near the front. */
@@ -281,20 +305,25 @@ static iso_status run_pass(const iso_gl_refined_draw *d, const iso_gl_tile *t, i
     return status;
 }
 
-/* Finds the fronts of a tile; with selection those of visible points, from more blocks until the fronts hide
- * all others. */
+/* Finds the fronts of a tile; with selection those of visible points, first of those seen before, then of
+ * those that these do not hide, from more blocks until the fronts hide all others. */
 static iso_status make_fronts(const iso_gl_refined_draw *d, iso_gl_tile *t, iso_buffer *room,
                               iso_error *error) {
     for (size_t revealed = 1; revealed;) {
         revealed = 0;
         make_commands(d, t, false);
-        if (d->select) ISO_TRY(run_pass(d, t, ISO_GL_PASS_SELECT, iso_gl_select_points, error));
+        if (d->select) ISO_TRY(run_pass(d, t, ISO_GL_PASS_SELECT, iso_gl_select_first, error));
         ISO_TRY(run_pass(d, t, ISO_GL_PASS_FRONT, find_fronts, error));
-        if (d->select) ISO_TRY(iso_gl_find_hidden(d, t, room, &revealed, error));
+        if (!d->select) continue;
+        if (t->end[ISO_GL_TESTED] > t->end[ISO_GL_DENSE]) {
+            ISO_TRY(run_pass(d, t, ISO_GL_PASS_SELECT, iso_gl_select_revealed, error));
+            ISO_TRY(run_pass(d, t, ISO_GL_PASS_FRONT, add_fronts, error));
+        }
+        ISO_TRY(iso_gl_find_hidden(d, t, room, &revealed, error));
     }
     if (!d->select) return ISO_OK;
     make_commands(d, t, true);
-    return run_pass(d, t, ISO_GL_PASS_SELECT, iso_gl_list_chosen, error);
+    return run_pass(d, t, ISO_GL_PASS_SELECT, iso_gl_select_last, error);
 }
 
 static iso_status draw_tile(const iso_gl_refined_draw *d, iso_gl_tile *t, iso_buffer *room,
@@ -303,7 +332,7 @@ static iso_status draw_tile(const iso_gl_refined_draw *d, iso_gl_tile *t, iso_bu
     ISO_TRY(find_blocks(d, t, room, error));
     if (!t->block_count) return ISO_OK;
     upload_uniforms(d, t);
-    iso_gl_selection_begin(d, t);
+    ISO_TRY(iso_gl_selection_begin(d, t, error));
     const iso_status status = make_fronts(d, t, &squares, error);
     iso_buffer_free(&squares);
     ISO_TRY(status);
@@ -311,6 +340,16 @@ static iso_status draw_tile(const iso_gl_refined_draw *d, iso_gl_tile *t, iso_bu
     ISO_TRY(run_pass(d, t, ISO_GL_PASS_RESOLVE, resolve_tile, error));
     if (d->select) iso_gl_selection_end(d, t);
     return ISO_OK;
+}
+
+/* Sets d->select. By software renderers selection has been measured to pay; not so by GPUs. */
+static iso_status choose_selection(iso_gl_refined_draw *d, iso_point_selection selection, iso_buffer *room,
+                                   int width, int height, iso_error *error) {
+    d->select = selection != ISO_SELECTION_ALL && iso_gl_can_select(d->surface, width, height);
+    d->cells = selection == ISO_SELECTION_VISIBLE; /* AUTO draws the picture of all points */
+    if (!d->select || selection == ISO_SELECTION_VISIBLE) return ISO_OK;
+    d->select = iso_gl_renderer_is_software(d->engine->context->renderer);
+    return d->select ? iso_gl_selection_pays(d, room, &d->select, error) : ISO_OK;
 }
 
 iso_status iso_gl_draw_refined(const iso_gl_surface *surface, const iso_view *view, int number,
@@ -329,7 +368,7 @@ iso_status iso_gl_draw_refined(const iso_gl_surface *surface, const iso_view *vi
     int height = SAMPLES_MOST / width;
     if (height > side) height = side;
     if (height > view->height) height = view->height;
-    d.select = style.select && iso_gl_can_select(surface, width, height);
+    ISO_TRY(choose_selection(&d, style.selection, room, width, height, error));
     ISO_TRY(ensure_discs(&d, width, height, error));
     for (int y = 0; y < view->height; y += height)
         for (int x = 0; x < view->width; x += width) {

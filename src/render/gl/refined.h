@@ -5,8 +5,10 @@
 #include "render/gl/surface.h"
 
 typedef struct iso_gl_refined_style {
-    bool flat;   /* curvatures are not used and discs are filtered (ISO_FLAT_DISCS_FILTERED) */
-    bool select; /* draw only visible points (render/gl/selection.h), where the driver can select them */
+    bool flat; /* curvatures are not used and discs are filtered (ISO_FLAT_DISCS_FILTERED) */
+    /* VISIBLE: only visible points are drawn (render/gl/selection.h), where the driver can select them; AUTO:
+     * only where it also pays, and without choosing some of those that share a pixel */
+    iso_point_selection selection;
 } iso_gl_refined_style;
 
 /* Draws the points of a surface over the samples in the buffer ISO_GL_STORE_PICTURE, which has the view's

@@ -19,11 +19,16 @@ static const float SMALL = 1.5f;
  * pixels and the filter's 0.6) away and two radii nearer. That point's disc reaches as far again, its
  * ball one radius nearer, and it is averaged with what lies 1.5 radii before it. */
 static const double SMALL_AROUND = 7, RADII_BEHIND = 4.5;
+/* Pixels: the largest radius of discs that are tested against the fronts; larger ones reach more squares than
+ * refined.vert looks at. */
+static const float TESTED = 24;
 /* Pixels of focal length below which such a disc is not much smaller than its distance. */
 static const double FOCAL_LEAST = 64;
 
-/* After so many rounds all blocks of a tile are tested. */
-enum { ROUNDS = 4 };
+/* After so many rounds all blocks of a tile are tested. The list of visible points is made anew for the sums
+ * when more than one in MANY of the tested ones was drawn into the fronts after those seen before: the
+ * fronts then hide more than was known. */
+enum { ROUNDS = 4, MANY = 8 };
 
 _Static_assert(sizeof(iso_gl_points_command) == 16 && sizeof(iso_gl_mesh_command) == 20, "layout of std430");
 
@@ -48,10 +53,12 @@ bool iso_gl_can_select(const iso_gl_surface *surface, int width, int height) {
            cells_bytes(width, height) <= engine->max_storage;
 }
 
-bool iso_gl_is_small(const iso_gl_refined_draw *d, const iso_point_block *block) {
+iso_gl_block_kind iso_gl_block_kind_of(const iso_gl_refined_draw *d, const iso_point_block *block) {
     const iso_view *view = d->view;
-    return d->flat && iso_refined_largest_radius(block) * d->slant <= SMALL &&
-           (view->orthographic || view->focal >= FOCAL_LEAST);
+    const float radius = iso_refined_largest_radius(block) * d->slant;
+    const bool small = radius <= SMALL && (view->orthographic || view->focal >= FOCAL_LEAST);
+    if (d->cells && small && !iso_gl_is_curved(d, block)) return ISO_GL_DENSE;
+    return ISO_GL_TESTED;
 }
 
 /* ---- points */
@@ -74,76 +81,122 @@ static void fill(const iso_gl_refined_draw *d, iso_gl_storage which, size_t byte
                                    GL_UNSIGNED_INT, &value);
 }
 
-/* One of the two passes of refined.vert over the points of small blocks. */
-static iso_status scan_points(const iso_gl_refined_draw *d, const iso_gl_tile *t, bool mark,
-                              iso_error *error) {
-    const int of_surfels = d->surface->surfels ? 2 : 0;
-    ISO_TRY(use_program(d, (iso_gl_program)(ISO_GL_SELECT_DEPTHS + of_surfels + mark), error));
-    if (!d->surface->has_radii) d->gl->VertexAttrib1f(ISO_GL_RADIUS, (GLfloat)d->surface->radius);
-    iso_gl_surface_draw_range(d->surface, 0, t->small_draws);
-    d->gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
-    return ISO_OK;
+static void clear_marks(const iso_gl_refined_draw *d, GLuint marks) {
+    const GLuint none = 0;
+    d->gl->ClearNamedBufferData(marks, GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, &none);
 }
-
-iso_status iso_gl_select_points(const iso_gl_refined_draw *d, const iso_gl_tile *t, iso_error *error) {
-    const size_t points = d->surface->vertices.room;
-    if (!t->small_draws) return ISO_OK;
-    if (d->engine->storage_bytes[ISO_GL_STORE_CHOSEN] < points * sizeof(uint32_t))
-        ISO_TRY(iso_gl_check_memory(d->engine, points * sizeof(uint32_t) + marks_bytes(points), error));
-    fill(d, ISO_GL_STORE_CELLS, cells_bytes(t->width, t->height), ISO_GL_KEY_NONE);
-    fill(d, ISO_GL_STORE_MARKED, marks_bytes(points), 0);
-    bind(d, ISO_GL_CELLS, ISO_GL_STORE_CELLS);
-    bind(d, ISO_GL_MARKED, ISO_GL_STORE_MARKED);
-    d->gl->BindFramebuffer(GL_FRAMEBUFFER, d->engine->discs.framebuffers[0]); /* draws need one */
-    d->gl->Enable(GL_RASTERIZER_DISCARD);
-    iso_status status = scan_points(d, t, false, error);
-    if (status == ISO_OK) status = scan_points(d, t, true, error);
-    d->gl->Disable(GL_RASTERIZER_DISCARD);
-    ISO_TRY(status);
-    return iso_gl_list_chosen(d, t, error);
-}
-
-iso_status iso_gl_list_chosen(const iso_gl_refined_draw *d, const iso_gl_tile *t, iso_error *error) {
-    const GladGLContext *gl = d->gl;
-    iso_gl_engine *engine = d->engine;
-    fill(d, ISO_GL_STORE_TOTAL, sizeof(uint32_t), 0);
-    if (!t->small_draws) return ISO_OK;
-    iso_gl_engine_ensure_storage(engine, ISO_GL_STORE_CHOSEN, d->surface->vertices.room * sizeof(uint32_t));
-    iso_gl_engine_ensure_storage(engine, ISO_GL_STORE_ELEMENTS, t->small_draws * sizeof(iso_gl_mesh_command));
-    ISO_TRY(use_program(d, ISO_GL_CHOOSE, error));
-    gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, ISO_GL_COMMANDS, engine->commands);
-    bind(d, ISO_GL_MARKED, ISO_GL_STORE_MARKED);
-    bind(d, ISO_GL_CHOSEN, ISO_GL_STORE_CHOSEN);
-    bind(d, ISO_GL_ELEMENTS, ISO_GL_STORE_ELEMENTS);
-    bind(d, ISO_GL_TOTAL, ISO_GL_STORE_TOTAL);
-    gl->Uniform1ui(ISO_GL_DRAWS, (GLuint)t->small_draws);
-    gl->DispatchCompute((GLuint)(t->small_draws + ISO_GL_GROUP - 1) / ISO_GL_GROUP, 1, 1);
-    gl->MemoryBarrier(GL_COMMAND_BARRIER_BIT | GL_ELEMENT_ARRAY_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
-    return ISO_OK;
-}
-
-/* ---- blocks */
 
 static int squares(int pixels) {
     return (pixels + ISO_GL_SQUARE - 1) / ISO_GL_SQUARE;
 }
 
-/* Reads the deepest front of each square of pixels back, into `room`. */
-static iso_status find_deepest(const iso_gl_refined_draw *d, const iso_gl_tile *t, iso_buffer *room,
-                               iso_error *error) {
+static size_t deepest_bytes(const iso_gl_tile *t) {
+    return (size_t)squares(t->width) * (size_t)squares(t->height) * sizeof(float);
+}
+
+/* Finds the deepest front of each square of pixels. */
+static iso_status find_deepest(const iso_gl_refined_draw *d, const iso_gl_tile *t, iso_error *error) {
     const GladGLContext *gl = d->gl;
     const int across = squares(t->width), down = squares(t->height);
-    const size_t bytes = (size_t)across * (size_t)down * sizeof(float);
-    ISO_TRY(iso_buffer_reserve(room, bytes, 0, error));
-    iso_gl_engine_ensure_storage(d->engine, ISO_GL_STORE_DEEPEST, bytes);
+    iso_gl_engine_ensure_storage(d->engine, ISO_GL_STORE_DEEPEST, deepest_bytes(t));
     bind(d, ISO_GL_DEEPEST, ISO_GL_STORE_DEEPEST);
     gl->BindTextureUnit(ISO_GL_FRONTS, d->engine->discs.fronts);
     ISO_TRY(use_program(d, ISO_GL_FIND_DEEPEST, error));
     gl->DispatchCompute((GLuint)(across + ISO_GL_TILE - 1) / ISO_GL_TILE,
                         (GLuint)(down + ISO_GL_TILE - 1) / ISO_GL_TILE, 1);
-    gl->MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
-    gl->GetNamedBufferSubData(d->engine->storage[ISO_GL_STORE_DEEPEST], 0, (GLsizeiptr)bytes, room->data);
+    gl->MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
     return ISO_OK;
+}
+
+/* One of the passes of refined.vert over the points of some commands, which draw nothing. */
+static iso_status scan_points(const iso_gl_refined_draw *d, size_t first, size_t end, iso_gl_program program,
+                              iso_error *error) {
+    const int of_surfels = d->surface->surfels ? ISO_GL_SELECT_SURFELS - ISO_GL_SELECT_DEPTHS : 0;
+    ISO_TRY(use_program(d, (iso_gl_program)(program + of_surfels), error));
+    d->gl->BindFramebuffer(GL_FRAMEBUFFER, d->engine->discs.framebuffers[0]); /* draws need one */
+    d->gl->Enable(GL_RASTERIZER_DISCARD);
+    if (!d->surface->has_radii) d->gl->VertexAttrib1f(ISO_GL_RADIUS, (GLfloat)d->surface->radius);
+    iso_gl_surface_draw_range(d->surface, first, end - first);
+    d->gl->Disable(GL_RASTERIZER_DISCARD);
+    d->gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+    return ISO_OK;
+}
+
+/* Lists the marked points of the commands first .. end - 1. `before`: 0, or marks of points to leave out. */
+static iso_status list_marked(const iso_gl_refined_draw *d, size_t first, size_t end, GLuint marks,
+                              GLuint before, iso_error *error) {
+    const GladGLContext *gl = d->gl;
+    if (first == end) return ISO_OK;
+    ISO_TRY(use_program(d, ISO_GL_CHOOSE, error));
+    gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, ISO_GL_COMMANDS, d->engine->commands);
+    gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, ISO_GL_MARKED, marks);
+    gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, ISO_GL_MARKED_BEFORE, before ? before : marks);
+    bind(d, ISO_GL_CHOSEN, ISO_GL_STORE_CHOSEN);
+    bind(d, ISO_GL_ELEMENTS, ISO_GL_STORE_ELEMENTS);
+    bind(d, ISO_GL_TOTAL, ISO_GL_STORE_TOTAL);
+    gl->Uniform3ui(ISO_GL_DRAWS, (GLuint)first, (GLuint)end, before != 0);
+    gl->DispatchCompute((GLuint)(end - first + ISO_GL_GROUP - 1) / ISO_GL_GROUP, 1, 1);
+    gl->MemoryBarrier(GL_COMMAND_BARRIER_BIT | GL_ELEMENT_ARRAY_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT |
+                      GL_SHADER_STORAGE_BARRIER_BIT);
+    return ISO_OK;
+}
+
+/* Makes room for lists of points, which are empty. */
+static void prepare_lists(const iso_gl_refined_draw *d, const iso_gl_tile *t) {
+    iso_gl_engine_ensure_storage(d->engine, ISO_GL_STORE_CHOSEN,
+                                 d->surface->vertices.room * sizeof(uint32_t));
+    iso_gl_engine_ensure_storage(d->engine, ISO_GL_STORE_ELEMENTS,
+                                 (t->end[ISO_GL_TESTED] + 1) * sizeof(iso_gl_mesh_command));
+    fill(d, ISO_GL_STORE_TOTAL, sizeof(uint32_t), 0);
+}
+
+/* Chooses points of small discs by cells. */
+static iso_status choose_by_cells(const iso_gl_refined_draw *d, const iso_gl_tile *t, iso_error *error) {
+    const size_t dense = t->end[ISO_GL_DENSE];
+    if (!dense) return ISO_OK;
+    fill(d, ISO_GL_STORE_CELLS, cells_bytes(t->width, t->height), ISO_GL_KEY_NONE);
+    fill(d, ISO_GL_STORE_MARKED, marks_bytes(d->surface->vertices.room), 0);
+    bind(d, ISO_GL_CELLS, ISO_GL_STORE_CELLS);
+    bind(d, ISO_GL_MARKED, ISO_GL_STORE_MARKED);
+    ISO_TRY(scan_points(d, 0, dense, ISO_GL_SELECT_DEPTHS, error));
+    return scan_points(d, 0, dense, ISO_GL_SELECT_MARKS, error);
+}
+
+static iso_status list_dense(const iso_gl_refined_draw *d, const iso_gl_tile *t, iso_error *error) {
+    return list_marked(d, 0, t->end[ISO_GL_DENSE], d->engine->storage[ISO_GL_STORE_MARKED], 0, error);
+}
+
+iso_status iso_gl_select_first(const iso_gl_refined_draw *d, const iso_gl_tile *t, iso_error *error) {
+    prepare_lists(d, t);
+    ISO_TRY(choose_by_cells(d, t, error));
+    ISO_TRY(list_dense(d, t, error));
+    return list_marked(d, t->end[ISO_GL_DENSE], t->end[ISO_GL_TESTED], d->surface->seen->points[1], 0, error);
+}
+
+/* Marks the points that the fronts do not hide. */
+static iso_status mark_visible(const iso_gl_refined_draw *d, const iso_gl_tile *t, iso_error *error) {
+    d->gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, ISO_GL_MARKED, d->surface->seen->points[0]);
+    bind(d, ISO_GL_DEEPEST, ISO_GL_STORE_DEEPEST);
+    return scan_points(d, t->end[ISO_GL_DENSE], t->end[ISO_GL_TESTED], ISO_GL_SELECT_VISIBLE, error);
+}
+
+iso_status iso_gl_select_revealed(const iso_gl_refined_draw *d, const iso_gl_tile *t, iso_error *error) {
+    const iso_gl_seen *seen = d->surface->seen;
+    ISO_TRY(find_deepest(d, t, error));
+    ISO_TRY(mark_visible(d, t, error));
+    fill(d, ISO_GL_STORE_TOTAL, sizeof(uint32_t), 0);
+    return list_marked(d, t->end[ISO_GL_DENSE], t->end[ISO_GL_TESTED], seen->points[0], seen->points[1],
+                       error);
+}
+
+iso_status iso_gl_select_last(const iso_gl_refined_draw *d, const iso_gl_tile *t, iso_error *error) {
+    prepare_lists(d, t);
+    ISO_TRY(list_dense(d, t, error));
+    if (t->stale && t->end[ISO_GL_TESTED] > t->end[ISO_GL_DENSE]) {
+        clear_marks(d, d->surface->seen->points[0]);
+        ISO_TRY(mark_visible(d, t, error));
+    }
+    return list_marked(d, t->end[ISO_GL_DENSE], t->end[ISO_GL_TESTED], d->surface->seen->points[0], 0, error);
 }
 
 /* The first and last square along an axis that a block can reach; none if first > last. */
@@ -154,6 +207,73 @@ static void squares_of(const int32_t pixels[2], double axis, double around, int 
     if (first >= size) range[1] = range[0] - 1;
 }
 
+/* ---- whether it pays */
+
+/* Costs in the time of a fragment, 0.03 microseconds of one core: of a disc in one of the two passes beside
+ * its fragments; of a test of a disc against the fronts; of a pixel of the picture, for squares and their
+ * reading back. Measured with llvmpipe by tests/bench/gl_selection.c. */
+static const double DISC_COST = 16, TEST_COST = 3, PIXEL_COST = 1;
+/* Pixels that a disc of radius 1 adds to what is covered: discs overlap 3.7 times, and a surface is seen at
+ * an angle of 60 degrees on average. Share of the squares that blocks meet which is covered. */
+static const double AREA = 0.425, COVERED = 0.85;
+
+/* The blocks that a picture may show. */
+typedef struct block_sums {
+    double points, cost, area; /* number; of one pass over them; pixels of surface, in front of each other */
+    double squares;            /* of the picture that they meet */
+} block_sums;
+
+/* Marks the squares of the picture that the block's discs may cover, and counts those that had no mark. */
+static void cover_squares(const iso_view *view, const iso_point_block *block, uint8_t *covered,
+                          block_sums *sums) {
+    const int height = view->above + view->height + view->below;
+    int x[2], y[2];
+    squares_of(block->column, view->cx, 0, view->width, x);
+    squares_of(block->row, view->cy + view->above, 0, height, y);
+    for (int v = y[0]; v <= y[1]; v++)
+        for (int u = x[0]; u <= x[1]; u++) {
+            uint8_t *square = covered + (size_t)v * (size_t)squares(view->width) + (size_t)u;
+            sums->squares += !*square;
+            *square = 1;
+        }
+}
+
+static void add_block(block_sums *sums, const iso_point_block *block) {
+    const double square = (double)(block->radius[0] * block->radius[1]),
+                 fragments = 4 * square + 2 * sqrt(square) + 1;
+    sums->points += block->count;
+    sums->cost += block->count * (DISC_COST + fragments);
+    sums->area += block->count * AREA * square;
+}
+
+iso_status iso_gl_selection_pays(const iso_gl_refined_draw *d, iso_buffer *room, bool *pays,
+                                 iso_error *error) {
+    const iso_view *view = d->view;
+    const int height = view->above + view->height + view->below;
+    const size_t bytes = (size_t)squares(view->width) * (size_t)squares(height);
+    const iso_point_block *block = d->surface->blocks->blocks.data;
+    block_sums sums = {.points = 0};
+    ISO_TRY(iso_buffer_reserve(room, bytes, 0, error));
+    memset(room->data, 0, bytes);
+    for (size_t i = 0; i < d->surface->blocks->count; i++) {
+        if (!block[i].seen || (d->cull && block[i].back_facing)) continue;
+        if (iso_refined_largest_radius(&block[i]) * d->slant > TESTED) continue;
+        add_block(&sums, &block[i]);
+        cover_squares(view, &block[i], room->data, &sums);
+    }
+    const double covered = COVERED * ISO_GL_SQUARE * ISO_GL_SQUARE * sums.squares,
+                 visible = fmin(1, covered / fmax(sums.area, 1)), test = TEST_COST * sums.points,
+                 pixels = PIXEL_COST * view->width * height;
+    /* Without a frame before, all discs are drawn into the fronts, and tested once more. */
+    const bool known = d->surface->seen->count > 0;
+    const double all = 2 * sums.cost, selected = known ? test + pixels + 2 * visible * sums.cost
+                                                       : 2 * test + pixels + (1 + visible) * sums.cost;
+    *pays = selected < all;
+    return ISO_OK;
+}
+
+/* ---- blocks */
+
 /* Whether nothing that the block's points can change is visible. */
 static bool is_hidden(const iso_gl_refined_draw *d, const iso_gl_tile *t, const iso_gl_tile_block *b,
                       const float *deepest) {
@@ -163,7 +283,7 @@ static bool is_hidden(const iso_gl_refined_draw *d, const iso_gl_tile *t, const 
         view->orthographic ? 1 / view->focal : (double)block->depth[1] / view->focal; /* mm */
     double radius = (double)iso_refined_largest_radius(block), around = radius * (double)d->slant + 2;
     if (block->clipped) return false;
-    if (b->small) {
+    if (b->kind == ISO_GL_DENSE) {
         radius = (double)SMALL;
         around = SMALL_AROUND;
     }
@@ -178,9 +298,25 @@ static bool is_hidden(const iso_gl_refined_draw *d, const iso_gl_tile *t, const 
     return true;
 }
 
+/* The number of points that are tested one by one. */
+static uint64_t count_tested(const iso_gl_refined_draw *d, const iso_gl_tile *t) {
+    const iso_point_block *blocks = d->surface->blocks->blocks.data;
+    uint64_t points = 0;
+    for (size_t i = 0; i < t->block_count; i++)
+        if (t->blocks[i].tested && t->blocks[i].kind == ISO_GL_TESTED)
+            points += blocks[t->blocks[i].number].count;
+    return points;
+}
+
 iso_status iso_gl_find_hidden(const iso_gl_refined_draw *d, iso_gl_tile *t, iso_buffer *room,
                               size_t *revealed, iso_error *error) {
-    ISO_TRY(find_deepest(d, t, room, error));
+    const size_t bytes = deepest_bytes(t);
+    uint32_t drawn;
+    ISO_TRY(iso_buffer_reserve(room, bytes, 0, error));
+    ISO_TRY(find_deepest(d, t, error));
+    d->gl->GetNamedBufferSubData(d->engine->storage[ISO_GL_STORE_DEEPEST], 0, (GLsizeiptr)bytes, room->data);
+    d->gl->GetNamedBufferSubData(d->engine->storage[ISO_GL_STORE_TOTAL], 0, sizeof drawn, &drawn);
+    t->stale |= drawn > count_tested(d, t) / MANY;
     *revealed = 0;
     for (size_t i = 0; i < t->block_count; i++) {
         iso_gl_tile_block *block = &t->blocks[i];
@@ -188,8 +324,11 @@ iso_status iso_gl_find_hidden(const iso_gl_refined_draw *d, iso_gl_tile *t, iso_
         *revealed += !block->hidden && !block->tested && !d->engine->keep_holes;
     }
     const bool all = ++t->rounds == ROUNDS;
-    for (size_t i = 0; i < t->block_count && *revealed; i++)
-        t->blocks[i].tested = all || !t->blocks[i].hidden;
+    for (size_t i = 0; i < t->block_count && *revealed; i++) {
+        const bool tested = all || !t->blocks[i].hidden;
+        t->blocks[i].fresh = tested && !(t->grows && t->blocks[i].tested);
+        t->blocks[i].tested = tested;
+    }
     return ISO_OK;
 }
 
@@ -199,11 +338,42 @@ iso_selection_counts iso_gl_engine_selection(const iso_gl_engine *engine) {
     return engine->selection;
 }
 
-void iso_gl_selection_begin(const iso_gl_refined_draw *d, iso_gl_tile *t) {
+/* Makes the marks of the picture before of those of the last picture; of none if the points' buffer has been
+ * replaced. After an edit the bits may be those of other points: they only decide what is drawn first. */
+static iso_status turn_marks(const iso_gl_refined_draw *d, iso_error *error) {
+    iso_gl_seen *seen = d->surface->seen;
+    const size_t points = d->surface->vertices.room;
+    const GLuint last = seen->points[0];
+    if (seen->room == points) {
+        seen->points[0] = seen->points[1];
+        seen->points[1] = last;
+        clear_marks(d, seen->points[0]);
+        return ISO_OK;
+    }
+    ISO_TRY(iso_gl_check_memory(d->engine, points * sizeof(uint32_t) + 3 * marks_bytes(points), error));
+    d->gl->DeleteBuffers(2, seen->points); /* 0 is ignored */
+    d->gl->CreateBuffers(2, seen->points);
+    for (int i = 0; i < 2; i++) {
+        d->gl->NamedBufferStorage(seen->points[i], (GLsizeiptr)marks_bytes(points), NULL,
+                                  GL_DYNAMIC_STORAGE_BIT);
+        clear_marks(d, seen->points[i]);
+    }
+    seen->room = points;
+    return ISO_OK;
+}
+
+iso_status iso_gl_selection_begin(const iso_gl_refined_draw *d, iso_gl_tile *t, iso_error *error) {
+    if (d->select) ISO_TRY(turn_marks(d, error));
+    t->grows = true;
     const iso_gl_seen *seen = d->surface->seen;
     const uint8_t *flags = seen->flags.data;
     const bool known = d->select && t->whole && seen->count && seen->count == d->surface->blocks->count;
-    for (size_t i = 0; i < t->block_count; i++) t->blocks[i].tested = !known || flags[t->blocks[i].number];
+    for (size_t i = 0; i < t->block_count; i++) {
+        iso_gl_tile_block *block = &t->blocks[i];
+        block->fresh = block->tested = !known || flags[block->number];
+        t->grows &= block->kind != ISO_GL_DENSE;
+    }
+    return ISO_OK;
 }
 
 /* Adds the points of the tile's blocks to the engine's counts. */
@@ -215,7 +385,7 @@ static void count_points(const iso_gl_refined_draw *d, const iso_gl_tile *t) {
         counts->points += blocks[i].count;
     for (size_t i = 0; i < t->block_count; i++)
         if (t->blocks[i].tested) counts->tested += blocks[t->blocks[i].number].count;
-    for (size_t i = t->small_draws; i < t->draws; i++) counts->drawn += t->commands[i].count;
+    for (size_t i = t->end[ISO_GL_TESTED]; i < t->draws; i++) counts->drawn += t->commands[i].count;
     d->gl->GetNamedBufferSubData(d->engine->storage[ISO_GL_STORE_TOTAL], 0, sizeof chosen, &chosen);
     counts->drawn += chosen;
 }

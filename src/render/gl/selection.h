@@ -3,21 +3,23 @@
  *
  * The paper's passes for a frame, and what takes their place here:
  *
- *   1. Visibility splatting of the points seen in the frame before. Here: of the visible points of the
- *      blocks seen in the frame before.
- *   2. All points are drawn as pixels with their numbers, and the numbers are read back. Here: one minimum
- *      of depths for each of the four quarters of a pixel, and one for the discs that cover the pixel's
- *      centre; the points with these depths are visible, and are listed by a compute shader for an indirect
- *      draw. So there are up to six points a pixel, and every pixel that some disc covers stays covered.
- *      Only small discs are chosen one by one; larger ones are left out by blocks alone.
- *   3. Visibility splatting of points that have become visible. Here: blocks that the fronts do not hide
- *      and that were not seen in the frame before are added, and passes 1 and 2 are repeated, until there
- *      are none.
+ *   1. Visibility splatting of the points seen in the frame before: the same.
+ *   2. All points are drawn as pixels with their numbers, and the numbers are read back. Here: a vertex
+ *      shader tests the discs of all blocks seen in the frame before against the deepest fronts of the
+ *      squares of pixels that they reach, and marks those that are not hidden; a compute shader lists these
+ *      for an indirect draw. So every disc is drawn that changes a pixel. With ISO_SELECTION_VISIBLE small
+ *      flat discs are chosen instead, without fronts: one minimum of depths for each of the four quarters of
+ *      a pixel, and one for the discs that cover the pixel's centre; the points with these depths are
+ *      visible. So there are up to six points a pixel, and every pixel that some disc covers stays covered.
+ *   3. Visibility splatting of points that have become visible: those marked by pass 2 that were not seen in
+ *      the frame before. Then blocks that the fronts do not hide and that were not seen in the frame
+ *      before are added in the same way, until there are none.
  *   4., 5. The sums of the discs that are not hidden, and their division (refined.c).
  *
- * The frame before only decides which blocks are looked at first. A block is left out only when all that
- * its points could change, also by taking a quarter of a pixel from points behind them, lies behind the
- * fronts: the picture has the same bytes as without a frame before. */
+ * The frame before only decides what is drawn first. A point is left out only when all that it could
+ * change lies behind the fronts, a block only when all that its points could change does, also by
+ * taking a quarter of a pixel from points behind them: the picture has the same bytes as without a frame
+ * before. */
 #ifndef ISO_RENDER_GL_SELECTION_H
 #define ISO_RENDER_GL_SELECTION_H
 
@@ -27,18 +29,30 @@
  * need storage buffers, which must be large enough. Else all points are drawn. */
 bool iso_gl_can_select(const iso_gl_surface *surface, int width, int height);
 
-/* Whether points of a block are chosen one by one. */
-bool iso_gl_is_small(const iso_gl_refined_draw *draw, const iso_point_block *block);
+/* Whether it takes less time to leave out what is hidden. The costs of both passes are estimated from the
+ * blocks in the view: it pays where much of the surface lies behind other parts of it, and the discs are so
+ * many or so large that the tests cost less than they save; if there was a frame before, its points make the
+ * fronts cheap. `room`: working memory. ISO_ERR_NOMEM. */
+iso_status iso_gl_selection_pays(const iso_gl_refined_draw *draw, iso_buffer *room, bool *pays,
+                                 iso_error *error);
 
-/* Sets which blocks of a tile are looked at first: those seen in the frame before, if there was one. */
-void iso_gl_selection_begin(const iso_gl_refined_draw *draw, iso_gl_tile *tile);
+/* How points of a block are selected, if its discs are not wider than the driver's points. */
+iso_gl_block_kind iso_gl_block_kind_of(const iso_gl_refined_draw *draw, const iso_point_block *block);
 
-/* Chooses the visible points of the small blocks that have draw commands, which must have been uploaded, and
- * makes commands that draw them (iso_gl_surface_draw_chosen). The tile's uniforms must be
- * bound. ISO_ERR_BACKEND. */
-iso_status iso_gl_select_points(const iso_gl_refined_draw *draw, const iso_gl_tile *tile, iso_error *error);
-/* Makes such commands again, for other draw commands of blocks whose points have been chosen. */
-iso_status iso_gl_list_chosen(const iso_gl_refined_draw *draw, const iso_gl_tile *tile, iso_error *error);
+/* Sets which blocks of a tile, and which of their points, are drawn first: those seen in the frame before, if
+ * there was one. ISO_ERR_LIMIT. */
+iso_status iso_gl_selection_begin(const iso_gl_refined_draw *draw, iso_gl_tile *tile, iso_error *error);
+
+/* The passes for the dense and tested blocks that have draw commands, which must have been uploaded. Each
+ * makes commands that draw a list of points (iso_gl_surface_draw_chosen). The tile's uniforms must be bound.
+ * ISO_ERR_BACKEND.
+ *
+ * select_first: the chosen points of dense blocks, and the points of tested blocks seen in the frame before.
+ * select_revealed, when these are in the fronts: the points of tested blocks that the fronts do not hide and
+ * that were not seen before. select_last, when these are in the fronts, too: all chosen and visible ones. */
+iso_status iso_gl_select_first(const iso_gl_refined_draw *draw, const iso_gl_tile *tile, iso_error *error);
+iso_status iso_gl_select_revealed(const iso_gl_refined_draw *draw, const iso_gl_tile *tile, iso_error *error);
+iso_status iso_gl_select_last(const iso_gl_refined_draw *draw, const iso_gl_tile *tile, iso_error *error);
 
 /* Finds which blocks the fronts hide. *revealed: the number of those that are neither hidden nor tested;
  * if there are any, the blocks that are not hidden are to be tested next. `room`: working memory.

@@ -68,7 +68,8 @@
 #define ISO_GL_ELEMENTS 5
 #define ISO_GL_TOTAL 6
 #define ISO_GL_DEEPEST 7
-#define ISO_GL_PICTURE 0 /* uint: planes of a gbuffer: depth, normal x, y, z, surface, colours */
+#define ISO_GL_MARKED_BEFORE 1 /* a bit for each point: it was marked in the frame before */
+#define ISO_GL_PICTURE 0       /* uint: planes of a gbuffer: depth, normal x, y, z, surface, colours */
 #define ISO_GL_PICTURE_PLANES 5
 #define ISO_GL_STORAGE_SLOTS 8
 
@@ -96,7 +97,7 @@
 #define ISO_GL_PIXEL_CELLS 6
 #define ISO_GL_GUARD 3
 #define ISO_GL_SQUARE 8
-#define ISO_GL_DRAWS 0 /* uint, a uniform: the number of commands */
+#define ISO_GL_DRAWS 0 /* uvec3, a uniform: first command, one beyond the last, 1: only fresh points */
 
 /* Constants of pull-push, the same as in render/pullpush/pyramid.h and render/point_blocks.h. */
 #define ISO_GL_LEVELS 11
@@ -200,8 +201,8 @@ uint ordered(float depth) {
 /* std140. Drawing one surface by the refined reconstruction in a tile of the picture.
  *
  * `sizes`: 1 / focal (orthographic: 0); most voxels per mm; the largest spacing in mm when voxels are not
- * cubes, else 0. `screen`: width and height of the viewport; its margin around the tile; the widest point
- * that the driver draws, in pixels. */
+ * cubes, else 0; the largest thickness of a disc, mm. `screen`: width and height of the viewport; its margin
+ * around the tile; the widest point that the driver draws, in pixels. */
 #define ISO_GL_REFINED_FIELDS                                                                                \
     ISO_GL_FLOATS(step_x); /* rows of the transform from steps to view space, without translation */         \
     ISO_GL_FLOATS(step_y);                                                                                   \

@@ -232,14 +232,16 @@ void iso_gl_surface_draw_range(const iso_gl_surface *surface, size_t first, size
                                 (GLsizei)count, 0);
 }
 
-void iso_gl_surface_draw_chosen(const iso_gl_surface *surface, size_t count) {
+void iso_gl_surface_draw_chosen(const iso_gl_surface *surface, size_t first, size_t count) {
     const iso_gl_engine *engine = surface->engine;
     const GladGLContext *gl = engine->context->gl;
     if (!count) return;
     gl->VertexArrayElementBuffer(surface->array, engine->storage[ISO_GL_STORE_CHOSEN]);
     gl->BindBuffer(GL_DRAW_INDIRECT_BUFFER, engine->storage[ISO_GL_STORE_ELEMENTS]);
     gl->BindVertexArray(surface->array);
-    gl->MultiDrawElementsIndirect(GL_POINTS, GL_UNSIGNED_INT, NULL, (GLsizei)count, 0);
+    gl->MultiDrawElementsIndirect(GL_POINTS, GL_UNSIGNED_INT,
+                                  (const void *)(uintptr_t)(first * sizeof(iso_gl_mesh_command)),
+                                  (GLsizei)count, 0);
 }
 
 void iso_gl_surface_draw_quads(const iso_gl_surface *surface, size_t first, size_t count,
@@ -534,6 +536,7 @@ void iso_gl_surface_destroy(iso_gl_surface *surface) {
     if (!surface) return;
     iso_gl_context *context = surface->engine->context;
     if (iso_gl_enter(context, NULL) == ISO_OK) {
+        if (surface->seen) context->gl->DeleteBuffers(2, surface->seen->points);
         const GLuint buffers[] = {surface->vertices.name, surface->radii.name, surface->colors.name,
                                   surface->curvatures.name, surface->indices.name};
         const GLuint arrays[] = {surface->array, surface->quad_array};

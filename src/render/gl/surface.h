@@ -51,10 +51,12 @@ typedef struct iso_gl_mesh_command {
     uint32_t first_instance;
 } iso_gl_mesh_command;
 
-/* Which blocks of points the last picture showed (selection.h). */
+/* Which blocks of points, and which of their points, the last picture showed (selection.h). */
 typedef struct iso_gl_seen {
-    iso_buffer flags; /* uint8_t, one a block */
-    size_t count;     /* of blocks; 0: not known */
+    iso_buffer flags;   /* uint8_t, one a block */
+    size_t count;       /* of blocks; 0: not known */
+    unsigned points[2]; /* buffers of a bit for each point: of this picture, and of the one before */
+    size_t room;        /* points that they have bits for */
 } iso_gl_seen;
 
 struct iso_gl_surface {
@@ -171,8 +173,8 @@ void iso_gl_surface_command(const iso_gl_surface *surface, size_t count, const v
 /* Executes the uploaded commands with the program in use; of points also some of them. */
 void iso_gl_surface_draw(const iso_gl_surface *surface, size_t count);
 void iso_gl_surface_draw_range(const iso_gl_surface *surface, size_t first, size_t count);
-/* Executes the first commands of ISO_GL_STORE_ELEMENTS, which draw points of ISO_GL_STORE_CHOSEN. */
-void iso_gl_surface_draw_chosen(const iso_gl_surface *surface, size_t count);
+/* Executes some commands of ISO_GL_STORE_ELEMENTS, which draw points of ISO_GL_STORE_CHOSEN. */
+void iso_gl_surface_draw_chosen(const iso_gl_surface *surface, size_t first, size_t count);
 /* Draws `count` points from `first` on as quads with the program in use. */
 void iso_gl_surface_draw_quads(const iso_gl_surface *surface, size_t first, size_t count,
                                const iso_gl_instance *instance);

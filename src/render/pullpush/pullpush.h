@@ -58,7 +58,7 @@ iso_selection_counts iso_pullpush_counts(const iso_pullpush *pullpush);
 
 /* Which points the reconstructions that draw discs (all but BOX and GAUSSIAN) draw. */
 typedef enum iso_point_selection {
-    ISO_SELECTION_AUTO, /* the engine's choice: VISIBLE of the cpu engine, ALL of the gl engine */
+    ISO_SELECTION_AUTO, /* the engine's choice: VISIBLE of the cpu engine; see render/gl/pullpush.h */
     /* Only points that the picture may show (Guennebaud, Barthe and Paulin 2004). The cpu engine draws the
      * same picture as from all points; of the gl engine see render/gl/pullpush.h. */
     ISO_SELECTION_VISIBLE,
