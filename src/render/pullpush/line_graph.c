@@ -40,17 +40,21 @@ static float depth_of(int64_t key) {
     return depth;
 }
 
-static void set_form(iso_line_fragment *f) {
+static void set_forms(iso_line_fragment *f) {
     const double xx = (double)f->shape[0], xy = (double)f->shape[1], yy = (double)f->shape[2],
                  inverse = 1 / iso_max(xx * yy - xy * xy, 1e-12);
-    f->xx = inverse * yy;
-    f->xy = -inverse * xy;
-    f->yy = inverse * xx;
-    f->reach = sqrt(xx + yy);
+    const iso_line_form m = {inverse * yy, -inverse * xy, inverse * xx};
+    f->ellipse = m;
+    f->reach = (float)sqrt(xx + yy);
     f->thin = xx + yy < ISO_LINE_THIN * ISO_LINE_THIN;
-    const double c = (double)f->cosine, s = (double)f->sine,
-                 bend = 0.5 * ((1 + c) * f->xx + 2 * s * f->xy + (1 - c) * f->yy);
-    f->bend = iso_max(bend * bend, 1e-24);
+    /* With D, which projects onto the line's direction, half of the form's slope along the line at d has the
+     * square (Md)'D(Md), and half of its second derivative is the trace of DM. */
+    const double c = (double)f->cosine, s = (double)f->sine, d[3] = {0.5 * (1 + c), 0.5 * s, 0.5 * (1 - c)},
+                 bend = d[0] * m.xx + 2 * d[1] * m.xy + d[2] * m.yy, less = 1 / iso_max(bend * bend, 1e-24);
+    const double a[4] = {d[0] * m.xx + d[1] * m.xy, d[0] * m.xy + d[1] * m.yy, d[1] * m.xx + d[2] * m.xy,
+                         d[1] * m.xy + d[2] * m.yy}; /* DM */
+    f->along = (iso_line_form){less * (m.xx * a[0] + m.xy * a[2]), less * (m.xx * a[1] + m.xy * a[3]),
+                               less * (m.xy * a[1] + m.yy * a[3])};
 }
 
 static void set_direction(const iso_pullpush_params *params, int64_t key, iso_line_fragment *f) {
@@ -59,7 +63,7 @@ static void set_direction(const iso_pullpush_params *params, int64_t key, iso_li
     for (int k = 0; k < 3; k++)
         for (int i = 0; i < 3; i++) n[k] += (double)params->normal[3 * k + i] * (double)packed.normal[i];
     const double length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-    for (int k = 0; k < 3; k++) f->n[k] = n[k] / length;
+    for (int k = 0; k < 3; k++) f->n[k] = (float)(n[k] / length);
 }
 
 static void make_fragment(const iso_pullpush_params *params, int x, int y, int64_t key,
@@ -77,12 +81,13 @@ static void make_fragment(const iso_pullpush_params *params, int x, int y, int64
                              .sine = plane[ISO_PLANE_TWICE_Y][at],
                              .column = x,
                              .row = y,
+                             .key = (uint32_t)((size_t)y * p->key_stride + (size_t)x),
                              .radius = plane[ISO_PLANE_RADIUS][at],
                              .end = plane[ISO_PLANE_ROOM][at]};
     for (int k = 0; k < 3; k++) f->shape[k] = plane[ISO_PLANE_SHAPE_XX + k][at];
     for (int k = 0; k < 3 && plane[ISO_PLANE_RED]; k++)
         f->color |= (uint32_t)((double)plane[ISO_PLANE_RED + k][at] + 0.5) << 8 * k;
-    set_form(f);
+    set_forms(f);
     set_direction(params, key, f);
 }
 
@@ -107,16 +112,16 @@ void iso_line_graph_make_rows(const iso_pullpush_params *params, iso_rows rows) 
 static uint8_t links_of(const iso_pyramid *p, const iso_line_fragment *f) {
     const iso_pyramid_level *base = &p->level[p->layout.base];
     const iso_line_fragment *fragments = p->line_fragments.data;
-    unsigned links = 0, bit = 1;
-    for (int dy = -1; dy <= 1; dy++)
-        for (int dx = -1; dx <= 1; dx++) {
-            const int x = f->column + dx, y = f->row + dy;
-            const size_t at = (size_t)y * p->key_stride + (size_t)x;
-            if (dx == 0 && dy == 0) continue;
-            if (x >= 0 && y >= 0 && x < base->width && y < base->height && p->keys[at] != ISO_KEY_NONE &&
+    const int columns[2] = {f->column > 0 ? -1 : 0, f->column + 1 < base->width ? 1 : 0},
+              rows[2] = {f->row > 0 ? -1 : 0, f->row + 1 < base->height ? 1 : 0};
+    unsigned links = 0;
+    for (int dy = rows[0]; dy <= rows[1]; dy++)
+        for (int dx = columns[0]; dx <= columns[1]; dx++) {
+            const ptrdiff_t at = (ptrdiff_t)f->key + dy * (ptrdiff_t)p->key_stride + dx;
+            const int place = 3 * (dy + 1) + dx + 1;
+            if (p->keys[at] != ISO_KEY_NONE && place != 4 &&
                 iso_line_fragments_follow(f, &fragments[p->index[at]]))
-                links |= bit;
-            bit <<= 1;
+                links |= 1u << (place - (place > 4));
         }
     return (uint8_t)links;
 }

@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/numbers.h"
 #include "render/pullpush/line_graph.h"
 #include "render/shading/phong.h"
 
@@ -20,11 +21,12 @@ static const double MARGIN = 0.75;
 /* A fragment is beside a pixel's centre if the nearest place of the line is within so many pixels of the base
  * level of it, along the line. */
 static const double BESIDE = 1.5;
-/* How much a line can bend between the fragments of the last push, pixels. */
-static const double LAST_BEND = 0.5;
-/* A fragment is near enough if the nearest place of the line is within so many pixels: of a tube in the last
- * push, and everywhere if the ellipse is `thin`. A bend of a wide line has places that are the nearest of
- * none. */
+/* How much a line can bend between a corner's fragment and a pixel's, in pixels of the pixel's level, but not
+ * of levels below the base. */
+static const double BEND = 0.5;
+/* A fragment is near enough if the nearest place of the line is within so many of these pixels: of a tube in
+ * the last push, and everywhere if the ellipse is thin. A bend of a wide line has places that are the nearest
+ * of none. */
 static const double NEAREST = 0.75;
 /* Half a pixel, and what rounding a fragment's place in its pixel can change. */
 static const double HALF = 0.5 + 1.0 / 32;
@@ -43,21 +45,31 @@ typedef struct line_levels {
     const iso_pullpush_params *params;
     const iso_pyramid *pyramid;
     const iso_line_fragment *fragments;
-    double pixel;          /* of the base level, pixels of level 0 */
+    double mm;             /* of a pixel of level 0 at depth 1 (orthographic: at any depth) */
     double near, beside;   /* squares of NEAREST and BESIDE, pixels of level 0 */
+    double bend;           /* pixels of level 0 */
+    int steps;             /* along a line, at most */
+    int window;            /* pixels of the base level in which fragments of one depth are of one line */
+    bool last;             /* the level below is 0 */
     ptrdiff_t neighbor[8]; /* steps in the index to the pixels around, in the order of links */
 } line_levels;
 
-static line_levels levels_of(const iso_pullpush_params *params) {
+/* `level`: what is pulled into, or pushed from. */
+static line_levels levels_of(const iso_pullpush_params *params, int level) {
     const iso_pyramid *p = params->pyramid;
+    const int finer = level - 1 - p->layout.base, pixels = finer > 0 ? 1 << finer : 1;
     const ptrdiff_t row = (ptrdiff_t)p->key_stride;
     const double pixel = (double)(1 << p->layout.base);
     return (line_levels){.params = params,
                          .pyramid = p,
                          .fragments = p->line_fragments.data,
-                         .pixel = pixel,
-                         .near = NEAREST * NEAREST * pixel * pixel,
+                         .mm = 1 / (double)params->scale,
+                         .near = NEAREST * NEAREST * pixel * pixel * pixels * pixels,
                          .beside = BESIDE * BESIDE * pixel * pixel,
+                         .bend = BEND * pixels * pixel,
+                         .steps = 8 * pixels + 2,
+                         .window = 4 * pixels,
+                         .last = level == 1,
                          .neighbor = {-row - 1, -row, -row + 1, -1, 1, row - 1, row, row + 1}};
 }
 
@@ -67,22 +79,9 @@ static int32_t *places_of(const iso_pyramid *pyramid, int level, int which) {
     return (int32_t *)(void *)pyramid->level[level].plane[which];
 }
 
-static double q_at(const iso_line_fragment *f, double x, double y) {
-    return f->xx * x * x + 2 * f->xy * x * y + f->yy * y * y;
-}
-
 static sight see(const iso_line_fragment *f, const double at[2]) {
     const double x = at[0] - (double)f->x, y = at[1] - (double)f->y;
-    return (sight){.from = f, .away = {x, y}, .q = q_at(f, x, y)};
-}
-
-/* The square of the distance from the nearest place of the line to a pixel's centre, along the line,
- * pixels^2. */
-static double along_square(const sight *s) {
-    const iso_line_fragment *f = s->from;
-    const double cosine = (double)f->cosine, sine = (double)f->sine;
-    const double u = f->xx * s->away[0] + f->xy * s->away[1], v = f->xy * s->away[0] + f->yy * s->away[1];
-    return 0.5 * ((1 + cosine) * u * u + 2 * sine * u * v + (1 - cosine) * v * v) / f->bend;
+    return (sight){f, {x, y}, iso_line_form_at(&f->ellipse, x, y), iso_line_form_at(&f->along, x, y)};
 }
 
 /* Whether the ellipse of a fragment reaches within `margin` pixels of level 0 of the pixel's centre. */
@@ -96,42 +95,63 @@ static bool reaches(const sight *s, double margin) {
     return yy * dx * dx - 2 * xy * dx * dy + xx * dy * dy <= xx * yy - xy * xy;
 }
 
-/* The nearest to `at` of a fragment, seen in *s, and those beside it that it is linked to. */
-static bool step_along(const line_levels *l, const double at[2], sight *s) {
-    const iso_line_fragment *f = s->from;
-    const int32_t *index =
-        l->pyramid->index + (ptrdiff_t)f->row * (ptrdiff_t)l->pyramid->key_stride + f->column;
-    for (unsigned links = f->links; links; links &= links - 1) {
-        const sight other = see(&l->fragments[index[l->neighbor[__builtin_ctz(links)]]], at);
-        if (other.q < s->q) *s = other;
+/* Of a fragment, whose form is *q at `at`, and those beside it that `links` links it to, the nearest. */
+static const iso_line_fragment *step_along(const line_levels *l, const double at[2],
+                                           const iso_line_fragment *from, unsigned links, double *q,
+                                           int *step) {
+    const iso_line_fragment *best = from;
+    for (const int32_t *index = l->pyramid->index + from->key; links; links &= links - 1) {
+        const int k = __builtin_ctz(links);
+        const iso_line_fragment *f = &l->fragments[index[l->neighbor[k]]];
+        const double other = iso_line_form_at(&f->ellipse, at[0] - (double)f->x, at[1] - (double)f->y);
+        if (other >= *q) continue;
+        *q = other;
+        *step = k;
+        best = f;
     }
-    return s->from != f;
+    return best;
 }
 
-/* The same, of those that are two pixels away. */
-static bool jump_along(const line_levels *l, const double at[2], sight *s) {
-    const iso_line_fragment *f = s->from;
+/* The same, with those that are two pixels away. */
+static const iso_line_fragment *jump_along(const line_levels *l, const double at[2],
+                                           const iso_line_fragment *from, double *q) {
     const iso_pyramid *p = l->pyramid;
     const iso_pyramid_level *base = &p->level[p->layout.base];
+    const iso_line_fragment *best = from;
     for (int dy = -2; dy <= 2; dy++)
         for (int dx = -2; dx <= 2; dx += dy == -2 || dy == 2 ? 1 : 4) {
-            const int x = f->column + dx, y = f->row + dy;
+            const int x = from->column + dx, y = from->row + dy;
             if (x < 0 || y < 0 || x >= base->width || y >= base->height) continue;
             const size_t there = (size_t)y * p->key_stride + (size_t)x;
             if (p->keys[there] == ISO_KEY_NONE) continue;
-            const sight other = see(&l->fragments[p->index[there]], at);
-            if (other.q < s->q && iso_line_fragments_follow(f, other.from)) *s = other;
+            const iso_line_fragment *f = &l->fragments[p->index[there]];
+            const double other = iso_line_form_at(&f->ellipse, at[0] - (double)f->x, at[1] - (double)f->y);
+            if (other >= *q || !iso_line_fragments_follow(from, f)) continue;
+            *q = other;
+            best = f;
         }
-    return s->from != f;
+    return best;
 }
 
-/* Goes along the line to the fragment that is nearest to the pixel's centre, in at most so many steps, or to
- * one that is near enough: the square of its distance from there along the line is `enough` at most. */
-static void go_along(const line_levels *l, const double at[2], int steps, double enough, sight *s) {
-    while (steps-- > 0 && s->along > enough) {
-        if (!step_along(l, at, s) && (enough > 0 || s->along <= l->beside || !jump_along(l, at, s))) return;
-        s->along = along_square(s);
+/* Goes along the line to the fragment that is nearest to the pixel's centre, or to one that is near enough:
+ * the square of its distance from there along the line is `enough` at most. */
+static void go_along(const line_levels *l, const double at[2], double enough, sight *s) {
+    const iso_line_fragment *f = s->from;
+    double q = s->q, along = s->along;
+    unsigned back = 0; /* the link to where it came from */
+    for (int steps = l->steps; steps-- > 0 && along > enough;) {
+        int step = 0;
+        const iso_line_fragment *best = step_along(l, at, f, f->links & ~back, &q, &step);
+        back = 0x80u >> step;
+        if (best == f && !(enough > 0) && along > l->beside) {
+            best = jump_along(l, at, f, &q);
+            back = 0;
+        }
+        if (best == f) break;
+        f = best;
+        along = iso_line_form_at(&f->along, at[0] - (double)f->x, at[1] - (double)f->y);
     }
+    *s = (sight){f, {at[0] - (double)f->x, at[1] - (double)f->y}, q, along};
 }
 
 /* ---- pull */
@@ -219,7 +239,7 @@ static void pull_row(const line_levels *l, int level, int y) {
 }
 
 static void pull_rows(const iso_pullpush_params *params, int level, iso_rows rows) {
-    const line_levels l = levels_of(params);
+    const line_levels l = levels_of(params, level);
     for (int y = rows.first; y <= rows.last; y++) pull_row(&l, level, y);
 }
 
@@ -233,54 +253,53 @@ static void make_ellipses(const iso_pullpush_params *params, int level, iso_rows
 enum { CORNERS = 8, CANDIDATES = 10 }; /* fragments of a cell's corners; these and a pixel's own two */
 
 /* Whether going along the line from a corner's fragment can end at one that reaches within `margin` of the
- * pixel: it does if the line is straight, or bends by less than `bend` pixels of level 0. Sets along. */
-static bool may_reach(sight *s, double margin, double bend) {
-    s->along = along_square(s);
+ * pixel: it does if the line is straight, or bends by less than `bend` pixels of level 0. */
+static bool may_reach(const sight *s, double margin, double bend) {
     const double square = s->away[0] * s->away[0] + s->away[1] * s->away[1],
-                 reach = s->from->reach + margin + bend;
+                 reach = (double)s->from->reach + margin + bend;
     return square - s->along <= reach * reach;
 }
 
-/* The fragments of the corners of a cell of a level, the front ones first. Returns their number: where there
- * is no front one, there is none. */
-static int read_corners(const line_levels *l, int level, int column, int row, int32_t place[CORNERS]) {
+/* Whether going along the line from both fragments would end at the same place: they are within `window`
+ * pixels of the base level of each other, and in one depth interval. */
+static bool is_same_line(const iso_line_fragment *f, const iso_line_fragment *other, int window) {
+    return abs(f->column - other->column) <= window && abs(f->row - other->row) <= window &&
+           fabsf(f->depth - other->depth) <= f->interval;
+}
+
+/* The fragments of the corners of a cell of a level, one of each line, the front ones first. Returns their
+ * number: where there is no front one, there is none. */
+static int read_corners(const line_levels *l, int level, int column, int row,
+                        const iso_line_fragment *found[CORNERS]) {
     const ptrdiff_t stride = (ptrdiff_t)l->pyramid->level[level].stride,
                     corner = (ptrdiff_t)row * stride + column;
     const int32_t *front = places_of(l->pyramid, level, ISO_PLANE_PLACE) + corner;
-    int count = 0;
     if (!(front[0] | front[-1] | front[-stride] | front[-stride - 1])) return 0;
+    const int32_t *behind = places_of(l->pyramid, level, ISO_PLANE_BEHIND) + corner;
+    const int32_t place[CORNERS] = {front[0],  front[-1],  front[-stride],  front[-stride - 1],
+                                    behind[0], behind[-1], behind[-stride], behind[-stride - 1]};
+    int count = 0;
     for (int k = 0; k < CORNERS; k++) {
-        const int32_t *places = places_of(l->pyramid, level, ISO_PLANE_PLACE + (k >> 2)) + corner;
-        const int32_t made = places[-(k & 1) - (k >> 1 & 1) * stride];
-        bool known = !made;
-        for (int i = 0; i < count && !known; i++) known = place[i] == made;
-        if (!known) place[count++] = made;
+        if (!place[k]) continue;
+        const iso_line_fragment *f = &l->fragments[place[k] - 1];
+        bool known = false;
+        for (int i = 0; i < count && !known; i++) known = is_same_line(f, found[i], l->window / 2);
+        if (!known) found[count++] = f;
     }
     return count;
 }
 
-/* Pixels of the base level that a pixel of the level below `level` is wide. */
-static int pixels_of(const line_levels *l, int level) {
-    const int finer = level - 1 - l->pyramid->layout.base;
-    return finer > 0 ? 1 << finer : 1;
-}
-
 /* Goes from a corner's fragment to the one of its line that is nearest to `at`. False: it is one of those
  * that were found before, or does not reach within `margin`. */
-static bool find_nearest(const line_levels *l, int level, const double at[2], double margin,
-                         const sight *found, int count, sight *s) {
-    const int pixels = pixels_of(l, level), near = 4 * pixels;
-    const iso_line_fragment *f = s->from;
-    for (int i = 0; i < count; i++) { /* going along the line would end at the same place */
-        const iso_line_fragment *other = found[i].from;
-        if (abs(f->column - other->column) <= near && abs(f->row - other->row) <= near &&
-            fabs((double)f->depth - (double)other->depth) <= (double)f->interval)
-            return false;
-    }
+static bool find_nearest(const line_levels *l, const double at[2], double margin, const sight *found,
+                         int count, const iso_line_fragment *f, sight *s) {
+    for (int i = 0; i < count; i++)
+        if (is_same_line(f, found[i].from, l->window)) return false;
     *s = see(f, at);
-    if (!may_reach(s, margin, (level == 1 ? LAST_BEND : 2 * pixels) * l->pixel)) return false;
-    const bool near_enough = f->thin || (level == 1 && l->params->kind == ISO_PULLPUSH_TUBES);
-    go_along(l, at, 8 * pixels + 2, near_enough ? l->near : 0, s);
+    if (!may_reach(s, margin, l->bend)) return false;
+    const bool tube = l->params->kind == ISO_PULLPUSH_TUBES;
+    const double enough = f->thin || (l->last && tube) ? l->near : 0;
+    if (s->along > enough) go_along(l, at, enough, s);
     return true;
 }
 
@@ -307,8 +326,8 @@ static int32_t place_of(const line_levels *l, const sight *s) {
 
 /* Makes what a pixel of level - 1 shows, from its own fragments in out[0] and out[1] and those of the corners
  * of its cell. */
-static void push_pixel(const line_levels *l, int level, int x, int y, const int32_t *corner, int corners,
-                       int32_t *const out[2]) {
+static void push_pixel(const line_levels *l, int level, int x, int y,
+                       const iso_line_fragment *const corner[CORNERS], int corners, int32_t *const out[2]) {
     const double size = (double)(1 << (level - 1)), at[2] = {size * (x + 0.5), size * (y + 0.5)},
                  margin = MARGIN * size;
     sight found[CANDIDATES];
@@ -317,10 +336,10 @@ static void push_pixel(const line_levels *l, int level, int x, int y, const int3
         if (*out[k]) found[count++] = see(&l->fragments[*out[k] - 1], at);
     const double last = count == 2 ? (double)found[1].from->depth : INFINITY; /* nothing is seen behind it */
     for (int k = 0; k < corners; k++) {
-        sight s = {.from = &l->fragments[corner[k] - 1]};
-        if ((double)s.from->depth <= last && find_nearest(l, level, at, margin, found, count, &s) &&
-            reaches(&s, margin))
-            found[count++] = s;
+        sight *s = &found[count];
+        if ((double)corner[k]->depth <= last && find_nearest(l, at, margin, found, count, corner[k], s) &&
+            reaches(s, margin))
+            count++;
     }
     double limit, unused;
     const sight *front = choose_found(found, count, -INFINITY, &limit),
@@ -333,7 +352,7 @@ static void push_pixel(const line_levels *l, int level, int x, int y, const int3
 static void push_cell(const line_levels *l, int level, int column, int row) {
     const iso_pyramid_level *to = &l->pyramid->level[level - 1];
     const bool over = level - 1 >= l->pyramid->layout.base;
-    int32_t corner[CORNERS];
+    const iso_line_fragment *corner[CORNERS];
     const int corners = read_corners(l, level, column, row, corner);
     for (int k = 0; k < 4 && (corners || !over); k++) {
         const int x = 2 * column - 1 + (k & 1), y = 2 * row - 1 + (k >> 1);
@@ -347,7 +366,7 @@ static void push_cell(const line_levels *l, int level, int column, int row) {
 }
 
 static void push_rows(const iso_pullpush_params *params, int level, iso_rows rows) {
-    const line_levels l = levels_of(params);
+    const line_levels l = levels_of(params, level);
     for (int row = rows.first; row <= rows.last; row++)
         for (int column = 0; column <= l.pyramid->level[level - 1].width / 2; column++)
             push_cell(&l, level, column, row);
@@ -364,39 +383,49 @@ static double dot(const double a[3], const double b[3]) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* The ray through a pixel's centre as a fragment sees it. */
+/* The ray through the centre of a pixel of level 0, of depth 1. */
+typedef struct pixel_ray {
+    double to[3], square; /* of its length */
+} pixel_ray;
+
+static pixel_ray ray_of(const line_levels *l, int x, int y) {
+    const iso_pullpush_params *params = l->params;
+    const double slope = (double)params->slope;
+    pixel_ray ray = {.to = {(x + 0.5 - (double)params->ray[0]) * slope,
+                            (y + l->pyramid->layout.rows_before + 0.5 - (double)params->ray[1]) * slope, 1}};
+    ray.square = dot(ray.to, ray.to);
+    return ray;
+}
+
+/* A pixel's ray as a fragment sees it. */
 typedef struct meeting {
-    const double *n;  /* tangent of a tube, normal of a ribbon: unit, view space */
+    const pixel_ray *ray;
+    double n[3];      /* tangent of a tube, normal of a ribbon: unit, view space */
     double beside[3]; /* from the fragment's place to the ray at the same depth, mm */
-    double ray[3];    /* of depth 1 */
     double radius;    /* mm */
-    double pixel;     /* a pixel's size at the fragment, mm */
 } meeting;
 
-static meeting meet(const line_levels *l, const sight *s, int x, int y) {
-    const iso_pullpush_params *params = l->params;
+static meeting meet(const line_levels *l, const sight *s, const pixel_ray *ray) {
     const iso_line_fragment *f = s->from;
-    const double pixel = (params->orthographic ? 1 : (double)f->depth) / (double)params->scale;
-    return (meeting){
-        .n = f->n,
-        .beside = {s->away[0] * pixel, s->away[1] * pixel, 0},
-        .ray = {(x + 0.5 - (double)params->ray[0]) * (double)params->slope,
-                (y + l->pyramid->layout.rows_before + 0.5 - (double)params->ray[1]) * (double)params->slope,
-                1},
-        .radius = (double)f->radius};
+    const double pixel = (l->params->orthographic ? 1 : (double)f->depth) * l->mm;
+    return (meeting){.ray = ray,
+                     .n = {(double)f->n[0], (double)f->n[1], (double)f->n[2]},
+                     .beside = {s->away[0] * pixel, s->away[1] * pixel, 0},
+                     .radius = (double)f->radius};
 }
 
 /* Where the ray meets the cylinder around the tangent, or where it is nearest to it; returns whether it meets
  * it. The intersection is computed in the plane perpendicular to the tangent. A tube that points at the eye
  * is drawn as if it pointed 14 degrees beside it. */
 static bool meet_cylinder(const meeting *m, sample *out) {
-    const double along = dot(m->ray, m->n), before = dot(m->beside, m->n), length = dot(m->ray, m->ray);
-    double turn[3], from[3];
-    for (int k = 0; k < 3; k++) turn[k] = m->ray[k] - along * m->n[k];
-    const double square = fmax(length - along * along, length * TUBE_SLOPE),
-                 nearest = -dot(m->beside, turn) / square;
+    const double *ray = m->ray->to, along = dot(ray, m->n),
+                 before = m->beside[0] * m->n[0] + m->beside[1] * m->n[1];
+    const double turn[3] = {ray[0] - along * m->n[0], ray[1] - along * m->n[1], 1 - along * m->n[2]};
+    const double less = 1 / iso_max(m->ray->square - along * along, m->ray->square * TUBE_SLOPE),
+                 nearest = -(m->beside[0] * turn[0] + m->beside[1] * turn[1]) * less;
+    double from[3];
     for (int k = 0; k < 3; k++) from[k] = m->beside[k] - before * m->n[k] + nearest * turn[k];
-    const double rest = m->radius * m->radius - dot(from, from), back = sqrt(fmax(rest, 0) / square);
+    const double rest = m->radius * m->radius - dot(from, from), back = sqrt(iso_max(rest, 0) * less);
     for (int k = 0; k < 3; k++) out->normal[k] = from[k] - back * turn[k];
     out->depth += nearest - back;
     return rest >= 0;
@@ -405,21 +434,21 @@ static bool meet_cylinder(const meeting *m, sample *out) {
 /* Where the ray meets the sphere around the end of the line, or where it is nearest to it; returns whether it
  * meets it. `rest`: how far the end is from the fragment along the tangent. */
 static bool meet_end(const meeting *m, double rest, sample *out) {
-    const double length = dot(m->ray, m->ray);
+    const double *ray = m->ray->to, length = m->ray->square;
     double beside[3], from[3];
     for (int k = 0; k < 3; k++) beside[k] = m->beside[k] - rest * m->n[k];
-    const double nearest = -dot(beside, m->ray) / length;
-    for (int k = 0; k < 3; k++) from[k] = beside[k] + nearest * m->ray[k];
-    const double room = m->radius * m->radius - dot(from, from), back = sqrt(fmax(room, 0) / length);
-    for (int k = 0; k < 3; k++) out->normal[k] = from[k] - back * m->ray[k];
+    const double nearest = -dot(beside, ray) / length;
+    for (int k = 0; k < 3; k++) from[k] = beside[k] + nearest * ray[k];
+    const double room = m->radius * m->radius - dot(from, from), back = sqrt(iso_max(room, 0) / length);
+    for (int k = 0; k < 3; k++) out->normal[k] = from[k] - back * ray[k];
     out->depth += nearest - back;
     return room >= 0;
 }
 
 /* Where the ray meets the plane of a ribbon. */
 static void meet_plane(const meeting *m, sample *out) {
-    const double across = dot(m->ray, m->n), least = RIBBON_SLOPE * sqrt(dot(m->ray, m->ray)),
-                 steep = fmax(fabs(across), least), side = across > 0 ? -1 : 1;
+    const double across = dot(m->ray->to, m->n), least = RIBBON_SLOPE * sqrt(m->ray->square),
+                 steep = iso_max(fabs(across), least), side = across > 0 ? -1 : 1;
     for (int k = 0; k < 3; k++) out->normal[k] = side * m->n[k];
     out->depth += side * dot(m->beside, m->n) / steep;
 }
@@ -431,13 +460,13 @@ static void illuminate(const meeting *m, double normal[3]) {
                  along = dot(light, m->n);
     for (int k = 0; k < 3; k++) normal[k] = light[k] - along * m->n[k];
     if (dot(normal, normal) > 1e-6) return;
-    for (int k = 0; k < 3; k++) normal[k] = -m->ray[k];
+    for (int k = 0; k < 3; k++) normal[k] = -m->ray->to[k];
 }
 
 /* Whether a place at `depth` on a ray lies beyond the end of the line that is nearer to the fragment. */
 static bool is_beyond_end(const meeting *m, const iso_line_fragment *f, double depth) {
-    double along = 0;
-    for (int k = 0; k < 3; k++) along += (m->beside[k] + (depth - (double)f->depth) * m->ray[k]) * m->n[k];
+    const double along =
+        m->beside[0] * m->n[0] + m->beside[1] * m->n[1] + (depth - (double)f->depth) * dot(m->ray->to, m->n);
     return f->end < 0 ? along < (double)f->end : along > (double)f->end;
 }
 
@@ -453,29 +482,30 @@ static bool complete_tube(const line_levels *l, const sight *s, const meeting *m
     return meets;
 }
 
-/* Whether a pixel's own fragment is less than half a pixel beside the line, or near its end: then the pixel
- * shows it in any case, so that lines are at least a pixel wide. */
-static bool is_on_line(const line_levels *l, const sight *s, const meeting *m) {
+/* Whether a pixel's own fragment is less than half a pixel beside the line, or within `room` of its end: then
+ * the pixel shows it in any case, so that lines are at least a pixel wide. */
+static bool is_on_line(const sight *s, float room) {
     const double cosine = (double)s->from->cosine, sine = (double)s->from->sine, x = s->away[0],
                  y = s->away[1];
     const double across = 0.5 * (x * x + y * y - cosine * (x * x - y * y) - 2 * sine * x * y);
-    if (across <= HALF * HALF) return true;
-    const double pixel = l->params->kind == ISO_PULLPUSH_TUBES ? m->pixel : 1;
-    return fabs((double)s->from->end) <= pixel;
+    return across <= HALF * HALF || fabsf(s->from->end) <= room;
 }
 
 /* What a pixel of level 0 shows of a fragment, which can be its own; false: nothing. */
-static bool complete(const line_levels *l, const sight *s, int x, int y, bool own, sample *out) {
-    const meeting m = meet(l, s, x, y);
+static bool complete(const line_levels *l, const sight *s, const pixel_ray *ray, bool own, sample *out) {
+    const bool tube = l->params->kind == ISO_PULLPUSH_TUBES;
     bool meets = s->q <= 1;
+    if (!meets && !own && !(tube && s->along <= l->beside)) return false;
+    const meeting m = meet(l, s, ray);
     *out = (sample){.depth = (double)s->from->depth, .color = s->from->color};
-    if (l->params->kind == ISO_PULLPUSH_TUBES)
+    if (tube)
         meets = complete_tube(l, s, &m, out);
     else
         meet_plane(&m, out);
     const double size = sqrt(dot(out->normal, out->normal));
-    for (int k = 0; k < 3; k++) out->normal[k] = size > 1e-15 ? out->normal[k] / size : k == 2 ? -1 : 0;
-    return meets || (own && is_on_line(l, s, &m));
+    const double scale = 1 / (size > 1e-15 ? size : 1);
+    for (int k = 0; k < 3; k++) out->normal[k] = size > 1e-15 ? out->normal[k] * scale : k == 2 ? -1 : 0;
+    return meets || (own && is_on_line(s, tube ? 0 : 1));
 }
 
 static void keep_nearer(const sample *made, sample *nearest) {
@@ -484,24 +514,23 @@ static void keep_nearer(const sample *made, sample *nearest) {
 
 /* The nearest sample of a pixel of level 0, from its own fragment and those of the corners of its cell; its
  * depth is INFINITY if it has none. */
-static sample find_sample(const line_levels *l, int x, int y, const int32_t *corner, int corners) {
+static sample find_sample(const line_levels *l, int x, int y, const iso_line_fragment *const corner[CORNERS],
+                          int corners) {
     const iso_pyramid *p = l->pyramid;
     const double at[2] = {x + 0.5, y + 0.5};
     const size_t key = (size_t)y * p->key_stride + (size_t)x;
+    const pixel_ray ray = ray_of(l, x, y);
     sight found[CANDIDATES];
     sample made, nearest = {.depth = INFINITY};
     int count = 0;
     if (p->layout.base == 0 && p->keys[key] != ISO_KEY_NONE) {
         found[0] = see(&l->fragments[p->index[key]], at);
-        found[0].along = along_square(&found[0]);
-        if (complete(l, &found[count++], x, y, true, &made)) keep_nearer(&made, &nearest);
+        if (complete(l, &found[count++], &ray, true, &made)) keep_nearer(&made, &nearest);
     }
     for (int k = 0; k < corners; k++) {
-        sight s = {.from = &l->fragments[corner[k] - 1]};
-        if ((double)s.from->depth - (double)s.from->interval > nearest.depth) continue; /* hidden */
-        if (!find_nearest(l, 1, at, 0, found, count, &s)) continue;
-        found[count++] = s;
-        if (complete(l, &s, x, y, false, &made)) keep_nearer(&made, &nearest);
+        if ((double)corner[k]->depth - (double)corner[k]->interval > nearest.depth) continue; /* hidden */
+        if (!find_nearest(l, at, 0, found, count, corner[k], &found[count])) continue;
+        if (complete(l, &found[count++], &ray, false, &made)) keep_nearer(&made, &nearest);
     }
     return nearest;
 }
@@ -519,13 +548,13 @@ static void write_sample(const line_levels *l, const sample *s, size_t at) {
 }
 
 static void finish_samples(const iso_pullpush_params *params, iso_rows rows) {
-    const line_levels l = levels_of(params);
+    const line_levels l = levels_of(params, 1);
     const iso_pyramid_layout *layout = &l.pyramid->layout;
     const int guard = layout->guard, width = params->target->gbuffer->width,
               height = params->target->gbuffer->height;
     for (int row = rows.first; row <= rows.last; row++)
         for (int column = guard / 2; column <= (guard + width) / 2; column++) {
-            int32_t corner[CORNERS];
+            const iso_line_fragment *corner[CORNERS];
             const int corners = read_corners(&l, 1, column, row, corner);
             for (int k = 0; k < 4 && corners; k++) {
                 const int x = 2 * column - 1 + (k & 1), y = 2 * row - 1 + (k >> 1), to = y + layout->row;

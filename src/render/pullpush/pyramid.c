@@ -148,7 +148,7 @@ iso_status iso_pyramid_resize(iso_pyramid *pyramid, const iso_pyramid_layout *la
     if (bytes == SIZE_MAX) return iso_fail(error, ISO_ERR_NOMEM, "a picture of that size is impossible");
     pyramid->layout = (iso_pyramid_layout){0}; /* until the memory is there */
     ISO_TRY(iso_buffer_reserve(&pyramid->memory, bytes, 0, error));
-    memset(pyramid->memory.data, 0, bytes);
+    if (!has_lines(layout)) memset(pyramid->memory.data, 0, bytes);
     pyramid->layout = *layout;
     for (int l = 0; l <= layout->top; l++) pyramid->level[l] = iso_pyramid_level_of(layout, l);
     const iso_pyramid_level *base = &pyramid->level[layout->base];
