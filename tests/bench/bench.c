@@ -145,7 +145,7 @@ int main(int argc, char **argv) {
     iso_error error = {0};
     iso_status status = parse(argc, argv, &settings, &choice, &error);
     if (status == ISO_OK && settings.help) {
-        iso_options_help(&program, ISO_HELP_SCREEN, stdout);
+        iso_options_help(&program, "all", stdout, NULL);
         return 0;
     }
     if (status == ISO_OK && settings.vtk_child) return bench_vtk_child(&settings);

@@ -399,7 +399,7 @@ static void draw_segment(const line_pen *pen, segment *s, bool last) {
     const double margin = 1;
     if (iso_max(a[1], b[1]) < pen->first_row - margin || iso_min(a[1], b[1]) > pen->last_row + 1 + margin)
         return;
-    draw_end(pen, s, 0);
+    draw_fragment(pen, s, 0, a[0], a[1]);
     if (last) draw_end(pen, s, 1);
     const int axis = fabs(b[1] - a[1]) > fabs(b[0] - a[0]);
     const double lo = iso_min(a[axis], b[axis]), hi = iso_max(a[axis], b[axis]);

@@ -7,6 +7,7 @@
 #include "render/pullpush/kernel.h"
 #include "render/pullpush/keys.h"
 #include "render/pullpush/line_fragments.h"
+#include "render/pullpush/line_graph.h"
 #include "render/pullpush/polygon_fragments.h"
 #include "render/pullpush/set_fragments.h"
 #include "render/pullpush/setup.h"
@@ -90,6 +91,7 @@ static iso_pyramid_layout choose_lines_layout(const iso_line_frame *lines, const
     layout.planes =
         1u << ISO_PLANE_RADIUS | 1u << ISO_PLANE_INTERVAL | 63u << ISO_PLANE_SHAPE_XX | 3u << ISO_PLANE_PLACE;
     if (lines->lines->lines.colors) layout.planes |= 7u << ISO_PLANE_RED;
+    layout.indexed = 1;
     return layout;
 }
 
@@ -121,6 +123,7 @@ static iso_status prepare_lines(pullpush_call *call, iso_error *error) {
     const iso_pyramid_layout layout = choose_layout(call, call->target->view);
     ISO_TRY(iso_pyramid_resize(call->pyramid, &layout, error));
     choose_bands(call);
+    call->band_levels = 0; /* pull needs the fragments of all bands */
     const bool ribbons = call->lines->lines->opts.style == ISO_LINE_RIBBON;
     call->params = iso_pullpush_params_of_intervals(&layout, &call->projector, ISO_RECONSTRUCTION_GAUSSIAN,
                                                     ribbons ? ISO_PULLPUSH_RIBBONS : ISO_PULLPUSH_TUBES);
@@ -229,6 +232,7 @@ static void project_band(const pullpush_call *call, size_t band, iso_rows rows) 
     }
     if (call->lines) {
         iso_line_fragments_project(call->lines, p, rows);
+        iso_line_graph_count_rows(p, rows);
         return;
     }
     const size_t *start = call->blocks->start.data;
@@ -266,6 +270,7 @@ static void project_and_pull_band(void *context, size_t band, int worker) {
     int base = p->layout.base;
     iso_rows rows = rows_within((int)band * call->band_rows, call->band_rows, p->level[base].height);
     project_band(call, band, rows);
+    if (call->lines) return;
     if (p->index && !call->sets) fetch_attributes(call, rows);
     if (base > 0) call->steps->unpack_keys(&call->params, rows);
     for (int i = 1; i <= call->band_levels; i++) {
@@ -352,10 +357,30 @@ static void run_over_cells(pullpush_call *call, int number, iso_task *task) {
     run_over_rows(call, number, cell_rows(call->pyramid, number), task);
 }
 
-static void reconstruct_surface(pullpush_call *call) {
+static void make_line_rows(void *context, size_t index, int worker) {
+    (void)worker;
+    const pullpush_call *call = context;
+    const iso_rows rows = rows_within((int)index * call->task_rows, call->task_rows, call->level_rows);
+    iso_line_graph_make_rows(&call->params, rows);
+    if (call->level > 0) call->steps->unpack_keys(&call->params, rows);
+}
+
+static void link_line_rows(void *context, size_t index, int worker) {
+    (void)worker;
+    const pullpush_call *call = context;
+    iso_line_graph_link_rows(&call->params,
+                             rows_within((int)index * call->task_rows, call->task_rows, call->level_rows));
+}
+
+static iso_status reconstruct_surface(pullpush_call *call, iso_error *error) {
     const iso_pyramid_layout *layout = &call->pyramid->layout;
     int bands = (call->pyramid->level[layout->base].height + call->band_rows - 1) / call->band_rows;
     iso_parallel_for(call->target->pool, (size_t)bands, project_and_pull_band, call);
+    if (call->lines) {
+        ISO_TRY(iso_line_graph_reserve(call->pyramid, error));
+        run_over_level(call, layout->base, make_line_rows);
+        run_over_level(call, layout->base, link_line_rows);
+    }
     for (int level = layout->base + call->band_levels + 1; level <= layout->top; level++)
         run_over_level(call, level, pull_rows);
     run_over_level(call, layout->top, make_ellipse_rows);
@@ -366,6 +391,7 @@ static void reconstruct_surface(pullpush_call *call) {
         run_over_cells(call, 2, push_and_finish_rows);
         run_over_cells(call, 2, finish_rows_between_tasks);
     }
+    return ISO_OK;
 }
 
 /* ---- the interface */
@@ -410,7 +436,7 @@ static iso_status draw_rows(pullpush_call *call, const iso_target *whole, int fi
             : call->given ? prepare_given(call, error)
                           : prepare_pyramid(call, error));
     call->steps = iso_pullpush_steps_get(call->params.kind);
-    reconstruct_surface(call);
+    ISO_TRY(reconstruct_surface(call, error));
     if (call->polygons) iso_polygons_draw(call->polygons, call->target, &call->pyramid->layout);
     return ISO_OK;
 }

@@ -85,11 +85,20 @@ static size_t piece_count(const iso_pyramid_level *base) {
     return key_stride_of(base) / ISO_KEY_PIECE * (size_t)(base->height / 2 + 1);
 }
 
+static bool has_lines(const iso_pyramid_layout *layout) {
+    return layout->planes >> ISO_PLANE_PLACE & 1;
+}
+
+/* Bytes of the starts of rows. */
+static size_t start_bytes(const iso_pyramid_layout *layout, const iso_pyramid_level *base) {
+    return has_lines(layout) ? (size_t)(base->height + 1) * sizeof(int32_t) : 0;
+}
+
 size_t iso_pyramid_bytes(const iso_pyramid_layout *layout) {
     const iso_pyramid_level base = iso_pyramid_level_of(layout, layout->base);
     if (key_count(&base) > INT32_MAX) return SIZE_MAX; /* places of keys are 32-bit numbers */
-    size_t bytes =
-        key_count(&base) * (sizeof(int64_t) + (layout->indexed ? sizeof(int32_t) : 0)) + piece_count(&base);
+    size_t bytes = key_count(&base) * (sizeof(int64_t) + (layout->indexed ? sizeof(int32_t) : 0)) +
+                   piece_count(&base) + start_bytes(layout, &base);
     for (int l = 0; l <= layout->top; l++) {
         iso_pyramid_level level = iso_pyramid_level_of(layout, l);
         for (int p = 0; p < ISO_PLANES; p++)
@@ -139,7 +148,7 @@ iso_status iso_pyramid_resize(iso_pyramid *pyramid, const iso_pyramid_layout *la
     if (bytes == SIZE_MAX) return iso_fail(error, ISO_ERR_NOMEM, "a picture of that size is impossible");
     pyramid->layout = (iso_pyramid_layout){0}; /* until the memory is there */
     ISO_TRY(iso_buffer_reserve(&pyramid->memory, bytes, 0, error));
-    memset(pyramid->memory.data, 0, bytes);
+    if (!has_lines(layout)) memset(pyramid->memory.data, 0, bytes);
     pyramid->layout = *layout;
     for (int l = 0; l <= layout->top; l++) pyramid->level[l] = iso_pyramid_level_of(layout, l);
     const iso_pyramid_level *base = &pyramid->level[layout->base];
@@ -149,12 +158,15 @@ iso_status iso_pyramid_resize(iso_pyramid *pyramid, const iso_pyramid_layout *la
     pyramid->keys = (int64_t *)memory;
     memory += key_count(base) * sizeof(int64_t);
     pyramid->index = layout->indexed ? (int32_t *)memory : NULL;
-    pyramid->used = (uint8_t *)arrange_planes(pyramid, memory + index);
+    memory = arrange_planes(pyramid, memory + index);
+    pyramid->line_starts = has_lines(layout) ? (int32_t *)memory : NULL;
+    pyramid->used = (uint8_t *)memory + start_bytes(layout, base);
     memset(pyramid->used, 1, piece_count(base));
     return ISO_OK;
 }
 
 void iso_pyramid_free(iso_pyramid *pyramid) {
     iso_buffer_free(&pyramid->memory);
+    iso_buffer_free(&pyramid->line_fragments);
     *pyramid = (iso_pyramid){0};
 }

@@ -67,8 +67,8 @@ enum {
      * ISO_SET_COLORED. */
     ISO_PLANE_SET,
     /* Of lines alone: the only planes of the levels from 1 on, and the others only of the base level. Not
-     * floats but int32_t: the place among the keys of the line fragment that a pixel shows, plus 1, and of
-     * one that lies behind it; 0: none. */
+     * floats but int32_t: the number of the line fragment that a pixel shows, plus 1, and of one that lies
+     * behind it; 0: none. */
     ISO_PLANE_PLACE,
     ISO_PLANE_BEHIND,
     ISO_PLANES,
@@ -117,6 +117,8 @@ typedef struct iso_pyramid_layout {
     int indexed;       /* 1: the number of each pixel's point is kept */
 } iso_pyramid_layout;
 
+typedef struct iso_line_fragment iso_line_fragment; /* line_graph.h */
+
 /* Zero-initialise; free with iso_pyramid_free. */
 typedef struct iso_pyramid {
     iso_pyramid_layout layout;
@@ -125,6 +127,10 @@ typedef struct iso_pyramid {
     size_t key_stride; /* a multiple of ISO_KEY_PIECE */
     uint8_t *used;     /* 1 for each piece that may contain a key; key_stride / ISO_KEY_PIECE in a row */
     int32_t *index;    /* the points' numbers, arranged like the keys; NULL unless layout.indexed */
+    /* Of lines alone: their fragments, an array of iso_line_fragment, row by row; the number of the first of
+     * each row of the base level, and of the end. The index has their numbers. */
+    iso_buffer line_fragments;
+    int32_t *line_starts;
     iso_buffer memory;
 } iso_pyramid;
 
