@@ -485,7 +485,7 @@ int bench_quality(int argc, char **argv) {
     iso_error error = {0};
     iso_status status = parse(argc, argv, &set, &error);
     if (status == ISO_OK && set.help)
-        iso_options_help(&program, ISO_HELP_SCREEN, stdout);
+        iso_options_help(&program, "all", stdout, NULL);
     else if (status == ISO_OK)
         status = run(&set, &error);
     return status == ISO_OK ? 0 : iso_program_fail(&program, &error, status);
