@@ -19,7 +19,7 @@
     ".nrrd .nhdr .nii .nii.gz .hdr .img .hdr.gz .img.gz .dcm .dicom .ima .vti .vtk .mha .mhd .tif .tiff "    \
     ".h5 "                                                                                                   \
     ".hdf5 .hdf .he5 .nxs .ims .vtkhdf .mnc .emd .npy"
-#define POINTS ".ply .pcd .las .xyz .pts .pwn .asc .txt .npy"
+#define POINTS ".ply .pcd .las .xyz .pts .pwn .npy"
 #define MESHES ".stl .obj .ply"
 #define LINES ".swc .tck .trk"
 
