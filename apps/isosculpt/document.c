@@ -146,8 +146,14 @@ static void recall(isosculpt_document *document) {
 }
 
 /* Returns whether a journal has events. A journal that cannot be read counts, so that the user is told about
- * it. */
+ * it, but not one that ends within its first line: its session was killed before there was anything to lose.
+ */
 static bool has_events(const char *journal) {
+    char head[1 << 14];
+    struct stat about;
+    const size_t bytes = iso_file_head(journal, head, sizeof head);
+    const bool whole = stat(journal, &about) == 0 && bytes == (size_t)about.st_size;
+    if (whole && !memchr(head, '\n', bytes)) return false;
     iso_journal_start start;
     iso_journal_reader *reader;
     iso_event event;

@@ -172,7 +172,9 @@ static void killed_saves_leave_nothing(void **state) {
         }
         isosculpt_document document = {0};
         if (isosculpt_document_find_unclosed(folder, journal)) {
-            assert_int_equal(isosculpt_document_open(&document, journal, NULL, NULL), ISO_OK);
+            iso_error error = {0};
+            if (isosculpt_document_open(&document, journal, NULL, &error) != ISO_OK)
+                fail_msg("the journal of kill %d: %s", round, error.text);
             assert_int_equal(save(&document, target), ISO_OK);
             isosculpt_document_close(&document);
         }
