@@ -365,6 +365,7 @@ double iso_closed_mesh_winding(const iso_closed_mesh *closed, iso_vec3 p) {
     return iso_triangle_tree_winding(closed->surface, p) + iso_triangle_tree_winding(closed->caps, p);
 }
 
+/* The change along the segment from p to q; false: it meets a vertex or an edge. */
 static bool change_along(const iso_closed_mesh *closed, iso_vec3 p, iso_vec3 q, int *change) {
     int caps;
     if (!iso_triangle_tree_change(closed->surface, p, q, change) ||
@@ -374,7 +375,8 @@ static bool change_along(const iso_closed_mesh *closed, iso_vec3 p, iso_vec3 q, 
     return true;
 }
 
-/* The straight way meets vertices and edges where a mesh was made of the same grid: any other way will do. */
+/* The change is the same along every path: where the segment meets a vertex or an edge, as it often does if
+ * the mesh was made of the same grid, a path beside it is tried. */
 bool iso_closed_mesh_change(const iso_closed_mesh *closed, iso_vec3 p, iso_vec3 q, int *change) {
     static const double DETOURS[][3] = {{0.23, -0.11, 0.17}, {-0.19, 0.29, 0.07}, {0.13, 0.07, -0.31}};
     const double length = iso_vec3_length(iso_vec3_sub(q, p));

@@ -59,11 +59,12 @@ while IFS=$'\t' read -r hash picture; do
     [ "$found" = "$hash" ] || fail "build/demo/$picture.png: its pixels have the hash $found, not $hash"
 done < <(grep -v '^#' tests/golden/demo.tsv)
 echo "bare.sh: the pictures are the pinned ones"
+plan=$(in_root "cd /root/isopoint && cmake --preset release >/dev/null && ninja -C build -n isorender isosculpt") ||
+    fail "another build cannot be planned: $plan"
 again=()
 while read -r object; do
     source=${object#*.dir/}
     source=$root/root/isopoint/${source%.o}
     [ ! -e "$root/root/isopoint/build/$object" ] || grep -q '"base/kernel_units.h"' "$source" || again+=("$object")
-done < <(in_root "cd /root/isopoint && cmake --preset release >/dev/null && ninja -C build -n isorender isosculpt" |
-    sed -n 's/^.*Building C object //p')
+done < <(sed -n 's/^.*Building C object //p' <<<"$plan")
 [ ${#again[@]} -eq 0 ] || fail "another build would compile ${#again[@]} sources of the demo again: ${again[*]}"

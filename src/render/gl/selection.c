@@ -338,8 +338,9 @@ iso_selection_counts iso_gl_engine_selection(const iso_gl_engine *engine) {
     return engine->selection;
 }
 
-/* Makes the marks of the picture before of those of the last picture; of none if the points' buffer has been
- * replaced. After an edit the bits may be those of other points: they only decide what is drawn first. */
+/* The marks of the last picture become those of the picture before, and the new ones are cleared; where the
+ * points' buffer has been replaced, both are. After an edit the bits may be those of other points: they only
+ * decide what is drawn first. */
 static iso_status turn_marks(const iso_gl_refined_draw *d, iso_error *error) {
     iso_gl_seen *seen = d->surface->seen;
     const size_t points = d->surface->vertices.room;

@@ -335,14 +335,6 @@ static void write_planes(const line_pen *pen, const segment *s, const place *p, 
     if (plane[ISO_PLANE_SET]) plane[ISO_PLANE_SET][at] = (float)pen->frame->set;
 }
 
-/* Bits 32 .. 63 of a key: the depth's, in an order that integers have. */
-static int64_t key_depth(float depth) {
-    int32_t bits;
-    memcpy(&bits, &depth, sizeof bits);
-    bits ^= bits >> 31 & INT32_MAX;
-    return (int64_t)bits * ((int64_t)1 << 32);
-}
-
 /* Bits 0 .. 31: normal, and place in the pixel. */
 static int64_t key_payload(const double normal[9], const place *p, double x, double y) {
     const uint32_t column = (uint32_t)((x - floor(x)) * 32) & 31, row = (uint32_t)((y - floor(y)) * 32) & 31;
@@ -356,7 +348,7 @@ static void draw_fragment(const line_pen *pen, const segment *s, double u, doubl
     const int column = (int)x, row = (int)y - pen->rows_before;
     const size_t there = (size_t)row * pen->pyramid->key_stride + (size_t)column;
     int64_t *key = pen->pyramid->keys + there;
-    const int64_t depth = key_depth((float)mix(s->a.at[2], s->b.at[2], u));
+    const int64_t depth = iso_key_of_depth((float)mix(s->a.at[2], s->b.at[2], u));
     if (depth >= *key) return;
     place p = mix_places(&s->a, &s->b, u);
     correct_direction(s, pen->frame->lines->opts.style == ISO_LINE_RIBBON, p.n);

@@ -2,7 +2,6 @@
 #include "render/pullpush/line_graph.h"
 
 #include <math.h>
-#include <string.h>
 
 #include "base/numbers.h"
 #include "base/primitives.h"
@@ -30,14 +29,6 @@ iso_status iso_line_graph_reserve(iso_pyramid *pyramid, iso_error *error) {
     for (int y = 0; y < height; y++) starts[y + 1] += starts[y];
     return iso_buffer_reserve(&pyramid->line_fragments, (size_t)starts[height] * sizeof(iso_line_fragment), 0,
                               error);
-}
-
-static float depth_of(int64_t key) {
-    int32_t bits = (int32_t)(key >> 32);
-    float depth;
-    bits ^= bits >> 31 & INT32_MAX;
-    memcpy(&depth, &bits, sizeof depth);
-    return depth;
 }
 
 static void set_forms(iso_line_fragment *f) {
@@ -75,7 +66,7 @@ static void make_fragment(const iso_pullpush_params *params, int x, int y, int64
     const double pixel = (double)(1 << p->layout.base);
     *f = (iso_line_fragment){.x = (float)(pixel * (x + ((key >> 22 & 31) + 0.5) / 32)),
                              .y = (float)(pixel * (y + ((key >> 27 & 31) + 0.5) / 32)),
-                             .depth = depth_of(key),
+                             .depth = iso_key_depth(key),
                              .interval = plane[ISO_PLANE_INTERVAL][at],
                              .cosine = plane[ISO_PLANE_TWICE_X][at],
                              .sine = plane[ISO_PLANE_TWICE_Y][at],

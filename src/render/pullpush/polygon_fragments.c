@@ -2,7 +2,6 @@
 #include "render/pullpush/polygon_fragments.h"
 
 #include <math.h>
-#include <string.h>
 
 #include "base/parallel.h"
 #include "render/raster/raster.h"
@@ -157,10 +156,7 @@ static void project_sample(const iso_polygons *polygons, const iso_pyramid *pyra
     const iso_polygon_set *set = set_of(polygons, polygons->picture.surface[index]);
     const polygon_sample s = sample_at(polygons, &pyramid->layout, x, y, index);
     if (!pyramid->index && !is_at_seam(set, &s)) return;
-    int32_t depth;
-    memcpy(&depth, &polygons->picture.depth[index], sizeof depth);
-    depth ^= depth >> 31 & INT32_MAX;
-    const int64_t made = (int64_t)depth * ((int64_t)1 << 32) + make_payload(polygons, &s);
+    const int64_t made = iso_key_of_depth(polygons->picture.depth[index]) + make_payload(polygons, &s);
     if (made >= pyramid->keys[place]) return;
     pyramid->keys[place] = made;
     if (!pyramid->index) return;

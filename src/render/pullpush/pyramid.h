@@ -11,6 +11,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 
 #include "base/memory.h"
 #include "image/camera.h"
@@ -91,6 +92,22 @@ enum { ISO_SET_RIBBON = 256, ISO_SET_COLORED = 512 };
  * 22..26 and 27..31 the point's column and row within its pixel, in 1/32. Of the points in a pixel, the one
  * with the smallest key is kept. */
 #define ISO_KEY_NONE INT64_MAX
+
+/* A key of a depth, with the payload 0: a payload is added. */
+static inline int64_t iso_key_of_depth(float depth) {
+    int32_t bits;
+    memcpy(&bits, &depth, sizeof bits);
+    bits ^= bits >> 31 & INT32_MAX;
+    return (int64_t)bits * ((int64_t)1 << 32);
+}
+
+static inline float iso_key_depth(int64_t key) {
+    int32_t bits = (int32_t)(key >> 32);
+    float depth;
+    bits ^= bits >> 31 & INT32_MAX;
+    memcpy(&depth, &bits, sizeof depth);
+    return depth;
+}
 
 /* In the index: the pixel's fragment is not a point, and has its attributes in the planes already. */
 enum { ISO_INDEX_NONE = -1 };
