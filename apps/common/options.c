@@ -319,6 +319,16 @@ static iso_status store_choice(const iso_option *option, const char *value, int 
                     option->hint ? option->hint : "");
 }
 
+/* A number alone is in bytes. Nobody means a memory of so few. */
+static iso_status store_size(const char *value, uint64_t *bytes, iso_error *error) {
+    enum { LEAST = 1 << 20 };
+    if (!iso_parse_size(value, bytes))
+        return iso_fail(error, ISO_ERR_USAGE, "'%s' is not a size such as 512M or 2G", value);
+    if (*bytes < LEAST && strspn(value, "0123456789") == strlen(value))
+        return iso_fail(error, ISO_ERR_USAGE, "'%s' is in bytes: write %sM or %sG", value, value, value);
+    return ISO_OK;
+}
+
 static iso_status append_text(const char *value, iso_texts *texts, iso_error *error) {
     if (texts->count == ISO_TEXTS) return iso_fail(error, ISO_ERR_USAGE, "more than %d values", ISO_TEXTS);
     texts->values[texts->count++] = value;
@@ -352,8 +362,7 @@ iso_status iso_option_store(const iso_option *option, const char *value, void *s
     case ISO_OPTION_CHOICE:
         return store_choice(option, value, field, error);
     case ISO_OPTION_SIZE:
-        if (iso_parse_size(value, field)) return ISO_OK;
-        return iso_fail(error, ISO_ERR_USAGE, "'%s' is not a size such as 4096, 512M or 2G", value);
+        return store_size(value, field, error);
     case ISO_OPTION_CALL:
         break;
     }

@@ -31,7 +31,7 @@ typedef enum iso_option_kind {
     ISO_OPTION_REALS,  /* double[count], separated by commas */
     ISO_OPTION_INTS,   /* int[count], separated by commas, each in low .. high */
     ISO_OPTION_CHOICE, /* int, the index in `choices` */
-    ISO_OPTION_SIZE,   /* uint64_t bytes: 4096, 512M, 2G, 1.5GiB (powers of 1024) */
+    ISO_OPTION_SIZE,   /* uint64_t bytes: 512M, 2G, 1.5GiB (powers of 1024), 2000000 */
     ISO_OPTION_CALL    /* `apply` parses and stores it */
 } iso_option_kind;
 

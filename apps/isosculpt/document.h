@@ -54,6 +54,7 @@ typedef struct isosculpt_document {
     char saved_as[ISOSCULPT_PATH]; /* the file of the last save or export, also of a failed one */
     isosculpt_backup backup;       /* what the last save that replaced a file has kept */
     size_t saved_open_edges;       /* of the mesh that was written last; 0 for a level set */
+    bool saved_nothing;            /* the level set that was written last has no solid */
     isosculpt_saver *saver;        /* owned; NULL: no save is running (save.h) */
 } isosculpt_document;
 

@@ -117,6 +117,7 @@ static iso_sample sample_at(isosculpt_controller *controller, double x, double y
 
 /* Updates mask, picture and error after a change of the session. */
 static void finish_edit(isosculpt_controller *controller, iso_status status, const iso_edit_stats *stats) {
+    controller->edited = true;
     controller->clipped |= stats->clipped;
     controller->commands |= ISOSCULPT_COMMAND_REDRAW;
     update_mask(controller);

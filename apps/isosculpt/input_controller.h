@@ -72,6 +72,7 @@ typedef struct isosculpt_controller {
     iso_box surface_box;    /* world box of the surface after the last stroke; the mirror planes are drawn as
                                large as it */
     bool stroke_unfinished; /* the last stroke could not be ended: there was no memory */
+    bool edited;            /* the field was changed; the window clears this when it has said what it says */
     bool clipped;           /* a brush reached beyond the grid, and what it made there is lost */
     unsigned commands;      /* isosculpt_command bits; the window clears those that it has carried out */
     isosculpt_latency edit; /* times of touches */

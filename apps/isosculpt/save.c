@@ -121,6 +121,7 @@ struct isosculpt_saver {
     isosculpt_backup backup;   /* document->backup */
     bool is_export;
     bool closed;                /* cap the mesh at the border of the grid */
+    bool nothing_left;          /* the field has no solid; level sets only, for meshes are refused then */
     iso_mesh_measures measures; /* of the mesh; zero for a level set */
 };
 
@@ -179,6 +180,20 @@ static void take_back(const isosculpt_backup *kept, const char *path) {
 
 /* ---- writing */
 
+/* Whether a voxel lies inside of the solid. */
+static bool has_solid(const iso_hgrid *grid) {
+    const size_t cells = iso_hgrid_cell_count(grid);
+    for (size_t cell = 0; cell < cells; cell++) {
+        const int32_t state = grid->cell[cell];
+        if (state == ISO_CELL_INSIDE) return true;
+        if (state < 0) continue;
+        const float *values = iso_hgrid_brick(grid, state);
+        for (int i = 0; i < ISO_BRICK_VOXELS; i++)
+            if (values[i] < 0) return true;
+    }
+    return false;
+}
+
 static iso_status write_snapshot(isosculpt_saver *saver, FILE *stream, const iso_progress *progress,
                                  iso_error *error) {
     const iso_progress taking = iso_progress_part(progress, 0, 0.2),
@@ -186,6 +201,7 @@ static iso_status write_snapshot(isosculpt_saver *saver, FILE *stream, const iso
     iso_hgrid *grid;
     ISO_TRY(iso_snapshot_copy(saver->snapshot, &taking, &grid, error));
     const isosculpt_mesh_opts mesh = {.closed = saver->closed, .progress = &writing, .stream = stream};
+    saver->nothing_left = !has_solid(grid);
     iso_status status = is_level_set(saver->path)
                             ? iso_level_set_put_vdb(stream, saver->path, grid, "surface", &writing, error)
                             : isosculpt_mesh_write(saver->path, grid, &mesh, &saver->measures, error);
@@ -272,6 +288,7 @@ isosculpt_save_state isosculpt_document_poll_save(isosculpt_document *document, 
     if (status) *status = saved;
     document->backup = saver->backup;
     document->saved_open_edges = saver->measures.open_edges;
+    document->saved_nothing = saver->nothing_left;
     iso_session_release_snapshot(document->session, saver->snapshot);
     free(saver);
     document->saver = NULL;

@@ -159,6 +159,18 @@ opened() { [ "$(newest)" != "$before" ] && head -1 "$(newest)" | grep -qF '/shel
 until_ "shelf/inner/b.obj" opened
 stop
 
+# ---- a sculpture of which nothing is left is saved, and the window says so
+anew
+make_box small.obj 0 0 0 20
+start "$work/small.obj" --voxel-size 4
+picture small
+key 2
+stroke 640 400 8 8
+key ctrl+s
+until_ "small.vdb" is_vdb small.vdb
+until_ "the words about it" says "small.vdb: nothing is left of the solid"
+stop
+
 # ---- a viewed volume can be saved, too: its surface becomes a field; the title follows the file
 anew
 cp "$volumes/stent.nrrd" ct.nrrd

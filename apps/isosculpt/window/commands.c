@@ -127,14 +127,18 @@ static void process_controller_commands(window *w) {
     w->controller.commands &= ISOSCULPT_COMMAND_REDRAW | ISOSCULPT_COMMAND_CLOSE;
 }
 
-static void show_controller_errors(window *w) {
+/* Shows the error of the last edit, or that its brush was clipped, which the next edit takes away again. */
+static void show_edit_message(window *w) {
+    static const char clipped[] = "The brush reached beyond the grid: what lies outside is lost.";
     isosculpt_controller *controller = &w->controller;
     if (controller->error.text[0])
         isosculpt_window_set_status(w, true, controller->error.text);
     else if (controller->clipped)
-        isosculpt_window_set_status(w, true, "The brush reached beyond the grid: what lies outside is lost.");
+        isosculpt_window_set_status(w, true, clipped);
+    else if (controller->edited && strcmp(w->screen.message, clipped) == 0)
+        isosculpt_window_set_status(w, false, "");
     controller->error.text[0] = 0;
-    controller->clipped = false;
+    controller->clipped = controller->edited = false;
 }
 
 /* Before a viewed volume is saved, it is converted into a field. If that fails or is cancelled, nothing is
@@ -166,7 +170,7 @@ iso_status isosculpt_window_process_commands(window *w, iso_error *error) {
     sculpt_before_saving(w);
     isosculpt_window_start_save(w);
     apply_isovalue(w);
-    show_controller_errors(w);
+    show_edit_message(w);
     isosculpt_window_load_first_stamp(w);
     isosculpt_window_update_reference(w);
     return isosculpt_window_finish_opening(w, error);

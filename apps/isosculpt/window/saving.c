@@ -70,17 +70,19 @@ void isosculpt_window_answer_replace(window *w, bool agreed) {
 }
 
 static void show_save_result(window *w, iso_status status, bool cancelled, const char *reason) {
-    char text[sizeof w->screen.message], open[160] = "";
+    const bool empty = status == ISO_OK && w->document.saved_nothing;
+    char text[sizeof w->screen.message], note[160] = "";
     if (status == ISO_OK && w->document.saved_open_edges) {
-        memcpy(open, ": ", 3);
-        isosculpt_mesh_open_note(w->document.saved_open_edges, open + 2, sizeof open - 2);
-    }
+        memcpy(note, ": ", 3);
+        isosculpt_mesh_open_note(w->document.saved_open_edges, note + 2, sizeof note - 2);
+    } else if (empty)
+        snprintf(note, sizeof note, ": nothing is left of the solid (Ctrl+Z undoes)");
     snprintf(text, sizeof text, "%s%.400s%s", status == ISO_OK ? "Saved " : "Not saved: ",
              status == ISO_OK ? w->document.saved_as
              : cancelled      ? "cancelled"
                               : reason,
-             open);
-    isosculpt_window_set_status(w, status != ISO_OK && !cancelled, text);
+             note);
+    isosculpt_window_set_status(w, (status != ISO_OK && !cancelled) || empty, text);
 }
 
 isosculpt_dialog isosculpt_window_poll_save(window *w) {
