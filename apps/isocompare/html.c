@@ -427,7 +427,7 @@ static void put_facts(const report *r, FILE *stream) {
         "which is "
         "slow, to check the others.</p>\n<ul class=facts><li><b>%d × %d × %d</b><span>voxels, %s</span></li>",
         info->dims[0], info->dims[1], info->dims[2], iso_type_name(info->type));
-    fprintf(stream, "<li><b>%.6g</b><span>isovalue, %s</span></li>", r->subject.isovalue, r->isovalue_from);
+    fprintf(stream, "<li><b>%.6g</b><span>isovalue, %s</span></li>", r->surface.isovalue, r->isovalue_from);
     for (int part = 0; part < ISO_PART_COUNT; part++) {
         const report_part *p = &r->parts[part];
         if (!p->made || !p->size.primitives) continue;

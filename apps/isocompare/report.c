@@ -37,20 +37,20 @@ static char *path_of(const char *folder, int file) {
 }
 
 static iso_status choose_isovalue(report *r, iso_error *error) {
-    iso_subject *subject = &r->subject;
+    iso_scene_surface *surface = &r->surface;
     if (!isnan(r->settings->isovalue)) {
-        subject->isovalue = r->settings->isovalue;
+        surface->isovalue = r->settings->isovalue;
         r->isovalue_from = "given";
-        return iso_isovalue_check(&r->loader.volume.grid, subject->isovalue, error);
+        return iso_isovalue_check(&r->loader.volume.grid, surface->isovalue, error);
     } else if (!isnan(r->loader.scene_isovalue)) {
-        subject->isovalue = r->loader.scene_isovalue;
+        surface->isovalue = r->loader.scene_isovalue;
         r->isovalue_from = "the scene's";
     } else {
         double candidates[ISO_ISOVALUE_CANDIDATES];
         ISO_TRY(iso_loader_histogram(&r->loader, error));
         if (iso_isovalue_suggest(&r->loader.volume.grid, &r->loader.histogram, candidates) == 0)
             return iso_fail(error, ISO_ERR_EMPTY, "the volume is constant");
-        subject->isovalue = candidates[0];
+        surface->isovalue = candidates[0];
         r->isovalue_from =
             iso_grid_is_level_set(&r->loader.volume.grid) ? "a level set's" : "Otsu's threshold (1979)";
     }
@@ -79,9 +79,9 @@ static iso_status open_volume(report *r, iso_error *error) {
     ISO_TRY(iso_loader_read(&r->loader, error));
     const double *spacing = iso_grid_transform(&r->loader.volume.grid)->spacing;
     r->voxel = fmin(spacing[0], fmin(spacing[1], spacing[2]));
-    r->subject.grid = &r->loader.volume.grid;
-    r->subject.pool = r->pool;
-    r->subject.bounded = true; /* as isorender draws it */
+    r->surface.grid = &r->loader.volume.grid;
+    r->surface.pool = r->pool;
+    r->surface.bounded = true; /* as isorender draws it */
     return choose_isovalue(r, error);
 }
 
@@ -99,13 +99,13 @@ static iso_status extract(report *r, iso_error *error) {
     for (int part = 0; part < ISO_PART_COUNT; part++) {
         if (!(needs & 1u << part)) continue;
         double start = iso_clock_seconds();
-        ISO_TRY(iso_subject_prepare(&r->subject, (iso_part)part, error));
-        r->parts[part] =
-            (report_part){true, iso_clock_seconds() - start, iso_subject_size(&r->subject, (iso_part)part)};
+        ISO_TRY(iso_scene_surface_prepare(&r->surface, (iso_part)part, error));
+        r->parts[part] = (report_part){true, iso_clock_seconds() - start,
+                                       iso_scene_surface_size(&r->surface, (iso_part)part)};
     }
-    iso_mesh_view mesh = iso_mesh_set_view(r->subject.mesh);
+    iso_mesh_view mesh = iso_mesh_set_view(r->surface.mesh);
     if (iso_mesh_view_triangle_count(&mesh) == 0)
-        return iso_fail(error, ISO_ERR_EMPTY, "no surface at isovalue %g", r->subject.isovalue);
+        return iso_fail(error, ISO_ERR_EMPTY, "no surface at isovalue %g", r->surface.isovalue);
     return iso_study_bound(&mesh, &r->ball, error);
 }
 
@@ -168,7 +168,7 @@ static iso_status draw_timed(report *r, const report_view *v, int method, iso_st
     uint64_t before = isocompare_resident(false);
     while (frames == 0 || (frames < FRAMES && spent < time_limit)) {
         double start = iso_clock_seconds();
-        ISO_TRY(iso_study_draw(&r->subject, r->methods[method], &v->view, &look, frame, error));
+        ISO_TRY(iso_study_draw(&r->surface, r->methods[method], &v->view, &look, frame, error));
         seconds[frames] = iso_clock_seconds() - start;
         spent += seconds[frames];
         uint64_t peak = isocompare_resident(true);
@@ -217,7 +217,7 @@ static iso_status compare_frames(const report *r, const report_view *v, view_buf
 /* Counts the points that the truth's surface leaves to be seen. */
 static iso_status count_visible_points(const report *r, report_view *v, const view_buffers *b,
                                        iso_error *error) {
-    const iso_point_view points = iso_subject_points(&r->subject);
+    const iso_point_view points = iso_scene_surface_points(&r->surface);
     const size_t pixels = (size_t)v->view.width * (size_t)v->view.height;
     uint32_t *number = iso_alloc(pixels * sizeof *number);
     float *nearest = iso_alloc(pixels * sizeof *nearest);
@@ -237,7 +237,7 @@ static iso_status judge_method(report *r, report_view *v, int method, view_buffe
     iso_study_frame *frames = method ? b->candidate : b->truth;
     ISO_TRY(draw_timed(r, v, method, &frames[REPORT_SINGLE], cell, error));
     iso_study_look fine = look_of(r, method ? SAMPLES[REPORT_FINE] : TRUTH_SAMPLES[REPORT_FINE]);
-    ISO_TRY(iso_study_draw(&r->subject, r->methods[method], &v->view, &fine, &frames[REPORT_FINE], error));
+    ISO_TRY(iso_study_draw(&r->surface, r->methods[method], &v->view, &fine, &frames[REPORT_FINE], error));
     if (method == 0) return ISO_OK;
     for (int s = 0; s < REPORT_SAMPLINGS; s++)
         ISO_TRY(compare_frames(r, v, b, (report_sampling)s, &cell->metrics[s], error));
@@ -296,7 +296,7 @@ static iso_status study_transparency(report *r, iso_error *error) {
     const iso_view fit = iso_study_fit(&r->ball, r->transparency_side, 0);
     const iso_study_look look = look_of(r, SAMPLES[REPORT_SINGLE]);
     log_step(r, "drawing translucent surfaces");
-    return iso_study_transparency(&r->subject, &r->ball, &fit, &look, &r->transparency, error);
+    return iso_study_transparency(&r->surface, &r->ball, &fit, &look, &r->transparency, error);
 }
 
 /* Divides the points into groups and draws them as splats, in the fitted view. */
@@ -304,7 +304,7 @@ static iso_status study_splats(report *r, iso_error *error) {
     const iso_view fit = iso_study_fit(&r->ball, r->cost.side, 0);
     const iso_study_look look = look_of(r, SAMPLES[REPORT_SINGLE]);
     log_step(r, "grouping splats");
-    return iso_study_splats(&r->subject, &fit, &look, &r->splats, error);
+    return iso_study_splats(&r->surface, &fit, &look, &r->splats, error);
 }
 
 /* Times extraction and frames. A report of small pictures is a quick one: runs are as long as pictures are
@@ -313,7 +313,7 @@ static iso_status study_cost(report *r, iso_error *error) {
     const iso_cost_opts opts = {.seconds = r->settings->side * 0.2 / 1024};
     const iso_study_look look = look_of(r, SAMPLES[REPORT_SINGLE]);
     log_step(r, "timing extraction and frames");
-    ISO_TRY(iso_study_cost(&r->subject, &r->ball, &look, &opts, &r->cost, error));
+    ISO_TRY(iso_study_cost(&r->surface, &r->ball, &look, &opts, &r->cost, error));
     if (!r->loader.has_strokes) return ISO_OK;
     const iso_source how = {.input = r->loader.options, .pool = r->pool};
     return iso_study_strokes(r->loader.path, &how, &r->ball, r->cost.side, &look, &r->strokes, error);
@@ -378,7 +378,7 @@ static void free_report(report *r) {
             free(r->views[z].cells[m].difference.bytes);
         }
     free(r->model);
-    iso_subject_free(&r->subject);
+    iso_scene_surface_free(&r->surface);
     iso_loader_close(&r->loader);
     iso_file_set_free(&r->files);
     free(r);

@@ -9,7 +9,7 @@
 #include "compare/stroke_cost.h"
 #include "compare/transparency.h"
 #include "compare/visible_points.h"
-#include "methods/method.h"
+#include "scene/method.h"
 
 enum { REPORT_ZOOMS = 3, REPORT_METHODS = 16 };
 
@@ -52,7 +52,7 @@ typedef struct report {
     iso_loader loader;
     iso_file_set files; /* the files that are read, and the outputs */
     char *model;        /* the volume's name without folder and extension */
-    iso_subject subject;
+    iso_scene_surface surface;
     iso_study_ball ball;
     double voxel; /* the smallest spacing, mm */
     const char *isovalue_from;

@@ -14,7 +14,7 @@ static void put_volume(iso_json *json, const report *r) {
     iso_json_string(json, "type", iso_type_name(info->type));
     iso_json_reals(json, "spacing", info->transform.spacing, 3);
     iso_json_end_object(json);
-    iso_json_real(json, "isovalue", r->subject.isovalue);
+    iso_json_real(json, "isovalue", r->surface.isovalue);
     iso_json_string(json, "isovalue_from", r->isovalue_from);
 }
 

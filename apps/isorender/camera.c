@@ -4,7 +4,7 @@
 #include "apps/isorender/flat.h"
 #include "apps/isorender/labels.h"
 #include "apps/isorender/level.h"
-#include "methods/bounds.h"
+#include "scene/bounds.h"
 
 static bool is_given(const double v[3]) {
     return !isnan(v[0]);

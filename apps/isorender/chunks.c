@@ -14,8 +14,8 @@
 #include "io/chunk_export.h"
 #include "io/key_file.h"
 #include "io/mesh_io.h"
-#include "methods/bounds.h"
-#include "methods/keys_picture.h"
+#include "scene/bounds.h"
+#include "scene/keys_picture.h"
 
 /* ---- when */
 
@@ -240,7 +240,7 @@ static iso_status create_walk(isorender_job *job, const isorender_surface *surfa
     isorender_chunks *chunks = job->chunks;
     chunks->source = iso_volume_source(surface->grid.rgrid);
     const iso_chunk_walk_opts opts = {.source = &chunks->source,
-                                      .isovalue = surface->isovalue,
+                                      .isovalue = surface->scene.isovalue,
                                       .side = choose_side(job),
                                       .ranges = &chunks->index.ranges,
                                       .pool = job->pool,
@@ -339,9 +339,9 @@ iso_status isorender_chunks_extract(isorender_job *job, iso_box *index, iso_erro
     const iso_volume_index *known = &job->chunks->index;
     const uint64_t kind = is_exact(job);
     bool indexed;
-    ISO_TRY(is_indexed(job, surface->isovalue, &indexed, error));
-    if (!indexed) ISO_TRY(measure_surface(job, surface->isovalue, error));
-    const iso_indexed_surface *found = iso_volume_index_find(known, surface->isovalue, kind);
+    ISO_TRY(is_indexed(job, surface->scene.isovalue, &indexed, error));
+    if (!indexed) ISO_TRY(measure_surface(job, surface->scene.isovalue, error));
+    const iso_indexed_surface *found = iso_volume_index_find(known, surface->scene.isovalue, kind);
     *(is_exact(job) ? &job->cell_count : &job->point_count) = found->primitives;
     *index = get_box(found->index);
     surface->bounds = get_box(found->world);
@@ -464,7 +464,7 @@ static void describe_surface(const isorender_job *job, iso_key_surface *surface)
     surface->scale = grid->scale;
     surface->offset = grid->offset;
     surface->transform = grid->transform;
-    surface->isovalue = job->surfaces[0].isovalue;
+    surface->isovalue = job->surfaces[0].scene.isovalue;
     surface->primitives = is_exact(job) ? job->cell_count : job->point_count;
     surface->bounds = job->surfaces[0].bounds;
 }

@@ -6,7 +6,7 @@
 #include "apps/isorender/isorender.h"
 #include "exact/chunks.h"
 #include "grids/volume_index.h"
-#include "methods/point_chunks.h"
+#include "scene/point_chunks.h"
 
 /* A volume that is drawn chunk by chunk. */
 typedef struct isorender_chunks {

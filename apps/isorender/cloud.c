@@ -8,7 +8,7 @@
 #include "base/memory.h"
 #include "base/temporary_file.h"
 #include "clouds/frame.h"
-#include "methods/bounds.h"
+#include "scene/bounds.h"
 
 iso_status isorender_cloud_check(const isorender_settings *settings, iso_error *error) {
     const iso_input *input = &settings->common.input;

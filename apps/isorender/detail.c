@@ -26,7 +26,7 @@ static bool is_fine(const isorender_job *job, int surface, double pixels) {
     const iso_box *box = &job->surfaces[surface].bounds;
     const iso_vec3 middle = iso_vec3_scale(iso_vec3_add(box->lo, box->hi), 0.5),
                    seen = iso_view_point(&view, middle);
-    const double *side = isorender_points_view(job, surface).transform.spacing,
+    const double *side = iso_scene_surface_points(&job->surfaces[surface].scene).transform.spacing,
                  voxel = 2 * fmax(side[0], fmax(side[1], side[2])),
                  scale = view.orthographic ? view.focal : view.focal / fmax(seen.z, view.near),
                  samples = sqrt(job->samples);
@@ -50,14 +50,14 @@ static bool is_wanted(const isorender_job *job, int surface) {
 
 iso_status isorender_detail_make(isorender_job *job, iso_error *error) {
     for (int i = 0; i < job->surface_count; i++) {
-        iso_lod *lod = &job->surfaces[i].lod;
+        iso_scene_surface *scene = &job->surfaces[i].scene;
         if (!is_wanted(job, i)) continue;
-        const iso_point_view points = isorender_points_view(job, i);
-        const iso_status status = iso_lod_update(lod, &points, job->pool, error);
+        const iso_status status = iso_scene_surface_make_levels(scene, error);
         if (status != ISO_OK && isnan(job->settings->lod)) continue; /* the picture needs no levels */
         ISO_TRY(status);
         isorender_log_verbose(job, "%d levels of detail: %zu points beside the %zu points themselves",
-                              lod->count, iso_lod_count(lod), iso_point_view_count(&points));
+                              scene->lod.count, iso_lod_count(&scene->lod),
+                              iso_point_view_count(&scene->lod.points));
     }
     return ISO_OK;
 }
@@ -83,9 +83,9 @@ void isorender_detail_note(const isorender_job *job, const iso_selection_counts 
     frame->selection = (iso_selection_counts){after.points - before->points, after.tested - before->tested,
                                               after.drawn - before->drawn};
     for (int i = 0; i < job->surface_count; i++) {
-        const iso_lod_cut *cut = &job->surfaces[i].cut;
-        for (int k = 0; k < cut->levels; k++) frame->detail[k] += cut->points[k];
-        frame->detail_levels = cut->levels > frame->detail_levels ? cut->levels : frame->detail_levels;
+        const iso_lod_cut *cut = job->surfaces[i].scene.cut;
+        for (int k = 0; cut && k < cut->levels; k++) frame->detail[k] += cut->points[k];
+        if (cut && cut->levels > frame->detail_levels) frame->detail_levels = cut->levels;
     }
 }
 

@@ -45,14 +45,14 @@ iso_status isorender_gl_upload(isorender_job *job, iso_error *error) {
     for (int i = 0; i < job->surface_count; i++) {
         iso_gl_surface **uploaded = &job->gl_surfaces[i];
         if (job->method == ISO_METHOD_MESH) {
-            ISO_TRY(iso_mesh_set_bound(job->surfaces[i].mesh, error));
-            iso_mesh_view mesh = iso_mesh_set_view(job->surfaces[i].mesh);
+            ISO_TRY(iso_mesh_set_bound(job->surfaces[i].scene.mesh, error));
+            iso_mesh_view mesh = iso_mesh_set_view(job->surfaces[i].scene.mesh);
             if (job->settings->strips)
                 ISO_TRY(iso_gl_upload_strips(job->backend->engine, &mesh, uploaded, error));
             else
                 ISO_TRY(iso_gl_upload_mesh(job->backend->engine, &mesh, uploaded, error));
         } else {
-            iso_point_view points = isorender_points_view(job, i);
+            iso_point_view points = iso_scene_surface_points(&job->surfaces[i].scene);
             ISO_TRY(iso_gl_upload_points(job->backend->engine, &points, uploaded, error));
         }
     }
@@ -76,7 +76,8 @@ static iso_status draw_splats(const isorender_job *job, const iso_view *view, is
                               iso_error *error) {
     iso_gl_splats surfaces[ISORENDER_SURFACES];
     for (int i = 0; i < job->surface_count; i++)
-        surfaces[i] = (iso_gl_splats){isorender_points_view(job, i), &job->surfaces[i].groups};
+        surfaces[i] = (iso_gl_splats){iso_scene_surface_points(&job->surfaces[i].scene),
+                                      &job->surfaces[i].scene.groups};
     const iso_gl_splats_opts opts = {view, surfaces, job->surface_count, job->pool};
     return iso_gl_draw_splats(job->backend->engine, &opts, gbuffer, error);
 }

@@ -4,7 +4,7 @@
 
 #include "apps/common/json.h"
 #include "io/read_opts.h"
-#include "methods/instances.h"
+#include "scene/instances.h"
 
 typedef struct isorender_job isorender_job; /* isorender.h */
 

@@ -19,17 +19,17 @@
 #include "grids/parts/components.h"
 #include "image/camera.h"
 #include "image/environment.h"
-#include "methods/glass.h"
-#include "methods/layers.h"
 #include "render/gl/shapes.h"
 #include "render/picture.h"
 #include "render/shading/shading.h"
+#include "scene/glass.h"
+#include "scene/layers.h"
 #include "truth/raycast.h"
 
 /* One isosurface, of the input or of a further volume. */
 typedef struct isorender_surface {
-    iso_loader *loader; /* of its volume; borrowed: the job's `loader` or one of `volumes` */
-    double isovalue;    /* physical; NaN for points that were read */
+    iso_loader *loader;      /* of its volume; borrowed: the job's `loader` or one of `volumes` */
+    iso_scene_surface scene; /* its isovalue is NaN for points that were read */
     iso_rgb color;
     iso_translucency translucency;
     iso_grid grid; /* what the surface is extracted from; borrowed: the volume's grid or own_grid */
@@ -37,15 +37,8 @@ typedef struct isorender_surface {
         own_grid; /* a copy without small parts, or with caps; both pointers are NULL if none was needed */
     iso_components_totals parts;
     iso_mesh_measures measures; /* of the mesh: isorender_mesh_weld */
-    iso_point_set *points;      /* NULL if not needed, like the pointers that follow */
-    iso_mesh_set *mesh;
-    iso_exact *exact;
-    iso_raycaster *caster;
-    iso_groups groups; /* of the points, for splats */
-    iso_lod lod;       /* of the points; without levels unless --lod wants them */
-    iso_lod_cut cut;   /* of the levels, for the picture that is being drawn */
-    iso_box bounds;    /* in the world, mm */
-    bool in_pyramid;   /* drawn with other sets in one pyramid (pyramid_sets.c) */
+    iso_box bounds;             /* in the world, mm */
+    bool in_pyramid;            /* drawn with other sets in one pyramid (pyramid_sets.c) */
 } isorender_surface;
 
 /* One picture of a turntable, or the only picture. */
@@ -144,9 +137,6 @@ iso_status isorender_extract(isorender_job *job, iso_error *error);
 iso_primitive isorender_primitive(const isorender_job *job);
 /* Writes --points and --mesh; measures meshes for --json and --verbose. */
 iso_status isorender_export(isorender_job *job, iso_error *error);
-/* Returns the points of a surface, extracted or read, which the job owns. */
-iso_point_view isorender_points_view(const isorender_job *job, int surface);
-
 /* Returns the translucency of a surface or an object with this opacity; without absorption. */
 iso_translucency isorender_translucency(const isorender_settings *settings, double opacity);
 

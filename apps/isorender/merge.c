@@ -6,7 +6,7 @@
 #include "base/memory.h"
 #include "image/image_file.h"
 #include "io/key_file.h"
-#include "methods/keys_picture.h"
+#include "scene/keys_picture.h"
 
 static iso_status write_picture(const iso_key_file *file, const iso_image *image, const char *path,
                                 iso_pool *pool, iso_error *error) {

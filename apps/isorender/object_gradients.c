@@ -23,13 +23,13 @@ static iso_status find_points(isorender_job *job, iso_point_set *made[ISORENDER_
     for (int i = 0; i < job->input_surface_count; i++) {
         isorender_surface *surface = &job->surfaces[i];
         const iso_points_opts opts = {
-            .isovalue = surface->isovalue, .primitive = isorender_primitive(job), .pool = job->pool};
+            .isovalue = surface->scene.isovalue, .primitive = isorender_primitive(job), .pool = job->pool};
         sources[i].grid = &surface->grid;
-        if (!surface->points) {
+        if (!surface->scene.points) {
             ISO_TRY(iso_point_set_create(&surface->grid, &opts, &made[i], error));
             ISO_TRY(iso_point_set_update(made[i], error));
         }
-        sources[i].points = iso_point_set_view(made[i] ? made[i] : surface->points);
+        sources[i].points = iso_point_set_view(made[i] ? made[i] : surface->scene.points);
     }
     return ISO_OK;
 }

@@ -16,9 +16,9 @@
 #include "io/glyphs/glyphs_read.h"
 #include "io/lines/lines_read.h"
 #include "io/mesh_read.h"
-#include "methods/glass.h"
-#include "methods/layers.h"
 #include "render/picture.h"
+#include "scene/glass.h"
+#include "scene/layers.h"
 
 iso_status isorender_settings_add_object(isorender_settings *settings, isorender_object_kind kind,
                                          const char *path, iso_error *error) {

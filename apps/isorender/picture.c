@@ -20,21 +20,6 @@
 
 /* ---- one picture ---- */
 
-static iso_subject subject_of(const isorender_job *job, isorender_surface *surface) {
-    return (iso_subject){.points = surface->points,
-                         .given = surface->loader->has_points ? &job->read_points : NULL,
-                         .workspace = job->pullpush,
-                         .mesh = surface->mesh,
-                         .exact = surface->exact,
-                         .caster = surface->caster,
-                         .groups = surface->groups,
-                         .lod = surface->lod.count ? &surface->lod : NULL,
-                         .lod_pixels = isorender_detail_pixels(job->settings),
-                         .cut = &surface->cut,
-                         .bins = job->settings->group_bins,
-                         .selection = (iso_point_selection)job->settings->selection};
-}
-
 static bool is_opaque(const isorender_object *object) {
     return object->settings->opacity >= 1;
 }
@@ -99,10 +84,10 @@ iso_status isorender_draw_from(isorender_job *job, int first, const iso_view *vi
         else
             tell_surface(job, i);
         const iso_target target = {view, gbuffer, job->pool, (uint8_t)i};
-        const iso_subject subject = subject_of(job, surface);
         ISO_TRY(isorender_has_instances(job, i)
-                    ? iso_placed_draw(&job->instances.placed, job->renderer->method, &subject, &target, error)
-                    : job->renderer->draw(&subject, &target, error));
+                    ? iso_placed_draw(&job->instances.placed, job->renderer->method, &surface->scene, &target,
+                                      error)
+                    : job->renderer->draw(&surface->scene, &target, error));
         tell_end(job, job->strip[0] + (job->strip[1] - job->strip[0]) * (i + 1) / job->surface_count);
     }
     for (int i = 0; i < job->object_count; i++)
@@ -138,7 +123,7 @@ void isorender_labels_make(const isorender_job *job, isorender_labels *l) {
     for (int i = 0; i < job->surface_count && used + 32 < sizeof l->isovalues; i++)
         if (!job->surfaces[i].loader->has_points)
             used += (size_t)snprintf(l->isovalues + used, sizeof l->isovalues - used, "%s%.10g",
-                                     used ? ", " : "isovalue ", job->surfaces[i].isovalue);
+                                     used ? ", " : "isovalue ", job->surfaces[i].scene.isovalue);
     snprintf(l->command, sizeof l->command, "%s %s%s%s", program->name, job->plan->model,
              job->settings->common.record, isorender_camera_record(job));
 }
@@ -196,7 +181,7 @@ static iso_status draw_directly(const isorender_job *job, const iso_picture_opts
                                 size_t *covered, iso_error *error) {
     const iso_view view = iso_view_make(opts->camera, opts->width, opts->height);
     const iso_exact_picture whole = {&view, &opts->shading, image, job->pool};
-    return iso_paint_exact(&whole, job->surfaces[0].exact, covered, error);
+    return iso_paint_exact(&whole, job->surfaces[0].scene.exact, covered, error);
 }
 
 /* Points that were read do not say where the patient is. */
@@ -245,14 +230,11 @@ static iso_status shade_splats_by_gl(void *context, const iso_splat_layers *inpu
 /* Renders a picture with translucent surfaces or objects. */
 static iso_status render_layers(isorender_job *job, iso_picture_opts *opts, iso_image *image,
                                 isorender_frame *frame, iso_error *error) {
-    iso_subject subjects[ISORENDER_SURFACES];
     iso_layered_surface surfaces[ISORENDER_SURFACES];
     iso_translucent_set sets[ISORENDER_OBJECTS];
     iso_picture_layers callbacks;
-    for (int i = 0; i < job->surface_count; i++) {
-        subjects[i] = subject_of(job, &job->surfaces[i]);
-        surfaces[i] = (iso_layered_surface){&subjects[i], job->surfaces[i].translucency};
-    }
+    for (int i = 0; i < job->surface_count; i++)
+        surfaces[i] = (iso_layered_surface){&job->surfaces[i].scene, job->surfaces[i].translucency};
     iso_layered_picture picture = {.method = job->renderer->method,
                                    .surfaces = surfaces,
                                    .count = job->surface_count,
@@ -276,13 +258,12 @@ static iso_status render_layers(isorender_job *job, iso_picture_opts *opts, iso_
 static iso_status render_glass(isorender_job *job, iso_picture_opts *opts, iso_image *image,
                                isorender_frame *frame, iso_error *error) {
     const isorender_settings *settings = job->settings;
-    const iso_subject subject = subject_of(job, &job->surfaces[0]);
     iso_glass_scene scene = {
         .method = job->method,
         .refraction = (iso_refraction)settings->refraction,
         .transparency = (iso_transparency)settings->transparency,
         .abbe = settings->dispersion,
-        .subject = &subject,
+        .surface = &job->surfaces[0].scene,
         .glass = {.ior = settings->ior,
                   .surface_opacity = settings->opacity_count ? settings->opacities[0] : 0,
                   .environment = job->environment},
@@ -480,10 +461,6 @@ iso_status isorender_render(isorender_job *job, iso_error *error) {
     if (!job->frames) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
     canvas c = {0};
     iso_status status = iso_image_create(settings->width, settings->height, &c.image, error);
-    const bool has_workspace = job->method == ISO_METHOD_HYBRID ||
-                               (isorender_has_reconstructions(job->method) && !isorender_uses_groups(job));
-    if (status == ISO_OK && has_workspace && (job->object_count || !job->backend->engine))
-        status = iso_pullpush_create(&job->pullpush, error);
     if (status == ISO_OK && job->plan->aov)
         status = iso_aov_create(settings->width, settings->height, &c.aov, error);
     if (status == ISO_OK && job->plan->aov && job->translucent) status = iso_aov_add_layers(&c.aov, error);

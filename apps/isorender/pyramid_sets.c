@@ -32,9 +32,9 @@ static void add_surface(const isorender_job *job, int i, collected *all) {
     const isorender_surface *surface = &job->surfaces[i];
     iso_pyramid_set *set = &all->sets[all->count];
     *set = (iso_pyramid_set){.surface = (uint8_t)i, .points = &all->points[i]};
-    all->points[i] = isorender_points_view(job, i);
+    all->points[i] = iso_scene_surface_points(&job->surfaces[i].scene);
     if (job->method == ISO_METHOD_HYBRID) {
-        all->meshes[all->count] = iso_mesh_set_view(surface->mesh);
+        all->meshes[all->count] = iso_mesh_set_view(surface->scene.mesh);
         set->mesh = &all->meshes[all->count];
     }
     all->count++;

@@ -109,7 +109,7 @@ iso_status isorender_ranks_check_volume(const isorender_job *job, iso_error *err
 
 iso_status isorender_ranks_check_surface(const isorender_job *job, const iso_box *index, iso_error *error) {
     const isorender_surface *surface = &job->surfaces[0];
-    uint64_t numbers[] = {isorender_hash(0, &surface->isovalue, sizeof surface->isovalue),
+    uint64_t numbers[] = {isorender_hash(0, &surface->scene.isovalue, sizeof surface->scene.isovalue),
                           job->cell_count + job->point_count, isorender_hash(0, index, sizeof *index),
                           isorender_hash(0, &surface->bounds, sizeof surface->bounds)};
     enum { NUMBERS = sizeof numbers / sizeof *numbers };

@@ -113,9 +113,9 @@ static void put_objects(iso_json *json, const isorender_job *job) {
 /* Isovalues, colours and counts of the input's surfaces. */
 static void put_surfaces(iso_json *json, const isorender_job *job) {
     const int count = job->input_surface_count;
-    iso_json_real(json, "isovalue", job->surfaces[0].isovalue);
+    iso_json_real(json, "isovalue", job->surfaces[0].scene.isovalue);
     double isovalues[ISORENDER_SURFACES];
-    for (int i = 0; i < count; i++) isovalues[i] = job->surfaces[i].isovalue;
+    for (int i = 0; i < count; i++) isovalues[i] = job->surfaces[i].scene.isovalue;
     iso_json_reals(json, "isovalues", isovalues, count);
     iso_json_begin_array(json, "colors");
     for (int i = 0; i < count; i++) {
@@ -131,8 +131,8 @@ static void put_surfaces(iso_json *json, const isorender_job *job) {
         iso_json_reals(json, "opacities", opacities, count);
     }
     if (job->environment) put_glass(json, job->settings);
-    bool points = job->loader.has_points || job->surfaces[0].points, mesh = job->surfaces[0].mesh != NULL,
-         cells = job->surfaces[0].exact != NULL;
+    bool points = job->loader.has_points || job->surfaces[0].scene.points,
+         mesh = job->surfaces[0].scene.mesh != NULL, cells = job->surfaces[0].scene.exact != NULL;
     cells |= job->chunks && job->cell_count; /* of which none is kept */
     points |= job->chunks && job->point_count;
     mesh |= job->chunks && job->triangle_count;

@@ -93,13 +93,7 @@ static iso_status make_at_once(isorender_job *job, iso_error *error) {
 static void free_surfaces(isorender_job *job) {
     isorender_gl_release(job);
     for (int i = 0; i < job->surface_count; i++) {
-        iso_point_set_destroy(job->surfaces[i].points);
-        iso_mesh_set_destroy(job->surfaces[i].mesh);
-        iso_exact_destroy(job->surfaces[i].exact);
-        iso_raycaster_destroy(job->surfaces[i].caster);
-        iso_groups_free(&job->surfaces[i].groups);
-        iso_lod_free(&job->surfaces[i].lod);
-        iso_lod_cut_free(&job->surfaces[i].cut);
+        iso_scene_surface_free(&job->surfaces[i].scene);
         iso_grid_destroy(&job->surfaces[i].own_grid);
     }
     iso_cloud_free(&job->cloud);

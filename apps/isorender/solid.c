@@ -42,14 +42,14 @@ static void log_parts(const isorender_job *job, const isorender_surface *surface
     isorender_log(job,
                   "isovalue %g: kept %zu of %zu parts of the solid, dropped %zu with %.3g %% of its volume "
                   "(%.6g of %.6g mm3, counted in voxels)",
-                  surface->isovalue, parts->kept, parts->kept + parts->dropped, parts->dropped,
+                  surface->scene.isovalue, parts->kept, parts->kept + parts->dropped, parts->dropped,
                   100 * parts->dropped_share, parts->dropped_volume,
                   parts->kept_volume + parts->dropped_volume);
 }
 
 static iso_status drop_parts(isorender_job *job, isorender_surface *surface, iso_error *error) {
     const isorender_settings *settings = job->settings;
-    const iso_components_opts opts = {.isovalue = surface->isovalue,
+    const iso_components_opts opts = {.isovalue = surface->scene.isovalue,
                                       .largest = (size_t)settings->common.input.largest,
                                       .min_volume = settings->common.input.min_size,
                                       .pool = job->pool};
@@ -70,7 +70,7 @@ iso_status isorender_solid_prepare(isorender_job *job, isorender_surface *surfac
     if (drops_parts(job->settings)) ISO_TRY(drop_parts(job, surface, error));
     if (!job->settings->closed) return ISO_OK;
     iso_grid closed;
-    ISO_TRY(iso_grid_close(&surface->grid, surface->isovalue, job->pool, &closed, error));
+    ISO_TRY(iso_grid_close(&surface->grid, surface->scene.isovalue, job->pool, &closed, error));
     iso_grid_destroy(&surface->own_grid);
     surface->grid = surface->own_grid = closed;
     return ISO_OK;
@@ -82,12 +82,12 @@ static void log_mesh(const isorender_job *job, const isorender_surface *surface)
         job,
         "isovalue %g: mesh of %zu connected pieces, %.6g mm2, %.6g mm3 enclosed, %zu open edges, "
         "Euler number %" PRId64,
-        surface->isovalue, m->pieces, m->area, m->volume, m->open_edges, m->euler);
+        surface->scene.isovalue, m->pieces, m->area, m->volume, m->open_edges, m->euler);
 }
 
 iso_status isorender_mesh_weld(const isorender_job *job, isorender_surface *surface, iso_weld *weld,
                                iso_error *error) {
-    const iso_mesh_view view = iso_mesh_set_view(surface->mesh);
+    const iso_mesh_view view = iso_mesh_set_view(surface->scene.mesh);
     ISO_TRY(iso_mesh_weld(&view, weld, error));
     /* Caps lie this far outside the volume, so that they are flat. */
     if (job->settings->closed) iso_weld_separate(&view, ISO_CLOSED_TOLERANCE, weld);
@@ -104,16 +104,16 @@ iso_status isorender_mesh_weld(const isorender_job *job, isorender_surface *surf
 
 static void put_surface(iso_json *json, const isorender_job *job, const isorender_surface *surface) {
     if (drops_parts(job->settings)) iso_put_components(json, "solid_parts", &surface->parts);
-    if (surface->mesh) iso_put_mesh_measures(json, "mesh", &surface->measures);
+    if (surface->scene.mesh) iso_put_mesh_measures(json, "mesh", &surface->measures);
 }
 
 void isorender_report_solid(iso_json *json, const isorender_job *job) {
     put_surface(json, job, &job->surfaces[0]);
-    if (job->input_surface_count < 2 || (!drops_parts(job->settings) && !job->surfaces[0].mesh)) return;
+    if (job->input_surface_count < 2 || (!drops_parts(job->settings) && !job->surfaces[0].scene.mesh)) return;
     iso_json_begin_array(json, "surfaces");
     for (int i = 0; i < job->input_surface_count; i++) {
         iso_json_begin_object(json, NULL);
-        iso_json_real(json, "isovalue", job->surfaces[i].isovalue);
+        iso_json_real(json, "isovalue", job->surfaces[i].scene.isovalue);
         put_surface(json, job, &job->surfaces[i]);
         iso_json_end_object(json);
     }

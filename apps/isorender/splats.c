@@ -110,8 +110,8 @@ bool isorender_uses_groups(const isorender_job *job) {
 
 iso_status isorender_groups_make(isorender_job *job, int surface, iso_error *error) {
     const isorender_settings *settings = job->settings;
-    const iso_point_view points = isorender_points_view(job, surface);
-    iso_groups *groups = &job->surfaces[surface].groups;
+    const iso_point_view points = iso_scene_surface_points(&job->surfaces[surface].scene);
+    iso_groups *groups = &job->surfaces[surface].scene.groups;
     const bool sorted = settings->transparency == (int)ISO_TRANSPARENCY_SORTED;
     iso_groups_opts opts = sorted ? iso_splats_grouping(job->pool) : iso_splat_layers_grouping(job->pool);
     if (settings->groups) opts.limit = settings->groups;
@@ -140,7 +140,7 @@ void isorender_report_groups(iso_json *json, const isorender_job *job) {
     if (!isorender_uses_groups(job)) return;
     iso_json_begin_array(json, "groups");
     for (int i = 0; i < job->surface_count; i++) {
-        const iso_groups *groups = &job->surfaces[i].groups;
+        const iso_groups *groups = &job->surfaces[i].scene.groups;
         iso_json_begin_object(json, NULL);
         iso_json_integer(json, "count", (uint64_t)groups->count);
         iso_json_integer(json, "overlaps", groups->joined);

@@ -9,7 +9,7 @@
 #include "apps/isorender/pyramid_sets.h"
 #include "io/mesh_io.h"
 #include "io/points_io.h"
-#include "methods/bounds.h"
+#include "scene/bounds.h"
 
 /* ---- which isovalues ---- */
 
@@ -30,7 +30,7 @@ static iso_status suggest_isovalue(isorender_job *job, isorender_surface *surfac
     if (count == 0)
         return iso_fail(error, ISO_ERR_EMPTY, "the volume is constant: every voxel is %g",
                         loader->histogram.minimum);
-    surface->isovalue = candidates[0];
+    surface->scene.isovalue = candidates[0];
     if (job->isovalue_logged && is_input) return ISO_OK;
     job->isovalue_logged |= is_input;
     if (iso_grid_is_level_set(&loader->volume.grid))
@@ -46,7 +46,7 @@ static iso_status suggest_isovalue(isorender_job *job, isorender_surface *surfac
 /* Within a voxel of the end of the narrow band, neighbouring values are clamped. */
 static void warn_of_band_end(const isorender_job *job, const isorender_surface *surface) {
     const iso_grid *grid = &surface->loader->volume.grid;
-    const double isovalue = surface->isovalue;
+    const double isovalue = surface->scene.isovalue;
     if (!grid->hgrid || fabs(iso_grid_stored(grid, isovalue)) <= (double)grid->hgrid->band - 1) return;
     isorender_log(
         job,
@@ -59,19 +59,35 @@ static void warn_of_band_end(const isorender_job *job, const isorender_surface *
 static iso_status choose_isovalue(isorender_job *job, isorender_surface *surface, double given,
                                   iso_error *error) {
     const iso_loader *loader = surface->loader;
-    surface->isovalue = isnan(given) ? loader->scene_isovalue : given;
+    surface->scene.isovalue = isnan(given) ? loader->scene_isovalue : given;
     if (loader->has_points) return ISO_OK;
-    if (isnan(surface->isovalue)) return suggest_isovalue(job, surface, error);
+    if (isnan(surface->scene.isovalue)) return suggest_isovalue(job, surface, error);
     if (isnan(given)) return ISO_OK;
     ISO_TRY(iso_isovalue_check(&loader->volume.grid, given, error));
     warn_of_band_end(job, surface);
     return ISO_OK;
 }
 
+/* Makes the workspace that surfaces and lines share, if there is one: pictures are drawn one after the other. */
+static iso_status make_workspace(isorender_job *job, iso_error *error) {
+    const bool uses_one = job->method == ISO_METHOD_HYBRID ||
+                          (isorender_has_reconstructions(job->method) && !isorender_uses_groups(job));
+    if (!uses_one || (job->backend->engine && !job->object_count)) return ISO_OK;
+    return iso_pullpush_create(&job->pullpush, error);
+}
+
 /* Adds a surface; errors as choose_isovalue. */
 static iso_status add_surface(isorender_job *job, iso_loader *loader, double isovalue, iso_error *error) {
     isorender_surface *surface = &job->surfaces[job->surface_count++];
     surface->loader = loader;
+    surface->scene = (iso_scene_surface){.grid = &surface->grid,
+                                         .pool = job->pool,
+                                         .given = loader->has_points ? &job->read_points : NULL,
+                                         .transparency = (iso_transparency)job->settings->transparency,
+                                         .bins = job->settings->group_bins,
+                                         .selection = (iso_point_selection)job->settings->selection,
+                                         .lod_pixels = isorender_detail_pixels(job->settings),
+                                         .workspace = job->pullpush};
     return choose_isovalue(job, surface, isovalue, error);
 }
 
@@ -163,9 +179,9 @@ static iso_status fail_empty(const isorender_surface *surface, iso_error *error)
     const iso_histogram *histogram = &loader->histogram;
     if (histogram->minimum == histogram->maximum)
         return iso_fail(error, ISO_ERR_EMPTY, "no surface at isovalue %g: every voxel is %g",
-                        surface->isovalue, histogram->minimum);
+                        surface->scene.isovalue, histogram->minimum);
     return iso_fail(error, ISO_ERR_EMPTY, "no surface at isovalue %g: values lie in %g .. %g",
-                    surface->isovalue, histogram->minimum, histogram->maximum);
+                    surface->scene.isovalue, histogram->minimum, histogram->maximum);
 }
 
 /* Whether points are drawn as curved discs. */
@@ -179,51 +195,43 @@ iso_primitive isorender_primitive(const isorender_job *job) {
     /* One kind for all surfaces. No foot points with --closed: the caps' voxels hold no distances. */
     bool foot = !is_refined(job) && job->method != ISO_METHOD_HYBRID && !job->settings->closed;
     for (int i = 0; i < job->surface_count && foot; i++)
-        foot = iso_primitive_auto(&job->surfaces[i].loader->volume.grid, job->surfaces[i].isovalue) ==
+        foot = iso_primitive_auto(&job->surfaces[i].loader->volume.grid, job->surfaces[i].scene.isovalue) ==
                ISO_PRIMITIVE_FOOT;
     return foot ? ISO_PRIMITIVE_FOOT : ISO_PRIMITIVE_EDGE;
 }
 
 static iso_status extract_points(isorender_job *job, isorender_surface *surface, iso_error *error) {
-    /* Exported points keep all bits of their positions; 8 bytes are enough for a picture. */
-    iso_points_opts opts = {.isovalue = surface->isovalue,
-                            .primitive = isorender_primitive(job),
-                            .floats = job->settings->points != NULL,
-                            .curvature = is_refined(job),
-                            .pool = job->pool};
-    ISO_TRY(iso_point_set_create(&surface->grid, &opts, &surface->points, error));
-    ISO_TRY(iso_point_set_update(surface->points, error));
+    iso_scene_surface *scene = &surface->scene;
+    scene->primitive = isorender_primitive(job);
+    scene->flat = !is_refined(job);
+    scene->floats = job->settings->points != NULL;
     /* Bounds tell whether the surface is closed: of closed ones, pyramids leave out points that face away. */
-    if (isorender_has_reconstructions(job->method) || job->method == ISO_METHOD_HYBRID)
-        ISO_TRY(iso_point_set_bound(surface->points, error));
-    iso_points_stats stats = iso_point_set_stats(surface->points);
+    scene->bounded = isorender_has_reconstructions(job->method) || job->method == ISO_METHOD_HYBRID;
+    ISO_TRY(iso_scene_surface_update(scene, ISO_PART_POINTS, error));
+    const iso_points_stats stats = iso_point_set_stats(scene->points);
     job->point_count += stats.points;
     job->rejected += stats.rejected;
-    isorender_log_verbose(job, "isovalue %g: %zu points in %zu bricks, %zu rejected", surface->isovalue,
+    isorender_log_verbose(job, "isovalue %g: %zu points in %zu bricks, %zu rejected", scene->isovalue,
                           stats.points, stats.bricks, stats.rejected);
     return stats.points ? ISO_OK : fail_empty(surface, error);
 }
 
 static iso_status extract_mesh(isorender_job *job, isorender_surface *surface, iso_error *error) {
-    iso_mesh_opts opts = {.isovalue = surface->isovalue, .pool = job->pool};
-    ISO_TRY(iso_mesh_set_create(&surface->grid, &opts, &surface->mesh, error));
-    ISO_TRY(iso_mesh_set_update(surface->mesh, error));
-    iso_mesh_view view = iso_mesh_set_view(surface->mesh);
+    ISO_TRY(iso_scene_surface_update(&surface->scene, ISO_PART_MESH, error));
+    iso_mesh_view view = iso_mesh_set_view(surface->scene.mesh);
     size_t triangles = iso_mesh_view_triangle_count(&view), vertices = iso_mesh_view_vertex_count(&view);
     job->triangle_count += triangles;
     job->vertex_count += vertices;
-    isorender_log_verbose(job, "isovalue %g: %zu vertices, %zu triangles", surface->isovalue, vertices,
+    isorender_log_verbose(job, "isovalue %g: %zu vertices, %zu triangles", surface->scene.isovalue, vertices,
                           triangles);
     return triangles ? ISO_OK : fail_empty(surface, error);
 }
 
 static iso_status extract_cells(isorender_job *job, isorender_surface *surface, iso_error *error) {
-    iso_exact_opts opts = {.isovalue = surface->isovalue, .pool = job->pool};
-    ISO_TRY(iso_exact_create(&surface->grid, &opts, &surface->exact, error));
-    ISO_TRY(iso_exact_update(surface->exact, error));
-    iso_exact_totals totals = iso_exact_stats(surface->exact);
+    ISO_TRY(iso_scene_surface_update(&surface->scene, ISO_PART_CELLS, error));
+    const iso_exact_totals totals = iso_exact_stats(surface->scene.exact);
     job->cell_count += totals.cells;
-    isorender_log_verbose(job, "isovalue %g: %zu cells in %zu bricks", surface->isovalue, totals.cells,
+    isorender_log_verbose(job, "isovalue %g: %zu cells in %zu bricks", surface->scene.isovalue, totals.cells,
                           totals.bricks);
     return totals.cells ? ISO_OK : fail_empty(surface, error);
 }
@@ -236,16 +244,11 @@ static iso_status extract_surface(isorender_job *job, isorender_surface *surface
     if (mesh || is_drawn(job, ISO_PART_MESH)) ISO_TRY(extract_mesh(job, surface, error));
     if (is_drawn(job, ISO_PART_CELLS)) ISO_TRY(extract_cells(job, surface, error));
     if (isorender_plan_draws(job->plan) && is_drawn(job, ISO_PART_CASTER))
-        return iso_raycaster_create(&surface->grid, surface->isovalue, job->pool, &surface->caster, error);
+        return iso_scene_surface_update(&surface->scene, ISO_PART_CASTER, error);
     return ISO_OK;
 }
 
 /* ---- bounds ---- */
-
-iso_point_view isorender_points_view(const isorender_job *job, int surface) {
-    const isorender_surface *s = &job->surfaces[surface];
-    return s->loader->has_points ? job->read_points : iso_point_set_view(s->points);
-}
 
 /* Voxel (0, 0, 0) of the file is the local origin, also when a part of it was cut out. Points have world
  * coordinates. */
@@ -271,24 +274,24 @@ static iso_transform transform_of(const isorender_job *job, const isorender_surf
 static iso_box bounds_of(const isorender_job *job, int i, const iso_affine *affine) {
     const isorender_surface *surface = &job->surfaces[i];
     if (job->chunks) return isorender_chunks_bounds(job, affine);
-    if (surface->exact) return iso_exact_bounds(surface->exact, affine);
-    if (surface->points || surface->loader->has_points) {
-        const iso_point_view view = isorender_points_view(job, i);
+    if (surface->scene.exact) return iso_exact_bounds(surface->scene.exact, affine);
+    if (surface->scene.points || surface->loader->has_points) {
+        const iso_point_view view = iso_scene_surface_points(&job->surfaces[i].scene);
         return iso_bounds_of_each_point(&view, affine);
     }
-    const iso_mesh_view view = iso_mesh_set_view(surface->mesh);
+    const iso_mesh_view view = iso_mesh_set_view(surface->scene.mesh);
     return iso_bounds_of_each_vertex(&view, affine);
 }
 
 /* The same in index coordinates. */
 static iso_box index_bounds(const isorender_job *job, int i) {
     const isorender_surface *surface = &job->surfaces[i];
-    if (surface->exact) return iso_exact_bounds(surface->exact, NULL);
-    if (surface->points || surface->loader->has_points) {
-        const iso_point_view view = isorender_points_view(job, i);
+    if (surface->scene.exact) return iso_exact_bounds(surface->scene.exact, NULL);
+    if (surface->scene.points || surface->loader->has_points) {
+        const iso_point_view view = iso_scene_surface_points(&job->surfaces[i].scene);
         return iso_point_view_bounds(&view);
     }
-    const iso_mesh_view view = iso_mesh_set_view(surface->mesh);
+    const iso_mesh_view view = iso_mesh_set_view(surface->scene.mesh);
     return iso_mesh_view_bounds(&view);
 }
 
@@ -421,6 +424,7 @@ static iso_status extract_chunks(isorender_job *job, iso_error *error) {
 static iso_status extract_all(isorender_job *job, iso_error *error) {
     job->bounds_local = job->bounds_world = iso_box_empty();
     if (job->chunks) ISO_TRY(isorender_chunks_begin(job, error));
+    ISO_TRY(make_workspace(job, error));
     ISO_TRY(add_surfaces(job, error));
     choose_colors(job);
     choose_opacities(job);
@@ -445,7 +449,7 @@ iso_status isorender_extract(isorender_job *job, iso_error *error) {
     ISO_TRY(extract_all(job, error));
     if (!first || first->has_isovalue || !job->input_surface_count) return ISO_OK;
     first->has_isovalue = true;
-    first->isovalue = job->surfaces[0].isovalue;
+    first->isovalue = job->surfaces[0].scene.isovalue;
     return ISO_OK;
 }
 
@@ -456,7 +460,7 @@ static iso_status measure_meshes(isorender_job *job, iso_error *error) {
     const bool measured = job->settings->common.json || job->settings->verbose;
     for (int i = 0; i < job->input_surface_count && measured && !job->plan->mesh; i++) {
         iso_weld weld;
-        if (!job->surfaces[i].mesh) continue;
+        if (!job->surfaces[i].scene.mesh) continue;
         ISO_TRY(isorender_mesh_weld(job, &job->surfaces[i], &weld, error));
         iso_weld_free(&weld);
     }
@@ -469,7 +473,7 @@ iso_status isorender_export(isorender_job *job, iso_error *error) {
     snprintf(comment, sizeof comment, "%s %s", program->name, program->version);
     if (job->chunks) return isorender_chunks_export(job, comment, error);
     if (job->plan->points) {
-        iso_point_view view = isorender_points_view(job, 0);
+        iso_point_view view = iso_scene_surface_points(&job->surfaces[0].scene);
         if (job->loader.has_points) view.opacities = job->cloud.opacities; /* also when drawn opaque */
         ISO_TRY(iso_points_write_ply(job->plan->points, &view, comment, error));
         job->points_written = true;

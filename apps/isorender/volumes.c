@@ -91,7 +91,7 @@ static void put_volume(iso_json *json, const isorender_job *job, const iso_loade
         const double bounds[6] = {box->lo.x, box->hi.x, box->lo.y, box->hi.y, box->lo.z, box->hi.z};
         char color[8];
         snprintf(color, sizeof color, "%02X%02X%02X", surface->color.r, surface->color.g, surface->color.b);
-        iso_json_real(json, "isovalue", surface->isovalue);
+        iso_json_real(json, "isovalue", surface->scene.isovalue);
         iso_json_string(json, "color", color);
         iso_json_real(json, "opacity", (double)surface->translucency.opacity);
         iso_json_reals(json, "bounds_world", bounds, 6);

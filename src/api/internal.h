@@ -7,8 +7,8 @@
 #include "extract/points/points.h"
 #include "grids/volume/volume.h"
 #include "isopoint.h"
-#include "methods/instances.h"
 #include "render/shapes/shapes.h"
+#include "scene/instances.h"
 
 /* A volume. Its handle points to the first member. */
 typedef struct iso_api_volume {
@@ -24,9 +24,8 @@ static inline iso_api_volume *iso_api_volume_of(iso_volume *volume) {
 
 struct iso_surface {
     iso_api_volume *volume;
-    iso_subject subject;   /* the parts that renderers draw */
-    iso_point_set *points; /* points as floats for iso_surface_points; NULL: not requested yet */
-    iso_lod lod;           /* of the subject's points; without levels until instances ask for them */
+    iso_scene_surface scene; /* the parts that renderers draw */
+    iso_point_set *points;   /* points as floats for iso_surface_points; NULL: not requested yet */
     double opacity;
     bool has_color;
     iso_rgb color;

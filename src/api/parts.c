@@ -7,8 +7,8 @@
 #include "exact/chunks.h"
 #include "image/camera.h"
 #include "io/key_file.h"
-#include "methods/keys_picture.h"
-#include "methods/point_chunks.h"
+#include "scene/keys_picture.h"
+#include "scene/point_chunks.h"
 
 enum { DEFAULT_SIDE = 1024 };
 

@@ -9,10 +9,10 @@
 #include "image/exr.h"
 #include "image/image.h"
 #include "io/glyphs/placements_read.h"
-#include "methods/bounds.h"
-#include "methods/glass.h"
-#include "methods/layers.h"
 #include "render/picture.h"
+#include "scene/bounds.h"
+#include "scene/glass.h"
+#include "scene/layers.h"
 
 enum { DEFAULT_SIDE = 1024 };
 static const double DEFAULT_VIEW_ANGLE = 30;
@@ -98,18 +98,18 @@ static iso_part framing_part(const iso_renderer *renderer) {
 static iso_box bounds_of(const rendering *r, int i, iso_part framed) {
     const iso_box own = iso_api_surface_bounds(r->surfaces[i], framed);
     if (!r->opts->instances) return own;
-    const iso_point_view points = iso_subject_points(&r->surfaces[i]->subject);
+    const iso_point_view points = iso_scene_surface_points(&r->surfaces[i]->scene);
     const iso_box index = iso_point_view_bounds(&points);
     return iso_placed_bounds(r->opts->instances, &points.transform, &index, &own, NULL);
 }
 
 /* Makes the levels of detail of instances, or brings them up to date. */
 static iso_status prepare_instances(const rendering *r, iso_error *error) {
-    for (int i = 0; i < r->count && r->opts->instances; i++) {
-        iso_surface *surface = r->surfaces[i];
-        const iso_point_view points = iso_subject_points(&surface->subject);
-        if (r->opts->instance_lod > 0)
-            ISO_TRY(iso_lod_update(&surface->lod, &points, surface->volume->pool, error));
+    const bool leveled = r->opts->instances && r->opts->instance_lod > 0;
+    for (int i = 0; i < r->count; i++) {
+        iso_scene_surface *scene = &r->surfaces[i]->scene;
+        scene->lod_pixels = leveled ? r->opts->instance_lod : 0;
+        if (leveled) ISO_TRY(iso_scene_surface_make_levels(scene, error));
     }
     return ISO_OK;
 }
@@ -122,8 +122,7 @@ static iso_status prepare(const rendering *r, iso_box *box, iso_error *error) {
         iso_bounds_add(box, &own);
     }
     for (int i = 0; i < r->count; i++) {
-        r->surfaces[i]->subject.transparency =
-            r->translucent ? r->opts->transparency : ISO_TRANSPARENCY_SORTED;
+        r->surfaces[i]->scene.transparency = r->translucent ? r->opts->transparency : ISO_TRANSPARENCY_SORTED;
         ISO_TRY(iso_api_surface_part(r->surfaces[i], framed, error));
         for (int part = 0; part < ISO_PART_COUNT; part++)
             if (part != (int)framed && needs_of(r) & 1u << part)
@@ -146,22 +145,13 @@ static iso_status draw_shapes(void *context, const iso_view *view, iso_gbuffer *
     return ISO_OK;
 }
 
-static iso_status draw_instances(rendering *r, int i, const iso_target *target, iso_error *error) {
-    iso_subject subject = r->surfaces[i]->subject; /* a copy, which borrows the parts */
-    subject.lod = r->opts->instance_lod > 0 ? &r->surfaces[i]->lod : NULL;
-    subject.lod_pixels = r->opts->instance_lod;
-    return iso_placed_draw(&r->placed, r->renderer->method, &subject, target, error);
-}
-
 static iso_status draw(void *context, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
     rendering *r = context;
     for (int i = 0; i < r->count; i++) {
         const iso_target target = {view, gbuffer, r->picture.pool, (uint8_t)i};
-        if (r->opts->instances) {
-            ISO_TRY(draw_instances(r, i, &target, error));
-            continue;
-        }
-        ISO_TRY(r->renderer->draw(&r->surfaces[i]->subject, &target, error));
+        const iso_scene_surface *scene = &r->surfaces[i]->scene;
+        ISO_TRY(r->opts->instances ? iso_placed_draw(&r->placed, r->renderer->method, scene, &target, error)
+                                   : r->renderer->draw(scene, &target, error));
     }
     return draw_shapes(context, view, gbuffer, error);
 }
@@ -176,7 +166,7 @@ static bool is_painted(const rendering *r) {
 static iso_status paint(const rendering *r, iso_image *image, size_t *covered, iso_error *error) {
     const iso_view view = iso_view_make(&r->camera, r->picture.width, r->picture.height);
     const iso_exact_picture canvas = {&view, &r->picture.shading, image, r->picture.pool};
-    return iso_paint_exact(&canvas, r->surfaces[0]->subject.exact, covered, error);
+    return iso_paint_exact(&canvas, r->surfaces[0]->scene.exact, covered, error);
 }
 
 /* Allocates image and aov, unless they have the right size already. */
@@ -209,7 +199,7 @@ static float smallest_spacing(const rendering *r) {
     double smallest = INFINITY;
     for (int i = 0; i < r->count; i++)
         for (int axis = 0; axis < 3; axis++)
-            smallest = fmin(smallest, iso_grid_transform(r->surfaces[i]->subject.grid)->spacing[axis]);
+            smallest = fmin(smallest, iso_grid_transform(r->surfaces[i]->scene.grid)->spacing[axis]);
     return isfinite(smallest) ? (float)smallest : 0;
 }
 
@@ -227,11 +217,11 @@ static iso_status check(iso_surface *const *surfaces, int count, const iso_rende
     if (!iso_renderer_get(opts->method))
         return iso_fail(error, ISO_ERR_USAGE, "there is no method %d", (int)opts->method);
     for (int i = 0; i < count && opts->method == ISO_METHOD_HYBRID; i++)
-        if (surfaces[i]->subject.primitive > ISO_PRIMITIVE_EDGE)
+        if (surfaces[i]->scene.primitive > ISO_PRIMITIVE_EDGE)
             return iso_fail(
                 error, ISO_ERR_USAGE,
                 "the method hybrid joins edge points to triangles: the primitive %s lies elsewhere",
-                iso_primitive_name(surfaces[i]->subject.primitive));
+                iso_primitive_name(surfaces[i]->scene.primitive));
     if ((int)opts->transparency < 0 || opts->transparency >= ISO_TRANSPARENCIES)
         return iso_fail(error, ISO_ERR_USAGE, "there is no transparency %d", (int)opts->transparency);
     if (opts->transparency && (opts->method != ISO_METHOD_SPLATS || opts->glass))
@@ -310,7 +300,7 @@ static iso_status list_sets(rendering *r, const iso_render_opts *opts, iso_error
 /* Sets up the picture's translucent surfaces and sets of shapes, if it has some. */
 static iso_status set_up_layers(rendering *r, const iso_render_opts *opts, iso_error *error) {
     for (int i = 0; i < r->count; i++) {
-        r->layered[i] = (iso_layered_surface){&r->surfaces[i]->subject,
+        r->layered[i] = (iso_layered_surface){&r->surfaces[i]->scene,
                                               {.opacity = (float)r->surfaces[i]->opacity,
                                                .constant = opts->constant_opacity,
                                                .absorption_length = (float)opts->absorption_length,
@@ -391,7 +381,7 @@ static iso_status render_glass(rendering *r, iso_image *image, size_t *covered, 
         .method = r->renderer->method,
         .refraction = r->refraction,
         .abbe = glass->dispersion,
-        .subject = &r->surfaces[0]->subject,
+        .surface = &r->surfaces[0]->scene,
         .glass = {.ior = glass->ior, .surface_opacity = glass->surface_opacity, .environment = environment},
         .shows_environment = !opts->background && !opts->transparent,
         .opts = &r->picture};

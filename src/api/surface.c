@@ -9,7 +9,7 @@
 #include "grids/brick_index.h"
 #include "io/mesh_io.h"
 #include "io/points_io.h"
-#include "methods/bounds.h"
+#include "scene/bounds.h"
 
 /* The comment in the headers of the files that are written. */
 static const char COMMENT[] = "isopoint";
@@ -41,11 +41,11 @@ iso_status iso_surface_create(iso_volume *volume, const iso_surface_opts *opts, 
     if (!made) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a surface");
     made->volume = iso_api_volume_of(volume);
     made->volume->surfaces++;
-    made->subject = (iso_subject){.grid = &volume->grid,
-                                  .isovalue = opts->isovalue,
-                                  .pool = made->volume->pool,
-                                  .bounded = true,
-                                  .primitive = opts->primitive};
+    made->scene = (iso_scene_surface){.grid = &volume->grid,
+                                      .isovalue = opts->isovalue,
+                                      .pool = made->volume->pool,
+                                      .bounded = true,
+                                      .primitive = opts->primitive};
     made->opacity = opts->opacity > 0 ? opts->opacity : 1;
     made->has_color = opts->color != NULL;
     if (opts->color) made->color = *opts->color;
@@ -57,14 +57,13 @@ void iso_surface_destroy(iso_surface *surface) {
     if (!surface) return;
     surface->volume->surfaces--;
     iso_point_set_destroy(surface->points);
-    iso_lod_free(&surface->lod);
-    iso_subject_free(&surface->subject);
+    iso_scene_surface_free(&surface->scene);
     iso_free(surface);
 }
 
 iso_status iso_surface_set_isovalue(iso_surface *surface, double isovalue, iso_error *error) {
-    ISO_TRY(check_isovalue(surface->subject.grid, isovalue, error));
-    iso_subject_set_isovalue(&surface->subject, isovalue);
+    ISO_TRY(check_isovalue(surface->scene.grid, isovalue, error));
+    iso_scene_surface_set_isovalue(&surface->scene, isovalue);
     /* with the primitive AUTO the kind of points depends on the isovalue */
     iso_point_set_destroy(surface->points);
     surface->points = NULL;
@@ -74,33 +73,34 @@ iso_status iso_surface_set_isovalue(iso_surface *surface, double isovalue, iso_e
 /* ---- parts ---- */
 
 iso_status iso_api_surface_ready(iso_surface *surface, iso_error *error) {
-    iso_rgrid *grid = surface->subject.grid->rgrid;
+    iso_rgrid *grid = surface->scene.grid->rgrid;
     return grid ? iso_brick_index_of(grid, surface->volume->pool, NULL, error) : ISO_OK;
 }
 
 static iso_status fail_empty(const iso_surface *surface, iso_error *error) {
-    return iso_fail(error, ISO_ERR_EMPTY, "no surface at isovalue %g", surface->subject.isovalue);
+    return iso_fail(error, ISO_ERR_EMPTY, "no surface at isovalue %g", surface->scene.isovalue);
 }
 
 iso_status iso_api_surface_part(iso_surface *surface, iso_part part, iso_error *error) {
     ISO_TRY(iso_api_surface_ready(surface, error));
-    ISO_TRY(iso_subject_update(&surface->subject, part, error));
+    ISO_TRY(iso_scene_surface_update(&surface->scene, part, error));
     const bool counted = part != ISO_PART_CASTER;
-    return counted && iso_subject_size(&surface->subject, part).primitives == 0 ? fail_empty(surface, error)
-                                                                                : ISO_OK;
+    return counted && iso_scene_surface_size(&surface->scene, part).primitives == 0
+               ? fail_empty(surface, error)
+               : ISO_OK;
 }
 
 iso_box iso_api_surface_bounds(const iso_surface *surface, iso_part part) {
-    const iso_subject *subject = &surface->subject;
+    const iso_scene_surface *scene = &surface->scene;
     if (part == ISO_PART_POINTS) {
-        const iso_point_view points = iso_point_set_view(subject->points);
+        const iso_point_view points = iso_point_set_view(scene->points);
         return iso_bounds_of_points(&points);
     }
     if (part == ISO_PART_MESH) {
-        const iso_mesh_view mesh = iso_mesh_set_view(subject->mesh);
+        const iso_mesh_view mesh = iso_mesh_set_view(scene->mesh);
         return iso_bounds_of_mesh(&mesh);
     }
-    return iso_bounds_of_cells(subject->exact, iso_grid_transform(subject->grid));
+    return iso_bounds_of_cells(scene->exact, iso_grid_transform(scene->grid));
 }
 
 iso_status iso_surface_bounds(iso_surface *surface, iso_box *box, iso_error *error) {
@@ -115,13 +115,12 @@ iso_status iso_surface_bounds(iso_surface *surface, iso_box *box, iso_error *err
 
 /* Extracts the points as floats, because packed points have rounded positions and are for pictures only. */
 static iso_status update_points(iso_surface *surface, iso_point_view *view, iso_error *error) {
-    const iso_points_opts opts = {.isovalue = surface->subject.isovalue,
-                                  .primitive = surface->subject.primitive,
+    const iso_points_opts opts = {.isovalue = surface->scene.isovalue,
+                                  .primitive = surface->scene.primitive,
                                   .floats = true,
                                   .pool = surface->volume->pool};
     ISO_TRY(iso_api_surface_ready(surface, error));
-    if (!surface->points)
-        ISO_TRY(iso_point_set_create(surface->subject.grid, &opts, &surface->points, error));
+    if (!surface->points) ISO_TRY(iso_point_set_create(surface->scene.grid, &opts, &surface->points, error));
     ISO_TRY(iso_point_set_update(surface->points, error));
     *view = iso_point_set_view(surface->points);
     return ISO_OK;
@@ -182,8 +181,8 @@ void iso_mesh_free(iso_mesh *mesh) {
 
 static iso_status weld(iso_surface *surface, iso_mesh_view *view, iso_weld *welded, iso_error *error) {
     ISO_TRY(iso_api_surface_ready(surface, error));
-    ISO_TRY(iso_subject_update(&surface->subject, ISO_PART_MESH, error));
-    *view = iso_mesh_set_view(surface->subject.mesh);
+    ISO_TRY(iso_scene_surface_update(&surface->scene, ISO_PART_MESH, error));
+    *view = iso_mesh_set_view(surface->scene.mesh);
     return iso_mesh_weld(view, welded, error);
 }
 
@@ -237,6 +236,6 @@ iso_status iso_surface_measure(iso_surface *surface, iso_mesh_measures *measures
 iso_status iso_surface_write_mesh(iso_surface *surface, const char *path, iso_error *error) {
     if (!path) return iso_fail(error, ISO_ERR_USAGE, "no file is named");
     ISO_TRY(iso_api_surface_part(surface, ISO_PART_MESH, error));
-    const iso_mesh_view view = iso_mesh_set_view(surface->subject.mesh);
+    const iso_mesh_view view = iso_mesh_set_view(surface->scene.mesh);
     return iso_mesh_write(path, &view, COMMENT, error);
 }

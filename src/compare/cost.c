@@ -20,9 +20,9 @@ const iso_renderer *iso_cost_method(int number) {
 }
 
 typedef struct measurement {
-    iso_subject subject;   /* borrows the parts of the caller's, and draws `points` */
-    iso_point_set *points; /* what the paper draws: foot points of sparse level sets, else edge points */
-    iso_point_view given;  /* of `points` */
+    iso_scene_surface surface; /* borrows the parts of the caller's, and draws `points` */
+    iso_point_set *points;     /* what the paper draws: foot points of sparse level sets, else edge points */
+    iso_point_view given;      /* of `points` */
     const iso_study_ball *ball;
     const iso_study_look *look;
     double run_seconds;
@@ -55,35 +55,36 @@ static iso_part part_of(const iso_renderer *method) {
     return ISO_PART_COUNT;
 }
 
-static iso_status create_points(const iso_subject *subject, iso_point_set **points, iso_error *error) {
+static iso_status create_points(const iso_scene_surface *surface, iso_point_set **points, iso_error *error) {
     const iso_points_opts opts = {
-        .isovalue = subject->isovalue, .primitive = ISO_PRIMITIVE_AUTO, .pool = subject->pool};
-    ISO_TRY(iso_point_set_create(subject->grid, &opts, points, error));
+        .isovalue = surface->isovalue, .primitive = ISO_PRIMITIVE_AUTO, .pool = surface->pool};
+    ISO_TRY(iso_point_set_create(surface->grid, &opts, points, error));
     return iso_point_set_update(*points, error);
 }
 
 /* Extracts the primitives of a method from the beginning, and destroys them. */
-static iso_status extract_once(const iso_subject *subject, iso_part part, double *seconds, iso_error *error) {
-    iso_subject fresh = {.grid = subject->grid, .isovalue = subject->isovalue, .pool = subject->pool};
+static iso_status extract_once(const iso_scene_surface *surface, iso_part part, double *seconds,
+                               iso_error *error) {
+    iso_scene_surface fresh = {.grid = surface->grid, .isovalue = surface->isovalue, .pool = surface->pool};
     double start = iso_clock_seconds();
     iso_status status = part == ISO_PART_POINTS ? create_points(&fresh, &fresh.points, error)
-                                                : iso_subject_prepare(&fresh, part, error);
+                                                : iso_scene_surface_prepare(&fresh, part, error);
     *seconds = iso_clock_seconds() - start;
-    iso_subject_free(&fresh);
+    iso_scene_surface_free(&fresh);
     return status;
 }
 
-static iso_status time_extraction(const iso_subject *subject, iso_part part, double *seconds,
+static iso_status time_extraction(const iso_scene_surface *surface, iso_part part, double *seconds,
                                   iso_error *error) {
     double times[ISO_COST_RUNS];
-    for (int run = 0; run < ISO_COST_RUNS; run++) ISO_TRY(extract_once(subject, part, &times[run], error));
+    for (int run = 0; run < ISO_COST_RUNS; run++) ISO_TRY(extract_once(surface, part, &times[run], error));
     *seconds = iso_study_median(times, ISO_COST_RUNS);
     return ISO_OK;
 }
 
 /* Extracts what was edited. */
 static iso_status update_part(measurement *m, iso_part part, iso_error *error) {
-    if (part != ISO_PART_POINTS) return iso_subject_update(&m->subject, part, error);
+    if (part != ISO_PART_POINTS) return iso_scene_surface_update(&m->surface, part, error);
     ISO_TRY(iso_point_set_update(m->points, error));
     m->given = iso_point_set_view(m->points);
     return ISO_OK;
@@ -110,8 +111,8 @@ static iso_status measure_strips(const iso_mesh_view *mesh, double *share, iso_e
 /* Marks voxels in the middle of some bricks that the surface crosses as edited, so that just these bricks
  * are extracted again: voxels that neighbours read are not among them. */
 static iso_status mark_bricks(measurement *m, iso_error *error) {
-    iso_change_log *log = iso_grid_log(m->subject.grid);
-    const int *dims = iso_grid_dims(m->subject.grid);
+    iso_change_log *log = iso_grid_log(m->surface.grid);
+    const int *dims = iso_grid_dims(m->surface.grid);
     iso_change_log_begin(log);
     for (int i = 0; i < m->dirty; i++) {
         size_t s = (size_t)(random_number(&m->seed) * (double)m->mesh->span_count);
@@ -132,7 +133,7 @@ static iso_status draw_frame(measurement *m, const iso_renderer *method, int sid
     if (edit) ISO_TRY(mark_bricks(m, error));
     double start = iso_clock_seconds();
     if (edit) ISO_TRY(update_part(m, part_of(method), error));
-    ISO_TRY(iso_study_draw(&m->subject, method, &view, m->look, frame, error));
+    ISO_TRY(iso_study_draw(&m->surface, method, &view, m->look, frame, error));
     *seconds = iso_clock_seconds() - start;
     return ISO_OK;
 }
@@ -164,11 +165,11 @@ static iso_status allocate_and_draw(measurement *m, const iso_renderer *method, 
     double *times = iso_alloc(ISO_COST_RUNS * MOST_FRAMES * sizeof *times);
     iso_status status = times ? ISO_OK : iso_fail(error, ISO_ERR_NOMEM, "out of memory");
     /* A workspace of its own, which does not keep the memory of the largest pictures. */
-    if (status == ISO_OK) status = iso_pullpush_create(&m->subject.workspace, error);
+    if (status == ISO_OK) status = iso_pullpush_create(&m->surface.workspace, error);
     if (status == ISO_OK) status = iso_study_frame_create(side, false, &frame, error);
     if (status == ISO_OK) status = draw_runs(m, method, side, edit, &frame, times, cost, error);
-    iso_pullpush_destroy(m->subject.workspace);
-    m->subject.workspace = NULL;
+    iso_pullpush_destroy(m->surface.workspace);
+    m->surface.workspace = NULL;
     iso_study_frame_free(&frame);
     iso_free(times);
     return status;
@@ -190,16 +191,16 @@ static iso_status time_frames(measurement *m, const iso_renderer *method, int si
 static iso_status measure_method(measurement *m, int number, int side, iso_cost_row *row, iso_error *error) {
     const iso_renderer *method = iso_cost_method(number);
     const iso_part part = part_of(method);
-    ISO_TRY(time_extraction(&m->subject, part, &row->generation, error));
+    ISO_TRY(time_extraction(&m->surface, part, &row->generation, error));
     row->primitives = part == ISO_PART_POINTS ? iso_point_view_count(&m->given)
-                                              : iso_subject_size(&m->subject, part).primitives;
+                                              : iso_scene_surface_size(&m->surface, part).primitives;
     ISO_TRY(time_frames(m, method, side, false, &row->still, error));
     for (int i = 0; i < ISO_COST_VIEWPORTS; i++)
         ISO_TRY(time_frames(m, method, ISO_COST_VIEWPORT[i], false, &row->viewport[i], error));
     return time_frames(m, method, side, true, &row->edited, error);
 }
 
-/* Copies the spans' bricks: the spans of the subject's mesh move when the mesh is updated. */
+/* Copies the spans' bricks: the spans of the surface's mesh move when the mesh is updated. */
 static iso_status copy_spans(const iso_mesh_view *from, iso_mesh_view *mesh, iso_mesh_span **copy,
                              iso_error *error) {
     *mesh = *from;
@@ -211,22 +212,23 @@ static iso_status copy_spans(const iso_mesh_view *from, iso_mesh_view *mesh, iso
 }
 
 static iso_status measure_methods(measurement *m, iso_cost_study *study, iso_error *error) {
-    ISO_TRY(create_points(&m->subject, &m->points, error));
+    ISO_TRY(create_points(&m->surface, &m->points, error));
     m->given = iso_point_set_view(m->points);
-    m->subject.given = &m->given;
+    m->surface.given = &m->given;
     for (int i = 0; i < ISO_COST_METHODS; i++)
         ISO_TRY(measure_method(m, i, study->side, &study->rows[i], error));
     return ISO_OK;
 }
 
-iso_status iso_study_cost(const iso_subject *subject, const iso_study_ball *ball, const iso_study_look *look,
-                          const iso_cost_opts *opts, iso_cost_study *study, iso_error *error) {
-    const iso_mesh_view now = iso_mesh_set_view(subject->mesh);
+iso_status iso_study_cost(const iso_scene_surface *surface, const iso_study_ball *ball,
+                          const iso_study_look *look, const iso_cost_opts *opts, iso_cost_study *study,
+                          iso_error *error) {
+    const iso_mesh_view now = iso_mesh_set_view(surface->mesh);
     iso_study_look single = *look;
     iso_mesh_view mesh;
     iso_mesh_span *spans = NULL;
     int bricks[3];
-    iso_grid_bricks(subject->grid, bricks);
+    iso_grid_bricks(surface->grid, bricks);
     *study = (iso_cost_study){.side = opts->side ? opts->side : 800,
                               .dirty = opts->dirty ? opts->dirty : 4,
                               .bricks = (size_t)bricks[0] * (size_t)bricks[1] * (size_t)bricks[2],
@@ -235,13 +237,13 @@ iso_status iso_study_cost(const iso_subject *subject, const iso_study_ball *ball
     single.samples = 1;
     ISO_TRY(measure_strips(&now, &study->strips, error));
     ISO_TRY(copy_spans(&now, &mesh, &spans, error));
-    measurement m = {.subject = *subject,
+    measurement m = {.surface = *surface,
                      .ball = ball,
                      .look = &single,
                      .run_seconds = opts->seconds > 0 ? opts->seconds : 0.2,
                      .dirty = study->dirty,
                      .mesh = &mesh};
-    m.subject.workspace = NULL;
+    m.surface.workspace = NULL;
     iso_status status = measure_methods(&m, study, error);
     iso_point_set_destroy(m.points);
     iso_free(spans);

@@ -2,7 +2,7 @@
  * measurements of Baerentzen and Christensen 2003, section 6, tables 2 to 4, on any volume.
  *
  * Frames are drawn by the cpu engine, each from another direction; the directions are pseudo-random and the
- * same on every machine. Times are of the clock on the wall, with the threads of the subject's pool. */
+ * same on every machine. Times are of the clock on the wall, with the threads of the surface's pool. */
 #ifndef ISO_COMPARE_COST_H
 #define ISO_COMPARE_COST_H
 
@@ -47,11 +47,12 @@ typedef struct iso_cost_opts {
     double seconds; /* how long a run of frames lasts (two frames at least, 200 at most); 0: 0.2 */
 } iso_cost_opts;
 
-/* Measures everything. The subject needs its parts points, mesh and cells. Marks bricks of its grid as
+/* Measures everything. The surface needs its parts points, mesh and cells. Marks bricks of its grid as
  * edited, without changing a value. Points are those that the paper draws: foot points of sparse level
  * sets, else edge points. Only the colours of the look are used. ISO_ERR_NOMEM, and the errors of
  * extraction and drawing. */
-iso_status iso_study_cost(const iso_subject *subject, const iso_study_ball *ball, const iso_study_look *look,
-                          const iso_cost_opts *opts, iso_cost_study *study, iso_error *error);
+iso_status iso_study_cost(const iso_scene_surface *surface, const iso_study_ball *ball,
+                          const iso_study_look *look, const iso_cost_opts *opts, iso_cost_study *study,
+                          iso_error *error);
 
 #endif

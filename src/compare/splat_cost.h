@@ -20,11 +20,11 @@ typedef struct iso_splat_cost {
     double ungrouped; /* seconds a frame of the method splats-flat takes, which needs no groups; or NaN */
 } iso_splat_cost;
 
-/* Divides the subject's points into groups and draws them from one view, with one sample for each pixel; only
- * the colours of the look are used. The subject needs its part points, whose workspace is used. Allocates 8
+/* Divides the surface's points into groups and draws them from one view, with one sample for each pixel; only
+ * the colours of the look are used. The surface needs its part points, whose workspace is used. Allocates 8
  * bytes for each pixel and group, and about 30 for each point. ISO_ERR_NOMEM, ISO_ERR_LIMIT (2^32 - 1 points
  * or more), and the errors of drawing. */
-iso_status iso_study_splats(const iso_subject *subject, const iso_view *view, const iso_study_look *look,
-                            iso_splat_cost *cost, iso_error *error);
+iso_status iso_study_splats(const iso_scene_surface *surface, const iso_view *view,
+                            const iso_study_look *look, iso_splat_cost *cost, iso_error *error);
 
 #endif

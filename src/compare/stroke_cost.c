@@ -14,8 +14,8 @@ typedef struct time_list {
 
 typedef struct player {
     iso_strokes strokes;
-    iso_subject subject;   /* of the session's grid; draws `points` */
-    iso_point_set *points; /* what the paper draws, as in cost.c */
+    iso_scene_surface surface; /* of the session's grid; draws `points` */
+    iso_point_set *points;     /* what the paper draws, as in cost.c */
     iso_point_view given;
     const iso_study_ball *ball;
     const iso_study_look *look;
@@ -63,7 +63,7 @@ static bool is_needed(int part) {
 }
 
 static iso_status update_part(player *p, iso_part part, iso_error *error) {
-    if (part != ISO_PART_POINTS) return iso_subject_update(&p->subject, part, error);
+    if (part != ISO_PART_POINTS) return iso_scene_surface_update(&p->surface, part, error);
     ISO_TRY(iso_point_set_update(p->points, error));
     p->given = iso_point_set_view(p->points);
     return ISO_OK;
@@ -80,7 +80,7 @@ static iso_status show_sample(player *p, bool draw, iso_error *error) {
     }
     for (int m = 0; draw && m < ISO_COST_METHODS; m++) {
         const double start = iso_clock_seconds();
-        ISO_TRY(iso_study_draw(&p->subject, iso_cost_method(m), &view, p->look, &p->frame, error));
+        ISO_TRY(iso_study_draw(&p->surface, iso_cost_method(m), &view, p->look, &p->frame, error));
         add_time(&p->draw[m], start);
     }
     return ISO_OK;
@@ -106,11 +106,11 @@ static iso_status open_player(player *p, const char *path, const iso_source *how
     ISO_TRY(iso_study_frame_create(p->side, false, &p->frame, error));
     ISO_TRY(iso_strokes_open(path, how, &p->strokes, error));
     grid->hgrid = iso_session_grid(p->strokes.session);
-    p->subject.grid = grid;
-    p->subject.pool = how->pool;
-    p->subject.given = &p->given;
+    p->surface.grid = grid;
+    p->surface.pool = how->pool;
+    p->surface.given = &p->given;
     const iso_points_opts points = {.primitive = ISO_PRIMITIVE_AUTO, .pool = how->pool};
-    ISO_TRY(iso_pullpush_create(&p->subject.workspace, error));
+    ISO_TRY(iso_pullpush_create(&p->surface.workspace, error));
     return iso_point_set_create(grid, &points, &p->points, error);
 }
 
@@ -120,7 +120,7 @@ static void close_player(player *p) {
     for (int m = 0; m < ISO_COST_METHODS; m++) iso_free(p->draw[m].seconds);
     iso_study_frame_free(&p->frame);
     iso_point_set_destroy(p->points);
-    iso_subject_free(&p->subject);
+    iso_scene_surface_free(&p->surface);
     iso_strokes_close(&p->strokes);
 }
 

@@ -136,20 +136,20 @@ iso_status iso_study_frame_create(int side, bool channels, iso_study_frame *fram
 }
 
 typedef struct drawing {
-    const iso_subject *subject;
+    const iso_scene_surface *surface;
     const iso_renderer *method;
 } drawing;
 
 static iso_status draw_method(void *context, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
     const drawing *d = context;
-    iso_target target = {view, gbuffer, d->subject->pool, 0};
-    return d->method->draw(d->subject, &target, error);
+    iso_target target = {view, gbuffer, d->surface->pool, 0};
+    return d->method->draw(d->surface, &target, error);
 }
 
-iso_status iso_study_draw(const iso_subject *subject, const iso_renderer *method, const iso_view *view,
+iso_status iso_study_draw(const iso_scene_surface *surface, const iso_renderer *method, const iso_view *view,
                           const iso_study_look *look, iso_study_frame *frame, iso_error *error) {
     assert(frame->image.width == view->width && frame->image.height == view->height);
-    drawing d = {subject, method};
+    drawing d = {surface, method};
     iso_picture_opts opts = {.view = view,
                              .width = view->width,
                              .height = view->height,
@@ -157,7 +157,7 @@ iso_status iso_study_draw(const iso_subject *subject, const iso_renderer *method
                              .shading = {&look->color, 1, look->background, look->transparent},
                              .draw = draw_method,
                              .draw_context = &d,
-                             .pool = subject->pool,
+                             .pool = surface->pool,
                              .aov = frame->aov.depth ? &frame->aov : NULL};
     return iso_picture_render(&opts, &frame->image, NULL, error);
 }

@@ -12,8 +12,8 @@
 #include "image/aov.h"
 #include "image/camera.h"
 #include "image/image.h"
-#include "methods/method.h"
 #include "render/shading/shading.h"
+#include "scene/method.h"
 
 /* A ball that contains the surface: around the centre of its box, with its farthest vertex on the sphere. */
 typedef struct iso_study_ball {
@@ -62,7 +62,7 @@ void iso_study_frame_free(iso_study_frame *frame);
 
 /* Draws a picture into a frame of the view's size. ISO_ERR_USAGE (samples), ISO_ERR_NOMEM, and the errors of
  * the method. */
-iso_status iso_study_draw(const iso_subject *subject, const iso_renderer *method, const iso_view *view,
+iso_status iso_study_draw(const iso_scene_surface *surface, const iso_renderer *method, const iso_view *view,
                           const iso_study_look *look, iso_study_frame *frame, iso_error *error);
 
 /* Returns the frame as an input of iso_compare, which borrows it. */

@@ -11,7 +11,7 @@
 #include "base/clock.h"
 #include "base/coverage.h"
 #include "base/memory.h"
-#include "methods/layers.h"
+#include "scene/layers.h"
 #include "truth/raycast_layers.h"
 
 const double ISO_TRANSPARENCY_OPACITY[ISO_TRANSPARENCY_OPACITIES] = {0.3, 0.5, 0.7};
@@ -51,8 +51,9 @@ typedef struct pixel_sums {
 } pixel_sums;
 
 typedef struct work {
-    const iso_subject *subject;
-    iso_subject grouped; /* the subject with the groups of algorithms 2 and 3; borrows its other parts */
+    const iso_scene_surface *surface;
+    iso_scene_surface
+        grouped; /* the surface with the groups of algorithms 2 and 3; borrows its other parts */
     const iso_view *view;
     const iso_study_look *look;
     double near, far; /* depths of the ball's front and back, mm */
@@ -89,9 +90,9 @@ static void add_crossing(void *context, int x, int y, const iso_raycast_crossing
 static void gather_sums(work *w) {
     const iso_gbuffer size = {.width = w->view->width, .height = w->view->height};
     const iso_strip strip = {w->view, &size, 1, 0};
-    const iso_raycast_layer layer = {w->subject->caster, w->look->color, {.constant = true}};
+    const iso_raycast_layer layer = {w->surface->caster, w->look->color, {.constant = true}};
     const iso_raycast_layers picture = {
-        .layers = &layer, .count = 1, .picture = {.strip = &strip, .pool = w->subject->pool}};
+        .layers = &layer, .count = 1, .picture = {.strip = &strip, .pool = w->surface->pool}};
     const iso_raycast_reader reader = {add_crossing, w};
     iso_read_raycast_layers(&picture, &reader);
 }
@@ -122,7 +123,7 @@ static void blend_picture(work *w, bool weighted, float opacity) {
 static iso_status draw_layers(const work *w, const compositing_row *row, float opacity, iso_image *image,
                               float *layers, iso_error *error) {
     const bool grouped = row->transparency != ISO_TRANSPARENCY_SORTED;
-    const iso_layered_surface surface = {grouped ? &w->grouped : w->subject,
+    const iso_layered_surface surface = {grouped ? &w->grouped : w->surface,
                                          {.opacity = opacity, .constant = true}};
     const iso_shading shading = {&w->look->color, 1, w->look->background, 0};
     iso_layered_picture picture = {.method = row->method,
@@ -130,7 +131,7 @@ static iso_status draw_layers(const work *w, const compositing_row *row, float o
                                    .count = 1,
                                    .transparency = row->transparency,
                                    .shading = &shading,
-                                   .pool = w->subject->pool};
+                                   .pool = w->surface->pool};
     iso_picture_layers callbacks;
     ISO_TRY(iso_layered_picture_callbacks(&picture, &callbacks, error));
     const iso_gbuffer size = {.width = w->view->width, .height = w->view->height};
@@ -181,12 +182,12 @@ static iso_status create_work(work *w, iso_error *error) {
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a study of transparency");
     ISO_TRY(iso_image_create(width, height, &w->truth, error));
     ISO_TRY(iso_image_create(width, height, &w->candidate, error));
-    const iso_point_view points = iso_subject_points(w->subject);
-    const iso_groups_opts grouping = iso_splat_layers_grouping(w->subject->pool);
-    w->grouped = *w->subject;
+    const iso_point_view points = iso_scene_surface_points(w->surface);
+    const iso_groups_opts grouping = iso_splat_layers_grouping(w->surface->pool);
+    w->grouped = *w->surface;
     w->grouped.groups = (iso_groups){0};
     ISO_TRY(iso_groups_make(&points, &grouping, &w->grouped.groups, error));
-    return iso_groups_cover(&points, grouping.disc, w->subject->pool, &w->grouped.groups, error);
+    return iso_groups_cover(&points, grouping.disc, w->surface->pool, &w->grouped.groups, error);
 }
 
 static void free_work(work *w) {
@@ -231,11 +232,11 @@ static iso_status run_study(work *w, iso_transparency_study *study, iso_error *e
     return ISO_OK;
 }
 
-iso_status iso_study_transparency(const iso_subject *subject, const iso_study_ball *ball,
+iso_status iso_study_transparency(const iso_scene_surface *surface, const iso_study_ball *ball,
                                   const iso_view *view, const iso_study_look *look,
                                   iso_transparency_study *study, iso_error *error) {
     const double depth = iso_view_point(view, ball->center).z;
-    work w = {.subject = subject,
+    work w = {.surface = surface,
               .view = view,
               .look = look,
               .near = depth - ball->radius,

@@ -45,11 +45,11 @@ typedef struct iso_transparency_study {
     int most_layers;
 } iso_transparency_study;
 
-/* Draws the subject in all these ways with one sample for each pixel, and compares the pictures with the
- * truth. The subject needs its parts points, cells and ray caster. The ball must lie in front of the view's
+/* Draws the surface in all these ways with one sample for each pixel, and compares the pictures with the
+ * truth. The surface needs its parts points, cells and ray caster. The ball must lie in front of the view's
  * eye, as in iso_study_fit. Only the colours of the look are used. Allocates 80 bytes for each pixel.
  * ISO_ERR_NOMEM, and the errors of drawing. */
-iso_status iso_study_transparency(const iso_subject *subject, const iso_study_ball *ball,
+iso_status iso_study_transparency(const iso_scene_surface *surface, const iso_study_ball *ball,
                                   const iso_view *view, const iso_study_look *look,
                                   iso_transparency_study *study, iso_error *error);
 

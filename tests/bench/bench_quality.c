@@ -22,7 +22,7 @@
 #include "compare/study.h"
 #include "grids/scenes/scenes.h"
 #include "grids/volume/volume.h"
-#include "methods/method.h"
+#include "scene/method.h"
 
 enum { ENTRIES = 64, ROWS = 1024, NAME = QUALITY_NAME, ZOOMS = 3, METHODS = 16 };
 
@@ -173,7 +173,7 @@ typedef struct session {
     state *state;
     const char *name;
     iso_grid grid;
-    iso_subject subject;
+    iso_scene_surface surface;
     iso_study_ball ball;
     double voxel; /* mm */
     iso_study_frame truth, candidate;
@@ -190,8 +190,8 @@ static iso_status prepare(session *s, iso_error *error) {
     unsigned needs = iso_renderer_truth()->needs | 1u << ISO_PART_MESH; /* the mesh bounds the view */
     for (int m = 0; m < s->state->method_count; m++) needs |= s->state->methods[m]->needs;
     for (int part = 0; part < ISO_PART_COUNT; part++)
-        if (needs & 1u << part) ISO_TRY(iso_subject_prepare(&s->subject, (iso_part)part, error));
-    iso_mesh_view mesh = iso_mesh_set_view(s->subject.mesh);
+        if (needs & 1u << part) ISO_TRY(iso_scene_surface_prepare(&s->surface, (iso_part)part, error));
+    iso_mesh_view mesh = iso_mesh_set_view(s->surface.mesh);
     const double *spacing = iso_grid_transform(&s->grid)->spacing;
     s->voxel = fmin(spacing[0], fmin(spacing[1], spacing[2]));
     return iso_study_bound(&mesh, &s->ball, error);
@@ -208,7 +208,7 @@ static iso_status keep_picture(const session *s, const iso_study_frame *frame, i
 static iso_status judge(session *s, const iso_view *view, const iso_renderer *method, row *r,
                         iso_error *error) {
     double start = iso_clock_seconds();
-    ISO_TRY(iso_study_draw(&s->subject, method, view, &look, &s->candidate, error));
+    ISO_TRY(iso_study_draw(&s->surface, method, view, &look, &s->candidate, error));
     r->seconds = iso_clock_seconds() - start;
     ISO_TRY(keep_picture(s, &s->candidate, r->zoom, method->name, error));
     iso_study_shade(&s->candidate, view, &look, s->colors[1]);
@@ -240,7 +240,7 @@ static void print_row(const row *r) {
 static iso_status judge_all(session *s, const iso_view *view, int zoom, double pixels_per_voxel,
                             iso_error *error) {
     state *st = s->state;
-    ISO_TRY(iso_study_draw(&s->subject, iso_renderer_truth(), view, &look, &s->truth, error));
+    ISO_TRY(iso_study_draw(&s->surface, iso_renderer_truth(), view, &look, &s->truth, error));
     iso_study_shade(&s->truth, view, &look, s->colors[0]);
     ISO_TRY(keep_picture(s, &s->truth, zoom, iso_renderer_truth()->name, error));
     for (int m = 0; m < st->method_count && st->row_count < ROWS; m++) {
@@ -292,7 +292,7 @@ static iso_status turn(session *s, const iso_renderer *method, double *change, i
     if (status == ISO_OK) status = iso_study_frame_create(set->side, true, &frames[1], error);
     for (int i = 0; i < set->frames && status == ISO_OK; i++) {
         iso_view view = iso_study_fit(&s->ball, set->side, 0.5 * i);
-        status = iso_study_draw(&s->subject, method, &view, &look, &frames[i & 1], error);
+        status = iso_study_draw(&s->surface, method, &view, &look, &frames[i & 1], error);
         if (i > 0 && status == ISO_OK) sum += iso_study_change(&frames[0], &frames[1]);
     }
     iso_study_frame_free(&frames[0]);
@@ -320,10 +320,10 @@ static iso_status turn_all(session *s, iso_error *error) {
 
 static iso_status run_entry(state *st, const entry *e, iso_error *error) {
     session s = {.state = st, .name = e->name};
-    ISO_TRY(open_entry(e, st->pool, &s.grid, &s.subject.isovalue, error));
-    s.subject.grid = &s.grid;
-    s.subject.pool = st->pool;
-    s.subject.bounded = true; /* as every program draws surfaces: hidden sides of closed ones are left out */
+    ISO_TRY(open_entry(e, st->pool, &s.grid, &s.surface.isovalue, error));
+    s.surface.grid = &s.grid;
+    s.surface.pool = st->pool;
+    s.surface.bounded = true; /* as every program draws surfaces: hidden sides of closed ones are left out */
     iso_status status = prepare(&s, error);
     if (status == ISO_OK) status = look_at(&s, error);
     if (status == ISO_OK && strcmp(e->name, "stent") == 0) status = turn_all(&s, error);
@@ -331,7 +331,7 @@ static iso_status run_entry(state *st, const entry *e, iso_error *error) {
     iso_study_frame_free(&s.candidate);
     iso_free(s.colors[0]);
     iso_free(s.colors[1]);
-    iso_subject_free(&s.subject);
+    iso_scene_surface_free(&s.surface);
     iso_grid_destroy(&s.grid);
     return status;
 }

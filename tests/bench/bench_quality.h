@@ -3,7 +3,7 @@
 #define ISO_TESTS_BENCH_QUALITY_H
 
 #include "compare/metrics.h"
-#include "methods/method.h"
+#include "scene/method.h"
 
 enum { QUALITY_NAME = 64 };
 

@@ -6,18 +6,18 @@
 #include "golden.h"
 #include "grids/scenes/scenes.h"
 #include "grids/volume/volume.h"
-#include "methods/method.h"
 #include "render/picture.h"
+#include "scene/method.h"
 
 enum { WIDTH = 168, HEIGHT = 120, SURFACES = 2 };
 
-typedef struct subject {
+typedef struct surface {
     const char *name;
     iso_grid grid;
     double isovalues[SURFACES];
-    iso_subject surfaces[SURFACES]; /* of these isovalues */
+    iso_scene_surface surfaces[SURFACES]; /* of these isovalues */
     iso_pool *pool;
-} subject;
+} surface;
 
 /* ---- primitives ---- */
 
@@ -37,7 +37,7 @@ static uint64_t hash_points(const iso_point_view *view) {
     return golden_hash(hash, &view->radius, sizeof view->radius);
 }
 
-static void points_row(golden_table *table, const subject *s, iso_points_opts opts, const char *kind) {
+static void points_row(golden_table *table, const surface *s, iso_points_opts opts, const char *kind) {
     iso_error error = {0};
     iso_point_set *set = NULL;
     opts.isovalue = s->isovalues[0];
@@ -51,7 +51,7 @@ static void points_row(golden_table *table, const subject *s, iso_points_opts op
     iso_point_set_destroy(set);
 }
 
-static void all_points(golden_table *table, const subject *s) {
+static void all_points(golden_table *table, const surface *s) {
     points_row(table, s, (iso_points_opts){.primitive = ISO_PRIMITIVE_EDGE}, "edge");
     points_row(table, s, (iso_points_opts){.primitive = ISO_PRIMITIVE_EDGE, .floats = true}, "edge floats");
     points_row(table, s, (iso_points_opts){.primitive = ISO_PRIMITIVE_EDGE, .curvature = true},
@@ -63,7 +63,7 @@ static void all_points(golden_table *table, const subject *s) {
                "foot shapes");
 }
 
-static void mesh_row(golden_table *table, const subject *s) {
+static void mesh_row(golden_table *table, const surface *s) {
     iso_error error = {0};
     iso_mesh_view view = iso_mesh_set_view(s->surfaces[0].mesh);
     iso_weld weld = {0};
@@ -79,7 +79,7 @@ static void mesh_row(golden_table *table, const subject *s) {
 /* ---- pictures ---- */
 
 typedef struct drawing {
-    const subject *subject;
+    const surface *surface;
     const iso_renderer *method;
     int surfaces;
 } drawing;
@@ -87,15 +87,15 @@ typedef struct drawing {
 static iso_status draw(void *context, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
     const drawing *d = context;
     for (int i = 0; i < d->surfaces; i++) {
-        const iso_target target = {view, gbuffer, d->subject->pool, (uint8_t)i};
-        ISO_TRY(d->method->draw(&d->subject->surfaces[i], &target, error));
+        const iso_target target = {view, gbuffer, d->surface->pool, (uint8_t)i};
+        ISO_TRY(d->method->draw(&d->surface->surfaces[i], &target, error));
     }
     return ISO_OK;
 }
 
 static const iso_rgb COLORS[SURFACES] = {{217, 179, 108}, {96, 140, 200}};
 
-static iso_camera camera_of(const subject *s, bool orthographic) {
+static iso_camera camera_of(const surface *s, bool orthographic) {
     iso_camera camera = {.view_angle = 30, .orthographic = orthographic, .parallel_scale = 1};
     iso_vec3 forward;
     iso_direction_vectors(ISO_FRONT, iso_vec3_make(0, 0, 1), &forward, &camera.view_up);
@@ -131,7 +131,7 @@ static uint64_t hash_picture(const iso_image *image, const iso_aov *aov) {
     return hash;
 }
 
-static void picture_row(golden_table *table, const subject *s, const iso_renderer *method, const variant *v,
+static void picture_row(golden_table *table, const surface *s, const iso_renderer *method, const variant *v,
                         iso_image *image, iso_aov *aov) {
     iso_error error = {0};
     iso_camera camera = camera_of(s, v->orthographic);
@@ -155,7 +155,7 @@ static void picture_row(golden_table *table, const subject *s, const iso_rendere
 }
 
 /* A single exact surface is shaded while it is drawn, without a gbuffer: isorender's default. */
-static void painted_row(golden_table *table, const subject *s, iso_image *image) {
+static void painted_row(golden_table *table, const surface *s, iso_image *image) {
     iso_error error = {0};
     iso_camera camera = camera_of(s, false);
     const iso_view view = iso_view_make(&camera, WIDTH, HEIGHT);
@@ -168,7 +168,7 @@ static void painted_row(golden_table *table, const subject *s, iso_image *image)
     golden_row(table, name, hash_picture(image, NULL), image);
 }
 
-static void all_pictures(golden_table *table, const subject *s) {
+static void all_pictures(golden_table *table, const surface *s) {
     iso_error error = {0};
     iso_image image = {0};
     iso_aov aov = {0};
@@ -186,23 +186,23 @@ static void all_pictures(golden_table *table, const subject *s) {
 
 /* ---- volumes ---- */
 
-static void all_rows(golden_table *table, subject *s) {
+static void all_rows(golden_table *table, surface *s) {
     iso_error error = {0};
     for (int i = 0; i < SURFACES; i++) {
-        s->surfaces[i] = (iso_subject){.grid = &s->grid, .isovalue = s->isovalues[i], .pool = s->pool};
+        s->surfaces[i] = (iso_scene_surface){.grid = &s->grid, .isovalue = s->isovalues[i], .pool = s->pool};
         for (int part = 0; part < ISO_PART_COUNT; part++)
-            golden_check(iso_subject_prepare(&s->surfaces[i], (iso_part)part, &error), &error);
+            golden_check(iso_scene_surface_prepare(&s->surfaces[i], (iso_part)part, &error), &error);
     }
     all_points(table, s);
     mesh_row(table, s);
     all_pictures(table, s);
-    for (int i = 0; i < SURFACES; i++) iso_subject_free(&s->surfaces[i]);
+    for (int i = 0; i < SURFACES; i++) iso_scene_surface_free(&s->surfaces[i]);
 }
 
 /* `second` is added to the scene's isovalue for the second surface. */
 static void scene_rows(golden_table *table, const char *name, int size, double second, iso_pool *pool) {
     iso_error error = {0};
-    subject s = {.name = name, .pool = pool};
+    surface s = {.name = name, .pool = pool};
     const iso_scene_opts opts = {.size = size, .pool = pool};
     golden_check(iso_scene_create(name, &opts, &s.grid, &s.isovalues[0], &error), &error);
     s.isovalues[1] = s.isovalues[0] + second;
@@ -213,7 +213,7 @@ static void scene_rows(golden_table *table, const char *name, int size, double s
 /* Voxels of three sizes along axes that are no axis of the world. */
 static void oblique_rows(golden_table *table, iso_pool *pool) {
     iso_error error = {0};
-    subject s = {.name = "oblique", .pool = pool};
+    surface s = {.name = "oblique", .pool = pool};
     const iso_scene_opts opts = {.size = 48, .pool = pool};
     golden_check(iso_scene_create("ct", &opts, &s.grid, &s.isovalues[0], &error), &error);
     s.isovalues[1] = 60;
@@ -232,7 +232,7 @@ static void stent_rows(golden_table *table, const char *folder, iso_pool *pool) 
     iso_volume volume = {0};
     const iso_volume_opts opts = {.pool = pool};
     golden_check(iso_volume_read(path, &opts, &volume, &error), &error);
-    subject s = {.name = "stent", .grid = volume.grid, .isovalues = {600, 250}, .pool = pool};
+    surface s = {.name = "stent", .grid = volume.grid, .isovalues = {600, 250}, .pool = pool};
     all_rows(table, &s);
     iso_volume_free(&volume);
 }

@@ -6,8 +6,8 @@
 #include "apps/isosculpt/viewport/see_through.h"
 
 #include "apps/isosculpt/viewport/room.h"
-#include "methods/layers.h"
 #include "render/layers/opacity.h"
+#include "scene/layers.h"
 
 enum { SURFACES = 2 };
 
@@ -29,7 +29,7 @@ iso_method isosculpt_viewport_method(const isosculpt_viewport *viewport) {
 
 /* The surfaces of a picture, as arguments for methods/layers.h. */
 typedef struct surfaces {
-    iso_subject subjects[SURFACES];
+    iso_scene_surface scene[SURFACES];
     iso_layered_surface layered[SURFACES];
     iso_rgb colors[SURFACES];
     iso_shading shading;
@@ -39,11 +39,11 @@ typedef struct surfaces {
 static void list_surfaces(const isosculpt_viewport *viewport, surfaces *s) {
     const isosculpt_see_through *how = &viewport->see_through;
     const int count = isosculpt_viewport_has_second(viewport) ? SURFACES : 1;
-    *s = (surfaces){.subjects = {{.exact = viewport->exact}, {.exact = viewport->second}},
+    *s = (surfaces){.scene = {{.exact = viewport->exact}, {.exact = viewport->second}},
                     .layered = {{.translucency = {.opacity = (float)how->opacity}},
                                 {.translucency = {.opacity = (float)how->second_opacity}}},
                     .colors = {viewport->mode.material.color, how->second_color}};
-    for (int i = 0; i < count; i++) s->layered[i].subject = &s->subjects[i];
+    for (int i = 0; i < count; i++) s->layered[i].surface = &s->scene[i];
     s->shading = (iso_shading){
         .colors = s->colors, .color_count = count, .background = viewport->mode.material.background};
     s->picture = (iso_layered_picture){.method = ISO_METHOD_EXACT,

@@ -18,9 +18,9 @@
 #include "extract/points/points.h"
 #include "image/camera.h"
 #include "image/image.h"
-#include "methods/method.h"
 #include "render/gbuffer.h"
 #include "render/pullpush/pullpush.h"
+#include "scene/method.h"
 
 #ifdef __cplusplus
 extern "C" {

@@ -15,8 +15,8 @@
 #include "extract/points/points.h"
 #include "grids/rgrid.h"
 #include "isopoint.h"
-#include "methods/method.h"
 #include "render/picture.h"
+#include "scene/method.h"
 
 enum { SIDE = 40, VOXELS = SIDE * SIDE * SIDE, PIXELS = 96 };
 static const double ISOVALUE = 100;
@@ -238,7 +238,7 @@ static void test_mesh(void **state) {
 /* ---- pictures */
 
 typedef struct private_drawing {
-    const iso_subject *subject;
+    const iso_scene_surface *scene;
     const iso_renderer *renderer;
 } private_drawing;
 
@@ -246,21 +246,21 @@ static iso_status draw_privately(void *context, const iso_view *view, iso_gbuffe
                                  iso_error *error) {
     const private_drawing *d = context;
     iso_target target = {view, gbuffer, NULL, 0};
-    return d->renderer->draw(d->subject, &target, error);
+    return d->renderer->draw(d->scene, &target, error);
 }
 
 /* What the modules below draw of the array. */
 static iso_image render_privately(float *values, iso_method method, int samples) {
     iso_grid grid = private_grid(values);
-    iso_subject subject = {.grid = &grid, .isovalue = ISOVALUE, .bounded = true};
+    iso_scene_surface scene = {.grid = &grid, .isovalue = ISOVALUE, .bounded = true};
     const iso_renderer *renderer = iso_renderer_get(method);
     for (int part = 0; part < ISO_PART_COUNT; part++)
         if (renderer->needs & 1u << part)
-            assert_int_equal(iso_subject_prepare(&subject, (iso_part)part, NULL), ISO_OK);
+            assert_int_equal(iso_scene_surface_prepare(&scene, (iso_part)part, NULL), ISO_OK);
     iso_camera camera = {
         .position = {14, -80, 30}, .focal_point = {14, 27, 39}, .view_up = {0, 0, 1}, 30, 0, 0};
     const iso_rgb color = {1, 200, 99};
-    private_drawing drawing = {&subject, renderer};
+    private_drawing drawing = {&scene, renderer};
     iso_picture_opts opts = {.camera = &camera,
                              .width = PIXELS,
                              .height = PIXELS / 2,
@@ -271,7 +271,7 @@ static iso_image render_privately(float *values, iso_method method, int samples)
     iso_image image = {0};
     assert_int_equal(iso_image_create(PIXELS, PIXELS / 2, &image, NULL), ISO_OK);
     assert_int_equal(iso_picture_render(&opts, &image, NULL, NULL), ISO_OK);
-    iso_subject_free(&subject);
+    iso_scene_surface_free(&scene);
     iso_grid_destroy(&grid);
     return image;
 }

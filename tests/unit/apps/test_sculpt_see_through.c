@@ -14,7 +14,7 @@
 #include "apps/isosculpt/render_command.h"
 #include "apps/isosculpt/viewport/viewport.h"
 #include "grids/rgrid.h"
-#include "methods/layers.h"
+#include "scene/layers.h"
 #include "sculpt_support.h"
 
 enum { WIDTH = 187, HEIGHT = 140, SIDE = 60 };
@@ -56,7 +56,7 @@ static void refine(isosculpt_viewport *view) {
 
 typedef struct scene {
     iso_grid grid;
-    iso_subject subjects[2];
+    iso_scene_surface parts[2];
     iso_layered_surface surfaces[2];
     iso_rgb colors[2];
     int count;
@@ -66,7 +66,7 @@ static iso_status draw_scene(void *context, const iso_view *view, iso_gbuffer *g
     const scene *s = context;
     for (int i = 0; i < s->count; i++) {
         const iso_target target = {view, gbuffer, NULL, (uint8_t)i};
-        ISO_TRY(iso_draw_exact(&target, s->subjects[i].exact, error));
+        ISO_TRY(iso_draw_exact(&target, s->parts[i].exact, error));
     }
     return ISO_OK;
 }
@@ -100,11 +100,12 @@ static void check_rest(isosculpt_viewport *view, iso_rgrid *volume) {
                .count = two ? 2 : 1};
     iso_image image;
     for (int i = 0; i < s.count; i++) {
-        s.subjects[i] = (iso_subject){.grid = &s.grid, .isovalue = i ? how->second_isovalue : view->isovalue};
-        s.surfaces[i].subject = &s.subjects[i];
+        s.parts[i] =
+            (iso_scene_surface){.grid = &s.grid, .isovalue = i ? how->second_isovalue : view->isovalue};
+        s.surfaces[i].surface = &s.parts[i];
         s.surfaces[i].translucency.opacity =
             view->opaque ? 1 : (float)(i ? how->second_opacity : how->opacity);
-        assert_int_equal(iso_subject_prepare(&s.subjects[i], ISO_PART_CELLS, NULL), ISO_OK);
+        assert_int_equal(iso_scene_surface_prepare(&s.parts[i], ISO_PART_CELLS, NULL), ISO_OK);
     }
     assert_int_equal(iso_image_create(WIDTH, HEIGHT, &image, NULL), ISO_OK);
     draw(view, false);
@@ -115,7 +116,7 @@ static void check_rest(isosculpt_viewport *view, iso_rgrid *volume) {
     render(view, &s, 4, &image);
     assert_memory_equal(view->image.rgba, image.rgba, 4 * WIDTH * HEIGHT);
     iso_image_free(&image);
-    for (int i = 0; i < s.count; i++) iso_subject_free(&s.subjects[i]);
+    for (int i = 0; i < s.count; i++) iso_scene_surface_free(&s.parts[i]);
 }
 
 /* ---- tests */

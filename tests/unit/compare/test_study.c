@@ -10,7 +10,7 @@
 #include "check_support.h"
 #include "compare/study.h"
 #include "grids/scenes/scenes.h"
-#include "methods/method.h"
+#include "scene/method.h"
 
 /* ---- views ---- */
 
@@ -117,27 +117,27 @@ static void medians_are_in_the_middle(void **state) {
 
 typedef struct fixture {
     iso_grid grid;
-    iso_subject subject;
+    iso_scene_surface surface;
     iso_study_ball ball;
 } fixture;
 
 static void open_scene(fixture *f, const char *name) {
     memset(f, 0, sizeof *f);
     iso_scene_opts opts = {.size = 32};
-    assert_int_equal(iso_scene_create(name, &opts, &f->grid, &f->subject.isovalue, NULL), ISO_OK);
-    f->subject.grid = &f->grid;
+    assert_int_equal(iso_scene_create(name, &opts, &f->grid, &f->surface.isovalue, NULL), ISO_OK);
+    f->surface.grid = &f->grid;
     for (int part = 0; part < ISO_PART_COUNT; part++) {
-        assert_false(iso_subject_has(&f->subject, (iso_part)part));
-        assert_int_equal(iso_subject_prepare(&f->subject, (iso_part)part, NULL), ISO_OK);
-        assert_true(iso_subject_has(&f->subject, (iso_part)part));
-        assert_int_equal(iso_subject_prepare(&f->subject, (iso_part)part, NULL), ISO_OK);
+        assert_false(iso_scene_surface_has(&f->surface, (iso_part)part));
+        assert_int_equal(iso_scene_surface_prepare(&f->surface, (iso_part)part, NULL), ISO_OK);
+        assert_true(iso_scene_surface_has(&f->surface, (iso_part)part));
+        assert_int_equal(iso_scene_surface_prepare(&f->surface, (iso_part)part, NULL), ISO_OK);
     }
-    iso_mesh_view mesh = iso_mesh_set_view(f->subject.mesh);
+    iso_mesh_view mesh = iso_mesh_set_view(f->surface.mesh);
     assert_int_equal(iso_study_bound(&mesh, &f->ball, NULL), ISO_OK);
 }
 
 static void close_scene(fixture *f) {
-    iso_subject_free(&f->subject);
+    iso_scene_surface_free(&f->surface);
     iso_grid_destroy(&f->grid);
 }
 
@@ -165,14 +165,14 @@ static void every_method_draws(void **state) {
     iso_study_frame truth, frame;
     assert_int_equal(iso_study_frame_create(SIDE, true, &truth, NULL), ISO_OK);
     assert_int_equal(iso_study_frame_create(SIDE, true, &frame, NULL), ISO_OK);
-    assert_int_equal(iso_study_draw(&f.subject, iso_renderer_truth(), &view, &look, &truth, NULL), ISO_OK);
+    assert_int_equal(iso_study_draw(&f.surface, iso_renderer_truth(), &view, &look, &truth, NULL), ISO_OK);
     iso_compare_picture a = iso_study_picture(&truth), b = iso_study_picture(&frame);
     size_t count;
     const iso_renderer *methods = iso_renderer_list(&count);
     assert_true(count >= 2);
     for (size_t m = 0; m < count; m++) {
         assert_true(methods[m].needs && methods[m].name[0] && methods[m].title[0]);
-        assert_int_equal(iso_study_draw(&f.subject, &methods[m], &view, &look, &frame, NULL), ISO_OK);
+        assert_int_equal(iso_study_draw(&f.surface, &methods[m], &view, &look, &frame, NULL), ISO_OK);
         iso_compare_opts opts = {.background = look.background, .voxel = 1};
         iso_metrics metrics;
         assert_int_equal(iso_compare(&a, &b, &opts, &metrics, NULL), ISO_OK);
@@ -197,7 +197,7 @@ static void light_is_what_the_header_says(void **state) {
     iso_study_frame frame;
     static float color[3 * SIDE * SIDE];
     assert_int_equal(iso_study_frame_create(SIDE, true, &frame, NULL), ISO_OK);
-    assert_int_equal(iso_study_draw(&f.subject, iso_renderer_truth(), &view, &look, &frame, NULL), ISO_OK);
+    assert_int_equal(iso_study_draw(&f.surface, iso_renderer_truth(), &view, &look, &frame, NULL), ISO_OK);
     iso_study_shade(&frame, &view, &look, color);
     near((double)color[0], 31, 0);
     near((double)color[2], 41, 0);

@@ -21,19 +21,19 @@ static const iso_study_look look = {.color = {217, 179, 108}, .background = {250
 
 typedef struct fixture {
     iso_grid grid;
-    iso_subject subject;
+    iso_scene_surface surface;
     iso_study_ball ball;
     iso_view view;
 } fixture;
 
-/* Takes f->grid and f->subject.isovalue. */
+/* Takes f->grid and f->surface.isovalue. */
 static void prepare(fixture *f, iso_pool *pool) {
     const iso_part parts[] = {ISO_PART_MESH, ISO_PART_POINTS, ISO_PART_CELLS, ISO_PART_CASTER};
-    f->subject.grid = &f->grid;
-    f->subject.pool = pool;
+    f->surface.grid = &f->grid;
+    f->surface.pool = pool;
     for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
-        assert_int_equal(iso_subject_prepare(&f->subject, parts[i], NULL), ISO_OK);
-    const iso_mesh_view mesh = iso_mesh_set_view(f->subject.mesh);
+        assert_int_equal(iso_scene_surface_prepare(&f->surface, parts[i], NULL), ISO_OK);
+    const iso_mesh_view mesh = iso_mesh_set_view(f->surface.mesh);
     assert_int_equal(iso_study_bound(&mesh, &f->ball, NULL), ISO_OK);
     f->view = iso_study_fit(&f->ball, SIDE, 0);
 }
@@ -41,20 +41,20 @@ static void prepare(fixture *f, iso_pool *pool) {
 static fixture open_scene(const char *name, iso_pool *pool) {
     fixture f = {0};
     const iso_scene_opts opts = {.size = 32};
-    assert_int_equal(iso_scene_create(name, &opts, &f.grid, &f.subject.isovalue, NULL), ISO_OK);
+    assert_int_equal(iso_scene_create(name, &opts, &f.grid, &f.surface.isovalue, NULL), ISO_OK);
     prepare(&f, pool);
     return f;
 }
 
 static void close_fixture(fixture *f) {
-    iso_subject_free(&f->subject);
+    iso_scene_surface_free(&f->surface);
     iso_grid_destroy(&f->grid);
 }
 
 static iso_transparency_study study_of(const fixture *f) {
     iso_transparency_study study;
     iso_error error = {0};
-    test_ok(iso_study_transparency(&f->subject, &f->ball, &f->view, &look, &study, &error), &error);
+    test_ok(iso_study_transparency(&f->surface, &f->ball, &f->view, &look, &study, &error), &error);
     return study;
 }
 
@@ -84,7 +84,7 @@ static void only_exact_is_the_truth(void **state) {
 static void one_layer_needs_no_order(void **state) {
     (void)state;
     const int dims[3] = {24, 24, 24};
-    fixture f = {.grid = test_rgrid(dims, ISO_FLOAT32), .subject = {.isovalue = 0}};
+    fixture f = {.grid = test_rgrid(dims, ISO_FLOAT32), .surface = {.isovalue = 0}};
     for (int z = 0; z < dims[2]; z++)
         for (int y = 0; y < dims[1]; y++)
             for (int x = 0; x < dims[0]; x++) test_set(&f.grid, x, y, z, 11.3 - z + 0.1 * x);
@@ -145,7 +145,7 @@ static void crossings_in_order_are_the_picture(void **state) {
     const iso_gbuffer size = {.width = SIDE, .height = SIDE};
     const iso_strip strip = {&f.view, &size, 1, 0};
     const iso_shading shading = {&look.color, 1, look.background, 1};
-    const iso_raycast_layer layer = {f.subject.caster, look.color, {.opacity = 0.6f}};
+    const iso_raycast_layer layer = {f.surface.caster, look.color, {.opacity = 0.6f}};
     const iso_raycast_layers picture = {&layer, 1, {&strip, &shading, &image, layers, coverage, NULL}};
     iso_layer_totals totals = {0};
     iso_shade_raycast_layers(&picture, &totals);

@@ -16,8 +16,8 @@
 #include "check_support.h"
 #include "image/image.h"
 #include "io/key_file.h"
-#include "methods/method.h"
 #include "render/pullpush/pyramid.h"
+#include "scene/method.h"
 
 enum { WIDTH = 37, HEIGHT = 23, PIXELS = WIDTH * HEIGHT, PARTS = 5 };
 

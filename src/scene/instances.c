@@ -1,10 +1,10 @@
 /* instances: from placements to the instances of one surface, and what became of them. */
-#include "methods/instances.h"
+#include "scene/instances.h"
 
 #include <string.h>
 
 #include "base/placement.h"
-#include "methods/bounds.h"
+#include "scene/bounds.h"
 
 /* The reconstruction of a method; false if it draws no instances. */
 static bool find_reconstruction(iso_method method, iso_reconstruction *reconstruction) {
@@ -57,12 +57,13 @@ static double largest_radius(const iso_point_view *points) {
     return largest;
 }
 
-iso_status iso_placed_draw(iso_placed *placed, iso_method method, const iso_subject *subject,
+iso_status iso_placed_draw(iso_placed *placed, iso_method method, const iso_scene_surface *surface,
                            const iso_target *target, iso_error *error) {
     const iso_placements *placements = placed->placements;
-    const iso_point_view points = iso_subject_points(subject);
+    const iso_point_view points = iso_scene_surface_points(surface);
     const iso_lod plain = {.points = points, .count = 1};
-    const iso_instanced set = {subject->lod ? subject->lod : &plain, iso_point_view_bounds(&points),
+    const bool leveled = iso_scene_surface_uses_levels(surface);
+    const iso_instanced set = {leveled ? &surface->lod : &plain, iso_point_view_bounds(&points),
                                largest_radius(&points)};
     iso_instance *instances = placed->instances.data;
     for (size_t i = 0; i < placements->count; i++)
@@ -71,8 +72,8 @@ iso_status iso_placed_draw(iso_placed *placed, iso_method method, const iso_subj
                          .instances = instances,
                          .set_count = 1,
                          .count = placements->count,
-                         .lod_pixels = subject->lod ? subject->lod_pixels : 0,
-                         .selection = subject->selection,
+                         .lod_pixels = leveled ? surface->lod_pixels : 0,
+                         .selection = surface->selection,
                          .colors = placements->colors,
                          .states = placed->states.data};
     iso_instance_counts counts;

@@ -1,13 +1,13 @@
 /* layers: renders pictures in which some surfaces are translucent. The methods exact and raycast find every
  * crossing of a ray; the method splats draws translucent points. */
-#ifndef ISO_METHODS_LAYERS_H
-#define ISO_METHODS_LAYERS_H
+#ifndef ISO_SCENE_LAYERS_H
+#define ISO_SCENE_LAYERS_H
 
 #include "exact/layers.h"
-#include "methods/method.h"
 #include "render/picture.h"
 #include "render/shapes/fragments.h"
 #include "render/splats/layers.h"
+#include "scene/method.h"
 
 /* Whether a method draws translucent surfaces. */
 bool iso_method_has_layers(iso_method method);
@@ -16,7 +16,7 @@ enum { ISO_LAYERED_MAX = ISO_EXACT_LAYERS_MAX }; /* largest number of translucen
 
 /* A surface of the picture. Those of opacity 1 are opaque, unless their points have opacities. */
 typedef struct iso_layered_surface {
-    const iso_subject *subject; /* its parts that the method needs are up to date */
+    const iso_scene_surface *surface; /* its parts that the method needs are up to date */
     iso_translucency translucency;
 } iso_layered_surface;
 

@@ -14,10 +14,10 @@
 #include "check_support.h"
 #include "extract_support.h"
 #include "image/camera.h"
-#include "methods/bounds.h"
-#include "methods/keys_picture.h"
-#include "methods/method.h"
-#include "methods/point_chunks.h"
+#include "scene/bounds.h"
+#include "scene/keys_picture.h"
+#include "scene/method.h"
+#include "scene/point_chunks.h"
 
 enum { WIDTH = 150, HEIGHT = 110 };
 
@@ -73,14 +73,14 @@ static iso_picture_opts opts_of(const iso_camera *camera, iso_pool *pool) {
 /* ---- the whole */
 
 typedef struct whole_draw {
-    iso_subject subject;
+    iso_scene_surface surface;
     const iso_renderer *renderer;
 } whole_draw;
 
 static iso_status draw_whole(void *context, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
     const whole_draw *whole = context;
-    const iso_target target = {view, gbuffer, whole->subject.pool, 0};
-    return whole->renderer->draw(&whole->subject, &target, error);
+    const iso_target target = {view, gbuffer, whole->surface.pool, 0};
+    return whole->renderer->draw(&whole->surface, &target, error);
 }
 
 static void render_whole(const iso_grid *grid, double isovalue, iso_method method, const iso_camera *camera,
@@ -90,9 +90,9 @@ static void render_whole(const iso_grid *grid, double isovalue, iso_method metho
     opts.draw = draw_whole;
     opts.draw_context = &whole;
     const iso_part part = method == ISO_METHOD_EXACT ? ISO_PART_CELLS : ISO_PART_POINTS;
-    assert_int_equal(iso_subject_prepare(&whole.subject, part, NULL), ISO_OK);
+    assert_int_equal(iso_scene_surface_prepare(&whole.surface, part, NULL), ISO_OK);
     assert_int_equal(iso_picture_render(&opts, image, NULL, NULL), ISO_OK);
-    iso_subject_free(&whole.subject);
+    iso_scene_surface_free(&whole.surface);
 }
 
 /* ---- chunks */
@@ -154,21 +154,21 @@ static void check_bounds(const iso_grid *grid, iso_chunk_walk *walk, double isov
     const iso_affine *const affines[] = {NULL, &affine};
     iso_box boxes[2], points_box;
     iso_chunk_bounds bounds = {{1, 1}, affines, 2, boxes, 0};
-    iso_subject subject = {.grid = grid, .isovalue = isovalue, .bounded = true};
-    assert_int_equal(iso_subject_prepare(&subject, ISO_PART_CELLS, NULL), ISO_OK);
-    assert_int_equal(iso_subject_prepare(&subject, ISO_PART_POINTS, NULL), ISO_OK);
+    iso_scene_surface surface = {.grid = grid, .isovalue = isovalue, .bounded = true};
+    assert_int_equal(iso_scene_surface_prepare(&surface, ISO_PART_CELLS, NULL), ISO_OK);
+    assert_int_equal(iso_scene_surface_prepare(&surface, ISO_PART_POINTS, NULL), ISO_OK);
     assert_int_equal(iso_exact_chunks_bounds(walk, &bounds, NULL), ISO_OK);
-    assert_int_equal(bounds.primitives, iso_exact_stats(subject.exact).cells);
+    assert_int_equal(bounds.primitives, iso_exact_stats(surface.exact).cells);
     for (int i = 0; i < 2; i++) {
-        const iso_box box = iso_exact_bounds(subject.exact, affines[i]);
+        const iso_box box = iso_exact_bounds(surface.exact, affines[i]);
         assert_memory_equal(&box, &boxes[i], sizeof box);
     }
-    const iso_point_view view = iso_point_set_view(subject.points);
+    const iso_point_view view = iso_point_set_view(surface.points);
     assert_int_equal(iso_point_chunks_bounds(walk, &bounds, NULL), ISO_OK);
     assert_int_equal(bounds.primitives, iso_point_view_count(&view));
     points_box = iso_point_view_bounds(&view);
     assert_memory_equal(&points_box, &boxes[0], sizeof points_box);
-    iso_subject_free(&subject);
+    iso_scene_surface_free(&surface);
 }
 
 static const iso_type types[] = {ISO_UINT8, ISO_INT16, ISO_UINT16, ISO_FLOAT32};

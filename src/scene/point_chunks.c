@@ -1,8 +1,8 @@
 /* point_chunks: extracts the points of one chunk after the other; surveys and draws them. */
-#include "methods/point_chunks.h"
+#include "scene/point_chunks.h"
 
 #include "extract/points/points.h"
-#include "methods/bounds.h"
+#include "scene/bounds.h"
 
 iso_status iso_point_chunk_extract(iso_rgrid *voxels, const iso_grid_chunk *chunk, double isovalue,
                                    iso_pool *pool, iso_point_set **points, iso_error *error) {

@@ -1,5 +1,5 @@
 /* glass: computes the map of crossings of a picture with the chosen method, and shades its strips. */
-#include "methods/glass.h"
+#include "scene/glass.h"
 
 #include "exact/glass.h"
 #include "render/splats/layers.h"
@@ -33,13 +33,13 @@ static iso_status make_map(iso_glass_scene *scene, iso_error *error) {
     iso_pool *pool = scene->opts->pool;
     ISO_TRY(iso_glass_map_create(&scene->view, &scene->map, error));
     if (scene->method == ISO_METHOD_EXACT)
-        return iso_exact_map_glass(scene->subject->exact, &scene->map, pool, error);
+        return iso_exact_map_glass(scene->surface->exact, &scene->map, pool, error);
     if (is_splats(scene->method)) {
-        const iso_point_view points = iso_subject_points(scene->subject);
-        return iso_splats_map_glass(&points, &scene->subject->groups, scene->transparency, &scene->map, pool,
+        const iso_point_view points = iso_scene_surface_points(scene->surface);
+        return iso_splats_map_glass(&points, &scene->surface->groups, scene->transparency, &scene->map, pool,
                                     error);
     }
-    iso_raycast_map_glass(scene->subject->caster, &scene->map, pool);
+    iso_raycast_map_glass(scene->surface->caster, &scene->map, pool);
     return ISO_OK;
 }
 
@@ -58,7 +58,7 @@ static iso_status shade(void *context, const iso_strip *strip, iso_image *image,
     for (int k = 0; k < 3; k++) {
         glass[k] = scene->glass;
         glass[k].ior = iors[k];
-        rays[k] = (iso_traced_glass){scene->subject->caster, &glass[k], &scene->view};
+        rays[k] = (iso_traced_glass){scene->surface->caster, &glass[k], &scene->view};
         mapped[k] = (iso_mapped_glass){&glass[k], &scene->map, scene->refraction};
         colors.contexts[k] = traced ? (const void *)&rays[k] : (const void *)&mapped[k];
     }

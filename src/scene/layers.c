@@ -1,6 +1,6 @@
 /* layers: sorts the surfaces of a picture into opaque and translucent ones, and calls the renderers for
  * both. */
-#include "methods/layers.h"
+#include "scene/layers.h"
 
 #include "truth/raycast_layers.h"
 
@@ -15,7 +15,7 @@ bool iso_method_has_layers(iso_method method) {
 
 /* Whether the points of a surface, given or extracted, have opacities of their own. */
 static bool has_opacities(const iso_layered_surface *surface) {
-    return surface->subject->given && surface->subject->given->opacities;
+    return surface->surface->given && surface->surface->given->opacities;
 }
 
 static bool is_opaque(const iso_layered_surface *surface) {
@@ -29,7 +29,7 @@ static iso_status draw_opaque(void *context, const iso_view *view, iso_gbuffer *
     for (int i = 0; i < picture->count; i++) {
         const iso_target target = {view, gbuffer, picture->pool, (uint8_t)i};
         if (!is_opaque(&picture->surfaces[i])) continue;
-        ISO_TRY(renderer->draw(picture->surfaces[i].subject, &target, error));
+        ISO_TRY(renderer->draw(picture->surfaces[i].surface, &target, error));
     }
     return picture->draw_others ? picture->draw_others(picture->others_context, view, gbuffer, error)
                                 : ISO_OK;
@@ -40,7 +40,7 @@ static int list_exact(const iso_layered_picture *picture, iso_exact_layer layers
     for (int i = 0; i < picture->count; i++)
         if (!is_opaque(&picture->surfaces[i]))
             layers[count++] =
-                (iso_exact_layer){picture->surfaces[i].subject->exact, picture->shading->colors[i],
+                (iso_exact_layer){picture->surfaces[i].surface->exact, picture->shading->colors[i],
                                   picture->surfaces[i].translucency};
     return count;
 }
@@ -67,7 +67,7 @@ static void shade_raycast(iso_layered_picture *picture, const iso_layer_picture 
     for (int i = 0; i < picture->count; i++)
         if (!is_opaque(&picture->surfaces[i]))
             layers[count++] =
-                (iso_raycast_layer){picture->surfaces[i].subject->caster, picture->shading->colors[i],
+                (iso_raycast_layer){picture->surfaces[i].surface->caster, picture->shading->colors[i],
                                     picture->surfaces[i].translucency};
     const iso_raycast_layers input = {.layers = layers, .count = count, .picture = *output};
     iso_shade_raycast_layers(&input, &picture->totals.layers);
@@ -81,10 +81,11 @@ static iso_status shade_splats(iso_layered_picture *picture, const iso_layer_pic
     for (int i = 0; i < picture->count; i++) opacities |= has_opacities(&picture->surfaces[i]);
     for (int i = 0; i < picture->count; i++)
         if (!is_opaque(&picture->surfaces[i]))
-            layers[count++] = (iso_splat_layer){.points = iso_subject_points(picture->surfaces[i].subject),
-                                                .groups = &picture->surfaces[i].subject->groups,
-                                                .color = picture->shading->colors[i],
-                                                .translucency = picture->surfaces[i].translucency};
+            layers[count++] =
+                (iso_splat_layer){.points = iso_scene_surface_points(picture->surfaces[i].surface),
+                                  .groups = &picture->surfaces[i].surface->groups,
+                                  .color = picture->shading->colors[i],
+                                  .translucency = picture->surfaces[i].translucency};
     const iso_splat_layers input = {
         .transparency = picture->transparency, .layers = layers, .count = count, .picture = *output};
     iso_layer_totals *totals = &picture->totals.layers;

@@ -1,10 +1,10 @@
 /* instances: draws a surface once for every placement (iso_placements in isopoint.h), as discs: what
  * programs and the public interface call; the drawing itself is render/selection/instances.h. */
-#ifndef ISO_METHODS_INSTANCES_H
-#define ISO_METHODS_INSTANCES_H
+#ifndef ISO_SCENE_INSTANCES_H
+#define ISO_SCENE_INSTANCES_H
 
-#include "methods/method.h"
 #include "render/selection/instances.h"
+#include "scene/method.h"
 
 /* From so many drawings of a surface on levels of detail save more time than making them takes: of a
  * number of pictures, times the instances in each (measured with 5 to 20 million points). */
@@ -25,9 +25,9 @@ typedef struct iso_placed {
  * used; ISO_ERR_NOMEM. */
 iso_status iso_placed_begin(iso_placed *placed, const iso_placements *placements, iso_error *error);
 
-/* Draws the subject's points (with its levels of detail, if it has any) once for each placement into the
+/* Draws the surface's points (with its levels of detail, if it has any) once for each placement into the
  * target, which may be a strip of the picture. `method`: one that has instances. ISO_ERR_NOMEM. */
-iso_status iso_placed_draw(iso_placed *placed, iso_method method, const iso_subject *subject,
+iso_status iso_placed_draw(iso_placed *placed, iso_method method, const iso_scene_surface *surface,
                            const iso_target *target, iso_error *error);
 
 /* What was drawn since iso_placed_begin: an instance counts as drawn if any of its surfaces was, in any

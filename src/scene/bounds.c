@@ -1,5 +1,5 @@
 /* bounds: world boxes of points, meshes and cells. */
-#include "methods/bounds.h"
+#include "scene/bounds.h"
 
 #include <math.h>
 

@@ -1,5 +1,5 @@
 /* keys_picture: paints the keys of exact, or averages them; pulls and pushes those of points; annotates. */
-#include "methods/keys_picture.h"
+#include "scene/keys_picture.h"
 
 #include <string.h>
 

@@ -1,12 +1,12 @@
 /* glass: pictures of a surface as transparent glass, by the methods exact and raycast, and by splats for
  * points. */
-#ifndef ISO_METHODS_GLASS_H
-#define ISO_METHODS_GLASS_H
+#ifndef ISO_SCENE_GLASS_H
+#define ISO_SCENE_GLASS_H
 
-#include "methods/method.h"
 #include "render/glass/glass.h"
 #include "render/picture.h"
 #include "render/splats/layers.h"
+#include "scene/method.h"
 
 /* Whether a method draws glass. */
 bool iso_method_has_glass(iso_method method);
@@ -15,7 +15,7 @@ bool iso_method_has_glass(iso_method method);
  * how their layers are found. */
 iso_refraction iso_glass_usual_refraction(bool points, iso_transparency transparency);
 
-/* Returns the part of the subject (iso_part) that must be computed before rendering. */
+/* Returns the part of the surface (iso_part) that must be computed before rendering. */
 iso_part iso_glass_part(iso_method method, iso_refraction refraction);
 
 /* A picture of glass. The caller sets the members before `view`; all pointers are borrowed while the picture
@@ -25,9 +25,9 @@ typedef struct iso_glass_scene {
                           no difference */
     iso_refraction
         refraction; /* not AUTO; of splats not traced; with ISO_TRANSPARENCY_NEAREST not two-sided */
-    iso_transparency transparency; /* how splats find layers: sorted or nearest */
-    double abbe;                   /* dispersion as an Abbe number; 0: all colours are refracted alike */
-    const iso_subject *subject;    /* its part iso_glass_part is up to date */
+    iso_transparency transparency;    /* how splats find layers: sorted or nearest */
+    double abbe;                      /* dispersion as an Abbe number; 0: all colours are refracted alike */
+    const iso_scene_surface *surface; /* its part iso_glass_part is up to date */
     iso_glass glass;
     bool shows_environment; /* the environment is seen behind the solid; if not, the background colour */
     const iso_picture_opts *opts;

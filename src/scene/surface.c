@@ -1,0 +1,176 @@
+/* surface: computes the parts of surfaces. */
+#include "scene/surface.h"
+
+#include <assert.h>
+#include <string.h>
+
+#include "base/coverage.h"
+#include "base/memory.h"
+#include "grids/change_log.h"
+#include "render/splats/layers.h"
+
+static iso_status make_points(iso_scene_surface *surface, iso_error *error) {
+    if (!surface->workspace && !surface->own_workspace)
+        ISO_TRY(iso_pullpush_create(&surface->own_workspace, error));
+    const iso_points_opts opts = {.isovalue = surface->isovalue,
+                                  .primitive = surface->primitive ? surface->primitive : ISO_PRIMITIVE_EDGE,
+                                  .floats = surface->floats,
+                                  .curvature = !surface->flat,
+                                  .pool = surface->pool};
+    return iso_point_set_create(surface->grid, &opts, &surface->points, error);
+}
+
+static iso_status update_points(iso_scene_surface *surface, iso_error *error) {
+    if (!surface->points) ISO_TRY(make_points(surface, error));
+    ISO_TRY(iso_point_set_update(surface->points, error));
+    return surface->bounded ? iso_point_set_bound(surface->points, error) : ISO_OK;
+}
+
+static iso_status update_mesh(iso_scene_surface *surface, iso_error *error) {
+    iso_mesh_opts opts = {.isovalue = surface->isovalue, .pool = surface->pool};
+    if (!surface->mesh) ISO_TRY(iso_mesh_set_create(surface->grid, &opts, &surface->mesh, error));
+    return iso_mesh_set_update(surface->mesh, error);
+}
+
+static iso_status update_cells(iso_scene_surface *surface, iso_error *error) {
+    iso_exact_opts opts = {.isovalue = surface->isovalue, .pool = surface->pool};
+    if (!surface->exact) ISO_TRY(iso_exact_create(surface->grid, &opts, &surface->exact, error));
+    return iso_exact_update(surface->exact, error);
+}
+
+/* Creates the ray caster again, because it does not follow edits. */
+static iso_status update_caster(iso_scene_surface *surface, iso_error *error) {
+    const uint64_t now = iso_change_log_now(iso_grid_log(surface->grid));
+    if (surface->caster && surface->caster_edit == now) return ISO_OK;
+    iso_raycaster_destroy(surface->caster);
+    surface->caster = NULL;
+    surface->caster_edit = now;
+    return iso_raycaster_create(surface->grid, surface->isovalue, surface->pool, &surface->caster, error);
+}
+
+static iso_status update_groups(iso_scene_surface *surface, iso_error *error) {
+    const uint64_t now = iso_change_log_now(iso_grid_log(surface->grid));
+    const bool sorted = surface->transparency == ISO_TRANSPARENCY_SORTED;
+    if (surface->grouped_for != surface->transparency) iso_groups_free(&surface->groups);
+    if (surface->groups.group && surface->groups_edit == now) return ISO_OK;
+    if (!surface->points) ISO_TRY(update_points(surface, error));
+    surface->groups_edit = now;
+    surface->grouped_for = surface->transparency;
+    const iso_point_view view = iso_point_set_view(surface->points);
+    const iso_groups_opts opts =
+        sorted ? iso_splats_grouping(surface->pool) : iso_splat_layers_grouping(surface->pool);
+    ISO_TRY(iso_groups_update(&view, &opts, &surface->groups, error));
+    if (sorted) return ISO_OK;
+    const iso_status status = iso_groups_cover(&view, opts.disc, surface->pool, &surface->groups, error);
+    if (status != ISO_OK) iso_groups_free(&surface->groups); /* they are made again */
+    return status;
+}
+
+iso_status iso_scene_surface_update(iso_scene_surface *surface, iso_part part, iso_error *error) {
+    switch (part) {
+    case ISO_PART_POINTS:
+        return update_points(surface, error);
+    case ISO_PART_MESH:
+        return update_mesh(surface, error);
+    case ISO_PART_CELLS:
+        return update_cells(surface, error);
+    case ISO_PART_CASTER:
+        return update_caster(surface, error);
+    case ISO_PART_GROUPS:
+        return update_groups(surface, error);
+    case ISO_PART_COUNT:
+        break;
+    }
+    assert(!"a part");
+    return ISO_OK;
+}
+
+void iso_scene_surface_set_isovalue(iso_scene_surface *surface, double isovalue) {
+    surface->isovalue = isovalue;
+    if (surface->points) iso_point_set_isovalue(surface->points, isovalue);
+    if (surface->mesh) iso_mesh_set_isovalue(surface->mesh, isovalue);
+    if (surface->exact) iso_exact_set_isovalue(surface->exact, isovalue);
+    iso_raycaster_destroy(surface->caster);
+    surface->caster = NULL;
+    iso_groups_free(&surface->groups);
+}
+
+iso_status iso_scene_surface_make_levels(iso_scene_surface *surface, iso_error *error) {
+    const iso_point_view points = iso_scene_surface_points(surface);
+    if (!surface->cut) surface->cut = iso_alloc_zero(1, sizeof *surface->cut);
+    if (!surface->cut) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for levels of detail");
+    return iso_lod_update(&surface->lod, &points, surface->pool, error);
+}
+
+bool iso_scene_surface_has(const iso_scene_surface *surface, iso_part part) {
+    const void *parts[] = {surface->points, surface->mesh, surface->exact, surface->caster,
+                           surface->groups.group};
+    return parts[part] != NULL;
+}
+
+iso_status iso_scene_surface_prepare(iso_scene_surface *surface, iso_part part, iso_error *error) {
+    return iso_scene_surface_has(surface, part) ? ISO_OK : iso_scene_surface_update(surface, part, error);
+}
+
+void iso_scene_surface_free(iso_scene_surface *surface) {
+    iso_point_set_destroy(surface->points);
+    iso_pullpush_destroy(surface->own_workspace);
+    iso_mesh_set_destroy(surface->mesh);
+    iso_exact_destroy(surface->exact);
+    iso_raycaster_destroy(surface->caster);
+    iso_groups_free(&surface->groups);
+    iso_lod_free(&surface->lod);
+    if (surface->cut) iso_lod_cut_free(surface->cut);
+    iso_free(surface->cut);
+    surface->points = NULL;
+    surface->own_workspace = NULL;
+    surface->mesh = NULL;
+    surface->exact = NULL;
+    surface->caster = NULL;
+    surface->cut = NULL;
+}
+
+const char *iso_part_name(iso_part part) {
+    static const char *const names[] = {"points", "mesh", "cells", "ray caster's index", "groups"};
+    return names[part];
+}
+
+static iso_part_size points_size(const iso_point_view *view) {
+    size_t count = iso_point_view_count(view);
+    size_t each =
+        (view->surfels ? sizeof(iso_surfel) : sizeof(iso_point)) + (view->radii ? sizeof(float) : 0);
+    return (iso_part_size){count, count * each + view->span_count * sizeof *view->spans};
+}
+
+static iso_part_size mesh_size(const iso_mesh_view *view) {
+    size_t triangles = iso_mesh_view_triangle_count(view), vertices = 0;
+    for (size_t s = 0; s < view->span_count; s++) vertices += view->spans[s].vertex_count;
+    return (iso_part_size){triangles, triangles * sizeof *view->triangles +
+                                          vertices * sizeof *view->vertices +
+                                          view->span_count * sizeof *view->spans};
+}
+
+iso_part_size iso_scene_surface_size(const iso_scene_surface *surface, iso_part part) {
+    if (part == ISO_PART_POINTS && surface->points) {
+        iso_point_view view = iso_point_set_view(surface->points);
+        return points_size(&view);
+    }
+    if (part == ISO_PART_MESH && surface->mesh) {
+        iso_mesh_view view = iso_mesh_set_view(surface->mesh);
+        return mesh_size(&view);
+    }
+    if (part == ISO_PART_GROUPS && surface->groups.group) {
+        iso_point_view view = iso_point_set_view(surface->points);
+        return (iso_part_size){(size_t)surface->groups.count,
+                               iso_point_view_count(&view) + iso_groups_memory_bytes(&surface->groups)};
+    }
+    if (part == ISO_PART_CELLS && surface->exact) {
+        iso_exact_totals totals = iso_exact_stats(surface->exact);
+        return (iso_part_size){totals.cells, totals.bytes};
+    }
+    return (iso_part_size){0, 0};
+}
+
+iso_point_view iso_scene_surface_points(const iso_scene_surface *surface) {
+    return surface->given ? *surface->given : iso_point_set_view(surface->points);
+}

@@ -1,0 +1,97 @@
+/* surface: an isosurface of a scene, and the parts that methods draw it from: points, a mesh, crossed cells, the
+ * ray caster's index. A part is computed once, when it is first needed, shared by the methods that need it, and
+ * updated after the grid's edits. */
+#ifndef ISO_SCENE_SURFACE_H
+#define ISO_SCENE_SURFACE_H
+
+#include "base/parallel.h"
+#include "exact/exact.h"
+#include "extract/mesh/mesh.h"
+#include "extract/points/points.h"
+#include "grids/grid.h"
+#include "render/pullpush/pullpush.h"
+#include "render/raster/raster.h"
+#include "render/selection/lod_cut.h"
+#include "render/splats/splats.h"
+#include "truth/raycast.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum iso_part {
+    ISO_PART_POINTS,
+    ISO_PART_MESH,
+    ISO_PART_CELLS, /* for the method exact */
+    ISO_PART_CASTER,
+    ISO_PART_GROUPS, /* groups of the points, for the method splats */
+    ISO_PART_COUNT
+} iso_part;
+
+/* An isosurface and its parts. The caller sets the members before `points` (grid, pool and workspace are
+ * borrowed) and zeroes the rest; iso_scene_surface_free frees the parts. */
+typedef struct iso_scene_surface {
+    const iso_grid *grid;
+    double isovalue;         /* physical */
+    iso_pool *pool;          /* or NULL */
+    iso_primitive primitive; /* of the points; AUTO: EDGE, with which pictures of points are best */
+    bool bounded; /* also compute the bounds of points (iso_point_set_bound), which lets drawing skip
+                                hidden points */
+    bool flat;    /* the points have no curvatures: no method draws curved discs of them */
+    bool floats;  /* the points keep all bits of their positions, for files; pictures need 8 bytes */
+    const iso_point_view
+        *given; /* points to draw instead of extracted ones; borrowed; NULL: extracted ones */
+    iso_transparency transparency; /* what the groups are for; SORTED: also for opaque pictures */
+    int bins;                      /* for the method splats: iso_splats_opts.bins */
+    iso_point_selection selection; /* for the methods that draw discs */
+    double lod_pixels;             /* the most that levels of detail are wrong by; 0: all points are drawn */
+    iso_pullpush
+        *workspace; /* of the methods that draw points; NULL: one is made with the points, and owned */
+
+    iso_point_set *points;
+    iso_pullpush *own_workspace;
+    iso_mesh_set *mesh;
+    iso_exact *exact;
+    iso_raycaster *caster;
+    iso_groups groups;
+    iso_transparency grouped_for; /* what the groups were made for */
+    /* the number of the grid's last edit when the caster and the groups were computed */
+    uint64_t caster_edit, groups_edit;
+    iso_lod lod; /* levels of detail of the points; without levels before iso_scene_surface_make_levels */
+    iso_lod_cut *cut; /* of the levels, for the picture that was drawn last */
+} iso_scene_surface;
+
+/* Computes a part unless it exists; an existing part is not updated. ISO_ERR_NOMEM, and the errors of
+ * extraction. */
+iso_status iso_scene_surface_prepare(iso_scene_surface *surface, iso_part part, iso_error *error);
+/* Computes a part, or brings an existing one up to date with the grid's edits. Errors as iso_scene_surface_prepare.
+ */
+iso_status iso_scene_surface_update(iso_scene_surface *surface, iso_part part, iso_error *error);
+/* Sets the isovalue of all parts; the next update computes them again. */
+void iso_scene_surface_set_isovalue(iso_scene_surface *surface, double isovalue);
+/* Makes levels of detail of the points, or brings them up to date. ISO_ERR_NOMEM; ISO_ERR_LIMIT as
+ * iso_lod_update. */
+iso_status iso_scene_surface_make_levels(iso_scene_surface *surface, iso_error *error);
+/* Whether levels of detail are drawn, if there are some. */
+static inline bool iso_scene_surface_uses_levels(const iso_scene_surface *surface) {
+    return surface->lod.count && surface->lod_pixels > 0;
+}
+bool iso_scene_surface_has(const iso_scene_surface *surface, iso_part part);
+void iso_scene_surface_free(iso_scene_surface *surface);
+
+const char *iso_part_name(iso_part part); /* "points", "mesh", "cells", ... */
+
+/* The number of a part's points, triangles, cells or groups, and their size in memory; 0 for a part that
+ * does not exist and for the ray caster. */
+typedef struct iso_part_size {
+    size_t primitives, bytes;
+} iso_part_size;
+iso_part_size iso_scene_surface_size(const iso_scene_surface *surface, iso_part part);
+
+/* Returns the points to draw: the given ones, else the extracted ones. */
+iso_point_view iso_scene_surface_points(const iso_scene_surface *surface);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
