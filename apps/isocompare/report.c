@@ -79,7 +79,7 @@ static iso_status open_volume(report *r, iso_error *error) {
     ISO_TRY(iso_loader_read(&r->loader, error));
     const double *spacing = iso_grid_transform(&r->loader.volume.grid)->spacing;
     r->voxel = fmin(spacing[0], fmin(spacing[1], spacing[2]));
-    r->surface.grid = &r->loader.volume.grid;
+    r->surface.grid = r->loader.volume.grid;
     r->surface.pool = r->pool;
     r->surface.bounded = true; /* as isorender draws it */
     return choose_isovalue(r, error);

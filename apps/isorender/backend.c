@@ -16,20 +16,12 @@ static bool has_no_surface(const isorender_settings *settings) {
     return settings->no_input && !settings->volume_options.count;
 }
 
-/* Whether OpenGL has splats with this reconstruction. */
-static bool has_gl_splats(const isorender_settings *settings) {
-    if (settings->reconstruction == ISORENDER_RECONSTRUCTION_GROUPS) return !settings->group_bins;
-    return settings->reconstruction == (int)ISO_RECONSTRUCTION_FLAT && !(settings->lod > 0);
-}
-
 /* Whether OpenGL has the method. Of pictures without one it draws those that ask for it. */
 static bool has_gl(const isorender_settings *settings) {
     if (has_no_surface(settings)) return is_any(settings->backend, "egl", "osmesa");
-    if (settings->one_pyramid || settings->instances) return false;
-    if (settings->method == ISO_METHOD_SPLATS) return has_gl_splats(settings);
-    if (settings->method == ISO_METHOD_PULLPUSH || settings->method == ISO_METHOD_DISCS)
-        return !(settings->lod > 0);
-    return settings->method == ISO_METHOD_POINTS || settings->method == ISO_METHOD_MESH;
+    if (settings->one_pyramid || settings->instances || settings->group_bins || settings->lod > 0)
+        return false;
+    return settings->method != ISORENDER_METHOD_UNCHOSEN && isorender_method_can(settings, ISO_CAN_GL);
 }
 
 /* Samples a pixel of an opaque picture. */
@@ -88,9 +80,9 @@ iso_status isorender_backend_check(isorender_settings *settings, iso_error *erro
     if (gl && !has_gl(settings))
         return iso_fail(
             error, ISO_ERR_USAGE,
-            "--backend %s has the methods points, pullpush and discs (without --lod), splats (flat "
-            "without --lod, groups without --group-bins) and mesh: others need the cpu",
-            name);
+            "--backend %s has the methods %s (of splats flat and groups), without --lod and --group-bins: "
+            "others need the cpu",
+            name, iso_methods_that_can(ISO_CAN_GL, (char[ISO_METHODS_TEXT]){0}));
     ISO_TRY(check_needs(settings, error));
     bool draws = !settings->info && (!settings->no_image || settings->aov);
     if ((gl || needed) && draws && is_too_large(settings))

@@ -23,10 +23,6 @@ static bool is_exact(const isorender_job *job) {
     return job->method == ISO_METHOD_EXACT;
 }
 
-static bool is_pullpush(const isorender_job *job) {
-    return job->method == ISO_METHOD_PULLPUSH;
-}
-
 static bool exports(const isorender_job *job) {
     return job->plan->points || job->plan->mesh;
 }
@@ -39,7 +35,7 @@ static const char *find_obstacle(const isorender_job *job, const char **reason) 
         const char *option, *reason;
     } obstacles[] = {
         {settings->instances != NULL, "--instances", "an instance shows the whole surface"},
-        {!is_exact(job) && !is_pullpush(job), "--method",
+        {!(job->renderer->can & ISO_CAN_CHUNKS), "--method",
          "only exact and pullpush decide pixels by an order that is known beforehand"},
         {settings->primitive != ISO_PRIMITIVE_AUTO && settings->primitive != ISO_PRIMITIVE_EDGE,
          "--primitive", "only edge points are made chunk by chunk"},
@@ -238,7 +234,7 @@ static void write_index(const isorender_job *job) {
 
 static iso_status create_walk(isorender_job *job, const isorender_surface *surface, iso_error *error) {
     isorender_chunks *chunks = job->chunks;
-    chunks->source = iso_volume_source(surface->grid.rgrid);
+    chunks->source = iso_volume_source(surface->scene.grid.rgrid);
     const iso_chunk_walk_opts opts = {.source = &chunks->source,
                                       .isovalue = surface->scene.isovalue,
                                       .side = choose_side(job),
@@ -297,7 +293,7 @@ static iso_status is_indexed(const isorender_job *job, double isovalue, bool *in
 
 /* Extracts all chunks, for the number of primitives and the bounds, and enters these into the index. */
 static iso_status measure_surface(isorender_job *job, double isovalue, iso_error *error) {
-    const iso_transform *transform = iso_grid_transform(&job->surfaces[0].grid);
+    const iso_transform *transform = iso_grid_transform(&job->surfaces[0].scene.grid);
     const iso_affine affine = iso_transform_affine(transform);
     const iso_affine *const affines[] = {NULL, &affine};
     const bool oblique = iso_bounds_is_oblique(transform);
@@ -333,7 +329,7 @@ static iso_status count_nonfinite(isorender_job *job, iso_error *error) {
 
 iso_status isorender_chunks_extract(isorender_job *job, iso_box *index, iso_error *error) {
     isorender_surface *surface = &job->surfaces[0];
-    surface->grid = surface->loader->volume.grid;
+    surface->scene.grid = surface->loader->volume.grid;
     job->chunks->stage = "extracting";
     ISO_TRY(create_walk(job, surface, error));
     const iso_volume_index *known = &job->chunks->index;
@@ -413,9 +409,9 @@ iso_status isorender_chunks_draw(isorender_job *job, const iso_picture_opts *opt
                                  size_t *covered, iso_error *error) {
     iso_key_image drawn = {0};
     iso_merged_keys keys = {.method = job->renderer->method,
-                            .transform = job->surfaces[0].grid.rgrid->transform,
+                            .transform = job->surfaces[0].scene.grid.rgrid->transform,
                             .image = &drawn};
-    for (int k = 0; k < 3; k++) keys.dims[k] = job->surfaces[0].grid.rgrid->dims[k];
+    for (int k = 0; k < 3; k++) keys.dims[k] = job->surfaces[0].scene.grid.rgrid->dims[k];
     iso_status status = draw_keys(job, opts->camera, &keys.base, &drawn, error);
     *covered = 1; /* (of ranks that have no picture) */
     if (status == ISO_OK && !job->settings->ranks.rank)
@@ -458,7 +454,7 @@ void isorender_report_chunks(iso_json *json, const isorender_job *job) {
 /* ---- parts */
 
 static void describe_surface(const isorender_job *job, iso_key_surface *surface) {
-    const iso_rgrid *grid = job->surfaces[0].grid.rgrid;
+    const iso_rgrid *grid = job->surfaces[0].scene.grid.rgrid;
     for (int axis = 0; axis < 3; axis++) surface->dims[axis] = grid->dims[axis];
     surface->type = (int32_t)grid->type;
     surface->scale = grid->scale;

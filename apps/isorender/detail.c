@@ -11,8 +11,9 @@ iso_status isorender_detail_check(isorender_settings *settings, iso_error *error
     const bool asked = settings->lod > 0; /* NaN: not given */
     if (!asked) return ISO_OK;
     if (settings->method == ISORENDER_METHOD_UNCHOSEN) settings->method = ISO_METHOD_DISCS;
-    if (!isorender_has_reconstructions(settings->method))
-        return iso_fail(error, ISO_ERR_USAGE, "--lod is for --method discs, pullpush and splats");
+    if (!isorender_method_can(settings, ISO_CAN_LEVELS))
+        return iso_fail(error, ISO_ERR_USAGE, "--lod is for --method %s",
+                        iso_methods_that_can(ISO_CAN_LEVELS, (char[ISO_METHODS_TEXT]){0}));
     return ISO_OK;
 }
 
@@ -41,8 +42,9 @@ static double drawings_of(const isorender_job *job) {
 
 static bool is_wanted(const isorender_job *job, int surface) {
     const isorender_settings *settings = job->settings;
-    const bool has_levels = isorender_has_reconstructions(job->method) && !isorender_uses_groups(job);
-    if (!has_levels || job->backend->engine || settings->lod == 0 || settings->one_pyramid) return false;
+    if (!(job->renderer->can & ISO_CAN_LEVELS) || job->backend->engine || settings->lod == 0 ||
+        settings->one_pyramid)
+        return false;
     if (settings->lod > 0) return true;
     if (isorender_has_instances(job, surface)) return drawings_of(job) >= ISO_LOD_PAYING_DRAWINGS;
     return settings->turntable >= ISO_LOD_PAYING_DRAWINGS && is_fine(job, surface, DEFAULT_PIXELS);

@@ -51,17 +51,11 @@ static void report_reading(void *context, double fraction) {
     isorender_progress(context, "reading", fraction);
 }
 
-/* The method of the library for --method with --reconstruction. */
-static iso_method find_method(iso_method method, int reconstruction) {
-    if (method == ISO_METHOD_PULLPUSH && reconstruction == (int)ISO_RECONSTRUCTION_BOX)
-        return ISO_METHOD_PULLPUSH_BOX;
-    if (method == ISO_METHOD_DISCS && reconstruction == (int)ISO_RECONSTRUCTION_FLAT)
-        return ISO_METHOD_SPLATS_FLAT;
-    if (method != ISO_METHOD_SPLATS || reconstruction == ISORENDER_RECONSTRUCTION_GROUPS) return method;
-    return reconstruction == (int)ISO_RECONSTRUCTION_ONEPASS ? ISO_METHOD_SPLATS_ONEPASS
-           : reconstruction == (int)ISO_RECONSTRUCTION_EWA   ? ISO_METHOD_SPLATS_EWA
-           : reconstruction == (int)ISO_RECONSTRUCTION_MEAN  ? ISO_METHOD_SPLATS_MEAN
-                                                             : ISO_METHOD_SPLATS_FLAT;
+/* The renderer of a method with --reconstruction, or with the method's usual one. */
+static const iso_renderer *find_renderer(const isorender_settings *settings, iso_method method) {
+    const char *name = isorender_reconstruction_name(settings, method == ISO_METHOD_SPLATS);
+    const iso_renderer *found = iso_renderer_find(method, name);
+    return found ? found : iso_renderer_get(method);
 }
 
 static int usual_samples(const isorender_job *job) {
@@ -81,7 +75,7 @@ static void choose_method(isorender_job *job) {
     const iso_method of_volumes = settings->instances ? ISO_METHOD_DISCS : ISO_METHOD_EXACT;
     const iso_method usual = job->loader.has_points && !job->gaussians ? of_points : of_volumes;
     job->method = settings->method == ISORENDER_METHOD_UNCHOSEN ? usual : (iso_method)settings->method;
-    job->renderer = iso_renderer_get(find_method(job->method, settings->reconstruction));
+    job->renderer = find_renderer(settings, job->method);
     job->samples = settings->samples ? settings->samples : usual_samples(job);
 }
 

@@ -24,7 +24,7 @@ iso_status isorender_instances_check(const isorender_job *job, iso_error *error)
         return iso_fail(error, ISO_ERR_USAGE,
                         "--instances draws opaque surfaces of the input: it cannot be combined with %s",
                         obstacle);
-    if (iso_method_has_instances(job->renderer->method)) return ISO_OK;
+    if (job->renderer->can & ISO_CAN_INSTANCES) return ISO_OK;
     return iso_fail(
         error, ISO_ERR_USAGE,
         "--instances draws discs: by --method %s, or splats (flat, onepass, ewa or mean), not by %s",

@@ -29,12 +29,11 @@
 /* One isosurface, of the input or of a further volume. */
 typedef struct isorender_surface {
     iso_loader *loader;      /* of its volume; borrowed: the job's `loader` or one of `volumes` */
-    iso_scene_surface scene; /* its isovalue is NaN for points that were read */
+    iso_scene_surface scene; /* its isovalue is NaN for points that were read; its grid is borrowed: the
+                                volume's or own_grid */
     iso_rgb color;
     iso_translucency translucency;
-    iso_grid grid; /* what the surface is extracted from; borrowed: the volume's grid or own_grid */
-    iso_grid
-        own_grid; /* a copy without small parts, or with caps; both pointers are NULL if none was needed */
+    iso_grid own_grid; /* of the scene, when it is a copy without small parts, or with caps; else NULL */
     iso_components_totals parts;
     iso_mesh_measures measures; /* of the mesh: isorender_mesh_weld */
     iso_box bounds;             /* in the world, mm */
@@ -226,7 +225,7 @@ iso_camera isorender_camera_of_frame(const isorender_job *job, int frame);
 
 /* ---- solid.c */
 
-/* Makes surface->grid: without small parts, and closed, as the settings say. ISO_ERR_EMPTY: no part is large
+/* Makes the scene's grid: without small parts, and closed, as the settings say. ISO_ERR_EMPTY: no part is large
  * enough. */
 iso_status isorender_solid_prepare(isorender_job *job, isorender_surface *surface, iso_error *error);
 /* Bytes that own_grid of all surfaces will take, for a volume of `dims` voxels in `grid_bytes` bytes. */

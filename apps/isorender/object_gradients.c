@@ -24,9 +24,9 @@ static iso_status find_points(isorender_job *job, iso_point_set *made[ISORENDER_
         isorender_surface *surface = &job->surfaces[i];
         const iso_points_opts opts = {
             .isovalue = surface->scene.isovalue, .primitive = isorender_primitive(job), .pool = job->pool};
-        sources[i].grid = &surface->grid;
+        sources[i].grid = &surface->scene.grid;
         if (!surface->scene.points) {
-            ISO_TRY(iso_point_set_create(&surface->grid, &opts, &made[i], error));
+            ISO_TRY(iso_point_set_create(&surface->scene.grid, &opts, &made[i], error));
             ISO_TRY(iso_point_set_update(made[i], error));
         }
         sources[i].points = iso_point_set_view(made[i] ? made[i] : surface->scene.points);

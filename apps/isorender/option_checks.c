@@ -413,6 +413,7 @@ static iso_status check_opacity(const isorender_settings *settings, iso_error *e
     const int surfaces = settings->isovalue_count ? settings->isovalue_count : 1;
     /* whether a file of points has opacities is known when it has been read */
     const bool may_be = isorender_is_translucent(settings) || settings->object_options.has_cloud;
+    char who[ISO_METHODS_TEXT];
     ISO_TRY(isorender_translucent_check(settings, may_be, error));
     if (settings->absorption_length > 0 && settings->layers)
         return iso_fail(error, ISO_ERR_USAGE,
@@ -421,10 +422,10 @@ static iso_status check_opacity(const isorender_settings *settings, iso_error *e
     if (settings->opacity_count > surfaces)
         return iso_fail(error, ISO_ERR_USAGE, "%d opacities for %d isovalue%s", settings->opacity_count,
                         surfaces, surfaces > 1 ? "s" : "");
-    if (settings->method != ISORENDER_METHOD_UNCHOSEN && !iso_method_has_layers((iso_method)settings->method))
-        return iso_fail(error, ISO_ERR_USAGE,
-                        "--method %s draws no translucent surfaces: exact, raycast and splats do",
-                        iso_method_name((iso_method)settings->method));
+    if (!isorender_method_can(settings, ISO_CAN_LAYERS))
+        return iso_fail(error, ISO_ERR_USAGE, "--method %s draws no translucent surfaces: %s do",
+                        iso_method_name((iso_method)settings->method),
+                        iso_methods_that_can(ISO_CAN_LAYERS, who));
     if (settings->ior > 0) return ISO_OK;
     if (settings->mesh)
         return iso_fail(error, ISO_ERR_USAGE, "--mesh writes no opacities: --opacity is for pictures");
@@ -483,15 +484,17 @@ static iso_status check_refraction(isorender_settings *settings, iso_error *erro
 
 static iso_status check_glass(isorender_settings *settings, iso_error *error) {
     const char *needs = option_of_glass(settings), *unfit = option_unfit_for_glass(settings);
+    char who[ISO_METHODS_TEXT];
     if (!(settings->ior > 0) && needs)
         return iso_fail(error, ISO_ERR_USAGE, "%s is for glass: it needs --ior", needs);
     if (!(settings->ior > 0)) return ISO_OK;
     if (unfit)
         return iso_fail(error, ISO_ERR_USAGE,
                         "--ior draws one surface, as glass: it cannot be combined with %s", unfit);
-    if (settings->method != ISORENDER_METHOD_UNCHOSEN && !iso_method_has_glass((iso_method)settings->method))
-        return iso_fail(error, ISO_ERR_USAGE, "--method %s draws no glass: exact, raycast and splats do",
-                        iso_method_name((iso_method)settings->method));
+    if (!isorender_method_can(settings, ISO_CAN_GLASS))
+        return iso_fail(error, ISO_ERR_USAGE, "--method %s draws no glass: %s do",
+                        iso_method_name((iso_method)settings->method),
+                        iso_methods_that_can(ISO_CAN_GLASS, who));
     ISO_TRY(check_refraction(settings, error));
     if (settings->attenuation_colored != (settings->attenuation_distance > 0))
         return iso_fail(error, ISO_ERR_USAGE,
@@ -499,8 +502,13 @@ static iso_status check_glass(isorender_settings *settings, iso_error *error) {
     return ISO_OK;
 }
 
+/* Whether the method that is chosen has an image pyramid, which the usual ones have not. */
+static bool has_pyramid(const isorender_settings *settings) {
+    return settings->method != ISORENDER_METHOD_UNCHOSEN && isorender_method_can(settings, ISO_CAN_PYRAMID);
+}
+
 static iso_status check_line_shading(const isorender_settings *settings, iso_error *error) {
-    if (settings->method == ISO_METHOD_PULLPUSH || settings->method == ISO_METHOD_HYBRID) return ISO_OK;
+    if (has_pyramid(settings)) return ISO_OK;
     for (int i = 0; i < settings->object_options.count; i++)
         if (settings->objects[i].shading == ISO_LINE_ILLUMINATED)
             return iso_fail(
@@ -511,9 +519,10 @@ static iso_status check_line_shading(const isorender_settings *settings, iso_err
 
 static iso_status check_one_pyramid(const isorender_settings *settings, iso_error *error) {
     if (!settings->one_pyramid) return ISO_OK;
-    if (settings->method != ISO_METHOD_PULLPUSH && settings->method != ISO_METHOD_HYBRID)
+    if (!has_pyramid(settings))
         return iso_fail(error, ISO_ERR_USAGE,
-                        "--one-pyramid is for --method pullpush and hybrid: others have no image pyramid");
+                        "--one-pyramid is for --method %s: others have no image pyramid",
+                        iso_methods_that_can(ISO_CAN_PYRAMID, (char[ISO_METHODS_TEXT]){0}));
     if (settings->lod > 0)
         return iso_fail(error, ISO_ERR_USAGE, "--one-pyramid draws all points: --lod is without it");
     return ISO_OK;
@@ -540,10 +549,11 @@ static iso_status check_objects(isorender_settings *settings, iso_error *error) 
     if (opacity && (strcmp(settings->backend, "egl") == 0 || strcmp(settings->backend, "osmesa") == 0))
         return iso_fail(error, ISO_ERR_USAGE, "--backend %s draws no translucent objects: %s needs the cpu",
                         settings->backend, opacity);
-    if (opacity && settings->method != ISORENDER_METHOD_UNCHOSEN && settings->method != ISO_METHOD_EXACT)
+    if (opacity && !isorender_method_can(settings, ISO_CAN_OBJECT_LAYERS))
         return iso_fail(error, ISO_ERR_USAGE,
-                        "--method %s draws opaque lines, glyphs and meshes only: %s needs exact",
-                        iso_method_name((iso_method)settings->method), opacity);
+                        "--method %s draws opaque lines, glyphs and meshes only: %s needs %s",
+                        iso_method_name((iso_method)settings->method), opacity,
+                        iso_methods_that_can(ISO_CAN_OBJECT_LAYERS, (char[ISO_METHODS_TEXT]){0}));
     return ISO_OK;
 }
 

@@ -420,7 +420,7 @@ uint64_t isorender_picture_bytes(const isorender_job *job, int samples) {
     if (settings->ior > 0) bytes += iso_glass_scene_bytes((iso_refraction)settings->refraction, count);
     if (job->backend->engine && settings->object_options.count) bytes += gbuffer;
     if (job->backend->engine) return bytes + isorender_gl_bytes(job);
-    const bool pyramids = job->method == ISO_METHOD_PULLPUSH || job->method == ISO_METHOD_HYBRID;
+    const bool pyramids = job->renderer->can & ISO_CAN_PYRAMID;
     if (!pyramids && job->method != ISO_METHOD_DISCS) return bytes;
     enum { PYRAMID = 24, SETS = 104 }; /* bytes a sample; drawn in parts as well */
     bool sets = false, meshes = job->method == ISO_METHOD_HYBRID;

@@ -10,6 +10,7 @@
 #include "image/camera.h"
 #include "isopoint.h"
 #include "render/pullpush/pullpush.h"
+#include "scene/method.h"
 
 enum { ISORENDER_SURFACES = 64 };      /* isosurfaces in one picture */
 enum { ISORENDER_MOST_OPTIONS = 256 }; /* rows of the table of options */
@@ -175,6 +176,9 @@ iso_status isorender_translucent_check(const isorender_settings *settings, bool 
 const char *isorender_object_opacity_option(const isorender_settings *settings);
 /* Whether --reconstruction is for this iso_method: for pullpush, discs and splats. */
 bool isorender_has_reconstructions(int method);
+/* Whether the method that is chosen, with its reconstruction, can do something. One that is not chosen yet can
+ * do everything. */
+bool isorender_method_can(const isorender_settings *settings, iso_capability capability);
 /* Chooses the reconstruction when none is given, and checks that it is one of the method's and that the
  * options of splats are for splats. Replaces an older name of discs. ISO_ERR_USAGE. */
 iso_status isorender_splats_check(isorender_settings *settings, iso_error *error);

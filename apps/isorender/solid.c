@@ -56,23 +56,23 @@ static iso_status drop_parts(isorender_job *job, isorender_surface *surface, iso
     /* Parts are dropped from a copy, because another surface may need them. */
     if (makes_copies(job, job->surface_count)) {
         ISO_TRY(iso_grid_copy(&job->loader.volume.grid, job->pool, &surface->own_grid, error));
-        surface->grid = surface->own_grid;
+        surface->scene.grid = surface->own_grid;
     }
-    ISO_TRY(iso_components_filter(&surface->grid, &opts, &surface->parts, error));
+    ISO_TRY(iso_components_filter(&surface->scene.grid, &opts, &surface->parts, error));
     if (surface->parts.kept) log_parts(job, surface);
     return ISO_OK;
 }
 
 iso_status isorender_solid_prepare(isorender_job *job, isorender_surface *surface, iso_error *error) {
-    surface->grid = surface->loader->volume.grid;
+    surface->scene.grid = surface->loader->volume.grid;
     if (surface->loader != &job->loader) return ISO_OK; /* --largest and --closed are for the input only */
     ISO_TRY(check_primitive(job, error));
     if (drops_parts(job->settings)) ISO_TRY(drop_parts(job, surface, error));
     if (!job->settings->closed) return ISO_OK;
     iso_grid closed;
-    ISO_TRY(iso_grid_close(&surface->grid, surface->scene.isovalue, job->pool, &closed, error));
+    ISO_TRY(iso_grid_close(&surface->scene.grid, surface->scene.isovalue, job->pool, &closed, error));
     iso_grid_destroy(&surface->own_grid);
-    surface->grid = surface->own_grid = closed;
+    surface->scene.grid = surface->own_grid = closed;
     return ISO_OK;
 }
 

@@ -25,20 +25,16 @@ static iso_status check_transparency(const isorender_settings *settings, iso_err
     if (!sorted && settings->layers)
         return iso_fail(error, ISO_ERR_USAGE, "--layers needs --transparency sorted");
     if (settings->method == ISO_METHOD_SPLATS && settings->absorption_length > 0)
-        return iso_fail(error, ISO_ERR_USAGE,
-                        "--method splats knows no solids: --absorption is for exact and raycast");
+        return iso_fail(error, ISO_ERR_USAGE, "--method splats knows no solids: --absorption is for %s",
+                        iso_methods_that_can(ISO_CAN_ABSORPTION, (char[ISO_METHODS_TEXT]){0}));
     return ISO_OK;
 }
 
-/* --selection is for the method discs, and for splats but for groups. */
 static iso_status check_selection(const isorender_settings *settings, iso_error *error) {
-    const bool discs = settings->method == ISO_METHOD_DISCS,
-               splats = settings->method == ISO_METHOD_SPLATS &&
-                        settings->reconstruction != ISORENDER_RECONSTRUCTION_GROUPS;
     if (settings->selection == (int)ISO_SELECTION_AUTO) return ISO_OK;
     if (isorender_is_translucent(settings))
         return iso_fail(error, ISO_ERR_USAGE, "--selection is for opaque surfaces");
-    if (!discs && !splats)
+    if (!isorender_method_can(settings, ISO_CAN_SELECTION))
         return iso_fail(error, ISO_ERR_USAGE,
                         "--selection is for --method discs, and for --method splats --reconstruction flat, "
                         "onepass, ewa or mean");
@@ -56,18 +52,29 @@ static int usual_reconstruction(const isorender_settings *settings) {
     return given_option(settings) || !sorted ? ISORENDER_RECONSTRUCTION_GROUPS : (int)ISO_RECONSTRUCTION_FLAT;
 }
 
+/* The renderer of the method that is chosen; NULL: none is, or it does not have the reconstruction. */
+static const iso_renderer *renderer_of(const isorender_settings *settings) {
+    if (settings->method == ISORENDER_METHOD_UNCHOSEN) return NULL;
+    const bool has_several = isorender_has_reconstructions(settings->method);
+    return iso_renderer_find((iso_method)settings->method,
+                             has_several ? isorender_reconstruction_name(settings, false) : NULL);
+}
+
+bool isorender_method_can(const isorender_settings *settings, iso_capability capability) {
+    const iso_renderer *renderer = renderer_of(settings);
+    return settings->method == ISORENDER_METHOD_UNCHOSEN ||
+           (renderer && renderer->can & (unsigned)capability);
+}
+
 static iso_status check_reconstruction(const isorender_settings *settings, iso_error *error) {
     const int chosen = settings->reconstruction;
-    const bool pyramid = chosen == (int)ISO_RECONSTRUCTION_BOX || chosen == (int)ISO_RECONSTRUCTION_GAUSSIAN,
-               flat = chosen == (int)ISO_RECONSTRUCTION_FLAT,
+    const bool flat = chosen == (int)ISO_RECONSTRUCTION_FLAT,
                of_splats = chosen >= (int)ISO_RECONSTRUCTION_FLAT;
-    if (settings->method == ISO_METHOD_SPLATS && !of_splats)
-        return iso_fail(error, ISO_ERR_USAGE,
-                        "--method splats has --reconstruction flat, onepass, ewa, mean or groups");
-    if (settings->method == ISO_METHOD_PULLPUSH && !pyramid)
-        return iso_fail(error, ISO_ERR_USAGE, "--method pullpush has --reconstruction gaussian or box");
-    if (settings->method == ISO_METHOD_DISCS && chosen != (int)ISO_RECONSTRUCTION_REFINED && !flat)
-        return iso_fail(error, ISO_ERR_USAGE, "--method discs has --reconstruction refined or flat");
+    char list[ISO_METHODS_TEXT];
+    if (isorender_has_reconstructions(settings->method) && !renderer_of(settings))
+        return iso_fail(error, ISO_ERR_USAGE, "--method %s has --reconstruction %s",
+                        iso_method_name((iso_method)settings->method),
+                        iso_method_reconstructions((iso_method)settings->method, list));
     if (!isorender_has_reconstructions(settings->method) && of_splats)
         return iso_fail(error, ISO_ERR_USAGE,
                         "--reconstruction flat, onepass, ewa, mean and groups are for --method splats%s",

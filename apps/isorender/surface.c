@@ -70,8 +70,7 @@ static iso_status choose_isovalue(isorender_job *job, isorender_surface *surface
 
 /* Makes the workspace that surfaces and lines share, if there is one: pictures are drawn one after the other. */
 static iso_status make_workspace(isorender_job *job, iso_error *error) {
-    const bool uses_one = job->method == ISO_METHOD_HYBRID ||
-                          (isorender_has_reconstructions(job->method) && !isorender_uses_groups(job));
+    const bool uses_one = job->renderer->can & (ISO_CAN_PYRAMID | ISO_CAN_LEVELS);
     if (!uses_one || (job->backend->engine && !job->object_count)) return ISO_OK;
     return iso_pullpush_create(&job->pullpush, error);
 }
@@ -80,8 +79,7 @@ static iso_status make_workspace(isorender_job *job, iso_error *error) {
 static iso_status add_surface(isorender_job *job, iso_loader *loader, double isovalue, iso_error *error) {
     isorender_surface *surface = &job->surfaces[job->surface_count++];
     surface->loader = loader;
-    surface->scene = (iso_scene_surface){.grid = &surface->grid,
-                                         .pool = job->pool,
+    surface->scene = (iso_scene_surface){.pool = job->pool,
                                          .given = loader->has_points ? &job->read_points : NULL,
                                          .transparency = (iso_transparency)job->settings->transparency,
                                          .bins = job->settings->group_bins,
@@ -257,7 +255,7 @@ static iso_box to_local(const isorender_job *job, const iso_box *index) {
     const int around = job->settings->closed ? 1 : 0; /* voxels that --closed adds */
     iso_transform transform = job->cloud.transform;
     if (job->has_volume) {
-        transform = iso_transform_local(iso_grid_transform(&job->surfaces[0].grid));
+        transform = iso_transform_local(iso_grid_transform(&job->surfaces[0].scene.grid));
         for (int axis = 0; axis < 3; axis++)
             transform.origin[axis] = (crop[2 * axis] - around) * transform.spacing[axis];
     }
@@ -267,7 +265,7 @@ static iso_box to_local(const isorender_job *job, const iso_box *index) {
 
 /* The transform of a surface's index coordinates. */
 static iso_transform transform_of(const isorender_job *job, const isorender_surface *surface) {
-    return surface->loader->has_points ? job->cloud.transform : *iso_grid_transform(&surface->grid);
+    return surface->loader->has_points ? job->cloud.transform : *iso_grid_transform(&surface->scene.grid);
 }
 
 /* The box of a surface in the coordinates to which `affine` maps its index coordinates. */
@@ -350,8 +348,8 @@ static void clip_box(iso_box *box, const iso_box *border) {
 /* The caps of --closed lie up to ISO_CLOSED_TOLERANCE beyond the volume's outermost voxels, where the solid
  * ends: the bounds end there. */
 static void clip_to_volume(isorender_job *job, iso_box *index) {
-    const int *dims = iso_grid_dims(&job->surfaces[0].grid);
-    const iso_affine affine = iso_transform_affine(iso_grid_transform(&job->surfaces[0].grid));
+    const int *dims = iso_grid_dims(&job->surfaces[0].scene.grid);
+    const iso_affine affine = iso_transform_affine(iso_grid_transform(&job->surfaces[0].scene.grid));
     const iso_box voxels = {{1, 1, 1}, {dims[0] - 2, dims[1] - 2, dims[2] - 2}}; /* without the added layer */
     const iso_box world = iso_box_transform(&voxels, &affine);
     clip_box(index, &voxels);
@@ -399,9 +397,8 @@ static iso_status prepare_objects(isorender_job *job, iso_error *error) {
         if (isorender_object_is_surface(object->settings))
             ISO_TRY(isorender_object_take_gradients(job, object, error));
         if (!object->settings->colored) object->color = iso_shading_palette(job->surface_count + i);
-        ISO_TRY(isorender_object_prepare(
-            object, job->settings->line_min_pixels,
-            job->method == ISO_METHOD_PULLPUSH || job->method == ISO_METHOD_HYBRID, error));
+        ISO_TRY(isorender_object_prepare(object, job->settings->line_min_pixels,
+                                         job->renderer->can & ISO_CAN_PYRAMID, error));
         log_beside(job, object->settings->path, &object->bounds, object->report.space);
         job->translucent |= object->settings->opacity < 1;
         iso_bounds_add(&job->bounds_world, &object->bounds);
@@ -482,8 +479,8 @@ iso_status isorender_export(isorender_job *job, iso_error *error) {
         isorender_surface *surface = &job->surfaces[0];
         iso_weld weld;
         ISO_TRY(isorender_mesh_weld(job, surface, &weld, error));
-        iso_status status =
-            iso_mesh_write_weld(job->plan->mesh, &weld, iso_grid_transform(&surface->grid), comment, error);
+        iso_status status = iso_mesh_write_weld(job->plan->mesh, &weld,
+                                                iso_grid_transform(&surface->scene.grid), comment, error);
         iso_weld_free(&weld);
         ISO_TRY(status);
         job->mesh_written = true;

@@ -199,7 +199,7 @@ static float smallest_spacing(const rendering *r) {
     double smallest = INFINITY;
     for (int i = 0; i < r->count; i++)
         for (int axis = 0; axis < 3; axis++)
-            smallest = fmin(smallest, iso_grid_transform(r->surfaces[i]->scene.grid)->spacing[axis]);
+            smallest = fmin(smallest, iso_grid_transform(&r->surfaces[i]->scene.grid)->spacing[axis]);
     return isfinite(smallest) ? (float)smallest : 0;
 }
 
@@ -227,7 +227,7 @@ static iso_status check(iso_surface *const *surfaces, int count, const iso_rende
     if (opts->transparency && (opts->method != ISO_METHOD_SPLATS || opts->glass))
         return iso_fail(error, ISO_ERR_USAGE,
                         "the transparencies GROUPS and NEAREST are for translucent surfaces by SPLATS");
-    if (opts->instances && !iso_method_has_instances(opts->method))
+    if (opts->instances && !iso_method_can(opts->method, ISO_CAN_INSTANCES))
         return iso_fail(error, ISO_ERR_USAGE, "the method %s draws no instances: those that draw discs do",
                         iso_renderer_get(opts->method)->name);
     if (!(opts->instance_lod >= 0 && opts->instance_lod <= 1000))
@@ -257,24 +257,24 @@ static void set_up(rendering *r, const iso_render_opts *opts) {
 
 static iso_status check_layers(const rendering *r, const iso_render_opts *opts, iso_error *error) {
     const bool absorbs = opts->absorption_length > 0;
+    char who[ISO_METHODS_TEXT];
     if (!(opts->absorption_length >= 0) || !isfinite(opts->absorption_length) || opts->most_layers < 0)
         return iso_fail(error, ISO_ERR_USAGE, "an absorption length of %g mm, %d layers",
                         opts->absorption_length, opts->most_layers);
     if (absorbs && opts->most_layers)
         return iso_fail(error, ISO_ERR_USAGE,
                         "most_layers leaves out where rays leave the solid, which absorption must know");
-    if (r->sets_count && r->renderer->method != ISO_METHOD_EXACT)
+    if (r->sets_count && !(r->renderer->can & ISO_CAN_OBJECT_LAYERS))
         return iso_fail(error, ISO_ERR_USAGE,
                         "the method %s draws no translucent lines and glyphs: exact does", r->renderer->name);
     if (r->translucent && opts->instances)
         return iso_fail(error, ISO_ERR_USAGE, "instances are opaque: nothing translucent can be beside them");
-    if (r->translucent && !iso_method_has_layers(r->renderer->method))
-        return iso_fail(error, ISO_ERR_USAGE,
-                        "the method %s draws no translucent surfaces: exact, raycast and splats do",
-                        r->renderer->name);
-    if (absorbs &&
-        (r->renderer->method == ISO_METHOD_SPLATS || r->renderer->method == ISO_METHOD_SPLATS_FLAT))
-        return iso_fail(error, ISO_ERR_USAGE, "splats know no solids: absorption is for exact and raycast");
+    if (r->translucent && !(r->renderer->can & ISO_CAN_LAYERS))
+        return iso_fail(error, ISO_ERR_USAGE, "the method %s draws no translucent surfaces: %s do",
+                        r->renderer->name, iso_methods_that_can(ISO_CAN_LAYERS, who));
+    if (absorbs && !(r->renderer->can & ISO_CAN_ABSORPTION))
+        return iso_fail(error, ISO_ERR_USAGE, "splats know no solids: absorption is for %s",
+                        iso_methods_that_can(ISO_CAN_ABSORPTION, who));
     for (int i = 1; i < r->count && r->translucent && absorbs; i++)
         if (r->surfaces[i]->volume != r->surfaces[0]->volume)
             return iso_fail(error, ISO_ERR_USAGE, "absorption is for surfaces of one volume");
@@ -338,8 +338,9 @@ static iso_status set_up_glass(rendering *r, iso_error *error) {
     if (r->count != 1 || r->shapes_count || r->translucent || r->opts->instances)
         return iso_fail(error, ISO_ERR_USAGE,
                         "glass is drawn alone: one opaque surface, no shapes or instances");
-    if (!iso_method_has_glass(r->renderer->method))
-        return iso_fail(error, ISO_ERR_USAGE, "the method %s draws no glass", r->renderer->name);
+    if (!(r->renderer->can & ISO_CAN_GLASS))
+        return iso_fail(error, ISO_ERR_USAGE, "the method %s draws no glass: %s do", r->renderer->name,
+                        iso_methods_that_can(ISO_CAN_GLASS, (char[ISO_METHODS_TEXT]){0}));
     if (!(glass->ior >= 1 && glass->ior <= 10))
         return iso_fail(error, ISO_ERR_USAGE, "index of refraction %g is not in 1 .. 10", glass->ior);
     if ((int)glass->refraction < 0 || glass->refraction >= ISO_REFRACTIONS)

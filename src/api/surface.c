@@ -41,7 +41,7 @@ iso_status iso_surface_create(iso_volume *volume, const iso_surface_opts *opts, 
     if (!made) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a surface");
     made->volume = iso_api_volume_of(volume);
     made->volume->surfaces++;
-    made->scene = (iso_scene_surface){.grid = &volume->grid,
+    made->scene = (iso_scene_surface){.grid = volume->grid,
                                       .isovalue = opts->isovalue,
                                       .pool = made->volume->pool,
                                       .bounded = true,
@@ -62,8 +62,8 @@ void iso_surface_destroy(iso_surface *surface) {
 }
 
 iso_status iso_surface_set_isovalue(iso_surface *surface, double isovalue, iso_error *error) {
-    ISO_TRY(check_isovalue(surface->scene.grid, isovalue, error));
-    iso_scene_surface_set_isovalue(&surface->scene, isovalue);
+    ISO_TRY(check_isovalue(&surface->scene.grid, isovalue, error));
+    surface->scene.isovalue = isovalue;
     /* with the primitive AUTO the kind of points depends on the isovalue */
     iso_point_set_destroy(surface->points);
     surface->points = NULL;
@@ -73,7 +73,7 @@ iso_status iso_surface_set_isovalue(iso_surface *surface, double isovalue, iso_e
 /* ---- parts ---- */
 
 iso_status iso_api_surface_ready(iso_surface *surface, iso_error *error) {
-    iso_rgrid *grid = surface->scene.grid->rgrid;
+    iso_rgrid *grid = surface->scene.grid.rgrid;
     return grid ? iso_brick_index_of(grid, surface->volume->pool, NULL, error) : ISO_OK;
 }
 
@@ -100,7 +100,7 @@ iso_box iso_api_surface_bounds(const iso_surface *surface, iso_part part) {
         const iso_mesh_view mesh = iso_mesh_set_view(scene->mesh);
         return iso_bounds_of_mesh(&mesh);
     }
-    return iso_bounds_of_cells(scene->exact, iso_grid_transform(scene->grid));
+    return iso_bounds_of_cells(scene->exact, iso_grid_transform(&scene->grid));
 }
 
 iso_status iso_surface_bounds(iso_surface *surface, iso_box *box, iso_error *error) {
@@ -120,7 +120,7 @@ static iso_status update_points(iso_surface *surface, iso_point_view *view, iso_
                                   .floats = true,
                                   .pool = surface->volume->pool};
     ISO_TRY(iso_api_surface_ready(surface, error));
-    if (!surface->points) ISO_TRY(iso_point_set_create(surface->scene.grid, &opts, &surface->points, error));
+    if (!surface->points) ISO_TRY(iso_point_set_create(&surface->scene.grid, &opts, &surface->points, error));
     ISO_TRY(iso_point_set_update(surface->points, error));
     *view = iso_point_set_view(surface->points);
     return ISO_OK;

@@ -58,7 +58,7 @@ static iso_part part_of(const iso_renderer *method) {
 static iso_status create_points(const iso_scene_surface *surface, iso_point_set **points, iso_error *error) {
     const iso_points_opts opts = {
         .isovalue = surface->isovalue, .primitive = ISO_PRIMITIVE_AUTO, .pool = surface->pool};
-    ISO_TRY(iso_point_set_create(surface->grid, &opts, points, error));
+    ISO_TRY(iso_point_set_create(&surface->grid, &opts, points, error));
     return iso_point_set_update(*points, error);
 }
 
@@ -111,8 +111,8 @@ static iso_status measure_strips(const iso_mesh_view *mesh, double *share, iso_e
 /* Marks voxels in the middle of some bricks that the surface crosses as edited, so that just these bricks
  * are extracted again: voxels that neighbours read are not among them. */
 static iso_status mark_bricks(measurement *m, iso_error *error) {
-    iso_change_log *log = iso_grid_log(m->surface.grid);
-    const int *dims = iso_grid_dims(m->surface.grid);
+    iso_change_log *log = iso_grid_log(&m->surface.grid);
+    const int *dims = iso_grid_dims(&m->surface.grid);
     iso_change_log_begin(log);
     for (int i = 0; i < m->dirty; i++) {
         size_t s = (size_t)(random_number(&m->seed) * (double)m->mesh->span_count);
@@ -228,7 +228,7 @@ iso_status iso_study_cost(const iso_scene_surface *surface, const iso_study_ball
     iso_mesh_view mesh;
     iso_mesh_span *spans = NULL;
     int bricks[3];
-    iso_grid_bricks(surface->grid, bricks);
+    iso_grid_bricks(&surface->grid, bricks);
     *study = (iso_cost_study){.side = opts->side ? opts->side : 800,
                               .dirty = opts->dirty ? opts->dirty : 4,
                               .bricks = (size_t)bricks[0] * (size_t)bricks[1] * (size_t)bricks[2],

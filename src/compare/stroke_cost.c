@@ -106,7 +106,7 @@ static iso_status open_player(player *p, const char *path, const iso_source *how
     ISO_TRY(iso_study_frame_create(p->side, false, &p->frame, error));
     ISO_TRY(iso_strokes_open(path, how, &p->strokes, error));
     grid->hgrid = iso_session_grid(p->strokes.session);
-    p->surface.grid = grid;
+    p->surface.grid = *grid;
     p->surface.pool = how->pool;
     p->surface.given = &p->given;
     const iso_points_opts points = {.primitive = ISO_PRIMITIVE_AUTO, .pool = how->pool};

@@ -5,22 +5,13 @@
 #include "render/splats/layers.h"
 #include "truth/traced_glass.h"
 
-/* Of flat discs and of groups. */
-static bool is_splats(iso_method method) {
-    return method == ISO_METHOD_SPLATS || method == ISO_METHOD_SPLATS_FLAT;
-}
-
-bool iso_method_has_glass(iso_method method) {
-    return method == ISO_METHOD_EXACT || method == ISO_METHOD_RAYCAST || is_splats(method);
-}
-
 iso_refraction iso_glass_usual_refraction(bool points, iso_transparency transparency) {
     if (!points) return ISO_REFRACTION_TRACED;
     return transparency == ISO_TRANSPARENCY_NEAREST ? ISO_REFRACTION_LAYERS : ISO_REFRACTION_TWO_SIDED;
 }
 
 iso_part iso_glass_part(iso_method method, iso_refraction refraction) {
-    if (is_splats(method)) return ISO_PART_POINTS;
+    if (iso_method_is_splats(method)) return ISO_PART_POINTS;
     const bool rays = method == ISO_METHOD_RAYCAST || refraction == ISO_REFRACTION_TRACED;
     return rays ? ISO_PART_CASTER : ISO_PART_CELLS;
 }
@@ -34,7 +25,7 @@ static iso_status make_map(iso_glass_scene *scene, iso_error *error) {
     ISO_TRY(iso_glass_map_create(&scene->view, &scene->map, error));
     if (scene->method == ISO_METHOD_EXACT)
         return iso_exact_map_glass(scene->surface->exact, &scene->map, pool, error);
-    if (is_splats(scene->method)) {
+    if (iso_method_is_splats(scene->method)) {
         const iso_point_view points = iso_scene_surface_points(scene->surface);
         return iso_splats_map_glass(&points, &scene->surface->groups, scene->transparency, &scene->map, pool,
                                     error);

@@ -8,9 +8,6 @@
 #include "render/splats/layers.h"
 #include "scene/method.h"
 
-/* Whether a method draws glass. */
-bool iso_method_has_glass(iso_method method);
-
 /* Returns the refraction that ISO_REFRACTION_AUTO means. points: glass is drawn from points; transparency:
  * how their layers are found. */
 iso_refraction iso_glass_usual_refraction(bool points, iso_transparency transparency);
@@ -21,7 +18,7 @@ iso_part iso_glass_part(iso_method method, iso_refraction refraction);
 /* A picture of glass. The caller sets the members before `view`; all pointers are borrowed while the picture
  * is rendered. */
 typedef struct iso_glass_scene {
-    iso_method method; /* one for which iso_method_has_glass is true. With traced refraction the method makes
+    iso_method method; /* one with ISO_CAN_GLASS. With traced refraction the method makes
                           no difference */
     iso_refraction
         refraction; /* not AUTO; of splats not traced; with ISO_TRANSPARENCY_NEAREST not two-sided */

@@ -6,29 +6,6 @@
 #include "base/placement.h"
 #include "scene/bounds.h"
 
-/* The reconstruction of a method; false if it draws no instances. */
-static bool find_reconstruction(iso_method method, iso_reconstruction *reconstruction) {
-    static const struct {
-        iso_method method;
-        iso_reconstruction reconstruction;
-    } rows[] = {{ISO_METHOD_DISCS, ISO_RECONSTRUCTION_REFINED},
-                {ISO_METHOD_SPLATS_FLAT, ISO_RECONSTRUCTION_FLAT},
-                {ISO_METHOD_SPLATS_ONEPASS, ISO_RECONSTRUCTION_ONEPASS},
-                {ISO_METHOD_SPLATS_EWA, ISO_RECONSTRUCTION_EWA},
-                {ISO_METHOD_SPLATS_MEAN, ISO_RECONSTRUCTION_MEAN}};
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
-        if (rows[i].method != method) continue;
-        *reconstruction = rows[i].reconstruction;
-        return true;
-    }
-    return false;
-}
-
-bool iso_method_has_instances(iso_method method) {
-    iso_reconstruction unused;
-    return find_reconstruction(method, &unused);
-}
-
 iso_status iso_placed_begin(iso_placed *placed, const iso_placements *placements, iso_error *error) {
     const size_t count = placements->count;
     iso_error reason = {ISO_OK, ""};
@@ -74,11 +51,10 @@ iso_status iso_placed_draw(iso_placed *placed, iso_method method, const iso_scen
                          .count = placements->count,
                          .lod_pixels = leveled ? surface->lod_pixels : 0,
                          .selection = surface->selection,
+                         .reconstruction = iso_renderer_get(method)->kind,
                          .colors = placements->colors,
                          .states = placed->states.data};
     iso_instance_counts counts;
-    if (!find_reconstruction(method, &all.reconstruction))
-        return iso_fail(error, ISO_ERR_USAGE, "the method %s draws no instances", iso_method_name(method));
     ISO_TRY(iso_draw_instances(&placed->drawing, target, &all, &counts, error));
     placed->points += counts.points;
     return ISO_OK;

@@ -10,9 +10,6 @@
  * number of pictures, times the instances in each (measured with 5 to 20 million points). */
 enum { ISO_LOD_PAYING_DRAWINGS = 50 };
 
-/* Whether the method draws instances: it draws discs, each surface alone. */
-bool iso_method_has_instances(iso_method method);
-
 /* What is kept from one strip and picture to the next. Zero-initialise; free with iso_placed_free. */
 typedef struct iso_placed {
     const iso_placements *placements; /* borrowed */

@@ -4,15 +4,6 @@
 
 #include "truth/raycast_layers.h"
 
-/* Of flat discs and of groups: layers are the same for both. */
-static bool is_splats(iso_method method) {
-    return method == ISO_METHOD_SPLATS || method == ISO_METHOD_SPLATS_FLAT;
-}
-
-bool iso_method_has_layers(iso_method method) {
-    return method == ISO_METHOD_EXACT || method == ISO_METHOD_RAYCAST || is_splats(method);
-}
-
 /* Whether the points of a surface, given or extracted, have opacities of their own. */
 static bool has_opacities(const iso_layered_surface *surface) {
     return surface->surface->given && surface->surface->given->opacities;
@@ -107,7 +98,7 @@ static iso_status shade(void *context, const iso_strip *strip, iso_image *image,
     const size_t before = picture->totals.layers.covered;
     if (picture->method == ISO_METHOD_EXACT)
         ISO_TRY(shade_exact(picture, &output, error));
-    else if (is_splats(picture->method))
+    else if (iso_method_is_splats(picture->method))
         ISO_TRY(shade_splats(picture, &output, error));
     else
         shade_raycast(picture, &output);

@@ -9,9 +9,6 @@
 #include "render/splats/layers.h"
 #include "scene/method.h"
 
-/* Whether a method draws translucent surfaces. */
-bool iso_method_has_layers(iso_method method);
-
 enum { ISO_LAYERED_MAX = ISO_EXACT_LAYERS_MAX }; /* largest number of translucent surfaces in a picture */
 
 /* A surface of the picture. Those of opacity 1 are opaque, unless their points have opacities. */
@@ -26,7 +23,7 @@ typedef iso_status iso_shade_splats_fn(void *context, const iso_splat_layers *in
 
 /* A picture; all pointers are borrowed while it is rendered. */
 typedef struct iso_layered_picture {
-    iso_method method; /* one for which iso_method_has_layers is true */
+    iso_method method; /* one with ISO_CAN_LAYERS */
     const iso_layered_surface *surfaces;
     int count;
     /* Translucent lines, glyphs and meshes, with the method exact only; NULL: none. */

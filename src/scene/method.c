@@ -1,6 +1,7 @@
 /* method: the table of methods, and how each draws. */
 #include "scene/method.h"
 
+#include <stdio.h>
 #include <string.h>
 
 #include "render/pullpush/hybrid.h"
@@ -91,30 +92,59 @@ enum {
     GROUPS = 1 << ISO_PART_GROUPS
 };
 
+/* What several methods can do. */
+enum {
+    PYRAMID = ISO_CAN_PYRAMID | ISO_CAN_LEVELS | ISO_CAN_CHUNKS | ISO_CAN_GL,
+    DISCS = ISO_CAN_LEVELS | ISO_CAN_SELECTION | ISO_CAN_INSTANCES,
+    LAYERS = ISO_CAN_LAYERS | ISO_CAN_GLASS,
+    SOLIDS = LAYERS | ISO_CAN_ABSORPTION
+};
+
 static const iso_renderer METHODS[] = {
-    {ISO_METHOD_POINTS, "points", "attenuated points (2003)", POINTS, draw_points},
-    {ISO_METHOD_PULLPUSH_BOX, "pullpush-box", "pull-push, equal weights (2008)", POINTS, draw_box},
-    {ISO_METHOD_PULLPUSH, "pullpush", "pull-push, Gaussian weights (2008)", POINTS, draw_gaussian},
-    {ISO_METHOD_DISCS, "discs", "points as curved discs", POINTS, draw_refined},
-    {ISO_METHOD_SPLATS, "splats", "splats in groups, one pass (2006)", POINTS | GROUPS, draw_splats},
-    {ISO_METHOD_MESH, "mesh", "Marching Cubes mesh", MESH, draw_mesh},
-    {ISO_METHOD_EXACT, "exact", "the trilinear surface, cell by cell", CELLS, draw_exact},
+    {ISO_METHOD_POINTS, "points", "attenuated points (2003)", ISO_METHOD_POINTS, NULL,
+     ISO_RECONSTRUCTION_REFINED, POINTS, ISO_CAN_GL, draw_points},
+    {ISO_METHOD_PULLPUSH_BOX, "pullpush-box", "pull-push, equal weights (2008)", ISO_METHOD_PULLPUSH, "box",
+     ISO_RECONSTRUCTION_BOX, POINTS, PYRAMID, draw_box},
+    {ISO_METHOD_PULLPUSH, "pullpush", "pull-push, Gaussian weights (2008)", ISO_METHOD_PULLPUSH, "gaussian",
+     ISO_RECONSTRUCTION_GAUSSIAN, POINTS, PYRAMID, draw_gaussian},
+    {ISO_METHOD_DISCS, "discs", "points as curved discs", ISO_METHOD_DISCS, "refined",
+     ISO_RECONSTRUCTION_REFINED, POINTS, DISCS | ISO_CAN_GL, draw_refined},
+    {ISO_METHOD_SPLATS, "splats", "splats in groups, one pass (2006)", ISO_METHOD_SPLATS, "groups",
+     ISO_RECONSTRUCTION_REFINED, POINTS | GROUPS, LAYERS | ISO_CAN_GL, draw_splats},
+    {ISO_METHOD_MESH, "mesh", "Marching Cubes mesh", ISO_METHOD_MESH, NULL, ISO_RECONSTRUCTION_REFINED, MESH,
+     ISO_CAN_GL, draw_mesh},
+    {ISO_METHOD_EXACT, "exact", "the trilinear surface, cell by cell", ISO_METHOD_EXACT, NULL,
+     ISO_RECONSTRUCTION_REFINED, CELLS, SOLIDS | ISO_CAN_OBJECT_LAYERS | ISO_CAN_CHUNKS, draw_exact},
 };
 
 /* Not in the list of what is compared. Where cells are small hybrid is pullpush, where they are large it is
  * mesh; flat discs are discs without curvatures, which are for points of files. */
 static const iso_renderer OTHERS[] = {
-    {ISO_METHOD_HYBRID, "hybrid", "points and triangles (2008)", POINTS | MESH, draw_hybrid},
-    {ISO_METHOD_SPLATS_FLAT, "splats-flat", "splats, flat discs", POINTS, draw_flat},
-    {ISO_METHOD_SPLATS_ONEPASS, "splats-onepass", "splats, front to back (2003)", POINTS, draw_onepass},
-    {ISO_METHOD_SPLATS_EWA, "splats-ewa", "splats, EWA filter", POINTS, draw_ewa},
-    {ISO_METHOD_SPLATS_MEAN, "splats-mean", "mean of a pixel's points", POINTS, draw_mean},
+    {ISO_METHOD_HYBRID, "hybrid", "points and triangles (2008)", ISO_METHOD_HYBRID, NULL,
+     ISO_RECONSTRUCTION_REFINED, POINTS | MESH, ISO_CAN_PYRAMID, draw_hybrid},
+    {ISO_METHOD_SPLATS_FLAT, "splats-flat", "splats, flat discs", ISO_METHOD_SPLATS, "flat",
+     ISO_RECONSTRUCTION_FLAT, POINTS, DISCS | LAYERS | ISO_CAN_GL, draw_flat},
+    {ISO_METHOD_SPLATS_FLAT, "splats-flat", "splats, flat discs", ISO_METHOD_DISCS, "flat",
+     ISO_RECONSTRUCTION_FLAT, POINTS, DISCS | ISO_CAN_GL, draw_flat},
+    {ISO_METHOD_SPLATS_ONEPASS, "splats-onepass", "splats, front to back (2003)", ISO_METHOD_SPLATS,
+     "onepass", ISO_RECONSTRUCTION_ONEPASS, POINTS, DISCS, draw_onepass},
+    {ISO_METHOD_SPLATS_EWA, "splats-ewa", "splats, EWA filter", ISO_METHOD_SPLATS, "ewa",
+     ISO_RECONSTRUCTION_EWA, POINTS, DISCS, draw_ewa},
+    {ISO_METHOD_SPLATS_MEAN, "splats-mean", "mean of a pixel's points", ISO_METHOD_SPLATS, "mean",
+     ISO_RECONSTRUCTION_MEAN, POINTS, DISCS, draw_mean},
 };
 
 /* A name that a method had before. */
 static const char OLD_PULLPUSH[] = "pullpush-gaussian";
 
-static const iso_renderer TRUTH = {ISO_METHOD_RAYCAST, "raycast", "rays through the trilinear field", CASTER,
+static const iso_renderer TRUTH = {ISO_METHOD_RAYCAST,
+                                   "raycast",
+                                   "rays through the trilinear field",
+                                   ISO_METHOD_RAYCAST,
+                                   NULL,
+                                   ISO_RECONSTRUCTION_REFINED,
+                                   CASTER,
+                                   SOLIDS,
                                    draw_raycast};
 
 const iso_renderer *iso_renderer_list(size_t *count) {
@@ -126,14 +156,78 @@ const iso_renderer *iso_renderer_truth(void) {
     return &TRUTH;
 }
 
+/* All rows in turn; NULL behind the last one. */
+static const iso_renderer *row(size_t i) {
+    enum { LISTED = sizeof METHODS / sizeof *METHODS, OTHER = sizeof OTHERS / sizeof *OTHERS };
+    return i < LISTED            ? &METHODS[i]
+           : i < LISTED + OTHER  ? &OTHERS[i - LISTED]
+           : i == LISTED + OTHER ? &TRUTH
+                                 : NULL;
+}
+
 const iso_renderer *iso_renderer_get(iso_method method) {
-    if (method == TRUTH.method) return &TRUTH;
-    for (size_t i = 0; i < sizeof METHODS / sizeof *METHODS; i++)
-        if (METHODS[i].method == method) return &METHODS[i];
-    for (size_t i = 0; i < sizeof OTHERS / sizeof *OTHERS; i++)
-        if (OTHERS[i].method == method) return &OTHERS[i];
+    for (size_t i = 0; row(i); i++)
+        if (row(i)->method == method) return row(i);
     return NULL;
 }
+
+const iso_renderer *iso_renderer_find(iso_method family, const char *reconstruction) {
+    if (!reconstruction) return iso_renderer_get(family);
+    for (size_t i = 0; row(i); i++)
+        if (row(i)->family == family && row(i)->reconstruction &&
+            strcmp(row(i)->reconstruction, reconstruction) == 0)
+            return row(i);
+    return NULL;
+}
+
+bool iso_method_can(iso_method method, iso_capability capability) {
+    const iso_renderer *renderer = iso_renderer_get(method);
+    return renderer && renderer->can & (unsigned)capability;
+}
+
+/* ---- words */
+
+/* Appends a name to a list of names; the last one is joined by `joint`. */
+static void append(char text[ISO_METHODS_TEXT], const char *name, bool last, const char *joint) {
+    const size_t used = strlen(text);
+    snprintf(text + used, ISO_METHODS_TEXT - used, "%s%s", !used ? "" : last ? joint : ", ", name);
+}
+
+/* Whether any row of a family can do it. */
+static bool family_can(iso_method family, iso_capability capability) {
+    for (size_t i = 0; row(i); i++)
+        if (row(i)->family == family && row(i)->can & (unsigned)capability) return true;
+    return false;
+}
+
+const char *iso_methods_that_can(iso_capability capability, char text[ISO_METHODS_TEXT]) {
+    static const iso_method families[] = {ISO_METHOD_EXACT,   ISO_METHOD_POINTS, ISO_METHOD_PULLPUSH,
+                                          ISO_METHOD_DISCS,   ISO_METHOD_SPLATS, ISO_METHOD_MESH,
+                                          ISO_METHOD_RAYCAST, ISO_METHOD_HYBRID};
+    enum { FAMILIES = sizeof families / sizeof *families };
+    int last = FAMILIES - 1;
+    while (last > 0 && !family_can(families[last], capability)) last--;
+    *text = 0;
+    for (int i = 0; i <= last; i++)
+        if (family_can(families[i], capability))
+            append(text, iso_renderer_get(families[i])->name, i == last, " and ");
+    return text;
+}
+
+const char *iso_method_reconstructions(iso_method family, char text[ISO_METHODS_TEXT]) {
+    const iso_renderer *usual = iso_renderer_get(family), *last = usual;
+    *text = 0;
+    if (!usual->reconstruction) return text;
+    for (size_t i = 0; row(i); i++)
+        if (row(i)->family == family) last = row(i) == usual ? last : row(i);
+    append(text, usual->reconstruction, usual == last, " or ");
+    for (size_t i = 0; row(i); i++)
+        if (row(i)->family == family && row(i) != usual)
+            append(text, row(i)->reconstruction, row(i) == last, " or ");
+    return text;
+}
+
+/* ---- names */
 
 int iso_method_samples(iso_method method) {
     return method == ISO_METHOD_EXACT ? 4 : 1;

@@ -5,10 +5,29 @@
 
 #include "scene/surface.h"
 
+/* What a method can do beside drawing opaque surfaces with the cpu engine: bits of iso_renderer.can, from which
+ * follow what is refused and the words that name who can do it. */
+typedef enum iso_capability {
+    ISO_CAN_LAYERS = 1 << 0,        /* translucent surfaces, with all their layers */
+    ISO_CAN_OBJECT_LAYERS = 1 << 1, /* translucent lines, glyphs and meshes of files */
+    ISO_CAN_ABSORPTION = 1 << 2,    /* opacity by the thickness of the solid */
+    ISO_CAN_GLASS = 1 << 3,
+    ISO_CAN_LEVELS = 1 << 4,    /* levels of detail of points */
+    ISO_CAN_SELECTION = 1 << 5, /* leaves out points that are hidden */
+    ISO_CAN_INSTANCES = 1 << 6,
+    ISO_CAN_PYRAMID = 1 << 7, /* has an image pyramid, which lines and triangles can share */
+    ISO_CAN_CHUNKS = 1 << 8,  /* draws volumes that are larger than memory, and parts of a picture */
+    ISO_CAN_GL = 1 << 9       /* the gl engine has it, too */
+} iso_capability;
+
 typedef struct iso_renderer {
     iso_method method;
-    const char *name, *title; /* title: a few words, for reports */
-    unsigned needs;           /* bits 1 << iso_part */
+    const char *name, *title;   /* title: a few words, for reports */
+    iso_method family;          /* the method of isorender's --method, */
+    const char *reconstruction; /* and its --reconstruction; NULL: there is only one */
+    iso_reconstruction kind; /* how points are drawn by iso_draw_pullpush and iso_placed_draw, if they are */
+    unsigned needs;          /* bits 1 << iso_part */
+    unsigned can;            /* bits iso_capability */
     /* Draws into the target's gbuffer, like iso_draw_points. The needed parts must exist and be up to date.
      */
     iso_status (*draw)(const iso_scene_surface *surface, const iso_target *target, iso_error *error);
@@ -22,6 +41,22 @@ const iso_renderer *iso_renderer_truth(void);
 /* The renderer of any method, also the reference and those that are not compared; NULL when there is no such
  * method. */
 const iso_renderer *iso_renderer_get(iso_method method);
+
+/* The renderer of a family with a reconstruction (NULL: its usual one); NULL: it has none of that name. */
+const iso_renderer *iso_renderer_find(iso_method family, const char *reconstruction);
+
+enum { ISO_METHODS_TEXT = 128 };
+/* Writes which families can do something, as "exact, splats and raycast"; returns `text`. */
+const char *iso_methods_that_can(iso_capability capability, char text[ISO_METHODS_TEXT]);
+/* Writes the reconstructions of a family, as "gaussian or box", "" if there is only one; returns `text`. */
+const char *iso_method_reconstructions(iso_method family, char text[ISO_METHODS_TEXT]);
+/* Whether a method draws flat discs or groups of discs, whose layers are the same. */
+static inline bool iso_method_is_splats(iso_method method) {
+    return method == ISO_METHOD_SPLATS || method == ISO_METHOD_SPLATS_FLAT;
+}
+
+/* Whether a method can do it. */
+bool iso_method_can(iso_method method, iso_capability capability);
 
 /* Samples a pixel of opaque pictures when nobody says how many: 4 by exact, whose edges they smooth for less
  * than twice its time, else 1. */

@@ -2,7 +2,7 @@
 #include "scene/surface.h"
 
 #include <assert.h>
-#include <string.h>
+#include <math.h>
 
 #include "base/coverage.h"
 #include "base/memory.h"
@@ -17,7 +17,7 @@ static iso_status make_points(iso_scene_surface *surface, iso_error *error) {
                                   .floats = surface->floats,
                                   .curvature = !surface->flat,
                                   .pool = surface->pool};
-    return iso_point_set_create(surface->grid, &opts, &surface->points, error);
+    return iso_point_set_create(&surface->grid, &opts, &surface->points, error);
 }
 
 static iso_status update_points(iso_scene_surface *surface, iso_error *error) {
@@ -28,28 +28,28 @@ static iso_status update_points(iso_scene_surface *surface, iso_error *error) {
 
 static iso_status update_mesh(iso_scene_surface *surface, iso_error *error) {
     iso_mesh_opts opts = {.isovalue = surface->isovalue, .pool = surface->pool};
-    if (!surface->mesh) ISO_TRY(iso_mesh_set_create(surface->grid, &opts, &surface->mesh, error));
+    if (!surface->mesh) ISO_TRY(iso_mesh_set_create(&surface->grid, &opts, &surface->mesh, error));
     return iso_mesh_set_update(surface->mesh, error);
 }
 
 static iso_status update_cells(iso_scene_surface *surface, iso_error *error) {
     iso_exact_opts opts = {.isovalue = surface->isovalue, .pool = surface->pool};
-    if (!surface->exact) ISO_TRY(iso_exact_create(surface->grid, &opts, &surface->exact, error));
+    if (!surface->exact) ISO_TRY(iso_exact_create(&surface->grid, &opts, &surface->exact, error));
     return iso_exact_update(surface->exact, error);
 }
 
 /* Creates the ray caster again, because it does not follow edits. */
 static iso_status update_caster(iso_scene_surface *surface, iso_error *error) {
-    const uint64_t now = iso_change_log_now(iso_grid_log(surface->grid));
+    const uint64_t now = iso_change_log_now(iso_grid_log(&surface->grid));
     if (surface->caster && surface->caster_edit == now) return ISO_OK;
     iso_raycaster_destroy(surface->caster);
     surface->caster = NULL;
     surface->caster_edit = now;
-    return iso_raycaster_create(surface->grid, surface->isovalue, surface->pool, &surface->caster, error);
+    return iso_raycaster_create(&surface->grid, surface->isovalue, surface->pool, &surface->caster, error);
 }
 
 static iso_status update_groups(iso_scene_surface *surface, iso_error *error) {
-    const uint64_t now = iso_change_log_now(iso_grid_log(surface->grid));
+    const uint64_t now = iso_change_log_now(iso_grid_log(&surface->grid));
     const bool sorted = surface->transparency == ISO_TRANSPARENCY_SORTED;
     if (surface->grouped_for != surface->transparency) iso_groups_free(&surface->groups);
     if (surface->groups.group && surface->groups_edit == now) return ISO_OK;
@@ -66,7 +66,7 @@ static iso_status update_groups(iso_scene_surface *surface, iso_error *error) {
     return status;
 }
 
-iso_status iso_scene_surface_update(iso_scene_surface *surface, iso_part part, iso_error *error) {
+static iso_status update_part(iso_scene_surface *surface, iso_part part, iso_error *error) {
     switch (part) {
     case ISO_PART_POINTS:
         return update_points(surface, error);
@@ -85,14 +85,28 @@ iso_status iso_scene_surface_update(iso_scene_surface *surface, iso_part part, i
     return ISO_OK;
 }
 
-void iso_scene_surface_set_isovalue(iso_scene_surface *surface, double isovalue) {
-    surface->isovalue = isovalue;
-    if (surface->points) iso_point_set_isovalue(surface->points, isovalue);
-    if (surface->mesh) iso_mesh_set_isovalue(surface->mesh, isovalue);
-    if (surface->exact) iso_exact_set_isovalue(surface->exact, isovalue);
+/* Tells a part its isovalue, which its update follows. The parts that cannot follow it are freed. */
+static void set_isovalue(iso_scene_surface *surface, iso_part part, double isovalue) {
+    if (part == ISO_PART_POINTS && surface->points) iso_point_set_isovalue(surface->points, isovalue);
+    if (part == ISO_PART_MESH && surface->mesh) iso_mesh_set_isovalue(surface->mesh, isovalue);
+    if (part == ISO_PART_CELLS && surface->exact) iso_exact_set_isovalue(surface->exact, isovalue);
+    if (part == ISO_PART_GROUPS) iso_groups_free(&surface->groups);
+    if (part != ISO_PART_CASTER) return;
     iso_raycaster_destroy(surface->caster);
     surface->caster = NULL;
-    iso_groups_free(&surface->groups);
+}
+
+iso_status iso_scene_surface_update(iso_scene_surface *surface, iso_part part, iso_error *error) {
+    const double isovalue = surface->isovalue;
+    if (surface->isovalues[part] != isovalue) set_isovalue(surface, part, isovalue);
+    surface->isovalues[part] = NAN;
+    ISO_TRY(update_part(surface, part, error));
+    surface->isovalues[part] = isovalue;
+    return ISO_OK;
+}
+
+bool iso_scene_surface_is_at(const iso_scene_surface *surface, iso_part part, double isovalue) {
+    return iso_scene_surface_has(surface, part) && surface->isovalues[part] == isovalue;
 }
 
 iso_status iso_scene_surface_make_levels(iso_scene_surface *surface, iso_error *error) {

@@ -28,11 +28,11 @@ typedef enum iso_part {
     ISO_PART_COUNT
 } iso_part;
 
-/* An isosurface and its parts. The caller sets the members before `points` (grid, pool and workspace are
+/* An isosurface and its parts. The caller sets the members before `points` (the grid, pool and workspace are
  * borrowed) and zeroes the rest; iso_scene_surface_free frees the parts. */
 typedef struct iso_scene_surface {
-    const iso_grid *grid;
-    double isovalue;         /* physical */
+    iso_grid grid;
+    double isovalue;         /* physical; may be changed, which the next update of a part follows */
     iso_pool *pool;          /* or NULL */
     iso_primitive primitive; /* of the points; AUTO: EDGE, with which pictures of points are best */
     bool bounded; /* also compute the bounds of points (iso_point_set_bound), which lets drawing skip
@@ -54,7 +54,8 @@ typedef struct iso_scene_surface {
     iso_exact *exact;
     iso_raycaster *caster;
     iso_groups groups;
-    iso_transparency grouped_for; /* what the groups were made for */
+    iso_transparency grouped_for;     /* what the groups were made for */
+    double isovalues[ISO_PART_COUNT]; /* with which each part was computed last; NAN: not yet as a whole */
     /* the number of the grid's last edit when the caster and the groups were computed */
     uint64_t caster_edit, groups_edit;
     iso_lod lod; /* levels of detail of the points; without levels before iso_scene_surface_make_levels */
@@ -64,11 +65,9 @@ typedef struct iso_scene_surface {
 /* Computes a part unless it exists; an existing part is not updated. ISO_ERR_NOMEM, and the errors of
  * extraction. */
 iso_status iso_scene_surface_prepare(iso_scene_surface *surface, iso_part part, iso_error *error);
-/* Computes a part, or brings an existing one up to date with the grid's edits. Errors as iso_scene_surface_prepare.
+/* Computes a part, or brings an existing one up to date with the isovalue and the grid's edits. Errors as iso_scene_surface_prepare.
  */
 iso_status iso_scene_surface_update(iso_scene_surface *surface, iso_part part, iso_error *error);
-/* Sets the isovalue of all parts; the next update computes them again. */
-void iso_scene_surface_set_isovalue(iso_scene_surface *surface, double isovalue);
 /* Makes levels of detail of the points, or brings them up to date. ISO_ERR_NOMEM; ISO_ERR_LIMIT as
  * iso_lod_update. */
 iso_status iso_scene_surface_make_levels(iso_scene_surface *surface, iso_error *error);
@@ -77,6 +76,8 @@ static inline bool iso_scene_surface_uses_levels(const iso_scene_surface *surfac
     return surface->lod.count && surface->lod_pixels > 0;
 }
 bool iso_scene_surface_has(const iso_scene_surface *surface, iso_part part);
+/* Whether a part was computed with this isovalue. */
+bool iso_scene_surface_is_at(const iso_scene_surface *surface, iso_part part, double isovalue);
 void iso_scene_surface_free(iso_scene_surface *surface);
 
 const char *iso_part_name(iso_part part); /* "points", "mesh", "cells", ... */

@@ -321,7 +321,7 @@ static iso_status turn_all(session *s, iso_error *error) {
 static iso_status run_entry(state *st, const entry *e, iso_error *error) {
     session s = {.state = st, .name = e->name};
     ISO_TRY(open_entry(e, st->pool, &s.grid, &s.surface.isovalue, error));
-    s.surface.grid = &s.grid;
+    s.surface.grid = s.grid;
     s.surface.pool = st->pool;
     s.surface.bounded = true; /* as every program draws surfaces: hidden sides of closed ones are left out */
     iso_status status = prepare(&s, error);

@@ -189,7 +189,7 @@ static void all_pictures(golden_table *table, const surface *s) {
 static void all_rows(golden_table *table, surface *s) {
     iso_error error = {0};
     for (int i = 0; i < SURFACES; i++) {
-        s->surfaces[i] = (iso_scene_surface){.grid = &s->grid, .isovalue = s->isovalues[i], .pool = s->pool};
+        s->surfaces[i] = (iso_scene_surface){.grid = s->grid, .isovalue = s->isovalues[i], .pool = s->pool};
         for (int part = 0; part < ISO_PART_COUNT; part++)
             golden_check(iso_scene_surface_prepare(&s->surfaces[i], (iso_part)part, &error), &error);
     }

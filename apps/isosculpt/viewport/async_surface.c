@@ -6,11 +6,11 @@
 
 #include "base/memory.h"
 
-/* A background thread and its work. While it runs, the parts of the viewport that it makes are its own. */
+/* A background thread and its work. While it runs, the parts of the viewport that it computes are its own. */
 struct isosculpt_async_surface {
     isosculpt_task *task;
-    isosculpt_viewport *viewport;
-    double isovalues[ISOSCULPT_PARTS];
+    iso_scene_surface surface,
+        second;     /* copies of the viewport's, which takes over what has become of them */
     unsigned parts; /* bits 1 << iso_part, or 1 << ISOSCULPT_PART_SECOND */
 };
 
@@ -22,59 +22,34 @@ iso_part isosculpt_method_part(iso_method method) {
     return needs & 1u << ISO_PART_CELLS ? ISO_PART_CELLS : ISO_PART_POINTS;
 }
 
+static iso_part kind_of(int part) {
+    return part == ISOSCULPT_PART_SECOND ? ISO_PART_CELLS : (iso_part)part;
+}
+
+static iso_scene_surface *surface_of(isosculpt_viewport *viewport, int part) {
+    return part == ISOSCULPT_PART_SECOND ? &viewport->second : &viewport->surface;
+}
+
+static void count_points(isosculpt_viewport *viewport, int part) {
+    if (part == ISO_PART_POINTS) viewport->point_count = iso_point_set_stats(viewport->surface.points).points;
+}
+
 static double part_isovalue(const isosculpt_viewport *viewport, int part) {
     return part == ISOSCULPT_PART_SECOND ? viewport->see_through.second_isovalue : viewport->isovalue;
 }
 
 bool isosculpt_async_surface_has(const isosculpt_viewport *viewport, int part) {
-    return viewport->lod && viewport->surface_isovalues[part] == part_isovalue(viewport, part);
-}
-
-static iso_status create_part(isosculpt_viewport *viewport, int part, iso_error *error) {
-    iso_pool *pool = viewport->lod ? viewport->async_surface_pool : viewport->pool;
-    const double isovalue = part_isovalue(viewport, part);
-    const iso_points_opts points = {.isovalue = isovalue, .pool = pool};
-    const iso_mesh_opts mesh = {.isovalue = isovalue, .pool = pool};
-    const iso_exact_opts exact = {.isovalue = isovalue, .pool = pool};
-    if (part == ISO_PART_POINTS && !viewport->points)
-        return iso_point_set_create(&viewport->grid, &points, &viewport->points, error);
-    if (part == ISO_PART_MESH && !viewport->mesh)
-        return iso_mesh_set_create(&viewport->grid, &mesh, &viewport->mesh, error);
-    if (part == ISO_PART_CELLS && !viewport->exact)
-        return iso_exact_create(&viewport->grid, &exact, &viewport->exact, error);
-    if (part == ISOSCULPT_PART_SECOND && !viewport->second)
-        return iso_exact_create(&viewport->grid, &exact, &viewport->second, error);
-    return ISO_OK;
-}
-
-static iso_status update_part(const isosculpt_viewport *viewport, int part, double isovalue,
-                              iso_error *error) {
-    if (part == ISO_PART_MESH) {
-        iso_mesh_set_isovalue(viewport->mesh, isovalue);
-        return iso_mesh_set_update(viewport->mesh, error);
-    }
-    if (part == ISO_PART_CELLS || part == ISOSCULPT_PART_SECOND) {
-        iso_exact *exact = part == ISO_PART_CELLS ? viewport->exact : viewport->second;
-        iso_exact_set_isovalue(exact, isovalue);
-        return iso_exact_update(exact, error);
-    }
-    iso_point_set_isovalue(viewport->points, isovalue);
-    return iso_point_set_update(viewport->points, error);
-}
-
-static void record_part(isosculpt_viewport *viewport, int part, double isovalue) {
-    viewport->surface_isovalues[part] = isovalue;
-    if (part == ISO_PART_POINTS) viewport->point_count = iso_point_set_stats(viewport->points).points;
+    const iso_scene_surface *surface = part == ISOSCULPT_PART_SECOND ? &viewport->second : &viewport->surface;
+    return viewport->lod && iso_scene_surface_is_at(surface, kind_of(part), part_isovalue(viewport, part));
 }
 
 iso_status isosculpt_async_surface_update(isosculpt_viewport *viewport, int part, iso_error *error) {
-    const double isovalue = part_isovalue(viewport, part);
     if (isosculpt_async_surface_has(viewport, part)) return ISO_OK;
     isosculpt_async_surface_wait(viewport);
-    ISO_TRY(create_part(viewport, part, error));
-    viewport->surface_isovalues[part] = NAN;
-    ISO_TRY(update_part(viewport, part, isovalue, error));
-    record_part(viewport, part, isovalue);
+    iso_scene_surface *surface = surface_of(viewport, part);
+    surface->isovalue = part_isovalue(viewport, part);
+    ISO_TRY(iso_scene_surface_update(surface, kind_of(part), error));
+    count_points(viewport, part);
     return ISO_OK;
 }
 
@@ -82,10 +57,11 @@ iso_status isosculpt_async_surface_update(isosculpt_viewport *viewport, int part
 
 static iso_status update_parts(void *context, const iso_progress *progress, iso_error *error) {
     (void)progress;
-    const isosculpt_async_surface *async = context;
+    isosculpt_async_surface *async = context;
     for (int part = 0; part < ISOSCULPT_PARTS; part++)
         if (async->parts >> part & 1)
-            ISO_TRY(update_part(async->viewport, part, async->isovalues[part], error));
+            ISO_TRY(iso_scene_surface_update(part == ISOSCULPT_PART_SECOND ? &async->second : &async->surface,
+                                             kind_of(part), error));
     return ISO_OK;
 }
 
@@ -94,10 +70,14 @@ void isosculpt_async_surface_wait(isosculpt_viewport *viewport) {
     if (!async) return;
     viewport->async_surface = NULL;
     const iso_status status = isosculpt_task_finish(async->task, NULL);
+    viewport->surface = async->surface;
+    viewport->second = async->second;
     for (int part = 0; part < ISOSCULPT_PARTS && status == ISO_OK; part++)
-        if (async->parts >> part & 1) record_part(viewport, part, async->isovalues[part]);
-    for (int i = 0; i < 2 && status != ISO_OK; i++)
-        viewport->failed_isovalues[i] = async->isovalues[i ? ISOSCULPT_PART_SECOND : ISO_PART_CELLS];
+        if (async->parts >> part & 1) count_points(viewport, part);
+    if (status != ISO_OK) {
+        viewport->failed_isovalues[0] = async->surface.isovalue;
+        viewport->failed_isovalues[1] = async->second.isovalue;
+    }
     iso_free(async);
 }
 
@@ -136,26 +116,21 @@ bool isosculpt_viewport_is_ready(isosculpt_viewport *viewport) {
     return !viewport->lod || has_failed(viewport) || !missing_parts(viewport);
 }
 
-static iso_status start_update(isosculpt_viewport *viewport, isosculpt_async_surface *async,
-                               void (*wake)(void), iso_error *error) {
-    for (int part = 0; part < ISOSCULPT_PARTS; part++)
-        if (async->parts >> part & 1) {
-            ISO_TRY(create_part(viewport, part, error));
-            viewport->surface_isovalues[part] = NAN;
-        }
-    return isosculpt_task_start(update_parts, async, wake, &async->task, error);
-}
-
 iso_status isosculpt_viewport_prepare(isosculpt_viewport *viewport, void (*wake)(void), iso_error *error) {
     if (isosculpt_viewport_is_preparing(viewport) || isosculpt_viewport_is_ready(viewport)) return ISO_OK;
     isosculpt_async_surface *async = iso_alloc_zero(1, sizeof *async);
     if (!async) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a task");
-    *async = (isosculpt_async_surface){.viewport = viewport, .parts = missing_parts(viewport)};
-    for (int part = 0; part < ISOSCULPT_PARTS; part++) async->isovalues[part] = part_isovalue(viewport, part);
-    iso_status status = start_update(viewport, async, wake, error);
-    if (status == ISO_OK)
-        viewport->async_surface = async;
-    else
+    viewport->surface.isovalue = viewport->isovalue;
+    viewport->second.isovalue = viewport->see_through.second_isovalue;
+    *async = (isosculpt_async_surface){
+        .surface = viewport->surface, .second = viewport->second, .parts = missing_parts(viewport)};
+    const iso_status status = isosculpt_task_start(update_parts, async, wake, &async->task, error);
+    if (status != ISO_OK) {
         iso_free(async);
-    return status;
+        return status;
+    }
+    viewport->async_surface = async;
+    for (int part = 0; part < ISOSCULPT_PARTS; part++)
+        if (async->parts >> part & 1) surface_of(viewport, part)->isovalues[kind_of(part)] = NAN;
+    return ISO_OK;
 }

@@ -42,16 +42,13 @@ static iso_status extract_part(isosculpt_viewport *viewport, iso_part part, bool
 static iso_status draw_surface(isosculpt_viewport *viewport, iso_method method, const iso_target *target,
                                iso_error *error) {
     iso_gbuffer_clear_bands(target->gbuffer, viewport->pool);
-    if (method == ISO_METHOD_EXACT) return iso_draw_exact(target, viewport->exact, error);
-    if (method == ISO_METHOD_MESH) {
-        ISO_TRY(iso_mesh_set_bound(viewport->mesh, error)); /* spans that face away are not drawn */
-        iso_mesh_view mesh = iso_mesh_set_view(viewport->mesh);
-        return iso_draw_mesh(target, &mesh, error);
-    }
-    iso_point_view points = iso_point_set_view(viewport->drawn_points);
-    const iso_pullpush_opts opts = {isosculpt_reconstruction(method), .workspace = viewport->workspace};
-    return method == ISO_METHOD_POINTS ? iso_draw_points(target, &points, error)
-                                       : iso_draw_pullpush(target, &points, &opts, error);
+    if (method == ISO_METHOD_MESH) /* spans that face away are not drawn */
+        ISO_TRY(iso_mesh_set_bound(viewport->surface.mesh, error));
+    iso_scene_surface surface = viewport->surface; /* borrows the parts, and draws other points perhaps */
+    const iso_point_view points =
+        viewport->drawn_points ? iso_point_set_view(viewport->drawn_points) : (iso_point_view){0};
+    surface.given = viewport->drawn_points ? &points : NULL;
+    return iso_renderer_get(method)->draw(&surface, target, error);
 }
 
 static void shade_strip(isosculpt_viewport *viewport, const iso_strip *strip, iso_image *image) {
@@ -154,7 +151,7 @@ static iso_status draw_canvas(isosculpt_viewport *viewport, iso_method method, i
     const iso_view samples = iso_view_scaled(&viewport->drawn.view, factor);
     iso_gl_canvas *canvas;
     if (method == ISO_METHOD_MESH) {
-        iso_mesh_view mesh = iso_mesh_set_view(viewport->mesh);
+        iso_mesh_view mesh = iso_mesh_set_view(viewport->surface.mesh);
         ISO_TRY(isosculpt_gl_draw_mesh(viewport->gl, &mesh, &samples, &paint, &canvas, error));
     } else {
         iso_point_view points = iso_point_set_view(viewport->drawn_points);
@@ -309,7 +306,7 @@ static void adapt_moving_factor(isosculpt_viewport *viewport, bool layers, doubl
 
 /* Chooses the points to draw. OpenGL's buffers hold only one set of points. */
 static void choose_points(isosculpt_viewport *viewport, bool quick) {
-    const iso_point_set *points = quick ? isosculpt_lod_points(viewport->lod) : viewport->points;
+    const iso_point_set *points = quick ? isosculpt_lod_points(viewport->lod) : viewport->surface.points;
     if (points != viewport->drawn_points) isosculpt_gl_release_buffers(viewport->gl);
     viewport->drawn_points = points;
 }

@@ -27,9 +27,8 @@ iso_method isosculpt_viewport_method(const isosculpt_viewport *viewport) {
 
 /* ---- with all layers */
 
-/* The surfaces of a picture, as arguments for methods/layers.h. */
+/* The surfaces of a picture, as arguments for scene/layers.h. */
 typedef struct surfaces {
-    iso_scene_surface scene[SURFACES];
     iso_layered_surface layered[SURFACES];
     iso_rgb colors[SURFACES];
     iso_shading shading;
@@ -39,11 +38,9 @@ typedef struct surfaces {
 static void list_surfaces(const isosculpt_viewport *viewport, surfaces *s) {
     const isosculpt_see_through *how = &viewport->see_through;
     const int count = isosculpt_viewport_has_second(viewport) ? SURFACES : 1;
-    *s = (surfaces){.scene = {{.exact = viewport->exact}, {.exact = viewport->second}},
-                    .layered = {{.translucency = {.opacity = (float)how->opacity}},
-                                {.translucency = {.opacity = (float)how->second_opacity}}},
+    *s = (surfaces){.layered = {{&viewport->surface, {.opacity = (float)how->opacity}},
+                                {&viewport->second, {.opacity = (float)how->second_opacity}}},
                     .colors = {viewport->mode.material.color, how->second_color}};
-    for (int i = 0; i < count; i++) s->layered[i].surface = &s->scene[i];
     s->shading = (iso_shading){
         .colors = s->colors, .color_count = count, .background = viewport->mode.material.background};
     s->picture = (iso_layered_picture){.method = ISO_METHOD_EXACT,

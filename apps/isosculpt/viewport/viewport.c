@@ -47,7 +47,6 @@ iso_status isosculpt_viewport_init(isosculpt_viewport *viewport, iso_hgrid *grid
 }
 
 static iso_status create_lod(isosculpt_viewport *viewport, iso_error *error) {
-    for (int part = 0; part < ISOSCULPT_PARTS; part++) viewport->surface_isovalues[part] = NAN;
     viewport->failed_isovalues[0] = viewport->failed_isovalues[1] = NAN;
     ISO_TRY(iso_pool_create(iso_pool_threads(viewport->pool), &viewport->async_surface_pool, error));
     return isosculpt_lod_create(viewport->grid.rgrid, viewport->isovalue, viewport->pool, &viewport->lod,
@@ -66,8 +65,14 @@ iso_status isosculpt_viewport_init_grid(isosculpt_viewport *viewport, const iso_
     viewport->isovalue = viewport->drawn_isovalue = isovalue;
     viewport->camera.view_angle = 30;
     iso_status status = grid->rgrid ? create_lod(viewport, error) : ISO_OK;
-    if (status == ISO_OK) status = isosculpt_async_surface_update(viewport, ISO_PART_POINTS, error);
     if (status == ISO_OK) status = iso_pullpush_create(&viewport->workspace, error);
+    viewport->surface = viewport->second =
+        (iso_scene_surface){.grid = viewport->grid,
+                            .pool = viewport->lod ? viewport->async_surface_pool : pool,
+                            .primitive = iso_primitive_auto(grid, isovalue),
+                            .flat = true,
+                            .workspace = viewport->workspace};
+    if (status == ISO_OK) status = isosculpt_async_surface_update(viewport, ISO_PART_POINTS, error);
     if (status == ISO_OK)
         isosculpt_viewport_set_direction(viewport, ISO_FRONT);
     else
@@ -79,10 +84,8 @@ void isosculpt_viewport_free(isosculpt_viewport *viewport) {
     isosculpt_async_surface_wait(viewport);
     isosculpt_gl_release_buffers(viewport->gl);
     isosculpt_lod_destroy(viewport->lod);
-    iso_point_set_destroy(viewport->points);
-    iso_mesh_set_destroy(viewport->mesh);
-    iso_exact_destroy(viewport->exact);
-    iso_exact_destroy(viewport->second);
+    iso_scene_surface_free(&viewport->surface);
+    iso_scene_surface_free(&viewport->second);
     iso_pullpush_destroy(viewport->workspace);
     iso_gbuffer_free(&viewport->drawn.gbuffer);
     iso_gbuffer_free(&viewport->pick_buffer.gbuffer);
@@ -100,7 +103,7 @@ void isosculpt_viewport_set_isovalue(isosculpt_viewport *viewport, double isoval
 }
 
 size_t isosculpt_viewport_point_count(const isosculpt_viewport *viewport) {
-    return viewport->lod ? viewport->point_count : iso_point_set_stats(viewport->points).points;
+    return viewport->lod ? viewport->point_count : iso_point_set_stats(viewport->surface.points).points;
 }
 
 /* ---- picking */
@@ -229,7 +232,7 @@ iso_box isosculpt_viewport_bounds(isosculpt_viewport *viewport) {
     /* Other methods do not update a field's points. Without memory for new points the old ones are used. */
     if (!viewport->lod) isosculpt_async_surface_update(viewport, ISO_PART_POINTS, NULL);
     iso_point_view points =
-        iso_point_set_view(viewport->lod ? isosculpt_lod_points(viewport->lod) : viewport->points);
+        iso_point_set_view(viewport->lod ? isosculpt_lod_points(viewport->lod) : viewport->surface.points);
     const iso_affine affine = iso_transform_affine(&points.transform);
     iso_box box = iso_point_view_bounds(&points);
     if (iso_box_is_empty(&box)) {

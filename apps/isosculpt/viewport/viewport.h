@@ -120,26 +120,22 @@ typedef struct isosculpt_viewport {
     iso_pool *pool;     /* borrowed */
     isosculpt_gl *gl;   /* borrowed; NULL: the cpu engine draws all pictures */
     iso_error gl_error; /* why drawing fell back from OpenGL to the cpu engine; text[0] == 0: it did not */
-    iso_point_set *points;
-    iso_mesh_set *mesh;
-    iso_exact *exact;
-    iso_exact *second; /* the second isosurface; NULL: not needed yet */
+    iso_scene_surface surface;
+    iso_scene_surface second; /* the second isosurface, of which there are only cells */
     iso_pullpush *workspace;
     isosculpt_matcap matcap;
 
     /* For volumes only. Until the surface of the current isovalue is extracted, by a background thread, the
      * points of `lod` are drawn. */
-    isosculpt_lod *lod;                        /* NULL: the grid is a field */
-    isosculpt_async_surface *async_surface;    /* the surface that is being extracted; NULL: none */
-    iso_pool *async_surface_pool;              /* the background thread's, owned */
-    double surface_isovalues[ISOSCULPT_PARTS]; /* isovalue of each part when it was last extracted; NAN: not
-                                                  yet */
+    isosculpt_lod *lod;                     /* NULL: the grid is a field */
+    isosculpt_async_surface *async_surface; /* the surface that is being extracted; NULL: none */
+    iso_pool *async_surface_pool;           /* the background thread's, owned */
     double failed_isovalues[2]; /* isovalues at which the background thread failed, of the first and the
                                    second surface: drawing tries again and returns the error; NAN: none */
     size_t point_count;         /* of the points as last extracted */
 
     const iso_point_set
-        *drawn_points; /* borrowed: `points`, or those of `lod`; the only set in OpenGL's buffers */
+        *drawn_points; /* borrowed: those of `surface` or of `lod`; the only set in OpenGL's buffers */
 
     isosculpt_pick_buffer drawn;       /* samples of the last picture */
     isosculpt_pick_buffer pick_buffer; /* of the picture that the current stroke began on */

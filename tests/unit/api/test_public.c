@@ -252,7 +252,7 @@ static iso_status draw_privately(void *context, const iso_view *view, iso_gbuffe
 /* What the modules below draw of the array. */
 static iso_image render_privately(float *values, iso_method method, int samples) {
     iso_grid grid = private_grid(values);
-    iso_scene_surface scene = {.grid = &grid, .isovalue = ISOVALUE, .bounded = true};
+    iso_scene_surface scene = {.grid = grid, .isovalue = ISOVALUE, .bounded = true};
     const iso_renderer *renderer = iso_renderer_get(method);
     for (int part = 0; part < ISO_PART_COUNT; part++)
         if (renderer->needs & 1u << part)

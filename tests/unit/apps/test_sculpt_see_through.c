@@ -101,7 +101,7 @@ static void check_rest(isosculpt_viewport *view, iso_rgrid *volume) {
     iso_image image;
     for (int i = 0; i < s.count; i++) {
         s.parts[i] =
-            (iso_scene_surface){.grid = &s.grid, .isovalue = i ? how->second_isovalue : view->isovalue};
+            (iso_scene_surface){.grid = s.grid, .isovalue = i ? how->second_isovalue : view->isovalue};
         s.surfaces[i].surface = &s.parts[i];
         s.surfaces[i].translucency.opacity =
             view->opaque ? 1 : (float)(i ? how->second_opacity : how->opacity);

@@ -131,7 +131,7 @@ static void test_fine_picture(void **state) {
                                          .color_count = 1,
                                          .background = view.mode.material.background},
                              .draw = draw_exact,
-                             .draw_context = view.exact};
+                             .draw_context = view.surface.exact};
     assert_int_equal(iso_picture_render(&opts, &image, NULL, NULL), ISO_OK);
     assert_memory_equal(view.image.rgba, image.rgba, (size_t)WIDTH * HEIGHT * 4);
     iso_image_free(&image);

@@ -125,7 +125,7 @@ static void open_scene(fixture *f, const char *name) {
     memset(f, 0, sizeof *f);
     iso_scene_opts opts = {.size = 32};
     assert_int_equal(iso_scene_create(name, &opts, &f->grid, &f->surface.isovalue, NULL), ISO_OK);
-    f->surface.grid = &f->grid;
+    f->surface.grid = f->grid;
     for (int part = 0; part < ISO_PART_COUNT; part++) {
         assert_false(iso_scene_surface_has(&f->surface, (iso_part)part));
         assert_int_equal(iso_scene_surface_prepare(&f->surface, (iso_part)part, NULL), ISO_OK);

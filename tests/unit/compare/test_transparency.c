@@ -29,7 +29,7 @@ typedef struct fixture {
 /* Takes f->grid and f->surface.isovalue. */
 static void prepare(fixture *f, iso_pool *pool) {
     const iso_part parts[] = {ISO_PART_MESH, ISO_PART_POINTS, ISO_PART_CELLS, ISO_PART_CASTER};
-    f->surface.grid = &f->grid;
+    f->surface.grid = f->grid;
     f->surface.pool = pool;
     for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
         assert_int_equal(iso_scene_surface_prepare(&f->surface, parts[i], NULL), ISO_OK);

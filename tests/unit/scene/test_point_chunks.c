@@ -85,7 +85,7 @@ static iso_status draw_whole(void *context, const iso_view *view, iso_gbuffer *g
 
 static void render_whole(const iso_grid *grid, double isovalue, iso_method method, const iso_camera *camera,
                          iso_image *image) {
-    whole_draw whole = {{.grid = grid, .isovalue = isovalue, .bounded = true}, iso_renderer_get(method)};
+    whole_draw whole = {{.grid = *grid, .isovalue = isovalue, .bounded = true}, iso_renderer_get(method)};
     iso_picture_opts opts = opts_of(camera, NULL);
     opts.draw = draw_whole;
     opts.draw_context = &whole;
@@ -154,7 +154,7 @@ static void check_bounds(const iso_grid *grid, iso_chunk_walk *walk, double isov
     const iso_affine *const affines[] = {NULL, &affine};
     iso_box boxes[2], points_box;
     iso_chunk_bounds bounds = {{1, 1}, affines, 2, boxes, 0};
-    iso_scene_surface surface = {.grid = grid, .isovalue = isovalue, .bounded = true};
+    iso_scene_surface surface = {.grid = *grid, .isovalue = isovalue, .bounded = true};
     assert_int_equal(iso_scene_surface_prepare(&surface, ISO_PART_CELLS, NULL), ISO_OK);
     assert_int_equal(iso_scene_surface_prepare(&surface, ISO_PART_POINTS, NULL), ISO_OK);
     assert_int_equal(iso_exact_chunks_bounds(walk, &bounds, NULL), ISO_OK);
