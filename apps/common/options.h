@@ -48,7 +48,8 @@ enum {
                                       the option's extension; an ISO_OPTION_INT is 1 without */
     ISO_OPTION_REPEATABLE = 4,     /* shown in the help; the option's kind or `apply` collects the values */
     ISO_OPTION_UNRECORDED = 8,     /* affects how the program runs, but not its result */
-    ISO_OPTION_PERCENT = 16        /* an ISO_OPTION_REAL may be given as 150% for 1.5 */
+    ISO_OPTION_PERCENT = 16,       /* an ISO_OPTION_REAL may be given as 150% for 1.5 */
+    ISO_OPTION_READS = 32          /* the value is the path of a file that is read */
 };
 
 typedef struct iso_option {

@@ -33,6 +33,8 @@ void iso_settings_record_option(void *target, const iso_option *option, const ch
     iso_common_settings *settings = target;
     if (option->flags & ISO_OPTION_UNRECORDED) return;
     char text[512];
+    const char *slash = value && option->flags & ISO_OPTION_READS ? strrchr(value, '/') : NULL;
+    if (slash) value = slash + 1; /* the same picture is the same file, whatever folder its inputs are in */
     const int length =
         snprintf(text, sizeof text, " --%s%s%s", option->name, value ? "=" : "", value ? value : "");
     const size_t used = strlen(settings->record);

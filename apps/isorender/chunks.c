@@ -499,9 +499,11 @@ iso_status isorender_chunks_write_part(isorender_job *job, iso_error *error) {
     file.texts[ISO_KEY_TITLE] = job->plan->model;
     file.texts[ISO_KEY_COMMENT] = labels.command;
     file.texts[ISO_KEY_DESCRIPTION] = labels.isovalues[0] ? labels.isovalues : NULL;
+    file.texts[ISO_KEY_SCENE] = labels.scene;
     iso_status status = draw_keys(job, &job->camera, &file.style.base, &file.keys, error);
     if (status == ISO_OK) status = iso_key_file_write(job->plan->image, &file, error);
     iso_key_image_free(&file.keys);
+    isorender_labels_free(&labels);
     if (status == ISO_OK) job->frames_written = 1;
     return status;
 }

@@ -1,9 +1,12 @@
 /* isorender: any volume file to a correct picture of its isosurface, in one command. */
+#define _GNU_SOURCE /* asprintf */
 #include <stdlib.h>
+#include <string.h>
 
 #include "apps/isorender/isorender.h"
 #include "apps/isorender/merge.h"
 #include "apps/isorender/ranks.h"
+#include "apps/isorender/scene_file.h"
 #include "base/memory.h"
 
 static int fail(const iso_error *error, iso_status status) {
@@ -110,6 +113,7 @@ static iso_status perform(isorender_settings *settings, int *code, iso_error *er
     ISO_TRY(iso_settings_print_help(&settings->common, isorender_program(), &helped, error));
     if (helped) return ISO_OK;
     if (settings->common.action == ISORENDER_ACTION_LIST_BACKENDS) return list_backends(settings, error);
+    if (settings->common.action == ISORENDER_ACTION_SCHEMA) return isorender_scene_print_schema(error);
     if (settings->merge) return isorender_merge(settings, error);
     return render_with_ranks(settings, code, error);
 }
@@ -126,7 +130,20 @@ static iso_status join_ranks(isorender_settings *settings, iso_status parsed, is
     return parsed == ISO_OK ? started : parsed;
 }
 
-static int run_program(int argc, char **argv) {
+/* Remembers which file the options come from. A picture of NAME.json without a name of its own is NAME.png,
+ * which is returned, to be freed. */
+static char *take_scene_path(isorender_settings *settings, const char *path) {
+    const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path, *dot = strrchr(name, '.');
+    char *picture = NULL;
+    settings->scene_file = path;
+    if (dot && strcmp(dot, ".json") == 0 && asprintf(&picture, "%.*s.png", (int)(dot - name), name) < 0)
+        picture = NULL;
+    settings->scene_output = picture;
+    return picture;
+}
+
+/* `path`: of the scene that the command line was made of; or NULL. */
+static int run_command(int argc, char **argv, const char *path) {
     iso_error error = {0};
     isorender_settings settings;
     iso_operands operands = {calloc((size_t)argc + 1, sizeof *operands.values), 0};
@@ -135,12 +152,31 @@ static int run_program(int argc, char **argv) {
                                 iso_fail(&error, ISO_ERR_NOMEM, "out of memory"));
     int code = 0;
     iso_status status = isorender_settings_parse(argc, argv, &settings, &operands, &error);
+    char *picture = path ? take_scene_path(&settings, path) : NULL;
     status = join_ranks(&settings, status, &error);
     if (status == ISO_OK) status = perform(&settings, &code, &error);
     if (status != ISO_OK) code = say(&error, status);
     isorender_ranks_finish(&settings.ranks);
     free(operands.values);
+    free(picture);
     return iso_program_finish(isorender_program(), code);
+}
+
+static int run_program(int argc, char **argv) {
+    iso_error error = {0};
+    isorender_commands scenes;
+    int worst = 0;
+    const iso_status status = isorender_commands_make(argc, argv, &scenes, &error);
+    if (status != ISO_OK && iso_ranks_number_on_node() > 0) error.text[0] = 0; /* the first rank tells it */
+    if (status != ISO_OK) return say(&error, status);
+    if (!scenes.count) return run_command(argc, argv, NULL);
+    for (int i = 0; i < scenes.count; i++) {
+        const isorender_command *scene = &scenes.items[i];
+        const int code = run_command(scene->argc, scene->argv, scene->path);
+        if (!worst) worst = code;
+    }
+    isorender_commands_free(&scenes);
+    return worst;
 }
 
 int main(int argc, char **argv) {

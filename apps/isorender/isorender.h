@@ -225,8 +225,8 @@ iso_camera isorender_camera_of_frame(const isorender_job *job, int frame);
 
 /* ---- solid.c */
 
-/* Makes the scene's grid: without small parts, and closed, as the settings say. ISO_ERR_EMPTY: no part is large
- * enough. */
+/* Makes the scene's grid: without small parts, and closed, as the settings say. ISO_ERR_EMPTY: no part is
+ * large enough. */
 iso_status isorender_solid_prepare(isorender_job *job, isorender_surface *surface, iso_error *error);
 /* Bytes that own_grid of all surfaces will take, for a volume of `dims` voxels in `grid_bytes` bytes. */
 uint64_t isorender_solid_bytes(const isorender_job *job, const int dims[3], uint64_t grid_bytes);

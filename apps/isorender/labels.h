@@ -9,8 +9,10 @@
  * everywhere. */
 typedef struct isorender_labels {
     char software[64], isovalues[512], command[ISO_RECORD_SIZE + 256];
+    char *scene; /* isorender_scene_text; owned, or NULL */
 } isorender_labels;
 void isorender_labels_make(const isorender_job *job, isorender_labels *labels);
+void isorender_labels_free(isorender_labels *labels);
 /* camera.c: the end of the command that the picture's file states: --fit=box if the picture frames the box
  * only because it is drawn in chunks; else nothing. */
 const char *isorender_camera_record(const isorender_job *job);

@@ -10,7 +10,7 @@
 
 static iso_status write_picture(const iso_key_file *file, const iso_image *image, const char *path,
                                 iso_pool *pool, iso_error *error) {
-    static const char *const keys[ISO_KEY_TEXTS] = {"Software", "Title", "Comment", "Description"};
+    static const char *const keys[ISO_KEY_TEXTS] = {"Software", "Title", "Comment", "Description", "Scene"};
     iso_png_text texts[ISO_KEY_TEXTS];
     int count = 0;
     for (int i = 0; i < ISO_KEY_TEXTS; i++)

@@ -238,11 +238,9 @@ static iso_status take_operands(isorender_settings *settings, const iso_operands
 static iso_status check_templates(const isorender_settings *settings, iso_error *error) {
     const struct {
         const char *option, *name;
-    } outputs[] = {{"output", settings->output},
-                   {"json", settings->common.json_path},
-                   {"points", settings->points},
-                   {"mesh", settings->mesh},
-                   {"aov", settings->aov}};
+    } outputs[] = {{"output", settings->output},         {"json", settings->common.json_path},
+                   {"points", settings->points},         {"mesh", settings->mesh},
+                   {"save-scene", settings->save_scene}, {"aov", settings->aov}};
     for (size_t i = 0; settings->input_count > 1 && i < sizeof outputs / sizeof *outputs; i++) {
         const char *name = outputs[i].name, *dot = name ? strrchr(name, '.') : NULL;
         struct stat found;

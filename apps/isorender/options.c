@@ -228,6 +228,12 @@ static iso_status apply_verbose(void *target, const char *value, iso_error *erro
     return ISO_OK;
 }
 
+static iso_status apply_schema(void *target, const char *value, iso_error *error) {
+    (void)value, (void)error;
+    ((isorender_settings *)target)->common.action = ISORENDER_ACTION_SCHEMA;
+    return ISO_OK;
+}
+
 static iso_status apply_list_backends(void *target, const char *value, iso_error *error) {
     (void)value, (void)error;
     ((isorender_settings *)target)->common.action = ISORENDER_ACTION_LIST_BACKENDS;
@@ -309,7 +315,7 @@ static const iso_option options[] = {
     {"environment", NULL, "FILE",
      "what glass reflects and refracts: an equirectangular .exr (linear R G B) or .png; it is also the "
      "background unless --background is given",
-     .group = SURFACE, .standard = "a studio", TEXT(environment)},
+     .group = SURFACE, .standard = "a studio", TEXT(environment), .flags = ISO_OPTION_READS},
     {"attenuation-color", NULL, "COLOR",
      "colour that white light has after --attenuation-distance in the glass (as in KHR_materials_volume)",
      .group = SURFACE, .standard = "FFFFFF", CALL(apply_attenuation_color)},
@@ -356,7 +362,7 @@ static const iso_option options[] = {
      "these columns; drawn as discs, by the cpu. What is out of view or hidden takes no time. --volume, "
      "--lines, "
      "--glyphs and --surface are drawn once, beside them",
-     .group = PICTURE, TEXT(instances)},
+     .group = PICTURE, TEXT(instances), .flags = ISO_OPTION_READS},
     {"method", NULL, "NAME",
      "how the surface is drawn: exact (the trilinear surface itself, at any zoom: choose it for pictures), "
      "mesh (Marching Cubes: to see what --mesh exports, or to compare with other programs), discs (points as "
@@ -531,6 +537,16 @@ static const iso_option options[] = {
      "id.surface, id.element (glyph, line or triangle) and id.segment (of the line) of the nearest sample as "
      "integers: from 1, 0 where there is none",
      .group = OUTPUT, TEXT(aov), UNRECORDED},
+    {"save-scene", NULL, "FILE.json",
+     "write input, options and files of the picture as one JSON object, which isorender FILE.json draws "
+     "again; every PNG holds it too (--again)",
+     .group = OUTPUT, TEXT(save_scene), UNRECORDED},
+    {"again", NULL, "FILE",
+     "draw the picture of a .png or scene again, to the same bytes; options and inputs behind it change it",
+     .group = OUTPUT, .kind = ISO_OPTION_TEXTS, FIELD(again),
+     .flags = ISO_OPTION_REPEATABLE | ISO_OPTION_UNRECORDED},
+    {"schema", NULL, NULL, "print the JSON schema of scenes", .group = OUTPUT, CALL(apply_schema),
+     UNRECORDED},
     {"no-image", "no-render", NULL, "make no picture", .group = OUTPUT, FLAG(no_image), UNRECORDED},
     {"info", NULL, NULL, "no picture: header, matrix, value range, histogram, suggested isovalues, memory",
      .group = OUTPUT, FLAG(info), UNRECORDED},
@@ -620,6 +636,10 @@ static void note_option(void *target, const iso_option *option, const char *valu
     uint64_t *hash = &settings->given[option - options];
     *hash = isorender_hash(*hash + 1, value ? value : "", value ? strlen(value) : 0);
     iso_settings_record_option(settings, option, value);
+    if (option->flags & ISO_OPTION_UNRECORDED) return;
+    if (settings->noted_count < ISORENDER_NOTED)
+        settings->noted[settings->noted_count] = (isorender_noted){option, value};
+    settings->noted_count++;
 }
 
 const iso_program *isorender_program(void) {

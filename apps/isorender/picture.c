@@ -10,11 +10,13 @@
 #include "apps/isorender/isorender.h"
 #include "apps/isorender/labels.h"
 #include "apps/isorender/pyramid_sets.h"
+#include "apps/isorender/scene_file.h"
 #include "base/clock.h"
 #include "base/memory.h"
 #include "image/annotate.h"
 #include "image/exr.h"
 #include "image/image_file.h"
+#include "io/key_file.h"
 #include "render/gl/splats.h"
 #include "render/raster/raster.h"
 
@@ -126,6 +128,11 @@ void isorender_labels_make(const isorender_job *job, isorender_labels *l) {
                                      used ? ", " : "isovalue ", job->surfaces[i].scene.isovalue);
     snprintf(l->command, sizeof l->command, "%s %s%s%s", program->name, job->plan->model,
              job->settings->common.record, isorender_camera_record(job));
+    l->scene = isorender_scene_text(job);
+}
+
+void isorender_labels_free(isorender_labels *l) {
+    free(l->scene);
 }
 
 iso_length_style isorender_lengths(const isorender_job *job) {
@@ -143,15 +150,18 @@ static iso_status write_picture(isorender_job *job, const iso_image *image, cons
                                 iso_error *error) {
     isorender_labels l;
     isorender_labels_make(job, &l);
-    const iso_png_text texts[] = {{"Software", l.software},
-                                  {"Title", job->plan->model},
-                                  {"Comment", l.command},
-                                  {"Description", l.isovalues}};
+    iso_png_text texts[ISO_KEY_TEXTS] = {
+        {"Software", l.software}, {"Title", job->plan->model}, {"Comment", l.command}};
+    int count = 3;
+    if (l.isovalues[0]) texts[count++] = (iso_png_text){"Description", l.isovalues};
+    if (l.scene) texts[count++] = (iso_png_text){"Scene", l.scene};
     const iso_png_opts opts = {.texts = texts,
-                               .text_count = l.isovalues[0] ? 4 : 3,
+                               .text_count = count,
                                .pixels_per_metre = isorender_pixels_per_metre(job),
                                .pool = job->pool};
-    return iso_image_file_write(path, image, &opts, error);
+    const iso_status status = iso_image_file_write(path, image, &opts, error);
+    isorender_labels_free(&l);
+    return status;
 }
 
 static iso_status write_aov(isorender_job *job, int frame, const iso_aov *aov, const char *path,
@@ -161,7 +171,9 @@ static iso_status write_aov(isorender_job *job, int frame, const iso_aov *aov, c
     iso_camera camera = isorender_camera_of_frame(job, frame);
     iso_view view = iso_view_make(&camera, aov->width, aov->height);
     const iso_exr_info info = {.view = &view, .software = l.software, .comments = l.command};
-    return iso_exr_write(path, aov, &info, job->pool, error);
+    const iso_status status = iso_exr_write(path, aov, &info, job->pool, error);
+    isorender_labels_free(&l);
+    return status;
 }
 
 /* The buffers of a frame; the planes of aov are NULL without --aov. */

@@ -30,10 +30,14 @@ static iso_status make_names(const isorender_settings *settings, int number, iso
     if (settings->mesh) ISO_TRY(iso_template_expand(settings->mesh, plan->model, number, &plan->mesh, error));
     if (settings->common.json_path)
         ISO_TRY(iso_template_expand(settings->common.json_path, plan->model, number, &plan->json, error));
+    if (settings->save_scene)
+        ISO_TRY(iso_template_expand(settings->save_scene, plan->model, number, &plan->scene_file, error));
     if (settings->info) return ISO_OK;
     if (settings->aov) ISO_TRY(make_frame_name(settings, plan, settings->aov, number, &plan->aov, error));
     if (settings->no_image) return ISO_OK;
-    const char *output = settings->output ? settings->output : "{model}.png";
+    const char *output = settings->output         ? settings->output
+                         : settings->scene_output ? settings->scene_output
+                                                  : "{model}.png";
     char part[64];
     if (settings->parts && !settings->output) {
         snprintf(part, sizeof part, "{model}-%d-of-%d.isokeys", settings->part, settings->parts);
@@ -52,7 +56,7 @@ static iso_status scene_input(const char *scene, char **input, iso_error *error)
 
 /* ---- collisions ---- */
 
-enum { IMAGE, POINTS, MESH, JSON, AOV, NAMES };
+enum { IMAGE, POINTS, MESH, JSON, AOV, SCENE_FILE, NAMES };
 
 static void names_of(const isorender_plan *plan, const char *names[NAMES]) {
     names[IMAGE] = plan->image;
@@ -60,6 +64,7 @@ static void names_of(const isorender_plan *plan, const char *names[NAMES]) {
     names[MESH] = plan->mesh;
     names[JSON] = plan->json;
     names[AOV] = plan->aov;
+    names[SCENE_FILE] = plan->scene_file;
 }
 
 /* Every frame of a turntable has a name of its own. */
@@ -96,6 +101,7 @@ static iso_status add_files(const isorender_settings *settings, const isorender_
 static iso_status check_all(const isorender_settings *settings, const isorender_plan *plans,
                             iso_error *error) {
     if (settings->environment) iso_file_set_read(plans->files, settings->environment);
+    if (settings->scene_file) iso_file_set_read(plans->files, settings->scene_file);
     for (int i = 0; i < settings->object_options.count; i++)
         iso_file_set_read(plans->files, settings->objects[i].path);
     for (int i = 0; i < settings->volume_options.count; i++)
@@ -140,6 +146,7 @@ void isorender_plans_free(isorender_plan *plans, int count) {
         free(plans[i].points);
         free(plans[i].mesh);
         free(plans[i].json);
+        free(plans[i].scene_file);
     }
     free(plans);
 }
@@ -172,5 +179,6 @@ iso_status isorender_plan_check_writable(const isorender_plan *plan, iso_error *
     ISO_TRY(check_first_frame(plan, plan->aov, error));
     ISO_TRY(iso_sink_check(plan->points, error));
     ISO_TRY(iso_sink_check(plan->mesh, error));
+    ISO_TRY(iso_sink_check(plan->scene_file, error));
     return iso_sink_check(plan->json, error);
 }

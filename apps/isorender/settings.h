@@ -60,7 +60,7 @@ typedef enum isorender_faces {
 } isorender_faces;
 
 /* A value of iso_common_settings.action. */
-enum { ISORENDER_ACTION_LIST_BACKENDS = ISO_ACTION_OWN };
+enum { ISORENDER_ACTION_LIST_BACKENDS = ISO_ACTION_OWN, ISORENDER_ACTION_SCHEMA };
 
 /* What --same-view keeps of the first input that is drawn. Zero-initialise. */
 typedef struct isorender_same_view {
@@ -69,12 +69,26 @@ typedef struct isorender_same_view {
     iso_camera camera;
 } isorender_same_view;
 
+/* An option that influences the picture, as it was given. */
+typedef struct isorender_noted {
+    const iso_option *option;
+    const char *value; /* NULL: none */
+} isorender_noted;
+enum { ISORENDER_NOTED = 192 };
+
 /* Strings are borrowed from argv. */
 typedef struct isorender_settings {
     iso_common_settings common; /* first */
     const char *const *inputs;
     int input_count;
     const char *scene, *output;
+    const char *save_scene; /* the file that the scene is written to; NULL: none */
+    const char *scene_file; /* the file that the options come from; NULL: the command line alone */
+    const char
+        *scene_output; /* the picture's name when none is given: that of scene_file; NULL: the input's */
+    iso_texts again;   /* files of scenes; isorender_commands_make has made command lines of them */
+    isorender_noted noted[ISORENDER_NOTED];
+    int noted_count; /* of options that were given, also of those beyond ISORENDER_NOTED */
 
     double isovalues[ISORENDER_SURFACES]; /* until channels are taken NaN stands for auto */
     int isovalue_count, isovalue_auto;
@@ -176,8 +190,8 @@ iso_status isorender_translucent_check(const isorender_settings *settings, bool 
 const char *isorender_object_opacity_option(const isorender_settings *settings);
 /* Whether --reconstruction is for this iso_method: for pullpush, discs and splats. */
 bool isorender_has_reconstructions(int method);
-/* Whether the method that is chosen, with its reconstruction, can do something. One that is not chosen yet can
- * do everything. */
+/* Whether the method that is chosen, with its reconstruction, can do something. One that is not chosen yet
+ * can do everything. */
 bool isorender_method_can(const isorender_settings *settings, iso_capability capability);
 /* Chooses the reconstruction when none is given, and checks that it is one of the method's and that the
  * options of splats are for splats. Replaces an older name of discs. ISO_ERR_USAGE. */

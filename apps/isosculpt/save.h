@@ -55,7 +55,8 @@ typedef enum isosculpt_save_state {
 } isosculpt_save_state;
 /* The state of the save. Returns ISOSCULPT_SAVE_DONE once for each save, with its result in *status and
  * *error (either may be NULL); document->saved_as names the file, document->saved_open_edges says whether its
- * mesh is open, document->saved_nothing whether there is no solid in it. `wait`: first waits until the save is done. */
+ * mesh is open, document->saved_nothing whether there is no solid in it. `wait`: first waits until the save
+ * is done. */
 isosculpt_save_state isosculpt_document_poll_save(isosculpt_document *document, bool wait, iso_status *status,
                                                   iso_error *error);
 

@@ -18,7 +18,7 @@
 static const char MAGIC[8] = {'I', 'S', 'O', 'K', 'E', 'Y', 'S', '\n'};
 
 enum {
-    VERSION = 3,
+    VERSION = 4,
     BUFFER_BYTES = 1 << 16,
     HEADER_MOST = 1 << 20, /* bytes */
     TEXT_NONE = -1,        /* the length of a text that is not there */

@@ -20,7 +20,7 @@
 enum { ISO_KEY_PARTS = 1000000 }; /* the most parts of a picture */
 
 /* The texts of the picture's file: iso_png_text. */
-enum { ISO_KEY_SOFTWARE, ISO_KEY_TITLE, ISO_KEY_COMMENT, ISO_KEY_DESCRIPTION, ISO_KEY_TEXTS };
+enum { ISO_KEY_SOFTWARE, ISO_KEY_TITLE, ISO_KEY_COMMENT, ISO_KEY_DESCRIPTION, ISO_KEY_SCENE, ISO_KEY_TEXTS };
 
 /* The surface that a part belongs to: equal in all parts of a picture, as the picture's style
  * (render/key_style.h). Zero-initialised: it is compared byte by byte. */

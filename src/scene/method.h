@@ -5,8 +5,8 @@
 
 #include "scene/surface.h"
 
-/* What a method can do beside drawing opaque surfaces with the cpu engine: bits of iso_renderer.can, from which
- * follow what is refused and the words that name who can do it. */
+/* What a method can do beside drawing opaque surfaces with the cpu engine: bits of iso_renderer.can, from
+ * which follow what is refused and the words that name who can do it. */
 typedef enum iso_capability {
     ISO_CAN_LAYERS = 1 << 0,        /* translucent surfaces, with all their layers */
     ISO_CAN_OBJECT_LAYERS = 1 << 1, /* translucent lines, glyphs and meshes of files */

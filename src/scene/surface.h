@@ -1,6 +1,6 @@
-/* surface: an isosurface of a scene, and the parts that methods draw it from: points, a mesh, crossed cells, the
- * ray caster's index. A part is computed once, when it is first needed, shared by the methods that need it, and
- * updated after the grid's edits. */
+/* surface: an isosurface of a scene, and the parts that methods draw it from: points, a mesh, crossed cells,
+ * the ray caster's index. A part is computed once, when it is first needed, shared by the methods that need
+ * it, and updated after the grid's edits. */
 #ifndef ISO_SCENE_SURFACE_H
 #define ISO_SCENE_SURFACE_H
 
@@ -65,8 +65,8 @@ typedef struct iso_scene_surface {
 /* Computes a part unless it exists; an existing part is not updated. ISO_ERR_NOMEM, and the errors of
  * extraction. */
 iso_status iso_scene_surface_prepare(iso_scene_surface *surface, iso_part part, iso_error *error);
-/* Computes a part, or brings an existing one up to date with the isovalue and the grid's edits. Errors as iso_scene_surface_prepare.
- */
+/* Computes a part, or brings an existing one up to date with the isovalue and the grid's edits. Errors as
+ * iso_scene_surface_prepare. */
 iso_status iso_scene_surface_update(iso_scene_surface *surface, iso_part part, iso_error *error);
 /* Makes levels of detail of the points, or brings them up to date. ISO_ERR_NOMEM; ISO_ERR_LIMIT as
  * iso_lod_update. */
