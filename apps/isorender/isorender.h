@@ -22,8 +22,7 @@
 #include "render/gl/shapes.h"
 #include "render/picture.h"
 #include "render/shading/shading.h"
-#include "scene/glass.h"
-#include "scene/layers.h"
+#include "scene/picture.h"
 #include "truth/raycast.h"
 
 /* One isosurface, of the input or of a further volume. */

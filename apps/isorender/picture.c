@@ -182,20 +182,6 @@ typedef struct canvas {
     iso_aov aov;
 } canvas;
 
-/* Whether the frame is shaded while it is drawn: one exact surface with one sample a pixel needs no gbuffer.
- */
-static bool is_drawn_directly(const isorender_job *job, const iso_picture_opts *opts) {
-    return job->method == ISO_METHOD_EXACT && !job->backend->engine && job->surface_count == 1 &&
-           !job->object_count && opts->samples <= 1 && !opts->aov && opts->lighting == ISO_LIGHTING_PHONG;
-}
-
-static iso_status draw_directly(const isorender_job *job, const iso_picture_opts *opts, iso_image *image,
-                                size_t *covered, iso_error *error) {
-    const iso_view view = iso_view_make(opts->camera, opts->width, opts->height);
-    const iso_exact_picture whole = {&view, &opts->shading, image, job->pool};
-    return iso_paint_exact(&whole, job->surfaces[0].scene.exact, covered, error);
-}
-
 /* Points that were read do not say where the patient is. */
 static iso_status annotate(const isorender_job *job, const iso_camera *camera, iso_image *image,
                            iso_error *error) {
@@ -239,58 +225,6 @@ static iso_status shade_splats_by_gl(void *context, const iso_splat_layers *inpu
     return iso_gl_shade_splat_layers(job->backend->engine, input, totals, error);
 }
 
-/* Renders a picture with translucent surfaces or objects. */
-static iso_status render_layers(isorender_job *job, iso_picture_opts *opts, iso_image *image,
-                                isorender_frame *frame, iso_error *error) {
-    iso_layered_surface surfaces[ISORENDER_SURFACES];
-    iso_translucent_set sets[ISORENDER_OBJECTS];
-    iso_picture_layers callbacks;
-    for (int i = 0; i < job->surface_count; i++)
-        surfaces[i] = (iso_layered_surface){&job->surfaces[i].scene, job->surfaces[i].translucency};
-    iso_layered_picture picture = {.method = job->renderer->method,
-                                   .surfaces = surfaces,
-                                   .count = job->surface_count,
-                                   .sets = sets,
-                                   .set_count = list_translucent_sets(job, sets),
-                                   .draw_others = job->object_count ? draw_opaque_objects : NULL,
-                                   .others_context = job,
-                                   .transparency = (iso_transparency)job->settings->transparency,
-                                   .shade_splats = job->backend->engine ? shade_splats_by_gl : NULL,
-                                   .splats_context = job,
-                                   .shading = &opts->shading,
-                                   .pool = job->pool};
-    ISO_TRY(iso_layered_picture_callbacks(&picture, &callbacks, error));
-    opts->layers = &callbacks;
-    ISO_TRY(iso_picture_render(opts, image, &frame->covered, error));
-    frame->layers = picture.totals;
-    return ISO_OK;
-}
-
-/* Renders a picture of glass. */
-static iso_status render_glass(isorender_job *job, iso_picture_opts *opts, iso_image *image,
-                               isorender_frame *frame, iso_error *error) {
-    const isorender_settings *settings = job->settings;
-    iso_glass_scene scene = {
-        .method = job->method,
-        .refraction = (iso_refraction)settings->refraction,
-        .transparency = (iso_transparency)settings->transparency,
-        .abbe = settings->dispersion,
-        .surface = &job->surfaces[0].scene,
-        .glass = {.ior = settings->ior,
-                  .surface_opacity = settings->opacity_count ? settings->opacities[0] : 0,
-                  .environment = job->environment},
-        .shows_environment = !settings->background_given && !settings->transparent,
-        .opts = opts};
-    if (settings->attenuation_colored)
-        iso_glass_set_absorption(&scene.glass, settings->attenuation_color, settings->attenuation_distance);
-    iso_picture_layers callbacks;
-    iso_status status = iso_glass_scene_start(&scene, &callbacks, error);
-    opts->layers = &callbacks;
-    if (status == ISO_OK) status = iso_picture_render(opts, image, &frame->covered, error);
-    iso_glass_scene_free(&scene);
-    return status;
-}
-
 static iso_status render_gaussians(isorender_job *job, iso_picture_opts *opts, iso_image *image,
                                    isorender_frame *frame, iso_error *error) {
     isorender_gaussians_picture picture = {job, &opts->shading, frame};
@@ -299,15 +233,50 @@ static iso_status render_gaussians(isorender_job *job, iso_picture_opts *opts, i
     return iso_picture_render(opts, image, &frame->covered, error);
 }
 
+static iso_scene_glass make_glass(const isorender_job *job) {
+    const isorender_settings *settings = job->settings;
+    iso_scene_glass made = {.glass = {.ior = settings->ior,
+                                      .surface_opacity = settings->opacity_count ? settings->opacities[0] : 0,
+                                      .environment = job->environment},
+                            .refraction = (iso_refraction)settings->refraction,
+                            .abbe = settings->dispersion,
+                            .shows_environment = !settings->background_given && !settings->transparent};
+    if (settings->attenuation_colored)
+        iso_glass_set_absorption(&made.glass, settings->attenuation_color, settings->attenuation_distance);
+    return made;
+}
+
+static iso_status render_scene(isorender_job *job, iso_picture_opts *opts, iso_image *image,
+                               isorender_frame *frame, iso_error *error) {
+    iso_layered_surface surfaces[ISORENDER_SURFACES];
+    iso_translucent_set sets[ISORENDER_OBJECTS];
+    const iso_scene_glass glass = make_glass(job);
+    for (int i = 0; i < job->surface_count; i++)
+        surfaces[i] = (iso_layered_surface){&job->surfaces[i].scene, job->surfaces[i].translucency};
+    iso_scene scene = {.renderer = job->renderer,
+                       .surfaces = surfaces,
+                       .count = job->surface_count,
+                       .translucent = job->translucent,
+                       .sets = sets,
+                       .set_count = list_translucent_sets(job, sets),
+                       .draw_others = job->object_count ? draw_opaque_objects : NULL,
+                       .others_context = job,
+                       .glass = job->environment ? &glass : NULL,
+                       .transparency = (iso_transparency)job->settings->transparency,
+                       .other_engine = job->backend->engine != NULL,
+                       .shade_splats = job->backend->engine ? shade_splats_by_gl : NULL,
+                       .splats_context = job};
+    if (!has_layers(job)) tell_part(job, 0, 1);
+    ISO_TRY(iso_scene_render(&scene, opts, image, &frame->covered, error));
+    frame->layers = scene.totals;
+    return ISO_OK;
+}
+
 static iso_status render_picture(isorender_job *job, iso_picture_opts *opts, iso_image *image,
                                  isorender_frame *frame, iso_error *error) {
-    if (job->environment) return render_glass(job, opts, image, frame, error);
     if (job->gaussians) return render_gaussians(job, opts, image, frame, error);
     if (job->chunks) return isorender_chunks_draw(job, opts, image, &frame->covered, error);
-    if (job->translucent) return render_layers(job, opts, image, frame, error);
-    tell_part(job, 0, 1);
-    if (is_drawn_directly(job, opts)) return draw_directly(job, opts, image, &frame->covered, error);
-    return iso_picture_render(opts, image, &frame->covered, error);
+    return render_scene(job, opts, image, frame, error);
 }
 
 /* Whether a pixel can show one of several things, whose ids --aov writes. */

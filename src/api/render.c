@@ -11,8 +11,7 @@
 #include "io/glyphs/placements_read.h"
 #include "render/picture.h"
 #include "scene/bounds.h"
-#include "scene/glass.h"
-#include "scene/layers.h"
+#include "scene/picture.h"
 
 enum { DEFAULT_SIDE = 1024 };
 static const double DEFAULT_VIEW_ANGLE = 30;
@@ -75,9 +74,7 @@ typedef struct rendering {
     bool translucent;
     iso_layered_surface layered[ISO_SURFACE_MAX];
     iso_translucent_set sets[ISO_LAYERED_MAX];
-    int sets_count; /* translucent sets of shapes */
-    iso_layered_picture layers;
-    iso_picture_layers callbacks;
+    int sets_count;            /* translucent sets of shapes */
     iso_refraction refraction; /* of glass; not AUTO */
 } rendering;
 
@@ -154,19 +151,6 @@ static iso_status draw(void *context, const iso_view *view, iso_gbuffer *gbuffer
                                    : r->renderer->draw(scene, &target, error));
     }
     return draw_shapes(context, view, gbuffer, error);
-}
-
-/* Returns whether iso_paint_exact can draw and shade the picture in one pass, which is faster and gives the
- * same pixels. It can if the picture shows a single exact surface. */
-static bool is_painted(const rendering *r) {
-    return r->renderer->method == ISO_METHOD_EXACT && r->count == 1 && r->picture.samples <= 1 &&
-           !r->picture.aov && !r->translucent && !r->shapes_count;
-}
-
-static iso_status paint(const rendering *r, iso_image *image, size_t *covered, iso_error *error) {
-    const iso_view view = iso_view_make(&r->camera, r->picture.width, r->picture.height);
-    const iso_exact_picture canvas = {&view, &r->picture.shading, image, r->picture.pool};
-    return iso_paint_exact(&canvas, r->surfaces[0]->scene.exact, covered, error);
 }
 
 /* Allocates image and aov, unless they have the right size already. */
@@ -314,19 +298,7 @@ static iso_status set_up_layers(rendering *r, const iso_render_opts *opts, iso_e
         r->picture.samples = r->translucent || opts->glass ? 1 : iso_method_samples(r->renderer->method);
     if (opts->aov && !r->translucent) iso_aov_remove_layers(opts->aov);
     if (!r->translucent) return ISO_OK;
-    r->layers = (iso_layered_picture){.method = r->renderer->method,
-                                      .surfaces = r->layered,
-                                      .count = r->count,
-                                      .sets = r->sets,
-                                      .set_count = r->sets_count,
-                                      .draw_others = r->shapes_count ? draw_shapes : NULL,
-                                      .others_context = r,
-                                      .transparency = opts->transparency,
-                                      .shading = &r->picture.shading,
-                                      .pool = r->picture.pool};
-    r->picture.layers = &r->callbacks;
-    if (opts->aov) ISO_TRY(iso_aov_add_layers(opts->aov, error));
-    return iso_layered_picture_callbacks(&r->layers, &r->callbacks, error);
+    return opts->aov ? iso_aov_add_layers(opts->aov, error) : ISO_OK;
 }
 
 /* ---- glass ---- */
@@ -373,33 +345,35 @@ static iso_status open_environment(const rendering *r, iso_environment **environ
     return ISO_OK;
 }
 
-static iso_status render_glass(rendering *r, iso_image *image, size_t *covered, iso_error *error) {
+static iso_status draw_picture(rendering *r, iso_image *image, size_t *covered, iso_error *error) {
     const iso_render_opts *opts = r->opts;
-    const iso_glass_opts *glass = opts->glass;
+    const iso_glass_opts *given = opts->glass;
     iso_environment *environment = NULL;
-    ISO_TRY(open_environment(r, &environment, error));
-    iso_glass_scene scene = {
-        .method = r->renderer->method,
-        .refraction = r->refraction,
-        .abbe = glass->dispersion,
-        .surface = &r->surfaces[0]->scene,
-        .glass = {.ior = glass->ior, .surface_opacity = glass->surface_opacity, .environment = environment},
-        .shows_environment = !opts->background && !opts->transparent,
-        .opts = &r->picture};
-    if (glass->attenuation_distance > 0)
-        iso_glass_set_absorption(&scene.glass, glass->attenuation_color, glass->attenuation_distance);
-    iso_status status = iso_glass_scene_start(&scene, &r->callbacks, error);
-    r->picture.layers = &r->callbacks;
-    if (status == ISO_OK) status = iso_picture_render(&r->picture, image, covered, error);
-    iso_glass_scene_free(&scene);
+    iso_scene_glass glass;
+    if (given) {
+        ISO_TRY(open_environment(r, &environment, error));
+        glass = (iso_scene_glass){.glass = {.ior = given->ior,
+                                            .surface_opacity = given->surface_opacity,
+                                            .environment = environment},
+                                  .refraction = r->refraction,
+                                  .abbe = given->dispersion,
+                                  .shows_environment = !opts->background && !opts->transparent};
+        if (given->attenuation_distance > 0)
+            iso_glass_set_absorption(&glass.glass, given->attenuation_color, given->attenuation_distance);
+    }
+    iso_scene scene = {.renderer = r->renderer,
+                       .surfaces = r->layered,
+                       .count = r->count,
+                       .translucent = r->translucent,
+                       .sets = r->sets,
+                       .set_count = r->sets_count,
+                       .draw_others = r->shapes_count ? draw_shapes : NULL,
+                       .others_context = r,
+                       .glass = given ? &glass : NULL,
+                       .transparency = opts->transparency};
+    const iso_status status = iso_scene_render(&scene, &r->picture, image, covered, error);
     iso_environment_destroy(environment);
     return status;
-}
-
-static iso_status draw_picture(rendering *r, iso_image *image, size_t *covered, iso_error *error) {
-    if (r->opts->glass) return render_glass(r, image, covered, error);
-    return is_painted(r) ? paint(r, image, covered, error)
-                         : iso_picture_render(&r->picture, image, covered, error);
 }
 
 /* Renders what was checked and set up. */
