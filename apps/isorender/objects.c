@@ -89,6 +89,18 @@ static iso_status check_axes(const isorender_object *object, iso_error *error) {
                     object->settings->path);
 }
 
+/* A file without lines may be a mesh of branches. */
+static iso_status read_lines(isorender_object *object, const iso_read_opts *opts, iso_error *error) {
+    const char *path = object->settings->path;
+    const bool only_mesh = iso_text_has_extension(path, ".stl") || iso_text_has_extension(path, ".off");
+    if (!only_mesh) ISO_TRY(iso_lines_read(path, opts, &object->lines, error));
+    if (object->lines.line_count || !isorender_object_is_branches(path)) return ISO_OK;
+    iso_lines_free(&object->lines);
+    iso_file_set_read(opts->files, path);
+    ISO_TRY(read_mesh(object, error));
+    return isorender_object_read_branches(object, error);
+}
+
 static iso_status read_file(isorender_object *object, const iso_read_opts *opts, iso_pool *pool,
                             iso_error *error) {
     const char *path = object->settings->path;
@@ -101,7 +113,7 @@ static iso_status read_file(isorender_object *object, const iso_read_opts *opts,
         return read_mesh(object, error);
     }
     if (has_lines(object)) {
-        ISO_TRY(iso_lines_read(path, opts, &object->lines, error));
+        ISO_TRY(read_lines(object, opts, error));
         count = object->lines.line_count;
     } else {
         ISO_TRY(iso_glyphs_read(path, opts, &object->glyphs, error));
@@ -232,6 +244,8 @@ void isorender_object_free(isorender_object *object) {
     iso_pyramid_lines_destroy(object->pyramid_lines);
     iso_triangle_spans_free(&object->spans);
     iso_triangles_free(&object->mesh);
+    if (object->branches) iso_mesh_lines_free(object->branches);
+    iso_free(object->branches);
     iso_lines_free(&object->lines);
     iso_glyphs_free(&object->glyphs);
     *object = (isorender_object){.shapes = NULL};
@@ -259,6 +273,7 @@ static void put_shapes(iso_json *json, const isorender_object *object) {
     if (has_lines(object)) {
         iso_json_integer(json, "lines", object->lines.line_count);
         iso_json_integer(json, "vertices", object->lines.vertex_count);
+        if (object->branches) iso_json_integer(json, "mesh_triangles", object->mesh_triangles);
     } else {
         iso_json_integer(json, "glyphs", object->glyphs.count);
     }

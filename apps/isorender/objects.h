@@ -5,6 +5,7 @@
 #include "apps/common/json.h"
 #include "apps/isorender/object_settings.h"
 #include "base/parallel.h"
+#include "extract/lines/mesh_lines.h"
 #include "extract/vectors/gradient_glyphs.h"
 #include "extract/vectors/streamlines.h"
 #include "extract/vectors/vector_glyphs.h"
@@ -36,6 +37,10 @@ typedef struct isorender_object {
     iso_triangles mesh;
     iso_read_report report;               /* of lines and glyphs */
     isorender_field field;                /* of a volume */
+    iso_mesh_lines *branches;             /* of a mesh in --lines: what it became and other objects draw */
+    size_t mesh_triangles;                /* of this mesh */
+    isorender_object_settings own;        /* of lines and triangles of such a mesh: its own settings */
+    const struct isorender_object *whole; /* the object whose file this one is a part of; NULL: it has its own */
     iso_gradient_glyphs_totals gradients; /* of --glyphs surface */
     iso_glyph glyph;                      /* of glyphs: the solid that is drawn */
     const char *color_by;             /* borrowed: the attribute with numbers to be coloured; NULL: none */
@@ -114,6 +119,13 @@ double isorender_field_radius(const isorender_object *object);
 void isorender_field_put(iso_json *json, const isorender_object *object);
 /* Prints the lines of --info about the volume. */
 void isorender_field_info(const isorender_object *object);
+
+/* ---- object_branches.c */
+
+/* Whether a file, in which no lines were found, is a mesh. */
+bool isorender_object_is_branches(const char *path);
+/* Makes lines of object->mesh, which is freed. ISO_ERR_EMPTY: it is not made of thin branches. */
+iso_status isorender_object_read_branches(isorender_object *object, iso_error *error);
 
 /* ---- object_colors.c */
 

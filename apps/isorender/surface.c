@@ -395,11 +395,14 @@ static iso_status prepare_objects(isorender_job *job, iso_error *error) {
         isorender_object *object = &job->objects[i];
         if (isorender_object_is_surface(object->settings))
             ISO_TRY(isorender_object_take_gradients(job, object, error));
-        if (!object->settings->colored) object->color = iso_shading_palette(job->surface_count + i);
+        if (object->whole)
+            object->color = object->whole->color;
+        else if (!object->settings->colored)
+            object->color = iso_shading_palette(job->surface_count + i);
         ISO_TRY(isorender_object_prepare(
             object, job->settings->line_min_pixels,
             job->method == ISO_METHOD_PULLPUSH || job->method == ISO_METHOD_HYBRID, error));
-        log_beside(job, object->settings->path, &object->bounds, object->report.space);
+        if (!object->whole) log_beside(job, object->settings->path, &object->bounds, object->report.space);
         job->translucent |= object->settings->opacity < 1;
         iso_bounds_add(&job->bounds_world, &object->bounds);
     }
