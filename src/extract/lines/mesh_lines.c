@@ -252,8 +252,24 @@ static iso_status add_all(converting *c, const char *path, iso_error *error) {
     return add_rest(c, &made->rest, error);
 }
 
+/* Makes the rings again, by distance, if those of a piece cross each other. */
+static iso_status make_rings(converting *c, const iso_mesh_topology *topology, iso_error *error) {
+    bool again = false;
+    ISO_TRY(iso_mesh_rings_make(topology, NULL, &c->rings, error));
+    bool *by_distance = iso_alloc_zero(c->rings.piece_count, sizeof *by_distance);
+    if (!by_distance) return iso_fail_memory(error, "lines of a mesh");
+    for (size_t i = 0; i < c->rings.piece_count; i++) {
+        by_distance[i] = !c->rings.pieces[i].sheet && iso_mesh_rings_cross(&c->rings, i);
+        again |= by_distance[i];
+    }
+    if (again) iso_mesh_rings_free(&c->rings);
+    const iso_status status = again ? iso_mesh_rings_make(topology, by_distance, &c->rings, error) : ISO_OK;
+    iso_free(by_distance);
+    return status;
+}
+
 static iso_status convert(converting *c, const char *path, const iso_mesh_topology *topology, iso_error *error) {
-    ISO_TRY(iso_mesh_rings_make(topology, &c->rings, error));
+    ISO_TRY(make_rings(c, topology, error));
     ISO_TRY(iso_chains_make(&c->rings, &c->chains, error));
     c->fits = iso_alloc_zero(c->rings.piece_count, sizeof *c->fits);
     if (!c->fits) return iso_fail_memory(error, "lines of a mesh");

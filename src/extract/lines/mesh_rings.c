@@ -15,6 +15,10 @@ static const double FLAT = 0.7;
 /* A triangle's edge joins two vertices of one ring for certain if the other two are so many times as long. */
 static const double ELONGATED = 2;
 
+/* Rings cross each other if their vertices' mean distance from the ring's middle, along the branch, is so many times the
+ * distance of neighbouring rings. */
+static const double CROSSING = 0.35;
+
 /* What is needed while rings are made. Vertices from mesh->vertex_count on are lids. */
 typedef struct making {
     iso_mesh_rings *made;
@@ -28,6 +32,7 @@ typedef struct making {
     size_t ordered;
     uint64_t *pairs;
     size_t pair_count;
+    iso_mesh_distances distances;
 } making;
 
 iso_vec3 iso_mesh_triangle_area(const iso_triangles *mesh, size_t triangle) {
@@ -205,6 +210,47 @@ static uint32_t sweep(making *m, uint32_t v) {
     return m->order[m->ordered - 1];
 }
 
+/* A band of distances that is a ring: at least so wide that edges of the piece do not cross it, but for a few. */
+static double band_of(const making *m, const uint32_t *order, size_t count) {
+    double sum = 0, squares = 0, edges = 0;
+    for (size_t i = 0; i < count; i++) {
+        const size_t v = order[i];
+        if (v >= m->vertices) continue;
+        for (size_t k = m->made->around_first[v]; k < m->made->around_first[v + 1]; k++) {
+            const uint32_t *t = m->mesh->triangles[m->made->around[k]];
+            for (int j = 0; j < 3; j++) {
+                if (t[j] != v) continue;
+                const iso_vec3 side =
+                    iso_vec3_sub(iso_mesh_vertex(m->mesh, t[(j + 1) % 3]), iso_mesh_vertex(m->mesh, v));
+                const double square = iso_vec3_dot(side, side);
+                sum += sqrt(square);
+                squares += square;
+                edges++;
+            }
+        }
+    }
+    const double mean = sum / edges;
+    return mean + 2 * sqrt(iso_max(squares / edges - mean * mean, 0));
+}
+
+/* Levels of a piece by distance; `v` is one of its ends. */
+static void set_bands(making *m, uint32_t v) {
+    const size_t first = m->ordered;
+    uint32_t *order = m->order + first;
+    size_t count = iso_mesh_distances_from(&m->distances, v, order);
+    const uint32_t end = order[count - 1];
+    for (size_t i = 0; i < count; i++) {
+        m->distances.distance[order[i]] = INFINITY;
+        m->distances.done[order[i]] = false;
+    }
+    count = iso_mesh_distances_from(&m->distances, end, order);
+    const double band = band_of(m, order, count), most = m->distances.distance[order[count - 1]],
+                 width = iso_max(band, most / 1e9);
+    for (size_t i = 0; i < count; i++)
+        m->level[order[i]] = width > 0 ? (int32_t)(m->distances.distance[order[i]] / width) : 0;
+    m->ordered += count;
+}
+
 /* Levels of all pieces, each from the place that is farthest from its first vertex: an end. */
 static void set_levels(making *m) {
     memset(m->level, 0xff, (m->vertices + m->lids) * sizeof *m->level);
@@ -214,7 +260,10 @@ static void set_levels(making *m) {
         const uint32_t end = sweep(m, (uint32_t)i);
         for (size_t k = first; k < m->ordered; k++) m->level[m->order[k]] = -1;
         m->ordered = first;
-        sweep(m, end);
+        if (m->made->pieces[m->made->piece[i]].by_distance)
+            set_bands(m, end);
+        else
+            sweep(m, end);
     }
 }
 
@@ -345,19 +394,31 @@ static iso_status reserve(making *m, iso_error *error) {
     m->next = iso_alloc(count * sizeof *m->next);
     m->level = iso_alloc(count * sizeof *m->level);
     m->order = iso_alloc(count * sizeof *m->order);
+    m->distances = (iso_mesh_distances){.topology = made->topology,
+                                        .around_first = made->around_first,
+                                        .around = made->around,
+                                        .lid = m->lid,
+                                        .distance = iso_alloc(count * sizeof *m->distances.distance),
+                                        .done = iso_alloc_zero(count, sizeof *m->distances.done),
+                                        .heap = iso_alloc(count * sizeof *m->distances.heap),
+                                        .heap_at = iso_alloc(count * sizeof *m->distances.heap_at)};
     m->pairs = iso_alloc((3 * m->mesh->triangle_count + count) * sizeof *m->pairs);
     if (made->piece && made->ring && made->members && made->open && made->around_first && made->around &&
-        m->parent && m->lid && m->next && m->level && m->order && m->pairs)
+        m->parent && m->lid && m->next && m->level && m->order && m->pairs && m->distances.distance &&
+        m->distances.done && m->distances.heap && m->distances.heap_at) {
+        for (size_t i = 0; i < count; i++) m->distances.distance[i] = INFINITY;
         return ISO_OK;
+    }
     return iso_fail_memory(error, "lines of a mesh");
 }
 
-static iso_status make(making *m, iso_error *error) {
+static iso_status make(making *m, const bool *by_distance, iso_error *error) {
     iso_mesh_rings *made = m->made;
     uint32_t *number = NULL, *last = NULL;
     ISO_TRY(reserve(m, error));
     ISO_TRY(number_pieces(m, error));
     measure_pieces(m);
+    for (size_t i = 0; by_distance && i < made->piece_count; i++) made->pieces[i].by_distance = by_distance[i];
     set_lids(m);
     list_triangles(m);
     number = iso_alloc_zero(m->vertices + m->lids + 1, sizeof *number);
@@ -378,7 +439,8 @@ static iso_status make(making *m, iso_error *error) {
     return status;
 }
 
-iso_status iso_mesh_rings_make(const iso_mesh_topology *topology, iso_mesh_rings *rings, iso_error *error) {
+iso_status iso_mesh_rings_make(const iso_mesh_topology *topology, const bool *by_distance, iso_mesh_rings *rings,
+                               iso_error *error) {
     making m = {.made = rings,
                 .mesh = &topology->mesh,
                 .vertices = topology->mesh.vertex_count,
@@ -386,15 +448,38 @@ iso_status iso_mesh_rings_make(const iso_mesh_topology *topology, iso_mesh_rings
     *rings = (iso_mesh_rings){.topology = topology};
     if (m.vertices + m.lids >= INT32_MAX)
         return iso_fail(error, ISO_ERR_LIMIT, "a mesh of 2^31 vertices or more does not become lines");
-    const iso_status status = make(&m, error);
+    const iso_status status = make(&m, by_distance, error);
     iso_free(m.parent);
     iso_free(m.lid);
     iso_free(m.next);
     iso_free(m.level);
     iso_free(m.order);
     iso_free(m.pairs);
+    iso_free(m.distances.distance);
+    iso_free(m.distances.done);
+    iso_free(m.distances.heap);
+    iso_free(m.distances.heap_at);
     if (status != ISO_OK) iso_mesh_rings_free(rings);
     return status;
+}
+
+bool iso_mesh_rings_cross(const iso_mesh_rings *rings, size_t piece) {
+    const iso_triangles *mesh = &rings->topology->mesh;
+    double along = 0, steps = 0; /* of all rings with two neighbours, mm */
+    for (size_t i = rings->first_ring[piece]; i < rings->first_ring[piece + 1]; i++) {
+        const iso_mesh_ring *ring = &rings->rings[i];
+        const size_t first = rings->link_first[i];
+        if (rings->link_first[i + 1] != first + 2 || ring->count < 3) continue;
+        const iso_vec3 path = iso_vec3_sub(rings->rings[rings->links[first + 1]].at, rings->rings[rings->links[first]].at),
+                       unit = iso_vec3_unit(path);
+        double sum = 0;
+        for (uint32_t k = 0; k < ring->count; k++)
+            sum += fabs(iso_vec3_dot(
+                unit, iso_vec3_sub(iso_mesh_vertex(mesh, rings->members[ring->first + k]), ring->at)));
+        along += sum / ring->count;
+        steps += 0.5 * iso_vec3_length(path);
+    }
+    return !(along < CROSSING * steps) && rings->first_ring[piece + 1] - rings->first_ring[piece] > 2;
 }
 
 void iso_mesh_rings_free(iso_mesh_rings *rings) {

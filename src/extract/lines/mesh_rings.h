@@ -15,6 +15,7 @@ typedef struct iso_mesh_piece {
     iso_vec3 facing; /* the sum of its triangles' normals, each as long as its area, mm^2 */
     double area;     /* mm^2 */
     bool sheet;      /* flat, or without inner vertices, and with one outline */
+    bool by_distance; /* its rings are by distance along the surface, not by numbers of edges */
 } iso_mesh_piece;
 
 /* Vertices, members[first] and following, that are equally many edges away from the piece's end, and joined. */
@@ -44,14 +45,37 @@ typedef struct iso_mesh_rings {
     uint32_t *links;    /* in this array, from low to high */
 } iso_mesh_rings;
 
-/* ISO_ERR_NOMEM; ISO_ERR_LIMIT: 2^31 vertices or more. O(n log n). */
-iso_status iso_mesh_rings_make(const iso_mesh_topology *topology, iso_mesh_rings *rings, iso_error *error);
+/* by_distance[i]: the rings of piece i are vertices that are equally far from its end, measured along the surface, not
+ * equally many edges; NULL: of none. ISO_ERR_NOMEM; ISO_ERR_LIMIT: 2^31 vertices or more. O(n log n). */
+iso_status iso_mesh_rings_make(const iso_mesh_topology *topology, const bool *by_distance, iso_mesh_rings *rings,
+                               iso_error *error);
 void iso_mesh_rings_free(iso_mesh_rings *rings);
+
+/* Whether the rings of a piece cross each other: a ring reaches farther along the branch than to its neighbours. Edges
+ * of a mesh that was not made of rings count paths of different lengths. */
+bool iso_mesh_rings_cross(const iso_mesh_rings *rings, size_t piece);
 
 static inline iso_vec3 iso_mesh_vertex(const iso_triangles *mesh, size_t i) {
     const float *v = mesh->vertices[i];
     return iso_vec3_make((double)v[0], (double)v[1], (double)v[2]);
 }
+
+/* Everything that surface distances need of a mesh, and their results. Arrays of `places`, of which those from
+ * mesh->vertex_count on are lids of loops. */
+typedef struct iso_mesh_distances {
+    const iso_mesh_topology *topology;
+    const size_t *around_first;
+    const uint32_t *around, *lid; /* lid: of each vertex, or ISO_NO_RING */
+    double *distance;             /* mm; INFINITY: not reached */
+    bool *done;
+    uint32_t *heap, *heap_at; /* heap_at: of each place */
+    size_t heaped;
+} iso_mesh_distances;
+
+/* Finds the distances along the surface from one place to all that it is connected to, which are written to `order`,
+ * near ones first; returns how many these are. Distances have to be INFINITY before, and done false. Fast marching
+ * (Kimmel and Sethian 1998, "Computing geodesic paths on manifolds"), with virtual sources. */
+size_t iso_mesh_distances_from(iso_mesh_distances *d, uint32_t from, uint32_t *order);
 
 /* The normal of a triangle, as long as its area. */
 iso_vec3 iso_mesh_triangle_area(const iso_triangles *mesh, size_t triangle);

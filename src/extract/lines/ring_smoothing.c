@@ -59,6 +59,7 @@ static iso_vec3 direction_at(const smoothing *s, size_t i) {
 static bool is_dense(const smoothing *s, size_t i) {
     const place *p = &s->places[i];
     double nearest = INFINITY;
+    if (s->rings->pieces[s->chain->piece].by_distance) return true;
     if (i > 0) nearest = distance(p->at, p[-1].at);
     if (i + 1 < s->chain->count) nearest = iso_min(nearest, distance(p->at, p[1].at));
     return nearest < DENSE * p->mean;
@@ -274,9 +275,13 @@ static void keep_places(smoothing *s) {
 /* Gives the rings what the line has there; one that belongs to another line stays as that line has it. */
 static void give_back(smoothing *s) {
     iso_chain_place *kept = s->chains->places + s->chain->first;
-    for (size_t i = 0; i < s->chain->count; i++) {
+    place *p = s->places;
+    const size_t last = s->chain->count - 1;
+    if (s->chain->attached[0]) p[0].radius = iso_min(p[0].radius, p[1].radius);
+    if (s->chain->attached[1]) p[last].radius = iso_min(p[last].radius, p[last - 1].radius);
+    for (size_t i = 0; i <= last; i++) {
         kept[i].radius = s->places[i].radius;
-        if ((i == 0 && s->chain->attached[0]) || (i + 1 == s->chain->count && s->chain->attached[1])) continue;
+        if ((i == 0 && s->chain->attached[0]) || (i == last && s->chain->attached[1])) continue;
         ring_at(s, i)->at = s->places[i].at;
         ring_at(s, i)->radius = s->places[i].radius;
     }
