@@ -35,6 +35,11 @@ iso_status isorender_object_read_branches(isorender_object *object, iso_error *e
     const iso_status status = iso_mesh_lines_make(settings->path, &object->mesh, object->branches, error);
     object->mesh_triangles = object->mesh.triangle_count;
     iso_triangles_free(&object->mesh);
+    if (status == ISO_ERR_EMPTY && error) {
+        char text[sizeof error->text];
+        snprintf(text, sizeof text, "%s", error->text);
+        return iso_fail(error, status, "%s; --surface draws its triangles", text);
+    }
     ISO_TRY(status);
     snprintf(object->report.format, sizeof object->report.format, "mesh");
     take_lines(object, object->branches);
@@ -45,7 +50,8 @@ iso_status isorender_object_read_branches(isorender_object *object, iso_error *e
 static iso_status add_part(isorender_job *job, const isorender_object *whole, isorender_object **part,
                            iso_error *error) {
     if (job->object_count == ISORENDER_OBJECTS)
-        return iso_fail(error, ISO_ERR_USAGE, "%s: more than %d files, or parts of files, of lines, glyphs and meshes",
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "%s: more than %d files, or parts of files, of lines, glyphs and meshes",
                         whole->settings->path, ISORENDER_OBJECTS);
     *part = &job->objects[job->object_count++];
     **part = (isorender_object){.settings = whole->settings,
@@ -59,12 +65,15 @@ static iso_status add_part(isorender_job *job, const isorender_object *whole, is
 static void log_rest(const isorender_job *job, const isorender_object *whole) {
     const iso_mesh_lines *made = whole->branches;
     const size_t rest = made->pieces - made->tube_pieces - made->ribbon_pieces;
+    const char *path = whole->settings->path;
+    const bool is_input = strcmp(path, job->plan->input) == 0; /* it is named already */
+    const char *name = is_input ? "" : path, *colon = is_input ? "" : ": ";
     if (rest)
-        isorender_log(job, "note: %s: %zu of %zu pieces are not made of thin branches and stay triangles",
-                      whole->settings->path, rest, made->pieces);
+        isorender_log(job, "note: %s%s%zu of %zu pieces are not made of thin branches and stay triangles",
+                      name, colon, rest, made->pieces);
     if (made->left_out)
-        isorender_log(job, "note: %s: %zu triangles are degenerate, or there twice, and are left out",
-                      whole->settings->path, made->left_out);
+        isorender_log(job, "note: %s%s%zu triangles are degenerate, or there twice, and are left out", name,
+                      colon, made->left_out);
 }
 
 iso_status isorender_object_add_parts(isorender_job *job, isorender_object *whole, iso_error *error) {

@@ -146,14 +146,15 @@ iso_status isorender_object_style(isorender_object *object, iso_error *error) {
     return isorender_object_color(object, error);
 }
 
-static iso_status prepare_lines(isorender_object *object, double line_min_pixels, bool by_pullpush,
-                                iso_error *error) {
+static iso_status prepare_lines(isorender_object *object, const isorender_line_pixels *pixels,
+                                bool by_pullpush, iso_error *error) {
     const double given = object->settings->radius,
                  usual = object->field.components ? isorender_field_radius(object) : (double)NAN;
     const isorender_line_style style = object->settings->style;
     iso_lines drawn = object->lines;
     iso_shapes_opts opts = {.radius = isnan(given) ? usual : given,
-                            .min_pixels = line_min_pixels,
+                            .min_pixels = pixels->least,
+                            .drop_pixels = pixels->drop,
                             .caps = object->settings->caps,
                             .shading = object->settings->shading};
     if (style == ISORENDER_STYLE_LINE) { /* no size in space */
@@ -180,8 +181,8 @@ static iso_box mesh_bounds(const isorender_object *object) {
     return iso_mesh_view_bounds(&view);
 }
 
-iso_status isorender_object_prepare(isorender_object *object, double line_min_pixels, bool by_pullpush,
-                                    iso_error *error) {
+iso_status isorender_object_prepare(isorender_object *object, const isorender_line_pixels *pixels,
+                                    bool by_pullpush, iso_error *error) {
     if (object->settings->kind == ISORENDER_MESH) {
         ISO_TRY(iso_triangle_spans_make(&object->mesh, &object->spans, error));
         object->bounds = mesh_bounds(object);
@@ -189,7 +190,7 @@ iso_status isorender_object_prepare(isorender_object *object, double line_min_pi
         return iso_fail(error, ISO_ERR_EMPTY, "%s: nothing to draw: no triangle has an area",
                         object->settings->path);
     }
-    ISO_TRY(has_lines(object) ? prepare_lines(object, line_min_pixels, by_pullpush, error)
+    ISO_TRY(has_lines(object) ? prepare_lines(object, pixels, by_pullpush, error)
                               : prepare_glyphs(object, error));
     object->bounds = iso_shapes_bounds(object->shapes);
     if (!iso_box_is_empty(&object->bounds)) return ISO_OK;

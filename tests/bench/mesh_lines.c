@@ -42,8 +42,10 @@ static size_t cut(const iso_lines *lines, double most, segment *list) {
             for (size_t k = 0; k < parts; k++, count++) {
                 const double u = (double)k / (double)parts, v = (double)(k + 1) / (double)parts;
                 if (!list) continue;
-                list[count] = (segment){iso_vec3_add(a, iso_vec3_scale(path, u)), iso_vec3_add(a, iso_vec3_scale(path, v)),
-                                        {radius + u * wider, radius + v * wider}, a.x + 0.5 * (u + v) * path.x};
+                list[count] = (segment){iso_vec3_add(a, iso_vec3_scale(path, u)),
+                                        iso_vec3_add(a, iso_vec3_scale(path, v)),
+                                        {radius + u * wider, radius + v * wider},
+                                        a.x + 0.5 * (u + v) * path.x};
             }
         }
     return count;
@@ -77,8 +79,10 @@ static double nearest(const segments *s, iso_vec3 p, double own, double *radius)
     *radius = 0;
     while (lo < hi) {
         const size_t middle = (lo + hi) / 2;
-        if (s->list[middle].x < p.x) lo = middle + 1;
-        else hi = middle;
+        if (s->list[middle].x < p.x)
+            lo = middle + 1;
+        else
+            hi = middle;
     }
     for (int side = 0; side < 2; side++)
         for (size_t i = side ? lo : lo - 1; i < s->count; i += side ? 1 : SIZE_MAX) {
@@ -132,10 +136,12 @@ static iso_status run(const char *path, const char *known_path, iso_error *error
     ISO_TRY(iso_mesh_read(path, NULL, &mesh, error));
     ISO_TRY(iso_mesh_lines_make(path, &mesh, &made, error));
     const iso_lines *lines = made.tubes.line_count ? &made.tubes : &made.ribbons;
-    printf("{\"triangles\": %zu, \"mesh_vertices\": %zu, \"pieces\": %zu, \"tube_pieces\": %zu, \"ribbon_pieces\": %zu, "
+    printf("{\"triangles\": %zu, \"mesh_vertices\": %zu, \"pieces\": %zu, \"tube_pieces\": %zu, "
+           "\"ribbon_pieces\": %zu, "
            "\"tubes\": %zu, \"tube_vertices\": %zu, \"ribbons\": %zu, \"ribbon_vertices\": %zu",
-           mesh.triangle_count, mesh.vertex_count, made.pieces, made.tube_pieces, made.ribbon_pieces, made.tubes.line_count,
-           made.tubes.vertex_count, made.ribbons.line_count, made.ribbons.vertex_count);
+           mesh.triangle_count, mesh.vertex_count, made.pieces, made.tube_pieces, made.ribbon_pieces,
+           made.tubes.line_count, made.tubes.vertex_count, made.ribbons.line_count,
+           made.ribbons.vertex_count);
     if (strcmp(known_path, "-") != 0) {
         ISO_TRY(iso_lines_read(known_path, NULL, &known, error));
         segments to = segments_of(&known), back = segments_of(lines);

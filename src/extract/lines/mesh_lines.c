@@ -2,14 +2,15 @@
 #include "extract/lines/mesh_lines.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "base/memory.h"
 #include "base/numbers.h"
 #include "extract/lines/ring_chains.h"
 
-/* A piece is thin if its lines are so many times as long as their mean radius. */
-static const double THIN = 4;
+/* A piece is thin if its lines are so many times as long as their greatest width. */
+static const double THIN = 2;
 /* Its tubes are where it is if all but OUTSIDE of its vertices are within NEAR radii of their surface. */
 static const double NEAR = 0.3, OUTSIDE = 0.1;
 /* A leaf is at least so many times as long as wide, and its ribbon's area differs by less than this part. */
@@ -18,7 +19,7 @@ static const double LEAF_LENGTH = 1.5, LEAF_AREA = 0.25;
 typedef enum piece_kind { PIECE_REST, PIECE_TUBES, PIECE_RIBBON } piece_kind;
 
 typedef struct piece_fit {
-    double length, volume; /* of its lines: mm; length times radius, mm^2 */
+    double length, widest; /* of its lines: their length, and their greatest radius, mm */
     size_t chains, outside;
     piece_kind kind;
 } piece_fit;
@@ -50,7 +51,7 @@ static void measure_chains(const converting *c) {
             const iso_mesh_ring *a = ring_of(c, chain, k - 1), *b = ring_of(c, chain, k);
             const double length = distance(a->at, b->at);
             fit->length += length;
-            fit->volume += 0.5 * length * (a->radius + b->radius);
+            fit->widest = iso_max(fit->widest, iso_max(a->radius, b->radius));
         }
     }
 }
@@ -73,7 +74,8 @@ static bool is_near(const converting *c, size_t vertex) {
     double nearest = beyond(ring, ring, v);
     for (size_t k = c->rings.link_first[at]; k < c->rings.link_first[at + 1]; k++) {
         const uint32_t next = c->rings.links[k];
-        if (c->chains.stand_in[next] == next) nearest = iso_min(nearest, beyond(ring, &c->rings.rings[next], v));
+        if (c->chains.stand_in[next] == next)
+            nearest = iso_min(nearest, beyond(ring, &c->rings.rings[next], v));
     }
     return fabs(nearest) <= NEAR;
 }
@@ -87,7 +89,7 @@ static void judge_tubes(const converting *c) {
     for (size_t i = 0; i < c->rings.piece_count; i++) {
         piece_fit *fit = &c->fits[i];
         const iso_mesh_piece *piece = &c->rings.pieces[i];
-        const bool thin = fit->length * fit->length >= THIN * fit->volume && fit->volume > 0;
+        const bool thin = fit->widest > 0 && fit->length >= THIN * 2 * fit->widest;
         if (!piece->sheet && thin && (double)fit->outside <= OUTSIDE * (double)piece->vertices)
             fit->kind = PIECE_TUBES;
     }
@@ -155,7 +157,8 @@ static bool is_leaf(const converting *c, const iso_chain *chain) {
 static void judge_sheets(const converting *c) {
     for (size_t i = 0; i < c->chains.count; i++) {
         const iso_chain *chain = &c->chains.chains[i];
-        if (c->rings.pieces[chain->piece].sheet && is_leaf(c, chain)) c->fits[chain->piece].kind = PIECE_RIBBON;
+        if (c->rings.pieces[chain->piece].sheet && is_leaf(c, chain))
+            c->fits[chain->piece].kind = PIECE_RIBBON;
     }
 }
 
@@ -222,21 +225,22 @@ static iso_status add_rest(const converting *c, iso_triangles *rest, iso_error *
 /* Says why the largest piece did not become lines. */
 static iso_status fail_thick(const converting *c, const char *path, iso_error *error) {
     size_t largest = 0;
+    char why[96];
     for (size_t i = 0; i < c->rings.piece_count; i++)
         if (c->rings.pieces[i].area > c->rings.pieces[largest].area) largest = i;
     const iso_mesh_piece *piece = &c->rings.pieces[largest];
     const piece_fit *fit = &c->fits[largest];
-    const double thickness = fit->length > 0 ? fit->volume / fit->length : 0;
-    const char *of = c->rings.piece_count > 1 ? "its largest piece" : "it";
+    const double ratio = fit->widest > 0 ? fit->length / (2 * fit->widest) : 0;
     if (piece->sheet)
-        return iso_fail(error, ISO_ERR_EMPTY, "%s: not made of thin branches or leaves: %s is a sheet that is no leaf",
-                        path, of);
-    if (fit->length < THIN * thickness || !(thickness > 0))
-        return iso_fail(error, ISO_ERR_EMPTY, "%s: not made of thin branches: %s is %.2g times as long as thick", path,
-                        of, thickness > 0 ? fit->length / (2 * thickness) : 0);
-    return iso_fail(error, ISO_ERR_EMPTY,
-                    "%s: not made of thin branches: %.0f %% of the vertices of %s are not on tubes", path,
-                    100 * (double)fit->outside / (double)piece->vertices, of);
+        snprintf(why, sizeof why, "is a sheet that is no leaf");
+    else if (ratio < THIN)
+        snprintf(why, sizeof why, ratio < 1.5 ? "is as thick as long" : "is only %.1f times as long as thick",
+                 ratio);
+    else
+        snprintf(why, sizeof why, "has %.0f %% of its vertices away from the tubes through it",
+                 100 * (double)fit->outside / (double)piece->vertices);
+    return iso_fail(error, ISO_ERR_EMPTY, "%s: not made of thin branches or leaves: %s %s", path,
+                    c->rings.piece_count > 1 ? "its largest piece" : "it", why);
 }
 
 static iso_status add_all(converting *c, const char *path, iso_error *error) {
@@ -268,7 +272,8 @@ static iso_status make_rings(converting *c, const iso_mesh_topology *topology, i
     return status;
 }
 
-static iso_status convert(converting *c, const char *path, const iso_mesh_topology *topology, iso_error *error) {
+static iso_status convert(converting *c, const char *path, const iso_mesh_topology *topology,
+                          iso_error *error) {
     ISO_TRY(make_rings(c, topology, error));
     ISO_TRY(iso_chains_make(&c->rings, &c->chains, error));
     c->fits = iso_alloc_zero(c->rings.piece_count, sizeof *c->fits);
@@ -278,7 +283,8 @@ static iso_status convert(converting *c, const char *path, const iso_mesh_topolo
     return add_all(c, path, error);
 }
 
-iso_status iso_mesh_lines_make(const char *path, const iso_triangles *mesh, iso_mesh_lines *made, iso_error *error) {
+iso_status iso_mesh_lines_make(const char *path, const iso_triangles *mesh, iso_mesh_lines *made,
+                               iso_error *error) {
     iso_mesh_topology topology = {.loops = 0};
     iso_mesh_lines lines = {.pieces = 0};
     converting c = {.made = &lines};

@@ -24,13 +24,14 @@ typedef struct iso_mesh_lines {
     iso_lines ribbons;  /* with radii, half the width, and normals */
     iso_triangles rest; /* the triangles of the other pieces; all vertices of the joined mesh */
     size_t pieces, tube_pieces, ribbon_pieces; /* of the mesh, which are its connected components */
-    size_t left_out; /* triangles that are degenerate, or there twice */
+    size_t left_out;                           /* triangles that are degenerate, or there twice */
 } iso_mesh_lines;
 
 /* Makes lines of a mesh, world mm. The same lines for every order of calls; one thread. `path` is used in messages.
  * Errors: those of iso_mesh_topology_make; ISO_ERR_EMPTY: no piece is made of thin branches or is a leaf, and the text
  * says why the largest is not. */
-iso_status iso_mesh_lines_make(const char *path, const iso_triangles *mesh, iso_mesh_lines *made, iso_error *error);
+iso_status iso_mesh_lines_make(const char *path, const iso_triangles *mesh, iso_mesh_lines *made,
+                               iso_error *error);
 void iso_mesh_lines_free(iso_mesh_lines *lines);
 
 #endif

@@ -13,7 +13,7 @@ static const uint32_t NONE = UINT32_MAX;
 /* A piece with one outline is a sheet if its triangles face one way: by so much of its area at least. */
 static const double FLAT = 0.7;
 /* A triangle's edge joins two vertices of one ring for certain if the other two are so many times as long. */
-static const double ELONGATED = 2;
+static const double ELONGATED = 1.6;
 
 /* Rings cross each other if their vertices' mean distance from the ring's middle, along the branch, is so many times the
  * distance of neighbouring rings. */
@@ -24,11 +24,11 @@ typedef struct making {
     iso_mesh_rings *made;
     const iso_triangles *mesh;
     size_t vertices, lids;
-    uint32_t *parent;      /* disjoint sets of vertices */
-    uint32_t *lid;         /* of each vertex: the lid of its loop, or NONE */
-    uint32_t *next;        /* of each vertex: the next one that certainly is of the same ring, in a circle */
-    int32_t *level;        /* of each vertex and lid: edges from the end of the piece; -1: not seen */
-    uint32_t *order;       /* vertices and lids as they were found: piece after piece, level after level */
+    uint32_t *parent; /* disjoint sets of vertices */
+    uint32_t *lid;    /* of each vertex: the lid of its loop, or NONE */
+    uint32_t *next;   /* of each vertex: the next one that certainly is of the same ring, in a circle */
+    int32_t *level;   /* of each vertex and lid: edges from the end of the piece; -1: not seen */
+    uint32_t *order;  /* vertices and lids as they were found: piece after piece, level after level */
     size_t ordered;
     uint64_t *pairs;
     size_t pair_count;
@@ -92,8 +92,9 @@ static void measure_pieces(making *m) {
         /* twice the Euler characteristic; edges: half of the triangles' sides and of the open ones */
         const long long twice = 2 * (long long)piece->vertices + 2 * (long long)piece->triangles -
                                 (3 * (long long)piece->triangles + (long long)piece->open_edges);
-        piece->sheet = twice == 2 && piece->loops == 1 &&
-                       (piece->outline == piece->vertices || iso_vec3_length(piece->facing) >= FLAT * piece->area);
+        piece->sheet =
+            twice == 2 && piece->loops == 1 &&
+            (piece->outline == piece->vertices || iso_vec3_length(piece->facing) >= FLAT * piece->area);
     }
 }
 
@@ -115,7 +116,8 @@ static void list_triangles(making *m) {
     for (size_t i = 0; i < m->mesh->triangle_count; i++)
         for (int k = 0; k < 3; k++) first[m->mesh->triangles[i][k] + 1]++;
     for (size_t i = 0; i < m->vertices; i++) first[i + 1] += first[i];
-    for (size_t i = m->mesh->triangle_count; i-- > 0;) /* first[v + 1] moves down to where the list of v begins, */
+    for (size_t i = m->mesh->triangle_count;
+         i-- > 0;) /* first[v + 1] moves down to where the list of v begins, */
         for (int k = 0; k < 3; k++) made->around[--first[m->mesh->triangles[i][k] + 1]] = (uint32_t)i;
     for (size_t i = 0; i < m->vertices; i++) first[i] = first[i + 1]; /* which belongs one place lower */
     first[m->vertices] = 3 * m->mesh->triangle_count;
@@ -294,7 +296,8 @@ static void measure_ring(const making *m, iso_mesh_ring *ring, const uint32_t *v
     for (size_t i = 0; i < count; i++) sum = iso_vec3_add(sum, iso_mesh_vertex(m->mesh, vertices[i]));
     ring->at = iso_vec3_scale(sum, 1.0 / (double)count);
     for (size_t i = 0; i < count; i++) {
-        const double distance = iso_vec3_length(iso_vec3_sub(iso_mesh_vertex(m->mesh, vertices[i]), ring->at));
+        const double distance =
+            iso_vec3_length(iso_vec3_sub(iso_mesh_vertex(m->mesh, vertices[i]), ring->at));
         ring->radius += distance / (double)count;
         ring->reach = iso_max(ring->reach, distance);
     }
@@ -372,8 +375,10 @@ static iso_status list_links(making *m, iso_error *error) {
     for (size_t pass = 0; pass < 2; pass++) /* links to lower rings first */
         for (size_t i = 0; i < m->pair_count; i++) {
             const uint32_t low = (uint32_t)(m->pairs[i] >> 32), high = (uint32_t)m->pairs[i];
-            if (pass) made->links[first[low]++] = high;
-            else made->links[first[high]++] = low;
+            if (pass)
+                made->links[first[low]++] = high;
+            else
+                made->links[first[high]++] = low;
         }
     return ISO_OK; /* first[i] has become where the links of ring i + 1 begin, link_first[i] those of i */
 }
@@ -418,7 +423,8 @@ static iso_status make(making *m, const bool *by_distance, iso_error *error) {
     ISO_TRY(reserve(m, error));
     ISO_TRY(number_pieces(m, error));
     measure_pieces(m);
-    for (size_t i = 0; by_distance && i < made->piece_count; i++) made->pieces[i].by_distance = by_distance[i];
+    for (size_t i = 0; by_distance && i < made->piece_count; i++)
+        made->pieces[i].by_distance = by_distance[i];
     set_lids(m);
     list_triangles(m);
     number = iso_alloc_zero(m->vertices + m->lids + 1, sizeof *number);
@@ -439,8 +445,8 @@ static iso_status make(making *m, const bool *by_distance, iso_error *error) {
     return status;
 }
 
-iso_status iso_mesh_rings_make(const iso_mesh_topology *topology, const bool *by_distance, iso_mesh_rings *rings,
-                               iso_error *error) {
+iso_status iso_mesh_rings_make(const iso_mesh_topology *topology, const bool *by_distance,
+                               iso_mesh_rings *rings, iso_error *error) {
     making m = {.made = rings,
                 .mesh = &topology->mesh,
                 .vertices = topology->mesh.vertex_count,
@@ -470,7 +476,8 @@ bool iso_mesh_rings_cross(const iso_mesh_rings *rings, size_t piece) {
         const iso_mesh_ring *ring = &rings->rings[i];
         const size_t first = rings->link_first[i];
         if (rings->link_first[i + 1] != first + 2 || ring->count < 3) continue;
-        const iso_vec3 path = iso_vec3_sub(rings->rings[rings->links[first + 1]].at, rings->rings[rings->links[first]].at),
+        const iso_vec3 path = iso_vec3_sub(rings->rings[rings->links[first + 1]].at,
+                                           rings->rings[rings->links[first]].at),
                        unit = iso_vec3_unit(path);
         double sum = 0;
         for (uint32_t k = 0; k < ring->count; k++)

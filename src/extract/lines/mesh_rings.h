@@ -12,9 +12,9 @@
 typedef struct iso_mesh_piece {
     size_t vertices, triangles, open_edges, outline; /* outline: vertices on open edges */
     uint32_t loops;
-    iso_vec3 facing; /* the sum of its triangles' normals, each as long as its area, mm^2 */
-    double area;     /* mm^2 */
-    bool sheet;      /* flat, or without inner vertices, and with one outline */
+    iso_vec3 facing;  /* the sum of its triangles' normals, each as long as its area, mm^2 */
+    double area;      /* mm^2 */
+    bool sheet;       /* flat, or without inner vertices, and with one outline */
     bool by_distance; /* its rings are by distance along the surface, not by numbers of edges */
 } iso_mesh_piece;
 
@@ -34,21 +34,21 @@ typedef struct iso_mesh_rings {
     iso_mesh_piece *pieces;
     iso_mesh_ring *rings;
     size_t piece_count, ring_count;
-    size_t *first_ring;  /* piece_count + 1 */
-    uint32_t *piece;     /* of each vertex */
-    uint32_t *ring;      /* of each vertex */
-    uint32_t *members;   /* vertices, by ring */
-    bool *open;          /* of each vertex: it is on an open edge */
+    size_t *first_ring;   /* piece_count + 1 */
+    uint32_t *piece;      /* of each vertex */
+    uint32_t *ring;       /* of each vertex */
+    uint32_t *members;    /* vertices, by ring */
+    bool *open;           /* of each vertex: it is on an open edge */
     size_t *around_first; /* vertices + 1: of each vertex the triangles around it, */
     uint32_t *around;     /* in this array */
-    size_t *link_first; /* ring_count + 1: of each ring those that edges of the mesh join it to, */
-    uint32_t *links;    /* in this array, from low to high */
+    size_t *link_first;   /* ring_count + 1: of each ring those that edges of the mesh join it to, */
+    uint32_t *links;      /* in this array, from low to high */
 } iso_mesh_rings;
 
 /* by_distance[i]: the rings of piece i are vertices that are equally far from its end, measured along the surface, not
  * equally many edges; NULL: of none. ISO_ERR_NOMEM; ISO_ERR_LIMIT: 2^31 vertices or more. O(n log n). */
-iso_status iso_mesh_rings_make(const iso_mesh_topology *topology, const bool *by_distance, iso_mesh_rings *rings,
-                               iso_error *error);
+iso_status iso_mesh_rings_make(const iso_mesh_topology *topology, const bool *by_distance,
+                               iso_mesh_rings *rings, iso_error *error);
 void iso_mesh_rings_free(iso_mesh_rings *rings);
 
 /* Whether the rings of a piece cross each other: a ring reaches farther along the branch than to its neighbours. Edges

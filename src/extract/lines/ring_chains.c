@@ -169,7 +169,8 @@ static iso_status reserve(chaining *c, iso_error *error) {
     c->made->stand_in = iso_alloc((rings + 1) * sizeof *c->made->stand_in);
     c->made->chains = iso_alloc((links + 1) * sizeof *c->made->chains);
     c->made->places = iso_alloc((links + 1) * sizeof *c->made->places);
-    if (c->degree && c->through && c->walked && c->path && c->made->stand_in && c->made->chains && c->made->places)
+    if (c->degree && c->through && c->walked && c->path && c->made->stand_in && c->made->chains &&
+        c->made->places)
         return ISO_OK;
     return iso_fail_memory(error, "lines of a mesh");
 }

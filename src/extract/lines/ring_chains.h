@@ -7,13 +7,13 @@
 /* A place of a chain: a ring, and what the line has there. */
 typedef struct iso_chain_place {
     uint32_t ring;
-    bool keep; /* it becomes a vertex of the line */
+    bool keep;     /* it becomes a vertex of the line */
     double radius; /* mm */
 } iso_chain_place;
 
 /* Rings one after the other, which become a line. */
 typedef struct iso_chain {
-    size_t first, count;  /* places */
+    size_t first, count; /* places */
     uint32_t piece;
     bool attached[2]; /* its first, or last, ring belongs to another line, on which it begins or ends */
 } iso_chain;

@@ -75,8 +75,8 @@ static void measure(const smoothing *s, size_t i) {
     p->round = true;
     if (ring->lid) return;
     for (uint32_t k = 0; k < ring->count; k++) {
-        const iso_vec3 away =
-            iso_vec3_sub(iso_mesh_vertex(&s->rings->topology->mesh, s->rings->members[ring->first + k]), p->at);
+        const iso_vec3 away = iso_vec3_sub(
+            iso_mesh_vertex(&s->rings->topology->mesh, s->rings->members[ring->first + k]), p->at);
         const double part = iso_vec3_dot(away, along),
                      square = iso_max(iso_vec3_dot(away, away) - part * part, 0);
         sum += sqrt(square);
@@ -99,7 +99,8 @@ static void take_places(smoothing *s) {
 /* ---- places where branches join */
 
 static bool is_good(const smoothing *s, size_t i) {
-    const bool own = !(i == 0 && s->chain->attached[0]) && !(i + 1 == s->chain->count && s->chain->attached[1]);
+    const bool own =
+        !(i == 0 && s->chain->attached[0]) && !(i + 1 == s->chain->count && s->chain->attached[1]);
     const uint32_t ring = s->chains->places[s->chain->first + i].ring;
     return own && s->places[i].round && s->degree[ring] <= 2;
 }
@@ -137,7 +138,8 @@ static size_t find_end(const smoothing *s, size_t end, int step, size_t *flat) {
     while (i != stop && (i == end || distance(p[i].at, p[end].at) < p[i].radius)) i += (size_t)step;
     *flat = SIZE_MAX;
     for (size_t k = end; k != i; k += (size_t)step)
-        if (*flat == SIZE_MAX && distance(p[k].at, p[end].at) <= FLAT * p[i].radius && p[k].radius >= FULL * p[i].radius)
+        if (*flat == SIZE_MAX && distance(p[k].at, p[end].at) <= FLAT * p[i].radius &&
+            p[k].radius >= FULL * p[i].radius)
             *flat = k;
     return i;
 }
@@ -287,10 +289,12 @@ static void give_back(smoothing *s) {
     }
 }
 
-iso_status iso_chains_smooth(iso_mesh_rings *rings, iso_chains *chains, const uint32_t *degree, iso_error *error) {
+iso_status iso_chains_smooth(iso_mesh_rings *rings, iso_chains *chains, const uint32_t *degree,
+                             iso_error *error) {
     smoothing s = {.rings = rings, .chains = chains, .degree = degree};
     size_t most = 0;
-    for (size_t i = 0; i < chains->count; i++) most = chains->chains[i].count > most ? chains->chains[i].count : most;
+    for (size_t i = 0; i < chains->count; i++)
+        most = chains->chains[i].count > most ? chains->chains[i].count : most;
     s.places = iso_alloc((most + 1) * sizeof *s.places);
     s.other = iso_alloc((most + 1) * sizeof *s.other);
     s.stack = iso_alloc((most + 2) * sizeof *s.stack);
