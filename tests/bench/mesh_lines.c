@@ -139,7 +139,7 @@ static iso_status run(const char *path, const char *known_path, iso_error *error
     printf("{\"triangles\": %zu, \"mesh_vertices\": %zu, \"pieces\": %zu, \"tube_pieces\": %zu, "
            "\"ribbon_pieces\": %zu, "
            "\"tubes\": %zu, \"tube_vertices\": %zu, \"ribbons\": %zu, \"ribbon_vertices\": %zu",
-           mesh.triangle_count, mesh.vertex_count, made.pieces, made.tube_pieces, made.ribbon_pieces,
+           mesh.triangle_count, made.vertices, made.pieces, made.tube_pieces, made.ribbon_pieces,
            made.tubes.line_count, made.tubes.vertex_count, made.ribbons.line_count,
            made.ribbons.vertex_count);
     if (strcmp(known_path, "-") != 0) {

@@ -289,12 +289,13 @@ iso_status iso_mesh_lines_make(const char *path, const iso_triangles *mesh, iso_
     iso_mesh_lines lines = {.pieces = 0};
     converting c = {.made = &lines};
     ISO_TRY(iso_mesh_topology_make(path, mesh, &topology, error));
-    const size_t triangles = topology.mesh.triangle_count;
+    const size_t triangles = topology.mesh.triangle_count, vertices = topology.mesh.vertex_count;
     const iso_status status = convert(&c, path, &topology, error);
     iso_free(c.fits);
     iso_chains_free(&c.chains);
     iso_mesh_rings_free(&c.rings);
     iso_mesh_topology_free(&topology);
+    lines.vertices = vertices;
     lines.left_out = mesh->triangle_count - triangles;
     if (status == ISO_OK)
         *made = lines;

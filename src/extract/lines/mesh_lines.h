@@ -24,6 +24,7 @@ typedef struct iso_mesh_lines {
     iso_lines ribbons;  /* with radii, half the width, and normals */
     iso_triangles rest; /* the triangles of the other pieces; all vertices of the joined mesh */
     size_t pieces, tube_pieces, ribbon_pieces; /* of the mesh, which are its connected components */
+    size_t vertices;                           /* of the mesh, equal positions counted once */
     size_t left_out;                           /* triangles that are degenerate, or there twice */
 } iso_mesh_lines;
 
