@@ -1,5 +1,5 @@
-/* object_branches: a mesh in --lines, which becomes tubes, ribbons, and what stays triangles. Each is an object of its
- * own; the first is the object that was read. */
+/* object_branches: a mesh in --lines, which becomes tubes, ribbons, and what stays triangles. Each is an
+ * object of its own; the first is the object that was read. */
 #include <string.h>
 
 #include "apps/isorender/isorender.h"

@@ -67,7 +67,7 @@ iso_status isorender_object_read(isorender_object *object, const isorender_objec
 /* Gives lines or glyphs the radii and colours that the settings say. ISO_ERR_USAGE: no such column. */
 iso_status isorender_object_style(isorender_object *object, iso_error *error);
 
-/* Of lines in the picture: their least width, and by how much vertices that are left out may move outlines. */
+/* Of lines in the picture: their least width, and by how much dropped vertices may move outlines. */
 typedef struct isorender_line_pixels {
     double least, drop;
 } isorender_line_pixels;

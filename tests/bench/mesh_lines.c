@@ -1,6 +1,7 @@
-/* mesh_lines MESH KNOWN: makes lines of a mesh (extract/lines), and prints as JSON how far they are from the lines that
- * the mesh was made of: distances of vertices from the other lines, and differences of radii there, in mm and in radii
- * of the known lines; their 99th percentile and maximum. KNOWN "-": only counts. */
+/* mesh_lines MESH KNOWN: makes lines of a mesh (extract/lines), and prints as JSON how far they are from
+ * the lines that the mesh was made of: distances of vertices from the other lines, and differences of
+ * radii there, in mm and in radii of the known lines; their 99th percentile and maximum. KNOWN "-": only
+ * counts. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -31,7 +32,8 @@ static int compare(const void *a, const void *b) {
     return iso_compare_doubles(&((const segment *)a)->x, &((const segment *)b)->x);
 }
 
-/* Parts of segments that are no longer than `most`, mm; returns how many there are, and lists them unless `list` is NULL. */
+/* Parts of segments that are no longer than `most`, mm; returns how many there are, and lists them
+ * unless `list` is NULL. */
 static size_t cut(const iso_lines *lines, double most, segment *list) {
     size_t count = 0;
     for (size_t line = 0; line < lines->line_count; line++)
@@ -70,8 +72,8 @@ static double distance(const segment *s, iso_vec3 p, double *radius) {
     return iso_vec3_length(iso_vec3_sub(from, iso_vec3_scale(path, u)));
 }
 
-/* The nearest segment; of those that are as near but for a hundredth of a radius, that with the most similar radius:
- * where one line begins on another, both are there. */
+/* The nearest segment; of those that are as near but for a hundredth of a radius, that with the most
+ * similar radius: where one line begins on another, both are there. */
 static double nearest(const segments *s, iso_vec3 p, double own, double *radius) {
     const double slack = 0.01 * own + 1e-6;
     size_t lo = 0, hi = s->count;
@@ -104,7 +106,8 @@ static void print_percentiles(const char *name, double *values, size_t count) {
            values[(size_t)(0.99 * (double)(count - 1))], values[count - 1]);
 }
 
-/* Compares the vertices of `from` with the segments of `to`. by_known: radii of `from` are the known ones. */
+/* Compares the vertices of `from` with the segments of `to`. by_known: radii of `from` are the known
+ * ones. */
 static void compare_lines(const char *name, const iso_lines *from, const segments *to, bool by_known) {
     double *away = calloc(4 * from->vertex_count + 1, sizeof *away), *parts = away + from->vertex_count,
            *wider = parts + from->vertex_count, *wider_parts = wider + from->vertex_count;

@@ -1,5 +1,5 @@
-/* mesh_distances: fast marching. The place with the least distance of a heap is done; each triangle beside it then
- * gives the distance of its third corner. */
+/* mesh_distances: fast marching. The place with the least distance of a heap is done; each triangle
+ * beside it then gives the distance of its third corner. */
 #include <math.h>
 
 #include "base/numbers.h"
@@ -47,8 +47,8 @@ static double between(iso_vec3 a, iso_vec3 b) {
     return iso_vec3_length(iso_vec3_sub(a, b));
 }
 
-/* The distance of c from a virtual source in the plane of the triangle, on the other side of ab, at the distances of a
- * and b; INFINITY if there is none, or the path from there to c does not cross ab. */
+/* The distance of c from a virtual source in the plane of the triangle, on the other side of ab, at the
+ * distances of a and b; INFINITY if there is none, or the path from there to c does not cross ab. */
 static double cross_edge(iso_vec3 a, iso_vec3 b, iso_vec3 c, double from_a, double from_b) {
     const iso_vec3 ab = iso_vec3_sub(b, a), ac = iso_vec3_sub(c, a);
     const double length = iso_vec3_length(ab);

@@ -13,7 +13,8 @@
 static const double THIN = 2;
 /* Its tubes are where it is if all but OUTSIDE of its vertices are within NEAR radii of their surface. */
 static const double NEAR = 0.3, OUTSIDE = 0.1;
-/* A leaf is at least so many times as long as wide, and its ribbon's area differs by less than this part. */
+/* A leaf is at least so many times as long as wide, and its ribbon's area differs by less than this
+ * part. */
 static const double LEAF_LENGTH = 1.5, LEAF_AREA = 0.25;
 
 typedef enum piece_kind { PIECE_REST, PIECE_TUBES, PIECE_RIBBON } piece_kind;
@@ -97,7 +98,8 @@ static void judge_tubes(const converting *c) {
 
 /* ---- ribbons */
 
-/* The two vertices of a sheet's ring that are farthest apart, of those on its outline; false: there is one. */
+/* The two vertices of a sheet's ring that are farthest apart, of those on its outline; false: there is
+ * one. */
 static bool find_pair(const converting *c, const iso_mesh_ring *ring, iso_vec3 pair[2]) {
     const iso_triangles *mesh = &c->rings.topology->mesh;
     const uint32_t *members = c->rings.members + ring->first;

@@ -12,11 +12,12 @@
 static const uint32_t NONE = UINT32_MAX;
 /* A piece with one outline is a sheet if its triangles face one way: by so much of its area at least. */
 static const double FLAT = 0.7;
-/* A triangle's edge joins two vertices of one ring for certain if the other two are so many times as long. */
+/* A triangle's edge joins two vertices of one ring for certain if the other two are so many times as
+ * long. */
 static const double ELONGATED = 1.6;
 
-/* Rings cross each other if their vertices' mean distance from the ring's middle, along the branch, is so many times the
- * distance of neighbouring rings. */
+/* Rings cross each other if their vertices' mean distance from the ring's middle, along the branch, is
+ * so many times the distance of neighbouring rings. */
 static const double CROSSING = 0.35;
 
 /* What is needed while rings are made. Vertices from mesh->vertex_count on are lids. */
@@ -155,8 +156,8 @@ static void add_short_edge(making *m, const uint32_t triangle[3]) {
             add_pair(m, triangle[k], triangle[(k + 1) % 3]);
 }
 
-/* Joins the vertices of closed chains of short edges between elongated triangles in circles. An open chain does not
- * go around a branch. `edges`: room for a number of each vertex, all 0. */
+/* Joins the vertices of closed chains of short edges between elongated triangles in circles. An open
+ * chain does not go around a branch. `edges`: room for a number of each vertex, all 0. */
 static void join_rings(making *m, uint32_t *edges) {
     m->pair_count = 0;
     reset_sets(m);
@@ -212,7 +213,8 @@ static uint32_t sweep(making *m, uint32_t v) {
     return m->order[m->ordered - 1];
 }
 
-/* A band of distances that is a ring: at least so wide that edges of the piece do not cross it, but for a few. */
+/* A band of distances that is a ring: at least so wide that edges of the piece do not cross it, but for
+ * a few. */
 static double band_of(const making *m, const uint32_t *order, size_t count) {
     double sum = 0, squares = 0, edges = 0;
     for (size_t i = 0; i < count; i++) {
@@ -271,8 +273,8 @@ static void set_levels(making *m) {
 
 /* ---- rings */
 
-/* Unites vertices of the same level that an edge joins, and numbers these sets in the order in which they were
- * found. Returns how many there are, with lids. */
+/* Unites vertices of the same level that an edge joins, and numbers these sets in the order in which
+ * they were found. Returns how many there are, with lids. */
 static size_t number_rings(making *m, uint32_t *number) {
     const iso_triangles *mesh = m->mesh;
     size_t count = 0;

@@ -1,5 +1,5 @@
-/* mesh_rings: divides a mesh into pieces, and each piece into rings of vertices that are equally many edges away from
- * one of its ends. Internal to extract/lines. */
+/* mesh_rings: divides a mesh into pieces, and each piece into rings of vertices that are equally many
+ * edges away from one of its ends. Internal to extract/lines. */
 #ifndef ISO_EXTRACT_LINES_MESH_RINGS_H
 #define ISO_EXTRACT_LINES_MESH_RINGS_H
 
@@ -18,7 +18,8 @@ typedef struct iso_mesh_piece {
     bool by_distance; /* its rings are by distance along the surface, not by numbers of edges */
 } iso_mesh_piece;
 
-/* Vertices, members[first] and following, that are equally many edges away from the piece's end, and joined. */
+/* Vertices, members[first] and following, that are equally many edges away from the piece's end, and
+ * joined. */
 typedef struct iso_mesh_ring {
     iso_vec3 at;   /* mm: the mean of its vertices at first */
     double radius; /* mm: their mean distance from there at first; of a lid that of its loop's */
@@ -28,7 +29,8 @@ typedef struct iso_mesh_ring {
     bool lid; /* not of vertices: the middle of an open loop, as if a lid closed it */
 } iso_mesh_ring;
 
-/* Zero-initialise; iso_mesh_rings_free. Rings of a piece follow one another, by their distance from its end. */
+/* Zero-initialise; iso_mesh_rings_free. Rings of a piece follow one another, by their distance from its
+ * end. */
 typedef struct iso_mesh_rings {
     const iso_mesh_topology *topology; /* borrowed */
     iso_mesh_piece *pieces;
@@ -45,14 +47,15 @@ typedef struct iso_mesh_rings {
     uint32_t *links;      /* in this array, from low to high */
 } iso_mesh_rings;
 
-/* by_distance[i]: the rings of piece i are vertices that are equally far from its end, measured along the surface, not
- * equally many edges; NULL: of none. ISO_ERR_NOMEM; ISO_ERR_LIMIT: 2^31 vertices or more. O(n log n). */
+/* by_distance[i]: the rings of piece i are vertices that are equally far from its end, measured along
+ * the surface, not equally many edges; NULL: of none. ISO_ERR_NOMEM; ISO_ERR_LIMIT: 2^31 vertices or
+ * more. O(n log n). */
 iso_status iso_mesh_rings_make(const iso_mesh_topology *topology, const bool *by_distance,
                                iso_mesh_rings *rings, iso_error *error);
 void iso_mesh_rings_free(iso_mesh_rings *rings);
 
-/* Whether the rings of a piece cross each other: a ring reaches farther along the branch than to its neighbours. Edges
- * of a mesh that was not made of rings count paths of different lengths. */
+/* Whether the rings of a piece cross each other: a ring reaches farther along the branch than to its
+ * neighbours. Edges of a mesh that was not made of rings count paths of different lengths. */
 bool iso_mesh_rings_cross(const iso_mesh_rings *rings, size_t piece);
 
 static inline iso_vec3 iso_mesh_vertex(const iso_triangles *mesh, size_t i) {
@@ -60,8 +63,8 @@ static inline iso_vec3 iso_mesh_vertex(const iso_triangles *mesh, size_t i) {
     return iso_vec3_make((double)v[0], (double)v[1], (double)v[2]);
 }
 
-/* Everything that surface distances need of a mesh, and their results. Arrays of `places`, of which those from
- * mesh->vertex_count on are lids of loops. */
+/* Everything that surface distances need of a mesh, and their results. Arrays of `places`, of which
+ * those from mesh->vertex_count on are lids of loops. */
 typedef struct iso_mesh_distances {
     const iso_mesh_topology *topology;
     const size_t *around_first;
@@ -72,9 +75,10 @@ typedef struct iso_mesh_distances {
     size_t heaped;
 } iso_mesh_distances;
 
-/* Finds the distances along the surface from one place to all that it is connected to, which are written to `order`,
- * near ones first; returns how many these are. Distances have to be INFINITY before, and done false. Fast marching
- * (Kimmel and Sethian 1998, "Computing geodesic paths on manifolds"), with virtual sources. */
+/* Finds the distances along the surface from one place to all that it is connected to, which are written
+ * to `order`, near ones first; returns how many these are. Distances have to be INFINITY before, and
+ * done false. Fast marching (Kimmel and Sethian 1998, "Computing geodesic paths on manifolds"), with
+ * virtual sources. */
 size_t iso_mesh_distances_from(iso_mesh_distances *d, uint32_t from, uint32_t *order);
 
 /* The normal of a triangle, as long as its area. */

@@ -7,7 +7,8 @@
 #include "extract/lines/ring_chains.h"
 #include "extract/lines/ring_smoothing.h"
 
-/* A side branch is left out if it reaches less than so many times as far from the middle as the ring there. */
+/* A side branch is left out if it reaches less than so many times as far from the middle as the ring
+ * there. */
 static const double SHORT = 1.5;
 /* Of more links than this, the line through a ring is chosen among those with the first one. */
 enum { MOST_PAIRED = 16 };

@@ -26,8 +26,8 @@ typedef struct iso_chains {
     uint32_t *stand_in; /* of each ring that was left out: the one that stands for it; of the others itself */
 } iso_chains;
 
-/* Leaves out short side branches, cuts the graph of rings into chains, moves the rings of pieces that are no sheets to
- * the middles of their branches, and sets their radii. ISO_ERR_NOMEM. */
+/* Leaves out short side branches, cuts the graph of rings into chains, moves the rings of pieces that
+ * are no sheets to the middles of their branches, and sets their radii. ISO_ERR_NOMEM. */
 iso_status iso_chains_make(iso_mesh_rings *rings, iso_chains *chains, iso_error *error);
 void iso_chains_free(iso_chains *chains);
 

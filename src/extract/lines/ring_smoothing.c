@@ -1,5 +1,5 @@
-/* ring_smoothing: where the line of a chain of rings is: radii, the places where branches join, ends, smoothing and
- * the vertices that are kept. */
+/* ring_smoothing: where the line of a chain of rings is: radii, the places where branches join, ends,
+ * smoothing and the vertices that are kept. */
 #include "extract/lines/ring_smoothing.h"
 
 #include <math.h>
@@ -8,11 +8,13 @@
 #include "base/memory.h"
 #include "base/numbers.h"
 
-/* Rings are dense if a neighbour is nearer than so many radii: then a ring need not be plane or perpendicular. */
+/* Rings are dense if a neighbour is nearer than so many radii: then a ring need not be plane or
+ * perpendicular. */
 static const double DENSE = 0.75;
 /* A ring is round if its vertices' distances from the line deviate by less than this part of their mean. */
 static const double ROUND = 0.25;
-/* Passes of smoothing, by Taubin 1995 ("Curve and surface smoothing without shrinkage"), and their weights. */
+/* Passes of smoothing, by Taubin 1995 ("Curve and surface smoothing without shrinkage"), and their
+ * weights. */
 enum { MOST_PASSES = 40 };
 static const double SMOOTH = 0.5, UNSHRINK = -0.53;
 /* Of dense rings a place is left out if the line without it is so near, in radii. */
@@ -65,7 +67,8 @@ static bool is_dense(const smoothing *s, size_t i) {
     return nearest < DENSE * p->mean;
 }
 
-/* The radius of a ring: the mean distance of its vertices from its middle, or from the line if rings are dense. */
+/* The radius of a ring: the mean distance of its vertices from its middle, or from the line if rings are
+ * dense. */
 static void measure(const smoothing *s, size_t i) {
     const iso_mesh_ring *ring = ring_at(s, i);
     place *p = &s->places[i];
@@ -105,7 +108,8 @@ static bool is_good(const smoothing *s, size_t i) {
     return own && s->places[i].round && s->degree[ring] <= 2;
 }
 
-/* Puts places from..to - 1 evenly between the good ones beside them: a ring where branches join is too large. */
+/* Puts places from..to - 1 evenly between the good ones beside them: a ring where branches join is too
+ * large. */
 static void bridge(const smoothing *s, size_t from, size_t to) {
     place *p = s->places;
     const bool before = from > 0, after = to < s->chain->count;
@@ -129,8 +133,8 @@ static void bridge_joints(const smoothing *s) {
 
 /* ---- ends */
 
-/* Of the places from an end on, `step` apart, the first that is farther from the end than its radius; and whether one
- * before it shows that the end is flat, which is then *flat. */
+/* Of the places from an end on, `step` apart, the first that is farther from the end than its radius;
+ * and whether one before it shows that the end is flat, which is then *flat. */
 static size_t find_end(const smoothing *s, size_t end, int step, size_t *flat) {
     const place *p = s->places;
     size_t i = end;
@@ -155,8 +159,8 @@ static size_t end_at_lid(const smoothing *s, size_t end, int step) {
     return at;
 }
 
-/* Where a line ends, from its first or last place: at a lid; at the ring of a flat end; at the middle of a round one;
- * else at the end. */
+/* Where a line ends, from its first or last place: at a lid; at the ring of a flat end; at the middle of
+ * a round one; else at the end. */
 static size_t end_line(const smoothing *s, size_t end, int step) {
     place *p = s->places;
     size_t flat;
@@ -257,7 +261,8 @@ static void keep_between(smoothing *s, size_t first, size_t last) {
     }
 }
 
-/* Keeps the ends, the places where branches join, those that are not dense, and what the line needs of the others. */
+/* Keeps the ends, the places where branches join, those that are not dense, and what the line needs of
+ * the others. */
 static void keep_places(smoothing *s) {
     iso_chain_place *kept = s->chains->places + s->chain->first;
     size_t before = s->first;

@@ -4,8 +4,8 @@
 
 #include "extract/lines/ring_chains.h"
 
-/* Sets `at` and `radius` of the rings of all chains of pieces that are no sheets, and which places are kept. degree: the
- * number of links of each ring. ISO_ERR_NOMEM. */
+/* Sets `at` and `radius` of the rings of all chains of pieces that are no sheets, and which places are
+ * kept. degree: the number of links of each ring. ISO_ERR_NOMEM. */
 iso_status iso_chains_smooth(iso_mesh_rings *rings, iso_chains *chains, const uint32_t *degree,
                              iso_error *error);
 

@@ -1,9 +1,10 @@
-/* line_dropping: which vertices of lines a picture can do without (Marroquim, Kraus and Cavalcanti 2008, section 4.1: a
- * geometry shader "could drop any number of inner vertices of a polyline depending on a specified level of detail").
- *
- * A vertex is left out at a tolerance if its ball lies within that of the vertex before it that is kept, enlarged by the
- * tolerance; of a ribbon its edges as well. So neither the line nor its outline moves by more than the tolerance.
- * Vertices that are left out at a tolerance are left out at all larger ones, with all that they stand for. */
+/* line_dropping: which vertices of lines a picture can do without (Marroquim, Kraus and Cavalcanti 2008,
+ * section 4.1: a geometry shader "could drop any number of inner vertices of a polyline depending on a
+ * specified level of detail").
+ * A vertex is left out at a tolerance if its ball lies within that of the vertex before it that is kept,
+ * enlarged by the tolerance; of a ribbon its edges as well. So neither the line nor its outline moves by
+ * more than the tolerance. Vertices that are left out at a tolerance are left out at all larger ones,
+ * with all that they stand for. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -53,8 +54,8 @@ static double tolerance_of(int level) {
     return ldexp(steps & 1 ? 2 * ROOT_OF_HALF : 1, steps / 2 - 128);
 }
 
-/* Leaves out what a level's tolerance can do without; returns how many vertices are left that can be left out.
- * beyond: of each vertex, how far those that it stands for reach beyond it, mm. */
+/* Leaves out what a level's tolerance can do without; returns how many vertices are left that can be
+ * left out. beyond: of each vertex, how far those that it stands for reach beyond it, mm. */
 static size_t drop_at(iso_pyramid_lines *set, int level, float *beyond) {
     const double tolerance = tolerance_of(level);
     size_t kept = 0, left = 0;

@@ -408,8 +408,8 @@ static void draw_segment(const line_pen *pen, segment *s, bool last) {
     }
 }
 
-/* Draws the segments of a run between the vertices that are not left out at a level: those at which runs begin and
- * lines end never are. */
+/* Draws the segments of a run between the vertices that are not dropped at a level: those at which runs begin
+ * and lines end never are. */
 static void draw_run(const line_pen *pen, size_t run, uint8_t level) {
     const iso_pyramid_lines *set = pen->frame->lines;
     const size_t first = run * ISO_LINE_RUN, count = set->lines.vertex_count,

@@ -15,15 +15,15 @@ struct iso_pyramid_lines {
      * where its leg begins, and its second from where the leg ends, mm. */
     float *before, *after;
     float *curves; /* one per vertex: radius of the line's curvature, mm; INFINITY: straight */
-    /* One per vertex: it is left out where the level of the picture (iso_line_dropping_level) is at least this;
-     * ISO_LINE_KEPT: nowhere. */
+    /* One per vertex: it is dropped where the level of the picture (iso_line_dropping_level) is at least
+     * this; ISO_LINE_KEPT: nowhere. */
     uint8_t *drop;
 };
 
 /* Of a segment: it can be drawn; its leg begins, or ends, where the line does. */
 enum { ISO_LINE_DRAWN = 1, ISO_LINE_STARTS = 2, ISO_LINE_STOPS = 4 };
 
-/* Values of iso_pyramid_lines.drop: that of a tolerance of 1 mm, and of vertices that are never left out. */
+/* Values of iso_pyramid_lines.drop: that of a tolerance of 1 mm, and of vertices that are never dropped. */
 enum { ISO_LINE_DROP_0 = 127, ISO_LINE_KEPT = 255 };
 
 /* Segments that are culled as one: those that begin at so many neighbouring vertices. */
@@ -35,7 +35,7 @@ typedef struct iso_line_rows {
     float lo, hi;
     float depth;   /* the least, mm */
     uint32_t run;  /* its number */
-    uint8_t level; /* of the vertices that are left out */
+    uint8_t level; /* of the vertices that are dropped */
 } iso_line_rows;
 
 /* The lines as one view sees them. */

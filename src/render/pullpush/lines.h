@@ -12,8 +12,8 @@
  * - attributes are interpolated with perspective; normals of ribbons are made perpendicular to the segment;
  * - discs are not widened or filtered. Those of ribbons are short along the line, and those of ribbons and of
  *   flat caps get shorter towards the ends of a line, so that it ends there;
- * - vertices are left out where the line without them has the same picture but for a half of a pixel or another
- *   part of it (opts.drop_pixels); the paper suggests it, and does not say when;
+ * - vertices are dropped where neither the line nor its outline moves by more than opts.drop_pixels; the
+ *   paper suggests to drop some, and does not say when;
  * - each sample lies where its ray meets the tube's side or round end, or the plane of the ribbon, and gets
  *   the normal there, for shading with any lights.
  * With ISO_LINE_ILLUMINATED tubes get the paper's normals instead (section 4.2, figure 11): the direction to

@@ -49,8 +49,8 @@ typedef struct iso_shapes_opts {
     double min_pixels;
     iso_caps caps;            /* of the ends of tubes */
     iso_line_shading shading; /* of tubes in pull-push's pyramid; exact shapes are always round */
-    /* Lines in pull-push's pyramid: vertices are left out where neither the line nor its outline moves by more than so
-     * many pixels; 0: none. */
+    /* Lines in pull-push's pyramid: vertices are dropped where neither the line nor its outline moves by more
+     * than so many pixels; 0: none. */
     double drop_pixels;
 } iso_shapes_opts;
 

@@ -1,5 +1,5 @@
-/* Lines of meshes that were made of known lines: a tree and its leaves, closed and open tubes of few and of many
- * vertices, and round ends; and meshes that are not made of thin branches. */
+/* Lines of meshes that were made of known lines: a tree and its leaves, closed and open tubes of few and
+ * of many vertices, and round ends; and meshes that are not made of thin branches. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -45,7 +45,8 @@ static void add_triangle(uint32_t a, uint32_t b, uint32_t c) {
     t[0] = a, t[1] = b, t[2] = c;
 }
 
-/* A ring around the z axis, joined to the ring of as many vertices before it if `joined`. Returns its first vertex. */
+/* A ring around the z axis, joined to the ring of as many vertices before it if `joined`. Returns its
+ * first vertex. */
 static uint32_t add_ring(double x, double z, double radius, int sides, bool joined) {
     const uint32_t first = (uint32_t)mesh.vertex_count, before = first - (uint32_t)sides;
     for (int i = 0; i < sides; i++) {
@@ -107,8 +108,8 @@ static double distance(const float *a, const float *b) {
     return sqrt(sum);
 }
 
-/* Each line of `got` is one of `wanted`, from either end, with the same places and, but at its ends if `ends` is false,
- * radii. */
+/* Each line of `got` is one of `wanted`, from either end, with the same places and, but at its ends if
+ * `ends` is false, radii. */
 static void same_lines(const iso_lines *got, const iso_lines *wanted, bool ends) {
     assert_int_equal(got->line_count, wanted->line_count);
     assert_int_equal(got->vertex_count, wanted->vertex_count);

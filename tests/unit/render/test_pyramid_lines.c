@@ -508,8 +508,9 @@ static bool is_covered_near(const iso_gbuffer *g, int x, int y) {
     return false;
 }
 
-/* Vertices of dense lines, of which many are in a pixel, are left out: the picture is another one, but a sample that
- * only one of the two covers has covered ones beside it; and it has the same bytes for all threads and strips. */
+/* Vertices of dense lines, of which many are in a pixel, are dropped: the picture is another one, but a
+ * sample that only one of the two covers has covered ones beside it; and it has the same bytes for all
+ * threads and strips. */
 static void test_dropping(void **state) {
     (void)state;
     iso_error error = {0};
