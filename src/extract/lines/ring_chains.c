@@ -10,6 +10,8 @@
 /* A side branch is left out if it reaches less than so many times as far from the middle as the ring
  * there. */
 static const double SHORT = 1.5;
+/* Places of a line so near the ring where it leaves another one, in the ring's reach, are left out. */
+static const double BESIDE = 1.5;
 /* Of more links than this, the line through a ring is chosen among those with the first one. */
 enum { MOST_PAIRED = 16 };
 static const uint32_t NONE = ISO_NO_RING;
@@ -189,6 +191,79 @@ static void cut(chaining *c) {
     start_chains(c, false); /* closed lines have no ends */
 }
 
+/* ---- where lines begin on others */
+
+/* The next place of a chain that is kept, from one of its ends on; the last place if there is none. */
+static size_t kept_after(const iso_chains *chains, const iso_chain *chain, size_t i, int end) {
+    const size_t last = end ? 0 : chain->count - 1;
+    while (i != last) {
+        i += end ? SIZE_MAX : 1;
+        if (chains->places[chain->first + i].keep) break;
+    }
+    return i;
+}
+
+/* The chain that a place belongs to. */
+static const iso_chain *chain_at(const iso_chains *chains, size_t place) {
+    size_t low = 0, high = chains->count;
+    while (high - low > 1) {
+        const size_t middle = (low + high) / 2;
+        if (chains->chains[middle].first <= place)
+            low = middle;
+        else
+            high = middle;
+    }
+    return &chains->chains[low];
+}
+
+/* Lets a line begin at the place of the other line that continues it best, near the ring where they join:
+ * where their surfaces part, which is later, they lie beside each other already. owner: of each ring its
+ * place. */
+static void move_start(chaining *c, const iso_chain *chain, int end, const size_t *owner) {
+    iso_chain_place *places = c->made->places;
+    const size_t at = end ? chain->count - 1 : 0;
+    const iso_mesh_ring *rings = c->rings->rings, *joint = &rings[places[chain->first + at].ring];
+    const size_t own = owner[places[chain->first + at].ring];
+    if (chain->count < 3 || own == SIZE_MAX) return;
+    const iso_chain *other = chain_at(c->made, own);
+    for (size_t i = 1; i + 1 < chain->count; i++) { /* beside or in the other branch */
+        iso_chain_place *p = &places[chain->first + (end ? chain->count - 1 - i : i)];
+        if (iso_vec3_length(iso_vec3_sub(rings[p->ring].at, joint->at)) >= BESIDE * joint->reach) break;
+        p->keep = false;
+    }
+    const size_t first = kept_after(c->made, chain, at, end), second = kept_after(c->made, chain, first, end);
+    const iso_vec3 from = rings[places[chain->first + first].ring].at,
+                   back = iso_vec3_unit(iso_vec3_sub(from, rings[places[chain->first + second].ring].at));
+    double best = -2;
+    places[chain->first + at].radius = places[chain->first + first].radius;
+    for (size_t i = other->first; i < other->first + other->count && other != chain; i++) {
+        const iso_mesh_ring *ring = &rings[places[i].ring];
+        const iso_vec3 path = iso_vec3_sub(ring->at, from);
+        const double cosine = iso_vec3_dot(iso_vec3_unit(path), back);
+        if (owner[places[i].ring] != i || !(cosine > best)) continue;
+        if (iso_vec3_length(iso_vec3_sub(ring->at, joint->at)) > 2 * joint->reach) continue;
+        best = cosine;
+        places[chain->first + at].ring = places[i].ring;
+    }
+}
+
+static iso_status move_starts(chaining *c, iso_error *error) {
+    const iso_chains *made = c->made;
+    size_t *owner = iso_alloc((c->rings->ring_count + 1) * sizeof *owner);
+    if (!owner) return iso_fail_memory(error, "lines of a mesh");
+    memset(owner, 0xff, c->rings->ring_count * sizeof *owner);
+    for (size_t i = 0; i < made->count; i++) {
+        const iso_chain *chain = &made->chains[i];
+        for (size_t k = chain->attached[0]; k + chain->attached[1] < chain->count; k++)
+            owner[made->places[chain->first + k].ring] = chain->first + k;
+    }
+    for (size_t i = 0; i < made->count; i++)
+        for (int end = 0; end < 2; end++)
+            if (made->chains[i].attached[end]) move_start(c, &made->chains[i], end, owner);
+    iso_free(owner);
+    return ISO_OK;
+}
+
 iso_status iso_chains_make(iso_mesh_rings *rings, iso_chains *chains, iso_error *error) {
     chaining c = {.rings = rings, .made = chains};
     *chains = (iso_chains){.count = 0};
@@ -196,6 +271,7 @@ iso_status iso_chains_make(iso_mesh_rings *rings, iso_chains *chains, iso_error 
     if (status == ISO_OK) {
         cut(&c);
         status = iso_chains_smooth(rings, chains, c.degree, error);
+        if (status == ISO_OK) status = move_starts(&c, error);
     }
     iso_free(c.degree);
     iso_free(c.through);
