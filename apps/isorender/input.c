@@ -196,6 +196,7 @@ static iso_status read_objects(isorender_job *job, iso_error *error) {
         ISO_TRY(isorender_object_read(object, &settings->objects[i], memory_limit(settings), job->plan->files,
                                       job->pool, error));
         log_object(job, object);
+        ISO_TRY(isorender_object_add_parts(job, object, error));
     }
     ISO_TRY(check_color_bar(job, error));
     return job->object_count ? iso_file_set_check(job->plan->files, error) : ISO_OK;

@@ -116,6 +116,12 @@ iso_status isorender_run(const isorender_settings *settings, const isorender_pla
                          const isorender_backend *backend, const iso_environment *environment,
                          iso_error *error);
 
+/* ---- object_branches.c */
+
+/* Adds what else a mesh in --lines has become: an object of ribbons, and one of triangles. Says what stays
+ * triangles. ISO_ERR_USAGE: too many objects. */
+iso_status isorender_object_add_parts(isorender_job *job, isorender_object *whole, iso_error *error);
+
 /* ---- input.c */
 
 /* Opens the input (iso_loader_open), chooses the method, and checks limits that depend on the header:

@@ -180,6 +180,7 @@ static iso_status set_lines(const isorender_object_options *options, int number,
     object->caps = (iso_caps)caps;
     object->shading = (iso_line_shading)shaded;
     object->style = (isorender_line_style)chosen;
+    object->style_given = style != NULL;
     ISO_TRY(set_streamlines(options, number, &object->field, error));
     ISO_TRY(isorender_parse_opacity("line-opacity", isorender_value_for(&options->line_opacities, number),
                                     &object->opacity, error));

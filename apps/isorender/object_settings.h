@@ -51,6 +51,7 @@ typedef struct isorender_object_settings {
     const char *color_by; /* the attribute with numbers to be coloured; NULL: none */
     iso_colormap map;
     double range[2]; /* the numbers at both ends of the colormap; NAN: the smallest and the largest number */
+    bool style_given;
     isorender_line_style style; /* of lines */
     iso_caps caps;              /* of tubes */
     iso_line_shading shading;   /* of tubes, by pull-push */

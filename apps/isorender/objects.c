@@ -89,6 +89,18 @@ static iso_status check_axes(const isorender_object *object, iso_error *error) {
                     object->settings->path);
 }
 
+/* A file without lines may be a mesh of branches. */
+static iso_status read_lines(isorender_object *object, const iso_read_opts *opts, iso_error *error) {
+    const char *path = object->settings->path;
+    const bool only_mesh = iso_text_has_extension(path, ".stl") || iso_text_has_extension(path, ".off");
+    if (!only_mesh) ISO_TRY(iso_lines_read(path, opts, &object->lines, error));
+    if (object->lines.line_count || !isorender_object_is_branches(path)) return ISO_OK;
+    iso_lines_free(&object->lines);
+    iso_file_set_read(opts->files, path);
+    ISO_TRY(read_mesh(object, error));
+    return isorender_object_read_branches(object, error);
+}
+
 static iso_status read_file(isorender_object *object, const iso_read_opts *opts, iso_pool *pool,
                             iso_error *error) {
     const char *path = object->settings->path;
@@ -101,7 +113,7 @@ static iso_status read_file(isorender_object *object, const iso_read_opts *opts,
         return read_mesh(object, error);
     }
     if (has_lines(object)) {
-        ISO_TRY(iso_lines_read(path, opts, &object->lines, error));
+        ISO_TRY(read_lines(object, opts, error));
         count = object->lines.line_count;
     } else {
         ISO_TRY(iso_glyphs_read(path, opts, &object->glyphs, error));
@@ -134,14 +146,15 @@ iso_status isorender_object_style(isorender_object *object, iso_error *error) {
     return isorender_object_color(object, error);
 }
 
-static iso_status prepare_lines(isorender_object *object, double line_min_pixels, bool by_pullpush,
-                                iso_error *error) {
+static iso_status prepare_lines(isorender_object *object, const isorender_line_pixels *pixels,
+                                bool by_pullpush, iso_error *error) {
     const double given = object->settings->radius,
                  usual = object->field.components ? isorender_field_radius(object) : (double)NAN;
     const isorender_line_style style = object->settings->style;
     iso_lines drawn = object->lines;
     iso_shapes_opts opts = {.radius = isnan(given) ? usual : given,
-                            .min_pixels = line_min_pixels,
+                            .min_pixels = pixels->least,
+                            .drop_pixels = pixels->drop,
                             .caps = object->settings->caps,
                             .shading = object->settings->shading};
     if (style == ISORENDER_STYLE_LINE) { /* no size in space */
@@ -168,8 +181,8 @@ static iso_box mesh_bounds(const isorender_object *object) {
     return iso_mesh_view_bounds(&view);
 }
 
-iso_status isorender_object_prepare(isorender_object *object, double line_min_pixels, bool by_pullpush,
-                                    iso_error *error) {
+iso_status isorender_object_prepare(isorender_object *object, const isorender_line_pixels *pixels,
+                                    bool by_pullpush, iso_error *error) {
     if (object->settings->kind == ISORENDER_MESH) {
         ISO_TRY(iso_triangle_spans_make(&object->mesh, &object->spans, error));
         object->bounds = mesh_bounds(object);
@@ -177,7 +190,7 @@ iso_status isorender_object_prepare(isorender_object *object, double line_min_pi
         return iso_fail(error, ISO_ERR_EMPTY, "%s: nothing to draw: no triangle has an area",
                         object->settings->path);
     }
-    ISO_TRY(has_lines(object) ? prepare_lines(object, line_min_pixels, by_pullpush, error)
+    ISO_TRY(has_lines(object) ? prepare_lines(object, pixels, by_pullpush, error)
                               : prepare_glyphs(object, error));
     object->bounds = iso_shapes_bounds(object->shapes);
     if (!iso_box_is_empty(&object->bounds)) return ISO_OK;
@@ -232,6 +245,8 @@ void isorender_object_free(isorender_object *object) {
     iso_pyramid_lines_destroy(object->pyramid_lines);
     iso_triangle_spans_free(&object->spans);
     iso_triangles_free(&object->mesh);
+    if (object->branches) iso_mesh_lines_free(object->branches);
+    iso_free(object->branches);
     iso_lines_free(&object->lines);
     iso_glyphs_free(&object->glyphs);
     *object = (isorender_object){.shapes = NULL};
@@ -259,6 +274,7 @@ static void put_shapes(iso_json *json, const isorender_object *object) {
     if (has_lines(object)) {
         iso_json_integer(json, "lines", object->lines.line_count);
         iso_json_integer(json, "vertices", object->lines.vertex_count);
+        if (object->branches) iso_json_integer(json, "mesh_triangles", object->mesh_triangles);
     } else {
         iso_json_integer(json, "glyphs", object->glyphs.count);
     }

@@ -5,6 +5,7 @@
 #include "apps/common/json.h"
 #include "apps/isorender/object_settings.h"
 #include "base/parallel.h"
+#include "extract/lines/mesh_lines.h"
 #include "extract/vectors/gradient_glyphs.h"
 #include "extract/vectors/streamlines.h"
 #include "extract/vectors/vector_glyphs.h"
@@ -34,8 +35,13 @@ typedef struct isorender_object {
     iso_lines lines;
     iso_glyphs glyphs;
     iso_triangles mesh;
-    iso_read_report report;               /* of lines and glyphs */
-    isorender_field field;                /* of a volume */
+    iso_read_report report;        /* of lines and glyphs */
+    isorender_field field;         /* of a volume */
+    iso_mesh_lines *branches;      /* of a mesh in --lines: what it became and other objects draw */
+    size_t mesh_triangles;         /* of this mesh */
+    isorender_object_settings own; /* of lines and triangles of such a mesh: its own settings */
+    const struct isorender_object
+        *whole; /* the object whose file this one is a part of; NULL: it has its own */
     iso_gradient_glyphs_totals gradients; /* of --glyphs surface */
     iso_glyph glyph;                      /* of glyphs: the solid that is drawn */
     const char *color_by;             /* borrowed: the attribute with numbers to be coloured; NULL: none */
@@ -61,10 +67,15 @@ iso_status isorender_object_read(isorender_object *object, const isorender_objec
 /* Gives lines or glyphs the radii and colours that the settings say. ISO_ERR_USAGE: no such column. */
 iso_status isorender_object_style(isorender_object *object, iso_error *error);
 
-/* Prepares what was read for drawing, and finds its bounds. line_min_pixels: least width of lines;
- * by_pullpush: lines are drawn by pull-push. ISO_ERR_NOMEM. */
-iso_status isorender_object_prepare(isorender_object *object, double line_min_pixels, bool by_pullpush,
-                                    iso_error *error);
+/* Of lines in the picture: their least width, and by how much dropped vertices may move outlines. */
+typedef struct isorender_line_pixels {
+    double least, drop;
+} isorender_line_pixels;
+
+/* Prepares what was read for drawing, and finds its bounds. by_pullpush: lines are drawn by pull-push.
+ * ISO_ERR_NOMEM. */
+iso_status isorender_object_prepare(isorender_object *object, const isorender_line_pixels *pixels,
+                                    bool by_pullpush, iso_error *error);
 
 void isorender_object_free(isorender_object *object);
 
@@ -114,6 +125,13 @@ double isorender_field_radius(const isorender_object *object);
 void isorender_field_put(iso_json *json, const isorender_object *object);
 /* Prints the lines of --info about the volume. */
 void isorender_field_info(const isorender_object *object);
+
+/* ---- object_branches.c */
+
+/* Whether a file, in which no lines were found, is a mesh. */
+bool isorender_object_is_branches(const char *path);
+/* Makes lines of object->mesh, which is freed. ISO_ERR_EMPTY: it is not made of thin branches. */
+iso_status isorender_object_read_branches(isorender_object *object, iso_error *error);
 
 /* ---- object_colors.c */
 

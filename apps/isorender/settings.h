@@ -124,7 +124,8 @@ typedef struct isorender_settings {
     int volume_count;
     char channels[ISORENDER_VOLUMES + 1][ISO_CHANNEL_NAME]; /* of --channel: numbers and names */
     int channel_count;
-    double line_min_pixels; /* least width of lines in the picture, pixels */
+    double line_min_pixels;  /* least width of lines in the picture, pixels */
+    double line_drop_pixels; /* by how much dropped vertices may move outlines of lines, pixels */
     int color_bar;
 
     /* ISO_METHOD_EXACT, _POINTS, _PULLPUSH, _DISCS, _SPLATS, _MESH, _RAYCAST, _HYBRID or

@@ -393,14 +393,17 @@ static void find_bounds(isorender_job *job) {
 
 /* Objects without a colour get one each, after those of the surfaces. */
 static iso_status prepare_objects(isorender_job *job, iso_error *error) {
+    const isorender_line_pixels pixels = {job->settings->line_min_pixels, job->settings->line_drop_pixels};
     for (int i = 0; i < job->object_count; i++) {
         isorender_object *object = &job->objects[i];
         if (isorender_object_is_surface(object->settings))
             ISO_TRY(isorender_object_take_gradients(job, object, error));
-        if (!object->settings->colored) object->color = iso_shading_palette(job->surface_count + i);
-        ISO_TRY(isorender_object_prepare(object, job->settings->line_min_pixels,
-                                         job->renderer->can & ISO_CAN_PYRAMID, error));
-        log_beside(job, object->settings->path, &object->bounds, object->report.space);
+        if (object->whole)
+            object->color = object->whole->color;
+        else if (!object->settings->colored)
+            object->color = iso_shading_palette(job->surface_count + i);
+        ISO_TRY(isorender_object_prepare(object, &pixels, job->renderer->can & ISO_CAN_PYRAMID, error));
+        if (!object->whole) log_beside(job, object->settings->path, &object->bounds, object->report.space);
         job->translucent |= object->settings->opacity < 1;
         iso_bounds_add(&job->bounds_world, &object->bounds);
     }

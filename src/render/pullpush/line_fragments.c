@@ -127,8 +127,10 @@ static void find_run(void *context, size_t index, int worker) {
     }
     const int height = view->above + view->height + view->below;
     const bool seen = box[1] >= 0 && box[0] <= view->width && box[3] >= 0 && box[2] <= height;
-    frame->rows[index] = seen ? (iso_line_rows){(float)box[2], (float)box[3], (float)box[4], (uint32_t)index}
-                              : (iso_line_rows){1, 0, INFINITY, (uint32_t)index};
+    const uint8_t level = iso_line_dropping_level(set, pixel_at(view, iso_max(box[4], view->near)));
+    frame->rows[index] =
+        seen ? (iso_line_rows){(float)box[2], (float)box[3], (float)box[4], (uint32_t)index, level}
+             : (iso_line_rows){1, 0, INFINITY, (uint32_t)index, 0};
     search->radius[index][0] = seen ? (float)radius[0] : (float)MOST_PIXELS;
     search->radius[index][1] = seen ? (float)radius[1] : 0;
 }
@@ -406,25 +408,29 @@ static void draw_segment(const line_pen *pen, segment *s, bool last) {
     }
 }
 
-static void draw_run(const line_pen *pen, size_t run) {
+/* Draws the segments of a run between the vertices that are not dropped at a level: those at which runs begin
+ * and lines end never are. */
+static void draw_run(const line_pen *pen, size_t run, uint8_t level) {
     const iso_pyramid_lines *set = pen->frame->lines;
-    const size_t first = run * ISO_LINE_RUN, count = set->lines.vertex_count;
+    const size_t first = run * ISO_LINE_RUN, count = set->lines.vertex_count,
+                 end = count - first < ISO_LINE_RUN ? count : first + ISO_LINE_RUN;
     const bool flat = set->opts.style == ISO_LINE_RIBBON || set->opts.caps == ISO_CAPS_FLAT;
     place next; /* the last vertex that was placed */
-    for (size_t i = first; i < first + ISO_LINE_RUN && i < count; i++) {
+    for (size_t i = first, to; i < end; i = to) {
         segment s;
-        const int flags = set->segments[i];
-        if (!flags) continue;
+        to = i + 1;
+        if (!set->segments[i]) continue;
+        while (to < end && set->segments[to] && set->drop[to] <= level) to++;
         if (i == first || !set->segments[i - 1]) place_vertex(pen->frame, i, &next);
         s.a = next;
-        place_vertex(pen->frame, i + 1, &next);
+        place_vertex(pen->frame, to, &next);
         s.b = next;
         s.before = (double)set->before[i];
-        s.after = (double)set->after[i];
-        s.curve = iso_min((double)set->curves[i], (double)set->curves[i + 1]);
-        s.flat[0] = flat && flags & ISO_LINE_STARTS;
-        s.flat[1] = flat && flags & ISO_LINE_STOPS;
-        draw_segment(pen, &s, !set->segments[i + 1]);
+        s.after = (double)set->after[to - 1];
+        s.curve = iso_min((double)set->curves[i], (double)set->curves[to]);
+        s.flat[0] = flat && set->segments[i] & ISO_LINE_STARTS;
+        s.flat[1] = flat && set->segments[to - 1] & ISO_LINE_STOPS;
+        draw_segment(pen, &s, !set->segments[to]);
     }
 }
 
@@ -447,5 +453,5 @@ void iso_line_fragments_project(const iso_line_frame *frame, const iso_pyramid *
                  bottom = (double)((pen.last_row + 1) << layout->base) - layout->guard + 2;
     for (size_t run = 0; run < frame->runs; run++)
         if ((double)frame->rows[run].hi >= top && (double)frame->rows[run].lo <= bottom)
-            draw_run(&pen, frame->rows[run].run);
+            draw_run(&pen, frame->rows[run].run, frame->rows[run].level);
 }

@@ -15,10 +15,16 @@ struct iso_pyramid_lines {
      * where its leg begins, and its second from where the leg ends, mm. */
     float *before, *after;
     float *curves; /* one per vertex: radius of the line's curvature, mm; INFINITY: straight */
+    /* One per vertex: it is dropped where the level of the picture (iso_line_dropping_level) is at least
+     * this; ISO_LINE_KEPT: nowhere. */
+    uint8_t *drop;
 };
 
 /* Of a segment: it can be drawn; its leg begins, or ends, where the line does. */
 enum { ISO_LINE_DRAWN = 1, ISO_LINE_STARTS = 2, ISO_LINE_STOPS = 4 };
+
+/* Values of iso_pyramid_lines.drop: that of a tolerance of 1 mm, and of vertices that are never dropped. */
+enum { ISO_LINE_DROP_0 = 127, ISO_LINE_KEPT = 255 };
 
 /* Segments that are culled as one: those that begin at so many neighbouring vertices. */
 enum { ISO_LINE_RUN = 32 };
@@ -27,8 +33,9 @@ enum { ISO_LINE_RUN = 32 };
  * with the discs' radii; lo > hi: nowhere. */
 typedef struct iso_line_rows {
     float lo, hi;
-    float depth;  /* the least, mm */
-    uint32_t run; /* its number */
+    float depth;   /* the least, mm */
+    uint32_t run;  /* its number */
+    uint8_t level; /* of the vertices that are dropped */
 } iso_line_rows;
 
 /* The lines as one view sees them. */
@@ -43,6 +50,11 @@ typedef struct iso_line_frame {
     float
         radius[2]; /* least and greatest radius of discs in the picture, pixels; [0] > [1]: nothing is seen */
 } iso_line_frame;
+
+/* Sets set->drop by opts.drop_pixels. The other arrays have to be there. ISO_ERR_NOMEM. */
+iso_status iso_line_dropping_prepare(iso_pyramid_lines *set, iso_error *error);
+/* The level of a part of the picture: pixel: the size of a pixel at the nearest place of the part, mm. */
+uint8_t iso_line_dropping_level(const iso_pyramid_lines *set, double pixel);
 
 /* Finds where runs are. Fails with ISO_ERR_NOMEM; free with iso_line_frame_free. */
 iso_status iso_line_frame_make(const iso_pyramid_lines *lines, const iso_target *target,

@@ -86,7 +86,9 @@ static iso_status reserve(iso_pyramid_lines *made, iso_error *error) {
     made->before = iso_alloc(count * sizeof *made->before);
     made->after = iso_alloc(count * sizeof *made->after);
     made->curves = iso_alloc(count * sizeof *made->curves);
-    if (made->radii && made->segments && made->before && made->after && made->curves) return ISO_OK;
+    made->drop = iso_alloc(count * sizeof *made->drop);
+    if (made->radii && made->segments && made->before && made->after && made->curves && made->drop)
+        return ISO_OK;
     return iso_fail_memory(error, "lines");
 }
 
@@ -99,17 +101,19 @@ iso_status iso_pyramid_lines_create(const iso_lines *lines, const iso_shapes_opt
     if (!set) return iso_fail_memory(error, "lines");
     set->lines = *lines;
     set->opts = resolved;
-    const iso_status status = reserve(set, error);
-    if (status != ISO_OK) {
-        iso_pyramid_lines_destroy(set);
-        return status;
+    iso_status status = reserve(set, error);
+    if (status == ISO_OK) {
+        set_radii(set);
+        for (size_t line = 0; line < lines->line_count; line++)
+            if (lines->starts[line] + 1 < lines->starts[line + 1])
+                cut_line(set, lines->starts[line], lines->starts[line + 1] - 2);
+        status = iso_line_dropping_prepare(set, error);
     }
-    set_radii(set);
-    for (size_t line = 0; line < lines->line_count; line++)
-        if (lines->starts[line] + 1 < lines->starts[line + 1])
-            cut_line(set, lines->starts[line], lines->starts[line + 1] - 2);
-    *made = set;
-    return ISO_OK;
+    if (status == ISO_OK)
+        *made = set;
+    else
+        iso_pyramid_lines_destroy(set);
+    return status;
 }
 
 void iso_pyramid_lines_destroy(iso_pyramid_lines *lines) {
@@ -119,5 +123,6 @@ void iso_pyramid_lines_destroy(iso_pyramid_lines *lines) {
     iso_free(lines->before);
     iso_free(lines->after);
     iso_free(lines->curves);
+    iso_free(lines->drop);
     iso_free(lines);
 }

@@ -12,6 +12,8 @@
  * - attributes are interpolated with perspective; normals of ribbons are made perpendicular to the segment;
  * - discs are not widened or filtered. Those of ribbons are short along the line, and those of ribbons and of
  *   flat caps get shorter towards the ends of a line, so that it ends there;
+ * - vertices are dropped where neither the line nor its outline moves by more than opts.drop_pixels; the
+ *   paper suggests to drop some, and does not say when;
  * - each sample lies where its ray meets the tube's side or round end, or the plane of the ribbon, and gets
  *   the normal there, for shading with any lights.
  * With ISO_LINE_ILLUMINATED tubes get the paper's normals instead (section 4.2, figure 11): the direction to
@@ -28,7 +30,7 @@
 typedef struct iso_pyramid_lines iso_pyramid_lines;
 
 /* Prepares lines as iso_shapes_from_lines does, with the same options; those for glyphs do not count. The
- * arrays of `lines` are borrowed until iso_pyramid_lines_destroy. Takes 17 bytes a vertex. Errors: as there.
+ * arrays of `lines` are borrowed until iso_pyramid_lines_destroy. Takes 18 bytes a vertex. Errors: as there.
  */
 iso_status iso_pyramid_lines_create(const iso_lines *lines, const iso_shapes_opts *opts,
                                     iso_pyramid_lines **made, iso_error *error);

@@ -49,6 +49,9 @@ typedef struct iso_shapes_opts {
     double min_pixels;
     iso_caps caps;            /* of the ends of tubes */
     iso_line_shading shading; /* of tubes in pull-push's pyramid; exact shapes are always round */
+    /* Lines in pull-push's pyramid: vertices are dropped where neither the line nor its outline moves by more
+     * than so many pixels; 0: none. */
+    double drop_pixels;
 } iso_shapes_opts;
 
 /* A set of shapes that is prepared for drawing: sorted into blocks of neighbours, which are culled as one.

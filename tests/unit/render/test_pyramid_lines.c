@@ -496,6 +496,52 @@ static void test_same_bytes(void **state) {
     iso_free(scene.lines.normals);
 }
 
+/* Whether a sample within a pixel of (x, y) is covered. */
+static bool is_covered_near(const iso_gbuffer *g, int x, int y) {
+    for (int dy = -1; dy <= 1; dy++)
+        for (int dx = -1; dx <= 1; dx++) {
+            const int at = (y + dy) * g->width + x + dx;
+            if (x + dx >= 0 && x + dx < g->width && y + dy >= 0 && y + dy < g->height &&
+                g->depth[at] < INFINITY)
+                return true;
+        }
+    return false;
+}
+
+/* Vertices of dense lines, of which many are in a pixel, are dropped: the picture is another one, but a
+ * sample that only one of the two covers has covered ones beside it; and it has the same bytes for all
+ * threads and strips. */
+static void test_dropping(void **state) {
+    (void)state;
+    iso_error error = {0};
+    uint32_t seed = 11;
+    test_lines_start(&scene, 0, 0, 0);
+    for (int i = 0; i < 40; i++) test_lines_add_walk(&scene, 90, 9, 0.25, 0.05, 0.3, &seed);
+    test_ok(iso_lines_add_normals(&scene.lines, &error), &error);
+    for (int kind = 0; kind < 4; kind++) {
+        iso_view view = test_shapes_view(scene.lines.origin, AWAY, 24, kind & 2);
+        const iso_shapes_opts all = {.min_pixels = 1, .style = kind & 1 ? ISO_LINE_RIBBON : ISO_LINE_TUBE};
+        iso_shapes_opts some = all;
+        some.drop_pixels = 0.5;
+        iso_pyramid_lines *lines = prepare(&some);
+        iso_gbuffer wanted = drawn(&view, &all), g = draw_lines(lines, &view, NULL);
+        int differ = 0;
+        for (int i = 0; i < view.width * view.height; i++) {
+            const int x = i % view.width, y = i / view.width;
+            differ += g.depth[i] != wanted.depth[i];
+            if (g.depth[i] < INFINITY) assert_true(is_covered_near(&wanted, x, y));
+            if (wanted.depth[i] < INFINITY) assert_true(is_covered_near(&g, x, y));
+        }
+        assert_true(differ > 0);
+        test_variants_of(draw_lines, lines, &view, &g);
+        test_strips_of(draw_lines, lines, &view, 7, &g);
+        iso_gbuffer_free(&wanted);
+        iso_gbuffer_free(&g);
+        iso_pyramid_lines_destroy(lines);
+    }
+    iso_free(scene.lines.normals);
+}
+
 static void test_bad_lines(void **state) {
     (void)state;
     const float bad[] = {NAN, INFINITY, -1};
@@ -530,7 +576,7 @@ int main(void) {
         cmocka_unit_test(test_line_over_wall), cmocka_unit_test(test_end_on),
         cmocka_unit_test(test_near),           cmocka_unit_test(test_reversed),
         cmocka_unit_test(test_illuminated),    cmocka_unit_test(test_same_bytes),
-        cmocka_unit_test(test_bad_lines),
+        cmocka_unit_test(test_dropping),       cmocka_unit_test(test_bad_lines),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
