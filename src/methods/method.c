@@ -183,7 +183,7 @@ static iso_status draw_pyramid(const iso_subject *subject, const iso_target *tar
         .reconstruction = reconstruction, .workspace = subject->workspace, .selection = subject->selection};
     if (!subject->lod) return iso_draw_pullpush(target, &view, &opts, error);
     iso_lod_cut *cut = subject->cut;
-    ISO_TRY(iso_lod_cut_make(cut, subject->lod, target->view, subject->lod_pixels, error));
+    ISO_TRY(iso_lod_cut_make(cut, subject->lod, target->view, subject->lod_pixels, target->pool, error));
     for (int k = 0; k < cut->levels; k++)
         if (cut->view[k].span_count) ISO_TRY(iso_draw_pullpush(target, &cut->view[k], &opts, error));
     return ISO_OK;

@@ -140,13 +140,15 @@ static void choose_patches(refined_call *call) {
 
 /* The largest radius of a point, mm. */
 static float largest_radius(const iso_point_view *points, float shared) {
-    float largest = points->radii ? 0 : shared;
+    float largest = points->radii ? 0 : shared, scale = 1;
+    for (size_t s = 0; points->span_scales && s < points->span_count; s++)
+        scale = fmaxf(scale, points->span_scales[s]);
     for (size_t s = 0; points->radii && s < points->span_count; s++)
         for (size_t i = 0; i < points->spans[s].count; i++) {
             const float radius = points->radii[points->spans[s].first + i];
             largest = radius > largest ? radius : largest;
         }
-    return points->radii ? largest * iso_point_view_radii_scale(points) : largest;
+    return points->radii ? largest * iso_point_view_radii_scale(points) : largest * scale;
 }
 
 /* The width of a pixel (mm) at the depth of the farthest point that is seen. */
