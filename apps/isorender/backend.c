@@ -19,7 +19,9 @@ static bool has_no_surface(const isorender_settings *settings) {
 /* Whether OpenGL has splats with this reconstruction. */
 static bool has_gl_splats(const isorender_settings *settings) {
     if (settings->reconstruction == ISORENDER_RECONSTRUCTION_GROUPS) return !settings->group_bins;
-    return settings->reconstruction == (int)ISO_RECONSTRUCTION_FLAT && !(settings->lod > 0);
+    return (settings->reconstruction == (int)ISO_RECONSTRUCTION_FLAT ||
+            settings->reconstruction == (int)ISO_RECONSTRUCTION_EWA) &&
+           !(settings->lod > 0);
 }
 
 /* Whether OpenGL has the method. Of pictures without one it draws those that ask for it. */
@@ -89,7 +91,7 @@ iso_status isorender_backend_check(isorender_settings *settings, iso_error *erro
         return iso_fail(
             error, ISO_ERR_USAGE,
             "--backend %s has the methods points, pullpush and discs (without --lod), splats (flat "
-            "without --lod, groups without --group-bins) and mesh: others need the cpu",
+            "and ewa without --lod, groups without --group-bins) and mesh: others need the cpu",
             name);
     ISO_TRY(check_needs(settings, error));
     bool draws = !settings->info && (!settings->no_image || settings->aov);

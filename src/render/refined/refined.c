@@ -474,7 +474,7 @@ static bool draw_blocks(const refined_call *call, const iso_refined_params *para
 static void find_fronts(const refined_call *call, drawing *d) {
     iso_refined_params params = call->params;
     params.pass = ISO_REFINED_FRONT_PASS;
-    params.filtered = false;
+    params.filtered = params.widened;
     draw_blocks(call, &params, d);
     const iso_refined_patch *p = &d->patch;
     for (size_t i = 0; i < call->pixels; i++)
@@ -517,7 +517,8 @@ iso_status iso_refined_draw(iso_refined *workspace, const iso_target *target, co
     set_up_flat_discs(&call.params, opts->flat);
     set_up_color(&call.params, opts->color);
     const bool overlapping = points->radii || points->overlapping,
-               two_passes = call.params.centres || (overlapping && opts->flat == ISO_FLAT_DISCS_FILTERED);
+               two_passes = call.params.centres || call.params.widened ||
+                            (overlapping && opts->flat == ISO_FLAT_DISCS_FILTERED);
     call.params.pass = two_passes ? ISO_REFINED_SUM_PASS : ISO_REFINED_ONE_PASS;
     choose_patches(&call);
     set_up_occlusion(&call);
