@@ -4,7 +4,7 @@
  * ADDING 0: writes the depth of the hit; blending keeps the least, separately of front-facing and of
  * flipped back-facing discs. ADDING 1: writes the weighted values of the disc if the hit is near the
  * front; blending adds them up. Filtered discs are added wherever the convolved disc is hit, but have a
- * front only where they are hit themselves. */
+ * front only where they are hit themselves, or with `widened` (EWA splatting) wherever they are added. */
 #ifndef ADDING
 #define ADDING 0
 #endif
@@ -60,17 +60,14 @@ void main() {
         far = dot(at, at) * (sizes.z * sizes.z * inverse);
         covers = covers && far < 1.0;
     }
-#if ADDING
-    if (soft.w > 0.0) {
+    if (soft.w > 0.0 && (bool(ADDING) || widened)) {
         vec2 off = gl_FragCoord.xy - centre.xy;
         far = dot(soft.xyz, vec3(off.x * off.x, off.x * off.y, off.y * off.y));
         if (!(far < 1.0)) discard;
+        covers = covers || widened;
     } else if (!covers) {
         discard;
     }
-#else
-    if (!covers) discard;
-#endif
     float depth = centre.z + q.z, thickness = ISO_REFINED_THICKNESS * centre.w;
     bool faces = facing.w > 0.0;
 #if ADDING

@@ -3,7 +3,8 @@
  * operator as a matrix. */
 layout(std140, binding = ISO_GL_REFINED) uniform refined_block { ISO_GL_REFINED_FIELDS };
 
-bool orthographic = flags.x != 0u, culled = flags.y != 0u, colored = flags.z != 0u;
+bool orthographic = flags.x != 0u, culled = flags.y != 0u, colored = flags.z != 0u,
+     widened = flags.w != 0u;
 
 /* The values of a disc, in view space. */
 #define DISC_FIELDS                                                                                          \

@@ -80,7 +80,7 @@ iso_status isorender_backend_check(isorender_settings *settings, iso_error *erro
     if (gl && !has_gl(settings))
         return iso_fail(
             error, ISO_ERR_USAGE,
-            "--backend %s has the methods %s (of splats flat and groups), without --lod and --group-bins: "
+            "--backend %s has the methods %s (of splats flat, ewa and groups), without --lod and --group-bins: "
             "others need the cpu",
             name, iso_methods_that_can(ISO_CAN_GL, (char[ISO_METHODS_TEXT]){0}));
     ISO_TRY(check_needs(settings, error));

@@ -102,6 +102,9 @@ typedef struct iso_point_view {
     float radii_scale; /* what `radii` are multiplied by where points are drawn as discs (iso_draw_pullpush):
                           of instances of another size; 0 means 1 */
     double radius;     /* mm; extracted points: largest spacing * sqrt(2) / 2 (2003 paper, section 4.1) */
+    /* One per span: what `radius` is multiplied by where points are drawn as discs
+     * (render/refined/refined.h), between two levels of detail. Radii of points' own are not. NULL: 1. */
+    const float *span_scales;
     const uint8_t (
         *colors)[3]; /* one per point, red green blue, display values; NULL: the surface's colour */
     /* One per point, 0 (not seen) to 255 (opaque), of translucent points (iso_splat_layer in

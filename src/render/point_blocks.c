@@ -48,7 +48,7 @@ typedef struct picture_sides {
 typedef struct placement {
     const iso_point_view *points;
     const block_measure *measures; /* one per block */
-    double radius[2];              /* of discs of points without radii of their own, mm: twice the same */
+    double radius;                 /* of discs of points without radii of their own, mm */
     bool closed;
     const iso_projector *projector;
     picture_sides sides[2]; /* of columns and of rows */
@@ -66,7 +66,7 @@ typedef struct extent {
 
 /* Range of the radii of a block's discs, mm. */
 static void radius_range(const iso_point_view *points, const iso_point_block *block, double range[2]) {
-    range[0] = range[1] = ISO_DISC_RADII * iso_max(points->radius, 0);
+    range[0] = range[1] = ISO_DISC_RADII * iso_max(points->radius, 0) * (double)block->scale;
     if (!points->radii) return;
     range[0] = DBL_MAX;
     range[1] = 0;
@@ -229,6 +229,7 @@ static void cut_spans(const iso_point_view *points, size_t from, size_t to, iso_
             block->count = left < BLOCK_POINTS ? left : BLOCK_POINTS;
             block->first = span->first + done;
             block->span = s;
+            block->scale = points->span_scales ? points->span_scales[s] : 1;
             memcpy(block->brick, span->brick, sizeof block->brick);
             done += block->count;
         }
@@ -258,7 +259,8 @@ static void place_chunk(void *context, size_t index, int worker) {
         if (s->measures) {
             place_block(s, block, &s->measures[i].bounds, s->measures[i].radius, &found);
         } else if (s->points->bounds && !s->points->radii) {
-            place_block(s, block, &s->points->bounds[block->span], s->radius, &found);
+            const double radius = s->radius * (double)block->scale, range[2] = {radius, radius};
+            place_block(s, block, &s->points->bounds[block->span], range, &found);
         } else {
             const block_measure measure = measure_block(s->points, block);
             place_block(s, block, &measure.bounds, measure.radius, &found);
@@ -319,8 +321,7 @@ static iso_status place_blocks(iso_point_blocks *blocks, placement *s, size_t ch
 iso_status iso_point_blocks_make(iso_point_blocks *blocks, const iso_point_view *points,
                                  const iso_projector *projector, iso_pool *pool, iso_error *error) {
     const double radius = ISO_DISC_RADII * iso_max(points->radius, 0);
-    placement s = {
-        .points = points, .radius = {radius, radius}, .closed = points->closed, .projector = projector};
+    placement s = {.points = points, .radius = radius, .closed = points->closed, .projector = projector};
     size_t chunks, count = 0;
     ISO_TRY(reserve_chunks(blocks, &s, points->span_count, &chunks, error));
     for (size_t i = 0; i < chunks; i++) {

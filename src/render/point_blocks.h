@@ -17,6 +17,7 @@ typedef struct iso_point_block {
     uint32_t count; /* points */
     size_t first;   /* index of the first point */
     size_t span;    /* number of the span */
+    float scale;    /* of the radius of points without radii of their own (iso_point_view.span_scales) */
     /* In the current view: */
     bool back_facing, front_facing; /* all points face away from the eye; all face the eye */
     bool seen;                      /* discs may cover pixels of the whole picture */

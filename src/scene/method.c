@@ -28,7 +28,7 @@ static iso_status draw_pyramid(const iso_scene_surface *surface, const iso_targe
                                     .selection = surface->selection};
     if (!iso_scene_surface_uses_levels(surface)) return iso_draw_pullpush(target, &view, &opts, error);
     iso_lod_cut *cut = surface->cut;
-    ISO_TRY(iso_lod_cut_make(cut, &surface->lod, target->view, surface->lod_pixels, error));
+    ISO_TRY(iso_lod_cut_make(cut, &surface->lod, target->view, surface->lod_pixels, target->pool, error));
     for (int k = 0; k < cut->levels; k++)
         if (cut->view[k].span_count) ISO_TRY(iso_draw_pullpush(target, &cut->view[k], &opts, error));
     return ISO_OK;
@@ -129,7 +129,7 @@ static const iso_renderer OTHERS[] = {
     {ISO_METHOD_SPLATS_ONEPASS, "splats-onepass", "splats, front to back (2003)", ISO_METHOD_SPLATS,
      "onepass", ISO_RECONSTRUCTION_ONEPASS, POINTS, DISCS, draw_onepass},
     {ISO_METHOD_SPLATS_EWA, "splats-ewa", "splats, EWA filter", ISO_METHOD_SPLATS, "ewa",
-     ISO_RECONSTRUCTION_EWA, POINTS, DISCS, draw_ewa},
+     ISO_RECONSTRUCTION_EWA, POINTS, DISCS | ISO_CAN_GL, draw_ewa},
     {ISO_METHOD_SPLATS_MEAN, "splats-mean", "mean of a pixel's points", ISO_METHOD_SPLATS, "mean",
      ISO_RECONSTRUCTION_MEAN, POINTS, DISCS, draw_mean},
 };

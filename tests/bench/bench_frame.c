@@ -86,7 +86,7 @@ static iso_status open_lod(bench_frame *frame, iso_error *error) {
 static iso_status draw_lod(bench_frame *frame, const iso_target *target, iso_error *error) {
     const iso_pullpush_opts opts = {.reconstruction = ISO_RECONSTRUCTION_REFINED,
                                     .workspace = frame->pullpush};
-    ISO_TRY(iso_lod_cut_make(&frame->cut, &frame->lod, target->view, 1, error));
+    ISO_TRY(iso_lod_cut_make(&frame->cut, &frame->lod, target->view, 1, target->pool, error));
     for (int k = 0; k < frame->cut.levels; k++)
         ISO_TRY(iso_draw_pullpush(target, &frame->cut.view[k], &opts, error));
     return ISO_OK;

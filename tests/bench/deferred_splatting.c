@@ -4,7 +4,8 @@
  *   1. visibility splatting: the discs seen in the frame before are drawn into a depth buffer;
  *   2. every point that this depth buffer does not hide is drawn as one pixel that holds its number;
  *   3. visibility splatting of the points found by pass 2 that were not seen in the frame before;
- *   4. EWA splatting: the discs found by pass 2 near the front are summed with Gaussian weights;
+ *   4. filtered splatting (the paper: EWA; here the filter of Botsch et al. 2005): the discs found by
+ *      pass 2 near the front are summed with Gaussian weights;
  *   5. normalization: the sums are divided by the sums of weights.
  *
  * Without selection all discs are drawn in passes 1 and 4, as in the algorithm that the paper starts from.

@@ -262,6 +262,54 @@ static void hidden_sheets_change_nothing(iso_gl_engine *engine) {
     assert_true(share < 0.9);
 }
 
+/* Draws two surfaces into one picture; *drawn: the number of points drawn of both. */
+static iso_gbuffer draw_both(iso_gl_engine *engine, iso_gl_surface *const surfaces[2], const iso_view *view,
+                             iso_point_selection selection, uint64_t *drawn) {
+    iso_error error = {ISO_OK, ""};
+    iso_gbuffer g = gl_gbuffer(view);
+    const uint64_t before = iso_gl_engine_selection(engine).drawn;
+    const iso_gl_pullpush_opts opts = {view, (const iso_gl_surface *const *)surfaces, 2,
+                                       ISO_RECONSTRUCTION_FLAT, selection};
+    test_ok(iso_gl_draw_pullpush(engine, &opts, &g, &error), &error);
+    *drawn = iso_gl_engine_selection(engine).drawn - before;
+    return g;
+}
+
+/* Surfaces between each other's sheets, drawn with and without a frame before: what the first one hides of
+ * the second changes nothing, and fewer points are drawn than of both alone. */
+static void surfaces_hide_each_other(iso_gl_engine *engine) {
+    uint64_t together = 0, alone = 0;
+    for (int n = 0; n < 8; n++) {
+        sheets *s[2] = {make_sheets((uint32_t)n, n % 4 == 3), make_sheets((uint32_t)n + 50, n % 2)};
+        iso_gl_surface *surfaces[2];
+        s[1]->points.transform.origin[2] += 30 * n - 105;
+        for (int i = 0; i < 2; i++) surfaces[i] = upload(engine, &s[i]->points);
+        for (int frame = 0; frame < 3; frame++) {
+            const iso_view view = sheet_view(s[0], 2 * n + frame, 150 + 60 * n);
+            uint64_t drawn;
+            iso_gbuffer all = draw_both(engine, surfaces, &view, ISO_SELECTION_ALL, &drawn),
+                        visible = draw_both(engine, surfaces, &view, ISO_SELECTION_VISIBLE, &drawn);
+            together += drawn;
+            assert_true(is_same(&all, &visible));
+            iso_gbuffer_free(&all);
+            iso_gbuffer_free(&visible);
+            const uint64_t before = iso_gl_engine_selection(engine).drawn;
+            for (int i = 0; i < 2; i++) {
+                visible = draw(engine, surfaces[i], &view, ISO_SELECTION_VISIBLE);
+                iso_gbuffer_free(&visible);
+            }
+            alone += iso_gl_engine_selection(engine).drawn - before;
+        }
+        for (int i = 0; i < 2; i++) {
+            iso_gl_surface_destroy(surfaces[i]);
+            free(s[i]);
+        }
+    }
+    printf("%s: of two surfaces %.0f %% of the points are drawn that are drawn of both alone\n",
+           engine->context->name, 100 * (double)together / (double)alone);
+    assert_true((double)together < 0.9 * (double)alone);
+}
+
 enum { SIDE = 300 };
 
 /* The view of a frame of a camera path: small steps, and jumps by 180 degrees and to near views. */
@@ -533,6 +581,7 @@ int main(void) {
         gl_engine_test(dense_points_look_as_all_points),
         gl_engine_test(large_discs_give_the_same_bytes),
         gl_engine_test(hidden_sheets_change_nothing),
+        gl_engine_test(surfaces_hide_each_other),
         gl_engine_test(frames_do_not_depend_on_frames_before),
         gl_engine_test(any_blocks_may_be_first),
         gl_engine_test(edits_do_not_depend_on_frames_before),

@@ -209,6 +209,10 @@ static void enclose_discs(const building *b, scratch *s, size_t span) {
     }
 }
 
+static void store_color(const node *n, uint8_t color[3]) {
+    for (int c = 0; c < 3; c++) color[c] = (uint8_t)(n->color[c] + 0.5f);
+}
+
 static void store_nodes(const building *b, const scratch *s, const iso_point_span *span) {
     for (uint32_t k = 0; k < s->count; k++) {
         const node *n = &s->nodes[k];
@@ -221,7 +225,22 @@ static void store_nodes(const building *b, const scratch *s, const iso_point_spa
         else
             b->to->surfels[at] = surfel;
         if (b->to->radii) b->to->radii[at] = n->radius;
-        for (int c = 0; c < 3 && b->to->colors; c++) b->to->colors[at][c] = (uint8_t)(n->color[c] + 0.5f);
+        if (b->to->colors) store_color(n, b->to->colors[at]);
+    }
+}
+
+/* Sets the colours below a span: of each of its children's points the mean that takes its place. */
+static void store_colors_below(const building *b, scratch *s, size_t span) {
+    uint8_t(*to)[3] = b->to->colors_below + b->to->first_color_below[span];
+    for (uint32_t c = b->to->first_child[span]; c < b->to->first_child[span + 1]; c++) {
+        const iso_point_span *child = &b->from.spans[iso_lod_child(b->lod, b->number, c)];
+        iso_surfel point;
+        for (uint32_t i = 0; i < child->count; i++, to++) {
+            if (read_point(b, child, i, &point))
+                store_color(&s->nodes[*find_node(s, &point) - 1], *to);
+            else
+                memcpy(*to, b->from.colors[child->first + i], sizeof *to);
+        }
     }
 }
 
@@ -250,6 +269,12 @@ static void copy_span(const building *b, size_t span) {
         memcpy(b->to->radii + to->first, b->before->radii + from->first, n * sizeof *b->to->radii);
     if (b->to->colors)
         memcpy(b->to->colors + to->first, b->before->colors + from->first, n * sizeof *b->to->colors);
+    if (b->to->colors_below) {
+        const size_t *first = b->to->first_color_below + span;
+        memcpy(b->to->colors_below + first[0],
+               b->before->colors_below + b->before->first_color_below[b->from_span[span]],
+               (first[1] - first[0]) * sizeof *b->to->colors_below);
+    }
     b->to->bounds[span] = b->before->bounds[b->from_span[span]];
     b->to->errors[span] = b->before->errors[b->from_span[span]];
 }
@@ -267,6 +292,7 @@ static void make_span(void *context, size_t span, int worker) {
     b->to->errors[span] = divide_sums(s);
     if (b->to->radii) enclose_discs(b, s, span);
     store_nodes(b, s, to);
+    if (b->to->colors_below) store_colors_below(b, s, span);
     const iso_point_view points = {.packed = b->to->packed, .surfels = b->to->surfels};
     iso_point_bounds_find(&points, to->first, to->count, &b->to->bounds[span]);
 }
@@ -311,8 +337,26 @@ static void find_kept(building *b, uint32_t *from_span) {
     b->from_span = from_span;
 }
 
+/* Counts the points below each span, and makes room for their colours. */
+static bool allocate_colors_below(const building *b) {
+    iso_lod_level *to = b->to;
+    size_t count = 0;
+    to->first_color_below = iso_alloc((to->span_count + 1) * sizeof *to->first_color_below);
+    if (!to->first_color_below) return false;
+    for (size_t s = 0; s < to->span_count; s++) {
+        to->first_color_below[s] = count;
+        for (uint32_t c = to->first_child[s]; c < to->first_child[s + 1]; c++)
+            count += b->from.spans[iso_lod_child(b->lod, b->number, c)].count;
+    }
+    to->first_color_below[to->span_count] = count;
+    to->colors_below = iso_alloc(count * sizeof *to->colors_below);
+    return to->colors_below != NULL;
+}
+
 /* Allocates the points of a level whose spans are counted. */
-static bool allocate_points(iso_lod_level *to, const iso_point_view *from) {
+static bool allocate_points(const building *b) {
+    iso_lod_level *to = b->to;
+    const iso_point_view *from = &b->from;
     for (size_t s = 0; s < to->span_count; s++) {
         to->spans[s].first = to->count;
         to->count += to->spans[s].count;
@@ -325,6 +369,7 @@ static bool allocate_points(iso_lod_level *to, const iso_point_view *from) {
     const bool radii = from->radii || from->overlapping;
     if (radii) to->radii = iso_alloc(n * sizeof *to->radii);
     if (from->colors) to->colors = iso_alloc(n * sizeof *to->colors);
+    if (from->colors && !allocate_colors_below(b)) return false;
     return (to->packed || to->surfels) && (to->radii || !radii) && (to->colors || !from->colors);
 }
 
@@ -347,7 +392,7 @@ static iso_status make_level(building *b, size_t from_count, iso_pool *pool, iso
     find_kept(b, from_span);
     iso_parallel_for(pool, to->span_count, count_span, b);
     iso_status status = ISO_OK;
-    if (allocate_points(to, &b->from))
+    if (allocate_points(b))
         iso_parallel_for(pool, to->span_count, make_span, b);
     else
         status = iso_fail(error, ISO_ERR_NOMEM, "out of memory for levels of detail");
@@ -363,6 +408,8 @@ static void free_level(iso_lod_level *level) {
     iso_free(level->surfels);
     iso_free(level->radii);
     iso_free(level->colors);
+    iso_free(level->colors_below);
+    iso_free(level->first_color_below);
     iso_free(level->spans);
     iso_free(level->bounds);
     iso_free(level->errors);
@@ -447,6 +494,9 @@ size_t iso_lod_bytes(const iso_lod *lod) {
                      span = sizeof *l->spans + sizeof *l->bounds + sizeof *l->errors + sizeof *l->versions +
                             sizeof *l->first_child;
         bytes += l->count * each + l->span_count * span;
+        if (l->colors_below)
+            bytes += l->first_color_below[l->span_count] * sizeof *l->colors_below +
+                     (l->span_count + 1) * sizeof *l->first_color_below;
     }
     return bytes;
 }

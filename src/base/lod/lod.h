@@ -1,18 +1,20 @@
 /* lod: levels of detail of a set of points: coarser and coarser copies of it, of which a picture needs only
  * the one whose points are about as far apart as pixels are.
  *
- * Level k has voxels that are 2^k times as large. All points of level k - 1 that lie in one voxel of level k
- * and face the same way become one point of it: the mean of their positions, normals and colours. A level is
- * a set of points like any other, in spans of 16^3 of its voxels, which every renderer can draw; a span of
- * level k stands for up to eight spans of level k - 1, its children. As a surface crosses a quarter as many
- * voxels of twice the size, all levels together have a third of the points of level 0. The colours are
- * prefiltered, as those of a texture's mip-map are (surfel mip-maps; Pfister et al. 2000).
+ * Level k has voxels that are 2^k times as large. All points of level k - 1 that lie in one voxel of level
+ * k and face the same way become one point of it: the mean of their positions, normals and colours. A level
+ * is a set of points like any other, in spans of 16^3 of its voxels, which every renderer can draw; a span
+ * of level k stands for up to eight spans of level k - 1, its children. As a surface crosses a quarter as
+ * many voxels of twice the size, all levels together have a third of the points of level 0. The colours are
+ * prefiltered, as those of a texture's mip-map are (surfel mip-maps; Pfister et al. 2000), and every point
+ * knows the colour of the point that stands for it in the next level, so that a picture can interpolate
+ * between both.
  *
  * Dachsbacher, Vogelgsang and Stamminger 2003 (Sequential Point Trees) sort the nodes of one octree by the
  * distances from which they are to be drawn; Guennebaud et al. 2004, section 7.2, recommends that for
- * deferred splatting. Here all nodes of a span change levels together: then a point needs neither a distance
- * nor a radius of its own, only the spans whose points have changed are made again, and what is drawn is
- * contiguous in memory. */
+ * deferred splatting. Here all nodes of a span change levels together: then a point needs neither a
+ * distance nor a radius of its own, only the spans whose points have changed are made again, and what is
+ * drawn is contiguous in memory. */
 #ifndef ISO_BASE_LOD_LOD_H
 #define ISO_BASE_LOD_LOD_H
 
@@ -45,6 +47,10 @@ typedef struct iso_lod_level {
     float *radii;        /* mm; a disc that contains the discs of the points it stands for. NULL: those of
                             level 0 have none and do not overlap (iso_point_view) */
     uint8_t (*colors)[3];
+    /* With colours: for every point of the level below, by span of this level, its children and their points,
+     * the colour of the point that stands for it here; those of span s begin at first_color_below[s]. */
+    uint8_t (*colors_below)[3];
+    size_t *first_color_below;
     iso_point_span *spans;
     iso_point_bounds *bounds;
     float *errors; /* of each span, in voxels: how far points may be from where they should be; up to 1 */

@@ -83,7 +83,8 @@ static void fill_buffer(const pullpush_call *call, iso_gl_storage which, size_t 
 
 /* Whether surfaces are drawn as discs, without a pyramid. */
 static bool is_refined(iso_reconstruction reconstruction) {
-    return reconstruction == ISO_RECONSTRUCTION_REFINED || reconstruction == ISO_RECONSTRUCTION_FLAT;
+    return reconstruction == ISO_RECONSTRUCTION_REFINED || reconstruction == ISO_RECONSTRUCTION_FLAT ||
+           reconstruction == ISO_RECONSTRUCTION_EWA;
 }
 
 static size_t level_pixels(const iso_pyramid_layout *layout, int number) {
@@ -347,8 +348,9 @@ static iso_status draw_strip(pullpush_call *call, const iso_view *view, int row,
         const iso_gl_surface *surface = call->opts->surfaces[i];
         if (surface->blocks->seen == 0) continue;
         if (is_refined(call->opts->reconstruction)) {
-            const iso_gl_refined_style style = {call->opts->reconstruction == ISO_RECONSTRUCTION_FLAT,
-                                                call->opts->selection};
+            const iso_reconstruction how = call->opts->reconstruction;
+            const iso_gl_refined_style style = {how != ISO_RECONSTRUCTION_REFINED,
+                                                how == ISO_RECONSTRUCTION_EWA, call->opts->selection};
             ISO_TRY(iso_gl_draw_refined(surface, view, i, style, &call->room, error));
             continue;
         }

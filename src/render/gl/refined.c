@@ -100,7 +100,7 @@ static void upload_uniforms(const iso_gl_refined_draw *d, const iso_gl_tile *t) 
                    (float)d->engine->max_point},
         .tile = {t->width, t->height, t->x, t->y},
         .picture = {view->width, view->height, d->number},
-        .flags = {view->orthographic, d->cull, surface->has_colors}};
+        .flags = {view->orthographic, d->cull, surface->has_colors, d->widened}};
     float *steps[] = {u.step_x, u.step_y, u.step_z}, *normals[] = {u.normal_x, u.normal_y, u.normal_z};
     for (int k = 0; k < 3; k++) {
         for (int i = 0; i < 3; i++) steps[k][i] = (float)(p->matrix[3 * k + i] * voxels);
@@ -346,7 +346,7 @@ static iso_status draw_tile(const iso_gl_refined_draw *d, iso_gl_tile *t, iso_bu
 static iso_status choose_selection(iso_gl_refined_draw *d, iso_point_selection selection, iso_buffer *room,
                                    int width, int height, iso_error *error) {
     d->select = selection != ISO_SELECTION_ALL && iso_gl_can_select(d->surface, width, height);
-    d->cells = selection == ISO_SELECTION_VISIBLE; /* AUTO draws the picture of all points */
+    d->cells = selection == ISO_SELECTION_VISIBLE && !d->widened; /* AUTO draws the picture of all points */
     if (!d->select || selection == ISO_SELECTION_VISIBLE) return ISO_OK;
     d->select = iso_gl_renderer_is_software(d->engine->context->renderer);
     return d->select ? iso_gl_selection_pays(d, room, &d->select, error) : ISO_OK;
@@ -363,6 +363,7 @@ iso_status iso_gl_draw_refined(const iso_gl_surface *surface, const iso_view *vi
                              .slant = iso_refined_slant(view, engine->max_point / 2),
                              .cull = surface->closed && !surface->blocks->around_eye,
                              .flat = style.flat,
+                             .widened = style.widened,
                              .number = number};
     const int side = engine->max_side, width = view->width < side ? view->width : side;
     int height = SAMPLES_MOST / width;

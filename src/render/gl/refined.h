@@ -5,7 +5,8 @@
 #include "render/gl/surface.h"
 
 typedef struct iso_gl_refined_style {
-    bool flat; /* curvatures are not used and discs are filtered (ISO_FLAT_DISCS_FILTERED) */
+    bool flat;    /* curvatures are not used and discs are filtered (ISO_FLAT_DISCS_FILTERED) */
+    bool widened; /* with `flat`: the filter widens what they cover, too (ISO_FLAT_DISCS_EWA) */
     /* VISIBLE: only visible points are drawn (render/gl/selection.h), where the driver can select them; AUTO:
      * only where it also pays, and without choosing some of those that share a pixel */
     iso_point_selection selection;

@@ -14,9 +14,10 @@ typedef struct iso_gl_refined_draw {
     iso_projector projector;
     float slant;
     bool cull;
-    bool flat;   /* curvatures are not used, and small discs are filtered */
-    bool select; /* only visible points are drawn (render/gl/selection.h) */
-    bool cells;  /* there may be dense blocks */
+    bool flat;    /* curvatures are not used, and small discs are filtered */
+    bool widened; /* filtered discs cover what they are widened to */
+    bool select;  /* only visible points are drawn (render/gl/selection.h) */
+    bool cells;   /* there may be dense blocks */
     int number;
 } iso_gl_refined_draw;
 

@@ -100,6 +100,7 @@ static iso_status find_deepest(const iso_gl_refined_draw *d, const iso_gl_tile *
     const int across = squares(t->width), down = squares(t->height);
     iso_gl_engine_ensure_storage(d->engine, ISO_GL_STORE_DEEPEST, deepest_bytes(t));
     bind(d, ISO_GL_DEEPEST, ISO_GL_STORE_DEEPEST);
+    bind(d, ISO_GL_PICTURE, ISO_GL_STORE_PICTURE);
     gl->BindTextureUnit(ISO_GL_FRONTS, d->engine->discs.fronts);
     ISO_TRY(use_program(d, ISO_GL_FIND_DEEPEST, error));
     gl->DispatchCompute((GLuint)(across + ISO_GL_TILE - 1) / ISO_GL_TILE,

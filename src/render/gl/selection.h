@@ -3,23 +3,27 @@
  *
  * The paper's passes for a frame, and what takes their place here:
  *
- *   1. Visibility splatting of the points seen in the frame before: the same.
- *   2. All points are drawn as pixels with their numbers, and the numbers are read back. Here: a vertex
- *      shader tests the discs of all blocks seen in the frame before against the deepest fronts of the
- *      squares of pixels that they reach, and marks those that are not hidden; a compute shader lists these
- *      for an indirect draw. So every disc is drawn that changes a pixel. With ISO_SELECTION_VISIBLE small
- *      flat discs are chosen instead, without fronts: one minimum of depths for each of the four quarters of
- *      a pixel, and one for the discs that cover the pixel's centre; the points with these depths are
- *      visible. So there are up to six points a pixel, and every pixel that some disc covers stays covered.
- *   3. Visibility splatting of points that have become visible: those marked by pass 2 that were not seen in
- *      the frame before. Then blocks that the fronts do not hide and that were not seen in the frame
- *      before are added in the same way, until there are none.
- *   4., 5. The sums of the discs that are not hidden, and their division (refined.c).
+ * 1. Visibility splatting of the points seen in the frame before: the same. 2. All points are drawn as
+ * pixels with their numbers, and the numbers are read back. Here: a vertex shader tests the discs of all
+ * blocks seen in the frame before against the deepest fronts of the squares of pixels that they reach, and
+ * marks those that are not hidden; a compute shader lists these for an indirect draw. So every disc is
+ * drawn that changes a pixel. With ISO_SELECTION_VISIBLE small flat discs are chosen instead, without
+ * fronts: one minimum of depths for each of the four quarters of a pixel, and one for the discs that cover
+ * the pixel's centre; the points with these depths are visible. So there are up to six points a pixel, and
+ * every pixel that some disc covers stays covered. 3. Visibility splatting of points that have become
+ * visible: those marked by pass 2 that were not seen in the frame before. Then blocks that the fronts do
+ * not hide and that were not seen in the frame before are added in the same way, until there are none. 4.,
+ * 5. The sums of the discs that are not hidden, and their division (refined.c).
  *
- * The frame before only decides what is drawn first. A point is left out only when all that it could
- * change lies behind the fronts, a block only when all that its points could change does, also by
- * taking a quarter of a pixel from points behind them: the picture has the same bytes as without a frame
- * before. */
+ * Several surfaces in one picture are drawn one after the other, each with marks of its own frame before
+ * and its own placement in this frame, so that they may move. What the samples of those drawn before hide
+ * is left out in the same way. (In the paper all objects are drawn into one depth buffer, and pixels hold
+ * packed numbers of object and point, which are sorted by object; here a point's mark belongs to its
+ * surface.)
+ *
+ * The frame before only decides what is drawn first. A point is left out only when all that it could change
+ * lies behind the fronts, a block only when all that its points could change does, also by taking a quarter
+ * of a pixel from points behind them: the picture has the same bytes as without a frame before. */
 #ifndef ISO_RENDER_GL_SELECTION_H
 #define ISO_RENDER_GL_SELECTION_H
 

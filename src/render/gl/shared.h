@@ -216,7 +216,8 @@ uint ordered(float depth) {
     ISO_GL_FLOATS(screen);                                                                                   \
     ISO_GL_INTS(tile);    /* width, height; the picture's pixel at its corner */                             \
     ISO_GL_INTS(picture); /* width, height, surface number */                                                \
-    ISO_GL_UINTS(flags);  /* orthographic; leave out back-facing points; points have colours */
+    ISO_GL_UINTS(flags);  /* orthographic; leave out back-facing points; points have colours; filtered
+                              discs cover what they are widened to */
 
 /* std140. Drawing one surface by splats in a strip of the picture.
  *

@@ -140,13 +140,15 @@ static void choose_patches(refined_call *call) {
 
 /* The largest radius of a point, mm. */
 static float largest_radius(const iso_point_view *points, float shared) {
-    float largest = points->radii ? 0 : shared;
+    float largest = points->radii ? 0 : shared, scale = 1;
+    for (size_t s = 0; points->span_scales && s < points->span_count; s++)
+        scale = fmaxf(scale, points->span_scales[s]);
     for (size_t s = 0; points->radii && s < points->span_count; s++)
         for (size_t i = 0; i < points->spans[s].count; i++) {
             const float radius = points->radii[points->spans[s].first + i];
             largest = radius > largest ? radius : largest;
         }
-    return points->radii ? largest * iso_point_view_radii_scale(points) : largest;
+    return points->radii ? largest * iso_point_view_radii_scale(points) : largest * scale;
 }
 
 /* The width of a pixel (mm) at the depth of the farthest point that is seen. */
@@ -472,7 +474,7 @@ static bool draw_blocks(const refined_call *call, const iso_refined_params *para
 static void find_fronts(const refined_call *call, drawing *d) {
     iso_refined_params params = call->params;
     params.pass = ISO_REFINED_FRONT_PASS;
-    params.filtered = false;
+    params.filtered = params.widened;
     draw_blocks(call, &params, d);
     const iso_refined_patch *p = &d->patch;
     for (size_t i = 0; i < call->pixels; i++)
@@ -515,7 +517,8 @@ iso_status iso_refined_draw(iso_refined *workspace, const iso_target *target, co
     set_up_flat_discs(&call.params, opts->flat);
     set_up_color(&call.params, opts->color);
     const bool overlapping = points->radii || points->overlapping,
-               two_passes = call.params.centres || (overlapping && opts->flat == ISO_FLAT_DISCS_FILTERED);
+               two_passes = call.params.centres || call.params.widened ||
+                            (overlapping && opts->flat == ISO_FLAT_DISCS_FILTERED);
     call.params.pass = two_passes ? ISO_REFINED_SUM_PASS : ISO_REFINED_ONE_PASS;
     choose_patches(&call);
     set_up_occlusion(&call);

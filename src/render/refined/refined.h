@@ -49,7 +49,7 @@ typedef enum iso_flat_discs {
      * pixel, rejected behind it, or replaces what is there. */
     ISO_FLAT_DISCS_ONEPASS,
     /* EWA splatting (Zwicker et al. 2001): the ellipse of a disc is convolved with the low-pass filter, which
-     * also decides which pixels it covers. */
+     * also decides which pixels it covers. Drawn in two passes, as in Guennebaud and Paulin 2003. */
     ISO_FLAT_DISCS_EWA,
     /* The high-quality shading of Schuetz, Kerbl and Wimmer 2021. No discs: a pixel is the mean of the points
      * with centres in it that are no more than 1.5 radii and 4 pixels behind the nearest of them, which a

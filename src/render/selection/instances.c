@@ -116,7 +116,7 @@ static iso_status draw_instance(iso_instance_drawing *drawing, const iso_target 
     lod.points.transform = instance->transform;
     lod.points.radius *= scale_of(all, instance);
     lod.points.radii_scale = (float)scale_of(all, instance);
-    ISO_TRY(iso_lod_cut_make(&drawing->cut, &lod, target->view, all->lod_pixels, error));
+    ISO_TRY(iso_lod_cut_make(&drawing->cut, &lod, target->view, all->lod_pixels, target->pool, error));
     size_t count = 0;
     for (int k = 0; k < drawing->cut.levels; k++) count += drawing->cut.points[k];
     iso_target alone = *target;

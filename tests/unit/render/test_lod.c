@@ -68,7 +68,10 @@ static void same_levels(const iso_lod *a, const iso_lod *b) {
         if (x->packed) assert_memory_equal(x->packed, y->packed, x->count * sizeof *x->packed);
         if (x->surfels) assert_memory_equal(x->surfels, y->surfels, x->count * sizeof *x->surfels);
         if (x->radii) assert_memory_equal(x->radii, y->radii, x->count * sizeof *x->radii);
-        if (x->colors) assert_memory_equal(x->colors, y->colors, x->count * sizeof *x->colors);
+        if (!x->colors) continue;
+        assert_memory_equal(x->colors, y->colors, x->count * sizeof *x->colors);
+        assert_memory_equal(x->colors_below, y->colors_below,
+                            x->first_color_below[x->span_count] * sizeof *x->colors_below);
     }
 }
 
@@ -408,7 +411,7 @@ static void cuts_have_everything_once(void **state) {
     for (int side = 0; side < 6; side++)
         for (double pixels = 0; pixels < 200; pixels = pixels * 1.7 + 0.1) {
             const iso_view view = test_look_at(&s, side, side == 3 ? 6 : 1, side == 2, 128, 96);
-            test_ok(iso_lod_cut_make(&cut, &lod, &view, pixels, &error), &error);
+            test_ok(iso_lod_cut_make(&cut, &lod, &view, pixels, NULL, &error), &error);
             assert_int_equal(cut.levels, lod.count);
             memset(times, 0, s.points.span_count);
             for (int k = 0; k < cut.levels; k++) {
@@ -433,7 +436,7 @@ static iso_gbuffer draw_cut(const iso_lod *lod, const iso_view *view, double pix
     iso_error error = {0};
     iso_gbuffer g = test_clear_gbuffer(view->width, view->height, lod->points.colors != NULL);
     const iso_target target = {view, &g, NULL, 0};
-    test_ok(iso_lod_cut_make(&cut, lod, view, pixels, &error), &error);
+    test_ok(iso_lod_cut_make(&cut, lod, view, pixels, NULL, &error), &error);
     *points = 0;
     for (int k = 0; k < cut.levels; k++) {
         *points += cut.points[k];
@@ -506,25 +509,49 @@ static double zone_plate(double x, double y) {
     return 127.5 + 127.5 * cos((x * x + y * y) * 0.9 * 3.14159265358979 / PLANE);
 }
 
+/* The mean of the zone plate in a pixel of a view. */
+static double zone_plate_mean(const iso_view *view, int x, int y, double cosine) {
+    enum { PARTS = 16 };
+    double mean = 0;
+    for (int i = 0; i < PARTS * PARTS; i++)
+        mean += zone_plate((x + (i % PARTS + 0.5) / PARTS - view->cx) / view->focal,
+                           (y + (i / PARTS + 0.5) / PARTS - view->cy) / (view->focal * cosine)) /
+                (PARTS * PARTS);
+    return mean;
+}
+
 /* PSNR of a picture of the zone plate against its mean in every pixel, but at the border. */
-static double zone_plate_decibels(const iso_gbuffer *g, double focal, double cosine) {
-    enum { PARTS = 16, BORDER = 3 };
+static double zone_plate_decibels(const iso_gbuffer *g, const iso_view *view, double cosine) {
+    enum { BORDER = 3 };
     double square = 0;
     int count = 0;
     for (int y = BORDER; y < g->height - BORDER; y++)
         for (int x = BORDER; x < g->width - BORDER; x++) {
-            double mean = 0;
-            for (int i = 0; i < PARTS * PARTS; i++)
-                mean += zone_plate((x + (i % PARTS + 0.5) / PARTS - g->width / 2.0) / focal,
-                                   (y + (i / PARTS + 0.5) / PARTS - g->height / 2.0) / (focal * cosine)) /
-                        (PARTS * PARTS);
             const size_t at = (size_t)(y * g->width + x);
             assert_true(g->surface[at] != ISO_SURFACE_NONE);
-            const double off = (double)(g->color[at] & 255) - mean;
+            const double off = (double)(g->color[at] & 255) - zone_plate_mean(view, x, y, cosine);
             square += off * off;
             count++;
         }
     return 10 * log10(255.0 * 255.0 * count / square);
+}
+
+/* Makes the points of the zone plate. `colors` is their colours' memory. */
+static iso_point_view make_zone_plate(double cosine, iso_surfel *surfels, iso_point_span *spans,
+                                      uint8_t (*colors)[3]) {
+    const size_t span_count = make_plane(cosine, sqrt(1 - cosine * cosine), surfels, spans);
+    for (size_t s = 0; s < span_count; s++)
+        for (size_t i = spans[s].first; i < spans[s].first + spans[s].count; i++) {
+            const float *p = surfels[i].position;
+            const double x = 16 * spans[s].brick[0] + (double)p[0], y = 16 * spans[s].brick[1] + (double)p[1];
+            memset(colors[i], (int)(zone_plate(x, y / cosine) + 0.5), sizeof colors[i]);
+        }
+    return (iso_point_view){.surfels = surfels,
+                            .spans = spans,
+                            .span_count = span_count,
+                            .transform = iso_transform_identity(),
+                            .radius = 0.70710678,
+                            .colors = (const uint8_t(*)[3])colors};
 }
 
 /* Coloured points, 16 to a pixel and more: the levels' colours are means; those of all points would alias. */
@@ -534,34 +561,81 @@ static void colors_are_prefiltered(void **state) {
     static iso_point_span spans[10 * 10 * 10];
     static uint8_t colors[PLANE * PLANE][3];
     for (int tilted = 0; tilted < 2; tilted++) {
-        const double cosine = tilted ? 0.5 : 1, sine = sqrt(1 - cosine * cosine), focal = 0.25;
-        const size_t span_count = make_plane(cosine, sine, surfels, spans);
-        for (size_t s = 0; s < span_count; s++)
-            for (size_t i = spans[s].first; i < spans[s].first + spans[s].count; i++) {
-                const float *p = surfels[i].position;
-                const double x = 16 * spans[s].brick[0] + (double)p[0],
-                             y = 16 * spans[s].brick[1] + (double)p[1];
-                memset(colors[i], (int)(zone_plate(x, y / cosine) + 0.5), sizeof colors[i]);
-            }
-        const iso_point_view points = {.surfels = surfels,
-                                       .spans = spans,
-                                       .span_count = span_count,
-                                       .transform = iso_transform_identity(),
-                                       .radius = 0.70710678,
-                                       .colors = (const uint8_t(*)[3])colors};
+        const double cosine = tilted ? 0.5 : 1, focal = 0.25;
+        const iso_point_view points = make_zone_plate(cosine, surfels, spans, colors);
         iso_lod lod = make_lod(&points, 1);
         const iso_view view =
             test_plain_view((int)(PLANE * focal), (int)(PLANE * focal * cosine), true, focal);
         size_t drawn;
         iso_gbuffer g = draw_cut(&lod, &view, 1, &drawn);
-        const double db = zone_plate_decibels(&g, focal, cosine);
+        const double db = zone_plate_decibels(&g, &view, cosine);
         const iso_pullpush_opts means = {.reconstruction = ISO_RECONSTRUCTION_MEAN};
         iso_gbuffer m = test_drawn(&view, &points, &means, NULL);
-        const double db_mean = zone_plate_decibels(&m, focal, cosine);
+        const double db_mean = zone_plate_decibels(&m, &view, cosine);
         printf("%s: %.1f dB, mean of a pixel's points %.1f\n", tilted ? "tilted" : "straight", db, db_mean);
-        if (db < 26 || db_mean < db) fail_msg("%.1f dB, %.1f dB", db, db_mean);
+        if (db < (tilted ? 29 : 43) || db_mean < 43) fail_msg("%.1f dB, %.1f dB", db, db_mean);
         iso_gbuffer_free(&m);
         iso_gbuffer_free(&g);
+        iso_lod_free(&lod);
+    }
+}
+
+enum { WINDOW = 34, ZOOM_STEPS = 240, CHANGES = 256 };
+
+/* What a slow zoom shows: how far its pictures are from the truth; the 99th percentile and the maximum of
+ * how much a pixel's error changes from one picture to the next, of 255: that is seen to flicker or pop. */
+typedef struct zoom {
+    double decibels;
+    int p99, most;
+} zoom;
+
+/* Zooms out in steps of 0.6 %, over two changes of levels. */
+static zoom zoom_out(const iso_lod *lod, double cosine) {
+    double before[WINDOW * WINDOW], square = 0, focal = 1;
+    size_t changes[CHANGES] = {0}, count = 0, pixels = 0, below = 0;
+    zoom found = {.most = 0};
+    for (int step = 0; step < ZOOM_STEPS; step++, focal *= 0.994) {
+        iso_view view = test_plain_view(WINDOW, (int)(WINDOW * cosine), true, focal);
+        view.cx += 0.3;
+        view.cy += 0.2;
+        size_t drawn;
+        iso_gbuffer g = draw_cut(lod, &view, 1, &drawn);
+        for (int i = 0; i < view.width * view.height; i++) {
+            assert_true(g.surface[i] != ISO_SURFACE_NONE);
+            const double off =
+                (double)(g.color[i] & 255) - zone_plate_mean(&view, i % view.width, i / view.width, cosine);
+            const int change = step ? (int)(fabs(off - before[i]) + 0.5) : 0;
+            changes[change]++;
+            count += step > 0;
+            if (change > found.most) found.most = change;
+            square += off * off;
+            pixels++;
+            before[i] = off;
+        }
+        if (step == 0) memset(changes, 0, sizeof changes);
+        iso_gbuffer_free(&g);
+    }
+    while ((below += changes[found.p99]) * 100 < count * 99) found.p99++;
+    found.decibels = 10 * log10(255.0 * 255.0 * (double)pixels / square);
+    return found;
+}
+
+/* Colours and sizes are interpolated between levels, so that little pops in a slow zoom. Without that the
+ * straight one has 24.6 dB, 27 and 105 of 255. */
+static void zooms_hardly_pop(void **state) {
+    (void)state;
+    static iso_surfel surfels[PLANE * PLANE];
+    static iso_point_span spans[10 * 10 * 10];
+    static uint8_t colors[PLANE * PLANE][3];
+    for (int tilted = 0; tilted < 2; tilted++) {
+        const double cosine = tilted ? 0.5 : 1;
+        const iso_point_view points = make_zone_plate(cosine, surfels, spans, colors);
+        iso_lod lod = make_lod(&points, 1);
+        const zoom found = zoom_out(&lod, cosine);
+        printf("%s: %.1f dB, change of errors %d (99th percentile), %d at most\n",
+               tilted ? "tilted" : "straight", found.decibels, found.p99, found.most);
+        if (found.decibels < 22 || found.p99 > 24 || found.most > 80)
+            fail_msg("%.1f dB, %d, %d", found.decibels, found.p99, found.most);
         iso_lod_free(&lod);
     }
 }
@@ -572,6 +646,7 @@ int main(void) {
         cmocka_unit_test(changes_are_followed), cmocka_unit_test(odd_points),
         cmocka_unit_test(levels_have_no_holes), cmocka_unit_test(cuts_have_everything_once),
         cmocka_unit_test(pictures_are_as_good), cmocka_unit_test(colors_are_prefiltered),
+        cmocka_unit_test(zooms_hardly_pop),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
