@@ -1,6 +1,8 @@
 /* pullpush_finish.comp: the last push, into the picture (Marroquim, Kraus and Cavalcanti 2008, section
  * 3.2). A sample is mixed from level 1, or it is the point projected to its pixel when level 0 is the
  * base. It is written where it is nearer than the sample there. The same as render/pullpush/finish.inc. */
+const float PP_SUPPORT_REACH = 16.0, PP_SUPPORT_RADIUS = 1.0, PP_SUPPORT_GROW = 1.1;
+
 layout(local_size_x = ISO_GL_TILE, local_size_y = ISO_GL_TILE) in;
 
 /* Whether a pixel's centre lies outside its own point's disc on the side of the silhouette: the condition
@@ -19,6 +21,44 @@ bool is_beyond(ivec2 at, pixel own) {
     return is_beyond_grid(0, at, own.shade.w + clamp(-outward * mm / steep, -own.radius, own.radius));
 }
 
+/* Whether the ellipse of the point in pixel `from` of the base level, of PP_SUPPORT_GROW times its disc,
+ * contains pixel `at` of level 0. */
+bool contains_sample(ivec2 at, ivec2 from) {
+    pixel p = decoded(from);
+    if (p.range.x >= ISO_GL_NOWHERE) return false;
+    vec2 slope = slope_of(0, at);
+    float ray_z = 1.0 / sqrt(dot(slope, slope) + 1.0);
+    float along = (dot(p.shade.xy, slope) + p.shade.z) * ray_z;
+    vec2 n = p.shade.xy - (along + p.shade.z) * ray_z / (1.0 + ray_z) * slope;
+    float length = PP_SUPPORT_GROW * p.radius, radius = length * axis.w;
+    if (!orthographic) radius /= p.shade.w;
+    vec2 d = (vec2(from) + 0.5 + p.range.zw) * float(1 << lattice.x) - vec2(at) - 0.5;
+    float flat_part = dot(n, n), square = max(flat_part + along * along, 1e-12), b = radius * radius;
+    float a = b + disc.y, e = a * square - b * flat_part, outward = dot(d, n);
+    if (!(dot(d, d) * e + b * outward * outward < a * e)) return false;
+    float rise = length * sqrt(b / (a * e)) * outward;
+    return !is_beyond_grid(0, at, p.shade.w + (along < 0.0 ? -rise : rise));
+}
+
+/* Whether a point supports the value of pixel `at` of level 0, which is in a gap: finish.inc, open_gaps. */
+bool is_supported(ivec2 at, mixture m) {
+    float nearest = ISO_GL_NOWHERE, widest = 0.0, size = float(1 << lattice.x);
+    for (int k = 0; k < 4; k++) {
+        nearest = min(nearest, ranges[m.at[k]].x);
+        widest = max(widest, ellipses[m.at[k]].w);
+    }
+    widest *= PP_SUPPORT_GROW * axis.w;
+    if (!orthographic) widest /= nearest;
+    if (widest < PP_SUPPORT_RADIUS) return true;
+    float reach = min(sqrt(widest * widest + disc.y), PP_SUPPORT_REACH * size);
+    ivec2 low = max(ivec2(floor((vec2(at) + 0.5 - reach) / size)), ivec2(0));
+    ivec2 high = min(ivec2(floor((vec2(at) + 0.5 + reach) / size)), levels[lattice.x].xy - 1);
+    for (int y = low.y; y <= high.y; y++)
+        for (int x = low.x; x <= high.x; x++)
+            if (contains_sample(at, ivec2(x, y))) return true;
+    return false;
+}
+
 void main() {
     ivec2 sample_at = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(sample_at, picture.xy))) return;
@@ -28,6 +68,7 @@ void main() {
     bool has_own = own.range.x < ISO_GL_NOWHERE;
     mixture m = mixed(1, at, own.range.x);
     if (!m.made && !has_own) return;
+    if (m.made && !m.covered && !is_supported(at, m)) return;
     if (has_own && !m.covered && !m.around && is_beyond(at, own)) return;
     vec4 shade = m.made ? mixed_shade(m) : own.shade;
 

@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "render/project.h"
 
@@ -23,8 +24,8 @@ typedef struct work {
     const reference_opts *opts;
     const iso_view *view;
     iso_projector projector;
-    const int32_t *dims; /* of the points' grid */
-    level levels[16];
+    const int32_t *dims;      /* of the points' grid */
+    level levels[16], points; /* points: the base level before push */
 } work;
 
 static level make_level(int width, int height, int number) {
@@ -292,6 +293,39 @@ static bool is_around(const work *w, int number, int x, int y) {
     return true;
 }
 
+/* Whether the ellipse of a point, of 1.1 times its disc, contains the centre of pixel (x, y) of level 0, or
+ * discs there are so small that this is not asked. */
+static bool is_supported(const work *w, int x, int y) {
+    const iso_view *view = w->view;
+    const level *points = &w->points;
+    const double at_x = x + 0.5, at_y = y + 0.5;
+    double nearest = INFINITY, widest = 0, ray[3];
+    for (int k = 0; k < 4; k++) {
+        const cell *c = cell_at(&w->levels[1], ((x - 1) >> 1) + (k & 1), ((y - 1) >> 1) + (k >> 1));
+        nearest = fmin(nearest, c->depth);
+        widest = fmax(widest, c->radius);
+    }
+    widest *= 1.1 * view->focal / (view->orthographic ? 1 : nearest);
+    if (widest < 1) return true;
+    const double reach = fmin(sqrt(widest * widest + w->opts->low_pass), 16 * points->size);
+    ray_of(w, 1, x, y, ray);
+    for (int row = (int)floor((at_y - reach) / points->size); row <= floor((at_y + reach) / points->size);
+         row++)
+        for (int i = (int)floor((at_x - reach) / points->size); i <= floor((at_x + reach) / points->size);
+             i++) {
+            const cell *c = cell_at(points, i, row);
+            if (!c || !c->valid) continue;
+            cell grown = *c;
+            grown.radius *= 1.1;
+            const ellipse e = ellipse_of(w, &grown, ray, w->opts->low_pass);
+            const double dx = at_x - c->x, dy = at_y - c->y;
+            if (form(&e, dx, dy) < 1 &&
+                !is_beyond_grid(w, at_x, at_y, c->depth + e.rise * (dx * e.m[0] + dy * e.m[1])))
+                return true;
+        }
+    return false;
+}
+
 static void push(work *w, int number) {
     level *fine = &w->levels[number];
     for (int y = 0; y < fine->height; y++)
@@ -312,7 +346,7 @@ static void push(work *w, int number) {
             }
             if (number == 0 && !around) continue;
             count = find_corners(w, number, x, y, true, around, shares);
-            if (!count) continue;
+            if (!count || (number == 0 && !is_supported(w, x, y))) continue;
             *own = mix(w, shares, count, around);
             own->weak = !around;
         }
@@ -342,7 +376,11 @@ void reference_pullpush(const reference_opts *opts, const iso_view *view, const 
         w.levels[l] = make_level(view->width + 2 * opts->guard, view->height + 2 * opts->guard, l);
     project(&w, points);
     for (int l = opts->base + 1; l <= opts->top; l++) pull(&w, l);
+    const level *base = &w.levels[opts->base];
+    w.points = make_level(view->width + 2 * opts->guard, view->height + 2 * opts->guard, opts->base);
+    memcpy(w.points.cells, base->cells, (size_t)base->width * (size_t)base->height * sizeof *base->cells);
     for (int l = opts->top - 1; l >= 0; l--) push(&w, l);
     resolve_picture(&w, points, gbuffer);
     for (int l = 0; l <= opts->top; l++) free(w.levels[l].cells);
+    free(w.points.cells);
 }
