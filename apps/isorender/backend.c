@@ -78,11 +78,11 @@ iso_status isorender_backend_check(isorender_settings *settings, iso_error *erro
     if ((gl || needed) && settings->method == ISORENDER_METHOD_UNCHOSEN && !has_no_surface(settings))
         settings->method = settings->strips ? ISO_METHOD_MESH : ISO_METHOD_POINTS;
     if (gl && !has_gl(settings))
-        return iso_fail(
-            error, ISO_ERR_USAGE,
-            "--backend %s has the methods %s (of splats flat, ewa and groups), without --lod and --group-bins: "
-            "others need the cpu",
-            name, iso_methods_that_can(ISO_CAN_GL, (char[ISO_METHODS_TEXT]){0}));
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "--backend %s has the methods %s (of splats flat, ewa and groups), without --lod and "
+                        "--group-bins: "
+                        "others need the cpu",
+                        name, iso_methods_that_can(ISO_CAN_GL, (char[ISO_METHODS_TEXT]){0}));
     ISO_TRY(check_needs(settings, error));
     bool draws = !settings->info && (!settings->no_image || settings->aov);
     if ((gl || needed) && draws && is_too_large(settings))
