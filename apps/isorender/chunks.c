@@ -492,7 +492,7 @@ static void describe_style(const isorender_job *job, iso_key_style *style) {
 iso_status isorender_chunks_write_part(isorender_job *job, iso_error *error) {
     isorender_labels labels;
     iso_key_file file = {.part = job->settings->part, .parts = job->settings->parts};
-    isorender_labels_make(job, &labels);
+    ISO_TRY(isorender_labels_make(job, &labels, error));
     describe_surface(job, &file.surface);
     describe_style(job, &file.style);
     file.texts[ISO_KEY_SOFTWARE] = labels.software;

@@ -11,7 +11,8 @@ typedef struct isorender_labels {
     char software[64], isovalues[512], command[ISO_RECORD_SIZE + 256];
     char *scene; /* isorender_scene_text; owned, or NULL */
 } isorender_labels;
-void isorender_labels_make(const isorender_job *job, isorender_labels *labels);
+/* isorender_labels_free when done. ISO_ERR_NOMEM. */
+iso_status isorender_labels_make(const isorender_job *job, isorender_labels *labels, iso_error *error);
 void isorender_labels_free(isorender_labels *labels);
 /* camera.c: the end of the command that the picture's file states: --fit=box if the picture frames the box
  * only because it is drawn in chunks; else nothing. */

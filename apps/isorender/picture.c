@@ -117,7 +117,7 @@ static uint64_t hash_image(const iso_image *image) {
     return hash;
 }
 
-void isorender_labels_make(const isorender_job *job, isorender_labels *l) {
+iso_status isorender_labels_make(const isorender_job *job, isorender_labels *l, iso_error *error) {
     const iso_program *program = isorender_program();
     snprintf(l->software, sizeof l->software, "%s %s", program->name, program->version);
     size_t used = 0;
@@ -128,7 +128,7 @@ void isorender_labels_make(const isorender_job *job, isorender_labels *l) {
                                      used ? ", " : "isovalue ", job->surfaces[i].scene.isovalue);
     snprintf(l->command, sizeof l->command, "%s %s%s%s", program->name, job->plan->model,
              job->settings->common.record, isorender_camera_record(job));
-    l->scene = isorender_scene_text(job);
+    return isorender_scene_text(job, &l->scene, error);
 }
 
 void isorender_labels_free(isorender_labels *l) {
@@ -149,7 +149,7 @@ double isorender_pixels_per_metre(const isorender_job *job) {
 static iso_status write_picture(isorender_job *job, const iso_image *image, const char *path,
                                 iso_error *error) {
     isorender_labels l;
-    isorender_labels_make(job, &l);
+    ISO_TRY(isorender_labels_make(job, &l, error));
     iso_png_text texts[ISO_KEY_TEXTS] = {
         {"Software", l.software}, {"Title", job->plan->model}, {"Comment", l.command}};
     int count = 3;
@@ -167,7 +167,7 @@ static iso_status write_picture(isorender_job *job, const iso_image *image, cons
 static iso_status write_aov(isorender_job *job, int frame, const iso_aov *aov, const char *path,
                             iso_error *error) {
     isorender_labels l;
-    isorender_labels_make(job, &l);
+    ISO_TRY(isorender_labels_make(job, &l, error));
     iso_camera camera = isorender_camera_of_frame(job, frame);
     iso_view view = iso_view_make(&camera, aov->width, aov->height);
     const iso_exr_info info = {.view = &view, .software = l.software, .comments = l.command};

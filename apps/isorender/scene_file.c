@@ -2,6 +2,7 @@
 #define _GNU_SOURCE /* asprintf */
 #include "apps/isorender/scene_file.h"
 
+#include <errno.h>
 #include <jansson.h>
 #include <stdlib.h>
 #include <string.h>
@@ -26,11 +27,13 @@ static const char *base_name(const char *path) {
 
 /* ---- writing */
 
-/* A number made of a file's size and a few blocks of it, as text; false: it is no regular file. */
-static bool find_fingerprint(const char *path, char text[17]) {
+/* A number made of a file's size and a few blocks of it, as text; false: it is no regular file, or *failed:
+ * there was no memory. */
+static bool find_fingerprint(const char *path, char text[17], bool *failed) {
     iso_file_set set = {0};
     iso_file_set_read(&set, path);
-    const bool regular = set.count > 0;
+    const bool regular = set.count > 0 && !set.incomplete;
+    *failed |= set.incomplete;
     if (regular) snprintf(text, 17, "%016llx", (unsigned long long)iso_file_set_content(&set));
     iso_file_set_free(&set);
     return regular;
@@ -57,7 +60,9 @@ static const char *without_folder(const char *path, const char *file) {
  * of its own relative to that, or an absolute one. */
 static void put_path(iso_json *json, const char *key, const char *path, const target *to) {
     const char *inside = without_folder(path, to->file ? to->file : to->settings->scene_file);
+    errno = 0;
     char *whole = to->file && !inside && folder_length(to->file) ? realpath(path, NULL) : NULL;
+    json->failed |= !whole && errno == ENOMEM;
     iso_json_string(json, key,
                     inside                        ? inside
                     : whole                       ? whole
@@ -68,7 +73,7 @@ static void put_path(iso_json *json, const char *key, const char *path, const ta
 
 static void put_file(iso_json *json, const char *path, const target *to) {
     char text[17];
-    if (!find_fingerprint(path, text)) return;
+    if (!find_fingerprint(path, text, &json->failed)) return;
     iso_json_begin_object(json, NULL);
     put_path(json, "path", path, to);
     iso_json_string(json, "fingerprint", text);
@@ -137,21 +142,25 @@ static void put_scene(iso_json *json, const isorender_job *job, const char *file
     iso_json_end_object(json);
 }
 
-char *isorender_scene_text(const isorender_job *job) {
-    char *text = NULL;
+iso_status isorender_scene_text(const isorender_job *job, char **text, iso_error *error) {
+    char *line = NULL;
     size_t bytes = 0;
-    if (job->settings->noted_count > ISORENDER_NOTED) return NULL;
-    FILE *stream = open_memstream(&text, &bytes);
-    if (!stream) return NULL;
+    *text = NULL;
+    if (job->settings->noted_count > ISORENDER_NOTED) return ISO_OK;
+    FILE *stream = open_memstream(&line, &bytes);
+    if (!stream) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
     iso_json json = {.one_line = true};
     put_scene(&json, job, NULL);
-    const iso_status status = iso_json_write(&json, stream, NULL);
-    if (fclose(stream) != 0 || status != ISO_OK) {
-        free(text);
-        return NULL;
+    iso_status status = iso_json_write(&json, stream, error);
+    if (!iso_memory_stream_close(stream, &line) && status == ISO_OK)
+        status = iso_fail(error, ISO_ERR_NOMEM, "out of memory");
+    if (status != ISO_OK) {
+        free(line);
+        return status;
     }
-    if (bytes) text[bytes - 1] = 0; /* the line's end */
-    return text;
+    line[strcspn(line, "\n")] = 0;
+    *text = line;
+    return ISO_OK;
 }
 
 iso_status isorender_scene_save(const isorender_job *job, iso_error *error) {
@@ -317,8 +326,10 @@ static iso_status check_file(const char *scene_path, const json_t *file, iso_err
         return iso_fail(error, ISO_ERR_FORMAT, "%s: a file without path and fingerprint", scene_path);
     char *found = find_file(scene_path, path);
     if (!found) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
-    const bool same = !find_fingerprint(found, now) || strcmp(now, known) == 0;
+    bool failed = false;
+    const bool same = !find_fingerprint(found, now, &failed) || strcmp(now, known) == 0;
     free(found);
+    if (failed) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
     if (same) return ISO_OK;
     return iso_fail(error, ISO_ERR_FORMAT,
                     "%s: %s is not the file that it was drawn from (a file named behind the scene is taken "

@@ -26,9 +26,9 @@ typedef struct isorender_commands {
 iso_status isorender_commands_make(int argc, char **argv, isorender_commands *commands, iso_error *error);
 void isorender_commands_free(isorender_commands *commands);
 
-/* The scene of a job as one line, for PNGs; the caller's: free(). NULL: there is no memory, or it has more
- * options than ISORENDER_NOTED. */
-char *isorender_scene_text(const isorender_job *job);
+/* Sets *text to the scene of a job as one line, for PNGs; the caller's: free(). NULL: it has more options
+ * than ISORENDER_NOTED. ISO_ERR_NOMEM. */
+iso_status isorender_scene_text(const isorender_job *job, char **text, iso_error *error);
 
 /* Writes the scene of a job with its camera and isovalues (--save-scene). ISO_ERR_WRITE, ISO_ERR_NOMEM;
  * ISO_ERR_LIMIT: more options than ISORENDER_NOTED. */

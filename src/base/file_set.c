@@ -157,14 +157,15 @@ static uint32_t checksum_of_blocks(const char *path) {
     uint8_t block[BLOCK];
     uint32_t crc = 0;
     uint64_t bytes = 0;
-    FILE *stream;
-    if (iso_file_open(path, &stream, &bytes, NULL) != ISO_OK) return 0;
+    int file;
+    if (iso_file_descriptor(path, &file, &bytes, NULL) != ISO_OK) return 0;
     const uint64_t last = bytes > BLOCK ? bytes - BLOCK : 0;
     for (uint64_t i = 0; i < BLOCKS; i++) {
-        if (fseeko(stream, (off_t)(last / (BLOCKS - 1) * i), SEEK_SET)) break;
-        crc = iso_crc32c(crc, block, fread(block, 1, BLOCK, stream));
+        const ssize_t read = pread(file, block, BLOCK, (off_t)(last / (BLOCKS - 1) * i));
+        if (read < 0) break;
+        crc = iso_crc32c(crc, block, (size_t)read);
     }
-    fclose(stream);
+    close(file);
     return crc;
 }
 

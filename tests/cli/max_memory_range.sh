@@ -20,7 +20,7 @@ def run(limit, *more, stdin=None):
         if os.path.exists(name):
             os.remove(name)
     done = subprocess.run(["isorender", "-" if stdin else "in/a.nrrd", "-o", "a.png", "--resolution", "120x90", "--fit", "box", "--threads", "2",
-                           *(["--max-memory", str(limit)] if limit else []), *more], stdin=stdin, capture_output=True, text=True)
+                           *(["--max-memory", "%dB" % limit] if limit else []), *more], stdin=stdin, capture_output=True, text=True)
     return done.returncode, done.stderr
 
 

@@ -72,8 +72,8 @@ void isosculpt_async_surface_wait(isosculpt_viewport *viewport) {
     const iso_status status = isosculpt_task_finish(async->task, NULL);
     viewport->surface = async->surface;
     viewport->second = async->second;
-    for (int part = 0; part < ISOSCULPT_PARTS && status == ISO_OK; part++)
-        if (async->parts >> part & 1) count_points(viewport, part);
+    if (iso_scene_surface_is_at(&viewport->surface, ISO_PART_POINTS, async->surface.isovalue))
+        count_points(viewport, ISO_PART_POINTS);
     if (status != ISO_OK) {
         viewport->failed_isovalues[0] = async->surface.isovalue;
         viewport->failed_isovalues[1] = async->second.isovalue;
