@@ -81,7 +81,7 @@ for name in "$vdb" "$work/replayed.vdb"; do
     (cd "$work/look" && "$bin/isorender" model.vdb model.png --resolution 200x200 --quiet) || fail "$name"
     mv "$work/look" "$name.look"
 done
-cmp "$vdb.look/model.png" "$work/replayed.vdb.look/model.png" || fail "what was saved is not what was sculpted"
+look same "$vdb.look/model.png" "$work/replayed.vdb.look/model.png" 0 >/dev/null || fail "what was saved is not what was sculpted"
 
 cp "$journal" "$work/kept.strokes"
 
