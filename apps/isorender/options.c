@@ -674,7 +674,6 @@ iso_status isorender_settings_parse(int argc, char *const *argv, isorender_setti
                                      .fit = ISORENDER_FIT_UNCHOSEN,
                                      .zoom = 1,
                                      .line_min_pixels = 1,
-                                     .line_drop_pixels = 0.5,
                                      .margin = NAN,
                                      .view_angle = 30};
     for (int i = 0; i < 3; i++) settings->position[i] = settings->focal_point[i] = settings->view_up[i] = NAN;

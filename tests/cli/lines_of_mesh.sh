@@ -94,9 +94,9 @@ with open("in/dense.obj", "w") as file:
 P
 for style in tube ribbon; do
     dense="--lines in/dense.obj --line-style $style --tube-radius 0.15 --method pullpush --zoom 0.6 --resolution 256x256 --samples 1 --quiet"
-    isorender $dense kept.png --line-drop-pixels 0
-    isorender $dense dropped.png
-    isorender $dense dropped2.png --threads 1
+    isorender $dense kept.png
+    isorender $dense dropped.png --line-drop-pixels 0.5
+    isorender $dense dropped2.png --line-drop-pixels 0.5 --threads 1
     isorender $dense coarse.png --line-drop-pixels 8
     cmp dropped.png dropped2.png
     if cmp -s kept.png dropped.png || cmp -s dropped.png coarse.png; then exit 1; fi
