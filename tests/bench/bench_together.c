@@ -288,8 +288,7 @@ static iso_status copy_lines(const iso_lines *one, int count, iso_lines *all, is
 static iso_status make_trees(scene *s, iso_error *error) {
     const bool small = s->subject.bench->settings->small;
     const iso_scene_tree_opts opts = {.size = small ? 0.2 : 0};
-    const iso_shapes_opts tubes = {.min_pixels = 1},
-                          ribbons = {.min_pixels = 1, .style = ISO_LINE_RIBBON};
+    const iso_shapes_opts tubes = {.min_pixels = 1}, ribbons = {.min_pixels = 1, .style = ISO_LINE_RIBBON};
     ISO_TRY(make_picture(s, small ? 64 : 1024, error));
     ISO_TRY(iso_scene_tree_make(&opts, &s->tree, error));
     ISO_TRY(copy_lines(&s->tree.wood, s->trees, &s->wood, error));
