@@ -29,10 +29,7 @@ static const char *const usage[] = {"[options] IN [OUT.png]",
                                     NULL};
 
 /* The reconstructions of a method have an option of their own. The names come from the table of renderers. */
-enum { METHODS = 8 };
-static const iso_method methods[METHODS] = {ISO_METHOD_EXACT,   ISO_METHOD_POINTS, ISO_METHOD_PULLPUSH,
-                                            ISO_METHOD_DISCS,   ISO_METHOD_SPLATS, ISO_METHOD_MESH,
-                                            ISO_METHOD_RAYCAST, ISO_METHOD_HYBRID};
+enum { METHODS = ISO_METHOD_FAMILIES };
 /* Files of 3-D Gaussians have a renderer that no isosurface has. */
 enum { METHOD_GAUSSIANS = METHODS };
 static const char *method_names[METHODS + 2]; /* filled by isorender_program */
@@ -655,7 +652,7 @@ const iso_program *isorender_program(void) {
                                         .section_count = sizeof sections / sizeof *sections,
                                         .seen = note_option};
     for (int i = 0; i < ISO_REFRACTIONS; i++) refractions[i] = iso_refraction_name((iso_refraction)i);
-    for (int i = 0; i < METHODS; i++) method_names[i] = iso_method_name(methods[i]);
+    for (int i = 0; i < METHODS; i++) method_names[i] = iso_method_name(iso_method_families[i]);
     method_names[METHOD_GAUSSIANS] = "gaussians";
     return &program;
 }
@@ -686,7 +683,8 @@ iso_status isorender_settings_parse(int argc, char *const *argv, isorender_setti
     ISO_TRY(status);
     settings->gaussians = settings->method == METHOD_GAUSSIANS;
     if (settings->gaussians) settings->method = ISORENDER_METHOD_UNCHOSEN;
-    if (settings->method != ISORENDER_METHOD_UNCHOSEN) settings->method = (int)methods[settings->method];
+    if (settings->method != ISORENDER_METHOD_UNCHOSEN)
+        settings->method = (int)iso_method_families[settings->method];
     if (settings->common.action) return ISO_OK;
     return isorender_settings_check(settings, operands, error);
 }

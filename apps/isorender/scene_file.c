@@ -243,7 +243,8 @@ static iso_status read_text(const char *path, char **text, iso_error *error) {
     *text = bytes < MOST_BYTES ? malloc((size_t)bytes + 1) : NULL;
     const size_t got = *text ? fread(*text, 1, (size_t)bytes, stream) : 0;
     fclose(stream);
-    if (!*text) return iso_fail(error, ISO_ERR_FORMAT, "%s: is too large for a scene", path);
+    if (bytes >= MOST_BYTES) return iso_fail(error, ISO_ERR_FORMAT, "%s: is too large for a scene", path);
+    if (!*text) return iso_fail_memory(error, path);
     (*text)[got] = 0;
     return ISO_OK;
 }
@@ -264,7 +265,8 @@ static iso_status read_scene(const char *path, json_t **scene, iso_error *error)
     return ISO_OK;
 }
 
-/* The path of a scene's file: as it stands there, or beside the scene; the caller's, NULL: no memory. */
+/* The path of a scene's file: as it stands there, or beside the scene; of one that is nowhere the first of
+ * both. The caller's, NULL: no memory. */
 static char *find_file(const char *scene_path, const char *path) {
     const int folder = folder_length(scene_path);
     const char *names[] = {path, base_name(path)};
@@ -276,7 +278,9 @@ static char *find_file(const char *scene_path, const char *path) {
         if (access(beside, F_OK) == 0) return beside;
         free(beside);
     }
-    return strdup(path);
+    char *missing = NULL;
+    const bool is_whole = path[0] == '/' || iso_loader_is_scene(path) || strcmp(path, "-") == 0;
+    return asprintf(&missing, "%.*s%s", is_whole ? 0 : folder, scene_path, path) < 0 ? NULL : missing;
 }
 
 /* A command line under construction. */
@@ -291,6 +295,18 @@ static iso_status add(builder *b, char *text, iso_error *error) {
     if (!text) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
     b->made[b->count++] = text;
     return ISO_OK;
+}
+
+/* Adds the input, which must not be taken for an option or a command when it is called like one. */
+static iso_status add_input(builder *b, const char *input, iso_error *error) {
+    char *found = find_file(b->path, input), *operand = NULL;
+    const bool is_plain = found && !strchr(found, '/') && strcmp(found, "-") != 0,
+               is_word =
+                   is_plain && (found[0] == '-' || strcmp(found, "merge") == 0 || strcmp(found, "help") == 0);
+    if (!is_word) return add(b, found, error);
+    if (asprintf(&operand, "./%s", found) < 0) operand = NULL;
+    free(found);
+    return add(b, operand, error);
 }
 
 static iso_status add_option(builder *b, const char *name, json_t *value, iso_error *error) {
@@ -356,10 +372,10 @@ static iso_status add_scene(builder *b, json_t *scene, iso_error *error) {
         const bool replaced = b->replaces_input && input && path && strcmp(path, input) == 0;
         if (!replaced) ISO_TRY(check_file(b->path, file, error));
     }
-    return input && !b->replaces_input ? add(b, find_file(b->path, input), error) : ISO_OK;
+    return input && !b->replaces_input ? add_input(b, input, error) : ISO_OK;
 }
 
-/* Whether an argument of the command line is left out of the scenes' own: the program, --again and scenes. */
+/* Whether an argument is left out of the command lines of scenes: --again, and the scenes themselves. */
 static bool is_left_out(char *const *argv, int i, const iso_texts *scenes) {
     static const char again[] = "--again";
     for (int k = 0; k < scenes->count; k++)
@@ -399,7 +415,7 @@ static bool is_scene(const char *operand) {
     return scene != NULL || status != ISO_OK;
 }
 
-/* Whether an operand that is no scene is an input: pictures are outputs, but for TIFF files that are there.
+/* Whether an operand that is no scene is an input. Pictures are outputs, but for TIFF files that are there.
  * */
 static bool is_input(const char *operand) {
     const iso_image_kind kind = iso_image_kind_of(operand);

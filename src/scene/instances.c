@@ -51,7 +51,7 @@ iso_status iso_placed_draw(iso_placed *placed, iso_method method, const iso_scen
                          .count = placements->count,
                          .lod_pixels = leveled ? surface->lod_pixels : 0,
                          .selection = surface->selection,
-                         .reconstruction = iso_renderer_get(method)->kind,
+                         .reconstruction = iso_renderer_get(method)->discs,
                          .colors = placements->colors,
                          .states = placed->states.data};
     iso_instance_counts counts;

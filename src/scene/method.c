@@ -187,6 +187,10 @@ bool iso_method_can(iso_method method, iso_capability capability) {
 
 /* ---- words */
 
+const iso_method iso_method_families[ISO_METHOD_FAMILIES] = {
+    ISO_METHOD_EXACT,  ISO_METHOD_POINTS, ISO_METHOD_PULLPUSH, ISO_METHOD_DISCS,
+    ISO_METHOD_SPLATS, ISO_METHOD_MESH,   ISO_METHOD_RAYCAST,  ISO_METHOD_HYBRID};
+
 /* Appends a name to a list of names; the last one is joined by `joint`. */
 static void append(char text[ISO_METHODS_TEXT], const char *name, bool last, const char *joint) {
     const size_t used = strlen(text);
@@ -201,16 +205,12 @@ static bool family_can(iso_method family, iso_capability capability) {
 }
 
 const char *iso_methods_that_can(iso_capability capability, char text[ISO_METHODS_TEXT]) {
-    static const iso_method families[] = {ISO_METHOD_EXACT,   ISO_METHOD_POINTS, ISO_METHOD_PULLPUSH,
-                                          ISO_METHOD_DISCS,   ISO_METHOD_SPLATS, ISO_METHOD_MESH,
-                                          ISO_METHOD_RAYCAST, ISO_METHOD_HYBRID};
-    enum { FAMILIES = sizeof families / sizeof *families };
-    int last = FAMILIES - 1;
-    while (last > 0 && !family_can(families[last], capability)) last--;
+    int last = ISO_METHOD_FAMILIES - 1;
+    while (last > 0 && !family_can(iso_method_families[last], capability)) last--;
     *text = 0;
     for (int i = 0; i <= last; i++)
-        if (family_can(families[i], capability))
-            append(text, iso_renderer_get(families[i])->name, i == last, " and ");
+        if (family_can(iso_method_families[i], capability))
+            append(text, iso_renderer_get(iso_method_families[i])->name, i == last, " and ");
     return text;
 }
 

@@ -25,9 +25,9 @@ typedef struct iso_renderer {
     const char *name, *title;   /* title: a few words, for reports */
     iso_method family;          /* the method of isorender's --method, */
     const char *reconstruction; /* and its --reconstruction; NULL: there is only one */
-    iso_reconstruction kind; /* how points are drawn by iso_draw_pullpush and iso_placed_draw, if they are */
-    unsigned needs;          /* bits 1 << iso_part */
-    unsigned can;            /* bits iso_capability */
+    iso_reconstruction discs;   /* how iso_draw_pullpush draws its points; means nothing without points */
+    unsigned needs;             /* bits 1 << iso_part */
+    unsigned can;               /* bits iso_capability */
     /* Draws into the target's gbuffer, like iso_draw_points. The needed parts must exist and be up to date.
      */
     iso_status (*draw)(const iso_scene_surface *surface, const iso_target *target, iso_error *error);
@@ -44,6 +44,10 @@ const iso_renderer *iso_renderer_get(iso_method method);
 
 /* The renderer of a family with a reconstruction (NULL: its usual one); NULL: it has none of that name. */
 const iso_renderer *iso_renderer_find(iso_method family, const char *reconstruction);
+
+/* The families, in the order in which they are named. */
+enum { ISO_METHOD_FAMILIES = 8 };
+extern const iso_method iso_method_families[ISO_METHOD_FAMILIES];
 
 enum { ISO_METHODS_TEXT = 128 };
 /* Writes which families can do something, as "exact, splats and raycast"; returns `text`. */

@@ -32,21 +32,21 @@ typedef enum iso_part {
  * borrowed) and zeroes the rest; iso_scene_surface_free frees the parts. */
 typedef struct iso_scene_surface {
     iso_grid grid;
-    double isovalue;         /* physical; may be changed, which the next update of a part follows */
-    iso_pool *pool;          /* or NULL */
-    iso_primitive primitive; /* of the points; AUTO: EDGE, with which pictures of points are best */
-    bool bounded; /* also compute the bounds of points (iso_point_set_bound), which lets drawing skip
-                                hidden points */
-    bool flat;    /* the points have no curvatures: no method draws curved discs of them */
-    bool floats;  /* the points keep all bits of their positions, for files; pictures need 8 bytes */
-    const iso_point_view
-        *given; /* points to draw instead of extracted ones; borrowed; NULL: extracted ones */
+    double isovalue; /* physical; may be changed, which the next update of a part follows */
+    iso_pool *pool;  /* or NULL */
+    /* Of the points: AUTO means EDGE, with which pictures of points are best; `bounded`: also compute their
+     * bounds (iso_point_set_bound), which lets drawing skip hidden points; `flat`: they get no curvatures,
+     * because no method draws curved discs of them; `floats`: they keep all bits of their positions, for
+     * files (pictures need 8 bytes); `given`: draw these instead of extracted ones, borrowed; NULL: none. */
+    iso_primitive primitive;
+    bool bounded, flat, floats;
+    const iso_point_view *given;
     iso_transparency transparency; /* what the groups are for; SORTED: also for opaque pictures */
     int bins;                      /* for the method splats: iso_splats_opts.bins */
     iso_point_selection selection; /* for the methods that draw discs */
     double lod_pixels;             /* the most that levels of detail are wrong by; 0: all points are drawn */
-    iso_pullpush
-        *workspace; /* of the methods that draw points; NULL: one is made with the points, and owned */
+    /* Of the methods that draw points. NULL: one is made with the points, and owned. */
+    iso_pullpush *workspace;
 
     iso_point_set *points;
     iso_pullpush *own_workspace;

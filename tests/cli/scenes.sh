@@ -72,6 +72,11 @@ echo '{"scene": 2, "options": []}' >in/s.json
 isorender_refuses 3 "a scene of another version" in/s.json
 echo '{"scene": 1, "options": [{"isovalue": [1]}]}' >in/s.json
 isorender_refuses 3 "the value of 'isovalue'" in/s.json
+echo '{"scene": 1, "options": [], "input": "--mesh=bad.ply"}' >in/s.json # an input is never an option
+isorender_refuses 3 "in/--mesh=bad.ply: cannot read" in/s.json
+(cd in && refuses 3 "[.]/--mesh=bad.ply: cannot read" isorender s.json --quiet)
+echo '{"scene": 1, "options": [], "input": "merge"}' >in/s.json
+(cd in && refuses 3 "[.]/merge: cannot read" isorender s.json --quiet)
 echo '{"scene": 1' >in/s.json
 isorender_refuses 3 "s.json: line" in/s.json
 echo '{"a": 1}' >in/s.json
