@@ -1,4 +1,4 @@
-/* splats.comp: draws discs into the slots of pixels (render/splats/splats.h). A slot keeps the smallest key,
+/* splats.comp: draws discs into the slots of pixels (render/groups/groups.h). A slot keeps the smallest key,
  * so the result does not depend on the order of discs.
  *
  * KIND 2: the whole key at once, with 64-bit atomic operations. Without them two passes: KIND 0: the least

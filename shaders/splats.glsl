@@ -1,4 +1,4 @@
-/* splats.glsl: discs of splats, and where the ray of a pixel meets one: the same as render/splats/discs.h. */
+/* splats.glsl: discs of splats, and where the ray of a pixel meets one: the same as render/groups/banded_discs.h. */
 layout(std140, binding = ISO_GL_SPLATTING) uniform splatting_block { ISO_GL_SPLATTING_FIELDS };
 
 struct splat {

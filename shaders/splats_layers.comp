@@ -1,4 +1,4 @@
-/* splats_layers.comp: the layers of translucent splats in the samples of a tile (render/splats/images.c;
+/* splats_layers.comp: the layers of translucent splats in the samples of a tile (render/groups/images.c;
  * Zhang and Pajarola 2006, algorithms 2 and 3). A tile has a list of the discs that it may show, group by
  * group. All samples of a tile read the same discs, each keeps its own picture, and nothing depends on the
  * order of threads.
@@ -6,7 +6,7 @@
  * KIND 0: the mean of the groups' pictures. The discs of a group are listed back to front. KIND 1: the
  * nearest layer, of discs that are not enlarged.
  *
- * All layers, in order (render/splats/sorted.c), of discs that are listed front to back: KIND 2 counts the
+ * All layers, in order (render/groups/sorted.c), of discs that are listed front to back: KIND 2 counts the
  * discs that each sample's ray hits; KIND 3 lists them, sorts each list and merges it into layers. */
 #ifndef KIND
 #define KIND 0

@@ -1,5 +1,5 @@
 /* splats_resolve.comp: averages the front layer of the discs in a pixel's slots into a sample of the picture:
- * the same as render/splats/slots.c. */
+ * the same as render/groups/slots.c. */
 layout(local_size_x = ISO_GL_TILE, local_size_y = ISO_GL_TILE) in;
 layout(std430, binding = ISO_GL_KEYS) readonly buffer key_buffer { uvec2 keys[]; }; /* number, depth */
 

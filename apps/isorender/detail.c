@@ -67,11 +67,11 @@ iso_status isorender_detail_make(isorender_job *job, iso_error *error) {
 iso_selection_counts isorender_selection(const isorender_job *job) {
     if (job->backend->engine && job->settings->selection != (int)ISO_SELECTION_ALL)
         return iso_gl_engine_selection(job->backend->engine);
-    const iso_pullpush *workspaces[] = {job->pullpush, job->instances.placed.drawing.pullpush};
+    const iso_point_workspace *workspaces[] = {job->point_workspace, job->instances.placed.drawing.workspace};
     iso_selection_counts all = {0};
     for (int i = 0; i < 2; i++) {
         if (!workspaces[i]) continue;
-        const iso_selection_counts counts = iso_pullpush_counts(workspaces[i]);
+        const iso_selection_counts counts = iso_point_workspace_counts(workspaces[i]);
         all.points += counts.points;
         all.tested += counts.tested;
         all.drawn += counts.drawn;

@@ -1,8 +1,8 @@
 /* Pictures by OpenGL: surfaces to the GPU, a gbuffer back from it. */
 #include "apps/isorender/isorender.h"
+#include "render/gl/groups.h"
 #include "render/gl/pullpush.h"
 #include "render/gl/shapes.h"
-#include "render/gl/splats.h"
 
 uint64_t isorender_gl_bytes(const isorender_job *job) {
     const isorender_backend *backend = job->backend;
@@ -13,8 +13,8 @@ uint64_t isorender_gl_bytes(const isorender_job *job) {
         job->settings->object_options.count ? iso_gl_shapes_bytes(backend->engine, width, height) : 0;
     const bool splats = job->settings->method == ISO_METHOD_SPLATS;
     if (splats && job->settings->reconstruction == ISORENDER_RECONSTRUCTION_GROUPS) {
-        const int slots = job->settings->groups ? job->settings->groups : ISO_SPLATS_GROUPS;
-        return shapes + iso_gl_splats_bytes(backend->engine, slots, width, height);
+        const int slots = job->settings->groups ? job->settings->groups : ISO_GROUPS_DEFAULT;
+        return shapes + iso_gl_groups_bytes(backend->engine, slots, width, height);
     }
     if (!isorender_has_reconstructions(job->settings->method))
         return shapes + iso_gl_draw_bytes(backend->engine, width, height);
@@ -74,12 +74,12 @@ void isorender_gl_release(isorender_job *job) {
 
 static iso_status draw_splats(const isorender_job *job, const iso_view *view, iso_gbuffer *gbuffer,
                               iso_error *error) {
-    iso_gl_splats surfaces[ISORENDER_SURFACES];
+    iso_gl_grouped_points surfaces[ISORENDER_SURFACES];
     for (int i = 0; i < job->surface_count; i++)
-        surfaces[i] = (iso_gl_splats){iso_scene_surface_points(&job->surfaces[i].scene),
-                                      &job->surfaces[i].scene.groups};
-    const iso_gl_splats_opts opts = {view, surfaces, job->surface_count, job->pool};
-    return iso_gl_draw_splats(job->backend->engine, &opts, gbuffer, error);
+        surfaces[i] = (iso_gl_grouped_points){iso_scene_surface_points(&job->surfaces[i].scene),
+                                              &job->surfaces[i].scene.groups};
+    const iso_gl_draw_groups_opts opts = {view, surfaces, job->surface_count, job->pool};
+    return iso_gl_draw_groups(job->backend->engine, &opts, gbuffer, error);
 }
 
 /* Draws the isosurfaces. */
@@ -133,7 +133,8 @@ static iso_status draw_object(isorender_job *job, int object, const iso_view *vi
     if (job->gl_shapes[object]) return draw_shapes(job, object, view, gbuffer, error);
     if (job->gl_meshes[object] && !gbuffer->element) return draw_mesh(job, object, view, gbuffer, error);
     job->objects[object].by_cpu = true;
-    return isorender_object_draw(&job->objects[object], &target, job->pullpush, error);
+    return isorender_object_draw(&job->objects[object], &target,
+                                 iso_point_workspace_pullpush(job->point_workspace), error);
 }
 
 iso_status isorender_gl_draw(isorender_job *job, const iso_view *view, iso_gbuffer *gbuffer,

@@ -5,11 +5,11 @@
 #include "apps/isorender/channels.h"
 #include "apps/isorender/option_checks.h"
 #include "apps/isorender/ranks.h"
-#include "base/groups.h"
 #include "base/text.h"
 #include "image/image.h"
 #include "io/key_file.h"
 #include "render/glass/glass.h"
+#include "render/groups/grouping.h"
 
 #ifndef ISO_VERSION
 #error "ISO_VERSION comes from CMake"
@@ -33,8 +33,8 @@ enum { METHODS = ISO_METHOD_FAMILIES };
 /* Files of 3-D Gaussians have a renderer that no isosurface has. */
 enum { METHOD_GAUSSIANS = METHODS };
 static const char *method_names[METHODS + 2]; /* filled by isorender_program */
-static const char *const reconstructions[] = {"refined", "box",  "gaussian", "flat", "onepass",
-                                              "ewa",     "mean", "groups",   NULL};
+static const char *const reconstructions[] = {"curved", "box",  "gaussian", "flat", "onepass",
+                                              "ewa",    "mean", "groups",   NULL};
 static const char *const transparencies[] = {"sorted", "groups", "nearest", NULL};
 static const char *const selections[] = {"auto", "visible", "all", NULL};
 static const char *const group_radii[] = {"coverage", "root", "copies", NULL};
@@ -374,8 +374,8 @@ static const iso_option options[] = {
      CHOICE(method, method_names), .hint = "raycast follows rays, mesh draws Marching Cubes"},
     {"reconstruction", NULL, "NAME",
      "of pullpush: gaussian or box (Gaussian or equal weights in ellipses; Marroquim 2008); of discs: "
-     "refined "
-     "(second-order discs; flat ones for points that have colours, and for files of points) or flat (as of "
+     "curved (second-order discs; flat ones for points that have colours, and for files of points) or flat "
+     "(as of "
      "splats); of splats: flat (Gaussian discs with a low-pass "
      "filter, so that many small points do not flicker), onepass (without the filter, front to back: "
      "Baerentzen and Christensen 2003), ewa (the filter also widens outlines: Zwicker 2001), mean (of the "
@@ -383,8 +383,8 @@ static const iso_option options[] = {
      "where there are none; Schuetz 2021) or groups (deferred blending of groups of discs that do not "
      "overlap: Zhang and Pajarola 2006)",
      .group = PICTURE,
-     .standard = "gaussian; of discs refined; of splats flat, or groups with options of groups",
-     CHOICE(reconstruction, reconstructions)},
+     .standard = "gaussian; of discs curved; of splats flat, or groups with options of groups",
+     CHOICE(reconstruction, reconstructions), .hint = "what was called refined is curved"},
     {"one-pyramid", NULL, NULL,
      "pullpush and hybrid draw the input's surfaces, meshes and ribbons in one image "
      "pyramid (2008, section 5.1: to compare it) instead of each alone with the nearer one kept, which loses "

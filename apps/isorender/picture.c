@@ -17,7 +17,7 @@
 #include "image/exr.h"
 #include "image/image_file.h"
 #include "io/key_file.h"
-#include "render/gl/splats.h"
+#include "render/gl/groups.h"
 #include "render/raster/raster.h"
 
 /* ---- one picture ---- */
@@ -30,7 +30,8 @@ static iso_status draw_object(isorender_job *job, int i, const iso_view *view, i
                               iso_error *error) {
     const iso_target target = {view, gbuffer, job->pool, (uint8_t)(job->surface_count + i)};
     job->objects[i].by_cpu = job->backend->engine != NULL;
-    return isorender_object_draw(&job->objects[i], &target, job->pullpush, error);
+    return isorender_object_draw(&job->objects[i], &target,
+                                 iso_point_workspace_pullpush(job->point_workspace), error);
 }
 
 /* Draws opaque lines, glyphs and meshes: iso_layered_picture.draw_others. */

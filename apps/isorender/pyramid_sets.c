@@ -57,7 +57,7 @@ iso_status isorender_pyramid_draw(isorender_job *job, const iso_view *view, iso_
     const iso_pullpush_opts opts = {.reconstruction = job->method == ISO_METHOD_HYBRID
                                                           ? ISO_RECONSTRUCTION_GAUSSIAN
                                                           : (iso_reconstruction)job->settings->reconstruction,
-                                    .workspace = job->pullpush};
+                                    .workspace = iso_point_workspace_pullpush(job->point_workspace)};
     collected all = {.count = 0};
     for (int i = 0; i < job->surface_count; i++)
         if (job->surfaces[i].in_pyramid) add_surface(job, i, &all);

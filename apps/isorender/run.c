@@ -107,10 +107,10 @@ static void free_surfaces(isorender_job *job) {
 static void forget_surfaces(isorender_job *job) {
     const iso_volume_info info = job->loader.volume.info;
     free_surfaces(job);
-    iso_pullpush_destroy(job->pullpush);
+    iso_point_workspace_destroy(job->point_workspace);
     iso_volume_free(&job->loader.volume);
     job->loader.volume.info = info;
-    job->pullpush = NULL;
+    job->point_workspace = NULL;
     job->frames = NULL;
     memset(job->surfaces, 0, sizeof job->surfaces);
     job->surface_count = job->input_surface_count = 0;
@@ -215,7 +215,7 @@ iso_status isorender_run(const isorender_settings *settings, const isorender_pla
     if (status != ISO_OK && error->text[0]) name_input(job, error);
     free_surfaces(job);
     isorender_chunks_free(job);
-    iso_pullpush_destroy(job->pullpush);
+    iso_point_workspace_destroy(job->point_workspace);
     iso_loader_close(&job->loader);
     for (int i = 0; i < job->volume_count; i++) iso_loader_close(&job->volumes[i]);
     free(job);

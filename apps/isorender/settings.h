@@ -9,7 +9,7 @@
 #include "base/ranks.h"
 #include "image/camera.h"
 #include "isopoint.h"
-#include "render/pullpush/pullpush.h"
+#include "render/point_surface.h"
 #include "scene/method.h"
 
 enum { ISORENDER_SURFACES = 64 };      /* isosurfaces in one picture */
@@ -134,12 +134,12 @@ typedef struct isorender_settings {
     int gaussians;      /* --method gaussians: the points of the file are drawn as 3-D Gaussians; `method` is
                            ISORENDER_METHOD_UNCHOSEN then */
     int lighting;       /* iso_lighting */
-    int reconstruction; /* iso_reconstruction; of pullpush GAUSSIAN or BOX, of discs REFINED or FLAT, of
-                           splats from FLAT on, or _GROUPS; for files of points without --method REFINED,
+    int reconstruction; /* iso_reconstruction; of pullpush GAUSSIAN or BOX, of discs CURVED or FLAT, of
+                           splats from FLAT on, or _GROUPS; for files of points without --method CURVED,
                            which is then FLAT */
-    bool old_discs;     /* discs were chosen by an older name: --method pullpush --reconstruction refined */
+    bool old_discs;     /* discs were chosen by an older name: --method pullpush --reconstruction curved */
     int one_pyramid;    /* of pullpush and hybrid */
-    /* Of splats: iso_groups_opts, and iso_splats_opts.bins. 0: not given. */
+    /* Of splats: iso_groups_opts, and iso_draw_groups_opts.bins. 0: not given. */
     int groups, group_bins, group_opposite;
     double group_overlap, group_coplanar; /* group_coplanar: degrees */
     int group_radii;                      /* isorender_group_radii */

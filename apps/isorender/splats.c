@@ -1,8 +1,8 @@
 /* Reconstructions of pullpush, discs and splats: checks them and the options of splats, divides points into
  * groups, and reports the groups. */
 #include "apps/isorender/isorender.h"
-#include "base/copies.h"
-#include "base/coverage.h"
+#include "render/groups/copies.h"
+#include "render/groups/coverage.h"
 
 /* The option of splats that is given, NULL: none. */
 static const char *given_option(const isorender_settings *settings) {
@@ -47,7 +47,7 @@ bool isorender_has_reconstructions(int method) {
 
 static int usual_reconstruction(const isorender_settings *settings) {
     if (settings->method == ISO_METHOD_PULLPUSH) return ISO_RECONSTRUCTION_GAUSSIAN;
-    if (settings->method != ISO_METHOD_SPLATS) return ISO_RECONSTRUCTION_REFINED;
+    if (settings->method != ISO_METHOD_SPLATS) return ISO_RECONSTRUCTION_CURVED;
     const bool sorted = settings->transparency == (int)ISO_TRANSPARENCY_SORTED;
     return given_option(settings) || !sorted ? ISORENDER_RECONSTRUCTION_GROUPS : (int)ISO_RECONSTRUCTION_FLAT;
 }
@@ -86,7 +86,7 @@ iso_status isorender_splats_check(isorender_settings *settings, iso_error *error
     if ((settings->transparency || settings->selection) && settings->method == ISORENDER_METHOD_UNCHOSEN)
         settings->method = ISO_METHOD_SPLATS;
     settings->old_discs =
-        settings->method == ISO_METHOD_PULLPUSH && (settings->reconstruction == ISO_RECONSTRUCTION_REFINED ||
+        settings->method == ISO_METHOD_PULLPUSH && (settings->reconstruction == ISO_RECONSTRUCTION_CURVED ||
                                                     settings->reconstruction == ISO_RECONSTRUCTION_FLAT);
     if (settings->old_discs) settings->method = ISO_METHOD_DISCS;
     const char *option = given_option(settings);
@@ -120,7 +120,7 @@ iso_status isorender_groups_make(isorender_job *job, int surface, iso_error *err
     const iso_point_view points = iso_scene_surface_points(&job->surfaces[surface].scene);
     iso_groups *groups = &job->surfaces[surface].scene.groups;
     const bool sorted = settings->transparency == (int)ISO_TRANSPARENCY_SORTED;
-    iso_groups_opts opts = sorted ? iso_splats_grouping(job->pool) : iso_splat_layers_grouping(job->pool);
+    iso_groups_opts opts = sorted ? iso_groups_default_opts(job->pool) : iso_splat_layers_grouping(job->pool);
     if (settings->groups) opts.limit = settings->groups;
     opts.overlap = settings->group_overlap;
     opts.ignore_opposite = settings->group_opposite;

@@ -73,7 +73,7 @@ static iso_status choose_isovalue(isorender_job *job, isorender_surface *surface
 static iso_status make_workspace(isorender_job *job, iso_error *error) {
     const bool uses_one = job->renderer->can & (ISO_CAN_PYRAMID | ISO_CAN_LEVELS);
     if (!uses_one || (job->backend->engine && !job->object_count)) return ISO_OK;
-    return iso_pullpush_create(&job->pullpush, error);
+    return iso_point_workspace_create(&job->point_workspace, error);
 }
 
 /* Adds a surface; errors as choose_isovalue. */
@@ -86,7 +86,7 @@ static iso_status add_surface(isorender_job *job, iso_loader *loader, double iso
                                          .bins = job->settings->group_bins,
                                          .selection = (iso_point_selection)job->settings->selection,
                                          .lod_pixels = isorender_detail_pixels(job->settings),
-                                         .workspace = job->pullpush};
+                                         .workspace = job->point_workspace};
     return choose_isovalue(job, surface, isovalue, error);
 }
 
@@ -184,7 +184,7 @@ static iso_status fail_empty(const isorender_surface *surface, iso_error *error)
 }
 
 /* Whether points are drawn as curved discs. */
-static bool is_refined(const isorender_job *job) {
+static bool draws_curved_discs(const isorender_job *job) {
     return job->renderer->method == ISO_METHOD_DISCS;
 }
 
@@ -192,7 +192,7 @@ iso_primitive isorender_primitive(const isorender_job *job) {
     const iso_primitive chosen = (iso_primitive)job->settings->primitive;
     if (chosen != ISO_PRIMITIVE_AUTO) return chosen;
     /* One kind for all surfaces. No foot points with --closed: the caps' voxels hold no distances. */
-    bool foot = !is_refined(job) && job->method != ISO_METHOD_HYBRID && !job->settings->closed;
+    bool foot = !draws_curved_discs(job) && job->method != ISO_METHOD_HYBRID && !job->settings->closed;
     for (int i = 0; i < job->surface_count && foot; i++)
         foot = iso_primitive_auto(&job->surfaces[i].loader->volume.grid, job->surfaces[i].scene.isovalue) ==
                ISO_PRIMITIVE_FOOT;
@@ -202,7 +202,7 @@ iso_primitive isorender_primitive(const isorender_job *job) {
 static iso_status extract_points(isorender_job *job, isorender_surface *surface, iso_error *error) {
     iso_scene_surface *scene = &surface->scene;
     scene->primitive = isorender_primitive(job);
-    scene->flat = !is_refined(job);
+    scene->flat = !draws_curved_discs(job);
     scene->floats = job->settings->points != NULL;
     /* Bounds tell whether the surface is closed: of closed ones, pyramids leave out points that face away. */
     scene->bounded = isorender_has_reconstructions(job->method) || job->method == ISO_METHOD_HYBRID;

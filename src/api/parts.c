@@ -1,5 +1,5 @@
 /* The functions of isopoint.h for pictures in parts: surveying and drawing parts of a volume into keys
- * (render/key_image.h), merging them, and key files. */
+ * (render/view/key_image.h), merging them, and key files. */
 #include <string.h>
 
 #include "api/internal.h"

@@ -99,16 +99,17 @@ typedef struct iso_point_view {
     size_t span_count;
     iso_transform transform;
     int32_t dims[3]; /* size of the points' grid: the surface ends at its first and last voxels; 0: unknown */
-    float radii_scale; /* what `radii` are multiplied by where points are drawn as discs (iso_draw_pullpush):
-                          of instances of another size; 0 means 1 */
-    double radius;     /* mm; extracted points: largest spacing * sqrt(2) / 2 (2003 paper, section 4.1) */
+    /* What `radii` are multiplied by where points are drawn as discs (render/discs/discs.h), of instances of
+     * another size; 0 means 1. */
+    float radii_scale;
+    double radius; /* mm; extracted points: largest spacing * sqrt(2) / 2 (2003 paper, section 4.1) */
     /* One per span: what `radius` is multiplied by where points are drawn as discs
-     * (render/refined/refined.h), between two levels of detail. Radii of points' own are not. NULL: 1. */
+     * (render/discs/discs.h), between two levels of detail. Radii of points' own are not. NULL: 1. */
     const float *span_scales;
     const uint8_t (
         *colors)[3]; /* one per point, red green blue, display values; NULL: the surface's colour */
     /* One per point, 0 (not seen) to 255 (opaque), of translucent points (iso_splat_layer in
-     * render/splats/layers.h); everything else draws points opaque. NULL: opaque. */
+     * render/groups/disc_layers.h); everything else draws points opaque. NULL: opaque. */
     const uint8_t *opacities;
     /* One per span, never 0: changes when the span's contents change or another brick gets the span's number,
      * not when the span only moves in the arrays. NULL: unknown. */

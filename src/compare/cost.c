@@ -165,10 +165,10 @@ static iso_status allocate_and_draw(measurement *m, const iso_renderer *method, 
     double *times = iso_alloc(ISO_COST_RUNS * MOST_FRAMES * sizeof *times);
     iso_status status = times ? ISO_OK : iso_fail(error, ISO_ERR_NOMEM, "out of memory");
     /* A workspace of its own, which does not keep the memory of the largest pictures. */
-    if (status == ISO_OK) status = iso_pullpush_create(&m->surface.workspace, error);
+    if (status == ISO_OK) status = iso_point_workspace_create(&m->surface.workspace, error);
     if (status == ISO_OK) status = iso_study_frame_create(side, false, &frame, error);
     if (status == ISO_OK) status = draw_runs(m, method, side, edit, &frame, times, cost, error);
-    iso_pullpush_destroy(m->surface.workspace);
+    iso_point_workspace_destroy(m->surface.workspace);
     m->surface.workspace = NULL;
     iso_study_frame_free(&frame);
     iso_free(times);

@@ -38,7 +38,7 @@ static iso_status time_frames(const iso_scene_surface *surface, iso_method metho
 static iso_status make_groups(const iso_scene_surface *surface, double overlap, iso_groups *groups,
                               iso_error *error) {
     const iso_point_view points = iso_scene_surface_points(surface);
-    const iso_groups_opts opts = {.disc = ISO_SPLATS_DISC, .overlap = overlap, .pool = surface->pool};
+    const iso_groups_opts opts = {.disc = ISO_GROUPS_DISC, .overlap = overlap, .pool = surface->pool};
     return iso_groups_make(&points, &opts, groups, error);
 }
 

@@ -110,7 +110,7 @@ static iso_status open_player(player *p, const char *path, const iso_source *how
     p->surface.pool = how->pool;
     p->surface.given = &p->given;
     const iso_points_opts points = {.primitive = ISO_PRIMITIVE_AUTO, .pool = how->pool};
-    ISO_TRY(iso_pullpush_create(&p->surface.workspace, error));
+    ISO_TRY(iso_point_workspace_create(&p->surface.workspace, error));
     return iso_point_set_create(grid, &points, &p->points, error);
 }
 

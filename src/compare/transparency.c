@@ -9,8 +9,8 @@
 #include <math.h>
 
 #include "base/clock.h"
-#include "base/coverage.h"
 #include "base/memory.h"
+#include "render/groups/coverage.h"
 #include "scene/layers.h"
 #include "truth/raycast_layers.h"
 

@@ -19,7 +19,7 @@ typedef enum iso_compositing {
      * the depth buffer, 0 at the front of the ball around the surface and 1 at its back (McGuire and Bavoil
      * 2013, "Weighted blended order-independent transparency", eq. 10). */
     ISO_COMPOSITING_WEIGHTED,
-    /* The volume's points as splats (render/splats/layers.h): sorted; by algorithms 2 and 3 of Zhang and
+    /* The volume's points as splats (render/groups/disc_layers.h): sorted; by algorithms 2 and 3 of Zhang and
      * Pajarola 2006. These differ from the truth by being points, too. */
     ISO_COMPOSITING_SPLATS,
     ISO_COMPOSITING_SPLATS_GROUPS,

@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-#include "render/project.h"
+#include "render/view/project.h"
 
 typedef struct number_picture {
     const iso_view *view;

@@ -16,9 +16,9 @@
 #include "grids/grid.h"
 #include "grids/grid_chunk.h"
 #include "image/image.h"
-#include "render/key_image.h"
 #include "render/raster/raster.h"
 #include "render/shading/shading.h"
+#include "render/view/key_image.h"
 
 #ifdef __cplusplus
 extern "C" {

@@ -11,7 +11,7 @@
 #include "exact/gradient.h"
 #include "exact/set.h"
 #include "render/layers/opacity.h"
-#include "render/project.h"
+#include "render/view/project.h"
 
 /* The picture of iso_paint_exact or iso_draw_exact_keys: pixels are shaded as soon as they are found, without
  * a gbuffer. */

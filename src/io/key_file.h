@@ -14,8 +14,8 @@
 #include "base/geometry.h"
 #include "image/image.h"
 #include "isopoint.h"
-#include "render/key_image.h"
 #include "render/key_style.h"
+#include "render/view/key_image.h"
 
 enum { ISO_KEY_PARTS = 1000000 }; /* the most parts of a picture */
 

@@ -1,4 +1,4 @@
-/* key_style: what a picture that is drawn in parts (render/key_image.h) is to look like: equal in all
+/* key_style: what a picture that is drawn in parts (render/view/key_image.h) is to look like: equal in all
  * parts. */
 #ifndef ISO_RENDER_KEY_STYLE_H
 #define ISO_RENDER_KEY_STYLE_H

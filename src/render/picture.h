@@ -7,8 +7,8 @@
 #include "image/aov.h"
 #include "image/camera.h"
 #include "image/image.h"
-#include "render/gbuffer.h"
 #include "render/shading/shading.h"
+#include "render/view/gbuffer.h"
 
 /* Draws all surfaces into a cleared gbuffer of the view's size. Called once per strip. */
 typedef iso_status iso_draw_fn(void *context, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error);

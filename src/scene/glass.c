@@ -2,7 +2,7 @@
 #include "scene/glass.h"
 
 #include "exact/glass.h"
-#include "render/splats/layers.h"
+#include "render/groups/disc_layers.h"
 #include "truth/traced_glass.h"
 
 iso_refraction iso_glass_usual_refraction(bool points, iso_transparency transparency) {
@@ -27,7 +27,7 @@ static iso_status make_map(iso_glass_scene *scene, iso_error *error) {
         return iso_exact_map_glass(scene->surface->exact, &scene->map, pool, error);
     if (iso_method_is_splats(scene->method)) {
         const iso_point_view points = iso_scene_surface_points(scene->surface);
-        return iso_splats_map_glass(&points, &scene->surface->groups, scene->transparency, &scene->map, pool,
+        return iso_groups_map_glass(&points, &scene->surface->groups, scene->transparency, &scene->map, pool,
                                     error);
     }
     iso_raycast_map_glass(scene->surface->caster, &scene->map, pool);

@@ -4,8 +4,8 @@
 #define ISO_SCENE_GLASS_H
 
 #include "render/glass/glass.h"
+#include "render/groups/disc_layers.h"
 #include "render/picture.h"
-#include "render/splats/layers.h"
 #include "scene/method.h"
 
 /* Returns the refraction that ISO_REFRACTION_AUTO means. points: glass is drawn from points; transparency:

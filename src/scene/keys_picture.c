@@ -77,7 +77,7 @@ static iso_status draw_cells(void *context, const iso_view *view, iso_gbuffer *g
 static iso_status render_cells(const iso_merged_keys *keys, const iso_picture_opts *opts, iso_image *image,
                                size_t *covered, iso_error *error) {
     if (iso_picture_factor(opts->samples) == 1) {
-        *covered = iso_key_image_paint(keys->image, &opts->shading, image, opts->pool);
+        *covered = iso_key_image_paint(keys->image, iso_shading_empty(&opts->shading), image, opts->pool);
         return ISO_OK;
     }
     cells_draw draw = {keys->image, opts->pool};

@@ -1,5 +1,5 @@
-/* keys_picture: the picture that keys (render/key_image.h) make when all parts have been drawn and merged.
- */
+/* keys_picture: the picture that keys (render/view/key_image.h) make when all parts have been drawn and
+ * merged. */
 #ifndef ISO_METHODS_KEYS_PICTURE_H
 #define ISO_METHODS_KEYS_PICTURE_H
 

@@ -4,9 +4,9 @@
 #define ISO_SCENE_LAYERS_H
 
 #include "exact/layers.h"
+#include "render/groups/disc_layers.h"
 #include "render/picture.h"
 #include "render/shapes/fragments.h"
-#include "render/splats/layers.h"
 #include "scene/method.h"
 
 enum { ISO_LAYERED_MAX = ISO_EXACT_LAYERS_MAX }; /* largest number of translucent surfaces in a picture */
@@ -17,8 +17,8 @@ typedef struct iso_layered_surface {
     iso_translucency translucency;
 } iso_layered_surface;
 
-/* Another engine's iso_shade_splat_layers (render/splats/layers.h). */
-typedef iso_status iso_shade_splats_fn(void *context, const iso_splat_layers *input, iso_layer_totals *totals,
+/* Another engine's iso_shade_splat_layers (render/groups/disc_layers.h). */
+typedef iso_status iso_shade_groups_fn(void *context, const iso_splat_layers *input, iso_layer_totals *totals,
                                        iso_error *error);
 
 /* A picture; all pointers are borrowed while it is rendered. */
@@ -33,7 +33,7 @@ typedef struct iso_layered_picture {
     void *others_context;
     iso_transparency transparency; /* how splats are composited; for the method splats only */
     /* Draws translucent splats, unless points have opacities of their own; NULL: iso_shade_splat_layers. */
-    iso_shade_splats_fn *shade_splats;
+    iso_shade_groups_fn *shade_splats;
     void *splats_context;
     const iso_shading *shading; /* a colour for each surface, and the background */
     iso_pool *pool;

@@ -16,26 +16,26 @@ static iso_status draw_mesh(const iso_scene_surface *surface, const iso_target *
     return iso_draw_mesh(target, &view, error);
 }
 
-static iso_pullpush *workspace_of(const iso_scene_surface *surface) {
+static iso_point_workspace *workspace_of(const iso_scene_surface *surface) {
     return surface->workspace ? surface->workspace : surface->own_workspace;
 }
 
 static iso_status draw_pyramid(const iso_scene_surface *surface, const iso_target *target,
                                iso_reconstruction reconstruction, iso_error *error) {
     iso_point_view view = iso_scene_surface_points(surface);
-    const iso_pullpush_opts opts = {.reconstruction = reconstruction,
-                                    .workspace = workspace_of(surface),
-                                    .selection = surface->selection};
-    if (!iso_scene_surface_uses_levels(surface)) return iso_draw_pullpush(target, &view, &opts, error);
+    const iso_point_surface_opts opts = {.reconstruction = reconstruction,
+                                         .workspace = workspace_of(surface),
+                                         .selection = surface->selection};
+    if (!iso_scene_surface_uses_levels(surface)) return iso_draw_point_surface(target, &view, &opts, error);
     iso_lod_cut *cut = surface->cut;
     ISO_TRY(iso_lod_cut_make(cut, &surface->lod, target->view, surface->lod_pixels, target->pool, error));
     for (int k = 0; k < cut->levels; k++)
-        if (cut->view[k].span_count) ISO_TRY(iso_draw_pullpush(target, &cut->view[k], &opts, error));
+        if (cut->view[k].span_count) ISO_TRY(iso_draw_point_surface(target, &cut->view[k], &opts, error));
     return ISO_OK;
 }
 
-static iso_status draw_refined(const iso_scene_surface *surface, const iso_target *target, iso_error *error) {
-    return draw_pyramid(surface, target, ISO_RECONSTRUCTION_REFINED, error);
+static iso_status draw_discs(const iso_scene_surface *surface, const iso_target *target, iso_error *error) {
+    return draw_pyramid(surface, target, ISO_RECONSTRUCTION_CURVED, error);
 }
 
 static iso_status draw_gaussian(const iso_scene_surface *surface, const iso_target *target,
@@ -65,14 +65,14 @@ static iso_status draw_mean(const iso_scene_surface *surface, const iso_target *
 
 static iso_status draw_splats(const iso_scene_surface *surface, const iso_target *target, iso_error *error) {
     iso_point_view view = iso_scene_surface_points(surface);
-    iso_splats_opts opts = {&surface->groups, surface->bins};
-    return iso_draw_splats(target, &view, &opts, error);
+    iso_draw_groups_opts opts = {&surface->groups, surface->bins};
+    return iso_draw_groups(target, &view, &opts, error);
 }
 
 static iso_status draw_hybrid(const iso_scene_surface *surface, const iso_target *target, iso_error *error) {
     const iso_point_view points = iso_scene_surface_points(surface);
     const iso_mesh_view mesh = iso_mesh_set_view(surface->mesh);
-    const iso_hybrid_opts opts = {.workspace = workspace_of(surface)};
+    const iso_hybrid_opts opts = {.workspace = iso_point_workspace_pullpush(workspace_of(surface))};
     return iso_draw_hybrid(target, &points, &mesh, &opts, error);
 }
 
@@ -102,26 +102,26 @@ enum {
 
 static const iso_renderer METHODS[] = {
     {ISO_METHOD_POINTS, "points", "attenuated points (2003)", ISO_METHOD_POINTS, NULL,
-     ISO_RECONSTRUCTION_REFINED, POINTS, ISO_CAN_GL, draw_points},
+     ISO_RECONSTRUCTION_CURVED, POINTS, ISO_CAN_GL, draw_points},
     {ISO_METHOD_PULLPUSH_BOX, "pullpush-box", "pull-push, equal weights (2008)", ISO_METHOD_PULLPUSH, "box",
      ISO_RECONSTRUCTION_BOX, POINTS, PYRAMID, draw_box},
     {ISO_METHOD_PULLPUSH, "pullpush", "pull-push, Gaussian weights (2008)", ISO_METHOD_PULLPUSH, "gaussian",
      ISO_RECONSTRUCTION_GAUSSIAN, POINTS, PYRAMID, draw_gaussian},
-    {ISO_METHOD_DISCS, "discs", "points as curved discs", ISO_METHOD_DISCS, "refined",
-     ISO_RECONSTRUCTION_REFINED, POINTS, DISCS | ISO_CAN_GL, draw_refined},
+    {ISO_METHOD_DISCS, "discs", "points as curved discs", ISO_METHOD_DISCS, "curved",
+     ISO_RECONSTRUCTION_CURVED, POINTS, DISCS | ISO_CAN_GL, draw_discs},
     {ISO_METHOD_SPLATS, "splats", "splats in groups, one pass (2006)", ISO_METHOD_SPLATS, "groups",
-     ISO_RECONSTRUCTION_REFINED, POINTS | GROUPS, LAYERS | ISO_CAN_GL, draw_splats},
-    {ISO_METHOD_MESH, "mesh", "Marching Cubes mesh", ISO_METHOD_MESH, NULL, ISO_RECONSTRUCTION_REFINED, MESH,
+     ISO_RECONSTRUCTION_CURVED, POINTS | GROUPS, LAYERS | ISO_CAN_GL, draw_splats},
+    {ISO_METHOD_MESH, "mesh", "Marching Cubes mesh", ISO_METHOD_MESH, NULL, ISO_RECONSTRUCTION_CURVED, MESH,
      ISO_CAN_GL, draw_mesh},
     {ISO_METHOD_EXACT, "exact", "the trilinear surface, cell by cell", ISO_METHOD_EXACT, NULL,
-     ISO_RECONSTRUCTION_REFINED, CELLS, SOLIDS | ISO_CAN_OBJECT_LAYERS | ISO_CAN_CHUNKS, draw_exact},
+     ISO_RECONSTRUCTION_CURVED, CELLS, SOLIDS | ISO_CAN_OBJECT_LAYERS | ISO_CAN_CHUNKS, draw_exact},
 };
 
 /* Not in the list of what is compared. Where cells are small hybrid is pullpush, where they are large it is
  * mesh; flat discs are discs without curvatures, which are for points of files. */
 static const iso_renderer OTHERS[] = {
     {ISO_METHOD_HYBRID, "hybrid", "points and triangles (2008)", ISO_METHOD_HYBRID, NULL,
-     ISO_RECONSTRUCTION_REFINED, POINTS | MESH, ISO_CAN_PYRAMID, draw_hybrid},
+     ISO_RECONSTRUCTION_CURVED, POINTS | MESH, ISO_CAN_PYRAMID, draw_hybrid},
     {ISO_METHOD_SPLATS_FLAT, "splats-flat", "splats, flat discs", ISO_METHOD_SPLATS, "flat",
      ISO_RECONSTRUCTION_FLAT, POINTS, DISCS | LAYERS | ISO_CAN_GL, draw_flat},
     {ISO_METHOD_SPLATS_FLAT, "splats-flat", "splats, flat discs", ISO_METHOD_DISCS, "flat",
@@ -142,7 +142,7 @@ static const iso_renderer TRUTH = {ISO_METHOD_RAYCAST,
                                    "rays through the trilinear field",
                                    ISO_METHOD_RAYCAST,
                                    NULL,
-                                   ISO_RECONSTRUCTION_REFINED,
+                                   ISO_RECONSTRUCTION_CURVED,
                                    CASTER,
                                    SOLIDS,
                                    draw_raycast};

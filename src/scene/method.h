@@ -25,9 +25,9 @@ typedef struct iso_renderer {
     const char *name, *title;   /* title: a few words, for reports */
     iso_method family;          /* the method of isorender's --method, */
     const char *reconstruction; /* and its --reconstruction; NULL: there is only one */
-    iso_reconstruction discs;   /* how iso_draw_pullpush draws its points; means nothing without points */
-    unsigned needs;             /* bits 1 << iso_part */
-    unsigned can;               /* bits iso_capability */
+    iso_reconstruction discs; /* how iso_draw_point_surface draws its points; means nothing without points */
+    unsigned needs;           /* bits 1 << iso_part */
+    unsigned can;             /* bits iso_capability */
     /* Draws into the target's gbuffer, like iso_draw_points. The needed parts must exist and be up to date.
      */
     iso_status (*draw)(const iso_scene_surface *surface, const iso_target *target, iso_error *error);

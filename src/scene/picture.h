@@ -30,7 +30,7 @@ typedef struct iso_scene {
     const iso_scene_glass *glass;      /* NULL: no glass; else there is one opaque surface and nothing else */
     iso_transparency transparency;     /* how splats are composited */
     bool other_engine;                 /* opaque surfaces are not drawn by the cpu engine */
-    iso_shade_splats_fn *shade_splats; /* as in iso_layered_picture */
+    iso_shade_groups_fn *shade_splats; /* as in iso_layered_picture */
     void *splats_context;
     iso_exact_layers_totals totals; /* set by iso_scene_render: of translucent surfaces */
 } iso_scene;

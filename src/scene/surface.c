@@ -4,14 +4,14 @@
 #include <assert.h>
 #include <math.h>
 
-#include "base/coverage.h"
 #include "base/memory.h"
 #include "grids/change_log.h"
-#include "render/splats/layers.h"
+#include "render/groups/coverage.h"
+#include "render/groups/disc_layers.h"
 
 static iso_status make_points(iso_scene_surface *surface, iso_error *error) {
     if (!surface->workspace && !surface->own_workspace)
-        ISO_TRY(iso_pullpush_create(&surface->own_workspace, error));
+        ISO_TRY(iso_point_workspace_create(&surface->own_workspace, error));
     const iso_points_opts opts = {.isovalue = surface->isovalue,
                                   .primitive = surface->primitive ? surface->primitive : ISO_PRIMITIVE_EDGE,
                                   .floats = surface->floats,
@@ -58,7 +58,7 @@ static iso_status update_groups(iso_scene_surface *surface, iso_error *error) {
     surface->grouped_for = surface->transparency;
     const iso_point_view view = iso_point_set_view(surface->points);
     const iso_groups_opts opts =
-        sorted ? iso_splats_grouping(surface->pool) : iso_splat_layers_grouping(surface->pool);
+        sorted ? iso_groups_default_opts(surface->pool) : iso_splat_layers_grouping(surface->pool);
     ISO_TRY(iso_groups_update(&view, &opts, &surface->groups, error));
     if (sorted) return ISO_OK;
     const iso_status status = iso_groups_cover(&view, opts.disc, surface->pool, &surface->groups, error);
@@ -128,7 +128,7 @@ iso_status iso_scene_surface_prepare(iso_scene_surface *surface, iso_part part, 
 
 void iso_scene_surface_free(iso_scene_surface *surface) {
     iso_point_set_destroy(surface->points);
-    iso_pullpush_destroy(surface->own_workspace);
+    iso_point_workspace_destroy(surface->own_workspace);
     iso_mesh_set_destroy(surface->mesh);
     iso_exact_destroy(surface->exact);
     iso_raycaster_destroy(surface->caster);

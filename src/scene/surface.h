@@ -9,10 +9,10 @@
 #include "extract/mesh/mesh.h"
 #include "extract/points/points.h"
 #include "grids/grid.h"
-#include "render/pullpush/pullpush.h"
+#include "render/groups/groups.h"
+#include "render/point_surface.h"
 #include "render/raster/raster.h"
 #include "render/selection/lod_cut.h"
-#include "render/splats/splats.h"
 #include "truth/raycast.h"
 
 #ifdef __cplusplus
@@ -42,14 +42,14 @@ typedef struct iso_scene_surface {
     bool bounded, flat, floats;
     const iso_point_view *given;
     iso_transparency transparency; /* what the groups are for; SORTED: also for opaque pictures */
-    int bins;                      /* for the method splats: iso_splats_opts.bins */
+    int bins;                      /* for the method splats: iso_draw_groups_opts.bins */
     iso_point_selection selection; /* for the methods that draw discs */
     double lod_pixels;             /* the most that levels of detail are wrong by; 0: all points are drawn */
     /* Of the methods that draw points. NULL: one is made with the points, and owned. */
-    iso_pullpush *workspace;
+    iso_point_workspace *workspace;
 
     iso_point_set *points;
-    iso_pullpush *own_workspace;
+    iso_point_workspace *own_workspace;
     iso_mesh_set *mesh;
     iso_exact *exact;
     iso_raycaster *caster;

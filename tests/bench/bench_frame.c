@@ -2,7 +2,7 @@
 
 #include <stdlib.h>
 
-#include "render/pullpush/pullpush.h"
+#include "render/point_surface.h"
 #include "render/shading/shading.h"
 
 static const iso_rgb COLOR = {0xD9, 0xB3, 0x6C};
@@ -40,25 +40,26 @@ static iso_status draw_raycast(bench_frame *frame, const iso_target *target, iso
 
 static iso_status open_pullpush(bench_frame *frame, iso_error *error) {
     ISO_TRY(open_points(frame, error));
-    return iso_pullpush_create(&frame->pullpush, error);
+    return iso_point_workspace_create(&frame->workspace, error);
 }
 
 static iso_status draw_gaussian(bench_frame *frame, const iso_target *target, iso_error *error) {
-    const iso_pullpush_opts opts = {.reconstruction = ISO_RECONSTRUCTION_GAUSSIAN,
-                                    .workspace = frame->pullpush};
-    return iso_draw_pullpush(target, &frame->points, &opts, error);
+    const iso_point_surface_opts opts = {.reconstruction = ISO_RECONSTRUCTION_GAUSSIAN,
+                                         .workspace = frame->workspace};
+    return iso_draw_point_surface(target, &frame->points, &opts, error);
 }
 
-static iso_status draw_refined(bench_frame *frame, const iso_target *target, iso_error *error) {
-    const iso_pullpush_opts opts = {.reconstruction = ISO_RECONSTRUCTION_REFINED,
-                                    .workspace = frame->pullpush};
-    return iso_draw_pullpush(target, &frame->points, &opts, error);
+static iso_status draw_discs(bench_frame *frame, const iso_target *target, iso_error *error) {
+    const iso_point_surface_opts opts = {.reconstruction = ISO_RECONSTRUCTION_CURVED,
+                                         .workspace = frame->workspace};
+    return iso_draw_point_surface(target, &frame->points, &opts, error);
 }
 
 /* Points without their curvatures, as files have them. */
 static iso_status draw_flat(bench_frame *frame, const iso_target *target, iso_error *error) {
-    const iso_pullpush_opts opts = {.reconstruction = ISO_RECONSTRUCTION_FLAT, .workspace = frame->pullpush};
-    return iso_draw_pullpush(target, &frame->points, &opts, error);
+    const iso_point_surface_opts opts = {.reconstruction = ISO_RECONSTRUCTION_FLAT,
+                                         .workspace = frame->workspace};
+    return iso_draw_point_surface(target, &frame->points, &opts, error);
 }
 
 /* Points with colours of their own. */
@@ -73,7 +74,7 @@ static iso_status open_colored(bench_frame *frame, iso_error *error) {
 }
 
 static void close_pullpush(bench_frame *frame) {
-    iso_pullpush_destroy(frame->pullpush);
+    iso_point_workspace_destroy(frame->workspace);
     free(frame->colors);
 }
 
@@ -84,11 +85,11 @@ static iso_status open_lod(bench_frame *frame, iso_error *error) {
 }
 
 static iso_status draw_lod(bench_frame *frame, const iso_target *target, iso_error *error) {
-    const iso_pullpush_opts opts = {.reconstruction = ISO_RECONSTRUCTION_REFINED,
-                                    .workspace = frame->pullpush};
+    const iso_point_surface_opts opts = {.reconstruction = ISO_RECONSTRUCTION_CURVED,
+                                         .workspace = frame->workspace};
     ISO_TRY(iso_lod_cut_make(&frame->cut, &frame->lod, target->view, 1, target->pool, error));
     for (int k = 0; k < frame->cut.levels; k++)
-        ISO_TRY(iso_draw_pullpush(target, &frame->cut.view[k], &opts, error));
+        ISO_TRY(iso_draw_point_surface(target, &frame->cut.view[k], &opts, error));
     return ISO_OK;
 }
 
@@ -173,7 +174,7 @@ const bench_method bench_methods[] = {
      .on_bumpy = true,
      .on_volumes = true,
      .open = open_pullpush,
-     .draw = draw_refined,
+     .draw = draw_discs,
      .close = close_pullpush},
     {.name = "discs/lod",
      .on_bumpy = true,

@@ -36,9 +36,9 @@ struct bench_frame {
     iso_mesh_view mesh;
     const iso_raycaster *caster;
     const iso_exact *exact;
-    iso_exact_layers_totals totals; /* of layers */
-    struct iso_pullpush *pullpush;  /* owned */
-    iso_lod lod;                    /* owned, as is the cut */
+    iso_exact_layers_totals totals;        /* of layers */
+    struct iso_point_workspace *workspace; /* owned */
+    iso_lod lod;                           /* owned, as is the cut */
     iso_lod_cut cut;
     uint8_t (*colors)[3]; /* of the points; owned */
     struct bench_gl *gl;  /* the plan's */

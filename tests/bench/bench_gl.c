@@ -104,8 +104,8 @@ static iso_status draw_pullpush(bench_frame *frame, const iso_target *target, is
     return fill(frame, target, ISO_RECONSTRUCTION_GAUSSIAN, error);
 }
 
-static iso_status draw_refined(bench_frame *frame, const iso_target *target, iso_error *error) {
-    return fill(frame, target, ISO_RECONSTRUCTION_REFINED, error);
+static iso_status draw_discs(bench_frame *frame, const iso_target *target, iso_error *error) {
+    return fill(frame, target, ISO_RECONSTRUCTION_CURVED, error);
 }
 
 static void finish_gl(bench_row *row) {
@@ -127,7 +127,7 @@ const bench_method bench_gl_methods[] = {
      .draw = draw_pullpush,
      .finish = finish_gl,
      .close = close_gl},
-    {.name = "gl_discs", .open = open_points, .draw = draw_refined, .finish = finish_gl, .close = close_gl},
+    {.name = "gl_discs", .open = open_points, .draw = draw_discs, .finish = finish_gl, .close = close_gl},
 };
 const int bench_gl_method_count = sizeof bench_gl_methods / sizeof *bench_gl_methods;
 

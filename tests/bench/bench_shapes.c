@@ -11,8 +11,8 @@
 #include "base/file.h"
 #include "base/memory.h"
 #include "bench_harness.h"
-#include "render/gbuffer.h"
 #include "render/shapes/shapes.h"
+#include "render/view/gbuffer.h"
 
 enum { SIDE = 1024, LINE = 101, PEERS = 2 };
 

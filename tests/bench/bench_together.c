@@ -29,7 +29,7 @@ typedef struct scene {
     iso_triangle_spans wood_spans, leaf_spans;
     iso_shapes *wood_shapes, *leaf_shapes;
     iso_pyramid_lines *wood_pyramid, *leaf_pyramid, *ribbons;
-    iso_pullpush *pullpush;
+    iso_pullpush *workspace;
     iso_gbuffer gbuffer;
     iso_image image;
     iso_view view;
@@ -96,7 +96,7 @@ static void compare(bench_row *row, bench_row *other, const char *counter, doubl
 }
 
 static iso_status make_picture(scene *s, int side, iso_error *error) {
-    ISO_TRY(iso_pullpush_create(&s->pullpush, error));
+    ISO_TRY(iso_pullpush_create(&s->workspace, error));
     ISO_TRY(iso_image_create(side, side, &s->image, error));
     return iso_gbuffer_create(side, side, &s->gbuffer, error);
 }
@@ -113,7 +113,7 @@ static void free_scene(scene *s) {
     iso_lines_free(&s->leaves);
     iso_triangle_spans_free(&s->wood_spans);
     iso_triangle_spans_free(&s->leaf_spans);
-    iso_pullpush_destroy(s->pullpush);
+    iso_pullpush_destroy(s->workspace);
     iso_gbuffer_free(&s->gbuffer);
     iso_image_free(&s->image);
 }
@@ -178,7 +178,7 @@ static iso_target with_surface(const iso_target *target, uint8_t surface) {
 }
 
 static iso_status draw_points(scene *s, const iso_target *target, iso_error *error) {
-    const iso_pullpush_opts opts = {.reconstruction = ISO_RECONSTRUCTION_GAUSSIAN, .workspace = s->pullpush};
+    const iso_pullpush_opts opts = {.reconstruction = ISO_RECONSTRUCTION_GAUSSIAN, .workspace = s->workspace};
     iso_point_view points;
     ISO_TRY(bench_subject_points(&s->subject, &points, error));
     return iso_draw_pullpush(target, &points, &opts, error);
@@ -187,17 +187,17 @@ static iso_status draw_points(scene *s, const iso_target *target, iso_error *err
 static iso_status draw_points_tubes(scene *s, const iso_target *target, iso_error *error) {
     const iso_target lines = with_surface(target, WOOD);
     ISO_TRY(draw_points(s, target, error));
-    return iso_draw_pyramid_lines(&lines, s->wood_pyramid, s->pullpush, error);
+    return iso_draw_pyramid_lines(&lines, s->wood_pyramid, s->workspace, error);
 }
 
 static iso_status draw_points_ribbons(scene *s, const iso_target *target, iso_error *error) {
     const iso_target lines = with_surface(target, WOOD);
     ISO_TRY(draw_points(s, target, error));
-    return iso_draw_pyramid_lines(&lines, s->ribbons, s->pullpush, error);
+    return iso_draw_pyramid_lines(&lines, s->ribbons, s->workspace, error);
 }
 
 static iso_status draw_one_pyramid(scene *s, const iso_target *target, iso_error *error) {
-    const iso_pullpush_opts opts = {.reconstruction = ISO_RECONSTRUCTION_GAUSSIAN, .workspace = s->pullpush};
+    const iso_pullpush_opts opts = {.reconstruction = ISO_RECONSTRUCTION_GAUSSIAN, .workspace = s->workspace};
     iso_point_view points;
     ISO_TRY(bench_subject_points(&s->subject, &points, error));
     const iso_pyramid_set sets[] = {{.surface = SURFACE, .points = &points},
@@ -308,8 +308,8 @@ static iso_status make_trees(scene *s, iso_error *error) {
 
 static iso_status draw_tree_lines(scene *s, const iso_target *target, iso_error *error) {
     const iso_target wood = with_surface(target, WOOD), leaves = with_surface(target, LEAVES);
-    ISO_TRY(iso_draw_pyramid_lines(&wood, s->wood_pyramid, s->pullpush, error));
-    return iso_draw_pyramid_lines(&leaves, s->leaf_pyramid, s->pullpush, error);
+    ISO_TRY(iso_draw_pyramid_lines(&wood, s->wood_pyramid, s->workspace, error));
+    return iso_draw_pyramid_lines(&leaves, s->leaf_pyramid, s->workspace, error);
 }
 
 static iso_status draw_tree_shapes(scene *s, const iso_target *target, iso_error *error) {

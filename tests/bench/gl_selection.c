@@ -4,7 +4,7 @@
  * points it drew; the lowest PSNR against all points; whether pictures depend on those before.
  *
  * usage: gl_selection SCENE SIZE [METHOD [WIDTH HEIGHT [FRAMES [DEGREES]]]]
- *            METHOD: refined (discs that follow the curvature, as in the window) or flat
+ *            METHOD: discs (discs that follow the curvature, as in the window) or flat
  * Times are of the processor, of all threads: other programs do not disturb them much. */
 #define _GNU_SOURCE
 #include <math.h>
@@ -175,7 +175,7 @@ int main(int argc, char **argv) {
         return 2;
     }
     const bool flat = argc > 3 && strcmp(argv[3], "flat") == 0;
-    bench_window w = {.reconstruction = flat ? ISO_RECONSTRUCTION_FLAT : ISO_RECONSTRUCTION_REFINED,
+    bench_window w = {.reconstruction = flat ? ISO_RECONSTRUCTION_FLAT : ISO_RECONSTRUCTION_CURVED,
                       .width = argc > 5 ? atoi(argv[4]) : 976,
                       .height = argc > 5 ? atoi(argv[5]) : 800};
     const int frames = argc > 6 ? atoi(argv[6]) : 5;

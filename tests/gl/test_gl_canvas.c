@@ -21,8 +21,8 @@ enum { WIDTH = 250, HEIGHT = 190, SPHERE = 64 };
 
 static const iso_rgb COLOR = {206, 142, 112}, BACKGROUND = {46, 50, 56};
 
-typedef enum draw_method { POINTS, MESH, GAUSSIAN, REFINED, METHODS } draw_method;
-static const char *const method_names[METHODS] = {"points", "mesh", "gaussian", "refined"};
+typedef enum draw_method { POINTS, MESH, GAUSSIAN, CURVED, METHODS } draw_method;
+static const char *const method_names[METHODS] = {"points", "mesh", "gaussian", "curved"};
 
 /* What is drawn, by both engines. */
 typedef struct subject {
@@ -48,7 +48,7 @@ static void free_subject(subject *s) {
 }
 
 static iso_reconstruction reconstruction_of(draw_method method) {
-    return method == REFINED ? ISO_RECONSTRUCTION_REFINED : ISO_RECONSTRUCTION_GAUSSIAN;
+    return method == CURVED ? ISO_RECONSTRUCTION_CURVED : ISO_RECONSTRUCTION_GAUSSIAN;
 }
 
 /* ---- the cpu engine's */
@@ -63,10 +63,10 @@ static iso_status draw_by_cpu(void *context, const iso_view *view, iso_gbuffer *
     const iso_target target = {.view = view, .gbuffer = gbuffer};
     iso_point_view points = iso_point_set_view(d->s->surface.packed);
     iso_mesh_view mesh = iso_mesh_set_view(d->s->surface.mesh);
-    const iso_pullpush_opts filled = {.reconstruction = reconstruction_of(d->method)};
+    const iso_point_surface_opts filled = {.reconstruction = reconstruction_of(d->method)};
     if (d->method == POINTS) return iso_draw_points(&target, &points, error);
     if (d->method == MESH) return iso_draw_mesh(&target, &mesh, error);
-    return iso_draw_pullpush(&target, &points, &filled, error);
+    return iso_draw_point_surface(&target, &points, &filled, error);
 }
 
 static iso_image cpu_picture(const subject *s, draw_method method, int factor) {

@@ -18,7 +18,7 @@
 typedef struct scene {
     iso_grid grid;
     gl_surface surface;
-    iso_point_set *discs[2]; /* for refined: packed, floats */
+    iso_point_set *discs[2]; /* for curved: packed, floats */
 } scene;
 
 static scene make_scene(const char *name, int size) {
@@ -47,9 +47,9 @@ static double check_both(iso_gl_engine *engine, const iso_point_view *points, co
     return fmin(box, gl_check_pullpush(engine, points, ISO_RECONSTRUCTION_GAUSSIAN, views, count, name));
 }
 
-static double check_refined(iso_gl_engine *engine, const iso_point_view *points, const iso_view *views,
-                            int count, const char *name) {
-    return gl_check_pullpush(engine, points, ISO_RECONSTRUCTION_REFINED, views, count, name);
+static double check_discs(iso_gl_engine *engine, const iso_point_view *points, const iso_view *views,
+                          int count, const char *name) {
+    return gl_check_pullpush(engine, points, ISO_RECONSTRUCTION_CURVED, views, count, name);
 }
 
 /* Packed points and floats, culled and two-sided. */
@@ -68,13 +68,13 @@ static void scenes_look_as_from_the_cpu(iso_gl_engine *engine) {
             views[side] = gl_side_view(&s.surface.box, side, side % 2, 200 + 40 * side, 230);
         double worst = check_both(engine, &packed, views, GL_SIDES, cases[i].name);
         worst = fmin(worst, check_both(engine, &floats, views, GL_SIDES, cases[i].name));
-        double refined = INFINITY;
+        double curved = INFINITY;
         for (int k = 0; k < 2; k++) {
             iso_point_view discs = iso_point_set_view(s.discs[k]);
             discs.closed = cases[i].closed;
-            refined = fmin(refined, check_refined(engine, &discs, views, GL_SIDES, cases[i].name));
+            curved = fmin(curved, check_discs(engine, &discs, views, GL_SIDES, cases[i].name));
         }
-        printf("%s, %s: %.1f dB, refined %.1f dB\n", engine->context->name, cases[i].name, worst, refined);
+        printf("%s, %s: %.1f dB, curved %.1f dB\n", engine->context->name, cases[i].name, worst, curved);
         free_scene(&s);
     }
 }
@@ -96,13 +96,13 @@ static int near_views(const iso_box *box, iso_view views[4]) {
 }
 
 /* In tiles of the picture, as quads, in strips. */
-static double check_limits_of_refined(iso_gl_engine *engine, const iso_point_view *discs,
-                                      const iso_view *views, int count) {
-    double worst = check_refined(engine, discs, views, count, "refined, near");
+static double check_limits_of_discs(iso_gl_engine *engine, const iso_point_view *discs, const iso_view *views,
+                                    int count) {
+    double worst = check_discs(engine, discs, views, count, "curved, near");
     engine->max_side = 101;
-    worst = fmin(worst, check_refined(engine, discs, views, 1, "refined, in tiles"));
+    worst = fmin(worst, check_discs(engine, discs, views, 1, "curved, in tiles"));
     engine->max_point = 3;
-    return fmin(worst, check_refined(engine, discs, views + count - 2, 2, "refined, by quads"));
+    return fmin(worst, check_discs(engine, discs, views + count - 2, 2, "curved, by quads"));
 }
 
 static void near_points_and_limits_do_not_show(iso_gl_engine *engine) {
@@ -115,9 +115,9 @@ static void near_points_and_limits_do_not_show(iso_gl_engine *engine) {
     engine->max_storage = (size_t)1 << 20; /* strips, and windows of points */
     worst = fmin(worst, check_both(engine, &points, &tall, 1, "in strips"));
     points = iso_point_set_view(s.discs[0]);
-    double refined = check_refined(engine, &points, &tall, 1, "refined, in strips");
-    refined = fmin(refined, check_limits_of_refined(engine, &points, views, count));
-    printf("%s: %.1f dB, refined %.1f dB\n", engine->context->name, worst, refined);
+    double curved = check_discs(engine, &points, &tall, 1, "curved, in strips");
+    curved = fmin(curved, check_limits_of_discs(engine, &points, views, count));
+    printf("%s: %.1f dB, curved %.1f dB\n", engine->context->name, worst, curved);
     free_scene(&s);
 }
 
@@ -180,8 +180,8 @@ static void points_have_radii_of_their_own(iso_gl_engine *engine) {
     const iso_view views[3] = {gl_side_view(&box, 0, false, 300, 200), gl_side_view(&box, 2, true, 390, 320),
                                gl_side_view(&box, 5, false, 1200, 1000)};
     gl_check_pullpush(engine, &m.view, ISO_RECONSTRUCTION_GAUSSIAN, views, 3, "radii");
-    double refined = check_refined(engine, &m.view, views, 3, "refined, radii");
-    printf("%s: refined %.1f dB\n", engine->context->name, refined);
+    double curved = check_discs(engine, &m.view, views, 3, "curved, radii");
+    printf("%s: curved %.1f dB\n", engine->context->name, curved);
     engine->max_storage = (size_t)1 << 20; /* less than the surfels take */
     gl_check_pullpush(engine, &m.view, ISO_RECONSTRUCTION_GAUSSIAN, views, 1, "radii, in windows");
     free_many(&m);
@@ -232,8 +232,7 @@ static void coloured_discs_look_as_from_the_cpu(iso_gl_engine *engine) {
         for (int v = 0; v < 4; v++) views[v] = gl_side_view(&s.surface.box, v + n, v % 2, 150 + 50 * v, 160);
         double worst =
             gl_check_pullpush(engine, &points, ISO_RECONSTRUCTION_FLAT, views, 4, "discs with colours");
-        worst =
-            fmin(worst, check_refined(engine, &points, views, 4, "discs with colours, without the filter"));
+        worst = fmin(worst, check_discs(engine, &points, views, 4, "discs with colours, without the filter"));
         points.radii = radii; /* both engines draw such discs in two passes */
         double same = gl_check_pullpush(engine, &points, ISO_RECONSTRUCTION_FLAT, views, 4,
                                         "discs with colours and radii");
@@ -272,7 +271,7 @@ static void expect_as_anew(iso_gl_engine *engine, const iso_gl_surface *surface,
     iso_gbuffer pictures[2];
     for (int i = 0; i < 2; i++) {
         const iso_gl_surface *drawn = i ? anew : surface;
-        const iso_gl_pullpush_opts opts = {view, &drawn, 1, ISO_RECONSTRUCTION_REFINED, ISO_SELECTION_ALL};
+        const iso_gl_pullpush_opts opts = {view, &drawn, 1, ISO_RECONSTRUCTION_CURVED, ISO_SELECTION_ALL};
         pictures[i] = gl_gbuffer(view);
         assert_int_equal(iso_gl_draw_pullpush(engine, &opts, &pictures[i], NULL), ISO_OK);
     }
@@ -330,14 +329,14 @@ static void check_repeated(iso_gl_engine *engine, iso_reconstruction reconstruct
     const iso_box box = {{0, -16, 0}, {32, 32, 48}};
     const iso_view view = gl_side_view(&box, 1, false, 250, 210);
     m.view.curvatures = m.curvatures;
-    if (reconstruction != ISO_RECONSTRUCTION_REFINED) m.view.colors = (const uint8_t(*)[3])m.colors;
+    if (reconstruction != ISO_RECONSTRUCTION_CURVED) m.view.colors = (const uint8_t(*)[3])m.colors;
     iso_gl_surface *surface = upload(engine, &m.view);
     m.view.colors = NULL; /* the engines choose from those that are alike as they like */
     iso_gbuffer first = gl_gbuffer(&view);
     const iso_gl_pullpush_opts opts = {&view, (const iso_gl_surface *const *)&surface, 1, reconstruction,
                                        ISO_SELECTION_ALL};
-    /* (refined by the cpu engine depends on the order of points that are one another's backs) */
-    if (reconstruction != ISO_RECONSTRUCTION_REFINED)
+    /* (curved by the cpu engine depends on the order of points that are one another's backs) */
+    if (reconstruction != ISO_RECONSTRUCTION_CURVED)
         gl_check_pullpush(engine, &m.view, reconstruction, &view, 1, "points that are alike");
     assert_int_equal(iso_gl_draw_pullpush(engine, &opts, &first, NULL), ISO_OK);
     for (int round = 0; round < 10; round++) {
@@ -353,7 +352,7 @@ static void check_repeated(iso_gl_engine *engine, iso_reconstruction reconstruct
 
 static void every_time_is_the_same(iso_gl_engine *engine) {
     check_repeated(engine, ISO_RECONSTRUCTION_GAUSSIAN);
-    check_repeated(engine, ISO_RECONSTRUCTION_REFINED);
+    check_repeated(engine, ISO_RECONSTRUCTION_CURVED);
 }
 
 static uint8_t (*some_colors(const iso_point_view *points))[3] {
@@ -389,9 +388,9 @@ static void check_surfaces(iso_gl_engine *engine, iso_reconstruction reconstruct
                                                    reconstruction, ISO_SELECTION_ALL};
                 assert_int_equal(iso_gl_draw_pullpush(engine, &opts, &gl, NULL), ISO_OK);
                 for (int i = 0; i < count; i++) {
-                    const iso_pullpush_opts same = {.reconstruction = reconstruction};
-                    iso_draw_pullpush(&(iso_target){&views[v], &cpu, NULL, (uint8_t)i}, &points[i], &same,
-                                      NULL);
+                    const iso_point_surface_opts same = {.reconstruction = reconstruction};
+                    iso_draw_point_surface(&(iso_target){&views[v], &cpu, NULL, (uint8_t)i}, &points[i],
+                                           &same, NULL);
                 }
                 gl_difference d = gl_compare(&views[v], &cpu, &gl);
                 if (!(d.psnr >= 40 && d.differ <= 0.01 * d.outline))
@@ -410,15 +409,15 @@ static void check_surfaces(iso_gl_engine *engine, iso_reconstruction reconstruct
 
 static void surfaces_hide_one_another(iso_gl_engine *engine) {
     check_surfaces(engine, ISO_RECONSTRUCTION_GAUSSIAN);
-    check_surfaces(engine, ISO_RECONSTRUCTION_REFINED);
+    check_surfaces(engine, ISO_RECONSTRUCTION_CURVED);
 }
 
 /* What pictures are said to take is about what they take, and no more the larger they are. */
 static void check_memory(iso_gl_engine *engine, iso_reconstruction reconstruction) {
-    const bool refined = reconstruction == ISO_RECONSTRUCTION_REFINED;
+    const bool curved = reconstruction == ISO_RECONSTRUCTION_CURVED;
     many_points m;
     make_many(&m);
-    if (!refined) m.view.colors = (const uint8_t(*)[3])m.colors;
+    if (!curved) m.view.colors = (const uint8_t(*)[3])m.colors;
     const iso_box box = {{0, -16, 0}, {32, 32, 48}};
     for (int side = 500; side <= 1000; side += 500) {
         iso_gl_surface *surface = upload(engine, &m.view);
@@ -445,7 +444,7 @@ static void memory_of_pyramids_is_told(iso_gl_engine *engine) {
 }
 
 static void memory_of_sums_is_told(iso_gl_engine *engine) {
-    check_memory(engine, ISO_RECONSTRUCTION_REFINED);
+    check_memory(engine, ISO_RECONSTRUCTION_CURVED);
 }
 
 static void what_cannot_be_drawn_is_said(iso_gl_engine *engine) {
@@ -467,13 +466,13 @@ static void what_cannot_be_drawn_is_said(iso_gl_engine *engine) {
     free_scene(&s);
 }
 
-/* Points, Gaussian or refined. */
+/* Points, Gaussian or curved. */
 static iso_status draw_by(iso_gl_engine *engine, int method, const iso_view *view, iso_gl_surface *surface,
                           iso_gbuffer *g) {
     const iso_gl_surface *const surfaces[] = {surface};
     const iso_gl_draw_opts points = {.view = view, .surfaces = surfaces, .surface_count = 1};
     const iso_gl_pullpush_opts filled = {
-        view, surfaces, 1, method == 1 ? ISO_RECONSTRUCTION_GAUSSIAN : ISO_RECONSTRUCTION_REFINED,
+        view, surfaces, 1, method == 1 ? ISO_RECONSTRUCTION_GAUSSIAN : ISO_RECONSTRUCTION_CURVED,
         ISO_SELECTION_VISIBLE};
     return method ? iso_gl_draw_pullpush(engine, &filled, g, NULL) : iso_gl_draw(engine, &points, g, NULL);
 }

@@ -160,7 +160,7 @@ static void large_discs_give_the_same_bytes(iso_gl_engine *engine) {
     scene s = make_scene("sphere", 128, false);
     for (int curved = 0; curved < 2; curved++) {
         const iso_reconstruction reconstruction =
-            curved ? ISO_RECONSTRUCTION_REFINED : ISO_RECONSTRUCTION_FLAT;
+            curved ? ISO_RECONSTRUCTION_CURVED : ISO_RECONSTRUCTION_FLAT;
         iso_point_view points = curved ? iso_point_set_view(s.set) : s.points;
         double share = 1;
         points.colors = curved ? NULL : (const uint8_t(*)[3])s.colors;
@@ -447,7 +447,7 @@ static void chosen_by_itself_nothing_changes(iso_gl_engine *engine) {
         const size_t count = iso_point_view_count(&points);
         for (int frame = 0; frame < FRAMES; frame++) {
             const iso_view view = path_view(&s, frame);
-            const iso_reconstruction by = n % 2 ? ISO_RECONSTRUCTION_REFINED : ISO_RECONSTRUCTION_FLAT;
+            const iso_reconstruction by = n % 2 ? ISO_RECONSTRUCTION_CURVED : ISO_RECONSTRUCTION_FLAT;
             least[n % 2] = fmin(least[n % 2], expect_all_points(engine, surface, &view, by));
             for (size_t i = 0; i < count / 5; i++) s.radii[i] *= frame % 2 ? 2 : 0.5f;
             if (frame % 3 == 2) assert_int_equal(iso_gl_update_points(surface, &points, NULL), ISO_OK);

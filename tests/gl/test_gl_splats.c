@@ -9,19 +9,19 @@
 
 #include <cmocka.h>
 
-#include "base/coverage.h"
 #include "check_support.h"
 #include "gl_support.h"
 #include "grids/scenes/scenes.h"
 #include "image/image.h"
-#include "render/gl/splats.h"
+#include "render/gl/groups.h"
 #include "render/gl/surface.h"
+#include "render/groups/coverage.h"
 
 enum { WIDTH = 260, HEIGHT = 200 };
 
 static iso_groups groups_of(const iso_point_view *points, int limit) {
     iso_groups groups;
-    iso_groups_opts opts = iso_splats_grouping(NULL);
+    iso_groups_opts opts = iso_groups_default_opts(NULL);
     opts.limit = limit;
     assert_int_equal(iso_groups_make(points, &opts, &groups, NULL), ISO_OK);
     return groups;
@@ -31,8 +31,8 @@ static iso_gbuffer by_cpu(const iso_view *view, const iso_point_view *points, co
     iso_gbuffer g = gl_gbuffer(view);
     iso_gbuffer_clear(&g);
     const iso_target target = {view, &g, NULL, 0};
-    const iso_splats_opts opts = {groups, 0};
-    assert_int_equal(iso_draw_splats(&target, points, &opts, NULL), ISO_OK);
+    const iso_draw_groups_opts opts = {groups, 0};
+    assert_int_equal(iso_draw_groups(&target, points, &opts, NULL), ISO_OK);
     return g;
 }
 
@@ -40,9 +40,9 @@ static iso_gbuffer by_gl(iso_gl_engine *engine, const iso_view *view, const iso_
                          const iso_groups *groups) {
     iso_gbuffer g = gl_gbuffer(view);
     iso_error error = {0};
-    const iso_gl_splats surface = {*points, groups};
-    const iso_gl_splats_opts opts = {view, &surface, 1, NULL};
-    test_ok(iso_gl_draw_splats(engine, &opts, &g, &error), &error);
+    const iso_gl_grouped_points surface = {*points, groups};
+    const iso_gl_draw_groups_opts opts = {view, &surface, 1, NULL};
+    test_ok(iso_gl_draw_groups(engine, &opts, &g, &error), &error);
     return g;
 }
 
@@ -245,7 +245,7 @@ static void translucent_scenes(iso_gl_engine *engine) {
         gl_surface surface = gl_surface_make(&grid, isovalue);
         iso_point_view points = iso_point_set_view(surface.packed);
         iso_groups groups = groups_of(&points, k ? 6 : 4);
-        assert_int_equal(iso_groups_cover(&points, (double)ISO_SPLATS_DISC, NULL, &groups, NULL), ISO_OK);
+        assert_int_equal(iso_groups_cover(&points, (double)ISO_GROUPS_DISC, NULL, &groups, NULL), ISO_OK);
         uint8_t(*colors)[3] = malloc(3 * iso_groups_length(&points));
         uint32_t seed = 11;
         for (size_t i = 0; i < iso_groups_length(&points); i++)

@@ -15,7 +15,7 @@
 enum { SIDE = 256 };
 
 /* What is drawn. */
-typedef enum drawn { PRIMITIVES, GAUSSIAN, REFINED } drawn;
+typedef enum drawn { PRIMITIVES, GAUSSIAN, DISCS } drawn;
 
 /* Of each volume one file; isovalues as INDEX.tsv has them. */
 static const struct {
@@ -70,7 +70,7 @@ static void check_pullpush(iso_gl_engine *engine, iso_point_set *set, iso_recons
 static void check_volume(size_t i, const iso_volume *volume, const gl_contexts *contexts, drawn what) {
     const char *name = volumes[i].path;
     gl_surface s = gl_surface_make(&volume->grid, volumes[i].isovalue);
-    iso_point_set *discs = what == REFINED ? gl_discs_make(&volume->grid, volumes[i].isovalue, false) : NULL;
+    iso_point_set *discs = what == DISCS ? gl_discs_make(&volume->grid, volumes[i].isovalue, false) : NULL;
     iso_view views[GL_SIDES];
     for (int side = 0; side < GL_SIDES; side++)
         views[side] = gl_side_view(&s.box, side, side % 2, SIDE, SIDE);
@@ -78,8 +78,8 @@ static void check_volume(size_t i, const iso_volume *volume, const gl_contexts *
         iso_gl_engine *engine;
         assert_int_equal(iso_gl_engine_create(contexts->context[c], &engine, NULL), ISO_OK);
         printf("%s, %s:", iso_gl_context_info(contexts->context[c]).name, name);
-        if (what == REFINED)
-            check_pullpush(engine, discs, ISO_RECONSTRUCTION_REFINED, views, name);
+        if (what == DISCS)
+            check_pullpush(engine, discs, ISO_RECONSTRUCTION_CURVED, views, name);
         else if (what == GAUSSIAN)
             check_pullpush(engine, s.packed, ISO_RECONSTRUCTION_GAUSSIAN, views, name);
         else
@@ -106,10 +106,10 @@ static void pictures_are_the_cpu_engines(void **state) {
     if (!seen) skip();
 }
 
-/* Points and meshes; with an argument pull-push: `gaussian`, or `refined`. */
+/* Points and meshes; with an argument pull-push: `gaussian`, or `discs`. */
 int main(int argc, char **argv) {
     drawn what = PRIMITIVES;
-    if (argc > 1) what = strcmp(argv[1], "refined") == 0 ? REFINED : GAUSSIAN;
+    if (argc > 1) what = strcmp(argv[1], "discs") == 0 ? DISCS : GAUSSIAN;
     const struct CMUnitTest tests[] = {cmocka_unit_test_prestate(pictures_are_the_cpu_engines, &what)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

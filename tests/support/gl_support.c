@@ -194,9 +194,10 @@ double gl_check_pullpush(iso_gl_engine *engine, const iso_point_view *points,
     for (int i = 0; i < count; i++) {
         iso_gbuffer cpu = gl_gbuffer(&views[i]), gl = gl_gbuffer(&views[i]);
         const iso_target target = {.view = &views[i], .gbuffer = &cpu};
-        assert_int_equal(
-            iso_draw_pullpush(&target, points, &(iso_pullpush_opts){.reconstruction = reconstruction}, NULL),
-            ISO_OK);
+        assert_int_equal(iso_draw_point_surface(&target, points,
+                                                &(iso_point_surface_opts){.reconstruction = reconstruction},
+                                                NULL),
+                         ISO_OK);
         const iso_gl_pullpush_opts opts = {&views[i], (const iso_gl_surface *const *)&surface, 1,
                                            reconstruction, ISO_SELECTION_ALL};
         if (iso_gl_draw_pullpush(engine, &opts, &gl, &error) != ISO_OK) fail_msg("%s: %s", name, error.text);

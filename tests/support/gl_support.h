@@ -9,8 +9,8 @@
 #include "extract/points/points.h"
 #include "image/camera.h"
 #include "image/image.h"
-#include "render/gbuffer.h"
 #include "render/gl/pullpush.h"
+#include "render/view/gbuffer.h"
 
 /* The contexts that tests draw with: one of each kind that this machine has. */
 typedef struct gl_contexts {
@@ -71,7 +71,7 @@ typedef struct gl_surface {
 gl_surface gl_surface_make(const iso_grid *grid, double isovalue);
 void gl_surface_free(gl_surface *surface);
 
-/* Edge points with curvatures, for the refined reconstruction. */
+/* Edge points with curvatures, for the method discs. */
 iso_point_set *gl_discs_make(const iso_grid *grid, double isovalue, bool floats);
 
 /* Draw the same views by both engines; fail the test unless PSNR >= 40 dB, pixels that only one covers are at

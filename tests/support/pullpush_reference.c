@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "render/project.h"
+#include "render/view/project.h"
 
 typedef struct cell {
     bool valid, weak; /* weak: made by push though no ellipse contains its centre, beside an outline */

@@ -3,8 +3,8 @@
 #ifndef ISO_TESTS_PULLPUSH_REFERENCE_H
 #define ISO_TESTS_PULLPUSH_REFERENCE_H
 
-#include "render/gbuffer.h"
 #include "render/pullpush/pullpush.h"
+#include "render/view/gbuffer.h"
 
 /* The layout of the library's pyramid and its weights; all else is as in 2008, section 3. */
 typedef struct reference_opts {

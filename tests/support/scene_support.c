@@ -96,13 +96,13 @@ void test_same_rows(const iso_gbuffer *a, int a_row, const iso_gbuffer *b) {
     if (b->element) assert_memory_equal(a->element + start, b->element, samples * sizeof *b->element);
 }
 
-iso_gbuffer test_drawn(const iso_view *view, const iso_point_view *points, const iso_pullpush_opts *opts,
+iso_gbuffer test_drawn(const iso_view *view, const iso_point_view *points, const iso_point_surface_opts *opts,
                        iso_pool *pool) {
     iso_error error = {0};
     iso_gbuffer g = test_clear_gbuffer(view->width, view->height, points->colors != NULL);
     const iso_target target = {view, &g, pool, 0};
-    const iso_pullpush_opts gaussian = {.reconstruction = ISO_RECONSTRUCTION_GAUSSIAN};
-    test_ok(iso_draw_pullpush(&target, points, opts ? opts : &gaussian, &error), &error);
+    const iso_point_surface_opts gaussian = {.reconstruction = ISO_RECONSTRUCTION_GAUSSIAN};
+    test_ok(iso_draw_point_surface(&target, points, opts ? opts : &gaussian, &error), &error);
     return g;
 }
 
@@ -136,7 +136,7 @@ void test_strips_of(test_picture *draw, const void *context, const iso_view *vie
 
 typedef struct points_drawing {
     const iso_point_view *points;
-    const iso_pullpush_opts *opts;
+    const iso_point_surface_opts *opts;
 } points_drawing;
 
 static iso_gbuffer draw_points(const void *context, const iso_view *view, iso_pool *pool) {
@@ -144,13 +144,13 @@ static iso_gbuffer draw_points(const void *context, const iso_view *view, iso_po
     return test_drawn(view, d->points, d->opts, pool);
 }
 
-void test_every_variant(const iso_view *view, const iso_point_view *points, const iso_pullpush_opts *opts,
-                        const iso_gbuffer *wanted) {
+void test_every_variant(const iso_view *view, const iso_point_view *points,
+                        const iso_point_surface_opts *opts, const iso_gbuffer *wanted) {
     const points_drawing d = {points, opts};
     test_variants_of(draw_points, &d, view, wanted);
 }
 
-void test_every_strip(const iso_view *view, const iso_point_view *points, const iso_pullpush_opts *opts,
+void test_every_strip(const iso_view *view, const iso_point_view *points, const iso_point_surface_opts *opts,
                       const iso_gbuffer *wanted) {
     const points_drawing d = {points, opts};
     test_strips_of(draw_points, &d, view, 7, wanted);

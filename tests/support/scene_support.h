@@ -7,8 +7,8 @@
 #include "extract/mesh/mesh.h"
 #include "extract/points/points.h"
 #include "image/camera.h"
-#include "render/gbuffer.h"
-#include "render/pullpush/pullpush.h"
+#include "render/point_surface.h"
+#include "render/view/gbuffer.h"
 
 typedef struct test_scene {
     iso_grid grid;
@@ -59,12 +59,12 @@ void test_strips_of(test_picture *draw, const void *context, const iso_view *vie
                     const iso_gbuffer *wanted);
 
 /* Draws points by pull-push into a cleared gbuffer. opts NULL: Gaussian; pool may be NULL. */
-iso_gbuffer test_drawn(const iso_view *view, const iso_point_view *points, const iso_pullpush_opts *opts,
+iso_gbuffer test_drawn(const iso_view *view, const iso_point_view *points, const iso_point_surface_opts *opts,
                        iso_pool *pool);
 /* test_variants_of and test_strips_of for such a picture. */
-void test_every_variant(const iso_view *view, const iso_point_view *points, const iso_pullpush_opts *opts,
-                        const iso_gbuffer *wanted);
-void test_every_strip(const iso_view *view, const iso_point_view *points, const iso_pullpush_opts *opts,
+void test_every_variant(const iso_view *view, const iso_point_view *points,
+                        const iso_point_surface_opts *opts, const iso_gbuffer *wanted);
+void test_every_strip(const iso_view *view, const iso_point_view *points, const iso_point_surface_opts *opts,
                       const iso_gbuffer *wanted);
 
 #endif

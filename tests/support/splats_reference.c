@@ -37,7 +37,7 @@ static disc *make_discs(const iso_view *view, const iso_point_view *points, size
             if (!iso_vec3_is_finite(at) || !(radius > 0) || iso_view_point(view, at).z < view->near) continue;
             const iso_vec3 n = iso_vec3_make(surfel.normal[0], surfel.normal[1], surfel.normal[2]);
             discs[(*count)++] =
-                (disc){at, iso_affine_normal(&affine, n), radius * (double)ISO_SPLATS_DISC, i};
+                (disc){at, iso_affine_normal(&affine, n), radius * (double)ISO_GROUPS_DISC, i};
         }
     return discs;
 }
@@ -97,7 +97,7 @@ static void find_front(pixel *p, const disc *d, const fragment *f, const iso_poi
 }
 
 static void add(pixel *p, const disc *d, const fragment *f, const iso_point_view *points) {
-    const double thickness = d->radius / (double)ISO_SPLATS_DISC * (double)ISO_SPLATS_THICKNESS;
+    const double thickness = d->radius / (double)ISO_GROUPS_DISC * (double)ISO_GROUPS_THICKNESS;
     if (f->away != p->away || f->depth > p->front + thickness) return;
     const double w = exp(-3 * f->e);
     p->weight += w;
@@ -177,7 +177,7 @@ static size_t merge_side(const listed *list, size_t count, bool away, const iso_
     double front = 0;
     for (size_t i = 0; i < count; i++) {
         const double thickness =
-            list[i].from->radius / (double)ISO_SPLATS_DISC * (double)ISO_SPLATS_THICKNESS;
+            list[i].from->radius / (double)ISO_GROUPS_DISC * (double)ISO_GROUPS_THICKNESS;
         if (list[i].f.away != away) continue;
         if (made == 0 || list[i].f.depth > front + thickness) {
             front = list[i].f.depth;

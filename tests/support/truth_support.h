@@ -5,7 +5,7 @@
 #include <stddef.h>
 
 #include "image/camera.h"
-#include "render/gbuffer.h"
+#include "render/view/gbuffer.h"
 
 /* The PSNR of the shaded pictures in dB, over the union of both silhouettes. */
 double test_psnr(const iso_view *view, const iso_gbuffer *a, const iso_gbuffer *b);

@@ -5,7 +5,7 @@
 
 #include "grids/grid.h"
 #include "image/camera.h"
-#include "render/gbuffer.h"
+#include "render/view/gbuffer.h"
 
 enum { TEST_TRANSFORMS = 3 };
 

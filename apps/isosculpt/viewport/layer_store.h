@@ -6,8 +6,8 @@
 #define ISO_APPS_ISOSCULPT_VIEWPORT_LAYER_STORE_H
 
 #include "exact/exact.h"
-#include "render/gbuffer.h"
 #include "render/shapes/shapes.h"
+#include "render/view/gbuffer.h"
 
 /* A layer behind a sample, in 12 bytes. */
 typedef struct isosculpt_stored_layer {

@@ -4,7 +4,7 @@
 #define ISO_APPS_ISOSCULPT_VIEWPORT_ROOM_H
 
 #include "image/image.h"
-#include "render/gbuffer.h"
+#include "render/view/gbuffer.h"
 
 /* Makes a gbuffer width x height samples large; its contents are undefined afterwards if it had to grow.
  * ISO_ERR_NOMEM leaves it as it was. */

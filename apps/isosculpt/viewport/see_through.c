@@ -145,12 +145,12 @@ static iso_status draw_points(isosculpt_viewport *viewport, iso_point_set *set, 
     const iso_view *view = &viewport->drawn.view;
     const iso_point_view points = iso_point_set_view(set);
     const iso_target target = {.view = view, .gbuffer = gbuffer, .pool = viewport->pool};
-    const iso_pullpush_opts opts = {.workspace = viewport->workspace};
+    const iso_point_surface_opts opts = {.workspace = viewport->workspace};
     const iso_strip strip = {.view = view, .gbuffer = gbuffer, .factor = 1};
     const iso_shading shading = {
         .colors = &color, .color_count = 1, .background = viewport->mode.material.background};
     iso_gbuffer_clear_bands(gbuffer, viewport->pool);
-    ISO_TRY(iso_draw_pullpush(&target, &points, &opts, error));
+    ISO_TRY(iso_draw_point_surface(&target, &points, &opts, error));
     iso_shade(&shading, &strip, image, viewport->pool);
     return ISO_OK;
 }

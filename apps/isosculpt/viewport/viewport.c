@@ -19,7 +19,7 @@ const iso_method isosculpt_methods[ISOSCULPT_METHODS] = {ISO_METHOD_EXACT,    IS
 iso_reconstruction isosculpt_reconstruction(iso_method method) {
     return method == ISO_METHOD_PULLPUSH       ? ISO_RECONSTRUCTION_GAUSSIAN
            : method == ISO_METHOD_PULLPUSH_BOX ? ISO_RECONSTRUCTION_BOX
-                                               : ISO_RECONSTRUCTION_REFINED;
+                                               : ISO_RECONSTRUCTION_CURVED;
 }
 
 /* ---- latencies */
@@ -65,7 +65,7 @@ iso_status isosculpt_viewport_init_grid(isosculpt_viewport *viewport, const iso_
     viewport->isovalue = viewport->drawn_isovalue = isovalue;
     viewport->camera.view_angle = 30;
     iso_status status = grid->rgrid ? create_lod(viewport, error) : ISO_OK;
-    if (status == ISO_OK) status = iso_pullpush_create(&viewport->workspace, error);
+    if (status == ISO_OK) status = iso_point_workspace_create(&viewport->workspace, error);
     viewport->surface = viewport->second =
         (iso_scene_surface){.grid = viewport->grid,
                             .pool = viewport->lod ? viewport->async_surface_pool : pool,
@@ -86,7 +86,7 @@ void isosculpt_viewport_free(isosculpt_viewport *viewport) {
     isosculpt_lod_destroy(viewport->lod);
     iso_scene_surface_free(&viewport->surface);
     iso_scene_surface_free(&viewport->second);
-    iso_pullpush_destroy(viewport->workspace);
+    iso_point_workspace_destroy(viewport->workspace);
     iso_gbuffer_free(&viewport->drawn.gbuffer);
     iso_gbuffer_free(&viewport->pick_buffer.gbuffer);
     iso_gbuffer_free(&viewport->tile);

@@ -18,8 +18,8 @@
 #include "extract/points/points.h"
 #include "image/camera.h"
 #include "image/image.h"
-#include "render/gbuffer.h"
-#include "render/pullpush/pullpush.h"
+#include "render/point_surface.h"
+#include "render/view/gbuffer.h"
 #include "scene/method.h"
 
 #ifdef __cplusplus
@@ -30,7 +30,7 @@ extern "C" {
  * (methods/method.h). */
 enum { ISOSCULPT_METHODS = 6 };
 extern const iso_method isosculpt_methods[ISOSCULPT_METHODS];
-/* How iso_draw_pullpush draws the points of the methods discs, pullpush and pullpush-box. */
+/* How iso_draw_point_surface draws the points of the methods discs, pullpush and pullpush-box. */
 iso_reconstruction isosculpt_reconstruction(iso_method method);
 
 /* The engine that draws. OpenGL has all methods except exact; instead of it the mesh is drawn while the
@@ -122,7 +122,7 @@ typedef struct isosculpt_viewport {
     iso_error gl_error; /* why drawing fell back from OpenGL to the cpu engine; text[0] == 0: it did not */
     iso_scene_surface surface;
     iso_scene_surface second; /* the second isosurface, of which there are only cells */
-    iso_pullpush *workspace;
+    iso_point_workspace *workspace;
     isosculpt_matcap matcap;
 
     /* For volumes only. Until the surface of the current isovalue is extracted, by a background thread, the

@@ -10,7 +10,7 @@
 #include "base/radix_sort.h"
 #include "render/gaussians/kernel.h"
 #include "render/layers/bands.h"
-#include "render/project.h"
+#include "render/view/project.h"
 
 enum {
     CHUNK = 1024,   /* Gaussians that are projected as one task */

@@ -7,12 +7,12 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "render/gl/discs.h"
 #include "render/gl/output.h"
-#include "render/gl/refined.h"
 #include "render/gl/shapes_set.h"
 #include "render/gl/shared.h"
 #include "render/gl/surface.h"
-#include "render/project.h"
+#include "render/view/project.h"
 
 /* Limits of the side of a part of a picture, samples. Drivers of OpenGL 4.5 can draw 16384, less the
  * margin that the widest points need. */
@@ -83,7 +83,7 @@ void iso_gl_engine_destroy(iso_gl_engine *engine) {
         const GladGLContext *gl = context->gl;
         const GLuint buffers[] = {engine->draw_uniforms, engine->commands, engine->instances};
         iso_gl_target_free(&engine->target, gl);
-        iso_gl_discs_free(&engine->discs, gl);
+        iso_gl_disc_targets_free(&engine->discs, gl);
         iso_gl_shapes_target_free(&engine->shapes, gl);
         gl->DeleteBuffers(3, buffers);
         gl->DeleteBuffers(ISO_GL_STORES, engine->storage);

@@ -9,8 +9,8 @@
 
 #include "base/primitives.h"
 #include "image/camera.h"
-#include "render/gbuffer.h"
 #include "render/gl/context.h"
+#include "render/view/gbuffer.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -32,7 +32,7 @@ void iso_gl_engine_destroy(iso_gl_engine *engine);
 uint64_t iso_gl_draw_bytes(const iso_gl_engine *engine, int width, int height);
 
 /* What is timed: drawing points, triangles, lines or glyphs (draw), the steps of pull-push (project ..
- * finish) and those of the refined reconstruction (front .. resolve, and select: the choice of points). */
+ * finish) and those of the method discs (front .. resolve, and select: the choice of points). */
 typedef enum iso_gl_pass {
     ISO_GL_PASS_DRAW,
     ISO_GL_PASS_PROJECT,

@@ -3,8 +3,8 @@
 #include <stddef.h>
 
 #include "render/gl/canvas.h"
+#include "render/gl/groups.h"
 #include "render/gl/shapes.h"
-#include "render/gl/splats.h"
 
 static iso_status refuse(iso_error *error) {
     return iso_fail(error, ISO_ERR_BACKEND, "this isopoint was built without glad (OpenGL)");
@@ -180,8 +180,8 @@ iso_status iso_gl_canvas_read(const iso_gl_canvas *canvas, iso_image *image, iso
     return refuse(error);
 }
 
-iso_status iso_gl_draw_splats(iso_gl_engine *engine, const iso_gl_splats_opts *opts, iso_gbuffer *gbuffer,
-                              iso_error *error) {
+iso_status iso_gl_draw_groups(iso_gl_engine *engine, const iso_gl_draw_groups_opts *opts,
+                              iso_gbuffer *gbuffer, iso_error *error) {
     (void)engine, (void)opts, (void)gbuffer;
     return refuse(error);
 }
@@ -192,7 +192,7 @@ iso_status iso_gl_shade_splat_layers(iso_gl_engine *engine, const iso_splat_laye
     return refuse(error);
 }
 
-uint64_t iso_gl_splats_bytes(const iso_gl_engine *engine, int slots, int width, int height) {
+uint64_t iso_gl_groups_bytes(const iso_gl_engine *engine, int slots, int width, int height) {
     (void)engine, (void)slots, (void)width, (void)height;
     return 0;
 }

@@ -37,35 +37,35 @@ typedef struct recipe {
     [first + 4] = {                                                                                          \
         "finish" what, {"pullpush_finish.comp"}, {PYRAMID, "pullpush_mix.glsl", "picture.glsl"}, defines}
 
-/* The two passes over discs of the refined reconstruction, each as points and as quads. */
-#define REFINED "refined_numbers.h", "refined.glsl", "refined_curvature.glsl"
+/* The two passes over discs of the method discs, each as points and as quads. */
+#define DISC_SOURCES "discs_numbers.h", "discs.glsl", "discs_curvature.glsl"
 #define DISCS(first, what, defines)                                                                          \
-    [first] = {"fronts" what, {"refined.vert", "refined.frag"}, {"unpack.glsl", REFINED}, defines},          \
+    [first] = {"fronts" what, {"discs.vert", "discs.frag"}, {"unpack.glsl", DISC_SOURCES}, defines},         \
     [first + 1] = {"fronts of quads" what,                                                                   \
-                   {"refined.vert", "refined.frag"},                                                         \
-                   {"unpack.glsl", REFINED},                                                                 \
+                   {"discs.vert", "discs.frag"},                                                             \
+                   {"unpack.glsl", DISC_SOURCES},                                                            \
                    defines "#define QUADS 1\n"},                                                             \
     [first + 2] = {"sums" what,                                                                              \
-                   {"refined.vert", "refined.frag"},                                                         \
-                   {"unpack.glsl", REFINED},                                                                 \
+                   {"discs.vert", "discs.frag"},                                                             \
+                   {"unpack.glsl", DISC_SOURCES},                                                            \
                    defines "#define ADDING 1\n"},                                                            \
     [first + 3] = {"sums of quads" what,                                                                     \
-                   {"refined.vert", "refined.frag"},                                                         \
-                   {"unpack.glsl", REFINED},                                                                 \
+                   {"discs.vert", "discs.frag"},                                                             \
+                   {"unpack.glsl", DISC_SOURCES},                                                            \
                    defines "#define ADDING 1\n#define QUADS 1\n"}
 
 /* The passes that select points: nothing is drawn, so they have no fragment shader. */
 #define SELECTION(first, what, defines)                                                                      \
     [first] = {"selected depths" what,                                                                       \
-               {"refined.vert"},                                                                             \
-               {"unpack.glsl", REFINED},                                                                     \
+               {"discs.vert"},                                                                               \
+               {"unpack.glsl", DISC_SOURCES},                                                                \
                defines "#define SELECT 1\n"},                                                                \
     [first + 1] = {"selected points" what,                                                                   \
-                   {"refined.vert"},                                                                         \
-                   {"unpack.glsl", REFINED},                                                                 \
+                   {"discs.vert"},                                                                           \
+                   {"unpack.glsl", DISC_SOURCES},                                                            \
                    defines "#define SELECT 2\n"},                                                            \
     [first + 2] = {                                                                                          \
-        "visible points" what, {"refined.vert"}, {"unpack.glsl", REFINED}, defines "#define SELECT 3\n"}
+        "visible points" what, {"discs.vert"}, {"unpack.glsl", DISC_SOURCES}, defines "#define SELECT 3\n"}
 
 /* Lines and glyphs of one kind: `index` 0 to 8, in floats and in double precision. Each has programs of
  * its own, because software renderers execute all branches of a shader. */
@@ -123,12 +123,9 @@ static const recipe recipes[ISO_GL_PROGRAMS] = {
     DISCS(ISO_GL_DISCS_OF_SURFELS, " of surfels", "#define SURFELS 1\n"),
     SELECTION(ISO_GL_SELECT_DEPTHS, "", ""),
     SELECTION(ISO_GL_SELECT_SURFELS, " of surfels", "#define SURFELS 1\n"),
-    [ISO_GL_CHOOSE] = {"chosen points", {"refined_choose.comp"}, {NULL}, ""},
-    [ISO_GL_FIND_DEEPEST] = {"deepest fronts",
-                             {"refined_deepest.comp"},
-                             {"refined_numbers.h", "refined.glsl"},
-                             ""},
-    [ISO_GL_RESOLVE] = {"resolved sums", {"refined_resolve.comp"}, {REFINED, "picture.glsl"}, ""},
+    [ISO_GL_CHOOSE] = {"chosen points", {"discs_choose.comp"}, {NULL}, ""},
+    [ISO_GL_FIND_DEEPEST] = {"deepest fronts", {"discs_deepest.comp"}, {"discs_numbers.h", "discs.glsl"}, ""},
+    [ISO_GL_RESOLVE] = {"resolved sums", {"discs_resolve.comp"}, {DISC_SOURCES, "picture.glsl"}, ""},
     [ISO_GL_SPLAT_DEPTHS] = {"depths of slots", {"splats.comp"}, {"splats.glsl"}, "#define KIND 0\n"},
     [ISO_GL_SPLAT_NUMBERS] = {"discs of slots", {"splats.comp"}, {"splats.glsl"}, "#define KIND 1\n"},
     [ISO_GL_SPLAT_KEYS] = {"keys of slots", {"splats.comp"}, {"splats.glsl"}, WIDE "#define KIND 2\n"},

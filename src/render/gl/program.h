@@ -44,7 +44,7 @@ typedef enum iso_gl_program {
     ISO_GL_ADD_QUADS,
     ISO_GL_DISCS_OF_SURFELS,
     ISO_GL_RESOLVE = ISO_GL_DISCS_OF_SURFELS + 4,
-    /* Selection of points for refined: by SELECT of refined.vert, of packed points, then of surfels. */
+    /* Selection of points for discs: by SELECT of discs.vert, of packed points, then of surfels. */
     ISO_GL_SELECT_DEPTHS,
     ISO_GL_SELECT_MARKS,
     ISO_GL_SELECT_VISIBLE,

@@ -9,9 +9,9 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "render/gl/discs.h"
 #include "render/gl/output.h"
 #include "render/gl/picture.h"
-#include "render/gl/refined.h"
 #include "render/gl/shared.h"
 #include "render/gl/surface.h"
 #include "render/pullpush/setup.h"
@@ -82,8 +82,8 @@ static void fill_buffer(const pullpush_call *call, iso_gl_storage which, size_t 
 /* ---- uniforms and buffers of one surface */
 
 /* Whether surfaces are drawn as discs, without a pyramid. */
-static bool is_refined(iso_reconstruction reconstruction) {
-    return reconstruction == ISO_RECONSTRUCTION_REFINED || reconstruction == ISO_RECONSTRUCTION_FLAT ||
+static bool draws_discs(iso_reconstruction reconstruction) {
+    return reconstruction == ISO_RECONSTRUCTION_CURVED || reconstruction == ISO_RECONSTRUCTION_FLAT ||
            reconstruction == ISO_RECONSTRUCTION_EWA;
 }
 
@@ -347,11 +347,11 @@ static iso_status draw_strip(pullpush_call *call, const iso_view *view, int row,
     for (int i = 0; i < call->opts->surface_count; i++) {
         const iso_gl_surface *surface = call->opts->surfaces[i];
         if (surface->blocks->seen == 0) continue;
-        if (is_refined(call->opts->reconstruction)) {
+        if (draws_discs(call->opts->reconstruction)) {
             const iso_reconstruction how = call->opts->reconstruction;
-            const iso_gl_refined_style style = {how != ISO_RECONSTRUCTION_REFINED,
-                                                how == ISO_RECONSTRUCTION_EWA, call->opts->selection};
-            ISO_TRY(iso_gl_draw_refined(surface, view, i, style, &call->room, error));
+            const iso_gl_discs_style style = {how != ISO_RECONSTRUCTION_CURVED, how == ISO_RECONSTRUCTION_EWA,
+                                              call->opts->selection};
+            ISO_TRY(iso_gl_draw_discs(surface, view, i, style, &call->room, error));
             continue;
         }
         pullpush_draw d = draw_of(call, i, view);
@@ -373,7 +373,7 @@ static size_t strip_bytes(const pullpush_call *call, int rows) {
     size_t most = (size_t)view.width * (size_t)view.height * call->planes * sizeof(float);
     for (int i = 0; i < call->opts->surface_count; i++) {
         const iso_gl_surface *surface = call->opts->surfaces[i];
-        if (surface->blocks->seen == 0 || is_refined(call->opts->reconstruction)) continue;
+        if (surface->blocks->seen == 0 || draws_discs(call->opts->reconstruction)) continue;
         const pullpush_draw d = draw_of(call, i, &view);
         const size_t keys = level_pixels(&d.pyramid, d.pyramid.base) * 2 * sizeof(uint32_t);
         const size_t pixels = pixels_above(&d.pyramid) * 4 * sizeof(float);
@@ -431,8 +431,8 @@ uint64_t iso_gl_pullpush_bytes(const iso_gl_engine *engine, iso_reconstruction r
         SAMPLE = PICTURE + BASE + (ABOVE + 2) / 3         /* the levels above 0 have a third of the pixels */
     };
     const uint64_t samples = (uint64_t)width * (uint64_t)height, most = storage_of(engine) / PICTURE;
-    if (is_refined(reconstruction))
-        return (samples < most ? samples : most) * PICTURE + iso_gl_discs_bytes(samples);
+    if (draws_discs(reconstruction))
+        return (samples < most ? samples : most) * PICTURE + iso_gl_disc_targets_bytes(samples);
     return (samples < most ? samples : most) * SAMPLE;
 }
 

@@ -1,11 +1,11 @@
 /* pullpush: render/pullpush/pullpush.h by OpenGL. Box and gaussian reconstruction by compute shaders;
- * refined by splatting (Botsch, Hornung, Zwicker and Kobbelt 2005): first the nearest depths, then sums
+ * discs by splatting (Botsch, Hornung, Zwicker and Kobbelt 2005): first the nearest depths, then sums
  * over the discs that lie behind these by less than a thickness. */
 #ifndef ISO_RENDER_GL_PULLPUSH_H
 #define ISO_RENDER_GL_PULLPUSH_H
 
 #include "render/gl/engine.h"
-#include "render/pullpush/pullpush.h"
+#include "render/point_surface.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -15,12 +15,12 @@ typedef struct iso_gl_pullpush_opts {
     const iso_view *view;                  /* borrowed */
     const iso_gl_surface *const *surfaces; /* of points; surfaces[i] gets surface number i in the gbuffer */
     int surface_count;
-    iso_reconstruction reconstruction; /* REFINED, FLAT, BOX or GAUSSIAN */
-    iso_point_selection selection;     /* of REFINED and FLAT */
+    iso_reconstruction reconstruction; /* CURVED, FLAT, BOX or GAUSSIAN */
+    iso_point_selection selection;     /* of CURVED and FLAT */
 } iso_gl_pullpush_opts;
 
 /* Draws all surfaces and fills the whole gbuffer, which must have the view's size: what
- * iso_draw_pullpush draws, except for rounding; the same bytes every time.
+ * iso_draw_point_surface draws, except for rounding; the same bytes every time.
  *
  * Box and gaussian: of points of one pixel with equal depth, normal and position in the pixel, the
  * smallest radius and the smallest colour (as a number with blue in the highest byte) count. Refined:

@@ -6,10 +6,10 @@
 #include <math.h>
 #include <string.h>
 
+#include "render/discs/discs_numbers.h"
+#include "render/discs/setup.h"
 #include "render/gl/pullpush.h"
 #include "render/gl/shared.h"
-#include "render/refined/refined_numbers.h"
-#include "render/refined/setup.h"
 
 /* Pixels: the largest radius of a small disc. Larger discs are so far apart that few points share a quarter
  * of a pixel. */
@@ -20,7 +20,7 @@ static const float SMALL = 1.5f;
  * ball one radius nearer, and it is averaged with what lies 1.5 radii before it. */
 static const double SMALL_AROUND = 7, RADII_BEHIND = 4.5;
 /* Pixels: the largest radius of discs that are tested against the fronts; larger ones reach more squares than
- * refined.vert looks at. */
+ * discs.vert looks at. */
 static const float TESTED = 24;
 /* Pixels of focal length below which such a disc is not much smaller than its distance. */
 static const double FOCAL_LEAST = 64;
@@ -53,9 +53,9 @@ bool iso_gl_can_select(const iso_gl_surface *surface, int width, int height) {
            cells_bytes(width, height) <= engine->max_storage;
 }
 
-iso_gl_block_kind iso_gl_block_kind_of(const iso_gl_refined_draw *d, const iso_point_block *block) {
+iso_gl_block_kind iso_gl_block_kind_of(const iso_gl_discs_draw *d, const iso_point_block *block) {
     const iso_view *view = d->view;
-    const float radius = iso_refined_largest_radius(block) * d->slant;
+    const float radius = iso_discs_largest_radius(block) * d->slant;
     const bool small = radius <= SMALL && (view->orthographic || view->focal >= FOCAL_LEAST);
     if (d->cells && small && !iso_gl_is_curved(d, block)) return ISO_GL_DENSE;
     return ISO_GL_TESTED;
@@ -63,25 +63,25 @@ iso_gl_block_kind iso_gl_block_kind_of(const iso_gl_refined_draw *d, const iso_p
 
 /* ---- points */
 
-static iso_status use_program(const iso_gl_refined_draw *d, iso_gl_program program, iso_error *error) {
+static iso_status use_program(const iso_gl_discs_draw *d, iso_gl_program program, iso_error *error) {
     unsigned name;
     ISO_TRY(iso_gl_engine_program(d->engine, program, &name, error));
     d->gl->UseProgram(name);
     return ISO_OK;
 }
 
-static void bind(const iso_gl_refined_draw *d, GLuint slot, iso_gl_storage which) {
+static void bind(const iso_gl_discs_draw *d, GLuint slot, iso_gl_storage which) {
     d->gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, slot, d->engine->storage[which]);
 }
 
 /* Makes a buffer of this size, filled with a value. */
-static void fill(const iso_gl_refined_draw *d, iso_gl_storage which, size_t bytes, GLuint value) {
+static void fill(const iso_gl_discs_draw *d, iso_gl_storage which, size_t bytes, GLuint value) {
     iso_gl_engine_ensure_storage(d->engine, which, bytes);
     d->gl->ClearNamedBufferSubData(d->engine->storage[which], GL_R32UI, 0, (GLsizeiptr)bytes, GL_RED_INTEGER,
                                    GL_UNSIGNED_INT, &value);
 }
 
-static void clear_marks(const iso_gl_refined_draw *d, GLuint marks) {
+static void clear_marks(const iso_gl_discs_draw *d, GLuint marks) {
     const GLuint none = 0;
     d->gl->ClearNamedBufferData(marks, GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, &none);
 }
@@ -95,7 +95,7 @@ static size_t deepest_bytes(const iso_gl_tile *t) {
 }
 
 /* Finds the deepest front of each square of pixels. */
-static iso_status find_deepest(const iso_gl_refined_draw *d, const iso_gl_tile *t, iso_error *error) {
+static iso_status find_deepest(const iso_gl_discs_draw *d, const iso_gl_tile *t, iso_error *error) {
     const GladGLContext *gl = d->gl;
     const int across = squares(t->width), down = squares(t->height);
     iso_gl_engine_ensure_storage(d->engine, ISO_GL_STORE_DEEPEST, deepest_bytes(t));
@@ -109,8 +109,8 @@ static iso_status find_deepest(const iso_gl_refined_draw *d, const iso_gl_tile *
     return ISO_OK;
 }
 
-/* One of the passes of refined.vert over the points of some commands, which draw nothing. */
-static iso_status scan_points(const iso_gl_refined_draw *d, size_t first, size_t end, iso_gl_program program,
+/* One of the passes of discs.vert over the points of some commands, which draw nothing. */
+static iso_status scan_points(const iso_gl_discs_draw *d, size_t first, size_t end, iso_gl_program program,
                               iso_error *error) {
     const int of_surfels = d->surface->surfels ? ISO_GL_SELECT_SURFELS - ISO_GL_SELECT_DEPTHS : 0;
     ISO_TRY(use_program(d, (iso_gl_program)(program + of_surfels), error));
@@ -124,7 +124,7 @@ static iso_status scan_points(const iso_gl_refined_draw *d, size_t first, size_t
 }
 
 /* Lists the marked points of the commands first .. end - 1. `before`: 0, or marks of points to leave out. */
-static iso_status list_marked(const iso_gl_refined_draw *d, size_t first, size_t end, GLuint marks,
+static iso_status list_marked(const iso_gl_discs_draw *d, size_t first, size_t end, GLuint marks,
                               GLuint before, iso_error *error) {
     const GladGLContext *gl = d->gl;
     if (first == end) return ISO_OK;
@@ -143,7 +143,7 @@ static iso_status list_marked(const iso_gl_refined_draw *d, size_t first, size_t
 }
 
 /* Makes room for lists of points, which are empty. */
-static void prepare_lists(const iso_gl_refined_draw *d, const iso_gl_tile *t) {
+static void prepare_lists(const iso_gl_discs_draw *d, const iso_gl_tile *t) {
     iso_gl_engine_ensure_storage(d->engine, ISO_GL_STORE_CHOSEN,
                                  d->surface->vertices.room * sizeof(uint32_t));
     iso_gl_engine_ensure_storage(d->engine, ISO_GL_STORE_ELEMENTS,
@@ -152,7 +152,7 @@ static void prepare_lists(const iso_gl_refined_draw *d, const iso_gl_tile *t) {
 }
 
 /* Chooses points of small discs by cells. */
-static iso_status choose_by_cells(const iso_gl_refined_draw *d, const iso_gl_tile *t, iso_error *error) {
+static iso_status choose_by_cells(const iso_gl_discs_draw *d, const iso_gl_tile *t, iso_error *error) {
     const size_t dense = t->end[ISO_GL_DENSE];
     if (!dense) return ISO_OK;
     fill(d, ISO_GL_STORE_CELLS, cells_bytes(t->width, t->height), ISO_GL_KEY_NONE);
@@ -163,11 +163,11 @@ static iso_status choose_by_cells(const iso_gl_refined_draw *d, const iso_gl_til
     return scan_points(d, 0, dense, ISO_GL_SELECT_MARKS, error);
 }
 
-static iso_status list_dense(const iso_gl_refined_draw *d, const iso_gl_tile *t, iso_error *error) {
+static iso_status list_dense(const iso_gl_discs_draw *d, const iso_gl_tile *t, iso_error *error) {
     return list_marked(d, 0, t->end[ISO_GL_DENSE], d->engine->storage[ISO_GL_STORE_MARKED], 0, error);
 }
 
-iso_status iso_gl_select_first(const iso_gl_refined_draw *d, const iso_gl_tile *t, iso_error *error) {
+iso_status iso_gl_select_first(const iso_gl_discs_draw *d, const iso_gl_tile *t, iso_error *error) {
     prepare_lists(d, t);
     ISO_TRY(choose_by_cells(d, t, error));
     ISO_TRY(list_dense(d, t, error));
@@ -175,13 +175,13 @@ iso_status iso_gl_select_first(const iso_gl_refined_draw *d, const iso_gl_tile *
 }
 
 /* Marks the points that the fronts do not hide. */
-static iso_status mark_visible(const iso_gl_refined_draw *d, const iso_gl_tile *t, iso_error *error) {
+static iso_status mark_visible(const iso_gl_discs_draw *d, const iso_gl_tile *t, iso_error *error) {
     d->gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, ISO_GL_MARKED, d->surface->seen->points[0]);
     bind(d, ISO_GL_DEEPEST, ISO_GL_STORE_DEEPEST);
     return scan_points(d, t->end[ISO_GL_DENSE], t->end[ISO_GL_TESTED], ISO_GL_SELECT_VISIBLE, error);
 }
 
-iso_status iso_gl_select_revealed(const iso_gl_refined_draw *d, const iso_gl_tile *t, iso_error *error) {
+iso_status iso_gl_select_revealed(const iso_gl_discs_draw *d, const iso_gl_tile *t, iso_error *error) {
     const iso_gl_seen *seen = d->surface->seen;
     ISO_TRY(find_deepest(d, t, error));
     ISO_TRY(mark_visible(d, t, error));
@@ -190,7 +190,7 @@ iso_status iso_gl_select_revealed(const iso_gl_refined_draw *d, const iso_gl_til
                        error);
 }
 
-iso_status iso_gl_select_last(const iso_gl_refined_draw *d, const iso_gl_tile *t, iso_error *error) {
+iso_status iso_gl_select_last(const iso_gl_discs_draw *d, const iso_gl_tile *t, iso_error *error) {
     prepare_lists(d, t);
     ISO_TRY(list_dense(d, t, error));
     if (t->stale && t->end[ISO_GL_TESTED] > t->end[ISO_GL_DENSE]) {
@@ -247,8 +247,7 @@ static void add_block(block_sums *sums, const iso_point_block *block) {
     sums->area += block->count * AREA * square;
 }
 
-iso_status iso_gl_selection_pays(const iso_gl_refined_draw *d, iso_buffer *room, bool *pays,
-                                 iso_error *error) {
+iso_status iso_gl_selection_pays(const iso_gl_discs_draw *d, iso_buffer *room, bool *pays, iso_error *error) {
     const iso_view *view = d->view;
     const int height = view->above + view->height + view->below;
     const size_t bytes = (size_t)squares(view->width) * (size_t)squares(height);
@@ -258,7 +257,7 @@ iso_status iso_gl_selection_pays(const iso_gl_refined_draw *d, iso_buffer *room,
     memset(room->data, 0, bytes);
     for (size_t i = 0; i < d->surface->blocks->count; i++) {
         if (!block[i].seen || (d->cull && block[i].back_facing)) continue;
-        if (iso_refined_largest_radius(&block[i]) * d->slant > TESTED) continue;
+        if (iso_discs_largest_radius(&block[i]) * d->slant > TESTED) continue;
         add_block(&sums, &block[i]);
         cover_squares(view, &block[i], room->data, &sums);
     }
@@ -276,20 +275,20 @@ iso_status iso_gl_selection_pays(const iso_gl_refined_draw *d, iso_buffer *room,
 /* ---- blocks */
 
 /* Whether nothing that the block's points can change is visible. */
-static bool is_hidden(const iso_gl_refined_draw *d, const iso_gl_tile *t, const iso_gl_tile_block *b,
+static bool is_hidden(const iso_gl_discs_draw *d, const iso_gl_tile *t, const iso_gl_tile_block *b,
                       const float *deepest) {
     const iso_point_block *block = (const iso_point_block *)d->surface->blocks->blocks.data + b->number;
     const iso_view *view = d->view;
     const double pixel =
         view->orthographic ? 1 / view->focal : (double)block->depth[1] / view->focal; /* mm */
-    double radius = (double)iso_refined_largest_radius(block), around = radius * (double)d->slant + 2;
+    double radius = (double)iso_discs_largest_radius(block), around = radius * (double)d->slant + 2;
     if (block->clipped) return false;
     if (b->kind == ISO_GL_DENSE) {
         radius = (double)SMALL;
         around = SMALL_AROUND;
     }
     const double front =
-        (double)block->depth[0] - 1.01 * pixel * (RADII_BEHIND * radius + (double)ISO_REFINED_LOW_PASS_DEPTH);
+        (double)block->depth[0] - 1.01 * pixel * (RADII_BEHIND * radius + (double)ISO_DISCS_LOW_PASS_DEPTH);
     int x[2], y[2];
     squares_of(block->column, view->cx - t->x, around, t->width, x);
     squares_of(block->row, view->cy - t->y, around, t->height, y);
@@ -300,7 +299,7 @@ static bool is_hidden(const iso_gl_refined_draw *d, const iso_gl_tile *t, const 
 }
 
 /* The number of points that are tested one by one. */
-static uint64_t count_tested(const iso_gl_refined_draw *d, const iso_gl_tile *t) {
+static uint64_t count_tested(const iso_gl_discs_draw *d, const iso_gl_tile *t) {
     const iso_point_block *blocks = d->surface->blocks->blocks.data;
     uint64_t points = 0;
     for (size_t i = 0; i < t->block_count; i++)
@@ -309,8 +308,8 @@ static uint64_t count_tested(const iso_gl_refined_draw *d, const iso_gl_tile *t)
     return points;
 }
 
-iso_status iso_gl_find_hidden(const iso_gl_refined_draw *d, iso_gl_tile *t, iso_buffer *room,
-                              size_t *revealed, iso_error *error) {
+iso_status iso_gl_find_hidden(const iso_gl_discs_draw *d, iso_gl_tile *t, iso_buffer *room, size_t *revealed,
+                              iso_error *error) {
     const size_t bytes = deepest_bytes(t);
     uint32_t drawn;
     ISO_TRY(iso_buffer_reserve(room, bytes, 0, error));
@@ -342,7 +341,7 @@ iso_selection_counts iso_gl_engine_selection(const iso_gl_engine *engine) {
 /* The marks of the last picture become those of the picture before, and the new ones are cleared; where the
  * points' buffer has been replaced, both are. After an edit the bits may be those of other points: they only
  * decide what is drawn first. */
-static iso_status turn_marks(const iso_gl_refined_draw *d, iso_error *error) {
+static iso_status turn_marks(const iso_gl_discs_draw *d, iso_error *error) {
     iso_gl_seen *seen = d->surface->seen;
     const size_t points = d->surface->vertices.room;
     const GLuint last = seen->points[0];
@@ -364,7 +363,7 @@ static iso_status turn_marks(const iso_gl_refined_draw *d, iso_error *error) {
     return ISO_OK;
 }
 
-iso_status iso_gl_selection_begin(const iso_gl_refined_draw *d, iso_gl_tile *t, iso_error *error) {
+iso_status iso_gl_selection_begin(const iso_gl_discs_draw *d, iso_gl_tile *t, iso_error *error) {
     if (d->select) ISO_TRY(turn_marks(d, error));
     t->grows = true;
     const iso_gl_seen *seen = d->surface->seen;
@@ -379,7 +378,7 @@ iso_status iso_gl_selection_begin(const iso_gl_refined_draw *d, iso_gl_tile *t, 
 }
 
 /* Adds the points of the tile's blocks to the engine's counts. */
-static void count_points(const iso_gl_refined_draw *d, const iso_gl_tile *t) {
+static void count_points(const iso_gl_discs_draw *d, const iso_gl_tile *t) {
     const iso_point_block *blocks = d->surface->blocks->blocks.data;
     iso_selection_counts *counts = &d->engine->selection;
     uint32_t chosen;
@@ -392,7 +391,7 @@ static void count_points(const iso_gl_refined_draw *d, const iso_gl_tile *t) {
     counts->drawn += chosen;
 }
 
-void iso_gl_selection_end(const iso_gl_refined_draw *d, const iso_gl_tile *t) {
+void iso_gl_selection_end(const iso_gl_discs_draw *d, const iso_gl_tile *t) {
     iso_gl_seen *seen = d->surface->seen;
     const size_t count = d->surface->blocks->count;
     count_points(d, t);

@@ -1,5 +1,5 @@
 /* selection: which points of a surface the discs of a tile are made of: deferred splatting (Guennebaud,
- * Barthe and Paulin 2004, section 4.1). Inside render/gl only; called by refined.c.
+ * Barthe and Paulin 2004, section 4.1). Inside render/gl only; called by discs.c.
  *
  * The paper's passes for a frame, and what takes their place here:
  *
@@ -13,7 +13,7 @@
  * every pixel that some disc covers stays covered. 3. Visibility splatting of points that have become
  * visible: those marked by pass 2 that were not seen in the frame before. Then blocks that the fronts do
  * not hide and that were not seen in the frame before are added in the same way, until there are none. 4.,
- * 5. The sums of the discs that are not hidden, and their division (refined.c).
+ * 5. The sums of the discs that are not hidden, and their division (discs.c).
  *
  * Several surfaces in one picture are drawn one after the other, each with marks of its own frame before
  * and its own placement in this frame, so that they may move. What the samples of those drawn before hide
@@ -27,7 +27,7 @@
 #ifndef ISO_RENDER_GL_SELECTION_H
 #define ISO_RENDER_GL_SELECTION_H
 
-#include "render/gl/refined_draw.h"
+#include "render/gl/discs_draw.h"
 
 /* Whether the driver can select points of the surface, in tiles of at most this size: vertex shaders
  * need storage buffers, which must be large enough. Else all points are drawn. */
@@ -37,15 +37,15 @@ bool iso_gl_can_select(const iso_gl_surface *surface, int width, int height);
  * blocks in the view: it pays where much of the surface lies behind other parts of it, and the discs are so
  * many or so large that the tests cost less than they save; if there was a frame before, its points make the
  * fronts cheap. `room`: working memory. ISO_ERR_NOMEM. */
-iso_status iso_gl_selection_pays(const iso_gl_refined_draw *draw, iso_buffer *room, bool *pays,
+iso_status iso_gl_selection_pays(const iso_gl_discs_draw *draw, iso_buffer *room, bool *pays,
                                  iso_error *error);
 
 /* How points of a block are selected, if its discs are not wider than the driver's points. */
-iso_gl_block_kind iso_gl_block_kind_of(const iso_gl_refined_draw *draw, const iso_point_block *block);
+iso_gl_block_kind iso_gl_block_kind_of(const iso_gl_discs_draw *draw, const iso_point_block *block);
 
 /* Sets which blocks of a tile, and which of their points, are drawn first: those seen in the frame before, if
  * there was one. ISO_ERR_LIMIT. */
-iso_status iso_gl_selection_begin(const iso_gl_refined_draw *draw, iso_gl_tile *tile, iso_error *error);
+iso_status iso_gl_selection_begin(const iso_gl_discs_draw *draw, iso_gl_tile *tile, iso_error *error);
 
 /* The passes for the dense and tested blocks that have draw commands, which must have been uploaded. Each
  * makes commands that draw a list of points (iso_gl_surface_draw_chosen). The tile's uniforms must be bound.
@@ -54,17 +54,17 @@ iso_status iso_gl_selection_begin(const iso_gl_refined_draw *draw, iso_gl_tile *
  * select_first: the chosen points of dense blocks, and the points of tested blocks seen in the frame before.
  * select_revealed, when these are in the fronts: the points of tested blocks that the fronts do not hide and
  * that were not seen before. select_last, when these are in the fronts, too: all chosen and visible ones. */
-iso_status iso_gl_select_first(const iso_gl_refined_draw *draw, const iso_gl_tile *tile, iso_error *error);
-iso_status iso_gl_select_revealed(const iso_gl_refined_draw *draw, const iso_gl_tile *tile, iso_error *error);
-iso_status iso_gl_select_last(const iso_gl_refined_draw *draw, const iso_gl_tile *tile, iso_error *error);
+iso_status iso_gl_select_first(const iso_gl_discs_draw *draw, const iso_gl_tile *tile, iso_error *error);
+iso_status iso_gl_select_revealed(const iso_gl_discs_draw *draw, const iso_gl_tile *tile, iso_error *error);
+iso_status iso_gl_select_last(const iso_gl_discs_draw *draw, const iso_gl_tile *tile, iso_error *error);
 
 /* Finds which blocks the fronts hide. *revealed: the number of those that are neither hidden nor tested;
  * if there are any, the blocks that are not hidden are to be tested next. `room`: working memory.
  * ISO_ERR_NOMEM, ISO_ERR_BACKEND. */
-iso_status iso_gl_find_hidden(const iso_gl_refined_draw *draw, iso_gl_tile *tile, iso_buffer *room,
+iso_status iso_gl_find_hidden(const iso_gl_discs_draw *draw, iso_gl_tile *tile, iso_buffer *room,
                               size_t *revealed, iso_error *error);
 
 /* Remembers the blocks that are seen for the next frame, and counts points. */
-void iso_gl_selection_end(const iso_gl_refined_draw *draw, const iso_gl_tile *tile);
+void iso_gl_selection_end(const iso_gl_discs_draw *draw, const iso_gl_tile *tile);
 
 #endif

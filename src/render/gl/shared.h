@@ -23,7 +23,7 @@
 #define ISO_GL_DRAW 0
 #define ISO_GL_PULLPUSH 1
 #define ISO_GL_SHADE 2
-#define ISO_GL_REFINED 3
+#define ISO_GL_DISC_UNIFORMS 3
 #define ISO_GL_SPLATTING 4
 #define ISO_GL_SHAPING 5
 #define ISO_GL_UNIFORM_SLOTS 6
@@ -76,8 +76,8 @@
 /* Textures and images of shading. */
 #define ISO_GL_NORMAL_DEPTHS 0 /* normal and depth that the fragment shaders wrote */
 #define ISO_GL_SPHERE 1        /* a lit sphere's colours by the normal's x and y, -1 .. 1 */
-/* Textures of the refined reconstruction. */
-#define ISO_GL_FRONTS 0 /* nearest depths of front-facing and of flipped back-facing discs (refined.frag) */
+/* Textures of the method discs. */
+#define ISO_GL_FRONTS 0 /* nearest depths of front-facing and of flipped back-facing discs (discs.frag) */
 #define ISO_GL_SUMS 1   /* four textures of sums over the frontmost discs */
 #define ISO_GL_TEXTURE_SLOTS 5
 #define ISO_GL_COLORS 0  /* rgba8: a canvas's */
@@ -99,7 +99,7 @@
 #define ISO_GL_SQUARE 8
 #define ISO_GL_DRAWS 0 /* uvec3, a uniform: first command, one beyond the last, 1: only fresh points */
 
-/* Constants of pull-push, the same as in render/pullpush/pyramid.h and render/point_blocks.h. */
+/* Constants of pull-push, the same as in render/pullpush/pyramid.h and render/points/point_blocks.h. */
 #define ISO_GL_LEVELS 11
 #define ISO_GL_NOWHERE 1e30
 #define ISO_GL_KEY_NONE 0xFFFFFFFFu /* greater than the ordered bits of any depth */
@@ -198,12 +198,12 @@ uint ordered(float depth) {
     ISO_GL_UINTS(flags);   /* orthographic; two_sided; points have radii; points have colours */             \
     ISO_GL_INT_ROWS(levels, ISO_GL_LEVELS); /* width, height, first pixel in the buffers */
 
-/* std140. Drawing one surface by the refined reconstruction in a tile of the picture.
+/* std140. Drawing one surface by the method discs in a tile of the picture.
  *
  * `sizes`: 1 / focal (orthographic: 0); most voxels per mm; the largest spacing in mm when voxels are not
  * cubes, else 0; the largest thickness of a disc, mm. `screen`: width and height of the viewport; its margin
  * around the tile; the widest point that the driver draws, in pixels. */
-#define ISO_GL_REFINED_FIELDS                                                                                \
+#define ISO_GL_DISCS_FIELDS                                                                                  \
     ISO_GL_FLOATS(step_x); /* rows of the transform from steps to view space, without translation */         \
     ISO_GL_FLOATS(step_y);                                                                                   \
     ISO_GL_FLOATS(step_z);                                                                                   \
@@ -277,9 +277,9 @@ typedef struct iso_gl_draw_uniforms {
 typedef struct iso_gl_pullpush_uniforms {
     ISO_GL_PULLPUSH_FIELDS
 } iso_gl_pullpush_uniforms;
-typedef struct iso_gl_refined_uniforms {
-    ISO_GL_REFINED_FIELDS
-} iso_gl_refined_uniforms;
+typedef struct iso_gl_discs_uniforms {
+    ISO_GL_DISCS_FIELDS
+} iso_gl_discs_uniforms;
 typedef struct iso_gl_shaping_uniforms {
     ISO_GL_SHAPING_FIELDS
 } iso_gl_shaping_uniforms;

@@ -2,8 +2,8 @@
 #ifndef ISO_RENDER_GL_SPLAT_H
 #define ISO_RENDER_GL_SPLAT_H
 
-#include "base/groups.h"
-#include "render/splats/discs.h"
+#include "render/groups/banded_discs.h"
+#include "render/groups/grouping.h"
 
 typedef struct iso_gl_splat {
     float x, y, z, normal[3], radius;

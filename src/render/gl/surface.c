@@ -7,7 +7,7 @@
 
 #include "base/memory.h"
 #include "render/gl/shared.h"
-#include "render/project.h"
+#include "render/view/project.h"
 
 _Static_assert(sizeof(iso_surfel) == 24 && sizeof(iso_point) == 8 && sizeof(iso_curvature) == 8,
                "layouts of the vertex arrays");

@@ -11,8 +11,8 @@
 #include "render/gl/program.h"
 #include "render/gl/target.h"
 #include "render/gl/timer.h"
-#include "render/point_blocks.h"
-#include "render/pullpush/pullpush.h"
+#include "render/point_surface.h"
+#include "render/points/point_blocks.h"
 #include "render/raster/triangle_strips.h"
 
 /* A span of the surface: what drawing needs to know on the CPU. */
@@ -77,10 +77,10 @@ struct iso_gl_surface {
     unsigned array, quad_array;
 };
 
-/* Buffers of pull-push and the refined reconstruction; see the slots of the same names in shared.h. */
+/* Buffers of pull-push and the method discs; see the slots of the same names in shared.h. */
 typedef enum iso_gl_storage {
     ISO_GL_STORE_UNIFORMS,
-    ISO_GL_STORE_REFINED, /* uniforms of refined */
+    ISO_GL_STORE_DISC_UNIFORMS, /* uniforms of discs */
     ISO_GL_STORE_BLOCKS,
     ISO_GL_STORE_KEYS,
     ISO_GL_STORE_DISCS,
@@ -110,11 +110,11 @@ typedef enum iso_gl_storage {
 } iso_gl_storage;
 enum { ISO_GL_STORES = 28 };
 
-/* Render targets of the refined reconstruction: nearest depths and sums. At least as large as a tile. */
-typedef struct iso_gl_discs {
+/* Render targets of the method discs: nearest depths and sums. At least as large as a tile. */
+typedef struct iso_gl_disc_targets {
     int width, height;
     unsigned framebuffers[2], fronts, sums[4];
-} iso_gl_discs;
+} iso_gl_disc_targets;
 
 /* What lines and glyphs are drawn into, and how. */
 typedef struct iso_gl_shapes_target {
@@ -129,7 +129,7 @@ struct iso_gl_engine {
     int max_side;                       /* samples, of the largest part that is drawn at once */
     double max_point;                   /* the driver's largest point, pixels */
     iso_gl_target target;               /* of surfaces; its second texture: ISO_GL_SURFACE */
-    iso_gl_discs discs;
+    iso_gl_disc_targets discs;
     iso_gl_shapes_target shapes;
     unsigned draw_uniforms, commands, instances; /* buffers */
     bool keep_back_facing;                       /* for tests: draw back-facing spans too */

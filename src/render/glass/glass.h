@@ -25,7 +25,7 @@
 
 #include "render/glass/optics.h"
 #include "render/shading/shading.h"
-#include "render/strip.h"
+#include "render/view/strip.h"
 
 /* Returns "auto", "none", "single", "layers", "two-sided" or "traced". */
 const char *iso_refraction_name(iso_refraction refraction);

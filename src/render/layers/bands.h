@@ -4,7 +4,7 @@
 #define ISO_RENDER_LAYERS_BANDS_H
 
 #include "render/layers/compose.h"
-#include "render/project.h"
+#include "render/view/project.h"
 
 /* How the bands of a strip are drawn. */
 typedef struct iso_layer_bands {

@@ -4,7 +4,7 @@
 
 #include "render/layers/layers.h"
 #include "render/shading/shading.h"
-#include "render/strip.h"
+#include "render/view/strip.h"
 
 /* The part of each ray that lies in the volume, for solids that absorb light: arrays indexed by the sample in
  * the band. */

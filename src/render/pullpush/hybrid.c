@@ -2,7 +2,7 @@
 #include "render/pullpush/hybrid.h"
 
 #include "base/memory.h"
-#include "render/point_blocks.h"
+#include "render/points/point_blocks.h"
 #include "render/pullpush/polygon_fragments.h"
 
 static const double CELL_PIXELS = 3;

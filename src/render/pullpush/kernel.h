@@ -6,7 +6,7 @@
 #define ISO_RENDER_PULLPUSH_KERNEL_H
 
 #include "base/cpu.h"
-#include "render/point_blocks.h"
+#include "render/points/point_blocks.h"
 #include "render/pullpush/pyramid.h"
 #include "render/raster/raster.h"
 

@@ -4,9 +4,9 @@
 #include <float.h>
 
 #include "base/cpu.h"
-#include "render/point_blocks.h"
-#include "render/project.h"
+#include "render/points/point_blocks.h"
 #include "render/pullpush/setup.h"
+#include "render/view/project.h"
 
 enum {
     BAND_ROWS = 64, /* rows of the key image that a task draws; a power of two */
@@ -116,8 +116,8 @@ static iso_status draw_blocks(const iso_pullpush_keys *picture, const iso_point_
     projection.points = points;
     projection.pyramid = &pyramid;
     ISO_TRY(iso_point_blocks_make(blocks, points, &projector, picture->pool, error));
-    ISO_TRY(
-        iso_point_blocks_assign_bands(blocks, picture->view, &pyramid, BAND_ROWS, base->cull != 0, error));
+    const iso_level_bands rows = iso_pyramid_bands(&pyramid, BAND_ROWS);
+    ISO_TRY(iso_point_blocks_assign_bands(blocks, picture->view, &rows, base->cull != 0, error));
     key_bands bands = {&projection, blocks, base->height};
     iso_parallel_for(picture->pool, (size_t)((base->height - 1) / BAND_ROWS + 1), project_band, &bands);
     return ISO_OK;

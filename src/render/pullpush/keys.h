@@ -8,8 +8,8 @@
 #ifndef ISO_RENDER_PULLPUSH_KEYS_H
 #define ISO_RENDER_PULLPUSH_KEYS_H
 
-#include "render/key_image.h"
 #include "render/pullpush/pullpush.h"
+#include "render/view/key_image.h"
 
 /* What must be known of all points before some of them are drawn. */
 typedef struct iso_pullpush_survey {

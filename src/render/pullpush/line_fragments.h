@@ -2,9 +2,9 @@
 #ifndef ISO_RENDER_PULLPUSH_LINE_FRAGMENTS_H
 #define ISO_RENDER_PULLPUSH_LINE_FRAGMENTS_H
 
-#include "render/project.h"
 #include "render/pullpush/kernel.h"
 #include "render/pullpush/lines.h"
+#include "render/view/project.h"
 
 struct iso_pyramid_lines {
     iso_lines lines; /* arrays borrowed; its radii and attributes do not count */

@@ -2,9 +2,9 @@
 #ifndef ISO_RENDER_PULLPUSH_POLYGON_FRAGMENTS_H
 #define ISO_RENDER_PULLPUSH_POLYGON_FRAGMENTS_H
 
-#include "render/project.h"
 #include "render/pullpush/kernel.h"
 #include "render/pullpush/pullpush.h"
+#include "render/view/project.h"
 
 /* Which bricks are drawn as triangles: those whose cells can be larger than `pixels` in the picture. */
 typedef struct iso_brick_choice {

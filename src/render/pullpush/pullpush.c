@@ -11,7 +11,6 @@
 #include "render/pullpush/polygon_fragments.h"
 #include "render/pullpush/set_fragments.h"
 #include "render/pullpush/setup.h"
-#include "render/refined/refined.h"
 
 enum {
     BAND_BYTES = 5 << 18, /* keys of a band, at most: about the size of a second-level cache */
@@ -34,7 +33,6 @@ struct iso_pullpush {
     /* Of points; of lines and of several sets: a change of a pyramid's planes clears all of its memory, and
      * points and lines take turns in every frame. */
     iso_pyramid pyramid, line_pyramid;
-    iso_refined refined;
 };
 
 /* The drawing of one strip of the picture. */
@@ -162,7 +160,8 @@ static iso_status prepare_pyramid(pullpush_call *call, iso_error *error) {
     call->params.pyramid = call->pyramid;
     call->params.target = call->target;
     if (call->polygons) ISO_TRY(iso_polygons_rasterize(call->polygons, call->target, &layout, error));
-    return iso_point_blocks_assign_bands(call->blocks, view, call->pyramid, call->band_rows, cull, error);
+    const iso_level_bands bands = iso_pyramid_bands(call->pyramid, call->band_rows);
+    return iso_point_blocks_assign_bands(call->blocks, view, &bands, cull, error);
 }
 
 static iso_status prepare_sets(pullpush_call *call, iso_error *error) {
@@ -409,12 +408,7 @@ void iso_pullpush_destroy(iso_pullpush *pullpush) {
     iso_point_blocks_free(&pullpush->blocks);
     iso_pyramid_free(&pullpush->pyramid);
     iso_pyramid_free(&pullpush->line_pyramid);
-    iso_refined_free(&pullpush->refined);
     iso_free(pullpush);
-}
-
-iso_selection_counts iso_pullpush_counts(const iso_pullpush *pullpush) {
-    return pullpush->refined.counts;
 }
 
 /* Draws rows first .. first + count - 1 of the picture; the bytes are those of drawing all rows at once. */
@@ -460,54 +454,30 @@ static iso_status draw_strips(pullpush_call *call, const iso_target *target, iso
     return ISO_OK;
 }
 
-static bool is_splats(iso_reconstruction reconstruction) {
-    return reconstruction >= ISO_RECONSTRUCTION_FLAT;
-}
-
-static iso_flat_discs flat_discs(iso_reconstruction reconstruction) {
-    return reconstruction == ISO_RECONSTRUCTION_ONEPASS ? ISO_FLAT_DISCS_ONEPASS
-           : reconstruction == ISO_RECONSTRUCTION_EWA   ? ISO_FLAT_DISCS_EWA
-           : reconstruction == ISO_RECONSTRUCTION_MEAN  ? ISO_FLAT_DISCS_MEAN
-           : reconstruction == ISO_RECONSTRUCTION_FLAT  ? ISO_FLAT_DISCS_FILTERED
-                                                        : ISO_FLAT_DISCS_PLAIN;
-}
-
+/* `polygons`: triangles that are drawn with the points; NULL: none. */
 static iso_status draw_surface(const iso_target *target, const iso_point_view *points, iso_polygons *polygons,
                                const iso_pullpush_opts *opts, iso_error *error) {
-    const iso_view *view = target->view;
-    const iso_reconstruction reconstruction = opts->reconstruction;
-    const iso_refined_opts refined = {flat_discs(reconstruction), opts->selection == ISO_SELECTION_ALL,
-                                      opts->color};
-    iso_pullpush *workspace = opts->workspace;
+    assert(target->view->width == target->gbuffer->width && target->view->height == target->gbuffer->height);
+    iso_pullpush once = {0}, *workspace = opts->workspace ? opts->workspace : &once;
     pullpush_call call = {.points = points,
-                          .reconstruction = reconstruction,
-                          .projector = iso_projector_make(view, &points->transform),
+                          .reconstruction = opts->reconstruction,
+                          .projector = iso_projector_make(target->view, &points->transform),
                           .blocks = &workspace->blocks,
                           .polygons = polygons,
                           .pyramid = &workspace->pyramid};
-    ISO_TRY(iso_point_blocks_make(call.blocks, points, &call.projector, target->pool, error));
-    if (call.blocks->seen == 0 && !polygons) return ISO_OK;
-    if (points->colors || opts->color) ISO_TRY(iso_gbuffer_add_color(target->gbuffer, error));
-    if (reconstruction == ISO_RECONSTRUCTION_REFINED || is_splats(reconstruction))
-        return iso_refined_draw(&workspace->refined, target, points, call.blocks, &refined, error);
-    return draw_strips(&call, target, error);
+    iso_status status = iso_point_blocks_make(call.blocks, points, &call.projector, target->pool, error);
+    if (status == ISO_OK && (call.blocks->seen || polygons)) {
+        if (points->colors) status = iso_gbuffer_add_color(target->gbuffer, error);
+        if (status == ISO_OK) status = draw_strips(&call, target, error);
+    }
+    iso_point_blocks_free(&once.blocks);
+    iso_pyramid_free(&once.pyramid);
+    return status;
 }
 
 iso_status iso_draw_pullpush(const iso_target *target, const iso_point_view *points,
                              const iso_pullpush_opts *opts, iso_error *error) {
-    assert(target->view->width == target->gbuffer->width && target->view->height == target->gbuffer->height);
-    iso_pullpush once = {0};
-    iso_pullpush_opts filled =
-        opts ? *opts : (iso_pullpush_opts){.reconstruction = ISO_RECONSTRUCTION_REFINED};
-    if (!filled.workspace) filled.workspace = &once;
-    iso_point_view flat = *points;
-    if (is_splats(filled.reconstruction)) flat.curvatures = NULL;
-    if (filled.color) flat.colors = NULL;
-    iso_status status = draw_surface(target, &flat, NULL, &filled, error);
-    iso_point_blocks_free(&once.blocks);
-    iso_pyramid_free(&once.pyramid);
-    iso_refined_free(&once.refined);
-    return status;
+    return draw_surface(target, points, NULL, opts, error);
 }
 
 iso_status iso_pullpush_draw_merged(const iso_target *target, const iso_pullpush_keys *picture,
@@ -526,13 +496,8 @@ iso_status iso_pullpush_draw_merged(const iso_target *target, const iso_pullpush
 
 iso_status iso_draw_points_and_polygons(const iso_target *target, const iso_point_view *points,
                                         iso_polygons *polygons, iso_pullpush *workspace, iso_error *error) {
-    iso_pullpush once = {0};
-    const iso_pullpush_opts opts = {.reconstruction = ISO_RECONSTRUCTION_GAUSSIAN,
-                                    .workspace = workspace ? workspace : &once};
-    iso_status status = draw_surface(target, points, polygons, &opts, error);
-    iso_point_blocks_free(&once.blocks);
-    iso_pyramid_free(&once.pyramid);
-    return status;
+    const iso_pullpush_opts opts = {ISO_RECONSTRUCTION_GAUSSIAN, workspace};
+    return draw_surface(target, points, polygons, &opts, error);
 }
 
 iso_status iso_draw_pyramid_lines(const iso_target *target, const iso_pyramid_lines *lines,

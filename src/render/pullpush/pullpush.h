@@ -21,24 +21,12 @@
 #ifndef ISO_RENDER_PULLPUSH_PULLPUSH_H
 #define ISO_RENDER_PULLPUSH_PULLPUSH_H
 
+#include "render/points/reconstruction.h"
 #include "render/raster/raster.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-typedef enum iso_reconstruction {
-    ISO_RECONSTRUCTION_REFINED,  /* second-order discs (render/refined/refined.h); flat ones, without a
-                                    filter, for points with colours or without curvatures */
-    ISO_RECONSTRUCTION_BOX,      /* ellipses with equal weights (figure 4a) */
-    ISO_RECONSTRUCTION_GAUSSIAN, /* with Gaussian ones (figure 4b) */
-    /* Splats, without a pyramid: flat discs with Gaussian weights, or single pixels (iso_flat_discs in
-     * render/refined/refined.h). Curvatures are not used. */
-    ISO_RECONSTRUCTION_FLAT,
-    ISO_RECONSTRUCTION_ONEPASS,
-    ISO_RECONSTRUCTION_EWA,
-    ISO_RECONSTRUCTION_MEAN
-} iso_reconstruction;
 
 /* Working memory that is reused from one picture to the next. For one call at a time. */
 typedef struct iso_pullpush iso_pullpush;
@@ -47,38 +35,15 @@ typedef struct iso_pullpush iso_pullpush;
 iso_status iso_pullpush_create(iso_pullpush **pullpush, iso_error *error);
 void iso_pullpush_destroy(iso_pullpush *pullpush);
 
-/* How many points were looked at and how many of them were drawn as discs; the others of `points` were
- * hidden, outside the picture, faced away, or were so small that they contain no sample. Points beside the
- * border of two patches of the picture are tested and drawn once in each. */
-typedef struct iso_selection_counts {
-    uint64_t points, tested, drawn;
-} iso_selection_counts;
-
-/* What the refined reconstruction has selected in all calls with this workspace. */
-iso_selection_counts iso_pullpush_counts(const iso_pullpush *pullpush);
-
-/* Which points the reconstructions that draw discs (all but BOX and GAUSSIAN) draw. */
-typedef enum iso_point_selection {
-    ISO_SELECTION_AUTO, /* the engine's choice: VISIBLE of the cpu engine; see render/gl/pullpush.h */
-    /* Only points that the picture may show (Guennebaud, Barthe and Paulin 2004). The cpu engine draws the
-     * same picture as from all points; of the gl engine see render/gl/pullpush.h. */
-    ISO_SELECTION_VISIBLE,
-    ISO_SELECTION_ALL /* also points that nearer ones hide */
-} iso_point_selection;
-
 typedef struct iso_pullpush_opts {
-    iso_reconstruction reconstruction;
-    iso_pullpush *workspace; /* borrowed; NULL: made for the call */
-    iso_point_selection selection;
-    /* The colour of all discs, instead of the surface's and the points'; NULL: none. Only of reconstructions
-     * that draw discs. */
-    const iso_rgb *color;
+    iso_reconstruction reconstruction; /* BOX or GAUSSIAN */
+    iso_pullpush *workspace;           /* borrowed; NULL: made for the call */
 } iso_pullpush_opts;
 
 /* Draws one surface into the gbuffer, as iso_draw_points does: a sample is replaced when the new depth is
  * smaller. The result has the same bytes for every instruction set and number of threads, and when the
  * picture is drawn in strips made by iso_view_rows. Points whose position is not finite, or whose normal is
- * zero, are left out. `opts` NULL: defaults. ISO_ERR_NOMEM. */
+ * zero, are left out. ISO_ERR_NOMEM. */
 iso_status iso_draw_pullpush(const iso_target *target, const iso_point_view *points,
                              const iso_pullpush_opts *opts, iso_error *error);
 

@@ -15,6 +15,7 @@
 
 #include "base/memory.h"
 #include "image/camera.h"
+#include "render/points/point_blocks.h"
 
 enum {
     ISO_PYRAMID_TOP = 10,   /* the highest level */
@@ -82,10 +83,6 @@ enum { ISO_OUT_MARK = 1, ISO_OUT_BORDER = 2 };
 /* In values of ISO_PLANE_SET: the set's pixels are line fragments of ribbons, not of a surface; it has
  * colours of its own. */
 enum { ISO_SET_RIBBON = 256, ISO_SET_COLORED = 512 };
-
-/* The depth, mm, of pixels without a point: greater than any other, and finite, so that a weight of zero
- * makes it zero. */
-#define ISO_NOWHERE 1e30f
 
 /* A key represents a projected point. The high 32 bits are the depth's bits, mapped so that keys compare like
  * depths; the low 32 bits are the payload: bits 0..21 the normal as in an iso_point (index space), bits
@@ -165,6 +162,12 @@ iso_pyramid_level iso_pyramid_level_of(const iso_pyramid_layout *layout, int num
 
 /* Bytes of memory of a pyramid with this layout; SIZE_MAX: it is too large. */
 size_t iso_pyramid_bytes(const iso_pyramid_layout *layout);
+
+/* The rows of the base level, in bands of `band_rows`. */
+static inline iso_level_bands iso_pyramid_bands(const iso_pyramid *pyramid, int band_rows) {
+    const int base = pyramid->layout.base;
+    return (iso_level_bands){base, pyramid->layout.row, pyramid->level[base].height, band_rows};
+}
 
 /* Gives the pyramid this layout and sets its borders. Pixels and keys are undefined afterwards unless the
  * layout is unchanged. Memory is reused. ISO_ERR_NOMEM. */

@@ -135,7 +135,8 @@ iso_status iso_sets_frame_prepare(iso_sets_frame *frame, const iso_target *strip
         made->projection.points = made->points;
         made->projection.pyramid = pyramid;
         made->projection.first = made->first;
-        ISO_TRY(iso_point_blocks_assign_bands(&made->blocks, strip->view, pyramid, band_rows, cull, error));
+        const iso_level_bands bands = iso_pyramid_bands(pyramid, band_rows);
+        ISO_TRY(iso_point_blocks_assign_bands(&made->blocks, strip->view, &bands, cull, error));
     }
     return frame->polygons.count ? iso_polygons_rasterize(&frame->polygons, strip, &pyramid->layout, error)
                                  : ISO_OK;

@@ -28,7 +28,7 @@ typedef struct iso_pyramid_set {
 } iso_pyramid_set;
 
 /* Draws all sets into the gbuffer as iso_draw_pullpush does; target->surface does not count. Points are
- * filled in with the weights of opts->reconstruction, REFINED as GAUSSIAN. Writes no elements. `opts` NULL:
+ * filled in with the weights of opts->reconstruction, CURVED as GAUSSIAN. Writes no elements. `opts` NULL:
  * defaults. ISO_ERR_NOMEM; ISO_ERR_USAGE when the points' transform has no inverse. */
 iso_status iso_draw_pyramid_sets(const iso_target *target, const iso_pyramid_set *sets, size_t count,
                                  const iso_pullpush_opts *opts, iso_error *error);

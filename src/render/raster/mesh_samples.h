@@ -3,8 +3,8 @@
 #ifndef ISO_RENDER_RASTER_MESH_SAMPLES_H
 #define ISO_RENDER_RASTER_MESH_SAMPLES_H
 
-#include "render/project.h"
 #include "render/raster/raster.h"
+#include "render/view/project.h"
 
 /* A mesh in a view. */
 typedef struct iso_mesh_samples iso_mesh_samples;

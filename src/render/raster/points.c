@@ -11,8 +11,8 @@
 #include "base/memory.h"
 #include "base/point_code.h"
 #include "base/simd.h"
-#include "render/project.h"
 #include "render/raster/raster.h"
+#include "render/view/project.h"
 
 enum {
     BLOCK_POINTS = 4096, /* points that are culled together: a span, or a part of a longer one */

@@ -10,7 +10,7 @@
 #include "base/parallel.h"
 #include "base/primitives.h"
 #include "image/camera.h"
-#include "render/gbuffer.h"
+#include "render/view/gbuffer.h"
 
 #ifdef __cplusplus
 extern "C" {

@@ -5,8 +5,8 @@
 #define ISO_RENDER_SELECTION_DEPTH_PYRAMID_H
 
 #include "base/memory.h"
-#include "render/gbuffer.h"
-#include "render/project.h"
+#include "render/view/gbuffer.h"
+#include "render/view/project.h"
 
 enum {
     ISO_DEPTH_CELL = 8,

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Discs reach at most this many radii of their points beyond the points (ISO_REFINED_BALL + _MORE, 1.415),
+/* Discs reach at most this many radii of their points beyond the points (ISO_DISCS_BALL + _MORE, 1.415),
  * and depths are rounded. */
 static const double DISC_REACH = 1.45;
 
@@ -108,10 +108,10 @@ static iso_status sort_instances(iso_instance_drawing *drawing, const iso_view *
 static iso_status draw_instance(iso_instance_drawing *drawing, const iso_target *target,
                                 const iso_instances *all, size_t number, size_t *points, iso_error *error) {
     const iso_instance *instance = &all->instances[number];
-    const iso_pullpush_opts opts = {.reconstruction = all->reconstruction,
-                                    .workspace = drawing->pullpush,
-                                    .selection = all->selection,
-                                    .color = all->colors ? &all->colors[number] : NULL};
+    const iso_point_surface_opts opts = {.reconstruction = all->reconstruction,
+                                         .workspace = drawing->workspace,
+                                         .selection = all->selection,
+                                         .color = all->colors ? &all->colors[number] : NULL};
     iso_lod lod = *all->sets[instance->set].lod; /* a copy, which borrows the levels */
     lod.points.transform = instance->transform;
     lod.points.radius *= scale_of(all, instance);
@@ -124,7 +124,7 @@ static iso_status draw_instance(iso_instance_drawing *drawing, const iso_target 
     for (int k = 0; k < drawing->cut.levels; k++) {
         if (!drawing->cut.view[k].span_count) continue;
         *points += drawing->cut.points[k];
-        ISO_TRY(iso_draw_pullpush(&alone, &drawing->cut.view[k], &opts, error));
+        ISO_TRY(iso_draw_point_surface(&alone, &drawing->cut.view[k], &opts, error));
     }
     return ISO_OK;
 }
@@ -137,7 +137,7 @@ iso_status iso_draw_instances(iso_instance_drawing *drawing, const iso_target *t
                               const iso_instances *all, iso_instance_counts *counts, iso_error *error) {
     iso_instance_counts n = {0};
     size_t count;
-    if (!drawing->pullpush) ISO_TRY(iso_pullpush_create(&drawing->pullpush, error));
+    if (!drawing->workspace) ISO_TRY(iso_point_workspace_create(&drawing->workspace, error));
     ISO_TRY(sort_instances(drawing, target->view, all, &count, error));
     if (!all->draw_hidden) ISO_TRY(iso_depth_pyramid_make(&drawing->pyramid, target->gbuffer, error));
     const placed *order = drawing->order.data;
@@ -158,7 +158,7 @@ iso_status iso_draw_instances(iso_instance_drawing *drawing, const iso_target *t
 }
 
 void iso_instance_drawing_free(iso_instance_drawing *drawing) {
-    iso_pullpush_destroy(drawing->pullpush);
+    iso_point_workspace_destroy(drawing->workspace);
     iso_depth_pyramid_free(&drawing->pyramid);
     iso_lod_cut_free(&drawing->cut);
     iso_buffer_free(&drawing->order);

@@ -4,7 +4,7 @@
 #ifndef ISO_RENDER_SELECTION_INSTANCES_H
 #define ISO_RENDER_SELECTION_INSTANCES_H
 
-#include "render/pullpush/pullpush.h"
+#include "render/point_surface.h"
 #include "render/selection/depth_pyramid.h"
 #include "render/selection/lod_cut.h"
 
@@ -47,16 +47,16 @@ typedef struct iso_instances {
 /* Working memory, kept from one picture to the next. Zero-initialise; free with
  * iso_instance_drawing_free. */
 typedef struct iso_instance_drawing {
-    iso_pullpush *pullpush;
+    iso_point_workspace *workspace;
     iso_depth_pyramid pyramid;
     iso_lod_cut cut;
     iso_buffer order, levels;
 } iso_instance_drawing;
 
-/* Draws all instances as one surface into the gbuffer, as discs (render/refined/refined.h), as
- * iso_draw_pullpush draws one after the other from front to back. What is left out would not be seen: the
- * picture is the same with `draw_hidden`, byte for byte, for every number of threads and instruction set, and
- * in strips. `counts` may be NULL. ISO_ERR_NOMEM. */
+/* Draws all instances as one surface into the gbuffer, as discs (render/discs/discs.h), as
+ * iso_draw_point_surface draws one after the other from front to back. What is left out would not be seen:
+ * the picture is the same with `draw_hidden`, byte for byte, for every number of threads and instruction set,
+ * and in strips. `counts` may be NULL. ISO_ERR_NOMEM. */
 iso_status iso_draw_instances(iso_instance_drawing *drawing, const iso_target *target,
                               const iso_instances *instances, iso_instance_counts *counts, iso_error *error);
 void iso_instance_drawing_free(iso_instance_drawing *drawing);

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "render/project.h"
+#include "render/view/project.h"
 
 /* A span whose parent, one level coarser, has been found not to be fine enough. */
 typedef struct span_place {

@@ -1,18 +1,18 @@
-/* lod_cut: chooses from levels of detail (base/lod/lod.h) the spans that one picture needs: of every part
- * of the surface the coarsest level whose error there is at most a given number of pixels.
+/* lod_cut: chooses from levels of detail (render/selection/lod.h) the spans that one picture needs: of every
+ * part of the surface the coarsest level whose error there is at most a given number of pixels.
  *
  * Colours, and the sizes of coloured discs, are interpolated between the chosen level and the next coarser
  * one (Guennebaud et al. 2004, section 4.4), so that little changes suddenly when the camera moves: a span
  * that has just become fine enough has those of its own level, one whose place is about to be taken by a
- * coarser one has those of that level. In between, the coarser level's share grows with the square of the
- * way (in the paper: linearly), because the discs of the finer one are filtered and so hardly alias where
- * they are still a good deal smaller than pixels. */
+ * coarser one has those of that level. In between, the coarser level's share grows with the square of the way
+ * (in the paper: linearly), because the discs of the finer one are filtered and so hardly alias where they
+ * are still a good deal smaller than pixels. */
 #ifndef ISO_RENDER_SELECTION_LOD_CUT_H
 #define ISO_RENDER_SELECTION_LOD_CUT_H
 
-#include "base/lod/lod.h"
 #include "base/memory.h"
 #include "image/camera.h"
+#include "render/selection/lod.h"
 
 #ifdef __cplusplus
 extern "C" {

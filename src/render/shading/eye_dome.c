@@ -7,8 +7,8 @@
 
 #include "base/exponential.h"
 #include "base/simd.h"
-#include "render/project.h"
-#include "render/strip.h"
+#include "render/view/project.h"
+#include "render/view/strip.h"
 
 enum {
     TILE = 512, /* columns whose light is found together */

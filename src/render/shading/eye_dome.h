@@ -12,7 +12,7 @@
 
 #include "base/parallel.h"
 #include "image/camera.h"
-#include "render/gbuffer.h"
+#include "render/view/gbuffer.h"
 
 /* Neighbours are 1, 2, 4 pixels away, on diagonals in both coordinates. */
 enum { ISO_EYE_DOME_RINGS = 3, ISO_EYE_DOME_REACH = 1 << (ISO_EYE_DOME_RINGS - 1) };

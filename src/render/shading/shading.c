@@ -7,9 +7,9 @@
 #include <string.h>
 
 #include "base/kernel_units.h"
-#include "render/project.h"
 #include "render/shading/phong_vectors.h"
 #include "render/shading/shading_kernel.h"
+#include "render/view/project.h"
 
 static iso_shade_params make_params(const iso_shading *shading, const iso_strip *strip,
                                     const iso_image *image) {
@@ -80,4 +80,12 @@ iso_rgb iso_shading_palette(int surface) {
                                       {0x5B, 0x8E, 0x4B}, {0x7D, 0x5B, 0x9B}, {0xC7, 0x7A, 0x3A}};
     enum { COLORS = sizeof palette / sizeof *palette };
     return palette[surface % COLORS];
+}
+
+int32_t iso_shading_empty(const iso_shading *shading) {
+    const iso_rgb back = shading->background;
+    const uint8_t opaque[4] = {back.r, back.g, back.b, 255};
+    int32_t word = 0;
+    if (!shading->transparent) memcpy(&word, opaque, sizeof word);
+    return word;
 }

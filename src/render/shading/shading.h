@@ -9,7 +9,7 @@
 #include "base/parallel.h"
 #include "image/image.h"
 #include "isopoint.h"
-#include "render/strip.h"
+#include "render/view/strip.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -27,6 +27,9 @@ typedef struct iso_shading {
 
 /* Returns the default colour for a surface number. */
 iso_rgb iso_shading_palette(int surface);
+
+/* The four bytes, in memory order, of a pixel that shows no surface: the background, or transparent black. */
+int32_t iso_shading_empty(const iso_shading *shading);
 
 static inline bool iso_rgb_equal(iso_rgb a, iso_rgb b) {
     return a.r == b.r && a.g == b.g && a.b == b.b;

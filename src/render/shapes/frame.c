@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "base/memory.h"
-#include "render/project.h"
+#include "render/view/project.h"
 
 /* Pixels on a side of a block beyond which its shapes are placed one by one. */
 static const double WIDE = 384;

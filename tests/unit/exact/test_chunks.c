@@ -14,7 +14,7 @@
 #include "exact_support.h"
 #include "extract_support.h"
 #include "grids/grid_chunk.h"
-#include "render/key_image.h"
+#include "render/view/key_image.h"
 #include "view_support.h"
 
 enum { MOST_CHUNKS = 64, SIZE = 96 };
@@ -138,7 +138,7 @@ static iso_image paint_chunks(const subject *s, const partition *p, int parts, t
     for (int i = 0; i < parts; i++)
         if (i != first) iso_key_image_minimum(&keys[first], &keys[i], s->pool);
     assert_int_equal(iso_image_create(s->view->width, s->view->height, &image, NULL), ISO_OK);
-    *covered = iso_key_image_paint(&keys[first], &s->shading, &image, s->pool);
+    *covered = iso_key_image_paint(&keys[first], iso_shading_empty(&s->shading), &image, s->pool);
     for (int i = 0; i < parts; i++) iso_key_image_free(&keys[i]);
     return image;
 }

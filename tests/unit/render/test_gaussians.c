@@ -10,7 +10,7 @@
 #include "base/memory.h"
 #include "check_support.h"
 #include "render/gaussians/gaussians.h"
-#include "render/gbuffer.h"
+#include "render/view/gbuffer.h"
 #include "scene_support.h"
 
 static const iso_rgb BACKGROUND = {31, 33, 41}, OPAQUE = {20, 200, 90};

@@ -127,7 +127,7 @@ static void one_kind_is_its_method(void **state) {
     test_surfaces b = test_surfaces_make("torus", 48, false);
     for (int parallel = 0; parallel < 2; parallel++) {
         const iso_view view = test_look_at(&b.scene, 2, 1, parallel, 200, 150);
-        const iso_pullpush_opts gaussian = {.reconstruction = ISO_RECONSTRUCTION_GAUSSIAN};
+        const iso_point_surface_opts gaussian = {.reconstruction = ISO_RECONSTRUCTION_GAUSSIAN};
         iso_gbuffer points = test_drawn(&view, &b.scene.points, &gaussian, NULL), mesh = triangles(&b, &view),
                     small = hybrid(&b, &view, 1e6, NULL), large = hybrid(&b, &view, 1e-6, NULL);
         assert_memory_equal(small.depth, points.depth, 200 * 150 * sizeof(float));

@@ -96,7 +96,7 @@ static iso_gbuffer draw_behind_wall(const void *context, const iso_view *view, i
     iso_point_view points = *w->points;
     if (!w->curved) points.curvatures = NULL;
     const iso_target target = {view, &g, pool, 0};
-    test_ok(iso_draw_pullpush(&target, &points, &(iso_pullpush_opts){0}, &error), &error);
+    test_ok(iso_draw_point_surface(&target, &points, &(iso_point_surface_opts){0}, &error), &error);
     return g;
 }
 
@@ -110,10 +110,10 @@ static void earlier_surfaces_hide_points(void **state) {
         test_scene s = test_scene_make(names[n], 40, &opts, true);
         for (int zoom = 1; zoom <= 8; zoom *= 2) {
             const iso_view view = test_look_at(&s, n + zoom, zoom, zoom == 4, 150, 140);
-            iso_pullpush *workspace;
-            assert_int_equal(iso_pullpush_create(&workspace, NULL), ISO_OK);
+            iso_point_workspace *workspace;
+            assert_int_equal(iso_point_workspace_create(&workspace, NULL), ISO_OK);
             iso_gbuffer alone =
-                test_drawn(&view, &s.points, &(iso_pullpush_opts){.workspace = workspace}, NULL);
+                test_drawn(&view, &s.points, &(iso_point_surface_opts){.workspace = workspace}, NULL);
             float depths[2] = {INFINITY, 0};
             for (int i = 0; i < 150 * 140; i++) {
                 if (alone.surface[i] == ISO_SURFACE_NONE) continue;
@@ -138,7 +138,7 @@ static void earlier_surfaces_hide_points(void **state) {
             test_strips_of(draw_behind_wall, &w, &view, 8, &g);
             iso_gbuffer_free(&alone);
             iso_gbuffer_free(&g);
-            iso_pullpush_destroy(workspace);
+            iso_point_workspace_destroy(workspace);
         }
         test_scene_free(&s);
     }
@@ -187,18 +187,19 @@ static void counts_tell_what_is_hidden(void **state) {
     iso_selection_counts counts[2];
     for (int k = 0; k < 2; k++) {
         iso_error error = {0};
-        iso_pullpush *workspace;
-        assert_int_equal(iso_pullpush_create(&workspace, NULL), ISO_OK);
+        iso_point_workspace *workspace;
+        assert_int_equal(iso_point_workspace_create(&workspace, NULL), ISO_OK);
         iso_gbuffer g = test_clear_gbuffer(200, 200, false);
         for (int i = 0; i < 200 * 200 && k; i++) g.depth[i] = 0.5f;
         const iso_target target = {&view, &g, NULL, 0};
-        test_ok(iso_draw_pullpush(&target, &s.points, &(iso_pullpush_opts){.workspace = workspace}, &error),
+        test_ok(iso_draw_point_surface(&target, &s.points, &(iso_point_surface_opts){.workspace = workspace},
+                                       &error),
                 &error);
-        counts[k] = iso_pullpush_counts(workspace);
+        counts[k] = iso_point_workspace_counts(workspace);
         assert_int_equal(counts[k].points, iso_point_view_count(&s.points));
         assert_true(counts[k].drawn <= counts[k].tested);
         iso_gbuffer_free(&g);
-        iso_pullpush_destroy(workspace);
+        iso_point_workspace_destroy(workspace);
     }
     assert_true(counts[0].drawn > counts[0].points / 10);
     assert_true(counts[0].tested < 3 * (double)counts[0].points);
@@ -428,7 +429,7 @@ static void an_instance_in_place_is_the_set(void **state) {
         assert_memory_equal(&place, &s.points.transform, sizeof place);
         for (int zoom = 1; zoom <= 8; zoom *= 2) {
             const iso_view view = test_look_at(&s, zoom, zoom, zoom == 4, 150, 140);
-            iso_gbuffer plain = test_drawn(&view, &s.points, &(iso_pullpush_opts){0}, NULL),
+            iso_gbuffer plain = test_drawn(&view, &s.points, &(iso_point_surface_opts){0}, NULL),
                         placed = draw_one(&view, &s.points, &place, NULL);
             test_same_rows(&plain, 0, &placed);
             iso_gbuffer_free(&plain);
@@ -492,7 +493,7 @@ static void radii_grow_with_instances(void **state) {
     s.points.radii = radii;
     for (int zoom = 1; zoom <= 8; zoom *= 2) {
         const iso_view view = test_look_at(&s, zoom, zoom, zoom == 4, 150, 140);
-        iso_gbuffer copied = test_drawn(&view, &scaled, &(iso_pullpush_opts){0}, NULL),
+        iso_gbuffer copied = test_drawn(&view, &scaled, &(iso_point_surface_opts){0}, NULL),
                     placed = draw_one(&view, &s.points, &scaled.transform, NULL);
         test_same_rows(&copied, 0, &placed);
         iso_gbuffer_free(&copied);

@@ -2,8 +2,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/lod/lod.h"
 #include "base/memory.h"
+#include "render/selection/lod.h"
 #include "render/selection/lod_cut.h"
 #include "scene_support.h"
 
@@ -368,7 +368,7 @@ static void levels_have_no_holes(void **state) {
                 const int wide = (int)(0.8 * PLANE * focal), high = (int)(0.8 * PLANE * focal * cosine);
                 const iso_view view = test_plain_view(wide, high, true, focal);
                 const iso_point_view drawn = iso_lod_view(&lod, level);
-                iso_gbuffer g = test_drawn(&view, &drawn, &(iso_pullpush_opts){0}, NULL);
+                iso_gbuffer g = test_drawn(&view, &drawn, &(iso_point_surface_opts){0}, NULL);
                 int holes = 0;
                 for (int i = 0; i < wide * high; i++) holes += g.surface[i] == ISO_SURFACE_NONE;
                 if (holes)
@@ -440,7 +440,7 @@ static iso_gbuffer draw_cut(const iso_lod *lod, const iso_view *view, double pix
     *points = 0;
     for (int k = 0; k < cut.levels; k++) {
         *points += cut.points[k];
-        test_ok(iso_draw_pullpush(&target, &cut.view[k], &(iso_pullpush_opts){0}, &error), &error);
+        test_ok(iso_draw_point_surface(&target, &cut.view[k], &(iso_point_surface_opts){0}, &error), &error);
     }
     iso_lod_cut_free(&cut);
     return g;
@@ -569,7 +569,7 @@ static void colors_are_prefiltered(void **state) {
         size_t drawn;
         iso_gbuffer g = draw_cut(&lod, &view, 1, &drawn);
         const double db = zone_plate_decibels(&g, &view, cosine);
-        const iso_pullpush_opts means = {.reconstruction = ISO_RECONSTRUCTION_MEAN};
+        const iso_point_surface_opts means = {.reconstruction = ISO_RECONSTRUCTION_MEAN};
         iso_gbuffer m = test_drawn(&view, &points, &means, NULL);
         const double db_mean = zone_plate_decibels(&m, &view, cosine);
         printf("%s: %.1f dB, mean of a pixel's points %.1f\n", tilted ? "tilted" : "straight", db, db_mean);

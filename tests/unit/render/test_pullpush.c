@@ -16,8 +16,8 @@
 #include "grids/scenes/scenes.h"
 #include "image/image.h"
 #include "pullpush_reference.h"
-#include "render/point_blocks.h"
-#include "render/pullpush/pullpush.h"
+#include "render/point_surface.h"
+#include "render/points/point_blocks.h"
 #include "render/pullpush/pyramid.h"
 #include "render/shading/shading.h"
 #include "scene_support.h"
@@ -83,7 +83,8 @@ static reference_opts layout_of(const iso_view *view, const iso_point_view *poin
 
 /* What may differ: pixels where rounding decides whether a point, or an ellipse, is in. */
 static void like_reference(const iso_view *view, const iso_point_view *points, bool box) {
-    iso_pullpush_opts opts = {.reconstruction = box ? ISO_RECONSTRUCTION_BOX : ISO_RECONSTRUCTION_GAUSSIAN};
+    iso_point_surface_opts opts = {.reconstruction =
+                                       box ? ISO_RECONSTRUCTION_BOX : ISO_RECONSTRUCTION_GAUSSIAN};
     iso_gbuffer got = test_drawn(view, points, &opts, NULL);
     iso_gbuffer wanted = test_clear_gbuffer(view->width, view->height, points->colors != NULL);
     reference_opts layout = layout_of(view, points, box);
@@ -154,9 +155,9 @@ static void workspaces_hold_nothing(void **state) {
     test_scene sphere = test_scene_make("sphere", 40, NULL, true),
                gyroid = test_scene_make("gyroid", 24, NULL, false);
     painted p = paint(&gyroid.points, false);
-    iso_pullpush *workspace;
-    assert_int_equal(iso_pullpush_create(&workspace, NULL), ISO_OK);
-    iso_pullpush_opts opts = {.reconstruction = ISO_RECONSTRUCTION_GAUSSIAN, .workspace = workspace};
+    iso_point_workspace *workspace;
+    assert_int_equal(iso_point_workspace_create(&workspace, NULL), ISO_OK);
+    iso_point_surface_opts opts = {.reconstruction = ISO_RECONSTRUCTION_GAUSSIAN, .workspace = workspace};
     uint32_t seed = 3;
     int width = 0, height = 0;
     for (int i = 0; i < 60; i++) {
@@ -173,8 +174,8 @@ static void workspaces_hold_nothing(void **state) {
         iso_gbuffer_free(&fresh);
         iso_gbuffer_free(&again);
     }
-    iso_pullpush_destroy(workspace);
-    iso_pullpush_destroy(NULL);
+    iso_point_workspace_destroy(workspace);
+    iso_point_workspace_destroy(NULL);
     free_painted(&p);
     test_scene_free(&sphere);
     test_scene_free(&gyroid);
@@ -298,7 +299,7 @@ static double open_pixels(double degrees, double pitch) {
                              .transform = iso_transform_identity(),
                              .radius = sqrt(0.5)};
     const iso_view view = test_plain_view(180, 170, true, pitch);
-    const iso_pullpush_opts opts = {.reconstruction = ISO_RECONSTRUCTION_GAUSSIAN};
+    const iso_point_surface_opts opts = {.reconstruction = ISO_RECONSTRUCTION_GAUSSIAN};
     iso_gbuffer g = test_drawn(&view, &points, &opts, NULL);
     size_t inside = 0, open = 0;
     for (int i = 0; i < view.width * view.height; i++) {
@@ -434,7 +435,7 @@ static void nearer_surfaces_win(void **state) {
     assert_true(front && back);
     make_sheet(front, 50, 0, 1);
     make_sheet(back, 60, 0, 1);
-    const iso_pullpush_opts opts = {.reconstruction = ISO_RECONSTRUCTION_GAUSSIAN};
+    const iso_point_surface_opts opts = {.reconstruction = ISO_RECONSTRUCTION_GAUSSIAN};
     iso_view view = test_plain_view(60, 60, true, 3);
     view.cx = 15; /* the sheet at the left */
     view.cy = 200;
@@ -446,14 +447,14 @@ static void nearer_surfaces_win(void **state) {
         for (int k = 0; k < 2; k++) {
             bool near = (k == 0) == (order == 0);
             iso_target target = {near ? &view : &other, g, NULL, near ? 3 : 9};
-            assert_int_equal(iso_draw_pullpush(&target, near ? &front->points : &back->points, &opts, NULL),
-                             ISO_OK);
+            assert_int_equal(
+                iso_draw_point_surface(&target, near ? &front->points : &back->points, &opts, NULL), ISO_OK);
         }
     }
     test_same_rows(&a, 0, &b);
     iso_gbuffer alone = test_clear_gbuffer(60, 60, false);
     iso_target target = {&view, &alone, NULL, 3};
-    assert_int_equal(iso_draw_pullpush(&target, &front->points, &opts, NULL), ISO_OK);
+    assert_int_equal(iso_draw_point_surface(&target, &front->points, &opts, NULL), ISO_OK);
     for (size_t i = 0; i < 3600; i++)
         assert_int_equal(a.surface[i], alone.surface[i] == 3 ? 3 : a.surface[i] == 9 ? 9 : ISO_SURFACE_NONE);
     iso_gbuffer_free(&a);

@@ -9,12 +9,12 @@
 #include <cmocka.h>
 
 #include "refused_memory.h"
-#include "render/pullpush/pullpush.h"
+#include "render/point_surface.h"
 #include "scene_support.h"
 
 enum { SIDE = 20, COUNT = SIDE * SIDE, SIZE = 70 };
 
-static iso_status draw(iso_pullpush *workspace, iso_reconstruction reconstruction, bool colored,
+static iso_status draw(iso_point_workspace *workspace, iso_reconstruction reconstruction, bool colored,
                        iso_gbuffer *g) {
     iso_surfel surfels[COUNT];
     uint8_t colors[COUNT][3];
@@ -31,13 +31,13 @@ static iso_status draw(iso_pullpush *workspace, iso_reconstruction reconstructio
                                    .transform = iso_transform_identity(),
                                    .radius = 0.8};
     const iso_view view = test_plain_view(SIZE, SIZE, true, 3);
-    const iso_pullpush_opts opts = {.reconstruction = reconstruction, .workspace = workspace};
+    const iso_point_surface_opts opts = {.reconstruction = reconstruction, .workspace = workspace};
     const iso_target target = {&view, g, NULL, 0};
-    return iso_draw_pullpush(&target, &points, &opts, NULL);
+    return iso_draw_point_surface(&target, &points, &opts, NULL);
 }
 
 typedef struct drawing {
-    iso_pullpush *workspace;
+    iso_point_workspace *workspace;
     iso_reconstruction reconstruction;
     bool colored;
     iso_gbuffer *gbuffer;
@@ -55,8 +55,8 @@ static void refusals_are_reported(void **state) {
     for (int k = 0; k < 12; k++) {
         bool colored = k % 2, kept = k / 2 % 2;
         iso_reconstruction reconstruction = (iso_reconstruction)(1 + k / 4);
-        iso_pullpush *workspace = NULL;
-        if (kept) assert_int_equal(iso_pullpush_create(&workspace, NULL), ISO_OK);
+        iso_point_workspace *workspace = NULL;
+        if (kept) assert_int_equal(iso_point_workspace_create(&workspace, NULL), ISO_OK);
         iso_gbuffer wanted, got;
         assert_int_equal(iso_gbuffer_create(SIZE, SIZE, &wanted, NULL), ISO_OK);
         assert_int_equal(iso_gbuffer_create(SIZE, SIZE, &got, NULL), ISO_OK);
@@ -69,11 +69,11 @@ static void refusals_are_reported(void **state) {
         assert_memory_equal(got.surface, wanted.surface, SIZE * SIZE);
         iso_gbuffer_free(&wanted);
         iso_gbuffer_free(&got);
-        iso_pullpush_destroy(workspace);
+        iso_point_workspace_destroy(workspace);
     }
     test_refuse_memory_after(0);
-    iso_pullpush *workspace;
-    assert_int_equal(iso_pullpush_create(&workspace, NULL), ISO_ERR_NOMEM);
+    iso_point_workspace *workspace;
+    assert_int_equal(iso_point_workspace_create(&workspace, NULL), ISO_ERR_NOMEM);
     test_grant_memory();
 }
 

@@ -102,7 +102,7 @@ static errors measure(const plate *p, double pixels, bool orthographic, iso_reco
     for (int step = 0; step < STEPS; step++) {
         const iso_view view = view_of_step(p, pixels, orthographic, step);
         iso_gbuffer g =
-            test_drawn(&view, &p->points, &(iso_pullpush_opts){.reconstruction = reconstruction}, NULL);
+            test_drawn(&view, &p->points, &(iso_point_surface_opts){.reconstruction = reconstruction}, NULL);
         for (int i = 0; i < PICTURE * PICTURE; i++) {
             const double truth = pixel_brightness(p, &view, i % PICTURE, i / PICTURE);
             error[step][i] = NAN;
@@ -188,7 +188,7 @@ static void silhouettes_do_not_grow(void **state) {
         const iso_view view = test_look_at(&s, n, zooms[n / 3], n % 2, 120, 110);
         iso_gbuffer g[3];
         for (int k = 0; k < 3; k++)
-            g[k] = test_drawn(&view, &s.points, &(iso_pullpush_opts){.reconstruction = ways[k]}, NULL);
+            g[k] = test_drawn(&view, &s.points, &(iso_point_surface_opts){.reconstruction = ways[k]}, NULL);
         assert_true(count_samples(&g[0]) > 20);
         assert_memory_equal(g[0].surface, g[1].surface, (size_t)view.width * (size_t)view.height);
         assert_true(count_samples(&g[2]) > count_samples(&g[0]));
@@ -211,7 +211,7 @@ static void same_bytes_everywhere(void **state) {
         if (n % 4 > 1) s.points.colors = (const uint8_t(*)[3])colors;
         if (n / 2 % 2) s.points.closed = false;
         const iso_view view = test_look_at(&s, n, zooms[n / 3], n % 3 == 1, 131, 143);
-        const iso_pullpush_opts opts = {.reconstruction = ways[n % 4]};
+        const iso_point_surface_opts opts = {.reconstruction = ways[n % 4]};
         iso_gbuffer whole = test_drawn(&view, &s.points, &opts, NULL);
         assert_true(count_samples(&whole) > 100);
         test_every_variant(&view, &s.points, &opts, &whole);
@@ -268,8 +268,8 @@ static void order_does_not_matter(void **state) {
                                            .closed = n % 4 == 3};
             const test_scene s = {.points = points};
             view = test_look_at(&s, n, n % 2 ? 6 : 1, n % 4 == 2, 130, 110);
-            g[k] = test_drawn(&view, &points, &(iso_pullpush_opts){.reconstruction = way}, NULL);
-            const iso_pullpush_opts all = {.reconstruction = way, .selection = ISO_SELECTION_ALL};
+            g[k] = test_drawn(&view, &points, &(iso_point_surface_opts){.reconstruction = way}, NULL);
+            const iso_point_surface_opts all = {.reconstruction = way, .selection = ISO_SELECTION_ALL};
             iso_gbuffer hidden = test_drawn(&view, &points, &all, NULL);
             test_same_rows(&g[k], 0, &hidden);
             iso_gbuffer_free(&hidden);
@@ -293,9 +293,11 @@ static void large_discs_are_not_filtered(void **state) {
     for (int n = 0; n < 3; n++) {
         const iso_view view = test_look_at(&s, n, 5 + 4 * n, false, 150, 140);
         iso_gbuffer a = test_drawn(&view, &s.points,
-                                   &(iso_pullpush_opts){.reconstruction = ISO_RECONSTRUCTION_REFINED}, NULL),
+                                   &(iso_point_surface_opts){.reconstruction = ISO_RECONSTRUCTION_CURVED},
+                                   NULL),
                     b = test_drawn(&view, &s.points,
-                                   &(iso_pullpush_opts){.reconstruction = ISO_RECONSTRUCTION_FLAT}, NULL);
+                                   &(iso_point_surface_opts){.reconstruction = ISO_RECONSTRUCTION_FLAT},
+                                   NULL);
         test_same_rows(&a, 0, &b);
         iso_gbuffer_free(&a);
         iso_gbuffer_free(&b);
@@ -320,8 +322,8 @@ static void discs_of_every_size_are_drawn(void **state) {
         iso_view view = test_plain_view(SIZE, SIZE, orthographic, pixels * (orthographic ? 1 : DISTANCE));
         view.cy = SIZE / 2.0 - TILE / 2.0 * pixels;
         p->points.radii = n % 2 ? radii : NULL;
-        iso_gbuffer g = test_drawn(&view, &p->points,
-                                   &(iso_pullpush_opts){.reconstruction = ISO_RECONSTRUCTION_FLAT}, NULL);
+        iso_gbuffer g = test_drawn(
+            &view, &p->points, &(iso_point_surface_opts){.reconstruction = ISO_RECONSTRUCTION_FLAT}, NULL);
         assert_int_equal(count_samples(&g), SIZE * SIZE);
         iso_gbuffer_free(&g);
     }

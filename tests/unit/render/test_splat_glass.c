@@ -3,8 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/coverage.h"
-#include "render/splats/layers.h"
+#include "render/groups/coverage.h"
+#include "render/groups/disc_layers.h"
 #include "scene_support.h"
 
 enum { BALL = 6000, PIXELS = 120 };
@@ -45,7 +45,7 @@ static iso_glass_map make_map(balls *b, const iso_view *view, iso_transparency h
     iso_groups_free(&b->groups);
     test_ok(iso_groups_make(&b->points, &grouping, &b->groups, &error), &error);
     test_ok(iso_groups_cover(&b->points, grouping.disc, NULL, &b->groups, &error), &error);
-    test_ok(iso_splats_map_glass(&b->points, &b->groups, how, &map, pool, &error), &error);
+    test_ok(iso_groups_map_glass(&b->points, &b->groups, how, &map, pool, &error), &error);
     return map;
 }
 

@@ -2,11 +2,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/coverage.h"
 #include "base/memory.h"
-#include "render/gbuffer.h"
+#include "render/groups/coverage.h"
+#include "render/groups/disc_layers.h"
 #include "render/picture.h"
-#include "render/splats/layers.h"
+#include "render/view/gbuffer.h"
 #include "scene_support.h"
 #include "splats_reference.h"
 
@@ -189,7 +189,7 @@ static void test_algorithms(void **state) {
             printf("%s, opacity 0.%d: groups %.1f dB, nearest %.1f\n", scenes[k], a, groups, nearest);
             assert_true(groups > 27 && nearest > 30);
             assert_int_equal(
-                iso_groups_cover(&f.scene.points, (double)ISO_SPLATS_DISC, NULL, &f.groups, NULL), ISO_OK);
+                iso_groups_cover(&f.scene.points, (double)ISO_GROUPS_DISC, NULL, &f.groups, NULL), ISO_OK);
             for (int t = 1; t < 3; t++) {
                 const drawing d = {.transparency = (iso_transparency)t, .layers = &f.layer, .count = 1};
                 iso_image covered = drawn(&d, &f.view, NULL);

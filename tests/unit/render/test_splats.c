@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "base/memory.h"
-#include "render/splats/splats.h"
+#include "render/groups/groups.h"
 #include "scene_support.h"
 #include "splats_reference.h"
 #include "truth_support.h"
@@ -11,12 +11,12 @@
 
 enum { MOST = 64, WIDTH = 150, HEIGHT = 120 };
 
-static iso_gbuffer drawn(const iso_view *view, const iso_point_view *points, const iso_splats_opts *opts,
+static iso_gbuffer drawn(const iso_view *view, const iso_point_view *points, const iso_draw_groups_opts *opts,
                          iso_pool *pool) {
     iso_error error = {0};
     iso_gbuffer g = test_clear_gbuffer(view->width, view->height, points->colors != NULL);
     const iso_target target = {view, &g, pool, 0};
-    test_ok(iso_draw_splats(&target, points, opts, &error), &error);
+    test_ok(iso_draw_groups(&target, points, opts, &error), &error);
     return g;
 }
 
@@ -34,7 +34,7 @@ typedef struct cloud {
     iso_point_span span;
     iso_point_view view;
     iso_groups groups;
-    iso_splats_opts opts;
+    iso_draw_groups_opts opts;
 } cloud;
 
 static void make_cloud(cloud *c, uint32_t count, double depth, double radius, uint32_t seed) {
@@ -111,7 +111,7 @@ static double psnr(const iso_view *view, const iso_point_view *points, const iso
     iso_groups groups;
     iso_error error;
     test_ok(iso_groups_make(points, grouping, &groups, &error), &error);
-    const iso_splats_opts opts = {&groups, bins};
+    const iso_draw_groups_opts opts = {&groups, bins};
     iso_gbuffer got = drawn(view, points, &opts, NULL);
     const double db = test_psnr(view, &got, wanted);
     assert_int_equal(test_covered(&got), test_covered(wanted));
@@ -127,7 +127,7 @@ static void test_groups(void **state) {
         test_scene scene = test_scene_make(scenes[k], 48, NULL, false); /* unbounded: nothing is culled */
         const iso_view view = test_look_at(&scene, 1, 1, k == 1, 300, 300);
         iso_gbuffer wanted = two_passes(&view, &scene.points);
-        iso_groups_opts whole = iso_splats_grouping(NULL), relaxed = whole, eight = whole;
+        iso_groups_opts whole = iso_groups_default_opts(NULL), relaxed = whole, eight = whole;
         whole.limit = relaxed.limit = 0;
         relaxed.overlap = 0.4;
         const double db[] = {psnr(&view, &scene.points, &whole, 0, &wanted),
@@ -147,7 +147,7 @@ static void test_threads_and_strips(void **state) {
     (void)state;
     test_scene scene = test_scene_make("head", 40, NULL, true);
     for (int bins = 0; bins < 200; bins += 150) {
-        const iso_splats_opts opts = {NULL, bins};
+        const iso_draw_groups_opts opts = {NULL, bins};
         const iso_view view = test_look_at(&scene, 2, 3, bins > 0, 130, 110);
         iso_gbuffer wanted = drawn(&view, &scene.points, &opts, NULL);
         assert_true(test_covered(&wanted) > 1000);

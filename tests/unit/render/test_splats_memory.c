@@ -10,7 +10,7 @@
 
 #include "image/image.h"
 #include "refused_memory.h"
-#include "render/splats/layers.h"
+#include "render/groups/disc_layers.h"
 #include "scene_support.h"
 
 enum { SIDE = 20, COUNT = SIDE * SIDE, SIZE = 70, WAYS = 5 };
@@ -80,7 +80,7 @@ static iso_status draw(const void *context, iso_error *error) {
     }
     iso_gbuffer_clear(&s->gbuffer);
     const iso_target target = {&s->view, &s->gbuffer, NULL, 0};
-    return iso_draw_splats(&target, &s->points, NULL, NULL);
+    return iso_draw_groups(&target, &s->points, NULL, NULL);
 }
 
 /* Refused at each place in turn; then it draws what it always draws. */

@@ -1,0 +1,10 @@
+/* kernel: chooses among the units in which the kernel is compiled (discs_kernel.c). */
+#include "render/discs/kernel.h"
+
+#include "base/kernel_units.h"
+
+ISO_KERNEL_UNITS(iso_discs_kernel, iso_discs_kernel);
+
+const iso_discs_kernel *iso_discs_kernel_get(iso_cpu_level level) {
+    return ISO_KERNEL_UNIT(iso_discs_kernel, level);
+}

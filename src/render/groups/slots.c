@@ -1,0 +1,97 @@
+/* slots: deferred blending (Zhang and Pajarola 2006, sections 3.2 and 5.1) with one slot for each group in
+ * every pixel. */
+#include "render/groups/slots.h"
+
+#include <string.h>
+
+static const uint64_t NO_DISC = UINT64_MAX;
+
+/* ---- keys */
+
+/* Maps a depth to an integer with the same order. */
+static uint32_t ordered_bits(float depth) {
+    uint32_t bits;
+    memcpy(&bits, &depth, sizeof bits);
+    return bits >> 31 ? ~bits : bits | 1u << 31;
+}
+
+/* Returns a key of the paper: the depth in bins (eq. 6), and in each bin the distance from the disc's centre
+ * (eq. 10), which stays below 1 so that a rim does not count as the centre of the next bin. */
+static uint32_t binned(const iso_slots *slots, const iso_disc_hit *hit) {
+    const double least = (double)slots->discs->depth[0], range = (double)slots->discs->depth[1] - least,
+                 part = range > 0 ? ((double)hit->depth - least) / range : 0,
+                 bin = floor((part < 0   ? 0
+                              : part > 1 ? 1
+                                         : part) *
+                             slots->bins),
+                 distance = sqrt((double)hit->e) * (1 - 1.0 / 4096);
+    return (uint32_t)((bin + distance) * (4294967295.0 / (slots->bins + 2)));
+}
+
+static uint64_t key_of(const iso_slots *slots, const iso_disc *disc, uint32_t number,
+                       const iso_disc_hit *hit) {
+    const uint32_t depth =
+        slots->bins > 0 ? binned(slots, hit) : ordered_bits(hit->depth + iso_splat_thickness(disc) * hit->e);
+    return (uint64_t)depth << 32 | number;
+}
+
+/* ---- drawing */
+
+void iso_slots_clear(const iso_slots_band *band) {
+    const size_t pixels = (size_t)(band->rows.last - band->rows.first + 1) * (size_t)band->slots->width;
+    memset(band->keys, 0xff, pixels * (size_t)band->slots->groups->count * sizeof *band->keys); /* NO_DISC */
+}
+
+void iso_slots_draw(const iso_slots_band *band, uint32_t number) {
+    const iso_slots *slots = band->slots;
+    const iso_disc_view *view = &slots->discs->view;
+    const iso_disc *disc = (const iso_disc *)slots->discs->disc.data + number;
+    const iso_disc_box within = {{0, slots->width - 1}, band->rows},
+                       box = iso_disc_bounds(view, disc, &within);
+    uint64_t *slot = band->keys + slots->groups->group[disc->point];
+    for (int y = box.rows.first; y <= box.rows.last; y++)
+        for (int x = box.columns.first; x <= box.columns.last; x++) {
+            const size_t pixel = (size_t)(y - band->rows.first) * (size_t)slots->width + (size_t)x;
+            uint64_t *to = slot + pixel * (size_t)slots->groups->count;
+            iso_disc_hit hit;
+            if (!iso_disc_intersect(view, disc, iso_disc_column(view, x), iso_disc_row(view, y), &hit) ||
+                (band->limit && !(hit.depth < band->limit[pixel])))
+                continue;
+            const uint64_t key = key_of(slots, disc, number, &hit);
+            *to = key < *to ? key : *to;
+        }
+}
+
+/* ---- resolving */
+
+/* The discs of a pixel's slots, intersected again with its ray. */
+typedef struct candidates {
+    const iso_disc *disc[ISO_GROUPS_MOST];
+    iso_disc_hit hit[ISO_GROUPS_MOST];
+    int count, front; /* number of discs; index of the nearest one */
+} candidates;
+
+static void find_candidates(const iso_slots *slots, const uint64_t *keys, float x, float y, candidates *c) {
+    c->count = c->front = 0;
+    for (int k = 0; k < slots->groups->count; k++) {
+        if (keys[k] == NO_DISC) continue;
+        const iso_disc *disc = (const iso_disc *)slots->discs->disc.data + (uint32_t)keys[k];
+        iso_disc_intersect(&slots->discs->view, disc, x, y, &c->hit[c->count]);
+        c->disc[c->count] = disc;
+        if (c->hit[c->count].depth < c->hit[c->front].depth) c->front = c->count;
+        c->count++;
+    }
+}
+
+bool iso_slots_resolve(const iso_slots *slots, const uint64_t *keys, float x, float y, iso_splat_sums *sums,
+                       float *front) {
+    candidates c;
+    find_candidates(slots, keys, x, y, &c);
+    *sums = (iso_splat_sums){0};
+    if (c.count == 0) return false;
+    *front = c.hit[c.front].depth;
+    for (int i = 0; i < c.count; i++)
+        if (c.hit[i].away == c.hit[c.front].away && c.hit[i].depth <= *front + iso_splat_thickness(c.disc[i]))
+            iso_splat_add(slots->points, c.disc[i], c.hit[i].depth, c.hit[i].e, sums);
+    return true;
+}
