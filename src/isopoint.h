@@ -317,7 +317,7 @@ ISO_API iso_status iso_surface_write_points(iso_surface *surface, const char *pa
  * ISO_ERR_USAGE: another extension; ISO_ERR_EMPTY, ISO_ERR_WRITE, ISO_ERR_LIMIT. */
 ISO_API iso_status iso_surface_write_mesh(iso_surface *surface, const char *path, iso_error *error);
 
-/* ---- lines and glyphs ---- */
+/* ---- lines, glyphs and meshes ---- */
 /* The shape that is drawn at a point. The base of cones, cylinders and arrows is at the point, and they
  * extend along the point's direction; the other shapes are centred on the point. */
 typedef enum iso_glyph {
@@ -331,8 +331,8 @@ typedef enum iso_glyph {
     ISO_GLYPH_COUNT
 } iso_glyph;
 
-/* A set of lines (tubes or ribbons) or of points (glyphs), rendered with surfaces and exact at any zoom. It
- * has copies of its data and never changes: several threads may render it. */
+/* A set of lines (tubes or ribbons), points (glyphs) or triangles, rendered with surfaces; lines and glyphs
+ * are exact at any zoom. It has copies of its data and never changes: several threads may render it. */
 typedef struct iso_shape_set iso_shape_set;
 
 typedef struct iso_shape_set_opts {
@@ -378,6 +378,15 @@ ISO_API iso_status iso_shape_set_read_lines(const char *path, const iso_shape_se
 /* Reads .pdb .xyz .csv .ply .vtk .vtp .pcd .las .off .obj .npy .pts .pwn .asc or .txt. Errors as above. */
 ISO_API iso_status iso_shape_set_read_glyphs(const char *path, const iso_shape_set_opts *opts,
                                              iso_shape_set **set, iso_error *error);
+
+/* Make a set of triangles: of arrays, whose normals are not used, or of a file: .stl .obj .ply .off .vtk or
+ * .vtp. Of the options color, ras and opacity count. Faces that are bent by less than 60 degrees are shaded
+ * smoothly. ISO_ERR_USAGE: an index without a vertex, a position that is not finite; ISO_ERR_EMPTY: no
+ * triangle has an area; ISO_ERR_LIMIT: 2^32 / 3 triangles or more; of files also as above. */
+ISO_API iso_status iso_shape_set_of_mesh(const iso_mesh *mesh, const iso_shape_set_opts *opts,
+                                         iso_shape_set **set, iso_error *error);
+ISO_API iso_status iso_shape_set_read_mesh(const char *path, const iso_shape_set_opts *opts,
+                                           iso_shape_set **set, iso_error *error);
 
 /* Vectors or symmetric tensors at the voxels of a grid. */
 typedef struct iso_vector_array {

@@ -44,7 +44,9 @@ static const iso_attribute *opacity_of(const iso_glyphs *glyphs) {
 /* The callback iso_picture_layers.draw_opaque: everything but the Gaussians, which are surface 0. */
 static iso_status draw_opaque(void *context, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
     const isorender_gaussians_picture *p = context;
-    return isorender_draw_from(p->job, 1, view, gbuffer, error);
+    isorender_scene_arrays arrays;
+    const iso_scene scene = isorender_scene(p->job, &arrays);
+    return iso_scene_draw_from(&scene, 1, view, gbuffer, p->job->pool, error);
 }
 
 /* The callback iso_picture_layers.shade. */

@@ -19,9 +19,9 @@
 #include "grids/parts/components.h"
 #include "image/camera.h"
 #include "image/environment.h"
-#include "render/gl/shapes.h"
 #include "render/picture.h"
 #include "render/shading/shading.h"
+#include "scene/gl_scene.h"
 #include "scene/picture.h"
 #include "truth/raycast.h"
 
@@ -36,7 +36,6 @@ typedef struct isorender_surface {
     iso_components_totals parts;
     iso_mesh_measures measures; /* of the mesh: isorender_mesh_weld */
     iso_box bounds;             /* in the world, mm */
-    bool in_pyramid;            /* drawn with other sets in one pyramid (pyramid_sets.c) */
 } isorender_surface;
 
 /* One picture of a turntable, or the only picture. */
@@ -83,11 +82,9 @@ struct isorender_job {
     int surface_count, input_surface_count;
     isorender_object objects[ISORENDER_OBJECTS]; /* their surface numbers follow those of the surfaces */
     int object_count;
-    bool translucent;                                /* at least one surface or object is */
-    isorender_instances instances;                   /* of the input's surfaces */
-    iso_gl_surface *gl_surfaces[ISORENDER_SURFACES]; /* of OpenGL; NULL before isorender_gl_upload */
-    iso_gl_shapes *gl_shapes[ISORENDER_OBJECTS];     /* the same of lines and glyphs; NULL of meshes */
-    iso_gl_surface *gl_meshes[ISORENDER_OBJECTS];    /* the same of meshes of files */
+    bool translucent;              /* at least one surface or object is */
+    isorender_instances instances; /* of the input's surfaces */
+    iso_gl_scene gl;               /* with backend->engine */
     uint64_t point_count, rejected, vertex_count, triangle_count, cell_count; /* of all surfaces */
     iso_box bounds_local, bounds_world;                                       /* mm */
     iso_box bounds_framed; /* of what the camera frames: without a few points far from the others */
@@ -245,24 +242,19 @@ void isorender_report_solid(iso_json *json, const isorender_job *job);
 
 /* ---- picture.c */
 
-/* Draws the surfaces from number `first` on, and all objects, with the cpu engine. */
-iso_status isorender_draw_from(isorender_job *job, int first, const iso_view *view, iso_gbuffer *gbuffer,
-                               iso_error *error);
+/* What an iso_scene borrows. */
+typedef struct isorender_scene_arrays {
+    iso_layered_surface surfaces[ISORENDER_SURFACES];
+    iso_scene_object *objects[ISORENDER_OBJECTS];
+    iso_scene_engine engine;
+    iso_scene_progress progress;
+} isorender_scene_arrays;
+
+/* The job's surfaces and objects as a scene, without glass. It borrows the job and the arrays. */
+iso_scene isorender_scene(isorender_job *job, isorender_scene_arrays *arrays);
 /* Renders and writes all frames. ISO_ERR_EMPTY when a frame shows nothing of the surface. */
 iso_status isorender_render(isorender_job *job, iso_error *error);
 uint64_t isorender_picture_bytes(const isorender_job *job, int samples); /* main memory to render */
-
-/* ---- gl_picture.c: with backend->engine only */
-
-/* Uploads all surfaces, lines, glyphs and meshes to the GPU. */
-iso_status isorender_gl_upload(isorender_job *job, iso_error *error);
-/* Main memory that the driver takes for a picture. */
-uint64_t isorender_gl_bytes(const isorender_job *job);
-/* Draws everything by OpenGL, but lines in the image pyramid, and meshes of files whose triangles are to be
- * numbered. */
-iso_status isorender_gl_draw(isorender_job *job, const iso_view *view, iso_gbuffer *gbuffer,
-                             iso_error *error);
-void isorender_gl_release(isorender_job *job); /* frees what was uploaded, if anything was */
 
 /* ---- report.c, info.c */
 

@@ -56,7 +56,7 @@ static iso_status add_part(isorender_job *job, const isorender_object *whole, is
     *part = &job->objects[job->object_count++];
     **part = (isorender_object){.settings = whole->settings,
                                 .whole = whole,
-                                .color = whole->color,
+                                .scene.color = whole->scene.color,
                                 .color_by = whole->color_by,
                                 .report = whole->report};
     return ISO_OK;

@@ -126,7 +126,7 @@ static iso_status read_file(isorender_object *object, const iso_read_opts *opts,
 iso_status isorender_object_read(isorender_object *object, const isorender_object_settings *settings,
                                  uint64_t max_memory, iso_file_set *files, iso_pool *pool, iso_error *error) {
     object->settings = settings;
-    object->color = settings->color;
+    object->scene.color = settings->color;
     object->glyph = settings->glyph;
     object->color_by = settings->color_by;
     const iso_read_opts opts = {.max_memory = max_memory,
@@ -165,42 +165,37 @@ static iso_status prepare_lines(isorender_object *object, const isorender_line_p
         drawn.normals = object->lines.normals;
         opts.style = ISO_LINE_RIBBON;
     }
-    ISO_TRY(iso_shapes_from_lines(&drawn, &opts, &object->shapes, error));
-    return by_pullpush ? iso_pyramid_lines_create(&drawn, &opts, &object->pyramid_lines, error) : ISO_OK;
+    object->scene.lines = &object->lines;
+    ISO_TRY(iso_shapes_from_lines(&drawn, &opts, &object->scene.shapes, error));
+    return by_pullpush ? iso_pyramid_lines_create(&drawn, &opts, &object->scene.pyramid_lines, error)
+                       : ISO_OK;
 }
 
 static iso_status prepare_glyphs(isorender_object *object, iso_error *error) {
     const iso_shapes_opts opts = {.glyph = object->glyph,
                                   .projection = object->settings->projection,
                                   .radius = object->settings->radius};
-    return iso_shapes_from_glyphs(&object->glyphs, &opts, &object->shapes, error);
-}
-
-static iso_box mesh_bounds(const isorender_object *object) {
-    const iso_mesh_view view = iso_triangle_spans_view(&object->spans);
-    return iso_mesh_view_bounds(&view);
+    return iso_shapes_from_glyphs(&object->glyphs, &opts, &object->scene.shapes, error);
 }
 
 iso_status isorender_object_prepare(isorender_object *object, const isorender_line_pixels *pixels,
                                     bool by_pullpush, iso_error *error) {
-    if (object->settings->kind == ISORENDER_MESH) {
-        ISO_TRY(iso_triangle_spans_make(&object->mesh, &object->spans, error));
-        object->bounds = mesh_bounds(object);
-        if (!iso_box_is_empty(&object->bounds)) return ISO_OK;
-        return iso_fail(error, ISO_ERR_EMPTY, "%s: nothing to draw: no triangle has an area",
-                        object->settings->path);
-    }
-    ISO_TRY(has_lines(object) ? prepare_lines(object, pixels, by_pullpush, error)
-                              : prepare_glyphs(object, error));
-    object->bounds = iso_shapes_bounds(object->shapes);
+    const bool mesh = object->settings->kind == ISORENDER_MESH;
+    ISO_TRY(mesh                ? iso_triangle_spans_make(&object->mesh, &object->scene.spans, error)
+            : has_lines(object) ? prepare_lines(object, pixels, by_pullpush, error)
+                                : prepare_glyphs(object, error));
+    object->bounds = iso_scene_object_bounds(&object->scene);
     if (!iso_box_is_empty(&object->bounds)) return ISO_OK;
-    return iso_fail(error, ISO_ERR_EMPTY, "%s: nothing to draw: every %s", object->settings->path,
-                    has_lines(object) ? "line has one vertex, or radii of 0" : "size is 0");
+    return iso_fail(error, ISO_ERR_EMPTY, "%s: nothing to draw: %s", object->settings->path,
+                    mesh                ? "no triangle has an area"
+                    : has_lines(object) ? "every line has one vertex, or radii of 0"
+                                        : "every size is 0");
 }
 
 iso_box isorender_object_bounds_along(const isorender_object *object, const iso_vec3 vectors[3]) {
     iso_box box = iso_box_empty();
-    if (object->settings->kind != ISORENDER_MESH) return iso_shapes_bounds_along(object->shapes, vectors);
+    if (object->settings->kind != ISORENDER_MESH)
+        return iso_shapes_bounds_along(object->scene.shapes, vectors);
     for (size_t i = 0; i < object->mesh.vertex_count; i++) {
         const float *v = object->mesh.vertices[i];
         const iso_vec3 p = iso_vec3_make((double)v[0], (double)v[1], (double)v[2]);
@@ -210,46 +205,14 @@ iso_box isorender_object_bounds_along(const isorender_object *object, const iso_
     return box;
 }
 
-void isorender_object_count(isorender_object *object, const iso_gbuffer *gbuffer, int surface) {
-    for (size_t i = 0; i < (size_t)gbuffer->width * (size_t)gbuffer->height; i++)
-        object->drawn.samples += gbuffer->surface[i] == surface;
-}
-
-/* Draws lines by pull-push, and counts the samples that show them. */
-static iso_status draw_pyramid_lines(isorender_object *object, const iso_target *target,
-                                     iso_pullpush *workspace, iso_error *error) {
-    ISO_TRY(iso_draw_pyramid_lines(target, object->pyramid_lines, workspace, error));
-    isorender_object_count(object, target->gbuffer, target->surface);
-    return ISO_OK;
-}
-
-iso_status isorender_object_draw(isorender_object *object, const iso_target *target, iso_pullpush *workspace,
-                                 iso_error *error) {
-    if (object->pyramid_lines) return draw_pyramid_lines(object, target, workspace, error);
-    if (object->settings->kind != ISORENDER_MESH)
-        return iso_draw_shapes(target, object->shapes, &object->drawn, error);
-    const iso_mesh_view view = iso_triangle_spans_view(&object->spans);
-    return iso_draw_mesh(target, &view, error);
-}
-
-void isorender_object_number(const isorender_object *object, uint32_t surface, iso_aov *aov) {
-    if (object->pyramid_lines || object->in_pyramid)
-        iso_aov_unnumber(aov, surface);
-    else if (has_lines(object))
-        iso_aov_number_lines(aov, surface, &object->lines);
-    if (object->spans.numbers && !object->in_pyramid) iso_aov_renumber(aov, surface, object->spans.numbers);
-}
-
 void isorender_object_free(isorender_object *object) {
-    iso_shapes_destroy(object->shapes);
-    iso_pyramid_lines_destroy(object->pyramid_lines);
-    iso_triangle_spans_free(&object->spans);
+    iso_scene_object_free(&object->scene);
     iso_triangles_free(&object->mesh);
     if (object->branches) iso_mesh_lines_free(object->branches);
     iso_free(object->branches);
     iso_lines_free(&object->lines);
     iso_glyphs_free(&object->glyphs);
-    *object = (isorender_object){.shapes = NULL};
+    *object = (isorender_object){.settings = NULL};
 }
 
 /* ---- reports */
@@ -261,13 +224,13 @@ static const char *space_name(iso_space space) {
 /* Members of what is translucent. */
 static void put_layers(iso_json *json, const isorender_object *object) {
     iso_json_real(json, "opacity", object->settings->opacity);
-    iso_json_integer(json, "samples", object->layered.samples);
-    iso_json_integer(json, "layers", object->layered.layers);
+    iso_json_integer(json, "samples", object->scene.layered.samples);
+    iso_json_integer(json, "layers", object->scene.layered.layers);
 }
 
 /* Members of lines and glyphs. */
 static void put_shapes(iso_json *json, const isorender_object *object) {
-    const iso_shapes_totals totals = iso_shapes_stats(object->shapes);
+    const iso_shapes_totals totals = iso_shapes_stats(object->scene.shapes);
     const bool is_file = !isorender_object_is_surface(object->settings);
     if (is_file) iso_json_string(json, "format", object->report.format);
     if (is_file) iso_json_string(json, "space", space_name(object->report.space));
@@ -284,9 +247,9 @@ static void put_shapes(iso_json *json, const isorender_object *object) {
     iso_json_integer(json, "skipped", totals.skipped);
     iso_json_integer(json, "dropped", object->report.dropped);
     if (object->settings->opacity >= 1) {
-        iso_json_integer(json, "samples", object->drawn.samples);
-        if (has_lines(object) && !object->pyramid_lines)
-            iso_json_integer(json, "widened_samples", object->drawn.widened);
+        iso_json_integer(json, "samples", object->scene.drawn.samples);
+        if (has_lines(object) && !object->scene.pyramid_lines)
+            iso_json_integer(json, "widened_samples", object->scene.drawn.widened);
     }
     if (object->has_bar) {
         const double range[2] = {object->bar.low, object->bar.high};
@@ -303,7 +266,7 @@ void isorender_object_put(iso_json *json, const isorender_object *object) {
         iso_json_integer(json, "triangles", object->mesh.triangle_count);
     else
         put_shapes(json, object);
-    if (object->by_cpu) iso_json_string(json, "backend", "cpu");
+    if (object->scene.by_cpu) iso_json_string(json, "backend", "cpu");
     if (object->settings->opacity < 1) put_layers(json, object);
     iso_json_reals(json, "bounds_world", bounds, 6);
     iso_json_end_object(json);

@@ -13,11 +13,7 @@
 #include "image/aov.h"
 #include "io/mesh_read.h"
 #include "io/read_opts.h"
-#include "render/pullpush/lines.h"
-#include "render/raster/raster.h"
-#include "render/raster/triangles.h"
-#include "render/shapes/fragments.h"
-#include "render/shapes/shapes.h"
+#include "scene/object.h"
 
 /* Facts about the volume of vectors or tensors that an object was made of. */
 typedef struct isorender_field {
@@ -44,16 +40,9 @@ typedef struct isorender_object {
         *whole; /* the object whose file this one is a part of; NULL: it has its own */
     iso_gradient_glyphs_totals gradients; /* of --glyphs surface */
     iso_glyph glyph;                      /* of glyphs: the solid that is drawn */
-    const char *color_by;             /* borrowed: the attribute with numbers to be coloured; NULL: none */
-    iso_shapes *shapes;               /* of lines and glyphs; NULL before isorender_object_prepare */
-    iso_pyramid_lines *pyramid_lines; /* of lines, if they are drawn by pull-push */
-    bool by_cpu;                      /* drawn by the cpu engine where OpenGL was to draw the picture */
-    bool in_pyramid;            /* a mesh or ribbons, drawn in one pyramid with others (pyramid_sets.c) */
-    iso_shapes_drawn drawn;     /* totals of opaque lines and glyphs, over all frames */
-    iso_shapes_layered layered; /* the same of translucent lines and glyphs, and of meshes */
-    iso_triangle_spans spans;   /* of meshes */
-    iso_box bounds;             /* world box of what is drawn */
-    iso_rgb color;              /* of elements without a colour of their own */
+    const char *color_by;   /* borrowed: the attribute with numbers to be coloured; NULL: none */
+    iso_scene_object scene; /* what is drawn; nothing before isorender_object_prepare */
+    iso_box bounds;         /* world box of what is drawn */
     bool has_bar;
     iso_color_bar bar; /* the legend of its colours, if has_bar */
 } isorender_object;
@@ -82,18 +71,6 @@ void isorender_object_free(isorender_object *object);
 /* Returns the box of what is drawn, in coordinates along three world vectors, as iso_fit.bounds asks for it.
  */
 iso_box isorender_object_bounds_along(const isorender_object *object, const iso_vec3 vectors[3]);
-
-/* Draws the object by iso_draw_shapes, iso_draw_pyramid_lines or iso_draw_mesh. `workspace`: of pull-push. */
-iso_status isorender_object_draw(isorender_object *object, const iso_target *target, iso_pullpush *workspace,
-                                 iso_error *error);
-
-/* Adds the samples of a gbuffer that show a surface, by its number, to the object's total of drawn samples.
- */
-void isorender_object_count(isorender_object *object, const iso_gbuffer *gbuffer, int surface);
-
-/* In `aov`, gives the elements of a surface, whose number counts from 1, the numbers that they have in the
- * file. */
-void isorender_object_number(const isorender_object *object, uint32_t surface, iso_aov *aov);
 
 /* Adds an object to the report of --json: file, format, counts, box. */
 void isorender_object_put(iso_json *json, const isorender_object *object);

@@ -9,7 +9,6 @@
 #include "apps/isorender/chunks.h"
 #include "apps/isorender/isorender.h"
 #include "apps/isorender/labels.h"
-#include "apps/isorender/pyramid_sets.h"
 #include "apps/isorender/scene_file.h"
 #include "base/clock.h"
 #include "base/memory.h"
@@ -18,30 +17,10 @@
 #include "image/image_file.h"
 #include "io/key_file.h"
 #include "render/gl/groups.h"
-#include "render/raster/raster.h"
+#include "render/gl/pullpush.h"
+#include "render/gl/shapes.h"
 
 /* ---- one picture ---- */
-
-static bool is_opaque(const isorender_object *object) {
-    return object->settings->opacity >= 1;
-}
-
-static iso_status draw_object(isorender_job *job, int i, const iso_view *view, iso_gbuffer *gbuffer,
-                              iso_error *error) {
-    const iso_target target = {view, gbuffer, job->pool, (uint8_t)(job->surface_count + i)};
-    job->objects[i].by_cpu = job->backend->engine != NULL;
-    return isorender_object_draw(&job->objects[i], &target,
-                                 iso_point_workspace_pullpush(job->point_workspace), error);
-}
-
-/* Draws opaque lines, glyphs and meshes: iso_layered_picture.draw_others. */
-static iso_status draw_opaque_objects(void *context, const iso_view *view, iso_gbuffer *gbuffer,
-                                      iso_error *error) {
-    isorender_job *job = context;
-    for (int i = 0; i < job->object_count; i++)
-        if (is_opaque(&job->objects[i])) ISO_TRY(draw_object(job, i, view, gbuffer, error));
-    return ISO_OK;
-}
 
 /* The loops of the pool that follow belong to this part of the frame's rows. */
 static void tell_part(isorender_job *job, double from, double to) {
@@ -60,13 +39,7 @@ static bool has_layers(const isorender_job *job) {
     return job->environment || job->gaussians || job->translucent;
 }
 
-/* .. to one of the surfaces, which are drawn one after the other in each strip. */
-static void tell_surface(isorender_job *job, int surface) {
-    const double length = (job->strip[1] - job->strip[0]) / job->surface_count;
-    tell_part(job, job->strip[0] + length * surface, job->strip[0] + length * (surface + 1));
-}
-
-/* iso_picture_opts.begin_strip. */
+/* iso_scene_progress.strip. */
 static void begin_strip(void *context, double from, double to) {
     isorender_job *job = context;
     job->strip[0] = from;
@@ -77,33 +50,17 @@ static void begin_strip(void *context, double from, double to) {
         tell_end(job, from); /* surfaces tell their parts: clearing and shading are short */
 }
 
-iso_status isorender_draw_from(isorender_job *job, int first, const iso_view *view, iso_gbuffer *gbuffer,
-                               iso_error *error) {
-    for (int i = first; i < job->surface_count; i++) {
-        isorender_surface *surface = &job->surfaces[i];
-        if (surface->in_pyramid) continue;
-        if (isorender_has_instances(job, i))
-            tell_end(job, job->strip[0]); /* each of them is drawn by loops of its own */
-        else
-            tell_surface(job, i);
-        const iso_target target = {view, gbuffer, job->pool, (uint8_t)i};
-        ISO_TRY(isorender_has_instances(job, i)
-                    ? iso_placed_draw(&job->instances.placed, job->renderer->method, &surface->scene, &target,
-                                      error)
-                    : job->renderer->draw(&surface->scene, &target, error));
-        tell_end(job, job->strip[0] + (job->strip[1] - job->strip[0]) * (i + 1) / job->surface_count);
-    }
-    for (int i = 0; i < job->object_count; i++)
-        if (!job->objects[i].in_pyramid) ISO_TRY(draw_object(job, i, view, gbuffer, error));
-    return ISO_OK;
-}
-
-/* Draws everything: iso_picture_opts.draw. */
-static iso_status draw(void *context, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
+/* iso_scene_progress.surface. */
+static void tell_surface(void *context, int number, bool done) {
     isorender_job *job = context;
-    if (job->backend->engine) return isorender_gl_draw(job, view, gbuffer, error);
-    ISO_TRY(isorender_pyramid_draw(job, view, gbuffer, error));
-    return isorender_draw_from(job, 0, view, gbuffer, error);
+    const double length = (job->strip[1] - job->strip[0]) / job->surface_count,
+                 from = job->strip[0] + length * number;
+    if (done)
+        tell_end(job, from + length);
+    else if (isorender_has_instances(job, number))
+        tell_end(job, job->strip[0]); /* each of them is drawn by loops of its own */
+    else
+        tell_part(job, from, from + length);
 }
 
 /* FNV-1a, 64 bits, over width and height as 4 little-endian bytes each and the pixels. */
@@ -203,29 +160,6 @@ static iso_status annotate(const isorender_job *job, const iso_camera *camera, i
     return iso_annotate(image, &annotation, error);
 }
 
-/* Lists the translucent lines, glyphs and meshes; returns their number. */
-static int list_translucent_sets(isorender_job *job, iso_translucent_set sets[ISORENDER_OBJECTS]) {
-    int count = 0;
-    for (int i = 0; i < job->object_count; i++) {
-        isorender_object *object = &job->objects[i];
-        if (is_opaque(object)) continue;
-        sets[count++] = (iso_translucent_set){
-            .shapes = object->shapes,
-            .mesh = iso_triangle_spans_view(&object->spans),
-            .color = object->color,
-            .translucency = isorender_translucency(job->settings, object->settings->opacity),
-            .drawn = &object->layered};
-    }
-    return count;
-}
-
-/* The callback iso_layered_picture.shade_splats. */
-static iso_status shade_splats_by_gl(void *context, const iso_splat_layers *input, iso_layer_totals *totals,
-                                     iso_error *error) {
-    const isorender_job *job = context;
-    return iso_gl_shade_splat_layers(job->backend->engine, input, totals, error);
-}
-
 static iso_status render_gaussians(isorender_job *job, iso_picture_opts *opts, iso_image *image,
                                    isorender_frame *frame, iso_error *error) {
     isorender_gaussians_picture picture = {job, &opts->shading, frame};
@@ -247,26 +181,33 @@ static iso_scene_glass make_glass(const isorender_job *job) {
     return made;
 }
 
+iso_scene isorender_scene(isorender_job *job, isorender_scene_arrays *arrays) {
+    for (int i = 0; i < job->surface_count; i++)
+        arrays->surfaces[i] = (iso_layered_surface){&job->surfaces[i].scene, job->surfaces[i].translucency};
+    for (int i = 0; i < job->object_count; i++) arrays->objects[i] = &job->objects[i].scene;
+    arrays->engine = iso_gl_scene_engine(&job->gl);
+    arrays->progress = (iso_scene_progress){begin_strip, tell_surface, job};
+    return (iso_scene){.renderer = job->renderer,
+                       .surfaces = arrays->surfaces,
+                       .count = job->surface_count,
+                       .objects = arrays->objects,
+                       .object_count = job->object_count,
+                       .translucent = job->translucent,
+                       .placed = &job->instances.placed,
+                       .placed_count = isorender_has_instances(job, 0) ? job->input_surface_count : 0,
+                       .pyramid_count = job->settings->one_pyramid ? job->input_surface_count : 0,
+                       .workspace = job->point_workspace,
+                       .transparency = (iso_transparency)job->settings->transparency,
+                       .engine = job->backend->engine ? &arrays->engine : NULL,
+                       .progress = &arrays->progress};
+}
+
 static iso_status render_scene(isorender_job *job, iso_picture_opts *opts, iso_image *image,
                                isorender_frame *frame, iso_error *error) {
-    iso_layered_surface surfaces[ISORENDER_SURFACES];
-    iso_translucent_set sets[ISORENDER_OBJECTS];
     const iso_scene_glass glass = make_glass(job);
-    for (int i = 0; i < job->surface_count; i++)
-        surfaces[i] = (iso_layered_surface){&job->surfaces[i].scene, job->surfaces[i].translucency};
-    iso_scene scene = {.renderer = job->renderer,
-                       .surfaces = surfaces,
-                       .count = job->surface_count,
-                       .translucent = job->translucent,
-                       .sets = sets,
-                       .set_count = list_translucent_sets(job, sets),
-                       .draw_others = job->object_count ? draw_opaque_objects : NULL,
-                       .others_context = job,
-                       .glass = job->environment ? &glass : NULL,
-                       .transparency = (iso_transparency)job->settings->transparency,
-                       .other_engine = job->backend->engine != NULL,
-                       .shade_splats = job->backend->engine ? shade_splats_by_gl : NULL,
-                       .splats_context = job};
+    isorender_scene_arrays arrays;
+    iso_scene scene = isorender_scene(job, &arrays);
+    if (job->environment) scene.glass = &glass;
     if (!has_layers(job)) tell_part(job, 0, 1);
     ISO_TRY(iso_scene_render(&scene, opts, image, &frame->covered, error));
     frame->layers = scene.totals;
@@ -289,7 +230,7 @@ static bool has_ids(const isorender_settings *settings) {
 static void number_elements(const isorender_job *job, iso_aov *aov) {
     for (int i = 0; i < job->surface_count; i++) iso_aov_unnumber(aov, (uint32_t)i + 1);
     for (int i = 0; i < job->object_count; i++)
-        isorender_object_number(&job->objects[i], (uint32_t)(job->surface_count + i + 1), aov);
+        iso_scene_object_number(&job->objects[i].scene, (uint32_t)(job->surface_count + i + 1), aov);
 }
 
 static uint64_t smaller(uint64_t a, uint64_t b) {
@@ -307,8 +248,8 @@ static iso_status render_frame(isorender_job *job, int frame, canvas *c, iso_err
     iso_rgb colors[ISORENDER_SURFACES + ISORENDER_OBJECTS];
     const int count = job->surface_count + job->object_count;
     for (int i = 0; i < count; i++)
-        colors[i] =
-            i < job->surface_count ? job->surfaces[i].color : job->objects[i - job->surface_count].color;
+        colors[i] = i < job->surface_count ? job->surfaces[i].color
+                                           : job->objects[i - job->surface_count].scene.color;
     iso_picture_opts opts = {.camera = &camera,
                              .width = settings->width,
                              .height = settings->height,
@@ -316,9 +257,6 @@ static iso_status render_frame(isorender_job *job, int frame, canvas *c, iso_err
                              .strip_bytes = (size_t)strip_bytes(settings),
                              .shading = {colors, count, settings->background, settings->transparent},
                              .lighting = (iso_lighting)settings->lighting,
-                             .draw = draw,
-                             .draw_context = job,
-                             .begin_strip = begin_strip,
                              .pool = job->pool,
                              .aov = c->aov.depth ? &c->aov : NULL};
     const iso_selection_counts before = isorender_selection(job);
@@ -385,6 +323,27 @@ static float smallest_spacing(const isorender_job *job) {
     return (float)fmin(s[0], fmin(s[1], s[2]));
 }
 
+/* Main memory that a software renderer of OpenGL takes for a picture. */
+static uint64_t gl_bytes(const isorender_job *job) {
+    const isorender_backend *backend = job->backend;
+    if (!backend->engine || iso_gl_context_info(backend->context).hardware) return 0;
+    const int factor = iso_picture_factor(job->samples), width = job->settings->width * factor,
+              height = job->settings->height * factor;
+    const uint64_t shapes =
+        job->settings->object_options.count ? iso_gl_shapes_bytes(backend->engine, width, height) : 0;
+    const bool splats = job->settings->method == ISO_METHOD_SPLATS;
+    if (splats && job->settings->reconstruction == ISORENDER_RECONSTRUCTION_GROUPS) {
+        const int slots = job->settings->groups ? job->settings->groups : ISO_GROUPS_DEFAULT;
+        return shapes + iso_gl_groups_bytes(backend->engine, slots, width, height);
+    }
+    if (!isorender_has_reconstructions(job->settings->method))
+        return shapes + iso_gl_draw_bytes(backend->engine, width, height);
+    const bool selects = job->settings->selection != (int)ISO_SELECTION_ALL;
+    return shapes + (selects ? iso_gl_selection_bytes(width, height) : 0) +
+           iso_gl_pullpush_bytes(backend->engine, (iso_reconstruction)job->settings->reconstruction, width,
+                                 height);
+}
+
 uint64_t isorender_picture_bytes(const isorender_job *job, int samples) {
     const isorender_settings *settings = job->settings;
     uint64_t pixels = (uint64_t)settings->width * (uint64_t)settings->height;
@@ -401,7 +360,7 @@ uint64_t isorender_picture_bytes(const isorender_job *job, int samples) {
     if (fragments) bytes += threads * ISO_SHAPES_PIECES_BYTES;
     if (settings->ior > 0) bytes += iso_glass_scene_bytes((iso_refraction)settings->refraction, count);
     if (job->backend->engine && settings->object_options.count) bytes += gbuffer;
-    if (job->backend->engine) return bytes + isorender_gl_bytes(job);
+    if (job->backend->engine) return bytes + gl_bytes(job);
     const bool pyramids = job->renderer->can & ISO_CAN_PYRAMID;
     if (!pyramids && job->method != ISO_METHOD_DISCS) return bytes;
     enum { PYRAMID = 24, SETS = 104 }; /* bytes a sample; drawn in parts as well */
@@ -433,6 +392,20 @@ static void suggest_film(const isorender_job *job) {
     free(input);
 }
 
+/* Uploads everything to the GPU. */
+static iso_status upload(isorender_job *job, iso_error *error) {
+    isorender_scene_arrays arrays;
+    const iso_scene scene = isorender_scene(job, &arrays);
+    iso_gl_engine_reset_seconds(job->backend->engine);
+    job->gl.engine = job->backend->engine;
+    job->gl.pool = job->pool;
+    job->gl.strips = job->settings->strips;
+    job->gl.scaling = (iso_point_scaling)job->settings->scaling;
+    job->gl.tan_y = iso_tan(job->camera.view_angle * (ISO_PI / 360));
+    job->gl.tan_x = job->gl.tan_y * job->settings->width / job->settings->height;
+    return iso_gl_scene_upload(&job->gl, &scene, error);
+}
+
 iso_status isorender_render(isorender_job *job, iso_error *error) {
     const isorender_settings *settings = job->settings;
     ISO_TRY(isorender_camera_make(job, error));
@@ -449,7 +422,7 @@ iso_status isorender_render(isorender_job *job, iso_error *error) {
     if (status == ISO_OK && has_ids(settings)) status = iso_aov_add_ids(&c.aov, error);
     c.aov.voxel = smallest_spacing(job);
     double start = iso_clock_seconds();
-    if (status == ISO_OK && job->backend->engine) status = isorender_gl_upload(job, error);
+    if (status == ISO_OK && job->backend->engine) status = upload(job, error);
     if (status == ISO_OK) status = isorender_detail_make(job, error);
     job->seconds.render += iso_clock_seconds() - start;
     if (status == ISO_OK) status = render_frames(job, &c, error);

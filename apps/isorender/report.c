@@ -244,8 +244,8 @@ static void put_files(iso_json *json, const isorender_job *job) {
  * each triangle takes without strips: the measure of table 2 in Baerentzen and Christensen 2003. */
 static void put_strips(iso_json *json, const isorender_job *job) {
     uint64_t indices = 0, triangles = 0;
-    for (int i = 0; i < job->surface_count && job->gl_surfaces[i]; i++) {
-        iso_gl_surface_stats stats = iso_gl_surface_measure(job->gl_surfaces[i]);
+    for (int i = 0; i < job->surface_count && job->gl.surfaces[i]; i++) {
+        iso_gl_surface_stats stats = iso_gl_surface_measure(job->gl.surfaces[i]);
         indices += stats.indices;
         triangles += stats.triangles;
     }

@@ -92,7 +92,7 @@ static iso_status make_at_once(isorender_job *job, iso_error *error) {
 }
 
 static void free_surfaces(isorender_job *job) {
-    isorender_gl_release(job);
+    iso_gl_scene_free(&job->gl);
     for (int i = 0; i < job->surface_count; i++) {
         iso_scene_surface_free(&job->surfaces[i].scene);
         iso_grid_destroy(&job->surfaces[i].own_grid);

@@ -6,7 +6,6 @@
 #include "apps/isorender/channels.h"
 #include "apps/isorender/chunks.h"
 #include "apps/isorender/isorender.h"
-#include "apps/isorender/pyramid_sets.h"
 #include "io/mesh_io.h"
 #include "io/points_io.h"
 #include "scene/bounds.h"
@@ -391,6 +390,13 @@ static void find_bounds(isorender_job *job) {
     }
 }
 
+/* Whether --one-pyramid draws an object together with the surfaces: a mesh, or ribbons. Tubes and glyphs are
+ * drawn alone. */
+static bool shares_pyramid(const isorender_object *object) {
+    return !object->scene.shapes ||
+           (object->scene.pyramid_lines && object->settings->style == ISORENDER_STYLE_RIBBON);
+}
+
 /* Objects without a colour get one each, after those of the surfaces. */
 static iso_status prepare_objects(isorender_job *job, iso_error *error) {
     const isorender_line_pixels pixels = {job->settings->line_min_pixels, job->settings->line_drop_pixels};
@@ -399,15 +405,16 @@ static iso_status prepare_objects(isorender_job *job, iso_error *error) {
         if (isorender_object_is_surface(object->settings))
             ISO_TRY(isorender_object_take_gradients(job, object, error));
         if (object->whole)
-            object->color = object->whole->color;
+            object->scene.color = object->whole->scene.color;
         else if (!object->settings->colored)
-            object->color = iso_shading_palette(job->surface_count + i);
+            object->scene.color = iso_shading_palette(job->surface_count + i);
         ISO_TRY(isorender_object_prepare(object, &pixels, job->renderer->can & ISO_CAN_PYRAMID, error));
         if (!object->whole) log_beside(job, object->settings->path, &object->bounds, object->report.space);
+        object->scene.translucency = isorender_translucency(job->settings, object->settings->opacity);
+        object->scene.in_pyramid = job->settings->one_pyramid && shares_pyramid(object);
         job->translucent |= object->settings->opacity < 1;
         iso_bounds_add(&job->bounds_world, &object->bounds);
     }
-    isorender_pyramid_choose(job);
     return ISO_OK;
 }
 

@@ -7,8 +7,8 @@
 #include "extract/points/points.h"
 #include "grids/volume/volume.h"
 #include "isopoint.h"
-#include "render/shapes/shapes.h"
 #include "scene/instances.h"
+#include "scene/object.h"
 
 /* A volume. Its handle points to the first member. */
 typedef struct iso_api_volume {
@@ -31,11 +31,11 @@ struct iso_surface {
     iso_rgb color;
 };
 
-/* A set of lines or glyphs, and the shapes made of them. */
+/* A set of lines, glyphs or triangles. */
 struct iso_shape_set {
     iso_lines lines;
     iso_glyphs glyphs;
-    iso_shapes *shapes; /* borrows the lines or glyphs above */
+    iso_scene_object object; /* what is drawn, without a colour; it borrows the lines or glyphs above */
     double opacity;
     bool has_color;
     iso_rgb color;

@@ -70,12 +70,10 @@ typedef struct rendering {
     iso_picture_opts picture;
     iso_camera camera;
     iso_rgb colors[ISO_SURFACE_MAX];
-    /* With translucent surfaces: */
-    bool translucent;
     iso_layered_surface layered[ISO_SURFACE_MAX];
-    iso_translucent_set sets[ISO_LAYERED_MAX];
-    int sets_count;            /* translucent sets of shapes */
-    iso_refraction refraction; /* of glass; not AUTO */
+    iso_scene_object objects[ISO_SURFACE_MAX], *object[ISO_SURFACE_MAX]; /* the sets of shapes */
+    bool translucent, translucent_shapes; /* at least one surface or set; one set */
+    iso_refraction refraction;            /* of glass; not AUTO */
 } rendering;
 
 /* Returns the bits of the parts that the picture is drawn from. */
@@ -131,28 +129,6 @@ static iso_status prepare(const rendering *r, iso_box *box, iso_error *error) {
     return iso_box_is_empty(box) ? iso_fail(error, ISO_ERR_EMPTY, "there is no surface") : ISO_OK;
 }
 
-/* The callback iso_layered_picture.draw_others: draws opaque lines and glyphs. */
-static iso_status draw_shapes(void *context, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
-    const rendering *r = context;
-    for (int i = 0; i < r->shapes_count; i++) {
-        if (r->shapes[i]->opacity < 1) continue;
-        const iso_target target = {view, gbuffer, r->picture.pool, (uint8_t)(r->count + i)};
-        ISO_TRY(iso_draw_shapes(&target, r->shapes[i]->shapes, NULL, error));
-    }
-    return ISO_OK;
-}
-
-static iso_status draw(void *context, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
-    rendering *r = context;
-    for (int i = 0; i < r->count; i++) {
-        const iso_target target = {view, gbuffer, r->picture.pool, (uint8_t)i};
-        const iso_scene_surface *scene = &r->surfaces[i]->scene;
-        ISO_TRY(r->opts->instances ? iso_placed_draw(&r->placed, r->renderer->method, scene, &target, error)
-                                   : r->renderer->draw(scene, &target, error));
-    }
-    return draw_shapes(context, view, gbuffer, error);
-}
-
 /* Allocates image and aov, unless they have the right size already. */
 static iso_status make_room(int width, int height, iso_image *image, iso_aov *aov, iso_error *error) {
     if (image->width != width || image->height != height || !image->rgba) {
@@ -175,8 +151,7 @@ static iso_status make_room_for_ids(int shapes, iso_aov *aov, iso_error *error) 
 static void number_elements(const rendering *r, iso_aov *aov) {
     for (int i = 0; i < r->count; i++) iso_aov_unnumber(aov, (uint32_t)i + 1);
     for (int i = 0; i < r->shapes_count; i++)
-        if (r->shapes[i]->lines.line_count)
-            iso_aov_number_lines(aov, (uint32_t)(r->count + i + 1), &r->shapes[i]->lines);
+        iso_scene_object_number(&r->objects[i], (uint32_t)(r->count + i + 1), aov);
 }
 
 static float smallest_spacing(const rendering *r) {
@@ -233,8 +208,6 @@ static void set_up(rendering *r, const iso_render_opts *opts) {
                            .samples = opts->samples,
                            .shading = {r->colors, r->count + r->shapes_count,
                                        opts->background ? *opts->background : white, opts->transparent},
-                           .draw = draw,
-                           .draw_context = r,
                            .pool = r->count ? r->surfaces[0]->volume->pool : NULL,
                            .aov = opts->aov};
 }
@@ -248,7 +221,7 @@ static iso_status check_layers(const rendering *r, const iso_render_opts *opts, 
     if (absorbs && opts->most_layers)
         return iso_fail(error, ISO_ERR_USAGE,
                         "most_layers leaves out where rays leave the solid, which absorption must know");
-    if (r->sets_count && !(r->renderer->can & ISO_CAN_OBJECT_LAYERS))
+    if (r->translucent_shapes && !(r->renderer->can & ISO_CAN_OBJECT_LAYERS))
         return iso_fail(error, ISO_ERR_USAGE,
                         "the method %s draws no translucent lines and glyphs: exact does", r->renderer->name);
     if (r->translucent && opts->instances)
@@ -265,20 +238,17 @@ static iso_status check_layers(const rendering *r, const iso_render_opts *opts, 
     return ISO_OK;
 }
 
-/* Lists the translucent sets of shapes. */
-static iso_status list_sets(rendering *r, const iso_render_opts *opts, iso_error *error) {
+static void set_up_objects(rendering *r, const iso_render_opts *opts) {
     for (int i = 0; i < r->shapes_count; i++) {
-        const iso_shape_set *set = r->shapes[i];
-        if (!(set->opacity < 1)) continue;
-        if (r->sets_count == ISO_LAYERED_MAX)
-            return iso_fail(error, ISO_ERR_LIMIT, "more than %d translucent sets of shapes", ISO_LAYERED_MAX);
-        r->sets[r->sets_count++] = (iso_translucent_set){.shapes = set->shapes,
-                                                         .color = r->colors[r->count + i],
-                                                         .translucency = {.opacity = (float)set->opacity,
-                                                                          .constant = opts->constant_opacity,
-                                                                          .most_layers = opts->most_layers}};
+        iso_scene_object *object = r->object[i] = &r->objects[i];
+        *object = r->shapes[i]->object;
+        object->color = r->colors[r->count + i];
+        object->translucency = (iso_translucency){.opacity = (float)r->shapes[i]->opacity,
+                                                  .constant = opts->constant_opacity,
+                                                  .most_layers = opts->most_layers};
+        r->translucent_shapes |= !iso_scene_object_is_opaque(object);
     }
-    return ISO_OK;
+    r->translucent |= r->translucent_shapes;
 }
 
 /* Sets up the picture's translucent surfaces and sets of shapes, if it has some. */
@@ -291,8 +261,7 @@ static iso_status set_up_layers(rendering *r, const iso_render_opts *opts, iso_e
                                                .most_layers = opts->most_layers}};
         r->translucent |= r->layered[i].translucency.opacity < 1;
     }
-    ISO_TRY(list_sets(r, opts, error));
-    r->translucent |= r->sets_count > 0;
+    set_up_objects(r, opts);
     ISO_TRY(check_layers(r, opts, error));
     if (!r->picture.samples)
         r->picture.samples = r->translucent || opts->glass ? 1 : iso_method_samples(r->renderer->method);
@@ -365,10 +334,10 @@ static iso_status draw_picture(rendering *r, iso_image *image, size_t *covered, 
                        .surfaces = r->layered,
                        .count = r->count,
                        .translucent = r->translucent,
-                       .sets = r->sets,
-                       .set_count = r->sets_count,
-                       .draw_others = r->shapes_count ? draw_shapes : NULL,
-                       .others_context = r,
+                       .objects = r->object,
+                       .object_count = r->shapes_count,
+                       .placed = &r->placed,
+                       .placed_count = opts->instances ? r->count : 0,
                        .glass = given ? &glass : NULL,
                        .transparency = opts->transparency};
     const iso_status status = iso_scene_render(&scene, &r->picture, image, covered, error);

@@ -1,5 +1,5 @@
-/* The functions of isopoint.h for lines and glyphs: copies of arrays, contents of files, or what is made of
- * fields, prepared for drawing. */
+/* The functions of isopoint.h for lines, glyphs and meshes: copies of arrays, contents of files, or what is
+ * made of fields, prepared for drawing. */
 #include <math.h>
 #include <string.h>
 
@@ -10,6 +10,7 @@
 #include "grids/volume/vectors_read.h"
 #include "io/glyphs/glyphs_read.h"
 #include "io/lines/lines_read.h"
+#include "io/mesh_read.h"
 
 /* ---- copies of arrays */
 
@@ -79,10 +80,11 @@ static iso_status finish(iso_status status, iso_shape_set *made, const iso_shape
                                  .style = opts->ribbons ? ISO_LINE_RIBBON : ISO_LINE_TUBE,
                                  .caps = opts->flat_caps ? ISO_CAPS_FLAT : ISO_CAPS_ROUND};
     if (status == ISO_OK && lines && opts->ribbons) status = iso_lines_add_normals(&made->lines, error);
+    if (lines) made->object.lines = &made->lines;
     if (status == ISO_OK)
-        status = lines ? iso_shapes_from_lines(&made->lines, &how, &made->shapes, error)
-                       : iso_shapes_from_glyphs(&made->glyphs, &how, &made->shapes, error);
-    if (status == ISO_OK && !iso_shapes_stats(made->shapes).shapes)
+        status = lines ? iso_shapes_from_lines(&made->lines, &how, &made->object.shapes, error)
+                       : iso_shapes_from_glyphs(&made->glyphs, &how, &made->object.shapes, error);
+    if (status == ISO_OK && !iso_shapes_stats(made->object.shapes).shapes)
         status = iso_fail(error, ISO_ERR_EMPTY, "no shape can be drawn");
     if (status == ISO_OK)
         *set = made;
@@ -141,6 +143,64 @@ iso_status iso_shape_set_read_glyphs(const char *path, const iso_shape_set_opts 
     const iso_read_opts reading = {.space = opts->ras ? ISO_SPACE_RAS : ISO_SPACE_FILE};
     ISO_TRY(begin(opts, &made, error));
     return finish(read_glyphs(path, &reading, &made->glyphs, error), made, opts, set, error);
+}
+
+/* ---- meshes */
+
+/* Prepares triangles for drawing, and frees a set for which that fails. */
+static iso_status finish_mesh(iso_status status, iso_shape_set *made, const iso_triangles *triangles,
+                              iso_shape_set **set, iso_error *error) {
+    if (status == ISO_OK) status = iso_triangle_spans_make(triangles, &made->object.spans, error);
+    if (status == ISO_OK && !made->object.spans.span_count)
+        status = iso_fail(error, ISO_ERR_EMPTY, "no triangle has an area");
+    if (status == ISO_OK)
+        *set = made;
+    else
+        iso_shape_set_destroy(made);
+    return status;
+}
+
+static iso_status check_mesh(const iso_mesh *mesh, iso_error *error) {
+    if (!mesh->triangle_count) return iso_fail(error, ISO_ERR_EMPTY, "there are no triangles");
+    for (size_t i = 0; i < mesh->triangle_count; i++)
+        for (int k = 0; k < 3; k++)
+            if (mesh->triangles[i][k] >= mesh->vertex_count)
+                return iso_fail(error, ISO_ERR_USAGE, "triangle %zu has vertex %u of %zu", i,
+                                mesh->triangles[i][k], mesh->vertex_count);
+    for (size_t i = 0; i < mesh->vertex_count; i++)
+        for (int k = 0; k < 3; k++)
+            if (!isfinite(mesh->positions[i][k]))
+                return iso_fail(error, ISO_ERR_USAGE, "the position of vertex %zu is not finite", i);
+    return ISO_OK;
+}
+
+iso_status iso_shape_set_of_mesh(const iso_mesh *mesh, const iso_shape_set_opts *opts, iso_shape_set **set,
+                                 iso_error *error) {
+    iso_shape_set *made;
+    const iso_triangles triangles = {.vertices = mesh->positions,
+                                     .vertex_count = mesh->vertex_count,
+                                     .triangles = mesh->triangles,
+                                     .triangle_count = mesh->triangle_count};
+    ISO_TRY(check_mesh(mesh, error));
+    ISO_TRY(begin(opts ? opts : &defaults, &made, error));
+    return finish_mesh(ISO_OK, made, &triangles, set, error);
+}
+
+iso_status iso_shape_set_read_mesh(const char *path, const iso_shape_set_opts *opts, iso_shape_set **set,
+                                   iso_error *error) {
+    iso_shape_set *made;
+    iso_triangles triangles = {0};
+    if (!opts) opts = &defaults;
+    if (!path) return iso_fail(error, ISO_ERR_USAGE, "no file is named");
+    ISO_TRY(begin(opts, &made, error));
+    iso_status status = iso_mesh_read(path, NULL, &triangles, error);
+    for (size_t i = 0; i < triangles.vertex_count && opts->ras; i++) {
+        triangles.vertices[i][0] = -triangles.vertices[i][0];
+        triangles.vertices[i][1] = -triangles.vertices[i][1];
+    }
+    status = finish_mesh(status, made, &triangles, set, error);
+    iso_triangles_free(&triangles);
+    return status;
 }
 
 /* ---- fields */
@@ -250,12 +310,12 @@ iso_status iso_shape_set_read_vectors(const char *path, const iso_vector_shape_o
 
 void iso_shape_set_destroy(iso_shape_set *set) {
     if (!set) return;
-    iso_shapes_destroy(set->shapes);
+    iso_scene_object_free(&set->object);
     iso_lines_free(&set->lines);
     iso_glyphs_free(&set->glyphs);
     iso_free(set);
 }
 
 iso_box iso_shape_set_bounds(const iso_shape_set *set) {
-    return iso_shapes_bounds(set->shapes);
+    return iso_scene_object_bounds(&set->object);
 }

@@ -1,23 +1,159 @@
-/* picture: chooses how a scene's picture is drawn. */
+/* picture: draws what a scene consists of, and chooses how its picture is drawn. */
 #include "scene/picture.h"
 
+#include "base/memory.h"
 #include "exact/exact.h"
+#include "render/pullpush/sets.h"
 
-static iso_status render_layers(iso_scene *scene, iso_picture_opts *opts, iso_image *image, size_t *covered,
+/* ---- surfaces, as if they were opaque, and opaque objects */
+
+/* The sets of one image pyramid. */
+typedef struct pyramid_sets {
+    iso_pyramid_set sets[ISO_SURFACE_MAX];
+    iso_point_view points[ISO_SURFACE_MAX];
+    iso_mesh_view meshes[ISO_SURFACE_MAX];
+    size_t count;
+} pyramid_sets;
+
+/* Lists the surfaces and objects that share a pyramid. */
+static void list_pyramid_sets(const iso_scene *scene, pyramid_sets *all) {
+    for (int i = 0; i < scene->pyramid_count; i++) {
+        const iso_scene_surface *surface = scene->surfaces[i].surface;
+        iso_pyramid_set *set = &all->sets[all->count++];
+        all->points[i] = iso_scene_surface_points(surface);
+        *set = (iso_pyramid_set){.surface = (uint8_t)i, .points = &all->points[i]};
+        if (scene->renderer->method != ISO_METHOD_HYBRID) continue;
+        all->meshes[i] = iso_mesh_set_view(surface->mesh);
+        set->mesh = &all->meshes[i];
+    }
+    for (int i = 0; i < scene->object_count; i++) {
+        const iso_scene_object *object = scene->objects[i];
+        const int number = scene->count + i;
+        if (!object->in_pyramid) continue;
+        iso_pyramid_set *set = &all->sets[all->count++];
+        *set = (iso_pyramid_set){.surface = (uint8_t)number, .ribbons = object->pyramid_lines};
+        if (object->shapes) continue;
+        all->meshes[number] = iso_triangle_spans_view(&object->spans);
+        set->mesh = &all->meshes[number];
+    }
+}
+
+static iso_status draw_pyramid(const iso_scene *scene, const iso_target *target, iso_error *error) {
+    const iso_pullpush_opts opts = {.reconstruction = scene->renderer->discs,
+                                    .workspace = iso_point_workspace_pullpush(scene->workspace)};
+    pyramid_sets *all = iso_alloc_zero(1, sizeof *all);
+    if (!all) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for drawing");
+    list_pyramid_sets(scene, all);
+    const iso_status status =
+        all->count ? iso_draw_pyramid_sets(target, all->sets, all->count, &opts, error) : ISO_OK;
+    iso_free(all);
+    for (int i = 0; i < scene->object_count && status == ISO_OK; i++)
+        if (scene->objects[i]->in_pyramid)
+            iso_scene_object_count(scene->objects[i], target->gbuffer, scene->count + i);
+    return status;
+}
+
+static void tell_surface(const iso_scene *scene, int number, bool done) {
+    if (scene->progress) scene->progress->surface(scene->progress->context, number, done);
+}
+
+static iso_status draw_object(const iso_scene *scene, int i, const iso_target *target, iso_error *error) {
+    iso_target own = *target;
+    own.surface = (uint8_t)(scene->count + i);
+    scene->objects[i]->by_cpu = scene->engine != NULL;
+    return iso_scene_object_draw(scene->objects[i], &own, iso_point_workspace_pullpush(scene->workspace),
+                                 error);
+}
+
+static iso_status draw_opaque_objects(const iso_scene *scene, const iso_target *target, iso_error *error) {
+    for (int i = 0; i < scene->object_count; i++)
+        if (iso_scene_object_is_opaque(scene->objects[i]) && !scene->objects[i]->in_pyramid)
+            ISO_TRY(draw_object(scene, i, target, error));
+    return ISO_OK;
+}
+
+iso_status iso_scene_draw_from(const iso_scene *scene, int first, const iso_view *view, iso_gbuffer *gbuffer,
+                               iso_pool *pool, iso_error *error) {
+    iso_target target = {view, gbuffer, pool, 0};
+    for (int i = first > scene->pyramid_count ? first : scene->pyramid_count; i < scene->count; i++) {
+        const iso_scene_surface *surface = scene->surfaces[i].surface;
+        target.surface = (uint8_t)i;
+        tell_surface(scene, i, false);
+        ISO_TRY(i < scene->placed_count
+                    ? iso_placed_draw(scene->placed, scene->renderer->method, surface, &target, error)
+                    : scene->renderer->draw(surface, &target, error));
+        tell_surface(scene, i, true);
+    }
+    return draw_opaque_objects(scene, &target, error);
+}
+
+/* A picture that is being drawn. */
+typedef struct drawing {
+    iso_scene *scene;
+    iso_pool *pool;
+} drawing;
+
+/* iso_picture_opts.draw. */
+static iso_status draw_all(void *context, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
+    const drawing *d = context;
+    const iso_scene *scene = d->scene;
+    const iso_target target = {view, gbuffer, d->pool, 0};
+    if (scene->engine) return scene->engine->draw(scene->engine->context, scene, view, gbuffer, error);
+    ISO_TRY(draw_pyramid(scene, &target, error));
+    return iso_scene_draw_from(scene, 0, view, gbuffer, d->pool, error);
+}
+
+/* iso_picture_opts.begin_strip. */
+static void begin_strip(void *context, double from, double to) {
+    const iso_scene_progress *progress = ((const drawing *)context)->scene->progress;
+    progress->strip(progress->context, from, to);
+}
+
+/* ---- translucent surfaces and objects */
+
+/* iso_layered_picture.draw_others. */
+static iso_status draw_others(void *context, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
+    const drawing *d = context;
+    const iso_target target = {view, gbuffer, d->pool, 0};
+    return draw_opaque_objects(d->scene, &target, error);
+}
+
+/* Lists the translucent objects. ISO_ERR_LIMIT. */
+static iso_status list_sets(const iso_scene *scene, iso_translucent_set sets[ISO_LAYERED_MAX], int *count,
+                            iso_error *error) {
+    *count = 0;
+    for (int i = 0; i < scene->object_count; i++) {
+        iso_scene_object *object = scene->objects[i];
+        if (iso_scene_object_is_opaque(object)) continue;
+        if (*count == ISO_LAYERED_MAX)
+            return iso_fail(error, ISO_ERR_LIMIT, "more than %d translucent lines, glyphs and meshes",
+                            ISO_LAYERED_MAX);
+        sets[(*count)++] = (iso_translucent_set){.shapes = object->shapes,
+                                                 .mesh = iso_triangle_spans_view(&object->spans),
+                                                 .color = object->color,
+                                                 .translucency = object->translucency,
+                                                 .drawn = &object->layered};
+    }
+    return ISO_OK;
+}
+
+static iso_status render_layers(drawing *d, iso_picture_opts *opts, iso_image *image, size_t *covered,
                                 iso_error *error) {
+    iso_scene *scene = d->scene;
     iso_picture_layers callbacks;
+    iso_translucent_set sets[ISO_LAYERED_MAX];
     iso_layered_picture picture = {.method = scene->renderer->method,
                                    .surfaces = scene->surfaces,
                                    .count = scene->count,
-                                   .sets = scene->sets,
-                                   .set_count = scene->set_count,
-                                   .draw_others = scene->draw_others,
-                                   .others_context = scene->others_context,
+                                   .sets = sets,
+                                   .draw_others = scene->object_count ? draw_others : NULL,
+                                   .others_context = d,
                                    .transparency = scene->transparency,
-                                   .shade_splats = scene->shade_splats,
-                                   .splats_context = scene->splats_context,
+                                   .shade_splats = scene->engine ? scene->engine->shade_groups : NULL,
+                                   .splats_context = scene->engine ? scene->engine->context : NULL,
                                    .shading = &opts->shading,
                                    .pool = opts->pool};
+    ISO_TRY(list_sets(scene, sets, &picture.set_count, error));
     ISO_TRY(iso_layered_picture_callbacks(&picture, &callbacks, error));
     opts->layers = &callbacks;
     const iso_status status = iso_picture_render(opts, image, covered, error);
@@ -47,9 +183,8 @@ static iso_status render_glass(const iso_scene *scene, iso_picture_opts *opts, i
 
 /* Whether the picture needs no gbuffer: one exact surface with one sample a pixel, and nothing beside it. */
 static bool is_painted(const iso_scene *scene, const iso_picture_opts *opts) {
-    return scene->renderer->method == ISO_METHOD_EXACT && !scene->other_engine && scene->count == 1 &&
-           opts->shading.color_count == 1 && opts->samples <= 1 && !opts->aov &&
-           opts->lighting == ISO_LIGHTING_PHONG;
+    return scene->renderer->method == ISO_METHOD_EXACT && !scene->engine && iso_scene_colors(scene) == 1 &&
+           scene->count == 1 && opts->samples <= 1 && !opts->aov && opts->lighting == ISO_LIGHTING_PHONG;
 }
 
 static iso_status paint(const iso_scene *scene, const iso_picture_opts *opts, iso_image *image,
@@ -61,8 +196,12 @@ static iso_status paint(const iso_scene *scene, const iso_picture_opts *opts, is
 
 iso_status iso_scene_render(iso_scene *scene, iso_picture_opts *opts, iso_image *image, size_t *covered,
                             iso_error *error) {
+    drawing d = {scene, opts->pool};
+    opts->draw = draw_all;
+    opts->draw_context = &d;
+    opts->begin_strip = scene->progress ? begin_strip : NULL;
     if (scene->glass) return render_glass(scene, opts, image, covered, error);
-    if (scene->translucent) return render_layers(scene, opts, image, covered, error);
+    if (scene->translucent) return render_layers(&d, opts, image, covered, error);
     return is_painted(scene, opts) ? paint(scene, opts, image, covered, error)
                                    : iso_picture_render(opts, image, covered, error);
 }

@@ -1,11 +1,13 @@
-/* picture: the picture of a scene: its surfaces by one method, opaque, translucent, or one of glass, with
+/* picture: the picture of a scene: its surfaces by one method, opaque, translucent, or one of glass, and
  * lines, glyphs and meshes among them. Programs and the public header set up a scene and call
  * iso_scene_render. */
 #ifndef ISO_SCENE_PICTURE_H
 #define ISO_SCENE_PICTURE_H
 
 #include "scene/glass.h"
+#include "scene/instances.h"
 #include "scene/layers.h"
+#include "scene/object.h"
 
 /* The surface is glass. */
 typedef struct iso_scene_glass {
@@ -16,26 +18,57 @@ typedef struct iso_scene_glass {
     bool shows_environment; /* the environment is seen behind the solid; if not, the background colour */
 } iso_scene_glass;
 
+typedef struct iso_scene iso_scene;
+
+/* An engine other than the cpu's. */
+typedef struct iso_scene_engine {
+    /* Draws all surfaces, as if they were opaque, and the opaque objects into a cleared gbuffer. */
+    iso_status (*draw)(void *context, const iso_scene *scene, const iso_view *view, iso_gbuffer *gbuffer,
+                       iso_error *error);
+    iso_shade_groups_fn *shade_groups; /* as in iso_layered_picture; NULL: the cpu does it */
+    void *context;
+} iso_scene_engine;
+
+/* Is told how far a picture is. */
+typedef struct iso_scene_progress {
+    void (*strip)(void *context, double from, double to); /* as iso_picture_opts.begin_strip */
+    /* Surface `number` is going to be drawn into the strip, or has been. Not in layered pictures. */
+    void (*surface)(void *context, int number, bool done);
+    void *context;
+} iso_scene_progress;
+
 /* All pointers are borrowed while the picture is rendered. */
-typedef struct iso_scene {
+struct iso_scene {
     const iso_renderer *renderer;
     const iso_layered_surface *surfaces; /* the parts that the renderer and the glass need are up to date */
     int count;
-    bool translucent; /* at least one surface or set is; the renderer has ISO_CAN_LAYERS then */
-    /* Translucent lines, glyphs and meshes; with ISO_CAN_OBJECT_LAYERS only. */
-    const iso_translucent_set *sets;
-    int set_count;
-    iso_draw_fn *draw_others; /* draws opaque lines, glyphs and meshes into layered pictures; NULL: none */
-    void *others_context;
-    const iso_scene_glass *glass;      /* NULL: no glass; else there is one opaque surface and nothing else */
-    iso_transparency transparency;     /* how splats are composited */
-    bool other_engine;                 /* opaque surfaces are not drawn by the cpu engine */
-    iso_shade_groups_fn *shade_splats; /* as in iso_layered_picture */
-    void *splats_context;
-    iso_exact_layers_totals totals; /* set by iso_scene_render: of translucent surfaces */
-} iso_scene;
+    /* Their surface numbers follow those of the surfaces. Translucent ones with ISO_CAN_OBJECT_LAYERS only.
+     * */
+    iso_scene_object *const *objects;
+    int object_count;
+    bool translucent;   /* at least one surface or object is; the renderer has ISO_CAN_LAYERS then */
+    iso_placed *placed; /* the first `placed_count` surfaces are drawn once for each of its placements */
+    int placed_count;
+    int pyramid_count; /* the first surfaces, which share an image pyramid with objects that are in_pyramid */
+    iso_point_workspace *workspace; /* of objects and that pyramid; NULL: made when needed */
+    const iso_scene_glass *glass;   /* NULL: no glass; else there is one opaque surface and nothing else */
+    iso_transparency transparency;  /* how splats are composited */
+    const iso_scene_engine *engine; /* NULL: the cpu engine */
+    const iso_scene_progress *progress; /* NULL: nobody is told */
+    iso_exact_layers_totals totals;     /* set by iso_scene_render: of translucent surfaces */
+};
 
-/* Renders the picture. `opts`: complete but for `layers`, which is set; `draw` draws all that is opaque. One
+/* The numbers of a picture's surfaces are those of the scene's surfaces and objects. */
+static inline int iso_scene_colors(const iso_scene *scene) {
+    return scene->count + scene->object_count;
+}
+
+/* Draws surfaces from number `first` on, as if they were opaque, and all opaque objects, with the cpu engine.
+ * Errors: those of the renderer and of iso_scene_object_draw. */
+iso_status iso_scene_draw_from(const iso_scene *scene, int first, const iso_view *view, iso_gbuffer *gbuffer,
+                               iso_pool *pool, iso_error *error);
+
+/* Renders the picture. `opts`: without `draw`, `draw_context`, `begin_strip` and `layers`, which are set. One
  * exact surface is shaded while it is drawn, if nothing in `opts` prevents it, to the same pixels. Errors:
  * those of iso_picture_render; ISO_ERR_LIMIT: more than ISO_LAYERED_MAX translucent things. */
 iso_status iso_scene_render(iso_scene *scene, iso_picture_opts *opts, iso_image *image, size_t *covered,

@@ -80,6 +80,75 @@ static void test_translucent_shapes(void **state) {
     assert_int_equal(iso_shape_set_of_glyphs(&points, &bad, &set, NULL), ISO_ERR_USAGE);
 }
 
+/* ---- meshes */
+
+static size_t differing(const iso_image *a, const iso_image *b) {
+    size_t count = 0;
+    for (size_t i = 0; i < (size_t)a->width * (size_t)a->height; i++)
+        count += memcmp(a->rgba + 4 * i, b->rgba + 4 * i, 4) != 0;
+    return count;
+}
+
+/* The mesh of a surface, as a set of triangles: of arrays and of a file the same picture, with the outline of
+ * the surface by the method MESH; translucent, it has two layers. */
+static void test_mesh(void **state) {
+    (void)state;
+    iso_volume *volume = lend_ball();
+    iso_surface *surface = NULL;
+    iso_mesh mesh = {0};
+    iso_shape_set *sets[2] = {NULL, NULL}, *glass = NULL, *none = NULL;
+    iso_image images[3] = {{0}, {0}, {0}};
+    iso_aov aov = {0};
+    const char *path = ISO_TEST_TMP "/public_shapes.stl";
+    const iso_rgb red = {255, 0, 0};
+    iso_shape_set_opts look = {.color = &red};
+    assert_int_equal(iso_surface_create(volume, &(iso_surface_opts){.color = &red}, &surface, NULL), ISO_OK);
+    assert_int_equal(iso_surface_mesh(surface, &mesh, NULL), ISO_OK);
+    assert_int_equal(iso_surface_write_mesh(surface, path, NULL), ISO_OK);
+    assert_int_equal(iso_shape_set_of_mesh(&mesh, &look, &sets[0], NULL), ISO_OK);
+    assert_int_equal(iso_shape_set_read_mesh(path, &look, &sets[1], NULL), ISO_OK);
+    iso_render_opts opts = {.width = 64, .height = 48, .method = ISO_METHOD_MESH, .transparent = true};
+    const size_t middle = 24 * 64 + 32;
+    assert_int_equal(iso_render(surface, &opts, &images[2], NULL), ISO_OK);
+    for (int i = 0; i < 2; i++) {
+        opts.shapes = &sets[i];
+        opts.shapes_count = 1;
+        opts.aov = i ? &aov : NULL;
+        assert_int_equal(iso_render_surfaces(NULL, 0, &opts, &images[i], NULL), ISO_OK);
+    }
+    assert_int_equal(differing(&images[0], &images[1]), 0);
+    for (size_t i = 3; i < 4 * 64 * 48; i += 4) assert_int_equal(images[0].rgba[i], images[2].rgba[i]);
+    assert_true(aov.ids[0][middle] == 1 && aov.ids[1][middle] >= 1 &&
+                aov.ids[1][middle] <= mesh.triangle_count && aov.ids[0][0] == 0);
+    look.opacity = 0.5;
+    assert_int_equal(iso_shape_set_of_mesh(&mesh, &look, &glass, NULL), ISO_OK);
+    opts = (iso_render_opts){.width = 64,
+                             .height = 48,
+                             .shapes = &glass,
+                             .shapes_count = 1,
+                             .transparent = true,
+                             .constant_opacity = true};
+    assert_int_equal(iso_render_surfaces(NULL, 0, &opts, &images[0], NULL), ISO_OK);
+    assert_in_range(images[0].rgba[4 * middle + 3], 190, 192);
+    iso_mesh bad = mesh;
+    bad.vertex_count = 5;
+    assert_int_equal(iso_shape_set_of_mesh(&bad, NULL, &none, NULL), ISO_ERR_USAGE);
+    bad = (iso_mesh){.positions = mesh.positions, .vertex_count = mesh.vertex_count};
+    assert_int_equal(iso_shape_set_of_mesh(&bad, NULL, &none, NULL), ISO_ERR_EMPTY);
+    mesh.positions[3][1] = NAN;
+    assert_int_equal(iso_shape_set_of_mesh(&mesh, NULL, &none, NULL), ISO_ERR_USAGE);
+    assert_int_equal(iso_shape_set_read_mesh(ISO_TEST_TMP "/absent.stl", NULL, &none, NULL), ISO_ERR_IO);
+    assert_null(none);
+    for (int i = 0; i < 3; i++) iso_image_free(&images[i]);
+    iso_aov_free(&aov);
+    iso_mesh_free(&mesh);
+    iso_shape_set_destroy(sets[0]);
+    iso_shape_set_destroy(sets[1]);
+    iso_shape_set_destroy(glass);
+    iso_surface_destroy(surface);
+    iso_volume_destroy(volume);
+}
+
 /* ---- fields */
 
 enum { FIELD_SIDE = 4, FIELD_VOXELS = FIELD_SIDE * FIELD_SIDE * FIELD_SIDE };
@@ -182,6 +251,7 @@ static void test_field_errors(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_translucent_shapes),
+        cmocka_unit_test(test_mesh),
         cmocka_unit_test(test_fields),
         cmocka_unit_test(test_field_errors),
     };

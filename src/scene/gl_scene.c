@@ -1,0 +1,124 @@
+/* gl_scene: uploads a scene, and draws it by OpenGL. */
+#include "scene/gl_scene.h"
+
+#include "render/gl/groups.h"
+#include "render/gl/pullpush.h"
+
+static bool draws_groups(const iso_scene *scene) {
+    return scene->renderer->needs & 1u << ISO_PART_GROUPS;
+}
+
+static iso_status upload_objects(iso_gl_scene *gl, const iso_scene *scene, iso_error *error) {
+    for (int i = 0; i < scene->object_count; i++) {
+        const iso_scene_object *object = scene->objects[i];
+        const iso_mesh_view mesh = iso_triangle_spans_view(&object->spans);
+        if (!object->shapes)
+            ISO_TRY(iso_gl_upload_mesh(gl->engine, &mesh, &gl->meshes[i], error));
+        else if (!object->pyramid_lines)
+            ISO_TRY(iso_gl_upload_shapes(gl->engine, object->shapes, &gl->shapes[i], error));
+    }
+    return ISO_OK;
+}
+
+static iso_status upload_surface(iso_gl_scene *gl, const iso_scene *scene, int i, iso_error *error) {
+    const iso_scene_surface *surface = scene->surfaces[i].surface;
+    iso_gl_surface **uploaded = &gl->surfaces[i];
+    if (scene->renderer->method == ISO_METHOD_MESH) {
+        ISO_TRY(iso_mesh_set_bound(surface->mesh, error));
+        const iso_mesh_view mesh = iso_mesh_set_view(surface->mesh);
+        return gl->strips ? iso_gl_upload_strips(gl->engine, &mesh, uploaded, error)
+                          : iso_gl_upload_mesh(gl->engine, &mesh, uploaded, error);
+    }
+    const iso_point_view points = iso_scene_surface_points(surface);
+    return iso_gl_upload_points(gl->engine, &points, uploaded, error);
+}
+
+iso_status iso_gl_scene_upload(iso_gl_scene *gl, const iso_scene *scene, iso_error *error) {
+    ISO_TRY(upload_objects(gl, scene, error));
+    for (int i = 0; i < scene->count && !draws_groups(scene); i++)
+        ISO_TRY(upload_surface(gl, scene, i, error));
+    return ISO_OK;
+}
+
+void iso_gl_scene_free(iso_gl_scene *gl) {
+    for (int i = 0; i < ISO_SURFACE_MAX; i++) {
+        iso_gl_surface_destroy(gl->surfaces[i]);
+        iso_gl_surface_destroy(gl->meshes[i]);
+        iso_gl_shapes_destroy(gl->shapes[i]);
+        gl->surfaces[i] = gl->meshes[i] = NULL;
+        gl->shapes[i] = NULL;
+    }
+}
+
+static iso_status draw_groups(const iso_gl_scene *gl, const iso_scene *scene, const iso_view *view,
+                              iso_gbuffer *gbuffer, iso_error *error) {
+    iso_gl_grouped_points surfaces[ISO_SURFACE_MAX];
+    for (int i = 0; i < scene->count; i++)
+        surfaces[i] = (iso_gl_grouped_points){iso_scene_surface_points(scene->surfaces[i].surface),
+                                              &scene->surfaces[i].surface->groups};
+    const iso_gl_draw_groups_opts opts = {view, surfaces, scene->count, gl->pool};
+    return iso_gl_draw_groups(gl->engine, &opts, gbuffer, error);
+}
+
+static iso_status draw_surfaces(const iso_gl_scene *gl, const iso_scene *scene, const iso_view *view,
+                                iso_gbuffer *gbuffer, iso_error *error) {
+    const iso_gl_surface *const *surfaces = (const iso_gl_surface *const *)gl->surfaces;
+    const iso_method method = scene->renderer->method;
+    if (draws_groups(scene)) return draw_groups(gl, scene, view, gbuffer, error);
+    if (method == ISO_METHOD_MESH || method == ISO_METHOD_POINTS) {
+        const iso_gl_draw_opts opts = {.view = view,
+                                       .surfaces = surfaces,
+                                       .surface_count = scene->count,
+                                       .scaling = gl->scaling,
+                                       .tan_x = gl->tan_x,
+                                       .tan_y = gl->tan_y};
+        return iso_gl_draw(gl->engine, &opts, gbuffer, error);
+    }
+    const iso_gl_pullpush_opts opts = {view, surfaces, scene->count, scene->renderer->discs,
+                                       scene->surfaces[0].surface->selection};
+    return iso_gl_draw_pullpush(gl->engine, &opts, gbuffer, error);
+}
+
+/* Objects are drawn one after the other, so that their samples are counted as the cpu's are: before later
+ * ones hide them. */
+static iso_status draw_object(const iso_gl_scene *gl, const iso_scene *scene, int i, const iso_view *view,
+                              iso_gbuffer *gbuffer, iso_error *error) {
+    iso_scene_object *object = scene->objects[i];
+    const int number = scene->count + i;
+    if (gl->shapes[i]) {
+        const iso_gl_shapes *const sets[] = {gl->shapes[i]};
+        const iso_gl_shapes_opts opts = {view, sets, 1, number};
+        return iso_gl_draw_shapes(gl->engine, &opts, gbuffer, &object->drawn, error);
+    }
+    if (gl->meshes[i] && !gbuffer->element) {
+        const iso_gl_surface *const surface = gl->meshes[i];
+        const iso_gl_draw_opts opts = {
+            .view = view, .surfaces = &surface, .surface_count = 1, .first_surface = number, .keep = true};
+        return iso_gl_draw(gl->engine, &opts, gbuffer, error);
+    }
+    const iso_target target = {view, gbuffer, gl->pool, (uint8_t)number};
+    object->by_cpu = true;
+    return iso_scene_object_draw(object, &target, iso_point_workspace_pullpush(scene->workspace), error);
+}
+
+/* iso_scene_engine.draw. */
+static iso_status draw(void *context, const iso_scene *scene, const iso_view *view, iso_gbuffer *gbuffer,
+                       iso_error *error) {
+    const iso_gl_scene *gl = context;
+    if (scene->count) ISO_TRY(draw_surfaces(gl, scene, view, gbuffer, error));
+    for (int i = 0; i < scene->object_count; i++)
+        if (iso_scene_object_is_opaque(scene->objects[i]))
+            ISO_TRY(draw_object(gl, scene, i, view, gbuffer, error));
+    return ISO_OK;
+}
+
+/* iso_scene_engine.shade_groups. */
+static iso_status shade_groups(void *context, const iso_splat_layers *input, iso_layer_totals *totals,
+                               iso_error *error) {
+    const iso_gl_scene *gl = context;
+    return iso_gl_shade_splat_layers(gl->engine, input, totals, error);
+}
+
+iso_scene_engine iso_gl_scene_engine(iso_gl_scene *gl) {
+    return (iso_scene_engine){draw, shade_groups, gl};
+}

@@ -1,0 +1,32 @@
+/* gl_scene: the gl engine for a scene: its surfaces and objects in GPU memory, and their picture. */
+#ifndef ISO_SCENE_GL_SCENE_H
+#define ISO_SCENE_GL_SCENE_H
+
+#include "render/gl/engine.h"
+#include "render/gl/shapes.h"
+#include "scene/picture.h"
+
+/* Set the members before `surfaces`, zero the rest; iso_gl_scene_free when done. */
+typedef struct iso_gl_scene {
+    iso_gl_engine *engine;     /* borrowed; its context is current in every call */
+    iso_pool *pool;            /* borrowed, or NULL */
+    bool strips;               /* surfaces drawn by the method mesh are uploaded as triangle strips */
+    iso_point_scaling scaling; /* of the method points */
+    double tan_x, tan_y;       /* of the method points: half the size of the whole picture at depth 1 */
+    /* By number of the surface, and of the object. */
+    iso_gl_surface *surfaces[ISO_SURFACE_MAX], *meshes[ISO_SURFACE_MAX];
+    iso_gl_shapes *shapes[ISO_SURFACE_MAX];
+} iso_gl_scene;
+
+/* Uploads surfaces and objects, but no lines of the image pyramid. The scene's renderer has ISO_CAN_GL.
+ * Surfaces in groups are uploaded for every picture. ISO_ERR_BACKEND, ISO_ERR_LIMIT, ISO_ERR_NOMEM. */
+iso_status iso_gl_scene_upload(iso_gl_scene *gl, const iso_scene *scene, iso_error *error);
+
+/* The engine of iso_scene, which borrows `gl`. It draws what was uploaded; the cpu draws lines in the image
+ * pyramid, and meshes whose triangles are to be numbered. */
+iso_scene_engine iso_gl_scene_engine(iso_gl_scene *gl);
+
+/* Frees what was uploaded. */
+void iso_gl_scene_free(iso_gl_scene *gl);
+
+#endif
