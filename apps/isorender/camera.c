@@ -3,7 +3,7 @@
 
 #include "apps/isorender/flat.h"
 #include "apps/isorender/labels.h"
-#include "apps/isorender/level.h"
+#include "apps/isorender/resolution_level.h"
 #include "scene/bounds.h"
 
 static bool is_given(const double v[3]) {

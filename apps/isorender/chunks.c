@@ -8,7 +8,7 @@
 
 #include "apps/isorender/chunks.h"
 #include "apps/isorender/labels.h"
-#include "apps/isorender/ranks.h"
+#include "apps/isorender/mpi_ranks.h"
 #include "base/file_identity.h"
 #include "base/memory.h"
 #include "io/chunk_export.h"

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "apps/isorender/chunks.h"
-#include "apps/isorender/level.h"
+#include "apps/isorender/resolution_level.h"
 #include "base/memory.h"
 #include "io/glyphs/glyphs_read.h"
 

@@ -5,7 +5,7 @@
 
 #include "apps/isorender/isorender.h"
 #include "apps/isorender/merge.h"
-#include "apps/isorender/ranks.h"
+#include "apps/isorender/mpi_ranks.h"
 #include "apps/isorender/scene_file.h"
 #include "base/memory.h"
 

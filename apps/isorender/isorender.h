@@ -204,7 +204,7 @@ bool isorender_uses_groups(const isorender_job *job); /* draws points by --recon
 iso_status isorender_groups_make(isorender_job *job, int surface, iso_error *error);
 void isorender_report_groups(iso_json *json, const isorender_job *job); /* a member of --json's report */
 
-/* ---- detail.c */
+/* ---- levels_of_detail.c */
 
 /* Makes the levels of detail of all surfaces if --lod asks for them or if they save more time than they take;
  * to be called when the camera is known. ISO_ERR_NOMEM, ISO_ERR_LIMIT: only if --lod asks. */

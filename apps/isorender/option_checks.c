@@ -18,7 +18,7 @@
 #include "io/mesh_read.h"
 #include "render/picture.h"
 #include "scene/glass.h"
-#include "scene/layers.h"
+#include "scene/layered_picture.h"
 
 iso_status isorender_settings_add_object(isorender_settings *settings, isorender_object_kind kind,
                                          const char *path, iso_error *error) {

@@ -3,8 +3,8 @@
 #include <string.h>
 
 #include "apps/isorender/channels.h"
+#include "apps/isorender/mpi_ranks.h"
 #include "apps/isorender/option_checks.h"
-#include "apps/isorender/ranks.h"
 #include "base/text.h"
 #include "image/image.h"
 #include "io/key_file.h"

@@ -6,7 +6,7 @@
 #include "apps/isorender/chunks.h"
 #include "apps/isorender/engines.h"
 #include "apps/isorender/isorender.h"
-#include "apps/isorender/ranks.h"
+#include "apps/isorender/mpi_ranks.h"
 #include "apps/isorender/scene_file.h"
 #include "base/clock.h"
 #include "base/file.h"

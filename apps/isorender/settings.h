@@ -6,7 +6,7 @@
 #include "apps/isorender/object_settings.h"
 #include "apps/isorender/volume_settings.h"
 #include "base/geometry.h"
-#include "base/ranks.h"
+#include "base/mpi_ranks.h"
 #include "image/camera.h"
 #include "isopoint.h"
 #include "render/point_surface.h"

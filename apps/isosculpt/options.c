@@ -6,7 +6,7 @@
 
 #include "apps/isosculpt/document.h"
 #include "apps/isosculpt/isosculpt.h"
-#include "apps/isosculpt/window/keys.h"
+#include "apps/isosculpt/window/keyboard.h"
 
 #ifndef ISO_VERSION
 #error "ISO_VERSION comes from CMake"

@@ -1,4 +1,4 @@
-/* The module libisopoint-mpi.so: the functions of iso_message_passing (base/ranks.h) by MPI. */
+/* The module libisopoint-mpi.so: the functions of iso_message_passing (base/mpi_ranks.h) by MPI. */
 #include <limits.h>
 #include <mpi.h>
 

@@ -15,7 +15,7 @@
 
 #include <stdio.h>
 
-#include "base/ranks.h"
+#include "base/mpi_ranks.h"
 #include "grids/level_set.h"
 #include "grids/volume/dicom/dicom.h"
 #include "grids/volume/format.h"

@@ -11,7 +11,7 @@
 #include "base/clock.h"
 #include "base/memory.h"
 #include "render/groups/coverage.h"
-#include "scene/layers.h"
+#include "scene/layered_picture.h"
 #include "truth/raycast_layers.h"
 
 const double ISO_TRANSPARENCY_OPACITY[ISO_TRANSPARENCY_OPACITIES] = {0.3, 0.5, 0.7};

@@ -6,7 +6,7 @@
 
 #include "scene/glass.h"
 #include "scene/instances.h"
-#include "scene/layers.h"
+#include "scene/layered_picture.h"
 #include "scene/object.h"
 
 /* The surface is glass. */

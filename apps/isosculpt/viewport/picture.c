@@ -5,8 +5,8 @@
 
 #include "apps/isosculpt/viewport/async_surface.h"
 #include "apps/isosculpt/viewport/masked.h"
+#include "apps/isosculpt/viewport/memory.h"
 #include "apps/isosculpt/viewport/reference.h"
-#include "apps/isosculpt/viewport/room.h"
 #include "apps/isosculpt/viewport/see_through.h"
 #include "base/clock.h"
 

@@ -5,9 +5,9 @@
  * angle (Kay and Greenberg 1979), as in the exact picture. */
 #include "apps/isosculpt/viewport/see_through.h"
 
-#include "apps/isosculpt/viewport/room.h"
+#include "apps/isosculpt/viewport/memory.h"
 #include "render/layers/opacity.h"
-#include "scene/layers.h"
+#include "scene/layered_picture.h"
 
 enum { SURFACES = 2 };
 
@@ -27,7 +27,7 @@ iso_method isosculpt_viewport_method(const isosculpt_viewport *viewport) {
 
 /* ---- with all layers */
 
-/* The surfaces of a picture, as arguments for scene/layers.h. */
+/* The surfaces of a picture, as arguments for scene/layered_picture.h. */
 typedef struct surfaces {
     iso_layered_surface layered[SURFACES];
     iso_rgb colors[SURFACES];

@@ -1,9 +1,9 @@
 /* see_through: pictures of a viewed volume with translucent surfaces, or with two isosurfaces. For the files
  * of viewport/ only.
  *
- * At rest and while the camera moves, the surfaces are drawn with all their layers (scene/layers.h), as
- * isorender draws them. While the user drags an isovalue there is no time to extract cells; the points of a
- * level of detail are drawn instead, and only the front layer of each surface. */
+ * At rest and while the camera moves, the surfaces are drawn with all their layers (scene/layered_picture.h),
+ * as isorender draws them. While the user drags an isovalue there is no time to extract cells; the points of
+ * a level of detail are drawn instead, and only the front layer of each surface. */
 #ifndef ISO_APPS_ISOSCULPT_VIEWPORT_SEE_THROUGH_H
 #define ISO_APPS_ISOSCULPT_VIEWPORT_SEE_THROUGH_H
 

@@ -16,7 +16,7 @@
 #include <GLFW/glfw3.h>
 
 #include "apps/isosculpt/save.h"
-#include "apps/isosculpt/window/keys.h"
+#include "apps/isosculpt/window/keyboard.h"
 #include "apps/isosculpt/window/panel_parts.hpp"
 #include "grids/volume/bridge_guard.hpp"
 

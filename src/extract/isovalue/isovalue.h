@@ -5,8 +5,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "base/mpi_ranks.h"
 #include "base/parallel.h"
-#include "base/ranks.h"
 #include "grids/chunk_source.h"
 #include "grids/grid.h"
 #include "isopoint.h"

@@ -14,7 +14,7 @@
 #include "apps/isosculpt/render_command.h"
 #include "apps/isosculpt/viewport/viewport.h"
 #include "grids/rgrid.h"
-#include "scene/layers.h"
+#include "scene/layered_picture.h"
 #include "sculpt_support.h"
 
 enum { WIDTH = 187, HEIGHT = 140, SIDE = 60 };

@@ -1,7 +1,7 @@
-/* room: memory for samples and pixels that grows with the picture and is reused. For the files of viewport/
+/* memory: memory for samples and pixels that grows with the picture and is reused. For the files of viewport/
  * only. */
-#ifndef ISO_APPS_ISOSCULPT_VIEWPORT_ROOM_H
-#define ISO_APPS_ISOSCULPT_VIEWPORT_ROOM_H
+#ifndef ISO_APPS_ISOSCULPT_VIEWPORT_MEMORY_H
+#define ISO_APPS_ISOSCULPT_VIEWPORT_MEMORY_H
 
 #include "image/image.h"
 #include "render/view/gbuffer.h"

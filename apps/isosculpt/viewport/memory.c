@@ -1,5 +1,5 @@
 /* Memory of pictures: allocated anew only when a larger picture is drawn than ever before. */
-#include "apps/isosculpt/viewport/room.h"
+#include "apps/isosculpt/viewport/memory.h"
 
 iso_status isosculpt_reserve_samples(iso_gbuffer *gbuffer, int width, int height, iso_error *error) {
     iso_gbuffer larger;

@@ -3,7 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "apps/isorender/level.h"
+#include "apps/isorender/resolution_level.h"
 #include "grids/volume/volume.h"
 
 static double smallest_spacing(const iso_volume_info *info) {

@@ -1,6 +1,6 @@
-/* keys: what mouse and keys do, as X(input, effect), for the help in the window and the man page. */
-#ifndef ISO_APPS_ISOSCULPT_WINDOW_KEYS_H
-#define ISO_APPS_ISOSCULPT_WINDOW_KEYS_H
+/* keyboard: what mouse and keys do, as X(input, effect), for the help in the window and the man page. */
+#ifndef ISO_APPS_ISOSCULPT_WINDOW_KEYBOARD_H
+#define ISO_APPS_ISOSCULPT_WINDOW_KEYBOARD_H
 
 #define ISOSCULPT_KEYS(X)                                                                                    \
     X("left drag on the surface", "the brush; on a volume that is not sculpted yet: orbit")                  \

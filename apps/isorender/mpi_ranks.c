@@ -1,6 +1,6 @@
-/* ranks: MPI by its module, and results of chunks over all ranks. Minima of boxes and ranges are exact, so
- * the picture does not depend on the number of ranks. */
-#include "apps/isorender/ranks.h"
+/* mpi_ranks: MPI by its module, and results of chunks over all ranks. Minima of boxes and ranges are exact,
+ * so the picture does not depend on the number of ranks. */
+#include "apps/isorender/mpi_ranks.h"
 
 #include <string.h>
 

@@ -1,11 +1,11 @@
-/* ranks: the processes of an MPI job, of which this one is one. Without MPI there is one rank, and nothing
- * is loaded.
+/* mpi_ranks: the processes of an MPI job, of which this one is one. Without MPI there is one rank, and
+ * nothing is loaded.
  *
  * MPI is never linked: the functions come from a module (libisopoint-mpi.so, grids/volume/module.h) that is
- * loaded when the program was started by mpirun. Every rank calls the same functions in the same order,
- * from one thread. */
-#ifndef ISO_BASE_RANKS_H
-#define ISO_BASE_RANKS_H
+ * loaded when the program was started by mpirun. Every rank calls the same functions in the same order, from
+ * one thread. */
+#ifndef ISO_BASE_MPI_RANKS_H
+#define ISO_BASE_MPI_RANKS_H
 
 #include <stdbool.h>
 #include <stddef.h>

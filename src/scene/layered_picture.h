@@ -1,7 +1,7 @@
-/* layers: renders pictures in which some surfaces are translucent. The methods exact and raycast find every
- * crossing of a ray; the method splats draws translucent points. */
-#ifndef ISO_SCENE_LAYERS_H
-#define ISO_SCENE_LAYERS_H
+/* layered_picture: renders pictures in which some surfaces are translucent. The methods exact and raycast
+ * find every crossing of a ray; the method splats draws translucent points. */
+#ifndef ISO_SCENE_LAYERED_PICTURE_H
+#define ISO_SCENE_LAYERED_PICTURE_H
 
 #include "exact/layers.h"
 #include "render/groups/disc_layers.h"

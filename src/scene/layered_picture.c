@@ -1,6 +1,6 @@
-/* layers: sorts the surfaces of a picture into opaque and translucent ones, and calls the renderers for
- * both. */
-#include "scene/layers.h"
+/* layered_picture: sorts the surfaces of a picture into opaque and translucent ones, and calls the renderers
+ * for both. */
+#include "scene/layered_picture.h"
 
 #include "truth/raycast_layers.h"
 

@@ -1,6 +1,6 @@
-/* level: the level of a multiscale image that is read, and the camera by which it is chosen. */
-#ifndef ISO_APPS_ISORENDER_LEVEL_H
-#define ISO_APPS_ISORENDER_LEVEL_H
+/* resolution_level: the level of a multiscale image that is read, and the camera by which it is chosen. */
+#ifndef ISO_APPS_ISORENDER_RESOLUTION_LEVEL_H
+#define ISO_APPS_ISORENDER_RESOLUTION_LEVEL_H
 
 #include "apps/isorender/isorender.h"
 

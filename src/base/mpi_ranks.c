@@ -1,5 +1,5 @@
-/* ranks: results over all ranks, and agreement about failures. */
-#include "base/ranks.h"
+/* mpi_ranks: results over all ranks, and agreement about failures. */
+#include "base/mpi_ranks.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,10 +1,10 @@
-/* ranks: what isorender exchanges between the processes of mpirun, each of which draws a share of the
+/* mpi_ranks: what isorender exchanges between the processes of mpirun, each of which draws a share of the
  * chunks, and what must be the same on all of them. */
-#ifndef ISO_APPS_ISORENDER_RANKS_H
-#define ISO_APPS_ISORENDER_RANKS_H
+#ifndef ISO_APPS_ISORENDER_MPI_RANKS_H
+#define ISO_APPS_ISORENDER_MPI_RANKS_H
 
 #include "apps/isorender/isorender.h"
-#include "base/ranks.h"
+#include "base/mpi_ranks.h"
 #include "exact/chunks.h"
 #include "render/pullpush/keys.h"
 
