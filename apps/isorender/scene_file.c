@@ -2,176 +2,63 @@
 #define _GNU_SOURCE /* asprintf */
 #include "apps/isorender/scene_file.h"
 
-#include <errno.h>
 #include <jansson.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
+#include "apps/common/scene_json.h"
 #include "apps/isorender/labels.h"
-#include "base/file.h"
-#include "base/file_identity.h"
 #include "base/text.h"
 #include "image/image_file.h"
-#include "image/png_text.h"
-
-/* The version of the form of scenes. */
-enum { SCENE = 1 };
-/* Larger files hold no scene, bytes. */
-enum { MOST_BYTES = 1 << 24 };
-
-static const char *base_name(const char *path) {
-    const char *slash = strrchr(path, '/');
-    return slash ? slash + 1 : path;
-}
 
 /* ---- writing */
-
-/* A number made of a file's size and a few blocks of it, as text; false: it is no regular file, or *failed:
- * there was no memory. */
-static bool find_fingerprint(const char *path, char text[17], bool *failed) {
-    iso_file_set set = {0};
-    iso_file_set_read(&set, path);
-    const bool regular = set.count > 0 && !set.incomplete;
-    *failed |= set.incomplete;
-    if (regular) snprintf(text, 17, "%016llx", (unsigned long long)iso_file_set_content(&set));
-    iso_file_set_free(&set);
-    return regular;
-}
-
-/* Where a scene is written to, and what decides how paths stand in it. */
-typedef struct target {
-    const isorender_settings *settings;
-    const char *file; /* of its own; NULL: a text in a PNG */
-} target;
-
-/* Length of the path of the folder that a file is in, with the slash; 0: the working directory. */
-static int folder_length(const char *path) {
-    return (int)(base_name(path) - path);
-}
-
-/* A path without the folder of a file that is in the same one; else NULL. */
-static const char *without_folder(const char *path, const char *file) {
-    const int length = file ? folder_length(file) : 0;
-    return length && strncmp(path, file, (size_t)length) == 0 ? path + length : NULL;
-}
-
-/* Adds a path: in a PNG never an absolute one, and as in the scene that the picture was drawn from; in a file
- * of its own relative to that, or an absolute one. */
-static void put_path(iso_json *json, const char *key, const char *path, const target *to) {
-    const char *inside = without_folder(path, to->file ? to->file : to->settings->scene_file);
-    errno = 0;
-    char *whole = to->file && !inside && folder_length(to->file) ? realpath(path, NULL) : NULL;
-    json->failed |= !whole && errno == ENOMEM;
-    iso_json_string(json, key,
-                    inside                        ? inside
-                    : whole                       ? whole
-                    : !to->file && path[0] == '/' ? base_name(path)
-                                                  : path);
-    free(whole);
-}
-
-static void put_file(iso_json *json, const char *path, const target *to) {
-    char text[17];
-    if (!find_fingerprint(path, text, &json->failed)) return;
-    iso_json_begin_object(json, NULL);
-    put_path(json, "path", path, to);
-    iso_json_string(json, "fingerprint", text);
-    iso_json_end_object(json);
-}
-
-static void put_option(iso_json *json, const isorender_noted *noted, const target *to) {
-    const char *name = noted->option->name, *value = noted->value;
-    iso_json_begin_object(json, NULL);
-    if (!value)
-        iso_json_bool(json, name, true);
-    else if (noted->option->flags & ISO_OPTION_READS)
-        put_path(json, name, value, to);
-    else
-        iso_json_string(json, name, value);
-    iso_json_end_object(json);
-}
-
-static void put_camera(iso_json *json, const iso_camera *camera) {
-    const double position[] = {camera->position.x, camera->position.y, camera->position.z},
-                 focal_point[] = {camera->focal_point.x, camera->focal_point.y, camera->focal_point.z},
-                 view_up[] = {camera->view_up.x, camera->view_up.y, camera->view_up.z};
-    iso_json_begin_object(json, "camera");
-    iso_json_reals(json, "position", position, 3);
-    iso_json_reals(json, "focal_point", focal_point, 3);
-    iso_json_reals(json, "view_up", view_up, 3);
-    iso_json_real(json, "view_angle", camera->view_angle);
-    iso_json_bool(json, "orthographic", camera->orthographic);
-    iso_json_real(json, "parallel_scale", camera->parallel_scale);
-    iso_json_end_object(json);
-}
 
 static bool has_input(const isorender_job *job) {
     return !job->settings->no_input && !job->settings->scene;
 }
 
-/* `file`: of its own; NULL: a text in a PNG. */
-static void put_scene(iso_json *json, const isorender_job *job, const char *file) {
+/* The job's options as a scene has them: of ISORENDER_NOTED + 1. Returns their number. */
+static int list_options(const isorender_job *job, iso_scene_option options[ISORENDER_NOTED + 1]) {
     const isorender_settings *settings = job->settings;
-    const target to = {settings, file};
-    iso_json_begin_object(json, NULL);
-    iso_json_integer(json, "scene", SCENE);
-    iso_json_string(json, "isorender", isorender_program()->version);
-    if (has_input(job)) put_path(json, "input", job->plan->input, &to);
-    iso_json_begin_array(json, "options");
-    for (int i = 0; i < settings->noted_count; i++) put_option(json, &settings->noted[i], &to);
-    if (*isorender_camera_record(job)) {
-        iso_json_begin_object(json, NULL);
-        iso_json_string(json, "fit", "box");
-        iso_json_end_object(json);
+    int count = 0;
+    for (; count < settings->noted_count; count++) {
+        const isorender_noted *noted = &settings->noted[count];
+        options[count] = (iso_scene_option){noted->option->name, noted->value,
+                                            (noted->option->flags & ISO_OPTION_READS) != 0};
     }
-    iso_json_end_array(json);
-    iso_json_begin_array(json, "files");
-    if (has_input(job)) put_file(json, job->plan->input, &to);
-    for (int i = 0; i < settings->noted_count; i++)
-        if (settings->noted[i].option->flags & ISO_OPTION_READS)
-            put_file(json, settings->noted[i].value, &to);
-    iso_json_end_array(json);
-    if (file) {
-        put_camera(json, &job->camera);
-        iso_json_begin_array(json, "isovalues");
-        for (int i = 0; i < job->surface_count; i++)
-            iso_json_real(json, NULL, job->surfaces[i].scene.isovalue);
-        iso_json_end_array(json);
-    }
-    iso_json_end_object(json);
+    if (*isorender_camera_record(job)) options[count++] = (iso_scene_option){"fit", "box", false};
+    return count;
+}
+
+static iso_scene_record make_record(const isorender_job *job, iso_scene_option options[ISORENDER_NOTED + 1]) {
+    return (iso_scene_record){.version = isorender_program()->version,
+                              .input = has_input(job) ? job->plan->input : NULL,
+                              .options = options,
+                              .option_count = list_options(job, options),
+                              .from = job->settings->scene_file};
 }
 
 iso_status isorender_scene_text(const isorender_job *job, char **text, iso_error *error) {
-    char *line = NULL;
-    size_t bytes = 0;
+    iso_scene_option options[ISORENDER_NOTED + 1];
     *text = NULL;
     if (job->settings->noted_count > ISORENDER_NOTED) return ISO_OK;
-    FILE *stream = open_memstream(&line, &bytes);
-    if (!stream) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
-    iso_json json = {.one_line = true};
-    put_scene(&json, job, NULL);
-    iso_status status = iso_json_write(&json, stream, error);
-    if (!iso_memory_stream_close(stream, &line) && status == ISO_OK)
-        status = iso_fail(error, ISO_ERR_NOMEM, "out of memory");
-    if (status != ISO_OK) {
-        free(line);
-        return status;
-    }
-    line[strcspn(line, "\n")] = 0;
-    *text = line;
-    return ISO_OK;
+    const iso_scene_record record = make_record(job, options);
+    return iso_scene_json_text(&record, text, error);
 }
 
 iso_status isorender_scene_save(const isorender_job *job, iso_error *error) {
-    iso_sink sink;
-    iso_json json = {0};
+    iso_scene_option options[ISORENDER_NOTED + 1];
+    double isovalues[ISORENDER_SURFACES];
     if (!job->plan->scene_file) return ISO_OK;
     if (job->settings->noted_count > ISORENDER_NOTED)
         return iso_fail(error, ISO_ERR_LIMIT, "--save-scene: more than %d options", ISORENDER_NOTED);
-    ISO_TRY(iso_sink_open(job->plan->scene_file, &sink, error));
-    put_scene(&json, job, job->plan->scene_file);
-    return iso_json_commit(&json, &sink, error);
+    for (int i = 0; i < job->surface_count; i++) isovalues[i] = job->surfaces[i].scene.isovalue;
+    iso_scene_record record = make_record(job, options);
+    record.camera = &job->camera;
+    record.isovalues = isovalues;
+    record.isovalue_count = job->surface_count;
+    return iso_scene_json_save(&record, job->plan->scene_file, error);
 }
 
 /* ---- the schema */
@@ -210,7 +97,7 @@ iso_status isorender_scene_print_schema(iso_error *error) {
     iso_json_end_array(&json);
     iso_json_begin_object(&json, "properties");
     iso_json_begin_object(&json, "scene");
-    iso_json_integer(&json, "const", SCENE);
+    iso_json_integer(&json, "const", ISO_SCENE_JSON_VERSION);
     iso_json_end_object(&json);
     put_type(&json, "isorender", "string", "the version that wrote it");
     put_type(&json, "input", "string", "the volume, points or mesh; relative to the scene's folder");
@@ -236,53 +123,6 @@ iso_status isorender_scene_print_schema(iso_error *error) {
 
 /* ---- reading */
 
-static iso_status read_text(const char *path, char **text, iso_error *error) {
-    FILE *stream;
-    uint64_t bytes;
-    ISO_TRY(iso_file_open(path, &stream, &bytes, error));
-    *text = bytes < MOST_BYTES ? malloc((size_t)bytes + 1) : NULL;
-    const size_t got = *text ? fread(*text, 1, (size_t)bytes, stream) : 0;
-    fclose(stream);
-    if (bytes >= MOST_BYTES) return iso_fail(error, ISO_ERR_FORMAT, "%s: is too large for a scene", path);
-    if (!*text) return iso_fail_memory(error, path);
-    (*text)[got] = 0;
-    return ISO_OK;
-}
-
-/* Sets *scene to NULL if the file is JSON of something else. */
-static iso_status read_scene(const char *path, json_t **scene, iso_error *error) {
-    char *text = NULL;
-    json_error_t reason;
-    *scene = NULL;
-    const bool is_png = iso_text_has_extension(path, ".png");
-    ISO_TRY(is_png ? iso_png_read_text(path, "Scene", &text, error) : read_text(path, &text, error));
-    *scene = json_loads(text, JSON_REJECT_DUPLICATES, &reason);
-    free(text);
-    if (!*scene) return iso_fail(error, ISO_ERR_FORMAT, "%s: line %d: %s", path, reason.line, reason.text);
-    if (json_is_object(*scene) && json_object_get(*scene, "scene")) return ISO_OK;
-    json_decref(*scene);
-    *scene = NULL;
-    return ISO_OK;
-}
-
-/* The path of a scene's file: as it stands there, or beside the scene; of one that is nowhere the first of
- * both. The caller's, NULL: no memory. */
-static char *find_file(const char *scene_path, const char *path) {
-    const int folder = folder_length(scene_path);
-    const char *names[] = {path, base_name(path)};
-    for (int i = 0; i < 2; i++) {
-        char *beside = NULL;
-        if (names[i][0] == '/' ? (beside = strdup(names[i])) == NULL
-                               : asprintf(&beside, "%.*s%s", folder, scene_path, names[i]) < 0)
-            return NULL;
-        if (access(beside, F_OK) == 0) return beside;
-        free(beside);
-    }
-    char *missing = NULL;
-    const bool is_whole = path[0] == '/' || iso_loader_is_scene(path) || strcmp(path, "-") == 0;
-    return asprintf(&missing, "%.*s%s", is_whole ? 0 : folder, scene_path, path) < 0 ? NULL : missing;
-}
-
 /* A command line under construction. */
 typedef struct builder {
     const char *path;    /* of the scene */
@@ -299,7 +139,7 @@ static iso_status add(builder *b, char *text, iso_error *error) {
 
 /* Adds the input, which must not be taken for an option or a command when it is called like one. */
 static iso_status add_input(builder *b, const char *input, iso_error *error) {
-    char *found = find_file(b->path, input), *operand = NULL;
+    char *found = iso_scene_json_find(b->path, input), *operand = NULL;
     const bool is_plain = found && !strchr(found, '/') && strcmp(found, "-") != 0,
                is_word =
                    is_plain && (found[0] == '-' || strcmp(found, "merge") == 0 || strcmp(found, "help") == 0);
@@ -326,52 +166,21 @@ static iso_status add_option(builder *b, const char *name, json_t *value, iso_er
                         name);
     char *file = NULL, *number = json_is_number(value) ? json_dumps(value, JSON_ENCODE_ANY) : NULL;
     const char *given = number ? number : json_string_value(value);
-    if (option->flags & ISO_OPTION_READS && given) given = file = find_file(b->path, given);
+    if (option->flags & ISO_OPTION_READS && given) given = file = iso_scene_json_find(b->path, given);
     if (!given || asprintf(&text, "--%s=%s", name, given) < 0) text = NULL;
     free(file);
     free(number);
     return add(b, text, error);
 }
 
-/* Refuses a scene of which a file has changed. */
-static iso_status check_file(const char *scene_path, const json_t *file, iso_error *error) {
-    const char *path = json_string_value(json_object_get(file, "path")),
-               *known = json_string_value(json_object_get(file, "fingerprint"));
-    char now[17];
-    if (!path || !known)
-        return iso_fail(error, ISO_ERR_FORMAT, "%s: a file without path and fingerprint", scene_path);
-    char *found = find_file(scene_path, path);
-    if (!found) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
-    bool failed = false;
-    const bool same = !find_fingerprint(found, now, &failed) || strcmp(now, known) == 0;
-    free(found);
-    if (failed) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
-    if (same) return ISO_OK;
-    return iso_fail(error, ISO_ERR_FORMAT,
-                    "%s: %s is not the file that it was drawn from (a file named behind the scene is taken "
-                    "whatever it holds)",
-                    scene_path, path);
-}
-
 static iso_status add_scene(builder *b, json_t *scene, iso_error *error) {
     const char *input = json_string_value(json_object_get(scene, "input")), *name;
-    json_t *options = json_object_get(scene, "options"), *option, *value, *file;
+    json_t *options = json_object_get(scene, "options"), *option, *value;
     size_t i;
-    if (json_integer_value(json_object_get(scene, "scene")) != SCENE)
-        return iso_fail(error, ISO_ERR_FORMAT, "%s: a scene of another version than %d", b->path, SCENE);
-    if (!json_is_array(options))
-        return iso_fail(error, ISO_ERR_FORMAT, "%s: a scene has a list of options", b->path);
     json_array_foreach(options, i, option) {
-        if (json_object_size(option) != 1)
-            return iso_fail(error, ISO_ERR_FORMAT, "%s: option %zu is not one name with its value", b->path,
-                            i + 1);
         json_object_foreach(option, name, value) ISO_TRY(add_option(b, name, value, error));
     }
-    json_array_foreach(json_object_get(scene, "files"), i, file) {
-        const char *path = json_string_value(json_object_get(file, "path"));
-        const bool replaced = b->replaces_input && input && path && strcmp(path, input) == 0;
-        if (!replaced) ISO_TRY(check_file(b->path, file, error));
-    }
+    ISO_TRY(iso_scene_json_check_files(b->path, scene, b->replaces_input ? input : NULL, error));
     return input && !b->replaces_input ? add_input(b, input, error) : ISO_OK;
 }
 
@@ -387,7 +196,7 @@ static bool is_left_out(char *const *argv, int i, const iso_texts *scenes) {
 static iso_status make_command(int argc, char **argv, const iso_texts *scenes, builder *b,
                                isorender_command *command, iso_error *error) {
     json_t *scene;
-    ISO_TRY(read_scene(b->path, &scene, error));
+    ISO_TRY(iso_scene_json_read(b->path, &scene, error));
     if (!scene)
         return iso_fail(error, ISO_ERR_FORMAT, "%s: holds no scene of isorender (--save-scene writes one)",
                         b->path);
@@ -410,7 +219,7 @@ static iso_status make_command(int argc, char **argv, const iso_texts *scenes, b
 static bool is_scene(const char *operand) {
     json_t *scene = NULL;
     if (!iso_text_has_extension(operand, ".json") || access(operand, F_OK) != 0) return false;
-    const iso_status status = read_scene(operand, &scene, NULL);
+    const iso_status status = iso_scene_json_read(operand, &scene, NULL);
     json_decref(scene);
     return scene != NULL || status != ISO_OK;
 }

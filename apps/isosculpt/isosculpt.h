@@ -43,6 +43,9 @@ typedef struct isosculpt_settings {
     uint64_t undo_memory; /* bytes */
 } isosculpt_settings;
 
+/* The group of the options that say how a volume is read. */
+#define ISOSCULPT_READING "Reading a volume"
+
 /* Name, version and option table of isosculpt. */
 const iso_program *isosculpt_program(void);
 

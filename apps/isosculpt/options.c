@@ -14,7 +14,7 @@
 
 enum group { SESSION, INPUT, OUTPUT, RUNNING };
 
-static const char *const groups[] = {"Session", "Reading a volume", "Output", "Running", NULL};
+static const char *const groups[] = {"Session", ISOSCULPT_READING, "Output", "Running", NULL};
 static const char *const usage[] = {"[STROKES|FILE]", "--replay STROKES --headless [--output OUT] [--json]",
                                     "--open FILE --headless [--replay STROKES] [--output OUT]", NULL};
 
@@ -45,7 +45,7 @@ static const iso_option options[] = {
     {"replay", NULL, "FILE", "play a stroke file", .group = SESSION, .kind = ISO_OPTION_TEXT, AT(replay)},
     {"open", NULL, "FILE",
      "begin with a level set (.vdb), a mesh (.stl, .obj, .ply), lines as tubes (.swc, .tck, .trk), points "
-     "(.ply without faces, .pcd, .las, .xyz, .pts ..), whose holes are closed, or a volume",
+     "(.ply without faces, .pcd, .las, .xyz, .pts ..), whose holes are closed, a volume, or a scene (.json, or a picture that holds one)",
      .group = SESSION, .kind = ISO_OPTION_TEXT, AT(open)},
     {"isovalue", NULL, "V",
      "of the volume that is opened (of a level set: mm from its surface); a window can change it",

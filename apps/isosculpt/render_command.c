@@ -1,4 +1,4 @@
-/* The isorender command of a viewport, with file names quoted for a shell. */
+/* The options with which isorender draws a viewport's picture, as a command for a shell and as a scene. */
 #include "apps/isosculpt/render_command.h"
 
 #include <stdarg.h>
@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Text in a fixed room. */
 typedef struct writer {
     char *text;
     size_t length, room;
@@ -21,6 +22,8 @@ static void put(writer *w, const char *format, ...) {
     if (!w->full) w->length += (size_t)length;
 }
 
+/* ---- the options */
+
 /* Writes a number with the fewest digits that are read back as the same number. */
 static void put_number(writer *w, double value) {
     char text[40];
@@ -31,14 +34,108 @@ static void put_number(writer *w, double value) {
     put(w, "%s", text);
 }
 
-static void put_vector(writer *w, const char *option, iso_vec3 v) {
-    put(w, " %s=", option);
-    put_number(w, v.x);
-    put(w, ",");
-    put_number(w, v.y);
-    put(w, ",");
-    put_number(w, v.z);
+static void put_numbers(writer *w, const double *values, int count) {
+    for (int i = 0; i < count; i++) {
+        if (i) put(w, ",");
+        put_number(w, values[i]);
+    }
 }
+
+static void put_color(writer *w, iso_rgb color) {
+    put(w, "%02X%02X%02X", color.r, color.g, color.b);
+}
+
+/* Begins an option, whose value is what is written next, until `end`. */
+static void begin(isosculpt_render_options *to, writer *w, const char *name) {
+    if (to->count == ISOSCULPT_RENDER_OPTIONS)
+        w->full = true;
+    else
+        to->items[to->count++] = (iso_scene_option){name, w->text + w->length, false};
+}
+
+static void end(writer *w) {
+    w->full |= w->length + 1 >= w->room;
+    if (!w->full) w->text[w->length++] = 0;
+}
+
+static void add_numbers(isosculpt_render_options *to, writer *w, const char *name, const double *values,
+                        int count) {
+    begin(to, w, name);
+    put_numbers(w, values, count);
+    end(w);
+}
+
+static void add_vector(isosculpt_render_options *to, writer *w, const char *name, iso_vec3 v) {
+    add_numbers(to, w, name, (double[]){v.x, v.y, v.z}, 3);
+}
+
+static void add_text(isosculpt_render_options *to, writer *w, const char *name, const char *text) {
+    begin(to, w, name);
+    put(w, "%s", text);
+    end(w);
+}
+
+/* Adds lines "option=value". */
+static void add_reading(isosculpt_render_options *to, writer *w, const char *reading) {
+    for (const char *line = reading; *line; line += line[0] == '\n') {
+        const size_t length = strcspn(line, "\n"), name = strcspn(line, "=");
+        if (name < length) {
+            const char *option = w->text + w->length;
+            put(w, "%.*s", (int)name, line);
+            end(w);
+            begin(to, w, option);
+            put(w, "%.*s", (int)(length - name - 1), line + name + 1);
+            end(w);
+        }
+        line += length;
+    }
+}
+
+/* The opacities of a see-through picture; two opaque surfaces need none. */
+static void add_opacities(isosculpt_render_options *to, writer *w, const isosculpt_viewport *viewport) {
+    const isosculpt_see_through *how = &viewport->see_through;
+    const bool two = isosculpt_viewport_has_second(viewport);
+    if (!isosculpt_viewport_is_see_through(viewport)) return;
+    if (!(how->opacity < 1) && !(two && how->second_opacity < 1)) return;
+    add_numbers(to, w, "opacity", (double[]){how->opacity, how->second_opacity}, two ? 2 : 1);
+}
+
+bool isosculpt_render_options_make(const isosculpt_render_command *command, isosculpt_render_options *to) {
+    const isosculpt_viewport *viewport = command->viewport;
+    const iso_camera *camera = &viewport->camera;
+    const isosculpt_see_through *how = &viewport->see_through;
+    const bool two = isosculpt_viewport_has_second(viewport);
+    const iso_method method = isosculpt_viewport_method(viewport);
+    writer w = {.text = to->text, .room = sizeof to->text};
+    to->count = 0;
+    to->isovalues[0] = viewport->lod ? viewport->isovalue : 0;
+    to->isovalues[1] = how->second_isovalue;
+    to->isovalue_count = two ? 2 : 1;
+    add_reading(to, &w, command->reading);
+    add_numbers(to, &w, "isovalue", to->isovalues, to->isovalue_count);
+    add_opacities(to, &w, viewport);
+    add_text(to, &w, "method", method == ISO_METHOD_PULLPUSH_BOX ? "pullpush" : iso_method_name(method));
+    if (method == ISO_METHOD_PULLPUSH_BOX) add_text(to, &w, "reconstruction", "box");
+    add_text(to, &w, "samples", "4");
+    begin(to, &w, "resolution");
+    put(&w, "%dx%d", command->width, command->height);
+    end(&w);
+    begin(to, &w, "color");
+    put_color(&w, viewport->mode.material.color);
+    if (two) put(&w, ",");
+    if (two) put_color(&w, how->second_color);
+    end(&w);
+    begin(to, &w, "background");
+    put_color(&w, viewport->mode.material.background);
+    end(&w);
+    add_vector(to, &w, "camera-position", camera->position);
+    add_vector(to, &w, "camera-focal-point", camera->focal_point);
+    add_vector(to, &w, "camera-view-up", camera->view_up);
+    add_numbers(to, &w, "view-angle", &camera->view_angle, 1);
+    return !w.full;
+}
+
+/* ---- the command */
 
 /* Writes text in single quotes if it contains characters that a shell interprets. */
 static void put_quoted(writer *w, const char *text) {
@@ -52,20 +149,6 @@ static void put_quoted(writer *w, const char *text) {
     put(w, "'");
 }
 
-/* Writes lines "option=value" as options. */
-static void put_reading(writer *w, const char *reading) {
-    char value[1024];
-    for (const char *line = reading; *line; line += line[0] == '\n') {
-        const size_t length = strcspn(line, "\n"), name = strcspn(line, "=");
-        if (name < length) {
-            put(w, " --%.*s=", (int)name, line);
-            snprintf(value, sizeof value, "%.*s", (int)(length - name - 1), line + name + 1);
-            put_quoted(w, value);
-        }
-        line += length;
-    }
-}
-
 /* Writes the name of the output, NAME-view.png in the current folder. */
 static void put_output(writer *w, const char *path) {
     char name[256];
@@ -76,57 +159,30 @@ static void put_output(writer *w, const char *path) {
     put_quoted(w, name);
 }
 
-static void put_color(writer *w, const char *option, iso_rgb color) {
-    put(w, " %s %02X%02X%02X", option, color.r, color.g, color.b);
-}
-
-/* Writes the opacities of a see-through picture; two opaque surfaces need none. */
-static void put_opacities(writer *w, const isosculpt_viewport *viewport) {
-    const isosculpt_see_through *how = &viewport->see_through;
-    const bool two = isosculpt_viewport_has_second(viewport);
-    if (!isosculpt_viewport_is_see_through(viewport)) return;
-    if (!(how->opacity < 1) && !(two && how->second_opacity < 1)) return;
-    put(w, " --opacity=");
-    put_number(w, how->opacity);
-    if (!two) return;
-    put(w, ",");
-    put_number(w, how->second_opacity);
-}
-
-static void put_method(writer *w, iso_method method) {
-    if (method == ISO_METHOD_PULLPUSH_BOX)
-        put(w, " --method pullpush --reconstruction box");
-    else
-        put(w, " --method %s", iso_method_name(method));
-}
-
 bool isosculpt_render_command_text(const isosculpt_render_command *command, char *text, size_t room) {
-    const isosculpt_viewport *viewport = command->viewport;
-    const iso_camera *camera = &viewport->camera;
-    const isosculpt_see_through *how = &viewport->see_through;
-    const iso_rgb second = how->second_color;
-    const bool two = isosculpt_viewport_has_second(viewport);
+    isosculpt_render_options options;
     writer w = {.text = text, .room = room};
+    if (!isosculpt_render_options_make(command, &options)) return false;
     put(&w, "isorender ");
     put_quoted(&w, command->path);
-    put_reading(&w, command->reading);
     put_output(&w, command->path);
-    put(&w, " --isovalue=");
-    put_number(&w, viewport->lod ? viewport->isovalue : 0);
-    if (two) {
-        put(&w, ",");
-        put_number(&w, how->second_isovalue);
+    for (int i = 0; i < options.count; i++) {
+        put(&w, " --%s=", options.items[i].name);
+        put_quoted(&w, options.items[i].value);
     }
-    put_opacities(&w, viewport);
-    put_method(&w, isosculpt_viewport_method(viewport));
-    put(&w, " --backend cpu --samples 4 --resolution %dx%d", command->width, command->height);
-    put_color(&w, "--color", viewport->mode.material.color);
-    if (two) put(&w, ",%02X%02X%02X", second.r, second.g, second.b);
-    put_color(&w, "--background", viewport->mode.material.background);
-    put_vector(&w, "--camera-position", camera->position);
-    put_vector(&w, "--camera-focal-point", camera->focal_point);
-    put_vector(&w, "--camera-view-up", camera->view_up);
-    put(&w, " --view-angle ");
-    put_number(&w, camera->view_angle);
+    put(&w, " --backend=cpu"); /* how to draw, which belongs to no scene */
     return !w.full;
+}
+
+/* ---- the scene */
+
+iso_scene_record isosculpt_render_record(const isosculpt_render_command *command,
+                                         const isosculpt_render_options *options) {
+    return (iso_scene_record){.version = iso_version(),
+                              .input = command->path,
+                              .options = options->items,
+                              .option_count = options->count,
+                              .camera = &command->viewport->camera,
+                              .isovalues = options->isovalues,
+                              .isovalue_count = options->isovalue_count};
 }

@@ -24,30 +24,28 @@
 #define LINES ".swc .tck .trk"
 
 const isosculpt_file_type *isosculpt_browser_types(isosculpt_purpose purpose) {
-    static const isosculpt_file_type open[] = {{"all that can be opened",
-                                                ".strokes .vdb " MESHES " " LINES " " POINTS " " VOLUMES},
-                                               {"strokes (.strokes)", ".strokes"},
-                                               {"level sets (.vdb)", ".vdb"},
-                                               {"meshes (" MESHES ")", MESHES},
-                                               {"lines (" LINES ")", LINES},
-                                               {"points (" POINTS ")", POINTS},
-                                               {"volumes", VOLUMES},
-                                               {"all files", ""},
-                                               {NULL, NULL}},
-                                     stamp[] = {{"meshes (" MESHES ")", MESHES},
-                                                {"all files", ""},
-                                                {NULL, NULL}},
-                                     save[] = {{"level set (.vdb)", ".vdb"},
-                                               {"mesh (.stl)", ".stl"},
-                                               {"mesh (.ply)", ".ply"},
-                                               {"mesh (.obj)", ".obj"},
-                                               {NULL, NULL}},
-                                     export[] = {{"mesh (.stl)", ".stl"},
-                                                 {"mesh (.ply)", ".ply"},
-                                                 {"mesh (.obj)", ".obj"},
-                                                 {"level set (.vdb)", ".vdb"},
-                                                 {NULL, NULL}},
-                                     picture[] = {{"picture (.png)", ".png"}, {NULL, NULL}};
+    static const isosculpt_file_type
+        open[] = {{"all that can be opened", ".strokes .vdb " MESHES " " LINES " " POINTS " " VOLUMES},
+                  {"strokes (.strokes)", ".strokes"},
+                  {"level sets (.vdb)", ".vdb"},
+                  {"meshes (" MESHES ")", MESHES},
+                  {"lines (" LINES ")", LINES},
+                  {"points (" POINTS ")", POINTS},
+                  {"volumes", VOLUMES},
+                  {"all files", ""},
+                  {NULL, NULL}},
+        stamp[] = {{"meshes (" MESHES ")", MESHES}, {"all files", ""}, {NULL, NULL}},
+        save[] = {{"level set (.vdb)", ".vdb"},
+                  {"mesh (.stl)", ".stl"},
+                  {"mesh (.ply)", ".ply"},
+                  {"mesh (.obj)", ".obj"},
+                  {NULL, NULL}},
+        export[] = {{"mesh (.stl)", ".stl"},
+                    {"mesh (.ply)", ".ply"},
+                    {"mesh (.obj)", ".obj"},
+                    {"level set (.vdb)", ".vdb"},
+                    {NULL, NULL}},
+        picture[] = {{"picture (.png)", ".png"}, {"scene (.json)", ".json"}, {NULL, NULL}};
     static const isosculpt_file_type *const all[] = {NULL, open, stamp, save, export, picture};
     return all[purpose];
 }

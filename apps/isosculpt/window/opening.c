@@ -82,20 +82,24 @@ static void make_absolute(const char *path, char absolute[2 * ISOSCULPT_PATH]) {
         snprintf(absolute, 2 * ISOSCULPT_PATH, "%s/%s", folder, path);
 }
 
-/* Starts the load job for a file. The options for reading apply only to the file on the command line. */
+/* Starts the load job for a file, or for the input of a scene. The options for reading apply only to the file
+ * on the command line; a scene has its own. */
 static iso_status start_opening(window *w, const char *path, bool stamp, iso_error *error) {
     const isosculpt_settings *settings = w->settings;
-    const bool from_command_line = path == settings->open;
     char absolute[2 * ISOSCULPT_PATH];
-    make_absolute(path, absolute);
+    isosculpt_opened_scene_free(&w->scene);
+    if (!stamp && isosculpt_is_scene(path)) ISO_TRY(isosculpt_opened_scene_read(path, &w->scene, error));
+    const isosculpt_settings *reading = w->scene.strings         ? &w->scene.settings
+                                        : path == settings->open ? settings
+                                                                 : NULL;
+    make_absolute(w->scene.strings ? w->scene.settings.open : path, absolute);
     const isosculpt_load_request request = {.path = absolute,
                                             .stamp = stamp,
                                             .folder = w->has_folder ? w->folder : NULL,
-                                            .isovalue = from_command_line ? settings->isovalue : NAN,
-                                            .voxel = from_command_line ? settings->voxel_size : 0,
+                                            .isovalue = reading ? reading->isovalue : NAN,
+                                            .voxel = reading ? reading->voxel_size : 0,
                                             .close_holes = settings->close_holes,
-                                            .input =
-                                                from_command_line ? settings->common.input : (iso_input){0},
+                                            .input = reading ? reading->common.input : (iso_input){0},
                                             .threads = settings->common.threads,
                                             .undo_memory = (size_t)settings->undo_memory,
                                             .wake = isosculpt_window_wake};
@@ -136,6 +140,15 @@ static void apply_queued_strokes(window *w, const iso_brush *brush, isosculpt_st
     isosculpt_controller_apply_strokes(&w->controller, queued);
 }
 
+/* Shows what was opened as its scene does, if it has one. */
+static void apply_scene(window *w) {
+    isosculpt_opened_scene *scene = &w->scene;
+    if (scene->has_camera) w->viewport.camera = scene->camera;
+    if (scene->has_color) w->viewport.mode.material.color = scene->color;
+    if (scene->has_background) w->viewport.mode.material.background = scene->background;
+    isosculpt_opened_scene_free(scene);
+}
+
 /* Closes the current document, whose journal holds all of its strokes, and shows what was loaded. A field
  * made of the viewed volume keeps the volume's camera. */
 static iso_status show_loaded(window *w, isosculpt_loaded *loaded, iso_error *error) {
@@ -163,6 +176,7 @@ static iso_status show_loaded(window *w, isosculpt_loaded *loaded, iso_error *er
         w->viewport.camera = camera;
     else
         frame_surface(w);
+    apply_scene(w);
     if (w->volume) {
         w->document.pool = w->pool;
         ISO_TRY(isosculpt_document_init_empty(&w->document, error));

@@ -1,12 +1,16 @@
 /* The picture in isosculpt's window: when it is drawn, in which quality, and screenshots. */
 #include "apps/isosculpt/window/picture.h"
-#include "base/clock.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 #include <GLFW/glfw3.h>
+
+#include "apps/isosculpt/window/saving.h"
+#include "base/clock.h"
+#include "base/text.h"
 
 #ifndef GL_CLAMP_TO_EDGE
 #define GL_CLAMP_TO_EDGE 0x812F /* OpenGL 1.2 */
@@ -33,12 +37,33 @@ static bool name_screenshot(window *w, char path[ISOSCULPT_PATH]) {
     return false;
 }
 
+/* Writes the picture, with its scene where isorender can draw it, or the scene alone. */
+static iso_status write_shown(const window *w, const char *path, const iso_image *image, iso_error *error) {
+    isosculpt_render_command command;
+    isosculpt_render_options options;
+    char *scene = NULL;
+    const bool drawable = image == &w->viewport.image && isosculpt_window_render_command(w, &command) &&
+                          isosculpt_render_options_make(&command, &options);
+    const bool alone = iso_text_has_extension(path, ".json");
+    if (alone && !drawable)
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "a scene names a file: save the sculpture as .vdb first, then the scene");
+    iso_scene_record record = {0};
+    if (drawable) record = isosculpt_render_record(&command, &options);
+    if (alone) return iso_scene_json_save(&record, path, error);
+    if (drawable) ISO_TRY(iso_scene_json_text(&record, &scene, error));
+    const iso_png_text texts[] = {{"Software", "isosculpt"}, {"Scene", scene}};
+    const iso_png_opts opts = {.texts = texts, .text_count = scene ? 2 : 1, .pool = w->pool};
+    const iso_status status = iso_png_write_with(path, image, &opts, error);
+    free(scene);
+    return status;
+}
+
 static void write_screenshot(window *w, const iso_image *image) {
     char path[ISOSCULPT_PATH], text[sizeof w->screen.message];
     iso_error reason = {0};
-    iso_png_opts opts = {.pool = w->pool};
-    bool named = name_screenshot(w, path);
-    bool written = named && iso_png_write_with(path, image, &opts, &reason) == ISO_OK;
+    const bool named = name_screenshot(w, path),
+               written = named && write_shown(w, path, image, &reason) == ISO_OK;
     snprintf(text, sizeof text, "%s%.500s", written ? "Picture: " : "No picture: ",
              written ? path
              : named ? reason.text

@@ -106,8 +106,8 @@ isosculpt_dialog isosculpt_window_poll_save(window *w) {
 
 void isosculpt_window_request_screenshot(window *w, const char *path) {
     struct stat about;
-    if (!iso_text_has_extension(path, ".png")) {
-        isosculpt_window_set_status(w, true, "No picture: the name must end in .png");
+    if (!isosculpt_is_scene(path)) {
+        isosculpt_window_set_status(w, true, "No picture: the name must end in .png (or .json: a scene)");
         return;
     }
     snprintf(w->screenshot_path, sizeof w->screenshot_path, "%s", path);
@@ -138,11 +138,16 @@ static bool find_shown_file(const window *w, isosculpt_render_command *command) 
     return command->path;
 }
 
+bool isosculpt_window_render_command(const window *w, isosculpt_render_command *command) {
+    *command = (isosculpt_render_command){
+        .viewport = &w->viewport, .width = w->screen.picture_width, .height = w->screen.height};
+    return find_shown_file(w, command);
+}
+
 void isosculpt_window_copy_command(window *w) {
     char text[8 * ISOSCULPT_PATH];
-    isosculpt_render_command command = {
-        .viewport = &w->viewport, .width = w->screen.picture_width, .height = w->screen.height};
-    if (!find_shown_file(w, &command))
+    isosculpt_render_command command;
+    if (!isosculpt_window_render_command(w, &command))
         isosculpt_window_set_status(
             w, true, "No command: isorender reads files. Save the sculpture as .vdb, then copy.");
     else if (!isosculpt_render_command_text(&command, text, sizeof text))

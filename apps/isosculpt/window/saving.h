@@ -2,6 +2,7 @@
 #ifndef ISO_APPS_ISOSCULPT_WINDOW_SAVING_H
 #define ISO_APPS_ISOSCULPT_WINDOW_SAVING_H
 
+#include "apps/isosculpt/render_command.h"
 #include "apps/isosculpt/window/state.h"
 
 /* Requests a save or an export (ISOSCULPT_BROWSE_SAVE, _EXPORT); path NULL: the document's target. A viewed
@@ -19,8 +20,12 @@ void isosculpt_window_answer_replace(window *w, bool agreed);
  * (ISOSCULPT_DIALOG_CLOSE or _OPEN), else ISOSCULPT_DIALOG_NOTHING. */
 isosculpt_dialog isosculpt_window_poll_save(window *w);
 
-/* Saves the next picture to a .png file; asks first whether a file may be overwritten. */
+/* Saves the next picture to a .png file, or its scene to a .json file; asks first whether a file may be
+ * overwritten. */
 void isosculpt_window_request_screenshot(window *w, const char *path);
+
+/* How isorender draws the current picture; it borrows the window's. false: no file has what is shown. */
+bool isosculpt_window_render_command(const window *w, isosculpt_render_command *command);
 
 /* Copies the isorender command that draws the current picture to the clipboard. */
 void isosculpt_window_copy_command(window *w);

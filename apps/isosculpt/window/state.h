@@ -9,6 +9,7 @@
 
 #include "apps/isosculpt/isosculpt.h"
 #include "apps/isosculpt/load_job.h"
+#include "apps/isosculpt/opened_scene.h"
 #include "apps/isosculpt/reference_job.h"
 #include "apps/isosculpt/save.h"
 #include "apps/isosculpt/window/panel.h"
@@ -47,6 +48,7 @@ typedef struct window {
     double last_change;              /* iso_clock_seconds when the picture last had to be drawn */
 
     isosculpt_load_job *load_job;           /* a file is being opened; or NULL */
+    isosculpt_opened_scene scene;           /* that it is the input of, and to be shown as; zero: of none */
     char next_path[ISOSCULPT_PATH];         /* path to be opened if the user agrees to lose unsaved changes */
     size_t agreed_changes;                  /* document.change_count that the user agreed to lose */
     isosculpt_reference_job *reference_job; /* the reference is being made; or NULL */

@@ -145,6 +145,7 @@ iso_status isosculpt_window(const isosculpt_settings *settings, iso_pool *pool, 
     isosculpt_document_close(&w.document);
     close_engine(&w);
     iso_source_volume_free(w.volume);
+    isosculpt_opened_scene_free(&w.scene);
     iso_pool_destroy(w.own_pool);
     isosculpt_panel_destroy(w.panel);
     isosculpt_pen_close(w.pen);

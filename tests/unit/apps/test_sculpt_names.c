@@ -178,10 +178,10 @@ static void commands_are_quoted(void **state) {
     char text[2048];
     assert_true(isosculpt_render_command_text(&command, text, sizeof text));
     assert_non_null(strstr(
-        text, "isorender '/a b/it'\\''s.vdb' --grid='x y' --crop=1,2,3,4,5,6 -o 'it'\\''s-view.png' "));
-    assert_non_null(strstr(text, " --color CE8E70 "));
+        text, "isorender '/a b/it'\\''s.vdb' -o 'it'\\''s-view.png' --grid='x y' --crop=1,2,3,4,5,6 "));
+    assert_non_null(strstr(text, " --color=CE8E70 "));
     assert_non_null(strstr(text, " --camera-position=0.1,-2,3 "));
-    assert_non_null(strstr(text, " --resolution 64x48 "));
+    assert_non_null(strstr(text, " --resolution=64x48 "));
     assert_false(isosculpt_render_command_text(&command, text, 40));
 }
 

@@ -243,16 +243,16 @@ static void command_has_isovalues_opacities_and_colors(void **state) {
     view.mode.method = ISO_METHOD_MESH;
     view.see_through.opacity = 0.25;
     assert_true(isosculpt_render_command_text(&command, text, sizeof text));
-    assert_non_null(strstr(text, " --isovalue=100 --opacity=0.25 --method exact "));
+    assert_non_null(strstr(text, " --isovalue=100 --opacity=0.25 --method=exact "));
     view.see_through.has_second = true;
     view.see_through.second_isovalue = 150.5;
     view.see_through.second_color = (iso_rgb){1, 2, 3};
     assert_true(isosculpt_render_command_text(&command, text, sizeof text));
-    assert_non_null(strstr(text, " --isovalue=100,150.5 --opacity=0.25,1 --method exact "));
-    assert_non_null(strstr(text, " --color CE8E70,010203 "));
+    assert_non_null(strstr(text, " --isovalue=100,150.5 --opacity=0.25,1 --method=exact "));
+    assert_non_null(strstr(text, " --color=CE8E70,010203 "));
     view.see_through.opacity = 1;
     assert_true(isosculpt_render_command_text(&command, text, sizeof text));
-    assert_non_null(strstr(text, " --isovalue=100,150.5 --method exact "));
+    assert_non_null(strstr(text, " --isovalue=100,150.5 --method=exact "));
     isosculpt_viewport_free(&view);
     iso_rgrid_destroy(volume);
 }

@@ -1,0 +1,26 @@
+/* opened_scene: a scene (apps/common/scene_json.h) as isosculpt's window opens it: the input, how it is read,
+ * and how it was shown. Options of isorender that the window does not have are left out. */
+#ifndef ISO_APPS_ISOSCULPT_OPENED_SCENE_H
+#define ISO_APPS_ISOSCULPT_OPENED_SCENE_H
+
+#include "apps/isosculpt/isosculpt.h"
+
+typedef struct isosculpt_opened_scene {
+    isosculpt_settings settings; /* open, isovalue and input are set; its strings lie in `strings` */
+    char **strings;              /* owned; ends with NULL */
+    bool has_camera, has_color, has_background;
+    iso_camera camera;
+    iso_rgb color, background;
+} isosculpt_opened_scene;
+
+/* Whether the path's extension is that of scenes, or of pictures that hold one. */
+bool isosculpt_is_scene(const char *path);
+
+/* Reads a scene; isosculpt_opened_scene_free when done. ISO_ERR_FORMAT: it holds no scene, has no input, or a
+ * file of it has changed; ISO_ERR_USAGE: an option that the reader does not take; ISO_ERR_IO, ISO_ERR_NOMEM.
+ * */
+iso_status isosculpt_opened_scene_read(const char *path, isosculpt_opened_scene *scene, iso_error *error);
+/* Frees and zeroes it; a zeroed one is fine. */
+void isosculpt_opened_scene_free(isosculpt_opened_scene *scene);
+
+#endif
