@@ -628,6 +628,19 @@ ISO_API iso_status iso_render(iso_surface *surface, const iso_render_opts *opts,
 ISO_API iso_status iso_render_surfaces(iso_surface *const *surfaces, int count, const iso_render_opts *opts,
                                        iso_image *image, iso_error *error);
 
+/* What iso_image_annotate draws over a picture, sized by it and outlined, legible on any background. */
+typedef struct iso_annotation_opts {
+    const iso_camera *camera; /* of the picture */
+    bool scale_bar;           /* bottom right, with its length; of orthographic cameras only */
+    bool orientation_marker;  /* bottom left: the world's axes as the camera sees them, x y z */
+    bool anatomical;          /* they are called L R, A P and H F: the world is LPS */
+    bool no_unit;             /* the length is a number without mm, um .. */
+    bool light;               /* light lines: the background is dark */
+} iso_annotation_opts;
+
+/* Draws into the picture. ISO_ERR_USAGE: there is no picture or no camera; ISO_ERR_NOMEM. */
+ISO_API iso_status iso_image_annotate(iso_image *image, const iso_annotation_opts *opts, iso_error *error);
+
 /* ---- pictures in parts ---- */
 /* The picture of an opaque surface that is drawn in parts, in any order, by any number of processes: a pixel
  * is a key of 64 bits, of which the smallest stays. With all parts it has the bytes of iso_render. */

@@ -45,7 +45,8 @@ static const iso_option options[] = {
     {"replay", NULL, "FILE", "play a stroke file", .group = SESSION, .kind = ISO_OPTION_TEXT, AT(replay)},
     {"open", NULL, "FILE",
      "begin with a level set (.vdb), a mesh (.stl, .obj, .ply), lines as tubes (.swc, .tck, .trk), points "
-     "(.ply without faces, .pcd, .las, .xyz, .pts ..), whose holes are closed, a volume, or a scene (.json, or a picture that holds one)",
+     "(.ply without faces, .pcd, .las, .xyz, .pts ..), whose holes are closed, a volume, or a scene (.json, "
+     "or a picture that holds one)",
      .group = SESSION, .kind = ISO_OPTION_TEXT, AT(open)},
     {"isovalue", NULL, "V",
      "of the volume that is opened (of a level set: mm from its surface); a window can change it",

@@ -149,6 +149,39 @@ static void test_mesh(void **state) {
     iso_volume_destroy(volume);
 }
 
+/* Only the corners that the marks stand in change; a perspective camera has no scale. */
+static void test_annotations(void **state) {
+    (void)state;
+    iso_image image = {0}, plain = {0};
+    const iso_box box = {{0, 0, 0}, {20, 20, 20}};
+    iso_camera camera;
+    assert_int_equal(iso_camera_of_box(&box, 200, 200, &(iso_fit_opts){.orthographic = true}, &camera, NULL),
+                     ISO_OK);
+    for (int i = 0; i < 2; i++) {
+        iso_image *made = i ? &plain : &image;
+        assert_int_equal(iso_image_create(200, 200, made, NULL), ISO_OK);
+        memset(made->rgba, 255, 4 * 200 * 200);
+    }
+    iso_annotation_opts opts = {.camera = &camera, .scale_bar = true};
+    assert_int_equal(iso_image_annotate(&image, &opts, NULL), ISO_OK);
+    size_t right = 0, other = 0;
+    for (int y = 0; y < 200; y++)
+        for (int x = 0; x < 200; x++)
+            if (memcmp(image.rgba + 4 * (200 * y + x), plain.rgba + 4 * (200 * y + x), 4) != 0)
+                *(x > 100 && y > 150 ? &right : &other) += 1;
+    assert_true(right > 60 && !other);
+    camera.orthographic = false;
+    assert_int_equal(iso_image_annotate(&plain, &opts, NULL), ISO_OK);
+    for (size_t i = 0; i < 4 * 200 * 200; i++) assert_int_equal(plain.rgba[i], 255);
+    opts = (iso_annotation_opts){.camera = &camera, .orientation_marker = true, .anatomical = true};
+    assert_int_equal(iso_image_annotate(&plain, &opts, NULL), ISO_OK);
+    assert_true(differing(&plain, &image) > 60);
+    opts.camera = NULL;
+    assert_int_equal(iso_image_annotate(&plain, &opts, NULL), ISO_ERR_USAGE);
+    iso_image_free(&image);
+    iso_image_free(&plain);
+}
+
 /* ---- fields */
 
 enum { FIELD_SIDE = 4, FIELD_VOXELS = FIELD_SIDE * FIELD_SIDE * FIELD_SIDE };
@@ -250,9 +283,8 @@ static void test_field_errors(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_translucent_shapes),
-        cmocka_unit_test(test_mesh),
-        cmocka_unit_test(test_fields),
+        cmocka_unit_test(test_translucent_shapes), cmocka_unit_test(test_mesh),
+        cmocka_unit_test(test_annotations),        cmocka_unit_test(test_fields),
         cmocka_unit_test(test_field_errors),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
