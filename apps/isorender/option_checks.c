@@ -15,7 +15,7 @@
 #include "image/image_file.h"
 #include "io/glyphs/glyphs_read.h"
 #include "io/lines/lines_read.h"
-#include "io/mesh_read.h"
+#include "io/mesh/mesh_read.h"
 #include "render/picture.h"
 #include "scene/glass.h"
 #include "scene/layered_picture.h"

@@ -11,7 +11,7 @@
 #include "base/text.h"
 #include "io/glyphs/glyphs_read.h"
 #include "io/lines/lines_read.h"
-#include "io/mesh_read.h"
+#include "io/mesh/mesh_read.h"
 #include "source/source.h"
 
 /* ---- what a file can hold, in the order in which it is tried */

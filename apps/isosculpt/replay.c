@@ -18,7 +18,7 @@
 #include "base/numbers.h"
 #include "base/text.h"
 #include "grids/level_set.h"
-#include "io/points_io.h"
+#include "io/points_write.h"
 #include "source/source.h"
 
 /* The durations of all samples. */

@@ -23,8 +23,8 @@
 #include "grids/volume/volume.h"
 #include "io/glyphs/glyphs_read.h"
 #include "io/lines/lines_read.h"
-#include "io/mesh_read.h"
-#include "sculpt/field/field.h"
+#include "io/mesh/mesh_read.h"
+#include "sculpt/edit/field.h"
 
 /* The longest side of a mesh or of lines in voxels, unless the voxel size is given. */
 enum { LONGEST_VOXELS = 256 };

@@ -5,7 +5,7 @@
 #define ISO_IO_GLYPHS_GLYPHS_FORMAT_H
 
 #include "base/glyphs.h"
-#include "io/reading.h"
+#include "io/common/reading.h"
 
 iso_status iso_glyphs_read_vtp(iso_reading *reading, iso_glyphs *glyphs, iso_error *error);
 iso_status iso_glyphs_read_vtk(iso_reading *reading, iso_glyphs *glyphs, iso_error *error);

@@ -11,9 +11,9 @@
 #include "base/memory.h"
 #include "base/text.h"
 #include "grids/volume/npy_header.h"
-#include "io/encode.h"
+#include "io/common/encode.h"
+#include "io/common/ply.h"
 #include "io/glyphs/glyphs_format.h"
-#include "io/ply.h"
 #include "io/polydata/ply_gaussians.h"
 #include "io/polydata/polydata.h"
 

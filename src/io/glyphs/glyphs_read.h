@@ -40,7 +40,7 @@
 #define ISO_IO_GLYPHS_GLYPHS_READ_H
 
 #include "base/glyphs.h"
-#include "io/read_opts.h"
+#include "io/common/read_opts.h"
 
 /* Reads glyphs; iso_glyphs_free when done. `opts` may be NULL. A file without points is no error: count is
  * then 0. Errors as iso_lines_read; ISO_ERR_USAGE: no such assembly. Thread-safe for different reports and

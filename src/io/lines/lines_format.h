@@ -4,7 +4,7 @@
 #ifndef ISO_IO_LINES_LINES_FORMAT_H
 #define ISO_IO_LINES_LINES_FORMAT_H
 
-#include "io/reading.h"
+#include "io/common/reading.h"
 
 iso_status iso_lines_read_tck(iso_reading *reading, iso_lines *lines, iso_error *error);
 iso_status iso_lines_read_trk(iso_reading *reading, iso_lines *lines, iso_error *error);

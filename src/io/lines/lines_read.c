@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "base/file.h"
-#include "io/encode.h"
+#include "io/common/encode.h"
 #include "io/lines/lines_format.h"
 
 typedef iso_status read_fn(iso_reading *reading, iso_lines *lines, iso_error *error);
