@@ -11,6 +11,7 @@
 #include "apps/isorender/labels.h"
 #include "base/file.h"
 #include "base/file_identity.h"
+#include "base/file_types.h"
 #include "base/text.h"
 #include "image/image_file.h"
 #include "image/png_text.h"
@@ -254,7 +255,7 @@ static iso_status read_scene(const char *path, json_t **scene, iso_error *error)
     char *text = NULL;
     json_error_t reason;
     *scene = NULL;
-    const bool is_png = iso_text_has_extension(path, ".png");
+    const bool is_png = iso_file_type_of_name(path, ISO_HOLDS_SCENE) == ISO_FILE_png;
     ISO_TRY(is_png ? iso_png_read_text(path, "Scene", &text, error) : read_text(path, &text, error));
     *scene = json_loads(text, JSON_REJECT_DUPLICATES, &reason);
     free(text);
@@ -409,7 +410,8 @@ static iso_status make_command(int argc, char **argv, const iso_texts *scenes, b
 /* Whether an operand of the command line is a file that holds a scene, or should: it is no JSON. */
 static bool is_scene(const char *operand) {
     json_t *scene = NULL;
-    if (!iso_text_has_extension(operand, ".json") || access(operand, F_OK) != 0) return false;
+    if (iso_file_type_of_name(operand, ISO_HOLDS_SCENE) != ISO_FILE_json || access(operand, F_OK) != 0)
+        return false;
     const iso_status status = read_scene(operand, &scene, NULL);
     json_decref(scene);
     return scene != NULL || status != ISO_OK;

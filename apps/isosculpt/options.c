@@ -7,6 +7,8 @@
 #include "apps/isosculpt/document.h"
 #include "apps/isosculpt/isosculpt.h"
 #include "apps/isosculpt/window/keyboard.h"
+#include "base/file_types.h"
+#include "io/mesh/mesh_write.h"
 
 #ifndef ISO_VERSION
 #error "ISO_VERSION comes from CMake"
@@ -154,12 +156,9 @@ const iso_program *isosculpt_program(void) {
     return &program;
 }
 
-/* Whether a name ends in one of the suffixes (separated by blanks), in either case. */
-static bool has_suffix(const char *name, const char *suffixes) {
-    const char *dot = strrchr(name, '.');
-    const char *found = dot ? strcasestr(suffixes, dot) : NULL;
-    size_t length = dot ? strlen(dot) : 0;
-    return found && length > 1 && (found[length] == ' ' || found[length] == 0);
+/* Whether files of this name hold or are written as one of the bits of base/file_types.h says. */
+static bool is_type(const char *name, unsigned holds) {
+    return iso_file_type_of_name(name, holds) != ISO_FILE_UNKNOWN;
 }
 
 /* Rejects standard input as a source: a journal names the file that the session began with, which is read
@@ -197,7 +196,7 @@ static iso_status check_window(isosculpt_settings *settings, const iso_operands 
         return iso_fail(error, ISO_ERR_USAGE, "one session at a time: '%s' is too many",
                         operands->count ? operands->values[operands->count - 1] : settings->open);
     const char *operand = operands->count ? operands->values[0] : NULL;
-    if (operand && has_suffix(operand, ".strokes"))
+    if (operand && is_type(operand, ISO_HOLDS_STROKES))
         settings->strokes = operand;
     else if (operand)
         settings->open = operand;
@@ -248,13 +247,15 @@ iso_status isosculpt_settings_parse(int argc, char *const *argv, isosculpt_setti
         return iso_fail(error, ISO_ERR_USAGE, "%s is for pictures: with --headless it needs --draw",
                         settings->x_ray ? "--x-ray" : "--reference");
     ISO_TRY(check_opened(settings, error));
-    if (settings->output && !has_suffix(settings->output, ".vdb .ply .stl .obj"))
-        return iso_fail(error, ISO_ERR_USAGE, "%s: the result is written as .vdb, .ply, .stl or .obj",
-                        settings->output);
-    if (settings->mesh && !has_suffix(settings->mesh, ".ply .stl .obj"))
-        return iso_fail(error, ISO_ERR_USAGE, "%s: a mesh is written as .ply, .stl or .obj", settings->mesh);
+    const unsigned results = ISO_WRITES_VOLUME | ISO_WRITES_POINTS | ISO_WRITES_MESH;
+    char known[64];
+    iso_file_type_extensions(results, 0, "or", known, sizeof known);
+    if (settings->output && !is_type(settings->output, results))
+        return iso_fail(error, ISO_ERR_USAGE, "%s: the result is written as %s", settings->output, known);
+    if (settings->mesh) ISO_TRY(iso_mesh_write_check(settings->mesh, error));
     const bool writes_mesh =
-        settings->mesh || (settings->output && has_suffix(settings->output, ".stl .obj"));
+        settings->mesh || (settings->output && is_type(settings->output, ISO_WRITES_MESH) &&
+                           !is_type(settings->output, ISO_WRITES_POINTS));
     if (settings->closed && !writes_mesh)
         return iso_fail(error, ISO_ERR_USAGE,
                         "--closed is for meshes: it needs --mesh, or --output with .stl or .obj");

@@ -23,32 +23,19 @@ iso_reading iso_reading_begin(const char *path, const iso_read_opts *opts, iso_r
     return reading;
 }
 
-/* ---- formats */
-
-/* Returns the index of the format whose magic a file begins with; -1: none. */
-static int format_of_content(FILE *file, const iso_format_name *formats, int count) {
-    char head[32];
-    const size_t bytes = fread(head, 1, sizeof head, file), mark = iso_text_mark(head, bytes);
-    for (int i = 0; i < count; i++) {
-        const size_t length = formats[i].magic ? strlen(formats[i].magic) : 0;
-        if (length && bytes - mark >= length && memcmp(head + mark, formats[i].magic, length) == 0) return i;
-    }
-    return -1;
-}
-
-iso_status iso_reading_find_format(iso_reading *reading, const iso_format_name *formats, int count,
-                                   const char *what, int *format, iso_error *error) {
+iso_status iso_reading_find_type(iso_reading *reading, unsigned holds, const char *what, iso_file_type *type,
+                                 iso_error *error) {
     FILE *file;
     ISO_TRY(iso_file_open(reading->path, &file, NULL, error));
-    int found = format_of_content(file, formats, count);
     fclose(file);
-    for (int i = 0; i < count && found < 0; i++)
-        if (iso_text_has_extension(reading->path, formats[i].suffix)) found = i;
-    if (found < 0)
-        return iso_fail(error, ISO_ERR_FORMAT, "%s: not a file of %s that isopoint can read", reading->path,
-                        what);
-    snprintf(reading->report->format, sizeof reading->report->format, "%s", formats[found].name);
-    *format = found;
+    *type = iso_file_type_find(reading->path, holds);
+    if (*type == ISO_FILE_UNKNOWN) {
+        char known[256];
+        iso_file_type_extensions(holds, 0, "and", known, sizeof known);
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: not a file of %s that isopoint can read: they are %s",
+                        reading->path, what, known);
+    }
+    snprintf(reading->report->format, sizeof reading->report->format, "%s", iso_file_type_name(*type));
     return ISO_OK;
 }
 

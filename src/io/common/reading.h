@@ -3,6 +3,7 @@
 #ifndef ISO_IO_COMMON_READING_H
 #define ISO_IO_COMMON_READING_H
 
+#include "base/file_types.h"
 #include "base/lines.h"
 #include "base/memory.h"
 #include "io/common/read_opts.h"
@@ -19,16 +20,10 @@ typedef struct iso_reading {
  * caller provides, is used if opts has none. */
 iso_reading iso_reading_begin(const char *path, const iso_read_opts *opts, iso_read_report *report);
 
-/* A format, for recognising files. `magic`: the bytes that its files begin with; NULL: it is recognised by
- * name only. */
-typedef struct iso_format_name {
-    const char *name, *suffix, *magic;
-} iso_format_name;
-
-/* Finds the format by the content, else by the name, and stores it in the report. `what` is used in messages,
- * for example "lines". ISO_ERR_IO; ISO_ERR_FORMAT: none of these formats. */
-iso_status iso_reading_find_format(iso_reading *reading, const iso_format_name *formats, int count,
-                                   const char *what, int *format, iso_error *error);
+/* Finds the type of the file among those with one of the bits `holds`, and stores its name in the report.
+ * `what` is used in messages, for example "lines". ISO_ERR_IO; ISO_ERR_FORMAT: none of these types. */
+iso_status iso_reading_find_type(iso_reading *reading, unsigned holds, const char *what, iso_file_type *type,
+                                 iso_error *error);
 
 /* Like iso_buffer_reserve, for `count` items of `each` bytes, keeping the first `keep` items. ISO_ERR_LIMIT:
  * all buffers of this file together would exceed the limit. ISO_ERR_NOMEM. */

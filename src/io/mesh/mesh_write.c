@@ -3,9 +3,9 @@
 #include "io/mesh/mesh_write.h"
 
 #include <string.h>
-#include <strings.h>
 
 #include "base/file.h"
+#include "base/file_types.h"
 #include "base/text.h"
 #include "extract/mesh/mesh.h"
 #include "io/common/encode.h"
@@ -128,14 +128,20 @@ static void write_obj(const mesh_source *source, FILE *stream) {
 typedef void write_fn(const mesh_source *source, FILE *stream);
 
 static write_fn *writer_for(const char *path) {
-    static const struct {
-        const char *extension;
-        write_fn *write;
-    } writers[] = {{".ply", write_ply}, {".stl", write_stl}, {".obj", write_obj}};
-    const char *slash = strrchr(path, '/'), *dot = strrchr(slash ? slash : path, '.');
-    for (size_t i = 0; dot && i < sizeof writers / sizeof *writers; i++)
-        if (strcasecmp(dot, writers[i].extension) == 0) return writers[i].write;
+    switch (iso_file_type_of_name(path, ISO_WRITES_MESH)) {
+#define WRITE_MESH(writer) return write_##writer;
+#include "base/file_types.inc"
+    default:
+        break;
+    }
     return NULL;
+}
+
+iso_status iso_mesh_write_check(const char *path, iso_error *error) {
+    char known[64];
+    if (writer_for(path)) return ISO_OK;
+    iso_file_type_extensions(ISO_WRITES_MESH, 0, "or", known, sizeof known);
+    return iso_fail(error, ISO_ERR_USAGE, "%s: a mesh is written as %s", path, known);
 }
 
 static mesh_source source_of(const iso_weld *weld, const iso_transform *transform, const char *comment) {
@@ -149,8 +155,8 @@ static mesh_source source_of(const iso_weld *weld, const iso_transform *transfor
 
 iso_status iso_mesh_put_weld(FILE *stream, const char *path, const iso_weld *weld,
                              const iso_transform *transform, const char *comment, iso_error *error) {
+    ISO_TRY(iso_mesh_write_check(path, error));
     write_fn *write = writer_for(path);
-    if (!write) return iso_fail(error, ISO_ERR_USAGE, "%s: a mesh is written as .ply, .stl or .obj", path);
     if (write == write_stl && weld->triangle_count > UINT32_MAX)
         return iso_fail(error, ISO_ERR_LIMIT, "%s: %zu triangles are more than an .stl can hold", path,
                         weld->triangle_count);
@@ -171,8 +177,7 @@ iso_status iso_mesh_write_weld(const char *path, const iso_weld *weld, const iso
 
 iso_status iso_mesh_write(const char *path, const iso_mesh_view *view, const char *comment,
                           iso_error *error) {
-    if (!writer_for(path))
-        return iso_fail(error, ISO_ERR_USAGE, "%s: a mesh is written as .ply, .stl or .obj", path);
+    ISO_TRY(iso_mesh_write_check(path, error));
     iso_weld weld;
     ISO_TRY(iso_mesh_weld(view, &weld, error));
     iso_status status = iso_mesh_write_weld(path, &weld, &view->transform, comment, error);

@@ -15,6 +15,9 @@
  * another extension, ISO_ERR_WRITE, ISO_ERR_LIMIT (.stl above 2^32 - 1 triangles), ISO_ERR_NOMEM. */
 iso_status iso_mesh_write(const char *path, const iso_mesh_view *view, const char *comment, iso_error *error);
 
+/* ISO_ERR_USAGE, with the extensions of meshes that are written, unless `path` has one of them. */
+iso_status iso_mesh_write_check(const char *path, iso_error *error);
+
 /* Writes a mesh that is already welded; its vertices are in the index coordinates of `transform`. */
 struct iso_weld;
 iso_status iso_mesh_write_weld(const char *path, const struct iso_weld *weld, const iso_transform *transform,
