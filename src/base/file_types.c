@@ -118,9 +118,9 @@ void iso_file_type_extensions(unsigned holds, unsigned without, const char *last
     size_t used = 0;
     *text = 0;
     for (int i = 0; i < count && used < room; i++) {
-        const char *between = i == 0 ? "" : !last ? " " : i < count - 1 ? ", " : " ";
-        used += (size_t)snprintf(text + used, room - used, "%s%s%s%.*s", between,
-                                 last && i > 0 && i == count - 1 ? last : "",
-                                 last && i > 0 && i == count - 1 ? " " : "", lengths[i], words[i]);
+        const bool ends = last && *last && i > 0 && i == count - 1;
+        const char *comma = i == 0 ? "" : ends ? " " : last ? ", " : " ";
+        used += (size_t)snprintf(text + used, room - used, "%s%s%s%.*s", comma, ends ? last : "",
+                                 ends ? " " : "", lengths[i], words[i]);
     }
 }

@@ -59,7 +59,8 @@ iso_file_type iso_file_type_find(const char *path, unsigned holds);
 
 /* Writes the extensions of the types with one of the bits `holds` and none of `without`, each once: all of
  * them, separated by blanks, as in ".stl .ply .obj"; or the usual one of each type, as messages say it:
- * ".stl, .ply or .obj". `last` is the word before the last one, NULL for the first form. Cut to `room`. */
+ * ".stl, .ply or .obj". `last` is the word before the last one ("": none), NULL for the first form. Cut to
+ * `room`. */
 void iso_file_type_extensions(unsigned holds, unsigned without, const char *last, char *text, size_t room);
 
 #ifdef __cplusplus
