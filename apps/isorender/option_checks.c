@@ -275,7 +275,7 @@ static iso_status check_camera(isorender_settings *settings, iso_error *error) {
 
 static iso_status check_aov(const isorender_settings *settings, iso_error *error) {
     if (!settings->aov) return ISO_OK;
-    if (!iso_text_has_extension(settings->aov, ".exr"))
+    if (iso_file_type_of_name(settings->aov, ISO_WRITES_CHANNELS) == ISO_FILE_UNKNOWN)
         return iso_fail(error, ISO_ERR_USAGE, "%s: --aov writes OpenEXR files: a name must end in .exr",
                         settings->aov);
     if (settings->info)
@@ -553,7 +553,8 @@ static iso_status check_merge(isorender_settings *settings, const iso_operands *
 }
 
 static iso_status check_part(const isorender_settings *settings, iso_error *error) {
-    const bool keys = settings->output && iso_text_has_extension(settings->output, ".isokeys");
+    const bool keys =
+        settings->output && iso_file_type_of_name(settings->output, ISO_HOLDS_KEYS) != ISO_FILE_UNKNOWN;
     if (!settings->parts && keys)
         return iso_fail(error, ISO_ERR_USAGE, "%s: --part writes files of keys", settings->output);
     if (!settings->parts) return ISO_OK;

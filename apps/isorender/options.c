@@ -585,7 +585,7 @@ static const iso_option options[] = {
 static const char *const inputs_text[] = {
     "Volumes: .nrrd .nhdr, .nii .nii.gz .hdr, .mha .mhd, .vti, legacy .vtk, .vdb, .npy, .tif, .h5 and other "
     "HDF5,",
-    "a DICOM folder or file, folders of .tif or .png slices, Zarr and N5 folders, .strokes, raw data "
+    "DICOM (.dcm or a folder), folders of .tif or .png slices, Zarr and N5 folders, .strokes, raw data "
     "with --raw,",
     "scene:NAME[:SIZE], and - for stdin (the content tells the format).",
     "Points: .ply .pcd .las .xyz .pts .asc .txt .pwn .npy, and .obj .off without faces.",

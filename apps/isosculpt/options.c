@@ -46,8 +46,10 @@ static const iso_option options[] = {
      .kind = ISO_OPTION_FLAG, AT(recover)},
     {"replay", NULL, "FILE", "play a stroke file", .group = SESSION, .kind = ISO_OPTION_TEXT, AT(replay)},
     {"open", NULL, "FILE",
-     "begin with a level set (.vdb), a mesh (.stl, .obj, .ply), lines as tubes (.swc, .tck, .trk), points "
-     "(.ply without faces, .pcd, .las, .xyz, .pts ..), whose holes are closed, or a volume",
+     "begin with a level set (.vdb), a mesh (.stl, .ply, .obj, .off, .vtk, .vtp), lines as tubes (.swc, "
+     ".tck, "
+     ".trk), points (.ply without faces, .pcd, .las, .npy, .xyz, .pts, .pwn, .asc, .txt), whose holes are "
+     "closed, or a volume",
      .group = SESSION, .kind = ISO_OPTION_TEXT, AT(open)},
     {"isovalue", NULL, "V",
      "of the volume that is opened (of a level set: mm from its surface); a window can change it",
@@ -55,7 +57,7 @@ static const iso_option options[] = {
 #define SOLID SESSION
 #include "apps/common/solid_options.inc"
 #undef SOLID
-    {"stamp", NULL, "FILE", "add and carve with this mesh (.stl, .obj, .ply); the strokes keep it",
+    {"stamp", NULL, "FILE", "add and carve with this mesh (.stl, .ply, .obj, .off ..); the strokes keep it",
      .group = SESSION, .kind = ISO_OPTION_TEXT, AT(stamp)},
     {"close-holes", NULL, "MM",
      "close holes of a mesh up to this size, 0: none; cuts by the border of a volume are capped in any case",

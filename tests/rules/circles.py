@@ -7,9 +7,6 @@ import re
 import sys
 from pathlib import Path
 
-# Folders that are not looked at yet, with what lies in them.
-LEFT_OUT = ["render"]
-
 
 def includes(root):
     """The folder of each file of src with the folder of each file that it includes, and the line that does."""
@@ -37,8 +34,6 @@ def reached(start, arrows):
 def main():
     arrows, lines = {}, {}
     for folder, target, line in includes(Path(sys.argv[1])):
-        if any((name + "/").startswith(out + "/") for out in LEFT_OUT for name in (folder, target)):
-            continue
         arrows.setdefault(folder, set()).add(target)
         lines.setdefault((folder, target), []).append(line)
     if not lines:
