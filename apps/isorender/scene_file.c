@@ -194,7 +194,9 @@ static void put_option_schema(iso_json *json, const iso_option *option) {
         iso_json_end_array(json);
     } else
         iso_json_string(json, "type", "string");
-    iso_json_string(json, "description", option->help);
+    char help[1024];
+    iso_options_expand(option->help, help, sizeof help);
+    iso_json_string(json, "description", help);
     iso_json_end_object(json);
 }
 

@@ -46,10 +46,8 @@ static const iso_option options[] = {
      .kind = ISO_OPTION_FLAG, AT(recover)},
     {"replay", NULL, "FILE", "play a stroke file", .group = SESSION, .kind = ISO_OPTION_TEXT, AT(replay)},
     {"open", NULL, "FILE",
-     "begin with a level set (.vdb), a mesh (.stl, .ply, .obj, .off, .vtk, .vtp), lines as tubes (.swc, "
-     ".tck, "
-     ".trk), points (.ply without faces, .pcd, .las, .npy, .xyz, .pts, .pwn, .asc, .txt), whose holes are "
-     "closed, or a volume",
+     "begin with a level set (.vdb), a mesh ({meshes}), lines as tubes ({lines}), points without faces "
+     "({points}), whose holes are closed, or a volume",
      .group = SESSION, .kind = ISO_OPTION_TEXT, AT(open)},
     {"isovalue", NULL, "V",
      "of the volume that is opened (of a level set: mm from its surface); a window can change it",
@@ -57,8 +55,8 @@ static const iso_option options[] = {
 #define SOLID SESSION
 #include "apps/common/solid_options.inc"
 #undef SOLID
-    {"stamp", NULL, "FILE", "add and carve with this mesh (.stl, .ply, .obj, .off ..); the strokes keep it",
-     .group = SESSION, .kind = ISO_OPTION_TEXT, AT(stamp)},
+    {"stamp", NULL, "FILE", "add and carve with this mesh ({meshes}); the strokes keep it", .group = SESSION,
+     .kind = ISO_OPTION_TEXT, AT(stamp)},
     {"close-holes", NULL, "MM",
      "close holes of a mesh up to this size, 0: none; cuts by the border of a volume are capped in any case",
      .group = SESSION, .kind = ISO_OPTION_CALL, .apply = apply_close_holes,
@@ -73,7 +71,7 @@ static const iso_option options[] = {
 
     {"output", "o", "FILE", "write the result: .vdb level set, .ply points, .stl or .obj mesh",
      .group = OUTPUT, .kind = ISO_OPTION_TEXT, AT(output)},
-    {"mesh", NULL, "FILE", "write a mesh: .ply, .stl or .obj", .group = OUTPUT, .kind = ISO_OPTION_TEXT,
+    {"mesh", NULL, "FILE", "write a mesh: {meshes written}", .group = OUTPUT, .kind = ISO_OPTION_TEXT,
      AT(mesh)},
     {"closed", NULL, NULL,
      "the solid ends at the border of the grid and is capped there, so that the meshes that are written are "
@@ -101,10 +99,9 @@ static const iso_option options[] = {
      "lies in front; in a window, which can change it, or with --draw",
      .group = RUNNING, .kind = ISO_OPTION_CHOICE, AT(x_ray), .choices = x_rays, .standard = "off"},
     {"reference", NULL, "FILE",
-     "show this with the sculpture instead: lines (.tck .trk .swc .obj .vtk .vtp .ply), glyphs (.pdb .xyz "
-     ".csv "
-     ".ply .vtk .vtp) or a surface (a level set or a mesh, translucent); in a window or with --draw; R and "
-     "--x-ray as above",
+     "show this with the sculpture instead: lines ({lines}), glyphs ({glyphs}) or a surface (a level set or "
+     "a "
+     "mesh, translucent); in a window or with --draw; R and --x-ray as above",
      .group = RUNNING, .kind = ISO_OPTION_TEXTS, AT(references)},
     {"space", NULL, "NAME",
      "the axes of --reference: ras (to the right, to the front, up), lps or file (as it says; lps when it "
