@@ -325,7 +325,7 @@ static const iso_option options[] = {
      .group = POINTS, .standard = "auto", CHOICE(primitive, primitives)},
 
     {"radius", NULL, "MM",
-     "radius of the points of a file (.ply, .pcd, .las, .xyz, .npy ..); auto: estimated from the "
+     "radius of the points of a file; auto: estimated from the "
      "distances to the nearest neighbours, as are those that the file lacks",
      .group = POINTS, .standard = "the file's, or auto", CALL(apply_radius)},
     {"normals", NULL, "NAME",

@@ -19,7 +19,7 @@
     X(BALL, "radius of the ball", 0.01, 1024, "voxels")                                                      \
     X(ISOVALUE, "isovalue", -1e300, 1e300, "")                                                               \
     X(CHECKSUM, "checksum of the source", -2147483648.0, 4294967295.0, "")                                   \
-    /* a brush; a spacing, aspect or blend of 0 is the default */                                            \
+    /* a brush, whatever it comes from; a spacing, aspect or blend of 0 is the default */                    \
     X(RADIUS, "radius", 0.01, 1024, "voxels")                                                                \
     X(STRENGTH, "strength", 0, 1, "")                                                                        \
     X(ASPECT, "aspect", 0, 10, "radii")                                                                      \
