@@ -1,6 +1,6 @@
-/* glyphs_format: the readers of single formats (base/file_types.inc), behind iso_glyphs_read. Internal to src/io/glyphs. Each
- * returns the errors of iso_glyphs_read, whose messages begin with the path, and sets `glyphs` only when it
- * succeeds. */
+/* glyphs_format: the readers of single formats (base/file_types.inc), behind iso_glyphs_read. Internal to
+ * src/io/glyphs. Each returns the errors of iso_glyphs_read, whose messages begin with the path, and sets
+ * `glyphs` only when it succeeds. */
 #ifndef ISO_IO_GLYPHS_GLYPHS_FORMAT_H
 #define ISO_IO_GLYPHS_GLYPHS_FORMAT_H
 

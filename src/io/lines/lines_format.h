@@ -1,6 +1,6 @@
-/* lines_format: the readers of single formats (base/file_types.inc), behind iso_lines_read. Internal to src/io/lines. Each returns
- * the errors of iso_lines_read, whose messages begin with the path, and sets `lines` only when it succeeds.
- */
+/* lines_format: the readers of single formats (base/file_types.inc), behind iso_lines_read. Internal to
+ * src/io/lines. Each returns the errors of iso_lines_read, whose messages begin with the path, and sets
+ * `lines` only when it succeeds. */
 #ifndef ISO_IO_LINES_LINES_FORMAT_H
 #define ISO_IO_LINES_LINES_FORMAT_H
 

@@ -1,4 +1,5 @@
-/* event_limits: every number of a stroke file is checked against its bounds (limits.h). Internal to sculpt. */
+/* event_limits: every number of a stroke file is checked against its bounds (sculpt/limits.h). Internal to
+ * sculpt. */
 #ifndef ISO_SCULPT_SESSION_EVENT_LIMITS_H
 #define ISO_SCULPT_SESSION_EVENT_LIMITS_H
 
