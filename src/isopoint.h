@@ -371,11 +371,11 @@ ISO_API iso_status iso_shape_set_of_lines(const iso_line_arrays *lines, const is
                                           iso_shape_set **set, iso_error *error);
 ISO_API iso_status iso_shape_set_of_glyphs(const iso_glyph_arrays *glyphs, const iso_shape_set_opts *opts,
                                            iso_shape_set **set, iso_error *error);
-/* Reads lines from .tck, .trk, .swc, .obj, .ply with edges, or polydata in .vtk or .vtp. ISO_ERR_IO,
+/* Reads lines from a file of any type that holds them (docs/formats.md). ISO_ERR_IO,
  * ISO_ERR_FORMAT, ISO_ERR_UNSUPPORTED, and the errors of iso_shape_set_of_lines. */
 ISO_API iso_status iso_shape_set_read_lines(const char *path, const iso_shape_set_opts *opts,
                                             iso_shape_set **set, iso_error *error);
-/* Reads .pdb .xyz .csv .ply .vtk .vtp .pcd .las .off .obj .npy .pts .pwn .asc or .txt. Errors as above. */
+/* Reads glyphs from a file of any type that holds them (docs/formats.md). Errors as above. */
 ISO_API iso_status iso_shape_set_read_glyphs(const char *path, const iso_shape_set_opts *opts,
                                              iso_shape_set **set, iso_error *error);
 

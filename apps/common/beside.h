@@ -4,7 +4,7 @@
 #define ISO_APPS_COMMON_BESIDE_H
 
 #include "base/geometry.h"
-#include "io/read_opts.h"
+#include "io/common/read_opts.h"
 
 enum { ISO_BESIDE_TEXT = 1024 };
 

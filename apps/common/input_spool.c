@@ -12,6 +12,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/file_types.h"
 #include "base/memory.h"
 #include "base/temporary_file.h"
 #include "base/text.h"
@@ -121,21 +122,17 @@ static iso_status write_block(copier *c, size_t count, iso_error *error) {
     return ISO_OK;
 }
 
-static bool is_ply(const char *bytes, size_t count) {
-    return count >= 4 && memcmp(bytes, "ply", 3) == 0 && (bytes[3] == '\n' || bytes[3] == '\r');
-}
-
 /* Reads the first bytes and determines the format. */
 static iso_status read_format(copier *c, size_t *count, const char **format, iso_error *error) {
     ISO_TRY(read_block(c, HEAD, count, error));
     if (*count == 0) return iso_fail(error, ISO_ERR_IO, "%s: is empty", c->name);
     const iso_volume_opts *volume = c->opts->volume;
+    const iso_file_type points = iso_file_type_of_head(c->block, *count, ISO_HOLDS_POINTS);
+    *format = iso_volume_format(c->block, *count);
     if (volume->raw)
         *format = "raw";
-    else if (c->opts->points && is_ply(c->block, *count))
-        *format = "ply";
-    else
-        *format = iso_volume_format(c->block, *count);
+    else if (!*format && c->opts->points && points != ISO_FILE_UNKNOWN)
+        *format = iso_file_type_name(points);
     if (*format) return ISO_OK;
     return iso_fail(error, ISO_ERR_FORMAT, "%s: not a volume that isopoint can read", c->name);
 }

@@ -10,9 +10,9 @@
 
 #include "apps/common/options.h"
 #include "base/memory.h"
-#include "base/text.h"
 #include "grids/scenes/scenes.h"
 #include "grids/volume/tiled.h"
+#include "io/file_contents.h"
 #include "io/glyphs/glyphs_read.h"
 #include "source/strokes.h"
 
@@ -112,7 +112,7 @@ static iso_volume_opts volume_opts(iso_loader *loader) {
 }
 
 bool iso_loader_reads_points(const char *path, const char *columns) {
-    return iso_glyphs_are_points(path) || (columns && iso_text_has_extension(path, ".csv"));
+    return iso_file_contents(path) & (columns ? ISO_HOLDS_POINTS | ISO_HOLDS_ROWS : ISO_HOLDS_POINTS);
 }
 
 void iso_loader_list_files(const char *input, const iso_input *options, iso_file_set *files) {
@@ -120,7 +120,8 @@ void iso_loader_list_files(const char *input, const iso_input *options, iso_file
     iso_volume_opts opts = iso_input_volume_opts(options);
     opts.files = files;
     if (iso_loader_is_scene(input) || iso_spool_needed(input)) return;
-    if (options->has_raw || !iso_glyphs_are_points(input)) iso_volume_read_info(input, &opts, &info, NULL);
+    if (options->has_raw || !iso_loader_reads_points(input, NULL))
+        iso_volume_read_info(input, &opts, &info, NULL);
 }
 
 /* ---- stroke files ---- */

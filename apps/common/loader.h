@@ -1,6 +1,6 @@
 /* loader: opens and reads the input of a program that works on one input at a time: a volume file or DICOM
  * folder, a procedural scene ("scene:NAME" or "scene:NAME:SIZE"), a file of points
- * (iso_glyphs_are_points), a stroke file, whose strokes are played, or any of these files on standard input
+ * (io/file_contents.h), a stroke file, whose strokes are played, or any of these files on standard input
  * ("-") or from a FIFO. The format of a volume is found from its content, not from its name.
  *
  *     iso_loader loader = {.input = path, .options = &input, .files = &files, .pool = pool};
@@ -106,7 +106,7 @@ void iso_loader_close(iso_loader *loader);
  * overwrite another input. */
 void iso_loader_list_files(const char *input, const iso_input *options, iso_file_set *files);
 
-/* Returns whether a file is read as points: iso_glyphs_are_points, and a .csv if `columns` names its
+/* Returns whether a file is read as points: iso_file_contents says so, or it has rows and `columns` names its
  * columns. */
 bool iso_loader_reads_points(const char *path, const char *columns);
 

@@ -56,7 +56,7 @@ typedef struct iso_option {
     const char *name;     /* without dashes */
     const char *aliases;  /* further names, separated by blanks; one letter means -x; NULL for none */
     const char *value;    /* placeholder of the value; NULL for flags */
-    const char *help;     /* one sentence, no full stop */
+    const char *help;     /* one sentence, no full stop; iso_options_expand completes it */
     const char *standard; /* the default, as shown in the help; or NULL */
     iso_option_kind kind;
     unsigned flags;
@@ -132,6 +132,10 @@ bool iso_parse_color(const char *text, uint8_t rgb[3]);
 /* Says why `text` is no colour. others: " nor ..", what else the option takes; or "". Returns
  * ISO_ERR_USAGE. */
 iso_status iso_fail_color(const char *text, const char *others, iso_error *error);
+
+/* Writes a text of a help with the extensions of files (base/file_types.h) where it says {volumes}, {meshes},
+ * {lines}, {glyphs}, {points}, {rows} or {meshes written}. Cut to `room`. */
+void iso_options_expand(const char *text, char *expanded, size_t room);
 
 /* Prints help. topic: NULL, a page with usage, examples and topics; the first word of a group's or a
  * section's title, these; "all", everything; "markdown", "man" or "bash", everything as a table for docs, a

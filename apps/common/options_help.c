@@ -8,6 +8,7 @@
 
 #include "apps/common/options.h"
 #include "apps/common/progress_bar.h"
+#include "base/file_types.h"
 #include "base/text.h"
 
 enum { COLUMN = 31, WIDTH = 100 };
@@ -36,24 +37,56 @@ static void write_form(const iso_option *option, char *text, size_t size) {
         snprintf(text, size, "--%s %s", option->name, option->value);
 }
 
+/* The words in texts that stand for the extensions of files. */
+static const struct {
+    const char *word;
+    unsigned holds;
+} lists[] = {{"{volumes}", ISO_HOLDS_VOLUME}, {"{meshes}", ISO_HOLDS_MESH},
+             {"{lines}", ISO_HOLDS_LINES},    {"{glyphs}", ISO_HOLDS_GLYPHS},
+             {"{points}", ISO_HOLDS_POINTS},  {"{rows}", ISO_HOLDS_ROWS},
+             {"{scenes}", ISO_HOLDS_SCENE},   {"{meshes written}", ISO_WRITES_MESH}};
+
+void iso_options_expand(const char *text, char *expanded, size_t room) {
+    size_t used = 0;
+    *expanded = 0;
+    while (*text && used + 1 < room) {
+        char list[512];
+        size_t length = strcspn(text + 1, "{") + 1, skip = length;
+        const char *piece = text;
+        for (size_t i = 0; i < sizeof lists / sizeof *lists; i++) {
+            if (strncmp(text, lists[i].word, strlen(lists[i].word)) != 0) continue;
+            iso_file_type_extensions(lists[i].holds, 0, "or", list, sizeof list);
+            piece = list;
+            length = strlen(list);
+            skip = strlen(lists[i].word);
+        }
+        if (length >= room - used) length = room - used - 1;
+        memcpy(expanded + used, piece, length);
+        used += length;
+        expanded[used] = 0;
+        text += skip;
+    }
+}
+
 static void write_help(const iso_option *option, char *text, size_t size) {
-    snprintf(text, size, "%s%s%s%s%s", option->help,
-             option->flags & ISO_OPTION_REPEATABLE ? "; repeatable" : "",
+    char help[960];
+    iso_options_expand(option->help, help, sizeof help);
+    snprintf(text, size, "%s%s%s%s%s", help, option->flags & ISO_OPTION_REPEATABLE ? "; repeatable" : "",
              option->standard ? " (default: " : "", option->standard ? option->standard : "",
              option->standard ? ")" : "");
 }
 
 /* ---- screen ---- */
 
-/* Prints words of text; the first line begins at column `at`, the following ones at COLUMN. */
-static void print_wrapped(FILE *stream, const char *text, int at) {
-    while (*text) {
+/* Prints words of text in lines that begin at this column; the first one has begun. */
+static void print_wrapped(FILE *stream, const char *text, int column) {
+    for (int at = column; *text;) {
         int length = (int)strcspn(text, " ");
-        if (at > COLUMN && at + 1 + length > WIDTH) {
-            fprintf(stream, "\n%*s", COLUMN, "");
-            at = COLUMN;
+        if (at > column && at + 1 + length > WIDTH) {
+            fprintf(stream, "\n%*s", column, "");
+            at = column;
         }
-        if (at > COLUMN) at += fprintf(stream, " ");
+        if (at > column) at += fprintf(stream, " ");
         at += fprintf(stream, "%.*s", length, text);
         text += length + (text[length] == ' ');
     }
@@ -82,7 +115,15 @@ static void print_group(const iso_program *program, int group, FILE *stream) {
 
 static void print_section(const iso_section *section, FILE *stream) {
     fprintf(stream, "\n%s:\n", section->title);
-    for (const char *const *line = section->lines; *line; line++) fprintf(stream, "  %s\n", *line);
+    for (const char *const *line = section->lines; *line; line++) {
+        char text[1024];
+        iso_options_expand(*line, text, sizeof text);
+        fprintf(stream, "  ");
+        if (strcmp(text, *line) == 0)
+            fprintf(stream, "%s\n", text);
+        else
+            print_wrapped(stream, text, 2);
+    }
 }
 
 static void print_usage(const iso_program *program, FILE *stream) {
@@ -146,7 +187,9 @@ static bool print_topic(const iso_program *program, const char *topic, FILE *str
 
 /* Whether an option's name, its aliases or what is said about it has a word that begins with `word`. */
 static bool speaks_of(const iso_option *option, const char *word) {
-    const char *texts[] = {option->name, option->aliases, option->value, option->help};
+    char help[1024];
+    const char *texts[] = {option->name, option->aliases, option->value, help};
+    iso_options_expand(option->help, help, sizeof help);
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
         for (const char *at = texts[i]; at && *at; at++)
             if ((at == texts[i] || !isalnum((unsigned char)at[-1])) &&
@@ -263,7 +306,9 @@ static void print_man(const iso_program *program, FILE *stream) {
         print_upper(stream, program->sections[i].title);
         fprintf(stream, "\n.nf\n");
         for (const char *const *line = program->sections[i].lines; *line; line++) {
-            print_roff(stream, *line);
+            char text[1024];
+            iso_options_expand(*line, text, sizeof text);
+            print_roff(stream, text);
             fprintf(stream, "\n");
         }
         fprintf(stream, ".fi\n");

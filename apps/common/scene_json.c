@@ -12,7 +12,7 @@
 #include "base/file.h"
 #include "base/file_identity.h"
 #include "base/file_set.h"
-#include "base/text.h"
+#include "base/file_types.h"
 #include "image/png_text.h"
 
 /* Larger files hold no scene, bytes. */
@@ -181,7 +181,7 @@ iso_status iso_scene_json_read(const char *path, json_t **scene, iso_error *erro
     char *text = NULL;
     json_error_t reason;
     *scene = NULL;
-    const bool is_png = iso_text_has_extension(path, ".png");
+    const bool is_png = iso_file_type_of_name(path, ISO_HOLDS_SCENE) == ISO_FILE_png;
     ISO_TRY(is_png ? iso_png_read_text(path, "Scene", &text, error) : read_text(path, &text, error));
     json_t *found = json_loads(text, JSON_REJECT_DUPLICATES, &reason);
     free(text);

@@ -5,6 +5,7 @@
 #include "apps/common/json.h"
 #include "apps/isocompare/isocompare.h"
 #include "base/file.h"
+#include "base/file_types.h"
 #include "base/memory.h"
 #include "base/text.h"
 #include "image/exr.h"
@@ -30,8 +31,7 @@ typedef struct comparison {
 /* ---- reading ---- */
 
 static bool is_exr(const char *path) {
-    size_t length = strlen(path);
-    return length >= 4 && strcmp(path + length - 4, ".exr") == 0;
+    return iso_file_type_of_name(path, ISO_WRITES_CHANNELS) != ISO_FILE_UNKNOWN;
 }
 
 static iso_status read_aov(side *s, iso_pool *pool, iso_error *error) {

@@ -13,7 +13,7 @@
 #include "base/memory.h"
 #include "io/chunk_export.h"
 #include "io/key_file.h"
-#include "io/mesh_io.h"
+#include "io/mesh/mesh_write.h"
 #include "scene/bounds.h"
 #include "scene/keys_picture.h"
 

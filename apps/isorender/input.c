@@ -7,6 +7,7 @@
 #include "apps/isorender/chunks.h"
 #include "apps/isorender/resolution_level.h"
 #include "base/memory.h"
+#include "io/file_contents.h"
 #include "io/glyphs/glyphs_read.h"
 
 /* ---- checks that need the header ---- */
@@ -128,10 +129,12 @@ static iso_status check_no_input(const isorender_settings *settings, iso_error *
 }
 
 static iso_status check_columns(const isorender_job *job, iso_error *error) {
-    if (!job->settings->columns || (job->loader.has_points && iso_glyphs_have_rows(job->loader.path)))
+    if (!job->settings->columns ||
+        (job->loader.has_points && iso_file_contents(job->loader.path) & ISO_HOLDS_ROWS))
         return ISO_OK;
-    return iso_fail(error, ISO_ERR_USAGE,
-                    "--columns is for points in rows of numbers: .xyz, .pts, .pwn, .asc, .txt, .csv, .npy");
+    char known[128];
+    iso_file_type_extensions(ISO_HOLDS_ROWS, 0, "and", known, sizeof known);
+    return iso_fail(error, ISO_ERR_USAGE, "--columns is for points in rows of numbers: %s", known);
 }
 
 iso_status isorender_open(isorender_job *job, iso_error *error) {

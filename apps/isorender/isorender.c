@@ -7,6 +7,7 @@
 #include "apps/isorender/merge.h"
 #include "apps/isorender/mpi_ranks.h"
 #include "apps/isorender/scene_file.h"
+#include "base/file_types.h"
 #include "base/memory.h"
 
 static int fail(const iso_error *error, iso_status status) {
@@ -136,7 +137,8 @@ static char *take_scene_path(isorender_settings *settings, const char *path) {
     const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path, *dot = strrchr(name, '.');
     char *picture = NULL;
     settings->scene_file = path;
-    if (dot && strcmp(dot, ".json") == 0 && asprintf(&picture, "%.*s.png", (int)(dot - name), name) < 0)
+    if (dot && iso_file_type_of_name(name, ISO_HOLDS_SCENE) == ISO_FILE_json &&
+        asprintf(&picture, "%.*s.png", (int)(dot - name), name) < 0)
         picture = NULL;
     settings->scene_output = picture;
     return picture;

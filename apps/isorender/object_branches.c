@@ -7,8 +7,7 @@
 #include "base/text.h"
 
 bool isorender_object_is_branches(const char *path) {
-    return iso_text_has_extension(path, ".stl") || iso_text_has_extension(path, ".off") ||
-           iso_mesh_find_faces(path) != ISO_MESH_NO_FACES;
+    return iso_mesh_find_faces(path) != ISO_MESH_NO_FACES;
 }
 
 /* Gives the object settings of its own, with the style of what it holds if the options say none. */

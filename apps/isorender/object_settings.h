@@ -7,7 +7,7 @@
 #include "base/glyphs.h"
 #include "grids/volume/vectors_read.h"
 #include "image/colormap.h"
-#include "io/read_opts.h"
+#include "io/common/read_opts.h"
 #include "render/shapes/shapes.h"
 
 enum { ISORENDER_OBJECTS = 32 }; /* in a picture */

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/file_types.h"
 #include "base/memory.h"
 #include "base/text.h"
 #include "io/glyphs/glyphs_read.h"
@@ -92,8 +93,9 @@ static iso_status check_axes(const isorender_object *object, iso_error *error) {
 /* A file without lines may be a mesh of branches. */
 static iso_status read_lines(isorender_object *object, const iso_read_opts *opts, iso_error *error) {
     const char *path = object->settings->path;
-    const bool only_mesh = iso_text_has_extension(path, ".stl") || iso_text_has_extension(path, ".off");
-    if (!only_mesh) ISO_TRY(iso_lines_read(path, opts, &object->lines, error));
+    const bool is_mesh =
+        iso_file_type_find(path, ISO_HOLDS_LINES) == ISO_FILE_UNKNOWN && isorender_object_is_branches(path);
+    if (!is_mesh) ISO_TRY(iso_lines_read(path, opts, &object->lines, error));
     if (object->lines.line_count || !isorender_object_is_branches(path)) return ISO_OK;
     iso_lines_free(&object->lines);
     iso_file_set_read(opts->files, path);

@@ -11,8 +11,8 @@
 #include "extract/vectors/vector_glyphs.h"
 #include "image/annotate.h"
 #include "image/aov.h"
-#include "io/mesh_read.h"
-#include "io/read_opts.h"
+#include "io/common/read_opts.h"
+#include "io/mesh/mesh_read.h"
 #include "scene/object.h"
 
 /* Facts about the volume of vectors or tensors that an object was made of. */

@@ -13,9 +13,11 @@
 #include "apps/isorender/channels.h"
 #include "base/text.h"
 #include "image/image_file.h"
+#include "io/file_contents.h"
 #include "io/glyphs/glyphs_read.h"
 #include "io/lines/lines_read.h"
-#include "io/mesh_read.h"
+#include "io/mesh/mesh_read.h"
+#include "io/mesh/mesh_write.h"
 #include "render/picture.h"
 #include "scene/glass.h"
 #include "scene/layered_picture.h"
@@ -32,24 +34,13 @@ iso_status isorender_settings_add_object(isorender_settings *settings, isorender
     return ISO_OK;
 }
 
-/* The kind of object that a file holds, by its name and, where a name can mean several things, by its
- * content; false: it is a volume, or a file of points. */
+/* The kind of object that a file holds besides faces; false: it is a volume, or a file of points. */
 static bool is_object(const char *name, isorender_object_kind *kind) {
-    static const struct {
-        const char *ending;
-        isorender_object_kind kind;
-    } endings[] = {{".tck", ISORENDER_LINES},  {".trk", ISORENDER_LINES},  {".swc", ISORENDER_LINES},
-                   {".vtp", ISORENDER_LINES},  {".pdb", ISORENDER_GLYPHS}, {".ent", ISORENDER_GLYPHS},
-                   {".xyz", ISORENDER_GLYPHS}, {".csv", ISORENDER_GLYPHS}, {".stl", ISORENDER_MESH}};
-    for (size_t i = 0; i < sizeof endings / sizeof *endings; i++)
-        if (iso_text_has_extension(name, endings[i].ending)) {
-            *kind = endings[i].kind;
-            if (*kind == ISORENDER_LINES && iso_text_has_extension(name, ".vtp") && iso_glyphs_fill_vtp(name))
-                *kind = ISORENDER_GLYPHS;
-            return true;
-        }
-    *kind = ISORENDER_LINES;
-    return iso_text_has_extension(name, ".vtk") && iso_lines_fill_vtk(name);
+    const unsigned holds = iso_file_contents(name);
+    *kind = holds & ISO_HOLDS_LINES    ? ISORENDER_LINES
+            : holds & ISO_HOLDS_GLYPHS ? ISORENDER_GLYPHS
+                                       : ISORENDER_MESH;
+    return holds & ISO_HOLDS_SHAPES && !(holds & (ISO_HOLDS_VOLUME | ISO_HOLDS_POINTS));
 }
 
 /* Whether an option that only points have is given. */
@@ -112,16 +103,11 @@ static bool exists(const char *path) {
 
 /* The option that writes a file of this kind; NULL: none does. */
 static const char *option_that_writes(const char *name) {
-    static const struct {
-        const char *extension, *option;
-    } kinds[] = {{".stl", "--mesh "},
-                 {".obj", "--mesh "},
-                 {".ply", "--mesh or --points "},
-                 {".exr", "--aov "},
-                 {".json", "--json="}};
-    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
-        if (iso_text_has_extension(name, kinds[i].extension)) return kinds[i].option;
-    return NULL;
+    const unsigned holds = iso_file_type_holds(iso_file_type_of_name(name, ~0u));
+    if (holds & ISO_WRITES_MESH && holds & ISO_WRITES_POINTS) return "--mesh or --points ";
+    if (holds & ISO_WRITES_MESH) return "--mesh ";
+    if (holds & ISO_WRITES_CHANNELS) return "--aov ";
+    return holds & ISO_WRITES_REPORT ? "--json=" : NULL;
 }
 
 static bool is_number(const char *word) {
@@ -154,18 +140,17 @@ static iso_status fail_picture_name(const char *name, iso_error *error) {
 /* Writes what to do if the inputs are the slices of one volume: three or more files of one kind in one
  * folder; else an empty text. */
 static void hint_at_folder(const char *const *inputs, int count, char text[256]) {
-    static const char *const kinds[] = {".dcm", ".ima", ".png", ".tif", ".tiff", NULL};
+    const iso_file_type type = iso_file_type_of_name(inputs[0], ISO_HOLDS_VOLUME | ISO_WRITES_IMAGE);
     const char *slash = strrchr(inputs[0], '/');
     const int folder = slash ? (int)(slash - inputs[0]) : 0;
-    int kind = 0;
     text[0] = 0;
-    while (kinds[kind] && !iso_text_has_extension(inputs[0], kinds[kind])) kind++;
-    if (!kinds[kind] || count < 3 || folder > 150) return;
+    if (type != ISO_FILE_dicom && type != ISO_FILE_png && type != ISO_FILE_tiff) return;
+    if (count < 3 || folder > 150) return;
     for (int i = 1; i < count; i++) {
         const char *end = strrchr(inputs[i], '/');
         const bool beside =
             (end ? end - inputs[i] : 0) == folder && !strncmp(inputs[i], inputs[0], (size_t)folder);
-        if (!beside || !iso_text_has_extension(inputs[i], kinds[kind])) return;
+        if (!beside || iso_file_type_of_name(inputs[i], ~0u) != type) return;
     }
     snprintf(text, 256, "; slices of one volume are read by their folder: isorender %.*s", slash ? folder : 1,
              slash ? inputs[0] : ".");
@@ -290,7 +275,7 @@ static iso_status check_camera(isorender_settings *settings, iso_error *error) {
 
 static iso_status check_aov(const isorender_settings *settings, iso_error *error) {
     if (!settings->aov) return ISO_OK;
-    if (!iso_text_has_extension(settings->aov, ".exr"))
+    if (iso_file_type_of_name(settings->aov, ISO_WRITES_CHANNELS) == ISO_FILE_UNKNOWN)
         return iso_fail(error, ISO_ERR_USAGE, "%s: --aov writes OpenEXR files: a name must end in .exr",
                         settings->aov);
     if (settings->info)
@@ -312,11 +297,9 @@ static iso_status check_outputs(const isorender_settings *settings, iso_error *e
         return iso_fail(error, ISO_ERR_USAGE, "the picture and --json cannot both go to standard output");
     if (to_stdout && settings->turntable)
         return iso_fail(error, ISO_ERR_USAGE, "a turntable cannot go to standard output");
-    if (settings->points && !iso_text_has_extension(settings->points, ".ply"))
+    if (settings->points && iso_file_type_of_name(settings->points, ISO_WRITES_POINTS) == ISO_FILE_UNKNOWN)
         return iso_fail(error, ISO_ERR_USAGE, "%s: points are written as .ply", settings->points);
-    if (settings->mesh && !iso_text_has_extension(settings->mesh, ".ply") &&
-        !iso_text_has_extension(settings->mesh, ".stl") && !iso_text_has_extension(settings->mesh, ".obj"))
-        return iso_fail(error, ISO_ERR_USAGE, "%s: a mesh is written as .ply, .stl or .obj", settings->mesh);
+    if (settings->mesh) ISO_TRY(iso_mesh_write_check(settings->mesh, error));
     ISO_TRY(check_aov(settings, error));
     if (settings->no_image && !settings->points && !settings->mesh && !settings->aov &&
         !settings->common.json && !settings->info)
@@ -570,7 +553,8 @@ static iso_status check_merge(isorender_settings *settings, const iso_operands *
 }
 
 static iso_status check_part(const isorender_settings *settings, iso_error *error) {
-    const bool keys = settings->output && iso_text_has_extension(settings->output, ".isokeys");
+    const bool keys =
+        settings->output && iso_file_type_of_name(settings->output, ISO_HOLDS_KEYS) != ISO_FILE_UNKNOWN;
     if (!settings->parts && keys)
         return iso_fail(error, ISO_ERR_USAGE, "%s: --part writes files of keys", settings->output);
     if (!settings->parts) return ISO_OK;

@@ -325,7 +325,7 @@ static const iso_option options[] = {
      .group = POINTS, .standard = "auto", CHOICE(primitive, primitives)},
 
     {"radius", NULL, "MM",
-     "radius of the points of a file (.ply, .pcd, .las, .xyz, .npy ..); auto: estimated from the "
+     "radius of the points of a file; auto: estimated from the "
      "distances to the nearest neighbours, as are those that the file lacks",
      .group = POINTS, .standard = "the file's, or auto", CALL(apply_radius)},
     {"normals", NULL, "NAME",
@@ -334,8 +334,8 @@ static const iso_option options[] = {
      .group = POINTS, .standard = "file", CHOICE(normals, normals_names)},
 
     {"columns", NULL, "NAMES",
-     "what the numbers of a file of points are, if it has no names for them or wrong ones (.xyz, .pts, .pwn, "
-     ".asc, .txt, .csv, .npy): x y z, nx ny nz, red green blue, radius or any name, separated by commas; - "
+     "what the numbers of a file of points are, if it has no names for them or wrong ones ({rows}): x y z, "
+     "nx ny nz, red green blue, radius or any name, separated by commas; - "
      "is "
      "a number that is not wanted",
      .group = POINTS, .standard = "the file's, or found out", TEXT(columns)},
@@ -518,7 +518,7 @@ static const iso_option options[] = {
      "write the points: x y z nx ny nz radius, in mm (isorender reads them back); x y z are doubles far "
      "from 0",
      .group = OUTPUT, TEXT(points), UNRECORDED},
-    {"mesh", NULL, "FILE", "write the Marching Cubes mesh: .ply, .stl or .obj, in mm", .group = OUTPUT,
+    {"mesh", NULL, "FILE", "write the Marching Cubes mesh: {meshes written}, in mm", .group = OUTPUT,
      TEXT(mesh), UNRECORDED},
     {"part", NULL, "K/N",
      "draw only part K of N of the surface, into a file of keys (-o NAME.isokeys): parts may be drawn in any "
@@ -582,19 +582,18 @@ static const iso_option options[] = {
 #include "apps/common/running_options.inc"
 };
 
-static const char *const inputs_text[] = {
-    "Volumes: .nrrd .nhdr, .nii .nii.gz .hdr, .mha .mhd, .vti, legacy .vtk, .vdb, .npy, .tif, .h5 and other "
-    "HDF5,",
-    "a DICOM folder or file, folders of .tif or .png slices, Zarr and N5 folders, .strokes, raw data "
-    "with --raw,",
-    "scene:NAME[:SIZE], and - for stdin (the content tells the format).",
-    "Points: .ply .pcd .las .xyz .pts .asc .txt .pwn .npy, and .obj .off without faces.",
-    "A .tck, .trk or .swc is drawn as --lines draws it, a .pdb, .ent or .csv as --glyphs, a .stl, .obj, "
-    ".ply, .off,",
-    ".vtk or .vtp with faces as --surface.",
-    "Without OUT the picture is IN's name with .png, in the current "
-    "folder. World axes are LPS: front looks along +y.",
-    NULL};
+static const char *const inputs_text[] = {"Volumes: {volumes} (legacy .vtk, every kind of HDF5), a DICOM "
+                                          "folder, folders of .tif or .png slices, Zarr "
+                                          "and N5 folders, .strokes, raw data with --raw, scene:NAME[:SIZE], "
+                                          "and - for stdin (the content tells the "
+                                          "format).",
+                                          "Points: {points}, without faces.",
+                                          "Lines ({lines}) are drawn as --lines draws them, molecules and "
+                                          "rows with names (.pdb, .csv) as --glyphs, faces "
+                                          "({meshes}) as --surface.",
+                                          "Without OUT the picture is IN's name with .png, in the current "
+                                          "folder. World axes are LPS: front looks along +y.",
+                                          NULL};
 
 static const char *const exit_text[] = {"0  done",
                                         "2  wrong usage",

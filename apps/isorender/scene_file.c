@@ -9,6 +9,7 @@
 
 #include "apps/common/scene_json.h"
 #include "apps/isorender/labels.h"
+#include "base/file_types.h"
 #include "base/text.h"
 #include "image/image_file.h"
 
@@ -80,7 +81,9 @@ static void put_option_schema(iso_json *json, const iso_option *option) {
         iso_json_end_array(json);
     } else
         iso_json_string(json, "type", "string");
-    iso_json_string(json, "description", option->help);
+    char help[1024];
+    iso_options_expand(option->help, help, sizeof help);
+    iso_json_string(json, "description", help);
     iso_json_end_object(json);
 }
 
@@ -218,7 +221,8 @@ static iso_status make_command(int argc, char **argv, const iso_texts *scenes, b
 /* Whether an operand of the command line is a file that holds a scene, or should: it is no JSON. */
 static bool is_scene(const char *operand) {
     json_t *scene = NULL;
-    if (!iso_text_has_extension(operand, ".json") || access(operand, F_OK) != 0) return false;
+    if (iso_file_type_of_name(operand, ISO_HOLDS_SCENE) != ISO_FILE_json || access(operand, F_OK) != 0)
+        return false;
     const iso_status status = iso_scene_json_read(operand, &scene, NULL);
     json_decref(scene);
     return scene != NULL || status != ISO_OK;

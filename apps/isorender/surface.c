@@ -6,8 +6,8 @@
 #include "apps/isorender/channels.h"
 #include "apps/isorender/chunks.h"
 #include "apps/isorender/isorender.h"
-#include "io/mesh_io.h"
-#include "io/points_io.h"
+#include "io/mesh/mesh_write.h"
+#include "io/points_write.h"
 #include "scene/bounds.h"
 
 /* ---- which isovalues ---- */

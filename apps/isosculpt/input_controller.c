@@ -8,7 +8,7 @@
 /* Factors: zoom of a step of the wheel, radius of a key press and of a pixel of dragging with X; strength
  * that is added by a pixel of dragging with C. */
 static const double WHEEL_ZOOM = 1.1, RADIUS_STEP = 1.15, RADIUS_A_PIXEL = 1.01, STRENGTH_A_PIXEL = 0.005;
-static const double RADIUS_MIN_VOXELS = 2, RADIUS_MAX_VOXELS = 256, STRENGTH_MIN = 0.02;
+static const double STRENGTH_MIN = 0.02;
 /* Zoom of a key press; pan of a key press, in picture heights. */
 static const double KEY_ZOOM = 1.25, KEY_PAN = 0.1;
 /* Distance between the touches of a stamp, in radii. */
@@ -303,7 +303,8 @@ void isosculpt_controller_press(isosculpt_controller *controller, isosculpt_butt
 
 void isosculpt_controller_set_radius(isosculpt_controller *controller, double radius) {
     double voxel = controller->document->start.voxel_size;
-    controller->brush.radius = fmin(fmax(radius, RADIUS_MIN_VOXELS * voxel), RADIUS_MAX_VOXELS * voxel);
+    controller->brush.radius =
+        fmin(fmax(radius, ISOSCULPT_RADIUS_LEAST * voxel), ISOSCULPT_RADIUS_MOST * voxel);
 }
 
 /* Changes the brush when the pointer has moved by dx pixels: its radius while X is held, its strength while C

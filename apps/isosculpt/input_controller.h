@@ -112,7 +112,11 @@ bool isosculpt_controller_key(isosculpt_controller *controller, int key, unsigne
 /* Shows the surface from a side. Does nothing during a stroke. */
 void isosculpt_controller_set_direction(isosculpt_controller *controller, iso_direction direction);
 
-/* Sets the radius of the brush in mm, within the bounds of the window. */
+/* The radii of brushes that the window offers, in voxels: the slider, keys and drags alike. What a brush of
+ * less changes cannot be seen, with one of more a touch takes longer than a frame. Stroke files and the C
+ * interface may go further: ISO_LIMIT_RADIUS of sculpt/limits.h bounds every brush. */
+enum { ISOSCULPT_RADIUS_LEAST = 2, ISOSCULPT_RADIUS_MOST = 256 };
+/* Sets the radius of the brush in mm, within these bounds. */
 void isosculpt_controller_set_radius(isosculpt_controller *controller, double radius);
 
 /* Changes the whole mask as a stroke of its own: ISO_TOOL_CLEAR_MASK, or ISO_TOOL_INVERT_MASK. Does nothing

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/text.h"
+#include "base/file_types.h"
 
 struct isosculpt_load_job {
     isosculpt_task *task;
@@ -25,7 +25,7 @@ void isosculpt_loaded_free(isosculpt_loaded *loaded) {
 }
 
 bool isosculpt_is_strokes(const char *path) {
-    return iso_text_has_extension(path, ".strokes");
+    return iso_file_type_of_name(path, ISO_HOLDS_STROKES) != ISO_FILE_UNKNOWN;
 }
 
 static iso_status open_document(isosculpt_load_job *load_job, const iso_source_volume *volume,
@@ -75,9 +75,7 @@ static iso_status open_volume(isosculpt_load_job *load_job, const iso_progress *
 
 static iso_status open_path(isosculpt_load_job *load_job, const iso_progress *progress, iso_error *error) {
     const isosculpt_load_request *request = &load_job->request;
-    const bool converts = !request->input.has_raw &&
-                          (iso_source_is_mesh(load_job->path) || iso_source_is_lines(load_job->path) ||
-                           iso_source_is_points(load_job->path));
+    const bool converts = !request->input.has_raw && iso_source_kind(load_job->path) != ISO_HOLDS_VOLUME;
     if (request->volume || isosculpt_is_strokes(load_job->path) || converts)
         return open_document(load_job, request->volume, progress, error);
     return open_volume(load_job, progress, error);

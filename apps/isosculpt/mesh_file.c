@@ -4,7 +4,7 @@
 #include <stdio.h>
 
 #include "grids/parts/closed.h"
-#include "io/mesh_io.h"
+#include "io/mesh/mesh_write.h"
 
 /* Welds, measures and writes the mesh. */
 static iso_status write_weld(const char *path, const iso_mesh_view *view, const isosculpt_mesh_opts *opts,

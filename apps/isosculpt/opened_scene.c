@@ -8,11 +8,11 @@
 #include <string.h>
 
 #include "apps/common/scene_json.h"
-#include "base/text.h"
+#include "base/file_types.h"
 #include "image/camera.h"
 
 bool isosculpt_is_scene(const char *path) {
-    return iso_text_has_extension(path, ".json") || iso_text_has_extension(path, ".png");
+    return iso_file_type_of_name(path, ISO_HOLDS_SCENE) != ISO_FILE_UNKNOWN;
 }
 
 /* The text of an option's value, of which lists are cut at their first comma if `first`; the caller's:

@@ -7,6 +7,8 @@
 #include "apps/isosculpt/document.h"
 #include "apps/isosculpt/isosculpt.h"
 #include "apps/isosculpt/window/keyboard.h"
+#include "base/file_types.h"
+#include "io/mesh/mesh_write.h"
 
 #ifndef ISO_VERSION
 #error "ISO_VERSION comes from CMake"
@@ -44,9 +46,8 @@ static const iso_option options[] = {
      .kind = ISO_OPTION_FLAG, AT(recover)},
     {"replay", NULL, "FILE", "play a stroke file", .group = SESSION, .kind = ISO_OPTION_TEXT, AT(replay)},
     {"open", NULL, "FILE",
-     "begin with a level set (.vdb), a mesh (.stl, .obj, .ply), lines as tubes (.swc, .tck, .trk), points "
-     "(.ply without faces, .pcd, .las, .xyz, .pts ..), whose holes are closed, a volume, or a scene (.json, "
-     "or a picture that holds one)",
+     "begin with a level set (.vdb), a mesh ({meshes}), lines as tubes ({lines}), points without faces "
+     "({points}), whose holes are closed, a volume, or a scene ({scenes})",
      .group = SESSION, .kind = ISO_OPTION_TEXT, AT(open)},
     {"isovalue", NULL, "V",
      "of the volume that is opened (of a level set: mm from its surface); a window can change it",
@@ -54,8 +55,8 @@ static const iso_option options[] = {
 #define SOLID SESSION
 #include "apps/common/solid_options.inc"
 #undef SOLID
-    {"stamp", NULL, "FILE", "add and carve with this mesh (.stl, .obj, .ply); the strokes keep it",
-     .group = SESSION, .kind = ISO_OPTION_TEXT, AT(stamp)},
+    {"stamp", NULL, "FILE", "add and carve with this mesh ({meshes}); the strokes keep it", .group = SESSION,
+     .kind = ISO_OPTION_TEXT, AT(stamp)},
     {"close-holes", NULL, "MM",
      "close holes of a mesh up to this size, 0: none; cuts by the border of a volume are capped in any case",
      .group = SESSION, .kind = ISO_OPTION_CALL, .apply = apply_close_holes,
@@ -70,7 +71,7 @@ static const iso_option options[] = {
 
     {"output", "o", "FILE", "write the result: .vdb level set, .ply points, .stl or .obj mesh",
      .group = OUTPUT, .kind = ISO_OPTION_TEXT, AT(output)},
-    {"mesh", NULL, "FILE", "write a mesh: .ply, .stl or .obj", .group = OUTPUT, .kind = ISO_OPTION_TEXT,
+    {"mesh", NULL, "FILE", "write a mesh: {meshes written}", .group = OUTPUT, .kind = ISO_OPTION_TEXT,
      AT(mesh)},
     {"closed", NULL, NULL,
      "the solid ends at the border of the grid and is capped there, so that the meshes that are written are "
@@ -98,10 +99,9 @@ static const iso_option options[] = {
      "lies in front; in a window, which can change it, or with --draw",
      .group = RUNNING, .kind = ISO_OPTION_CHOICE, AT(x_ray), .choices = x_rays, .standard = "off"},
     {"reference", NULL, "FILE",
-     "show this with the sculpture instead: lines (.tck .trk .swc .obj .vtk .vtp .ply), glyphs (.pdb .xyz "
-     ".csv "
-     ".ply .vtk .vtp) or a surface (a level set or a mesh, translucent); in a window or with --draw; R and "
-     "--x-ray as above",
+     "show this with the sculpture instead: lines ({lines}), glyphs ({glyphs}) or a surface (a level set or "
+     "a "
+     "mesh, translucent); in a window or with --draw; R and --x-ray as above",
      .group = RUNNING, .kind = ISO_OPTION_TEXTS, AT(references)},
     {"space", NULL, "NAME",
      "the axes of --reference: ras (to the right, to the front, up), lps or file (as it says; lps when it "
@@ -155,12 +155,9 @@ const iso_program *isosculpt_program(void) {
     return &program;
 }
 
-/* Whether a name ends in one of the suffixes (separated by blanks), in either case. */
-static bool has_suffix(const char *name, const char *suffixes) {
-    const char *dot = strrchr(name, '.');
-    const char *found = dot ? strcasestr(suffixes, dot) : NULL;
-    size_t length = dot ? strlen(dot) : 0;
-    return found && length > 1 && (found[length] == ' ' || found[length] == 0);
+/* Whether files of this name hold or are written as one of the bits of base/file_types.h says. */
+static bool is_type(const char *name, unsigned holds) {
+    return iso_file_type_of_name(name, holds) != ISO_FILE_UNKNOWN;
 }
 
 /* Rejects standard input as a source: a journal names the file that the session began with, which is read
@@ -198,7 +195,7 @@ static iso_status check_window(isosculpt_settings *settings, const iso_operands 
         return iso_fail(error, ISO_ERR_USAGE, "one session at a time: '%s' is too many",
                         operands->count ? operands->values[operands->count - 1] : settings->open);
     const char *operand = operands->count ? operands->values[0] : NULL;
-    if (operand && has_suffix(operand, ".strokes"))
+    if (operand && is_type(operand, ISO_HOLDS_STROKES))
         settings->strokes = operand;
     else if (operand)
         settings->open = operand;
@@ -249,13 +246,15 @@ iso_status isosculpt_settings_parse(int argc, char *const *argv, isosculpt_setti
         return iso_fail(error, ISO_ERR_USAGE, "%s is for pictures: with --headless it needs --draw",
                         settings->x_ray ? "--x-ray" : "--reference");
     ISO_TRY(check_opened(settings, error));
-    if (settings->output && !has_suffix(settings->output, ".vdb .ply .stl .obj"))
-        return iso_fail(error, ISO_ERR_USAGE, "%s: the result is written as .vdb, .ply, .stl or .obj",
-                        settings->output);
-    if (settings->mesh && !has_suffix(settings->mesh, ".ply .stl .obj"))
-        return iso_fail(error, ISO_ERR_USAGE, "%s: a mesh is written as .ply, .stl or .obj", settings->mesh);
+    const unsigned results = ISO_WRITES_VOLUME | ISO_WRITES_POINTS | ISO_WRITES_MESH;
+    char known[64];
+    iso_file_type_extensions(results, 0, "or", known, sizeof known);
+    if (settings->output && !is_type(settings->output, results))
+        return iso_fail(error, ISO_ERR_USAGE, "%s: the result is written as %s", settings->output, known);
+    if (settings->mesh) ISO_TRY(iso_mesh_write_check(settings->mesh, error));
     const bool writes_mesh =
-        settings->mesh || (settings->output && has_suffix(settings->output, ".stl .obj"));
+        settings->mesh || (settings->output && is_type(settings->output, ISO_WRITES_MESH) &&
+                           !is_type(settings->output, ISO_WRITES_POINTS));
     if (settings->closed && !writes_mesh)
         return iso_fail(error, ISO_ERR_USAGE,
                         "--closed is for meshes: it needs --mesh, or --output with .stl or .obj");

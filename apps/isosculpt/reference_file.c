@@ -9,41 +9,19 @@
 
 #include "apps/common/beside.h"
 #include "base/text.h"
+#include "io/file_contents.h"
 #include "io/glyphs/glyphs_read.h"
 #include "io/lines/lines_read.h"
-#include "io/mesh_read.h"
+#include "io/mesh/mesh_read.h"
 #include "source/source.h"
 
 /* ---- what a file can hold, in the order in which it is tried */
 
-enum { LINES = 1, SURFACE = 2, GLYPHS = 4 };
+enum { LINES = ISO_HOLDS_LINES, SURFACE = ISO_HOLDS_MESH, GLYPHS = ISO_HOLDS_GLYPHS };
 
-static int contents_of(const char *path) {
-    static const struct {
-        const char *ending;
-        int contents;
-    } endings[] = {{".tck", LINES},
-                   {".trk", LINES},
-                   {".swc", LINES},
-                   {".xyz", GLYPHS},
-                   {".pdb", GLYPHS},
-                   {".ent", GLYPHS},
-                   {".csv", GLYPHS},
-                   {".vtk", LINES | GLYPHS},
-                   {".vtp", LINES | GLYPHS},
-                   {".obj", LINES | SURFACE},
-                   {".ply", LINES | SURFACE | GLYPHS}};
-    for (size_t i = 0; i < sizeof endings / sizeof *endings; i++)
-        if (iso_text_has_extension(path, endings[i].ending)) return endings[i].contents;
-    return SURFACE;
-}
-
-/* Whether a .ply file that holds no lines holds triangles. */
-static bool holds_triangles(const char *path) {
-    iso_triangles mesh = {.triangle_count = 0};
-    const bool found = iso_mesh_read(path, NULL, &mesh, NULL) == ISO_OK;
-    iso_triangles_free(&mesh);
-    return found;
+static unsigned contents_of(const char *path) {
+    const unsigned holds = iso_file_contents(path) & (LINES | SURFACE | GLYPHS | ISO_HOLDS_VOLUME);
+    return !holds || holds & ISO_HOLDS_VOLUME ? SURFACE : holds;
 }
 
 /* ---- notes */
@@ -89,11 +67,11 @@ static iso_status prepare_glyphs(isosculpt_reference_shapes *set, iso_error *err
 }
 
 /* Reads what the file holds of `contents`, if anything: lines, else glyphs. */
-static iso_status read_shapes(const char *path, const iso_read_opts *opts, int contents,
+static iso_status read_shapes(const char *path, const iso_read_opts *opts, unsigned contents,
                               isosculpt_reference_shapes *set, iso_error *error) {
     if (contents & LINES) ISO_TRY(iso_lines_read(path, opts, &set->lines, error));
     if (set->lines.line_count) return prepare_lines(set, error);
-    if (contents & SURFACE && (!(contents & GLYPHS) || holds_triangles(path))) return ISO_OK;
+    if (contents & SURFACE) return ISO_OK;
     if (contents & GLYPHS) ISO_TRY(iso_glyphs_read(path, opts, &set->glyphs, error));
     return set->glyphs.count ? prepare_glyphs(set, error) : ISO_OK;
 }
@@ -101,7 +79,7 @@ static iso_status read_shapes(const char *path, const iso_read_opts *opts, int c
 /* Reads lines or glyphs; set->shapes stays NULL when the file holds a surface. */
 static iso_status read_set(isosculpt_reference_files *files, const char *path,
                            isosculpt_reference_shapes *set, iso_error *error) {
-    const int contents = contents_of(path);
+    const unsigned contents = contents_of(path);
     iso_read_report report = {.note_count = 0};
     const iso_read_opts opts = {.max_memory = files->settings->common.input.max_memory,
                                 .space = (iso_space)files->settings->space,

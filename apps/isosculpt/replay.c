@@ -14,11 +14,11 @@
 #include "apps/isosculpt/reference_file.h"
 #include "base/clock.h"
 #include "base/file.h"
+#include "base/file_types.h"
 #include "base/memory.h"
 #include "base/numbers.h"
-#include "base/text.h"
 #include "grids/level_set.h"
-#include "io/points_io.h"
+#include "io/points_write.h"
 #include "source/source.h"
 
 /* The durations of all samples. */
@@ -296,9 +296,9 @@ static iso_status write_mesh(player *p, const char *path, iso_error *error) {
 static iso_status write_outputs(player *p, iso_error *error) {
     const isosculpt_settings *settings = p->settings;
     const char *output = settings->output;
-    bool points = output && iso_text_has_extension(output, ".ply");
+    bool points = output && iso_file_type_of_name(output, ISO_WRITES_POINTS) != ISO_FILE_UNKNOWN;
     ISO_TRY(write_points(p, points ? output : NULL, error));
-    if (output && iso_text_has_extension(output, ".vdb"))
+    if (output && iso_file_type_of_name(output, ISO_WRITES_VOLUME) != ISO_FILE_UNKNOWN)
         ISO_TRY(iso_level_set_write_vdb(output, iso_session_grid(p->session), "surface", NULL, error));
     else if (output && !points)
         ISO_TRY(write_mesh(p, output, error));
@@ -385,7 +385,7 @@ static void log_outputs(const player *p) {
         const char *path = p->written[i];
         if (path && path == p->report->mesh_path)
             iso_program_log(program, "%s: wrote %s: %zu triangles", input, path, p->report->mesh.triangles);
-        else if (path && iso_text_ends_with(path, ".ply"))
+        else if (path && iso_file_type_of_name(path, ISO_WRITES_POINTS) != ISO_FILE_UNKNOWN)
             iso_program_log(program, "%s: wrote %s: %zu points", input, path, p->report->points);
         else if (path)
             iso_program_log(program, "%s: wrote %s", input, path);

@@ -12,6 +12,7 @@
 
 #include "apps/isosculpt/mesh_file.h"
 #include "base/file.h"
+#include "base/file_types.h"
 #include "grids/level_set.h"
 
 /* ---- names */
@@ -23,11 +24,11 @@ static const char *extension_of(const char *path) {
 }
 
 static bool is_level_set(const char *path) {
-    return strcasecmp(extension_of(path), ".vdb") == 0;
+    return iso_file_type_of_name(path, ISO_WRITES_VOLUME) != ISO_FILE_UNKNOWN;
 }
 
 bool isosculpt_can_save_as(const char *path) {
-    return is_level_set(path) || iso_source_is_mesh(path);
+    return iso_file_type_of_name(path, ISO_WRITES_VOLUME | ISO_WRITES_MESH) != ISO_FILE_UNKNOWN;
 }
 
 bool isosculpt_path_with_ending(const char *path, const char *ending, char changed[ISOSCULPT_PATH]) {
@@ -98,13 +99,19 @@ static iso_status check_existing(const isosculpt_document *document, const char 
     return ISO_OK;
 }
 
+static iso_status fail_name(const char *path, iso_error *error) {
+    char level_sets[32], meshes[64];
+    iso_file_type_extensions(ISO_WRITES_VOLUME, 0, "or", level_sets, sizeof level_sets);
+    iso_file_type_extensions(ISO_WRITES_MESH, 0, "or", meshes, sizeof meshes);
+    return iso_fail(error, ISO_ERR_USAGE, "%.700s: the name must end in %s (level set), %s (meshes)", path,
+                    level_sets, meshes);
+}
+
 iso_status isosculpt_document_check_target(const isosculpt_document *document, const char *path,
                                            bool *replaces, iso_error *error) {
     struct stat about;
     *replaces = false;
-    if (!isosculpt_can_save_as(path))
-        return iso_fail(error, ISO_ERR_USAGE,
-                        "%.700s: the name must end in .vdb (level set), .stl, .ply or .obj (meshes)", path);
+    if (!isosculpt_can_save_as(path)) return fail_name(path, error);
     if (stat(path, &about)) return ISO_OK;
     ISO_TRY(check_existing(document, path, &about, error));
     *replaces = !document->target_is_own || strcmp(path, document->target) != 0;

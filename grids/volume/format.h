@@ -46,8 +46,11 @@ typedef struct iso_format {
                              struct iso_tiled *tiled, iso_error *error);
 } iso_format;
 
-extern const iso_format iso_format_vtk, iso_format_metaimage, iso_format_nrrd, iso_format_nifti,
-    iso_format_dicom, iso_format_npy, iso_format_png, iso_format_raw;
+/* The formats of files (base/file_types.inc), of folders, and of files without a header. */
+#define VOLUME(reader) extern const iso_format iso_format_##reader;
+#define FILE_TYPE(name, extensions, magic, handlers) handlers
+#include "base/file_types.inc"
+extern const iso_format iso_format_png, iso_format_raw;
 
 /* Sets info's dims. ISO_ERR_FORMAT unless each is 1 .. 2^31-1. */
 iso_status iso_format_dims(const char *path, const uint64_t dims[3], iso_volume_info *info, iso_error *error);

@@ -9,14 +9,12 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "base/file_types.h"
 #include "base/memory.h"
-#include "base/text.h"
 
 static bool is_slice_name(const char *name, iso_slice_kind kind) {
-    static const char *const extensions[][2] = {
-        [ISO_SLICES_TIFF] = {".tif", ".tiff"}, [ISO_SLICES_PNG] = {".png", ".png"}};
-    return name[0] != '.' && (iso_text_has_extension(name, extensions[kind][0]) ||
-                              iso_text_has_extension(name, extensions[kind][1]));
+    return name[0] != '.' && iso_file_type_of_name(name, ISO_WRITES_IMAGE) ==
+                                 (kind == ISO_SLICES_PNG ? ISO_FILE_png : ISO_FILE_tiff);
 }
 
 bool iso_slice_files_exist(const char *folder, iso_slice_kind kind) {

@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "base/file.h"
+#include "base/file_types.h"
 #include "base/memory.h"
 #include "base/text.h"
 #include "grids/brick_index.h"
@@ -28,56 +29,32 @@
 
 /* Formats whose readers are modules, because loading their libraries takes tens of milliseconds and
  * megabytes. */
-static const iso_format format_vti = {.name = "vti", .library = "VTK", .module = "vti"};
-static const iso_format format_vdb = {.name = "vdb", .library = "OpenVDB", .module = "vdb"};
+const iso_format iso_format_vti = {.name = "vti", .library = "VTK", .module = "vti"};
+const iso_format iso_format_vdb = {.name = "vdb", .library = "OpenVDB", .module = "vdb"};
+const iso_format iso_format_tiff = {.name = "tiff", .library = "libtiff", .module = "tiff"};
+const iso_format iso_format_hdf5 = {.name = "hdf5", .library = "libhdf5", .module = "hdf5"};
 static const iso_format format_zarr = {.name = "zarr", .library = "Zarr", .module = "zarr"};
-static const iso_format format_tiff = {.name = "tiff", .library = "libtiff", .module = "tiff"};
-static const iso_format format_hdf5 = {.name = "hdf5", .library = "libhdf5", .module = "hdf5"};
 
-static const struct {
-    const char *suffix;
-    const iso_format *format;
-} suffixes[] = {
-    {".vti", &format_vti},       {".vtk", &iso_format_vtk},       {".nrrd", &iso_format_nrrd},
-    {".nhdr", &iso_format_nrrd}, {".mha", &iso_format_metaimage}, {".mhd", &iso_format_metaimage},
-    {".nii", &iso_format_nifti}, {".nii.gz", &iso_format_nifti},  {".hdr", &iso_format_nifti},
-    {".img", &iso_format_nifti}, {".hdr.gz", &iso_format_nifti},  {".img.gz", &iso_format_nifti},
-    {".dcm", &iso_format_dicom}, {".dicom", &iso_format_dicom},   {".ima", &iso_format_dicom},
-    {".vdb", &format_vdb},       {".tif", &format_tiff},          {".tiff", &format_tiff},
-    {".h5", &format_hdf5},       {".hdf5", &format_hdf5},         {".hdf", &format_hdf5},
-    {".he5", &format_hdf5},      {".nxs", &format_hdf5},          {".ims", &format_hdf5},
-    {".vtkhdf", &format_hdf5},   {".npy", &iso_format_npy},
-};
-
-const char *iso_volume_extension(size_t index) {
-    return index < sizeof suffixes / sizeof *suffixes ? suffixes[index].suffix : NULL;
-}
-
-static const iso_format *format_of_name(const char *path) {
-    for (size_t i = 0; i < sizeof suffixes / sizeof *suffixes; i++)
-        if (iso_text_has_extension(path, suffixes[i].suffix)) return suffixes[i].format;
+/* The format that reads the volumes of a type of files; NULL: none does. */
+static const iso_format *format_of_type(iso_file_type type) {
+    switch (type) {
+#define VOLUME(reader) return &iso_format_##reader;
+#include "base/file_types.inc"
+    default:
+        break;
+    }
     return NULL;
 }
 
-/* The beginning of a file, long enough for all tests below. */
+static const iso_format *format_of_name(const char *path) {
+    return format_of_type(iso_file_type_of_name(path, ISO_HOLDS_VOLUME));
+}
+
+/* The beginning of a file. */
 typedef struct head {
-    char bytes[1024];
+    char bytes[ISO_FILE_HEAD];
     size_t count;
 } head;
-
-static bool has_at(const head *h, size_t offset, const void *magic, size_t length) {
-    return h->count >= offset + length && memcmp(h->bytes + offset, magic, length) == 0;
-}
-
-/* A NIfTI or ANALYZE header begins with its own size, in either byte order. */
-static bool is_nifti(const head *h) {
-    static const char sizes[4][4] = {
-        {0x5c, 1, 0, 0}, {0, 0, 1, 0x5c}, {0x1c, 2, 0, 0}, {0, 0, 2, 0x1c} /* 348 and 540 */
-    };
-    for (int i = 0; i < 4; i++)
-        if (has_at(h, 0, sizes[i], 4)) return true;
-    return false;
-}
 
 /* MetaImage has no magic number: a text of "Key = value" lines, one of which must be NDims. */
 static bool is_metaimage(const head *h) {
@@ -91,42 +68,10 @@ static bool is_metaimage(const head *h) {
     return false;
 }
 
-/* TIFF and BigTIFF in both byte orders. */
-static bool is_tiff(const head *h) {
-    static const char magic[4][4] = {
-        {'I', 'I', 42, 0}, {'M', 'M', 0, 42}, {'I', 'I', 43, 0}, {'M', 'M', 0, 43}};
-    for (int i = 0; i < 4; i++)
-        if (has_at(h, 0, magic[i], 4)) return true;
-    return false;
-}
-
-/* The signature of HDF5 is at the file's beginning, or behind a block of 512 bytes or more for other uses. */
-static bool is_hdf5(const head *h) {
-    static const char magic[8] = {(char)0x89, 'H', 'D', 'F', '\r', '\n', 0x1a, '\n'};
-    return has_at(h, 0, magic, sizeof magic) || has_at(h, 512, magic, sizeof magic);
-}
-
-/* The .xml of BigDataViewer, which names a file of HDF5. */
-static bool is_bdv(const head *h) {
-    return memmem(h->bytes, h->count, "<SpimData", 9) != NULL;
-}
-
-static bool is_xml_vtk(const head *h) {
-    return memmem(h->bytes, h->count, "<VTKFile", 8) != NULL;
-}
-
 /* The format by the content, which takes precedence over the name. */
 static const iso_format *format_of_content(const head *h) {
-    if (has_at(h, 0, "NRRD", 4)) return &iso_format_nrrd;
-    if (has_at(h, 0, "# vtk DataFile", 14)) return &iso_format_vtk;
-    if (has_at(h, 0, " BDV\0\0\0\0", 8)) return &format_vdb;
-    if (has_at(h, 128, "DICM", 4)) return &iso_format_dicom;
-    if (is_nifti(h) || has_at(h, 0, "\x1f\x8b", 2)) return &iso_format_nifti;
-    if (iso_npy_is(h->bytes, h->count)) return &iso_format_npy;
-    if (is_xml_vtk(h)) return &format_vti;
-    if (is_tiff(h)) return &format_tiff;
-    if (is_hdf5(h) || is_bdv(h)) return &format_hdf5;
-    return is_metaimage(h) ? &iso_format_metaimage : NULL;
+    const iso_format *format = format_of_type(iso_file_type_of_head(h->bytes, h->count, ISO_HOLDS_VOLUME));
+    return !format && is_metaimage(h) ? &iso_format_metaimage : format;
 }
 
 const char *iso_volume_format(const void *bytes, size_t count) {
@@ -192,7 +137,7 @@ static const iso_format *format_of_file(const char *path, const head *h) {
  * agree. */
 static iso_status guess_raw(const char *path, uint64_t bytes, request *r, const iso_format **format,
                             iso_error *error) {
-    if (*format && !iso_text_has_extension(path, ".raw")) return ISO_OK;
+    if (*format && iso_file_type_of_name(path, ISO_HOLDS_RAW) == ISO_FILE_UNKNOWN) return ISO_OK;
     if (!iso_raw_layout_of_name(path, &r->guessed)) return ISO_OK;
     uint64_t wanted = iso_raw_layout_bytes(&r->guessed);
     r->is_guessed = bytes == wanted;
@@ -243,34 +188,30 @@ static bool is_metadata(const char *path) {
 
 /* What a file is that is often taken for a volume, and what to give instead; NULL: nothing is known of it. */
 static const char *near_miss(const char *path, const head *h) {
-    if (has_at(h, 0, "\x89PNG\r\n\x1a\n", 8))
-        return "is one picture: a volume in PNG is a folder with a file for each slice";
-    if (iso_text_has_extension(path, ".raw")) return "raw data needs a layout (--raw WxHxD:TYPE)";
-    if (has_at(h, 0, "\xff\xd8\xff", 3))
-        return "is a picture in JPEG, which is not read as a slice of a volume";
-    if (has_at(h, 0, "PK\3\4", 4)) return "is a .zip archive: unpack it, and name the file or folder in it";
+    const iso_file_type type = iso_file_type_of_head(h->bytes, h->count, ~0u);
+    if (type == ISO_FILE_png) return "is one picture: a volume in PNG is a folder with a file for each slice";
+    if (iso_file_type_of_name(path, ISO_HOLDS_RAW) != ISO_FILE_UNKNOWN)
+        return "raw data needs a layout (--raw WxHxD:TYPE)";
+    if (type == ISO_FILE_jpeg) return "is a picture in JPEG, which is not read as a slice of a volume";
+    if (h->count >= 4 && memcmp(h->bytes, "PK\3\4", 4) == 0)
+        return "is a .zip archive: unpack it, and name the file or folder in it";
     if (is_metadata(path)) return "is the metadata of an array: name the folder that it is in";
     return NULL;
 }
 
-/* Says which files are volumes: the formats, once each, by their first suffix. */
+/* Says which files are volumes, and which files of other kinds are read. */
 static iso_status fail_unknown(const char *path, const head *h, iso_error *error) {
-    char known[256] = "";
+    char volumes[256], others[256];
     const char *reason = near_miss(path, h);
     if (reason) return iso_fail(error, ISO_ERR_FORMAT, "%s: %s", path, reason);
-    for (size_t i = 0; i < sizeof suffixes / sizeof *suffixes; i++) {
-        const size_t used = strlen(known);
-        bool named = false;
-        for (size_t k = 0; k < i; k++) named |= suffixes[k].format == suffixes[i].format;
-        if (!named) snprintf(known + used, sizeof known - used, "%s, ", suffixes[i].suffix);
-    }
+    iso_file_type_extensions(ISO_HOLDS_VOLUME, 0, "", volumes, sizeof volumes);
+    iso_file_type_extensions(ISO_HOLDS_MESH | ISO_HOLDS_LINES | ISO_HOLDS_GLYPHS, ISO_HOLDS_VOLUME, "and",
+                             others, sizeof others);
     return iso_fail(
         error, ISO_ERR_FORMAT,
-        "%s: not a volume that isopoint can read: it reads %sfolders of PNG slices, Zarr and DICOM folders, "
-        "and raw data with --raw; points and shapes are .ply, .pcd, .las, .xyz, .csv, .pdb, .tck, .trk, "
-        ".swc, "
-        ".stl, .obj, .off, .vtp ..",
-        path, known);
+        "%s: not a volume that isopoint can read: it reads %s, folders of PNG slices, Zarr and DICOM "
+        "folders, and raw data with --raw; points and shapes are %s",
+        path, volumes, others);
 }
 
 static iso_status find_format(const char *path, request *r, const iso_format **format, iso_error *error) {
@@ -279,7 +220,7 @@ static iso_status find_format(const char *path, request *r, const iso_format **f
         return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
     if (S_ISDIR(status.st_mode)) {
         *format = has_zarr(path)                                 ? &format_zarr
-                  : iso_slice_files_exist(path, ISO_SLICES_TIFF) ? &format_tiff
+                  : iso_slice_files_exist(path, ISO_SLICES_TIFF) ? &iso_format_tiff
                   : is_png_stack(path)                           ? &iso_format_png
                                                                  : &iso_format_dicom;
         if (r->opts.raw) return iso_fail(error, ISO_ERR_IO, "%s: is a folder, not a raw file", path);
@@ -455,7 +396,7 @@ static void note_unused(const iso_volume_opts *opts, iso_volume_info *info) {
         iso_volume_note(info, "series \"%.80s\" is not looked for: a %s file has no series (--series)",
                         opts->series, info->format);
     if (opts->level > 0 && strcmp(info->format, format_zarr.name) != 0 &&
-        strcmp(info->format, format_hdf5.name) != 0)
+        strcmp(info->format, iso_format_hdf5.name) != 0)
         iso_volume_note(info, "level %d is not looked for: a %s file has one level (--level)", opts->level,
                         info->format);
 }
@@ -544,7 +485,7 @@ iso_status iso_volume_check_memory(const char *path, const iso_volume_opts *opts
 }
 
 bool iso_volume_may_be_sparse(const iso_volume_info *info) {
-    return strcmp(info->format, format_zarr.name) == 0 || strcmp(info->format, format_hdf5.name) == 0;
+    return strcmp(info->format, format_zarr.name) == 0 || strcmp(info->format, iso_format_hdf5.name) == 0;
 }
 
 iso_chunk_source iso_volume_source(const iso_rgrid *grid) {

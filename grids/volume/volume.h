@@ -129,10 +129,6 @@ typedef struct iso_volume {
 /* The array's part of FILE:/array, within `path`. NULL: `path` names a file or a folder, or nothing. */
 const char *iso_volume_array_of(const char *path);
 
-/* The extension number `index` of the names of volume files, with its dot; NULL: there are no more. Other
- * names are known by their content. */
-const char *iso_volume_extension(size_t index);
-
 /* Reads only the header of `path` (a file, a folder, or FILE:/array). Errors: ISO_ERR_IO (missing,
  * unreadable, truncated), ISO_ERR_FORMAT (not a volume), ISO_ERR_UNSUPPORTED, ISO_ERR_USAGE (no such
  * component, grid or series), ISO_ERR_BRIDGE. Each text names the file. */

@@ -10,7 +10,7 @@
 #include "grids/volume/vectors_read.h"
 #include "io/glyphs/glyphs_read.h"
 #include "io/lines/lines_read.h"
-#include "io/mesh_read.h"
+#include "io/mesh/mesh_read.h"
 
 /* ---- copies of arrays */
 

@@ -7,8 +7,8 @@
 #include "extract/isovalue/isovalue.h"
 #include "extract/mesh/mesh_measure.h"
 #include "grids/brick_index.h"
-#include "io/mesh_io.h"
-#include "io/points_io.h"
+#include "io/mesh/mesh_write.h"
+#include "io/points_write.h"
 #include "scene/bounds.h"
 
 /* The comment in the headers of the files that are written. */

@@ -5,8 +5,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/file_types.h"
 #include "base/memory.h"
-#include "base/text.h"
 #include "image/camera.h"
 #include "image/exr.h"
 #include "image/image.h"
@@ -114,7 +114,7 @@ iso_status iso_environment_read(const char *path, uint64_t limit, iso_pool *pool
     iso_float_image picture = {0};
     uint32_t size[2];
     ISO_TRY(check_size(path, limit, error));
-    if (iso_text_ends_with(path, ".png") || iso_png_size(path, size))
+    if (iso_file_type_of_name(path, ~0u) == ISO_FILE_png || iso_png_size(path, size))
         ISO_TRY(read_png(path, &picture, error));
     else
         ISO_TRY(iso_exr_read_color(path, pool, &picture, error));

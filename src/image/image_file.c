@@ -2,20 +2,16 @@
 
 #include <string.h>
 
-#include "base/text.h"
+#include "base/file_types.h"
 
 iso_image_kind iso_image_kind_of(const char *path) {
-    static const struct {
-        const char *extension;
-        iso_image_kind kind;
-    } endings[] = {{".png", ISO_IMAGE_PNG},
-                   {".tif", ISO_IMAGE_TIFF},
-                   {".tiff", ISO_IMAGE_TIFF},
-                   {".jpg", ISO_IMAGE_JPEG},
-                   {".jpeg", ISO_IMAGE_JPEG}};
     if (strcmp(path, "-") == 0) return ISO_IMAGE_PNG;
-    for (size_t i = 0; i < sizeof endings / sizeof *endings; i++)
-        if (iso_text_has_extension(path, endings[i].extension)) return endings[i].kind;
+    switch (iso_file_type_of_name(path, ISO_WRITES_IMAGE)) {
+#define WRITE_IMAGE(kind) return ISO_IMAGE_##kind;
+#include "base/file_types.inc"
+    default:
+        break;
+    }
     return ISO_IMAGE_UNKNOWN;
 }
 

@@ -4,8 +4,8 @@
 #include "base/memory.h"
 #include "extract/mesh/mesh.h"
 #include "extract/points/points.h"
-#include "io/mesh_io.h"
-#include "io/points_io.h"
+#include "io/mesh/mesh_write.h"
+#include "io/points_write.h"
 
 /* ---- segments */
 

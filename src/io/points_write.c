@@ -1,11 +1,11 @@
 #define _POSIX_C_SOURCE 200809L
 /* points_write: writes points as binary little-endian PLY (Turk 1994), also in pieces. */
-#include "io/points_io.h"
+#include "io/points_write.h"
 
 #include <math.h>
 
 #include "base/file.h"
-#include "io/encode.h"
+#include "io/common/encode.h"
 
 enum { MOST_BYTES_PER_POINT = 3 * 8 + 4 * 4, FAR = 16 };
 

@@ -21,10 +21,11 @@
 #include "grids/point_solid.h"
 #include "grids/volume/format.h"
 #include "grids/volume/volume.h"
+#include "io/file_contents.h"
 #include "io/glyphs/glyphs_read.h"
 #include "io/lines/lines_read.h"
-#include "io/mesh_read.h"
-#include "sculpt/field/field.h"
+#include "io/mesh/mesh_read.h"
+#include "sculpt/edit/field.h"
 
 /* The longest side of a mesh or of lines in voxels, unless the voxel size is given. */
 enum { LONGEST_VOXELS = 256 };
@@ -77,18 +78,6 @@ static iso_status compute_checksum(const char *path, const iso_progress *progres
 }
 
 /* ---- meshes */
-
-static bool has_suffix(const char *path, const char *const *suffixes) {
-    const char *dot = strrchr(path, '.');
-    for (; dot && *suffixes; suffixes++)
-        if (strcasecmp(dot, *suffixes) == 0) return true;
-    return false;
-}
-
-bool iso_source_is_mesh(const char *path) {
-    static const char *const suffixes[] = {".stl", ".obj", ".ply", NULL};
-    return has_suffix(path, suffixes);
-}
 
 /* Returns the grid for sampling the contents of a box. */
 static iso_sampling sampling_of(const iso_source *source, const iso_box *box, const iso_progress *progress) {
@@ -290,11 +279,6 @@ static iso_status convert_mesh_parts(const iso_source *source, iso_hgrid **grid,
 
 /* ---- lines */
 
-bool iso_source_is_lines(const char *path) {
-    static const char *const suffixes[] = {".swc", ".tck", ".trk", NULL};
-    return has_suffix(path, suffixes);
-}
-
 /* Samples the tubes around lines. Where tubes overlap, distances inside them are not yet correct. */
 static iso_status sample_lines(const iso_source *source, const iso_lines *lines, iso_hgrid **grid,
                                iso_error *error) {
@@ -327,10 +311,6 @@ static iso_status convert_lines(const iso_source *source, iso_hgrid **grid, iso_
 }
 
 /* ---- points */
-
-bool iso_source_is_points(const char *path) {
-    return !iso_source_is_mesh(path) && iso_glyphs_are_points(path);
-}
 
 /* Voxels around the points, so that the solid ends inside the volume. */
 enum { POINT_MARGIN = 4 };
@@ -379,32 +359,29 @@ static iso_status convert_points(const iso_source *source, iso_hgrid **grid, iso
 
 /* ---- opening */
 
-/* Converts a mesh; a file of vertices without triangles is one of points. */
-static iso_status convert_triangles(const iso_source *source, iso_hgrid **grid, iso_error *error) {
-    iso_error reason = {0};
-    const iso_status status = convert_mesh_parts(source, grid, &reason);
-    const char *dot = strrchr(source->path, '.');
-    if (status == ISO_ERR_EMPTY && dot && strcasecmp(dot, ".ply") == 0)
-        return convert_points(source, grid, error);
-    if (error) *error = reason;
-    return status;
+unsigned iso_source_kind(const char *path) {
+    static const unsigned order[] = {ISO_HOLDS_MESH, ISO_HOLDS_POINTS, ISO_HOLDS_LINES};
+    const unsigned holds = iso_file_contents(path);
+    for (size_t i = 0; i < sizeof order / sizeof *order; i++)
+        if (holds & order[i]) return order[i];
+    return ISO_HOLDS_VOLUME;
 }
 
 /* Converts the file at source->path. With --raw it is a volume, whatever its name. */
 static iso_status convert_file(const iso_source *source, iso_hgrid **grid, iso_error *error) {
     const iso_input *input = source->input ? source->input : &default_input;
-    const bool mesh = iso_source_is_mesh(source->path), lines = iso_source_is_lines(source->path),
-               points = iso_source_is_points(source->path);
-    if (input->has_raw || (!mesh && !lines && !points)) return convert_volume(source, grid, error);
+    const unsigned kind = input->has_raw ? ISO_HOLDS_VOLUME : iso_source_kind(source->path);
+    if (kind == ISO_HOLDS_VOLUME) return convert_volume(source, grid, error);
     const char *option = iso_input_volume_option(input);
     if (option)
         return iso_fail(error, ISO_ERR_USAGE, "%s: is a %s: %s needs a volume", source->path,
-                        mesh     ? "mesh"
-                        : points ? "file of points"
-                                 : "file of lines",
+                        kind == ISO_HOLDS_MESH     ? "mesh"
+                        : kind == ISO_HOLDS_POINTS ? "file of points"
+                                                   : "file of lines",
                         option);
-    if (points) return convert_points(source, grid, error);
-    return mesh ? convert_triangles(source, grid, error) : convert_lines(source, grid, error);
+    if (kind == ISO_HOLDS_POINTS) return convert_points(source, grid, error);
+    return kind == ISO_HOLDS_MESH ? convert_mesh_parts(source, grid, error)
+                                  : convert_lines(source, grid, error);
 }
 
 /* Copies the grid's geometry into the journal's header. */

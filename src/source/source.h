@@ -4,6 +4,7 @@
 #ifndef ISO_SOURCE_SOURCE_H
 #define ISO_SOURCE_SOURCE_H
 
+#include "base/file_types.h"
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "extract/isovalue/isovalue.h"
@@ -76,11 +77,9 @@ iso_status iso_source_open(const iso_source *source, iso_journal_start *start, i
 iso_status iso_source_reopen(const char *strokes, const iso_source *how, iso_journal_start *start,
                              iso_hgrid **grid, iso_error *error);
 
-/* Whether the path has the extension of a mesh, or of lines. */
-bool iso_source_is_mesh(const char *path);
-bool iso_source_is_lines(const char *path);
-/* Whether the file is one of points (iso_glyphs_are_points) that cannot be a mesh. */
-bool iso_source_is_points(const char *path);
+/* What a file is taken for, judged by its type and content (io/file_contents.h): ISO_HOLDS_MESH, _POINTS,
+ * _LINES, or otherwise _VOLUME. */
+unsigned iso_source_kind(const char *path);
 
 /* Reads the mesh at source->path as a stamp; iso_stamp_free when done. Voxel size, isovalue and volume of the
  * source do not count. Errors: those of iso_mesh_read, iso_closed_mesh_create and iso_stamp_from_mesh. */

@@ -8,7 +8,7 @@
 #include "bench_peers.h"
 #include "bench_scenes.h"
 #include "extract/points/points.h"
-#include "sculpt/field/edit.h"
+#include "sculpt/edit/edit.h"
 #include "sculpt/session/history.h"
 
 /* A stroke is so many touches, a quarter of the radius apart; then it is undone and the next begins

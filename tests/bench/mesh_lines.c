@@ -10,7 +10,7 @@
 #include "base/numbers.h"
 #include "extract/lines/mesh_lines.h"
 #include "io/lines/lines_read.h"
-#include "io/mesh_read.h"
+#include "io/mesh/mesh_read.h"
 
 typedef struct segment {
     iso_vec3 a, b;

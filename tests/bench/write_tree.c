@@ -7,8 +7,8 @@
 
 #include "base/file.h"
 #include "grids/scenes/scene_tree.h"
-#include "io/mesh_io.h"
-#include "io/points_io.h"
+#include "io/mesh/mesh_write.h"
+#include "io/points_write.h"
 #include "render/raster/triangles.h"
 
 static void put_vectors(FILE *stream, float (*vectors)[3], size_t count) {

@@ -11,7 +11,7 @@
 #include <string.h>
 
 #include "base/crc32c.h"
-#include "sculpt/session/checkpoint.h"
+#include "sculpt/field/checkpoint.h"
 #include "sculpt/session/session.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);

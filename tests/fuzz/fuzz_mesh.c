@@ -11,7 +11,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-#include "io/mesh_read.h"
+#include "io/mesh/mesh_read.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 

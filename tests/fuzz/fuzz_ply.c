@@ -13,7 +13,7 @@
 
 #include "clouds/cloud.h"
 #include "io/glyphs/glyphs_read.h"
-#include "io/points_io.h"
+#include "io/points_write.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 

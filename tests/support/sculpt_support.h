@@ -4,7 +4,7 @@
 
 #include "check_support.h"
 #include "grids/grid.h"
-#include "sculpt/field/edit.h"
+#include "sculpt/edit/edit.h"
 
 /* A ball in a grid of side^3 voxels of 1 mm, voxel (0, 0, 0) at the world's origin. */
 iso_hgrid *sculpt_ball(int side, iso_vec3 centre, double radius);

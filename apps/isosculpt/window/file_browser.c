@@ -11,63 +11,63 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "io/file_contents.h"
+
 /* ---- file types */
 
 /* Every name that grids/volume knows (a test compares), except .vdb, which has a row of its own, and others
  * of HDF5. */
-#define VOLUMES                                                                                              \
-    ".nrrd .nhdr .nii .nii.gz .hdr .img .hdr.gz .img.gz .dcm .dicom .ima .vti .vtk .mha .mhd .tif .tiff "    \
-    ".h5 "                                                                                                   \
-    ".hdf5 .hdf .he5 .nxs .ims .vtkhdf .mnc .emd .npy"
-#define POINTS ".ply .pcd .las .xyz .pts .pwn .npy"
-#define MESHES ".stl .obj .ply"
-#define LINES ".swc .tck .trk"
-
 const isosculpt_file_type *isosculpt_browser_types(isosculpt_purpose purpose) {
-    static const isosculpt_file_type
-        open[] = {{"all that can be opened", ".strokes .vdb " MESHES " " LINES " " POINTS " " VOLUMES},
-                  {"strokes (.strokes)", ".strokes"},
-                  {"level sets (.vdb)", ".vdb"},
-                  {"meshes (" MESHES ")", MESHES},
-                  {"lines (" LINES ")", LINES},
-                  {"points (" POINTS ")", POINTS},
-                  {"volumes", VOLUMES},
-                  {"all files", ""},
-                  {NULL, NULL}},
-        stamp[] = {{"meshes (" MESHES ")", MESHES}, {"all files", ""}, {NULL, NULL}},
-        save[] = {{"level set (.vdb)", ".vdb"},
-                  {"mesh (.stl)", ".stl"},
-                  {"mesh (.ply)", ".ply"},
-                  {"mesh (.obj)", ".obj"},
-                  {NULL, NULL}},
-        export[] = {{"mesh (.stl)", ".stl"},
-                    {"mesh (.ply)", ".ply"},
-                    {"mesh (.obj)", ".obj"},
-                    {"level set (.vdb)", ".vdb"},
-                    {NULL, NULL}},
-        picture[] = {{"picture (.png)", ".png"}, {"scene (.json)", ".json"}, {NULL, NULL}};
+    static const isosculpt_file_type open[] =
+        {{.label = "all that can be opened", .holds = ISO_HOLDS_STROKES | ISO_HOLDS_SCENE | ISO_HOLDS_DATA},
+         {.label = "strokes", .holds = ISO_HOLDS_STROKES},
+         {.label = "level sets", .holds = ISO_WRITES_VOLUME},
+         {.label = "meshes", .holds = ISO_HOLDS_MESH},
+         {.label = "lines", .holds = ISO_HOLDS_LINES},
+         {.label = "points", .holds = ISO_HOLDS_POINTS},
+         {.label = "volumes", .holds = ISO_HOLDS_VOLUME | ISO_HOLDS_RAW},
+         {.label = "scenes", .holds = ISO_HOLDS_SCENE},
+         {.label = "all files"},
+         {.label = NULL}},
+                                     stamp[] = {{.label = "meshes", .holds = ISO_HOLDS_MESH},
+                                                {.label = "all files"},
+                                                {.label = NULL}},
+                                     save[] = {{.label = "level set", .type = ISO_FILE_vdb},
+                                               {.label = "mesh", .type = ISO_FILE_stl},
+                                               {.label = "mesh", .type = ISO_FILE_ply},
+                                               {.label = "mesh", .type = ISO_FILE_obj},
+                                               {.label = NULL}},
+                                     export[] = {{.label = "mesh", .type = ISO_FILE_stl},
+                                                 {.label = "mesh", .type = ISO_FILE_ply},
+                                                 {.label = "mesh", .type = ISO_FILE_obj},
+                                                 {.label = "level set", .type = ISO_FILE_vdb},
+                                                 {.label = NULL}},
+                                     picture[] = {{.label = "picture", .type = ISO_FILE_png},
+                                                  {.label = "scene", .type = ISO_FILE_json},
+                                                  {.label = NULL}};
     static const isosculpt_file_type *const all[] = {NULL, open, stamp, save, export, picture};
     return all[purpose];
+}
+
+void isosculpt_browser_label(const isosculpt_browser *browser, int type, char label[ISOSCULPT_LABEL]) {
+    const isosculpt_file_type *t = &isosculpt_browser_types(browser->purpose)[type];
+    char extensions[ISOSCULPT_LABEL - 48] = "";
+    if (isosculpt_browser_saves(browser->purpose))
+        iso_file_type_extension(t->type, extensions);
+    else if (type > 0 && t->holds) /* (the first names none: it shows all of them) */
+        iso_file_type_extensions(t->holds, 0, NULL, extensions, sizeof extensions);
+    snprintf(label, ISOSCULPT_LABEL, *extensions ? "%s (%s)" : "%s", t->label, extensions);
 }
 
 bool isosculpt_browser_saves(isosculpt_purpose purpose) {
     return purpose >= ISOSCULPT_BROWSE_SAVE;
 }
 
-/* Whether a name ends in one of the extensions. */
-static bool has_extension(const char *name, const char *extensions) {
-    const size_t length = strlen(name);
-    if (!*extensions) return true;
-    for (const char *at = extensions; *at; at += strspn(at, " ")) {
-        const size_t tail = strcspn(at, " ");
-        if (length > tail && strncasecmp(name + length - tail, at, tail) == 0) return true;
-        at += tail;
-    }
-    return false;
-}
-
-static const char *shown_extensions(const isosculpt_browser *browser) {
-    return isosculpt_browser_types(browser->purpose)[browser->type].extensions;
+/* Whether a file of this name is of a type. */
+static bool is_of_type(const isosculpt_browser *browser, const char *name, int type) {
+    const isosculpt_file_type *t = &isosculpt_browser_types(browser->purpose)[type];
+    if (isosculpt_browser_saves(browser->purpose)) return iso_file_type_of_name(name, ~0u) == t->type;
+    return !t->holds || iso_file_type_of_name(name, t->holds) != ISO_FILE_UNKNOWN;
 }
 
 /* ---- a folder's entries */
@@ -110,7 +110,7 @@ static bool is_shown(const isosculpt_browser *browser, const char *name, bool *i
     const int length = snprintf(path, sizeof path, "%s/%s", browser->folder, name);
     if (length >= ISOSCULPT_PATH || stat(path, &about)) return false;
     *is_folder = S_ISDIR(about.st_mode);
-    return *is_folder || (S_ISREG(about.st_mode) && has_extension(name, shown_extensions(browser)));
+    return *is_folder || (S_ISREG(about.st_mode) && is_of_type(browser, name, browser->type));
 }
 
 void isosculpt_browser_reread(isosculpt_browser *browser) {
@@ -164,28 +164,26 @@ static void set_name(isosculpt_browser *browser, const char *name) {
 
 void isosculpt_browser_set_type(isosculpt_browser *browser, int type) {
     char *dot = strrchr(browser->name, '.');
-    const char *extension = isosculpt_browser_types(browser->purpose)[type].extensions;
     const size_t stem = dot && dot > browser->name ? (size_t)(dot - browser->name) : 0;
     if (isosculpt_browser_saves(browser->purpose) && stem &&
-        stem + strlen(extension) < sizeof browser->name) {
-        memcpy(dot, extension, strlen(extension) + 1);
+        stem + ISO_FILE_EXTENSION <= sizeof browser->name) {
+        iso_file_type_extension(isosculpt_browser_types(browser->purpose)[type].type, dot);
         browser->generation++;
     }
     browser->type = type;
     isosculpt_browser_reread(browser);
 }
 
-/* Returns the file type for the extension of a name to save to; `otherwise` when the extension is of no
- * type. */
-static int find_type(isosculpt_purpose purpose, const char *name, int otherwise) {
-    const isosculpt_file_type *types = isosculpt_browser_types(purpose);
-    for (int i = 0; isosculpt_browser_saves(purpose) && types[i].label; i++)
-        if (has_extension(name, types[i].extensions)) return i;
-    return otherwise;
+/* Returns the file type for the extension of a name to save to; the chosen one when it is of no type. */
+static int find_type(const isosculpt_browser *browser, const char *name) {
+    const isosculpt_file_type *types = isosculpt_browser_types(browser->purpose);
+    for (int i = 0; isosculpt_browser_saves(browser->purpose) && types[i].label; i++)
+        if (is_of_type(browser, name, i)) return i;
+    return browser->type;
 }
 
 void isosculpt_browser_follow_name(isosculpt_browser *browser) {
-    const int type = find_type(browser->purpose, browser->name, browser->type);
+    const int type = find_type(browser, browser->name);
     if (type == browser->type) return;
     browser->type = type;
     isosculpt_browser_reread(browser);
@@ -196,7 +194,8 @@ void isosculpt_browser_open(isosculpt_browser *browser, isosculpt_purpose purpos
     const char *slash = strrchr(path, '/');
     const char *name = slash ? slash + 1 : path;
     browser->purpose = purpose;
-    browser->type = find_type(purpose, name, 0);
+    browser->type = 0;
+    browser->type = find_type(browser, name);
     set_name(browser, isosculpt_browser_saves(purpose) ? name : "");
     snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - path) + 1 : 1, slash ? path : ".");
     isosculpt_browser_enter(browser, folder);
@@ -225,12 +224,10 @@ void isosculpt_browser_step(isosculpt_browser *browser, int steps) {
 /* ---- choosing */
 
 static void add_extension(const isosculpt_browser *browser, char path[ISOSCULPT_PATH]) {
-    const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path,
-               *first = shown_extensions(browser);
-    const size_t length = strlen(path), tail = strcspn(first, " ");
-    if (!name[0] || strchr(name + 1, '.') || length + tail >= ISOSCULPT_PATH) return;
-    memcpy(path + length, first, tail);
-    path[length + tail] = 0;
+    const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
+    const size_t length = strlen(path);
+    if (!name[0] || strchr(name + 1, '.') || length + ISO_FILE_EXTENSION > ISOSCULPT_PATH) return;
+    iso_file_type_extension(isosculpt_browser_types(browser->purpose)[browser->type].type, path + length);
 }
 
 bool isosculpt_browser_path(const isosculpt_browser *browser, char path[ISOSCULPT_PATH]) {

@@ -58,9 +58,13 @@ static void draw_folder(isosculpt_browser *browser) {
 static void draw_type(isosculpt_browser *browser, float scale) {
     const isosculpt_file_type *types = isosculpt_browser_types(browser->purpose);
     ImGui::SetNextItemWidth(240 * scale);
-    if (ImGui::BeginCombo("##type", types[browser->type].label)) {
-        for (int i = 0; types[i].label; i++)
-            if (ImGui::Selectable(types[i].label, i == browser->type)) isosculpt_browser_set_type(browser, i);
+    char label[ISOSCULPT_LABEL];
+    isosculpt_browser_label(browser, browser->type, label);
+    if (ImGui::BeginCombo("##type", label)) {
+        for (int i = 0; types[i].label; i++) {
+            isosculpt_browser_label(browser, i, label);
+            if (ImGui::Selectable(label, i == browser->type)) isosculpt_browser_set_type(browser, i);
+        }
         ImGui::EndCombo();
     }
     ImGui::SameLine();

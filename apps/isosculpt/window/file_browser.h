@@ -7,6 +7,7 @@
 #include <stddef.h>
 
 #include "apps/isosculpt/document.h"
+#include "base/file_types.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -48,12 +49,17 @@ typedef struct isosculpt_browser {
     char error_text[256]; /* why the last action failed; "": it did not */
 } isosculpt_browser;
 
-/* The file types of a purpose: a label, and extensions separated by blanks ("": all files). The list ends
- * with a NULL label. */
+/* The file types of a purpose; the list ends with a NULL label. To open: the types that hold something of
+ * `holds` (0: all files); to save: `type`. */
 typedef struct isosculpt_file_type {
-    const char *label, *extensions;
+    const char *label;
+    unsigned holds;
+    iso_file_type type;
 } isosculpt_file_type;
 const isosculpt_file_type *isosculpt_browser_types(isosculpt_purpose purpose);
+/* The label with the extensions, as it is shown. */
+enum { ISOSCULPT_LABEL = 256 };
+void isosculpt_browser_label(const isosculpt_browser *browser, int type, char label[ISOSCULPT_LABEL]);
 bool isosculpt_browser_saves(isosculpt_purpose purpose); /* whether the chosen file need not exist */
 
 /* Shows the folder of `path`; when a name to save to is chosen, the last part of the path is the name

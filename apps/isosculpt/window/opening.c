@@ -10,6 +10,7 @@
 
 #include "apps/isosculpt/look.h"
 #include "apps/isosculpt/window/reference.h"
+#include "base/file_types.h"
 
 /* ---- the document and its viewport */
 
@@ -301,7 +302,7 @@ void isosculpt_window_reject_open(window *w) {
 /* Handles a dropped file. A mesh can be opened or become a stamp; a stamp needs a field. */
 void isosculpt_window_drop(window *w, const char *path) {
     if (isosculpt_window_is_opening(w)) return;
-    if (iso_source_is_mesh(path) && !w->volume && !w->screen.blank)
+    if (iso_source_kind(path) == ISO_HOLDS_MESH && !w->volume && !w->screen.blank)
         isosculpt_window_show_dialog(w, ISOSCULPT_DIALOG_MESH, path);
     else
         replace_document(w, path);

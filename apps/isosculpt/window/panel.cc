@@ -158,7 +158,8 @@ static void choose_strength(iso_brush *brush) {
 static void draw_brush_section(const isosculpt_screen *screen) {
     isosculpt_controller *controller = screen->controller;
     choose_brush(controller);
-    const double voxel = controller->document->start.voxel_size, low = 2 * voxel, high = 128 * voxel;
+    const double voxel = controller->document->start.voxel_size, low = ISOSCULPT_RADIUS_LEAST * voxel,
+                 high = ISOSCULPT_RADIUS_MOST * voxel;
     ImGui::SliderScalar("radius", ImGuiDataType_Double, &controller->brush.radius, &low, &high, "%.2f mm",
                         ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp);
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("[ and ], or X and moving the mouse, change it.");

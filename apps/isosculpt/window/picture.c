@@ -10,7 +10,7 @@
 
 #include "apps/isosculpt/window/saving.h"
 #include "base/clock.h"
-#include "base/text.h"
+#include "base/file_types.h"
 
 #ifndef GL_CLAMP_TO_EDGE
 #define GL_CLAMP_TO_EDGE 0x812F /* OpenGL 1.2 */
@@ -44,7 +44,7 @@ static iso_status write_shown(const window *w, const char *path, const iso_image
     char *scene = NULL;
     const bool drawable = image == &w->viewport.image && isosculpt_window_render_command(w, &command) &&
                           isosculpt_render_options_make(&command, &options);
-    const bool alone = iso_text_has_extension(path, ".json");
+    const bool alone = iso_file_type_of_name(path, ISO_HOLDS_SCENE) == ISO_FILE_json;
     if (alone && !drawable)
         return iso_fail(error, ISO_ERR_USAGE,
                         "a scene names a file: save the sculpture as .vdb first, then the scene");

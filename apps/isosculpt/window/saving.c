@@ -9,7 +9,7 @@
 
 #include "apps/isosculpt/mesh_file.h"
 #include "apps/isosculpt/render_command.h"
-#include "base/text.h"
+#include "base/file_types.h"
 
 /* ---- a save */
 
@@ -119,6 +119,10 @@ void isosculpt_window_request_screenshot(window *w, const char *path) {
 
 /* ---- the isorender command */
 
+static bool is_level_set(const char *path) {
+    return iso_file_type_of_name(path, ISO_WRITES_VOLUME) != ISO_FILE_UNKNOWN;
+}
+
 /* Finds a file with the contents of the picture, and the options to read it with; returns false if there is
  * none. */
 static bool find_shown_file(const window *w, isosculpt_render_command *command) {
@@ -128,10 +132,10 @@ static bool find_shown_file(const window *w, isosculpt_render_command *command) 
     if (w->volume) {
         command->path = w->volume->path;
         command->reading = w->volume->reading;
-    } else if (saved && iso_text_has_extension(document->target, ".vdb")) {
+    } else if (saved && is_level_set(document->target)) {
         command->path = document->target;
     } else if (document->change_count == 0 && !(w->settings->voxel_size > 0) &&
-               iso_text_has_extension(document->start.source, ".vdb")) {
+               is_level_set(document->start.source)) {
         command->path = document->start.source; /* the path with which it was opened */
         command->reading = document->start.reading;
     }

@@ -3,7 +3,7 @@
 #ifndef ISO_IO_GLYPHS_ASSEMBLY_H
 #define ISO_IO_GLYPHS_ASSEMBLY_H
 
-#include "io/rows.h"
+#include "io/common/rows.h"
 
 /* A copy of some chains, moved by a matrix. */
 typedef struct iso_assembly_copy {

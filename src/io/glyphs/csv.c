@@ -8,10 +8,10 @@
 #include <string.h>
 #include <strings.h>
 
+#include "io/common/rows.h"
 #include "io/glyphs/glyphs_format.h"
 #include "io/glyphs/point_columns.h"
 #include "io/polydata/polydata.h"
-#include "io/rows.h"
 
 enum { WORDS = 64, COLUMNS = ISO_POLYDATA_COLUMNS };
 

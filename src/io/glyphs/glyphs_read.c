@@ -1,59 +1,38 @@
-/* glyphs_read: the table of formats of glyphs. */
+/* glyphs_read: finds the reader of a file of glyphs. */
 #define _POSIX_C_SOURCE 200809L
 #include "io/glyphs/glyphs_read.h"
 
-#include <ctype.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
-#include "base/file.h"
 #include "base/memory.h"
-#include "base/text.h"
-#include "grids/volume/npy_header.h"
-#include "io/encode.h"
+#include "io/common/encode.h"
+#include "io/common/ply.h"
 #include "io/glyphs/glyphs_format.h"
-#include "io/ply.h"
 #include "io/polydata/ply_gaussians.h"
-#include "io/polydata/polydata.h"
 
-/* The rows of both tables are the same formats. */
-static const iso_format_name names[] = {
-    {"ply", ".ply", "ply"},      {"vtk", ".vtk", "# vtk DataFile"},
-    {"xyz", ".xyz", NULL},       {"pdb", ".pdb", NULL},
-    {"pdb", ".ent", NULL},       {"csv", ".csv", NULL},
-    {"vtp", ".vtp", "<VTKFile"}, {"vtp", ".vtp", "<?xml"},
-    {"pcd", ".pcd", "# .PCD"},   {"las", ".las", "LASF"},
-    {"las", ".laz", NULL},       {"npy", ".npy", "\x93NUMPY"},
-    {"pts", ".pts", NULL},       {"pwn", ".pwn", NULL},
-    {"asc", ".asc", NULL},       {"txt", ".txt", NULL},
-    {"off", ".off", NULL},       {"obj", ".obj", NULL},
-};
-static iso_status (*const readers[])(iso_reading *reading, iso_glyphs *glyphs, iso_error *error) = {
-    iso_glyphs_read_ply,  iso_glyphs_read_vtk,  iso_glyphs_read_xyz,  iso_glyphs_read_pdb,
-    iso_glyphs_read_pdb,  iso_glyphs_read_csv,  iso_glyphs_read_vtp,  iso_glyphs_read_vtp,
-    iso_glyphs_read_pcd,  iso_glyphs_read_las,  iso_glyphs_read_las,  iso_glyphs_read_npy,
-    iso_glyphs_read_rows, iso_glyphs_read_rows, iso_glyphs_read_rows, iso_glyphs_read_rows,
-    iso_glyphs_read_off,  iso_glyphs_read_obj,
-};
+typedef iso_status read_fn(iso_reading *reading, iso_glyphs *glyphs, iso_error *error);
+
+static read_fn *reader_of(iso_file_type type) {
+    switch (type) {
+#define GLYPHS(reader) return iso_glyphs_read_##reader;
+#include "base/file_types.inc"
+    default:
+        break;
+    }
+    return NULL;
+}
 
 iso_status iso_glyphs_read(const char *path, const iso_read_opts *opts, iso_glyphs *glyphs,
                            iso_error *error) {
     iso_read_report unused;
     iso_reading reading = iso_reading_begin(path, opts, &unused);
-    int format;
-    ISO_TRY(iso_reading_find_format(&reading, names, sizeof names / sizeof *names, "glyphs", &format, error));
+    iso_file_type type;
+    ISO_TRY(iso_reading_find_type(&reading, ISO_HOLDS_GLYPHS, "glyphs", &type, error));
     void *numbers = iso_encode_numbers_begin();
-    iso_status status = readers[format](&reading, glyphs, error);
+    iso_status status = reader_of(type)(&reading, glyphs, error);
     iso_encode_numbers_end(numbers);
     return status;
-}
-
-bool iso_glyphs_have_rows(const char *path) {
-    static const char *const endings[] = {".xyz", ".pts", ".pwn", ".asc", ".txt", ".csv", ".npy"};
-    for (size_t i = 0; i < sizeof endings / sizeof *endings; i++)
-        if (iso_text_has_extension(path, endings[i])) return true;
-    return false;
 }
 
 static bool has_property(const iso_ply *ply, const iso_ply_element *element, const char *name) {
@@ -81,29 +60,4 @@ bool iso_glyphs_are_gaussians(const char *path) {
     if (ply) iso_ply_close(ply);
     iso_free(ply);
     return are;
-}
-
-bool iso_glyphs_fill_vtp(const char *path) {
-    return iso_vtp_find_cells(path) == ISO_VTP_POINTS;
-}
-
-/* Whether the text of a .xyz file begins as molecules do: with a row of one whole number. */
-static bool begins_with_count(const char *text) {
-    while (isspace((unsigned char)*text)) text++;
-    const size_t digits = strspn(text, "0123456789");
-    text += digits;
-    return digits && text[strspn(text, " \t\r")] == '\n';
-}
-
-bool iso_glyphs_are_points(const char *path) {
-    static const char *const endings[] = {".ply", ".pcd", ".las", ".laz", ".npy", ".pts",
-                                          ".pwn", ".asc", ".txt", ".off", ".obj"};
-    char head[256] = "";
-    const size_t bytes = iso_file_head(path, head, sizeof head - 1);
-    if (!bytes) return false;
-    if (iso_text_has_extension(path, ".xyz")) return !begins_with_count(head + iso_text_mark(head, bytes));
-    if (iso_text_has_extension(path, ".npy") && iso_npy_axes(path) > 2) return false; /* a volume */
-    for (size_t i = 0; i < sizeof endings / sizeof *endings; i++)
-        if (iso_text_has_extension(path, endings[i])) return true;
-    return strncmp(head, "ply", 3) == 0 && (head[3] == '\n' || head[3] == '\r');
 }

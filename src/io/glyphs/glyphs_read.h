@@ -40,7 +40,7 @@
 #define ISO_IO_GLYPHS_GLYPHS_READ_H
 
 #include "base/glyphs.h"
-#include "io/read_opts.h"
+#include "io/common/read_opts.h"
 
 /* Reads glyphs; iso_glyphs_free when done. `opts` may be NULL. A file without points is no error: count is
  * then 0. Errors as iso_lines_read; ISO_ERR_USAGE: no such assembly. Thread-safe for different reports and
@@ -50,17 +50,5 @@ iso_status iso_glyphs_read(const char *path, const iso_read_opts *opts, iso_glyp
 /* Whether a file is a .ply of 3-D Gaussians, judged by the names of its vertices' properties (f_dc_0,
  * scale_0, rot_0, opacity). False if it cannot be read. */
 bool iso_glyphs_are_gaussians(const char *path);
-
-/* Whether a .vtp file has points, but neither lines nor polygons: it is one of glyphs. False if its first
- * 64 KiB do not say so. */
-bool iso_glyphs_fill_vtp(const char *path);
-
-/* Whether a file, judged by its name, has rows of numbers, for which iso_read_opts.columns is. */
-bool iso_glyphs_have_rows(const char *path);
-
-/* Whether a file is one of points on surfaces, such as a scan: a .ply by its first bytes, others by their
- * names; .xyz unless it is a molecule. Not .csv, .vtk and .vtp, which more often hold other things. Only
- * regular files are. */
-bool iso_glyphs_are_points(const char *path);
 
 #endif

@@ -7,10 +7,10 @@
 #include <math.h>
 #include <string.h>
 
+#include "io/common/scalar_load.h"
 #include "io/glyphs/glyphs_format.h"
 #include "io/glyphs/las_blocks.h"
 #include "io/polydata/records.h"
-#include "io/scalar_load.h"
 
 enum { HEADER_LEAST = 227, HEADER_14 = 375, FORMATS = 11, FIELDS = 16 + 3 * ISO_LAS_EXTRAS };
 

@@ -9,7 +9,7 @@
 #include "base/memory.h"
 #include "base/primitives.h"
 #include "grids/volume/format.h"
-#include "io/ply.h"
+#include "io/common/ply.h"
 #include "io/polydata/polydata.h"
 
 /* Where the numbers of a point are: bytes from its first one. */

@@ -6,7 +6,7 @@
 
 #include "clouds/point_source.h"
 #include "grids/volume/mapping.h"
-#include "io/read_opts.h"
+#include "io/common/read_opts.h"
 
 /* iso_mapped_points_close when done. */
 typedef struct iso_mapped_points {

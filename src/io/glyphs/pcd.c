@@ -10,10 +10,10 @@
 #include <string.h>
 #include <strings.h>
 
+#include "io/common/rows.h"
 #include "io/glyphs/glyphs_format.h"
 #include "io/glyphs/lzf.h"
 #include "io/polydata/records.h"
-#include "io/rows.h"
 
 enum { NUMBERS = ISO_POLYDATA_COLUMNS, LINE = 1 << 14, HEADER_LIMIT = 1 << 20 };
 

@@ -17,10 +17,10 @@
 #include <ctype.h>
 #include <string.h>
 
+#include "io/common/rows.h"
 #include "io/glyphs/assembly.h"
 #include "io/glyphs/elements.h"
 #include "io/glyphs/glyphs_format.h"
-#include "io/rows.h"
 
 /* First characters of columns, from 0. */
 enum {

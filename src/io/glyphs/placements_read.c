@@ -8,8 +8,8 @@
 
 #include "base/memory.h"
 #include "base/placement.h"
+#include "io/common/reading.h"
 #include "io/glyphs/glyphs_read.h"
-#include "io/reading.h"
 
 enum { QX, QY, QZ, QW, RX, RY, RZ, SCALE, COLUMNS };
 

@@ -12,7 +12,7 @@
 #ifndef ISO_IO_GLYPHS_PLACEMENTS_READ_H
 #define ISO_IO_GLYPHS_PLACEMENTS_READ_H
 
-#include "io/read_opts.h"
+#include "io/common/read_opts.h"
 #include "isopoint.h"
 
 /* Reads placements; iso_placements_free when done. `opts` may be NULL. Errors as iso_glyphs_read, and

@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/file_types.h"
 #include "base/text.h"
 #include "io/glyphs/glyphs_format.h"
 #include "io/glyphs/point_columns.h"
@@ -139,7 +140,7 @@ static iso_status read_rows(point_rows *p, char *row, uint64_t most, iso_error *
 }
 
 static iso_status finish(point_rows *p, iso_error *error) {
-    const bool pts = iso_text_has_extension(p->rows->reading->path, ".pts");
+    const bool pts = iso_file_type_of_name(p->rows->reading->path, ISO_HOLDS_ROWS) == ISO_FILE_pts;
     if (!p->named) return iso_point_columns_decide(p->data, pts, error);
     iso_polydata_scale_colors(p->data, true);
     return ISO_OK;
@@ -196,7 +197,7 @@ static iso_status read_counted(point_rows *p, double count, iso_error *error) {
     if (count > (double)(p->rows->text.bytes) / LEAST_ROW + 1 || (!row && count > 0))
         return iso_fail(error, ISO_ERR_IO, "%s: truncated: it promises %.0f points", path, count);
     if (count > 0) ISO_TRY(read_points(p, (uint64_t)count, &row, error));
-    if (row && p->columns == 3 && iso_text_has_extension(path, ".pwn")) {
+    if (row && p->columns == 3 && iso_file_type_of_name(path, ISO_HOLDS_ROWS) == ISO_FILE_pwn) {
         ISO_TRY(read_normals(p, row, error));
         row = iso_point_rows_next(p->rows);
     }

@@ -2,8 +2,8 @@
 #ifndef ISO_IO_GLYPHS_POINT_ROWS_H
 #define ISO_IO_GLYPHS_POINT_ROWS_H
 
+#include "io/common/rows.h"
 #include "io/polydata/polydata.h"
-#include "io/rows.h"
 
 /* Returns the next row that is neither empty nor a comment (# or //); NULL at the end. */
 char *iso_point_rows_next(iso_rows *rows);

@@ -1,4 +1,4 @@
-/* lines_read: the table of formats of lines. */
+/* lines_read: finds the reader of a file of lines. */
 #define _GNU_SOURCE /* strcasestr */
 #include "io/lines/lines_read.h"
 
@@ -6,26 +6,28 @@
 #include <string.h>
 
 #include "base/file.h"
-#include "io/encode.h"
+#include "io/common/encode.h"
 #include "io/lines/lines_format.h"
 
 typedef iso_status read_fn(iso_reading *reading, iso_lines *lines, iso_error *error);
 
-static const iso_format_name names[] = {
-    {"tck", ".tck", "mrtrix track"}, {"trk", ".trk", "TRACK"}, {"vtk", ".vtk", "# vtk DataFile"},
-    {"ply", ".ply", "ply"},          {"swc", ".swc", NULL},    {"obj", ".obj", NULL},
-    {"vtp", ".vtp", "<VTKFile"},     {"vtp", ".vtp", "<?xml"}};
-static read_fn *const readers[] = {iso_lines_read_tck, iso_lines_read_trk, iso_lines_read_vtk,
-                                   iso_lines_read_ply, iso_lines_read_swc, iso_lines_read_obj,
-                                   iso_lines_read_vtp, iso_lines_read_vtp};
+static read_fn *reader_of(iso_file_type type) {
+    switch (type) {
+#define LINES(reader) return iso_lines_read_##reader;
+#include "base/file_types.inc"
+    default:
+        break;
+    }
+    return NULL;
+}
 
 iso_status iso_lines_read(const char *path, const iso_read_opts *opts, iso_lines *lines, iso_error *error) {
     iso_read_report unused;
     iso_reading reading = iso_reading_begin(path, opts, &unused);
-    int format;
-    ISO_TRY(iso_reading_find_format(&reading, names, sizeof names / sizeof *names, "lines", &format, error));
+    iso_file_type type;
+    ISO_TRY(iso_reading_find_type(&reading, ISO_HOLDS_LINES, "lines", &type, error));
     void *numbers = iso_encode_numbers_begin();
-    iso_status status = readers[format](&reading, lines, error);
+    iso_status status = reader_of(type)(&reading, lines, error);
     iso_encode_numbers_end(numbers);
     return status;
 }

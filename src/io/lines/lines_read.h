@@ -19,7 +19,7 @@
 #define ISO_IO_LINES_LINES_READ_H
 
 #include "base/lines.h"
-#include "io/read_opts.h"
+#include "io/common/read_opts.h"
 
 /* Reads lines; iso_lines_free when done. `opts` may be NULL. A file without lines is no error: line_count is
  * then 0. Errors: ISO_ERR_IO (missing, unreadable, shorter than it says), ISO_ERR_FORMAT (damaged, or not a

@@ -13,9 +13,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "io/common/rows.h"
 #include "io/lines/lines_format.h"
 #include "io/polydata/polydata.h"
-#include "io/rows.h"
 
 enum { ROW = 7 };
 

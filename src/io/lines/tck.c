@@ -11,8 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "io/lines/line_sink.h"
-#include "io/stream.h"
+#include "io/common/line_sink.h"
+#include "io/common/stream.h"
 
 enum { LINE_ROOM = 512, HEADER_MOST = 1 << 24 };
 

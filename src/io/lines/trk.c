@@ -16,8 +16,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "io/lines/line_sink.h"
-#include "io/stream.h"
+#include "io/common/line_sink.h"
+#include "io/common/stream.h"
 
 enum { HEADER = 1000, NAMES = 10, NAME = 20 };
 /* Positions of the header's members. */

@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-#include "io/fans.h"
+#include "io/common/fans.h"
 
 /* ---- triangles */
 

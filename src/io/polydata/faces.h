@@ -9,7 +9,7 @@
 typedef struct iso_faces {
     iso_buffer corners; /* uint32_t, three point numbers for each triangle */
     size_t count;
-    iso_buffer fans; /* of iso_fan: the polygons (io/fans.h) */
+    iso_buffer fans; /* of iso_fan: the polygons (io/common/fans.h) */
     size_t fan_count;
 } iso_faces;
 

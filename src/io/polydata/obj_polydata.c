@@ -4,8 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "io/common/rows.h"
 #include "io/polydata/faces.h"
-#include "io/rows.h"
 
 typedef struct obj {
     iso_rows rows;

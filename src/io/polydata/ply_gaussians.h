@@ -3,7 +3,7 @@
 #ifndef ISO_IO_POLYDATA_PLY_GAUSSIANS_H
 #define ISO_IO_POLYDATA_PLY_GAUSSIANS_H
 
-#include "io/ply.h"
+#include "io/common/ply.h"
 #include "io/polydata/polydata.h"
 
 /* Whether the header names elements "chunk" and "vertex" whose vertices are packed. */

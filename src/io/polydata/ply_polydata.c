@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "io/ply.h"
+#include "io/common/ply.h"
 #include "io/polydata/faces.h"
 #include "io/polydata/ply_gaussians.h"
 #include "io/polydata/records.h"

@@ -5,7 +5,7 @@
 #define ISO_IO_POLYDATA_POLYDATA_H
 
 #include "base/glyphs.h"
-#include "io/reading.h"
+#include "io/common/reading.h"
 
 /* Zero-initialise, then set `reading`; iso_polydata_free when done. */
 typedef struct iso_polydata {

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "io/lines/line_sink.h"
+#include "io/common/line_sink.h"
 #include "io/polydata/polydata.h"
 
 static iso_status check_indices(const iso_polydata *data, iso_error *error) {

@@ -4,8 +4,8 @@
 #define ISO_IO_POLYDATA_RECORDS_H
 
 #include "grids/volume/format.h"
+#include "io/common/stream.h"
 #include "io/polydata/polydata.h"
-#include "io/stream.h"
 
 /* A number that every record holds: (number & mask) * scale + shift goes to `slot`; no_data, if there is
  * one, as NaN. */

@@ -11,9 +11,9 @@
 #include <string.h>
 #include <strings.h>
 
+#include "io/common/rows.h"
+#include "io/common/scalar_load.h"
 #include "io/polydata/faces.h"
-#include "io/rows.h"
-#include "io/scalar_load.h"
 
 enum { WORD = 128 };
 

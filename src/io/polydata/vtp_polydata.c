@@ -17,9 +17,9 @@
 
 #include "base/file.h"
 #include "base/memory.h"
+#include "io/common/rows.h"
+#include "io/common/scalar_load.h"
 #include "io/polydata/faces.h"
-#include "io/rows.h"
-#include "io/scalar_load.h"
 
 enum { ARRAYS = 512, NAME = ISO_COLUMN_NAME, TEXT = 256 };
 

@@ -11,8 +11,8 @@
 #include "base/file.h"
 #include "base/memory.h"
 #include "grids/level_set.h"
-#include "sculpt/session/checkpoint.h"
-#include "sculpt/session/limits.h"
+#include "sculpt/field/checkpoint.h"
+#include "sculpt/limits.h"
 
 /* Voxels of room around the mesh: 3 for the band and 1 more. */
 enum { MARGIN = 4 };

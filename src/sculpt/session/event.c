@@ -9,7 +9,8 @@
 #include <string.h>
 
 #include "base/crc32c.h"
-#include "sculpt/session/limits.h"
+#include "sculpt/limits.h"
+#include "sculpt/session/event_limits.h"
 
 static const char FORMAT[] = "isopoint strokes";
 static const char *const KINDS[] = {"begin", "sample", "end", "cancel", "undo", "redo", "snapshot", "stamp"};

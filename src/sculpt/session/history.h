@@ -6,7 +6,7 @@
 #define ISO_SCULPT_SESSION_HISTORY_H
 
 #include "grids/hgrid.h"
-#include "sculpt/field/edit.h"
+#include "sculpt/edit/edit.h"
 
 #ifdef __cplusplus
 extern "C" {

@@ -16,8 +16,8 @@
 #include "base/file.h"
 #include "base/memory.h"
 #include "base/thread.h"
+#include "sculpt/limits.h"
 #include "sculpt/session/event.h"
-#include "sculpt/session/limits.h"
 
 /* The longest time that a line waits in the queue. */
 enum { FLUSH_SECONDS = 1 };

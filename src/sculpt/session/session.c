@@ -8,8 +8,9 @@
 
 #include "base/memory.h"
 #include "sculpt/brush/dab.h"
-#include "sculpt/session/checkpoint.h"
-#include "sculpt/session/limits.h"
+#include "sculpt/field/checkpoint.h"
+#include "sculpt/limits.h"
+#include "sculpt/session/event_limits.h"
 
 enum { DEFAULT_CHECKPOINT_STROKES = 200 };
 /* Bricks that are allocated between strokes, so that the next stroke need not: 4 MiB. */

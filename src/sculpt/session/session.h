@@ -4,10 +4,10 @@
 #ifndef ISO_SCULPT_SESSION_SESSION_H
 #define ISO_SCULPT_SESSION_SESSION_H
 
-#include "sculpt/field/edit.h"
+#include "sculpt/edit/edit.h"
+#include "sculpt/field/snapshot.h"
 #include "sculpt/session/history.h"
 #include "sculpt/session/journal.h"
-#include "sculpt/session/snapshot.h"
 
 #ifdef __cplusplus
 extern "C" {

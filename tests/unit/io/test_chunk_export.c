@@ -16,8 +16,8 @@
 #include "check_support.h"
 #include "extract_support.h"
 #include "io/chunk_export.h"
-#include "io/mesh_io.h"
-#include "io/points_io.h"
+#include "io/mesh/mesh_write.h"
+#include "io/points_write.h"
 
 #define WHOLE ISO_TEST_TMP "/test_chunk_export_whole.ply"
 #define CHUNKS ISO_TEST_TMP "/test_chunk_export.ply"

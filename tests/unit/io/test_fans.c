@@ -10,7 +10,7 @@
 #include <cmocka.h>
 
 #include "base/geometry.h"
-#include "io/fans.h"
+#include "io/common/fans.h"
 
 /* A polygon in the plane of two axes; z rises along x. */
 typedef struct polygon {

@@ -21,9 +21,9 @@
 #include "check_support.h"
 #include "extract/mesh/mesh.h"
 #include "extract/points/points.h"
-#include "io/mesh_io.h"
-#include "io/mesh_read.h"
-#include "io/points_io.h"
+#include "io/mesh/mesh_read.h"
+#include "io/mesh/mesh_write.h"
+#include "io/points_write.h"
 #include "points_support.h"
 
 #define FILE_PLY ISO_TEST_TMP "/test_io.ply"

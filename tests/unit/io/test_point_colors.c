@@ -12,7 +12,7 @@
 
 #include "check_support.h"
 #include "io/glyphs/glyphs_read.h"
-#include "io/points_io.h"
+#include "io/points_write.h"
 #include "points_support.h"
 
 #define FILE_PLY ISO_TEST_TMP "/test_point_colors.ply"

@@ -13,7 +13,7 @@
 
 #include "base/memory.h"
 #include "check_support.h"
-#include "io/mesh_read.h"
+#include "io/mesh/mesh_read.h"
 #include "render/raster/raster.h"
 #include "render/raster/triangles.h"
 #include "scene_support.h"

@@ -17,7 +17,7 @@
 
 #include "base/clock.h"
 #include "file_support.h"
-#include "sculpt/session/checkpoint.h"
+#include "sculpt/field/checkpoint.h"
 #include "sculpt/session/session.h"
 #include "session_support.h"
 

@@ -12,8 +12,8 @@
 
 #include "extract/mesh/mesh.h"
 #include "grids/level_set.h"
-#include "io/mesh_io.h"
-#include "io/mesh_read.h"
+#include "io/mesh/mesh_read.h"
+#include "io/mesh/mesh_write.h"
 #include "session_support.h"
 #include "source/source.h"
 

@@ -1,0 +1,29 @@
+/* mesh_read: reads triangle meshes (.stl, .obj, .ply, .off, .vtk and .vtp with polygonal data); the format is
+ * found from the content, and from the name if the content does not tell. Reads positions and faces only;
+ * polygons become triangles. Positions are taken to be world millimetres. */
+#ifndef ISO_IO_MESH_MESH_READ_H
+#define ISO_IO_MESH_MESH_READ_H
+
+#include "base/primitives.h"
+#include "base/progress.h"
+
+/* Reads a mesh; iso_triangles_free when done. `progress` may be NULL. Memory grows with what is read: a
+ * damaged header cannot make it large. ISO_ERR_IO (missing, truncated, or cancelled by `progress`),
+ * ISO_ERR_FORMAT (damaged or of another format, an index without a vertex, a position that is not finite),
+ * ISO_ERR_EMPTY (no triangles), ISO_ERR_UNSUPPORTED (another type of file), ISO_ERR_NOMEM. */
+iso_status iso_mesh_read(const char *path, const iso_progress *progress, iso_triangles *mesh,
+                         iso_error *error);
+void iso_triangles_free(iso_triangles *mesh);
+
+/* What a file is as a mesh. */
+typedef enum iso_mesh_content {
+    ISO_MESH_NO_FACES,
+    ISO_MESH_FACES,
+    ISO_MESH_COLORED_FACES /* .ply and .off: its vertices have colours, which a mesh does not show */
+} iso_mesh_content;
+
+/* Looks for faces in a file of a type that can hold a mesh; in .vtk and .vtp that have lines as well they do
+ * not count. A file that cannot be read has none, unless its type holds nothing but meshes. */
+iso_mesh_content iso_mesh_find_faces(const char *path);
+
+#endif

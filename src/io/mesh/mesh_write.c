@@ -1,0 +1,216 @@
+#define _POSIX_C_SOURCE 200809L
+/* Writes welded meshes as PLY, STL and OBJ. */
+#include "io/mesh/mesh_write.h"
+
+#include <string.h>
+
+#include "base/file.h"
+#include "base/file_types.h"
+#include "base/text.h"
+#include "extract/mesh/mesh.h"
+#include "io/common/encode.h"
+
+/* A mesh to be written. Its world positions are computed vertex by vertex. */
+typedef struct mesh_source {
+    const iso_weld *weld;
+    iso_affine affine;
+    int second, third; /* the corners that are written second and third: 1 and 2, or 2 and 1 if the transform
+                          is left-handed and would turn triangles inside out */
+    const char *comment;
+} mesh_source;
+
+static iso_vec3 world_position(const mesh_source *source, size_t vertex) {
+    const float *p = source->weld->vertices[vertex].position;
+    return iso_affine_point(&source->affine, iso_vec3_make(p[0], p[1], p[2]));
+}
+
+static iso_vec3 world_normal(const mesh_source *source, size_t vertex) {
+    const float *n = source->weld->vertices[vertex].normal;
+    return iso_affine_normal(&source->affine, iso_vec3_make(n[0], n[1], n[2]));
+}
+
+static void ordered_triangle(const mesh_source *source, size_t triangle, uint32_t corner[3]) {
+    const uint32_t *from = source->weld->triangles[triangle];
+    corner[0] = from[0];
+    corner[1] = from[source->second];
+    corner[2] = from[source->third];
+}
+
+/* ---- PLY */
+
+enum { VERTEX_BYTES = 24, TRIANGLE_BYTES = 13 };
+
+static void write_ply_header(FILE *stream, uint64_t vertices, uint64_t triangles, const char *comment) {
+    fputs("ply\nformat binary_little_endian 1.0\n", stream);
+    iso_encode_comment(stream, "comment ", comment);
+    fprintf(stream, "element vertex %llu\n", (unsigned long long)vertices);
+    static const char *const names[] = {"x", "y", "z", "nx", "ny", "nz"};
+    for (int i = 0; i < 6; i++) fprintf(stream, "property float %s\n", names[i]);
+    /* signed types of indices if they are large enough, because most readers expect them */
+    fprintf(stream, "element face %llu\nproperty list uchar %s vertex_indices\nend_header\n",
+            (unsigned long long)triangles, vertices <= INT32_MAX ? "int" : "uint");
+}
+
+static void write_ply_vertices(const mesh_source *source, size_t first, size_t end, FILE *stream) {
+    unsigned char bytes[VERTEX_BYTES];
+    for (size_t i = first; i < end; i++) {
+        iso_encode_vec3(iso_encode_vec3(bytes, world_position(source, i)), world_normal(source, i));
+        fwrite(bytes, sizeof bytes, 1, stream);
+    }
+}
+
+static void write_ply_triangles(const mesh_source *source, size_t first, size_t end_triangle, FILE *stream) {
+    unsigned char bytes[TRIANGLE_BYTES];
+    for (size_t i = first; i < end_triangle; i++) {
+        uint32_t corner[3];
+        ordered_triangle(source, i, corner);
+        unsigned char *end = bytes;
+        *end++ = 3;
+        for (int j = 0; j < 3; j++) end = iso_encode_uint32(end, corner[j]);
+        fwrite(bytes, sizeof bytes, 1, stream);
+    }
+}
+
+static void write_ply(const mesh_source *source, FILE *stream) {
+    const iso_weld *weld = source->weld;
+    write_ply_header(stream, weld->vertex_count, weld->triangle_count, source->comment);
+    write_ply_vertices(source, 0, weld->vertex_count, stream);
+    write_ply_triangles(source, 0, weld->triangle_count, stream);
+}
+
+/* ---- STL and OBJ */
+
+static void write_stl(const mesh_source *source, FILE *stream) {
+    enum { HEADER = 80, FACET = 50 };
+    /* must not begin with "solid", which marks ASCII files */
+    static const char kind[] = "binary STL, mm. ";
+    char header[HEADER + 1] = {0};
+    memcpy(header, kind, sizeof kind);
+    if (source->comment)
+        iso_text_clean(source->comment, header + sizeof kind - 1, sizeof header - (sizeof kind - 1));
+    unsigned char bytes[FACET] = {0};
+    fwrite(header, HEADER, 1, stream);
+    iso_encode_uint32(bytes, (uint32_t)source->weld->triangle_count);
+    fwrite(bytes, 4, 1, stream);
+    for (size_t i = 0; i < source->weld->triangle_count; i++) {
+        uint32_t corner[3];
+        ordered_triangle(source, i, corner);
+        iso_vec3 p[3];
+        for (int j = 0; j < 3; j++) p[j] = world_position(source, corner[j]);
+        /* the format requires the triangle's own normal; zero if it has no area */
+        iso_vec3 normal = iso_vec3_unit(iso_vec3_cross(iso_vec3_sub(p[1], p[0]), iso_vec3_sub(p[2], p[0])));
+        unsigned char *end = iso_encode_vec3(bytes, normal);
+        for (int j = 0; j < 3; j++) end = iso_encode_vec3(end, p[j]);
+        end[0] = end[1] = 0; /* attribute byte count */
+        fwrite(bytes, FACET, 1, stream);
+    }
+}
+
+static void write_obj(const mesh_source *source, FILE *stream) {
+    void *numbers = iso_encode_numbers_begin();
+    iso_encode_comment(stream, "# ", source->comment);
+    for (size_t i = 0; i < source->weld->vertex_count; i++) {
+        iso_vec3 p = world_position(source, i), n = world_normal(source, i);
+        /* nine digits are enough to read back the same float */
+        fprintf(stream, "v %.9g %.9g %.9g\nvn %.9g %.9g %.9g\n", (double)(float)p.x, (double)(float)p.y,
+                (double)(float)p.z, (double)(float)n.x, (double)(float)n.y, (double)(float)n.z);
+    }
+    for (size_t i = 0; i < source->weld->triangle_count; i++) {
+        uint32_t corner[3];
+        ordered_triangle(source, i, corner);
+        uint64_t a = (uint64_t)corner[0] + 1, b = (uint64_t)corner[1] + 1, c = (uint64_t)corner[2] + 1;
+        fprintf(stream, "f %llu//%llu %llu//%llu %llu//%llu\n", (unsigned long long)a, (unsigned long long)a,
+                (unsigned long long)b, (unsigned long long)b, (unsigned long long)c, (unsigned long long)c);
+    }
+    iso_encode_numbers_end(numbers);
+}
+
+typedef void write_fn(const mesh_source *source, FILE *stream);
+
+static write_fn *writer_for(const char *path) {
+    switch (iso_file_type_of_name(path, ISO_WRITES_MESH)) {
+#define WRITE_MESH(writer) return write_##writer;
+#include "base/file_types.inc"
+    default:
+        break;
+    }
+    return NULL;
+}
+
+iso_status iso_mesh_write_check(const char *path, iso_error *error) {
+    char known[64];
+    if (writer_for(path)) return ISO_OK;
+    iso_file_type_extensions(ISO_WRITES_MESH, 0, "or", known, sizeof known);
+    return iso_fail(error, ISO_ERR_USAGE, "%s: a mesh is written as %s", path, known);
+}
+
+static mesh_source source_of(const iso_weld *weld, const iso_transform *transform, const char *comment) {
+    mesh_source source = {weld, iso_transform_affine(transform), 1, 2, comment};
+    if (source.affine.determinant < 0) {
+        source.second = 2;
+        source.third = 1;
+    }
+    return source;
+}
+
+iso_status iso_mesh_put_weld(FILE *stream, const char *path, const iso_weld *weld,
+                             const iso_transform *transform, const char *comment, iso_error *error) {
+    ISO_TRY(iso_mesh_write_check(path, error));
+    write_fn *write = writer_for(path);
+    if (write == write_stl && weld->triangle_count > UINT32_MAX)
+        return iso_fail(error, ISO_ERR_LIMIT, "%s: %zu triangles are more than an .stl can hold", path,
+                        weld->triangle_count);
+    const mesh_source source = source_of(weld, transform, comment);
+    write(&source, stream);
+    return ISO_OK;
+}
+
+iso_status iso_mesh_write_weld(const char *path, const iso_weld *weld, const iso_transform *transform,
+                               const char *comment, iso_error *error) {
+    iso_sink sink;
+    ISO_TRY(iso_sink_open(path, &sink, error));
+    const iso_status status = iso_mesh_put_weld(sink.stream, path, weld, transform, comment, error);
+    if (status == ISO_OK) return iso_sink_commit(&sink, error);
+    iso_sink_abort(&sink);
+    return status;
+}
+
+iso_status iso_mesh_write(const char *path, const iso_mesh_view *view, const char *comment,
+                          iso_error *error) {
+    ISO_TRY(iso_mesh_write_check(path, error));
+    iso_weld weld;
+    ISO_TRY(iso_mesh_weld(view, &weld, error));
+    iso_status status = iso_mesh_write_weld(path, &weld, &view->transform, comment, error);
+    iso_weld_free(&weld);
+    return status;
+}
+
+/* ---- files in pieces */
+
+bool iso_mesh_file_takes(const char *path) {
+    return writer_for(path) == write_ply;
+}
+
+iso_status iso_mesh_file_begin(const char *path, const iso_mesh_file_opts *opts, iso_mesh_file *file,
+                               iso_error *error) {
+    *file = (iso_mesh_file){.transform = *opts->transform, .vertices = opts->vertices};
+    ISO_TRY(iso_sink_open(path, &file->sink, error));
+    write_ply_header(file->sink.stream, opts->vertices, opts->triangles, opts->comment);
+    file->start = ftello(file->sink.stream);
+    return ISO_OK;
+}
+
+void iso_mesh_file_put_vertices(iso_mesh_file *file, uint64_t number, const iso_weld *part, size_t first,
+                                size_t end) {
+    const mesh_source source = source_of(part, &file->transform, NULL);
+    fseeko(file->sink.stream, file->start + (off_t)(number * VERTEX_BYTES), SEEK_SET);
+    write_ply_vertices(&source, first, end, file->sink.stream);
+}
+
+void iso_mesh_file_put_triangles(iso_mesh_file *file, uint64_t number, const iso_weld *part, size_t first,
+                                 size_t end) {
+    const mesh_source source = source_of(part, &file->transform, NULL);
+    const uint64_t at = file->vertices * VERTEX_BYTES + number * TRIANGLE_BYTES;
+    fseeko(file->sink.stream, file->start + (off_t)at, SEEK_SET);
+    write_ply_triangles(&source, first, end, file->sink.stream);
+}

@@ -1,0 +1,41 @@
+/* Meshes in Wavefront OBJ. */
+#define _POSIX_C_SOURCE 200809L
+#include "io/mesh/mesh_format.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Reads the corners of a face: "7", "7/1", "7//3" or "-1". Vertices are numbered from 1, or backwards from
+ * the last one, -1. */
+static iso_status read_obj_face(iso_mesh_reading *r, char *text, iso_error *error) {
+    iso_mesh_polygon face = {0};
+    for (char *word = iso_row_word(&text); word; word = iso_row_word(&text)) {
+        char *end;
+        const long long n = strtoll(word, &end, 10);
+        const long long corner = n < 0 ? (long long)r->vertex_count + n : n - 1;
+        if (end == word || (*end && *end != '/') || corner < 0 || corner >= UINT32_MAX)
+            return iso_fail(error, ISO_ERR_FORMAT, "%s: line %zu: '%s' is no corner of a face", r->path,
+                            r->rows.number, word);
+        ISO_TRY(iso_mesh_add_corner(r, &face, (uint32_t)corner, error));
+    }
+    return iso_mesh_end_polygon(r, &face, error);
+}
+
+static iso_status read_obj_vertex(iso_mesh_reading *r, char *text, iso_error *error) {
+    double p[3];
+    for (int axis = 0; axis < 3; axis++)
+        if (!iso_row_number(&text, "", &p[axis]))
+            return iso_fail(error, ISO_ERR_FORMAT, "%s: line %zu: not a vertex", r->path, r->rows.number);
+    return iso_mesh_add_vertex(r, p, error);
+}
+
+iso_status iso_mesh_read_obj(iso_mesh_reading *r, iso_error *error) {
+    ISO_TRY(iso_mesh_load_rows(r, error));
+    for (char *row; (row = iso_rows_next_continued(&r->rows));) {
+        row += strspn(row, " \t");
+        if (row[0] && row[1] != ' ' && row[1] != '\t') continue;
+        if (row[0] == 'f') ISO_TRY(read_obj_face(r, row + 2, error));
+        if (row[0] == 'v') ISO_TRY(read_obj_vertex(r, row + 2, error));
+    }
+    return ISO_OK;
+}

@@ -1,0 +1,675 @@
+/* The editor: turns a touch into dabs in voxels (brush_to_voxels.c), lists the cells they reach, runs the
+ * brush's kernel on each (dab.h), then redistances and commits them (transaction.h). The tools MASK,
+ * UNMASK, CLEAR_MASK and INVERT_MASK change only the mask. */
+#include "sculpt/edit/edit.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "base/numbers.h"
+#include "sculpt/edit/transaction.h"
+#include "sculpt/field/crease.h"
+#include "sculpt/limits.h"
+
+/* Redistancing steps (0.45 voxel each) of an edit that left gaps in the band: enough to fill the whole band.
+ */
+enum { DAMAGED_BAND_ITERATIONS = 12 };
+/* The largest window of the field, in floats, that is copied to warp one brick. A warp that needs more (a
+ * long drag of a small brush) reads the grid voxel by voxel instead. */
+enum { WINDOW_MAX = 1 << 22 };
+
+struct iso_editor {
+    iso_transaction transaction;
+    iso_affine affine;
+    double spacing;
+    int iterations;
+    iso_step_opts opts;
+    double cost;               /* see iso_editor_cost */
+    uint32_t step;             /* number of the current step */
+    uint32_t *notified;        /* by cell: the last step in which the observer was told of its values */
+    uint32_t *mask_notified;   /* the same for its mask */
+    iso_buffer notified_cells; /* uint32_t: the cells notified in this step */
+    size_t notified_count;
+};
+
+/* Checks that voxels are cubes, because distances are in voxels, and that the size is a multiple of a brick,
+ * because kernels write whole bricks. */
+static iso_status check_grid(const iso_hgrid *grid, iso_error *error) {
+    const double *s = grid->transform.spacing;
+    if (fabs(s[0] - s[1]) > 1e-6 * s[0] || fabs(s[0] - s[2]) > 1e-6 * s[0])
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "voxels of %g x %g x %g mm cannot be sculpted: resample to cubes", s[0], s[1], s[2]);
+    for (int axis = 0; axis < 3; axis++)
+        if (grid->dims[axis] % ISO_BRICK)
+            return iso_fail(error, ISO_ERR_USAGE,
+                            "a level set of %d voxels along %c cannot be sculpted: not whole bricks of %d",
+                            grid->dims[axis], "xyz"[axis], ISO_BRICK);
+    return ISO_OK;
+}
+
+iso_status iso_editor_create(iso_hgrid *grid, const iso_editor_opts *opts, iso_editor **out,
+                             iso_error *error) {
+    ISO_TRY(check_grid(grid, error));
+    iso_editor *editor = iso_alloc_zero(1, sizeof *editor);
+    if (!editor) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for an editor");
+    iso_status status = iso_transaction_init(&editor->transaction, grid, opts->pool, error);
+    if (status != ISO_OK) {
+        iso_free(editor);
+        return status;
+    }
+    editor->affine = iso_transform_affine(&grid->transform);
+    editor->spacing = grid->transform.spacing[0];
+    editor->iterations = opts->iterations > 0 ? opts->iterations : opts->iterations < 0 ? 0 : 4;
+    editor->notified = iso_alloc_zero(iso_hgrid_cell_count(grid), sizeof *editor->notified);
+    editor->mask_notified = iso_alloc_zero(iso_hgrid_cell_count(grid), sizeof *editor->mask_notified);
+    if (!editor->notified || !editor->mask_notified) {
+        iso_editor_destroy(editor);
+        return iso_fail(error, ISO_ERR_NOMEM, "out of memory for an editor of %zu cells",
+                        iso_hgrid_cell_count(grid));
+    }
+    *out = editor;
+    return ISO_OK;
+}
+
+void iso_editor_destroy(iso_editor *editor) {
+    if (!editor) return;
+    iso_transaction_free(&editor->transaction);
+    iso_buffer_free(&editor->notified_cells);
+    iso_free(editor->notified);
+    iso_free(editor->mask_notified);
+    iso_free(editor);
+}
+
+void iso_editor_begin_step(iso_editor *editor, const iso_step_opts *opts) {
+    editor->opts = *opts;
+    editor->notified_count = 0;
+    editor->step++;
+}
+
+/* ---- the cells that a touch may change */
+
+/* Returns a lower bound of the distance, in voxels, from a cell's voxels to a dab's centre or, for MOVE and
+ * capsules, to the segment along which it moved. */
+static double cell_distance(const iso_dabs *dabs, const iso_dab *dab, const int at[3]) {
+    bool segment = dabs->tool == ISO_TOOL_MOVE || dabs->solid == ISO_SOLID_CAPSULE;
+    double centre[3], half = 0.5 * (ISO_BRICK - 1), t = 0, along = 0, square = 0;
+    for (int axis = 0; axis < 3; axis++) {
+        double d = segment ? dab->from[axis] - dab->centre[axis] : 0;
+        centre[axis] = ISO_BRICK * (double)at[axis] + half;
+        along += (centre[axis] - dab->centre[axis]) * d;
+        square += d * d;
+    }
+    if (square > 0) t = fmin(fmax(along / square, 0), 1);
+    if (segment) { /* the distance to the ball around the cell */
+        double distance = 0;
+        for (int axis = 0; axis < 3; axis++) {
+            double d = centre[axis] - dab->centre[axis] - t * (dab->from[axis] - dab->centre[axis]);
+            distance += d * d;
+        }
+        return sqrt(distance) - half * sqrt(3);
+    }
+    double distance = 0;
+    for (int axis = 0; axis < 3; axis++) {
+        double d = fmax(fabs(centre[axis] - dab->centre[axis]) - half, 0);
+        distance += d * d;
+    }
+    return sqrt(distance);
+}
+
+/* Whether a tool can change a cell with this entry in the grid: adding to the inside changes nothing, nor
+ * does carving outside. */
+static bool can_change(iso_tool tool, int32_t state) {
+    if (state >= 0 || iso_tool_is_warp(tool)) return true;
+    if (tool == ISO_TOOL_ADD || tool == ISO_TOOL_BLEND_ADD) return state == ISO_CELL_OUTSIDE;
+    if (tool == ISO_TOOL_CARVE || tool == ISO_TOOL_BLEND_CARVE) return state == ISO_CELL_INSIDE;
+    return false;
+}
+
+/* Whether a tool can bring material to places where there was none. */
+static bool makes_material(iso_tool tool) {
+    return tool != ISO_TOOL_CARVE && tool != ISO_TOOL_BLEND_CARVE && tool != ISO_TOOL_DEFLATE &&
+           tool != ISO_TOOL_SMOOTH;
+}
+
+/* Computes the range of cells, lo .. hi, within a dab's influence, clipped to the grid. Returns whether the
+ * tool makes material and its solid (of set operations) or the radius extends beyond the grid, where that
+ * material is lost. */
+static bool cell_range(const iso_editor *editor, const iso_dabs *dabs, const iso_dab *dab, int lo[3],
+                       int hi[3]) {
+    bool clipped = false;
+    double influence = iso_dabs_influence(dabs),
+           solid = influence - (iso_tool_is_set_operation(dabs->tool) ? (double)dabs->band : 0);
+    bool segment = dabs->tool == ISO_TOOL_MOVE || dabs->solid == ISO_SOLID_CAPSULE;
+    for (int axis = 0; axis < 3; axis++) {
+        double a = dab->centre[axis], b = segment ? dab->from[axis] : a;
+        double first = fmin(a, b), last = fmax(a, b), top = editor->transaction.grid->dims[axis] - 1;
+        clipped |= first - solid < 0 || last + solid > top;
+        lo[axis] = (int)floor(fmax(fmin(first - influence, top), 0) / ISO_BRICK);
+        hi[axis] = (int)floor(fmax(fmin(last + influence, top), 0) / ISO_BRICK);
+    }
+    return clipped && makes_material(dabs->tool);
+}
+
+static double cells_in_range(const int lo[3], const int hi[3]) {
+    return (hi[0] - lo[0] + 1.0) * (hi[1] - lo[1] + 1.0) * (hi[2] - lo[2] + 1.0);
+}
+
+/* Returns the cost of editing one cell; a brush with one dab of a simple solid costs 1.25. The cost grows
+ * with the number of dabs. A stamp costs more because it is sampled at every voxel, MOVE because it follows
+ * each voxel back along the stroke in up to 256 steps. */
+static double cell_cost(const iso_dabs *dabs) {
+    const double count = dabs->count;
+    if (dabs->tool == ISO_TOOL_MOVE) return 1 + count * iso_dabs_steps(dabs) / 4;
+    if (dabs->solid == ISO_SOLID_STAMP && iso_tool_is_set_operation(dabs->tool)) return 16 * count;
+    return 1 + count / 4;
+}
+
+static iso_status list_dab_cells(iso_editor *editor, const iso_dabs *dabs, const iso_dab *dab, bool *clipped,
+                                 iso_error *error) {
+    int lo[3], hi[3], at[3];
+    *clipped |= cell_range(editor, dabs, dab, lo, hi);
+    editor->cost += cells_in_range(lo, hi) / 256;
+    const double influence = iso_dabs_influence(dabs);
+    for (at[2] = lo[2]; at[2] <= hi[2]; at[2]++)
+        for (at[1] = lo[1]; at[1] <= hi[1]; at[1]++)
+            for (at[0] = lo[0]; at[0] <= hi[0]; at[0]++) {
+                if (cell_distance(dabs, dab, at) >= influence) continue;
+                size_t cell = iso_hgrid_cell_index(editor->transaction.grid, at[0], at[1], at[2]);
+                if (!can_change(dabs->tool, editor->transaction.grid->cell[cell])) continue;
+                ISO_TRY(iso_transaction_add(&editor->transaction, at, true, error));
+                if (editor->transaction.cell_count > ISO_LIMIT_TOUCH_CELLS)
+                    return iso_fail(error, ISO_ERR_LIMIT,
+                                    "a brush of %g voxels reaches more than %d bricks in one touch",
+                                    (double)dabs->radius_voxels, ISO_LIMIT_TOUCH_CELLS);
+            }
+    return ISO_OK;
+}
+
+/* Lists the cells that the step has changed so far. MOVE edits the field as it was when the step began, so
+ * cells that its earlier touches changed must be edited again. */
+static iso_status list_notified(iso_editor *editor, iso_error *error) {
+    const uint32_t *notified = editor->notified_cells.data;
+    for (size_t i = 0; i < editor->notified_count; i++) {
+        int at[3];
+        iso_hgrid_cell_position(editor->transaction.grid, notified[i], at);
+        ISO_TRY(iso_transaction_add(&editor->transaction, at, true, error));
+    }
+    return ISO_OK;
+}
+
+static iso_status list_cells(iso_editor *editor, const iso_dabs *dabs, bool *clipped, iso_error *error) {
+    for (int i = 0; i < dabs->count; i++)
+        ISO_TRY(list_dab_cells(editor, dabs, &dabs->dab[i], clipped, error));
+    if (dabs->tool == ISO_TOOL_MOVE) ISO_TRY(list_notified(editor, error));
+    return iso_transaction_reserve(&editor->transaction, error);
+}
+
+/* ---- new values */
+
+typedef struct brush_pass {
+    iso_editor *editor;
+    const iso_dabs *dabs;
+} brush_pass;
+
+/* Returns the values of a cell that a warp reads: for MOVE those when the step began, for PINCH the current
+ * ones. */
+static const float *source_of(const iso_editor *editor, iso_tool tool, uint32_t cell) {
+    int32_t state = editor->transaction.grid->cell[cell];
+    if (tool == ISO_TOOL_MOVE && editor->notified[cell] == editor->step) {
+        const float *original = editor->opts.original(editor->opts.observer.context, cell, &state);
+        if (original) return original;
+    }
+    return iso_transaction_grid_values(&editor->transaction, state);
+}
+
+/* Fills one row of a window: `count` voxels along x, beginning with voxel `first`. Beyond the grid its
+ * outermost voxels are repeated. */
+static void fill_window_row(const iso_editor *editor, iso_tool tool, const int first[3], int count,
+                            float *out) {
+    const iso_hgrid *grid = editor->transaction.grid;
+    const int y = iso_clamp_index(first[1], grid->dims[1]), z = iso_clamp_index(first[2], grid->dims[2]);
+    for (int i = 0, copied; i < count; i += copied) {
+        const int x = iso_clamp_index(first[0] + i, grid->dims[0]), at = x % ISO_BRICK;
+        const size_t cell = iso_hgrid_cell_index(grid, x / ISO_BRICK, y / ISO_BRICK, z / ISO_BRICK);
+        const float *row = source_of(editor, tool, (uint32_t)cell) + (z % ISO_BRICK) * ISO_BRICK_ROWS +
+                           (y % ISO_BRICK) * ISO_BRICK;
+        copied = x != first[0] + i ? 1 : ISO_BRICK - at < count - i ? ISO_BRICK - at : count - i;
+        memcpy(out + i, row + at, (size_t)copied * sizeof *out);
+    }
+}
+
+/* Sets the window's box to all voxels that interpolation at the warp's positions reads. */
+static void find_window_box(const iso_warp *warp, iso_field_window *window) {
+    for (int axis = 0; axis < 3; axis++) {
+        float low = warp->position[axis][0], high = low;
+        for (int i = 1; i < ISO_BRICK_VOXELS; i++) {
+            const float p = warp->position[axis][i];
+            low = p < low ? p : low;
+            high = p > high ? p : high;
+        }
+        window->lo[axis] = (int)floorf(low);
+        window->size[axis] = (int)floorf(high) - window->lo[axis] + 2;
+    }
+}
+
+static bool window_is_too_large(const iso_field_window *window) {
+    return (double)window->size[0] * window->size[1] * window->size[2] > WINDOW_MAX;
+}
+
+/* Interpolates linearly, with the same arithmetic as the kernels, so that results are the same to the bit. */
+static float mix(float a, float b, float t) {
+    return a * (1 - t) + b * t;
+}
+
+/* Returns a voxel of the field that a warp reads. Beyond the grid its outermost voxels are repeated. */
+static float value_at(const iso_editor *editor, iso_tool tool, const int at[3]) {
+    const iso_hgrid *grid = editor->transaction.grid;
+    int p[3];
+    for (int axis = 0; axis < 3; axis++) p[axis] = iso_clamp_index(at[axis], grid->dims[axis]);
+    const size_t cell = iso_hgrid_cell_index(grid, p[0] / ISO_BRICK, p[1] / ISO_BRICK, p[2] / ISO_BRICK);
+    return source_of(editor, tool, (uint32_t)cell)[(p[2] % ISO_BRICK) * ISO_BRICK_ROWS +
+                                                   (p[1] % ISO_BRICK) * ISO_BRICK + p[0] % ISO_BRICK];
+}
+
+/* Computes what the kernel's `sample` computes, to the bit, but reads the grid voxel by voxel instead of a
+ * window. */
+static void sample_without_window(const iso_editor *editor, iso_tool tool, const int brick[3],
+                                  const iso_warp *warp, const iso_field_window *window, float *out) {
+    for (int i = 0; i < ISO_BRICK_VOXELS; i++) {
+        float part[3], row[4];
+        int first[3];
+        for (int axis = 0; axis < 3; axis++) {
+            const float p = warp->position[axis][i] - (float)window->lo[axis], whole = floorf(p);
+            part[axis] = p - whole;
+            first[axis] = ISO_BRICK * brick[axis] + window->lo[axis] + (int)whole;
+        }
+        for (int k = 0; k < 4; k++) {
+            const int a[3] = {first[0], first[1] + (k & 1), first[2] + (k >> 1)},
+                      b[3] = {a[0] + 1, a[1], a[2]};
+            row[k] = mix(value_at(editor, tool, a), value_at(editor, tool, b), part[0]);
+        }
+        out[i] = mix(mix(row[0], row[1], part[1]), mix(row[2], row[3], part[1]), part[2]);
+    }
+}
+
+static bool fill_window(const iso_editor *editor, iso_tool tool, const int brick[3], iso_field_window *window,
+                        iso_buffer *buffer) {
+    size_t row = (size_t)window->size[0], rows = (size_t)window->size[1] * (size_t)window->size[2];
+    if (iso_buffer_reserve(buffer, row * rows * sizeof(float), 0, NULL) != ISO_OK) return false;
+    float *out = buffer->data;
+    window->values = out;
+    for (size_t i = 0; i < rows; i++) {
+        const int first[3] = {ISO_BRICK * brick[0] + window->lo[0],
+                              ISO_BRICK * brick[1] + window->lo[1] + (int)(i % (size_t)window->size[1]),
+                              ISO_BRICK * brick[2] + window->lo[2] + (int)(i / (size_t)window->size[1])};
+        fill_window_row(editor, tool, first, window->size[0], out + i * row);
+    }
+    return true;
+}
+
+static void warp_cell(const brush_pass *pass, iso_edit_cell *edit_cell, iso_worker_scratch *scratch,
+                      float *out) {
+    const iso_editor *editor = pass->editor;
+    const iso_tool tool = pass->dabs->tool;
+    edit_cell->source = source_of(editor, tool, edit_cell->cell);
+    if (!editor->transaction.dab->warp(pass->dabs, edit_cell->at, &scratch->warp)) {
+        memcpy(out, edit_cell->source, ISO_BRICK_VOXELS * sizeof(float));
+        return;
+    }
+    iso_field_window window;
+    find_window_box(&scratch->warp, &window);
+    if (window_is_too_large(&window))
+        sample_without_window(editor, tool, edit_cell->at, &scratch->warp, &window, out);
+    else if (fill_window(editor, tool, edit_cell->at, &window, &scratch->window))
+        editor->transaction.dab->sample(&scratch->warp, &window, out);
+    else
+        scratch->failed = true;
+}
+
+static void brush_cell(void *context, size_t index, int worker) {
+    const brush_pass *pass = context;
+    iso_transaction *transaction = &pass->editor->transaction;
+    iso_edit_cell *edit_cell = iso_transaction_cell(transaction, index);
+    float *out = iso_transaction_scratch_brick(transaction, worker);
+    if (iso_tool_is_warp(pass->dabs->tool))
+        warp_cell(pass, edit_cell, &transaction->workers[worker], out);
+    else {
+        /* The brush reads the grid's values, which are those before the touch, because other threads are
+         * writing the new values of neighbouring cells. */
+        iso_stencil stencil;
+        iso_transaction_stencil(transaction, ISO_TRANSACTION_GRID, index, transaction->workers[worker].border,
+                                &stencil);
+        transaction->dab->edit(pass->dabs, edit_cell->at, &stencil, out);
+    }
+    iso_transaction_accept_scratch(transaction, index, worker);
+}
+
+/* ---- a touch */
+
+/* Notifies the observer of the cells that are about to be written for the first time in this step. */
+static iso_status notify_observer(iso_editor *editor, iso_error *error) {
+    const iso_write_observer *observer = &editor->opts.observer;
+    if (!observer->before) return ISO_OK;
+    for (size_t i = 0; i < editor->transaction.cell_count; i++) {
+        const iso_edit_cell *edit_cell = iso_transaction_cell(&editor->transaction, i);
+        if (!edit_cell->edited || editor->notified[edit_cell->cell] == editor->step) continue;
+        size_t bytes = editor->notified_count * sizeof(uint32_t);
+        ISO_TRY(iso_buffer_reserve(&editor->notified_cells, bytes + sizeof(uint32_t), bytes, error));
+        const float *brick =
+            edit_cell->state >= 0 ? iso_hgrid_brick(editor->transaction.grid, edit_cell->state) : NULL;
+        ISO_TRY(observer->before(observer->context, edit_cell->cell, edit_cell->state, brick, error));
+        ((uint32_t *)editor->notified_cells.data)[editor->notified_count++] = edit_cell->cell;
+        editor->notified[edit_cell->cell] = editor->step;
+    }
+    return ISO_OK;
+}
+
+static iso_status commit_changes(iso_editor *editor, iso_edit_stats *stats, iso_error *error) {
+    iso_transaction *transaction = &editor->transaction;
+    bool any;
+    iso_transaction_compare(transaction, &any);
+    if (!any) return ISO_OK;
+    ISO_TRY(notify_observer(editor, error));
+    return iso_transaction_commit(transaction, stats, error);
+}
+
+/* Returns the far_value (iso_changed_stencil) of a touch: the end of the band that is right on both sides of
+ * a seam. Returns 0 if the new values are not exact distances to one solid; redistancing then starts at every
+ * changed voxel. */
+static float far_value_of(const iso_dabs *dabs) {
+    if (dabs->count > 1 || dabs->solid == ISO_SOLID_STAMP) return 0;
+    return dabs->tool == ISO_TOOL_ADD ? dabs->band : dabs->tool == ISO_TOOL_CARVE ? -dabs->band : 0;
+}
+
+static iso_status touch_field(iso_editor *editor, const iso_dabs *dabs, iso_edit_stats *stats,
+                              iso_error *error) {
+    iso_transaction *transaction = &editor->transaction;
+    brush_pass pass = {.editor = editor, .dabs = dabs};
+    ISO_TRY(list_cells(editor, dabs, &stats->clipped, error));
+    editor->cost += (double)transaction->cell_count * cell_cost(dabs);
+    transaction->far_value = far_value_of(dabs);
+    transaction->band_damaged =
+        dabs->tool == ISO_TOOL_MOVE; /* MOVE stretches and compresses the field without limit */
+    iso_parallel_for(transaction->pool, transaction->cell_count, brush_cell, &pass);
+    if (iso_transaction_failed(transaction))
+        return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a touch of the brush");
+    bool any;
+    ISO_TRY(iso_transaction_end_brush(transaction, editor->iterations > 0, &any, error));
+    if (!any) return ISO_OK;
+    for (size_t i = 0; i < transaction->cell_count; i++)
+        stats->edited += iso_transaction_cell(transaction, i)->edited;
+    stats->redistanced += transaction->cell_count;
+    editor->cost += (double)transaction->cell_count * (transaction->band_damaged ? 3 : 1);
+    bool blends = dabs->tool == ISO_TOOL_BLEND_ADD || dabs->tool == ISO_TOOL_BLEND_CARVE;
+    if (editor->iterations > 0)
+        ISO_TRY(iso_transaction_redistance(
+            transaction, transaction->band_damaged ? DAMAGED_BAND_ITERATIONS : editor->iterations,
+            blends || !iso_tool_is_set_operation(dabs->tool), error));
+    return commit_changes(editor, stats, error);
+}
+
+/* ---- masking */
+
+/* Sets (MASK) or clears (UNMASK) the bits of a cell's voxels within the dab's radius; returns whether any
+ * changed. */
+static bool mask_cell(iso_voxel_bits *bits, const iso_dabs *dabs, const iso_dab *dab, const int at[3]) {
+    const double radius_voxels = (double)dabs->radius_voxels;
+    bool any = false;
+    for (int i = 0; i < ISO_BRICK_VOXELS; i++) {
+        const int voxel[3] = {i % ISO_BRICK, i / ISO_BRICK % ISO_BRICK, i / ISO_BRICK_ROWS};
+        double square = 0;
+        for (int axis = 0; axis < 3; axis++) {
+            double d = ISO_BRICK * (double)at[axis] + voxel[axis] - dab->centre[axis];
+            square += d * d;
+        }
+        if (square > radius_voxels * radius_voxels) continue;
+        const uint16_t bit = (uint16_t)(1u << voxel[0]), old = bits->row[i / ISO_BRICK];
+        bits->row[i / ISO_BRICK] = (uint16_t)(dabs->tool == ISO_TOOL_MASK ? old | bit : old & ~bit);
+        any |= bits->row[i / ISO_BRICK] != old;
+    }
+    return any;
+}
+
+/* Computes the mask bits that a cell has after a dab. Returns whether they differ from the present ones. */
+static bool find_mask_bits(const iso_editor *editor, const iso_dabs *dabs, const iso_dab *dab,
+                           const int at[3], uint32_t *cell, iso_voxel_bits *bits) {
+    *cell = (uint32_t)iso_hgrid_cell_index(editor->transaction.grid, at[0], at[1], at[2]);
+    const iso_voxel_bits *before = iso_mask_bits(&editor->transaction.mask, *cell);
+    *bits = before ? *before : (iso_voxel_bits){{0}};
+    return mask_cell(bits, dabs, dab, at);
+}
+
+/* Tells the observer, once in a step, that the mask of a cell is going to change. */
+static iso_status notify_mask_observer(iso_editor *editor, uint32_t cell, iso_error *error) {
+    const iso_write_observer *observer = &editor->opts.observer;
+    const iso_voxel_bits *bits = iso_mask_bits(&editor->transaction.mask, cell);
+    if (observer->mask_before && editor->mask_notified[cell] != editor->step)
+        ISO_TRY(observer->mask_before(observer->context, cell, bits, error));
+    editor->mask_notified[cell] = editor->step;
+    return ISO_OK;
+}
+
+/* Does the part of masking a cell that can fail: notifies the observer and allocates bits. */
+static iso_status prepare_mask_cell(iso_editor *editor, const iso_dabs *dabs, const iso_dab *dab,
+                                    const int at[3], iso_error *error) {
+    uint32_t cell;
+    iso_voxel_bits bits;
+    if (!find_mask_bits(editor, dabs, dab, at, &cell, &bits)) return ISO_OK;
+    ISO_TRY(notify_mask_observer(editor, cell, error));
+    return iso_mask_reserve(&editor->transaction.mask, cell, error);
+}
+
+/* Writes the mask bits of a cell; cannot fail, because prepare_mask_cell has allocated them. */
+static iso_status write_mask_cell(iso_editor *editor, const iso_dabs *dabs, const iso_dab *dab,
+                                  const int at[3], iso_error *error) {
+    uint32_t cell;
+    iso_voxel_bits bits;
+    if (!find_mask_bits(editor, dabs, dab, at, &cell, &bits)) return ISO_OK;
+    return iso_mask_set(&editor->transaction.mask, cell, &bits, error);
+}
+
+/* Frees the bits that prepare_mask_cell allocated, if they were not written. */
+static iso_status release_mask_cell(iso_editor *editor, const iso_dabs *dabs, const iso_dab *dab,
+                                    const int at[3], iso_error *error) {
+    iso_mask *mask = &editor->transaction.mask;
+    const size_t cell = iso_hgrid_cell_index(editor->transaction.grid, at[0], at[1], at[2]);
+    (void)dabs;
+    (void)dab;
+    return iso_mask_set(mask, cell, iso_mask_bits(mask, cell), error);
+}
+
+typedef iso_status mask_cell_fn(iso_editor *editor, const iso_dabs *dabs, const iso_dab *dab, const int at[3],
+                                iso_error *error);
+
+/* Calls `visit` for each dab and each cell that it reaches: none for dabs outside the grid. */
+static iso_status for_mask_cells(iso_editor *editor, const iso_dabs *dabs, mask_cell_fn *visit,
+                                 iso_error *error) {
+    const double influence = iso_dabs_influence(dabs);
+    for (int i = 0; i < dabs->count; i++) {
+        int lo[3], hi[3], at[3];
+        cell_range(editor, dabs, &dabs->dab[i], lo, hi);
+        for (at[2] = lo[2]; at[2] <= hi[2]; at[2]++)
+            for (at[1] = lo[1]; at[1] <= hi[1]; at[1]++)
+                for (at[0] = lo[0]; at[0] <= hi[0]; at[0]++)
+                    if (cell_distance(dabs, &dabs->dab[i], at) < influence)
+                        ISO_TRY(visit(editor, dabs, &dabs->dab[i], at, error));
+    }
+    return ISO_OK;
+}
+
+static iso_status touch_mask(iso_editor *editor, const iso_dabs *dabs, iso_error *error) {
+    for (int i = 0; i < dabs->count; i++) {
+        int lo[3], hi[3];
+        cell_range(editor, dabs, &dabs->dab[i], lo, hi);
+        editor->cost += cells_in_range(lo, hi);
+    }
+    iso_status status = for_mask_cells(editor, dabs, prepare_mask_cell, error);
+    if (status == ISO_OK) return for_mask_cells(editor, dabs, write_mask_cell, error);
+    for_mask_cells(editor, dabs, release_mask_cell, NULL);
+    return status;
+}
+
+/* ---- the whole mask */
+
+/* Computes the mask bits that CLEAR_MASK or INVERT_MASK gives a cell. Returns whether they differ from the
+ * present ones. */
+static bool find_whole_mask_bits(const iso_mask *mask, iso_tool tool, size_t cell, iso_voxel_bits *bits) {
+    const iso_voxel_bits *before = iso_mask_bits(mask, cell);
+    *bits = (iso_voxel_bits){{0}};
+    if (tool == ISO_TOOL_CLEAR_MASK) return before != NULL;
+    for (int row = 0; row < ISO_BRICK_ROWS; row++)
+        bits->row[row] = (uint16_t) ~(before ? before->row[row] : 0);
+    return true;
+}
+
+/* Does the part of changing the whole mask that can fail. */
+static iso_status prepare_whole_mask(iso_editor *editor, iso_tool tool, iso_error *error) {
+    iso_mask *mask = &editor->transaction.mask;
+    iso_voxel_bits bits;
+    for (size_t cell = 0; cell < mask->cells; cell++) {
+        if (!find_whole_mask_bits(mask, tool, cell, &bits)) continue;
+        ISO_TRY(notify_mask_observer(editor, (uint32_t)cell, error));
+        ISO_TRY(iso_mask_reserve(mask, cell, error));
+    }
+    return ISO_OK;
+}
+
+/* Clears or inverts the whole mask. If it fails, the bits that were allocated for it are freed again. */
+static iso_status change_whole_mask(iso_editor *editor, iso_tool tool, iso_error *error) {
+    iso_mask *mask = &editor->transaction.mask;
+    iso_voxel_bits bits;
+    editor->cost += (double)mask->cells / 64; /* inverting 64 cells takes as long as editing one */
+    const iso_status status = prepare_whole_mask(editor, tool, error);
+    for (size_t cell = 0; cell < mask->cells; cell++)
+        if (status != ISO_OK)
+            iso_mask_set(mask, cell, iso_mask_bits(mask, cell), NULL);
+        else if (find_whole_mask_bits(mask, tool, cell, &bits))
+            iso_mask_set(mask, cell, &bits, NULL); /* cannot fail: its bits are allocated */
+    return status;
+}
+
+static iso_status check_touch(const iso_editor *editor, const iso_brush *brush, const iso_touch *touch,
+                              iso_error *error) {
+    ISO_TRY(iso_brush_check(brush, error));
+    const iso_sample *samples[] = {&touch->sample, &touch->previous, &touch->first};
+    for (int i = 0; i < 3; i++) {
+        const iso_sample *s = samples[i];
+        double sum = s->position.x + s->position.y + s->position.z + s->normal.x + s->normal.y + s->normal.z;
+        if (!isfinite(sum) || !(s->pressure >= 0 && s->pressure <= 1))
+            return iso_fail(error, ISO_ERR_USAGE, "a sample at (%g, %g, %g) with pressure %g", s->position.x,
+                            s->position.y, s->position.z, s->pressure);
+    }
+    if (brush->tool == ISO_TOOL_MOVE && !editor->opts.original)
+        return iso_fail(error, ISO_ERR_USAGE, "move needs a step that keeps what it changes");
+    if (brush->shape == ISO_SOLID_STAMP && iso_tool_is_set_operation(brush->tool) && !editor->opts.stamp)
+        return iso_fail(error, ISO_ERR_USAGE, "a stamp needs a shape of its own");
+    return ISO_OK;
+}
+
+iso_status iso_editor_touch(iso_editor *editor, const iso_brush *brush, const iso_touch *touch,
+                            iso_edit_stats *stats, iso_error *error) {
+    ISO_TRY(check_touch(editor, brush, touch, error));
+    iso_dabs dabs;
+    const iso_dab_space space = {.affine = &editor->affine,
+                                 .spacing = editor->spacing,
+                                 .band = editor->transaction.grid->band,
+                                 .stamp = editor->opts.stamp};
+    iso_dabs_make(&space, brush, touch, &dabs);
+    iso_edit_stats made = {0};
+    iso_status status = ISO_OK;
+    if (brush->tool == ISO_TOOL_MASK || brush->tool == ISO_TOOL_UNMASK)
+        status = touch_mask(editor, &dabs, error);
+    else if (iso_tool_is_whole_mask(brush->tool))
+        status = change_whole_mask(editor, brush->tool, error);
+    else if (dabs.radius_voxels > 0) /* it is 0 at pressure 0 */
+        status = touch_field(editor, &dabs, &made, error);
+    iso_transaction_clear(&editor->transaction);
+    if (status == ISO_OK && stats) *stats = made;
+    return status;
+}
+
+double iso_editor_cost(const iso_editor *editor) {
+    return editor->cost;
+}
+
+static void correct_creases(void *context, size_t index, int worker) {
+    iso_editor *editor = context;
+    iso_transaction *transaction = &editor->transaction;
+    iso_edit_cell *edit_cell = iso_transaction_cell(transaction, index);
+    iso_worker_scratch *scratch = &transaction->workers[worker];
+    enum { M = ISO_CREASE_MARGIN, SIDE = ISO_CREASE_SIDE };
+    iso_field_window window = {.lo = {-M, -M, -M}, .size = {SIDE, SIDE, SIDE}};
+    scratch->failed |= !fill_window(editor, ISO_TOOL_ADD, edit_cell->at, &window, &scratch->window);
+    if (scratch->failed) return;
+    scratch->failed = iso_crease_correct(window.values, transaction->grid->band, &scratch->edge_points,
+                                         iso_transaction_scratch_brick(transaction, worker)) != ISO_OK;
+    if (!scratch->failed) iso_transaction_accept_scratch(transaction, index, worker);
+}
+
+static iso_status finalize_cells(iso_editor *editor, iso_error *error) {
+    iso_transaction *transaction = &editor->transaction;
+    bool any;
+    ISO_TRY(list_notified(editor, error));
+    ISO_TRY(iso_transaction_reserve(transaction, error));
+    iso_parallel_for(transaction->pool, transaction->cell_count, correct_creases, editor);
+    if (iso_transaction_failed(transaction))
+        return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a stroke's end");
+    editor->cost += 4 * (double)transaction->cell_count;
+    ISO_TRY(iso_transaction_end_brush(transaction, false, &any, error));
+    iso_edit_stats stats = {0};
+    return any ? commit_changes(editor, &stats, error) : ISO_OK;
+}
+
+iso_status iso_editor_finalize(iso_editor *editor, iso_error *error) {
+    iso_status status = finalize_cells(editor, error);
+    iso_transaction_clear(&editor->transaction);
+    return status;
+}
+
+/* Marks every voxel that is not frozen as changed. */
+static void change_all(const iso_transaction *transaction, iso_edit_cell *edit_cell) {
+    const iso_voxel_bits *masked = iso_mask_bits(&transaction->mask, edit_cell->cell);
+    for (int row = 0; row < ISO_BRICK_ROWS; row++)
+        edit_cell->changed.row[row] = masked ? (uint16_t)~masked->row[row] : 0xffff;
+    iso_transaction_find_box(edit_cell, &edit_cell->changed);
+}
+
+iso_status iso_editor_redistance(iso_editor *editor, int iterations, const iso_progress *progress,
+                                 iso_error *error) {
+    iso_transaction *transaction = &editor->transaction;
+    iso_status status = ISO_OK;
+    for (size_t cell = 0; cell < iso_hgrid_cell_count(transaction->grid) && status == ISO_OK; cell++) {
+        int at[3];
+        if (transaction->grid->cell[cell] < 0) continue;
+        iso_hgrid_cell_position(transaction->grid, (size_t)cell, at);
+        status = iso_transaction_add(transaction, at, true, error);
+    }
+    for (size_t i = 0; i < transaction->cell_count; i++)
+        change_all(transaction, iso_transaction_cell(transaction, i));
+    transaction->progress = progress;
+    if (status == ISO_OK) status = iso_transaction_redistance(transaction, iterations, true, error);
+    iso_edit_stats stats = {0};
+    if (status == ISO_OK) status = commit_changes(editor, &stats, error);
+    iso_transaction_clear(transaction);
+    return status;
+}
+
+/* ---- the mask */
+
+bool iso_editor_masked(const iso_editor *editor, int x, int y, int z) {
+    size_t cell = iso_hgrid_cell_index(editor->transaction.grid, x / ISO_BRICK, y / ISO_BRICK, z / ISO_BRICK);
+    const iso_voxel_bits *bits = iso_mask_bits(&editor->transaction.mask, cell);
+    return bits && bits->row[z % ISO_BRICK * ISO_BRICK + y % ISO_BRICK] >> (x % ISO_BRICK) & 1;
+}
+
+bool iso_editor_has_mask(const iso_editor *editor) {
+    return editor->transaction.mask.used > 0;
+}
+
+void iso_editor_mask_clear(iso_editor *editor) {
+    iso_mask_clear(&editor->transaction.mask);
+}
+
+iso_mask *iso_editor_mask(iso_editor *editor) {
+    return &editor->transaction.mask;
+}
