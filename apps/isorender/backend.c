@@ -19,7 +19,8 @@ static bool has_no_surface(const isorender_settings *settings) {
 /* Whether OpenGL has the method. Of pictures without one it draws those that ask for it. */
 static bool has_gl(const isorender_settings *settings) {
     if (has_no_surface(settings)) return is_any(settings->backend, "egl", "osmesa");
-    if (settings->one_pyramid || settings->instances || settings->group_bins || settings->lod > 0)
+    if (settings->one_pyramid || settings->instances || settings->group_bins || settings->lod > 0 ||
+        settings->cut_count)
         return false;
     return settings->method != ISORENDER_METHOD_UNCHOSEN && isorender_method_can(settings, ISO_CAN_GL);
 }
@@ -75,6 +76,8 @@ iso_status isorender_backend_check(isorender_settings *settings, iso_error *erro
     if (gl && settings->instances)
         return iso_fail(error, ISO_ERR_USAGE, "--backend %s draws no instances: --instances needs the cpu",
                         name);
+    if (gl && settings->cut_count)
+        return iso_fail(error, ISO_ERR_USAGE, "--backend %s cuts nothing: --clip needs the cpu", name);
     if ((gl || needed) && settings->method == ISORENDER_METHOD_UNCHOSEN && !has_no_surface(settings))
         settings->method = settings->strips ? ISO_METHOD_MESH : ISO_METHOD_POINTS;
     if (gl && !has_gl(settings))

@@ -20,15 +20,18 @@ static double degrees_between_frames(const isorender_settings *settings) {
 
 /* ---- framing */
 
-/* The box of surfaces and objects in the space of three world vectors: iso_fit.bounds. */
-static iso_box bounds_along(void *context, const iso_vec3 vectors[3]) {
-    const isorender_job *job = context;
+iso_box isorender_bounds_of_all(isorender_job *job, const iso_vec3 vectors[3]) {
     iso_box box = isorender_bounds(job, vectors);
     for (int i = 0; i < job->object_count; i++) {
         const iso_box object = isorender_object_bounds_along(&job->objects[i], vectors);
         iso_bounds_add(&box, &object);
     }
     return box;
+}
+
+/* iso_fit.bounds */
+static iso_box bounds_along(void *context, const iso_vec3 vectors[3]) {
+    return isorender_bounds_of_all(context, vectors);
 }
 
 /* The box that a picture of points frames: around their middles, but around all of the discs of a few points,

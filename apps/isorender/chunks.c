@@ -372,7 +372,8 @@ void isorender_chunks_free(isorender_job *job) {
 
 static iso_status draw_cells(isorender_job *job, const iso_view *view, iso_key_image *keys,
                              iso_error *error) {
-    const iso_exact_key_picture picture = {view, job->surfaces[0].color, keys, job->pool};
+    const iso_exact_key_picture picture = {view, job->surfaces[0].color, keys, job->pool,
+                                           job->surfaces[0].scene.clip};
     ISO_TRY(iso_key_image_allocate(view->width, view->height, keys, error));
     return iso_exact_chunks_draw(job->chunks->walk, share_of(job->settings, true), &picture, error);
 }

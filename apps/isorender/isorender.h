@@ -89,6 +89,9 @@ struct isorender_job {
     iso_box bounds_local, bounds_world;                                       /* mm */
     iso_box bounds_framed; /* of what the camera frames: without a few points far from the others */
 
+    iso_clip *clips; /* of --clip: what is cut away of each surface, then of each object; NULL: nothing */
+    iso_slice slices[ISO_SLICES]; /* of --slice */
+    iso_slice_look slice_look;
     struct isorender_chunks *chunks;                 /* chunks.h; NULL: the volume is drawn as a whole */
     bool did_not_fit, notes_logged, isovalue_logged; /* in the attempt to draw it as a whole */
     iso_point_workspace *point_workspace;            /* or NULL */
@@ -220,6 +223,9 @@ void isorender_detail_note(const isorender_job *job, const iso_selection_counts 
 void isorender_detail_report(iso_json *json, const isorender_frame *frame);
 
 /* ---- camera.c */
+
+/* The box of all surfaces and objects, as isorender_bounds gives that of the surfaces. */
+iso_box isorender_bounds_of_all(isorender_job *job, const iso_vec3 vectors[3]);
 
 /* Makes job->camera, that of the first frame. ISO_ERR_USAGE: as iso_camera_check. */
 iso_status isorender_camera_make(isorender_job *job, iso_error *error);

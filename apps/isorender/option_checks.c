@@ -11,6 +11,7 @@
 #include "apps/common/loader.h"
 #include "apps/isorender/backend.h"
 #include "apps/isorender/channels.h"
+#include "apps/isorender/cuts.h"
 #include "base/text.h"
 #include "image/image_file.h"
 #include "io/file_contents.h"
@@ -413,7 +414,9 @@ static iso_status check_opacity(const isorender_settings *settings, iso_error *e
     bool seen = settings->absorption_length > 0 || settings->volume_options.count || !settings->opacity_count;
     for (int i = 0; i < settings->volume_count; i++) seen |= settings->volumes[i].opacity > 0;
     for (int i = 0; i < settings->opacity_count; i++) seen |= settings->opacities[i] > 0;
-    return seen ? ISO_OK : iso_fail(error, ISO_ERR_EMPTY, "all opacities are 0: nothing would be seen");
+    return seen || settings->slice_count
+               ? ISO_OK
+               : iso_fail(error, ISO_ERR_EMPTY, "all opacities are 0: nothing would be seen");
 }
 
 /* An option that has no meaning for glass; NULL: none is given. */
@@ -592,5 +595,6 @@ iso_status isorender_settings_check(isorender_settings *settings, const iso_oper
     ISO_TRY(check_objects(settings, error));
     ISO_TRY(check_lighting(settings, error));
     ISO_TRY(check_one_pyramid(settings, error));
+    ISO_TRY(isorender_cuts_check(settings, error));
     return check_opacity(settings, error);
 }

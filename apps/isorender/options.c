@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "apps/isorender/channels.h"
+#include "apps/isorender/cuts.h"
 #include "apps/isorender/mpi_ranks.h"
 #include "apps/isorender/option_checks.h"
 #include "base/text.h"
@@ -348,6 +349,26 @@ static const iso_option options[] = {
      "no numbers are outside it",
      .group = SURFACE, FLAG(closed)},
 
+    {"clip", NULL, "WHERE",
+     "cut away x<MM or x>MM (so y, z), X,Y,Z:NX,NY,NZ (where the normal points to), camera:MM (this far into "
+     "the "
+     "view), box:X0,Y0,Z0,X1,Y1,Z1 or sphere:X,Y,Z,R; keep: before it cuts the rest, @N,.. behind it only "
+     "certain "
+     "surfaces; several cut one after the other",
+     .group = SURFACE, CALL(isorender_apply_clip), .flags = ISO_OPTION_REPEATABLE},
+    {"cap", NULL, "NAME",
+     "close what --clip cuts: slice (it shows the volume; slice:COLORMAP in other colours than gray), "
+     "surface (the "
+     "surface's colour), a colour, or none",
+     .group = SURFACE, .standard = "none", CALL(isorender_apply_cap)},
+    {"slice", NULL, "PLANE",
+     "show a slice of the volume, with the outlines of its surfaces: at x=MM (so y, z), X,Y,Z:NX,NY,NZ or "
+     "camera:MM; "
+     "alone with --opacity 0",
+     .group = SURFACE, CALL(isorender_apply_slice), .flags = ISO_OPTION_REPEATABLE},
+    {"window", NULL, "CENTER,WIDTH", "the values that caps and slices show, from black to white",
+     .group = SURFACE, .standard = "all values", REALS(window, 2)},
+
 #include "apps/isorender/object_options.inc"
 
     {"instances", NULL, "FILE",
@@ -671,8 +692,10 @@ iso_status isorender_settings_parse(int argc, char *const *argv, isorender_setti
                                      .zoom = 1,
                                      .line_min_pixels = 1,
                                      .margin = NAN,
+                                     .slice_map = ISO_COLORMAP_GRAY,
                                      .view_angle = 30};
     for (int i = 0; i < 3; i++) settings->position[i] = settings->focal_point[i] = settings->view_up[i] = NAN;
+    settings->window[0] = settings->window[1] = NAN;
     settings->merge = argc > 1 && strcmp(argv[1], "merge") == 0;
     const iso_status status = iso_options_parse(isorender_program(), argc - settings->merge,
                                                 argv + settings->merge, settings, operands, error);

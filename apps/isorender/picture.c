@@ -7,6 +7,7 @@
 
 #include "apps/common/template.h"
 #include "apps/isorender/chunks.h"
+#include "apps/isorender/cuts.h"
 #include "apps/isorender/isorender.h"
 #include "apps/isorender/labels.h"
 #include "apps/isorender/scene_file.h"
@@ -206,8 +207,14 @@ static iso_status render_scene(isorender_job *job, iso_picture_opts *opts, iso_i
                                isorender_frame *frame, iso_error *error) {
     const iso_scene_glass glass = make_glass(job);
     isorender_scene_arrays arrays;
+    iso_capped solids[ISORENDER_SURFACES];
+    iso_cut_caps caps;
     iso_scene scene = isorender_scene(job, &arrays);
     if (job->environment) scene.glass = &glass;
+    if (isorender_has_caps(job->settings)) {
+        caps = isorender_caps(job, solids);
+        scene.caps = &caps;
+    }
     if (!has_layers(job)) tell_part(job, 0, 1);
     ISO_TRY(iso_scene_render(&scene, opts, image, &frame->covered, error));
     frame->layers = scene.totals;
@@ -262,11 +269,13 @@ static iso_status render_frame(isorender_job *job, int frame, canvas *c, iso_err
     const iso_selection_counts before = isorender_selection(job);
     double start = iso_clock_seconds();
     ISO_TRY(isorender_instances_begin(job, error));
+    ISO_TRY(isorender_cuts_make(job, frame, error));
     ISO_TRY(render_picture(job, &opts, &c->image, &job->frames[frame], error));
     job->frames[frame].instances = iso_placed_counts(&job->instances.placed);
     number_elements(job, &c->aov);
     isorender_detail_note(job, &before, &job->frames[frame]);
     job->seconds.render += iso_clock_seconds() - start;
+    if (job->frames[frame].covered == 0) ISO_TRY(isorender_cuts_fail_empty(job, error));
     if (job->frames[frame].covered == 0)
         return iso_fail(error, ISO_ERR_EMPTY,
                         job->object_count ? "nothing is in view" : "nothing of the surface is in view");
@@ -410,7 +419,10 @@ iso_status isorender_render(isorender_job *job, iso_error *error) {
     const isorender_settings *settings = job->settings;
     ISO_TRY(isorender_camera_make(job, error));
     ISO_TRY(isorender_chunks_check(job, error));
-    if (settings->parts) return isorender_chunks_write_part(job, error);
+    if (settings->parts) {
+        ISO_TRY(isorender_cuts_make(job, 0, error));
+        return isorender_chunks_write_part(job, error);
+    }
     job->frame_count = settings->turntable ? settings->turntable : 1;
     job->frames = calloc((size_t)job->frame_count, sizeof *job->frames);
     if (!job->frames) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");

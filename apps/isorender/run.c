@@ -101,6 +101,7 @@ static void free_surfaces(isorender_job *job) {
     isorender_instances_free(job);
     for (int i = 0; i < job->object_count; i++) isorender_object_free(&job->objects[i]);
     free(job->frames);
+    free(job->clips);
 }
 
 /* Frees what an attempt has made of the volume; what is known of its values is kept. */
@@ -112,6 +113,7 @@ static void forget_surfaces(isorender_job *job) {
     job->loader.volume.info = info;
     job->point_workspace = NULL;
     job->frames = NULL;
+    job->clips = NULL;
     memset(job->surfaces, 0, sizeof job->surfaces);
     job->surface_count = job->input_surface_count = 0;
     job->point_count = job->rejected = job->vertex_count = job->triangle_count = job->cell_count = 0;

@@ -10,6 +10,8 @@
 #include "image/camera.h"
 #include "isopoint.h"
 #include "render/point_surface.h"
+#include "scene/caps.h"
+#include "scene/cuts.h"
 #include "scene/method.h"
 
 enum { ISORENDER_SURFACES = 64 };      /* isosurfaces in one picture */
@@ -51,6 +53,14 @@ typedef enum isorender_group_radii {
 
 /* Which normals the points of a file get: those that it has, or estimated ones. */
 typedef enum isorender_normals { ISORENDER_NORMALS_FILE, ISORENDER_NORMALS_AUTO } isorender_normals;
+
+/* How what --clip cuts is closed. */
+typedef enum isorender_cap {
+    ISORENDER_CAP_NONE,
+    ISORENDER_CAP_SURFACE, /* in the colour of the surface */
+    ISORENDER_CAP_COLOR,
+    ISORENDER_CAP_SLICE /* it shows the volume */
+} isorender_cap;
 
 /* What becomes of the faces of an input whose vertices can be drawn as points. */
 typedef enum isorender_faces {
@@ -116,6 +126,15 @@ typedef struct isorender_settings {
     int faces;             /* isorender_faces, of the input */
 
     isorender_object_options object_options;
+    iso_cut cuts[ISO_CLIP_BODIES]; /* of --clip */
+    const char *cut_texts[ISO_CLIP_BODIES];
+    int cut_count;
+    int cap; /* isorender_cap */
+    iso_rgb cap_color;
+    iso_colormap slice_map;     /* of caps and slices */
+    double window[2];           /* centre and width of the values that they show; NaN: not given */
+    iso_cut slices[ISO_SLICES]; /* of --slice */
+    int slice_count;
     int no_input; /* the picture shows only the files of --lines, --glyphs, --surface and --volume */
     isorender_object_settings objects[ISORENDER_OBJECTS]; /* the first object_options.count are used */
     isorender_object_settings cloud;                      /* of the input, if it is a file of points */

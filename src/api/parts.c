@@ -290,7 +290,7 @@ static iso_status draw_cells(iso_keys *keys, const iso_grid_chunk *chunk, iso_rg
     const iso_view view = iso_key_style_view(&keys->file.style);
     const uint8_t *color = keys->file.style.color;
     const iso_exact_key_picture picture = {
-        &view, {color[0], color[1], color[2]}, &keys->file.keys, keys->pool};
+        &view, {color[0], color[1], color[2]}, &keys->file.keys, keys->pool, NULL};
     iso_exact *exact = NULL;
     ISO_TRY(iso_exact_chunk_extract(grid, chunk, keys->file.surface.isovalue, keys->pool, &exact, error));
     const iso_status status = iso_draw_exact_keys(&picture, exact, error);

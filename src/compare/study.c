@@ -142,7 +142,7 @@ typedef struct drawing {
 
 static iso_status draw_method(void *context, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
     const drawing *d = context;
-    iso_target target = {view, gbuffer, d->surface->pool, 0};
+    iso_target target = {view, gbuffer, d->surface->pool, 0, NULL};
     return d->method->draw(d->surface, &target, error);
 }
 

@@ -129,7 +129,8 @@ iso_status iso_paint_exact(const iso_exact_picture *picture, const iso_exact *ex
                            iso_error *error) {
     const iso_shading *shading = picture->shading;
     iso_gbuffer size = {.width = picture->view->width, .height = picture->view->height};
-    const iso_target target = {.view = picture->view, .gbuffer = &size, .pool = picture->pool};
+    const iso_target target = {
+        .view = picture->view, .gbuffer = &size, .pool = picture->pool, .clip = picture->clip};
     iso_exact_paint to = {.pixels = (int32_t *)picture->image->rgba, .empty = iso_shading_empty(shading)};
     exact_draw draw = {.frame.projection = iso_exact_projection_make(&target, exact)};
     const iso_status status = paint(&target, &to, shading->colors[0], &draw, error);
@@ -141,7 +142,8 @@ iso_status iso_draw_exact_keys(const iso_exact_key_picture *picture, const iso_e
                                iso_error *error) {
     if (!exact->sorted || exact->set.span_count == 0) return ISO_OK;
     iso_gbuffer size = {.width = picture->view->width, .height = picture->view->height};
-    const iso_target target = {.view = picture->view, .gbuffer = &size, .pool = picture->pool};
+    const iso_target target = {
+        .view = picture->view, .gbuffer = &size, .pool = picture->pool, .clip = picture->clip};
     iso_exact_paint to = {.keys = picture->keys->keys};
     exact_draw draw = {.frame.projection = iso_exact_projection_make(&target, exact)};
     return paint(&target, &to, picture->color, &draw, error);

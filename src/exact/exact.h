@@ -73,7 +73,8 @@ typedef struct iso_exact_key_picture {
     const iso_view *view; /* of the key image's size */
     iso_rgb color;        /* of the surface */
     iso_key_image *keys;
-    iso_pool *pool; /* NULL: the calling thread */
+    iso_pool *pool;       /* NULL: the calling thread */
+    const iso_clip *clip; /* what is cut away of the surface; NULL: nothing */
 } iso_exact_key_picture;
 
 /* Draws the surface, or the chunk of it that the iso_exact has, into a key image: (the brick's place in the
@@ -88,7 +89,8 @@ typedef struct iso_exact_picture {
     const iso_view *view;       /* of the image's size */
     const iso_shading *shading; /* the surface gets the first of its colours */
     iso_image *image;
-    iso_pool *pool; /* NULL: the calling thread */
+    iso_pool *pool;       /* NULL: the calling thread */
+    const iso_clip *clip; /* what is cut away of the surface; NULL: nothing */
 } iso_exact_picture;
 
 /* Draws and shades this surface alone, with one sample a pixel and without a gbuffer. Faster than

@@ -142,6 +142,17 @@ typedef struct iso_exact_patch {
     float gradient[8][4]; /* the gradient's coefficients of 1, u, v, w, uv, vw, uw, uvw; view space */
 } iso_exact_patch;
 
+/* A body of iso_exact_projection.clip that cuts the octant that is being drawn. Positions q are in voxels
+ * from the octant's centre. A face is in front of q if x * q.x + y * q.y + z * q.z + offset < 0; q lies in a
+ * ball if constant + linear . q + q . (square q) < 0, where `square` is a symmetric matrix: xx yy zz xy yz
+ * xz. */
+typedef struct iso_exact_cut {
+    int faces; /* 0: a ball */
+    bool keeps;
+    float face[ISO_CLIP_FACES][4];
+    float constant, linear[3], square[6];
+} iso_exact_cut;
+
 /* The working memory of one worker, for one band of rows at a time. */
 typedef struct iso_exact_scratch {
     iso_rows rows;          /* the band */
@@ -178,6 +189,9 @@ typedef struct iso_exact_scratch {
     iso_exact_outline outline[ISO_EXACT_CELL_ROOM];
     iso_exact_rays rays[ISO_EXACT_CELL_ROOM];
     iso_exact_patch patch;
+    int cuts; /* bodies that cut the octant */
+    iso_exact_cut cut[ISO_CLIP_BODIES];
+    bool is_cut[ISO_EXACT_CELL_ROOM]; /* with cuts: the cell is cut by some of them */
 } iso_exact_scratch;
 
 typedef struct iso_exact_kernel {
@@ -198,5 +212,9 @@ ISO_KERNEL_UNITS(iso_exact_kernel, iso_exact_layers_kernel);
 /* Sets scratch->record and scratch->box of the cells of an octant next to the eye, one by one in double
  * precision. Boxes of cells that cannot be seen are empty. */
 void iso_exact_project_near_cells(const iso_exact_projection *projection, iso_exact_scratch *scratch);
+
+/* Sets scratch->cuts .. is_cut of the octant that is being drawn, and empties the boxes of the cells that are
+ * cut away. */
+void iso_exact_cut_octant(const iso_exact_projection *projection, iso_exact_scratch *scratch);
 
 #endif

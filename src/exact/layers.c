@@ -23,6 +23,7 @@ static const double SAME_CROSSING = 1e-3;
 /* One of the surfaces in the picture. */
 typedef struct layer {
     const iso_exact_layer *input;
+    iso_target target; /* with its clip */
     iso_exact_frame frame;
     iso_exact_paint paint;
     iso_exact_fragments fragments;
@@ -87,7 +88,9 @@ static void set_up_layer(layers_draw *draw, int number) {
     const iso_translucency *translucency = &l->input->translucency;
     l->paint = (iso_exact_paint){.u = draw->slopes, .v = draw->slopes + draw->size.width + ISO_LANES_MAX};
     set_base(l->input->color, l->paint.base);
-    l->frame.projection = iso_exact_projection_make(&draw->target, l->input->exact);
+    l->target = draw->target;
+    l->target.clip = l->input->clip;
+    l->frame.projection = iso_exact_projection_make(&l->target, l->input->exact);
     if (number == 0) draw->middle = l->frame.projection.middle;
     l->frame.projection.middle = draw->middle;
     l->frame.projection.paint = &l->paint;
@@ -198,6 +201,14 @@ static iso_fragment make_fragment(const layers_draw *draw, const layer *l, int x
     return fragment;
 }
 
+/* Whether a sample's ray is left at a hit of what is cut away. */
+static bool shows(const layers_draw *draw, const layer *l, int x, int y, double t) {
+    if (!l->input->clip) return true;
+    iso_vec3 origin, direction;
+    iso_view_ray(draw->target.view, x + 0.5, y + 0.5, &origin, &direction);
+    return iso_clip_shows(l->input->clip, iso_vec3_add(origin, iso_vec3_scale(direction, t)));
+}
+
 /* Lists the fragments of a sample again, with the ray tracer. row: counted from the band's first row. */
 static void retrace(const layers_draw *draw, const layer *l, iso_layer_lists *lists, int x, int row, int y) {
     iso_ray ray;
@@ -206,6 +217,7 @@ static void retrace(const layers_draw *draw, const layer *l, iso_layer_lists *li
     if (!start_ray(draw, l, x, y, &ray)) return;
     bool done = false;
     while (!done && iso_ray_next(l->tracer, &ray, &hit)) {
+        if (!shows(draw, l, x, y, hit.t)) continue;
         const iso_fragment fragment = make_fragment(draw, l, x, y, &ray, &hit);
         done = iso_layer_add(lists, x, row, &fragment, false);
     }

@@ -17,6 +17,7 @@ typedef struct iso_exact_layer {
     const iso_exact *exact; /* up to date; borrowed for the call */
     iso_rgb color;
     iso_translucency translucency;
+    const iso_clip *clip; /* what is cut away of it; NULL: nothing; borrowed for the call */
 } iso_exact_layer;
 
 /* Largest number of bytes that each thread uses for the fragments of a band; a single row of pixels may use

@@ -50,6 +50,8 @@ iso_exact_projection iso_exact_projection_make(const iso_target *target, const i
     for (int i = 0; i < 9; i++) projection.matrix[i] = projector.matrix[i];
     for (int i = 0; i < 3; i++) projection.origin[i] = projector.origin[i];
     for (int i = 0; i < 9; i++) projection.normal[i] = exact->surface.normal_sign * projector.normal[i];
+    projection.clip = target->clip && target->clip->count ? target->clip : NULL;
+    projection.to_world = affine;
     set_rays(&projection, &affine);
     for (int k = 0; k < 3; k++) projection.half_depth += 0.5 * fabs(projection.matrix[6 + k]);
     const double centre[2] = {view->cx, view->cy};
@@ -177,6 +179,12 @@ static bool box_pixels(const iso_exact_projection *projection, const double cent
     return far_box_pixels(projection, centre, half, clip, pixels);
 }
 
+static bool is_cut_away(const iso_exact_projection *projection, const double centre[3],
+                        const double half[3]) {
+    unsigned cutting;
+    return iso_exact_clip_of_box(projection, centre, half, &cutting) == ISO_CLIP_NOTHING;
+}
+
 int iso_exact_list_visible_octants(const iso_exact_projection *projection, uint32_t number,
                                    iso_exact_visible *visible) {
     const iso_exact_span *span = &iso_exact_spans(projection->exact)[number];
@@ -210,7 +218,8 @@ int iso_exact_list_visible_octants(const iso_exact_projection *projection, uint3
             half[axis] = 0.5 * (octant->high[axis] + 1 - octant->low[axis]);
             centre[axis] = first + half[axis];
         }
-        if (!box_pixels(projection, centre, half, clip, pixels)) continue;
+        if (!box_pixels(projection, centre, half, clip, pixels) || is_cut_away(projection, centre, half))
+            continue;
         visible[count++] = (iso_exact_visible){
             .span = number,
             .octant = (uint32_t)(octant - iso_exact_octants(projection->exact)),

@@ -54,6 +54,8 @@ typedef struct iso_exact_projection {
     float isovalue_ceil,
         residual;    /* of the surface; a quarter of both for float voxels, so that differences stay finite */
     float normal[9]; /* matrix from gradient to outward normal in view space, not of unit length */
+    const iso_clip *clip; /* what is cut away; NULL: nothing */
+    iso_affine to_world;  /* from index coordinates */
 } iso_exact_projection;
 
 /* An octant and the pixels that its cells can touch. */
@@ -124,6 +126,11 @@ int iso_exact_list_visible_octants(const iso_exact_projection *projection, uint3
 iso_exact_octant_projection iso_exact_project_octant(const iso_exact_projection *projection,
                                                      const iso_exact_span *span,
                                                      const iso_exact_octant *octant);
+
+/* What is left of the box with the half extents `half` around `centre`, both in index coordinates;
+ * iso_clip_of_box. All, if nothing is cut away. */
+iso_clip_rest iso_exact_clip_of_box(const iso_exact_projection *projection, const double centre[3],
+                                    const double half[3], unsigned *cutting);
 
 /* The pixels x0 x1 y0 y1 whose rays can meet a box at or behind the near plane, clipped to the pixels `clip`
  * (in the same order); false when there are none. The box has the half extents `half` around `centre`, both

@@ -96,7 +96,7 @@ static iso_status draw_object(const iso_gl_scene *gl, const iso_scene *scene, in
             .view = view, .surfaces = &surface, .surface_count = 1, .first_surface = number, .keep = true};
         return iso_gl_draw(gl->engine, &opts, gbuffer, error);
     }
-    const iso_target target = {view, gbuffer, gl->pool, (uint8_t)number};
+    const iso_target target = {view, gbuffer, gl->pool, (uint8_t)number, NULL};
     object->by_cpu = true;
     return iso_scene_object_draw(object, &target, iso_point_workspace_pullpush(scene->workspace), error);
 }

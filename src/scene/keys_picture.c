@@ -17,7 +17,7 @@ typedef struct points_draw {
 
 static iso_status draw_merged(void *context, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
     const points_draw *draw = context;
-    const iso_target target = {view, gbuffer, draw->keys.pool, 0};
+    const iso_target target = {view, gbuffer, draw->keys.pool, 0, NULL};
     return iso_pullpush_draw_merged(&target, &draw->keys, &draw->view, draw->reconstruction, error);
 }
 

@@ -18,7 +18,7 @@ static iso_status draw_opaque(void *context, const iso_view *view, iso_gbuffer *
     const iso_layered_picture *picture = context;
     const iso_renderer *renderer = iso_renderer_get(picture->method);
     for (int i = 0; i < picture->count; i++) {
-        const iso_target target = {view, gbuffer, picture->pool, (uint8_t)i};
+        const iso_target target = {view, gbuffer, picture->pool, (uint8_t)i, NULL};
         if (!is_opaque(&picture->surfaces[i])) continue;
         ISO_TRY(renderer->draw(picture->surfaces[i].surface, &target, error));
     }
@@ -32,7 +32,7 @@ static int list_exact(const iso_layered_picture *picture, iso_exact_layer layers
         if (!is_opaque(&picture->surfaces[i]))
             layers[count++] =
                 (iso_exact_layer){picture->surfaces[i].surface->exact, picture->shading->colors[i],
-                                  picture->surfaces[i].translucency};
+                                  picture->surfaces[i].translucency, picture->surfaces[i].surface->clip};
     return count;
 }
 
@@ -59,7 +59,7 @@ static void shade_raycast(iso_layered_picture *picture, const iso_layer_picture 
         if (!is_opaque(&picture->surfaces[i]))
             layers[count++] =
                 (iso_raycast_layer){picture->surfaces[i].surface->caster, picture->shading->colors[i],
-                                    picture->surfaces[i].translucency};
+                                    picture->surfaces[i].translucency, picture->surfaces[i].surface->clip};
     const iso_raycast_layers input = {.layers = layers, .count = count, .picture = *output};
     iso_shade_raycast_layers(&input, &picture->totals.layers);
 }

@@ -11,9 +11,17 @@ static iso_status draw_points(const iso_scene_surface *surface, const iso_target
     return iso_draw_points(target, &view, error);
 }
 
+/* The target with what is cut away of the surface. */
+static iso_target clipped(const iso_scene_surface *surface, const iso_target *target) {
+    iso_target made = *target;
+    made.clip = surface->clip;
+    return made;
+}
+
 static iso_status draw_mesh(const iso_scene_surface *surface, const iso_target *target, iso_error *error) {
+    const iso_target to = clipped(surface, target);
     iso_mesh_view view = iso_mesh_set_view(surface->mesh);
-    return iso_draw_mesh(target, &view, error);
+    return iso_draw_mesh(&to, &view, error);
 }
 
 static iso_point_workspace *workspace_of(const iso_scene_surface *surface) {
@@ -77,11 +85,13 @@ static iso_status draw_hybrid(const iso_scene_surface *surface, const iso_target
 }
 
 static iso_status draw_exact(const iso_scene_surface *surface, const iso_target *target, iso_error *error) {
-    return iso_draw_exact(target, surface->exact, error);
+    const iso_target to = clipped(surface, target);
+    return iso_draw_exact(&to, surface->exact, error);
 }
 
 static iso_status draw_raycast(const iso_scene_surface *surface, const iso_target *target, iso_error *error) {
-    return iso_draw_raycast(target, surface->caster, error);
+    const iso_target to = clipped(surface, target);
+    return iso_draw_raycast(&to, surface->caster, error);
 }
 
 enum {
@@ -112,9 +122,10 @@ static const iso_renderer METHODS[] = {
     {ISO_METHOD_SPLATS, "splats", "splats in groups, one pass (2006)", ISO_METHOD_SPLATS, "groups",
      ISO_RECONSTRUCTION_CURVED, POINTS | GROUPS, LAYERS | ISO_CAN_GL, draw_splats},
     {ISO_METHOD_MESH, "mesh", "Marching Cubes mesh", ISO_METHOD_MESH, NULL, ISO_RECONSTRUCTION_CURVED, MESH,
-     ISO_CAN_GL, draw_mesh},
+     ISO_CAN_GL | ISO_CAN_CLIP, draw_mesh},
     {ISO_METHOD_EXACT, "exact", "the trilinear surface, cell by cell", ISO_METHOD_EXACT, NULL,
-     ISO_RECONSTRUCTION_CURVED, CELLS, SOLIDS | ISO_CAN_OBJECT_LAYERS | ISO_CAN_CHUNKS, draw_exact},
+     ISO_RECONSTRUCTION_CURVED, CELLS, SOLIDS | ISO_CAN_OBJECT_LAYERS | ISO_CAN_CHUNKS | ISO_CAN_CLIP,
+     draw_exact},
 };
 
 /* Not in the list of what is compared. Where cells are small hybrid is pullpush, where they are large it is
@@ -144,7 +155,7 @@ static const iso_renderer TRUTH = {ISO_METHOD_RAYCAST,
                                    NULL,
                                    ISO_RECONSTRUCTION_CURVED,
                                    CASTER,
-                                   SOLIDS,
+                                   SOLIDS | ISO_CAN_CLIP,
                                    draw_raycast};
 
 const iso_renderer *iso_renderer_list(size_t *count) {

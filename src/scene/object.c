@@ -21,7 +21,9 @@ iso_status iso_scene_object_draw(iso_scene_object *object, const iso_target *tar
     }
     if (object->shapes) return iso_draw_shapes(target, object->shapes, &object->drawn, error);
     const iso_mesh_view mesh = iso_triangle_spans_view(&object->spans);
-    return iso_draw_mesh(target, &mesh, error);
+    iso_target to = *target;
+    to.clip = object->clip;
+    return iso_draw_mesh(&to, &mesh, error);
 }
 
 void iso_scene_object_number(const iso_scene_object *object, uint32_t surface, iso_aov *aov) {

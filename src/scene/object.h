@@ -17,6 +17,7 @@ typedef struct iso_scene_object {
     /* How. */
     iso_rgb color;                 /* of what has no colour of its own */
     iso_translucency translucency; /* of opacity 1: opaque */
+    const iso_clip *clip;          /* what is cut away of a mesh; borrowed; NULL: nothing */
     bool in_pyramid;               /* a mesh or ribbons, drawn in one image pyramid with surfaces */
     /* Totals over all pictures, set by drawing. */
     bool by_cpu;                /* drawn by the cpu engine where another was to draw the picture */

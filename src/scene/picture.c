@@ -74,7 +74,7 @@ static iso_status draw_opaque_objects(const iso_scene *scene, const iso_target *
 
 iso_status iso_scene_draw_from(const iso_scene *scene, int first, const iso_view *view, iso_gbuffer *gbuffer,
                                iso_pool *pool, iso_error *error) {
-    iso_target target = {view, gbuffer, pool, 0};
+    iso_target target = {view, gbuffer, pool, 0, NULL};
     for (int i = first > scene->pyramid_count ? first : scene->pyramid_count; i < scene->count; i++) {
         const iso_scene_surface *surface = scene->surfaces[i].surface;
         target.surface = (uint8_t)i;
@@ -93,14 +93,23 @@ typedef struct drawing {
     iso_pool *pool;
 } drawing;
 
-/* iso_picture_opts.draw. */
-static iso_status draw_all(void *context, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
-    const drawing *d = context;
+static iso_status draw_caps(const drawing *d, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
+    return d->scene->caps ? iso_caps_draw(d->scene->caps, view, gbuffer, d->pool, error) : ISO_OK;
+}
+
+static iso_status draw_things(const drawing *d, const iso_view *view, iso_gbuffer *gbuffer,
+                              iso_error *error) {
     const iso_scene *scene = d->scene;
-    const iso_target target = {view, gbuffer, d->pool, 0};
+    const iso_target target = {view, gbuffer, d->pool, 0, NULL};
     if (scene->engine) return scene->engine->draw(scene->engine->context, scene, view, gbuffer, error);
     ISO_TRY(draw_pyramid(scene, &target, error));
     return iso_scene_draw_from(scene, 0, view, gbuffer, d->pool, error);
+}
+
+/* iso_picture_opts.draw. */
+static iso_status draw_all(void *context, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
+    ISO_TRY(draw_things(context, view, gbuffer, error));
+    return draw_caps(context, view, gbuffer, error);
 }
 
 /* iso_picture_opts.begin_strip. */
@@ -114,8 +123,9 @@ static void begin_strip(void *context, double from, double to) {
 /* iso_layered_picture.draw_others. */
 static iso_status draw_others(void *context, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
     const drawing *d = context;
-    const iso_target target = {view, gbuffer, d->pool, 0};
-    return draw_opaque_objects(d->scene, &target, error);
+    const iso_target target = {view, gbuffer, d->pool, 0, NULL};
+    ISO_TRY(draw_opaque_objects(d->scene, &target, error));
+    return draw_caps(d, view, gbuffer, error);
 }
 
 /* Lists the translucent objects. ISO_ERR_LIMIT. */
@@ -132,7 +142,8 @@ static iso_status list_sets(const iso_scene *scene, iso_translucent_set sets[ISO
                                                  .mesh = iso_triangle_spans_view(&object->spans),
                                                  .color = object->color,
                                                  .translucency = object->translucency,
-                                                 .drawn = &object->layered};
+                                                 .drawn = &object->layered,
+                                                 .clip = object->clip};
     }
     return ISO_OK;
 }
@@ -146,7 +157,7 @@ static iso_status render_layers(drawing *d, iso_picture_opts *opts, iso_image *i
                                    .surfaces = scene->surfaces,
                                    .count = scene->count,
                                    .sets = sets,
-                                   .draw_others = scene->object_count ? draw_others : NULL,
+                                   .draw_others = scene->object_count || scene->caps ? draw_others : NULL,
                                    .others_context = d,
                                    .transparency = scene->transparency,
                                    .shade_splats = scene->engine ? scene->engine->shade_groups : NULL,
@@ -183,14 +194,16 @@ static iso_status render_glass(const iso_scene *scene, iso_picture_opts *opts, i
 
 /* Whether the picture needs no gbuffer: one exact surface with one sample a pixel, and nothing beside it. */
 static bool is_painted(const iso_scene *scene, const iso_picture_opts *opts) {
-    return scene->renderer->method == ISO_METHOD_EXACT && !scene->engine && iso_scene_colors(scene) == 1 &&
-           scene->count == 1 && opts->samples <= 1 && !opts->aov && opts->lighting == ISO_LIGHTING_PHONG;
+    return scene->renderer->method == ISO_METHOD_EXACT && !scene->engine && !scene->caps &&
+           iso_scene_colors(scene) == 1 && scene->count == 1 && opts->samples <= 1 && !opts->aov &&
+           opts->lighting == ISO_LIGHTING_PHONG;
 }
 
 static iso_status paint(const iso_scene *scene, const iso_picture_opts *opts, iso_image *image,
                         size_t *covered, iso_error *error) {
     const iso_view view = iso_view_make(opts->camera, opts->width, opts->height);
-    const iso_exact_picture whole = {&view, &opts->shading, image, opts->pool};
+    const iso_exact_picture whole = {&view, &opts->shading, image, opts->pool,
+                                     scene->surfaces[0].surface->clip};
     return iso_paint_exact(&whole, scene->surfaces[0].surface->exact, covered, error);
 }
 

@@ -4,6 +4,7 @@
 #ifndef ISO_SCENE_PICTURE_H
 #define ISO_SCENE_PICTURE_H
 
+#include "scene/caps.h"
 #include "scene/glass.h"
 #include "scene/instances.h"
 #include "scene/layered_picture.h"
@@ -53,6 +54,7 @@ struct iso_scene {
     iso_point_workspace *workspace; /* of objects and that pyramid; NULL: made when needed */
     const iso_scene_glass *glass;   /* NULL: no glass; else there is one opaque surface and nothing else */
     iso_transparency transparency;  /* how splats are composited */
+    const iso_cut_caps *caps;       /* caps of surfaces that are cut, and slices; NULL: none */
     const iso_scene_engine *engine; /* NULL: the cpu engine */
     const iso_scene_progress *progress; /* NULL: nobody is told */
     iso_exact_layers_totals totals;     /* set by iso_scene_render: of translucent surfaces */

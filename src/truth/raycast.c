@@ -44,7 +44,9 @@ static void cast_sample(const cast_context *cast, int x, int y) {
     iso_ray ray;
     iso_ray_hit hit;
     if (!iso_ray_start(cast->tracer, origin, direction, view->near, &ray)) return;
-    if (!iso_ray_next(cast->tracer, &ray, &hit)) return;
+    do
+        if (!iso_ray_next(cast->tracer, &ray, &hit)) return;
+    while (!iso_raycast_shows(cast->target->clip, origin, direction, hit.t));
     const size_t sample = (size_t)y * (size_t)gbuffer->width + (size_t)x;
     if (!((float)hit.t < gbuffer->depth[sample])) return;
     const iso_vec3 normal = iso_view_vector(view, iso_ray_hit_normal(cast->tracer, &ray, &hit));

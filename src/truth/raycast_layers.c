@@ -11,10 +11,10 @@
 /* The ray of a sample. */
 typedef struct sample_ray {
     const iso_raycast_layers *input;
-    iso_vec3 direction; /* world space */
-    float to_eye[3];    /* view space */
-    double length;      /* mm along the ray for 1 mm of depth */
-    double limit;       /* depth of the opaque surface behind this sample, mm; INFINITY: none */
+    iso_vec3 origin, direction; /* world space */
+    float to_eye[3];            /* view space */
+    double length;              /* mm along the ray for 1 mm of depth */
+    double limit;               /* depth of the opaque surface behind this sample, mm; INFINITY: none */
     iso_ray ray[ISO_RAYCAST_LAYERS_MAX];
     iso_ray_hit hit[ISO_RAYCAST_LAYERS_MAX]; /* the next crossing of each surface */
     bool more[ISO_RAYCAST_LAYERS_MAX];       /* hit[i] is valid: the surface has another crossing */
@@ -33,17 +33,18 @@ typedef struct light {
 static void next_hit(sample_ray *s, int i) {
     const iso_raycast_layer *layer = &s->input->layers[i];
     const int most = layer->translucency.most_layers;
-    s->more[i] = (!most || s->listed[i] < most) &&
-                 iso_ray_next(layer->caster->tracer, &s->ray[i], &s->hit[i]) &&
-                 (float)s->hit[i].t < (float)s->limit;
+    do
+        s->more[i] = (!most || s->listed[i] < most) &&
+                     iso_ray_next(layer->caster->tracer, &s->ray[i], &s->hit[i]) &&
+                     (float)s->hit[i].t < (float)s->limit;
+    while (s->more[i] && !iso_raycast_shows(layer->clip, s->origin, s->direction, s->hit[i].t));
     s->listed[i]++;
 }
 
 static void start_ray(sample_ray *s, const iso_raycast_layers *input, int x, int y) {
     const iso_view *view = input->picture.strip->view;
     const iso_gbuffer *opaque = input->picture.strip->gbuffer;
-    iso_vec3 origin;
-    iso_view_ray(view, x + 0.5, y + 0.5, &origin, &s->direction);
+    iso_view_ray(view, x + 0.5, y + 0.5, &s->origin, &s->direction);
     const iso_vec3 along = iso_view_vector(view, s->direction);
     s->input = input;
     s->to_eye[0] = -(float)along.x;
@@ -57,7 +58,7 @@ static void start_ray(sample_ray *s, const iso_raycast_layers *input, int x, int
         const iso_raycaster *caster = input->layers[i].caster;
         s->listed[i] = 0;
         s->more[i] = s->inside[i] = false;
-        if (!iso_ray_start(caster->tracer, origin, s->direction, view->near, &s->ray[i])) continue;
+        if (!iso_ray_start(caster->tracer, s->origin, s->direction, view->near, &s->ray[i])) continue;
         s->inside[i] = iso_ray_starts_above(caster->tracer, &s->ray[i]) != caster->level_set;
         s->depth = s->ray[i].t;
         s->end = iso_ray_end(caster->tracer, &s->ray[i]);
@@ -143,8 +144,9 @@ static bool add_opaque(const sample_ray *s, int x, int y, light *l) {
     const bool has_own = own >> 24 == (uint32_t)surface + 1;
     const iso_rgb color = has_own ? (iso_rgb){own & 255, own >> 8 & 255, own >> 16 & 255}
                                   : shading->colors[surface < last ? surface : last];
-    float rgb[3];
-    iso_shade_sample(normal, s->to_eye, color, rgb);
+    float rgb[3] = {(float)color.r / 255, (float)color.g / 255, (float)color.b / 255};
+    const bool lit = normal[0] != 0 || normal[1] != 0 || normal[2] != 0 || !has_own;
+    if (lit) iso_shade_sample(normal, s->to_eye, color, rgb);
     for (int k = 0; k < 3; k++) l->color[k] += l->through * (double)rgb[k];
     l->through = 0;
     return true;

@@ -11,6 +11,7 @@ typedef struct iso_raycast_layer {
     const iso_raycaster *caster; /* borrowed for the call */
     iso_rgb color;
     iso_translucency translucency;
+    const iso_clip *clip; /* what is cut away of it; NULL: nothing; borrowed */
 } iso_raycast_layer;
 
 enum { ISO_RAYCAST_LAYERS_MAX = 64 }; /* largest number of surfaces in a picture */

@@ -117,7 +117,7 @@ static iso_status open_exact(bench_frame *frame, iso_error *error) {
 }
 
 static iso_status paint_exact(bench_frame *frame, size_t *covered, iso_error *error) {
-    const iso_exact_picture canvas = {&frame->view.view, &SHADING, &frame->subject->image, frame->pool};
+    const iso_exact_picture canvas = {&frame->view.view, &SHADING, &frame->subject->image, frame->pool, NULL};
     return iso_paint_exact(&canvas, frame->exact, covered, error);
 }
 
@@ -125,7 +125,7 @@ static iso_status paint_layers(bench_frame *frame, bool constant, size_t *covere
     const iso_gbuffer size = {.width = frame->view.view.width, .height = frame->view.view.height};
     const iso_strip strip = {.view = &frame->view.view, .gbuffer = &size, .factor = 1};
     const iso_exact_layer layer = {
-        frame->exact, COLOR, {.opacity = (float)BENCH_OPACITY, .constant = constant}};
+        frame->exact, COLOR, {.opacity = (float)BENCH_OPACITY, .constant = constant}, NULL};
     const iso_exact_layers picture = {
         .layers = &layer,
         .count = 1,

@@ -47,7 +47,7 @@ static iso_gbuffer gbuffer_of(const iso_view *view) {
 static iso_gbuffer by_cpu(const iso_view *view, const iso_shapes *shapes, iso_shapes_drawn *drawn) {
     iso_gbuffer g = gbuffer_of(view);
     iso_error error = {0};
-    const iso_target target = {view, &g, NULL, 1};
+    const iso_target target = {view, &g, NULL, 1, NULL};
     test_ok(iso_draw_shapes(&target, shapes, drawn, &error), &error);
     return g;
 }

@@ -30,7 +30,7 @@ static iso_groups groups_of(const iso_point_view *points, int limit) {
 static iso_gbuffer by_cpu(const iso_view *view, const iso_point_view *points, const iso_groups *groups) {
     iso_gbuffer g = gl_gbuffer(view);
     iso_gbuffer_clear(&g);
-    const iso_target target = {view, &g, NULL, 0};
+    const iso_target target = {view, &g, NULL, 0, NULL};
     const iso_draw_groups_opts opts = {groups, 0};
     assert_int_equal(iso_draw_groups(&target, points, &opts, NULL), ISO_OK);
     return g;

@@ -87,7 +87,7 @@ typedef struct drawing {
 static iso_status draw(void *context, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
     const drawing *d = context;
     for (int i = 0; i < d->surfaces; i++) {
-        const iso_target target = {view, gbuffer, d->surface->pool, (uint8_t)i};
+        const iso_target target = {view, gbuffer, d->surface->pool, (uint8_t)i, NULL};
         ISO_TRY(d->method->draw(&d->surface->surfaces[i], &target, error));
     }
     return ISO_OK;
@@ -160,7 +160,7 @@ static void painted_row(golden_table *table, const surface *s, iso_image *image)
     iso_camera camera = camera_of(s, false);
     const iso_view view = iso_view_make(&camera, WIDTH, HEIGHT);
     const iso_shading shading = {COLORS, SURFACES, {255, 255, 255}, 0};
-    const iso_exact_picture canvas = {&view, &shading, image, s->pool};
+    const iso_exact_picture canvas = {&view, &shading, image, s->pool, NULL};
     size_t covered = 0;
     golden_check(iso_paint_exact(&canvas, s->surfaces[0].exact, &covered, &error), &error);
     char name[96];

@@ -34,7 +34,7 @@ iso_exact *make_exact(const iso_grid *grid, double isovalue, iso_pool *pool) {
 }
 
 void draw_exact(const iso_exact *exact, const iso_view *view, iso_gbuffer *gbuffer, iso_pool *pool) {
-    const iso_target target = {view, gbuffer, pool, 3};
+    const iso_target target = {view, gbuffer, pool, 3, NULL};
     iso_error error = {0};
     test_ok(iso_draw_exact(&target, exact, &error), &error);
 }
@@ -54,7 +54,7 @@ iso_gbuffer truth_of(const iso_grid *grid, double isovalue, const iso_view *view
     iso_raycaster *caster;
     iso_error error = {0};
     test_ok(iso_raycaster_create(grid, isovalue, NULL, &caster, &error), &error);
-    const iso_target target = {view, &gbuffer, NULL, 3};
+    const iso_target target = {view, &gbuffer, NULL, 3, NULL};
     test_ok(iso_draw_raycast(&target, caster, &error), &error);
     iso_raycaster_destroy(caster);
     return gbuffer;

@@ -100,7 +100,7 @@ iso_gbuffer test_drawn(const iso_view *view, const iso_point_view *points, const
                        iso_pool *pool) {
     iso_error error = {0};
     iso_gbuffer g = test_clear_gbuffer(view->width, view->height, points->colors != NULL);
-    const iso_target target = {view, &g, pool, 0};
+    const iso_target target = {view, &g, pool, 0, NULL};
     const iso_point_surface_opts gaussian = {.reconstruction = ISO_RECONSTRUCTION_GAUSSIAN};
     test_ok(iso_draw_point_surface(&target, points, opts ? opts : &gaussian, &error), &error);
     return g;

@@ -30,7 +30,7 @@ iso_gbuffer test_shapes_drawn(const iso_view *view, const iso_shapes *shapes, is
     iso_error error = {0};
     iso_gbuffer g = test_clear_gbuffer(view->width, view->height, false);
     test_ok(iso_gbuffer_add_elements(&g, &error), &error);
-    const iso_target target = {view, &g, pool, 3};
+    const iso_target target = {view, &g, pool, 3, NULL};
     test_ok(iso_draw_shapes(&target, shapes, NULL, &error), &error);
     return g;
 }

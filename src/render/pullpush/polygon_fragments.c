@@ -47,7 +47,7 @@ iso_status iso_polygons_rasterize(iso_polygons *polygons, const iso_target *targ
     }
     iso_gbuffer_clear_bands(&polygons->picture, target->pool);
     for (size_t i = 0; i < polygons->count; i++) {
-        const iso_target whole = {&view, &polygons->picture, target->pool, polygons->sets[i].surface};
+        const iso_target whole = {&view, &polygons->picture, target->pool, polygons->sets[i].surface, NULL};
         ISO_TRY(iso_draw_mesh(&whole, polygons->sets[i].mesh, error));
     }
     return ISO_OK;

@@ -423,7 +423,7 @@ static iso_status draw_rows(pullpush_call *call, const iso_target *whole, int fi
     rows.surface += skip;
     if (rows.color) rows.color += skip;
     for (int axis = 0; axis < 3; axis++) rows.normal[axis] += skip;
-    iso_target target = {&view, &rows, whole->pool, whole->surface};
+    iso_target target = {&view, &rows, whole->pool, whole->surface, whole->clip};
     call->target = &target;
     call->projector.view = &view;
     ISO_TRY(call->sets    ? prepare_sets(call, error)

@@ -159,6 +159,14 @@ static void interpolate_normal(const triangle *t, const double weight[3], double
     for (int axis = 0; axis < 3; axis++) out[axis] = length > 0 ? n[axis] / length : axis == 2 ? -1.0f : 0.0f;
 }
 
+/* Whether a sample of a triangle is left of what is cut away. */
+static bool is_left(const iso_target *target, int64_t x, int64_t y, double depth) {
+    if (!target->clip) return true;
+    iso_vec3 origin, direction;
+    iso_view_ray(target->view, (double)x + 0.5, (double)y + 0.5, &origin, &direction);
+    return iso_clip_shows(target->clip, iso_vec3_add(origin, iso_vec3_scale(direction, depth)));
+}
+
 static void draw_pixel(part *p, const triangle *t, const int64_t value[3], int64_t x, int64_t y) {
     const iso_target *target = &p->draw->target;
     const iso_gbuffer *g = target->gbuffer;
@@ -169,6 +177,7 @@ static void draw_pixel(part *p, const triangle *t, const int64_t value[3], int64
         depth += weight[k] * t->corner[k]->view.z;
     }
     float normal[3];
+    if (!is_left(target, x, y, depth / sum)) return;
     if (p->visit) {
         iso_mesh_sample sample = {.x = (int)x, .y = (int)y, .depth = depth / sum, .triangle = t->number};
         interpolate_normal(t, weight, sum, sample.normal);

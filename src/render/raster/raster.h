@@ -10,6 +10,7 @@
 #include "base/parallel.h"
 #include "base/primitives.h"
 #include "image/camera.h"
+#include "render/view/clip.h"
 #include "render/view/gbuffer.h"
 
 #ifdef __cplusplus
@@ -22,6 +23,8 @@ typedef struct iso_target {
     iso_gbuffer *gbuffer;
     iso_pool *pool;  /* NULL: the calling thread */
     uint8_t surface; /* number that marks the surface in the gbuffer */
+    /* What is cut away of the surface; NULL: nothing. For the methods that can do it (ISO_CAN_CLIP). */
+    const iso_clip *clip;
 } iso_target;
 
 /* Attenuated points (Baerentzen and Christensen 2003, section 4.1): each point is a disc parallel to the

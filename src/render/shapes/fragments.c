@@ -454,7 +454,9 @@ static iso_status set_up_set(iso_shapes_lister *lister, const iso_translucent_se
         (iso_layer_pass){.surface = surface, .most_layers = input->translucency.most_layers, .tolerance = -1};
     s->shapes = input->shapes;
     if (s->shapes) return iso_shapes_frame_make(&lister->target, s->shapes, &s->frame, error);
-    return iso_mesh_samples_create(&lister->target, &input->mesh, &s->mesh, error);
+    iso_target target = lister->target;
+    target.clip = input->clip;
+    return iso_mesh_samples_create(&target, &input->mesh, &s->mesh, error);
 }
 
 static iso_status set_up(iso_shapes_lister *lister, const iso_translucent_set *sets, int count, int first,

@@ -30,6 +30,7 @@ typedef struct iso_translucent_set {
     iso_rgb color;            /* of what has no colour of its own */
     iso_translucency translucency;
     iso_shapes_layered *drawn; /* is added to; NULL is fine */
+    const iso_clip *clip;      /* what is cut away of a mesh; NULL: nothing; borrowed */
 } iso_translucent_set;
 
 typedef struct iso_shapes_lister iso_shapes_lister;

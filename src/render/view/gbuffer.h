@@ -21,7 +21,7 @@ typedef struct iso_gbuffer {
     int width, height;
     float *depth;     /* width * height; view z in mm, INFINITY where nothing was drawn */
     float *normal[3]; /* planes x, y, z: unit, view space, pointing out of the solid (not flipped to the
-                         viewer) */
+                         viewer); 0 where a sample with a colour of its own is not lit */
     uint8_t *surface; /* surface number, or ISO_SURFACE_NONE */
     /* NULL, or the colours of samples that have one of their own: red in the low byte, then green and blue
      * (display values), and the surface number + 1 in the high byte. An entry whose surface number differs

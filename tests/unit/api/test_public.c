@@ -245,7 +245,7 @@ typedef struct private_drawing {
 static iso_status draw_privately(void *context, const iso_view *view, iso_gbuffer *gbuffer,
                                  iso_error *error) {
     const private_drawing *d = context;
-    iso_target target = {view, gbuffer, NULL, 0};
+    iso_target target = {view, gbuffer, NULL, 0, NULL};
     return d->renderer->draw(d->scene, &target, error);
 }
 

@@ -171,7 +171,7 @@ static shapes_picture draw_shapes(const isosculpt_viewport *view) {
     assert_int_equal(iso_image_create(WIDTH, HEIGHT, &p.image, NULL), ISO_OK);
     iso_gbuffer_clear(&p.gbuffer);
     for (int i = 0; i < 2; i++) {
-        const iso_target target = {&view->drawn.view, &p.gbuffer, NULL, (uint8_t)i};
+        const iso_target target = {&view->drawn.view, &p.gbuffer, NULL, (uint8_t)i, NULL};
         assert_int_equal(iso_draw_shapes(&target, sets[i].shapes, NULL, NULL), ISO_OK);
         isosculpt_reference_shapes_free(&sets[i]);
     }
@@ -257,7 +257,7 @@ static void draw_layers(const isosculpt_viewport *view, const iso_exact *exact, 
     const iso_shading shading = {
         .colors = colors, .color_count = 1, .background = view->mode.material.background};
     const iso_exact_layer layer = {
-        exact, view->reference_mode.color, {.opacity = (float)view->reference_mode.opacity}};
+        exact, view->reference_mode.color, {.opacity = (float)view->reference_mode.opacity}, NULL};
     const iso_exact_layers layers = {
         .layers = &layer, .count = 1, .picture = {.strip = &strip, .shading = &shading, .image = image}};
     iso_exact_layers_totals totals = {.retraced = 0};

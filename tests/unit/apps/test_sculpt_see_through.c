@@ -65,7 +65,7 @@ typedef struct scene {
 static iso_status draw_scene(void *context, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
     const scene *s = context;
     for (int i = 0; i < s->count; i++) {
-        const iso_target target = {view, gbuffer, NULL, (uint8_t)i};
+        const iso_target target = {view, gbuffer, NULL, (uint8_t)i, NULL};
         ISO_TRY(iso_draw_exact(&target, s->parts[i].exact, error));
     }
     return ISO_OK;

@@ -33,7 +33,7 @@ typedef struct subject {
 static iso_image paint_whole(const subject *s, size_t *covered) {
     iso_image image = {0};
     iso_exact *exact = make_exact(s->grid, s->isovalue, s->pool);
-    const iso_exact_picture picture = {s->view, &s->shading, &image, s->pool};
+    const iso_exact_picture picture = {s->view, &s->shading, &image, s->pool, NULL};
     assert_int_equal(iso_image_create(s->view->width, s->view->height, &image, NULL), ISO_OK);
     assert_int_equal(iso_paint_exact(&picture, exact, covered, NULL), ISO_OK);
     iso_exact_destroy(exact);
@@ -106,7 +106,7 @@ static void draw_chunk(const subject *s, const iso_brick_box *box, bool copied, 
     const iso_exact_opts opts = {.isovalue = s->isovalue, .pool = s->pool, .chunk = &chunk};
     assert_int_equal(iso_exact_create(&grid, &opts, &exact, NULL), ISO_OK);
     assert_int_equal(iso_exact_update(exact, NULL), ISO_OK);
-    const iso_exact_key_picture picture = {s->view, s->shading.colors[0], keys, s->pool};
+    const iso_exact_key_picture picture = {s->view, s->shading.colors[0], keys, s->pool, NULL};
     assert_int_equal(iso_draw_exact_keys(&picture, exact, NULL), ISO_OK);
     const iso_affine affine = iso_transform_affine(&whole->transform);
     const iso_box own = iso_exact_bounds(exact, &affine);

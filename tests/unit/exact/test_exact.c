@@ -360,7 +360,7 @@ static void same_when_painted(const iso_grid *grid, double isovalue, const iso_v
         for (int threads = 0; threads < 2; threads++) {
             iso_cpu_limit(level);
             memset(got.rgba, 0x5a, bytes);
-            const iso_exact_picture canvas = {view, shading, &got, threads ? pool : NULL};
+            const iso_exact_picture canvas = {view, shading, &got, threads ? pool : NULL, NULL};
             test_ok(iso_paint_exact(&canvas, exact, &covered, &error), &error);
             assert_memory_equal(got.rgba, wanted.rgba, bytes);
             assert_int_equal(covered, test_covered(&gbuffer));
@@ -486,7 +486,7 @@ static void surfaces_are_drawn_over_each_other(void **state) {
                   *last = make_exact(&grid, isovalues[2 - i], NULL);
         iso_raycaster *caster;
         test_ok(iso_raycaster_create(&grid, isovalues[i], NULL, &caster, &error), &error);
-        iso_target target = {&view, &exact_picture, NULL, (uint8_t)i};
+        iso_target target = {&view, &exact_picture, NULL, (uint8_t)i, NULL};
         test_ok(iso_draw_exact(&target, exact, &error), &error);
         target.gbuffer = &truth;
         test_ok(iso_draw_raycast(&target, caster, &error), &error);

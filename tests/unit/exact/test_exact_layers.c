@@ -78,7 +78,7 @@ static iso_gbuffer opaque_of(const test_scene *scene, const iso_view *view) {
     if (isnan(scene->opaque)) return (iso_gbuffer){.width = view->width, .height = view->height};
     iso_gbuffer gbuffer = empty_picture(view);
     iso_exact *exact = make_exact(scene->grid, scene->opaque, NULL);
-    const iso_target target = {view, &gbuffer, NULL, SURFACES};
+    const iso_target target = {view, &gbuffer, NULL, SURFACES, NULL};
     iso_error error = {0};
     test_ok(iso_draw_exact(&target, exact, &error), &error);
     iso_exact_destroy(exact);
@@ -97,7 +97,7 @@ static void draw_layers(const test_scene *scene, const iso_strip *strip, iso_poo
     iso_error error = {0};
     for (int i = 0; i < scene->count; i++)
         layers[i] = (iso_exact_layer){make_exact(scene->grid, scene->isovalue[i], NULL), colors[i],
-                                      scene->translucency[i]};
+                                      scene->translucency[i], NULL};
     const iso_exact_layers input = {
         .layers = layers,
         .count = scene->count,
@@ -128,7 +128,7 @@ static test_picture truth_of_layers(const test_scene *scene, const iso_view *vie
     for (int i = 0; i < scene->count; i++) {
         iso_raycaster *caster;
         test_ok(iso_raycaster_create(scene->grid, scene->isovalue[i], NULL, &caster, &error), &error);
-        layers[i] = (iso_raycast_layer){caster, colors[i], scene->translucency[i]};
+        layers[i] = (iso_raycast_layer){caster, colors[i], scene->translucency[i], NULL};
     }
     const iso_raycast_layers input = {
         layers, scene->count, {&strip, &shading, &picture.image, picture.counts, picture.coverage, NULL}};

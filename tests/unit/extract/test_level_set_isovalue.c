@@ -87,7 +87,7 @@ static void check_exact(const iso_grid *grid, double isovalue, double radius) {
 }
 
 static iso_status draw_rays(void *context, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
-    const iso_target target = {view, gbuffer, NULL, 0};
+    const iso_target target = {view, gbuffer, NULL, 0, NULL};
     return iso_draw_raycast(&target, context, error);
 }
 

@@ -16,7 +16,7 @@ enum { SURFACE = 1 };
 static iso_gbuffer hybrid(const test_surfaces *b, const iso_view *view, double pixels, iso_pool *pool) {
     iso_error error = {0};
     iso_gbuffer g = test_clear_gbuffer(view->width, view->height, false);
-    const iso_target target = {view, &g, pool, SURFACE};
+    const iso_target target = {view, &g, pool, SURFACE, NULL};
     const iso_hybrid_opts opts = {.pixels = pixels};
     test_ok(iso_draw_hybrid(&target, &b->scene.points, &b->mesh, &opts, &error), &error);
     return g;
@@ -25,7 +25,7 @@ static iso_gbuffer hybrid(const test_surfaces *b, const iso_view *view, double p
 static iso_gbuffer triangles(const test_surfaces *b, const iso_view *view) {
     iso_error error = {0};
     iso_gbuffer g = test_clear_gbuffer(view->width, view->height, false);
-    const iso_target target = {view, &g, NULL, SURFACE};
+    const iso_target target = {view, &g, NULL, SURFACE, NULL};
     test_ok(iso_draw_mesh(&target, &b->mesh, &error), &error);
     return g;
 }

@@ -95,7 +95,7 @@ static iso_gbuffer draw_behind_wall(const void *context, const iso_view *view, i
         }
     iso_point_view points = *w->points;
     if (!w->curved) points.curvatures = NULL;
-    const iso_target target = {view, &g, pool, 0};
+    const iso_target target = {view, &g, pool, 0, NULL};
     test_ok(iso_draw_point_surface(&target, &points, &(iso_point_surface_opts){0}, &error), &error);
     return g;
 }
@@ -295,7 +295,7 @@ static iso_gbuffer draw_forest(iso_instance_drawing *drawing, const forest *f, c
     iso_instances all = f->all;
     all.draw_hidden = hidden;
     iso_gbuffer g = test_clear_gbuffer(view->width, view->height, false);
-    const iso_target target = {view, &g, NULL, 0};
+    const iso_target target = {view, &g, NULL, 0, NULL};
     test_ok(iso_draw_instances(drawing, &target, &all, counts, &error), &error);
     assert_int_equal(counts->drawn + counts->outside + counts->hidden, all.count);
     return g;
@@ -412,7 +412,7 @@ static iso_gbuffer draw_one(const iso_view *view, const iso_point_view *points, 
     iso_instance_drawing drawing = {0};
     iso_error error = {0};
     iso_gbuffer g = test_clear_gbuffer(view->width, view->height, false);
-    const iso_target target = {view, &g, NULL, 0};
+    const iso_target target = {view, &g, NULL, 0, NULL};
     test_ok(iso_draw_instances(&drawing, &target, &all, NULL, &error), &error);
     iso_instance_drawing_free(&drawing);
     return g;

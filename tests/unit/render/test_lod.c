@@ -435,7 +435,7 @@ static iso_gbuffer draw_cut(const iso_lod *lod, const iso_view *view, double pix
     iso_lod_cut cut = {0};
     iso_error error = {0};
     iso_gbuffer g = test_clear_gbuffer(view->width, view->height, lod->points.colors != NULL);
-    const iso_target target = {view, &g, NULL, 0};
+    const iso_target target = {view, &g, NULL, 0, NULL};
     test_ok(iso_lod_cut_make(&cut, lod, view, pixels, NULL, &error), &error);
     *points = 0;
     for (int k = 0; k < cut.levels; k++) {

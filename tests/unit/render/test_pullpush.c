@@ -446,7 +446,7 @@ static void nearer_surfaces_win(void **state) {
         iso_gbuffer *g = order ? &b : &a;
         for (int k = 0; k < 2; k++) {
             bool near = (k == 0) == (order == 0);
-            iso_target target = {near ? &view : &other, g, NULL, near ? 3 : 9};
+            iso_target target = {near ? &view : &other, g, NULL, near ? 3 : 9, NULL};
             assert_int_equal(
                 iso_draw_point_surface(&target, near ? &front->points : &back->points, &opts, NULL), ISO_OK);
         }

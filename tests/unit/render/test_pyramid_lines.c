@@ -27,7 +27,7 @@ static iso_pyramid_lines *prepare(const iso_shapes_opts *opts) {
 
 static void draw(const iso_view *view, const iso_pyramid_lines *lines, iso_gbuffer *g, iso_pool *pool) {
     iso_error error = {0};
-    const iso_target target = {view, g, pool, SURFACE};
+    const iso_target target = {view, g, pool, SURFACE, NULL};
     test_ok(iso_draw_pyramid_lines(&target, lines, NULL, &error), &error);
 }
 

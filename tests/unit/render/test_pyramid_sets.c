@@ -21,7 +21,7 @@ static iso_gbuffer draw_sets(const iso_view *view, const iso_pyramid_set *sets, 
                              iso_pool *pool) {
     iso_error error = {0};
     iso_gbuffer g = test_clear_gbuffer(view->width, view->height, true);
-    const iso_target target = {view, &g, pool, 77};
+    const iso_target target = {view, &g, pool, 77, NULL};
     test_ok(iso_draw_pyramid_sets(&target, sets, count, NULL, &error), &error);
     return g;
 }
@@ -31,7 +31,7 @@ static iso_gbuffer draw_alone(const iso_view *view, const iso_pyramid_set *sets,
     iso_error error = {0};
     iso_gbuffer g = test_clear_gbuffer(view->width, view->height, true);
     for (size_t i = 0; i < count; i++) {
-        const iso_target target = {view, &g, NULL, sets[i].surface};
+        const iso_target target = {view, &g, NULL, sets[i].surface, NULL};
         const iso_pullpush_opts gaussian = {.reconstruction = ISO_RECONSTRUCTION_GAUSSIAN};
         /* points and lines in a pyramid of their own with the rules of one pyramid: iso_draw_pullpush fills
          * gaps and ends discs at the grid's border, and iso_draw_pyramid_lines averages no fragments */

@@ -15,7 +15,7 @@ static iso_gbuffer drawn(const iso_view *view, const iso_point_view *points, con
                          iso_pool *pool) {
     iso_error error = {0};
     iso_gbuffer g = test_clear_gbuffer(view->width, view->height, points->colors != NULL);
-    const iso_target target = {view, &g, pool, 0};
+    const iso_target target = {view, &g, pool, 0, NULL};
     test_ok(iso_draw_groups(&target, points, opts, &error), &error);
     return g;
 }

@@ -79,7 +79,7 @@ typedef struct whole_draw {
 
 static iso_status draw_whole(void *context, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
     const whole_draw *whole = context;
-    const iso_target target = {view, gbuffer, whole->surface.pool, 0};
+    const iso_target target = {view, gbuffer, whole->surface.pool, 0, NULL};
     return whole->renderer->draw(&whole->surface, &target, error);
 }
 
@@ -108,7 +108,7 @@ static void render_cells(iso_chunk_walk *walk, int parts, const iso_view *view, 
     for (int part = parts; part >= 1; part--) {
         iso_key_image own;
         assert_int_equal(iso_key_image_allocate(WIDTH, HEIGHT, &own, NULL), ISO_OK);
-        const iso_exact_key_picture picture = {view, colors[0], &own, pool};
+        const iso_exact_key_picture picture = {view, colors[0], &own, pool, NULL};
         assert_int_equal(iso_exact_chunks_draw(walk, (iso_chunk_share){part, parts}, &picture, NULL), ISO_OK);
         merge(keys, &own, pool);
     }

@@ -91,7 +91,7 @@ static iso_gbuffer cast(const iso_grid *grid, double isovalue, const iso_view *v
     test_ok(iso_gbuffer_create(view->width, view->height, &gbuffer, &error), &error);
     iso_gbuffer_clear(&gbuffer);
     test_ok(iso_raycaster_create(grid, isovalue, pool, &caster, &error), &error);
-    const iso_target target = {view, &gbuffer, pool, 3};
+    const iso_target target = {view, &gbuffer, pool, 3, NULL};
     test_ok(iso_draw_raycast(&target, caster, &error), &error);
     iso_raycaster_destroy(caster);
     for (int i = 0; i < view->width * view->height; i++)
@@ -675,7 +675,7 @@ static void nearer_samples_stay(void **state) {
         gbuffer.surface[i] = 9;
     }
     test_ok(iso_raycaster_create(&grid, 0.5, NULL, &caster, &error), &error);
-    const iso_target target = {&view, &gbuffer, NULL, 5};
+    const iso_target target = {&view, &gbuffer, NULL, 5, NULL};
     test_ok(iso_draw_raycast(&target, caster, &error), &error);
     for (int i = 0; i < 121; i++) {
         assert_true(gbuffer.depth[i] == (i % 4 < 2 ? before[i % 4] : 3.5f));

@@ -1,0 +1,256 @@
+/* cuts: --clip, from its words to the clips of surfaces. */
+#include "apps/isorender/cuts.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "apps/isorender/isorender.h"
+#include "scene/bounds.h"
+
+iso_status isorender_apply_clip(void *target, const char *value, iso_error *error) {
+    isorender_settings *settings = target;
+    if (settings->cut_count == ISO_CLIP_BODIES)
+        return iso_fail(error, ISO_ERR_USAGE, "more than %d cuts", ISO_CLIP_BODIES);
+    ISO_TRY(iso_cut_parse(value, &settings->cuts[settings->cut_count], error));
+    settings->cut_texts[settings->cut_count++] = value;
+    return ISO_OK;
+}
+
+/* slice, or slice:COLORMAP */
+static bool parse_slice_cap(const char *value, iso_colormap *map) {
+    if (strcmp(value, "slice") == 0) return true;
+    if (strncmp(value, "slice:", 6) != 0) return false;
+    for (int i = 0; i < ISO_COLORMAP_COUNT; i++)
+        if (strcmp(value + 6, iso_colormap_name((iso_colormap)i)) == 0) {
+            *map = (iso_colormap)i;
+            return true;
+        }
+    return false;
+}
+
+iso_status isorender_apply_cap(void *target, const char *value, iso_error *error) {
+    isorender_settings *settings = target;
+    uint8_t rgb[3];
+    settings->cap = ISORENDER_CAP_NONE;
+    if (strcmp(value, "none") == 0) return ISO_OK;
+    settings->cap = ISORENDER_CAP_SURFACE;
+    if (strcmp(value, "surface") == 0) return ISO_OK;
+    settings->cap = ISORENDER_CAP_SLICE;
+    if (parse_slice_cap(value, &settings->slice_map)) return ISO_OK;
+    settings->cap = ISORENDER_CAP_COLOR;
+    if (!iso_parse_color(value, rgb))
+        return iso_fail(
+            error, ISO_ERR_USAGE,
+            "'%s' is not slice, slice:COLORMAP (viridis, inferno, turbo, coolwarm, gray), surface, none "
+            "or a colour",
+            value);
+    settings->cap_color = (iso_rgb){rgb[0], rgb[1], rgb[2]};
+    return ISO_OK;
+}
+
+iso_status isorender_apply_slice(void *target, const char *value, iso_error *error) {
+    isorender_settings *settings = target;
+    if (settings->slice_count == ISO_SLICES)
+        return iso_fail(error, ISO_ERR_USAGE, "more than %d slices", ISO_SLICES);
+    return iso_cut_parse_plane(value, &settings->slices[settings->slice_count++], error);
+}
+
+bool isorender_has_caps(const isorender_settings *settings) {
+    return settings->cap != ISORENDER_CAP_NONE || settings->slice_count;
+}
+
+/* Options of caps and slices without what they are for. */
+static iso_status check_caps(const isorender_settings *settings, iso_error *error) {
+    const bool shows = settings->cap == ISORENDER_CAP_SLICE || settings->slice_count;
+    if (settings->cap != ISORENDER_CAP_NONE && !settings->cut_count)
+        return iso_fail(error, ISO_ERR_USAGE, "--cap closes what --clip cuts: it needs --clip");
+    if (!isnan(settings->window[0]) && !shows)
+        return iso_fail(error, ISO_ERR_USAGE, "--window is for --slice and --cap slice");
+    if (!isnan(settings->window[0]) && !(settings->window[1] > 0))
+        return iso_fail(error, ISO_ERR_USAGE, "--window: the width, %g, is not above 0", settings->window[1]);
+    const char *unfit = settings->no_input                   ? "no input"
+                        : settings->object_options.has_cloud ? "points"
+                        : settings->ior > 0                  ? "--ior"
+                        : settings->parts                    ? "--part"
+                                                             : NULL;
+    if (unfit && isorender_has_caps(settings))
+        return iso_fail(error, ISO_ERR_USAGE, "%s cannot be combined with %s: it shows a volume",
+                        settings->slice_count ? "--slice" : "--cap", unfit);
+    return ISO_OK;
+}
+
+iso_status isorender_cuts_check(const isorender_settings *settings, iso_error *error) {
+    ISO_TRY(check_caps(settings, error));
+    if (!settings->cut_count) return ISO_OK;
+    if (settings->gaussians || !isorender_method_can(settings, ISO_CAN_CLIP))
+        return iso_fail(error, ISO_ERR_USAGE, "--method %s draws no cuts: %s do (--clip)",
+                        settings->gaussians ? "gaussians" : iso_method_name((iso_method)settings->method),
+                        iso_methods_that_can(ISO_CAN_CLIP, (char[ISO_METHODS_TEXT]){0}));
+    const char *unfit = settings->ior > 0                 ? "--ior"
+                        : settings->absorption_length > 0 ? "--absorption"
+                        : settings->instances             ? "--instances"
+                                                          : NULL;
+    if (unfit) return iso_fail(error, ISO_ERR_USAGE, "--clip cannot be combined with %s", unfit);
+    return ISO_OK;
+}
+
+/* The number of things that cuts can name. */
+static int thing_count(const isorender_job *job) {
+    return job->surface_count + job->object_count;
+}
+
+static iso_status check_names(const isorender_job *job, iso_error *error) {
+    const int things = thing_count(job);
+    for (int i = 0; i < job->settings->cut_count; i++)
+        for (int number = things; number < ISO_CUT_THINGS && job->settings->cuts[i].named; number++)
+            if (iso_cut_is_for(&job->settings->cuts[i], number))
+                return iso_fail(error, ISO_ERR_USAGE,
+                                "--clip %s: there is no @%d: the picture has %d thing%s",
+                                job->settings->cut_texts[i], number + 1, things, things == 1 ? "" : "s");
+    return ISO_OK;
+}
+
+static iso_vec3 row(const double *m) {
+    return iso_vec3_make(m[0], m[1], m[2]);
+}
+
+/* How near the scene comes to a camera: the least dot product of its points with the direction of view. */
+static double front_of(isorender_job *job, const iso_camera *camera) {
+    const iso_view view = iso_view_make(camera, job->settings->width, job->settings->height);
+    const iso_vec3 vectors[3] = {row(view.rotation), row(view.rotation + 3), row(view.rotation + 6)};
+    const iso_box box = isorender_bounds_of_all(job, vectors);
+    return box.lo.z;
+}
+
+static void make_clip(const isorender_job *job, int thing, const iso_camera *camera, double front,
+                      iso_clip *clip) {
+    clip->count = 0;
+    for (int i = 0; i < job->settings->cut_count; i++)
+        if (iso_cut_is_for(&job->settings->cuts[i], thing))
+            clip->body[clip->count++] = iso_cut_solve(&job->settings->cuts[i], camera, front);
+}
+
+/* Sets which values slices show: all, if --window does not say it. */
+static iso_status choose_window(isorender_job *job, iso_error *error) {
+    const isorender_settings *settings = job->settings;
+    const double centre = settings->window[0], width = settings->window[1];
+    iso_slice_look *look = &job->slice_look;
+    *look = (iso_slice_look){centre - width / 2, centre + width / 2, settings->slice_map};
+    if (!isnan(centre)) return ISO_OK;
+    ISO_TRY(iso_loader_histogram(&job->loader, error));
+    look->low = job->loader.histogram.minimum;
+    look->high = job->loader.histogram.maximum;
+    return ISO_OK;
+}
+
+static iso_status make_slices(isorender_job *job, const iso_camera *camera, double front, iso_error *error) {
+    const isorender_settings *settings = job->settings;
+    if (!isorender_has_caps(settings)) return ISO_OK;
+    if (job->chunks)
+        return iso_fail(
+            error, ISO_ERR_USAGE,
+            "--cap and --slice show a volume in memory: this one is drawn in chunks (--max-memory)");
+    for (int i = 0; i < settings->slice_count; i++) {
+        const iso_clip_body body = iso_cut_solve(&settings->slices[i], camera, front);
+        memcpy(job->slices[i].plane, body.face[0], sizeof job->slices[i].plane);
+    }
+    return choose_window(job, error);
+}
+
+iso_cut_caps isorender_caps(const isorender_job *job, iso_capped solids[ISORENDER_SURFACES]) {
+    const isorender_settings *settings = job->settings;
+    for (int i = 0; i < job->surface_count; i++) {
+        const isorender_surface *surface = &job->surfaces[i];
+        solids[i] = (iso_capped){&surface->scene.grid, surface->scene.isovalue, (uint8_t)i,
+                                 settings->cap == ISORENDER_CAP_COLOR ? settings->cap_color : surface->color,
+                                 surface->scene.clip};
+    }
+    return (iso_cut_caps){.solids = solids,
+                          .count = job->surface_count,
+                          .caps = settings->cap != ISORENDER_CAP_NONE,
+                          .shows = settings->cap == ISORENDER_CAP_SLICE,
+                          .slices = job->slices,
+                          .slice_count = settings->slice_count,
+                          .look = job->slice_look,
+                          .factor = iso_picture_factor(job->samples)};
+}
+
+/* Lines and glyphs are never cut: a cut that names them is refused, and one for everything says so. */
+static iso_status check_objects(const isorender_job *job, int frame, iso_error *error) {
+    bool whole = false;
+    for (int i = 0; i < job->object_count; i++) {
+        const isorender_object_settings *object = job->objects[i].settings;
+        for (int k = 0; k < job->settings->cut_count && object->kind != ISORENDER_MESH; k++) {
+            const iso_cut *cut = &job->settings->cuts[k];
+            if (cut->named && iso_cut_is_for(cut, job->surface_count + i))
+                return iso_fail(
+                    error, ISO_ERR_USAGE,
+                    "--clip %s: %s is not cut: only surfaces and meshes are, not lines and glyphs",
+                    job->settings->cut_texts[k], object->path);
+            whole |= !cut->named;
+        }
+    }
+    if (whole && !frame)
+        isorender_log(job, "note: --clip cuts surfaces and meshes; lines and glyphs stay whole");
+    return ISO_OK;
+}
+
+iso_status isorender_cuts_make(isorender_job *job, int frame, iso_error *error) {
+    if (!job->settings->cut_count && !isorender_has_caps(job->settings)) return ISO_OK;
+    ISO_TRY(check_names(job, error));
+    ISO_TRY(check_objects(job, frame, error));
+    const size_t things = (size_t)thing_count(job);
+    if (!job->clips) job->clips = calloc(things, sizeof *job->clips);
+    if (!job->clips) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
+    const iso_camera camera = isorender_camera_of_frame(job, frame);
+    const double front = front_of(job, &camera);
+    for (int i = 0; i < (int)things; i++) make_clip(job, i, &camera, front, &job->clips[i]);
+    for (int i = 0; i < job->surface_count; i++) job->surfaces[i].scene.clip = &job->clips[i];
+    for (int i = 0; i < job->object_count; i++)
+        job->objects[i].scene.clip = &job->clips[job->surface_count + i];
+    return make_slices(job, &camera, front, error);
+}
+
+/* The direction of a plane's normal, of two the one whose greatest component is positive: for messages. */
+static iso_vec3 positive(const double face[4]) {
+    const double *n = face;
+    const int axis = fabs(n[0]) >= fabs(n[1]) && fabs(n[0]) >= fabs(n[2]) ? 0
+                     : fabs(n[1]) >= fabs(n[2])                           ? 1
+                                                                          : 2;
+    const double sign = n[axis] < 0 ? -1 : 1;
+    return iso_vec3_make(sign * n[0] + 0.0, sign * n[1] + 0.0, sign * n[2] + 0.0);
+}
+
+/* Fails if the half-space of a cut leaves nothing. */
+static iso_status fail_plane(isorender_job *job, int number, const iso_clip_body *body, iso_error *error) {
+    const double *face = body->face[0];
+    const iso_vec3 normal = positive(face), vectors[3] = {normal, normal, normal};
+    const iso_box reach = isorender_bounds_of_all(job, vectors);
+    const double at = iso_vec3_dot(normal, row(face)) * face[3] + 0.0, ends[2] = {reach.lo.x, reach.hi.x};
+    const bool above = iso_vec3_dot(normal, row(face)) < 0; /* the body lies above the plane */
+    const bool cuts_above = above != body->keeps;
+    if (cuts_above ? ends[0] < at : ends[1] > at) return ISO_OK; /* something is left */
+    return iso_fail(
+        error, ISO_ERR_EMPTY,
+        "--clip %s leaves nothing: along %.4g,%.4g,%.4g the plane is at %g mm, and the surface reaches "
+        "from %g to %g mm",
+        job->settings->cut_texts[number], normal.x, normal.y, normal.z, at, ends[0], ends[1]);
+}
+
+iso_status isorender_cuts_fail_empty(isorender_job *job, iso_error *error) {
+    const isorender_settings *settings = job->settings;
+    if (!settings->cut_count) return ISO_OK;
+    const iso_camera camera = isorender_camera_of_frame(job, job->frame);
+    const double front = front_of(job, &camera);
+    for (int i = 0; i < settings->cut_count; i++) {
+        const iso_cut *cut = &settings->cuts[i];
+        const iso_clip_body body = iso_cut_solve(cut, &camera, front);
+        if (cut->plane || cut->by_depth) ISO_TRY(fail_plane(job, i, &body, error));
+    }
+    const iso_box *all = &job->bounds_world;
+    return iso_fail(
+        error, ISO_ERR_EMPTY,
+        "nothing of what --clip leaves is in view: the surface reaches from %g,%g,%g to %g,%g,%g mm",
+        all->lo.x, all->lo.y, all->lo.z, all->hi.x, all->hi.y, all->hi.z);
+}

@@ -1,0 +1,44 @@
+/* cuts: what is cut away of the things in a scene, as people write it: planes, boxes and balls, for
+ * everything or for certain surfaces. */
+#ifndef ISO_SCENE_CUTS_H
+#define ISO_SCENE_CUTS_H
+
+#include "image/camera.h"
+#include "render/view/clip.h"
+
+enum { ISO_CUT_THINGS = 128 }; /* surfaces and objects that a cut can name: 1 .. this number */
+
+/* One cut. */
+typedef struct iso_cut {
+    bool by_depth;      /* cuts away what is less than `depth` mm behind the front of the scene */
+    double depth;       /* mm along the view */
+    iso_clip_body body; /* in the world; without by_depth */
+    bool plane;         /* `body` is a half-space */
+    bool named;         /* only the things whose bits are set, bit n - 1 for thing n; else everything */
+    uint64_t things[ISO_CUT_THINGS / 64];
+} iso_cut;
+
+/* The forms of iso_cut_parse in one line, for messages. */
+extern const char iso_cut_forms[];
+
+/* Parses
+ *   x<MM or x>MM (y, z)            what lies there in the world (mm, LPS)
+ *   X,Y,Z:NX,NY,NZ                 the side of the plane through the point that the normal points to
+ *   camera:MM                      what lies less than MM behind the front of the scene, along the view
+ *   box:X0,Y0,Z0,X1,Y1,Z1          the inside of a box
+ *   sphere:X,Y,Z,R                 the inside of a ball
+ * With keep: before it, everything else is cut away. With @N,.. behind it, only the surfaces and objects with
+ * these numbers (from 1) are cut. ISO_ERR_USAGE. */
+iso_status iso_cut_parse(const char *text, iso_cut *cut, iso_error *error);
+
+/* Parses a plane: x=MM (y, z), X,Y,Z:NX,NY,NZ or camera:MM. ISO_ERR_USAGE. */
+iso_status iso_cut_parse_plane(const char *text, iso_cut *plane, iso_error *error);
+
+/* The half-space of a cut with by_depth, seen by a camera. front: least dot product of a point of the scene
+ * with the unit vector of the view. Other cuts are returned as they are. */
+iso_clip_body iso_cut_solve(const iso_cut *cut, const iso_camera *camera, double front);
+
+/* Whether a cut is for thing `number` (from 0). */
+bool iso_cut_is_for(const iso_cut *cut, int number);
+
+#endif
