@@ -15,9 +15,10 @@ typedef enum iso_capability {
     ISO_CAN_LEVELS = 1 << 4,    /* levels of detail of points */
     ISO_CAN_SELECTION = 1 << 5, /* leaves out points that are hidden */
     ISO_CAN_INSTANCES = 1 << 6,
-    ISO_CAN_PYRAMID = 1 << 7, /* has an image pyramid, which lines and triangles can share */
-    ISO_CAN_CHUNKS = 1 << 8,  /* draws volumes that are larger than memory, and parts of a picture */
-    ISO_CAN_GL = 1 << 9       /* the gl engine has it, too */
+    ISO_CAN_PYRAMID = 1 << 7,   /* has an image pyramid, which lines and triangles can share */
+    ISO_CAN_CHUNKS = 1 << 8,    /* draws volumes that are larger than memory, and parts of a picture */
+    ISO_CAN_GL = 1 << 9,        /* the gl engine has it, too */
+    ISO_CAN_OCCLUSION = 1 << 10 /* occlusion, shadows and outlines of opaque surfaces */
 } iso_capability;
 
 typedef struct iso_renderer {
