@@ -526,12 +526,14 @@ static void test_layers(void **state) {
     assert_int_equal(iso_surface_create(f->volume, &bad, &outer, NULL), ISO_ERR_USAGE);
 }
 
-/* Occlusion, a shadow and an outline darken a picture, each in its own way; the same ones again. */
+/* Occlusion, a shadow and an outline darken a picture of a ball with a dent, each in its own way; the same
+ * ones again. */
 static void test_light(void **state) {
     fixture *f = *state;
     iso_image plain = {0}, lit = {0};
     const iso_render_opts bad[] = {{.occlusion = -2}, {.outline = 17}, {.outline = -1}},
                           opts[] = {{.occlusion = ISO_OCCLUSION_USUAL}, {.shadow = true}, {.outline = 1}};
+    write_box(f, (int[3]){12, 0, 12}, (int[3]){27, 16, 24}, 0);
     assert_int_equal(iso_render(f->surface, NULL, &plain, NULL), ISO_OK);
     for (int i = 0; i < 6; i++) {
         long darker = 0;
