@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <stdatomic.h>
+#include <string.h>
 
 #include "base/memory.h"
 #include "render/occlusion/visibility_groups.h"
@@ -291,16 +292,39 @@ static bool light_pixel(rows *r, int x, int y) {
     return finished;
 }
 
+/* Whether the eight samples from column x on show nothing in all rows of a pixel. */
+static bool is_empty(const rows *r, int x, int y) {
+    const iso_gbuffer *g = r->gbuffer;
+    const size_t first = (size_t)(y * r->factor) * (size_t)g->width + (size_t)x;
+    uint64_t all = UINT64_MAX, eight;
+    for (int j = 0; j < r->factor; j++) {
+        memcpy(&eight, g->surface + first + (size_t)j * (size_t)g->width, sizeof eight);
+        all &= eight;
+    }
+    return all == UINT64_MAX; /* ISO_SURFACE_NONE is 255 */
+}
+
+/* Returns whether nothing was missing. */
+static bool light_row(rows *r, int y) {
+    const int width = r->gbuffer->width, factor = r->factor;
+    bool finished = true;
+    for (int x = 0; x < width;) {
+        const int end = x + 8 <= width ? x + 8 / factor * factor : x + factor;
+        if (x + 8 > width || !is_empty(r, x, y))
+            for (; x < end; x += factor) finished &= light_pixel(r, x / factor, y);
+        x = end;
+    }
+    return finished;
+}
+
 static void light_band(void *context, size_t number, int worker) {
     (void)worker;
     rows *r = context;
     const iso_rows band = iso_band_rows(r->count, r->bands, number);
     for (int y = band.first; y <= band.last; y++) {
         if (r->finished[y]) continue;
-        bool finished = true;
-        for (int x = 0; x < r->gbuffer->width / r->factor; x++) finished &= light_pixel(r, x, r->first + y);
-        r->finished[y] = finished;
-        if (!finished) atomic_store_explicit(&r->is_missing, true, memory_order_relaxed);
+        r->finished[y] = light_row(r, r->first + y);
+        if (!r->finished[y]) atomic_store_explicit(&r->is_missing, true, memory_order_relaxed);
     }
 }
 
