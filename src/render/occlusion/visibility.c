@@ -90,23 +90,29 @@ static iso_ray_step step_at(const double direction[3], int number) {
     return (iso_ray_step){.column = at[0] >> 5, .shift = at[0] & 31, .y = at[1], .z = at[2]};
 }
 
+/* The step behind step `number`: of light from all around every second one beyond 16 voxels, as what is far away
+ * is seen from many nodes in many directions. */
+static int next_step(const iso_visibility *v, int number) {
+    return number + (v->directions.by_cosine && number >= 16 ? 2 : 1);
+}
+
 static iso_status make_rays(iso_visibility *v, double range, iso_error *error) {
     double direction[3];
     size_t total = 0;
     for (int i = 0; i < v->directions.count; i++) {
         const int last = direction_of(v, i, range, direction);
-        v->rays[i].count = last < FIRST_STEP ? 0 : last - FIRST_STEP + 1;
+        for (int k = FIRST_STEP; k <= last; k = next_step(v, k)) v->rays[i].count++;
         total += (size_t)v->rays[i].count;
     }
     v->steps = iso_alloc((total ? total : 1) * sizeof *v->steps);
     if (!v->steps) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for rays");
     iso_ray_step *next = v->steps;
     for (int i = 0; i < v->directions.count; i++) {
-        direction_of(v, i, range, direction);
+        const int last = direction_of(v, i, range, direction);
         v->rays[i].steps = next;
-        for (int k = 0; k < v->rays[i].count; k++) *next++ = step_at(direction, FIRST_STEP + k);
+        for (int k = FIRST_STEP; k <= last; k = next_step(v, k)) *next++ = step_at(direction, k);
         for (int axis = 0; axis < 3; axis++) {
-            const int reach = (int)ceil(fabs(direction[axis]) * (v->rays[i].count + FIRST_STEP)) + 1;
+            const int reach = (int)ceil(fabs(direction[axis]) * last) + 2;
             if (reach > v->reach[axis]) v->reach[axis] = reach;
         }
     }
