@@ -90,8 +90,8 @@ static iso_ray_step step_at(const double direction[3], int number) {
     return (iso_ray_step){.column = at[0] >> 5, .shift = at[0] & 31, .y = at[1], .z = at[2]};
 }
 
-/* The step behind step `number`: of light from all around every second one beyond 16 voxels, as what is far away
- * is seen from many nodes in many directions. */
+/* The step behind step `number`: of light from all around every second one beyond 16 voxels, as what is far
+ * away is seen from many nodes in many directions. */
 static int next_step(const iso_visibility *v, int number) {
     return number + (v->directions.by_cosine && number >= 16 ? 2 : 1);
 }
