@@ -614,7 +614,16 @@ typedef struct iso_render_opts {
      * glass. */
     const iso_glass_opts *glass;
     iso_aov *aov; /* receives depth, normals and coverage, and with shapes also ids; NULL: not wanted */
+    /* Light that shows the shape of opaque surfaces. Ambient occlusion: within how many mm surfaces darken
+     * each other; ISO_OCCLUSION_USUAL: a tenth of the volume's longest side; 0: not at all. A soft shadow of
+     * the key light. Dark lines along silhouettes and creases, on dark backgrounds light: their width in
+     * pixels, up to 16; 0: none. What is found out about occlusion is kept by the surface for further
+     * pictures of it alone. */
+    double occlusion;
+    bool shadow;
+    double outline;
 } iso_render_opts;
+#define ISO_OCCLUSION_USUAL (-1.0)
 
 /* Renders a surface on the CPU. `image` and opts->aov are zeroed or hold an earlier picture, whose memory is
  * reused if the size is the same. After a failure their pixels are undefined. ISO_ERR_EMPTY: the surface is

@@ -80,7 +80,8 @@ static const char *why_opaque(const isorender_job *job) {
     if (method != ISO_METHOD_SPLATS && method != ISO_METHOD_SPLATS_FLAT)
         return "only --method splats with --reconstruction flat or groups draws them";
     if (settings->ior > 0) return "glass has one --opacity for all";
-    if (settings->lighting) return "--shading edl shades opaque surfaces";
+    if (isorender_light_option(settings))
+        return "--shading edl, --occlusion, --shadow and --outline are of opaque surfaces";
     return NULL;
 }
 

@@ -13,7 +13,7 @@
 /* An option that Gaussians do not have; NULL: none is given. */
 static const char *unfit_option(const isorender_settings *settings) {
     return settings->aov                                  ? "--aov"
-           : settings->lighting                           ? "--shading edl"
+           : isorender_light_option(settings)             ? isorender_light_option(settings)
            : settings->radius > 0 || settings->radius < 0 ? "--radius"
            : settings->normals != ISORENDER_NORMALS_FILE  ? "--normals"
                                                           : NULL;

@@ -95,6 +95,7 @@ struct isorender_job {
     struct isorender_chunks *chunks;                 /* chunks.h; NULL: the volume is drawn as a whole */
     bool did_not_fit, notes_logged, isovalue_logged; /* in the attempt to draw it as a whole */
     iso_point_workspace *point_workspace;            /* or NULL */
+    iso_occluders occluders;                         /* of --occlusion and --shadow */
     iso_camera camera;                               /* of the first frame */
     isorender_frame *frames;
     int frame_count;

@@ -368,16 +368,40 @@ iso_status isorender_translucent_check(const isorender_settings *settings, bool 
                     needs);
 }
 
-/* Eye-dome lighting is of what the depths of a picture show: opaque surfaces. */
+const char *isorender_light_option(const isorender_settings *settings) {
+    return settings->lighting != ISO_LIGHTING_PHONG ? "--shading edl"
+           : settings->occlusion != 0               ? "--occlusion"
+           : settings->shadow                       ? "--shadow"
+           : settings->outline > 0                  ? "--outline"
+                                                    : NULL;
+}
+
+/* What is found out with the depths and normals of a picture is of opaque surfaces. */
 static iso_status check_lighting(const isorender_settings *settings, iso_error *error) {
+    const char *light = isorender_light_option(settings);
     const char *option = settings->ior > 0                           ? "--ior"
                          : settings->gaussians                       ? "--method gaussians"
                          : isorender_is_translucent(settings)        ? "--opacity below 1"
                          : isorender_object_opacity_option(settings) ? "translucent objects"
                                                                      : NULL;
-    if (settings->lighting == ISO_LIGHTING_PHONG || !option) return ISO_OK;
-    return iso_fail(error, ISO_ERR_USAGE,
-                    "--shading edl shades opaque surfaces: it cannot be combined with %s", option);
+    if (!light) return ISO_OK;
+    if (option)
+        return iso_fail(error, ISO_ERR_USAGE, "%s is of opaque surfaces: it cannot be combined with %s",
+                        light, option);
+    if (settings->lighting != ISO_LIGHTING_PHONG && (settings->occlusion != 0 || settings->shadow))
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "--shading edl lights by depths alone: it cannot be combined with %s",
+                        settings->occlusion != 0 ? "--occlusion" : "--shadow");
+    if (settings->instances && (settings->occlusion != 0 || settings->shadow))
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "instances do not darken each other: %s cannot be combined with "
+                        "--instances",
+                        light);
+    if (!isorender_method_can(settings, ISO_CAN_OCCLUSION))
+        return iso_fail(error, ISO_ERR_USAGE, "--method %s has no %s: %s have",
+                        iso_method_name((iso_method)settings->method), light,
+                        iso_methods_that_can(ISO_CAN_OCCLUSION, (char[ISO_METHODS_TEXT]){0}));
+    return ISO_OK;
 }
 
 /* Gaussians have opacities of their own, and only the cpu engine draws them. */

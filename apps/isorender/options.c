@@ -4,6 +4,7 @@
 
 #include "apps/isorender/channels.h"
 #include "apps/isorender/cuts.h"
+#include "apps/isorender/looks.h"
 #include "apps/isorender/mpi_ranks.h"
 #include "apps/isorender/option_checks.h"
 #include "base/text.h"
@@ -11,6 +12,7 @@
 #include "io/key_file.h"
 #include "render/glass/glass.h"
 #include "render/groups/grouping.h"
+#include "render/shading/outline.h"
 
 #ifndef ISO_VERSION
 #error "ISO_VERSION comes from CMake"
@@ -150,6 +152,25 @@ static iso_status apply_part(void *target, const char *value, iso_error *error) 
     settings->part = part;
     settings->parts = parts;
     return ISO_OK;
+}
+
+static iso_status apply_occlusion(void *target, const char *value, iso_error *error) {
+    isorender_settings *settings = target;
+    settings->occlusion = NAN;
+    if (!value || (iso_parse_real(value, &settings->occlusion) && settings->occlusion > 0 &&
+                   settings->occlusion <= 1e12))
+        return ISO_OK;
+    return iso_fail(error, ISO_ERR_USAGE, "'%s' is not a range in mm, above 0", value);
+}
+
+static iso_status apply_outline(void *target, const char *value, iso_error *error) {
+    isorender_settings *settings = target;
+    settings->outline = 1;
+    if (!value || (iso_parse_real(value, &settings->outline) && settings->outline > 0 &&
+                   settings->outline <= ISO_OUTLINE_MOST))
+        return ISO_OK;
+    return iso_fail(error, ISO_ERR_USAGE, "'%s' is not a width in pixels, above 0 and up to %g", value,
+                    ISO_OUTLINE_MOST);
 }
 
 static iso_status apply_background(void *target, const char *value, iso_error *error) {
@@ -452,6 +473,22 @@ static const iso_option options[] = {
      "around them stand out before them, which needs no normals; for files of points whose normals say "
      "little)",
      .group = PICTURE, .standard = "phong", CHOICE(lighting, lightings)},
+    {"occlusion", NULL, "MM",
+     "ambient occlusion: what is surrounded by surfaces within MM, as hollows and clefts, is darker; of "
+     "opaque surfaces of volumes",
+     .group = PICTURE, .standard = "none; without MM a tenth of the volume's longest side",
+     CALL(apply_occlusion), .flags = ISO_OPTION_VALUE_OPTIONAL},
+    {"shadow", NULL, NULL, "a soft shadow of the key light, which comes from above left", .group = PICTURE,
+     FLAG(shadow)},
+    {"outline", NULL, "PX",
+     "lines along silhouettes and creases of opaque surfaces, PX wide; dark, on dark backgrounds light",
+     .group = PICTURE, .standard = "none; without PX 1", CALL(apply_outline),
+     .flags = ISO_OPTION_VALUE_OPTIONAL},
+    {"look", NULL, "NAME",
+     "paper (figures), studio (dark slides), xray (seen through) or clay: values for --color, --background, "
+     "--opacity, --occlusion, --shadow, --outline and --samples, as far as these are not given (--look NAME "
+     "--save-scene - prints them)",
+     .group = PICTURE, .standard = "none", CHOICE(look, isorender_look_names), UNRECORDED},
     {"point-scaling", NULL, "NAME",
      "width of points: exact (by depth) or attenuated (by distance, as OpenGL 1.4 did it; needs OpenGL)",
      .group = PAPERS, .standard = "exact", CHOICE(scaling, scalings)},
@@ -465,9 +502,11 @@ static const iso_option options[] = {
     {"samples", NULL, "N", "samples a pixel: 1, 4, 9, ... 64", .group = PICTURE,
      .standard = "4 of opaque pictures by exact, else 1", CALL(apply_samples)},
     {"background", "background-color", "COLOR|none",
-     "colour of the background, RRGGBB or a name of CSS; none is transparent (not in a .jpg)",
+     "colour of the background, RRGGBB or a name of CSS; none, or --no-background, is transparent (not in a "
+     ".jpg)",
      .group = PICTURE, .standard = "FFFFFF", CALL(apply_background)},
-    {"no-background", NULL, NULL, "the same as --background none", .group = PICTURE, FLAG(transparent)},
+    {"no-background", NULL, NULL, "the same as --background none", .group = PICTURE, FLAG(transparent),
+     .flags = ISO_OPTION_HIDDEN},
     {"scale-bar", NULL, NULL,
      "draw a bar of a round length, about a fifth of the picture's width, with its length in the unit of the "
      "file; needs "
@@ -708,5 +747,6 @@ iso_status isorender_settings_parse(int argc, char *const *argv, isorender_setti
     if (settings->method != ISORENDER_METHOD_UNCHOSEN)
         settings->method = (int)iso_method_families[settings->method];
     if (settings->common.action) return ISO_OK;
+    ISO_TRY(isorender_look_apply(settings, error));
     return isorender_settings_check(settings, operands, error);
 }

@@ -20,6 +20,7 @@
 #include "render/gl/groups.h"
 #include "render/gl/pullpush.h"
 #include "render/gl/shapes.h"
+#include "render/shading/outline.h"
 
 /* ---- one picture ---- */
 
@@ -203,6 +204,13 @@ iso_scene isorender_scene(isorender_job *job, isorender_scene_arrays *arrays) {
                        .progress = &arrays->progress};
 }
 
+static iso_occlusion_opts occlusion_opts(const isorender_settings *settings) {
+    return (iso_occlusion_opts){.ambient = settings->occlusion != 0,
+                                .range = isnan(settings->occlusion) ? 0 : settings->occlusion,
+                                .shadow = settings->shadow,
+                                .most_bytes = iso_memory_limit(settings->common.input.max_memory) / 8};
+}
+
 static iso_status render_scene(isorender_job *job, iso_picture_opts *opts, iso_image *image,
                                isorender_frame *frame, iso_error *error) {
     const iso_scene_glass glass = make_glass(job);
@@ -215,6 +223,8 @@ static iso_status render_scene(isorender_job *job, iso_picture_opts *opts, iso_i
         caps = isorender_caps(job, solids);
         scene.caps = &caps;
     }
+    scene.occlusion = occlusion_opts(job->settings);
+    scene.occluders = &job->occluders;
     if (!has_layers(job)) tell_part(job, 0, 1);
     ISO_TRY(iso_scene_render(&scene, opts, image, &frame->covered, error));
     frame->layers = scene.totals;
@@ -262,8 +272,10 @@ static iso_status render_frame(isorender_job *job, int frame, canvas *c, iso_err
                              .height = settings->height,
                              .samples = job->samples,
                              .strip_bytes = (size_t)strip_bytes(settings),
-                             .shading = {colors, count, settings->background, settings->transparent},
+                             .shading = {colors, count, settings->background, settings->transparent,
+                                         iso_outline_color(settings->background, settings->transparent != 0)},
                              .lighting = (iso_lighting)settings->lighting,
+                             .outline = settings->outline,
                              .pool = job->pool,
                              .aov = c->aov.depth ? &c->aov : NULL};
     const iso_selection_counts before = isorender_selection(job);
@@ -358,7 +370,9 @@ uint64_t isorender_picture_bytes(const isorender_job *job, int samples) {
     uint64_t pixels = (uint64_t)settings->width * (uint64_t)settings->height;
     const uint64_t count = pixels * (uint64_t)samples;
     uint64_t strip = count * ISO_PICTURE_SAMPLE_BYTES;
-    if (settings->lighting) strip += count * sizeof(float);
+    const bool planes[] = {settings->lighting, settings->occlusion != 0, settings->shadow,
+                           settings->outline > 0};
+    for (int i = 0; i < 4; i++) strip += planes[i] ? count * sizeof(float) : 0;
     const uint64_t gbuffer = smaller(strip, strip_bytes(settings));
     uint64_t aov = settings->aov ? pixels * (ISO_AOV_PLANES + 1) * sizeof(float) : 0;
     if (has_ids(settings)) aov += pixels * ISO_ID_PLANES * sizeof(uint32_t);
@@ -415,8 +429,19 @@ static iso_status upload(isorender_job *job, iso_error *error) {
     return iso_gl_scene_upload(&job->gl, &scene, error);
 }
 
+/* Notes that there is nothing that could occlude. */
+static void note_occlusion(const isorender_job *job) {
+    const isorender_settings *settings = job->settings;
+    if (settings->occlusion == 0 && !settings->shadow) return;
+    for (int i = 0; i < job->surface_count; i++)
+        if (!job->surfaces[i].loader->has_points) return;
+    isorender_log(job, "note: %s of surfaces of volumes: there is none in the picture",
+                  settings->occlusion != 0 ? "--occlusion is" : "--shadow is");
+}
+
 iso_status isorender_render(isorender_job *job, iso_error *error) {
     const isorender_settings *settings = job->settings;
+    note_occlusion(job);
     ISO_TRY(isorender_camera_make(job, error));
     ISO_TRY(isorender_chunks_check(job, error));
     if (settings->parts) {

@@ -109,6 +109,7 @@ static void forget_surfaces(isorender_job *job) {
     const iso_volume_info info = job->loader.volume.info;
     free_surfaces(job);
     iso_point_workspace_destroy(job->point_workspace);
+    iso_occluders_free(&job->occluders);
     iso_volume_free(&job->loader.volume);
     job->loader.volume.info = info;
     job->point_workspace = NULL;
@@ -218,6 +219,7 @@ iso_status isorender_run(const isorender_settings *settings, const isorender_pla
     free_surfaces(job);
     isorender_chunks_free(job);
     iso_point_workspace_destroy(job->point_workspace);
+    iso_occluders_free(&job->occluders);
     iso_loader_close(&job->loader);
     for (int i = 0; i < job->volume_count; i++) iso_loader_close(&job->volumes[i]);
     free(job);

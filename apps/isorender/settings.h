@@ -153,6 +153,10 @@ typedef struct isorender_settings {
     int gaussians;      /* --method gaussians: the points of the file are drawn as 3-D Gaussians; `method` is
                            ISORENDER_METHOD_UNCHOSEN then */
     int lighting;       /* iso_lighting */
+    double occlusion;   /* range of ambient occlusion, mm; 0: none; NaN: the usual one */
+    int shadow;         /* a soft shadow of the key light */
+    double outline;     /* width of lines along outlines, pixels; 0: none */
+    int look;           /* the place in isorender_look_names */
     int reconstruction; /* iso_reconstruction; of pullpush GAUSSIAN or BOX, of discs CURVED or FLAT, of
                            splats from FLAT on, or _GROUPS; for files of points without --method CURVED,
                            which is then FLAT */
@@ -200,6 +204,8 @@ typedef struct isorender_settings {
     int progress, verbose, info;
 } isorender_settings;
 
+/* The first option given that lights or outlines opaque surfaces by depths and normals; NULL: none is. */
+const char *isorender_light_option(const isorender_settings *settings);
 /* Whether any of the isosurfaces is translucent. */
 bool isorender_is_translucent(const isorender_settings *settings);
 /* Checks options that are for translucent surfaces (`translucent`: there are some) and, but for --absorption,

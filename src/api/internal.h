@@ -9,6 +9,7 @@
 #include "isopoint.h"
 #include "scene/instances.h"
 #include "scene/object.h"
+#include "scene/occluders.h"
 
 /* A volume. Its handle points to the first member. */
 typedef struct iso_api_volume {
@@ -25,6 +26,7 @@ static inline iso_api_volume *iso_api_volume_of(iso_volume *volume) {
 struct iso_surface {
     iso_api_volume *volume;
     iso_scene_surface scene; /* the parts that renderers draw */
+    iso_occluders occluders; /* of pictures of this surface alone */
     iso_point_set *points;   /* points as floats for iso_surface_points; NULL: not requested yet */
     double opacity;
     bool has_color;

@@ -11,6 +11,7 @@
 #include "image/image.h"
 #include "io/glyphs/placements_read.h"
 #include "render/picture.h"
+#include "render/shading/outline.h"
 #include "scene/bounds.h"
 #include "scene/picture.h"
 
@@ -315,11 +316,33 @@ static iso_status open_environment(const rendering *r, iso_environment **environ
     return ISO_OK;
 }
 
+/* Checks the options of light that shows shape. */
+static iso_status set_up_light(rendering *r, const iso_render_opts *opts, iso_error *error) {
+    const bool range =
+        opts->occlusion == ISO_OCCLUSION_USUAL || (opts->occlusion >= 0 && isfinite(opts->occlusion));
+    if (!range || !(opts->outline >= 0 && opts->outline <= ISO_OUTLINE_MOST))
+        return iso_fail(error, ISO_ERR_USAGE, "occlusion within %g mm, an outline of %g pixels",
+                        opts->occlusion, opts->outline);
+    r->picture.outline = opts->outline;
+    r->picture.shading.ink = iso_outline_color(r->picture.shading.background, opts->transparent);
+    if (opts->occlusion == 0 && !opts->shadow && opts->outline == 0) return ISO_OK;
+    if (r->translucent || opts->glass)
+        return iso_fail(error, ISO_ERR_USAGE, "occlusion, shadows and outlines are of opaque surfaces");
+    if (opts->instances && (opts->occlusion != 0 || opts->shadow))
+        return iso_fail(error, ISO_ERR_USAGE, "instances do not darken each other");
+    if (!(r->renderer->can & ISO_CAN_OCCLUSION))
+        return iso_fail(error, ISO_ERR_USAGE, "the method %s has no occlusion, shadows and outlines: %s have",
+                        r->renderer->name,
+                        iso_methods_that_can(ISO_CAN_OCCLUSION, (char[ISO_METHODS_TEXT]){0}));
+    return ISO_OK;
+}
+
 static iso_status draw_picture(rendering *r, iso_image *image, size_t *covered, iso_error *error) {
     const iso_render_opts *opts = r->opts;
     const iso_glass_opts *given = opts->glass;
     iso_environment *environment = NULL;
     iso_scene_glass glass;
+    iso_occluders together = {.coarse = 0};
     if (given) {
         ISO_TRY(open_environment(r, &environment, error));
         glass = (iso_scene_glass){.glass = {.ior = given->ior,
@@ -340,9 +363,14 @@ static iso_status draw_picture(rendering *r, iso_image *image, size_t *covered, 
                        .placed = &r->placed,
                        .placed_count = opts->instances ? r->count : 0,
                        .glass = given ? &glass : NULL,
+                       .occlusion = {.ambient = opts->occlusion != 0,
+                                     .range = opts->occlusion > 0 ? opts->occlusion : 0,
+                                     .shadow = opts->shadow},
+                       .occluders = r->count == 1 ? &r->surfaces[0]->occluders : &together,
                        .transparency = opts->transparency};
     const iso_status status = iso_scene_render(&scene, &r->picture, image, covered, error);
     iso_environment_destroy(environment);
+    iso_occluders_free(&together);
     return status;
 }
 
@@ -381,6 +409,7 @@ iso_status iso_render_surfaces(iso_surface *const *surfaces, int count, const is
     ISO_TRY(make_room_for_ids(opts->shapes_count, opts->aov, error));
     ISO_TRY(set_up_layers(&r, opts, error));
     ISO_TRY(set_up_glass(&r, error));
+    ISO_TRY(set_up_light(&r, opts, error));
     const iso_status status = render(&r, image, error);
     iso_placed_free(&r.placed);
     return status;

@@ -57,6 +57,7 @@ void iso_surface_destroy(iso_surface *surface) {
     if (!surface) return;
     surface->volume->surfaces--;
     iso_point_set_destroy(surface->points);
+    iso_occluders_free(&surface->occluders);
     iso_scene_surface_free(&surface->scene);
     iso_free(surface);
 }

@@ -125,7 +125,8 @@ static iso_status draw_layers(const work *w, const compositing_row *row, float o
     const bool grouped = row->transparency != ISO_TRANSPARENCY_SORTED;
     const iso_layered_surface surface = {grouped ? &w->grouped : w->surface,
                                          {.opacity = opacity, .constant = true}};
-    const iso_shading shading = {&w->look->color, 1, w->look->background, 0};
+    const iso_shading shading = {
+        .colors = &w->look->color, .color_count = 1, .background = w->look->background};
     iso_layered_picture picture = {.method = row->method,
                                    .surfaces = &surface,
                                    .count = 1,

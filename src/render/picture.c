@@ -4,6 +4,7 @@
 #include <assert.h>
 
 #include "render/shading/eye_dome.h"
+#include "render/shading/outline.h"
 
 int iso_picture_factor(int samples) {
     if (samples == 0) return 1;
@@ -69,21 +70,51 @@ static iso_gbuffer rows_of(const iso_gbuffer *gbuffer, int first, int count) {
     if (rows.color) rows.color += skipped;
     if (rows.element) rows.element += skipped;
     if (rows.light) rows.light += skipped;
+    if (rows.ambient) rows.ambient += skipped;
+    if (rows.key) rows.key += skipped;
+    if (rows.ink) rows.ink += skipped;
     return rows;
 }
 
-/* Draws pixel rows that are lit by the depths around them, with as many rows above and below as that
- * needs. */
-static iso_status render_lit_rows(picture *p, int y0, int count, iso_error *error) {
+static bool is_lit_by_depths(const iso_picture_opts *opts) {
+    return opts->lighting == ISO_LIGHTING_EYE_DOME && !opts->layers;
+}
+
+static bool has_outline(const iso_picture_opts *opts) {
+    return opts->outline > 0 && !opts->layers;
+}
+
+/* How many rows of pixels above and below a row its light and lines depend on. */
+static int reach_of(const iso_picture_opts *opts) {
+    const int light = is_lit_by_depths(opts) ? ISO_EYE_DOME_REACH : 0,
+              lines = has_outline(opts) ? iso_outline_reach(opts->outline) : 0;
+    return light > lines ? light : lines;
+}
+
+static bool is_occluded(const iso_picture_opts *opts) {
+    return opts->occlusion && !opts->layers;
+}
+
+/* Finds the light and the lines of rows first .. last of samples. */
+static iso_status light_rows(picture *p, const iso_view *view, int first, int last, iso_error *error) {
     const iso_picture_opts *opts = p->opts;
-    const int factor = p->factor, first = y0 > ISO_EYE_DOME_REACH ? y0 - ISO_EYE_DOME_REACH : 0,
-              end = y0 + count + ISO_EYE_DOME_REACH < opts->height ? y0 + count + ISO_EYE_DOME_REACH
-                                                                   : opts->height;
+    if (is_lit_by_depths(opts)) iso_eye_dome_light(view, p->factor, first, last, &p->gbuffer, opts->pool);
+    if (has_outline(opts))
+        iso_outline_draw(view, p->factor, opts->outline, first, last, &p->gbuffer, opts->pool);
+    if (!is_occluded(opts)) return ISO_OK;
+    return iso_occlusion_light(opts->occlusion, view, p->factor, first, last, &p->gbuffer, opts->pool, error);
+}
+
+/* Draws opaque pixel rows, with as many rows above and below as that needs. */
+static iso_status render_opaque_rows(picture *p, int y0, int count, iso_error *error) {
+    const iso_picture_opts *opts = p->opts;
+    const int factor = p->factor, reach = reach_of(opts), first = y0 > reach ? y0 - reach : 0,
+              end = y0 + count + reach < opts->height ? y0 + count + reach : opts->height;
     const iso_view drawn = iso_view_rows(&p->view, first * factor, (end - first) * factor),
                    view = iso_view_rows(&p->view, y0 * factor, count * factor);
     const int above = (y0 - first) * factor;
     ISO_TRY(draw_strip(p, opts->draw, opts->draw_context, &drawn, error));
-    iso_eye_dome_light(&drawn, factor, above, above + count * factor - 1, &p->gbuffer, opts->pool);
+    ISO_TRY(light_rows(p, &drawn, above, above + count * factor - 1, error));
     const iso_gbuffer rows = rows_of(&p->gbuffer, above, count * factor);
     const iso_strip strip = {&view, &rows, factor, y0};
     if (opts->aov) iso_strip_measure(&strip, opts->aov, opts->pool);
@@ -91,26 +122,32 @@ static iso_status render_lit_rows(picture *p, int y0, int count, iso_error *erro
     return ISO_OK;
 }
 
-static bool is_lit_by_depths(const iso_picture_opts *opts) {
-    return opts->lighting == ISO_LIGHTING_EYE_DOME && !opts->layers;
-}
-
 /* Draws pixel rows y0 .. y0 + count - 1 and adds them to the image and the aov. */
 static iso_status render_rows(picture *p, int y0, int count, iso_error *error) {
     const iso_picture_opts *opts = p->opts;
     const iso_view view = iso_view_rows(&p->view, y0 * p->factor, count * p->factor);
     const iso_strip strip = {&view, &p->gbuffer, p->factor, y0};
-    if (is_lit_by_depths(opts)) return render_lit_rows(p, y0, count, error);
-    if (!opts->layers || opts->aov) ISO_TRY(draw_strip(p, opts->draw, opts->draw_context, &view, error));
+    if (!opts->layers) return render_opaque_rows(p, y0, count, error);
+    if (opts->aov) ISO_TRY(draw_strip(p, opts->draw, opts->draw_context, &view, error));
     if (opts->aov) iso_strip_measure(&strip, opts->aov, opts->pool);
-    if (opts->layers) return shade_layers(p, &strip, error);
-    p->covered += iso_shade(&opts->shading, &strip, p->image, opts->pool);
-    return ISO_OK;
+    return shade_layers(p, &strip, error);
 }
 
 /* Whether anything is drawn into the gbuffer. */
 static bool needs_gbuffer(const iso_picture_opts *opts) {
     return !opts->layers || opts->layers->draw_opaque || opts->aov;
+}
+
+/* Allocates the planes of the gbuffer that pictures do not always need. */
+static iso_status add_planes(picture *p, iso_error *error) {
+    const iso_picture_opts *opts = p->opts;
+    iso_gbuffer *g = &p->gbuffer;
+    if (is_lit_by_depths(opts)) ISO_TRY(iso_gbuffer_add_plane(g, &g->light, error));
+    if (is_occluded(opts) && opts->occlusion->range > 0)
+        ISO_TRY(iso_gbuffer_add_plane(g, &g->ambient, error));
+    if (is_occluded(opts) && opts->occlusion->has_shadow) ISO_TRY(iso_gbuffer_add_plane(g, &g->key, error));
+    if (has_outline(opts)) ISO_TRY(iso_gbuffer_add_plane(g, &g->ink, error));
+    return opts->aov && opts->aov->ids[0] ? iso_gbuffer_add_elements(g, error) : ISO_OK;
 }
 
 iso_status iso_picture_render(const iso_picture_opts *opts, iso_image *image, size_t *covered,
@@ -122,13 +159,10 @@ iso_status iso_picture_render(const iso_picture_opts *opts, iso_image *image, si
     int rows = strip_rows(opts, factor);
     iso_view pixels = opts->view ? *opts->view : iso_view_make(opts->camera, opts->width, opts->height);
     picture p = {.opts = opts, .view = iso_view_scaled(&pixels, factor), .factor = factor, .image = image};
-    const bool lit = is_lit_by_depths(opts);
-    const int more = lit && rows < opts->height ? 2 * ISO_EYE_DOME_REACH : 0;
+    const int more = rows < opts->height ? 2 * reach_of(opts) : 0;
     if (needs_gbuffer(opts))
         ISO_TRY(iso_gbuffer_create(opts->width * factor, (rows + more) * factor, &p.gbuffer, error));
-    iso_status status = lit ? iso_gbuffer_add_light(&p.gbuffer, error) : ISO_OK;
-    if (status == ISO_OK && opts->aov && opts->aov->ids[0])
-        status = iso_gbuffer_add_elements(&p.gbuffer, error);
+    iso_status status = add_planes(&p, error);
     for (int y0 = 0; y0 < opts->height && status == ISO_OK; y0 += rows) {
         const int count = opts->height - y0 < rows ? opts->height - y0 : rows;
         if (opts->begin_strip)

@@ -7,6 +7,7 @@
 #include "image/aov.h"
 #include "image/camera.h"
 #include "image/image.h"
+#include "render/occlusion/occlusion.h"
 #include "render/shading/shading.h"
 #include "render/view/gbuffer.h"
 
@@ -38,7 +39,9 @@ typedef struct iso_picture_opts {
     int samples;        /* per pixel: a square number 1, 4, 9 .. 64; 0 means 1 */
     size_t strip_bytes; /* of the gbuffer, at most; 0 means ISO_PICTURE_STRIP_BYTES */
     iso_shading shading;
-    iso_lighting lighting; /* not used with `layers` */
+    iso_lighting lighting;    /* not used with `layers` */
+    iso_occlusion *occlusion; /* NULL: nothing is occluded. Not used with `layers` */
+    double outline;           /* width of lines along outlines, pixels; 0: none. Not used with `layers` */
     iso_draw_fn *draw;
     void *draw_context;
     /* NULL, or called with draw_context before each strip, which is this part of the picture's rows, 0 ..

@@ -68,7 +68,7 @@ static void write_row(void *context, size_t row, int worker) {
 static iso_status draw_cells(void *context, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
     const cells_draw *draw = context;
     ISO_TRY(iso_gbuffer_add_color(gbuffer, error));
-    ISO_TRY(iso_gbuffer_add_light(gbuffer, error));
+    ISO_TRY(iso_gbuffer_add_plane(gbuffer, &gbuffer->light, error));
     cell_rows rows = {draw->keys->keys + (size_t)view->above * (size_t)view->width, gbuffer};
     iso_parallel_for(draw->pool, (size_t)view->height, write_row, &rows);
     return ISO_OK;

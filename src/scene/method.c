@@ -104,15 +104,16 @@ enum {
 
 /* What several methods can do. */
 enum {
-    PYRAMID = ISO_CAN_PYRAMID | ISO_CAN_LEVELS | ISO_CAN_CHUNKS | ISO_CAN_GL,
-    DISCS = ISO_CAN_LEVELS | ISO_CAN_SELECTION | ISO_CAN_INSTANCES,
-    LAYERS = ISO_CAN_LAYERS | ISO_CAN_GLASS,
+    GBUFFER = ISO_CAN_OCCLUSION, /* of all methods that draw into a gbuffer */
+    PYRAMID = GBUFFER | ISO_CAN_PYRAMID | ISO_CAN_LEVELS | ISO_CAN_CHUNKS | ISO_CAN_GL,
+    DISCS = GBUFFER | ISO_CAN_LEVELS | ISO_CAN_SELECTION | ISO_CAN_INSTANCES,
+    LAYERS = GBUFFER | ISO_CAN_LAYERS | ISO_CAN_GLASS,
     SOLIDS = LAYERS | ISO_CAN_ABSORPTION
 };
 
 static const iso_renderer METHODS[] = {
     {ISO_METHOD_POINTS, "points", "attenuated points (2003)", ISO_METHOD_POINTS, NULL,
-     ISO_RECONSTRUCTION_CURVED, POINTS, ISO_CAN_GL, draw_points},
+     ISO_RECONSTRUCTION_CURVED, POINTS, GBUFFER | ISO_CAN_GL, draw_points},
     {ISO_METHOD_PULLPUSH_BOX, "pullpush-box", "pull-push, equal weights (2008)", ISO_METHOD_PULLPUSH, "box",
      ISO_RECONSTRUCTION_BOX, POINTS, PYRAMID, draw_box},
     {ISO_METHOD_PULLPUSH, "pullpush", "pull-push, Gaussian weights (2008)", ISO_METHOD_PULLPUSH, "gaussian",
@@ -122,7 +123,7 @@ static const iso_renderer METHODS[] = {
     {ISO_METHOD_SPLATS, "splats", "splats in groups, one pass (2006)", ISO_METHOD_SPLATS, "groups",
      ISO_RECONSTRUCTION_CURVED, POINTS | GROUPS, LAYERS | ISO_CAN_GL, draw_splats},
     {ISO_METHOD_MESH, "mesh", "Marching Cubes mesh", ISO_METHOD_MESH, NULL, ISO_RECONSTRUCTION_CURVED, MESH,
-     ISO_CAN_GL | ISO_CAN_CLIP, draw_mesh},
+     GBUFFER | ISO_CAN_GL | ISO_CAN_CLIP, draw_mesh},
     {ISO_METHOD_EXACT, "exact", "the trilinear surface, cell by cell", ISO_METHOD_EXACT, NULL,
      ISO_RECONSTRUCTION_CURVED, CELLS, SOLIDS | ISO_CAN_OBJECT_LAYERS | ISO_CAN_CHUNKS | ISO_CAN_CLIP,
      draw_exact},
@@ -132,7 +133,7 @@ static const iso_renderer METHODS[] = {
  * mesh; flat discs are discs without curvatures, which are for points of files. */
 static const iso_renderer OTHERS[] = {
     {ISO_METHOD_HYBRID, "hybrid", "points and triangles (2008)", ISO_METHOD_HYBRID, NULL,
-     ISO_RECONSTRUCTION_CURVED, POINTS | MESH, ISO_CAN_PYRAMID, draw_hybrid},
+     ISO_RECONSTRUCTION_CURVED, POINTS | MESH, GBUFFER | ISO_CAN_PYRAMID, draw_hybrid},
     {ISO_METHOD_SPLATS_FLAT, "splats-flat", "splats, flat discs", ISO_METHOD_SPLATS, "flat",
      ISO_RECONSTRUCTION_FLAT, POINTS, DISCS | LAYERS | ISO_CAN_GL, draw_flat},
     {ISO_METHOD_SPLATS_FLAT, "splats-flat", "splats, flat discs", ISO_METHOD_DISCS, "flat",

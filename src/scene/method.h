@@ -18,7 +18,8 @@ typedef enum iso_capability {
     ISO_CAN_PYRAMID = 1 << 7, /* has an image pyramid, which lines and triangles can share */
     ISO_CAN_CHUNKS = 1 << 8,  /* draws volumes that are larger than memory, and parts of a picture */
     ISO_CAN_GL = 1 << 9,      /* the gl engine has it, too */
-    ISO_CAN_CLIP = 1 << 10    /* draws what is left of a surface that bodies cut (render/clip.h), and caps */
+    ISO_CAN_CLIP = 1 << 10,   /* draws what is left of a surface that bodies cut (render/clip.h), and caps */
+    ISO_CAN_OCCLUSION = 1 << 11 /* occlusion, shadows and outlines of opaque surfaces */
 } iso_capability;
 
 typedef struct iso_renderer {

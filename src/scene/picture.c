@@ -196,7 +196,7 @@ static iso_status render_glass(const iso_scene *scene, iso_picture_opts *opts, i
 static bool is_painted(const iso_scene *scene, const iso_picture_opts *opts) {
     return scene->renderer->method == ISO_METHOD_EXACT && !scene->engine && !scene->caps &&
            iso_scene_colors(scene) == 1 && scene->count == 1 && opts->samples <= 1 && !opts->aov &&
-           opts->lighting == ISO_LIGHTING_PHONG;
+           opts->lighting == ISO_LIGHTING_PHONG && !opts->occlusion && !(opts->outline > 0);
 }
 
 static iso_status paint(const iso_scene *scene, const iso_picture_opts *opts, iso_image *image,
@@ -207,6 +207,19 @@ static iso_status paint(const iso_scene *scene, const iso_picture_opts *opts, is
     return iso_paint_exact(&whole, scene->surfaces[0].surface->exact, covered, error);
 }
 
+/* Sets opts->occlusion. */
+static iso_status find_occlusion(const iso_scene *scene, iso_picture_opts *opts, iso_error *error) {
+    const iso_scene_surface *surfaces[ISO_OCCLUDERS_MAX];
+    int count = 0;
+    for (int i = 0; i < scene->count && count < ISO_OCCLUDERS_MAX; i++) {
+        const iso_scene_surface *surface = scene->surfaces[i].surface;
+        if (scene->surfaces[i].translucency.opacity >= 1 && (surface->grid.rgrid || surface->grid.hgrid))
+            surfaces[count++] = surface;
+    }
+    return iso_occluders_update(scene->occluders, surfaces, count, &scene->occlusion, opts->camera,
+                                opts->pool, &opts->occlusion, error);
+}
+
 iso_status iso_scene_render(iso_scene *scene, iso_picture_opts *opts, iso_image *image, size_t *covered,
                             iso_error *error) {
     drawing d = {scene, opts->pool};
@@ -215,6 +228,7 @@ iso_status iso_scene_render(iso_scene *scene, iso_picture_opts *opts, iso_image 
     opts->begin_strip = scene->progress ? begin_strip : NULL;
     if (scene->glass) return render_glass(scene, opts, image, covered, error);
     if (scene->translucent) return render_layers(&d, opts, image, covered, error);
+    if (scene->occluders) ISO_TRY(find_occlusion(scene, opts, error));
     return is_painted(scene, opts) ? paint(scene, opts, image, covered, error)
                                    : iso_picture_render(opts, image, covered, error);
 }

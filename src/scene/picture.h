@@ -9,6 +9,7 @@
 #include "scene/instances.h"
 #include "scene/layered_picture.h"
 #include "scene/object.h"
+#include "scene/occluders.h"
 
 /* The surface is glass. */
 typedef struct iso_scene_glass {
@@ -55,7 +56,11 @@ struct iso_scene {
     const iso_scene_glass *glass;   /* NULL: no glass; else there is one opaque surface and nothing else */
     iso_transparency transparency;  /* how splats are composited */
     const iso_cut_caps *caps;       /* caps of surfaces that are cut, and slices; NULL: none */
-    const iso_scene_engine *engine; /* NULL: the cpu engine */
+    /* What the surfaces block of the light, of pictures of opaque surfaces with ISO_CAN_OCCLUSION;
+     * `occluders` is kept between pictures, and may be NULL if nothing is blocked. */
+    iso_occlusion_opts occlusion;
+    iso_occluders *occluders;
+    const iso_scene_engine *engine;     /* NULL: the cpu engine */
     const iso_scene_progress *progress; /* NULL: nobody is told */
     iso_exact_layers_totals totals;     /* set by iso_scene_render: of translucent surfaces */
 };

@@ -19,5 +19,5 @@ for name in ("edl", "fine", "points"):
     # the middle faces the eye and has nothing before it; towards the rim the neighbours stand out
     expect(middle[0] > 0.93 * 0xD9 and sum(rim[:3]) < 0.85 * sum(middle[:3]), name, middle, rim)
 P
-isorender_refuses 2 "--shading edl shades opaque surfaces: it cannot be combined with --ior" in/ball.mha --shading edl --ior 1.5
+isorender_refuses 2 "--shading edl is of opaque surfaces: it cannot be combined with --ior" in/ball.mha --shading edl --ior 1.5
 isorender_refuses 2 "it cannot be combined with --opacity below 1" in/ball.mha --shading edl --opacity 0.5

@@ -277,7 +277,7 @@ static void surfaces_hide_one_another(void **state) {
                                                .surface_count = count};
                 assert_int_equal(iso_gl_draw(engine, &opts, &gl, NULL), ISO_OK);
                 for (int i = 0; i < count; i++)
-                    iso_draw_points(&(iso_target){&view, &cpu, NULL, (uint8_t)i}, &points[i], NULL);
+                    iso_draw_points(&(iso_target){&view, &cpu, NULL, (uint8_t)i, NULL}, &points[i], NULL);
                 assert_memory_equal(gl.surface, cpu.surface, 100 * 100);
                 assert_int_equal(gl.surface[50 * 100 + 50], count ? count - 1 : ISO_SURFACE_NONE);
                 iso_gbuffer apart = gl_gbuffer(&view); /* the same one by one, the nearest first */

@@ -389,7 +389,7 @@ static void check_surfaces(iso_gl_engine *engine, iso_reconstruction reconstruct
                 assert_int_equal(iso_gl_draw_pullpush(engine, &opts, &gl, NULL), ISO_OK);
                 for (int i = 0; i < count; i++) {
                     const iso_point_surface_opts same = {.reconstruction = reconstruction};
-                    iso_draw_point_surface(&(iso_target){&views[v], &cpu, NULL, (uint8_t)i}, &points[i],
+                    iso_draw_point_surface(&(iso_target){&views[v], &cpu, NULL, (uint8_t)i, NULL}, &points[i],
                                            &same, NULL);
                 }
                 gl_difference d = gl_compare(&views[v], &cpu, &gl);

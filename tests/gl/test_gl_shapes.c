@@ -305,7 +305,7 @@ static void several_sets(iso_gl_engine *engine) {
         for (int a = 0; a < 3; a++) cpu.normal[a][i] = gl.normal[a][i] = a == 2 ? -1 : 0;
     }
     for (int i = 0; i < 2; i++) {
-        const iso_target target = {&view, &cpu, NULL, (uint8_t)(i + 1)};
+        const iso_target target = {&view, &cpu, NULL, (uint8_t)(i + 1), NULL};
         test_ok(iso_draw_shapes(&target, sets[i], NULL, &error), &error);
         test_ok(iso_gl_upload_shapes(engine, sets[i], &uploaded[i], &error), &error);
     }

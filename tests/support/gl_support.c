@@ -76,7 +76,7 @@ static iso_image shaded(const iso_view *view, const iso_gbuffer *gbuffer) {
     static const iso_rgb colors[] = {{0xD9, 0xB3, 0x6C}, {0x3F, 0x6F, 0xA8}};
     iso_image image;
     assert_int_equal(iso_image_create(view->width, view->height, &image, NULL), ISO_OK);
-    const iso_shading shading = {colors, 2, {255, 255, 255}, 0};
+    const iso_shading shading = {colors, 2, {255, 255, 255}, 0, {0, 0, 0}};
     const iso_strip strip = {view, gbuffer, 1, 0};
     iso_shade(&shading, &strip, &image, NULL);
     return image;

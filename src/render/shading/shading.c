@@ -13,11 +13,12 @@
 
 static iso_shade_params make_params(const iso_shading *shading, const iso_strip *strip,
                                     const iso_image *image) {
-    const iso_rgb back = shading->background;
+    const iso_rgb back = shading->background, ink = shading->ink;
     iso_shade_params params = {.strip = strip,
                                .one_color = true,
                                .transparent = shading->transparent,
                                .background = {(float)back.r / 255, (float)back.g / 255, (float)back.b / 255},
+                               .ink = {(float)ink.r / 255, (float)ink.g / 255, (float)ink.b / 255},
                                .rgba = image->rgba + (size_t)strip->y0 * (size_t)image->width * 4};
     int last = shading->color_count - 1;
     for (int surface = 0; surface <= ISO_SURFACE_NONE; surface++) {

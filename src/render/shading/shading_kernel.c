@@ -14,9 +14,10 @@ enum {
 typedef struct sample_row {
     const float *normal[3];
     const uint8_t *surface;
-    const uint32_t *color; /* iso_gbuffer.color, or NULL */
-    const float *light;    /* iso_gbuffer.light, or NULL */
-    const float *u;        /* the rays are (u, v, 1) */
+    const uint32_t *color;            /* iso_gbuffer.color, or NULL */
+    const float *light;               /* iso_gbuffer.light, or NULL */
+    const float *ambient, *key, *ink; /* of the gbuffer, or NULL */
+    const float *u;                   /* the rays are (u, v, 1) */
     float v;
     size_t below; /* offset of the row below, which is prefetched; 0: none */
 } sample_row;
@@ -29,6 +30,9 @@ static sample_row row_at(const iso_shade_params *params, const float *u, int x, 
                         g->surface + at,
                         g->color ? g->color + at : NULL,
                         g->light ? g->light + at : NULL,
+                        g->ambient ? g->ambient + at : NULL,
+                        g->key ? g->key + at : NULL,
+                        g->ink ? g->ink + at : NULL,
                         u,
                         iso_slope_of_row(view, y),
                         y + 1 < g->height ? (size_t)g->width : 0};
@@ -36,7 +40,8 @@ static sample_row row_at(const iso_shade_params *params, const float *u, int x, 
 
 /* Copy of the last samples of a row, when they do not fill a vector; the rest shows no surface. */
 typedef struct last_samples {
-    float normal[3][ISO_LANES_MAX], light[ISO_LANES_MAX], u[ISO_LANES_MAX];
+    float normal[3][ISO_LANES_MAX], light[ISO_LANES_MAX], ambient[ISO_LANES_MAX], key[ISO_LANES_MAX],
+        ink[ISO_LANES_MAX], u[ISO_LANES_MAX];
     uint8_t surface[ISO_LANES_MAX];
     uint32_t color[ISO_LANES_MAX];
 } last_samples;
@@ -49,11 +54,17 @@ static sample_row copy_last(const sample_row *row, int at, int count, last_sampl
     memcpy(last->u, row->u + at, floats);
     memcpy(last->surface, row->surface + at, (size_t)count);
     if (row->light) memcpy(last->light, row->light + at, floats);
+    if (row->ambient) memcpy(last->ambient, row->ambient + at, floats);
+    if (row->key) memcpy(last->key, row->key + at, floats);
+    if (row->ink) memcpy(last->ink, row->ink + at, floats);
     if (row->color) memcpy(last->color, row->color + at, (size_t)count * sizeof *last->color);
     return (sample_row){{last->normal[0], last->normal[1], last->normal[2]},
                         last->surface,
                         row->color ? last->color : NULL,
                         row->light ? last->light : NULL,
+                        row->ambient ? last->ambient : NULL,
+                        row->key ? last->key : NULL,
+                        row->ink ? last->ink : NULL,
                         last->u,
                         row->v,
                         0};

@@ -16,7 +16,7 @@ typedef struct iso_shade_params {
     bool one_color; /* all surfaces have the same colour */
     bool transparent;
     float base[3][ISO_SURFACE_NONE + 1]; /* colours by surface, 0 .. 1 */
-    float background[3];                 /* 0 .. 1 */
+    float background[3], ink[3];         /* 0 .. 1 */
     uint8_t empty[4];                    /* the RGBA of a pixel that shows no surface */
     uint8_t *rgba;                       /* the strip's first row in the image */
 } iso_shade_params;

@@ -48,9 +48,9 @@ iso_status iso_gbuffer_add_elements(iso_gbuffer *gbuffer, iso_error *error) {
     return add_plane(gbuffer, &gbuffer->element, "elements", error);
 }
 
-iso_status iso_gbuffer_add_light(iso_gbuffer *gbuffer, iso_error *error) {
-    if (!gbuffer->light) gbuffer->light = iso_alloc(gbuffer->samples * sizeof *gbuffer->light);
-    if (gbuffer->light) return ISO_OK;
+iso_status iso_gbuffer_add_plane(const iso_gbuffer *gbuffer, float **plane, iso_error *error) {
+    if (!*plane) *plane = iso_alloc(gbuffer->samples * sizeof **plane);
+    if (*plane) return ISO_OK;
     return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the light of %zu samples", gbuffer->samples);
 }
 
@@ -59,6 +59,9 @@ void iso_gbuffer_free(iso_gbuffer *gbuffer) {
     iso_free(gbuffer->color);
     iso_free(gbuffer->element);
     iso_free(gbuffer->light);
+    iso_free(gbuffer->ambient);
+    iso_free(gbuffer->key);
+    iso_free(gbuffer->ink);
     *gbuffer = (iso_gbuffer){0};
 }
 

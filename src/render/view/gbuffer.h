@@ -34,6 +34,11 @@ typedef struct iso_gbuffer {
     /* NULL, or the share of light that samples get, 0 .. 1: they are then shaded by it instead of by their
      * normals (render/shading/eye_dome.h). */
     float *light;
+    /* NULL, or the shares of the light from all around and of the key light that reach the samples, 0 .. 1
+     * (render/occlusion/occlusion.h). */
+    float *ambient, *key;
+    /* NULL, or the share of the outline's colour that samples have (render/shading/outline.h). */
+    float *ink;
     size_t samples; /* capacity of the planes */
 } iso_gbuffer;
 
@@ -49,8 +54,9 @@ iso_status iso_gbuffer_create(int width, int height, iso_gbuffer *gbuffer, iso_e
 iso_status iso_gbuffer_add_color(iso_gbuffer *gbuffer, iso_error *error);
 /* Allocates the plane of elements unless it exists; no sample shows one yet. ISO_ERR_NOMEM. */
 iso_status iso_gbuffer_add_elements(iso_gbuffer *gbuffer, iso_error *error);
-/* Allocates the plane of light, uninitialised, unless it exists. ISO_ERR_NOMEM. */
-iso_status iso_gbuffer_add_light(iso_gbuffer *gbuffer, iso_error *error);
+/* Allocates a plane of floats (`light`, `ambient`, `key` or `ink`), uninitialised, unless it exists.
+ * ISO_ERR_NOMEM. */
+iso_status iso_gbuffer_add_plane(const iso_gbuffer *gbuffer, float **plane, iso_error *error);
 void iso_gbuffer_free(iso_gbuffer *gbuffer);
 /* Sets depth to INFINITY and surface to ISO_SURFACE_NONE everywhere, and removes colours and elements. */
 void iso_gbuffer_clear(iso_gbuffer *gbuffer);

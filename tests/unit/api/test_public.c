@@ -526,6 +526,26 @@ static void test_layers(void **state) {
     assert_int_equal(iso_surface_create(f->volume, &bad, &outer, NULL), ISO_ERR_USAGE);
 }
 
+/* Occlusion, a shadow and an outline darken a picture of a ball with a dent, each in its own way; the same
+ * ones again. */
+static void test_light(void **state) {
+    fixture *f = *state;
+    iso_image plain = {0}, lit = {0};
+    const iso_render_opts bad[] = {{.occlusion = -2}, {.outline = 17}, {.outline = -1}},
+                          opts[] = {{.occlusion = ISO_OCCLUSION_USUAL}, {.shadow = true}, {.outline = 1}};
+    write_box(f, (int[3]){12, 0, 12}, (int[3]){27, 16, 24}, 0);
+    assert_int_equal(iso_render(f->surface, NULL, &plain, NULL), ISO_OK);
+    for (int i = 0; i < 6; i++) {
+        long darker = 0;
+        assert_int_equal(iso_render(f->surface, &opts[i % 3], &lit, NULL), ISO_OK);
+        for (size_t at = 0; at < (size_t)4 * 1024 * 1024; at++) darker += lit.rgba[at] < plain.rgba[at];
+        assert_true(darker > 1000);
+        assert_int_equal(iso_render(f->surface, &bad[i % 3], &lit, NULL), ISO_ERR_USAGE);
+    }
+    iso_image_free(&plain);
+    iso_image_free(&lit);
+}
+
 /* ---- comparing */
 
 static void test_compare(void **state) {
@@ -759,6 +779,7 @@ int main(void) {
                                        TEST(test_picture),
                                        TEST(test_shapes),
                                        TEST(test_layers),
+                                       TEST(test_light),
                                        TEST(test_compare),
                                        TEST(test_files),
                                        cmocka_unit_test(test_sculpt),

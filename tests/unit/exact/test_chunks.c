@@ -183,7 +183,7 @@ static void random_grids(void **state) {
                            round % 3 == TEST_SMOOTH ? 100.3 : 100,
                            &view,
                            round % 2 ? pool : NULL,
-                           {colors, 1, {10, 20, 30}, round % 5 == 0}};
+                           {colors, 1, {10, 20, 30}, round % 5 == 0, {0, 0, 0}}};
         check_same(&s, test_random_int(&random, 1, MOST_CHUNKS), part_counts[round % 5], &random);
         iso_grid_destroy(&grid);
     }
@@ -199,7 +199,7 @@ static void large_cells(void **state) {
         test_fill(&grid, TEST_SMOOTH, &random);
         const iso_view view =
             test_view_make(&grid, (test_view)(round % TEST_VIEWS), 900, test_random_direction(&random));
-        const subject s = {&grid, 100.3, &view, NULL, {colors, 1, {0, 0, 0}, 0}};
+        const subject s = {&grid, 100.3, &view, NULL, {colors, 1, {0, 0, 0}, 0, {0, 0, 0}}};
         check_same(&s, 8, 2, &random);
         iso_grid_destroy(&grid);
     }
@@ -217,7 +217,7 @@ static void voxels_that_are_not_finite(void **state) {
         for (int i = 0; i < 3000; i++) values[test_random_int(&random, 0, 50 * 34 * 49 - 1)] = bad[i % 3];
         const iso_view view =
             test_view_make(&grid, (test_view)(round % TEST_VIEWS), SIZE, test_random_direction(&random));
-        const subject s = {&grid, 140, &view, NULL, {colors, 1, {0, 0, 0}, 0}};
+        const subject s = {&grid, 140, &view, NULL, {colors, 1, {0, 0, 0}, 0, {0, 0, 0}}};
         check_same(&s, 30, 3, &random);
         iso_grid_destroy(&grid);
     }

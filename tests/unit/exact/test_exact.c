@@ -386,7 +386,7 @@ static void painted_pictures_are_shaded_gbuffers(void **state) {
         test_set_transform(&grid, round % TEST_TRANSFORMS);
         iso_view view = make_view(&grid, round % TEST_VIEWS, round % 2 ? 417 : 40, &random);
         view.width += round % 5;
-        const iso_shading shading = {colors, 2, {9, 8, 7}, round % 2};
+        const iso_shading shading = {colors, 2, {9, 8, 7}, round % 2, {0, 0, 0}};
         same_when_painted(&grid, grid.rgrid ? 100 : 0, &view, &shading, pool);
         same_when_painted(&grid, 1e9, &view, &shading, pool); /* nothing is there */
         iso_grid_destroy(&grid);

@@ -87,7 +87,7 @@ static iso_gbuffer opaque_of(const test_scene *scene, const iso_view *view) {
 }
 
 static iso_shading shading_of(const test_scene *scene) {
-    return (iso_shading){colors, SURFACES + 1, {250, 245, 240}, scene->transparent};
+    return (iso_shading){colors, SURFACES + 1, {250, 245, 240}, scene->transparent, {0, 0, 0}};
 }
 
 static void draw_layers(const test_scene *scene, const iso_strip *strip, iso_pool *pool,

@@ -94,7 +94,7 @@ static void drawing_fails_cleanly(void **state) {
     iso_exact *exact = make_exact(&grid, 100, NULL);
     const iso_view view = front_view(&grid);
     iso_gbuffer gbuffer = empty_picture(&view);
-    const iso_target target = {&view, &gbuffer, NULL, 0};
+    const iso_target target = {&view, &gbuffer, NULL, 0, NULL};
     bool failed = true;
     for (long call = 0; failed; call++) {
         test_refuse_memory_after(call);

@@ -48,7 +48,7 @@ typedef struct drawn {
 
 static drawn draw(const iso_grid *grid, double isovalue, const iso_view *view, const iso_shapes_opts *opts) {
     static const iso_rgb colors[2] = {{200, 180, 150}, {60, 90, 200}};
-    const iso_shading shading = {colors, 2, {255, 255, 255}, 0};
+    const iso_shading shading = {colors, 2, {255, 255, 255}, 0, {0, 0, 0}};
     iso_error error = {0};
     drawn d = {.gbuffer = empty_picture(view), .counts = calloc(SIDE * SIDE, sizeof *d.counts)};
     iso_shapes *shapes;

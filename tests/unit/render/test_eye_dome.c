@@ -14,7 +14,7 @@ enum { WIDTH = 531, HEIGHT = 40 };
 
 static iso_gbuffer make_gbuffer(int width, int height) {
     iso_gbuffer g = test_clear_gbuffer(width, height, false);
-    assert_int_equal(iso_gbuffer_add_light(&g, NULL), ISO_OK);
+    assert_int_equal(iso_gbuffer_add_plane(&g, &g.light, NULL), ISO_OK);
     return g;
 }
 

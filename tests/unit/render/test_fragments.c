@@ -42,7 +42,7 @@ static const iso_rgb set_colors[SETS] = {{0xC0, 0x39, 0x2B}, {0x27, 0x8E, 0x60},
 static iso_triangle_spans spans;
 
 static iso_shading shading(void) {
-    return (iso_shading){surface_colors, SURFACES + 1, {250, 245, 240}, false};
+    return (iso_shading){surface_colors, SURFACES + 1, {250, 245, 240}, false, {0, 0, 0}};
 }
 
 typedef struct picture {
@@ -90,8 +90,8 @@ static void draw(const mixed *m, const iso_strip *strip, iso_pool *pool, picture
             .translucency = m->translucency[i],
             .drawn = &p->drawn[i]};
     for (int i = 0; i < m->surfaces; i++)
-        layers[i] =
-            (iso_exact_layer){make_exact(m->grid, m->isovalues[i], NULL), surface_colors[i], m->surface};
+        layers[i] = (iso_exact_layer){make_exact(m->grid, m->isovalues[i], NULL), surface_colors[i],
+                                      m->surface, NULL};
     test_ok(iso_shapes_lister_create(sets, m->count, m->surfaces, strip, pool, &lister, &error), &error);
     const iso_layer_source source = iso_shapes_lister_source(lister);
     const iso_exact_layers input = {.layers = layers,
@@ -155,7 +155,7 @@ static void trace_surfaces(truth *t) {
     for (int i = 0; i < t->m->surfaces; i++) {
         iso_raycaster *caster;
         test_ok(iso_raycaster_create(t->m->grid, t->m->isovalues[i], NULL, &caster, &error), &error);
-        layers[i] = (iso_raycast_layer){caster, surface_colors[i], t->m->surface};
+        layers[i] = (iso_raycast_layer){caster, surface_colors[i], t->m->surface, NULL};
     }
     const iso_raycast_layers input = {layers, t->m->surfaces, {.strip = &strip}};
     const iso_raycast_reader reader = {read_crossing, t};

@@ -191,7 +191,7 @@ static void counts_tell_what_is_hidden(void **state) {
         assert_int_equal(iso_point_workspace_create(&workspace, NULL), ISO_OK);
         iso_gbuffer g = test_clear_gbuffer(200, 200, false);
         for (int i = 0; i < 200 * 200 && k; i++) g.depth[i] = 0.5f;
-        const iso_target target = {&view, &g, NULL, 0};
+        const iso_target target = {&view, &g, NULL, 0, NULL};
         test_ok(iso_draw_point_surface(&target, &s.points, &(iso_point_surface_opts){.workspace = workspace},
                                        &error),
                 &error);

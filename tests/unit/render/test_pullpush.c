@@ -453,7 +453,7 @@ static void nearer_surfaces_win(void **state) {
     }
     test_same_rows(&a, 0, &b);
     iso_gbuffer alone = test_clear_gbuffer(60, 60, false);
-    iso_target target = {&view, &alone, NULL, 3};
+    iso_target target = {&view, &alone, NULL, 3, NULL};
     assert_int_equal(iso_draw_point_surface(&target, &front->points, &opts, NULL), ISO_OK);
     for (size_t i = 0; i < 3600; i++)
         assert_int_equal(a.surface[i], alone.surface[i] == 3 ? 3 : a.surface[i] == 9 ? 9 : ISO_SURFACE_NONE);
@@ -639,7 +639,7 @@ static void near_the_truth(void **state) {
                     truth = test_clear_gbuffer(300, 300, false);
         iso_raycaster *caster;
         test_ok(iso_raycaster_create(&s.grid, s.isovalue, NULL, &caster, &error), &error);
-        iso_target target = {&view, &truth, NULL, 0};
+        iso_target target = {&view, &truth, NULL, 0, NULL};
         test_ok(iso_draw_raycast(&target, caster, &error), &error);
         size_t inside, missing = test_holes(&truth, &got, &inside);
         double decibels = test_psnr(&view, &truth, &got), wider = test_dilation(&truth, &got);

@@ -32,7 +32,7 @@ static iso_status draw(iso_point_workspace *workspace, iso_reconstruction recons
                                    .radius = 0.8};
     const iso_view view = test_plain_view(SIZE, SIZE, true, 3);
     const iso_point_surface_opts opts = {.reconstruction = reconstruction, .workspace = workspace};
-    const iso_target target = {&view, g, NULL, 0};
+    const iso_target target = {&view, g, NULL, 0, NULL};
     return iso_draw_point_surface(&target, &points, &opts, NULL);
 }
 

@@ -48,7 +48,7 @@ static void make_subject(subject *s, int width, int rows, int factor, uint32_t s
     assert_int_equal(iso_image_create(width, rows + ABOVE + 2, &s->image, NULL), ISO_OK);
     memset(s->image.rgba, 77, (size_t)width * (size_t)(rows + ABOVE + 2) * 4);
     s->strip = (iso_strip){&s->view, &s->gbuffer, factor, ABOVE};
-    s->shading = (iso_shading){COLORS, 1 + (int)(seed % 3), {10, 20, 30}, seed % 2};
+    s->shading = (iso_shading){COLORS, 1 + (int)(seed % 3), {10, 20, 30}, seed % 2, {0, 0, 0}};
     uint8_t surface = 0;
     size_t count = (size_t)s->view.width * (size_t)s->view.height;
     for (size_t i = 0; i < count; i++) {

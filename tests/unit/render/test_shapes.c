@@ -132,7 +132,7 @@ static void test_negative_depths(void **state) {
         g.depth[i] = -999.9995f;
         g.surface[i] = 0;
     }
-    const iso_target target = {&view, &g, NULL, 1};
+    const iso_target target = {&view, &g, NULL, 1, NULL};
     test_ok(iso_draw_shapes(&target, shapes, NULL, &error), &error);
     for (int i = 0; i < SIDE * SIDE; i++) assert_int_equal(g.surface[i], 1);
     iso_gbuffer_free(&g);
@@ -195,7 +195,7 @@ static void test_layers(void **state) {
             g.depth[i] = i % 3 == 1 ? 1 : alone.depth[i];
             g.surface[i] = 7;
         }
-    const iso_target target = {&view, &g, NULL, 3};
+    const iso_target target = {&view, &g, NULL, 3, NULL};
     test_ok(iso_draw_shapes(&target, shapes, NULL, &error), &error);
     const iso_shapes_scene judged = {&scene.glyphs, NULL, SPHERES};
     iso_shapes_truth *truth;

@@ -79,7 +79,7 @@ static iso_status draw(const void *context, iso_error *error) {
         return status;
     }
     iso_gbuffer_clear(&s->gbuffer);
-    const iso_target target = {&s->view, &s->gbuffer, NULL, 0};
+    const iso_target target = {&s->view, &s->gbuffer, NULL, 0, NULL};
     return iso_draw_groups(&target, &s->points, NULL, NULL);
 }
 

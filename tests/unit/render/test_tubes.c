@@ -155,7 +155,7 @@ static void test_widths(void **state) {
         iso_shapes *shapes = test_shapes_make(i ? &thick : &drawn);
         const iso_view view = test_shapes_view(scene.lines.origin, AWAY, 24, false);
         iso_gbuffer g = test_clear_gbuffer(view.width, view.height, false);
-        const iso_target target = {&view, &g, NULL, 3};
+        const iso_target target = {&view, &g, NULL, 3, NULL};
         iso_shapes_drawn count = {0};
         size_t seen = 0;
         assert_int_equal(iso_draw_shapes(&target, shapes, &count, NULL), ISO_OK);
@@ -201,7 +201,7 @@ static void test_colors(void **state) {
         .position = {0, 0, -10}, .view_up = {0, 1, 0}, .parallel_scale = 6, .orthographic = 1};
     const iso_view view = iso_view_make(&camera, 120, 120); /* 10 pixels a mm; x runs to the left */
     iso_gbuffer g = test_clear_gbuffer(120, 120, true);
-    const iso_target target = {&view, &g, NULL, 3};
+    const iso_target target = {&view, &g, NULL, 3, NULL};
     assert_int_equal(iso_draw_shapes(&target, shapes, NULL, NULL), ISO_OK);
     for (int x = 0; x < 120; x++) {
         const double along = (view.rotation[0] < 0 ? 59.5 - x : x - 59.5) / 100 + 0.5, t = along < 0 ? 0
@@ -235,7 +235,7 @@ static void test_colors_of_cones(void **state) {
         .position = {0, 0, -10}, .view_up = {0, 1, 0}, .parallel_scale = 8, .orthographic = 1};
     const iso_view view = iso_view_make(&camera, 160, 160);
     iso_gbuffer g = test_clear_gbuffer(160, 160, true);
-    const iso_target target = {&view, &g, NULL, 3};
+    const iso_target target = {&view, &g, NULL, 3, NULL};
     assert_int_equal(iso_draw_shapes(&target, shapes, NULL, NULL), ISO_OK);
     int pairs = 0, least = 255, most = 0;
     for (size_t i = 80 * 160; i < 81 * 160 - 1; i++) {
