@@ -505,8 +505,7 @@ static const iso_option options[] = {
      "colour of the background, RRGGBB or a name of CSS; none, or --no-background, is transparent (not in a "
      ".jpg)",
      .group = PICTURE, .standard = "FFFFFF", CALL(apply_background)},
-    {"no-background", NULL, NULL, "the same as --background none", .group = PICTURE, FLAG(transparent),
-     .flags = ISO_OPTION_HIDDEN},
+    {"no-background", NULL, NULL, "the same as --background none", .group = PICTURE, FLAG(transparent)},
     {"scale-bar", NULL, NULL,
      "draw a bar of a round length, about a fifth of the picture's width, with its length in the unit of the "
      "file; needs "

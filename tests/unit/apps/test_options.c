@@ -235,7 +235,7 @@ static void test_usage_errors(void **state) {
     expect_failure("x.vti - --json", ISO_ERR_USAGE, "standard output");
     expect_failure("x.vti - --turntable 4", ISO_ERR_USAGE, "standard output");
     expect_failure("x.vti --points p.xyz", ISO_ERR_USAGE, ".ply");
-    expect_failure("x.vti --mesh p.gltf", ISO_ERR_USAGE, ".ply, .stl or .obj");
+    expect_failure("x.vti --mesh p.gltf", ISO_ERR_USAGE, ".stl, .ply or .obj");
     expect_failure("x.vti --isovalue 1,2 --mesh p.ply", ISO_ERR_USAGE, "one isovalue");
     expect_failure("x.vti --no-image", ISO_ERR_USAGE, "nothing to do");
     expect_failure("--backend glx x.vti", ISO_ERR_BACKEND, "no backend 'glx'");
