@@ -583,6 +583,14 @@ typedef struct iso_glass_opts {
     const char *environment;
 } iso_glass_opts;
 
+/* How solids are closed where they are cut. */
+typedef enum iso_cut_cap {
+    ISO_CUT_CAP_NONE,
+    ISO_CUT_CAP_SURFACE, /* by a face with the surface's colour */
+    ISO_CUT_CAP_SLICE,   /* by the volume itself, in greys */
+    ISO_CUT_CAPS
+} iso_cut_cap;
+
 typedef struct iso_render_opts {
     iso_method method;
     int width, height; /* pixels; 0 means 1024 */
@@ -614,6 +622,15 @@ typedef struct iso_render_opts {
      * glass. */
     const iso_glass_opts *glass;
     iso_aov *aov; /* receives depth, normals and coverage, and with shapes also ids; NULL: not wanted */
+    /* What is cut away, to show what lies behind it, as isorender's --clip says it: "x<12" (y, z, >), a point
+     * and a normal "X,Y,Z:NX,NY,NZ", "camera:30" (mm behind the nearest corner of the box around everything),
+     * "box:X0,Y0,Z0,X1,Y1,Z1" or "sphere:X,Y,Z,R"; "keep:" before it keeps only that; "@2,3" behind it cuts
+     * only these surfaces and sets of meshes (from 1). At most 16, for EXACT, MESH and RAYCAST. Lines and
+     * glyphs stay whole. */
+    const char *const *clips;
+    int clip_count;
+    iso_cut_cap cap;      /* how cuts are closed */
+    double cap_values[2]; /* of SLICE: the values that are black and white */
     /* Light that shows the shape of opaque surfaces. Ambient occlusion: within how many mm surfaces darken
      * each other; ISO_OCCLUSION_USUAL: a tenth of the volume's longest side; 0: not at all. A soft shadow of
      * the key light. Dark lines along silhouettes and creases, on dark backgrounds light: their width in

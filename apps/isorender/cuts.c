@@ -123,14 +123,6 @@ static double front_of(isorender_job *job, const iso_camera *camera) {
     return box.lo.z;
 }
 
-static void make_clip(const isorender_job *job, int thing, const iso_camera *camera, double front,
-                      iso_clip *clip) {
-    clip->count = 0;
-    for (int i = 0; i < job->settings->cut_count; i++)
-        if (iso_cut_is_for(&job->settings->cuts[i], thing))
-            clip->body[clip->count++] = iso_cut_solve(&job->settings->cuts[i], camera, front);
-}
-
 /* Sets which values slices show: all, if --window does not say it. */
 static iso_status choose_window(isorender_job *job, iso_error *error) {
     const isorender_settings *settings = job->settings;
@@ -205,7 +197,8 @@ iso_status isorender_cuts_make(isorender_job *job, int frame, iso_error *error) 
     if (!job->clips) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
     const iso_camera camera = isorender_camera_of_frame(job, frame);
     const double front = front_of(job, &camera);
-    for (int i = 0; i < (int)things; i++) make_clip(job, i, &camera, front, &job->clips[i]);
+    for (int i = 0; i < (int)things; i++)
+        job->clips[i] = iso_cuts_clip(job->settings->cuts, job->settings->cut_count, i, &camera, front);
     for (int i = 0; i < job->surface_count; i++) job->surfaces[i].scene.clip = &job->clips[i];
     for (int i = 0; i < job->object_count; i++)
         job->objects[i].scene.clip = &job->clips[job->surface_count + i];

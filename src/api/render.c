@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "api/internal.h"
+#include "base/memory.h"
 #include "image/annotate.h"
 #include "image/aov.h"
 #include "image/camera.h"
@@ -13,6 +14,7 @@
 #include "render/picture.h"
 #include "render/shading/outline.h"
 #include "scene/bounds.h"
+#include "scene/cuts.h"
 #include "scene/picture.h"
 
 enum { DEFAULT_SIDE = 1024 };
@@ -76,6 +78,10 @@ typedef struct rendering {
     iso_scene_object objects[ISO_SURFACE_MAX], *object[ISO_SURFACE_MAX]; /* the sets of shapes */
     bool translucent, translucent_shapes; /* at least one surface or set; one set */
     iso_refraction refraction;            /* of glass; not AUTO */
+    iso_cut cuts[ISO_CLIP_BODIES];
+    iso_clip *clips; /* of surfaces, then of sets; NULL: there are no cuts. Owned */
+    iso_capped solids[ISO_SURFACE_MAX];
+    iso_cut_caps caps;
 } rendering;
 
 /* Returns the bits of the parts that the picture is drawn from. */
@@ -307,6 +313,79 @@ static iso_status set_up_glass(rendering *r, iso_error *error) {
     return ISO_OK;
 }
 
+/* ---- cuts ---- */
+
+static iso_status check_cut(const rendering *r, const iso_cut *cut, const char *text, iso_error *error) {
+    for (int i = r->count; i < ISO_CUT_THINGS && cut->named; i++) {
+        if (!iso_cut_is_for(cut, i)) continue;
+        if (i >= r->count + r->shapes_count)
+            return iso_fail(error, ISO_ERR_USAGE, "clip '%s': there is no @%d", text, i + 1);
+        if (r->shapes[i - r->count]->object.shapes)
+            return iso_fail(error, ISO_ERR_USAGE, "clip '%s': @%d are lines or glyphs, which are not cut",
+                            text, i + 1);
+    }
+    return ISO_OK;
+}
+
+/* Parses and checks the options of cuts. */
+static iso_status set_up_cuts(rendering *r, iso_error *error) {
+    const iso_render_opts *o = r->opts;
+    if ((int)o->cap < 0 || o->cap >= ISO_CUT_CAPS || o->clip_count < 0 || o->clip_count > ISO_CLIP_BODIES)
+        return iso_fail(error, ISO_ERR_USAGE, "%d clips, cap %d", o->clip_count, (int)o->cap);
+    if (o->cap && !o->clip_count) return iso_fail(error, ISO_ERR_USAGE, "caps close cuts: there is no clip");
+    if (o->cap == ISO_CUT_CAP_SLICE &&
+        !(o->cap_values[0] < o->cap_values[1] && isfinite(o->cap_values[0]) && isfinite(o->cap_values[1])))
+        return iso_fail(error, ISO_ERR_USAGE, "cap_values %g and %g are not in ascending order",
+                        o->cap_values[0], o->cap_values[1]);
+    if (!o->clip_count) return ISO_OK;
+    if (!(r->renderer->can & ISO_CAN_CLIP))
+        return iso_fail(error, ISO_ERR_USAGE, "the method %s draws no cuts: %s do", r->renderer->name,
+                        iso_methods_that_can(ISO_CAN_CLIP, (char[ISO_METHODS_TEXT]){0}));
+    if (o->glass || o->instances || o->absorption_length > 0)
+        return iso_fail(error, ISO_ERR_USAGE, "glass, instances and what absorbs light are not cut");
+    for (int i = 0; i < o->clip_count; i++) {
+        if (!o->clips[i]) return iso_fail(error, ISO_ERR_USAGE, "clip %d is NULL", i);
+        ISO_TRY(iso_cut_parse(o->clips[i], &r->cuts[i], error));
+        ISO_TRY(check_cut(r, &r->cuts[i], o->clips[i], error));
+    }
+    r->clips = iso_alloc_zero((size_t)(r->count + r->shapes_count), sizeof *r->clips);
+    return r->clips ? ISO_OK : iso_fail(error, ISO_ERR_NOMEM, "out of memory for clips");
+}
+
+/* The least distance of a box along the view. */
+static double front_of(const iso_box *box, const iso_camera *camera) {
+    const iso_vec3 forward = iso_vec3_unit(iso_vec3_sub(camera->focal_point, camera->position));
+    double least = INFINITY;
+    for (int corner = 0; corner < 8; corner++)
+        least = fmin(least, iso_vec3_dot(forward, iso_box_corner(box, corner)));
+    return least;
+}
+
+/* Cuts the surfaces and sets until end_cuts. `box`: of everything. */
+static void begin_cuts(rendering *r, const iso_box *box) {
+    const iso_render_opts *o = r->opts;
+    if (!r->clips) return;
+    for (int i = 0; i < r->count + r->shapes_count; i++)
+        r->clips[i] = iso_cuts_clip(r->cuts, o->clip_count, i, &r->camera, front_of(box, &r->camera));
+    for (int i = 0; i < r->shapes_count; i++) r->objects[i].clip = &r->clips[r->count + i];
+    for (int i = 0; i < r->count; i++) {
+        iso_scene_surface *scene = &r->surfaces[i]->scene;
+        scene->clip = &r->clips[i];
+        r->solids[i] = (iso_capped){&scene->grid, scene->isovalue, (uint8_t)i, r->colors[i], scene->clip};
+    }
+    r->caps = (iso_cut_caps){.solids = r->solids,
+                             .count = r->count,
+                             .caps = true,
+                             .shows = o->cap == ISO_CUT_CAP_SLICE,
+                             .look = {o->cap_values[0], o->cap_values[1], ISO_COLORMAP_GRAY},
+                             .factor = iso_picture_factor(r->picture.samples)};
+}
+
+static void end_cuts(rendering *r) {
+    for (int i = 0; i < r->count; i++) r->surfaces[i]->scene.clip = NULL;
+    iso_free(r->clips);
+}
+
 static iso_status open_environment(const rendering *r, iso_environment **environment, iso_error *error) {
     const iso_render_opts *opts = r->opts;
     const char *path = opts->glass->environment;
@@ -363,6 +442,7 @@ static iso_status draw_picture(rendering *r, iso_image *image, size_t *covered, 
                        .placed = &r->placed,
                        .placed_count = opts->instances ? r->count : 0,
                        .glass = given ? &glass : NULL,
+                       .caps = opts->cap ? &r->caps : NULL,
                        .occlusion = {.ambient = opts->occlusion != 0,
                                      .range = opts->occlusion > 0 ? opts->occlusion : 0,
                                      .shadow = opts->shadow},
@@ -386,6 +466,7 @@ static iso_status render(rendering *r, iso_image *image, iso_error *error) {
     else
         ISO_TRY(iso_camera_of_box(&box, width, height, &opts->fit, &r->camera, error));
     if (opts->aov) opts->aov->voxel = smallest_spacing(r);
+    begin_cuts(r, &box);
     size_t covered = 0;
     ISO_TRY(draw_picture(r, image, &covered, error));
     if (opts->aov) number_elements(r, opts->aov);
@@ -410,8 +491,10 @@ iso_status iso_render_surfaces(iso_surface *const *surfaces, int count, const is
     ISO_TRY(set_up_layers(&r, opts, error));
     ISO_TRY(set_up_glass(&r, error));
     ISO_TRY(set_up_light(&r, opts, error));
-    const iso_status status = render(&r, image, error);
+    iso_status status = set_up_cuts(&r, error);
+    if (status == ISO_OK) status = render(&r, image, error);
     iso_placed_free(&r.placed);
+    end_cuts(&r);
     return status;
 }
 

@@ -158,3 +158,10 @@ iso_clip_body iso_cut_solve(const iso_cut *cut, const iso_camera *camera, double
 bool iso_cut_is_for(const iso_cut *cut, int number) {
     return !cut->named || (number < ISO_CUT_THINGS && cut->things[number / 64] >> number % 64 & 1);
 }
+
+iso_clip iso_cuts_clip(const iso_cut *cuts, int count, int thing, const iso_camera *camera, double front) {
+    iso_clip clip = {.count = 0};
+    for (int i = 0; i < count; i++)
+        if (iso_cut_is_for(&cuts[i], thing)) clip.body[clip.count++] = iso_cut_solve(&cuts[i], camera, front);
+    return clip;
+}

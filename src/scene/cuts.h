@@ -38,6 +38,10 @@ iso_status iso_cut_parse_plane(const char *text, iso_cut *plane, iso_error *erro
  * with the unit vector of the view. Other cuts are returned as they are. */
 iso_clip_body iso_cut_solve(const iso_cut *cut, const iso_camera *camera, double front);
 
+/* What a list of cuts cuts away of thing `thing` (from 0). camera, front: as of iso_cut_solve. count: at most
+ * ISO_CLIP_BODIES. */
+iso_clip iso_cuts_clip(const iso_cut *cuts, int count, int thing, const iso_camera *camera, double front);
+
 /* Whether a cut is for thing `number` (from 0). */
 bool iso_cut_is_for(const iso_cut *cut, int number);
 

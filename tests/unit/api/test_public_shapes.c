@@ -149,6 +149,67 @@ static void test_mesh(void **state) {
     iso_volume_destroy(volume);
 }
 
+/* A ball cut in half by a plane: with a cap the same pixels are covered, and the cap is flat; what is cut away
+ * shows what lies behind it. */
+static void test_cuts(void **state) {
+    (void)state;
+    iso_volume *volume = lend_ball();
+    iso_surface *surface = NULL;
+    iso_shape_set *set = NULL;
+    iso_mesh mesh = {0};
+    iso_image whole = {0}, cut = {0};
+    iso_aov aov = {0};
+    const char *half[] = {"y<11.5"}, *named[] = {"y<11.5@2"}, *wrong[] = {"y=3"}, *absent[] = {"x<1@3"};
+    const size_t middle = 24 * 64 + 32;
+    assert_int_equal(iso_surface_create(volume, &(iso_surface_opts){0}, &surface, NULL), ISO_OK);
+    iso_render_opts opts = {.width = 64, .height = 48, .transparent = true, .samples = 1, .aov = &aov};
+    assert_int_equal(iso_render(surface, &opts, &whole, NULL), ISO_OK);
+    const float front = aov.depth[middle];
+    opts.clips = half;
+    opts.clip_count = 1;
+    assert_int_equal(iso_render(surface, &opts, &cut, NULL), ISO_OK);
+    assert_true(fabsf(aov.depth[middle] - front - 16) < 0.1f); /* the ball's far side, from inside */
+    opts.cap = ISO_CUT_CAP_SLICE;
+    opts.cap_values[1] = 8;
+    assert_int_equal(iso_render(surface, &opts, &cut, NULL), ISO_OK);
+    assert_true(fabsf(aov.depth[middle] - front - 8) < 0.1f);
+    assert_in_range(cut.rgba[4 * middle], 235, 255); /* the value at the centre: about 8 */
+    opts.method = ISO_METHOD_RAYCAST;
+    iso_image truth = {0};
+    assert_int_equal(iso_render(surface, &opts, &truth, NULL), ISO_OK);
+    assert_true(differing(&cut, &truth) <= 2);
+    iso_image_free(&truth);
+    opts.method = ISO_METHOD_EXACT;
+    assert_int_equal(iso_surface_mesh(surface, &mesh, NULL), ISO_OK);
+    assert_int_equal(iso_shape_set_of_mesh(&mesh, NULL, &set, NULL), ISO_OK);
+    opts.cap = ISO_CUT_CAP_NONE;
+    opts.clips = named;
+    opts.shapes = &set;
+    opts.shapes_count = 1;
+    assert_int_equal(iso_render_surfaces(NULL, 0, &opts, &cut, NULL), ISO_ERR_USAGE); /* the set is @1 */
+    named[0] = "y<11.5@1";
+    assert_int_equal(iso_render_surfaces(NULL, 0, &opts, &cut, NULL), ISO_OK);
+    assert_true(fabsf(aov.depth[middle] - front - 16) < 0.2f);
+    opts.shapes_count = 0;
+    opts.clips = wrong;
+    assert_int_equal(iso_render(surface, &opts, &cut, NULL), ISO_ERR_USAGE);
+    opts.clips = absent;
+    assert_int_equal(iso_render(surface, &opts, &cut, NULL), ISO_ERR_USAGE);
+    opts.clips = half;
+    opts.method = ISO_METHOD_POINTS;
+    assert_int_equal(iso_render(surface, &opts, &cut, NULL), ISO_ERR_USAGE);
+    opts = (iso_render_opts){.width = 64, .height = 48, .transparent = true, .samples = 1};
+    assert_int_equal(iso_render(surface, &opts, &cut, NULL), ISO_OK); /* nothing is left of the cut */
+    assert_int_equal(differing(&cut, &whole), 0);
+    iso_image_free(&whole);
+    iso_image_free(&cut);
+    iso_aov_free(&aov);
+    iso_mesh_free(&mesh);
+    iso_shape_set_destroy(set);
+    iso_surface_destroy(surface);
+    iso_volume_destroy(volume);
+}
+
 /* Only the corners that the marks stand in change; a perspective camera has no scale. */
 static void test_annotations(void **state) {
     (void)state;
@@ -283,8 +344,11 @@ static void test_field_errors(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_translucent_shapes), cmocka_unit_test(test_mesh),
-        cmocka_unit_test(test_annotations),        cmocka_unit_test(test_fields),
+        cmocka_unit_test(test_translucent_shapes),
+        cmocka_unit_test(test_mesh),
+        cmocka_unit_test(test_annotations),
+        cmocka_unit_test(test_cuts),
+        cmocka_unit_test(test_fields),
         cmocka_unit_test(test_field_errors),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
