@@ -18,33 +18,31 @@
 /* Every name that grids/volume knows (a test compares), except .vdb, which has a row of its own, and others
  * of HDF5. */
 const isosculpt_file_type *isosculpt_browser_types(isosculpt_purpose purpose) {
-    static const isosculpt_file_type open[] =
-        {{.label = "all that can be opened", .holds = ISO_HOLDS_STROKES | ISO_HOLDS_SCENE | ISO_HOLDS_DATA},
-         {.label = "strokes", .holds = ISO_HOLDS_STROKES},
-         {.label = "level sets", .holds = ISO_WRITES_VOLUME},
-         {.label = "meshes", .holds = ISO_HOLDS_MESH},
-         {.label = "lines", .holds = ISO_HOLDS_LINES},
-         {.label = "points", .holds = ISO_HOLDS_POINTS},
-         {.label = "volumes", .holds = ISO_HOLDS_VOLUME | ISO_HOLDS_RAW},
-         {.label = "scenes", .holds = ISO_HOLDS_SCENE},
-         {.label = "all files"},
-         {.label = NULL}},
-                                     stamp[] = {{.label = "meshes", .holds = ISO_HOLDS_MESH},
-                                                {.label = "all files"},
-                                                {.label = NULL}},
-                                     save[] = {{.label = "level set", .type = ISO_FILE_vdb},
-                                               {.label = "mesh", .type = ISO_FILE_stl},
-                                               {.label = "mesh", .type = ISO_FILE_ply},
-                                               {.label = "mesh", .type = ISO_FILE_obj},
-                                               {.label = NULL}},
-                                     export[] = {{.label = "mesh", .type = ISO_FILE_stl},
-                                                 {.label = "mesh", .type = ISO_FILE_ply},
-                                                 {.label = "mesh", .type = ISO_FILE_obj},
-                                                 {.label = "level set", .type = ISO_FILE_vdb},
-                                                 {.label = NULL}},
-                                     picture[] = {{.label = "picture", .type = ISO_FILE_png},
-                                                  {.label = "scene", .type = ISO_FILE_json},
-                                                  {.label = NULL}};
+    static const isosculpt_file_type
+        open[] = {{.label = "all that can be opened", .holds = ISO_HOLDS_STROKES | ISO_HOLDS_DATA},
+                  {.label = "strokes", .holds = ISO_HOLDS_STROKES},
+                  {.label = "level sets", .holds = ISO_WRITES_VOLUME},
+                  {.label = "meshes", .holds = ISO_HOLDS_MESH},
+                  {.label = "lines", .holds = ISO_HOLDS_LINES},
+                  {.label = "points", .holds = ISO_HOLDS_POINTS},
+                  {.label = "volumes", .holds = ISO_HOLDS_VOLUME | ISO_HOLDS_RAW},
+                  {.label = "scenes", .holds = ISO_HOLDS_SCENE},
+                  {.label = "all files"},
+                  {.label = NULL}},
+        stamp[] = {{.label = "meshes", .holds = ISO_HOLDS_MESH}, {.label = "all files"}, {.label = NULL}},
+        save[] = {{.label = "level set", .type = ISO_FILE_vdb},
+                  {.label = "mesh", .type = ISO_FILE_stl},
+                  {.label = "mesh", .type = ISO_FILE_ply},
+                  {.label = "mesh", .type = ISO_FILE_obj},
+                  {.label = NULL}},
+        export[] = {{.label = "mesh", .type = ISO_FILE_stl},
+                    {.label = "mesh", .type = ISO_FILE_ply},
+                    {.label = "mesh", .type = ISO_FILE_obj},
+                    {.label = "level set", .type = ISO_FILE_vdb},
+                    {.label = NULL}},
+        picture[] = {{.label = "picture", .type = ISO_FILE_png},
+                     {.label = "scene", .type = ISO_FILE_json},
+                     {.label = NULL}};
     static const isosculpt_file_type *const all[] = {NULL, open, stamp, save, export, picture};
     return all[purpose];
 }
@@ -63,11 +61,12 @@ bool isosculpt_browser_saves(isosculpt_purpose purpose) {
     return purpose >= ISOSCULPT_BROWSE_SAVE;
 }
 
-/* Whether a file of this name is of a type. */
+/* Whether a file of this name is of a type. Most files in .txt are no points: they are among all files. */
 static bool is_of_type(const isosculpt_browser *browser, const char *name, int type) {
     const isosculpt_file_type *t = &isosculpt_browser_types(browser->purpose)[type];
     if (isosculpt_browser_saves(browser->purpose)) return iso_file_type_of_name(name, ~0u) == t->type;
-    return !t->holds || iso_file_type_of_name(name, t->holds) != ISO_FILE_UNKNOWN;
+    const iso_file_type found = iso_file_type_of_name(name, t->holds);
+    return !t->holds || (found != ISO_FILE_UNKNOWN && found != ISO_FILE_txt);
 }
 
 /* ---- a folder's entries */
