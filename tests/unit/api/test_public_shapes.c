@@ -149,8 +149,8 @@ static void test_mesh(void **state) {
     iso_volume_destroy(volume);
 }
 
-/* A ball cut in half by a plane: with a cap the same pixels are covered, and the cap is flat; what is cut away
- * shows what lies behind it. */
+/* A ball cut in half by a plane: with a cap the same pixels are covered, and the cap is flat; what is cut
+ * away shows what lies behind it. */
 static void test_cuts(void **state) {
     (void)state;
     iso_volume *volume = lend_ball();
