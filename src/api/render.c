@@ -209,15 +209,16 @@ static void set_up(rendering *r, const iso_render_opts *opts) {
     for (int i = 0; i < r->shapes_count; i++)
         r->colors[r->count + i] =
             r->shapes[i]->has_color ? r->shapes[i]->color : iso_shading_palette(r->count + i);
-    r->picture =
-        (iso_picture_opts){.camera = &r->camera,
-                           .width = opts->width ? opts->width : DEFAULT_SIDE,
-                           .height = opts->height ? opts->height : DEFAULT_SIDE,
-                           .samples = opts->samples,
-                           .shading = {r->colors, r->count + r->shapes_count,
-                                       opts->background ? *opts->background : white, opts->transparent},
-                           .pool = r->count ? r->surfaces[0]->volume->pool : NULL,
-                           .aov = opts->aov};
+    r->picture = (iso_picture_opts){.camera = &r->camera,
+                                    .width = opts->width ? opts->width : DEFAULT_SIDE,
+                                    .height = opts->height ? opts->height : DEFAULT_SIDE,
+                                    .samples = opts->samples,
+                                    .shading = {.colors = r->colors,
+                                                .color_count = r->count + r->shapes_count,
+                                                .background = opts->background ? *opts->background : white,
+                                                .transparent = opts->transparent},
+                                    .pool = r->count ? r->surfaces[0]->volume->pool : NULL,
+                                    .aov = opts->aov};
 }
 
 static iso_status check_layers(const rendering *r, const iso_render_opts *opts, iso_error *error) {
@@ -514,7 +515,7 @@ iso_status iso_image_annotate(iso_image *image, const iso_annotation_opts *opts,
         return iso_fail(error, ISO_ERR_USAGE, "annotations need a picture and its camera");
     ISO_TRY(iso_camera_check(opts->camera, error));
     const iso_annotation annotation = {.camera = opts->camera,
-                                       .lengths = {opts->no_unit ? ISO_UNIT_NONE : ISO_UNIT_AUTO},
+                                       .lengths = {.unit = opts->no_unit ? ISO_UNIT_NONE : ISO_UNIT_AUTO},
                                        .scale_bar = opts->scale_bar,
                                        .orientation_marker = opts->orientation_marker,
                                        .anatomical = opts->anatomical,

@@ -154,7 +154,7 @@ iso_status iso_study_draw(const iso_scene_surface *surface, const iso_renderer *
                              .width = view->width,
                              .height = view->height,
                              .samples = look->samples,
-                             .shading = {&look->color, 1, look->background, look->transparent},
+                             .shading = {&look->color, 1, look->background, look->transparent, {0, 0, 0}},
                              .draw = draw_method,
                              .draw_context = &d,
                              .pool = surface->pool,

@@ -109,7 +109,7 @@ iso_status iso_render_key_style(const iso_key_style *style, const iso_transform 
                                    .width = style->width,
                                    .height = style->height,
                                    .samples = style->samples,
-                                   .shading = {&color, 1, background, style->transparent},
+                                   .shading = {&color, 1, background, style->transparent, {0, 0, 0}},
                                    .pool = pool};
     const iso_merged_keys keys = {
         (iso_method)style->method, style->base, *transform, {dims[0], dims[1], dims[2]}, image};
