@@ -265,7 +265,7 @@ static iso_image render_privately(float *values, iso_method method, int samples)
                              .width = PIXELS,
                              .height = PIXELS / 2,
                              .samples = samples,
-                             .shading = {&color, 1, {10, 20, 30}, 0},
+                             .shading = {&color, 1, {10, 20, 30}, 0, {0, 0, 0}},
                              .draw = draw_privately,
                              .draw_context = &drawing};
     iso_image image = {0};

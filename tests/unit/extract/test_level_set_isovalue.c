@@ -106,7 +106,7 @@ static void check_rays(const iso_grid *grid, double isovalue, double radius) {
                                    .width = PIXELS,
                                    .height = PIXELS,
                                    .samples = 1,
-                                   .shading = {&color, 1, {255, 255, 255}, false},
+                                   .shading = {&color, 1, {255, 255, 255}, false, {0, 0, 0}},
                                    .draw = draw_rays,
                                    .draw_context = caster};
     iso_image image;

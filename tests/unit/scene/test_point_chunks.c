@@ -66,7 +66,7 @@ static iso_picture_opts opts_of(const iso_camera *camera, iso_pool *pool) {
                               .width = WIDTH,
                               .height = HEIGHT,
                               .samples = 1,
-                              .shading = {colors, 1, {9, 8, 7}, 0},
+                              .shading = {colors, 1, {9, 8, 7}, 0, {0, 0, 0}},
                               .pool = pool};
 }
 
