@@ -3,8 +3,8 @@
  * If the volume's axes are parallel to the world's, the box is the transformed box of the index positions. If
  * they are oblique, every position is transformed, because the world box of the transformed index box would
  * be too large. */
-#ifndef ISO_METHODS_BOUNDS_H
-#define ISO_METHODS_BOUNDS_H
+#ifndef ISO_SCENE_BOUNDS_H
+#define ISO_SCENE_BOUNDS_H
 
 #include "base/primitives.h"
 #include "exact/exact.h"

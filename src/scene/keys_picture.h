@@ -1,7 +1,7 @@
 /* keys_picture: the picture that keys (render/view/key_image.h) make when all parts have been drawn and
  * merged. */
-#ifndef ISO_METHODS_KEYS_PICTURE_H
-#define ISO_METHODS_KEYS_PICTURE_H
+#ifndef ISO_SCENE_KEYS_PICTURE_H
+#define ISO_SCENE_KEYS_PICTURE_H
 
 #include "render/key_style.h"
 #include "render/picture.h"

@@ -1,8 +1,8 @@
 /* point_chunks: pull-push of the points of a volume that is visited chunk by chunk (grids/chunk_walk.h), by
  * the box and Gaussian reconstructions of Marroquim et al. 2008. The results do not depend on the size of
  * the chunks, and are those of the whole volume. All its voxels must be finite. */
-#ifndef ISO_METHODS_POINT_CHUNKS_H
-#define ISO_METHODS_POINT_CHUNKS_H
+#ifndef ISO_SCENE_POINT_CHUNKS_H
+#define ISO_SCENE_POINT_CHUNKS_H
 
 #include "exact/chunks.h"
 #include "extract/points/points.h"

@@ -1,4 +1,4 @@
-/* splats_reference: points as flat discs drawn plainly, in double precision: what render/splats must agree
+/* splats_reference: points as flat discs drawn plainly, in double precision: what render/groups must agree
  * with. */
 #ifndef ISO_TESTS_SPLATS_REFERENCE_H
 #define ISO_TESTS_SPLATS_REFERENCE_H

@@ -1,4 +1,4 @@
-/* splat_layers: finds the layers of translucent splats by compute shaders (shaders/splats_layers.comp):
+/* disc_layers: finds the layers of translucent splats by compute shaders (shaders/splats_layers.comp):
  * lists the discs of each tile of a picture, uploads discs and lists, and reads back for each sample all
  * layers in order; or the mean of the groups' pictures and, for algorithm 3, the nearest layer (Zhang and
  * Pajarola 2006; render/groups/disc_layers.h). */

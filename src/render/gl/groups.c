@@ -1,4 +1,4 @@
-/* splats: uploads the discs of a strip, has them drawn into slots, resolves the slots into the picture
+/* groups: uploads the discs of a strip, has them drawn into slots, resolves the slots into the picture
  * buffer and reads that back (Zhang and Pajarola 2006; render/groups/groups.h). */
 #include "render/gl/groups.h"
 

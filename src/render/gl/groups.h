@@ -1,4 +1,4 @@
-/* splats: render/groups/groups.h by OpenGL: compute shaders draw discs into slots and resolve them. The
+/* groups: render/groups/groups.h by OpenGL: compute shaders draw discs into slots and resolve them. The
  * discs are projected by the cpu for every picture and uploaded. */
 #ifndef ISO_RENDER_GL_GROUPS_H
 #define ISO_RENDER_GL_GROUPS_H

@@ -1,5 +1,5 @@
-/* discs: points as flat discs in view space, with exact perspective: which pixels a disc covers, and where
- * the ray of a pixel meets it. Used by all methods that splat (render/splats).
+/* banded_discs: points as flat discs in view space, with exact perspective: which pixels a disc covers, and
+ * where the ray of a pixel meets it. Used by groups, and by layers of discs.
  *
  * The ray of a pixel is intersected with the disc's plane; e is the squared distance of the intersection
  * from the centre in units of the disc's radius, and the disc covers the pixel when e < 1. A disc that is

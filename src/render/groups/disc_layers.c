@@ -1,4 +1,4 @@
-/* layers: lists the layers of translucent surfaces of points band by band, and composites the bands. */
+/* disc_layers: lists the layers of translucent surfaces of points band by band, and composites the bands. */
 #include "render/groups/disc_layers.h"
 
 #include <string.h>

@@ -1,4 +1,4 @@
-/* layers: translucent surfaces of points, drawn as splats in one of three modes (iso_transparency in
+/* disc_layers: translucent surfaces of points, drawn as splats in one of three modes (iso_transparency in
  * isopoint.h).
  *
  * sorted: all discs that a pixel's ray hits are sorted by depth. Discs of one side (front- or back-facing)

@@ -1,5 +1,5 @@
-/* groups: colours the graph of overlapping discs greedily (Zhang and Pajarola 2006, section 4.1). Levels are
- * processed from the largest discs to the smallest; within a level, blocks of cells are processed in 8
+/* grouping: colours the graph of overlapping discs greedily (Zhang and Pajarola 2006, section 4.1). Levels
+ * are processed from the largest discs to the smallest; within a level, blocks of cells are processed in 8
  * passes, each of which takes the blocks of one parity.
  *
  * An update compares each block with the block of the same key in the cells of the last call. What a block's

@@ -1,4 +1,4 @@
-/* groups: divides points into groups whose discs do not overlap (Zhang and Pajarola 2006, section 4.1), so
+/* grouping: divides points into groups whose discs do not overlap (Zhang and Pajarola 2006, section 4.1), so
  * that in a picture of one group each pixel shows at most one disc of a layer of the surface.
  *
  * The points are the nodes of a graph; two are joined when the distance of their centres is below c times

@@ -1,4 +1,4 @@
-/* splats: draws opaque splats in bands of rows. */
+/* groups: draws opaque splats in bands of rows. */
 #include "render/groups/groups.h"
 
 #include <assert.h>

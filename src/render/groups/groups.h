@@ -1,4 +1,4 @@
-/* splats: draws points as flat discs with smooth weights, in one pass: deferred blending (Zhang and Pajarola
+/* groups: draws points as flat discs with smooth weights, in one pass: deferred blending (Zhang and Pajarola
  * 2006, sections 3.2 and 5.1).
  *
  * Discs that overlap belong to one layer of the surface; their depths and normals are averaged, and discs far
