@@ -30,6 +30,7 @@ typedef struct measuring {
     const iso_brick_place *brick;
     double band; /* voxels */
     double *squared;
+    const iso_tree_triangle **nearest; /* by voxel; NULL: not wanted */
     find_near_fn *find_near;
     float bound[ISO_BRICK_VOXELS]; /* squared, in voxels */
     uint16_t near[ISO_BRICK_VOXELS];
@@ -130,17 +131,23 @@ static void take_triangle(void *context, const iso_tree_triangle *triangle) {
         const double squared = iso_vec3_dot(away, away), part = 1 / m->brick->voxel;
         if (squared >= m->squared[voxel]) continue;
         m->squared[voxel] = squared;
+        if (m->nearest) m->nearest[voxel] = triangle;
         m->bound[voxel] = (float)(squared * part * part);
     }
 }
 
 void iso_brick_distances(const iso_triangle_tree *tree, const iso_brick_place *brick, double band,
-                         double squared[ISO_BRICK_VOXELS]) {
-    measuring m = {
-        .brick = brick, .band = band, .squared = squared, .find_near = ISO_KERNEL(find_near, iso_cpu_best())};
+                         double squared[ISO_BRICK_VOXELS],
+                         const iso_tree_triangle *nearest[ISO_BRICK_VOXELS]) {
+    measuring m = {.brick = brick,
+                   .band = band,
+                   .squared = squared,
+                   .nearest = nearest,
+                   .find_near = ISO_KERNEL(find_near, iso_cpu_best())};
     for (int i = 0; i < ISO_BRICK_VOXELS; i++) {
         squared[i] = band * band * brick->voxel * brick->voxel;
         m.bound[i] = (float)(band * band);
+        if (nearest) nearest[i] = NULL;
     }
     const double reach = band * brick->voxel * (1 + 1e-9);
     const iso_vec3 more = iso_vec3_make(reach, reach, reach);

@@ -28,9 +28,11 @@ static inline iso_vec3 iso_brick_voxel(const iso_brick_place *brick, int voxel) 
 
 /* Sets the squared distances (mm2) of the voxels of a brick from the nearest triangle, at most that of `band`
  * voxels: what iso_triangle_tree_nearest finds, but for the last bits, and the same on every machine.
- * Thread-safe. */
+ * `nearest`, if not NULL, is set to these triangles, NULL where none is within the band; they are borrowed
+ * from the tree. Thread-safe. */
 void iso_brick_distances(const iso_triangle_tree *tree, const iso_brick_place *brick, double band,
-                         double squared[ISO_BRICK_VOXELS]);
+                         double squared[ISO_BRICK_VOXELS],
+                         const iso_tree_triangle *nearest[ISO_BRICK_VOXELS]);
 
 #ifdef __cplusplus
 }

@@ -400,12 +400,18 @@ void iso_closed_mesh_nearest(const iso_closed_mesh *closed, iso_vec3 p, iso_near
 
 void iso_closed_mesh_measure(const iso_closed_mesh *closed, const iso_brick_place *brick, double band,
                              double squared[ISO_BRICK_VOXELS]) {
-    iso_brick_distances(closed->surface, brick, band, squared);
+    iso_brick_distances(closed->surface, brick, band, squared, NULL);
     for (int i = 0; i < ISO_BRICK_VOXELS && closed->border.faces; i++) {
         iso_nearest nearest = {.squared = squared[i]};
         iso_border_nearest(&closed->border, iso_brick_voxel(brick, i), &nearest);
         squared[i] = nearest.squared;
     }
+}
+
+void iso_closed_mesh_nearest_triangles(const iso_closed_mesh *closed, const iso_brick_place *brick,
+                                       double band, double squared[ISO_BRICK_VOXELS],
+                                       const iso_tree_triangle *nearest[ISO_BRICK_VOXELS]) {
+    iso_brick_distances(closed->surface, brick, band, squared, nearest);
 }
 
 bool iso_mesh_report_note(const iso_mesh_report *r, char *text, size_t size) {

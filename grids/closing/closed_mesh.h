@@ -66,6 +66,11 @@ void iso_closed_mesh_nearest(const iso_closed_mesh *closed, iso_vec3 p, iso_near
 void iso_closed_mesh_measure(const iso_closed_mesh *closed, const iso_brick_place *brick, double band,
                              double squared[ISO_BRICK_VOXELS]);
 
+/* As iso_brick_distances, for the triangles without the caps. Thread-safe. */
+void iso_closed_mesh_nearest_triangles(const iso_closed_mesh *closed, const iso_brick_place *brick,
+                                       double band, double squared[ISO_BRICK_VOXELS],
+                                       const iso_tree_triangle *nearest[ISO_BRICK_VOXELS]);
+
 /* Writes a line for users that says what was closed or turned. Returns false if nothing was. */
 bool iso_mesh_report_note(const iso_mesh_report *report, char *text, size_t size);
 

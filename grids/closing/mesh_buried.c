@@ -13,60 +13,92 @@
 /* If an inside voxel without outside neighbours is nearer than this to a triangle (voxels), the triangle is
  * taken to be inside the solid. */
 static const float NEAR = 0.75f;
-/* REACH: outside voxels up to this far away along each axis are used: 3 for the band, and 1 more. BATCH: the
- * number of cells whose new values are computed before they are written. */
-enum { REACH = 4, BATCH = 256 };
+/* REACH: outside voxels up to this far away along each axis are used: 3 for the band, and 1 more. SIDE: the
+ * side of a brick with these voxels around it. */
+enum { REACH = 4, SIDE = ISO_BRICK + 2 * REACH, BALL = 2 * REACH + 1 };
+
+/* The values of a brick and of the voxels around it, and which of them are outside: bit x of row (y, z).
+ * Voxels beyond the grid are those at its border. */
+typedef struct block {
+    float value[SIDE][SIDE][SIDE];
+    uint32_t outside[SIDE][SIDE];
+} block;
+
+/* Some voxels of a brick: bit x of row y + 16 z. */
+typedef struct voxel_set {
+    uint16_t rows[ISO_BRICK * ISO_BRICK];
+} voxel_set;
+
+/* The voxels of a brick with new values; values NULL although there are some: out of memory. */
+typedef struct correction {
+    voxel_set voxels;
+    float *values; /* owned; in the order of the voxels */
+    size_t count;
+} correction;
 
 typedef struct work {
     iso_hgrid *grid;
     const iso_closed_mesh *mesh;
     uint8_t *found;  /* by cell: whether a buried triangle was found in it */
-    uint32_t *cells; /* the cells to correct */
-    size_t first;    /* index in `cells` of the batch's first cell */
-    float *values;   /* new values of the batch's bricks */
+    uint32_t *cells; /* the cells with bricks that have a buried triangle in them or beside them */
+    size_t cell_count;
+    correction *corrections;         /* by entry of `cells` */
+    double length[BALL][BALL][BALL]; /* of the way from a voxel to those within REACH */
 } work;
 
-static float value_at(const iso_hgrid *grid, int x, int y, int z) {
-    return iso_hgrid_at(grid, iso_clamp_index(x, grid->dims[0]), iso_clamp_index(y, grid->dims[1]),
-                        iso_clamp_index(z, grid->dims[2]));
+/* ---- a brick and the voxels around it */
+
+static void read_block(const iso_hgrid *grid, size_t cell, block *b) {
+    int at[3], x[SIDE];
+    iso_hgrid_cell_position(grid, cell, at);
+    for (int i = 0; i < SIDE; i++) x[i] = iso_clamp_index(at[0] * ISO_BRICK + i - REACH, grid->dims[0]);
+    for (int z = 0; z < SIDE; z++)
+        for (int y = 0; y < SIDE; y++) {
+            const int from_y = iso_clamp_index(at[1] * ISO_BRICK + y - REACH, grid->dims[1]),
+                      from_z = iso_clamp_index(at[2] * ISO_BRICK + z - REACH, grid->dims[2]);
+            uint32_t outside = 0;
+            for (int i = 0; i < SIDE; i++) {
+                const float value = iso_hgrid_at(grid, x[i], from_y, from_z);
+                b->value[z][y][i] = value;
+                outside |= (uint32_t)(value >= 0) << i;
+            }
+            b->outside[z][y] = outside;
+        }
 }
 
-/* Whether any voxel of a box is outside. */
-static bool has_outside(const iso_hgrid *grid, const int lo[3], const int hi[3]) {
-    for (int z = lo[2]; z <= hi[2]; z++)
-        for (int y = lo[1]; y <= hi[1]; y++)
-            for (int x = lo[0]; x <= hi[0]; x++)
-                if (value_at(grid, x, y, z) >= 0) return true;
-    return false;
+/* Which of the voxels of rows y .. y + more of slices z .. z + more are outside, or have an outside voxel
+ * among the `more` after them. */
+static uint32_t outside_after(const block *b, int y, int z, int more) {
+    uint32_t any = 0;
+    for (int k = 0; k <= more; k++)
+        for (int j = 0; j <= more; j++) any |= b->outside[z + k][y + j];
+    uint32_t after = any;
+    for (int i = 1; i <= more; i++) after |= any >> i;
+    return after;
 }
 
-static void voxel_at(const int cell[3], int voxel, int at[3]) {
-    at[0] = cell[0] * ISO_BRICK + voxel % ISO_BRICK;
-    at[1] = cell[1] * ISO_BRICK + voxel / ISO_BRICK % ISO_BRICK;
-    at[2] = cell[2] * ISO_BRICK + voxel / (ISO_BRICK * ISO_BRICK);
-}
+/* ---- cells with buried triangles */
 
 /* Looks in a cell for an inside voxel that is near a triangle although no voxel around it is outside. */
 static void find_buried_in_cell(void *context, size_t cell, int worker) {
     const work *w = context;
-    const int32_t number = w->grid->cell[cell];
-    int at[3], p[3];
+    block b;
     (void)worker;
-    if (number < 0) return;
-    const float *brick = iso_hgrid_brick(w->grid, number);
-    iso_hgrid_cell_position(w->grid, cell, at);
-    for (int i = 0; i < ISO_BRICK_VOXELS && !w->found[cell]; i++) {
-        if (brick[i] >= 0 || brick[i] < -NEAR) continue;
-        voxel_at(at, i, p);
-        const int lo[3] = {p[0] - 1, p[1] - 1, p[2] - 1}, hi[3] = {p[0] + 1, p[1] + 1, p[2] + 1};
-        w->found[cell] = !has_outside(w->grid, lo, hi);
-    }
+    if (w->grid->cell[cell] < 0) return;
+    read_block(w->grid, cell, &b);
+    for (int z = REACH; z < REACH + ISO_BRICK; z++)
+        for (int y = REACH; y < REACH + ISO_BRICK; y++) {
+            const uint32_t outside = outside_after(&b, y - 1, z - 1, 2) << 1;
+            for (int x = REACH; x < REACH + ISO_BRICK; x++)
+                if (!(outside >> x & 1) && b.value[z][y][x] >= -NEAR) {
+                    w->found[cell] = 1;
+                    return;
+                }
+        }
 }
 
-/* Lists the cells with a brick that have a buried triangle in them or in a neighbouring cell. Returns their
- * number. */
-static size_t list_cells(const work *w, size_t count) {
-    size_t collected = 0;
+/* Lists the cells with a brick that have a buried triangle in them or in a neighbouring cell. */
+static void list_cells(work *w, size_t count) {
     for (size_t cell = 0; cell < count; cell++) {
         int at[3];
         bool wanted = false;
@@ -78,91 +110,126 @@ static size_t list_cells(const work *w, size_t count) {
                       z = iso_clamp_index(at[2] + i / 9 - 1, w->grid->cells[2]);
             wanted = w->found[iso_hgrid_cell_index(w->grid, x, y, z)] != 0;
         }
-        if (wanted) w->cells[collected++] = (uint32_t)cell;
+        if (wanted) w->cells[w->cell_count++] = (uint32_t)cell;
     }
-    return collected;
 }
 
-/* Whether the triangle nearest to voxel p is inside the solid: none of the eight voxels around the nearest
- * point is outside. */
-static bool is_buried(const work *w, const int p[3], float distance) {
-    const iso_transform *t = &w->grid->transform;
-    const double voxel = t->spacing[0], most = (fabs((double)distance) + 0.1) * voxel;
-    const iso_vec3 at = {t->origin[0] + voxel * p[0], t->origin[1] + voxel * p[1],
-                         t->origin[2] + voxel * p[2]};
-    iso_nearest nearest = {.squared = most * most, .point = at};
-    iso_closed_mesh_nearest(w->mesh, at, &nearest);
-    const double point[3] = {nearest.point.x, nearest.point.y, nearest.point.z};
-    int lo[3], hi[3];
-    for (int axis = 0; axis < 3; axis++) {
-        lo[axis] = (int)floor((point[axis] - t->origin[axis]) / voxel);
-        hi[axis] = lo[axis] + 1;
-    }
-    return !has_outside(w->grid, lo, hi);
+/* ---- voxels whose nearest triangle is buried */
+
+/* Whether the nearest point of a triangle to a voxel of the brick is inside the solid: none of the eight
+ * voxels around it is outside. */
+static bool is_buried(const iso_brick_place *place, const block *b, int voxel,
+                      const iso_tree_triangle *triangle) {
+    const iso_vec3 nearest = iso_triangle_nearest(triangle->corners, iso_brick_voxel(place, voxel));
+    const double point[3] = {nearest.x, nearest.y, nearest.z};
+    int lo[3];
+    for (int axis = 0; axis < 3; axis++)
+        lo[axis] = (int)floor((point[axis] - place->origin[axis]) / place->voxel) - place->at[axis] + REACH;
+    return !(outside_after(b, lo[1], lo[2], 1) >> lo[0] & 1);
 }
 
-/* Returns the distance of the inside voxel p to the surface of the solid: the minimum over outside voxels q
- * of |p - q| - distance(q). Each term is at least the distance of p, because the line from p to q crosses the
- * surface. A term equals the distance of p if p and q have the same foot
- * point and the foot point lies on that line. */
-static float distance_to_outside(const work *w, const int p[3]) {
+/* Returns the distance of the inside voxel at (x, y, z) of a block to the surface of the solid: the minimum
+ * over outside voxels q of |p - q| - distance(q). Each term is at least the distance of p, because the line
+ * from p to q crosses the surface. A term equals the distance of p if p and q have the same foot point and
+ * the foot point lies on that line. */
+static double distance_to_outside(const work *w, const block *b, int x, int y, int z) {
     double least = (double)w->grid->band;
-    for (int z = -REACH; z <= REACH; z++)
-        for (int y = -REACH; y <= REACH; y++)
-            for (int x = -REACH; x <= REACH; x++) {
-                const float d = value_at(w->grid, p[0] + x, p[1] + y, p[2] + z);
-                if (d < 0 || d >= w->grid->band) continue;
-                const double way = sqrt((double)(x * x + y * y + z * z)) - (double)d;
+    for (int k = 0; k < BALL; k++)
+        for (int j = 0; j < BALL; j++) {
+            const float *row = &b->value[z + k - REACH][y + j - REACH][x - REACH];
+            if (!(b->outside[z + k - REACH][y + j - REACH] >> (x - REACH) & ((1u << BALL) - 1))) continue;
+            for (int i = 0; i < BALL; i++) {
+                if (row[i] < 0 || row[i] >= w->grid->band) continue;
+                const double way = w->length[k][j][i] - (double)row[i];
                 least = way < least ? way : least;
             }
-    return (float)(least > 0 ? least : 0);
+        }
+    return least > 0 ? least : 0;
 }
 
-static void correct_cell(void *context, size_t index, int worker) {
-    const work *w = context;
-    const size_t cell = w->cells[w->first + index];
-    float *to = w->values + index * ISO_BRICK_VOXELS;
-    int at[3], p[3];
-    (void)worker;
-    const float *brick = iso_hgrid_brick(w->grid, w->grid->cell[cell]);
-    memcpy(to, brick, ISO_BRICK_VOXELS * sizeof *to);
-    iso_hgrid_cell_position(w->grid, cell, at);
+/* Finds the inside voxels of a brick whose nearest triangle, not a cap, is buried, and that lie farther
+ * inside than it. Adds their new values to `values`. */
+static void correct_voxels(const work *w, const block *b, const iso_brick_place *place, correction *c,
+                           float values[ISO_BRICK_VOXELS]) {
+    const iso_tree_triangle *nearest[ISO_BRICK_VOXELS];
+    double squared[ISO_BRICK_VOXELS];
+    iso_closed_mesh_nearest_triangles(w->mesh, place, (double)w->grid->band, squared, nearest);
     for (int i = 0; i < ISO_BRICK_VOXELS; i++) {
-        if (brick[i] >= 0 || brick[i] <= -w->grid->band) continue;
-        voxel_at(at, i, p);
-        if (!is_buried(w, p, brick[i])) continue;
-        const float distance = distance_to_outside(w, p);
-        if (distance > -brick[i]) to[i] = -distance;
+        const int x = i % ISO_BRICK, y = i / ISO_BRICK % ISO_BRICK, z = i / (ISO_BRICK * ISO_BRICK);
+        const float value = b->value[z + REACH][y + REACH][x + REACH];
+        if (value >= 0 || !nearest[i] || (float)(sqrt(squared[i]) / place->voxel) > -value) continue;
+        if (!is_buried(place, b, i, nearest[i])) continue;
+        const float distance = (float)distance_to_outside(w, b, x + REACH, y + REACH, z + REACH);
+        if (distance <= -value) continue;
+        c->voxels.rows[i / ISO_BRICK] |= (uint16_t)(1u << x);
+        values[c->count++] = -distance;
     }
 }
 
-/* Corrects the first `count` of w->cells in batches. Batches do not depend on each other: they write values
- * of inside voxels without changing signs, and read only signs and the values of outside voxels. */
-static void correct_cells(work *w, size_t count, iso_pool *pool) {
-    for (w->first = 0; w->first < count; w->first += BATCH) {
-        const size_t batch = count - w->first < BATCH ? count - w->first : BATCH;
-        iso_parallel_for(pool, batch, correct_cell, w);
-        for (size_t i = 0; i < batch; i++)
-            memcpy(iso_hgrid_brick(w->grid, w->grid->cell[w->cells[w->first + i]]),
-                   w->values + i * ISO_BRICK_VOXELS, ISO_BRICK_VOXELS * sizeof(float));
+static void find_corrections(void *context, size_t index, int worker) {
+    const work *w = context;
+    correction *c = &w->corrections[index];
+    iso_brick_place place = {.origin = w->grid->transform.origin, .voxel = w->grid->transform.spacing[0]};
+    float values[ISO_BRICK_VOXELS];
+    block b;
+    (void)worker;
+    iso_hgrid_cell_position(w->grid, w->cells[index], place.at);
+    for (int axis = 0; axis < 3; axis++) place.at[axis] *= ISO_BRICK;
+    read_block(w->grid, w->cells[index], &b);
+    correct_voxels(w, &b, &place, c, values);
+    c->values = c->count ? iso_alloc(c->count * sizeof *c->values) : NULL;
+    if (c->values) memcpy(c->values, values, c->count * sizeof *values);
+}
+
+/* Writes the new values of a cell's brick, after all have been found. */
+static void write_corrections(void *context, size_t index, int worker) {
+    const work *w = context;
+    const correction *c = &w->corrections[index];
+    float *brick = iso_hgrid_brick(w->grid, w->grid->cell[w->cells[index]]);
+    size_t next = 0;
+    (void)worker;
+    if (!c->values) return;
+    for (int i = 0; i < ISO_BRICK_VOXELS; i++)
+        if (c->voxels.rows[i / ISO_BRICK] >> i % ISO_BRICK & 1) brick[i] = c->values[next++];
+}
+
+/* Returns false if there is no memory. */
+static bool correct_cells(work *w, iso_pool *pool) {
+    bool whole = true;
+    w->corrections = iso_alloc_zero(w->cell_count, sizeof *w->corrections);
+    if (!w->corrections) return false;
+    iso_parallel_for(pool, w->cell_count, find_corrections, w);
+    iso_parallel_for(pool, w->cell_count, write_corrections, w);
+    for (size_t i = 0; i < w->cell_count; i++) {
+        whole &= !w->corrections[i].count || w->corrections[i].values;
+        iso_free(w->corrections[i].values);
+    }
+    iso_free(w->corrections);
+    return whole;
+}
+
+static void set_lengths(work *w) {
+    for (int i = 0; i < BALL * BALL * BALL; i++) {
+        const int x = i % BALL - REACH, y = i / BALL % BALL - REACH, z = i / (BALL * BALL) - REACH;
+        w->length[z + REACH][y + REACH][x + REACH] = sqrt((double)(x * x + y * y + z * z));
     }
 }
 
 iso_status iso_mesh_remove_buried(iso_hgrid *grid, const iso_closed_mesh *mesh, iso_pool *pool,
                                   iso_error *error) {
-    const size_t count = (size_t)grid->cells[0] * (size_t)grid->cells[1] * (size_t)grid->cells[2];
+    const size_t count = iso_hgrid_cell_count(grid);
     work w = {.grid = grid,
               .mesh = mesh,
               .found = iso_alloc_zero(count, sizeof *w.found),
-              .cells = iso_alloc(count * sizeof *w.cells),
-              .values = iso_alloc((size_t)BATCH * ISO_BRICK_VOXELS * sizeof *w.values)};
-    const bool whole = w.found && w.cells && w.values;
+              .cells = iso_alloc(count * sizeof *w.cells)};
+    bool whole = w.found && w.cells;
     if (whole) {
+        set_lengths(&w);
         iso_parallel_for(pool, count, find_buried_in_cell, &w);
-        correct_cells(&w, list_cells(&w, count), pool);
+        list_cells(&w, count);
+        if (w.cell_count) whole = correct_cells(&w, pool);
     }
     iso_free(w.found);
     iso_free(w.cells);
-    iso_free(w.values);
     return whole ? ISO_OK : iso_fail(error, ISO_ERR_NOMEM, "out of memory");
 }
