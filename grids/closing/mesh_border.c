@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "base/numbers.h"
 
 /* MOST_ROWS: the largest number of rows into which the edges of a face are sorted (for speed only);
  * ROW_EDGES: see rows_for; SAMPLES: samples along each side of a face for finding its smallest number. */
@@ -341,9 +342,10 @@ iso_status iso_border_close(iso_border *border, const iso_triangles *mesh, const
 static void nearest_on_face(const iso_border_face *face, const double p[3], iso_nearest *nearest) {
     const double away = p[face->axis] - face->plane;
     double at[3];
+    if (away * away >= nearest->squared) return;
     at[face->axis] = face->plane;
-    at[face->u] = fmin(fmax(p[face->u], face->lo[0]), face->hi[0]);
-    at[face->v] = fmin(fmax(p[face->v], face->lo[1]), face->hi[1]);
+    at[face->u] = iso_min(iso_max(p[face->u], face->lo[0]), face->hi[0]);
+    at[face->v] = iso_min(iso_max(p[face->v], face->lo[1]), face->hi[1]);
     const double du = p[face->u] - at[face->u], dv = p[face->v] - at[face->v];
     const double squared = away * away + du * du + dv * dv;
     if (squared >= nearest->squared || number_at(face, at[face->u], at[face->v]) == 0) return;
