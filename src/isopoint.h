@@ -615,7 +615,9 @@ typedef struct iso_render_opts {
      * discs: by DISCS or SPLATS_FLAT, _ONEPASS, _EWA or _MEAN. What is outside the picture or hidden as a
      * whole takes no time (Guennebaud et al. 2004, section 7.1). Borrowed. */
     const iso_placements *instances;
-    double instance_lod; /* levels of detail of instances: their error in pixels; 0: all points are drawn */
+    /* Levels of detail of points, also of instances: their error in pixels; 0: all points are drawn. For
+     * opaque surfaces by PULLPUSH, DISCS or SPLATS_FLAT, _ONEPASS, _EWA and _MEAN. */
+    double lod;
     iso_instance_counts *instance_counts; /* receives what became of the instances; NULL: not wanted */
     iso_transparency transparency;        /* of translucent surfaces, for SPLATS only */
     /* Draws the only surface as glass, by the methods EXACT, RAYCAST, SPLATS and SPLATS_FLAT; NULL: it is not
@@ -761,6 +763,7 @@ ISO_API iso_status iso_compare_images(const iso_image *truth, const iso_image *c
 }
 #endif
 
+#include "isopoint_clouds.h" /* points without a volume */
 #include "isopoint_sculpt.h" /* sculpting */
 
 #endif

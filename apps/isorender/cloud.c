@@ -68,7 +68,8 @@ static iso_cloud_opts cloud_opts(const isorender_job *job) {
                            .estimate_normals = settings->normals == ISORENDER_NORMALS_AUTO,
                            .pool = job->pool};
     if (!job->gaussians || settings->points) return opts;
-    opts.radius = isorender_gaussians_size(&job->loader.points);
+    opts.radius =
+        iso_gaussians_size((const float(*)[9])job->loader.points.axes, job->loader.points.count);
     opts.without_normals = true;
     return opts;
 }

@@ -167,17 +167,8 @@ void isorender_cloud_report(iso_json *json, const isorender_job *job);
  * have. */
 iso_status isorender_gaussians_choose(isorender_job *job, iso_error *error);
 
-/* A frame of Gaussians. All pointers are borrowed. */
-typedef struct isorender_gaussians_picture {
-    isorender_job *job;
-    const iso_shading *shading;
-    isorender_frame *frame; /* its totals of layers are set */
-} isorender_gaussians_picture;
-/* Draws the frame: a callback for iso_picture_opts.layers. */
-iso_picture_layers isorender_gaussians_callbacks(isorender_gaussians_picture *picture);
-
-/* The median standard deviation of Gaussians, mm; 1 if they have no size. */
-double isorender_gaussians_size(const iso_glyphs *glyphs);
+/* The Gaussians of the file, which borrow the job. */
+iso_gaussians isorender_gaussians_of(const isorender_job *job);
 /* Prints the lines of --info about the Gaussians. */
 void isorender_gaussians_info(const isorender_job *job);
 
@@ -255,6 +246,7 @@ typedef struct isorender_scene_arrays {
     iso_scene_object *objects[ISORENDER_OBJECTS];
     iso_scene_engine engine;
     iso_scene_progress progress;
+    iso_gaussians gaussians;
 } isorender_scene_arrays;
 
 /* The job's surfaces and objects as a scene, without glass. It borrows the job and the arrays. */

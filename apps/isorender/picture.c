@@ -162,14 +162,6 @@ static iso_status annotate(const isorender_job *job, const iso_camera *camera, i
     return iso_annotate(image, &annotation, error);
 }
 
-static iso_status render_gaussians(isorender_job *job, iso_picture_opts *opts, iso_image *image,
-                                   isorender_frame *frame, iso_error *error) {
-    isorender_gaussians_picture picture = {job, &opts->shading, frame};
-    const iso_picture_layers callbacks = isorender_gaussians_callbacks(&picture);
-    opts->layers = &callbacks;
-    return iso_picture_render(opts, image, &frame->covered, error);
-}
-
 static iso_scene_glass make_glass(const isorender_job *job) {
     const isorender_settings *settings = job->settings;
     iso_scene_glass made = {.glass = {.ior = settings->ior,
@@ -187,6 +179,7 @@ iso_scene isorender_scene(isorender_job *job, isorender_scene_arrays *arrays) {
     for (int i = 0; i < job->surface_count; i++)
         arrays->surfaces[i] = (iso_layered_surface){&job->surfaces[i].scene, job->surfaces[i].translucency};
     for (int i = 0; i < job->object_count; i++) arrays->objects[i] = &job->objects[i].scene;
+    if (job->gaussians) arrays->gaussians = isorender_gaussians_of(job);
     arrays->engine = iso_gl_scene_engine(&job->gl);
     arrays->progress = (iso_scene_progress){begin_strip, tell_surface, job};
     return (iso_scene){.renderer = job->renderer,
@@ -198,6 +191,7 @@ iso_scene isorender_scene(isorender_job *job, isorender_scene_arrays *arrays) {
                        .placed = &job->instances.placed,
                        .placed_count = isorender_has_instances(job, 0) ? job->input_surface_count : 0,
                        .pyramid_count = job->settings->one_pyramid ? job->input_surface_count : 0,
+                       .gaussians = job->gaussians ? &arrays->gaussians : NULL,
                        .workspace = job->point_workspace,
                        .transparency = (iso_transparency)job->settings->transparency,
                        .engine = job->backend->engine ? &arrays->engine : NULL,
@@ -233,7 +227,6 @@ static iso_status render_scene(isorender_job *job, iso_picture_opts *opts, iso_i
 
 static iso_status render_picture(isorender_job *job, iso_picture_opts *opts, iso_image *image,
                                  isorender_frame *frame, iso_error *error) {
-    if (job->gaussians) return render_gaussians(job, opts, image, frame, error);
     if (job->chunks) return isorender_chunks_draw(job, opts, image, &frame->covered, error);
     return render_scene(job, opts, image, frame, error);
 }

@@ -4,9 +4,11 @@
 #define ISO_API_INTERNAL_H
 
 #include "base/parallel.h"
+#include "clouds/cloud.h"
 #include "extract/points/points.h"
 #include "grids/volume/volume.h"
 #include "isopoint.h"
+#include "render/gaussians/gaussians.h"
 #include "scene/instances.h"
 #include "scene/object.h"
 #include "scene/occluders.h"
@@ -23,8 +25,19 @@ static inline iso_api_volume *iso_api_volume_of(iso_volume *volume) {
     return (iso_api_volume *)volume;
 }
 
+/* Points without a volume. */
+typedef struct iso_api_cloud {
+    iso_glyphs points;   /* of Gaussians only, once the discs are made */
+    float *opacities;    /* of Gaussians, 0 .. 1 */
+    iso_cloud discs;     /* of Gaussians they only say where they are */
+    iso_point_view view; /* of the discs */
+    iso_box frame;       /* what a picture frames: the points but for few that lie far from the others */
+} iso_api_cloud;
+
 struct iso_surface {
-    iso_api_volume *volume;
+    iso_api_volume *volume;  /* NULL: a cloud */
+    iso_api_cloud *cloud;    /* owned; NULL: an isosurface of the volume */
+    iso_pool *pool;          /* the volume's; a cloud owns its pool */
     iso_scene_surface scene; /* the parts that renderers draw */
     iso_occluders occluders; /* of pictures of this surface alone */
     iso_point_set *points;   /* points as floats for iso_surface_points; NULL: not requested yet */
@@ -51,6 +64,16 @@ iso_status iso_api_surface_part(iso_surface *surface, iso_part part, iso_error *
 
 /* The world box of an extracted part. */
 iso_box iso_api_surface_bounds(const iso_surface *surface, iso_part part);
+
+/* Copies `count` items of `size` bytes to new memory and sets the pointer at `to`; NULL stays NULL. */
+iso_status iso_api_copy(const void *from, size_t count, size_t size, void *to, iso_error *error);
+
+void iso_api_cloud_destroy(iso_api_cloud *cloud); /* NULL is allowed */
+static inline bool iso_api_is_gaussians(const iso_surface *surface) {
+    return surface->cloud && surface->cloud->points.gaussians;
+}
+/* The Gaussians of a cloud, which they borrow; `color`: of those without colours. */
+iso_gaussians iso_api_cloud_gaussians(const iso_api_cloud *cloud, iso_rgb color);
 
 /* Creates a pool of `threads` threads. ISO_ERR_USAGE: the number of threads is not in 0 .. 1024. */
 iso_status iso_api_pool(int threads, iso_pool **pool, iso_error *error);

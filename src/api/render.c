@@ -77,6 +77,7 @@ typedef struct rendering {
     iso_layered_surface layered[ISO_SURFACE_MAX];
     iso_scene_object objects[ISO_SURFACE_MAX], *object[ISO_SURFACE_MAX]; /* the sets of shapes */
     bool translucent, translucent_shapes; /* at least one surface or set; one set */
+    bool gaussians;                       /* the first surface are Gaussians */
     iso_refraction refraction;            /* of glass; not AUTO */
     iso_cut cuts[ISO_CLIP_BODIES];
     iso_clip *clips; /* of surfaces, then of sets; NULL: there are no cuts. Owned */
@@ -106,13 +107,12 @@ static iso_box bounds_of(const rendering *r, int i, iso_part framed) {
     return iso_placed_bounds(r->opts->instances, &points.transform, &index, &own, NULL);
 }
 
-/* Makes the levels of detail of instances, or brings them up to date. */
-static iso_status prepare_instances(const rendering *r, iso_error *error) {
-    const bool leveled = r->opts->instances && r->opts->instance_lod > 0;
+/* Makes the levels of detail, or brings them up to date. */
+static iso_status prepare_levels(const rendering *r, iso_error *error) {
     for (int i = 0; i < r->count; i++) {
         iso_scene_surface *scene = &r->surfaces[i]->scene;
-        scene->lod_pixels = leveled ? r->opts->instance_lod : 0;
-        if (leveled) ISO_TRY(iso_scene_surface_make_levels(scene, error));
+        scene->lod_pixels = r->opts->lod;
+        if (r->opts->lod > 0) ISO_TRY(iso_scene_surface_make_levels(scene, error));
     }
     return ISO_OK;
 }
@@ -126,6 +126,10 @@ static iso_status prepare(const rendering *r, iso_box *box, iso_error *error) {
     }
     for (int i = 0; i < r->count; i++) {
         r->surfaces[i]->scene.transparency = r->translucent ? r->opts->transparency : ISO_TRANSPARENCY_SORTED;
+        if (iso_api_is_gaussians(r->surfaces[i])) {
+            iso_bounds_add(box, &r->surfaces[i]->cloud->frame);
+            continue;
+        }
         ISO_TRY(iso_api_surface_part(r->surfaces[i], framed, error));
         for (int part = 0; part < ISO_PART_COUNT; part++)
             if (part != (int)framed && needs_of(r) & 1u << part)
@@ -133,7 +137,7 @@ static iso_status prepare(const rendering *r, iso_box *box, iso_error *error) {
         const iso_box own = bounds_of(r, i, framed);
         iso_bounds_add(box, &own);
     }
-    ISO_TRY(prepare_instances(r, error));
+    ISO_TRY(prepare_levels(r, error));
     return iso_box_is_empty(box) ? iso_fail(error, ISO_ERR_EMPTY, "there is no surface") : ISO_OK;
 }
 
@@ -165,9 +169,32 @@ static void number_elements(const rendering *r, iso_aov *aov) {
 static float smallest_spacing(const rendering *r) {
     double smallest = INFINITY;
     for (int i = 0; i < r->count; i++)
-        for (int axis = 0; axis < 3; axis++)
+        for (int axis = 0; axis < 3 && !r->surfaces[i]->cloud; axis++)
             smallest = fmin(smallest, iso_grid_transform(&r->surfaces[i]->scene.grid)->spacing[axis]);
     return isfinite(smallest) ? (float)smallest : 0;
+}
+
+/* Checks clouds: a method must draw points; Gaussians are the first surface, among what is opaque. */
+static iso_status check_clouds(iso_surface *const *surfaces, int count, const iso_render_opts *opts,
+                               iso_error *error) {
+    const iso_renderer *renderer = iso_renderer_get(opts->method);
+    for (int i = 0; i < count; i++) {
+        if (!surfaces[i]->cloud) continue;
+        if (iso_api_is_gaussians(surfaces[i])) {
+            if (i > 0)
+                return iso_fail(error, ISO_ERR_USAGE, "surface %d are Gaussians, which must be the first", i);
+            if (opts->aov || opts->glass || opts->instances || opts->clip_count || opts->occlusion != 0 ||
+                opts->shadow || opts->outline > 0)
+                return iso_fail(error, ISO_ERR_USAGE,
+                                "Gaussians have no depths (aov), glass, instances, clips, occlusion, shadow "
+                                "and outline");
+        } else if (renderer->needs & ~(1u << ISO_PART_POINTS | 1u << ISO_PART_GROUPS)) {
+            return iso_fail(error, ISO_ERR_USAGE,
+                            "surface %d is a cloud of points: the method %s needs a volume; splats draws it",
+                            i, renderer->name);
+        }
+    }
+    return ISO_OK;
 }
 
 static iso_status check(iso_surface *const *surfaces, int count, const iso_render_opts *opts,
@@ -197,8 +224,13 @@ static iso_status check(iso_surface *const *surfaces, int count, const iso_rende
     if (opts->instances && !iso_method_can(opts->method, ISO_CAN_INSTANCES))
         return iso_fail(error, ISO_ERR_USAGE, "the method %s draws no instances: those that draw discs do",
                         iso_renderer_get(opts->method)->name);
-    if (!(opts->instance_lod >= 0 && opts->instance_lod <= 1000))
-        return iso_fail(error, ISO_ERR_USAGE, "instance_lod %g is not from 0 to 1000", opts->instance_lod);
+    if (!(opts->lod >= 0 && opts->lod <= 1000))
+        return iso_fail(error, ISO_ERR_USAGE, "lod %g is not from 0 to 1000", opts->lod);
+    if (opts->lod > 0 && !iso_method_can(opts->method, ISO_CAN_LEVELS))
+        return iso_fail(error, ISO_ERR_USAGE, "the method %s has no levels of detail: %s have",
+                        iso_renderer_get(opts->method)->name,
+                        iso_methods_that_can(ISO_CAN_LEVELS, (char[ISO_METHODS_TEXT]){0}));
+    ISO_TRY(check_clouds(surfaces, count, opts, error));
     return opts->camera ? iso_camera_check(opts->camera, error) : ISO_OK;
 }
 
@@ -217,7 +249,7 @@ static void set_up(rendering *r, const iso_render_opts *opts) {
                                                 .color_count = r->count + r->shapes_count,
                                                 .background = opts->background ? *opts->background : white,
                                                 .transparent = opts->transparent},
-                                    .pool = r->count ? r->surfaces[0]->volume->pool : NULL,
+                                    .pool = r->count ? r->surfaces[0]->pool : NULL,
                                     .aov = opts->aov};
 }
 
@@ -238,6 +270,8 @@ static iso_status check_layers(const rendering *r, const iso_render_opts *opts, 
     if (r->translucent && !(r->renderer->can & ISO_CAN_LAYERS))
         return iso_fail(error, ISO_ERR_USAGE, "the method %s draws no translucent surfaces: %s do",
                         r->renderer->name, iso_methods_that_can(ISO_CAN_LAYERS, who));
+    if (r->translucent && opts->lod > 0)
+        return iso_fail(error, ISO_ERR_USAGE, "levels of detail are of opaque surfaces");
     if (absorbs && !(r->renderer->can & ISO_CAN_ABSORPTION))
         return iso_fail(error, ISO_ERR_USAGE, "splats know no solids: absorption is for %s",
                         iso_methods_that_can(ISO_CAN_ABSORPTION, who));
@@ -260,6 +294,14 @@ static void set_up_objects(rendering *r, const iso_render_opts *opts) {
     r->translucent |= r->translucent_shapes;
 }
 
+/* Shows the opacities of a cloud's discs to methods that draw them. Returns whether it has some. */
+static bool set_up_opacities(const rendering *r, iso_api_cloud *cloud) {
+    const bool drawn = iso_method_is_splats(r->renderer->method) && !r->opts->glass &&
+                       r->opts->occlusion == 0 && !r->opts->shadow && r->opts->outline == 0;
+    cloud->view.opacities = drawn ? cloud->discs.opacities : NULL;
+    return cloud->view.opacities != NULL;
+}
+
 /* Sets up the picture's translucent surfaces and sets of shapes, if it has some. */
 static iso_status set_up_layers(rendering *r, const iso_render_opts *opts, iso_error *error) {
     for (int i = 0; i < r->count; i++) {
@@ -269,8 +311,11 @@ static iso_status set_up_layers(rendering *r, const iso_render_opts *opts, iso_e
                                                .absorption_length = (float)opts->absorption_length,
                                                .most_layers = opts->most_layers}};
         r->translucent |= r->layered[i].translucency.opacity < 1;
+        if (r->surfaces[i]->cloud) r->translucent |= set_up_opacities(r, r->surfaces[i]->cloud);
     }
     set_up_objects(r, opts);
+    if (r->gaussians && r->translucent)
+        return iso_fail(error, ISO_ERR_USAGE, "Gaussians are drawn among opaque surfaces and shapes only");
     ISO_TRY(check_layers(r, opts, error));
     if (!r->picture.samples)
         r->picture.samples = r->translucent || opts->glass ? 1 : iso_method_samples(r->renderer->method);
@@ -423,6 +468,7 @@ static iso_status draw_picture(rendering *r, iso_image *image, size_t *covered, 
     iso_environment *environment = NULL;
     iso_scene_glass glass;
     iso_occluders together = {.coarse = 0};
+    iso_gaussians gaussians;
     if (given) {
         ISO_TRY(open_environment(r, &environment, error));
         glass = (iso_scene_glass){.glass = {.ior = given->ior,
@@ -449,6 +495,10 @@ static iso_status draw_picture(rendering *r, iso_image *image, size_t *covered, 
                                      .shadow = opts->shadow},
                        .occluders = r->count == 1 ? &r->surfaces[0]->occluders : &together,
                        .transparency = opts->transparency};
+    if (r->gaussians) {
+        gaussians = iso_api_cloud_gaussians(r->surfaces[0]->cloud, r->colors[0]);
+        scene.gaussians = &gaussians;
+    }
     const iso_status status = iso_scene_render(&scene, &r->picture, image, covered, error);
     iso_environment_destroy(environment);
     iso_occluders_free(&together);
@@ -485,6 +535,7 @@ iso_status iso_render_surfaces(iso_surface *const *surfaces, int count, const is
                    .shapes = opts->shapes,
                    .shapes_count = opts->shapes_count,
                    .renderer = iso_renderer_get(opts->method),
+                   .gaussians = count && iso_api_is_gaussians(surfaces[0]),
                    .opts = opts};
     set_up(&r, opts);
     ISO_TRY(make_room(r.picture.width, r.picture.height, image, opts->aov, error));

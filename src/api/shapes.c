@@ -14,38 +14,26 @@
 
 /* ---- copies of arrays */
 
-/* Copies `count` items of `size` bytes; NULL stays NULL. */
-static iso_status copy_array(const void *from, size_t count, size_t size, void *to, iso_error *error) {
-    void *copy = NULL;
-    if (from) {
-        copy = iso_alloc(count * size);
-        if (!copy) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for %zu shapes", count);
-        memcpy(copy, from, count * size);
-    }
-    memcpy(to, &copy, sizeof copy);
-    return ISO_OK;
-}
-
 static iso_status copy_lines(const iso_line_arrays *from, iso_lines *to, iso_error *error) {
     const size_t vertices = from->line_count ? from->starts[from->line_count] : 0;
     if (!vertices) return iso_fail(error, ISO_ERR_EMPTY, "there are no lines");
     to->line_count = from->line_count;
     to->vertex_count = vertices;
-    ISO_TRY(copy_array(from->starts, from->line_count + 1, sizeof *to->starts, &to->starts, error));
-    ISO_TRY(copy_array(from->vertices, vertices, sizeof *to->vertices, &to->vertices, error));
-    ISO_TRY(copy_array(from->radii, vertices, sizeof *to->radii, &to->radii, error));
-    ISO_TRY(copy_array(from->normals, vertices, sizeof *to->normals, &to->normals, error));
-    return copy_array(from->colors, vertices, sizeof *to->colors, &to->colors, error);
+    ISO_TRY(iso_api_copy(from->starts, from->line_count + 1, sizeof *to->starts, &to->starts, error));
+    ISO_TRY(iso_api_copy(from->vertices, vertices, sizeof *to->vertices, &to->vertices, error));
+    ISO_TRY(iso_api_copy(from->radii, vertices, sizeof *to->radii, &to->radii, error));
+    ISO_TRY(iso_api_copy(from->normals, vertices, sizeof *to->normals, &to->normals, error));
+    return iso_api_copy(from->colors, vertices, sizeof *to->colors, &to->colors, error);
 }
 
 static iso_status copy_glyphs(const iso_glyph_arrays *from, iso_glyphs *to, iso_error *error) {
     if (!from->count) return iso_fail(error, ISO_ERR_EMPTY, "there are no points");
     to->count = from->count;
-    ISO_TRY(copy_array(from->positions, to->count, sizeof *to->positions, &to->positions, error));
-    ISO_TRY(copy_array(from->radii, to->count, sizeof *to->radii, &to->radii, error));
-    ISO_TRY(copy_array(from->directions, to->count, sizeof *to->directions, &to->directions, error));
-    ISO_TRY(copy_array(from->axes, to->count, sizeof *to->axes, &to->axes, error));
-    return copy_array(from->colors, to->count, sizeof *to->colors, &to->colors, error);
+    ISO_TRY(iso_api_copy(from->positions, to->count, sizeof *to->positions, &to->positions, error));
+    ISO_TRY(iso_api_copy(from->radii, to->count, sizeof *to->radii, &to->radii, error));
+    ISO_TRY(iso_api_copy(from->directions, to->count, sizeof *to->directions, &to->directions, error));
+    ISO_TRY(iso_api_copy(from->axes, to->count, sizeof *to->axes, &to->axes, error));
+    return iso_api_copy(from->colors, to->count, sizeof *to->colors, &to->colors, error);
 }
 
 /* ---- what all sets have */

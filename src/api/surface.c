@@ -41,9 +41,10 @@ iso_status iso_surface_create(iso_volume *volume, const iso_surface_opts *opts, 
     if (!made) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a surface");
     made->volume = iso_api_volume_of(volume);
     made->volume->surfaces++;
+    made->pool = made->volume->pool;
     made->scene = (iso_scene_surface){.grid = volume->grid,
                                       .isovalue = opts->isovalue,
-                                      .pool = made->volume->pool,
+                                      .pool = made->pool,
                                       .bounded = true,
                                       .primitive = opts->primitive};
     made->opacity = opts->opacity > 0 ? opts->opacity : 1;
@@ -55,14 +56,23 @@ iso_status iso_surface_create(iso_volume *volume, const iso_surface_opts *opts, 
 
 void iso_surface_destroy(iso_surface *surface) {
     if (!surface) return;
-    surface->volume->surfaces--;
+    if (surface->volume) surface->volume->surfaces--;
     iso_point_set_destroy(surface->points);
     iso_occluders_free(&surface->occluders);
     iso_scene_surface_free(&surface->scene);
+    iso_api_cloud_destroy(surface->cloud);
+    if (!surface->volume) iso_pool_destroy(surface->pool);
     iso_free(surface);
 }
 
+/* Refuses a cloud what only isosurfaces have. */
+static iso_status check_volume(const iso_surface *surface, const char *what, iso_error *error) {
+    if (!surface->cloud) return ISO_OK;
+    return iso_fail(error, ISO_ERR_USAGE, "the surface is a cloud of points: %s needs a volume", what);
+}
+
 iso_status iso_surface_set_isovalue(iso_surface *surface, double isovalue, iso_error *error) {
+    ISO_TRY(check_volume(surface, "an isovalue", error));
     ISO_TRY(check_isovalue(&surface->scene.grid, isovalue, error));
     surface->scene.isovalue = isovalue;
     /* with the primitive AUTO the kind of points depends on the isovalue */
@@ -71,11 +81,22 @@ iso_status iso_surface_set_isovalue(iso_surface *surface, double isovalue, iso_e
     return ISO_OK;
 }
 
+iso_status iso_api_copy(const void *from, size_t count, size_t size, void *to, iso_error *error) {
+    void *copy = NULL;
+    if (from) {
+        copy = iso_alloc(count * size);
+        if (!copy) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a copy of %zu items", count);
+        memcpy(copy, from, count * size);
+    }
+    memcpy(to, &copy, sizeof copy);
+    return ISO_OK;
+}
+
 /* ---- parts ---- */
 
 iso_status iso_api_surface_ready(iso_surface *surface, iso_error *error) {
     iso_rgrid *grid = surface->scene.grid.rgrid;
-    return grid ? iso_brick_index_of(grid, surface->volume->pool, NULL, error) : ISO_OK;
+    return grid ? iso_brick_index_of(grid, surface->pool, NULL, error) : ISO_OK;
 }
 
 static iso_status fail_empty(const iso_surface *surface, iso_error *error) {
@@ -83,6 +104,10 @@ static iso_status fail_empty(const iso_surface *surface, iso_error *error) {
 }
 
 iso_status iso_api_surface_part(iso_surface *surface, iso_part part, iso_error *error) {
+    if (surface->cloud && part == ISO_PART_POINTS) return ISO_OK;
+    if (surface->cloud && part == ISO_PART_GROUPS)
+        return iso_scene_surface_update(&surface->scene, part, error);
+    ISO_TRY(check_volume(surface, "this method", error));
     ISO_TRY(iso_api_surface_ready(surface, error));
     ISO_TRY(iso_scene_surface_update(&surface->scene, part, error));
     const bool counted = part != ISO_PART_CASTER;
@@ -93,8 +118,9 @@ iso_status iso_api_surface_part(iso_surface *surface, iso_part part, iso_error *
 
 iso_box iso_api_surface_bounds(const iso_surface *surface, iso_part part) {
     const iso_scene_surface *scene = &surface->scene;
+    if (surface->cloud) return surface->cloud->frame;
     if (part == ISO_PART_POINTS) {
-        const iso_point_view points = iso_point_set_view(scene->points);
+        const iso_point_view points = iso_scene_surface_points(scene);
         return iso_bounds_of_points(&points);
     }
     if (part == ISO_PART_MESH) {
@@ -105,6 +131,10 @@ iso_box iso_api_surface_bounds(const iso_surface *surface, iso_part part) {
 }
 
 iso_status iso_surface_bounds(iso_surface *surface, iso_box *box, iso_error *error) {
+    if (surface->cloud) {
+        *box = iso_bounds_of_points(&surface->cloud->view);
+        return ISO_OK;
+    }
     ISO_TRY(iso_api_surface_part(surface, ISO_PART_CELLS, error));
     const iso_box found = iso_api_surface_bounds(surface, ISO_PART_CELLS);
     if (iso_box_is_empty(&found)) return fail_empty(surface, error);
@@ -119,7 +149,11 @@ static iso_status update_points(iso_surface *surface, iso_point_view *view, iso_
     const iso_points_opts opts = {.isovalue = surface->scene.isovalue,
                                   .primitive = surface->scene.primitive,
                                   .floats = true,
-                                  .pool = surface->volume->pool};
+                                  .pool = surface->pool};
+    if (surface->cloud) {
+        *view = surface->cloud->view;
+        return ISO_OK;
+    }
     ISO_TRY(iso_api_surface_ready(surface, error));
     if (!surface->points) ISO_TRY(iso_point_set_create(&surface->scene.grid, &opts, &surface->points, error));
     ISO_TRY(iso_point_set_update(surface->points, error));
@@ -181,6 +215,7 @@ void iso_mesh_free(iso_mesh *mesh) {
 }
 
 static iso_status weld(iso_surface *surface, iso_mesh_view *view, iso_weld *welded, iso_error *error) {
+    ISO_TRY(check_volume(surface, "a mesh", error));
     ISO_TRY(iso_api_surface_ready(surface, error));
     ISO_TRY(iso_scene_surface_update(&surface->scene, ISO_PART_MESH, error));
     *view = iso_mesh_set_view(surface->scene.mesh);
@@ -229,13 +264,14 @@ iso_status iso_surface_measure(iso_surface *surface, iso_mesh_measures *measures
     iso_mesh_view view;
     iso_weld welded;
     ISO_TRY(weld(surface, &view, &welded, error));
-    iso_status status = iso_weld_measure(&welded, &view.transform, surface->volume->pool, measures, error);
+    iso_status status = iso_weld_measure(&welded, &view.transform, surface->pool, measures, error);
     iso_weld_free(&welded);
     return status;
 }
 
 iso_status iso_surface_write_mesh(iso_surface *surface, const char *path, iso_error *error) {
     if (!path) return iso_fail(error, ISO_ERR_USAGE, "no file is named");
+    ISO_TRY(check_volume(surface, "a mesh", error));
     ISO_TRY(iso_api_surface_part(surface, ISO_PART_MESH, error));
     const iso_mesh_view view = iso_mesh_set_view(surface->scene.mesh);
     return iso_mesh_write(path, &view, COMMENT, error);

@@ -91,6 +91,7 @@ iso_status iso_scene_draw_from(const iso_scene *scene, int first, const iso_view
 typedef struct drawing {
     iso_scene *scene;
     iso_pool *pool;
+    const iso_shading *shading;
 } drawing;
 
 static iso_status draw_caps(const drawing *d, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
@@ -192,6 +193,39 @@ static iso_status render_glass(const iso_scene *scene, iso_picture_opts *opts, i
     return status;
 }
 
+/* ---- Gaussians */
+
+/* iso_picture_layers.draw_opaque. */
+static iso_status draw_beside_gaussians(void *context, const iso_view *view, iso_gbuffer *gbuffer,
+                                        iso_error *error) {
+    const drawing *d = context;
+    return iso_scene_draw_from(d->scene, 1, view, gbuffer, d->pool, error);
+}
+
+/* iso_picture_layers.shade. */
+static iso_status shade_gaussians(void *context, const iso_strip *strip, iso_image *image, iso_aov *aov,
+                                  size_t *covered, iso_error *error) {
+    (void)aov;
+    const drawing *d = context;
+    const iso_layer_picture picture = {
+        .strip = strip, .shading = d->shading, .image = image, .pool = d->pool};
+    iso_layer_totals *totals = &d->scene->totals.layers;
+    const size_t before = totals->covered;
+    ISO_TRY(iso_shade_gaussians(d->scene->gaussians, &picture, totals, error));
+    *covered = totals->covered - before;
+    return ISO_OK;
+}
+
+static iso_status render_gaussians(drawing *d, iso_picture_opts *opts, iso_image *image, size_t *covered,
+                                   iso_error *error) {
+    const iso_picture_layers callbacks = {iso_scene_colors(d->scene) > 1 ? draw_beside_gaussians : NULL,
+                                          shade_gaussians, d};
+    opts->layers = &callbacks;
+    const iso_status status = iso_picture_render(opts, image, covered, error);
+    opts->layers = NULL;
+    return status;
+}
+
 /* Whether the picture needs no gbuffer: one exact surface with one sample a pixel, and nothing beside it. */
 static bool is_painted(const iso_scene *scene, const iso_picture_opts *opts) {
     return scene->renderer->method == ISO_METHOD_EXACT && !scene->engine && !scene->caps &&
@@ -222,10 +256,11 @@ static iso_status find_occlusion(const iso_scene *scene, iso_picture_opts *opts,
 
 iso_status iso_scene_render(iso_scene *scene, iso_picture_opts *opts, iso_image *image, size_t *covered,
                             iso_error *error) {
-    drawing d = {scene, opts->pool};
+    drawing d = {scene, opts->pool, &opts->shading};
     opts->draw = draw_all;
     opts->draw_context = &d;
     opts->begin_strip = scene->progress ? begin_strip : NULL;
+    if (scene->gaussians) return render_gaussians(&d, opts, image, covered, error);
     if (scene->glass) return render_glass(scene, opts, image, covered, error);
     if (scene->translucent) return render_layers(&d, opts, image, covered, error);
     if (scene->occluders) ISO_TRY(find_occlusion(scene, opts, error));

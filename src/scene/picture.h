@@ -4,6 +4,7 @@
 #ifndef ISO_SCENE_PICTURE_H
 #define ISO_SCENE_PICTURE_H
 
+#include "render/gaussians/gaussians.h"
 #include "scene/caps.h"
 #include "scene/glass.h"
 #include "scene/instances.h"
@@ -54,15 +55,17 @@ struct iso_scene {
     int pyramid_count; /* the first surfaces, which share an image pyramid with objects that are in_pyramid */
     iso_point_workspace *workspace; /* of objects and that pyramid; NULL: made when needed */
     const iso_scene_glass *glass;   /* NULL: no glass; else there is one opaque surface and nothing else */
-    iso_transparency transparency;  /* how splats are composited */
-    const iso_cut_caps *caps;       /* caps of surfaces that are cut, and slices; NULL: none */
+    const iso_gaussians
+        *gaussians;                /* what the first surface is drawn as, among what is opaque; NULL: discs */
+    iso_transparency transparency; /* how splats are composited */
+    const iso_cut_caps *caps;      /* caps of surfaces that are cut, and slices; NULL: none */
     /* What the surfaces block of the light, of pictures of opaque surfaces with ISO_CAN_OCCLUSION;
      * `occluders` is kept between pictures, and may be NULL if nothing is blocked. */
     iso_occlusion_opts occlusion;
     iso_occluders *occluders;
     const iso_scene_engine *engine;     /* NULL: the cpu engine */
     const iso_scene_progress *progress; /* NULL: nobody is told */
-    iso_exact_layers_totals totals;     /* set by iso_scene_render: of translucent surfaces */
+    iso_exact_layers_totals totals;     /* set by iso_scene_render: of translucent surfaces, or Gaussians */
 };
 
 /* The numbers of a picture's surfaces are those of the scene's surfaces and objects. */

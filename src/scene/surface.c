@@ -49,14 +49,14 @@ static iso_status update_caster(iso_scene_surface *surface, iso_error *error) {
 }
 
 static iso_status update_groups(iso_scene_surface *surface, iso_error *error) {
-    const uint64_t now = iso_change_log_now(iso_grid_log(&surface->grid));
+    const uint64_t now = surface->given ? 0 : iso_change_log_now(iso_grid_log(&surface->grid));
     const bool sorted = surface->transparency == ISO_TRANSPARENCY_SORTED;
     if (surface->grouped_for != surface->transparency) iso_groups_free(&surface->groups);
     if (surface->groups.group && surface->groups_edit == now) return ISO_OK;
-    if (!surface->points) ISO_TRY(update_points(surface, error));
+    if (!surface->points && !surface->given) ISO_TRY(update_points(surface, error));
     surface->groups_edit = now;
     surface->grouped_for = surface->transparency;
-    const iso_point_view view = iso_point_set_view(surface->points);
+    const iso_point_view view = iso_scene_surface_points(surface);
     const iso_groups_opts opts =
         sorted ? iso_groups_default_opts(surface->pool) : iso_splat_layers_grouping(surface->pool);
     ISO_TRY(iso_groups_update(&view, &opts, &surface->groups, error));
@@ -174,7 +174,7 @@ iso_part_size iso_scene_surface_size(const iso_scene_surface *surface, iso_part 
         return mesh_size(&view);
     }
     if (part == ISO_PART_GROUPS && surface->groups.group) {
-        iso_point_view view = iso_point_set_view(surface->points);
+        iso_point_view view = iso_scene_surface_points(surface);
         return (iso_part_size){(size_t)surface->groups.count,
                                iso_point_view_count(&view) + iso_groups_memory_bytes(&surface->groups)};
     }

@@ -2,8 +2,10 @@
 # Usage: cmake -DROOT=... -DNM=... -DLIBRARY=... -P exports.cmake
 cmake_minimum_required(VERSION 3.25)
 file(READ ${ROOT}/src/isopoint.h header)
-file(READ ${ROOT}/src/isopoint_sculpt.h sculpt)
-string(APPEND header "${sculpt}")
+foreach(chapter clouds sculpt)
+    file(READ ${ROOT}/src/isopoint_${chapter}.h text)
+    string(APPEND header "${text}")
+endforeach()
 string(REGEX REPLACE "/\\*([^*]|\\*[^/])*\\*/" "" header "${header}")
 string(REGEX MATCHALL "\nISO_API [^;(]*\\(" declared "${header}")
 list(TRANSFORM declared REPLACE "^.*[ *\n]([a-z_0-9]+)\\($" "\\1")

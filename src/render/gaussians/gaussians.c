@@ -3,10 +3,12 @@
 
 #include <math.h>
 #include <stdatomic.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/exponential.h"
 #include "base/memory.h"
+#include "base/numbers.h"
 #include "base/radix_sort.h"
 #include "render/gaussians/kernel.h"
 #include "render/layers/bands.h"
@@ -319,4 +321,18 @@ iso_status iso_shade_gaussians(const iso_gaussians *gaussians, const iso_layer_p
     for (int i = 0; i < workers && status == ISO_OK; i++) iso_layer_totals_add(totals, &f.workers[i].totals);
     free_frame(&f, workers);
     return status;
+}
+
+double iso_gaussians_size(const float (*axes)[9], size_t count) {
+    enum { SAMPLES = 4096 };
+    const size_t step = count / SAMPLES + 1;
+    double sizes[SAMPLES];
+    size_t found = 0;
+    for (size_t i = 0; i < count && found < SAMPLES; i += step) {
+        double square = 0;
+        for (int k = 0; k < 9; k++) square += (double)axes[i][k] * (double)axes[i][k];
+        sizes[found++] = sqrt(square / 3);
+    }
+    qsort(sizes, found, sizeof *sizes, iso_compare_doubles);
+    return found && sizes[found / 2] > 0 ? sizes[found / 2] : 1;
 }

@@ -31,6 +31,9 @@ typedef struct iso_gaussians {
     size_t count;
 } iso_gaussians;
 
+/* The median standard deviation of Gaussians, mm, of some thousands of them; 1 if they have no size. */
+double iso_gaussians_size(const float (*axes)[9], size_t count);
+
 /* Draws Gaussians over the opaque surfaces of picture->strip into the strip's rows of the image. An opaque
  * surface hides the Gaussians whose centres lie behind it. A sample's number of layers is that of the
  * Gaussians that it shows. *totals is added to. Takes about 100 bytes for each Gaussian in view.

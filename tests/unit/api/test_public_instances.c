@@ -72,7 +72,7 @@ static void a_row_of_placements(void **state) {
         assert_true(counts.drawn == 1 && counts.hidden == COUNT - 1);
         const uint8_t *middle = image->rgba + 4 * (HEIGHT / 2 * WIDTH + WIDTH / 2);
         assert_true(middle[0] > 100 && middle[1] < 80);
-        opts.instance_lod = 2;
+        opts.lod = 2;
         opts.instance_counts = NULL;
         iso_image coarse = {0};
         assert_int_equal(iso_render(surface, &opts, &coarse, NULL), ISO_OK);
@@ -136,9 +136,9 @@ static void refusals(void **state) {
         assert_int_equal(iso_render(surface, &opts, &image, NULL), ISO_ERR_USAGE);
     }
     item = (iso_placement){.scale = 1};
-    opts.instance_lod = -1;
+    opts.lod = -1;
     assert_int_equal(iso_render(surface, &opts, &image, NULL), ISO_ERR_USAGE);
-    opts.instance_lod = 0;
+    opts.lod = 0;
     one.count = 0;
     assert_int_equal(iso_render(surface, &opts, &image, NULL), ISO_ERR_EMPTY);
     one.count = 1;
