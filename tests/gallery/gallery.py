@@ -1,5 +1,7 @@
-"""Runs every command of docs/gallery.md, in its order, in a folder that is made anew, and draws each picture again from itself
-to the same bytes. gallery.py BIN ROOT OUT: the folders of the programs and of the project, and the one for what is made."""
+"""Runs every command of docs/gallery.md and of the tutorials, page by page in its order, in a folder that is made anew, and draws
+each picture of the gallery again from itself to the same bytes. gallery.py BIN ROOT OUT: the folders of the programs and of the
+project, and the one for what is made; the tutorials' folders are beside it."""
+import glob
 import os
 import re
 import shutil
@@ -16,28 +18,40 @@ def run(command, folder, programs):
         sys.exit("exit %d: %s\n%s" % (done.returncode, command, done.stdout))
 
 
-def main():
-    programs, root, out = (os.path.abspath(path) for path in sys.argv[1:4])
-    with open(os.path.join(root, "docs", "gallery.md"), encoding="utf-8") as page:
-        commands = re.findall(r"^    (\S.*)$", page.read(), re.M)
+def run_page(page, programs, root, out):
+    """Runs the commands of a page in the folder `out` with what ships in volumes/, and returns them."""
+    with open(page, encoding="utf-8") as text:
+        commands = re.findall(r"^    (\S.*)$", text.read(), re.M)
     shutil.rmtree(out, ignore_errors=True)
     os.makedirs(out)
     for name in os.listdir(os.path.join(root, "volumes")):
         if not name.endswith(".md"):
             shutil.copy(os.path.join(root, "volumes", name), out)
-    probe = subprocess.run([os.path.join(programs, "isosculpt"), "--replay", "bear.strokes", "--headless", "--quiet", "--output",
-                            "probe.vdb"], cwd=out, capture_output=True, text=True)
+    for command in commands:
+        run(command, out, programs)
+    return commands
+
+
+def main():
+    programs, root, out = (os.path.abspath(path) for path in sys.argv[1:4])
+    os.makedirs(out, exist_ok=True)
+    probe = subprocess.run([os.path.join(programs, "isosculpt"), "--replay", os.path.join(root, "volumes/bear.strokes"), "--headless",
+                            "--quiet", "--output", "probe.vdb"], cwd=out, capture_output=True, text=True)
     if probe.returncode:
         print("skipped: built without OpenVDB:", probe.stderr.strip())
         sys.exit(77)
-    for command in commands:
-        run(command, out, programs)
+    commands = run_page(os.path.join(root, "docs", "gallery.md"), programs, root, out)
     pictures = sorted(set(re.findall(r"\b\w+\.png\b", "\n".join(commands))))
     if len(pictures) < 20:
         sys.exit("%d pictures were found in the gallery: nothing was checked" % len(pictures))
     for name in pictures:
         run("isorender --again %s -o again.png --quiet && cmp %s again.png" % (name, name), out, programs)
-    print("%d commands, %d pictures" % (len(commands), len(pictures)))
+    tutorials = glob.glob(os.path.join(root, "docs", "tutorial-*.md"))
+    for page in tutorials:
+        count = len(run_page(page, programs, root, out + "-" + os.path.basename(page)[:-3]))
+        if count < 4:
+            sys.exit("%s: only %d commands were found" % (page, count))
+    print("%d commands and %d pictures of the gallery, %d tutorials" % (len(commands), len(pictures), len(tutorials)))
 
 
 main()
