@@ -2,6 +2,7 @@
 #include "scene/gl_scene.h"
 
 #include "render/gl/groups.h"
+#include "render/gl/lines.h"
 #include "render/gl/pullpush.h"
 
 static bool draws_groups(const iso_scene *scene) {
@@ -85,6 +86,13 @@ static iso_status draw_object(const iso_gl_scene *gl, const iso_scene *scene, in
                               iso_gbuffer *gbuffer, iso_error *error) {
     iso_scene_object *object = scene->objects[i];
     const int number = scene->count + i;
+    const iso_target target = {view, gbuffer, gl->pool, (uint8_t)number, NULL};
+    iso_pullpush *pullpush = iso_point_workspace_pullpush(scene->workspace);
+    if (object->pyramid_lines) {
+        ISO_TRY(iso_gl_draw_pyramid_lines(gl->engine, &target, object->pyramid_lines, pullpush, error));
+        iso_scene_object_count(object, gbuffer, number);
+        return ISO_OK;
+    }
     if (gl->shapes[i]) {
         const iso_gl_shapes *const sets[] = {gl->shapes[i]};
         const iso_gl_shapes_opts opts = {view, sets, 1, number};
@@ -96,9 +104,8 @@ static iso_status draw_object(const iso_gl_scene *gl, const iso_scene *scene, in
             .view = view, .surfaces = &surface, .surface_count = 1, .first_surface = number, .keep = true};
         return iso_gl_draw(gl->engine, &opts, gbuffer, error);
     }
-    const iso_target target = {view, gbuffer, gl->pool, (uint8_t)number, NULL};
     object->by_cpu = true;
-    return iso_scene_object_draw(object, &target, iso_point_workspace_pullpush(scene->workspace), error);
+    return iso_scene_object_draw(object, &target, pullpush, error);
 }
 
 /* iso_scene_engine.draw. */

@@ -28,10 +28,9 @@ def told(name):
     r = report(name + ".json")
     return r["backend"], [o.get("backend") for o in r.get("objects", [])], [
         line.split("note: --backend egl: ")[1] for line in open(name + ".said").read().splitlines() if "--backend egl" in line]
-by_pyramid = ["the cpu draws in/axis.swc: OpenGL has no lines by pull-push"]
 for name, backend, objects, notes in (
-        ("lines", "cpu", ["cpu"], by_pyramid), ("exact_lines", "egl", [None], []), ("beside", "egl", ["cpu"], by_pyramid),
-        ("discs", "egl", [None], []), ("quiet", "egl", ["cpu"], []), ("auto", "cpu", [None], []),
+        ("lines", "egl", [None], []), ("exact_lines", "egl", [None], []), ("beside", "egl", [None], []),
+        ("discs", "egl", [None], []), ("quiet", "egl", [None], []), ("auto", "cpu", [None], []),
         ("ids", "egl", ["cpu"], ["the cpu draws in/plate.stl: OpenGL does not number triangles, as --aov does"]),
         ("layers", "egl", ["cpu"], ["the cpu draws in/axis.swc: OpenGL draws nothing beside translucent splats"]),
         ("chunks", "cpu", [], ["the cpu draws chunks"])):

@@ -4,6 +4,7 @@
 
 #include "render/gl/canvas.h"
 #include "render/gl/groups.h"
+#include "render/gl/lines.h"
 #include "render/gl/shapes.h"
 
 static iso_status refuse(iso_error *error) {
@@ -177,6 +178,13 @@ iso_status iso_gl_canvas_copy(iso_gl_canvas *to, const iso_gl_canvas *from, iso_
 
 iso_status iso_gl_canvas_read(const iso_gl_canvas *canvas, iso_image *image, iso_error *error) {
     (void)canvas, (void)image;
+    return refuse(error);
+}
+
+iso_status iso_gl_draw_pyramid_lines(iso_gl_engine *engine, const iso_target *target,
+                                     const iso_pyramid_lines *lines, iso_pullpush *workspace,
+                                     iso_error *error) {
+    (void)engine, (void)target, (void)lines, (void)workspace;
     return refuse(error);
 }
 

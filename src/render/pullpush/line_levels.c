@@ -547,7 +547,8 @@ static void go_to_front(const line_levels *l, const double at[2], const pixel_ra
     if (best != s->from) *s = see(best, at);
 }
 
-/* Whether the place that a pixel shows of a fragment is beside it, or too little is seen of the line to tell. */
+/* Whether the place that a pixel shows of a fragment is beside it, or too little of the line is seen to
+ * tell. */
 static bool is_there(const line_levels *l, const sight *s, const pixel_ray *ray, double depth) {
     const meeting m = meet(l, s, ray);
     return s->from->thin || fabs(along_tangent(&m, s->from, depth)) <= ASIDE * m.radius;
