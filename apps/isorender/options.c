@@ -614,11 +614,8 @@ static const iso_option options[] = {
      .flags = ISO_OPTION_VALUE_OPTIONAL | ISO_OPTION_UNRECORDED},
 
     {"backend", "rendering-backend", "NAME",
-     "cpu, egl or osmesa (OpenGL without a window: points, discs, pullpush, opaque splats, mesh, lines and "
-     "glyphs); "
-     "auto is a GPU "
-     "where EGL finds "
-     "one, else cpu; but what needs the cpu is drawn by it",
+     "cpu, egl or osmesa (OpenGL without a window: points, discs, pullpush, hybrid, opaque splats, mesh, "
+     "lines and glyphs); auto is a GPU where EGL finds one, else cpu; but what needs the cpu is drawn by it",
      .group = RUNNING, .standard = "auto", TEXT(backend), UNRECORDED},
     {"list-backends", "list-rendering-backends", NULL, "say what can render here", .group = RUNNING,
      CALL(apply_list_backends), UNRECORDED},

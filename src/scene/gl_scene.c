@@ -2,11 +2,17 @@
 #include "scene/gl_scene.h"
 
 #include "render/gl/groups.h"
+#include "render/gl/hybrid.h"
 #include "render/gl/lines.h"
 #include "render/gl/pullpush.h"
 
 static bool draws_groups(const iso_scene *scene) {
     return scene->renderer->needs & 1u << ISO_PART_GROUPS;
+}
+
+/* Whether what is uploaded of surfaces depends on the view. */
+static bool uploads_each_time(const iso_scene *scene) {
+    return draws_groups(scene) || scene->renderer->method == ISO_METHOD_HYBRID;
 }
 
 static iso_status upload_objects(iso_gl_scene *gl, const iso_scene *scene, iso_error *error) {
@@ -36,7 +42,7 @@ static iso_status upload_surface(iso_gl_scene *gl, const iso_scene *scene, int i
 
 iso_status iso_gl_scene_upload(iso_gl_scene *gl, const iso_scene *scene, iso_error *error) {
     ISO_TRY(upload_objects(gl, scene, error));
-    for (int i = 0; i < scene->count && !draws_groups(scene); i++)
+    for (int i = 0; i < scene->count && !uploads_each_time(scene); i++)
         ISO_TRY(upload_surface(gl, scene, i, error));
     return ISO_OK;
 }
@@ -61,11 +67,24 @@ static iso_status draw_groups(const iso_gl_scene *gl, const iso_scene *scene, co
     return iso_gl_draw_groups(gl->engine, &opts, gbuffer, error);
 }
 
+static iso_status draw_hybrids(const iso_gl_scene *gl, const iso_scene *scene, const iso_view *view,
+                               iso_gbuffer *gbuffer, iso_error *error) {
+    for (int i = 0; i < scene->count; i++) {
+        const iso_scene_surface *surface = scene->surfaces[i].surface;
+        const iso_point_view points = iso_scene_surface_points(surface);
+        const iso_mesh_view mesh = iso_mesh_set_view(surface->mesh);
+        const iso_target target = {view, gbuffer, gl->pool, (uint8_t)i, NULL};
+        ISO_TRY(iso_gl_draw_hybrid(gl->engine, &target, &points, &mesh, error));
+    }
+    return ISO_OK;
+}
+
 static iso_status draw_surfaces(const iso_gl_scene *gl, const iso_scene *scene, const iso_view *view,
                                 iso_gbuffer *gbuffer, iso_error *error) {
     const iso_gl_surface *const *surfaces = (const iso_gl_surface *const *)gl->surfaces;
     const iso_method method = scene->renderer->method;
     if (draws_groups(scene)) return draw_groups(gl, scene, view, gbuffer, error);
+    if (method == ISO_METHOD_HYBRID) return draw_hybrids(gl, scene, view, gbuffer, error);
     if (method == ISO_METHOD_MESH || method == ISO_METHOD_POINTS) {
         const iso_gl_draw_opts opts = {.view = view,
                                        .surfaces = surfaces,

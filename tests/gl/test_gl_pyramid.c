@@ -1,5 +1,5 @@
 /* What shares the image pyramid of pull-push, by OpenGL against the cpu engine: lines as tubes and ribbons,
- * thin and wide, over a wall. Small pictures: software renderers take long. */
+ * thin and wide, over a wall; and hybrid surfaces. Small pictures: software renderers take long. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -11,8 +11,11 @@
 #include "base/memory.h"
 #include "check_support.h"
 #include "gl_support.h"
+#include "grids/scenes/scenes.h"
 #include "lines_support.h"
+#include "render/gl/hybrid.h"
 #include "render/gl/lines.h"
+#include "render/pullpush/hybrid.h"
 #include "shapes_support.h"
 
 enum { WIDTH = 120, HEIGHT = 100, VERTICES = 60 };
@@ -95,7 +98,38 @@ static void check_lines(iso_gl_engine *engine) {
     }
 }
 
+/* Views in which some, all and none of a torus's bricks are points. */
+static void check_hybrid(iso_gl_engine *engine) {
+    iso_error error = {0};
+    iso_grid grid;
+    double isovalue;
+    const iso_scene_opts scene_opts = {.size = 48, .dense = true};
+    test_ok(iso_scene_create("torus", &scene_opts, &grid, &isovalue, &error), &error);
+    gl_surface s = gl_surface_make(&grid, isovalue);
+    const iso_point_view points = iso_point_set_view(s.packed);
+    const iso_mesh_view mesh = iso_mesh_set_view(s.mesh);
+    for (int i = 0; i < 3; i++) {
+        iso_view view = gl_side_view(&s.box, i, i == 2, WIDTH * 2 / 3, HEIGHT * 2 / 3);
+        iso_gbuffer cpu = walled(&view), gl = walled(&view);
+        view.focal *= (double[]){1.7, 1, 4}[i];
+        iso_hybrid_parts parts;
+        test_ok(iso_hybrid_parts_make(&view, &points, &mesh, 0, &parts, &error), &error);
+        assert_true((parts.points.span_count > 0) == (i < 2) && (parts.mesh.span_count > 0) == (i != 1));
+        iso_hybrid_parts_free(&parts);
+        const iso_target by_cpu = {&view, &cpu, NULL, 1, NULL}, by_gl = {&view, &gl, NULL, 1, NULL};
+        test_ok(iso_draw_hybrid(&by_cpu, &points, &mesh, NULL, &error), &error);
+        test_ok(iso_gl_draw_hybrid(engine, &by_gl, &points, &mesh, &error), &error);
+        const gl_difference d = gl_compare(&view, &cpu, &gl);
+        printf("hybrid, view %d                %5.1f dB\n", i, d.psnr);
+        if (!(d.psnr >= 43)) fail_msg("hybrid, view %d: %.1f dB, %d pixels differ", i, d.psnr, d.differ);
+        iso_gbuffer_free(&cpu);
+        iso_gbuffer_free(&gl);
+    }
+    gl_surface_free(&s);
+    iso_grid_destroy(&grid);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {gl_engine_test(check_lines)};
+    const struct CMUnitTest tests[] = {gl_engine_test(check_lines), gl_engine_test(check_hybrid)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

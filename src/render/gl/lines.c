@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "render/gl/picture.h"
-#include "render/gl/shared_lines.h"
+#include "render/gl/shared_pyramid.h"
 #include "render/pullpush/line_graph.h"
 
 _Static_assert(sizeof(iso_gl_line_fragment) == 96, "layout of std430");
@@ -152,7 +152,7 @@ static iso_status draw_strip(void *context, const iso_pullpush_params *params, i
     set_uniforms(call, params, count);
     ISO_TRY(upload(call, params, count, error));
     ISO_TRY(provide(call, ISO_GL_STORE_PICTURE, ISO_GL_PICTURE, samples * planes * sizeof(float), error));
-    ISO_TRY(iso_gl_picture_write(call->engine, planes, g, &call->room, error));
+    ISO_TRY(iso_gl_picture_write(call->engine, planes, g, 0, samples, &call->room, error));
     ISO_TRY(pull_and_push(call, &p->layout, error));
     ISO_TRY(iso_gl_picture_read(call->engine, planes, g, 0, samples, &call->room, error));
     iso_gl_timer_read(&call->engine->timer, call->gl);

@@ -4,6 +4,7 @@
 
 #include "render/gl/canvas.h"
 #include "render/gl/groups.h"
+#include "render/gl/hybrid.h"
 #include "render/gl/lines.h"
 #include "render/gl/shapes.h"
 
@@ -178,6 +179,19 @@ iso_status iso_gl_canvas_copy(iso_gl_canvas *to, const iso_gl_canvas *from, iso_
 
 iso_status iso_gl_canvas_read(const iso_gl_canvas *canvas, iso_image *image, iso_error *error) {
     (void)canvas, (void)image;
+    return refuse(error);
+}
+
+iso_status iso_gl_draw_hybrid(iso_gl_engine *engine, const iso_target *target, const iso_point_view *points,
+                              const iso_mesh_view *mesh, iso_error *error) {
+    (void)engine, (void)target, (void)points, (void)mesh;
+    return refuse(error);
+}
+
+iso_status iso_gl_draw_pullpush_over(iso_gl_engine *engine, const iso_gl_pullpush_opts *opts, int first,
+                                     const iso_gl_triangles *triangles, iso_gbuffer *gbuffer,
+                                     iso_error *error) {
+    (void)engine, (void)opts, (void)first, (void)triangles, (void)gbuffer;
     return refuse(error);
 }
 

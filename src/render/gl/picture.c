@@ -20,14 +20,18 @@ void iso_gl_picture_clear(const iso_gl_engine *engine, size_t planes, size_t sam
 }
 
 iso_status iso_gl_picture_write(const iso_gl_engine *engine, size_t planes, const iso_gbuffer *from,
-                                iso_buffer *room, iso_error *error) {
+                                size_t start, size_t samples, iso_buffer *room, iso_error *error) {
     const GladGLContext *gl = engine->context->gl;
-    const size_t samples = (size_t)from->width * (size_t)from->height, bytes = samples * sizeof(float);
-    const void *plane[] = {from->depth, from->normal[0], from->normal[1], from->normal[2], NULL, from->color};
+    const size_t bytes = samples * sizeof(float);
     ISO_TRY(iso_buffer_reserve(room, bytes, 0, error));
     uint32_t *surfaces = room->data;
-    for (size_t i = 0; i < samples; i++) surfaces[i] = from->surface[i];
-    plane[4] = surfaces;
+    for (size_t i = 0; i < samples; i++) surfaces[i] = from->surface[start + i];
+    const void *plane[] = {from->depth + start,
+                           from->normal[0] + start,
+                           from->normal[1] + start,
+                           from->normal[2] + start,
+                           surfaces,
+                           from->color ? from->color + start : NULL};
     gl->MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT); /* shaders may still write the picture before */
     for (size_t k = 0; k < planes; k++)
         gl->NamedBufferSubData(engine->storage[ISO_GL_STORE_PICTURE], (GLintptr)(k * bytes),

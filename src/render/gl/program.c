@@ -37,7 +37,7 @@ typedef struct recipe {
     [first + 4] = {                                                                                          \
         "finish" what, {"pullpush_finish.comp"}, {PYRAMID, "pullpush_mix.glsl", "picture.glsl"}, defines}
 
-#define LINES "shared_lines.h", "pullpush_lines.glsl"
+#define LINES "shared_pyramid.h", "pullpush_lines.glsl"
 #define PULL_LINES "pullpush_lines_pull.comp"
 
 /* The two passes over discs of the method discs, each as points and as quads. */
@@ -128,6 +128,14 @@ static const recipe recipes[ISO_GL_PROGRAMS] = {
                              {"pullpush_lines_finish.comp"},
                              {"phong.h", LINES, "picture.glsl"},
                              ""},
+    [ISO_GL_POLYGON_KEYS] = {"keys of triangles",
+                             {"pullpush_polygons.comp"},
+                             {PYRAMID, "shared_pyramid.h"},
+                             "#define KIND 0\n"},
+    [ISO_GL_POLYGON_SAMPLES] = {"samples of triangles",
+                                {"pullpush_polygons.comp"},
+                                {PYRAMID, "shared_pyramid.h", "picture.glsl"},
+                                "#define KIND 1\n"},
     [ISO_GL_SHADE_TARGET] = {"shading", {"shade.comp"}, {"phong.h"}, ""},
     [ISO_GL_SHADE_PICTURE] = {"shading of pull-push", {"shade.comp"}, {"phong.h"}, "#define BUFFER 1\n"},
     DISCS(ISO_GL_FRONT_POINTS, "", ""),

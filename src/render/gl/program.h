@@ -40,6 +40,8 @@ typedef enum iso_gl_program {
     ISO_GL_LINES_UNPACK,
     ISO_GL_LINES_PUSH,
     ISO_GL_LINES_FINISH,
+    ISO_GL_POLYGON_KEYS, /* triangles of hybrid surfaces: in the base level, and in the picture */
+    ISO_GL_POLYGON_SAMPLES,
     ISO_GL_SHADE_TARGET,  /* shading of a canvas from the framebuffer */
     ISO_GL_SHADE_PICTURE, /* and from the picture buffer of pull-push */
     /* Refined: the pass for the nearest depths and the pass that adds discs up, each as points and as
