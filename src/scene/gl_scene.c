@@ -1,6 +1,7 @@
 /* gl_scene: uploads a scene, and draws it by OpenGL. */
 #include "scene/gl_scene.h"
 
+#include "base/memory.h"
 #include "render/gl/groups.h"
 #include "render/gl/hybrid.h"
 #include "render/gl/lines.h"
@@ -36,6 +37,7 @@ static iso_status upload_surface(iso_gl_scene *gl, const iso_scene *scene, int i
         return gl->strips ? iso_gl_upload_strips(gl->engine, &mesh, uploaded, error)
                           : iso_gl_upload_mesh(gl->engine, &mesh, uploaded, error);
     }
+    if (scene->renderer->can & ISO_CAN_LEVELS && iso_scene_surface_uses_levels(surface)) return ISO_OK;
     const iso_point_view points = iso_scene_surface_points(surface);
     return iso_gl_upload_points(gl->engine, &points, uploaded, error);
 }
@@ -63,7 +65,8 @@ static iso_status draw_groups(const iso_gl_scene *gl, const iso_scene *scene, co
     for (int i = 0; i < scene->count; i++)
         surfaces[i] = (iso_gl_grouped_points){iso_scene_surface_points(scene->surfaces[i].surface),
                                               &scene->surfaces[i].surface->groups};
-    const iso_gl_draw_groups_opts opts = {view, surfaces, scene->count, gl->pool};
+    const iso_gl_draw_groups_opts opts = {view, surfaces, scene->count, gl->pool,
+                                          scene->surfaces[0].surface->bins};
     return iso_gl_draw_groups(gl->engine, &opts, gbuffer, error);
 }
 
@@ -75,6 +78,66 @@ static iso_status draw_hybrids(const iso_gl_scene *gl, const iso_scene *scene, c
         const iso_mesh_view mesh = iso_mesh_set_view(surface->mesh);
         const iso_target target = {view, gbuffer, gl->pool, (uint8_t)i, NULL};
         ISO_TRY(iso_gl_draw_hybrid(gl->engine, &target, &points, &mesh, error));
+    }
+    return ISO_OK;
+}
+
+/* Radii of the points of a level of detail whose spans have scales; NULL without an error: they have none. */
+static iso_status make_radii(const iso_point_view *level, float **radii, iso_error *error) {
+    size_t end = 0;
+    *radii = NULL;
+    if (!level->span_scales || level->radii) return ISO_OK;
+    for (size_t s = 0; s < level->span_count; s++)
+        end = level->spans[s].first + level->spans[s].count > end
+                  ? level->spans[s].first + level->spans[s].count
+                  : end;
+    *radii = iso_alloc_zero(end, sizeof **radii);
+    if (!*radii) return iso_fail_memory(error, "levels of detail");
+    for (size_t s = 0; s < level->span_count; s++)
+        for (size_t i = level->spans[s].first; i < level->spans[s].first + level->spans[s].count; i++)
+            (*radii)[i] = (float)level->radius * level->span_scales[s];
+    return ISO_OK;
+}
+
+static iso_status draw_level(const iso_gl_scene *gl, const iso_scene *scene, int number,
+                             const iso_point_view *level, const iso_view *view, iso_gbuffer *gbuffer,
+                             iso_error *error) {
+    iso_point_view points = *level;
+    iso_gl_surface *uploaded = NULL;
+    float *radii;
+    ISO_TRY(make_radii(level, &radii, error));
+    if (radii) points.radii = radii;
+    iso_status status = iso_gl_upload_points(gl->engine, &points, &uploaded, error);
+    const iso_gl_surface *const surface = uploaded;
+    const iso_gl_pullpush_opts opts = {view, &surface, 1, scene->renderer->discs,
+                                       scene->surfaces[number].surface->selection};
+    if (status == ISO_OK) status = iso_gl_draw_pullpush_over(gl->engine, &opts, number, NULL, gbuffer, error);
+    iso_gl_surface_destroy(uploaded);
+    iso_free(radii);
+    return status;
+}
+
+/* Levels of detail are chosen, and uploaded, for every picture. */
+static iso_status draw_levels(const iso_gl_scene *gl, const iso_scene *scene, int number,
+                              const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
+    const iso_scene_surface *surface = scene->surfaces[number].surface;
+    iso_lod_cut *cut = surface->cut;
+    ISO_TRY(iso_lod_cut_make(cut, &surface->lod, view, surface->lod_pixels, gl->pool, error));
+    for (int k = 0; k < cut->levels; k++)
+        if (cut->view[k].span_count)
+            ISO_TRY(draw_level(gl, scene, number, &cut->view[k], view, gbuffer, error));
+    return ISO_OK;
+}
+
+/* The same as iso_renderer.draw of points, for each surface in turn: some have levels of detail. */
+static iso_status draw_detailed(const iso_gl_scene *gl, const iso_scene *scene, const iso_view *view,
+                                iso_gbuffer *gbuffer, iso_error *error) {
+    for (int i = 0; i < scene->count; i++) {
+        const iso_gl_surface *const uploaded = gl->surfaces[i];
+        const iso_gl_pullpush_opts opts = {view, &uploaded, 1, scene->renderer->discs,
+                                           scene->surfaces[i].surface->selection};
+        ISO_TRY(uploaded ? iso_gl_draw_pullpush_over(gl->engine, &opts, i, NULL, gbuffer, error)
+                         : draw_levels(gl, scene, i, view, gbuffer, error));
     }
     return ISO_OK;
 }
@@ -94,6 +157,8 @@ static iso_status draw_surfaces(const iso_gl_scene *gl, const iso_scene *scene, 
                                        .tan_y = gl->tan_y};
         return iso_gl_draw(gl->engine, &opts, gbuffer, error);
     }
+    for (int i = 0; i < scene->count; i++)
+        if (!gl->surfaces[i]) return draw_detailed(gl, scene, view, gbuffer, error);
     const iso_gl_pullpush_opts opts = {view, surfaces, scene->count, scene->renderer->discs,
                                        scene->surfaces[0].surface->selection};
     return iso_gl_draw_pullpush(gl->engine, &opts, gbuffer, error);

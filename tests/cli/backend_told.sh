@@ -38,7 +38,6 @@ for name, backend, objects, notes in (
     expect(told(name) == (backend, objects, notes), name, told(name))
     expect(("gl" in report(name + ".json")) == (backend == "egl"), name)
 P
-for what in "--method hybrid --one-pyramid" "--method pullpush --one-pyramid" "--method pullpush --lod 1" "--method splats --group-bins 9" \
-    "--ior 1.5"; do
+for what in "--method hybrid --one-pyramid" "--method pullpush --one-pyramid" "--ior 1.5"; do
     isorender_refuses 2 "the cpu" $points --backend egl $what
 done

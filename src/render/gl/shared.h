@@ -222,7 +222,7 @@ uint ordered(float depth) {
 /* std140. Drawing one surface by splats in a strip of the picture.
  *
  * `rays`: 1 / focal (orthographic: 0); mm a pixel (perspective: 0); depth of the near plane; thickness of a
- * layer in radii of discs. `layers`: width of the bins of depth, mm. */
+ * layer in radii of discs. `layers`: width of layers' bins of depth; of opaque discs: bins, origin, range. */
 #define ISO_GL_SPLATTING_FIELDS                                                                              \
     ISO_GL_FLOATS(axis); /* optical axis in the strip */                                                     \
     ISO_GL_FLOATS(rays);                                                                                     \
