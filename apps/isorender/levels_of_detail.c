@@ -44,8 +44,8 @@ static bool is_wanted(const isorender_job *job, int surface) {
     const isorender_settings *settings = job->settings;
     if (!(job->renderer->can & ISO_CAN_LEVELS) || settings->lod == 0 || settings->one_pyramid) return false;
     if (settings->lod > 0) return true;
-    if (job->backend->engine) return false; /* OpenGL gets them anew for every picture */
     if (isorender_has_instances(job, surface)) return drawings_of(job) >= ISO_LOD_PAYING_DRAWINGS;
+    if (job->backend->engine) return false; /* OpenGL gets them anew for every picture */
     return settings->turntable >= ISO_LOD_PAYING_DRAWINGS && is_fine(job, surface, DEFAULT_PIXELS);
 }
 

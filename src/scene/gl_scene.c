@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "render/gl/groups.h"
 #include "render/gl/hybrid.h"
+#include "render/gl/instances.h"
 #include "render/gl/lines.h"
 #include "render/gl/pullpush.h"
 
@@ -37,7 +38,9 @@ static iso_status upload_surface(iso_gl_scene *gl, const iso_scene *scene, int i
         return gl->strips ? iso_gl_upload_strips(gl->engine, &mesh, uploaded, error)
                           : iso_gl_upload_mesh(gl->engine, &mesh, uploaded, error);
     }
-    if (scene->renderer->can & ISO_CAN_LEVELS && iso_scene_surface_uses_levels(surface)) return ISO_OK;
+    if (i < scene->placed_count ||
+        (scene->renderer->can & ISO_CAN_LEVELS && iso_scene_surface_uses_levels(surface)))
+        return ISO_OK;
     const iso_point_view points = iso_scene_surface_points(surface);
     return iso_gl_upload_points(gl->engine, &points, uploaded, error);
 }
@@ -129,11 +132,26 @@ static iso_status draw_levels(const iso_gl_scene *gl, const iso_scene *scene, in
     return ISO_OK;
 }
 
-/* The same as iso_renderer.draw of points, for each surface in turn: some have levels of detail. */
-static iso_status draw_detailed(const iso_gl_scene *gl, const iso_scene *scene, const iso_view *view,
+/* iso_draw_instances_fn. */
+static iso_status draw_instances(void *context, iso_instance_drawing *drawing, const iso_target *target,
+                                 const iso_instances *instances, iso_instance_counts *counts,
+                                 iso_error *error) {
+    const iso_gl_scene *gl = context;
+    return iso_gl_draw_instances(gl->engine, drawing, target, instances, counts, error);
+}
+
+/* The same as iso_renderer.draw of points, for each surface in turn: some have levels of detail, or
+ * instances. */
+static iso_status draw_detailed(iso_gl_scene *gl, const iso_scene *scene, const iso_view *view,
                                 iso_gbuffer *gbuffer, iso_error *error) {
     for (int i = 0; i < scene->count; i++) {
         const iso_gl_surface *const uploaded = gl->surfaces[i];
+        const iso_target target = {view, gbuffer, gl->pool, (uint8_t)i, NULL};
+        if (i < scene->placed_count) {
+            ISO_TRY(iso_placed_draw(scene->placed, scene->renderer->method, scene->surfaces[i].surface,
+                                    &target, draw_instances, gl, error));
+            continue;
+        }
         const iso_gl_pullpush_opts opts = {view, &uploaded, 1, scene->renderer->discs,
                                            scene->surfaces[i].surface->selection};
         ISO_TRY(uploaded ? iso_gl_draw_pullpush_over(gl->engine, &opts, i, NULL, gbuffer, error)
@@ -142,7 +160,7 @@ static iso_status draw_detailed(const iso_gl_scene *gl, const iso_scene *scene, 
     return ISO_OK;
 }
 
-static iso_status draw_surfaces(const iso_gl_scene *gl, const iso_scene *scene, const iso_view *view,
+static iso_status draw_surfaces(iso_gl_scene *gl, const iso_scene *scene, const iso_view *view,
                                 iso_gbuffer *gbuffer, iso_error *error) {
     const iso_gl_surface *const *surfaces = (const iso_gl_surface *const *)gl->surfaces;
     const iso_method method = scene->renderer->method;
@@ -195,7 +213,7 @@ static iso_status draw_object(const iso_gl_scene *gl, const iso_scene *scene, in
 /* iso_scene_engine.draw. */
 static iso_status draw(void *context, const iso_scene *scene, const iso_view *view, iso_gbuffer *gbuffer,
                        iso_error *error) {
-    const iso_gl_scene *gl = context;
+    iso_gl_scene *gl = context;
     if (scene->count) ISO_TRY(draw_surfaces(gl, scene, view, gbuffer, error));
     for (int i = 0; i < scene->object_count; i++)
         if (iso_scene_object_is_opaque(scene->objects[i]))

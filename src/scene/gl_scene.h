@@ -19,8 +19,8 @@ typedef struct iso_gl_scene {
 } iso_gl_scene;
 
 /* Uploads surfaces and objects. The scene's renderer has ISO_CAN_GL. Surfaces in groups, hybrid
- * surfaces, levels of detail, and lines of the image pyramid are uploaded for every picture. ISO_ERR_BACKEND, ISO_ERR_LIMIT,
- * ISO_ERR_NOMEM. */
+ * surfaces, levels of detail, instances, and lines of the image pyramid are uploaded for every picture.
+ * ISO_ERR_BACKEND, ISO_ERR_LIMIT, ISO_ERR_NOMEM. */
 iso_status iso_gl_scene_upload(iso_gl_scene *gl, const iso_scene *scene, iso_error *error);
 
 /* The engine of iso_scene, which borrows `gl`. It draws what was uploaded; the cpu draws meshes whose

@@ -5,6 +5,7 @@
 #include "render/gl/canvas.h"
 #include "render/gl/groups.h"
 #include "render/gl/hybrid.h"
+#include "render/gl/instances.h"
 #include "render/gl/lines.h"
 #include "render/gl/shapes.h"
 
@@ -192,6 +193,13 @@ iso_status iso_gl_draw_pullpush_over(iso_gl_engine *engine, const iso_gl_pullpus
                                      const iso_gl_triangles *triangles, iso_gbuffer *gbuffer,
                                      iso_error *error) {
     (void)engine, (void)opts, (void)first, (void)triangles, (void)gbuffer;
+    return refuse(error);
+}
+
+iso_status iso_gl_draw_instances(iso_gl_engine *engine, iso_instance_drawing *drawing,
+                                 const iso_target *target, const iso_instances *instances,
+                                 iso_instance_counts *counts, iso_error *error) {
+    (void)engine, (void)drawing, (void)target, (void)instances, (void)counts;
     return refuse(error);
 }
 

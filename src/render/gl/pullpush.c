@@ -361,9 +361,10 @@ static iso_status draw_strip(pullpush_call *call, const iso_view *view, int row,
         if (surface->blocks->seen == 0 && !call->triangles) continue;
         if (draws_discs(call->opts->reconstruction)) {
             const iso_reconstruction how = call->opts->reconstruction;
-            const iso_gl_discs_style style = {how != ISO_RECONSTRUCTION_CURVED, how == ISO_RECONSTRUCTION_EWA,
-                                              call->opts->selection};
-            ISO_TRY(iso_gl_draw_discs(surface, view, call->first + i, style, &call->room, error));
+            const iso_gl_discs_style style = {.flat = how != ISO_RECONSTRUCTION_CURVED,
+                                              .widened = how == ISO_RECONSTRUCTION_EWA,
+                                              .selection = call->opts->selection};
+            ISO_TRY(iso_gl_draw_discs(surface, view, call->first + i, style, NULL, &call->room, error));
             continue;
         }
         pullpush_draw d = draw_of(call, i, view);

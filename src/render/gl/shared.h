@@ -215,7 +215,7 @@ uint ordered(float depth) {
     ISO_GL_FLOATS(sizes);                                                                                    \
     ISO_GL_FLOATS(screen);                                                                                   \
     ISO_GL_INTS(tile);    /* width, height; the picture's pixel at its corner */                             \
-    ISO_GL_INTS(picture); /* width, height, surface number */                                                \
+    ISO_GL_INTS(picture); /* width, height, surface number; its colour, 0: none */                           \
     ISO_GL_UINTS(flags);  /* orthographic; leave out back-facing points; points have colours; filtered
                               discs cover what they are widened to */
 
