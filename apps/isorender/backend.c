@@ -76,7 +76,9 @@ iso_status isorender_backend_check(isorender_settings *settings, iso_error *erro
     if (gl && settings->cut_count)
         return iso_fail(error, ISO_ERR_USAGE, "--backend %s cuts nothing: --clip needs the cpu", name);
     if ((gl || needed) && settings->method == ISORENDER_METHOD_UNCHOSEN && !has_no_surface(settings))
-        settings->method = settings->strips ? ISO_METHOD_MESH : ISO_METHOD_POINTS;
+        settings->method = settings->strips      ? ISO_METHOD_MESH
+                           : settings->instances ? ISO_METHOD_DISCS
+                                                 : ISO_METHOD_POINTS;
     if (gl && !has_gl(settings))
         return iso_fail(
             error, ISO_ERR_USAGE,
