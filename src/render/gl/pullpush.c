@@ -52,6 +52,7 @@ typedef struct pullpush_call {
     int first;                         /* surface number of the first surface */
     bool over;                         /* the gbuffer holds a picture that is drawn over */
     const iso_gl_triangles *triangles; /* of the only surface, if it is hybrid; else NULL */
+    uint8_t order[ISO_SURFACE_MAX];    /* in which surfaces are drawn */
     iso_buffer room;
 } pullpush_call;
 
@@ -347,6 +348,31 @@ static pullpush_draw draw_of(const pullpush_call *call, int number, const iso_vi
                            .cull = surface->closed && !blocks->around_eye};
 }
 
+/* View space z of the surface's nearest point. */
+static float nearest_depth(const iso_gl_surface *surface) {
+    const iso_point_block *block = surface->blocks->blocks.data;
+    float nearest = INFINITY;
+    for (size_t i = 0; i < surface->blocks->count; i++)
+        if (block[i].seen) nearest = fminf(nearest, block[i].depth[0]);
+    return nearest;
+}
+
+/* Sets call->order: surfaces as discs from the nearest on, as what is hidden by those before is left out. */
+static void sort_surfaces(pullpush_call *call) {
+    const iso_gl_pullpush_opts *opts = call->opts;
+    float depth[ISO_SURFACE_MAX];
+    for (int i = 0; i < opts->surface_count; i++) {
+        const float own = draws_discs(opts->reconstruction) ? nearest_depth(opts->surfaces[i]) : 0;
+        int at = i;
+        for (; at > 0 && depth[at - 1] > own; at--) {
+            depth[at] = depth[at - 1];
+            call->order[at] = call->order[at - 1];
+        }
+        depth[at] = own;
+        call->order[at] = (uint8_t)i;
+    }
+}
+
 static iso_status draw_strip(pullpush_call *call, const iso_view *view, int row, const iso_gl_output *to,
                              iso_error *error) {
     const size_t samples = (size_t)view->width * (size_t)view->height;
@@ -356,7 +382,8 @@ static iso_status draw_strip(pullpush_call *call, const iso_view *view, int row,
                                      (size_t)row * (size_t)view->width, samples, &call->room, error));
     else
         iso_gl_picture_clear(call->engine, call->planes, samples);
-    for (int i = 0; i < call->opts->surface_count; i++) {
+    for (int k = 0; k < call->opts->surface_count; k++) {
+        const int i = call->order[k];
         const iso_gl_surface *surface = call->opts->surfaces[i];
         if (surface->blocks->seen == 0 && !call->triangles) continue;
         if (draws_discs(call->opts->reconstruction)) {
@@ -473,6 +500,7 @@ static iso_status draw_picture(iso_gl_engine *engine, const iso_gl_pullpush_opts
     }
     ISO_TRY(iso_gl_enter(engine->context, error));
     call.storage = storage_of(engine);
+    sort_surfaces(&call);
     iso_status status = draw_strips(&call, to, error);
     iso_buffer_free(&call.room);
     return iso_gl_leave(engine->context, status, error);
