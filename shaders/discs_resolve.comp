@@ -24,6 +24,9 @@ void main() {
     vec4 a = texelFetch(sums[0], at, 0), b = texelFetch(sums[1], at, 0), c = texelFetch(sums[2], at, 0);
     bool faces = front.z <= front.y;
     vec3 normal = colored ? a.yzw : resolved_normal(a, b, c, texelFetch(sums[3], at, 0).xyz);
-    if (put_sample(at + tile.zw, c.w / a.x, culled || faces ? normal : -normal) && colored)
+    if (!put_sample(at + tile.zw, c.w / a.x, culled || faces ? normal : -normal)) return;
+    if (colored)
         put_color(at + tile.zw, uvec3(b.xyz / a.x + 0.5));
+    else if (picture.w != 0)
+        put_color(at + tile.zw, uvec3(picture.w, picture.w >> 8, picture.w >> 16) & 255u);
 }

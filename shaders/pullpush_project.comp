@@ -44,14 +44,6 @@ float projected(float view, float shrink, float along) {
     return clamp(at, -ISO_GL_FURTHEST, ISO_GL_FURTHEST);
 }
 
-/* The octahedral bits of a normal with |x| + |y| + |z| = 1. */
-uint fold_normal(vec3 n) {
-    vec2 uv = n.z < 0.0 ? mix(1.0 - abs(n.yx), abs(n.yx) - 1.0, lessThan(n.xy, vec2(0.0))) : n.xy;
-    uvec2 steps = uvec2(clamp(uv * (0.5 * ISO_POINT_NORMAL_STEPS) + 0.5 * (ISO_POINT_NORMAL_STEPS + 1), 0.0,
-                              float(ISO_POINT_NORMAL_STEPS)));
-    return steps.x | steps.y << ISO_POINT_NORMAL_BITS;
-}
-
 /* The three bytes of a point's colour, red lowest. */
 uint color_of(uint number) {
     uint bits = 24u * number, word = bits >> 5, shift = bits & 31u;

@@ -44,6 +44,16 @@ ivec2 pixels_along(splat s, float centre, float n, float middle, int size) {
     return clamp(ivec2(ceil(reach.x - 0.05), floor(reach.y + 0.05)), ivec2(0, -1), ivec2(size, size - 1));
 }
 
+/* What discs of a slot are compared by: slots.c. */
+uint order_of(splat s, vec3 hit) {
+    precise float depth = hit.x + thickness_of(s) * hit.y;
+    if (layers.y == 0.0) return ordered(depth);
+    float part = layers.w > 0.0 ? clamp((hit.x - layers.z) / layers.w, 0.0, 1.0) : 0.0;
+    float bin = floor(part * layers.y), distance = sqrt(hit.y) * (1.0 - 1.0 / 4096.0);
+    uint whole = uint(4294967295.0 / (layers.y + 2.0));
+    return uint(bin) * whole + uint(distance * float(whole));
+}
+
 void main() {
     uint number = (gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * ISO_GL_GROUP +
                   gl_LocalInvocationID.x;
@@ -55,7 +65,6 @@ void main() {
     for (int y = rows.x; y <= rows.y; y++)
         for (int x = columns.x; x <= columns.y; x++) {
             vec3 hit = intersect(s, centre_of(ivec2(x, y)));
-            precise float depth = hit.x + thickness_of(s) * hit.y;
-            if (hit.y < 1.0) merge((y * picture.x + x) * counts.y + slot, ordered(depth), number);
+            if (hit.y < 1.0) merge((y * picture.x + x) * counts.y + slot, order_of(s, hit), number);
         }
 }

@@ -22,3 +22,11 @@ vec3 unfold_normal(uint bits) {
     uv -= mix(vec2(fold), vec2(-fold), lessThan(uv, vec2(0.0)));
     return vec3(uv, w);
 }
+
+/* The octahedral bits of a normal with |x| + |y| + |z| = 1. */
+uint fold_normal(vec3 n) {
+    vec2 uv = n.z < 0.0 ? mix(1.0 - abs(n.yx), abs(n.yx) - 1.0, lessThan(n.xy, vec2(0.0))) : n.xy;
+    uvec2 steps = uvec2(clamp(uv * (0.5 * ISO_POINT_NORMAL_STEPS) + 0.5 * (ISO_POINT_NORMAL_STEPS + 1), 0.0,
+                              float(ISO_POINT_NORMAL_STEPS)));
+    return steps.x | steps.y << ISO_POINT_NORMAL_BITS;
+}

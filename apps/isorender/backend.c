@@ -19,9 +19,9 @@ static bool has_no_surface(const isorender_settings *settings) {
 /* Whether OpenGL has the method. Of pictures without one it draws those that ask for it. */
 static bool has_gl(const isorender_settings *settings) {
     if (has_no_surface(settings)) return is_any(settings->backend, "egl", "osmesa");
-    if (settings->one_pyramid || settings->instances || settings->group_bins || settings->lod > 0 ||
-        settings->cut_count)
-        return false;
+    if (settings->one_pyramid || settings->cut_count) return false;
+    /* OpenGL draws hidden instances, too: not by itself */
+    if (settings->instances && !is_any(settings->backend, "egl", "osmesa")) return false;
     return settings->method != ISORENDER_METHOD_UNCHOSEN && isorender_method_can(settings, ISO_CAN_GL);
 }
 
@@ -73,19 +73,17 @@ iso_status isorender_backend_check(isorender_settings *settings, iso_error *erro
     if (gl && settings->one_pyramid)
         return iso_fail(error, ISO_ERR_USAGE,
                         "--backend %s draws each set alone: --one-pyramid needs the cpu", name);
-    if (gl && settings->instances)
-        return iso_fail(error, ISO_ERR_USAGE, "--backend %s draws no instances: --instances needs the cpu",
-                        name);
     if (gl && settings->cut_count)
         return iso_fail(error, ISO_ERR_USAGE, "--backend %s cuts nothing: --clip needs the cpu", name);
     if ((gl || needed) && settings->method == ISORENDER_METHOD_UNCHOSEN && !has_no_surface(settings))
-        settings->method = settings->strips ? ISO_METHOD_MESH : ISO_METHOD_POINTS;
+        settings->method = settings->strips      ? ISO_METHOD_MESH
+                           : settings->instances ? ISO_METHOD_DISCS
+                                                 : ISO_METHOD_POINTS;
     if (gl && !has_gl(settings))
-        return iso_fail(error, ISO_ERR_USAGE,
-                        "--backend %s has the methods %s (of splats flat, ewa and groups), without --lod and "
-                        "--group-bins: "
-                        "others need the cpu",
-                        name, iso_methods_that_can(ISO_CAN_GL, (char[ISO_METHODS_TEXT]){0}));
+        return iso_fail(
+            error, ISO_ERR_USAGE,
+            "--backend %s has the methods %s (of splats flat, ewa and groups): others need the cpu", name,
+            iso_methods_that_can(ISO_CAN_GL, (char[ISO_METHODS_TEXT]){0}));
     ISO_TRY(check_needs(settings, error));
     bool draws = !settings->info && (!settings->no_image || settings->aov);
     if ((gl || needed) && draws && is_too_large(settings))

@@ -13,10 +13,9 @@ isorender_backend isorender_engines_backend(const isorender_job *job) {
     return job->backend->engine && is_by_cpu_alone(job) ? isorender_backend_cpu() : *job->backend;
 }
 
-static const char *why_by_cpu(const isorender_job *job, const isorender_object *object) {
-    return object->scene.pyramid_lines ? "OpenGL has no lines by pull-push"
-           : job->translucent          ? "OpenGL draws nothing beside translucent splats"
-                                       : "OpenGL does not number triangles, as --aov does";
+static const char *why_by_cpu(const isorender_job *job) {
+    return job->translucent ? "OpenGL draws nothing beside translucent splats"
+                            : "OpenGL does not number triangles, as --aov does";
 }
 
 void isorender_engines_log(const isorender_job *job) {
@@ -26,5 +25,5 @@ void isorender_engines_log(const isorender_job *job) {
     for (int i = 0; i < job->object_count; i++)
         if (job->objects[i].scene.by_cpu)
             isorender_log(job, "note: --backend %s: the cpu draws %s: %s", name,
-                          job->objects[i].settings->path, why_by_cpu(job, &job->objects[i]));
+                          job->objects[i].settings->path, why_by_cpu(job));
 }

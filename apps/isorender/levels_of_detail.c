@@ -42,11 +42,10 @@ static double drawings_of(const isorender_job *job) {
 
 static bool is_wanted(const isorender_job *job, int surface) {
     const isorender_settings *settings = job->settings;
-    if (!(job->renderer->can & ISO_CAN_LEVELS) || job->backend->engine || settings->lod == 0 ||
-        settings->one_pyramid)
-        return false;
+    if (!(job->renderer->can & ISO_CAN_LEVELS) || settings->lod == 0 || settings->one_pyramid) return false;
     if (settings->lod > 0) return true;
     if (isorender_has_instances(job, surface)) return drawings_of(job) >= ISO_LOD_PAYING_DRAWINGS;
+    if (job->backend->engine) return false; /* OpenGL gets them anew for every picture */
     return settings->turntable >= ISO_LOD_PAYING_DRAWINGS && is_fine(job, surface, DEFAULT_PIXELS);
 }
 

@@ -394,13 +394,10 @@ static const iso_option options[] = {
 
     {"instances", NULL, "FILE",
      "draw the model once for each point of a .csv (with a row of names) or .ply, as the trees of a forest: "
-     "its "
-     "origin comes to lie at x y z (mm), rotated by qx qy qz qw (a quaternion) or rx ry rz (degrees about "
-     "the "
-     "world's x axis, then y, then z), in the size scale and the colour red green blue, as far as there are "
-     "these columns; drawn as discs, by the cpu. What is out of view or hidden takes no time. --volume, "
-     "--lines, "
-     "--glyphs and --surface are drawn once, beside them",
+     "its origin comes to lie at x y z (mm), rotated by qx qy qz qw (a quaternion) or rx ry rz (degrees "
+     "about the world's x axis, then y, then z), in the size scale and the colour red green blue, as far as "
+     "there are these columns; drawn as discs. What is out of view or (by the cpu) hidden takes no time. "
+     "--volume, --lines, --glyphs and --surface are drawn once, beside them",
      .group = PICTURE, TEXT(instances), .flags = ISO_OPTION_READS},
     {"method", NULL, "NAME",
      "how the surface is drawn: exact (the trilinear surface itself, at any zoom: choose it for pictures), "
@@ -614,11 +611,8 @@ static const iso_option options[] = {
      .flags = ISO_OPTION_VALUE_OPTIONAL | ISO_OPTION_UNRECORDED},
 
     {"backend", "rendering-backend", "NAME",
-     "cpu, egl or osmesa (OpenGL without a window: points, discs, pullpush, opaque splats, mesh, lines and "
-     "glyphs); "
-     "auto is a GPU "
-     "where EGL finds "
-     "one, else cpu; but what needs the cpu is drawn by it",
+     "cpu, egl or osmesa (OpenGL without a window: points, discs, pullpush, hybrid, opaque splats, mesh, "
+     "lines and glyphs); auto is a GPU where EGL finds one, else cpu; but what needs the cpu is drawn by it",
      .group = RUNNING, .standard = "auto", TEXT(backend), UNRECORDED},
     {"list-backends", "list-rendering-backends", NULL, "say what can render here", .group = RUNNING,
      CALL(apply_list_backends), UNRECORDED},

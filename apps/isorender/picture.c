@@ -452,8 +452,8 @@ iso_status isorender_render(isorender_job *job, iso_error *error) {
     if (status == ISO_OK && has_ids(settings)) status = iso_aov_add_ids(&c.aov, error);
     c.aov.voxel = smallest_spacing(job);
     double start = iso_clock_seconds();
-    if (status == ISO_OK && job->backend->engine) status = upload(job, error);
     if (status == ISO_OK) status = isorender_detail_make(job, error);
+    if (status == ISO_OK && job->backend->engine) status = upload(job, error);
     job->seconds.render += iso_clock_seconds() - start;
     if (status == ISO_OK) status = render_frames(job, &c, error);
     iso_image_free(&c.image);

@@ -18,12 +18,13 @@ typedef struct iso_gl_scene {
     iso_gl_shapes *shapes[ISO_SURFACE_MAX];
 } iso_gl_scene;
 
-/* Uploads surfaces and objects, but no lines of the image pyramid. The scene's renderer has ISO_CAN_GL.
- * Surfaces in groups are uploaded for every picture. ISO_ERR_BACKEND, ISO_ERR_LIMIT, ISO_ERR_NOMEM. */
+/* Uploads surfaces and objects. The scene's renderer has ISO_CAN_GL. Surfaces in groups, hybrid
+ * surfaces, levels of detail, instances, and lines of the image pyramid are uploaded for every picture.
+ * ISO_ERR_BACKEND, ISO_ERR_LIMIT, ISO_ERR_NOMEM. */
 iso_status iso_gl_scene_upload(iso_gl_scene *gl, const iso_scene *scene, iso_error *error);
 
-/* The engine of iso_scene, which borrows `gl`. It draws what was uploaded; the cpu draws lines in the image
- * pyramid, and meshes whose triangles are to be numbered. */
+/* The engine of iso_scene, which borrows `gl`. It draws what was uploaded; the cpu draws meshes whose
+ * triangles are to be numbered. */
 iso_scene_engine iso_gl_scene_engine(iso_gl_scene *gl);
 
 /* Frees what was uploaded. */

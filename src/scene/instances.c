@@ -35,7 +35,8 @@ static double largest_radius(const iso_point_view *points) {
 }
 
 iso_status iso_placed_draw(iso_placed *placed, iso_method method, const iso_scene_surface *surface,
-                           const iso_target *target, iso_error *error) {
+                           const iso_target *target, iso_draw_instances_fn *by, void *context,
+                           iso_error *error) {
     const iso_placements *placements = placed->placements;
     const iso_point_view points = iso_scene_surface_points(surface);
     const iso_lod plain = {.points = points, .count = 1};
@@ -55,7 +56,8 @@ iso_status iso_placed_draw(iso_placed *placed, iso_method method, const iso_scen
                          .colors = placements->colors,
                          .states = placed->states.data};
     iso_instance_counts counts;
-    ISO_TRY(iso_draw_instances(&placed->drawing, target, &all, &counts, error));
+    ISO_TRY(by ? by(context, &placed->drawing, target, &all, &counts, error)
+               : iso_draw_instances(&placed->drawing, target, &all, &counts, error));
     placed->points += counts.points;
     return ISO_OK;
 }

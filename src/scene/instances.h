@@ -23,9 +23,11 @@ typedef struct iso_placed {
 iso_status iso_placed_begin(iso_placed *placed, const iso_placements *placements, iso_error *error);
 
 /* Draws the surface's points (with its levels of detail, if it has any) once for each placement into the
- * target, which may be a strip of the picture. `method`: one that has instances. ISO_ERR_NOMEM. */
+ * target, which may be a strip of the picture. `method`: one that has instances. `by`: another engine's
+ * iso_draw_instances; NULL: the cpu's. ISO_ERR_NOMEM, and errors of the engine. */
 iso_status iso_placed_draw(iso_placed *placed, iso_method method, const iso_scene_surface *surface,
-                           const iso_target *target, iso_error *error);
+                           const iso_target *target, iso_draw_instances_fn *by, void *context,
+                           iso_error *error);
 
 /* What was drawn since iso_placed_begin: an instance counts as drawn if any of its surfaces was, in any
  * strip, and as outside if all were in all strips. Points count in every strip that they are drawn in. */

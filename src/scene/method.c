@@ -133,7 +133,7 @@ static const iso_renderer METHODS[] = {
  * mesh; flat discs are discs without curvatures, which are for points of files. */
 static const iso_renderer OTHERS[] = {
     {ISO_METHOD_HYBRID, "hybrid", "points and triangles (2008)", ISO_METHOD_HYBRID, NULL,
-     ISO_RECONSTRUCTION_CURVED, POINTS | MESH, GBUFFER | ISO_CAN_PYRAMID, draw_hybrid},
+     ISO_RECONSTRUCTION_CURVED, POINTS | MESH, GBUFFER | ISO_CAN_PYRAMID | ISO_CAN_GL, draw_hybrid},
     {ISO_METHOD_SPLATS_FLAT, "splats-flat", "splats, flat discs", ISO_METHOD_SPLATS, "flat",
      ISO_RECONSTRUCTION_FLAT, POINTS, DISCS | LAYERS | ISO_CAN_GL, draw_flat},
     {ISO_METHOD_SPLATS_FLAT, "splats-flat", "splats, flat discs", ISO_METHOD_DISCS, "flat",

@@ -79,9 +79,9 @@ iso_status iso_scene_draw_from(const iso_scene *scene, int first, const iso_view
         const iso_scene_surface *surface = scene->surfaces[i].surface;
         target.surface = (uint8_t)i;
         tell_surface(scene, i, false);
-        ISO_TRY(i < scene->placed_count
-                    ? iso_placed_draw(scene->placed, scene->renderer->method, surface, &target, error)
-                    : scene->renderer->draw(surface, &target, error));
+        ISO_TRY(i < scene->placed_count ? iso_placed_draw(scene->placed, scene->renderer->method, surface,
+                                                          &target, NULL, NULL, error)
+                                        : scene->renderer->draw(surface, &target, error));
         tell_surface(scene, i, true);
     }
     return draw_opaque_objects(scene, &target, error);

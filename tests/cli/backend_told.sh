@@ -20,6 +20,7 @@ draw discs $points --method discs --lines in/axis.swc
 draw ids $points --method mesh --surface in/plate.stl --aov ids.exr
 draw layers $points --method splats --opacity 0.5 --lines in/axis.swc
 draw chunks $points --method pullpush --chunk-size 16
+draw hybrid $points --method hybrid --lines in/axis.swc
 draw quiet $points --method pullpush --lines in/axis.swc --quiet
 isorender $points auto.png --method hybrid --resolution 90x70 --lines in/axis.swc --json=auto.json 2>auto.said
 python3 - <<'P'
@@ -28,17 +29,15 @@ def told(name):
     r = report(name + ".json")
     return r["backend"], [o.get("backend") for o in r.get("objects", [])], [
         line.split("note: --backend egl: ")[1] for line in open(name + ".said").read().splitlines() if "--backend egl" in line]
-by_pyramid = ["the cpu draws in/axis.swc: OpenGL has no lines by pull-push"]
 for name, backend, objects, notes in (
-        ("lines", "cpu", ["cpu"], by_pyramid), ("exact_lines", "egl", [None], []), ("beside", "egl", ["cpu"], by_pyramid),
-        ("discs", "egl", [None], []), ("quiet", "egl", ["cpu"], []), ("auto", "cpu", [None], []),
+        ("lines", "egl", [None], []), ("exact_lines", "egl", [None], []), ("beside", "egl", [None], []),
+        ("discs", "egl", [None], []), ("quiet", "egl", [None], []), ("hybrid", "egl", [None], []), ("auto", "cpu", [None], []),
         ("ids", "egl", ["cpu"], ["the cpu draws in/plate.stl: OpenGL does not number triangles, as --aov does"]),
         ("layers", "egl", ["cpu"], ["the cpu draws in/axis.swc: OpenGL draws nothing beside translucent splats"]),
         ("chunks", "cpu", [], ["the cpu draws chunks"])):
     expect(told(name) == (backend, objects, notes), name, told(name))
     expect(("gl" in report(name + ".json")) == (backend == "egl"), name)
 P
-for what in "--method hybrid" "--method pullpush --one-pyramid" "--method pullpush --lod 1" "--method splats --group-bins 9" \
-    "--ior 1.5"; do
+for what in "--method hybrid --one-pyramid" "--method pullpush --one-pyramid" "--ior 1.5"; do
     isorender_refuses 2 "the cpu" $points --backend egl $what
 done

@@ -30,5 +30,4 @@ printf '1 1 3 12 12 1 -1\n2 1 20 12 12 1 1\n' >in/line.swc
 isorender_refuses 2 "hybrid" in/ball.mha --isovalue 500 --primitive foot --method hybrid
 isorender_refuses 2 "hybrid" in/ball.mha --isovalue 500 --opacity 0.5 --method hybrid
 isorender_refuses 2 "hybrid" in/ball.mha --isovalue 500 --ior 1.5 --method hybrid
-isorender_refuses 2 "others need the cpu" in/ball.mha --isovalue 500 --backend egl --method hybrid
 isorender_refuses 2 "there are lines, glyphs or meshes only" in/line.swc --method hybrid

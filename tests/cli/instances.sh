@@ -154,9 +154,22 @@ refused 2 'not by mesh' --instances in/one.csv --method mesh
 refused 2 'not by exact' --instances in/one.csv --method exact
 refused 2 'an opacity below 1' --instances in/one.csv --opacity 0.5
 refused 2 '--ior' --instances in/one.csv --ior 1.5
-refused 2 '--instances needs the cpu' --instances in/one.csv --backend egl
 refused 2 '--instances cannot be drawn in chunks' --instances in/one.csv --chunk-size 16
 isorender_refuses 2 'a picture without an input' --volume in/ball.mha --instances in/one.csv
 cp in/one.csv kept.csv
 refused 2 'in/one.csv' --instances in/one.csv --json=in/one.csv
 cmp kept.csv in/one.csv
+
+# by OpenGL: with radii of their own or one for all, colours, levels of detail, and instances beside the picture
+isorender --list-backends | grep '^egl surfaceless.*, ' >/dev/null || exit 0
+near="--camera-position 9.5,-60,9.5 --camera-focal-point 9.5,0,9.5 $look --instances in/row.csv"
+for model in "in/ball.mha --isovalue 500" "model.ply --method splats --lod 1"; do
+    isorender $model $near cpu.png --json=cpu.json
+    isorender $model $near gl.png --backend egl --json=gl.json
+    isocompare images cpu.png gl.png --fail-under psnr=43 >/dev/null
+    python3 - <<'P'
+from check import *
+cpu, gl = report("cpu.json"), report("gl.json")
+expect(gl["backend"] == "egl" and gl["image"]["instances"]["outside"] == cpu["image"]["instances"]["outside"] > 0, gl)
+P
+done

@@ -18,6 +18,7 @@
 #include "render/groups/coverage.h"
 
 enum { WIDTH = 260, HEIGHT = 200 };
+static int bins; /* of depth; 0: none */
 
 static iso_groups groups_of(const iso_point_view *points, int limit) {
     iso_groups groups;
@@ -31,7 +32,7 @@ static iso_gbuffer by_cpu(const iso_view *view, const iso_point_view *points, co
     iso_gbuffer g = gl_gbuffer(view);
     iso_gbuffer_clear(&g);
     const iso_target target = {view, &g, NULL, 0, NULL};
-    const iso_draw_groups_opts opts = {groups, 0};
+    const iso_draw_groups_opts opts = {groups, bins};
     assert_int_equal(iso_draw_groups(&target, points, &opts, NULL), ISO_OK);
     return g;
 }
@@ -41,7 +42,7 @@ static iso_gbuffer by_gl(iso_gl_engine *engine, const iso_view *view, const iso_
     iso_gbuffer g = gl_gbuffer(view);
     iso_error error = {0};
     const iso_gl_grouped_points surface = {*points, groups};
-    const iso_gl_draw_groups_opts opts = {view, &surface, 1, NULL};
+    const iso_gl_draw_groups_opts opts = {view, &surface, 1, NULL, bins};
     test_ok(iso_gl_draw_groups(engine, &opts, &g, &error), &error);
     return g;
 }
@@ -78,9 +79,11 @@ static void scenes(iso_gl_engine *engine) {
             iso_groups groups = groups_of(&points, floats ? 64 : 6);
             for (int side = 0; side < GL_SIDES; side += 2) {
                 const iso_view view = gl_side_view(&surface.box, side, side == 2, WIDTH, HEIGHT);
+                bins = side == 4 ? 30 : 0;
                 lowest = fmin(lowest, compare(engine, &view, &points, &groups));
             }
             iso_groups_free(&groups);
+            bins = 0;
         }
         gl_surface_free(&surface);
         iso_grid_destroy(&grid);

@@ -99,7 +99,7 @@ static void upload_uniforms(const iso_gl_discs_draw *d, const iso_gl_tile *t) {
         .screen = {(float)(t->width + 2 * margin), (float)(t->height + 2 * margin), (float)margin,
                    (float)d->engine->max_point},
         .tile = {t->width, t->height, t->x, t->y},
-        .picture = {view->width, view->height, d->number},
+        .picture = {view->width, view->height, d->number, d->color},
         .flags = {view->orthographic, d->cull, surface->has_colors, d->widened}};
     float *steps[] = {u.step_x, u.step_y, u.step_z}, *normals[] = {u.normal_x, u.normal_y, u.normal_z};
     for (int k = 0; k < 3; k++) {
@@ -352,7 +352,8 @@ static iso_status choose_selection(iso_gl_discs_draw *d, iso_point_selection sel
 }
 
 iso_status iso_gl_draw_discs(const iso_gl_surface *surface, const iso_view *view, int number,
-                             iso_gl_discs_style style, iso_buffer *room, iso_error *error) {
+                             iso_gl_discs_style style, const iso_area *area, iso_buffer *room,
+                             iso_error *error) {
     iso_gl_engine *engine = surface->engine;
     iso_gl_discs_draw d = {.engine = engine,
                            .gl = engine->context->gl,
@@ -364,17 +365,20 @@ iso_status iso_gl_draw_discs(const iso_gl_surface *surface, const iso_view *view
                            .flat = style.flat,
                            .widened = style.widened,
                            .number = number};
+    if (style.color) d.color = style.color->r | style.color->g << 8 | style.color->b << 16 | 1 << 24;
     const int side = engine->max_side, width = view->width < side ? view->width : side;
     int height = SAMPLES_MOST / width;
     if (height > side) height = side;
     if (height > view->height) height = view->height;
     ISO_TRY(choose_selection(&d, style.selection, room, width, height, error));
     ISO_TRY(ensure_discs(&d, width, height, error));
-    for (int y = 0; y < view->height; y += height)
-        for (int x = 0; x < view->width; x += width) {
+    const iso_rows columns = area ? area->columns : (iso_rows){0, view->width - 1},
+                   rows = area ? area->rows : (iso_rows){0, view->height - 1};
+    for (int y = rows.first; y <= rows.last; y += height)
+        for (int x = columns.first; x <= columns.last; x += width) {
             iso_gl_tile t = {.x = x, .y = y, .width = width, .height = height};
-            if (t.width > view->width - x) t.width = view->width - x;
-            if (t.height > view->height - y) t.height = view->height - y;
+            if (t.width > columns.last + 1 - x) t.width = columns.last + 1 - x;
+            if (t.height > rows.last + 1 - y) t.height = rows.last + 1 - y;
             t.whole = t.width == view->width && t.height == view->height && !view->above && !view->below;
             ISO_TRY(draw_tile(&d, &t, room, error));
             ISO_TRY(iso_gl_check(engine->context, error)); /* stop when the context is lost */

@@ -19,6 +19,7 @@ typedef struct iso_gl_discs_draw {
     bool select;  /* only visible points are drawn (render/gl/selection.h) */
     bool cells;   /* there may be dense blocks */
     int number;
+    int color; /* of all samples: red, green and blue from the lowest byte on, and 1 << 24; 0: none */
 } iso_gl_discs_draw;
 
 /* How the points of a block are selected; draw commands are in this order. */

@@ -472,6 +472,22 @@ iso_status iso_gl_draw_to(iso_gl_engine *engine, const iso_gl_draw_opts *opts, c
     return iso_gl_leave(engine->context, status, error);
 }
 
+iso_status iso_gl_draw_target(iso_gl_engine *engine, const iso_gl_draw_opts *opts, iso_error *error) {
+    const iso_view *view = opts->view;
+    picture p = {.engine = engine, .opts = opts, .widening = 1};
+    if (view->width > engine->max_side || view->height > engine->max_side)
+        return iso_fail(error, ISO_ERR_LIMIT,
+                        "%s: %d x %d pixels with the margin are more than %s draws at once",
+                        engine->context->name, view->width, view->height, engine->context->renderer);
+    depth_range(opts, p.range);
+    ISO_TRY(
+        iso_gl_target_ensure(&engine->target, engine->context, GL_R8UI, view->width, view->height, error));
+    begin_part(engine, view);
+    const iso_status status = draw_surfaces(&p, view, error);
+    iso_buffer_free(&p.room);
+    return status;
+}
+
 iso_status iso_gl_draw(iso_gl_engine *engine, const iso_gl_draw_opts *opts, iso_gbuffer *gbuffer,
                        iso_error *error) {
     assert(opts->view->width == gbuffer->width && opts->view->height == gbuffer->height);

@@ -54,7 +54,9 @@ static iso_status upload(splats_call *call, int number, const iso_view *view, si
         .axis = {(float)view->cx, (float)view->cy},
         .rays = {rays.slope, rays.scale, rays.near, ISO_GROUPS_THICKNESS / ISO_GROUPS_DISC},
         .picture = {view->width, view->height, number},
-        .counts = {(int)count, surface->groups->count, surface->points.colors != NULL}};
+        .counts = {(int)count, surface->groups->count, surface->points.colors != NULL},
+        .layers = {0, (float)call->opts->bins, call->discs.depth[0],
+                   call->discs.depth[1] - call->discs.depth[0]}};
     if (count * sizeof(iso_gl_splat) > engine->max_storage || count > INT32_MAX)
         return iso_fail(error, ISO_ERR_LIMIT, "%s: %zu discs do not fit into a storage buffer of %s",
                         engine->context->name, count, engine->context->renderer);

@@ -17,12 +17,13 @@ typedef struct iso_gl_draw_groups_opts {
     const iso_gl_grouped_points *surfaces; /* surfaces[i] gets surface number i in the gbuffer */
     int surface_count;
     iso_pool *pool; /* or NULL */
+    int bins;       /* as in iso_draw_groups_opts */
 } iso_gl_draw_groups_opts;
 
 /* Draws all surfaces and fills the whole gbuffer, which must have the view's size: what iso_draw_groups
- * draws without bins, except for rounding; the same bytes every time. Errors: ISO_ERR_NOMEM, ISO_ERR_LIMIT
- * (the driver's storage buffers cannot hold a strip of the picture, or the discs), ISO_ERR_BACKEND; the
- * gbuffer is then undefined. */
+ * draws, except for rounding, which can move a depth to another bin; the same bytes every time. Errors:
+ * ISO_ERR_NOMEM, ISO_ERR_LIMIT (the driver's storage buffers cannot hold a strip of the picture, or the
+ * discs), ISO_ERR_BACKEND; the gbuffer is then undefined. */
 iso_status iso_gl_draw_groups(iso_gl_engine *engine, const iso_gl_draw_groups_opts *opts,
                               iso_gbuffer *gbuffer, iso_error *error);
 

@@ -4,6 +4,9 @@
 
 #include "render/gl/canvas.h"
 #include "render/gl/groups.h"
+#include "render/gl/hybrid.h"
+#include "render/gl/instances.h"
+#include "render/gl/lines.h"
 #include "render/gl/shapes.h"
 
 static iso_status refuse(iso_error *error) {
@@ -177,6 +180,33 @@ iso_status iso_gl_canvas_copy(iso_gl_canvas *to, const iso_gl_canvas *from, iso_
 
 iso_status iso_gl_canvas_read(const iso_gl_canvas *canvas, iso_image *image, iso_error *error) {
     (void)canvas, (void)image;
+    return refuse(error);
+}
+
+iso_status iso_gl_draw_hybrid(iso_gl_engine *engine, const iso_target *target, const iso_point_view *points,
+                              const iso_mesh_view *mesh, iso_error *error) {
+    (void)engine, (void)target, (void)points, (void)mesh;
+    return refuse(error);
+}
+
+iso_status iso_gl_draw_pullpush_over(iso_gl_engine *engine, const iso_gl_pullpush_opts *opts, int first,
+                                     const iso_gl_triangles *triangles, iso_gbuffer *gbuffer,
+                                     iso_error *error) {
+    (void)engine, (void)opts, (void)first, (void)triangles, (void)gbuffer;
+    return refuse(error);
+}
+
+iso_status iso_gl_draw_instances(iso_gl_engine *engine, iso_instance_drawing *drawing,
+                                 const iso_target *target, const iso_instances *instances,
+                                 iso_instance_counts *counts, iso_error *error) {
+    (void)engine, (void)drawing, (void)target, (void)instances, (void)counts;
+    return refuse(error);
+}
+
+iso_status iso_gl_draw_pyramid_lines(iso_gl_engine *engine, const iso_target *target,
+                                     const iso_pyramid_lines *lines, iso_pullpush *workspace,
+                                     iso_error *error) {
+    (void)engine, (void)target, (void)lines, (void)workspace;
     return refuse(error);
 }
 

@@ -19,6 +19,26 @@ void iso_gl_picture_clear(const iso_gl_engine *engine, size_t planes, size_t sam
                                 GL_UNSIGNED_INT, &none);
 }
 
+iso_status iso_gl_picture_write(const iso_gl_engine *engine, size_t planes, const iso_gbuffer *from,
+                                size_t start, size_t samples, iso_buffer *room, iso_error *error) {
+    const GladGLContext *gl = engine->context->gl;
+    const size_t bytes = samples * sizeof(float);
+    ISO_TRY(iso_buffer_reserve(room, bytes, 0, error));
+    uint32_t *surfaces = room->data;
+    for (size_t i = 0; i < samples; i++) surfaces[i] = from->surface[start + i];
+    const void *plane[] = {from->depth + start,
+                           from->normal[0] + start,
+                           from->normal[1] + start,
+                           from->normal[2] + start,
+                           surfaces,
+                           from->color ? from->color + start : NULL};
+    gl->MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT); /* shaders may still write the picture before */
+    for (size_t k = 0; k < planes; k++)
+        gl->NamedBufferSubData(engine->storage[ISO_GL_STORE_PICTURE], (GLintptr)(k * bytes),
+                               (GLsizeiptr)bytes, plane[k]);
+    return ISO_OK;
+}
+
 iso_status iso_gl_picture_read(const iso_gl_engine *engine, size_t planes, const iso_gbuffer *to,
                                size_t start, size_t samples, iso_buffer *room, iso_error *error) {
     const GladGLContext *gl = engine->context->gl;

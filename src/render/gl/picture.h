@@ -9,6 +9,11 @@
  * ISO_GL_PICTURE_PLANES, or one more with colours. */
 void iso_gl_picture_clear(const iso_gl_engine *engine, size_t planes, size_t samples);
 
+/* Writes samples of a gbuffer, from sample `start` on, into the picture, to be drawn over. room: working
+ * memory. ISO_ERR_NOMEM. */
+iso_status iso_gl_picture_write(const iso_gl_engine *engine, size_t planes, const iso_gbuffer *from,
+                                size_t start, size_t samples, iso_buffer *room, iso_error *error);
+
 /* Reads the picture back into a gbuffer, from sample `start` on. room: working memory. ISO_ERR_NOMEM. */
 iso_status iso_gl_picture_read(const iso_gl_engine *engine, size_t planes, const iso_gbuffer *to,
                                size_t start, size_t samples, iso_buffer *room, iso_error *error);

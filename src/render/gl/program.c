@@ -37,6 +37,9 @@ typedef struct recipe {
     [first + 4] = {                                                                                          \
         "finish" what, {"pullpush_finish.comp"}, {PYRAMID, "pullpush_mix.glsl", "picture.glsl"}, defines}
 
+#define LINES "shared_pyramid.h", "pullpush_lines.glsl"
+#define PULL_LINES "pullpush_lines_pull.comp"
+
 /* The two passes over discs of the method discs, each as points and as quads. */
 #define DISC_SOURCES "discs_numbers.h", "discs.glsl", "discs_curvature.glsl"
 #define DISCS(first, what, defines)                                                                          \
@@ -117,6 +120,22 @@ static const recipe recipes[ISO_GL_PROGRAMS] = {
                                     WIDE "#define KIND 3\n#define SURFELS 1\n"},
     RECONSTRUCTION(ISO_GL_PULL_LEVEL, "", ""),
     RECONSTRUCTION(ISO_GL_COLORED, " with colours", "#define COLORS 1\n"),
+    [ISO_GL_LINES_PLACE] = {"places of lines", {PULL_LINES}, {LINES}, "#define KIND 0\n"},
+    [ISO_GL_LINES_PULL] = {"pull of lines", {PULL_LINES}, {LINES}, "#define KIND 1\n"},
+    [ISO_GL_LINES_UNPACK] = {"unpacked places of lines", {PULL_LINES}, {LINES}, "#define KIND 2\n"},
+    [ISO_GL_LINES_PUSH] = {"push of lines", {"pullpush_lines_push.comp"}, {LINES}, ""},
+    [ISO_GL_LINES_FINISH] = {"finish of lines",
+                             {"pullpush_lines_finish.comp"},
+                             {"phong.h", LINES, "picture.glsl"},
+                             ""},
+    [ISO_GL_POLYGON_KEYS] = {"keys of triangles",
+                             {"pullpush_polygons.comp"},
+                             {PYRAMID, "shared_pyramid.h"},
+                             "#define KIND 0\n"},
+    [ISO_GL_POLYGON_SAMPLES] = {"samples of triangles",
+                                {"pullpush_polygons.comp"},
+                                {PYRAMID, "shared_pyramid.h", "picture.glsl"},
+                                "#define KIND 1\n"},
     [ISO_GL_SHADE_TARGET] = {"shading", {"shade.comp"}, {"phong.h"}, ""},
     [ISO_GL_SHADE_PICTURE] = {"shading of pull-push", {"shade.comp"}, {"phong.h"}, "#define BUFFER 1\n"},
     DISCS(ISO_GL_FRONT_POINTS, "", ""),

@@ -34,6 +34,14 @@ typedef enum iso_gl_program {
     ISO_GL_FINISH,
     ISO_GL_COLORED, /* the programs from ISO_GL_PULL_LEVEL to ISO_GL_FINISH again, for points with colours */
     ISO_GL_COLORED_LAST = ISO_GL_COLORED + ISO_GL_FINISH - ISO_GL_PULL_LEVEL,
+    /* The same of lines: fragments to pixels of the base level, pull, the base level itself, push, finish. */
+    ISO_GL_LINES_PLACE,
+    ISO_GL_LINES_PULL,
+    ISO_GL_LINES_UNPACK,
+    ISO_GL_LINES_PUSH,
+    ISO_GL_LINES_FINISH,
+    ISO_GL_POLYGON_KEYS, /* triangles of hybrid surfaces: in the base level, and in the picture */
+    ISO_GL_POLYGON_SAMPLES,
     ISO_GL_SHADE_TARGET,  /* shading of a canvas from the framebuffer */
     ISO_GL_SHADE_PICTURE, /* and from the picture buffer of pull-push */
     /* Refined: the pass for the nearest depths and the pass that adds discs up, each as points and as

@@ -10,6 +10,7 @@
 
 #include "base/memory.h"
 #include "render/gl/discs.h"
+#include "render/gl/hybrid.h"
 #include "render/gl/output.h"
 #include "render/gl/picture.h"
 #include "render/gl/shared.h"
@@ -46,8 +47,12 @@ typedef struct pullpush_call {
     iso_gl_engine *engine;
     const GladGLContext *gl;
     const iso_gl_pullpush_opts *opts;
-    size_t storage; /* limit of a storage buffer, bytes */
-    size_t planes;  /* of the picture */
+    size_t storage;                    /* limit of a storage buffer, bytes */
+    size_t planes;                     /* of the picture */
+    int first;                         /* surface number of the first surface */
+    bool over;                         /* the gbuffer holds a picture that is drawn over */
+    const iso_gl_triangles *triangles; /* of the only surface, if it is hybrid; else NULL */
+    uint8_t order[ISO_SURFACE_MAX];    /* in which surfaces are drawn */
     iso_buffer room;
 } pullpush_call;
 
@@ -113,7 +118,7 @@ static void set_uniforms(pullpush_draw *d, int surface) {
         .disc = {params.radius, params.low_pass, params.facing, params.edge},
         .ray = {params.ray[0], params.ray[1], params.slope},
         .lattice = {layout->base, layout->rows_before, layout->column, layout->row},
-        .picture = {d->view->width, d->view->height, surface},
+        .picture = {d->view->width, d->view->height, d->call->first + surface},
         .flags = {d->view->orthographic, params.kind == ISO_PULLPUSH_TWO_SIDED, d->surface->has_radii,
                   d->surface->has_colors}};
     float *steps[] = {u->step_x, u->step_y, u->step_z}, *normals[] = {u->normal_x, u->normal_y, u->normal_z};
@@ -306,6 +311,8 @@ static iso_status reconstruct_surface(const pullpush_draw *d, iso_buffer *room, 
     iso_status status = project_points(d, room, error);
     iso_gl_timer_end(timer, call->gl);
     ISO_TRY(status);
+    if (call->triangles)
+        ISO_TRY(iso_gl_triangles_add(call->engine, call->triangles, d->view, &d->pyramid, error));
     bind_storage(call, ISO_GL_SHADES, ISO_GL_STORE_SHADES);
     bind_storage(call, ISO_GL_RANGES, ISO_GL_STORE_RANGES);
     bind_storage(call, ISO_GL_ELLIPSES, ISO_GL_STORE_ELLIPSES);
@@ -323,7 +330,8 @@ static iso_status reconstruct_surface(const pullpush_draw *d, iso_buffer *room, 
     iso_gl_timer_begin(timer, call->gl, ISO_GL_PASS_FINISH);
     status = dispatch_level(d, ISO_GL_FINISH, 0, error);
     iso_gl_timer_end(timer, call->gl);
-    return status;
+    if (!call->triangles || status != ISO_OK) return status;
+    return iso_gl_triangles_finish(call->engine, d->view, error);
 }
 
 /* ---- the picture */
@@ -331,27 +339,59 @@ static iso_status reconstruct_surface(const pullpush_draw *d, iso_buffer *room, 
 static pullpush_draw draw_of(const pullpush_call *call, int number, const iso_view *view) {
     const iso_gl_surface *surface = call->opts->surfaces[number];
     const iso_point_blocks *blocks = surface->blocks;
+    const float all[2] = {0, blocks->radius[1]}; /* triangles need the picture's resolution */
     return (pullpush_draw){.call = call,
                            .surface = surface,
                            .view = view,
                            .projector = iso_projector_make(view, &surface->transform),
-                           .pyramid = iso_pullpush_layout(view, blocks->radius),
+                           .pyramid = iso_pullpush_layout(view, call->triangles ? all : blocks->radius),
                            .cull = surface->closed && !blocks->around_eye};
+}
+
+/* View space z of the surface's nearest point. */
+static float nearest_depth(const iso_gl_surface *surface) {
+    const iso_point_block *block = surface->blocks->blocks.data;
+    float nearest = INFINITY;
+    for (size_t i = 0; i < surface->blocks->count; i++)
+        if (block[i].seen) nearest = fminf(nearest, block[i].depth[0]);
+    return nearest;
+}
+
+/* Sets call->order: surfaces as discs from the nearest on, as what is hidden by those before is left out. */
+static void sort_surfaces(pullpush_call *call) {
+    const iso_gl_pullpush_opts *opts = call->opts;
+    float depth[ISO_SURFACE_MAX];
+    for (int i = 0; i < opts->surface_count; i++) {
+        const float own = draws_discs(opts->reconstruction) ? nearest_depth(opts->surfaces[i]) : 0;
+        int at = i;
+        for (; at > 0 && depth[at - 1] > own; at--) {
+            depth[at] = depth[at - 1];
+            call->order[at] = call->order[at - 1];
+        }
+        depth[at] = own;
+        call->order[at] = (uint8_t)i;
+    }
 }
 
 static iso_status draw_strip(pullpush_call *call, const iso_view *view, int row, const iso_gl_output *to,
                              iso_error *error) {
     const size_t samples = (size_t)view->width * (size_t)view->height;
     ensure_storage(call, ISO_GL_STORE_PICTURE, samples * call->planes * sizeof(float));
-    iso_gl_picture_clear(call->engine, call->planes, samples);
-    for (int i = 0; i < call->opts->surface_count; i++) {
+    if (call->over)
+        ISO_TRY(iso_gl_picture_write(call->engine, call->planes, to->gbuffer,
+                                     (size_t)row * (size_t)view->width, samples, &call->room, error));
+    else
+        iso_gl_picture_clear(call->engine, call->planes, samples);
+    for (int k = 0; k < call->opts->surface_count; k++) {
+        const int i = call->order[k];
         const iso_gl_surface *surface = call->opts->surfaces[i];
-        if (surface->blocks->seen == 0) continue;
+        if (surface->blocks->seen == 0 && !call->triangles) continue;
         if (draws_discs(call->opts->reconstruction)) {
             const iso_reconstruction how = call->opts->reconstruction;
-            const iso_gl_discs_style style = {how != ISO_RECONSTRUCTION_CURVED, how == ISO_RECONSTRUCTION_EWA,
-                                              call->opts->selection};
-            ISO_TRY(iso_gl_draw_discs(surface, view, i, style, &call->room, error));
+            const iso_gl_discs_style style = {.flat = how != ISO_RECONSTRUCTION_CURVED,
+                                              .widened = how == ISO_RECONSTRUCTION_EWA,
+                                              .selection = call->opts->selection};
+            ISO_TRY(iso_gl_draw_discs(surface, view, call->first + i, style, NULL, &call->room, error));
             continue;
         }
         pullpush_draw d = draw_of(call, i, view);
@@ -373,7 +413,8 @@ static size_t strip_bytes(const pullpush_call *call, int rows) {
     size_t most = (size_t)view.width * (size_t)view.height * call->planes * sizeof(float);
     for (int i = 0; i < call->opts->surface_count; i++) {
         const iso_gl_surface *surface = call->opts->surfaces[i];
-        if (surface->blocks->seen == 0 || draws_discs(call->opts->reconstruction)) continue;
+        if ((surface->blocks->seen == 0 && !call->triangles) || draws_discs(call->opts->reconstruction))
+            continue;
         const pullpush_draw d = draw_of(call, i, &view);
         const size_t keys = level_pixels(&d.pyramid, d.pyramid.base) * 2 * sizeof(uint32_t);
         const size_t pixels = pixels_above(&d.pyramid) * 4 * sizeof(float);
@@ -442,21 +483,39 @@ static bool has_colors(const iso_gl_pullpush_opts *opts) {
     return false;
 }
 
-iso_status iso_gl_draw_pullpush_to(iso_gl_engine *engine, const iso_gl_pullpush_opts *opts,
-                                   const iso_gl_output *to, iso_error *error) {
-    assert(opts->surface_count >= 0 && opts->surface_count <= ISO_SURFACE_MAX);
+/* `how`: its members first, over and triangles. */
+static iso_status draw_picture(iso_gl_engine *engine, const iso_gl_pullpush_opts *opts,
+                               const pullpush_call *how, const iso_gl_output *to, iso_error *error) {
+    assert(opts->surface_count >= 0 && how->first >= 0 &&
+           opts->surface_count <= ISO_SURFACE_MAX - how->first);
     ISO_TRY(set_views(opts, error));
-    pullpush_call call = {
-        .engine = engine, .gl = engine->context->gl, .opts = opts, .planes = ISO_GL_PICTURE_PLANES};
+    pullpush_call call = *how;
+    call.engine = engine;
+    call.gl = engine->context->gl;
+    call.opts = opts;
+    call.planes = ISO_GL_PICTURE_PLANES;
     if (has_colors(opts)) {
         call.planes++;
         if (to->gbuffer) ISO_TRY(iso_gbuffer_add_color(to->gbuffer, error));
     }
     ISO_TRY(iso_gl_enter(engine->context, error));
     call.storage = storage_of(engine);
+    sort_surfaces(&call);
     iso_status status = draw_strips(&call, to, error);
     iso_buffer_free(&call.room);
     return iso_gl_leave(engine->context, status, error);
+}
+
+iso_status iso_gl_draw_pullpush_to(iso_gl_engine *engine, const iso_gl_pullpush_opts *opts,
+                                   const iso_gl_output *to, iso_error *error) {
+    return draw_picture(engine, opts, &(pullpush_call){.first = 0}, to, error);
+}
+
+iso_status iso_gl_draw_pullpush_over(iso_gl_engine *engine, const iso_gl_pullpush_opts *opts, int first,
+                                     const iso_gl_triangles *triangles, iso_gbuffer *gbuffer,
+                                     iso_error *error) {
+    const pullpush_call how = {.first = first, .over = true, .triangles = triangles};
+    return draw_picture(engine, opts, &how, &(iso_gl_output){.gbuffer = gbuffer}, error);
 }
 
 iso_status iso_gl_draw_pullpush(iso_gl_engine *engine, const iso_gl_pullpush_opts *opts, iso_gbuffer *gbuffer,

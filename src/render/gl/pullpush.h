@@ -42,6 +42,14 @@ typedef struct iso_gl_pullpush_opts {
 iso_status iso_gl_draw_pullpush(iso_gl_engine *engine, const iso_gl_pullpush_opts *opts, iso_gbuffer *gbuffer,
                                 iso_error *error);
 
+/* The same over the picture that the gbuffer holds: its samples are replaced where a surface is nearer.
+ * surfaces[i] gets surface number `first` + i. `triangles`: of the only surface, if it is hybrid (hybrid.h);
+ * else NULL. */
+typedef struct iso_gl_triangles iso_gl_triangles;
+iso_status iso_gl_draw_pullpush_over(iso_gl_engine *engine, const iso_gl_pullpush_opts *opts, int first,
+                                     const iso_gl_triangles *triangles, iso_gbuffer *gbuffer,
+                                     iso_error *error);
+
 /* About how many bytes of GPU memory (of main memory with a software renderer) drawing takes for a picture
  * of this size, for points with radii and colours. The exact number depends on the guard
  * band around the picture, and so on the points. */

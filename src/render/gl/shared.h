@@ -215,14 +215,14 @@ uint ordered(float depth) {
     ISO_GL_FLOATS(sizes);                                                                                    \
     ISO_GL_FLOATS(screen);                                                                                   \
     ISO_GL_INTS(tile);    /* width, height; the picture's pixel at its corner */                             \
-    ISO_GL_INTS(picture); /* width, height, surface number */                                                \
+    ISO_GL_INTS(picture); /* width, height, surface number; its colour, 0: none */                           \
     ISO_GL_UINTS(flags);  /* orthographic; leave out back-facing points; points have colours; filtered
                               discs cover what they are widened to */
 
 /* std140. Drawing one surface by splats in a strip of the picture.
  *
  * `rays`: 1 / focal (orthographic: 0); mm a pixel (perspective: 0); depth of the near plane; thickness of a
- * layer in radii of discs. `layers`: width of the bins of depth, mm. */
+ * layer in radii of discs. `layers`: width of layers' bins of depth; of opaque discs: bins, origin, range. */
 #define ISO_GL_SPLATTING_FIELDS                                                                              \
     ISO_GL_FLOATS(axis); /* optical axis in the strip */                                                     \
     ISO_GL_FLOATS(rays);                                                                                     \

@@ -156,6 +156,11 @@ unsigned iso_gl_make_texture(const GladGLContext *gl, unsigned format, int width
 /* Makes a storage buffer at least this large; its contents are lost when it has to grow. */
 void iso_gl_engine_ensure_storage(iso_gl_engine *engine, iso_gl_storage which, size_t bytes);
 
+/* Draws surfaces into the engine's framebuffer, and leaves them there: row by row as in a picture, infinite
+ * depths where nothing is. The context must be current. ISO_ERR_LIMIT: the view is too large for it;
+ * ISO_ERR_NOMEM, ISO_ERR_BACKEND. */
+iso_status iso_gl_draw_target(iso_gl_engine *engine, const iso_gl_draw_opts *opts, iso_error *error);
+
 /* Pixels by which the viewport is wider than the picture on each side: half the widest point, as OpenGL
  * drops points whose centres are outside the viewport. */
 static inline int iso_gl_engine_margin(const iso_gl_engine *engine) {

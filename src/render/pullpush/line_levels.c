@@ -30,6 +30,10 @@ static const double BEND = 0.5;
 static const double NEAREST = 0.75;
 /* Half a pixel, and what rounding a fragment's place in its pixel can change. */
 static const double HALF = 0.5 + 1.0 / 32;
+/* A place of a tube's side is beside a fragment if it is within so many radii of it along the tangent. */
+static const double ASIDE = 0.5;
+/* How much sooner a ray has to enter the next ball along a tube, in its radii. */
+static const double FRONT = 1e-3;
 /* The least slope of a ribbon's plane against the ray (its sine), and of a tube's axis (squared). */
 static const double RIBBON_SLOPE = 0.25, TUBE_SLOPE = 1.0 / 16;
 
@@ -463,10 +467,15 @@ static void illuminate(const meeting *m, double normal[3]) {
     for (int k = 0; k < 3; k++) normal[k] = -m->ray->to[k];
 }
 
+/* How far a place at `depth` on a ray is from the fragment along the tangent, mm. */
+static double along_tangent(const meeting *m, const iso_line_fragment *f, double depth) {
+    return m->beside[0] * m->n[0] + m->beside[1] * m->n[1] +
+           (depth - (double)f->depth) * dot(m->ray->to, m->n);
+}
+
 /* Whether a place at `depth` on a ray lies beyond the end of the line that is nearer to the fragment. */
 static bool is_beyond_end(const meeting *m, const iso_line_fragment *f, double depth) {
-    const double along =
-        m->beside[0] * m->n[0] + m->beside[1] * m->n[1] + (depth - (double)f->depth) * dot(m->ray->to, m->n);
+    const double along = along_tangent(m, f, depth);
     return f->end < 0 ? along < (double)f->end : along > (double)f->end;
 }
 
@@ -508,8 +517,56 @@ static bool complete(const line_levels *l, const sight *s, const pixel_ray *ray,
     return meets || (own && is_on_line(s, tube ? 0 : 1));
 }
 
-static void keep_nearer(const sample *made, sample *nearest) {
-    if (made->depth < nearest->depth) *nearest = *made;
+/* Where the ray of a pixel enters the ball around a fragment; INFINITY: nowhere. */
+static double ball_depth(const line_levels *l, const double at[2], const pixel_ray *ray,
+                         const iso_line_fragment *f) {
+    const sight s = {.from = f, .away = {at[0] - (double)f->x, at[1] - (double)f->y}};
+    const meeting m = meet(l, &s, ray);
+    sample made = {.depth = (double)f->depth};
+    return meet_end(&m, 0, &made) ? made.depth : INFINITY;
+}
+
+/* A tube that turns towards the eye shows a place that lies before the one nearest to the pixel in the
+ * picture: goes on along the line while the ray enters the ball around the next fragment sooner. */
+static void go_to_front(const line_levels *l, const double at[2], const pixel_ray *ray, sight *s) {
+    const iso_line_fragment *from = s->from, *best = from;
+    const double least = FRONT * (double)from->radius;
+    double depth = ball_depth(l, at, ray, from);
+    for (int steps = (int)from->reach + l->steps; steps-- > 0; from = best) {
+        const int32_t *index = l->pyramid->index + from->key;
+        for (unsigned links = from->links; links; links &= links - 1) {
+            const iso_line_fragment *f = &l->fragments[index[l->neighbor[__builtin_ctz(links)]]];
+            if (f->depth >= from->depth) continue;
+            const double other = ball_depth(l, at, ray, f);
+            if (!(other < depth - least)) continue;
+            depth = other;
+            best = f;
+        }
+        if (best == from) break;
+    }
+    if (best != s->from) *s = see(best, at);
+}
+
+/* Whether the place that a pixel shows of a fragment is beside it, or too little of the line is seen to
+ * tell. */
+static bool is_there(const line_levels *l, const sight *s, const pixel_ray *ray, double depth) {
+    const meeting m = meet(l, s, ray);
+    return s->from->thin || fabs(along_tangent(&m, s->from, depth)) <= ASIDE * m.radius;
+}
+
+/* Adds what a pixel of level 0 shows of a fragment, if it is nearer. */
+static void add_sample(const line_levels *l, const double at[2], const pixel_ray *ray, const sight *found,
+                       bool own, sample *nearest) {
+    sample made, moved;
+    sight s = *found;
+    const bool shown = complete(l, found, ray, own, &made);
+    if (l->params->kind == ISO_PULLPUSH_TUBES && !(shown && is_there(l, found, ray, made.depth)))
+        go_to_front(l, at, ray, &s);
+    if (s.from != found->from && complete(l, &s, ray, false, &moved))
+        made = moved;
+    else if (!shown)
+        return;
+    if (made.depth < nearest->depth) *nearest = made;
 }
 
 /* The nearest sample of a pixel of level 0, from its own fragment and those of the corners of its cell; its
@@ -521,16 +578,16 @@ static sample find_sample(const line_levels *l, int x, int y, const iso_line_fra
     const size_t key = (size_t)y * p->key_stride + (size_t)x;
     const pixel_ray ray = ray_of(l, x, y);
     sight found[CANDIDATES];
-    sample made, nearest = {.depth = INFINITY};
+    sample nearest = {.depth = INFINITY};
     int count = 0;
     if (p->layout.base == 0 && p->keys[key] != ISO_KEY_NONE) {
         found[0] = see(&l->fragments[p->index[key]], at);
-        if (complete(l, &found[count++], &ray, true, &made)) keep_nearer(&made, &nearest);
+        add_sample(l, at, &ray, &found[count++], true, &nearest);
     }
     for (int k = 0; k < corners; k++) {
         if ((double)corner[k]->depth - (double)corner[k]->interval > nearest.depth) continue; /* hidden */
         if (!find_nearest(l, at, 0, found, count, corner[k], &found[count])) continue;
-        if (complete(l, &found[count++], &ray, false, &made)) keep_nearer(&made, &nearest);
+        add_sample(l, at, &ray, &found[count++], false, &nearest);
     }
     return nearest;
 }

@@ -30,10 +30,8 @@ bool iso_brick_is_large(const iso_brick_choice *choice, const int32_t brick[3]) 
     return !(nearest > 0) || choice->cell * choice->projector.view->focal > choice->pixels * nearest;
 }
 
-iso_status iso_polygons_rasterize(iso_polygons *polygons, const iso_target *target,
-                                  const iso_pyramid_layout *layout, iso_error *error) {
-    iso_view view = *target->view;
-    polygons->projector.view = target->view; /* of a strip */
+iso_view iso_pyramid_view(const iso_view *strip, const iso_pyramid_layout *layout) {
+    iso_view view = *strip;
     const int rows = view.above + view.height + view.below;
     view.cx -= layout->column;
     view.cy -= layout->row;
@@ -41,6 +39,13 @@ iso_status iso_polygons_rasterize(iso_polygons *polygons, const iso_target *targ
     view.width = layout->width;
     view.height = layout->height;
     view.below = rows - view.above - view.height;
+    return view;
+}
+
+iso_status iso_polygons_rasterize(iso_polygons *polygons, const iso_target *target,
+                                  const iso_pyramid_layout *layout, iso_error *error) {
+    const iso_view view = iso_pyramid_view(target->view, layout);
+    polygons->projector.view = target->view; /* of a strip */
     if (polygons->picture.width != view.width || polygons->picture.height != view.height) {
         iso_gbuffer_free(&polygons->picture);
         ISO_TRY(iso_gbuffer_create(view.width, view.height, &polygons->picture, error));

@@ -53,6 +53,9 @@ typedef struct iso_polygons {
     iso_gbuffer picture;     /* the triangles in all of the pyramid */
 } iso_polygons;
 
+/* The view of all of level 0 of the pyramid of a strip. */
+iso_view iso_pyramid_view(const iso_view *strip, const iso_pyramid_layout *layout);
+
 /* Rasterizes the triangles into a picture as large as level 0 of the pyramid of `target`. ISO_ERR_NOMEM. */
 iso_status iso_polygons_rasterize(iso_polygons *polygons, const iso_target *target,
                                   const iso_pyramid_layout *layout, iso_error *error);

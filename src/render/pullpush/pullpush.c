@@ -44,6 +44,7 @@ typedef struct pullpush_call {
     iso_projector projector;
     iso_point_blocks *blocks;
     iso_line_frame *lines;          /* NULL: points are drawn, with their blocks */
+    const iso_line_engine *engine;  /* of lines; NULL: the cpu */
     iso_polygons *polygons;         /* NULL, or triangles that are drawn with the points */
     iso_sets_frame *sets;           /* NULL, or all that is drawn */
     const iso_pullpush_keys *given; /* NULL, or the keys of all points, which are not projected then */
@@ -381,6 +382,7 @@ static iso_status reconstruct_surface(pullpush_call *call, iso_error *error) {
         run_over_level(call, layout->base, make_line_rows);
         run_over_level(call, layout->base, link_line_rows);
     }
+    if (call->engine) return call->engine->draw(call->engine->context, &call->params, error);
     for (int level = layout->base + call->band_levels + 1; level <= layout->top; level++)
         run_over_level(call, level, pull_rows);
     run_over_level(call, layout->top, make_ellipse_rows);
@@ -500,13 +502,15 @@ iso_status iso_draw_points_and_polygons(const iso_target *target, const iso_poin
     return draw_surface(target, points, polygons, &opts, error);
 }
 
-iso_status iso_draw_pyramid_lines(const iso_target *target, const iso_pyramid_lines *lines,
-                                  iso_pullpush *workspace, iso_error *error) {
+iso_status iso_draw_pyramid_lines_by(const iso_line_engine *engine, const iso_target *target,
+                                     const iso_pyramid_lines *lines, iso_pullpush *workspace,
+                                     iso_error *error) {
     const iso_transform world = iso_transform_identity();
     iso_pullpush once = {0};
     iso_line_frame frame;
     ISO_TRY(iso_line_frame_make(lines, target, &frame, error));
     pullpush_call call = {.lines = &frame,
+                          .engine = engine,
                           .projector = iso_projector_make(target->view, &world),
                           .pyramid = workspace ? &workspace->line_pyramid : &once.line_pyramid};
     iso_status status = ISO_OK;
@@ -517,6 +521,11 @@ iso_status iso_draw_pyramid_lines(const iso_target *target, const iso_pyramid_li
     iso_line_frame_free(&frame);
     iso_pyramid_free(&once.line_pyramid);
     return status;
+}
+
+iso_status iso_draw_pyramid_lines(const iso_target *target, const iso_pyramid_lines *lines,
+                                  iso_pullpush *workspace, iso_error *error) {
+    return iso_draw_pyramid_lines_by(NULL, target, lines, workspace, error);
 }
 
 static iso_status draw_sets(const iso_target *target, iso_sets_frame *frame,

@@ -106,7 +106,9 @@ static iso_status sort_instances(iso_instance_drawing *drawing, const iso_view *
 
 /* Draws an instance; adds to *points how many points that were. */
 static iso_status draw_instance(iso_instance_drawing *drawing, const iso_target *target,
-                                const iso_instances *all, size_t number, size_t *points, iso_error *error) {
+                                const iso_instances *all, const placed *at, size_t *points,
+                                iso_error *error) {
+    const size_t number = at->number;
     const iso_instance *instance = &all->instances[number];
     const iso_point_surface_opts opts = {.reconstruction = all->reconstruction,
                                          .workspace = drawing->workspace,
@@ -124,7 +126,9 @@ static iso_status draw_instance(iso_instance_drawing *drawing, const iso_target 
     for (int k = 0; k < drawing->cut.levels; k++) {
         if (!drawing->cut.view[k].span_count) continue;
         *points += drawing->cut.points[k];
-        ISO_TRY(iso_draw_point_surface(&alone, &drawing->cut.view[k], &opts, error));
+        ISO_TRY(all->engine ? all->engine->draw(all->engine->context, &drawing->cut.view[k], opts.color,
+                                                &at->area, error)
+                            : iso_draw_point_surface(&alone, &drawing->cut.view[k], &opts, error));
     }
     return ISO_OK;
 }
@@ -139,19 +143,20 @@ iso_status iso_draw_instances(iso_instance_drawing *drawing, const iso_target *t
     size_t count;
     if (!drawing->workspace) ISO_TRY(iso_point_workspace_create(&drawing->workspace, error));
     ISO_TRY(sort_instances(drawing, target->view, all, &count, error));
-    if (!all->draw_hidden) ISO_TRY(iso_depth_pyramid_make(&drawing->pyramid, target->gbuffer, error));
+    const bool looks = !all->draw_hidden && !all->engine;
+    if (looks) ISO_TRY(iso_depth_pyramid_make(&drawing->pyramid, target->gbuffer, error));
     const placed *order = drawing->order.data;
     n.outside = all->count - count;
     for (size_t i = 0; i < count; i++) {
-        if (!all->draw_hidden && iso_depth_pyramid_hides(&drawing->pyramid, &order[i].area)) {
+        if (looks && iso_depth_pyramid_hides(&drawing->pyramid, &order[i].area)) {
             n.hidden++;
             note_state(all, order[i].number, ISO_INSTANCE_HIDDEN);
             continue;
         }
-        ISO_TRY(draw_instance(drawing, target, all, order[i].number, &n.points, error));
+        ISO_TRY(draw_instance(drawing, target, all, &order[i], &n.points, error));
         note_state(all, order[i].number, ISO_INSTANCE_DRAWN);
         n.drawn++;
-        if (!all->draw_hidden) iso_depth_pyramid_update(&drawing->pyramid, target->gbuffer, &order[i].area);
+        if (looks) iso_depth_pyramid_update(&drawing->pyramid, target->gbuffer, &order[i].area);
     }
     if (counts) *counts = n;
     return ISO_OK;

@@ -30,6 +30,14 @@ typedef enum iso_instance_state {
     ISO_INSTANCE_DRAWN
 } iso_instance_state;
 
+/* Draws the points of an instance by another engine than the cpu. `color`: instead of the points'; or NULL.
+ * `area`: the part of the picture that they can cover. */
+typedef struct iso_instance_engine {
+    iso_status (*draw)(void *context, const iso_point_view *points, const iso_rgb *color,
+                       const iso_area *area, iso_error *error);
+    void *context;
+} iso_instance_engine;
+
 typedef struct iso_instances {
     const iso_instanced *sets;
     const iso_instance *instances;
@@ -42,6 +50,8 @@ typedef struct iso_instances {
     /* One iso_instance_state of each instance, which is raised to what became of it in this call: of the
      * strips of a picture the greatest is kept. NULL: not wanted. */
     uint8_t *states;
+    /* NULL: the cpu. Another engine does not use the gbuffer, and nobody looks for hidden instances. */
+    const iso_instance_engine *engine;
 } iso_instances;
 
 /* Working memory, kept from one picture to the next. Zero-initialise; free with
@@ -59,6 +69,11 @@ typedef struct iso_instance_drawing {
  * and in strips. `counts` may be NULL. ISO_ERR_NOMEM. */
 iso_status iso_draw_instances(iso_instance_drawing *drawing, const iso_target *target,
                               const iso_instances *instances, iso_instance_counts *counts, iso_error *error);
+/* The same by another engine, which it sets. */
+typedef iso_status iso_draw_instances_fn(void *context, iso_instance_drawing *drawing,
+                                         const iso_target *target, const iso_instances *instances,
+                                         iso_instance_counts *counts, iso_error *error);
+
 void iso_instance_drawing_free(iso_instance_drawing *drawing);
 
 #endif

@@ -245,6 +245,25 @@ static void test_turning(void **state) {
     }
 }
 
+/* A wide tube that turns towards the eye shows its front, not the inside of its far wall. */
+static void test_turning_to_eye(void **state) {
+    (void)state;
+    test_lines_start(&scene, 0, 0, 0);
+    for (int i = 0; i < 100; i++) {
+        double sine, cosine;
+        iso_sincos(i * ISO_PI / 25, &sine, &cosine);
+        test_lines_add(&scene, 8 * cosine, 8 * sine, 0.1 * i - 5, 1);
+    }
+    test_lines_end(&scene);
+    scene.lines.radii = NULL;
+    iso_view view = test_shapes_view(scene.lines.origin, iso_vec3_make(0, -90, 30), 24, false);
+    view = iso_view_scaled(&view, 2);
+    const measures m = measure(&view, &(iso_shapes_opts){.radius = 1, .min_pixels = 1});
+    print_message("towards the eye: depth %.4f r (%.2f %% beyond r), normal %.2f degrees\n", m.depth,
+                  100 * m.far, m.normal);
+    assert_true(m.depth <= 0.02 && m.far <= 0.001 && m.normal <= 2);
+}
+
 static void test_twisted(void **state) {
     (void)state;
     float normals[200][3];
@@ -571,12 +590,13 @@ static void test_bad_lines(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_tubes),          cmocka_unit_test(test_ribbons),
-        cmocka_unit_test(test_turning),        cmocka_unit_test(test_twisted),
-        cmocka_unit_test(test_line_over_wall), cmocka_unit_test(test_end_on),
-        cmocka_unit_test(test_near),           cmocka_unit_test(test_reversed),
-        cmocka_unit_test(test_illuminated),    cmocka_unit_test(test_same_bytes),
-        cmocka_unit_test(test_dropping),       cmocka_unit_test(test_bad_lines),
+        cmocka_unit_test(test_tubes),      cmocka_unit_test(test_ribbons),
+        cmocka_unit_test(test_turning),    cmocka_unit_test(test_turning_to_eye),
+        cmocka_unit_test(test_twisted),    cmocka_unit_test(test_line_over_wall),
+        cmocka_unit_test(test_end_on),     cmocka_unit_test(test_near),
+        cmocka_unit_test(test_reversed),   cmocka_unit_test(test_illuminated),
+        cmocka_unit_test(test_same_bytes), cmocka_unit_test(test_dropping),
+        cmocka_unit_test(test_bad_lines),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
