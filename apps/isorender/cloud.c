@@ -68,8 +68,7 @@ static iso_cloud_opts cloud_opts(const isorender_job *job) {
                            .estimate_normals = settings->normals == ISORENDER_NORMALS_AUTO,
                            .pool = job->pool};
     if (!job->gaussians || settings->points) return opts;
-    opts.radius =
-        iso_gaussians_size((const float(*)[9])job->loader.points.axes, job->loader.points.count);
+    opts.radius = iso_gaussians_size((const float(*)[9])job->loader.points.axes, job->loader.points.count);
     opts.without_normals = true;
     return opts;
 }
