@@ -3,6 +3,7 @@
 #include "grids/labels/labels.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/memory.h"
@@ -181,4 +182,82 @@ int iso_labels_find(const iso_labels *labels, int value) {
             hi = middle - 1;
     }
     return -1;
+}
+
+/* ---- contacts */
+
+/* A set of pairs: open addressing; 0 is an empty slot, as (0, 0) is no pair of it. */
+typedef struct pair_set {
+    uint32_t *slot;
+    size_t size, count; /* size: a power of 2 */
+} pair_set;
+
+static size_t slot_of(const pair_set *set, uint32_t pair) {
+    size_t i = (pair * 2654435761u) & (set->size - 1);
+    while (set->slot[i] && set->slot[i] != pair) i = (i + 1) & (set->size - 1);
+    return i;
+}
+
+static bool grow(pair_set *set) {
+    const pair_set old = *set;
+    set->size = old.size ? 2 * old.size : 1024;
+    set->slot = iso_alloc_zero(set->size, sizeof *set->slot);
+    for (size_t i = 0; set->slot && i < old.size; i++)
+        if (old.slot[i]) set->slot[slot_of(set, old.slot[i])] = old.slot[i];
+    iso_free(old.slot);
+    return set->slot;
+}
+
+static bool add_pair(pair_set *set, int a, int b) {
+    if (a == b || !a || !b) return true;
+    const uint32_t pair = a < b ? (uint32_t)a << 16 | (uint32_t)b : (uint32_t)b << 16 | (uint32_t)a;
+    if (2 * set->count >= set->size && !grow(set)) return false;
+    const size_t i = slot_of(set, pair);
+    set->count += !set->slot[i];
+    set->slot[i] = pair;
+    return true;
+}
+
+static bool add_row(const iso_labels *labels, int y, int z, pair_set *set) {
+    const uint16_t *row = row_of(labels, y, z), *below = y ? row_of(labels, y - 1, z) : row,
+                   *behind = z ? row_of(labels, y, z - 1) : row;
+    uint16_t before = row[0];
+    for (int x = 0; x < labels->dims[0]; x++) {
+        if (row[x] == before && row[x] == below[x] && row[x] == behind[x]) continue;
+        if (!add_pair(set, row[x], before) || !add_pair(set, row[x], below[x]) ||
+            !add_pair(set, row[x], behind[x]))
+            return false;
+        before = row[x];
+    }
+    return true;
+}
+
+static int compare_pairs(const void *a, const void *b) {
+    const uint16_t *p = a, *q = b;
+    return p[0] != q[0] ? p[0] - q[0] : p[1] - q[1];
+}
+
+iso_status iso_labels_contacts(const iso_labels *labels, iso_label_contacts *contacts, iso_error *error) {
+    pair_set set = {NULL, 0, 0};
+    bool fits = true;
+    *contacts = (iso_label_contacts){NULL, 0};
+    for (int z = 0; z < labels->dims[2] && fits; z++)
+        for (int y = 0; y < labels->dims[1] && fits; y++) fits = add_row(labels, y, z, &set);
+    if (fits && set.count) {
+        contacts->pair = iso_alloc(set.count * sizeof *contacts->pair);
+        fits = contacts->pair != NULL;
+        for (size_t i = 0; fits && i < set.size; i++) {
+            if (!set.slot[i]) continue;
+            contacts->pair[contacts->count][0] = (uint16_t)(set.slot[i] >> 16);
+            contacts->pair[contacts->count++][1] = (uint16_t)set.slot[i];
+        }
+        if (fits) qsort(contacts->pair, contacts->count, sizeof *contacts->pair, compare_pairs);
+    }
+    iso_free(set.slot);
+    return fits ? ISO_OK : iso_fail(error, ISO_ERR_NOMEM, "out of memory for labels");
+}
+
+void iso_label_contacts_free(iso_label_contacts *contacts) {
+    iso_free(contacts->pair);
+    *contacts = (iso_label_contacts){NULL, 0};
 }

@@ -34,6 +34,15 @@ typedef struct iso_labels {
 iso_status iso_labels_make(const iso_grid *grid, iso_pool *pool, iso_labels *labels, iso_error *error);
 void iso_labels_free(iso_labels *labels);
 
+/* Which labels touch: have voxels that share a face. Zero-initialised it is empty. */
+typedef struct iso_label_contacts {
+    uint16_t (*pair)[2]; /* places in `label`, ascending; without the background */
+    size_t count;
+} iso_label_contacts;
+/* iso_label_contacts_free when done. ISO_ERR_NOMEM. */
+iso_status iso_labels_contacts(const iso_labels *labels, iso_label_contacts *contacts, iso_error *error);
+void iso_label_contacts_free(iso_label_contacts *contacts);
+
 /* The place of a value in `label`; -1: no voxel has it. */
 int iso_labels_find(const iso_labels *labels, int value);
 
