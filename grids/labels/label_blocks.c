@@ -66,7 +66,7 @@ typedef struct near_label {
 typedef struct scratch {
     uint16_t *window; /* labels; those that are not drawn are 0 */
     uint8_t *mask, *work8, *to_inside, *to_outside;
-    float *distance, *work, *field, *second;
+    float *distance, *work, *field, *second, *third;
     float *own, *other; /* at every voxel: its own label's field, and the greatest other one */
     float *loss;        /* what its own label's field is less than the distance */
     float *best;        /* the greatest field of each group, group 0 first */
@@ -102,23 +102,41 @@ static inline size_t index_in(const int size[3], int x, int y, int z) {
 
 /* ---- the labels of a block */
 
-/* The number of labels in the window. Sets the window. */
+/* Sets a row of the window; the first voxel is at `at` in the volume. */
+static void load_row(const iso_label_fields *f, const int at[3], int n, uint16_t *row) {
+    const int *dims = f->labels->dims;
+    const int first = at[0] < 0 ? -at[0] : 0, end = at[0] + n > dims[0] ? dims[0] - at[0] : n;
+    memset(row, 0, (size_t)n * sizeof *row);
+    if (at[1] < 0 || at[2] < 0 || at[1] >= dims[1] || at[2] >= dims[2]) return;
+    const uint16_t *number =
+        f->labels->number + ((size_t)at[2] * (size_t)dims[1] + (size_t)at[1]) * (size_t)dims[0];
+    int last = -1;
+    uint16_t drawn = 0; /* what stands for it: runs of labels are long */
+    for (int x = first; x < end; x++) {
+        const int label = number[at[0] + x];
+        if (label != last) {
+            last = label;
+            drawn = f->group[label] ? (uint16_t)label : 0;
+        }
+        row[x] = drawn;
+    }
+}
+
+/* The number of labels in the window, 3 at most. Sets the window. */
 static int load_window(block *b) {
-    const iso_label_fields *f = b->all->fields;
     int labels[3] = {-1, -1, -1}, count = 0;
+    const int margin = NEAR + OFFSET + ISO_LABEL_BORDER;
     for (int z = 0; z < b->window[2]; z++)
         for (int y = 0; y < b->window[1]; y++) {
             uint16_t *row = b->s->window + index_in(b->window, 0, y, z);
-            const int margin = NEAR + OFFSET + ISO_LABEL_BORDER;
             const int at[3] = {b->first[0] - margin, b->first[1] - margin + y, b->first[2] - margin + z};
+            load_row(b->all->fields, at, b->window[0], row);
             int last = -1;
-            for (int x = 0; x < b->window[0]; x++) {
-                const int number = iso_labels_at(f->labels, at[0] + x, at[1], at[2]);
-                row[x] = f->group[number] ? (uint16_t)number : 0;
+            for (int x = 0; x < b->window[0] && count < 3; x++) {
                 if (row[x] == last) continue;
                 last = row[x];
-                if (last == labels[0] || last == labels[1] || last == labels[2]) continue;
-                if (count < 3) labels[count++] = last;
+                if (last == labels[0] || last == labels[1]) continue;
+                labels[count++] = last;
             }
         }
     return count;
@@ -171,13 +189,11 @@ static bool clip_box(const extent *of_label, const extent *zone, extent *clipped
 
 /* mask = 0 at voxels of the label, or at all others. */
 static void make_mask(const block *b, int label, const extent *box, const int size[3], bool inside) {
-    const uint8_t of_label = inside ? 0 : FAR, of_others = inside ? FAR : 0;
     for (int z = 0; z < size[2]; z++)
         for (int y = 0; y < size[1]; y++) {
-            const uint16_t *row =
-                b->s->window + index_in(b->window, box->lo[0], box->lo[1] + y, box->lo[2] + z);
-            uint8_t *mask = b->s->mask + index_in(size, 0, y, z);
-            for (int x = 0; x < size[0]; x++) mask[x] = row[x] == label ? of_label : of_others;
+            const size_t row = index_in(b->window, box->lo[0], box->lo[1] + y, box->lo[2] + z);
+            b->all->kernel->mask(b->s->window + row, size[0], (uint16_t)label, inside,
+                                 b->s->mask + index_in(size, 0, y, z));
         }
 }
 
@@ -195,7 +211,7 @@ static void filter_twiced(const block *b, const gaussian g[2], const int n[3], f
 /* Blends in the narrow filter. */
 static void blend(const block *b, const extent *box, const int n[3]) {
     scratch *s = b->s;
-    float *narrowed = s->work + 2 * DISTANCE_VOXELS; /* (behind what the filters use) */
+    float *narrowed = s->third;
     filter_twiced(b, narrow, n, narrowed);
     for (int z = 0; z < n[2]; z++)
         for (int y = 0; y < n[1]; y++) {
@@ -251,18 +267,19 @@ static void keep_candidates(const block *b, int label, const extent *field, floa
     for (int brick = 0; brick < BRICKS; brick++) {
         extent part;
         if (!b->candidates[brick] || !box_of_brick(b, brick, &part)) continue;
-        const int *first = part.lo;
+        const int first[3] = {part.lo[0], part.lo[1], part.lo[2]};
+        for (int k = 0; k < 3; k++) {
+            part.lo[k] = part.lo[k] > field->lo[k] ? part.lo[k] : field->lo[k];
+            part.hi[k] = part.hi[k] < field->hi[k] ? part.hi[k] : field->hi[k];
+        }
         for (int z = part.lo[2]; z < part.hi[2]; z++)
-            for (int y = part.lo[1]; y < part.hi[1]; y++)
-                for (int x = part.lo[0]; x < part.hi[0]; x++) {
-                    if (x < field->lo[0] || y < field->lo[1] || z < field->lo[2] || x >= field->hi[0] ||
-                        y >= field->hi[1] || z >= field->hi[2])
-                        continue;
-                    const int voxel = ((z - first[2]) * ISO_BRICK + y - first[1]) * ISO_BRICK + x - first[0];
-                    const float value =
-                        b->s->field[index_in(n, x - field->lo[0], y - field->lo[1], z - field->lo[2])];
-                    set_candidate(b->candidates[brick], voxel, label, sign * value);
-                }
+            for (int y = part.lo[1]; y < part.hi[1]; y++) {
+                const int row = ((z - first[2]) * ISO_BRICK + y - first[1]) * ISO_BRICK - first[0];
+                const float *value =
+                    b->s->field + index_in(n, 0, y - field->lo[1], z - field->lo[2]) - field->lo[0];
+                for (int x = part.lo[0]; x < part.hi[0]; x++)
+                    set_candidate(b->candidates[brick], row + x, label, sign * value[x]);
+            }
     }
 }
 
@@ -294,15 +311,22 @@ static void keep_field(const block *b, int label, const extent *box, float sign)
     keep_candidates(b, label, box, sign);
 }
 
+static void clear_row(float *row, const extent *zone) {
+    for (int x = 0; x < zone->hi[0] - zone->lo[0]; x++) row[x] = -ISO_LABEL_BAND;
+}
+
 /* The fields of all labels in a zone of the block. `pair`: there are but two labels, whose fields are
  * opposite. */
 static void make_all(const block *b, const extent *zone, bool pair, bool blends) {
     scratch *s = b->s;
     const int groups = b->all->fields->group_count;
-    const size_t count = (size_t)b->size[0] * (size_t)b->size[1] * (size_t)b->size[2];
-    for (size_t i = 0; i < count; i++) s->own[i] = s->other[i] = -ISO_LABEL_BAND;
-    for (int g = 0; g <= groups; g++)
-        for (size_t i = 0; i < count; i++) s->best[(size_t)g * FIELD_VOXELS + i] = -ISO_LABEL_BAND;
+    for (int z = zone->lo[2]; z < zone->hi[2]; z++)
+        for (int y = zone->lo[1]; y < zone->hi[1]; y++) {
+            const size_t row = index_in(b->size, zone->lo[0], y, z);
+            clear_row(s->own + row, zone);
+            clear_row(s->other + row, zone);
+            for (int g = 0; g <= groups; g++) clear_row(s->best + (size_t)g * FIELD_VOXELS + row, zone);
+        }
     for (int i = 0; i < s->near_count; i++) {
         const near_label *near = &s->near[i];
         extent part = *zone;
@@ -321,9 +345,17 @@ static inline bool is_thin(const scratch *s, size_t i) {
     return s->own[i] < s->other[i] - THIN_CHANGE || s->loss[i] > THIN_LOSS;
 }
 
+static void grow_extent(extent *e, int x, int y, int z) {
+    const int at[3] = {x, y, z};
+    for (int k = 0; k < 3; k++) {
+        e->lo[k] = at[k] < e->lo[k] ? at[k] : e->lo[k];
+        e->hi[k] = at[k] >= e->hi[k] ? at[k] + 1 : e->hi[k];
+    }
+}
+
 /* Finds such voxels, and sets the weights of the narrow filter: 1 within a voxel of them, 0 from NEAR voxels
- * on. False: there are none. */
-static bool find_thin(const block *b) {
+ * on. *zone: the part of it with weights. False: there is none. */
+static bool find_thin(const block *b, extent *zone) {
     enum { R = ISO_LABEL_REACH };
     scratch *s = b->s;
     const int padded[3] = {b->size[0] + 2 * R, b->size[1] + 2 * R, b->size[2] + 2 * R};
@@ -339,11 +371,18 @@ static bool find_thin(const block *b) {
                 if (is_thin(s, i)) s->mask[index_in(padded, x + R, y + R, z + R)] = 0;
             }
     b->all->kernel->squares(s->mask, b->size, s->work8, s->to_inside);
-    for (size_t i = 0; i < count; i++) {
-        const float w = (NEAR - sqrtf((float)s->to_inside[i])) / (NEAR - 1);
-        s->weight[i] = w > 1 ? 1 : w > 0 ? w : 0;
-    }
-    return true;
+    const extent all = *zone;
+    *zone = (extent){{INT32_MAX, INT32_MAX, INT32_MAX}, {INT32_MIN, INT32_MIN, INT32_MIN}};
+    for (int z = all.lo[2]; z < all.hi[2]; z++)
+        for (int y = all.lo[1]; y < all.hi[1]; y++)
+            for (int x = all.lo[0]; x < all.hi[0]; x++) {
+                const size_t i = index_in(b->size, x, y, z);
+                const int square = s->to_inside[i];
+                const float w = square < NEAR * NEAR ? (NEAR - sqrtf((float)square)) / (NEAR - 1) : 0;
+                s->weight[i] = w > 1 ? 1 : w;
+                if (w > 0) grow_extent(zone, x, y, z);
+            }
+    return zone->lo[0] < zone->hi[0];
 }
 
 /* ---- candidates */
@@ -378,16 +417,47 @@ static bool has_candidates(const block *b) {
     return shared > 1;
 }
 
+/* Whether the eight corners of a cell have one label. */
+static inline bool is_of_one_label(const uint16_t *row[4], int x) {
+    const uint16_t label = row[0][x];
+    bool other = row[0][x + 1] != label;
+    for (int i = 1; i < 4; i++) other |= (row[i][x] != label) | (row[i][x + 1] != label);
+    return !other;
+}
+
+/* Marks the voxels of a brick that are corners of a cell with several labels. */
+static void mark_mixed(const block *b, const extent *part, bool mixed[ISO_BRICK_VOXELS]) {
+    memset(mixed, 0, ISO_BRICK_VOXELS * sizeof *mixed);
+    for (int z = -1; z < ISO_BRICK; z++)
+        for (int y = -1; y < ISO_BRICK; y++) {
+            const int at[2] = {part->lo[1] + y, part->lo[2] + z};
+            const uint16_t *row[4] = {window_row(b, at[0], at[1]), window_row(b, at[0] + 1, at[1]),
+                                      window_row(b, at[0], at[1] + 1), window_row(b, at[0] + 1, at[1] + 1)};
+            for (int x = -1; x < ISO_BRICK; x++) {
+                if (is_of_one_label(row, part->lo[0] + x)) continue;
+                for (int corner = 0; corner < 8; corner++) {
+                    const int c[3] = {x + (corner & 1), y + (corner >> 1 & 1), z + (corner >> 2)};
+                    if (c[0] >= 0 && c[1] >= 0 && c[2] >= 0 && c[0] < ISO_BRICK && c[1] < ISO_BRICK &&
+                        c[2] < ISO_BRICK)
+                        mixed[(c[2] * ISO_BRICK + c[1]) * ISO_BRICK + c[0]] = true;
+                }
+            }
+        }
+}
+
 /* ISO_ERR_NOMEM (without a message). */
 static iso_status make_candidates(block *b, int brick) {
+    bool mixed[ISO_BRICK_VOXELS];
     extent part;
     iso_label_value *list = b->s->entries;
     uint32_t start[ISO_BRICK_VOXELS + 1] = {0}, count = 0;
     if (!box_of_brick(b, brick, &part)) return ISO_OK;
+    mark_mixed(b, &part, mixed);
     for (int i = 0; i < ISO_BRICK_VOXELS; i++) {
+        start[i] = count;
+        if (!mixed[i]) continue;
         const int n = list_candidates(b, part.lo[0] + i % ISO_BRICK, part.lo[1] + i / ISO_BRICK % ISO_BRICK,
                                       part.lo[2] + i / ISO_BRICK / ISO_BRICK, list + count);
-        start[i] = count;
         count += n > 1 ? (uint32_t)n : 0;
     }
     start[ISO_BRICK_VOXELS] = count;
@@ -423,16 +493,23 @@ static void raise_own(const block *b, int x, int y, int z) {
     }
 }
 
-/* Half the lead of a group over all others at a voxel, negative where it leads. */
-static float level_at(const block *b, int group, size_t i) {
-    const float *best = b->s->best + i;
-    float rest = -ISO_LABEL_BAND;
-    for (int g = 0; g <= b->all->fields->group_count; g++) {
-        const float value = best[(size_t)g * FIELD_VOXELS];
-        if (g != group) rest = value > rest ? value : rest;
-    }
-    const float level = (rest - best[(size_t)group * FIELD_VOXELS]) / 2;
+/* Half of what `value` is above `most`, negative where it is, in the band. */
+static inline float level_of(float value, float most) {
+    const float level = (most - value) / 2;
     return level > ISO_LABEL_BAND ? ISO_LABEL_BAND : level < -ISO_LABEL_BAND ? -ISO_LABEL_BAND : level;
+}
+
+/* Sets a row of a group's level set; i: the first voxel in the fields. */
+static void write_row(const block *b, int group, size_t i, float *level) {
+    const int groups = b->all->fields->group_count;
+    const float *best = b->s->best + i, *own = best + (size_t)group * FIELD_VOXELS;
+    float rest[ISO_BRICK];
+    for (int x = 0; x < ISO_BRICK; x++) rest[x] = best[x]; /* of group 0 */
+    for (int g = 1; g <= groups; g++) {
+        const float *other = best + (size_t)g * FIELD_VOXELS;
+        for (int x = 0; x < ISO_BRICK && g != group; x++) rest[x] = other[x] > rest[x] ? other[x] : rest[x];
+    }
+    for (int x = 0; x < ISO_BRICK; x++) level[x] = level_of(own[x], rest[x]);
 }
 
 static void write_bricks(const block *b, const int at[3], const extent *part) {
@@ -442,9 +519,8 @@ static void write_bricks(const block *b, const int at[3], const extent *part) {
         if (f->grid[g]->cell[cell] < 0) continue;
         float *value = iso_hgrid_brick(f->grid[g], f->grid[g]->cell[cell]);
         for (int z = part->lo[2]; z < part->hi[2]; z++)
-            for (int y = part->lo[1]; y < part->hi[1]; y++)
-                for (int x = part->lo[0]; x < part->hi[0]; x++)
-                    *value++ = level_at(b, g, index_in(b->size, x, y, z));
+            for (int y = part->lo[1]; y < part->hi[1]; y++, value += ISO_BRICK)
+                write_row(b, g, index_in(b->size, part->lo[0], y, z), value);
     }
 }
 
@@ -457,8 +533,9 @@ static void smooth_block(block *b) {
     for (int brick = 0; brick < bricks; brick++)
         if (make_candidates(b, brick) != ISO_OK) b->s->failed = true;
     make_all(b, &all, pair && b->s->near_count == 2, false);
-    b->s->blends = find_thin(b);
-    if (b->s->blends) make_all(b, &out, pair && b->s->near_count == 2, true);
+    extent thin = out;
+    b->s->blends = find_thin(b, &thin);
+    if (b->s->blends) make_all(b, &thin, pair && b->s->near_count == 2, true);
     for (int z = out.lo[2]; z < out.hi[2]; z++)
         for (int y = out.lo[1]; y < out.hi[1]; y++)
             for (int x = out.lo[0]; x < out.hi[0]; x++) raise_own(b, x, y, z);
@@ -508,17 +585,22 @@ static void smooth_task(void *context, size_t index, int worker) {
 
 /* ---- memory */
 
+static float *alloc_floats(size_t count) {
+    return iso_alloc((count + ISO_LABEL_SLACK) * sizeof(float));
+}
+
 static iso_status make_scratch(scratch *s, const iso_label_fields *f, iso_error *error) {
     const size_t count = (size_t)f->labels->count;
-    s->window = iso_alloc(WINDOW_VOXELS * sizeof *s->window);
-    s->mask = iso_alloc(WINDOW_VOXELS);
-    s->work8 = iso_alloc((size_t)2 * WINDOW_VOXELS);
-    s->to_inside = iso_alloc(DISTANCE_VOXELS);
-    s->to_outside = iso_alloc(DISTANCE_VOXELS);
-    s->distance = iso_alloc(DISTANCE_VOXELS * sizeof(float));
-    s->work = iso_alloc((2 * (size_t)DISTANCE_VOXELS + FIELD_VOXELS) * sizeof(float));
-    s->field = iso_alloc(FIELD_VOXELS * sizeof(float));
-    s->second = iso_alloc(FIELD_VOXELS * sizeof(float));
+    s->window = iso_alloc((WINDOW_VOXELS + ISO_LABEL_SLACK) * sizeof *s->window);
+    s->mask = iso_alloc(WINDOW_VOXELS + ISO_LABEL_SLACK);
+    s->work8 = iso_alloc(2 * (size_t)WINDOW_VOXELS + ISO_LABEL_SLACK);
+    s->to_inside = iso_alloc(DISTANCE_VOXELS + ISO_LABEL_SLACK);
+    s->to_outside = iso_alloc(DISTANCE_VOXELS + ISO_LABEL_SLACK);
+    s->distance = alloc_floats(DISTANCE_VOXELS);
+    s->work = alloc_floats(2 * (size_t)DISTANCE_VOXELS);
+    s->field = alloc_floats(FIELD_VOXELS);
+    s->second = alloc_floats(FIELD_VOXELS);
+    s->third = alloc_floats(FIELD_VOXELS);
     s->loss = iso_alloc(FIELD_VOXELS * sizeof(float));
     s->own = iso_alloc(FIELD_VOXELS * sizeof(float));
     s->other = iso_alloc(FIELD_VOXELS * sizeof(float));
@@ -528,8 +610,8 @@ static iso_status make_scratch(scratch *s, const iso_label_fields *f, iso_error 
     s->place = iso_alloc(count * sizeof *s->place);
     s->entries = iso_alloc((size_t)ISO_BRICK_VOXELS * NEIGHBOURS * sizeof *s->entries);
     if (!s->window || !s->mask || !s->work8 || !s->to_inside || !s->to_outside || !s->distance || !s->work ||
-        !s->field || !s->second || !s->loss || !s->own || !s->other || !s->weight || !s->best || !s->near ||
-        !s->place || !s->entries)
+        !s->field || !s->second || !s->third || !s->loss || !s->own || !s->other || !s->weight || !s->best ||
+        !s->near || !s->place || !s->entries)
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory for labels");
     memset(s->place, -1, count * sizeof *s->place);
     return ISO_OK;
@@ -537,8 +619,8 @@ static iso_status make_scratch(scratch *s, const iso_label_fields *f, iso_error 
 
 static void free_scratch(scratch *s) {
     void *const all[] = {s->window, s->mask,  s->work8,  s->to_inside, s->to_outside, s->distance,
-                         s->work,   s->field, s->second, s->own,       s->other,      s->weight,
-                         s->best,   s->near,  s->place,  s->entries,   s->loss};
+                         s->work,   s->field, s->second, s->third,     s->own,        s->other,
+                         s->weight, s->best,  s->near,   s->place,     s->entries,    s->loss};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) iso_free(all[i]);
 }
 

@@ -226,6 +226,11 @@ static int nearest_label(const iso_label_fields *f, int group, const int cell[3]
 }
 
 int iso_label_fields_at(const iso_label_fields *f, int group, iso_vec3 p) {
+    iso_label_cell cell = {{0, 0, 0}, 0};
+    return iso_label_fields_near(f, group, p, &cell);
+}
+
+int iso_label_fields_near(const iso_label_fields *f, int group, iso_vec3 p, iso_label_cell *cell) {
     const double at[3] = {p.x, p.y, p.z};
     int lo[3], hi[3], labels[8];
     double t[3];
@@ -235,7 +240,10 @@ int iso_label_fields_at(const iso_label_fields *f, int group, iso_vec3 p) {
         hi[k] = lo[k] + 1;
         t[k] = at[k] - lo[k];
     }
+    if (cell->label && lo[0] == cell->lo[0] && lo[1] == cell->lo[1] && lo[2] == cell->lo[2])
+        return cell->label;
     const int count = list_labels(f, group, lo, hi, 8, labels);
+    *cell = (iso_label_cell){{lo[0], lo[1], lo[2]}, count == 1 ? labels[0] : 0};
     if (count == 0) return nearest_label(f, group, lo, p);
     if (count == 1) return labels[0];
     int best = 0;

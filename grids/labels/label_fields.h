@@ -38,10 +38,18 @@ void iso_label_fields_destroy(iso_label_fields *fields);
  * ISO_LABEL_BORDER voxels on all sides, where the solids end. */
 iso_hgrid *iso_label_fields_grid(const iso_label_fields *fields, int group);
 
+/* The cell that was looked at last, for lookups at places beside each other. Zero-initialise. */
+typedef struct iso_label_cell {
+    int lo[3];
+    int label; /* of all its corners that belong to the group; 0: there are several, or none */
+} iso_label_cell;
+
 /* The label of a place of a group's solid, in index coordinates of its level set: the one with the greatest
  * field of the group's labels around it, as its place in the list of labels; 0: there is none within a voxel.
  */
 int iso_label_fields_at(const iso_label_fields *fields, int group, iso_vec3 p);
+/* The same; *cell is of the last place in the same group. */
+int iso_label_fields_near(const iso_label_fields *fields, int group, iso_vec3 p, iso_label_cell *cell);
 
 #ifdef __cplusplus
 }

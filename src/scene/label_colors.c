@@ -11,13 +11,15 @@ typedef struct painting {
     iso_affine affine; /* of the level sets */
 } painting;
 
-static void paint_sample(const painting *p, int x, int y, size_t at) {
+static void paint_sample(const painting *p, int x, int y, size_t at, iso_label_cell *cell) {
     iso_gbuffer *gbuffer = p->gbuffer;
     iso_vec3 origin, direction;
+    const iso_vec3 normal = iso_gbuffer_normal(gbuffer, at);
+    if (normal.x == 0 && normal.y == 0 && normal.z == 0) return; /* a cap that shows the volume */
     iso_view_ray(p->view, x + 0.5, y + 0.5, &origin, &direction);
     const iso_vec3 place = iso_vec3_add(origin, iso_vec3_scale(direction, (double)gbuffer->depth[at]));
-    const int label = iso_label_fields_at(p->colors->fields, p->colors->group,
-                                          iso_affine_point_to_index(&p->affine, place));
+    const int label = iso_label_fields_near(p->colors->fields, p->colors->group,
+                                            iso_affine_point_to_index(&p->affine, place), cell);
     const iso_rgb c = p->colors->colors[label];
     gbuffer->color[at] =
         (uint32_t)c.r | (uint32_t)c.g << 8 | (uint32_t)c.b << 16 | ((uint32_t)p->surface + 1) << 24;
@@ -28,10 +30,11 @@ static void paint_rows(void *context, size_t index, int worker) {
     (void)worker;
     const painting *p = context;
     const int first = (int)index * ROWS_PER_TASK;
+    iso_label_cell cell = {{0, 0, 0}, 0};
     for (int y = first; y < first + ROWS_PER_TASK && y < p->gbuffer->height; y++)
         for (int x = 0; x < p->gbuffer->width; x++) {
             const size_t at = (size_t)y * (size_t)p->gbuffer->width + (size_t)x;
-            if (p->gbuffer->surface[at] == p->surface) paint_sample(p, x, y, at);
+            if (p->gbuffer->surface[at] == p->surface) paint_sample(p, x, y, at, &cell);
         }
 }
 
