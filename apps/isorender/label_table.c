@@ -34,7 +34,7 @@ static iso_status measure_batch(isorender_job *job, int first, int end, uint8_t 
     iso_label_fields *fields = NULL;
     memset(group, 0, (size_t)labels->count);
     for (int i = first; i < end; i++) group[i] = (uint8_t)(i - first + 1);
-    ISO_TRY(iso_label_fields_make(labels, group, end - first, job->pool, &fields, error));
+    ISO_TRY(iso_label_fields_make(labels, group, end - first, false, job->pool, &fields, error));
     iso_status status = ISO_OK;
     for (int i = first; i < end && status == ISO_OK; i++)
         status = measure_group(job, fields, i - first + 1, &measures[i], error);

@@ -7,9 +7,11 @@
 #include <string.h>
 #include <strings.h>
 
+#include "apps/isorender/cuts.h"
 #include "apps/isorender/label_items.h"
 #include "apps/isorender/label_table.h"
 #include "base/memory.h"
+#include "grids/scenes/scenes.h"
 
 const char *isorender_labels_path(const isorender_job *job) {
     return job->settings->smooth ? job->plan->input : job->settings->labels;
@@ -96,6 +98,8 @@ static iso_status name_labels(isorender_job *job, isorender_segmentation *s, iso
         const iso_label_name *name = iso_label_names_find(&table, 0, value);
         if (path && !name && i) first = beyond++ ? first : value;
         if (!name) name = iso_label_names_find(&own, s->loader.component, value);
+        const char *organ = strncmp(s->loader.input, "scene:organs", 12) ? NULL : iso_scene_organ_name(value);
+        if (organ) snprintf(item->name, sizeof item->name, "%s", organ);
         if (name && name->name[0]) snprintf(item->name, sizeof item->name, "%s", name->name);
         if (name && name->colored) item->color = name->color;
     }
@@ -178,7 +182,8 @@ static iso_status make_surfaces(isorender_job *job, isorender_segmentation *s, i
         return iso_fail(error, ISO_ERR_USAGE,
                         "%d translucent labels: up to %d have surfaces of their own; opaque ones share one",
                         groups, most < ISO_LABEL_GROUPS ? most : ISO_LABEL_GROUPS);
-    ISO_TRY(iso_label_fields_make(&s->labels, s->group, groups, job->pool, &s->fields, error));
+    ISO_TRY(iso_label_fields_make(&s->labels, s->group, groups, isorender_has_caps(job->settings), job->pool,
+                                  &s->fields, error));
     for (int g = 1; g <= groups; g++) add_surface(job, s, g);
     return isorender_label_table_write(job, error);
 }

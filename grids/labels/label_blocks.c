@@ -27,7 +27,7 @@ enum {
 };
 /* By how much a voxel's own label leads, voxels, and by how much more where things are thin, so that sheets of
  * one voxel have few holes. */
-static const float LEAD = 0.05f, THIN_LEAD = 0.4f;
+static const float LEAD = 0.05f, THIN_LEAD = 0.2f;
 /* Where things are thin: the wide filter gives voxels to another label, by more than noise, or takes more
  * than this from their distance to the border. */
 static const float THIN_CHANGE = 0.1f, THIN_LOSS = 0.6f;
@@ -558,8 +558,7 @@ static bool find_bricks(const smoothing *all, const int at[3], block *b) {
         const int brick[3] = {2 * at[0] + (number & 1), 2 * at[1] + (number >> 1 & 1),
                               2 * at[2] + (number >> 2)};
         if (brick[0] >= f->bricks[0] || brick[1] >= f->bricks[1] || brick[2] >= f->bricks[2]) continue;
-        const uint64_t set = f->near_groups[iso_hgrid_cell_index(f->grid[1], brick[0], brick[1], brick[2])];
-        if (!(set & (set - 1))) continue;
+        if (!f->smoothed[iso_hgrid_cell_index(f->grid[1], brick[0], brick[1], brick[2])]) continue;
         for (int k = 0; k < 3; k++) {
             lo[k] = brick[k] < lo[k] ? brick[k] : lo[k];
             hi[k] = brick[k] > hi[k] ? brick[k] : hi[k];

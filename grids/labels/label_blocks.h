@@ -27,6 +27,8 @@ struct iso_label_fields {
     size_t brick_count;
     iso_hgrid *grid[ISO_LABEL_GROUPS + 1]; /* from 1 */
     uint64_t *own_groups, *near_groups;    /* of each brick: the groups in it; within reach */
+    bool inside;                           /* as in iso_label_fields_make */
+    bool *smoothed;                        /* of each brick: labels change in or near it */
     iso_label_candidates **candidates;     /* of each brick, or NULL */
 };
 

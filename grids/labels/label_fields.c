@@ -20,11 +20,12 @@ static inline int group_at(const iso_label_fields *f, int x, int y, int z) {
     return f->group[iso_labels_at(f->labels, x - b, y - b, z - b)];
 }
 
-/* The set of groups, as bits, of the voxels lo .. hi. */
-static uint64_t groups_in(const iso_label_fields *f, const int lo[3], const int hi[3]) {
+/* The set of groups, as bits, of the voxels lo .. hi. *mixed: whether they have several labels. */
+static uint64_t groups_in(const iso_label_fields *f, const int lo[3], const int hi[3], bool *mixed) {
     const iso_labels *labels = f->labels;
     uint64_t set = 0;
-    int a[3], b[3];
+    int a[3], b[3], first = -1;
+    *mixed = false;
     for (int k = 0; k < 3; k++) {
         a[k] = lo[k] - ISO_LABEL_BORDER;
         b[k] = hi[k] - ISO_LABEL_BORDER;
@@ -42,6 +43,8 @@ static uint64_t groups_in(const iso_label_fields *f, const int lo[3], const int 
                 if (row[x] == last) continue;
                 last = row[x];
                 set |= 1ull << f->group[last];
+                if (first < 0) first = last;
+                *mixed |= first != last;
             }
         }
     return set;
@@ -58,8 +61,9 @@ static void find_own_groups(void *context, size_t brick, int worker) {
     iso_label_fields *f = context;
     int at[3], lo[3], hi[3];
     brick_at(f, brick, at);
+    bool mixed;
     for (int k = 0; k < 3; k++) lo[k] = ISO_BRICK * at[k], hi[k] = lo[k] + ISO_BRICK - 1;
-    f->own_groups[brick] = groups_in(f, lo, hi);
+    f->own_groups[brick] = groups_in(f, lo, hi, &mixed);
 }
 
 /* The groups of a brick and all its neighbours. */
@@ -87,9 +91,11 @@ static void find_groups(void *context, size_t brick, int worker) {
     int at[3], lo[3], hi[3];
     brick_at(f, brick, at);
     f->near_groups[brick] = groups_around(f, at);
-    if (is_single(f->near_groups[brick])) return;
+    if (is_single(f->near_groups[brick]) && !f->inside) return;
     for (int k = 0; k < 3; k++) lo[k] = ISO_BRICK * at[k] - REACH, hi[k] = lo[k] + ISO_BRICK + 2 * REACH - 1;
-    f->near_groups[brick] = groups_in(f, lo, hi);
+    bool mixed;
+    f->near_groups[brick] = groups_in(f, lo, hi, &mixed);
+    f->smoothed[brick] = !is_single(f->near_groups[brick]) || (f->inside && mixed);
 }
 
 /* Gives the cells of all level sets bricks, or makes them empty. */
@@ -128,7 +134,8 @@ static iso_status make_grids(iso_label_fields *f, iso_error *error) {
     f->own_groups = iso_alloc_zero(f->brick_count, sizeof *f->own_groups);
     f->near_groups = iso_alloc_zero(f->brick_count, sizeof *f->near_groups);
     f->candidates = iso_alloc_zero(f->brick_count, sizeof *f->candidates);
-    if (!f->own_groups || !f->near_groups || !f->candidates)
+    f->smoothed = iso_alloc_zero(f->brick_count, sizeof *f->smoothed);
+    if (!f->smoothed || !f->own_groups || !f->near_groups || !f->candidates)
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory for labels");
     return ISO_OK;
 }
@@ -147,12 +154,13 @@ static iso_status make_fields(iso_label_fields *f, const uint8_t *group, iso_poo
     return iso_label_blocks_smooth(f, pool, error);
 }
 
-iso_status iso_label_fields_make(const iso_labels *labels, const uint8_t *group, int group_count,
+iso_status iso_label_fields_make(const iso_labels *labels, const uint8_t *group, int group_count, bool inside,
                                  iso_pool *pool, iso_label_fields **fields, iso_error *error) {
     iso_label_fields *f = iso_alloc_zero(1, sizeof *f);
     if (!f) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for labels");
     f->labels = labels;
     f->group_count = group_count;
+    f->inside = inside;
     const iso_status status = make_fields(f, group, pool, error);
     if (status != ISO_OK)
         iso_label_fields_destroy(f);
@@ -168,6 +176,7 @@ void iso_label_fields_destroy(iso_label_fields *f) {
     iso_free(f->candidates);
     iso_free(f->own_groups);
     iso_free(f->near_groups);
+    iso_free(f->smoothed);
     iso_free(f->group);
     iso_free(f);
 }

@@ -66,9 +66,9 @@ static labelled make_fields(const uint16_t *voxels, const int dims[3], iso_pool 
     iso_grid_destroy(&grid);
     uint8_t *group = calloc((size_t)l.labels.count, 1);
     for (int i = 1; i < l.labels.count; i++) group[i] = one_group ? 1 : (uint8_t)i;
-    assert_int_equal(
-        iso_label_fields_make(&l.labels, group, one_group ? 1 : l.labels.count - 1, pool, &l.fields, &error),
-        ISO_OK);
+    assert_int_equal(iso_label_fields_make(&l.labels, group, one_group ? 1 : l.labels.count - 1, one_group,
+                                           pool, &l.fields, &error),
+                     ISO_OK);
     free(group);
     return l;
 }
@@ -224,7 +224,7 @@ static void shapes_are_true(void **state) {
     /* (a sheet of one voxel that is no plane of voxels has holes between voxels that meet in edges and
      * corners) */
     check_shape("slab", slab, 1, 0,
-                &(errors){.position = 0.18, .bias = 0.05, .normal = 19, .lost = 0.09, .volume = 1});
+                &(errors){.position = 0.18, .bias = 0.05, .normal = 19, .lost = 0.1, .volume = 1});
     check_shape("slab", slab, 2, 0, &(errors){.position = 0.07, .bias = 0.03, .normal = 4, .volume = 1});
 }
 
