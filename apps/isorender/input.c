@@ -103,13 +103,14 @@ static const char *option_of_object(const isorender_settings *settings, const ch
 /* Options that need an input, for pictures without one. */
 static iso_status check_no_input(const isorender_settings *settings, iso_error *error) {
     const iso_input *input = &settings->common.input;
-    const bool surfaces = settings->volume_options.count || settings->labels || settings->smooth;
+    const bool labels = settings->labels || settings->smooth,
+               surfaces = settings->volume_options.count || labels;
     const char *option = !surfaces && !is_method_of_lines(settings->method) ? "--method"
                          : settings->isovalue_count                         ? "--isovalue"
                          : settings->opacity_count && !settings->smooth     ? "--opacity"
                          : settings->color_count && !settings->smooth       ? "--color"
                          : settings->points                                 ? "--points"
-                         : settings->mesh                                   ? "--mesh"
+                         : settings->mesh && !labels                        ? "--mesh"
                          : settings->closed                                 ? "--closed"
                          : input->cropped                                   ? "--crop"
                          : input->cropped_mm                                ? "--crop-mm"

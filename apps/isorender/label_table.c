@@ -6,53 +6,19 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "apps/isorender/label_meshes.h"
 #include "apps/isorender/segmentation.h"
 #include "base/memory.h"
 
-/* Volume and area of a group's smooth surface. */
-static iso_status measure_group(isorender_job *job, const iso_label_fields *fields, int group,
-                                iso_mesh_measures *measures, iso_error *error) {
-    iso_scene_surface surface = {.grid = {.hgrid = iso_label_fields_grid(fields, group)}, .pool = job->pool};
-    iso_weld weld;
-    iso_status status = iso_scene_surface_update(&surface, ISO_PART_MESH, error);
-    if (status == ISO_OK) {
-        const iso_mesh_view view = iso_mesh_set_view(surface.mesh);
-        status = iso_mesh_weld(&view, &weld, error);
-        if (status == ISO_OK) {
-            status = iso_weld_measure(&weld, &view.transform, job->pool, measures, error);
-            iso_weld_free(&weld);
-        }
-    }
-    iso_scene_surface_free(&surface);
-    return status;
-}
+typedef struct measuring {
+    isorender_job *job;
+    iso_mesh_measures *measures; /* of each label */
+} measuring;
 
-/* Measures the labels first .. end - 1, each as a group of its own. */
-static iso_status measure_batch(isorender_job *job, int first, int end, uint8_t *group,
-                                iso_mesh_measures *measures, iso_error *error) {
-    const iso_labels *labels = &job->segmentation->labels;
-    iso_label_fields *fields = NULL;
-    memset(group, 0, (size_t)labels->count);
-    for (int i = first; i < end; i++) group[i] = (uint8_t)(i - first + 1);
-    ISO_TRY(iso_label_fields_make(labels, group, end - first, false, job->pool, &fields, error));
-    iso_status status = ISO_OK;
-    for (int i = first; i < end && status == ISO_OK; i++)
-        status = measure_group(job, fields, i - first + 1, &measures[i], error);
-    iso_label_fields_destroy(fields);
-    return status;
-}
-
-static iso_status measure_all(isorender_job *job, iso_mesh_measures *measures, iso_error *error) {
-    const int count = job->segmentation->labels.count;
-    uint8_t *group = calloc((size_t)count, 1);
-    if (!group) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
-    iso_status status = ISO_OK;
-    for (int i = 1; i < count && status == ISO_OK; i += ISO_LABEL_GROUPS) {
-        const int end = i + ISO_LABEL_GROUPS < count ? i + ISO_LABEL_GROUPS : count;
-        status = measure_batch(job, i, end, group, measures, error);
-    }
-    free(group);
-    return status;
+static iso_status measure(void *context, int label, const iso_weld *weld, const iso_transform *transform,
+                          iso_error *error) {
+    const measuring *m = context;
+    return iso_weld_measure(weld, transform, m->job->pool, &m->measures[label], error);
 }
 
 /* A field of a row: in quotation marks if it needs them. */
@@ -121,7 +87,8 @@ iso_status isorender_label_table_write(isorender_job *job, iso_error *error) {
     if (!job->plan->table) return ISO_OK;
     iso_mesh_measures *measures = calloc((size_t)s->labels.count, sizeof *measures);
     if (!measures) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
-    iso_status status = measure_all(job, measures, error);
+    measuring m = {job, measures};
+    iso_status status = isorender_label_meshes_each(job, false, measure, &m, error);
     if (status == ISO_OK) status = iso_labels_contacts(&s->labels, &contacts, error);
     if (status == ISO_OK) status = write_rows(job, measures, &contacts, error);
     if (status == ISO_OK) job->table_written = true;

@@ -40,6 +40,8 @@ static void log_exports(const isorender_job *job) {
         isorender_log(job, "wrote %s: %" PRIu64 " points", job->plan->points, job->point_count);
     if (job->plan->mesh && job->chunks) /* its edges are not known: they are never in memory together */
         isorender_log(job, "wrote %s: %" PRIu64 " triangles", job->plan->mesh, job->triangle_count);
+    else if (job->plan->mesh && job->segmentation && !job->input_surface_count)
+        isorender_log(job, "wrote %s: %" PRIu64 " triangles", job->plan->mesh, job->triangle_count);
     else if (job->plan->mesh && !mesh->open_edges)
         isorender_log(job, "wrote %s: %zu triangles, closed", job->plan->mesh, mesh->triangles);
     else if (job->plan->mesh)

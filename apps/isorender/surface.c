@@ -6,6 +6,7 @@
 #include "apps/isorender/channels.h"
 #include "apps/isorender/chunks.h"
 #include "apps/isorender/isorender.h"
+#include "apps/isorender/label_meshes.h"
 #include "apps/isorender/segmentation.h"
 #include "io/mesh/mesh_write.h"
 #include "io/points_write.h"
@@ -152,7 +153,8 @@ static void choose_opacities(isorender_job *job) {
 
 /* Whether there is no picture: then the exports alone decide what is extracted. */
 static bool only_exports(const isorender_job *job) {
-    return !isorender_plan_draws(job->plan) && (job->settings->points || job->settings->mesh);
+    return !isorender_plan_draws(job->plan) && (job->settings->points || job->settings->mesh) &&
+           !job->segmentation;
 }
 
 /* Whether a part of the surface is needed for the picture. The cells are also needed with the ray caster:
@@ -482,6 +484,8 @@ iso_status isorender_export(isorender_job *job, iso_error *error) {
     const iso_program *program = isorender_program();
     snprintf(comment, sizeof comment, "%s %s", program->name, program->version);
     if (job->chunks) return isorender_chunks_export(job, comment, error);
+    if (job->segmentation && job->plan->mesh && !job->input_surface_count)
+        return isorender_label_meshes_write(job, comment, error);
     if (job->plan->points) {
         iso_point_view view = iso_scene_surface_points(&job->surfaces[0].scene);
         if (job->loader.has_points) view.opacities = job->cloud.opacities; /* also when drawn opaque */

@@ -25,8 +25,8 @@ enum {
     NEIGHBOURS = 27, /* a voxel and those around it */
     FAR = ISO_LABEL_FAR_SQUARE
 };
-/* By how much a voxel's own label leads, voxels, and by how much more where things are thin, so that sheets of
- * one voxel have few holes. */
+/* By how much a voxel's own label leads, voxels, and by how much more where things are thin, so that sheets
+ * of one voxel have few holes. */
 static const float LEAD = 0.05f, THIN_LEAD = 0.2f;
 /* Where things are thin: the wide filter gives voxels to another label, by more than noise, or takes more
  * than this from their distance to the border. */

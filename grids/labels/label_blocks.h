@@ -1,4 +1,5 @@
-/* label_blocks: computes the fields of labels block by block, for the level sets. Internal to grids/labels. */
+/* label_blocks: computes the fields of labels block by block, for the level sets. Internal to grids/labels.
+ */
 #ifndef ISO_GRIDS_LABELS_LABEL_BLOCKS_H
 #define ISO_GRIDS_LABELS_LABEL_BLOCKS_H
 

@@ -28,7 +28,8 @@ typedef struct iso_label_fields iso_label_fields;
 
 /* group: of each label of `labels`, 1 .. group_count; 0: it is not drawn and counts as background, as the
  * background itself does. inside: also the borders of labels inside of a group's solid are smooth, for caps;
- * else only where its surface is. `labels` is borrowed until iso_label_fields_destroy. ISO_ERR_LIMIT: the volume has
+ * else only where its surface is. `labels` is borrowed until iso_label_fields_destroy. ISO_ERR_LIMIT: the
+ * volume has
  * more than ISO_HGRID_MAX - 2 voxels along an axis; ISO_ERR_NOMEM. The same fields for any number of threads
  * and instruction set. */
 iso_status iso_label_fields_make(const iso_labels *labels, const uint8_t *group, int group_count, bool inside,

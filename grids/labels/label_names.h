@@ -3,7 +3,7 @@
  *   FreeSurfer's look-up tables     3 Left-Cerebral-Cortex 205 62 78 0
  *   3D Slicer's colour tables       7 kidney 185 102 83 255
  *   ITK-SNAP's label descriptions   2 0 255 0 1 1 1 "left lung"
- *   .seg.nrrd                       Segment0_LabelValue:=7, Segment0_Name:=kidney, Segment0_Color:=0.7 0.4 0.3
+ *   .seg.nrrd                       Segment0_LabelValue:=7, Segment0_Name:=kidney, Segment0_Color:=1 0 0
  *
  * Lines that begin with # are comments; in rows of a table, opacities are not used. */
 #ifndef ISO_GRIDS_LABELS_LABEL_NAMES_H

@@ -1,7 +1,8 @@
 /* scene_organs: a torso of labels: ellipsoids, tubes and vertebrae that touch each other. */
 #include "grids/scenes/scene_parts.h"
 
-/* In units of the side: x to the left of the patient, y to the back, z up. Later ones replace earlier ones. */
+/* In units of the side: x to the left of the patient, y to the back, z up. Later ones replace earlier ones.
+ */
 typedef struct organ {
     int label;
     double centre[3], radius[3]; /* of an ellipsoid */

@@ -49,6 +49,8 @@ draw beside in/floats.nrrd --isovalue 200 --opacity 0.3 --labels in/named.seg.nr
 draw mask in/mask.nrrd --smooth --color red --save-scene s.json
 isorender s.json again.png --quiet && cmp mask.png again.png || exit 1
 draw cap --labels in/plain.nrrd --clip 'z<10' --cap surface --camera top
+draw export --labels in/named.seg.nrrd --mesh m.obj --no-image
+draw stl in/mask.nrrd --smooth --mesh m.stl --no-image
 draw aov --labels in/plain.nrrd --aov a.exr
 isorender in/mask.nrrd m.png 2>notes && grep -q "note: this is a mask (0 and 1): --smooth" notes || exit 1
 isorender scene:organs:40 --no-image --json=o.json --quiet || exit 1
@@ -86,6 +88,24 @@ expect([float(box[k]) for k in ("center_x", "center_y", "center_z")] == [31, 13.
 expect(box["touches"] == "7" and rows[7]["touches"] == "3" and ball["touches"] == "", "%s %s" % (box, ball))
 volume = 2 * 4 / 3 * 3.14159265 * 512
 expect(abs(float(ball["volume_mm3"]) / volume - 1) < 0.01, ball["volume_mm3"])
+P
+[ $? -eq 0 ] || exit 1
+python3 - <<'P'
+# The objects of m.obj: closed, with the vertices of the shared face in common.
+from collections import Counter
+from check import expect
+places, faces = [], {}
+for line in open("m.obj"):
+    kind, _, rest = line.strip().partition(" ")
+    if kind == "o": faces[rest] = own = []
+    if kind == "v": places.append(rest)
+    if kind == "f": own.append([int(corner.split("/")[0]) - 1 for corner in rest.split()])
+expect(list(faces) == ["left box", "right box", "label 9", "Ball"], list(faces))
+for name, triangles in faces.items():
+    edges = Counter((t[i], t[(i + 1) % 3]) for t in triangles for i in range(3))
+    expect(all(n == 1 and edges.get((b, a)) == 1 for (a, b), n in edges.items()), name)
+left, right, dot, ball = [{places[i] for t in faces[name] for i in t} for name in faces]
+expect(len(left & right) > 100 and not left & ball, len(left & right))
 P
 [ $? -eq 0 ] || exit 1
 isocompare images raycast.png exact.png >same || exit 1

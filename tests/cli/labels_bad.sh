@@ -38,6 +38,7 @@ refuses 2 "labels cannot be combined with --ior" isorender in/labels.nrrd --smoo
 refuses 2 "draws no translucent surfaces" isorender in/labels.nrrd --smooth --label 1:0.5 --method mesh bad.png || exit 1
 refuses 2 "shows a volume" isorender in/labels.nrrd --smooth --clip 'x<9' --cap slice bad.png || exit 1
 refuses 7 "in/no/t.csv" isorender --labels in/labels.nrrd --table in/no/t.csv bad.png || exit 1
+refuses 2 "2 labels are written as the objects of an .obj" isorender in/labels.nrrd --smooth --mesh bad.ply --no-image || exit 1
 # One voxel, a volume of one label, and 7,282 labels are drawn.
 isorender in/one.nrrd --smooth one.png --quiet || exit 1
 isorender in/all.nrrd --smooth all.png --quiet || exit 1
