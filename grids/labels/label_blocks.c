@@ -102,44 +102,60 @@ static inline size_t index_in(const int size[3], int x, int y, int z) {
 
 /* ---- the labels of a block */
 
-/* Sets a row of the window; the first voxel is at `at` in the volume. */
-static void load_row(const iso_label_fields *f, const int at[3], int n, uint16_t *row) {
+/* Where the run of labels that begins at x ends, in a row of n. */
+static inline int run_end(const uint16_t *row, int x, int n) {
+    const uint16_t label = row[x];
+    const uint64_t four = label * (uint64_t)0x0001000100010001;
+    uint64_t next;
+    for (x++; x + 4 <= n; x += 4) {
+        memcpy(&next, row + x, sizeof next);
+        if (next != four) break;
+    }
+    while (x < n && row[x] == label) x++;
+    return x;
+}
+
+/* The first labels that are found in a window. */
+typedef struct first_labels {
+    int label[3], count; /* count: 3 at most */
+} first_labels;
+
+static void add_label(first_labels *first, int label) {
+    for (int i = 0; i < first->count; i++)
+        if (first->label[i] == label) return;
+    if (first->count < 3) first->label[first->count++] = label;
+}
+
+/* Sets a row of the window; its first voxel is at `at` in the volume. */
+static void load_row(const iso_label_fields *f, const int at[3], int n, uint16_t *row, first_labels *found) {
     const int *dims = f->labels->dims;
     const int first = at[0] < 0 ? -at[0] : 0, end = at[0] + n > dims[0] ? dims[0] - at[0] : n;
-    memset(row, 0, (size_t)n * sizeof *row);
-    if (at[1] < 0 || at[2] < 0 || at[1] >= dims[1] || at[2] >= dims[2]) return;
+    const bool outside = at[1] < 0 || at[2] < 0 || at[1] >= dims[1] || at[2] >= dims[2] || first >= end;
+    if (outside || first > 0 || end < n) {
+        memset(row, 0, (size_t)n * sizeof *row);
+        add_label(found, 0);
+    }
+    if (outside) return;
     const uint16_t *number =
-        f->labels->number + ((size_t)at[2] * (size_t)dims[1] + (size_t)at[1]) * (size_t)dims[0];
-    int last = -1;
-    uint16_t drawn = 0; /* what stands for it: runs of labels are long */
-    for (int x = first; x < end; x++) {
-        const int label = number[at[0] + x];
-        if (label != last) {
-            last = label;
-            drawn = f->group[label] ? (uint16_t)label : 0;
-        }
-        row[x] = drawn;
+        f->labels->number + ((size_t)at[2] * (size_t)dims[1] + (size_t)at[1]) * (size_t)dims[0] + at[0];
+    for (int x = first, next; x < end; x = next) {
+        const uint16_t drawn = f->group[number[x]] ? number[x] : 0;
+        next = run_end(number, x, end);
+        for (int i = x; i < next; i++) row[i] = drawn;
+        add_label(found, drawn);
     }
 }
 
-/* The number of labels in the window, 3 at most. Sets the window. */
+/* Sets the window; returns the number of labels in it, 3 at most. */
 static int load_window(block *b) {
-    int labels[3] = {-1, -1, -1}, count = 0;
+    first_labels found = {{0, 0, 0}, 0};
     const int margin = NEAR + OFFSET + ISO_LABEL_BORDER;
     for (int z = 0; z < b->window[2]; z++)
         for (int y = 0; y < b->window[1]; y++) {
-            uint16_t *row = b->s->window + index_in(b->window, 0, y, z);
             const int at[3] = {b->first[0] - margin, b->first[1] - margin + y, b->first[2] - margin + z};
-            load_row(b->all->fields, at, b->window[0], row);
-            int last = -1;
-            for (int x = 0; x < b->window[0] && count < 3; x++) {
-                if (row[x] == last) continue;
-                last = row[x];
-                if (last == labels[0] || last == labels[1]) continue;
-                labels[count++] = last;
-            }
+            load_row(b->all->fields, at, b->window[0], b->s->window + index_in(b->window, 0, y, z), &found);
         }
-    return count;
+    return found.count;
 }
 
 static inline const uint16_t *window_row(const block *b, int y, int z) {
@@ -167,7 +183,7 @@ static void list_near(block *b) {
         for (int y = 0; y < b->size[1]; y++) {
             const uint16_t *row = window_row(b, y, z);
             for (int x = 0, end; x < b->size[0]; x = end) {
-                for (end = x; end < b->size[0] && row[end] == row[x];) end++;
+                end = run_end(row, x, b->size[0]);
                 add_near(s, row[x], x, end, y, z);
             }
         }
