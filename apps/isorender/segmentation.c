@@ -70,45 +70,135 @@ iso_status isorender_segmentation_open(isorender_job *job, iso_error *error) {
     return named(job, open_file(job, job->segmentation, error), error);
 }
 
+/* What notes on the file begin with: its name, unless that is the input's, which they have already. */
+static const char *note_name(const isorender_job *job, const char **colon) {
+    const char *path = isorender_labels_path(job);
+    const bool is_input = strcmp(path, job->plan->input) == 0;
+    *colon = is_input ? "" : ": ";
+    return is_input ? "" : path;
+}
+
+/* ---- layers: components with segments of their own, which may overlap */
+
+typedef struct layers {
+    uint16_t *voxels; /* numbers of segments, from 1; 0: none */
+    size_t overlaps;
+} layers;
+
+/* Adds the segments of a layer to the voxels. */
+static void add_layer(const iso_label_names *stated, int layer, const iso_labels *labels, layers *all) {
+    const size_t count = (size_t)labels->dims[0] * (size_t)labels->dims[1] * (size_t)labels->dims[2];
+    for (size_t i = 0; i < count; i++) {
+        if (!labels->number[i]) continue;
+        const iso_label_name *name =
+            iso_label_names_find(stated, layer, labels->label[labels->number[i]].value);
+        if (!name) continue;
+        all->overlaps += all->voxels[i] != 0;
+        all->voxels[i] = (uint16_t)(name - stated->items + 1);
+    }
+}
+
+static iso_status read_layer(isorender_job *job, isorender_segmentation *s, int layer, layers *all,
+                             iso_error *error) {
+    iso_input input = s->input;
+    iso_loader loader = {.input = s->loader.input, .options = &input, .pool = job->pool, .is_further = true};
+    iso_labels labels = {.count = 0};
+    input.component = layer;
+    iso_status status = layer ? iso_loader_open(&loader, error) : ISO_OK;
+    if (status == ISO_OK && layer) status = iso_loader_read(&loader, error);
+    if (status == ISO_OK)
+        status =
+            iso_labels_make(layer ? &loader.volume.grid : &s->loader.volume.grid, job->pool, &labels, error);
+    if (status == ISO_OK) add_layer(&s->stated, layer, &labels, all);
+    iso_labels_free(&labels);
+    if (layer) iso_loader_close(&loader);
+    return status;
+}
+
+/* Reads the segments of all layers into one volume of their numbers. */
+static iso_status read_layers(isorender_job *job, isorender_segmentation *s, iso_error *error) {
+    const iso_volume_info *info = &s->loader.volume.info;
+    const iso_rgrid_desc desc = {.dims = {info->dims[0], info->dims[1], info->dims[2]},
+                                 .type = ISO_UINT16,
+                                 .transform = iso_grid_transform(&s->loader.volume.grid)};
+    iso_grid grid = {NULL, NULL};
+    ISO_TRY(iso_rgrid_create(&desc, &grid.rgrid, error));
+    layers all = {grid.rgrid->data, 0};
+    memset(all.voxels, 0,
+           (size_t)info->dims[0] * (size_t)info->dims[1] * (size_t)info->dims[2] * sizeof *all.voxels);
+    iso_status status = ISO_OK;
+    for (int layer = 0; layer < info->components && status == ISO_OK; layer++)
+        status = read_layer(job, s, layer, &all, error);
+    if (status != ISO_OK) {
+        iso_grid_destroy(&grid);
+        return status;
+    }
+    iso_grid_destroy(&s->loader.volume.grid);
+    s->loader.volume.grid = grid;
+    s->layered = true;
+    const char *colon, *name = note_name(job, &colon);
+    isorender_log(job, "note: %s%ssegments of %d layers, numbered in the order of the file", name, colon,
+                  info->components);
+    if (all.overlaps)
+        isorender_log(
+            job, "note: %s%s%zu voxels belong to several segments: that of the last layer is drawn there",
+            name, colon, all.overlaps);
+    return ISO_OK;
+}
+
+/* Reads what the file states of its labels; of segments in layers the other layers, unless one is chosen. */
+static iso_status read_stated(isorender_job *job, isorender_segmentation *s, iso_error *error) {
+    if (iso_loader_is_scene(s->loader.input)) return ISO_OK;
+    ISO_TRY(iso_label_names_of_nrrd(s->loader.path, &s->stated, error));
+    const bool chosen = s->input.component > 0 || s->input.channel || s->input.cropped || s->input.cropped_mm;
+    if (s->loader.volume.info.components < 2 || !s->stated.count || chosen) return ISO_OK;
+    return read_layers(job, s, error);
+}
+
 iso_status isorender_segmentation_read(isorender_job *job, iso_error *error) {
     isorender_segmentation *s = job->segmentation;
     if (!s) return ISO_OK;
     ISO_TRY(named(job, iso_loader_read(&s->loader, error), error));
     const iso_volume_info *info = &s->loader.volume.info;
-    for (int i = 0; i < info->note_count; i++)
-        isorender_log(job, "note: %s: %s", s->loader.input, info->notes[i]);
+    ISO_TRY(named(job, read_stated(job, s, error), error));
+    const char *colon, *name = note_name(job, &colon);
+    for (int i = 0; i < info->note_count && !s->layered; i++)
+        isorender_log(job, "note: %s%s%s", name, colon, info->notes[i]);
     return ISO_OK;
 }
 
 /* ---- names, colours, and what is drawn */
 
+/* What the file states of a label; NULL: nothing. */
+static const iso_label_name *stated_name(const isorender_segmentation *s, int value) {
+    if (!s->layered) return iso_label_names_find(&s->stated, s->loader.component, value);
+    return value > 0 && value <= s->stated.count ? &s->stated.items[value - 1] : NULL;
+}
+
 /* Names and colours of the table, then of the file, then usual ones. */
 static iso_status name_labels(isorender_job *job, isorender_segmentation *s, iso_error *error) {
-    iso_label_names table = {0}, own = {0};
+    iso_label_names table = {0};
     const char *path = job->settings->label_table;
     if (path) ISO_TRY(iso_label_names_read(path, &table, error));
-    iso_status status =
-        iso_loader_is_scene(s->loader.input) ? ISO_OK : iso_label_names_of_nrrd(s->loader.path, &own, error);
     int beyond = 0, first = 0;
-    for (int i = 0; i < s->labels.count && status == ISO_OK; i++) {
+    for (int i = 0; i < s->labels.count; i++) {
         const int value = s->labels.label[i].value;
         isorender_label *item = &s->items[i];
         *item = (isorender_label){.color = iso_label_usual_color(value), .opacity = i > 0};
         snprintf(item->name, sizeof item->name, "label %d", value);
         const iso_label_name *name = iso_label_names_find(&table, 0, value);
         if (path && !name && i) first = beyond++ ? first : value;
-        if (!name) name = iso_label_names_find(&own, s->loader.component, value);
+        if (!name) name = stated_name(s, value);
         const char *organ = strncmp(s->loader.input, "scene:organs", 12) ? NULL : iso_scene_organ_name(value);
         if (organ) snprintf(item->name, sizeof item->name, "%s", organ);
         if (name && name->name[0]) snprintf(item->name, sizeof item->name, "%s", name->name);
         if (name && name->colored) item->color = name->color;
     }
-    if (status == ISO_OK && beyond)
+    if (beyond)
         isorender_log(job, "note: %s has no row for %d label%s (%d%s): coloured by number", path, beyond,
                       beyond > 1 ? "s" : "", first, beyond > 1 ? ", .." : "");
     iso_label_names_free(&table);
-    iso_label_names_free(&own);
-    return status;
+    return ISO_OK;
 }
 
 /* Makes groups: 1 of all opaque labels, if there are some, and one of each translucent label. Returns their
@@ -198,6 +288,7 @@ void isorender_segmentation_free(isorender_job *job) {
     if (!s) return;
     iso_label_fields_destroy(s->fields);
     iso_labels_free(&s->labels);
+    iso_label_names_free(&s->stated);
     iso_loader_close(&s->loader);
     free(s->items);
     free(s->group);

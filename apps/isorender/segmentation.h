@@ -21,6 +21,9 @@ typedef struct isorender_segmentation {
     iso_loader loader;
     iso_input input; /* how the file is read */
     iso_labels labels;
+    /* What the file states. If `layered`, label n is its n-th segment: segments of several layers. */
+    iso_label_names stated;
+    bool layered;
     isorender_label *items; /* by place in labels.label */
     uint8_t *group;         /* of each label: that of its surface */
     iso_rgb *colors;        /* of each label */

@@ -64,6 +64,24 @@ open("in/scan.nrrd", "wb").write(head + scan)
 P
 isorender in/few.nrrd m.png 2>notes && grep -q "note: these seem to be 3 labels (up to 3): --smooth" notes || exit 1
 isorender in/scan.nrrd m.png --isovalue 45 2>notes && ! grep -q "smooth" notes || exit 1
+# Segments of two layers that overlap.
+python3 - <<'P'
+n=20
+v=bytearray()
+for z in range(n):
+    for y in range(n):
+        for x in range(n):
+            a = 1 if 3<x<10 and 3<y<15 and 3<z<15 else 2 if 13<x<17 and 3<y<8 and 3<z<8 else 0
+            b = 1 if 7<x<15 and 3<y<15 and 3<z<15 else 0
+            v += bytes([a,b])
+h="NRRD0005\ntype: uint8\ndimension: 4\nspace: left-posterior-superior\nsizes: 2 20 20 20\nspace directions: none (1,0,0) (0,1,0) (0,0,1)\nkinds: list domain domain domain\nencoding: raw\nspace origin: (0,0,0)\n"
+for i,(l,k,nm) in enumerate([(0,1,"one"),(1,1,"two"),(0,2,"three")]): h+="Segment%d_LabelValue:=%d\nSegment%d_Layer:=%d\nSegment%d_Name:=%s\n"%(i,k,i,l,i,nm)
+open("in/layers.seg.nrrd","wb").write(h.encode()+b"\n"+bytes(v))
+P
+isorender --labels in/layers.seg.nrrd m.png --table layers.csv 2>notes || exit 1
+grep -q "note: segments of 2 layers, numbered in the order of the file" notes || exit 1
+grep -q "note: 258 voxels belong to several segments: that of the last layer is drawn there" notes || exit 1
+[ "$(cut -d, -f1-3,16 layers.csv | tail -3 | tr '\n' ';')" = "1,one,484,2;2,two,847,1 3;3,three,32,2;" ] || exit 1
 isorender --labels in/plain.nrrd --label-table in/lut.txt m.png 2>notes
 grep -q "note: in/lut.txt has no row for 2 labels (9, ..): coloured by number" notes || exit 1
 python3 - <<'P'
