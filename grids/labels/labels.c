@@ -184,6 +184,11 @@ int iso_labels_find(const iso_labels *labels, int value) {
     return -1;
 }
 
+void iso_labels_join(iso_labels *labels, const uint8_t *group, int to) {
+    const size_t count = (size_t)labels->dims[0] * (size_t)labels->dims[1] * (size_t)labels->dims[2];
+    for (size_t i = 0; i < count; i++) labels->number[i] = group[labels->number[i]] ? (uint16_t)to : 0;
+}
+
 /* ---- contacts */
 
 /* A set of pairs: open addressing; 0 is an empty slot, as (0, 0) is no pair of it. */

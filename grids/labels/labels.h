@@ -43,6 +43,10 @@ typedef struct iso_label_contacts {
 iso_status iso_labels_contacts(const iso_labels *labels, iso_label_contacts *contacts, iso_error *error);
 void iso_label_contacts_free(iso_label_contacts *contacts);
 
+/* Makes all voxels of the labels with group[place] != 0 voxels of the label at place `to`, and those of all
+ * others background. The list of labels stays as it is. */
+void iso_labels_join(iso_labels *labels, const uint8_t *group, int to);
+
 /* The place of a value in `label`; -1: no voxel has it. */
 int iso_labels_find(const iso_labels *labels, int value);
 
