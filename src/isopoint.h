@@ -255,11 +255,19 @@ typedef struct iso_surface_opts {
     iso_primitive primitive;
     double opacity; /* share of the light that the surface stops where it is seen face on, 0 .. 1; 0 means 1,
                        opaque. Values below 1 need the method EXACT, RAYCAST or SPLATS */
+    /* Of a volume of labels, whole numbers from 0 to 65535: the surface around the voxels with these
+     * label_count labels, smooth, so that no voxel changes sides (docs/labels.md); `isovalue` is 0. Surfaces
+     * of labels that touch share their border, but for less than a voxel along its edge. Edits are not
+     * followed. */
+    const int *labels;
+    int label_count;
 } iso_surface_opts;
 
 /* Creates a surface, which borrows the volume. Whether it is empty is known when it is first used.
  * ISO_ERR_USAGE: the isovalue is not finite, the opacity is out of range, or FOOT was chosen for a volume
- * that is not a level set; ISO_ERR_EMPTY: the isovalue lies outside the narrow band. */
+ * that is not a level set; ISO_ERR_EMPTY: the isovalue lies outside the narrow band, no voxel has one of the
+ * labels; ISO_ERR_FORMAT: there are labels, and a voxel is no label; ISO_ERR_LIMIT: more than 2046 voxels
+ * of labels along an axis. */
 ISO_API iso_status iso_surface_create(iso_volume *volume, const iso_surface_opts *opts, iso_surface **surface,
                                       iso_error *error);
 /* Frees a surface. NULL is allowed. */

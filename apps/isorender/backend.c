@@ -13,7 +13,7 @@ static bool is_any(const char *name, const char *a, const char *b) {
 
 /* Whether the picture has lines, glyphs and meshes of files only, which need no method. */
 static bool has_no_surface(const isorender_settings *settings) {
-    return settings->no_input && !settings->volume_options.count;
+    return settings->no_input && !settings->volume_options.count && !settings->labels && !settings->smooth;
 }
 
 /* Whether OpenGL has the method. Of pictures without one it draws those that ask for it. */

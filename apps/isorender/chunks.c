@@ -43,6 +43,7 @@ static const char *find_obstacle(const isorender_job *job, const char **reason) 
         {settings->ior > 0, "--ior", "rays pass through the whole solid"},
         {settings->isovalue_count > 1, "--isovalue", "one surface is drawn at a time"},
         {settings->volume_options.count > 0, "--volume", "one surface is drawn at a time"},
+        {job->segmentation != NULL, "labels", "one surface is drawn at a time"},
         {settings->channel_count > 1, "several channels (--channel)", "one surface is drawn at a time"},
         {settings->object_options.count > 0, "--lines, --glyphs or --surface",
          "one surface is drawn at a time"},

@@ -69,11 +69,12 @@ static iso_status check_caps(const isorender_settings *settings, iso_error *erro
         return iso_fail(error, ISO_ERR_USAGE, "--window is for --slice and --cap slice");
     if (!isnan(settings->window[0]) && !(settings->window[1] > 0))
         return iso_fail(error, ISO_ERR_USAGE, "--window: the width, %g, is not above 0", settings->window[1]);
-    const char *unfit = settings->no_input                   ? "no input"
-                        : settings->object_options.has_cloud ? "points"
-                        : settings->ior > 0                  ? "--ior"
-                        : settings->parts                    ? "--part"
-                                                             : NULL;
+    const bool labels = settings->labels || settings->smooth; /* which have caps of their own */
+    const char *unfit = settings->no_input && (shows || !labels) ? "no input"
+                        : settings->object_options.has_cloud     ? "points"
+                        : settings->ior > 0                      ? "--ior"
+                        : settings->parts                        ? "--part"
+                                                                 : NULL;
     if (unfit && isorender_has_caps(settings))
         return iso_fail(error, ISO_ERR_USAGE, "%s cannot be combined with %s: it shows a volume",
                         settings->slice_count ? "--slice" : "--cap", unfit);
@@ -129,7 +130,7 @@ static iso_status choose_window(isorender_job *job, iso_error *error) {
     const double centre = settings->window[0], width = settings->window[1];
     iso_slice_look *look = &job->slice_look;
     *look = (iso_slice_look){centre - width / 2, centre + width / 2, settings->slice_map};
-    if (!isnan(centre)) return ISO_OK;
+    if (!isnan(centre) || !job->has_volume) return ISO_OK;
     ISO_TRY(iso_loader_histogram(&job->loader, error));
     look->low = job->loader.histogram.minimum;
     look->high = job->loader.histogram.maximum;
@@ -154,9 +155,10 @@ iso_cut_caps isorender_caps(const isorender_job *job, iso_capped solids[ISORENDE
     const isorender_settings *settings = job->settings;
     for (int i = 0; i < job->surface_count; i++) {
         const isorender_surface *surface = &job->surfaces[i];
-        solids[i] = (iso_capped){&surface->scene.grid, surface->scene.isovalue, (uint8_t)i,
-                                 settings->cap == ISORENDER_CAP_COLOR ? settings->cap_color : surface->color,
-                                 surface->scene.clip};
+        solids[i] = (iso_capped){
+            &surface->scene.grid, surface->scene.isovalue,
+            (uint8_t)i,           settings->cap == ISORENDER_CAP_COLOR ? settings->cap_color : surface->color,
+            surface->scene.clip,  surface->label_group != 0};
     }
     return (iso_cut_caps){.solids = solids,
                           .count = job->surface_count,

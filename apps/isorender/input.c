@@ -6,6 +6,7 @@
 
 #include "apps/isorender/chunks.h"
 #include "apps/isorender/resolution_level.h"
+#include "apps/isorender/segmentation.h"
 #include "base/memory.h"
 #include "io/file_contents.h"
 #include "io/glyphs/glyphs_read.h"
@@ -102,13 +103,14 @@ static const char *option_of_object(const isorender_settings *settings, const ch
 /* Options that need an input, for pictures without one. */
 static iso_status check_no_input(const isorender_settings *settings, iso_error *error) {
     const iso_input *input = &settings->common.input;
-    const bool surfaces = settings->volume_options.count;
+    const bool labels = settings->labels || settings->smooth,
+               surfaces = settings->volume_options.count || labels;
     const char *option = !surfaces && !is_method_of_lines(settings->method) ? "--method"
                          : settings->isovalue_count                         ? "--isovalue"
-                         : settings->opacity_count                          ? "--opacity"
-                         : settings->color_count                            ? "--color"
+                         : settings->opacity_count && !settings->smooth     ? "--opacity"
+                         : settings->color_count && !settings->smooth       ? "--color"
                          : settings->points                                 ? "--points"
-                         : settings->mesh                                   ? "--mesh"
+                         : settings->mesh && !labels                        ? "--mesh"
                          : settings->closed                                 ? "--closed"
                          : input->cropped                                   ? "--crop"
                          : input->cropped_mm                                ? "--crop-mm"
@@ -152,6 +154,7 @@ iso_status isorender_open(isorender_job *job, iso_error *error) {
                            .progress_context = job};
     if (!job->settings->no_input) ISO_TRY(iso_loader_open(loader, error));
     ISO_TRY(isorender_volumes_open(job, error));
+    ISO_TRY(isorender_segmentation_open(job, error));
     job->has_volume = !loader->has_points && !job->settings->no_input;
     ISO_TRY(isorender_gaussians_choose(job, error));
     choose_method(job);
@@ -176,6 +179,7 @@ static void log_notes(isorender_job *job) {
     job->notes_logged = true;
     for (int i = 0; i < info->note_count; i++) isorender_log(job, "note: %s", info->notes[i]);
     isorender_log_nonfinite(job);
+    isorender_segmentation_note(job);
 }
 
 static void log_object(const isorender_job *job, const isorender_object *object) {
@@ -210,6 +214,7 @@ iso_status isorender_read(isorender_job *job, iso_error *error) {
     if (job->has_volume) log_notes(job);
     if (job->loader.has_points) ISO_TRY(isorender_cloud_read(job, error));
     ISO_TRY(isorender_volumes_read(job, error));
+    ISO_TRY(isorender_segmentation_read(job, error));
     ISO_TRY(isorender_instances_read(job, memory_limit(job->settings), error));
     return read_objects(job, error);
 }

@@ -33,6 +33,7 @@ typedef struct isorender_surface {
     iso_rgb color;
     iso_translucency translucency;
     iso_grid own_grid; /* of the scene, when it is a copy without small parts, or with caps; else NULL */
+    int label_group;   /* of labels: iso_label_fields_grid, which its grid is; 0: it is none of labels */
     iso_components_totals parts;
     iso_mesh_measures measures; /* of the mesh: isorender_mesh_weld */
     iso_box bounds;             /* in the world, mm */
@@ -71,8 +72,9 @@ struct isorender_job {
     int samples;       /* a pixel: of --samples, or the usual number */
     const iso_renderer *renderer; /* the row of the renderers' table for the method and its reconstruction */
 
-    isorender_surface surfaces[ISORENDER_SURFACES]; /* those of the input, then one of each of `volumes` */
-    iso_cloud cloud;                                /* of a file of points */
+    isorender_surface surfaces
+        [ISORENDER_SURFACES]; /* those of the input, then one of each of `volumes`, then those of labels */
+    iso_cloud cloud;          /* of a file of points */
     /* The input's points are drawn as 3-D Gaussians; `method` is then for what is beside them. */
     bool gaussians;
     isorender_object cloud_colors; /* how it is coloured; its glyphs are those of the loader */
@@ -82,9 +84,10 @@ struct isorender_job {
     int surface_count, input_surface_count;
     isorender_object objects[ISORENDER_OBJECTS]; /* their surface numbers follow those of the surfaces */
     int object_count;
-    bool translucent;              /* at least one surface or object is */
-    isorender_instances instances; /* of the input's surfaces */
-    iso_gl_scene gl;               /* with backend->engine */
+    bool translucent;                            /* at least one surface or object is */
+    isorender_instances instances;               /* of the input's surfaces */
+    struct isorender_segmentation *segmentation; /* of --labels and --smooth; NULL: none */
+    iso_gl_scene gl;                             /* with backend->engine */
     uint64_t point_count, rejected, vertex_count, triangle_count, cell_count; /* of all surfaces */
     iso_box bounds_local, bounds_world;                                       /* mm */
     iso_box bounds_framed; /* of what the camera frames: without a few points far from the others */
@@ -102,7 +105,7 @@ struct isorender_job {
     int frame;       /* that is being drawn, */
     double strip[2]; /* and the part of it, 0 .. 1 */
     /* Outputs written so far, to be removed when a later step fails: */
-    bool points_written, mesh_written;
+    bool points_written, mesh_written, table_written;
     int frames_written, aovs_written;
     isorender_seconds seconds;
     double rank_bytes[3]; /* with mpirun: least, mean and greatest peak memory of a rank */

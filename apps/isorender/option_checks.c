@@ -12,6 +12,8 @@
 #include "apps/isorender/backend.h"
 #include "apps/isorender/channels.h"
 #include "apps/isorender/cuts.h"
+#include "apps/isorender/label_items.h"
+#include "apps/isorender/segmentation.h"
 #include "base/text.h"
 #include "image/image_file.h"
 #include "io/file_contents.h"
@@ -173,7 +175,8 @@ static iso_status fail_several(const iso_operands *operands, iso_error *error) {
 /* Whether the only operand is the name of a picture of --lines, --glyphs, --surface and --volume, which need
  * no input. */
 static bool is_only_picture(const isorender_settings *settings, const iso_operands *operands) {
-    return (settings->object_options.count || settings->volume_options.count) && !settings->scene &&
+    return (settings->object_options.count || settings->volume_options.count || settings->labels) &&
+           !settings->scene && !settings->smooth &&
            (operands->count == 0 ||
             (operands->count == 1 && !settings->output && is_picture(operands->values[0])));
 }
@@ -209,10 +212,12 @@ static iso_status take_operands(isorender_settings *settings, const iso_operands
         return iso_fail(error, ISO_ERR_USAGE, "%s: --scene takes no other input", operands->values[0]);
     if (count > 1 && !settings->output && !settings->info && !settings->no_image)
         return fail_several(operands, error);
-    const char *const *files =
-        settings->object_options.count ? settings->object_options.paths : settings->volume_options.paths;
+    const char *const *files = settings->object_options.count   ? settings->object_options.paths
+                               : settings->volume_options.count ? settings->volume_options.paths
+                                                                : &settings->labels;
     settings->inputs = settings->no_input ? files : operands->values;
     settings->input_count = settings->scene || settings->no_input ? 1 : count;
+    if (settings->smooth) settings->no_input = 1; /* it is read as labels */
     ISO_TRY(take_object(settings, error));
     settings->object_options.has_cloud = !settings->no_input && !settings->scene &&
                                          !settings->common.input.has_raw &&
@@ -341,7 +346,7 @@ bool isorender_is_translucent(const isorender_settings *settings) {
         if (settings->opacities[i] < 1) return true;
     for (int i = 0; i < settings->volume_count; i++)
         if (settings->volumes[i].opacity < 1) return true;
-    return false;
+    return isorender_label_items_translucent(&settings->label_items);
 }
 
 const char *isorender_object_opacity_option(const isorender_settings *settings) {
@@ -620,5 +625,6 @@ iso_status isorender_settings_check(isorender_settings *settings, const iso_oper
     ISO_TRY(check_lighting(settings, error));
     ISO_TRY(check_one_pyramid(settings, error));
     ISO_TRY(isorender_cuts_check(settings, error));
+    ISO_TRY(isorender_segmentation_check(settings, error));
     return check_opacity(settings, error);
 }

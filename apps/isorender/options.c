@@ -274,7 +274,7 @@ static const iso_option options[] = {
      .group = INPUT, CALL(isorender_apply_channel), .flags = ISO_OPTION_REPEATABLE},
     {"scene", NULL, "NAME[:SIZE]",
      "a procedural volume instead of a file: sphere, cylinder, cube, gyroid, torus, ct, "
-     "head (the same as the input scene:NAME[:SIZE])",
+     "head, organs (labels) (the same as the input scene:NAME[:SIZE])",
      .group = INPUT, TEXT(scene)},
 
     {"isovalue", "isosurface iso-value", "V",

@@ -11,6 +11,7 @@
 #include "apps/isorender/isorender.h"
 #include "apps/isorender/labels.h"
 #include "apps/isorender/scene_file.h"
+#include "apps/isorender/segmentation.h"
 #include "base/clock.h"
 #include "base/memory.h"
 #include "image/annotate.h"
@@ -143,6 +144,8 @@ typedef struct canvas {
 } canvas;
 
 /* Points that were read do not say where the patient is. */
+enum { LEGEND = 256 }; /* most entries of a legend */
+
 static iso_status annotate(const isorender_job *job, const iso_camera *camera, iso_image *image,
                            iso_error *error) {
     const isorender_settings *settings = job->settings;
@@ -151,6 +154,8 @@ static iso_status annotate(const isorender_job *job, const iso_camera *camera, i
     if (settings->color_bar && job->cloud_colors.has_bar) bars[bar_count++] = job->cloud_colors.bar;
     for (int i = 0; settings->color_bar && i < job->object_count; i++)
         if (job->objects[i].has_bar) bars[bar_count++] = job->objects[i].bar;
+    iso_legend_entry legend[LEGEND];
+    const int legend_count = settings->legend ? isorender_legend(job, LEGEND, legend) : 0;
     const iso_annotation annotation = {.camera = camera,
                                        .lengths = isorender_lengths(job),
                                        .scale_bar = settings->scale_bar != 0,
@@ -158,6 +163,8 @@ static iso_status annotate(const isorender_job *job, const iso_camera *camera, i
                                        .anatomical = job->has_volume && job->loader.volume.info.anatomical,
                                        .color_bars = bars,
                                        .color_bar_count = bar_count,
+                                       .legend = legend,
+                                       .legend_count = legend_count,
                                        .dark = iso_is_dark(settings->background, settings->transparent != 0)};
     return iso_annotate(image, &annotation, error);
 }
@@ -233,12 +240,13 @@ static iso_status render_picture(isorender_job *job, iso_picture_opts *opts, iso
 
 /* Whether a pixel can show one of several things, whose ids --aov writes. */
 static bool has_ids(const isorender_settings *settings) {
-    return settings->aov &&
-           (settings->object_options.count || settings->volume_count || settings->isovalue_count > 1);
+    return settings->aov && (settings->object_options.count || settings->volume_count ||
+                             settings->isovalue_count > 1 || settings->labels || settings->smooth);
 }
 
 static void number_elements(const isorender_job *job, iso_aov *aov) {
-    for (int i = 0; i < job->surface_count; i++) iso_aov_unnumber(aov, (uint32_t)i + 1);
+    for (int i = 0; i < job->surface_count; i++)
+        if (!job->surfaces[i].label_group) iso_aov_unnumber(aov, (uint32_t)i + 1);
     for (int i = 0; i < job->object_count; i++)
         iso_scene_object_number(&job->objects[i].scene, (uint32_t)(job->surface_count + i + 1), aov);
 }

@@ -28,6 +28,8 @@ static iso_status make_names(const isorender_settings *settings, int number, iso
     if (settings->points)
         ISO_TRY(iso_template_expand(settings->points, plan->model, number, &plan->points, error));
     if (settings->mesh) ISO_TRY(iso_template_expand(settings->mesh, plan->model, number, &plan->mesh, error));
+    if (settings->table)
+        ISO_TRY(iso_template_expand(settings->table, plan->model, number, &plan->table, error));
     if (settings->common.json_path)
         ISO_TRY(iso_template_expand(settings->common.json_path, plan->model, number, &plan->json, error));
     if (settings->save_scene)
@@ -56,7 +58,7 @@ static iso_status scene_input(const char *scene, char **input, iso_error *error)
 
 /* ---- collisions ---- */
 
-enum { IMAGE, POINTS, MESH, JSON, AOV, SCENE_FILE, NAMES };
+enum { IMAGE, POINTS, MESH, JSON, AOV, SCENE_FILE, TABLE, NAMES };
 
 static void names_of(const isorender_plan *plan, const char *names[NAMES]) {
     names[IMAGE] = plan->image;
@@ -65,6 +67,7 @@ static void names_of(const isorender_plan *plan, const char *names[NAMES]) {
     names[JSON] = plan->json;
     names[AOV] = plan->aov;
     names[SCENE_FILE] = plan->scene_file;
+    names[TABLE] = plan->table;
 }
 
 /* Every frame of a turntable has a name of its own. */
@@ -102,6 +105,8 @@ static iso_status check_all(const isorender_settings *settings, const isorender_
                             iso_error *error) {
     if (settings->environment) iso_file_set_read(plans->files, settings->environment);
     if (settings->scene_file) iso_file_set_read(plans->files, settings->scene_file);
+    if (settings->labels) add_input(plans[0].files, settings->labels);
+    if (settings->label_table) iso_file_set_read(plans->files, settings->label_table);
     for (int i = 0; i < settings->object_options.count; i++)
         iso_file_set_read(plans->files, settings->objects[i].path);
     for (int i = 0; i < settings->volume_options.count; i++)
@@ -147,6 +152,7 @@ void isorender_plans_free(isorender_plan *plans, int count) {
         free(plans[i].mesh);
         free(plans[i].json);
         free(plans[i].scene_file);
+        free(plans[i].table);
     }
     free(plans);
 }
@@ -180,5 +186,6 @@ iso_status isorender_plan_check_writable(const isorender_plan *plan, iso_error *
     ISO_TRY(iso_sink_check(plan->points, error));
     ISO_TRY(iso_sink_check(plan->mesh, error));
     ISO_TRY(iso_sink_check(plan->scene_file, error));
+    ISO_TRY(iso_sink_check(plan->table, error));
     return iso_sink_check(plan->json, error);
 }

@@ -12,7 +12,7 @@ typedef struct isorender_plan {
     char *model;       /* the input's name without folder and extension */
     char *image, *aov; /* of a turntable: with {model}, and {n:3} for the number of the frame */
     bool numbered;     /* of a turntable */
-    char *points, *mesh, *json, *scene_file;
+    char *points, *mesh, *json, *scene_file, *table;
     iso_file_set *files; /* read and written by the whole run; shared by all plans, owned by the first */
 } isorender_plan;
 

@@ -8,6 +8,7 @@
 #include "apps/isorender/chunks.h"
 #include "apps/isorender/engines.h"
 #include "apps/isorender/labels.h"
+#include "apps/isorender/segmentation.h"
 #include "base/file.h"
 #include "base/memory.h"
 #include "image/annotate.h"
@@ -299,6 +300,7 @@ static iso_status put_report(iso_json *json, const isorender_job *job, iso_error
     }
     if (!settings->no_input) iso_json_integer(json, "nonfinite", job->loader.nonfinite);
     isorender_report_volumes(json, job);
+    isorender_report_labels(json, job);
     isorender_report_chunks(json, job);
     isorender_instances_report(json, job);
     if (settings->info)

@@ -8,6 +8,7 @@
 #include "apps/isorender/isorender.h"
 #include "apps/isorender/mpi_ranks.h"
 #include "apps/isorender/scene_file.h"
+#include "apps/isorender/segmentation.h"
 #include "base/clock.h"
 #include "base/file.h"
 #include "base/text.h"
@@ -33,9 +34,13 @@ static iso_status print_info(isorender_job *job, iso_error *error) {
 /* One line for each export. Open edges of a mesh are said: it cannot be printed. */
 static void log_exports(const isorender_job *job) {
     const iso_mesh_measures *mesh = &job->surfaces[0].measures;
+    if (job->plan->table)
+        isorender_log(job, "wrote %s: %d labels", job->plan->table, job->segmentation->labels.count - 1);
     if (job->plan->points)
         isorender_log(job, "wrote %s: %" PRIu64 " points", job->plan->points, job->point_count);
     if (job->plan->mesh && job->chunks) /* its edges are not known: they are never in memory together */
+        isorender_log(job, "wrote %s: %" PRIu64 " triangles", job->plan->mesh, job->triangle_count);
+    else if (job->plan->mesh && job->segmentation && !job->input_surface_count)
         isorender_log(job, "wrote %s: %" PRIu64 " triangles", job->plan->mesh, job->triangle_count);
     else if (job->plan->mesh && !mesh->open_edges)
         isorender_log(job, "wrote %s: %zu triangles, closed", job->plan->mesh, mesh->triangles);
@@ -179,6 +184,7 @@ static void remove_frames(const isorender_plan *plan, const char *name, int coun
 static void remove_outputs(const isorender_job *job) {
     if (job->points_written) iso_file_remove(job->plan->points);
     if (job->mesh_written) iso_file_remove(job->plan->mesh);
+    if (job->table_written) iso_file_remove(job->plan->table);
     remove_frames(job->plan, job->plan->image, job->frames_written);
     remove_frames(job->plan, job->plan->aov, job->aovs_written);
 }
@@ -217,6 +223,7 @@ iso_status isorender_run(const isorender_settings *settings, const isorender_pla
     if (status != ISO_OK && !settings->ranks.rank) remove_outputs(job);
     if (status != ISO_OK && error->text[0]) name_input(job, error);
     free_surfaces(job);
+    isorender_segmentation_free(job);
     isorender_chunks_free(job);
     iso_point_workspace_destroy(job->point_workspace);
     iso_occluders_free(&job->occluders);

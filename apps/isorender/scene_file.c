@@ -16,7 +16,7 @@
 /* ---- writing */
 
 static bool has_input(const isorender_job *job) {
-    return !job->settings->no_input && !job->settings->scene;
+    return (!job->settings->no_input || job->settings->smooth) && !job->settings->scene;
 }
 
 /* The job's options as a scene has them: of ISORENDER_NOTED + 1. Returns their number. */

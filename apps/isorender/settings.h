@@ -138,6 +138,9 @@ typedef struct isorender_settings {
     int no_input; /* the picture shows only the files of --lines, --glyphs, --surface and --volume */
     isorender_object_settings objects[ISORENDER_OBJECTS]; /* the first object_options.count are used */
     isorender_object_settings cloud;                      /* of the input, if it is a file of points */
+    const char *labels, *label_table, *table; /* files of --labels, --label-table, --table; or NULL */
+    int smooth, legend;                       /* smooth: the input is labels */
+    iso_texts label_items;                    /* of --label */
     isorender_volume_options volume_options;
     isorender_volume_settings volumes[ISORENDER_VOLUMES]; /* channels of the input, then those of --volume */
     int volume_count;

@@ -64,6 +64,7 @@ static iso_status drop_parts(isorender_job *job, isorender_surface *surface, iso
 }
 
 iso_status isorender_solid_prepare(isorender_job *job, isorender_surface *surface, iso_error *error) {
+    if (surface->label_group) return ISO_OK;
     surface->scene.grid = surface->loader->volume.grid;
     if (surface->loader != &job->loader) return ISO_OK; /* --largest and --closed are for the input only */
     ISO_TRY(check_primitive(job, error));

@@ -6,6 +6,8 @@
 #include "apps/isorender/channels.h"
 #include "apps/isorender/chunks.h"
 #include "apps/isorender/isorender.h"
+#include "apps/isorender/label_meshes.h"
+#include "apps/isorender/segmentation.h"
 #include "io/mesh/mesh_write.h"
 #include "io/points_write.h"
 #include "scene/bounds.h"
@@ -102,7 +104,7 @@ static iso_status add_surfaces(isorender_job *job, iso_error *error) {
     for (int i = 0; i < job->volume_count; i++)
         ISO_TRY(isorender_volume_named(
             job, i, add_surface(job, &job->volumes[i], settings->volumes[i].isovalue, error), error));
-    return ISO_OK;
+    return isorender_segmentation_add(job, error);
 }
 
 /* What the options say of the surface of a further volume; NULL: the surface is the input's. */
@@ -113,7 +115,7 @@ static const isorender_volume_settings *volume_settings(const isorender_job *job
 
 static void choose_colors(isorender_job *job) {
     const isorender_settings *settings = job->settings;
-    for (int i = 0; i < job->surface_count; i++) {
+    for (int i = 0; i < job->surface_count && !job->surfaces[i].label_group; i++) {
         const isorender_volume_settings *volume = volume_settings(job, i);
         const iso_rgb *given = volume ? &volume->color : &settings->colors[i];
         const bool is_given = volume ? volume->colored : i < settings->color_count;
@@ -132,7 +134,7 @@ iso_translucency isorender_translucency(const isorender_settings *settings, doub
 static void choose_opacities(isorender_job *job) {
     const isorender_settings *settings = job->settings;
     const int given = settings->opacity_count;
-    for (int i = 0; i < job->surface_count; i++) {
+    for (int i = 0; i < job->surface_count && !job->surfaces[i].label_group; i++) {
         const isorender_volume_settings *volume = volume_settings(job, i);
         const double of_input = settings->ior > 0 ? 1
                                 : given           ? settings->opacities[i < given ? i : given - 1]
@@ -151,7 +153,8 @@ static void choose_opacities(isorender_job *job) {
 
 /* Whether there is no picture: then the exports alone decide what is extracted. */
 static bool only_exports(const isorender_job *job) {
-    return !isorender_plan_draws(job->plan) && (job->settings->points || job->settings->mesh);
+    return !isorender_plan_draws(job->plan) && (job->settings->points || job->settings->mesh) &&
+           !job->segmentation;
 }
 
 /* Whether a part of the surface is needed for the picture. The cells are also needed with the ray caster:
@@ -193,8 +196,9 @@ iso_primitive isorender_primitive(const isorender_job *job) {
     /* One kind for all surfaces. No foot points with --closed: the caps' voxels hold no distances. */
     bool foot = !draws_curved_discs(job) && job->method != ISO_METHOD_HYBRID && !job->settings->closed;
     for (int i = 0; i < job->surface_count && foot; i++)
-        foot = iso_primitive_auto(&job->surfaces[i].loader->volume.grid, job->surfaces[i].scene.isovalue) ==
-               ISO_PRIMITIVE_FOOT;
+        foot = !job->surfaces[i].label_group &&
+               iso_primitive_auto(&job->surfaces[i].loader->volume.grid, job->surfaces[i].scene.isovalue) ==
+                   ISO_PRIMITIVE_FOOT;
     return foot ? ISO_PRIMITIVE_FOOT : ISO_PRIMITIVE_EDGE;
 }
 
@@ -442,8 +446,8 @@ static iso_status extract_all(isorender_job *job, iso_error *error) {
         isorender_progress_part(job, "extracting", (double)i / job->surface_count,
                                 (double)(i + 1) / job->surface_count);
         if (job->surfaces[i].loader->has_points) continue;
-        ISO_TRY(isorender_volume_named(job, i - job->input_surface_count,
-                                       extract_surface(job, &job->surfaces[i], error), error));
+        const int volume = job->surfaces[i].label_group ? -1 : i - job->input_surface_count;
+        ISO_TRY(isorender_volume_named(job, volume, extract_surface(job, &job->surfaces[i], error), error));
     }
     for (int i = 0; i < job->surface_count && is_drawn(job, ISO_PART_GROUPS); i++)
         ISO_TRY(isorender_groups_make(job, i, error));
@@ -480,6 +484,8 @@ iso_status isorender_export(isorender_job *job, iso_error *error) {
     const iso_program *program = isorender_program();
     snprintf(comment, sizeof comment, "%s %s", program->name, program->version);
     if (job->chunks) return isorender_chunks_export(job, comment, error);
+    if (job->segmentation && job->plan->mesh && !job->input_surface_count)
+        return isorender_label_meshes_write(job, comment, error);
     if (job->plan->points) {
         iso_point_view view = iso_scene_surface_points(&job->surfaces[0].scene);
         if (job->loader.has_points) view.opacities = job->cloud.opacities; /* also when drawn opaque */

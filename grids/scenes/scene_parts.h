@@ -34,5 +34,6 @@ void iso_scene_sines(const iso_scene_axis *axis, double *out);
 /* The scenes head and ct. opts->size must be set. */
 iso_status iso_scene_head(const iso_scene_opts *opts, iso_grid *grid, iso_error *error);
 iso_status iso_scene_ct(const iso_scene_opts *opts, iso_grid *grid, iso_error *error);
+iso_status iso_scene_organs(const iso_scene_opts *opts, iso_grid *grid, iso_error *error);
 
 #endif

@@ -131,14 +131,16 @@ typedef struct scene {
 } scene;
 
 static const scene scenes[] = {
-    {"sphere", 64, 0, make_sphere},   {"cylinder", 64, 0, make_cylinder}, {"cube", 32, 0, make_cube},
-    {"gyroid", 128, 0, make_gyroid},  {"torus", 128, 0, make_torus},      {"ct", 128, 127.5, iso_scene_ct},
-    {"head", 128, 0, iso_scene_head},
+    {"sphere", 64, 0, make_sphere},   {"cylinder", 64, 0, make_cylinder},
+    {"cube", 32, 0, make_cube},       {"gyroid", 128, 0, make_gyroid},
+    {"torus", 128, 0, make_torus},    {"ct", 128, 127.5, iso_scene_ct},
+    {"head", 128, 0, iso_scene_head}, {"organs", 128, 0.5, iso_scene_organs},
 };
 enum { SCENES = sizeof scenes / sizeof scenes[0] };
 
 const char *const *iso_scene_names(void) {
-    static const char *const names[] = {"sphere", "cylinder", "cube", "gyroid", "torus", "ct", "head", NULL};
+    static const char *const names[] = {"sphere", "cylinder", "cube",   "gyroid", "torus",
+                                        "ct",     "head",     "organs", NULL};
     _Static_assert(sizeof names / sizeof names[0] == SCENES + 1, "one name a scene");
     return names;
 }
@@ -150,7 +152,8 @@ iso_status iso_scene_create(const char *name, const iso_scene_opts *opts, iso_gr
         if (strcmp(scenes[i].name, name) == 0) found = &scenes[i];
     if (!found)
         return iso_fail(error, ISO_ERR_USAGE,
-                        "no scene '%s'; there are sphere, cylinder, cube, gyroid, torus, ct, head", name);
+                        "no scene '%s'; there are sphere, cylinder, cube, gyroid, torus, ct, head, organs",
+                        name);
     iso_scene_opts all = opts ? *opts : (iso_scene_opts){0};
     if (all.size == 0) all.size = found->size;
     if (all.size < 16 || all.size > ISO_HGRID_MAX)

@@ -8,6 +8,7 @@
  *   head       level set; a head of smoothly united balls with fine gyroid detail
  *   gyroid     rgrid float32; sin x cos y + sin y cos z + sin z cos x, three periods a side, isovalue 0
  *   ct         rgrid uint8; a skull-like CT with noise: isovalue 127.5 is bone
+ *   organs     rgrid uint8; labels of a torso, 1 to 13: iso_scene_organ_name
  *
  * A level set is an hgrid of band 3 or, with `dense`, an rgrid. The first four level sets are exact
  * distances, centred between voxels at floor(side / 2) - 0.5. The head's distances are to the closest point
@@ -35,6 +36,9 @@ typedef struct iso_scene_opts {
  * isovalue of its surface. ISO_ERR_USAGE, with a list of the scenes, when `name` is not one. */
 iso_status iso_scene_create(const char *name, const iso_scene_opts *opts, iso_grid *grid, double *isovalue,
                             iso_error *error);
+
+/* The name of a label of the scene organs; NULL: it has no such label. */
+const char *iso_scene_organ_name(int label);
 
 /* The known names, NULL-terminated. */
 const char *const *iso_scene_names(void);

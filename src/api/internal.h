@@ -6,6 +6,7 @@
 #include "base/parallel.h"
 #include "clouds/cloud.h"
 #include "extract/points/points.h"
+#include "grids/labels/label_fields.h"
 #include "grids/volume/volume.h"
 #include "isopoint.h"
 #include "render/gaussians/gaussians.h"
@@ -35,12 +36,14 @@ typedef struct iso_api_cloud {
 } iso_api_cloud;
 
 struct iso_surface {
-    iso_api_volume *volume;  /* NULL: a cloud */
-    iso_api_cloud *cloud;    /* owned; NULL: an isosurface of the volume */
-    iso_pool *pool;          /* the volume's; a cloud owns its pool */
-    iso_scene_surface scene; /* the parts that renderers draw */
-    iso_occluders occluders; /* of pictures of this surface alone */
-    iso_point_set *points;   /* points as floats for iso_surface_points; NULL: not requested yet */
+    iso_api_volume *volume;         /* NULL: a cloud */
+    iso_api_cloud *cloud;           /* owned; NULL: an isosurface of the volume */
+    iso_pool *pool;                 /* the volume's; a cloud owns its pool */
+    iso_scene_surface scene;        /* the parts that renderers draw */
+    iso_occluders occluders;        /* of pictures of this surface alone */
+    iso_point_set *points;          /* points as floats for iso_surface_points; NULL: not requested yet */
+    iso_labels labels;              /* of a surface of labels, whose level set is that of label_fields */
+    iso_label_fields *label_fields; /* NULL: it is an isosurface, or a cloud */
     double opacity;
     bool has_color;
     iso_rgb color;

@@ -417,7 +417,8 @@ static void begin_cuts(rendering *r, const iso_box *box) {
     for (int i = 0; i < r->count; i++) {
         iso_scene_surface *scene = &r->surfaces[i]->scene;
         scene->clip = &r->clips[i];
-        r->solids[i] = (iso_capped){&scene->grid, scene->isovalue, (uint8_t)i, r->colors[i], scene->clip};
+        r->solids[i] =
+            (iso_capped){&scene->grid, scene->isovalue, (uint8_t)i, r->colors[i], scene->clip, false};
     }
     r->caps = (iso_cut_caps){.solids = r->solids,
                              .count = r->count,

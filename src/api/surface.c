@@ -29,12 +29,44 @@ static iso_status check_primitive(const iso_grid *grid, iso_primitive primitive,
     return ISO_OK;
 }
 
+/* Makes the level set of some labels. */
+static iso_status make_labels(iso_surface *surface, const iso_surface_opts *opts, iso_error *error) {
+    iso_labels *labels = &surface->labels;
+    iso_pool *pool = surface->volume->pool;
+    ISO_TRY(iso_labels_make(&surface->volume->volume.grid, pool, labels, error));
+    uint8_t *group = iso_alloc_zero((size_t)labels->count, 1);
+    if (!group) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for labels");
+    iso_status status = ISO_OK;
+    for (int i = 0; i < opts->label_count && status == ISO_OK; i++) {
+        const int place = iso_labels_find(labels, opts->labels[i]);
+        if (place > 0)
+            group[place] = 1;
+        else
+            status = iso_fail(error, ISO_ERR_EMPTY, "no voxel has the label %d", opts->labels[i]);
+    }
+    if (status == ISO_OK) {
+        const int first = iso_labels_find(labels, opts->labels[0]);
+        iso_labels_join(labels, group, first); /* no borders between them */
+        memset(group, 0, (size_t)labels->count);
+        group[first] = 1;
+        status = iso_label_fields_make(labels, group, 1, false, pool, &surface->label_fields, error);
+    }
+    iso_free(group);
+    if (status == ISO_OK)
+        surface->scene.grid = (iso_grid){.hgrid = iso_label_fields_grid(surface->label_fields, 1)};
+    return status;
+}
+
 iso_status iso_surface_create(iso_volume *volume, const iso_surface_opts *opts, iso_surface **surface,
                               iso_error *error) {
     static const iso_surface_opts defaults;
     if (!opts) opts = &defaults;
     ISO_TRY(check_isovalue(&volume->grid, opts->isovalue, error));
     ISO_TRY(check_primitive(&volume->grid, opts->primitive, error));
+    if (opts->label_count < 0 || (opts->label_count > 0) != (opts->labels != NULL) ||
+        (opts->labels && (opts->isovalue != 0 || opts->primitive)))
+        return iso_fail(error, ISO_ERR_USAGE, "labels have no isovalue and no kind of points: %d labels",
+                        opts->label_count);
     if (!(opts->opacity >= 0 && opts->opacity <= 1))
         return iso_fail(error, ISO_ERR_USAGE, "opacity %g is not between 0 and 1", opts->opacity);
     iso_surface *made = iso_alloc_zero(1, sizeof *made);
@@ -50,8 +82,12 @@ iso_status iso_surface_create(iso_volume *volume, const iso_surface_opts *opts, 
     made->opacity = opts->opacity > 0 ? opts->opacity : 1;
     made->has_color = opts->color != NULL;
     if (opts->color) made->color = *opts->color;
-    *surface = made;
-    return ISO_OK;
+    const iso_status status = opts->labels ? make_labels(made, opts, error) : ISO_OK;
+    if (status == ISO_OK)
+        *surface = made;
+    else
+        iso_surface_destroy(made);
+    return status;
 }
 
 void iso_surface_destroy(iso_surface *surface) {
@@ -62,6 +98,8 @@ void iso_surface_destroy(iso_surface *surface) {
     iso_scene_surface_free(&surface->scene);
     iso_api_cloud_destroy(surface->cloud);
     if (!surface->volume) iso_pool_destroy(surface->pool);
+    iso_label_fields_destroy(surface->label_fields);
+    iso_labels_free(&surface->labels);
     iso_free(surface);
 }
 
@@ -73,6 +111,7 @@ static iso_status check_volume(const iso_surface *surface, const char *what, iso
 
 iso_status iso_surface_set_isovalue(iso_surface *surface, double isovalue, iso_error *error) {
     ISO_TRY(check_volume(surface, "an isovalue", error));
+    if (surface->label_fields) return iso_fail(error, ISO_ERR_USAGE, "a surface of labels has no isovalue");
     ISO_TRY(check_isovalue(&surface->scene.grid, isovalue, error));
     surface->scene.isovalue = isovalue;
     /* with the primitive AUTO the kind of points depends on the isovalue */

@@ -377,6 +377,61 @@ static iso_status draw_color_bar(const pen *p, const iso_color_bar *bar, double 
     return draw_outlined(p, &labels, p->radius, &p->ink, error);
 }
 
+/* ---- the legend */
+
+enum { LEGEND_NAME = 64 };
+
+/* Adds a text that begins at x; returns its width. */
+static double add_name(drawing *d, const pen *p, const char *name, double x, double y) {
+    char letters[LEGEND_NAME];
+    snprintf(letters, sizeof letters, "%s", name);
+    for (char *c = letters; *c; c++)
+        if (*c == 'u') *c = ISO_FONT_U;
+    const double width = iso_font_width(letters) * p->unit;
+    add_text(d, p, letters, x + width / 2, y);
+    return width;
+}
+
+static void fill_swatch(iso_image *image, iso_rgb c, double left, double top, double side) {
+    const int x0 = bounded(left, image->width), x1 = bounded(left + side, image->width),
+              y0 = bounded(top, image->height), y1 = bounded(top + side, image->height);
+    for (int y = y0; y < y1; y++)
+        for (int x = x0; x < x1; x++) {
+            uint8_t *rgba = image->rgba + 4 * ((size_t)y * (size_t)image->width + (size_t)x);
+            rgba[0] = c.r, rgba[1] = c.g, rgba[2] = c.b, rgba[3] = 255;
+        }
+}
+
+/* Draws an entry with its top left corner at (x, y); returns its width. */
+static iso_status draw_entry(const pen *p, const iso_legend_entry *entry, double x, double y, double *width,
+                             iso_error *error) {
+    const double side = p->text;
+    drawing frame = {.count = 0}, name = {.count = 0};
+    add_line(&frame, x, y, x + side, y);
+    add_line(&frame, x + side, y, x + side, y + side);
+    add_line(&frame, x + side, y + side, x, y + side);
+    add_line(&frame, x, y + side, x, y);
+    *width = 1.6 * side + add_name(&name, p, entry->name, x + 1.6 * side, y + side / 2);
+    ISO_TRY(draw_outlined(p, &frame, p->radius, &p->ink, error));
+    fill_swatch(p->image, entry->color, x, y, side);
+    return draw_outlined(p, &name, p->radius, &p->ink, error);
+}
+
+/* Columns that do not fit beside each other are left out. */
+static iso_status draw_legend(const pen *p, const iso_annotation *a, iso_error *error) {
+    const double step = 1.7 * p->text, margin = 1.2 * p->text;
+    const int rows = (int)fmax(1, (p->image->height - 2 * margin) / step);
+    double left = margin, widest = 0;
+    for (int i = 0; i < a->legend_count; i++) {
+        if (i && i % rows == 0) left += widest + 1.5 * p->text, widest = 0;
+        if (left > p->image->width - margin) return ISO_OK;
+        double width;
+        ISO_TRY(draw_entry(p, &a->legend[i], left, margin + i % rows * step, &width, error));
+        widest = fmax(widest, width);
+    }
+    return ISO_OK;
+}
+
 bool iso_is_dark(iso_rgb background, bool transparent) {
     const iso_rgb c = background;
     return !transparent && 299 * c.r + 587 * c.g + 114 * c.b < 128 * 1000;
@@ -385,6 +440,7 @@ bool iso_is_dark(iso_rgb background, bool transparent) {
 iso_status iso_annotate(iso_image *image, const iso_annotation *annotation, iso_error *error) {
     const pen p = pen_of(image, annotation->dark);
     if (annotation->orientation_marker) ISO_TRY(draw_marker(&p, annotation, error));
+    if (annotation->legend_count) ISO_TRY(draw_legend(&p, annotation, error));
     double right = image->width - 1.2 * p.text;
     for (int i = 0; i < annotation->color_bar_count; i++)
         ISO_TRY(draw_color_bar(&p, &annotation->color_bars[i], &right, error));

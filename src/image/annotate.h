@@ -20,6 +20,12 @@ typedef struct iso_color_bar {
     double low, high; /* the numbers at the ends of the bar */
 } iso_color_bar;
 
+/* A line of a legend: a swatch of a colour, and what has it. */
+typedef struct iso_legend_entry {
+    const char *name; /* characters that the vector font lacks are blank */
+    iso_rgb color;
+} iso_legend_entry;
+
 /* In which unit a length is shown. */
 typedef enum iso_length_unit {
     ISO_UNIT_AUTO, /* m, mm, um or nm, as it is short; none when the world has no unit */
@@ -52,6 +58,9 @@ typedef struct iso_annotation {
     bool anatomical;                 /* the axes are L R, A P and H F (the world is LPS); else x y z */
     const iso_color_bar *color_bars; /* at the right, beside each other; borrowed */
     int color_bar_count;
+    const iso_legend_entry
+        *legend; /* at the top left, in columns that are as high as the picture; borrowed */
+    int legend_count;
     bool dark; /* the background is dark, so lines are drawn light */
 } iso_annotation;
 

@@ -163,7 +163,7 @@ static plane_row make_plane_row(const solid *s, const iso_view *view, int y) {
 
 static void take_cap(const caps_draw *draw, const solid *s, const iso_clip_piece *piece, iso_vec3 point,
                      double value, found *f) {
-    const bool shows = draw->caps->shows;
+    const bool shows = draw->caps->shows && !s->input->plain;
     f->depth = piece->begin;
     f->solid = s;
     f->normal = shows ? iso_vec3_make(0, 0, 0) : iso_clip_normal(s->input->clip, piece, point);

@@ -23,6 +23,7 @@ typedef struct iso_capped {
     uint8_t surface;      /* its number in the gbuffer */
     iso_rgb color;        /* of its caps, if they do not show the volume */
     const iso_clip *clip; /* NULL: it is not cut */
+    bool plain;           /* its caps do not show the volume, which its grid is not, as of labels */
 } iso_capped;
 
 /* A slice of the volume of the first solid: where a plane passes it. Its outlines are where the plane meets

@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "exact/exact.h"
 #include "render/pullpush/sets.h"
+#include "scene/label_colors.h"
 
 /* ---- surfaces, as if they were opaque, and opaque objects */
 
@@ -94,6 +95,23 @@ typedef struct drawing {
     const iso_shading *shading;
 } drawing;
 
+/* Whether several labels share a surface. */
+static bool has_labels(const iso_scene *scene) {
+    bool any = false;
+    for (int i = 0; i < scene->count; i++) any |= scene->surfaces[i].surface->labels != NULL;
+    return any;
+}
+
+/* Colours what is drawn of labels that share a surface. */
+static iso_status paint_labels(const drawing *d, const iso_view *view, iso_gbuffer *gbuffer,
+                               iso_error *error) {
+    for (int i = 0; i < d->scene->count; i++) {
+        const iso_label_colors *labels = d->scene->surfaces[i].surface->labels;
+        if (labels) ISO_TRY(iso_label_colors_paint(labels, i, view, gbuffer, d->pool, error));
+    }
+    return ISO_OK;
+}
+
 static iso_status draw_caps(const drawing *d, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
     return d->scene->caps ? iso_caps_draw(d->scene->caps, view, gbuffer, d->pool, error) : ISO_OK;
 }
@@ -110,7 +128,8 @@ static iso_status draw_things(const drawing *d, const iso_view *view, iso_gbuffe
 /* iso_picture_opts.draw. */
 static iso_status draw_all(void *context, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
     ISO_TRY(draw_things(context, view, gbuffer, error));
-    return draw_caps(context, view, gbuffer, error);
+    ISO_TRY(draw_caps(context, view, gbuffer, error));
+    return paint_labels(context, view, gbuffer, error);
 }
 
 /* iso_picture_opts.begin_strip. */
@@ -126,7 +145,8 @@ static iso_status draw_others(void *context, const iso_view *view, iso_gbuffer *
     const drawing *d = context;
     const iso_target target = {view, gbuffer, d->pool, 0, NULL};
     ISO_TRY(draw_opaque_objects(d->scene, &target, error));
-    return draw_caps(d, view, gbuffer, error);
+    ISO_TRY(draw_caps(d, view, gbuffer, error));
+    return paint_labels(d, view, gbuffer, error);
 }
 
 /* Lists the translucent objects. ISO_ERR_LIMIT. */
@@ -154,17 +174,18 @@ static iso_status render_layers(drawing *d, iso_picture_opts *opts, iso_image *i
     iso_scene *scene = d->scene;
     iso_picture_layers callbacks;
     iso_translucent_set sets[ISO_LAYERED_MAX];
-    iso_layered_picture picture = {.method = scene->renderer->method,
-                                   .surfaces = scene->surfaces,
-                                   .count = scene->count,
-                                   .sets = sets,
-                                   .draw_others = scene->object_count || scene->caps ? draw_others : NULL,
-                                   .others_context = d,
-                                   .transparency = scene->transparency,
-                                   .shade_splats = scene->engine ? scene->engine->shade_groups : NULL,
-                                   .splats_context = scene->engine ? scene->engine->context : NULL,
-                                   .shading = &opts->shading,
-                                   .pool = opts->pool};
+    iso_layered_picture picture = {
+        .method = scene->renderer->method,
+        .surfaces = scene->surfaces,
+        .count = scene->count,
+        .sets = sets,
+        .draw_others = scene->object_count || scene->caps || has_labels(scene) ? draw_others : NULL,
+        .others_context = d,
+        .transparency = scene->transparency,
+        .shade_splats = scene->engine ? scene->engine->shade_groups : NULL,
+        .splats_context = scene->engine ? scene->engine->context : NULL,
+        .shading = &opts->shading,
+        .pool = opts->pool};
     ISO_TRY(list_sets(scene, sets, &picture.set_count, error));
     ISO_TRY(iso_layered_picture_callbacks(&picture, &callbacks, error));
     opts->layers = &callbacks;
@@ -229,8 +250,8 @@ static iso_status render_gaussians(drawing *d, iso_picture_opts *opts, iso_image
 /* Whether the picture needs no gbuffer: one exact surface with one sample a pixel, and nothing beside it. */
 static bool is_painted(const iso_scene *scene, const iso_picture_opts *opts) {
     return scene->renderer->method == ISO_METHOD_EXACT && !scene->engine && !scene->caps &&
-           iso_scene_colors(scene) == 1 && scene->count == 1 && opts->samples <= 1 && !opts->aov &&
-           opts->lighting == ISO_LIGHTING_PHONG && !opts->occlusion && !(opts->outline > 0);
+           !has_labels(scene) && iso_scene_colors(scene) == 1 && scene->count == 1 && opts->samples <= 1 &&
+           !opts->aov && opts->lighting == ISO_LIGHTING_PHONG && !opts->occlusion && !(opts->outline > 0);
 }
 
 static iso_status paint(const iso_scene *scene, const iso_picture_opts *opts, iso_image *image,

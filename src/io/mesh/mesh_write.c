@@ -106,9 +106,9 @@ static void write_stl(const mesh_source *source, FILE *stream) {
     }
 }
 
-static void write_obj(const mesh_source *source, FILE *stream) {
+/* before: the number of vertices that are in the file already. */
+static void write_obj_part(const mesh_source *source, uint64_t before, FILE *stream) {
     void *numbers = iso_encode_numbers_begin();
-    iso_encode_comment(stream, "# ", source->comment);
     for (size_t i = 0; i < source->weld->vertex_count; i++) {
         iso_vec3 p = world_position(source, i), n = world_normal(source, i);
         /* nine digits are enough to read back the same float */
@@ -118,11 +118,16 @@ static void write_obj(const mesh_source *source, FILE *stream) {
     for (size_t i = 0; i < source->weld->triangle_count; i++) {
         uint32_t corner[3];
         ordered_triangle(source, i, corner);
-        uint64_t a = (uint64_t)corner[0] + 1, b = (uint64_t)corner[1] + 1, c = (uint64_t)corner[2] + 1;
+        uint64_t a = before + corner[0] + 1, b = before + corner[1] + 1, c = before + corner[2] + 1;
         fprintf(stream, "f %llu//%llu %llu//%llu %llu//%llu\n", (unsigned long long)a, (unsigned long long)a,
                 (unsigned long long)b, (unsigned long long)b, (unsigned long long)c, (unsigned long long)c);
     }
     iso_encode_numbers_end(numbers);
+}
+
+static void write_obj(const mesh_source *source, FILE *stream) {
+    iso_encode_comment(stream, "# ", source->comment);
+    write_obj_part(source, 0, stream);
 }
 
 typedef void write_fn(const mesh_source *source, FILE *stream);
@@ -151,6 +156,16 @@ static mesh_source source_of(const iso_weld *weld, const iso_transform *transfor
         source.third = 1;
     }
     return source;
+}
+
+void iso_mesh_put_obj_object(FILE *stream, const char *name, const iso_weld *weld,
+                             const iso_transform *transform, uint64_t *vertices) {
+    const mesh_source source = source_of(weld, transform, NULL);
+    fputs("o ", stream);
+    iso_text_put(stream, name);
+    fputc('\n', stream);
+    write_obj_part(&source, *vertices, stream);
+    *vertices += weld->vertex_count;
 }
 
 iso_status iso_mesh_put_weld(FILE *stream, const char *path, const iso_weld *weld,

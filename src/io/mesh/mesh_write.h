@@ -28,6 +28,11 @@ iso_status iso_mesh_write_weld(const char *path, const struct iso_weld *weld, co
 iso_status iso_mesh_put_weld(FILE *stream, const char *path, const struct iso_weld *weld,
                              const iso_transform *transform, const char *comment, iso_error *error);
 
+/* Writes a mesh as an object of an .obj file that may have several. *vertices: of the objects before it; is
+ * increased by its own. */
+void iso_mesh_put_obj_object(FILE *stream, const char *name, const struct iso_weld *weld,
+                             const iso_transform *transform, uint64_t *vertices);
+
 /* A .ply whose vertices and triangles are written in pieces, in any order. */
 typedef struct iso_mesh_file_opts {
     uint64_t vertices, triangles; /* their numbers in the whole mesh */

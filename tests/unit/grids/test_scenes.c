@@ -402,17 +402,17 @@ static void names_and_defaults(void **state) {
     iso_grid grid = {0};
     assert_int_equal(iso_scene_create("teapot", NULL, &grid, NULL, &error), ISO_ERR_USAGE);
     assert_non_null(strstr(error.text, "teapot"));
-    const int sizes[] = {64, 64, 32, 128, 128, 128, 128};
+    const int sizes[] = {64, 64, 32, 128, 128, 128, 128, 128};
     int count = 0;
     for (const char *const *name = iso_scene_names(); *name; name++, count++) {
         assert_non_null(strstr(error.text, *name));
         double isovalue = -1;
         assert_int_equal(iso_scene_create(*name, NULL, &grid, &isovalue, NULL), ISO_OK);
-        assert_true(isovalue == (strcmp(*name, "ct") == 0 ? 127.5 : 0));
+        assert_true(isovalue == (strcmp(*name, "ct") == 0 ? 127.5 : strcmp(*name, "organs") == 0 ? 0.5 : 0));
         assert_int_equal(iso_grid_dims(&grid)[2], sizes[count]);
         iso_grid_destroy(&grid);
     }
-    assert_int_equal(count, 7);
+    assert_int_equal(count, 8);
     const int bad[] = {15, -1, 2049};
     for (int i = 0; i < 3; i++) {
         iso_scene_opts opts = {.size = bad[i]};

@@ -1,0 +1,58 @@
+/* segmentation: the labels of --labels or, with --smooth, of the input: which are drawn, with which names,
+ * colours and opacities; their surfaces, table and legend. */
+#ifndef ISO_APPS_ISORENDER_SEGMENTATION_H
+#define ISO_APPS_ISORENDER_SEGMENTATION_H
+
+#include "apps/isorender/isorender.h"
+#include "grids/labels/label_fields.h"
+#include "grids/labels/label_names.h"
+#include "image/annotate.h"
+#include "scene/label_colors.h"
+
+/* How a label is drawn. */
+typedef struct isorender_label {
+    char name[ISO_LABEL_NAME]; /* "label 7" if nothing states it */
+    iso_rgb color;
+    double opacity; /* 0: it is not drawn */
+} isorender_label;
+
+/* Owned by the job. */
+typedef struct isorender_segmentation {
+    iso_loader loader;
+    iso_input input; /* how the file is read */
+    iso_labels labels;
+    /* What the file states. If `layered`, label n is its n-th segment: segments of several layers. */
+    iso_label_names stated;
+    bool layered;
+    isorender_label *items; /* by place in labels.label */
+    uint8_t *group;         /* of each label: that of its surface */
+    iso_rgb *colors;        /* of each label */
+    iso_label_fields *fields;
+    iso_label_colors shared; /* of the labels that are opaque, which share a surface */
+} isorender_segmentation;
+
+/* The path of the labels; NULL: there are none. */
+const char *isorender_labels_path(const isorender_job *job);
+
+/* Checks the options of labels. ISO_ERR_USAGE. */
+iso_status isorender_segmentation_check(const isorender_settings *settings, iso_error *error);
+
+/* As iso_loader_open and iso_loader_read. Messages name the file. */
+iso_status isorender_segmentation_open(isorender_job *job, iso_error *error);
+iso_status isorender_segmentation_read(isorender_job *job, iso_error *error);
+
+/* Makes the fields of the labels, adds their surfaces to the job's, and writes the table. ISO_ERR_USAGE: a
+ * label that is not there, too many translucent ones; ISO_ERR_EMPTY: no label is drawn; errors of
+ * iso_labels_make and iso_label_fields_make. */
+iso_status isorender_segmentation_add(isorender_job *job, iso_error *error);
+
+/* The legend: the labels that are drawn, at most `room`; returns their number. */
+int isorender_legend(const isorender_job *job, int room, iso_legend_entry *entries);
+
+void isorender_report_labels(iso_json *json, const isorender_job *job); /* a member of --json's report */
+void isorender_segmentation_free(isorender_job *job);
+
+/* Logs a note if the input is a mask or labels, which --smooth draws better. */
+void isorender_segmentation_note(const isorender_job *job);
+
+#endif

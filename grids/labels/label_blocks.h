@@ -1,0 +1,39 @@
+/* label_blocks: computes the fields of labels block by block, for the level sets. Internal to grids/labels.
+ */
+#ifndef ISO_GRIDS_LABELS_LABEL_BLOCKS_H
+#define ISO_GRIDS_LABELS_LABEL_BLOCKS_H
+
+#include "grids/labels/label_fields.h"
+
+#define ISO_LABEL_BAND 5.0f /* the level sets' clamp, voxels, and what fields are where they are not known */
+
+typedef struct iso_label_value {
+    uint16_t label;
+    float value;
+} iso_label_value;
+
+/* The fields, at the voxels of a brick, of the labels that can be the greatest near them: of the voxels next
+ * to which there are at least two labels of one group. */
+typedef struct iso_label_candidates {
+    uint32_t start[ISO_BRICK_VOXELS + 1];
+    iso_label_value entry[];
+} iso_label_candidates;
+
+struct iso_label_fields {
+    const iso_labels *labels;
+    uint8_t *group; /* of every label; group[0] = 0 */
+    int group_count;
+    int labels_in_group[ISO_LABEL_GROUPS + 1];
+    int bricks[3]; /* of the level sets */
+    size_t brick_count;
+    iso_hgrid *grid[ISO_LABEL_GROUPS + 1]; /* from 1 */
+    uint64_t *own_groups, *near_groups;    /* of each brick: the groups in it; within reach */
+    bool inside;                           /* as in iso_label_fields_make */
+    bool *smoothed;                        /* of each brick: labels change in or near it */
+    iso_label_candidates **candidates;     /* of each brick, or NULL */
+};
+
+/* Fills the bricks of the level sets and makes the candidates. ISO_ERR_NOMEM. */
+iso_status iso_label_blocks_smooth(iso_label_fields *fields, iso_pool *pool, iso_error *error);
+
+#endif

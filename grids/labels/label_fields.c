@@ -1,0 +1,272 @@
+/* label_fields: which bricks the level sets need, the smoothing of their labels block by block
+ * (label_blocks.c), and the label of a place. */
+#include "grids/labels/label_fields.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/memory.h"
+#include "grids/labels/label_blocks.h"
+
+/* A brick needs values of its own if labels change within this many voxels: those of a cell's corners, and
+ * of their neighbours, from which come the gradients. */
+enum { REACH = 3 };
+
+/* ---- which bricks */
+
+static inline int group_at(const iso_label_fields *f, int x, int y, int z) {
+    const int b = ISO_LABEL_BORDER;
+    return f->group[iso_labels_at(f->labels, x - b, y - b, z - b)];
+}
+
+/* The set of groups, as bits, of the voxels lo .. hi. *mixed: whether they have several labels. */
+static uint64_t groups_in(const iso_label_fields *f, const int lo[3], const int hi[3], bool *mixed) {
+    const iso_labels *labels = f->labels;
+    uint64_t set = 0;
+    int a[3], b[3], first = -1;
+    *mixed = false;
+    for (int k = 0; k < 3; k++) {
+        a[k] = lo[k] - ISO_LABEL_BORDER;
+        b[k] = hi[k] - ISO_LABEL_BORDER;
+        if (a[k] < 0 || b[k] >= labels->dims[k]) set |= 1; /* what is outside is background */
+        a[k] = a[k] < 0 ? 0 : a[k];
+        b[k] = b[k] >= labels->dims[k] ? labels->dims[k] - 1 : b[k];
+        if (a[k] > b[k]) return 1;
+    }
+    for (int z = a[2]; z <= b[2]; z++)
+        for (int y = a[1]; y <= b[1]; y++) {
+            const uint16_t *row =
+                labels->number + ((size_t)z * (size_t)labels->dims[1] + (size_t)y) * (size_t)labels->dims[0];
+            int last = -1;
+            for (int x = a[0]; x <= b[0]; x++) {
+                if (row[x] == last) continue;
+                last = row[x];
+                set |= 1ull << f->group[last];
+                if (first < 0) first = last;
+                *mixed |= first != last;
+            }
+        }
+    return set;
+}
+
+static void brick_at(const iso_label_fields *f, size_t brick, int at[3]) {
+    at[0] = (int)(brick % (size_t)f->bricks[0]);
+    at[1] = (int)(brick / (size_t)f->bricks[0] % (size_t)f->bricks[1]);
+    at[2] = (int)(brick / (size_t)f->bricks[0] / (size_t)f->bricks[1]);
+}
+
+static void find_own_groups(void *context, size_t brick, int worker) {
+    (void)worker;
+    iso_label_fields *f = context;
+    int at[3], lo[3], hi[3];
+    brick_at(f, brick, at);
+    bool mixed;
+    for (int k = 0; k < 3; k++) lo[k] = ISO_BRICK * at[k], hi[k] = lo[k] + ISO_BRICK - 1;
+    f->own_groups[brick] = groups_in(f, lo, hi, &mixed);
+}
+
+/* The groups of a brick and all its neighbours. */
+static uint64_t groups_around(const iso_label_fields *f, const int at[3]) {
+    uint64_t set = 0;
+    for (int z = at[2] - 1; z <= at[2] + 1; z++)
+        for (int y = at[1] - 1; y <= at[1] + 1; y++)
+            for (int x = at[0] - 1; x <= at[0] + 1; x++)
+                if (x >= 0 && y >= 0 && z >= 0 && x < f->bricks[0] && y < f->bricks[1] && z < f->bricks[2])
+                    set |=
+                        f->own_groups[((size_t)z * (size_t)f->bricks[1] + (size_t)y) * (size_t)f->bricks[0] +
+                                      (size_t)x];
+                else
+                    set |= 1;
+    return set;
+}
+
+static bool is_single(uint64_t set) {
+    return (set & (set - 1)) == 0;
+}
+
+static void find_groups(void *context, size_t brick, int worker) {
+    (void)worker;
+    iso_label_fields *f = context;
+    int at[3], lo[3], hi[3];
+    brick_at(f, brick, at);
+    f->near_groups[brick] = groups_around(f, at);
+    if (is_single(f->near_groups[brick]) && !f->inside) return;
+    for (int k = 0; k < 3; k++) lo[k] = ISO_BRICK * at[k] - REACH, hi[k] = lo[k] + ISO_BRICK + 2 * REACH - 1;
+    bool mixed;
+    f->near_groups[brick] = groups_in(f, lo, hi, &mixed);
+    f->smoothed[brick] = !is_single(f->near_groups[brick]) || (f->inside && mixed);
+}
+
+/* Gives the cells of all level sets bricks, or makes them empty. */
+static iso_status make_bricks(iso_label_fields *f, iso_error *error) {
+    for (size_t brick = 0; brick < f->brick_count; brick++) {
+        const uint64_t set = f->near_groups[brick];
+        int at[3];
+        brick_at(f, brick, at);
+        for (int g = 1; g <= f->group_count; g++) {
+            const uint64_t bit = 1ull << g;
+            iso_hgrid *grid = f->grid[g];
+            if (set == bit) grid->cell[brick] = ISO_CELL_INSIDE;
+            if ((set & bit) && set != bit) ISO_TRY(iso_hgrid_split_unset(grid, at[0], at[1], at[2], error));
+        }
+    }
+    return ISO_OK;
+}
+
+/* ---- all together */
+
+static iso_status make_grids(iso_label_fields *f, iso_error *error) {
+    int dims[3];
+    for (int k = 0; k < 3; k++) {
+        dims[k] = f->labels->dims[k] + 2 * ISO_LABEL_BORDER;
+        f->bricks[k] = (dims[k] + ISO_BRICK - 1) / ISO_BRICK;
+        if (dims[k] > ISO_HGRID_MAX)
+            return iso_fail(error, ISO_ERR_LIMIT, "labels of %d x %d x %d voxels: up to %d along an axis",
+                            f->labels->dims[0], f->labels->dims[1], f->labels->dims[2],
+                            ISO_HGRID_MAX - 2 * ISO_LABEL_BORDER);
+    }
+    f->brick_count = (size_t)f->bricks[0] * (size_t)f->bricks[1] * (size_t)f->bricks[2];
+    const int b = -ISO_LABEL_BORDER;
+    const iso_transform transform = iso_transform_shift(&f->labels->transform, (const int[3]){b, b, b});
+    for (int g = 1; g <= f->group_count; g++)
+        ISO_TRY(iso_hgrid_create(dims, ISO_LABEL_BAND, &transform, &f->grid[g], error));
+    f->own_groups = iso_alloc_zero(f->brick_count, sizeof *f->own_groups);
+    f->near_groups = iso_alloc_zero(f->brick_count, sizeof *f->near_groups);
+    f->candidates = iso_alloc_zero(f->brick_count, sizeof *f->candidates);
+    f->smoothed = iso_alloc_zero(f->brick_count, sizeof *f->smoothed);
+    if (!f->smoothed || !f->own_groups || !f->near_groups || !f->candidates)
+        return iso_fail(error, ISO_ERR_NOMEM, "out of memory for labels");
+    return ISO_OK;
+}
+
+static iso_status make_fields(iso_label_fields *f, const uint8_t *group, iso_pool *pool, iso_error *error) {
+    const size_t count = (size_t)f->labels->count;
+    f->group = iso_alloc(count);
+    if (!f->group) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for labels");
+    memcpy(f->group, group, count);
+    f->group[0] = 0;
+    for (size_t i = 1; i < count; i++) f->labels_in_group[f->group[i]]++;
+    ISO_TRY(make_grids(f, error));
+    iso_parallel_for(pool, f->brick_count, find_own_groups, f);
+    iso_parallel_for(pool, f->brick_count, find_groups, f);
+    ISO_TRY(make_bricks(f, error));
+    return iso_label_blocks_smooth(f, pool, error);
+}
+
+iso_status iso_label_fields_make(const iso_labels *labels, const uint8_t *group, int group_count, bool inside,
+                                 iso_pool *pool, iso_label_fields **fields, iso_error *error) {
+    iso_label_fields *f = iso_alloc_zero(1, sizeof *f);
+    if (!f) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for labels");
+    f->labels = labels;
+    f->group_count = group_count;
+    f->inside = inside;
+    const iso_status status = make_fields(f, group, pool, error);
+    if (status != ISO_OK)
+        iso_label_fields_destroy(f);
+    else
+        *fields = f;
+    return status;
+}
+
+void iso_label_fields_destroy(iso_label_fields *f) {
+    if (!f) return;
+    for (int g = 1; g <= f->group_count; g++) iso_hgrid_destroy(f->grid[g]);
+    for (size_t i = 0; f->candidates && i < f->brick_count; i++) iso_free(f->candidates[i]);
+    iso_free(f->candidates);
+    iso_free(f->own_groups);
+    iso_free(f->near_groups);
+    iso_free(f->smoothed);
+    iso_free(f->group);
+    iso_free(f);
+}
+
+iso_hgrid *iso_label_fields_grid(const iso_label_fields *fields, int group) {
+    return fields->grid[group];
+}
+
+/* ---- the label of a place */
+
+/* The field of a label at a voxel that has candidates. */
+static float value_at(const iso_label_fields *f, int label, int x, int y, int z) {
+    const size_t brick =
+        ((size_t)(z / ISO_BRICK) * (size_t)f->bricks[1] + (size_t)(y / ISO_BRICK)) * (size_t)f->bricks[0] +
+        (size_t)(x / ISO_BRICK);
+    const iso_label_candidates *c = f->candidates[brick];
+    if (!c) return -ISO_LABEL_BAND;
+    const int voxel = (z % ISO_BRICK * ISO_BRICK + y % ISO_BRICK) * ISO_BRICK + x % ISO_BRICK;
+    for (uint32_t i = c->start[voxel]; i < c->start[voxel + 1]; i++)
+        if (c->entry[i].label == label) return c->entry[i].value;
+    return -ISO_LABEL_BAND;
+}
+
+/* The labels of the group, each once, among the voxels lo .. hi; `most` at most. Returns their number. */
+static int list_labels(const iso_label_fields *f, int group, const int lo[3], const int hi[3], int most,
+                       int labels[]) {
+    int count = 0;
+    for (int z = lo[2]; z <= hi[2]; z++)
+        for (int y = lo[1]; y <= hi[1]; y++)
+            for (int x = lo[0]; x <= hi[0]; x++) {
+                const int b = ISO_LABEL_BORDER, label = iso_labels_at(f->labels, x - b, y - b, z - b);
+                if (f->group[label] != group) continue;
+                int i = 0;
+                while (i < count && labels[i] != label) i++;
+                if (i == count && count < most) labels[count++] = label;
+            }
+    return count;
+}
+
+/* The label of the group whose nearest voxel is nearest to p; of two, the lower one. */
+static int nearest_label(const iso_label_fields *f, int group, const int cell[3], iso_vec3 p) {
+    int nearest = 0;
+    double least = INFINITY;
+    for (int z = cell[2] - 1; z <= cell[2] + 2; z++)
+        for (int y = cell[1] - 1; y <= cell[1] + 2; y++)
+            for (int x = cell[0] - 1; x <= cell[0] + 2; x++) {
+                if (group_at(f, x, y, z) != group) continue;
+                const int b = ISO_LABEL_BORDER, label = iso_labels_at(f->labels, x - b, y - b, z - b);
+                const iso_vec3 d = iso_vec3_sub(iso_vec3_make(x, y, z), p);
+                const double square = iso_vec3_dot(d, d);
+                if (square > least || (square == least && label > nearest)) continue;
+                least = square;
+                nearest = label;
+            }
+    return nearest;
+}
+
+int iso_label_fields_at(const iso_label_fields *f, int group, iso_vec3 p) {
+    iso_label_cell cell = {{0, 0, 0}, 0};
+    return iso_label_fields_near(f, group, p, &cell);
+}
+
+int iso_label_fields_near(const iso_label_fields *f, int group, iso_vec3 p, iso_label_cell *cell) {
+    const double at[3] = {p.x, p.y, p.z};
+    int lo[3], hi[3], labels[8];
+    double t[3];
+    for (int k = 0; k < 3; k++) {
+        const int most = f->labels->dims[k] + 2 * ISO_LABEL_BORDER - 2;
+        lo[k] = at[k] >= most ? most : at[k] > 0 ? (int)at[k] : 0;
+        hi[k] = lo[k] + 1;
+        t[k] = at[k] - lo[k];
+    }
+    if (cell->label && lo[0] == cell->lo[0] && lo[1] == cell->lo[1] && lo[2] == cell->lo[2])
+        return cell->label;
+    const int count = list_labels(f, group, lo, hi, 8, labels);
+    *cell = (iso_label_cell){{lo[0], lo[1], lo[2]}, count == 1 ? labels[0] : 0};
+    if (count == 0) return nearest_label(f, group, lo, p);
+    if (count == 1) return labels[0];
+    int best = 0;
+    double most = -INFINITY;
+    for (int i = 0; i < count; i++) {
+        double value = 0;
+        for (int corner = 0; corner < 8; corner++) {
+            const int dx = corner & 1, dy = corner >> 1 & 1, dz = corner >> 2;
+            value += (dx ? t[0] : 1 - t[0]) * (dy ? t[1] : 1 - t[1]) * (dz ? t[2] : 1 - t[2]) *
+                     (double)value_at(f, labels[i], lo[0] + dx, lo[1] + dy, lo[2] + dz);
+        }
+        if (value < most || (value == most && labels[i] > best)) continue;
+        most = value;
+        best = labels[i];
+    }
+    return best;
+}

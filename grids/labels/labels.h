@@ -1,0 +1,63 @@
+/* labels: a volume of labels (a segmentation): each voxel has the number of the thing it belongs to, 0: the
+ * background. What is known of each label: its voxels, its box. */
+#ifndef ISO_GRIDS_LABELS_LABELS_H
+#define ISO_GRIDS_LABELS_LABELS_H
+
+#include "base/parallel.h"
+#include "grids/grid.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum { ISO_LABEL_VALUE_MAX = 65535 };
+
+typedef struct iso_label {
+    int value;        /* in the file, 0 .. ISO_LABEL_VALUE_MAX */
+    uint64_t voxels;  /* how many have it */
+    int lo[3], hi[3]; /* the box of these voxels, inclusive; of none: lo > hi */
+    uint64_t sums[3]; /* of their index coordinates */
+} iso_label;
+
+/* Zero-initialised it is empty. */
+typedef struct iso_labels {
+    int dims[3];
+    iso_transform transform;
+    uint16_t *number; /* of every voxel, x fastest: the place of its label in `label` */
+    iso_label *label; /* by value, ascending; label[0] is the background, also if no voxel has it */
+    int count;
+} iso_labels;
+
+/* Makes a volume of labels of a grid of whole numbers; voxels that are NaN are background. iso_labels_free
+ * when done. ISO_ERR_FORMAT: a voxel is no whole number from 0 to ISO_LABEL_VALUE_MAX, or the grid is a level
+ * set; ISO_ERR_NOMEM. `pool` may be NULL. */
+iso_status iso_labels_make(const iso_grid *grid, iso_pool *pool, iso_labels *labels, iso_error *error);
+void iso_labels_free(iso_labels *labels);
+
+/* Which labels touch: have voxels that share a face. Zero-initialised it is empty. */
+typedef struct iso_label_contacts {
+    uint16_t (*pair)[2]; /* places in `label`, ascending; without the background */
+    size_t count;
+} iso_label_contacts;
+/* iso_label_contacts_free when done. ISO_ERR_NOMEM. */
+iso_status iso_labels_contacts(const iso_labels *labels, iso_label_contacts *contacts, iso_error *error);
+void iso_label_contacts_free(iso_label_contacts *contacts);
+
+/* Makes all voxels of the labels with group[place] != 0 voxels of the label at place `to`, and those of all
+ * others background. The list of labels stays as it is. */
+void iso_labels_join(iso_labels *labels, const uint8_t *group, int to);
+
+/* The place of a value in `label`; -1: no voxel has it. */
+int iso_labels_find(const iso_labels *labels, int value);
+
+/* The label of a voxel, as its place in `label`; 0 outside the volume. */
+static inline int iso_labels_at(const iso_labels *labels, int x, int y, int z) {
+    const int *n = labels->dims;
+    if (x < 0 || y < 0 || z < 0 || x >= n[0] || y >= n[1] || z >= n[2]) return 0;
+    return labels->number[((size_t)z * (size_t)n[1] + (size_t)y) * (size_t)n[0] + (size_t)x];
+}
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,25 @@
+/* label_colors: the colours of a surface that several labels share: each sample of a picture has that of the
+ * label at its place. */
+#ifndef ISO_SCENE_LABEL_COLORS_H
+#define ISO_SCENE_LABEL_COLORS_H
+
+#include "base/parallel.h"
+#include "grids/labels/label_fields.h"
+#include "image/image.h"
+#include "render/view/gbuffer.h"
+#include "render/view/project.h"
+
+/* All pointers are borrowed. */
+typedef struct iso_label_colors {
+    const iso_label_fields *fields;
+    const iso_label *labels; /* of the volume that the fields were made of: iso_labels.label */
+    int group;               /* the one whose level set is the surface */
+    const iso_rgb *colors;   /* of each label, by its place in `labels` */
+} iso_label_colors;
+
+/* Gives the samples of a gbuffer that show a surface its labels' colours, and their values as elements if the
+ * gbuffer has elements. The same bytes with every number of threads. `pool` may be NULL. ISO_ERR_NOMEM. */
+iso_status iso_label_colors_paint(const iso_label_colors *colors, int surface, const iso_view *view,
+                                  iso_gbuffer *gbuffer, iso_pool *pool, iso_error *error);
+
+#endif
