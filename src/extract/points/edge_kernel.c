@@ -7,7 +7,7 @@
 
 #include "base/point_code.h"
 #include "base/simd.h"
-#include "extract/points/edge_finish_simd.h"
+#include "extract/points/edge_batch.h"
 #include "extract/points/edge_rows_simd.h"
 #include "grids/voxel_kernel.h"
 
@@ -373,13 +373,13 @@ static void compute_batch(const iso_edge_source *source, iso_edge_batch *batch, 
         {interpolate_x, interpolate_yz},
         {interpolate_border_x, interpolate_border_yz},
     };
-    static void (*const pack[3])(iso_edge_batch *) = {pack_x, pack_y, pack_z};
+    const iso_edge_finish *finish = &ISO_KERNEL_NAME(iso_edge_finish);
     if (!ranges->count) return;
     interpolate[ranges->border][axis != 0](source, batch, around, axis);
     if (ranges->range[0].task->output.packed[0]) {
-        pack[axis](batch);
+        finish->pack[axis](batch);
     } else {
-        set_surfels(batch, axis);
+        finish->set_surfels(batch, axis);
     }
     for (int i = 0; i < ranges->count; i++) iso_edge_scatter(batch, &ranges->range[i]);
     batch->count = ranges->count = 0;

@@ -1,35 +1,9 @@
-/* edge_finish_simd: a batch of edges, and its points from positions on edges and normals, packed or as
- * floats. */
-#ifndef ISO_EXTRACT_POINTS_EDGE_FINISH_SIMD_H
-#define ISO_EXTRACT_POINTS_EDGE_FINISH_SIMD_H
-
+/* edge_finish_kernel: from positions on edges and normals to points, packed or as floats. */
 #include <math.h>
 
+#include "base/kernel.h"
 #include "base/point_code.h"
-#include "base/simd.h"
-#include "extract/points/edge_kernel.h"
-
-enum { ISO_EDGE_BATCH = 512, ISO_EDGE_BATCH_MAX = ISO_EDGE_BATCH + 64, ISO_EDGE_RANGES = 32 };
-
-/* Crossed edges along one axis, from one or several blocks, and their points. The arrays are longer than
- * ISO_EDGE_BATCH so that whole vectors can be computed. */
-typedef struct iso_edge_batch {
-    int count;
-    uint8_t x[ISO_EDGE_BATCH_MAX];    /* the edge's lower voxel in its block: x .. */
-    uint16_t row[ISO_EDGE_BATCH_MAX]; /* .. and the number of its row */
-    /* Next to the border: factors of the differences along the edge at its two ends, then along the two other
-     * axes in ascending order (as in iso_edge_stencil). */
-    float weight[4][ISO_EDGE_BATCH_MAX];
-    float t[ISO_EDGE_BATCH_MAX]; /* position on the edge, 0 .. 1 */
-    float normal[3][ISO_EDGE_BATCH_MAX];
-    union {
-        iso_point packed[ISO_EDGE_BATCH_MAX];
-        struct {
-            float position[3][ISO_EDGE_BATCH_MAX];
-            iso_edge_key key[ISO_EDGE_BATCH_MAX];
-        };
-    };
-} iso_edge_batch;
+#include "extract/points/edge_batch.h"
 
 /* Packs the points of a batch, with the arithmetic of iso_point_pack_scaled, in whole vectors. */
 ISO_INLINE void pack(iso_edge_batch *restrict batch, int axis) {
@@ -50,7 +24,7 @@ ISO_INLINE void pack(iso_edge_batch *restrict batch, int axis) {
 }
 
 #define ISO_PACK(name, axis)                                                                                 \
-    ISO_STEP static void name(iso_edge_batch *batch) {                                                       \
+    static void name(iso_edge_batch *batch) {                                                                \
         pack(batch, axis);                                                                                   \
     }
 ISO_PACK(pack_x, 0)
@@ -59,7 +33,7 @@ ISO_PACK(pack_z, 2)
 #undef ISO_PACK
 
 /* Sets the points of a batch as floats: positions, unit normals and keys. */
-ISO_STEP static void set_surfels(iso_edge_batch *restrict batch, int axis) {
+static void set_surfels(iso_edge_batch *restrict batch, int axis) {
     const int n = (batch->count + 15) & ~15;
     for (int i = 0; i < n; i++) {
         const float x = batch->normal[0][i], y = batch->normal[1][i], z = batch->normal[2][i];
@@ -79,4 +53,4 @@ ISO_STEP static void set_surfels(iso_edge_batch *restrict batch, int axis) {
     for (int i = 0; i < n; i++) batch->position[axis][i] += batch->t[i];
 }
 
-#endif
+const iso_edge_finish ISO_KERNEL_NAME(iso_edge_finish) = {{pack_x, pack_y, pack_z}, set_surfels};
