@@ -89,6 +89,7 @@ static inline uint16_t first_key(int i) {
     return (uint16_t)(i * ISO_LATTICE);
 }
 
+#if ISO_LANES < 16
 /* Appends cell x of a row to the list of its brick. words: bits 0 and 1 of each are two of the cell's
  * corners; key: of the row's first edge. */
 static inline void add_cell(const uint64_t words[4], int key, int x, iso_mesh_block *block) {
@@ -99,7 +100,6 @@ static inline void add_cell(const uint64_t words[4], int key, int x, iso_mesh_bl
 }
 
 /* Appends the active cells of row i that are in `valid` to the lists of their bricks. */
-#if ISO_LANES < 16
 static inline void add_cells(const block_rows *rows, int i, uint64_t valid, iso_mesh_block *block) {
     const int at[4] = {i, i + 1, i + ISO_EDGE_SIDE, i + ISO_EDGE_SIDE + 1};
     const uint64_t active = rows->active[i] & valid;
@@ -114,7 +114,7 @@ static inline void add_cells(const block_rows *rows, int i, uint64_t valid, iso_
     add_cell(words, first_key(i), 63, block);
 }
 #else
-/* Computes the cases of all 64 cells of a row at once, then compresses those of active cells. */
+/* Appends them: computes the cases of all 64 cells of a row at once, then compresses those of active cells. */
 static inline void add_cells(const block_rows *rows, int i, uint64_t valid, iso_mesh_block *block) {
     const int at[4] = {i, i + 1, i + ISO_EDGE_SIDE, i + ISO_EDGE_SIDE + 1};
     const uint64_t active = rows->active[i] & valid;
