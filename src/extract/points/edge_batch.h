@@ -1,5 +1,5 @@
-/* edge_batch: a batch of edges, and what is the same for every voxel type: its points from positions on edges and
- * normals. Internal to the edge kernel. */
+/* edge_batch: a batch of edges, and what is the same for every voxel type: its points from positions on edges
+ * and normals. Internal to the edge kernel. */
 #ifndef ISO_EXTRACT_POINTS_EDGE_BATCH_H
 #define ISO_EXTRACT_POINTS_EDGE_BATCH_H
 
@@ -31,7 +31,8 @@ typedef struct iso_edge_batch {
     };
 } iso_edge_batch;
 
-/* Sets the points of a batch of edges along an axis from batch->t and batch->normal: packed, by axis, or as floats. */
+/* Sets the points of a batch of edges along an axis from batch->t and batch->normal: packed, by axis, or as
+ * floats. */
 typedef struct iso_edge_finish {
     void (*pack[3])(iso_edge_batch *batch);
     void (*set_surfels)(iso_edge_batch *batch, int axis);
