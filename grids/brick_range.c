@@ -78,6 +78,19 @@ void iso_brick_batch_max(const iso_rgrid *grid, int most[2]) {
     most[1] = iso_min_int(bricks / most[0], ISO_BATCH_ROWS);
 }
 
+static iso_range_fn *range_kernel(iso_type type, iso_cpu_level level) {
+    switch (type) {
+    case ISO_UINT8:
+        return ISO_KERNEL_UNIT(iso_range_uint8, level);
+    case ISO_INT16:
+        return ISO_KERNEL_UNIT(iso_range_int16, level);
+    case ISO_UINT16:
+        return ISO_KERNEL_UNIT(iso_range_uint16, level);
+    default:
+        return ISO_KERNEL_UNIT(iso_range_float, level);
+    }
+}
+
 void iso_brick_ranges(const iso_rgrid *grid, iso_cpu_level level, const iso_brick_batch *batch,
                       iso_brick_reading *readings) {
     const int columns = batch->count[0], rows = batch->count[1], bricks = columns * rows;
@@ -98,14 +111,13 @@ void iso_brick_ranges(const iso_rgrid *grid, iso_cpu_level level, const iso_bric
     const char *data = (const char *)grid->data + at * (ptrdiff_t)iso_type_size(grid->type);
     range_values values;
     clear_values(&values, bricks);
-    const iso_range_kernel *kernel = ISO_KERNEL_UNIT(iso_range_kernel, level);
-    kernel->of_type[grid->type](data, &box, &values);
+    range_kernel(grid->type, level)(data, &box, &values);
     unite_groups(&values, bricks, readings);
     if (!all_finite(readings, bricks)) {
         bool finite[ISO_BATCH_BRICKS];
         for (int b = 0; b < bricks; b++) finite[b] = readings[b].range.finite;
         clear_values(&values, bricks);
-        kernel->finite(data, &box, &values);
+        ISO_KERNEL_UNIT(iso_range_finite, level)(data, &box, &values);
         unite_groups(&values, bricks, readings);
         for (int b = 0; b < bricks; b++) readings[b].range.finite = finite[b];
     }

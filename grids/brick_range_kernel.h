@@ -52,10 +52,11 @@ enum {
 }; /* keys of the largest and smallest finite float */
 
 typedef void iso_range_fn(const void *data, const range_box *box, range_values *values);
-typedef struct iso_range_kernel {
-    iso_range_fn *of_type[ISO_FLOAT32 + 1]; /* of all voxels of an iso_type */
-    iso_range_fn *finite;                   /* of floats, the finite ones */
-} iso_range_kernel;
-ISO_KERNEL_UNITS(iso_range_kernel, iso_range_kernel);
+/* Of all voxels of a type; iso_range_finite: of floats, the finite ones. */
+ISO_KERNEL_UNITS(iso_range_fn, iso_range_uint8);
+ISO_KERNEL_UNITS(iso_range_fn, iso_range_int16);
+ISO_KERNEL_UNITS(iso_range_fn, iso_range_uint16);
+ISO_KERNEL_UNITS(iso_range_fn, iso_range_float);
+ISO_KERNEL_UNITS(iso_range_fn, iso_range_finite);
 
 #endif

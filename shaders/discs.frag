@@ -24,7 +24,7 @@ layout(location = 0) out vec4 nearest;
 #endif
 
 /* Sets q to the hit relative to the disc's centre: the nearer root of n.q + q.Sq / 2 = 0 on the ray (see
- * meet in render/discs/disc.inc). False: there is none. */
+ * meet in render/discs/disc_simd.h). False: there is none. */
 bool meet(mat3 s, out vec3 q) {
     float pixel = orthographic ? 1.0 / axis.w : centre.z * sizes.x, radius = centre.w;
     vec2 off = gl_FragCoord.xy - centre.xy;

@@ -1,5 +1,5 @@
 /* discs.vert: makes a second-order disc of each point (render/discs/discs.h), clipped to a ball
- * and a box, and draws it as a square that contains it. The same as render/discs/disc.inc.
+ * and a box, and draws it as a square that contains it. The same as render/discs/disc_simd.h.
  *
  * SURFELS 1: points are iso_surfel, else iso_point (8 bytes). QUADS 0: every disc is an OpenGL point;
  * those wider than the driver's largest point are left out. QUADS 1: only the latter are drawn, as
@@ -56,7 +56,7 @@ float measured(vec3 a, vec3 b) {
                                    b.x * normal_x.xyz + b.y * normal_y.xyz + b.z * normal_z.xyz);
 }
 
-/* The values `soft` of a flat disc (set_flat_values and convolve in render/discs/disc.inc). */
+/* The values `soft` of a flat disc (set_flat_values and convolve in render/discs/disc_simd.h). */
 vec4 convolved(vec3 n, vec2 ray, float away, float size) {
     vec2 slope = n.xy / max(abs(away), 1e-6);
     vec3 u = vec3(1.0 + slope.x * ray.x, slope.x * ray.y, slope.x),

@@ -1,5 +1,5 @@
 /* discs_resolve.comp: resolves the sums that discs.frag added up into samples of the picture, which
- * are written where they are nearer than the samples there. The same as render/discs/common.inc. */
+ * are written where they are nearer than the samples there. The same as render/discs/common_simd.h. */
 layout(local_size_x = ISO_GL_TILE, local_size_y = ISO_GL_TILE) in;
 layout(binding = ISO_GL_FRONTS) uniform sampler2D fronts;
 layout(binding = ISO_GL_SUMS) uniform sampler2D sums[4];

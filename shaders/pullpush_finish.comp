@@ -1,6 +1,6 @@
 /* pullpush_finish.comp: the last push, into the picture (Marroquim, Kraus and Cavalcanti 2008, section
  * 3.2). A sample is mixed from level 1, or it is the point projected to its pixel when level 0 is the
- * base. It is written where it is nearer than the sample there. The same as render/pullpush/finish.inc. */
+ * base. It is written where it is nearer than the sample there. The same as render/pullpush/finish_simd.h. */
 const float PP_SUPPORT_REACH = 16.0, PP_SUPPORT_RADIUS = 1.0, PP_SUPPORT_GROW = 1.1;
 
 layout(local_size_x = ISO_GL_TILE, local_size_y = ISO_GL_TILE) in;
@@ -40,7 +40,7 @@ bool contains_sample(ivec2 at, ivec2 from) {
     return !is_beyond_grid(0, at, p.shade.w + (along < 0.0 ? -rise : rise));
 }
 
-/* Whether a point supports the value of pixel `at` of level 0, which is in a gap: finish.inc, open_gaps. */
+/* Whether a point supports the value of pixel `at` of level 0, which is in a gap: finish_simd.h, open_gaps. */
 bool is_supported(ivec2 at, mixture m) {
     float nearest = ISO_GL_NOWHERE, widest = 0.0, size = float(1 << lattice.x);
     for (int k = 0; k < 4; k++) {

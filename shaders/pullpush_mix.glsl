@@ -16,7 +16,7 @@ float weigh(float q) {
 /* Mixes pixel `at` of the level below `level` from the four pixels of `level` around it, in the order
  * upper left, upper right, lower left, lower right. `own`: the depth of the pixel's own value, ISO_GL_NOWHERE
  * if it has none; it is replaced when it lies behind the frontmost ellipse that contains the pixel's centre,
- * by more than its interval. Pixels in gaps between ellipses get values, too: render/pullpush/gaps.inc says
+ * by more than its interval. Pixels in gaps between ellipses get values, too: render/pullpush/gaps_simd.h says
  * which. */
 mixture mixed(int level, ivec2 at, float own) {
     const float grow = 1.4, round = 0.05;

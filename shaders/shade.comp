@@ -29,7 +29,7 @@ vec4 fetched(ivec2 at) {
 #endif
 }
 
-/* Colour by Phong's model, with the arithmetic of render/shading/phong_body.inc. */
+/* Colour by Phong's model, with the arithmetic of render/shading/phong_simd.h. */
 vec3 phong(vec3 n, vec3 to_eye) {
     const vec3 light = vec3(ISO_PHONG_LIGHT_X, ISO_PHONG_LIGHT_Y, ISO_PHONG_LIGHT_Z);
     float facing = dot(n, to_eye), side = facing < 0.0 ? -1.0 : 1.0;

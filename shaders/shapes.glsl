@@ -1,6 +1,6 @@
 /* shapes.glsl: what the shaders of lines and glyphs share (render/shapes/shapes.h): uniforms, the values that
  * shapes.vert passes to shapes.frag, rays of pixels, and spheres. The names and formulas are those of the
- * cpu's kernel: render/shapes/kernel_body.inc and sphere.inc.
+ * cpu's kernel: render/shapes/chunk_simd.h and sphere_simd.h.
  *
  * KIND: ISO_GL_SPHERES, ISO_GL_TUBES, ISO_GL_RIBBONS or ISO_GL_SOLIDS; of solids GLYPH: ISO_GL_CONE, .. */
 layout(std140, binding = ISO_GL_SHAPING) uniform shaping_block { ISO_GL_SHAPING_FIELDS };

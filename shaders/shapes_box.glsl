@@ -1,5 +1,5 @@
-/* shapes_box.glsl: boxes of shapes in the picture, in pixels: the same as render/shapes/sphere_block.inc,
- * line_block.inc and solid.c. */
+/* shapes_box.glsl: boxes of shapes in the picture, in pixels: the same as render/shapes/sphere_block_simd.h,
+ * line_block_simd.h and solid.c. */
 
 /* The interval of pixels that a sphere covers along both axes, relative to its centre's: low x, y, high x, y;
  * u: the slopes of its centre's ray. */

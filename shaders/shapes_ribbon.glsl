@@ -1,4 +1,4 @@
-/* shapes_ribbon.glsl: the ray of a pixel and a bilinear patch: render/shapes/ribbon.inc, where the
+/* shapes_ribbon.glsl: the ray of a pixel and a bilinear patch: render/shapes/ribbon_simd.h, where the
  * formulas are explained. Included by shapes.frag. */
 
 /* Vectors have the components (x - u z, y - v z, z), u and v the slopes of the first vertex's ray. */

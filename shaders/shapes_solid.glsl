@@ -1,5 +1,5 @@
 /* shapes_solid.glsl: the ray of a pixel and the unit solids of render/shapes/solid.h:
- * render/shapes/solid.inc, where the formulas are explained. Included by shapes.frag. */
+ * render/shapes/solid_simd.h, where the formulas are explained. Included by shapes.frag. */
 
 /* What the inverse of a glyph's map makes of the picture's axes and of the centre's ray. */
 struct solid {

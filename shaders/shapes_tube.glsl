@@ -1,4 +1,4 @@
-/* shapes_tube.glsl: the ray of a pixel and a rounded cone: render/shapes/tube.inc, where the formulas are
+/* shapes_tube.glsl: the ray of a pixel and a rounded cone: render/shapes/tube_simd.h, where the formulas are
  * explained. Included by shapes.frag. */
 struct tube {
     float z, radius, z1, radius1;

@@ -1,30 +1,11 @@
-/* brick_distances: prepares triangles for the kernels (brick_distances_body.inc). */
+/* brick_distances: prepares triangles for the kernels (brick_distances_kernel.c). */
 #include "grids/closing/brick_distances.h"
 
 #include <math.h>
 
-#include "base/cpu.h"
+#include "base/kernel_units.h"
 #include "base/numbers.h"
-
-/* A triangle as the kernels need it. Unit: voxels, from the brick's first one. */
-typedef struct near_triangle {
-    int lo[3], hi[3];            /* the voxels of the brick that it reaches */
-    float plane[4], sides[3][4]; /* (a, b, c, d): a x + b y + c z + d is the distance above the plane, and
-                                     inside each side, along the plane */
-    float outside;               /* how far outside its sides it reaches */
-    float slack,
-        most; /* what is added to squared bounds, and to that of the band, for the rounding of floats */
-} near_triangle;
-
-/* What (a, b, c, d) are at x = 0. */
-static inline float row_value(const float plane[4], float y, float z) {
-    return plane[1] * y + plane[2] * z + plane[3];
-}
-
-#define ISO_KERNEL_BODY "grids/closing/brick_distances_body.inc"
-#include "base/kernel_levels.inc"
-
-typedef int find_near_fn(const near_triangle *t, const float *bound, uint16_t *near);
+#include "grids/closing/brick_distances_kernel.h"
 
 typedef struct measuring {
     const iso_brick_place *brick;
@@ -143,7 +124,7 @@ void iso_brick_distances(const iso_triangle_tree *tree, const iso_brick_place *b
                    .band = band,
                    .squared = squared,
                    .nearest = nearest,
-                   .find_near = ISO_KERNEL(find_near, iso_cpu_best())};
+                   .find_near = ISO_KERNEL_UNIT(iso_find_near_voxels, iso_cpu_best())};
     for (int i = 0; i < ISO_BRICK_VOXELS; i++) {
         squared[i] = band * band * brick->voxel * brick->voxel;
         m.bound[i] = (float)(band * band);

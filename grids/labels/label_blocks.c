@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/cpu.h"
+#include "base/kernel_units.h"
 #include "base/memory.h"
 #include "grids/labels/smooth_kernel.h"
 

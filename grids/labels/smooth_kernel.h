@@ -10,7 +10,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "base/kernel_units.h"
+#include "base/cpu.h"
 
 enum {
     ISO_LABEL_RADIUS = 7,      /* greatest of a filter */
@@ -37,6 +37,6 @@ typedef struct iso_smooth_kernel {
     void (*filter)(const float *in, const int n[3], int margin, int radius, const float *w, float *work,
                    float *out);
 } iso_smooth_kernel;
-ISO_KERNEL_UNITS(iso_smooth_kernel, iso_smooth_kernel);
+ISO_KERNEL_UNITS(const iso_smooth_kernel, iso_smooth_kernel);
 
 #endif

@@ -22,6 +22,8 @@ bool iso_mask_range_of(iso_type type, float at, bool below, iso_mask_range *rang
 /* Writes the mask of a row of `count` voxels, ceil(count / 64) words: bit i is set if voxel i lies in the
  * range; bits from `count` on are 0. */
 typedef void iso_mask_kernel(const void *row, int count, const iso_mask_range *range, uint64_t *words);
+typedef iso_mask_kernel *const iso_mask_kernels[ISO_FLOAT32 + 1]; /* by voxel type */
+ISO_KERNEL_UNITS(iso_mask_kernels, iso_mask_kernels);
 
 /* Returns the kernel for a voxel type and an instruction set, or for the best one below it that this build
  * has. */

@@ -1,7 +1,7 @@
 /* cpu: which instruction sets the kernels may use.
  *
- * Every kernel family is one body, which one file includes once per instruction set; each variant gives the
- * same bytes. The level of the machine is determined by the first call and kept in an atomic, the only global
+ * Every kernel is compiled once for each instruction set (base/kernel.h); each variant gives the same
+ * bytes. The level of the machine is determined by the first call and kept in an atomic, the only global
  * state of the library. */
 #ifndef ISO_BASE_CPU_H
 #define ISO_BASE_CPU_H
@@ -18,6 +18,10 @@ typedef enum iso_cpu_level {
     ISO_CPU_LEVELS
 } iso_cpu_level;
 
+/* The floats in a vector of the highest level: arrays that kernels read or write in whole vectors have so
+ * many items more. */
+enum { ISO_LANES_MAX = 16 };
+
 /* The highest level that this machine has, or the one that the environment variable ISO_CPU names (generic,
  * avx2 or avx512) when that is lower. Thread-safe. */
 iso_cpu_level iso_cpu_best(void);
@@ -33,21 +37,9 @@ iso_cpu_level iso_cpu_supported(void);
 
 const char *iso_cpu_level_name(iso_cpu_level level);
 
-/* ISO_TARGET_...: attributes for the functions of a variant. Functions that they inline have the same
- * attribute or none. A source that defines ISO_GENERIC_ONLY has the generic level alone: it need not include
- * <immintrin.h>, which takes half a second. */
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(ISO_GENERIC_ONLY)
+/* Whether the machine is an x86-64, and the compiler has its intrinsics. */
+#if defined(__x86_64__) && defined(__GNUC__)
 #define ISO_HAVE_X86 1
-#define ISO_TARGET_AVX2 __attribute__((target("avx2,bmi,bmi2,popcnt")))
-#ifdef __clang__
-#define ISO_TARGET_AVX512                                                                                    \
-    __attribute__((target("avx512f,avx512bw,avx512cd,avx512dq,avx512vl,avx512vbmi2,avx2,bmi,bmi2,popcnt"),   \
-                   min_vector_width(512)))
-#else
-#define ISO_TARGET_AVX512                                                                                    \
-    __attribute__((target("avx512f,avx512bw,avx512cd,avx512dq,avx512vl,avx512vbmi2,avx2,bmi,bmi2,popcnt,"    \
-                          "prefer-vector-width=512")))
-#endif
 #else
 #define ISO_HAVE_X86 0
 #endif
@@ -56,9 +48,9 @@ const char *iso_cpu_level_name(iso_cpu_level level);
 #define ISO_PASTE_(name, level) name##_##level
 #define ISO_PASTE(name, level) ISO_PASTE_(name, level)
 
-/* Declares the constants kernel_generic, kernel_avx2 and kernel_avx512, each of which is defined in a unit of
- * its own and chosen by ISO_KERNEL_UNIT (base/kernel_units.h). */
-#define ISO_KERNEL_UNITS(type, kernel) extern const type kernel##_generic, kernel##_avx2, kernel##_avx512
+/* Declares kernel_generic, kernel_avx2 and kernel_avx512, functions or constants of a type, which a kernel
+ * file defines (base/kernel.h) and ISO_KERNEL_UNIT (base/kernel_units.h) chooses among. */
+#define ISO_KERNEL_UNITS(type, kernel) extern type kernel##_generic, kernel##_avx2, kernel##_avx512
 
 #ifdef __cplusplus
 }

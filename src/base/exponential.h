@@ -1,5 +1,5 @@
 /* exponential: powers of two and logarithms to base 2 with the same bits on every machine: libm's differ
- * between its versions. exponential_body.inc has the power for vectors. */
+ * between its versions. exponential_simd.h has the power for vectors. */
 #ifndef ISO_BASE_EXPONENTIAL_H
 #define ISO_BASE_EXPONENTIAL_H
 

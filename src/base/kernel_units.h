@@ -1,9 +1,7 @@
-/* kernel_units: chooses among the variants of a kernel family that are compiled as sources of their own, one
- * for each instruction set (iso_kernel_units in CMakeLists.txt): what takes long to compile is compiled on
- * all processors, and a build for one machine alone (ISO_KERNELS=native) leaves the other variants out.
- *
- * In its header a family declares ISO_KERNEL_UNITS(type, name): constants name_generic, name_avx2 and
- * name_avx512. Each unit defines one of them, as ISO_V(name). Internal. */
+/* kernel_units: chooses among the variants of a kernel, which are compiled from one file once for each
+ * instruction set (base/kernel.h). A build for one machine alone (ISO_KERNELS=native in CMakeLists.txt) has
+ * only that machine's. Files that choose include this; their headers declare the variants by ISO_KERNEL_UNITS
+ * (base/cpu.h). Internal. */
 #ifndef ISO_BASE_KERNEL_UNITS_H
 #define ISO_BASE_KERNEL_UNITS_H
 

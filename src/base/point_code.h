@@ -1,5 +1,5 @@
 /* point_code: packs points into 8 bytes and unpacks them, one at a time. Kernels call these functions in
- * their loops, or use base/point_code.inc for vectors; shaders use shaders/unpack.glsl. Internal. */
+ * their loops, or use base/point_code_simd.h for vectors; shaders use shaders/unpack.glsl. Internal. */
 #ifndef ISO_BASE_POINT_CODE_H
 #define ISO_BASE_POINT_CODE_H
 

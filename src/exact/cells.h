@@ -70,6 +70,8 @@ typedef struct iso_exact_output {
 
 /* Finds the crossed cells of `source` and stores them in `output`. */
 typedef void iso_exact_extract(const iso_exact_source *source, iso_exact_output *output);
+typedef iso_exact_extract *const iso_exact_extracts[ISO_FLOAT32 + 1]; /* by voxel type */
+ISO_KERNEL_UNITS(iso_exact_extracts, iso_exact_extracts);
 
 /* The kernel for a voxel type at an instruction set, or at the best below it that this build has. Never NULL.
  */

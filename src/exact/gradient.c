@@ -1,12 +1,13 @@
 /* gradient: central differences from the 4^3 voxels around a cell, times 1/2, so that the differences of any
  * two floats are finite. A cell whose 4^3 voxels are all in the grid and finite gets its gradients from whole
- * rows (gradient_body.inc), any other from one axis_difference at a time (gradients_anywhere), with the same
- * arithmetic. */
+ * rows (gradient_kernel.c), any other from one axis_difference at a time (iso_exact_gradients_anywhere), with
+ * the same arithmetic. */
 #include "exact/gradient.h"
 
 #include <math.h>
 
-#include "grids/voxel_kernels.h"
+#include "base/kernel_units.h"
+#include "grids/grid.h"
 
 /* [z][y][x]: the voxels cell - 1 .. cell + 2 on each axis; beyond the grid, its nearest voxel. Rows with y
  * and z both 0 or 3 are not needed and not set. */
@@ -36,7 +37,7 @@ static float axis_difference(float low, float middle, float high, bool has_low, 
 }
 
 /* Computes the gradients of any cell, as iso_exact_gradients describes. */
-static void gradients_anywhere(const iso_grid *grid, const int cell[3], float gradient[8][4]) {
+void iso_exact_gradients_anywhere(const iso_grid *grid, const int cell[3], float gradient[8][4]) {
     const int *dims = iso_grid_dims(grid);
     voxels_around around;
     read_voxels_around(grid, cell, around);
@@ -52,32 +53,6 @@ static void gradients_anywhere(const iso_grid *grid, const int cell[3], float gr
     }
 }
 
-/* Copies four voxels of a row of an hgrid, from `at` on; all of them must be in the grid. */
-static inline void read_hgrid_row(const iso_hgrid *grid, const int at[3], float out[4]) {
-    const int local = at[0] % ISO_BRICK, first = local + 4 <= ISO_BRICK ? 4 : ISO_BRICK - local;
-    const size_t cell = iso_hgrid_cell_index(grid, at[0] / ISO_BRICK, at[1] / ISO_BRICK, at[2] / ISO_BRICK);
-    const ptrdiff_t row = (at[2] % ISO_BRICK * ISO_BRICK + at[1] % ISO_BRICK) * ISO_BRICK;
-    for (int part = 0, x = 0; x < 4; part++) {
-        const int end = part ? 4 : first;
-        const int32_t brick = grid->cell[cell + (size_t)part];
-        const float *voxels = brick < 0 ? NULL : iso_hgrid_brick(grid, brick) + row + (part ? -first : local);
-        for (; x < end; x++) out[x] = voxels ? voxels[x] : iso_hgrid_empty_value(grid, brick);
-    }
-}
-
-/* Reads the voxels around a cell for which is_within is true. */
-static void read_hgrid_voxels(const iso_hgrid *grid, const int cell[3], voxels_around around) {
-    for (int z = 0; z < 4; z++)
-        for (int y = 0; y < 4; y++)
-            read_hgrid_row(grid, (const int[3]){cell[0] - 1, cell[1] + y - 1, cell[2] + z - 1}, around[z][y]);
-}
-
-/* Whether the grid has all 4^3 voxels around a cell. */
-static inline bool is_within(const int cell[3], const int dims[3]) {
-    return cell[0] > 0 && cell[1] > 0 && cell[2] > 0 && cell[0] + 2 < dims[0] && cell[1] + 2 < dims[1] &&
-           cell[2] + 2 < dims[2];
-}
-
 void iso_exact_gradients_fetch(const iso_grid *grid, const int cell[3]) {
     if (!grid->rgrid) return;
     const iso_rgrid *rgrid = grid->rgrid;
@@ -91,49 +66,7 @@ void iso_exact_gradients_fetch(const iso_grid *grid, const int cell[3]) {
             __builtin_prefetch((const void *)(first + (uintptr_t)(y * step_y + z * step_z)));
 }
 
-/* ---- row_of_4_LEVEL: four voxels of a row, times 1/4 */
-
-static inline vf_generic row_of_4_generic(iso_type type, const void *row) {
-    switch (type) {
-    case ISO_UINT8:
-        return 0.25f * v_to_float_generic(v_load_u8_generic(row));
-    case ISO_INT16:
-        return 0.25f * v_to_float_generic(v_load_i16_generic(row));
-    case ISO_UINT16:
-        return 0.25f * v_to_float_generic(v_load_u16_generic(row));
-    default:
-        return 0.25f * v_load_generic(row);
-    }
-}
-
-#if ISO_HAVE_X86
-ISO_TARGET_AVX2 static inline vf_generic row_of_4_avx2(iso_type type, const void *row) {
-    int32_t four;
-    int64_t eight;
-    switch (type) {
-    case ISO_UINT8:
-        memcpy(&four, row, sizeof four);
-        return 0.25f * (vf_generic)_mm_cvtepi32_ps(_mm_cvtepu8_epi32(_mm_cvtsi32_si128(four)));
-    case ISO_INT16:
-        memcpy(&eight, row, sizeof eight);
-        return 0.25f * (vf_generic)_mm_cvtepi32_ps(_mm_cvtepi16_epi32(_mm_cvtsi64_si128(eight)));
-    case ISO_UINT16:
-        memcpy(&eight, row, sizeof eight);
-        return 0.25f * (vf_generic)_mm_cvtepi32_ps(_mm_cvtepu16_epi32(_mm_cvtsi64_si128(eight)));
-    default:
-        return 0.25f * v_load_generic(row);
-    }
-}
-/* (four voxels need no wider vectors) */
-ISO_TARGET_AVX512 static inline vf_generic row_of_4_avx512(iso_type type, const void *row) {
-    return row_of_4_avx2(type, row);
-}
-#endif
-
-#define ISO_KERNEL_BODY "exact/gradient_body.inc"
-#include "base/kernel_levels.inc"
-
 iso_exact_gradients *iso_exact_gradients_get(const iso_grid *grid, iso_cpu_level level) {
-    return grid->rgrid ? ISO_VOXEL_KERNEL(gradients, grid->rgrid->type, level)
-                       : ISO_KERNEL(gradients_hgrid, level);
+    const iso_exact_gradient_kernel *kernel = ISO_KERNEL_UNIT(iso_exact_gradient_kernel, level);
+    return grid->rgrid ? kernel->rgrid[grid->rgrid->type] : kernel->hgrid;
 }

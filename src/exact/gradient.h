@@ -12,6 +12,15 @@
  * neighbours are. The voxels of the cell must be finite. Every instruction set gives the same bits. */
 typedef void iso_exact_gradients(const iso_grid *grid, const int cell[3], float gradient[8][4]);
 
+/* By kind of grid, and voxel type of an rgrid. */
+typedef struct iso_exact_gradient_kernel {
+    iso_exact_gradients *rgrid[ISO_FLOAT32 + 1], *hgrid;
+} iso_exact_gradient_kernel;
+ISO_KERNEL_UNITS(const iso_exact_gradient_kernel, iso_exact_gradient_kernel);
+
+/* The gradients of any cell, one difference at a time. */
+void iso_exact_gradients_anywhere(const iso_grid *grid, const int cell[3], float gradient[8][4]);
+
 /* Prefetches the voxels that the gradients of a cell need. */
 void iso_exact_gradients_fetch(const iso_grid *grid, const int cell[3]);
 

@@ -1,23 +1,23 @@
 /* kernel: draws visible octants into a band of rows. Internal to exact.
  *
- * One kernel body (kernel_body.inc), included once per instruction set; every variant gives the same
- * bytes. An octant's cells are set up as vectors of cells. The free pixels of each cell are then tested as
- * vectors of pixels. Pixels whose ray hits the surface are queued, from any cells and octants, until there
- * are enough of them to compute roots and normals in full vectors. Octants and cells are drawn front to back,
- * so the first crossing found for a pixel is the nearest one; one bit per pixel tells whether the pixel is
- * free (no crossing was found yet).
+ * One source (draw_simd.h), compiled once for each instruction set; every variant gives the same bytes. An
+ * octant's cells are set up as vectors of cells. The free pixels of each cell are then tested as vectors of
+ * pixels. Pixels whose ray hits the surface are queued, from any cells and octants, until there are enough
+ * of them to compute roots and normals in full vectors. Octants and cells are drawn front to back, so the
+ * first crossing found for a pixel is the nearest one; one bit per pixel tells whether the pixel is free (no
+ * crossing was found yet).
  *
  * Cells are handled in one of three ways, by their size in the picture:
- * - small cells: pairs of a pixel and a cell, from several cells, are tested together (pixel_tests_body.inc);
- * - large cells: each is tested alone (large_cells_body.inc);
- * - outlined cells: larger still, with tighter bounds on their pixels (cell_outlines_body.inc,
- *   outlined_cells_body.inc, outlined_roots_body.inc). */
+ * - small cells: pairs of a pixel and a cell, from several cells, are tested together (pixel_tests_simd.h);
+ * - large cells: each is tested alone (large_cells_simd.h);
+ * - outlined cells: larger still, with tighter bounds on their pixels (cell_outlines_simd.h,
+ *   outlined_cells_simd.h, outlined_roots_simd.h). */
 #ifndef ISO_EXACT_KERNEL_H
 #define ISO_EXACT_KERNEL_H
 
 #include <stdalign.h>
 
-#include "base/simd.h"
+#include "base/cpu.h"
 #include "exact/projection.h"
 #include "render/layers/layers.h"
 
@@ -206,8 +206,8 @@ typedef struct iso_exact_kernel {
 /* The first kernel shows the first crossing of each ray; the other one lists all crossings as fragments
  * (render/layers), and for it a pixel is free as long as something of the surface can be seen behind the
  * fragments listed so far. */
-ISO_KERNEL_UNITS(iso_exact_kernel, iso_exact_kernel);
-ISO_KERNEL_UNITS(iso_exact_kernel, iso_exact_layers_kernel);
+ISO_KERNEL_UNITS(const iso_exact_kernel, iso_exact_kernel);
+ISO_KERNEL_UNITS(const iso_exact_kernel, iso_exact_layers_kernel);
 
 /* Sets scratch->record and scratch->box of the cells of an octant next to the eye, one by one in double
  * precision. Boxes of cells that cannot be seen are empty. */

@@ -185,7 +185,7 @@ static bool start_ray(const layers_draw *draw, const layer *l, int x, int y, iso
     return iso_ray_start(l->tracer, origin, direction, view->near, ray);
 }
 
-/* Makes a fragment from a traced crossing, as the kernel does (shade_fragments in hits_body.inc). */
+/* Makes a fragment from a traced crossing, as the kernel does (shade_fragments in hits_simd.h). */
 static iso_fragment make_fragment(const layers_draw *draw, const layer *l, int x, int y, const iso_ray *ray,
                                   const iso_ray_hit *hit) {
     const iso_vec3 n = iso_view_vector(draw->target.view, iso_ray_hit_normal(l->tracer, ray, hit));

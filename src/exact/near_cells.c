@@ -1,7 +1,7 @@
 /* near_cells: projects the cells of octants next to the eye. */
 #include "exact/kernel.h"
 
-/* Cells are taken to reach this far beyond [-1, 1], as ISO_EXACT_WIDER (kernel_source.inc): next to the eye
+/* Cells are taken to reach this far beyond [-1, 1], as ISO_EXACT_WIDER (kernel_simd.h): next to the eye
  * the rounding errors of rays are larger. */
 #define ISO_EXACT_WIDER_NEAR 4e-5f
 

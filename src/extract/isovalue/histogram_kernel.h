@@ -33,8 +33,6 @@ typedef struct iso_histogram_kernels {
     void (*padding)(const float *values, int count, iso_row_padding *padding);
     void (*bins)(const iso_bin_range *range, const float *values, int count, int32_t *bins);
 } iso_histogram_kernels;
-
-/* The kernels at an instruction set, or at the best below it that this build has. Never NULL. */
-const iso_histogram_kernels *iso_histogram_kernels_get(iso_cpu_level level);
+ISO_KERNEL_UNITS(const iso_histogram_kernels, iso_histogram_kernels);
 
 #endif

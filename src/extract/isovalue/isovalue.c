@@ -7,6 +7,7 @@
 #include <stdbool.h>
 #include <string.h>
 
+#include "base/kernel_units.h"
 #include "base/memory.h"
 #include "extract/isovalue/histogram_kernel.h"
 #include "grids/brick_index.h"
@@ -273,7 +274,7 @@ static void merge_range(float_range *sum, const float_range *part) {
 }
 
 static const iso_histogram_kernels *kernels(void) {
-    return iso_histogram_kernels_get(iso_cpu_best());
+    return ISO_KERNEL_UNIT(iso_histogram_kernels, iso_cpu_best());
 }
 
 /* The values of a run and their number; one value for a run of equal voxels. Each of them counts `*each`

@@ -65,6 +65,7 @@ typedef struct iso_mesh_kernel {
     void (*add_triangles)(const iso_cell_list *cells, const uint16_t *vertex_of, bool flip,
                           uint16_t (*triangles)[3]);
 } iso_mesh_kernel;
+ISO_KERNEL_UNITS(const iso_mesh_kernel, iso_mesh_kernel);
 
 /* The kernel at an instruction set, or at the best below it that this build has. Never NULL. */
 const iso_mesh_kernel *iso_mesh_kernel_get(iso_cpu_level level);

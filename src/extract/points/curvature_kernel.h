@@ -75,6 +75,6 @@ typedef struct iso_curvature_kernel {
     void (*voxels)(const iso_curvature_params *params, iso_curvature_batch *batch);
 } iso_curvature_kernel;
 
-ISO_KERNEL_UNITS(iso_curvature_kernel, iso_curvature_kernel);
+ISO_KERNEL_UNITS(const iso_curvature_kernel, iso_curvature_kernel);
 
 #endif

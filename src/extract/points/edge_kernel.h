@@ -1,13 +1,12 @@
 /* edge_kernel: edge points of a block of four bricks in a row (64 x 16 x 16 voxels).
  *
- * One kernel body per voxel type (edge_kernel_body.inc), included once per instruction set; every variant
- * gives the same bytes. There are two steps, so that the number of points is known, and memory is allocated,
- * before they are computed: `list_edges` classifies the block's voxels into 64-bit words, a bit per voxel,
- * and lists the crossed edges as the non-empty words of each edge direction; `compute_points` expands the
- * words, copies the edges' neighbouring voxels into arrays, and computes the points in whole vectors. Points
- * are in the order of the edge's axis, then z, y, x of its lower voxel. Sources: Baerentzen and Christensen
- * 2003, section 4; the row passes of Flying Edges (Schroeder, Maynard and Geveci 2015), here with bit masks.
- */
+ * One source (edge_kernel.c), compiled once for each voxel type and instruction set; every variant gives
+ * the same bytes. There are two steps, so that the number of points is known, and memory is allocated, before
+ * they are computed: `list_edges` classifies the block's voxels into 64-bit words, a bit per voxel, and lists
+ * the crossed edges as the non-empty words of each edge direction; `compute_points` expands the words, copies
+ * the edges' neighbouring voxels into arrays, and computes the points in whole vectors. Points are in the
+ * order of the edge's axis, then z, y, x of its lower voxel. Sources: Baerentzen and Christensen 2003,
+ * section 4; the row passes of Flying Edges (Schroeder, Maynard and Geveci 2015), here with bit masks. */
 #ifndef ISO_EXTRACT_POINTS_EDGE_KERNEL_H
 #define ISO_EXTRACT_POINTS_EDGE_KERNEL_H
 
@@ -140,8 +139,10 @@ typedef struct iso_edge_kernel {
     void (*classify_voxels)(const iso_edge_source *source, const int origin[3], iso_edge_words *words);
 } iso_edge_kernel;
 
-typedef iso_edge_kernel iso_edge_kernels[ISO_FLOAT32 + 1]; /* by voxel type */
-ISO_KERNEL_UNITS(iso_edge_kernels, iso_edge_kernels);
+ISO_KERNEL_UNITS(const iso_edge_kernel, iso_edge_kernel_uint8);
+ISO_KERNEL_UNITS(const iso_edge_kernel, iso_edge_kernel_int16);
+ISO_KERNEL_UNITS(const iso_edge_kernel, iso_edge_kernel_uint16);
+ISO_KERNEL_UNITS(const iso_edge_kernel, iso_edge_kernel_float);
 
 /* The kernel for a voxel type at an instruction set, or at the best below it that this build has. Never NULL.
  */

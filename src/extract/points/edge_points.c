@@ -33,7 +33,7 @@ static bool wide_normal(const float gradient[3], float normal[3]) {
 
 /* Sets `normal` to the outward gradient at the position t on an edge, scaled to |x| + |y| + |z| = 1 so that
  * squares stay in range; if the gradient vanishes, to the edge's outward direction. The operations and their
- * order, the edge's axis first, are those of edge_kernel_body.inc, so that both give the same bytes. */
+ * order, the edge's axis first, are those of edge_kernel.c, so that both give the same bytes. */
 static void edge_normal(const iso_brick_window *window, const edge *e, const iso_threshold *surface, float t,
                         float normal[3]) {
     float low[3], high[3], gradient[3];

@@ -7,7 +7,16 @@
 #include "grids/brick_index.h"
 
 const iso_edge_kernel *iso_edge_kernel_get(iso_type type, iso_cpu_level level) {
-    return &(*ISO_KERNEL_UNIT(iso_edge_kernels, level))[type];
+    switch (type) {
+    case ISO_UINT8:
+        return ISO_KERNEL_UNIT(iso_edge_kernel_uint8, level);
+    case ISO_INT16:
+        return ISO_KERNEL_UNIT(iso_edge_kernel_int16, level);
+    case ISO_UINT16:
+        return ISO_KERNEL_UNIT(iso_edge_kernel_uint16, level);
+    default:
+        return ISO_KERNEL_UNIT(iso_edge_kernel_float, level);
+    }
 }
 
 void iso_edge_source_prepare(iso_edge_source *source) {

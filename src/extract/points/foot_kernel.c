@@ -1,5 +1,4 @@
-/* foot_kernel: sets the neighbours of a brick, and computes irregular voxels one by one; includes the kernel
- * body (foot_kernel_body.inc) once per instruction set. */
+/* foot_kernel: foot points of a brick, and irregular voxels one by one. */
 #include "extract/points/foot_kernel.h"
 
 #include <math.h>
@@ -7,44 +6,7 @@
 
 #include "base/point_code.h"
 #include "base/simd.h"
-
-#define SAME_16(v)                                                                                           \
-    { v, v, v, v, v, v, v, v, v, v, v, v, v, v, v, v }
-_Alignas(64) static const float missing_row[ISO_BRICK] = SAME_16(NAN);
-_Alignas(64) static const float clamped_row[ISO_BRICK] = SAME_16(INFINITY);
-
-/* The voxels beyond face number `side` (-x, +x, -y, +y, -z, +z) of a brick. */
-static iso_foot_face face_of(const iso_hgrid *grid, const int cell[3], int side) {
-    static const size_t across[3] = {0xff0, 0xf00, 0x0f0}; /* offset bits of a face's axes, without x */
-    int at[3] = {cell[0], cell[1], cell[2]}, axis = side / 2, up = side % 2;
-    at[axis] += up ? 1 : -1;
-    if (at[axis] < 0 || at[axis] >= grid->cells[axis]) return (iso_foot_face){missing_row, 0};
-    int32_t number = grid->cell[iso_hgrid_cell_index(grid, at[0], at[1], at[2])];
-    if (number < 0) return (iso_foot_face){clamped_row, 0};
-    size_t last = (size_t)(ISO_BRICK - 1) << 4 * axis;
-    return (iso_foot_face){iso_hgrid_brick(grid, number) + (up ? 0 : last), across[axis]};
-}
-
-/* Returns the brick's values or, if the brick reaches beyond the grid, a copy in scratch->padded with NaN
- * there. */
-static const float *pad_brick(const iso_hgrid *grid, const int cell[3], const float *values,
-                              iso_foot_scratch *scratch) {
-    int n[3];
-    for (int axis = 0; axis < 3; axis++) n[axis] = grid->dims[axis] - cell[axis] * ISO_BRICK;
-    if (n[0] >= ISO_BRICK && n[1] >= ISO_BRICK && n[2] >= ISO_BRICK) return values;
-    for (int i = 0; i < ISO_BRICK_VOXELS; i++) {
-        bool inside = (i & 15) < n[0] && (i >> 4 & 15) < n[1] && i >> 8 < n[2];
-        scratch->padded[i] = inside ? values[i] : NAN;
-    }
-    return scratch->padded;
-}
-
-void iso_foot_brick_of(const iso_hgrid *grid, const int cell[3], iso_foot_scratch *scratch,
-                       iso_foot_brick *out) {
-    int32_t number = grid->cell[iso_hgrid_cell_index(grid, cell[0], cell[1], cell[2])];
-    out->values = out->next = pad_brick(grid, cell, iso_hgrid_brick(grid, number), scratch);
-    for (int side = 0; side < 6; side++) out->face[side] = face_of(grid, cell, side);
-}
+#include "extract/points/foot_lanes_simd.h"
 
 /* Reads the values of the voxel at offset o of the brick and of its neighbours. */
 static void read_stencil(const iso_foot_brick *brick, size_t o, iso_foot_stencil *stencil) {
@@ -57,14 +19,6 @@ static void read_stencil(const iso_foot_brick *brick, size_t o, iso_foot_stencil
         stencil->high[axis] = at < 15 ? brick->values[o + step] : high->base[(o & high->mask) + x];
     }
 }
-
-/* A half row (eight voxels of a row of a brick) and its neighbours. */
-typedef struct foot_half_row {
-    uint32_t hits; /* bits of the voxels in the band */
-    int32_t voxel; /* number of its first voxel in the brick */
-    const float *here, *low_y, *high_y, *low_z, *high_z;
-    const float *before, *after; /* the voxels before its first and after its last along x */
-} foot_half_row;
 
 /* The x neighbours of a half row's ends, before[half] and after[half] for the two halves of a row: they lie
  * in the brick or beyond its face. The table replaces branches, which could not be predicted. A face is read
@@ -162,11 +116,163 @@ static uint32_t count_hits(const iso_foot_scratch *scratch) {
     return count;
 }
 
-#include "extract/points/foot_kernel_lanes.inc"
-
-#define ISO_KERNEL_BODY "extract/points/foot_kernel_body.inc"
-#include "base/kernel_levels.inc"
-
-const iso_foot_kernel *iso_foot_kernel_get(iso_cpu_level level) {
-    return ISO_KERNEL(kernel, level);
+/* Sets scratch->hits, the voxels in the band, and lists the half rows that have any; returns the number of
+ * half rows. Prefetches the first half of the next brick: one line per pair of rows, because more at once
+ * would have to wait for memory. */
+static inline uint32_t list_half_rows(const iso_foot_surface *surface, const iso_foot_brick *brick,
+                                      iso_foot_scratch *scratch) {
+    const iso_foot_face *y = &brick->face[3], *z = &brick->face[5];
+    for (size_t i = 0; i < ISO_BRICK; i++) { /* the faces of the upper neighbours, which were not read yet */
+        PREFETCH(y->base + (i * 256 & y->mask));
+        PREFETCH(z->base + (i * 16 & z->mask));
+    }
+    const float at = surface->isovalue_ceil, top = surface->top, *row = brick->values, *ahead = brick->next;
+    uint8_t *marks = scratch->hits;
+    for (int pair = 0; pair < ISO_BRICK * ISO_BRICK / 2; pair++) {
+        PREFETCH(ahead);
+        const uint32_t hits = band_hits(row, at, top) | band_hits(row + ISO_BRICK, at, top) << 16;
+        for (int half_row = 0; half_row < 4; half_row++) marks[half_row] = (uint8_t)(hits >> 8 * half_row);
+        row += 2 * ISO_BRICK;
+        ahead += ISO_BRICK;
+        marks += 4;
+    }
+    uint32_t count = 0;
+    for (uint32_t first = 0; first < ISO_FOOT_HALF_ROWS; first += 64)
+        count += list_bits(any(scratch->hits + first), first, scratch->half_rows + count);
+    return count;
 }
+
+/* Fills the table of rows (iso_foot_scratch.rows). */
+static inline void list_rows(const iso_foot_brick *brick, const float **rows) {
+    const iso_foot_face *face = brick->face;
+    const float **row = rows + ISO_FOOT_FIRST, **last = row + (ISO_BRICK + 1) * ISO_FOOT_PITCH;
+    for (size_t i = 0; i < ISO_BRICK; i++) {
+        row[i] = face[4].base + (i * 16 & face[4].mask);
+        last[i] = face[5].base + (i * 16 & face[5].mask);
+    }
+    for (size_t o = 0; o < ISO_BRICK_VOXELS; o += ISO_BRICK * ISO_BRICK) {
+        row += ISO_FOOT_PITCH;
+        row[-1] = face[2].base + (o & face[2].mask);
+        row_addresses(brick->values + o, row);
+        row[ISO_BRICK] = face[3].base + (o & face[3].mask);
+    }
+}
+
+/* Queues the voxels in the band of the listed half rows; returns how many there are. Prefetches the second
+ * half of the next brick. */
+static inline uint32_t fill_queue(float band, const iso_foot_brick *brick, uint32_t half_rows,
+                                  iso_foot_scratch *scratch) {
+    const foot_ends ends = half_row_ends(brick);
+    const float *ahead = brick->next + ISO_BRICK_VOXELS / 2, *end = brick->next + ISO_BRICK_VOXELS;
+    float *queue = scratch->queue[0];
+    int32_t *voxel = scratch->voxel;
+    for (uint32_t i = 0; i < half_rows; i++) {
+        if (ahead < end) { /* two lines a half row: more at once would have to wait for memory */
+            PREFETCH(ahead);
+            PREFETCH(ahead + ISO_BRICK);
+            ahead += 2 * ISO_BRICK;
+        }
+        const foot_half_row half_row = half_row_of(scratch, &ends, scratch->half_rows[i]);
+        const uint32_t kept = queue_half_row(band, &half_row, queue, voxel);
+        queue += kept;
+        voxel += kept;
+    }
+    for (; ahead < end; ahead += ISO_BRICK) PREFETCH(ahead);
+    return (uint32_t)(voxel - scratch->voxel);
+}
+
+/* The arithmetic of iso_foot_point and iso_point_pack is split into three loops. Divisions and square roots
+ * take long; the processor overlaps those of more vectors when the dependent arithmetic is in another loop.
+ */
+
+/* Sets scratch->scale, the factor from differences to unit normal; returns the number of irregular voxels.
+ * The differences are twice the gradient: a power of two, so that the normals have the same bits. */
+static inline uint32_t scale_normals(const iso_foot_surface *surface, iso_foot_scratch *scratch,
+                                     uint32_t count) {
+    const float normal_sign = surface->normal_sign;
+    const float *restrict dx = scratch->queue[1], *restrict dy = scratch->queue[2],
+                          *restrict dz = scratch->queue[3];
+    float *restrict scale = scratch->scale;
+    uint32_t irregular = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        const float squared = dx[i] * dx[i] + dy[i] * dy[i] + dz[i] * dz[i];
+        irregular += !iso_foot_is_regular(0.25f * squared);
+        scale[i] = normal_sign / sqrtf(squared);
+    }
+    return irregular;
+}
+
+/* Sets scratch->flat, the factor from unit normal to |x| + |y| + |z| = 1. */
+static inline void scale_octahedron(iso_foot_scratch *scratch, uint32_t count) {
+    const float *restrict dx = scratch->queue[1], *restrict dy = scratch->queue[2],
+                          *restrict dz = scratch->queue[3], *restrict scale = scratch->scale;
+    float *restrict flat = scratch->flat;
+    for (uint32_t i = 0; i < count; i++)
+        flat[i] = 1 / (fabsf(dx[i] * scale[i]) + fabsf(dy[i] * scale[i]) + fabsf(dz[i] * scale[i]));
+}
+
+/* Computes the queue's points in packed form. */
+static inline void pack_points(const iso_foot_surface *surface, const iso_foot_scratch *scratch,
+                               uint32_t count, iso_point *restrict out) {
+    const float at = surface->isovalue_ceil, residual = surface->residual;
+    const float *restrict value = scratch->queue[0], *restrict dx = scratch->queue[1],
+                          *restrict dy = scratch->queue[2], *restrict dz = scratch->queue[3],
+                          *restrict scale = scratch->scale, *restrict flat = scratch->flat;
+    const int32_t *restrict voxel = scratch->voxel;
+    for (uint32_t i = 0; i < count; i++) {
+        const float nx = dx[i] * scale[i], ny = dy[i] * scale[i], nz = dz[i] * scale[i];
+        const float distance = value[i] - at - residual;
+        const float px = (float)(voxel[i] & 15) - distance * nx,
+                    py = (float)(voxel[i] >> 4 & 15) - distance * ny,
+                    pz = (float)(voxel[i] >> 8) - distance * nz;
+        float part[2];
+        iso_point_fold_normal(nx * flat[i], ny * flat[i], nz, part);
+        out[i] = iso_point_encode(px, py, pz, part[0], part[1]);
+    }
+}
+
+/* Computes the queue's points in floats. */
+static inline void set_surfels(const iso_foot_surface *surface, const iso_foot_scratch *scratch,
+                               uint32_t count, iso_surfel *restrict out) {
+    for (uint32_t i = 0; i < count; i++) {
+        const float distance = scratch->queue[0][i] - surface->isovalue_ceil - surface->residual;
+        const int32_t voxel = scratch->voxel[i];
+        const int32_t corner[3] = {voxel & 15, voxel >> 4 & 15, voxel >> 8};
+        for (int axis = 0; axis < 3; axis++) {
+            const float n = scratch->queue[axis + 1][i] * scratch->scale[i];
+            out[i].normal[axis] = n;
+            out[i].position[axis] = (float)corner[axis] - distance * n;
+        }
+    }
+}
+
+/* Fills the queue up to a whole vector with voxels that are regular; returns the new length. */
+static inline uint32_t pad_queue(const iso_foot_surface *surface, iso_foot_scratch *scratch, uint32_t count) {
+    for (int i = 0; i < 16; i++) scratch->queue[0][count + i] = surface->isovalue_ceil;
+    for (int axis = 1; axis <= 3; axis++)
+        for (int i = 0; i < 16; i++) scratch->queue[axis][count + i] = 2;
+    for (int i = 0; i < 16; i++) scratch->voxel[count + i] = 0;
+    return (count + 15) & ~15u;
+}
+
+static void extract(const iso_foot_surface *surface, const iso_foot_brick *brick, iso_foot_scratch *scratch,
+                    iso_foot_output *output) {
+    output->count = output->rejected = 0;
+    const uint32_t half_rows = list_half_rows(surface, brick, scratch);
+    if (half_rows) list_rows(brick, scratch->rows);
+    const uint32_t queued = fill_queue(surface->band, brick, half_rows, scratch);
+    const uint32_t padded = pad_queue(surface, scratch, queued);
+    const uint32_t irregular = scale_normals(surface, scratch, padded);
+    if (irregular) mark_irregular(scratch, queued);
+    if (output->packed) {
+        scale_octahedron(scratch, padded);
+        pack_points(surface, scratch, padded, output->packed);
+    } else {
+        set_surfels(surface, scratch, padded, output->surfels);
+    }
+    output->count = queued;
+    if (irregular) replace_irregular(surface, brick, scratch, queued, output);
+    output->rejected = half_rows ? count_hits(scratch) - output->count : 0;
+}
+
+const iso_foot_kernel ISO_KERNEL_NAME(iso_foot_kernel) = {extract};

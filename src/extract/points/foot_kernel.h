@@ -1,10 +1,10 @@
 /* foot_kernel: foot points of one hgrid brick.
  *
- * One kernel body (foot_kernel_body.inc), included once per instruction set; every variant gives the same
- * bytes, which are also those of iso_foot_points_direct. First the brick's voxels are compared with the band,
- * and the half rows (eight voxels) that have a voxel in it are listed. Then the values and central
- * differences of the voxels in the band are queued, and eq. 1 (Baerentzen and Christensen 2003) is computed
- * for the queue in full vectors. Irregular voxels (NaN, the grid's border, gradients that are not those of a
+ * One source (foot_kernel.c), compiled once for each instruction set; every variant gives the same bytes,
+ * which are also those of iso_foot_points_direct. First the brick's voxels are compared with the band, and
+ * the half rows (eight voxels) that have a voxel in it are listed. Then the values and central differences
+ * of the voxels in the band are queued, and eq. 1 (Baerentzen and Christensen 2003) is computed for the
+ * queue in full vectors. Irregular voxels (NaN, the grid's border, gradients that are not those of a
  * distance field) are computed again one by one, with iso_foot_point. Internal to extract. */
 #ifndef ISO_EXTRACT_POINTS_FOOT_KERNEL_H
 #define ISO_EXTRACT_POINTS_FOOT_KERNEL_H
@@ -68,6 +68,7 @@ typedef struct iso_foot_kernel {
     void (*extract)(const iso_foot_surface *surface, const iso_foot_brick *brick, iso_foot_scratch *scratch,
                     iso_foot_output *output);
 } iso_foot_kernel;
+ISO_KERNEL_UNITS(const iso_foot_kernel, iso_foot_kernel);
 
 /* The kernel at an instruction set, or at the best below it that this build has. Never NULL. */
 const iso_foot_kernel *iso_foot_kernel_get(iso_cpu_level level);

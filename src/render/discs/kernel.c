@@ -3,8 +3,6 @@
 
 #include "base/kernel_units.h"
 
-ISO_KERNEL_UNITS(iso_discs_kernel, iso_discs_kernel);
-
 const iso_discs_kernel *iso_discs_kernel_get(iso_cpu_level level) {
     return ISO_KERNEL_UNIT(iso_discs_kernel, level);
 }

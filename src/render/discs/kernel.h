@@ -199,6 +199,7 @@ typedef struct iso_discs_kernel {
     void (*find_deepest_pixels)(const iso_discs_patch *patch, float *deepest);
     void (*find_deepest_tiles)(const iso_discs_patch *patch, float *deepest);
 } iso_discs_kernel;
+ISO_KERNEL_UNITS(const iso_discs_kernel, iso_discs_kernel);
 
 /* Whether the curvatures of a block's points are used: its discs are large enough to show them. */
 static inline bool iso_discs_use_curvature(const iso_discs_params *params, const iso_point_block *block) {

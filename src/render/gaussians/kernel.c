@@ -1,12 +1,8 @@
-/* kernel: includes the kernel's body once per instruction set. */
+/* kernel: chooses the kernel of an instruction set. */
 #include "render/gaussians/kernel.h"
 
-#include "base/exponential.h"
-#include "render/gaussians/gaussians.h"
-
-#define ISO_KERNEL_BODY "render/gaussians/kernel_body.inc"
-#include "base/kernel_levels.inc"
+#include "base/kernel_units.h"
 
 const iso_gaussian_kernel *iso_gaussian_kernel_get(iso_cpu_level level) {
-    return ISO_KERNEL(kernel, level);
+    return ISO_KERNEL_UNIT(iso_gaussian_kernel, level);
 }

@@ -42,6 +42,7 @@ typedef struct iso_gaussian_kernel {
     iso_gaussian_add *add;
     iso_gaussian_finished *finished;
 } iso_gaussian_kernel;
+ISO_KERNEL_UNITS(const iso_gaussian_kernel, iso_gaussian_kernel);
 
 /* The kernel at an instruction set, or at the best below it that this build has. Never NULL. */
 const iso_gaussian_kernel *iso_gaussian_kernel_get(iso_cpu_level level);

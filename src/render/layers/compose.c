@@ -1,9 +1,10 @@
-/* compose: composites bands of samples and averages them into pixels. The kernel is compose_body.inc. */
+/* compose: composites bands of samples and averages them into pixels. The kernel is compose_kernel.c. */
 #include "render/layers/compose.h"
 
 #include <assert.h>
 #include <string.h>
 
+#include "base/kernel_units.h"
 #include "base/memory.h"
 #include "render/layers/compose_kernel.h"
 #include "render/shading/phong_vectors.h"
@@ -116,7 +117,7 @@ void iso_layer_totals_add(iso_layer_totals *totals, const iso_layer_totals *more
 
 void iso_layers_finish(const iso_layer_picture *picture, int first, int rows, iso_layer_row_fn *compose,
                        const void *context, iso_layer_composer *composer, iso_layer_totals *totals) {
-    const iso_layer_kernel *kernel = iso_layer_kernel_get(iso_cpu_best());
+    const iso_layer_kernel *kernel = ISO_KERNEL_UNIT(iso_layer_kernel, iso_cpu_best());
     const iso_strip *strip = picture->strip;
     const int factor = strip->factor, width = picture->image->width;
     const iso_layer_line line = line_at(composer, LINE_SAMPLES), sums = line_at(composer, LINE_SUMS);
@@ -147,7 +148,7 @@ static void compose_listed(const void *context, int row, const iso_layer_line *l
     if (l->media)
         iso_layers_absorb(l->media, l->lists, row, line, totals);
     else
-        iso_layer_kernel_get(iso_cpu_best())->compose(l->lists, row, line, totals);
+        ISO_KERNEL_UNIT(iso_layer_kernel, iso_cpu_best())->compose(l->lists, row, line, totals);
 }
 
 void iso_layers_compose(const iso_layer_picture *picture, const iso_layer_lists *lists,

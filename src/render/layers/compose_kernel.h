@@ -28,8 +28,7 @@ typedef struct iso_layer_kernel {
                   int32_t *words);
 } iso_layer_kernel;
 
-/* The kernel at an instruction set, or at the best below it that this build has. Never NULL. */
-const iso_layer_kernel *iso_layer_kernel_get(iso_cpu_level level);
+ISO_KERNEL_UNITS(const iso_layer_kernel, iso_layer_kernel);
 
 /* Like iso_layer_kernel.compose, but with solids that absorb light, and sample by sample. */
 void iso_layers_absorb(const iso_layer_media *media, const iso_layer_lists *lists, int row,

@@ -1,31 +1,17 @@
-/* visibility: groups of nodes, computed where they are asked for. The kernel is visibility_body.inc. */
+/* visibility: groups of nodes, computed where they are asked for. The kernel is visibility_kernel.c. */
 #include "render/occlusion/visibility.h"
 
 #include <assert.h>
 #include <math.h>
 #include <string.h>
 
+#include "base/kernel_units.h"
 #include "base/memory.h"
-#include "base/simd.h"
 #include "render/occlusion/visibility_groups.h"
+#include "render/occlusion/visibility_kernel.h"
 
 /* Rays begin this many voxels from their node: the steps of voxels are no obstacles for each other. */
 enum { FIRST_STEP = 2 };
-
-/* What a thread finds of a group before it is stored. */
-typedef struct scratch {
-    uint32_t node[ISO_GROUP_ROWS];
-    uint32_t blocked[ISO_DIRECTIONS_MAX][ISO_GROUP_ROWS]; /* set only in rows with nodes */
-} scratch;
-
-#define ISO_KERNEL_BODY "render/occlusion/visibility_body.inc"
-#include "base/kernel_levels.inc"
-
-typedef void follow_fn(const iso_visibility *v, const int at[3], scratch *out);
-
-static follow_fn *follow_of(iso_cpu_level level) {
-    return ISO_KERNEL(follow, level);
-}
 
 /* ---- directions */
 
@@ -286,7 +272,7 @@ static void compute_group(void *context, size_t index, int worker) {
     const int row = (int)(number / (uint32_t)v->groups[0]);
     const int at[3] = {(int)(number % (uint32_t)v->groups[0]), row % v->groups[1], row / v->groups[1]};
     scratch found;
-    follow_of(iso_cpu_best())(v, at, &found);
+    ISO_KERNEL_UNIT(iso_visibility_follow, iso_cpu_best())(v, at, &found);
     v->group[number] = store(v, &found);
     if (!v->group[number]) atomic_store(&v->failed, true);
 }

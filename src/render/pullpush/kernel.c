@@ -3,13 +3,8 @@
 
 #include "base/kernel_units.h"
 
-ISO_KERNEL_UNITS(iso_pullpush_project, iso_pullpush_project);
-ISO_KERNEL_UNITS(iso_pullpush_steps, iso_pullpush_steps_ONE);
-ISO_KERNEL_UNITS(iso_pullpush_steps, iso_pullpush_steps_TWO);
-ISO_KERNEL_UNITS(iso_pullpush_steps, iso_pullpush_steps_SETS);
-
-iso_pullpush_project iso_pullpush_project_get(void) {
-    return *ISO_KERNEL_UNIT(iso_pullpush_project, iso_cpu_best());
+iso_pullpush_project_fn *iso_pullpush_project_get(void) {
+    return ISO_KERNEL_UNIT(iso_pullpush_project, iso_cpu_best());
 }
 
 const iso_pullpush_steps *iso_pullpush_steps_get(iso_pullpush_kind kind) {

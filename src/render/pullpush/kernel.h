@@ -92,11 +92,16 @@ typedef struct iso_pullpush_steps {
 } iso_pullpush_steps;
 
 /* Projects the points of the blocks into rows of the keys, and of the index when there is one. */
-typedef void (*iso_pullpush_project)(const iso_point_projection *projection, const iso_block_list *list,
+typedef void iso_pullpush_project_fn(const iso_point_projection *projection, const iso_block_list *list,
                                      iso_rows rows);
 
+ISO_KERNEL_UNITS(iso_pullpush_project_fn, iso_pullpush_project);
+ISO_KERNEL_UNITS(const iso_pullpush_steps, iso_pullpush_steps_ONE);
+ISO_KERNEL_UNITS(const iso_pullpush_steps, iso_pullpush_steps_TWO);
+ISO_KERNEL_UNITS(const iso_pullpush_steps, iso_pullpush_steps_SETS);
+
 /* The functions for the best instruction set that this processor and this build have. Never NULL. */
-iso_pullpush_project iso_pullpush_project_get(void);
+iso_pullpush_project_fn *iso_pullpush_project_get(void);
 const iso_pullpush_steps *iso_pullpush_steps_get(iso_pullpush_kind kind);
 
 /* The steps of lines alone (line_levels.c). */

@@ -40,7 +40,7 @@ enum {
      * Until the ellipse is computed, the plane of WIDE contains HIDDEN instead: 1 where another surface
      * continues behind this pixel's, else 0. There OUT is larger, because otherwise gaps would show between
      * the front surface's silhouette and the surface behind. Of a surface alone it is 1 in pixels that push
-     * has made WEAK (gaps.inc). Afterwards it is the bit ISO_OUT_MARK of OUT. */
+     * has made WEAK (gaps_simd.h). Afterwards it is the bit ISO_OUT_MARK of OUT. */
     ISO_PLANE_WIDE,
     ISO_PLANE_HIDDEN = ISO_PLANE_WIDE,
     ISO_PLANE_THIN_X,

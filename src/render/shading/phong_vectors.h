@@ -1,9 +1,8 @@
-/* phong_vectors: the definitions that render/shading/phong_body.inc needs: the key light, slopes of rays,
- * the byte order of pixels. Included by the kernels that shade. */
+/* phong_vectors: the key light, slopes of rays and the byte order of
+ * pixels, for kernels that shade and for those who prepare what they read. */
 #ifndef ISO_RENDER_SHADING_PHONG_VECTORS_H
 #define ISO_RENDER_SHADING_PHONG_VECTORS_H
 
-#include "base/simd.h"
 #include "image/camera.h"
 #include "render/shading/phong.h"
 

@@ -1,5 +1,5 @@
 /* shading: prepares colours, and shades bands of rows with all threads. The kernel is
- * shading_kernel_body.inc. */
+ * shading_kernel.c. */
 #include "render/shading/shading.h"
 
 #include <assert.h>
@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "base/kernel_units.h"
-#include "render/shading/phong_vectors.h"
+#include "render/shading/phong_simd.h"
 #include "render/shading/shading_kernel.h"
 #include "render/view/project.h"
 
@@ -35,7 +35,7 @@ static iso_shade_params make_params(const iso_shading *shading, const iso_strip 
 
 typedef struct bands {
     const iso_shade_params *params;
-    iso_shade_rows shade;
+    iso_shade_rows_fn *shade;
     int rows, count;
     atomic_size_t covered;
 } bands;
@@ -53,26 +53,21 @@ size_t iso_shade(const iso_shading *shading, const iso_strip *strip, iso_image *
     assert(image->width * strip->factor == strip->gbuffer->width);
     const iso_shade_params params = make_params(shading, strip, image);
     int rows = strip->gbuffer->height / strip->factor;
-    bands b = {&params, *ISO_KERNEL_UNIT(iso_shade_rows, iso_cpu_best()), rows, iso_band_count(pool, rows),
-               0};
+    bands b = {&params, ISO_KERNEL_UNIT(iso_shade_rows, iso_cpu_best()), rows, iso_band_count(pool, rows), 0};
     iso_parallel_for(pool, (size_t)b.count, shade_band, &b);
     return atomic_load_explicit(&b.covered, memory_order_relaxed);
 }
 
-#define ISO_LEVEL generic
-#include "render/shading/phong_body.inc"
-#undef ISO_LEVEL
-
-/* Shades a vector of equal samples, so that the model is implemented only once. */
+/* Shades a vector (of the generic level) of equal samples, so that the model is implemented only once. */
 void iso_shade_sample(const float normal[3], const float to_eye[3], iso_rgb color, float rgb[3]) {
     const float base[3] = {(float)color.r / 255, (float)color.g / 255, (float)color.b / 255};
-    vf_generic n[3], eye[3], b[3], out[3];
+    vf n[3], eye[3], b[3], out[3];
     for (int axis = 0; axis < 3; axis++) {
-        n[axis] = v_set_generic(normal[axis]);
-        eye[axis] = v_set_generic(to_eye[axis]);
-        b[axis] = v_set_generic(base[axis]);
+        n[axis] = v_set(normal[axis]);
+        eye[axis] = v_set(to_eye[axis]);
+        b[axis] = v_set(base[axis]);
     }
-    phong_generic(n, eye, b, out);
+    phong(n, eye, b, out);
     for (int c = 0; c < 3; c++) rgb[c] = out[c][0];
 }
 

@@ -22,7 +22,7 @@ typedef struct iso_shade_params {
 } iso_shade_params;
 
 /* Shades pixel rows first .. last of the strip; returns the number of samples that show a surface. */
-typedef size_t (*iso_shade_rows)(const iso_shade_params *params, int first, int last);
-ISO_KERNEL_UNITS(iso_shade_rows, iso_shade_rows);
+typedef size_t iso_shade_rows_fn(const iso_shade_params *params, int first, int last);
+ISO_KERNEL_UNITS(iso_shade_rows_fn, iso_shade_rows);
 
 #endif

@@ -1,13 +1,10 @@
 /* candidates: the stadiums of shapes, and the test for each instruction set. */
 #include "render/shapes/candidates.h"
 
-#include "base/simd.h"
-
-#define ISO_KERNEL_BODY "render/shapes/candidates_body.inc"
-#include "base/kernel_levels.inc"
+#include "base/kernel_units.h"
 
 iso_shapes_candidates_fn *iso_shapes_candidates_get(iso_cpu_level level) {
-    return ISO_KERNEL(candidates, level);
+    return ISO_KERNEL_UNIT(iso_shapes_find_candidates, level);
 }
 
 /* In perspective a point that is `r` from the centre is at most f r sqrt(1 + u^2 + v^2) / (z - r) pixels from

@@ -27,6 +27,8 @@ typedef struct iso_shapes_samples {
 typedef int iso_shapes_candidates_fn(const iso_shapes_samples *samples, const iso_shapes_stadium *stadium,
                                      const iso_shapes_rect *box, float nearest, int32_t *out);
 
+ISO_KERNEL_UNITS(iso_shapes_candidates_fn, iso_shapes_find_candidates);
+
 /* The function for an instruction set, or for the best below it that this build has. Never NULL. */
 iso_shapes_candidates_fn *iso_shapes_candidates_get(iso_cpu_level level);
 

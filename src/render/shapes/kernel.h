@@ -9,7 +9,6 @@
 
 #include "base/cpu.h"
 #include "base/memory.h"
-#include "base/simd.h"
 #include "render/shapes/frame.h"
 #include "render/shapes/near.h"
 
@@ -60,7 +59,7 @@ enum {
     ISO_FIELD_UNIT_Y = ISO_FIELD_UNIT_X + 3,
     ISO_FIELD_UNIT_RAY = ISO_FIELD_UNIT_Y + 3,
     ISO_SOLID_FIELDS = ISO_FIELD_UNIT_RAY + 3,
-    /* Ribbons: vectors of three components, see ribbon.inc */
+    /* Ribbons: vectors of three components, see ribbon_simd.h */
     ISO_FIELD_PATH = ISO_FIELD_Z + 1,
     ISO_FIELD_FIRST_EDGE = ISO_FIELD_PATH + 3,
     ISO_FIELD_LAST_EDGE = ISO_FIELD_FIRST_EDGE + 3,
@@ -111,7 +110,7 @@ typedef struct iso_shapes_kernel {
     void (*resolve)(iso_shapes_bin *bin);
 } iso_shapes_kernel;
 
-ISO_KERNEL_UNITS(iso_shapes_kernel, iso_shapes_kernel);
+ISO_KERNEL_UNITS(const iso_shapes_kernel, iso_shapes_kernel);
 
 /* Floats of a record. */
 static inline int iso_shapes_record_floats(iso_shape_kind kind) {

@@ -121,7 +121,7 @@ void iso_near_finish(const iso_near_shape *s, const ray *r, piece *p, int end) {
         p->normal[end][a] = (r->origin[a] + p->t[end] * r->direction[a] - centre[a]) / radius;
 }
 
-/* ---- ribbons: see ribbon.inc for the quadratic */
+/* ---- ribbons: see ribbon_simd.h for the quadratic */
 
 static void cross(const double a[3], const double b[3], double out[3]) {
     for (int i = 0; i < 3; i++) out[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];

@@ -4,7 +4,7 @@
 #include <float.h>
 #include <math.h>
 
-#include "base/simd.h"
+#include "base/cpu.h"
 #include "render/shapes/solid.h"
 
 enum { TILE = 8 }; /* samples on a side of a tile */

@@ -2,8 +2,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/cpu.h"
 #include "base/memory.h"
-#include "base/simd.h"
 #include "render/shapes/prepare.h"
 #include "render/shapes/solid.h"
 

@@ -7,7 +7,7 @@
  *
  * Source: Gumhold 2003, "Splatting illuminated ellipsoids with depth correction" (VMV), for splatting
  * quadrics by their boxes with the depth of each pixel; the discriminants are written relative to each
- * shape's own centre (kernel_body.inc), so that floats suffice far from the eye. */
+ * shape's own centre (shapes_kernel.c), so that floats suffice far from the eye. */
 #ifndef ISO_RENDER_SHAPES_SHAPES_H
 #define ISO_RENDER_SHAPES_SHAPES_H
 

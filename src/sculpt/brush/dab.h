@@ -97,6 +97,6 @@ typedef struct iso_dab_kernel {
                          iso_voxel_bits *changed);
 } iso_dab_kernel;
 
-ISO_KERNEL_UNITS(iso_dab_kernel, iso_dab_kernel);
+ISO_KERNEL_UNITS(const iso_dab_kernel, iso_dab_kernel);
 
 #endif

@@ -1,10 +1,10 @@
-/* dab_kernel: edits of a brick (dab.h): the parts that are the same for every instruction set; dab_body.inc
- * has the others. A unit for each instruction set (base/kernel_units.h). */
+/* dab_kernel: edits of a brick (dab.h). */
 #include <math.h>
 
 #include "base/simd.h"
 #include "grids/grid.h"
 #include "sculpt/brush/dab.h"
+#include "sculpt/field/stencil_simd.h"
 
 /* A dab in floats, with the centre relative to a brick's first voxel. `segment` goes from the centre to
  * `from`. */
@@ -52,5 +52,295 @@ static void stamp_distances(const iso_dabs *dabs, const iso_local_dab *local, fl
     }
 }
 
-#define ISO_KERNEL_BODY "sculpt/brush/dab_body.inc"
-#include "base/kernel_levels.inc"
+/* ISO_LANES three-dimensional vectors, as three SIMD vectors of components. */
+typedef struct vf_vector {
+    vf x, y, z;
+} vf_vector;
+
+/* Returns the positions, relative to the dab's centre, of the ISO_LANES voxels of a row that begin at `x`. */
+ISO_INLINE vf_vector position_from_dab(const iso_local_dab *dab, int row, int x) {
+    vf_vector p;
+    p.x = v_to_float(v_lanes() + v_seti(x)) - v_set(dab->centre[0]);
+    p.y = v_set((float)(row % ISO_BRICK) - dab->centre[1]);
+    p.z = v_set((float)(row / ISO_BRICK) - dab->centre[2]);
+    return p;
+}
+
+ISO_INLINE vf dot(const vf_vector *p, const float axis[3]) {
+    return p->x * v_set(axis[0]) + p->y * v_set(axis[1]) + p->z * v_set(axis[2]);
+}
+
+ISO_INLINE vf length3(vf x, vf y, vf z) {
+    return v_sqrt(x * x + y * y + z * z);
+}
+
+/* Returns the signed distance to a box. a, b and c say for each axis by how much the position lies beyond the
+ * box's sides (negative: between the sides; -INFINITY: the box is infinite along the axis). */
+ISO_INLINE vf box_distance(vf a, vf b, vf c) {
+    const vf zero = v_set(0);
+    const vf outside = length3(v_max(a, zero), v_max(b, zero), v_max(c, zero));
+    return outside + v_min(v_max(a, v_max(b, c)), zero);
+}
+
+ISO_INLINE vf capsule_distance(const iso_local_dab *dab, const vf_vector *p, float radius) {
+    const float *s = dab->segment; /* from the centre to the other end */
+    const float square = s[0] * s[0] + s[1] * s[1] + s[2] * s[2];
+    vf t = dot(p, s) / v_set(square > 0 ? square : 1);
+    t = v_min(v_max(t, v_set(0)), v_set(1));
+    return length3(p->x - t * v_set(s[0]), p->y - t * v_set(s[1]), p->z - t * v_set(s[2])) - v_set(radius);
+}
+
+ISO_INLINE vf solid_distance(const iso_dabs *dabs, const iso_local_dab *dab, const vf_vector *p) {
+    const float r = dabs->radius_voxels, aspect = r * dabs->aspect;
+    if (dabs->solid == ISO_SOLID_SPHERE) return length3(p->x, p->y, p->z) - v_set(r);
+    if (dabs->solid == ISO_SOLID_CAPSULE) return capsule_distance(dab, p, r);
+    const vf x = dot(p, dab->axis[0]), y = dot(p, dab->axis[1]), z = dot(p, dab->axis[2]);
+    if (dabs->solid == ISO_SOLID_BOX)
+        return box_distance(v_abs(x) - v_set(r), v_abs(y) - v_set(aspect), v_abs(z) - v_set(aspect));
+    const vf ring = v_sqrt(x * x + y * y) - v_set(r);
+    if (dabs->solid == ISO_SOLID_CYLINDER)
+        return box_distance(ring, v_abs(z) - v_set(aspect), v_set(-INFINITY));
+    return v_sqrt(ring * ring + z * z) - v_set(aspect); /* the torus */
+}
+
+/* Returns the weight of a deforming touch at a distance, in voxels, from its centre: falloff times strength,
+ * 0 beyond the radius. */
+ISO_INLINE vf weight(const iso_dabs *dabs, vf distance) {
+    const vf t = distance / v_set(dabs->radius_voxels), zero = v_set(0), one = v_set(1);
+    vf w = one;
+    if (dabs->falloff == ISO_FALLOFF_SMOOTH) {
+        const vf s = one - t * t;
+        w = s * s;
+    } else if (dabs->falloff == ISO_FALLOFF_LINEAR)
+        w = one - t;
+    return v_select(v_lt(t, one), w * v_set(dabs->strength), zero);
+}
+
+/* Returns the distance to the union of the field f and the solid s. With a blend width, the crease between
+ * the two is filleted where f is inside the band. */
+ISO_INLINE vf unite(const iso_dabs *dabs, vf f, vf s) {
+    const vf plain = v_min(s, f);
+    if (!(dabs->blend_voxels > 0)) return plain;
+    const vf blend = v_set(dabs->blend_voxels);
+    const vf h = v_max(blend - v_abs(f - s), v_set(0)) / blend;
+    return v_select(v_lt(v_abs(f), v_set(dabs->band)), plain - h * h * blend * v_set(0.25f), plain);
+}
+
+ISO_INLINE vf clamped(vf value, float band) {
+    return v_min(v_max(value, v_set(-band)), v_set(band));
+}
+
+static void edit_solid(const iso_dabs *dabs, const iso_local_dab *local, const iso_stencil *phi, float *out) {
+    float stamped[ISO_BRICK_VOXELS], *stamp = dabs->solid == ISO_SOLID_STAMP ? stamped : NULL;
+    if (stamp) stamp_distances(dabs, local, stamped);
+    const bool carve = dabs->tool == ISO_TOOL_CARVE || dabs->tool == ISO_TOOL_BLEND_CARVE;
+    for (int row = 0; row < ISO_BRICK_ROWS; row++)
+        for (int x = 0; x < ISO_BRICK; x += ISO_LANES) {
+            vf s = stamp ? v_load(stamp + row * ISO_BRICK + x) : v_set(INFINITY);
+            for (int i = 0; i < dabs->count && !stamp; i++) {
+                const vf_vector p = position_from_dab(&local[i], row, x);
+                s = v_min(s, solid_distance(dabs, &local[i], &p));
+            }
+            const vf f = v_load(phi->self + row * ISO_BRICK + x), zero = v_set(0);
+            const vf made = carve ? zero - unite(dabs, zero - f, s) : unite(dabs, f, s);
+            v_store(out + row * ISO_BRICK + x, clamped(made, dabs->band));
+        }
+}
+
+/* Adds up the values of a touch's dabs in pairs of mirror images, so that the order of the mirror images does
+ * not change the rounded sum. */
+ISO_INLINE vf sum_dabs(const vf *part, int count) {
+    vf sum[ISO_DAB_MAX];
+    for (int i = 0; i < ISO_DAB_MAX; i++) sum[i] = i < count ? part[i] : v_set(0);
+    return ((sum[0] + sum[1]) + (sum[2] + sum[3])) + ((sum[4] + sum[5]) + (sum[6] + sum[7]));
+}
+
+/* Returns by how much INFLATE, DEFLATE or FLATTEN changes voxels with the values f, in voxels. p: their
+ * positions relative to the dab. */
+ISO_INLINE vf distance_change(const iso_dabs *dabs, const iso_local_dab *dab, const vf_vector *p, vf f) {
+    const vf w = weight(dabs, length3(p->x, p->y, p->z));
+    if (dabs->tool == ISO_TOOL_INFLATE) return v_set(0) - w;
+    if (dabs->tool == ISO_TOOL_DEFLATE) return w;
+    const vf plane = clamped(dot(p, dab->axis[2]), dabs->band);
+    return w * (plane - f); /* FLATTEN */
+}
+
+static void edit_offset(const iso_dabs *dabs, const iso_local_dab *local, const iso_stencil *phi,
+                        float *out) {
+    for (int row = 0; row < ISO_BRICK_ROWS; row++)
+        for (int x = 0; x < ISO_BRICK; x += ISO_LANES) {
+            const vf f = v_load(phi->self + row * ISO_BRICK + x);
+            vf part[ISO_DAB_MAX];
+            for (int i = 0; i < dabs->count; i++) {
+                const vf_vector p = position_from_dab(&local[i], row, x);
+                part[i] = distance_change(dabs, &local[i], &p, f);
+            }
+            const vf made = clamped(f + sum_dabs(part, dabs->count), dabs->band);
+            v_store(out + row * ISO_BRICK + x, v_select(v_lt(v_abs(f), v_set(dabs->band)), made, f));
+        }
+}
+
+/* Returns by how much the mean of the six face neighbours exceeds a voxel's value (a sixth of the Laplacian).
+ * Returns 0 unless all seven values are distances inside the band. */
+ISO_INLINE vf mean_excess(const iso_stencil *phi, int row, int x, float band) {
+    const row_site site = site_of(phi, row, x);
+    const voxel_faces f = faces_of(&site);
+    vf sum = v_set(-6) * f.self, most = v_abs(f.self);
+    for (int axis = 0; axis < 3; axis++) {
+        sum += f.low[axis] + f.high[axis];
+        most = v_max(most, v_max(v_abs(f.low[axis]), v_abs(f.high[axis])));
+    }
+    return v_select(v_lt(most, v_set(band)), sum * v_set(1.0f / 6), v_set(0));
+}
+
+static void edit_smooth(const iso_dabs *dabs, const iso_local_dab *local, const iso_stencil *phi,
+                        float *out) {
+    for (int row = 0; row < ISO_BRICK_ROWS; row++)
+        for (int x = 0; x < ISO_BRICK; x += ISO_LANES) {
+            vf w = v_set(0);
+            for (int i = 0; i < dabs->count; i++) {
+                const vf_vector p = position_from_dab(&local[i], row, x);
+                w = v_max(w, weight(dabs, length3(p.x, p.y, p.z)));
+            }
+            const vf f = v_load(phi->self + row * ISO_BRICK + x);
+            v_store(out + row * ISO_BRICK + x, f + w * mean_excess(phi, row, x, dabs->band));
+        }
+}
+
+static void edit(const iso_dabs *dabs, const int brick[3], const iso_stencil *phi, float *out) {
+    iso_local_dab local[ISO_DAB_MAX];
+    make_local_dabs(dabs, brick, local);
+    if (iso_tool_is_set_operation(dabs->tool))
+        edit_solid(dabs, local, phi, out);
+    else if (dabs->tool == ISO_TOOL_SMOOTH)
+        edit_smooth(dabs, local, phi, out);
+    else
+        edit_offset(dabs, local, phi, out);
+}
+
+/* ---- warps */
+
+/* The displacements of ISO_LANES voxels by each dab of a touch. */
+typedef struct ex_shifts {
+    vf x[ISO_DAB_MAX], y[ISO_DAB_MAX], z[ISO_DAB_MAX];
+} ex_shifts;
+
+ISO_INLINE vf_vector sum_shifts(const ex_shifts *s, int count) {
+    vf_vector p = {sum_dabs(s->x, count), sum_dabs(s->y, count), sum_dabs(s->z, count)};
+    return p;
+}
+
+/* PINCH: returns the displacement to the position at which a voxel's new value is sampled. The position lies
+ * farther from the axis of the dab than the voxel, so that the surface moves towards the axis. */
+ISO_INLINE vf_vector pinch(const iso_dabs *dabs, const iso_local_dab *local, int row, int x) {
+    ex_shifts s;
+    for (int i = 0; i < dabs->count; i++) {
+        const vf_vector p = position_from_dab(&local[i], row, x);
+        const float *axis = local[i].axis[2];
+        const vf w = weight(dabs, length3(p.x, p.y, p.z)), n = dot(&p, axis);
+        s.x[i] = w * (p.x - n * v_set(axis[0]));
+        s.y[i] = w * (p.y - n * v_set(axis[1]));
+        s.z[i] = w * (p.z - n * v_set(axis[2]));
+    }
+    return sum_shifts(&s, dabs->count);
+}
+
+/* MOVE: returns the displacement to the position at which a voxel's new value is sampled. The stroke moves
+ * the surface by a flow: a velocity field whose centre moves from the stroke's first sample to the current
+ * one. The voxel is followed back along the flow in steps of an eighth of the radius, so that the warp never
+ * folds. */
+ISO_INLINE vf_vector trace_back(const iso_dabs *dabs, const iso_local_dab *local, int steps, int row, int x) {
+    vf_vector shift = {v_set(0), v_set(0), v_set(0)};
+    const float part = 1 / (float)steps;
+    for (int k = 0; k < steps; k++) {
+        ex_shifts s;
+        for (int i = 0; i < dabs->count; i++) {
+            const float *path = local[i].segment;
+            const float back =
+                ((float)k + 0.5f) * part; /* 0: centre at the current sample, 1: at the first */
+            const vf_vector p = position_from_dab(&local[i], row, x);
+            const vf w = v_set(part) * weight(dabs, length3(p.x + shift.x - v_set(back * path[0]),
+                                                            p.y + shift.y - v_set(back * path[1]),
+                                                            p.z + shift.z - v_set(back * path[2])));
+            s.x[i] = w * v_set(path[0]);
+            s.y[i] = w * v_set(path[1]);
+            s.z[i] = w * v_set(path[2]);
+        }
+        const vf_vector sum = sum_shifts(&s, dabs->count);
+        shift.x += sum.x;
+        shift.y += sum.y;
+        shift.z += sum.z;
+    }
+    return shift;
+}
+
+/* Rounds to 2^-16 voxel. Sums with voxel indices are then exact, and mirror images have mirrored sums. */
+ISO_INLINE vf snap(vf shift) {
+    return v_to_float(v_trunc(shift * v_set(65536))) * v_set(1.0f / 65536);
+}
+
+static bool warp(const iso_dabs *dabs, const int brick[3], iso_warp *warp) {
+    iso_local_dab local[ISO_DAB_MAX];
+    make_local_dabs(dabs, brick, local);
+    const int steps = iso_dabs_steps(dabs);
+    uint32_t moved = 0;
+    for (int row = 0; row < ISO_BRICK_ROWS; row++)
+        for (int x = 0; x < ISO_BRICK; x += ISO_LANES) {
+            const vf_vector shift = dabs->tool == ISO_TOOL_PINCH ? pinch(dabs, local, row, x)
+                                                                 : trace_back(dabs, local, steps, row, x);
+            const vf length = v_abs(shift.x) + v_abs(shift.y) + v_abs(shift.z);
+            moved |= v_mask(v_lt(v_set(0), length));
+            const int at = row * ISO_BRICK + x;
+            v_store(warp->position[0] + at, v_to_float(v_lanes() + v_seti(x)) + snap(shift.x));
+            v_store(warp->position[1] + at, v_set((float)(row % ISO_BRICK)) + snap(shift.y));
+            v_store(warp->position[2] + at, v_set((float)(row / ISO_BRICK)) + snap(shift.z));
+        }
+    return moved != 0;
+}
+
+/* Interpolates linearly. Exchanging a with b and t with 1 - t gives the same bits, so that mirrored fields
+ * stay mirrored. */
+ISO_INLINE vf mix(vf a, vf b, vf t) {
+    return a * (v_set(1) - t) + b * t;
+}
+
+static void sample(const iso_warp *warp, const iso_field_window *window, float *out) {
+    const int step_y = window->size[0], step_z = window->size[0] * window->size[1];
+    for (int at = 0; at < ISO_BRICK_VOXELS; at += ISO_LANES) {
+        vi index = v_seti(0);
+        vf part[3];
+        for (int axis = 0; axis < 3; axis++) {
+            const vf p = v_load(warp->position[axis] + at) - v_set((float)window->lo[axis]);
+            const vi whole = v_floor(p);
+            part[axis] = p - v_to_float(whole);
+            index += whole * v_seti(axis == 0 ? 1 : axis == 1 ? step_y : step_z);
+        }
+        vf row[4];
+        for (int i = 0; i < 4; i++) {
+            const float *from = window->values + (i & 1) * step_y + (i >> 1) * step_z;
+            row[i] = mix(v_gather(from, index), v_gather(from + 1, index), part[0]);
+        }
+        v_store(out + at, mix(mix(row[0], row[1], part[1]), mix(row[2], row[3], part[1]), part[2]));
+    }
+}
+
+static bool find_changes(const float *before, const iso_voxel_bits *masked, float *values,
+                         iso_voxel_bits *changed) {
+    uint32_t any = 0;
+    for (int row = 0; row < ISO_BRICK_ROWS; row++) {
+        uint32_t bits = 0;
+        for (int x = 0; x < ISO_BRICK; x += ISO_LANES) {
+            const int at = row * ISO_BRICK + x;
+            const vf old = v_load(before + at), made = v_load(values + at);
+            const uint32_t kept = masked ? (uint32_t)masked->row[row] >> x : 0;
+            if (masked) v_store(values + at, v_select(v_from_mask(kept), old, made));
+            const vm same = v_eqi(v_bits(old), v_bits(made));
+            bits |= (~(v_mask(same) | kept) & ((1u << ISO_LANES) - 1)) << x;
+        }
+        changed->row[row] = (uint16_t)bits;
+        any |= bits;
+    }
+    return any != 0;
+}
+
+const iso_dab_kernel ISO_KERNEL_NAME(iso_dab_kernel) = {edit, warp, sample, find_changes};

@@ -77,6 +77,7 @@ typedef struct iso_redistancer {
     void (*relax)(const iso_stencil *phi, const iso_voxel_bits *fixed, const iso_relaxation *step, float *out,
                   iso_row_bits *moved);
 } iso_redistancer;
+ISO_KERNEL_UNITS(const iso_redistancer, iso_redistancer);
 
 /* Returns the kernels for an instruction set, or for the best one below it that this build has. */
 const iso_redistancer *iso_redistancer_get(iso_cpu_level level);

@@ -1,46 +1,17 @@
 /* simd: every operation against plain C, at every level that the machine has. */
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include <cmocka.h>
 
-#include "base/simd.h"
-
-enum { SIMD_ITEMS = 1024, SIMD_TRUTHS = 9 };
-
-typedef struct simd_inputs {
-    float a[SIMD_ITEMS], b[SIMD_ITEMS], small[SIMD_ITEMS];
-    int32_t k[SIMD_ITEMS], l[SIMD_ITEMS];
-    uint8_t u8[SIMD_ITEMS];
-    uint16_t u16[SIMD_ITEMS];
-    int16_t i16[SIMD_ITEMS];
-} simd_inputs;
-
-typedef struct simd_results {
-    float set[SIMD_ITEMS], floats[SIMD_ITEMS], to_float[SIMD_ITEMS], min[SIMD_ITEMS], max[SIMD_ITEMS],
-        abs[SIMD_ITEMS], gather[SIMD_ITEMS], sqrt[SIMD_ITEMS], select[SIMD_ITEMS];
-    int32_t u8[SIMD_ITEMS], u16[SIMD_ITEMS], i16[SIMD_ITEMS], lanes[SIMD_ITEMS], bits[SIMD_ITEMS],
-        trunc[SIMD_ITEMS], floor[SIMD_ITEMS], selecti[SIMD_ITEMS];
-    int slides[SIMD_ITEMS]; /* how many of four slides were right */
-    uint8_t truth[SIMD_TRUTHS][SIMD_ITEMS];
-    float packed[SIMD_ITEMS + ISO_LANES_MAX];
-    int32_t packedi[SIMD_ITEMS + ISO_LANES_MAX];
-    int packed_count;
-    float gathered[12][SIMD_ITEMS], scattered[SIMD_ITEMS][5];
-    float even[SIMD_ITEMS], odd[SIMD_ITEMS], zipped[2 * SIMD_ITEMS];
-    uint8_t stored_u8[SIMD_ITEMS];
-} simd_results;
-
-static int same_bits(float a, float b) {
-    return memcmp(&a, &b, sizeof a) == 0;
-}
-
-#define ISO_KERNEL_BODY "tests/unit/base/test_simd_body.inc"
-#include "base/kernel_levels.inc"
+#include "base/kernel_units.h"
 #include "check_support.h"
+#include "test_simd_kernel.h"
 
 static void fill(simd_inputs *in) {
     uint32_t seed = 7;
@@ -105,7 +76,7 @@ static void operate_plain(const simd_inputs *in, simd_results *out) {
 }
 
 /* The bits of sqrt's NaN may differ between machines' square roots; all else is compared as it is. */
-static void check_level(iso_cpu_level level, void (*operate)(const simd_inputs *, simd_results *)) {
+static void check_level(iso_cpu_level level, operate_fn *operate) {
     if (iso_cpu_supported() < level) {
         print_message("no %s here: left out\n", iso_cpu_level_name(level));
         return;
@@ -131,11 +102,8 @@ static void check_level(iso_cpu_level level, void (*operate)(const simd_inputs *
 
 static void operations_equal_plain_c(void **state) {
     (void)state;
-    check_level(ISO_CPU_GENERIC, operate_generic);
-#if ISO_HAVE_X86
-    check_level(ISO_CPU_AVX2, operate_avx2);
-    check_level(ISO_CPU_AVX512, operate_avx512);
-#endif
+    for (int level = ISO_CPU_GENERIC; level < ISO_CPU_LEVELS; level++)
+        check_level((iso_cpu_level)level, ISO_KERNEL_UNIT(operate, level));
 }
 
 int main(void) {
