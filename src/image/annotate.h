@@ -14,12 +14,6 @@
 #include "image/colormap.h"
 #include "image/image.h"
 
-/* A colour bar: shows which colours of a map stand for which numbers. */
-typedef struct iso_color_bar {
-    iso_colormap map;
-    double low, high; /* the numbers at the ends of the bar */
-} iso_color_bar;
-
 /* In which unit a length is shown. */
 typedef enum iso_length_unit {
     ISO_UNIT_AUTO, /* m, mm, um or nm, as it is short; none when the world has no unit */
