@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "exact/exact.h"
 #include "render/pullpush/sets.h"
+#include "scene/coloring.h"
 
 /* ---- surfaces, as if they were opaque, and opaque objects */
 
@@ -94,6 +95,25 @@ typedef struct drawing {
     const iso_shading *shading;
 } drawing;
 
+/* Whether anything is coloured by data. */
+static bool has_colorings(const iso_scene *scene) {
+    bool any = false;
+    for (int i = 0; i < scene->count; i++) any |= scene->surfaces[i].surface->coloring != NULL;
+    for (int i = 0; i < scene->object_count; i++) any |= scene->objects[i]->coloring != NULL;
+    return any;
+}
+
+/* Colours what is opaque and drawn so far. */
+static iso_status paint_colorings(const drawing *d, const iso_view *view, iso_gbuffer *gbuffer,
+                                  iso_error *error) {
+    const iso_coloring *colorings[ISO_SURFACE_MAX];
+    const iso_scene *scene = d->scene;
+    if (!has_colorings(scene)) return ISO_OK;
+    for (int i = 0; i < scene->count; i++) colorings[i] = scene->surfaces[i].surface->coloring;
+    for (int i = 0; i < scene->object_count; i++) colorings[scene->count + i] = scene->objects[i]->coloring;
+    return iso_colorings_paint(colorings, iso_scene_colors(scene), view, gbuffer, d->pool, error);
+}
+
 static iso_status draw_caps(const drawing *d, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
     return d->scene->caps ? iso_caps_draw(d->scene->caps, view, gbuffer, d->pool, error) : ISO_OK;
 }
@@ -110,6 +130,7 @@ static iso_status draw_things(const drawing *d, const iso_view *view, iso_gbuffe
 /* iso_picture_opts.draw. */
 static iso_status draw_all(void *context, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
     ISO_TRY(draw_things(context, view, gbuffer, error));
+    ISO_TRY(paint_colorings(context, view, gbuffer, error));
     return draw_caps(context, view, gbuffer, error);
 }
 
@@ -126,7 +147,16 @@ static iso_status draw_others(void *context, const iso_view *view, iso_gbuffer *
     const drawing *d = context;
     const iso_target target = {view, gbuffer, d->pool, 0, NULL};
     ISO_TRY(draw_opaque_objects(d->scene, &target, error));
+    ISO_TRY(paint_colorings(d, view, gbuffer, error));
     return draw_caps(d, view, gbuffer, error);
+}
+
+/* Whether there is anything for draw_others: also colours of an opaque surface. */
+static bool draws_others(const iso_scene *scene) {
+    bool colors = false;
+    for (int i = 0; i < scene->count; i++)
+        colors |= scene->surfaces[i].surface->coloring && scene->surfaces[i].translucency.opacity >= 1;
+    return scene->object_count || scene->caps || colors;
 }
 
 /* Lists the translucent objects. ISO_ERR_LIMIT. */
@@ -158,7 +188,7 @@ static iso_status render_layers(drawing *d, iso_picture_opts *opts, iso_image *i
                                    .surfaces = scene->surfaces,
                                    .count = scene->count,
                                    .sets = sets,
-                                   .draw_others = scene->object_count || scene->caps ? draw_others : NULL,
+                                   .draw_others = draws_others(scene) ? draw_others : NULL,
                                    .others_context = d,
                                    .transparency = scene->transparency,
                                    .shade_splats = scene->engine ? scene->engine->shade_groups : NULL,
@@ -229,8 +259,8 @@ static iso_status render_gaussians(drawing *d, iso_picture_opts *opts, iso_image
 /* Whether the picture needs no gbuffer: one exact surface with one sample a pixel, and nothing beside it. */
 static bool is_painted(const iso_scene *scene, const iso_picture_opts *opts) {
     return scene->renderer->method == ISO_METHOD_EXACT && !scene->engine && !scene->caps &&
-           iso_scene_colors(scene) == 1 && scene->count == 1 && opts->samples <= 1 && !opts->aov &&
-           opts->lighting == ISO_LIGHTING_PHONG && !opts->occlusion && !(opts->outline > 0);
+           iso_scene_colors(scene) == 1 && scene->count == 1 && !has_colorings(scene) && opts->samples <= 1 &&
+           !opts->aov && opts->lighting == ISO_LIGHTING_PHONG && !opts->occlusion && !(opts->outline > 0);
 }
 
 static iso_status paint(const iso_scene *scene, const iso_picture_opts *opts, iso_image *image,

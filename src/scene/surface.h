@@ -45,7 +45,9 @@ typedef struct iso_scene_surface {
     int bins;                      /* for the method splats: iso_draw_groups_opts.bins */
     iso_point_selection selection; /* for the methods that draw discs */
     const iso_clip *clip;          /* what is cut away in pictures (ISO_CAN_CLIP); borrowed; NULL: nothing */
-    double lod_pixels;             /* the most that levels of detail are wrong by; 0: all points are drawn */
+    /* How it is coloured by data in pictures (ISO_CAN_COLORS); borrowed; NULL: in one colour. */
+    const struct iso_coloring *coloring;
+    double lod_pixels; /* the most that levels of detail are wrong by; 0: all points are drawn */
     /* Of the methods that draw points. NULL: one is made with the points, and owned. */
     iso_point_workspace *workspace;
 
