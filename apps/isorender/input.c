@@ -191,7 +191,7 @@ static iso_status check_color_bar(const isorender_job *job, iso_error *error) {
         has_bar |= job->objects[i].has_bar || isorender_gradients_have_bar(job->objects[i].settings);
     if (has_bar) return ISO_OK;
     return iso_fail(error, ISO_ERR_USAGE,
-                    "--color-bar shows what --color-by and --surface-color-by colour: give one of them");
+                    "--color-bar shows what --color-by and --surface-color-by colour: give both");
 }
 
 /* Reads the files of --lines and --glyphs. */

@@ -14,13 +14,10 @@ enum { TRIANGLES_PER_TASK = 4096 };
 
 struct iso_distance {
     iso_triangle_tree *tree; /* of a field relative to its origin, to keep floats small */
-    /* Of a field; `slack`: by how much, mm, the surface may be nearer than each triangle of the tree. */
     bool is_field;
     iso_grid grid;
     iso_affine affine;
     double isovalue; /* stored */
-    float *slack;
-    double most_slack;
 };
 
 /* ---- the surface in a triangle's cell */
@@ -74,11 +71,17 @@ static float slack_of(const iso_distance *d, size_t triangle) {
     return (float)(SLACK_FACTOR * most + SLACK_LEAST * voxel);
 }
 
+typedef struct slack_search {
+    const iso_distance *distance;
+    float *slack; /* by triangle */
+} slack_search;
+
 static void find_slack(void *context, size_t index, int worker) {
     (void)worker;
-    const iso_distance *d = context;
-    const size_t first = index * TRIANGLES_PER_TASK, count = iso_triangle_tree_count(d->tree);
-    for (size_t i = first; i < first + TRIANGLES_PER_TASK && i < count; i++) d->slack[i] = slack_of(d, i);
+    const slack_search *s = context;
+    const size_t first = index * TRIANGLES_PER_TASK, count = iso_triangle_tree_count(s->distance->tree);
+    for (size_t i = first; i < first + TRIANGLES_PER_TASK && i < count; i++)
+        s->slack[i] = slack_of(s->distance, i);
 }
 
 /* ---- creating */
@@ -120,11 +123,12 @@ static iso_status create_field_tree(const iso_triangles *mesh, iso_distance *d, 
 static iso_status create_field(const iso_triangles *mesh, iso_pool *pool, iso_distance *d, iso_error *error) {
     ISO_TRY(create_field_tree(mesh, d, error));
     const size_t count = iso_triangle_tree_count(d->tree);
-    d->slack = iso_alloc(count * sizeof *d->slack);
-    if (!d->slack) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for distances");
-    iso_parallel_for(pool, (count + TRIANGLES_PER_TASK - 1) / TRIANGLES_PER_TASK, find_slack, d);
-    for (size_t i = 0; i < count; i++) d->most_slack = fmax(d->most_slack, (double)d->slack[i]);
-    return ISO_OK;
+    slack_search search = {d, iso_alloc(count * sizeof *search.slack)};
+    if (!search.slack) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for distances");
+    iso_parallel_for(pool, (count + TRIANGLES_PER_TASK - 1) / TRIANGLES_PER_TASK, find_slack, &search);
+    const iso_status status = iso_triangle_tree_set_slack(d->tree, search.slack, error);
+    iso_free(search.slack);
+    return status;
 }
 
 iso_status iso_distance_of_field(const iso_grid *grid, double isovalue, const iso_triangles *mesh,
@@ -146,7 +150,6 @@ iso_status iso_distance_of_field(const iso_grid *grid, double isovalue, const is
 void iso_distance_destroy(iso_distance *distance) {
     if (!distance) return;
     iso_triangle_tree_destroy(distance->tree);
-    iso_free(distance->slack);
     iso_free(distance);
 }
 
@@ -155,7 +158,8 @@ void iso_distance_destroy(iso_distance *distance) {
 /* A search for the nearest point of a field's surface. */
 typedef struct field_search {
     const iso_distance *distance;
-    iso_vec3 p; /* relative to the grid's origin */
+    iso_vec3 p;  /* relative to the grid's origin */
+    size_t best; /* the triangle of the nearest point so far */
 } field_search;
 
 /* Replaces the distance of a triangle by that of the surface in its cell, which starts at the triangle's nearest
@@ -170,25 +174,23 @@ static double refine(const field_search *s, size_t triangle, iso_vec3 start) {
     return iso_cell_patch_nearest(&patch, p, at);
 }
 
-/* iso_triangle_tree_search's visit: *limit is the least distance so far, plus the most slack. */
-static void visit(void *context, size_t triangle, double distance, iso_vec3 nearest, double *limit) {
-    const field_search *s = context;
-    const double best = *limit - s->distance->most_slack;
-    if (distance - (double)s->distance->slack[triangle] >= best) return;
+/* iso_triangle_tree_search's visit; *limit is the least distance so far. */
+static void visit(void *context, size_t triangle, iso_vec3 nearest, double *limit) {
+    field_search *s = context;
     const double found = refine(s, triangle, nearest);
-    if (found < best) *limit = found + s->distance->most_slack;
+    if (!(found < *limit)) return;
+    *limit = found;
+    s->best = triangle;
 }
 
 static double field_distance(const iso_distance *d, iso_vec3 point, size_t *near) {
     const double *o = d->affine.origin;
-    field_search s = {d, iso_vec3_sub(point, iso_vec3_make(o[0], o[1], o[2]))};
-    iso_nearest nearest = {.squared = INFINITY, .triangle = *near};
-    iso_triangle_tree_nearest(d->tree, s.p, &nearest);
-    *near = nearest.triangle;
-    const double most = sqrt(nearest.squared) + (double)d->slack[nearest.triangle];
-    double limit = fmin(refine(&s, nearest.triangle, nearest.point), most) + d->most_slack;
-    iso_triangle_tree_search(d->tree, s.p, &limit, visit, &s);
-    return limit - d->most_slack;
+    field_search s = {d, iso_vec3_sub(point, iso_vec3_make(o[0], o[1], o[2])), *near};
+    const iso_vec3 start = iso_triangle_nearest(iso_triangle_tree_get(d->tree, *near)->corners, s.p);
+    double distance = refine(&s, *near, start);
+    iso_triangle_tree_search(d->tree, s.p, &distance, visit, &s);
+    *near = s.best;
+    return distance;
 }
 
 static bool is_inside_field(const iso_distance *d, iso_vec3 point) {
