@@ -298,49 +298,27 @@ static iso_status choose_things(isorender_job *job, int things, iso_error *error
     return ISO_OK;
 }
 
-/* The range of a mesh's numbers, or only at how many vertices there are some. */
-static iso_status measure(const isorender_job *job, color_source *source, iso_coloring *coloring,
-                          const iso_mesh_view *mesh, const iso_view *view, iso_error *error) {
-    size_t points = 0, found = 0;
-    ISO_TRY(iso_coloring_find_range(coloring, mesh, view, job->pool, &points, &found, error));
-    source->points += points;
-    source->found += found;
-    if (source->ranged) {
-        coloring->bar = source->bar;
-        return ISO_OK;
-    }
-    source->ranged = found > 0;
-    source->bar = coloring->bar;
-    return ISO_OK;
-}
-
-static iso_status measure_surface(const isorender_job *job, color_source *source, iso_coloring *coloring,
-                                  const iso_scene_surface *surface, const iso_view *view, iso_error *error) {
-    const iso_mesh_opts opts = {.isovalue = surface->isovalue, .pool = job->pool, .chunk = NULL};
-    iso_mesh_set *made = NULL;
-    if (!surface->mesh) ISO_TRY(iso_mesh_set_create(&surface->grid, &opts, &made, error));
-    iso_status status = made ? iso_mesh_set_update(made, error) : ISO_OK;
-    if (status == ISO_OK) {
-        const iso_mesh_view mesh = iso_mesh_set_view(made ? made : surface->mesh);
-        status = measure(job, source, coloring, &mesh, view, error);
-    }
-    iso_mesh_set_destroy(made);
-    return status;
-}
-
 /* Sets the range of a thing's coloring if it is not known, and counts where it has numbers. */
 static iso_status find_range(isorender_job *job, int thing, const iso_view *view, iso_error *error) {
     iso_coloring *coloring = &job->colorings->things[thing];
     color_source *source = &job->colorings->sources[job->colorings->source_of[thing]];
-    const bool counts = source->settings->source == ISO_COLOR_BY_VOLUME;
-    if (source->ranged && !counts) {
-        coloring->bar = source->bar;
-        return ISO_OK;
+    size_t points = 0, found = 0;
+    if (!source->ranged || source->settings->source == ISO_COLOR_BY_VOLUME) {
+        if (is_surface(job, thing))
+            ISO_TRY(iso_coloring_find_surface_range(coloring, &job->surfaces[thing].scene, view, &points,
+                                                    &found, error));
+        else {
+            const iso_mesh_view mesh =
+                iso_triangle_spans_view(&job->objects[thing - job->surface_count].scene.spans);
+            ISO_TRY(iso_coloring_find_range(coloring, &mesh, view, job->pool, &points, &found, error));
+        }
     }
-    if (is_surface(job, thing))
-        return measure_surface(job, source, coloring, &job->surfaces[thing].scene, view, error);
-    const iso_mesh_view mesh = iso_triangle_spans_view(&job->objects[thing - job->surface_count].scene.spans);
-    return measure(job, source, coloring, &mesh, view, error);
+    source->points += points;
+    source->found += found;
+    if (!source->ranged) source->bar = coloring->bar;
+    source->ranged |= found > 0;
+    coloring->bar = source->bar;
+    return ISO_OK;
 }
 
 /* Says where there is nothing to be coloured by, and what the ranges are. */

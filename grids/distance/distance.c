@@ -203,14 +203,18 @@ static bool is_inside_field(const iso_distance *d, iso_vec3 point) {
     return iso_grid_is_level_set(&d->grid) ? value < d->isovalue : value >= d->isovalue;
 }
 
-double iso_distance_at(const iso_distance *d, iso_vec3 point, size_t *near) {
-    if (d->is_field) {
-        const double distance = field_distance(d, point, near);
-        return is_inside_field(d, point) ? -distance : distance;
-    }
+bool iso_distance_is_inside(const iso_distance *d, iso_vec3 point) {
+    return d->is_field ? is_inside_field(d, point) : fabs(iso_triangle_tree_winding(d->tree, point)) > 0.5;
+}
+
+static double mesh_distance(const iso_distance *d, iso_vec3 point, size_t *near) {
     iso_nearest nearest = {.squared = INFINITY, .triangle = *near};
     iso_triangle_tree_nearest(d->tree, point, &nearest);
     *near = nearest.triangle;
-    const double distance = sqrt(nearest.squared);
-    return fabs(iso_triangle_tree_winding(d->tree, point)) > 0.5 ? -distance : distance;
+    return sqrt(nearest.squared);
+}
+
+double iso_distance_at(const iso_distance *d, iso_vec3 point, size_t *near) {
+    const double distance = d->is_field ? field_distance(d, point, near) : mesh_distance(d, point, near);
+    return iso_distance_is_inside(d, point) ? -distance : distance;
 }

@@ -3,6 +3,7 @@
 #ifndef ISO_GRIDS_DISTANCE_DISTANCE_H
 #define ISO_GRIDS_DISTANCE_DISTANCE_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 #include "base/parallel.h"
@@ -31,6 +32,9 @@ void iso_distance_destroy(iso_distance *distance); /* NULL is allowed */
  * its winding number is nearer to 1 than to 0 (or to -1, if it is inside out). *near: 0, or what the call for a
  * point nearby has set it to, which makes the search faster. */
 double iso_distance_at(const iso_distance *distance, iso_vec3 point, size_t *near);
+
+/* Whether a point is inside, as the sign of iso_distance_at says. */
+bool iso_distance_is_inside(const iso_distance *distance, iso_vec3 point);
 
 #ifdef __cplusplus
 }

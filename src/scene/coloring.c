@@ -118,6 +118,8 @@ static size_t set_range(double *numbers, size_t count, bool both_sides, iso_colo
     const size_t low = (good - 1) / 50, high = good - 1 - low;
     bar->high = numbers[high];
     bar->low = both_sides ? -bar->high : numbers[low];
+    /* numbers that differ by rounding alone have one colour */
+    if (bar->high - bar->low <= 1e-6 * fmax(fabs(bar->low), fabs(bar->high))) bar->low = bar->high;
     return good;
 }
 
@@ -175,6 +177,21 @@ iso_status iso_coloring_find_range(iso_coloring *coloring, const iso_mesh_view *
     }
     iso_free(s.places);
     iso_free(s.numbers);
+    return status;
+}
+
+iso_status iso_coloring_find_surface_range(iso_coloring *coloring, const iso_scene_surface *surface,
+                                           const iso_view *view, size_t *points, size_t *found,
+                                           iso_error *error) {
+    const iso_mesh_opts opts = {.isovalue = surface->isovalue, .pool = surface->pool, .chunk = NULL};
+    iso_mesh_set *made = NULL;
+    if (!surface->mesh) ISO_TRY(iso_mesh_set_create(&surface->grid, &opts, &made, error));
+    iso_status status = made ? iso_mesh_set_update(made, error) : ISO_OK;
+    if (status == ISO_OK) {
+        const iso_mesh_view mesh = iso_mesh_set_view(made ? made : surface->mesh);
+        status = iso_coloring_find_range(coloring, &mesh, view, surface->pool, points, found, error);
+    }
+    iso_mesh_set_destroy(made);
     return status;
 }
 

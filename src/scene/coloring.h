@@ -10,14 +10,7 @@
 #include "image/colormap.h"
 #include "render/view/gbuffer.h"
 #include "render/view/surface_colors.h"
-
-typedef enum iso_color_source {
-    ISO_COLOR_BY_VOLUME,    /* values of a volume, trilinear */
-    ISO_COLOR_BY_CURVATURE, /* mean curvature, 1/mm (grids/grid_curvature.h) */
-    ISO_COLOR_BY_DISTANCE,  /* signed distance, mm (grids/distance/distance.h) */
-    ISO_COLOR_BY_DEPTH,     /* mm from the camera, along the view */
-    ISO_COLOR_BY_NORMAL     /* the normal's x, y and z in the world, -1 .. 1, as red, green and blue */
-} iso_color_source;
+#include "scene/surface.h"
 
 /* How a surface is coloured. */
 typedef struct iso_coloring {
@@ -51,6 +44,11 @@ iso_status iso_colorings_paint(const iso_coloring *const *colorings, int count, 
  * is set. The same with every number of threads. `pool` may be NULL. ISO_ERR_NOMEM. */
 iso_status iso_coloring_find_range(iso_coloring *coloring, const iso_mesh_view *mesh, const iso_view *view,
                                    iso_pool *pool, size_t *points, size_t *found, iso_error *error);
+
+/* The same of a surface, by its mesh; one is made if it has none. Also the errors of iso_mesh_set_update. */
+iso_status iso_coloring_find_surface_range(iso_coloring *coloring, const iso_scene_surface *surface,
+                                           const iso_view *view, size_t *points, size_t *found,
+                                           iso_error *error);
 
 /* Gives the vertices of a welded mesh their colours (iso_weld.colors). Not BY_DEPTH. transform: of its index
  * coordinates. `pool` may be NULL. ISO_ERR_NOMEM. */
