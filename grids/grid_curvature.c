@@ -18,6 +18,24 @@ static void set_weights(double part, double weights[3][TAPS]) {
     }
 }
 
+/* Beyond the border values go on as a line through the two outermost voxels: the weights of voxels that are not there go
+ * to these. first: the place of the first of four voxels; last: of the grid's last voxel. */
+static void fold_weights(int first, int last, double weights[3][TAPS]) {
+    for (int order = 0; order < 3 && last > 0; order++) {
+        double *w = weights[order];
+        if (first < 0) {
+            w[1] += 2 * w[0];
+            w[2] -= w[0];
+            w[0] = 0;
+        }
+        if (first + 3 > last) {
+            w[2] += 2 * w[3];
+            w[1] -= w[3];
+            w[3] = 0;
+        }
+    }
+}
+
 /* Derivatives in index coordinates. */
 typedef struct derivatives {
     double g[3], h[3][3];
@@ -42,9 +60,10 @@ static derivatives find_derivatives(const iso_grid *grid, iso_vec3 index) {
         const double last = iso_grid_dims(grid)[axis] - 1, at = p[axis] < 0      ? 0
                                                                 : p[axis] > last ? last
                                                                                  : p[axis];
-        const double cell = floor(at);
+        const double cell = at < last ? floor(at) : fmax(last - 1, 0);
         first[axis] = (int)cell - 1;
         set_weights(at - cell, w[axis]);
+        fold_weights(first[axis], (int)last, w[axis]);
     }
     for (int k = 0; k < TAPS; k++)
         for (int j = 0; j < TAPS; j++) {

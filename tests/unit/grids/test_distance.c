@@ -109,6 +109,10 @@ static double ball(double x, double y, double z) {
     return 12.4 - sqrt(a * a + b * b + c * c);
 }
 
+static double border_ball(double x, double y, double z) {
+    return 20 - sqrt((x + 4) * (x + 4) + (y - 5) * (y - 5) + (z - 5) * (z - 5));
+}
+
 static double torus(double x, double y, double z) {
     const double a = sqrt((x - 19.3) * (x - 19.3) + (y - 18.6) * (y - 18.6)) - 10.7, b = z - 20.1;
     return 4.3 - sqrt(a * a + b * b);
@@ -233,6 +237,14 @@ static void curvature_is_that_of_a_ball_and_a_torus(void **state) {
         const iso_vec3 p = iso_vec3_add(iso_vec3_make(19.3, 18.6, 20.1),
                                         iso_vec3_scale(test_random_direction(&random), 12.4));
         assert_true(fabs(iso_grid_mean_curvature(&grid, &affine, p) * 6.2 - 1) < 0.01);
+    }
+    iso_grid_destroy(&grid);
+    grid = make_field(border_ball);
+    const iso_affine whole = iso_transform_affine(iso_grid_transform(&grid));
+    for (double x = 0; x < 2; x += 0.25) { /* as far as the border the ball goes on */
+        const double y = sqrt(20 * 20 - (x + 4) * (x + 4)) * sqrt(0.5);
+        const double found = iso_grid_mean_curvature(&grid, &whole, iso_vec3_make(x, 5 + y, 5 + y));
+        assert_true(found * 20 > 0.4 && found * 20 < 1.1);
     }
     iso_grid_destroy(&grid);
     grid = make_field(torus);
