@@ -18,8 +18,8 @@ static void set_weights(double part, double weights[3][TAPS]) {
     }
 }
 
-/* Beyond the border values go on as a line through the two outermost voxels: the weights of voxels that are not there go
- * to these. first: the place of the first of four voxels; last: of the grid's last voxel. */
+/* Beyond the border values go on as a line through the two outermost voxels: the weights of voxels that
+ * are not there go to these. first: the place of the first of four voxels; last: of the grid's last voxel. */
 static void fold_weights(int first, int last, double weights[3][TAPS]) {
     for (int order = 0; order < 3 && last > 0; order++) {
         double *w = weights[order];

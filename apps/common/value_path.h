@@ -14,9 +14,9 @@ typedef struct iso_value_path {
 /* What can be a path: what stands behind "distance:" and before @N,.. at the end. */
 iso_value_path iso_value_path_whole(const char *value);
 
-/* Looks for a path that exists in a value: all of iso_value_path_whole, or what comes before its last colon.
- * scene: also beside this file, as iso_scene_json_find does; NULL: not. *found, if it is not NULL, is set to the path
- * as it was found, the caller's: free(). False: there is none, or no memory. */
+/* Looks for a path that exists in a value: all of iso_value_path_whole, or what comes before its last
+ * colon. scene: also beside this file, as iso_scene_json_find does; NULL: not. *found, if it is not NULL,
+ * is set to the path as it was found, the caller's: free(). False: there is none, or no memory. */
 bool iso_value_path_find(const char *value, const char *scene, iso_value_path *path, char **found);
 
 #endif

@@ -1,5 +1,5 @@
-/* surfaces: the command "isocompare surfaces", which measures how far two surfaces are from each other, and draws both,
- * coloured by their distance from the other one. */
+/* surfaces: the command "isocompare surfaces", which measures how far two surfaces are from each other,
+ * and draws both, coloured by their distance from the other one. */
 #define _GNU_SOURCE
 #include <math.h>
 #include <stdlib.h>
@@ -202,7 +202,8 @@ static iso_status draw_all(comparison *c, iso_error *error) {
 
 /* ---- results */
 
-/* A number of the table: its name, and its values for the first surface and the second, or for both in the first. */
+/* A number of the table: its name, and its values for the first surface and the second, or for both in the
+ * first. */
 typedef struct row {
     const char *name, *unit;
     double values[2];

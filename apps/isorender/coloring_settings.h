@@ -1,5 +1,5 @@
-/* coloring_settings: --surface-color-by as it is given, and --colormap, which surfaces share with lines, glyphs and
- * points. */
+/* coloring_settings: --surface-color-by as it is given, and --colormap, which surfaces share with lines,
+ * glyphs and points. */
 #ifndef ISO_APPS_ISORENDER_COLORING_SETTINGS_H
 #define ISO_APPS_ISORENDER_COLORING_SETTINGS_H
 
@@ -34,7 +34,8 @@ typedef struct isorender_coloring_settings {
     double range[2]; /* NAN: to be found */
 } isorender_coloring_settings;
 
-/* Parses VOLUME[:ARRAY], curvature, distance:FILE[:ISOVALUE], depth or normal, with @N,.. behind it. ISO_ERR_USAGE. */
+/* Parses VOLUME[:ARRAY], curvature, distance:FILE[:ISOVALUE], depth or normal, with @N,.. behind it.
+ * ISO_ERR_USAGE. */
 iso_status isorender_coloring_parse(const char *value, isorender_coloring_settings *coloring,
                                     iso_error *error);
 

@@ -257,7 +257,8 @@ static const char *reason_against(const isorender_job *job, const color_source *
     return iso_scene_object_is_opaque(&object->scene) ? NULL : "it is a translucent mesh";
 }
 
-/* Whether a source colours a thing: those that it names; else the isosurfaces, or meshes if there are none. */
+/* Whether a source colours a thing: those that it names; else the isosurfaces, or meshes if there are
+ * none. */
 static bool is_for(const isorender_job *job, const color_source *source, int thing) {
     if (source->settings->things.named) return iso_things_have(&source->settings->things, thing);
     return is_surface(job, thing) || (!job->surface_count && !reason_against(job, source, thing));

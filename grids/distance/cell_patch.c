@@ -1,11 +1,12 @@
-/* cell_patch: minimises the distance over the trilinear surface in a cell. A step goes along the tangents of the
- * surface, those of a face where the surface has been followed to it, to where the second-order model of the
- * distance on the surface is least; the point is then moved back onto the surface. */
+/* cell_patch: minimises the distance over the trilinear surface in a cell. A step goes along the tangents
+ * of the surface, those of a face where the surface has been followed to it, to where the second-order
+ * model of the distance on the surface is least; the point is then moved back onto the surface. */
 #include "grids/distance/cell_patch.h"
 
 enum { MOST_STEPS = 24, MOST_HALVINGS = 8, MOST_CORRECTIONS = 10 };
 
-/* Of a voxel's size: steps that are shorter end the search, and points that are nearer to the surface are on it. */
+/* Of a voxel's size: steps that are shorter end the search, and points that are nearer to the surface are
+ * on it. */
 static const double CONVERGED = 1e-7, ON_SURFACE = 1e-6;
 
 iso_cell_patch iso_cell_patch_make(const double corners[8], const double m[9]) {
@@ -66,8 +67,8 @@ static double largest_spacing(const iso_cell_patch *patch) {
     return sqrt(fmax(patch->metric[0], fmax(patch->metric[4], patch->metric[8])));
 }
 
-/* Moves a position onto the surface along the gradient, within the cell. fixed: axes that stay. False: it does not
- * get there. */
+/* Moves a position onto the surface along the gradient, within the cell. fixed: axes that stay. False: it
+ * does not get there. */
 static bool correct(const iso_cell_patch *patch, const bool fixed[3], double u[3]) {
     for (int i = 0; i < MOST_CORRECTIONS; i++) {
         const local_field f = field_at(patch, u);
@@ -115,8 +116,8 @@ static bool solve(int count, const double w[3], const double r[2], double s[2]) 
     return true;
 }
 
-/* The step along the surface to where the distance is least by the second-order model, or without the surface's
- * curvature where that model has no least value. */
+/* The step along the surface to where the distance is least by the second-order model, or without the
+ * surface's curvature where that model has no least value. */
 static void find_step(const iso_cell_patch *patch, const local_field *f, const double pull[3],
                       const bool fixed[3], double step[3]) {
     double t[2][3], lowered[2][3], bent[3] = {0}, plain[3] = {0}, r[2] = {0}, s[2] = {0}, square = 0,

@@ -1,5 +1,5 @@
-/* cell_patch: the part of a trilinear surface that lies in one cell, and its point that is nearest to another.
- * Internal to grids/distance. */
+/* cell_patch: the part of a trilinear surface that lies in one cell, and its point that is nearest to
+ * another. Internal to grids/distance. */
 #ifndef ISO_GRIDS_DISTANCE_CELL_PATCH_H
 #define ISO_GRIDS_DISTANCE_CELL_PATCH_H
 
@@ -13,12 +13,13 @@ typedef struct iso_cell_patch {
     double metric[9]; /* squared length, mm2, of an index vector t: t^T metric t */
 } iso_cell_patch;
 
-/* corners: the field at corner 0 .. 7 (bit 0: x + 1, ..), less the isovalue. m: index vectors to mm, row-major. */
+/* corners: the field at corner 0 .. 7 (bit 0: x + 1, ..), less the isovalue. m: index vectors to mm,
+ * row-major. */
 iso_cell_patch iso_cell_patch_make(const double corners[8], const double m[9]);
 
-/* The least distance, mm, from p to the surface in the cell, near a start in the cell, which becomes the nearest
- * point. Newton's method along the surface, its faces and its edges. INFINITY: no point of the surface is found from
- * this start. */
+/* The least distance, mm, from p to the surface in the cell, near a start in the cell, which becomes the
+ * nearest point. Newton's method along the surface, its faces and its edges. INFINITY: no point of the
+ * surface is found from this start. */
 double iso_cell_patch_nearest(const iso_cell_patch *patch, const double p[3], double at[3]);
 
 /* About how far the surface is from a position in the cell, mm. */

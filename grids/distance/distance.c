@@ -1,13 +1,13 @@
-/* distance: a tree over triangles finds where to look; of a field, the surface in the cells of the triangles that
- * may be nearest decides. */
+/* distance: a tree over triangles finds where to look; of a field, the surface in the cells of the
+ * triangles that may be nearest decides. */
 #include "grids/distance/distance.h"
 
 #include "base/memory.h"
 #include "grids/closing/triangle_tree.h"
 #include "grids/distance/cell_patch.h"
 
-/* How much farther than measured at a few places the surface of a cell may be from its triangles; and at least, in
- * voxels: triangles are stored in floats. */
+/* How much farther than measured at a few places the surface of a cell may be from its triangles; and at
+ * least, in voxels: triangles are stored in floats. */
 static const double SLACK_FACTOR = 1.5, SLACK_LEAST = 1e-3;
 
 enum { TRIANGLES_PER_TASK = 4096 };
@@ -162,8 +162,8 @@ typedef struct field_search {
     size_t best; /* the triangle of the nearest point so far */
 } field_search;
 
-/* Replaces the distance of a triangle by that of the surface in its cell, which starts at the triangle's nearest
- * point. */
+/* Replaces the distance of a triangle by that of the surface in its cell, which starts at the triangle's
+ * nearest point. */
 static double refine(const field_search *s, size_t triangle, iso_vec3 start) {
     iso_cell_patch patch;
     int cell[3];

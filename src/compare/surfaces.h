@@ -29,9 +29,9 @@ typedef struct iso_surfaces_compared {
     double step;                   /* mm between the points that volumes are counted at */
 } iso_surfaces_compared;
 
-/* Compares two surfaces: distances at all vertices and, of meshes, at points in their triangles; volumes by the points of
- * a lattice of about a million points (meshes: 100,000) in the box of both. The same with every number of threads. `pool`
- * may be NULL. ISO_ERR_NOMEM. */
+/* Compares two surfaces: distances at all vertices and, of meshes, at points in their triangles; volumes
+ * by the points of a lattice of about a million points (meshes: 100,000) in the box of both. The same with
+ * every number of threads. `pool` may be NULL. ISO_ERR_NOMEM. */
 iso_status iso_compare_surfaces(const iso_compared_surface surfaces[2], iso_pool *pool,
                                 iso_surfaces_compared *compared, iso_error *error);
 

@@ -19,8 +19,8 @@ typedef struct iso_exact_layer {
     iso_rgb color;
     iso_translucency translucency;
     const iso_clip *clip; /* what is cut away of it; NULL: nothing; borrowed for the call */
-    /* Used instead of `color` but for what its solid absorbs; NULL: `color`; borrowed for the call. Of readers'
-     * fragments only those of shaded ones have them. */
+    /* Used instead of `color` but for what its solid absorbs; NULL: `color`; borrowed for the call. Of
+     * readers' fragments only those of shaded ones have them. */
     const iso_surface_colors *colors;
 } iso_exact_layer;
 

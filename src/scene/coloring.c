@@ -105,8 +105,8 @@ static int compare(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* The middle of the numbers but for 2 % at each end; of signed ones as much on both sides of 0. Returns how many
- * numbers there are. */
+/* The middle of the numbers but for 2 % at each end; of signed ones as much on both sides of 0. Returns
+ * how many numbers there are. */
 static size_t set_range(double *numbers, size_t count, bool both_sides, iso_color_bar *bar) {
     size_t good = 0;
     for (size_t i = 0; i < count; i++)

@@ -24,24 +24,26 @@ typedef struct iso_coloring {
 /* Sets the grid with its transform. */
 void iso_coloring_set_grid(iso_coloring *coloring, const iso_grid *grid);
 
-/* The number at a point. NaN, which is coloured in the neutral gray of iso_color_bar_at: BY_NORMAL; where the
- * volume is not finite, and outside of it, which is beyond half a voxel from its outermost voxels' centres. near:
- * as iso_surface_colors.at. Thread-safe. */
+/* The number at a point. NaN, which is coloured in the neutral gray of iso_color_bar_at: BY_NORMAL; where
+ * the volume is not finite, and outside of it, which is beyond half a voxel from its outermost voxels'
+ * centres. near: as iso_surface_colors.at. Thread-safe. */
 double iso_coloring_number(const iso_coloring *coloring, const iso_colored_point *point, size_t *near);
 
 /* The colours of all points; borrows the coloring. */
 iso_surface_colors iso_coloring_colors(const iso_coloring *coloring);
 
-/* Gives the samples of a gbuffer that show a surface with a coloring its colours. colorings: by surface number,
- * NULL: none; count: of them. The same bytes with every number of threads. `pool` may be NULL. ISO_ERR_NOMEM. */
+/* Gives the samples of a gbuffer that show a surface with a coloring its colours. colorings: by surface
+ * number, NULL: none; count: of them. The same bytes with every number of threads. `pool` may be NULL.
+ * ISO_ERR_NOMEM. */
 iso_status iso_colorings_paint(const iso_coloring *const *colorings, int count, const iso_view *view,
                                iso_gbuffer *gbuffer, iso_pool *pool, iso_error *error);
 
-/* Sets bar.low and bar.high from the numbers at some of a mesh's vertices, evenly many of all its parts: from their
- * 2nd to their 98th percentile, and alike on both sides of 0 if the source's numbers are signed. Wherever the camera
- * is, a surface so has the same range; but BY_DEPTH it is that of the view (which may be NULL otherwise). *points: the
- * number of these vertices; *found: of those where there is a number; with none the range is 0 .. 1. BY_NORMAL nothing
- * is set. The same with every number of threads. `pool` may be NULL. ISO_ERR_NOMEM. */
+/* Sets bar.low and bar.high from the numbers at some of a mesh's vertices, evenly many of all its parts:
+ * from their 2nd to their 98th percentile, and alike on both sides of 0 if the source's numbers are
+ * signed. Wherever the camera is, a surface so has the same range; but BY_DEPTH it is that of the view
+ * (which may be NULL otherwise). *points: the number of these vertices; *found: of those where there is a
+ * number; with none the range is 0 .. 1. BY_NORMAL nothing is set. The same with every number of threads.
+ * `pool` may be NULL. ISO_ERR_NOMEM. */
 iso_status iso_coloring_find_range(iso_coloring *coloring, const iso_mesh_view *mesh, const iso_view *view,
                                    iso_pool *pool, size_t *points, size_t *found, iso_error *error);
 

@@ -1,4 +1,5 @@
-/* surface_colors: surfaces whose colour differs from place to place, computed for each sample of a picture. */
+/* surface_colors: surfaces whose colour differs from place to place, computed for each sample of a
+ * picture. */
 #ifndef ISO_RENDER_VIEW_SURFACE_COLORS_H
 #define ISO_RENDER_VIEW_SURFACE_COLORS_H
 
@@ -15,8 +16,8 @@ typedef struct iso_colored_point {
 
 /* Thread-safe. */
 typedef struct iso_surface_colors {
-    /* The colour of a point. *near: begins as 0 in each row of samples and is passed from sample to sample, for
-     * searches that begin where the last one ended; the colour does not depend on it. */
+    /* The colour of a point. *near: begins as 0 in each row of samples and is passed from sample to
+     * sample, for searches that begin where the last one ended; the colour does not depend on it. */
     iso_rgb (*at)(const void *context, const iso_colored_point *point, size_t *near);
     const void *context; /* borrowed */
 } iso_surface_colors;

@@ -1,5 +1,5 @@
-/* Distances from the trilinear surface of a field are those that an exhaustive search of its cells finds: two balls, two
- * tori, two scans turned by 1 degree. Those from a mesh are exact; signs. */
+/* Distances from the trilinear surface of a field are those that an exhaustive search of its cells finds:
+ * two balls, two tori, two scans turned by 1 degree. Those from a mesh are exact; signs. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -141,8 +141,8 @@ static void turn(iso_grid *grid, double angle) {
     t->origin[1] = middle - (sine * t->spacing[0] + cosine * t->spacing[1]) * middle;
 }
 
-/* Compares distances from a field at random points with those of the search. near: the points are so near to vertices of
- * the surface; else anywhere. */
+/* Compares distances from a field at random points with those of the search. near: the points are so near
+ * to vertices of the surface; else anywhere. */
 static void compare(const iso_grid *grid, double isovalue, double near, int count, double tolerance) {
     iso_distance *distance;
     iso_weld weld;

@@ -1,6 +1,6 @@
-/* Samples of pictures have the colours of the data at their places, as rays and samples in double precision find them: of
- * volumes of another resolution and place, curvature, distance, depth and normals, by exact and raycast within 1/255, by
- * mesh at its own places; gray outside; ranges. */
+/* Samples of pictures have the colours of the data at their places, as rays and samples in double
+ * precision find them: of volumes of another resolution and place, curvature, distance, depth and normals,
+ * by exact and raycast within 1/255, by mesh at its own places; gray outside; ranges. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
