@@ -599,6 +599,24 @@ typedef enum iso_cut_cap {
     ISO_CUT_CAPS
 } iso_cut_cap;
 
+/* What surfaces are coloured by, as by isorender's --surface-color-by. */
+typedef enum iso_color_source {
+    ISO_COLOR_BY_VOLUME,    /* values of a volume, trilinear, at the place of each sample; gray outside */
+    ISO_COLOR_BY_CURVATURE, /* mean curvature, 1/mm: 1 / r of a ball */
+    ISO_COLOR_BY_DISTANCE,  /* signed distance from an isosurface, mm; below 0 inside */
+    ISO_COLOR_BY_DEPTH,     /* mm from the camera, along the view */
+    ISO_COLOR_BY_NORMAL     /* x, y and z of the normal, -1 .. 1, as red, green and blue */
+} iso_color_source;
+
+typedef struct iso_color_by {
+    int surface; /* its number in the picture, from 0 */
+    iso_color_source source;
+    iso_volume *volume; /* BY_VOLUME; BY_DISTANCE: of the isosurface at `isovalue` */
+    double isovalue;
+    const char *colormap; /* NULL: viridis; by curvature and distance coolwarm */
+    double range[2];      /* ascending; both 0: all but 2 % of the surface's numbers at each end */
+} iso_color_by;
+
 typedef struct iso_render_opts {
     iso_method method;
     int width, height; /* pixels; 0 means 1024 */
@@ -649,6 +667,8 @@ typedef struct iso_render_opts {
     double occlusion;
     bool shadow;
     double outline;
+    const iso_color_by *color_by; /* translucent surfaces are coloured by EXACT and RAYCAST only */
+    int color_by_count;
 } iso_render_opts;
 #define ISO_OCCLUSION_USUAL (-1.0)
 

@@ -49,7 +49,8 @@ enum {
     ISO_OPTION_REPEATABLE = 4,     /* shown in the help; the option's kind or `apply` collects the values */
     ISO_OPTION_UNRECORDED = 8,     /* affects how the program runs, but not its result */
     ISO_OPTION_PERCENT = 16,       /* an ISO_OPTION_REAL may be given as 150% for 1.5 */
-    ISO_OPTION_READS = 32          /* the value is the path of a file that is read */
+    ISO_OPTION_READS = 32,         /* the value is the path of a file that is read */
+    ISO_OPTION_READS_PART = 64     /* the value may contain such a path (value_path.h) */
 };
 
 typedef struct iso_option {

@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "apps/common/loader.h"
+#include "apps/common/value_path.h"
 #include "base/file.h"
 #include "base/file_identity.h"
 #include "base/file_set.h"
@@ -48,20 +49,45 @@ static bool find_fingerprint(const char *path, char text[17], bool *failed) {
     return regular;
 }
 
-/* Adds a path: in a PNG never an absolute one, and as in the scene that the picture was drawn from; in a file
- * of its own relative to that, or an absolute one. `file`: of its own; NULL: a text in a PNG. */
-static void put_path(iso_json *json, const char *key, const char *path, const iso_scene_record *record,
-                     const char *file) {
+/* A path as it is written, the caller's: in a PNG never an absolute one, and as in the scene that the picture
+ * was drawn from; in a file
+ * of its own relative to that, or an absolute one. `file`: of its own; NULL: a text in a PNG.
+ * NULL: no memory. */
+static char *path_text(const char *path, const iso_scene_record *record, const char *file) {
     const char *inside = without_folder(path, file ? file : record->from);
     errno = 0;
     char *whole = file && !inside && folder_length(file) ? realpath(path, NULL) : NULL;
-    json->failed |= !whole && errno == ENOMEM;
-    iso_json_string(json, key,
-                    inside                    ? inside
-                    : whole                   ? whole
-                    : !file && path[0] == '/' ? base_name(path)
-                                              : path);
-    free(whole);
+    if (whole) return whole;
+    if (errno == ENOMEM) return NULL;
+    return strdup(inside ? inside : !file && path[0] == '/' ? base_name(path) : path);
+}
+
+static void put_path(iso_json *json, const char *key, const char *path, const iso_scene_record *record,
+                     const char *file) {
+    char *text = path_text(path, record, file);
+    json->failed |= !text;
+    if (text) iso_json_string(json, key, text);
+    free(text);
+}
+
+/* Adds a value that may contain a path, which is written as put_path does. */
+static void put_part(iso_json *json, const iso_scene_option *option, const iso_scene_record *record,
+                     const char *file) {
+    iso_value_path at;
+    char *found = NULL, *path = NULL, *text = NULL;
+    const char *value = option->value;
+    if (!iso_value_path_find(value, NULL, &at, &found)) {
+        iso_json_string(json, option->name, value);
+        return;
+    }
+    path = path_text(found, record, file);
+    if (!path || asprintf(&text, "%.*s%s%s", (int)at.begin, value, path, value + at.begin + at.length) < 0)
+        text = NULL;
+    json->failed |= !text;
+    if (text) iso_json_string(json, option->name, text);
+    free(found);
+    free(path);
+    free(text);
 }
 
 static void put_file(iso_json *json, const char *path, const iso_scene_record *record, const char *file) {
@@ -80,6 +106,8 @@ static void put_option(iso_json *json, const iso_scene_option *option, const iso
         iso_json_bool(json, option->name, true);
     else if (option->is_file)
         put_path(json, option->name, option->value, record, file);
+    else if (option->has_file)
+        put_part(json, option, record, file);
     else
         iso_json_string(json, option->name, option->value);
     iso_json_end_object(json);
@@ -109,9 +137,16 @@ static void put_scene(iso_json *json, const iso_scene_record *record, const char
     iso_json_end_array(json);
     iso_json_begin_array(json, "files");
     if (record->input) put_file(json, record->input, record, file);
-    for (int i = 0; i < record->option_count; i++)
-        if (record->options[i].is_file && record->options[i].value)
-            put_file(json, record->options[i].value, record, file);
+    for (int i = 0; i < record->option_count; i++) {
+        const iso_scene_option *option = &record->options[i];
+        iso_value_path at;
+        char *found = NULL;
+        if (option->is_file && option->value) put_file(json, option->value, record, file);
+        if (!option->has_file || !option->value || !iso_value_path_find(option->value, NULL, &at, &found))
+            continue;
+        put_file(json, found, record, file);
+        free(found);
+    }
     iso_json_end_array(json);
     if (file && record->camera) put_camera(json, record->camera);
     if (file) iso_json_reals(json, "isovalues", record->isovalues, record->isovalue_count);

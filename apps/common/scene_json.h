@@ -12,7 +12,8 @@ enum { ISO_SCENE_JSON_VERSION = 1 };
 
 typedef struct iso_scene_option {
     const char *name, *value; /* without a value: NULL */
-    bool is_file;             /* the value is the path of a file that is read */
+    bool is_file;             /* the value is the path of a file that is read, */
+    bool has_file;            /* or may contain one (value_path.h) */
 } iso_scene_option;
 
 /* What is written. All borrowed. */

@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+#include "apps/common/value_path.h"
 #include "base/file_blocks.h"
 #include "base/memory.h"
 #include "base/temporary_file.h"
@@ -33,10 +34,14 @@ void iso_settings_record_option(void *target, const iso_option *option, const ch
     iso_common_settings *settings = target;
     if (option->flags & ISO_OPTION_UNRECORDED) return;
     char text[512];
-    const char *slash = value && option->flags & ISO_OPTION_READS ? strrchr(value, '/') : NULL;
-    if (slash) value = slash + 1; /* the same picture is the same file, whatever folder its inputs are in */
-    const int length =
-        snprintf(text, sizeof text, " --%s%s%s", option->name, value ? "=" : "", value ? value : "");
+    /* the same picture is the same file, whatever folder its inputs are in */
+    const int before =
+        value && option->flags & ISO_OPTION_READS_PART ? (int)iso_value_path_whole(value).begin : 0;
+    const char *start = value ? value : "";
+    const char *slash =
+        option->flags & (ISO_OPTION_READS | ISO_OPTION_READS_PART) ? strrchr(start, '/') : NULL;
+    const int length = snprintf(text, sizeof text, " --%s%s%.*s%s", option->name, value ? "=" : "", before,
+                                start, slash ? slash + 1 : start + before);
     const size_t used = strlen(settings->record);
     if (length < (int)sizeof text && used + (size_t)length < sizeof settings->record)
         memcpy(settings->record + used, text, (size_t)length + 1);

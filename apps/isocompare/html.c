@@ -119,7 +119,7 @@ static double psnr_in(const report_cell *cell) {
 
 /* ---- pictures ---- */
 
-static void put_base64(FILE *stream, const report_picture *picture) {
+void isocompare_put_base64(FILE *stream, const report_picture *picture) {
     static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     for (size_t i = 0; i < picture->size; i += 3) {
         size_t left = picture->size - i;
@@ -142,7 +142,7 @@ static void put_image(FILE *stream, const report_picture *picture, const char *k
     else
         fprintf(stream, "data-method=\"%s\" ", method);
     fprintf(stream, "alt=\"%s\" src=\"data:image/png;base64,", alt);
-    put_base64(stream, picture);
+    isocompare_put_base64(stream, picture);
     fputs("\">", stream);
 }
 

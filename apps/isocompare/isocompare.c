@@ -7,8 +7,11 @@ static iso_status run_command(const isocompare_settings *settings, iso_error *er
     iso_pool *pool = NULL;
     iso_settings_limit_memory(&settings->common);
     ISO_TRY(iso_pool_create(settings->common.threads, &pool, error));
-    iso_status status = settings->command == ISOCOMPARE_IMAGES ? isocompare_images(settings, pool, error)
-                                                               : isocompare_report(settings, pool, error);
+    iso_status (*const commands[])(const isocompare_settings *, iso_pool *,
+                                   iso_error *) = {[ISOCOMPARE_IMAGES] = isocompare_images,
+                                                   [ISOCOMPARE_REPORT] = isocompare_report,
+                                                   [ISOCOMPARE_SURFACES] = isocompare_surfaces};
+    const iso_status status = commands[settings->command](settings, pool, error);
     iso_pool_destroy(pool);
     return status;
 }

@@ -1,4 +1,4 @@
-/* isocompare: the settings of the program, and its two commands, images and report. */
+/* isocompare: the settings of the program, and its commands, images, surfaces and report. */
 #ifndef ISO_APPS_ISOCOMPARE_ISOCOMPARE_H
 #define ISO_APPS_ISOCOMPARE_ISOCOMPARE_H
 
@@ -9,7 +9,11 @@
 
 enum { ISOCOMPARE_BOUNDS = 32 };
 
-typedef enum isocompare_command { ISOCOMPARE_IMAGES, ISOCOMPARE_REPORT } isocompare_command;
+typedef enum isocompare_command {
+    ISOCOMPARE_IMAGES,
+    ISOCOMPARE_REPORT,
+    ISOCOMPARE_SURFACES
+} isocompare_command;
 
 /* A limit of --fail-under: METRIC=VALUE. */
 typedef struct isocompare_bound {
@@ -21,10 +25,11 @@ typedef struct isocompare_bound {
 typedef struct isocompare_settings {
     iso_common_settings common; /* first */
     isocompare_command command;
-    const char *volume, *output; /* for the command report */
-    double isovalue;             /* for the command report, physical; NaN: not given */
+    const char *volume, *output; /* for the command report; of surfaces the page */
+    double isovalue;             /* for the commands report and surfaces, physical; NaN: not given */
     int side;
-    const char *truth, *candidate, *truth_aov, *candidate_aov;
+    const char *truth, *candidate; /* for the commands images and surfaces */
+    const char *truth_aov, *candidate_aov;
     const char *difference;
     iso_rgb background;
     double voxel, pixels_per_voxel, pixels_per_degree;
@@ -32,6 +37,7 @@ typedef struct isocompare_settings {
     int bound_count;
     const char *of_images, *of_report; /* the last option given that belongs only to images, and only to
                                           report; NULL: none */
+    const char *not_of_surfaces;       /* the last option given that surfaces do not have */
 } isocompare_settings;
 
 const iso_program *isocompare_program(void);
@@ -53,6 +59,9 @@ void isocompare_put_metric(iso_json *json, const char *key, double value);
 /* images.c: compares two pictures and prints or writes the metrics. ISO_ERR_MISMATCH when the candidate is
  * worse than a bound. */
 iso_status isocompare_images(const isocompare_settings *settings, iso_pool *pool, iso_error *error);
+
+/* surfaces.c: compares two surfaces, prints or writes distances, areas and volumes, and writes a page. */
+iso_status isocompare_surfaces(const isocompare_settings *settings, iso_pool *pool, iso_error *error);
 
 /* report.c: draws a volume by every method and writes report.html and report.json, both or neither. */
 iso_status isocompare_report(const isocompare_settings *settings, iso_pool *pool, iso_error *error);

@@ -14,6 +14,7 @@ static const char *const groups[] = {"images: two pictures", "report: a volume",
                                      "Running", NULL};
 
 static const char *const usage[] = {"images [options] TRUTH CANDIDATE",
+                                    "surfaces [options] A[:ISOVALUE] B[:ISOVALUE] [--output PAGE.html]",
                                     "report [options] VOLUME [--output DIR]", NULL};
 
 /* ---- values that are not plain numbers ---- */
@@ -84,15 +85,19 @@ static const iso_option options[] = {
     {"difference", NULL, "FILE.png", "write a picture of FLIP's differences, black to white", .group = IMAGES,
      TEXT(difference)},
 
-    {"json", NULL, "FILE", "one object with all metrics, to stdout without a FILE", .group = IMAGES,
-     CALL(iso_settings_apply_json), .extension = ".json", .flags = ISO_OPTION_VALUE_OPTIONAL},
+    {"json", NULL, "FILE", "one object with all metrics, or distances of surfaces, to stdout without a FILE",
+     .group = IMAGES, CALL(iso_settings_apply_json), .extension = ".json",
+     .flags = ISO_OPTION_VALUE_OPTIONAL},
 
-    {"output", "o", "DIR", "folder for report.html and report.json; made when it is not there",
-     .group = REPORT, .standard = "the volume's name with -report, in the current folder", TEXT(output),
-     .flags = ISO_OPTION_UNRECORDED},
+    {"output", "o", "DIR",
+     "folder for report.html and report.json; made when it is not there. Of surfaces a page, .html, with "
+     "both "
+     "coloured by distance",
+     .group = REPORT, .standard = "the volume's name with -report, in the current folder; of surfaces none",
+     TEXT(output), .flags = ISO_OPTION_UNRECORDED},
     {"isovalue", "isosurface iso-value", "V",
-     "value of the surface, in the file's physical units (of a level set: mm)", .group = REPORT,
-     .standard = "as isorender chooses it", CALL(apply_isovalue)},
+     "value of the surface, or of both surfaces, in the file's physical units (of a level set: mm)",
+     .group = REPORT, .standard = "as isorender chooses it", CALL(apply_isovalue)},
     {"side", NULL, "N", "pixels a side of its pictures, a multiple of 32", .group = REPORT,
      .standard = "1024", INT(side, 64, 4096)},
 #include "apps/common/input_options.inc"
@@ -137,7 +142,9 @@ static const char *const example_text[] = {
     "isocompare images truth.png points.png",
     "isocompare images truth.png points.png --fail-under psnr_in=30 --fail-under holes=0.2",
     "isocompare images truth.png points.png --aov-a truth.exr --aov-b points.exr --json=errors.json",
-    "isocompare images truth.exr points.exr", NULL};
+    "isocompare images truth.exr points.exr",
+    "isocompare surfaces before.nrrd:300 after.nrrd:300 --output change.html",
+    NULL};
 
 static const iso_section sections[] = {
     {"Metrics", metrics_text}, {"Exit status", exit_text}, {"Examples", example_text}};
@@ -150,6 +157,12 @@ static void record_command_option(void *target, const iso_option *option, const 
         settings->of_images = option->name;
     if (option->group == REPORT || (option->group == INPUT && strcmp(option->name, "max-memory") != 0))
         settings->of_report = option->name;
+    static const char *const of_surfaces[] = {"json", "output",     "isovalue",
+                                              "side", "background", "max-memory"};
+    bool shared = option->group == RUNNING;
+    for (size_t i = 0; i < sizeof of_surfaces / sizeof *of_surfaces; i++)
+        shared |= strcmp(option->name, of_surfaces[i]) == 0;
+    if (!shared) settings->not_of_surfaces = option->name;
     iso_settings_record_option(settings, option, value);
 }
 
@@ -187,21 +200,35 @@ static iso_status take_report(isocompare_settings *settings, const iso_operands 
     return ISO_OK;
 }
 
+static iso_status take_surfaces(isocompare_settings *settings, const iso_operands *operands,
+                                iso_error *error) {
+    if (operands->count != 3)
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "surfaces takes two volumes or meshes, each FILE or FILE:ISOVALUE");
+    settings->command = ISOCOMPARE_SURFACES;
+    settings->truth = operands->values[1];
+    settings->candidate = operands->values[2];
+    return ISO_OK;
+}
+
 static iso_status take_operands(isocompare_settings *settings, const iso_operands *operands,
                                 iso_error *error) {
     if (operands->count == 0) return iso_fail(error, ISO_ERR_USAGE, "no command (see --help)");
     const char *command = operands->values[0];
     if (strcmp(command, "images") == 0) return take_images(settings, operands, error);
     if (strcmp(command, "report") == 0) return take_report(settings, operands, error);
+    if (strcmp(command, "surfaces") == 0) return take_surfaces(settings, operands, error);
     return iso_fail(error, ISO_ERR_USAGE,
-                    "there is no command '%s': 'images TRUTH CANDIDATE' or 'report VOLUME'", command);
+                    "there is no command '%s': 'images TRUTH CANDIDATE', 'surfaces A B' or 'report VOLUME'",
+                    command);
 }
 
 static iso_status check_command(const isocompare_settings *settings, iso_error *error) {
-    bool images = settings->command == ISOCOMPARE_IMAGES;
-    const char *stray = images ? settings->of_report : settings->of_images;
+    static const char *const names[] = {"images", "report", "surfaces"};
+    const char *const strays[] = {settings->of_report, settings->of_images, settings->not_of_surfaces};
+    const char *stray = strays[settings->command];
     if (!stray) return ISO_OK;
-    return iso_fail(error, ISO_ERR_USAGE, "--%s does not belong to %s", stray, images ? "images" : "report");
+    return iso_fail(error, ISO_ERR_USAGE, "--%s does not belong to %s", stray, names[settings->command]);
 }
 
 iso_status isocompare_settings_parse(int argc, char *const *argv, isocompare_settings *settings,

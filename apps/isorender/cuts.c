@@ -17,18 +17,6 @@ iso_status isorender_apply_clip(void *target, const char *value, iso_error *erro
     return ISO_OK;
 }
 
-/* slice, or slice:COLORMAP */
-static bool parse_slice_cap(const char *value, iso_colormap *map) {
-    if (strcmp(value, "slice") == 0) return true;
-    if (strncmp(value, "slice:", 6) != 0) return false;
-    for (int i = 0; i < ISO_COLORMAP_COUNT; i++)
-        if (strcmp(value + 6, iso_colormap_name((iso_colormap)i)) == 0) {
-            *map = (iso_colormap)i;
-            return true;
-        }
-    return false;
-}
-
 iso_status isorender_apply_cap(void *target, const char *value, iso_error *error) {
     isorender_settings *settings = target;
     uint8_t rgb[3];
@@ -37,14 +25,13 @@ iso_status isorender_apply_cap(void *target, const char *value, iso_error *error
     settings->cap = ISORENDER_CAP_SURFACE;
     if (strcmp(value, "surface") == 0) return ISO_OK;
     settings->cap = ISORENDER_CAP_SLICE;
-    if (parse_slice_cap(value, &settings->slice_map)) return ISO_OK;
+    if (strcmp(value, "slice") == 0) return ISO_OK;
+    if (strncmp(value, "slice:", 6) == 0) return iso_colormap_find(value + 6, &settings->slice_map, error);
     settings->cap = ISORENDER_CAP_COLOR;
     if (!iso_parse_color(value, rgb))
-        return iso_fail(
-            error, ISO_ERR_USAGE,
-            "'%s' is not slice, slice:COLORMAP (viridis, inferno, turbo, coolwarm, gray), surface, none "
-            "or a colour",
-            value);
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "'%s' is not slice, slice:COLORMAP (%s), surface, none or a colour", value,
+                        iso_colormap_names);
     settings->cap_color = (iso_rgb){rgb[0], rgb[1], rgb[2]};
     return ISO_OK;
 }
@@ -104,7 +91,7 @@ static int thing_count(const isorender_job *job) {
 static iso_status check_names(const isorender_job *job, iso_error *error) {
     const int things = thing_count(job);
     for (int i = 0; i < job->settings->cut_count; i++)
-        for (int number = things; number < ISO_CUT_THINGS && job->settings->cuts[i].named; number++)
+        for (int number = things; number < ISO_CUT_THINGS && job->settings->cuts[i].things.named; number++)
             if (iso_cut_is_for(&job->settings->cuts[i], number))
                 return iso_fail(error, ISO_ERR_USAGE,
                                 "--clip %s: there is no @%d: the picture has %d thing%s",
@@ -177,12 +164,12 @@ static iso_status check_objects(const isorender_job *job, int frame, iso_error *
         const isorender_object_settings *object = job->objects[i].settings;
         for (int k = 0; k < job->settings->cut_count && object->kind != ISORENDER_MESH; k++) {
             const iso_cut *cut = &job->settings->cuts[k];
-            if (cut->named && iso_cut_is_for(cut, job->surface_count + i))
+            if (cut->things.named && iso_cut_is_for(cut, job->surface_count + i))
                 return iso_fail(
                     error, ISO_ERR_USAGE,
                     "--clip %s: %s is not cut: only surfaces and meshes are, not lines and glyphs",
                     job->settings->cut_texts[k], object->path);
-            whole |= !cut->named;
+            whole |= !cut->things.named;
         }
     }
     if (whole && !frame)

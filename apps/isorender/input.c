@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "apps/isorender/chunks.h"
+#include "apps/isorender/colorings.h"
 #include "apps/isorender/resolution_level.h"
 #include "apps/isorender/segmentation.h"
 #include "base/memory.h"
@@ -155,6 +156,7 @@ iso_status isorender_open(isorender_job *job, iso_error *error) {
     if (!job->settings->no_input) ISO_TRY(iso_loader_open(loader, error));
     ISO_TRY(isorender_volumes_open(job, error));
     ISO_TRY(isorender_segmentation_open(job, error));
+    ISO_TRY(isorender_colorings_open(job, error));
     job->has_volume = !loader->has_points && !job->settings->no_input;
     ISO_TRY(isorender_gaussians_choose(job, error));
     choose_method(job);
@@ -188,11 +190,12 @@ static void log_object(const isorender_job *job, const isorender_object *object)
 }
 
 static iso_status check_color_bar(const isorender_job *job, iso_error *error) {
-    bool has_bar = !job->settings->color_bar || job->cloud_colors.has_bar;
+    bool has_bar = !job->settings->color_bar || job->cloud_colors.has_bar || job->settings->coloring_count;
     for (int i = 0; i < job->object_count; i++)
         has_bar |= job->objects[i].has_bar || isorender_gradients_have_bar(job->objects[i].settings);
     if (has_bar) return ISO_OK;
-    return iso_fail(error, ISO_ERR_USAGE, "--color-bar shows what --color-by colours: give both");
+    return iso_fail(error, ISO_ERR_USAGE,
+                    "--color-bar shows what --color-by and --surface-color-by colour: give both");
 }
 
 /* Reads the files of --lines and --glyphs. */
@@ -215,6 +218,7 @@ iso_status isorender_read(isorender_job *job, iso_error *error) {
     if (job->loader.has_points) ISO_TRY(isorender_cloud_read(job, error));
     ISO_TRY(isorender_volumes_read(job, error));
     ISO_TRY(isorender_segmentation_read(job, error));
+    ISO_TRY(isorender_colorings_read(job, error));
     ISO_TRY(isorender_instances_read(job, memory_limit(job->settings), error));
     return read_objects(job, error);
 }

@@ -95,6 +95,7 @@ struct isorender_job {
     iso_clip *clips; /* of --clip: what is cut away of each surface, then of each object; NULL: nothing */
     iso_slice slices[ISO_SLICES]; /* of --slice */
     iso_slice_look slice_look;
+    struct isorender_colorings *colorings;           /* of --surface-color-by; NULL: none */
     struct isorender_chunks *chunks;                 /* chunks.h; NULL: the volume is drawn as a whole */
     bool did_not_fit, notes_logged, isovalue_logged; /* in the attempt to draw it as a whole */
     iso_point_workspace *point_workspace;            /* or NULL */

@@ -1,6 +1,7 @@
 /* object_colors: colours of lines and glyphs: of one colour, by the direction of lines, or by the numbers of
  * an attribute. */
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "apps/isorender/objects.h"
@@ -33,11 +34,6 @@ bool isorender_attribute_range(const iso_attribute *attribute, size_t count, dou
     return range[0] <= range[1];
 }
 
-static iso_rgb color_of(const iso_color_bar *bar, double number) {
-    const double width = bar->high - bar->low;
-    return iso_colormap_at(bar->map, width > 0 ? (number - bar->low) / width : 0.5);
-}
-
 static void store(uint8_t to[3], iso_rgb color) {
     to[0] = color.r;
     to[1] = color.g;
@@ -50,13 +46,14 @@ static void color_lines(const isorender_object *object, const iso_attribute *att
     const iso_lines *lines = &object->lines;
     for (size_t line = 0; line < lines->line_count; line++)
         for (size_t i = lines->starts[line]; i < lines->starts[line + 1]; i++)
-            store(colors[i], color_of(&object->bar, number_at(attribute, attribute->per_line ? line : i)));
+            store(colors[i],
+                  iso_color_bar_at(&object->bar, number_at(attribute, attribute->per_line ? line : i)));
 }
 
 static void color_glyphs(const isorender_object *object, const iso_attribute *attribute,
                          uint8_t (*colors)[3]) {
     for (size_t i = 0; i < object->glyphs.count; i++)
-        store(colors[i], color_of(&object->bar, number_at(attribute, i)));
+        store(colors[i], iso_color_bar_at(&object->bar, number_at(attribute, i)));
 }
 
 /* The axes of the world as red, green and blue, as tractography shows directions (Pajevic and Pierpaoli 1999,
@@ -95,8 +92,14 @@ static iso_status find_range(isorender_object *object, const iso_attribute *attr
     if (isnan(range[0]) && !isorender_attribute_range(attribute, count, range))
         return iso_fail(error, ISO_ERR_FORMAT, "%s%scolumn '%s' has no finite number",
                         settings->path ? settings->path : "", settings->path ? ": " : "", object->color_by);
+    if (settings->map.file && !object->colors.colors)
+        ISO_TRY(iso_color_table_read(settings->map.file, &object->colors, error));
     object->has_bar = true;
-    object->bar = (iso_color_bar){settings->map, range[0], range[1]};
+    object->bar = (iso_color_bar){.map = settings->map.map,
+                                  .table = object->colors.colors ? &object->colors : NULL,
+                                  .low = range[0],
+                                  .high = range[1]};
+    snprintf(object->bar.title, sizeof object->bar.title, "%s", object->color_by);
     return ISO_OK;
 }
 

@@ -77,24 +77,6 @@ iso_status isorender_parse_opacity(const char *option, const char *value, double
     return ISO_OK;
 }
 
-static iso_status set_map(const char *value, isorender_object_settings *object, iso_error *error) {
-    const char *names[ISO_COLORMAP_COUNT + 1] = {NULL};
-    int map = ISO_COLORMAP_VIRIDIS;
-    for (int i = 0; i < ISO_COLORMAP_COUNT; i++) names[i] = iso_colormap_name((iso_colormap)i);
-    if (value) ISO_TRY(choose("colormap", value, names, &map, error));
-    object->map = (iso_colormap)map;
-    return ISO_OK;
-}
-
-static iso_status set_range(const char *value, isorender_object_settings *object, iso_error *error) {
-    object->range[0] = object->range[1] = NAN;
-    if (!value) return ISO_OK;
-    if (!iso_parse_reals(value, 2, object->range) || !(object->range[0] < object->range[1]))
-        return iso_fail(error, ISO_ERR_USAGE, "--range: '%s' is not two numbers, the smaller one first",
-                        value);
-    return ISO_OK;
-}
-
 /* The names are in the order of iso_space and of iso_vector_axes, which has two more. */
 static iso_status set_space(const char *value, isorender_object_settings *object, iso_error *error) {
     static const char *const spaces[] = {"file", "lps", "ras", "voxels", "fsl", NULL};
@@ -159,8 +141,8 @@ static iso_status set_common(const isorender_object_options *options, int number
     object->field.axial = options->axial != 0;
     ISO_TRY(
         set_tensor_order(isorender_value_for(&options->tensor_orders, number), object->field.order, error));
-    ISO_TRY(set_map(isorender_value_for(&options->maps, number), object, error));
-    ISO_TRY(set_range(isorender_value_for(&options->ranges, number), object, error));
+    ISO_TRY(isorender_colormap_parse(isorender_value_for(&options->maps, number), &object->map, error));
+    ISO_TRY(isorender_range_parse(isorender_value_for(&options->ranges, number), object->range, error));
     return set_every(isorender_value_for(&options->every, number), object, error);
 }
 
@@ -230,7 +212,8 @@ static iso_status check_counts(const isorender_object_options *o, const int coun
                                iso_error *error) {
     const int lines = counts[ISORENDER_LINES], glyphs = counts[ISORENDER_GLYPHS],
               meshes = counts[ISORENDER_MESH];
-    static const char both[] = "--lines or --glyphs", any[] = "--lines, --glyphs or a file of points";
+    static const char both[] = "--lines or --glyphs", any[] = "--lines, --glyphs or a file of points",
+                      colored[] = "--lines, --glyphs, a file of points or --surface-color-by";
     const int columns = lines + glyphs + o->has_cloud;
     const struct {
         const char *name;
@@ -259,8 +242,8 @@ static iso_status check_counts(const isorender_object_options *o, const int coun
         {"surface-color", &o->mesh_colors, "--surface", meshes},
         {"surface-opacity", &o->mesh_opacities, "--surface", meshes},
         {"color-by", &o->color_by, any, columns},
-        {"colormap", &o->maps, any, columns},
-        {"range", &o->ranges, any, columns},
+        {"colormap", &o->maps, colored, columns + o->colorings},
+        {"range", &o->ranges, colored, columns + o->colorings},
         {"every", &o->every, any, columns},
         {"space", &o->spaces, "--lines, --glyphs, --surface or a file of points", o->count + o->has_cloud}};
     for (size_t i = 0; i < sizeof options / sizeof *options; i++)

@@ -4,9 +4,9 @@
 #define ISO_APPS_ISORENDER_OBJECT_SETTINGS_H
 
 #include "apps/common/options.h"
+#include "apps/isorender/coloring_settings.h"
 #include "base/glyphs.h"
 #include "grids/volume/vectors_read.h"
-#include "image/colormap.h"
 #include "io/common/read_opts.h"
 #include "render/shapes/shapes.h"
 
@@ -49,7 +49,7 @@ typedef struct isorender_object_settings {
     iso_rgb color;        /* if colored */
     double opacity;       /* 0 .. 1 */
     const char *color_by; /* the attribute with numbers to be coloured; NULL: none */
-    iso_colormap map;
+    isorender_colormap map;
     double range[2]; /* the numbers at both ends of the colormap; NAN: the smallest and the largest number */
     bool style_given;
     isorender_line_style style; /* of lines */
@@ -78,8 +78,9 @@ typedef struct isorender_object_options {
     iso_texts streamlines, streamline_lengths, streamline_seeds, glyph_scales;
     iso_texts arrays, tensor_orders, leasts;
     int axial;
-    iso_texts color_by, maps, ranges, every; /* by number of the cloud or the object that is no mesh */
-    iso_texts spaces;                        /* by number of the cloud or the object */
+    iso_texts color_by, maps, ranges, every; /* by number of the cloud or the object that is no mesh; */
+    int colorings;    /* of maps and ranges, those of this many values of --surface-color-by follow */
+    iso_texts spaces; /* by number of the cloud or the object */
 } isorender_object_options;
 
 /* Sets `objects`, in the order of the command line, and `cloud`, which gets the settings of glyphs.

@@ -214,6 +214,7 @@ void isorender_object_free(isorender_object *object) {
     iso_free(object->branches);
     iso_lines_free(&object->lines);
     iso_glyphs_free(&object->glyphs);
+    iso_color_table_free(&object->colors);
     *object = (isorender_object){.settings = NULL};
 }
 

@@ -44,7 +44,8 @@ typedef struct isorender_object {
     iso_scene_object scene; /* what is drawn; nothing before isorender_object_prepare */
     iso_box bounds;         /* world box of what is drawn */
     bool has_bar;
-    iso_color_bar bar; /* the legend of its colours, if has_bar */
+    iso_color_bar bar;      /* the legend of its colours, if has_bar */
+    iso_color_table colors; /* of the file that --colormap names, if it does */
 } isorender_object;
 
 /* Reads the file, adds it to `files`, and gives lines or glyphs the radii and colours that the settings say.

@@ -11,6 +11,7 @@
 #include "apps/common/loader.h"
 #include "apps/isorender/backend.h"
 #include "apps/isorender/channels.h"
+#include "apps/isorender/colorings.h"
 #include "apps/isorender/cuts.h"
 #include "apps/isorender/label_items.h"
 #include "apps/isorender/segmentation.h"
@@ -626,5 +627,6 @@ iso_status isorender_settings_check(isorender_settings *settings, const iso_oper
     ISO_TRY(check_one_pyramid(settings, error));
     ISO_TRY(isorender_cuts_check(settings, error));
     ISO_TRY(isorender_segmentation_check(settings, error));
+    ISO_TRY(isorender_colorings_check(settings, error));
     return check_opacity(settings, error);
 }

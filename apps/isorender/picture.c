@@ -7,6 +7,7 @@
 
 #include "apps/common/template.h"
 #include "apps/isorender/chunks.h"
+#include "apps/isorender/colorings.h"
 #include "apps/isorender/cuts.h"
 #include "apps/isorender/isorender.h"
 #include "apps/isorender/labels.h"
@@ -149,11 +150,12 @@ enum { LEGEND = 256 }; /* most entries of a legend */
 static iso_status annotate(const isorender_job *job, const iso_camera *camera, iso_image *image,
                            iso_error *error) {
     const isorender_settings *settings = job->settings;
-    iso_color_bar bars[ISORENDER_OBJECTS + 1];
+    iso_color_bar bars[ISORENDER_OBJECTS + 1 + ISORENDER_COLORINGS];
     int bar_count = 0;
     if (settings->color_bar && job->cloud_colors.has_bar) bars[bar_count++] = job->cloud_colors.bar;
     for (int i = 0; settings->color_bar && i < job->object_count; i++)
         if (job->objects[i].has_bar) bars[bar_count++] = job->objects[i].bar;
+    if (settings->color_bar) bar_count += isorender_colorings_bars(job, bars + bar_count);
     iso_legend_entry legend[LEGEND];
     const int legend_count = settings->legend ? isorender_legend(job, LEGEND, legend) : 0;
     const iso_annotation annotation = {.camera = camera,
@@ -444,6 +446,7 @@ iso_status isorender_render(isorender_job *job, iso_error *error) {
     const isorender_settings *settings = job->settings;
     note_occlusion(job);
     ISO_TRY(isorender_camera_make(job, error));
+    ISO_TRY(isorender_colorings_see(job, error));
     ISO_TRY(isorender_chunks_check(job, error));
     if (settings->parts) {
         ISO_TRY(isorender_cuts_make(job, 0, error));

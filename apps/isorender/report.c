@@ -6,6 +6,7 @@
 #include "apps/common/json.h"
 #include "apps/isorender/channels.h"
 #include "apps/isorender/chunks.h"
+#include "apps/isorender/colorings.h"
 #include "apps/isorender/engines.h"
 #include "apps/isorender/labels.h"
 #include "apps/isorender/segmentation.h"
@@ -156,6 +157,7 @@ static void put_surfaces(iso_json *json, const isorender_job *job) {
 static void put_contents(iso_json *json, const isorender_job *job) {
     if (job->input_surface_count) put_surfaces(json, job);
     put_objects(json, job);
+    isorender_colorings_report(json, job);
     put_box(json, "bounds_world", &job->bounds_world);
 }
 

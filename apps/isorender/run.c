@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "apps/isorender/chunks.h"
+#include "apps/isorender/colorings.h"
 #include "apps/isorender/engines.h"
 #include "apps/isorender/isorender.h"
 #include "apps/isorender/mpi_ranks.h"
@@ -87,6 +88,7 @@ static iso_status make_at_once(isorender_job *job, iso_error *error) {
     double read = iso_clock_seconds();
     job->seconds.load += read - start;
     ISO_TRY(isorender_extract(job, error));
+    ISO_TRY(isorender_colorings_make(job, error));
     log_faces(job);
     double extracted = iso_clock_seconds();
     job->seconds.extract = extracted - read;
@@ -227,6 +229,7 @@ iso_status isorender_run(const isorender_settings *settings, const isorender_pla
     isorender_chunks_free(job);
     iso_point_workspace_destroy(job->point_workspace);
     iso_occluders_free(&job->occluders);
+    isorender_colorings_free(job);
     iso_loader_close(&job->loader);
     for (int i = 0; i < job->volume_count; i++) iso_loader_close(&job->volumes[i]);
     free(job);

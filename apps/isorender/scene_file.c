@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "apps/common/scene_json.h"
+#include "apps/common/value_path.h"
 #include "apps/isorender/labels.h"
 #include "base/file_types.h"
 #include "base/text.h"
@@ -26,9 +27,10 @@ static int list_options(const isorender_job *job, iso_scene_option options[ISORE
     for (; count < settings->noted_count; count++) {
         const isorender_noted *noted = &settings->noted[count];
         options[count] = (iso_scene_option){noted->option->name, noted->value,
-                                            (noted->option->flags & ISO_OPTION_READS) != 0};
+                                            (noted->option->flags & ISO_OPTION_READS) != 0,
+                                            (noted->option->flags & ISO_OPTION_READS_PART) != 0};
     }
-    if (*isorender_camera_record(job)) options[count++] = (iso_scene_option){"fit", "box", false};
+    if (*isorender_camera_record(job)) options[count++] = (iso_scene_option){"fit", "box", false, false};
     return count;
 }
 
@@ -152,6 +154,18 @@ static iso_status add_input(builder *b, const char *input, iso_error *error) {
     return add(b, operand, error);
 }
 
+/* A value that may contain a path, with the path as it is found beside the scene; the caller's, NULL: no
+ * memory. */
+static char *find_part(const builder *b, const char *value) {
+    iso_value_path at;
+    char *found = NULL, *made = NULL;
+    if (!iso_value_path_find(value, b->path, &at, &found)) return strdup(value);
+    if (asprintf(&made, "%.*s%s%s", (int)at.begin, value, found, value + at.begin + at.length) < 0)
+        made = NULL;
+    free(found);
+    return made;
+}
+
 static iso_status add_option(builder *b, const char *name, json_t *value, iso_error *error) {
     const iso_option *option = iso_options_find(isorender_program(), name, strlen(name));
     char *text = NULL;
@@ -170,6 +184,7 @@ static iso_status add_option(builder *b, const char *name, json_t *value, iso_er
     char *file = NULL, *number = json_is_number(value) ? json_dumps(value, JSON_ENCODE_ANY) : NULL;
     const char *given = number ? number : json_string_value(value);
     if (option->flags & ISO_OPTION_READS && given) given = file = iso_scene_json_find(b->path, given);
+    if (option->flags & ISO_OPTION_READS_PART && given) given = file = find_part(b, given);
     if (!given || asprintf(&text, "--%s=%s", name, given) < 0) text = NULL;
     free(file);
     free(number);

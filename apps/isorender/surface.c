@@ -5,6 +5,7 @@
 #include "apps/common/beside.h"
 #include "apps/isorender/channels.h"
 #include "apps/isorender/chunks.h"
+#include "apps/isorender/colorings.h"
 #include "apps/isorender/isorender.h"
 #include "apps/isorender/label_meshes.h"
 #include "apps/isorender/segmentation.h"
@@ -496,8 +497,10 @@ iso_status isorender_export(isorender_job *job, iso_error *error) {
         isorender_surface *surface = &job->surfaces[0];
         iso_weld weld;
         ISO_TRY(isorender_mesh_weld(job, surface, &weld, error));
-        iso_status status = iso_mesh_write_weld(job->plan->mesh, &weld,
-                                                iso_grid_transform(&surface->scene.grid), comment, error);
+        iso_status status = isorender_colorings_export(job, &weld, error);
+        if (status == ISO_OK)
+            status = iso_mesh_write_weld(job->plan->mesh, &weld, iso_grid_transform(&surface->scene.grid),
+                                         comment, error);
         iso_weld_free(&weld);
         ISO_TRY(status);
         job->mesh_written = true;

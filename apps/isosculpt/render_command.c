@@ -50,7 +50,7 @@ static void begin(isosculpt_render_options *to, writer *w, const char *name) {
     if (to->count == ISOSCULPT_RENDER_OPTIONS)
         w->full = true;
     else
-        to->items[to->count++] = (iso_scene_option){name, w->text + w->length, false};
+        to->items[to->count++] = (iso_scene_option){name, w->text + w->length, false, false};
 }
 
 static void end(writer *w) {

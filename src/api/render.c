@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "api/coloring.h"
 #include "api/internal.h"
 #include "base/memory.h"
 #include "image/annotate.h"
@@ -71,6 +72,7 @@ typedef struct rendering {
     const iso_renderer *renderer;
     const iso_render_opts *opts;
     iso_placed placed; /* with opts->instances */
+    iso_api_colorings colorings;
     iso_picture_opts picture;
     iso_camera camera;
     iso_rgb colors[ISO_SURFACE_MAX];
@@ -362,7 +364,7 @@ static iso_status set_up_glass(rendering *r, iso_error *error) {
 /* ---- cuts ---- */
 
 static iso_status check_cut(const rendering *r, const iso_cut *cut, const char *text, iso_error *error) {
-    for (int i = r->count; i < ISO_CUT_THINGS && cut->named; i++) {
+    for (int i = r->count; i < ISO_CUT_THINGS && cut->things.named; i++) {
         if (!iso_cut_is_for(cut, i)) continue;
         if (i >= r->count + r->shapes_count)
             return iso_fail(error, ISO_ERR_USAGE, "clip '%s': there is no @%d", text, i + 1);
@@ -519,6 +521,8 @@ static iso_status render(rendering *r, iso_image *image, iso_error *error) {
         ISO_TRY(iso_camera_of_box(&box, width, height, &opts->fit, &r->camera, error));
     if (opts->aov) opts->aov->voxel = smallest_spacing(r);
     begin_cuts(r, &box);
+    const iso_view view = iso_view_make(&r->camera, width, height);
+    ISO_TRY(iso_api_colorings_begin(r->surfaces, opts, &view, &r->colorings, error));
     size_t covered = 0;
     ISO_TRY(draw_picture(r, image, &covered, error));
     if (opts->aov) number_elements(r, opts->aov);
@@ -544,9 +548,11 @@ iso_status iso_render_surfaces(iso_surface *const *surfaces, int count, const is
     ISO_TRY(set_up_layers(&r, opts, error));
     ISO_TRY(set_up_glass(&r, error));
     ISO_TRY(set_up_light(&r, opts, error));
+    ISO_TRY(iso_api_colorings_check(surfaces, count, opts, r.renderer, r.translucent, error));
     iso_status status = set_up_cuts(&r, error);
     if (status == ISO_OK) status = render(&r, image, error);
     iso_placed_free(&r.placed);
+    iso_api_colorings_end(&r.colorings);
     end_cuts(&r);
     return status;
 }

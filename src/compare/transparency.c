@@ -90,7 +90,7 @@ static void add_crossing(void *context, int x, int y, const iso_raycast_crossing
 static void gather_sums(work *w) {
     const iso_gbuffer size = {.width = w->view->width, .height = w->view->height};
     const iso_strip strip = {w->view, &size, 1, 0};
-    const iso_raycast_layer layer = {w->surface->caster, w->look->color, {.constant = true}, NULL};
+    const iso_raycast_layer layer = {w->surface->caster, w->look->color, {.constant = true}, NULL, NULL};
     const iso_raycast_layers picture = {
         .layers = &layer, .count = 1, .picture = {.strip = &strip, .pool = w->surface->pool}};
     const iso_raycast_reader reader = {add_crossing, w};

@@ -9,6 +9,7 @@
 #include "base/memory.h"
 #include "exact/frame.h"
 #include "grids/ray/ray_tracer.h"
+#include "render/layers/recolor.h"
 #include "render/shading/phong_vectors.h"
 
 enum {
@@ -46,7 +47,9 @@ typedef struct layers_draw {
     float *slopes;    /* slopes of the rays: u by column, v by row */
     layer *layers;
     iso_layer_medium media[ISO_EXACT_LAYERS_MAX];
-    double middle;            /* depths count from this one, also those of surfaces of other volumes */
+    double middle; /* depths count from this one, also those of surfaces of other volumes */
+    const iso_surface_colors *colors[ISO_EXACT_LAYERS_MAX]; /* by surface; NULL: its layer's one colour */
+    bool recolors;                                          /* some surface has colours */
     bool absorbs, needs_rays; /* rays are needed for absorption and for readers */
     int band_rows;
     iso_exact_scratch *scratch; /* by worker */
@@ -88,6 +91,8 @@ static void set_up_layer(layers_draw *draw, int number) {
     const iso_translucency *translucency = &l->input->translucency;
     l->paint = (iso_exact_paint){.u = draw->slopes, .v = draw->slopes + draw->size.width + ISO_LANES_MAX};
     set_base(l->input->color, l->paint.base);
+    draw->colors[number] = wants_normals(draw->input) ? NULL : l->input->colors;
+    draw->recolors |= draw->colors[number] != NULL;
     l->target = draw->target;
     l->target.clip = l->input->clip;
     l->frame.projection = iso_exact_projection_make(&l->target, l->input->exact);
@@ -97,7 +102,7 @@ static void set_up_layer(layers_draw *draw, int number) {
     l->frame.projection.fragments = &l->fragments;
     l->frame.kernel = ISO_KERNEL_UNIT(iso_exact_layers_kernel, iso_cpu_best());
     l->fragments = (iso_exact_fragments){.opacity = iso_layer_opacity_make(translucency),
-                                         .normals = wants_normals(draw->input),
+                                         .normals = wants_normals(draw->input) || draw->colors[number],
                                          .surface = number,
                                          .fall_leaves = l->input->exact->surface.normal_sign < 0};
     l->pass = (iso_layer_pass){.surface = number,
@@ -292,7 +297,9 @@ static void use_rows(void *context, int number, iso_rows rows) {
     const layers_draw *draw = context;
     const iso_exact_layers_reader *reader = draw->input->reader;
     worker *w = &draw->workers[number];
+    const iso_layer_recolor recolor = {draw->target.view, draw->colors, draw->input->count};
     if (draw->needs_rays) set_rays(draw, w, rows);
+    if (draw->recolors) iso_layer_lists_recolor(&w->lists, &recolor, rows.first);
     if (reader) {
         reader->read(reader->context, &w->lists, &w->rays, rows.first);
         return;

@@ -10,6 +10,7 @@
 
 #include "exact/exact.h"
 #include "render/layers/bands.h"
+#include "render/view/surface_colors.h"
 
 /* A translucent surface, with an opacity below 1. Opaque surfaces are drawn into the strip's gbuffer
  * beforehand (iso_draw_exact). */
@@ -18,6 +19,9 @@ typedef struct iso_exact_layer {
     iso_rgb color;
     iso_translucency translucency;
     const iso_clip *clip; /* what is cut away of it; NULL: nothing; borrowed for the call */
+    /* Used instead of `color` but for what its solid absorbs; NULL: `color`; borrowed for the call. Of
+     * readers' fragments only those of shaded ones have them. */
+    const iso_surface_colors *colors;
 } iso_exact_layer;
 
 /* Largest number of bytes that each thread uses for the fragments of a band; a single row of pixels may use

@@ -334,9 +334,12 @@ static iso_status draw_marker(const pen *p, const iso_annotation *a, iso_error *
 enum { BAR_LABELS = 3 };
 
 /* Fills a rectangle of pixels with the colours of a map, the highest at the top. */
-static void fill_bar(iso_image *image, iso_colormap map, int left, int right, int top, int bottom) {
+static void fill_bar(iso_image *image, const iso_color_bar *bar, int left, int right, int top, int bottom) {
+    iso_color_bar unit = *bar;
+    unit.low = 0;
+    unit.high = 1;
     for (int y = top; y < bottom; y++) {
-        const iso_rgb c = iso_colormap_at(map, 1 - (y + 0.5 - top) / (bottom - top));
+        const iso_rgb c = iso_color_bar_at(&unit, 1 - (y + 0.5 - top) / (bottom - top));
         for (int x = left; x < right; x++) {
             uint8_t *rgba = image->rgba + 4 * ((size_t)y * (size_t)image->width + (size_t)x);
             rgba[0] = c.r, rgba[1] = c.g, rgba[2] = c.b, rgba[3] = 255;
@@ -361,6 +364,17 @@ static double add_labels(drawing *d, const pen *p, const iso_color_bar *bar, dou
     return widest;
 }
 
+/* Adds a bar's title, right-aligned at `right`; returns its width. */
+static double add_title(drawing *d, const pen *p, const char *title, double right, double y) {
+    char letters[ISO_COLOR_BAR_TITLE];
+    snprintf(letters, sizeof letters, "%s", title);
+    for (char *c = letters; *c; c++)
+        if (*c == 'u') *c = ISO_FONT_U;
+    const double width = iso_font_width(letters) * p->unit;
+    if (*letters) add_text(d, p, letters, right - width / 2, y);
+    return width;
+}
+
 /* Draws a bar whose right end is *right, and moves *right to the left of it. */
 static iso_status draw_color_bar(const pen *p, const iso_color_bar *bar, double *right, iso_error *error) {
     const double top = 0.25 * p->image->height, bottom = 0.75 * p->image->height, left = *right - p->text;
@@ -372,8 +386,9 @@ static iso_status draw_color_bar(const pen *p, const iso_color_bar *bar, double 
     add_line(&frame, left, bottom, left, top);
     const double widest = add_labels(&labels, p, bar, left - 0.8 * p->text, top, bottom);
     ISO_TRY(draw_outlined(p, &frame, p->radius, &p->ink, error));
-    fill_bar(p->image, bar->map, x0, x1, bounded(top, p->image->height), bounded(bottom, p->image->height));
-    *right = left - 2 * p->text - widest;
+    fill_bar(p->image, bar, x0, x1, bounded(top, p->image->height), bounded(bottom, p->image->height));
+    const double room = add_title(&labels, p, bar->title, *right, top - 1.9 * p->text);
+    *right -= fmax(3 * p->text + widest, room > 0 ? room + p->text : 0);
     return draw_outlined(p, &labels, p->radius, &p->ink, error);
 }
 

@@ -14,12 +14,6 @@
 #include "image/colormap.h"
 #include "image/image.h"
 
-/* A colour bar: shows which colours of a map stand for which numbers. */
-typedef struct iso_color_bar {
-    iso_colormap map;
-    double low, high; /* the numbers at the ends of the bar */
-} iso_color_bar;
-
 /* A line of a legend: a swatch of a colour, and what has it. */
 typedef struct iso_legend_entry {
     const char *name; /* characters that the vector font lacks are blank */

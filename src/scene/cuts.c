@@ -100,8 +100,8 @@ static iso_status parse_form(const char *text, iso_cut *cut, iso_error *error) {
                      : ISO_OK;
 }
 
-static iso_status parse_things(const char *text, iso_cut *cut, iso_error *error) {
-    cut->named = true;
+iso_status iso_things_parse(const char *text, iso_things *things, iso_error *error) {
+    *things = (iso_things){.named = true};
     for (const char *at = text;; at++) {
         char *end;
         const bool digit = *at >= '0' && *at <= '9';
@@ -110,7 +110,7 @@ static iso_status parse_things(const char *text, iso_cut *cut, iso_error *error)
             return iso_fail(error, ISO_ERR_USAGE,
                             "'@%s' is not @N or @N,N..: numbers of surfaces and objects from 1 to %d", text,
                             ISO_CUT_THINGS);
-        cut->things[(number - 1) / 64] |= (uint64_t)1 << (number - 1) % 64;
+        things->bits[(number - 1) / 64] |= (uint64_t)1 << (number - 1) % 64;
         at = end;
         if (!*at) return ISO_OK;
     }
@@ -118,7 +118,7 @@ static iso_status parse_things(const char *text, iso_cut *cut, iso_error *error)
 
 iso_status iso_cut_parse(const char *text, iso_cut *cut, iso_error *error) {
     char form[512];
-    *cut = (iso_cut){.named = false};
+    *cut = (iso_cut){.by_depth = false};
     const char *rest = behind(text, "keep:"), *at = strchr(text, '@');
     const char *first = rest ? rest : text;
     const size_t length = at ? (size_t)(at - first) : strlen(first);
@@ -126,7 +126,7 @@ iso_status iso_cut_parse(const char *text, iso_cut *cut, iso_error *error) {
     snprintf(form, sizeof form, "%.*s", (int)length, first);
     ISO_TRY(parse_form(form, cut, error));
     cut->body.keeps = rest != NULL;
-    return at ? parse_things(at + 1, cut, error) : ISO_OK;
+    return at ? iso_things_parse(at + 1, &cut->things, error) : ISO_OK;
 }
 
 /* Whether the first form is "x=MM", which becomes "x<MM", or none with a side. */
@@ -139,7 +139,7 @@ static bool take_equals(char *form) {
 iso_status iso_cut_parse_plane(const char *text, iso_cut *plane, iso_error *error) {
     char form[256];
     iso_error reason;
-    *plane = (iso_cut){.named = false};
+    *plane = (iso_cut){.by_depth = false};
     snprintf(form, sizeof form, "%s", text);
     if (take_equals(form) && parse_form(form, plane, &reason) == ISO_OK && (plane->plane || plane->by_depth))
         return ISO_OK;
@@ -155,8 +155,12 @@ iso_clip_body iso_cut_solve(const iso_cut *cut, const iso_camera *camera, double
     return body;
 }
 
+bool iso_things_have(const iso_things *things, int number) {
+    return !things->named || (number < ISO_CUT_THINGS && things->bits[number / 64] >> number % 64 & 1);
+}
+
 bool iso_cut_is_for(const iso_cut *cut, int number) {
-    return !cut->named || (number < ISO_CUT_THINGS && cut->things[number / 64] >> number % 64 & 1);
+    return iso_things_have(&cut->things, number);
 }
 
 iso_clip iso_cuts_clip(const iso_cut *cuts, int count, int thing, const iso_camera *camera, double front) {

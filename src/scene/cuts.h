@@ -8,14 +8,24 @@
 
 enum { ISO_CUT_THINGS = 128 }; /* surfaces and objects that a cut can name: 1 .. this number */
 
+/* Which things of a scene something is for. */
+typedef struct iso_things {
+    bool named; /* only those whose bits are set, bit n - 1 for thing n; else all */
+    uint64_t bits[ISO_CUT_THINGS / 64];
+} iso_things;
+
+/* Parses "N,N..", numbers from 1. ISO_ERR_USAGE. */
+iso_status iso_things_parse(const char *text, iso_things *things, iso_error *error);
+/* Whether thing `number` (from 0) is one of them. */
+bool iso_things_have(const iso_things *things, int number);
+
 /* One cut. */
 typedef struct iso_cut {
     bool by_depth;      /* cuts away what is less than `depth` mm behind the front of the scene */
     double depth;       /* mm along the view */
     iso_clip_body body; /* in the world; without by_depth */
     bool plane;         /* `body` is a half-space */
-    bool named;         /* only the things whose bits are set, bit n - 1 for thing n; else everything */
-    uint64_t things[ISO_CUT_THINGS / 64];
+    iso_things things;
 } iso_cut;
 
 /* The forms of iso_cut_parse in one line, for messages. */

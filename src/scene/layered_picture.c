@@ -2,6 +2,7 @@
  * for both. */
 #include "scene/layered_picture.h"
 
+#include "scene/coloring.h"
 #include "truth/raycast_layers.h"
 
 /* Whether the points of a surface, given or extracted, have opacities of their own. */
@@ -26,20 +27,33 @@ static iso_status draw_opaque(void *context, const iso_view *view, iso_gbuffer *
                                 : ISO_OK;
 }
 
-static int list_exact(const iso_layered_picture *picture, iso_exact_layer layers[ISO_LAYERED_MAX]) {
+/* Sets *colors to those of a surface; NULL: it has one colour. */
+static const iso_surface_colors *find_colors(const iso_scene_surface *surface, iso_surface_colors *colors) {
+    if (!surface->coloring) return NULL;
+    *colors = iso_coloring_colors(surface->coloring);
+    return colors;
+}
+
+static int list_exact(const iso_layered_picture *picture, iso_surface_colors colors[ISO_LAYERED_MAX],
+                      iso_exact_layer layers[ISO_LAYERED_MAX]) {
     int count = 0;
-    for (int i = 0; i < picture->count; i++)
-        if (!is_opaque(&picture->surfaces[i]))
-            layers[count++] =
-                (iso_exact_layer){picture->surfaces[i].surface->exact, picture->shading->colors[i],
-                                  picture->surfaces[i].translucency, picture->surfaces[i].surface->clip};
+    for (int i = 0; i < picture->count; i++) {
+        const iso_scene_surface *surface = picture->surfaces[i].surface;
+        if (is_opaque(&picture->surfaces[i])) continue;
+        layers[count] =
+            (iso_exact_layer){surface->exact, picture->shading->colors[i], picture->surfaces[i].translucency,
+                              surface->clip, find_colors(surface, &colors[count])};
+        count++;
+    }
     return count;
 }
 
 static iso_status shade_exact(iso_layered_picture *picture, const iso_layer_picture *output,
                               iso_error *error) {
+    iso_surface_colors colors[ISO_LAYERED_MAX];
     iso_exact_layer layers[ISO_LAYERED_MAX];
-    iso_exact_layers input = {.layers = layers, .count = list_exact(picture, layers), .picture = *output};
+    iso_exact_layers input = {
+        .layers = layers, .count = list_exact(picture, colors, layers), .picture = *output};
     if (!picture->set_count) return iso_shade_exact_layers(&input, &picture->totals, error);
     iso_shapes_lister *lister;
     ISO_TRY(iso_shapes_lister_create(picture->sets, picture->set_count, input.count, output->strip,
@@ -53,13 +67,17 @@ static iso_status shade_exact(iso_layered_picture *picture, const iso_layer_pict
 }
 
 static void shade_raycast(iso_layered_picture *picture, const iso_layer_picture *output) {
+    iso_surface_colors colors[ISO_LAYERED_MAX];
     iso_raycast_layer layers[ISO_LAYERED_MAX];
     int count = 0;
-    for (int i = 0; i < picture->count; i++)
-        if (!is_opaque(&picture->surfaces[i]))
-            layers[count++] =
-                (iso_raycast_layer){picture->surfaces[i].surface->caster, picture->shading->colors[i],
-                                    picture->surfaces[i].translucency, picture->surfaces[i].surface->clip};
+    for (int i = 0; i < picture->count; i++) {
+        const iso_scene_surface *surface = picture->surfaces[i].surface;
+        if (is_opaque(&picture->surfaces[i])) continue;
+        layers[count] = (iso_raycast_layer){surface->caster, picture->shading->colors[i],
+                                            picture->surfaces[i].translucency, surface->clip,
+                                            find_colors(surface, &colors[count])};
+        count++;
+    }
     const iso_raycast_layers input = {.layers = layers, .count = count, .picture = *output};
     iso_shade_raycast_layers(&input, &picture->totals.layers);
 }

@@ -104,11 +104,11 @@ enum {
 
 /* What several methods can do. */
 enum {
-    GBUFFER = ISO_CAN_OCCLUSION, /* of all methods that draw into a gbuffer */
+    GBUFFER = ISO_CAN_OCCLUSION | ISO_CAN_COLORS, /* of all methods that draw into a gbuffer */
     PYRAMID = GBUFFER | ISO_CAN_PYRAMID | ISO_CAN_LEVELS | ISO_CAN_CHUNKS | ISO_CAN_GL,
     DISCS = GBUFFER | ISO_CAN_LEVELS | ISO_CAN_SELECTION | ISO_CAN_INSTANCES,
     LAYERS = GBUFFER | ISO_CAN_LAYERS | ISO_CAN_GLASS,
-    SOLIDS = LAYERS | ISO_CAN_ABSORPTION
+    SOLIDS = LAYERS | ISO_CAN_ABSORPTION | ISO_CAN_COLOR_LAYERS
 };
 
 static const iso_renderer METHODS[] = {

@@ -18,7 +18,9 @@ typedef struct iso_scene_object {
     iso_rgb color;                 /* of what has no colour of its own */
     iso_translucency translucency; /* of opacity 1: opaque */
     const iso_clip *clip;          /* what is cut away of a mesh; borrowed; NULL: nothing */
-    bool in_pyramid;               /* a mesh or ribbons, drawn in one image pyramid with surfaces */
+    /* How an opaque mesh is coloured by data; borrowed; NULL: in one colour. */
+    const struct iso_coloring *coloring;
+    bool in_pyramid; /* a mesh or ribbons, drawn in one image pyramid with surfaces */
     /* Totals over all pictures, set by drawing. */
     bool by_cpu;                /* drawn by the cpu engine where another was to draw the picture */
     iso_shapes_drawn drawn;     /* of opaque lines and glyphs */

@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "exact/exact.h"
 #include "render/pullpush/sets.h"
+#include "scene/coloring.h"
 #include "scene/label_colors.h"
 
 /* ---- surfaces, as if they were opaque, and opaque objects */
@@ -112,6 +113,25 @@ static iso_status paint_labels(const drawing *d, const iso_view *view, iso_gbuff
     return ISO_OK;
 }
 
+/* Whether anything is coloured by data. */
+static bool has_colorings(const iso_scene *scene) {
+    bool any = false;
+    for (int i = 0; i < scene->count; i++) any |= scene->surfaces[i].surface->coloring != NULL;
+    for (int i = 0; i < scene->object_count; i++) any |= scene->objects[i]->coloring != NULL;
+    return any;
+}
+
+/* Colours what is opaque and drawn so far. */
+static iso_status paint_colorings(const drawing *d, const iso_view *view, iso_gbuffer *gbuffer,
+                                  iso_error *error) {
+    const iso_coloring *colorings[ISO_SURFACE_MAX];
+    const iso_scene *scene = d->scene;
+    if (!has_colorings(scene)) return ISO_OK;
+    for (int i = 0; i < scene->count; i++) colorings[i] = scene->surfaces[i].surface->coloring;
+    for (int i = 0; i < scene->object_count; i++) colorings[scene->count + i] = scene->objects[i]->coloring;
+    return iso_colorings_paint(colorings, iso_scene_colors(scene), view, gbuffer, d->pool, error);
+}
+
 static iso_status draw_caps(const drawing *d, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
     return d->scene->caps ? iso_caps_draw(d->scene->caps, view, gbuffer, d->pool, error) : ISO_OK;
 }
@@ -128,6 +148,7 @@ static iso_status draw_things(const drawing *d, const iso_view *view, iso_gbuffe
 /* iso_picture_opts.draw. */
 static iso_status draw_all(void *context, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
     ISO_TRY(draw_things(context, view, gbuffer, error));
+    ISO_TRY(paint_colorings(context, view, gbuffer, error));
     ISO_TRY(draw_caps(context, view, gbuffer, error));
     return paint_labels(context, view, gbuffer, error);
 }
@@ -145,8 +166,17 @@ static iso_status draw_others(void *context, const iso_view *view, iso_gbuffer *
     const drawing *d = context;
     const iso_target target = {view, gbuffer, d->pool, 0, NULL};
     ISO_TRY(draw_opaque_objects(d->scene, &target, error));
+    ISO_TRY(paint_colorings(d, view, gbuffer, error));
     ISO_TRY(draw_caps(d, view, gbuffer, error));
     return paint_labels(d, view, gbuffer, error);
+}
+
+/* Whether there is anything for draw_others: also colours of an opaque surface, or labels. */
+static bool draws_others(const iso_scene *scene) {
+    bool colors = false;
+    for (int i = 0; i < scene->count; i++)
+        colors |= scene->surfaces[i].surface->coloring && scene->surfaces[i].translucency.opacity >= 1;
+    return scene->object_count || scene->caps || colors || has_labels(scene);
 }
 
 /* Lists the translucent objects. ISO_ERR_LIMIT. */
@@ -174,18 +204,17 @@ static iso_status render_layers(drawing *d, iso_picture_opts *opts, iso_image *i
     iso_scene *scene = d->scene;
     iso_picture_layers callbacks;
     iso_translucent_set sets[ISO_LAYERED_MAX];
-    iso_layered_picture picture = {
-        .method = scene->renderer->method,
-        .surfaces = scene->surfaces,
-        .count = scene->count,
-        .sets = sets,
-        .draw_others = scene->object_count || scene->caps || has_labels(scene) ? draw_others : NULL,
-        .others_context = d,
-        .transparency = scene->transparency,
-        .shade_splats = scene->engine ? scene->engine->shade_groups : NULL,
-        .splats_context = scene->engine ? scene->engine->context : NULL,
-        .shading = &opts->shading,
-        .pool = opts->pool};
+    iso_layered_picture picture = {.method = scene->renderer->method,
+                                   .surfaces = scene->surfaces,
+                                   .count = scene->count,
+                                   .sets = sets,
+                                   .draw_others = draws_others(scene) ? draw_others : NULL,
+                                   .others_context = d,
+                                   .transparency = scene->transparency,
+                                   .shade_splats = scene->engine ? scene->engine->shade_groups : NULL,
+                                   .splats_context = scene->engine ? scene->engine->context : NULL,
+                                   .shading = &opts->shading,
+                                   .pool = opts->pool};
     ISO_TRY(list_sets(scene, sets, &picture.set_count, error));
     ISO_TRY(iso_layered_picture_callbacks(&picture, &callbacks, error));
     opts->layers = &callbacks;
@@ -250,8 +279,9 @@ static iso_status render_gaussians(drawing *d, iso_picture_opts *opts, iso_image
 /* Whether the picture needs no gbuffer: one exact surface with one sample a pixel, and nothing beside it. */
 static bool is_painted(const iso_scene *scene, const iso_picture_opts *opts) {
     return scene->renderer->method == ISO_METHOD_EXACT && !scene->engine && !scene->caps &&
-           !has_labels(scene) && iso_scene_colors(scene) == 1 && scene->count == 1 && opts->samples <= 1 &&
-           !opts->aov && opts->lighting == ISO_LIGHTING_PHONG && !opts->occlusion && !(opts->outline > 0);
+           iso_scene_colors(scene) == 1 && scene->count == 1 && !has_labels(scene) && !has_colorings(scene) &&
+           opts->samples <= 1 && !opts->aov && opts->lighting == ISO_LIGHTING_PHONG && !opts->occlusion &&
+           !(opts->outline > 0);
 }
 
 static iso_status paint(const iso_scene *scene, const iso_picture_opts *opts, iso_image *image,

@@ -46,6 +46,8 @@ typedef struct iso_scene_surface {
     iso_point_selection selection; /* for the methods that draw discs */
     const iso_clip *clip;          /* what is cut away in pictures (ISO_CAN_CLIP); borrowed; NULL: nothing */
     const struct iso_label_colors *labels; /* the colours of its labels; borrowed; NULL: it has one colour */
+    /* How it is coloured by data in pictures (ISO_CAN_COLORS); borrowed; NULL: in one colour. */
+    const struct iso_coloring *coloring;
     double lod_pixels; /* the most that levels of detail are wrong by; 0: all points are drawn */
     /* Of the methods that draw points. NULL: one is made with the points, and owned. */
     iso_point_workspace *workspace;

@@ -11,6 +11,7 @@
 /* The ray of a sample. */
 typedef struct sample_ray {
     const iso_raycast_layers *input;
+    int x, y;
     iso_vec3 origin, direction; /* world space */
     float to_eye[3];            /* view space */
     double length;              /* mm along the ray for 1 mm of depth */
@@ -47,6 +48,8 @@ static void start_ray(sample_ray *s, const iso_raycast_layers *input, int x, int
     iso_view_ray(view, x + 0.5, y + 0.5, &s->origin, &s->direction);
     const iso_vec3 along = iso_view_vector(view, s->direction);
     s->input = input;
+    s->x = x;
+    s->y = y;
     s->to_eye[0] = -(float)along.x;
     s->to_eye[1] = -(float)along.y;
     s->to_eye[2] = -(float)along.z;
@@ -105,6 +108,16 @@ static double opacity_of(const iso_translucency *translucency, const float norma
     return 1 - pow(1 - opacity, 1 / fmax(fabs(dot) / sqrt(square), 1e-6));
 }
 
+/* The colour of the next crossing of surface i. normal: in view space. */
+static iso_rgb color_of(const sample_ray *s, int i, iso_vec3 normal) {
+    const iso_surface_colors *colors = s->input->layers[i].colors;
+    if (!colors) return s->input->layers[i].color;
+    const iso_colored_point point =
+        iso_colored_point_at(s->input->picture.strip->view, s->x, s->y, s->hit[i].t, normal);
+    size_t near = 0;
+    return colors->at(colors->context, &point, &near);
+}
+
 /* Returns the next crossing of surface i with its opacity and shaded colour. */
 static iso_raycast_crossing crossing_of(const sample_ray *s, int i) {
     const iso_raycast_layer *layer = &s->input->layers[i];
@@ -114,7 +127,7 @@ static iso_raycast_crossing crossing_of(const sample_ray *s, int i) {
     const float normal[3] = {(float)n.x, (float)n.y, (float)n.z};
     iso_raycast_crossing crossing = {.depth = hit->t,
                                      .opacity = opacity_of(&layer->translucency, normal, s->to_eye)};
-    iso_shade_sample(normal, s->to_eye, layer->color, crossing.rgb);
+    iso_shade_sample(normal, s->to_eye, color_of(s, i, n), crossing.rgb);
     return crossing;
 }
 

@@ -4,6 +4,7 @@
 #define ISO_TRUTH_RAYCAST_LAYERS_H
 
 #include "render/layers/compose.h"
+#include "render/view/surface_colors.h"
 #include "truth/raycast.h"
 
 /* A translucent surface, with an opacity below 1. */
@@ -12,6 +13,8 @@ typedef struct iso_raycast_layer {
     iso_rgb color;
     iso_translucency translucency;
     const iso_clip *clip; /* what is cut away of it; NULL: nothing; borrowed */
+    /* Used instead of `color` but for what its solid absorbs; NULL: `color`; borrowed. */
+    const iso_surface_colors *colors;
 } iso_raycast_layer;
 
 enum { ISO_RAYCAST_LAYERS_MAX = 64 }; /* largest number of surfaces in a picture */

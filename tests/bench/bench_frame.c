@@ -125,7 +125,7 @@ static iso_status paint_layers(bench_frame *frame, bool constant, size_t *covere
     const iso_gbuffer size = {.width = frame->view.view.width, .height = frame->view.view.height};
     const iso_strip strip = {.view = &frame->view.view, .gbuffer = &size, .factor = 1};
     const iso_exact_layer layer = {
-        frame->exact, COLOR, {.opacity = (float)BENCH_OPACITY, .constant = constant}, NULL};
+        frame->exact, COLOR, {.opacity = (float)BENCH_OPACITY, .constant = constant}, NULL, NULL};
     const iso_exact_layers picture = {
         .layers = &layer,
         .count = 1,

@@ -81,7 +81,7 @@ expect(100 < red < 1000, red, "pixels of outlines")
 expect(Png("slice.png").rows == Png("slicetruth.png").rows, "slices differ")
 P
 refuses 2 "needs --clip" isorender in/v.mha bad.png --cap slice
-refuses 2 "is not slice" isorender in/v.mha bad.png --clip 'y<2' --cap slice:rainbow
+refuses 2 "no colormap .rainbow." isorender in/v.mha bad.png --clip 'y<2' --cap slice:rainbow
 refuses 2 "is for --slice" isorender in/v.mha bad.png --clip 'y<2' --cap red --window 3,4
 refuses 2 "not above 0" isorender in/v.mha bad.png --clip 'y<2' --cap slice --window 3,0
 for plane in 'y<2' y= box:1,2,3,4,5,6 keep:y=2 y=2@1 1,2,3:0,0,0; do

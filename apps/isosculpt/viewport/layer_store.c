@@ -119,7 +119,7 @@ iso_status isosculpt_layer_store_list(isosculpt_layer_store *store, const iso_ex
                                       const iso_view *view, iso_pool *pool, iso_error *error) {
     const iso_gbuffer size = {.width = view->width, .height = view->height};
     const iso_strip strip = {.view = view, .gbuffer = &size, .factor = 1};
-    const iso_exact_layer layer = {exact, color, {.opacity = (float)LISTED_OPACITY}, NULL};
+    const iso_exact_layer layer = {exact, color, {.opacity = (float)LISTED_OPACITY}, NULL, NULL};
     const iso_exact_layers_reader reader = {.shaded = true, .read = store_band, .context = store};
     const iso_exact_layers layers = {
         .layers = &layer, .count = 1, .picture = {.strip = &strip, .pool = pool}, .reader = &reader};

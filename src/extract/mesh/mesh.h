@@ -56,6 +56,7 @@ typedef struct iso_weld {
     iso_surfel *vertices;
     uint32_t (*triangles)[3];
     size_t vertex_count, triangle_count;
+    uint8_t (*colors)[3]; /* red, green and blue of each vertex, display values; NULL: none */
 } iso_weld;
 
 /* Welds the spans of a mesh. ISO_ERR_LIMIT: more than 2^32 - 1 vertices; ISO_ERR_USAGE: a copy of a vertex

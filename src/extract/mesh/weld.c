@@ -168,5 +168,6 @@ void iso_weld_separate(const iso_mesh_view *view, double distance, iso_weld *wel
 void iso_weld_free(iso_weld *weld) {
     iso_free(weld->vertices);
     iso_free(weld->triangles);
+    iso_free(weld->colors);
     *weld = (iso_weld){0};
 }

@@ -40,12 +40,14 @@ static void ordered_triangle(const mesh_source *source, size_t triangle, uint32_
 
 enum { VERTEX_BYTES = 24, TRIANGLE_BYTES = 13 };
 
-static void write_ply_header(FILE *stream, uint64_t vertices, uint64_t triangles, const char *comment) {
+static void write_ply_header(FILE *stream, uint64_t vertices, uint64_t triangles, bool colors,
+                             const char *comment) {
     fputs("ply\nformat binary_little_endian 1.0\n", stream);
     iso_encode_comment(stream, "comment ", comment);
     fprintf(stream, "element vertex %llu\n", (unsigned long long)vertices);
     static const char *const names[] = {"x", "y", "z", "nx", "ny", "nz"};
     for (int i = 0; i < 6; i++) fprintf(stream, "property float %s\n", names[i]);
+    if (colors) fputs("property uchar red\nproperty uchar green\nproperty uchar blue\n", stream);
     /* signed types of indices if they are large enough, because most readers expect them */
     fprintf(stream, "element face %llu\nproperty list uchar %s vertex_indices\nend_header\n",
             (unsigned long long)triangles, vertices <= INT32_MAX ? "int" : "uint");
@@ -56,6 +58,7 @@ static void write_ply_vertices(const mesh_source *source, size_t first, size_t e
     for (size_t i = first; i < end; i++) {
         iso_encode_vec3(iso_encode_vec3(bytes, world_position(source, i)), world_normal(source, i));
         fwrite(bytes, sizeof bytes, 1, stream);
+        if (source->weld->colors) fwrite(source->weld->colors[i], sizeof *source->weld->colors, 1, stream);
     }
 }
 
@@ -73,7 +76,7 @@ static void write_ply_triangles(const mesh_source *source, size_t first, size_t 
 
 static void write_ply(const mesh_source *source, FILE *stream) {
     const iso_weld *weld = source->weld;
-    write_ply_header(stream, weld->vertex_count, weld->triangle_count, source->comment);
+    write_ply_header(stream, weld->vertex_count, weld->triangle_count, weld->colors != NULL, source->comment);
     write_ply_vertices(source, 0, weld->vertex_count, stream);
     write_ply_triangles(source, 0, weld->triangle_count, stream);
 }
@@ -112,8 +115,10 @@ static void write_obj_part(const mesh_source *source, uint64_t before, FILE *str
     for (size_t i = 0; i < source->weld->vertex_count; i++) {
         iso_vec3 p = world_position(source, i), n = world_normal(source, i);
         /* nine digits are enough to read back the same float */
-        fprintf(stream, "v %.9g %.9g %.9g\nvn %.9g %.9g %.9g\n", (double)(float)p.x, (double)(float)p.y,
-                (double)(float)p.z, (double)(float)n.x, (double)(float)n.y, (double)(float)n.z);
+        fprintf(stream, "v %.9g %.9g %.9g", (double)(float)p.x, (double)(float)p.y, (double)(float)p.z);
+        for (int k = 0; k < 3 && source->weld->colors; k++)
+            fprintf(stream, " %.4g", source->weld->colors[i][k] / 255.0);
+        fprintf(stream, "\nvn %.9g %.9g %.9g\n", (double)(float)n.x, (double)(float)n.y, (double)(float)n.z);
     }
     for (size_t i = 0; i < source->weld->triangle_count; i++) {
         uint32_t corner[3];
@@ -210,7 +215,7 @@ iso_status iso_mesh_file_begin(const char *path, const iso_mesh_file_opts *opts,
                                iso_error *error) {
     *file = (iso_mesh_file){.transform = *opts->transform, .vertices = opts->vertices};
     ISO_TRY(iso_sink_open(path, &file->sink, error));
-    write_ply_header(file->sink.stream, opts->vertices, opts->triangles, opts->comment);
+    write_ply_header(file->sink.stream, opts->vertices, opts->triangles, false, opts->comment);
     file->start = ftello(file->sink.stream);
     return ISO_OK;
 }

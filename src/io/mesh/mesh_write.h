@@ -1,6 +1,7 @@
 /* mesh_write: writes meshes; the format is chosen by the extension: .ply (binary, with normals), .stl
- * (binary), .obj (with normals). Positions are in world millimetres; triangles are counter-clockwise seen
- * from outside, also with left-handed transforms. */
+ * (binary), .obj (with normals); .ply and .obj with the colours of vertices, if there are some. Positions
+ * are in world millimetres; triangles are counter-clockwise seen from outside, also with left-handed
+ * transforms. */
 #ifndef ISO_IO_MESH_MESH_WRITE_H
 #define ISO_IO_MESH_MESH_WRITE_H
 

@@ -257,7 +257,7 @@ static void draw_layers(const isosculpt_viewport *view, const iso_exact *exact, 
     const iso_shading shading = {
         .colors = colors, .color_count = 1, .background = view->mode.material.background};
     const iso_exact_layer layer = {
-        exact, view->reference_mode.color, {.opacity = (float)view->reference_mode.opacity}, NULL};
+        exact, view->reference_mode.color, {.opacity = (float)view->reference_mode.opacity}, NULL, NULL};
     const iso_exact_layers layers = {
         .layers = &layer, .count = 1, .picture = {.strip = &strip, .shading = &shading, .image = image}};
     iso_exact_layers_totals totals = {.retraced = 0};

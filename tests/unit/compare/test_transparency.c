@@ -145,7 +145,7 @@ static void crossings_in_order_are_the_picture(void **state) {
     const iso_gbuffer size = {.width = SIDE, .height = SIDE};
     const iso_strip strip = {&f.view, &size, 1, 0};
     const iso_shading shading = {&look.color, 1, look.background, 1, {0, 0, 0}};
-    const iso_raycast_layer layer = {f.surface.caster, look.color, {.opacity = 0.6f}, NULL};
+    const iso_raycast_layer layer = {f.surface.caster, look.color, {.opacity = 0.6f}, NULL, NULL};
     const iso_raycast_layers picture = {&layer, 1, {&strip, &shading, &image, layers, coverage, NULL}};
     iso_layer_totals totals = {0};
     iso_shade_raycast_layers(&picture, &totals);

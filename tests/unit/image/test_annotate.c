@@ -125,6 +125,12 @@ static void colormaps_are_those_published(void **state) {
     assert_true(same_color(iso_colormap_at(ISO_COLORMAP_COOLWARM, -1), (iso_rgb){0x3B, 0x4C, 0xC0}));
     assert_true(same_color(iso_colormap_at(ISO_COLORMAP_COOLWARM, 1), (iso_rgb){0xB4, 0x04, 0x26}));
     assert_true(same_color(iso_colormap_at(ISO_COLORMAP_TURBO, NAN), (iso_rgb){128, 128, 128}));
+    assert_true(same_color(iso_colormap_at(ISO_COLORMAP_CIVIDIS, 0), (iso_rgb){0x00, 0x22, 0x4E}));
+    assert_true(same_color(iso_colormap_at(ISO_COLORMAP_BATLOW, 1), (iso_rgb){250, 204, 250}));
+    iso_error error;
+    iso_colormap found;
+    assert_int_equal(iso_colormap_find("batlo", &found, &error), ISO_ERR_USAGE);
+    assert_non_null(strstr(error.text, "did you mean batlow?"));
     static const iso_colormap rising[] = {ISO_COLORMAP_VIRIDIS, ISO_COLORMAP_INFERNO, ISO_COLORMAP_GRAY};
     for (int i = 0; i < 3; i++)
         for (int k = 0, before = -1, light; k <= 50; k++, before = light) {
@@ -140,7 +146,7 @@ static void color_bars_show_their_map(void **state) {
     enum { SIZE = 500, TEXT = 12, X = SIZE - 14 - TEXT / 2 };
     static const uint8_t white[4] = {255, 255, 255, 255};
     const iso_camera camera = camera_at(iso_vec3_make(0, -1, 0), 1);
-    const iso_color_bar bar = {ISO_COLORMAP_TURBO, -0.5, 1e6};
+    const iso_color_bar bar = {.map = ISO_COLORMAP_TURBO, .low = -0.5, .high = 1e6};
     const iso_annotation annotation = {.camera = &camera, .color_bars = &bar, .color_bar_count = 1};
     iso_image image = annotated(&annotation, SIZE, SIZE, white);
     for (int y = SIZE / 4 + 1; y < 3 * SIZE / 4; y++) {
@@ -155,7 +161,8 @@ static void color_bars_show_their_map(void **state) {
 
 static void small_pictures_are_cut_off(void **state) {
     (void)state;
-    const iso_color_bar bars[2] = {{ISO_COLORMAP_GRAY, 0, 1}, {ISO_COLORMAP_VIRIDIS, -1e-9, 3}};
+    const iso_color_bar bars[2] = {{.map = ISO_COLORMAP_GRAY, .low = 0, .high = 1},
+                                   {.map = ISO_COLORMAP_VIRIDIS, .low = -1e-9, .high = 3}};
     static const uint8_t clear[4] = {0};
     for (int width = 1; width < 60; width += 7)
         for (int height = 1; height < 60; height += 7) {

@@ -1,0 +1,91 @@
+/* coloring_settings: the words of --surface-color-by, --colormap and --range. */
+#include "apps/isorender/coloring_settings.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "apps/common/loader.h"
+#include "apps/common/value_path.h"
+#include "base/parse.h"
+
+iso_status isorender_colormap_parse(const char *value, isorender_colormap *map, iso_error *error) {
+    *map = (isorender_colormap){.given = value != NULL, .map = ISO_COLORMAP_VIRIDIS};
+    if (!value) return ISO_OK;
+    if (iso_colormap_find(value, &map->map, NULL) == ISO_OK) return ISO_OK;
+    if (strpbrk(value, "./") || access(value, F_OK) == 0)
+        map->file = value;
+    else
+        return iso_colormap_find(value, &map->map, error);
+    return ISO_OK;
+}
+
+iso_status isorender_range_parse(const char *value, double range[2], iso_error *error) {
+    range[0] = range[1] = (double)NAN;
+    if (!value) return ISO_OK;
+    if (!iso_parse_reals(value, 2, range) || !(range[0] < range[1]))
+        return iso_fail(error, ISO_ERR_USAGE, "--range: '%s' is not two numbers, the smaller one first",
+                        value);
+    return ISO_OK;
+}
+
+/* Whether the value is a word alone, with or without @N behind it. */
+static bool is_word(const char *value, const iso_value_path *whole, const char *word) {
+    return whole->begin == 0 && whole->length == strlen(word) && strncmp(value, word, whole->length) == 0;
+}
+
+/* The length of scene:NAME or scene:NAME:SIZE. */
+static size_t scene_length(const char *text, size_t length) {
+    size_t at = 0;
+    for (int colons = 0; at < length; at++)
+        if (text[at] == ':' && ++colons == 3) break;
+    return at;
+}
+
+/* Takes the path and what stands behind it. */
+static iso_status take_file(const char *value, const iso_value_path *whole,
+                            isorender_coloring_settings *coloring, iso_error *error) {
+    const char *text = value + whole->begin;
+    iso_value_path path;
+    if (iso_loader_is_scene(text))
+        path = (iso_value_path){whole->begin, scene_length(text, whole->length)};
+    else if (!iso_value_path_find(value, NULL, &path, NULL))
+        path = *whole; /* to be missed when it is opened */
+    if (!path.length)
+        return iso_fail(
+            error, ISO_ERR_USAGE,
+            "'%s' names no file: VOLUME[:ARRAY], curvature, distance:FILE[:ISOVALUE], depth or normal",
+            value);
+    const size_t rest = path.length < whole->length ? whole->length - path.length - 1 : 0;
+    if (path.length >= sizeof coloring->path || rest >= sizeof coloring->rest)
+        return iso_fail(error, ISO_ERR_USAGE, "'%.40s..': the name is too long", value);
+    snprintf(coloring->path, sizeof coloring->path, "%.*s", (int)path.length, text);
+    snprintf(coloring->rest, sizeof coloring->rest, "%.*s", (int)rest, text + path.length + (rest > 0));
+    return ISO_OK;
+}
+
+iso_status isorender_coloring_parse(const char *value, isorender_coloring_settings *coloring,
+                                    iso_error *error) {
+    const iso_value_path whole = iso_value_path_whole(value);
+    const char *behind = value + whole.begin + whole.length;
+    *coloring = (isorender_coloring_settings){
+        .text = value, .isovalue = (double)NAN, .range = {(double)NAN, (double)NAN}};
+    if (*behind) ISO_TRY(iso_things_parse(behind + 1, &coloring->things, error));
+    static const struct {
+        const char *word;
+        iso_color_source source;
+    } words[] = {{"curvature", ISO_COLOR_BY_CURVATURE},
+                 {"depth", ISO_COLOR_BY_DEPTH},
+                 {"normal", ISO_COLOR_BY_NORMAL}};
+    for (size_t i = 0; i < sizeof words / sizeof *words; i++)
+        if (is_word(value, &whole, words[i].word)) {
+            coloring->source = words[i].source;
+            return ISO_OK;
+        }
+    coloring->source = whole.begin ? ISO_COLOR_BY_DISTANCE : ISO_COLOR_BY_VOLUME;
+    ISO_TRY(take_file(value, &whole, coloring, error));
+    if (whole.begin && coloring->rest[0] && !iso_parse_real(coloring->rest, &coloring->isovalue))
+        return iso_fail(error, ISO_ERR_USAGE, "'%s' is not distance:FILE or distance:FILE:ISOVALUE", value);
+    return ISO_OK;
+}

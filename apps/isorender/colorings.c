@@ -1,0 +1,448 @@
+/* colorings: --surface-color-by, from its words to the colorings of surfaces and meshes. */
+#include "apps/isorender/colorings.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "apps/isorender/labels.h"
+#include "base/file_types.h"
+#include "base/memory.h"
+#include "io/mesh/mesh_read.h"
+#include "render/raster/triangles.h"
+#include "scene/distances.h"
+
+/* One value of the option with what it names. */
+typedef struct color_source {
+    const isorender_coloring_settings *settings;
+    iso_input input;
+    iso_loader loader; /* of a volume; not opened if there is none */
+    bool has_volume;
+    double isovalue; /* of a volume that distances are from */
+    iso_distance *distance;
+    iso_color_table table;
+    bool ranged; /* its range is known: given, or that of the first thing that it colours */
+    iso_color_bar bar;
+    size_t points, found; /* vertices of what it colours, and those where it has a number */
+} color_source;
+
+typedef struct isorender_colorings {
+    color_source sources[ISORENDER_COLORINGS];
+    int count;
+    iso_coloring *things; /* by number of the surface, then of the object; NULL: not made */
+    int *source_of;       /* the same: the place in `sources`; -1: in its own colour */
+} isorender_colorings;
+
+/* ---- options */
+
+iso_status isorender_apply_surface_color_by(void *target, const char *value, iso_error *error) {
+    isorender_settings *settings = target;
+    if (settings->coloring_count == ISORENDER_COLORINGS)
+        return iso_fail(error, ISO_ERR_USAGE, "more than %d", ISORENDER_COLORINGS);
+    ISO_TRY(isorender_coloring_parse(value, &settings->colorings[settings->coloring_count], error));
+    settings->object_options.colorings = ++settings->coloring_count;
+    return ISO_OK;
+}
+
+/* The number of things whose --colormap and --range come before those of colorings. */
+static int columns_of(const isorender_object_options *options) {
+    int count = options->has_cloud;
+    for (int i = 0; i < options->count; i++) count += options->kinds[i] != ISORENDER_MESH;
+    return count;
+}
+
+static iso_status deal(isorender_settings *settings, int i, iso_error *error) {
+    isorender_coloring_settings *coloring = &settings->colorings[i];
+    const isorender_object_options *options = &settings->object_options;
+    const int number = columns_of(options) + i;
+    ISO_TRY(isorender_colormap_parse(isorender_value_for(&options->maps, number), &coloring->map, error));
+    ISO_TRY(isorender_range_parse(isorender_value_for(&options->ranges, number), coloring->range, error));
+    if (!coloring->map.given && iso_color_source_is_signed(coloring->source))
+        coloring->map.map = ISO_COLORMAP_COOLWARM;
+    return ISO_OK;
+}
+
+iso_status isorender_colorings_check(isorender_settings *settings, iso_error *error) {
+    char who[ISO_METHODS_TEXT];
+    for (int i = 0; i < settings->coloring_count; i++) ISO_TRY(deal(settings, i, error));
+    if (!settings->coloring_count) return ISO_OK;
+    if (settings->object_options.has_cloud)
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "--surface-color-by colours isosurfaces and meshes: --color-by colours points");
+    if (settings->gaussians || !isorender_method_can(settings, ISO_CAN_COLORS))
+        return iso_fail(error, ISO_ERR_USAGE, "--method %s has no --surface-color-by: %s have it",
+                        settings->gaussians ? "gaussians" : iso_method_name((iso_method)settings->method),
+                        iso_methods_that_can(ISO_CAN_COLORS, who));
+    if (isorender_is_translucent(settings) && !isorender_method_can(settings, ISO_CAN_COLOR_LAYERS))
+        return iso_fail(
+            error, ISO_ERR_USAGE, "--method %s has no --surface-color-by of translucent surfaces: %s have it",
+            iso_method_name((iso_method)settings->method), iso_methods_that_can(ISO_CAN_COLOR_LAYERS, who));
+    const char *unfit = settings->ior > 0     ? "--ior"
+                        : settings->instances ? "--instances"
+                        : settings->parts     ? "--part"
+                                              : NULL;
+    if (unfit) return iso_fail(error, ISO_ERR_USAGE, "--surface-color-by cannot be combined with %s", unfit);
+    return ISO_OK;
+}
+
+/* ---- files */
+
+/* Puts a file's name before a message that does not begin with it. */
+static iso_status named(const char *path, iso_status status, iso_error *error) {
+    char text[sizeof error->text];
+    if (status == ISO_OK || strncmp(error->text, path, strlen(path)) == 0) return status;
+    snprintf(text, sizeof text, "%s", error->text);
+    return iso_fail(error, status, "%s: %s", path, text);
+}
+
+/* Whether distances are from a mesh. */
+static bool is_mesh(const isorender_coloring_settings *settings) {
+    return settings->source == ISO_COLOR_BY_DISTANCE && !iso_loader_is_scene(settings->path) &&
+           iso_file_type_find(settings->path, ISO_HOLDS_MESH | ISO_HOLDS_VOLUME) != ISO_FILE_UNKNOWN &&
+           iso_file_type_holds(iso_file_type_find(settings->path, ISO_HOLDS_MESH | ISO_HOLDS_VOLUME)) &
+               ISO_HOLDS_MESH;
+}
+
+static iso_status open_source(isorender_job *job, color_source *source, iso_error *error) {
+    const isorender_coloring_settings *settings = source->settings;
+    const bool distance = settings->source == ISO_COLOR_BY_DISTANCE;
+    if (!settings->path[0]) return ISO_OK;
+    if (is_mesh(settings)) {
+        iso_file_set_read(job->plan->files, settings->path);
+        return settings->rest[0]
+                   ? iso_fail(error, ISO_ERR_USAGE, "a mesh has no isovalue: %s", settings->text)
+                   : ISO_OK;
+    }
+    source->input = (iso_input){.max_memory = job->settings->common.input.max_memory,
+                                .grid = distance || !settings->rest[0] ? NULL : settings->rest};
+    source->loader = (iso_loader){.input = settings->path,
+                                  .options = &source->input,
+                                  .files = job->plan->files,
+                                  .pool = job->pool,
+                                  .is_further = true,
+                                  .wants_histogram = distance && isnan(settings->isovalue)};
+    source->has_volume = true;
+    ISO_TRY(iso_loader_open(&source->loader, error));
+    if (!source->loader.has_points) return ISO_OK;
+    return iso_fail(error, ISO_ERR_USAGE, "holds points, no volume");
+}
+
+iso_status isorender_colorings_open(isorender_job *job, iso_error *error) {
+    const isorender_settings *settings = job->settings;
+    if (!settings->coloring_count) return ISO_OK;
+    if (!job->colorings) job->colorings = calloc(1, sizeof *job->colorings);
+    if (!job->colorings) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
+    for (int i = 0; i < settings->coloring_count; i++) {
+        color_source *source = &job->colorings->sources[job->colorings->count++];
+        source->settings = &settings->colorings[i];
+        ISO_TRY(named(source->settings->path, open_source(job, source, error), error));
+    }
+    return ISO_OK;
+}
+
+/* The isovalue of a volume that distances are from, as that of a further volume. */
+static iso_status choose_isovalue(const isorender_job *job, color_source *source, iso_error *error) {
+    iso_loader *loader = &source->loader;
+    const iso_grid *grid = &loader->volume.grid;
+    double candidates[ISO_ISOVALUE_CANDIDATES];
+    source->isovalue = source->settings->isovalue;
+    if (!isnan(source->isovalue)) return iso_isovalue_check(grid, source->isovalue, error);
+    source->isovalue = loader->scene_isovalue;
+    if (!isnan(source->isovalue)) return ISO_OK;
+    ISO_TRY(iso_loader_histogram(loader, error));
+    if (!iso_isovalue_suggest(grid, &loader->histogram, candidates))
+        return iso_fail(error, ISO_ERR_EMPTY, "the volume is constant: every voxel is %g",
+                        loader->histogram.minimum);
+    source->isovalue = candidates[0];
+    isorender_log(job, "%s: distances from isovalue %g (%s); distance:FILE:ISOVALUE sets it", loader->input,
+                  candidates[0], iso_grid_is_level_set(grid) ? "a level set" : "Otsu's threshold, 1979");
+    return ISO_OK;
+}
+
+static iso_status read_mesh_distance(color_source *source, iso_error *error) {
+    iso_triangles mesh = {.vertices = NULL};
+    ISO_TRY(iso_mesh_read(source->settings->path, NULL, &mesh, error));
+    const iso_status status = iso_distance_of_mesh(&mesh, &source->distance, error);
+    iso_triangles_free(&mesh);
+    return status;
+}
+
+static iso_status read_volume(const isorender_job *job, color_source *source, iso_error *error) {
+    iso_loader *loader = &source->loader;
+    ISO_TRY(iso_loader_read(loader, error));
+    for (int i = 0; i < loader->volume.info.note_count; i++)
+        isorender_log(job, "note: %s: %s", loader->input, loader->volume.info.notes[i]);
+    if (source->settings->source != ISO_COLOR_BY_DISTANCE) return ISO_OK;
+    ISO_TRY(choose_isovalue(job, source, error));
+    return iso_distance_of_isosurface(&loader->volume.grid, source->isovalue, job->pool, &source->distance,
+                                      error);
+}
+
+static iso_status read_source(const isorender_job *job, color_source *source, iso_error *error) {
+    if (source->has_volume) return read_volume(job, source, error);
+    return source->settings->path[0] ? read_mesh_distance(source, error) : ISO_OK;
+}
+
+/* "density.nrrd" of "/data/density.nrrd" */
+static const char *base_name(const char *path) {
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
+static void set_title(const isorender_job *job, const isorender_coloring_settings *settings,
+                      iso_color_bar *bar) {
+    const char *suffix = iso_world_unit_suffix(isorender_unit(job)), *unit = suffix + (*suffix == ' ');
+    switch (settings->source) {
+    case ISO_COLOR_BY_VOLUME:
+        snprintf(bar->title, sizeof bar->title, "%.*s", (int)sizeof bar->title - 1,
+                 settings->rest[0] ? settings->rest : base_name(settings->path));
+        if (!settings->rest[0]) bar->title[strcspn(bar->title, ".")] = 0;
+        break;
+    case ISO_COLOR_BY_CURVATURE:
+        snprintf(bar->title, sizeof bar->title, *unit ? "curvature (1/%s)" : "curvature", unit);
+        break;
+    case ISO_COLOR_BY_DISTANCE:
+    case ISO_COLOR_BY_DEPTH:
+        snprintf(bar->title, sizeof bar->title, *unit ? "%s (%s)" : "%s",
+                 settings->source == ISO_COLOR_BY_DEPTH ? "depth" : "distance", unit);
+        break;
+    case ISO_COLOR_BY_NORMAL:
+        break;
+    }
+}
+
+iso_status isorender_colorings_read(isorender_job *job, iso_error *error) {
+    for (int i = 0; job->colorings && i < job->colorings->count; i++) {
+        color_source *source = &job->colorings->sources[i];
+        const isorender_colormap *map = &source->settings->map;
+        if (source->bar.high > source->bar.low) continue; /* in an earlier attempt */
+        ISO_TRY(named(source->settings->path, read_source(job, source, error), error));
+        if (map->file) ISO_TRY(iso_color_table_read(map->file, &source->table, error));
+        source->bar =
+            (iso_color_bar){.map = map->map, .table = map->file ? &source->table : NULL, .low = 0, .high = 1};
+        set_title(job, source->settings, &source->bar);
+    }
+    return job->colorings ? iso_file_set_check(job->plan->files, error) : ISO_OK;
+}
+
+void isorender_colorings_free(isorender_job *job) {
+    isorender_colorings *all = job->colorings;
+    for (int i = 0; all && i < all->count; i++) {
+        color_source *source = &all->sources[i];
+        iso_distance_destroy(source->distance);
+        iso_color_table_free(&source->table);
+        if (source->has_volume) iso_loader_close(&source->loader);
+    }
+    if (all) free(all->things);
+    if (all) free(all->source_of);
+    free(all);
+    job->colorings = NULL;
+}
+
+/* ---- surfaces */
+
+static bool is_surface(const isorender_job *job, int thing) {
+    return thing < job->surface_count;
+}
+
+/* Why a thing cannot be coloured; NULL: it can be. */
+static const char *reason_against(const isorender_job *job, const color_source *source, int thing) {
+    if (is_surface(job, thing))
+        return job->surfaces[thing].loader->has_points ? "it is points: --color-by colours them" : NULL;
+    const isorender_object *object = &job->objects[thing - job->surface_count];
+    if (object->settings->kind != ISORENDER_MESH || object->scene.shapes)
+        return "it is lines or glyphs: --color-by colours them";
+    if (source->settings->source == ISO_COLOR_BY_CURVATURE)
+        return "it is a mesh, which has no field to take it from";
+    return iso_scene_object_is_opaque(&object->scene) ? NULL : "it is a translucent mesh";
+}
+
+/* Whether a source colours a thing: those that it names; else the isosurfaces, or meshes if there are
+ * none. */
+static bool is_for(const isorender_job *job, const color_source *source, int thing) {
+    if (source->settings->things.named) return iso_things_have(&source->settings->things, thing);
+    return is_surface(job, thing) || (!job->surface_count && !reason_against(job, source, thing));
+}
+
+static iso_status choose_thing(isorender_job *job, int i, int thing, iso_error *error) {
+    isorender_colorings *all = job->colorings;
+    const color_source *source = &all->sources[i];
+    const char *reason = reason_against(job, source, thing);
+    if (reason)
+        return iso_fail(error, ISO_ERR_USAGE, "--surface-color-by %s: @%d cannot be coloured: %s",
+                        source->settings->text, thing + 1, reason);
+    if (all->source_of[thing] >= 0)
+        return iso_fail(error, ISO_ERR_USAGE, "--surface-color-by %s and %s both colour @%d",
+                        all->sources[all->source_of[thing]].settings->text, source->settings->text,
+                        thing + 1);
+    all->source_of[thing] = i;
+    return ISO_OK;
+}
+
+static iso_status choose_things(isorender_job *job, int things, iso_error *error) {
+    for (int i = 0; i < job->colorings->count; i++) {
+        const color_source *source = &job->colorings->sources[i];
+        bool any = false;
+        for (int thing = 0; thing < ISO_CUT_THINGS; thing++) {
+            if (thing >= things && source->settings->things.named && is_for(job, source, thing))
+                return iso_fail(error, ISO_ERR_USAGE,
+                                "--surface-color-by %s: there is no @%d: the picture has %d thing%s",
+                                source->settings->text, thing + 1, things, things == 1 ? "" : "s");
+            if (thing >= things || !is_for(job, source, thing)) continue;
+            ISO_TRY(choose_thing(job, i, thing, error));
+            any = true;
+        }
+        if (!any)
+            return iso_fail(error, ISO_ERR_USAGE, "--surface-color-by %s: there is no surface to be coloured",
+                            source->settings->text);
+    }
+    return ISO_OK;
+}
+
+/* Sets the range of a thing's coloring if it is not known, and counts where it has numbers. */
+static iso_status find_range(isorender_job *job, int thing, const iso_view *view, iso_error *error) {
+    iso_coloring *coloring = &job->colorings->things[thing];
+    color_source *source = &job->colorings->sources[job->colorings->source_of[thing]];
+    size_t points = 0, found = 0;
+    if (!source->ranged || source->settings->source == ISO_COLOR_BY_VOLUME) {
+        if (is_surface(job, thing))
+            ISO_TRY(iso_coloring_find_surface_range(coloring, &job->surfaces[thing].scene, view, &points,
+                                                    &found, error));
+        else {
+            const iso_mesh_view mesh =
+                iso_triangle_spans_view(&job->objects[thing - job->surface_count].scene.spans);
+            ISO_TRY(iso_coloring_find_range(coloring, &mesh, view, job->pool, &points, &found, error));
+        }
+    }
+    source->points += points;
+    source->found += found;
+    if (!source->ranged) source->bar = coloring->bar;
+    source->ranged |= found > 0;
+    coloring->bar = source->bar;
+    return ISO_OK;
+}
+
+/* Says where there is nothing to be coloured by, and what the ranges are. */
+static void log_source(const isorender_job *job, const color_source *source) {
+    const char *text = source->settings->text;
+    if (source->settings->source == ISO_COLOR_BY_NORMAL) return;
+    if (source->points && !source->found)
+        isorender_log(
+            job, "note: --surface-color-by %s: the volume has no values where the surface is: it is gray",
+            text);
+    else if (source->found < source->points)
+        isorender_log(
+            job,
+            "note: --surface-color-by %s: %.3g %% of the surface lies outside the volume, or where it "
+            "is not finite: gray",
+            text, 100 - 100.0 * (double)source->found / (double)source->points);
+    if (isnan(source->settings->range[0]) && source->ranged)
+        isorender_log(job, "--surface-color-by %s: --range %.6g,%.6g (2nd to 98th percentile%s)", text,
+                      source->bar.low, source->bar.high,
+                      iso_color_source_is_signed(source->settings->source) ? ", on both sides of 0" : "");
+}
+
+static iso_coloring make_coloring(const isorender_job *job, const color_source *source, int thing) {
+    iso_coloring coloring = {
+        .source = source->settings->source, .distance = source->distance, .bar = source->bar};
+    if (coloring.source == ISO_COLOR_BY_VOLUME) iso_coloring_set_grid(&coloring, &source->loader.volume.grid);
+    if (coloring.source == ISO_COLOR_BY_CURVATURE)
+        iso_coloring_set_grid(&coloring, &job->surfaces[thing].scene.grid);
+    return coloring;
+}
+
+static void set_given_range(color_source *source) {
+    const double *range = source->settings->range;
+    if (isnan(range[0])) return;
+    source->ranged = true;
+    source->bar.low = range[0];
+    source->bar.high = range[1];
+}
+
+iso_status isorender_colorings_make(isorender_job *job, iso_error *error) {
+    isorender_colorings *all = job->colorings;
+    const int things = job->surface_count + job->object_count;
+    if (!all) return ISO_OK;
+    if (job->chunks)
+        return iso_fail(
+            error, ISO_ERR_USAGE,
+            "--surface-color-by colours volumes in memory: this one is drawn in chunks (--max-memory)");
+    free(all->things);
+    free(all->source_of);
+    all->things = calloc((size_t)things + 1, sizeof *all->things);
+    all->source_of = calloc((size_t)things + 1, sizeof *all->source_of);
+    if (!all->things || !all->source_of) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
+    for (int i = 0; i < things; i++) all->source_of[i] = -1;
+    ISO_TRY(choose_things(job, things, error));
+    for (int i = 0; i < all->count; i++) set_given_range(&all->sources[i]);
+    for (int i = 0; i < things; i++) {
+        if (all->source_of[i] < 0) continue;
+        const color_source *source = &all->sources[all->source_of[i]];
+        all->things[i] = make_coloring(job, source, i);
+        if (source->settings->source != ISO_COLOR_BY_DEPTH) ISO_TRY(find_range(job, i, NULL, error));
+        if (is_surface(job, i))
+            job->surfaces[i].scene.coloring = &all->things[i];
+        else
+            job->objects[i - job->surface_count].scene.coloring = &all->things[i];
+    }
+    for (int i = 0; i < all->count; i++)
+        if (all->sources[i].settings->source != ISO_COLOR_BY_DEPTH) log_source(job, &all->sources[i]);
+    return ISO_OK;
+}
+
+iso_status isorender_colorings_see(isorender_job *job, iso_error *error) {
+    isorender_colorings *all = job->colorings;
+    if (!all) return ISO_OK;
+    const iso_view view = iso_view_make(&job->camera, job->settings->width, job->settings->height);
+    for (int i = 0; i < job->surface_count + job->object_count; i++) {
+        if (all->source_of[i] < 0 || all->things[i].source != ISO_COLOR_BY_DEPTH) continue;
+        color_source *source = &all->sources[all->source_of[i]];
+        ISO_TRY(find_range(job, i, &view, error));
+        log_source(job, source);
+    }
+    return ISO_OK;
+}
+
+/* ---- exports, bars, reports */
+
+iso_status isorender_colorings_export(const isorender_job *job, iso_weld *weld, iso_error *error) {
+    const iso_scene_surface *surface = &job->surfaces[0].scene;
+    if (!surface->coloring) return ISO_OK;
+    if (surface->coloring->source == ISO_COLOR_BY_DEPTH) {
+        isorender_log(job, "note: --mesh gets no colours by depth, which are of a picture");
+        return ISO_OK;
+    }
+    return iso_coloring_weld(surface->coloring, iso_grid_transform(&surface->grid), job->pool, weld, error);
+}
+
+int isorender_colorings_bars(const isorender_job *job, iso_color_bar bars[ISORENDER_COLORINGS]) {
+    int count = 0;
+    for (int i = 0; job->colorings && i < job->colorings->count; i++)
+        if (job->colorings->sources[i].settings->source != ISO_COLOR_BY_NORMAL)
+            bars[count++] = job->colorings->sources[i].bar;
+    return count;
+}
+
+void isorender_colorings_report(iso_json *json, const isorender_job *job) {
+    static const char *const names[] = {"volume", "curvature", "distance", "depth", "normal"};
+    if (!job->colorings) return;
+    iso_json_begin_array(json, "surface_colors");
+    for (int i = 0; i < job->colorings->count; i++) {
+        const color_source *source = &job->colorings->sources[i];
+        const isorender_coloring_settings *settings = source->settings;
+        iso_json_begin_object(json, NULL);
+        iso_json_string(json, "by", names[settings->source]);
+        if (settings->path[0]) iso_json_string(json, "path", settings->path);
+        if (source->has_volume) iso_json_string(json, "name", source->loader.volume.info.name);
+        if (source->has_volume && source->distance) iso_json_real(json, "isovalue", source->isovalue);
+        if (settings->source != ISO_COLOR_BY_NORMAL) {
+            const double range[2] = {source->bar.low, source->bar.high};
+            iso_json_reals(json, "range", range, 2);
+            iso_json_string(json, "colormap",
+                            settings->map.file ? settings->map.file : iso_colormap_name(settings->map.map));
+        }
+        if (source->points) iso_json_real(json, "covered", (double)source->found / (double)source->points);
+        iso_json_end_object(json);
+    }
+    iso_json_end_array(json);
+}
