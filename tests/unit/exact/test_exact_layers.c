@@ -97,7 +97,7 @@ static void draw_layers(const test_scene *scene, const iso_strip *strip, iso_poo
     iso_error error = {0};
     for (int i = 0; i < scene->count; i++)
         layers[i] = (iso_exact_layer){make_exact(scene->grid, scene->isovalue[i], NULL), colors[i],
-                                      scene->translucency[i], NULL};
+                                      scene->translucency[i], NULL, NULL};
     const iso_exact_layers input = {
         .layers = layers,
         .count = scene->count,
@@ -128,7 +128,7 @@ static test_picture truth_of_layers(const test_scene *scene, const iso_view *vie
     for (int i = 0; i < scene->count; i++) {
         iso_raycaster *caster;
         test_ok(iso_raycaster_create(scene->grid, scene->isovalue[i], NULL, &caster, &error), &error);
-        layers[i] = (iso_raycast_layer){caster, colors[i], scene->translucency[i], NULL};
+        layers[i] = (iso_raycast_layer){caster, colors[i], scene->translucency[i], NULL, NULL};
     }
     const iso_raycast_layers input = {
         layers, scene->count, {&strip, &shading, &picture.image, picture.counts, picture.coverage, NULL}};

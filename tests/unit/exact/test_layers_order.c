@@ -57,7 +57,7 @@ static drawn draw(const iso_grid *grid, double isovalue, const iso_view *view, c
     const iso_target target = {view, &d.gbuffer, NULL, TUBES, NULL};
     test_ok(iso_draw_shapes(&target, shapes, NULL, &error), &error);
     iso_exact *exact = make_exact(grid, isovalue, NULL);
-    const iso_exact_layer layer = {exact, colors[0], {.opacity = 0.05f, .constant = true}, NULL};
+    const iso_exact_layer layer = {exact, colors[0], {.opacity = 0.05f, .constant = true}, NULL, NULL};
     const iso_strip strip = {.view = view, .gbuffer = &d.gbuffer, .factor = 1};
     const iso_exact_layers input = {
         .layers = &layer, .count = 1, .picture = {&strip, &shading, &d.image, d.counts, NULL, NULL}};
@@ -92,7 +92,8 @@ static crossings *find_crossings(const iso_grid *grid, double isovalue, const is
     iso_error error = {0};
     iso_raycaster *caster;
     test_ok(iso_raycaster_create(grid, isovalue, NULL, &caster, &error), &error);
-    const iso_raycast_layer layer = {caster, {200, 180, 150}, {.opacity = 0.05f, .constant = true}, NULL};
+    const iso_raycast_layer layer = {
+        caster, {200, 180, 150}, {.opacity = 0.05f, .constant = true}, NULL, NULL};
     const iso_gbuffer nothing = {.width = SIDE, .height = SIDE};
     const iso_strip strip = {.view = view, .gbuffer = &nothing, .factor = 1};
     const iso_raycast_layers input = {&layer, 1, {.strip = &strip}};

@@ -91,7 +91,7 @@ static void draw(const mixed *m, const iso_strip *strip, iso_pool *pool, picture
             .drawn = &p->drawn[i]};
     for (int i = 0; i < m->surfaces; i++)
         layers[i] = (iso_exact_layer){make_exact(m->grid, m->isovalues[i], NULL), surface_colors[i],
-                                      m->surface, NULL};
+                                      m->surface, NULL, NULL};
     test_ok(iso_shapes_lister_create(sets, m->count, m->surfaces, strip, pool, &lister, &error), &error);
     const iso_layer_source source = iso_shapes_lister_source(lister);
     const iso_exact_layers input = {.layers = layers,
@@ -155,7 +155,7 @@ static void trace_surfaces(truth *t) {
     for (int i = 0; i < t->m->surfaces; i++) {
         iso_raycaster *caster;
         test_ok(iso_raycaster_create(t->m->grid, t->m->isovalues[i], NULL, &caster, &error), &error);
-        layers[i] = (iso_raycast_layer){caster, surface_colors[i], t->m->surface, NULL};
+        layers[i] = (iso_raycast_layer){caster, surface_colors[i], t->m->surface, NULL, NULL};
     }
     const iso_raycast_layers input = {layers, t->m->surfaces, {.strip = &strip}};
     const iso_raycast_reader reader = {read_crossing, t};
