@@ -17,7 +17,7 @@
 #include "render/gl/surface.h"
 #include "render/groups/coverage.h"
 
-enum { WIDTH = 260, HEIGHT = 200 };
+enum { WIDTH = 160, HEIGHT = 120 };
 static int bins; /* of depth; 0: none */
 
 static iso_groups groups_of(const iso_point_view *points, int limit) {
