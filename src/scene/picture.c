@@ -103,12 +103,13 @@ static bool has_labels(const iso_scene *scene) {
     return any;
 }
 
-/* Colours what is drawn of labels that share a surface. */
+/* Colours what is drawn of labels that share a surface, unless it is coloured by data. */
 static iso_status paint_labels(const drawing *d, const iso_view *view, iso_gbuffer *gbuffer,
                                iso_error *error) {
     for (int i = 0; i < d->scene->count; i++) {
-        const iso_label_colors *labels = d->scene->surfaces[i].surface->labels;
-        if (labels) ISO_TRY(iso_label_colors_paint(labels, i, view, gbuffer, d->pool, error));
+        const iso_scene_surface *surface = d->scene->surfaces[i].surface;
+        const iso_label_colors *labels = surface->labels;
+        if (labels && !surface->coloring) ISO_TRY(iso_label_colors_paint(labels, i, view, gbuffer, d->pool, error));
     }
     return ISO_OK;
 }

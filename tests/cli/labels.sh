@@ -130,3 +130,8 @@ isocompare images raycast.png exact.png >same || exit 1
 awk '/^pixels_differing/ { found = 1; if ($2 > 2) exit 1 } END { if (!found) exit 1 }' same || { cat same; exit 1; }
 isocompare images see-raycast.png see-exact.png >same || exit 1
 awk '/^pixels_differing/ { found = 1; if ($2 > 2) exit 1 } END { if (!found) exit 1 }' same || { cat same; exit 1; }
+# colour by data is shown instead of the labels' colours
+draw by_depth --labels in/plain.nrrd --surface-color-by depth --range 0,1e6 --colormap gray
+draw by_label --labels in/plain.nrrd
+isocompare images by_label.png by_depth.png >same
+awk '/^pixels_differing/ { found = 1; if ($2 < 1000) exit 1 } END { if (!found) exit 1 }' same || { cat same; exit 1; }
