@@ -15,7 +15,7 @@ layout(std430, binding = ISO_GL_LINE_INDEX) buffer index_buffer { uint index_of_
 layout(std430, binding = ISO_GL_LINE_PLACES) buffer place_buffer { uvec2 places[]; };
 layout(location = ISO_GL_LEVEL) uniform int level; /* that a pass pulls into, or pushes from */
 
-const float INFINITE = uintBitsToFloat(0x7F800000u);
+#define INFINITE uintBitsToFloat(0x7F800000u) /* glslang takes it for no constant expression */
 /* The numbers of line_levels.c. */
 const float MARGIN = 0.75, BESIDE = 1.5, BEND = 0.5, NEAREST = 0.75;
 const int CORNERS = 8, CANDIDATES = 10;

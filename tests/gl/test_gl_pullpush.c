@@ -513,7 +513,7 @@ static void passes_are_timed(iso_gl_engine *engine) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        gl_engine_test(scenes_look_as_from_the_cpu),
+        gl_each_engine_test(scenes_look_as_from_the_cpu),
         gl_engine_test(near_points_and_limits_do_not_show),
         gl_engine_test(points_have_radii_of_their_own),
         gl_engine_test(points_have_colours_of_their_own),

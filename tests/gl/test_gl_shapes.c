@@ -327,10 +327,10 @@ static void several_sets(iso_gl_engine *engine) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        gl_engine_test(spheres),           gl_engine_test(tubes),
-        gl_engine_test(ribbons),           gl_engine_test(solids),
-        gl_engine_test(cut_by_near_plane), gl_engine_test(parts),
-        gl_engine_test(several_sets),
+        gl_each_engine_test(spheres),           gl_each_engine_test(tubes),
+        gl_each_engine_test(ribbons),           gl_each_engine_test(solids),
+        gl_each_engine_test(cut_by_near_plane), gl_each_engine_test(parts),
+        gl_each_engine_test(several_sets),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

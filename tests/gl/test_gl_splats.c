@@ -288,7 +288,7 @@ static void translucent_strips(iso_gl_engine *engine) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        gl_engine_test(scenes),
+        gl_each_engine_test(scenes),
         gl_engine_test(colors),
         gl_engine_test(strips),
         gl_engine_test(translucent_scenes),

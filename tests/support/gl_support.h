@@ -23,21 +23,30 @@ bool gl_contexts_open(gl_contexts *contexts);
 /* Closes contexts; fails the test when a driver reported more than notifications. */
 void gl_contexts_close(gl_contexts *contexts);
 
-/* Tests that are executed with every context that this machine has, or with an engine on each; skipped if
- * there is none. In lists of tests: gl_context_test(check), gl_engine_test(check). */
+/* Tests that are executed with every context that this machine has, with an engine on each, or with an engine
+ * on the first one, which is enough for most: the others differ in how they are created, and draw by the same
+ * driver. Skipped if there is none. In lists of tests: gl_context_test(check), gl_each_engine_test(check),
+ * gl_engine_test(check). */
 typedef void gl_context_check(iso_gl_context *context);
 typedef void gl_engine_check(iso_gl_engine *engine);
 void gl_on_each_context(void **state);
 void gl_on_each_engine(void **state);
+void gl_on_first_engine(void **state);
 #define gl_context_test(check)                                                                               \
     {                                                                                                        \
 #check, gl_on_each_context, NULL, NULL, &(gl_context_check *) {                                      \
             check                                                                                            \
         }                                                                                                    \
     }
-#define gl_engine_test(check)                                                                                \
+#define gl_each_engine_test(check)                                                                           \
     {                                                                                                        \
 #check, gl_on_each_engine, NULL, NULL, &(gl_engine_check *) {                                        \
+            check                                                                                            \
+        }                                                                                                    \
+    }
+#define gl_engine_test(check)                                                                                \
+    {                                                                                                        \
+#check, gl_on_first_engine, NULL, NULL, &(gl_engine_check *) {                                       \
             check                                                                                            \
         }                                                                                                    \
     }
