@@ -79,7 +79,7 @@ for wrong in "--groups 4" "--reconstruction groups" "--method splats --groups 65
     "--method splats --reconstruction flat --groups 4" "--method splats --reconstruction onepass --backend egl" \
     "--method splats --reconstruction mean --backend egl" "--method splats --reconstruction mean --opacity 0.5" \
     "--opacity 0.5 --transparency groups --reconstruction flat" "--method splats --opacity 0.5 --reconstruction ewa" \
-    "--method splats --group-bins 9 --backend egl" "--method exact --opacity 0.5 --backend egl" "--transparency groups" "--method exact --opacity 0.5 --transparency groups" \
+    "--method exact --opacity 0.5 --backend egl" "--transparency groups" "--method exact --opacity 0.5 --transparency groups" \
     "--opacity 0.5 --transparency nearest --layers 1" "--method splats --opacity 0.5 --absorption 3" \
     "--method splats --opacity 0.5 --group-radii root" "--method exact --group-radii root"; do
     code=0
