@@ -109,7 +109,8 @@ static iso_status paint_labels(const drawing *d, const iso_view *view, iso_gbuff
     for (int i = 0; i < d->scene->count; i++) {
         const iso_scene_surface *surface = d->scene->surfaces[i].surface;
         const iso_label_colors *labels = surface->labels;
-        if (labels && !surface->coloring) ISO_TRY(iso_label_colors_paint(labels, i, view, gbuffer, d->pool, error));
+        if (labels && !surface->coloring)
+            ISO_TRY(iso_label_colors_paint(labels, i, view, gbuffer, d->pool, error));
     }
     return ISO_OK;
 }
