@@ -123,7 +123,9 @@ iso_status iso_gl_draw_instances(iso_gl_engine *engine, iso_instance_drawing *dr
     instances_call call = {
         .engine = engine,
         .target = target,
-        .style = {how != ISO_RECONSTRUCTION_CURVED, how == ISO_RECONSTRUCTION_EWA, ISO_SELECTION_ALL}};
+        .style = {.flat = how != ISO_RECONSTRUCTION_CURVED,
+                  .widened = how == ISO_RECONSTRUCTION_EWA,
+                  .selection = ISO_SELECTION_ALL}};
     const iso_instance_engine by = {draw_instance, &call};
     iso_instances all = *instances;
     bool colored = all.colors != NULL;
