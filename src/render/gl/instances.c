@@ -120,12 +120,11 @@ iso_status iso_gl_draw_instances(iso_gl_engine *engine, iso_instance_drawing *dr
                                  const iso_target *target, const iso_instances *instances,
                                  iso_instance_counts *counts, iso_error *error) {
     const iso_reconstruction how = instances->reconstruction;
-    instances_call call = {
-        .engine = engine,
-        .target = target,
-        .style = {.flat = how != ISO_RECONSTRUCTION_CURVED,
-                  .widened = how == ISO_RECONSTRUCTION_EWA,
-                  .selection = ISO_SELECTION_ALL}};
+    instances_call call = {.engine = engine,
+                           .target = target,
+                           .style = {.flat = how != ISO_RECONSTRUCTION_CURVED,
+                                     .widened = how == ISO_RECONSTRUCTION_EWA,
+                                     .selection = ISO_SELECTION_ALL}};
     const iso_instance_engine by = {draw_instance, &call};
     iso_instances all = *instances;
     bool colored = all.colors != NULL;
