@@ -392,7 +392,7 @@ ISO_INLINE void open_gaps(const iso_pullpush_params *params, const pp_cells *cel
     for (int s = 0; s < 4; s++) any |= v_mask(v_andnot(mix[s].made, mix[s].covered));
     if (!any) return;
     for (int k = 0; k < 4; k++) {
-        const size_t o = corner_index(cells->corners, cells->at, k);
+        const ptrdiff_t o = corner_index(cells->corners, cells->at, k);
         nearest = v_min(nearest, v_load(cells->corners->plane[ISO_PLANE_LOW] + o));
         widest = v_max(widest, rise_of(params, cells->corners, o));
     }

@@ -24,8 +24,8 @@ typedef enum pp_sides {
 #define PP_REACH 2
 
 /* Index of corner k of the cells from `at` on. */
-ISO_INLINE size_t corner_index(const iso_pyramid_level *level, size_t at, int k) {
-    return at + (size_t)((k & 1) - 1) + (size_t)((k >> 1) - 1) * level->stride;
+ISO_INLINE ptrdiff_t corner_index(const iso_pyramid_level *level, size_t at, int k) {
+    return (ptrdiff_t)at + ((k & 1) - 1) + ((k >> 1) - 1) * (ptrdiff_t)level->stride;
 }
 
 /* How a vector of finer pixels is interpolated ("mixed") from the corners of their cells. */
@@ -63,18 +63,18 @@ ISO_INLINE bool is_surface(const pp_sides sides) {
 }
 
 /* A level's plane `which`, or `same` where there is none, at index o. */
-ISO_INLINE vf plane_or(const iso_pyramid_level *level, const int which, size_t o, float same) {
+ISO_INLINE vf plane_or(const iso_pyramid_level *level, const int which, ptrdiff_t o, float same) {
     return level->plane[which] ? v_load(level->plane[which] + o) : v_set(same);
 }
 
 /* How far a surface's disc continues in depth, mm, from its centre to its edge. Within the disc depth is
  * linear: at offset d it is the centre's plus this times d.THIN. */
-ISO_INLINE vf rise_of(const iso_pullpush_params *params, const iso_pyramid_level *level, size_t o) {
+ISO_INLINE vf rise_of(const iso_pullpush_params *params, const iso_pyramid_level *level, ptrdiff_t o) {
     return plane_or(level, ISO_PLANE_RADIUS, o, params->radius);
 }
 
 /* How far behind the frontmost disc others are of the same surface, mm. */
-ISO_INLINE vf interval_of(const iso_pullpush_params *params, const iso_pyramid_level *level, size_t o) {
+ISO_INLINE vf interval_of(const iso_pullpush_params *params, const iso_pyramid_level *level, ptrdiff_t o) {
     if (level->plane[ISO_PLANE_INTERVAL]) return v_load(level->plane[ISO_PLANE_INTERVAL] + o);
     return rise_of(params, level, o);
 }
@@ -122,7 +122,7 @@ ISO_INLINE vm clip_to_grid(const iso_pullpush_params *params, const pp_ray *ray,
 }
 
 /* Which pixels of a level from index o on have a bit in OUT. */
-ISO_INLINE vm has_mark(const iso_pyramid_level *level, size_t o, int bit) {
+ISO_INLINE vm has_mark(const iso_pyramid_level *level, ptrdiff_t o, int bit) {
     return v_eqi(v_bits(v_load(level->plane[ISO_PLANE_OUT] + o)) & bit, v_seti(bit));
 }
 
@@ -168,8 +168,8 @@ typedef struct pp_widened {
     vm there, border; /* border: may reach the grid's */
 } pp_widened;
 
-ISO_INLINE pp_widened widen_ellipse(const iso_pullpush_params *params, const iso_pyramid_level *c, size_t o,
-                                    vm around) {
+ISO_INLINE pp_widened widen_ellipse(const iso_pullpush_params *params, const iso_pyramid_level *c,
+                                    ptrdiff_t o, vm around) {
     const vf wide = v_load(c->plane[ISO_PLANE_WIDE] + o);
     pp_widened e = {.dx = v_load(c->plane[ISO_PLANE_DX] + o),
                     .dy = v_load(c->plane[ISO_PLANE_DY] + o),
@@ -203,7 +203,7 @@ ISO_INLINE bool fill_gaps(const iso_pullpush_params *params, const pp_cells *cel
     vf place[4][4], weight[4][4], best[4], limit[4], front[4][3];
     for (int s = 0; s < 4; s++) best[s] = limit[s] = front[s][0] = front[s][1] = front[s][2] = nowhere;
     for (int k = 0; k < 4; k++) {
-        const size_t o = corner_index(c, cells->at, k);
+        const ptrdiff_t o = corner_index(c, cells->at, k);
         const pp_widened e = widen_ellipse(params, c, o, around);
         const vf behind = interval_of(params, c, o);
         for (int s = 0; s < 4; s++) {
@@ -230,7 +230,7 @@ ISO_INLINE bool fill_gaps(const iso_pullpush_params *params, const pp_cells *cel
         if (!v_mask(found)) continue;
         vf sum = v_set(0);
         for (int k = 0; k < 4; k++) {
-            const size_t o = corner_index(c, cells->at, k);
+            const ptrdiff_t o = corner_index(c, cells->at, k);
             vm joins = v_le(place[s][k], limit[s]);
             if (sides == PP_TWO) {
                 vf same = v_set(0);
@@ -254,7 +254,7 @@ ISO_INLINE bool look_for_gaps(const iso_pullpush_params *params, const pp_cells 
     const iso_pyramid_level *c = cells->corners;
     vm around = v_eqi(v_seti(0), v_seti(0)), open[4];
     for (int k = 0; k < 4; k++) {
-        const size_t o = corner_index(c, cells->at, k);
+        const ptrdiff_t o = corner_index(c, cells->at, k);
         const vm there = v_lt(v_load(c->plane[ISO_PLANE_LOW] + o), v_set(ISO_NOWHERE));
         around = v_andnot(v_and(around, there), has_mark(c, o, ISO_OUT_MARK));
     }

@@ -442,7 +442,7 @@ ISO_INLINE bool weigh_corners(const iso_pullpush_params *params, const pp_cells 
     }
 #pragma GCC unroll 1
     for (int k = 0; k < 4; k++) {
-        const size_t o = corner_index(c, at, k);
+        const ptrdiff_t o = corner_index(c, at, k);
         vf square_x[2], square_y[2], along_x[2], along_y[2];
         axis_offsets(c->plane[ISO_PLANE_DX] + o, c->plane[ISO_PLANE_THIN_X] + o, k & 1, square_x, along_x);
         axis_offsets(c->plane[ISO_PLANE_DY] + o, c->plane[ISO_PLANE_THIN_Y] + o, k >> 1, square_y, along_y);
@@ -490,7 +490,7 @@ ISO_INLINE bool weigh_corners(const iso_pullpush_params *params, const pp_cells 
     if (any) {
 #pragma GCC unroll 1
         for (int k = 0; k < 4; k++) {
-            const size_t o = corner_index(c, at, k);
+            const ptrdiff_t o = corner_index(c, at, k);
 #pragma GCC unroll 4
             for (int s = 0; s < 4; s++) {
                 vm joins = v_and(mix[s].made, v_le(place[s][k], limit[s]));
@@ -575,7 +575,7 @@ ISO_INLINE void mix_extents(const iso_pyramid_level *c, size_t at, const pp_mix 
     }
 #pragma GCC unroll 4
     for (int k = 0; k < 4; k++) {
-        const size_t o = corner_index(c, at, k);
+        const ptrdiff_t o = corner_index(c, at, k);
         const vf low = v_load(c->plane[ISO_PLANE_LOW] + o), high = v_load(c->plane[ISO_PLANE_HIGH] + o);
         const vm hides = v_eqi(v_bits(v_load(c->plane[ISO_PLANE_OUT] + o)) & 1, v_seti(1));
 #pragma GCC unroll 4
