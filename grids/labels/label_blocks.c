@@ -581,13 +581,14 @@ static bool find_bricks(const smoothing *all, const int at[3], block *b) {
             hi[k] = brick[k] > hi[k] ? brick[k] : hi[k];
         }
     }
+    if (lo[0] > hi[0]) return false;
     for (int k = 0; k < 3; k++) {
         b->first[k] = ISO_BRICK * lo[k];
         b->out[k] = ISO_BRICK * (hi[k] - lo[k] + 1);
         b->size[k] = b->out[k] + 2 * NEAR;
         b->window[k] = b->size[k] + 2 * OFFSET;
     }
-    return lo[0] <= hi[0];
+    return true;
 }
 
 static void smooth_task(void *context, size_t index, int worker) {
