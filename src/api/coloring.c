@@ -15,6 +15,10 @@ static iso_status check(iso_surface *const *surfaces, int surface_count, const i
         return iso_fail(error, ISO_ERR_USAGE, "color_by %d: there is no surface %d", number, given->surface);
     if (!surfaces[given->surface])
         return iso_fail(error, ISO_ERR_USAGE, "surface %d is NULL", given->surface);
+    if (surfaces[given->surface]->cloud)
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "color_by %d: surface %d is a cloud of points, which has colours of its own", number,
+                        given->surface);
     if ((int)given->source < 0 || given->source > ISO_COLOR_BY_NORMAL)
         return iso_fail(error, ISO_ERR_USAGE, "color_by %d: there is no source %d", number,
                         (int)given->source);

@@ -243,6 +243,9 @@ static void test_refusals(void **state) {
     assert_int_equal(iso_render(surface, NULL, &image, &error), ISO_ERR_USAGE); /* exact */
     assert_string_equal(error.text,
                         "surface 0 is a cloud of points: the method exact needs a volume; splats draws it");
+    const iso_color_by color_by = {.source = ISO_COLOR_BY_CURVATURE};
+    const iso_render_opts colored = {.method = ISO_METHOD_SPLATS, .color_by = &color_by, .color_by_count = 1};
+    assert_int_equal(iso_render(surface, &colored, &image, NULL), ISO_ERR_USAGE);
     iso_surface_destroy(surface);
     iso_image_free(&image);
     assert_int_equal(iso_surface_of_cloud(&none, NULL, &failed, NULL), ISO_ERR_EMPTY);
