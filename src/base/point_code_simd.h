@@ -1,5 +1,5 @@
-/* point_code_simd: packs and unpacks vectors of points, with the arithmetic of base/point_code.h. For
- * kernels. */
+/* point_code_simd: packs and unpacks vectors of points, with the arithmetic of base/point_code.h, and the
+ * tangents at their normals. For kernels. */
 #ifndef ISO_BASE_POINT_CODE_SIMD_H
 #define ISO_BASE_POINT_CODE_SIMD_H
 
@@ -74,6 +74,18 @@ ISO_INLINE vm load_surfels(const iso_surfel *surfels, size_t count, vf position[
     length = v_select(good, length, v_set(1));
     for (int k = 0; k < 3; k++) normal[k] = v_select(good, normal[k] / length, v_set(0));
     return good;
+}
+
+/* Two tangents of a unit normal, the same as iso_curvature_frame. */
+ISO_INLINE void make_tangents(const vf n[3], vf u[3], vf v[3]) {
+    const vf sign = v_floats((v_bits(n[2]) & INT32_MIN) | v_bits(v_set(1)));
+    const vf a = -1 / (sign + n[2]), b = n[0] * n[1] * a;
+    u[0] = 1 + sign * (n[0] * n[0] * a);
+    u[1] = sign * b;
+    u[2] = -(sign * n[0]);
+    v[0] = b;
+    v[1] = sign + n[1] * n[1] * a;
+    v[2] = -n[1];
 }
 
 #endif

@@ -364,15 +364,23 @@ static double add_labels(drawing *d, const pen *p, const iso_color_bar *bar, dou
     return widest;
 }
 
-/* Adds a bar's title, right-aligned at `right`; returns its width. */
-static double add_title(drawing *d, const pen *p, const char *title, double right, double y) {
+/* Adds words, as many as a title has room for, that begin at x or end there; returns their
+ * width. */
+static double add_words(drawing *d, const pen *p, const char *words, double x, bool end_there, double y) {
     char letters[ISO_COLOR_BAR_TITLE];
-    snprintf(letters, sizeof letters, "%s", title);
+    snprintf(letters, sizeof letters, "%s", words);
     for (char *c = letters; *c; c++)
         if (*c == 'u') *c = ISO_FONT_U;
     const double width = iso_font_width(letters) * p->unit;
-    if (*letters) add_text(d, p, letters, right - width / 2, y);
+    if (*letters) add_text(d, p, letters, end_there ? x - width / 2 : x + width / 2, y);
     return width;
+}
+
+static void add_box(drawing *d, double left, double top, double right, double bottom) {
+    add_line(d, left, top, right, top);
+    add_line(d, right, top, right, bottom);
+    add_line(d, right, bottom, left, bottom);
+    add_line(d, left, bottom, left, top);
 }
 
 /* Draws a bar whose right end is *right, and moves *right to the left of it. */
@@ -380,32 +388,16 @@ static iso_status draw_color_bar(const pen *p, const iso_color_bar *bar, double 
     const double top = 0.25 * p->image->height, bottom = 0.75 * p->image->height, left = *right - p->text;
     const int x0 = bounded(left, p->image->width), x1 = bounded(*right, p->image->width);
     drawing frame = {.count = 0}, labels = {.count = 0};
-    add_line(&frame, left, top, *right, top);
-    add_line(&frame, *right, top, *right, bottom);
-    add_line(&frame, *right, bottom, left, bottom);
-    add_line(&frame, left, bottom, left, top);
+    add_box(&frame, left, top, *right, bottom);
     const double widest = add_labels(&labels, p, bar, left - 0.8 * p->text, top, bottom);
     ISO_TRY(draw_outlined(p, &frame, p->radius, &p->ink, error));
     fill_bar(p->image, bar, x0, x1, bounded(top, p->image->height), bounded(bottom, p->image->height));
-    const double room = add_title(&labels, p, bar->title, *right, top - 1.9 * p->text);
+    const double room = add_words(&labels, p, bar->title, *right, true, top - 1.9 * p->text);
     *right -= fmax(3 * p->text + widest, room > 0 ? room + p->text : 0);
     return draw_outlined(p, &labels, p->radius, &p->ink, error);
 }
 
 /* ---- the legend */
-
-enum { LEGEND_NAME = 64 };
-
-/* Adds a text that begins at x; returns its width. */
-static double add_name(drawing *d, const pen *p, const char *name, double x, double y) {
-    char letters[LEGEND_NAME];
-    snprintf(letters, sizeof letters, "%s", name);
-    for (char *c = letters; *c; c++)
-        if (*c == 'u') *c = ISO_FONT_U;
-    const double width = iso_font_width(letters) * p->unit;
-    add_text(d, p, letters, x + width / 2, y);
-    return width;
-}
 
 static void fill_swatch(iso_image *image, iso_rgb c, double left, double top, double side) {
     const int x0 = bounded(left, image->width), x1 = bounded(left + side, image->width),
@@ -422,11 +414,8 @@ static iso_status draw_entry(const pen *p, const iso_legend_entry *entry, double
                              iso_error *error) {
     const double side = p->text;
     drawing frame = {.count = 0}, name = {.count = 0};
-    add_line(&frame, x, y, x + side, y);
-    add_line(&frame, x + side, y, x + side, y + side);
-    add_line(&frame, x + side, y + side, x, y + side);
-    add_line(&frame, x, y + side, x, y);
-    *width = 1.6 * side + add_name(&name, p, entry->name, x + 1.6 * side, y + side / 2);
+    add_box(&frame, x, y, x + side, y + side);
+    *width = 1.6 * side + add_words(&name, p, entry->name, x + 1.6 * side, false, y + side / 2);
     ISO_TRY(draw_outlined(p, &frame, p->radius, &p->ink, error));
     fill_swatch(p->image, entry->color, x, y, side);
     return draw_outlined(p, &name, p->radius, &p->ink, error);

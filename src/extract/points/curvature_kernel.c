@@ -65,18 +65,6 @@ ISO_INLINE void repair_mixed_derivatives(const iso_curvature_batch *batch, uint3
     }
 }
 
-/* Computes the tangents u and v of a normal as iso_curvature_frame does. */
-ISO_INLINE void tangents(const vf n[3], vf u[3], vf v[3]) {
-    vf sign = v_select(v_lti(v_bits(n[2]), v_seti(0)), v_set(-1), v_set(1));
-    vf a = -1 / (sign + n[2]), b = n[0] * n[1] * a;
-    u[0] = 1 + sign * (n[0] * n[0] * a);
-    u[1] = sign * b;
-    u[2] = -(sign * n[0]);
-    v[0] = b;
-    v[1] = sign + n[1] * n[1] * a;
-    v[2] = -n[1];
-}
-
 /* Returns normal_sign / |g|; 0 where the gradient vanishes or overflows. */
 ISO_INLINE vf per_gradient(const vf g[3], float normal_sign) {
     vf sum = v_abs(g[0]) + v_abs(g[1]) + v_abs(g[2]);
@@ -99,7 +87,7 @@ ISO_INLINE cv_axes axes_at(const iso_curvature_params *params, const iso_curvatu
         unpack_normals(v_loadi(batch->octahedral + i), n);
     else
         for (int k = 0; k < 3; k++) n[k] = v_load(batch->normal[k] + i);
-    tangents(n, u, v);
+    make_tangents(n, u, v);
     for (int k = 0; k < 3; k++) {
         axes.n[k] = n[order[k]];
         axes.u[k] = u[order[k]];

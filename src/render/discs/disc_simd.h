@@ -209,18 +209,6 @@ ISO_INLINE void transform_vectors(const iso_discs_params *params, const vf from[
     for (int k = 0; k < 3; k++) to[k] = m[3 * k] * from[0] + m[3 * k + 1] * from[1] + m[3 * k + 2] * from[2];
 }
 
-/* Two tangents of a unit normal, the same as iso_curvature_frame. */
-ISO_INLINE void make_tangents(const vf n[3], vf u[3], vf v[3]) {
-    const vf sign = v_floats((v_bits(n[2]) & INT32_MIN) | v_bits(v_set(1)));
-    const vf a = -1 / (sign + n[2]), b = n[0] * n[1] * a;
-    u[0] = 1 + sign * (n[0] * n[0] * a);
-    u[1] = sign * b;
-    u[2] = -(sign * n[0]);
-    v[0] = b;
-    v[1] = sign + n[1] * n[1] * a;
-    v[2] = -n[1];
-}
-
 /* a.Mb with the matrix M of params->metric, whose entries off the diagonal are stored doubled. */
 ISO_INLINE vf metric_product(const iso_discs_params *params, const vf a[3], const vf b[3]) {
     const float *m = params->metric;
