@@ -9,11 +9,13 @@
 #include <unistd.h>
 
 #include "apps/common/loader.h"
+#include "apps/common/page.h"
 #include "apps/isorender/backend.h"
 #include "apps/isorender/channels.h"
 #include "apps/isorender/colorings.h"
 #include "apps/isorender/cuts.h"
 #include "apps/isorender/label_items.h"
+#include "apps/isorender/page.h"
 #include "apps/isorender/segmentation.h"
 #include "base/text.h"
 #include "image/image_file.h"
@@ -98,7 +100,8 @@ static iso_status take_object(isorender_settings *settings, iso_error *error) {
 }
 
 static bool is_picture(const char *name) {
-    return strcmp(name, "-") != 0 && iso_image_kind_of(name) != ISO_IMAGE_UNKNOWN;
+    return strcmp(name, "-") != 0 &&
+           (iso_image_kind_of(name) != ISO_IMAGE_UNKNOWN || iso_page_is_named(name));
 }
 
 static bool exists(const char *path) {
@@ -137,8 +140,8 @@ static iso_status fail_picture_name(const char *name, iso_error *error) {
     char hint[256] = "";
     if (exists(name)) snprintf(hint, sizeof hint, " (several inputs need --output TEMPLATE)");
     if (option && !exists(name)) snprintf(hint, sizeof hint, " (%s%.160s writes such a file)", option, name);
-    return iso_fail(error, ISO_ERR_USAGE, "%s: a picture's name must end in .png, .tif or .jpg%s", name,
-                    hint);
+    return iso_fail(error, ISO_ERR_USAGE,
+                    "%s: a picture's name must end in .png, .tif or .jpg, a page's in .html%s", name, hint);
 }
 
 /* Writes what to do if the inputs are the slices of one volume: three or more files of one kind in one
@@ -294,7 +297,8 @@ static iso_status check_outputs(const isorender_settings *settings, iso_error *e
     bool image = !settings->no_image && !settings->info;
     bool to_stdout = image && settings->output && strcmp(settings->output, "-") == 0;
     if (settings->output && !to_stdout && image && !settings->parts && !is_picture(settings->output))
-        return iso_fail(error, ISO_ERR_USAGE, "%s: a picture's name must end in .png, .tif or .jpg",
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "%s: a picture's name must end in .png, .tif or .jpg, a page's in .html",
                         settings->output);
     if (image && settings->output && settings->transparent &&
         iso_image_kind_of(settings->output) == ISO_IMAGE_JPEG)
@@ -620,6 +624,7 @@ iso_status isorender_settings_check(isorender_settings *settings, const iso_oper
     ISO_TRY(isorender_backend_check(settings, error));
     ISO_TRY(check_part(settings, error));
     ISO_TRY(check_outputs(settings, error));
+    ISO_TRY(isorender_page_check(settings, error));
     ISO_TRY(check_surfaces(settings, error));
     ISO_TRY(check_glass(settings, error));
     ISO_TRY(check_objects(settings, error));
