@@ -23,6 +23,9 @@ static iso_status draw_exact(const iso_scene_surface *surface, const iso_target 
 }
 static const iso_renderer renderer = {
     .method = ISO_METHOD_EXACT, .name = "exact", .needs = 1 << ISO_PART_CELLS, .draw = draw_exact};
+const iso_renderer *iso_renderer_get(iso_method method) {
+    return method == ISO_METHOD_EXACT ? &renderer : NULL;
+}
 
 /* The volume, and the same with every second voxel on each axis, for moving pictures of fine surfaces. */
 typedef struct level {

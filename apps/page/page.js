@@ -223,9 +223,27 @@ function makeRow(i) {
   rows[i] = { slider, number };
   showIsovalue(i);
 }
+// Where the plane of the cut is: between the ends of the volume along its normal.
+function makeCut() {
+  const [x, y, z, offset] = facts.plane, t = facts.transform;
+  if (!(x || y || z)) return;
+  const ends = [0, 1, 2, 3, 4, 5, 6, 7].map(corner => {
+    const index = [0, 1, 2].map(a => (corner >> a & 1) * (facts.dims[a] - 1) * t[3 + a]);
+    const world = [0, 1, 2].map(row => t[row] + [0, 1, 2].reduce((sum, a) => sum + t[6 + 3 * row + a] * index[a], 0));
+    return x * world[0] + y * world[1] + z * world[2] - offset;
+  });
+  const [least, most] = [Math.min(...ends), Math.max(...ends)], row = element('div', { className: 'row' });
+  const slider = element('input', { type: 'range', id: 'cut', min: least, max: most, step: (most - least) / 1000 || 'any', value: 0 });
+  slider.addEventListener('input', () => { view.depth = slider.valueAsNumber; move(); });
+  row.append(element('label', { textContent: 'Cut', htmlFor: 'cut' }), slider);
+  $('rows').append(row);
+  resets.push(() => { slider.value = 0; });
+}
+const resets = [];
 function reset() {
   view = first();
   view.isovalues.forEach((_, i) => showIsovalue(i));
+  resets.forEach(f => f());
   moves = [];
   move();
 }
@@ -292,6 +310,7 @@ async function begin() {
   const room = Math.floor(1e9 / (2 * voxels.byteLength + 2e7)), count = Math.max(1, Math.min(8, navigator.hardwareConcurrency || 1, room));
   await Promise.all(Array.from({ length: count }, () => startWorker(url, { module, voxels, facts })));
   facts.surfaces.forEach((_, i) => makeRow(i));
+  makeCut();
   ['reset', 'save', 'copy'].forEach(id => { $(id).hidden = false; });
   $('reset').onclick = reset;
   $('save').onclick = save;

@@ -93,7 +93,7 @@ def same(browser, source, work, what):
     print("%s: %dx%d, %d bytes differ, %.0f %% shown" % (what, width, height, wrong, 100 * shown))
 
 
-def case(work, name, source, *options, isovalue=None):
+def case(work, name, source, *options, isovalue=None, cut=None):
     page = work / (name + ".html")
     isorender(source, page, *options)
     with Browser(620, 560) as browser:
@@ -103,13 +103,16 @@ def case(work, name, source, *options, isovalue=None):
         ready = time.monotonic() - began
         browser.drag([(300, 280), (330, 290), (380, 250)])
         same(browser, source, work, name + ", dragged")
-        browser.wheel(300, 280, -200)
+        browser.wheel(300, 280, 90)
         browser.drag([(300, 280), (320, 260)], button=2)
         same(browser, source, work, name + ", zoomed and moved")
         slide = "const s = document.getElementById('slider0'); s.value = +s.min + .7 * (s.max - s.min); s.dispatchEvent(new Event('input'));"
         browser.run(slide if isovalue is None else "const n = document.getElementById('number0'); n.value = %r; "
                     "n.dispatchEvent(new Event('change'));" % isovalue)
         same(browser, source, work, name + ", another isovalue")
+        if cut:
+            browser.run(slide.replace("slider0", "cut").replace(".7", str(cut)))
+            same(browser, source, work, name + ", another cut")
         expect(not [u for u in browser.requests() if not u.startswith(("file://" + str(page), "blob:", "data:"))], name, "asked the network")
         errors = [e["message"] for e in browser.log("browser") if e["level"] == "SEVERE"]
         expect(not errors, name, errors)
@@ -131,6 +134,16 @@ def cases(work):
         oblique(work / "oblique.nrrd")
         case(work, "oblique", work / "oblique.nrrd", "--isovalue=700", "--orthographic", "--color=gold", "--background=202830")
     yield "oblique", slanted
+
+    def layers():
+        oblique(work / "layers.nrrd")
+        case(work, "layers", work / "layers.nrrd", "--isovalue=300,900", "--opacity=.3,1", "--color=gold,808090")
+    yield "layers", layers
+
+    def cut():
+        oblique(work / "cut.nrrd")
+        case(work, "cut", work / "cut.nrrd", "--isovalue=300,900", "--clip=14,-25,120:1,2,-.3", "--cap=surface", cut=.56)
+    yield "cut", cut
 
 
 def main():
