@@ -71,12 +71,12 @@ typedef struct packed {
     size_t kept;
 } packed;
 
-/* Packs bytes as gzip does. *size becomes 0 if they take more than `most`. ISO_ERR_NOMEM. */
-static iso_status pack(const void *bytes, size_t count, size_t most, packed *p, iso_error *error) {
+/* Packs bytes as gzip does. p->size becomes 0 if they take more than `most`. ISO_ERR_NOMEM. */
+static iso_status pack(const void *bytes, size_t count, size_t most, int level, packed *p, iso_error *error) {
     z_stream z = {0};
     const size_t step = (size_t)1 << 26; /* zlib counts in 32 bits */
     p->size = 0;
-    if (deflateInit2(&z, 9, Z_DEFLATED, MAX_WBITS + 16, 9, Z_DEFAULT_STRATEGY) != Z_OK)
+    if (deflateInit2(&z, level, Z_DEFLATED, MAX_WBITS + 16, 9, Z_DEFAULT_STRATEGY) != Z_OK)
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a page");
     z.next_out = p->bytes;
     z.avail_out = (uInt)most;
@@ -106,7 +106,7 @@ static iso_status try_range(packer *p, double low, double high, bool *fits, iso_
     p->tried.range[0] = low;
     p->tried.range[1] = high;
     ISO_TRY(iso_kept_copy(p->page->grid, low, high, p->voxels, &p->tried.kept, p->page->pool, error));
-    ISO_TRY(pack(p->voxels, p->bytes, p->most, &p->tried, error));
+    ISO_TRY(pack(p->voxels, p->bytes, p->most, Z_BEST_COMPRESSION, &p->tried, error));
     *fits = p->tried.size > 0;
     if (!*fits) return ISO_OK;
     const packed swap = p->best;
@@ -144,34 +144,64 @@ static double round_inwards(double outer, double inner) {
     return isfinite(made) && (made - inner) * (outer - made) >= 0 ? made : outer;
 }
 
-/* The part `share` of the way from the isovalues to the ends of all values. */
-static iso_status try_share(packer *p, const ends *e, double share, bool *fits, iso_error *error) {
+/* The range that goes the part `share` of the way from the isovalues to the ends of all values. */
+static void range_of(const ends *e, double share, double range[2]) {
     const double low = e->low - share * fmax(0, e->low - e->least),
                  high = e->high + share * fmax(0, e->greatest - e->high);
-    return try_range(p, low < e->low ? round_inwards(low, e->low) : low,
-                     high > e->high ? round_inwards(high, e->high) : high, fits, error);
+    range[0] = low < e->low ? round_inwards(low, e->low) : low;
+    range[1] = high > e->high ? round_inwards(high, e->high) : high;
 }
 
-/* Finds the widest range that fits: halves it until one fits, then tries three times between that and the
- * last one that did not. */
+/* Whether a range would fit, judged by slabs of slices here and there, packed less well. */
+static iso_status judge_range(packer *p, const double range[2], bool *fits, iso_error *error) {
+    enum { SLABS = 4, SLICES = 16 };
+    const iso_rgrid *grid = p->page->grid;
+    const int nz = grid->dims[2];
+    const bool whole = nz <= 2 * SLABS * SLICES;
+    const int slabs = whole ? 1 : SLABS, slices = whole ? nz : SLICES;
+    double bytes = 0;
+    for (int i = 0; i < slabs; i++) {
+        const int first = whole ? 0 : (2 * i + 1) * nz / (2 * SLABS) - SLICES / 2;
+        const size_t size = iso_type_size(grid->type);
+        iso_rgrid slab = *grid;
+        slab.dims[2] = slices;
+        slab.data = (char *)grid->data + (size_t)first * (size_t)grid->stride_z * size;
+        ISO_TRY(iso_kept_copy(&slab, range[0], range[1], p->voxels, NULL, p->page->pool, error));
+        ISO_TRY(pack(p->voxels, p->bytes / (size_t)nz * (size_t)slices, p->most, 4, &p->tried, error));
+        bytes += p->tried.size ? (double)p->tried.size : INFINITY;
+    }
+    *fits = bytes * nz / (slabs * slices) <= (double)p->most;
+    return ISO_OK;
+}
+
+/* Finds the widest range that should fit: halves it until one does, then tries three times between that and
+ * the last one that does not. Then packs it; the estimate may have been too good. */
 static iso_status find_range(packer *p, iso_error *error) {
-    enum { HALVINGS = 8, REFINEMENTS = 3 };
+    enum { HALVINGS = 8, REFINEMENTS = 3, SHRINKINGS = 12 };
     const ends e = ends_of(p->page);
-    double share = 1, wider = 1;
+    double share = 1, wider = 1, range[2];
     bool fits = false;
     for (int i = 0; !fits && i <= HALVINGS; i++) {
         wider = share;
         share = i == 0 ? 1 : i == HALVINGS ? 0 : share / 2;
-        ISO_TRY(try_share(p, &e, share, &fits, error));
+        range_of(&e, share, range);
+        ISO_TRY(judge_range(p, range, &fits, error));
     }
     for (int i = 0; fits && share < 1 && i < REFINEMENTS; i++) {
         const double middle = (share + wider) / 2;
         bool also;
-        ISO_TRY(try_share(p, &e, middle, &also, error));
+        range_of(&e, middle, range);
+        ISO_TRY(judge_range(p, range, &also, error));
         if (also)
             share = middle;
         else
             wider = middle;
+    }
+    fits = false;
+    for (int i = 0; !fits && i <= SHRINKINGS; i++) {
+        range_of(&e, i < SHRINKINGS ? share : 0, range);
+        ISO_TRY(try_range(p, range[0], range[1], &fits, error));
+        share *= i < 4 ? 0.93 : 0.6;
     }
     return ISO_OK;
 }
