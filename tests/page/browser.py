@@ -93,6 +93,13 @@ class Browser:
     def keys(self, text):
         self.act({"type": "key", "id": "keys", "actions": [{"type": kind, "value": key} for key in text for kind in ("keyDown", "keyUp")]})
 
+    def before_scripts(self, script):
+        """Runs a script in every page that is opened from now on, before its own."""
+        self.call(self.session + "/goog/cdp/execute", {"cmd": "Page.addScriptToEvaluateOnNewDocument", "params": {"source": script}})
+
+    def without_scripts(self):
+        self.call(self.session + "/goog/cdp/execute", {"cmd": "Emulation.setScriptExecutionDisabled", "params": {"value": True}})
+
     def log(self, kind):
         return self.call(self.session + "/se/log", {"type": kind})
 

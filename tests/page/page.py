@@ -119,7 +119,78 @@ def case(work, name, source, *options, isovalue=None, cut=None):
         print("%s: ready and at rest after %.1f s, %d pictures" % (name, ready, browser.run("return isopoint.frames")))
 
 
+CAMERA = "return isopoint.drawn.camera"
+
+
+def controls(work):
+    """Keys, pinch, Home, the buttons and what is said to those who do not see."""
+    page = work / "controls.html"
+    isorender("scene:ct:48", page, "--isovalue=130")
+    with Browser(620, 560) as browser:
+        browser.open(str(page))
+        rest(browser, "controls")
+        first = browser.run(CAMERA)
+
+        def changed(what, at_least=1e-9):
+            rest(browser, what)
+            now = browser.run(CAMERA)
+            expect(max(abs(a - b) for a, b in zip(first, now)) > at_least, what, "changed nothing")
+            return now
+        browser.run("document.getElementById('canvas').focus()")
+        browser.keys("\ue014")  # the right arrow
+        turned = changed("the right arrow")
+        expect(turned[9] == first[9] and turned[3:6] == first[3:6], "an arrow turns only")
+        browser.keys("\ue011")
+        rest(browser, "Home")
+        expect(browser.run(CAMERA) == first, "Home gives the first camera back")
+        browser.keys("++")
+        expect(changed("plus")[9] < first[9], "plus enlarges")
+        browser.run("document.getElementById('reset').click()")
+        rest(browser, "reset")
+        expect(browser.run(CAMERA) == first, "the button resets")
+        browser.pinch(300, 260, 30, 90)
+        expect(changed("a pinch")[9] < .5 * first[9], "a pinch enlarges")
+        browser.run("document.getElementById('canvas').focus()")
+        browser.keys("]")
+        rest(browser, "]")
+        value = browser.run("return isopoint.drawn.isovalues[0]")
+        low, high = browser.run("const s = document.getElementById('slider0'); return [+s.min, +s.max]")
+        expect(abs(value - 130 - (high - low) / 100) < 1e-6 and low < 130 < high, "] changes the isovalue", value, low, high)
+        expect(str(value) in browser.run("return document.getElementById('canvas').getAttribute('aria-label')"), "the label names the isovalue")
+        unlabelled = browser.run("""return [...document.querySelectorAll('input, button, canvas')].filter(e => !e.hidden && !e.labels?.length &&
+            !e.getAttribute('aria-label') && !e.textContent).map(e => e.outerHTML)""")
+        expect(not unlabelled, "without a label:", unlabelled)
+        browser.run("window.saved = null; URL.createObjectURL = blob => { window.saved = blob; return 'blob:'; }; document.getElementById('save').click()")
+        expect(browser.wait("window.saved && saved.type === 'image/png' && saved.size > 1000", 10), "Save PNG saves none")
+        print("controls: done")
+
+
+def stills(work):
+    """Where something is missing the first picture stays, and it is said what."""
+    page = work / "still.html"
+    isorender("scene:ct:48", page, "--isovalue=130")
+    seen = "return [getComputedStyle(document.getElementById('still')).display !== 'none', document.getElementById('say').textContent]"
+    for what, script, reason in (("SIMD", "WebAssembly.validate = () => false", "no WebAssembly with SIMD"),
+                                 ("WebAssembly", "delete window.WebAssembly", "no WebAssembly"),
+                                 ("unpacking", "delete window.DecompressionStream", "cannot unpack"),
+                                 ("workers", "window.Worker = class { constructor() { throw new Error('workers are forbidden') } }", "forbidden"),
+                                 ("scripts", None, "scripts of the page, which turn the surface, have not run")):
+        with Browser(620, 560) as browser:
+            if script:
+                browser.before_scripts(script)
+            else:
+                browser.without_scripts()
+            browser.open(str(page))
+            if script:
+                expect(browser.wait("window.isopoint && isopoint.failed", 20), "without", what, "nothing fails")
+            shown, said = browser.run(seen)
+            expect(shown and said.startswith("This is a still picture") and reason in said, "without", what, shown, said)
+            print("without %s: %s" % (what, said))
+
+
 def cases(work):
+    yield "controls", lambda: controls(work)
+    yield "stills", lambda: stills(work)
     stent = root / "../shared/volumes/stent/stent.nrrd"
     if stent.exists():
         yield "stent", lambda: case(work, "stent", stent, "--isovalue=600", "--isovalue-range=400,800")
