@@ -309,9 +309,9 @@ static iso_status put_facts(FILE *stream, const iso_page *page, const packed *vo
     iso_json_reals(&json, "plane", page->clip.plane, 4);
     iso_json_bool(&json, "cap", page->clip.cap);
     iso_json_ints(&json, "size", (const int[2]){page->image->width, page->image->height}, 2);
-    iso_json_begin_array(&json, "options");
+    if (page->options) iso_json_begin_array(&json, "options");
     for (int i = 0; i < page->option_count; i++) iso_json_string(&json, NULL, page->options[i]);
-    iso_json_end_array(&json);
+    if (page->options) iso_json_end_array(&json);
     iso_json_end_object(&json);
     char *text = NULL;
     size_t size;
@@ -383,20 +383,6 @@ static iso_status put_page(FILE *stream, const parts *p, iso_error *error) {
     return ISO_OK;
 }
 
-static iso_status write_file(const char *path, const parts *p, iso_page_written *written, iso_error *error) {
-    iso_sink sink;
-    ISO_TRY(iso_sink_open(path, &sink, error));
-    iso_status status = put_page(sink.stream, p, error);
-    const long bytes = ftell(sink.stream);
-    if (status == ISO_OK) status = iso_sink_commit(&sink, error);
-    iso_sink_abort(&sink);
-    *written = (iso_page_written){.range = {p->voxels->range[0], p->voxels->range[1]},
-                                  .bytes = bytes > 0 ? (uint64_t)bytes : 0,
-                                  .engine_bytes = base64_length(p->engine->size),
-                                  .voxel_bytes = base64_length(p->voxels->size)};
-    return status;
-}
-
 static bool has_layers(const iso_page *page) {
     bool any = false;
     for (int i = 0; i < page->count; i++) any |= page->surfaces[i].translucency.opacity < 1;
@@ -423,8 +409,8 @@ static iso_status make_room(packer *p, const char *path, const parts *made, iso_
     return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the voxels of a page");
 }
 
-iso_status iso_page_write(const char *path, const iso_page *page, iso_page_written *written,
-                          iso_error *error) {
+iso_status iso_page_put(FILE *stream, const char *path, const iso_page *page, iso_page_written *written,
+                        iso_error *error) {
     const size_t voxels =
         (size_t)page->grid->dims[0] * (size_t)page->grid->dims[1] * (size_t)page->grid->dims[2];
     packer p = {.page = page, .bytes = voxels * iso_type_size(page->grid->type)};
@@ -434,11 +420,26 @@ iso_status iso_page_write(const char *path, const iso_page *page, iso_page_writt
     iso_status status = encode_still(page, &made.png, &made.png_size, error);
     if (status == ISO_OK) status = make_room(&p, path, &made, error);
     if (status == ISO_OK) status = pack_voxels(&p, path, error);
-    if (status == ISO_OK) status = write_file(path, &made, written, error);
-    if (status == ISO_OK) written->kept = (double)p.best.kept / (double)voxels;
+    if (status == ISO_OK) status = put_page(stream, &made, error);
+    *written = (iso_page_written){.range = {p.best.range[0], p.best.range[1]},
+                                  .engine_bytes = base64_length(made.engine->size),
+                                  .voxel_bytes = base64_length(p.best.size),
+                                  .kept = (double)p.best.kept / (double)voxels};
     free(made.png);
     iso_free(p.voxels);
     iso_free(p.best.bytes);
     iso_free(p.tried.bytes);
+    return status;
+}
+
+iso_status iso_page_write(const char *path, const iso_page *page, iso_page_written *written,
+                          iso_error *error) {
+    iso_sink sink;
+    ISO_TRY(iso_sink_open(path, &sink, error));
+    iso_status status = iso_page_put(sink.stream, path, page, written, error);
+    const long bytes = ftell(sink.stream);
+    written->bytes = bytes > 0 ? (uint64_t)bytes : 0;
+    if (status == ISO_OK) status = iso_sink_commit(&sink, error);
+    iso_sink_abort(&sink);
     return status;
 }

@@ -6,6 +6,7 @@
 
 #include <stdbool.h>
 #include <stdint.h>
+#include <stdio.h>
 
 #include "grids/rgrid.h"
 #include "image/image.h"
@@ -40,7 +41,9 @@ typedef struct iso_page {
     const iso_camera *camera;
     const iso_image *image; /* the first picture */
     iso_rgb background;
-    const char *const *options; /* of isorender, beside those that the page itself changes: "--closed" .. */
+    /* Of isorender, beside those that the page itself changes, such as "--crop=..". NULL: they are not known,
+     * and the page offers no command. */
+    const char *const *options;
     int option_count;
     double range[2]; /* of isovalues; NaN: the widest around the isovalues that fits */
     uint64_t most;   /* bytes of the page; 0: ISO_PAGE_BYTES or ISO_PAGE_BYTES_GIVEN */
@@ -58,8 +61,11 @@ typedef struct iso_page_written {
 bool iso_page_is_named(const char *path);
 /* Whether this build can write pages: else ISO_ERR_BACKEND names what it lacks. */
 iso_status iso_page_check(const char *path, iso_error *error);
-/* Writes a page, wholly or not at all. ISO_ERR_LIMIT: it would be larger than `most`; ISO_ERR_WRITE,
- * ISO_ERR_NOMEM. */
+/* Writes a page to a stream, whose errors the caller finds; `path` is what messages call it. Errors: those of
+ * iso_page_check; ISO_ERR_LIMIT: the page would be larger than `most`; ISO_ERR_NOMEM. */
+iso_status iso_page_put(FILE *stream, const char *path, const iso_page *page, iso_page_written *written,
+                        iso_error *error);
+/* Writes a page to a file, wholly or not at all. Errors: those of iso_page_put; ISO_ERR_WRITE. */
 iso_status iso_page_write(const char *path, const iso_page *page, iso_page_written *written,
                           iso_error *error);
 

@@ -1,5 +1,5 @@
-/* page_files: what pages are made of (apps/page), embedded. opaque.wasm.gz and layers.wasm.gz are missing where
- * the build found no compiler for them. */
+/* page_files: what pages are made of (apps/page), embedded. opaque.wasm.gz and layers.wasm.gz are missing
+ * where the build found no compiler for them. */
 #ifndef ISO_APPS_COMMON_PAGE_FILES_H
 #define ISO_APPS_COMMON_PAGE_FILES_H
 

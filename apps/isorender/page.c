@@ -73,7 +73,6 @@ static iso_status check_clip(const isorender_settings *settings, iso_error *erro
 
 static iso_status check_page(const isorender_settings *settings, iso_error *error) {
     const char *page = settings->output;
-    ISO_TRY(iso_page_check(page, error));
     if (settings->no_input || settings->object_options.has_cloud)
         return iso_fail(error, ISO_ERR_USAGE, "%s: a page shows isosurfaces of a volume", page);
     for (int i = 0; i < settings->noted_count && i < ISORENDER_NOTED; i++) {
@@ -92,7 +91,8 @@ static iso_status check_page(const isorender_settings *settings, iso_error *erro
         return iso_fail(error, ISO_ERR_USAGE, "%s: the background of a page has a colour", page);
     if (settings->isovalue_count > ISO_PAGE_SURFACES)
         return iso_fail(error, ISO_ERR_USAGE, "%s: a page has at most %d isovalues", page, ISO_PAGE_SURFACES);
-    return check_clip(settings, error);
+    ISO_TRY(check_clip(settings, error));
+    return iso_page_check(page, error);
 }
 
 iso_status isorender_page_check(const isorender_settings *settings, iso_error *error) {

@@ -7,8 +7,8 @@
 /* Checks that the options are those of a page if the output is one, and that options of pages are for one.
  * ISO_ERR_USAGE; ISO_ERR_BACKEND: this build writes none. */
 iso_status isorender_page_check(const isorender_settings *settings, iso_error *error);
-/* Writes the page of a drawn picture. ISO_ERR_UNSUPPORTED: the volume is not in memory as a dense grid; errors
- * as iso_page_write. */
+/* Writes the page of a drawn picture. ISO_ERR_UNSUPPORTED: the volume is not in memory as a dense grid;
+ * errors as iso_page_write. */
 iso_status isorender_page_write(isorender_job *job, const iso_image *image, const char *path,
                                 iso_error *error);
 

@@ -181,7 +181,7 @@ canvas.addEventListener('keydown', event => {
   else if (event.key === '[' || event.key === ']') setIsovalue(0, view.isovalues[0] + (event.key === ']' ? step : -step));
   else if (event.key === 'Home') reset();
   else if (event.key === 's') save();
-  else if (event.key === 'c') copy();
+  else if (event.key === 'c' && facts.options) copy();
   else return;
   event.preventDefault();
 });
@@ -311,7 +311,7 @@ async function begin() {
   await Promise.all(Array.from({ length: count }, () => startWorker(url, { module, voxels, facts })));
   facts.surfaces.forEach((_, i) => makeRow(i));
   makeCut();
-  ['reset', 'save', 'copy'].forEach(id => { $(id).hidden = false; });
+  ['reset', 'save', ...facts.options ? ['copy'] : []].forEach(id => { $(id).hidden = false; });
   $('reset').onclick = reset;
   $('save').onclick = save;
   $('copy').onclick = copy;

@@ -23,6 +23,8 @@ isorender "$volume" b.html --isovalue 500 --isovalue-range 400,600 --threads 3 -
 cmp a.html b.html || exit 1
 # a page that would be too large, or cannot be written, leaves what was there
 refuses 5 'bad.html: the voxels of this range of isovalues take more than .* --isovalue-range may be narrower' isorender scene:ct:96 bad.html --isovalue 130 --isovalue-range 0,250 --page-size 260K || exit 1
+ln -s /dev/full in/full.html
+refuses 7 'in/full.html: cannot write: ' isorender scene:ct:32 in/full.html || exit 1
 cp a.html kept.html
 isorender scene:ct:96 kept.html --isovalue 130 --isovalue-range 0,250 --page-size 260K 2>said && exit 1
 cmp a.html kept.html || exit 1
