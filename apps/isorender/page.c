@@ -126,10 +126,15 @@ static iso_status list_options(const isorender_settings *settings, char **option
     return ISO_OK;
 }
 
-/* The input as the page's command names it: without folders. A scene has none. */
-static const char *input_name(const isorender_job *job) {
-    const char *input = isorender_input_name(job), *slash = strrchr(input, '/');
-    return iso_loader_is_scene(input) || !slash || !slash[1] ? input : slash + 1;
+/* The input as the page's command names it, to be freed: without the folders in which it lies. */
+static char *input_name(const isorender_job *job) {
+    const char *input = isorender_input_name(job), *array = iso_volume_array_of(input);
+    size_t end = array ? (size_t)(array - input) : strlen(input);
+    if (array && end > 0 && input[end - 1] == ':') end--;
+    while (!array && end > 1 && input[end - 1] == '/') end--;
+    size_t begin = end;
+    while (begin > 0 && input[begin - 1] != '/') begin--;
+    return strndup(input + begin, (array ? strlen(input) : end) - begin);
 }
 
 static iso_page_clip clip_of(isorender_job *job) {
@@ -176,8 +181,10 @@ iso_status isorender_page_write(isorender_job *job, const iso_image *image, cons
         surfaces[i] = (iso_page_surface){s->scene.isovalue, s->color, s->translucency};
     }
     const iso_camera camera = isorender_camera_of_frame(job, 0);
-    iso_status status = list_options(settings, options, &count, error);
-    const iso_page page = {.name = input_name(job),
+    char *name = input_name(job);
+    iso_status status = name ? ISO_OK : iso_fail(error, ISO_ERR_NOMEM, "out of memory");
+    if (status == ISO_OK) status = list_options(settings, options, &count, error);
+    const iso_page page = {.name = name,
                            .grid = grid,
                            .surfaces = surfaces,
                            .count = job->surface_count,
@@ -193,5 +200,6 @@ iso_status isorender_page_write(isorender_job *job, const iso_image *image, cons
     if (status == ISO_OK) status = iso_page_write(path, &page, &written, error);
     if (status == ISO_OK) log_page(job, &written);
     for (int i = 0; i < count; i++) free(options[i]);
+    free(name);
     return status;
 }

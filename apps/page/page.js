@@ -5,9 +5,10 @@
 (() => {
 const $ = id => document.getElementById(id), canvas = $('canvas'), say = text => { $('say').textContent = text; };
 const facts = JSON.parse($('facts').textContent), [low, high] = facts.range;
-const SAMPLES = [1, 4, 16], FRAME_MS = 40, REST_MS = 150, COARSEST = 4, HALF_CELLS = 1e6, SIDE = 4096;
-const state = { samples: 0, frames: 0, drawn: null }; // `drawn`: what the canvas shows
-window.isopoint = state; // for tests
+const SAMPLES = [1, 4, 16], FRAME_MS = 40, REST_MS = 150, COARSEST = 4, SIDE = 4096;
+// What the canvas shows, and from how many cells on moving pictures are of every second voxel. Tests look at it.
+const state = { samples: 0, frames: 0, halves: 0, drawn: null, halfCells: 1e6 };
+window.isopoint = state;
 
 // ---- what is shown
 const first = () => ({
@@ -82,7 +83,7 @@ function draw(samples) {
   const [width, height] = size.map(n => Math.max(16, Math.round(n / (moving ? coarse : 1))));
   const bands = Math.min(height, workers.length * (moving ? 1 : samples === 1 ? 2 : 8)), clip = clipNumbers();
   frame = { number: ++number, width, height, samples, moving, coarse: moving ? coarse : 1, left: bands, start: performance.now(),
-    image: new ImageData(width, height), isovalues: [...view.isovalues], clip, half: moving && cells > HALF_CELLS };
+    image: new ImageData(width, height), isovalues: [...view.isovalues], clip, half: moving && cells > state.halfCells };
   const job = { frame: frame.number, width, height, samples, half: frame.half, moves: moves.splice(0),
     camera: settleScale(view.camera.slice(), height), clip: [...clip, facts.cap],
     surfaces: facts.surfaces.map((s, i) => ({ ...s, isovalue: view.isovalues[i] })) };
@@ -113,6 +114,7 @@ function show(done, camera, ms) {
   state.drawn = { camera, isovalues: done.isovalues, clip: done.clip, width: done.width, height: done.height, samples: done.samples };
   state.samples = done.moving || wanted ? 0 : done.samples;
   state.frames++;
+  if (done.half) state.halves++;
   // (a browser's first pictures are slow: its compiler is still at work)
   if (done.moving && state.frames > 3) coarse = Math.max(1, Math.min(COARSEST, done.coarse * Math.sqrt(ms / FRAME_MS)));
   $('speed').textContent = `${done.width} × ${done.height}${done.samples > 1 ? `, ${done.samples} samples` : ''}, ${ms.toFixed(0)} ms`;

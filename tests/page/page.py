@@ -165,6 +165,33 @@ def controls(work):
         print("controls: done")
 
 
+def fine(work):
+    """Moving pictures of many cells are of every second voxel, and the one at rest is not."""
+    page = work / "fine.html"
+    isorender("scene:ct:96", page, "--isovalue=130", "--isovalue-range=120,140")
+    with Browser(620, 560) as browser:
+        browser.open(str(page))
+        rest(browser, "fine")
+        browser.run("isopoint.halfCells = 1000")
+        browser.drag([(300, 280), (330, 290), (380, 250)])
+        rest(browser, "fine, dragged")
+        halves, frames = browser.run("return [isopoint.halves, isopoint.frames]")
+        expect(0 < halves < frames, "fine:", halves, "of", frames, "pictures were of every second voxel")
+        same(browser, "scene:ct:96", work, "fine, after %d pictures of half the volume" % halves)
+
+
+def report(work):
+    """The page within a report of isocompare."""
+    subprocess.run([str(programs / "isocompare"), "report", "scene:ct:32", "--isovalue=130", "--side=64", "--quiet",
+                    "--output=%s" % (work / "report")], check=True)
+    with Browser(1000, 800) as browser:
+        browser.open(str(work / "report" / "report.html"))
+        inner = "document.querySelector('iframe').contentWindow"
+        expect(browser.wait(inner + ".isopoint?.samples === 16"), "the report's page never came to rest")
+        expect(browser.run("return %s.document.getElementById('copy').hidden" % inner), "a command that is not known is offered")
+        print("report: done")
+
+
 def stills(work):
     """Where something is missing the first picture stays, and it is said what."""
     page = work / "still.html"
@@ -191,6 +218,8 @@ def stills(work):
 def cases(work):
     yield "controls", lambda: controls(work)
     yield "stills", lambda: stills(work)
+    yield "fine", lambda: fine(work)
+    yield "report", lambda: report(work)
     stent = root / "../shared/volumes/stent/stent.nrrd"
     if stent.exists():
         yield "stent", lambda: case(work, "stent", stent, "--isovalue=600", "--isovalue-range=400,800")
