@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "apps/common/page.h"
-#include "base/file_types.h"
+#include "base/text.h"
 #include "grids/brick_index.h"
 #include "grids/volume/volume.h"
 
@@ -18,39 +18,16 @@ static bool is_page(const isorender_settings *settings) {
 
 /* The options that pages can have beside those that only say how the program runs: what the page itself
  * changes or states, and what its command keeps. */
-static const char *const changed[] = {"isovalue",
-                                      "color",
-                                      "background",
-                                      "camera",
-                                      "up",
-                                      "azimuth",
-                                      "elevation",
-                                      "zoom",
-                                      "orthographic",
-                                      "fit",
-                                      "margin",
-                                      "mm-per-pixel",
-                                      "view-angle",
-                                      "camera-position",
-                                      "resolution",
-                                      "samples",
-                                      "clip",
-                                      "scene",
-                                      "camera-focal-point",
-                                      "camera-view-up",
-                                      "max-memory",
-                                      "dpi",
-                                      "method",
-                                      "backend",
-                                      "same-view",
-                                      NULL};
-static const char *const kept[] = {"raw",     "spacing",    "grid",         "series", "component", "level",
-                                   "crop",    "crop-mm",    "cap",          "window", "opacity",   "layers",
-                                   "channel", "absorption", "opacity-mode", NULL};
+static const char changed[] =
+    "isovalue color background resolution samples clip scene camera up azimuth elevation "
+    "zoom orthographic fit margin mm-per-pixel view-angle camera-position "
+    "camera-focal-point camera-view-up same-view method backend max-memory dpi";
+static const char kept[] =
+    "raw spacing grid series component level crop crop-mm channel cap opacity opacity-mode "
+    "absorption layers";
 
-static bool is_in(const char *const *names, const char *name) {
-    while (*names && strcmp(*names, name) != 0) names++;
-    return *names != NULL;
+static bool is_in(const char *names, const char *name) {
+    return iso_text_has_word(names, name, strlen(name));
 }
 
 /* The cut of a page is a plane through everything. */
