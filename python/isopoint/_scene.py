@@ -1,13 +1,7 @@
 """Scene files: pictures as data, of the program isorender."""
 from __future__ import annotations
 
-import json
 import os
-import shutil
-import struct
-import subprocess
-import tempfile
-import zlib
 from typing import Any, Dict, Iterable, List, Optional, Tuple, Union
 
 from ._core import FileError, Path, UnsupportedError, UsageError
@@ -39,6 +33,7 @@ class Scene:
     @classmethod
     def load(cls, path: Path) -> "Scene":
         """Of a scene file, or of a PNG that holds one."""
+        import json
         with open(path, "rb") as stream:
             data = stream.read()
         text = _scene_of_png(data) if data.startswith(b"\x89PNG") else data
@@ -54,17 +49,21 @@ class Scene:
 
     def save(self, path: Path) -> None:
         """Writes a scene file, whose paths begin at its folder: by isorender, which checks all options."""
-        with tempfile.TemporaryDirectory() as folder:
+        from tempfile import TemporaryDirectory  # (imported when needed: the package is there sooner)
+        with TemporaryDirectory() as folder:
             self._run("--save-scene", os.path.abspath(path), "--output", os.path.join(folder, "picture.png"))
 
     def render(self, **named: Any) -> Picture:
         """The picture, with further options."""
-        with tempfile.TemporaryDirectory() as folder:
+        from tempfile import TemporaryDirectory
+        with TemporaryDirectory() as folder:
             path = os.path.join(folder, "picture.png")
             self._run("--output", path, *_arguments(Scene(None, **named).options))
             return Picture.read(path)
 
     def _run(self, *arguments: str) -> None:
+        import shutil
+        import subprocess
         program = os.environ.get("ISORENDER") or shutil.which("isorender")
         if not program:
             raise UnsupportedError("scenes are drawn by the program isorender, which is not on the PATH")
@@ -84,6 +83,7 @@ def _arguments(options: Iterable[Option]) -> List[str]:
 
 
 def _scene_of_png(data: bytes) -> Optional[bytes]:
+    import struct
     at = 8
     while at + 12 <= len(data):
         size, name = struct.unpack(">I4s", data[at:at + 8])

@@ -321,7 +321,7 @@ static iso_status weld(iso_surface *surface, iso_mesh_view *view, iso_weld *weld
     iso_status status = iso_scene_surface_update(&surface->scene, ISO_PART_MESH, error);
     if (status == ISO_OK) {
         *view = iso_mesh_set_view(surface->scene.mesh);
-        status = iso_mesh_weld(view, welded, error);
+        status = iso_mesh_weld(view, surface->pool, welded, error);
     }
     end_watch(surface);
     return status;
