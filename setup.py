@@ -30,7 +30,7 @@ class BuildExtension(build_ext):
                 ["cmake", "-S", str(ROOT), "-B", str(tree), "-DCMAKE_BUILD_TYPE=Release", "-DISO_PROGRAMS=OFF",
                  *[f"-DISO_WITH_{name}=OFF" for name in OFF], *shlex.split(os.environ.get("ISOPOINT_CMAKE", ""))])
             subprocess.check_call(["cmake", "--build", str(tree), "--target", "isopoint", "--parallel"])
-            library = str(next(tree.glob("lib*/libisopoint.a")))
+            library = str(next(tree.rglob("libisopoint.a")))
         for extension in self.extensions:
             extension.extra_objects = [library]
             extension.depends = [library]

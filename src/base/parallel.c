@@ -122,12 +122,13 @@ bool iso_pool_ask(iso_pool *pool) {
     return iso_pool_is_cancelled(pool);
 }
 
+/* (An index that was taken is worked on also when the pool has been cancelled meanwhile: iso_parallel_ordered
+ * waits for it.) */
 static void run_tasks(iso_pool *pool, int number) {
-    for (bool first = true;; first = false) {
+    for (bool first = true; !(pool->until && iso_pool_is_cancelled(pool)); first = false) {
         size_t index = atomic_fetch_add_explicit(&pool->next, 1, memory_order_relaxed);
         if (index >= pool->count) return;
         if (number == 0) tell(pool, first ? 0 : (double)index / (double)pool->count);
-        if (pool->until && iso_pool_is_cancelled(pool)) return;
         pool->task(pool->context, index, number);
     }
 }
