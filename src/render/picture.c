@@ -169,6 +169,7 @@ iso_status iso_picture_render(const iso_picture_opts *opts, iso_image *image, si
             opts->begin_strip(opts->draw_context, (double)y0 / opts->height,
                               (double)(y0 + count) / opts->height);
         status = render_rows(&p, y0, count, error);
+        if (status == ISO_OK) status = iso_pool_check(opts->pool, "the picture", error);
     }
     iso_gbuffer_free(&p.gbuffer);
     if (covered && status == ISO_OK) *covered = p.covered;

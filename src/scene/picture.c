@@ -56,7 +56,8 @@ static iso_status draw_pyramid(const iso_scene *scene, const iso_target *target,
 }
 
 static void tell_surface(const iso_scene *scene, int number, bool done) {
-    if (scene->progress) scene->progress->surface(scene->progress->context, number, done);
+    if (scene->progress && scene->progress->surface)
+        scene->progress->surface(scene->progress->context, number, done);
 }
 
 static iso_status draw_object(const iso_scene *scene, int i, const iso_target *target, iso_error *error) {
@@ -291,7 +292,8 @@ static iso_status paint(const iso_scene *scene, const iso_picture_opts *opts, is
     const iso_view view = opts->view ? *opts->view : iso_view_make(opts->camera, opts->width, opts->height);
     const iso_exact_picture whole = {&view, &opts->shading, image, opts->pool,
                                      scene->surfaces[0].surface->clip};
-    return iso_paint_exact(&whole, scene->surfaces[0].surface->exact, covered, error);
+    ISO_TRY(iso_paint_exact(&whole, scene->surfaces[0].surface->exact, covered, error));
+    return iso_pool_check(opts->pool, "the picture", error);
 }
 
 /* Sets opts->occlusion. */

@@ -152,7 +152,7 @@ static iso_status draw_bins(shapes_draw *draw, iso_shapes_drawn *drawn, iso_erro
         bin->drawn = (iso_shapes_drawn){0};
         bin->status = ISO_OK;
     }
-    iso_parallel_for(frame->target->pool, (size_t)frame->columns * (size_t)frame->rows, draw_bin, draw);
+    iso_parallel_until(frame->target->pool, (size_t)frame->columns * (size_t)frame->rows, draw_bin, draw);
     iso_status status = ISO_OK;
     for (int i = 0; i < workers; i++) {
         if (draw->bins[i].status != ISO_OK) status = draw->bins[i].status;
