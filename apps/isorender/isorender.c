@@ -32,8 +32,10 @@ static int render_each(const isorender_settings *given, const isorender_plan *pl
                        const isorender_backend *backend, const iso_environment *environment) {
     int worst = 0;
     isorender_same_view first = {0};
+    isorender_film film = {.count = given->turntable ? given->turntable : 1};
     isorender_settings copy = *given, *settings = &copy;
     if (settings->same_view) settings->first = &first;
+    settings->film = &film;
     for (int i = 0; i < settings->input_count; i++) {
         iso_error error = {0};
         iso_status status = isorender_run(settings, &plans[i], pool, backend, environment, &error);

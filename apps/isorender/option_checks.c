@@ -17,6 +17,7 @@
 #include "apps/isorender/segmentation.h"
 #include "base/text.h"
 #include "image/image_file.h"
+#include "image/video.h"
 #include "io/file_contents.h"
 #include "io/glyphs/glyphs_read.h"
 #include "io/lines/lines_read.h"
@@ -98,7 +99,8 @@ static iso_status take_object(isorender_settings *settings, iso_error *error) {
 }
 
 static bool is_picture(const char *name) {
-    return strcmp(name, "-") != 0 && iso_image_kind_of(name) != ISO_IMAGE_UNKNOWN;
+    return strcmp(name, "-") != 0 &&
+           iso_file_type_of_name(name, ISO_WRITES_IMAGE | ISO_WRITES_VIDEO) != ISO_FILE_UNKNOWN;
 }
 
 static bool exists(const char *path) {
@@ -290,6 +292,16 @@ static iso_status check_aov(const isorender_settings *settings, iso_error *error
     return ISO_OK;
 }
 
+static iso_status check_video(const isorender_settings *settings, iso_error *error) {
+    const iso_video_opts opts = {
+        .width = settings->width, .height = settings->height, .transparent = settings->transparent != 0};
+    if (!iso_video_is_name(settings->output)) return ISO_OK;
+    if (!settings->turntable)
+        return iso_fail(error, ISO_ERR_USAGE, "%s: a video needs several pictures: --turntable N makes them",
+                        settings->output);
+    return iso_video_check(settings->output, &opts, error);
+}
+
 static iso_status check_outputs(const isorender_settings *settings, iso_error *error) {
     bool image = !settings->no_image && !settings->info;
     bool to_stdout = image && settings->output && strcmp(settings->output, "-") == 0;
@@ -300,6 +312,7 @@ static iso_status check_outputs(const isorender_settings *settings, iso_error *e
         iso_image_kind_of(settings->output) == ISO_IMAGE_JPEG)
         return iso_fail(error, ISO_ERR_USAGE, "%s: a JPEG has no transparency: .png and .tif have",
                         settings->output);
+    if (image && settings->output) ISO_TRY(check_video(settings, error));
     if (to_stdout && settings->common.json && !settings->common.json_path)
         return iso_fail(error, ISO_ERR_USAGE, "the picture and --json cannot both go to standard output");
     if (to_stdout && settings->turntable)

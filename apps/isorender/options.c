@@ -526,8 +526,10 @@ static const iso_option options[] = {
      "says where the patient is, else x y z",
      .group = PICTURE, FLAG(orientation_marker)},
     {"turntable", NULL, "N",
-     "N pictures around the surface with one fixed framing: OUT_000.png, OUT_001.png, ...", .group = PICTURE,
-     INT(turntable, 1, 100000)},
+     "N pictures around the surface with one fixed framing: OUT_000.png, OUT_001.png, ..., or a video",
+     .group = PICTURE, INT(turntable, 1, 100000)},
+    {"frame-rate", NULL, "N", "pictures a second of a video ({videos}), which ffmpeg encodes",
+     .group = PICTURE, .standard = "25", REAL(frame_rate, 0.01, 1000)},
 
     {"camera", "camera-preset", "NAME", "side to look from: front, back, left, right, top, bottom, iso",
      .group = CAMERA,
@@ -573,7 +575,8 @@ static const iso_option options[] = {
      REALS(view_up, 3)},
 
     {"output", "o", "NAME",
-     "the picture: a .png, .tif or .jpg, - for a .png on stdout; {model} is the input's name, {n:3} a number "
+     "the picture: a .png, .tif or .jpg, - for a .png on stdout; with several pictures also a video: "
+     "{videos}; {model} is the input's name, {n:3} a number "
      "with three "
      "digits",
      .group = OUTPUT, .standard = "{model}.png", TEXT(output), UNRECORDED},
@@ -722,6 +725,7 @@ iso_status isorender_settings_parse(int argc, char *const *argv, isorender_setti
                                      .reconstruction = ISORENDER_RECONSTRUCTION_UNCHOSEN,
                                      .lod = NAN,
                                      .backend = "auto",
+                                     .frame_rate = 25,
                                      .width = 1024,
                                      .height = 1024,
                                      .background = {255, 255, 255},

@@ -1,11 +1,9 @@
 /* Renders surfaces to PNG and EXR files: one picture or the frames of a turntable. */
-#define _GNU_SOURCE /* asprintf */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "apps/common/template.h"
 #include "apps/isorender/chunks.h"
 #include "apps/isorender/colorings.h"
 #include "apps/isorender/cuts.h"
@@ -18,6 +16,7 @@
 #include "image/annotate.h"
 #include "image/exr.h"
 #include "image/image_file.h"
+#include "image/video.h"
 #include "io/key_file.h"
 #include "render/gl/groups.h"
 #include "render/gl/pullpush.h"
@@ -300,8 +299,35 @@ static iso_status render_frame(isorender_job *job, int frame, canvas *c, iso_err
     return ISO_OK;
 }
 
+/* Adds a picture to the film's video, which the first one begins and the last one ends. */
+static iso_status film_picture(isorender_job *job, int frame, const iso_image *image, iso_error *error) {
+    const isorender_settings *settings = job->settings;
+    isorender_film *film = settings->film;
+    if (!film->video) {
+        isorender_labels l;
+        ISO_TRY(isorender_labels_make(job, &l, error));
+        const iso_video_opts opts = {.width = image->width,
+                                     .height = image->height,
+                                     .frame_rate = settings->frame_rate,
+                                     .transparent = settings->transparent != 0,
+                                     .title = job->plan->model,
+                                     .text = l.command};
+        const iso_status status = iso_video_open(job->plan->image, &opts, &film->video, error);
+        isorender_labels_free(&l);
+        ISO_TRY(status);
+    }
+    ISO_TRY(iso_video_add(film->video, image, error));
+    if (film->first + frame + 1 < film->count) return ISO_OK;
+    iso_video *whole = film->video;
+    film->video = NULL;
+    ISO_TRY(iso_video_commit(whole, error));
+    job->frames_written = 1;
+    return ISO_OK;
+}
+
 static iso_status save_image(isorender_job *job, int frame, const canvas *c, iso_error *error) {
     if (!job->plan->image || job->settings->ranks.rank) return ISO_OK;
+    if (job->plan->video) return film_picture(job, frame, &c->image, error);
     char *path = NULL;
     ISO_TRY(isorender_plan_frame(job->plan, job->plan->image, frame, &path, error));
     iso_status status = write_picture(job, &c->image, path, error);
@@ -400,24 +426,6 @@ uint64_t isorender_picture_bytes(const isorender_job *job, int samples) {
     return bytes + smaller(pyramid, ISO_PICTURE_STRIP_BYTES);
 }
 
-/* Logs an ffmpeg command that makes a film of a turntable; {n:3} becomes %03d in its input. */
-static void suggest_film(const isorender_job *job) {
-    const isorender_plan *plan = job->plan;
-    const char *variable = plan->numbered && plan->image ? strstr(plan->image, "{n") : NULL;
-    char *pattern = NULL, *input = NULL;
-    if (!variable) return;
-    const char *end = strchr(variable, '}');
-    char number[8] = "%d";
-    if (variable[2] == ':') snprintf(number, sizeof number, "%%0%cd", variable[3]);
-    if (asprintf(&pattern, "%.*s%s%s", (int)(variable - plan->image), plan->image, number, end + 1) < 0)
-        return;
-    if (iso_template_expand(pattern, plan->model, -1, &input, NULL) == ISO_OK)
-        isorender_log(job, "a film: ffmpeg -framerate 25 -i '%s' -pix_fmt yuv420p '%s.mp4'", input,
-                      plan->model);
-    free(pattern);
-    free(input);
-}
-
 /* Uploads everything to the GPU. */
 static iso_status upload(isorender_job *job, iso_error *error) {
     isorender_scene_arrays arrays;
@@ -469,6 +477,5 @@ iso_status isorender_render(isorender_job *job, iso_error *error) {
     if (status == ISO_OK) status = render_frames(job, &c, error);
     iso_image_free(&c.image);
     iso_aov_free(&c.aov);
-    if (status == ISO_OK && settings->turntable) suggest_film(job);
     return status;
 }

@@ -9,12 +9,14 @@
 #include "apps/isorender/plan.h"
 #include "image/exr.h"
 #include "image/image_file.h"
+#include "image/video.h"
 
 /* The name of what there is one of for every frame. The name of a single picture is complete. That of a
  * turntable stays a template, with {model}: the input's name may have braces of its own. */
 static iso_status make_frame_name(const isorender_settings *settings, const isorender_plan *plan,
                                   const char *output, int number, char **name, iso_error *error) {
-    if (!settings->turntable) return iso_template_expand(output, plan->model, number, name, error);
+    if (!settings->turntable || iso_video_is_name(output))
+        return iso_template_expand(output, plan->model, number, name, error);
     /* A turntable's {n} numbers its frames. */
     int digits = 3;
     for (int frames = settings->turntable; frames > 1000; frames = (frames + 9) / 10) digits++;
@@ -45,6 +47,7 @@ static iso_status make_names(const isorender_settings *settings, int number, iso
         snprintf(part, sizeof part, "{model}-%d-of-%d.isokeys", settings->part, settings->parts);
         output = part;
     }
+    plan->video = iso_video_is_name(output);
     return make_frame_name(settings, plan, output, number, &plan->image, error);
 }
 
@@ -70,10 +73,11 @@ static void names_of(const isorender_plan *plan, const char *names[NAMES]) {
     names[TABLE] = plan->table;
 }
 
-/* Every frame of a turntable has a name of its own. */
+/* Every frame of a turntable has a name of its own, but for those of a video. */
 static iso_status add_frames(const isorender_settings *settings, const isorender_plan *plan, const char *name,
                              iso_error *error) {
-    for (int frame = 0; name && frame < (settings->turntable ? settings->turntable : 1); frame++) {
+    const bool several = settings->turntable && !(plan->video && name == plan->image);
+    for (int frame = 0; name && frame < (several ? settings->turntable : 1); frame++) {
         char *path = NULL;
         ISO_TRY(isorender_plan_frame(plan, name, frame, &path, error));
         iso_file_set_write(plan->files, path);
@@ -163,7 +167,8 @@ bool isorender_plan_draws(const isorender_plan *plan) {
 
 iso_status isorender_plan_frame(const isorender_plan *plan, const char *name, int frame, char **path,
                                 iso_error *error) {
-    if (plan->numbered) return iso_template_expand(name, plan->model, frame, path, error);
+    if (plan->numbered && !(plan->video && name == plan->image))
+        return iso_template_expand(name, plan->model, frame, path, error);
     *path = strdup(name);
     return *path ? ISO_OK : iso_fail(error, ISO_ERR_NOMEM, "out of memory");
 }

@@ -13,6 +13,7 @@
 #include "base/clock.h"
 #include "base/file.h"
 #include "base/text.h"
+#include "image/video.h"
 
 /* A volume without finite voxels has no histogram. */
 static iso_status make_histogram(iso_loader *loader, iso_error *error) {
@@ -57,7 +58,10 @@ static void log_exports(const isorender_job *job) {
 static void log_pictures(const isorender_job *job, const char *name) {
     const int count = job->settings->turntable;
     char *first = NULL, *last = NULL;
-    if (isorender_plan_frame(job->plan, name, 0, &first, NULL) == ISO_OK && count <= 1)
+    const iso_status status = isorender_plan_frame(job->plan, name, 0, &first, NULL);
+    if (status == ISO_OK && job->plan->video && name == job->plan->image)
+        isorender_log(job, "wrote %s: %d pictures", first, job->settings->film->count);
+    else if (status == ISO_OK && count <= 1)
         isorender_log(job, "wrote %s", first);
     else if (first && isorender_plan_frame(job->plan, name, count - 1, &last, NULL) == ISO_OK)
         isorender_log(job, "wrote %s to %s", first, last);
@@ -187,6 +191,8 @@ static void remove_outputs(const isorender_job *job) {
     if (job->points_written) iso_file_remove(job->plan->points);
     if (job->mesh_written) iso_file_remove(job->plan->mesh);
     if (job->table_written) iso_file_remove(job->plan->table);
+    iso_video_abort(job->settings->film->video);
+    job->settings->film->video = NULL;
     remove_frames(job->plan, job->plan->image, job->frames_written);
     remove_frames(job->plan, job->plan->aov, job->aovs_written);
 }

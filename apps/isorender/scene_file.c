@@ -13,6 +13,7 @@
 #include "base/file_types.h"
 #include "base/text.h"
 #include "image/image_file.h"
+#include "image/video.h"
 
 /* ---- writing */
 
@@ -247,7 +248,8 @@ static bool is_scene(const char *operand) {
  * */
 static bool is_input(const char *operand) {
     const iso_image_kind kind = iso_image_kind_of(operand);
-    return kind == ISO_IMAGE_UNKNOWN || (kind == ISO_IMAGE_TIFF && access(operand, F_OK) == 0);
+    if (kind == ISO_IMAGE_TIFF) return access(operand, F_OK) == 0;
+    return kind == ISO_IMAGE_UNKNOWN && !iso_video_is_name(operand);
 }
 
 static iso_status list_scenes(int argc, char **argv, iso_texts *scenes, bool *replaces_input,

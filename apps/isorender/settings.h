@@ -79,6 +79,12 @@ typedef struct isorender_same_view {
     iso_camera camera;
 } isorender_same_view;
 
+/* The pictures that follow each other of all inputs that go into one film, or of one input. */
+typedef struct isorender_film {
+    struct iso_video *video; /* that is being written; NULL: none */
+    int first, count;        /* the input's first picture in the film; pictures of the whole film */
+} isorender_film;
+
 /* An option that influences the picture, as it was given. */
 typedef struct isorender_noted {
     const iso_option *option;
@@ -184,6 +190,8 @@ typedef struct isorender_settings {
 
     int same_view;
     isorender_same_view *first; /* borrowed; NULL: inputs do not share a view */
+    isorender_film *film;       /* borrowed */
+    double frame_rate;          /* of a video, pictures a second */
 
     int direction; /* iso_direction, or ISORENDER_DIRECTION_UNCHOSEN */
     iso_vec3 up;
