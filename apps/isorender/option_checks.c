@@ -13,8 +13,10 @@
 #include "apps/isorender/channels.h"
 #include "apps/isorender/colorings.h"
 #include "apps/isorender/cuts.h"
+#include "apps/isorender/keyframes.h"
 #include "apps/isorender/label_items.h"
 #include "apps/isorender/segmentation.h"
+#include "apps/isorender/series.h"
 #include "base/text.h"
 #include "image/image_file.h"
 #include "image/video.h"
@@ -208,11 +210,13 @@ static iso_status take_operands(isorender_settings *settings, const iso_operands
     if (count == 2 && is_picture(names[0]) && !may_be_input && !is_picture(names[1]) && exists(names[1]))
         return iso_fail(error, ISO_ERR_USAGE, "the input comes first: isorender %s %s", names[1], names[0]);
     settings->no_input = is_only_picture(settings, operands);
-    ISO_TRY(take_output(settings, operands, settings->scene || settings->no_input ? 0 : 1, &count, error));
-    if (count == 0 && !settings->scene && !settings->no_input)
-        return iso_fail(error, ISO_ERR_USAGE, "no input (see --help)");
-    if (settings->scene && count > 0)
-        return iso_fail(error, ISO_ERR_USAGE, "%s: --scene takes no other input", operands->values[0]);
+    if (settings->series_of) settings->no_input = 0;
+    const bool named = settings->scene || settings->no_input || settings->series_of;
+    ISO_TRY(take_output(settings, operands, named ? 0 : 1, &count, error));
+    if (count == 0 && !named) return iso_fail(error, ISO_ERR_USAGE, "no input (see --help)");
+    if ((settings->scene || settings->series_of) && count > 0)
+        return iso_fail(error, ISO_ERR_USAGE, "%s: --%s takes no other input", operands->values[0],
+                        settings->scene ? "scene" : "series-of");
     if (count > 1 && !settings->output && !settings->info && !settings->no_image)
         return fail_several(operands, error);
     const char *const *files = settings->object_options.count   ? settings->object_options.paths
@@ -220,6 +224,7 @@ static iso_status take_operands(isorender_settings *settings, const iso_operands
                                                                 : &settings->labels;
     settings->inputs = settings->no_input ? files : operands->values;
     settings->input_count = settings->scene || settings->no_input ? 1 : count;
+    if (settings->series_of) ISO_TRY(isorender_series_take(settings, error));
     if (settings->smooth) settings->no_input = 1; /* it is read as labels */
     ISO_TRY(take_object(settings, error));
     settings->object_options.has_cloud = !settings->no_input && !settings->scene &&
@@ -239,7 +244,8 @@ static iso_status check_templates(const isorender_settings *settings, iso_error 
         const char *name = outputs[i].name, *dot = name ? strrchr(name, '.') : NULL;
         struct stat found;
         const bool device = name && stat(name, &found) == 0 && !S_ISREG(found.st_mode);
-        if (!name || device || strcmp(name, "-") == 0 || strchr(name, '{')) continue;
+        const bool numbered = settings->series_of && (name == settings->output || name == settings->aov);
+        if (!name || numbered || device || strcmp(name, "-") == 0 || strchr(name, '{')) continue;
         char hint[256];
         hint_at_folder(settings->inputs, settings->input_count, hint);
         return iso_fail(error, ISO_ERR_USAGE,
@@ -296,9 +302,11 @@ static iso_status check_video(const isorender_settings *settings, iso_error *err
     const iso_video_opts opts = {
         .width = settings->width, .height = settings->height, .transparent = settings->transparent != 0};
     if (!iso_video_is_name(settings->output)) return ISO_OK;
-    if (!settings->turntable)
-        return iso_fail(error, ISO_ERR_USAGE, "%s: a video needs several pictures: --turntable N makes them",
-                        settings->output);
+    if (!settings->turntable && !settings->series_of && !settings->keyframe_file)
+        return iso_fail(
+            error, ISO_ERR_USAGE,
+            "%s: a video needs several pictures: --turntable, --keyframes or --series-of makes them",
+            settings->output);
     return iso_video_check(settings->output, &opts, error);
 }
 
@@ -315,8 +323,8 @@ static iso_status check_outputs(const isorender_settings *settings, iso_error *e
     if (image && settings->output) ISO_TRY(check_video(settings, error));
     if (to_stdout && settings->common.json && !settings->common.json_path)
         return iso_fail(error, ISO_ERR_USAGE, "the picture and --json cannot both go to standard output");
-    if (to_stdout && settings->turntable)
-        return iso_fail(error, ISO_ERR_USAGE, "a turntable cannot go to standard output");
+    if (to_stdout && (settings->turntable || settings->keyframe_file || settings->series_of))
+        return iso_fail(error, ISO_ERR_USAGE, "several pictures cannot go to standard output");
     if (settings->points && iso_file_type_of_name(settings->points, ISO_WRITES_POINTS) == ISO_FILE_UNKNOWN)
         return iso_fail(error, ISO_ERR_USAGE, "%s: points are written as .ply", settings->points);
     if (settings->mesh) ISO_TRY(iso_mesh_write_check(settings->mesh, error));
@@ -607,11 +615,31 @@ static iso_status check_part(const isorender_settings *settings, iso_error *erro
     if (settings->output && !keys)
         return iso_fail(error, ISO_ERR_USAGE, "%s: --part writes a file of keys: a name must end in .isokeys",
                         settings->output);
-    if (settings->turntable || settings->no_image || settings->info)
+    if (settings->turntable || settings->keyframe_file || settings->series_of || settings->no_image ||
+        settings->info)
         return iso_fail(error, ISO_ERR_USAGE, "--part draws one picture: it cannot be combined with %s",
-                        settings->turntable ? "--turntable"
-                        : settings->info    ? "--info"
-                                            : "--no-image");
+                        settings->turntable       ? "--turntable"
+                        : settings->keyframe_file ? "--keyframes"
+                        : settings->series_of     ? "--series-of"
+                        : settings->info          ? "--info"
+                                                  : "--no-image");
+    return ISO_OK;
+}
+
+/* What each keyframe shows must be what can be drawn. */
+static iso_status check_keyframes(isorender_settings *settings, iso_error *error) {
+    iso_error reason = {0};
+    if (settings->keyframe_file && settings->no_input && !settings->object_options.count)
+        return iso_fail(error, ISO_ERR_USAGE, "--keyframes is for an input");
+    ISO_TRY(isorender_keyframes_read(settings, error));
+    for (int i = 0; i < isorender_keyframes_count(settings->keyframes); i++) {
+        isorender_settings *now = isorender_keyframe(settings->keyframes, i);
+        iso_status status = check_camera(now, &reason);
+        if (status == ISO_OK) status = isorender_cuts_check(now, &reason);
+        if (status == ISO_OK && isorender_is_translucent(now)) status = check_opacity(now, &reason);
+        if (status == ISO_OK) status = check_lighting(now, &reason);
+        if (status != ISO_OK) return iso_fail(error, status, "%s: %s", settings->keyframe_file, reason.text);
+    }
     return ISO_OK;
 }
 
@@ -641,5 +669,7 @@ iso_status isorender_settings_check(isorender_settings *settings, const iso_oper
     ISO_TRY(isorender_cuts_check(settings, error));
     ISO_TRY(isorender_segmentation_check(settings, error));
     ISO_TRY(isorender_colorings_check(settings, error));
-    return check_opacity(settings, error);
+    ISO_TRY(check_opacity(settings, error));
+    if (!settings->series_of) settings->pictures = settings->turntable;
+    return check_keyframes(settings, error);
 }

@@ -273,6 +273,11 @@ static const iso_option options[] = {
      "lists them); --isovalue, --color and --opacity are then lists by channel, of which the last isovalue "
      "and the last opacity repeat",
      .group = INPUT, CALL(isorender_apply_channel), .flags = ISO_OPTION_REPEATABLE},
+    {"series-of", NULL, "FILES",
+     "steps in time instead of one file: a pattern of names in quotes ('t_*.vti'), or one file whose "
+     "components are "
+     "times; all pictures have one framing, isovalue and range of colours, and are numbered, or a video",
+     .group = INPUT, TEXT(series_of)},
     {"scene", NULL, "NAME[:SIZE]",
      "a procedural volume instead of a file: sphere, cylinder, cube, gyroid, torus, ct, "
      "head, organs (labels) (the same as the input scene:NAME[:SIZE])",
@@ -528,6 +533,11 @@ static const iso_option options[] = {
     {"turntable", NULL, "N",
      "N pictures around the surface with one fixed framing: OUT_000.png, OUT_001.png, ..., or a video",
      .group = PICTURE, INT(turntable, 1, 100000)},
+    {"keyframes", NULL, "FILE",
+     "pictures between which cameras, isovalues, clips and opacities change: a .json with values of options "
+     "at "
+     "certain pictures, as a scene has them",
+     .group = PICTURE, TEXT(keyframe_file), .flags = ISO_OPTION_READS},
     {"frame-rate", NULL, "N", "pictures a second of a video ({videos}), which ffmpeg encodes",
      .group = PICTURE, .standard = "25", REAL(frame_rate, 0.01, 1000)},
 

@@ -8,6 +8,7 @@
 #include "apps/isorender/colorings.h"
 #include "apps/isorender/cuts.h"
 #include "apps/isorender/isorender.h"
+#include "apps/isorender/keyframes.h"
 #include "apps/isorender/labels.h"
 #include "apps/isorender/scene_file.h"
 #include "apps/isorender/segmentation.h"
@@ -261,6 +262,24 @@ static uint64_t strip_bytes(const isorender_settings *settings) {
     return smaller(iso_memory_limit(settings->common.input.max_memory) / 4, ISO_PICTURE_STRIP_BYTES);
 }
 
+/* Whether a picture may show nothing: it is one of several, among which the surface comes and goes; but not if
+ * it is the last of them, and all have shown nothing. */
+static bool may_be_empty(const isorender_job *job, int frame) {
+    const isorender_settings *settings = job->settings;
+    const isorender_film *film = settings->film;
+    return (settings->series_of || settings->keyframes) &&
+           (film->covered > 0 || film->first + frame + 1 < film->count);
+}
+
+static iso_status finish_frame(isorender_job *job, int frame, const iso_camera *camera, canvas *c,
+                               iso_error *error) {
+    const isorender_settings *settings = job->settings;
+    if (!settings->ranks.rank) ISO_TRY(annotate(job, camera, &c->image, error));
+    /* (a few milliseconds, byte by byte) */
+    if (settings->common.json && !settings->ranks.rank) job->frames[frame].hash = hash_image(&c->image);
+    return ISO_OK;
+}
+
 static iso_status render_frame(isorender_job *job, int frame, canvas *c, iso_error *error) {
     const isorender_settings *settings = job->settings;
     iso_camera camera = isorender_camera_of_frame(job, frame);
@@ -289,14 +308,13 @@ static iso_status render_frame(isorender_job *job, int frame, canvas *c, iso_err
     number_elements(job, &c->aov);
     isorender_detail_note(job, &before, &job->frames[frame]);
     job->seconds.render += iso_clock_seconds() - start;
+    settings->film->covered += job->frames[frame].covered;
+    if (may_be_empty(job, frame)) return finish_frame(job, frame, &camera, c, error);
     if (job->frames[frame].covered == 0) ISO_TRY(isorender_cuts_fail_empty(job, error));
     if (job->frames[frame].covered == 0)
         return iso_fail(error, ISO_ERR_EMPTY,
                         job->object_count ? "nothing is in view" : "nothing of the surface is in view");
-    if (!settings->ranks.rank) ISO_TRY(annotate(job, &camera, &c->image, error));
-    /* (a few milliseconds, byte by byte) */
-    if (settings->common.json && !settings->ranks.rank) job->frames[frame].hash = hash_image(&c->image);
-    return ISO_OK;
+    return finish_frame(job, frame, &camera, c, error);
 }
 
 /* Adds a picture to the film's video, which the first one begins and the last one ends. */
@@ -346,7 +364,34 @@ static iso_status save_aov(isorender_job *job, int frame, const canvas *c, iso_e
     return status;
 }
 
+/* Uploads everything to the GPU. */
+static iso_status upload(isorender_job *job, iso_error *error) {
+    isorender_scene_arrays arrays;
+    const iso_scene scene = isorender_scene(job, &arrays);
+    iso_gl_engine_reset_seconds(job->backend->engine);
+    job->gl.engine = job->backend->engine;
+    job->gl.pool = job->pool;
+    job->gl.strips = job->settings->strips;
+    job->gl.scaling = (iso_point_scaling)job->settings->scaling;
+    job->gl.tan_y = iso_tan(job->camera.view_angle * (ISO_PI / 360));
+    job->gl.tan_x = job->gl.tan_y * job->settings->width / job->settings->height;
+    return iso_gl_scene_upload(&job->gl, &scene, error);
+}
+
+/* Makes camera, surfaces and opacities those of a picture between keyframes. */
+static iso_status show_keyframe(isorender_job *job, int frame, iso_error *error) {
+    bool remade;
+    ISO_TRY(isorender_keyframes_show(job, frame, &remade, error));
+    if (!remade) return ISO_OK;
+    iso_occluders_free(&job->occluders);
+    ISO_TRY(isorender_detail_make(job, error));
+    if (!job->backend->engine) return ISO_OK;
+    iso_gl_scene_free(&job->gl);
+    return upload(job, error);
+}
+
 static iso_status make_frame(isorender_job *job, int frame, canvas *c, iso_error *error) {
+    ISO_TRY(show_keyframe(job, frame, error));
     ISO_TRY(render_frame(job, frame, c, error));
     double start = iso_clock_seconds();
     ISO_TRY(save_image(job, frame, c, error));
@@ -426,20 +471,6 @@ uint64_t isorender_picture_bytes(const isorender_job *job, int samples) {
     return bytes + smaller(pyramid, ISO_PICTURE_STRIP_BYTES);
 }
 
-/* Uploads everything to the GPU. */
-static iso_status upload(isorender_job *job, iso_error *error) {
-    isorender_scene_arrays arrays;
-    const iso_scene scene = isorender_scene(job, &arrays);
-    iso_gl_engine_reset_seconds(job->backend->engine);
-    job->gl.engine = job->backend->engine;
-    job->gl.pool = job->pool;
-    job->gl.strips = job->settings->strips;
-    job->gl.scaling = (iso_point_scaling)job->settings->scaling;
-    job->gl.tan_y = iso_tan(job->camera.view_angle * (ISO_PI / 360));
-    job->gl.tan_x = job->gl.tan_y * job->settings->width / job->settings->height;
-    return iso_gl_scene_upload(&job->gl, &scene, error);
-}
-
 /* Notes that there is nothing that could occlude. */
 static void note_occlusion(const isorender_job *job) {
     const isorender_settings *settings = job->settings;
@@ -453,6 +484,7 @@ static void note_occlusion(const isorender_job *job) {
 iso_status isorender_render(isorender_job *job, iso_error *error) {
     const isorender_settings *settings = job->settings;
     note_occlusion(job);
+    ISO_TRY(isorender_keyframes_measure(job, error));
     ISO_TRY(isorender_camera_make(job, error));
     ISO_TRY(isorender_colorings_see(job, error));
     ISO_TRY(isorender_chunks_check(job, error));
@@ -460,7 +492,7 @@ iso_status isorender_render(isorender_job *job, iso_error *error) {
         ISO_TRY(isorender_cuts_make(job, 0, error));
         return isorender_chunks_write_part(job, error);
     }
-    job->frame_count = settings->turntable ? settings->turntable : 1;
+    job->frame_count = settings->pictures ? settings->pictures : 1;
     job->frames = calloc((size_t)job->frame_count, sizeof *job->frames);
     if (!job->frames) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
     canvas c = {0};
@@ -477,5 +509,22 @@ iso_status isorender_render(isorender_job *job, iso_error *error) {
     if (status == ISO_OK) status = render_frames(job, &c, error);
     iso_image_free(&c.image);
     iso_aov_free(&c.aov);
+    return status;
+}
+
+iso_status isorender_render_nothing(isorender_job *job, iso_error *error) {
+    const isorender_settings *settings = job->settings;
+    const iso_rgb color = settings->background;
+    const uint8_t pixel[4] = {color.r, color.g, color.b, settings->transparent ? 0 : 255};
+    canvas c = {0};
+    if (!may_be_empty(job, 0)) return ISO_ERR_EMPTY;
+    ISO_TRY(isorender_camera_make(job, error));
+    ISO_TRY(iso_image_create(settings->width, settings->height, &c.image, error));
+    const size_t count = (size_t)settings->width * (size_t)settings->height;
+    for (size_t i = 0; i < count; i++) memcpy(c.image.rgba + 4 * i, pixel, sizeof pixel);
+    isorender_log(job, "note: there is nothing of the surface: the picture shows the background");
+    iso_status status = annotate(job, &job->camera, &c.image, error);
+    if (status == ISO_OK) status = save_image(job, 0, &c, error);
+    iso_image_free(&c.image);
     return status;
 }

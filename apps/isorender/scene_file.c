@@ -18,7 +18,8 @@
 /* ---- writing */
 
 static bool has_input(const isorender_job *job) {
-    return (!job->settings->no_input || job->settings->smooth) && !job->settings->scene;
+    const isorender_settings *settings = job->settings;
+    return (!settings->no_input || settings->smooth) && !settings->scene && !settings->series_of;
 }
 
 /* The job's options as a scene has them: of ISORENDER_NOTED + 1. Returns their number. */

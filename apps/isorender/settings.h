@@ -83,6 +83,12 @@ typedef struct isorender_same_view {
 typedef struct isorender_film {
     struct iso_video *video; /* that is being written; NULL: none */
     int first, count;        /* the input's first picture in the film; pictures of the whole film */
+    bool measuring;          /* inputs are looked at only for what they share: */
+    bool has_bounds;
+    iso_box bounds;                        /* what all pictures frame, mm, */
+    double distance, scale;                /* and from how far, with which parallel_scale; 0: each its own */
+    double ranges[ISORENDER_COLORINGS][2]; /* of colours, NAN: none yet */
+    uint64_t covered;                      /* samples of all pictures that show a surface */
 } isorender_film;
 
 /* An option that influences the picture, as it was given. */
@@ -192,6 +198,13 @@ typedef struct isorender_settings {
     isorender_same_view *first; /* borrowed; NULL: inputs do not share a view */
     isorender_film *film;       /* borrowed */
     double frame_rate;          /* of a video, pictures a second */
+    const char *series_of;      /* whose steps are the inputs; NULL: none */
+    char **steps;               /* the paths of the steps: owned; series.h */
+    char *series_file;          /* the only file of the series; owned */
+    int step_stride;            /* components between two steps of series_file; 0: steps are files */
+    const char *keyframe_file;
+    struct isorender_keyframes *keyframes; /* of keyframe_file; NULL: none */
+    int pictures;                          /* of each input, which are numbered; 0: one that is not */
 
     int direction; /* iso_direction, or ISORENDER_DIRECTION_UNCHOSEN */
     iso_vec3 up;
