@@ -418,8 +418,9 @@ iso_status isorender_colorings_see(isorender_job *job, iso_error *error) {
 
 /* ---- exports, bars, reports */
 
-iso_status isorender_colorings_export(const isorender_job *job, iso_weld *weld, iso_error *error) {
-    const iso_scene_surface *surface = &job->surfaces[0].scene;
+iso_status isorender_colorings_export(const isorender_job *job, const isorender_surface *colored,
+                                      iso_weld *weld, iso_error *error) {
+    const iso_scene_surface *surface = &colored->scene;
     if (!surface->coloring) return ISO_OK;
     if (surface->coloring->source == ISO_COLOR_BY_DEPTH) {
         isorender_log(job, "note: --mesh gets no colours by depth, which are of a picture");

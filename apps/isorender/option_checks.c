@@ -335,7 +335,32 @@ static iso_status check_outputs(const isorender_settings *settings, iso_error *e
     return ISO_OK;
 }
 
-static iso_status check_surfaces(const isorender_settings *settings, iso_error *error) {
+/* What is done to the mesh, and to the solid for printing. */
+static iso_status check_mesh(isorender_settings *settings, iso_error *error) {
+    const iso_mesh_edits *edits = &settings->mesh_edits;
+    const bool decimates = edits->keep > 0 || edits->deviation > 0;
+    if ((edits->smooth || decimates) && !settings->mesh)
+        return iso_fail(error, ISO_ERR_USAGE, "%s is of a file: it needs --mesh FILE",
+                        edits->smooth ? "--smooth-mesh" : "--decimate");
+    if (decimates && !iso_weld_can_decimate())
+        return iso_fail(error, ISO_ERR_BACKEND,
+                        "--decimate: built without meshoptimizer, which joins triangles");
+    if (settings->drain > 0 && !(settings->hollow > 0))
+        return iso_fail(error, ISO_ERR_USAGE, "--drain is of what is hollow: it needs --hollow MM");
+    if (settings->hollow > 0) settings->closed = 1;
+    const char *unfit = !(settings->hollow > 0)              ? NULL
+                        : settings->no_input                 ? "no input"
+                        : settings->object_options.has_cloud ? "points"
+                        : settings->parts                    ? "--part"
+                        : settings->chunk_size               ? "--chunk-size"
+                                                             : NULL;
+    if (unfit)
+        return iso_fail(error, ISO_ERR_USAGE, "--hollow is of the solid of a volume in memory: not with %s",
+                        unfit);
+    return ISO_OK;
+}
+
+static iso_status check_surfaces(isorender_settings *settings, iso_error *error) {
     if (settings->isovalue_auto && settings->isovalue_count)
         return iso_fail(error, ISO_ERR_USAGE, "--isovalue auto cannot be combined with other isovalues");
     int surfaces = settings->isovalue_count ? settings->isovalue_count : 1;
@@ -344,8 +369,14 @@ static iso_status check_surfaces(const isorender_settings *settings, iso_error *
     if (settings->color_count > surfaces)
         return iso_fail(error, ISO_ERR_USAGE, "%d colours for %d isovalue%s", settings->color_count, surfaces,
                         surfaces > 1 ? "s" : "");
-    if (surfaces > 1 && (settings->points || settings->mesh))
-        return iso_fail(error, ISO_ERR_USAGE, "--points and --mesh write one surface: give one isovalue");
+    if (surfaces > 1 && settings->points)
+        return iso_fail(error, ISO_ERR_USAGE, "--points writes one surface: give one isovalue");
+    if (surfaces > 1 && settings->mesh && iso_mesh_file_objects(settings->mesh) == 1)
+        return iso_fail(
+            error, ISO_ERR_USAGE,
+            "%s: holds one surface: give one isovalue, or an .obj, .glb or .3mf, which hold several",
+            settings->mesh);
+    ISO_TRY(check_mesh(settings, error));
     const iso_primitive primitive = (iso_primitive)settings->primitive;
     if (settings->method == ISO_METHOD_HYBRID && primitive != ISO_PRIMITIVE_AUTO &&
         primitive != ISO_PRIMITIVE_EDGE)
@@ -460,8 +491,10 @@ static iso_status check_opacity(const isorender_settings *settings, iso_error *e
                         iso_method_name((iso_method)settings->method),
                         iso_methods_that_can(ISO_CAN_LAYERS, who));
     if (settings->ior > 0) return ISO_OK;
-    if (settings->mesh)
-        return iso_fail(error, ISO_ERR_USAGE, "--mesh writes no opacities: --opacity is for pictures");
+    if (settings->mesh && !iso_mesh_file_has_opacities(settings->mesh))
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "%s: such a file has no opacities: --opacity is for pictures, .glb and .3mf",
+                        settings->mesh);
     bool seen = settings->absorption_length > 0 || settings->volume_options.count || !settings->opacity_count;
     for (int i = 0; i < settings->volume_count; i++) seen |= settings->volumes[i].opacity > 0;
     for (int i = 0; i < settings->opacity_count; i++) seen |= settings->opacities[i] > 0;

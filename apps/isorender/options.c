@@ -248,6 +248,20 @@ static iso_status apply_verbose(void *target, const char *value, iso_error *erro
     return ISO_OK;
 }
 
+static iso_status apply_decimate(void *target, const char *value, iso_error *error) {
+    isorender_settings *settings = target;
+    double number;
+    const bool share = strchr(value, '%') != NULL;
+    const bool good = share ? iso_parse_fraction(value, &number) && number > 0 && number < 1
+                            : iso_parse_real(value, &number) && number > 0 && number < 1e12;
+    if (!good)
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "'%s' is neither a share of the triangles, such as 10%%, nor mm", value);
+    settings->mesh_edits.keep = share ? number : 0;
+    settings->mesh_edits.deviation = share ? 0 : number;
+    return ISO_OK;
+}
+
 static iso_status apply_schema(void *target, const char *value, iso_error *error) {
     (void)value, (void)error;
     ((isorender_settings *)target)->common.action = ISORENDER_ACTION_SCHEMA;
@@ -375,6 +389,13 @@ static const iso_option options[] = {
      "the solid ends at the volume's border and is capped there, so that meshes are closed; voxels that are "
      "no numbers are outside it",
      .group = SURFACE, FLAG(closed)},
+    {"hollow", NULL, "MM",
+     "leave only a wall of the solid, so many mm thick, for printing; it is --closed, too", .group = SURFACE,
+     REAL(hollow, 1e-3, 1e6)},
+    {"drain", NULL, "MM",
+     "two holes of so many mm through the wall of --hollow: at the lowest and the highest place of the "
+     "hollow",
+     .group = SURFACE, REAL(drain, 1e-3, 1e6)},
 
     {"clip", NULL, "WHERE",
      "cut away x<MM or x>MM (so y, z), X,Y,Z:NX,NY,NZ (where the normal points to), camera:MM (this far into "
@@ -594,8 +615,18 @@ static const iso_option options[] = {
      "write the points: x y z nx ny nz radius, in mm (isorender reads them back); x y z are doubles far "
      "from 0",
      .group = OUTPUT, TEXT(points), UNRECORDED},
-    {"mesh", NULL, "FILE", "write the Marching Cubes mesh: {meshes written}, in mm", .group = OUTPUT,
-     TEXT(mesh), UNRECORDED},
+    {"mesh", NULL, "FILE",
+     "write the Marching Cubes mesh: {meshes written}, in mm (a .glb turned and scaled to glTF's metres); "
+     "several "
+     "surfaces and labels are the objects of an .obj, .glb or .3mf",
+     .group = OUTPUT, TEXT(mesh), UNRECORDED},
+    {"smooth-mesh", NULL, "N", "smooth what --mesh writes, N times (Taubin 1995: steps go, the volume stays)",
+     .group = OUTPUT, INT(mesh_edits.smooth, 1, 10000), UNRECORDED},
+    {"decimate", NULL, "PERCENT|MM",
+     "join triangles of what --mesh writes, in the order of the error (meshoptimizer): until so many are "
+     "left, as "
+     "10%, or as long as the surface moves by about so many mm at most",
+     .group = OUTPUT, CALL(apply_decimate), UNRECORDED},
     {"part", NULL, "K/N",
      "draw only part K of N of the surface, into a file of keys (-o NAME.isokeys): parts may be drawn in any "
      "order, "

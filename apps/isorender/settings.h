@@ -7,6 +7,7 @@
 #include "apps/isorender/volume_settings.h"
 #include "base/geometry.h"
 #include "base/mpi_ranks.h"
+#include "extract/mesh/mesh_edit.h"
 #include "image/camera.h"
 #include "isopoint.h"
 #include "render/point_surface.h"
@@ -134,6 +135,9 @@ typedef struct isorender_settings {
     int normals;                 /* isorender_normals */
     const char *columns;         /* names of the columns of a file of points; NULL: not given */
     const char *points, *mesh, *aov;
+    iso_mesh_edits mesh_edits; /* of --mesh */
+    double hollow;             /* thickness of the wall that is left of the solid, mm; 0: it is not hollow */
+    double drain;          /* diameter of the holes through which what is in the hollow leaves, mm; 0: none */
     const char *instances; /* where the model is drawn; NULL: once, where it is */
     int faces;             /* isorender_faces, of the input */
 
