@@ -299,8 +299,8 @@ static iso_status choose_things(isorender_job *job, int things, iso_error *error
     return ISO_OK;
 }
 
-/* The range that the pictures of a film share becomes wider by this one, while they are measured; that of depth
- * is the first picture's. */
+/* The range that the pictures of a film share becomes wider by this one, while they are measured; that of
+ * depth is the first picture's. */
 static void share_range(const isorender_job *job, const color_source *source) {
     const isorender_film *film = job->settings->film;
     double *range = job->settings->film->ranges[source - job->colorings->sources];

@@ -466,7 +466,8 @@ static void take_place(isorender_settings *to, const isorender_settings *from) {
     memcpy(to->view_up, from->view_up, sizeof to->view_up);
 }
 
-/* The camera of `now` in the place of `from`. One that is fitted is as far away as the picture that needs most. */
+/* The camera of `now` in the place of `from`. One that is fitted is as far away as the picture that needs
+ * most. */
 static iso_camera camera_in(isorender_job *job, isorender_settings *now, const isorender_settings *from) {
     const isorender_film *film = job->given->film;
     take_place(now, from);

@@ -4,7 +4,8 @@
 
 #include "apps/isorender/isorender.h"
 
-/* Is given the mesh of label `label`, a place in the list of labels; it may keep it, and set *weld to zeros. */
+/* Is given the mesh of label `label`, a place in the list of labels; it may keep it, and set *weld to zeros.
+ */
 typedef iso_status isorender_label_mesh_fn(void *context, int label, iso_weld *weld,
                                            const iso_transform *transform, iso_error *error);
 

@@ -262,8 +262,8 @@ static uint64_t strip_bytes(const isorender_settings *settings) {
     return smaller(iso_memory_limit(settings->common.input.max_memory) / 4, ISO_PICTURE_STRIP_BYTES);
 }
 
-/* Whether a picture may show nothing: it is one of several, among which the surface comes and goes; but not if
- * it is the last of them, and all have shown nothing. */
+/* Whether a picture may show nothing: it is one of several, among which the surface comes and goes; but not
+ * if it is the last of them, and all have shown nothing. */
 static bool may_be_empty(const isorender_job *job, int frame) {
     const isorender_settings *settings = job->settings;
     const isorender_film *film = settings->film;

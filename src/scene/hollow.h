@@ -16,8 +16,8 @@ typedef struct iso_hollow_opts {
 } iso_hollow_opts;
 
 /* Makes a level set, whose inside is what lies less than a wall's thickness inside the isosurface of a grid
- * (physical isovalue), by distances from the trilinear surface itself. Its own surface, at 0, is closed if that
- * of the grid is. ISO_ERR_EMPTY: there is no surface, or the solid is nowhere thicker than two walls;
+ * (physical isovalue), by distances from the trilinear surface itself. Its own surface, at 0, is closed if
+ * that of the grid is. ISO_ERR_EMPTY: there is no surface, or the solid is nowhere thicker than two walls;
  * ISO_ERR_LIMIT: it has more voxels along an axis than a level set can; ISO_ERR_NOMEM. */
 iso_status iso_grid_hollow(const iso_grid *grid, double isovalue, const iso_hollow_opts *opts,
                            iso_hgrid **hollow, iso_error *error);

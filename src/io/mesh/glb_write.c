@@ -1,5 +1,6 @@
 #define _POSIX_C_SOURCE 200809L
-/* Writes meshes as binary glTF 2.0 (.glb): a node an object, with normals, and a colour or colours of vertices.
+/* Writes meshes as binary glTF 2.0 (.glb): a node an object, with normals, and a colour or colours of
+ * vertices.
  *
  * glTF has metres and y up: the root node turns and scales the world's mm, in which the vertices are. Colours
  * are linear there; those of vertices have 16 bits, which is what 8 bits of sRGB need. */

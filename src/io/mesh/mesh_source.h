@@ -35,8 +35,8 @@ static inline void iso_source_triangle(const mesh_source *source, size_t triangl
     corner[2] = from[source->third];
 }
 
-/* Write all objects to a stream, whose errors are the caller's to find. ISO_ERR_NOMEM; ISO_ERR_LIMIT: more than
- * the format holds. */
+/* Write all objects to a stream, whose errors are the caller's to find. ISO_ERR_NOMEM; ISO_ERR_LIMIT: more
+ * than the format holds. */
 iso_status iso_put_glb(const mesh_source *sources, int count, const char *comment, FILE *stream,
                        iso_error *error);
 iso_status iso_put_threemf(const mesh_source *sources, int count, const char *comment, FILE *stream,

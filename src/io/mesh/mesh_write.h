@@ -1,8 +1,8 @@
 /* mesh_write: writes meshes; the format is chosen by the extension: .ply and .stl (binary), .obj, .vtp, .glb
- * (glTF 2.0) and .3mf; all but .stl and .3mf with normals, all but .stl with the colours of vertices, if there
- * are some. .obj, .glb and .3mf hold several objects, the last two with their colours and opacities. Positions
- * are in world millimetres; triangles are counter-clockwise seen from outside, also with left-handed
- * transforms. */
+ * (glTF 2.0) and .3mf; all but .stl and .3mf with normals, all but .stl with the colours of vertices, if
+ * there are some. .obj, .glb and .3mf hold several objects, the last two with their colours and opacities.
+ * Positions are in world millimetres; triangles are counter-clockwise seen from outside, also with
+ * left-handed transforms. */
 #ifndef ISO_IO_MESH_MESH_WRITE_H
 #define ISO_IO_MESH_MESH_WRITE_H
 
@@ -44,8 +44,8 @@ int iso_mesh_file_objects(const char *path);
 /* Whether the file keeps opacities. */
 bool iso_mesh_file_has_opacities(const char *path);
 
-/* Write several meshes. Errors as iso_mesh_write, and ISO_ERR_USAGE: the format holds one only; ISO_ERR_LIMIT: it
- * does not hold so many bytes. The errors of a stream are the caller's to find. */
+/* Write several meshes. Errors as iso_mesh_write, and ISO_ERR_USAGE: the format holds one only;
+ * ISO_ERR_LIMIT: it does not hold so many bytes. The errors of a stream are the caller's to find. */
 iso_status iso_mesh_write_objects(const char *path, const iso_mesh_object *objects, int count,
                                   const char *comment, iso_error *error);
 iso_status iso_mesh_put_objects(FILE *stream, const char *path, const iso_mesh_object *objects, int count,

@@ -1,6 +1,6 @@
 #define _POSIX_C_SOURCE 200809L
-/* Writes meshes as 3MF (3D Manufacturing Format, core 1.3, with the colours of its materials extension): a zip
- * file with XML, in mm, an object each. */
+/* Writes meshes as 3MF (3D Manufacturing Format, core 1.3, with the colours of its materials extension): a
+ * zip file with XML, in mm, an object each. */
 #include <stdlib.h>
 #include <string.h>
 #include <zlib.h>
@@ -35,7 +35,8 @@ static void put32(FILE *stream, uint32_t value) {
     put16(stream, value >> 16);
 }
 
-/* What an entry's header and its row of the directory share. Files of 1980-01-01, so that bytes are the same. */
+/* What an entry's header and its row of the directory share. Files of 1980-01-01, so that bytes are the same.
+ */
 static void put_entry(FILE *stream, const entry *e) {
     put16(stream, 20); /* version that reads it: 2.0 */
     put16(stream, 0);
