@@ -36,6 +36,7 @@ static bool draws_any(const isorender_settings *settings, const isorender_plan *
     return false;
 }
 
+/* The film of one input, or of a series. */
 static isorender_film new_film(const isorender_settings *settings) {
     isorender_film film = {.count = settings->pictures ? settings->pictures : 1};
     for (int i = 0; i < ISORENDER_COLORINGS; i++) film.ranges[i][0] = film.ranges[i][1] = NAN;

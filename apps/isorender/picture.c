@@ -271,6 +271,7 @@ static bool may_be_empty(const isorender_job *job, int frame) {
            (film->covered > 0 || film->first + frame + 1 < film->count);
 }
 
+/* Draws what lies over the picture. */
 static iso_status finish_frame(isorender_job *job, int frame, const iso_camera *camera, canvas *c,
                                iso_error *error) {
     const isorender_settings *settings = job->settings;
