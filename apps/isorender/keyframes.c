@@ -146,6 +146,9 @@ static iso_status complete(keyframe *key, isorender_settings *base, iso_error *e
             return fail_at(base, key->frame, "isovalue",
                            "--closed, --largest and --min-size are of a surface that stays", error);
     }
+    if (key->named & 1u << OPACITY && (base->no_input || base->volume_count))
+        return fail_at(base, key->frame, "opacity", "only those of an input's surfaces change in time",
+                       error);
     if (key->named & 1u << OPACITY && s->opacity_count > surfaces)
         return fail_at(base, key->frame, "opacity", "there are more than surfaces", error);
     if (key->named & 1u << MM_PER_PIXEL && !(base->mm_per_pixel > 0))

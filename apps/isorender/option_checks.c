@@ -662,8 +662,6 @@ static iso_status check_part(const isorender_settings *settings, iso_error *erro
 /* What each keyframe shows must be what can be drawn. */
 static iso_status check_keyframes(isorender_settings *settings, iso_error *error) {
     iso_error reason = {0};
-    if (settings->keyframe_file && settings->no_input && !settings->object_options.count)
-        return iso_fail(error, ISO_ERR_USAGE, "--keyframes is for an input");
     ISO_TRY(isorender_keyframes_read(settings, error));
     for (int i = 0; i < isorender_keyframes_count(settings->keyframes); i++) {
         isorender_settings *now = isorender_keyframe(settings->keyframes, i);

@@ -702,7 +702,7 @@ static const char *const inputs_text[] = {"Volumes: {volumes} (legacy .vtk, ever
 static const char *const exit_text[] = {"0  done",
                                         "2  wrong usage",
                                         "3  the input cannot be read: missing, truncated, not a volume",
-                                        "4  no usable backend",
+                                        "4  no usable backend, or no ffmpeg for a video",
                                         "5  over the memory limit, or out of memory",
                                         "6  the surface is empty, or nothing of it is in view",
                                         "7  an output could not be written",

@@ -93,6 +93,15 @@ isorender_refuses 2 "not --turntable" in/ball.mha --isovalue 500 --keyframes in/
 isorender_refuses 2 "of a surface that stays" in/ball.mha --isovalue 500 --keyframes in/turn.json --closed
 isorender_refuses 2 "draws no translucent" in/ball.mha --isovalue 500 --keyframes in/values.json --method mesh
 isorender_refuses 3 "nowhere.json" in/ball.mha --keyframes nowhere.json
+# lines, glyphs and labels without an input are turned, too
+printf 'x,y,z\n0,0,0\n3,0,0\n0,9,0\n' >in/atoms.csv
+isorender --glyphs in/atoms.csv a.png --keyframes in/turned.json $small
+[ "$(ls a_*.png | wc -l)" = 3 ]
+isorender scene:organs:32 --smooth l.png --keyframes in/turned.json $small
+[ "$(ls l_*.png | wc -l)" = 3 ]
+wrong_input() { isorender_refuses 2 "of an input's surfaces change" --glyphs in/atoms.csv --keyframes in/faded.json; }
+printf '{"keyframes": [{"frame": 0}, {"frame": 3, "options": [{"opacity": 0.5}]}]}' >in/faded.json
+wrong_input
 # with steps in time keyframes are for the steps
 for t in 0 1 2 3 4; do cp in/ball.mha in/s_$t.mha; done
 isorender --series-of 'in/s_*.mha' s.png --keyframes in/values.json --view-angle 20 $place $small --samples 1

@@ -17,6 +17,21 @@ with open("in/t.nii", "wb") as file:
     file.write(bytes(head) + bytes(4))
     for t in (1, 2, 3, 10):
         file.write(struct.pack("<9600f", *[blob(t)(x, y, z) for z in range(20) for y in range(20) for x in range(24)]))
+# and as channel 1 of an OME-Zarr with two
+import json, os
+os.mkdir("in/t.zarr")
+os.mkdir("in/t.zarr/0")
+axes = [{"name": n, "type": k} for n, k in zip("tczyx", ("time", "channel", "space", "space", "space"))]
+json.dump({"zarr_format": 2}, open("in/t.zarr/.zgroup", "w"))
+json.dump({"multiscales": [{"version": "0.4", "axes": axes, "datasets": [{"path": "0", "coordinateTransformations": [
+    {"type": "scale", "scale": [1, 1, 1, 1, 1]}]}]}],
+    "omero": {"channels": [{"label": "a", "color": "FF0000"}, {"label": "b", "color": "00FF00"}]}}, open("in/t.zarr/.zattrs", "w"))
+json.dump({"zarr_format": 2, "shape": [4, 2, 20, 20, 24], "chunks": [1, 1, 20, 20, 24], "dtype": "<f4", "compressor": None,
+           "fill_value": 0, "order": "C", "filters": None}, open("in/t.zarr/0/.zarray", "w"))
+for i, t in enumerate((1, 2, 3, 10)):
+    for c in (0, 1):
+        with open("in/t.zarr/0/%d.%d.0.0.0" % (i, c), "wb") as file:
+            file.write(struct.pack("<9600f", *[blob(t)(x, y, z) if c else 7.0 for z in range(20) for y in range(20) for x in range(24)]))
 P
 small="--resolution 60x50 --quiet"
 place="--camera-position 12,-60,30 --camera-focal-point 12,10,10"
@@ -43,6 +58,14 @@ isorender in/t.nii two.png --component 1 --isovalue 2 $place $small --json=two.j
 isorender --series-of in/t.nii four.png --isovalue 2 $place $small --json >four
 [ "$(hashes four | sed -n 2p)" = "$(python3 -c 'import json; print(json.load(open("two.json"))["image"]["hash"])')" ]
 [ "$(hashes four | sort -u | wc -l)" = 4 ]
+# of a file with channels the times of the one that is chosen
+isorender in/t.zarr where.png --component 7 --isovalue 2 $small --json=where.json
+at="--camera-view-up 0,0,1 $(python3 -c 'from check import *; c = report("where.json")["camera"]; print(*["--camera-%s %g,%g,%g" % (n, *c[k]) for n, k in (("position", "position"), ("focal-point", "focal_point"))])')"
+isorender --series-of in/t.zarr z.png --component 1 --isovalue 2 $at $small --json >zarr
+[ "$(ls z_*.png | wc -l)" = 4 ]
+for i in 1 3 7; do isorender in/t.zarr one.png --component $i --isovalue 2 $at $small --json; done >times
+hashes zarr | grep -v none | cmp - <(hashes times)
+[ "$(hashes times | sort -u | wc -l)" = 3 ]
 # the isovalue of the first, and the camera of all: the box of all steps is framed, so each is in the picture
 isorender --series-of 'in/t_*.mha' auto.png $small --orthographic --json >auto
 python3 - <<'P'
