@@ -349,7 +349,7 @@ typedef struct iso_mesh_measures {
 ISO_API iso_status iso_surface_measure(iso_surface *surface, iso_mesh_measures *measures, iso_error *error);
 /* Writes the points as binary .ply with x y z nx ny nz radius. ISO_ERR_EMPTY, ISO_ERR_WRITE. */
 ISO_API iso_status iso_surface_write_points(iso_surface *surface, const char *path, iso_error *error);
-/* Writes the welded mesh as binary .ply or .stl, or as .obj, according to the extension of `path`.
+/* Writes the welded mesh as .ply, .stl, .obj, .vtp, .glb or .3mf, as the extension of `path` says.
  * ISO_ERR_USAGE: another extension; ISO_ERR_EMPTY, ISO_ERR_WRITE, ISO_ERR_LIMIT. */
 ISO_API iso_status iso_surface_write_mesh(iso_surface *surface, const char *path, iso_error *error);
 

@@ -7,6 +7,7 @@
 #include "apps/isorender/volume_settings.h"
 #include "base/geometry.h"
 #include "base/mpi_ranks.h"
+#include "extract/mesh/mesh_edit.h"
 #include "image/camera.h"
 #include "isopoint.h"
 #include "render/point_surface.h"
@@ -79,6 +80,18 @@ typedef struct isorender_same_view {
     iso_camera camera;
 } isorender_same_view;
 
+/* The pictures that follow each other of all inputs that go into one film, or of one input. */
+typedef struct isorender_film {
+    struct iso_video *video; /* that is being written; NULL: none */
+    int first, count;        /* the input's first picture in the film; pictures of the whole film */
+    bool measuring;          /* inputs are looked at only for what they share: */
+    bool has_bounds;
+    iso_box bounds;                        /* what all pictures frame, mm, */
+    double distance, scale;                /* and from how far, with which parallel_scale; 0: each its own */
+    double ranges[ISORENDER_COLORINGS][2]; /* of colours, NAN: none yet */
+    uint64_t covered;                      /* samples of all pictures that show a surface */
+} isorender_film;
+
 /* An option that influences the picture, as it was given. */
 typedef struct isorender_noted {
     const iso_option *option;
@@ -122,6 +135,9 @@ typedef struct isorender_settings {
     int normals;                 /* isorender_normals */
     const char *columns;         /* names of the columns of a file of points; NULL: not given */
     const char *points, *mesh, *aov;
+    iso_mesh_edits mesh_edits; /* of --mesh */
+    double hollow;             /* thickness of the wall that is left of the solid, mm; 0: it is not hollow */
+    double drain;          /* diameter of the holes through which what is in the hollow leaves, mm; 0: none */
     const char *instances; /* where the model is drawn; NULL: once, where it is */
     int faces;             /* isorender_faces, of the input */
 
@@ -184,6 +200,15 @@ typedef struct isorender_settings {
 
     int same_view;
     isorender_same_view *first; /* borrowed; NULL: inputs do not share a view */
+    isorender_film *film;       /* borrowed */
+    double frame_rate;          /* of a video, pictures a second */
+    const char *series_of;      /* whose steps are the inputs; NULL: none */
+    char **steps;               /* the paths of the steps: owned; series.h */
+    char *series_file;          /* the only file of the series; owned */
+    int step_stride;            /* components between two steps of series_file; 0: steps are files */
+    const char *keyframe_file;
+    struct isorender_keyframes *keyframes; /* of keyframe_file; NULL: none */
+    int pictures;                          /* of each input, which are numbered; 0: one that is not */
 
     int direction; /* iso_direction, or ISORENDER_DIRECTION_UNCHOSEN */
     iso_vec3 up;

@@ -375,9 +375,19 @@ iso_status iso_surface_measure(iso_surface *surface, iso_mesh_measures *measures
 }
 
 iso_status iso_surface_write_mesh(iso_surface *surface, const char *path, iso_error *error) {
+    iso_mesh_view view;
+    iso_weld welded;
     if (!path) return iso_fail(error, ISO_ERR_USAGE, "no file is named");
     ISO_TRY(check_volume(surface, "a mesh", error));
+    ISO_TRY(iso_mesh_write_check(path, error));
     ISO_TRY(iso_api_surface_part(surface, ISO_PART_MESH, error));
-    const iso_mesh_view view = iso_mesh_set_view(surface->scene.mesh);
-    return iso_mesh_write(path, &view, COMMENT, error);
+    ISO_TRY(weld(surface, &view, &welded, error));
+    const iso_mesh_object object = {.weld = &welded,
+                                    .transform = &view.transform,
+                                    .name = NULL,
+                                    .color = surface->has_color ? &surface->color : NULL,
+                                    .opacity = surface->opacity};
+    const iso_status status = iso_mesh_write_objects(path, &object, 1, COMMENT, error);
+    iso_weld_free(&welded);
+    return status;
 }
