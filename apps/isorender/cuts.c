@@ -142,30 +142,9 @@ iso_cut_caps isorender_caps(const isorender_job *job, iso_capped solids[ISORENDE
                           .factor = iso_picture_factor(job->samples)};
 }
 
-/* Lines and glyphs are never cut: a cut that names them is refused, and one for everything says so. */
-static iso_status check_objects(const isorender_job *job, int frame, iso_error *error) {
-    bool whole = false;
-    for (int i = 0; i < job->object_count; i++) {
-        const isorender_object_settings *object = job->objects[i].settings;
-        for (int k = 0; k < job->settings->cut_count && object->kind != ISORENDER_MESH; k++) {
-            const iso_cut *cut = &job->settings->cuts[k];
-            if (cut->things.named && iso_cut_is_for(cut, job->surface_count + i))
-                return iso_fail(
-                    error, ISO_ERR_USAGE,
-                    "--clip %s: %s is not cut: only surfaces and meshes are, not lines and glyphs",
-                    job->settings->cut_texts[k], object->path);
-            whole |= !cut->things.named;
-        }
-    }
-    if (whole && !frame)
-        isorender_log(job, "note: --clip cuts surfaces and meshes; lines and glyphs stay whole");
-    return ISO_OK;
-}
-
 iso_status isorender_cuts_make(isorender_job *job, int frame, iso_error *error) {
     if (!job->settings->cut_count && !isorender_has_caps(job->settings)) return ISO_OK;
     ISO_TRY(check_names(job, error));
-    ISO_TRY(check_objects(job, frame, error));
     const size_t things = (size_t)thing_count(job);
     if (!job->clips) job->clips = calloc(things, sizeof *job->clips);
     if (!job->clips) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
