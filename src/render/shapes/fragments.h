@@ -34,8 +34,8 @@ typedef struct iso_translucent_set {
 } iso_translucent_set;
 
 struct iso_shapes_frame;
-/* Draws the shapes of a frame whose blocks are cut by the target's clip (iso_draw_shapes), of lines all, into
- * the target's gbuffer: of each sample the first crossing that is left. `drawn` may be NULL. ISO_ERR_NOMEM. */
+/* Draws the blocks of a frame that the target's clip cuts (iso_draw_shapes), of lines all, into its gbuffer:
+ * of each sample the first crossing that is left. `drawn` may be NULL. ISO_ERR_NOMEM. */
 iso_status iso_shapes_draw_cut(const struct iso_shapes_frame *frame, iso_shapes_drawn *drawn,
                                iso_error *error);
 

@@ -201,13 +201,6 @@ static iso_rgb color_of(const mixed *m, int set, size_t shape) {
     return (iso_rgb){glyphs->colors[shape][0], glyphs->colors[shape][1], glyphs->colors[shape][2]};
 }
 
-/* Whether the ray through (px, py) is left at a depth. */
-static bool is_left(const iso_clip *clip, const iso_view *view, double px, double py, double depth) {
-    iso_vec3 origin, direction;
-    iso_view_ray(view, px, py, &origin, &direction);
-    return !clip || iso_clip_shows(clip, iso_vec3_add(origin, iso_vec3_scale(direction, depth)));
-}
-
 /* Adds the layers of a set; returns the new number. */
 static int add_set(truth *t, int set, double px, double py, layer *layers, int count) {
     static iso_shapes_layer found[MOST_LAYERS];
@@ -220,7 +213,7 @@ static int add_set(truth *t, int set, double px, double py, layer *layers, int c
     assert_true(n < MOST_LAYERS);
     int own = 0;
     for (size_t i = 0; i < n && (!most || own < most); i++) {
-        if (!is_left(t->m->clip, v, px, py, found[i].depth)) continue;
+        if (!test_shapes_left(t->m->clip, v, px, py, found[i].depth)) continue;
         own++;
         layer l = {found[i].depth, opacity_of(&t->m->translucency[set], found[i].normal, ray), {0}};
         const float normal[3] = {(float)found[i].normal[0], (float)found[i].normal[1],
@@ -319,81 +312,13 @@ static void compare_views(const mixed *m, iso_vec3 origin, iso_vec3 away, double
 
 /* ---- what is cut */
 
-/* A half-space, and a ball that overlaps it. */
-static iso_clip make_clip(iso_vec3 middle) {
-    iso_clip clip = {.count = 2};
-    clip.body[0] = iso_clip_half_space(middle, iso_vec3_make(-0.7, -0.2, 1));
-    clip.body[1] = iso_clip_ball(iso_vec3_add(middle, iso_vec3_make(2, 1, 0)), 3);
-    return clip;
-}
-
-/* The depth of the first layer of the ray that is left; INFINITY: there is none. */
-static double first_left(iso_shapes_truth *traced, const iso_clip *clip, const iso_view *view, double px,
-                         double py, double normal[3]) {
-    static iso_shapes_layer found[MOST_LAYERS];
-    const size_t n = iso_shapes_truth_layers(traced, px, py, found, MOST_LAYERS);
-    for (size_t i = 0; i < n; i++) {
-        memcpy(normal, found[i].normal, sizeof found[i].normal);
-        if (is_left(clip, view, px, py, found[i].depth)) return found[i].depth;
-    }
-    return INFINITY;
-}
-
-/* Whether the depth that was drawn is that of a ray up to 1e-3 pixel beside the sample's centre. */
-static bool is_near_truth(iso_shapes_truth *traced, const iso_clip *clip, const iso_view *view, int x, int y,
-                          double drawn) {
-    for (int way = 0; way < 9; way++) {
-        double normal[3];
-        const double wanted = first_left(traced, clip, view, x + 0.5 + (way % 3 - 1) * 1e-3,
-                                         y + 0.5 + (way / 3 - 1) * 1e-3, normal);
-        if (wanted == drawn || fabs(wanted - drawn) < 1e-3) return true;
-    }
-    return false;
-}
-
-/* Opaque shapes: a sample shows the first layer that is left, and its normal. */
-static void compare_opaque(const iso_shapes_scene *scene, const iso_clip *clip, const iso_view *view,
-                           const char *name) {
-    iso_error error = {0};
-    iso_shapes *shapes = test_shapes_make(scene);
-    iso_gbuffer g = test_clear_gbuffer(view->width, view->height, false);
-    const iso_target target = {view, &g, NULL, 3, clip};
-    iso_shapes_drawn drawn = {0};
-    iso_shapes_truth *traced;
-    test_ok(iso_draw_shapes(&target, shapes, &drawn, &error), &error);
-    test_ok(iso_shapes_truth_create(scene, view, &traced, &error), &error);
-    size_t covered = 0, wrong = 0, graze = 0;
-    for (int y = 0; y < view->height; y++)
-        for (int x = 0; x < view->width; x++) {
-            const int at = y * view->width + x;
-            double normal[3] = {0, 0, 0};
-            const double depth = first_left(traced, clip, view, x + 0.5, y + 0.5, normal);
-            const bool shown = g.surface[at] == 3;
-            covered += shown;
-            bool same =
-                shown ? fabs(depth - (double)g.depth[at]) < 1e-4 * (1 + fabs(depth)) : depth == INFINITY;
-            for (int a = 0; a < 3 && same && shown; a++)
-                same = fabs(normal[a] - (double)g.normal[a][at]) < 1e-2;
-            if (same) continue;
-            graze++;
-            wrong += !is_near_truth(traced, clip, view, x, y, shown ? (double)g.depth[at] : INFINITY);
-        }
-    if (!covered || wrong || graze > covered / 100 + 2 || drawn.samples < covered)
-        fail_msg("%s: of %zu opaque samples %zu are wrong, and %zu beside outlines", name, covered, wrong,
-                 graze);
-    iso_shapes_truth_destroy(traced);
-    iso_gbuffer_free(&g);
-    iso_shapes_destroy(shapes);
-}
-
 static void compare_clipped(const mixed *whole, iso_vec3 origin, iso_vec3 away, const char *name) {
-    const iso_clip clip = make_clip(iso_vec3_add(origin, iso_vec3_make(0.1, 0.2, 0.3)));
+    const iso_clip clip = test_shapes_clip(iso_vec3_add(origin, iso_vec3_make(0.1, 0.2, 0.3)));
     mixed m = *whole;
     m.clip = &clip;
     for (int parallel = 0; parallel < 2; parallel++) {
         const iso_view view = test_shapes_view(origin, away, 18, parallel);
         compare(&m, &view, name);
-        compare_opaque(&m.sets[0], &clip, &view, name);
     }
 }
 
