@@ -45,9 +45,9 @@ iso_status panel_choose_font(const char *path, panel_font *font, iso_error *erro
  * file is not a font. */
 bool panel_set_style(const panel_font &font, float scale);
 
-/* Sections of the panel: a viewed volume's isovalue (panel_isovalue.cc), files (panel_files.cc), cut and light
- * (panel_cut.cc); and the part of the picture's section that is about the reference (panel_reference.cc).
- * `scale`: of text and widgets. */
+/* Sections of the panel: a viewed volume's isovalue (panel_isovalue.cc), files (panel_files.cc), cut and
+ * light (panel_cut.cc), and the part of the picture's section that is about the reference
+ * (panel_reference.cc). `scale`: of text and widgets. */
 void panel_draw_isovalue(isosculpt_screen *screen, float scale);
 void panel_draw_files(isosculpt_screen *screen);
 void panel_draw_cut(isosculpt_screen *screen);
