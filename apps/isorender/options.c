@@ -2,6 +2,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "apps/common/looks.h"
 #include "apps/isorender/channels.h"
 #include "apps/isorender/colorings.h"
 #include "apps/isorender/cuts.h"
@@ -516,7 +517,7 @@ static const iso_option options[] = {
      "paper (figures), studio (dark slides), xray (seen through) or clay: values for --color, --background, "
      "--opacity, --occlusion, --shadow, --outline and --samples, as far as these are not given (--look NAME "
      "--save-scene - prints them)",
-     .group = PICTURE, .standard = "none", CHOICE(look, isorender_look_names), UNRECORDED},
+     .group = PICTURE, .standard = "none", CHOICE(look, iso_look_names), UNRECORDED},
     {"point-scaling", NULL, "NAME",
      "width of points: exact (by depth) or attenuated (by distance, as OpenGL 1.4 did it; needs OpenGL)",
      .group = PAPERS, .standard = "exact", CHOICE(scaling, scalings)},
@@ -779,7 +780,7 @@ iso_status isorender_settings_parse(int argc, char *const *argv, isorender_setti
                                      .zoom = 1,
                                      .line_min_pixels = 1,
                                      .margin = NAN,
-                                     .slice_map = ISO_COLORMAP_GRAY,
+                                     .cap = {.map = ISO_COLORMAP_GRAY},
                                      .view_angle = 30};
     for (int i = 0; i < 3; i++) settings->position[i] = settings->focal_point[i] = settings->view_up[i] = NAN;
     settings->window[0] = settings->window[1] = NAN;

@@ -400,14 +400,9 @@ static iso_status set_up_glass(rendering *r, iso_error *error) {
 /* ---- cuts ---- */
 
 static iso_status check_cut(const rendering *r, const iso_cut *cut, const char *text, iso_error *error) {
-    for (int i = r->count; i < ISO_CUT_THINGS && cut->things.named; i++) {
-        if (!iso_cut_is_for(cut, i)) continue;
-        if (i >= r->count + r->shapes_count)
+    for (int i = r->count + r->shapes_count; i < ISO_CUT_THINGS && cut->things.named; i++)
+        if (iso_cut_is_for(cut, i))
             return iso_fail(error, ISO_ERR_USAGE, "clip '%s': there is no @%d", text, i + 1);
-        if (r->shapes[i - r->count]->object.shapes)
-            return iso_fail(error, ISO_ERR_USAGE, "clip '%s': @%d are lines or glyphs, which are not cut",
-                            text, i + 1);
-    }
     return ISO_OK;
 }
 

@@ -50,6 +50,9 @@ typedef struct iso_picture_opts {
     const iso_picture_layers
         *layers; /* NULL: all surfaces are opaque. Else `draw` is for depth and normals in
                                          `aov`: those of the first surface, whatever its opacity */
+    /* NULL, or memory for all samples of the picture, which is then drawn as one strip: they stay there, but
+     * not with `layers` that draw nothing opaque. */
+    iso_gbuffer *gbuffer;
     iso_pool *pool;
     iso_aov *aov; /* NULL, or planes of the picture's size for depth, normals and coverage, and for ids */
 } iso_picture_opts;

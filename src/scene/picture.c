@@ -156,6 +156,12 @@ static iso_status draw_all(void *context, const iso_view *view, iso_gbuffer *gbu
     return paint_labels(context, view, gbuffer, error);
 }
 
+iso_status iso_scene_draw(iso_scene *scene, const iso_view *view, iso_gbuffer *gbuffer, iso_pool *pool,
+                          iso_error *error) {
+    drawing d = {.scene = scene, .pool = pool};
+    return draw_all(&d, view, gbuffer, error);
+}
+
 /* iso_picture_opts.begin_strip. */
 static void begin_strip(void *context, double from, double to) {
     const iso_scene_progress *progress = ((const drawing *)context)->scene->progress;
@@ -284,7 +290,7 @@ static bool is_painted(const iso_scene *scene, const iso_picture_opts *opts) {
     return scene->renderer->method == ISO_METHOD_EXACT && !scene->engine && !scene->caps &&
            iso_scene_colors(scene) == 1 && scene->count == 1 && !has_labels(scene) && !has_colorings(scene) &&
            opts->samples <= 1 && !opts->aov && opts->lighting == ISO_LIGHTING_PHONG && !opts->occlusion &&
-           !(opts->outline > 0);
+           !(opts->outline > 0) && !opts->gbuffer;
 }
 
 static iso_status paint(const iso_scene *scene, const iso_picture_opts *opts, iso_image *image,

@@ -78,6 +78,11 @@ static inline int iso_scene_colors(const iso_scene *scene) {
 iso_status iso_scene_draw_from(const iso_scene *scene, int first, const iso_view *view, iso_gbuffer *gbuffer,
                                iso_pool *pool, iso_error *error);
 
+/* Draws the whole scene, as if all of it were opaque, with its engine, into a cleared gbuffer: coloured by
+ * data, with labels and caps, but not lit. Errors: those of the engine, the renderer, objects and caps. */
+iso_status iso_scene_draw(iso_scene *scene, const iso_view *view, iso_gbuffer *gbuffer, iso_pool *pool,
+                          iso_error *error);
+
 /* Renders the picture. `opts`: without `draw`, `draw_context`, `begin_strip` and `layers`, which are set. One
  * exact surface is shaded while it is drawn, if nothing in `opts` prevents it, to the same pixels. Errors:
  * those of iso_picture_render; ISO_ERR_LIMIT: more than ISO_LAYERED_MAX translucent things. */
