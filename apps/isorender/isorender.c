@@ -6,6 +6,7 @@
 #include "apps/isorender/isorender.h"
 #include "apps/isorender/merge.h"
 #include "apps/isorender/mpi_ranks.h"
+#include "apps/isorender/panels.h"
 #include "apps/isorender/scene_file.h"
 #include "base/file_types.h"
 #include "base/memory.h"
@@ -33,10 +34,12 @@ static int render_each(const isorender_settings *given, const isorender_plan *pl
     int worst = 0;
     isorender_same_view first = {0};
     isorender_settings copy = *given, *settings = &copy;
+    const bool panels = isorender_has_panels(settings);
     if (settings->same_view) settings->first = &first;
     for (int i = 0; i < settings->input_count; i++) {
         iso_error error = {0};
-        iso_status status = isorender_run(settings, &plans[i], pool, backend, environment, &error);
+        iso_status status = (panels ? isorender_panels_run : isorender_run)(settings, &plans[i], pool, backend,
+                                                                            environment, &error);
         if (status == ISO_OK) continue;
         if (error.text[0]) iso_settings_explain_memory(&settings->common, &error);
         int code = say(&error, status);
@@ -155,6 +158,8 @@ static int run_command(int argc, char **argv, const char *path) {
     int code = 0;
     iso_status status = isorender_settings_parse(argc, argv, &settings, &operands, &error);
     char *picture = path ? take_scene_path(&settings, path) : NULL;
+    settings.argc = argc;
+    settings.argv = argv;
     status = join_ranks(&settings, status, &error);
     if (status == ISO_OK) status = perform(&settings, &code, &error);
     if (status != ISO_OK) code = say(&error, status);

@@ -9,11 +9,13 @@
 #include <unistd.h>
 
 #include "apps/common/loader.h"
+#include "apps/isorender/annotations.h"
 #include "apps/isorender/backend.h"
 #include "apps/isorender/channels.h"
 #include "apps/isorender/colorings.h"
 #include "apps/isorender/cuts.h"
 #include "apps/isorender/label_items.h"
+#include "apps/isorender/panels.h"
 #include "apps/isorender/segmentation.h"
 #include "base/text.h"
 #include "image/image_file.h"
@@ -137,7 +139,7 @@ static iso_status fail_picture_name(const char *name, iso_error *error) {
     char hint[256] = "";
     if (exists(name)) snprintf(hint, sizeof hint, " (several inputs need --output TEMPLATE)");
     if (option && !exists(name)) snprintf(hint, sizeof hint, " (%s%.160s writes such a file)", option, name);
-    return iso_fail(error, ISO_ERR_USAGE, "%s: a picture's name must end in .png, .tif or .jpg%s", name,
+    return iso_fail(error, ISO_ERR_USAGE, "%s: a picture's name must end in .png, .tif, .jpg, .svg or .pdf%s", name,
                     hint);
 }
 
@@ -294,7 +296,7 @@ static iso_status check_outputs(const isorender_settings *settings, iso_error *e
     bool image = !settings->no_image && !settings->info;
     bool to_stdout = image && settings->output && strcmp(settings->output, "-") == 0;
     if (settings->output && !to_stdout && image && !settings->parts && !is_picture(settings->output))
-        return iso_fail(error, ISO_ERR_USAGE, "%s: a picture's name must end in .png, .tif or .jpg",
+        return iso_fail(error, ISO_ERR_USAGE, "%s: a picture's name must end in .png, .tif, .jpg, .svg or .pdf",
                         settings->output);
     if (image && settings->output && settings->transparent &&
         iso_image_kind_of(settings->output) == ISO_IMAGE_JPEG)
@@ -628,5 +630,7 @@ iso_status isorender_settings_check(isorender_settings *settings, const iso_oper
     ISO_TRY(isorender_cuts_check(settings, error));
     ISO_TRY(isorender_segmentation_check(settings, error));
     ISO_TRY(isorender_colorings_check(settings, error));
+    ISO_TRY(isorender_annotations_check(settings, error));
+    ISO_TRY(isorender_panels_check(settings, error));
     return check_opacity(settings, error);
 }

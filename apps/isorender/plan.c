@@ -107,6 +107,8 @@ static iso_status check_all(const isorender_settings *settings, const isorender_
     if (settings->scene_file) iso_file_set_read(plans->files, settings->scene_file);
     if (settings->labels) add_input(plans[0].files, settings->labels);
     if (settings->label_table) iso_file_set_read(plans->files, settings->label_table);
+    for (int i = 0; i < settings->panel_files.count; i++)
+        add_input(plans->files, settings->panel_files.values[i]);
     for (int i = 0; i < settings->object_options.count; i++)
         iso_file_set_read(plans->files, settings->objects[i].path);
     for (int i = 0; i < settings->volume_options.count; i++)

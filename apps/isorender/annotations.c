@@ -1,0 +1,288 @@
+/* annotations: parses what is written over a picture, and collects it for image/annotate.h. */
+#include "apps/isorender/annotations.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "apps/common/template.h"
+#include "apps/isorender/channels.h"
+#include "apps/isorender/colorings.h"
+#include "apps/isorender/labels.h"
+#include "apps/isorender/segmentation.h"
+#include "image/font.h"
+
+/* ---- options */
+
+/* Parses X,Y (parts of the picture, or percent) or X,Y,Z (mm) at the beginning of a text, and returns what
+ * follows; NULL: it is neither. */
+static const char *take_place(const char *text, iso_place *place) {
+    int count = 0;
+    for (;; text++) {
+        const char *end;
+        if (count == 3 || !iso_parse_real_prefix(text, &place->at[count], &end)) return NULL;
+        if (*end == '%') place->at[count] /= 100, end++;
+        count++;
+        text = end;
+        if (*text != ',') break;
+    }
+    place->in_world = count == 3;
+    return count >= 2 ? text : NULL;
+}
+
+static iso_status add_note(isorender_settings *settings, const iso_note *note, iso_error *error) {
+    if (note->text) ISO_TRY(iso_font_check(note->text, error));
+    if (settings->note_count == ISORENDER_NOTES)
+        return iso_fail(error, ISO_ERR_USAGE, "more than %d texts, arrows and rulers", ISORENDER_NOTES);
+    settings->notes[settings->note_count++] = *note;
+    return ISO_OK;
+}
+
+iso_status isorender_apply_text(void *settings, const char *value, iso_error *error) {
+    iso_note note = {.kind = ISO_NOTE_TEXT};
+    const char *rest = take_place(value, &note.to);
+    if (!rest || *rest != ':')
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "'%.60s' is not PLACE:TEXT, with the place X,Y (parts of the picture from its top left "
+                        "corner, as .5,.1) or X,Y,Z (mm)",
+                        value);
+    note.text = rest + 1;
+    return add_note(settings, &note, error);
+}
+
+iso_status isorender_apply_arrow(void *settings, const char *value, iso_error *error) {
+    iso_note note = {.kind = ISO_NOTE_ARROW};
+    const char *rest = take_place(value, &note.to);
+    if (rest && *rest == '>') {
+        note.from = note.to;
+        note.has_from = true;
+        rest = take_place(rest + 1, &note.to);
+    }
+    if (!rest || (*rest && *rest != ':') || (!*rest && !note.has_from))
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "'%.60s' is not PLACE:TEXT, FROM>PLACE or FROM>PLACE:TEXT, with places X,Y (parts of the "
+                        "picture from its top left corner) or X,Y,Z (mm)",
+                        value);
+    if (*rest) note.text = rest + 1;
+    return add_note(settings, &note, error);
+}
+
+iso_status isorender_apply_ruler(void *settings, const char *value, iso_error *error) {
+    iso_note note = {.kind = ISO_NOTE_RULER, .from.in_world = true, .to.in_world = true};
+    double ends[6];
+    if (!iso_parse_reals(value, 6, ends))
+        return iso_fail(error, ISO_ERR_USAGE, "'%.60s' is not two points X0,Y0,Z0,X1,Y1,Z1 in mm", value);
+    memcpy(note.from.at, ends, sizeof note.from.at);
+    memcpy(note.to.at, ends + 3, sizeof note.to.at);
+    if (memcmp(ends, ends + 3, 3 * sizeof *ends) == 0)
+        return iso_fail(error, ISO_ERR_USAGE, "'%.60s': both points are the same", value);
+    return add_note(settings, &note, error);
+}
+
+iso_status isorender_apply_inset(void *target, const char *value, iso_error *error) {
+    static const char *const corners[] = {"top-right", "top-left", "bottom-right", "bottom-left"};
+    isorender_settings *settings = target;
+    iso_place low, high;
+    const char *rest = take_place(value, &low);
+    rest = rest && *rest == ':' ? take_place(rest + 1, &high) : NULL;
+    int corner = 0;
+    if (rest && *rest == ':')
+        for (; corner < 4 && strcmp(rest + 1, corners[corner]) != 0; corner++) continue;
+    const bool whole = rest && (!*rest || *rest == ':') && corner < 4 && !low.in_world && !high.in_world;
+    for (int axis = 0; whole && axis < 2; axis++) {
+        settings->inset[axis] = low.at[axis];
+        settings->inset[2 + axis] = high.at[axis];
+        if (!(low.at[axis] >= 0 && high.at[axis] <= 1 && high.at[axis] - low.at[axis] >= 0.01))
+            return iso_fail(error, ISO_ERR_USAGE, "'%.60s' is not a part of the picture, from 0,0 to 1,1", value);
+        if (high.at[axis] - low.at[axis] > 0.45)
+            return iso_fail(error, ISO_ERR_USAGE,
+                            "'%.60s' is more than .45 of the picture's %s: it would not be larger in a corner",
+                            value, axis ? "height" : "width");
+    }
+    settings->inset_corner = corner;
+    settings->has_inset = whole;
+    if (whole) return ISO_OK;
+    return iso_fail(error, ISO_ERR_USAGE,
+                    "'%.60s' is not X0,Y0:X1,Y1 in parts of the picture, with :top-right, :top-left, "
+                    ":bottom-right or :bottom-left behind it",
+                    value);
+}
+
+iso_status isorender_apply_legend(void *target, const char *value, iso_error *error) {
+    isorender_settings *settings = target;
+    settings->legend = 1;
+    settings->legend_names = value;
+    return value ? iso_font_check(value, error) : ISO_OK;
+}
+
+iso_status isorender_annotations_check(const isorender_settings *settings, iso_error *error) {
+    const char *option = settings->has_inset    ? "--inset"
+                         : settings->note_count ? "--text, --arrow and --ruler"
+                         : settings->legend     ? "--legend"
+                                                : NULL;
+    if (option && settings->parts)
+        return iso_fail(error, ISO_ERR_USAGE, "%s cannot be combined with --part", option);
+    if (settings->has_inset && settings->ranks.mpi)
+        return iso_fail(error, ISO_ERR_USAGE, "--inset cannot be combined with mpirun");
+    const int side = settings->width > settings->height ? settings->width : settings->height;
+    if (settings->has_inset && side > ISO_IMAGE_MAX / ISO_INSET_MOST)
+        return iso_fail(error, ISO_ERR_LIMIT, "--inset: pictures up to %d pixels a side",
+                        ISO_IMAGE_MAX / ISO_INSET_MOST);
+    return ISO_OK;
+}
+
+double isorender_font_pixels(const isorender_settings *settings) {
+    return settings->font_size * (settings->dpi > 0 ? settings->dpi : 72) / 72;
+}
+
+/* ---- the legend */
+
+enum { LEGEND = 256, NAME = 96 };
+
+typedef struct legend {
+    iso_legend_entry entries[LEGEND];
+    char names[LEGEND][NAME];
+    int count;
+} legend;
+
+static void add_entry(legend *l, const char *name, iso_rgb color) {
+    if (l->count == LEGEND) return;
+    snprintf(l->names[l->count], NAME, "%s", name);
+    l->entries[l->count] = (iso_legend_entry){l->names[l->count], color};
+    l->count++;
+}
+
+/* Adds a file's name without folder and extension, with more behind it. */
+static void add_file(legend *l, const char *path, const char *more, iso_rgb color) {
+    char *model = NULL, name[NAME];
+    if (iso_template_model(path, &model, NULL) == ISO_OK) {
+        snprintf(name, sizeof name, "%.60s%s", model, more);
+        add_entry(l, name, color);
+    }
+    free(model);
+}
+
+static void add_surface(const isorender_job *job, const isorender_surface *surface, legend *l) {
+    char value[32] = "", title[ISORENDER_CHANNEL_TITLE];
+    const char *channel = isorender_channel_title(surface->loader, title);
+    if (surface->label_group || surface->scene.coloring || !(surface->translucency.opacity > 0)) return;
+    if (!isnan(surface->scene.isovalue))
+        snprintf(value, sizeof value, "isovalue %.6g", surface->scene.isovalue);
+    if (*channel)
+        add_entry(l, channel, surface->color);
+    else if (job->volume_count == 0 && *value)
+        add_entry(l, value, surface->color);
+    else
+        add_file(l, surface->loader->input, "", surface->color);
+}
+
+/* Replaces the names by those of the list, which are as many. */
+static iso_status rename_entries(const char *list, legend *l, iso_error *error) {
+    const char separator = strchr(list, ';') ? ';' : ',', *at = list;
+    int count = 1;
+    for (const char *c = list; *c; c++) count += *c == separator;
+    if (count != l->count)
+        return iso_fail(error, ISO_ERR_USAGE, "--legend: %d names for %d surfaces, labels and objects", count,
+                        l->count);
+    for (int i = 0; i < count; i++) {
+        const char *end = strchr(at, separator);
+        const int length = (int)(end ? end - at : (long)strlen(at));
+        snprintf(l->names[i], NAME, "%.*s", length, at);
+        l->entries[i].name = l->names[i];
+        at += length + (end != NULL);
+    }
+    return ISO_OK;
+}
+
+/* What has one colour: surfaces, then labels, then objects. */
+static iso_status make_legend(const isorender_job *job, legend *l, iso_error *error) {
+    l->count = 0;
+    for (int i = 0; i < job->surface_count; i++) add_surface(job, &job->surfaces[i], l);
+    l->count += isorender_legend(job, LEGEND - l->count, l->entries + l->count);
+    for (int i = 0; i < job->object_count; i++) {
+        const isorender_object *object = &job->objects[i];
+        if (!object->has_bar && object->settings && object->settings->path)
+            add_file(l, object->settings->path, "", object->scene.color);
+    }
+    const char *names = job->settings->legend_names;
+    return names ? rename_entries(names, l, error) : ISO_OK;
+}
+
+/* ---- all */
+
+/* Says which notes are for places outside of the picture. */
+static void tell_outside(const isorender_job *job, const iso_camera *camera) {
+    static const char *const kinds[] = {"text", "arrow", "ruler"};
+    const int width = job->settings->width, height = job->settings->height;
+    for (int i = 0; i < job->settings->note_count; i++) {
+        const iso_note *note = &job->settings->notes[i];
+        double at[2];
+        if (iso_place_project(&note->to, camera, width, height, at) && at[0] >= 0 && at[1] >= 0 &&
+            at[0] <= width && at[1] <= height)
+            continue;
+        isorender_log(job, "note: --%s%s%.40s: its place is outside of the picture", kinds[note->kind],
+                      note->text ? " " : "", note->text ? note->text : "");
+    }
+}
+
+/* Makes the picture of the inset: its part of an enlarged frame. */
+static iso_status make_inset(isorender_job *job, int frame, isorender_enlarged *enlarge, iso_inset *inset,
+                             iso_error *error) {
+    const isorender_settings *settings = job->settings;
+    iso_image large = {0};
+    memcpy(inset->box, settings->inset, sizeof inset->box);
+    iso_inset_place(inset->box, settings->width, settings->height, (iso_corner)settings->inset_corner,
+                    inset->place, &inset->factor);
+    const int left = (int)floor(inset->box[0] * settings->width) * inset->factor,
+              top = (int)floor(inset->box[1] * settings->height) * inset->factor,
+              width = (int)(inset->place[2] - inset->place[0]), height = (int)(inset->place[3] - inset->place[1]);
+    iso_status status = enlarge(job, frame, inset->factor, &large, error);
+    if (status == ISO_OK) status = iso_image_create(width, height, inset->picture, error);
+    for (int y = 0; status == ISO_OK && y < height; y++)
+        memcpy(inset->picture->rgba + 4 * (size_t)y * (size_t)width,
+               large.rgba + 4 * ((size_t)(top + y) * (size_t)large.width + (size_t)left), 4 * (size_t)width);
+    iso_image_free(&large);
+    return status;
+}
+
+iso_status isorender_annotate(isorender_job *job, int frame, const iso_camera *camera,
+                              isorender_enlarged *enlarge, iso_drawing *drawing, iso_error *error) {
+    const isorender_settings *settings = job->settings;
+    const bool last = !settings->panel || settings->panel->is_last;
+    iso_color_bar bars[ISORENDER_BARS];
+    iso_image enlarged = {0};
+    iso_inset inset = {.picture = &enlarged};
+    const int bar_count = settings->color_bar && last ? isorender_color_bars(job, bars) : 0;
+    legend *l = settings->legend && last ? malloc(sizeof *l) : NULL;
+    if (settings->legend && last && !l) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the legend");
+    iso_status status = l ? make_legend(job, l, error) : ISO_OK;
+    if (status == ISO_OK && settings->has_inset) status = make_inset(job, frame, enlarge, &inset, error);
+    if (status == ISO_OK && frame == 0) tell_outside(job, camera);
+    const iso_annotation annotation = {.camera = camera,
+                                       .font_size = isorender_font_pixels(settings),
+                                       .lengths = isorender_lengths(job),
+                                       .scale_bar = settings->scale_bar != 0,
+                                       .orientation_marker = settings->orientation_marker != 0,
+                                       .anatomical = job->has_volume && job->loader.volume.info.anatomical,
+                                       .color_bars = bars,
+                                       .color_bar_count = bar_count,
+                                       .legend = l ? l->entries : NULL,
+                                       .legend_count = l ? l->count : 0,
+                                       .notes = settings->notes,
+                                       .note_count = settings->note_count,
+                                       .inset = settings->has_inset ? &inset : NULL,
+                                       .dark = iso_is_dark(settings->background, settings->transparent != 0)};
+    if (status == ISO_OK)
+        status = iso_annotation_draw(drawing, &annotation, settings->width, settings->height, error);
+    free(l);
+    iso_image_free(&enlarged);
+    return status;
+}
+
+int isorender_color_bars(const isorender_job *job, iso_color_bar bars[ISORENDER_BARS]) {
+    int count = 0;
+    if (job->cloud_colors.has_bar) bars[count++] = job->cloud_colors.bar;
+    for (int i = 0; i < job->object_count; i++)
+        if (job->objects[i].has_bar) bars[count++] = job->objects[i].bar;
+    return count + isorender_colorings_bars(job, bars + count);
+}
