@@ -137,28 +137,27 @@ double isorender_font_pixels(const isorender_settings *settings) {
 
 /* ---- the legend */
 
-enum { LEGEND = 256, NAME = 96 };
+typedef isorender_legend_list legend;
+enum { LEGEND = sizeof((legend *)0)->entries / sizeof(iso_legend_entry), NAME = sizeof((legend *)0)->names[0] };
 
-typedef struct legend {
-    iso_legend_entry entries[LEGEND];
-    char names[LEGEND][NAME];
-    int count;
-} legend;
+static bool same_color(iso_rgb a, iso_rgb b) {
+    return a.r == b.r && a.g == b.g && a.b == b.b;
+}
 
+/* What several panels show is there once. */
 static void add_entry(legend *l, const char *name, iso_rgb color) {
     if (l->count == LEGEND) return;
+    for (int i = 0; i < l->count; i++)
+        if (strncmp(l->names[i], name, NAME - 1) == 0 && same_color(l->entries[i].color, color)) return;
     snprintf(l->names[l->count], NAME, "%s", name);
     l->entries[l->count] = (iso_legend_entry){l->names[l->count], color};
     l->count++;
 }
 
-/* Adds a file's name without folder and extension, with more behind it. */
-static void add_file(legend *l, const char *path, const char *more, iso_rgb color) {
-    char *model = NULL, name[NAME];
-    if (iso_template_model(path, &model, NULL) == ISO_OK) {
-        snprintf(name, sizeof name, "%.60s%s", model, more);
-        add_entry(l, name, color);
-    }
+/* Adds a file's name without folder and extension. */
+static void add_file(legend *l, const char *path, iso_rgb color) {
+    char *model = NULL;
+    if (iso_template_model(path, &model, NULL) == ISO_OK) add_entry(l, model, color);
     free(model);
 }
 
@@ -173,7 +172,7 @@ static void add_surface(const isorender_job *job, const isorender_surface *surfa
     else if (job->volume_count == 0 && *value)
         add_entry(l, value, surface->color);
     else
-        add_file(l, surface->loader->input, "", surface->color);
+        add_file(l, surface->loader->input, surface->color);
 }
 
 /* Replaces the names by those of the list, which are as many. */
@@ -194,18 +193,17 @@ static iso_status rename_entries(const char *list, legend *l, iso_error *error) 
     return ISO_OK;
 }
 
-/* What has one colour: surfaces, then labels, then objects. */
-static iso_status make_legend(const isorender_job *job, legend *l, iso_error *error) {
-    l->count = 0;
+/* Adds what has one colour: surfaces, then labels, then objects. */
+static void add_to_legend(const isorender_job *job, legend *l) {
+    iso_legend_entry labels[LEGEND];
     for (int i = 0; i < job->surface_count; i++) add_surface(job, &job->surfaces[i], l);
-    l->count += isorender_legend(job, LEGEND - l->count, l->entries + l->count);
+    const int count = isorender_legend(job, LEGEND, labels);
+    for (int i = 0; i < count; i++) add_entry(l, labels[i].name, labels[i].color);
     for (int i = 0; i < job->object_count; i++) {
         const isorender_object *object = &job->objects[i];
         if (!object->has_bar && object->settings && object->settings->path)
-            add_file(l, object->settings->path, "", object->scene.color);
+            add_file(l, object->settings->path, object->scene.color);
     }
-    const char *names = job->settings->legend_names;
-    return names ? rename_entries(names, l, error) : ISO_OK;
 }
 
 /* ---- all */
@@ -231,11 +229,10 @@ static iso_status make_inset(isorender_job *job, int frame, isorender_enlarged *
     const isorender_settings *settings = job->settings;
     iso_image large = {0};
     memcpy(inset->box, settings->inset, sizeof inset->box);
-    iso_inset_place(inset->box, settings->width, settings->height, (iso_corner)settings->inset_corner,
-                    inset->place, &inset->factor);
-    const int left = (int)floor(inset->box[0] * settings->width) * inset->factor,
-              top = (int)floor(inset->box[1] * settings->height) * inset->factor,
-              width = (int)(inset->place[2] - inset->place[0]), height = (int)(inset->place[3] - inset->place[1]);
+    inset->corner = (iso_corner)settings->inset_corner;
+    iso_inset_place(inset, settings->width, settings->height);
+    const int left = inset->part[0] * inset->factor, top = inset->part[1] * inset->factor,
+              width = inset->place[2] - inset->place[0], height = inset->place[3] - inset->place[1];
     iso_status status = enlarge(job, frame, inset->factor, &large, error);
     if (status == ISO_OK) status = iso_image_create(width, height, inset->picture, error);
     for (int y = 0; status == ISO_OK && y < height; y++)
@@ -243,6 +240,20 @@ static iso_status make_inset(isorender_job *job, int frame, isorender_enlarged *
                large.rgba + 4 * ((size_t)(top + y) * (size_t)large.width + (size_t)left), 4 * (size_t)width);
     iso_image_free(&large);
     return status;
+}
+
+/* Legend and colour bars of panels stand beside them: moves them from a panel's annotations into drawings of
+ * their own. */
+static iso_status draw_beside(const isorender_settings *settings, iso_annotation *a, iso_error *error) {
+    isorender_panel *panel = settings->panel;
+    const int width = settings->width, height = settings->height;
+    const iso_annotation plain = {.camera = a->camera, .font_size = a->font_size, .dark = a->dark};
+    iso_annotation list = plain, bars = plain;
+    list.legend = a->legend, list.legend_count = a->legend_count;
+    bars.color_bars = a->color_bars, bars.color_bar_count = a->color_bar_count;
+    a->legend_count = a->color_bar_count = 0;
+    ISO_TRY(iso_annotation_draw(&panel->legend, &list, width, height, error));
+    return iso_annotation_draw(&panel->bars, &bars, width, height, error);
 }
 
 iso_status isorender_annotate(isorender_job *job, int frame, const iso_camera *camera,
@@ -253,12 +264,14 @@ iso_status isorender_annotate(isorender_job *job, int frame, const iso_camera *c
     iso_image enlarged = {0};
     iso_inset inset = {.picture = &enlarged};
     const int bar_count = settings->color_bar && last ? isorender_color_bars(job, bars) : 0;
-    legend *l = settings->legend && last ? malloc(sizeof *l) : NULL;
-    if (settings->legend && last && !l) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the legend");
-    iso_status status = l ? make_legend(job, l, error) : ISO_OK;
+    legend *own = settings->panel ? NULL : calloc(1, sizeof *own), *l = own ? own : settings->panel ? settings->panel->names : NULL;
+    if (!l) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the legend");
+    if (settings->legend) add_to_legend(job, l);
+    iso_status status =
+        settings->legend_names && last ? rename_entries(settings->legend_names, l, error) : ISO_OK;
     if (status == ISO_OK && settings->has_inset) status = make_inset(job, frame, enlarge, &inset, error);
     if (status == ISO_OK && frame == 0) tell_outside(job, camera);
-    const iso_annotation annotation = {.camera = camera,
+    iso_annotation annotation = {.camera = camera,
                                        .font_size = isorender_font_pixels(settings),
                                        .lengths = isorender_lengths(job),
                                        .scale_bar = settings->scale_bar != 0,
@@ -266,15 +279,16 @@ iso_status isorender_annotate(isorender_job *job, int frame, const iso_camera *c
                                        .anatomical = job->has_volume && job->loader.volume.info.anatomical,
                                        .color_bars = bars,
                                        .color_bar_count = bar_count,
-                                       .legend = l ? l->entries : NULL,
-                                       .legend_count = l ? l->count : 0,
+                                       .legend = l->entries,
+                                       .legend_count = last ? l->count : 0,
                                        .notes = settings->notes,
                                        .note_count = settings->note_count,
                                        .inset = settings->has_inset ? &inset : NULL,
                                        .dark = iso_is_dark(settings->background, settings->transparent != 0)};
+    if (status == ISO_OK && settings->panel && last) status = draw_beside(settings, &annotation, error);
     if (status == ISO_OK)
         status = iso_annotation_draw(drawing, &annotation, settings->width, settings->height, error);
-    free(l);
+    free(own);
     iso_image_free(&enlarged);
     return status;
 }

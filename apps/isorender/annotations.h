@@ -21,6 +21,13 @@ iso_status isorender_annotations_check(const isorender_settings *settings, iso_e
 /* The size of the font in pixels, of --font-size; 0: by the picture's size. */
 double isorender_font_pixels(const isorender_settings *settings);
 
+/* Names and colours of a legend. */
+typedef struct isorender_legend_list {
+    iso_legend_entry entries[256];
+    char names[256][96]; /* of the entries */
+    int count;
+} isorender_legend_list;
+
 /* What colours stand for which numbers: bars of all that is coloured by numbers, of points, objects and
  * surfaces in this order, up to ISORENDER_BARS. Returns their number. */
 enum { ISORENDER_BARS = ISORENDER_OBJECTS + 1 + ISORENDER_COLORINGS };

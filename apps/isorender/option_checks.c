@@ -622,6 +622,8 @@ iso_status isorender_settings_check(isorender_settings *settings, const iso_oper
     ISO_TRY(isorender_backend_check(settings, error));
     ISO_TRY(check_part(settings, error));
     ISO_TRY(check_outputs(settings, error));
+    ISO_TRY(isorender_panels_check(settings, error));
+    if (isorender_has_panels(settings)) return ISO_OK; /* the rest is checked of each panel */
     ISO_TRY(check_surfaces(settings, error));
     ISO_TRY(check_glass(settings, error));
     ISO_TRY(check_objects(settings, error));
@@ -631,6 +633,5 @@ iso_status isorender_settings_check(isorender_settings *settings, const iso_oper
     ISO_TRY(isorender_segmentation_check(settings, error));
     ISO_TRY(isorender_colorings_check(settings, error));
     ISO_TRY(isorender_annotations_check(settings, error));
-    ISO_TRY(isorender_panels_check(settings, error));
     return check_opacity(settings, error);
 }

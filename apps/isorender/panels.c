@@ -59,13 +59,17 @@ static iso_status find_option(const isorender_settings *settings, const iso_opti
                         "option --panels: '%.60s' is not WHAT=A,B,.., with WHAT isovalue, camera, label, time or "
                         "any other option",
                         text);
-    if ((*option)->flags & ISO_OPTION_UNRECORDED || !(*option)->value || strncmp((*option)->name, "panel", 5) == 0)
+    if ((*option)->flags & ISO_OPTION_UNRECORDED || !(*option)->value ||
+        strncmp((*option)->name, "panel", 5) == 0 || strcmp((*option)->name, "resolution") == 0)
         return iso_fail(error, ISO_ERR_USAGE, "option --panels: --%s does not make pictures that differ",
                         (*option)->name);
+    if (strcmp((*option)->name, "ior") == 0 && !(settings->ior > 0))
+        return iso_fail(error, ISO_ERR_USAGE, "option --panels: panels of glass need --ior beside it");
     return ISO_OK;
 }
 
-iso_status isorender_panels_check(const isorender_settings *settings, iso_error *error) {
+/* The cpu engine draws all panels, unless another one is named: it can draw whatever differs. */
+iso_status isorender_panels_check(isorender_settings *settings, iso_error *error) {
     const bool given = isorender_has_panels(settings);
     const char *needs = settings->panel_titles    ? "--panel-titles"
                         : settings->panel_columns ? "--panel-columns"
@@ -87,6 +91,7 @@ iso_status isorender_panels_check(const isorender_settings *settings, iso_error 
     if (unfit) return iso_fail(error, ISO_ERR_USAGE, "--panels cannot be combined with %s", unfit);
     if (settings->panels && settings->panel_files.count)
         return iso_fail(error, ISO_ERR_USAGE, "panels differ in one thing: give --panels or --panel-file");
+    if (given && strcmp(settings->backend, "auto") == 0) settings->backend = "cpu";
     const iso_option *option;
     const char *values;
     return settings->panels ? find_option(settings, &option, &values, error) : ISO_OK;
@@ -111,6 +116,7 @@ typedef struct page {
     cell *cells[PANELS];
     int count;
     isorender_same_view shared; /* the isovalue */
+    isorender_legend_list *names;
     int columns, rows, width, height;
     double font, text; /* size of the font, height of capitals */
     char (*ranges)[80];
@@ -303,6 +309,7 @@ static iso_status run_cells(page *p, const means *m, bool survey, iso_error *err
     for (int i = 0; i < p->count; i++) {
         cell *c = p->cells[i];
         const bool says = survey && (i == 0 || p->settings->panel_files.count);
+        c->panel.names = p->names;
         c->panel.is_survey = survey;
         c->panel.is_last = i == p->count - 1;
         c->settings.first = &p->shared;
@@ -378,6 +385,15 @@ static void place_cell(const page *p, cell *c, int number, iso_image *image, iso
     add_title(p, c, number, left, top - 0.6 * p->text, over);
 }
 
+/* Moves what stands beside the panels to where they end, and *right behind it. */
+static void place_beside(const page *p, iso_drawing *beside, int *right, iso_drawing *over) {
+    double low, high;
+    iso_drawing_width(beside, &low, &high);
+    if (!(low <= high)) return;
+    iso_drawing_append(over, beside, *right - floor(low), band_of(p));
+    *right += (int)ceil(high - low + 1.5 * margin_of(p));
+}
+
 static void fill(iso_image *image, const isorender_settings *s) {
     const uint8_t color[4] = {s->background.r, s->background.g, s->background.b, 255};
     for (size_t i = 0; i < (size_t)image->width * (size_t)image->height; i++)
@@ -419,7 +435,11 @@ static iso_status make_page(page *p, const means *m, iso_error *error) {
     share_camera(p);
     ISO_TRY(share_ranges(p, error));
     ISO_TRY(run_cells(p, m, false, error));
-    iso_status status = iso_image_create(p->width, p->height, &image, error);
+    isorender_panel *last = &p->cells[p->count - 1]->panel;
+    int width = p->width;
+    place_beside(p, &last->legend, &width, &over);
+    place_beside(p, &last->bars, &width, &over);
+    iso_status status = iso_image_create(width, p->height, &image, error);
     if (status == ISO_OK) {
         fill(&image, p->settings);
         for (int i = 0; i < p->count; i++) place_cell(p, p->cells[i], i, &image, &over);
@@ -434,6 +454,8 @@ static void free_cell(cell *c) {
     isorender_plans_free(c->plans, 1);
     iso_image_free(&c->panel.image);
     iso_drawing_free(&c->panel.drawing);
+    iso_drawing_free(&c->panel.legend);
+    iso_drawing_free(&c->panel.bars);
     free(c->panel.ranges);
     free(c->operands.values);
     free(c->argv);
@@ -445,11 +467,13 @@ iso_status isorender_panels_run(const isorender_settings *settings, const isoren
                                 const isorender_backend *backend, const iso_environment *environment,
                                 iso_error *error) {
     const means m = {pool, backend, environment};
-    page p = {.settings = settings, .plan = plan};
-    const iso_status status = make_page(&p, &m, error);
+    page p = {.settings = settings, .plan = plan, .names = calloc(1, sizeof *p.names)};
+    const iso_status status =
+        p.names ? make_page(&p, &m, error) : iso_fail(error, ISO_ERR_NOMEM, "out of memory for the legend");
     if (status == ISO_OK && strcmp(plan->image, "-") != 0 && !settings->common.quiet)
         iso_program_log(isorender_program(), "%s: wrote %s: %d panels", plan->input, plan->image, p.count);
     for (int i = 0; i < p.count; i++) free_cell(p.cells[i]);
     free(p.ranges);
+    free(p.names);
     return status;
 }

@@ -9,7 +9,7 @@
 /* Whether --panels or --panel-file is given. */
 bool isorender_has_panels(const isorender_settings *settings);
 /* Checks their options. ISO_ERR_USAGE. */
-iso_status isorender_panels_check(const isorender_settings *settings, iso_error *error);
+iso_status isorender_panels_check(isorender_settings *settings, iso_error *error);
 
 /* Draws the page and writes it as the plan's picture. Errors name the panel; no output is left after one.
  * ISO_ERR_USAGE: a value is none of the option; ISO_ERR_LIMIT: the page is too large; errors of isorender_run

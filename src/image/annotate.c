@@ -270,8 +270,9 @@ static double add_labels(const pen *p, const iso_color_bar *bar, double right, d
     }
     for (int i = 0; i < BAR_LABELS; i++) {
         const double part = (double)i / (BAR_LABELS - 1), y = bottom + (top - bottom) * part;
+        const double number = bar->low + (bar->high - bar->low) * part;
         char label[32];
-        snprintf(label, sizeof label, "%.4g", bar->low + (bar->high - bar->low) * part);
+        snprintf(label, sizeof label, "%s%.4g", number < 0 ? "\u2212" : "", fabs(number)); /* a minus sign */
         const double width = text_width(p, label);
         add_text(p, label, right - width, y);
         widest = fmax(widest, width);
@@ -430,27 +431,29 @@ static void draw_note(const pen *p, const iso_annotation *a, const iso_note *not
 
 /* ---- insets */
 
-void iso_inset_place(const double box[4], int width, int height, iso_corner corner, double place[4],
-                     int *factor) {
-    static const double MOST = 0.45, MARGIN = 0.02; /* parts of the picture */
-    const double w = box[2] - box[0], h = box[3] - box[1];
-    *factor = (int)fmin(fmin(MOST / w, MOST / h), ISO_INSET_MOST);
-    if (*factor < 2) *factor = 2;
-    const double margin = floor(MARGIN * (width < height ? width : height));
-    const double sides[2] = {floor(*factor * floor(w * width)), floor(*factor * floor(h * height))};
-    const bool right = corner == ISO_CORNER_TOP_RIGHT || corner == ISO_CORNER_BOTTOM_RIGHT,
-               bottom = corner == ISO_CORNER_BOTTOM_LEFT || corner == ISO_CORNER_BOTTOM_RIGHT;
-    place[0] = right ? width - margin - sides[0] : margin;
-    place[1] = bottom ? height - margin - sides[1] : margin;
-    place[2] = place[0] + sides[0];
-    place[3] = place[1] + sides[1];
+void iso_inset_place(iso_inset *inset, int width, int height) {
+    static const double MOST = 0.45, MARGIN = 0.02, LITTLE = 1e-6; /* parts of the picture; of a pixel */
+    const int sides[2] = {width, height}, margin = (int)(MARGIN * (width < height ? width : height));
+    const bool at_end[2] = {inset->corner == ISO_CORNER_TOP_RIGHT || inset->corner == ISO_CORNER_BOTTOM_RIGHT,
+                            inset->corner == ISO_CORNER_BOTTOM_LEFT || inset->corner == ISO_CORNER_BOTTOM_RIGHT};
+    inset->factor = ISO_INSET_MOST;
+    for (int axis = 0; axis < 2; axis++) {
+        const int low = (int)(inset->box[axis] * sides[axis] + LITTLE),
+                  high = (int)(inset->box[2 + axis] * sides[axis] + LITTLE);
+        const int most = (int)(MOST * sides[axis] / (high > low ? high - low : 1) + LITTLE);
+        inset->part[axis] = low;
+        inset->part[2 + axis] = high > low ? high : low + 1;
+        if (most < inset->factor) inset->factor = most < 2 ? 2 : most;
+    }
+    for (int axis = 0; axis < 2; axis++) {
+        const int side = inset->factor * (inset->part[2 + axis] - inset->part[axis]);
+        inset->place[axis] = at_end[axis] ? sides[axis] - margin - side : margin;
+        inset->place[2 + axis] = inset->place[axis] + side;
+    }
 }
 
 static void draw_inset(const pen *p, const iso_inset *inset) {
-    const double *to = inset->place;
-    const double from[4] = {floor(inset->box[0] * p->width), floor(inset->box[1] * p->height),
-                            floor(inset->box[0] * p->width) + (to[2] - to[0]) / inset->factor,
-                            floor(inset->box[1] * p->height) + (to[3] - to[1]) / inset->factor};
+    const int *to = inset->place, *from = inset->part;
     iso_mark *frame = outlined_lines(p);
     add_box(p, frame, from[0], from[1], from[2], from[3]);
     /* from the two corners that do not lie behind the inset */

@@ -71,19 +71,18 @@ typedef enum iso_corner {
     ISO_CORNER_BOTTOM_LEFT
 } iso_corner;
 
-/* A part of the picture, drawn larger in a corner. */
+/* A part of the picture, drawn larger in a corner: left, top, right, bottom. */
 typedef struct iso_inset {
-    double box[4]; /* left, top, right, bottom: parts of the picture's width and height */
-    double place[4];
-    int factor;         /* both of iso_inset_place */
-    iso_image *picture; /* fills the place; taken by the drawing and zeroed */
+    double box[4];           /* the part, of the picture's width and height, and the corner: set by the caller */
+    iso_corner corner;
+    int part[4], place[4];   /* the part and where it lies when it is larger, pixels, */
+    int factor;              /* and how many times: iso_inset_place sets them */
+    iso_image *picture;      /* fills the place; taken by the drawing and zeroed */
 } iso_inset;
 enum { ISO_INSET_MOST = 8 }; /* times larger */
 
-/* Where an inset comes to lie in a picture, pixels, and how many times it is larger: 2 at least, and more
- * while it fills less than .45 of the picture's sides. */
-void iso_inset_place(const double box[4], int width, int height, iso_corner corner, double place[4],
-                     int *factor);
+/* Makes an inset 2 times as large as its part, and more while it fills less than .45 of the picture's sides. */
+void iso_inset_place(iso_inset *inset, int width, int height);
 
 typedef struct iso_annotation {
     const iso_camera *camera;        /* of the picture; borrowed */

@@ -1,10 +1,12 @@
 /* drawing: the list of marks. */
 #include "image/drawing.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/text.h"
+#include "image/font.h"
 
 static iso_mark *add(iso_drawing *d, iso_mark_kind kind, iso_rgb color) {
     if (d->count == d->room) {
@@ -83,6 +85,18 @@ void iso_drawing_append(iso_drawing *drawing, iso_drawing *from, double x, doubl
         mark->y += y, mark->top += y, mark->bottom += y;
     }
     iso_drawing_free(from);
+}
+
+void iso_drawing_width(const iso_drawing *drawing, double *low, double *high) {
+    *low = INFINITY, *high = -INFINITY;
+    for (int i = 0; i < drawing->count; i++) {
+        const iso_mark *m = &drawing->marks[i];
+        const double text = m->text ? iso_font_width(m->text) * m->size / ISO_FONT_SIZE : 0;
+        for (int k = 0; k < m->point_count; k++)
+            *low = fmin(*low, m->points[k][0]), *high = fmax(*high, m->points[k][0]);
+        if (m->kind == ISO_MARK_TEXT) *low = fmin(*low, m->x), *high = fmax(*high, m->x + text);
+        if (m->kind == ISO_MARK_PICTURE) *low = fmin(*low, m->left), *high = fmax(*high, m->right);
+    }
 }
 
 iso_status iso_drawing_check(const iso_drawing *drawing, iso_error *error) {

@@ -49,6 +49,8 @@ iso_mark *iso_drawing_picture(iso_drawing *drawing, iso_image *picture, double l
 
 /* Appends the marks of `from`, moved by (x, y); `from` is empty then. */
 void iso_drawing_append(iso_drawing *drawing, iso_drawing *from, double x, double y);
+/* The left and the right end of all marks, without halos. An empty drawing has none: low > high. */
+void iso_drawing_width(const iso_drawing *drawing, double *low, double *high);
 /* ISO_ERR_NOMEM: a mark could not be added. */
 iso_status iso_drawing_check(const iso_drawing *drawing, iso_error *error);
 void iso_drawing_free(iso_drawing *drawing);
