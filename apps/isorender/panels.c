@@ -244,32 +244,63 @@ static double distance_of(const iso_camera *c) {
     return iso_vec3_length(iso_vec3_sub(c->position, c->focal_point));
 }
 
-/* Pictures of the same things from other sides get one scale, the smallest; others one camera, which frames
- * everything, if they were not given one. */
-static void share_camera(page *p) {
-    iso_box all = p->cells[0]->panel.box;
-    bool same = true;
+/* Whether a box is all of another one, but for a little: the bounds of one surface differ by how it is drawn. */
+static bool is_all_of(const iso_box *box, const iso_box *all) {
+    static const double LITTLE = 0.02;
+    const double more = iso_vec3_length(iso_vec3_sub(box->lo, all->lo)) + iso_vec3_length(iso_vec3_sub(box->hi, all->hi));
+    return more <= LITTLE * iso_vec3_length(iso_vec3_sub(all->hi, all->lo));
+}
+
+/* Whether two cameras look the same way, in one projection. */
+static bool looks_alike(const iso_camera *a, const iso_camera *b) {
+    const iso_vec3 x = iso_vec3_scale(iso_vec3_sub(a->position, a->focal_point), 1 / distance_of(a)),
+                   y = iso_vec3_scale(iso_vec3_sub(b->position, b->focal_point), 1 / distance_of(b));
+    return iso_vec3_length(iso_vec3_sub(x, y)) < 1e-9 &&
+           iso_vec3_length(iso_vec3_sub(a->view_up, b->view_up)) < 1e-9 && a->view_angle == b->view_angle &&
+           a->orthographic == b->orthographic;
+}
+
+/* Moves cameras that look at the same things from several sides away, until all have the scale of the farthest. */
+static void share_scale(page *p) {
     double scale = 0, distance = 0;
     for (int i = 0; i < p->count; i++) {
-        const isorender_panel *panel = &p->cells[i]->panel;
-        same &= memcmp(&panel->box, &p->cells[0]->panel.box, sizeof panel->box) == 0;
-        add_box(&all, &panel->box);
-        scale = fmax(scale, panel->camera.parallel_scale);
-        distance = fmax(distance, distance_of(&panel->camera));
+        scale = fmax(scale, p->cells[i]->panel.camera.parallel_scale);
+        distance = fmax(distance, distance_of(&p->cells[i]->panel.camera));
     }
-    const bool fits = isnan(p->settings->position[0]) && strncmp(p->settings->panels ? p->settings->panels : "", "zoom", 4) != 0;
+    for (int i = 0; i < p->count; i++) {
+        iso_camera *c = &p->cells[i]->panel.camera;
+        const iso_vec3 back = iso_vec3_sub(c->position, c->focal_point);
+        if (c->orthographic)
+            c->parallel_scale = scale;
+        else
+            c->position = iso_vec3_add(c->focal_point, iso_vec3_scale(back, distance / distance_of(c)));
+    }
+}
+
+/* Gives all panels one framing. If they look the same way, it is that of the panel that holds all others, if there
+ * is one; if they show the same from several sides, each has its own camera and all one scale. Else all frame the
+ * box around everything. Where the camera is or how it zooms stays as it is given. */
+static void share_camera(page *p) {
+    const iso_camera *first = &p->cells[0]->panel.camera;
+    const bool zooms = p->settings->panels && strncmp(p->settings->panels, "zoom=", 5) == 0;
+    iso_box all = p->cells[0]->panel.box;
+    bool alike = true, same = true;
+    int largest = -1;
+    for (int i = 0; i < p->count; i++) add_box(&all, &p->cells[i]->panel.box);
+    for (int i = p->count - 1; i >= 0; i--) {
+        const bool whole = is_all_of(&p->cells[i]->panel.box, &all);
+        if (whole) largest = i;
+        same &= whole;
+        alike &= looks_alike(&p->cells[i]->panel.camera, first);
+    }
+    const bool given = !isnan(p->cells[0]->settings.position[0]) || zooms, one = alike && largest >= 0 && !given;
     for (int i = 0; i < p->count; i++) {
         isorender_panel *panel = &p->cells[i]->panel;
-        iso_camera *camera = &panel->camera;
-        panel->has_camera = same;
+        panel->has_camera = one || same || given;
         panel->box = all;
-        if (!same || !fits) continue;
-        const double factor = distance / distance_of(camera);
-        if (camera->orthographic) camera->parallel_scale = scale;
-        if (camera->orthographic || factor == 1) continue;
-        const iso_vec3 back = iso_vec3_sub(camera->position, camera->focal_point);
-        camera->position = iso_vec3_add(camera->focal_point, iso_vec3_scale(back, factor));
+        if (one) panel->camera = p->cells[largest]->panel.camera;
     }
+    if (same && !alike && !given) share_scale(p);
 }
 
 /* Gives all panels the ranges of colours that hold those of each, unless --range is given. */
