@@ -792,6 +792,7 @@ ISO_API iso_status iso_compare_images(const iso_image *truth, const iso_image *c
 #endif
 
 #include "isopoint_clouds.h" /* points without a volume */
+#include "isopoint_figures.h" /* what stands over pictures, as pixels, SVG and PDF */
 #include "isopoint_sculpt.h" /* sculpting */
 
 #endif

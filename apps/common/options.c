@@ -438,10 +438,9 @@ int iso_options_without(const iso_program *program, int argc, char *const *argv,
     for (int i = 0; i < argc; i++) {
         const int first = i;
         const size_t dashes = argv[i][0] == '-' ? 1 + (argv[i][1] == '-') : 0;
-        const iso_option *option =
-            i && options && dashes
-                ? iso_options_find(program, argv[i] + dashes, strcspn(argv[i] + dashes, "="))
-                : NULL;
+        const iso_option *option = i && options && dashes ? iso_options_find(program, argv[i] + dashes,
+                                                                             strcspn(argv[i] + dashes, "="))
+                                                          : NULL;
         const char *value;
         bool out = false;
         options &= strcmp(argv[i], "--") != 0;

@@ -42,10 +42,11 @@ iso_status isorender_apply_text(void *settings, const char *value, iso_error *er
     iso_note note = {.kind = ISO_NOTE_TEXT};
     const char *rest = take_place(value, &note.to);
     if (!rest || *rest != ':')
-        return iso_fail(error, ISO_ERR_USAGE,
-                        "'%.60s' is not PLACE:TEXT, with the place X,Y (parts of the picture from its top left "
-                        "corner, as .5,.1) or X,Y,Z (mm)",
-                        value);
+        return iso_fail(
+            error, ISO_ERR_USAGE,
+            "'%.60s' is not PLACE:TEXT, with the place X,Y (parts of the picture from its top left "
+            "corner, as .5,.1) or X,Y,Z (mm)",
+            value);
     note.text = rest + 1;
     return add_note(settings, &note, error);
 }
@@ -59,10 +60,11 @@ iso_status isorender_apply_arrow(void *settings, const char *value, iso_error *e
         rest = take_place(rest + 1, &note.to);
     }
     if (!rest || (*rest && *rest != ':') || (!*rest && !note.has_from))
-        return iso_fail(error, ISO_ERR_USAGE,
-                        "'%.60s' is not PLACE:TEXT, FROM>PLACE or FROM>PLACE:TEXT, with places X,Y (parts of the "
-                        "picture from its top left corner) or X,Y,Z (mm)",
-                        value);
+        return iso_fail(
+            error, ISO_ERR_USAGE,
+            "'%.60s' is not PLACE:TEXT, FROM>PLACE or FROM>PLACE:TEXT, with places X,Y (parts of the "
+            "picture from its top left corner) or X,Y,Z (mm)",
+            value);
     if (*rest) note.text = rest + 1;
     return add_note(settings, &note, error);
 }
@@ -93,11 +95,13 @@ iso_status isorender_apply_inset(void *target, const char *value, iso_error *err
         settings->inset[axis] = low.at[axis];
         settings->inset[2 + axis] = high.at[axis];
         if (!(low.at[axis] >= 0 && high.at[axis] <= 1 && high.at[axis] - low.at[axis] >= 0.01))
-            return iso_fail(error, ISO_ERR_USAGE, "'%.60s' is not a part of the picture, from 0,0 to 1,1", value);
+            return iso_fail(error, ISO_ERR_USAGE, "'%.60s' is not a part of the picture, from 0,0 to 1,1",
+                            value);
         if (high.at[axis] - low.at[axis] > 0.45)
-            return iso_fail(error, ISO_ERR_USAGE,
-                            "'%.60s' is more than .45 of the picture's %s: it would not be larger in a corner",
-                            value, axis ? "height" : "width");
+            return iso_fail(
+                error, ISO_ERR_USAGE,
+                "'%.60s' is more than .45 of the picture's %s: it would not be larger in a corner", value,
+                axis ? "height" : "width");
     }
     settings->inset_corner = corner;
     settings->has_inset = whole;
@@ -138,7 +142,10 @@ double isorender_font_pixels(const isorender_settings *settings) {
 /* ---- the legend */
 
 typedef isorender_legend_list legend;
-enum { LEGEND = sizeof((legend *)0)->entries / sizeof(iso_legend_entry), NAME = sizeof((legend *)0)->names[0] };
+enum {
+    LEGEND = sizeof((legend *)0)->entries / sizeof(iso_legend_entry),
+    NAME = sizeof((legend *)0)->names[0]
+};
 
 static bool same_color(iso_rgb a, iso_rgb b) {
     return a.r == b.r && a.g == b.g && a.b == b.b;
@@ -264,7 +271,10 @@ iso_status isorender_annotate(isorender_job *job, int frame, const iso_camera *c
     iso_image enlarged = {0};
     iso_inset inset = {.picture = &enlarged};
     const int bar_count = settings->color_bar && last ? isorender_color_bars(job, bars) : 0;
-    legend *own = settings->panel ? NULL : calloc(1, sizeof *own), *l = own ? own : settings->panel ? settings->panel->names : NULL;
+    legend *own = settings->panel ? NULL : calloc(1, sizeof *own), *l = own ? own
+                                                                        : settings->panel
+                                                                            ? settings->panel->names
+                                                                            : NULL;
     if (!l) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the legend");
     if (settings->legend) add_to_legend(job, l);
     iso_status status =
@@ -272,19 +282,19 @@ iso_status isorender_annotate(isorender_job *job, int frame, const iso_camera *c
     if (status == ISO_OK && settings->has_inset) status = make_inset(job, frame, enlarge, &inset, error);
     if (status == ISO_OK && frame == 0) tell_outside(job, camera);
     iso_annotation annotation = {.camera = camera,
-                                       .font_size = isorender_font_pixels(settings),
-                                       .lengths = isorender_lengths(job),
-                                       .scale_bar = settings->scale_bar != 0,
-                                       .orientation_marker = settings->orientation_marker != 0,
-                                       .anatomical = job->has_volume && job->loader.volume.info.anatomical,
-                                       .color_bars = bars,
-                                       .color_bar_count = bar_count,
-                                       .legend = l->entries,
-                                       .legend_count = last ? l->count : 0,
-                                       .notes = settings->notes,
-                                       .note_count = settings->note_count,
-                                       .inset = settings->has_inset ? &inset : NULL,
-                                       .dark = iso_is_dark(settings->background, settings->transparent != 0)};
+                                 .font_size = isorender_font_pixels(settings),
+                                 .lengths = isorender_lengths(job),
+                                 .scale_bar = settings->scale_bar != 0,
+                                 .orientation_marker = settings->orientation_marker != 0,
+                                 .anatomical = job->has_volume && job->loader.volume.info.anatomical,
+                                 .color_bars = bars,
+                                 .color_bar_count = bar_count,
+                                 .legend = l->entries,
+                                 .legend_count = last ? l->count : 0,
+                                 .notes = settings->notes,
+                                 .note_count = settings->note_count,
+                                 .inset = settings->has_inset ? &inset : NULL,
+                                 .dark = iso_is_dark(settings->background, settings->transparent != 0)};
     if (status == ISO_OK && settings->panel && last) status = draw_beside(settings, &annotation, error);
     if (status == ISO_OK)
         status = iso_annotation_draw(drawing, &annotation, settings->width, settings->height, error);

@@ -33,8 +33,8 @@ typedef struct isorender_legend_list {
 enum { ISORENDER_BARS = ISORENDER_OBJECTS + 1 + ISORENDER_COLORINGS };
 int isorender_color_bars(const struct isorender_job *job, iso_color_bar bars[ISORENDER_BARS]);
 
-/* Draws the picture of `factor` times as many pixels on each side, without annotations, into `image`, which is
- * created. */
+/* Draws the picture of `factor` times as many pixels on each side, without annotations, into `image`,
+ * which is created. */
 typedef iso_status isorender_enlarged(struct isorender_job *job, int frame, int factor, iso_image *image,
                                       iso_error *error);
 

@@ -226,7 +226,8 @@ iso_status isorender_camera_make(isorender_job *job, iso_error *error) {
     const iso_camera camera = make_camera(job, fitting);
     ISO_TRY(iso_camera_check(&camera, error));
     job->camera = camera;
-    if (first && !settings->panel) *first = (isorender_same_view){first->has_isovalue, true, first->isovalue, camera};
+    if (first && !settings->panel)
+        *first = (isorender_same_view){first->has_isovalue, true, first->isovalue, camera};
     return ISO_OK;
 }
 

@@ -38,8 +38,8 @@ static int render_each(const isorender_settings *given, const isorender_plan *pl
     if (settings->same_view) settings->first = &first;
     for (int i = 0; i < settings->input_count; i++) {
         iso_error error = {0};
-        iso_status status = (panels ? isorender_panels_run : isorender_run)(settings, &plans[i], pool, backend,
-                                                                            environment, &error);
+        iso_status status = (panels ? isorender_panels_run : isorender_run)(settings, &plans[i], pool,
+                                                                            backend, environment, &error);
         if (status == ISO_OK) continue;
         if (error.text[0]) iso_settings_explain_memory(&settings->common, &error);
         int code = say(&error, status);

@@ -139,8 +139,8 @@ static iso_status fail_picture_name(const char *name, iso_error *error) {
     char hint[256] = "";
     if (exists(name)) snprintf(hint, sizeof hint, " (several inputs need --output TEMPLATE)");
     if (option && !exists(name)) snprintf(hint, sizeof hint, " (%s%.160s writes such a file)", option, name);
-    return iso_fail(error, ISO_ERR_USAGE, "%s: a picture's name must end in .png, .tif, .jpg, .svg or .pdf%s", name,
-                    hint);
+    return iso_fail(error, ISO_ERR_USAGE, "%s: a picture's name must end in .png, .tif, .jpg, .svg or .pdf%s",
+                    name, hint);
 }
 
 /* Writes what to do if the inputs are the slices of one volume: three or more files of one kind in one
@@ -296,8 +296,8 @@ static iso_status check_outputs(const isorender_settings *settings, iso_error *e
     bool image = !settings->no_image && !settings->info;
     bool to_stdout = image && settings->output && strcmp(settings->output, "-") == 0;
     if (settings->output && !to_stdout && image && !settings->parts && !is_picture(settings->output))
-        return iso_fail(error, ISO_ERR_USAGE, "%s: a picture's name must end in .png, .tif, .jpg, .svg or .pdf",
-                        settings->output);
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "%s: a picture's name must end in .png, .tif, .jpg, .svg or .pdf", settings->output);
     if (image && settings->output && settings->transparent &&
         iso_image_kind_of(settings->output) == ISO_IMAGE_JPEG)
         return iso_fail(error, ISO_ERR_USAGE, "%s: a JPEG has no transparency: .png and .tif have",

@@ -46,7 +46,7 @@ static const char *const group_radii[] = {"coverage", "root", "copies", NULL};
 static const char *const directions[] = {"front", "back", "left", "right", "top", "bottom", "iso", NULL};
 static const char *const lightings[] = {"phong", "edl", NULL};
 static const char *const scalings[] = {"exact", "attenuated", NULL};
-static const char *const units[] = {"auto", "none", "nm", "um", "mm",
+static const char *const units[] = {"auto", "none", "nm", "um",       "mm",
                                     "cm",   "m",    "km", "angstrom", NULL}; /* iso_length_unit */
 static const char *const fits[] = {"box", "tight", NULL};
 static const char *const opacity_modes[] = {"angle", "constant", NULL};
@@ -502,7 +502,9 @@ static const iso_option options[] = {
      .group = PAPERS, FLAG(strips)},
     {"resolution", NULL, "WxH", "size of the picture in pixels", .group = PICTURE, .standard = "1024x1024",
      CALL(apply_resolution)},
-    {"dpi", NULL, "N", "pixels an inch that the picture's file states, for printing; the picture is the same but for --font-size",
+    {"dpi", NULL, "N",
+     "pixels an inch that the picture's file states, for printing; the picture is the same but for "
+     "--font-size",
      .group = PICTURE, .standard = "none, with one scale (--mm-per-pixel) its true size", REAL(dpi, 1, 1e5)},
     {"samples", NULL, "N", "samples a pixel: 1, 4, 9, ... 64", .group = PICTURE,
      .standard = "4 of opaque pictures by exact, else 1", CALL(apply_samples)},
@@ -511,55 +513,7 @@ static const iso_option options[] = {
      ".jpg)",
      .group = PICTURE, .standard = "FFFFFF", CALL(apply_background)},
     {"no-background", NULL, NULL, "the same as --background none", .group = PICTURE, FLAG(transparent)},
-    {"scale-bar", NULL, NULL,
-     "draw a bar of a round length, about a fifth of the picture's width, with its length in the unit of the "
-     "file; needs "
-     "--orthographic or --mm-per-pixel",
-     .group = PICTURE, FLAG(scale_bar)},
-    {"ruler", NULL, "X0,Y0,Z0,X1,Y1,Z1",
-     "draw a line with ticks between two points of the world (mm), and its length", .group = PICTURE,
-     CALL(isorender_apply_ruler), .flags = ISO_OPTION_REPEATABLE},
-    {"text", NULL, "PLACE:TEXT",
-     "write a text at a place of the picture, X,Y in parts of its width and height from the top left corner, as "
-     ".5,.1 or 50%,10%, or at a point X,Y,Z of the world (mm)",
-     .group = PICTURE, CALL(isorender_apply_text), .flags = ISO_OPTION_REPEATABLE},
-    {"arrow", NULL, "[FROM>]PLACE:TEXT",
-     "draw an arrow to a place, written as for --text, with a text at its other end, which is at FROM or beside "
-     "the place; FROM>PLACE: without a text",
-     .group = PICTURE, CALL(isorender_apply_arrow), .flags = ISO_OPTION_REPEATABLE},
-    {"legend", NULL, "NAMES",
-     "draw a list of colours and names at the top left: of surfaces, labels, lines, glyphs and meshes; NAMES, "
-     "separated by commas, instead of the names of files and labels",
-     .group = PICTURE, CALL(isorender_apply_legend), .flags = ISO_OPTION_VALUE_OPTIONAL},
-    {"inset", NULL, "X0,Y0:X1,Y1[:CORNER]",
-     "draw this part of the picture (as .4,.4:.6,.6, from the top left corner) larger in a corner: top-right, "
-     "top-left, bottom-right or bottom-left",
-     .group = PICTURE, CALL(isorender_apply_inset)},
-    {"font-size", NULL, "PT",
-     "size of all letters in points, 1/72 inch at --dpi; without --dpi a point is a pixel", .group = PICTURE,
-     .standard = "by the picture's size", REAL(font_size, 1, 500)},
-    {"panels", NULL, "WHAT=A,B,..",
-     "a page of pictures beside each other, with letters and titles, that differ in one option: isovalue, camera, "
-     "label, time (a component) or any other, as azimuth=0,90,180; values that have commas are separated by "
-     "semicolons. All have one framing, isovalue and range of colours; --resolution is that of one",
-     .group = PICTURE, TEXT(panels)},
-    {"panel-file", NULL, "FILE", "a further panel, as --panels: the same picture of another file",
-     .group = PICTURE, .kind = ISO_OPTION_TEXTS, FIELD(panel_files),
-     .flags = ISO_OPTION_REPEATABLE | ISO_OPTION_READS},
-    {"panel-titles", NULL, "A,B,..", "titles of panels", .group = PICTURE, .standard = "what differs",
-     TEXT(panel_titles)},
-    {"panel-columns", NULL, "N", "how many panels are beside each other", .group = PICTURE,
-     .standard = "up to 3, or about as many as rows", INT(panel_columns, 1, 26)},
-    {"unit", NULL, "NAME",
-     "unit of lengths in scale bar, rulers and --info: nm, um, mm, cm, m, km, angstrom or none. Lengths are converted to "
-     "it; of a file "
-     "that states no unit, it says what the file's lengths are in",
-     .group = PICTURE, .standard = "auto: as the file has it, none if it states none", CHOICE(unit, units)},
-    {"orientation-marker", NULL, NULL,
-     "draw the world's axes in a corner: L R A P H F (left, right, anterior, posterior, head, foot) when the "
-     "file "
-     "says where the patient is, else x y z",
-     .group = PICTURE, FLAG(orientation_marker)},
+#include "apps/isorender/figure_options.inc"
     {"turntable", NULL, "N",
      "N pictures around the surface with one fixed framing: OUT_000.png, OUT_001.png, ...", .group = PICTURE,
      INT(turntable, 1, 100000)},
@@ -608,7 +562,8 @@ static const iso_option options[] = {
      REALS(view_up, 3)},
 
     {"output", "o", "NAME",
-     "the picture: a .png, .tif, .jpg, .svg or .pdf (the last two with text as text), - for a .png on stdout; {model} is the input's name, {n:3} a number "
+     "the picture: a .png, .tif, .jpg, .svg or .pdf (the last two with text as text), - for a .png on "
+     "stdout; {model} is the input's name, {n:3} a number "
      "with three "
      "digits",
      .group = OUTPUT, .standard = "{model}.png", TEXT(output), UNRECORDED},

@@ -42,8 +42,8 @@ static iso_status split(const char *text, const char *option, list *l, iso_error
 }
 
 /* The option that --panels changes. */
-static iso_status find_option(const isorender_settings *settings, const iso_option **option, const char **values,
-                              iso_error *error) {
+static iso_status find_option(const isorender_settings *settings, const iso_option **option,
+                              const char **values, iso_error *error) {
     const char *text = settings->panels, *equals = strchr(text, '=');
     const size_t length = equals ? (size_t)(equals - text) : strlen(text);
     const bool is_time = length == 4 && strncmp(text, "time", 4) == 0;
@@ -51,14 +51,16 @@ static iso_status find_option(const isorender_settings *settings, const iso_opti
                       : iso_options_find(isorender_program(), text, length);
     *values = equals ? equals + 1 : "";
     if (length == 4 && strncmp(text, "file", 4) == 0)
-        return iso_fail(error, ISO_ERR_USAGE,
-                        "option --panels: pictures of several files: the first is the input, --panel-file names "
-                        "each of the others");
+        return iso_fail(
+            error, ISO_ERR_USAGE,
+            "option --panels: pictures of several files: the first is the input, --panel-file names "
+            "each of the others");
     if (!*option || !equals || !**values)
-        return iso_fail(error, ISO_ERR_USAGE,
-                        "option --panels: '%.60s' is not WHAT=A,B,.., with WHAT isovalue, camera, label, time or "
-                        "any other option",
-                        text);
+        return iso_fail(
+            error, ISO_ERR_USAGE,
+            "option --panels: '%.60s' is not WHAT=A,B,.., with WHAT isovalue, camera, label, time or "
+            "any other option",
+            text);
     if ((*option)->flags & ISO_OPTION_UNRECORDED || !(*option)->value ||
         strncmp((*option)->name, "panel", 5) == 0 || strcmp((*option)->name, "resolution") == 0)
         return iso_fail(error, ISO_ERR_USAGE, "option --panels: --%s does not make pictures that differ",
@@ -75,19 +77,19 @@ iso_status isorender_panels_check(isorender_settings *settings, iso_error *error
                         : settings->panel_columns ? "--panel-columns"
                                                   : NULL;
     if (!given && needs) return iso_fail(error, ISO_ERR_USAGE, "%s is for --panels", needs);
-    const char *unfit = !given                     ? NULL
-                        : settings->mesh           ? "--mesh"
-                        : settings->points         ? "--points"
-                        : settings->table          ? "--table"
-                        : settings->aov            ? "--aov"
-                        : settings->common.json    ? "--json"
-                        : settings->turntable      ? "--turntable"
-                        : settings->parts          ? "--part"
-                        : settings->info           ? "--info"
-                        : settings->no_image       ? "--no-image"
-                        : settings->ranks.mpi      ? "mpirun"
+    const char *unfit = !given                      ? NULL
+                        : settings->mesh            ? "--mesh"
+                        : settings->points          ? "--points"
+                        : settings->table           ? "--table"
+                        : settings->aov             ? "--aov"
+                        : settings->common.json     ? "--json"
+                        : settings->turntable       ? "--turntable"
+                        : settings->parts           ? "--part"
+                        : settings->info            ? "--info"
+                        : settings->no_image        ? "--no-image"
+                        : settings->ranks.mpi       ? "mpirun"
                         : settings->input_count > 1 ? "several inputs (--panel-file names further ones)"
-                                                   : NULL;
+                                                    : NULL;
     if (unfit) return iso_fail(error, ISO_ERR_USAGE, "--panels cannot be combined with %s", unfit);
     if (settings->panels && settings->panel_files.count)
         return iso_fail(error, ISO_ERR_USAGE, "panels differ in one thing: give --panels or --panel-file");
@@ -133,7 +135,8 @@ static iso_status named(const cell *c, int number, iso_status status, iso_error 
 /* Parses the command of a panel: the options of the page but for those named, then `argument`; the input is
  * `file`, if it is not NULL. */
 static iso_status parse_cell(const page *p, cell *c, const char *option, const char *file, iso_error *error) {
-    static const char *const left_out[] = {"panels", "panel-file", "panel-titles", "panel-columns", "save-scene"};
+    static const char *const left_out[] = {"panels", "panel-file", "panel-titles", "panel-columns",
+                                           "save-scene"};
     const char *names[6];
     const isorender_settings *settings = p->settings;
     memcpy(names, left_out, sizeof left_out);
@@ -141,10 +144,12 @@ static iso_status parse_cell(const page *p, cell *c, const char *option, const c
     c->argv = calloc((size_t)settings->argc + 2 + ISORENDER_BARS, sizeof *c->argv);
     c->operands.values = calloc((size_t)settings->argc + 2 + ISORENDER_BARS, sizeof *c->operands.values);
     if (!c->argv || !c->operands.values) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
-    c->argc = iso_options_without(isorender_program(), settings->argc, settings->argv, names, option ? 6 : 5, c->argv);
+    c->argc = iso_options_without(isorender_program(), settings->argc, settings->argv, names, option ? 6 : 5,
+                                  c->argv);
     bool replaced = !file;
     for (int i = 1; i < c->argc; i++)
-        if (file && c->argv[i] == p->settings->inputs[0]) c->argv[i] = (char *)(uintptr_t)file, replaced = true;
+        if (file && c->argv[i] == p->settings->inputs[0])
+            c->argv[i] = (char *)(uintptr_t)file, replaced = true;
     if (!replaced) return iso_fail(error, ISO_ERR_USAGE, "--panel-file is beside an input, which is a file");
     return ISO_OK;
 }
@@ -224,7 +229,8 @@ static iso_status take_titles(page *p, iso_error *error) {
     if (p->settings->panel_titles) {
         ISO_TRY(split(p->settings->panel_titles, "--panel-titles", &l, error));
         if (l.count != p->count)
-            return iso_fail(error, ISO_ERR_USAGE, "--panel-titles: %d titles for %d panels", l.count, p->count);
+            return iso_fail(error, ISO_ERR_USAGE, "--panel-titles: %d titles for %d panels", l.count,
+                            p->count);
         for (int i = 0; i < p->count; i++) {
             ISO_TRY(iso_font_check(l.items[i], error));
             snprintf(p->cells[i]->title, TITLE, "%s", l.items[i]);
@@ -236,18 +242,22 @@ static iso_status take_titles(page *p, iso_error *error) {
 /* ---- what panels have in common */
 
 static void add_box(iso_box *box, const iso_box *other) {
-    box->lo = iso_vec3_make(fmin(box->lo.x, other->lo.x), fmin(box->lo.y, other->lo.y), fmin(box->lo.z, other->lo.z));
-    box->hi = iso_vec3_make(fmax(box->hi.x, other->hi.x), fmax(box->hi.y, other->hi.y), fmax(box->hi.z, other->hi.z));
+    box->lo = iso_vec3_make(fmin(box->lo.x, other->lo.x), fmin(box->lo.y, other->lo.y),
+                            fmin(box->lo.z, other->lo.z));
+    box->hi = iso_vec3_make(fmax(box->hi.x, other->hi.x), fmax(box->hi.y, other->hi.y),
+                            fmax(box->hi.z, other->hi.z));
 }
 
 static double distance_of(const iso_camera *c) {
     return iso_vec3_length(iso_vec3_sub(c->position, c->focal_point));
 }
 
-/* Whether a box is all of another one, but for a little: the bounds of one surface differ by how it is drawn. */
+/* Whether a box is all of another one, but for a little: the bounds of one surface differ by how it is
+ * drawn. */
 static bool is_all_of(const iso_box *box, const iso_box *all) {
     static const double LITTLE = 0.02;
-    const double more = iso_vec3_length(iso_vec3_sub(box->lo, all->lo)) + iso_vec3_length(iso_vec3_sub(box->hi, all->hi));
+    const double more =
+        iso_vec3_length(iso_vec3_sub(box->lo, all->lo)) + iso_vec3_length(iso_vec3_sub(box->hi, all->hi));
     return more <= LITTLE * iso_vec3_length(iso_vec3_sub(all->hi, all->lo));
 }
 
@@ -260,7 +270,8 @@ static bool looks_alike(const iso_camera *a, const iso_camera *b) {
            a->orthographic == b->orthographic;
 }
 
-/* Moves cameras that look at the same things from several sides away, until all have the scale of the farthest. */
+/* Moves cameras that look at the same things from several sides away, until all have the scale of the
+ * farthest. */
 static void share_scale(page *p) {
     double scale = 0, distance = 0;
     for (int i = 0; i < p->count; i++) {
@@ -277,9 +288,9 @@ static void share_scale(page *p) {
     }
 }
 
-/* Gives all panels one framing. If they look the same way, it is that of the panel that holds all others, if there
- * is one; if they show the same from several sides, each has its own camera and all one scale. Else all frame the
- * box around everything. Where the camera is or how it zooms stays as it is given. */
+/* Gives all panels one framing. If they look the same way, it is that of the panel that holds all others,
+ * if there is one; if they show the same from several sides, each has its own camera and all one scale.
+ * Else all frame the box around everything. Where the camera is or how it zooms stays as it is given. */
 static void share_camera(page *p) {
     const iso_camera *first = &p->cells[0]->panel.camera;
     const bool zooms = p->settings->panels && strncmp(p->settings->panels, "zoom=", 5) == 0;
@@ -293,7 +304,8 @@ static void share_camera(page *p) {
         same &= whole;
         alike &= looks_alike(&p->cells[i]->panel.camera, first);
     }
-    const bool given = !isnan(p->cells[0]->settings.position[0]) || zooms, one = alike && largest >= 0 && !given;
+    const bool given = !isnan(p->cells[0]->settings.position[0]) || zooms,
+               one = alike && largest >= 0 && !given;
     for (int i = 0; i < p->count; i++) {
         isorender_panel *panel = &p->cells[i]->panel;
         panel->has_camera = one || same || given;
@@ -308,7 +320,8 @@ static iso_status share_ranges(page *p, iso_error *error) {
     const isorender_panel *first = &p->cells[0]->panel;
     const isorender_settings *settings = &p->cells[0]->settings;
     const int colored = settings->object_options.color_by.count + settings->coloring_count;
-    bool shares = first->range_count > 0 && first->range_count == colored && !settings->object_options.ranges.count;
+    bool shares =
+        first->range_count > 0 && first->range_count == colored && !settings->object_options.ranges.count;
     for (int i = 0; i < p->count; i++) shares &= p->cells[i]->panel.range_count == first->range_count;
     if (!shares) return ISO_OK;
     p->ranges = calloc(ISORENDER_BARS, sizeof *p->ranges);
@@ -373,11 +386,12 @@ static iso_status lay_out(page *p, iso_error *error) {
                  height = p->rows * (s->height + band_of(p)) + margin_of(p),
                  bytes = 4 * (width * height + (double)p->count * s->width * s->height);
     if (width > ISO_IMAGE_MAX || height > ISO_IMAGE_MAX)
-        return iso_fail(error, ISO_ERR_LIMIT, "--panels: a page of %.0fx%.0f pixels; at most %d a side", width,
-                        height, ISO_IMAGE_MAX);
+        return iso_fail(error, ISO_ERR_LIMIT, "--panels: a page of %.0fx%.0f pixels; at most %d a side",
+                        width, height, ISO_IMAGE_MAX);
     if (bytes > (double)iso_memory_limit(s->common.input.max_memory))
-        return iso_fail(error, ISO_ERR_LIMIT, "--panels: a page of %.0fx%.0f pixels needs %.0f MB (--max-memory)",
-                        width, height, bytes / 1e6);
+        return iso_fail(error, ISO_ERR_LIMIT,
+                        "--panels: a page of %.0fx%.0f pixels needs %.0f MB (--max-memory)", width, height,
+                        bytes / 1e6);
     p->width = (int)width;
     p->height = (int)height;
     return ISO_OK;
@@ -396,7 +410,8 @@ static void fit_title(const page *p, char title[TITLE], double room) {
 /* Draws the letter and the title above a panel. */
 static void add_title(const page *p, cell *c, int number, double x, double y, iso_drawing *over) {
     const isorender_settings *s = p->settings;
-    const iso_rgb ink = iso_is_dark(s->background, s->transparent != 0) ? (iso_rgb){255, 255, 255} : (iso_rgb){0, 0, 0};
+    const iso_rgb ink =
+        iso_is_dark(s->background, s->transparent != 0) ? (iso_rgb){255, 255, 255} : (iso_rgb){0, 0, 0};
     const char letter[2] = {(char)('a' + number), 0};
     const double indent = (iso_font_width(letter) / ISO_FONT_SIZE + 0.5) * p->font;
     iso_mark *mark = iso_drawing_text(over, letter, x, y, p->font, ink);
@@ -494,9 +509,9 @@ static void free_cell(cell *c) {
     free(c);
 }
 
-iso_status isorender_panels_run(const isorender_settings *settings, const isorender_plan *plan, iso_pool *pool,
-                                const isorender_backend *backend, const iso_environment *environment,
-                                iso_error *error) {
+iso_status isorender_panels_run(const isorender_settings *settings, const isorender_plan *plan,
+                                iso_pool *pool, const isorender_backend *backend,
+                                const iso_environment *environment, iso_error *error) {
     const means m = {pool, backend, environment};
     page p = {.settings = settings, .plan = plan, .names = calloc(1, sizeof *p.names)};
     const iso_status status =

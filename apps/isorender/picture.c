@@ -119,7 +119,8 @@ iso_status isorender_write_picture(const isorender_job *job, iso_image *image, c
     if (l.scene) texts[count++] = (iso_png_text){"Scene", l.scene};
     const iso_png_opts opts = {.texts = texts,
                                .text_count = count,
-                               .pixels_per_metre = page && !(job->settings->dpi > 0) ? 0 : isorender_pixels_per_metre(job),
+                               .pixels_per_metre =
+                                   page && !(job->settings->dpi > 0) ? 0 : isorender_pixels_per_metre(job),
                                .pool = job->pool};
     const iso_status status = iso_image_file_write_drawing(path, image, over, &opts, error);
     isorender_labels_free(&l);
@@ -263,7 +264,8 @@ static iso_status draw_frame(isorender_job *job, int frame, int factor, iso_imag
 }
 
 /* isorender_enlarged: of an inset. */
-static iso_status draw_enlarged(isorender_job *job, int frame, int factor, iso_image *image, iso_error *error) {
+static iso_status draw_enlarged(isorender_job *job, int frame, int factor, iso_image *image,
+                                iso_error *error) {
     isorender_frame counts = {0};
     ISO_TRY(iso_image_create(job->settings->width * factor, job->settings->height * factor, image, error));
     return draw_frame(job, frame, factor, image, NULL, &counts, error);

@@ -1,4 +1,5 @@
-/* annotate: composes scale bar, orientation marker, colour bars, legend and notes of the marks of a drawing. */
+/* annotate: composes scale bar, orientation marker, colour bars, legend and notes of the marks of a
+ * drawing. */
 #include "image/annotate.h"
 
 #include <math.h>
@@ -16,9 +17,9 @@ typedef struct pen {
     iso_drawing *drawing;
     int width, height; /* of the picture */
     iso_rgb ink, outline;
-    double text;  /* height of capital letters */
-    double size;  /* of the font */
-    double line;  /* width of lines */
+    double text;   /* height of capital letters */
+    double size;   /* of the font */
+    double line;   /* width of lines */
     double border; /* width of the outline */
 } pen;
 
@@ -95,12 +96,15 @@ double iso_scale_bar_length(const iso_camera *camera, int width, int height) {
 static const struct {
     const char *name, *shown; /* shown: in a picture, if it is another name */
     double millimetres;
-} length_units[ISO_UNITS] = {
-    [ISO_UNIT_AUTO] = {"", NULL, 0},     [ISO_UNIT_NONE] = {"", NULL, 0},
-    [ISO_UNIT_NM] = {"nm", NULL, 1e-6},  [ISO_UNIT_UM] = {"um", "\u00b5m", 1e-3},
-    [ISO_UNIT_MM] = {"mm", NULL, 1},     [ISO_UNIT_CM] = {"cm", NULL, 10},
-    [ISO_UNIT_M] = {"m", NULL, 1e3},     [ISO_UNIT_KM] = {"km", NULL, 1e6},
-    [ISO_UNIT_ANGSTROM] = {"A", "\u00c5", 1e-7}};
+} length_units[ISO_UNITS] = {[ISO_UNIT_AUTO] = {"", NULL, 0},
+                             [ISO_UNIT_NONE] = {"", NULL, 0},
+                             [ISO_UNIT_NM] = {"nm", NULL, 1e-6},
+                             [ISO_UNIT_UM] = {"um", "\u00b5m", 1e-3},
+                             [ISO_UNIT_MM] = {"mm", NULL, 1},
+                             [ISO_UNIT_CM] = {"cm", NULL, 10},
+                             [ISO_UNIT_M] = {"m", NULL, 1e3},
+                             [ISO_UNIT_KM] = {"km", NULL, 1e6},
+                             [ISO_UNIT_ANGSTROM] = {"A", "\u00c5", 1e-7}};
 
 const char *iso_length_unit_name(const iso_length_style *style) {
     if (style->unit != ISO_UNIT_AUTO) return length_units[style->unit].name;
@@ -119,11 +123,12 @@ static iso_length_unit unit_of_size(double millimetres, iso_world_unit world) {
     static const struct {
         iso_length_unit unit;
         double from; /* mm */
-    } sizes[] = {{ISO_UNIT_KM, 1e6}, {ISO_UNIT_M, 1e3}, {ISO_UNIT_CM, 100}, {ISO_UNIT_MM, 0.1},
-                 {ISO_UNIT_UM, 1e-3}};
+    } sizes[] = {
+        {ISO_UNIT_KM, 1e6}, {ISO_UNIT_M, 1e3}, {ISO_UNIT_CM, 100}, {ISO_UNIT_MM, 0.1}, {ISO_UNIT_UM, 1e-3}};
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++)
         if (millimetres >= sizes[i].from * (1 - 1e-9)) return sizes[i].unit;
-    return world == ISO_WORLD_UNIT_ANGSTROM && millimetres < 1e-5 * (1 - 1e-9) ? ISO_UNIT_ANGSTROM : ISO_UNIT_NM;
+    return world == ISO_WORLD_UNIT_ANGSTROM && millimetres < 1e-5 * (1 - 1e-9) ? ISO_UNIT_ANGSTROM
+                                                                               : ISO_UNIT_NM;
 }
 
 void iso_length_label(double length, int digits, const iso_length_style *style, char label[32]) {
@@ -302,8 +307,7 @@ static void draw_color_bar(const pen *p, const iso_color_bar *bar, double *right
 
 /* Draws an entry with its top left corner at (x, y); returns its width. */
 static double draw_entry(const pen *p, const iso_legend_entry *entry, double x, double y) {
-    const double side = p->text,
-                 corners[4][2] = {{x, y}, {x + side, y}, {x + side, y + side}, {x, y + side}};
+    const double side = p->text, corners[4][2] = {{x, y}, {x + side, y}, {x + side, y + side}, {x, y + side}};
     add_box(p, outlined_lines(p), x, y, x + side, y + side);
     iso_drawing_polygon(p->drawing, entry->color, corners, 4);
     add_text(p, entry->name, x + 1.6 * side, y + side / 2);
@@ -359,7 +363,8 @@ static void usual_tail(const pen *p, const double head[2], double tail[2]) {
 /* The part of the way from a text's middle to `to` at which its box ends. */
 static double leave_box(const pen *p, double text, const double from[2], const double to[2]) {
     const double dx = fabs(to[0] - from[0]), dy = fabs(to[1] - from[1]);
-    const double x = dx > 0 ? (0.5 * text + 0.4 * p->text) / dx : INFINITY, y = dy > 0 ? 1.1 * p->text / dy : INFINITY;
+    const double x = dx > 0 ? (0.5 * text + 0.4 * p->text) / dx : INFINITY,
+                 y = dy > 0 ? 1.1 * p->text / dy : INFINITY;
     return fmin(1, fmin(x, y));
 }
 
@@ -375,8 +380,9 @@ static void draw_arrow(const pen *p, const iso_note *note, const double head[2],
     if (length > 0) {
         const double tip = fmin(length, 1.1 * p->text), x = dx / length, y = dy / length, half = 0.38 * tip;
         const double base[2] = {head[0] - tip * x, head[1] - tip * y};
-        const double corners[3][2] = {
-            {head[0], head[1]}, {base[0] - half * y, base[1] + half * x}, {base[0] + half * y, base[1] - half * x}};
+        const double corners[3][2] = {{head[0], head[1]},
+                                      {base[0] - half * y, base[1] + half * x},
+                                      {base[0] + half * y, base[1] - half * x}};
         add_line(p, outlined_lines(p), begin[0], begin[1], base[0], base[1]);
         outline(p, iso_drawing_polygon(p->drawing, p->ink, corners, 3));
     }
@@ -435,7 +441,8 @@ void iso_inset_place(iso_inset *inset, int width, int height) {
     static const double MOST = 0.45, MARGIN = 0.02, LITTLE = 1e-6; /* parts of the picture; of a pixel */
     const int sides[2] = {width, height}, margin = (int)(MARGIN * (width < height ? width : height));
     const bool at_end[2] = {inset->corner == ISO_CORNER_TOP_RIGHT || inset->corner == ISO_CORNER_BOTTOM_RIGHT,
-                            inset->corner == ISO_CORNER_BOTTOM_LEFT || inset->corner == ISO_CORNER_BOTTOM_RIGHT};
+                            inset->corner == ISO_CORNER_BOTTOM_LEFT ||
+                                inset->corner == ISO_CORNER_BOTTOM_RIGHT};
     inset->factor = ISO_INSET_MOST;
     for (int axis = 0; axis < 2; axis++) {
         const int low = (int)(inset->box[axis] * sides[axis] + LITTLE),

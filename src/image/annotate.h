@@ -14,12 +14,6 @@
 #include "image/colormap.h"
 #include "image/drawing.h"
 
-/* A line of a legend: a swatch of a colour, and what has it. */
-typedef struct iso_legend_entry {
-    const char *name; /* UTF-8; characters that the font lacks are boxes */
-    iso_rgb color;
-} iso_legend_entry;
-
 /* In which unit a length is shown. */
 typedef enum iso_length_unit {
     ISO_UNIT_AUTO, /* km, m, cm, mm, um, nm or Angstrom, as it is short; none when the world has no unit */
@@ -45,25 +39,6 @@ const char *iso_length_unit_name(const iso_length_style *style);
 /* What a length in the world is multiplied by to be shown with that name. */
 double iso_length_factor(const iso_length_style *style);
 
-/* A place in the world, mm, or in the picture: parts of its width and height from its top left corner. */
-typedef struct iso_place {
-    bool in_world;
-    double at[3];
-} iso_place;
-
-typedef enum iso_note_kind {
-    ISO_NOTE_TEXT,  /* with its middle at `to`, moved into the picture */
-    ISO_NOTE_ARROW, /* its head is at `to`, its text at `from` */
-    ISO_NOTE_RULER  /* between two places of the world, with ticks and its length */
-} iso_note_kind;
-
-typedef struct iso_note {
-    iso_note_kind kind;
-    iso_place from, to;
-    bool has_from;    /* else an arrow comes from beside its head */
-    const char *text; /* as iso_font_check takes it; NULL: none, of an arrow or ruler; borrowed */
-} iso_note;
-
 typedef enum iso_corner {
     ISO_CORNER_TOP_RIGHT,
     ISO_CORNER_TOP_LEFT,
@@ -73,15 +48,16 @@ typedef enum iso_corner {
 
 /* A part of the picture, drawn larger in a corner: left, top, right, bottom. */
 typedef struct iso_inset {
-    double box[4];           /* the part, of the picture's width and height, and the corner: set by the caller */
+    double box[4]; /* the part, of the picture's width and height, and the corner: set by the caller */
     iso_corner corner;
-    int part[4], place[4];   /* the part and where it lies when it is larger, pixels, */
-    int factor;              /* and how many times: iso_inset_place sets them */
-    iso_image *picture;      /* fills the place; taken by the drawing and zeroed */
+    int part[4], place[4]; /* the part and where it lies when it is larger, pixels, */
+    int factor;            /* and how many times: iso_inset_place sets them */
+    iso_image *picture;    /* fills the place; taken by the drawing and zeroed */
 } iso_inset;
 enum { ISO_INSET_MOST = 8 }; /* times larger */
 
-/* Makes an inset 2 times as large as its part, and more while it fills less than .45 of the picture's sides. */
+/* Makes an inset 2 times as large as its part, and more while it fills less than .45 of the picture's
+ * sides. */
 void iso_inset_place(iso_inset *inset, int width, int height);
 
 typedef struct iso_annotation {
@@ -99,7 +75,7 @@ typedef struct iso_annotation {
     const iso_note *notes; /* borrowed */
     int note_count;
     iso_inset *inset; /* borrowed; NULL: none */
-    bool dark; /* the background is dark, so lines are drawn light */
+    bool dark;        /* the background is dark, so lines are drawn light */
 } iso_annotation;
 
 /* Whether annotations on this background are to be drawn light. */

@@ -1,11 +1,11 @@
-/* drawing: what lies over a picture as one list of marks: lines, polygons, text, further pictures. The list is
- * painted onto pixels (iso_drawing_paint), or written with text as text to SVG and PDF (drawing_write.h), so
- * that nothing is drawn twice.
+/* drawing: what lies over a picture as one list of marks: lines, polygons, text, further pictures. The list
+ * is painted onto pixels (iso_drawing_paint), or written with text as text to SVG and PDF (drawing_write.h),
+ * so that nothing is drawn twice.
  *
- * Positions and sizes are pixels; (0, 0) is the top left corner of the picture, y grows downwards. Marks are
- * drawn in their order. Painting samples every pixel at 8 x 8 points and blends in integers: the bytes are the
- * same on every machine. Functions that add a mark return it, or NULL without memory, which `failed` keeps: ask
- * iso_drawing_check once at the end. */
+ * Positions and sizes are pixels; (0, 0) is the top left corner of the picture, y grows downwards. Marks
+ * are drawn in their order. Painting samples every pixel at 8 x 8 points and blends in integers: the bytes
+ * are the same on every machine. Functions that add a mark return it, or NULL without memory, which
+ * `failed` keeps: ask iso_drawing_check once at the end. */
 #ifndef ISO_IMAGE_DRAWING_H
 #define ISO_IMAGE_DRAWING_H
 
@@ -13,16 +13,21 @@
 
 #include "image/image.h"
 
-typedef enum iso_mark_kind { ISO_MARK_LINES, ISO_MARK_POLYGON, ISO_MARK_TEXT, ISO_MARK_PICTURE } iso_mark_kind;
+typedef enum iso_mark_kind {
+    ISO_MARK_LINES,
+    ISO_MARK_POLYGON,
+    ISO_MARK_TEXT,
+    ISO_MARK_PICTURE
+} iso_mark_kind;
 
 typedef struct iso_mark {
     iso_mark_kind kind;
     iso_rgb color, halo_color;
-    double halo;  /* width of an outline in halo_color around it; 0: none */
-    double width; /* of LINES */
+    double halo;         /* width of an outline in halo_color around it; 0: none */
+    double width;        /* of LINES */
     double (*points)[2]; /* LINES: two for each; POLYGON: its corners. Owned */
     int point_count;
-    char *text; /* UTF-8, of characters that the font has (iso_font_check). Owned */
+    char *text;        /* UTF-8, of characters that the font has (iso_font_check). Owned */
     double x, y, size; /* TEXT: left end of its baseline, size of the font */
     bool bold;
     iso_image picture; /* PICTURE: owned; its pixels fill the rectangle */

@@ -1,5 +1,5 @@
-/* drawing_write: drawings as files of SVG 1.1 and PDF 1.4, with text as text and pictures embedded. No time, no
- * name of a machine: the same drawing is the same file everywhere. */
+/* drawing_write: drawings as files of SVG 1.1 and PDF 1.4, with text as text and pictures embedded. No
+ * time, no name of a machine: the same drawing is the same file everywhere. */
 #ifndef ISO_IMAGE_DRAWING_WRITE_H
 #define ISO_IMAGE_DRAWING_WRITE_H
 
@@ -7,8 +7,8 @@
 
 /* What a page is. */
 typedef struct iso_page {
-    int width, height;       /* pixels */
-    double pixels_per_metre; /* 0: 72 pixels an inch, so that a pixel is a point */
+    int width, height;            /* pixels */
+    double pixels_per_metre;      /* 0: 72 pixels an inch, so that a pixel is a point */
     const char *title, *software; /* UTF-8; NULL: none */
 } iso_page;
 

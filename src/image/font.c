@@ -1,5 +1,6 @@
-/* font: reads the tables of font/sans.ttf (OpenType 1.9: cmap format 4, glyf, hmtx, loca), a file of ours that
- * tools/make_font.py has made plain: no composite glyphs, one encoding, the long or the short form of loca. */
+/* font: reads the tables of font/sans.ttf (OpenType 1.9: cmap format 4, glyf, hmtx, loca), a file of ours
+ * that tools/make_font.py has made plain: no composite glyphs, one encoding, the long or the short form of
+ * loca. */
 #include "image/font.h"
 
 #include <string.h>
@@ -84,15 +85,16 @@ iso_status iso_font_check(const char *text, iso_error *error) {
                             "Cyrillic letters",
                             text);
         if (c < ' ' || !iso_font_glyph(c))
-            return iso_fail(error, ISO_ERR_USAGE,
-                            "'%.60s': character '%.*s' (U+%04X) cannot be drawn: the font has Latin, Greek and "
-                            "Cyrillic letters",
-                            text, (int)(at - before), before, (unsigned)c);
+            return iso_fail(
+                error, ISO_ERR_USAGE,
+                "'%.60s': character '%.*s' (U+%04X) cannot be drawn: the font has Latin, Greek and "
+                "Cyrillic letters",
+                text, (int)(at - before), before, (unsigned)c);
     }
     if (!count) return iso_fail(error, ISO_ERR_USAGE, "the text is empty");
     if (count > ISO_FONT_LONGEST)
-        return iso_fail(error, ISO_ERR_USAGE, "'%.40s..': a text of %d characters; at most %d are drawn", text,
-                        count, ISO_FONT_LONGEST);
+        return iso_fail(error, ISO_ERR_USAGE, "'%.40s..': a text of %d characters; at most %d are drawn",
+                        text, count, ISO_FONT_LONGEST);
     return ISO_OK;
 }
 

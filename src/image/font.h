@@ -28,13 +28,13 @@ extern const size_t iso_font_file_bytes;
  * character that the font lacks. */
 iso_status iso_font_check(const char *text, iso_error *error);
 
-/* Takes the next character of a text in UTF-8 and moves *text behind it; bytes that are no UTF-8 are taken one
- * by one as U+FFFD. 0: the text ends. */
+/* Takes the next character of a text in UTF-8 and moves *text behind it; bytes that are no UTF-8 are taken
+ * one by one as U+FFFD. 0: the text ends. */
 uint32_t iso_font_next(const char **text);
 /* The glyph of a character; 0: the font lacks it, and a box is drawn. */
 int iso_font_glyph(uint32_t character);
-int iso_font_advance(int glyph);            /* its width with the space around it, units */
-double iso_font_width(const char *text);    /* of a text in UTF-8, units */
+int iso_font_advance(int glyph);         /* its width with the space around it, units */
+double iso_font_width(const char *text); /* of a text in UTF-8, units */
 
 /* A straight piece of an outline, in units; y grows upwards from the baseline. What is inside has a winding
  * number other than 0. */

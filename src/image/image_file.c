@@ -71,7 +71,8 @@ iso_status iso_image_file_write(const char *path, const iso_image *image, const 
     case ISO_IMAGE_UNKNOWN:
         break;
     }
-    return iso_fail(error, ISO_ERR_USAGE, "%s: a picture's name ends in .png, .tif, .jpg, .svg or .pdf", path);
+    return iso_fail(error, ISO_ERR_USAGE, "%s: a picture's name ends in .png, .tif, .jpg, .svg or .pdf",
+                    path);
 }
 
 iso_status iso_image_file_write_drawing(const char *path, iso_image *image, const iso_drawing *drawing,

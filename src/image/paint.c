@@ -103,8 +103,8 @@ static void fill(mask *m, const edge *edges, int count, crossing *crossings) {
         for (int i = 0; i < count; i++) {
             const edge *e = &edges[i];
             if ((e->y0 <= y) == (e->y1 <= y)) continue;
-            crossings[found++] = (crossing){e->x0 + (y - e->y0) / (e->y1 - e->y0) * (e->x1 - e->x0),
-                                            e->y0 <= y ? 1 : -1};
+            crossings[found++] =
+                (crossing){e->x0 + (y - e->y0) / (e->y1 - e->y0) * (e->x1 - e->x0), e->y0 <= y ? 1 : -1};
         }
         qsort(crossings, (size_t)found, sizeof *crossings, compare_crossings);
         for (int i = 0, winding = 0; i + 1 < found; i++) {
@@ -188,8 +188,8 @@ static int text_edges(const iso_mark *mark, edge **edges) {
         }
         for (int i = 0; i < more; i++) {
             const iso_font_edge *e = &glyph_edges[i];
-            (*edges)[count++] = (edge){x + e->x0 * unit, mark->y - e->y0 * unit, x + e->x1 * unit,
-                                       mark->y - e->y1 * unit};
+            (*edges)[count++] =
+                (edge){x + e->x0 * unit, mark->y - e->y0 * unit, x + e->x1 * unit, mark->y - e->y1 * unit};
         }
         x += iso_font_advance(glyph) * unit;
     }

@@ -1,7 +1,7 @@
 #define _POSIX_C_SOURCE 200809L /* open_memstream */
-/* pdf_write: a drawing as one page of PDF 1.4 (ISO 32000-1). The font is embedded as a whole, with the characters
- * of its glyphs, so that text can be found and copied; pictures are streams of PNG's filtered rows (predictor
- * 15), and of their transparency. */
+/* pdf_write: a drawing as one page of PDF 1.4 (ISO 32000-1). The font is embedded as a whole, with the
+ * characters of its glyphs, so that text can be found and copied; pictures are streams of PNG's filtered
+ * rows (predictor 15), and of their transparency. */
 #include <stdlib.h>
 #include <zlib.h>
 
@@ -80,7 +80,8 @@ static void put_text(FILE *f, const iso_mark *mark) {
     put_color(f, mark->color, "rg");
     put_color(f, mark->color, "RG");
     if (mark->bold) fprintf(f, "%.6g w\n", ISO_FONT_BOLD * mark->size);
-    fprintf(f, "BT /F1 %.6g Tf %d Tr 1 0 0 -1 %.6g %.6g Tm <", mark->size, mark->bold ? 2 : 0, mark->x, mark->y);
+    fprintf(f, "BT /F1 %.6g Tf %d Tr 1 0 0 -1 %.6g %.6g Tm <", mark->size, mark->bold ? 2 : 0, mark->x,
+            mark->y);
     for (uint32_t c = iso_font_next(&at); c; c = iso_font_next(&at))
         fprintf(f, "%04X", (unsigned)iso_font_glyph(c));
     fputs("> Tj ET\n", f);
@@ -95,8 +96,7 @@ static void put_polygon(FILE *f, const iso_mark *mark) {
 
 static void put_mark(writer *w, FILE *f, const iso_mark *mark, int picture) {
     const bool lines = mark->kind == ISO_MARK_LINES;
-    if (mark->halo > 0)
-        put_stroke(w, f, mark, mark->halo_color, (lines ? mark->width : 0) + 2 * mark->halo);
+    if (mark->halo > 0) put_stroke(w, f, mark, mark->halo_color, (lines ? mark->width : 0) + 2 * mark->halo);
     if (lines)
         put_stroke(w, f, mark, mark->color, mark->width);
     else if (mark->kind == ISO_MARK_PICTURE)
@@ -131,16 +131,18 @@ static void put_contents(writer *w) {
 static void put_font(writer *w) {
     FILE *f = w->f;
     begin(w, FONT);
-    fprintf(f,
-            "<< /Type /Font /Subtype /Type0 /BaseFont /IsopointSans /Encoding /Identity-H /DescendantFonts [%d 0 "
-            "R] /ToUnicode %d 0 R >>\n",
-            DESCENDANT, UNICODE);
+    fprintf(
+        f,
+        "<< /Type /Font /Subtype /Type0 /BaseFont /IsopointSans /Encoding /Identity-H /DescendantFonts [%d 0 "
+        "R] /ToUnicode %d 0 R >>\n",
+        DESCENDANT, UNICODE);
     end(w);
     begin(w, DESCENDANT);
-    fprintf(f,
-            "<< /Type /Font /Subtype /CIDFontType2 /BaseFont /IsopointSans /CIDSystemInfo << /Registry (Adobe) "
-            "/Ordering (Identity) /Supplement 0 >> /FontDescriptor %d 0 R /CIDToGIDMap /Identity /W [0 [",
-            DESCRIPTOR);
+    fprintf(
+        f,
+        "<< /Type /Font /Subtype /CIDFontType2 /BaseFont /IsopointSans /CIDSystemInfo << /Registry (Adobe) "
+        "/Ordering (Identity) /Supplement 0 >> /FontDescriptor %d 0 R /CIDToGIDMap /Identity /W [0 [",
+        DESCRIPTOR);
     for (int i = 0; i < ISO_FONT_GLYPHS; i++)
         fprintf(f, i % 16 ? " %.6g" : "\n%.6g", iso_font_advance(i) * 1000.0 / ISO_FONT_SIZE);
     fputs("]] >>\n", f);
@@ -202,24 +204,26 @@ static void put_transparency(writer *w, int object, const iso_image *image) {
         return;
     }
     for (size_t i = 0; i < count; i++) alpha[i] = image->rgba[4 * i + 3];
-    snprintf(more, sizeof more,
-             " /Type /XObject /Subtype /Image /Width %d /Height %d /ColorSpace /DeviceGray /BitsPerComponent 8",
-             image->width, image->height);
+    snprintf(
+        more, sizeof more,
+        " /Type /XObject /Subtype /Image /Width %d /Height %d /ColorSpace /DeviceGray /BitsPerComponent 8",
+        image->width, image->height);
     put_stream(w, object, alpha, count, more);
     free(alpha);
 }
 
-/* The rows of a picture without its alpha, filtered and compressed as in a PNG; their bytes are known only when
- * they are written, so that their length is an object of its own. */
+/* The rows of a picture without its alpha, filtered and compressed as in a PNG; their bytes are known only
+ * when they are written, so that their length is an object of its own. */
 static void put_picture(writer *w, int object, const iso_image *image) {
     FILE *f = w->f;
     const bool opaque = iso_image_is_opaque(image);
     begin(w, object);
-    fprintf(f,
-            "<< /Type /XObject /Subtype /Image /Width %d /Height %d /ColorSpace /DeviceRGB /BitsPerComponent 8 "
-            "/Filter /FlateDecode /DecodeParms << /Predictor 15 /Colors 3 /BitsPerComponent 8 /Columns %d >> "
-            "/Length %d 0 R",
-            image->width, image->height, image->width, object + 2);
+    fprintf(
+        f,
+        "<< /Type /XObject /Subtype /Image /Width %d /Height %d /ColorSpace /DeviceRGB /BitsPerComponent 8 "
+        "/Filter /FlateDecode /DecodeParms << /Predictor 15 /Colors 3 /BitsPerComponent 8 /Columns %d >> "
+        "/Length %d 0 R",
+        image->width, image->height, image->width, object + 2);
     if (!opaque) fprintf(f, " /SMask %d 0 R", object + 1);
     fputs(" >>\nstream\n", f);
     const long start = ftell(f);
@@ -253,7 +257,8 @@ static void put_string(FILE *f, const char *key, const char *text) {
     fprintf(f, " /%s <FEFF", key);
     for (uint32_t c = iso_font_next(&text); c; c = iso_font_next(&text))
         if (c > 0xFFFF)
-            fprintf(f, "%04X%04X", 0xD800u + (unsigned)((c - 0x10000) >> 10), 0xDC00u + (unsigned)(c & 0x3FF));
+            fprintf(f, "%04X%04X", 0xD800u + (unsigned)((c - 0x10000) >> 10),
+                    0xDC00u + (unsigned)(c & 0x3FF));
         else
             fprintf(f, "%04X", (unsigned)c);
     fputs(">", f);
@@ -269,10 +274,11 @@ static void put_page(writer *w) {
     fprintf(f, "<< /Type /Pages /Kids [%d 0 R] /Count 1 >>\n", PAGE);
     end(w);
     begin(w, PAGE);
-    fprintf(f,
-            "<< /Type /Page /Parent %d 0 R /MediaBox [0 0 %.7g %.7g] /Contents %d 0 R /Resources << /Font << /F1 "
-            "%d 0 R >> /XObject <<",
-            PAGES, w->page->width * points, w->page->height * points, CONTENTS, FONT);
+    fprintf(
+        f,
+        "<< /Type /Page /Parent %d 0 R /MediaBox [0 0 %.7g %.7g] /Contents %d 0 R /Resources << /Font << /F1 "
+        "%d 0 R >> /XObject <<",
+        PAGES, w->page->width * points, w->page->height * points, CONTENTS, FONT);
     for (int i = 0, picture = 0; i < w->drawing->count; i++)
         if (w->drawing->marks[i].kind == ISO_MARK_PICTURE)
             fprintf(f, " /P%d %d 0 R", picture, PICTURES + 3 * picture), picture++;
@@ -302,7 +308,8 @@ static void put_document(writer *w) {
             CATALOG, INFO, table);
 }
 
-/* The document is made in memory, as its table tells where objects begin also in what cannot be wound back. */
+/* The document is made in memory, as its table tells where objects begin also in what cannot be wound
+ * back. */
 iso_status iso_pdf_write(const char *path, const iso_drawing *drawing, const iso_page *page, iso_pool *pool,
                          iso_error *error) {
     char *bytes = NULL;

@@ -1,5 +1,5 @@
-/* Scale bars, orientation markers, rulers, notes and insets: round lengths, labels, where they are, what is beneath
- * them, and letters that follow the camera; the outlines of letters, and how they are painted. */
+/* Scale bars, orientation markers, rulers, notes and insets: round lengths, labels, where they are, what
+ * is beneath them, and letters that follow the camera; the outlines of letters, and how they are painted. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -201,8 +201,8 @@ static void small_pictures_are_cut_off(void **state) {
         }
 }
 
-/* A letter's outlines are closed, within its width, and its area by the shoelace formula is that of the pixels
- * it is painted to. */
+/* A letter's outlines are closed, within its width, and its area by the shoelace formula is that of the
+ * pixels it is painted to. */
 static void letters_are_painted_as_they_are(void **state) {
     (void)state;
     static const uint8_t white[4] = {255, 255, 255, 255};
@@ -259,16 +259,14 @@ static void ruler_ends(const iso_image *image, int row, int ends[2]) {
     }
 }
 
-/* A ruler is as long as its ends are apart in the picture, also in perspective and for a ruler that goes into the
- * depth. */
+/* A ruler is as long as its ends are apart in the picture, in perspective and obliquely too. */
 static void rulers_have_their_length(void **state) {
     (void)state;
     static const uint8_t white[4] = {255, 255, 255, 255};
     for (int i = 0; i < 3; i++) {
         iso_camera camera = camera_at(iso_vec3_make(0, -100, 0), i ? 0 : 50);
-        const iso_note note = {.kind = ISO_NOTE_RULER,
-                               .from = {true, {-20, 0, 0}},
-                               .to = {true, {15, i == 2 ? 40 : 0, 0}}};
+        const iso_note note = {
+            .kind = ISO_NOTE_RULER, .from = {true, {-20, 0, 0}}, .to = {true, {15, i == 2 ? 40 : 0, 0}}};
         const iso_annotation annotation = {.camera = &camera, .notes = &note, .note_count = 1};
         iso_image image = annotated(&annotation, 400, 400, white);
         double from[2], to[2];
