@@ -396,7 +396,11 @@ static void draw_ruler(const pen *p, const iso_annotation *a, const iso_note *no
     const double length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]), step = round_length(length / 8);
     const double dx = to[0] - from[0], dy = to[1] - from[1], seen = sqrt(dx * dx + dy * dy);
     if (!(step > 0 && seen > 0)) return;
-    const double side = dx < 0 || (dx == 0 && dy > 0) ? -1 : 1; /* ticks stand upwards, or to the left */
+    /* ticks and length stand on the side that is away from the picture's middle, or else above */
+    const double out[2] = {0.5 * (from[0] + to[0] - p->width), 0.5 * (from[1] + to[1] - p->height)};
+    const double across = out[0] * dy - out[1] * dx, little = 0.02 * seen * p->height;
+    const bool upwards = dx > 0 || (dx == 0 && dy < 0), outwards = across > 0;
+    const double side = (fabs(across) > little ? outwards : upwards) ? 1 : -1;
     const double x = side * dy / seen, y = -side * dx / seen;
     const int ticks = (int)(length / step + 1e-9);
     iso_mark *lines = outlined_lines(p);
