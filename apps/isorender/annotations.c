@@ -126,13 +126,26 @@ iso_status isorender_annotations_check(const isorender_settings *settings, iso_e
                                                 : NULL;
     if (option && settings->parts)
         return iso_fail(error, ISO_ERR_USAGE, "%s cannot be combined with --part", option);
-    if (settings->has_inset && settings->ranks.mpi)
-        return iso_fail(error, ISO_ERR_USAGE, "--inset cannot be combined with mpirun");
-    const int side = settings->width > settings->height ? settings->width : settings->height;
-    if (settings->has_inset && side > ISO_IMAGE_MAX / ISO_INSET_MOST)
-        return iso_fail(error, ISO_ERR_LIMIT, "--inset: pictures up to %d pixels a side",
-                        ISO_IMAGE_MAX / ISO_INSET_MOST);
+    const int side = settings->width > settings->height ? settings->width : settings->height,
+              factor = isorender_inset_factor(settings);
+    if (factor && side > ISO_IMAGE_MAX / factor)
+        return iso_fail(
+            error, ISO_ERR_LIMIT,
+            "--inset: %d times larger, the picture has more than %d pixels a side: a larger part, or a "
+            "smaller --resolution",
+            factor, ISO_IMAGE_MAX);
     return ISO_OK;
+}
+
+static iso_inset place_inset(const isorender_settings *settings) {
+    iso_inset inset = {.corner = (iso_corner)settings->inset_corner};
+    memcpy(inset.box, settings->inset, sizeof inset.box);
+    iso_inset_place(&inset, settings->width, settings->height);
+    return inset;
+}
+
+int isorender_inset_factor(const isorender_settings *settings) {
+    return settings->has_inset ? place_inset(settings).factor : 0;
 }
 
 double isorender_font_pixels(const isorender_settings *settings) {
@@ -233,11 +246,7 @@ static void tell_outside(const isorender_job *job, const iso_camera *camera) {
 /* Makes the picture of the inset: its part of an enlarged frame. */
 static iso_status make_inset(isorender_job *job, int frame, isorender_enlarged *enlarge, iso_inset *inset,
                              iso_error *error) {
-    const isorender_settings *settings = job->settings;
     iso_image large = {0};
-    memcpy(inset->box, settings->inset, sizeof inset->box);
-    inset->corner = (iso_corner)settings->inset_corner;
-    iso_inset_place(inset, settings->width, settings->height);
     const int left = inset->part[0] * inset->factor, top = inset->part[1] * inset->factor,
               width = inset->place[2] - inset->place[0], height = inset->place[3] - inset->place[1];
     iso_status status = enlarge(job, frame, inset->factor, &large, error);
@@ -269,7 +278,8 @@ iso_status isorender_annotate(isorender_job *job, int frame, const iso_camera *c
     const bool last = !settings->panel || settings->panel->is_last;
     iso_color_bar bars[ISORENDER_BARS];
     iso_image enlarged = {0};
-    iso_inset inset = {.picture = &enlarged};
+    iso_inset inset = place_inset(settings);
+    inset.picture = &enlarged;
     const int bar_count = settings->color_bar && last ? isorender_color_bars(job, bars) : 0;
     legend *own = settings->panel ? NULL : calloc(1, sizeof *own), *l = own ? own
                                                                         : settings->panel

@@ -18,6 +18,8 @@ iso_status isorender_apply_legend(void *settings, const char *value, iso_error *
 /* ISO_ERR_USAGE: an option that does not go with them. */
 iso_status isorender_annotations_check(const isorender_settings *settings, iso_error *error);
 
+/* How many times larger the picture is drawn for --inset; 0: there is none. */
+int isorender_inset_factor(const isorender_settings *settings);
 /* The size of the font in pixels, of --font-size; 0: by the picture's size. */
 double isorender_font_pixels(const isorender_settings *settings);
 

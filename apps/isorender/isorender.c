@@ -102,11 +102,15 @@ static iso_status render_inputs(const isorender_settings *settings, int *code, i
 static iso_status render_with_ranks(isorender_settings *settings, int *code, iso_error *error) {
     iso_status status = isorender_ranks_check_settings(settings, error);
     if (settings->ranks.rank) settings->common.quiet = 1;
-    if (status == ISO_OK && settings->ranks.mpi && (settings->parts || settings->info || settings->no_image))
-        status = iso_fail(error, ISO_ERR_USAGE, "mpirun draws one picture: it cannot be combined with %s",
-                          settings->parts  ? "--part"
-                          : settings->info ? "--info"
-                                           : "--no-image");
+    const char *unfit = settings->parts                  ? "--part"
+                        : settings->info                 ? "--info"
+                        : settings->no_image             ? "--no-image"
+                        : settings->has_inset            ? "--inset"
+                        : isorender_has_panels(settings) ? "--panels"
+                                                         : NULL;
+    if (status == ISO_OK && settings->ranks.mpi && unfit)
+        status =
+            iso_fail(error, ISO_ERR_USAGE, "mpirun draws one picture: it cannot be combined with %s", unfit);
     if (status == ISO_OK) status = isorender_ranks_limit_memory(settings, error);
     if (status == ISO_OK) status = render_inputs(settings, code, error);
     return iso_ranks_agree(&settings->ranks, status, error);

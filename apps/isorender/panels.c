@@ -87,7 +87,6 @@ iso_status isorender_panels_check(isorender_settings *settings, iso_error *error
                         : settings->parts           ? "--part"
                         : settings->info            ? "--info"
                         : settings->no_image        ? "--no-image"
-                        : settings->ranks.mpi       ? "mpirun"
                         : settings->input_count > 1 ? "several inputs (--panel-file names further ones)"
                                                     : NULL;
     if (unfit) return iso_fail(error, ISO_ERR_USAGE, "--panels cannot be combined with %s", unfit);
@@ -160,6 +159,7 @@ static iso_status finish_cell(const page *p, cell *c, iso_error *error) {
     ISO_TRY(isorender_settings_parse(c->argc, c->argv, &c->settings, &c->operands, error));
     c->settings.scene_output = p->settings->scene_output;
     c->settings.panel = &c->panel;
+    c->settings.ranks = p->settings->ranks;
     return isorender_plans_make(&c->settings, &c->plans, error);
 }
 

@@ -390,8 +390,8 @@ uint64_t isorender_picture_bytes(const isorender_job *job, int samples) {
     const uint64_t gbuffer = smaller(strip, strip_bytes(settings));
     uint64_t aov = settings->aov ? pixels * (ISO_AOV_PLANES + 1) * sizeof(float) : 0;
     if (has_ids(settings)) aov += pixels * ISO_ID_PLANES * sizeof(uint32_t);
-    const uint64_t factor = settings->has_inset ? ISO_INSET_MOST * ISO_INSET_MOST : 0; /* of pixels */
-    uint64_t bytes = 4 * pixels * (1 + factor) + isorender_chunks_bytes(job) + aov + gbuffer;
+    const uint64_t larger = (uint64_t)isorender_inset_factor(settings);
+    uint64_t bytes = 4 * pixels * (1 + larger * larger) + isorender_chunks_bytes(job) + aov + gbuffer;
     const uint64_t threads = (uint64_t)iso_pool_threads(job->pool);
     const bool fragments = isorender_object_opacity_option(settings) != NULL;
     if (isorender_is_translucent(settings) || fragments) bytes += threads * ISO_EXACT_LAYERS_BYTES;
@@ -461,7 +461,7 @@ static iso_status survey(isorender_job *job, iso_error *error) {
     panel->range_count = isorender_color_bars(job, bars);
     panel->camera = job->camera;
     panel->box = job->bounds_framed;
-    panel->has_camera = panel->has_box = true;
+    panel->has_camera = true;
     free(panel->ranges);
     panel->ranges = calloc(ISORENDER_BARS, sizeof *panel->ranges);
     if (!panel->ranges) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");

@@ -84,18 +84,17 @@ enum { ISORENDER_NOTES = 64 }; /* texts, arrows and rulers in one picture */
 
 /* One picture of --panels: what is kept of it, and what all have in common. */
 typedef struct isorender_panel {
-    bool is_survey; /* it is only found out what the panels have in common; else it is drawn */
-    bool is_last;   /* it has the legend and the colour bars of all */
-    bool has_box,
-        has_camera; /* drawn with this camera, or with one that frames this box; a survey sets both */
-    iso_box box;
+    bool is_survey;  /* it is only found out what the panels have in common; else it is drawn */
+    bool is_last;    /* it has the legend and the colour bars of all */
+    bool has_camera; /* drawn with this camera, else with one that frames the box; a survey sets both */
     iso_camera camera;
-    int range_count;                     /* a survey: of everything that is coloured by numbers */
-    double (*ranges)[2];                 /* the same; room for ISORENDER_BARS */
+    iso_box box;
+    int range_count; /* set by a survey: the ranges of everything that is coloured by numbers; owned */
+    double (*ranges)[2];
     struct isorender_legend_list *names; /* of the legend, which panels share; borrowed */
-    iso_image image;                     /* drawn: the picture, and what is over it */
+    iso_image image;                     /* drawn: the picture, and what is over it; owned */
     iso_drawing drawing;
-    iso_drawing legend, bars; /* of the last panel: what stands beside all panels; made for its size */
+    iso_drawing legend, bars; /* of the last panel: what stands beside all panels; owned */
 } isorender_panel;
 
 /* An option that influences the picture, as it was given. */

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/decimal_point.h"
 #include "base/file_types.h"
 #include "image/drawing_write.h"
 
@@ -49,7 +50,9 @@ static iso_status write_page(const char *path, const iso_image *image, const iso
     const iso_drawing all = {.marks = marks, .count = 1 + (over ? over->count : 0)};
     iso_status (*write)(const char *, const iso_drawing *, const iso_page *, iso_pool *, iso_error *) =
         iso_image_kind_of(path) == ISO_IMAGE_PDF ? iso_pdf_write : iso_svg_write;
+    void *locale = iso_decimal_point_begin();
     const iso_status status = write(path, &all, &page, opts ? opts->pool : NULL, error);
+    iso_decimal_point_end(locale);
     free(marks);
     return status;
 }

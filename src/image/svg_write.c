@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/text.h"
 #include "image/drawing_write.h"
 #include "image/font.h"
 
@@ -105,9 +106,11 @@ static iso_status put_drawing(FILE *f, const iso_drawing *d, const iso_page *pag
             "viewBox=\"0 0 %d %d\">\n",
             page->width * points, page->height * points, page->width, page->height);
     if (page->title) {
+        char *title = iso_text_clean_copy(page->title); /* of a file's name, which may hold any bytes */
         fputs("<title>", f);
-        put_escaped(f, page->title);
+        put_escaped(f, title ? title : "");
         fputs("</title>\n", f);
+        free(title);
     }
     fputs("<g fill=\"none\" stroke-linecap=\"round\" stroke-linejoin=\"round\" xml:space=\"preserve\" "
           "font-family=\"Arial, Helvetica, 'Liberation Sans', sans-serif\" "
