@@ -59,6 +59,21 @@ static void byte_text(uint64_t bytes, char text[16]) {
     snprintf(text, 16, unit && value < 10 ? "%.1f %s" : "%.0f %s", value, units[unit]);
 }
 
+void iso_format_transform(const iso_vec3 steps[3], const iso_vec3 *origin, double unit,
+                          iso_volume_info *info) {
+    iso_transform *transform = &info->transform;
+    for (int axis = 0; axis < 3; axis++) {
+        const iso_vec3 direction = iso_vec3_unit(steps[axis]);
+        transform->spacing[axis] = iso_vec3_length(steps[axis]) * unit;
+        transform->direction[axis] = direction.x;
+        transform->direction[3 + axis] = direction.y;
+        transform->direction[6 + axis] = direction.z;
+    }
+    transform->origin[0] = origin->x * unit;
+    transform->origin[1] = origin->y * unit;
+    transform->origin[2] = origin->z * unit;
+}
+
 iso_status iso_format_check_memory(const char *path, const iso_volume_opts *opts, uint64_t bytes,
                                    const char *what, iso_error *error) {
     const uint64_t limit = iso_format_memory_limit(opts);

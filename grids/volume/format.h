@@ -55,6 +55,11 @@ extern const iso_format iso_format_png, iso_format_raw;
 /* Sets info's dims. ISO_ERR_FORMAT unless each is 1 .. 2^31-1. */
 iso_status iso_format_dims(const char *path, const uint64_t dims[3], iso_volume_info *info, iso_error *error);
 
+/* Sets info's transform: `steps` lead from a voxel to the next one on each axis, and `origin` is the first one's
+ * centre; both in units of `unit` mm. */
+void iso_format_transform(const iso_vec3 steps[3], const iso_vec3 *origin, double unit,
+                          iso_volume_info *info);
+
 /* The memory limit in bytes: opts->max_memory, by default 80 % of the available memory. */
 uint64_t iso_format_memory_limit(const iso_volume_opts *opts);
 
@@ -154,19 +159,37 @@ iso_status iso_format_read_stream(const char *path, const iso_volume_opts *opts,
 /* Adds the memory that iso_format_read_stream takes beside the grid to read_bytes. Needs dims and type. */
 void iso_format_stream_room(const iso_format_stream *stream, iso_volume_info *info);
 
-/* Where voxels lie in a file as they are, without compression. */
+/* Where voxels lie in a file as they are, or in a file that gzip has compressed, or as text. */
+enum { ISO_FORMAT_PATH = 4096 };
 typedef struct iso_format_place {
-    bool known;        /* the rest is set */
-    bool swap;         /* as in iso_format_stream */
-    iso_scalar scalar; /* of each of info->components interleaved components */
-    uint64_t position; /* of the first byte in the file */
+    bool known;                 /* the rest is set */
+    bool swap;                  /* as in iso_format_stream */
+    bool separate;              /* each component is a volume behind the one before it; false: interleaved */
+    bool gzip;                  /* the whole file is compressed, and `position` is in the unpacked one */
+    bool text;                  /* numbers between white space, stored as `scalar` */
+    iso_scalar scalar;          /* of each of info->components components */
+    uint64_t position;          /* of the first byte in the file */
+    char file[ISO_FORMAT_PATH]; /* where the voxels are; empty: in the file with the header */
 } iso_format_place;
 
-/* iso_format_stream_room and iso_format_read_stream for voxels that lie in a file as they are. ISO_ERR_IO: it
- * is too short, or unreadable. */
+/* Sets *opts->place: the voxels are numbers in text, from the current position of `file` on, stored as floats. */
+iso_status iso_format_text_voxels(const char *path, FILE *file, const iso_volume_opts *opts,
+                                  iso_volume_info *info, iso_error *error);
+/* Sets *opts->place, and the types of numbers that follow from it. */
+void iso_format_set_place(const iso_format_place *place, const iso_volume_opts *opts, iso_volume_info *info);
+
+/* iso_format_stream_room and iso_format_read_stream for voxels at a place. ISO_ERR_IO: the file is too short,
+ * damaged, or unreadable. */
 void iso_format_place_room(const iso_format_place *place, iso_volume_info *info);
 iso_status iso_format_read_place(const char *path, const iso_volume_opts *opts, const iso_volume_info *info,
                                  const iso_format_place *place, iso_grid *grid, iso_error *error);
+
+/* Reads up to *count bytes from the beginning of a file, or, if `gzip` says that it is compressed, of what is
+ * packed in it. ISO_ERR_IO. */
+iso_status iso_format_read_head(const char *path, void *bytes, size_t *count, bool *gzip, iso_error *error);
+/* Unpacks the beginning of a gzip file as far as `count` bytes of it and `room` allow; returns the number of
+ * bytes, 0 if it is none. */
+size_t iso_gzip_head(const void *packed, size_t count, void *bytes, size_t room);
 
 /* Unpacks a zlib or gzip stream from the current position of `file`, which is borrowed; `total` bytes are
  * expected, `path` is for messages. Destroy with iso_inflater_destroy. */

@@ -1,6 +1,9 @@
 /* format_inflate: unpacks zlib and gzip streams of any size with zlib. */
+#include <errno.h>
+#include <string.h>
 #include <zlib.h>
 
+#include "base/file.h"
 #include "base/memory.h"
 #include "grids/volume/format.h"
 
@@ -86,4 +89,38 @@ void iso_inflater_destroy(iso_inflater *inflater) {
     if (!inflater) return;
     inflateEnd(&inflater->z);
     iso_free(inflater);
+}
+
+size_t iso_gzip_head(const void *packed, size_t count, void *bytes, size_t room) {
+    static const unsigned char magic[] = {0x1f, 0x8b};
+    if (count < sizeof magic || memcmp(packed, magic, sizeof magic) != 0) return 0;
+    z_stream z = {.next_in = (z_const Bytef *)packed,
+                  .avail_in = (uInt)count,
+                  .next_out = bytes,
+                  .avail_out = (uInt)room};
+    if (inflateInit2(&z, 15 + 16) != Z_OK) return 0;
+    inflate(&z, Z_SYNC_FLUSH);
+    inflateEnd(&z);
+    return room - z.avail_out;
+}
+
+iso_status iso_format_read_head(const char *path, void *bytes, size_t *count, bool *gzip, iso_error *error) {
+    FILE *file;
+    ISO_TRY(iso_file_open(path, &file, NULL, error));
+    unsigned char magic[2] = {0};
+    *gzip = fread(magic, 1, 2, file) == 2 && magic[0] == 0x1f && magic[1] == 0x8b;
+    rewind(file);
+    iso_inflater *inflater = NULL;
+    iso_status status = ISO_OK;
+    const size_t wanted = *count;
+    if (*gzip) {
+        status = iso_inflater_create(path, file, wanted, &inflater, error);
+        if (status == ISO_OK) status = iso_inflater_read(inflater, bytes, wanted, count, error);
+    } else {
+        *count = fread(bytes, 1, wanted, file);
+        if (ferror(file)) status = iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
+    }
+    iso_inflater_destroy(inflater);
+    fclose(file);
+    return status;
 }

@@ -312,17 +312,10 @@ static nifti_dmat44 world_matrix(const nifti_file *file, iso_volume_info *info) 
 
 static void take_transform(const nifti_file *file, iso_volume_info *info) {
     nifti_dmat44 matrix = world_matrix(file, info);
-    double unit = unit_mm(file->image->xyz_units);
-    for (int axis = 0; axis < 3; axis++) {
-        iso_vec3 step = {-matrix.m[0][axis], -matrix.m[1][axis], matrix.m[2][axis]};
-        double length = iso_vec3_length(step);
-        iso_vec3 unit_step = iso_vec3_unit(step);
-        info->transform.spacing[axis] = length * unit;
-        info->transform.direction[axis] = unit_step.x;
-        info->transform.direction[3 + axis] = unit_step.y;
-        info->transform.direction[6 + axis] = unit_step.z;
-        info->transform.origin[axis] = (axis < 2 ? -1 : 1) * matrix.m[axis][3] * unit;
-    }
+    iso_vec3 steps[4]; /* and the origin */
+    for (int axis = 0; axis < 4; axis++)
+        steps[axis] = (iso_vec3){-matrix.m[0][axis], -matrix.m[1][axis], matrix.m[2][axis]};
+    iso_format_transform(steps, &steps[3], unit_mm(file->image->xyz_units), info);
     info->anatomical = true;
 }
 

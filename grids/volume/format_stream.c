@@ -138,24 +138,34 @@ iso_status iso_format_read_stream(const char *path, const iso_volume_opts *opts,
 typedef struct open_file {
     const char *path;
     FILE *stream;
+    iso_inflater *inflater; /* NULL: the file is not compressed */
+    bool text;
+    iso_scalar scalar;
 } open_file;
 
 static iso_status read_bytes(void *context, void *target, size_t bytes, iso_error *error) {
     const open_file *file = context;
+    if (file->inflater) return iso_inflater_fill(file->inflater, target, bytes, error);
+    if (file->text) {
+        const size_t count = bytes / iso_scalar_size(file->scalar);
+        if (iso_format_read_numbers(file->stream, "", file->scalar, count, target)) return ISO_OK;
+        return iso_fail(error, ISO_ERR_IO, "%s: truncated: a number is missing, or is none", file->path);
+    }
     if (fread(target, 1, bytes, file->stream) == bytes) return ISO_OK;
     return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", file->path,
                     ferror(file->stream) ? strerror(errno) : "the file ends too early");
 }
 
 static FILE *plain_file(void *context, uint64_t bytes) {
+    const open_file *file = context;
     (void)bytes;
-    return ((open_file *)context)->stream;
+    return file->inflater || file->text ? NULL : file->stream;
 }
 
 static iso_format_stream stream_of(const iso_format_place *place, const iso_volume_info *info) {
     return (iso_format_stream){.scalar = place->scalar,
-                               .components = info->components,
-                               .component = info->component,
+                               .components = place->separate ? 1 : info->components,
+                               .component = place->separate ? 0 : info->component,
                                .swap = place->swap,
                                .fill = read_bytes,
                                .plain = plain_file};
@@ -166,21 +176,62 @@ void iso_format_place_room(const iso_format_place *place, iso_volume_info *info)
     iso_format_stream_room(&stream, info);
 }
 
+void iso_format_set_place(const iso_format_place *place, const iso_volume_opts *opts, iso_volume_info *info) {
+    info->type = iso_scalar_stored_type(place->scalar);
+    snprintf(info->file_type, sizeof info->file_type, "%s",
+             place->text ? "text" : iso_scalar_name(place->scalar));
+    *opts->place = *place;
+    iso_format_place_room(place, info);
+}
+
+iso_status iso_format_text_voxels(const char *path, FILE *file, const iso_volume_opts *opts,
+                                  iso_volume_info *info, iso_error *error) {
+    const off_t position = ftello(file);
+    if (position < 0) return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
+    iso_format_set_place(
+        &(iso_format_place){
+            .known = true, .text = true, .scalar = ISO_SCALAR_FLOAT, .position = (uint64_t)position},
+        opts, info);
+    return ISO_OK;
+}
+
+/* Goes to the first byte of the voxels; `end` is behind their last one. */
+static iso_status go_to_voxels(open_file *file, uint64_t bytes, uint64_t start, uint64_t end, bool gzip,
+                               iso_error *error) {
+    char skipped[1 << 14];
+    if (gzip) {
+        ISO_TRY(iso_inflater_create(file->path, file->stream, end, &file->inflater, error));
+        for (uint64_t part; start; start -= part) {
+            part = start < sizeof skipped ? start : sizeof skipped;
+            ISO_TRY(iso_inflater_fill(file->inflater, skipped, part, error));
+        }
+        return ISO_OK;
+    }
+    if (!file->text && bytes < end) return iso_format_truncated(file->path, bytes, end, error);
+    if (fseeko(file->stream, (off_t)start, SEEK_SET) == 0) return ISO_OK;
+    return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", file->path, strerror(errno));
+}
+
 iso_status iso_format_read_place(const char *path, const iso_volume_opts *opts, const iso_volume_info *info,
                                  const iso_format_place *place, iso_grid *grid, iso_error *error) {
     iso_format_stream stream = stream_of(place, info);
-    open_file file = {.path = path};
-    uint64_t bytes, wanted = iso_format_size(info->dims, voxel_bytes(&stream));
-    ISO_TRY(iso_file_open(path, &file.stream, &bytes, error));
+    open_file file = {
+        .path = *place->file ? place->file : path, .text = place->text, .scalar = place->scalar};
+    const uint64_t volume = iso_format_size(info->dims, voxel_bytes(&stream));
+    uint64_t bytes, start = 0, end;
+    if (place->separate && __builtin_mul_overflow(volume, (uint64_t)info->component, &start))
+        start = UINT64_MAX;
+    if (__builtin_add_overflow(start, place->position, &start) || __builtin_add_overflow(start, volume, &end))
+        end = UINT64_MAX;
+    ISO_TRY(iso_file_open(file.path, &file.stream, &bytes, error));
     stream.context = &file;
-    if (__builtin_add_overflow(wanted, place->position, &wanted)) wanted = UINT64_MAX;
-    iso_status status = ISO_OK;
-    if (bytes < wanted)
-        status = iso_format_truncated(path, bytes, wanted, error);
-    else if (fseeko(file.stream, (off_t)place->position, SEEK_SET) != 0)
-        status = iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
-    else
-        status = iso_format_read_stream(path, opts, info, &stream, grid, error);
+    iso_status status = go_to_voxels(&file, bytes, start, end, place->gzip, error);
+    if (status == ISO_OK) status = iso_format_read_stream(path, opts, info, &stream, grid, error);
+    if (status == ISO_OK && file.inflater) {
+        status = iso_inflater_finish(file.inflater, NULL, error);
+        if (status != ISO_OK) iso_grid_destroy(grid);
+    }
+    iso_inflater_destroy(file.inflater);
     fclose(file.stream);
     return status;
 }

@@ -50,11 +50,21 @@ static const iso_format *format_of_name(const char *path) {
     return format_of_type(iso_file_type_of_name(path, ISO_HOLDS_VOLUME));
 }
 
-/* The beginning of a file. */
+/* The beginning of a file, unpacked if gzip compressed it. */
 typedef struct head {
     char bytes[ISO_FILE_HEAD];
     size_t count;
+    bool gzip;
 } head;
+
+static void unpack(head *h) {
+    char bytes[sizeof h->bytes];
+    const size_t count = iso_gzip_head(h->bytes, h->count, bytes, sizeof bytes);
+    h->gzip = count > 0;
+    if (!count) return;
+    memcpy(h->bytes, bytes, count);
+    h->count = count;
+}
 
 /* MetaImage has no magic number: a text of "Key = value" lines, one of which must be NDims. */
 static bool is_metaimage(const head *h) {
@@ -77,7 +87,9 @@ static const iso_format *format_of_content(const head *h) {
 const char *iso_volume_format(const void *bytes, size_t count) {
     head h = {.count = count < sizeof h.bytes ? count : sizeof h.bytes};
     memcpy(h.bytes, bytes, h.count);
+    unpack(&h);
     const iso_format *format = format_of_content(&h);
+    if (!format && h.gzip) format = &iso_format_nifti;
     return format ? format->name : NULL;
 }
 
@@ -89,6 +101,7 @@ static iso_status read_head(const char *path, head *h, iso_error *error) {
     fclose(file);
     if (failed) return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(code));
     if (h->count == 0) return iso_fail(error, ISO_ERR_IO, "%s: the file is empty", path);
+    unpack(h);
     return ISO_OK;
 }
 
@@ -130,7 +143,14 @@ static iso_status divide_path(const char *path, request *r, iso_error *error) {
 
 static const iso_format *format_of_file(const char *path, const head *h) {
     const iso_format *format = format_of_content(h);
-    return format ? format : format_of_name(path);
+    if (!format) format = format_of_name(path);
+    return !format && h->gzip ? &iso_format_nifti : format;
+}
+
+/* Whether a format is also read where gzip has compressed a whole file. */
+static bool reads_gzip(const iso_format *format) {
+    return format == &iso_format_nifti || format == &iso_format_mrc || format == &iso_format_mgh ||
+           format == &iso_format_mif;
 }
 
 /* If no reader knows the file or it is called .raw, looks for a layout in its name; the file's size must
@@ -231,8 +251,11 @@ static iso_status find_format(const char *path, request *r, const iso_format **f
     ISO_TRY(read_head(path, &h, error));
     *format = r->opts.raw ? &iso_format_raw : format_of_file(path, &h);
     if (!r->opts.raw) ISO_TRY(guess_raw(path, (uint64_t)status.st_size, r, format, error));
-    if (*format) return ISO_OK;
-    return fail_unknown(path, &h, error);
+    if (!*format) return fail_unknown(path, &h, error);
+    if (!h.gzip || reads_gzip(*format) || *format == &iso_format_raw) return ISO_OK;
+    return iso_fail(error, ISO_ERR_FORMAT,
+                    "%s: is a file of type %s that gzip has compressed: unpack it (gunzip)", path,
+                    (*format)->name);
 }
 
 /* ---- header ---- */

@@ -7,6 +7,8 @@
  *   raw                         our own, iso_raw_layout   .mha .mhd              our own
  *   .tif .tiff (also a folder)  libtiff                 HDF5                   libhdf5
  *   Zarr, OME-Zarr (folders)    our own                 PNG (folders)          libpng
+ *   .mrc .map                   our own                 .mgh .mgz              our own
+ *   .mif .mih                   our own                 .cube, .dx             our own
  *
  * The format is found from the content, and from the name if the content does not tell.
  *

@@ -16,9 +16,9 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t count);
 
-static const char *const suffixes[] = {"vti",    "vtk", "nrrd", "mha", "nii",
-                                       "nii.gz", "vdb", "dcm",  "tif", "raw"};
-enum { SUFFIXES = sizeof suffixes / sizeof *suffixes };
+static const char *const suffixes[] = {"vti", "vtk", "nrrd", "mha", "nii", "nii.gz", "vdb",  "dcm",
+                                       "tif", "raw", "mrc",  "mgz", "mif", "mih",    "cube", "dx"};
+enum { RAW = 9, SUFFIXES = sizeof suffixes / sizeof *suffixes };
 
 static const char *write_file(int which, const uint8_t *bytes, size_t count) {
     static char path[256];
@@ -59,7 +59,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t count) {
     int which = bytes[0] % SUFFIXES;
     const char *path = write_file(which, bytes + 1, count - 1);
     iso_raw_layout raw = {.dims = {7, 3, 2}, .type = ISO_INT16, .big_endian = count & 1};
-    iso_volume_opts opts = {.max_memory = 64 << 20, .raw = which == SUFFIXES - 1 ? &raw : NULL};
+    iso_volume_opts opts = {.max_memory = 64 << 20, .raw = which == RAW ? &raw : NULL};
     fuzz_read_volume(path, &opts);
     read_mapped(path, opts);
     remove(path);

@@ -161,6 +161,29 @@ def zarr_files():
     yield "v3", {"zarr.json": header, "c/0/0/0": b"".join(parts) + index + crc32c(index)}
 
 
+def field_files():
+    """Maps, FreeSurfer's and MRtrix's volumes, orbitals and potentials."""
+    voxels = bytes(v // 2 for v in VOXELS)
+    head = bytearray(1024)
+    struct.pack_into("<10i6f3i", head, 0, *DIMS, 0, 1, 2, 3, *DIMS, 5, 5.5, 13.5, 90, 100, 90, 1, 2, 3)
+    struct.pack_into("<2i", head, 88, 1, 80)
+    head[208:216] = b"MAP \x44\x44\0\0"
+    yield "mrc", {"a.mrc": bytes(head) + b"\0" * 80 + voxels}
+    yield "map.gz", {"a.map.gz": gzip.compress(bytes(head) + b"\0" * 80 + voxels, mtime=0)}
+    head = struct.pack(">7ih15f", 1, *DIMS, 1, 0, 0, 1, 0.5, 0.5, 1.5, -1, 0, 0, 0, 0, -1, 0, 1, 0, 1, 2, 3).ljust(284, b"\0")
+    yield "mgh", {"a.mgh": head + voxels}
+    yield "mgz", {"a.mgz": gzip.compress(head + voxels, mtime=0)}
+    mif = b"mrtrix image\ndim: 10,11,9\nvox: 0.5,0.5,1.5\nlayout: -1,+0,+2\ndatatype: UInt8\ntransform: 1,0,0,4\n" \
+          b"transform: 0,1,0,5\ntransform: 0,0,1,6\n"
+    yield "mif", {"a.mif": (mif + b"file: . 256\nEND\n").ljust(256, b"\0") + voxels}
+    yield "mih", {"a.mih": mif + b"file: b.dat\nEND\n", "b.dat": voxels}
+    numbers = ("\n".join(" ".join("%.4e" % v for v in VOXELS[i:i + 6]) for i in range(0, len(VOXELS), 6)) + "\n").encode()
+    yield "cube", {"a.cube": b"an orbital\n\n-1 1 2 3\n9 1 0 0\n11 0 1 0\n10 0 0.5 1\n6 6 1 2 3\n1 7\n" + numbers}
+    yield "dx", {"a.dx": b"object 1 class gridpositions counts 9 11 10\norigin 1 2 3\ndelta 1 0 0\ndelta 0 1 0\ndelta 0 0.5 1\n"
+                         b"object 2 class gridconnections counts 9 11 10\n"
+                         b"object 3 class array type double rank 0 items 990 data follows\n" + numbers}
+
+
 def volume_seeds():
     voxels = bytes(VOXELS)
     nrrd = b"NRRD0004\ntype: uint8\ndimension: 3\nsizes: 10 11 9\nspace: left-posterior-superior\n" \
@@ -182,6 +205,7 @@ def volume_seeds():
     yield "tiff", {"a.tif": tiff_file(range(9), b"ImageJ=1.53t\nimages=9\nslices=9\nunit=mm\nspacing=1.5\n")}
     yield "tiff-folder", {"a/%d.tif" % z: tiff_file([z]) for z in range(9)}
     yield "png-folder", {"a/%d.png" % z: png_slice(z) for z in range(9)}
+    yield from field_files()
     for label, files in zarr_files():
         yield "zarr-" + label, {"a.zarr/" + name: data for name, data in files.items()}
     yield "dicom", {"a.dcm": dicom_file(0, 9)}

@@ -6,10 +6,10 @@
 #include <ctype.h>
 #include <string.h>
 
+#include "io/glyphs/atoms.h"
 #include "io/glyphs/elements.h"
 #include "io/glyphs/glyphs_format.h"
 #include "io/glyphs/point_rows.h"
-#include "io/polydata/polydata.h"
 
 static const char separators[] = ",;";
 
@@ -30,46 +30,30 @@ static int element_of(const char *word) {
     return iso_element_of(word, letters);
 }
 
-static iso_status take_atom(xyz *x, char *row, float *radius, float color[3], uint64_t *unknown,
-                            iso_error *error) {
+static iso_status take_atom(xyz *x, char *row, iso_atoms *atoms, iso_error *error) {
     double p[3];
-    uint8_t bytes[3];
     char *word = row ? iso_row_word(&row) : NULL;
     if (!row) return iso_fail(error, ISO_ERR_IO, "%s: truncated: atoms are missing", x->rows.reading->path);
     if (!word) return iso_rows_fail(&x->rows, "not an atom", error);
     for (int axis = 0; axis < 3; axis++)
         if (!iso_row_number(&row, separators, &p[axis])) return iso_rows_fail(&x->rows, "not an atom", error);
-    const int element = element_of(word);
-    *unknown += element == 0;
-    *radius = iso_element_radius(element);
-    iso_element_color(element, bytes);
-    for (int k = 0; k < 3; k++) color[k] = bytes[k];
-    iso_polydata_add_point(&x->data, p);
+    iso_atoms_add(atoms, element_of(word), p);
     return ISO_OK;
 }
 
-static iso_status read_molecule(xyz *x, double atoms, iso_error *error) {
-    int radius, colors;
-    uint64_t unknown = 0;
+static iso_status read_molecule(xyz *x, double promised, iso_error *error) {
+    iso_atoms atoms;
     /* an atom takes at least eight bytes, "C 0 0 0" and the end of the row, which the last row may lack */
-    if (atoms > (double)(x->rows.end - x->rows.at + 1) / 8)
+    if (promised > (double)(x->rows.end - x->rows.at + 1) / 8)
         return iso_fail(error, ISO_ERR_IO, "%s: truncated: it promises %.0f atoms", x->rows.reading->path,
-                        atoms);
-    const size_t count = (size_t)atoms;
+                        promised);
     iso_rows_next(&x->rows); /* skips the row of comment */
-    ISO_TRY(iso_polydata_add_column(&x->data, "radius", 1, false, ISO_ROLE_RADIUS, &radius, error));
-    ISO_TRY(iso_polydata_add_column(&x->data, "colors", 3, false, ISO_ROLE_COLOR, &colors, error));
-    ISO_TRY(iso_polydata_reserve(&x->data, count, error));
-    float *radii = iso_polydata_column(&x->data, radius)->values.data,
-          *rgb = iso_polydata_column(&x->data, colors)->values.data;
-    for (size_t i = 0; i < count; i++)
-        ISO_TRY(take_atom(x, iso_rows_next(&x->rows), &radii[i], &rgb[3 * i], &unknown, error));
-    if (unknown)
-        iso_reading_note(x->data.reading, "%llu atoms are of unknown elements", (unsigned long long)unknown);
+    ISO_TRY(iso_atoms_begin(&x->data, (size_t)promised, &atoms, error));
+    for (size_t i = 0; i < (size_t)promised; i++)
+        ISO_TRY(take_atom(x, iso_rows_next(&x->rows), &atoms, error));
+    iso_atoms_end(&atoms);
     if (iso_point_rows_next(&x->rows))
         iso_reading_note(x->data.reading, "further frames follow: only the first is read");
-    x->data.reading->opts.every = 1;
-    x->data.reading->report->unit = ISO_WORLD_UNIT_ANGSTROM;
     return ISO_OK;
 }
 

@@ -1,0 +1,39 @@
+/* cube: the atoms of Gaussian's cube files (grids/volume/format_cube.c reads their voxels): rows of atomic
+ * number, charge and position, in bohr, or in angstrom if the number of voxels is negative. */
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "base/file.h"
+#include "grids/volume/cube_header.h"
+#include "io/glyphs/atoms.h"
+#include "io/glyphs/elements.h"
+#include "io/glyphs/glyphs_format.h"
+
+static iso_status read_atoms(iso_cube_file *f, iso_polydata *data, iso_error *error) {
+    iso_cube_header header;
+    iso_atoms atoms;
+    ISO_TRY(iso_cube_read_header(f, &header, error));
+    ISO_TRY(iso_atoms_begin(data, (size_t)header.atoms, &atoms, error));
+    for (long i = 0; i < header.atoms; i++) {
+        double number, charge, position[3];
+        ISO_TRY(iso_cube_next_line(f, error));
+        if (sscanf(f->line, "%lf %lf %lf %lf %lf", &number, &charge, &position[0], &position[1],
+                   &position[2]) != 5)
+            return iso_fail(error, ISO_ERR_FORMAT, "%s: atom %ld is no row of five numbers", f->path, i + 1);
+        for (int axis = 0; axis < 3; axis++) position[axis] *= header.unit;
+        iso_atoms_add(&atoms, iso_element_of_number(number), position);
+    }
+    iso_atoms_end(&atoms);
+    return ISO_OK;
+}
+
+iso_status iso_glyphs_read_cube(iso_reading *reading, iso_glyphs *glyphs, iso_error *error) {
+    iso_polydata data = {.reading = reading};
+    iso_cube_file file = {.path = reading->path};
+    ISO_TRY(iso_file_open(reading->path, &file.stream, NULL, error));
+    iso_status status = read_atoms(&file, &data, error);
+    if (status == ISO_OK) status = iso_polydata_to_glyphs(&data, glyphs, error);
+    fclose(file.stream);
+    iso_polydata_free(&data);
+    return status;
+}
