@@ -57,7 +57,7 @@ typedef struct iso_figure_opts {
 ISO_API iso_status iso_figure_paint(iso_image *image, const iso_figure_opts *opts, iso_error *error);
 
 /* Writes the picture with what stands over it, to a file of the kind that the name's ending says: .svg and
- * .pdf with text as text and the picture embedded, on a page of its size at `dpi`; .png, .tif and .jpg
+ * .pdf with text as text and the picture embedded, on a sheet of its size at `dpi`; .png, .tif and .jpg
  * painted. The picture stays as it is. ISO_ERR_USAGE, as above and for another ending; ISO_ERR_WRITE,
  * ISO_ERR_BACKEND (a .jpg without libjpeg), ISO_ERR_NOMEM. */
 ISO_API iso_status iso_figure_write(const iso_image *image, const iso_figure_opts *opts, const char *path,

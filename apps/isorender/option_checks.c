@@ -9,12 +9,14 @@
 #include <unistd.h>
 
 #include "apps/common/loader.h"
+#include "apps/common/page.h"
 #include "apps/isorender/annotations.h"
 #include "apps/isorender/backend.h"
 #include "apps/isorender/channels.h"
 #include "apps/isorender/colorings.h"
 #include "apps/isorender/cuts.h"
 #include "apps/isorender/label_items.h"
+#include "apps/isorender/page.h"
 #include "apps/isorender/panels.h"
 #include "apps/isorender/segmentation.h"
 #include "base/text.h"
@@ -100,7 +102,8 @@ static iso_status take_object(isorender_settings *settings, iso_error *error) {
 }
 
 static bool is_picture(const char *name) {
-    return strcmp(name, "-") != 0 && iso_image_kind_of(name) != ISO_IMAGE_UNKNOWN;
+    return strcmp(name, "-") != 0 &&
+           (iso_image_kind_of(name) != ISO_IMAGE_UNKNOWN || iso_page_is_named(name));
 }
 
 static bool exists(const char *path) {
@@ -139,7 +142,8 @@ static iso_status fail_picture_name(const char *name, iso_error *error) {
     char hint[256] = "";
     if (exists(name)) snprintf(hint, sizeof hint, " (several inputs need --output TEMPLATE)");
     if (option && !exists(name)) snprintf(hint, sizeof hint, " (%s%.160s writes such a file)", option, name);
-    return iso_fail(error, ISO_ERR_USAGE, "%s: a picture's name must end in .png, .tif, .jpg, .svg or .pdf%s",
+    return iso_fail(error, ISO_ERR_USAGE,
+                    "%s: a picture's name must end in .png, .tif, .jpg, .svg or .pdf, a page's in .html%s",
                     name, hint);
 }
 
@@ -297,7 +301,8 @@ static iso_status check_outputs(const isorender_settings *settings, iso_error *e
     bool to_stdout = image && settings->output && strcmp(settings->output, "-") == 0;
     if (settings->output && !to_stdout && image && !settings->parts && !is_picture(settings->output))
         return iso_fail(error, ISO_ERR_USAGE,
-                        "%s: a picture's name must end in .png, .tif, .jpg, .svg or .pdf", settings->output);
+                        "%s: a picture's name must end in .png, .tif, .jpg, .svg or .pdf, a page's in .html",
+                        settings->output);
     if (image && settings->output && settings->transparent &&
         iso_image_kind_of(settings->output) == ISO_IMAGE_JPEG)
         return iso_fail(error, ISO_ERR_USAGE, "%s: a JPEG has no transparency: .png and .tif have",
@@ -622,6 +627,7 @@ iso_status isorender_settings_check(isorender_settings *settings, const iso_oper
     ISO_TRY(isorender_backend_check(settings, error));
     ISO_TRY(check_part(settings, error));
     ISO_TRY(check_outputs(settings, error));
+    ISO_TRY(isorender_page_check(settings, error));
     ISO_TRY(isorender_panels_check(settings, error));
     if (isorender_has_panels(settings)) return ISO_OK; /* the rest is checked of each panel */
     ISO_TRY(check_surfaces(settings, error));

@@ -111,7 +111,7 @@ typedef struct cell {
     char title[TITLE];
 } cell;
 
-typedef struct page {
+typedef struct sheet {
     const isorender_settings *settings;
     const isorender_plan *plan;
     cell *cells[PANELS];
@@ -121,7 +121,7 @@ typedef struct page {
     int columns, rows, width, height;
     double font, text; /* size of the font, height of capitals */
     char (*ranges)[80];
-} page;
+} sheet;
 
 /* Puts "panel b (isovalue 300): " before a message that is not about the file alone. */
 static iso_status named(const cell *c, int number, iso_status status, iso_error *error) {
@@ -131,9 +131,10 @@ static iso_status named(const cell *c, int number, iso_status status, iso_error 
     return iso_fail(error, status, "panel %c (%.60s): %s", 'a' + number, c->title, text);
 }
 
-/* Parses the command of a panel: the options of the page but for those named, then `argument`; the input is
+/* Parses the command of a panel: the options of the sheet but for those named, then `argument`; the input is
  * `file`, if it is not NULL. */
-static iso_status parse_cell(const page *p, cell *c, const char *option, const char *file, iso_error *error) {
+static iso_status parse_cell(const sheet *p, cell *c, const char *option, const char *file,
+                             iso_error *error) {
     static const char *const left_out[] = {"panels", "panel-file", "panel-titles", "panel-columns",
                                            "save-scene"};
     const char *names[6];
@@ -153,7 +154,7 @@ static iso_status parse_cell(const page *p, cell *c, const char *option, const c
     return ISO_OK;
 }
 
-static iso_status finish_cell(const page *p, cell *c, iso_error *error) {
+static iso_status finish_cell(const sheet *p, cell *c, iso_error *error) {
     isorender_plans_free(c->plans, 1);
     c->plans = NULL;
     ISO_TRY(isorender_settings_parse(c->argc, c->argv, &c->settings, &c->operands, error));
@@ -170,7 +171,7 @@ static void insert(cell *c, char *argument) {
     c->argc++;
 }
 
-static iso_status add_cell(page *p, const char *title, cell **made, iso_error *error) {
+static iso_status add_cell(sheet *p, const char *title, cell **made, iso_error *error) {
     cell *c = calloc(1, sizeof *c);
     if (!c) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
     p->cells[p->count++] = c;
@@ -187,7 +188,7 @@ static void make_title(const char *what, const char *value, char title[TITLE]) {
         if (*c == '-') *c = ' ';
 }
 
-static iso_status add_values(page *p, iso_error *error) {
+static iso_status add_values(sheet *p, iso_error *error) {
     const iso_option *option;
     const char *values;
     list l;
@@ -208,7 +209,7 @@ static iso_status add_values(page *p, iso_error *error) {
     return ISO_OK;
 }
 
-static iso_status add_files(page *p, iso_error *error) {
+static iso_status add_files(sheet *p, iso_error *error) {
     const iso_texts *files = &p->settings->panel_files;
     for (int i = 0; i <= files->count; i++) {
         const char *file = i ? files->values[i - 1] : p->plan->input;
@@ -224,7 +225,7 @@ static iso_status add_files(page *p, iso_error *error) {
     return ISO_OK;
 }
 
-static iso_status take_titles(page *p, iso_error *error) {
+static iso_status take_titles(sheet *p, iso_error *error) {
     list l;
     if (p->settings->panel_titles) {
         ISO_TRY(split(p->settings->panel_titles, "--panel-titles", &l, error));
@@ -272,7 +273,7 @@ static bool looks_alike(const iso_camera *a, const iso_camera *b) {
 
 /* Moves cameras that look at the same things from several sides away, until all have the scale of the
  * farthest. */
-static void share_scale(page *p) {
+static void share_scale(sheet *p) {
     double scale = 0, distance = 0;
     for (int i = 0; i < p->count; i++) {
         scale = fmax(scale, p->cells[i]->panel.camera.parallel_scale);
@@ -291,7 +292,7 @@ static void share_scale(page *p) {
 /* Gives all panels one framing. If they look the same way, it is that of the panel that holds all others,
  * if there is one; if they show the same from several sides, each has its own camera and all one scale.
  * Else all frame the box around everything. Where the camera is or how it zooms stays as it is given. */
-static void share_camera(page *p) {
+static void share_camera(sheet *p) {
     const iso_camera *first = &p->cells[0]->panel.camera;
     const bool zooms = p->settings->panels && strncmp(p->settings->panels, "zoom=", 5) == 0;
     iso_box all = p->cells[0]->panel.box;
@@ -316,7 +317,7 @@ static void share_camera(page *p) {
 }
 
 /* Gives all panels the ranges of colours that hold those of each, unless --range is given. */
-static iso_status share_ranges(page *p, iso_error *error) {
+static iso_status share_ranges(sheet *p, iso_error *error) {
     const isorender_panel *first = &p->cells[0]->panel;
     const isorender_settings *settings = &p->cells[0]->settings;
     const int colored = settings->object_options.color_by.count + settings->coloring_count;
@@ -349,7 +350,7 @@ typedef struct means {
 } means;
 
 /* Surveys or draws all panels. Notes are said once, by the survey, and of each file. */
-static iso_status run_cells(page *p, const means *m, bool survey, iso_error *error) {
+static iso_status run_cells(sheet *p, const means *m, bool survey, iso_error *error) {
     for (int i = 0; i < p->count; i++) {
         cell *c = p->cells[i];
         const bool says = survey && (i == 0 || p->settings->panel_files.count);
@@ -365,17 +366,17 @@ static iso_status run_cells(page *p, const means *m, bool survey, iso_error *err
     return ISO_OK;
 }
 
-/* ---- the page */
+/* ---- the sheet */
 
-static double margin_of(const page *p) {
+static double margin_of(const sheet *p) {
     return ceil(0.8 * p->text);
 }
 
-static double band_of(const page *p) {
+static double band_of(const sheet *p) {
     return ceil(2.1 * p->text);
 }
 
-static iso_status lay_out(page *p, iso_error *error) {
+static iso_status lay_out(sheet *p, iso_error *error) {
     const isorender_settings *s = p->settings;
     p->font = iso_annotation_font_size(isorender_font_pixels(s), s->width, s->height);
     p->text = p->font * ISO_FONT_CAPITALS / ISO_FONT_SIZE;
@@ -386,11 +387,11 @@ static iso_status lay_out(page *p, iso_error *error) {
                  height = p->rows * (s->height + band_of(p)) + margin_of(p),
                  bytes = 4 * (width * height + (double)p->count * s->width * s->height);
     if (width > ISO_IMAGE_MAX || height > ISO_IMAGE_MAX)
-        return iso_fail(error, ISO_ERR_LIMIT, "--panels: a page of %.0fx%.0f pixels; at most %d a side",
+        return iso_fail(error, ISO_ERR_LIMIT, "--panels: a sheet of %.0fx%.0f pixels; at most %d a side",
                         width, height, ISO_IMAGE_MAX);
     if (bytes > (double)iso_memory_limit(s->common.input.max_memory))
         return iso_fail(error, ISO_ERR_LIMIT,
-                        "--panels: a page of %.0fx%.0f pixels needs %.0f MB (--max-memory)", width, height,
+                        "--panels: a sheet of %.0fx%.0f pixels needs %.0f MB (--max-memory)", width, height,
                         bytes / 1e6);
     p->width = (int)width;
     p->height = (int)height;
@@ -398,7 +399,7 @@ static iso_status lay_out(page *p, iso_error *error) {
 }
 
 /* Cuts a title that is wider than its picture. */
-static void fit_title(const page *p, char title[TITLE], double room) {
+static void fit_title(const sheet *p, char title[TITLE], double room) {
     size_t length = strlen(title);
     while (length && iso_font_width(title) * p->font / ISO_FONT_SIZE > room) {
         do length--;
@@ -408,7 +409,7 @@ static void fit_title(const page *p, char title[TITLE], double room) {
 }
 
 /* Draws the letter and the title above a panel. */
-static void add_title(const page *p, cell *c, int number, double x, double y, iso_drawing *over) {
+static void add_title(const sheet *p, cell *c, int number, double x, double y, iso_drawing *over) {
     const isorender_settings *s = p->settings;
     const iso_rgb ink =
         iso_is_dark(s->background, s->transparent != 0) ? (iso_rgb){255, 255, 255} : (iso_rgb){0, 0, 0};
@@ -420,7 +421,7 @@ static void add_title(const page *p, cell *c, int number, double x, double y, is
     iso_drawing_text(over, c->title, x + indent, y, p->font, ink);
 }
 
-static void place_cell(const page *p, cell *c, int number, iso_image *image, iso_drawing *over) {
+static void place_cell(const sheet *p, cell *c, int number, iso_image *image, iso_drawing *over) {
     const int left = (int)(margin_of(p) + number % p->columns * (p->settings->width + margin_of(p))),
               top = (int)(band_of(p) + number / p->columns * (p->settings->height + band_of(p)));
     const iso_image *from = &c->panel.image;
@@ -432,7 +433,7 @@ static void place_cell(const page *p, cell *c, int number, iso_image *image, iso
 }
 
 /* Moves what stands beside the panels to where they end, and *right behind it. */
-static void place_beside(const page *p, iso_drawing *beside, int *right, iso_drawing *over) {
+static void place_beside(const sheet *p, iso_drawing *beside, int *right, iso_drawing *over) {
     double low, high;
     iso_drawing_width(beside, &low, &high);
     if (!(low <= high)) return;
@@ -449,9 +450,9 @@ static void fill(iso_image *image, const isorender_settings *s) {
             memcpy(image->rgba + 4 * i, color, 4);
 }
 
-/* The page's scene and the texts of its file are those of the whole command. */
-static iso_status write_page(page *p, iso_pool *pool, iso_image *image, const iso_drawing *over,
-                             iso_error *error) {
+/* The sheet's scene and the texts of its file are those of the whole command. */
+static iso_status write_sheet(sheet *p, iso_pool *pool, iso_image *image, const iso_drawing *over,
+                              iso_error *error) {
     isorender_job *job = calloc(1, sizeof *job);
     if (!job) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
     job->settings = p->settings;
@@ -467,7 +468,7 @@ static iso_status write_page(page *p, iso_pool *pool, iso_image *image, const is
     return status;
 }
 
-static iso_status make_page(page *p, const means *m, iso_error *error) {
+static iso_status make_sheet(sheet *p, const means *m, iso_error *error) {
     iso_image image = {0};
     iso_drawing over = {.marks = NULL};
     ISO_TRY(isorender_plan_check_writable(p->plan, error));
@@ -489,7 +490,7 @@ static iso_status make_page(page *p, const means *m, iso_error *error) {
     if (status == ISO_OK) {
         fill(&image, p->settings);
         for (int i = 0; i < p->count; i++) place_cell(p, p->cells[i], i, &image, &over);
-        status = write_page(p, m->pool, &image, &over, error);
+        status = write_sheet(p, m->pool, &image, &over, error);
     }
     iso_drawing_free(&over);
     iso_image_free(&image);
@@ -513,9 +514,9 @@ iso_status isorender_panels_run(const isorender_settings *settings, const isoren
                                 iso_pool *pool, const isorender_backend *backend,
                                 const iso_environment *environment, iso_error *error) {
     const means m = {pool, backend, environment};
-    page p = {.settings = settings, .plan = plan, .names = calloc(1, sizeof *p.names)};
+    sheet p = {.settings = settings, .plan = plan, .names = calloc(1, sizeof *p.names)};
     const iso_status status =
-        p.names ? make_page(&p, &m, error) : iso_fail(error, ISO_ERR_NOMEM, "out of memory for the legend");
+        p.names ? make_sheet(&p, &m, error) : iso_fail(error, ISO_ERR_NOMEM, "out of memory for the legend");
     if (status == ISO_OK && strcmp(plan->image, "-") != 0 && !settings->common.quiet)
         iso_program_log(isorender_program(), "%s: wrote %s: %d panels", plan->input, plan->image, p.count);
     for (int i = 0; i < p.count; i++) free_cell(p.cells[i]);

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "apps/common/page.h"
 #include "apps/common/template.h"
 #include "apps/isorender/annotations.h"
 #include "apps/isorender/chunks.h"
@@ -12,6 +13,7 @@
 #include "apps/isorender/cuts.h"
 #include "apps/isorender/isorender.h"
 #include "apps/isorender/labels.h"
+#include "apps/isorender/page.h"
 #include "apps/isorender/scene_file.h"
 #include "base/clock.h"
 #include "base/memory.h"
@@ -110,17 +112,18 @@ double isorender_pixels_per_metre(const isorender_job *job) {
 iso_status isorender_write_picture(const isorender_job *job, iso_image *image, const iso_drawing *over,
                                    const char *path, iso_error *error) {
     isorender_labels l;
+    if (iso_page_is_named(path)) return isorender_page_write(job, image, path, error);
     ISO_TRY(isorender_labels_make(job, &l, error));
     iso_png_text texts[ISO_KEY_TEXTS] = {
         {"Software", l.software}, {"Title", job->plan->model}, {"Comment", l.command}};
-    const bool page = iso_image_is_page(path); /* of a size in points, not of that of what it shows */
+    const bool sheet = iso_image_is_sheet(path); /* of a size in points, not of that of what it shows */
     int count = 3;
     if (l.isovalues[0]) texts[count++] = (iso_png_text){"Description", l.isovalues};
     if (l.scene) texts[count++] = (iso_png_text){"Scene", l.scene};
     const iso_png_opts opts = {.texts = texts,
                                .text_count = count,
                                .pixels_per_metre =
-                                   page && !(job->settings->dpi > 0) ? 0 : isorender_pixels_per_metre(job),
+                                   sheet && !(job->settings->dpi > 0) ? 0 : isorender_pixels_per_metre(job),
                                .pool = job->pool};
     const iso_status status = iso_image_file_write_drawing(path, image, over, &opts, error);
     isorender_labels_free(&l);
@@ -271,9 +274,9 @@ static iso_status draw_enlarged(isorender_job *job, int frame, int factor, iso_i
     return draw_frame(job, frame, factor, image, NULL, &counts, error);
 }
 
-/* Whether annotations stay marks: of a page, or of a panel. */
+/* Whether annotations stay marks: of a sheet, or of a panel. */
 static bool keeps_marks(const isorender_job *job) {
-    return job->settings->panel || (job->plan->image && iso_image_is_page(job->plan->image));
+    return job->settings->panel || (job->plan->image && iso_image_is_sheet(job->plan->image));
 }
 
 static iso_status annotate(isorender_job *job, int frame, canvas *c, iso_error *error) {
@@ -307,7 +310,7 @@ static iso_status render_frame(isorender_job *job, int frame, canvas *c, iso_err
 
 static iso_status save_image(isorender_job *job, int frame, canvas *c, iso_error *error) {
     isorender_panel *panel = job->settings->panel;
-    if (panel) { /* it becomes a part of a page */
+    if (panel) { /* it becomes a part of a sheet */
         panel->image = c->image, panel->drawing = c->over;
         c->image = (iso_image){.rgba = NULL}, c->over = (iso_drawing){.marks = NULL};
         return ISO_OK;

@@ -229,6 +229,9 @@ typedef struct isorender_settings {
     int unit;                                       /* iso_length_unit */
     double position[3], focal_point[3], view_up[3]; /* NaN: not given */
 
+    double isovalue_range[2]; /* of a page; NaN: not given */
+    uint64_t page_size;       /* its most bytes; 0: not given */
+
     int part, parts; /* part 1 .. parts of the picture, which is drawn into a file of keys; 0: the whole */
     int chunk_size;  /* voxels along the side of a chunk; 0: not given */
     int no_index;    /* NAME.isoindex is neither read nor written */

@@ -23,7 +23,7 @@ iso_status iso_image_file_check(const char *path, iso_error *error) {
     return iso_fail(error, ISO_ERR_BACKEND, "%s: built without libjpeg: .png and .tif need no library", path);
 }
 
-bool iso_image_is_page(const char *path) {
+bool iso_image_is_sheet(const char *path) {
     const iso_image_kind kind = iso_image_kind_of(path);
     return kind == ISO_IMAGE_SVG || kind == ISO_IMAGE_PDF;
 }
@@ -34,24 +34,24 @@ static const char *text_of(const iso_png_opts *opts, const char *key) {
     return NULL;
 }
 
-/* Writes a page: the picture and, over it, the marks of `over`, which are not changed. */
-static iso_status write_page(const char *path, const iso_image *image, const iso_drawing *over,
-                             const iso_png_opts *opts, iso_error *error) {
-    const iso_page page = {.width = image->width,
-                           .height = image->height,
-                           .pixels_per_metre = opts ? opts->pixels_per_metre : 0,
-                           .title = text_of(opts, "Title"),
-                           .software = text_of(opts, "Software")};
+/* Writes a sheet: the picture and, over it, the marks of `over`, which are not changed. */
+static iso_status write_sheet(const char *path, const iso_image *image, const iso_drawing *over,
+                              const iso_png_opts *opts, iso_error *error) {
+    const iso_sheet sheet = {.width = image->width,
+                             .height = image->height,
+                             .pixels_per_metre = opts ? opts->pixels_per_metre : 0,
+                             .title = text_of(opts, "Title"),
+                             .software = text_of(opts, "Software")};
     iso_mark *marks = calloc((size_t)(over ? over->count : 0) + 1, sizeof *marks);
     if (!marks) return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", path);
     marks[0] = (iso_mark){
         .kind = ISO_MARK_PICTURE, .picture = *image, .right = image->width, .bottom = image->height};
     if (over && over->count) memcpy(marks + 1, over->marks, (size_t)over->count * sizeof *marks);
     const iso_drawing all = {.marks = marks, .count = 1 + (over ? over->count : 0)};
-    iso_status (*write)(const char *, const iso_drawing *, const iso_page *, iso_pool *, iso_error *) =
+    iso_status (*write)(const char *, const iso_drawing *, const iso_sheet *, iso_pool *, iso_error *) =
         iso_image_kind_of(path) == ISO_IMAGE_PDF ? iso_pdf_write : iso_svg_write;
     void *locale = iso_decimal_point_begin();
-    const iso_status status = write(path, &all, &page, opts ? opts->pool : NULL, error);
+    const iso_status status = write(path, &all, &sheet, opts ? opts->pool : NULL, error);
     iso_decimal_point_end(locale);
     free(marks);
     return status;
@@ -70,7 +70,7 @@ iso_status iso_image_file_write(const char *path, const iso_image *image, const 
         return iso_jpeg_write(path, image, opts, error);
     case ISO_IMAGE_SVG:
     case ISO_IMAGE_PDF:
-        return write_page(path, image, NULL, opts, error);
+        return write_sheet(path, image, NULL, opts, error);
     case ISO_IMAGE_UNKNOWN:
         break;
     }
@@ -81,7 +81,7 @@ iso_status iso_image_file_write(const char *path, const iso_image *image, const 
 iso_status iso_image_file_write_drawing(const char *path, iso_image *image, const iso_drawing *drawing,
                                         const iso_png_opts *opts, iso_error *error) {
     ISO_TRY(iso_drawing_check(drawing, error));
-    if (iso_image_is_page(path)) return write_page(path, image, drawing, opts, error);
+    if (iso_image_is_sheet(path)) return write_sheet(path, image, drawing, opts, error);
     ISO_TRY(iso_drawing_paint(drawing, image, error));
     return iso_image_file_write(path, image, opts, error);
 }

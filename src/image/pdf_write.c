@@ -1,5 +1,5 @@
 #define _POSIX_C_SOURCE 200809L /* open_memstream */
-/* pdf_write: a drawing as one page of PDF 1.4 (ISO 32000-1). The font is embedded as a whole, with the
+/* pdf_write: a drawing as one sheet of PDF 1.4 (ISO 32000-1). The font is embedded as a whole, with the
  * characters of its glyphs, so that text can be found and copied; pictures are streams of PNG's filtered
  * rows (predictor 15), and of their transparency. */
 #include <stdlib.h>
@@ -16,7 +16,7 @@ enum { CATALOG = 1, PAGES, PAGE, CONTENTS, FONT, DESCENDANT, DESCRIPTOR, FONT_FI
 typedef struct writer {
     FILE *f;
     const iso_drawing *drawing;
-    const iso_page *page;
+    const iso_sheet *sheet;
     iso_pool *pool;
     long *places; /* where each object begins, by its number */
     int objects;
@@ -48,7 +48,7 @@ static void put_stream(writer *w, int object, const void *bytes, size_t size, co
     free(out);
 }
 
-/* ---- the page's contents */
+/* ---- the sheet's contents */
 
 static void put_color(FILE *f, iso_rgb c, const char *operator) {
     fprintf(f, "%.4g %.4g %.4g %s\n", c.r / 255.0, c.g / 255.0, c.b / 255.0, operator);
@@ -110,13 +110,13 @@ static void put_mark(writer *w, FILE *f, const iso_mark *mark, int picture) {
 static void put_contents(writer *w) {
     char *text = NULL;
     size_t size = 0;
-    const double points = iso_page_points(w->page);
+    const double points = iso_sheet_points(w->sheet);
     FILE *f = open_memstream(&text, &size);
     if (!f) {
         w->failed = true;
         return;
     }
-    fprintf(f, "%.7g 0 0 %.7g 0 %.7g cm 1 J 1 j\n", points, -points, w->page->height * points);
+    fprintf(f, "%.7g 0 0 %.7g 0 %.7g cm 1 J 1 j\n", points, -points, w->sheet->height * points);
     for (int i = 0, picture = 0; i < w->drawing->count; i++) {
         put_mark(w, f, &w->drawing->marks[i], picture);
         picture += w->drawing->marks[i].kind == ISO_MARK_PICTURE;
@@ -264,9 +264,9 @@ static void put_string(FILE *f, const char *key, const char *text) {
     fputs(">", f);
 }
 
-static void put_page(writer *w) {
+static void put_sheet(writer *w) {
     FILE *f = w->f;
-    const double points = iso_page_points(w->page);
+    const double points = iso_sheet_points(w->sheet);
     begin(w, CATALOG);
     fprintf(f, "<< /Type /Catalog /Pages %d 0 R >>\n", PAGES);
     end(w);
@@ -278,7 +278,7 @@ static void put_page(writer *w) {
         f,
         "<< /Type /Page /Parent %d 0 R /MediaBox [0 0 %.7g %.7g] /Contents %d 0 R /Resources << /Font << /F1 "
         "%d 0 R >> /XObject <<",
-        PAGES, w->page->width * points, w->page->height * points, CONTENTS, FONT);
+        PAGES, w->sheet->width * points, w->sheet->height * points, CONTENTS, FONT);
     for (int i = 0, picture = 0; i < w->drawing->count; i++)
         if (w->drawing->marks[i].kind == ISO_MARK_PICTURE)
             fprintf(f, " /P%d %d 0 R", picture, PICTURES + 3 * picture), picture++;
@@ -286,15 +286,15 @@ static void put_page(writer *w) {
     end(w);
     begin(w, INFO);
     fputs("<<", f);
-    put_string(f, "Title", w->page->title);
-    put_string(f, "Producer", w->page->software);
+    put_string(f, "Title", w->sheet->title);
+    put_string(f, "Producer", w->sheet->software);
     fputs(" >>\n", f);
     end(w);
 }
 
 static void put_document(writer *w) {
     fputs("%PDF-1.4\n%\xE2\xE3\xCF\xD3\n", w->f);
-    put_page(w);
+    put_sheet(w);
     put_contents(w);
     put_font(w);
     put_unicode(w);
@@ -310,13 +310,13 @@ static void put_document(writer *w) {
 
 /* The document is made in memory, as its table tells where objects begin also in what cannot be wound
  * back. */
-iso_status iso_pdf_write(const char *path, const iso_drawing *drawing, const iso_page *page, iso_pool *pool,
+iso_status iso_pdf_write(const char *path, const iso_drawing *drawing, const iso_sheet *sheet, iso_pool *pool,
                          iso_error *error) {
     char *bytes = NULL;
     size_t size = 0;
     iso_sink sink;
     ISO_TRY(iso_drawing_check(drawing, error));
-    writer w = {.drawing = drawing, .page = page, .pool = pool, .objects = PICTURES};
+    writer w = {.drawing = drawing, .sheet = sheet, .pool = pool, .objects = PICTURES};
     for (int i = 0; i < drawing->count; i++) w.objects += drawing->marks[i].kind == ISO_MARK_PICTURE ? 3 : 0;
     w.places = calloc((size_t)w.objects, sizeof *w.places);
     w.f = open_memstream(&bytes, &size);

@@ -7,8 +7,8 @@
 #include "image/drawing_write.h"
 #include "image/font.h"
 
-double iso_page_points(const iso_page *page) {
-    return page->pixels_per_metre > 0 ? 72 / 0.0254 / page->pixels_per_metre : 1;
+double iso_sheet_points(const iso_sheet *sheet) {
+    return sheet->pixels_per_metre > 0 ? 72 / 0.0254 / sheet->pixels_per_metre : 1;
 }
 
 static void put_escaped(FILE *f, const char *text) {
@@ -97,16 +97,16 @@ static iso_status put_mark(FILE *f, const iso_mark *mark, iso_pool *pool, iso_er
     return ISO_OK;
 }
 
-static iso_status put_drawing(FILE *f, const iso_drawing *d, const iso_page *page, iso_pool *pool,
+static iso_status put_drawing(FILE *f, const iso_drawing *d, const iso_sheet *sheet, iso_pool *pool,
                               iso_error *error) {
-    const double points = iso_page_points(page);
+    const double points = iso_sheet_points(sheet);
     fprintf(f,
             "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" "
             "xmlns:xlink=\"http://www.w3.org/1999/xlink\" version=\"1.1\" width=\"%.7gpt\" height=\"%.7gpt\" "
             "viewBox=\"0 0 %d %d\">\n",
-            page->width * points, page->height * points, page->width, page->height);
-    if (page->title) {
-        char *title = iso_text_clean_copy(page->title); /* of a file's name, which may hold any bytes */
+            sheet->width * points, sheet->height * points, sheet->width, sheet->height);
+    if (sheet->title) {
+        char *title = iso_text_clean_copy(sheet->title); /* of a file's name, which may hold any bytes */
         fputs("<title>", f);
         put_escaped(f, title ? title : "");
         fputs("</title>\n", f);
@@ -121,12 +121,12 @@ static iso_status put_drawing(FILE *f, const iso_drawing *d, const iso_page *pag
     return ISO_OK;
 }
 
-iso_status iso_svg_write(const char *path, const iso_drawing *drawing, const iso_page *page, iso_pool *pool,
+iso_status iso_svg_write(const char *path, const iso_drawing *drawing, const iso_sheet *sheet, iso_pool *pool,
                          iso_error *error) {
     iso_sink sink;
     ISO_TRY(iso_drawing_check(drawing, error));
     ISO_TRY(iso_sink_open(path, &sink, error));
-    iso_status status = put_drawing(sink.stream, drawing, page, pool, error);
+    iso_status status = put_drawing(sink.stream, drawing, sheet, pool, error);
     if (status == ISO_OK) status = iso_sink_commit(&sink, error);
     iso_sink_abort(&sink);
     return status;

@@ -288,7 +288,7 @@ static bool is_painted(const iso_scene *scene, const iso_picture_opts *opts) {
 
 static iso_status paint(const iso_scene *scene, const iso_picture_opts *opts, iso_image *image,
                         size_t *covered, iso_error *error) {
-    const iso_view view = iso_view_make(opts->camera, opts->width, opts->height);
+    const iso_view view = opts->view ? *opts->view : iso_view_make(opts->camera, opts->width, opts->height);
     const iso_exact_picture whole = {&view, &opts->shading, image, opts->pool,
                                      scene->surfaces[0].surface->clip};
     return iso_paint_exact(&whole, scene->surfaces[0].surface->exact, covered, error);
