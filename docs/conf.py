@@ -26,7 +26,7 @@ def as_site(app, page, source):
         readme = Path(app.srcdir, "..", "README.md").read_text(encoding="utf-8")
         readme = re.sub(r"\[([^]]*)\]\(volumes/[^)]*\)", r"\1", readme)
         text = readme.replace("](docs/", "](").replace("](src/", "](../src/") + text
-    if page == "gallery":
+    if page in ("gallery", "gallery-figures"):
         text = re.sub(r"((?:^    \S.*\n)*^    .*?\b(\w+\.png)\b.*\n)", with_picture, text, flags=re.M)
     text = text.replace("](../README.md#", "](index.md#")
     text = re.sub(r'<a id="([^"]*)"></a>\n', r"(\1)=", text)

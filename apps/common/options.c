@@ -431,6 +431,26 @@ iso_status iso_options_parse(const iso_program *program, int argc, char *const *
     return ISO_OK;
 }
 
+int iso_options_without(const iso_program *program, int argc, char *const *argv, const char *const *names,
+                        int count, char **kept) {
+    bool options = true;
+    int left = 0;
+    for (int i = 0; i < argc; i++) {
+        const int first = i;
+        const size_t dashes = argv[i][0] == '-' ? 1 + (argv[i][1] == '-') : 0;
+        const iso_option *option = i && options && dashes ? iso_options_find(program, argv[i] + dashes,
+                                                                             strcspn(argv[i] + dashes, "="))
+                                                          : NULL;
+        const char *value;
+        bool out = false;
+        options &= strcmp(argv[i], "--") != 0;
+        if (option && find_value(option, argc, argv, &i, &value, NULL) == ISO_OK)
+            for (int k = 0; k < count; k++) out |= strcmp(option->name, names[k]) == 0;
+        for (int k = first; k <= i && !out; k++) kept[left++] = argv[k];
+    }
+    return left;
+}
+
 typedef struct main_call {
     int argc;
     char **argv;

@@ -104,6 +104,11 @@ typedef struct iso_operands {
 iso_status iso_options_parse(const iso_program *program, int argc, char *const *argv, void *settings,
                              iso_operands *operands, iso_error *error);
 
+/* Copies argv to `kept`, which has room for it, without the options of these names and their values.
+ * Returns how many arguments are left. */
+int iso_options_without(const iso_program *program, int argc, char *const *argv, const char *const *names,
+                        int count, char **kept);
+
 /* The option with this name or alias, of `length` characters without dashes; NULL: there is none. */
 const iso_option *iso_options_find(const iso_program *program, const char *name, size_t length);
 

@@ -68,7 +68,8 @@ static iso_box framed_box(const isorender_job *job) {
  * - a few points lie so far from the others that these would become specks. */
 static isorender_fit usual_fit(const isorender_job *job) {
     const isorender_settings *settings = job->settings;
-    const bool placed = is_given(settings->position) || is_given(settings->focal_point) || settings->first;
+    const bool shared = settings->first && !settings->panel,
+               placed = is_given(settings->position) || is_given(settings->focal_point) || shared;
     return placed || job->gaussians || job->outside_frame ? ISORENDER_FIT_BOX : ISORENDER_FIT_TIGHT;
 }
 
@@ -213,16 +214,22 @@ iso_status isorender_camera_make(isorender_job *job, iso_error *error) {
     const isorender_settings *settings = job->settings;
     isorender_same_view *first = settings->first;
     job->bounds_framed = framed_box(job);
-    if (first && first->has_camera) {
-        job->camera = first->camera;
+    const isorender_panel *panel = settings->panel && !settings->panel->is_survey ? settings->panel : NULL;
+    if (panel ? panel->has_camera : first && first->has_camera) {
+        job->camera = panel ? panel->camera : first->camera;
         return ISO_OK;
+    }
+    if (panel) {
+        job->camera = isorender_camera_of_box(job, &panel->box);
+        return iso_camera_check(&job->camera, error);
     }
     const isorender_fit fitting = fit_of(job);
     if (!is_given(settings->position) && fitting == ISORENDER_FIT_BOX) log_outside(job);
     const iso_camera camera = make_camera(job, fitting);
     ISO_TRY(iso_camera_check(&camera, error));
     job->camera = camera;
-    if (first) *first = (isorender_same_view){first->has_isovalue, true, first->isovalue, camera};
+    if (first && !settings->panel)
+        *first = (isorender_same_view){first->has_isovalue, true, first->isovalue, camera};
     return ISO_OK;
 }
 

@@ -8,6 +8,7 @@
 #include "apps/isorender/keyframes.h"
 #include "apps/isorender/merge.h"
 #include "apps/isorender/mpi_ranks.h"
+#include "apps/isorender/panels.h"
 #include "apps/isorender/scene_file.h"
 #include "apps/isorender/series.h"
 #include "base/file_types.h"
@@ -36,8 +37,7 @@ static bool draws_any(const isorender_settings *settings, const isorender_plan *
     return false;
 }
 
-/* The film of one input, or of a series. */
-static isorender_film new_film(const isorender_settings *settings) {
+isorender_film isorender_film_of(const isorender_settings *settings) {
     isorender_film film = {.count = settings->pictures ? settings->pictures : 1};
     for (int i = 0; i < ISORENDER_COLORINGS; i++) film.ranges[i][0] = film.ranges[i][1] = NAN;
     return film;
@@ -78,8 +78,9 @@ static int render_each(const isorender_settings *given, const isorender_plan *pl
                        const isorender_backend *backend, const iso_environment *environment) {
     int worst = 0;
     isorender_same_view first = {0};
-    isorender_film film = new_film(given);
+    isorender_film film = isorender_film_of(given);
     isorender_settings copy = *given, *settings = &copy;
+    const bool panels = isorender_has_panels(settings);
     if (settings->same_view) settings->first = &first;
     settings->film = &film;
     if (settings->series_of) return render_series(settings, plans, pool, backend, environment);
@@ -87,9 +88,10 @@ static int render_each(const isorender_settings *given, const isorender_plan *pl
         iso_error error = {0};
         const iso_box bounds = film.bounds;
         const bool has_bounds = settings->same_view && film.has_bounds;
-        film = new_film(given);
+        film = isorender_film_of(given);
         if (has_bounds) film.bounds = bounds, film.has_bounds = true;
-        iso_status status = isorender_run(settings, &plans[i], pool, backend, environment, &error);
+        iso_status status = (panels ? isorender_panels_run : isorender_run)(settings, &plans[i], pool,
+                                                                            backend, environment, &error);
         if (status == ISO_OK) continue;
         if (error.text[0]) iso_settings_explain_memory(&settings->common, &error);
         int code = say(&error, status);
@@ -146,11 +148,15 @@ static iso_status render_inputs(const isorender_settings *settings, int *code, i
 static iso_status render_with_ranks(isorender_settings *settings, int *code, iso_error *error) {
     iso_status status = isorender_ranks_check_settings(settings, error);
     if (settings->ranks.rank) settings->common.quiet = 1;
-    if (status == ISO_OK && settings->ranks.mpi && (settings->parts || settings->info || settings->no_image))
-        status = iso_fail(error, ISO_ERR_USAGE, "mpirun draws one picture: it cannot be combined with %s",
-                          settings->parts  ? "--part"
-                          : settings->info ? "--info"
-                                           : "--no-image");
+    const char *unfit = settings->parts                  ? "--part"
+                        : settings->info                 ? "--info"
+                        : settings->no_image             ? "--no-image"
+                        : settings->has_inset            ? "--inset"
+                        : isorender_has_panels(settings) ? "--panels"
+                                                         : NULL;
+    if (status == ISO_OK && settings->ranks.mpi && unfit)
+        status =
+            iso_fail(error, ISO_ERR_USAGE, "mpirun draws one picture: it cannot be combined with %s", unfit);
     if (status == ISO_OK) status = isorender_ranks_limit_memory(settings, error);
     if (status == ISO_OK) status = render_inputs(settings, code, error);
     return iso_ranks_agree(&settings->ranks, status, error);
@@ -202,6 +208,8 @@ static int run_command(int argc, char **argv, const char *path) {
     int code = 0;
     iso_status status = isorender_settings_parse(argc, argv, &settings, &operands, &error);
     char *picture = path ? take_scene_path(&settings, path) : NULL;
+    settings.argc = argc;
+    settings.argv = argv;
     status = join_ranks(&settings, status, &error);
     if (status == ISO_OK) status = perform(&settings, &code, &error);
     if (status != ISO_OK) code = say(&error, status);

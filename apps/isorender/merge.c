@@ -15,8 +15,11 @@ static iso_status write_picture(const iso_key_file *file, const iso_image *image
     int count = 0;
     for (int i = 0; i < ISO_KEY_TEXTS; i++)
         if (file->texts[i]) texts[count++] = (iso_png_text){keys[i], file->texts[i]};
-    const iso_png_opts opts = {
-        .texts = texts, .text_count = count, .pixels_per_metre = file->style.pixels_per_metre, .pool = pool};
+    const bool sheet = iso_image_is_sheet(path); /* not of the size of what it shows */
+    const iso_png_opts opts = {.texts = texts,
+                               .text_count = count,
+                               .pixels_per_metre = sheet ? 0 : file->style.pixels_per_metre,
+                               .pool = pool};
     return iso_image_file_write(path, image, &opts, error);
 }
 

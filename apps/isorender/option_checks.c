@@ -10,6 +10,7 @@
 
 #include "apps/common/loader.h"
 #include "apps/common/page.h"
+#include "apps/isorender/annotations.h"
 #include "apps/isorender/backend.h"
 #include "apps/isorender/channels.h"
 #include "apps/isorender/colorings.h"
@@ -17,6 +18,7 @@
 #include "apps/isorender/keyframes.h"
 #include "apps/isorender/label_items.h"
 #include "apps/isorender/page.h"
+#include "apps/isorender/panels.h"
 #include "apps/isorender/segmentation.h"
 #include "apps/isorender/series.h"
 #include "base/text.h"
@@ -145,7 +147,8 @@ static iso_status fail_picture_name(const char *name, iso_error *error) {
     if (exists(name)) snprintf(hint, sizeof hint, " (several inputs need --output TEMPLATE)");
     if (option && !exists(name)) snprintf(hint, sizeof hint, " (%s%.160s writes such a file)", option, name);
     return iso_fail(error, ISO_ERR_USAGE,
-                    "%s: a picture's name must end in .png, .tif or .jpg, a page's in .html%s", name, hint);
+                    "%s: a picture's name must end in .png, .tif, .jpg, .svg or .pdf, a page's in .html%s",
+                    name, hint);
 }
 
 /* Writes what to do if the inputs are the slices of one volume: three or more files of one kind in one
@@ -318,7 +321,7 @@ static iso_status check_outputs(const isorender_settings *settings, iso_error *e
     bool to_stdout = image && settings->output && strcmp(settings->output, "-") == 0;
     if (settings->output && !to_stdout && image && !settings->parts && !is_picture(settings->output))
         return iso_fail(error, ISO_ERR_USAGE,
-                        "%s: a picture's name must end in .png, .tif or .jpg, a page's in .html",
+                        "%s: a picture's name must end in .png, .tif, .jpg, .svg or .pdf, a page's in .html",
                         settings->output);
     if (image && settings->output && settings->transparent &&
         iso_image_kind_of(settings->output) == ISO_IMAGE_JPEG)
@@ -697,6 +700,8 @@ iso_status isorender_settings_check(isorender_settings *settings, const iso_oper
     ISO_TRY(check_part(settings, error));
     ISO_TRY(check_outputs(settings, error));
     ISO_TRY(isorender_page_check(settings, error));
+    ISO_TRY(isorender_panels_check(settings, error));
+    if (isorender_has_panels(settings)) return ISO_OK; /* the rest is checked of each panel */
     ISO_TRY(check_surfaces(settings, error));
     ISO_TRY(check_glass(settings, error));
     ISO_TRY(check_objects(settings, error));
@@ -705,6 +710,7 @@ iso_status isorender_settings_check(isorender_settings *settings, const iso_oper
     ISO_TRY(isorender_cuts_check(settings, error));
     ISO_TRY(isorender_segmentation_check(settings, error));
     ISO_TRY(isorender_colorings_check(settings, error));
+    ISO_TRY(isorender_annotations_check(settings, error));
     ISO_TRY(check_opacity(settings, error));
     if (!settings->series_of) settings->pictures = settings->turntable;
     return check_keyframes(settings, error);

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "apps/common/looks.h"
+#include "apps/isorender/annotations.h"
 #include "apps/isorender/channels.h"
 #include "apps/isorender/colorings.h"
 #include "apps/isorender/cuts.h"
@@ -44,8 +45,8 @@ static const char *const group_radii[] = {"coverage", "root", "copies", NULL};
 static const char *const directions[] = {"front", "back", "left", "right", "top", "bottom", "iso", NULL};
 static const char *const lightings[] = {"phong", "edl", NULL};
 static const char *const scalings[] = {"exact", "attenuated", NULL};
-static const char *const units[] = {"auto", "none", "nm", "um", "mm",
-                                    "cm",   "m",    "km", NULL}; /* iso_length_unit */
+static const char *const units[] = {"auto", "none", "nm", "um",       "mm",
+                                    "cm",   "m",    "km", "angstrom", NULL}; /* iso_length_unit */
 static const char *const fits[] = {"box", "tight", NULL};
 static const char *const opacity_modes[] = {"angle", "constant", NULL};
 static const char *const normals_names[] = {"file", "auto", NULL};
@@ -526,7 +527,9 @@ static const iso_option options[] = {
      .group = PAPERS, FLAG(strips)},
     {"resolution", NULL, "WxH", "size of the picture in pixels", .group = PICTURE, .standard = "1024x1024",
      CALL(apply_resolution)},
-    {"dpi", NULL, "N", "pixels an inch that the picture's file states, for printing; the picture is the same",
+    {"dpi", NULL, "N",
+     "pixels an inch that the picture's file states, for printing; the picture is the same but for "
+     "--font-size",
      .group = PICTURE, .standard = "none, with one scale (--mm-per-pixel) its true size", REAL(dpi, 1, 1e5)},
     {"samples", NULL, "N", "samples a pixel: 1, 4, 9, ... 64", .group = PICTURE,
      .standard = "4 of opaque pictures by exact, else 1", CALL(apply_samples)},
@@ -535,21 +538,7 @@ static const iso_option options[] = {
      ".jpg)",
      .group = PICTURE, .standard = "FFFFFF", CALL(apply_background)},
     {"no-background", NULL, NULL, "the same as --background none", .group = PICTURE, FLAG(transparent)},
-    {"scale-bar", NULL, NULL,
-     "draw a bar of a round length, about a fifth of the picture's width, with its length in the unit of the "
-     "file; needs "
-     "--orthographic or --mm-per-pixel",
-     .group = PICTURE, FLAG(scale_bar)},
-    {"unit", NULL, "NAME",
-     "unit of lengths in the scale bar and --info: nm, um, mm, cm, m, km or none. Lengths are converted to "
-     "it; of a file "
-     "that states no unit, it says what the file's lengths are in",
-     .group = PICTURE, .standard = "auto: as the file has it, none if it states none", CHOICE(unit, units)},
-    {"orientation-marker", NULL, NULL,
-     "draw the world's axes in a corner: L R A P H F (left, right, anterior, posterior, head, foot) when the "
-     "file "
-     "says where the patient is, else x y z",
-     .group = PICTURE, FLAG(orientation_marker)},
+#include "apps/isorender/figure_options.inc"
     {"turntable", NULL, "N",
      "N pictures around the surface with one fixed framing: OUT_000.png, OUT_001.png, ..., or a video",
      .group = PICTURE, INT(turntable, 1, 100000)},
@@ -605,10 +594,11 @@ static const iso_option options[] = {
      REALS(view_up, 3)},
 
     {"output", "o", "NAME",
-     "the picture: a .png, .tif or .jpg, - for a .png on stdout; with several pictures also a video: "
-     "{videos}; {model} is the input's name, {n:3} a number with three digits; or a .html: a page in which "
-     "the surface is turned and its isovalue moved, in any browser and without a network; it holds the "
-     "voxels that this needs and the input's name, so mind who gets it",
+     "the picture: a .png, .tif, .jpg, .svg or .pdf (the last two with text as text), - for a .png on "
+     "stdout; with several pictures also a video: {videos}; {model} is the input's name, {n:3} a number "
+     "with three digits; or a .html: a page in which the surface is turned and its isovalue moved, in any "
+     "browser and without a network; it holds the voxels that this needs and the input's name, so mind who "
+     "gets it",
      .group = OUTPUT, .standard = "{model}.png", TEXT(output), UNRECORDED},
     {"isovalue-range", NULL, "LOW,HIGH", "the isovalues that a page can show", .group = OUTPUT,
      .standard = "the widest around --isovalue with which the page is no larger than --page-size",

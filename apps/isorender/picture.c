@@ -6,6 +6,7 @@
 
 #include "apps/common/page.h"
 #include "apps/common/template.h"
+#include "apps/isorender/annotations.h"
 #include "apps/isorender/chunks.h"
 #include "apps/isorender/colorings.h"
 #include "apps/isorender/cuts.h"
@@ -14,10 +15,8 @@
 #include "apps/isorender/labels.h"
 #include "apps/isorender/page.h"
 #include "apps/isorender/scene_file.h"
-#include "apps/isorender/segmentation.h"
 #include "base/clock.h"
 #include "base/memory.h"
-#include "image/annotate.h"
 #include "image/exr.h"
 #include "image/image_file.h"
 #include "image/video.h"
@@ -111,21 +110,23 @@ double isorender_pixels_per_metre(const isorender_job *job) {
     return millimetres > 0 ? 1000 / millimetres : 0;
 }
 
-static iso_status write_picture(isorender_job *job, const iso_image *image, const char *path,
-                                iso_error *error) {
+iso_status isorender_write_picture(const isorender_job *job, iso_image *image, const iso_drawing *over,
+                                   const char *path, iso_error *error) {
     isorender_labels l;
     if (iso_page_is_named(path)) return isorender_page_write(job, image, path, error);
     ISO_TRY(isorender_labels_make(job, &l, error));
     iso_png_text texts[ISO_KEY_TEXTS] = {
         {"Software", l.software}, {"Title", job->plan->model}, {"Comment", l.command}};
+    const bool sheet = iso_image_is_sheet(path); /* of a size in points, not of that of what it shows */
     int count = 3;
     if (l.isovalues[0]) texts[count++] = (iso_png_text){"Description", l.isovalues};
     if (l.scene) texts[count++] = (iso_png_text){"Scene", l.scene};
     const iso_png_opts opts = {.texts = texts,
                                .text_count = count,
-                               .pixels_per_metre = isorender_pixels_per_metre(job),
+                               .pixels_per_metre =
+                                   sheet && !(job->settings->dpi > 0) ? 0 : isorender_pixels_per_metre(job),
                                .pool = job->pool};
-    const iso_status status = iso_image_file_write(path, image, &opts, error);
+    const iso_status status = iso_image_file_write_drawing(path, image, over, &opts, error);
     isorender_labels_free(&l);
     return status;
 }
@@ -145,35 +146,9 @@ static iso_status write_aov(isorender_job *job, int frame, const iso_aov *aov, c
 /* The buffers of a frame; the planes of aov are NULL without --aov. */
 typedef struct canvas {
     iso_image image;
+    iso_drawing over; /* what is not painted onto the image */
     iso_aov aov;
 } canvas;
-
-/* Points that were read do not say where the patient is. */
-enum { LEGEND = 256 }; /* most entries of a legend */
-
-static iso_status annotate(const isorender_job *job, const iso_camera *camera, iso_image *image,
-                           iso_error *error) {
-    const isorender_settings *settings = job->settings;
-    iso_color_bar bars[ISORENDER_OBJECTS + 1 + ISORENDER_COLORINGS];
-    int bar_count = 0;
-    if (settings->color_bar && job->cloud_colors.has_bar) bars[bar_count++] = job->cloud_colors.bar;
-    for (int i = 0; settings->color_bar && i < job->object_count; i++)
-        if (job->objects[i].has_bar) bars[bar_count++] = job->objects[i].bar;
-    if (settings->color_bar) bar_count += isorender_colorings_bars(job, bars + bar_count);
-    iso_legend_entry legend[LEGEND];
-    const int legend_count = settings->legend ? isorender_legend(job, LEGEND, legend) : 0;
-    const iso_annotation annotation = {.camera = camera,
-                                       .lengths = isorender_lengths(job),
-                                       .scale_bar = settings->scale_bar != 0,
-                                       .orientation_marker = settings->orientation_marker != 0,
-                                       .anatomical = job->has_volume && job->loader.volume.info.anatomical,
-                                       .color_bars = bars,
-                                       .color_bar_count = bar_count,
-                                       .legend = legend,
-                                       .legend_count = legend_count,
-                                       .dark = iso_is_dark(settings->background, settings->transparent != 0)};
-    return iso_annotate(image, &annotation, error);
-}
 
 static iso_scene_glass make_glass(const isorender_job *job) {
     const isorender_settings *settings = job->settings;
@@ -275,17 +250,9 @@ static bool may_be_empty(const isorender_job *job, int frame) {
            (film->covered > 0 || film->first + frame + 1 < film->count);
 }
 
-/* Draws what lies over the picture. */
-static iso_status finish_frame(isorender_job *job, int frame, const iso_camera *camera, canvas *c,
-                               iso_error *error) {
-    const isorender_settings *settings = job->settings;
-    if (!settings->ranks.rank) ISO_TRY(annotate(job, camera, &c->image, error));
-    /* (a few milliseconds, byte by byte) */
-    if (settings->common.json && !settings->ranks.rank) job->frames[frame].hash = hash_image(&c->image);
-    return ISO_OK;
-}
-
-static iso_status render_frame(isorender_job *job, int frame, canvas *c, iso_error *error) {
+/* Draws a frame without what is over it, in `factor` times as many pixels on each side. */
+static iso_status draw_frame(isorender_job *job, int frame, int factor, iso_image *image, iso_aov *aov,
+                             isorender_frame *counts, iso_error *error) {
     const isorender_settings *settings = job->settings;
     iso_camera camera = isorender_camera_of_frame(job, frame);
     iso_rgb colors[ISORENDER_SURFACES + ISORENDER_OBJECTS];
@@ -294,8 +261,8 @@ static iso_status render_frame(isorender_job *job, int frame, canvas *c, iso_err
         colors[i] = i < job->surface_count ? job->surfaces[i].color
                                            : job->objects[i - job->surface_count].scene.color;
     iso_picture_opts opts = {.camera = &camera,
-                             .width = settings->width,
-                             .height = settings->height,
+                             .width = settings->width * factor,
+                             .height = settings->height * factor,
                              .samples = job->samples,
                              .strip_bytes = (size_t)strip_bytes(settings),
                              .shading = {colors, count, settings->background, settings->transparent,
@@ -303,23 +270,54 @@ static iso_status render_frame(isorender_job *job, int frame, canvas *c, iso_err
                              .lighting = (iso_lighting)settings->lighting,
                              .outline = settings->outline,
                              .pool = job->pool,
-                             .aov = c->aov.depth ? &c->aov : NULL};
-    const iso_selection_counts before = isorender_selection(job);
-    double start = iso_clock_seconds();
+                             .aov = aov && aov->depth ? aov : NULL};
     ISO_TRY(isorender_instances_begin(job, error));
     ISO_TRY(isorender_cuts_make(job, frame, error));
-    ISO_TRY(render_picture(job, &opts, &c->image, &job->frames[frame], error));
+    return render_picture(job, &opts, image, counts, error);
+}
+
+/* isorender_enlarged: of an inset. */
+static iso_status draw_enlarged(isorender_job *job, int frame, int factor, iso_image *image,
+                                iso_error *error) {
+    isorender_frame counts = {0};
+    ISO_TRY(iso_image_create(job->settings->width * factor, job->settings->height * factor, image, error));
+    return draw_frame(job, frame, factor, image, NULL, &counts, error);
+}
+
+/* Whether annotations stay marks: of a sheet, or of a panel. */
+static bool keeps_marks(const isorender_job *job) {
+    return job->settings->panel || (job->plan->image && iso_image_is_sheet(job->plan->image));
+}
+
+static iso_status annotate(isorender_job *job, int frame, canvas *c, iso_error *error) {
+    const iso_camera camera = isorender_camera_of_frame(job, frame);
+    iso_drawing_free(&c->over);
+    ISO_TRY(isorender_annotate(job, frame, &camera, draw_enlarged, &c->over, error));
+    if (keeps_marks(job)) return ISO_OK;
+    ISO_TRY(iso_drawing_paint(&c->over, &c->image, error));
+    iso_drawing_free(&c->over);
+    return ISO_OK;
+}
+
+static iso_status render_frame(isorender_job *job, int frame, canvas *c, iso_error *error) {
+    const isorender_settings *settings = job->settings;
+    const iso_selection_counts before = isorender_selection(job);
+    double start = iso_clock_seconds();
+    ISO_TRY(draw_frame(job, frame, 1, &c->image, &c->aov, &job->frames[frame], error));
     job->frames[frame].instances = iso_placed_counts(&job->instances.placed);
     number_elements(job, &c->aov);
     isorender_detail_note(job, &before, &job->frames[frame]);
     job->seconds.render += iso_clock_seconds() - start;
     settings->film->covered += job->frames[frame].covered;
-    if (may_be_empty(job, frame)) return finish_frame(job, frame, &camera, c, error);
-    if (job->frames[frame].covered == 0) ISO_TRY(isorender_cuts_fail_empty(job, error));
-    if (job->frames[frame].covered == 0)
+    const bool fails = job->frames[frame].covered == 0 && !may_be_empty(job, frame);
+    if (fails) ISO_TRY(isorender_cuts_fail_empty(job, error));
+    if (fails)
         return iso_fail(error, ISO_ERR_EMPTY,
                         job->object_count ? "nothing is in view" : "nothing of the surface is in view");
-    return finish_frame(job, frame, &camera, c, error);
+    if (!settings->ranks.rank) ISO_TRY(annotate(job, frame, c, error));
+    /* (a few milliseconds, byte by byte) */
+    if (settings->common.json && !settings->ranks.rank) job->frames[frame].hash = hash_image(&c->image);
+    return ISO_OK;
 }
 
 /* Adds a picture to the film's video, which the first one begins and the last one ends. */
@@ -348,12 +346,18 @@ static iso_status film_picture(isorender_job *job, int frame, const iso_image *i
     return ISO_OK;
 }
 
-static iso_status save_image(isorender_job *job, int frame, const canvas *c, iso_error *error) {
+static iso_status save_image(isorender_job *job, int frame, canvas *c, iso_error *error) {
+    isorender_panel *panel = job->settings->panel;
+    if (panel) { /* it becomes a part of a sheet */
+        panel->image = c->image, panel->drawing = c->over;
+        c->image = (iso_image){.rgba = NULL}, c->over = (iso_drawing){.marks = NULL};
+        return ISO_OK;
+    }
     if (!job->plan->image || job->settings->ranks.rank) return ISO_OK;
     if (job->plan->video) return film_picture(job, frame, &c->image, error);
     char *path = NULL;
     ISO_TRY(isorender_plan_frame(job->plan, job->plan->image, frame, &path, error));
-    iso_status status = write_picture(job, &c->image, path, error);
+    iso_status status = isorender_write_picture(job, &c->image, &c->over, path, error);
     if (status == ISO_OK) job->frames_written = frame + 1;
     free(path);
     return status;
@@ -455,7 +459,8 @@ uint64_t isorender_picture_bytes(const isorender_job *job, int samples) {
     const uint64_t gbuffer = smaller(strip, strip_bytes(settings));
     uint64_t aov = settings->aov ? pixels * (ISO_AOV_PLANES + 1) * sizeof(float) : 0;
     if (has_ids(settings)) aov += pixels * ISO_ID_PLANES * sizeof(uint32_t);
-    uint64_t bytes = 4 * pixels + isorender_chunks_bytes(job) + aov + gbuffer;
+    const uint64_t larger = (uint64_t)isorender_inset_factor(settings);
+    uint64_t bytes = 4 * pixels * (1 + larger * larger) + isorender_chunks_bytes(job) + aov + gbuffer;
     const uint64_t threads = (uint64_t)iso_pool_threads(job->pool);
     const bool fragments = isorender_object_opacity_option(settings) != NULL;
     if (isorender_is_translucent(settings) || fragments) bytes += threads * ISO_EXACT_LAYERS_BYTES;
@@ -486,6 +491,22 @@ static void note_occlusion(const isorender_job *job) {
                   settings->occlusion != 0 ? "--occlusion is" : "--shadow is");
 }
 
+/* Sets what a panel adds to what all panels have in common. */
+static iso_status survey(isorender_job *job, iso_error *error) {
+    isorender_panel *panel = job->settings->panel;
+    iso_color_bar bars[ISORENDER_BARS];
+    panel->range_count = isorender_color_bars(job, bars);
+    panel->camera = job->camera;
+    panel->box = job->bounds_framed;
+    panel->has_camera = true;
+    free(panel->ranges);
+    panel->ranges = calloc(ISORENDER_BARS, sizeof *panel->ranges);
+    if (!panel->ranges) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
+    for (int i = 0; i < panel->range_count; i++)
+        panel->ranges[i][0] = bars[i].low, panel->ranges[i][1] = bars[i].high;
+    return ISO_OK;
+}
+
 iso_status isorender_render(isorender_job *job, iso_error *error) {
     const isorender_settings *settings = job->settings;
     note_occlusion(job);
@@ -493,6 +514,7 @@ iso_status isorender_render(isorender_job *job, iso_error *error) {
     ISO_TRY(isorender_camera_make(job, error));
     ISO_TRY(isorender_colorings_see(job, error));
     ISO_TRY(isorender_chunks_check(job, error));
+    if (settings->panel && settings->panel->is_survey) return survey(job, error);
     if (settings->parts) {
         ISO_TRY(isorender_cuts_make(job, 0, error));
         return isorender_chunks_write_part(job, error);
@@ -513,6 +535,7 @@ iso_status isorender_render(isorender_job *job, iso_error *error) {
     job->seconds.render += iso_clock_seconds() - start;
     if (status == ISO_OK) status = render_frames(job, &c, error);
     iso_image_free(&c.image);
+    iso_drawing_free(&c.over);
     iso_aov_free(&c.aov);
     return status;
 }
@@ -528,8 +551,9 @@ iso_status isorender_render_nothing(isorender_job *job, iso_error *error) {
     const size_t count = (size_t)settings->width * (size_t)settings->height;
     for (size_t i = 0; i < count; i++) memcpy(c.image.rgba + 4 * i, pixel, sizeof pixel);
     isorender_log(job, "note: there is nothing of the surface: the picture shows the background");
-    iso_status status = annotate(job, &job->camera, &c.image, error);
+    iso_status status = annotate(job, 0, &c, error);
     if (status == ISO_OK) status = save_image(job, 0, &c, error);
     iso_image_free(&c.image);
+    iso_drawing_free(&c.over);
     return status;
 }

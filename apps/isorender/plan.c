@@ -125,8 +125,10 @@ static iso_status check_all(const isorender_settings *settings, const isorender_
     if (settings->keyframe_file) iso_file_set_read(plans->files, settings->keyframe_file);
     if (settings->labels) add_input(plans[0].files, settings->labels);
     if (settings->label_table) iso_file_set_read(plans->files, settings->label_table);
+    for (int i = 0; i < settings->panel_files.count; i++)
+        add_input(plans->files, settings->panel_files.values[i]);
     for (int i = 0; i < settings->object_options.count; i++)
-        iso_file_set_read(plans->files, settings->objects[i].path);
+        iso_file_set_read(plans->files, settings->object_options.paths[i]);
     for (int i = 0; i < settings->volume_options.count; i++)
         add_input(plans[0].files, settings->volume_options.paths[i]);
     for (int i = 0; i < settings->input_count; i++) ISO_TRY(add_files(settings, &plans[i], i, error));

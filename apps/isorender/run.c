@@ -180,6 +180,7 @@ static iso_status run_steps(isorender_job *job, iso_error *error) {
     ISO_TRY(isorender_ranks_memory(ranks, job->rank_bytes, error));
     job->seconds.total = iso_clock_seconds() - start;
     if (job->settings->common.json && !job->settings->ranks.rank) ISO_TRY(isorender_report_json(job, error));
+    if (job->settings->panel) return ISO_OK;
     if (!job->settings->ranks.rank) ISO_TRY(isorender_scene_save(job, error));
     if (!job->settings->info) isorender_engines_log(job);
     if (!job->settings->info) log_outputs(job);

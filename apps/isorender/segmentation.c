@@ -22,7 +22,6 @@ iso_status isorender_segmentation_check(const isorender_settings *settings, iso_
     const char *needs = settings->label_items.count ? "--label"
                         : settings->label_table     ? "--label-table"
                         : settings->table           ? "--table"
-                        : settings->legend          ? "--legend"
                                                     : NULL;
     if (!given && needs)
         return iso_fail(error, ISO_ERR_USAGE, "%s is for labels: it needs --labels FILE or --smooth", needs);

@@ -9,6 +9,7 @@
 #include "base/geometry.h"
 #include "base/mpi_ranks.h"
 #include "extract/mesh/mesh_edit.h"
+#include "image/annotate.h"
 #include "image/camera.h"
 #include "isopoint.h"
 #include "render/point_surface.h"
@@ -84,6 +85,23 @@ typedef struct isorender_film {
     double ranges[ISORENDER_COLORINGS][2]; /* of colours, NAN: none yet */
     uint64_t covered;                      /* samples of all pictures that show a surface */
 } isorender_film;
+
+enum { ISORENDER_NOTES = 64 }; /* texts, arrows and rulers in one picture */
+
+/* One picture of --panels: what is kept of it, and what all have in common. */
+typedef struct isorender_panel {
+    bool is_survey;  /* it is only found out what the panels have in common; else it is drawn */
+    bool is_last;    /* it has the legend and the colour bars of all */
+    bool has_camera; /* drawn with this camera, else with one that frames the box; a survey sets both */
+    iso_camera camera;
+    iso_box box;
+    int range_count; /* set by a survey: the ranges of everything that is coloured by numbers; owned */
+    double (*ranges)[2];
+    struct isorender_legend_list *names; /* of the legend, which panels share; borrowed */
+    iso_image image;                     /* drawn: the picture, and what is over it; owned */
+    iso_drawing drawing;
+    iso_drawing legend, bars; /* of the last panel: what stands beside all panels; owned */
+} isorender_panel;
 
 /* An option that influences the picture, as it was given. */
 typedef struct isorender_noted {
@@ -188,6 +206,20 @@ typedef struct isorender_settings {
     int width, height, turntable, no_image;
     iso_rgb background;
     int transparent, background_given;
+
+    iso_note notes[ISORENDER_NOTES]; /* of --text, --arrow and --ruler; texts are borrowed from argv */
+    int note_count;
+    int has_inset, inset_corner; /* iso_corner */
+    double inset[4];             /* as iso_inset.box */
+    const char *legend_names;    /* of --legend; NULL: those of labels, files and isovalues */
+    double font_size;            /* points, 1/72 inch; 0: by the picture's size */
+    const char *panels;          /* of --panels; NULL: one picture */
+    iso_texts panel_files;       /* the files of further panels */
+    const char *panel_titles;    /* NULL: what differs */
+    int panel_columns;           /* 0: not given */
+    isorender_panel *panel;      /* borrowed; the picture is one of --panels; NULL: it is a file of its own */
+    int argc;                    /* the command line that this is made of, for panels */
+    char *const *argv;
 
     int same_view;
     isorender_same_view *first; /* borrowed; NULL: inputs do not share a view */

@@ -8,7 +8,6 @@
 #include "api/coloring.h"
 #include "api/internal.h"
 #include "base/memory.h"
-#include "image/annotate.h"
 #include "image/aov.h"
 #include "image/camera.h"
 #include "image/exr.h"
@@ -610,21 +609,6 @@ iso_status iso_render(iso_surface *surface, const iso_render_opts *opts, iso_ima
 iso_status iso_placements_read(const char *path, iso_placements *placements, iso_error *error) {
     if (!path) return iso_fail(error, ISO_ERR_USAGE, "no file is named");
     return iso_placements_read_file(path, NULL, placements, error);
-}
-
-/* ---- annotations ---- */
-
-iso_status iso_image_annotate(iso_image *image, const iso_annotation_opts *opts, iso_error *error) {
-    if (!image->rgba || !opts || !opts->camera)
-        return iso_fail(error, ISO_ERR_USAGE, "annotations need a picture and its camera");
-    ISO_TRY(iso_camera_check(opts->camera, error));
-    const iso_annotation annotation = {.camera = opts->camera,
-                                       .lengths = {.unit = opts->no_unit ? ISO_UNIT_NONE : ISO_UNIT_AUTO},
-                                       .scale_bar = opts->scale_bar,
-                                       .orientation_marker = opts->orientation_marker,
-                                       .anatomical = opts->anatomical,
-                                       .dark = opts->light};
-    return iso_annotate(image, &annotation, error);
 }
 
 /* ---- files ---- */

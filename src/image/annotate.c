@@ -1,176 +1,78 @@
-/* annotate: draws lines with antialiasing by 64 samples a pixel, and composes scale bar, orientation
- * marker and colour bars of them. */
+/* annotate: composes scale bar, orientation marker, colour bars, legend and notes of the marks of a
+ * drawing. */
 #include "image/annotate.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-#include "base/memory.h"
-#include "image/vector_font.h"
+#include "image/font.h"
 
-typedef struct color {
-    int rgb[3];
-} color;
-
-static const color BLACK = {{0, 0, 0}}, WHITE = {{255, 255, 255}};
-
-/* ---- lines */
-
-typedef struct line {
-    double x0, y0, x1, y1; /* pixels */
-} line;
-
-enum { LINES = 512, SIDE = 8, SAMPLES = SIDE * SIDE };
-
-/* Lines that are drawn together: a pixel that several of them cover is blended only once. */
-typedef struct drawing {
-    line lines[LINES];
-    int count;
-} drawing;
-
-static void add_line(drawing *d, double x0, double y0, double x1, double y1) {
-    if (d->count < LINES) d->lines[d->count++] = (line){x0, y0, x1, y1};
-}
-
-/* A rectangle of pixels with the corner (x0, y0); in each pixel, bit s is set if sample s is covered. */
-typedef struct mask {
-    uint64_t *bits;
-    int x0, y0, width, height;
-} mask;
-
-static int bounded(double value, int most) {
-    return value <= 0 ? 0 : value >= most ? most : (int)value;
-}
-
-static iso_status create_mask(const drawing *d, const iso_image *image, double radius, mask *m,
-                              iso_error *error) {
-    double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
-    for (int i = 0; i < d->count; i++) {
-        const line *l = &d->lines[i];
-        low[0] = fmin(low[0], fmin(l->x0, l->x1));
-        low[1] = fmin(low[1], fmin(l->y0, l->y1));
-        high[0] = fmax(high[0], fmax(l->x0, l->x1));
-        high[1] = fmax(high[1], fmax(l->y0, l->y1));
-    }
-    m->x0 = bounded(low[0] - radius, image->width);
-    m->y0 = bounded(low[1] - radius, image->height);
-    m->width = bounded(high[0] + radius + 1, image->width) - m->x0;
-    m->height = bounded(high[1] + radius + 1, image->height) - m->y0;
-    if (m->width <= 0 || m->height <= 0) return ISO_OK;
-    m->bits = iso_alloc_zero((size_t)m->width * (size_t)m->height, sizeof *m->bits);
-    return m->bits ? ISO_OK : iso_fail(error, ISO_ERR_NOMEM, "out of memory for the scale bar or marker");
-}
-
-static double distance_squared(const line *l, double x, double y) {
-    const double dx = l->x1 - l->x0, dy = l->y1 - l->y0, length = dx * dx + dy * dy;
-    double t = length > 0 ? ((x - l->x0) * dx + (y - l->y0) * dy) / length : 0;
-    t = t < 0 ? 0 : t > 1 ? 1 : t;
-    const double ex = x - (l->x0 + t * dx), ey = y - (l->y0 + t * dy);
-    return ex * ex + ey * ey;
-}
-
-/* Returns which samples of pixel (x, y) are within `radius` of a line. */
-static uint64_t covered_samples(const line *l, double radius, int x, int y) {
-    const double inner = radius - 0.75, outer = radius + 0.75; /* half a pixel's diagonal is 0.71 */
-    const double middle = distance_squared(l, x + 0.5, y + 0.5);
-    if (middle > outer * outer) return 0;
-    if (inner > 0 && middle < inner * inner) return UINT64_MAX;
-    uint64_t bits = 0;
-    for (int s = 0; s < SAMPLES; s++) {
-        const double sx = x + (s % SIDE + 0.5) / SIDE, sy = y + (s / SIDE + 0.5) / SIDE;
-        bits |= (uint64_t)(distance_squared(l, sx, sy) <= radius * radius) << s;
-    }
-    return bits;
-}
-
-static void mark_line(mask *m, const line *l, double radius) {
-    const int left = bounded(fmin(l->x0, l->x1) - radius - m->x0, m->width);
-    const int right = bounded(fmax(l->x0, l->x1) + radius + 1 - m->x0, m->width);
-    const int top = bounded(fmin(l->y0, l->y1) - radius - m->y0, m->height);
-    const int bottom = bounded(fmax(l->y0, l->y1) + radius + 1 - m->y0, m->height);
-    for (int y = top; y < bottom; y++)
-        for (int x = left; x < right; x++)
-            m->bits[(size_t)y * (size_t)m->width + (size_t)x] |=
-                covered_samples(l, radius, m->x0 + x, m->y0 + y);
-}
-
-/* Blends the colour `ink`, which covers `samples` samples of a pixel, over the pixel; both have straight
- * alpha. */
-static void blend(uint8_t rgba[4], const color *ink, int samples) {
-    const int above = (samples * 255 + SAMPLES / 2) / SAMPLES, below = rgba[3] * (255 - above);
-    const int whole = above * 255 + below;
-    if (above == 0) return;
-    for (int k = 0; k < 3; k++)
-        rgba[k] = (uint8_t)((ink->rgb[k] * above * 255 + rgba[k] * below + whole / 2) / whole);
-    rgba[3] = (uint8_t)((whole + 127) / 255);
-}
-
-static int count_bits(uint64_t bits) {
-    int count = 0;
-    for (; bits; bits &= bits - 1) count++;
-    return count;
-}
-
-static iso_status draw_lines(iso_image *image, const drawing *d, double radius, const color *ink,
-                             iso_error *error) {
-    mask m = {0};
-    ISO_TRY(create_mask(d, image, radius, &m, error));
-    if (!m.bits) return ISO_OK;
-    for (int i = 0; i < d->count; i++) mark_line(&m, &d->lines[i], radius);
-    for (int y = 0; y < m.height; y++)
-        for (int x = 0; x < m.width; x++) {
-            const uint64_t bits = m.bits[(size_t)y * (size_t)m.width + (size_t)x];
-            const size_t pixel = (size_t)(m.y0 + y) * (size_t)image->width + (size_t)(m.x0 + x);
-            if (bits) blend(image->rgba + 4 * pixel, ink, count_bits(bits));
-        }
-    iso_free(m.bits);
-    return ISO_OK;
-}
+static const iso_rgb BLACK = {0, 0, 0}, WHITE = {255, 255, 255};
 
 /* ---- sizes */
 
 /* Colours and sizes for one picture; sizes in pixels. */
 typedef struct pen {
-    iso_image *image;
-    color ink, outline;
+    iso_drawing *drawing;
+    int width, height; /* of the picture */
+    iso_rgb ink, outline;
     double text;   /* height of capital letters */
-    double unit;   /* of the vector font */
-    double radius; /* half the width of lines */
+    double size;   /* of the font */
+    double line;   /* width of lines */
     double border; /* width of the outline */
 } pen;
 
-static pen pen_of(iso_image *image, bool dark) {
-    const int side = image->width < image->height ? image->width : image->height;
-    pen p = {.image = image, .ink = dark ? WHITE : BLACK, .outline = dark ? BLACK : WHITE};
-    p.text = fmax(9, side * 0.024);
-    p.unit = p.text / ISO_FONT_HEIGHT;
-    p.radius = fmax(0.6, 0.4 * p.unit);
-    p.border = fmax(1, 0.45 * p.unit);
+double iso_annotation_font_size(double given, int width, int height) {
+    const int side = width < height ? width : height;
+    return given > 0 ? given : fmax(9, side * 0.024) * ISO_FONT_SIZE / ISO_FONT_CAPITALS;
+}
+
+static pen pen_of(iso_drawing *drawing, const iso_annotation *a, int width, int height) {
+    pen p = {.drawing = drawing, .width = width, .height = height};
+    p.ink = a->dark ? WHITE : BLACK;
+    p.outline = a->dark ? BLACK : WHITE;
+    p.size = iso_annotation_font_size(a->font_size, width, height);
+    p.text = p.size * ISO_FONT_CAPITALS / ISO_FONT_SIZE;
+    p.line = fmax(1.2, 0.8 * p.text / 6);
+    p.border = fmax(1, 0.45 * p.text / 6);
     return p;
 }
 
-/* Draws lines with their outline. */
-static iso_status draw_outlined(const pen *p, const drawing *d, double radius, const color *ink,
-                                iso_error *error) {
-    ISO_TRY(draw_lines(p->image, d, radius + p->border, &p->outline, error));
-    return draw_lines(p->image, d, radius, ink, error);
+static void outline(const pen *p, iso_mark *mark) {
+    if (!mark) return;
+    mark->halo = p->border;
+    mark->halo_color = p->outline;
 }
 
-/* Adds a text centred at (x, y). */
-static void add_text(drawing *d, const pen *p, const char *text, double x, double y) {
-    iso_font_line lines[LINES];
-    const int count = iso_font_lines(text, lines, LINES);
-    const double left = x - 0.5 * iso_font_width(text) * p->unit, top = y - 0.5 * p->text;
-    for (int i = 0; i < count && i < LINES; i++)
-        add_line(d, left + lines[i].x0 * p->unit, top + lines[i].y0 * p->unit, left + lines[i].x1 * p->unit,
-                 top + lines[i].y1 * p->unit);
+/* Begins lines with their outline. */
+static iso_mark *outlined_lines(const pen *p) {
+    iso_mark *lines = iso_drawing_lines(p->drawing, p->ink, p->line);
+    outline(p, lines);
+    return lines;
+}
+
+static void add_line(const pen *p, iso_mark *lines, double x0, double y0, double x1, double y1) {
+    iso_drawing_line(p->drawing, lines, x0, y0, x1, y1);
+}
+
+static double text_width(const pen *p, const char *text) {
+    return iso_font_width(text) * p->size / ISO_FONT_SIZE;
+}
+
+/* Adds a text that begins at x, with the middle of its capitals at y. */
+static void add_text(const pen *p, const char *text, double x, double y) {
+    outline(p, iso_drawing_text(p->drawing, text, x, y + 0.5 * p->text, p->size, p->ink));
+}
+
+static void add_centred(const pen *p, const char *text, double x, double y) {
+    add_text(p, text, x - 0.5 * text_width(p, text), y);
 }
 
 /* ---- the scale bar */
 
-double iso_scale_bar_length(const iso_camera *camera, int width, int height) {
-    const double wanted = iso_camera_mm_per_pixel(camera, height) * width / 5;
+/* The round length nearest to `wanted`: 1, 2 or 5 times a power of ten; 0 if that is no length. */
+static double round_length(double wanted) {
     static const int steps[] = {1, 2, 5};
     double best = 0, nearest = INFINITY, power = 1;
     if (!(wanted > 0 && wanted < 1e15)) return 0;
@@ -187,13 +89,22 @@ double iso_scale_bar_length(const iso_camera *camera, int width, int height) {
     return best;
 }
 
+double iso_scale_bar_length(const iso_camera *camera, int width, int height) {
+    return round_length(iso_camera_mm_per_pixel(camera, height) * width / 5);
+}
+
 static const struct {
-    const char *name;
+    const char *name, *shown; /* shown: in a picture, if it is another name */
     double millimetres;
-} length_units[ISO_UNITS] = {
-    [ISO_UNIT_AUTO] = {"", 0},    [ISO_UNIT_NONE] = {"", 0},  [ISO_UNIT_NM] = {"nm", 1e-6},
-    [ISO_UNIT_UM] = {"um", 1e-3}, [ISO_UNIT_MM] = {"mm", 1},  [ISO_UNIT_CM] = {"cm", 10},
-    [ISO_UNIT_M] = {"m", 1e3},    [ISO_UNIT_KM] = {"km", 1e6}};
+} length_units[ISO_UNITS] = {[ISO_UNIT_AUTO] = {"", NULL, 0},
+                             [ISO_UNIT_NONE] = {"", NULL, 0},
+                             [ISO_UNIT_NM] = {"nm", NULL, 1e-6},
+                             [ISO_UNIT_UM] = {"um", "\u00b5m", 1e-3},
+                             [ISO_UNIT_MM] = {"mm", NULL, 1},
+                             [ISO_UNIT_CM] = {"cm", NULL, 10},
+                             [ISO_UNIT_M] = {"m", NULL, 1e3},
+                             [ISO_UNIT_KM] = {"km", NULL, 1e6},
+                             [ISO_UNIT_ANGSTROM] = {"A", "\u00c5", 1e-7}};
 
 const char *iso_length_unit_name(const iso_length_style *style) {
     if (style->unit != ISO_UNIT_AUTO) return length_units[style->unit].name;
@@ -206,39 +117,44 @@ double iso_length_factor(const iso_length_style *style) {
     return to > 0 && from > 0 ? from / to : 1;
 }
 
-void iso_scale_bar_label(double length, const iso_length_style *style, char label[32]) {
-    static const iso_length_unit sizes[] = {ISO_UNIT_KM, ISO_UNIT_M, ISO_UNIT_MM, ISO_UNIT_UM, ISO_UNIT_NM};
-    const double millimetres = length * iso_world_unit_millimetres(style->world);
-    iso_length_style shown = *style;
-    if (style->unit == ISO_UNIT_AUTO && millimetres > 0) {
-        int size = 0;
-        while (size < 4 &&
-               millimetres <
-                   (sizes[size] == ISO_UNIT_MM ? 0.1 : length_units[sizes[size]].millimetres) * (1 - 1e-9))
-            size++;
-        shown.unit = sizes[size];
-    }
-    const char *name = iso_length_unit_name(&shown);
-    snprintf(label, 32, "%.10g%s%s", length * iso_length_factor(&shown), *name ? " " : "", name);
+/* The largest unit in which a length is not too small a number: for lengths that a person reads, mm down to
+ * 0.1 mm, cm only from 10 cm on. */
+static iso_length_unit unit_of_size(double millimetres, iso_world_unit world) {
+    static const struct {
+        iso_length_unit unit;
+        double from; /* mm */
+    } sizes[] = {
+        {ISO_UNIT_KM, 1e6}, {ISO_UNIT_M, 1e3}, {ISO_UNIT_CM, 100}, {ISO_UNIT_MM, 0.1}, {ISO_UNIT_UM, 1e-3}};
+    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++)
+        if (millimetres >= sizes[i].from * (1 - 1e-9)) return sizes[i].unit;
+    return world == ISO_WORLD_UNIT_ANGSTROM && millimetres < 1e-5 * (1 - 1e-9) ? ISO_UNIT_ANGSTROM
+                                                                               : ISO_UNIT_NM;
 }
 
-static iso_status draw_scale_bar(const pen *p, const iso_annotation *a, iso_error *error) {
+void iso_length_label(double length, int digits, const iso_length_style *style, char label[32]) {
+    const double millimetres = length * iso_world_unit_millimetres(style->world);
+    iso_length_style shown = *style;
+    if (style->unit == ISO_UNIT_AUTO && millimetres > 0) shown.unit = unit_of_size(millimetres, style->world);
+    const char *name = length_units[shown.unit].shown;
+    if (!name) name = iso_length_unit_name(&shown);
+    snprintf(label, 32, "%.*g%s%s", digits, length * iso_length_factor(&shown), *name ? " " : "", name);
+}
+
+static void draw_scale_bar(const pen *p, const iso_annotation *a) {
     const iso_camera *camera = a->camera;
-    const int width = p->image->width, height = p->image->height;
-    const double length = iso_scale_bar_length(camera, width, height);
-    if (!(length > 0)) return ISO_OK;
+    const double length = iso_scale_bar_length(camera, p->width, p->height);
+    if (!(length > 0)) return;
     char label[32];
-    iso_scale_bar_label(length, &a->lengths, label);
-    const double pixels = length / iso_camera_mm_per_pixel(camera, height);
-    const double text = iso_font_width(label) * p->unit; /* the label may be wider than the bar */
-    const double right = width - 1.2 * p->text - fmax(0, 0.5 * (text - pixels)), left = right - pixels;
-    const double y = height - 1.5 * p->text, tick = 0.4 * p->text;
-    drawing d = {.count = 0};
-    add_line(&d, left, y, right, y);
-    add_line(&d, left, y - tick, left, y + tick);
-    add_line(&d, right, y - tick, right, y + tick);
-    add_text(&d, p, label, 0.5 * (left + right), y - 1.5 * p->text);
-    return draw_outlined(p, &d, p->radius, &p->ink, error);
+    iso_length_label(length, 10, &a->lengths, label);
+    const double pixels = length / iso_camera_mm_per_pixel(camera, p->height);
+    const double text = text_width(p, label); /* the label may be wider than the bar */
+    const double right = p->width - 1.2 * p->text - fmax(0, 0.5 * (text - pixels)), left = right - pixels;
+    const double y = p->height - 1.5 * p->text, tick = 0.4 * p->text;
+    iso_mark *lines = outlined_lines(p);
+    add_line(p, lines, left, y, right, y);
+    add_line(p, lines, left, y - tick, left, y + tick);
+    add_line(p, lines, right, y - tick, right, y + tick);
+    add_centred(p, label, 0.5 * (left + right), y - 1.5 * p->text);
 }
 
 /* ---- the orientation marker: three axes with up to six arms */
@@ -254,8 +170,8 @@ typedef struct arm {
     bool positive;
 } arm;
 
-static int make_arms(const iso_annotation *a, const iso_image *image, arm arms[6]) {
-    const iso_view view = iso_view_make(a->camera, image->width, image->height);
+static int make_arms(const iso_annotation *a, const pen *p, arm arms[6]) {
+    const iso_view view = iso_view_make(a->camera, p->width, p->height);
     static const char letters[3][2] = {{'R', 'L'}, {'A', 'P'}, {'F', 'H'}}, plain[3] = {'x', 'y', 'z'};
     int count = 0;
     for (int axis = 0; axis < 3; axis++)
@@ -301,152 +217,291 @@ static bool is_covered(const pen *p, const arm arms[6], int count, int which) {
 }
 
 /* Draws all outlines first, so that no outline covers another axis. */
-static iso_status draw_axes(const pen *p, const arm arms[6], int count, const double middle[2],
-                            iso_error *error) {
-    static const color colors[3] = {{{208, 58, 47}}, {{46, 150, 62}}, {{58, 108, 216}}};
+static void draw_axes(const pen *p, const arm arms[6], int count, const double middle[2]) {
+    static const iso_rgb colors[3] = {{208, 58, 47}, {46, 150, 62}, {58, 108, 216}};
     for (int layer = 0; layer < 2; layer++)
         for (int i = 0; i < count; i++) {
             const arm *a = &arms[i];
-            const double radius = (a->positive ? 1.5 : 0.9) * p->radius, length = ARM * p->text;
-            drawing d = {.count = 0};
-            add_line(&d, middle[0], middle[1], middle[0] + a->x * length, middle[1] + a->y * length);
-            ISO_TRY(layer ? draw_lines(p->image, &d, radius, &colors[a->axis], error)
-                          : draw_lines(p->image, &d, radius + p->border, &p->outline, error));
+            const double width = (a->positive ? 1.5 : 0.9) * p->line, length = ARM * p->text;
+            iso_mark *axis = iso_drawing_lines(p->drawing, layer ? colors[a->axis] : p->outline,
+                                               layer ? width : width + 2 * p->border);
+            add_line(p, axis, middle[0], middle[1], middle[0] + a->x * length, middle[1] + a->y * length);
         }
-    return ISO_OK;
 }
 
-static iso_status draw_marker(const pen *p, const iso_annotation *a, iso_error *error) {
+static void draw_marker(const pen *p, const iso_annotation *a) {
     arm arms[6];
-    const int count = make_arms(a, p->image, arms);
-    const double middle[2] = {5 * p->text, p->image->height - 5 * p->text};
-    drawing letters = {.count = 0};
+    const int count = make_arms(a, p, arms);
+    const double middle[2] = {5 * p->text, p->height - 5 * p->text};
     double x = 0, y = 0;
+    draw_axes(p, arms, count, middle);
     for (int i = 0; i < count; i++)
         if (!is_covered(p, arms, count, i) && letter_of(p, &arms[i], &x, &y))
-            add_text(&letters, p, arms[i].letter, middle[0] + x, middle[1] + y);
-    ISO_TRY(draw_axes(p, arms, count, middle, error));
-    return draw_outlined(p, &letters, p->radius, &p->ink, error);
+            add_centred(p, arms[i].letter, middle[0] + x, middle[1] + y);
 }
 
 /* ---- colour bars */
 
 enum { BAR_LABELS = 3 };
 
-/* Fills a rectangle of pixels with the colours of a map, the highest at the top. */
-static void fill_bar(iso_image *image, const iso_color_bar *bar, int left, int right, int top, int bottom) {
+/* Fills a rectangle with the colours of a map, the highest at the top. */
+static void fill_bar(const pen *p, const iso_color_bar *bar, double left, double right, double top,
+                     double bottom) {
     iso_color_bar unit = *bar;
+    iso_image colors;
     unit.low = 0;
     unit.high = 1;
-    for (int y = top; y < bottom; y++) {
-        const iso_rgb c = iso_color_bar_at(&unit, 1 - (y + 0.5 - top) / (bottom - top));
-        for (int x = left; x < right; x++) {
-            uint8_t *rgba = image->rgba + 4 * ((size_t)y * (size_t)image->width + (size_t)x);
-            rgba[0] = c.r, rgba[1] = c.g, rgba[2] = c.b, rgba[3] = 255;
-        }
+    const int rows = (int)fmax(1, floor(bottom) - floor(top));
+    if (iso_image_create(1, rows, &colors, NULL) != ISO_OK) {
+        p->drawing->failed = true;
+        return;
     }
+    for (int y = 0; y < rows; y++) {
+        const iso_rgb c = iso_color_bar_at(&unit, 1 - (y + 0.5) / rows);
+        uint8_t *rgba = colors.rgba + 4 * y;
+        rgba[0] = c.r, rgba[1] = c.g, rgba[2] = c.b, rgba[3] = 255;
+    }
+    iso_drawing_picture(p->drawing, &colors, floor(left), floor(top), floor(right), floor(bottom));
 }
 
 /* Adds the numbers at both ends and in the middle of a bar, right-aligned at `right`. Returns the width of
  * the widest. */
-static double add_labels(drawing *d, const pen *p, const iso_color_bar *bar, double right, double top,
-                         double bottom) {
+static double add_labels(const pen *p, const iso_color_bar *bar, double right, double top, double bottom) {
     double widest = 0;
+    iso_mark *ticks = outlined_lines(p);
+    for (int i = 0; i < BAR_LABELS; i++) {
+        const double y = bottom + (top - bottom) * i / (BAR_LABELS - 1);
+        add_line(p, ticks, right + 0.3 * p->text, y, right + 0.6 * p->text, y);
+    }
     for (int i = 0; i < BAR_LABELS; i++) {
         const double part = (double)i / (BAR_LABELS - 1), y = bottom + (top - bottom) * part;
+        const double number = bar->low + (bar->high - bar->low) * part;
         char label[32];
-        snprintf(label, sizeof label, "%.4g", bar->low + (bar->high - bar->low) * part);
-        const double width = iso_font_width(label) * p->unit;
-        add_line(d, right + 0.3 * p->text, y, right + 0.6 * p->text, y);
-        add_text(d, p, label, right - width / 2, y);
+        snprintf(label, sizeof label, "%s%.4g", number < 0 ? "\u2212" : "", fabs(number)); /* a minus sign */
+        const double width = text_width(p, label);
+        add_text(p, label, right - width, y);
         widest = fmax(widest, width);
     }
     return widest;
 }
 
-/* Adds words, as many as a title has room for, that begin at x or end there; returns their
- * width. */
-static double add_words(drawing *d, const pen *p, const char *words, double x, bool end_there, double y) {
-    char letters[ISO_COLOR_BAR_TITLE];
-    snprintf(letters, sizeof letters, "%s", words);
-    for (char *c = letters; *c; c++)
-        if (*c == 'u') *c = ISO_FONT_U;
-    const double width = iso_font_width(letters) * p->unit;
-    if (*letters) add_text(d, p, letters, end_there ? x - width / 2 : x + width / 2, y);
-    return width;
-}
-
-static void add_box(drawing *d, double left, double top, double right, double bottom) {
-    add_line(d, left, top, right, top);
-    add_line(d, right, top, right, bottom);
-    add_line(d, right, bottom, left, bottom);
-    add_line(d, left, bottom, left, top);
+static void add_box(const pen *p, iso_mark *lines, double left, double top, double right, double bottom) {
+    add_line(p, lines, left, top, right, top);
+    add_line(p, lines, right, top, right, bottom);
+    add_line(p, lines, right, bottom, left, bottom);
+    add_line(p, lines, left, bottom, left, top);
 }
 
 /* Draws a bar whose right end is *right, and moves *right to the left of it. */
-static iso_status draw_color_bar(const pen *p, const iso_color_bar *bar, double *right, iso_error *error) {
-    const double top = 0.25 * p->image->height, bottom = 0.75 * p->image->height, left = *right - p->text;
-    const int x0 = bounded(left, p->image->width), x1 = bounded(*right, p->image->width);
-    drawing frame = {.count = 0}, labels = {.count = 0};
-    add_box(&frame, left, top, *right, bottom);
-    const double widest = add_labels(&labels, p, bar, left - 0.8 * p->text, top, bottom);
-    ISO_TRY(draw_outlined(p, &frame, p->radius, &p->ink, error));
-    fill_bar(p->image, bar, x0, x1, bounded(top, p->image->height), bounded(bottom, p->image->height));
-    const double room = add_words(&labels, p, bar->title, *right, true, top - 1.9 * p->text);
+static void draw_color_bar(const pen *p, const iso_color_bar *bar, double *right) {
+    const double top = 0.25 * p->height, bottom = 0.75 * p->height, left = *right - p->text;
+    add_box(p, outlined_lines(p), left, top, *right, bottom);
+    fill_bar(p, bar, left, *right, top, bottom);
+    const double widest = add_labels(p, bar, left - 0.8 * p->text, top, bottom),
+                 room = text_width(p, bar->title);
+    if (*bar->title) add_text(p, bar->title, *right - room, top - 1.9 * p->text);
     *right -= fmax(3 * p->text + widest, room > 0 ? room + p->text : 0);
-    return draw_outlined(p, &labels, p->radius, &p->ink, error);
 }
 
 /* ---- the legend */
 
-static void fill_swatch(iso_image *image, iso_rgb c, double left, double top, double side) {
-    const int x0 = bounded(left, image->width), x1 = bounded(left + side, image->width),
-              y0 = bounded(top, image->height), y1 = bounded(top + side, image->height);
-    for (int y = y0; y < y1; y++)
-        for (int x = x0; x < x1; x++) {
-            uint8_t *rgba = image->rgba + 4 * ((size_t)y * (size_t)image->width + (size_t)x);
-            rgba[0] = c.r, rgba[1] = c.g, rgba[2] = c.b, rgba[3] = 255;
-        }
-}
-
 /* Draws an entry with its top left corner at (x, y); returns its width. */
-static iso_status draw_entry(const pen *p, const iso_legend_entry *entry, double x, double y, double *width,
-                             iso_error *error) {
-    const double side = p->text;
-    drawing frame = {.count = 0}, name = {.count = 0};
-    add_box(&frame, x, y, x + side, y + side);
-    *width = 1.6 * side + add_words(&name, p, entry->name, x + 1.6 * side, false, y + side / 2);
-    ISO_TRY(draw_outlined(p, &frame, p->radius, &p->ink, error));
-    fill_swatch(p->image, entry->color, x, y, side);
-    return draw_outlined(p, &name, p->radius, &p->ink, error);
+static double draw_entry(const pen *p, const iso_legend_entry *entry, double x, double y) {
+    const double side = p->text, corners[4][2] = {{x, y}, {x + side, y}, {x + side, y + side}, {x, y + side}};
+    add_box(p, outlined_lines(p), x, y, x + side, y + side);
+    iso_drawing_polygon(p->drawing, entry->color, corners, 4);
+    add_text(p, entry->name, x + 1.6 * side, y + side / 2);
+    return 1.6 * side + text_width(p, entry->name);
 }
 
 /* Columns that do not fit beside each other are left out. */
-static iso_status draw_legend(const pen *p, const iso_annotation *a, iso_error *error) {
+static void draw_legend(const pen *p, const iso_annotation *a) {
     const double step = 1.7 * p->text, margin = 1.2 * p->text;
-    const int rows = (int)fmax(1, (p->image->height - 2 * margin) / step);
+    const int rows = (int)fmax(1, (p->height - 2 * margin) / step);
     double left = margin, widest = 0;
     for (int i = 0; i < a->legend_count; i++) {
         if (i && i % rows == 0) left += widest + 1.5 * p->text, widest = 0;
-        if (left > p->image->width - margin) return ISO_OK;
-        double width;
-        ISO_TRY(draw_entry(p, &a->legend[i], left, margin + i % rows * step, &width, error));
-        widest = fmax(widest, width);
+        if (left > p->width - margin) return;
+        widest = fmax(widest, draw_entry(p, &a->legend[i], left, margin + i % rows * step));
     }
-    return ISO_OK;
 }
+
+/* ---- notes: texts, arrows and rulers */
+
+bool iso_place_project(const iso_place *place, const iso_camera *camera, int width, int height,
+                       double pixel[2]) {
+    if (!place->in_world) {
+        pixel[0] = place->at[0] * width, pixel[1] = place->at[1] * height;
+        return true;
+    }
+    const iso_view view = iso_view_make(camera, width, height);
+    const iso_vec3 at = iso_view_point(&view, iso_vec3_make(place->at[0], place->at[1], place->at[2]));
+    if (!view.orthographic && !(at.z > view.near)) return false;
+    const double scale = view.orthographic ? view.focal : view.focal / at.z;
+    pixel[0] = view.cx + scale * at.x, pixel[1] = view.cy + scale * at.y;
+    return true;
+}
+
+static double clamped(double value, double low, double high) {
+    return value < low || high < low ? low : value > high ? high : value;
+}
+
+/* Draws a text with its middle at `at`, moved so that it stays inside the picture. */
+static void draw_words(const pen *p, const char *text, const double at[2]) {
+    const double width = text_width(p, text), edge = 0.5 * p->text;
+    add_text(p, text, clamped(at[0] - 0.5 * width, edge, p->width - width - edge),
+             clamped(at[1], p->text, p->height - p->text));
+}
+
+/* Where the text of an arrow stands that does not say it: away from the picture's middle. */
+static void usual_tail(const pen *p, const double head[2], double tail[2]) {
+    const double side = head[0] < 0.5 * p->width ? -1 : 1, up = head[1] > 0.7 * p->height ? 1 : -1;
+    tail[0] = head[0] + side * 5 * p->text;
+    tail[1] = head[1] + up * 4 * p->text;
+}
+
+/* The part of the way from a text's middle to `to` at which its box ends. */
+static double leave_box(const pen *p, double text, const double from[2], const double to[2]) {
+    const double dx = fabs(to[0] - from[0]), dy = fabs(to[1] - from[1]);
+    const double x = dx > 0 ? (0.5 * text + 0.4 * p->text) / dx : INFINITY,
+                 y = dy > 0 ? 1.1 * p->text / dy : INFINITY;
+    return fmin(1, fmin(x, y));
+}
+
+static void draw_arrow(const pen *p, const iso_note *note, const double head[2], double tail[2]) {
+    const double width = note->text ? text_width(p, note->text) : 0, edge = 0.5 * p->text;
+    if (note->text) {
+        tail[0] = clamped(tail[0], edge + 0.5 * width, p->width - 0.5 * width - edge);
+        tail[1] = clamped(tail[1], p->text, p->height - p->text);
+    }
+    const double leave = note->text ? leave_box(p, width, tail, head) : 0;
+    const double begin[2] = {tail[0] + leave * (head[0] - tail[0]), tail[1] + leave * (head[1] - tail[1])};
+    const double dx = head[0] - begin[0], dy = head[1] - begin[1], length = sqrt(dx * dx + dy * dy);
+    if (length > 0) {
+        const double tip = fmin(length, 1.1 * p->text), x = dx / length, y = dy / length, half = 0.38 * tip;
+        const double base[2] = {head[0] - tip * x, head[1] - tip * y};
+        const double corners[3][2] = {{head[0], head[1]},
+                                      {base[0] - half * y, base[1] + half * x},
+                                      {base[0] + half * y, base[1] - half * x}};
+        add_line(p, outlined_lines(p), begin[0], begin[1], base[0], base[1]);
+        outline(p, iso_drawing_polygon(p->drawing, p->ink, corners, 3));
+    }
+    if (note->text) add_centred(p, note->text, tail[0], tail[1]);
+}
+
+/* Ticks are at round lengths from the first point on. */
+static void draw_ruler(const pen *p, const iso_annotation *a, const iso_note *note, const double from[2],
+                       const double to[2]) {
+    const double *q = note->to.at, *o = note->from.at, d[3] = {q[0] - o[0], q[1] - o[1], q[2] - o[2]};
+    const double length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]), step = round_length(length / 8);
+    const double dx = to[0] - from[0], dy = to[1] - from[1], seen = sqrt(dx * dx + dy * dy);
+    if (!(step > 0 && seen > 0)) return;
+    /* ticks and length stand on the side that is away from the picture's middle, or else above */
+    const double out[2] = {0.5 * (from[0] + to[0] - p->width), 0.5 * (from[1] + to[1] - p->height)};
+    const double across = out[0] * dy - out[1] * dx, little = 0.02 * seen * p->height;
+    const bool upwards = dx > 0 || (dx == 0 && dy < 0), outwards = across > 0;
+    const double side = (fabs(across) > little ? outwards : upwards) ? 1 : -1;
+    const double x = side * dy / seen, y = -side * dx / seen;
+    const int ticks = (int)(length / step + 1e-9);
+    iso_mark *lines = outlined_lines(p);
+    add_line(p, lines, from[0], from[1], to[0], to[1]);
+    const double high = 0.6 * p->text, *ends[2] = {from, to};
+    for (int i = 0; i < 2; i++)
+        add_line(p, lines, ends[i][0] - x * high, ends[i][1] - y * high, ends[i][0] + x * high,
+                 ends[i][1] + y * high);
+    for (int i = 1; i <= ticks && seen > ticks * 2 * p->line; i++) {
+        const double part = i * step / length, low = 0.4 * p->text;
+        const iso_place place = {true, {o[0] + part * d[0], o[1] + part * d[1], o[2] + part * d[2]}};
+        double at[2];
+        if (part < 1 - 1e-9 && iso_place_project(&place, a->camera, p->width, p->height, at))
+            add_line(p, lines, at[0], at[1], at[0] + x * low, at[1] + y * low);
+    }
+    char label[32];
+    iso_length_label(length, 4, &a->lengths, label);
+    const double away = high + 0.5 * (fabs(x) * text_width(p, label) + fabs(y) * p->text) + 0.6 * p->text;
+    const double middle[2] = {0.5 * (from[0] + to[0]) + x * away, 0.5 * (from[1] + to[1]) + y * away};
+    draw_words(p, label, middle);
+}
+
+static void draw_note(const pen *p, const iso_annotation *a, const iso_note *note) {
+    double from[2], to[2];
+    if (!iso_place_project(&note->to, a->camera, p->width, p->height, to)) return;
+    if (note->kind == ISO_NOTE_ARROW && !note->has_from)
+        usual_tail(p, to, from);
+    else if (note->kind != ISO_NOTE_TEXT &&
+             !iso_place_project(&note->from, a->camera, p->width, p->height, from))
+        return;
+    if (note->kind == ISO_NOTE_TEXT)
+        draw_words(p, note->text, to);
+    else if (note->kind == ISO_NOTE_ARROW)
+        draw_arrow(p, note, to, from);
+    else
+        draw_ruler(p, a, note, from, to);
+}
+
+/* ---- insets */
+
+void iso_inset_place(iso_inset *inset, int width, int height) {
+    static const double MOST = 0.45, MARGIN = 0.02, LITTLE = 1e-6; /* parts of the picture; of a pixel */
+    const int sides[2] = {width, height}, margin = (int)(MARGIN * (width < height ? width : height));
+    const bool at_end[2] = {inset->corner == ISO_CORNER_TOP_RIGHT || inset->corner == ISO_CORNER_BOTTOM_RIGHT,
+                            inset->corner == ISO_CORNER_BOTTOM_LEFT ||
+                                inset->corner == ISO_CORNER_BOTTOM_RIGHT};
+    inset->factor = ISO_INSET_MOST;
+    for (int axis = 0; axis < 2; axis++) {
+        const int low = (int)(inset->box[axis] * sides[axis] + LITTLE),
+                  high = (int)(inset->box[2 + axis] * sides[axis] + LITTLE);
+        const int most = (int)(MOST * sides[axis] / (high > low ? high - low : 1) + LITTLE);
+        inset->part[axis] = low;
+        inset->part[2 + axis] = high > low ? high : low + 1;
+        if (most < inset->factor) inset->factor = most < 2 ? 2 : most;
+    }
+    for (int axis = 0; axis < 2; axis++) {
+        const int side = inset->factor * (inset->part[2 + axis] - inset->part[axis]);
+        inset->place[axis] = at_end[axis] ? sides[axis] - margin - side : margin;
+        inset->place[2 + axis] = inset->place[axis] + side;
+    }
+}
+
+static void draw_inset(const pen *p, const iso_inset *inset) {
+    const int *to = inset->place, *from = inset->part;
+    iso_mark *frame = outlined_lines(p);
+    add_box(p, frame, from[0], from[1], from[2], from[3]);
+    /* from the two corners that do not lie behind the inset */
+    const bool down = (to[1] < from[1]) == (to[0] < from[0]);
+    const int x[2] = {0, 2}, y[2] = {down ? 3 : 1, down ? 1 : 3};
+    for (int i = 0; i < 2; i++) add_line(p, frame, from[x[i]], from[y[i]], to[x[i]], to[y[i]]);
+    iso_image picture = *inset->picture;
+    *inset->picture = (iso_image){.rgba = NULL};
+    iso_drawing_picture(p->drawing, &picture, to[0], to[1], to[2], to[3]);
+    add_box(p, outlined_lines(p), to[0], to[1], to[2], to[3]);
+}
+
+/* ---- all */
 
 bool iso_is_dark(iso_rgb background, bool transparent) {
     const iso_rgb c = background;
     return !transparent && 299 * c.r + 587 * c.g + 114 * c.b < 128 * 1000;
 }
 
-iso_status iso_annotate(iso_image *image, const iso_annotation *annotation, iso_error *error) {
-    const pen p = pen_of(image, annotation->dark);
-    if (annotation->orientation_marker) ISO_TRY(draw_marker(&p, annotation, error));
-    if (annotation->legend_count) ISO_TRY(draw_legend(&p, annotation, error));
-    double right = image->width - 1.2 * p.text;
+iso_status iso_annotation_draw(iso_drawing *drawing, const iso_annotation *annotation, int width, int height,
+                               iso_error *error) {
+    const pen p = pen_of(drawing, annotation, width, height);
+    if (annotation->inset) draw_inset(&p, annotation->inset);
+    if (annotation->orientation_marker) draw_marker(&p, annotation);
+    draw_legend(&p, annotation);
+    double right = width - 1.2 * p.text;
     for (int i = 0; i < annotation->color_bar_count; i++)
-        ISO_TRY(draw_color_bar(&p, &annotation->color_bars[i], &right, error));
-    return annotation->scale_bar ? draw_scale_bar(&p, annotation, error) : ISO_OK;
+        draw_color_bar(&p, &annotation->color_bars[i], &right);
+    if (annotation->scale_bar) draw_scale_bar(&p, annotation);
+    for (int i = 0; i < annotation->note_count; i++) draw_note(&p, annotation, &annotation->notes[i]);
+    return iso_drawing_check(drawing, error);
+}
+
+iso_status iso_annotate(iso_image *image, const iso_annotation *annotation, iso_error *error) {
+    iso_drawing drawing = {.marks = NULL};
+    iso_status status = iso_annotation_draw(&drawing, annotation, image->width, image->height, error);
+    if (status == ISO_OK) status = iso_drawing_paint(&drawing, image, error);
+    iso_drawing_free(&drawing);
+    return status;
 }

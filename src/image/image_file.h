@@ -1,17 +1,20 @@
 /* image_file: pictures in files of the kind that the name's ending says, in either case: PNG (.png, and
- * "-" for standard output), TIFF (.tif, .tiff: deflate, 8 bits, with alpha if there is any) and JPEG
- * (.jpg, .jpeg: full resolution of colours, quality 95; needs libjpeg). The bytes are the same for every
- * number of threads. */
+ * "-" for standard output), TIFF (.tif, .tiff: deflate, 8 bits, with alpha if there is any), JPEG (.jpg,
+ * .jpeg: full resolution of colours, quality 95; needs libjpeg), and the sheets SVG (.svg) and PDF (.pdf), in
+ * which a picture is embedded. The bytes are the same for every number of threads. */
 #ifndef ISO_IMAGE_IMAGE_FILE_H
 #define ISO_IMAGE_IMAGE_FILE_H
 
+#include "image/drawing.h"
 #include "image/image.h"
 
 typedef enum iso_image_kind {
     ISO_IMAGE_UNKNOWN,
     ISO_IMAGE_PNG,
     ISO_IMAGE_TIFF,
-    ISO_IMAGE_JPEG
+    ISO_IMAGE_JPEG,
+    ISO_IMAGE_SVG,
+    ISO_IMAGE_PDF
 } iso_image_kind;
 
 iso_image_kind iso_image_kind_of(const char *path);
@@ -25,6 +28,14 @@ iso_status iso_image_file_check(const char *path, iso_error *error);
  * */
 iso_status iso_image_file_write(const char *path, const iso_image *image, const iso_png_opts *opts,
                                 iso_error *error);
+
+/* Whether such a file is a sheet: its annotations are not pixels. */
+bool iso_image_is_sheet(const char *path);
+
+/* Writes a picture with a drawing over it: painted onto the picture, which is changed, or as the marks of a
+ * sheet. Errors as above. */
+iso_status iso_image_file_write_drawing(const char *path, iso_image *image, const iso_drawing *drawing,
+                                        const iso_png_opts *opts, iso_error *error);
 
 /* ---- the writers: iso_image_file_write calls them */
 

@@ -30,7 +30,7 @@ printf '1 one 300 0 0 0\n' >in/bad.txt
 refuses 3 "in/bad.txt: line 1 is no label" isorender --labels in/labels.nrrd --label-table in/bad.txt bad.png || exit 1
 printf '# nothing\n' >in/bad.txt
 refuses 3 "in/bad.txt: no label is in it" isorender --labels in/labels.nrrd --label-table in/bad.txt bad.png || exit 1
-for option in "--label 1" "--label-table in/bad.txt" "--table bad.csv" --legend; do
+for option in "--label 1" "--label-table in/bad.txt" "--table bad.csv"; do
     refuses 2 "is for labels: it needs --labels FILE or --smooth" isorender scene:torus:32 bad.png $option || exit 1
 done
 refuses 2 "give one of them" isorender in/labels.nrrd --smooth --labels in/labels.nrrd bad.png || exit 1

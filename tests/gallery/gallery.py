@@ -1,5 +1,5 @@
-"""Runs every command of docs/gallery.md and of the tutorials, page by page in its order, in a folder that is made anew, and draws
-each picture of the gallery again from itself to the same bytes. gallery.py BIN ROOT OUT: the folders of the programs and of the
+"""Runs every command of docs/gallery.md, docs/gallery-figures.md (which draws the scenes of docs/gallery) and of the tutorials, page by
+page in its order, in a folder that is made anew, and draws each picture of the gallery again from itself to the same bytes. gallery.py BIN ROOT OUT: the folders of the programs and of the
 project, and the one for what is made; the tutorials' folders are beside it."""
 import glob
 import os
@@ -18,15 +18,18 @@ def run(command, folder, programs):
         sys.exit("exit %d: %s\n%s" % (done.returncode, command, done.stdout))
 
 
-def run_page(page, programs, root, out):
-    """Runs the commands of a page in the folder `out` with what ships in volumes/, and returns them."""
-    with open(page, encoding="utf-8") as text:
-        commands = re.findall(r"^    (\S.*)$", text.read(), re.M)
+def run_pages(pages, programs, root, out):
+    """Runs the commands of pages in the folder `out` with what ships in volumes/ and docs/gallery, and returns them."""
+    commands = []
+    for page in pages:
+        with open(page, encoding="utf-8") as text:
+            commands += re.findall(r"^    (\S.*)$", text.read(), re.M)
     shutil.rmtree(out, ignore_errors=True)
     os.makedirs(out)
-    for name in os.listdir(os.path.join(root, "volumes")):
-        if not name.endswith(".md"):
-            shutil.copy(os.path.join(root, "volumes", name), out)
+    for folder in "volumes", "docs/gallery":
+        for name in os.listdir(os.path.join(root, folder)):
+            if not name.endswith(".md"):
+                shutil.copy(os.path.join(root, folder, name), out)
     for command in commands:
         run(command, out, programs)
     return commands
@@ -40,7 +43,16 @@ def main():
     if probe.returncode:
         print("skipped: built without OpenVDB:", probe.stderr.strip())
         sys.exit(77)
-    commands = run_page(os.path.join(root, "docs", "gallery.md"), programs, root, out)
+    scenes = glob.glob(os.path.join(root, "docs", "gallery", "*.json"))
+    for scene in scenes:
+        with open(scene, encoding="utf-8") as text:
+            if text.read().count("\n") > 15:
+                sys.exit("%s has more than 15 lines" % scene)
+    pages = [os.path.join(root, "docs", name) for name in ("gallery.md", "gallery-figures.md")]
+    commands = run_pages(pages, programs, root, out)
+    for scene in scenes:
+        if not any(os.path.basename(scene) in command for command in commands):
+            sys.exit("%s is on no page" % scene)
     pictures = sorted(set(re.findall(r"\b\w+\.png\b", "\n".join(commands))))
     if len(pictures) < 20:
         sys.exit("%d pictures were found in the gallery: nothing was checked" % len(pictures))
@@ -48,7 +60,7 @@ def main():
         run("isorender --again %s -o again.png --quiet && cmp %s again.png" % (name, name), out, programs)
     tutorials = glob.glob(os.path.join(root, "docs", "tutorial-*.md"))
     for page in tutorials:
-        count = len(run_page(page, programs, root, out + "-" + os.path.basename(page)[:-3]))
+        count = len(run_pages([page], programs, root, out + "-" + os.path.basename(page)[:-3]))
         if count < 4:
             sys.exit("%s: only %d commands were found" % (page, count))
     print("%d commands and %d pictures of the gallery, %d tutorials" % (len(commands), len(pictures), len(tutorials)))

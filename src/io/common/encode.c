@@ -1,9 +1,6 @@
-/* encode: little-endian numbers, comments, and the C locale for numbers in text. */
-#define _GNU_SOURCE
+/* encode: little-endian numbers and comments. */
 #include "io/common/encode.h"
 
-#include <locale.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/text.h"
@@ -37,28 +34,4 @@ void iso_encode_comment(FILE *stream, const char *prefix, const char *text) {
     fputs(prefix, stream);
     iso_text_put(stream, text);
     fputc('\n', stream);
-}
-
-typedef struct numbers {
-    locale_t own, before;
-} numbers;
-
-void *iso_encode_numbers_begin(void) {
-    numbers *state = malloc(sizeof *state);
-    if (!state) return NULL;
-    state->own = newlocale(LC_NUMERIC_MASK, "C", (locale_t)0);
-    if (!state->own) {
-        free(state);
-        return NULL;
-    }
-    state->before = uselocale(state->own);
-    return state;
-}
-
-void iso_encode_numbers_end(void *opaque) {
-    numbers *state = opaque;
-    if (!state) return;
-    uselocale(state->before);
-    freelocale(state->own);
-    free(state);
 }

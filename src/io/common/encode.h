@@ -1,5 +1,5 @@
 /* encode: shared by the writers and readers of this folder: numbers as little-endian bytes, one-line
- * comments, and numbers in text independent of the program's locale. Internal to src/io. */
+ * comments. Internal to src/io. */
 #ifndef ISO_IO_COMMON_ENCODE_H
 #define ISO_IO_COMMON_ENCODE_H
 
@@ -17,11 +17,5 @@ unsigned char *iso_encode_vec3(unsigned char *bytes, iso_vec3 v); /* as three fl
 /* Writes `prefix`, the text made one line of printable UTF-8 (base/text.h), and a line end; nothing when text
  * is NULL. */
 void iso_encode_comment(FILE *stream, const char *prefix, const char *text);
-
-/* Between the two calls, this thread prints and parses numbers with a decimal point, whatever locale the
- * program has set. Pass the value returned by begin to end. NULL (no memory) is allowed: the locale is then
- * not changed. */
-void *iso_encode_numbers_begin(void);
-void iso_encode_numbers_end(void *state);
 
 #endif

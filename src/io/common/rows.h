@@ -28,7 +28,7 @@ char *iso_rows_next_continued(iso_rows *rows);
 
 /* Parses the number at *text, after blanks, and moves *text behind it and behind one following character of
  * `separators`. Returns false without moving if there is no such number. To be called between
- * iso_encode_numbers_begin and iso_encode_numbers_end. */
+ * iso_decimal_point_begin and iso_decimal_point_end. */
 bool iso_row_number(char **text, const char *separators, double *number);
 
 /* Returns the next word of a row, terminated by a zero byte in place; NULL at the end of the row. */

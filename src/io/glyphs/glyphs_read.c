@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/decimal_point.h"
 #include "base/memory.h"
 #include "io/common/encode.h"
 #include "io/common/ply.h"
@@ -29,9 +30,9 @@ iso_status iso_glyphs_read(const char *path, const iso_read_opts *opts, iso_glyp
     iso_reading reading = iso_reading_begin(path, opts, &unused);
     iso_file_type type;
     ISO_TRY(iso_reading_find_type(&reading, ISO_HOLDS_GLYPHS, "glyphs", &type, error));
-    void *numbers = iso_encode_numbers_begin();
+    void *numbers = iso_decimal_point_begin();
     iso_status status = reader_of(type)(&reading, glyphs, error);
-    iso_encode_numbers_end(numbers);
+    iso_decimal_point_end(numbers);
     return status;
 }
 

@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/decimal_point.h"
 #include "base/file.h"
 #include "io/common/encode.h"
 #include "io/lines/lines_format.h"
@@ -26,9 +27,9 @@ iso_status iso_lines_read(const char *path, const iso_read_opts *opts, iso_lines
     iso_reading reading = iso_reading_begin(path, opts, &unused);
     iso_file_type type;
     ISO_TRY(iso_reading_find_type(&reading, ISO_HOLDS_LINES, "lines", &type, error));
-    void *numbers = iso_encode_numbers_begin();
+    void *numbers = iso_decimal_point_begin();
     iso_status status = reader_of(type)(&reading, lines, error);
-    iso_encode_numbers_end(numbers);
+    iso_decimal_point_end(numbers);
     return status;
 }
 

@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "base/decimal_point.h"
 #include "base/file_types.h"
 #include "io/common/encode.h"
 #include "io/mesh/mesh_format.h"
@@ -107,9 +108,9 @@ static iso_status read_any(iso_mesh_reading *r, iso_error *error) {
 iso_status iso_mesh_read(const char *path, const iso_progress *progress, iso_triangles *mesh,
                          iso_error *error) {
     iso_mesh_reading r = {.path = path, .progress = progress};
-    void *numbers = iso_encode_numbers_begin();
+    void *numbers = iso_decimal_point_begin();
     iso_status status = read_any(&r, error);
-    iso_encode_numbers_end(numbers);
+    iso_decimal_point_end(numbers);
     iso_rows_free(&r.rows);
     if (status == ISO_OK) status = finish_mesh(&r, error);
     iso_buffer_free(&r.fans);

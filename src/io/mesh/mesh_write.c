@@ -4,6 +4,7 @@
 
 #include <string.h>
 
+#include "base/decimal_point.h"
 #include "base/file.h"
 #include "base/file_types.h"
 #include "base/memory.h"
@@ -95,7 +96,7 @@ static iso_status iso_put_stl(const mesh_source *source, int count, const char *
 
 /* before: the number of vertices that are in the file already. */
 static void write_obj_part(const mesh_source *source, uint64_t before, FILE *stream) {
-    void *numbers = iso_encode_numbers_begin();
+    void *numbers = iso_decimal_point_begin();
     for (size_t i = 0; i < source->weld->vertex_count; i++) {
         iso_vec3 p = iso_source_position(source, i), n = iso_source_normal(source, i);
         /* nine digits are enough to read back the same float */
@@ -111,7 +112,7 @@ static void write_obj_part(const mesh_source *source, uint64_t before, FILE *str
         fprintf(stream, "f %llu//%llu %llu//%llu %llu//%llu\n", (unsigned long long)a, (unsigned long long)a,
                 (unsigned long long)b, (unsigned long long)b, (unsigned long long)c, (unsigned long long)c);
     }
-    iso_encode_numbers_end(numbers);
+    iso_decimal_point_end(numbers);
 }
 
 static iso_status iso_put_obj(const mesh_source *sources, int count, const char *comment, FILE *stream,

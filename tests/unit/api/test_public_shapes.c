@@ -243,6 +243,55 @@ static void test_annotations(void **state) {
     iso_image_free(&plain);
 }
 
+/* Notes and a legend change the picture where they are; a page has them as text, and the picture stays. */
+static void test_figures(void **state) {
+    (void)state;
+    iso_image image = {0}, plain = {0};
+    const iso_box box = {{0, 0, 0}, {20, 20, 20}};
+    iso_camera camera;
+    iso_error error;
+    assert_int_equal(iso_camera_of_box(&box, 200, 200, &(iso_fit_opts){.orthographic = true}, &camera, NULL),
+                     ISO_OK);
+    for (int i = 0; i < 2; i++) {
+        iso_image *made = i ? &plain : &image;
+        assert_int_equal(iso_image_create(200, 200, made, NULL), ISO_OK);
+        memset(made->rgba, 255, 4 * 200 * 200);
+    }
+    iso_note notes[] = {{.kind = ISO_NOTE_TEXT, .to = {.at = {0.5, 0.1}}, .text = "Probe 3 \u00b5m"},
+                        {.kind = ISO_NOTE_ARROW, .to = {true, {10, 10, 10}}, .text = "middle"},
+                        {.kind = ISO_NOTE_RULER, .from = {true, {0, 0, 0}}, .to = {true, {20, 0, 0}}}};
+    const iso_legend_entry entry = {"red", {255, 0, 0}};
+    iso_figure_opts opts = {.marks = {.camera = &camera},
+                            .font_size = 8,
+                            .dpi = 144,
+                            .notes = notes,
+                            .note_count = 3,
+                            .legend = &entry,
+                            .legend_count = 1};
+    assert_int_equal(iso_figure_write(&image, &opts, ISO_TEST_TMP "/figure.svg", &error), ISO_OK);
+    assert_int_equal(iso_figure_write(&image, &opts, ISO_TEST_TMP "/figure.pdf", &error), ISO_OK);
+    assert_int_equal(differing(&image, &plain), 0);
+    FILE *file = fopen(ISO_TEST_TMP "/figure.svg", "r");
+    char line[4096];
+    int found = 0;
+    while (file && fgets(line, sizeof line, file))
+        found += strstr(line, ">Probe 3 \u00b5m</text>") || strstr(line, ">middle</text>") ||
+                 strstr(line, ">red</text>") || strstr(line, ">20 mm</text>") ||
+                 strstr(line, "width=\"100pt\"");
+    assert_int_equal(found, 5);
+    fclose(file);
+    assert_int_equal(iso_figure_paint(&image, &opts, &error), ISO_OK);
+    assert_true(differing(&image, &plain) > 300);
+    assert_int_equal(iso_figure_write(&image, &opts, ISO_TEST_TMP "/figure.gif", &error), ISO_ERR_USAGE);
+    notes[0].text = "\u05e9\u05dc\u05d5\u05dd"; /* from right to left */
+    assert_int_equal(iso_figure_paint(&image, &opts, &error), ISO_ERR_USAGE);
+    notes[0].text = "plain";
+    notes[2].to.in_world = false;
+    assert_int_equal(iso_figure_paint(&image, &opts, &error), ISO_ERR_USAGE);
+    iso_image_free(&image);
+    iso_image_free(&plain);
+}
+
 /* ---- fields */
 
 enum { FIELD_SIDE = 4, FIELD_VOXELS = FIELD_SIDE * FIELD_SIDE * FIELD_SIDE };
@@ -346,6 +395,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_translucent_shapes),
         cmocka_unit_test(test_mesh),
+        cmocka_unit_test(test_figures),
         cmocka_unit_test(test_annotations),
         cmocka_unit_test(test_cuts),
         cmocka_unit_test(test_fields),

@@ -1,16 +1,17 @@
-/* Scale bars and orientation markers: round lengths, labels, where they are, what is beneath them, and
- * letters that follow the camera. */
+/* Scale bars, orientation markers, rulers, notes and insets: round lengths, labels, where they are, what
+ * is beneath them, and letters that follow the camera; the outlines of letters, and how they are painted. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include <cmocka.h>
 
 #include "image/annotate.h"
-#include "image/vector_font.h"
+#include "image/font.h"
 
 static iso_camera camera_at(iso_vec3 eye, double parallel_scale) {
     return (iso_camera){.position = eye,
@@ -27,20 +28,42 @@ static void lengths_are_round(void **state) {
         double length;
         const char *label;
     } cases[] = {{10, 10, "10 mm"},     {9.9, 10, "10 mm"},   {1.4, 1, "1 mm"},      {1.5, 2, "2 mm"},
-                 {0.3, 0.2, "0.2 mm"},  {0.1, 0.1, "0.1 mm"}, {0.05, 0.05, "50 um"}, {0.0009, 0.001, "1 um"},
+                 {0.3, 0.2, "0.2 mm"},  {0.1, 0.1, "0.1 mm"}, {0.05, 0.05, "50 µm"}, {0.0009, 0.001, "1 µm"},
                  {3e-5, 2e-5, "20 nm"}, {900, 1000, "1 m"},   {70, 50, "50 mm"},     {3e6, 2e6, "2 km"},
-                 {7.5, 10, "10 mm"}};
+                 {7.5, 10, "10 mm"},    {250, 200, "20 cm"}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         const iso_camera camera = camera_at(iso_vec3_make(0, -1, 0), cases[i].millimetres * 5 / 2);
         char label[32];
         const double length = iso_scale_bar_length(&camera, 300, 300);
-        iso_scale_bar_label(length, &(iso_length_style){.world = ISO_WORLD_UNIT_MILLIMETRE}, label);
+        iso_length_label(length, 10, &(iso_length_style){.world = ISO_WORLD_UNIT_MILLIMETRE}, label);
         assert_true(fabs(length / cases[i].length - 1) < 1e-12);
         assert_string_equal(label, cases[i].label);
         assert_true(iso_font_width(label) > 0);
     }
     const iso_camera perspective = camera_at(iso_vec3_make(0, -1, 0), 0);
     assert_true(iso_scale_bar_length(&perspective, 300, 300) == 0);
+}
+
+/* Units follow the size, and the unit of the file: of Angstrom small ones stay. */
+static void units_follow_the_file(void **state) {
+    (void)state;
+    static const struct {
+        double length;
+        iso_length_style style;
+        const char *label;
+    } cases[] = {{20, {ISO_UNIT_AUTO, ISO_WORLD_UNIT_ANGSTROM}, "20 Å"},
+                 {500, {ISO_UNIT_AUTO, ISO_WORLD_UNIT_ANGSTROM}, "50 nm"},
+                 {5, {ISO_UNIT_ANGSTROM, ISO_WORLD_UNIT_ANGSTROM}, "5 Å"},
+                 {20, {ISO_UNIT_AUTO, ISO_WORLD_UNIT_MICROMETRE}, "20 µm"},
+                 {500, {ISO_UNIT_AUTO, ISO_WORLD_UNIT_MICROMETRE}, "0.5 mm"},
+                 {50, {ISO_UNIT_CM, ISO_WORLD_UNIT_MILLIMETRE}, "5 cm"},
+                 {0.3, {ISO_UNIT_AUTO, ISO_WORLD_UNIT_METRE}, "30 cm"},
+                 {7, {ISO_UNIT_AUTO, ISO_WORLD_UNIT_NONE}, "7"}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char label[32];
+        iso_length_label(cases[i].length, 10, &cases[i].style, label);
+        assert_string_equal(label, cases[i].label);
+    }
 }
 
 static void fill(iso_image *image, const uint8_t rgba[4]) {
@@ -178,20 +201,104 @@ static void small_pictures_are_cut_off(void **state) {
         }
 }
 
-/* Every character of labels and markers has lines, within its width. */
-static void characters_have_lines(void **state) {
+/* A letter's outlines are closed, within its width, and its area by the shoelace formula is that of the
+ * pixels it is painted to. */
+static void letters_are_painted_as_they_are(void **state) {
     (void)state;
-    for (const char *c = "0123456789.-+ekmnuLRAPHFxyz"; *c; c++) {
+    static const uint8_t white[4] = {255, 255, 255, 255};
+    enum { SIZE = 200, PIXELS = 128 };
+    for (const char *c = "0123456789.-+ekmnuLRAPHFxyzgQ@&%"; *c; c++) {
         const char text[2] = {*c, 0};
-        iso_font_line lines[16];
-        const int count = iso_font_lines(text, lines, 16);
-        assert_true(count > 0 && count <= 16);
+        iso_font_edge edges[ISO_FONT_EDGES];
+        const int glyph = iso_font_glyph((uint32_t)*c), count = iso_font_outline(glyph, 8, edges);
+        double area = 0, sum[2] = {0, 0};
+        assert_true(glyph > 0 && count > 2 && count < ISO_FONT_EDGES);
         for (int i = 0; i < count; i++) {
-            assert_in_range(lines[i].x0, 0, iso_font_width(text));
-            assert_in_range(lines[i].x1, 0, iso_font_width(text));
-            assert_in_range(lines[i].y0, 0, ISO_FONT_HEIGHT + 2);
-            assert_in_range(lines[i].y1, 0, ISO_FONT_HEIGHT + 2);
+            const iso_font_edge *e = &edges[i];
+            area += 0.5 * (e->x0 * e->y1 - e->x1 * e->y0);
+            sum[0] += e->x1 - e->x0, sum[1] += e->y1 - e->y0;
+            assert_true(e->x0 >= -100 && e->x0 <= iso_font_advance(glyph) + 100);
+            assert_true(e->y0 >= -ISO_FONT_DESCENT && e->y0 <= ISO_FONT_ASCENT);
         }
+        assert_true(sum[0] == 0 && sum[1] == 0);
+        iso_drawing drawing = {.marks = NULL};
+        iso_image image;
+        assert_int_equal(iso_image_create(SIZE, SIZE, &image, NULL), ISO_OK);
+        fill(&image, white);
+        iso_drawing_text(&drawing, text, 30.3, 150.7, PIXELS, (iso_rgb){0, 0, 0});
+        assert_int_equal(iso_drawing_paint(&drawing, &image, NULL), ISO_OK);
+        double ink = 0;
+        for (int i = 0; i < SIZE * SIZE; i++) ink += (255 - image.rgba[4 * i]) / 255.0;
+        const double wanted = fabs(area) * PIXELS * PIXELS / ISO_FONT_SIZE / ISO_FONT_SIZE;
+        assert_true(fabs(ink - wanted) < 0.02 * wanted + 2);
+        iso_drawing_free(&drawing);
+        iso_image_free(&image);
+    }
+}
+
+static void texts_that_cannot_be_drawn_are_refused(void **state) {
+    (void)state;
+    char longest[ISO_FONT_LONGEST + 2] = {0};
+    iso_error error;
+    memset(longest, 'a', ISO_FONT_LONGEST);
+    assert_int_equal(iso_font_check(longest, &error), ISO_OK);
+    longest[ISO_FONT_LONGEST] = 'a';
+    static const char *const texts[] = {"", "\u05e9\u05dc\u05d5\u05dd", "\u6f22", "two\nlines", "\xff", NULL};
+    for (int i = 0; texts[i]; i++) assert_int_equal(iso_font_check(texts[i], &error), ISO_ERR_USAGE);
+    assert_int_equal(iso_font_check(longest, &error), ISO_ERR_USAGE);
+    assert_int_equal(iso_font_check("Größe \u03b1\u00b2 \u2265 3 \u00b5m \u00c5, \u0416", &error), ISO_OK);
+}
+
+/* The first and the last column of pixels that are black in the rows of a ruler that lies flat. */
+static void ruler_ends(const iso_image *image, int row, int ends[2]) {
+    ends[0] = image->width, ends[1] = -1;
+    for (int x = 0; x < image->width; x++) {
+        if (image->rgba[4 * (row * image->width + x)] > 60) continue;
+        ends[0] = x < ends[0] ? x : ends[0];
+        ends[1] = x;
+    }
+}
+
+/* A ruler is as long as its ends are apart in the picture, in perspective and obliquely too. */
+static void rulers_have_their_length(void **state) {
+    (void)state;
+    static const uint8_t white[4] = {255, 255, 255, 255};
+    for (int i = 0; i < 3; i++) {
+        iso_camera camera = camera_at(iso_vec3_make(0, -100, 0), i ? 0 : 50);
+        const iso_note note = {
+            .kind = ISO_NOTE_RULER, .from = {true, {-20, 0, 0}}, .to = {true, {15, i == 2 ? 40 : 0, 0}}};
+        const iso_annotation annotation = {.camera = &camera, .notes = &note, .note_count = 1};
+        iso_image image = annotated(&annotation, 400, 400, white);
+        double from[2], to[2];
+        int ends[2];
+        assert_true(iso_place_project(&note.from, &camera, 400, 400, from));
+        assert_true(iso_place_project(&note.to, &camera, 400, 400, to));
+        if (i == 0) assert_true(fabs(to[0] - from[0] - 140) < 1e-9);
+        if (i == 1) assert_true(fabs(to[0] - from[0] - 35 * 200 / 0.2679491924311227 / 100) < 1e-6);
+        ruler_ends(&image, 200, ends);
+        assert_true(abs(ends[0] - (int)from[0]) <= 1 && abs(ends[1] - (int)to[0]) <= 1);
+        iso_image_free(&image);
+    }
+    const iso_place behind = {true, {0, -200, 0}};
+    const iso_camera camera = camera_at(iso_vec3_make(0, -100, 0), 0);
+    double at[2];
+    assert_false(iso_place_project(&behind, &camera, 400, 400, at));
+}
+
+/* An inset keeps the shape of its part, and lies in its corner. */
+static void insets_lie_in_their_corner(void **state) {
+    (void)state;
+    for (int corner = 0; corner < 4; corner++) {
+        iso_inset inset = {.box = {0.5, 0.25, 0.6, 0.4}, .corner = (iso_corner)corner};
+        const int *place = inset.place;
+        iso_inset_place(&inset, 1000, 800);
+        assert_int_equal(inset.factor, 3);
+        assert_int_equal(place[2] - place[0], 3 * 100);
+        assert_int_equal(place[3] - place[1], 3 * 120);
+        assert_int_equal(inset.part[0], 500);
+        assert_true((place[0] < 100) == (corner == ISO_CORNER_TOP_LEFT || corner == ISO_CORNER_BOTTOM_LEFT));
+        assert_true((place[1] < 100) == (corner == ISO_CORNER_TOP_LEFT || corner == ISO_CORNER_TOP_RIGHT));
+        assert_true(place[0] >= 0 && place[1] >= 0 && place[2] <= 1000 && place[3] <= 800);
     }
 }
 
@@ -203,7 +310,11 @@ int main(void) {
         cmocka_unit_test(small_pictures_are_cut_off),
         cmocka_unit_test(colormaps_are_those_published),
         cmocka_unit_test(color_bars_show_their_map),
-        cmocka_unit_test(characters_have_lines),
+        cmocka_unit_test(units_follow_the_file),
+        cmocka_unit_test(letters_are_painted_as_they_are),
+        cmocka_unit_test(texts_that_cannot_be_drawn_are_refused),
+        cmocka_unit_test(rulers_have_their_length),
+        cmocka_unit_test(insets_lie_in_their_corner),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,531 @@
+#define _GNU_SOURCE /* asprintf */
+#include "apps/isorender/panels.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "apps/common/template.h"
+#include "apps/isorender/annotations.h"
+#include "apps/isorender/scene_file.h"
+#include "base/memory.h"
+#include "image/font.h"
+
+enum { PANELS = 26, TITLE = 160 }; /* letters a to z */
+
+bool isorender_has_panels(const isorender_settings *settings) {
+    return settings->panels || settings->panel_files.count;
+}
+
+/* ---- what differs */
+
+/* A list, separated by commas or, if there is one, by semicolons. */
+typedef struct list {
+    char items[PANELS][TITLE];
+    int count;
+} list;
+
+static iso_status split(const char *text, const char *option, list *l, iso_error *error) {
+    const char separator = strchr(text, ';') ? ';' : ',';
+    for (l->count = 0;; text++) {
+        const char *end = strchr(text, separator);
+        const size_t length = end ? (size_t)(end - text) : strlen(text);
+        if (l->count == PANELS)
+            return iso_fail(error, ISO_ERR_USAGE, "option %s: more than %d panels", option, PANELS);
+        if (length == 0 || length >= TITLE)
+            return iso_fail(error, ISO_ERR_USAGE, "option %s: %s value between two '%c'", option,
+                            length ? "too long a" : "no", separator);
+        snprintf(l->items[l->count++], TITLE, "%.*s", (int)length, text);
+        if (!end) return ISO_OK;
+        text = end;
+    }
+}
+
+/* The option that --panels changes. */
+static iso_status find_option(const isorender_settings *settings, const iso_option **option,
+                              const char **values, iso_error *error) {
+    const char *text = settings->panels, *equals = strchr(text, '=');
+    const size_t length = equals ? (size_t)(equals - text) : strlen(text);
+    const bool is_time = length == 4 && strncmp(text, "time", 4) == 0;
+    *option = is_time ? iso_options_find(isorender_program(), "component", strlen("component"))
+                      : iso_options_find(isorender_program(), text, length);
+    *values = equals ? equals + 1 : "";
+    if (length == 4 && strncmp(text, "file", 4) == 0)
+        return iso_fail(
+            error, ISO_ERR_USAGE,
+            "option --panels: pictures of several files: the first is the input, --panel-file names "
+            "each of the others");
+    if (!*option || !equals || !**values)
+        return iso_fail(
+            error, ISO_ERR_USAGE,
+            "option --panels: '%.60s' is not WHAT=A,B,.., with WHAT isovalue, camera, label, time or "
+            "any other option",
+            text);
+    if ((*option)->flags & ISO_OPTION_UNRECORDED || !(*option)->value ||
+        strncmp((*option)->name, "panel", 5) == 0 || strcmp((*option)->name, "resolution") == 0)
+        return iso_fail(error, ISO_ERR_USAGE, "option --panels: --%s does not make pictures that differ",
+                        (*option)->name);
+    if (strcmp((*option)->name, "ior") == 0 && !(settings->ior > 0))
+        return iso_fail(error, ISO_ERR_USAGE, "option --panels: panels of glass need --ior beside it");
+    return ISO_OK;
+}
+
+/* The cpu engine draws all panels, unless another one is named: it can draw whatever differs. */
+iso_status isorender_panels_check(isorender_settings *settings, iso_error *error) {
+    const bool given = isorender_has_panels(settings);
+    const char *needs = settings->panel_titles    ? "--panel-titles"
+                        : settings->panel_columns ? "--panel-columns"
+                                                  : NULL;
+    if (!given && needs) return iso_fail(error, ISO_ERR_USAGE, "%s is for --panels", needs);
+    const char *unfit = !given                      ? NULL
+                        : settings->mesh            ? "--mesh"
+                        : settings->points          ? "--points"
+                        : settings->table           ? "--table"
+                        : settings->aov             ? "--aov"
+                        : settings->common.json     ? "--json"
+                        : settings->turntable       ? "--turntable"
+                        : settings->keyframe_file   ? "--keyframes"
+                        : settings->series_of       ? "--series-of"
+                        : settings->parts           ? "--part"
+                        : settings->info            ? "--info"
+                        : settings->no_image        ? "--no-image"
+                        : settings->input_count > 1 ? "several inputs (--panel-file names further ones)"
+                                                    : NULL;
+    if (unfit) return iso_fail(error, ISO_ERR_USAGE, "--panels cannot be combined with %s", unfit);
+    if (settings->panels && settings->panel_files.count)
+        return iso_fail(error, ISO_ERR_USAGE, "panels differ in one thing: give --panels or --panel-file");
+    if (given && strcmp(settings->backend, "auto") == 0) settings->backend = "cpu";
+    const iso_option *option;
+    const char *values;
+    return settings->panels ? find_option(settings, &option, &values, error) : ISO_OK;
+}
+
+/* ---- the commands of panels */
+
+/* A panel's command line, and what it is made into. */
+typedef struct cell {
+    char **argv, *made; /* made: the argument of its own, or NULL */
+    int argc;
+    iso_operands operands;
+    isorender_settings settings;
+    isorender_plan *plans; /* one */
+    isorender_panel panel;
+    isorender_film film; /* of its one picture */
+    char title[TITLE];
+} cell;
+
+typedef struct sheet {
+    const isorender_settings *settings;
+    const isorender_plan *plan;
+    cell *cells[PANELS];
+    int count;
+    isorender_same_view shared; /* the isovalue */
+    isorender_legend_list *names;
+    int columns, rows, width, height;
+    double font, text; /* size of the font, height of capitals */
+    char (*ranges)[80];
+} sheet;
+
+/* Puts "panel b (isovalue 300): " before a message that is not about the file alone. */
+static iso_status named(const cell *c, int number, iso_status status, iso_error *error) {
+    char text[sizeof error->text];
+    if (status == ISO_OK || !error) return status;
+    snprintf(text, sizeof text, "%s", error->text);
+    return iso_fail(error, status, "panel %c (%.60s): %s", 'a' + number, c->title, text);
+}
+
+/* Parses the command of a panel: the options of the sheet but for those named, then `argument`; the input is
+ * `file`, if it is not NULL. */
+static iso_status parse_cell(const sheet *p, cell *c, const char *option, const char *file,
+                             iso_error *error) {
+    static const char *const left_out[] = {"panels", "panel-file", "panel-titles", "panel-columns",
+                                           "save-scene"};
+    const char *names[6];
+    const isorender_settings *settings = p->settings;
+    memcpy(names, left_out, sizeof left_out);
+    names[5] = option;
+    c->argv = calloc((size_t)settings->argc + 2 + ISORENDER_BARS, sizeof *c->argv);
+    c->operands.values = calloc((size_t)settings->argc + 2 + ISORENDER_BARS, sizeof *c->operands.values);
+    if (!c->argv || !c->operands.values) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
+    c->argc = iso_options_without(isorender_program(), settings->argc, settings->argv, names, option ? 6 : 5,
+                                  c->argv);
+    bool replaced = !file;
+    for (int i = 1; i < c->argc; i++)
+        if (file && c->argv[i] == p->settings->inputs[0])
+            c->argv[i] = (char *)(uintptr_t)file, replaced = true;
+    if (!replaced) return iso_fail(error, ISO_ERR_USAGE, "--panel-file is beside an input, which is a file");
+    return ISO_OK;
+}
+
+static iso_status finish_cell(const sheet *p, cell *c, iso_error *error) {
+    isorender_plans_free(c->plans, 1);
+    c->plans = NULL;
+    ISO_TRY(isorender_settings_parse(c->argc, c->argv, &c->settings, &c->operands, error));
+    c->settings.scene_output = p->settings->scene_output;
+    c->settings.panel = &c->panel;
+    c->film = isorender_film_of(&c->settings);
+    c->settings.film = &c->film;
+    c->settings.ranks = p->settings->ranks;
+    return isorender_plans_make(&c->settings, &c->plans, error);
+}
+
+/* Inserts an argument behind the program's name. */
+static void insert(cell *c, char *argument) {
+    memmove(c->argv + 2, c->argv + 1, (size_t)(c->argc - 1) * sizeof *c->argv);
+    c->argv[1] = argument;
+    c->argc++;
+}
+
+static iso_status add_cell(sheet *p, const char *title, cell **made, iso_error *error) {
+    cell *c = calloc(1, sizeof *c);
+    if (!c) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
+    p->cells[p->count++] = c;
+    snprintf(c->title, sizeof c->title, "%s", title);
+    *made = c;
+    return ISO_OK;
+}
+
+/* What a panel is called: "isovalue 300", but labels and cameras by their names alone. */
+static void make_title(const char *what, const char *value, char title[TITLE]) {
+    const bool alone = strcmp(what, "label") == 0 || strcmp(what, "camera") == 0;
+    snprintf(title, TITLE, "%.40s%s%.110s", alone ? "" : what, alone ? "" : " ", value);
+    for (char *c = title; !alone && *c && *c != ' '; c++)
+        if (*c == '-') *c = ' ';
+}
+
+static iso_status add_values(sheet *p, iso_error *error) {
+    const iso_option *option;
+    const char *values;
+    list l;
+    ISO_TRY(find_option(p->settings, &option, &values, error));
+    ISO_TRY(split(values, "--panels", &l, error));
+    for (int i = 0; i < l.count; i++) {
+        char title[TITLE], what[TITLE];
+        cell *c = NULL;
+        snprintf(what, sizeof what, "%.*s", (int)(values - p->settings->panels - 1), p->settings->panels);
+        make_title(what, l.items[i], title);
+        ISO_TRY(add_cell(p, title, &c, error));
+        ISO_TRY(parse_cell(p, c, option->name, NULL, error));
+        if (asprintf(&c->made, "--%s=%s", option->name, l.items[i]) < 0) c->made = NULL;
+        if (!c->made) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
+        insert(c, c->made);
+        ISO_TRY(named(c, i, finish_cell(p, c, error), error));
+    }
+    return ISO_OK;
+}
+
+static iso_status add_files(sheet *p, iso_error *error) {
+    const iso_texts *files = &p->settings->panel_files;
+    for (int i = 0; i <= files->count; i++) {
+        const char *file = i ? files->values[i - 1] : p->plan->input;
+        char *model = NULL;
+        cell *c = NULL;
+        ISO_TRY(iso_template_model(file, &model, error));
+        const iso_status status = add_cell(p, model, &c, error);
+        free(model);
+        ISO_TRY(status);
+        ISO_TRY(parse_cell(p, c, NULL, i ? file : NULL, error));
+        ISO_TRY(named(c, i, finish_cell(p, c, error), error));
+    }
+    return ISO_OK;
+}
+
+static iso_status take_titles(sheet *p, iso_error *error) {
+    list l;
+    if (p->settings->panel_titles) {
+        ISO_TRY(split(p->settings->panel_titles, "--panel-titles", &l, error));
+        if (l.count != p->count)
+            return iso_fail(error, ISO_ERR_USAGE, "--panel-titles: %d titles for %d panels", l.count,
+                            p->count);
+        for (int i = 0; i < p->count; i++) {
+            ISO_TRY(iso_font_check(l.items[i], error));
+            snprintf(p->cells[i]->title, TITLE, "%s", l.items[i]);
+        }
+    }
+    return ISO_OK;
+}
+
+/* ---- what panels have in common */
+
+static void add_box(iso_box *box, const iso_box *other) {
+    box->lo = iso_vec3_make(fmin(box->lo.x, other->lo.x), fmin(box->lo.y, other->lo.y),
+                            fmin(box->lo.z, other->lo.z));
+    box->hi = iso_vec3_make(fmax(box->hi.x, other->hi.x), fmax(box->hi.y, other->hi.y),
+                            fmax(box->hi.z, other->hi.z));
+}
+
+static double distance_of(const iso_camera *c) {
+    return iso_vec3_length(iso_vec3_sub(c->position, c->focal_point));
+}
+
+/* Whether a box is all of another one, but for a little: the bounds of one surface differ by how it is
+ * drawn. */
+static bool is_all_of(const iso_box *box, const iso_box *all) {
+    static const double LITTLE = 0.02;
+    const double more =
+        iso_vec3_length(iso_vec3_sub(box->lo, all->lo)) + iso_vec3_length(iso_vec3_sub(box->hi, all->hi));
+    return more <= LITTLE * iso_vec3_length(iso_vec3_sub(all->hi, all->lo));
+}
+
+/* Whether two cameras look the same way, in one projection. */
+static bool looks_alike(const iso_camera *a, const iso_camera *b) {
+    const iso_vec3 x = iso_vec3_scale(iso_vec3_sub(a->position, a->focal_point), 1 / distance_of(a)),
+                   y = iso_vec3_scale(iso_vec3_sub(b->position, b->focal_point), 1 / distance_of(b));
+    return iso_vec3_length(iso_vec3_sub(x, y)) < 1e-9 &&
+           iso_vec3_length(iso_vec3_sub(a->view_up, b->view_up)) < 1e-9 && a->view_angle == b->view_angle &&
+           a->orthographic == b->orthographic;
+}
+
+/* Moves cameras that look at the same things from several sides away, until all have the scale of the
+ * farthest. */
+static void share_scale(sheet *p) {
+    double scale = 0, distance = 0;
+    for (int i = 0; i < p->count; i++) {
+        scale = fmax(scale, p->cells[i]->panel.camera.parallel_scale);
+        distance = fmax(distance, distance_of(&p->cells[i]->panel.camera));
+    }
+    for (int i = 0; i < p->count; i++) {
+        iso_camera *c = &p->cells[i]->panel.camera;
+        const iso_vec3 back = iso_vec3_sub(c->position, c->focal_point);
+        if (c->orthographic)
+            c->parallel_scale = scale;
+        else
+            c->position = iso_vec3_add(c->focal_point, iso_vec3_scale(back, distance / distance_of(c)));
+    }
+}
+
+/* Gives all panels one framing. If they look the same way, it is that of the panel that holds all others,
+ * if there is one; if they show the same from several sides, each has its own camera and all one scale.
+ * Else all frame the box around everything. Where the camera is or how it zooms stays as it is given. */
+static void share_camera(sheet *p) {
+    const iso_camera *first = &p->cells[0]->panel.camera;
+    const bool zooms = p->settings->panels && strncmp(p->settings->panels, "zoom=", 5) == 0;
+    iso_box all = p->cells[0]->panel.box;
+    bool alike = true, same = true;
+    int largest = -1;
+    for (int i = 0; i < p->count; i++) add_box(&all, &p->cells[i]->panel.box);
+    for (int i = p->count - 1; i >= 0; i--) {
+        const bool whole = is_all_of(&p->cells[i]->panel.box, &all);
+        if (whole) largest = i;
+        same &= whole;
+        alike &= looks_alike(&p->cells[i]->panel.camera, first);
+    }
+    const bool given = !isnan(p->cells[0]->settings.position[0]) || zooms,
+               one = alike && largest >= 0 && !given;
+    for (int i = 0; i < p->count; i++) {
+        isorender_panel *panel = &p->cells[i]->panel;
+        panel->has_camera = one || same || given;
+        panel->box = all;
+        if (one) panel->camera = p->cells[largest]->panel.camera;
+    }
+    if (same && !alike && !given) share_scale(p);
+}
+
+/* Gives all panels the ranges of colours that hold those of each, unless --range is given. */
+static iso_status share_ranges(sheet *p, iso_error *error) {
+    const isorender_panel *first = &p->cells[0]->panel;
+    const isorender_settings *settings = &p->cells[0]->settings;
+    const int colored = settings->object_options.color_by.count + settings->coloring_count;
+    bool shares =
+        first->range_count > 0 && first->range_count == colored && !settings->object_options.ranges.count;
+    for (int i = 0; i < p->count; i++) shares &= p->cells[i]->panel.range_count == first->range_count;
+    if (!shares) return ISO_OK;
+    p->ranges = calloc(ISORENDER_BARS, sizeof *p->ranges);
+    if (!p->ranges) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
+    for (int k = 0; k < first->range_count; k++) {
+        double low = INFINITY, high = -INFINITY;
+        for (int i = 0; i < p->count; i++) {
+            low = fmin(low, p->cells[i]->panel.ranges[k][0]);
+            high = fmax(high, p->cells[i]->panel.ranges[k][1]);
+        }
+        if (!(low < high)) return ISO_OK;
+        snprintf(p->ranges[k], sizeof *p->ranges, "--range=%.17g,%.17g", low, high);
+    }
+    for (int i = 0; i < p->count; i++) {
+        for (int k = first->range_count - 1; k >= 0; k--) insert(p->cells[i], p->ranges[k]);
+        ISO_TRY(named(p->cells[i], i, finish_cell(p, p->cells[i], error), error));
+    }
+    return ISO_OK;
+}
+
+typedef struct means {
+    iso_pool *pool;
+    const isorender_backend *backend;
+    const iso_environment *environment;
+} means;
+
+/* Surveys or draws all panels. Notes are said once, by the survey, and of each file. */
+static iso_status run_cells(sheet *p, const means *m, bool survey, iso_error *error) {
+    for (int i = 0; i < p->count; i++) {
+        cell *c = p->cells[i];
+        const bool says = survey && (i == 0 || p->settings->panel_files.count);
+        c->panel.names = p->names;
+        c->panel.is_survey = survey;
+        c->panel.is_last = i == p->count - 1;
+        c->settings.first = &p->shared;
+        c->settings.common.quiet |= !says;
+        const iso_status status =
+            isorender_run(&c->settings, &c->plans[0], m->pool, m->backend, m->environment, error);
+        ISO_TRY(named(c, i, status, error));
+    }
+    return ISO_OK;
+}
+
+/* ---- the sheet */
+
+static double margin_of(const sheet *p) {
+    return ceil(0.8 * p->text);
+}
+
+static double band_of(const sheet *p) {
+    return ceil(2.1 * p->text);
+}
+
+static iso_status lay_out(sheet *p, iso_error *error) {
+    const isorender_settings *s = p->settings;
+    p->font = iso_annotation_font_size(isorender_font_pixels(s), s->width, s->height);
+    p->text = p->font * ISO_FONT_CAPITALS / ISO_FONT_SIZE;
+    p->columns = s->panel_columns ? s->panel_columns : p->count <= 3 ? p->count : (int)ceil(sqrt(p->count));
+    if (p->columns > p->count) p->columns = p->count;
+    p->rows = (p->count + p->columns - 1) / p->columns;
+    const double width = p->columns * (s->width + margin_of(p)) + margin_of(p),
+                 height = p->rows * (s->height + band_of(p)) + margin_of(p),
+                 bytes = 4 * (width * height + (double)p->count * s->width * s->height);
+    if (width > ISO_IMAGE_MAX || height > ISO_IMAGE_MAX)
+        return iso_fail(error, ISO_ERR_LIMIT, "--panels: a sheet of %.0fx%.0f pixels; at most %d a side",
+                        width, height, ISO_IMAGE_MAX);
+    if (bytes > (double)iso_memory_limit(s->common.input.max_memory))
+        return iso_fail(error, ISO_ERR_LIMIT,
+                        "--panels: a sheet of %.0fx%.0f pixels needs %.0f MB (--max-memory)", width, height,
+                        bytes / 1e6);
+    p->width = (int)width;
+    p->height = (int)height;
+    return ISO_OK;
+}
+
+/* Cuts a title that is wider than its picture. */
+static void fit_title(const sheet *p, char title[TITLE], double room) {
+    size_t length = strlen(title);
+    while (length && iso_font_width(title) * p->font / ISO_FONT_SIZE > room) {
+        do length--;
+        while (length && ((unsigned char)title[length] & 0xC0) == 0x80);
+        snprintf(title + length, TITLE - length, length < TITLE - 4 ? "\u2026" : "");
+    }
+}
+
+/* Draws the letter and the title above a panel. */
+static void add_title(const sheet *p, cell *c, int number, double x, double y, iso_drawing *over) {
+    const isorender_settings *s = p->settings;
+    const iso_rgb ink =
+        iso_is_dark(s->background, s->transparent != 0) ? (iso_rgb){255, 255, 255} : (iso_rgb){0, 0, 0};
+    const char letter[2] = {(char)('a' + number), 0};
+    const double indent = (iso_font_width(letter) / ISO_FONT_SIZE + 0.5) * p->font;
+    iso_mark *mark = iso_drawing_text(over, letter, x, y, p->font, ink);
+    if (mark) mark->bold = true;
+    fit_title(p, c->title, s->width - indent);
+    iso_drawing_text(over, c->title, x + indent, y, p->font, ink);
+}
+
+static void place_cell(const sheet *p, cell *c, int number, iso_image *image, iso_drawing *over) {
+    const int left = (int)(margin_of(p) + number % p->columns * (p->settings->width + margin_of(p))),
+              top = (int)(band_of(p) + number / p->columns * (p->settings->height + band_of(p)));
+    const iso_image *from = &c->panel.image;
+    for (int y = 0; y < from->height; y++)
+        memcpy(image->rgba + 4 * ((size_t)(top + y) * (size_t)image->width + (size_t)left),
+               from->rgba + 4 * (size_t)y * (size_t)from->width, 4 * (size_t)from->width);
+    iso_drawing_append(over, &c->panel.drawing, left, top);
+    add_title(p, c, number, left, top - 0.6 * p->text, over);
+}
+
+/* Moves what stands beside the panels to where they end, and *right behind it. */
+static void place_beside(const sheet *p, iso_drawing *beside, int *right, iso_drawing *over) {
+    double low, high;
+    iso_drawing_width(beside, &low, &high);
+    if (!(low <= high)) return;
+    iso_drawing_append(over, beside, *right - floor(low), band_of(p));
+    *right += (int)ceil(high - low + 1.5 * margin_of(p));
+}
+
+static void fill(iso_image *image, const isorender_settings *s) {
+    const uint8_t color[4] = {s->background.r, s->background.g, s->background.b, 255};
+    for (size_t i = 0; i < (size_t)image->width * (size_t)image->height; i++)
+        if (s->transparent)
+            memset(image->rgba + 4 * i, 0, 4);
+        else
+            memcpy(image->rgba + 4 * i, color, 4);
+}
+
+/* The sheet's scene and the texts of its file are those of the whole command. */
+static iso_status write_sheet(sheet *p, iso_pool *pool, iso_image *image, const iso_drawing *over,
+                              iso_error *error) {
+    isorender_job *job = calloc(1, sizeof *job);
+    if (!job) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
+    job->settings = p->settings;
+    job->plan = p->plan;
+    job->pool = pool;
+    job->camera = p->cells[0]->panel.camera;
+    iso_status status = isorender_write_picture(job, image, over, p->plan->image, error);
+    if (status == ISO_OK) {
+        status = isorender_scene_save(job, error);
+        if (status != ISO_OK) iso_file_remove(p->plan->image);
+    }
+    free(job);
+    return status;
+}
+
+static iso_status make_sheet(sheet *p, const means *m, iso_error *error) {
+    iso_image image = {0};
+    iso_drawing over = {.marks = NULL};
+    ISO_TRY(isorender_plan_check_writable(p->plan, error));
+    if (p->settings->panels)
+        ISO_TRY(add_values(p, error));
+    else
+        ISO_TRY(add_files(p, error));
+    ISO_TRY(take_titles(p, error));
+    ISO_TRY(lay_out(p, error));
+    ISO_TRY(run_cells(p, m, true, error));
+    share_camera(p);
+    ISO_TRY(share_ranges(p, error));
+    ISO_TRY(run_cells(p, m, false, error));
+    isorender_panel *last = &p->cells[p->count - 1]->panel;
+    int width = p->width;
+    place_beside(p, &last->legend, &width, &over);
+    place_beside(p, &last->bars, &width, &over);
+    iso_status status = iso_image_create(width, p->height, &image, error);
+    if (status == ISO_OK) {
+        fill(&image, p->settings);
+        for (int i = 0; i < p->count; i++) place_cell(p, p->cells[i], i, &image, &over);
+        status = write_sheet(p, m->pool, &image, &over, error);
+    }
+    iso_drawing_free(&over);
+    iso_image_free(&image);
+    return status;
+}
+
+static void free_cell(cell *c) {
+    isorender_plans_free(c->plans, 1);
+    iso_image_free(&c->panel.image);
+    iso_drawing_free(&c->panel.drawing);
+    iso_drawing_free(&c->panel.legend);
+    iso_drawing_free(&c->panel.bars);
+    free(c->panel.ranges);
+    free(c->operands.values);
+    free(c->argv);
+    free(c->made);
+    free(c);
+}
+
+iso_status isorender_panels_run(const isorender_settings *settings, const isorender_plan *plan,
+                                iso_pool *pool, const isorender_backend *backend,
+                                const iso_environment *environment, iso_error *error) {
+    const means m = {pool, backend, environment};
+    sheet p = {.settings = settings, .plan = plan, .names = calloc(1, sizeof *p.names)};
+    const iso_status status =
+        p.names ? make_sheet(&p, &m, error) : iso_fail(error, ISO_ERR_NOMEM, "out of memory for the legend");
+    if (status == ISO_OK && strcmp(plan->image, "-") != 0 && !settings->common.quiet)
+        iso_program_log(isorender_program(), "%s: wrote %s: %d panels", plan->input, plan->image, p.count);
+    for (int i = 0; i < p.count; i++) free_cell(p.cells[i]);
+    free(p.ranges);
+    free(p.names);
+    return status;
+}

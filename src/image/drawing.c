@@ -1,0 +1,114 @@
+/* drawing: the list of marks. */
+#include "image/drawing.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/text.h"
+#include "image/font.h"
+
+static iso_mark *add(iso_drawing *d, iso_mark_kind kind, iso_rgb color) {
+    if (d->count == d->room) {
+        const int room = d->room ? 2 * d->room : 32;
+        iso_mark *grown = realloc(d->marks, (size_t)room * sizeof *grown);
+        if (!grown) {
+            d->failed = true;
+            return NULL;
+        }
+        d->marks = grown;
+        d->room = room;
+    }
+    iso_mark *mark = &d->marks[d->count++];
+    *mark = (iso_mark){.kind = kind, .color = color};
+    return mark;
+}
+
+iso_mark *iso_drawing_lines(iso_drawing *drawing, iso_rgb color, double width) {
+    iso_mark *mark = add(drawing, ISO_MARK_LINES, color);
+    if (mark) mark->width = width;
+    return mark;
+}
+
+static bool add_points(iso_drawing *d, iso_mark *mark, const double (*points)[2], int count) {
+    double(*grown)[2] = realloc(mark->points, (size_t)(mark->point_count + count) * sizeof *grown);
+    d->failed |= !grown;
+    if (!grown) return false;
+    memcpy(grown + mark->point_count, points, (size_t)count * sizeof *grown);
+    mark->points = grown;
+    mark->point_count += count;
+    return true;
+}
+
+void iso_drawing_line(iso_drawing *drawing, iso_mark *lines, double x0, double y0, double x1, double y1) {
+    const double ends[2][2] = {{x0, y0}, {x1, y1}};
+    if (lines) add_points(drawing, lines, ends, 2);
+}
+
+iso_mark *iso_drawing_polygon(iso_drawing *drawing, iso_rgb color, const double (*corners)[2], int count) {
+    iso_mark *mark = add(drawing, ISO_MARK_POLYGON, color);
+    return mark && add_points(drawing, mark, corners, count) ? mark : NULL;
+}
+
+iso_mark *iso_drawing_text(iso_drawing *drawing, const char *text, double x, double y, double size,
+                           iso_rgb color) {
+    iso_mark *mark = add(drawing, ISO_MARK_TEXT, color);
+    if (!mark) return NULL;
+    mark->x = x, mark->y = y, mark->size = size;
+    mark->text = iso_text_clean_copy(text);
+    drawing->failed |= !mark->text;
+    return mark->text ? mark : NULL;
+}
+
+iso_mark *iso_drawing_picture(iso_drawing *drawing, iso_image *picture, double left, double top, double right,
+                              double bottom) {
+    iso_mark *mark = add(drawing, ISO_MARK_PICTURE, (iso_rgb){0, 0, 0});
+    if (!mark) {
+        iso_image_free(picture);
+        return NULL;
+    }
+    mark->left = left, mark->top = top, mark->right = right, mark->bottom = bottom;
+    mark->picture = *picture;
+    *picture = (iso_image){.rgba = NULL};
+    return mark;
+}
+
+void iso_drawing_append(iso_drawing *drawing, iso_drawing *from, double x, double y) {
+    drawing->failed |= from->failed;
+    for (int i = 0; i < from->count; i++) {
+        iso_mark *mark = add(drawing, ISO_MARK_LINES, (iso_rgb){0, 0, 0}), *moved = &from->marks[i];
+        if (!mark) break;
+        *mark = *moved;
+        moved->points = NULL, moved->text = NULL, moved->picture = (iso_image){.rgba = NULL};
+        for (int k = 0; k < mark->point_count; k++) mark->points[k][0] += x, mark->points[k][1] += y;
+        mark->x += x, mark->left += x, mark->right += x;
+        mark->y += y, mark->top += y, mark->bottom += y;
+    }
+    iso_drawing_free(from);
+}
+
+void iso_drawing_width(const iso_drawing *drawing, double *low, double *high) {
+    *low = INFINITY, *high = -INFINITY;
+    for (int i = 0; i < drawing->count; i++) {
+        const iso_mark *m = &drawing->marks[i];
+        const double text = m->text ? iso_font_width(m->text) * m->size / ISO_FONT_SIZE : 0;
+        for (int k = 0; k < m->point_count; k++)
+            *low = fmin(*low, m->points[k][0]), *high = fmax(*high, m->points[k][0]);
+        if (m->kind == ISO_MARK_TEXT) *low = fmin(*low, m->x), *high = fmax(*high, m->x + text);
+        if (m->kind == ISO_MARK_PICTURE) *low = fmin(*low, m->left), *high = fmax(*high, m->right);
+    }
+}
+
+iso_status iso_drawing_check(const iso_drawing *drawing, iso_error *error) {
+    return drawing->failed ? iso_fail(error, ISO_ERR_NOMEM, "out of memory for annotations") : ISO_OK;
+}
+
+void iso_drawing_free(iso_drawing *drawing) {
+    for (int i = 0; i < drawing->count; i++) {
+        free(drawing->marks[i].points);
+        free(drawing->marks[i].text);
+        iso_image_free(&drawing->marks[i].picture);
+    }
+    free(drawing->marks);
+    *drawing = (iso_drawing){.marks = NULL};
+}
