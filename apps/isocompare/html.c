@@ -513,6 +513,7 @@ void isocompare_write_html(const report *r, FILE *stream) {
     put_table(r, REPORT_FINE, stream);
     put_transparency(r, stream);
     put_plots(r, stream);
+    if (r->page) fwrite(r->page, 1, strlen(r->page), stream);
     put_extraction(r, stream);
     isocompare_put_costs(r, stream);
     isocompare_put_points(r, stream);

@@ -368,6 +368,7 @@ static iso_status make_report(report *r, iso_sink sinks[2], iso_error *error) {
     ISO_TRY(study_cost(r, error));
     ISO_TRY(study_splats(r, error));
     note_peak(r);
+    r->page = isocompare_make_page(r);
     return write_files(r, sinks, error);
 }
 
@@ -378,6 +379,7 @@ static void free_report(report *r) {
             free(r->views[z].cells[m].difference.bytes);
         }
     free(r->model);
+    free(r->page);
     iso_scene_surface_free(&r->surface);
     iso_loader_close(&r->loader);
     iso_file_set_free(&r->files);

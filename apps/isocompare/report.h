@@ -66,6 +66,7 @@ typedef struct report {
     iso_cost_study cost;
     iso_splat_cost splats;
     iso_stroke_cost strokes; /* if the input is a stroke file */
+    char *page; /* the surface as a page, as HTML of the report; NULL: none can be made */
     char processor[128];
     uint64_t peak; /* largest memory of the process, bytes */
 } report;
@@ -75,6 +76,11 @@ void isocompare_write_html(const report *r, FILE *stream);
 /* report_json.c: writes all numbers of the report. Write errors are detected in the same way.
  * ISO_ERR_NOMEM. */
 iso_status isocompare_write_json(const report *r, FILE *stream, iso_error *error);
+
+/* html_page.c: the surface at the report's isovalue as an element of HTML that holds a page
+ * (apps/common/page.h); the caller's: free(). NULL: this build writes no pages, the volume is sparse, its
+ * voxels are too many, or there is no memory. */
+char *isocompare_make_page(const report *r);
 
 /* plots.c: plots as inline SVG. A report_value gives the number of a cell; NaN is not plotted. */
 typedef double report_value(const report *r, int view, int method);

@@ -28,7 +28,7 @@ static iso_status make_mesh(const meshing *m, const iso_label_fields *fields, in
     iso_status status = iso_scene_surface_update(&surface, ISO_PART_MESH, error);
     if (status == ISO_OK) {
         const iso_mesh_view view = iso_mesh_set_view(surface.mesh);
-        status = iso_mesh_weld(&view, &weld, error);
+        status = iso_mesh_weld(&view, NULL, &weld, error);
         if (status == ISO_OK) {
             status = m->take(m->context, label, &weld, &view.transform, error);
             iso_weld_free(&weld);

@@ -9,12 +9,14 @@
 #include <unistd.h>
 
 #include "apps/common/loader.h"
+#include "apps/common/page.h"
 #include "apps/isorender/backend.h"
 #include "apps/isorender/channels.h"
 #include "apps/isorender/colorings.h"
 #include "apps/isorender/cuts.h"
 #include "apps/isorender/keyframes.h"
 #include "apps/isorender/label_items.h"
+#include "apps/isorender/page.h"
 #include "apps/isorender/segmentation.h"
 #include "apps/isorender/series.h"
 #include "base/text.h"
@@ -102,7 +104,8 @@ static iso_status take_object(isorender_settings *settings, iso_error *error) {
 
 static bool is_picture(const char *name) {
     return strcmp(name, "-") != 0 &&
-           iso_file_type_of_name(name, ISO_WRITES_IMAGE | ISO_WRITES_VIDEO) != ISO_FILE_UNKNOWN;
+           iso_file_type_of_name(name, ISO_WRITES_IMAGE | ISO_WRITES_VIDEO | ISO_WRITES_PAGE) !=
+               ISO_FILE_UNKNOWN;
 }
 
 static bool exists(const char *path) {
@@ -141,8 +144,8 @@ static iso_status fail_picture_name(const char *name, iso_error *error) {
     char hint[256] = "";
     if (exists(name)) snprintf(hint, sizeof hint, " (several inputs need --output TEMPLATE)");
     if (option && !exists(name)) snprintf(hint, sizeof hint, " (%s%.160s writes such a file)", option, name);
-    return iso_fail(error, ISO_ERR_USAGE, "%s: a picture's name must end in .png, .tif or .jpg%s", name,
-                    hint);
+    return iso_fail(error, ISO_ERR_USAGE,
+                    "%s: a picture's name must end in .png, .tif or .jpg, a page's in .html%s", name, hint);
 }
 
 /* Writes what to do if the inputs are the slices of one volume: three or more files of one kind in one
@@ -314,7 +317,8 @@ static iso_status check_outputs(const isorender_settings *settings, iso_error *e
     bool image = !settings->no_image && !settings->info;
     bool to_stdout = image && settings->output && strcmp(settings->output, "-") == 0;
     if (settings->output && !to_stdout && image && !settings->parts && !is_picture(settings->output))
-        return iso_fail(error, ISO_ERR_USAGE, "%s: a picture's name must end in .png, .tif or .jpg",
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "%s: a picture's name must end in .png, .tif or .jpg, a page's in .html",
                         settings->output);
     if (image && settings->output && settings->transparent &&
         iso_image_kind_of(settings->output) == ISO_IMAGE_JPEG)
@@ -692,6 +696,7 @@ iso_status isorender_settings_check(isorender_settings *settings, const iso_oper
     ISO_TRY(isorender_backend_check(settings, error));
     ISO_TRY(check_part(settings, error));
     ISO_TRY(check_outputs(settings, error));
+    ISO_TRY(isorender_page_check(settings, error));
     ISO_TRY(check_surfaces(settings, error));
     ISO_TRY(check_glass(settings, error));
     ISO_TRY(check_objects(settings, error));

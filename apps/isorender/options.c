@@ -2,6 +2,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "apps/common/looks.h"
 #include "apps/isorender/channels.h"
 #include "apps/isorender/colorings.h"
 #include "apps/isorender/cuts.h"
@@ -25,12 +26,10 @@ static const char *const groups[] = {
     "Input",  "Surface", "Points",  "Lines, glyphs and meshes",          "Picture",
     "Camera", "Output",  "Running", "Papers: variants, to compare with", NULL};
 
-static const char *const usage[] = {"[options] IN [OUT.png]",
-                                    "[options] --output TEMPLATE IN ...",
-                                    "[options] --scene NAME[:SIZE] [OUT.png]",
-                                    "[options] --lines FILE [--glyphs FILE ...] [OUT.png]",
-                                    "merge PART.isokeys ... -o OUT.png",
-                                    NULL};
+static const char *const usage[] = {
+    "[options] IN [OUT.png | OUT.html]",       "[options] --output TEMPLATE IN ...",
+    "[options] --scene NAME[:SIZE] [OUT.png]", "[options] --lines FILE [--glyphs FILE ...] [OUT.png]",
+    "merge PART.isokeys ... -o OUT.png",       NULL};
 
 /* The reconstructions of a method have an option of their own. The names come from the table of renderers. */
 enum { METHODS = ISO_METHOD_FAMILIES };
@@ -518,7 +517,7 @@ static const iso_option options[] = {
      "paper (figures), studio (dark slides), xray (seen through) or clay: values for --color, --background, "
      "--opacity, --occlusion, --shadow, --outline and --samples, as far as these are not given (--look NAME "
      "--save-scene - prints them)",
-     .group = PICTURE, .standard = "none", CHOICE(look, isorender_look_names), UNRECORDED},
+     .group = PICTURE, .standard = "none", CHOICE(look, iso_look_names), UNRECORDED},
     {"point-scaling", NULL, "NAME",
      "width of points: exact (by depth) or attenuated (by distance, as OpenGL 1.4 did it; needs OpenGL)",
      .group = PAPERS, .standard = "exact", CHOICE(scaling, scalings)},
@@ -607,10 +606,15 @@ static const iso_option options[] = {
 
     {"output", "o", "NAME",
      "the picture: a .png, .tif or .jpg, - for a .png on stdout; with several pictures also a video: "
-     "{videos}; {model} is the input's name, {n:3} a number "
-     "with three "
-     "digits",
+     "{videos}; {model} is the input's name, {n:3} a number with three digits; or a .html: a page in which "
+     "the surface is turned and its isovalue moved, in any browser and without a network; it holds the "
+     "voxels that this needs and the input's name, so mind who gets it",
      .group = OUTPUT, .standard = "{model}.png", TEXT(output), UNRECORDED},
+    {"isovalue-range", NULL, "LOW,HIGH", "the isovalues that a page can show", .group = OUTPUT,
+     .standard = "the widest around --isovalue with which the page is no larger than --page-size",
+     REALS(isovalue_range, 2), UNRECORDED},
+    {"page-size", NULL, "SIZE", "a page is no larger, e.g. 20M", .group = OUTPUT,
+     .standard = "8 MB, with --isovalue-range 64 MB", .kind = ISO_OPTION_SIZE, FIELD(page_size), UNRECORDED},
     {"points", NULL, "FILE.ply",
      "write the points: x y z nx ny nz radius, in mm (isorender reads them back); x y z are doubles far "
      "from 0",
@@ -776,10 +780,11 @@ iso_status isorender_settings_parse(int argc, char *const *argv, isorender_setti
                                      .zoom = 1,
                                      .line_min_pixels = 1,
                                      .margin = NAN,
-                                     .slice_map = ISO_COLORMAP_GRAY,
+                                     .cap = {.map = ISO_COLORMAP_GRAY},
                                      .view_angle = 30};
     for (int i = 0; i < 3; i++) settings->position[i] = settings->focal_point[i] = settings->view_up[i] = NAN;
     settings->window[0] = settings->window[1] = NAN;
+    settings->isovalue_range[0] = settings->isovalue_range[1] = NAN;
     settings->merge = argc > 1 && strcmp(argv[1], "merge") == 0;
     const iso_status status = iso_options_parse(isorender_program(), argc - settings->merge,
                                                 argv + settings->merge, settings, operands, error);

@@ -4,12 +4,15 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "apps/common/page.h"
+#include "apps/common/template.h"
 #include "apps/isorender/chunks.h"
 #include "apps/isorender/colorings.h"
 #include "apps/isorender/cuts.h"
 #include "apps/isorender/isorender.h"
 #include "apps/isorender/keyframes.h"
 #include "apps/isorender/labels.h"
+#include "apps/isorender/page.h"
 #include "apps/isorender/scene_file.h"
 #include "apps/isorender/segmentation.h"
 #include "base/clock.h"
@@ -111,6 +114,7 @@ double isorender_pixels_per_metre(const isorender_job *job) {
 static iso_status write_picture(isorender_job *job, const iso_image *image, const char *path,
                                 iso_error *error) {
     isorender_labels l;
+    if (iso_page_is_named(path)) return isorender_page_write(job, image, path, error);
     ISO_TRY(isorender_labels_make(job, &l, error));
     iso_png_text texts[ISO_KEY_TEXTS] = {
         {"Software", l.software}, {"Title", job->plan->model}, {"Comment", l.command}};

@@ -7,6 +7,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "apps/common/page.h"
 #include "apps/common/scene_json.h"
 #include "apps/common/value_path.h"
 #include "apps/isorender/labels.h"
@@ -249,6 +250,7 @@ static bool is_scene(const char *operand) {
  * */
 static bool is_input(const char *operand) {
     const iso_image_kind kind = iso_image_kind_of(operand);
+    if (iso_page_is_named(operand)) return false;
     if (kind == ISO_IMAGE_TIFF) return access(operand, F_OK) == 0;
     return kind == ISO_IMAGE_UNKNOWN && !iso_video_is_name(operand);
 }

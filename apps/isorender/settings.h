@@ -2,6 +2,7 @@
 #ifndef ISO_APPS_ISORENDER_SETTINGS_H
 #define ISO_APPS_ISORENDER_SETTINGS_H
 
+#include "apps/common/cap_style.h"
 #include "apps/common/settings.h"
 #include "apps/isorender/object_settings.h"
 #include "apps/isorender/volume_settings.h"
@@ -54,14 +55,6 @@ typedef enum isorender_group_radii {
 
 /* Which normals the points of a file get: those that it has, or estimated ones. */
 typedef enum isorender_normals { ISORENDER_NORMALS_FILE, ISORENDER_NORMALS_AUTO } isorender_normals;
-
-/* How what --clip cuts is closed. */
-typedef enum isorender_cap {
-    ISORENDER_CAP_NONE,
-    ISORENDER_CAP_SURFACE, /* in the colour of the surface */
-    ISORENDER_CAP_COLOR,
-    ISORENDER_CAP_SLICE /* it shows the volume */
-} isorender_cap;
 
 /* What becomes of the faces of an input whose vertices can be drawn as points. */
 typedef enum isorender_faces {
@@ -145,9 +138,7 @@ typedef struct isorender_settings {
     iso_cut cuts[ISO_CLIP_BODIES]; /* of --clip */
     const char *cut_texts[ISO_CLIP_BODIES];
     int cut_count;
-    int cap; /* isorender_cap */
-    iso_rgb cap_color;
-    iso_colormap slice_map;     /* of caps and slices */
+    iso_cap_style cap;          /* its colormap is also that of slices */
     double window[2];           /* centre and width of the values that they show; NaN: not given */
     iso_cut slices[ISO_SLICES]; /* of --slice */
     int slice_count;
@@ -177,7 +168,7 @@ typedef struct isorender_settings {
     double occlusion;   /* range of ambient occlusion, mm; 0: none; NaN: the usual one */
     int shadow;         /* a soft shadow of the key light */
     double outline;     /* width of lines along outlines, pixels; 0: none */
-    int look;           /* the place in isorender_look_names */
+    int look;           /* the place in iso_look_names */
     int reconstruction; /* iso_reconstruction; of pullpush GAUSSIAN or BOX, of discs CURVED or FLAT, of
                            splats from FLAT on, or _GROUPS; for files of points without --method CURVED,
                            which is then FLAT */
@@ -221,6 +212,9 @@ typedef struct isorender_settings {
     int scale_bar, orientation_marker;
     int unit;                                       /* iso_length_unit */
     double position[3], focal_point[3], view_up[3]; /* NaN: not given */
+
+    double isovalue_range[2]; /* of a page; NaN: not given */
+    uint64_t page_size;       /* its most bytes; 0: not given */
 
     int part, parts; /* part 1 .. parts of the picture, which is drawn into a file of keys; 0: the whole */
     int chunk_size;  /* voxels along the side of a chunk; 0: not given */

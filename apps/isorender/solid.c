@@ -104,7 +104,7 @@ static void log_mesh(const isorender_job *job, const isorender_surface *surface)
 iso_status isorender_mesh_weld(const isorender_job *job, isorender_surface *surface, iso_weld *weld,
                                iso_error *error) {
     const iso_mesh_view view = iso_mesh_set_view(surface->scene.mesh);
-    ISO_TRY(iso_mesh_weld(&view, weld, error));
+    ISO_TRY(iso_mesh_weld(&view, NULL, weld, error));
     /* Caps lie this far outside the volume, so that they are flat. */
     if (job->settings->closed) iso_weld_separate(&view, ISO_CLOSED_TOLERANCE, weld);
     const isorender_settings *settings = job->settings;

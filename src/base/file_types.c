@@ -43,6 +43,7 @@ static const row ROWS_OF_TYPES[] = {
 #define WRITE_VOLUME | ISO_WRITES_VOLUME
 #define WRITE_CHANNELS | ISO_WRITES_CHANNELS
 #define WRITE_REPORT | ISO_WRITES_REPORT
+#define WRITE_PAGE | ISO_WRITES_PAGE
 #define FILE_TYPE(name, extensions, magic, handlers) {#name, extensions, {magic{0, 0, NULL}}, 0 handlers},
 #include "base/file_types.inc"
 };

@@ -119,7 +119,7 @@ cp in/ball.mha in/ball2.mha
 refuses 2 "2 inputs need --output TEMPLATE, such as '{model}.png', not bad.png" isorender in/ball.mha in/ball2.mha bad.png
 refuses 2 "option --json: out.json: 2 inputs need an output each: a template, such as '{model}.json'" isorender in/ball.mha in/ball2.mha -o '{model}.png' --json out.json
 refuses 2 "option --output: bad.png: 2 inputs need an output each: a template, such as '{model}.png'" isorender in/ball.mha in/ball2.mha -o bad.png
-refuses 2 "bad: a picture's name must end in .png, .tif or .jpg" isorender in/ball.mha bad
+refuses 2 "bad: a picture's name must end in .png, .tif or .jpg, a page's in .html" isorender in/ball.mha bad
 # options that are given once for each file are no lists; their names may be in capitals, as those of all options
 refuses 2 "--volume-opacity: '.4,1' is not an opacity from 0 to 1; the option is given again for each file" \
     isorender in/ball.mha bad.png --volume in/ball.mha --volume in/ball2.mha --volume-opacity .4,1

@@ -212,7 +212,7 @@ iso_status iso_mesh_write(const char *path, const iso_mesh_view *view, const cha
                           iso_error *error) {
     ISO_TRY(iso_mesh_write_check(path, error));
     iso_weld weld;
-    ISO_TRY(iso_mesh_weld(view, &weld, error));
+    ISO_TRY(iso_mesh_weld(view, NULL, &weld, error));
     iso_status status = iso_mesh_write_weld(path, &weld, &view->transform, comment, error);
     iso_weld_free(&weld);
     return status;

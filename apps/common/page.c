@@ -1,0 +1,445 @@
+/* Writes pages: chooses the range of isovalues, packs the voxels that it needs, and fills in the template. */
+#define _POSIX_C_SOURCE 200809L
+#include "apps/common/page.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <zlib.h>
+
+#include "apps/common/json.h"
+#include "apps/common/page_files.h"
+#include "base/file.h"
+#include "base/file_types.h"
+#include "base/memory.h"
+#include "base/text.h"
+#include "grids/brick_index.h"
+#include "grids/kept.h"
+
+bool iso_page_is_named(const char *path) {
+    return iso_file_type_of_name(path, ISO_WRITES_PAGE) != ISO_FILE_UNKNOWN;
+}
+
+static const iso_page_file *find_file(const char *name) {
+    const iso_page_file *file = iso_page_files;
+    while (file->name && strcmp(file->name, name) != 0) file++;
+    return file->name ? file : NULL;
+}
+
+iso_status iso_page_check(const char *path, iso_error *error) {
+    if (find_file("opaque.wasm.gz")) return ISO_OK;
+    return iso_fail(error, ISO_ERR_BACKEND,
+                    "%s: built without pages: their engine needs the packages clang-14, lld-14, "
+                    "libclang-rt-14-dev-wasm32 and wasi-libc when Isopoint is built",
+                    path);
+}
+
+/* ---- bytes as text */
+
+static uint64_t base64_length(uint64_t bytes) {
+    return (bytes + 2) / 3 * 4;
+}
+
+static void put_base64(FILE *stream, const unsigned char *bytes, size_t size) {
+    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    for (size_t i = 0; i < size; i += 3) {
+        const size_t left = size - i;
+        const unsigned value = (unsigned)bytes[i] << 16 | (left > 1 ? (unsigned)bytes[i + 1] << 8 : 0) |
+                               (left > 2 ? bytes[i + 2] : 0);
+        for (int k = 0; k < 4; k++)
+            putc(k <= (int)(left < 3 ? left : 3) ? digits[value >> (18 - 6 * k) & 63] : '=', stream);
+    }
+}
+
+/* Writes text of HTML: in an element or in quotes. */
+static void put_html(FILE *stream, const char *text) {
+    char *clean = iso_text_clean_copy(text);
+    for (const char *c = clean ? clean : ""; *c; c++)
+        if (strchr("&<>\"'", *c))
+            fprintf(stream, "&#%d;", *c);
+        else
+            putc(*c, stream);
+    free(clean);
+}
+
+/* ---- voxels */
+
+typedef struct packed {
+    unsigned char *bytes;
+    size_t size;
+    double range[2];
+    size_t kept;
+} packed;
+
+/* Packs bytes as gzip does. p->size becomes 0 if they take more than `most`. ISO_ERR_NOMEM. */
+static iso_status pack(const void *bytes, size_t count, size_t most, int level, packed *p, iso_error *error) {
+    z_stream z = {0};
+    const size_t step = (size_t)1 << 26; /* zlib counts in 32 bits */
+    p->size = 0;
+    if (deflateInit2(&z, level, Z_DEFLATED, MAX_WBITS + 16, 9, Z_DEFAULT_STRATEGY) != Z_OK)
+        return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a page");
+    z.next_out = p->bytes;
+    z.avail_out = (uInt)most;
+    int code = Z_OK;
+    for (size_t at = 0; code == Z_OK && at < count; at += step) {
+        const size_t part = count - at < step ? count - at : step;
+        z.next_in = (Bytef *)bytes + at;
+        z.avail_in = (uInt)part;
+        code = deflate(&z, at + part == count ? Z_FINISH : Z_NO_FLUSH);
+        if (z.avail_in) break; /* `most` is reached */
+    }
+    if (code == Z_STREAM_END) p->size = (size_t)z.total_out;
+    deflateEnd(&z);
+    return ISO_OK;
+}
+
+typedef struct packer {
+    const iso_page *page;
+    void *voxels; /* as they are kept */
+    size_t bytes; /* of them */
+    size_t most;  /* of packed ones */
+    packed best, tried;
+} packer;
+
+/* Packs the voxels of a range; it becomes the best one if they fit. */
+static iso_status try_range(packer *p, double low, double high, bool *fits, iso_error *error) {
+    p->tried.range[0] = low;
+    p->tried.range[1] = high;
+    ISO_TRY(iso_kept_copy(p->page->grid, low, high, p->voxels, &p->tried.kept, p->page->pool, error));
+    ISO_TRY(pack(p->voxels, p->bytes, p->most, Z_BEST_COMPRESSION, &p->tried, error));
+    *fits = p->tried.size > 0;
+    if (!*fits) return ISO_OK;
+    const packed swap = p->best;
+    p->best = p->tried;
+    p->tried = swap;
+    return ISO_OK;
+}
+
+/* The ends of the isovalues that are drawn, and of all values. */
+typedef struct ends {
+    double low, high, least, greatest;
+} ends;
+
+static ends ends_of(const iso_page *page) {
+    const iso_rgrid *grid = page->grid;
+    ends e = {INFINITY, -INFINITY, 0, 0};
+    iso_brick_index_extremes(grid->index, &e.least, &e.greatest);
+    e.least = e.least * grid->scale + grid->offset;
+    e.greatest = e.greatest * grid->scale + grid->offset;
+    for (int i = 0; i < page->count; i++) {
+        e.low = fmin(e.low, page->surfaces[i].isovalue);
+        e.high = fmax(e.high, page->surfaces[i].isovalue);
+    }
+    return e;
+}
+
+/* A number of three digits between `inner` and `outer`, as near to `outer` as there is one; `outer` if none
+ * is. */
+static double round_inwards(double outer, double inner) {
+    const double step = pow(10, floor(log10(fabs(outer - inner))) - 1);
+    const double rounded = (outer > inner ? floor(outer / step) : ceil(outer / step)) * step;
+    char text[32];
+    snprintf(text, sizeof text, "%.10g", rounded);
+    const double made = strtod(text, NULL);
+    return isfinite(made) && (made - inner) * (outer - made) >= 0 ? made : outer;
+}
+
+/* The range that goes the part `share` of the way from the isovalues to the ends of all values. */
+static void range_of(const ends *e, double share, double range[2]) {
+    const double low = e->low - share * fmax(0, e->low - e->least),
+                 high = e->high + share * fmax(0, e->greatest - e->high);
+    range[0] = low < e->low ? round_inwards(low, e->low) : low;
+    range[1] = high > e->high ? round_inwards(high, e->high) : high;
+}
+
+/* Whether a range would fit, judged by slabs of slices here and there, packed less well. */
+static iso_status judge_range(packer *p, const double range[2], bool *fits, iso_error *error) {
+    enum { SLABS = 4, SLICES = 16 };
+    const iso_rgrid *grid = p->page->grid;
+    const int nz = grid->dims[2];
+    const bool whole = nz <= 2 * SLABS * SLICES;
+    const int slabs = whole ? 1 : SLABS, slices = whole ? nz : SLICES;
+    double bytes = 0;
+    for (int i = 0; i < slabs; i++) {
+        const int first = whole ? 0 : (2 * i + 1) * nz / (2 * SLABS) - SLICES / 2;
+        const size_t size = iso_type_size(grid->type);
+        iso_rgrid slab = *grid;
+        slab.dims[2] = slices;
+        slab.data = (char *)grid->data + (size_t)first * (size_t)grid->stride_z * size;
+        ISO_TRY(iso_kept_copy(&slab, range[0], range[1], p->voxels, NULL, p->page->pool, error));
+        ISO_TRY(pack(p->voxels, p->bytes / (size_t)nz * (size_t)slices, p->most, 4, &p->tried, error));
+        bytes += p->tried.size ? (double)p->tried.size : INFINITY;
+    }
+    *fits = bytes * nz / (slabs * slices) <= (double)p->most;
+    return ISO_OK;
+}
+
+/* Finds the widest range that should fit: halves it until one does, then tries three times between that and
+ * the last one that does not. Then packs it; the estimate may have been too good. */
+static iso_status find_range(packer *p, iso_error *error) {
+    enum { HALVINGS = 8, REFINEMENTS = 3, SHRINKINGS = 12 };
+    const ends e = ends_of(p->page);
+    double share = 1, wider = 1, range[2];
+    bool fits = false;
+    for (int i = 0; !fits && i <= HALVINGS; i++) {
+        wider = share;
+        share = i == 0 ? 1 : i == HALVINGS ? 0 : share / 2;
+        range_of(&e, share, range);
+        ISO_TRY(judge_range(p, range, &fits, error));
+    }
+    for (int i = 0; fits && share < 1 && i < REFINEMENTS; i++) {
+        const double middle = (share + wider) / 2;
+        bool also;
+        range_of(&e, middle, range);
+        ISO_TRY(judge_range(p, range, &also, error));
+        if (also)
+            share = middle;
+        else
+            wider = middle;
+    }
+    fits = false;
+    for (int i = 0; !fits && i <= SHRINKINGS; i++) {
+        range_of(&e, i < SHRINKINGS ? share : 0, range);
+        ISO_TRY(try_range(p, range[0], range[1], &fits, error));
+        share *= i < 4 ? 0.93 : 0.6;
+    }
+    return ISO_OK;
+}
+
+static iso_status pack_voxels(packer *p, const char *path, iso_error *error) {
+    const double *range = p->page->range;
+    const ends e = ends_of(p->page);
+    bool fits;
+    if (isnan(range[0]))
+        ISO_TRY(find_range(p, error));
+    else
+        ISO_TRY(try_range(p, fmin(range[0], e.low), fmax(range[1], e.high), &fits, error));
+    if (p->best.size) return ISO_OK;
+    return iso_fail(error, ISO_ERR_LIMIT, "%s: the voxels of %s take more than %.1f MB: %s", path,
+                    isnan(range[0]) ? "the isovalue alone" : "this range of isovalues", (double)p->most / 1e6,
+                    isnan(range[0]) ? "--page-size allows more, --crop leaves less"
+                                    : "--isovalue-range may be narrower, or --page-size allow more");
+}
+
+/* ---- the first picture */
+
+enum { STILL = 512, STEP = 8 }; /* most pixels on a side; between values of a channel */
+
+/* Makes the picture that is seen first smaller: means of squares of pixels, with fewer values. */
+static iso_status make_still(const iso_image *from, iso_image *still, iso_error *error) {
+    const int longest = from->width > from->height ? from->width : from->height,
+              n = (longest + STILL - 1) / STILL, width = from->width / n ? from->width / n : 1,
+              height = from->height / n ? from->height / n : 1;
+    ISO_TRY(iso_image_create(width, height, still, error));
+    for (int y = 0; y < height; y++)
+        for (int i = 0; i < 4 * width; i++) {
+            int sum = 0, count = 0;
+            for (int v = y * n; v < (y + 1) * n && v < from->height; v++)
+                for (int u = i / 4 * n; u < (i / 4 + 1) * n && u < from->width; u++, count++)
+                    sum += from->rgba[((size_t)v * (size_t)from->width + (size_t)u) * 4 + (size_t)(i % 4)];
+            const int mean = (sum + count / 2) / count, rounded = (mean + STEP / 2) / STEP * STEP;
+            still->rgba[(size_t)y * (size_t)width * 4 + (size_t)i] = (uint8_t)(rounded < 255 ? rounded : 255);
+        }
+    return ISO_OK;
+}
+
+static iso_status encode_still(const iso_page *page, unsigned char **png, size_t *size, iso_error *error) {
+    const iso_png_opts opts = {.small = true, .pool = page->pool};
+    iso_image still = {0};
+    iso_status status = make_still(page->image, &still, error);
+    if (status == ISO_OK) status = iso_png_encode(&still, &opts, png, size, error);
+    iso_image_free(&still);
+    return status;
+}
+
+/* ---- the page */
+
+static void put_vector(iso_json *json, const char *key, iso_vec3 v) {
+    iso_json_reals(json, key, (const double[3]){v.x, v.y, v.z}, 3);
+}
+
+static void put_color(iso_json *json, const char *key, iso_rgb c) {
+    iso_json_integer(json, key, (uint64_t)(c.r << 16 | c.g << 8 | c.b));
+}
+
+static void put_surfaces(iso_json *json, const iso_page *page) {
+    iso_json_begin_array(json, "surfaces");
+    for (int i = 0; i < page->count; i++) {
+        const iso_page_surface *s = &page->surfaces[i];
+        iso_json_begin_object(json, NULL);
+        iso_json_real(json, "isovalue", s->isovalue);
+        put_color(json, "color", s->color);
+        iso_json_real(json, "opacity", s->translucency.opacity);
+        iso_json_bool(json, "constant", s->translucency.constant);
+        iso_json_real(json, "absorption", s->translucency.absorption_length);
+        iso_json_integer(json, "layers", (uint64_t)s->translucency.most_layers);
+        iso_json_end_object(json);
+    }
+    iso_json_end_array(json);
+}
+
+static void put_camera(iso_json *json, const iso_camera *camera) {
+    iso_json_begin_object(json, "camera");
+    put_vector(json, "position", camera->position);
+    put_vector(json, "focal", camera->focal_point);
+    put_vector(json, "up", camera->view_up);
+    iso_json_real(json, "angle", camera->view_angle);
+    iso_json_real(json, "scale", camera->parallel_scale);
+    iso_json_bool(json, "orthographic", camera->orthographic);
+    iso_json_end_object(json);
+}
+
+/* Writes what the page's script has to know, as JSON that may stand in an element of HTML. */
+static iso_status put_facts(FILE *stream, const iso_page *page, const packed *voxels, iso_error *error) {
+    const iso_rgrid *grid = page->grid;
+    iso_json json = {.one_line = true};
+    iso_json_begin_object(&json, NULL);
+    iso_json_string(&json, "name", page->name);
+    iso_json_ints(&json, "dims", grid->dims, 3);
+    iso_json_integer(&json, "type", (uint64_t)grid->type);
+    iso_json_integer(&json, "bytes", iso_type_size(grid->type));
+    iso_json_real(&json, "scale", grid->scale);
+    iso_json_real(&json, "offset", grid->offset);
+    iso_json_reals(&json, "transform", (const double *)&grid->transform, 15);
+    iso_json_integer(&json, "levelSet", (uint64_t)grid->level_set);
+    iso_json_reals(&json, "range", voxels->range, 2);
+    put_surfaces(&json, page);
+    put_camera(&json, page->camera);
+    put_color(&json, "background", page->background);
+    iso_json_reals(&json, "plane", page->clip.plane, 4);
+    iso_json_bool(&json, "cap", page->clip.cap);
+    iso_json_ints(&json, "size", (const int[2]){page->image->width, page->image->height}, 2);
+    if (page->options) iso_json_begin_array(&json, "options");
+    for (int i = 0; i < page->option_count; i++) iso_json_string(&json, NULL, page->options[i]);
+    if (page->options) iso_json_end_array(&json);
+    iso_json_end_object(&json);
+    char *text = NULL;
+    size_t size;
+    FILE *memory = open_memstream(&text, &size);
+    iso_status status =
+        memory ? iso_json_write(&json, memory, error) : iso_fail(error, ISO_ERR_NOMEM, "out of memory");
+    if (!memory) iso_json_discard(&json);
+    if (memory && !iso_memory_stream_close(memory, &text) && status == ISO_OK)
+        status = iso_fail(error, ISO_ERR_NOMEM, "out of memory");
+    for (const char *c = text; status == ISO_OK && *c; c++)
+        if (*c == '<')
+            fputs("\\u003c", stream);
+        else
+            putc(*c, stream);
+    free(text);
+    return status;
+}
+
+typedef struct parts {
+    const iso_page *page;
+    const packed *voxels;
+    const iso_page_file *engine;
+    unsigned char *png;
+    size_t png_size;
+} parts;
+
+/* Writes what stands at a mark of the template. */
+static iso_status put_part(FILE *stream, const char *mark, size_t length, const parts *p, iso_error *error) {
+    const char *const names[] = {"NAME", "PNG", "FACTS", "ENGINE", "VOXELS", "PAGE", "WORKER"};
+    size_t which = 0;
+    while (strlen(names[which]) != length || strncmp(names[which], mark, length) != 0) which++;
+    const iso_page_file *file = which == 5   ? find_file("page.js")
+                                : which == 6 ? find_file("worker.js")
+                                             : NULL;
+    switch (which) {
+    case 0:
+        put_html(stream, p->page->name);
+        return ISO_OK;
+    case 1:
+        put_base64(stream, p->png, p->png_size);
+        return ISO_OK;
+    case 2:
+        return put_facts(stream, p->page, p->voxels, error);
+    case 3:
+        put_base64(stream, p->engine->bytes, p->engine->size);
+        return ISO_OK;
+    case 4:
+        put_base64(stream, p->voxels->bytes, p->voxels->size);
+        return ISO_OK;
+    default:
+        fwrite(file->bytes, 1, file->size, stream);
+        return ISO_OK;
+    }
+}
+
+/* Writes the template, with parts at its marks {{NAME}}. */
+static iso_status put_page(FILE *stream, const parts *p, iso_error *error) {
+    const iso_page_file *template = find_file("page.html");
+    const char *at = (const char *)template->bytes, *end = at + template->size;
+    while (at < end) {
+        const char *mark = at;
+        while (mark < end && !(mark + 1 < end && mark[0] == '{' && mark[1] == '{')) mark++;
+        fwrite(at, 1, (size_t)(mark - at), stream);
+        if (mark == end) break;
+        const char *name = mark + 2, *close = memchr(name, '}', (size_t)(end - name));
+        ISO_TRY(put_part(stream, name, (size_t)(close - name), p, error));
+        at = close + 2;
+    }
+    return ISO_OK;
+}
+
+static bool has_layers(const iso_page *page) {
+    bool any = false;
+    for (int i = 0; i < page->count; i++) any |= page->surfaces[i].translucency.opacity < 1;
+    return any;
+}
+
+/* What may be packed voxels: what the other parts leave. */
+static iso_status make_room(packer *p, const char *path, const parts *made, iso_error *error) {
+    const bool given = !isnan(p->page->range[0]);
+    const uint64_t most = p->page->most ? p->page->most
+                          : given       ? ISO_PAGE_BYTES_GIVEN
+                                        : ISO_PAGE_BYTES,
+                   texts = 40000,
+                   others = texts + base64_length(made->engine->size) + base64_length(made->png_size);
+    if (most <= others + 1000)
+        return iso_fail(error, ISO_ERR_LIMIT, "%s: --page-size: a page takes %.1f MB without its voxels",
+                        path, (double)others / 1e6);
+    const uint64_t room = (most - others) / 4 * 3;
+    p->most = (size_t)(room < UINT32_MAX / 2 ? room : UINT32_MAX / 2);
+    p->voxels = iso_alloc(p->bytes);
+    p->best.bytes = iso_alloc(p->most);
+    p->tried.bytes = iso_alloc(p->most);
+    if (p->voxels && p->best.bytes && p->tried.bytes) return ISO_OK;
+    return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the voxels of a page");
+}
+
+iso_status iso_page_put(FILE *stream, const char *path, const iso_page *page, iso_page_written *written,
+                        iso_error *error) {
+    const size_t voxels =
+        (size_t)page->grid->dims[0] * (size_t)page->grid->dims[1] * (size_t)page->grid->dims[2];
+    packer p = {.page = page, .bytes = voxels * iso_type_size(page->grid->type)};
+    parts made = {.page = page, .voxels = &p.best};
+    ISO_TRY(iso_page_check(path, error));
+    made.engine = find_file(has_layers(page) ? "layers.wasm.gz" : "opaque.wasm.gz");
+    iso_status status = encode_still(page, &made.png, &made.png_size, error);
+    if (status == ISO_OK) status = make_room(&p, path, &made, error);
+    if (status == ISO_OK) status = pack_voxels(&p, path, error);
+    if (status == ISO_OK) status = put_page(stream, &made, error);
+    *written = (iso_page_written){.range = {p.best.range[0], p.best.range[1]},
+                                  .engine_bytes = base64_length(made.engine->size),
+                                  .voxel_bytes = base64_length(p.best.size),
+                                  .kept = (double)p.best.kept / (double)voxels};
+    free(made.png);
+    iso_free(p.voxels);
+    iso_free(p.best.bytes);
+    iso_free(p.tried.bytes);
+    return status;
+}
+
+iso_status iso_page_write(const char *path, const iso_page *page, iso_page_written *written,
+                          iso_error *error) {
+    iso_sink sink;
+    ISO_TRY(iso_sink_open(path, &sink, error));
+    iso_status status = iso_page_put(sink.stream, path, page, written, error);
+    const long bytes = ftell(sink.stream);
+    written->bytes = bytes > 0 ? (uint64_t)bytes : 0;
+    if (status == ISO_OK) status = iso_sink_commit(&sink, error);
+    iso_sink_abort(&sink);
+    return status;
+}

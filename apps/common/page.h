@@ -1,0 +1,72 @@
+/* page: a picture of isosurfaces as one HTML file that anyone can open, without a network or a server, and in
+ * which the surface can be turned and its isovalue moved. It holds the voxels that this needs, and the
+ * engine that draws them (apps/page): the library itself, compiled to WebAssembly. docs/page.md. */
+#ifndef ISO_APPS_COMMON_PAGE_H
+#define ISO_APPS_COMMON_PAGE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdio.h>
+
+#include "grids/rgrid.h"
+#include "image/image.h"
+#include "isopoint.h"
+#include "render/layers/layers.h"
+
+enum { ISO_PAGE_SURFACES = 16 };
+/* The largest page when nobody says it: of a range that is chosen, and of one that is given. */
+#define ISO_PAGE_BYTES ((uint64_t)8000000)
+#define ISO_PAGE_BYTES_GIVEN ((uint64_t)64000000)
+
+typedef struct iso_page_surface {
+    double isovalue; /* physical */
+    iso_rgb color;
+    iso_translucency translucency;
+} iso_page_surface;
+
+/* A half-space that is cut away. */
+typedef struct iso_page_clip {
+    /* Cut away is where x * p.x + y * p.y + z * p.z > offset; x y z is a unit vector, 0: nothing is. */
+    double plane[4];
+    bool cap; /* the cut is closed in the colours of the surfaces */
+} iso_page_clip;
+
+/* What is written; all borrowed. */
+typedef struct iso_page {
+    const char *name;      /* of the input, as the page's title and command have it */
+    const iso_rgrid *grid; /* with its index (iso_brick_index_of) */
+    const iso_page_surface *surfaces;
+    int count; /* ISO_PAGE_SURFACES at most */
+    iso_page_clip clip;
+    const iso_camera *camera;
+    const iso_image *image; /* the first picture */
+    iso_rgb background;
+    /* Of isorender, beside those that the page itself changes, such as "--crop=..". NULL: they are not known,
+     * and the page offers no command. */
+    const char *const *options;
+    int option_count;
+    double range[2]; /* of isovalues; NaN: the widest around the isovalues that fits */
+    uint64_t most;   /* bytes of the page; 0: ISO_PAGE_BYTES or ISO_PAGE_BYTES_GIVEN */
+    iso_pool *pool;  /* or NULL */
+} iso_page;
+
+/* What has been written. */
+typedef struct iso_page_written {
+    double range[2];
+    uint64_t bytes, engine_bytes, voxel_bytes; /* of the file, and of parts of it */
+    double kept;                               /* share of the voxels that are kept */
+} iso_page_written;
+
+/* Whether a file of this name is a page. */
+bool iso_page_is_named(const char *path);
+/* Whether this build can write pages: else ISO_ERR_BACKEND names what it lacks. */
+iso_status iso_page_check(const char *path, iso_error *error);
+/* Writes a page to a stream, whose errors the caller finds; `path` is what messages call it. Errors: those of
+ * iso_page_check; ISO_ERR_LIMIT: the page would be larger than `most`; ISO_ERR_NOMEM. */
+iso_status iso_page_put(FILE *stream, const char *path, const iso_page *page, iso_page_written *written,
+                        iso_error *error);
+/* Writes a page to a file, wholly or not at all. Errors: those of iso_page_put; ISO_ERR_WRITE. */
+iso_status iso_page_write(const char *path, const iso_page *page, iso_page_written *written,
+                          iso_error *error);
+
+#endif

@@ -1,0 +1,182 @@
+/* The picture as a page. */
+#define _GNU_SOURCE /* asprintf */
+#include "apps/isorender/page.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "apps/common/page.h"
+#include "base/text.h"
+#include "grids/brick_index.h"
+#include "grids/volume/volume.h"
+
+static bool is_page(const isorender_settings *settings) {
+    return settings->output && !settings->no_image && !settings->info && iso_page_is_named(settings->output);
+}
+
+/* The options that pages can have beside those that only say how the program runs: what the page itself
+ * changes or states, and what its command keeps. */
+static const char changed[] =
+    "isovalue color background resolution samples clip scene camera up azimuth elevation "
+    "zoom orthographic fit margin mm-per-pixel view-angle camera-position "
+    "camera-focal-point camera-view-up same-view method backend max-memory dpi";
+static const char kept[] =
+    "raw spacing grid series component level crop crop-mm channel cap opacity opacity-mode "
+    "absorption layers";
+
+static bool is_in(const char *names, const char *name) {
+    return iso_text_has_word(names, name, strlen(name));
+}
+
+/* The cut of a page is a plane through everything. */
+static bool is_plane(const iso_cut *cut) {
+    return cut->plane && !cut->by_depth && !cut->things.named && !cut->body.keeps;
+}
+
+static iso_status check_clip(const isorender_settings *settings, iso_error *error) {
+    if (settings->cut_count > 1 || (settings->cut_count && !is_plane(&settings->cuts[0])))
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "%s: a page can have one --clip, which is a plane through all surfaces: x<MM or "
+                        "X,Y,Z:NX,NY,NZ",
+                        settings->output);
+    if (settings->cap != ISORENDER_CAP_NONE && settings->cap != ISORENDER_CAP_SURFACE)
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "%s: --cap of a page is surface: it has not all voxels that a slice shows",
+                        settings->output);
+    return ISO_OK;
+}
+
+static iso_status check_page(const isorender_settings *settings, iso_error *error) {
+    const char *page = settings->output;
+    if (settings->no_input || settings->object_options.has_cloud)
+        return iso_fail(error, ISO_ERR_USAGE, "%s: a page shows isosurfaces of a volume", page);
+    for (int i = 0; i < settings->noted_count && i < ISORENDER_NOTED; i++) {
+        const char *name = settings->noted[i].option->name;
+        if (!is_in(changed, name) && !is_in(kept, name))
+            return iso_fail(error, ISO_ERR_USAGE,
+                            "%s: a page has no --%s: it shows isosurfaces of one volume, drawn by --method "
+                            "exact (a .png can have it)",
+                            page, name);
+    }
+    if (settings->volume_count || settings->channel_count > 1)
+        return iso_fail(error, ISO_ERR_USAGE, "%s: a page shows one volume, or one channel of it", page);
+    if (settings->method != ISORENDER_METHOD_UNCHOSEN && settings->method != ISO_METHOD_EXACT)
+        return iso_fail(error, ISO_ERR_USAGE, "%s: a page is drawn by --method exact", page);
+    if (settings->transparent)
+        return iso_fail(error, ISO_ERR_USAGE, "%s: the background of a page has a colour", page);
+    if (settings->isovalue_count > ISO_PAGE_SURFACES)
+        return iso_fail(error, ISO_ERR_USAGE, "%s: a page has at most %d isovalues", page, ISO_PAGE_SURFACES);
+    ISO_TRY(check_clip(settings, error));
+    return iso_page_check(page, error);
+}
+
+iso_status isorender_page_check(const isorender_settings *settings, iso_error *error) {
+    const bool ranged = !isnan(settings->isovalue_range[0]);
+    if (is_page(settings)) {
+        ISO_TRY(check_page(settings, error));
+        if (ranged && !(settings->isovalue_range[0] <= settings->isovalue_range[1]))
+            return iso_fail(error, ISO_ERR_USAGE,
+                            "--isovalue-range: the second number must not be below the first");
+        return ISO_OK;
+    }
+    if (ranged || settings->page_size)
+        return iso_fail(error, ISO_ERR_USAGE, "--%s is for pages: a name that ends in .html",
+                        ranged ? "isovalue-range" : "page-size");
+    return ISO_OK;
+}
+
+/* ---- writing */
+
+/* The options that the page's command keeps, to be freed. */
+static iso_status list_options(const isorender_settings *settings, char **options, int *count,
+                               iso_error *error) {
+    for (int i = 0; i < settings->noted_count && i < ISORENDER_NOTED; i++) {
+        const isorender_noted *noted = &settings->noted[i];
+        if (!is_in(kept, noted->option->name)) continue;
+        if (asprintf(&options[*count], noted->value ? "--%s=%s" : "--%s%s", noted->option->name,
+                     noted->value ? noted->value : "") < 0)
+            return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
+        (*count)++;
+    }
+    return ISO_OK;
+}
+
+/* The input as the page's command names it, to be freed: without the folders in which it lies. */
+static char *input_name(const isorender_job *job) {
+    const char *input = isorender_input_name(job), *array = iso_volume_array_of(input);
+    size_t end = array ? (size_t)(array - input) : strlen(input);
+    if (array && end > 0 && input[end - 1] == ':') end--;
+    while (!array && end > 1 && input[end - 1] == '/') end--;
+    size_t begin = end;
+    while (begin > 0 && input[begin - 1] != '/') begin--;
+    return strndup(input + begin, (array ? strlen(input) : end) - begin);
+}
+
+static iso_page_clip clip_of(isorender_job *job) {
+    const isorender_settings *settings = job->settings;
+    iso_page_clip made = {.cap = settings->cap == ISORENDER_CAP_SURFACE};
+    /* a body is what lies behind its face; the page has the side that is cut away */
+    const double *face = settings->cuts[0].body.face[0];
+    for (int i = 0; settings->cut_count && i < 4; i++) made.plane[i] = -face[i];
+    return made;
+}
+
+static iso_status check_grid(const isorender_job *job, const char *path, iso_error *error) {
+    if (job->chunks)
+        return iso_fail(error, ISO_ERR_UNSUPPORTED,
+                        "%s: a page needs the whole volume in memory: --crop and --level leave less of it",
+                        path);
+    if (!job->surfaces[0].scene.grid.rgrid)
+        return iso_fail(error, ISO_ERR_UNSUPPORTED, "%s: pages of sparse volumes (.vdb) are not written",
+                        path);
+    return ISO_OK;
+}
+
+static void log_page(const isorender_job *job, const iso_page_written *written) {
+    isorender_log(job,
+                  "the page holds the isovalues from %.6g to %.6g, and %.3g %% of the volume's voxels: "
+                  "who has the page has these (%.2f MB)",
+                  written->range[0], written->range[1], 100 * written->kept, (double)written->bytes / 1e6);
+    isorender_log_verbose(job, "of the page %.2f MB are the engine, %.2f MB the voxels",
+                          (double)written->engine_bytes / 1e6, (double)written->voxel_bytes / 1e6);
+}
+
+iso_status isorender_page_write(isorender_job *job, const iso_image *image, const char *path,
+                                iso_error *error) {
+    const isorender_settings *settings = job->settings;
+    iso_page_surface surfaces[ISO_PAGE_SURFACES];
+    char *options[ISORENDER_NOTED];
+    iso_page_written written;
+    int count = 0;
+    ISO_TRY(check_grid(job, path, error));
+    iso_rgrid *grid = job->surfaces[0].scene.grid.rgrid;
+    ISO_TRY(iso_brick_index_of(grid, job->pool, NULL, error));
+    for (int i = 0; i < job->surface_count; i++) {
+        const isorender_surface *s = &job->surfaces[i];
+        surfaces[i] = (iso_page_surface){s->scene.isovalue, s->color, s->translucency};
+    }
+    const iso_camera camera = isorender_camera_of_frame(job, 0);
+    char *name = input_name(job);
+    iso_status status = name ? ISO_OK : iso_fail(error, ISO_ERR_NOMEM, "out of memory");
+    if (status == ISO_OK) status = list_options(settings, options, &count, error);
+    const iso_page page = {.name = name,
+                           .grid = grid,
+                           .surfaces = surfaces,
+                           .count = job->surface_count,
+                           .clip = clip_of(job),
+                           .camera = &camera,
+                           .image = image,
+                           .background = settings->background,
+                           .options = (const char *const *)options,
+                           .option_count = count,
+                           .range = {settings->isovalue_range[0], settings->isovalue_range[1]},
+                           .most = settings->page_size,
+                           .pool = job->pool};
+    if (status == ISO_OK) status = iso_page_write(path, &page, &written, error);
+    if (status == ISO_OK) log_page(job, &written);
+    for (int i = 0; i < count; i++) free(options[i]);
+    free(name);
+    return status;
+}
