@@ -105,9 +105,8 @@ static iso_status take_object(isorender_settings *settings, iso_error *error) {
 }
 
 static bool is_picture(const char *name) {
-    return strcmp(name, "-") != 0 &&
-           iso_file_type_of_name(name, ISO_WRITES_IMAGE | ISO_WRITES_VIDEO | ISO_WRITES_PAGE) !=
-               ISO_FILE_UNKNOWN;
+    return strcmp(name, "-") != 0 && iso_file_type_of_name(name, ISO_WRITES_IMAGE | ISO_WRITES_VIDEO |
+                                                                     ISO_WRITES_PAGE) != ISO_FILE_UNKNOWN;
 }
 
 static bool exists(const char *path) {
