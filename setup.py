@@ -29,7 +29,8 @@ class BuildExtension(build_ext):
             subprocess.check_call(
                 ["cmake", "-S", str(ROOT), "-B", str(tree), "-DCMAKE_BUILD_TYPE=Release", "-DISO_PROGRAMS=OFF",
                  *[f"-DISO_WITH_{name}=OFF" for name in OFF], *shlex.split(os.environ.get("ISOPOINT_CMAKE", ""))])
-            subprocess.check_call(["cmake", "--build", str(tree), "--target", "isopoint", "--parallel"])
+            subprocess.check_call(["cmake", "--build", str(tree), "--target", "isopoint",
+                                   "--parallel", str(os.cpu_count() or 1)])
             library = str(next(tree.rglob("libisopoint.a")))
         for extension in self.extensions:
             extension.extra_objects = [library]
