@@ -7,14 +7,14 @@ from pathlib import Path
 import cffi  # type: ignore[import]
 
 HEADERS = os.environ.get("ISOPOINT_INCLUDE") or str(Path(__file__).resolve().parents[2] / "src")
-CHAPTERS = ("isopoint.h", "isopoint_clouds.h", "isopoint_parts.h", "isopoint_sculpt.h")
 CALLBACKS = 'extern "Python" int isopoint_progress(void *context, double fraction);'
 
 
 def declarations(folder: str) -> str:
-    """The header and its chapters, without what cffi's parser does not know: comments, the preprocessor's lines, ISO_API,
-    and extern "C" { }."""
-    text = "".join((Path(folder) / name).read_text() for name in CHAPTERS)
+    """The header and the chapters that it includes at its end, without what cffi's parser does not know: comments, the
+    preprocessor's lines, ISO_API, and extern "C" { }."""
+    text = (Path(folder) / "isopoint.h").read_text()
+    text += "".join((Path(folder) / name).read_text() for name in re.findall(r'#include "(\w+\.h)"', text))
     text = re.sub(r"/\*.*?\*/", "", text, flags=re.S)
     text = re.sub(r'#ifdef __cplusplus\n(extern "C" \{|\})\n#endif\n', "", text)
     return re.sub(r"(?m)^#.*$", "", text).replace("ISO_API ", "")
