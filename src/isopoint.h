@@ -1,6 +1,6 @@
 /* isopoint.h: isosurfaces of volumes, rendered and sculpted with points. The whole interface of libisopoint:
- * chapters of it are in isopoint_clouds.h, isopoint_figures.h, isopoint_parts.h and isopoint_sculpt.h, which this
- * file includes.
+ * chapters of it are in isopoint_clouds.h, isopoint_figures.h, isopoint_parts.h and isopoint_sculpt.h, which
+ * this file includes.
  *
  * Overview:
  *
@@ -293,8 +293,8 @@ ISO_API iso_status iso_surface_create(iso_volume *volume, const iso_surface_opts
 ISO_API void iso_surface_destroy(iso_surface *surface);
 /* Changes the isovalue, which stays as it was after a failure. Errors as iso_surface_create. */
 ISO_API iso_status iso_surface_set_isovalue(iso_surface *surface, double isovalue, iso_error *error);
-/* Changes the colour (NULL: one of a small palette; of a cloud its own) and the opacity, 0 .. 1, where 0 is 0:
- * only what it absorbs or hides of the light is seen of the surface. ISO_ERR_USAGE: the opacity. */
+/* Changes the colour (NULL: one of a small palette; of a cloud its own) and the opacity, 0 .. 1, where 0
+ * is 0: only what it absorbs or hides of the light is seen of the surface. ISO_ERR_USAGE: the opacity. */
 ISO_API iso_status iso_surface_set_look(iso_surface *surface, const iso_rgb *color, double opacity,
                                         iso_error *error);
 /* Frees the points, triangles and cells that the surface keeps; they are computed again when needed. */

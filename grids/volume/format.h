@@ -55,8 +55,8 @@ extern const iso_format iso_format_png, iso_format_raw;
 /* Sets info's dims. ISO_ERR_FORMAT unless each is 1 .. 2^31-1. */
 iso_status iso_format_dims(const char *path, const uint64_t dims[3], iso_volume_info *info, iso_error *error);
 
-/* Sets info's transform: `steps` lead from a voxel to the next one on each axis, and `origin` is the first one's
- * centre; both in units of `unit` mm. */
+/* Sets info's transform: `steps` lead from a voxel to the next one on each axis, and `origin` is the first
+ * one's centre; both in units of `unit` mm. */
 void iso_format_transform(const iso_vec3 steps[3], const iso_vec3 *origin, double unit,
                           iso_volume_info *info);
 
@@ -172,7 +172,8 @@ typedef struct iso_format_place {
     char file[ISO_FORMAT_PATH]; /* where the voxels are; empty: in the file with the header */
 } iso_format_place;
 
-/* Sets *opts->place: the voxels are numbers in text, from the current position of `file` on, stored as floats. */
+/* Sets *opts->place: the voxels are numbers in text, from the current position of `file` on, stored as
+ * floats. */
 iso_status iso_format_text_voxels(const char *path, FILE *file, const iso_volume_opts *opts,
                                   iso_volume_info *info, iso_error *error);
 /* Sets *opts->place, and the types of numbers that follow from it. */

@@ -1,12 +1,13 @@
-/* format_cube: Gaussian's cube files, text, in which programs of quantum chemistry write orbitals, densities
- * and potentials over a grid.
+/* format_cube: Gaussian's cube files, text, in which programs of quantum chemistry write orbitals,
+ * densities and potentials over a grid.
  *
- * The format: gaussian.com/cubegen. Two lines of comment; the number of atoms and the origin; for each axis
- * its number of points and its step; a line for each atom; if their number is negative, a line with the number
- * of orbitals and their names; and the values, the last axis fastest, and of each point all orbitals together.
+ * The format: gaussian.com/cubegen. Two lines of comment; the number of atoms and the origin; for each
+ * axis its number of points and its step; a line for each atom; if their number is negative, a line with
+ * the number of orbitals and their names; and the values, the last axis fastest, and of each point all
+ * orbitals together.
  *
- * World. As molecules have it (io/glyphs): an angstrom is a millimetre. Lengths are in bohr, or, if the number
- * of points is negative, in angstrom. */
+ * World. As molecules have it (io/glyphs): an angstrom is a millimetre. Lengths are in bohr, or, if the
+ * number of points is negative, in angstrom. */
 #include <stdlib.h>
 #include <string.h>
 

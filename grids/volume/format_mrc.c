@@ -1,13 +1,13 @@
-/* format_mrc: density maps of electron microscopy and crystallography, in MRC and CCP4 files: a header of 1024
- * bytes, symmetry or other records, and then the voxels.
+/* format_mrc: density maps of electron microscopy and crystallography, in MRC and CCP4 files: a header of
+ * 1024 bytes, symmetry or other records, and then the voxels.
  *
- * The format: Cheng et al., "MRC2014: Extensions to the MRC format header for electron cryo-microscopy and
- * tomography", J. Struct. Biol. 192 (2015); ccpem.ac.uk/mrc_format.
+ * The format: Cheng et al., "MRC2014: Extensions to the MRC format header for electron cryo-microscopy
+ * and tomography", J. Struct. Biol. 192 (2015); ccpem.ac.uk/mrc_format.
  *
- * World. As molecules have it (io/glyphs): an angstrom is a millimetre of the world, so that a map and its
- * model lie in one place. MAPC, MAPR and MAPS say along which edge of the cell columns, rows and sections
- * are; the cell's edges are as usual (a along x, b in the plane of x and y). ORIGIN counts if it is not 0, as
- * in ChimeraX; else the number of the first column, row and section. */
+ * World. As molecules have it (io/glyphs): an angstrom is a millimetre of the world, so that a map and
+ * its model lie in one place. MAPC, MAPR and MAPS say along which edge of the cell columns, rows and
+ * sections are; the cell's edges are as usual (a along x, b in the plane of x and y). ORIGIN counts if it
+ * is not 0, as in ChimeraX; else the number of the first column, row and section. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

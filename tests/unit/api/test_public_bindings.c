@@ -1,5 +1,6 @@
-/* What bindings to other languages need of the public interface: progress, children of fork, bytes in memory, what
- * is changed without a new surface, voxels where they are, memory given back, precision far from the origin. */
+/* What bindings to other languages need of the public interface: progress, children of fork, bytes in
+ * memory, what is changed without a new surface, voxels where they are, memory given back, precision far
+ * from the origin. */
 #define _GNU_SOURCE
 #include <math.h>
 #include <setjmp.h>
@@ -72,7 +73,8 @@ static int tell(void *context, double fraction) {
     return ++c->calls == c->at;
 }
 
-/* A picture is cancelled at its first calls, by the picture's function and by the volume's; then it is drawn. */
+/* A picture is cancelled at its first calls, by the picture's function and by the volume's; then it is
+ * drawn. */
 static void check_picture(iso_method method, int samples, int threads) {
     iso_volume *volume = lend(NULL, threads);
     iso_surface *surface = surface_of(volume), *fresh = surface_of(volume);
