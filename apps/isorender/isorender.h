@@ -258,7 +258,7 @@ iso_scene isorender_scene(isorender_job *job, isorender_scene_arrays *arrays);
 /* Renders and writes all frames. ISO_ERR_EMPTY when a frame shows nothing of the surface. */
 iso_status isorender_render(isorender_job *job, iso_error *error);
 /* Writes a picture, and what is over it, with the texts of its file. The image may be painted onto. */
-iso_status isorender_write_picture(const isorender_job *job, iso_image *image, const iso_drawing *over,
+iso_status isorender_write_picture(isorender_job *job, iso_image *image, const iso_drawing *over,
                                    const char *path, iso_error *error);
 uint64_t isorender_picture_bytes(const isorender_job *job, int samples); /* main memory to render */
 
