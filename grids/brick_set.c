@@ -8,6 +8,7 @@
 
 enum {
     CHUNK_BRICKS = 32,      /* bricks that one task extracts */
+    ASKED_BRICKS = 1 << 12, /* bricks that one thread alone extracts before it asks whether to go on */
     SURVEY_BRICKS = 1 << 12 /* bricks that one task tests by may_exist */
 };
 
@@ -347,8 +348,10 @@ static iso_status extract_bricks(iso_brick_set *set, const uint32_t *bricks, siz
     if (set->full && set->kernel.extract_many && workers == 1) {
         ISO_TRY(iso_buffer_reserve(&set->scratch, set->kernel.scratch_bytes, 0, error));
         iso_brick_sink sink = {.set = set, .scratch = set->scratch.data, .error = error};
-        extract_present(&sink, bricks, count);
-        return sink.status;
+        for (size_t i = 0; i < count && !iso_brick_sink_failed(&sink) && !iso_pool_ask(set->pool);
+             i += ASKED_BRICKS)
+            extract_present(&sink, bricks + i, count - i < ASKED_BRICKS ? count - i : ASKED_BRICKS);
+        return sink.status != ISO_OK ? sink.status : iso_pool_check(set->pool, "the surface", error);
     }
     iso_ordered steps = {.work = extract_chunk,
                          .place = store_chunk,
@@ -359,7 +362,7 @@ static iso_status extract_bricks(iso_brick_set *set, const uint32_t *bricks, siz
     ISO_TRY(iso_buffer_reserve(&set->scratch, workers * set->kernel.scratch_bytes, 0, error));
     extraction work = {set, bricks, count, ISO_OK, error};
     iso_parallel_ordered(set->pool, chunks, &steps, &work);
-    return work.status;
+    return work.status != ISO_OK ? work.status : iso_pool_check(set->pool, "the surface", error);
 }
 
 /* A survey of all bricks of the grid, on all threads: the result of may_exist by brick. */

@@ -107,8 +107,9 @@ void iso_brick_set_free(iso_brick_set *set);
  * follow edits: it is updated once. */
 void iso_brick_set_restrict(iso_brick_set *set, const iso_grid_chunk *region);
 
-/* Extracts everything that has changed since the last update. ISO_ERR_NOMEM: the set is consistent, but some
- * bricks are outdated or missing; the next update extracts them. */
+/* Extracts everything that has changed since the last update. ISO_ERR_NOMEM, ISO_ERR_IO (the pool's watch
+ * has cancelled): the set is consistent, but some bricks are outdated or missing; the next update extracts
+ * them. */
 iso_status iso_brick_set_update(iso_brick_set *set, iso_error *error);
 
 /* The size of the whole: of the grid, or of the volume whose chunk it is. */

@@ -200,7 +200,12 @@ iso_status iso_value_counts_create(const iso_rgrid *grid, int first, int end, is
                                    iso_value_counts **counts, iso_error *error) {
     slice_counting counting = {.first = first};
     ISO_TRY(iso_value_counter_create(grid, iso_pool_threads(pool), &counting.counter, error));
-    iso_parallel_for(pool, (size_t)(end - first), count_slice, &counting);
+    iso_parallel_until(pool, (size_t)(end - first), count_slice, &counting);
+    const iso_status status = iso_pool_check(pool, "the histogram", error);
+    if (status != ISO_OK) {
+        iso_value_counter_destroy(counting.counter);
+        return status;
+    }
     *counts = iso_value_counter_finish(counting.counter);
     return ISO_OK;
 }

@@ -1,5 +1,6 @@
 /* isopoint.h: isosurfaces of volumes, rendered and sculpted with points. The whole interface of libisopoint:
- * sculpting is in isopoint_sculpt.h, which this file includes.
+ * chapters of it are in isopoint_clouds.h, isopoint_figures.h, isopoint_parts.h and isopoint_sculpt.h, which this
+ * file includes.
  *
  * Overview:
  *
@@ -181,7 +182,8 @@ ISO_API iso_status iso_volume_inspect(const char *path, const iso_open_opts *opt
 typedef struct iso_lend_opts {
     int dims[3]; /* voxels, each at least 1 */
     iso_type type;
-    void *data; /* dims[0] * dims[1] * dims[2] values, x fastest; not copied */
+    const void *data; /* voxel (0, 0, 0); dims[0] * dims[1] * dims[2] values, x fastest; not copied */
+    ptrdiff_t stride_y, stride_z; /* values between neighbours along y and z; 0: the voxels are dense */
     /* Called with `owner` once, when the volume is destroyed or when lending fails; or NULL. */
     void (*release)(void *owner);
     void *owner;
@@ -192,8 +194,8 @@ typedef struct iso_lend_opts {
 } iso_lend_opts;
 
 /* Makes a volume of an array that the caller owns and keeps valid until the volume is destroyed. After
- * changes to the array it calls iso_volume_changed. ISO_ERR_USAGE (no data, a wrong number of threads),
- * ISO_ERR_FORMAT (dims, scale or transform), ISO_ERR_LIMIT. */
+ * changes to the array it calls iso_volume_changed. ISO_ERR_USAGE (no data, a wrong number of threads, or
+ * strides that let voxels overlap), ISO_ERR_FORMAT (dims, scale or transform), ISO_ERR_LIMIT. */
 ISO_API iso_status iso_volume_lend(const iso_lend_opts *opts, iso_volume **volume, iso_error *error);
 /* Frees a volume. Destroy its surfaces first. NULL is allowed. */
 ISO_API void iso_volume_destroy(iso_volume *volume);
@@ -205,6 +207,22 @@ ISO_API iso_status iso_volume_crop(iso_volume *volume, const int lo[3], const in
 /* Tells that the voxels lo .. hi (inclusive, clipped to the volume) of a lent array have changed. Its
  * surfaces are updated at their next use, from the changed bricks. ISO_ERR_USAGE: the volume is sparse. */
 ISO_API iso_status iso_volume_changed(iso_volume *volume, const int lo[3], const int hi[3], iso_error *error);
+/* Sets a function that is called during everything that is done with the volume and its surfaces from now on
+ * (histograms, points, meshes, pictures), some 20 times a second; NULL: none. It cancels as that of
+ * iso_open_opts does; nothing is lost then, and what is asked for next is computed as if for the first time.
+ */
+ISO_API void iso_volume_set_progress(iso_volume *volume, iso_progress_fn *progress, void *context);
+
+/* Where the voxels of a dense volume are. */
+typedef struct iso_voxels {
+    const void *data; /* stored values; voxel (0, 0, 0) */
+    iso_type type;
+    int dims[3];
+    ptrdiff_t stride_y, stride_z; /* in values; x is contiguous */
+} iso_voxels;
+
+/* Gives access to the voxels, until the volume is cropped or destroyed. ISO_ERR_UNSUPPORTED: it is sparse. */
+ISO_API iso_status iso_volume_voxels(const iso_volume *volume, iso_voxels *voxels, iso_error *error);
 /* Returns the physical value of a voxel. Coordinates outside the volume are clamped to it. */
 ISO_API double iso_volume_value(const iso_volume *volume, int x, int y, int z);
 
@@ -254,7 +272,8 @@ typedef struct iso_surface_opts {
     const iso_rgb *color; /* copied; NULL: one of a small palette, by its place in the picture */
     iso_primitive primitive;
     double opacity; /* share of the light that the surface stops where it is seen face on, 0 .. 1; 0 means 1,
-                       opaque. Values below 1 need the method EXACT, RAYCAST or SPLATS */
+                       opaque (iso_surface_set_look makes it 0). Values below 1 need the method EXACT,
+                       RAYCAST or SPLATS */
     /* Of a volume of labels, whole numbers from 0 to 65535: the surface around the voxels with these
      * label_count labels, smooth, so that no voxel changes sides (docs/labels.md); `isovalue` is 0. Surfaces
      * of labels that touch share their border, but for less than a voxel along its edge. Edits are not
@@ -274,10 +293,20 @@ ISO_API iso_status iso_surface_create(iso_volume *volume, const iso_surface_opts
 ISO_API void iso_surface_destroy(iso_surface *surface);
 /* Changes the isovalue, which stays as it was after a failure. Errors as iso_surface_create. */
 ISO_API iso_status iso_surface_set_isovalue(iso_surface *surface, double isovalue, iso_error *error);
+/* Changes the colour (NULL: one of a small palette; of a cloud its own) and the opacity, 0 .. 1, where 0 is 0:
+ * only what it absorbs or hides of the light is seen of the surface. ISO_ERR_USAGE: the opacity. */
+ISO_API iso_status iso_surface_set_look(iso_surface *surface, const iso_rgb *color, double opacity,
+                                        iso_error *error);
+/* Frees the points, triangles and cells that the surface keeps; they are computed again when needed. */
+ISO_API void iso_surface_trim(iso_surface *surface);
+/* Sets the place, mm, that the positions of iso_surface_points and iso_surface_mesh are relative to: near the
+ * surface, they keep their precision as floats wherever in the world it is. (0, 0, 0) at first.
+ * ISO_ERR_USAGE: it is not finite. */
+ISO_API iso_status iso_surface_set_origin(iso_surface *surface, const double origin[3], iso_error *error);
 /* Computes the bounding box of the surface in the world, mm. ISO_ERR_EMPTY: the surface is empty. */
 ISO_API iso_status iso_surface_bounds(iso_surface *surface, iso_box *box, iso_error *error);
 
-/* A point of a surface, in world space. */
+/* A point of a surface, in world space; positions are relative to iso_surface_set_origin. */
 typedef struct iso_surface_point {
     float position[3]; /* mm */
     float normal[3];   /* unit, out of the solid */
@@ -290,7 +319,7 @@ typedef struct iso_surface_point {
 ISO_API iso_status iso_surface_points(iso_surface *surface, iso_surface_point *points, size_t capacity,
                                       size_t *count, iso_error *error);
 
-/* An indexed triangle mesh, in world space. */
+/* An indexed triangle mesh, in world space; positions are relative to iso_surface_set_origin. */
 typedef struct iso_mesh {
     float (*positions)[3];    /* mm; vertex_count of them; owned by the struct, like all its arrays */
     float (*normals)[3];      /* unit, out of the solid */
@@ -321,7 +350,7 @@ typedef struct iso_mesh_measures {
 ISO_API iso_status iso_surface_measure(iso_surface *surface, iso_mesh_measures *measures, iso_error *error);
 /* Writes the points as binary .ply with x y z nx ny nz radius. ISO_ERR_EMPTY, ISO_ERR_WRITE. */
 ISO_API iso_status iso_surface_write_points(iso_surface *surface, const char *path, iso_error *error);
-/* Writes the welded mesh as binary .ply or .stl, or as .obj, according to the extension of `path`.
+/* Writes the welded mesh as .ply, .stl, .obj, .vtp, .glb or .3mf, as the extension of `path` says.
  * ISO_ERR_USAGE: another extension; ISO_ERR_EMPTY, ISO_ERR_WRITE, ISO_ERR_LIMIT. */
 ISO_API iso_status iso_surface_write_mesh(iso_surface *surface, const char *path, iso_error *error);
 
@@ -356,21 +385,21 @@ typedef struct iso_shape_set_opts {
 
 /* Lines in the caller's arrays; world coordinates in mm. */
 typedef struct iso_line_arrays {
-    const float (*vertices)[3]; /* the vertices of all lines, one line after the other */
-    const size_t *starts;       /* line_count + 1: line i has the vertices starts[i] .. starts[i + 1] - 1 */
+    const float *vertices; /* x y z of the vertices of all lines, one line after the other */
+    const size_t *starts;  /* line_count + 1: line i has the vertices starts[i] .. starts[i + 1] - 1 */
     size_t line_count;
-    const float *radii;         /* one per vertex, >= 0; NULL: opts.radius */
-    const uint8_t (*colors)[3]; /* red green blue, one per vertex; NULL: opts.color */
-    const float (*normals)[3];  /* of ribbons: unit vectors; NULL: they twist as little as possible */
+    const float *radii;    /* one per vertex, >= 0; NULL: opts.radius */
+    const uint8_t *colors; /* red green blue, one per vertex; NULL: opts.color */
+    const float *normals;  /* of ribbons: x y z of unit vectors; NULL: they twist as little as possible */
 } iso_line_arrays;
 
 typedef struct iso_glyph_arrays {
-    const float (*positions)[3];
+    const float *positions; /* count x 3 */
     size_t count;
-    const float *radii;           /* NULL: opts.radius */
-    const float (*directions)[3]; /* mm, as long as the cone, cylinder or arrow; NULL: there are none */
-    const float (*axes)[9];       /* three half axes in mm, one after the other; NULL: there are none */
-    const uint8_t (*colors)[3];   /* red green blue; NULL: opts.color */
+    const float *radii;      /* NULL: opts.radius */
+    const float *directions; /* count x 3: mm, as long as the cone, cylinder or arrow; NULL: there are none */
+    const float *axes;       /* count x 9: three half axes in mm, one after the other; NULL: there are none */
+    const uint8_t *colors;   /* count x 3: red green blue; NULL: opts.color */
 } iso_glyph_arrays;
 
 /* Make a set of lines or of glyphs and copy the arrays. ISO_ERR_USAGE: an option out of range, or a shape
@@ -422,6 +451,10 @@ ISO_API iso_status iso_shape_set_of_vectors(const iso_vector_array *vectors, con
 ISO_API iso_status iso_shape_set_read_vectors(const char *path, const iso_vector_shape_opts *how,
                                               const iso_shape_set_opts *opts, iso_shape_set **set,
                                               iso_error *error);
+/* Changes the colour (NULL: one of the palette), unless lines or glyphs have colours of their own, and the
+ * opacity, as iso_surface_set_look does; not while a thread renders the set. ISO_ERR_USAGE: the opacity. */
+ISO_API iso_status iso_shape_set_set_look(iso_shape_set *set, const iso_rgb *color, double opacity,
+                                          iso_error *error);
 /* Frees a set. NULL is allowed. */
 ISO_API void iso_shape_set_destroy(iso_shape_set *set);
 /* Returns a world box (mm) that contains all lines or glyphs with their radii. */
@@ -468,6 +501,9 @@ ISO_API iso_status iso_image_create(int width, int height, iso_image *image, iso
 ISO_API void iso_image_free(iso_image *image);
 /* Writes a PNG: RGB when all pixels are opaque, else RGBA. Path "-": to standard output. ISO_ERR_WRITE. */
 ISO_API iso_status iso_image_write(const iso_image *image, const char *path, iso_error *error);
+/* The bytes of that file, in memory: free them with iso_bytes_free (NULL is allowed). */
+ISO_API iso_status iso_image_encode(const iso_image *image, uint8_t **bytes, size_t *size, iso_error *error);
+ISO_API void iso_bytes_free(uint8_t *bytes);
 /* Reads any PNG. Gamma and colour profiles are ignored. ISO_ERR_IO, ISO_ERR_FORMAT. */
 ISO_API iso_status iso_image_read(const char *path, iso_image *image, iso_error *error);
 
@@ -669,6 +705,10 @@ typedef struct iso_render_opts {
     double outline;
     const iso_color_by *color_by; /* translucent surfaces are coloured by EXACT and RAYCAST only */
     int color_by_count;
+    iso_camera *camera_used;   /* receives the picture's camera; NULL: not wanted */
+    iso_progress_fn *progress; /* instead of those of the volumes (iso_volume_set_progress); NULL: those */
+    void *progress_context;
+    int threads; /* of a picture without surfaces, which have their own; as of iso_open_opts */
 } iso_render_opts;
 #define ISO_OCCLUSION_USUAL (-1.0)
 
@@ -696,60 +736,6 @@ typedef struct iso_annotation_opts {
 
 /* Draws into the picture. ISO_ERR_USAGE: there is no picture or no camera; ISO_ERR_NOMEM. */
 ISO_API iso_status iso_image_annotate(iso_image *image, const iso_annotation_opts *opts, iso_error *error);
-
-/* ---- pictures in parts ---- */
-/* The picture of an opaque surface that is drawn in parts, in any order, by any number of processes: a pixel
- * is a key of 64 bits, of which the smallest stays. With all parts it has the bytes of iso_render. */
-typedef struct iso_keys iso_keys;
-
-/* The picture, the same for all parts. */
-typedef struct iso_keys_opts {
-    int dims[3];                    /* of the whole volume, voxels */
-    const iso_transform *transform; /* of the whole; NULL: spacing 1, origin 0 */
-    double isovalue;
-    iso_method method;                 /* EXACT, PULLPUSH or PULLPUSH_BOX */
-    int width, height;                 /* pixels; 0 means 1024 */
-    int samples;                       /* as of iso_render_opts */
-    const iso_camera *camera;          /* not NULL */
-    const iso_rgb *color, *background; /* NULL: the palette's first; white */
-    bool transparent;
-    int threads; /* as of iso_open_opts */
-} iso_keys_opts;
-
-/* Creates a picture without parts (ISO_ERR_USAGE: an option is out of range); frees it (NULL is fine). */
-ISO_API iso_status iso_keys_create(const iso_keys_opts *opts, iso_keys **keys, iso_error *error);
-ISO_API void iso_keys_destroy(iso_keys *keys);
-
-/* The voxels first .. end - 1 of the whole, with the cells that begin there. A part begins at a multiple of
- * 16 and ends at one or with the whole (`end` 0). Its volume, which is dense, has the voxel before it and
- * the two after it on each axis, as far as the whole has them. */
-typedef struct iso_keys_part {
-    iso_volume *volume;
-    int origin[3]; /* the voxel of the whole that is voxel (0, 0, 0) of the volume */
-    int first[3], end[3];
-} iso_keys_part;
-
-/* Pull-push must know the extent of the whole: survey all parts before the first is drawn. Processes reduce
- * the ISO_KEYS_SURVEY numbers that iso_keys_surveyed returns by the minimum (MPI_MIN). */
-enum { ISO_KEYS_SURVEY = 9 };
-ISO_API iso_status iso_keys_survey(iso_keys *keys, const iso_keys_part *part, iso_error *error);
-ISO_API double *iso_keys_surveyed(iso_keys *keys);
-/* Draws a part; an empty one is fine. ISO_ERR_USAGE: the volume lacks voxels of the part, or pull-push meets
- * voxels that are not finite; ISO_ERR_EMPTY: the survey found no surface. */
-ISO_API iso_status iso_keys_draw(iso_keys *keys, const iso_keys_part *part, iso_error *error);
-/* Gives access to the pixels, which processes reduce by the minimum of uint64. Errors as iso_keys_draw. */
-ISO_API iso_status iso_keys_pixels(iso_keys *keys, uint64_t **pixels, size_t *count, iso_error *error);
-/* Adds what `other` shows. ISO_ERR_MISMATCH: it is another picture. */
-ISO_API iso_status iso_keys_merge(iso_keys *keys, const iso_keys *other, iso_error *error);
-/* Makes the picture; `image` as of iso_render. ISO_ERR_EMPTY: nothing is in view. */
-ISO_API iso_status iso_keys_show(const iso_keys *keys, iso_image *image, iso_error *error);
-/* Write a file of part `part` (from 1) of `parts`, for isorender merge; read and merge the files of all
- * parts (max_memory, threads: as of iso_open_opts). ISO_ERR_FORMAT: a part is missing, there twice, or of
- * another picture; ISO_ERR_IO, ISO_ERR_WRITE, ISO_ERR_LIMIT. */
-ISO_API iso_status iso_keys_write(const iso_keys *keys, int part, int parts, const char *path,
-                                  iso_error *error);
-ISO_API iso_status iso_keys_read(const char *const *paths, int count, uint64_t max_memory, int threads,
-                                 iso_keys **keys, iso_error *error);
 
 /* ---- comparing ---- */
 typedef struct iso_difference_opts {
@@ -791,8 +777,9 @@ ISO_API iso_status iso_compare_images(const iso_image *truth, const iso_image *c
 }
 #endif
 
-#include "isopoint_clouds.h" /* points without a volume */
+#include "isopoint_clouds.h"  /* points without a volume */
 #include "isopoint_figures.h" /* what stands over pictures, as pixels, SVG and PDF */
-#include "isopoint_sculpt.h" /* sculpting */
+#include "isopoint_parts.h"   /* pictures in parts */
+#include "isopoint_sculpt.h"  /* sculpting */
 
 #endif

@@ -41,10 +41,10 @@ static void write_form(const iso_option *option, char *text, size_t size) {
 static const struct {
     const char *word;
     unsigned holds;
-} lists[] = {{"{volumes}", ISO_HOLDS_VOLUME}, {"{meshes}", ISO_HOLDS_MESH},
-             {"{lines}", ISO_HOLDS_LINES},    {"{glyphs}", ISO_HOLDS_GLYPHS},
-             {"{points}", ISO_HOLDS_POINTS},  {"{rows}", ISO_HOLDS_ROWS},
-             {"{scenes}", ISO_HOLDS_SCENE},   {"{meshes written}", ISO_WRITES_MESH}};
+} lists[] = {
+    {"{volumes}", ISO_HOLDS_VOLUME}, {"{meshes}", ISO_HOLDS_MESH},          {"{lines}", ISO_HOLDS_LINES},
+    {"{glyphs}", ISO_HOLDS_GLYPHS},  {"{points}", ISO_HOLDS_POINTS},        {"{rows}", ISO_HOLDS_ROWS},
+    {"{scenes}", ISO_HOLDS_SCENE},   {"{meshes written}", ISO_WRITES_MESH}, {"{videos}", ISO_WRITES_VIDEO}};
 
 void iso_options_expand(const char *text, char *expanded, size_t room) {
     size_t used = 0;

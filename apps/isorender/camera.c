@@ -49,6 +49,7 @@ static iso_box frame_of_cloud(const isorender_job *job) {
 
 /* The box that the camera frames. */
 static iso_box framed_box(const isorender_job *job) {
+    if (job->settings->film->has_bounds) return job->settings->film->bounds;
     if (!job->loader.has_points) return job->bounds_world;
     iso_box box = frame_of_cloud(job);
     if (isorender_has_instances(job, 0)) {
@@ -76,6 +77,7 @@ static isorender_fit usual_fit(const isorender_job *job) {
  * extends as it is seen, all chunks would be read several times more. That is done for a volume that fits
  * into memory without its surface, so that pictures do not depend on how much memory happens to be free. */
 static isorender_fit fit_of(const isorender_job *job) {
+    if (job->settings->film->has_bounds) return ISORENDER_FIT_BOX; /* of several pictures */
     if (job->settings->fit != ISORENDER_FIT_UNCHOSEN) return (isorender_fit)job->settings->fit;
     return job->chunks && !job->did_not_fit ? ISORENDER_FIT_BOX : usual_fit(job);
 }
@@ -233,6 +235,7 @@ iso_status isorender_camera_make(isorender_job *job, iso_error *error) {
 
 iso_camera isorender_camera_of_frame(const isorender_job *job, int frame) {
     iso_camera camera = job->camera;
-    if (frame > 0) iso_camera_orbit(&camera, frame * degrees_between_frames(job->settings), 0);
+    const int turns = job->settings->keyframes ? 0 : job->settings->film->first + frame;
+    if (turns) iso_camera_orbit(&camera, turns * degrees_between_frames(job->settings), 0);
     return camera;
 }

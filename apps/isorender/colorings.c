@@ -299,6 +299,16 @@ static iso_status choose_things(isorender_job *job, int things, iso_error *error
     return ISO_OK;
 }
 
+/* The range that the pictures of a film share becomes wider by this one, while they are measured; that of
+ * depth is the first picture's. */
+static void share_range(const isorender_job *job, const color_source *source) {
+    const isorender_film *film = job->settings->film;
+    double *range = job->settings->film->ranges[source - job->colorings->sources];
+    if (!film->measuring && film->count < 2) return;
+    range[0] = fmin(range[0], source->bar.low); /* (of NAN and a number the number) */
+    range[1] = fmax(range[1], source->bar.high);
+}
+
 /* Sets the range of a thing's coloring if it is not known, and counts where it has numbers. */
 static iso_status find_range(isorender_job *job, int thing, const iso_view *view, iso_error *error) {
     iso_coloring *coloring = &job->colorings->things[thing];
@@ -317,6 +327,7 @@ static iso_status find_range(isorender_job *job, int thing, const iso_view *view
     source->points += points;
     source->found += found;
     if (!source->ranged) source->bar = coloring->bar;
+    if (!source->ranged && found) share_range(job, source);
     source->ranged |= found > 0;
     coloring->bar = source->bar;
     return ISO_OK;
@@ -351,8 +362,10 @@ static iso_coloring make_coloring(const isorender_job *job, const color_source *
     return coloring;
 }
 
-static void set_given_range(color_source *source) {
+static void set_given_range(const isorender_job *job, color_source *source) {
+    const isorender_film *film = job->settings->film;
     const double *range = source->settings->range;
+    if (isnan(range[0]) && !film->measuring) range = film->ranges[source - job->colorings->sources];
     if (isnan(range[0])) return;
     source->ranged = true;
     source->bar.low = range[0];
@@ -374,7 +387,7 @@ iso_status isorender_colorings_make(isorender_job *job, iso_error *error) {
     if (!all->things || !all->source_of) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
     for (int i = 0; i < things; i++) all->source_of[i] = -1;
     ISO_TRY(choose_things(job, things, error));
-    for (int i = 0; i < all->count; i++) set_given_range(&all->sources[i]);
+    for (int i = 0; i < all->count; i++) set_given_range(job, &all->sources[i]);
     for (int i = 0; i < things; i++) {
         if (all->source_of[i] < 0) continue;
         const color_source *source = &all->sources[all->source_of[i]];
@@ -405,8 +418,9 @@ iso_status isorender_colorings_see(isorender_job *job, iso_error *error) {
 
 /* ---- exports, bars, reports */
 
-iso_status isorender_colorings_export(const isorender_job *job, iso_weld *weld, iso_error *error) {
-    const iso_scene_surface *surface = &job->surfaces[0].scene;
+iso_status isorender_colorings_export(const isorender_job *job, const isorender_surface *colored,
+                                      iso_weld *weld, iso_error *error) {
+    const iso_scene_surface *surface = &colored->scene;
     if (!surface->coloring) return ISO_OK;
     if (surface->coloring->source == ISO_COLOR_BY_DEPTH) {
         isorender_log(job, "note: --mesh gets no colours by depth, which are of a picture");

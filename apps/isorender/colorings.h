@@ -22,8 +22,9 @@ iso_status isorender_colorings_make(isorender_job *job, iso_error *error);
 /* Sets the ranges of depth, of the first camera. ISO_ERR_NOMEM. */
 iso_status isorender_colorings_see(isorender_job *job, iso_error *error);
 
-/* Gives the vertices of the exported mesh their colours, if its surface is coloured. ISO_ERR_NOMEM. */
-iso_status isorender_colorings_export(const isorender_job *job, iso_weld *weld, iso_error *error);
+/* Gives the vertices of a surface's exported mesh their colours, if it is coloured. ISO_ERR_NOMEM. */
+iso_status isorender_colorings_export(const isorender_job *job, const isorender_surface *surface,
+                                      iso_weld *weld, iso_error *error);
 
 /* The colour bars; returns their number. */
 int isorender_colorings_bars(const isorender_job *job, iso_color_bar bars[ISORENDER_COLORINGS]);

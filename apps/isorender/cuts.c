@@ -18,22 +18,7 @@ iso_status isorender_apply_clip(void *target, const char *value, iso_error *erro
 }
 
 iso_status isorender_apply_cap(void *target, const char *value, iso_error *error) {
-    isorender_settings *settings = target;
-    uint8_t rgb[3];
-    settings->cap = ISORENDER_CAP_NONE;
-    if (strcmp(value, "none") == 0) return ISO_OK;
-    settings->cap = ISORENDER_CAP_SURFACE;
-    if (strcmp(value, "surface") == 0) return ISO_OK;
-    settings->cap = ISORENDER_CAP_SLICE;
-    if (strcmp(value, "slice") == 0) return ISO_OK;
-    if (strncmp(value, "slice:", 6) == 0) return iso_colormap_find(value + 6, &settings->slice_map, error);
-    settings->cap = ISORENDER_CAP_COLOR;
-    if (!iso_parse_color(value, rgb))
-        return iso_fail(error, ISO_ERR_USAGE,
-                        "'%s' is not slice, slice:COLORMAP (%s), surface, none or a colour", value,
-                        iso_colormap_names);
-    settings->cap_color = (iso_rgb){rgb[0], rgb[1], rgb[2]};
-    return ISO_OK;
+    return iso_cap_style_parse(value, &((isorender_settings *)target)->cap, error);
 }
 
 iso_status isorender_apply_slice(void *target, const char *value, iso_error *error) {
@@ -44,13 +29,13 @@ iso_status isorender_apply_slice(void *target, const char *value, iso_error *err
 }
 
 bool isorender_has_caps(const isorender_settings *settings) {
-    return settings->cap != ISORENDER_CAP_NONE || settings->slice_count;
+    return settings->cap.kind != ISO_CAP_NONE || settings->slice_count;
 }
 
 /* Options of caps and slices without what they are for. */
 static iso_status check_caps(const isorender_settings *settings, iso_error *error) {
-    const bool shows = settings->cap == ISORENDER_CAP_SLICE || settings->slice_count;
-    if (settings->cap != ISORENDER_CAP_NONE && !settings->cut_count)
+    const bool shows = settings->cap.kind == ISO_CAP_SLICE || settings->slice_count;
+    if (settings->cap.kind != ISO_CAP_NONE && !settings->cut_count)
         return iso_fail(error, ISO_ERR_USAGE, "--cap closes what --clip cuts: it needs --clip");
     if (!isnan(settings->window[0]) && !shows)
         return iso_fail(error, ISO_ERR_USAGE, "--window is for --slice and --cap slice");
@@ -116,7 +101,7 @@ static iso_status choose_window(isorender_job *job, iso_error *error) {
     const isorender_settings *settings = job->settings;
     const double centre = settings->window[0], width = settings->window[1];
     iso_slice_look *look = &job->slice_look;
-    *look = (iso_slice_look){centre - width / 2, centre + width / 2, settings->slice_map};
+    *look = (iso_slice_look){centre - width / 2, centre + width / 2, settings->cap.map};
     if (!isnan(centre) || !job->has_volume) return ISO_OK;
     ISO_TRY(iso_loader_histogram(&job->loader, error));
     look->low = job->loader.histogram.minimum;
@@ -144,43 +129,22 @@ iso_cut_caps isorender_caps(const isorender_job *job, iso_capped solids[ISORENDE
         const isorender_surface *surface = &job->surfaces[i];
         solids[i] = (iso_capped){
             &surface->scene.grid, surface->scene.isovalue,
-            (uint8_t)i,           settings->cap == ISORENDER_CAP_COLOR ? settings->cap_color : surface->color,
+            (uint8_t)i,           settings->cap.kind == ISO_CAP_COLOR ? settings->cap.color : surface->color,
             surface->scene.clip,  surface->label_group != 0};
     }
     return (iso_cut_caps){.solids = solids,
                           .count = job->surface_count,
-                          .caps = settings->cap != ISORENDER_CAP_NONE,
-                          .shows = settings->cap == ISORENDER_CAP_SLICE,
+                          .caps = settings->cap.kind != ISO_CAP_NONE,
+                          .shows = settings->cap.kind == ISO_CAP_SLICE,
                           .slices = job->slices,
                           .slice_count = settings->slice_count,
                           .look = job->slice_look,
                           .factor = iso_picture_factor(job->samples)};
 }
 
-/* Lines and glyphs are never cut: a cut that names them is refused, and one for everything says so. */
-static iso_status check_objects(const isorender_job *job, int frame, iso_error *error) {
-    bool whole = false;
-    for (int i = 0; i < job->object_count; i++) {
-        const isorender_object_settings *object = job->objects[i].settings;
-        for (int k = 0; k < job->settings->cut_count && object->kind != ISORENDER_MESH; k++) {
-            const iso_cut *cut = &job->settings->cuts[k];
-            if (cut->things.named && iso_cut_is_for(cut, job->surface_count + i))
-                return iso_fail(
-                    error, ISO_ERR_USAGE,
-                    "--clip %s: %s is not cut: only surfaces and meshes are, not lines and glyphs",
-                    job->settings->cut_texts[k], object->path);
-            whole |= !cut->things.named;
-        }
-    }
-    if (whole && !frame)
-        isorender_log(job, "note: --clip cuts surfaces and meshes; lines and glyphs stay whole");
-    return ISO_OK;
-}
-
 iso_status isorender_cuts_make(isorender_job *job, int frame, iso_error *error) {
     if (!job->settings->cut_count && !isorender_has_caps(job->settings)) return ISO_OK;
     ISO_TRY(check_names(job, error));
-    ISO_TRY(check_objects(job, frame, error));
     const size_t things = (size_t)thing_count(job);
     if (!job->clips) job->clips = calloc(things, sizeof *job->clips);
     if (!job->clips) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");

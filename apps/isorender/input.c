@@ -62,7 +62,7 @@ static const iso_renderer *find_renderer(const isorender_settings *settings, iso
 }
 
 static int usual_samples(const isorender_job *job) {
-    const isorender_settings *settings = job->settings;
+    const isorender_settings *settings = job->given; /* (one number for all pictures of a film) */
     const bool opaque = !isorender_is_translucent(settings) && !isorender_object_opacity_option(settings) &&
                         !(settings->ior > 0) && !job->gaussians;
     return opaque ? iso_method_samples(job->method) : 1;
@@ -177,7 +177,7 @@ iso_status isorender_open(isorender_job *job, iso_error *error) {
 
 static void log_notes(isorender_job *job) {
     const iso_volume_info *info = &job->loader.volume.info;
-    if (job->notes_logged) return;
+    if (job->notes_logged || job->settings->film->first) return; /* (of a series the first step says them) */
     job->notes_logged = true;
     for (int i = 0; i < info->note_count; i++) isorender_log(job, "note: %s", info->notes[i]);
     isorender_log_nonfinite(job);

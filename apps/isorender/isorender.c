@@ -1,13 +1,16 @@
 /* isorender: any volume file to a correct picture of its isosurface, in one command. */
 #define _GNU_SOURCE /* asprintf */
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "apps/isorender/isorender.h"
+#include "apps/isorender/keyframes.h"
 #include "apps/isorender/merge.h"
 #include "apps/isorender/mpi_ranks.h"
 #include "apps/isorender/panels.h"
 #include "apps/isorender/scene_file.h"
+#include "apps/isorender/series.h"
 #include "base/file_types.h"
 #include "base/memory.h"
 
@@ -28,16 +31,65 @@ static int say(const iso_error *error, iso_status status) {
     return error->text[0] ? fail(error, status) : iso_status_exit(status);
 }
 
+static bool draws_any(const isorender_settings *settings, const isorender_plan *plans) {
+    for (int i = 0; i < settings->input_count && !settings->info; i++)
+        if (isorender_plan_draws(&plans[i])) return true;
+    return false;
+}
+
+isorender_film isorender_film_of(const isorender_settings *settings) {
+    isorender_film film = {.count = settings->pictures ? settings->pictures : 1};
+    for (int i = 0; i < ISORENDER_COLORINGS; i++) film.ranges[i][0] = film.ranges[i][1] = NAN;
+    return film;
+}
+
+/* Looks at all steps of a series for what they share, and draws them. What fails ends it, but for steps that
+ * have no surface. */
+static int render_series(isorender_settings *settings, const isorender_plan *plans, iso_pool *pool,
+                         const isorender_backend *backend, const iso_environment *environment) {
+    isorender_film *film = settings->film;
+    const isorender_settings given = *settings;
+    const bool draws = draws_any(settings, plans), measured = draws && isorender_series_is_measured(settings);
+    film->count = settings->input_count;
+    for (int pass = measured ? 0 : 1; pass < 2; pass++) {
+        iso_error error = {0};
+        iso_status status = ISO_OK, last = ISO_OK;
+        bool any = false;
+        film->measuring = pass == 0;
+        for (int i = 0; i < given.input_count; i++) {
+            *settings = given;
+            settings->common.quiet |= film->measuring;
+            isorender_series_choose(settings, i);
+            film->first = i;
+            status = isorender_run(settings, &plans[i], pool, backend, environment, &error);
+            any |= status == ISO_OK;
+            if (status != ISO_OK) last = status;
+            if (status != ISO_OK && !(film->measuring && status == ISO_ERR_EMPTY)) break;
+        }
+        if (last == ISO_OK || (any && last == ISO_ERR_EMPTY && film->measuring)) continue;
+        iso_settings_explain_memory(&given.common, &error);
+        return say(&error, last);
+    }
+    return 0;
+}
+
 /* One input that fails does not stop the others; the first failure gives the exit status. */
 static int render_each(const isorender_settings *given, const isorender_plan *plans, iso_pool *pool,
                        const isorender_backend *backend, const iso_environment *environment) {
     int worst = 0;
     isorender_same_view first = {0};
+    isorender_film film = isorender_film_of(given);
     isorender_settings copy = *given, *settings = &copy;
     const bool panels = isorender_has_panels(settings);
     if (settings->same_view) settings->first = &first;
+    settings->film = &film;
+    if (settings->series_of) return render_series(settings, plans, pool, backend, environment);
     for (int i = 0; i < settings->input_count; i++) {
         iso_error error = {0};
+        const iso_box bounds = film.bounds;
+        const bool has_bounds = settings->same_view && film.has_bounds;
+        film = isorender_film_of(given);
+        if (has_bounds) film.bounds = bounds, film.has_bounds = true;
         iso_status status = (panels ? isorender_panels_run : isorender_run)(settings, &plans[i], pool,
                                                                             backend, environment, &error);
         if (status == ISO_OK) continue;
@@ -46,12 +98,6 @@ static int render_each(const isorender_settings *given, const isorender_plan *pl
         if (worst == 0) worst = code;
     }
     return worst;
-}
-
-static bool draws_any(const isorender_settings *settings, const isorender_plan *plans) {
-    for (int i = 0; i < settings->input_count && !settings->info; i++)
-        if (isorender_plan_draws(&plans[i])) return true;
-    return false;
 }
 
 /* What glass reflects and refracts; NULL without glass. */
@@ -168,6 +214,8 @@ static int run_command(int argc, char **argv, const char *path) {
     if (status == ISO_OK) status = perform(&settings, &code, &error);
     if (status != ISO_OK) code = say(&error, status);
     isorender_ranks_finish(&settings.ranks);
+    isorender_keyframes_free(&settings);
+    isorender_series_free(&settings);
     free(operands.values);
     free(picture);
     return iso_program_finish(isorender_program(), code);

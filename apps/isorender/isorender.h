@@ -56,7 +56,8 @@ typedef struct isorender_seconds {
 
 /* Everything about one input; owned by isorender_run. */
 struct isorender_job {
-    const isorender_settings *settings;
+    const isorender_settings *given;    /* of all pictures, */
+    const isorender_settings *settings; /* and of the one that is drawn: keyframes.h */
     const isorender_plan *plan;
     iso_pool *pool;
     const isorender_backend *backend;
@@ -255,8 +256,14 @@ typedef struct isorender_scene_arrays {
 
 /* The job's surfaces and objects as a scene, without glass. It borrows the job and the arrays. */
 iso_scene isorender_scene(isorender_job *job, isorender_scene_arrays *arrays);
-/* Renders and writes all frames. ISO_ERR_EMPTY when a frame shows nothing of the surface. */
+/* The film of one input, or of a series, before its first picture. */
+isorender_film isorender_film_of(const isorender_settings *settings);
+/* Renders and writes all frames. ISO_ERR_EMPTY when a frame shows nothing of the surface, unless it is one of
+ * a series or between keyframes, or when all of these show nothing. */
 iso_status isorender_render(isorender_job *job, iso_error *error);
+/* Writes the picture of a step of a series that has no surface: the background. ISO_ERR_EMPTY, without a
+ * message: no step has one, and this is the last. */
+iso_status isorender_render_nothing(isorender_job *job, iso_error *error);
 /* Writes a picture, and what is over it, with the texts of its file. The image may be painted onto. */
 iso_status isorender_write_picture(isorender_job *job, iso_image *image, const iso_drawing *over,
                                    const char *path, iso_error *error);

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "apps/isorender/segmentation.h"
-#include "base/file_types.h"
+#include "extract/mesh/mesh_edit.h"
 #include "io/mesh/mesh_write.h"
 
 /* The labels of one set of fields: each is a group of its own. */
@@ -28,7 +28,7 @@ static iso_status make_mesh(const meshing *m, const iso_label_fields *fields, in
     iso_status status = iso_scene_surface_update(&surface, ISO_PART_MESH, error);
     if (status == ISO_OK) {
         const iso_mesh_view view = iso_mesh_set_view(surface.mesh);
-        status = iso_mesh_weld(&view, &weld, error);
+        status = iso_mesh_weld(&view, NULL, &weld, error);
         if (status == ISO_OK) {
             status = m->take(m->context, label, &weld, &view.transform, error);
             iso_weld_free(&weld);
@@ -73,38 +73,52 @@ iso_status isorender_label_meshes_each(isorender_job *job, bool drawn, isorender
 
 typedef struct writing {
     isorender_job *job;
-    iso_sink sink;
-    const char *comment;
-    bool objects; /* the file has an object for each label; if not, there is one label */
-    uint64_t vertices;
+    iso_mesh_object *objects;
+    iso_weld *welds;           /* of the objects, */
+    iso_transform *transforms; /* and these */
+    int count;
 } writing;
 
-static iso_status write_mesh(void *context, int label, const iso_weld *weld, const iso_transform *transform,
-                             iso_error *error) {
+static iso_status take_mesh(void *context, int label, iso_weld *weld, const iso_transform *transform,
+                            iso_error *error) {
     writing *w = context;
+    const isorender_label *item = &w->job->segmentation->items[label];
+    ISO_TRY(iso_weld_edit(weld, transform, &w->job->settings->mesh_edits, error));
     w->job->triangle_count += weld->triangle_count;
-    if (!w->objects)
-        return iso_mesh_put_weld(w->sink.stream, w->job->plan->mesh, weld, transform, w->comment, error);
-    iso_mesh_put_obj_object(w->sink.stream, w->job->segmentation->items[label].name, weld, transform,
-                            &w->vertices);
+    w->welds[w->count] = *weld;
+    w->transforms[w->count] = *transform;
+    w->objects[w->count] = (iso_mesh_object){.weld = &w->welds[w->count],
+                                             .transform = &w->transforms[w->count],
+                                             .name = item->name,
+                                             .color = &item->color,
+                                             .opacity = item->opacity};
+    *weld = (iso_weld){0};
+    w->count++;
     return ISO_OK;
 }
 
 iso_status isorender_label_meshes_write(isorender_job *job, const char *comment, iso_error *error) {
     const isorender_segmentation *s = job->segmentation;
     const char *path = job->plan->mesh;
-    int drawn = 0;
+    size_t drawn = 0;
     for (int i = 1; i < s->labels.count; i++) drawn += s->group[i] != 0;
-    const bool objects = iso_file_type_of_name(path, ISO_WRITES_MESH) == ISO_FILE_obj;
-    if (drawn > 1 && !objects)
-        return iso_fail(error, ISO_ERR_USAGE,
-                        "%s: %d labels are written as the objects of an .obj (or --label chooses one)", path,
-                        drawn);
-    writing w = {.job = job, .comment = comment, .objects = objects};
-    ISO_TRY(iso_sink_open(path, &w.sink, error));
-    iso_status status = isorender_label_meshes_each(job, true, write_mesh, &w, error);
-    if (status == ISO_OK) status = iso_sink_commit(&w.sink, error);
-    iso_sink_abort(&w.sink);
+    if (drawn > 1 && iso_mesh_file_objects(path) == 1)
+        return iso_fail(
+            error, ISO_ERR_USAGE,
+            "%s: %zu labels are written as the objects of an .obj, .glb or .3mf (or --label chooses one)",
+            path, drawn);
+    writing w = {.job = job,
+                 .objects = calloc(drawn + 1, sizeof *w.objects),
+                 .welds = calloc(drawn + 1, sizeof *w.welds),
+                 .transforms = calloc(drawn + 1, sizeof *w.transforms)};
+    const bool there = w.objects && w.welds && w.transforms;
+    iso_status status = there ? isorender_label_meshes_each(job, true, take_mesh, &w, error)
+                              : iso_fail(error, ISO_ERR_NOMEM, "out of memory");
+    if (status == ISO_OK) status = iso_mesh_write_objects(path, w.objects, w.count, comment, error);
+    for (int i = 0; i < w.count; i++) iso_weld_free(&w.welds[i]);
+    free(w.objects);
+    free(w.welds);
+    free(w.transforms);
     if (status == ISO_OK) job->mesh_written = true;
     return status;
 }

@@ -4,8 +4,9 @@
 
 #include "apps/isorender/isorender.h"
 
-/* Is given the mesh of label `label`, a place in the list of labels. */
-typedef iso_status isorender_label_mesh_fn(void *context, int label, const iso_weld *weld,
+/* Is given the mesh of label `label`, a place in the list of labels; it may keep it, and set *weld to zeros.
+ */
+typedef iso_status isorender_label_mesh_fn(void *context, int label, iso_weld *weld,
                                            const iso_transform *transform, iso_error *error);
 
 /* Makes the meshes of all labels, or of those that are drawn, and calls `take` with each of them. Where two

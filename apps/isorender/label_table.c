@@ -15,7 +15,7 @@ typedef struct measuring {
     iso_mesh_measures *measures; /* of each label */
 } measuring;
 
-static iso_status measure(void *context, int label, const iso_weld *weld, const iso_transform *transform,
+static iso_status measure(void *context, int label, iso_weld *weld, const iso_transform *transform,
                           iso_error *error) {
     const measuring *m = context;
     return iso_weld_measure(weld, transform, m->job->pool, &m->measures[label], error);

@@ -1,11 +1,8 @@
-/* looks: what --look stands for. */
+/* looks: --look (apps/common/looks.h), applied to the settings. */
 #ifndef ISO_APPS_ISORENDER_LOOKS_H
 #define ISO_APPS_ISORENDER_LOOKS_H
 
 #include "apps/isorender/settings.h"
-
-/* Names of looks, NULL-terminated; a look's place in the list is isorender_settings.look. */
-extern const char *const isorender_look_names[];
 
 /* Sets the options that the look has and that were not given. They are noted as if they had been, so that
  * scenes and the picture's command hold them. ISO_ERR_USAGE. */

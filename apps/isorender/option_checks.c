@@ -15,12 +15,15 @@
 #include "apps/isorender/channels.h"
 #include "apps/isorender/colorings.h"
 #include "apps/isorender/cuts.h"
+#include "apps/isorender/keyframes.h"
 #include "apps/isorender/label_items.h"
 #include "apps/isorender/page.h"
 #include "apps/isorender/panels.h"
 #include "apps/isorender/segmentation.h"
+#include "apps/isorender/series.h"
 #include "base/text.h"
 #include "image/image_file.h"
+#include "image/video.h"
 #include "io/file_contents.h"
 #include "io/glyphs/glyphs_read.h"
 #include "io/lines/lines_read.h"
@@ -102,8 +105,8 @@ static iso_status take_object(isorender_settings *settings, iso_error *error) {
 }
 
 static bool is_picture(const char *name) {
-    return strcmp(name, "-") != 0 &&
-           (iso_image_kind_of(name) != ISO_IMAGE_UNKNOWN || iso_page_is_named(name));
+    return strcmp(name, "-") != 0 && iso_file_type_of_name(name, ISO_WRITES_IMAGE | ISO_WRITES_VIDEO |
+                                                                     ISO_WRITES_PAGE) != ISO_FILE_UNKNOWN;
 }
 
 static bool exists(const char *path) {
@@ -212,11 +215,13 @@ static iso_status take_operands(isorender_settings *settings, const iso_operands
     if (count == 2 && is_picture(names[0]) && !may_be_input && !is_picture(names[1]) && exists(names[1]))
         return iso_fail(error, ISO_ERR_USAGE, "the input comes first: isorender %s %s", names[1], names[0]);
     settings->no_input = is_only_picture(settings, operands);
-    ISO_TRY(take_output(settings, operands, settings->scene || settings->no_input ? 0 : 1, &count, error));
-    if (count == 0 && !settings->scene && !settings->no_input)
-        return iso_fail(error, ISO_ERR_USAGE, "no input (see --help)");
-    if (settings->scene && count > 0)
-        return iso_fail(error, ISO_ERR_USAGE, "%s: --scene takes no other input", operands->values[0]);
+    if (settings->series_of) settings->no_input = 0;
+    const bool named = settings->scene || settings->no_input || settings->series_of;
+    ISO_TRY(take_output(settings, operands, named ? 0 : 1, &count, error));
+    if (count == 0 && !named) return iso_fail(error, ISO_ERR_USAGE, "no input (see --help)");
+    if ((settings->scene || settings->series_of) && count > 0)
+        return iso_fail(error, ISO_ERR_USAGE, "%s: --%s takes no other input", operands->values[0],
+                        settings->scene ? "scene" : "series-of");
     if (count > 1 && !settings->output && !settings->info && !settings->no_image)
         return fail_several(operands, error);
     const char *const *files = settings->object_options.count   ? settings->object_options.paths
@@ -224,6 +229,7 @@ static iso_status take_operands(isorender_settings *settings, const iso_operands
                                                                 : &settings->labels;
     settings->inputs = settings->no_input ? files : operands->values;
     settings->input_count = settings->scene || settings->no_input ? 1 : count;
+    if (settings->series_of) ISO_TRY(isorender_series_take(settings, error));
     if (settings->smooth) settings->no_input = 1; /* it is read as labels */
     ISO_TRY(take_object(settings, error));
     settings->object_options.has_cloud = !settings->no_input && !settings->scene &&
@@ -243,7 +249,8 @@ static iso_status check_templates(const isorender_settings *settings, iso_error 
         const char *name = outputs[i].name, *dot = name ? strrchr(name, '.') : NULL;
         struct stat found;
         const bool device = name && stat(name, &found) == 0 && !S_ISREG(found.st_mode);
-        if (!name || device || strcmp(name, "-") == 0 || strchr(name, '{')) continue;
+        const bool numbered = settings->series_of && (name == settings->output || name == settings->aov);
+        if (!name || numbered || device || strcmp(name, "-") == 0 || strchr(name, '{')) continue;
         char hint[256];
         hint_at_folder(settings->inputs, settings->input_count, hint);
         return iso_fail(error, ISO_ERR_USAGE,
@@ -296,6 +303,18 @@ static iso_status check_aov(const isorender_settings *settings, iso_error *error
     return ISO_OK;
 }
 
+static iso_status check_video(const isorender_settings *settings, iso_error *error) {
+    const iso_video_opts opts = {
+        .width = settings->width, .height = settings->height, .transparent = settings->transparent != 0};
+    if (!iso_video_is_name(settings->output)) return ISO_OK;
+    if (!settings->turntable && !settings->series_of && !settings->keyframe_file)
+        return iso_fail(
+            error, ISO_ERR_USAGE,
+            "%s: a video needs several pictures: --turntable, --keyframes or --series-of makes them",
+            settings->output);
+    return iso_video_check(settings->output, &opts, error);
+}
+
 static iso_status check_outputs(const isorender_settings *settings, iso_error *error) {
     bool image = !settings->no_image && !settings->info;
     bool to_stdout = image && settings->output && strcmp(settings->output, "-") == 0;
@@ -307,10 +326,11 @@ static iso_status check_outputs(const isorender_settings *settings, iso_error *e
         iso_image_kind_of(settings->output) == ISO_IMAGE_JPEG)
         return iso_fail(error, ISO_ERR_USAGE, "%s: a JPEG has no transparency: .png and .tif have",
                         settings->output);
+    if (image && settings->output) ISO_TRY(check_video(settings, error));
     if (to_stdout && settings->common.json && !settings->common.json_path)
         return iso_fail(error, ISO_ERR_USAGE, "the picture and --json cannot both go to standard output");
-    if (to_stdout && settings->turntable)
-        return iso_fail(error, ISO_ERR_USAGE, "a turntable cannot go to standard output");
+    if (to_stdout && (settings->turntable || settings->keyframe_file || settings->series_of))
+        return iso_fail(error, ISO_ERR_USAGE, "several pictures cannot go to standard output");
     if (settings->points && iso_file_type_of_name(settings->points, ISO_WRITES_POINTS) == ISO_FILE_UNKNOWN)
         return iso_fail(error, ISO_ERR_USAGE, "%s: points are written as .ply", settings->points);
     if (settings->mesh) ISO_TRY(iso_mesh_write_check(settings->mesh, error));
@@ -321,7 +341,32 @@ static iso_status check_outputs(const isorender_settings *settings, iso_error *e
     return ISO_OK;
 }
 
-static iso_status check_surfaces(const isorender_settings *settings, iso_error *error) {
+/* What is done to the mesh, and to the solid for printing. */
+static iso_status check_mesh(isorender_settings *settings, iso_error *error) {
+    const iso_mesh_edits *edits = &settings->mesh_edits;
+    const bool decimates = edits->keep > 0 || edits->deviation > 0;
+    if ((edits->smooth || decimates) && !settings->mesh)
+        return iso_fail(error, ISO_ERR_USAGE, "%s is of a file: it needs --mesh FILE",
+                        edits->smooth ? "--smooth-mesh" : "--decimate");
+    if (decimates && !iso_weld_can_decimate())
+        return iso_fail(error, ISO_ERR_BACKEND,
+                        "--decimate: built without meshoptimizer, which joins triangles");
+    if (settings->drain > 0 && !(settings->hollow > 0))
+        return iso_fail(error, ISO_ERR_USAGE, "--drain is of what is hollow: it needs --hollow MM");
+    if (settings->hollow > 0) settings->closed = 1;
+    const char *unfit = !(settings->hollow > 0)              ? NULL
+                        : settings->no_input                 ? "no input"
+                        : settings->object_options.has_cloud ? "points"
+                        : settings->parts                    ? "--part"
+                        : settings->chunk_size               ? "--chunk-size"
+                                                             : NULL;
+    if (unfit)
+        return iso_fail(error, ISO_ERR_USAGE, "--hollow is of the solid of a volume in memory: not with %s",
+                        unfit);
+    return ISO_OK;
+}
+
+static iso_status check_surfaces(isorender_settings *settings, iso_error *error) {
     if (settings->isovalue_auto && settings->isovalue_count)
         return iso_fail(error, ISO_ERR_USAGE, "--isovalue auto cannot be combined with other isovalues");
     int surfaces = settings->isovalue_count ? settings->isovalue_count : 1;
@@ -330,8 +375,14 @@ static iso_status check_surfaces(const isorender_settings *settings, iso_error *
     if (settings->color_count > surfaces)
         return iso_fail(error, ISO_ERR_USAGE, "%d colours for %d isovalue%s", settings->color_count, surfaces,
                         surfaces > 1 ? "s" : "");
-    if (surfaces > 1 && (settings->points || settings->mesh))
-        return iso_fail(error, ISO_ERR_USAGE, "--points and --mesh write one surface: give one isovalue");
+    if (surfaces > 1 && settings->points)
+        return iso_fail(error, ISO_ERR_USAGE, "--points writes one surface: give one isovalue");
+    if (surfaces > 1 && settings->mesh && iso_mesh_file_objects(settings->mesh) == 1)
+        return iso_fail(
+            error, ISO_ERR_USAGE,
+            "%s: holds one surface: give one isovalue, or an .obj, .glb or .3mf, which hold several",
+            settings->mesh);
+    ISO_TRY(check_mesh(settings, error));
     const iso_primitive primitive = (iso_primitive)settings->primitive;
     if (settings->method == ISO_METHOD_HYBRID && primitive != ISO_PRIMITIVE_AUTO &&
         primitive != ISO_PRIMITIVE_EDGE)
@@ -446,8 +497,10 @@ static iso_status check_opacity(const isorender_settings *settings, iso_error *e
                         iso_method_name((iso_method)settings->method),
                         iso_methods_that_can(ISO_CAN_LAYERS, who));
     if (settings->ior > 0) return ISO_OK;
-    if (settings->mesh)
-        return iso_fail(error, ISO_ERR_USAGE, "--mesh writes no opacities: --opacity is for pictures");
+    if (settings->mesh && !iso_mesh_file_has_opacities(settings->mesh))
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "%s: such a file has no opacities: --opacity is for pictures, .glb and .3mf",
+                        settings->mesh);
     bool seen = settings->absorption_length > 0 || settings->volume_options.count || !settings->opacity_count;
     for (int i = 0; i < settings->volume_count; i++) seen |= settings->volumes[i].opacity > 0;
     for (int i = 0; i < settings->opacity_count; i++) seen |= settings->opacities[i] > 0;
@@ -601,11 +654,29 @@ static iso_status check_part(const isorender_settings *settings, iso_error *erro
     if (settings->output && !keys)
         return iso_fail(error, ISO_ERR_USAGE, "%s: --part writes a file of keys: a name must end in .isokeys",
                         settings->output);
-    if (settings->turntable || settings->no_image || settings->info)
+    if (settings->turntable || settings->keyframe_file || settings->series_of || settings->no_image ||
+        settings->info)
         return iso_fail(error, ISO_ERR_USAGE, "--part draws one picture: it cannot be combined with %s",
-                        settings->turntable ? "--turntable"
-                        : settings->info    ? "--info"
-                                            : "--no-image");
+                        settings->turntable       ? "--turntable"
+                        : settings->keyframe_file ? "--keyframes"
+                        : settings->series_of     ? "--series-of"
+                        : settings->info          ? "--info"
+                                                  : "--no-image");
+    return ISO_OK;
+}
+
+/* What each keyframe shows must be what can be drawn. */
+static iso_status check_keyframes(isorender_settings *settings, iso_error *error) {
+    iso_error reason = {0};
+    ISO_TRY(isorender_keyframes_read(settings, error));
+    for (int i = 0; i < isorender_keyframes_count(settings->keyframes); i++) {
+        isorender_settings *now = isorender_keyframe(settings->keyframes, i);
+        iso_status status = check_camera(now, &reason);
+        if (status == ISO_OK) status = isorender_cuts_check(now, &reason);
+        if (status == ISO_OK && isorender_is_translucent(now)) status = check_opacity(now, &reason);
+        if (status == ISO_OK) status = check_lighting(now, &reason);
+        if (status != ISO_OK) return iso_fail(error, status, "%s: %s", settings->keyframe_file, reason.text);
+    }
     return ISO_OK;
 }
 
@@ -639,5 +710,7 @@ iso_status isorender_settings_check(isorender_settings *settings, const iso_oper
     ISO_TRY(isorender_segmentation_check(settings, error));
     ISO_TRY(isorender_colorings_check(settings, error));
     ISO_TRY(isorender_annotations_check(settings, error));
-    return check_opacity(settings, error);
+    ISO_TRY(check_opacity(settings, error));
+    if (!settings->series_of) settings->pictures = settings->turntable;
+    return check_keyframes(settings, error);
 }

@@ -2,6 +2,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "apps/common/looks.h"
 #include "apps/isorender/annotations.h"
 #include "apps/isorender/channels.h"
 #include "apps/isorender/colorings.h"
@@ -247,6 +248,20 @@ static iso_status apply_verbose(void *target, const char *value, iso_error *erro
     return ISO_OK;
 }
 
+static iso_status apply_decimate(void *target, const char *value, iso_error *error) {
+    isorender_settings *settings = target;
+    double number;
+    const bool share = strchr(value, '%') != NULL;
+    const bool good = share ? iso_parse_fraction(value, &number) && number > 0 && number < 1
+                            : iso_parse_real(value, &number) && number > 0 && number < 1e12;
+    if (!good)
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "'%s' is neither a share of the triangles, such as 10%%, nor mm", value);
+    settings->mesh_edits.keep = share ? number : 0;
+    settings->mesh_edits.deviation = share ? 0 : number;
+    return ISO_OK;
+}
+
 static iso_status apply_schema(void *target, const char *value, iso_error *error) {
     (void)value, (void)error;
     ((isorender_settings *)target)->common.action = ISORENDER_ACTION_SCHEMA;
@@ -272,6 +287,11 @@ static const iso_option options[] = {
      "lists them); --isovalue, --color and --opacity are then lists by channel, of which the last isovalue "
      "and the last opacity repeat",
      .group = INPUT, CALL(isorender_apply_channel), .flags = ISO_OPTION_REPEATABLE},
+    {"series-of", NULL, "FILES",
+     "steps in time instead of one file: a pattern of names in quotes ('t_*.vti'), or one file whose "
+     "components are "
+     "times; all pictures have one framing, isovalue and range of colours, and are numbered, or a video",
+     .group = INPUT, TEXT(series_of)},
     {"scene", NULL, "NAME[:SIZE]",
      "a procedural volume instead of a file: sphere, cylinder, cube, gyroid, torus, ct, "
      "head, organs (labels) (the same as the input scene:NAME[:SIZE])",
@@ -369,6 +389,13 @@ static const iso_option options[] = {
      "the solid ends at the volume's border and is capped there, so that meshes are closed; voxels that are "
      "no numbers are outside it",
      .group = SURFACE, FLAG(closed)},
+    {"hollow", NULL, "MM",
+     "leave only a wall of the solid, so many mm thick, for printing; it is --closed, too", .group = SURFACE,
+     REAL(hollow, 1e-3, 1e6)},
+    {"drain", NULL, "MM",
+     "two holes of so many mm through the wall of --hollow: at the lowest and the highest place of the "
+     "hollow",
+     .group = SURFACE, REAL(drain, 1e-3, 1e6)},
 
     {"clip", NULL, "WHERE",
      "cut away x<MM or x>MM (so y, z), X,Y,Z:NX,NY,NZ (where the normal points to), camera:MM (this far into "
@@ -491,7 +518,7 @@ static const iso_option options[] = {
      "paper (figures), studio (dark slides), xray (seen through) or clay: values for --color, --background, "
      "--opacity, --occlusion, --shadow, --outline and --samples, as far as these are not given (--look NAME "
      "--save-scene - prints them)",
-     .group = PICTURE, .standard = "none", CHOICE(look, isorender_look_names), UNRECORDED},
+     .group = PICTURE, .standard = "none", CHOICE(look, iso_look_names), UNRECORDED},
     {"point-scaling", NULL, "NAME",
      "width of points: exact (by depth) or attenuated (by distance, as OpenGL 1.4 did it; needs OpenGL)",
      .group = PAPERS, .standard = "exact", CHOICE(scaling, scalings)},
@@ -513,8 +540,15 @@ static const iso_option options[] = {
     {"no-background", NULL, NULL, "the same as --background none", .group = PICTURE, FLAG(transparent)},
 #include "apps/isorender/figure_options.inc"
     {"turntable", NULL, "N",
-     "N pictures around the surface with one fixed framing: OUT_000.png, OUT_001.png, ...", .group = PICTURE,
-     INT(turntable, 1, 100000)},
+     "N pictures around the surface with one fixed framing: OUT_000.png, OUT_001.png, ..., or a video",
+     .group = PICTURE, INT(turntable, 1, 100000)},
+    {"keyframes", NULL, "FILE",
+     "pictures between which cameras, isovalues, clips and opacities change: a .json with values of options "
+     "at "
+     "certain pictures, as a scene has them",
+     .group = PICTURE, TEXT(keyframe_file), .flags = ISO_OPTION_READS},
+    {"frame-rate", NULL, "N", "pictures a second of a video ({videos}), which ffmpeg encodes",
+     .group = PICTURE, .standard = "25", REAL(frame_rate, 0.01, 1000)},
 
     {"camera", "camera-preset", "NAME", "side to look from: front, back, left, right, top, bottom, iso",
      .group = CAMERA,
@@ -561,7 +595,7 @@ static const iso_option options[] = {
 
     {"output", "o", "NAME",
      "the picture: a .png, .tif, .jpg, .svg or .pdf (the last two with text as text), - for a .png on "
-     "stdout; {model} is the input's name, {n:3} a number "
+     "stdout; with several pictures also a video: {videos}; {model} is the input's name, {n:3} a number "
      "with three digits; or a .html: a page in which the surface is turned and its isovalue moved, in any "
      "browser and without a network; it holds the voxels that this needs and the input's name, so mind who "
      "gets it",
@@ -575,8 +609,18 @@ static const iso_option options[] = {
      "write the points: x y z nx ny nz radius, in mm (isorender reads them back); x y z are doubles far "
      "from 0",
      .group = OUTPUT, TEXT(points), UNRECORDED},
-    {"mesh", NULL, "FILE", "write the Marching Cubes mesh: {meshes written}, in mm", .group = OUTPUT,
-     TEXT(mesh), UNRECORDED},
+    {"mesh", NULL, "FILE",
+     "write the Marching Cubes mesh: {meshes written}, in mm (a .glb turned and scaled to glTF's metres); "
+     "several "
+     "surfaces and labels are the objects of an .obj, .glb or .3mf",
+     .group = OUTPUT, TEXT(mesh), UNRECORDED},
+    {"smooth-mesh", NULL, "N", "smooth what --mesh writes, N times (Taubin 1995: steps go, the volume stays)",
+     .group = OUTPUT, INT(mesh_edits.smooth, 1, 10000), UNRECORDED},
+    {"decimate", NULL, "PERCENT|MM",
+     "join triangles of what --mesh writes, in the order of the error (meshoptimizer): until so many are "
+     "left, as "
+     "10%, or as long as the surface moves by about so many mm at most",
+     .group = OUTPUT, CALL(apply_decimate), UNRECORDED},
     {"part", NULL, "K/N",
      "draw only part K of N of the surface, into a file of keys (-o NAME.isokeys): parts may be drawn in any "
      "order, "
@@ -652,7 +696,7 @@ static const char *const inputs_text[] = {"Volumes: {volumes} (legacy .vtk, ever
 static const char *const exit_text[] = {"0  done",
                                         "2  wrong usage",
                                         "3  the input cannot be read: missing, truncated, not a volume",
-                                        "4  no usable backend",
+                                        "4  no usable backend, or no ffmpeg for a video",
                                         "5  over the memory limit, or out of memory",
                                         "6  the surface is empty, or nothing of it is in view",
                                         "7  an output could not be written",
@@ -716,6 +760,7 @@ iso_status isorender_settings_parse(int argc, char *const *argv, isorender_setti
                                      .reconstruction = ISORENDER_RECONSTRUCTION_UNCHOSEN,
                                      .lod = NAN,
                                      .backend = "auto",
+                                     .frame_rate = 25,
                                      .width = 1024,
                                      .height = 1024,
                                      .background = {255, 255, 255},
@@ -725,7 +770,7 @@ iso_status isorender_settings_parse(int argc, char *const *argv, isorender_setti
                                      .zoom = 1,
                                      .line_min_pixels = 1,
                                      .margin = NAN,
-                                     .slice_map = ISO_COLORMAP_GRAY,
+                                     .cap = {.map = ISO_COLORMAP_GRAY},
                                      .view_angle = 30};
     for (int i = 0; i < 3; i++) settings->position[i] = settings->focal_point[i] = settings->view_up[i] = NAN;
     settings->window[0] = settings->window[1] = NAN;

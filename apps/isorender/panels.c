@@ -84,6 +84,8 @@ iso_status isorender_panels_check(isorender_settings *settings, iso_error *error
                         : settings->aov             ? "--aov"
                         : settings->common.json     ? "--json"
                         : settings->turntable       ? "--turntable"
+                        : settings->keyframe_file   ? "--keyframes"
+                        : settings->series_of       ? "--series-of"
                         : settings->parts           ? "--part"
                         : settings->info            ? "--info"
                         : settings->no_image        ? "--no-image"
@@ -108,6 +110,7 @@ typedef struct cell {
     isorender_settings settings;
     isorender_plan *plans; /* one */
     isorender_panel panel;
+    isorender_film film; /* of its one picture */
     char title[TITLE];
 } cell;
 
@@ -160,6 +163,8 @@ static iso_status finish_cell(const sheet *p, cell *c, iso_error *error) {
     ISO_TRY(isorender_settings_parse(c->argc, c->argv, &c->settings, &c->operands, error));
     c->settings.scene_output = p->settings->scene_output;
     c->settings.panel = &c->panel;
+    c->film = isorender_film_of(&c->settings);
+    c->settings.film = &c->film;
     c->settings.ranks = p->settings->ranks;
     return isorender_plans_make(&c->settings, &c->plans, error);
 }

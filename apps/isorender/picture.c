@@ -1,5 +1,4 @@
 /* Renders surfaces to PNG and EXR files: one picture or the frames of a turntable. */
-#define _GNU_SOURCE /* asprintf */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -12,6 +11,7 @@
 #include "apps/isorender/colorings.h"
 #include "apps/isorender/cuts.h"
 #include "apps/isorender/isorender.h"
+#include "apps/isorender/keyframes.h"
 #include "apps/isorender/labels.h"
 #include "apps/isorender/page.h"
 #include "apps/isorender/scene_file.h"
@@ -19,6 +19,7 @@
 #include "base/memory.h"
 #include "image/exr.h"
 #include "image/image_file.h"
+#include "image/video.h"
 #include "io/key_file.h"
 #include "render/gl/groups.h"
 #include "render/gl/pullpush.h"
@@ -240,6 +241,15 @@ static uint64_t strip_bytes(const isorender_settings *settings) {
     return smaller(iso_memory_limit(settings->common.input.max_memory) / 4, ISO_PICTURE_STRIP_BYTES);
 }
 
+/* Whether a picture may show nothing: it is one of several, among which the surface comes and goes; but not
+ * if it is the last of them, and all have shown nothing. */
+static bool may_be_empty(const isorender_job *job, int frame) {
+    const isorender_settings *settings = job->settings;
+    const isorender_film *film = settings->film;
+    return (settings->series_of || settings->keyframes) &&
+           (film->covered > 0 || film->first + frame + 1 < film->count);
+}
+
 /* Draws a frame without what is over it, in `factor` times as many pixels on each side. */
 static iso_status draw_frame(isorender_job *job, int frame, int factor, iso_image *image, iso_aov *aov,
                              isorender_frame *counts, iso_error *error) {
@@ -298,13 +308,41 @@ static iso_status render_frame(isorender_job *job, int frame, canvas *c, iso_err
     number_elements(job, &c->aov);
     isorender_detail_note(job, &before, &job->frames[frame]);
     job->seconds.render += iso_clock_seconds() - start;
-    if (job->frames[frame].covered == 0) ISO_TRY(isorender_cuts_fail_empty(job, error));
-    if (job->frames[frame].covered == 0)
+    settings->film->covered += job->frames[frame].covered;
+    const bool fails = job->frames[frame].covered == 0 && !may_be_empty(job, frame);
+    if (fails) ISO_TRY(isorender_cuts_fail_empty(job, error));
+    if (fails)
         return iso_fail(error, ISO_ERR_EMPTY,
                         job->object_count ? "nothing is in view" : "nothing of the surface is in view");
     if (!settings->ranks.rank) ISO_TRY(annotate(job, frame, c, error));
     /* (a few milliseconds, byte by byte) */
     if (settings->common.json && !settings->ranks.rank) job->frames[frame].hash = hash_image(&c->image);
+    return ISO_OK;
+}
+
+/* Adds a picture to the film's video, which the first one begins and the last one ends. */
+static iso_status film_picture(isorender_job *job, int frame, const iso_image *image, iso_error *error) {
+    const isorender_settings *settings = job->settings;
+    isorender_film *film = settings->film;
+    if (!film->video) {
+        isorender_labels l;
+        ISO_TRY(isorender_labels_make(job, &l, error));
+        const iso_video_opts opts = {.width = image->width,
+                                     .height = image->height,
+                                     .frame_rate = settings->frame_rate,
+                                     .transparent = settings->transparent != 0,
+                                     .title = job->plan->model,
+                                     .text = l.command};
+        const iso_status status = iso_video_open(job->plan->image, &opts, &film->video, error);
+        isorender_labels_free(&l);
+        ISO_TRY(status);
+    }
+    ISO_TRY(iso_video_add(film->video, image, error));
+    if (film->first + frame + 1 < film->count) return ISO_OK;
+    iso_video *whole = film->video;
+    film->video = NULL;
+    ISO_TRY(iso_video_commit(whole, error));
+    job->frames_written = 1;
     return ISO_OK;
 }
 
@@ -316,6 +354,7 @@ static iso_status save_image(isorender_job *job, int frame, canvas *c, iso_error
         return ISO_OK;
     }
     if (!job->plan->image || job->settings->ranks.rank) return ISO_OK;
+    if (job->plan->video) return film_picture(job, frame, &c->image, error);
     char *path = NULL;
     ISO_TRY(isorender_plan_frame(job->plan, job->plan->image, frame, &path, error));
     iso_status status = isorender_write_picture(job, &c->image, &c->over, path, error);
@@ -334,7 +373,34 @@ static iso_status save_aov(isorender_job *job, int frame, const canvas *c, iso_e
     return status;
 }
 
+/* Uploads everything to the GPU. */
+static iso_status upload(isorender_job *job, iso_error *error) {
+    isorender_scene_arrays arrays;
+    const iso_scene scene = isorender_scene(job, &arrays);
+    iso_gl_engine_reset_seconds(job->backend->engine);
+    job->gl.engine = job->backend->engine;
+    job->gl.pool = job->pool;
+    job->gl.strips = job->settings->strips;
+    job->gl.scaling = (iso_point_scaling)job->settings->scaling;
+    job->gl.tan_y = iso_tan(job->camera.view_angle * (ISO_PI / 360));
+    job->gl.tan_x = job->gl.tan_y * job->settings->width / job->settings->height;
+    return iso_gl_scene_upload(&job->gl, &scene, error);
+}
+
+/* Makes camera, surfaces and opacities those of a picture between keyframes. */
+static iso_status show_keyframe(isorender_job *job, int frame, iso_error *error) {
+    bool remade;
+    ISO_TRY(isorender_keyframes_show(job, frame, &remade, error));
+    if (!remade) return ISO_OK;
+    iso_occluders_free(&job->occluders);
+    ISO_TRY(isorender_detail_make(job, error));
+    if (!job->backend->engine) return ISO_OK;
+    iso_gl_scene_free(&job->gl);
+    return upload(job, error);
+}
+
 static iso_status make_frame(isorender_job *job, int frame, canvas *c, iso_error *error) {
+    ISO_TRY(show_keyframe(job, frame, error));
     ISO_TRY(render_frame(job, frame, c, error));
     double start = iso_clock_seconds();
     ISO_TRY(save_image(job, frame, c, error));
@@ -415,38 +481,6 @@ uint64_t isorender_picture_bytes(const isorender_job *job, int samples) {
     return bytes + smaller(pyramid, ISO_PICTURE_STRIP_BYTES);
 }
 
-/* Logs an ffmpeg command that makes a film of a turntable; {n:3} becomes %03d in its input. */
-static void suggest_film(const isorender_job *job) {
-    const isorender_plan *plan = job->plan;
-    const char *variable = plan->numbered && plan->image ? strstr(plan->image, "{n") : NULL;
-    char *pattern = NULL, *input = NULL;
-    if (!variable) return;
-    const char *end = strchr(variable, '}');
-    char number[8] = "%d";
-    if (variable[2] == ':') snprintf(number, sizeof number, "%%0%cd", variable[3]);
-    if (asprintf(&pattern, "%.*s%s%s", (int)(variable - plan->image), plan->image, number, end + 1) < 0)
-        return;
-    if (iso_template_expand(pattern, plan->model, -1, &input, NULL) == ISO_OK)
-        isorender_log(job, "a film: ffmpeg -framerate 25 -i '%s' -pix_fmt yuv420p '%s.mp4'", input,
-                      plan->model);
-    free(pattern);
-    free(input);
-}
-
-/* Uploads everything to the GPU. */
-static iso_status upload(isorender_job *job, iso_error *error) {
-    isorender_scene_arrays arrays;
-    const iso_scene scene = isorender_scene(job, &arrays);
-    iso_gl_engine_reset_seconds(job->backend->engine);
-    job->gl.engine = job->backend->engine;
-    job->gl.pool = job->pool;
-    job->gl.strips = job->settings->strips;
-    job->gl.scaling = (iso_point_scaling)job->settings->scaling;
-    job->gl.tan_y = iso_tan(job->camera.view_angle * (ISO_PI / 360));
-    job->gl.tan_x = job->gl.tan_y * job->settings->width / job->settings->height;
-    return iso_gl_scene_upload(&job->gl, &scene, error);
-}
-
 /* Notes that there is nothing that could occlude. */
 static void note_occlusion(const isorender_job *job) {
     const isorender_settings *settings = job->settings;
@@ -476,6 +510,7 @@ static iso_status survey(isorender_job *job, iso_error *error) {
 iso_status isorender_render(isorender_job *job, iso_error *error) {
     const isorender_settings *settings = job->settings;
     note_occlusion(job);
+    ISO_TRY(isorender_keyframes_measure(job, error));
     ISO_TRY(isorender_camera_make(job, error));
     ISO_TRY(isorender_colorings_see(job, error));
     ISO_TRY(isorender_chunks_check(job, error));
@@ -484,7 +519,7 @@ iso_status isorender_render(isorender_job *job, iso_error *error) {
         ISO_TRY(isorender_cuts_make(job, 0, error));
         return isorender_chunks_write_part(job, error);
     }
-    job->frame_count = settings->turntable ? settings->turntable : 1;
+    job->frame_count = settings->pictures ? settings->pictures : 1;
     job->frames = calloc((size_t)job->frame_count, sizeof *job->frames);
     if (!job->frames) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
     canvas c = {0};
@@ -502,6 +537,23 @@ iso_status isorender_render(isorender_job *job, iso_error *error) {
     iso_image_free(&c.image);
     iso_drawing_free(&c.over);
     iso_aov_free(&c.aov);
-    if (status == ISO_OK && settings->turntable) suggest_film(job);
+    return status;
+}
+
+iso_status isorender_render_nothing(isorender_job *job, iso_error *error) {
+    const isorender_settings *settings = job->settings;
+    const iso_rgb color = settings->background;
+    const uint8_t pixel[4] = {color.r, color.g, color.b, settings->transparent ? 0 : 255};
+    canvas c = {0};
+    if (!may_be_empty(job, 0)) return ISO_ERR_EMPTY;
+    ISO_TRY(isorender_camera_make(job, error));
+    ISO_TRY(iso_image_create(settings->width, settings->height, &c.image, error));
+    const size_t count = (size_t)settings->width * (size_t)settings->height;
+    for (size_t i = 0; i < count; i++) memcpy(c.image.rgba + 4 * i, pixel, sizeof pixel);
+    isorender_log(job, "note: there is nothing of the surface: the picture shows the background");
+    iso_status status = annotate(job, 0, &c, error);
+    if (status == ISO_OK) status = save_image(job, 0, &c, error);
+    iso_image_free(&c.image);
+    iso_drawing_free(&c.over);
     return status;
 }

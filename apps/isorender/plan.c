@@ -9,21 +9,34 @@
 #include "apps/isorender/plan.h"
 #include "image/exr.h"
 #include "image/image_file.h"
+#include "image/video.h"
 
-/* The name of what there is one of for every frame. The name of a single picture is complete. That of a
- * turntable stays a template, with {model}: the input's name may have braces of its own. */
+/* The name of what there is one of for every frame. The name of a single picture is complete. That of several
+ * of an input stays a template, with {model}: the input's name may have braces of its own. */
 static iso_status make_frame_name(const isorender_settings *settings, const isorender_plan *plan,
                                   const char *output, int number, char **name, iso_error *error) {
-    if (!settings->turntable) return iso_template_expand(output, plan->model, number, name, error);
-    /* A turntable's {n} numbers its frames. */
+    const int frames = settings->series_of ? settings->input_count : settings->pictures;
+    /* The files of a series can have names of their own. */
+    const bool named = settings->series_of && !settings->step_stride && iso_template_has(output, "model");
+    if (!frames || named || iso_video_is_name(output))
+        return iso_template_expand(output, plan->model, number, name, error);
+    /* {n} numbers the frames, or the steps of a series. */
     int digits = 3;
-    for (int frames = settings->turntable; frames > 1000; frames = (frames + 9) / 10) digits++;
-    return iso_template_numbered(output, digits, name, error);
+    char *numbered = NULL;
+    for (int rest = frames; rest > 1000; rest = (rest + 9) / 10) digits++;
+    ISO_TRY(iso_template_numbered(output, digits, &numbered, error));
+    iso_status status = ISO_OK;
+    if (settings->series_of)
+        status = iso_template_expand(numbered, plan->model, number, name, error);
+    else
+        *name = strdup(numbered);
+    free(numbered);
+    return status == ISO_OK && !*name ? iso_fail(error, ISO_ERR_NOMEM, "out of memory") : status;
 }
 
 static iso_status make_names(const isorender_settings *settings, int number, isorender_plan *plan,
                              iso_error *error) {
-    plan->numbered = settings->turntable != 0;
+    plan->numbered = settings->pictures != 0;
     ISO_TRY(iso_template_model(plan->input, &plan->model, error));
     if (settings->points)
         ISO_TRY(iso_template_expand(settings->points, plan->model, number, &plan->points, error));
@@ -45,6 +58,7 @@ static iso_status make_names(const isorender_settings *settings, int number, iso
         snprintf(part, sizeof part, "{model}-%d-of-%d.isokeys", settings->part, settings->parts);
         output = part;
     }
+    plan->video = iso_video_is_name(output);
     return make_frame_name(settings, plan, output, number, &plan->image, error);
 }
 
@@ -70,10 +84,11 @@ static void names_of(const isorender_plan *plan, const char *names[NAMES]) {
     names[TABLE] = plan->table;
 }
 
-/* Every frame of a turntable has a name of its own. */
+/* Every frame of an input has a name of its own, but for those of a video. */
 static iso_status add_frames(const isorender_settings *settings, const isorender_plan *plan, const char *name,
                              iso_error *error) {
-    for (int frame = 0; name && frame < (settings->turntable ? settings->turntable : 1); frame++) {
+    const bool several = settings->pictures && !(plan->video && name == plan->image);
+    for (int frame = 0; name && frame < (several ? settings->pictures : 1); frame++) {
         char *path = NULL;
         ISO_TRY(isorender_plan_frame(plan, name, frame, &path, error));
         iso_file_set_write(plan->files, path);
@@ -86,13 +101,15 @@ static void add_input(iso_file_set *files, const char *input) {
     if (!iso_loader_is_scene(input) && !iso_spool_needed(input)) iso_file_set_read(files, input);
 }
 
-static iso_status add_files(const isorender_settings *settings, const isorender_plan *plan,
+static iso_status add_files(const isorender_settings *settings, const isorender_plan *plan, int number,
                             iso_error *error) {
     const char *names[NAMES];
     names_of(plan, names);
     add_input(plan->files, plan->input);
     for (int i = 0; i < NAMES; i++)
-        if (i == IMAGE || i == AOV)
+        if (i == IMAGE && plan->video && settings->series_of && number)
+            continue; /* all steps go into one */
+        else if (i == IMAGE || i == AOV)
             ISO_TRY(add_frames(settings, plan, names[i], error));
         else
             iso_file_set_write(plan->files, names[i]);
@@ -105,6 +122,7 @@ static iso_status check_all(const isorender_settings *settings, const isorender_
                             iso_error *error) {
     if (settings->environment) iso_file_set_read(plans->files, settings->environment);
     if (settings->scene_file) iso_file_set_read(plans->files, settings->scene_file);
+    if (settings->keyframe_file) iso_file_set_read(plans->files, settings->keyframe_file);
     if (settings->labels) add_input(plans[0].files, settings->labels);
     if (settings->label_table) iso_file_set_read(plans->files, settings->label_table);
     for (int i = 0; i < settings->panel_files.count; i++)
@@ -113,7 +131,7 @@ static iso_status check_all(const isorender_settings *settings, const isorender_
         iso_file_set_read(plans->files, settings->object_options.paths[i]);
     for (int i = 0; i < settings->volume_options.count; i++)
         add_input(plans[0].files, settings->volume_options.paths[i]);
-    for (int i = 0; i < settings->input_count; i++) ISO_TRY(add_files(settings, &plans[i], error));
+    for (int i = 0; i < settings->input_count; i++) ISO_TRY(add_files(settings, &plans[i], i, error));
     return iso_file_set_check(plans->files, error);
 }
 
@@ -125,6 +143,10 @@ static iso_status make_all(const isorender_settings *settings, isorender_plan *p
         if (settings->scene) ISO_TRY(scene_input(settings->scene, &plans[i].scene, error));
         plans[i].input = settings->scene ? plans[i].scene : settings->inputs[i];
         ISO_TRY(make_names(settings, i, &plans[i], error));
+        if (!i || !plans[i].video || !settings->series_of) continue;
+        free(plans[i].image); /* all steps go into one */
+        plans[i].image = strdup(plans[0].image);
+        if (!plans[i].image) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
     }
     return check_all(settings, plans, error);
 }
@@ -165,7 +187,8 @@ bool isorender_plan_draws(const isorender_plan *plan) {
 
 iso_status isorender_plan_frame(const isorender_plan *plan, const char *name, int frame, char **path,
                                 iso_error *error) {
-    if (plan->numbered) return iso_template_expand(name, plan->model, frame, path, error);
+    if (plan->numbered && !(plan->video && name == plan->image))
+        return iso_template_expand(name, plan->model, frame, path, error);
     *path = strdup(name);
     return *path ? ISO_OK : iso_fail(error, ISO_ERR_NOMEM, "out of memory");
 }

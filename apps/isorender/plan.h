@@ -11,7 +11,8 @@ typedef struct isorender_plan {
     char *scene;       /* "scene:NAME" made from --scene, or NULL */
     char *model;       /* the input's name without folder and extension */
     char *image, *aov; /* of a turntable: with {model}, and {n:3} for the number of the frame */
-    bool numbered;     /* of a turntable */
+    bool numbered;     /* of a turntable: a picture, unless it is a video, and an aov for each frame */
+    bool video;        /* the image is a video of all frames */
     char *points, *mesh, *json, *scene_file, *table;
     iso_file_set *files; /* read and written by the whole run; shared by all plans, owned by the first */
 } isorender_plan;

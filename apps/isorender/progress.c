@@ -38,13 +38,14 @@ void isorender_progress(isorender_job *job, const char *stage, double fraction) 
 }
 
 /* A loop of the pool is done to `fraction`. Of several loops in a part, only long ones move the bar. */
-static void watch_loop(void *context, double fraction) {
+static bool watch_loop(void *context, double fraction) {
     isorender_job *job = context;
     isorender_progress_state *state = &job->progress;
     const double now = iso_clock_seconds();
     if (fraction <= 0) state->loop_start = now;
-    if (now - state->loop_start < SHORT / 2) return;
-    report(job, state->part_stage, state->from + (state->to - state->from) * fraction);
+    if (now - state->loop_start >= SHORT / 2)
+        report(job, state->part_stage, state->from + (state->to - state->from) * fraction);
+    return false;
 }
 
 void isorender_progress_part(isorender_job *job, const char *stage, double from, double to) {

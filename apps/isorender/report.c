@@ -221,7 +221,7 @@ static iso_status put_images(iso_json *json, const isorender_job *job, iso_error
                       iso_scale_bar_length(&job->camera, job->settings->width, job->settings->height));
     if (!job->frames) return ISO_OK; /* a part of a picture (--part) */
     ISO_TRY(put_frame(json, "image", job, 0, error));
-    if (!job->settings->turntable) return ISO_OK;
+    if (!job->settings->pictures) return ISO_OK;
     iso_json_begin_array(json, "frames");
     for (int i = 0; i < job->frame_count; i++) ISO_TRY(put_frame(json, NULL, job, i, error));
     iso_json_end_array(json);

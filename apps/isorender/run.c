@@ -7,12 +7,15 @@
 #include "apps/isorender/colorings.h"
 #include "apps/isorender/engines.h"
 #include "apps/isorender/isorender.h"
+#include "apps/isorender/keyframes.h"
 #include "apps/isorender/mpi_ranks.h"
 #include "apps/isorender/scene_file.h"
 #include "apps/isorender/segmentation.h"
+#include "apps/isorender/series.h"
 #include "base/clock.h"
 #include "base/file.h"
 #include "base/text.h"
+#include "image/video.h"
 
 /* A volume without finite voxels has no histogram. */
 static iso_status make_histogram(iso_loader *loader, iso_error *error) {
@@ -53,13 +56,17 @@ static void log_exports(const isorender_job *job) {
             job->plan->mesh, mesh->triangles, mesh->open_edges);
 }
 
-/* Logs the name of a picture, or the names of the first and last pictures of a turntable. */
+/* Logs the name of a picture, of a video, or the names of the first and last of several pictures. */
 static void log_pictures(const isorender_job *job, const char *name) {
-    const int count = job->settings->turntable;
+    const int count = job->settings->pictures;
     char *first = NULL, *last = NULL;
-    if (isorender_plan_frame(job->plan, name, 0, &first, NULL) == ISO_OK && count <= 1)
+    const iso_status status = isorender_plan_frame(job->plan, name, 0, &first, NULL);
+    const bool video = job->plan->video && name == job->plan->image;
+    if (video && job->frames_written) /* by the last step of a series */
+        isorender_log(job, "wrote %s: %d pictures", first, job->settings->film->count);
+    else if (!video && status == ISO_OK && count <= 1)
         isorender_log(job, "wrote %s", first);
-    else if (first && isorender_plan_frame(job->plan, name, count - 1, &last, NULL) == ISO_OK)
+    else if (!video && first && isorender_plan_frame(job->plan, name, count - 1, &last, NULL) == ISO_OK)
         isorender_log(job, "wrote %s to %s", first, last);
     free(first);
     free(last);
@@ -89,6 +96,8 @@ static iso_status make_at_once(isorender_job *job, iso_error *error) {
     job->seconds.load += read - start;
     ISO_TRY(isorender_extract(job, error));
     ISO_TRY(isorender_colorings_make(job, error));
+    if (job->settings->film->measuring) isorender_series_measure(job);
+    if (job->settings->film->measuring) return ISO_OK;
     log_faces(job);
     double extracted = iso_clock_seconds();
     job->seconds.extract = extracted - read;
@@ -131,6 +140,9 @@ static void forget_surfaces(isorender_job *job) {
  */
 static iso_status make_outputs(isorender_job *job, iso_error *error) {
     const iso_status status = make_at_once(job, error);
+    const bool is_step = job->settings->series_of && !job->settings->film->measuring;
+    if (status == ISO_ERR_EMPTY && is_step && !job->frames && isorender_plan_draws(job->plan))
+        return isorender_render_nothing(job, error);
     if (status != ISO_ERR_NOMEM || job->chunks) return status;
     const iso_error first = *error;
     job->did_not_fit = true;
@@ -164,6 +176,7 @@ static iso_status run_steps(isorender_job *job, iso_error *error) {
     log_old_discs(job);
     const iso_status made = job->settings->info ? print_info(job, error) : make_outputs(job, error);
     ISO_TRY(iso_ranks_agree(ranks, made, error));
+    if (job->settings->film->measuring) return ISO_OK;
     ISO_TRY(isorender_ranks_memory(ranks, job->rank_bytes, error));
     job->seconds.total = iso_clock_seconds() - start;
     if (job->settings->common.json && !job->settings->ranks.rank) ISO_TRY(isorender_report_json(job, error));
@@ -188,6 +201,8 @@ static void remove_outputs(const isorender_job *job) {
     if (job->points_written) iso_file_remove(job->plan->points);
     if (job->mesh_written) iso_file_remove(job->plan->mesh);
     if (job->table_written) iso_file_remove(job->plan->table);
+    iso_video_abort(job->settings->film->video);
+    job->settings->film->video = NULL;
     remove_frames(job->plan, job->plan->image, job->frames_written);
     remove_frames(job->plan, job->plan->aov, job->aovs_written);
 }
@@ -215,7 +230,8 @@ iso_status isorender_run(const isorender_settings *settings, const isorender_pla
                          iso_error *error) {
     isorender_job *job = calloc(1, sizeof *job);
     if (!job) return end_together(settings, iso_fail_memory(error, plan->input), error);
-    job->settings = settings;
+    job->given = settings;
+    job->settings = isorender_keyframes_at(settings, settings->film->first);
     job->plan = plan;
     job->pool = pool;
     job->backend = backend;

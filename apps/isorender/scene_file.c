@@ -14,11 +14,13 @@
 #include "base/file_types.h"
 #include "base/text.h"
 #include "image/image_file.h"
+#include "image/video.h"
 
 /* ---- writing */
 
 static bool has_input(const isorender_job *job) {
-    return (!job->settings->no_input || job->settings->smooth) && !job->settings->scene;
+    const isorender_settings *settings = job->settings;
+    return (!settings->no_input || settings->smooth) && !settings->scene && !settings->series_of;
 }
 
 /* The job's options as a scene has them: of ISORENDER_NOTED + 1. Returns their number. */
@@ -249,7 +251,8 @@ static bool is_scene(const char *operand) {
 static bool is_input(const char *operand) {
     const iso_image_kind kind = iso_image_kind_of(operand);
     if (iso_page_is_named(operand)) return false;
-    return kind == ISO_IMAGE_UNKNOWN || (kind == ISO_IMAGE_TIFF && access(operand, F_OK) == 0);
+    if (kind == ISO_IMAGE_TIFF) return access(operand, F_OK) == 0;
+    return kind == ISO_IMAGE_UNKNOWN && !iso_video_is_name(operand);
 }
 
 static iso_status list_scenes(int argc, char **argv, iso_texts *scenes, bool *replaces_input,

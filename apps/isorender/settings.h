@@ -2,11 +2,13 @@
 #ifndef ISO_APPS_ISORENDER_SETTINGS_H
 #define ISO_APPS_ISORENDER_SETTINGS_H
 
+#include "apps/common/cap_style.h"
 #include "apps/common/settings.h"
 #include "apps/isorender/object_settings.h"
 #include "apps/isorender/volume_settings.h"
 #include "base/geometry.h"
 #include "base/mpi_ranks.h"
+#include "extract/mesh/mesh_edit.h"
 #include "image/annotate.h"
 #include "image/camera.h"
 #include "isopoint.h"
@@ -55,14 +57,6 @@ typedef enum isorender_group_radii {
 /* Which normals the points of a file get: those that it has, or estimated ones. */
 typedef enum isorender_normals { ISORENDER_NORMALS_FILE, ISORENDER_NORMALS_AUTO } isorender_normals;
 
-/* How what --clip cuts is closed. */
-typedef enum isorender_cap {
-    ISORENDER_CAP_NONE,
-    ISORENDER_CAP_SURFACE, /* in the colour of the surface */
-    ISORENDER_CAP_COLOR,
-    ISORENDER_CAP_SLICE /* it shows the volume */
-} isorender_cap;
-
 /* What becomes of the faces of an input whose vertices can be drawn as points. */
 typedef enum isorender_faces {
     ISORENDER_FACES_NONE,
@@ -79,6 +73,18 @@ typedef struct isorender_same_view {
     double isovalue; /* physical; NaN: of points */
     iso_camera camera;
 } isorender_same_view;
+
+/* The pictures that follow each other of all inputs that go into one film, or of one input. */
+typedef struct isorender_film {
+    struct iso_video *video; /* that is being written; NULL: none */
+    int first, count;        /* the input's first picture in the film; pictures of the whole film */
+    bool measuring;          /* inputs are looked at only for what they share: */
+    bool has_bounds;
+    iso_box bounds;                        /* what all pictures frame, mm, */
+    double distance, scale;                /* and from how far, with which parallel_scale; 0: each its own */
+    double ranges[ISORENDER_COLORINGS][2]; /* of colours, NAN: none yet */
+    uint64_t covered;                      /* samples of all pictures that show a surface */
+} isorender_film;
 
 enum { ISORENDER_NOTES = 64 }; /* texts, arrows and rulers in one picture */
 
@@ -140,6 +146,9 @@ typedef struct isorender_settings {
     int normals;                 /* isorender_normals */
     const char *columns;         /* names of the columns of a file of points; NULL: not given */
     const char *points, *mesh, *aov;
+    iso_mesh_edits mesh_edits; /* of --mesh */
+    double hollow;             /* thickness of the wall that is left of the solid, mm; 0: it is not hollow */
+    double drain;          /* diameter of the holes through which what is in the hollow leaves, mm; 0: none */
     const char *instances; /* where the model is drawn; NULL: once, where it is */
     int faces;             /* isorender_faces, of the input */
 
@@ -147,9 +156,7 @@ typedef struct isorender_settings {
     iso_cut cuts[ISO_CLIP_BODIES]; /* of --clip */
     const char *cut_texts[ISO_CLIP_BODIES];
     int cut_count;
-    int cap; /* isorender_cap */
-    iso_rgb cap_color;
-    iso_colormap slice_map;     /* of caps and slices */
+    iso_cap_style cap;          /* its colormap is also that of slices */
     double window[2];           /* centre and width of the values that they show; NaN: not given */
     iso_cut slices[ISO_SLICES]; /* of --slice */
     int slice_count;
@@ -179,7 +186,7 @@ typedef struct isorender_settings {
     double occlusion;   /* range of ambient occlusion, mm; 0: none; NaN: the usual one */
     int shadow;         /* a soft shadow of the key light */
     double outline;     /* width of lines along outlines, pixels; 0: none */
-    int look;           /* the place in isorender_look_names */
+    int look;           /* the place in iso_look_names */
     int reconstruction; /* iso_reconstruction; of pullpush GAUSSIAN or BOX, of discs CURVED or FLAT, of
                            splats from FLAT on, or _GROUPS; for files of points without --method CURVED,
                            which is then FLAT */
@@ -216,6 +223,15 @@ typedef struct isorender_settings {
 
     int same_view;
     isorender_same_view *first; /* borrowed; NULL: inputs do not share a view */
+    isorender_film *film;       /* borrowed */
+    double frame_rate;          /* of a video, pictures a second */
+    const char *series_of;      /* whose steps are the inputs; NULL: none */
+    char **steps;               /* the paths of the steps: owned; series.h */
+    char *series_file;          /* the only file of the series; owned */
+    int step_stride;            /* components between two steps of series_file; 0: steps are files */
+    const char *keyframe_file;
+    struct isorender_keyframes *keyframes; /* of keyframe_file; NULL: none */
+    int pictures;                          /* of each input, which are numbered; 0: one that is not */
 
     int direction; /* iso_direction, or ISORENDER_DIRECTION_UNCHOSEN */
     iso_vec3 up;

@@ -7,6 +7,7 @@
 #include "apps/isorender/isorender.h"
 #include "grids/parts/closed.h"
 #include "grids/parts/components.h"
+#include "scene/hollow.h"
 
 static bool drops_parts(const isorender_settings *settings) {
     return iso_input_drops_parts(&settings->common.input);
@@ -63,6 +64,20 @@ static iso_status drop_parts(isorender_job *job, isorender_surface *surface, iso
     return ISO_OK;
 }
 
+/* The solid becomes its wall: a level set, in pictures too. */
+static iso_status make_hollow(isorender_job *job, isorender_surface *surface, iso_error *error) {
+    const isorender_settings *settings = job->settings;
+    const iso_hollow_opts opts = {
+        .wall = settings->hollow, .drain = settings->drain, .up = settings->up, .pool = job->pool};
+    iso_hgrid *hollow;
+    ISO_TRY(iso_grid_hollow(&surface->scene.grid, surface->scene.isovalue, &opts, &hollow, error));
+    iso_grid_destroy(&surface->own_grid);
+    surface->own_grid = (iso_grid){.hgrid = hollow};
+    surface->scene.grid = surface->own_grid;
+    surface->scene.isovalue = 0;
+    return ISO_OK;
+}
+
 iso_status isorender_solid_prepare(isorender_job *job, isorender_surface *surface, iso_error *error) {
     if (surface->label_group) return ISO_OK;
     surface->scene.grid = surface->loader->volume.grid;
@@ -74,7 +89,7 @@ iso_status isorender_solid_prepare(isorender_job *job, isorender_surface *surfac
     ISO_TRY(iso_grid_close(&surface->scene.grid, surface->scene.isovalue, job->pool, &closed, error));
     iso_grid_destroy(&surface->own_grid);
     surface->scene.grid = surface->own_grid = closed;
-    return ISO_OK;
+    return job->settings->hollow > 0 ? make_hollow(job, surface, error) : ISO_OK;
 }
 
 static void log_mesh(const isorender_job *job, const isorender_surface *surface) {
@@ -89,15 +104,17 @@ static void log_mesh(const isorender_job *job, const isorender_surface *surface)
 iso_status isorender_mesh_weld(const isorender_job *job, isorender_surface *surface, iso_weld *weld,
                                iso_error *error) {
     const iso_mesh_view view = iso_mesh_set_view(surface->scene.mesh);
-    ISO_TRY(iso_mesh_weld(&view, weld, error));
+    ISO_TRY(iso_mesh_weld(&view, NULL, weld, error));
     /* Caps lie this far outside the volume, so that they are flat. */
     if (job->settings->closed) iso_weld_separate(&view, ISO_CLOSED_TOLERANCE, weld);
     const isorender_settings *settings = job->settings;
+    iso_status status = iso_weld_edit(weld, &view.transform, &settings->mesh_edits, error);
     const bool said = job->plan->mesh && !settings->common.quiet;
-    if (!settings->common.json && !settings->verbose && !said) return ISO_OK;
-    iso_status status = iso_weld_measure(weld, &view.transform, job->pool, &surface->measures, error);
+    const bool measured = settings->common.json || settings->verbose || said;
+    if (status == ISO_OK && measured)
+        status = iso_weld_measure(weld, &view.transform, job->pool, &surface->measures, error);
     if (status != ISO_OK) iso_weld_free(weld);
-    if (status == ISO_OK) log_mesh(job, surface);
+    if (status == ISO_OK && measured) log_mesh(job, surface);
     return status;
 }
 

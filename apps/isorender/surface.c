@@ -239,10 +239,18 @@ static iso_status extract_cells(isorender_job *job, isorender_surface *surface, 
     return totals.cells ? ISO_OK : fail_empty(surface, error);
 }
 
+/* Whether --mesh writes this surface: the first one only, if the file holds no more. */
+static bool is_exported(const isorender_job *job, int surface) {
+    const char *path = job->settings->mesh;
+    return path && !job->surfaces[surface].label_group &&
+           (surface ? iso_mesh_file_objects(path) > 1 : job->input_surface_count > 0);
+}
+
 static iso_status extract_surface(isorender_job *job, isorender_surface *surface, iso_error *error) {
     ISO_TRY(isorender_solid_prepare(job, surface, error));
     const bool is_input = is_of_input(job, surface);
-    const bool points = is_input && job->settings->points, mesh = is_input && job->settings->mesh;
+    const bool points = is_input && job->settings->points,
+               mesh = is_exported(job, (int)(surface - job->surfaces));
     if (points || is_drawn(job, ISO_PART_POINTS)) ISO_TRY(extract_points(job, surface, error));
     if (mesh || is_drawn(job, ISO_PART_MESH)) ISO_TRY(extract_mesh(job, surface, error));
     if (is_drawn(job, ISO_PART_CELLS)) ISO_TRY(extract_cells(job, surface, error));
@@ -480,6 +488,40 @@ static iso_status measure_meshes(isorender_job *job, iso_error *error) {
     return ISO_OK;
 }
 
+static void name_mesh(const isorender_job *job, int number, char name[256]) {
+    const isorender_surface *surface = &job->surfaces[number];
+    char title[ISORENDER_CHANNEL_TITLE];
+    const char *channel = isorender_channel_title(surface->loader, title);
+    const bool is_input = is_of_input(job, surface);
+    snprintf(name, 256, "%.150s%s%s isovalue %g", is_input ? job->plan->model : surface->loader->input,
+             *channel ? " " : "", channel, surface->scene.isovalue);
+}
+
+static iso_status export_meshes(isorender_job *job, const char *comment, iso_error *error) {
+    iso_weld welds[ISORENDER_SURFACES] = {0};
+    iso_mesh_object objects[ISORENDER_SURFACES] = {0};
+    char names[ISORENDER_SURFACES][256];
+    iso_status status = ISO_OK;
+    int count = 0;
+    for (int i = 0; i < job->surface_count && status == ISO_OK; i++) {
+        isorender_surface *surface = &job->surfaces[i];
+        if (!is_exported(job, i)) continue;
+        name_mesh(job, i, names[count]);
+        objects[count] = (iso_mesh_object){.weld = &welds[count],
+                                           .transform = iso_grid_transform(&surface->scene.grid),
+                                           .name = names[count],
+                                           .color = &surface->color,
+                                           .opacity = (double)surface->translucency.opacity};
+        status = isorender_mesh_weld(job, surface, &welds[count], error);
+        if (status == ISO_OK) status = isorender_colorings_export(job, surface, &welds[count], error);
+        count++;
+    }
+    if (status == ISO_OK) status = iso_mesh_write_objects(job->plan->mesh, objects, count, comment, error);
+    for (int i = 0; i < count; i++) iso_weld_free(&welds[i]);
+    if (status == ISO_OK) job->mesh_written = true;
+    return status;
+}
+
 iso_status isorender_export(isorender_job *job, iso_error *error) {
     char comment[64];
     const iso_program *program = isorender_program();
@@ -493,17 +535,6 @@ iso_status isorender_export(isorender_job *job, iso_error *error) {
         ISO_TRY(iso_points_write_ply(job->plan->points, &view, comment, error));
         job->points_written = true;
     }
-    if (job->plan->mesh) {
-        isorender_surface *surface = &job->surfaces[0];
-        iso_weld weld;
-        ISO_TRY(isorender_mesh_weld(job, surface, &weld, error));
-        iso_status status = isorender_colorings_export(job, &weld, error);
-        if (status == ISO_OK)
-            status = iso_mesh_write_weld(job->plan->mesh, &weld, iso_grid_transform(&surface->scene.grid),
-                                         comment, error);
-        iso_weld_free(&weld);
-        ISO_TRY(status);
-        job->mesh_written = true;
-    }
+    if (job->plan->mesh) ISO_TRY(export_meshes(job, comment, error));
     return measure_meshes(job, error);
 }

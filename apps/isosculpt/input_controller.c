@@ -49,8 +49,8 @@ static void update_mask(isosculpt_controller *controller) {
 
 void isosculpt_controller_init(isosculpt_controller *controller, isosculpt_document *document,
                                isosculpt_viewport *viewport) {
-    *controller =
-        (isosculpt_controller){.document = document, .viewport = viewport, .x = -1, .y = -1, .pressure = 1};
+    *controller = (isosculpt_controller){
+        .document = document, .viewport = viewport, .x = -1, .y = -1, .scale = 1, .pressure = 1};
     controller->brush = (iso_brush){.tool = ISO_TOOL_ADD,
                                     .radius = 16 * document->start.voxel_size,
                                     .strength = 0.5,
@@ -284,6 +284,31 @@ void isosculpt_controller_set_stamp(isosculpt_controller *controller, iso_stamp 
 
 /* ---- the mouse */
 
+static iso_view view_of(const isosculpt_viewport *viewport) {
+    return iso_view_make(&viewport->camera, viewport->width, viewport->height);
+}
+
+isosculpt_cut_part isosculpt_controller_handle(const isosculpt_controller *controller) {
+    const isosculpt_viewport *viewport = controller->viewport;
+    isosculpt_cut_handle handle;
+    if (controller->drag == ISOSCULPT_DRAG_PLANE) return ISOSCULPT_CUT_POINT;
+    if (controller->drag == ISOSCULPT_DRAG_TILT) return ISOSCULPT_CUT_TIP;
+    if (controller->drag || viewport->cut.plane < 0 || viewport->width < 1 || viewport->height < 1)
+        return ISOSCULPT_CUT_NOTHING;
+    const iso_view view = view_of(viewport);
+    return isosculpt_cut_find_handle(&viewport->cut, &view, controller->scale, &handle)
+               ? isosculpt_cut_hit(&handle, controller->scale, controller->x, controller->y)
+               : ISOSCULPT_CUT_NOTHING;
+}
+
+static void drag_plane(isosculpt_controller *controller, double dx, double dy) {
+    isosculpt_viewport *viewport = controller->viewport;
+    const iso_view view = view_of(viewport);
+    viewport->style++;
+    (controller->drag == ISOSCULPT_DRAG_PLANE ? isosculpt_cut_drag : isosculpt_cut_tilt)(&viewport->cut,
+                                                                                         &view, dx, dy);
+}
+
 void isosculpt_controller_press(isosculpt_controller *controller, isosculpt_button button, unsigned modifiers,
                                 double x, double y) {
     isosculpt_pick pick;
@@ -293,8 +318,13 @@ void isosculpt_controller_press(isosculpt_controller *controller, isosculpt_butt
     controller->button = button;
     const bool brush =
         button == ISOSCULPT_BUTTON_LEFT && (!controller->viewing_volume || controller->field_pending);
+    const isosculpt_cut_part handle = isosculpt_controller_handle(controller);
     if (button == ISOSCULPT_BUTTON_RIGHT)
         controller->drag = ISOSCULPT_DRAG_PAN;
+    else if (button == ISOSCULPT_BUTTON_LEFT && handle)
+        controller->drag = handle == ISOSCULPT_CUT_TIP || modifiers & ISOSCULPT_MODIFIER_SHIFT
+                               ? ISOSCULPT_DRAG_TILT
+                               : ISOSCULPT_DRAG_PLANE;
     else if (brush && isosculpt_pick_buffer_pick(&controller->viewport->drawn, x, y, &pick))
         begin_drawing(controller, modifiers, x, y);
     else
@@ -325,6 +355,8 @@ void isosculpt_controller_move(isosculpt_controller *controller, double x, doubl
     if (controller->drag == ISOSCULPT_DRAG_BRUSH) continue_drawing(controller, x, y, false);
     if (controller->drag == ISOSCULPT_DRAG_ORBIT) isosculpt_viewport_orbit(controller->viewport, dx, dy);
     if (controller->drag == ISOSCULPT_DRAG_PAN) isosculpt_viewport_pan(controller->viewport, dx, dy);
+    if (controller->drag == ISOSCULPT_DRAG_PLANE || controller->drag == ISOSCULPT_DRAG_TILT)
+        drag_plane(controller, dx, dy);
     if (controller->drag) controller->commands |= ISOSCULPT_COMMAND_REDRAW;
 }
 
@@ -348,7 +380,8 @@ void isosculpt_controller_scroll(isosculpt_controller *controller, double steps)
 }
 
 bool isosculpt_controller_pick(const isosculpt_controller *controller, isosculpt_pick *pick) {
-    if (controller->drag == ISOSCULPT_DRAG_ORBIT || controller->drag == ISOSCULPT_DRAG_PAN) return false;
+    const bool brush = !controller->drag || controller->drag == ISOSCULPT_DRAG_BRUSH;
+    if (!brush || isosculpt_controller_handle(controller)) return false;
     return isosculpt_pick_buffer_pick(&controller->viewport->drawn, controller->x, controller->y, pick);
 }
 

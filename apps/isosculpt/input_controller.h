@@ -36,7 +36,9 @@ typedef enum isosculpt_drag {
     ISOSCULPT_DRAG_NONE,
     ISOSCULPT_DRAG_BRUSH,
     ISOSCULPT_DRAG_ORBIT,
-    ISOSCULPT_DRAG_PAN
+    ISOSCULPT_DRAG_PAN,
+    ISOSCULPT_DRAG_PLANE, /* moves the plane that cuts (viewport/cut.h) */
+    ISOSCULPT_DRAG_TILT   /* tilts it */
 } isosculpt_drag;
 
 /* Commands for the window, as bits of isosculpt_controller.commands. */
@@ -58,6 +60,7 @@ typedef struct isosculpt_controller {
     isosculpt_button button; /* the button that is held during a drag */
     char adjusting;          /* 'x' (size) or 'c' (strength) while that key is down, else 0 */
     double x, y;             /* of the pointer */
+    double scale;            /* of the handle of the plane that cuts; pixels to one at scale 1 */
     double pressure;         /* of the pen, 0 .. 1; 1 for a mouse */
 
     double depth;           /* of the last pick of the stroke, view z in mm */
@@ -135,7 +138,10 @@ bool isosculpt_tool_has_strength(iso_tool tool);
 /* Undoes or redoes until `position` steps of the history are done. */
 void isosculpt_controller_go_to_step(isosculpt_controller *controller, size_t position);
 
-/* The surface under the pointer; false: there is none, or the camera is being moved. */
+/* The part of the handle of the plane that cuts that is under the pointer, or is dragged. */
+isosculpt_cut_part isosculpt_controller_handle(const isosculpt_controller *controller);
+/* The surface under the pointer; false: there is none, or the camera or the plane that cuts is being moved,
+ * or its handle is there. */
 bool isosculpt_controller_pick(const isosculpt_controller *controller, isosculpt_pick *pick);
 
 #ifdef __cplusplus

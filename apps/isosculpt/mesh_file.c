@@ -10,7 +10,7 @@
 static iso_status write_weld(const char *path, const iso_mesh_view *view, const isosculpt_mesh_opts *opts,
                              iso_mesh_measures *measures, iso_error *error) {
     iso_weld weld;
-    ISO_TRY(iso_mesh_weld(view, &weld, error));
+    ISO_TRY(iso_mesh_weld(view, NULL, &weld, error));
     if (opts->closed) iso_weld_separate(view, ISO_CLOSED_TOLERANCE, &weld);
     iso_status status = iso_weld_measure(&weld, &view->transform, opts->pool, measures, error);
     if (status == ISO_OK && opts->stream)

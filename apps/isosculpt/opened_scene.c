@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "apps/common/scene_json.h"
+#include "apps/isosculpt/style.h"
 #include "base/file_types.h"
 #include "image/camera.h"
 
@@ -35,15 +36,6 @@ static iso_status add_argument(isosculpt_opened_scene *scene, int *count, const 
     }
     (*count)++;
     return ISO_OK;
-}
-
-static bool parse_color(const json_t *value, iso_rgb *color) {
-    char *text = text_of(value, true);
-    uint8_t rgb[3];
-    const bool good = text && iso_parse_color(text, rgb);
-    if (good) *color = (iso_rgb){rgb[0], rgb[1], rgb[2]};
-    free(text);
-    return good;
 }
 
 static iso_vec3 vector_of(const json_t *array) {
@@ -88,6 +80,19 @@ static void take_camera_option(isosculpt_opened_scene *scene, const char *name, 
     }
 }
 
+/* Notes an option whose things or colours a window does not show. */
+static void note_left_out(isosculpt_opened_scene *scene, const char *name) {
+    static const char *const shown_by_isorender[] = {
+        "volume",     "surface", "lines",  "glyphs",    "streamlines", "labels", "smooth", "surface-color-by",
+        "ior",        "slice",   "aspect", "instances", "gaussians",   "text",   "ruler",  "panels",
+        "absorption", NULL};
+    const size_t used = strlen(scene->left_out);
+    int i = 0;
+    while (shown_by_isorender[i] && strcmp(shown_by_isorender[i], name) != 0) i++;
+    if (shown_by_isorender[i] && !strstr(scene->left_out, name))
+        snprintf(scene->left_out + used, sizeof scene->left_out - used, "%s--%s", used ? ", " : "", name);
+}
+
 /* Adds an option of reading to the command line, or takes it for the view. */
 static iso_status take_option(isosculpt_opened_scene *scene, int *count, bool *has_isovalue, const char *name,
                               const json_t *value, iso_error *error) {
@@ -96,8 +101,7 @@ static iso_status take_option(isosculpt_opened_scene *scene, int *count, bool *h
     const bool reads = option && strcmp(option->name, name) == 0 &&
                        strcmp(program->groups[option->group], ISOSCULPT_READING) == 0;
     take_camera_option(scene, name, value);
-    if (strcmp(name, "color") == 0) scene->has_color = parse_color(value, &scene->color);
-    if (strcmp(name, "background") == 0) scene->has_background = parse_color(value, &scene->background);
+    note_left_out(scene, name);
     if (strcmp(name, "isovalue") == 0 && !*has_isovalue) {
         *has_isovalue = true;
         return add_argument(scene, count, name, text_of(value, true), error);
@@ -125,6 +129,7 @@ static iso_status take_scene(isosculpt_opened_scene *scene, const char *path, co
             ISO_TRY(take_option(scene, &count, &has_isovalue, name, value, error));
     }
     take_camera(scene, json_object_get(json, "camera"));
+    scene->options = json_incref(options);
     return isosculpt_settings_parse(count, scene->strings, &scene->settings, &operands, error);
 }
 
@@ -139,8 +144,36 @@ iso_status isosculpt_opened_scene_read(const char *path, isosculpt_opened_scene 
     return status;
 }
 
+/* Applies the looks of a scene, whose values others replace, or its other options. */
+static iso_status apply_options(const isosculpt_opened_scene *scene, bool looks, isosculpt_viewport *viewport,
+                                iso_error *error) {
+    const char *name;
+    json_t *option, *value;
+    size_t i;
+    json_array_foreach(scene->options, i, option) {
+        json_object_foreach(option, name, value) {
+            if ((strcmp(name, "look") == 0) != looks || !isosculpt_style_has(name)) continue;
+            char *text = text_of(value, false);
+            if (!text) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
+            const iso_status status = isosculpt_style_set(viewport, name, text, error);
+            free(text);
+            ISO_TRY(status);
+        }
+    }
+    return ISO_OK;
+}
+
+iso_status isosculpt_opened_scene_apply(const isosculpt_opened_scene *scene, isosculpt_viewport *viewport,
+                                        iso_error *error) {
+    if (scene->has_camera) viewport->camera = scene->camera;
+    if (scene->options) viewport->cut.cap.kind = ISO_CAP_NONE; /* as isorender, if it does not say */
+    ISO_TRY(apply_options(scene, true, viewport, error));
+    return apply_options(scene, false, viewport, error);
+}
+
 void isosculpt_opened_scene_free(isosculpt_opened_scene *scene) {
     for (int i = 0; scene->strings && scene->strings[i]; i++) free(scene->strings[i]);
     free(scene->strings);
+    json_decref(scene->options);
     *scene = (isosculpt_opened_scene){.strings = NULL};
 }

@@ -1,6 +1,7 @@
 /* The options with which isorender draws a viewport's picture, as a command for a shell and as a scene. */
 #include "apps/isosculpt/render_command.h"
 
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -75,6 +76,12 @@ static void add_text(isosculpt_render_options *to, writer *w, const char *name, 
     end(w);
 }
 
+static void add_flag(isosculpt_render_options *to, writer *w, const char *name) {
+    begin(to, w, name);
+    end(w);
+    if (to->count) to->items[to->count - 1].value = NULL;
+}
+
 /* Adds lines "option=value". */
 static void add_reading(isosculpt_render_options *to, writer *w, const char *reading) {
     for (const char *line = reading; *line; line += line[0] == '\n') {
@@ -100,6 +107,34 @@ static void add_opacities(isosculpt_render_options *to, writer *w, const isoscul
     add_numbers(to, w, "opacity", (double[]){how->opacity, how->second_opacity}, two ? 2 : 1);
 }
 
+/* What is cut away, how cuts are capped, and the light at rest. */
+static void add_style(isosculpt_render_options *to, writer *w, const isosculpt_viewport *viewport) {
+    static const char *const caps[] = {"none", "surface", "color", "slice"};
+    const isosculpt_cut *cut = &viewport->cut;
+    const iso_cap_style *cap = &cut->cap;
+    const isosculpt_light *light = &viewport->light;
+    for (int i = 0; i < cut->count; i++) add_text(to, w, "clip", cut->texts[i]);
+    if (cut->count && cap->kind != ISO_CAP_NONE) {
+        begin(to, w, "cap");
+        if (cap->kind == ISO_CAP_COLOR)
+            put_color(w, cap->color);
+        else if (cap->kind == ISO_CAP_SLICE && cap->map != ISO_COLORMAP_GRAY)
+            put(w, "slice:%s", iso_colormap_name(cap->map));
+        else
+            put(w, "%s", caps[cap->kind]);
+        end(w);
+        if (cap->kind == ISO_CAP_SLICE && !isnan(cut->window[0]))
+            add_numbers(to, w, "window", cut->window, 2);
+    }
+    if (!isosculpt_viewport_has_light(viewport)) return;
+    if (light->occlusion.ambient && light->occlusion.range > 0)
+        add_numbers(to, w, "occlusion", &light->occlusion.range, 1);
+    else if (light->occlusion.ambient)
+        add_flag(to, w, "occlusion");
+    if (light->occlusion.shadow) add_flag(to, w, "shadow");
+    if (light->outline > 0) add_numbers(to, w, "outline", &light->outline, 1);
+}
+
 bool isosculpt_render_options_make(const isosculpt_render_command *command, isosculpt_render_options *to) {
     const isosculpt_viewport *viewport = command->viewport;
     const iso_camera *camera = &viewport->camera;
@@ -114,6 +149,7 @@ bool isosculpt_render_options_make(const isosculpt_render_command *command, isos
     add_reading(to, &w, command->reading);
     add_numbers(to, &w, "isovalue", to->isovalues, to->isovalue_count);
     add_opacities(to, &w, viewport);
+    add_style(to, &w, viewport);
     add_text(to, &w, "method", method == ISO_METHOD_PULLPUSH_BOX ? "pullpush" : iso_method_name(method));
     if (method == ISO_METHOD_PULLPUSH_BOX) add_text(to, &w, "reconstruction", "box");
     add_text(to, &w, "samples", "4");
@@ -167,7 +203,9 @@ bool isosculpt_render_command_text(const isosculpt_render_command *command, char
     put_quoted(&w, command->path);
     put_output(&w, command->path);
     for (int i = 0; i < options.count; i++) {
-        put(&w, " --%s=", options.items[i].name);
+        put(&w, " --%s", options.items[i].name);
+        if (!options.items[i].value) continue;
+        put(&w, "=");
         put_quoted(&w, options.items[i].value);
     }
     put(&w, " --backend=cpu"); /* how to draw, which belongs to no scene */

@@ -72,9 +72,15 @@ iso_status iso_ray_tracer_create(const iso_grid *grid, double isovalue, iso_pool
     uint8_t *crossed = iso_alloc_zero(rows, (size_t)bricks[0]);
     if (!crossed)
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the index of %zu brick rows", rows);
-    ISO_TRY(iso_ray_tracer_create_with(grid, isovalue, crossed, tracer, error));
-    iso_parallel_for(pool, rows, mark_row, *tracer);
-    return ISO_OK;
+    iso_ray_tracer *made = NULL;
+    ISO_TRY(iso_ray_tracer_create_with(grid, isovalue, crossed, &made, error));
+    iso_parallel_until(pool, rows, mark_row, made);
+    const iso_status status = iso_pool_check(pool, "the rays' index", error);
+    if (status == ISO_OK)
+        *tracer = made;
+    else
+        iso_ray_tracer_destroy(made);
+    return status;
 }
 
 void iso_ray_tracer_destroy(iso_ray_tracer *tracer) {
@@ -133,8 +139,13 @@ iso_status iso_ray_tracer_refine(iso_ray_tracer *tracer, iso_pool *pool, iso_err
     tracer->blocks = iso_alloc_zero(rows * (size_t)tracer->bricks[0], sizeof *tracer->blocks);
     if (!tracer->blocks)
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the index of %zu brick rows", rows);
-    iso_parallel_for(pool, rows, refine_row, tracer);
-    return ISO_OK;
+    iso_parallel_until(pool, rows, refine_row, tracer);
+    const iso_status status = iso_pool_check(pool, "the rays' index", error);
+    if (status != ISO_OK) {
+        iso_free(tracer->blocks);
+        tracer->blocks = NULL;
+    }
+    return status;
 }
 
 /* The side in cells of the largest block with this cell that a ray can step over at once; 1: the cell may be

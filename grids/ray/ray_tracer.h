@@ -17,7 +17,8 @@
  * rays with one tracer. */
 typedef struct iso_ray_tracer iso_ray_tracer;
 
-/* isovalue is physical (grids/grid.h). `pool` may be NULL. ISO_ERR_NOMEM. */
+/* isovalue is physical (grids/grid.h). `pool` may be NULL. ISO_ERR_NOMEM; ISO_ERR_IO: the pool's watch
+ * has cancelled. */
 iso_status iso_ray_tracer_create(const iso_grid *grid, double isovalue, iso_pool *pool,
                                  iso_ray_tracer **tracer, iso_error *error);
 /* The same with the index computed before: crossed[(z * bricks_y + y) * bricks_x + x] is 1 for the bricks

@@ -108,7 +108,7 @@ static iso_status make_discs(const iso_surface_cloud_opts *opts, iso_surface *su
     ISO_TRY(iso_cloud_make(points, &how, &cloud->discs, error));
     ISO_TRY(iso_point_workspace_create(&surface->scene.own_workspace, error));
     cloud->view = iso_cloud_view(&cloud->discs);
-    if (surface->has_color) cloud->view.colors = NULL;
+    iso_api_cloud_hide_colors(cloud, surface->has_color);
     if (!points->gaussians) iso_glyphs_free(&cloud->points);
     return ISO_OK;
 }
@@ -158,6 +158,10 @@ iso_status iso_surface_read_cloud(const char *path, const iso_surface_cloud_opts
     if (!opts) opts = &defaults;
     ISO_TRY(begin(opts, &made, error));
     return finish(read_cloud(path, opts, made->cloud, error), made, opts, surface, error);
+}
+
+void iso_api_cloud_hide_colors(iso_api_cloud *cloud, bool hidden) {
+    cloud->view.colors = hidden ? NULL : iso_cloud_view(&cloud->discs).colors;
 }
 
 void iso_api_cloud_destroy(iso_api_cloud *cloud) {

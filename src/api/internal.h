@@ -14,12 +14,21 @@
 #include "scene/object.h"
 #include "scene/occluders.h"
 
+/* The caller's function for progress, and the part of the operation that is being done. */
+typedef struct iso_api_watch {
+    iso_progress_fn *tell; /* NULL: nobody is told */
+    void *context;
+    double from, to;                /* the part of the whole that the loops belong to */
+    double told, asked, loop_start; /* what was reported last; when: s */
+} iso_api_watch;
+
 /* A volume. Its handle points to the first member. */
 typedef struct iso_api_volume {
     iso_volume volume;
     iso_pool *pool;
-    int surfaces;  /* number of surfaces that borrow the volume */
-    bool borrowed; /* the grid and the pool belong to an iso_sculpt */
+    iso_api_watch watch; /* iso_volume_set_progress */
+    int surfaces;        /* number of surfaces that borrow the volume */
+    bool borrowed;       /* the grid and the pool belong to an iso_sculpt */
 } iso_api_volume;
 
 static inline iso_api_volume *iso_api_volume_of(iso_volume *volume) {
@@ -44,6 +53,7 @@ struct iso_surface {
     iso_point_set *points;          /* points as floats for iso_surface_points; NULL: not requested yet */
     iso_labels labels;              /* of a surface of labels, whose level set is that of label_fields */
     iso_label_fields *label_fields; /* NULL: it is an isosurface, or a cloud */
+    double origin[3];               /* of what iso_surface_points and iso_surface_mesh give */
     double opacity;
     bool has_color;
     iso_rgb color;
@@ -58,6 +68,14 @@ struct iso_shape_set {
     bool has_color;
     iso_rgb color;
 };
+
+/* Begins an operation: from now on the loops of the pool report to `watch` (borrowed), and can be cancelled.
+ */
+void iso_api_watch_begin(iso_pool *pool, iso_api_watch *watch);
+/* What is done next is this part of the operation. */
+void iso_api_watch_part(iso_api_watch *watch, double from, double to);
+/* Ends it: nobody is told any more. */
+void iso_api_watch_end(iso_pool *pool);
 
 /* Brings the brick index of the grid up to date with edits. Call this before any use of a surface. */
 iso_status iso_api_surface_ready(iso_surface *surface, iso_error *error);
@@ -75,6 +93,8 @@ void iso_api_cloud_destroy(iso_api_cloud *cloud); /* NULL is allowed */
 static inline bool iso_api_is_gaussians(const iso_surface *surface) {
     return surface->cloud && surface->cloud->points.gaussians;
 }
+/* Shows or hides the cloud's own colours, which one given colour replaces. */
+void iso_api_cloud_hide_colors(iso_api_cloud *cloud, bool hidden);
 /* The Gaussians of a cloud, which they borrow; `color`: of those without colours. */
 iso_gaussians iso_api_cloud_gaussians(const iso_api_cloud *cloud, iso_rgb color);
 

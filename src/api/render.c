@@ -1,6 +1,8 @@
 /* The functions of isopoint.h for pictures: cameras, rendering of one or several surfaces by any method, and
  * writing picture files. */
 #include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "api/coloring.h"
@@ -84,6 +86,8 @@ typedef struct rendering {
     iso_clip *clips; /* of surfaces, then of sets; NULL: there are no cuts. Owned */
     iso_capped solids[ISO_SURFACE_MAX];
     iso_cut_caps caps;
+    iso_pool *pool;      /* of a picture without surfaces; owned */
+    iso_api_watch watch; /* with opts->progress */
 } rendering;
 
 /* Returns the bits of the parts that the picture is drawn from. */
@@ -118,7 +122,38 @@ static iso_status prepare_levels(const rendering *r, iso_error *error) {
     return ISO_OK;
 }
 
-static iso_status prepare(const rendering *r, iso_box *box, iso_error *error) {
+/* ---- progress */
+
+/* What is told of a surface's loops; NULL: nobody. */
+static iso_api_watch *watch_of(rendering *r, int surface) {
+    const iso_surface *s = r->surfaces[surface];
+    if (r->opts->progress) return &r->watch;
+    return s->volume ? &s->volume->watch : NULL;
+}
+
+static void begin_watch(rendering *r) {
+    r->watch = (iso_api_watch){.tell = r->opts->progress, .context = r->opts->progress_context};
+    for (int i = 0; i < r->count; i++)
+        if (watch_of(r, i)) iso_api_watch_begin(r->surfaces[i]->pool, watch_of(r, i));
+    if (!r->count) iso_api_watch_begin(r->pool, &r->watch);
+}
+
+static void end_watch(const rendering *r) {
+    for (int i = 0; i < r->count; i++) iso_api_watch_end(r->surfaces[i]->pool);
+}
+
+/* The share of a picture's time that extraction gets, as far as progress is concerned. */
+static const double EXTRACTION = 0.2;
+
+/* iso_scene_progress.strip. */
+static void tell_strip(void *context, double from, double to) {
+    rendering *r = context;
+    iso_api_watch *watch = r->count ? watch_of(r, 0) : &r->watch;
+    if (watch)
+        iso_api_watch_part(watch, EXTRACTION + (1 - EXTRACTION) * from, EXTRACTION + (1 - EXTRACTION) * to);
+}
+
+static iso_status prepare(rendering *r, iso_box *box, iso_error *error) {
     const iso_part framed = framing_part(r->renderer);
     *box = iso_box_empty();
     for (int i = 0; i < r->shapes_count; i++) {
@@ -131,6 +166,7 @@ static iso_status prepare(const rendering *r, iso_box *box, iso_error *error) {
             iso_bounds_add(box, &r->surfaces[i]->cloud->frame);
             continue;
         }
+        if (r->surfaces[i]->volume) iso_api_watch_part(watch_of(r, i), 0, EXTRACTION);
         ISO_TRY(iso_api_surface_part(r->surfaces[i], framed, error));
         for (int part = 0; part < ISO_PART_COUNT; part++)
             if (part != (int)framed && needs_of(r) & 1u << part)
@@ -250,7 +286,7 @@ static void set_up(rendering *r, const iso_render_opts *opts) {
                                                 .color_count = r->count + r->shapes_count,
                                                 .background = opts->background ? *opts->background : white,
                                                 .transparent = opts->transparent},
-                                    .pool = r->count ? r->surfaces[0]->pool : NULL,
+                                    .pool = r->count ? r->surfaces[0]->pool : r->pool,
                                     .aov = opts->aov};
 }
 
@@ -363,14 +399,9 @@ static iso_status set_up_glass(rendering *r, iso_error *error) {
 /* ---- cuts ---- */
 
 static iso_status check_cut(const rendering *r, const iso_cut *cut, const char *text, iso_error *error) {
-    for (int i = r->count; i < ISO_CUT_THINGS && cut->things.named; i++) {
-        if (!iso_cut_is_for(cut, i)) continue;
-        if (i >= r->count + r->shapes_count)
+    for (int i = r->count + r->shapes_count; i < ISO_CUT_THINGS && cut->things.named; i++)
+        if (iso_cut_is_for(cut, i))
             return iso_fail(error, ISO_ERR_USAGE, "clip '%s': there is no @%d", text, i + 1);
-        if (r->shapes[i - r->count]->object.shapes)
-            return iso_fail(error, ISO_ERR_USAGE, "clip '%s': @%d are lines or glyphs, which are not cut",
-                            text, i + 1);
-    }
     return ISO_OK;
 }
 
@@ -496,6 +527,7 @@ static iso_status draw_picture(rendering *r, iso_image *image, size_t *covered, 
                                      .range = opts->occlusion > 0 ? opts->occlusion : 0,
                                      .shadow = opts->shadow},
                        .occluders = r->count == 1 ? &r->surfaces[0]->occluders : &together,
+                       .progress = &(iso_scene_progress){.strip = tell_strip, .surface = NULL, .context = r},
                        .transparency = opts->transparency};
     if (r->gaussians) {
         gaussians = iso_api_cloud_gaussians(r->surfaces[0]->cloud, r->colors[0]);
@@ -518,6 +550,7 @@ static iso_status render(rendering *r, iso_image *image, iso_error *error) {
         r->camera = *opts->camera;
     else
         ISO_TRY(iso_camera_of_box(&box, width, height, &opts->fit, &r->camera, error));
+    if (opts->camera_used) *opts->camera_used = r->camera;
     if (opts->aov) opts->aov->voxel = smallest_spacing(r);
     begin_cuts(r, &box);
     const iso_view view = iso_view_make(&r->camera, width, height);
@@ -527,6 +560,28 @@ static iso_status render(rendering *r, iso_image *image, iso_error *error) {
     if (opts->aov) number_elements(r, opts->aov);
     if (opts->instance_counts) *opts->instance_counts = iso_placed_counts(&r->placed);
     return covered ? ISO_OK : iso_fail(error, ISO_ERR_EMPTY, "nothing of the surface is in view");
+}
+
+/* Sets up and renders what was checked. */
+static iso_status render_with(rendering *r, iso_image *image, iso_error *error) {
+    const iso_render_opts *opts = r->opts;
+    set_up(r, opts);
+    ISO_TRY(make_room(r->picture.width, r->picture.height, image, opts->aov, error));
+    ISO_TRY(make_room_for_ids(opts->shapes_count, opts->aov, error));
+    ISO_TRY(set_up_layers(r, opts, error));
+    ISO_TRY(set_up_glass(r, error));
+    ISO_TRY(set_up_light(r, opts, error));
+    ISO_TRY(iso_api_colorings_check(r->surfaces, r->count, opts, r->renderer, r->translucent, error));
+    iso_status status = set_up_cuts(r, error);
+    if (status == ISO_OK) {
+        begin_watch(r);
+        status = render(r, image, error);
+        end_watch(r);
+    }
+    iso_placed_free(&r->placed);
+    iso_api_colorings_end(&r->colorings);
+    end_cuts(r);
+    return status;
 }
 
 iso_status iso_render_surfaces(iso_surface *const *surfaces, int count, const iso_render_opts *opts,
@@ -541,18 +596,9 @@ iso_status iso_render_surfaces(iso_surface *const *surfaces, int count, const is
                    .renderer = iso_renderer_get(opts->method),
                    .gaussians = count && iso_api_is_gaussians(surfaces[0]),
                    .opts = opts};
-    set_up(&r, opts);
-    ISO_TRY(make_room(r.picture.width, r.picture.height, image, opts->aov, error));
-    ISO_TRY(make_room_for_ids(opts->shapes_count, opts->aov, error));
-    ISO_TRY(set_up_layers(&r, opts, error));
-    ISO_TRY(set_up_glass(&r, error));
-    ISO_TRY(set_up_light(&r, opts, error));
-    ISO_TRY(iso_api_colorings_check(surfaces, count, opts, r.renderer, r.translucent, error));
-    iso_status status = set_up_cuts(&r, error);
-    if (status == ISO_OK) status = render(&r, image, error);
-    iso_placed_free(&r.placed);
-    iso_api_colorings_end(&r.colorings);
-    end_cuts(&r);
+    if (!count) ISO_TRY(iso_api_pool(opts->threads, &r.pool, error));
+    iso_status status = render_with(&r, image, error);
+    iso_pool_destroy(r.pool);
     return status;
 }
 
@@ -572,12 +618,27 @@ static iso_status check_image(const iso_image *image, const char *path, iso_erro
     return image->rgba ? ISO_OK : iso_fail(error, ISO_ERR_USAGE, "%s: there is no picture to write", path);
 }
 
+static iso_png_text software_text(char software[64]) {
+    snprintf(software, 64, "isopoint %s", iso_version());
+    return (iso_png_text){"Software", software};
+}
+
 iso_status iso_image_write(const iso_image *image, const char *path, iso_error *error) {
-    char software[64] = "isopoint ";
-    strncat(software, iso_version(), sizeof software - strlen(software) - 1);
-    const iso_png_text text = {"Software", software};
+    char software[64];
+    const iso_png_text text = software_text(software);
     ISO_TRY(check_image(image, path, error));
     return iso_png_write(path, image, &text, 1, error);
+}
+
+iso_status iso_image_encode(const iso_image *image, uint8_t **bytes, size_t *size, iso_error *error) {
+    char software[64];
+    const iso_png_text text = software_text(software);
+    ISO_TRY(check_image(image, "a picture in memory", error));
+    return iso_png_encode(image, &(iso_png_opts){.texts = &text, .text_count = 1}, bytes, size, error);
+}
+
+void iso_bytes_free(uint8_t *bytes) {
+    free(bytes);
 }
 
 iso_status iso_image_read(const char *path, iso_image *image, iso_error *error) {

@@ -29,6 +29,11 @@ static iso_status check_primitive(const iso_grid *grid, iso_primitive primitive,
     return ISO_OK;
 }
 
+static iso_status check_opacity(double opacity, iso_error *error) {
+    if (opacity >= 0 && opacity <= 1) return ISO_OK;
+    return iso_fail(error, ISO_ERR_USAGE, "opacity %g is not between 0 and 1", opacity);
+}
+
 /* Makes the level set of some labels. */
 static iso_status make_labels(iso_surface *surface, const iso_surface_opts *opts, iso_error *error) {
     iso_labels *labels = &surface->labels;
@@ -67,8 +72,7 @@ iso_status iso_surface_create(iso_volume *volume, const iso_surface_opts *opts, 
         (opts->labels && (opts->isovalue != 0 || opts->primitive)))
         return iso_fail(error, ISO_ERR_USAGE, "labels have no isovalue and no kind of points: %d labels",
                         opts->label_count);
-    if (!(opts->opacity >= 0 && opts->opacity <= 1))
-        return iso_fail(error, ISO_ERR_USAGE, "opacity %g is not between 0 and 1", opts->opacity);
+    ISO_TRY(check_opacity(opts->opacity, error));
     iso_surface *made = iso_alloc_zero(1, sizeof *made);
     if (!made) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a surface");
     made->volume = iso_api_volume_of(volume);
@@ -118,6 +122,50 @@ iso_status iso_surface_set_isovalue(iso_surface *surface, double isovalue, iso_e
     iso_point_set_destroy(surface->points);
     surface->points = NULL;
     return ISO_OK;
+}
+
+iso_status iso_surface_set_look(iso_surface *surface, const iso_rgb *color, double opacity,
+                                iso_error *error) {
+    ISO_TRY(check_opacity(opacity, error));
+    surface->opacity = opacity;
+    surface->has_color = color != NULL;
+    if (color) surface->color = *color;
+    if (surface->cloud) iso_api_cloud_hide_colors(surface->cloud, surface->has_color);
+    return ISO_OK;
+}
+
+iso_status iso_shape_set_set_look(iso_shape_set *set, const iso_rgb *color, double opacity,
+                                  iso_error *error) {
+    ISO_TRY(check_opacity(opacity, error));
+    set->opacity = opacity;
+    set->has_color = color != NULL;
+    if (color) set->color = *color;
+    return ISO_OK;
+}
+
+iso_status iso_surface_set_origin(iso_surface *surface, const double origin[3], iso_error *error) {
+    if (!iso_vec3_is_finite(iso_vec3_make(origin[0], origin[1], origin[2])))
+        return iso_fail(error, ISO_ERR_USAGE, "the origin is not finite");
+    memcpy(surface->origin, origin, sizeof surface->origin);
+    return ISO_OK;
+}
+
+void iso_surface_trim(iso_surface *surface) {
+    iso_point_set_destroy(surface->points);
+    surface->points = NULL;
+    iso_occluders_free(&surface->occluders);
+    surface->occluders = (iso_occluders){0};
+    if (!surface->cloud) iso_scene_surface_free(&surface->scene);
+    iso_memory_trim();
+}
+
+/* Begins and ends an operation that the volume's progress function is told of. */
+static void begin_watch(const iso_surface *surface) {
+    if (surface->volume) iso_api_watch_begin(surface->pool, &surface->volume->watch);
+}
+
+static void end_watch(const iso_surface *surface) {
+    if (surface->volume) iso_api_watch_end(surface->pool);
 }
 
 iso_status iso_api_copy(const void *from, size_t count, size_t size, void *to, iso_error *error) {
@@ -174,7 +222,10 @@ iso_status iso_surface_bounds(iso_surface *surface, iso_box *box, iso_error *err
         *box = iso_bounds_of_points(&surface->cloud->view);
         return ISO_OK;
     }
-    ISO_TRY(iso_api_surface_part(surface, ISO_PART_CELLS, error));
+    begin_watch(surface);
+    const iso_status status = iso_api_surface_part(surface, ISO_PART_CELLS, error);
+    end_watch(surface);
+    ISO_TRY(status);
     const iso_box found = iso_api_surface_bounds(surface, ISO_PART_CELLS);
     if (iso_box_is_empty(&found)) return fail_empty(surface, error);
     *box = found;
@@ -195,7 +246,10 @@ static iso_status update_points(iso_surface *surface, iso_point_view *view, iso_
     }
     ISO_TRY(iso_api_surface_ready(surface, error));
     if (!surface->points) ISO_TRY(iso_point_set_create(&surface->scene.grid, &opts, &surface->points, error));
-    ISO_TRY(iso_point_set_update(surface->points, error));
+    begin_watch(surface);
+    const iso_status status = iso_point_set_update(surface->points, error);
+    end_watch(surface);
+    ISO_TRY(status);
     *view = iso_point_set_view(surface->points);
     return ISO_OK;
 }
@@ -206,8 +260,14 @@ static void put(float out[3], iso_vec3 v) {
     out[2] = (float)v.z;
 }
 
-static void copy_points(const iso_point_view *view, iso_surface_point *points) {
-    const iso_affine affine = iso_transform_affine(&view->transform);
+/* The map from index coordinates to world coordinates relative to the surface's origin. */
+static iso_affine affine_of(const iso_surface *surface, const iso_transform *transform) {
+    iso_transform relative = *transform;
+    for (int axis = 0; axis < 3; axis++) relative.origin[axis] -= surface->origin[axis];
+    return iso_transform_affine(&relative);
+}
+
+static void copy_points(const iso_point_view *view, const iso_affine *affine, iso_surface_point *points) {
     for (size_t s = 0; s < view->span_count; s++) {
         const iso_point_span *span = &view->spans[s];
         for (uint32_t i = 0; i < span->count; i++, points++) {
@@ -216,8 +276,8 @@ static void copy_points(const iso_point_view *view, iso_surface_point *points) {
             const iso_vec3 index = {span->brick[0] * (double)ISO_BRICK + p[0],
                                     span->brick[1] * (double)ISO_BRICK + p[1],
                                     span->brick[2] * (double)ISO_BRICK + p[2]};
-            put(points->position, iso_affine_point(&affine, index));
-            put(points->normal, iso_affine_normal(&affine, iso_vec3_make(n[0], n[1], n[2])));
+            put(points->position, iso_affine_point(affine, index));
+            put(points->normal, iso_affine_normal(affine, iso_vec3_make(n[0], n[1], n[2])));
             points->radius = view->radii ? view->radii[span->first + i] : (float)view->radius;
         }
     }
@@ -232,7 +292,8 @@ iso_status iso_surface_points(iso_surface *surface, iso_surface_point *points, s
     if (*count > capacity)
         return iso_fail(error, ISO_ERR_LIMIT, "%zu points do not fit where there is room for %zu", *count,
                         capacity);
-    copy_points(&view, points);
+    const iso_affine affine = affine_of(surface, &view.transform);
+    copy_points(&view, &affine, points);
     return ISO_OK;
 }
 
@@ -256,9 +317,14 @@ void iso_mesh_free(iso_mesh *mesh) {
 static iso_status weld(iso_surface *surface, iso_mesh_view *view, iso_weld *welded, iso_error *error) {
     ISO_TRY(check_volume(surface, "a mesh", error));
     ISO_TRY(iso_api_surface_ready(surface, error));
-    ISO_TRY(iso_scene_surface_update(&surface->scene, ISO_PART_MESH, error));
-    *view = iso_mesh_set_view(surface->scene.mesh);
-    return iso_mesh_weld(view, welded, error);
+    begin_watch(surface);
+    iso_status status = iso_scene_surface_update(&surface->scene, ISO_PART_MESH, error);
+    if (status == ISO_OK) {
+        *view = iso_mesh_set_view(surface->scene.mesh);
+        status = iso_mesh_weld(view, surface->pool, welded, error);
+    }
+    end_watch(surface);
+    return status;
 }
 
 /* Copies the mesh to world coordinates. If the volume's axes are left-handed, reverses the triangles, so that
@@ -288,7 +354,7 @@ iso_status iso_surface_mesh(iso_surface *surface, iso_mesh *mesh, iso_error *err
                      .vertex_count = welded.vertex_count,
                      .triangle_count = welded.triangle_count};
     const bool there = made.positions && made.normals && made.triangles;
-    const iso_affine affine = iso_transform_affine(&view.transform);
+    const iso_affine affine = affine_of(surface, &view.transform);
     if (there) copy_mesh(&welded, &affine, &made);
     iso_weld_free(&welded);
     if (!there) {
@@ -309,9 +375,19 @@ iso_status iso_surface_measure(iso_surface *surface, iso_mesh_measures *measures
 }
 
 iso_status iso_surface_write_mesh(iso_surface *surface, const char *path, iso_error *error) {
+    iso_mesh_view view;
+    iso_weld welded;
     if (!path) return iso_fail(error, ISO_ERR_USAGE, "no file is named");
     ISO_TRY(check_volume(surface, "a mesh", error));
+    ISO_TRY(iso_mesh_write_check(path, error));
     ISO_TRY(iso_api_surface_part(surface, ISO_PART_MESH, error));
-    const iso_mesh_view view = iso_mesh_set_view(surface->scene.mesh);
-    return iso_mesh_write(path, &view, COMMENT, error);
+    ISO_TRY(weld(surface, &view, &welded, error));
+    const iso_mesh_object object = {.weld = &welded,
+                                    .transform = &view.transform,
+                                    .name = NULL,
+                                    .color = surface->has_color ? &surface->color : NULL,
+                                    .opacity = surface->opacity};
+    const iso_status status = iso_mesh_write_objects(path, &object, 1, COMMENT, error);
+    iso_weld_free(&welded);
+    return status;
 }

@@ -1,4 +1,5 @@
 /* The functions of isopoint.h for volumes: files and lent arrays, each with its thread pool. */
+#include <stdint.h>
 #include <string.h>
 
 #include "api/internal.h"
@@ -97,10 +98,24 @@ static void describe_lent(const iso_rgrid *grid, iso_volume_info *info) {
                   (uint64_t)grid->dims[2];
 }
 
+/* Whether the voxels of a lent array lie apart from each other. Strides that are 0 are set to those of dense
+ * voxels. */
+static bool complete_strides(const iso_lend_opts *opts, ptrdiff_t *y, ptrdiff_t *z) {
+    const int *dims = opts->dims;
+    *y = opts->stride_y ? opts->stride_y : dims[0];
+    *z = opts->stride_z ? opts->stride_z : *y * dims[1];
+    if (dims[0] < 1 || dims[1] < 1 || dims[2] < 1) return true; /* which iso_rgrid_create refuses */
+    return *y >= dims[0] && *y <= PTRDIFF_MAX / dims[1] && *z >= *y * dims[1] &&
+           *z <= PTRDIFF_MAX / (ptrdiff_t)sizeof(float) / dims[2];
+}
+
 /* Creates the grid of a lent array and its brick index. From then on the grid releases the array. */
-static iso_status lend(const iso_rgrid_desc *desc, iso_api_volume *volume, iso_error *error) {
+static iso_status lend(const iso_rgrid_desc *desc, ptrdiff_t y, ptrdiff_t z, iso_api_volume *volume,
+                       iso_error *error) {
     iso_rgrid **grid = &volume->volume.grid.rgrid;
     ISO_TRY(iso_rgrid_create(desc, grid, error));
+    (*grid)->stride_y = y;
+    (*grid)->stride_z = z;
     describe_lent(*grid, &volume->volume.info);
     return iso_brick_index_of(*grid, volume->pool, NULL, error);
 }
@@ -108,15 +123,19 @@ static iso_status lend(const iso_rgrid_desc *desc, iso_api_volume *volume, iso_e
 iso_status iso_volume_lend(const iso_lend_opts *opts, iso_volume **volume, iso_error *error) {
     iso_api_volume *made = NULL;
     iso_status status = ISO_OK;
+    ptrdiff_t y = 0, z = 0;
     if (!opts || !opts->data || opts->type < ISO_UINT8 || opts->type > ISO_FLOAT32)
         status = iso_fail(error, ISO_ERR_USAGE, "no array is lent, or one of an unknown type");
+    else if (!complete_strides(opts, &y, &z))
+        status =
+            iso_fail(error, ISO_ERR_USAGE, "voxels of the lent array overlap: strides %td and %td", y, z);
     if (status == ISO_OK) status = create(opts->threads, &made, error);
     if (status != ISO_OK) {
         if (opts && opts->release) opts->release(opts->owner);
         return status;
     }
     iso_rgrid_desc desc = {.type = opts->type,
-                           .data = opts->data,
+                           .data = (void *)(uintptr_t)opts->data, /* which is only read */
                            .release = opts->release,
                            .owner = opts->owner,
                            .scale = opts->scale,
@@ -124,7 +143,7 @@ iso_status iso_volume_lend(const iso_lend_opts *opts, iso_volume **volume, iso_e
                            .transform = opts->transform,
                            .level_set = opts->level_set};
     memcpy(desc.dims, opts->dims, sizeof desc.dims);
-    status = lend(&desc, made, error);
+    status = lend(&desc, y, z, made, error);
     if (status == ISO_OK)
         *volume = &made->volume;
     else
@@ -151,8 +170,29 @@ double iso_volume_value(const iso_volume *volume, int x, int y, int z) {
     return iso_grid_physical(&volume->grid, iso_grid_at(&volume->grid, x, y, z));
 }
 
+void iso_volume_set_progress(iso_volume *volume, iso_progress_fn *progress, void *context) {
+    iso_api_volume *own = iso_api_volume_of(volume);
+    own->watch.tell = progress;
+    own->watch.context = context;
+}
+
+iso_status iso_volume_voxels(const iso_volume *volume, iso_voxels *voxels, iso_error *error) {
+    const iso_rgrid *grid = volume->grid.rgrid;
+    if (!grid) return iso_fail(error, ISO_ERR_UNSUPPORTED, "a sparse level set is no array of voxels");
+    *voxels = (iso_voxels){.data = grid->data,
+                           .type = grid->type,
+                           .dims = {grid->dims[0], grid->dims[1], grid->dims[2]},
+                           .stride_y = grid->stride_y,
+                           .stride_z = grid->stride_z};
+    return ISO_OK;
+}
+
 iso_status iso_volume_histogram(iso_volume *volume, iso_histogram *histogram, iso_error *error) {
-    return iso_histogram_compute(&volume->grid, iso_api_volume_of(volume)->pool, histogram, error);
+    iso_api_volume *own = iso_api_volume_of(volume);
+    iso_api_watch_begin(own->pool, &own->watch);
+    const iso_status status = iso_histogram_compute(&volume->grid, own->pool, histogram, error);
+    iso_api_watch_end(own->pool);
+    return status;
 }
 
 iso_status iso_volume_suggest(iso_volume *volume, double *isovalue, iso_error *error) {

@@ -36,7 +36,8 @@ enum {
     ISO_WRITES_VOLUME = 1 << 13, /* a level set */
     ISO_WRITES_CHANNELS = 1 << 14,
     ISO_WRITES_REPORT = 1 << 15,
-    ISO_WRITES_PAGE = 1 << 16
+    ISO_WRITES_VIDEO = 1 << 16,
+    ISO_WRITES_PAGE = 1 << 17
 };
 
 /* How many bytes of a file tell its type. */

@@ -23,6 +23,12 @@
 
 #define HUGE_PAGE ((size_t)2 << 20)
 
+void iso_memory_trim(void) {
+#ifdef __GLIBC__
+    malloc_trim(0);
+#endif
+}
+
 /* Asks for huge pages only for the pages of 2 MiB that lie wholly in the block. */
 void iso_advise_huge(void *block, size_t bytes) {
 #ifdef MADV_HUGEPAGE

@@ -23,6 +23,9 @@ extern "C" {
  * not NULL. */
 void *iso_alloc(size_t bytes);
 
+/* Gives free memory that the allocator keeps back to the system, where it can. */
+void iso_memory_trim(void);
+
 /* Asks the system for huge pages for memory that was allocated elsewhere; call it before the memory is first
  * written. */
 void iso_advise_huge(void *block, size_t bytes);

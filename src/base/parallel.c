@@ -9,6 +9,7 @@
 #include <stdatomic.h>
 #include <stdbool.h>
 #include <stdint.h>
+#include <unistd.h>
 
 #include "base/cpu.h"
 #include "base/memory.h"
@@ -38,6 +39,9 @@ struct iso_pool {
     atomic_size_t next;
     iso_pool_watch_fn *watch; /* or NULL */
     void *watch_context;
+    atomic_bool cancelled; /* by the watch */
+    bool until;            /* the current round ends when `cancelled` is set */
+    pid_t owner;           /* the process that has the threads */
 };
 
 /* Polls before a waiting thread sleeps. The steps of drawing a picture follow each other within microseconds,
@@ -93,21 +97,38 @@ static void await_workers(iso_pool *pool) {
     pthread_mutex_unlock(&pool->mutex);
 }
 
-static void tell(const iso_pool *pool, size_t index, size_t count) {
-    if (pool && pool->watch) pool->watch(pool->watch_context, (double)index / (double)count);
+static void tell(iso_pool *pool, double fraction) {
+    if (pool && pool->watch && pool->watch(pool->watch_context, fraction))
+        atomic_store_explicit(&pool->cancelled, true, memory_order_relaxed);
 }
 
 void iso_pool_watch(iso_pool *pool, iso_pool_watch_fn *watch, void *context) {
     if (!pool) return;
     pool->watch = watch;
     pool->watch_context = context;
+    atomic_store(&pool->cancelled, false);
 }
 
+bool iso_pool_is_cancelled(const iso_pool *pool) {
+    return pool && atomic_load_explicit(&pool->cancelled, memory_order_relaxed);
+}
+
+iso_status iso_pool_check(const iso_pool *pool, const char *what, iso_error *error) {
+    return iso_pool_is_cancelled(pool) ? iso_fail(error, ISO_ERR_IO, "%s: cancelled", what) : ISO_OK;
+}
+
+bool iso_pool_ask(iso_pool *pool) {
+    tell(pool, 0);
+    return iso_pool_is_cancelled(pool);
+}
+
+/* (An index that was taken is worked on also when the pool has been cancelled meanwhile: iso_parallel_ordered
+ * waits for it.) */
 static void run_tasks(iso_pool *pool, int number) {
-    for (bool first = true;; first = false) {
+    for (bool first = true; !(pool->until && iso_pool_is_cancelled(pool)); first = false) {
         size_t index = atomic_fetch_add_explicit(&pool->next, 1, memory_order_relaxed);
         if (index >= pool->count) return;
-        if (number == 0) tell(pool, first ? 0 : index, pool->count);
+        if (number == 0) tell(pool, first ? 0 : (double)index / (double)pool->count);
         pool->task(pool->context, index, number);
     }
 }
@@ -137,6 +158,7 @@ iso_status iso_pool_create(int threads, iso_pool **out, iso_error *error) {
     if (!pool) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a thread pool");
     int wanted = threads ? threads : processors();
     pool->threads = 1;
+    pool->owner = getpid();
     pool->spins = wanted <= processors() ? SPINS : 0;
     pthread_mutex_init(&pool->mutex, NULL);
     pthread_cond_init(&pool->work_ready, NULL);
@@ -160,8 +182,8 @@ iso_status iso_pool_create(int threads, iso_pool **out, iso_error *error) {
     return ISO_OK;
 }
 
-void iso_pool_destroy(iso_pool *pool) {
-    if (!pool) return;
+/* (In a child process the threads that wait would be waited for for ever, by the condition as well.) */
+static void stop_threads(iso_pool *pool) {
     pthread_mutex_lock(&pool->mutex);
     pool->stop = true;
     pthread_cond_broadcast(&pool->work_ready);
@@ -170,6 +192,11 @@ void iso_pool_destroy(iso_pool *pool) {
     pthread_mutex_destroy(&pool->mutex);
     pthread_cond_destroy(&pool->work_ready);
     pthread_cond_destroy(&pool->work_done);
+}
+
+void iso_pool_destroy(iso_pool *pool) {
+    if (!pool) return;
+    if (pool->owner == getpid()) stop_threads(pool);
     iso_free(pool->workers);
     iso_free(pool);
 }
@@ -178,10 +205,11 @@ int iso_pool_threads(const iso_pool *pool) {
     return pool ? pool->threads : 1;
 }
 
-void iso_parallel_for(iso_pool *pool, size_t count, iso_task *task, void *context) {
+static void run(iso_pool *pool, size_t count, bool until, iso_task *task, void *context) {
     if (!pool || pool->threads == 1 || count < 2) {
         for (size_t i = 0; i < count; i++) {
-            tell(pool, i, count);
+            tell(pool, (double)i / (double)count);
+            if (until && iso_pool_is_cancelled(pool)) return;
             task(context, i, 0);
         }
         return;
@@ -191,6 +219,7 @@ void iso_parallel_for(iso_pool *pool, size_t count, iso_task *task, void *contex
     pool->task = task;
     pool->context = context;
     pool->count = count;
+    pool->until = until;
     atomic_store_explicit(&pool->next, 0, memory_order_relaxed);
     pool->open = true;
     atomic_fetch_add(&pool->round, 1);
@@ -201,6 +230,14 @@ void iso_parallel_for(iso_pool *pool, size_t count, iso_task *task, void *contex
     pool->open = false;
     pthread_mutex_unlock(&pool->mutex);
     await_workers(pool);
+}
+
+void iso_parallel_for(iso_pool *pool, size_t count, iso_task *task, void *context) {
+    run(pool, count, false, task, context);
+}
+
+void iso_parallel_until(iso_pool *pool, size_t count, iso_task *task, void *context) {
+    run(pool, count, true, task, context);
 }
 
 /* ---- in order */
@@ -263,10 +300,10 @@ size_t iso_ordered_slots(const iso_pool *pool) {
 }
 
 void iso_parallel_ordered(iso_pool *pool, size_t count, const iso_ordered *steps, void *context) {
-    ordered_run run = {.steps = steps, .context = context};
-    pthread_mutex_init(&run.mutex, NULL);
-    pthread_cond_init(&run.changed, NULL);
-    iso_parallel_for(pool, count, ordered_task, &run);
-    pthread_cond_destroy(&run.changed);
-    pthread_mutex_destroy(&run.mutex);
+    ordered_run all = {.steps = steps, .context = context};
+    pthread_mutex_init(&all.mutex, NULL);
+    pthread_cond_init(&all.changed, NULL);
+    iso_parallel_until(pool, count, ordered_task, &all);
+    pthread_cond_destroy(&all.changed);
+    pthread_mutex_destroy(&all.mutex);
 }

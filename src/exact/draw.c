@@ -83,7 +83,7 @@ static iso_status draw_started_frame(exact_draw *draw, iso_error *error) {
     draw->scratch = iso_exact_scratch_create((size_t)iso_pool_threads(target->pool), width,
                                              (height + draw->band_count - 1) / draw->band_count);
     if (!draw->scratch) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for drawing cells");
-    iso_parallel_for(target->pool, (size_t)draw->band_count, draw_band, draw);
+    iso_parallel_until(target->pool, (size_t)draw->band_count, draw_band, draw);
     iso_free(draw->scratch);
     return ISO_OK;
 }

@@ -3,6 +3,7 @@
 
 #include <assert.h>
 
+#include "base/memory.h"
 #include "render/shading/eye_dome.h"
 #include "render/shading/outline.h"
 
@@ -20,6 +21,7 @@ iso_status iso_picture_check_samples(int samples, iso_error *error) {
 }
 
 static int strip_rows(const iso_picture_opts *opts, int factor) {
+    if (opts->gbuffer) return opts->height;
     const size_t row = (size_t)opts->width * (size_t)(factor * factor) * ISO_PICTURE_SAMPLE_BYTES,
                  most = opts->strip_bytes ? opts->strip_bytes : ISO_PICTURE_STRIP_BYTES,
                  rows = (most - 1) / row;
@@ -138,15 +140,22 @@ static bool needs_gbuffer(const iso_picture_opts *opts) {
     return !opts->layers || opts->layers->draw_opaque || opts->aov;
 }
 
-/* Allocates the planes of the gbuffer that pictures do not always need. */
-static iso_status add_planes(picture *p, iso_error *error) {
+/* Allocates a plane of the gbuffer that the picture needs, or frees what an earlier picture has left. */
+static iso_status set_plane(const iso_gbuffer *g, float **plane, bool needed, iso_error *error) {
+    if (needed) return iso_gbuffer_add_plane(g, plane, error);
+    iso_free(*plane);
+    *plane = NULL;
+    return ISO_OK;
+}
+
+static iso_status set_planes(picture *p, iso_error *error) {
     const iso_picture_opts *opts = p->opts;
     iso_gbuffer *g = &p->gbuffer;
-    if (is_lit_by_depths(opts)) ISO_TRY(iso_gbuffer_add_plane(g, &g->light, error));
-    if (is_occluded(opts) && opts->occlusion->range > 0)
-        ISO_TRY(iso_gbuffer_add_plane(g, &g->ambient, error));
-    if (is_occluded(opts) && opts->occlusion->has_shadow) ISO_TRY(iso_gbuffer_add_plane(g, &g->key, error));
-    if (has_outline(opts)) ISO_TRY(iso_gbuffer_add_plane(g, &g->ink, error));
+    const bool occluded = is_occluded(opts);
+    ISO_TRY(set_plane(g, &g->light, is_lit_by_depths(opts), error));
+    ISO_TRY(set_plane(g, &g->ambient, occluded && opts->occlusion->range > 0, error));
+    ISO_TRY(set_plane(g, &g->key, occluded && opts->occlusion->has_shadow, error));
+    ISO_TRY(set_plane(g, &g->ink, has_outline(opts), error));
     return opts->aov && opts->aov->ids[0] ? iso_gbuffer_add_elements(g, error) : ISO_OK;
 }
 
@@ -160,17 +169,23 @@ iso_status iso_picture_render(const iso_picture_opts *opts, iso_image *image, si
     iso_view pixels = opts->view ? *opts->view : iso_view_make(opts->camera, opts->width, opts->height);
     picture p = {.opts = opts, .view = iso_view_scaled(&pixels, factor), .factor = factor, .image = image};
     const int more = rows < opts->height ? 2 * reach_of(opts) : 0;
-    if (needs_gbuffer(opts))
+    if (opts->gbuffer)
+        p.gbuffer = *opts->gbuffer;
+    else if (needs_gbuffer(opts))
         ISO_TRY(iso_gbuffer_create(opts->width * factor, (rows + more) * factor, &p.gbuffer, error));
-    iso_status status = add_planes(&p, error);
+    iso_status status = set_planes(&p, error);
     for (int y0 = 0; y0 < opts->height && status == ISO_OK; y0 += rows) {
         const int count = opts->height - y0 < rows ? opts->height - y0 : rows;
         if (opts->begin_strip)
             opts->begin_strip(opts->draw_context, (double)y0 / opts->height,
                               (double)(y0 + count) / opts->height);
         status = render_rows(&p, y0, count, error);
+        if (status == ISO_OK) status = iso_pool_check(opts->pool, "the picture", error);
     }
-    iso_gbuffer_free(&p.gbuffer);
+    if (opts->gbuffer)
+        *opts->gbuffer = p.gbuffer;
+    else
+        iso_gbuffer_free(&p.gbuffer);
     if (covered && status == ISO_OK) *covered = p.covered;
     return status;
 }

@@ -50,6 +50,9 @@ typedef struct iso_picture_opts {
     const iso_picture_layers
         *layers; /* NULL: all surfaces are opaque. Else `draw` is for depth and normals in
                                          `aov`: those of the first surface, whatever its opacity */
+    /* NULL, or memory for all samples of the picture, which is then drawn as one strip: they stay there, but
+     * not with `layers` that draw nothing opaque. */
+    iso_gbuffer *gbuffer;
     iso_pool *pool;
     iso_aov *aov; /* NULL, or planes of the picture's size for depth, normals and coverage, and for ids */
 } iso_picture_opts;
@@ -63,7 +66,7 @@ iso_status iso_picture_check_samples(int samples, iso_error *error);
 /* Renders in strips of rows so that the gbuffer stays below strip_bytes, but a row of pixels at a time at
  * least. The picture does not depend on the height of the strips. `image` must be width x height pixels.
  * *covered (NULL is fine) is set to the number of samples that show a surface. Errors: ISO_ERR_USAGE
- * (samples), ISO_ERR_NOMEM, and the errors of `draw`. */
+ * (samples), ISO_ERR_NOMEM, ISO_ERR_IO (the pool's watch has cancelled), and the errors of `draw`. */
 iso_status iso_picture_render(const iso_picture_opts *opts, iso_image *image, size_t *covered,
                               iso_error *error);
 

@@ -13,7 +13,7 @@ iso_status iso_isosurface_mesh(const iso_grid *grid, double isovalue, iso_pool *
     iso_status status = iso_mesh_set_update(set, error);
     if (status == ISO_OK) {
         const iso_mesh_view view = iso_mesh_set_view(set);
-        status = iso_mesh_weld(&view, weld, error);
+        status = iso_mesh_weld(&view, NULL, weld, error);
     }
     iso_mesh_set_destroy(set);
     return status;

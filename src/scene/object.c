@@ -19,10 +19,10 @@ iso_status iso_scene_object_draw(iso_scene_object *object, const iso_target *tar
         iso_scene_object_count(object, target->gbuffer, target->surface);
         return ISO_OK;
     }
-    if (object->shapes) return iso_draw_shapes(target, object->shapes, &object->drawn, error);
-    const iso_mesh_view mesh = iso_triangle_spans_view(&object->spans);
     iso_target to = *target;
     to.clip = object->clip;
+    if (object->shapes) return iso_draw_shapes(&to, object->shapes, &object->drawn, error);
+    const iso_mesh_view mesh = iso_triangle_spans_view(&object->spans);
     return iso_draw_mesh(&to, &mesh, error);
 }
 

@@ -17,7 +17,7 @@ typedef struct iso_scene_object {
     /* How. */
     iso_rgb color;                 /* of what has no colour of its own */
     iso_translucency translucency; /* of opacity 1: opaque */
-    const iso_clip *clip;          /* what is cut away of a mesh; borrowed; NULL: nothing */
+    const iso_clip *clip;          /* what is cut away, but not of pyramid_lines; borrowed; NULL: nothing */
     /* How an opaque mesh is coloured by data; borrowed; NULL: in one colour. */
     const struct iso_coloring *coloring;
     bool in_pyramid; /* a mesh or ribbons, drawn in one image pyramid with surfaces */

@@ -56,7 +56,8 @@ static iso_status draw_pyramid(const iso_scene *scene, const iso_target *target,
 }
 
 static void tell_surface(const iso_scene *scene, int number, bool done) {
-    if (scene->progress) scene->progress->surface(scene->progress->context, number, done);
+    if (scene->progress && scene->progress->surface)
+        scene->progress->surface(scene->progress->context, number, done);
 }
 
 static iso_status draw_object(const iso_scene *scene, int i, const iso_target *target, iso_error *error) {
@@ -153,6 +154,12 @@ static iso_status draw_all(void *context, const iso_view *view, iso_gbuffer *gbu
     ISO_TRY(paint_colorings(context, view, gbuffer, error));
     ISO_TRY(draw_caps(context, view, gbuffer, error));
     return paint_labels(context, view, gbuffer, error);
+}
+
+iso_status iso_scene_draw(iso_scene *scene, const iso_view *view, iso_gbuffer *gbuffer, iso_pool *pool,
+                          iso_error *error) {
+    drawing d = {.scene = scene, .pool = pool};
+    return draw_all(&d, view, gbuffer, error);
 }
 
 /* iso_picture_opts.begin_strip. */
@@ -283,7 +290,7 @@ static bool is_painted(const iso_scene *scene, const iso_picture_opts *opts) {
     return scene->renderer->method == ISO_METHOD_EXACT && !scene->engine && !scene->caps &&
            iso_scene_colors(scene) == 1 && scene->count == 1 && !has_labels(scene) && !has_colorings(scene) &&
            opts->samples <= 1 && !opts->aov && opts->lighting == ISO_LIGHTING_PHONG && !opts->occlusion &&
-           !(opts->outline > 0);
+           !(opts->outline > 0) && !opts->gbuffer;
 }
 
 static iso_status paint(const iso_scene *scene, const iso_picture_opts *opts, iso_image *image,
@@ -291,7 +298,8 @@ static iso_status paint(const iso_scene *scene, const iso_picture_opts *opts, is
     const iso_view view = opts->view ? *opts->view : iso_view_make(opts->camera, opts->width, opts->height);
     const iso_exact_picture whole = {&view, &opts->shading, image, opts->pool,
                                      scene->surfaces[0].surface->clip};
-    return iso_paint_exact(&whole, scene->surfaces[0].surface->exact, covered, error);
+    ISO_TRY(iso_paint_exact(&whole, scene->surfaces[0].surface->exact, covered, error));
+    return iso_pool_check(opts->pool, "the picture", error);
 }
 
 /* Sets opts->occlusion. */

@@ -35,7 +35,7 @@ typedef struct iso_scene_engine {
 /* Is told how far a picture is. */
 typedef struct iso_scene_progress {
     void (*strip)(void *context, double from, double to); /* as iso_picture_opts.begin_strip */
-    /* Surface `number` is going to be drawn into the strip, or has been. Not in layered pictures. */
+    /* NULL, or: surface `number` is going to be drawn into the strip, or has been. Not in layered pictures. */
     void (*surface)(void *context, int number, bool done);
     void *context;
 } iso_scene_progress;
@@ -77,6 +77,11 @@ static inline int iso_scene_colors(const iso_scene *scene) {
  * Errors: those of the renderer and of iso_scene_object_draw. */
 iso_status iso_scene_draw_from(const iso_scene *scene, int first, const iso_view *view, iso_gbuffer *gbuffer,
                                iso_pool *pool, iso_error *error);
+
+/* Draws the whole scene, as if all of it were opaque, with its engine, into a cleared gbuffer: coloured by
+ * data, with labels and caps, but not lit. Errors: those of the engine, the renderer, objects and caps. */
+iso_status iso_scene_draw(iso_scene *scene, const iso_view *view, iso_gbuffer *gbuffer, iso_pool *pool,
+                          iso_error *error);
 
 /* Renders the picture. `opts`: without `draw`, `draw_context`, `begin_strip` and `layers`, which are set. One
  * exact surface is shaded while it is drawn, if nothing in `opts` prevents it, to the same pixels. Errors:

@@ -70,6 +70,6 @@ iso_status iso_draw_raycast(const iso_target *target, const iso_raycaster *caste
     (void)error;
     cast_context cast = {target, caster->tracer};
     size_t bands = ((size_t)target->gbuffer->height + ROWS_PER_TASK - 1) / ROWS_PER_TASK;
-    iso_parallel_for(target->pool, bands, cast_rows, &cast);
+    iso_parallel_until(target->pool, bands, cast_rows, &cast);
     return ISO_OK;
 }

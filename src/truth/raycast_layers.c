@@ -234,7 +234,7 @@ static void cast_row(void *context, size_t row, int worker) {
 void iso_shade_raycast_layers(const iso_raycast_layers *input, iso_layer_totals *totals) {
     const iso_strip *strip = input->picture.strip;
     layers_cast cast = {.input = input};
-    iso_parallel_for(input->picture.pool, (size_t)(strip->view->height / strip->factor), cast_row, &cast);
+    iso_parallel_until(input->picture.pool, (size_t)(strip->view->height / strip->factor), cast_row, &cast);
     const iso_layer_totals counted = {cast.covered, cast.layers, cast.most};
     iso_layer_totals_add(totals, &counted);
 }
@@ -261,5 +261,5 @@ static void read_row(void *context, size_t row, int worker) {
 
 void iso_read_raycast_layers(const iso_raycast_layers *input, const iso_raycast_reader *reader) {
     layers_reading reading = {input, reader};
-    iso_parallel_for(input->picture.pool, (size_t)input->picture.strip->view->height, read_row, &reading);
+    iso_parallel_until(input->picture.pool, (size_t)input->picture.strip->view->height, read_row, &reading);
 }

@@ -175,5 +175,5 @@ static void cast_row(void *context, size_t row, int worker) {
 
 void iso_raycast_map_glass(const iso_raycaster *caster, const iso_glass_map *map, iso_pool *pool) {
     map_cast cast = {caster, map};
-    iso_parallel_for(pool, (size_t)map->view->height, cast_row, &cast);
+    iso_parallel_until(pool, (size_t)map->view->height, cast_row, &cast);
 }

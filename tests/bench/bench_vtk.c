@@ -47,7 +47,7 @@ static iso_status write_mesh(bench_subject *subject, bench_vtk *vtk, iso_error *
     iso_mesh_view mesh;
     ISO_TRY(bench_subject_mesh(subject, &mesh, error));
     iso_weld weld = {0};
-    ISO_TRY(iso_mesh_weld(&mesh, &weld, error));
+    ISO_TRY(iso_mesh_weld(&mesh, NULL, &weld, error));
     iso_affine affine = iso_transform_affine(&mesh.transform);
     name_file(subject, vtk, "mesh");
     iso_status status = write_weld(&weld, &affine, vtk->path, error);

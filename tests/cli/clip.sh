@@ -48,6 +48,29 @@ for name in ("mesh", "object"):
     off = sum(a != b for a, b in zip(shown(whole), shown(Png(name + ".png"))))
     expect(off < 60, name, "covers", off, "other pixels")
 P
+# lines, opaque and translucent: what a plane leaves, and what it takes away, is in both the whole
+cat >walk.obj <<'END'
+v 0 0 0
+v 10 3 0
+v 20 0 8
+v 30 4 2
+l 1 2 3 4
+END
+for way in one:0.5 two:1; do
+    how="--lines walk.obj --radius 2 --line-opacity ${way#*:} --camera-position 15,-90,20 --camera-focal-point 15,0,3 --quiet"
+    isorender $how -o ${way%:*}_whole.png
+    isorender $how -o ${way%:*}_left.png --clip 'x<16'
+    isorender $how -o ${way%:*}_right.png --clip 'keep:x<16' --threads 1
+done
+python3 - <<'P'
+from check import Png, expect
+for way in ("one", "two"):
+    whole, left, right = (Png(way + end).pixels() for end in ("_whole.png", "_left.png", "_right.png"))
+    other = [sum(p != q for p, q in zip(whole, part)) for part in (left, right)]
+    both = sum(p != q and p != r for p, q, r in zip(whole, left, right))
+    expect(min(other) > 500, way, "is not cut:", other)
+    expect(both < 0.1 * min(other), way, "looks different in both halves in", both, "pixels of", other)
+P
 for where in 'x<3mm' 'x<' 'w<3' '1,2:0,0,1' '1,2,3:0,0,x' camera:near box:1,2,3,4,5 sphere:1,2,3 keep: @1 'x<3@' 'x<3@0' 'x<nan'; do
     refuses 2 "is not" isorender scene:head:32 bad.png --clip "$where"
 done
@@ -55,7 +78,7 @@ refuses 2 "it has no direction" isorender scene:head:32 bad.png --clip 1,2,3:0,0
 refuses 2 "least y, 5, is not below its greatest, 2" isorender scene:head:32 bad.png --clip box:1,5,3,4,2,6
 refuses 2 "is not above 0" isorender scene:head:32 bad.png --clip sphere:1,5,3,0
 refuses 2 "there is no @2" isorender scene:head:32 bad.png --clip 'x<3@2'
-refuses 2 "is not cut" isorender scene:head:32 bad.png --quiet --glyphs in/points.xyz --clip 'x<3@2'
+refuses 2 "there is no @3" isorender scene:head:32 bad.png --quiet --glyphs in/points.xyz --clip 'x<3@3'
 refuses 2 "needs the cpu" isorender scene:head:32 bad.png --clip 'x<3' --backend egl --method mesh
 refuses 2 "exact, mesh and raycast do" isorender scene:head:32 bad.png --clip 'x<3' --method points
 refuses 2 "more than 16 cuts" isorender scene:head:32 bad.png $(for i in $(seq 17); do echo "--clip x<$i"; done)

@@ -10,7 +10,7 @@ for name in 'scan {1}' '{n:3}' '{model}{'; do
     [ -f "a $name 0.png" ] && [ -f "p $name.ply" ]
     isorender "in/$name.mha" $options --turntable 2 2>said
     [ -f "${name}_000.png" ] && [ -f "${name}_001.png" ]
-    grep -qF "wrote ${name}_000.png to ${name}_001.png" said && grep -qF "'${name}_%03d.png'" said
+    grep -qF "wrote ${name}_000.png to ${name}_001.png" said
 done
 [ ! -f 000.png ] && [ "$(ls | grep -c png)" -eq 12 ]
 # One picture of a template with a number has the number, as the first of several has.

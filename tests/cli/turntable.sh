@@ -1,5 +1,5 @@
 isorender scene:torus:32 t.png --turntable 4 --camera right --up +z --resolution 80x60 --json=j.json 2>log
-grep -q "ffmpeg -framerate 25 -i 't_%03d.png'" log
+grep -q "wrote t_000.png to t_003.png$" log
 [ "$(ls t_*.png | tr '\n' ' ')" = "t_000.png t_001.png t_002.png t_003.png " ]
 isorender scene:torus:32 'x{n:2}.png' --turntable 2 --resolution 40x30 --quiet
 [ -f x00.png ] && [ -f x01.png ]

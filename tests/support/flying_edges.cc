@@ -130,7 +130,7 @@ size_t check_against_flying_edges(const iso_grid *grid, double isovalue) {
     assert_int_equal(iso_mesh_set_update(set, nullptr), ISO_OK);
     iso_mesh_view view = iso_mesh_set_view(set);
     iso_weld weld = {};
-    assert_int_equal(iso_mesh_weld(&view, &weld, nullptr), ISO_OK);
+    assert_int_equal(iso_mesh_weld(&view, nullptr, &weld, nullptr), ISO_OK);
     iso_mesh_set_destroy(set);
 
     vtkNew<vtkFlyingEdges3D> filter;

@@ -157,3 +157,18 @@ void test_shapes_variants(const iso_shapes *shapes, const iso_view *view) {
     test_strips_of(draw_shapes, shapes, view, 1, &wanted);
     iso_gbuffer_free(&wanted);
 }
+
+/* ---- what is cut */
+
+iso_clip test_shapes_clip(iso_vec3 middle) {
+    iso_clip clip = {.count = 2};
+    clip.body[0] = iso_clip_half_space(middle, iso_vec3_make(-0.7, -0.2, 1));
+    clip.body[1] = iso_clip_ball(iso_vec3_add(middle, iso_vec3_make(2, 1, 0)), 3);
+    return clip;
+}
+
+bool test_shapes_left(const iso_clip *clip, const iso_view *view, double px, double py, double depth) {
+    iso_vec3 origin, direction;
+    iso_view_ray(view, px, py, &origin, &direction);
+    return !clip || iso_clip_shows(clip, iso_vec3_add(origin, iso_vec3_scale(direction, depth)));
+}

@@ -27,4 +27,9 @@ void test_shapes_compare_views(const iso_shapes_scene *scene, iso_vec3 away, dou
 /* Fails the test unless every instruction set, number of threads and strip gives the same bytes. */
 void test_shapes_variants(const iso_shapes *shapes, const iso_view *view);
 
+/* A clip of a half-space, and of a ball that overlaps it. */
+iso_clip test_shapes_clip(iso_vec3 middle);
+/* Whether a clip (NULL: none) leaves the ray through (px, py) at a depth. */
+bool test_shapes_left(const iso_clip *clip, const iso_view *view, double px, double py, double depth);
+
 #endif

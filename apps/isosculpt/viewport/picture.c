@@ -8,7 +8,9 @@
 #include "apps/isosculpt/viewport/memory.h"
 #include "apps/isosculpt/viewport/reference.h"
 #include "apps/isosculpt/viewport/see_through.h"
+#include "apps/isosculpt/viewport/shown.h"
 #include "base/clock.h"
+#include "render/shading/outline.h"
 
 /* Seconds for a picture while the camera moves: above the first limit the next picture gets fewer samples,
  * below the second one more. */
@@ -39,30 +41,9 @@ static iso_status extract_part(isosculpt_viewport *viewport, iso_part part, bool
 
 /* ---- drawing */
 
-static iso_status draw_surface(isosculpt_viewport *viewport, iso_method method, const iso_target *target,
-                               iso_error *error) {
-    iso_gbuffer_clear_bands(target->gbuffer, viewport->pool);
-    if (method == ISO_METHOD_MESH) /* spans that face away are not drawn */
-        ISO_TRY(iso_mesh_set_bound(viewport->surface.mesh, error));
-    iso_scene_surface surface = viewport->surface; /* borrows the parts, and draws other points perhaps */
-    const iso_point_view points =
-        viewport->drawn_points ? iso_point_set_view(viewport->drawn_points) : (iso_point_view){0};
-    surface.given = viewport->drawn_points ? &points : NULL;
-    return iso_renderer_get(method)->draw(&surface, target, error);
-}
-
-static void shade_strip(isosculpt_viewport *viewport, const iso_strip *strip, iso_image *image) {
-    isosculpt_material_strip(&viewport->mode.material, &viewport->matcap, strip, image, viewport->pool);
-    if (viewport->mask.at) isosculpt_darken_masked(viewport, strip, image);
-}
-
-/* Draws and shades the surface into the strip's rows of an image; `gbuffer` is the strip's. */
-static iso_status draw_and_shade(isosculpt_viewport *viewport, iso_method method, const iso_strip *strip,
-                                 iso_gbuffer *gbuffer, iso_image *image, iso_error *error) {
-    const iso_target target = {.view = strip->view, .gbuffer = gbuffer, .pool = viewport->pool};
-    ISO_TRY(draw_surface(viewport, method, &target, error));
-    shade_strip(viewport, strip, image);
-    return ISO_OK;
+/* Whether a picture gets the viewport's light; `hurried`: there is no time. */
+static bool is_lit(const isosculpt_viewport *viewport, bool hurried) {
+    return !hurried && isosculpt_viewport_has_light(viewport);
 }
 
 static isosculpt_rectangle whole_image(const isosculpt_viewport *viewport) {
@@ -76,7 +57,7 @@ static void begin_whole(isosculpt_viewport *viewport, int factor) {
     drawn->canvas = NULL;
     drawn->view = iso_view_make(&viewport->camera, (viewport->width + factor - 1) / factor,
                                 (viewport->height + factor - 1) / factor);
-    viewport->drawn_exactly = false;
+    viewport->drawn_exactly = viewport->drawn_lit = false;
 }
 
 /* Returns how the reference is drawn now; it is not shown if there is none. */
@@ -93,19 +74,18 @@ static void finish_whole(isosculpt_viewport *viewport) {
     viewport->drawn_isovalue = viewport->isovalue;
     viewport->drawn_see_through = viewport->see_through;
     viewport->drawn_opaque = viewport->opaque;
+    viewport->drawn_style = viewport->style;
     viewport->drawn_reference_mode = shown_reference(viewport);
 }
 
-/* Draws the surfaces of a picture of viewport->drawn.view, and shades it. `quick`: from the points of a level
- * of detail. `picks`: also draws samples to pick from; else there are none. */
-static iso_status draw_see_through(isosculpt_viewport *viewport, bool quick, bool picks, iso_error *error) {
+/* Draws the samples to pick from of a picture with translucent surfaces: those of the front surface, drawn as
+ * if all were opaque. */
+static iso_status draw_picks(isosculpt_viewport *viewport, iso_error *error) {
     isosculpt_pick_buffer *drawn = &viewport->drawn;
-    const iso_strip strip = {.view = &drawn->view, .gbuffer = &drawn->gbuffer, .factor = 1};
-    if (quick) return isosculpt_see_through_draw_quick(viewport, error);
-    ISO_TRY(isosculpt_see_through_shade(viewport, &strip, &drawn->gbuffer, &viewport->image, error));
-    if (!picks) iso_gbuffer_clear_bands(&drawn->gbuffer, viewport->pool);
-    if (!picks) return ISO_OK;
-    return isosculpt_see_through_draw_samples(viewport, &drawn->view, &drawn->gbuffer, error);
+    isosculpt_shown shown;
+    ISO_TRY(isosculpt_shown_list(viewport, ISO_METHOD_EXACT, 1, false, &shown, error));
+    iso_gbuffer_clear_bands(&drawn->gbuffer, viewport->pool);
+    return iso_scene_draw(&shown.scene, &drawn->view, &drawn->gbuffer, viewport->pool, error);
 }
 
 /* Draws the whole picture with the cpu engine, one sample for factor x factor pixels. `hurried`: the
@@ -117,13 +97,22 @@ static iso_status draw_whole(isosculpt_viewport *viewport, iso_method method, in
     const int width = drawn->view.width, height = drawn->view.height;
     ISO_TRY(isosculpt_reserve_samples(&drawn->gbuffer, width, height, error));
     ISO_TRY(isosculpt_reserve_pixels(&viewport->image, &viewport->image_room, width, height, error));
-    iso_strip strip = {.view = &drawn->view, .gbuffer = &drawn->gbuffer, .factor = 1};
-    if (isosculpt_viewport_is_see_through(viewport))
-        ISO_TRY(draw_see_through(viewport, method != ISO_METHOD_EXACT, factor == 1, error));
+    const bool lit = is_lit(viewport, hurried),
+               quick = isosculpt_viewport_is_see_through(viewport) && method != ISO_METHOD_EXACT;
+    if (quick)
+        ISO_TRY(isosculpt_see_through_draw_quick(viewport, error));
     else
-        ISO_TRY(draw_and_shade(viewport, method, &strip, &drawn->gbuffer, &viewport->image, error));
+        ISO_TRY(isosculpt_shown_render(viewport, method, &drawn->view, 1, lit, 1, &drawn->gbuffer,
+                                       &viewport->image, error));
+    if (!quick && isosculpt_viewport_is_translucent(viewport)) {
+        if (factor == 1)
+            ISO_TRY(draw_picks(viewport, error));
+        else
+            iso_gbuffer_clear_bands(&drawn->gbuffer, viewport->pool);
+    }
     isosculpt_reference_blend_whole(viewport, hurried);
     finish_whole(viewport);
+    viewport->drawn_lit = lit;
     viewport->drawn_exactly = method == ISO_METHOD_EXACT && factor == 1;
     viewport->redrawn = viewport->unrefined =
         (isosculpt_damage){.rectangle = {whole_image(viewport)}, .count = 1};
@@ -136,16 +125,17 @@ static bool is_by_gl(const isosculpt_viewport *viewport, bool moving) {
     const isosculpt_display_mode *mode = &viewport->mode;
     return viewport->gl && mode->engine == ISOSCULPT_ENGINE_GL && !viewport->mask.at &&
            !isosculpt_viewport_is_see_through(viewport) && !isosculpt_viewport_shows_reference(viewport) &&
+           !isosculpt_viewport_is_cut(viewport) && !is_lit(viewport, moving) &&
            (mode->method != ISO_METHOD_EXACT || moving);
 }
 
 /* Draws the picture of drawn.view with factor x factor samples a pixel. */
 static iso_status draw_canvas(isosculpt_viewport *viewport, iso_method method, int factor, iso_error *error) {
-    const isosculpt_material *material = &viewport->mode.material;
-    const isosculpt_matcap *matcap = isosculpt_material_matcap(material, &viewport->matcap);
+    const isosculpt_material material = isosculpt_viewport_material(viewport);
+    const isosculpt_matcap *matcap = isosculpt_material_matcap(&material, &viewport->matcap);
     const iso_gl_paint paint = {.factor = factor,
-                                .color = material->color,
-                                .background = material->background,
+                                .color = material.color,
+                                .background = material.background,
                                 .sphere = matcap ? matcap->rgb[0][0] : NULL,
                                 .sphere_side = ISOSCULPT_MATCAP_SIDE};
     const iso_view samples = iso_view_scaled(&viewport->drawn.view, factor);
@@ -197,32 +187,34 @@ iso_status isosculpt_viewport_read_back(isosculpt_viewport *viewport, iso_error 
 
 /* The view of a part of a picture. */
 static iso_view tile_view(const iso_view *picture, isosculpt_rectangle r) {
-    iso_view tile = *picture;
+    iso_view tile = iso_view_rows(picture, r.y0, r.y1 - r.y0);
     tile.cx -= r.x0;
-    tile.cy -= r.y0;
     tile.width = r.x1 - r.x0;
-    tile.height = r.y1 - r.y0;
     return tile;
 }
 
-static void copy_tile_pixels(isosculpt_viewport *viewport, isosculpt_rectangle r) {
-    const size_t bytes = (size_t)(r.x1 - r.x0) * 4;
+/* Copies part `r` of the picture from the tile of part `of`, which contains it. */
+static void copy_tile_pixels(isosculpt_viewport *viewport, isosculpt_rectangle r, isosculpt_rectangle of) {
+    const size_t bytes = (size_t)(r.x1 - r.x0) * 4, width = (size_t)(of.x1 - of.x0);
     for (int y = r.y0; y < r.y1; y++)
         memcpy(viewport->image.rgba + ((size_t)y * (size_t)viewport->image.width + (size_t)r.x0) * 4,
-               viewport->tile_image.rgba + (size_t)(y - r.y0) * bytes, bytes);
+               viewport->tile_image.rgba + ((size_t)(y - of.y0) * width + (size_t)(r.x0 - of.x0)) * 4, bytes);
 }
 
-static void copy_tile_samples(isosculpt_viewport *viewport, isosculpt_rectangle r) {
+static iso_status copy_tile_samples(isosculpt_viewport *viewport, isosculpt_rectangle r, iso_error *error) {
     const iso_gbuffer *from = &viewport->tile;
     iso_gbuffer *to = &viewport->drawn.gbuffer;
     const size_t count = (size_t)(r.x1 - r.x0);
+    if (from->color) ISO_TRY(iso_gbuffer_add_color(to, error));
     for (int y = r.y0; y < r.y1; y++) {
         size_t at = (size_t)(y - r.y0) * count, out = (size_t)y * (size_t)to->width + (size_t)r.x0;
         memcpy(to->depth + out, from->depth + at, count * sizeof *to->depth);
         memcpy(to->surface + out, from->surface + at, count * sizeof *to->surface);
         for (int axis = 0; axis < 3; axis++)
             memcpy(to->normal[axis] + out, from->normal[axis] + at, count * sizeof *to->normal[axis]);
+        if (from->color) memcpy(to->color + out, from->color + at, count * sizeof *to->color);
     }
+    return ISO_OK;
 }
 
 static void average_pixel(const iso_image *samples, int factor, size_t first, uint8_t rgba[4]) {
@@ -238,11 +230,10 @@ static void average_pixel(const iso_image *samples, int factor, size_t first, ui
 /* Draws and shades a tile with the reference: it is blended over every sample, then the samples of a pixel
  * are averaged. */
 static iso_status draw_fine_tile(isosculpt_viewport *viewport, iso_method method, const iso_view *view,
-                                 isosculpt_rectangle part, int factor, iso_error *error) {
+                                 isosculpt_rectangle part, int factor, bool lit, iso_error *error) {
     iso_image *fine = &viewport->fine_image, *pixels = &viewport->tile_image;
-    const iso_strip strip = {.view = view, .gbuffer = &viewport->tile, .factor = 1};
     ISO_TRY(isosculpt_reserve_pixels(fine, &viewport->fine_room, view->width, view->height, error));
-    ISO_TRY(draw_and_shade(viewport, method, &strip, &viewport->tile, fine, error));
+    ISO_TRY(isosculpt_shown_render(viewport, method, view, 1, lit, factor, &viewport->tile, fine, error));
     isosculpt_reference_blend_fine(viewport, part, factor, fine);
     for (int y = 0; y < pixels->height; y++)
         for (int x = 0; x < pixels->width; x++)
@@ -251,24 +242,33 @@ static iso_status draw_fine_tile(isosculpt_viewport *viewport, iso_method method
     return ISO_OK;
 }
 
-/* Draws a part of the picture with factor x factor samples a pixel. */
+/* The part of the picture that a part's lines depend on. */
+static isosculpt_rectangle with_surroundings(const isosculpt_viewport *viewport, isosculpt_rectangle r,
+                                             bool lit) {
+    const int reach = lit && viewport->light.outline > 0 ? iso_outline_reach(viewport->light.outline) : 0,
+              width = viewport->image.width, height = viewport->image.height;
+    return (isosculpt_rectangle){r.x0 > reach ? r.x0 - reach : 0, r.y0 > reach ? r.y0 - reach : 0,
+                                 r.x1 < width - reach ? r.x1 + reach : width,
+                                 r.y1 < height - reach ? r.y1 + reach : height};
+}
+
+/* Draws a part of the picture with factor x factor samples a pixel. Parts with one sample are those that
+ * strokes change: not `lit`. */
 static iso_status draw_tile(isosculpt_viewport *viewport, iso_method method, isosculpt_rectangle r,
-                            int factor, iso_error *error) {
-    iso_view pixels = tile_view(&viewport->drawn.view, r), samples = iso_view_scaled(&pixels, factor);
+                            int factor, bool lit, iso_error *error) {
+    const isosculpt_rectangle drawn = with_surroundings(viewport, r, lit);
+    iso_view pixels = tile_view(&viewport->drawn.view, drawn), samples = iso_view_scaled(&pixels, factor);
     ISO_TRY(isosculpt_reserve_samples(&viewport->tile, samples.width, samples.height, error));
     ISO_TRY(isosculpt_reserve_pixels(&viewport->tile_image, &viewport->tile_room, pixels.width, pixels.height,
                                      error));
-    iso_strip strip = {.view = &samples, .gbuffer = &viewport->tile, .factor = factor};
-    if (isosculpt_viewport_is_see_through(viewport))
-        ISO_TRY(isosculpt_see_through_shade(viewport, &strip, &viewport->tile, &viewport->tile_image, error));
-    else if (factor > 1 && isosculpt_viewport_shows_reference(viewport))
-        ISO_TRY(draw_fine_tile(viewport, method, &samples, r, factor, error));
+    if (factor > 1 && isosculpt_viewport_shows_reference(viewport))
+        ISO_TRY(draw_fine_tile(viewport, method, &samples, drawn, factor, lit, error));
     else
-        ISO_TRY(draw_and_shade(viewport, method, &strip, &viewport->tile, &viewport->tile_image, error));
+        ISO_TRY(isosculpt_shown_render(viewport, method, &pixels, factor, lit, 1, &viewport->tile,
+                                       &viewport->tile_image, error));
     if (factor == 1) isosculpt_reference_blend_tile(viewport, r);
-    copy_tile_pixels(viewport, r);
-    if (factor == 1) copy_tile_samples(viewport, r);
-    return ISO_OK;
+    copy_tile_pixels(viewport, r, drawn);
+    return factor == 1 ? copy_tile_samples(viewport, r, error) : ISO_OK;
 }
 
 /* ---- what has to be drawn */
@@ -293,7 +293,7 @@ static bool is_still(const isosculpt_viewport *viewport, int width, int height) 
            same_mode(&viewport->mode, &viewport->drawn_mode) &&
            viewport->isovalue == viewport->drawn_isovalue &&
            same_see_through(&viewport->see_through, &viewport->drawn_see_through) &&
-           viewport->opaque == viewport->drawn_opaque;
+           viewport->style == viewport->drawn_style && viewport->opaque == viewport->drawn_opaque;
 }
 
 static void adapt_moving_factor(isosculpt_viewport *viewport, bool layers, double seconds) {
@@ -337,7 +337,9 @@ static iso_status draw_again(isosculpt_viewport *viewport, bool moving, bool hur
         ISO_TRY(draw_whole(viewport, method, factor, hurried, error));
     else if (!draw_whole_by_gl(viewport, method, factor))
         return draw_again(viewport, moving, hurried, error);
-    const bool coarse = factor > 1 || quick || method != chosen || isosculpt_reference_is_coarse(viewport);
+    const bool lacks_light = isosculpt_viewport_has_light(viewport) && !viewport->drawn_lit;
+    const bool coarse =
+        factor > 1 || quick || method != chosen || lacks_light || isosculpt_reference_is_coarse(viewport);
     viewport->quality = coarse ? ISOSCULPT_QUALITY_MOVING : ISOSCULPT_QUALITY_REST;
     if (moving) adapt_moving_factor(viewport, layers && !quick, iso_clock_seconds() - start);
     if (moving) isosculpt_latency_add(&viewport->draw, iso_clock_seconds() - start);
@@ -351,7 +353,7 @@ static iso_status draw_damage(isosculpt_viewport *viewport, bool moving, iso_err
     if (2 * isosculpt_damage_area(redrawn) > isosculpt_rectangle_area(whole_image(viewport)))
         return draw_whole(viewport, ISO_METHOD_EXACT, 1, moving, error);
     for (int i = 0; i < redrawn->count; i++) {
-        ISO_TRY(draw_tile(viewport, ISO_METHOD_EXACT, redrawn->rectangle[i], 1, error));
+        ISO_TRY(draw_tile(viewport, ISO_METHOD_EXACT, redrawn->rectangle[i], 1, false, error));
         isosculpt_damage_add(&viewport->unrefined, redrawn->rectangle[i]);
     }
     return ISO_OK;
@@ -369,7 +371,9 @@ static bool has_other_reference(const isosculpt_viewport *viewport, bool moving)
 /* Shades the samples of an exact picture again, and blends the reference over it. */
 static void shade_again(isosculpt_viewport *viewport, bool moving) {
     const iso_strip strip = {.view = &viewport->drawn.view, .gbuffer = &viewport->drawn.gbuffer, .factor = 1};
-    shade_strip(viewport, &strip, &viewport->image);
+    const isosculpt_material material = isosculpt_viewport_material(viewport);
+    isosculpt_material_strip(&material, &viewport->matcap, &strip, &viewport->image, viewport->pool);
+    if (viewport->mask.at) isosculpt_darken_masked(viewport, &strip, &viewport->image);
     isosculpt_reference_blend_whole(viewport, moving);
     viewport->drawn_reference_mode = shown_reference(viewport);
     viewport->redrawn = viewport->unrefined =
@@ -389,8 +393,9 @@ static iso_status draw_changes(isosculpt_viewport *viewport, bool moving, iso_er
     if (!viewport->redrawn.count && !other_reference) return ISO_OK;
     ISO_TRY(draw_damage(viewport, moving, error));
     if (other_reference) shade_again(viewport, moving);
-    viewport->quality =
-        isosculpt_reference_is_coarse(viewport) ? ISOSCULPT_QUALITY_MOVING : ISOSCULPT_QUALITY_REST;
+    viewport->quality = isosculpt_reference_is_coarse(viewport) || isosculpt_viewport_has_light(viewport)
+                            ? ISOSCULPT_QUALITY_MOVING
+                            : ISOSCULPT_QUALITY_REST;
     isosculpt_latency_add(&viewport->draw, iso_clock_seconds() - start);
     return ISO_OK;
 }
@@ -406,7 +411,7 @@ iso_status isosculpt_viewport_draw(isosculpt_viewport *viewport, int width, int 
         viewport->slow_layers = false;
     viewport->width = width;
     viewport->height = height;
-    if (still && exact && viewport->drawn_exactly)
+    if (still && exact && viewport->drawn_exactly && !viewport->drawn_lit && !is_lit(viewport, moving))
         ISO_TRY(draw_changes(viewport, moving, error));
     else
         ISO_TRY(draw_again(viewport, moving && !(still && exact && at_once), moving, error));
@@ -444,7 +449,7 @@ iso_status isosculpt_viewport_refine(isosculpt_viewport *viewport, iso_error *er
         }
     } else if (viewport->unrefined.count) {
         isosculpt_rectangle tile = take_tile(viewport, method);
-        ISO_TRY(draw_tile(viewport, method, tile, TILE_FACTOR, error));
+        ISO_TRY(draw_tile(viewport, method, tile, TILE_FACTOR, viewport->drawn_lit, error));
         isosculpt_damage_add(&viewport->redrawn, tile);
     }
     if (viewport->unrefined.count || viewport->quality != ISOSCULPT_QUALITY_REST) return ISO_OK;

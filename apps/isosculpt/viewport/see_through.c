@@ -1,15 +1,14 @@
-/* Pictures with translucent surfaces or with two isovalues: exact pictures with all layers, or quick pictures
- * with the front layer of each surface.
+/* Pictures with translucent surfaces or with two isovalues: quick ones, with the front layer of each surface.
  *
  * The quick picture blends the front layer of each surface over what is behind it. The opacity depends on the
  * angle (Kay and Greenberg 1979), as in the exact picture. */
 #include "apps/isosculpt/viewport/see_through.h"
 
 #include "apps/isosculpt/viewport/memory.h"
+#include "apps/isosculpt/viewport/shown.h"
 #include "render/layers/opacity.h"
-#include "scene/layered_picture.h"
 
-enum { SURFACES = 2 };
+enum { SURFACES = ISOSCULPT_SURFACES };
 
 bool isosculpt_viewport_has_second(const isosculpt_viewport *viewport) {
     const isosculpt_see_through *s = &viewport->see_through;
@@ -21,75 +20,34 @@ bool isosculpt_viewport_is_see_through(const isosculpt_viewport *viewport) {
            (viewport->lod && !viewport->opaque && viewport->see_through.opacity < 1);
 }
 
+bool isosculpt_viewport_is_translucent(const isosculpt_viewport *viewport) {
+    const isosculpt_see_through *s = &viewport->see_through;
+    return isosculpt_viewport_is_see_through(viewport) &&
+           (s->opacity < 1 || (isosculpt_viewport_has_second(viewport) && s->second_opacity < 1));
+}
+
+bool isosculpt_viewport_is_cut(const isosculpt_viewport *viewport) {
+    return viewport->cut.count > 0;
+}
+
+bool isosculpt_viewport_has_light(const isosculpt_viewport *viewport) {
+    const isosculpt_light *light = &viewport->light;
+    return (light->occlusion.ambient || light->occlusion.shadow || light->outline > 0) &&
+           !isosculpt_viewport_is_translucent(viewport);
+}
+
 iso_method isosculpt_viewport_method(const isosculpt_viewport *viewport) {
-    return isosculpt_viewport_is_see_through(viewport) ? ISO_METHOD_EXACT : viewport->mode.method;
+    const iso_method chosen = viewport->mode.method;
+    const bool cuts = !isosculpt_viewport_is_cut(viewport) || iso_method_can(chosen, ISO_CAN_CLIP);
+    return isosculpt_viewport_is_see_through(viewport) || !cuts ? ISO_METHOD_EXACT : chosen;
 }
 
-/* ---- with all layers */
-
-/* The surfaces of a picture, as arguments for scene/layered_picture.h. */
-typedef struct surfaces {
-    iso_layered_surface layered[SURFACES];
-    iso_rgb colors[SURFACES];
-    iso_shading shading;
-    iso_layered_picture picture;
-} surfaces;
-
-static void list_surfaces(const isosculpt_viewport *viewport, surfaces *s) {
-    const isosculpt_see_through *how = &viewport->see_through;
-    const int count = isosculpt_viewport_has_second(viewport) ? SURFACES : 1;
-    *s = (surfaces){.layered = {{&viewport->surface, {.opacity = (float)how->opacity}},
-                                {&viewport->second, {.opacity = (float)how->second_opacity}}},
-                    .colors = {viewport->mode.material.color, how->second_color}};
-    s->shading = (iso_shading){
-        .colors = s->colors, .color_count = count, .background = viewport->mode.material.background};
-    s->picture = (iso_layered_picture){.method = ISO_METHOD_EXACT,
-                                       .surfaces = s->layered,
-                                       .count = count,
-                                       .shading = &s->shading,
-                                       .pool = viewport->pool};
-}
-
-static bool is_translucent(const surfaces *s) {
-    for (int i = 0; i < s->picture.count; i++)
-        if (s->layered[i].translucency.opacity < 1) return true;
-    return false;
-}
-
-/* Draws the opaque surfaces into a cleared gbuffer; *some: whether there are any. */
-static iso_status draw_opaque(surfaces *s, const iso_view *view, iso_gbuffer *gbuffer,
-                              iso_picture_layers *callbacks, bool *some, iso_error *error) {
-    ISO_TRY(iso_layered_picture_callbacks(&s->picture, callbacks, error));
-    *some = callbacks->draw_opaque;
-    if (!*some) return ISO_OK;
-    iso_gbuffer_clear_bands(gbuffer, s->picture.pool);
-    return callbacks->draw_opaque(callbacks->context, view, gbuffer, error);
-}
-
-iso_status isosculpt_see_through_shade(const isosculpt_viewport *viewport, const iso_strip *strip,
-                                       iso_gbuffer *gbuffer, iso_image *image, iso_error *error) {
-    const iso_gbuffer size = {.width = strip->view->width, .height = strip->view->height};
-    surfaces s;
-    iso_picture_layers callbacks;
-    bool some;
-    size_t covered;
-    list_surfaces(viewport, &s);
-    ISO_TRY(draw_opaque(&s, strip->view, gbuffer, &callbacks, &some, error));
-    iso_strip behind = *strip;
-    behind.gbuffer = some ? gbuffer : &size;
-    if (is_translucent(&s)) return callbacks.shade(callbacks.context, &behind, image, NULL, &covered, error);
-    iso_shade(&s.shading, &behind, image, viewport->pool);
-    return ISO_OK;
-}
-
-iso_status isosculpt_see_through_draw_samples(const isosculpt_viewport *viewport, const iso_view *view,
-                                              iso_gbuffer *gbuffer, iso_error *error) {
-    surfaces s;
-    iso_picture_layers callbacks;
-    bool some;
-    list_surfaces(viewport, &s);
-    for (int i = 0; i < s.picture.count; i++) s.layered[i].translucency.opacity = 1;
-    return draw_opaque(&s, view, gbuffer, &callbacks, &some, error);
+isosculpt_material isosculpt_viewport_material(const isosculpt_viewport *viewport) {
+    isosculpt_material material = viewport->mode.material;
+    if (isosculpt_viewport_is_see_through(viewport) || isosculpt_viewport_is_cut(viewport) ||
+        isosculpt_viewport_has_light(viewport))
+        material.shading = ISOSCULPT_SHADING_LAMPS;
+    return material;
 }
 
 /* ---- with the front layers */
@@ -140,7 +98,7 @@ static void blend_row(void *context, size_t row, int worker) {
 }
 
 /* Draws points as if they were opaque, into a gbuffer and an image of the picture's size. */
-static iso_status draw_points(isosculpt_viewport *viewport, iso_point_set *set, iso_rgb color,
+static iso_status draw_points(isosculpt_viewport *viewport, int surface, iso_point_set *set, iso_rgb color,
                               iso_gbuffer *gbuffer, iso_image *image, iso_error *error) {
     const iso_view *view = &viewport->drawn.view;
     const iso_point_view points = iso_point_set_view(set);
@@ -151,6 +109,7 @@ static iso_status draw_points(isosculpt_viewport *viewport, iso_point_set *set, 
         .colors = &color, .color_count = 1, .background = viewport->mode.material.background};
     iso_gbuffer_clear_bands(gbuffer, viewport->pool);
     ISO_TRY(iso_draw_point_surface(&target, &points, &opts, error));
+    isosculpt_shown_cut_samples(viewport, surface, view, gbuffer);
     iso_shade(&shading, &strip, image, viewport->pool);
     return ISO_OK;
 }
@@ -167,7 +126,7 @@ static iso_status draw_second(isosculpt_viewport *viewport, iso_error *error) {
     ISO_TRY(isosculpt_reserve_pixels(&viewport->tile_image, &viewport->tile_room, view->width, view->height,
                                      error));
     ISO_TRY(isosculpt_lod_update_second(viewport->lod, how->second_isovalue, error));
-    return draw_points(viewport, isosculpt_lod_second_points(viewport->lod), how->second_color,
+    return draw_points(viewport, 1, isosculpt_lod_second_points(viewport->lod), how->second_color,
                        &viewport->tile, &viewport->tile_image, error);
 }
 
@@ -177,7 +136,7 @@ iso_status isosculpt_see_through_draw_quick(isosculpt_viewport *viewport, iso_er
     const bool two = isosculpt_viewport_has_second(viewport);
     iso_gbuffer *gbuffer = &viewport->drawn.gbuffer;
     if (two) ISO_TRY(draw_second(viewport, error));
-    ISO_TRY(draw_points(viewport, isosculpt_lod_points(viewport->lod), material->color, gbuffer,
+    ISO_TRY(draw_points(viewport, 0, isosculpt_lod_points(viewport->lod), material->color, gbuffer,
                         &viewport->image, error));
     blending b = {.view = &viewport->drawn.view,
                   .layers = {make_layer(gbuffer, &viewport->image, how->opacity),

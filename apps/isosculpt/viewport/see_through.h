@@ -1,23 +1,13 @@
 /* see_through: pictures of a viewed volume with translucent surfaces, or with two isosurfaces. For the files
  * of viewport/ only.
  *
- * At rest and while the camera moves, the surfaces are drawn with all their layers (scene/layered_picture.h),
+ * At rest and while the camera moves, the surfaces are drawn with all their layers (shown.h),
  * as isorender draws them. While the user drags an isovalue there is no time to extract cells; the points of
  * a level of detail are drawn instead, and only the front layer of each surface. */
 #ifndef ISO_APPS_ISOSCULPT_VIEWPORT_SEE_THROUGH_H
 #define ISO_APPS_ISOSCULPT_VIEWPORT_SEE_THROUGH_H
 
 #include "apps/isosculpt/viewport/viewport.h"
-
-/* Draws and shades the surfaces into the strip's rows of `image`. Their cells are up to date. `gbuffer` has
- * the strip's size and is overwritten. ISO_ERR_NOMEM. */
-iso_status isosculpt_see_through_shade(const isosculpt_viewport *viewport, const iso_strip *strip,
-                                       iso_gbuffer *gbuffer, iso_image *image, iso_error *error);
-
-/* Draws the samples that a user picks from: those of the front surface, drawn as if all surfaces were opaque.
- * ISO_ERR_NOMEM. */
-iso_status isosculpt_see_through_draw_samples(const isosculpt_viewport *viewport, const iso_view *view,
-                                              iso_gbuffer *gbuffer, iso_error *error);
 
 /* Draws a picture of viewport->drawn.view from the points of a level of detail, which are up to date for the
  * first isovalue, into viewport->drawn.gbuffer (the first surface's samples) and viewport->image; both have

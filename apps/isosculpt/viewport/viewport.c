@@ -2,6 +2,7 @@
 #include "apps/isosculpt/viewport/viewport.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -9,6 +10,7 @@
 #include "apps/isosculpt/viewport/reference.h"
 #include "base/memory.h"
 #include "base/numbers.h"
+#include "scene/bounds.h"
 
 static const double DEGREES_A_PIXEL = 0.4;
 
@@ -59,6 +61,9 @@ iso_status isosculpt_viewport_init_grid(isosculpt_viewport *viewport, const iso_
     *viewport = (isosculpt_viewport){.mode = {.material = {.color = clay, .background = dusk}},
                                      .see_through = {.opacity = 1, .second_opacity = 1, .second_color = bone},
                                      .reference_mode = {.opacity = 0.35, .color = ice},
+                                     .cut = {.plane = -1,
+                                             .cap = {.kind = ISO_CAP_SURFACE, .map = ISO_COLORMAP_GRAY},
+                                             .window = {NAN, NAN}},
                                      .moving_factor = 1,
                                      .pool = pool};
     viewport->grid = *grid;
@@ -87,6 +92,8 @@ void isosculpt_viewport_free(isosculpt_viewport *viewport) {
     iso_scene_surface_free(&viewport->surface);
     iso_scene_surface_free(&viewport->second);
     iso_point_workspace_destroy(viewport->workspace);
+    if (viewport->occluders) iso_occluders_free(viewport->occluders);
+    iso_free(viewport->occluders);
     iso_gbuffer_free(&viewport->drawn.gbuffer);
     iso_gbuffer_free(&viewport->pick_buffer.gbuffer);
     iso_gbuffer_free(&viewport->tile);
@@ -132,7 +139,9 @@ bool isosculpt_pick_buffer_pick(const isosculpt_pick_buffer *buffer, double x, d
     double world[3];
     for (int k = 0; k < 3; k++)
         world[k] = r[k] * (double)n[0] + r[3 + k] * (double)n[1] + r[6 + k] * (double)n[2];
-    pick->normal = iso_vec3_unit(iso_vec3_make(world[0], world[1], world[2]));
+    const bool lit = n[0] != 0 || n[1] != 0 || n[2] != 0; /* slices are not */
+    pick->normal =
+        lit ? iso_vec3_unit(iso_vec3_make(world[0], world[1], world[2])) : iso_vec3_make(-r[6], -r[7], -r[8]);
     return true;
 }
 
@@ -276,4 +285,60 @@ void isosculpt_viewport_focus(isosculpt_viewport *viewport, const iso_vec3 *at) 
                    inward = iso_vec3_scale(forward, iso_vec3_dot(move, forward));
     camera->position = iso_vec3_add(camera->position, iso_vec3_sub(move, inward));
     camera->focal_point = *at;
+}
+
+/* ---- what is cut away */
+
+static iso_vec3 forward_of(const iso_camera *camera) {
+    return iso_vec3_unit(iso_vec3_sub(camera->focal_point, camera->position));
+}
+
+void isosculpt_viewport_toggle_plane(isosculpt_viewport *viewport) {
+    isosculpt_cut *cut = &viewport->cut;
+    const iso_vec3 forward = forward_of(&viewport->camera);
+    const double f[3] = {forward.x, forward.y, forward.z};
+    double to_eye[3] = {0, 0, 0};
+    int axis = 0;
+    viewport->style++;
+    if (cut->plane >= 0) {
+        isosculpt_cut_remove_plane(cut);
+        return;
+    }
+    for (int i = 1; i < 3; i++)
+        if (fabs(f[i]) > fabs(f[axis])) axis = i;
+    to_eye[axis] = f[axis] > 0 ? -1 : 1;
+    const iso_box box = isosculpt_viewport_bounds(viewport);
+    isosculpt_cut_place(cut, iso_vec3_scale(iso_vec3_add(box.lo, box.hi), 0.5),
+                        iso_vec3_make(to_eye[0], to_eye[1], to_eye[2]));
+}
+
+/* The least distance along the view, from the world's origin, of a point of the surface. */
+static double front_of(const isosculpt_viewport *viewport, iso_vec3 forward) {
+    const iso_point_view points =
+        iso_point_set_view(viewport->lod ? isosculpt_lod_points(viewport->lod) : viewport->surface.points);
+    iso_affine along = iso_transform_affine(&points.transform);
+    const double *m = along.m, f[3] = {forward.x, forward.y, forward.z};
+    double row[3];
+    for (int k = 0; k < 3; k++) row[k] = f[0] * m[k] + f[1] * m[3 + k] + f[2] * m[6 + k];
+    memcpy(along.m + 6, row, sizeof row);
+    along.origin[2] = iso_vec3_dot(forward, iso_vec3_make(along.origin[0], along.origin[1], along.origin[2]));
+    return iso_bounds_of_each_point(&points, &along).lo.z;
+}
+
+iso_status isosculpt_viewport_add_cut(isosculpt_viewport *viewport, const char *text, iso_error *error) {
+    isosculpt_cut *cut = &viewport->cut;
+    const iso_box box = isosculpt_viewport_bounds(viewport);
+    const iso_vec3 middle = iso_vec3_scale(iso_vec3_add(box.lo, box.hi), 0.5);
+    iso_cut parsed;
+    ISO_TRY(iso_cut_parse(text, &parsed, error));
+    viewport->style++;
+    if (!parsed.by_depth) return isosculpt_cut_add(cut, text, middle, error);
+    const iso_vec3 forward = forward_of(&viewport->camera);
+    char plane[ISOSCULPT_CUT_TEXT];
+    const char *at = strchr(text, '@');
+    const double offset = front_of(viewport, forward) + parsed.depth, side = parsed.body.keeps ? 1 : -1;
+    snprintf(plane, sizeof plane, "%.9g,%.9g,%.9g:%.9g,%.9g,%.9g%.60s", offset * forward.x,
+             offset * forward.y, offset * forward.z, side * forward.x, side * forward.y, side * forward.z,
+             at ? at : "");
+    return isosculpt_cut_add(cut, plane, middle, error);
 }

@@ -9,6 +9,7 @@
 #define ISO_APPS_ISOSCULPT_VIEWPORT_VIEWPORT_H
 
 #include "apps/isosculpt/task.h"
+#include "apps/isosculpt/viewport/cut.h"
 #include "apps/isosculpt/viewport/damage.h"
 #include "apps/isosculpt/viewport/gl.h"
 #include "apps/isosculpt/viewport/lod.h"
@@ -21,6 +22,7 @@
 #include "render/point_surface.h"
 #include "render/view/gbuffer.h"
 #include "scene/method.h"
+#include "scene/occluders.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -75,6 +77,13 @@ typedef struct isosculpt_see_through {
     iso_rgb second_color;
 } isosculpt_see_through;
 
+/* The light of the picture at rest that takes time to find, as of isorender's options; while the camera moves
+ * there is none of it, nor in pictures of translucent surfaces. */
+typedef struct isosculpt_light {
+    iso_occlusion_opts occlusion;
+    double outline; /* width, pixels; 0: none */
+} isosculpt_light;
+
 /* How the reference is drawn with a field. */
 typedef struct isosculpt_reference_mode {
     bool shown;
@@ -99,14 +108,18 @@ typedef struct isosculpt_pick_buffer {
     double samples; /* samples along a pixel of the full picture; 0: nothing has been drawn yet */
 } isosculpt_pick_buffer;
 
-/* Zero-initialise. camera, mode, mask, see_through, opaque, sliding, reference_mode and gl may be changed
- * between calls; the rest is read only. */
+/* Zero-initialise. camera, mode, mask, see_through, cut and light (with `style`), opaque, sliding,
+ * reference_mode and gl may be changed between calls; the rest is read only. */
 typedef struct isosculpt_viewport {
     iso_camera camera;
     isosculpt_display_mode mode;
     isosculpt_mask mask;
     double isovalue;                   /* physical; for volumes set by isosculpt_viewport_set_isovalue */
     isosculpt_see_through see_through; /* for volumes; ignored for fields */
+    isosculpt_cut cut;                 /* @1 and @2 name the surface and the second one */
+    isosculpt_light light;
+    double values[2];  /* of a volume: its least and greatest value, which caps show black and white */
+    unsigned style;    /* counts the changes of cut and light: add 1 after changing them */
     bool opaque;       /* draw only the first surface, opaque, because it is being converted into a field */
     bool sliding;      /* the user is dragging an isovalue */
     int moving_factor; /* width of a sample in pixels while the camera moves, 1 ..
@@ -122,6 +135,7 @@ typedef struct isosculpt_viewport {
     iso_error gl_error; /* why drawing fell back from OpenGL to the cpu engine; text[0] == 0: it did not */
     iso_scene_surface surface;
     iso_scene_surface second; /* the second isosurface, of which there are only cells */
+    iso_occluders *occluders; /* what occlusion was found with; NULL: none yet */
     iso_point_workspace *workspace;
     isosculpt_matcap matcap;
 
@@ -154,6 +168,8 @@ typedef struct isosculpt_viewport {
     double drawn_isovalue;
     isosculpt_see_through drawn_see_through;
     bool drawn_opaque;
+    unsigned drawn_style;
+    bool drawn_lit; /* with `light` */
     isosculpt_reference_mode drawn_reference_mode;
     bool slow_layers; /* translucent surfaces of these isovalues take too long while the camera moves */
     isosculpt_quality quality;
@@ -180,13 +196,27 @@ iso_status isosculpt_viewport_init_grid(isosculpt_viewport *viewport, const iso_
 void isosculpt_viewport_set_isovalue(isosculpt_viewport *viewport, double isovalue);
 void isosculpt_viewport_free(isosculpt_viewport *viewport);
 
-/* The first function returns whether the picture has a second isosurface, the other one whether it has a
- * second isosurface or a translucent surface. Such pictures are drawn by the cpu engine with the method
- * exact, and lit by lamps. */
+/* These functions return whether the picture has a second isosurface; a second isosurface or a translucent
+ * surface; a translucent surface. The second kind is drawn by the cpu engine with the method exact, and lit
+ * by lamps. */
 bool isosculpt_viewport_has_second(const isosculpt_viewport *viewport);
 bool isosculpt_viewport_is_see_through(const isosculpt_viewport *viewport);
+bool isosculpt_viewport_is_translucent(const isosculpt_viewport *viewport);
+/* Whether something is cut away, which the cpu engine draws with the methods exact and mesh, and lamps; and
+ * whether the picture at rest has `light`, which the cpu engine draws, with lamps. */
+bool isosculpt_viewport_is_cut(const isosculpt_viewport *viewport);
+bool isosculpt_viewport_has_light(const isosculpt_viewport *viewport);
 /* Returns the method of the picture at rest: the chosen one, or exact if the picture requires it. */
 iso_method isosculpt_viewport_method(const isosculpt_viewport *viewport);
+/* Returns the material, which is lit by lamps if the picture requires it. */
+isosculpt_material isosculpt_viewport_material(const isosculpt_viewport *viewport);
+
+/* Puts a plane with a handle through the middle of the surface, square to the axis that points most to the
+ * eye, and cuts away the half in front of it; or takes it away if there is one. */
+void isosculpt_viewport_toggle_plane(isosculpt_viewport *viewport);
+/* Cuts by a text of --clip: of camera:MM by what it cuts now, which does not turn with the camera. Errors as
+ * isosculpt_cut_add. */
+iso_status isosculpt_viewport_add_cut(isosculpt_viewport *viewport, const char *text, iso_error *error);
 
 /* Sets another reference, which is owned by the viewport from now on, or none (NULL). The next picture shows
  * it. */

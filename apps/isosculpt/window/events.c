@@ -111,6 +111,11 @@ static void choose_next_method(isosculpt_display_mode *mode) {
     mode->method = isosculpt_methods[(i + 1) % ISOSCULPT_METHODS];
 }
 
+static void toggle_occlusion(isosculpt_viewport *viewport) {
+    viewport->light.occlusion.ambient = !viewport->light.occlusion.ambient;
+    viewport->style++;
+}
+
 /* Handles keys that change the display mode; returns whether the key is one of them. */
 static bool change_display_mode(window *w, int key) {
     if (key == 'm')
@@ -119,6 +124,10 @@ static bool change_display_mode(window *w, int key) {
         toggle_engine(w);
     else if (key == 'r')
         isosculpt_window_toggle_reference(w);
+    else if (key == 'k' && !w->controller.drag)
+        isosculpt_viewport_toggle_plane(&w->viewport);
+    else if (key == 'o')
+        toggle_occlusion(&w->viewport);
     else
         return false;
     w->controller.commands |= ISOSCULPT_COMMAND_REDRAW;

@@ -23,6 +23,8 @@
     X("Ctrl+Q", "close")                                                                                     \
     X("M, G", "next method, next engine")                                                                    \
     X("R", "x-ray: the surface as it was when the session began, translucent; or --reference")               \
+    X("K", "a plane that cuts, or no longer: drag its handle to move it, its arrow's tip to tilt it")        \
+    X("O", "ambient occlusion in the picture at rest")                                                       \
     X("F12, Shift+F12", "picture of the sculpture, of the window; beside the file that is saved")            \
     X("Tab, H", "panel, this sheet")                                                                         \
     X("dropping a file", "opens it; a mesh can also become a stamp")

@@ -141,12 +141,17 @@ static void apply_queued_strokes(window *w, const iso_brush *brush, isosculpt_st
     isosculpt_controller_apply_strokes(&w->controller, queued);
 }
 
-/* Shows what was opened as its scene does, if it has one. */
+/* Shows what was opened as its scene does, if it has one, and says what is not. */
 static void apply_scene(window *w) {
     isosculpt_opened_scene *scene = &w->scene;
-    if (scene->has_camera) w->viewport.camera = scene->camera;
-    if (scene->has_color) w->viewport.mode.material.color = scene->color;
-    if (scene->has_background) w->viewport.mode.material.background = scene->background;
+    iso_error reason = {0};
+    char text[240];
+    const iso_status status = isosculpt_opened_scene_apply(scene, &w->viewport, &reason);
+    if (status != ISO_OK) isosculpt_window_set_status(w, true, reason.text);
+    if (status == ISO_OK && scene->left_out[0]) {
+        snprintf(text, sizeof text, "A window does not show %s of the scene.", scene->left_out);
+        isosculpt_window_set_status(w, false, text);
+    }
     isosculpt_opened_scene_free(scene);
 }
 
@@ -158,6 +163,8 @@ static iso_status show_loaded(window *w, isosculpt_loaded *loaded, iso_error *er
     const bool same_camera = w->volume && !loaded->volume && w->sculpting;
     const isosculpt_reference_mode reference_mode = w->viewport.reference_mode;
     const iso_brush brush = w->controller.brush;
+    const isosculpt_cut cut = w->viewport.cut;
+    const isosculpt_light light = w->viewport.light;
     isosculpt_strokes queued = w->controller.queued_strokes;
     w->controller.queued_strokes = (isosculpt_strokes){0};
     isosculpt_window_cancel_reference(w);
@@ -173,10 +180,17 @@ static iso_status show_loaded(window *w, isosculpt_loaded *loaded, iso_error *er
     w->screen.blank = false;
     w->viewport.mode = mode;
     w->viewport.reference_mode = reference_mode;
-    if (same_camera)
+    w->viewport.light = light;
+    if (same_camera) {
         w->viewport.camera = camera;
-    else
+        w->viewport.cut = cut;
+        if (cut.cap.kind == ISO_CAP_SLICE) w->viewport.cut.cap.kind = ISO_CAP_SURFACE; /* of distances */
+    } else
         frame_surface(w);
+    if (w->volume && w->volume->has_isovalues) {
+        w->viewport.values[0] = w->volume->histogram.minimum;
+        w->viewport.values[1] = w->volume->histogram.maximum;
+    }
     apply_scene(w);
     if (w->volume) {
         w->document.pool = w->pool;

@@ -349,6 +349,7 @@ static void draw_panel(isosculpt_panel *panel, isosculpt_screen *screen) {
     if (ImGui::CollapsingHeader("Files", open)) panel_draw_files(screen);
     if (!viewing_volume && ImGui::CollapsingHeader("History", open))
         draw_history_section(screen->controller, panel->scale);
+    if (ImGui::CollapsingHeader("Cut and light")) panel_draw_cut(screen);
     if (ImGui::CollapsingHeader("Numbers")) draw_numbers_section(screen->controller);
     ImGui::PopItemWidth();
     panel->place = rectangle{ImGui::GetWindowPos(), ImGui::GetWindowSize()};

@@ -94,12 +94,56 @@ static void draw_queued_stroke(const isosculpt_screen *screen, ImDrawList *list,
     }
 }
 
+/* Draws the plane that cuts as a frame as large as the surface, and its handle: a ring that moves it, and an
+ * arrow, towards what is cut away, whose tip tilts it. */
+static void draw_cut(const isosculpt_screen *screen, ImDrawList *list, float scale) {
+    const isosculpt_controller *controller = screen->controller;
+    const isosculpt_viewport *viewport = controller->viewport;
+    const isosculpt_cut *cut = &viewport->cut;
+    const iso_view view = iso_view_make(&viewport->camera, screen->picture_width, screen->height);
+    isosculpt_cut_handle handle;
+    if (!isosculpt_cut_find_handle(cut, &view, controller->scale, &handle)) return;
+    const ImU32 color = IM_COL32(255, 190, 90, 255), dark = IM_COL32(0, 0, 0, 150);
+    iso_vec3 u, v;
+    double low[2] = {0, 0}, high[2] = {0, 0}, x, y;
+    find_tangents(cut->outward, &u, &v);
+    for (int corner = 0; corner < 8; corner++) {
+        const iso_vec3 from = iso_vec3_sub(iso_box_corner(&controller->surface_box, corner), cut->handle);
+        const double along[2] = {iso_vec3_dot(from, u), iso_vec3_dot(from, v)};
+        for (int k = 0; k < 2; k++) {
+            low[k] = std::fmin(low[k], along[k]);
+            high[k] = std::fmax(high[k], along[k]);
+        }
+    }
+    ImVec2 corners[4];
+    bool whole = true;
+    for (int i = 0; i < 4; i++) {
+        const iso_vec3 across = iso_vec3_scale(u, i == 1 || i == 2 ? high[0] : low[0]),
+                       up = iso_vec3_scale(v, i >= 2 ? high[1] : low[1]);
+        whole &= isosculpt_pick_buffer_pixel(&viewport->drawn,
+                                             iso_vec3_add(cut->handle, iso_vec3_add(across, up)), &x, &y);
+        corners[i] = to_window(screen, x, y);
+    }
+    if (whole) list->AddPolyline(corners, 4, IM_COL32(255, 190, 90, 150), ImDrawFlags_Closed, scale);
+    const isosculpt_cut_part part = isosculpt_controller_handle(controller);
+    const ImVec2 at = to_window(screen, handle.x, handle.y),
+                 tip = to_window(screen, handle.tip_x, handle.tip_y);
+    const float grip = 0.7f * scale * (float)ISOSCULPT_CUT_GRIP;
+    list->AddLine(at, tip, dark, 4 * scale);
+    list->AddLine(at, tip, color, 2 * scale);
+    list->AddCircleFilled(tip, 0.8f * grip, part == ISOSCULPT_CUT_TIP ? IM_COL32_WHITE : color);
+    list->AddCircle(tip, 0.8f * grip, dark, 0, scale);
+    list->AddCircleFilled(at, grip, part == ISOSCULPT_CUT_POINT ? IM_COL32_WHITE : color);
+    list->AddCircle(at, grip, dark, 0, 1.5f * scale);
+}
+
 void panel_draw_picture(const isosculpt_screen *screen, float scale) {
     ImDrawList *list = ImGui::GetBackgroundDrawList();
     const isosculpt_controller *controller = screen->controller;
     if (screen->texture)
         list->AddImage((ImTextureID)(intptr_t)screen->texture, to_window(screen, 0, 0),
                        to_window(screen, screen->picture_width, screen->height));
+    if (!screen->blank) draw_cut(screen, list, scale);
     if (screen->blank || (screen->volume && !screen->sculpting)) return;
     for (int axis = 0; axis < 3; axis++)
         if (controller->brush.symmetry >> axis & 1) draw_plane(screen, list, axis, scale);

@@ -173,6 +173,7 @@ iso_status isosculpt_window_draw(window *w, iso_error *error) {
     isosculpt_window_update_framebuffer_size(w);
     if (w->screen.width <= 0 || w->screen.height <= 0) return ISO_OK; /* the window is iconified */
     ISO_TRY(isosculpt_panel_rescale(w->panel, isosculpt_window_text_scale(w), error));
+    w->controller.scale = isosculpt_window_text_scale(w) * w->screen.pixels;
     ISO_TRY(update_picture(w, error));
     w->engine = w->viewport.mode.engine;
     if (!w->screen.message_is_error && iso_clock_seconds() - w->screen.message_seconds > MESSAGE_SECONDS)

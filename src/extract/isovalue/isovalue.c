@@ -141,8 +141,8 @@ static iso_status run_walk(walk *job, iso_error *error) {
     job->piece.grid = *what->grid;
     job->piece.first = origin;
     job->first = what->first;
-    iso_parallel_for(what->pool, (size_t)(what->end - what->first), walk_slice, job);
-    return ISO_OK;
+    iso_parallel_until(what->pool, (size_t)(what->end - what->first), walk_slice, job);
+    return iso_pool_check(what->pool, "the histogram", error);
 }
 
 /* ---- integers: every value has a count of its own */

@@ -59,9 +59,10 @@ typedef struct iso_weld {
     uint8_t (*colors)[3]; /* red, green and blue of each vertex, display values; NULL: none */
 } iso_weld;
 
-/* Welds the spans of a mesh. ISO_ERR_LIMIT: more than 2^32 - 1 vertices; ISO_ERR_USAGE: a copy of a vertex
- * has no owner, because the last update of the set failed; ISO_ERR_NOMEM. */
-iso_status iso_mesh_weld(const iso_mesh_view *view, iso_weld *weld, iso_error *error);
+/* Welds the spans of a mesh, and asks the watch of `pool` (NULL is fine) whether to go on. ISO_ERR_LIMIT: more
+ * than 2^32 - 1 vertices; ISO_ERR_USAGE: a copy of a vertex has no owner, because the last update of the set
+ * failed; ISO_ERR_IO: cancelled; ISO_ERR_NOMEM. */
+iso_status iso_mesh_weld(const iso_mesh_view *view, iso_pool *pool, iso_weld *weld, iso_error *error);
 /* Welds a part of a mesh: the spans of the bricks in `box` (NULL: all), whose vertices and triangles are in
  * span order. first[span]: the number of each span's first own vertex in the whole mesh, which the
  * triangles refer to. The view also has the spans of the bricks next to the box (+1 on each axis) that

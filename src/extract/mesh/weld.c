@@ -6,6 +6,7 @@
 #include <stdlib.h>
 
 #include "base/memory.h"
+#include "base/parallel.h"
 
 /* The brick of a span, the span's number, and the number of its first own vertex in the welded mesh. */
 typedef struct owner {
@@ -17,6 +18,7 @@ typedef struct welder {
     const iso_mesh_view *view;
     owner *owners;      /* sorted by brick, z slowest */
     iso_buffer numbers; /* welded numbers of one span's vertices */
+    iso_pool *pool;     /* whose watch can cancel; or NULL */
 } welder;
 
 static int compare_bricks(const int32_t a[3], const int32_t b[3]) {
@@ -103,13 +105,13 @@ static iso_status weld_spans(welder *weld, const iso_brick_box *box, const uint3
         weld->owners[i] = (owner){{brick[0], brick[1], brick[2]}, (uint32_t)i, first[i]};
     }
     qsort(weld->owners, view->span_count, sizeof *weld->owners, compare_owners);
-    for (size_t i = 0; i < view->span_count; i++)
+    for (size_t i = 0; i < view->span_count && !iso_pool_ask(weld->pool); i++)
         if (is_in_box(&view->spans[i], box)) ISO_TRY(weld_span(weld, i, first, out, error));
-    return ISO_OK;
+    return iso_pool_check(weld->pool, "the mesh", error);
 }
 
-iso_status iso_mesh_weld_box(const iso_mesh_view *view, const iso_brick_box *box, const uint32_t *first,
-                             iso_weld *weld, iso_error *error) {
+static iso_status weld_box(const iso_mesh_view *view, const iso_brick_box *box, const uint32_t *first,
+                           iso_pool *pool, iso_weld *weld, iso_error *error) {
     size_t vertices = 0, triangles = 0;
     for (size_t i = 0; i < view->span_count; i++) {
         const iso_mesh_span *span = &view->spans[i];
@@ -117,7 +119,8 @@ iso_status iso_mesh_weld_box(const iso_mesh_view *view, const iso_brick_box *box
         vertices += span->owned_count;
         triangles += span->triangle_count;
     }
-    welder work = {.view = view, .owners = iso_alloc_zero(view->span_count, sizeof *work.owners)};
+    welder work = {
+        .view = view, .pool = pool, .owners = iso_alloc_zero(view->span_count, sizeof *work.owners)};
     iso_weld out = {.vertices = iso_alloc(vertices * sizeof *out.vertices),
                     .triangles = iso_alloc(triangles * sizeof *out.triangles)};
     iso_status status;
@@ -135,7 +138,12 @@ iso_status iso_mesh_weld_box(const iso_mesh_view *view, const iso_brick_box *box
     return status;
 }
 
-iso_status iso_mesh_weld(const iso_mesh_view *view, iso_weld *weld, iso_error *error) {
+iso_status iso_mesh_weld_box(const iso_mesh_view *view, const iso_brick_box *box, const uint32_t *first,
+                             iso_weld *weld, iso_error *error) {
+    return weld_box(view, box, first, NULL, weld, error);
+}
+
+iso_status iso_mesh_weld(const iso_mesh_view *view, iso_pool *pool, iso_weld *weld, iso_error *error) {
     const size_t vertices = iso_mesh_view_vertex_count(view);
     if (vertices > UINT32_MAX)
         return iso_fail(error, ISO_ERR_LIMIT, "a welded mesh of %zu vertices needs wider indices", vertices);
@@ -145,7 +153,7 @@ iso_status iso_mesh_weld(const iso_mesh_view *view, iso_weld *weld, iso_error *e
         first[i] = number;
         number += view->spans[i].owned_count;
     }
-    const iso_status status = iso_mesh_weld_box(view, NULL, first, weld, error);
+    const iso_status status = weld_box(view, NULL, first, pool, weld, error);
     iso_free(first);
     return status;
 }

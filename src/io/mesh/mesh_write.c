@@ -1,5 +1,5 @@
 #define _POSIX_C_SOURCE 200809L
-/* Writes welded meshes as PLY, STL and OBJ. */
+/* Writes welded meshes as PLY, STL and OBJ, and chooses the writer of a format. */
 #include "io/mesh/mesh_write.h"
 
 #include <string.h>
@@ -7,35 +7,11 @@
 #include "base/decimal_point.h"
 #include "base/file.h"
 #include "base/file_types.h"
+#include "base/memory.h"
 #include "base/text.h"
 #include "extract/mesh/mesh.h"
 #include "io/common/encode.h"
-
-/* A mesh to be written. Its world positions are computed vertex by vertex. */
-typedef struct mesh_source {
-    const iso_weld *weld;
-    iso_affine affine;
-    int second, third; /* the corners that are written second and third: 1 and 2, or 2 and 1 if the transform
-                          is left-handed and would turn triangles inside out */
-    const char *comment;
-} mesh_source;
-
-static iso_vec3 world_position(const mesh_source *source, size_t vertex) {
-    const float *p = source->weld->vertices[vertex].position;
-    return iso_affine_point(&source->affine, iso_vec3_make(p[0], p[1], p[2]));
-}
-
-static iso_vec3 world_normal(const mesh_source *source, size_t vertex) {
-    const float *n = source->weld->vertices[vertex].normal;
-    return iso_affine_normal(&source->affine, iso_vec3_make(n[0], n[1], n[2]));
-}
-
-static void ordered_triangle(const mesh_source *source, size_t triangle, uint32_t corner[3]) {
-    const uint32_t *from = source->weld->triangles[triangle];
-    corner[0] = from[0];
-    corner[1] = from[source->second];
-    corner[2] = from[source->third];
-}
+#include "io/mesh/mesh_source.h"
 
 /* ---- PLY */
 
@@ -57,7 +33,7 @@ static void write_ply_header(FILE *stream, uint64_t vertices, uint64_t triangles
 static void write_ply_vertices(const mesh_source *source, size_t first, size_t end, FILE *stream) {
     unsigned char bytes[VERTEX_BYTES];
     for (size_t i = first; i < end; i++) {
-        iso_encode_vec3(iso_encode_vec3(bytes, world_position(source, i)), world_normal(source, i));
+        iso_encode_vec3(iso_encode_vec3(bytes, iso_source_position(source, i)), iso_source_normal(source, i));
         fwrite(bytes, sizeof bytes, 1, stream);
         if (source->weld->colors) fwrite(source->weld->colors[i], sizeof *source->weld->colors, 1, stream);
     }
@@ -67,7 +43,7 @@ static void write_ply_triangles(const mesh_source *source, size_t first, size_t 
     unsigned char bytes[TRIANGLE_BYTES];
     for (size_t i = first; i < end_triangle; i++) {
         uint32_t corner[3];
-        ordered_triangle(source, i, corner);
+        iso_source_triangle(source, i, corner);
         unsigned char *end = bytes;
         *end++ = 3;
         for (int j = 0; j < 3; j++) end = iso_encode_uint32(end, corner[j]);
@@ -75,32 +51,39 @@ static void write_ply_triangles(const mesh_source *source, size_t first, size_t 
     }
 }
 
-static void write_ply(const mesh_source *source, FILE *stream) {
+static iso_status iso_put_ply(const mesh_source *source, int count, const char *comment, FILE *stream,
+                              iso_error *error) {
     const iso_weld *weld = source->weld;
-    write_ply_header(stream, weld->vertex_count, weld->triangle_count, weld->colors != NULL, source->comment);
+    (void)count, (void)error;
+    write_ply_header(stream, weld->vertex_count, weld->triangle_count, weld->colors != NULL, comment);
     write_ply_vertices(source, 0, weld->vertex_count, stream);
     write_ply_triangles(source, 0, weld->triangle_count, stream);
+    return ISO_OK;
 }
 
 /* ---- STL and OBJ */
 
-static void write_stl(const mesh_source *source, FILE *stream) {
+static iso_status iso_put_stl(const mesh_source *source, int count, const char *comment, FILE *stream,
+                              iso_error *error) {
+    (void)count;
+    if (source->weld->triangle_count > UINT32_MAX)
+        return iso_fail(error, ISO_ERR_LIMIT, "%zu triangles are more than an .stl can hold",
+                        source->weld->triangle_count);
     enum { HEADER = 80, FACET = 50 };
     /* must not begin with "solid", which marks ASCII files */
     static const char kind[] = "binary STL, mm. ";
     char header[HEADER + 1] = {0};
     memcpy(header, kind, sizeof kind);
-    if (source->comment)
-        iso_text_clean(source->comment, header + sizeof kind - 1, sizeof header - (sizeof kind - 1));
+    if (comment) iso_text_clean(comment, header + sizeof kind - 1, sizeof header - (sizeof kind - 1));
     unsigned char bytes[FACET] = {0};
     fwrite(header, HEADER, 1, stream);
     iso_encode_uint32(bytes, (uint32_t)source->weld->triangle_count);
     fwrite(bytes, 4, 1, stream);
     for (size_t i = 0; i < source->weld->triangle_count; i++) {
         uint32_t corner[3];
-        ordered_triangle(source, i, corner);
+        iso_source_triangle(source, i, corner);
         iso_vec3 p[3];
-        for (int j = 0; j < 3; j++) p[j] = world_position(source, corner[j]);
+        for (int j = 0; j < 3; j++) p[j] = iso_source_position(source, corner[j]);
         /* the format requires the triangle's own normal; zero if it has no area */
         iso_vec3 normal = iso_vec3_unit(iso_vec3_cross(iso_vec3_sub(p[1], p[0]), iso_vec3_sub(p[2], p[0])));
         unsigned char *end = iso_encode_vec3(bytes, normal);
@@ -108,13 +91,14 @@ static void write_stl(const mesh_source *source, FILE *stream) {
         end[0] = end[1] = 0; /* attribute byte count */
         fwrite(bytes, FACET, 1, stream);
     }
+    return ISO_OK;
 }
 
 /* before: the number of vertices that are in the file already. */
 static void write_obj_part(const mesh_source *source, uint64_t before, FILE *stream) {
     void *numbers = iso_decimal_point_begin();
     for (size_t i = 0; i < source->weld->vertex_count; i++) {
-        iso_vec3 p = world_position(source, i), n = world_normal(source, i);
+        iso_vec3 p = iso_source_position(source, i), n = iso_source_normal(source, i);
         /* nine digits are enough to read back the same float */
         fprintf(stream, "v %.9g %.9g %.9g", (double)(float)p.x, (double)(float)p.y, (double)(float)p.z);
         for (int k = 0; k < 3 && source->weld->colors; k++)
@@ -123,7 +107,7 @@ static void write_obj_part(const mesh_source *source, uint64_t before, FILE *str
     }
     for (size_t i = 0; i < source->weld->triangle_count; i++) {
         uint32_t corner[3];
-        ordered_triangle(source, i, corner);
+        iso_source_triangle(source, i, corner);
         uint64_t a = before + corner[0] + 1, b = before + corner[1] + 1, c = before + corner[2] + 1;
         fprintf(stream, "f %llu//%llu %llu//%llu %llu//%llu\n", (unsigned long long)a, (unsigned long long)a,
                 (unsigned long long)b, (unsigned long long)b, (unsigned long long)c, (unsigned long long)c);
@@ -131,16 +115,29 @@ static void write_obj_part(const mesh_source *source, uint64_t before, FILE *str
     iso_decimal_point_end(numbers);
 }
 
-static void write_obj(const mesh_source *source, FILE *stream) {
-    iso_encode_comment(stream, "# ", source->comment);
-    write_obj_part(source, 0, stream);
+static iso_status iso_put_obj(const mesh_source *sources, int count, const char *comment, FILE *stream,
+                              iso_error *error) {
+    uint64_t vertices = 0;
+    (void)error;
+    iso_encode_comment(stream, "# ", comment);
+    for (int i = 0; i < count; i++) {
+        if (sources[i].name) {
+            fputs("o ", stream);
+            iso_text_put(stream, sources[i].name);
+            fputc('\n', stream);
+        }
+        write_obj_part(&sources[i], vertices, stream);
+        vertices += sources[i].weld->vertex_count;
+    }
+    return ISO_OK;
 }
 
-typedef void write_fn(const mesh_source *source, FILE *stream);
+typedef iso_status write_fn(const mesh_source *sources, int count, const char *comment, FILE *stream,
+                            iso_error *error);
 
 static write_fn *writer_for(const char *path) {
     switch (iso_file_type_of_name(path, ISO_WRITES_MESH)) {
-#define WRITE_MESH(writer) return write_##writer;
+#define WRITE_MESH(writer) return iso_put_##writer;
 #include "base/file_types.inc"
     default:
         break;
@@ -155,8 +152,19 @@ iso_status iso_mesh_write_check(const char *path, iso_error *error) {
     return iso_fail(error, ISO_ERR_USAGE, "%s: a mesh is written as %s", path, known);
 }
 
-static mesh_source source_of(const iso_weld *weld, const iso_transform *transform, const char *comment) {
-    mesh_source source = {weld, iso_transform_affine(transform), 1, 2, comment};
+int iso_mesh_file_objects(const char *path) {
+    write_fn *writer = writer_for(path);
+    return writer == iso_put_obj || writer == iso_put_glb || writer == iso_put_threemf ? INT32_MAX : 1;
+}
+
+bool iso_mesh_file_has_opacities(const char *path) {
+    write_fn *writer = writer_for(path);
+    return writer == iso_put_glb || writer == iso_put_threemf;
+}
+
+static mesh_source source_of(const iso_mesh_object *object) {
+    mesh_source source = {object->weld,  iso_transform_affine(object->transform),  1, 2, object->name,
+                          object->color, object->opacity > 0 ? object->opacity : 1};
     if (source.affine.determinant < 0) {
         source.second = 2;
         source.third = 1;
@@ -164,43 +172,48 @@ static mesh_source source_of(const iso_weld *weld, const iso_transform *transfor
     return source;
 }
 
-void iso_mesh_put_obj_object(FILE *stream, const char *name, const iso_weld *weld,
-                             const iso_transform *transform, uint64_t *vertices) {
-    const mesh_source source = source_of(weld, transform, NULL);
-    fputs("o ", stream);
-    iso_text_put(stream, name);
-    fputc('\n', stream);
-    write_obj_part(&source, *vertices, stream);
-    *vertices += weld->vertex_count;
+iso_status iso_mesh_put_objects(FILE *stream, const char *path, const iso_mesh_object *objects, int count,
+                                const char *comment, iso_error *error) {
+    iso_error reason = {0};
+    ISO_TRY(iso_mesh_write_check(path, error));
+    if (count > iso_mesh_file_objects(path))
+        return iso_fail(error, ISO_ERR_USAGE, "%s: holds one mesh, not %d: .obj, .glb and .3mf hold several",
+                        path, count);
+    mesh_source *sources = iso_alloc((size_t)count * sizeof *sources);
+    if (!sources) return iso_fail_memory(error, path);
+    for (int i = 0; i < count; i++) sources[i] = source_of(&objects[i]);
+    const iso_status status = writer_for(path)(sources, count, comment, stream, &reason);
+    iso_free(sources);
+    return status == ISO_OK ? ISO_OK : iso_fail(error, status, "%s: %s", path, reason.text);
 }
 
 iso_status iso_mesh_put_weld(FILE *stream, const char *path, const iso_weld *weld,
                              const iso_transform *transform, const char *comment, iso_error *error) {
-    ISO_TRY(iso_mesh_write_check(path, error));
-    write_fn *write = writer_for(path);
-    if (write == write_stl && weld->triangle_count > UINT32_MAX)
-        return iso_fail(error, ISO_ERR_LIMIT, "%s: %zu triangles are more than an .stl can hold", path,
-                        weld->triangle_count);
-    const mesh_source source = source_of(weld, transform, comment);
-    write(&source, stream);
-    return ISO_OK;
+    const iso_mesh_object object = {.weld = weld, .transform = transform};
+    return iso_mesh_put_objects(stream, path, &object, 1, comment, error);
+}
+
+iso_status iso_mesh_write_objects(const char *path, const iso_mesh_object *objects, int count,
+                                  const char *comment, iso_error *error) {
+    iso_sink sink;
+    ISO_TRY(iso_sink_open(path, &sink, error));
+    const iso_status status = iso_mesh_put_objects(sink.stream, path, objects, count, comment, error);
+    if (status == ISO_OK) return iso_sink_commit(&sink, error);
+    iso_sink_abort(&sink);
+    return status;
 }
 
 iso_status iso_mesh_write_weld(const char *path, const iso_weld *weld, const iso_transform *transform,
                                const char *comment, iso_error *error) {
-    iso_sink sink;
-    ISO_TRY(iso_sink_open(path, &sink, error));
-    const iso_status status = iso_mesh_put_weld(sink.stream, path, weld, transform, comment, error);
-    if (status == ISO_OK) return iso_sink_commit(&sink, error);
-    iso_sink_abort(&sink);
-    return status;
+    const iso_mesh_object object = {.weld = weld, .transform = transform};
+    return iso_mesh_write_objects(path, &object, 1, comment, error);
 }
 
 iso_status iso_mesh_write(const char *path, const iso_mesh_view *view, const char *comment,
                           iso_error *error) {
     ISO_TRY(iso_mesh_write_check(path, error));
     iso_weld weld;
-    ISO_TRY(iso_mesh_weld(view, &weld, error));
+    ISO_TRY(iso_mesh_weld(view, NULL, &weld, error));
     iso_status status = iso_mesh_write_weld(path, &weld, &view->transform, comment, error);
     iso_weld_free(&weld);
     return status;
@@ -209,7 +222,7 @@ iso_status iso_mesh_write(const char *path, const iso_mesh_view *view, const cha
 /* ---- files in pieces */
 
 bool iso_mesh_file_takes(const char *path) {
-    return writer_for(path) == write_ply;
+    return writer_for(path) == iso_put_ply;
 }
 
 iso_status iso_mesh_file_begin(const char *path, const iso_mesh_file_opts *opts, iso_mesh_file *file,
@@ -223,14 +236,14 @@ iso_status iso_mesh_file_begin(const char *path, const iso_mesh_file_opts *opts,
 
 void iso_mesh_file_put_vertices(iso_mesh_file *file, uint64_t number, const iso_weld *part, size_t first,
                                 size_t end) {
-    const mesh_source source = source_of(part, &file->transform, NULL);
+    const mesh_source source = source_of(&(iso_mesh_object){.weld = part, .transform = &file->transform});
     fseeko(file->sink.stream, file->start + (off_t)(number * VERTEX_BYTES), SEEK_SET);
     write_ply_vertices(&source, first, end, file->sink.stream);
 }
 
 void iso_mesh_file_put_triangles(iso_mesh_file *file, uint64_t number, const iso_weld *part, size_t first,
                                  size_t end) {
-    const mesh_source source = source_of(part, &file->transform, NULL);
+    const mesh_source source = source_of(&(iso_mesh_object){.weld = part, .transform = &file->transform});
     const uint64_t at = file->vertices * VERTEX_BYTES + number * TRIANGLE_BYTES;
     fseeko(file->sink.stream, file->start + (off_t)at, SEEK_SET);
     write_ply_triangles(&source, first, end, file->sink.stream);

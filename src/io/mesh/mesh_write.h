@@ -1,7 +1,8 @@
-/* mesh_write: writes meshes; the format is chosen by the extension: .ply (binary, with normals), .stl
- * (binary), .obj (with normals); .ply and .obj with the colours of vertices, if there are some. Positions
- * are in world millimetres; triangles are counter-clockwise seen from outside, also with left-handed
- * transforms. */
+/* mesh_write: writes meshes; the format is chosen by the extension: .ply and .stl (binary), .obj, .vtp, .glb
+ * (glTF 2.0) and .3mf; all but .stl and .3mf with normals, all but .stl with the colours of vertices, if
+ * there are some. .obj, .glb and .3mf hold several objects, the last two with their colours and opacities.
+ * Positions are in world millimetres; triangles are counter-clockwise seen from outside, also with
+ * left-handed transforms. */
 #ifndef ISO_IO_MESH_MESH_WRITE_H
 #define ISO_IO_MESH_MESH_WRITE_H
 
@@ -29,10 +30,26 @@ iso_status iso_mesh_write_weld(const char *path, const struct iso_weld *weld, co
 iso_status iso_mesh_put_weld(FILE *stream, const char *path, const struct iso_weld *weld,
                              const iso_transform *transform, const char *comment, iso_error *error);
 
-/* Writes a mesh as an object of an .obj file that may have several. *vertices: of the objects before it; is
- * increased by its own. */
-void iso_mesh_put_obj_object(FILE *stream, const char *name, const struct iso_weld *weld,
-                             const iso_transform *transform, uint64_t *vertices);
+/* A mesh with a name in a file of several. All borrowed. */
+typedef struct iso_mesh_object {
+    const struct iso_weld *weld; /* in the index coordinates of `transform` */
+    const iso_transform *transform;
+    const char *name;     /* or NULL */
+    const iso_rgb *color; /* without colours of vertices; or NULL */
+    double opacity;       /* 0: not given, 1 */
+} iso_mesh_object;
+
+/* How many objects a file of this name can hold: 1, or any number. */
+int iso_mesh_file_objects(const char *path);
+/* Whether the file keeps opacities. */
+bool iso_mesh_file_has_opacities(const char *path);
+
+/* Write several meshes. Errors as iso_mesh_write, and ISO_ERR_USAGE: the format holds one only;
+ * ISO_ERR_LIMIT: it does not hold so many bytes. The errors of a stream are the caller's to find. */
+iso_status iso_mesh_write_objects(const char *path, const iso_mesh_object *objects, int count,
+                                  const char *comment, iso_error *error);
+iso_status iso_mesh_put_objects(FILE *stream, const char *path, const iso_mesh_object *objects, int count,
+                                const char *comment, iso_error *error);
 
 /* A .ply whose vertices and triangles are written in pieces, in any order. */
 typedef struct iso_mesh_file_opts {

@@ -302,7 +302,7 @@ static iso_status draw_frame(frame *f, int workers, iso_error *error) {
     iso_parallel_for(pool, (count + CHUNK - 1) / CHUNK, project_chunk, f);
     sort_ellipses(f);
     ISO_TRY(list_bands(f, error));
-    iso_parallel_for(pool, f->bands, draw_band, f);
+    iso_parallel_until(pool, f->bands, draw_band, f);
     return ISO_OK;
 }
 

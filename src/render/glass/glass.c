@@ -318,6 +318,6 @@ size_t iso_glass_shade(const iso_glass_picture *picture) {
     glass_shade shade = {.picture = picture,
                          .background = {iso_srgb_decode(c.r / 255.0), iso_srgb_decode(c.g / 255.0),
                                         iso_srgb_decode(c.b / 255.0)}};
-    iso_parallel_for(picture->pool, rows, shade_row, &shade);
+    iso_parallel_until(picture->pool, rows, shade_row, &shade);
     return shade.covered;
 }

@@ -37,7 +37,7 @@ static void draw_band(void *context, size_t band, int worker) {
 iso_status iso_layer_bands_draw(const iso_layer_bands *bands, iso_error *error) {
     bands_draw draw = {.bands = bands};
     const int height = bands->strip->view->height;
-    iso_parallel_for(bands->pool, (size_t)((height + bands->rows - 1) / bands->rows), draw_band, &draw);
+    iso_parallel_until(bands->pool, (size_t)((height + bands->rows - 1) / bands->rows), draw_band, &draw);
     if (atomic_load(&draw.failed))
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the layers of a picture");
     return ISO_OK;

@@ -4,6 +4,7 @@
 
 #include "base/kernel_units.h"
 #include "base/memory.h"
+#include "render/shapes/fragments.h"
 #include "render/shapes/kernel.h"
 
 iso_rgb iso_shapes_color_at(const iso_shapes *shapes, uint32_t id, float along) {
@@ -113,6 +114,7 @@ static void draw_blocks(iso_shapes_bin *bin, const uint32_t *list, size_t count)
     const iso_shapes_seen *waiting[2] = {NULL, NULL};
     for (size_t i = 0; i < count && bin->status == ISO_OK; i++) {
         const iso_shapes_seen *seen = &frame->seen[list[i]];
+        if (seen->is_cut) continue; /* iso_shapes_draw_cut draws it */
         if (i + AHEAD < count) __builtin_prefetch(&frame->seen[list[i + AHEAD]].rect);
         if (is_hidden(bin, seen)) continue;
         fetch_block(set, &set->blocks[seen->block]);
@@ -152,7 +154,7 @@ static iso_status draw_bins(shapes_draw *draw, iso_shapes_drawn *drawn, iso_erro
         bin->drawn = (iso_shapes_drawn){0};
         bin->status = ISO_OK;
     }
-    iso_parallel_for(frame->target->pool, (size_t)frame->columns * (size_t)frame->rows, draw_bin, draw);
+    iso_parallel_until(frame->target->pool, (size_t)frame->columns * (size_t)frame->rows, draw_bin, draw);
     iso_status status = ISO_OK;
     for (int i = 0; i < workers; i++) {
         if (draw->bins[i].status != ISO_OK) status = draw->bins[i].status;
@@ -172,7 +174,11 @@ iso_status iso_draw_shapes(const iso_target *target, const iso_shapes *shapes, i
     if (shapes->colors) ISO_TRY(iso_gbuffer_add_color(target->gbuffer, error));
     shapes_draw draw = {.kernel = ISO_KERNEL_UNIT(iso_shapes_kernel, iso_cpu_best())};
     iso_status status = iso_shapes_frame_make(target, shapes, &draw.frame, error);
-    if (status == ISO_OK) status = draw_bins(&draw, drawn, error);
+    bool any = false;
+    for (size_t i = 0; i < draw.frame.seen_count && status == ISO_OK; i++) any |= draw.frame.seen[i].is_cut;
+    /* The segments of a line are one solid, into which a cut may look: they are all drawn in one way. */
+    if (status == ISO_OK && !(any && iso_shapes_are_lines(shapes))) status = draw_bins(&draw, drawn, error);
+    if (status == ISO_OK && any) status = iso_shapes_draw_cut(&draw.frame, drawn, error);
     iso_shapes_frame_free(&draw.frame);
     return status;
 }

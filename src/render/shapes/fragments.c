@@ -26,8 +26,9 @@ enum {
 typedef struct set {
     const iso_translucent_set *input;
     const iso_shapes *shapes; /* NULL: a mesh */
-    iso_shapes_frame frame;   /* of shapes */
-    iso_mesh_samples *mesh;   /* without shapes */
+    iso_target target;
+    iso_shapes_frame frame; /* of shapes */
+    iso_mesh_samples *mesh; /* without shapes */
     iso_layer_opacity opacity;
     iso_layer_pass pass;
 } set;
@@ -62,8 +63,9 @@ typedef struct listing {
     const iso_shapes_lister *lister;
     const set *set;
     worker *worker;
-    int number; /* of the worker */
-    iso_layer_lists *lists;
+    int number;                 /* of the worker */
+    iso_layer_lists *lists;     /* NULL: the set is opaque, and drawn into `gbuffer` */
+    iso_gbuffer *gbuffer;       /* of the strip */
     iso_rows rows;              /* of the strip */
     iso_shapes_layered *listed; /* of the set */
 } listing;
@@ -172,6 +174,40 @@ static size_t take_crossings(const set *s, iso_shapes_piece **sorted, size_t cou
     return made;
 }
 
+/* Drops the crossings that are cut away of the set. x, y: in the strip. */
+static size_t drop_cut(const listing *l, crossing *crossings, size_t count, int x, int y) {
+    const iso_clip *clip = l->set->input->clip;
+    iso_vec3 origin, direction;
+    size_t left = 0;
+    if (!clip || !clip->count || !l->set->shapes) return count; /* meshes are cut already */
+    iso_view_ray(l->lister->strip.view, x + 0.5, y + 0.5, &origin, &direction);
+    for (size_t i = 0; i < count; i++) {
+        const double t = crossings[i].piece->t[crossings[i].end];
+        if (iso_clip_shows(clip, iso_vec3_add(origin, iso_vec3_scale(direction, t))))
+            crossings[left++] = crossings[i];
+    }
+    return left;
+}
+
+/* ---- opaque sets */
+
+/* Shows a crossing in a sample if it is nearer than what is there; returns whether the sample is done. */
+static bool show(const listing *l, const crossing *c, int x, int y) {
+    const set *s = l->set;
+    const iso_shapes_piece *p = c->piece;
+    iso_gbuffer *g = l->gbuffer;
+    const size_t at = (size_t)y * (size_t)g->width + (size_t)x;
+    const float depth = (float)p->t[c->end];
+    if (!(depth < g->depth[at])) return true;
+    l->listed->samples++;
+    g->depth[at] = depth;
+    g->surface[at] = s->frame.target->surface;
+    for (int axis = 0; axis < 3; axis++) g->normal[axis][at] = p->normal[c->end][axis];
+    iso_shapes_write_color(&s->frame, at, p->element[c->end], p->along[c->end]);
+    iso_shapes_write_element(&s->frame, at, p->element[c->end]);
+    return true;
+}
+
 /* ---- fragments */
 
 static iso_fragment make_fragment(const set *s, const crossing *c, const float to_eye[3], float middle) {
@@ -196,8 +232,13 @@ static bool add_sample(const listing *l, iso_shapes_piece **sorted, size_t count
     if (!has_room(&w->crossings, 2 * count * sizeof(crossing))) return false;
     crossing *crossings = w->crossings.data;
     sort_pieces(sorted, count);
-    const size_t made = take_crossings(l->set, sorted, count, before, crossings);
+    const size_t made =
+        drop_cut(l, crossings, take_crossings(l->set, sorted, count, before, crossings), x, y);
     sort_crossings(crossings, made);
+    if (!l->lists) {
+        if (made && show(l, &crossings[0], x, y)) *limit = -INFINITY;
+        return true;
+    }
     const iso_view *view = l->lister->strip.view;
     const float to_eye[3] = {-iso_slope_of_column(view, x), -iso_slope_of_row(view, y), -1};
     const int row = y - l->rows.first;
@@ -269,6 +310,7 @@ static double depth_of_cut(const listing *l, iso_shapes_piece **pieces, size_t c
         if (seen && !p->is_entered) crossings[made++] = (crossing){p, 0};
         if (p->t[1] > p->t[0]) crossings[made++] = (crossing){p, 1};
     }
+    made = drop_cut(l, crossings, made, x, row);
     sort_crossings(crossings, made);
     float through = list->through;
     int32_t own = list->own;
@@ -314,6 +356,7 @@ static bool set_limits(const listing *l) {
 /* ---- rectangles and bands */
 
 static void count_samples(const listing *l, const iso_shapes_rect *r) {
+    if (!l->lists) return;
     for (int y = r->y0; y <= r->y1; y++)
         for (int x = r->x0; x <= r->x1; x++) {
             const int32_t own = list_at(l, x, y)->own;
@@ -324,6 +367,7 @@ static void count_samples(const listing *l, const iso_shapes_rect *r) {
 
 /* Removes what has been added of a rectangle. */
 static void restart(const listing *l, const iso_shapes_rect *r) {
+    if (!l->lists) return; /* what is drawn is drawn again, or stays */
     for (int y = r->y0; y <= r->y1; y++)
         for (int x = r->x0; x <= r->x1; x++)
             if (list_at(l, x, y)->own)
@@ -349,9 +393,11 @@ static bool add_blocks(const listing *l) {
     size_t enough = samples * USUAL_PIECES;
     for (size_t i = bin ? frame->bin_end[bin - 1] : 0; i < frame->bin_end[bin]; i++) {
         const iso_shapes_seen *seen = &frame->seen[frame->bin_blocks[i]];
+        if (!l->lists && !seen->is_cut && !merges(l->set)) continue; /* it is drawn already */
         if (pieces->count >= enough) {
             if (!add_samples(l, front_of(seen))) return false;
-            if (pieces->count > samples * MANY_PIECES && !merges(l->set) && !set_limits(l)) return false;
+            if (pieces->count > samples * MANY_PIECES && l->lists && !merges(l->set) && !set_limits(l))
+                return false;
             if (2 * pieces->count > enough) enough = 2 * pieces->count;
         }
         if (iso_shapes_pieces_list(pieces, frame, seen) != ISO_OK) return false;
@@ -372,8 +418,8 @@ static bool list_rect(const listing *l, iso_shapes_rect r) {
     iso_shapes_pieces *pieces = &l->worker->pieces;
     const int width = r.x1 - r.x0 + 1, height = r.y1 - r.y0 + 1;
     const int row = r.y0 - l->lister->strip.view->above - l->rows.first;
-    const size_t pitch = (size_t)l->lists->width;
-    const float *limit = l->lists->limit;
+    const size_t pitch = (size_t)(l->lists ? l->lists->width : l->gbuffer->width);
+    const float *limit = l->lists ? l->lists->limit : l->gbuffer->depth;
     if (limit) limit += (size_t)row * pitch + (size_t)r.x0;
     pieces->most = width * height > 1 ? ISO_SHAPES_PIECES_BYTES / sizeof(iso_shapes_piece) : 0;
     const iso_shapes_frame *frame = l->set->shapes ? &l->set->frame : NULL;
@@ -393,22 +439,25 @@ static bool list_rect(const listing *l, iso_shapes_rect r) {
     return list_rect(l, first) && list_rect(l, second);
 }
 
-/* Bin by bin, each of which has a list of its blocks, and in each by rectangles whose pieces stay in the
- * cache. */
+/* Lists a bin, which has a list of its blocks, by rectangles whose pieces stay in the cache. */
+static bool list_bin(const listing *l, size_t bin) {
+    const iso_shapes_frame *frame = &l->set->frame;
+    iso_shapes_rect r = iso_shapes_bin_rect(frame, bin);
+    const int first = l->rows.first + frame->top, last = l->rows.last + frame->top, end = r.x1;
+    if (r.y0 < first) r.y0 = first;
+    if (r.y1 > last) r.y1 = last;
+    for (; r.x0 <= end; r.x0 += RECT_WIDTH) {
+        r.x1 = r.x0 + RECT_WIDTH - 1 < end ? r.x0 + RECT_WIDTH - 1 : end;
+        if (!list_rect(l, r)) return false;
+    }
+    return true;
+}
+
 static bool list_shapes(const listing *l) {
     const iso_shapes_frame *frame = &l->set->frame;
     for (int row = l->rows.first / ISO_SHAPES_BIN; row <= l->rows.last / ISO_SHAPES_BIN; row++)
-        for (int column = 0; column < frame->columns; column++) {
-            iso_shapes_rect r =
-                iso_shapes_bin_rect(frame, (size_t)row * (size_t)frame->columns + (size_t)column);
-            const int first = l->rows.first + frame->top, last = l->rows.last + frame->top, end = r.x1;
-            if (r.y0 < first) r.y0 = first;
-            if (r.y1 > last) r.y1 = last;
-            for (; r.x0 <= end; r.x0 += RECT_WIDTH) {
-                r.x1 = r.x0 + RECT_WIDTH - 1 < end ? r.x0 + RECT_WIDTH - 1 : end;
-                if (!list_rect(l, r)) return false;
-            }
-        }
+        for (int column = 0; column < frame->columns; column++)
+            if (!list_bin(l, (size_t)row * (size_t)frame->columns + (size_t)column)) return false;
     return true;
 }
 
@@ -425,7 +474,7 @@ static bool list(void *context, int number, iso_layer_lists *lists, iso_rows row
     worker *w = &lister->workers[number];
     for (int i = 0; i < lister->count && !lists->full; i++) {
         w->listed[i] = (iso_shapes_layered){0};
-        const listing l = {lister, &lister->sets[i], w, number, lists, rows, &w->listed[i]};
+        const listing l = {lister, &lister->sets[i], w, number, lists, NULL, rows, &w->listed[i]};
         iso_layer_lists_begin(lists, &lister->sets[i].pass);
         if (!(l.set->shapes ? list_shapes(&l) : list_mesh(&l))) return false;
     }
@@ -453,10 +502,10 @@ static iso_status set_up_set(iso_shapes_lister *lister, const iso_translucent_se
     s->pass =
         (iso_layer_pass){.surface = surface, .most_layers = input->translucency.most_layers, .tolerance = -1};
     s->shapes = input->shapes;
-    if (s->shapes) return iso_shapes_frame_make(&lister->target, s->shapes, &s->frame, error);
-    iso_target target = lister->target;
-    target.clip = input->clip;
-    return iso_mesh_samples_create(&target, &input->mesh, &s->mesh, error);
+    s->target = lister->target;
+    s->target.clip = input->clip;
+    if (s->shapes) return iso_shapes_frame_make(&s->target, s->shapes, &s->frame, error);
+    return iso_mesh_samples_create(&s->target, &input->mesh, &s->mesh, error);
 }
 
 static iso_status set_up(iso_shapes_lister *lister, const iso_translucent_set *sets, int count, int first,
@@ -492,6 +541,13 @@ iso_status iso_shapes_lister_create(const iso_translucent_set *sets, int count, 
     return status;
 }
 
+static void free_worker(worker *w) {
+    iso_shapes_pieces_free(&w->pieces);
+    iso_buffer_free(&w->sorted);
+    iso_buffer_free(&w->ends);
+    iso_buffer_free(&w->crossings);
+}
+
 void iso_shapes_lister_destroy(iso_shapes_lister *lister) {
     if (!lister) return;
     for (int i = 0; lister->workers && i < lister->worker_count; i++) {
@@ -499,10 +555,7 @@ void iso_shapes_lister_destroy(iso_shapes_lister *lister) {
         for (int k = 0; w->counted && k < lister->count; k++)
             if (lister->sets[k].input && lister->sets[k].input->drawn)
                 add_counts(lister->sets[k].input->drawn, &w->counted[k]);
-        iso_shapes_pieces_free(&w->pieces);
-        iso_buffer_free(&w->sorted);
-        iso_buffer_free(&w->ends);
-        iso_buffer_free(&w->crossings);
+        free_worker(w);
         iso_free(w->listed);
     }
     for (int i = 0; lister->sets && i < lister->count; i++) {
@@ -516,6 +569,47 @@ void iso_shapes_lister_destroy(iso_shapes_lister *lister) {
 
 iso_layer_source iso_shapes_lister_source(iso_shapes_lister *lister) {
     return (iso_layer_source){list, count, lister};
+}
+
+/* ---- drawing opaque sets */
+
+typedef struct cut_draw {
+    const iso_shapes_lister *lister;
+    iso_gbuffer *gbuffer;
+    bool *failed; /* by worker */
+} cut_draw;
+
+static void draw_cut_bin(void *context, size_t bin, int number) {
+    const cut_draw *d = context;
+    worker *w = &d->lister->workers[number];
+    const listing l = {d->lister,  &d->lister->sets[0],         w,         number, NULL,
+                       d->gbuffer, {0, d->gbuffer->height - 1}, w->counted};
+    d->failed[number] |= !list_bin(&l, bin);
+}
+
+iso_status iso_shapes_draw_cut(const iso_shapes_frame *frame, iso_shapes_drawn *drawn, iso_error *error) {
+    const iso_target *target = frame->target;
+    const iso_strip strip = {.view = target->view, .gbuffer = target->gbuffer, .factor = 1};
+    const iso_translucent_set input = {.shapes = frame->shapes, .clip = target->clip};
+    set own = {.input = &input, .shapes = frame->shapes, .frame = *frame};
+    const int workers = iso_pool_threads(target->pool);
+    iso_shapes_lister lister = {.strip = strip, .sets = &own, .count = 1, .worker_count = workers};
+    lister.workers = iso_alloc_zero((size_t)workers, sizeof *lister.workers);
+    iso_shapes_layered *counted = iso_alloc_zero((size_t)workers, sizeof *counted);
+    cut_draw d = {&lister, target->gbuffer, iso_alloc_zero((size_t)workers, sizeof(bool))};
+    bool failed = !lister.workers || !counted || !d.failed;
+    for (int i = 0; i < workers && !failed; i++) lister.workers[i].counted = &counted[i];
+    if (!failed)
+        iso_parallel_for(target->pool, (size_t)frame->columns * (size_t)frame->rows, draw_cut_bin, &d);
+    for (int i = 0; i < workers && !failed; i++) {
+        failed |= d.failed[i];
+        if (drawn) drawn->samples += counted[i].samples;
+    }
+    for (int i = 0; i < workers && lister.workers; i++) free_worker(&lister.workers[i]);
+    iso_free(lister.workers);
+    iso_free(counted);
+    iso_free(d.failed);
+    return failed ? iso_fail_memory(error, "shapes") : ISO_OK;
 }
 
 double iso_translucent_middle(const iso_translucent_set *sets, int count, const iso_view *view) {

@@ -30,8 +30,14 @@ typedef struct iso_translucent_set {
     iso_rgb color;            /* of what has no colour of its own */
     iso_translucency translucency;
     iso_shapes_layered *drawn; /* is added to; NULL is fine */
-    const iso_clip *clip;      /* what is cut away of a mesh; NULL: nothing; borrowed */
+    const iso_clip *clip;      /* what is cut away; NULL: nothing; borrowed */
 } iso_translucent_set;
+
+struct iso_shapes_frame;
+/* Draws the blocks of a frame that the target's clip cuts (iso_draw_shapes), of lines all, into its gbuffer:
+ * of each sample the first crossing that is left. `drawn` may be NULL. ISO_ERR_NOMEM. */
+iso_status iso_shapes_draw_cut(const struct iso_shapes_frame *frame, iso_shapes_drawn *drawn,
+                               iso_error *error);
 
 typedef struct iso_shapes_lister iso_shapes_lister;
 

@@ -74,9 +74,9 @@ static bool clip(range pixels, double axis, int first, int last, int *from, int 
     return true;
 }
 
-/* Half the size of a block's box in view space, shapes included. */
-static void turn_box(const iso_shapes_frame *frame, const iso_shapes_block *block, double depth,
-                     double half[3]) {
+/* Half the size of a block's box in view space, shapes included; returns how far these reach. */
+static double turn_box(const iso_shapes_frame *frame, const iso_shapes_block *block, double depth,
+                       double half[3]) {
     const double *m = frame->rotation;
     for (int a = 0; a < 3; a++)
         half[a] = fabs(m[3 * a]) * (double)block->half[0] + fabs(m[3 * a + 1]) * (double)block->half[1] +
@@ -85,6 +85,20 @@ static void turn_box(const iso_shapes_frame *frame, const iso_shapes_block *bloc
                  least = far * frame->least_slope + frame->least_fixed;
     const double reach = (double)block->reach > least ? (double)block->reach : least;
     for (int a = 0; a < 3; a++) half[a] += reach;
+    return reach;
+}
+
+/* What the target's clip leaves of a block, whose shapes reach `reach` mm. */
+static iso_clip_rest rest_of(const iso_shapes_frame *frame, const iso_shapes_block *block, double reach) {
+    const iso_clip *clip = frame->target->clip;
+    unsigned cutting;
+    if (!clip || !clip->count) return ISO_CLIP_ALL;
+    const float *o = block->origin, *h = block->half;
+    const iso_vec3 centre =
+        iso_vec3_add(frame->shapes->origin, iso_vec3_make((double)o[0], (double)o[1], (double)o[2]));
+    const iso_vec3 half[3] = {
+        {(double)h[0] + reach, 0, 0}, {0, (double)h[1] + reach, 0}, {0, 0, (double)h[2] + reach}};
+    return iso_clip_of_box(clip, centre, half, &cutting);
 }
 
 static bool see(const iso_shapes_frame *frame, const iso_shapes_block *block, iso_shapes_seen *seen) {
@@ -92,7 +106,10 @@ static bool see(const iso_shapes_frame *frame, const iso_shapes_block *block, is
     const double origin[3] = {(double)block->origin[0], (double)block->origin[1], (double)block->origin[2]};
     double half[3];
     iso_shapes_to_view(frame, origin, seen->centre);
-    turn_box(frame, block, seen->centre[2], half);
+    const double reach = turn_box(frame, block, seen->centre[2], half);
+    const iso_clip_rest rest = rest_of(frame, block, reach);
+    seen->is_cut = rest == ISO_CLIP_SOME;
+    if (rest == ISO_CLIP_NOTHING) return false;
     const double margin = 1e-6 * (fabs(seen->centre[2]) + half[2]);
     const range depth = {seen->centre[2] - half[2] - margin, seen->centre[2] + half[2] + margin};
     if (depth.high < frame->near) return false;

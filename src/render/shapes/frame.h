@@ -26,6 +26,8 @@ typedef struct iso_shapes_seen {
     /* Its shapes are placed one by one in double precision: the block crosses the near plane or is so large
      * in the picture that floats relative to its origin are too coarse. */
     bool apart;
+    bool is_cut; /* the target's clip may cut some of its shapes; blocks of which it leaves nothing are not in
+                    sight */
 } iso_shapes_seen;
 
 typedef struct iso_shapes_frame {

@@ -107,7 +107,10 @@ typedef struct iso_shapes_drawn {
  * depths the earlier surface is kept. Where the set has colours, the gbuffer gets a plane of colours; those
  * of lines are interpolated between vertices. If the gbuffer has a plane of elements, it gets the numbers of
  * the glyphs and of the segments' first vertices. The gbuffer gets the same bytes for every instruction set
- * and number of threads, and when drawn in strips of any height. `drawn` may be NULL. ISO_ERR_NOMEM. */
+ * and number of threads, and when drawn in strips of any height. `drawn` may be NULL. ISO_ERR_NOMEM.
+ *
+ * The target's clip cuts the shapes: where it takes the front of one away its inside is seen. Cut shapes are
+ * drawn in double precision, of lines all that have one; their widened samples are not counted. */
 iso_status iso_draw_shapes(const iso_target *target, const iso_shapes *shapes, iso_shapes_drawn *drawn,
                            iso_error *error);
 

@@ -426,10 +426,10 @@ static void test_shapes(void **state) {
     float vertices[2][3] = {{x, (float)box.lo.y, z}, {x, (float)box.hi.y, z + 9}}, radii[2] = {1, 2};
     const size_t starts[2] = {0, 2};
     const iso_line_arrays lines = {
-        .vertices = (const float(*)[3])vertices, .starts = starts, .line_count = 1, .radii = radii};
+        .vertices = vertices[0], .starts = starts, .line_count = 1, .radii = radii};
     const iso_rgb red = {255, 0, 0};
     const iso_shape_set_opts look = {.color = &red, .glyph = ISO_GLYPH_BOX, .radius = 2};
-    const iso_glyph_arrays points = {.positions = (const float(*)[3])vertices, .count = 2};
+    const iso_glyph_arrays points = {.positions = vertices[0], .count = 2};
     iso_shape_set *sets[2] = {NULL, NULL};
     assert_int_equal(iso_shape_set_of_lines(&lines, &look, &sets[0], NULL), ISO_OK);
     assert_int_equal(iso_shape_set_of_glyphs(&points, &look, &sets[1], NULL), ISO_OK);

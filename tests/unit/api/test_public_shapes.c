@@ -41,7 +41,7 @@ static void test_translucent_shapes(void **state) {
     assert_int_equal(iso_surface_bounds(surface, &box, NULL), ISO_OK);
     const float position[1][3] = {{(float)(box.lo.x + box.hi.x) / 2, (float)box.lo.y - 20,
                                    (float)(box.lo.z + box.hi.z) / 2}}; /* in front */
-    const iso_glyph_arrays points = {.positions = position, .count = 1};
+    const iso_glyph_arrays points = {.positions = position[0], .count = 1};
     const iso_rgb red = {255, 0, 0};
     iso_shape_set *set = NULL;
     const iso_shape_set_opts look = {.color = &red, .radius = 8, .opacity = 0.5};

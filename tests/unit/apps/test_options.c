@@ -229,13 +229,14 @@ static void test_usage_errors(void **state) {
     expect_failure("--threads 0 x.vti", ISO_ERR_USAGE, "1 to 1024");
     expect_failure("--max-memory much x.vti", ISO_ERR_USAGE, "option --max-memory");
     expect_failure("--raw 3x4:uint8 x.raw", ISO_ERR_USAGE, "option --raw");
-    expect_failure("x.vti out.gif", ISO_ERR_USAGE, "out.gif: a picture's name must end in .png");
-    expect_failure("x.vti -o out.gif", ISO_ERR_USAGE, "must end in .png");
+    expect_failure("x.vti out.bmp", ISO_ERR_USAGE, "out.bmp: a picture's name must end in .png");
+    expect_failure("x.vti -o out.bmp", ISO_ERR_USAGE, "must end in .png");
+    expect_failure("x.vti out.gif", ISO_ERR_USAGE, "a video needs several pictures");
     expect_failure("a.vti b.vti c.vti", ISO_ERR_USAGE, "--output TEMPLATE");
     expect_failure("x.vti - --json", ISO_ERR_USAGE, "standard output");
     expect_failure("x.vti - --turntable 4", ISO_ERR_USAGE, "standard output");
     expect_failure("x.vti --points p.xyz", ISO_ERR_USAGE, ".ply");
-    expect_failure("x.vti --mesh p.gltf", ISO_ERR_USAGE, ".stl, .ply or .obj");
+    expect_failure("x.vti --mesh p.gltf", ISO_ERR_USAGE, ".vtp, .stl, .ply, .obj, .glb or .3mf");
     expect_failure("x.vti --isovalue 1,2 --mesh p.ply", ISO_ERR_USAGE, "one isovalue");
     expect_failure("x.vti --no-image", ISO_ERR_USAGE, "nothing to do");
     expect_failure("--backend glx x.vti", ISO_ERR_BACKEND, "no backend 'glx'");

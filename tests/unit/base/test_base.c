@@ -336,6 +336,48 @@ static void results_are_placed_in_order(void **state) {
     }
 }
 
+/* Cancels after so many calls. */
+static bool cancel_later(void *context, double fraction) {
+    (void)fraction;
+    return --*(int *)context < 0;
+}
+
+/* What was begun before the cancelling is finished, in order and without holes; the next loop is whole. */
+static void cancelled_loops_end(void **state) {
+    (void)state;
+    static ordered_tally t;
+    const int threads[] = {1, 2, 7};
+    for (int i = 0; i < 3; i++) {
+        iso_pool *pool = NULL;
+        assert_int_equal(iso_pool_create(threads[i], &pool, NULL), ISO_OK);
+        for (int round = 0; round < 60; round++) {
+            int calls = round * 5;
+            const iso_ordered steps = {ordered_work, ordered_place, ordered_finish,
+                                       (size_t)threads[i] / 2 + 1};
+            memset(&t, 0, sizeof t);
+            t.array = calloc(ORDERED_ITEMS, sizeof *t.array);
+            assert_non_null(t.array);
+            iso_pool_watch(pool, cancel_later, &calls);
+            iso_parallel_ordered(pool, ORDERED_ITEMS, &steps, &t);
+            assert_true(iso_pool_is_cancelled(pool) || t.placed == ORDERED_ITEMS);
+            assert_true(t.placed < ORDERED_ITEMS || threads[i] > 1);
+            for (size_t k = 0; k < ORDERED_ITEMS; k++) {
+                assert_int_equal(t.place_of[k], k < t.placed ? k + 1 : 0);
+                assert_int_equal(t.finished[k], k < t.placed);
+            }
+            free(t.array);
+            tally whole = {.workers = threads[i]}, part = {.workers = threads[i]};
+            iso_parallel_until(pool, sizeof part.done, mark, &part);
+            assert_true(part.done[sizeof part.done - 1] == 0 || !iso_pool_is_cancelled(pool));
+            iso_pool_watch(pool, NULL, NULL);
+            assert_false(iso_pool_is_cancelled(pool));
+            iso_parallel_until(pool, sizeof whole.done, mark, &whole);
+            for (size_t k = 0; k < sizeof whole.done; k++) assert_int_equal(whole.done[k], 1);
+        }
+        iso_pool_destroy(pool);
+    }
+}
+
 static bool no_nameless_files; /* as on file systems that have none */
 
 int __real_access(const char *path, int mode);
@@ -621,6 +663,7 @@ int main(void) {
         cmocka_unit_test(files_are_known_under_every_name),
         cmocka_unit_test(every_index_runs_once),
         cmocka_unit_test(results_are_placed_in_order),
+        cmocka_unit_test(cancelled_loops_end),
         cmocka_unit_test(sinks_write_all_or_nothing),
         cmocka_unit_test(temporary_names_are_used_again),
         cmocka_unit_test(fifos_are_refused_unopened),

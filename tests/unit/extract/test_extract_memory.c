@@ -125,7 +125,7 @@ static void first_extractions_fail_cleanly(void **state) {
         if (status == ISO_OK) status = iso_mesh_set_update(mesh, NULL);
         if (status == ISO_OK) {
             iso_mesh_view view = iso_mesh_set_view(mesh);
-            status = iso_mesh_weld(&view, &weld, NULL);
+            status = iso_mesh_weld(&view, NULL, &weld, NULL);
         }
         test_grant_memory();
         done = status == ISO_OK;

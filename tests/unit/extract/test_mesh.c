@@ -22,7 +22,7 @@ static iso_weld weld_of(const iso_grid *grid, double isovalue) {
     iso_mesh_view view = iso_mesh_set_view(set);
     iso_weld weld = {0};
     iso_error error = {0};
-    if (iso_mesh_weld(&view, &weld, &error) != ISO_OK) fail_msg("%s", error.text);
+    if (iso_mesh_weld(&view, NULL, &weld, &error) != ISO_OK) fail_msg("%s", error.text);
     assert_int_equal(weld.vertex_count, iso_mesh_view_vertex_count(&view));
     assert_int_equal(weld.triangle_count, iso_mesh_view_triangle_count(&view));
     iso_mesh_set_destroy(set);
@@ -537,7 +537,7 @@ static void welding_names_a_missing_brick(void **state) {
     view.span_count--;
     iso_weld weld = {0};
     iso_error error = {0};
-    assert_int_equal(iso_mesh_weld(&view, &weld, &error), ISO_ERR_USAGE);
+    assert_int_equal(iso_mesh_weld(&view, NULL, &weld, &error), ISO_ERR_USAGE);
     assert_non_null(strstr(error.text, "brick 1 1 1"));
     assert_null(weld.vertices);
     iso_mesh_set_destroy(set);

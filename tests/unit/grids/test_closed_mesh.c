@@ -415,7 +415,7 @@ static iso_triangles scene_mesh(const char *name, int size, const int crop[6], d
     assert_int_equal(iso_mesh_set_create(grid, &mesh_opts, &set, NULL), ISO_OK);
     assert_int_equal(iso_mesh_set_update(set, NULL), ISO_OK);
     const iso_mesh_view view = iso_mesh_set_view(set);
-    assert_int_equal(iso_mesh_weld(&view, &weld, NULL), ISO_OK);
+    assert_int_equal(iso_mesh_weld(&view, NULL, &weld, NULL), ISO_OK);
     const iso_affine affine = iso_transform_affine(&view.transform);
     iso_triangles mesh = mesh_make();
     for (size_t i = 0; i < weld.vertex_count; i++) {

@@ -287,7 +287,7 @@ static iso_weld weld_of(const iso_grid *grid, double isovalue) {
     test_ok(iso_mesh_set_create(grid, &(iso_mesh_opts){.isovalue = isovalue}, &set, &error), &error);
     test_ok(iso_mesh_set_update(set, &error), &error);
     const iso_mesh_view view = iso_mesh_set_view(set);
-    test_ok(iso_mesh_weld(&view, &weld, &error), &error);
+    test_ok(iso_mesh_weld(&view, NULL, &weld, &error), &error);
     iso_mesh_set_destroy(set);
     return weld;
 }
@@ -573,7 +573,7 @@ static void separated_vertices(void **state) {
     test_ok(iso_mesh_set_update(set, &error), &error);
     const iso_mesh_view view = iso_mesh_set_view(set);
     for (int separate = 0; separate < 2; separate++) {
-        test_ok(iso_mesh_weld(&view, &weld, &error), &error);
+        test_ok(iso_mesh_weld(&view, NULL, &weld, &error), &error);
         if (separate) iso_weld_separate(&view, ISO_CLOSED_TOLERANCE, &weld);
         qsort(weld.vertices, weld.vertex_count, sizeof *weld.vertices, compare_positions);
         size_t twins = 0;

@@ -33,6 +33,7 @@ typedef struct mixed {
     double isovalues[SURFACES];
     iso_translucency surface;
     int surfaces;
+    const iso_clip *clip; /* of the sets; NULL: none */
 } mixed;
 
 static const iso_rgb set_colors[SETS] = {{0xC0, 0x39, 0x2B}, {0x27, 0x8E, 0x60}, {0x29, 0x80, 0xB9}},
@@ -88,7 +89,8 @@ static void draw(const mixed *m, const iso_strip *strip, iso_pool *pool, picture
             .mesh = iso_triangle_spans_view(&spans),
             .color = set_colors[i],
             .translucency = m->translucency[i],
-            .drawn = &p->drawn[i]};
+            .drawn = &p->drawn[i],
+            .clip = m->clip};
     for (int i = 0; i < m->surfaces; i++)
         layers[i] = (iso_exact_layer){make_exact(m->grid, m->isovalues[i], NULL), surface_colors[i],
                                       m->surface, NULL, NULL};
@@ -209,7 +211,10 @@ static int add_set(truth *t, int set, double px, double py, layer *layers, int c
     const size_t n = iso_shapes_truth_layers(t->sets[set], px, py, found, MOST_LAYERS);
     const int most = t->m->translucency[set].most_layers;
     assert_true(n < MOST_LAYERS);
-    for (size_t i = 0; i < n && (!most || i < (size_t)most); i++) {
+    int own = 0;
+    for (size_t i = 0; i < n && (!most || own < most); i++) {
+        if (!test_shapes_left(t->m->clip, v, px, py, found[i].depth)) continue;
+        own++;
         layer l = {found[i].depth, opacity_of(&t->m->translucency[set], found[i].normal, ray), {0}};
         const float normal[3] = {(float)found[i].normal[0], (float)found[i].normal[1],
                                  (float)found[i].normal[2]};
@@ -305,6 +310,18 @@ static void compare_views(const mixed *m, iso_vec3 origin, iso_vec3 away, double
     }
 }
 
+/* ---- what is cut */
+
+static void compare_clipped(const mixed *whole, iso_vec3 origin, iso_vec3 away, const char *name) {
+    const iso_clip clip = test_shapes_clip(iso_vec3_add(origin, iso_vec3_make(0.1, 0.2, 0.3)));
+    mixed m = *whole;
+    m.clip = &clip;
+    for (int parallel = 0; parallel < 2; parallel++) {
+        const iso_view view = test_shapes_view(origin, away, 18, parallel);
+        compare(&m, &view, name);
+    }
+}
+
 /* ---- glyphs */
 
 enum { GLYPHS = 2000, MANY = 400 };
@@ -347,6 +364,7 @@ static void test_glyphs(void **state) {
         char name[32];
         snprintf(name, sizeof name, "glyph %d", glyph);
         compare_views(&m, origin, AWAY, 18, name);
+        compare_clipped(&m, origin, AWAY, name);
     }
 }
 
@@ -426,6 +444,7 @@ static void test_tubes(void **state) {
                          .count = 1};
         lines.lines.radii = kind % 2 ? NULL : lines.radii;
         compare_views(&m, lines.lines.origin, AWAY, 18, kind % 2 ? "even tubes" : "tapered tubes");
+        compare_clipped(&m, lines.lines.origin, AWAY, "tubes that are cut");
     }
     /* as wide as a sample, where they are thinner */
     const mixed wide = {.sets = {{NULL, &lines.lines, {.radius = 0.01, .min_pixels = 3}}},
@@ -445,6 +464,7 @@ static void test_ribbons(void **state) {
                      .translucency = {{.opacity = 0.4f, .constant = true}},
                      .count = 1};
     compare_views(&m, drawn.origin, AWAY, 18, "ribbons");
+    compare_clipped(&m, drawn.origin, AWAY, "ribbons that are cut");
     iso_free(drawn.normals);
 }
 

@@ -53,7 +53,7 @@ static iso_weld mesh_of(iso_session *session) {
     assert_int_equal(iso_mesh_set_create(&grid, &opts, &set, NULL), ISO_OK);
     assert_int_equal(iso_mesh_set_update(set, NULL), ISO_OK);
     const iso_mesh_view view = iso_mesh_set_view(set);
-    assert_int_equal(iso_mesh_weld(&view, &weld, NULL), ISO_OK);
+    assert_int_equal(iso_mesh_weld(&view, NULL, &weld, NULL), ISO_OK);
     iso_mesh_set_destroy(set);
     return weld;
 }

@@ -1,0 +1,146 @@
+"""Sculpting: a level set under brushes."""
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from typing import Any, Iterable, Optional, Sequence, Union
+
+import numpy as np
+
+from ._core import Floats, Path, call, one_of, owned, usage, vec3
+from ._native import ffi, lib
+from ._things import Surface
+from ._volume import Volume
+
+_TOOLS = {name.replace("_", "-").lower(): getattr(lib, "ISO_TOOL_" + name) for name in
+          ("ADD", "CARVE", "BLEND_ADD", "BLEND_CARVE", "SMOOTH", "INFLATE", "DEFLATE", "FLATTEN", "PINCH", "MOVE",
+           "MASK", "UNMASK", "CLEAR_MASK", "INVERT_MASK")}
+_SOLIDS = {name.lower(): getattr(lib, "ISO_SOLID_" + name) for name in
+           ("SPHERE", "BOX", "CAPSULE", "CYLINDER", "TORUS", "STAMP")}
+_FALLOFFS = {name.lower(): getattr(lib, "ISO_FALLOFF_" + name) for name in ("SMOOTH", "LINEAR", "CONSTANT")}
+
+
+@dataclass
+class Brush:
+    """A brush. `tool`: "add", "carve", "blend-add", "blend-carve", "smooth", "inflate", "deflate", "flatten", "pinch",
+    "move", "mask", "unmask", "clear-mask" or "invert-mask"; `shape` of the first four: "sphere", "box", "capsule",
+    "cylinder", "torus" or "stamp". Sizes in mm; `aspect` and `spacing` in radii; 0 means the usual. `symmetry`: "x",
+    "yz" .., mirrored at planes through `mirror`."""
+    radius: float
+    tool: str = "add"
+    shape: str = "sphere"
+    falloff: str = "smooth"
+    strength: float = 0.0
+    aspect: float = 0.0
+    blend: float = 0.0
+    spacing: float = 0.0
+    symmetry: str = ""
+    mirror: Floats = (0.0, 0.0, 0.0)
+    pressure_radius: bool = False
+    pressure_strength: bool = False
+
+    def _made(self) -> Any:
+        return ffi.new("iso_brush *", {
+            "tool": one_of(_TOOLS, self.tool, "tool"), "shape": one_of(_SOLIDS, self.shape, "shape"),
+            "falloff": one_of(_FALLOFFS, self.falloff, "falloff"), "radius": self.radius, "strength": self.strength,
+            "aspect": self.aspect, "blend": self.blend, "spacing": self.spacing, "mirror": vec3(self.mirror, "mirror"),
+            "symmetry": sum(1 << "xyz".index(a) for a in set(self.symmetry)), "pressure_radius": self.pressure_radius,
+            "pressure_strength": self.pressure_strength})
+
+
+class Sculpt:
+    """A ball at the world's origin, to be sculpted. `shape` of its grid (z, y, x), voxels of `voxel` mm; `radius` mm, 0: a
+    quarter of the grid. `journal`: a stroke file, which keeps every stroke; it must not exist yet."""
+
+    def __init__(self, *, voxel: float = 0.0, shape: Sequence[int] = (0, 0, 0), radius: float = 0.0,
+                 journal: Optional[Path] = None, threads: int = 0) -> None:
+        self._create(lib.iso_sculpt_create, {"voxel_size": voxel, "dims": [int(n) for n in reversed(shape)],
+                                             "radius": radius, "threads": threads}, journal=journal)
+
+    def _create(self, function: Any, options: "dict[str, Any]", *arguments: Any,
+                journal: Optional[Path] = None) -> None:
+        path = ffi.new("char[]", os.fsencode(journal)) if journal is not None else ffi.NULL
+        made = ffi.new("iso_sculpt **")
+        call(function, *arguments, ffi.new("iso_sculpt_opts *", {**options, "journal": path}), made)
+        self._handle = owned(made[0], "iso_sculpt_destroy", to_the_last=True)  # (which completes the journal)
+        borrowed = lib.iso_sculpt_volume(self._handle)
+        self.volume = Volume._of(owned(borrowed, "iso_volume_destroy", self._handle))
+        self.surface = Surface(self.volume, 0.0)
+
+    @classmethod
+    def _of(cls, function: Any, options: "dict[str, Any]", *arguments: Any) -> "Sculpt":
+        sculpt = cls.__new__(cls)
+        sculpt._create(function, options, *arguments)
+        return sculpt
+
+    @classmethod
+    def from_volume(cls, volume: Volume, isovalue: float, *, voxel: float = 0.0, threads: int = 0) -> "Sculpt":
+        """The solid that a volume has at an isovalue, of cubes of `voxel` mm (0: its smallest spacing)."""
+        with volume._lock:
+            return cls._of(lib.iso_sculpt_from_volume, {"voxel_size": voxel, "threads": threads}, volume._handle,
+                           float(isovalue))
+
+    @classmethod
+    def replay(cls, path: Path, *, threads: int = 0) -> "Sculpt":
+        """Plays a stroke file, and leaves it as it is."""
+        return cls._of(lib.iso_sculpt_replay, {"threads": threads}, os.fsencode(path))
+
+    @classmethod
+    def resume(cls, path: Path, *, threads: int = 0) -> "Sculpt":
+        """Plays a stroke file, and appends further strokes to it."""
+        return cls._of(lib.iso_sculpt_resume, {"threads": threads}, os.fsencode(path))
+
+    def stroke(self, brush: Brush, positions: Any, normals: Any = None, *,
+               pressures: Union[float, Iterable[float]] = 1.0) -> int:
+        """One stroke along positions (n, 3), mm; `normals`: unit vectors out of the solid, z by default. Returns the number
+        of bricks that it edited. A stroke that fails or is interrupted leaves nothing behind."""
+        at = np.atleast_2d(np.asarray(positions, float))
+        up = np.broadcast_to(np.asarray((0, 0, 1) if normals is None else normals, float), at.shape)
+        weights = np.broadcast_to(np.asarray(pressures, float), at.shape[:1])
+        if at.ndim != 2 or at.shape[1] != 3 or not len(at):
+            raise usage(f"a stroke along positions of shape {at.shape}: (n, 3) are wanted")
+        stats = ffi.new("iso_edit_stats *")
+        samples = [ffi.new("iso_sample *", [list(p), list(n), w, 0.0]) for p, n, w in zip(at, up, weights)]
+        with self.volume._lock:
+            call(lib.iso_sculpt_begin, self._handle, brush._made(), samples[0], stats)
+            try:
+                for sample in samples[1:]:
+                    call(lib.iso_sculpt_sample, self._handle, sample, stats)
+            except BaseException:
+                lib.iso_sculpt_cancel(self._handle, ffi.NULL)
+                raise
+            call(lib.iso_sculpt_end, self._handle)
+        return int(stats.edited)
+
+    def undo(self) -> None:
+        """Undoes the last stroke, exactly."""
+        with self.volume._lock:
+            call(lib.iso_sculpt_undo, self._handle)
+
+    def redo(self) -> None:
+        """Redoes the stroke that was undone last, exactly."""
+        with self.volume._lock:
+            call(lib.iso_sculpt_redo, self._handle)
+
+    @property
+    def undo_count(self) -> int:
+        """The number of strokes that can be undone."""
+        return int(lib.iso_sculpt_undo_count(self._handle))
+
+    @property
+    def redo_count(self) -> int:
+        """The number of strokes that can be redone."""
+        return int(lib.iso_sculpt_redo_count(self._handle))
+
+    def set_stamp(self, path: Path) -> None:
+        """Sets the solid of the shape "stamp": the inside of a mesh, .stl, .obj or .ply."""
+        with self.volume._lock:
+            call(lib.iso_sculpt_set_stamp, self._handle, os.fsencode(path))
+
+    def save_vdb(self, path: Path, name: str = "surface") -> None:
+        """Writes the level set as .vdb."""
+        with self.volume._lock:
+            call(lib.iso_volume_write_vdb, self.volume._handle, os.fsencode(path), name.encode())
+
+    def _repr_png_(self) -> bytes:
+        return self.surface._repr_png_()

@@ -1,0 +1,418 @@
+"""Tests of the package. python3 -m unittest; ISORENDER: the program, which pictures are held against; ROOT: the source."""
+import gc
+import itertools
+import os
+import signal
+import struct
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import unittest
+import zlib
+
+import numpy as np
+
+import isopoint
+
+ISORENDER = os.environ.get("ISORENDER", "isorender")
+ROOT = os.environ.get("ROOT", ".")
+PALETTE = "E5DCC8"  # of isorender's first surface
+
+
+def bumpy(n=64, dtype=np.uint8):
+    g = np.linspace(-1, 1, n)
+    z, y, x = g[:, None, None], g[None, :, None], g[None, None, :]
+    return np.clip(128 + (0.7 + 0.1 * np.sin(9 * x) - np.sqrt(z * z + 1.5 * y * y + 2 * x * x)) * 300, 0, 255).astype(dtype)
+
+
+def idat(png):
+    """The pixels of a PNG as they are compressed."""
+    at, found = 8, b""
+    while at < len(png):
+        size, name = struct.unpack(">I4s", png[at:at + 8])
+        if name == b"IDAT":
+            found += png[at + 8:at + 8 + size]
+        at += size + 12
+    return found
+
+
+def cancelled_after(seconds, call):
+    """Sends SIGINT so much later; how long the call then goes on."""
+    sent = []
+
+    def send():
+        sent.append(time.monotonic())
+        os.kill(os.getpid(), signal.SIGINT)
+
+    timer = threading.Timer(seconds, send)
+    timer.start()
+    try:
+        call()
+    except KeyboardInterrupt:
+        return time.monotonic() - sent[0]
+    finally:
+        timer.cancel()
+    return None
+
+
+class Arrays(unittest.TestCase):
+    def test_not_copied(self):
+        for dtype in (np.uint8, np.int16, np.uint16, np.float32):
+            a = bumpy(40, dtype)[:, :30, :20]
+            for lent, axes in itertools.product((a, a.copy(), np.asfortranarray(a), a.transpose(2, 1, 0), a[::-1],
+                                                 a[:, ::-1, ::-1], a[:, :, ::-1], a[3:-2, ::2, 1:]),
+                                                ("zyx", "xyz", "yzx")):
+                v = isopoint.Volume(lent, axes=axes)
+                self.assertTrue(np.shares_memory(v.array, lent), (dtype, axes, lent.strides))
+                self.assertEqual(v.array.ctypes.data, lent.ctypes.data)
+                self.assertEqual(v.shape, lent.shape)
+
+    def test_converted(self):
+        a = bumpy(dtype=np.float64)
+        wanted = isopoint.Surface(a.astype(np.uint8), 128).mesh()
+        for lent in (a.astype(np.uint8)[:, :, ::1], a.astype(">i2"), a.astype(np.int32), a.astype(np.int64),
+                     np.floor(a), np.floor(a).astype(np.float16), np.repeat(a.astype(np.uint8), 2, 2)[:, :, ::2]):
+            mesh = isopoint.Surface(lent, 128).mesh()
+            self.assertEqual(len(mesh.triangles), len(wanted.triangles), lent.dtype)
+        self.assertGreater(len(isopoint.Surface(a > 100, 0.5).mesh().triangles), 0)
+        self.assertEqual(isopoint.Volume(a.astype(np.int64)).array.dtype, np.uint16)
+
+    def test_layouts_are_at_the_same_place(self):
+        a = bumpy()
+        a[:20] = 0  # not symmetric
+        place = dict(spacing=(1, 2, 3), origin=(10, -20, 5), direction=[[0, 1, 0], [-1, 0, 0], [0, 0, 1]])
+        base = isopoint.Surface(a, 128, **place)
+        picture = base.render(size=(200, 200)).array
+        for lent, axes in ((np.asfortranarray(a.T), "xyz"), (np.ascontiguousarray(a.T), "xyz"),
+                           (np.asfortranarray(a), "zyx"), (a[::-1].copy()[::-1], "zyx"),
+                           (a[:, ::-1, ::-1].copy()[:, ::-1, ::-1], "zyx"), (a.transpose(1, 0, 2).copy(), "yzx"),
+                           (np.pad(a, 3)[3:-3, 3:-3, 3:-3], "zyx")):
+            surface = isopoint.Surface(lent, 128, axes=axes, **place)
+            self.assertTrue(np.allclose(surface.bounds(), base.bounds(), atol=1e-5))
+            different = (surface.render(size=(200, 200)).array != picture).any(-1).sum()
+            self.assertLessEqual(different, 8, (axes, lent.strides))
+            self.assertAlmostEqual(surface.measure()["volume"] / base.measure()["volume"], 1, 4)
+
+    def test_changes(self):
+        for axes, flip in (("zyx", 1), ("xyz", 1), ("yxz", -1)):
+            a = bumpy()[::flip]
+            s = isopoint.Surface(a, 100, axes=axes)
+            first = s.render(size=(100, 100)).array.copy()
+            s.isovalue = 150
+            self.assertTrue((s.render(size=(100, 100)).array != first).any())
+            s.isovalue = 100
+            self.assertTrue((s.render(size=(100, 100)).array == first).all())
+            a[5:30, 20:50, 31:] = 0
+            s.volume.changed((5, 20, 31), (30, 50, 64))
+            fresh = isopoint.Surface(a.copy() if flip > 0 else a, 100, axes=axes)
+            self.assertEqual(len(s.mesh().triangles), len(fresh.mesh().triangles))
+            self.assertTrue((s.render(size=(100, 100)).array == fresh.render(size=(100, 100)).array).all())
+
+    def test_refused(self):
+        a = bumpy(20)
+        for wrong in (lambda: isopoint.Volume(a[0]), lambda: isopoint.Volume(a, axes="zzx"),
+                      lambda: isopoint.Volume(a.astype(complex)), lambda: isopoint.Volume(a[:0]),
+                      lambda: isopoint.Volume(a, spacing=(1, 2)), lambda: isopoint.Volume(a, spacing=(0, 1, 1)),
+                      lambda: isopoint.Surface(a, float("nan")), lambda: isopoint.Surface(a, 128, color="red"),
+                      lambda: isopoint.Surface(a, 128, opacity=2), lambda: isopoint.Surface(a, 128).render(samples=3),
+                      lambda: isopoint.Surface(a, 128).render(camera="above"),
+                      lambda: isopoint.Surface(a, 128).render(method="best"), lambda: isopoint.render([a]),
+                      lambda: isopoint.Surface(a, 128).render().depth,
+                      lambda: isopoint.Lines([[[0, 0, 0], [1, 1, 1]]], radii=[1])):
+            with self.assertRaises((isopoint.Error, ValueError)) as caught:
+                wrong()
+            self.assertIsInstance(caught.exception, ValueError)
+
+
+class Pictures(unittest.TestCase):
+    def test_same_as_isorender(self):
+        """The same compressed bytes: 5 views x 3 methods x 3 volumes."""
+        views = (([], {}), (["--camera", "iso", "--samples", "4"], dict(camera="iso", samples=4)),
+                 (["--azimuth", "33", "--elevation", "12", "--zoom", "1.5", "--orthographic"],
+                  dict(camera=isopoint.Camera(azimuth=33, elevation=12, zoom=1.5, orthographic=True))),
+                 (["--resolution", "700x300", "--camera", "left", "--background", "203040"],
+                  dict(size=(700, 300), camera="left", background="203040")),
+                 (["--camera-position=-90,-80,70", "--camera-focal-point", "32,32,32", "--no-background"],
+                  dict(camera=isopoint.Camera(position=(-90, -80, 70), focal_point=(32, 32, 32)), transparent=True)))
+        with tempfile.TemporaryDirectory() as folder:
+            nrrd = os.path.join(ROOT, "volumes/stent.nrrd")
+            opened = isopoint.Volume.open(nrrd)
+            ball, floats = bumpy(64), bumpy(48, np.float32)[:, :40]
+            ball.tofile(f"{folder}/ball.raw")
+            floats.tofile(f"{folder}/floats.raw")
+            volumes = ((["--raw", "64x64x64:uint8", "--isovalue", "128", f"{folder}/ball.raw"], isopoint.Volume(ball), 128),
+                       (["--raw", "48x40x48:float32", "--spacing", "1,2,1.5", "--isovalue", "90", f"{folder}/floats.raw"],
+                        isopoint.Volume(floats, spacing=(1, 2, 1.5)), 90),
+                       (["--isovalue", "600", nrrd], opened, 600))
+            for (command, volume, isovalue), (options, how), method in itertools.product(
+                    volumes, views, ("exact", "mesh", "pullpush")):
+                path = f"{folder}/picture.png"
+                subprocess.run([ISORENDER, "-q", "--fit", "box", "--method", method, *options, *command[:-1], "-o", path, command[-1]],
+                               check=True)
+                with open(path, "rb") as stream:
+                    theirs = stream.read()
+                ours = isopoint.Surface(volume, isovalue, color=PALETTE).render(method=method, **how)._repr_png_()
+                self.assertEqual(zlib.crc32(idat(ours)), zlib.crc32(idat(theirs)), (method, options, command))
+
+    def test_numbers(self):
+        s = isopoint.Surface(bumpy(), 128)
+        g = isopoint.Glyphs([[10, 10, 10], [50, 50, 50]], radius=4, color="FF0000")
+        p = isopoint.render([s, g], size=(120, 90), aov=True)
+        self.assertEqual(p.array.shape, (90, 120, 4))
+        self.assertEqual(set(np.unique(p.ids())), {0, 1, 2})
+        self.assertEqual((np.isfinite(p.depth) == (p.coverage > 0)).all(), True)
+        self.assertTrue(np.allclose(np.linalg.norm(p.normal[p.coverage == 1], axis=1), 1, atol=1e-3))
+        self.assertEqual(p.size, (120, 90))
+        self.assertEqual(isopoint.render(s, size=(120, 90), camera=p.camera).size, (120, 90))
+        again = isopoint.render([s, g], size=(120, 90), camera=p.camera)
+        self.assertTrue((again.array == p.array).all())
+        self.assertEqual(p.compare(again)["pixels_differing"], 0)
+
+    def test_things(self):
+        rng = np.random.default_rng(1)
+        t = np.linspace(0, 20, 200)
+        curve = np.stack([32 + 20 * np.cos(t), 32 + 20 * np.sin(t), 3 * t], 1)
+        s = isopoint.Surface(bumpy(), 128, opacity=0.3)
+        mesh = isopoint.Surface(bumpy(), 200).mesh()
+        labels = np.zeros((30, 30, 30), np.uint8)
+        labels[5:15, 5:15, 5:15], labels[15:25, 5:15, 5:15] = 1, 2
+        at = rng.normal(0, 20, (4000, 3))
+        at *= 20 / np.linalg.norm(at, axis=1)[:, None]
+        axes = np.tile(np.eye(3) * 2, (50, 1, 1))
+        for things, options in (([s, isopoint.Lines([curve], radius=1), isopoint.Glyphs(curve[::40], radius=3)], {}),
+                                ([isopoint.MeshItem(mesh.vertices, mesh.triangles, color="20C040")], {}),
+                                ([isopoint.Labels(labels, i, color=c) for i, c in ((1, "FF0000"), (2, "0000FF"))], {}),
+                                ([isopoint.Cloud(at, origin=(5e6, 0, 0))], dict(method="splats-flat")),
+                                ([isopoint.Gaussians(at[:50], axes, opacities=np.full(50, 0.5))], {}),
+                                ([isopoint.Surface(bumpy(), 128)], dict(look=isopoint.Look(glass=isopoint.Glass()))),
+                                ([isopoint.Surface(bumpy(), 128, color_by=isopoint.ColorBy("curvature"))], {}),
+                                ([isopoint.Surface(bumpy(), 128)], dict(clip="x<30", cap="surface", occlusion=True,
+                                                                         look=isopoint.Look(outline=1, shadow=True))),
+                                ([isopoint.Surface(bumpy(), 128)], dict(camera=isopoint.Camera(orthographic=True),
+                                                                         marks=("scale", "anatomical")))):
+            picture = isopoint.render(things, size=(150, 100), **options)
+            self.assertGreater(len(np.unique(picture.array.reshape(-1, 4), axis=0)), 20, things)
+
+    def test_looks_are_changed(self):
+        a = isopoint.Surface(bumpy(), 128)
+        b = isopoint.Surface(bumpy(), 128, color="3060C0", opacity=0.25)
+        a.color, a.opacity = "3060C0", 0.25
+        self.assertTrue((a.render(size=(99, 99)).array == b.render(size=(99, 99)).array).all())
+        a.opacity = 0
+        self.assertTrue((a.render(size=(99, 99)).array == 255).all())
+        a.opacity, a.color = 1, None
+        plain = isopoint.Surface(bumpy(), 128)
+        self.assertTrue((a.render(size=(99, 99)).array == plain.render(size=(99, 99)).array).all())
+
+    def test_files(self):
+        s = isopoint.Surface(bumpy(), 128)
+        with tempfile.TemporaryDirectory() as folder:
+            p = s.render(size=(50, 50))
+            p.save(f"{folder}/a.png")
+            with open(f"{folder}/a.png", "rb") as stream:
+                self.assertEqual(stream.read(), p._repr_png_())
+            self.assertTrue((isopoint.Picture.read(f"{folder}/a.png").array == p.array).all())
+            s.save_mesh(f"{folder}/a.ply")
+            s.save_points(f"{folder}/p.ply")
+            self.assertGreater(isopoint.MeshItem.read(f"{folder}/a.ply").bounds()[1][0], 0)
+            self.assertEqual(len(isopoint.Cloud.read(f"{folder}/p.ply").points()), len(s.points()))
+            with self.assertRaises(FileNotFoundError if False else OSError):
+                p.save(f"{folder}/none/a.png")
+            with self.assertRaises(isopoint.FileError):
+                isopoint.Volume.open(f"{folder}/none.nrrd")
+
+    def test_parts(self):
+        a = bumpy(64)
+        s = isopoint.Surface(a, 128, color=PALETTE)
+        whole = s.render(size=(200, 200), samples=1)
+        keys = isopoint.Keys(a.shape, 128, whole.camera, size=(200, 200), samples=1, color=PALETTE)
+        for z in range(0, 64, 16):
+            lo, hi = max(z - 1, 0), min(z + 18, 64)
+            keys.draw(isopoint.Volume(a[lo:hi]), (lo, 0, 0), (z, 0, 0), (z + 16, 64, 64))
+        self.assertTrue((keys.show().array == whole.array).all())
+
+    def test_scene(self):
+        with tempfile.TemporaryDirectory() as folder:
+            bumpy().tofile(f"{folder}/a.raw")
+            scene = isopoint.Scene("a.raw", raw="64x64x64:uint8", isovalue=128, azimuth=30, color=PALETTE, fit="box")
+            scene._folder = folder
+            ours = isopoint.Surface(bumpy(), 128, color=PALETTE).render(camera=isopoint.Camera(azimuth=30)).array
+            os.environ["ISORENDER"] = ISORENDER
+            self.assertTrue((scene.render().array == ours).all())
+            scene.save(f"{folder}/a.json")
+            loaded = isopoint.Scene.load(f"{folder}/a.json")
+            self.assertIn(("azimuth", "30"), loaded.options)
+            self.assertTrue((loaded.render().array == ours).all())
+            self.assertEqual(loaded.render(resolution="70x40").size, (70, 40))
+            subprocess.run([ISORENDER, "-q", f"{folder}/a.json", "-o", f"{folder}/b.png"], check=True)
+            self.assertTrue((isopoint.Scene.load(f"{folder}/b.png").render().array == ours).all())
+            with self.assertRaises(isopoint.UsageError):
+                isopoint.Scene("a.raw", colour_of_sky="blue").render()
+            with self.assertRaises(isopoint.FileError):
+                isopoint.Scene.load(f"{folder}/a.raw")
+
+
+class Outputs(unittest.TestCase):
+    def test_views_outlive_what_they_are_of(self):
+        def make():
+            s = isopoint.Surface(bumpy().copy(), 128)
+            return s.mesh().vertices, s.render(size=(64, 64), aov=True).depth, s.points().positions, s.volume.array
+        arrays = make()
+        copies = [a.copy() for a in arrays]
+        gc.collect()
+        [bumpy() for _ in range(20)]
+        for a, b in zip(arrays, copies):
+            self.assertTrue((a == b).all())
+
+    def test_meshes(self):
+        s = isopoint.Surface(bumpy(), 128)
+        m, p = s.mesh(), s.points()
+        self.assertFalse(m.vertices.flags.owndata or m.triangles.flags.owndata)
+        self.assertEqual(m.triangles.max() + 1, len(m.vertices))
+        self.assertEqual(s.measure()["euler"], 2)
+        corners = m.vertices[m.triangles].astype(float)
+        volume = np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6
+        self.assertAlmostEqual(volume / s.measure()["volume"], 1, 5)
+        self.assertEqual(len(p), len(p.radii))
+        vertices, faces = m.to_napari()
+        self.assertTrue((vertices[:, 0] == m.vertices[:, 2]).all())
+
+    def test_vtk(self):
+        try:
+            from vtkmodules.vtkFiltersCore import vtkMassProperties
+        except ImportError:
+            self.skipTest("VTK is not there")
+        s = isopoint.Surface(bumpy(), 128)
+        mesh = s.mesh()
+        properties = vtkMassProperties()
+        properties.SetInputData(mesh.to_vtk())
+        self.assertAlmostEqual(properties.GetSurfaceArea() / s.measure()["area"], 1, 6)
+
+    def test_far(self):
+        a, place = bumpy(), dict(spacing=(0.1, 0.1, 0.1))
+        near, far = isopoint.Surface(a, 128, **place), isopoint.Surface(a, 128, origin=(0, 5e6, 0), **place)
+        self.assertTrue((far.mesh(origin=(0, 5e6, 0)).vertices == near.mesh().vertices).all())
+        self.assertTrue((far.points(origin=(0, 5e6, 0)).positions == near.points().positions).all())
+
+    def test_histogram(self):
+        a = bumpy()
+        counts, edges = isopoint.Volume(a).histogram()
+        self.assertEqual(len(edges), len(counts) + 1)
+        self.assertTrue(edges[0] < isopoint.Volume(a).suggest() < edges[-1])
+
+
+class Sculpting(unittest.TestCase):
+    def test_strokes(self):
+        with tempfile.TemporaryDirectory() as folder:
+            s = isopoint.Sculpt(shape=(96, 96, 96), radius=30, journal=f"{folder}/a.strokes")
+            first = s.surface.measure()["volume"]
+            self.assertAlmostEqual(first / (4 / 3 * np.pi * 30**3), 1, 2)
+            self.assertGreater(s.stroke(isopoint.Brush(8, symmetry="x"), [[30, 0, 0], [25, 15, 5]]), 0)
+            second = s.surface.measure()["volume"]
+            self.assertGreater(second, first)
+            s.undo()
+            self.assertEqual((s.undo_count, s.redo_count, s.surface.measure()["volume"]), (0, 1, first))
+            s.redo()
+            with self.assertRaises(isopoint.UsageError):
+                s.redo()
+            self.assertEqual(s.surface.measure()["volume"], second)
+            picture = s.surface.render(size=(64, 64)).array
+            del s
+            gc.collect()
+            again = isopoint.Sculpt.replay(f"{folder}/a.strokes")
+            self.assertTrue((again.surface.render(size=(64, 64)).array == picture).all())
+
+    def test_of_volume(self):
+        v = isopoint.Volume(bumpy(40))
+        s = isopoint.Sculpt.from_volume(v, 128)
+        self.assertAlmostEqual(s.surface.measure()["volume"] / isopoint.Surface(v, 128).measure()["volume"], 1, 1)
+        with self.assertRaises(AttributeError):
+            s.volume.array
+
+
+class Cancelling(unittest.TestCase):
+    def test_progress(self):
+        s = isopoint.Surface(bumpy(128), 128)
+        told = []
+        wanted = s.render(size=(300, 300), method="raycast", samples=16, progress=told.append).array.copy()
+        self.assertEqual(told, sorted(told))
+        with self.assertRaises(isopoint.FileError):
+            s.render(size=(900, 900), method="raycast", samples=16, progress=lambda fraction: True)
+        with self.assertRaises(ZeroDivisionError):
+            s.render(size=(900, 900), method="raycast", samples=16, progress=lambda fraction: 1 / 0)
+        self.assertTrue((s.render(size=(300, 300), method="raycast", samples=16).array == wanted).all())
+
+    def test_interrupted(self):
+        s = isopoint.Surface(bumpy(128), 128)
+        wanted = s.render(size=(200, 200), samples=1).array.copy()
+        for options in (dict(size=(4000, 4000), samples=64), dict(size=(3000, 3000), samples=4, method="raycast"),
+                        dict(size=(3000, 3000), samples=4, look=isopoint.Look(glass=isopoint.Glass()))):
+            late = cancelled_after(0.4, lambda: s.render(**options))
+            print(options, "interrupted after", late)
+            self.assertTrue(late is None or late < 2.0, (options, late))  # (0.5 on a machine at rest)
+            self.assertTrue((s.render(size=(200, 200), samples=1).array == wanted).all())
+
+    def test_threads(self):
+        """Threads share a volume, and different volumes at once."""
+        s, own = isopoint.Surface(bumpy(), 128), [isopoint.Surface(bumpy(), 128) for _ in range(2)]
+        want = s.render(size=(200, 200)).array.copy()
+        good = []
+
+        def work(i):
+            for k in range(5):
+                good.append((isopoint.render(s if k % 2 else own[i % 2], size=(200, 200)).array == want).all())
+
+        threads = [threading.Thread(target=work, args=(i,)) for i in range(4)]
+        [t.start() for t in threads]
+        [t.join() for t in threads]
+        self.assertEqual(good, [True] * 20)
+
+    def test_fork(self):
+        s = isopoint.Surface(bumpy(), 128, threads=2)
+        want = s.render(size=(100, 100)).array.copy()
+        child = os.fork()
+        if child == 0:
+            good = (s.render(size=(100, 100)).array == want).all()
+            del s
+            gc.collect()
+            own = isopoint.Surface(bumpy(), 128, threads=2)
+            good &= (own.render(size=(100, 100)).array == want).all()
+            os._exit(0 if good else 1)
+        self.assertEqual(os.waitpid(child, 0)[1], 0)
+
+    def test_collected_in_any_order(self):
+        for order in itertools.permutations(range(3)):
+            v = isopoint.Volume(bumpy(30), threads=2)
+            s = isopoint.Surface(v, 128)
+            kept = [v, s, s.render(size=(20, 20))]
+            del v, s
+            for i in order:
+                kept[i] = None
+                gc.collect()
+
+    def test_cycles(self):
+        """Garbage that refers to itself is taken apart in any order: a volume must not go before its surfaces."""
+        for _ in range(20):
+            things = [isopoint.Surface(bumpy(30), 128, threads=2) for _ in range(3)]
+            for a, b in itertools.product(things, things):
+                setattr(a, f"other{id(b)}", b)
+                setattr(b.volume, f"surface{id(a)}", a)
+                b.volume._handle_of = a._handle
+            things[0].mesh()
+            del things, a, b
+            gc.collect()
+
+    def test_exit(self):
+        """The interpreter ends without hanging or crashing, also with cycles and with a thread at work."""
+        code = ("import sys, threading, numpy as np, isopoint\n"
+                "a = np.zeros((90, 90, 90), np.uint8); a[20:70, 20:70, 20:70] = 255\n"
+                "s = isopoint.Surface(a, 128, threads=2); s.me = s; s.render(size=(50, 50)); sculpt = isopoint.Sculpt()\n"
+                "t = threading.Thread(target=lambda: s.render(size=(2000, 2000), samples=16), daemon=True); t.start()\n")
+        for _ in range(3):
+            self.assertEqual(subprocess.run([sys.executable, "-c", code], timeout=60).returncode, 0)
+
+
+if __name__ == "__main__":
+    unittest.main()
