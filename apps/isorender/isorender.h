@@ -265,7 +265,7 @@ iso_status isorender_render(isorender_job *job, iso_error *error);
  * message: no step has one, and this is the last. */
 iso_status isorender_render_nothing(isorender_job *job, iso_error *error);
 /* Writes a picture, and what is over it, with the texts of its file. The image may be painted onto. */
-iso_status isorender_write_picture(const isorender_job *job, iso_image *image, const iso_drawing *over,
+iso_status isorender_write_picture(isorender_job *job, iso_image *image, const iso_drawing *over,
                                    const char *path, iso_error *error);
 uint64_t isorender_picture_bytes(const isorender_job *job, int samples); /* main memory to render */
 

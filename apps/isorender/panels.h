@@ -12,8 +12,8 @@ bool isorender_has_panels(const isorender_settings *settings);
 /* Checks their options. ISO_ERR_USAGE. */
 iso_status isorender_panels_check(isorender_settings *settings, iso_error *error);
 
-/* Draws the sheet and writes it as the plan's picture. Errors name the panel; no output is left after
- * one. ISO_ERR_USAGE: a value is none of the option; ISO_ERR_LIMIT: the sheet is too large; errors of
+/* Draws the sheet and writes it as the plan's picture. Errors name the panel; no output is left after one.
+ * ISO_ERR_USAGE: a value is none of the option; ISO_ERR_LIMIT: the sheet is too large; errors of
  * isorender_run for each panel. */
 iso_status isorender_panels_run(const isorender_settings *settings, const isorender_plan *plan,
                                 iso_pool *pool, const isorender_backend *backend,

@@ -110,7 +110,7 @@ double isorender_pixels_per_metre(const isorender_job *job) {
     return millimetres > 0 ? 1000 / millimetres : 0;
 }
 
-iso_status isorender_write_picture(const isorender_job *job, iso_image *image, const iso_drawing *over,
+iso_status isorender_write_picture(isorender_job *job, iso_image *image, const iso_drawing *over,
                                    const char *path, iso_error *error) {
     isorender_labels l;
     if (iso_page_is_named(path)) return isorender_page_write(job, image, path, error);

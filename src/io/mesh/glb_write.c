@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/decimal_point.h"
 #include "base/text.h"
 #include "image/srgb.h"
 #include "io/common/encode.h"
@@ -206,9 +207,9 @@ iso_status iso_put_glb(const mesh_source *sources, int count, const char *commen
     for (int i = 0; i < count; i++) bytes += bytes_of(&sources[i]);
     FILE *memory = open_memstream(&json, &length);
     if (!memory) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
-    void *numbers = iso_encode_numbers_begin();
+    void *numbers = iso_decimal_point_begin();
     put_json(memory, sources, count, comment, bytes);
-    iso_encode_numbers_end(numbers);
+    iso_decimal_point_end(numbers);
     if (!iso_memory_stream_close(memory, &json)) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
     const size_t padded = (length + 3) / 4 * 4;
     if (28 + padded + bytes > UINT32_MAX) {

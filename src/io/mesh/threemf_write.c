@@ -5,6 +5,7 @@
 #include <string.h>
 #include <zlib.h>
 
+#include "base/decimal_point.h"
 #include "base/text.h"
 #include "io/common/encode.h"
 #include "io/mesh/mesh_source.h"
@@ -203,9 +204,9 @@ iso_status iso_put_threemf(const mesh_source *sources, int count, const char *co
     size_t length = 0;
     FILE *memory = open_memstream(&model, &length);
     if (!memory) return fail_memory(error);
-    void *numbers = iso_encode_numbers_begin();
+    void *numbers = iso_decimal_point_begin();
     put_model(memory, sources, count, comment);
-    iso_encode_numbers_end(numbers);
+    iso_decimal_point_end(numbers);
     const bool complete = !ferror(memory);
     if (!iso_memory_stream_close(memory, &model) || !complete) {
         if (!complete) free(model);
