@@ -35,7 +35,8 @@ typedef struct iso_scene_engine {
 /* Is told how far a picture is. */
 typedef struct iso_scene_progress {
     void (*strip)(void *context, double from, double to); /* as iso_picture_opts.begin_strip */
-    /* NULL, or: surface `number` is going to be drawn into the strip, or has been. Not in layered pictures. */
+    /* NULL, or: surface `number` is going to be drawn into the strip, or has been. Not in layered pictures.
+     */
     void (*surface)(void *context, int number, bool done);
     void *context;
 } iso_scene_progress;
