@@ -37,12 +37,6 @@ static bool draws_any(const isorender_settings *settings, const isorender_plan *
     return false;
 }
 
-isorender_film isorender_film_of(const isorender_settings *settings) {
-    isorender_film film = {.count = settings->pictures ? settings->pictures : 1};
-    for (int i = 0; i < ISORENDER_COLORINGS; i++) film.ranges[i][0] = film.ranges[i][1] = NAN;
-    return film;
-}
-
 /* Looks at all steps of a series for what they share, and draws them. What fails ends it, but for steps that
  * have no surface. */
 static int render_series(isorender_settings *settings, const isorender_plan *plans, iso_pool *pool,

@@ -41,7 +41,7 @@ static iso_status check_clip(const isorender_settings *settings, iso_error *erro
                         "%s: a page can have one --clip, which is a plane through all surfaces: x<MM or "
                         "X,Y,Z:NX,NY,NZ",
                         settings->output);
-    if (settings->cap != ISORENDER_CAP_NONE && settings->cap != ISORENDER_CAP_SURFACE)
+    if (settings->cap.kind != ISO_CAP_NONE && settings->cap.kind != ISO_CAP_SURFACE)
         return iso_fail(error, ISO_ERR_USAGE,
                         "%s: --cap of a page is surface: it has not all voxels that a slice shows",
                         settings->output);
@@ -116,7 +116,7 @@ static char *input_name(const isorender_job *job) {
 
 static iso_page_clip clip_of(isorender_job *job) {
     const isorender_settings *settings = job->settings;
-    iso_page_clip made = {.cap = settings->cap == ISORENDER_CAP_SURFACE};
+    iso_page_clip made = {.cap = settings->cap.kind == ISO_CAP_SURFACE};
     /* a body is what lies behind its face; the page has the side that is cut away */
     const double *face = settings->cuts[0].body.face[0];
     for (int i = 0; settings->cut_count && i < 4; i++) made.plane[i] = -face[i];

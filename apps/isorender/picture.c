@@ -320,6 +320,12 @@ static iso_status render_frame(isorender_job *job, int frame, canvas *c, iso_err
     return ISO_OK;
 }
 
+isorender_film isorender_film_of(const isorender_settings *settings) {
+    isorender_film film = {.count = settings->pictures ? settings->pictures : 1};
+    for (int i = 0; i < ISORENDER_COLORINGS; i++) film.ranges[i][0] = film.ranges[i][1] = NAN;
+    return film;
+}
+
 /* Adds a picture to the film's video, which the first one begins and the last one ends. */
 static iso_status film_picture(isorender_job *job, int frame, const iso_image *image, iso_error *error) {
     const isorender_settings *settings = job->settings;

@@ -53,6 +53,22 @@ void iso_parallel_for(iso_pool *pool, size_t count, iso_task *task, void *contex
     (void)pool;
     for (size_t i = 0; i < count; i++) task(context, i, 0);
 }
+/* (a worker of the page that is no longer needed is ended as a whole) */
+void iso_parallel_until(iso_pool *pool, size_t count, iso_task *task, void *context) {
+    iso_parallel_for(pool, count, task, context);
+}
+bool iso_pool_is_cancelled(const iso_pool *pool) {
+    (void)pool;
+    return false;
+}
+bool iso_pool_ask(iso_pool *pool) {
+    (void)pool;
+    return false;
+}
+iso_status iso_pool_check(const iso_pool *pool, const char *what, iso_error *error) {
+    (void)pool, (void)what, (void)error;
+    return ISO_OK;
+}
 size_t iso_ordered_slots(const iso_pool *pool) {
     (void)pool;
     return 4;
