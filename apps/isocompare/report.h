@@ -66,7 +66,7 @@ typedef struct report {
     iso_cost_study cost;
     iso_splat_cost splats;
     iso_stroke_cost strokes; /* if the input is a stroke file */
-    char *page; /* the surface as a page, as HTML of the report; NULL: none can be made */
+    char *page;              /* the surface as a page, as HTML of the report; NULL: none can be made */
     char processor[128];
     uint64_t peak; /* largest memory of the process, bytes */
 } report;

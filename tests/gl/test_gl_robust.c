@@ -141,6 +141,8 @@ static iso_status run_program(iso_gl_context *context, const char *output, iso_e
     iso_operands operands = {names, 0};
     isorender_plan *plans;
     ISO_TRY(isorender_settings_parse(16, argv, &settings, &operands, error));
+    isorender_film film = isorender_film_of(&settings);
+    settings.film = &film;
     ISO_TRY(isorender_plans_make(&settings, &plans, error));
     iso_gl_engine *engine;
     assert_int_equal(iso_gl_engine_create(context, &engine, NULL), ISO_OK);

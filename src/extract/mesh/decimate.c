@@ -1,4 +1,6 @@
-/* Fewer triangles, by meshoptimizer. */
+/* Fewer triangles, by meshoptimizer, which is loaded when it is needed: it brings the library of C++, which
+ * takes longer to load than many pictures take to draw. */
+#include <dlfcn.h>
 #include <math.h>
 #include <meshoptimizer.h>
 #include <string.h>
@@ -8,6 +10,20 @@
 
 bool iso_weld_can_decimate(void) {
     return true;
+}
+
+typedef struct simplifier {
+    __typeof__(&meshopt_simplifyScale) scale;
+    __typeof__(&meshopt_simplify) simplify;
+} simplifier;
+
+static iso_status load(simplifier *loaded, iso_error *error) {
+    void *library = dlopen(ISO_MESHOPTIMIZER, RTLD_NOW | RTLD_LOCAL); /* never closed */
+    *(void **)&loaded->scale = library ? dlsym(library, "meshopt_simplifyScale") : NULL;
+    *(void **)&loaded->simplify = library ? dlsym(library, "meshopt_simplify") : NULL;
+    if (loaded->scale && loaded->simplify) return ISO_OK;
+    return iso_fail(error, ISO_ERR_BACKEND, "meshoptimizer, which joins triangles, is not there: %s",
+                    dlerror());
 }
 
 /* Keeps the vertices that triangles use, in their order. */
@@ -29,7 +45,9 @@ static void compact(iso_weld *weld, uint32_t *number) {
 
 iso_status iso_weld_decimate(iso_weld *weld, const iso_transform *transform, const iso_mesh_edits *edits,
                              iso_error *error) {
+    simplifier loaded;
     if (!weld->triangle_count) return ISO_OK;
+    ISO_TRY(load(&loaded, error));
     const iso_affine affine = iso_transform_affine(transform);
     float *world = iso_alloc(weld->vertex_count * 3 * sizeof *world);
     uint32_t *made = iso_alloc(weld->triangle_count * 3 * sizeof *made);
@@ -44,13 +62,12 @@ iso_status iso_weld_decimate(iso_weld *weld, const iso_transform *transform, con
         const iso_vec3 at = iso_affine_point(&affine, iso_vec3_make(p[0], p[1], p[2]));
         world[3 * i] = (float)at.x, world[3 * i + 1] = (float)at.y, world[3 * i + 2] = (float)at.z;
     }
-    const float scale = meshopt_simplifyScale(world, weld->vertex_count, 3 * sizeof *world);
+    const float scale = loaded.scale(world, weld->vertex_count, 3 * sizeof *world);
     const size_t wanted = edits->keep > 0 ? 3 * (size_t)ceil(edits->keep * (double)weld->triangle_count) : 0;
     /* (quadric errors are means over the triangles around: the most is about twice as much) */
     const float deviation = edits->deviation > 0 ? (float)edits->deviation / (2 * scale) : 1e9f;
-    const size_t indices =
-        meshopt_simplify(made, &weld->triangles[0][0], 3 * weld->triangle_count, world, weld->vertex_count,
-                         3 * sizeof *world, wanted, deviation, 0, NULL);
+    const size_t indices = loaded.simplify(made, &weld->triangles[0][0], 3 * weld->triangle_count, world,
+                                           weld->vertex_count, 3 * sizeof *world, wanted, deviation, 0, NULL);
     memcpy(weld->triangles, made, indices * sizeof *made);
     weld->triangle_count = indices / 3;
     compact(weld, number);
