@@ -103,10 +103,12 @@ static void describe_lent(const iso_rgrid *grid, iso_volume_info *info) {
 static bool complete_strides(const iso_lend_opts *opts, ptrdiff_t *y, ptrdiff_t *z) {
     const int *dims = opts->dims;
     *y = opts->stride_y ? opts->stride_y : dims[0];
-    *z = opts->stride_z ? opts->stride_z : *y * dims[1];
+    *z = opts->stride_z;
     if (dims[0] < 1 || dims[1] < 1 || dims[2] < 1) return true; /* which iso_rgrid_create refuses */
-    return *y >= dims[0] && *y <= PTRDIFF_MAX / dims[1] && *z >= *y * dims[1] &&
-           *z <= PTRDIFF_MAX / (ptrdiff_t)sizeof(float) / dims[2];
+    if (*y < dims[0] || *y > PTRDIFF_MAX / dims[1]) return false;
+    const ptrdiff_t plane = *y * dims[1];
+    if (!opts->stride_z) *z = plane;
+    return *z >= plane && *z <= PTRDIFF_MAX / (ptrdiff_t)sizeof(float) / dims[2];
 }
 
 /* Creates the grid of a lent array and its brick index. From then on the grid releases the array. */
