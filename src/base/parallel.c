@@ -206,7 +206,8 @@ int iso_pool_threads(const iso_pool *pool) {
 }
 
 static void run(iso_pool *pool, size_t count, bool until, iso_task *task, void *context) {
-    if (!pool || pool->threads == 1 || count < 2) {
+    /* A child process has none of the threads, and its copy of the mutex may be locked for ever. */
+    if (!pool || pool->threads == 1 || count < 2 || pool->owner != getpid()) {
         for (size_t i = 0; i < count; i++) {
             tell(pool, (double)i / (double)count);
             if (until && iso_pool_is_cancelled(pool)) return;
