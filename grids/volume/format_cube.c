@@ -46,9 +46,10 @@ iso_status iso_cube_read_header(iso_cube_file *f, iso_cube_header *header, iso_e
     ISO_TRY(iso_cube_next_line(f, error));
     ISO_TRY(read_row(f, &header->atoms, &header->origin, &header->values, error));
     header->has_orbitals = header->atoms < 0;
-    header->atoms = labs(header->atoms);
-    if (header->atoms < 0 || header->atoms > MAX_ATOMS || header->values < 1 || header->values > MAX_ORBITALS)
+    if (header->atoms < -MAX_ATOMS || header->atoms > MAX_ATOMS || header->values < 1 ||
+        header->values > MAX_ORBITALS)
         return bad(f, "the number of its atoms or values is not possible", error);
+    header->atoms = labs(header->atoms);
     for (int axis = 2; axis >= 0; axis--) {
         ISO_TRY(read_row(f, &points, &header->steps[axis], &ignored, error));
         if (points < 0) header->unit = 1;

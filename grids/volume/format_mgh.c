@@ -3,7 +3,6 @@
  *
  * The format: surfer.nmr.mgh.harvard.edu/fswiki/FsTutorial/MghFormat. World. RAS, turned to LPS; the header
  * states where the middle of the volume is, at voxel (width / 2, height / 2, depth / 2). */
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/geometry.h"

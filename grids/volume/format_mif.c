@@ -56,7 +56,8 @@ static iso_status take_layout(mif_header *header, const char *value, iso_error *
         header->backwards[axis] = *value == '-';
         value += *value == '-' || *value == '+';
         if (!isdigit((unsigned char)*value)) return bad(header, "a layout that is no list of numbers", error);
-        header->rank[axis] = (int)strtol(value, (char **)&value, 10);
+        const unsigned long rank = strtoul(value, (char **)&value, 10);
+        header->rank[axis] = rank < MAX_AXES ? (int)rank : MAX_AXES; /* order_axes refuses it */
     }
     return ISO_OK;
 }

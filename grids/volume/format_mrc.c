@@ -9,7 +9,6 @@
  * sections are; the cell's edges are as usual (a along x, b in the plane of x and y). ORIGIN counts if it
  * is not 0, as in ChimeraX; else the number of the first column, row and section. */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/geometry.h"

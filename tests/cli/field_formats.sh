@@ -197,6 +197,10 @@ head -n 60 in/bohr.cube >in/cut.cube
 isorender_refuses 3 'in/cut.cube: truncated: a number is missing' in/cut.cube
 head -n 5 in/bohr.cube >in/short.cube
 isorender_refuses 3 'in/short.cube: truncated: the file ends in its header' in/short.cube
+sed '3s/^2/-9223372036854775808/' in/bohr.cube >in/many.cube
+isorender_refuses 3 'in/many.cube: not a readable cube file: the number of its atoms' in/many.cube
+sed 's/layout: +0/layout: +4294967295/' in/plain.mif >in/rank.mif
+isorender_refuses 3 'in/rank.mif: not a readable MRtrix image: a layout in which' in/rank.mif
 gzip -k in/mrc.nrrd
 isorender_refuses 3 'in/mrc.nrrd.gz: is a file of type nrrd that gzip has compressed: unpack it' in/mrc.nrrd.gz
 # the atoms of a cube lie where its voxels say
