@@ -1,7 +1,7 @@
 /* crease_kernel: corrects distances beside creases. The edge points of the zero set are collected, sorted
- * into bins of 4^3 voxels and split into those at a crease and the others. A voxel lies in the fan of a crease
- * when the edge point nearest to it is at a crease; its distance is then bounded by the distance to that edge
- * point. */
+ * into bins of 4^3 voxels and split into those at a crease and the others. A voxel lies in the fan of a
+ * crease when the edge point nearest to it is at a crease; its distance is then bounded by the distance
+ * to that edge point. */
 #include <math.h>
 #include <stdint.h>
 #include <string.h>

@@ -308,8 +308,8 @@ static float plain_value(const float *window, float band, const plain_points *po
     return *v < 0 ? -made : made;
 }
 
-/* Windows with slanting boxes and noise, bands of 3 and 5 voxels: every instruction set corrects each voxel as
- * the plain search does, and leaves a window without creases alone. */
+/* Windows with slanting boxes and noise, bands of 3 and 5 voxels: every instruction set corrects each
+ * voxel as the plain search does, and leaves a window without creases alone. */
 static void creases_are_corrected_as_by_a_plain_search(void **state) {
     (void)state;
     enum { M = ISO_CREASE_MARGIN };
