@@ -33,8 +33,8 @@ fi
 options=()
 for name in VTK OPENVDB TIFF HDF5 ZARR GDCM BZIP2 NIFTI OPENEXR JPEG MESHOPTIMIZER GL; do options+=("-DISO_WITH_$name=OFF"); done
 cmake -G Ninja -S . -B "$build" -DCMAKE_TOOLCHAIN_FILE="$PWD/tests/arm/aarch64.cmake" -DCMAKE_BUILD_TYPE=Release \
-    -DISO_PROGRAMS=OFF -DISO_WERROR="${ISO_WERROR:-OFF}" "${options[@]}" >"$build/log" || { cat "$build/log"; exit 1; }
+    -DISO_PROGRAMS=OFF -DISO_UNITY=ON -DISO_WERROR="${ISO_WERROR:-OFF}" "${options[@]}" >"$build/log" || { cat "$build/log"; exit 1; }
 cmake --build "$build" --target isopoint
-aarch64-linux-gnu-gcc -std=c17 -O2 -ffp-contract=off -static -I. -Isrc -Itests/golden -I"$ISO_ARM_ROOT/usr/include" -o "$build/golden" \
+aarch64-linux-gnu-gcc -std=c17 -D_GNU_SOURCE -O2 -ffp-contract=off -static -I. -Isrc -Itests/golden -I"$ISO_ARM_ROOT/usr/include" -o "$build/golden" \
     tests/golden/*.c "$build/lib/libisopoint.a" -L"$ISO_ARM_ROOT/usr/lib/aarch64-linux-gnu" -ljansson -lpng -lz -lm
 exec qemu-aarch64 "$build/golden" . tests/golden/table.tsv "$build/different"
