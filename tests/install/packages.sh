@@ -1,20 +1,23 @@
 #!/usr/bin/env bash
-# packages.sh PACKAGES: installs the .deb files of this folder by apt in a Debian 12 that has nothing, and runs debian/tests there, each
-# with what debian/tests/control says that it depends on. Exit status 77, with a message: such a Debian cannot be had.
+# packages.sh PACKAGES [TEST ...]: installs the .deb files of this folder by apt in a Debian 12 that has nothing, and runs debian/tests
+# there (all, or those that are named), each with what debian/tests/control says that it depends on. Exit status 77, with a message: such a Debian cannot be had.
 set -euo pipefail
 packages=$(cd "$1" && pwd)
 ls "$packages"/*.deb >/dev/null
+shift
+tests=" $* "
 source "$(dirname "$0")/chroot.sh"
 
-mkdir "$root/root/packages"
-cp "$packages"/*.deb "$root/root/packages"
-(cd "$root/root/packages" && dpkg-scanpackages --multiversion . >Packages 2>/dev/null)
-echo "deb [trusted=yes] file:/root/packages ./" >"$root/etc/apt/sources.list.d/packages.list"
+mkdir -p "$root/srv/packages"
+cp "$packages"/*.deb "$root/srv/packages"
+(cd "$root/srv/packages" && dpkg-scanpackages --multiversion . >Packages 2>/dev/null)
+echo "deb [trusted=yes] file:/srv/packages ./" >"$root/etc/apt/sources.list.d/packages.list"
 git clone --quiet --no-hardlinks . "$root/root/isopoint"
 cp -r debian "$root/root/isopoint" # as it is now
 mkdir "$root/root/tmp"
 in_root "apt-get update -qq" >build/packages-test.log 2>&1 || fail "$(tail -n 1 build/packages-test.log)"
 while read -r name depends; do
+    [ "$tests" = "  " ] || [[ $tests == *" $name "* ]] || continue
     in_root "DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $depends" >>build/packages-test.log 2>&1 ||
         fail "$depends cannot be installed: $(tail -n 3 build/packages-test.log)"
     echo "packages.sh: debian/tests/$name"
