@@ -9,6 +9,7 @@
 #include "apps/isocompare/report.h"
 #include "base/file.h"
 #include "base/file_types.h"
+#include "base/html.h"
 #include "base/memory.h"
 #include "base/parse.h"
 #include "compare/surfaces.h"
@@ -284,7 +285,7 @@ static void put_page(const comparison *c, FILE *stream) {
           stream);
     for (int i = 0; i < 2; i++) {
         fputs("<li>", stream);
-        isocompare_put_text(stream, c->sides[i].path);
+        iso_html_text(stream, c->sides[i].path);
         if (!c->sides[i].is_mesh) fprintf(stream, ", isovalue %.10g", c->sides[i].isovalue);
         fputs("</li>", stream);
     }
@@ -301,7 +302,7 @@ static void put_page(const comparison *c, FILE *stream) {
     for (int view = 0; view < VIEWS; view++)
         for (int i = 0; i < 2; i++) {
             fprintf(stream, "<figure><img alt=\"%c %s\" src=\"data:image/png;base64,", 'A' + i, views[view]);
-            isocompare_put_base64(stream, &c->sides[i].pictures[view]);
+            iso_html_base64(stream, c->sides[i].pictures[view].bytes, c->sides[i].pictures[view].size);
             fprintf(stream, "\"><figcaption>%c %s</figcaption></figure>\n", 'A' + i, views[view]);
         }
 }
