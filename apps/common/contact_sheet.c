@@ -57,6 +57,17 @@ iso_status iso_sheet_fork(int count, iso_sheet_work *work, void (*wake)(void *co
     return started ? ISO_OK : iso_fail(error, ISO_ERR_NOMEM, "no process can be made: %s", strerror(errno));
 }
 
+iso_status iso_sheet_share_machine(iso_sheet *s, int *threads, iso_error *error) {
+    iso_pool *pool = NULL;
+    ISO_TRY(iso_pool_create(0, &pool, error));
+    const int processors = iso_pool_threads(pool);
+    iso_pool_destroy(pool);
+    if (!s->jobs) s->jobs = processors;
+    if (s->jobs > s->count) s->jobs = s->count;
+    if (!*threads) *threads = processors > s->jobs ? processors / s->jobs : 1;
+    return ISO_OK;
+}
+
 /* ---- pictures that are kept */
 
 static char *picture_path(const iso_sheet *s, uint64_t key) {

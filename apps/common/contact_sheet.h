@@ -63,6 +63,9 @@ typedef struct iso_sheet {
  * ISO_ERR_WRITE, ISO_ERR_LIMIT, ISO_ERR_NOMEM: there is no sheet, but the pictures are kept. */
 iso_status iso_sheet_make(iso_sheet *sheet, int *code, iso_error *error);
 
+/* Chooses how many processes draw, if `jobs` is 0, and how many threads each has, if *threads is 0. */
+iso_status iso_sheet_share_machine(iso_sheet *sheet, int *threads, iso_error *error);
+
 /* Memory of `bytes` zeros that child processes share; NULL: there is none. Never freed by them; the caller's:
  * iso_sheet_unshare. */
 void *iso_sheet_share(size_t bytes);

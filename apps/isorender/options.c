@@ -8,8 +8,8 @@
 #include "apps/isorender/colorings.h"
 #include "apps/isorender/cuts.h"
 #include "apps/isorender/looks.h"
-#include "apps/isorender/mpi_ranks.h"
 #include "apps/isorender/option_checks.h"
+#include "base/file_identity.h"
 #include "base/text.h"
 #include "image/image.h"
 #include "io/key_file.h"
@@ -733,7 +733,7 @@ _Static_assert(sizeof options / sizeof *options <= ISORENDER_MOST_OPTIONS, "isor
 static void note_option(void *target, const iso_option *option, const char *value) {
     isorender_settings *settings = target;
     uint64_t *hash = &settings->given[option - options];
-    *hash = isorender_hash(*hash + 1, value ? value : "", value ? strlen(value) : 0);
+    *hash = iso_hash(*hash + 1, value ? value : "", value ? strlen(value) : 0);
     iso_settings_record_option(settings, option, value);
     if (option->flags & ISO_OPTION_UNRECORDED) return;
     if (settings->noted_count < ISORENDER_NOTED)

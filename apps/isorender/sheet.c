@@ -59,8 +59,8 @@ typedef struct command {
 } command;
 
 typedef struct maker {
-    const isorender_settings *settings;
-    char **options; /* the program's name and all options of panels */
+    isorender_settings *settings; /* with the memory of one process */
+    char **options;               /* the program's name and all options of panels */
     int option_count;
     command *command;           /* of the panel that is drawn */
     isorender_same_view *first; /* shared by the processes; NULL: panels do not share a view */
@@ -157,16 +157,16 @@ static iso_status find_key(void *context, int number, uint64_t *key, iso_error *
     command *c = m->command;
     iso_loader_list_files(c->plans[0].input, &c->settings.common.input, c->plans[0].files);
     uint64_t hash = iso_file_set_identity(c->plans[0].files);
-    hash = isorender_hash(hash, isorender_program()->version, strlen(isorender_program()->version) + 1);
-    hash = isorender_hash(hash, &c->settings.sheet.measure, sizeof c->settings.sheet.measure);
-    for (int i = 1; i < c->argc; i++) hash = isorender_hash(hash, c->argv[i], strlen(c->argv[i]) + 1);
+    hash = iso_hash(hash, isorender_program()->version, strlen(isorender_program()->version) + 1);
+    hash = iso_hash(hash, &c->settings.sheet.measure, sizeof c->settings.sheet.measure);
+    for (int i = 1; i < c->argc; i++) hash = iso_hash(hash, c->argv[i], strlen(c->argv[i]) + 1);
     if (m->first) {
         const iso_camera *v = &m->first->camera;
         const double shared[] = {m->first->isovalue, v->position.x,    v->position.y,    v->position.z,
                                  v->focal_point.x,   v->focal_point.y, v->focal_point.z, v->view_up.x,
                                  v->view_up.y,       v->view_up.z,     v->view_angle,    v->orthographic,
                                  v->parallel_scale};
-        hash = isorender_hash(hash, shared, sizeof shared);
+        hash = iso_hash(hash, shared, sizeof shared);
     }
     *key = hash;
     return ISO_OK;
@@ -268,7 +268,7 @@ static iso_status check_files(maker *m, iso_error *error) {
     return status == ISO_ERR_USAGE ? iso_fail(error, status, "%s", reason.text) : ISO_OK;
 }
 
-static iso_status make_sheet(maker *m, const isorender_settings *given, int *code, iso_error *error) {
+static iso_status make_sheet(maker *m, int *code, iso_error *error) {
     const int measure = m->settings->sheet.measure;
     const char *unit = measure == ISORENDER_MEASURE_VOLUME ? "mm3"
                        : measure == ISORENDER_MEASURE_AREA ? "mm2"
@@ -291,12 +291,15 @@ static iso_status make_sheet(maker *m, const isorender_settings *given, int *cod
         .json = s->common.json,
         .quiet = s->common.quiet,
         .json_path = s->common.json_path,
-        .max_memory = iso_memory_limit(given->common.input.max_memory),
+        .max_memory = iso_memory_limit(s->common.input.max_memory),
         .find_key = find_key,
         .draw = draw,
         .context = m};
     sheet.shown = measure ? sheet.value_count - 1 : -1;
     sheet.values[1] = (iso_sheet_value){isorender_measures[measure], unit};
+    m->threads = s->common.threads;
+    ISO_TRY(iso_sheet_share_machine(&sheet, &m->threads, error));
+    m->settings->common.input.max_memory = sheet.max_memory / (uint64_t)sheet.jobs;
     if (s->same_view) ISO_TRY(iso_sheet_fork(1, survey, NULL, m, error));
     return iso_sheet_make(&sheet, code, error);
 }
@@ -310,31 +313,16 @@ static void free_maker(maker *m) {
     free(m->options);
 }
 
-/* Divides processors and memory among the processes. */
-static iso_status share_machine(isorender_settings *s, maker *m, iso_error *error) {
-    iso_pool *pool = NULL;
-    ISO_TRY(iso_pool_create(0, &pool, error));
-    const int processors = iso_pool_threads(pool);
-    iso_pool_destroy(pool);
-    if (!s->sheet.jobs) s->sheet.jobs = processors;
-    if (s->sheet.jobs > s->input_count) s->sheet.jobs = s->input_count;
-    m->threads = s->common.threads            ? s->common.threads
-                 : processors > s->sheet.jobs ? processors / s->sheet.jobs
-                                              : 1;
-    s->common.input.max_memory = iso_memory_limit(s->common.input.max_memory) / (uint64_t)s->sheet.jobs;
-    return ISO_OK;
-}
-
 iso_status isorender_sheet(const isorender_settings *settings, int *code, iso_error *error) {
     isorender_settings own = *settings;
     maker m = {.settings = &own, .backend = isorender_backend_cpu()};
     iso_settings_limit_memory(&own.common);
-    iso_status status = share_machine(&own, &m, error);
-    if (status == ISO_OK && own.same_view && !(m.first = iso_sheet_share(sizeof *m.first)))
+    iso_status status = ISO_OK;
+    if (own.same_view && !(m.first = iso_sheet_share(sizeof *m.first)))
         status = iso_fail(error, ISO_ERR_NOMEM, "out of memory");
     if (status == ISO_OK) status = take_options(&m, error);
     if (status == ISO_OK) status = check_files(&m, error);
-    if (status == ISO_OK) status = make_sheet(&m, settings, code, error);
+    if (status == ISO_OK) status = make_sheet(&m, code, error);
     free_maker(&m);
     return status;
 }
