@@ -11,7 +11,7 @@
 iso_status iso_picture_grid_lay_out(iso_picture_grid *g, const char *option, uint64_t limit,
                                     iso_error *error) {
     g->text = g->font * ISO_FONT_CAPITALS / ISO_FONT_SIZE;
-    g->margin = ceil(0.8 * g->text);
+    g->margin = ceil((g->below ? 2 : 0.8) * g->text);
     g->band = ceil((g->below ? 2.8 : 2.1) * g->text);
     if (!g->columns) g->columns = g->count <= 3 ? g->count : (int)ceil(sqrt(g->count));
     if (g->columns > g->count) g->columns = g->count;
