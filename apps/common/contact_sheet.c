@@ -1,5 +1,4 @@
 /* Contact sheets: processes, kept pictures, pages and pictures. */
-#define _GNU_SOURCE /* asprintf, MAP_ANONYMOUS */
 #include "apps/common/contact_sheet.h"
 
 #include <dirent.h>
@@ -57,7 +56,7 @@ iso_status iso_sheet_fork(int count, iso_sheet_work *work, void (*wake)(void *co
     return started ? ISO_OK : iso_fail(error, ISO_ERR_NOMEM, "no process can be made: %s", strerror(errno));
 }
 
-iso_status iso_sheet_share_machine(iso_sheet *s, int *threads, iso_error *error) {
+iso_status iso_sheet_share_machine(iso_contact_sheet *s, int *threads, iso_error *error) {
     iso_pool *pool = NULL;
     ISO_TRY(iso_pool_create(0, &pool, error));
     const int processors = iso_pool_threads(pool);
@@ -70,7 +69,7 @@ iso_status iso_sheet_share_machine(iso_sheet *s, int *threads, iso_error *error)
 
 /* ---- pictures that are kept */
 
-static char *picture_path(const iso_sheet *s, uint64_t key) {
+static char *picture_path(const iso_contact_sheet *s, uint64_t key) {
     char *path = NULL, extension[ISO_FILE_EXTENSION];
     iso_file_type_extension(ISO_FILE_png, extension);
     return asprintf(&path, "%s/%016" PRIx64 "%s", s->folder, key, extension) < 0 ? NULL : path;
@@ -106,7 +105,7 @@ static iso_status keep(const char *path, const iso_image *image, const double va
     return iso_png_write_with(path, image, &opts, error);
 }
 
-static iso_status make_picture(iso_sheet *s, int number, iso_error *error) {
+static iso_status make_picture(iso_contact_sheet *s, int number, iso_error *error) {
     iso_sheet_panel *p = &s->panels[number];
     iso_image image = {0};
     for (int i = 0; i < ISO_SHEET_VALUES; i++) p->values[i] = NAN;
@@ -123,7 +122,7 @@ static iso_status make_picture(iso_sheet *s, int number, iso_error *error) {
 }
 
 static void draw_panels(void *context, int descriptor) {
-    iso_sheet *s = context;
+    iso_contact_sheet *s = context;
     for (int i; (i = __atomic_fetch_add(s->next, 1, __ATOMIC_RELAXED)) < s->count;) {
         iso_sheet_panel *p = &s->panels[i];
         iso_error error = {0};
@@ -144,7 +143,7 @@ static int compare_keys(const void *a, const void *b) {
 }
 
 /* Removes pictures from the folder that no panel has. */
-static void prune(const iso_sheet *s) {
+static void prune(const iso_contact_sheet *s) {
     uint64_t *keys = calloc((size_t)s->count, sizeof *keys), key;
     DIR *folder = keys ? opendir(s->folder) : NULL;
     for (int i = 0; keys && i < s->count; i++) keys[i] = s->panels[i].key;
@@ -161,7 +160,7 @@ static void prune(const iso_sheet *s) {
     free(keys);
 }
 
-static iso_status make_folder(iso_sheet *s, iso_error *error) {
+static iso_status make_folder(iso_contact_sheet *s, iso_error *error) {
     const char *slash = strrchr(s->output, '/'), *dot = strrchr(slash ? slash : s->output, '.');
     if (asprintf(&s->folder, "%.*s-panels", (int)(dot - s->output), s->output) < 0) s->folder = NULL;
     if (!s->folder) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
@@ -172,7 +171,7 @@ static iso_status make_folder(iso_sheet *s, iso_error *error) {
 /* ---- names */
 
 /* Panels are called by their inputs, without the folders that all have in common. */
-static iso_status make_names(iso_sheet *s, iso_error *error) {
+static iso_status make_names(iso_contact_sheet *s, iso_error *error) {
     size_t common = 0;
     for (const char *at = s->inputs[0]; (at = strchr(at, '/')) && at[1]; at++) {
         const size_t length = (size_t)(at - s->inputs[0]) + 1;
@@ -190,7 +189,7 @@ static iso_status make_names(iso_sheet *s, iso_error *error) {
 
 /* ---- what is said */
 
-static void put_json(const iso_sheet *s, int number, iso_json *json) {
+static void put_json(const iso_contact_sheet *s, int number, iso_json *json) {
     const iso_sheet_panel *p = &s->panels[number];
     const bool good = p->error.status == ISO_OK;
     char *path = good ? picture_path(s, p->key) : NULL;
@@ -209,7 +208,7 @@ static void put_json(const iso_sheet *s, int number, iso_json *json) {
 
 /* Says what is new of the panels that are done, up to the first that is not. */
 static void say(void *context) {
-    iso_sheet *s = context;
+    iso_contact_sheet *s = context;
     iso_error error = {0};
     for (; s->said < s->count && __atomic_load_n(&s->panels[s->said].done, __ATOMIC_ACQUIRE); s->said++) {
         const iso_sheet_panel *p = &s->panels[s->said];
@@ -222,13 +221,13 @@ static void say(void *context) {
     }
 }
 
-static int failed(const iso_sheet *s) {
+static int failed(const iso_contact_sheet *s) {
     int count = 0;
     for (int i = 0; i < s->count; i++) count += s->panels[i].error.status != ISO_OK;
     return count;
 }
 
-static const char *name_of_value(const iso_sheet *s, int number, int value, char text[64]) {
+static const char *name_of_value(const iso_contact_sheet *s, int number, int value, char text[64]) {
     const double v = s->panels[number].values[value];
     const char *unit = s->values[value].unit;
     if (isnan(v)) return "\u2013";
@@ -255,7 +254,7 @@ static const char STYLE[] =
     "td,th{padding:4px 10px;text-align:right;border-top:1px solid var(--line)}td:first-child{text-align:"
     "left}\n";
 
-static iso_status put_picture(const iso_sheet *s, int number, FILE *stream, iso_error *error) {
+static iso_status put_picture(const iso_contact_sheet *s, int number, FILE *stream, iso_error *error) {
     char *path = picture_path(s, s->panels[number].key);
     FILE *file = NULL;
     uint64_t size = 0;
@@ -279,7 +278,7 @@ static iso_status put_picture(const iso_sheet *s, int number, FILE *stream, iso_
     return status;
 }
 
-static iso_status put_panel(const iso_sheet *s, int number, FILE *stream, iso_error *error) {
+static iso_status put_panel(const iso_contact_sheet *s, int number, FILE *stream, iso_error *error) {
     const iso_sheet_panel *p = &s->panels[number];
     const bool good = p->error.status == ISO_OK;
     char text[64];
@@ -300,7 +299,7 @@ static iso_status put_panel(const iso_sheet *s, int number, FILE *stream, iso_er
     return ISO_OK;
 }
 
-static void put_table(const iso_sheet *s, FILE *stream) {
+static void put_table(const iso_contact_sheet *s, FILE *stream) {
     char text[64];
     fputs("<table><tr><th>", stream);
     for (int k = 0; k < s->value_count; k++)
@@ -318,7 +317,7 @@ static void put_table(const iso_sheet *s, FILE *stream) {
     fputs("</table>\n", stream);
 }
 
-static iso_status put_page(const iso_sheet *s, FILE *stream, iso_error *error) {
+static iso_status put_page(const iso_contact_sheet *s, FILE *stream, iso_error *error) {
     const char *slash = strrchr(s->output, '/');
     const int bad = failed(s);
     iso_status status = ISO_OK;
@@ -347,7 +346,7 @@ static iso_status put_page(const iso_sheet *s, FILE *stream, iso_error *error) {
     return status;
 }
 
-static iso_status write_page(const iso_sheet *s, iso_error *error) {
+static iso_status write_page(const iso_contact_sheet *s, iso_error *error) {
     iso_sink sink;
     ISO_TRY(iso_sink_open(s->output, &sink, error));
     const iso_status status = put_page(s, sink.stream, error);
@@ -359,7 +358,7 @@ static iso_status write_page(const iso_sheet *s, iso_error *error) {
 /* ---- the picture */
 
 /* A red panel, with as much of the message as it has room for. */
-static void add_message(const iso_sheet *s, int number, iso_drawing *over) {
+static void add_message(const iso_contact_sheet *s, int number, iso_drawing *over) {
     const iso_picture_grid *g = &s->grid;
     int corner[2];
     iso_picture_grid_corner(g, number, corner);
@@ -380,7 +379,8 @@ static void add_message(const iso_sheet *s, int number, iso_drawing *over) {
     }
 }
 
-static iso_status fill_picture(const iso_sheet *s, iso_image *sheet, iso_drawing *over, iso_error *error) {
+static iso_status fill_picture(const iso_contact_sheet *s, iso_image *sheet, iso_drawing *over,
+                               iso_error *error) {
     iso_picture_grid_fill(&s->grid, sheet);
     for (int i = 0; i < s->count; i++) {
         const bool good = s->panels[i].error.status == ISO_OK;
@@ -402,7 +402,7 @@ static iso_status fill_picture(const iso_sheet *s, iso_image *sheet, iso_drawing
     return iso_drawing_check(over, error);
 }
 
-static iso_status write_picture(iso_sheet *s, iso_error *error) {
+static iso_status write_picture(iso_contact_sheet *s, iso_error *error) {
     iso_image sheet = {0};
     iso_drawing over = {.marks = NULL};
     ISO_TRY(iso_image_create(s->grid.width, s->grid.height, &sheet, error));
@@ -417,7 +417,7 @@ static iso_status write_picture(iso_sheet *s, iso_error *error) {
 /* ---- the run */
 
 /* Draws until every panel is done. A process that ends at a panel is that panel's failure. */
-static iso_status draw_all(iso_sheet *s, iso_error *error) {
+static iso_status draw_all(iso_contact_sheet *s, iso_error *error) {
     for (int left = s->count, before; left;) {
         *s->next = s->said;
         ISO_TRY(iso_sheet_fork(s->jobs < s->count ? s->jobs : s->count, draw_panels, say, s, error));
@@ -441,7 +441,7 @@ static iso_status draw_all(iso_sheet *s, iso_error *error) {
     return ISO_OK;
 }
 
-static iso_status make_sheet(iso_sheet *s, iso_error *error) {
+static iso_status make_sheet(iso_contact_sheet *s, iso_error *error) {
     const bool page = iso_file_type_of_name(s->output, ISO_WRITES_PAGE) != ISO_FILE_UNKNOWN;
     if (!page && iso_image_kind_of(s->output) == ISO_IMAGE_UNKNOWN)
         return iso_fail(error, ISO_ERR_USAGE,
@@ -464,7 +464,7 @@ static iso_status make_sheet(iso_sheet *s, iso_error *error) {
     return s->json ? iso_sink_commit(&s->lines, error) : ISO_OK;
 }
 
-iso_status iso_sheet_make(iso_sheet *s, int *code, iso_error *error) {
+iso_status iso_sheet_make(iso_contact_sheet *s, int *code, iso_error *error) {
     const iso_status status = make_sheet(s, error);
     int kept = 0;
     for (int i = s->count - 1; status == ISO_OK && i >= 0; i--) {

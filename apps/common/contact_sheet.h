@@ -30,7 +30,7 @@ typedef struct iso_sheet_panel {
 } iso_sheet_panel;
 
 /* The caller sets the members up to context, all borrowed, and zeroes the others. */
-typedef struct iso_sheet {
+typedef struct iso_contact_sheet {
     const iso_program *program;
     const char *output;        /* a .html, or a picture by iso_image_file_write_drawing */
     const char *const *inputs; /* `count` of them; a panel is called by what they do not have in common */
@@ -55,16 +55,16 @@ typedef struct iso_sheet {
     int *next;      /* shared: the next panel that nobody draws yet */
     int said;       /* panels of which a line has been written */
     iso_sink lines; /* of JSON */
-} iso_sheet;
+} iso_contact_sheet;
 
 /* Draws all panels and writes the sheet. Says what failed, a line for each; with `json` writes a line of JSON
  * for each panel, in the order of the inputs, as soon as it and all before it are done. *code: the exit
  * status of the first input that failed, or 0. ISO_ERR_USAGE: the output's name is none of a sheet;
  * ISO_ERR_WRITE, ISO_ERR_LIMIT, ISO_ERR_NOMEM: there is no sheet, but the pictures are kept. */
-iso_status iso_sheet_make(iso_sheet *sheet, int *code, iso_error *error);
+iso_status iso_sheet_make(iso_contact_sheet *sheet, int *code, iso_error *error);
 
 /* Chooses how many processes draw, if `jobs` is 0, and how many threads each has, if *threads is 0. */
-iso_status iso_sheet_share_machine(iso_sheet *sheet, int *threads, iso_error *error);
+iso_status iso_sheet_share_machine(iso_contact_sheet *sheet, int *threads, iso_error *error);
 
 /* Memory of `bytes` zeros that child processes share; NULL: there is none. Never freed by them; the caller's:
  * iso_sheet_unshare. */

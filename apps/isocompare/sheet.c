@@ -1,5 +1,4 @@
 /* sheet: the command "isocompare sheet", which compares the surfaces in the files of two folders. */
-#define _GNU_SOURCE /* asprintf */
 #include <dirent.h>
 #include <errno.h>
 #include <math.h>
@@ -110,7 +109,7 @@ iso_status isocompare_sheet(const isocompare_settings *given, int *code, iso_err
     const char *const folders[2] = {given->truth, given->candidate};
     pairs p = {.settings = *given};
     iso_status status = pair(&p, folders, error);
-    iso_sheet sheet = {
+    iso_contact_sheet sheet = {
         .program = isocompare_program(),
         .output = given->output,
         .inputs = (const char *const *)p.paths[0],

@@ -1,5 +1,4 @@
 /* Folders of BIDS. */
-#define _GNU_SOURCE /* asprintf, glob */
 #include "apps/isorender/bids.h"
 
 #include <glob.h>

@@ -1,5 +1,4 @@
 /* Contact sheets: the commands of their panels, and what is measured. */
-#define _GNU_SOURCE /* asprintf */
 #include "apps/isorender/sheet.h"
 
 #include <math.h>
@@ -274,7 +273,7 @@ static iso_status make_sheet(maker *m, int *code, iso_error *error) {
                        : measure == ISORENDER_MEASURE_AREA ? "mm2"
                                                            : "";
     const isorender_settings *s = m->settings;
-    iso_sheet sheet = {
+    iso_contact_sheet sheet = {
         .program = isorender_program(),
         .output = s->output,
         .inputs = s->inputs,

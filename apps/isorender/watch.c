@@ -1,6 +1,5 @@
 /* Watching inputs. Their files are looked at four times a second: that works on every file system, and finds
  * files that another one has replaced. */
-#define _GNU_SOURCE
 #include "apps/isorender/watch.h"
 
 #include <errno.h>
