@@ -451,13 +451,13 @@ static iso_status make_sheet(iso_contact_sheet *s, iso_error *error) {
     s->grid.count = s->count;
     s->grid.below = true;
     if (!page) ISO_TRY(iso_picture_grid_lay_out(&s->grid, s->output, s->max_memory, error));
+    if (s->json) ISO_TRY(iso_sink_open(s->json_path ? s->json_path : "-", &s->lines, error));
     ISO_TRY(make_folder(s, error));
     ISO_TRY(make_names(s, error));
     s->next = iso_sheet_share(sizeof *s->next);
     s->panels = iso_sheet_share((size_t)s->count * sizeof *s->panels);
     if (!s->next || !s->panels)
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory for %d panels", s->count);
-    if (s->json) ISO_TRY(iso_sink_open(s->json_path ? s->json_path : "-", &s->lines, error));
     ISO_TRY(draw_all(s, error));
     prune(s);
     ISO_TRY(page ? write_page(s, error) : write_picture(s, error));

@@ -95,6 +95,7 @@ static iso_status draw(void *context, int number, iso_image *image, double *valu
     pairs *p = context;
     iso_surfaces_compared r;
     (void)number;
+    if (!p->pool) iso_settings_limit_memory(&p->settings.common);
     if (!p->pool) ISO_TRY(iso_pool_create(p->threads, &p->pool, error));
     const iso_status status = isocompare_pair(&p->settings, p->pool, image, &r, error);
     if (status != ISO_OK) iso_settings_explain_memory(&p->settings.common, error);

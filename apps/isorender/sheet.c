@@ -30,6 +30,9 @@ iso_status isorender_sheet_check(isorender_settings *settings, const iso_operand
     if (!settings->output || strcmp(settings->output, "-") == 0)
         return iso_fail(error, ISO_ERR_USAGE, "sheet: needs a name: -o OUT.html or OUT.png");
     if (!operands->count) return iso_fail(error, ISO_ERR_USAGE, "sheet: no inputs (see --help)");
+    if (iso_ranks_are_several())
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "sheet starts processes itself (--jobs): run it without mpirun");
     if (strcmp(settings->backend, "auto") == 0) settings->backend = "cpu";
     settings->inputs = operands->values;
     settings->input_count = operands->count;
@@ -174,6 +177,7 @@ static iso_status find_key(void *context, int number, uint64_t *key, iso_error *
 /* Makes what draws, once a process. */
 static iso_status open_means(maker *m, iso_error *error) {
     if (m->pool) return ISO_OK;
+    iso_settings_limit_memory(&m->command->settings.common);
     ISO_TRY(iso_pool_create(m->threads, &m->pool, error));
     ISO_TRY(isorender_backend_open(&m->command->settings, &m->backend, error));
     return isorender_environment_open(&m->command->settings, m->pool, &m->environment, error);

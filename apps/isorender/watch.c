@@ -41,6 +41,8 @@ static uint64_t identity(const isorender_settings *given) {
 
 iso_status isorender_watch(isorender_settings *settings, iso_error *error) {
     static const struct timespec quarter = {.tv_nsec = 250000000};
+    if (iso_ranks_are_several())
+        return iso_fail(error, ISO_ERR_USAGE, "mpirun draws one picture: it cannot be combined with --watch");
     for (;;) {
         const uint64_t drawn = identity(settings);
         fflush(NULL);
