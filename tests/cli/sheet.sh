@@ -88,6 +88,40 @@ for line in open("same.jsonl"):
     j = json.loads(line)
     expect(Png(j["picture"]).rows == Png("own-%s.png" % j["input"][3:5]).rows, j)
 P
+# a BIDS folder: its T1w images, of sessions too, each with the mask of the same entities, in the same place or a derivative's
+python3 - <<'P'
+import os
+from check import *
+for name in ("sub-01/anat", "sub-02/ses-1/anat", "derivatives/brains/sub-01/anat", "sub-01/func"):
+    os.makedirs("in/bids/" + name)
+open("in/bids/dataset_description.json", "w").write("{}")
+def image(name, inside):
+    value = lambda x, y, z: inside * (((x - 12) ** 2 + (y - 12) ** 2 + (z - 12) ** 2) ** 0.5 < inside)
+    data = b"".join(struct.pack("<h", int(value(x, y, z))) for z in range(24) for y in range(24) for x in range(24))
+    header = bytearray(nifti_header((24, 24, 24), 4, 16)) + bytes(4)
+    struct.pack_into("<f", header, 108, 352.0)
+    header[344:348] = b"n+1\0"
+    open("in/bids/" + name, "wb").write(bytes(header) + data)
+import struct
+image("sub-01/anat/sub-01_T1w.nii", 9)
+image("sub-01/anat/sub-01_T2w.nii", 9)
+image("sub-01/func/sub-01_bold.nii", 9)
+image("sub-02/ses-1/anat/sub-02_ses-1_T1w.nii", 8)
+image("derivatives/brains/sub-01/anat/sub-01_desc-brain_mask.nii", 5)
+P
+isorender sheet in/bids -o bids.html --isovalue 4 --json --quiet >bids.jsonl
+isorender in/bids/sub-01/anat/sub-01_T1w.nii masked.png --labels in/bids/derivatives/brains/sub-01/anat/sub-01_desc-brain_mask.nii \
+    --opacity 0.3 --isovalue 4 --fit box --resolution 256x256 --quiet
+python3 - <<'P'
+import json
+from check import *
+one, two = map(json.loads, open("bids.jsonl"))
+expect(one["input"] == "in/bids/sub-01/anat/sub-01_T1w.nii" and one["beside"].endswith("brains/sub-01/anat/sub-01_desc-brain_mask.nii"), one)
+expect(two["input"] == "in/bids/sub-02/ses-1/anat/sub-02_ses-1_T1w.nii" and two["beside"] is None, two)
+expect(Png(one["picture"]).rows == Png("masked.png").rows)
+P
+mkdir in/none && echo '{}' >in/none/dataset_description.json
+refuses 6 "a BIDS folder without images" isorender sheet in/none -o bad.html || exit 1
 # a process that is killed takes only its own panel with it
 python3 - <<'P'
 import glob, os, signal, subprocess, time
