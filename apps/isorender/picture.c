@@ -354,6 +354,12 @@ static iso_status film_picture(isorender_job *job, int frame, const iso_image *i
 
 static iso_status save_image(isorender_job *job, int frame, canvas *c, iso_error *error) {
     isorender_panel *panel = job->settings->panel;
+    isorender_tile *tile = job->settings->sheet.tile;
+    if (tile) {
+        tile->image = c->image;
+        c->image = (iso_image){.rgba = NULL};
+        return ISO_OK;
+    }
     if (panel) { /* it becomes a part of a sheet */
         panel->image = c->image, panel->drawing = c->over;
         c->image = (iso_image){.rgba = NULL}, c->over = (iso_drawing){.marks = NULL};
@@ -521,6 +527,7 @@ iso_status isorender_render(isorender_job *job, iso_error *error) {
     ISO_TRY(isorender_colorings_see(job, error));
     ISO_TRY(isorender_chunks_check(job, error));
     if (settings->panel && settings->panel->is_survey) return survey(job, error);
+    if (settings->sheet.tile && settings->sheet.tile->is_survey) return ISO_OK;
     if (settings->parts) {
         ISO_TRY(isorender_cuts_make(job, 0, error));
         return isorender_chunks_write_part(job, error);

@@ -5,6 +5,7 @@
 #include "apps/common/cap_style.h"
 #include "apps/common/settings.h"
 #include "apps/isorender/object_settings.h"
+#include "apps/isorender/sheet_settings.h"
 #include "apps/isorender/volume_settings.h"
 #include "base/geometry.h"
 #include "base/mpi_ranks.h"
@@ -252,6 +253,7 @@ typedef struct isorender_settings {
     int chunk_size;  /* voxels along the side of a chunk; 0: not given */
     int no_index;    /* NAME.isoindex is neither read nor written */
     int merge;       /* the command merge: `inputs` are files of keys */
+    isorender_sheet_settings sheet; /* of the command sheet, and --watch */
 
     iso_ranks ranks; /* the processes of mpirun */
     /* Of every option, by its index in the table: a hash of the values given; 0: not given. */
