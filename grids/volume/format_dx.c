@@ -81,7 +81,7 @@ static iso_status describe(const char *path, FILE *file, const iso_volume_opts *
     ISO_TRY(read_header(path, file, &header, error));
     ISO_TRY(iso_format_dims(path, header.dims, info, error));
     iso_format_transform(header.steps, &header.origin, 1, info);
-    info->unitless = true;
+    info->unitless = info->angstrom = true;
     return iso_format_text_voxels(path, file, opts, info, error);
 }
 

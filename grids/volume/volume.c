@@ -439,10 +439,11 @@ static void note_guess(const iso_raw_layout *raw, iso_volume_info *info) {
                     raw->big_endian ? "big" : "little");
 }
 
-/* Whether a format never states a unit of length; of the others the reader says of a file that it does
- * not. A spacing that is given is in mm. */
+/* Whether lengths are not in mm: in angstrom, or in a unit that the format never states; of other formats the
+ * reader says of a file that it does not. A spacing that is given is in the file's unit, or else in mm. */
 static bool is_unitless(const iso_volume_opts *opts, const iso_volume_info *info) {
     static const char *const formats[] = {"raw", "vtk", "vti", "vdb", "npy"};
+    if (info->angstrom) return true;
     if (opts->spacing[0] > 0 && opts->spacing[1] > 0 && opts->spacing[2] > 0) return false;
     bool unitless = info->unitless;
     for (size_t i = 0; i < sizeof formats / sizeof *formats; i++)

@@ -176,7 +176,18 @@ for file in plain.mif big.mif.gz doubles.mif turned.mif header.mih; do same mif.
 for file in apart.mif together.mif.gz; do same mif.nrrd $file --component 2; done
 for file in bohr.cube angstrom.cub apbs.dx; do same cube.nrrd $file; done
 same cube.nrrd orbitals.cube --component 2
-isorender in/bohr.cube --info 2>&1 | grep -q 'lengths are in angstrom'
+isorender in/bohr.cube --info >info.txt 2>&1
+grep -q 'spacing .* A$' info.txt
+! grep -q 'the file states none' info.txt || false
+# scale bars, too: an angstrom is a tenth of a nanometre; what --unit says is converted
+for file in bohr.cube apbs.dx float.mrc; do
+    isorender in/$file a.png --isovalue 50.5 --resolution 90x90 --orthographic --scale-bar --quiet --json=a.json
+    isorender in/$file b.png --isovalue 50.5 --resolution 90x90 --orthographic --scale-bar --quiet --json=b.json --unit nm
+    python3 -c 'from check import *
+a, b = report("a.json"), report("b.json")
+expect(a["volume"]["unit"] == "A" and "scale_bar_mm" not in a["camera"], a)
+expect(Png("a.png").rows != Png("b.png").rows, "the bar is in angstrom")'
+done
 
 isorender_refuses 3 'in/bits.mif: not a readable MRtrix image: a mask of single bits: convert it (mrconvert' in/bits.mif
 isorender_refuses 3 'in/between.mif: not a readable MRtrix image: an order of its axes that is not read' in/between.mif
