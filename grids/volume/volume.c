@@ -150,7 +150,7 @@ static const iso_format *format_of_file(const char *path, const head *h) {
 /* Whether a format is also read where gzip has compressed a whole file. */
 static bool reads_gzip(const iso_format *format) {
     return format == &iso_format_nifti || format == &iso_format_mrc || format == &iso_format_mgh ||
-           format == &iso_format_mif;
+           format == &iso_format_mif || format == &iso_format_afni;
 }
 
 /* If no reader knows the file or it is called .raw, looks for a layout in its name; the file's size must
