@@ -171,6 +171,7 @@ typedef struct iso_format_place {
     bool separate;              /* each component is a volume behind the one before it; false: interleaved */
     bool gzip;                  /* the whole file is compressed, and `position` is in the unpacked one */
     bool text;                  /* numbers between white space, stored as `scalar` */
+    bool bits;                  /* uint8 0 or 1, eight of them in a byte, the first one the highest bit */
     iso_scalar scalar;          /* of each of info->components components */
     uint64_t position;          /* of the first byte in the file */
     char file[ISO_FORMAT_PATH]; /* where the voxels are; empty: in the file with the header */

@@ -89,7 +89,7 @@ matrix = [(0.8, -0.6, 0.0, 7.0), (0.6, 0.8, 0.0, -2.0), (0.0, 0.0, 1.0, 3.0)]
 nrrd("mif.nrrd", "right-anterior-superior", [[matrix[i][a] * SPACING[a] for i in range(3)] for a in range(3)],
      [matrix[i][3] for i in range(3)])
 
-def mif(name, layout=("+0", "+1", "+2"), kind="Float32LE", code="<f", copies=1, more="", beside=None):
+def mif(name, layout=("+0", "+1", "+2"), kind="Float32LE", code="<f", copies=1, more="", beside=None, what=value):
     ranks, signs = [int(l[1:]) for l in layout], [l[0] for l in layout]
     sizes = (list(N) + [copies])[:len(layout)]
     strides, step = [0] * len(layout), 1
@@ -102,7 +102,7 @@ def mif(name, layout=("+0", "+1", "+2"), kind="Float32LE", code="<f", copies=1, 
             for x in range(N[0]):
                 at = [x, y, z] + [copies - 1] * (len(layout) - 3)
                 place = sum(s * (n - 1 - i if sign == "-" else i) for s, n, i, sign in zip(strides, sizes, at, signs))
-                values[place] = value(x, y, z)
+                values[place] = what(x, y, z)
     head = "mrtrix image\ndim: %s\nvox: %s\nlayout: %s\ndatatype: %s\n" % (
         ",".join(map(str, sizes)), ",".join(map(repr, SPACING)), ",".join(layout), kind)
     head += "".join("transform: %r,%r,%r,%r\n" % row for row in matrix) + more
@@ -120,7 +120,17 @@ mif("turned.mif", layout=("-2", "+0", "-1"))
 mif("apart.mif", layout=("+0", "-1", "+2", "+3"), copies=3)
 mif("together.mif.gz", layout=("+2", "+1", "-3", "+0"), copies=3)
 mif("header.mih", beside="voxels.dat")
-mif("bits.mif", kind="Bit")
+def bits(name, layout=("+0", "+1", "+2"), copies=1, of=lambda x, y, z: value(x, y, z) > 50):
+    mif("tmp.mif", layout, "UInt8", "<B", copies, what=of)
+    whole = open("in/tmp.mif", "rb").read()
+    head, data = whole[:whole.index(b"END\n")], whole[512:]
+    packed = bytes(sum((data[i + k] > 0) << 7 - k for k in range(8) if i + k < len(data)) for i in range(0, len(data), 8))
+    write(name, (head.replace(b"UInt8", b"Bit") + b"END\n").ljust(512, b"\0") + packed)
+
+bits("bits.mif")
+bits("bits_apart.mif.gz", ("+0", "-1", "+2", "+3"), 3)
+mif("mask.mif", kind="UInt8", code="<B", what=lambda x, y, z: value(x, y, z) > 50)
+bits("bits_together.mif", ("+1", "+2", "+3", "+0"), 2)
 mif("between.mif", layout=("+0", "+1", "+3", "+2"), copies=3)
 
 # AFNI: attributes beside the voxels; oblique, or with an orientation, origin and steps alone; sub-bricks with factors
@@ -196,7 +206,10 @@ head += "".join("delta %r %r %r\n" % s for s in steps) + "object 2 class gridcon
 items = N[0] * N[1] * N[2]
 open("in/apbs.dx", "w").write(head + "object 3 class array type double rank 0 items %d data follows\n" % items + text() +
                               'attribute "dep" string "positions"\n')
-open("in/binary.dx", "w").write(head + "object 3 class array type float rank 0 items %d lsb ieee data follows\n" % items)
+last_fastest = [value(x, y, z) for x in range(N[0]) for y in range(N[1]) for z in range(N[2])]
+for name, kind, order, code in (("lsb.dx", "float", "lsb", "<%df"), ("msb.dx", "double", "msb", ">%dd")):
+    line = "object 3 class array type %s rank 0 items %d %s ieee data follows\n" % (kind, items, order)
+    open("in/" + name, "wb").write((head + line).encode() + struct.pack(code % items, *last_fastest))
 open("in/few.dx", "w").write(head + "object 3 class array type float rank 0 items %d data follows\n1 2 3\n" % (items - 1))
 P
 same() { # REFERENCE FILE [OPTION..]: both give one picture, from one place
@@ -238,7 +251,13 @@ data = numpy.asarray(image.dataobj).reshape(*info["dims"], -1)[..., info["compon
 expect(numpy.allclose([data.min(), data.max()], report("a.json")["value_range"]), report("a.json")["value_range"])' in/$file.HEAD
     done
 fi
-for file in bohr.cube angstrom.cub apbs.dx; do same cube.nrrd $file; done
+mask() { isorender "in/$1" "$2" --isovalue 0.5 --resolution 90x90 --azimuth 30 --elevation 20 --quiet "${@:3}"; }
+mask mask.mif a.png
+mask bits.mif b.png
+mask bits_apart.mif.gz c.png --component 2
+python3 -c 'from check import *
+expect(Png("a.png").rows == Png("b.png").rows == Png("c.png").rows, "bits, also of a later volume")'
+for file in bohr.cube angstrom.cub apbs.dx lsb.dx msb.dx; do same cube.nrrd $file; done
 same cube.nrrd orbitals.cube --component 2
 for file in CHGCAR old.vasp LOCPOT; do same vasp.nrrd $file; done
 (cd in && isorender CHGCAR --info 2>&1 | grep -q 'chgcar')
@@ -255,9 +274,12 @@ expect(a["volume"]["unit"] == "A" and "scale_bar_mm" not in a["camera"], a)
 expect(Png("a.png").rows != Png("b.png").rows, "the bar is in angstrom")'
 done
 
-isorender_refuses 3 'in/bits.mif: not a readable MRtrix image: a mask of single bits: convert it (mrconvert' in/bits.mif
+isorender_refuses 3 'in/bits_together.mif: not a readable MRtrix image: a mask whose volumes lie within' in/bits_together.mif
 isorender_refuses 3 'in/between.mif: not a readable MRtrix image: an order of its axes that is not read' in/between.mif
-isorender_refuses 3 'in/binary.dx: not a readable OpenDX grid: its values are binary' in/binary.dx
+head -c 1500 in/lsb.dx >in/cut.dx
+isorender_refuses 3 'in/cut.dx: truncated: 1500 of ' in/cut.dx
+sed 's/type float/type string/' in/lsb.dx >in/string.dx
+isorender_refuses 3 'in/string.dx: not a readable OpenDX grid: binary values of a type that is not read' in/string.dx
 isorender_refuses 3 'in/complex.HEAD: not a readable AFNI dataset: complex values' in/complex.HEAD
 mv in/bytes.BRIK in/lost.BRIK
 isorender_refuses 3 'in/bytes.HEAD: its voxels, in/bytes.BRIK or .gz, are missing' in/bytes.HEAD
