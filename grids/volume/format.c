@@ -1,6 +1,5 @@
 /* format: functions that all readers share, also those in modules: memory limits, opening files, creating
  * grids. */
-#define _GNU_SOURCE
 #include "grids/volume/format.h"
 
 #include "base/file.h"

@@ -4,7 +4,6 @@
  * three times "delta", "object 2 class gridconnections", "object 3 class array .. items N data follows", and
  * the values, the last axis fastest. # begins a line of comment. The world is the file's own; APBS means
  * angstrom. */
-#define _POSIX_C_SOURCE 200809L
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,5 +1,4 @@
 /* xml: tags, attributes, base64. */
-#define _GNU_SOURCE
 #include "io/common/xml.h"
 
 #include <ctype.h>

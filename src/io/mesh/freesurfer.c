@@ -4,7 +4,6 @@
  * Coordinates are RAS about the middle of that volume. With x y z the vertex and xras, yras, zras and cras the
  * directions and middle of the volume, its scanner coordinates are cras - x xras + y zras - z yras: as those
  * of the volume's .mgz, so that a surface lies over it. A file without this place has the middle at 0. */
-#define _POSIX_C_SOURCE 200809L
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>

@@ -2,7 +2,6 @@
  * arrays in text or in base64, as they are or compressed by zlib. The first array of points and the first one of
  * triangles are read. Coordinates are RAS, as GIFTI's coordinate systems are, and turned to LPS; matrices in
  * the file are not applied, as other readers do. */
-#define _GNU_SOURCE
 #include <ctype.h>
 #include <stdlib.h>
 #include <string.h>
