@@ -52,8 +52,8 @@ typedef struct iso_format {
 #include "base/file_types.inc"
 extern const iso_format iso_format_png, iso_format_raw;
 
-/* ISO_ERR_FORMAT: "path: holds a KIND, not an image", and how to make one of it. `kind` is as VTK's files have
- * it. */
+/* ISO_ERR_FORMAT: "path: holds a KIND, not an image", and how to make one of it. `kind` is as VTK's files
+ * have it. */
 iso_status iso_format_not_image(const char *path, const char *kind, iso_error *error);
 
 /* Sets info's dims. ISO_ERR_FORMAT unless each is 1 .. 2^31-1. */

@@ -1,7 +1,8 @@
 /* format_afni: AFNI's volumes: attributes as text (.HEAD) and voxels (.BRIK, .BRIK.gz) beside it.
  *
  * The format: afni.nimh.nih.gov, README.attributes. World. What AFNI calls DICOM order is LPS. The matrix
- * IJK_TO_DICOM_REAL counts, which can be oblique; old files have an orientation, an origin and steps alone. */
+ * IJK_TO_DICOM_REAL counts, which can be oblique; old files have an orientation, an origin and steps
+ * alone. */
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>

@@ -1,12 +1,12 @@
 /* format_chgcar: densities and potentials of VASP (CHGCAR, PARCHG, LOCPOT, ELFCAR, .vasp), as text.
  *
- * The format: vasp.at/wiki, "CHGCAR" and "POSCAR". A line of comment, a scale, the edges of the cell, names and
- * numbers of the atoms, their positions, an empty line, the numbers of voxels, and the values, the first axis
- * fastest. What stands behind them (augmentation, magnetization) is not read.
+ * The format: vasp.at/wiki, "CHGCAR" and "POSCAR". A line of comment, a scale, the edges of the cell, names
+ * and numbers of the atoms, their positions, an empty line, the numbers of voxels, and the values, the first
+ * axis fastest. What stands behind them (augmentation, magnetization) is not read.
  *
- * World. As molecules have it (io/glyphs): an angstrom is a millimetre. Densities are stored times the volume
- * of the cell, by which they are divided here: electrons per cubic angstrom. Those of LOCPOT (eV) and ELFCAR
- * are not. */
+ * World. As molecules have it (io/glyphs): an angstrom is a millimetre. Densities are stored times the
+ * volume of the cell, by which they are divided here: electrons per cubic angstrom. Those of LOCPOT (eV)
+ * and ELFCAR are not. */
 #include <ctype.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,9 +1,10 @@
-/* format_dx: regular grids in OpenDX's format, with values as text or binary, in which APBS and others write potentials and maps.
+/* format_dx: regular grids in OpenDX's format, with values as text or binary, in which APBS and others write
+ * potentials and maps.
  *
  * The format: OpenDX User's Guide, appendix B: "object 1 class gridpositions counts NX NY NZ", "origin",
- * three times "delta", "object 2 class gridconnections", "object 3 class array .. items N data follows", and
- * the values, the last axis fastest. # begins a line of comment. The world is the file's own; APBS means
- * angstrom. */
+ * three times "delta", "object 2 class gridconnections", "object 3 class array .. items N data follows",
+ * and the values, the last axis fastest. # begins a line of comment. The world is the file's own; APBS
+ * means angstrom. */
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,4 +1,5 @@
-/* format_vtk_legacy: structured points and rectilinear grids in VTK's legacy format ("# vtk DataFile Version ..."), text or binary.
+/* format_vtk_legacy: structured points and rectilinear grids in VTK's legacy format ("# vtk DataFile Version
+ * ..."), text or binary.
  *
  * Not read by VTK, whose reader returns a full-sized array also when the data ends early, and whose pass over
  * the header does not find FIELD arrays. A first pass over the file lists every array with its position

@@ -1,6 +1,6 @@
-/* fuzz: any bytes as a mesh: STL, OBJ, PLY, GIFTI or FreeSurfer's, by the first byte. What the reader accepts must be sound and
- * come back the same when it is written and read again; what it refuses must be refused in one line that
- * names the file. */
+/* fuzz: any bytes as a mesh: STL, OBJ, PLY, GIFTI or FreeSurfer's, by the first byte. What the reader
+ * accepts must be sound and come back the same when it is written and read again; what it refuses must be
+ * refused in one line that names the file. */
 #include <math.h>
 #include <stddef.h>
 #include <stdint.h>

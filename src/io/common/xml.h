@@ -1,5 +1,5 @@
-/* xml: the tags of XML as formats of arrays use it, and bytes in base64. Markup is read as it comes: nothing is
- * allocated, entities stay as they are. Internal to src/io. */
+/* xml: the tags of XML as formats of arrays use it, and bytes in base64. Markup is read as it comes:
+ * nothing is allocated, entities stay as they are. Internal to src/io. */
 #ifndef ISO_IO_COMMON_XML_H
 #define ISO_IO_COMMON_XML_H
 

@@ -1,5 +1,5 @@
-/* zip: the files in a ZIP archive in memory (PKWARE's APPNOTE.TXT), stored or deflated, also in its 64-bit form.
- * Encrypted files and other methods are refused. Internal to src/io. */
+/* zip: the files in a ZIP archive in memory (PKWARE's APPNOTE.TXT), stored or deflated, also in its 64-bit
+ * form. Encrypted files and other methods are refused. Internal to src/io. */
 #ifndef ISO_IO_COMMON_ZIP_H
 #define ISO_IO_COMMON_ZIP_H
 

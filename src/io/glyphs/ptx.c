@@ -1,6 +1,7 @@
-/* ptx: scans of laser scanners in Leica's PTX, as text. Of each scan the numbers of columns and rows, the place and
- * axes of the scanner, a matrix (rows times points give the world), and a row for each point, in the scanner's
- * coordinates: x y z intensity, and perhaps red green blue. Points without a return are 0 0 0. */
+/* ptx: scans of laser scanners in Leica's PTX, as text. Of each scan the numbers of columns and rows, the
+ * place and axes of the scanner, a matrix (rows times points give the world), and a row for each point, in
+ * the scanner's coordinates: x y z intensity, and perhaps red green blue. Points without a return are 0 0
+ * 0. */
 #include <string.h>
 
 #include "io/glyphs/glyphs_format.h"

@@ -1,7 +1,7 @@
-/* trx: tractograms of the TRX format (github.com/tee-ar-ex/trx-spec): a ZIP archive of arrays, which their names
- * describe: positions.3.float16 (RAS mm), offsets.uint64 (of the first vertex of each line, and perhaps of the
- * end), dpv/NAME.type with numbers for each vertex, dps/NAME.3.type with numbers for each line. Groups are
- * left out. Numbers are little-endian. */
+/* trx: tractograms of the TRX format (github.com/tee-ar-ex/trx-spec): a ZIP archive of arrays, which their
+ * names describe: positions.3.float16 (RAS mm), offsets.uint64 (of the first vertex of each line, and
+ * perhaps of the end), dpv/NAME.type with numbers for each vertex, dps/NAME.3.type with numbers for each
+ * line. Groups are left out. Numbers are little-endian. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,9 +1,11 @@
-/* Meshes of FreeSurfer's surfaces (lh.pial, rh.white, ..): three bytes that mark triangles, two lines of text,
- * counts, vertices and triangles, big-endian, and behind them the place of the volume that they were made of.
+/* Meshes of FreeSurfer's surfaces (lh.pial, rh.white, ..): three bytes that mark triangles, two lines of
+ * text, counts, vertices and triangles, big-endian, and behind them the place of the volume that they were
+ * made of.
  *
- * Coordinates are RAS about the middle of that volume. With x y z the vertex and xras, yras, zras and cras the
- * directions and middle of the volume, its scanner coordinates are cras - x xras + y zras - z yras: as those
- * of the volume's .mgz, so that a surface lies over it. A file without this place has the middle at 0. */
+ * Coordinates are RAS about the middle of that volume. With x y z the vertex and xras, yras, zras and cras
+ * the directions and middle of the volume, its scanner coordinates are cras - x xras + y zras - z yras: as
+ * those of the volume's .mgz, so that a surface lies over it. A file without this place has the middle at
+ * 0. */
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,7 +1,7 @@
-/* Meshes in GIFTI, the surface format of neuroimaging ("GIFTI Surface Data Format", version 1.0, 2011): XML with
- * arrays in text or in base64, as they are or compressed by zlib. The first array of points and the first one of
- * triangles are read. Coordinates are RAS, as GIFTI's coordinate systems are, and turned to LPS; matrices in
- * the file are not applied, as other readers do. */
+/* Meshes in GIFTI, the surface format of neuroimaging ("GIFTI Surface Data Format", version 1.0, 2011):
+ * XML with arrays in text or in base64, as they are or compressed by zlib. The first array of points and
+ * the first one of triangles are read. Coordinates are RAS, as GIFTI's coordinate systems are, and turned
+ * to LPS; matrices in the file are not applied, as other readers do. */
 #include <ctype.h>
 #include <stdlib.h>
 #include <string.h>
