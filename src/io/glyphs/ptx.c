@@ -10,7 +10,7 @@
 enum { MOST = 7 };
 
 typedef struct ptx {
-    iso_rows rows;
+    iso_text_rows rows;
     iso_polydata data;
     iso_slot slots[MOST];
     int columns; /* of all scans; 0: no point has been read yet */
@@ -39,13 +39,13 @@ static iso_status read_points(ptx *p, size_t count, const double m[16], iso_erro
             return iso_fail(error, ISO_ERR_IO, "%s: truncated: points are missing", p->data.reading->path);
         const int found = numbers_of(row, MOST, n);
         if (found != 4 && found != 7)
-            return iso_rows_fail(&p->rows, "not a point: x y z, intensity and perhaps a colour", error);
+            return iso_text_rows_fail(&p->rows, "not a point: x y z, intensity and perhaps a colour", error);
         if (!p->columns) {
             ISO_TRY(begin_columns(p, found, error));
             ISO_TRY(iso_polydata_reserve(&p->data, count, error));
         }
         if (found != p->columns)
-            return iso_rows_fail(&p->rows, "some points have colours, others none", error);
+            return iso_text_rows_fail(&p->rows, "some points have colours, others none", error);
         if (n[0] == 0 && n[1] == 0 && n[2] == 0) {
             p->missing++;
             continue;
@@ -63,11 +63,11 @@ static iso_status read_scan(ptx *p, char *row, iso_error *error) {
     double sizes[2], matrix[16], ignored[4];
     char *second = iso_point_rows_next(&p->rows);
     if (!iso_point_rows_is_count(row, &sizes[0]) || !second || !iso_point_rows_is_count(second, &sizes[1]))
-        return iso_rows_fail(&p->rows, "a scan begins with its numbers of columns and rows", error);
+        return iso_text_rows_fail(&p->rows, "a scan begins with its numbers of columns and rows", error);
     for (int i = 0; i < 8; i++)
         if (numbers_of(iso_point_rows_next(&p->rows), 4, i < 4 ? ignored : matrix + 4 * (i - 4)) !=
             (i < 4 ? 3 : 4))
-            return iso_rows_fail(&p->rows, "not four rows of the scanner and four of a matrix", error);
+            return iso_text_rows_fail(&p->rows, "not four rows of the scanner and four of a matrix", error);
     /* a point takes at least eight bytes, "0 0 0 0" and the end of the row, which the last row may lack */
     if (!(sizes[0] * sizes[1] <= (double)(p->rows.end - p->rows.at + 1) / 8))
         return iso_fail(error, ISO_ERR_IO, "%s: truncated: it promises %.0f points", p->data.reading->path,
@@ -78,7 +78,7 @@ static iso_status read_scan(ptx *p, char *row, iso_error *error) {
 }
 
 static iso_status read_ptx(ptx *p, iso_glyphs *glyphs, iso_error *error) {
-    ISO_TRY(iso_rows_load(p->data.reading, &p->rows, error));
+    ISO_TRY(iso_text_rows_load(p->data.reading, &p->rows, error));
     char *row = iso_point_rows_next(&p->rows);
     if (!row) return iso_fail(error, ISO_ERR_FORMAT, "%s: the file is empty", p->data.reading->path);
     for (; row; row = iso_point_rows_next(&p->rows)) ISO_TRY(read_scan(p, row, error));
@@ -93,7 +93,7 @@ static iso_status read_ptx(ptx *p, iso_glyphs *glyphs, iso_error *error) {
 iso_status iso_glyphs_read_ptx(iso_reading *reading, iso_glyphs *glyphs, iso_error *error) {
     ptx p = {.data = {.reading = reading}};
     iso_status status = read_ptx(&p, glyphs, error);
-    iso_rows_free(&p.rows);
+    iso_text_rows_free(&p.rows);
     iso_polydata_free(&p.data);
     return status;
 }
