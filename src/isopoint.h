@@ -139,9 +139,10 @@ typedef struct iso_volume_info {
     char file_type[32];        /* in the file, such as "int16", "double", "half" */
     int components, component; /* number of components in the file; the one that was chosen */
     iso_transform transform;
-    double scale, offset;   /* physical = stored * scale + offset */
-    bool anatomical;        /* world axes are known to be patient axes (LPS) */
-    bool unitless;          /* the file states no unit of length: what is called mm is the file's unit */
+    double scale, offset; /* physical = stored * scale + offset */
+    bool anatomical;      /* world axes are known to be patient axes (LPS) */
+    /* What is called mm is the file's unit: it states none; or the angstrom, as in maps of molecules. */
+    bool unitless, angstrom;
     bool level_set, sparse; /* a distance field, negative inside; one in a narrow band of 16^3 bricks */
     uint64_t bytes;         /* memory that the volume will take (estimated for sparse ones) */
     uint64_t read_bytes;    /* largest amount of memory in use while the file is read */

@@ -310,6 +310,18 @@ iso_status iso_loader_histogram(iso_loader *loader, iso_error *error) {
     return loader->has_histogram ? ISO_OK : iso_loader_histogram_together(loader, &alone, error);
 }
 
+iso_status iso_loader_moments(iso_loader *loader, const iso_ranks *ranks, iso_error *error) {
+    const iso_ranks alone = {.size = 1};
+    const iso_grid *grid = &loader->volume.grid;
+    const bool tiles = iso_loader_has_tiles(loader);
+    const iso_chunk_source source = tiles ? iso_volume_source(grid->rgrid) : (iso_chunk_source){0};
+    if (loader->has_moments) return ISO_OK;
+    ISO_TRY(iso_moments_compute(grid, tiles ? &source : NULL, tiles ? iso_loader_chunk_side(loader, 0) : 0,
+                                ranks ? ranks : &alone, loader->pool, &loader->moments, error));
+    loader->has_moments = true;
+    return ISO_OK;
+}
+
 void iso_loader_close(iso_loader *loader) {
     iso_glyphs_free(&loader->points);
     iso_volume_free(&loader->volume);

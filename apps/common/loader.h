@@ -65,6 +65,10 @@ typedef struct iso_loader {
     /* after iso_loader_histogram: */
     bool has_histogram;
     iso_histogram histogram;
+
+    /* after iso_loader_moments: */
+    bool has_moments;
+    iso_moments moments;
 } iso_loader;
 
 /* Reads the header, adds the files to `files` and checks that none of them is also an output. A scene is
@@ -97,6 +101,10 @@ iso_status iso_loader_histogram(iso_loader *loader, iso_error *error);
 
 /* The same by several processes that call it together, each of which reads a share of the voxels. */
 iso_status iso_loader_histogram_together(iso_loader *loader, const iso_ranks *ranks, iso_error *error);
+
+/* Computes `moments`, unless they exist already, by several processes that call it together, or by one: NULL.
+ * ISO_ERR_EMPTY: no voxel is finite. */
+iso_status iso_loader_moments(iso_loader *loader, const iso_ranks *ranks, iso_error *error);
 
 /* Frees everything that was read, and the copy of standard input. */
 void iso_loader_close(iso_loader *loader);

@@ -184,7 +184,9 @@ static iso_world_unit unit_of_objects(const isorender_job *job) {
 }
 
 iso_world_unit isorender_volume_unit(const iso_volume_info *info) {
-    return info->unitless ? ISO_WORLD_UNIT_NONE : ISO_WORLD_UNIT_MILLIMETRE;
+    return info->angstrom   ? ISO_WORLD_UNIT_ANGSTROM
+           : info->unitless ? ISO_WORLD_UNIT_NONE
+                            : ISO_WORLD_UNIT_MILLIMETRE;
 }
 
 iso_world_unit isorender_unit(const isorender_job *job) {

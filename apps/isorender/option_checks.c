@@ -394,8 +394,10 @@ static iso_status check_surfaces(isorender_settings *settings, iso_error *error)
                         iso_primitive_name(primitive));
     for (int i = 0; i < surfaces; i++)
         for (int j = 0; j < i; j++)
-            if (settings->isovalues[i] == settings->isovalues[j])
-                return iso_fail(error, ISO_ERR_USAGE, "isovalue %g is given twice", settings->isovalues[i]);
+            if (settings->isovalues[i] == settings->isovalues[j] &&
+                settings->isovalue_sigmas[i] == settings->isovalue_sigmas[j])
+                return iso_fail(error, ISO_ERR_USAGE, "isovalue %g%s is given twice", settings->isovalues[i],
+                                settings->isovalue_sigmas[i] ? "sigma" : "");
     return ISO_OK;
 }
 

@@ -60,12 +60,14 @@ static const char *const primitives[] = {"auto", "edge", "foot", "foot-iterated"
 
 static iso_status add_isovalue(void *target, const char *value, iso_error *error) {
     isorender_settings *settings = target;
-    double isovalue = NAN;
-    if (strcmp(value, "auto") != 0 && !iso_parse_real(value, &isovalue))
-        return iso_fail(error, ISO_ERR_USAGE, "'%s' is neither a number nor 'auto'", value);
+    isorender_isovalue isovalue;
+    if (!isorender_parse_isovalue(value, &isovalue))
+        return iso_fail(error, ISO_ERR_USAGE, "'%s' is neither a number, such as 40 or 3sigma, nor 'auto'",
+                        value);
     if (settings->isovalue_count == ISORENDER_SURFACES)
         return iso_fail(error, ISO_ERR_USAGE, "more than %d isovalues", ISORENDER_SURFACES);
-    settings->isovalues[settings->isovalue_count++] = isovalue;
+    settings->isovalue_sigmas[settings->isovalue_count] = isovalue.sigma;
+    settings->isovalues[settings->isovalue_count++] = isovalue.value;
     return ISO_OK;
 }
 
@@ -303,9 +305,9 @@ static const iso_option options[] = {
     {"isovalue", "isosurface iso-value", "V",
      "value of the surface, in the file's physical units (of a level set: mm from its surface, above 0 "
      "outside); "
+     "3sigma: 3 standard deviations above the mean of all finite voxels, as levels of maps are stated; "
      "several, separated by commas, give several surfaces; auto: 0 for level sets, else Otsu's threshold of "
-     "the "
-     "histogram",
+     "the histogram",
      .group = SURFACE, .standard = "auto", CALL(apply_isovalue), .flags = ISO_OPTION_REPEATABLE},
     {"color", "colour", "COLOR",
      "colour of the surface: RRGGBB in hexadecimal or a name of CSS such as ivory; several, separated by "

@@ -107,7 +107,8 @@ double isorender_pixels_per_metre(const isorender_job *job) {
     if (job->settings->dpi > 0) return job->settings->dpi / 0.0254;
     const double millimetres = iso_camera_mm_per_pixel(&job->camera, job->settings->height) *
                                iso_world_unit_millimetres(isorender_unit(job));
-    return millimetres > 0 ? 1000 / millimetres : 0;
+    const double density = millimetres > 0 ? 1000 / millimetres : 0;
+    return density < 2e8 ? density : 0; /* (molecules: no file can state it) */
 }
 
 iso_status isorender_write_picture(isorender_job *job, iso_image *image, const iso_drawing *over,

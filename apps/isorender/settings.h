@@ -125,7 +125,8 @@ typedef struct isorender_settings {
     isorender_noted noted[ISORENDER_NOTED];
     int noted_count; /* of options that were given, also of those beyond ISORENDER_NOTED */
 
-    double isovalues[ISORENDER_SURFACES]; /* until channels are taken NaN stands for auto */
+    double isovalues[ISORENDER_SURFACES];     /* until channels are taken NaN stands for auto */
+    bool isovalue_sigmas[ISORENDER_SURFACES]; /* isorender_isovalue.sigma of each */
     int isovalue_count, isovalue_auto;
     iso_rgb colors[ISORENDER_SURFACES];
     int color_count;

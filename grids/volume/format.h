@@ -52,6 +52,10 @@ typedef struct iso_format {
 #include "base/file_types.inc"
 extern const iso_format iso_format_png, iso_format_raw;
 
+/* ISO_ERR_FORMAT: "path: holds a KIND, not an image", and how to make one of it. `kind` is as VTK's files
+ * have it. */
+iso_status iso_format_not_image(const char *path, const char *kind, iso_error *error);
+
 /* Sets info's dims. ISO_ERR_FORMAT unless each is 1 .. 2^31-1. */
 iso_status iso_format_dims(const char *path, const uint64_t dims[3], iso_volume_info *info, iso_error *error);
 
@@ -167,6 +171,7 @@ typedef struct iso_format_place {
     bool separate;              /* each component is a volume behind the one before it; false: interleaved */
     bool gzip;                  /* the whole file is compressed, and `position` is in the unpacked one */
     bool text;                  /* numbers between white space, stored as `scalar` */
+    bool bits;                  /* uint8 0 or 1, eight of them in a byte, the first one the highest bit */
     iso_scalar scalar;          /* of each of info->components components */
     uint64_t position;          /* of the first byte in the file */
     char file[ISO_FORMAT_PATH]; /* where the voxels are; empty: in the file with the header */
