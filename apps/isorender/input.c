@@ -6,6 +6,7 @@
 
 #include "apps/isorender/chunks.h"
 #include "apps/isorender/colorings.h"
+#include "apps/isorender/cuts.h"
 #include "apps/isorender/resolution_level.h"
 #include "apps/isorender/segmentation.h"
 #include "base/memory.h"
@@ -160,6 +161,7 @@ iso_status isorender_open(isorender_job *job, iso_error *error) {
     job->has_volume = !loader->has_points && !job->settings->no_input;
     ISO_TRY(isorender_gaussians_choose(job, error));
     choose_method(job);
+    ISO_TRY(isorender_cuts_check_points(job, error));
     ISO_TRY(isorender_instances_check(job, error));
     ISO_TRY(check_columns(job, error));
     ISO_TRY(isorender_chunks_choose(job, error));
