@@ -142,8 +142,8 @@ static void take_cap(const caps_draw *draw, const solid *s, double depth, const 
     for (int k = 0; k < 3; k++) f->normal[k] = s->shows ? 0 : normal[k];
 }
 
-/* Whether some brick that the plane crosses in `count` samples from column x on has a value inside; true where
- * that is not known. */
+/* Whether some brick that the plane crosses in `count` samples from column x on has a value inside; true
+ * where that is not known. */
 static bool may_be_inside(const solid *s, const iso_cap_row *row, int x, int count) {
     int first[3], last[3];
     if (row->begin >= x + count || row->end <= x) return false;

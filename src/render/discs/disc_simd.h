@@ -469,8 +469,8 @@ ISO_INLINE void set_boxes(const iso_discs_params *params, const bool curved, con
 
 /* ---- bodies that cut discs */
 
-/* Whether balls around `at` (view space, mm) lie in a body, with all of it where `radius` is above 0, with some
- * of it where it is below 0. */
+/* Whether balls around `at` (view space, mm) lie in a body: all of them where `radius` is above 0, some part
+ * where it is below 0. */
 ISO_INLINE vm in_body(const iso_discs_cut *body, const vf at[3], vf radius) {
     if (!body->faces) {
         const vf x = at[0] - body->centre[0], y = at[1] - body->centre[1], z = at[2] - body->centre[2];

@@ -110,8 +110,8 @@ enum {
  * front of each pixel, the second adds the discs near it. */
 typedef enum iso_discs_pass { ISO_DISCS_ONE_PASS, ISO_DISCS_FRONT_PASS, ISO_DISCS_SUM_PASS } iso_discs_pass;
 
-/* A body that cuts discs (render/view/clip.h), in view space: a point lies in it if x * p.x + y * p.y + z * p.z
- * < offset for each face; without faces, in the ball. mm. */
+/* A body that cuts discs (render/view/clip.h), in view space: a point p lies in it if x * p.x + y * p.y + z *
+ * p.z < offset for each face; without faces, in the ball. mm. */
 typedef struct iso_discs_cut {
     int faces;
     float face[ISO_CLIP_FACES][4];
