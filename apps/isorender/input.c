@@ -153,7 +153,8 @@ iso_status isorender_open(isorender_job *job, iso_error *error) {
                            .pool = job->pool,
                            .wants_histogram = job->settings->info || !job->settings->isovalue_count,
                            .progress = report_reading,
-                           .progress_context = job};
+                           .progress_context = job,
+                           .shelf = job->settings->panel ? job->settings->panel->shelf : NULL};
     if (!job->settings->no_input) ISO_TRY(iso_loader_open(loader, error));
     ISO_TRY(isorender_volumes_open(job, error));
     ISO_TRY(isorender_segmentation_open(job, error));
