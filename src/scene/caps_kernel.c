@@ -21,12 +21,6 @@ ISO_INLINE vd set(double value) {
     return value - (vd){0};
 }
 
-ISO_INLINE vd load(const double *from) {
-    vd value;
-    memcpy(&value, from, sizeof value);
-    return value;
-}
-
 ISO_INLINE void store(double *to, vd value) {
     memcpy(to, &value, sizeof value);
 }
