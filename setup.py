@@ -27,7 +27,7 @@ class BuildExtension(build_ext):
         if not library:
             tree = Path(self.build_temp).resolve() / "isopoint"
             subprocess.check_call(
-                ["cmake", "-S", str(ROOT), "-B", str(tree), "-DCMAKE_BUILD_TYPE=Release", "-DISO_PROGRAMS=OFF",
+                ["cmake", "-S", str(ROOT), "-B", str(tree), "-DCMAKE_BUILD_TYPE=Release", "-DISO_PROGRAMS=OFF", "-DISO_UNITY=ON",
                  *[f"-DISO_WITH_{name}=OFF" for name in OFF], *shlex.split(os.environ.get("ISOPOINT_CMAKE", ""))])
             subprocess.check_call(["cmake", "--build", str(tree), "--target", "isopoint",
                                    "--parallel", str(os.cpu_count() or 1)])

@@ -1,6 +1,5 @@
 /* Copies inputs to temporary files. The first bytes decide whether an input is copied, and up to which
  * byte. */
-#define _GNU_SOURCE
 #include "apps/common/input_spool.h"
 
 #include <errno.h>

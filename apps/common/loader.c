@@ -1,6 +1,5 @@
 /* Opens and reads the inputs of the programs: volume files, procedural scenes, files of points, and any of
  * these files on standard input. */
-#define _GNU_SOURCE
 #include "apps/common/loader.h"
 
 #include <math.h>

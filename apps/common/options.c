@@ -1,5 +1,4 @@
 /* Parsing of command lines: numbers, sizes, colours, option names with suggestions, values. */
-#define _XOPEN_SOURCE 700 /* SIGXFSZ */
 #include "apps/common/options.h"
 
 #include <limits.h>

@@ -1,5 +1,4 @@
 /* Writes pages: chooses the range of isovalues, packs the voxels that it needs, and fills in the template. */
-#define _POSIX_C_SOURCE 200809L
 #include "apps/common/page.h"
 
 #include <math.h>

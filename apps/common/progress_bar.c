@@ -1,4 +1,3 @@
-#define _XOPEN_SOURCE 700 /* isatty */
 #include "apps/common/progress_bar.h"
 
 #include <stdio.h>

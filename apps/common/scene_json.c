@@ -1,5 +1,4 @@
 /* Scenes: written, and read as JSON. */
-#define _GNU_SOURCE /* asprintf */
 #include "apps/common/scene_json.h"
 
 #include <errno.h>

@@ -1,5 +1,4 @@
 /* Names of outputs: replaces {model} and {n}. */
-#define _GNU_SOURCE
 #include "apps/common/template.h"
 
 #include <errno.h>

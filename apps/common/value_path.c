@@ -1,4 +1,3 @@
-#define _POSIX_C_SOURCE 200809L /* strndup */
 /* value_path: finds the path by asking which files there are. */
 #include "apps/common/value_path.h"
 

@@ -1,5 +1,4 @@
 /* html_page: the surface of a report, to be turned: a page within the page. */
-#define _POSIX_C_SOURCE 200809L
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,6 +1,5 @@
 /* report: the command "isocompare report", which draws a volume by every method at three scales and compares
  * the pictures with those of the ray caster. */
-#define _GNU_SOURCE
 #include "apps/isocompare/report.h"
 
 #include <errno.h>

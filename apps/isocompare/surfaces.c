@@ -1,6 +1,5 @@
 /* surfaces: the command "isocompare surfaces", which measures how far two surfaces are from each other,
  * and draws both, coloured by their distance from the other one. */
-#define _GNU_SOURCE
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,6 +1,5 @@
 /* Volumes that are drawn chunk by chunk (exact/chunks.h): those larger than memory, and the parts of a
  * picture that several processes draw (--part). The picture is that of the whole volume, byte for byte. */
-#define _GNU_SOURCE
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,5 +1,4 @@
 /* label_items: parses --label and finds the labels that it means. */
-#define _GNU_SOURCE /* FNM_CASEFOLD */
 #include "apps/isorender/label_items.h"
 
 #include <fnmatch.h>

@@ -1,6 +1,5 @@
 /* object_fields: objects that are made of a volume of vectors or tensors: glyphs at its voxels, or lines
  * along its vectors. */
-#define _GNU_SOURCE
 #include <inttypes.h>
 #include <string.h>
 

@@ -1,5 +1,4 @@
 /* option_checks: what operands are, and which options go together. */
-#define _XOPEN_SOURCE 700 /* access */
 #include "apps/isorender/option_checks.h"
 
 #include <math.h>

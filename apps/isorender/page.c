@@ -1,5 +1,4 @@
 /* The picture as a page. */
-#define _GNU_SOURCE /* asprintf */
 #include "apps/isorender/page.h"
 
 #include <math.h>

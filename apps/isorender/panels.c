@@ -1,4 +1,3 @@
-#define _GNU_SOURCE /* asprintf */
 #include "apps/isorender/panels.h"
 
 #include <math.h>

@@ -1,5 +1,4 @@
 /* Names of the outputs of every input, and the refusal of names that would destroy something. */
-#define _POSIX_C_SOURCE 200809L
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,5 +1,4 @@
 /* Scenes: written from the options of a command line, and read back into one. */
-#define _GNU_SOURCE /* asprintf */
 #include "apps/isorender/scene_file.h"
 
 #include <jansson.h>

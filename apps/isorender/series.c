@@ -1,5 +1,4 @@
 /* Steps in time. */
-#define _GNU_SOURCE /* strverscmp */
 #include "apps/isorender/series.h"
 
 #include <glob.h>

@@ -1,5 +1,4 @@
 /* Documents: journals in the state folder, their lock files, opening and closing. */
-#define _DEFAULT_SOURCE /* flock */
 #include "apps/isosculpt/document.h"
 
 #include <dirent.h>

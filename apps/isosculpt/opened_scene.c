@@ -1,5 +1,4 @@
 /* opened_scene: turns a scene into the command line that opens its input, and its camera. */
-#define _GNU_SOURCE /* asprintf */
 #include "apps/isosculpt/opened_scene.h"
 
 #include <jansson.h>

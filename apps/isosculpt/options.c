@@ -1,5 +1,4 @@
 /* The command line of isosculpt: the table of options and the checks between options. */
-#define _GNU_SOURCE /* strcasestr */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

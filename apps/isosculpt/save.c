@@ -1,5 +1,4 @@
 /* Saving: names of files, and a background task that writes a snapshot of the field. */
-#define _XOPEN_SOURCE 700 /* realpath */
 #include "apps/isosculpt/save.h"
 
 #include <errno.h>

@@ -1,5 +1,4 @@
 /* label_names: reads tables of labels row by row, and segments line by line. */
-#define _POSIX_C_SOURCE 200809L /* getline */
 #include "grids/labels/label_names.h"
 
 #include <ctype.h>

@@ -1,6 +1,5 @@
 /* format: functions that all readers share, also those in modules: memory limits, opening files, creating
  * grids. */
-#define _POSIX_C_SOURCE 200809L
 #include "grids/volume/format.h"
 
 #include "base/file.h"

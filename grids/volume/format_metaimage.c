@@ -8,7 +8,6 @@
  * axis' direction after the other, Offset is the first voxel's centre. AnatomicalOrientation repeats in words
  * what the matrix says, so it counts only without a matrix. Its letters say from where an axis comes: in
  * MetaIO's source R is "right to left", and ITK writes RAI for the identity. */
-#define _GNU_SOURCE
 #include <ctype.h>
 #include <errno.h>
 #include <limits.h>

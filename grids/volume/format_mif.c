@@ -4,7 +4,6 @@
  * The format: mrtrix.readthedocs.io, "Images and other data". World. `transform` leads from millimetres along
  * the image's axes to RAS, which is turned to LPS. `layout` says for each axis whether it runs backwards in
  * the file, and how many axes run faster: such a volume is read as it lies there, with its axes renamed. */
-#define _GNU_SOURCE
 #include <ctype.h>
 #include <errno.h>
 #include <limits.h>

@@ -7,7 +7,6 @@
  * NIfTI's world is RAS+ (x to the right, y to the front): its x and y are negated to get LPS. The sform is
  * preferred to the qform as most programs do; without either, pixdim alone spaces axes that are taken as RAS,
  * which is what the standard's method 1 comes to. */
-#define _POSIX_C_SOURCE 200809L
 #include <errno.h>
 #include <math.h>
 #include <pthread.h>

@@ -1,7 +1,6 @@
 /* format_npy: arrays of NumPy with three axes, z y x, or with four, of which the last one has the
  * components of a voxel. The axes are the same in Fortran order, in which the file has the first one
  * fastest. Arrays of two axes are points (src/io/glyphs/npy.c). */
-#define _POSIX_C_SOURCE 200809L /* fseeko */
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>

@@ -6,7 +6,6 @@
  *
  * libpng reports errors by longjmp: a function that calls setjmp keeps everything that is needed after the
  * jump in a struct of its caller, which also frees it. */
-#define _GNU_SOURCE
 #include <errno.h>
 #include <png.h>
 #include <setjmp.h>

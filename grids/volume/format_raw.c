@@ -1,6 +1,5 @@
 /* format_raw: reads files without a header, whose layout (iso_raw_layout) is given by the caller or by the
  * file's name. */
-#define _GNU_SOURCE
 #include <ctype.h>
 #include <errno.h>
 #include <limits.h>

@@ -1,6 +1,5 @@
 /* format_stream: functions for readers that read voxels in file order: filling a grid in chunks of bytes,
  * parsing numbers in text, and paths of files that a header names. */
-#define _GNU_SOURCE
 #include <ctype.h>
 #include <errno.h>
 #include <stdlib.h>

@@ -6,7 +6,6 @@
  *
  * The format ("VTK File Formats", The VTK User's Guide): keywords in any case, separated by blanks; binary
  * numbers are big-endian and begin after the newline that ends their header; the world is the file's own. */
-#define _GNU_SOURCE
 #include <ctype.h>
 #include <errno.h>
 #include <limits.h>

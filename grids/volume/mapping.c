@@ -1,5 +1,4 @@
 /* mapping: maps files, finds their holes, and makes temporary files. */
-#define _GNU_SOURCE
 #include "grids/volume/mapping.h"
 
 #include <errno.h>

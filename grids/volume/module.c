@@ -1,5 +1,4 @@
 /* module: finds modules and loads them with the dynamic linker. */
-#define _GNU_SOURCE
 #include "grids/volume/module.h"
 
 #include <dlfcn.h>

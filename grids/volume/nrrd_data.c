@@ -4,7 +4,6 @@
  * bounded by what the files hold: the number of files is known from the sizes before a name is used, and a
  * name is as long as the system allows at most. Where a byte skip says that the array ends with a compressed
  * stream, the stream is unpacked twice. */
-#define _POSIX_C_SOURCE 200809L
 #include <errno.h>
 #include <limits.h>
 #include <stdlib.h>

@@ -4,7 +4,6 @@
  * as numbers and enumerators in a fixed struct; key/value pairs and fields that do not affect the positions
  * of voxels are skipped. Like teem 1.12 it rejects a repeated field, a field before the one that it depends
  * on, and an axis that has both a direction and a spacing. */
-#define _GNU_SOURCE
 #include <ctype.h>
 #include <errno.h>
 #include <limits.h>

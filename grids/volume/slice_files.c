@@ -1,5 +1,4 @@
 /* slice_files: see the header. */
-#define _GNU_SOURCE /* strverscmp, asprintf */
 #include "grids/volume/slice_files.h"
 
 #include <dirent.h>

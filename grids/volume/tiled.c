@@ -1,6 +1,5 @@
 /* tiled: reads tiled volumes as a whole with all threads, or chunk by chunk through a cache of decoded tiles.
  */
-#define _GNU_SOURCE
 #include "grids/volume/tiled.h"
 
 #include <math.h>

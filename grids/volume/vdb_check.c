@@ -1,6 +1,5 @@
 /* vdb_check: walks over the nodes of a tree in the order in which OpenVDB's readTopology and readBuffers read
  * them, without decompressing anything. */
-#define _GNU_SOURCE
 #include "grids/volume/vdb_check.h"
 
 #include <stdio.h>

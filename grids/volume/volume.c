@@ -1,6 +1,5 @@
 /* volume: reads volumes: finds the format from the content and the name, calls its reader, and makes the
  * checks that all formats share. */
-#define _GNU_SOURCE
 #include "grids/volume/volume.h"
 
 #include <errno.h>

@@ -5,7 +5,6 @@
  * kinds of numbers: the number of blocks, the uncompressed size of a block, the uncompressed size of the last
  * block if it is smaller (else 0), and the compressed size of every block. In base64 the length is encoded
  * together with the values that follow; the numbers of a compressed array are encoded separately. */
-#define _GNU_SOURCE
 #include "grids/volume/vti_check.h"
 
 #include <ctype.h>

@@ -1,6 +1,5 @@
 /* cgroup: finds the process's memory cgroup from /proc/self/cgroup and /proc/self/mountinfo (man 7 cgroups,
  * man 5 proc), and reads its limits and those of the groups above it. */
-#define _GNU_SOURCE
 #include "base/cgroup.h"
 
 #include <stdbool.h>

@@ -1,5 +1,4 @@
 /* clock: POSIX's CLOCK_MONOTONIC. */
-#define _GNU_SOURCE
 #include "base/clock.h"
 
 #include <time.h>

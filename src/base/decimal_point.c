@@ -1,4 +1,3 @@
-#define _GNU_SOURCE
 #include "base/decimal_point.h"
 
 #include <locale.h>

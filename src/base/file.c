@@ -1,5 +1,4 @@
 /* file: sinks on nameless or temporary files, which get their target's name when they are committed. */
-#define _GNU_SOURCE
 #include "base/file.h"
 
 #include <errno.h>

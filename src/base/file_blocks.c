@@ -1,5 +1,4 @@
 /* file_blocks: shared mappings of temporary files, and a table of their addresses. */
-#define _GNU_SOURCE
 #include "base/file_blocks.h"
 
 #include <errno.h>

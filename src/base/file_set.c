@@ -1,5 +1,4 @@
 /* file_set: a list of files with the identity of each; checks compare every output with all entries. */
-#define _POSIX_C_SOURCE 200809L
 #include "base/file_set.h"
 
 #include <errno.h>

@@ -1,5 +1,4 @@
 /* file_types: the list of file_types.inc, looked up. */
-#define _GNU_SOURCE /* memmem */
 #include "base/file_types.h"
 
 #include <stdint.h>

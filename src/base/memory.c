@@ -1,5 +1,4 @@
 /* memory: allocation, buffers, streaming copies, and the memory limits of Linux and its cgroups. */
-#define _GNU_SOURCE
 #include "base/memory.h"
 
 #include <stdatomic.h>

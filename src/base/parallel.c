@@ -1,6 +1,5 @@
 /* parallel: the pool of POSIX threads. Workers take indices from an atomic counter; between calls they poll
  * for a short time and then sleep. */
-#define _GNU_SOURCE
 #include "base/parallel.h"
 
 #include <assert.h>

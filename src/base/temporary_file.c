@@ -1,5 +1,4 @@
 /* temporary_file: with O_TMPFILE, or, where the file system has none, with a name that is removed at once. */
-#define _GNU_SOURCE
 #include "base/temporary_file.h"
 
 #include <errno.h>

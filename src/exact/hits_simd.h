@@ -269,8 +269,8 @@ ISO_STEP static void fetch_fragments(const iso_exact_scratch *scratch) {
 ISO_INLINE vf opacities(const iso_exact_fragments *fragments, const vf normal[3], const vf to_eye[3]) {
     const iso_layer_opacity *opacity = &fragments->opacity;
     if (!opacity->by_angle) return v_set(opacity->face_on);
-    const vf length = v_sqrt(dot(to_eye, to_eye));
-    const vf cosine = v_max(v_abs(dot(normal, to_eye)) / length, v_set(ISO_LAYER_LEAST_COSINE));
+    const vf length = v_sqrt(v_dot3(to_eye, to_eye));
+    const vf cosine = v_max(v_abs(v_dot3(normal, to_eye)) / length, v_set(ISO_LAYER_LEAST_COSINE));
     return 1 - v_exp2(opacity->log_through / cosine);
 }
 

@@ -1,6 +1,5 @@
 /* exr: writes and reads OpenEXR pictures with the library's C API (OpenEXRCore). The library reads and writes
  * through callbacks on a file descriptor that this file opens. */
-#define _GNU_SOURCE
 #include "image/exr.h"
 
 #include <errno.h>

@@ -1,4 +1,3 @@
-#define _GNU_SOURCE /* open_memstream */
 /* jpeg_write: pictures as JPEG by libjpeg, which reports errors by a callback that must not return:
  * everything that is needed after its longjmp is in a struct of the caller. */
 #include <setjmp.h>

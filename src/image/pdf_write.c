@@ -1,4 +1,3 @@
-#define _POSIX_C_SOURCE 200809L /* open_memstream */
 /* pdf_write: a drawing as one sheet of PDF 1.4 (ISO 32000-1). The font is embedded as a whole, with the
  * characters of its glyphs, so that text can be found and copied; pictures are streams of PNG's filtered
  * rows (predictor 15), and of their transparency. */

@@ -1,7 +1,6 @@
 /* png: writes and reads PNG with libpng; pixels are compressed by png_pack.h. libpng reports errors by
  * longjmp: a function that calls setjmp keeps everything that is needed after the jump in a struct of its
  * caller, which also frees it. */
-#define _GNU_SOURCE
 #include "image/image.h"
 
 #include <errno.h>

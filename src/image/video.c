@@ -1,5 +1,4 @@
 /* Videos: ffmpeg reads pictures from a socket, and writes to the nameless file of a sink. */
-#define _GNU_SOURCE /* memfd_create */
 #include "image/video.h"
 
 #include <errno.h>

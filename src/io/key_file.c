@@ -1,5 +1,4 @@
 /* key_file: writes, reads and merges key images in files. */
-#define _GNU_SOURCE
 #include "io/key_file.h"
 
 #include <limits.h>

@@ -1,4 +1,3 @@
-#define _POSIX_C_SOURCE 200809L
 /* points_write: writes points as binary little-endian PLY (Turk 1994), also in pieces. */
 #include "io/points_write.h"
 

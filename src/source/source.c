@@ -1,6 +1,5 @@
 /* Sources of sessions: computes checksums, converts meshes and volumes into fields, and repeats the
  * conversion from a journal's header. */
-#define _XOPEN_SOURCE 700
 #include "source/source.h"
 
 #include <errno.h>

@@ -4,7 +4,6 @@
  *     bench_alone memory SIZE    makes the ct scene, extracts points once, and prints milliseconds, those of
  *                                the processors, peak bytes, points, and bytes before the extraction
  *     bench_alone points FILE    reads a volume, extracts points once, and prints how many */
-#define _GNU_SOURCE
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,7 +1,6 @@
 /* From the hand to the picture: isosculpt plays a stroke file without a window, draws every step as its
  * window does, and says itself how long each took. A process of its own, on as many processors as it has
  * threads. */
-#define _GNU_SOURCE
 #include <jansson.h>
 #include <math.h>
 #include <stdio.h>

@@ -1,4 +1,3 @@
-#define _GNU_SOURCE
 #include "bench_harness.h"
 #include "base/numbers.h"
 

@@ -1,7 +1,6 @@
 /* The rows whose work is done in a process of its own: how much memory a first extraction takes, and how long
  * it is from a file to points, and to a picture. Ours is bench_alone or isorender, which the peers' libraries
  * are not linked to. */
-#define _GNU_SOURCE
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

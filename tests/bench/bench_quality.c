@@ -4,7 +4,6 @@
  * is of unrounded colours under one light at the eye (iso_study_shade), everything else of the pictures that
  * isorender makes: rounding to bytes alone costs 6 dB at 58 dB. So the figures compare with those of earlier
  * studies. */
-#define _GNU_SOURCE
 #include "bench_quality.h"
 #include "base/clock.h"
 

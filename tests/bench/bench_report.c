@@ -1,5 +1,4 @@
 /* What the bench says: tables for people, Google Benchmark's JSON for programs. */
-#define _GNU_SOURCE
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,7 +1,6 @@
 /* Frames of glyphs and tubes, 1024 x 1024, one sample a pixel, one thread; against VTK's frames of the same:
  * spheres by vtkOpenGLSphereMapper and vtkPointGaussianMapper, cones and arrows by vtkGlyph3DMapper, tubes by
  * vtkTubeFilter, whose own time is not counted; tubes also against Embree's rays. */
-#define _GNU_SOURCE
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,5 +1,4 @@
 /* VTK's frame of a subject's mesh or points as a row: drawn by vtk_frame, timed there. */
-#define _GNU_SOURCE
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

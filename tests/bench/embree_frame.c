@@ -9,7 +9,6 @@
  *     "covered"    ->  "covered PIXELS"
  *
  * FILE: as vtk_frame has it, of lines. */
-#define _GNU_SOURCE
 #include <embree3/rtcore.h>
 #include <math.h>
 #include <stdint.h>

@@ -6,7 +6,6 @@
  * usage: gl_selection SCENE SIZE [METHOD [WIDTH HEIGHT [FRAMES [DEGREES]]]]
  *            METHOD: discs (discs that follow the curvature, as in the window) or flat
  * Times are of the processor, of all threads: other programs do not disturb them much. */
-#define _GNU_SOURCE
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -2,7 +2,6 @@
  * end is put right before it is read, so that the contents are tried. What is accepted must be a clamped
  * distance field and come back the same when it is written and read again; what is refused must leave the
  * field as it was and be refused in one line that names the file. */
-#define _GNU_SOURCE
 #include <math.h>
 #include <stddef.h>
 #include <stdint.h>

@@ -1,7 +1,6 @@
 /* fuzz: any bytes as an OpenEXR picture of depth, normals and coverage. What the reader accepts must keep
  * what its header promises and come back the same when it is written and read again; what it refuses must be
  * refused in one line that names the file. */
-#define _GNU_SOURCE
 #include <math.h>
 #include <stddef.h>
 #include <stdint.h>

@@ -1,7 +1,6 @@
 /* fuzz: any bytes as a file of glyphs: the first byte chooses the format (of those that are not found from
  * the content), every how many glyphs are kept, the space, and the assembly. What a reader accepts must be
  * sound; what it refuses must be refused in one line that names the file. */
-#define _GNU_SOURCE
 #include <math.h>
 #include <stddef.h>
 #include <stdint.h>

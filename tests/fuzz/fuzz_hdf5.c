@@ -5,7 +5,6 @@
  * Of the first eight bytes, three are the sizes of the chunk, and the others the type of its values, their
  * order and the number of filters, the filters (three bits each), and which ones were skipped; the rest is
  * the chunk. */
-#define _GNU_SOURCE
 #include <stddef.h>
 #include <stdint.h>
 #include <stdlib.h>

@@ -2,7 +2,6 @@
  * that the contents are tried. What is accepted must come back the same when it is written and read again,
  * and be the whole of a picture of one part; what is refused must be refused in one line that names the
  * file. */
-#define _GNU_SOURCE
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>

@@ -1,7 +1,6 @@
 /* fuzz: any bytes as a file of lines: the first byte chooses the format, every how many lines are kept, and
  * the space. What a reader accepts must be sound; what it refuses must be refused in one line that names the
  * file. */
-#define _GNU_SOURCE
 #include <math.h>
 #include <stddef.h>
 #include <stdint.h>

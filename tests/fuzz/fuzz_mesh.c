@@ -1,7 +1,6 @@
 /* fuzz: any bytes as a mesh: STL, OBJ or PLY, by the first byte. What the reader accepts must be sound and
  * come back the same when it is written and read again; what it refuses must be refused in one line that
  * names the file. */
-#define _GNU_SOURCE
 #include <math.h>
 #include <stddef.h>
 #include <stdint.h>

@@ -1,7 +1,6 @@
 /* fuzz: any bytes as a PLY file of points. A cloud of what the reader accepts must be usable, and come back
  * the same when it is written and read again; what the reader refuses must be refused in one line that names
  * the file. */
-#define _GNU_SOURCE
 #include <math.h>
 #include <stddef.h>
 #include <stdint.h>

@@ -1,6 +1,5 @@
 /* fuzz_replay: runs a fuzz target over the files and folders that are named, in the order of their names.
  * Exits with 0 when nothing crashed and there was something to run. */
-#define _DEFAULT_SOURCE
 #include <dirent.h>
 #include <stdint.h>
 #include <stdio.h>

@@ -2,7 +2,6 @@
  * what a line says is tried and not only that it is damaged. What is read is played on a small grid: the
  * field must stay a clamped distance field, undoing all of it must bring back the field as it was, and what
  * is refused must be refused in one line that names the file. */
-#define _GNU_SOURCE
 #include <math.h>
 #include <stddef.h>
 #include <stdint.h>

@@ -3,7 +3,6 @@
  *
  * With clang and -fsanitize=fuzzer this is a libFuzzer target, with fuzz_replay.c a program that replays
  * files. */
-#define _DEFAULT_SOURCE
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>

@@ -2,7 +2,6 @@
  * of version 2, zarr.json and a chunk or shard of version 3, .zattrs beside an array, or attributes.json and
  * a block of N5. Two bytes are the size of the metadata, which come next; the rest is the chunk. Whatever
  * happens must end in a volume or in one line. */
-#define _DEFAULT_SOURCE
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>

@@ -1,5 +1,4 @@
 /* The gl engine against the cpu engine, on scenes; contexts, shaders, and what happens at limits. */
-#define _GNU_SOURCE
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

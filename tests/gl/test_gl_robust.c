@@ -1,5 +1,4 @@
 /* The gl engine when things go wrong: contexts that are lost, limits that are small, memory that is short. */
-#define _GNU_SOURCE
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -6,7 +6,6 @@
  * Requests are malloc, calloc, realloc, aligned_alloc, memalign, posix_memalign, and mmap, of the program and
  * of all its libraries, from when this library was loaded; mmap only where it is called by this name, which
  * glibc itself does not. */
-#define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>

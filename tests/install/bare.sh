@@ -2,7 +2,7 @@
 # bare.sh [COMMAND]: clones this repository into a Debian 12 that has nothing installed, and runs ./run COMMAND (demo if none
 # is given) there, as a new user would. After demo, its pictures must be the pinned ones (tests/golden/demo.tsv), and build and
 # install must not compile again what demo compiled, but for the sources that choose among the instruction sets of this build
-# (src/base/kernel_units.h). What was downloaded for Debian itself is kept in build/bare.tar.
+# (src/base/kernel_units.h), whose units (tools/unity.cmake) hold nothing else. What was downloaded for Debian itself is kept in build/bare.tar.
 # Exit status 77, with a message: debootstrap or chroot cannot be had.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
@@ -59,12 +59,14 @@ while IFS=$'\t' read -r hash picture; do
     [ "$found" = "$hash" ] || fail "build/demo/$picture.png: its pixels have the hash $found, not $hash"
 done < <(grep -v '^#' tests/golden/demo.tsv)
 echo "bare.sh: the pictures are the pinned ones"
-plan=$(in_root "cd /root/isopoint && cmake --preset release >/dev/null && ninja -C build -n isorender isosculpt") ||
-    fail "another build cannot be planned: $plan"
-again=()
-while read -r object; do
-    source=${object#*.dir/}
-    source=$root/root/isopoint/${source%.o}
-    [ ! -e "$root/root/isopoint/build/$object" ] || grep -q '"base/kernel_units.h"' "$source" || again+=("$object")
-done < <(sed -n 's/^.*Building C object //p' <<<"$plan")
-[ ${#again[@]} -eq 0 ] || fail "another build would compile ${#again[@]} sources of the demo again: ${again[*]}"
+commands() { in_root "cd /root/isopoint && ninja -C build -t commands isorender isosculpt" | grep -- ' -c ' | sort; }
+of_demo=$(commands)
+in_root "cd /root/isopoint && cmake --preset release >/dev/null" || fail "another build cannot be configured"
+again=$(comm -23 <(echo "$of_demo") <(commands))
+[ -z "$again" ] || fail "another build would compile with other commands: $again"
+# What changes with ISO_KERNELS alone is compiled again: the units of sources that choose among the instruction sets.
+while read -r unit; do
+    others=$(cd "$root" && sed -n 's/^#include "\/\(.*\)"$/\1/p' "root/isopoint/build/$unit" | xargs grep -L '"base/kernel_units.h"')
+    [ -z "$others" ] || fail "another build would compile again: $others"
+done < <(in_root "cd /root/isopoint && ninja -C build -t deps" |
+    awk '/^[^ ]/ { object = $1 } /built_levels\.h$/ { sub(/\.o:$/, "", object); print object }' | grep /Unity/)

@@ -1,5 +1,4 @@
 /* file_support: reads and writes whole files. */
-#define _GNU_SOURCE
 #include "file_support.h"
 
 #include <setjmp.h>

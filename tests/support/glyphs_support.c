@@ -1,5 +1,4 @@
 /* glyphs_support: reading and checking glyphs. */
-#define _GNU_SOURCE
 #include "glyphs_support.h"
 
 #include <stdlib.h>

@@ -1,5 +1,4 @@
 /* hdf5_support: writes arrays into HDF5 files by libhdf5, and checks what is read of them. */
-#define _GNU_SOURCE
 #include "hdf5_support.h"
 
 #include <setjmp.h>

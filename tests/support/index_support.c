@@ -1,5 +1,4 @@
 /* index_support: reads tables of test files. */
-#define _GNU_SOURCE
 #include "index_support.h"
 
 #include <ctype.h>

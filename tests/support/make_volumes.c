@@ -1,5 +1,4 @@
 /* make_volumes: writers of all formats, each from the description of its format. */
-#define _GNU_SOURCE
 #include "make_volumes.h"
 
 #include <stdlib.h>

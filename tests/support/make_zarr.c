@@ -1,5 +1,4 @@
 /* make_zarr: writes small arrays of Zarr. */
-#define _GNU_SOURCE
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,6 +1,5 @@
 /* clipboard: prints the clipboard's text, which it gets in the way of a program that pastes it: it asks the
  * owner of the CLIPBOARD selection for UTF-8 text (ICCCM, section 2). Exit status 1: there is none. */
-#define _POSIX_C_SOURCE 200809L
 #include <stdio.h>
 #include <unistd.h>
 

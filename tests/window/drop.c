@@ -2,7 +2,6 @@
  * (https://www.freedesktop.org/wiki/Specifications/XDND/). Usage: drop WINDOW X Y FILE ..., with the pointer
  * at X, Y of the screen. Exit status 0: the window accepted them; 2: it refused, or did not answer in time.
  */
-#define _POSIX_C_SOURCE 200809L
 #include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>

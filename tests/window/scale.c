@@ -1,7 +1,6 @@
 /* scale: overrides functions of GLFW (by LD_PRELOAD), so that a test can change the content scale of the
  * screen, which never changes under X11. The scale is the number in the file $ISO_TEST_SCALE; the program's
  * callback is called when it changes. */
-#define _GNU_SOURCE /* RTLD_NEXT */
 #include <dlfcn.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,6 +1,5 @@
 /* slow: overrides open() (by LD_PRELOAD) to simulate slow files: a thread that opens PATH waits as long as a
  * file PATH.wait exists. The main thread, which is the window's, never waits. */
-#define _GNU_SOURCE /* RTLD_NEXT, gettid */
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <stdarg.h>

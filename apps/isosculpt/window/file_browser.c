@@ -1,5 +1,4 @@
 /* The state of the file browser: entries of a folder, file types, the chosen path. */
-#define _XOPEN_SOURCE 700
 #include "apps/isosculpt/window/file_browser.h"
 
 #include <dirent.h>

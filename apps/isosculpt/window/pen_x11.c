@@ -1,6 +1,5 @@
 /* Pen pressure on X11: the state of all devices is queried when a sample is taken. Their events are not read,
  * since GLFW reads the event queue. */
-#define _GNU_SOURCE /* RTLD_DEFAULT */
 #include <dlfcn.h>
 #include <stdlib.h>
 #include <string.h>

@@ -2,7 +2,6 @@
  *
  * A folder of images often holds other things: viewers, reports, downloads that were interrupted. They do not
  * stop the images from being read, but are counted, so that the user learns what was left out. */
-#define _GNU_SOURCE
 #include <dirent.h>
 #include <errno.h>
 #include <stdio.h>

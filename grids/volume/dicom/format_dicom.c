@@ -2,7 +2,6 @@
  *
  * The headers of all files in the folder are read (folder.c); pixels only of the chosen series, one file at a
  * time. */
-#define _GNU_SOURCE
 #include "grids/volume/format.h"
 
 #include <errno.h>

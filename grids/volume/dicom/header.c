@@ -2,7 +2,6 @@
  *
  * Every length is checked against the rest of the file before it is used. Only a few dozen elements are read;
  * all others are skipped. */
-#define _GNU_SOURCE
 #include "grids/volume/dicom/dicom.h"
 
 #include <errno.h>

@@ -2,7 +2,6 @@
  *
  * Of the text only a few elements matter, none of which is within another one of the same name; it is
  * searched for them. */
-#define _GNU_SOURCE
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,6 +1,5 @@
 /* chunk: reads chunks of an array, undoes their filters, and converts their values to voxels. Without
  * libhdf5: the places of the chunks are known. (Values that libhdf5 decodes come from decoder.c.) */
-#define _GNU_SOURCE
 #include <errno.h>
 #include <inttypes.h>
 #include <stdio.h>

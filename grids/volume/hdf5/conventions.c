@@ -2,7 +2,6 @@
  *
  * VTKHDF: the VTK file format page of VTK's documentation. Imaris: "Imaris 5.5 file format" of Bitplane.
  * BigDataViewer: its page on the image data in HDF5. NeXus: the manual's rules for NXdata. */
-#define _GNU_SOURCE
 #include "grids/volume/hdf5/conventions.h"
 
 #include <ctype.h>

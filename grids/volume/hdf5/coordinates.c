@@ -3,7 +3,6 @@
  *
  * NeXus: the manual's rules for NXdata. Dimension scales: "HDF5 Dimension Scale Specification". EMD: "EMD
  * file format", versions 0.2 and 1.0, emdatasets.com. */
-#define _GNU_SOURCE
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -3,7 +3,6 @@
  * A child process opens the array once and stays. It is asked for one chunk at a time over a socket, and
  * leaves the values in shared memory. When it ends, because libhdf5 crashes or takes too long, the chunk that
  * was asked for is damaged; a new process is started for the next one. */
-#define _GNU_SOURCE
 #include <errno.h>
 #include <pthread.h>
 #include <stdlib.h>

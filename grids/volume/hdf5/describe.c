@@ -1,6 +1,5 @@
 /* describe: finds the array of a file that is read, and how its values are stored. Runs in the child process.
  */
-#define _GNU_SOURCE
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -2,7 +2,6 @@
  * axes, or what VTKHDF, Imaris, BigDataViewer and NeXus say. Integers of up to 64 bits and floats of 16, 32
  * and 64 in both byte orders, in one piece or in chunks, through the filters that chunk.c or libhdf5 undo.
  * The last axis is x; a fourth axis has components. */
-#define _GNU_SOURCE
 #include <limits.h>
 #include <pthread.h>
 #include <stdio.h>

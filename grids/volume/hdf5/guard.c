@@ -1,5 +1,4 @@
 /* guard: runs work in a child process with limits, so that a crash of a library costs only the child. */
-#define _GNU_SOURCE
 #include <errno.h>
 #include <fcntl.h>
 #include <signal.h>

@@ -3,7 +3,6 @@
  * libhdf5 reads through a driver of our own, for three reasons: a file can name other files, which must not
  * be opened without the user's knowledge; file locks are not taken; and the driver sees where in the file a
  * chunk lies, which libhdf5 1.10 tells only by walking over all chunks. */
-#define _GNU_SOURCE
 #include "grids/volume/hdf5/library.h"
 
 #include <errno.h>

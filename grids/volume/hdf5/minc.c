@@ -3,7 +3,6 @@
  * A position is the sum over the axes of space of (start + step * index) * direction_cosines, in RAS. Values
  * of integer arrays are scaled so that the ends of valid_range become image-min and image-max, which may be
  * those of a slice. */
-#define _GNU_SOURCE
 #include "grids/volume/hdf5/conventions.h"
 
 #include <math.h>

@@ -4,7 +4,6 @@
  * for. libhdf5 1.10 lists them in linear time only in the text that H5Ddebug prints; its place in the file is
  * that of a single chunk, which it finds quickly: it is asked to read the chunk, and the driver notes the
  * place instead of reading (library.c). */
-#define _GNU_SOURCE
 #include <stdio.h>
 #include <stdlib.h>
 

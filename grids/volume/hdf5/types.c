@@ -1,5 +1,4 @@
 /* types: which types of values of HDF5 files are read, and as what. */
-#define _GNU_SOURCE
 #include "grids/volume/hdf5/types.h"
 
 #include <stdio.h>

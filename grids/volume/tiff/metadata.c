@@ -1,6 +1,5 @@
 /* metadata: the image descriptions of ImageJ ("ImageJ=1.53t", a key and a value a line) and of OME-TIFF
  * (XML, whose element Pixels has what is needed). */
-#define _GNU_SOURCE /* memmem */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

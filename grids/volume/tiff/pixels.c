@@ -1,5 +1,4 @@
 /* pixels: libtiff's files with messages of their own, and the values of an image in strips or tiles. */
-#define _GNU_SOURCE
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

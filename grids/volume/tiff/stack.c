@@ -1,6 +1,5 @@
 /* stack: lists the images of a TIFF file, or of a folder of TIFF files, and checks that they fit together.
  */
-#define _GNU_SOURCE
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

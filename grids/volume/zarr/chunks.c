@@ -1,5 +1,4 @@
 /* chunks: finds the chunks of a Zarr array in files, one for each chunk or each shard, and reads them. */
-#define _GNU_SOURCE
 #include <errno.h>
 #include <limits.h>
 #include <pthread.h>

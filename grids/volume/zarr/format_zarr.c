@@ -1,7 +1,6 @@
 /* format_zarr: reads OME-Zarr 0.4 and 0.5 and arrays of Zarr v2 and v3 and of N5 from a local
  * folder: every number type of 8 to 64 bits, both orders of memory, all codecs of codecs.h, shards.
  * Chunks are the tiles of the volume. Axes that are not of space are components. */
-#define _GNU_SOURCE
 #include <limits.h>
 #include <math.h>
 #include <stdio.h>

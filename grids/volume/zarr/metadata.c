@@ -1,5 +1,4 @@
 /* metadata: reads what describes an array: .zarray of Zarr 2, zarr.json of Zarr 3, attributes.json of N5. */
-#define _GNU_SOURCE
 #include <ctype.h>
 #include <errno.h>
 #include <math.h>

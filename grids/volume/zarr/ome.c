@@ -1,5 +1,4 @@
 /* ome: reads the metadata of a multiscale image of OME-Zarr 0.4 (.zattrs) and 0.5 (zarr.json). */
-#define _GNU_SOURCE
 #include <ctype.h>
 #include <dirent.h>
 #include <math.h>

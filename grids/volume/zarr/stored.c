@@ -1,6 +1,5 @@
 /* stored: lists which files of chunks and shards exist, by reading folders: an array may have any number of
  * chunks that do not exist, so that they cannot be asked for one by one. */
-#define _GNU_SOURCE
 #include <dirent.h>
 #include <errno.h>
 #include <limits.h>

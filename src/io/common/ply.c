@@ -1,5 +1,4 @@
 /* ply: buffered bytes, values, elements and the header of PLY files. */
-#define _GNU_SOURCE
 #include "io/common/ply.h"
 
 #include <errno.h>

@@ -1,5 +1,4 @@
 /* reading: memory, notes and attributes of a set that is being read. */
-#define _POSIX_C_SOURCE 200809L
 #include "io/common/reading.h"
 
 #include <errno.h>

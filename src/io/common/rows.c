@@ -7,7 +7,7 @@
 
 #include "base/text.h"
 
-iso_status iso_rows_load(iso_reading *reading, iso_rows *rows, iso_error *error) {
+iso_status iso_text_rows_load(iso_reading *reading, iso_text_rows *rows, iso_error *error) {
     size_t bytes;
     rows->reading = reading;
     ISO_TRY(iso_reading_load(reading, &rows->text, &bytes, error));
@@ -21,12 +21,12 @@ iso_status iso_rows_load(iso_reading *reading, iso_rows *rows, iso_error *error)
     return ISO_OK;
 }
 
-void iso_rows_free(iso_rows *rows) {
+void iso_text_rows_free(iso_text_rows *rows) {
     if (rows->text.data) iso_reading_free(rows->reading, &rows->text);
 }
 
 /* Moves behind the end of the row and returns where its text ends. */
-static char *end_row(iso_rows *rows) {
+static char *end_row(iso_text_rows *rows) {
     char *row = rows->at, *end = memchr(row, '\n', (size_t)(rows->end - row));
     rows->at = end ? end + 1 : rows->end;
     if (!end) end = rows->end;
@@ -34,14 +34,14 @@ static char *end_row(iso_rows *rows) {
     return end > row && end[-1] == '\r' ? end - 1 : end;
 }
 
-char *iso_rows_next(iso_rows *rows) {
+char *iso_text_rows_next(iso_text_rows *rows) {
     if (rows->at == rows->end) return NULL;
     char *row = rows->at;
     *end_row(rows) = 0;
     return row;
 }
 
-char *iso_rows_next_continued(iso_rows *rows) {
+char *iso_text_rows_next_continued(iso_text_rows *rows) {
     if (rows->at == rows->end) return NULL;
     char *row = rows->at, *end = end_row(rows);
     const bool comment = row[strspn(row, " \t")] == '#';
@@ -134,6 +134,6 @@ void iso_row_turn_commas(char *row) {
         if (is_decimal_comma(row, at)) *at = '.';
 }
 
-iso_status iso_rows_fail(const iso_rows *rows, const char *problem, iso_error *error) {
+iso_status iso_text_rows_fail(const iso_text_rows *rows, const char *problem, iso_error *error) {
     return iso_fail(error, ISO_ERR_FORMAT, "%s: row %zu: %s", rows->reading->path, rows->number, problem);
 }

@@ -5,26 +5,26 @@
 
 #include "io/common/reading.h"
 
-/* Zero-initialise; iso_rows_free when done. */
-typedef struct iso_rows {
+/* Zero-initialise; iso_text_rows_free when done. */
+typedef struct iso_text_rows {
     iso_reading *reading;
     iso_buffer text;
     char *at, *end;
     size_t number; /* number of the row that was read last, from 1 */
-} iso_rows;
+} iso_text_rows;
 
 /* Reads the file; a byte order mark of UTF-8 is skipped. ISO_ERR_FORMAT: the mark is that of UTF-16 or
  * UTF-32. */
-iso_status iso_rows_load(iso_reading *reading, iso_rows *rows, iso_error *error);
-void iso_rows_free(iso_rows *rows);
+iso_status iso_text_rows_load(iso_reading *reading, iso_text_rows *rows, iso_error *error);
+void iso_text_rows_free(iso_text_rows *rows);
 
 /* Returns the next row without its line end (LF or CRLF), terminated by a zero byte in place; NULL at the
  * end. */
-char *iso_rows_next(iso_rows *rows);
+char *iso_text_rows_next(iso_text_rows *rows);
 
 /* The same for formats in which a backslash at the end of a row continues it in the next one: such rows are
  * returned as one, and rows->number is the last of them. Comments, which begin with #, are not continued. */
-char *iso_rows_next_continued(iso_rows *rows);
+char *iso_text_rows_next_continued(iso_text_rows *rows);
 
 /* Parses the number at *text, after blanks, and moves *text behind it and behind one following character of
  * `separators`. Returns false without moving if there is no such number. To be called between
@@ -49,6 +49,6 @@ bool iso_row_has_decimal_commas(const char *row);
 void iso_row_turn_commas(char *row);
 
 /* Fails with ISO_ERR_FORMAT and the message "path: row N: problem". */
-iso_status iso_rows_fail(const iso_rows *rows, const char *problem, iso_error *error);
+iso_status iso_text_rows_fail(const iso_text_rows *rows, const char *problem, iso_error *error);
 
 #endif

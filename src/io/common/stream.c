@@ -1,5 +1,4 @@
 /* stream: buffered bytes of a file. */
-#define _POSIX_C_SOURCE 200809L
 #include "io/common/stream.h"
 
 #include <errno.h>

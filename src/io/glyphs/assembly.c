@@ -34,9 +34,9 @@ static void take_chains(iso_assembly *assembly, const char *names) {
     assembly->has_chains = true;
 }
 
-static iso_status begin_copy(iso_assembly *assembly, const iso_rows *rows, iso_error *error) {
+static iso_status begin_copy(iso_assembly *assembly, const iso_text_rows *rows, iso_error *error) {
     const size_t count = assembly->count;
-    if (assembly->next_row != 0) return iso_rows_fail(rows, "a BIOMT matrix is not complete", error);
+    if (assembly->next_row != 0) return iso_text_rows_fail(rows, "a BIOMT matrix is not complete", error);
     ISO_TRY(iso_reading_reserve(rows->reading, &assembly->buffer, count + 1, sizeof *assembly->copies, count,
                                 error));
     assembly->copies = assembly->buffer.data;
@@ -57,25 +57,25 @@ static int end_of_number(const char *row) {
 
 /* Reads a row such as "BIOMT2 1 m m m t". The numbers have fixed columns, and may follow each other without a
  * blank. */
-static iso_status take_matrix_row(iso_assembly *assembly, const iso_rows *rows, const char *row,
+static iso_status take_matrix_row(iso_assembly *assembly, const iso_text_rows *rows, const char *row,
                                   iso_error *error) {
     static const int columns[5] = {0, 10, 20, 30, 45};
     const int index = row[18] - '1', begin = end_of_number(row);
-    if (index < 0 || index > 2) return iso_rows_fail(rows, "not a BIOMT row", error);
+    if (index < 0 || index > 2) return iso_text_rows_fail(rows, "not a BIOMT row", error);
     if (index == 0) ISO_TRY(begin_copy(assembly, rows, error));
     if (index != assembly->next_row || assembly->count == 0)
-        return iso_rows_fail(rows, "a BIOMT matrix is not complete", error);
+        return iso_text_rows_fail(rows, "a BIOMT matrix is not complete", error);
     for (int k = 0; k < 4; k++) {
         double *to = &assembly->copies[assembly->count - 1].matrix[4 * index + k];
         if (!iso_pdb_number(row, begin + columns[k], begin + columns[k + 1], to) ||
             !(*to >= -1e9 && *to <= 1e9))
-            return iso_rows_fail(rows, "a number of a BIOMT matrix is missing", error);
+            return iso_text_rows_fail(rows, "a number of a BIOMT matrix is missing", error);
     }
     assembly->next_row = (index + 1) % 3;
     return ISO_OK;
 }
 
-iso_status iso_assembly_take(iso_assembly *assembly, const iso_rows *rows, const char *row,
+iso_status iso_assembly_take(iso_assembly *assembly, const iso_text_rows *rows, const char *row,
                              iso_error *error) {
     const char *chains = strstr(row, "CHAINS:");
     const bool matrix = strlen(row) > 18 && memcmp(row + 13, "BIOMT", 5) == 0;

@@ -25,7 +25,8 @@ typedef struct iso_assembly {
 } iso_assembly;
 
 /* Reads a row that begins with "REMARK 350". ISO_ERR_FORMAT, ISO_ERR_LIMIT, ISO_ERR_NOMEM. */
-iso_status iso_assembly_take(iso_assembly *assembly, const iso_rows *rows, const char *row, iso_error *error);
+iso_status iso_assembly_take(iso_assembly *assembly, const iso_text_rows *rows, const char *row,
+                             iso_error *error);
 void iso_assembly_free(iso_assembly *assembly, iso_reading *reading);
 
 /* Parses the number in characters from .. to - 1 of a row, which may be shorter. False: there is none. */

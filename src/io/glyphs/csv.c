@@ -2,7 +2,6 @@
  * for each point. The separator is a comma, semicolon or tab, whichever is most frequent in the first row;
  * between semicolons or tabs, numbers may have decimal commas. Values may be in double quotes. A column whose
  * first value is not a number contains words, which are numbered in order of appearance. */
-#define _POSIX_C_SOURCE 200809L
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -23,7 +22,7 @@ typedef struct dictionary {
 } dictionary;
 
 typedef struct csv {
-    iso_rows rows;
+    iso_text_rows rows;
     iso_polydata data;
     char separator;
     int columns;
@@ -69,7 +68,7 @@ static void find_words(csv *c) {
 
 static iso_status take_row(csv *c, char *row, iso_error *error) {
     if (split_row(c, row) != c->columns)
-        return iso_rows_fail(&c->rows, "not as many values as there are names", error);
+        return iso_text_rows_fail(&c->rows, "not as many values as there are names", error);
     if (c->data.point_count == 0) find_words(c);
     ISO_TRY(iso_polydata_reserve(&c->data, c->data.point_count + 1, error));
     for (int i = 0; i < c->columns; i++) c->numbers[i] = parse_cell(c, i);
@@ -96,13 +95,13 @@ static iso_status take_names(csv *c, char **row, iso_error *error) {
     if (!c->separator) c->separator = ',';
     if (!c->data.reading->opts.columns) {
         c->columns = split_row(c, *row);
-        *row = iso_rows_next(&c->rows);
+        *row = iso_text_rows_next(&c->rows);
         return iso_polydata_name_columns(&c->data, (const char *const *)c->cells, c->columns, c->slots,
                                          error);
     }
     ISO_TRY(iso_point_columns_given(&c->data, c->slots, &c->columns, error));
     char *cell = *row, separators[2] = {c->separator, 0};
-    if (!iso_row_number(&cell, separators, &number)) *row = iso_rows_next(&c->rows);
+    if (!iso_row_number(&cell, separators, &number)) *row = iso_text_rows_next(&c->rows);
     return ISO_OK;
 }
 
@@ -111,11 +110,11 @@ static bool is_empty(const char *row) {
 }
 
 static iso_status read_csv(csv *c, iso_glyphs *glyphs, iso_error *error) {
-    ISO_TRY(iso_rows_load(c->data.reading, &c->rows, error));
-    char *row = iso_rows_next(&c->rows);
+    ISO_TRY(iso_text_rows_load(c->data.reading, &c->rows, error));
+    char *row = iso_text_rows_next(&c->rows);
     if (!row) return iso_fail(error, ISO_ERR_FORMAT, "%s: the file is empty", c->rows.reading->path);
     ISO_TRY(take_names(c, &row, error));
-    for (; row; row = iso_rows_next(&c->rows))
+    for (; row; row = iso_text_rows_next(&c->rows))
         if (!is_empty(row)) ISO_TRY(take_row(c, row, error));
     note_words(c);
     iso_polydata_scale_colors(&c->data, true);
@@ -127,7 +126,7 @@ iso_status iso_glyphs_read_csv(iso_reading *reading, iso_glyphs *glyphs, iso_err
     if (!c) return iso_fail_memory(error, reading->path);
     c->data.reading = reading;
     iso_status status = read_csv(c, glyphs, error);
-    iso_rows_free(&c->rows);
+    iso_text_rows_free(&c->rows);
     iso_polydata_free(&c->data);
     iso_free(c);
     return status;

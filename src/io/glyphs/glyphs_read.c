@@ -1,5 +1,4 @@
 /* glyphs_read: finds the reader of a file of glyphs. */
-#define _POSIX_C_SOURCE 200809L
 #include "io/glyphs/glyphs_read.h"
 
 #include <stdio.h>

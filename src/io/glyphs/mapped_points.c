@@ -1,5 +1,4 @@
 /* mapped_points: finds in the header of a .ply file where the numbers of its points are, and maps them. */
-#define _POSIX_C_SOURCE 200809L
 #include "io/glyphs/mapped_points.h"
 
 #include <stdio.h>

@@ -10,7 +10,7 @@
 enum { MOST = 16 }; /* numbers of a vertex: at most 3 + 3 + 4 + 2 are used */
 
 typedef struct off {
-    iso_rows rows;
+    iso_text_rows rows;
     iso_polydata *data;
     iso_faces *faces;
     bool has_normals, has_colors, has_texture;
@@ -51,7 +51,7 @@ static iso_status read_header(off *o, iso_error *error) {
     if (*row == 0 || *row == '#') row = iso_point_rows_next(&o->rows);
     if (!row) return iso_fail(error, ISO_ERR_IO, "%s: truncated in its header", o->rows.reading->path);
     if (!parse_count(&row, &o->vertices) || !parse_count(&row, &o->face_count))
-        return iso_rows_fail(&o->rows, "not the numbers of vertices and faces", error);
+        return iso_text_rows_fail(&o->rows, "not the numbers of vertices and faces", error);
     /* a vertex takes at least six bytes, "0 0 0" and the end of its row, which the last row may lack */
     if (o->vertices <= (uint64_t)(o->rows.end - o->rows.at + 1) / 6) return ISO_OK;
     return iso_fail(error, ISO_ERR_IO, "%s: truncated: it promises %llu vertices", o->rows.reading->path,
@@ -89,7 +89,7 @@ static iso_status read_vertices(off *o, iso_error *error) {
         int count = 0;
         ISO_TRY(next_row(o, "vertices", &row, error));
         while (count < MOST && iso_row_number(&row, "", &numbers[count])) count++;
-        if (count < wanted) return iso_rows_fail(&o->rows, "not enough numbers for a vertex", error);
+        if (count < wanted) return iso_text_rows_fail(&o->rows, "not enough numbers for a vertex", error);
         iso_polydata_add_row(o->data, o->slots, numbers, o->used);
     }
     iso_polydata_scale_colors(o->data, true);
@@ -101,10 +101,10 @@ static iso_status read_vertices(off *o, iso_error *error) {
 static iso_status read_face(off *o, char *row, iso_error *error) {
     iso_face face = {0};
     uint64_t corners, corner;
-    if (!parse_count(&row, &corners)) return iso_rows_fail(&o->rows, "not a face", error);
+    if (!parse_count(&row, &corners)) return iso_text_rows_fail(&o->rows, "not a face", error);
     for (uint64_t i = 0; i < corners; i++) {
         if (!parse_count(&row, &corner) || corner >= UINT32_MAX)
-            return iso_rows_fail(&o->rows, "not as many corners as the face has", error);
+            return iso_text_rows_fail(&o->rows, "not as many corners as the face has", error);
         ISO_TRY(iso_faces_add_corner(o->data->reading, o->faces, &face, (uint32_t)corner, error));
     }
     return iso_faces_end_face(o->data->reading, o->faces, &face, error);
@@ -122,7 +122,7 @@ static iso_status read_faces(off *o, iso_error *error) {
 }
 
 static iso_status read_off(off *o, iso_error *error) {
-    ISO_TRY(iso_rows_load(o->data->reading, &o->rows, error));
+    ISO_TRY(iso_text_rows_load(o->data->reading, &o->rows, error));
     ISO_TRY(read_header(o, error));
     ISO_TRY(read_vertices(o, error));
     return read_faces(o, error);
@@ -132,7 +132,7 @@ iso_status iso_polydata_read_off(iso_polydata *data, iso_error *error) {
     iso_faces own = {0};
     off o = {.data = data, .faces = data->surface ? data->surface : &own};
     const iso_status status = read_off(&o, error);
-    iso_rows_free(&o.rows);
+    iso_text_rows_free(&o.rows);
     iso_faces_free(data->reading, &own);
     return status;
 }

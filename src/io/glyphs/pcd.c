@@ -3,7 +3,6 @@
  *
  * rgb and rgba are colours in the bits of one number, 0xAARRGGBB, whichever type it has. Fields called _ are
  * padding. The viewpoint is where the sensor was; points are in the sensor's frame, and stay there. */
-#define _GNU_SOURCE
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -33,7 +32,7 @@ typedef enum pcd_encoding { PCD_ASCII, PCD_BINARY, PCD_COMPRESSED } pcd_encoding
 typedef struct pcd {
     iso_polydata data;
     iso_stream in;
-    iso_rows rows; /* ASCII */
+    iso_text_rows rows; /* ASCII */
     char line[LINE];
     size_t header_bytes, header_rows;
     pcd_field fields[NUMBERS];
@@ -328,7 +327,7 @@ static iso_status parse_row(pcd *p, char *row, double *numbers, iso_error *error
     for (int i = 0; i < p->field_count; i++)
         for (int k = 0; k < p->fields[i].count; k++, numbers++) {
             if (!iso_row_number(&row, ",;", numbers))
-                return iso_rows_fail(&p->rows, "not as many numbers as the fields have", error);
+                return iso_text_rows_fail(&p->rows, "not as many numbers as the fields have", error);
             if (p->fields[i].packed) *numbers = bits_of(&p->fields[i], *numbers);
         }
     return ISO_OK;
@@ -336,8 +335,8 @@ static iso_status parse_row(pcd *p, char *row, double *numbers, iso_error *error
 
 /* Reads the next row with numbers. */
 static iso_status read_row(pcd *p, double *numbers, iso_error *error) {
-    char *row = iso_rows_next(&p->rows);
-    while (row && row[strspn(row, " \t")] == 0) row = iso_rows_next(&p->rows);
+    char *row = iso_text_rows_next(&p->rows);
+    while (row && row[strspn(row, " \t")] == 0) row = iso_text_rows_next(&p->rows);
     if (!row) return iso_fail(error, ISO_ERR_IO, "%s: truncated: points are missing", path_of(p));
     return parse_row(p, row, numbers, error);
 }
@@ -345,7 +344,7 @@ static iso_status read_row(pcd *p, double *numbers, iso_error *error) {
 /* Rows become records of doubles: text can be more precise than the type that the header states. */
 static iso_status read_ascii(pcd *p, iso_error *error) {
     double numbers[NUMBERS];
-    ISO_TRY(iso_rows_load(p->data.reading, &p->rows, error));
+    ISO_TRY(iso_text_rows_load(p->data.reading, &p->rows, error));
     const size_t left = p->header_bytes < (size_t)(p->rows.end - p->rows.at)
                             ? (size_t)(p->rows.end - p->rows.at) - p->header_bytes
                             : 0;
@@ -397,7 +396,7 @@ iso_status iso_glyphs_read_pcd(iso_reading *reading, iso_glyphs *glyphs, iso_err
     p->data.reading = reading;
     iso_status status = read_pcd(p, glyphs, error);
     iso_stream_close(&p->in);
-    iso_rows_free(&p->rows);
+    iso_text_rows_free(&p->rows);
     iso_polydata_free(&p->data);
     iso_free(p);
     return status;

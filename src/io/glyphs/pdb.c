@@ -52,7 +52,7 @@ enum { CHAIN, TEMPERATURE, COPY, COLUMNS };
 
 typedef struct pdb {
     iso_reading *reading;
-    iso_rows rows;
+    iso_text_rows rows;
     iso_buffer atom_buffer;
     atom *atoms;
     size_t count;
@@ -149,7 +149,7 @@ static iso_status take_atom(pdb *p, const char *row, iso_error *error) {
     atom a = {.location = padded[AT_LOCATION], .element = (uint8_t)element_of_row(padded)};
     for (int axis = 0; axis < 3; axis++)
         if (!iso_pdb_number(padded, AT_X + 8 * axis, AT_X + 8 * axis + 8, &a.position[axis]))
-            return iso_rows_fail(&p->rows, "an atom without three coordinates", error);
+            return iso_text_rows_fail(&p->rows, "an atom without three coordinates", error);
     memcpy(a.name, padded + AT_NAME, sizeof a.name);
     memcpy(a.residue, padded + AT_RESIDUE, sizeof a.residue);
     if (is_alternate(p, &a)) {
@@ -196,7 +196,7 @@ static void take_record(progress *seen, const char *row) {
 
 /* Reads up to the end of the first model. */
 static iso_status read_model(pdb *p, progress *seen, iso_error *error) {
-    for (char *row = iso_rows_next(&p->rows); row; row = iso_rows_next(&p->rows)) {
+    for (char *row = iso_text_rows_next(&p->rows); row; row = iso_text_rows_next(&p->rows)) {
         take_record(seen, row);
         if (is_atom(row)) ISO_TRY(take_atom(p, row, error));
         if (begins(row, "REMARK 350")) ISO_TRY(iso_assembly_take(&p->assembly, &p->rows, row, error));
@@ -209,7 +209,7 @@ static iso_status read_rows(pdb *p, iso_error *error) {
     progress seen = {.known = false};
     ISO_TRY(read_model(p, &seen, error));
     if (!seen.known) return iso_fail(error, ISO_ERR_FORMAT, "%s: not a .pdb file", p->reading->path);
-    for (char *row = iso_rows_next(&p->rows); row; row = iso_rows_next(&p->rows)) {
+    for (char *row = iso_text_rows_next(&p->rows); row; row = iso_text_rows_next(&p->rows)) {
         take_record(&seen, row);
         seen.further = seen.further || seen.model;
     }
@@ -340,7 +340,7 @@ static iso_status read_pdb(pdb *p, iso_glyphs *glyphs, iso_error *error) {
     stand_alone(&alone);
     p->assembly.wanted = asked > 0 ? asked : 1;
     p->reading->report->unit = ISO_WORLD_UNIT_ANGSTROM;
-    ISO_TRY(iso_rows_load(p->reading, &p->rows, error));
+    ISO_TRY(iso_text_rows_load(p->reading, &p->rows, error));
     ISO_TRY(read_rows(p, error));
     if (p->assembly.next_row != 0)
         return iso_fail(error, ISO_ERR_FORMAT, "%s: a BIOMT matrix is not complete", p->reading->path);
@@ -356,7 +356,7 @@ iso_status iso_glyphs_read_pdb(iso_reading *reading, iso_glyphs *glyphs, iso_err
     if (!p) return iso_fail_memory(error, reading->path);
     p->reading = reading;
     iso_status status = read_pdb(p, glyphs, error);
-    iso_rows_free(&p->rows);
+    iso_text_rows_free(&p->rows);
     iso_assembly_free(&p->assembly, reading);
     iso_buffer_free(&p->atom_buffer);
     iso_buffer_free(&p->positions);

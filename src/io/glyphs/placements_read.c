@@ -1,5 +1,4 @@
 /* placements_read: from the attributes of points to positions, rotations, scales and colours of instances. */
-#define _POSIX_C_SOURCE 200809L
 #include "io/glyphs/placements_read.h"
 
 #include <math.h>

@@ -16,10 +16,10 @@
 static const char separators[] = ",;";
 enum { LEAST_ROW = 6 }; /* bytes of a row: "0 0 0" and its end, which the last row may lack */
 
-char *iso_point_rows_next(iso_rows *rows) {
+char *iso_point_rows_next(iso_text_rows *rows) {
     char *row;
     do {
-        row = iso_rows_next(rows);
+        row = iso_text_rows_next(rows);
         if (row) row += strspn(row, " \t");
     } while (row && (*row == 0 || *row == '#' || strncmp(row, "//", 2) == 0));
     return row;
@@ -33,7 +33,7 @@ bool iso_point_rows_is_count(char *row, double *count) {
 /* The state of the reader. */
 typedef struct point_rows {
     iso_polydata *data;
-    iso_rows *rows;
+    iso_text_rows *rows;
     int columns; /* numbers of a row */
     bool named;
     bool decimal_commas;
@@ -85,7 +85,7 @@ static iso_status take_names(point_rows *p, char *row, int count, iso_error *err
     const char *names[ISO_POLYDATA_COLUMNS], *name;
     const char separator = count_names(row) == count ? 0 : iso_row_separator(row);
     while ((name = next_name(&row, separator))) {
-        if (p->columns == ISO_POLYDATA_COLUMNS) return iso_rows_fail(p->rows, "too many names", error);
+        if (p->columns == ISO_POLYDATA_COLUMNS) return iso_text_rows_fail(p->rows, "too many names", error);
         names[p->columns++] = *name ? name : NULL;
     }
     return iso_polydata_name_columns(p->data, names, p->columns, p->slots, error);
@@ -118,7 +118,7 @@ static iso_status begin_rows(point_rows *p, char **row, iso_error *error) {
     if (p->named) return ISO_OK;
     p->columns = parse_row(p, *row, ISO_POINT_COLUMNS_MOST + 1);
     if (p->columns < ISO_POINT_COLUMNS_LEAST || p->columns > ISO_POINT_COLUMNS_MOST)
-        return iso_rows_fail(p->rows, "not a point, which is 3 to 10 numbers", error);
+        return iso_text_rows_fail(p->rows, "not a point, which is 3 to 10 numbers", error);
     return iso_point_columns_add(p->data, p->columns, p->slots, error);
 }
 
@@ -128,10 +128,10 @@ static iso_status begin_rows(point_rows *p, char **row, iso_error *error) {
 static iso_status read_rows(point_rows *p, char *row, uint64_t most, iso_error *error) {
     for (; row; row = iso_point_rows_next(p->rows)) {
         if (parse_row(p, row, p->columns + 1) != p->columns)
-            return iso_rows_fail(p->rows,
-                                 p->named ? "not as many numbers as there are names"
-                                          : "not as many numbers as in the first row",
-                                 error);
+            return iso_text_rows_fail(p->rows,
+                                      p->named ? "not as many numbers as there are names"
+                                               : "not as many numbers as in the first row",
+                                      error);
         ISO_TRY(iso_polydata_reserve(p->data, p->data->point_count + 1, error));
         iso_polydata_add_row(p->data, p->slots, p->numbers, p->columns);
         if (p->data->point_count == most) break;
@@ -152,7 +152,7 @@ static iso_status read_uncounted(point_rows *p, char *row, iso_error *error) {
     return finish(p, error);
 }
 
-iso_status iso_point_rows_read(iso_polydata *data, iso_rows *rows, char *row, iso_error *error) {
+iso_status iso_point_rows_read(iso_polydata *data, iso_text_rows *rows, char *row, iso_error *error) {
     point_rows *p = iso_alloc_zero(1, sizeof *p);
     if (!p) return iso_fail_memory(error, rows->reading->path);
     p->data = data;
@@ -174,7 +174,7 @@ static iso_status read_normals(point_rows *p, char *row, iso_error *error) {
     for (size_t i = 0; i < count; i++, row = iso_point_rows_next(p->rows)) {
         if (!row)
             return iso_fail(error, ISO_ERR_IO, "%s: truncated: normals are missing", p->rows->reading->path);
-        if (parse_row(p, row, 4) != 3) return iso_rows_fail(p->rows, "not a normal", error);
+        if (parse_row(p, row, 4) != 3) return iso_text_rows_fail(p->rows, "not a normal", error);
         for (int k = 0; k < 3; k++) *to++ = (float)p->numbers[k];
     }
     return ISO_OK;
@@ -209,7 +209,7 @@ static iso_status read_counted(point_rows *p, double count, iso_error *error) {
 
 static iso_status read_file(point_rows *p, iso_glyphs *glyphs, iso_error *error) {
     double count;
-    ISO_TRY(iso_rows_load(p->data->reading, p->rows, error));
+    ISO_TRY(iso_text_rows_load(p->data->reading, p->rows, error));
     char *row = iso_point_rows_next(p->rows);
     if (!row) return iso_fail(error, ISO_ERR_FORMAT, "%s: the file is empty", p->rows->reading->path);
     if (iso_point_rows_is_count(row, &count))
@@ -221,13 +221,13 @@ static iso_status read_file(point_rows *p, iso_glyphs *glyphs, iso_error *error)
 
 iso_status iso_glyphs_read_rows(iso_reading *reading, iso_glyphs *glyphs, iso_error *error) {
     iso_polydata data = {.reading = reading};
-    iso_rows rows = {0};
+    iso_text_rows rows = {0};
     point_rows *p = iso_alloc_zero(1, sizeof *p);
     if (!p) return iso_fail_memory(error, reading->path);
     p->data = &data;
     p->rows = &rows;
     iso_status status = read_file(p, glyphs, error);
-    iso_rows_free(&rows);
+    iso_text_rows_free(&rows);
     iso_polydata_free(&data);
     iso_free(p);
     return status;

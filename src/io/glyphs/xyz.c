@@ -14,7 +14,7 @@
 static const char separators[] = ",;";
 
 typedef struct xyz {
-    iso_rows rows;
+    iso_text_rows rows;
     iso_polydata data;
 } xyz;
 
@@ -34,9 +34,10 @@ static iso_status take_atom(xyz *x, char *row, iso_atoms *atoms, iso_error *erro
     double p[3];
     char *word = row ? iso_row_word(&row) : NULL;
     if (!row) return iso_fail(error, ISO_ERR_IO, "%s: truncated: atoms are missing", x->rows.reading->path);
-    if (!word) return iso_rows_fail(&x->rows, "not an atom", error);
+    if (!word) return iso_text_rows_fail(&x->rows, "not an atom", error);
     for (int axis = 0; axis < 3; axis++)
-        if (!iso_row_number(&row, separators, &p[axis])) return iso_rows_fail(&x->rows, "not an atom", error);
+        if (!iso_row_number(&row, separators, &p[axis]))
+            return iso_text_rows_fail(&x->rows, "not an atom", error);
     iso_atoms_add(atoms, element_of(word), p);
     return ISO_OK;
 }
@@ -47,10 +48,10 @@ static iso_status read_molecule(xyz *x, double promised, iso_error *error) {
     if (promised > (double)(x->rows.end - x->rows.at + 1) / 8)
         return iso_fail(error, ISO_ERR_IO, "%s: truncated: it promises %.0f atoms", x->rows.reading->path,
                         promised);
-    iso_rows_next(&x->rows); /* skips the row of comment */
+    iso_text_rows_next(&x->rows); /* skips the row of comment */
     ISO_TRY(iso_atoms_begin(&x->data, (size_t)promised, &atoms, error));
     for (size_t i = 0; i < (size_t)promised; i++)
-        ISO_TRY(take_atom(x, iso_rows_next(&x->rows), &atoms, error));
+        ISO_TRY(take_atom(x, iso_text_rows_next(&x->rows), &atoms, error));
     iso_atoms_end(&atoms);
     if (iso_point_rows_next(&x->rows))
         iso_reading_note(x->data.reading, "further frames follow: only the first is read");
@@ -59,7 +60,7 @@ static iso_status read_molecule(xyz *x, double promised, iso_error *error) {
 
 static iso_status read_xyz(xyz *x, iso_glyphs *glyphs, iso_error *error) {
     double atoms;
-    ISO_TRY(iso_rows_load(x->data.reading, &x->rows, error));
+    ISO_TRY(iso_text_rows_load(x->data.reading, &x->rows, error));
     char *first = iso_point_rows_next(&x->rows);
     if (!first) return iso_fail(error, ISO_ERR_FORMAT, "%s: the file is empty", x->rows.reading->path);
     ISO_TRY(iso_point_rows_is_count(first, &atoms) ? read_molecule(x, atoms, error)
@@ -70,7 +71,7 @@ static iso_status read_xyz(xyz *x, iso_glyphs *glyphs, iso_error *error) {
 iso_status iso_glyphs_read_xyz(iso_reading *reading, iso_glyphs *glyphs, iso_error *error) {
     xyz x = {.data = {.reading = reading}};
     iso_status status = read_xyz(&x, glyphs, error);
-    iso_rows_free(&x.rows);
+    iso_text_rows_free(&x.rows);
     iso_polydata_free(&x.data);
     return status;
 }

@@ -1,5 +1,4 @@
 /* lines_read: finds the reader of a file of lines. */
-#define _GNU_SOURCE /* strcasestr */
 #include "io/lines/lines_read.h"
 
 #include <stdio.h>

@@ -26,7 +26,7 @@ typedef struct node {
 } node;
 
 typedef struct swc {
-    iso_rows rows;
+    iso_text_rows rows;
     iso_polydata data;
     iso_buffer nodes, edges, walks, families;
     int radius, type; /* columns */
@@ -45,14 +45,14 @@ static iso_status take_row(swc *s, char *row, iso_error *error) {
     const size_t at = s->data.point_count;
     for (int i = 0; i < ROW; i++)
         if (!iso_row_number(&row, ",", &numbers[i]))
-            return iso_rows_fail(&s->rows, "not the seven numbers of a node", error);
+            return iso_text_rows_fail(&s->rows, "not the seven numbers of a node", error);
     ISO_TRY(iso_reading_reserve(s->data.reading, &s->nodes, at + 1, sizeof(node), at, error));
     node *n = (node *)s->nodes.data + at;
     *n = (node){.point = (uint32_t)at, .parent_point = UINT32_MAX};
     if (!to_whole(numbers[0], &n->number) || n->number < 0)
-        return iso_rows_fail(&s->rows, "the number of a node is not possible", error);
+        return iso_text_rows_fail(&s->rows, "the number of a node is not possible", error);
     if (!to_whole(numbers[6], &n->parent))
-        return iso_rows_fail(&s->rows, "the parent of a node is not possible", error);
+        return iso_text_rows_fail(&s->rows, "the parent of a node is not possible", error);
     ISO_TRY(iso_polydata_reserve(&s->data, at + 1, error));
     ((float *)iso_polydata_column(&s->data, s->type)->values.data)[at] = (float)numbers[1];
     ((float *)iso_polydata_column(&s->data, s->radius)->values.data)[at] = (float)numbers[5];
@@ -61,10 +61,10 @@ static iso_status take_row(swc *s, char *row, iso_error *error) {
 }
 
 static iso_status read_rows(swc *s, iso_error *error) {
-    ISO_TRY(iso_rows_load(s->data.reading, &s->rows, error));
+    ISO_TRY(iso_text_rows_load(s->data.reading, &s->rows, error));
     ISO_TRY(iso_polydata_add_column(&s->data, "radius", 1, false, ISO_ROLE_RADIUS, &s->radius, error));
     ISO_TRY(iso_polydata_add_column(&s->data, "type", 1, false, ISO_ROLE_NONE, &s->type, error));
-    for (char *row = iso_rows_next(&s->rows); row; row = iso_rows_next(&s->rows)) {
+    for (char *row = iso_text_rows_next(&s->rows); row; row = iso_text_rows_next(&s->rows)) {
         while (*row == ' ' || *row == '\t') row++;
         if (*row && *row != '#') ISO_TRY(take_row(s, row, error));
     }
@@ -208,7 +208,7 @@ static iso_status read_swc(swc *s, iso_lines *lines, iso_error *error) {
 iso_status iso_lines_read_swc(iso_reading *reading, iso_lines *lines, iso_error *error) {
     swc s = {.data = {.reading = reading}};
     iso_status status = read_swc(&s, lines, error);
-    iso_rows_free(&s.rows);
+    iso_text_rows_free(&s.rows);
     iso_buffer_free(&s.nodes);
     iso_buffer_free(&s.edges);
     iso_buffer_free(&s.walks);

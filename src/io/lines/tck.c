@@ -3,7 +3,6 @@
  *
  * The header's count is not used: it is written before the lines and often wrong. Bytes after the triple of
  * infinities are ignored. A file without it was cut off: ISO_ERR_IO. */
-#define _POSIX_C_SOURCE 200809L
 #include "io/lines/lines_format.h"
 
 #include <errno.h>

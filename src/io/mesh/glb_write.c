@@ -1,4 +1,3 @@
-#define _POSIX_C_SOURCE 200809L
 /* Writes meshes as binary glTF 2.0 (.glb): a node an object, with normals, and a colour or colours of
  * vertices.
  *

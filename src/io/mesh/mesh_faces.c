@@ -1,5 +1,4 @@
 /* Looks for faces in files that may hold points or lines, too. */
-#define _POSIX_C_SOURCE 200809L
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -21,7 +21,7 @@ typedef struct iso_mesh_reading {
     FILE *file;
     const iso_ply *ply;
     iso_reading text; /* of a text file, as are the rows */
-    iso_rows rows;
+    iso_text_rows rows;
     iso_read_report report;
     double bytes; /* of the file */
 } iso_mesh_reading;

@@ -1,5 +1,4 @@
 /* mesh_read: finds the reader of a mesh, and makes the checks that all formats share. */
-#define _POSIX_C_SOURCE 200809L
 #include "io/mesh/mesh_read.h"
 
 #include <math.h>
@@ -68,7 +67,7 @@ iso_status iso_mesh_end_polygon(iso_mesh_reading *r, const iso_mesh_polygon *p, 
 
 iso_status iso_mesh_load_rows(iso_mesh_reading *r, iso_error *error) {
     r->text = iso_reading_begin(r->path, NULL, &r->report);
-    ISO_TRY(iso_rows_load(&r->text, &r->rows, error));
+    ISO_TRY(iso_text_rows_load(&r->text, &r->rows, error));
     r->bytes = (double)(r->rows.end - r->rows.at);
     return ISO_OK;
 }
@@ -111,7 +110,7 @@ iso_status iso_mesh_read(const char *path, const iso_progress *progress, iso_tri
     void *numbers = iso_decimal_point_begin();
     iso_status status = read_any(&r, error);
     iso_decimal_point_end(numbers);
-    iso_rows_free(&r.rows);
+    iso_text_rows_free(&r.rows);
     if (status == ISO_OK) status = finish_mesh(&r, error);
     iso_buffer_free(&r.fans);
     if (status != ISO_OK) {

@@ -1,4 +1,3 @@
-#define _POSIX_C_SOURCE 200809L
 /* Writes welded meshes as PLY, STL and OBJ, and chooses the writer of a format. */
 #include "io/mesh/mesh_write.h"
 

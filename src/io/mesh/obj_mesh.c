@@ -1,5 +1,4 @@
 /* Meshes in Wavefront OBJ. */
-#define _POSIX_C_SOURCE 200809L
 #include "io/mesh/mesh_format.h"
 
 #include <stdlib.h>
@@ -31,7 +30,7 @@ static iso_status read_obj_vertex(iso_mesh_reading *r, char *text, iso_error *er
 
 iso_status iso_mesh_read_obj(iso_mesh_reading *r, iso_error *error) {
     ISO_TRY(iso_mesh_load_rows(r, error));
-    for (char *row; (row = iso_rows_next_continued(&r->rows));) {
+    for (char *row; (row = iso_text_rows_next_continued(&r->rows));) {
         row += strspn(row, " \t");
         if (row[0] && row[1] != ' ' && row[1] != '\t') continue;
         if (row[0] == 'f') ISO_TRY(read_obj_face(r, row + 2, error));

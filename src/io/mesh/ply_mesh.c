@@ -1,5 +1,4 @@
 /* Meshes in PLY. */
-#define _POSIX_C_SOURCE 200809L
 #include "io/mesh/mesh_format.h"
 
 #include <string.h>

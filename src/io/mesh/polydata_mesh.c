@@ -1,5 +1,4 @@
 /* Meshes in formats of polygonal data: legacy .vtk, .vtp, .off. */
-#define _POSIX_C_SOURCE 200809L
 #include "io/mesh/mesh_format.h"
 
 #include <math.h>

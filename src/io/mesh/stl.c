@@ -1,5 +1,4 @@
 /* Meshes in STL: facets, each with three vertices of its own. */
-#define _POSIX_C_SOURCE 200809L
 #include "io/mesh/mesh_format.h"
 
 #include <errno.h>
@@ -36,7 +35,7 @@ static char *next_word(iso_mesh_reading *r, char **rest) {
     for (;;) {
         char *word = *rest ? iso_row_word(rest) : NULL;
         if (word) return word;
-        *rest = iso_rows_next(&r->rows);
+        *rest = iso_text_rows_next(&r->rows);
         if (!*rest) return NULL;
     }
 }

@@ -1,4 +1,3 @@
-#define _POSIX_C_SOURCE 200809L
 /* Writes meshes as 3MF (3D Manufacturing Format, core 1.3, with the colours of its materials extension): a
  * zip file with XML, in mm, an object each. */
 #include <stdlib.h>

@@ -8,7 +8,7 @@
 #include "io/polydata/faces.h"
 
 typedef struct obj {
-    iso_rows rows;
+    iso_text_rows rows;
     iso_polydata *data;
     iso_faces faces;
     iso_buffer normals; /* three floats each */
@@ -21,7 +21,7 @@ static iso_status take_vertex(obj *o, char *text, iso_error *error) {
     double numbers[7];
     int count = 0;
     while (count < 7 && iso_row_number(&text, "", &numbers[count])) count++;
-    if (count < 3) return iso_rows_fail(&o->rows, "not a vertex", error);
+    if (count < 3) return iso_text_rows_fail(&o->rows, "not a vertex", error);
     if (count >= 6 && o->colors < 0 && o->data->point_count == 0)
         ISO_TRY(iso_polydata_add_column(o->data, "colors", 3, false, ISO_ROLE_COLOR, &o->colors, error));
     ISO_TRY(iso_polydata_reserve(o->data, o->data->point_count + 1, error));
@@ -40,7 +40,7 @@ static iso_status take_normal(obj *o, char *text, iso_error *error) {
     ISO_TRY(iso_reading_reserve(o->data->reading, &o->normals, count + 1, 3 * sizeof(float), count, error));
     float *to = (float *)o->normals.data + 3 * o->normal_count++;
     for (int k = 0; k < 3; k++) {
-        if (!iso_row_number(&text, "", &number)) return iso_rows_fail(&o->rows, "not a normal", error);
+        if (!iso_row_number(&text, "", &number)) return iso_text_rows_fail(&o->rows, "not a normal", error);
         to[k] = (float)number;
     }
     return ISO_OK;
@@ -59,7 +59,7 @@ static iso_status take_line(obj *o, char *text, iso_error *error) {
     uint32_t corner;
     for (char *word = iso_row_word(&text); word; word = iso_row_word(&text)) {
         if (!parse_corner(o, word, &corner))
-            return iso_rows_fail(&o->rows, "a line names a point that cannot be", error);
+            return iso_text_rows_fail(&o->rows, "a line names a point that cannot be", error);
         ISO_TRY(iso_polydata_add_index(o->data, corner, error));
     }
     return iso_polydata_end_line(o->data, error);
@@ -70,7 +70,7 @@ static iso_status take_face(obj *o, char *text, iso_error *error) {
     uint32_t corner;
     for (char *word = iso_row_word(&text); word; word = iso_row_word(&text)) {
         if (!parse_corner(o, word, &corner))
-            return iso_rows_fail(&o->rows, "a face names a point that cannot be", error);
+            return iso_text_rows_fail(&o->rows, "a face names a point that cannot be", error);
         ISO_TRY(iso_faces_add_corner(o->data->reading, &o->faces, &face, corner, error));
     }
     return iso_faces_end_face(o->data->reading, &o->faces, &face, error);
@@ -92,8 +92,9 @@ static bool begins(const char *row, char element) {
 
 static iso_status read_obj(obj *o, iso_error *error) {
     const bool points = o->data->points_only, faces = iso_faces_are_wanted(o->data);
-    ISO_TRY(iso_rows_load(o->data->reading, &o->rows, error));
-    for (char *row = iso_rows_next_continued(&o->rows); row; row = iso_rows_next_continued(&o->rows)) {
+    ISO_TRY(iso_text_rows_load(o->data->reading, &o->rows, error));
+    for (char *row = iso_text_rows_next_continued(&o->rows); row;
+         row = iso_text_rows_next_continued(&o->rows)) {
         row += strspn(row, " \t");
         if (begins(row, 'v')) ISO_TRY(take_vertex(o, row + 2, error));
         if (begins(row, 'l') && !points) ISO_TRY(take_line(o, row + 2, error));
@@ -107,7 +108,7 @@ static iso_status read_obj(obj *o, iso_error *error) {
 iso_status iso_polydata_read_obj(iso_polydata *data, iso_error *error) {
     obj o = {.data = data, .colors = -1};
     iso_status status = read_obj(&o, error);
-    iso_rows_free(&o.rows);
+    iso_text_rows_free(&o.rows);
     iso_reading_free(data->reading, &o.normals);
     iso_faces_free(data->reading, &o.faces);
     return status;

@@ -1,5 +1,4 @@
 /* polydata: points and their columns while they are read. */
-#define _POSIX_C_SOURCE 200809L
 #include "io/polydata/polydata.h"
 
 #include <math.h>

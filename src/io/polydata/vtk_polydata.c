@@ -5,7 +5,6 @@
  * Up to version 4 a line is the number of its points and the points; in version 5 lines are two arrays, the
  * offsets at which they begin and end, and the points of all of them. Binary numbers are big-endian. The
  * format states no space, but 3D Slicer writes "SPACE=RAS" or "SPACE=LPS" into the title. */
-#define _GNU_SOURCE
 #include <ctype.h>
 #include <stdlib.h>
 #include <string.h>
@@ -22,7 +21,7 @@ enum { VERTICES, LINES, POLYGONS, STRIPS, KINDS };
 
 typedef struct vtk_file {
     iso_polydata *data;
-    iso_rows rows;
+    iso_text_rows rows;
     bool binary, split_cells; /* split_cells: version 5 */
     uint64_t cells[KINDS];    /* cells of each kind */
     bool has_points;
@@ -518,7 +517,7 @@ static iso_space space_of_title(const char *title) {
 static iso_status read_header(vtk_file *f, iso_error *error) {
     static const char magic[] = "# vtk DataFile Version ";
     char word[WORD];
-    const char *first = iso_rows_next(&f->rows), *title = iso_rows_next(&f->rows);
+    const char *first = iso_text_rows_next(&f->rows), *title = iso_text_rows_next(&f->rows);
     if (!first || strncmp(first, magic, sizeof magic - 1) != 0)
         return bad(f, "it does not begin with '# vtk DataFile Version'", error);
     const long version = strtol(first + sizeof magic - 1, NULL, 10);
@@ -538,7 +537,7 @@ static iso_status read_header(vtk_file *f, iso_error *error) {
 
 static iso_status read_file(vtk_file *f, iso_error *error) {
     char word[WORD];
-    ISO_TRY(iso_rows_load(f->data->reading, &f->rows, error));
+    ISO_TRY(iso_text_rows_load(f->data->reading, &f->rows, error));
     ISO_TRY(read_header(f, error));
     while (next_word(f, word)) ISO_TRY(take_keyword(f, word, error));
     return f->has_points ? ISO_OK : ends(f, error);
@@ -547,6 +546,6 @@ static iso_status read_file(vtk_file *f, iso_error *error) {
 iso_status iso_polydata_read_vtk(iso_polydata *data, iso_error *error) {
     vtk_file f = {.data = data};
     iso_status status = read_file(&f, error);
-    iso_rows_free(&f.rows);
+    iso_text_rows_free(&f.rows);
     return status;
 }

@@ -8,7 +8,6 @@
  *
  * VTK's own reader is not used, because it allocates as much memory as the counts of pieces state, and uses
  * indices without checking them. */
-#define _GNU_SOURCE
 #include <ctype.h>
 #include <stdlib.h>
 #include <string.h>

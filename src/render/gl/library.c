@@ -1,5 +1,4 @@
 /* library: loads libEGL and libOSMesa with dlopen. */
-#define _GNU_SOURCE
 #include <dlfcn.h>
 #include <limits.h>
 #include <stdio.h>

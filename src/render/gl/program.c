@@ -1,6 +1,5 @@
 /* program: the table of shader programs, how their sources are put together from files, and their
  * compilation. */
-#define _GNU_SOURCE
 #include "render/gl/program.h"
 
 #include <glad/gl.h>

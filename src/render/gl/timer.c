@@ -1,5 +1,4 @@
 /* timer: GL_TIME_ELAPSED queries, or the computer's clock for software renderers. */
-#define _GNU_SOURCE
 #include "render/gl/timer.h"
 
 #include <glad/gl.h>

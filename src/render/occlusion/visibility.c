@@ -163,8 +163,8 @@ iso_status iso_visibility_create(const iso_solid_bits *bits, const iso_direction
     v->bits = bits;
     v->directions = *directions;
     v->groups[0] = bits->columns;
-    v->groups[1] = (bits->dims[1] + ISO_GROUP_Y - 1) / ISO_GROUP_Y;
-    v->groups[2] = (bits->dims[2] + ISO_GROUP_Z - 1) / ISO_GROUP_Z;
+    v->groups[1] = (bits->dims[1] + ISO_VISIBILITY_Y - 1) / ISO_VISIBILITY_Y;
+    v->groups[2] = (bits->dims[2] + ISO_VISIBILITY_Z - 1) / ISO_VISIBILITY_Z;
     const size_t count = group_count(v);
     v->group = iso_alloc_zero(count, sizeof *v->group);
     v->wanted = iso_alloc_zero(count, sizeof *v->wanted);
@@ -203,7 +203,7 @@ size_t iso_visibility_memory(const iso_visibility *v) {
         const iso_node_group *g = v->group[i];
         if (!g) continue;
         const size_t nodes =
-            g->first[ISO_GROUP_ROWS - 1] + (size_t)__builtin_popcount(g->node[ISO_GROUP_ROWS - 1]);
+            g->first[ISO_VISIBILITY_ROWS - 1] + (size_t)__builtin_popcount(g->node[ISO_VISIBILITY_ROWS - 1]);
         bytes += sizeof *g + nodes * sizeof *g->nodes;
     }
     return bytes;
@@ -211,7 +211,7 @@ size_t iso_visibility_memory(const iso_visibility *v) {
 
 /* The groups with voxels `lo` .. `hi` along an axis. */
 static void group_range(const iso_visibility *v, int axis, int lo, int hi, int range[2]) {
-    static const int sizes[3] = {ISO_SOLID_WORD, ISO_GROUP_Y, ISO_GROUP_Z};
+    static const int sizes[3] = {ISO_SOLID_WORD, ISO_VISIBILITY_Y, ISO_VISIBILITY_Z};
     const int last = v->bits->dims[axis] - 1;
     range[0] = (lo < 0 ? 0 : lo) / sizes[axis];
     range[1] = (hi > last ? last : hi) < 0 ? -1 : (hi > last ? last : hi) / sizes[axis];
@@ -252,12 +252,12 @@ static void store_row(const iso_visibility *v, const scratch *from, int row, iso
 
 static iso_node_group *store(const iso_visibility *v, const scratch *from) {
     size_t count = 0;
-    for (int row = 0; row < ISO_GROUP_ROWS; row++) count += iso_count_bits(from->node[row]);
+    for (int row = 0; row < ISO_VISIBILITY_ROWS; row++) count += iso_count_bits(from->node[row]);
     iso_node_group *made = iso_alloc(sizeof *made + count * sizeof *made->nodes);
     if (!made) return NULL;
     uint16_t next = 0;
     memcpy(made->node, from->node, sizeof made->node);
-    for (int row = 0; row < ISO_GROUP_ROWS; row++) {
+    for (int row = 0; row < ISO_VISIBILITY_ROWS; row++) {
         made->first[row] = next;
         if (from->node[row]) store_row(v, from, row, made->nodes + next);
         next = (uint16_t)(next + iso_count_bits(from->node[row]));

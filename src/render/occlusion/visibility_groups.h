@@ -7,7 +7,11 @@
 #include "render/occlusion/visibility.h"
 
 /* Voxels of a group along y and z; along x it is a word. */
-enum { ISO_GROUP_Y = 16, ISO_GROUP_Z = 4, ISO_GROUP_ROWS = ISO_GROUP_Y * ISO_GROUP_Z };
+enum {
+    ISO_VISIBILITY_Y = 16,
+    ISO_VISIBILITY_Z = 4,
+    ISO_VISIBILITY_ROWS = ISO_VISIBILITY_Y * ISO_VISIBILITY_Z
+};
 
 /* The light at a node: with a normal n the sum of linear[i] n[i], quadratic[i] n[i]^2, and mixed[0] n[0]
  * n[1], mixed[1] n[0] n[2], mixed[2] n[1] n[2]; all times 1 / ISO_NODE_ONE. */
@@ -20,8 +24,8 @@ enum { ISO_NODE_ALL = ISO_NODE_ONE - ISO_DIRECTIONS_MAX / 8 };
 
 /* The nodes of a group, row by row: those of a row are its set bits, and lie at nodes[first]. */
 typedef struct iso_node_group {
-    uint32_t node[ISO_GROUP_ROWS];
-    uint16_t first[ISO_GROUP_ROWS];
+    uint32_t node[ISO_VISIBILITY_ROWS];
+    uint16_t first[ISO_VISIBILITY_ROWS];
     iso_node nodes[];
 } iso_node_group;
 
@@ -33,15 +37,15 @@ typedef struct iso_ray_step {
     int column, shift, y, z;
 } iso_ray_step;
 
-typedef struct iso_ray {
+typedef struct iso_visibility_ray {
     iso_ray_step *steps;
     int count;
-} iso_ray;
+} iso_visibility_ray;
 
 struct iso_visibility {
     const iso_solid_bits *bits;
     iso_directions directions;
-    iso_ray rays[ISO_DIRECTIONS_MAX];
+    iso_visibility_ray rays[ISO_DIRECTIONS_MAX];
     iso_ray_step *steps; /* of all rays */
     iso_node_terms *terms;
     int reach[3]; /* the most voxels that a ray goes along each axis */
@@ -71,8 +75,8 @@ static inline iso_found iso_visibility_node(iso_visibility *v, int x, int y, int
     if ((unsigned)x >= (unsigned)dims[0] || (unsigned)y >= (unsigned)dims[1] ||
         (unsigned)z >= (unsigned)dims[2])
         return ISO_FOUND_NONE;
-    const unsigned i = (unsigned)x / ISO_SOLID_WORD, j = (unsigned)y / ISO_GROUP_Y,
-                   k = (unsigned)z / ISO_GROUP_Z;
+    const unsigned i = (unsigned)x / ISO_SOLID_WORD, j = (unsigned)y / ISO_VISIBILITY_Y,
+                   k = (unsigned)z / ISO_VISIBILITY_Z;
     const size_t number = iso_group_number(v, (int)i, (int)j, (int)k);
     const iso_node_group *g = v->group[number];
     if (!g) {
@@ -80,7 +84,7 @@ static inline iso_found iso_visibility_node(iso_visibility *v, int x, int y, int
         atomic_store_explicit(&v->any_wanted, true, memory_order_relaxed);
         return ISO_FOUND_MISSING;
     }
-    const unsigned row = (unsigned)z % ISO_GROUP_Z * ISO_GROUP_Y + (unsigned)y % ISO_GROUP_Y,
+    const unsigned row = (unsigned)z % ISO_VISIBILITY_Z * ISO_VISIBILITY_Y + (unsigned)y % ISO_VISIBILITY_Y,
                    bit = (unsigned)x % ISO_SOLID_WORD;
     if (!(g->node[row] >> bit & 1)) return ISO_FOUND_NONE;
     *node = &g->nodes[g->first[row] + iso_count_bits(g->node[row] & ((1u << bit) - 1))];

@@ -4,7 +4,7 @@
 #include "base/simd.h"
 
 /* The voxels that a ray from voxels (32 column .., y .., z) meets, as bits. */
-ISO_INLINE vi blocked(const iso_solid_bits *bits, const iso_ray *r, int column, int y, int z) {
+ISO_INLINE vi blocked(const iso_solid_bits *bits, const iso_visibility_ray *r, int column, int y, int z) {
     vi blocked = v_seti(0);
     for (int i = 0; i < r->count; i++) {
         const iso_ray_step s = r->steps[i];
@@ -37,10 +37,10 @@ ISO_INLINE vi near(const iso_solid_bits *bits, int column, int y, int z) {
 
 /* Finds the nodes of a group, and the directions in which each is blocked. */
 void ISO_KERNEL_NAME(iso_visibility_follow)(const iso_visibility *v, const int at[3], scratch *out) {
-    const int x = at[0], z0 = at[2] * ISO_GROUP_Z, y0 = at[1] * ISO_GROUP_Y;
-    for (int z = 0; z < ISO_GROUP_Z; z++)
-        for (int y = 0; y < ISO_GROUP_Y; y += ISO_LANES) {
-            const int row = z * ISO_GROUP_Y + y;
+    const int x = at[0], z0 = at[2] * ISO_VISIBILITY_Z, y0 = at[1] * ISO_VISIBILITY_Y;
+    for (int z = 0; z < ISO_VISIBILITY_Z; z++)
+        for (int y = 0; y < ISO_VISIBILITY_Y; y += ISO_LANES) {
+            const int row = z * ISO_VISIBILITY_Y + y;
             int32_t *node = (int32_t *)out->node + row;
             if (z0 + z >= v->bits->dims[2] || y0 + y >= v->bits->dims[1]) {
                 v_storei(node, v_seti(0));

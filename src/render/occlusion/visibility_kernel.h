@@ -8,8 +8,8 @@
 
 /* What a thread finds of a group before it is stored. */
 typedef struct scratch {
-    uint32_t node[ISO_GROUP_ROWS];
-    uint32_t blocked[ISO_DIRECTIONS_MAX][ISO_GROUP_ROWS]; /* set only in rows with nodes */
+    uint32_t node[ISO_VISIBILITY_ROWS];
+    uint32_t blocked[ISO_DIRECTIONS_MAX][ISO_VISIBILITY_ROWS]; /* set only in rows with nodes */
 } scratch;
 
 typedef void follow_fn(const iso_visibility *v, const int at[3], scratch *out);

@@ -6,7 +6,7 @@
 #include "base/simd.h"
 #include "render/shading/phong_vectors.h"
 
-ISO_INLINE vf dot(const vf a[3], const vf b[3]) {
+ISO_INLINE vf v_dot3(const vf a[3], const vf b[3]) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
@@ -17,14 +17,14 @@ ISO_INLINE void phong_lights(const vf normal[3], const vf to_eye[3], vf *key_cos
                              vf *lobe) {
     const vf zero = v_set(0), one = v_set(1);
     const vf light[3] = {v_set(KEY_LIGHT[0]), v_set(KEY_LIGHT[1]), v_set(KEY_LIGHT[2])};
-    vf facing = dot(normal, to_eye);
+    vf facing = v_dot3(normal, to_eye);
     vf side = v_select(v_lt(facing, zero), v_set(-1), one);
-    vf key = v_max(side * dot(normal, light), zero), fill = v_max(-side * normal[2], zero);
+    vf key = v_max(side * v_dot3(normal, light), zero), fill = v_max(-side * normal[2], zero);
     /* the direction to the light mirrored at the normal, times the direction to the eye: (2 (n.l) n - l).v */
-    vf mirror = v_max((key + key) * v_abs(facing) - dot(light, to_eye), zero);
+    vf mirror = v_max((key + key) * v_abs(facing) - v_dot3(light, to_eye), zero);
     mirror = v_select(v_lt(zero, key), mirror, zero);
     /* the 16th power of a smaller lobe could be denormal, which is slow; 0.01^16 is invisible anyway */
-    *lobe = v_max(mirror * mirror / dot(to_eye, to_eye), v_set(0.01f));
+    *lobe = v_max(mirror * mirror / v_dot3(to_eye, to_eye), v_set(0.01f));
     *key_cosine = key;
     *fill_cosine = fill;
 }

@@ -1,6 +1,5 @@
 /* Makes stamps from meshes, as distance fields (grids/level_set.h), and writes and reads stamps as base 64
  * text (RFC 4648). */
-#define _POSIX_C_SOURCE 200809L /* open_memstream */
 #include "sculpt/brush/stamp.h"
 
 #include <math.h>

@@ -592,6 +592,35 @@ double iso_editor_cost(const iso_editor *editor) {
     return editor->cost;
 }
 
+/* Fills the window around a cell from which creases are corrected. Away from the grid's border its rows are
+ * parts of the rows of three cells. */
+static bool fill_crease_window(const iso_editor *editor, const int at[3], iso_field_window *window,
+                               iso_buffer *buffer) {
+    enum { M = ISO_CREASE_MARGIN, SIDE = ISO_CREASE_SIDE };
+    const iso_hgrid *grid = editor->transaction.grid;
+    const float *cells[3][3][3];
+    for (int axis = 0; axis < 3; axis++)
+        if (at[axis] == 0 || at[axis] == grid->cells[axis] - 1)
+            return fill_window(editor, ISO_TOOL_ADD, at, window, buffer);
+    if (iso_buffer_reserve(buffer, SIDE * SIDE * SIDE * sizeof(float), 0, NULL) != ISO_OK) return false;
+    for (int i = 0; i < 27; i++) {
+        const size_t cell =
+            iso_hgrid_cell_index(grid, at[0] + i % 3 - 1, at[1] + i / 3 % 3 - 1, at[2] + i / 9 - 1);
+        cells[i / 9][i / 3 % 3][i % 3] = iso_transaction_grid_values(&editor->transaction, grid->cell[cell]);
+    }
+    float *out = buffer->data;
+    window->values = out;
+    for (int i = 0; i < SIDE * SIDE; i++, out += SIDE) {
+        const int y = i % SIDE - M + ISO_BRICK, z = i / SIDE - M + ISO_BRICK;
+        const float *const *row = cells[z / ISO_BRICK][y / ISO_BRICK];
+        const int from = z % ISO_BRICK * ISO_BRICK_ROWS + y % ISO_BRICK * ISO_BRICK;
+        memcpy(out, row[0] + from + ISO_BRICK - M, M * sizeof *out);
+        memcpy(out + M, row[1] + from, ISO_BRICK * sizeof *out);
+        memcpy(out + M + ISO_BRICK, row[2] + from, M * sizeof *out);
+    }
+    return true;
+}
+
 static void correct_creases(void *context, size_t index, int worker) {
     iso_editor *editor = context;
     iso_transaction *transaction = &editor->transaction;
@@ -599,11 +628,14 @@ static void correct_creases(void *context, size_t index, int worker) {
     iso_worker_scratch *scratch = &transaction->workers[worker];
     enum { M = ISO_CREASE_MARGIN, SIDE = ISO_CREASE_SIDE };
     iso_field_window window = {.lo = {-M, -M, -M}, .size = {SIDE, SIDE, SIDE}};
-    scratch->failed |= !fill_window(editor, ISO_TOOL_ADD, edit_cell->at, &window, &scratch->window);
+    scratch->failed |= !fill_crease_window(editor, edit_cell->at, &window, &scratch->window);
     if (scratch->failed) return;
+    bool any;
     scratch->failed = iso_crease_correct(window.values, transaction->grid->band, &scratch->edge_points,
-                                         iso_transaction_scratch_brick(transaction, worker)) != ISO_OK;
-    if (!scratch->failed) iso_transaction_accept_scratch(transaction, index, worker);
+                                         iso_transaction_scratch_brick(transaction, worker), &any) != ISO_OK;
+    if (scratch->failed) return;
+    edit_cell->edited = any;
+    if (any) iso_transaction_accept_scratch(transaction, index, worker);
 }
 
 static iso_status finalize_cells(iso_editor *editor, iso_error *error) {

@@ -176,8 +176,8 @@ static void repeat_layer(const float *self, int face, float *out) {
     }
 }
 
-void iso_transaction_stencil(const iso_transaction *transaction, int field, size_t number, iso_border *border,
-                             iso_stencil *stencil) {
+void iso_transaction_stencil(const iso_transaction *transaction, int field, size_t number,
+                             iso_border_bricks *border, iso_stencil *stencil) {
     const iso_edit_cell *edit_cell = iso_transaction_cell(transaction, number);
     const bool grid = field == ISO_TRANSACTION_GRID;
     stencil->self =

@@ -50,13 +50,13 @@ typedef struct iso_edit_cell {
 } iso_edit_cell;
 
 /* The bricks that stand for neighbours beyond the grid's border in one stencil. */
-typedef struct iso_border {
+typedef struct iso_border_bricks {
     float face[6][ISO_BRICK_VOXELS];
-} iso_border;
+} iso_border_bricks;
 
 /* The working memory of one thread. */
 typedef struct iso_worker_scratch {
-    iso_border border[2];
+    iso_border_bricks border[2];
     iso_warp warp;
     iso_buffer window, edge_points;
     float *brick; /* for the next cell's new values; NULL: not allocated, or the last cell kept it */
@@ -132,8 +132,8 @@ float *iso_transaction_own_values(iso_transaction *transaction, size_t index);
 /* Fills the stencil of a cell's values in `field`. Neighbours that are not listed have the grid's values;
  * faces on the grid's border repeat the outermost voxels (stored in `border`, which must outlive the
  * stencil). */
-void iso_transaction_stencil(const iso_transaction *transaction, int field, size_t index, iso_border *border,
-                             iso_stencil *stencil);
+void iso_transaction_stencil(const iso_transaction *transaction, int field, size_t index,
+                             iso_border_bricks *border, iso_stencil *stencil);
 
 /* Ends the brush's part, when all cells have been edited: drops unchanged cells and, with `neighbours`, adds
  * the cells that redistancing may change. *any: whether anything changed. ISO_ERR_NOMEM. */

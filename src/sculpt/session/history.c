@@ -1,7 +1,6 @@
 /* Stores undo steps. While a step is open, the old content of its cells lies unpacked in slabs; ending the
  * step packs it. Undo and redo exchange the content of a step with that of the grid, so each step is stored
  * once. */
-#define _POSIX_C_SOURCE 200809L
 #include "sculpt/session/history.h"
 
 #include <stdio.h>

@@ -1,6 +1,5 @@
 /* Writes and reads stroke files. Lines wait in a queue, which a background thread takes and writes; after a
  * failure the thread keeps the unwritten rest. event.c makes and parses the text of a line. */
-#define _POSIX_C_SOURCE 200809L
 #include "sculpt/session/journal.h"
 
 #include <errno.h>

@@ -1,4 +1,3 @@
-#define _XOPEN_SOURCE 700
 /* The public interface: what it gives is what the modules below give, and what it is asked wrongly is an
  * error. */
 #include <math.h>

@@ -1,7 +1,6 @@
 /* What bindings to other languages need of the public interface: progress, children of fork, bytes in
  * memory, what is changed without a new surface, voxels where they are, memory given back, precision far
  * from the origin. */
-#define _GNU_SOURCE
 #include <malloc.h>
 #include <math.h>
 #include <setjmp.h>

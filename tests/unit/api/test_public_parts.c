@@ -1,4 +1,3 @@
-#define _XOPEN_SOURCE 700
 /* Pictures in parts through the public header alone: parts with just the voxels that they need, drawn in any
  * order into several keys that are merged, also by files, give the bytes of iso_render of the whole. */
 #include <math.h>

@@ -1,4 +1,3 @@
-#define _GNU_SOURCE
 /* The command line without the command: parsing, settings of isorender, output names, JSON, generated help.
  */
 #include <math.h>

@@ -1,5 +1,4 @@
 /* isosculpt's files: heavy work that is cancelled leaves nothing, and what was there stays. */
-#define _DEFAULT_SOURCE /* usleep */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,6 +1,5 @@
 /* Names of files in isosculpt: where a sculpture is saved, what the browser shows, the command that draws it;
  * and the numbers along an axis. */
-#define _XOPEN_SOURCE 700 /* mkdtemp, symlink */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,7 +1,6 @@
 /* Files that isosculpt writes beside others: what a save replaces is kept, never over a file of the user; a
  * program that is killed at any moment leaves no file that nobody wants; nothing is written through links; a
  * journal is open in one program only, whatever its names. */
-#define _DEFAULT_SOURCE /* usleep */
 #include <dirent.h>
 #include <math.h>
 #include <setjmp.h>

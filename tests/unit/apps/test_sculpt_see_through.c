@@ -1,6 +1,5 @@
 /* isosculpt's pictures of volumes with translucent surfaces and with two isovalues: at rest they are those
  * that isorender draws, to the byte, whatever was drawn before. */
-#define _DEFAULT_SOURCE /* usleep */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

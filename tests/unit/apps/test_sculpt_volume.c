@@ -1,6 +1,5 @@
 /* isosculpt's volumes while the user drags their isovalue: the levels it slides through, and the surface
  * that a thread makes meanwhile. */
-#define _DEFAULT_SOURCE /* usleep */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,5 +1,4 @@
 /* base: geometry, packed points, the thread pool, sinks. */
-#define _GNU_SOURCE
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>

@@ -1,5 +1,4 @@
 /* cgroup: memory limits read from copies of the files of SLURM, systemd and Docker. */
-#define _GNU_SOURCE
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,5 +1,4 @@
 /* Points sorted into bricks, against a comparison sort; a source that changes while it is read. */
-#define _GNU_SOURCE
 #include <math.h>
 #include <signal.h>
 #include <stdlib.h>

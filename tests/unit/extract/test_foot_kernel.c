@@ -1,6 +1,5 @@
 /* foot_kernel: every variant against the plain path, on bricks chosen to be awkward and lying between pages
  * that cannot be read; and whole sets against the same. */
-#define _GNU_SOURCE
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

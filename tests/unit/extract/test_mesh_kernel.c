@@ -1,6 +1,5 @@
 /* mesh_kernel: every instruction set gives the bytes of the plain Marching Cubes, brick by brick, from whole
  * grids and from windows, and reads nothing outside the grid. */
-#define _DEFAULT_SOURCE
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

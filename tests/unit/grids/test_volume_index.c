@@ -1,6 +1,5 @@
 /* volume_index and block_ranges: ranges of bricks become those of blocks, are kept in a file, and a file
  * that is damaged or of another volume is not used. */
-#define _GNU_SOURCE
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

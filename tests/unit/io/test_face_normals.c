@@ -1,5 +1,4 @@
 /* face_normals: meshes read as points, .ply, .off and .obj: normals of the file, or made from its faces. */
-#define _GNU_SOURCE
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,5 +1,4 @@
 /* glyphs: the readers of points with sizes and directions, and of molecules. */
-#define _GNU_SOURCE
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

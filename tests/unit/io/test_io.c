@@ -1,5 +1,4 @@
 /* io: points in PLY both ways, hostile PLY, meshes in three formats. */
-#define _GNU_SOURCE
 #include <errno.h>
 #include <fcntl.h>
 #include <locale.h>

@@ -1,6 +1,5 @@
 /* key_file: files of key images are read back, are merged in any order, and are refused when they are
  * damaged, missing, doubled or foreign. */
-#define _GNU_SOURCE
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,5 +1,4 @@
 /* line_formats: lines of legacy .vtk, .swc, .obj and .ply. */
-#define _GNU_SOURCE
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

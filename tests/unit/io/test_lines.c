@@ -1,5 +1,4 @@
 /* lines: the readers of .tck and .trk, on files that are written here and on those of other programs. */
-#define _GNU_SOURCE
 #include <locale.h>
 #include <math.h>
 #include <stdio.h>

@@ -1,5 +1,4 @@
 /* point_colors: colours of points in PLY, out and in, and places that floats would round. */
-#define _GNU_SOURCE
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,5 +1,4 @@
 /* point_formats: the readers of formats that scans come in: .pcd, .las and .npy. */
-#define _GNU_SOURCE
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>

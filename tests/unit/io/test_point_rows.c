@@ -1,5 +1,4 @@
 /* point_rows: points as rows of numbers in text, and the decision what columns without names are. */
-#define _GNU_SOURCE
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>

@@ -1,7 +1,6 @@
 /* Readers of lines and glyphs that run out of memory say so and leak nothing: calls for memory are refused
  * from a chosen one on (the linker's --wrap), over the files of the fuzzers, whose first byte is not the
  * file's. */
-#define _GNU_SOURCE
 #include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,4 +1,3 @@
-#define _GNU_SOURCE
 /* triangles: normals of meshes from files: smooth on curved surfaces, sharp at edges, whether a file shares
  * vertices or repeats them. */
 #include <math.h>

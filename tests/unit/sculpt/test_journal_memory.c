@@ -1,7 +1,6 @@
 /* A journal whose disk is full and whose memory is used up at once: no line is lost. The linker's --wrap
  * replaces write and malloc; the writing thread's first write after arming fails, and more lines are put
  * during it. */
-#define _DEFAULT_SOURCE /* usleep */
 #include <errno.h>
 #include <setjmp.h>
 #include <stdarg.h>

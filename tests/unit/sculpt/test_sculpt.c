@@ -214,7 +214,9 @@ static void ends_make_no_wrong_foot_points(void **state) {
         const double distance = hypot(fmax(x, 0), fmax(y, 0)) + fmin(fmax(x, y), 0);
         window[i] = (float)fmax(distance > 2.1 ? 3 : distance > 1.45 ? distance + 0.3 : distance, -3);
     }
-    assert_int_equal(iso_crease_correct(window, 3, &room, out), ISO_OK);
+    bool any;
+    assert_int_equal(iso_crease_correct(window, 3, &room, out, &any), ISO_OK);
+    assert_true(any);
     size_t cut = 0, held = 0, raised = 0;
     for (int i = 0; i < ISO_BRICK_VOXELS; i++) {
         const float *was = &window[((i / 256 + M) * SIDE + i / 16 % 16 + M) * SIDE + i % 16 + M];
@@ -227,6 +229,134 @@ static void ends_make_no_wrong_foot_points(void **state) {
     }
     print_message("%zu distances cut, %zu of them to %g, %zu raised\n", cut, held, (double)foot, raised);
     assert_true(cut > held && held > 0 && raised > 0);
+    iso_buffer_free(&room);
+}
+
+/* ---- creases, voxel by voxel: every edge point against every voxel, without bins */
+
+enum { WINDOW = ISO_CREASE_SIDE, WINDOW_VOXELS = WINDOW * WINDOW * WINDOW };
+static const int window_step[3] = {1, WINDOW, WINDOW *WINDOW};
+
+static bool plain_is_curved(const float *v) {
+    const float sum = (v[1] + v[-1]) + (v[window_step[1]] + v[-window_step[1]]) +
+                      (v[window_step[2]] + v[-window_step[2]]) - 6 * v[0];
+    return fabsf(sum) > 0.5f;
+}
+
+typedef struct plain_points {
+    int32_t at[3 * WINDOW_VOXELS][3];
+    bool crease[3 * WINDOW_VOXELS];
+    int count, creases;
+} plain_points;
+
+static void find_plain_points(const float *window, plain_points *points) {
+    points->count = points->creases = 0;
+    for (int i = 0; i < WINDOW_VOXELS; i++)
+        for (int axis = 0; axis < 3; axis++) {
+            const int voxel[3] = {i % WINDOW, i / WINDOW % WINDOW, i / WINDOW / WINDOW};
+            int least = voxel[0], most = voxel[0] + (axis == 0);
+            for (int k = 1; k < 3; k++) {
+                least = voxel[k] < least ? voxel[k] : least;
+                most = voxel[k] + (axis == k) > most ? voxel[k] + (axis == k) : most;
+            }
+            if (least < 1 || most > WINDOW - 2) continue;
+            const float *low = window + i, *high = low + window_step[axis];
+            if ((*low < 0) == (*high < 0)) continue;
+            int32_t *at = points->at[points->count];
+            for (int k = 0; k < 3; k++) at[k] = 1024 * (voxel[k] - 1);
+            at[axis] += (int32_t)lrint(1024 * (double)*low / ((double)*low - (double)*high));
+            const bool crease = plain_is_curved(low) || plain_is_curved(high);
+            points->crease[points->count++] = crease;
+            points->creases += crease;
+        }
+}
+
+/* The value of a voxel (counted from the window's voxel (1, 1, 1)) after correction. */
+static float plain_value(const float *window, float band, const plain_points *points, const int voxel[3]) {
+    const float *v =
+        window + (voxel[2] + 1) * window_step[2] + (voxel[1] + 1) * window_step[1] + voxel[0] + 1;
+    const float distance = fabsf(*v);
+    bool near_crease = false, beside = false;
+    if (distance < 1 || distance >= fminf(band, 4 - 0.4f)) return *v;
+    for (int k = 0; k < 6; k++) {
+        const float other = v[(k % 2 ? 1 : -1) * window_step[k / 2]];
+        if ((other < 0) != (*v < 0)) return *v;
+        beside |= fabsf(other) >= band;
+    }
+    int64_t nearest[2] = {INT64_MAX, INT64_MAX};
+    for (int i = 0; i < points->count; i++) {
+        int64_t square = 0;
+        bool around = true;
+        for (int k = 0; k < 3; k++) {
+            const int64_t d = 1024 * voxel[k] - points->at[i][k];
+            square += d * d;
+            /* the voxel at which the edge begins lies in a block of 4^3 beside the voxel's own */
+            around &= abs(points->at[i][k] / 1024 / 4 - voxel[k] / 4) <= 1;
+        }
+        near_crease |= around && points->crease[i];
+        if (square < nearest[points->crease[i]]) nearest[points->crease[i]] = square;
+    }
+    const int32_t reach = (int32_t)((distance + 0.4f) * (distance + 0.4f) * (1024 * 1024));
+    float made = distance;
+    if (!near_crease) return *v;
+    if (nearest[1] < reach && nearest[0] >= nearest[1]) {
+        const float square = (float)nearest[1] / (1024 * 1024);
+        made = fmaxf(distance, sqrtf(fmaxf(square - 0.25f, 0)));
+        made = fminf(fminf(made, sqrtf(square)), fmaxf(distance, 0.999f * band));
+    }
+    if (beside && made < 1.7320508f) made = 1.7320508f;
+    return *v < 0 ? -made : made;
+}
+
+/* Windows with slanting boxes and noise, bands of 3 and 5 voxels: every instruction set corrects each
+ * voxel as the plain search does, and leaves a window without creases alone. */
+static void creases_are_corrected_as_by_a_plain_search(void **state) {
+    (void)state;
+    enum { M = ISO_CREASE_MARGIN };
+    static plain_points points;
+    static float window[WINDOW_VOXELS], out[ISO_BRICK_VOXELS];
+    iso_buffer room = {0};
+    uint32_t seed = 5;
+    int changed = 0, without = 0;
+    for (int trial = 0; trial < 24; trial++) {
+        const float band = trial % 2 ? 5 : 3, noise = trial % 3 ? 0 : 0.05f;
+        double normal[3][3], offset[3];
+        for (int i = 0; i < 3; i++) {
+            double length = 0;
+            for (int k = 0; k < 3; k++) {
+                normal[i][k] = uniform(&seed) - 0.5;
+                length += normal[i][k] * normal[i][k];
+            }
+            for (int k = 0; k < 3; k++) normal[i][k] /= sqrt(length);
+            offset[i] = 6 * uniform(&seed) - 3 + (trial == 22 ? 100 : 0);
+        }
+        for (int i = 0; i < WINDOW_VOXELS; i++) {
+            const double p[3] = {i % WINDOW - 12.5, i / WINDOW % WINDOW - 12.5, i / WINDOW / WINDOW - 12.5};
+            double most = -100;
+            for (int k = 0; k < (trial == 23 ? 1 : 3); k++)
+                most =
+                    fmax(most, normal[k][0] * p[0] + normal[k][1] * p[1] + normal[k][2] * p[2] - offset[k]);
+            const double value = (trial & 4 ? -most : most) + noise * (uniform(&seed) - 0.5);
+            window[i] = (float)fmax(fmin(value, (double)band), -(double)band);
+        }
+        find_plain_points(window, &points);
+        without += points.creases == 0;
+        for (int level = 0; level <= (int)iso_cpu_supported(); level++) {
+            bool any;
+            iso_cpu_limit((iso_cpu_level)level);
+            assert_int_equal(iso_crease_correct(window, band, &room, out, &any), ISO_OK);
+            assert_int_equal(any, points.creases > 0);
+            for (int i = 0; any && i < ISO_BRICK_VOXELS; i++) {
+                const int voxel[3] = {i % 16 + M - 1, i / 16 % 16 + M - 1, i / 256 + M - 1};
+                const float was = iso_crease_row(window, i / 16)[i % 16];
+                assert_memory_equal(&out[i], &(float){plain_value(window, band, &points, voxel)},
+                                    sizeof *out);
+                changed += out[i] != was;
+            }
+        }
+        iso_cpu_limit(ISO_CPU_AVX512);
+    }
+    assert_true(changed > 1000 && without >= 2);
     iso_buffer_free(&room);
 }
 
@@ -530,6 +660,7 @@ int main(void) {
                                        cmocka_unit_test(ends_move_nothing),
                                        cmocka_unit_test(ends_leave_what_is_far),
                                        cmocka_unit_test(ends_make_no_wrong_foot_points),
+                                       cmocka_unit_test(creases_are_corrected_as_by_a_plain_search),
                                        cmocka_unit_test(same_bytes_for_threads_and_levels),
                                        cmocka_unit_test(signs_are_those_of_a_bit_model),
                                        cmocka_unit_test(volumes_are_known),

@@ -1,6 +1,5 @@
 /* Sessions lose nothing: undo and redo restore every bit, the journal replays to the same field, and what was
  * written survives kill -9, incomplete lines and lack of memory. */
-#define _GNU_SOURCE
 #include <setjmp.h>
 #include <signal.h>
 #include <stdarg.h>

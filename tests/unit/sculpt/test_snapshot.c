@@ -1,5 +1,4 @@
 /* Snapshots for another thread while the field changes; checkpoints, and resuming that can be cancelled. */
-#define _DEFAULT_SOURCE /* usleep */
 #include <pthread.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,6 +1,5 @@
 /* The DICOM reader with series that the test writes: every voxel is read at its position, or reading fails.
  */
-#define _GNU_SOURCE
 #include <dirent.h>
 #include <math.h>
 #include <setjmp.h>

@@ -1,6 +1,5 @@
 /* HDF5: every way of storage gives the same voxels, arrays are found by the conventions of several programs,
  * and damaged files end in one line. Files are written by libhdf5. */
-#define _GNU_SOURCE
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

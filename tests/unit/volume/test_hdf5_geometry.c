@@ -1,6 +1,5 @@
 /* HDF5: where programs say that voxels lie, and what their values are: BigDataViewer's .xml, MINC, EMD,
  * dimension scales, ITK; and files that lack most of their chunks. Files are written by libhdf5. */
-#define _GNU_SOURCE
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

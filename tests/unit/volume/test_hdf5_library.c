@@ -1,7 +1,6 @@
 /* HDF5 arrays that libhdf5 decodes: filters that only it can undo (its own and those of plugins), and types
  * that only it converts. They give the same voxels as other arrays, damaged chunks are named, and what nobody
  * can decode is refused by name. */
-#define _GNU_SOURCE
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>

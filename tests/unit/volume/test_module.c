@@ -1,5 +1,4 @@
 /* Modules are loaded when a file needs them, by any thread; a missing one is reported in one line. */
-#define _GNU_SOURCE
 #include <pthread.h>
 #include <setjmp.h>
 #include <stdarg.h>

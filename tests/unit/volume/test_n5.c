@@ -1,6 +1,5 @@
 /* N5: every compression and type gives the voxels that were written; blocks at the end are smaller, absent
  * ones are 0, damaged ones are errors that name them. */
-#define _GNU_SOURCE
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,6 +1,5 @@
 /* TIFF: every layout gives the same voxels, folders are in natural order, and metadata give distances and
  * channels. */
-#define _GNU_SOURCE /* memmem */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,5 +1,4 @@
 /* The .vdb reader with files that OpenVDB wrote, compared voxel by voxel. */
-#define _GNU_SOURCE
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

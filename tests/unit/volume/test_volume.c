@@ -1,5 +1,4 @@
 /* volume: which reader a file gets, what is checked before and after it, raw files, and the real volumes. */
-#define _DEFAULT_SOURCE
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

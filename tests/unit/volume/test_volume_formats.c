@@ -1,6 +1,5 @@
 /* Every format, encoding, type and byte order is read as it was written; files that are truncated anywhere
  * are errors; world coordinates are converted to LPS millimetres. */
-#define _POSIX_C_SOURCE 200809L
 #include <fcntl.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,5 +1,4 @@
 /* Headers with wrong or unusable numbers are errors that name the number, before memory is allocated. */
-#define _POSIX_C_SOURCE 200809L
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

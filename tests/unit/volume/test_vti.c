@@ -1,7 +1,6 @@
 /* The .vti reader with files that VTK's writer wrote, compared with VTK's reader: values that lie in the file
  * as they are (raw appended data) are read and mapped by our own code, from the place that VTK's header
  * gives. */
-#define _GNU_SOURCE
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

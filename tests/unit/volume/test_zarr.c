@@ -1,7 +1,6 @@
 /* Zarr: arrays of both versions, with every codec, order of memory, byte order and shards, give the same
  * voxels; OME-Zarr gives distances and levels; absent chunks have the fill value, damaged ones are errors
  * that name them. */
-#define _GNU_SOURCE
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
