@@ -82,6 +82,7 @@ static const char *why_opaque(const isorender_job *job) {
     if (settings->ior > 0) return "glass has one --opacity for all";
     if (isorender_light_option(settings))
         return "--shading edl, --occlusion, --shadow and --outline are of opaque surfaces";
+    if (settings->cut_count) return "--clip cuts opaque points";
     return NULL;
 }
 

@@ -125,6 +125,7 @@ typedef struct sheet {
     int count;
     isorender_same_view shared; /* the isovalue */
     isorender_legend_list *names;
+    iso_loader_shelf shelf;
     iso_picture_grid grid;
     char (*ranges)[80];
 } sheet;
@@ -363,6 +364,7 @@ static iso_status run_cells(sheet *p, const means *m, bool survey, iso_error *er
         cell *c = p->cells[i];
         const bool says = survey && (i == 0 || p->settings->panel_files.count);
         c->panel.names = p->names;
+        c->panel.shelf = &p->shelf;
         c->panel.is_survey = survey;
         c->panel.is_last = i == p->count - 1;
         c->settings.first = &p->shared;
@@ -476,6 +478,7 @@ iso_status isorender_panels_run(const isorender_settings *settings, const isoren
     if (status == ISO_OK && strcmp(plan->image, "-") != 0 && !settings->common.quiet)
         iso_program_log(isorender_program(), "%s: wrote %s: %d panels", plan->input, plan->image, p.count);
     for (int i = 0; i < p.count; i++) free_cell(p.cells[i]);
+    iso_loader_shelf_free(&p.shelf);
     free(p.ranges);
     free(p.names);
     return status;

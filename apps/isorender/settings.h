@@ -99,6 +99,7 @@ typedef struct isorender_panel {
     int range_count; /* set by a survey: the ranges of everything that is coloured by numbers; owned */
     double (*ranges)[2];
     struct isorender_legend_list *names; /* of the legend, which panels share; borrowed */
+    struct iso_loader_shelf *shelf;      /* the volume that was read last; borrowed */
     iso_image image;                     /* drawn: the picture, and what is over it; owned */
     iso_drawing drawing;
     iso_drawing legend, bars; /* of the last panel: what stands beside all panels; owned */
