@@ -11,6 +11,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/decimal_point.h"
 #include "base/file.h"
 #include "base/file_types.h"
 #include "base/memory.h"
@@ -450,8 +451,8 @@ static bool is_unitless(const iso_volume_opts *opts, const iso_volume_info *info
     return unitless;
 }
 
-static iso_status read_header(const char *path, request *r, const iso_format **format, iso_volume_info *info,
-                              iso_error *error) {
+static iso_status describe_file(const char *path, request *r, const iso_format **format,
+                                iso_volume_info *info, iso_error *error) {
     *info = (iso_volume_info){.components = 1, .scale = 1, .transform = iso_transform_identity()};
     if (r->opts.channels) *r->opts.channels = (iso_channels){0};
     if (r->opts.component_axes)
@@ -474,6 +475,15 @@ static iso_status read_header(const char *path, request *r, const iso_format **f
     r->mappable = r->place.known || is_mappable(*format);
     if (r->opts.mappable) *r->opts.mappable = r->mappable;
     return check_info(path, &r->opts, info, error);
+}
+
+/* Numbers in files have a decimal point, whatever locale the program has set. */
+static iso_status read_header(const char *path, request *r, const iso_format **format, iso_volume_info *info,
+                              iso_error *error) {
+    void *numbers = iso_decimal_point_begin();
+    const iso_status status = describe_file(path, r, format, info, error);
+    iso_decimal_point_end(numbers);
+    return status;
 }
 
 /* Makes the texts from the file printable. Readers need them unchanged until here, to find them in the file.
@@ -557,10 +567,15 @@ static iso_status read_tiled(const iso_format *format, const char *path, const i
 static iso_status read_voxels(const iso_format *format, const request *r, iso_volume *volume,
                               iso_error *error) {
     iso_volume_info *info = &volume->info;
+    void *numbers = iso_decimal_point_begin();
+    iso_status status;
     if (r->place.known)
-        return iso_format_read_place(r->path, &r->opts, info, &r->place, &volume->grid, error);
-    return format->open_tiled ? read_tiled(format, r->path, &r->opts, volume, error)
-                              : format->read(r->path, &r->opts, info, &volume->grid, error);
+        status = iso_format_read_place(r->path, &r->opts, info, &r->place, &volume->grid, error);
+    else
+        status = format->open_tiled ? read_tiled(format, r->path, &r->opts, volume, error)
+                                    : format->read(r->path, &r->opts, info, &volume->grid, error);
+    iso_decimal_point_end(numbers);
+    return status;
 }
 
 iso_status iso_volume_read(const char *path, const iso_volume_opts *opts, iso_volume *volume,

@@ -20,6 +20,7 @@
 #include "check_support.h"
 #include "extract/mesh/mesh.h"
 #include "extract/points/points.h"
+#include "grids/volume/volume.h"
 #include "io/mesh/mesh_read.h"
 #include "io/mesh/mesh_write.h"
 #include "io/points_write.h"
@@ -316,19 +317,27 @@ static void only_regular_files_are_read(void **state) {
 /* A comma as the decimal point, set by a host program, must not matter. */
 static void the_locale_does_not_matter(void **state) {
     (void)state;
-    static const char *const names[] = {"de_DE.UTF-8", "de_DE.utf8", "fr_FR.UTF-8", "da_DK.UTF-8"};
-    bool found = false;
-    for (size_t i = 0; i < 4 && !found; i++) found = setlocale(LC_NUMERIC, names[i]) != NULL;
-    if (!found) {
-        print_message("skipped: no locale with a decimal comma is installed\n");
+    static const char volume[] = "NDims = 3\nDimSize = 2 2 2\nElementSpacing = 0.5 0.25 1.75\n"
+                                 "ElementType = MET_UCHAR\nElementDataFile = LOCAL\n12345678";
+    if (system("localedef -i de_DE -f UTF-8 " ISO_TEST_TMP "/de_DE.UTF-8 2>/dev/null") != 0) {
+        print_message("skipped: no locale with a decimal comma can be made (package locales)\n");
         skip();
     }
     bytes *file = malloc(sizeof *file);
-    setlocale(LC_NUMERIC, "C");
     put_mixed_ascii(file, "\n");
-    for (size_t i = 0; i < 4; i++) setlocale(LC_NUMERIC, names[i]);
+    FILE *header = fopen(ISO_TEST_TMP "/locale.mha", "wb");
+    assert_int_equal(fwrite(volume, 1, sizeof volume - 1, header), sizeof volume - 1);
+    fclose(header);
+    assert_int_equal(setenv("LOCPATH", ISO_TEST_TMP, 1), 0);
+    assert_non_null(setlocale(LC_NUMERIC, "de_DE.UTF-8"));
+    assert_string_equal(localeconv()->decimal_point, ",");
     check_three(file);
+    iso_volume_info info;
+    assert_int_equal(iso_volume_read_info(ISO_TEST_TMP "/locale.mha", NULL, &info, NULL), ISO_OK);
+    assert_true(info.transform.spacing[0] == 0.5 && info.transform.spacing[2] == 1.75);
     setlocale(LC_NUMERIC, "C");
+    unsetenv("LOCPATH");
+    assert_int_equal(system("rm -r " ISO_TEST_TMP "/locale.mha " ISO_TEST_TMP "/de_DE.UTF-8"), 0);
     free(file);
 }
 
