@@ -139,9 +139,10 @@ typedef struct iso_volume_info {
     char file_type[32];        /* in the file, such as "int16", "double", "half" */
     int components, component; /* number of components in the file; the one that was chosen */
     iso_transform transform;
-    double scale, offset;   /* physical = stored * scale + offset */
-    bool anatomical;        /* world axes are known to be patient axes (LPS) */
-    bool unitless;          /* the file states no unit of length: what is called mm is the file's unit */
+    double scale, offset; /* physical = stored * scale + offset */
+    bool anatomical;      /* world axes are known to be patient axes (LPS) */
+    /* What is called mm is the file's unit: it states none; or the angstrom, as in maps of molecules. */
+    bool unitless, angstrom;
     bool level_set, sparse; /* a distance field, negative inside; one in a narrow band of 16^3 bricks */
     uint64_t bytes;         /* memory that the volume will take (estimated for sparse ones) */
     uint64_t read_bytes;    /* largest amount of memory in use while the file is read */
@@ -689,8 +690,8 @@ typedef struct iso_render_opts {
     /* What is cut away, to show what lies behind it, as isorender's --clip says it: "x<12" (y, z, >), a point
      * and a normal "X,Y,Z:NX,NY,NZ", "camera:30" (mm behind the nearest corner of the box around everything),
      * "box:X0,Y0,Z0,X1,Y1,Z1" or "sphere:X,Y,Z,R"; "keep:" before it keeps only that; "@2,3" behind it cuts
-     * only these surfaces, lines, glyphs and meshes (from 1, in this order). At most 16, for EXACT, MESH and
-     * RAYCAST. */
+     * only these surfaces, lines, glyphs and meshes (from 1, in this order). At most 16, for EXACT, MESH,
+     * RAYCAST and discs; of points the discs, and the centres of Gaussians. */
     const char *const *clips;
     int clip_count;
     iso_cut_cap cap;      /* how cuts are closed */

@@ -4,6 +4,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
@@ -252,8 +253,56 @@ static iso_status read_points(iso_loader *loader, iso_error *error) {
     return iso_glyphs_read(loader->path, &opts, &loader->points, error);
 }
 
-iso_status iso_loader_read(iso_loader *loader, iso_error *error) {
-    if (loader->has_points) return read_points(loader, error);
+/* ---- the shelf */
+
+void iso_loader_shelf_free(iso_loader_shelf *shelf) {
+    iso_volume_free(&shelf->volume);
+    free(shelf->path);
+    *shelf = (iso_loader_shelf){.path = NULL};
+}
+
+/* Takes the volume from the shelf if it is the loader's, and else empties the shelf. */
+static bool take_from_shelf(iso_loader *loader) {
+    iso_loader_shelf *shelf = loader->shelf;
+    if (!shelf) return false;
+    const bool same = shelf->path && strcmp(shelf->path, loader->path) == 0 &&
+                      memcmp(&shelf->options, loader->options, sizeof shelf->options) == 0 &&
+                      shelf->component == loader->component &&
+                      memcmp(shelf->crop, loader->crop, sizeof shelf->crop) == 0;
+    if (same) {
+        iso_volume_free(&loader->volume);
+        loader->volume = shelf->volume;
+        loader->nonfinite = shelf->nonfinite;
+        shelf->volume = (iso_volume){.grid = {NULL, NULL}};
+    }
+    iso_loader_shelf_free(shelf);
+    return same;
+}
+
+/* Notes that the volume, which has been read, goes to the shelf in the end. */
+static void note_shelf(iso_loader *loader) {
+    const iso_rgrid *grid = loader->volume.grid.rgrid;
+    loader->shelved = loader->shelf && grid && isnan(loader->scene_isovalue) && !loader->has_strokes &&
+                      !loader->mapped && !iso_loader_has_tiles(loader);
+    if (loader->shelved) loader->edit = iso_change_log_now(grid->log);
+}
+
+static void put_on_shelf(iso_loader *loader) {
+    iso_loader_shelf *shelf = loader->shelf;
+    const iso_rgrid *grid = loader->volume.grid.rgrid;
+    if (!loader->shelved || !grid || iso_change_log_now(grid->log) != loader->edit) return;
+    iso_loader_shelf_free(shelf);
+    *shelf = (iso_loader_shelf){.path = strdup(loader->path),
+                                .options = *loader->options,
+                                .component = loader->component,
+                                .nonfinite = loader->nonfinite};
+    if (!shelf->path) return;
+    memcpy(shelf->crop, loader->crop, sizeof shelf->crop);
+    shelf->volume = loader->volume;
+    loader->volume = (iso_volume){.grid = {NULL, NULL}};
+}
+
+static iso_status read_volume(iso_loader *loader, iso_error *error) {
     if (loader->has_strokes) {
         ISO_TRY(play_strokes(loader, error));
     } else if (isnan(loader->scene_isovalue)) {
@@ -266,6 +315,13 @@ iso_status iso_loader_read(iso_loader *loader, iso_error *error) {
     }
     ISO_TRY(iso_input_crop(loader->options, loader->crop, &loader->volume.grid, error));
     return loader->mapped ? ISO_OK : iso_loader_count_nonfinite(loader, error);
+}
+
+iso_status iso_loader_read(iso_loader *loader, iso_error *error) {
+    if (loader->has_points) return read_points(loader, error);
+    if (!take_from_shelf(loader)) ISO_TRY(read_volume(loader, error));
+    note_shelf(loader);
+    return ISO_OK;
 }
 
 bool iso_loader_has_tiles(const iso_loader *loader) {
@@ -310,7 +366,20 @@ iso_status iso_loader_histogram(iso_loader *loader, iso_error *error) {
     return loader->has_histogram ? ISO_OK : iso_loader_histogram_together(loader, &alone, error);
 }
 
+iso_status iso_loader_moments(iso_loader *loader, const iso_ranks *ranks, iso_error *error) {
+    const iso_ranks alone = {.size = 1};
+    const iso_grid *grid = &loader->volume.grid;
+    const bool tiles = iso_loader_has_tiles(loader);
+    const iso_chunk_source source = tiles ? iso_volume_source(grid->rgrid) : (iso_chunk_source){0};
+    if (loader->has_moments) return ISO_OK;
+    ISO_TRY(iso_moments_compute(grid, tiles ? &source : NULL, tiles ? iso_loader_chunk_side(loader, 0) : 0,
+                                ranks ? ranks : &alone, loader->pool, &loader->moments, error));
+    loader->has_moments = true;
+    return ISO_OK;
+}
+
 void iso_loader_close(iso_loader *loader) {
+    put_on_shelf(loader);
     iso_glyphs_free(&loader->points);
     iso_volume_free(&loader->volume);
     iso_spool_close(&loader->spool);

@@ -21,6 +21,17 @@
 #include "grids/volume/input.h"
 #include "io/glyphs/mapped_points.h"
 
+/* The volume that was read last, for the next loader: work on one file in several steps reads it once.
+ * Zero-initialise; iso_loader_shelf_free when done. */
+typedef struct iso_loader_shelf {
+    iso_volume volume; /* a dense one that nobody has edited; without a grid: there is none */
+    char *path;
+    iso_input options; /* with which it was read */
+    int component, crop[6];
+    size_t nonfinite;
+} iso_loader_shelf;
+void iso_loader_shelf_free(iso_loader_shelf *shelf);
+
 /* The caller sets the members up to progress_context, all borrowed until iso_loader_close, and zeroes the
  * others, which the functions below set. */
 typedef struct iso_loader {
@@ -38,6 +49,7 @@ typedef struct iso_loader {
     void (*progress)(void *context,
                      double fraction); /* progress of iso_loader_read, 0 .. 1; NULL: not wanted */
     void *progress_context;
+    iso_loader_shelf *shelf; /* takes the volume of a file from there and puts it back; NULL: it does not */
     /* Voxels are mapped from files if they can be (iso_volume_opts.mapped), and not counted. May be set
      * after iso_loader_open. */
     bool mapped;
@@ -61,10 +73,16 @@ typedef struct iso_loader {
     iso_glyphs points;      /* if has_points; the caller may free them when they are not needed any more */
     iso_read_report report; /* of the points */
     size_t nonfinite;       /* voxels that are NaN or infinite */
+    bool shelved;           /* the volume goes to the shelf, */
+    uint64_t edit;          /* unless its log has another last edit by then */
 
     /* after iso_loader_histogram: */
     bool has_histogram;
     iso_histogram histogram;
+
+    /* after iso_loader_moments: */
+    bool has_moments;
+    iso_moments moments;
 } iso_loader;
 
 /* Reads the header, adds the files to `files` and checks that none of them is also an output. A scene is
@@ -97,6 +115,10 @@ iso_status iso_loader_histogram(iso_loader *loader, iso_error *error);
 
 /* The same by several processes that call it together, each of which reads a share of the voxels. */
 iso_status iso_loader_histogram_together(iso_loader *loader, const iso_ranks *ranks, iso_error *error);
+
+/* Computes `moments`, unless they exist already, by several processes that call it together, or by one: NULL.
+ * ISO_ERR_EMPTY: no voxel is finite. */
+iso_status iso_loader_moments(iso_loader *loader, const iso_ranks *ranks, iso_error *error);
 
 /* Frees everything that was read, and the copy of standard input. */
 void iso_loader_close(iso_loader *loader);

@@ -10,8 +10,8 @@
 #include "apps/common/page_files.h"
 #include "base/file.h"
 #include "base/file_types.h"
+#include "base/html.h"
 #include "base/memory.h"
-#include "base/text.h"
 #include "grids/brick_index.h"
 #include "grids/kept.h"
 
@@ -37,28 +37,6 @@ iso_status iso_page_check(const char *path, iso_error *error) {
 
 static uint64_t base64_length(uint64_t bytes) {
     return (bytes + 2) / 3 * 4;
-}
-
-static void put_base64(FILE *stream, const unsigned char *bytes, size_t size) {
-    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    for (size_t i = 0; i < size; i += 3) {
-        const size_t left = size - i;
-        const unsigned value = (unsigned)bytes[i] << 16 | (left > 1 ? (unsigned)bytes[i + 1] << 8 : 0) |
-                               (left > 2 ? bytes[i + 2] : 0);
-        for (int k = 0; k < 4; k++)
-            putc(k <= (int)(left < 3 ? left : 3) ? digits[value >> (18 - 6 * k) & 63] : '=', stream);
-    }
-}
-
-/* Writes text of HTML: in an element or in quotes. */
-static void put_html(FILE *stream, const char *text) {
-    char *clean = iso_text_clean_copy(text);
-    for (const char *c = clean ? clean : ""; *c; c++)
-        if (strchr("&<>\"'", *c))
-            fprintf(stream, "&#%d;", *c);
-        else
-            putc(*c, stream);
-    free(clean);
 }
 
 /* ---- voxels */
@@ -347,18 +325,18 @@ static iso_status put_part(FILE *stream, const char *mark, size_t length, const 
                                              : NULL;
     switch (which) {
     case 0:
-        put_html(stream, p->page->name);
+        iso_html_text(stream, p->page->name);
         return ISO_OK;
     case 1:
-        put_base64(stream, p->png, p->png_size);
+        iso_html_base64(stream, p->png, p->png_size);
         return ISO_OK;
     case 2:
         return put_facts(stream, p->page, p->voxels, error);
     case 3:
-        put_base64(stream, p->engine->bytes, p->engine->size);
+        iso_html_base64(stream, p->engine->bytes, p->engine->size);
         return ISO_OK;
     case 4:
-        put_base64(stream, p->voxels->bytes, p->voxels->size);
+        iso_html_base64(stream, p->voxels->bytes, p->voxels->size);
         return ISO_OK;
     default:
         fwrite(file->bytes, 1, file->size, stream);

@@ -6,7 +6,7 @@
 
 #include "apps/isocompare/report.h"
 #include "base/cpu.h"
-#include "base/text.h"
+#include "base/html.h"
 
 /* ---- texts ---- */
 
@@ -79,23 +79,6 @@ static void put_lines(FILE *stream, const char *const *lines) {
     for (; *lines; lines++) fprintf(stream, "%s\n", *lines);
 }
 
-void isocompare_put_text(FILE *stream, const char *raw) {
-    char *clean = iso_text_clean_copy(raw);
-    for (const char *text = clean ? clean : "?"; *text; text++) {
-        if (*text == '&')
-            fputs("&amp;", stream);
-        else if (*text == '<')
-            fputs("&lt;", stream);
-        else if (*text == '>')
-            fputs("&gt;", stream);
-        else if (*text == '"')
-            fputs("&quot;", stream);
-        else
-            fputc(*text, stream);
-    }
-    free(clean);
-}
-
 static const char *zoom_title(int zoom) {
     return zoom == 1 ? "Fit" : zoom == 4 ? "4 times" : "16 times";
 }
@@ -119,21 +102,6 @@ static double psnr_in(const report_cell *cell) {
 
 /* ---- pictures ---- */
 
-void isocompare_put_base64(FILE *stream, const report_picture *picture) {
-    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    for (size_t i = 0; i < picture->size; i += 3) {
-        size_t left = picture->size - i;
-        unsigned long bits = (unsigned long)picture->bytes[i] << 16;
-        if (left > 1) bits |= (unsigned long)picture->bytes[i + 1] << 8;
-        if (left > 2) bits |= picture->bytes[i + 2];
-        char four[4];
-        for (int k = 0; k < 4; k++) four[k] = digits[bits >> (18 - 6 * k) & 63];
-        if (left < 3) four[3] = '=';
-        if (left < 2) four[2] = '=';
-        fwrite(four, 1, 4, stream);
-    }
-}
-
 static void put_image(FILE *stream, const report_picture *picture, const char *kind, const char *method,
                       const char *alt) {
     fprintf(stream, "<img class=\"%s\" loading=lazy ", kind);
@@ -142,7 +110,7 @@ static void put_image(FILE *stream, const report_picture *picture, const char *k
     else
         fprintf(stream, "data-method=\"%s\" ", method);
     fprintf(stream, "alt=\"%s\" src=\"data:image/png;base64,", alt);
-    isocompare_put_base64(stream, picture);
+    iso_html_base64(stream, picture->bytes, picture->size);
     fputs("\">", stream);
 }
 
@@ -405,7 +373,7 @@ static void put_head(const report *r, FILE *stream) {
     fputs("<!doctype html>\n<html lang=en><head><meta charset=utf-8>\n"
           "<meta name=viewport content=\"width=device-width,initial-scale=1\">\n<title>",
           stream);
-    isocompare_put_text(stream, r->model);
+    iso_html_text(stream, r->model);
     fputs(": methods against the truth</title>\n<style>\n", stream);
     put_lines(stream, STYLE);
     iso_rgb back = r->settings->background;
@@ -417,7 +385,7 @@ static void put_head(const report *r, FILE *stream) {
 static void put_facts(const report *r, FILE *stream) {
     const iso_volume_info *info = &r->loader.volume.info;
     fputs("<h1>", stream);
-    isocompare_put_text(stream, r->model);
+    iso_html_text(stream, r->model);
     fprintf(
         stream,
         "</h1>\n<p class=soft>Every way to draw one isosurface, against rays through the trilinear field "
@@ -460,19 +428,19 @@ static void put_run(const report *r, FILE *stream) {
     fprintf(stream,
             "<h2>What was run, and on what</h2>\n<dl><dt>program</dt><dd>%s %s</dd><dt>volume</dt><dd>",
             isocompare_program()->name, isocompare_program()->version);
-    isocompare_put_text(stream, r->loader.input);
+    iso_html_text(stream, r->loader.input);
     fprintf(stream, " (%s, spacing %.6g × %.6g × %.6g mm)</dd>", info->format, info->transform.spacing[0],
             info->transform.spacing[1], info->transform.spacing[2]);
     for (int i = 0; i < info->note_count; i++) {
         fputs("<dt>note</dt><dd>", stream);
-        isocompare_put_text(stream, info->notes[i]);
+        iso_html_text(stream, info->notes[i]);
         fputs("</dd>", stream);
     }
     fputs("<dt>command</dt><dd><code>isocompare report ", stream);
-    isocompare_put_text(stream, r->model);
-    isocompare_put_text(stream, r->settings->common.record);
+    iso_html_text(stream, r->model);
+    iso_html_text(stream, r->settings->common.record);
     fputs("</code></dd><dt>processor</dt><dd>", stream);
-    isocompare_put_text(stream, r->processor);
+    iso_html_text(stream, r->processor);
     fprintf(stream, ", %s, %d thread%s</dd><dt>memory</dt><dd>", iso_cpu_level_name(iso_cpu_best()),
             iso_pool_threads(r->pool), iso_pool_threads(r->pool) > 1 ? "s" : "");
     isocompare_put_amount(stream, (double)r->peak, "B");

@@ -6,13 +6,16 @@
 #include "apps/common/settings.h"
 #include "base/parallel.h"
 #include "compare/metrics.h"
+#include "compare/surfaces.h"
+#include "image/image.h"
 
 enum { ISOCOMPARE_BOUNDS = 32 };
 
 typedef enum isocompare_command {
     ISOCOMPARE_IMAGES,
     ISOCOMPARE_REPORT,
-    ISOCOMPARE_SURFACES
+    ISOCOMPARE_SURFACES,
+    ISOCOMPARE_SHEET
 } isocompare_command;
 
 /* A limit of --fail-under: METRIC=VALUE. */
@@ -25,10 +28,11 @@ typedef struct isocompare_bound {
 typedef struct isocompare_settings {
     iso_common_settings common; /* first */
     isocompare_command command;
-    const char *volume, *output; /* for the command report; of surfaces the page */
-    double isovalue;             /* for the commands report and surfaces, physical; NaN: not given */
+    const char *volume, *output; /* for the command report; of surfaces and sheet the page */
+    double isovalue;             /* for the commands but images, physical; NaN: not given */
+    int jobs;                    /* processes of sheet; 0: one for each processor */
     int side;
-    const char *truth, *candidate; /* for the commands images and surfaces */
+    const char *truth, *candidate; /* for the commands but report; of sheet folders */
     const char *truth_aov, *candidate_aov;
     const char *difference;
     iso_rgb background;
@@ -37,7 +41,7 @@ typedef struct isocompare_settings {
     int bound_count;
     const char *of_images, *of_report; /* the last option given that belongs only to images, and only to
                                           report; NULL: none */
-    const char *not_of_surfaces;       /* the last option given that surfaces do not have */
+    const char *not_of_surfaces;       /* the last option given that surfaces and sheet do not have */
 } isocompare_settings;
 
 const iso_program *isocompare_program(void);
@@ -62,6 +66,15 @@ iso_status isocompare_images(const isocompare_settings *settings, iso_pool *pool
 
 /* surfaces.c: compares two surfaces, prints or writes distances, areas and volumes, and writes a page. */
 iso_status isocompare_surfaces(const isocompare_settings *settings, iso_pool *pool, iso_error *error);
+
+/* The same of one pair for a sheet: the first surface, coloured by its distance from the second (an image of
+ * `side` pixels, the caller's: iso_image_free), and the distances. */
+iso_status isocompare_pair(const isocompare_settings *settings, iso_pool *pool, iso_image *image,
+                           iso_surfaces_compared *result, iso_error *error);
+
+/* sheet.c: compares the files of two folders, pair by pair, on one sheet. *code: the exit status of the first
+ * pair that failed, or 0. */
+iso_status isocompare_sheet(const isocompare_settings *settings, int *code, iso_error *error);
 
 /* report.c: draws a volume by every method and writes report.html and report.json, both or neither. */
 iso_status isocompare_report(const isocompare_settings *settings, iso_pool *pool, iso_error *error);

@@ -13,9 +13,9 @@ enum group { IMAGES, REPORT, INPUT, RUNNING };
 static const char *const groups[] = {"images: two pictures", "report: a volume", "report: reading the volume",
                                      "Running", NULL};
 
-static const char *const usage[] = {"images [options] TRUTH CANDIDATE",
-                                    "surfaces [options] A[:ISOVALUE] B[:ISOVALUE] [--output PAGE.html]",
-                                    "report [options] VOLUME [--output DIR]", NULL};
+static const char *const usage[] = {
+    "images [options] TRUTH CANDIDATE", "surfaces [options] A[:ISOVALUE] B[:ISOVALUE] [--output PAGE.html]",
+    "sheet [options] A/ B/ --output PAGE.html", "report [options] VOLUME [--output DIR]", NULL};
 
 /* ---- values that are not plain numbers ---- */
 
@@ -92,16 +92,18 @@ static const iso_option options[] = {
     {"output", "o", "DIR",
      "folder for report.html and report.json; made when it is not there. Of surfaces a page, .html, with "
      "both "
-     "coloured by distance",
+     "coloured by distance; of a sheet a .html or a picture",
      .group = REPORT, .standard = "the volume's name with -report, in the current folder; of surfaces none",
      TEXT(output), .flags = ISO_OPTION_UNRECORDED},
     {"isovalue", "isosurface iso-value", "V",
      "value of the surface, or of both surfaces, in the file's physical units (of a level set: mm)",
      .group = REPORT, .standard = "as isorender chooses it", CALL(apply_isovalue)},
     {"side", NULL, "N", "pixels a side of its pictures, a multiple of 32", .group = REPORT,
-     .standard = "1024", INT(side, 64, 4096)},
+     .standard = "1024, of a sheet 320", INT(side, 64, 4096)},
 #include "apps/common/input_options.inc"
 
+    {"jobs", "j", "N", "pairs of a sheet that are compared at a time, each by a process", .group = RUNNING,
+     .standard = "one a processor", INT(jobs, 1, 1024), UNRECORDED},
     {"threads", NULL, "N", "threads to use; what comes out does not depend on it", .group = RUNNING,
      .standard = "one a processor", INT(common.threads, 1, 1024), UNRECORDED},
 #include "apps/common/running_options.inc"
@@ -136,6 +138,7 @@ static const char *const exit_text[] = {"0  done",
                                         "5  over the memory limit, or out of memory",
                                         "6  the surface is empty",
                                         "7  an output could not be written",
+                                        "Of a sheet: that of the first pair that failed, which is red on it.",
                                         NULL};
 
 static const char *const example_text[] = {
@@ -144,6 +147,7 @@ static const char *const example_text[] = {
     "isocompare images truth.png points.png --aov-a truth.exr --aov-b points.exr --json=errors.json",
     "isocompare images truth.exr points.exr",
     "isocompare surfaces before.nrrd:300 after.nrrd:300 --output change.html",
+    "isocompare sheet before/ after/ --isovalue 300 -o changes.html",
     NULL};
 
 static const iso_section sections[] = {
@@ -211,21 +215,39 @@ static iso_status take_surfaces(isocompare_settings *settings, const iso_operand
     return ISO_OK;
 }
 
+static iso_status take_sheet(isocompare_settings *settings, const iso_operands *operands, iso_error *error) {
+    if (operands->count != 3)
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "sheet takes two folders, whose files are paired by their names");
+    if (!settings->output)
+        return iso_fail(error, ISO_ERR_USAGE, "sheet: needs a name: -o OUT.html or OUT.png");
+    settings->command = ISOCOMPARE_SHEET;
+    settings->truth = operands->values[1];
+    settings->candidate = operands->values[2];
+    return ISO_OK;
+}
+
 static iso_status take_operands(isocompare_settings *settings, const iso_operands *operands,
                                 iso_error *error) {
     if (operands->count == 0) return iso_fail(error, ISO_ERR_USAGE, "no command (see --help)");
     const char *command = operands->values[0];
     if (strcmp(command, "images") == 0) return take_images(settings, operands, error);
+    if (settings->jobs && strcmp(command, "sheet") != 0)
+        return iso_fail(error, ISO_ERR_USAGE, "--jobs does not belong to %s", command);
     if (strcmp(command, "report") == 0) return take_report(settings, operands, error);
+    if (strcmp(command, "sheet") == 0) return take_sheet(settings, operands, error);
     if (strcmp(command, "surfaces") == 0) return take_surfaces(settings, operands, error);
-    return iso_fail(error, ISO_ERR_USAGE,
-                    "there is no command '%s': 'images TRUTH CANDIDATE', 'surfaces A B' or 'report VOLUME'",
-                    command);
+    return iso_fail(
+        error, ISO_ERR_USAGE,
+        "there is no command '%s': 'images TRUTH CANDIDATE', 'surfaces A B', 'sheet A/ B/' or 'report "
+        "VOLUME'",
+        command);
 }
 
 static iso_status check_command(const isocompare_settings *settings, iso_error *error) {
-    static const char *const names[] = {"images", "report", "surfaces"};
-    const char *const strays[] = {settings->of_report, settings->of_images, settings->not_of_surfaces};
+    static const char *const names[] = {"images", "report", "surfaces", "sheet"};
+    const char *const strays[] = {settings->of_report, settings->of_images, settings->not_of_surfaces,
+                                  settings->not_of_surfaces};
     const char *stray = strays[settings->command];
     if (!stray) return ISO_OK;
     return iso_fail(error, ISO_ERR_USAGE, "--%s does not belong to %s", stray, names[settings->command]);
@@ -234,6 +256,7 @@ static iso_status check_command(const isocompare_settings *settings, iso_error *
 iso_status isocompare_settings_parse(int argc, char *const *argv, isocompare_settings *settings,
                                      iso_operands *operands, iso_error *error) {
     *settings = (isocompare_settings){.background = {255, 255, 255}, .isovalue = NAN, .side = 1024};
+    if (argc > 1 && strcmp(argv[1], "sheet") == 0) settings->side = 320;
     ISO_TRY(iso_options_parse(isocompare_program(), argc, argv, settings, operands, error));
     if (settings->common.action) return ISO_OK;
     ISO_TRY(take_operands(settings, operands, error));

@@ -94,12 +94,6 @@ void isocompare_plot_bars(const report *r, const report_plot *plot, FILE *stream
 void isocompare_plot_scatter(const report *r, FILE *stream);
 const char *isocompare_method_color(int method); /* colour of a method, by its number in the report */
 
-/* Writes a PNG into HTML, behind data:image/png;base64, */
-void isocompare_put_base64(FILE *stream, const report_picture *picture);
-
-/* Writes text into HTML, with & < > and quotes escaped. */
-void isocompare_put_text(FILE *stream, const char *text);
-
 /* Writes a time with three digits, and a number with three digits and a metric prefix: 1234567 as "1.23 M",
  * or with a unit as "1.23 MB". */
 void isocompare_put_milliseconds(FILE *stream, double seconds);

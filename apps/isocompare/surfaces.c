@@ -8,6 +8,7 @@
 #include "apps/isocompare/report.h"
 #include "base/file.h"
 #include "base/file_types.h"
+#include "base/html.h"
 #include "base/memory.h"
 #include "base/parse.h"
 #include "compare/surfaces.h"
@@ -131,7 +132,7 @@ static iso_status read_sides(comparison *c, iso_error *error) {
 
 /* ---- pictures */
 
-static iso_status prepare_picture(comparison *c, side *s, const side *other, double most, iso_error *error) {
+static iso_status prepare_picture(side *s, const side *other, double most, iso_error *error) {
     s->coloring = (iso_coloring){.source = ISO_COLOR_BY_DISTANCE,
                                  .distance = other->distance,
                                  .bar = {.map = ISO_COLORMAP_COOLWARM,
@@ -142,12 +143,12 @@ static iso_status prepare_picture(comparison *c, side *s, const side *other, dou
     s->surface.coloring = s->object.coloring = &s->coloring;
     s->object.translucency.opacity = 1;
     s->object.color = iso_shading_palette(0);
-    (void)c;
     return s->is_mesh ? iso_triangle_spans_make(&s->mesh, &s->object.spans, error)
                       : iso_scene_surface_prepare(&s->surface, ISO_PART_CELLS, error);
 }
 
-static iso_status draw(comparison *c, side *s, int view, const iso_camera *camera, iso_error *error) {
+static iso_status paint(const comparison *c, side *s, const iso_camera *camera, iso_image *image,
+                        iso_error *error) {
     const iso_rgb color = iso_shading_palette(0);
     const iso_layered_surface surface = {&s->surface, {.opacity = 1}};
     iso_scene_object *const objects[1] = {&s->object};
@@ -156,7 +157,6 @@ static iso_status draw(comparison *c, side *s, int view, const iso_camera *camer
                        .count = !s->is_mesh,
                        .objects = objects,
                        .object_count = s->is_mesh};
-    iso_image image = {0};
     const int pixels = c->settings->side;
     iso_picture_opts opts = {
         .camera = camera,
@@ -170,30 +170,44 @@ static iso_status draw(comparison *c, side *s, int view, const iso_camera *camer
                                        .color_bar_count = 1,
                                        .orientation_marker = true,
                                        .dark = iso_is_dark(c->settings->background, false)};
+    ISO_TRY(iso_image_create(pixels, pixels, image, error));
+    ISO_TRY(iso_scene_render(&scene, &opts, image, NULL, error));
+    return iso_annotate(image, &annotation, error);
+}
+
+static iso_status draw(const comparison *c, side *s, int view, const iso_camera *camera, iso_error *error) {
     const iso_png_opts png = {.small = true, .pool = c->pool};
-    iso_status status = iso_image_create(pixels, pixels, &image, error);
-    if (status == ISO_OK) status = iso_scene_render(&scene, &opts, &image, NULL, error);
-    if (status == ISO_OK) status = iso_annotate(&image, &annotation, error);
+    iso_image image = {0};
+    iso_status status = paint(c, s, camera, &image, error);
     if (status == ISO_OK)
         status = iso_png_encode(&image, &png, &s->pictures[view].bytes, &s->pictures[view].size, error);
     iso_image_free(&image);
     return status;
 }
 
-static iso_status draw_all(comparison *c, iso_error *error) {
+/* The camera of a view of both. */
+static iso_status look(const comparison *c, int view, iso_camera *camera, iso_error *error) {
     static const iso_direction directions[VIEWS] = {ISO_FRONT, ISO_BACK};
-    const double most = c->result.p95 > 0 ? c->result.p95 : fmax(c->result.hausdorff, 1e-6);
+    const iso_fit_opts fit = {.direction = directions[view], .elevation = 15, .azimuth = -25};
     iso_box box = iso_box_empty();
     for (int i = 0; i < 2; i++)
         for (size_t k = 0; k < c->sides[i].mesh.vertex_count; k++) {
             const float *v = c->sides[i].mesh.vertices[k];
             iso_box_add(&box, iso_vec3_make((double)v[0], (double)v[1], (double)v[2]));
         }
-    for (int i = 0; i < 2; i++) ISO_TRY(prepare_picture(c, &c->sides[i], &c->sides[1 - i], most, error));
+    return iso_camera_of_box(&box, c->settings->side, c->settings->side, &fit, camera, error);
+}
+
+/* The largest distance that has a colour of its own. */
+static double most(const comparison *c) {
+    return c->result.p95 > 0 ? c->result.p95 : fmax(c->result.hausdorff, 1e-6);
+}
+
+static iso_status draw_all(comparison *c, iso_error *error) {
+    for (int i = 0; i < 2; i++) ISO_TRY(prepare_picture(&c->sides[i], &c->sides[1 - i], most(c), error));
     for (int view = 0; view < VIEWS; view++) {
-        const iso_fit_opts fit = {.direction = directions[view], .elevation = 15, .azimuth = -25};
         iso_camera camera;
-        ISO_TRY(iso_camera_of_box(&box, c->settings->side, c->settings->side, &fit, &camera, error));
+        ISO_TRY(look(c, view, &camera, error));
         for (int i = 0; i < 2; i++) ISO_TRY(draw(c, &c->sides[i], view, &camera, error));
     }
     return ISO_OK;
@@ -283,7 +297,7 @@ static void put_page(const comparison *c, FILE *stream) {
           stream);
     for (int i = 0; i < 2; i++) {
         fputs("<li>", stream);
-        isocompare_put_text(stream, c->sides[i].path);
+        iso_html_text(stream, c->sides[i].path);
         if (!c->sides[i].is_mesh) fprintf(stream, ", isovalue %.10g", c->sides[i].isovalue);
         fputs("</li>", stream);
     }
@@ -300,7 +314,7 @@ static void put_page(const comparison *c, FILE *stream) {
     for (int view = 0; view < VIEWS; view++)
         for (int i = 0; i < 2; i++) {
             fprintf(stream, "<figure><img alt=\"%c %s\" src=\"data:image/png;base64,", 'A' + i, views[view]);
-            isocompare_put_base64(stream, &c->sides[i].pictures[view]);
+            iso_html_base64(stream, c->sides[i].pictures[view].bytes, c->sides[i].pictures[view].size);
             fprintf(stream, "\"><figcaption>%c %s</figcaption></figure>\n", 'A' + i, views[view]);
         }
 }
@@ -314,12 +328,16 @@ static iso_status write_page(comparison *c, iso_error *error) {
     return iso_sink_commit(&sink, error);
 }
 
-static iso_status compare(comparison *c, iso_error *error) {
+static iso_status measure(comparison *c, iso_error *error) {
     ISO_TRY(read_sides(c, error));
     const iso_compared_surface surfaces[2] = {
         {&c->sides[0].mesh, c->sides[0].distance, !c->sides[0].is_mesh},
         {&c->sides[1].mesh, c->sides[1].distance, !c->sides[1].is_mesh}};
-    ISO_TRY(iso_compare_surfaces(surfaces, c->pool, &c->result, error));
+    return iso_compare_surfaces(surfaces, c->pool, &c->result, error);
+}
+
+static iso_status compare(comparison *c, iso_error *error) {
+    ISO_TRY(measure(c, error));
     ISO_TRY(write_page(c, error));
     const bool to_stdout = c->settings->common.json && !c->settings->common.json_path;
     if (!c->settings->common.quiet && !to_stdout) print_table(c);
@@ -328,12 +346,7 @@ static iso_status compare(comparison *c, iso_error *error) {
     return status;
 }
 
-iso_status isocompare_surfaces(const isocompare_settings *settings, iso_pool *pool, iso_error *error) {
-    comparison *c = calloc(1, sizeof *c);
-    if (!c) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
-    c->settings = settings;
-    c->pool = pool;
-    const iso_status status = compare(c, error);
+static void free_comparison(comparison *c) {
     for (int i = 0; i < 2; i++) {
         side *s = &c->sides[i];
         iso_scene_surface_free(&s->surface);
@@ -351,5 +364,33 @@ iso_status isocompare_surfaces(const isocompare_settings *settings, iso_pool *po
     }
     iso_file_set_free(&c->files);
     free(c);
+}
+
+static comparison *make_comparison(const isocompare_settings *settings, iso_pool *pool, iso_error *error) {
+    comparison *c = calloc(1, sizeof *c);
+    if (!c) iso_fail(error, ISO_ERR_NOMEM, "out of memory");
+    if (c) c->settings = settings, c->pool = pool;
+    return c;
+}
+
+iso_status isocompare_surfaces(const isocompare_settings *settings, iso_pool *pool, iso_error *error) {
+    comparison *c = make_comparison(settings, pool, error);
+    if (!c) return ISO_ERR_NOMEM;
+    const iso_status status = compare(c, error);
+    free_comparison(c);
+    return status;
+}
+
+iso_status isocompare_pair(const isocompare_settings *settings, iso_pool *pool, iso_image *image,
+                           iso_surfaces_compared *result, iso_error *error) {
+    comparison *c = make_comparison(settings, pool, error);
+    iso_camera camera;
+    if (!c) return ISO_ERR_NOMEM;
+    iso_status status = measure(c, error);
+    if (status == ISO_OK) status = prepare_picture(&c->sides[0], &c->sides[1], most(c), error);
+    if (status == ISO_OK) status = look(c, 0, &camera, error);
+    if (status == ISO_OK) status = paint(c, &c->sides[0], &camera, image, error);
+    *result = c->result;
+    free_comparison(c);
     return status;
 }

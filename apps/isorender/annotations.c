@@ -249,7 +249,7 @@ static iso_status make_inset(isorender_job *job, int frame, isorender_enlarged *
     iso_image large = {0};
     const int left = inset->part[0] * inset->factor, top = inset->part[1] * inset->factor,
               width = inset->place[2] - inset->place[0], height = inset->place[3] - inset->place[1];
-    iso_status status = enlarge(job, frame, inset->factor, &large, error);
+    iso_status status = enlarge(job, frame, inset->factor, (int[2]){top, top + height}, &large, error);
     if (status == ISO_OK) status = iso_image_create(width, height, inset->picture, error);
     for (int y = 0; status == ISO_OK && y < height; y++)
         memcpy(inset->picture->rgba + 4 * (size_t)y * (size_t)width,

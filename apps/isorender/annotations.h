@@ -35,10 +35,10 @@ typedef struct isorender_legend_list {
 enum { ISORENDER_BARS = ISORENDER_OBJECTS + 1 + ISORENDER_COLORINGS };
 int isorender_color_bars(const struct isorender_job *job, iso_color_bar bars[ISORENDER_BARS]);
 
-/* Draws the picture of `factor` times as many pixels on each side, without annotations, into `image`,
- * which is created. */
-typedef iso_status isorender_enlarged(struct isorender_job *job, int frame, int factor, iso_image *image,
-                                      iso_error *error);
+/* Draws rows rows[0] .. rows[1] - 1 of the picture of `factor` times as many pixels on each side, without
+ * annotations, into `image`, which is created. */
+typedef iso_status isorender_enlarged(struct isorender_job *job, int frame, int factor, const int rows[2],
+                                      iso_image *image, iso_error *error);
 
 /* Adds what is drawn over a frame. enlarge: draws what an inset shows. ISO_ERR_USAGE: --legend names another
  * number of things than there are; ISO_ERR_NOMEM. */

@@ -33,13 +33,19 @@ static double value_for(const double *values, int count, int i, double standard)
     return count ? values[i < count ? i : count - 1] : standard;
 }
 
+static isorender_isovalue isovalue_for(const isorender_settings *settings, int i) {
+    const int count = settings->isovalue_count, at = i < count ? i : count - 1;
+    return count ? (isorender_isovalue){settings->isovalues[at], settings->isovalue_sigmas[at]}
+                 : (isorender_isovalue){NAN, false};
+}
+
 static void make_volume(isorender_settings *settings, int i) {
-    settings->volumes[settings->volume_count++] = (isorender_volume_settings){
-        .channel = settings->channels[i],
-        .isovalue = value_for(settings->isovalues, settings->isovalue_count, i, NAN),
-        .colored = i < settings->color_count,
-        .color = settings->colors[i],
-        .opacity = value_for(settings->opacities, settings->opacity_count, i, 1)};
+    settings->volumes[settings->volume_count++] =
+        (isorender_volume_settings){.channel = settings->channels[i],
+                                    .isovalue = isovalue_for(settings, i),
+                                    .colored = i < settings->color_count,
+                                    .color = settings->colors[i],
+                                    .opacity = value_for(settings->opacities, settings->opacity_count, i, 1)};
 }
 
 static int at_most_one(int count) {

@@ -205,7 +205,9 @@ static iso_status count_together(isorender_job *job, iso_error *error) {
     const iso_ranks *ranks = &job->settings->ranks;
     iso_loader *loader = &job->loader;
     int32_t missing = !loader->has_histogram;
-    if (!ranks->mpi || job->settings->isovalue_count) return ISO_OK;
+    if (!ranks->mpi) return ISO_OK;
+    if (job->settings->isovalue_count)
+        return job->settings->isovalue_sigmas[0] ? iso_loader_moments(loader, ranks, error) : ISO_OK;
     ISO_TRY(iso_ranks_most(ranks, &missing, 1, error));
     if (!missing) return ISO_OK;
     return iso_loader_histogram_together(loader, ranks, error);

@@ -82,6 +82,7 @@ static const char *why_opaque(const isorender_job *job) {
     if (settings->ior > 0) return "glass has one --opacity for all";
     if (isorender_light_option(settings))
         return "--shading edl, --occlusion, --shadow and --outline are of opaque surfaces";
+    if (settings->cut_count) return "--clip cuts opaque points";
     return NULL;
 }
 
@@ -184,7 +185,9 @@ static iso_world_unit unit_of_objects(const isorender_job *job) {
 }
 
 iso_world_unit isorender_volume_unit(const iso_volume_info *info) {
-    return info->unitless ? ISO_WORLD_UNIT_NONE : ISO_WORLD_UNIT_MILLIMETRE;
+    return info->angstrom   ? ISO_WORLD_UNIT_ANGSTROM
+           : info->unitless ? ISO_WORLD_UNIT_NONE
+                            : ISO_WORLD_UNIT_MILLIMETRE;
 }
 
 iso_world_unit isorender_unit(const isorender_job *job) {

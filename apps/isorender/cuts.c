@@ -56,9 +56,10 @@ static iso_status check_caps(const isorender_settings *settings, iso_error *erro
 iso_status isorender_cuts_check(const isorender_settings *settings, iso_error *error) {
     ISO_TRY(check_caps(settings, error));
     if (!settings->cut_count) return ISO_OK;
-    if (settings->gaussians || !isorender_method_can(settings, ISO_CAN_CLIP))
+    const bool cloud = settings->object_options.has_cloud; /* isorender_cuts_check_points */
+    if (!cloud && !settings->gaussians && !isorender_method_can(settings, ISO_CAN_CLIP))
         return iso_fail(error, ISO_ERR_USAGE, "--method %s draws no cuts: %s do (--clip)",
-                        settings->gaussians ? "gaussians" : iso_method_name((iso_method)settings->method),
+                        iso_method_name((iso_method)settings->method),
                         iso_methods_that_can(ISO_CAN_CLIP, (char[ISO_METHODS_TEXT]){0}));
     const char *unfit = settings->ior > 0                 ? "--ior"
                         : settings->absorption_length > 0 ? "--absorption"
@@ -66,6 +67,19 @@ iso_status isorender_cuts_check(const isorender_settings *settings, iso_error *e
                                                           : NULL;
     if (unfit) return iso_fail(error, ISO_ERR_USAGE, "--clip cannot be combined with %s", unfit);
     return ISO_OK;
+}
+
+iso_status isorender_cuts_check_points(const isorender_job *job, iso_error *error) {
+    if (!job->settings->cut_count || !job->loader.has_points) return ISO_OK;
+    const char *unfit = job->gaussians                            ? NULL
+                        : !(job->renderer->can & ISO_CAN_CLIP)    ? job->renderer->title
+                        : isorender_is_translucent(job->settings) ? "translucent discs"
+                                                                  : NULL;
+    if (!unfit) return ISO_OK;
+    return iso_fail(
+        error, ISO_ERR_USAGE,
+        "--clip cuts no %s: opaque discs (--method discs), Gaussians and --glyphs of the file are cut",
+        unfit);
 }
 
 /* The number of things that cuts can name. */

@@ -13,6 +13,9 @@ iso_status isorender_apply_slice(void *settings, const char *value, iso_error *e
 /* ISO_ERR_USAGE: the method, or another option, does not go with --clip. */
 iso_status isorender_cuts_check(const isorender_settings *settings, iso_error *error);
 
+/* The same of an input of points, when its renderer is known. */
+iso_status isorender_cuts_check_points(const struct isorender_job *job, iso_error *error);
+
 /* Whether caps or slices are drawn. */
 bool isorender_has_caps(const isorender_settings *settings);
 /* What they are. Borrows `solids`, which is filled. */

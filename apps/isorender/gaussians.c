@@ -45,7 +45,8 @@ iso_gaussians isorender_gaussians_of(const isorender_job *job) {
                            .opacities = opacity_of(glyphs)->values,
                            .colors = (const uint8_t(*)[3])glyphs->colors,
                            .color = job->surfaces[0].color,
-                           .count = glyphs->count};
+                           .count = glyphs->count,
+                           .clip = job->surfaces[0].scene.clip};
 }
 
 /* ---- reports ---- */

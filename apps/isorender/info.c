@@ -77,8 +77,10 @@ static void print_header(const isorender_job *job, const iso_loader *loader) {
     print_lengths("origin", info->transform.origin, &lengths, info->anatomical ? " (LPS)" : "");
     for (int row = 0; row < 3; row++)
         print_numbers(row ? "" : "direction", &info->transform.direction[3 * row], "");
-    print_matrix(&info->transform, info->unitless ? iso_length_unit_name(&lengths) : "mm");
-    if (info->unitless)
+    print_matrix(&info->transform, lengths.world == ISO_WORLD_UNIT_NONE
+                                       ? iso_length_unit_name(&lengths)
+                                       : iso_world_unit_suffix(lengths.world) + 1);
+    if (lengths.world == ISO_WORLD_UNIT_NONE)
         printf("  %-11s the file states none%s\n", "unit",
                job->settings->unit == ISO_UNIT_AUTO ? ": --unit says what its lengths are in" : "");
     print_memory(job, info);

@@ -6,6 +6,7 @@
 
 #include "apps/isorender/chunks.h"
 #include "apps/isorender/colorings.h"
+#include "apps/isorender/cuts.h"
 #include "apps/isorender/resolution_level.h"
 #include "apps/isorender/segmentation.h"
 #include "base/memory.h"
@@ -152,7 +153,8 @@ iso_status isorender_open(isorender_job *job, iso_error *error) {
                            .pool = job->pool,
                            .wants_histogram = job->settings->info || !job->settings->isovalue_count,
                            .progress = report_reading,
-                           .progress_context = job};
+                           .progress_context = job,
+                           .shelf = job->settings->panel ? job->settings->panel->shelf : NULL};
     if (!job->settings->no_input) ISO_TRY(iso_loader_open(loader, error));
     ISO_TRY(isorender_volumes_open(job, error));
     ISO_TRY(isorender_segmentation_open(job, error));
@@ -160,6 +162,7 @@ iso_status isorender_open(isorender_job *job, iso_error *error) {
     job->has_volume = !loader->has_points && !job->settings->no_input;
     ISO_TRY(isorender_gaussians_choose(job, error));
     choose_method(job);
+    ISO_TRY(isorender_cuts_check_points(job, error));
     ISO_TRY(isorender_instances_check(job, error));
     ISO_TRY(check_columns(job, error));
     ISO_TRY(isorender_chunks_choose(job, error));

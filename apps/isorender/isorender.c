@@ -10,6 +10,8 @@
 #include "apps/isorender/panels.h"
 #include "apps/isorender/scene_file.h"
 #include "apps/isorender/series.h"
+#include "apps/isorender/sheet.h"
+#include "apps/isorender/watch.h"
 #include "base/file_types.h"
 #include "base/memory.h"
 
@@ -93,26 +95,6 @@ static int render_each(const isorender_settings *given, const isorender_plan *pl
     return worst;
 }
 
-/* What glass reflects and refracts; NULL without glass. */
-static iso_status open_environment(const isorender_settings *settings, iso_pool *pool,
-                                   iso_environment **environment, iso_error *error) {
-    int size[2];
-    if (!(settings->ior > 0)) return ISO_OK;
-    if (settings->environment)
-        ISO_TRY(iso_environment_read(settings->environment,
-                                     iso_memory_limit(settings->common.input.max_memory), pool, environment,
-                                     error));
-    else
-        ISO_TRY(iso_environment_studio(environment, error));
-    iso_environment_set_up(*environment, settings->up);
-    iso_environment_size(*environment, size);
-    if (size[0] != 2 * size[1] && !settings->common.quiet)
-        fprintf(stderr,
-                "%s: note: %s: %dx%d pixels, not twice as wide as high: stretched over all directions\n",
-                isorender_program()->name, settings->environment, size[0], size[1]);
-    return ISO_OK;
-}
-
 static iso_status render_inputs(const isorender_settings *settings, int *code, iso_error *error) {
     isorender_plan *plans = NULL;
     iso_pool *pool = NULL;
@@ -127,7 +109,7 @@ static iso_status render_inputs(const isorender_settings *settings, int *code, i
     if (status == ISO_OK && draws_any(settings, plans))
         status = isorender_backend_open(settings, &backend, error);
     if (status == ISO_OK && draws_any(settings, plans))
-        status = open_environment(settings, pool, &environment, error);
+        status = isorender_environment_open(settings, pool, &environment, error);
     status = iso_ranks_agree(&settings->ranks, status, error);
     if (status == ISO_OK) *code = render_each(settings, plans, pool, &backend, environment);
     iso_environment_destroy(environment);
@@ -162,6 +144,7 @@ static iso_status perform(isorender_settings *settings, int *code, iso_error *er
     if (settings->common.action == ISORENDER_ACTION_LIST_BACKENDS) return list_backends(settings, error);
     if (settings->common.action == ISORENDER_ACTION_SCHEMA) return isorender_scene_print_schema(error);
     if (settings->merge) return isorender_merge(settings, error);
+    if (settings->sheet.is_given) return isorender_sheet(settings, code, error);
     return render_with_ranks(settings, code, error);
 }
 
@@ -169,7 +152,8 @@ static iso_status perform(isorender_settings *settings, int *code, iso_error *er
  * be. Returns the status of all ranks. */
 static iso_status join_ranks(isorender_settings *settings, iso_status parsed, iso_error *error) {
     iso_error reason = {0};
-    if (parsed == ISO_OK && (settings->common.action || settings->merge)) return ISO_OK;
+    if (parsed == ISO_OK && (settings->common.action || settings->merge || settings->sheet.is_given))
+        return ISO_OK;
     const iso_status started = isorender_ranks_start(&settings->ranks, &reason);
     if (started == ISO_OK) return iso_ranks_agree(&settings->ranks, parsed, error);
     if (parsed == ISO_OK) *error = reason;
@@ -204,11 +188,14 @@ static int run_command(int argc, char **argv, const char *path) {
     settings.argc = argc;
     settings.argv = argv;
     status = join_ranks(&settings, status, &error);
+    if (status == ISO_OK && settings.sheet.watch && !settings.common.action)
+        status = isorender_watch(&settings, &error);
     if (status == ISO_OK) status = perform(&settings, &code, &error);
     if (status != ISO_OK) code = say(&error, status);
     isorender_ranks_finish(&settings.ranks);
     isorender_keyframes_free(&settings);
     isorender_series_free(&settings);
+    isorender_bids_free(&settings.sheet.bids);
     free(operands.values);
     free(picture);
     return iso_program_finish(isorender_program(), code);

@@ -122,6 +122,10 @@ iso_status isorender_run(const isorender_settings *settings, const isorender_pla
                          const isorender_backend *backend, const iso_environment *environment,
                          iso_error *error);
 
+/* Opens what glass reflects and refracts; NULL without glass. Errors: iso_environment_read. */
+iso_status isorender_environment_open(const isorender_settings *settings, iso_pool *pool,
+                                      iso_environment **environment, iso_error *error);
+
 /* ---- object_branches.c */
 
 /* Adds what else a mesh in --lines has become: an object of ribbons, and one of triangles. Says what stays

@@ -134,8 +134,10 @@ static iso_status complete(keyframe *key, isorender_settings *base, iso_error *e
             return fail_at(base, key->frame, "isovalue",
                            "only numbers, of the input's surfaces, change in time", error);
         for (int i = 0; i < s->isovalue_count; i++)
-            if (isnan(s->isovalues[i]))
-                return fail_at(base, key->frame, "isovalue", "auto is no number", error);
+            if (isnan(s->isovalues[i]) || s->isovalue_sigmas[i] ||
+                (base->isovalue_count && base->isovalue_sigmas[i]))
+                return fail_at(base, key->frame, "isovalue", "auto and sigmas are no numbers that change",
+                               error);
         if (!base->isovalue_count) /* that of the first picture */
             memcpy(base->isovalues, s->isovalues, sizeof s->isovalues),
                 base->isovalue_count = s->isovalue_count;

@@ -30,12 +30,6 @@ void isorender_ranks_finish(iso_ranks *ranks) {
 
 /* ---- what must be the same on all ranks */
 
-uint64_t isorender_hash(uint64_t hash, const void *bytes, size_t count) {
-    const unsigned char *byte = bytes;
-    for (size_t i = 0; i < count; i++) hash = (hash ^ byte[i]) * 0x100000001b3u;
-    return hash;
-}
-
 /* Options that each rank may be given in its own way. Of the outputs those of rank 0 are written. */
 static bool may_differ(const char *option) {
     static const char *const names[] = {"threads",  "max-memory", "no-index", "quiet",
@@ -52,7 +46,7 @@ iso_status isorender_ranks_check_settings(const isorender_settings *settings, is
     int first, count = options + 2;
     for (int i = 0; i < options; i++)
         numbers[i] = may_differ(program->options[i].name) ? 0 : settings->given[i];
-    numbers[options] = isorender_hash(0, program->version, strlen(program->version));
+    numbers[options] = iso_hash(0, program->version, strlen(program->version));
     numbers[options + 1] = (uint64_t)settings->input_count;
     ISO_TRY(iso_ranks_compare(&settings->ranks, numbers, count, &first, error));
     if (first == count) return ISO_OK;
@@ -76,9 +70,9 @@ iso_status isorender_ranks_limit_memory(isorender_settings *settings, iso_error 
 }
 
 static uint64_t hash_transform(uint64_t hash, const iso_transform *transform) {
-    hash = isorender_hash(hash, transform->spacing, sizeof transform->spacing);
-    hash = isorender_hash(hash, transform->origin, sizeof transform->origin);
-    return isorender_hash(hash, transform->direction, sizeof transform->direction);
+    hash = iso_hash(hash, transform->spacing, sizeof transform->spacing);
+    hash = iso_hash(hash, transform->origin, sizeof transform->origin);
+    return iso_hash(hash, transform->direction, sizeof transform->direction);
 }
 
 iso_status isorender_ranks_check_volume(const isorender_job *job, iso_error *error) {
@@ -90,12 +84,12 @@ iso_status isorender_ranks_check_volume(const isorender_job *job, iso_error *err
     uint64_t numbers[NUMBERS] = {[CHUNKS] = (uint64_t)loader->chunk_side};
     int first;
     if (!job->settings->ranks.mpi) return ISO_OK;
-    numbers[SIZE] = isorender_hash(0, grid->dims, sizeof grid->dims);
-    numbers[SIZE] = isorender_hash(numbers[SIZE], loader->crop, sizeof loader->crop);
+    numbers[SIZE] = iso_hash(0, grid->dims, sizeof grid->dims);
+    numbers[SIZE] = iso_hash(numbers[SIZE], loader->crop, sizeof loader->crop);
     const double scale[] = {(double)grid->type, grid->scale, grid->offset};
-    numbers[VOXELS] = isorender_hash(0, scale, sizeof scale);
+    numbers[VOXELS] = iso_hash(0, scale, sizeof scale);
     numbers[TRANSFORM] = hash_transform(0, &grid->transform);
-    numbers[CONTENT] = is_scene ? isorender_hash(0, job->plan->input, strlen(job->plan->input))
+    numbers[CONTENT] = is_scene ? iso_hash(0, job->plan->input, strlen(job->plan->input))
                                 : iso_file_set_content(job->plan->files);
     ISO_TRY(iso_ranks_compare(&job->settings->ranks, numbers, NUMBERS, &first, error));
     if (first == NUMBERS) return ISO_OK;
@@ -109,9 +103,9 @@ iso_status isorender_ranks_check_volume(const isorender_job *job, iso_error *err
 
 iso_status isorender_ranks_check_surface(const isorender_job *job, const iso_box *index, iso_error *error) {
     const isorender_surface *surface = &job->surfaces[0];
-    uint64_t numbers[] = {isorender_hash(0, &surface->scene.isovalue, sizeof surface->scene.isovalue),
-                          job->cell_count + job->point_count, isorender_hash(0, index, sizeof *index),
-                          isorender_hash(0, &surface->bounds, sizeof surface->bounds)};
+    uint64_t numbers[] = {iso_hash(0, &surface->scene.isovalue, sizeof surface->scene.isovalue),
+                          job->cell_count + job->point_count, iso_hash(0, index, sizeof *index),
+                          iso_hash(0, &surface->bounds, sizeof surface->bounds)};
     enum { NUMBERS = sizeof numbers / sizeof *numbers };
     int first;
     ISO_TRY(iso_ranks_compare(&job->settings->ranks, numbers, NUMBERS, &first, error));

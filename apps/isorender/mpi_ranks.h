@@ -13,9 +13,6 @@
 iso_status isorender_ranks_start(iso_ranks *ranks, iso_error *error);
 void isorender_ranks_finish(iso_ranks *ranks);
 
-/* Goes on with the hash of some bytes (Fowler, Noll and Vo's FNV-1a); begin with any number. */
-uint64_t isorender_hash(uint64_t hash, const void *bytes, size_t count);
-
 /* Compares the command lines of all ranks. ISO_ERR_USAGE: an option that the picture or the division of the
  * work depends on differs, and the first such option is named. */
 iso_status isorender_ranks_check_settings(const isorender_settings *settings, iso_error *error);

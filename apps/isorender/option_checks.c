@@ -20,6 +20,7 @@
 #include "apps/isorender/panels.h"
 #include "apps/isorender/segmentation.h"
 #include "apps/isorender/series.h"
+#include "apps/isorender/sheet.h"
 #include "base/text.h"
 #include "image/image_file.h"
 #include "image/video.h"
@@ -393,8 +394,10 @@ static iso_status check_surfaces(isorender_settings *settings, iso_error *error)
                         iso_primitive_name(primitive));
     for (int i = 0; i < surfaces; i++)
         for (int j = 0; j < i; j++)
-            if (settings->isovalues[i] == settings->isovalues[j])
-                return iso_fail(error, ISO_ERR_USAGE, "isovalue %g is given twice", settings->isovalues[i]);
+            if (settings->isovalues[i] == settings->isovalues[j] &&
+                settings->isovalue_sigmas[i] == settings->isovalue_sigmas[j])
+                return iso_fail(error, ISO_ERR_USAGE, "isovalue %g%s is given twice", settings->isovalues[i],
+                                settings->isovalue_sigmas[i] ? "sigma" : "");
     return ISO_OK;
 }
 
@@ -682,6 +685,10 @@ static iso_status check_keyframes(isorender_settings *settings, iso_error *error
 iso_status isorender_settings_check(isorender_settings *settings, const iso_operands *operands,
                                     iso_error *error) {
     if (settings->merge) return check_merge(settings, operands, error);
+    if (settings->sheet.is_given) return isorender_sheet_check(settings, operands, error);
+    if (settings->sheet.jobs || settings->sheet.measure)
+        return iso_fail(error, ISO_ERR_USAGE, "--%s is for sheets: isorender sheet IN ... -o OUT.html",
+                        settings->sheet.jobs ? "jobs" : "measure");
     ISO_TRY(iso_input_check(&settings->common.input, error));
     ISO_TRY(isorender_channels_take(settings, error));
     ISO_TRY(isorender_volumes_resolve(&settings->volume_options, settings->volumes + settings->volume_count,

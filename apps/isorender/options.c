@@ -8,8 +8,8 @@
 #include "apps/isorender/colorings.h"
 #include "apps/isorender/cuts.h"
 #include "apps/isorender/looks.h"
-#include "apps/isorender/mpi_ranks.h"
 #include "apps/isorender/option_checks.h"
+#include "base/file_identity.h"
 #include "base/text.h"
 #include "image/image.h"
 #include "io/key_file.h"
@@ -27,10 +27,13 @@ static const char *const groups[] = {
     "Input",  "Surface", "Points",  "Lines, glyphs and meshes",          "Picture",
     "Camera", "Output",  "Running", "Papers: variants, to compare with", NULL};
 
-static const char *const usage[] = {
-    "[options] IN [OUT.png | OUT.html]",       "[options] --output TEMPLATE IN ...",
-    "[options] --scene NAME[:SIZE] [OUT.png]", "[options] --lines FILE [--glyphs FILE ...] [OUT.png]",
-    "merge PART.isokeys ... -o OUT.png",       NULL};
+static const char *const usage[] = {"[options] IN [OUT.png | OUT.html]",
+                                    "[options] --output TEMPLATE IN ...",
+                                    "[options] --scene NAME[:SIZE] [OUT.png]",
+                                    "[options] --lines FILE [--glyphs FILE ...] [OUT.png]",
+                                    "merge PART.isokeys ... -o OUT.png",
+                                    "sheet [options] IN ... -o OUT.html",
+                                    NULL};
 
 /* The reconstructions of a method have an option of their own. The names come from the table of renderers. */
 enum { METHODS = ISO_METHOD_FAMILIES };
@@ -57,12 +60,14 @@ static const char *const primitives[] = {"auto", "edge", "foot", "foot-iterated"
 
 static iso_status add_isovalue(void *target, const char *value, iso_error *error) {
     isorender_settings *settings = target;
-    double isovalue = NAN;
-    if (strcmp(value, "auto") != 0 && !iso_parse_real(value, &isovalue))
-        return iso_fail(error, ISO_ERR_USAGE, "'%s' is neither a number nor 'auto'", value);
+    isorender_isovalue isovalue;
+    if (!isorender_parse_isovalue(value, &isovalue))
+        return iso_fail(error, ISO_ERR_USAGE, "'%s' is neither a number, such as 40 or 3sigma, nor 'auto'",
+                        value);
     if (settings->isovalue_count == ISORENDER_SURFACES)
         return iso_fail(error, ISO_ERR_USAGE, "more than %d isovalues", ISORENDER_SURFACES);
-    settings->isovalues[settings->isovalue_count++] = isovalue;
+    settings->isovalue_sigmas[settings->isovalue_count] = isovalue.sigma;
+    settings->isovalues[settings->isovalue_count++] = isovalue.value;
     return ISO_OK;
 }
 
@@ -300,9 +305,9 @@ static const iso_option options[] = {
     {"isovalue", "isosurface iso-value", "V",
      "value of the surface, in the file's physical units (of a level set: mm from its surface, above 0 "
      "outside); "
+     "3sigma: 3 standard deviations above the mean of all finite voxels, as levels of maps are stated; "
      "several, separated by commas, give several surfaces; auto: 0 for level sets, else Otsu's threshold of "
-     "the "
-     "histogram",
+     "the histogram",
      .group = SURFACE, .standard = "auto", CALL(apply_isovalue), .flags = ISO_OPTION_REPEATABLE},
     {"color", "colour", "COLOR",
      "colour of the surface: RRGGBB in hexadecimal or a name of CSS such as ivory; several, separated by "
@@ -539,6 +544,7 @@ static const iso_option options[] = {
      .group = PICTURE, .standard = "FFFFFF", CALL(apply_background)},
     {"no-background", NULL, NULL, "the same as --background none", .group = PICTURE, FLAG(transparent)},
 #include "apps/isorender/figure_options.inc"
+#include "apps/isorender/sheet_options.inc"
     {"turntable", NULL, "N",
      "N pictures around the surface with one fixed framing: OUT_000.png, OUT_001.png, ..., or a video",
      .group = PICTURE, INT(turntable, 1, 100000)},
@@ -575,8 +581,8 @@ static const iso_option options[] = {
      "--mm-per-pixel, which sets the scale, what is in the middle of the picture",
      .group = CAMERA,
      .standard = "tight; box with --camera-focal-point, --same-view, --part, --chunk-size or "
-                 "mpirun, of volumes larger than memory, of Gaussians and of points some of which lie far "
-                 "from the others",
+                 "mpirun, in a sheet, of volumes larger than memory, of Gaussians and of points some of "
+                 "which lie far from the others",
      CHOICE(fit, fits)},
     {"same-view", NULL, NULL,
      "all inputs get the isovalue and the camera of the first one that is drawn, so that their pictures can "
@@ -713,6 +719,7 @@ static const char *const example_text[] = {
     "isorender protein.pdb --samples 4",
     "isorender large.nrrd --isovalue 9 --part 3/16 -o 3.isokeys    # and 1 to 16, then:",
     "isorender merge *.isokeys -o large.png",
+    "isorender sheet subjects/*/t1.nii.gz -o qc.html --measure volume",
     NULL};
 
 static const iso_section sections[] = {
@@ -728,7 +735,7 @@ _Static_assert(sizeof options / sizeof *options <= ISORENDER_MOST_OPTIONS, "isor
 static void note_option(void *target, const iso_option *option, const char *value) {
     isorender_settings *settings = target;
     uint64_t *hash = &settings->given[option - options];
-    *hash = isorender_hash(*hash + 1, value ? value : "", value ? strlen(value) : 0);
+    *hash = iso_hash(*hash + 1, value ? value : "", value ? strlen(value) : 0);
     iso_settings_record_option(settings, option, value);
     if (option->flags & ISO_OPTION_UNRECORDED) return;
     if (settings->noted_count < ISORENDER_NOTED)
@@ -776,8 +783,11 @@ iso_status isorender_settings_parse(int argc, char *const *argv, isorender_setti
     settings->window[0] = settings->window[1] = NAN;
     settings->isovalue_range[0] = settings->isovalue_range[1] = NAN;
     settings->merge = argc > 1 && strcmp(argv[1], "merge") == 0;
-    const iso_status status = iso_options_parse(isorender_program(), argc - settings->merge,
-                                                argv + settings->merge, settings, operands, error);
+    settings->sheet.is_given = argc > 1 && strcmp(argv[1], "sheet") == 0;
+    if (settings->sheet.is_given) settings->width = settings->height = ISORENDER_SHEET_PANEL;
+    const int commands = settings->merge + settings->sheet.is_given;
+    const iso_status status =
+        iso_options_parse(isorender_program(), argc - commands, argv + commands, settings, operands, error);
     /* What is wrong with a layout is said together with the file that it is for, if that is known already. */
     if (status != ISO_OK && error && operands->count == 1 && strncmp(error->text, "option --raw:", 13) == 0)
         return iso_fail(error, status, "%s: %s", operands->values[0], error->text);

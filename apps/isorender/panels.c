@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "apps/common/picture_grid.h"
 #include "apps/common/template.h"
 #include "apps/isorender/annotations.h"
 #include "apps/isorender/scene_file.h"
@@ -69,6 +70,20 @@ static iso_status find_option(const isorender_settings *settings, const iso_opti
     return ISO_OK;
 }
 
+const char *isorender_panels_unfit(const isorender_settings *settings) {
+    return settings->mesh            ? "--mesh"
+           : settings->points        ? "--points"
+           : settings->table         ? "--table"
+           : settings->aov           ? "--aov"
+           : settings->turntable     ? "--turntable"
+           : settings->keyframe_file ? "--keyframes"
+           : settings->series_of     ? "--series-of"
+           : settings->parts         ? "--part"
+           : settings->info          ? "--info"
+           : settings->no_image      ? "--no-image"
+                                     : NULL;
+}
+
 /* The cpu engine draws all panels, unless another one is named: it can draw whatever differs. */
 iso_status isorender_panels_check(isorender_settings *settings, iso_error *error) {
     const bool given = isorender_has_panels(settings);
@@ -77,19 +92,9 @@ iso_status isorender_panels_check(isorender_settings *settings, iso_error *error
                                                   : NULL;
     if (!given && needs) return iso_fail(error, ISO_ERR_USAGE, "%s is for --panels", needs);
     const char *unfit = !given                      ? NULL
-                        : settings->mesh            ? "--mesh"
-                        : settings->points          ? "--points"
-                        : settings->table           ? "--table"
-                        : settings->aov             ? "--aov"
-                        : settings->common.json     ? "--json"
-                        : settings->turntable       ? "--turntable"
-                        : settings->keyframe_file   ? "--keyframes"
-                        : settings->series_of       ? "--series-of"
-                        : settings->parts           ? "--part"
-                        : settings->info            ? "--info"
-                        : settings->no_image        ? "--no-image"
                         : settings->input_count > 1 ? "several inputs (--panel-file names further ones)"
-                                                    : NULL;
+                        : settings->common.json     ? "--json"
+                                                    : isorender_panels_unfit(settings);
     if (unfit) return iso_fail(error, ISO_ERR_USAGE, "--panels cannot be combined with %s", unfit);
     if (settings->panels && settings->panel_files.count)
         return iso_fail(error, ISO_ERR_USAGE, "panels differ in one thing: give --panels or --panel-file");
@@ -120,8 +125,8 @@ typedef struct sheet {
     int count;
     isorender_same_view shared; /* the isovalue */
     isorender_legend_list *names;
-    int columns, rows, width, height;
-    double font, text; /* size of the font, height of capitals */
+    iso_loader_shelf shelf;
+    iso_picture_grid grid;
     char (*ranges)[80];
 } sheet;
 
@@ -359,6 +364,7 @@ static iso_status run_cells(sheet *p, const means *m, bool survey, iso_error *er
         cell *c = p->cells[i];
         const bool says = survey && (i == 0 || p->settings->panel_files.count);
         c->panel.names = p->names;
+        c->panel.shelf = &p->shelf;
         c->panel.is_survey = survey;
         c->panel.is_last = i == p->count - 1;
         c->settings.first = &p->shared;
@@ -372,68 +378,25 @@ static iso_status run_cells(sheet *p, const means *m, bool survey, iso_error *er
 
 /* ---- the sheet */
 
-static double margin_of(const sheet *p) {
-    return ceil(0.8 * p->text);
-}
-
-static double band_of(const sheet *p) {
-    return ceil(2.1 * p->text);
-}
-
 static iso_status lay_out(sheet *p, iso_error *error) {
     const isorender_settings *s = p->settings;
-    p->font = iso_annotation_font_size(isorender_font_pixels(s), s->width, s->height);
-    p->text = p->font * ISO_FONT_CAPITALS / ISO_FONT_SIZE;
-    p->columns = s->panel_columns ? s->panel_columns : p->count <= 3 ? p->count : (int)ceil(sqrt(p->count));
-    if (p->columns > p->count) p->columns = p->count;
-    p->rows = (p->count + p->columns - 1) / p->columns;
-    const double width = p->columns * (s->width + margin_of(p)) + margin_of(p),
-                 height = p->rows * (s->height + band_of(p)) + margin_of(p),
-                 bytes = 4 * (width * height + (double)p->count * s->width * s->height);
-    if (width > ISO_IMAGE_MAX || height > ISO_IMAGE_MAX)
-        return iso_fail(error, ISO_ERR_LIMIT, "--panels: a sheet of %.0fx%.0f pixels; at most %d a side",
-                        width, height, ISO_IMAGE_MAX);
-    if (bytes > (double)iso_memory_limit(s->common.input.max_memory))
-        return iso_fail(error, ISO_ERR_LIMIT,
-                        "--panels: a sheet of %.0fx%.0f pixels needs %.0f MB (--max-memory)", width, height,
-                        bytes / 1e6);
-    p->width = (int)width;
-    p->height = (int)height;
-    return ISO_OK;
-}
-
-/* Cuts a title that is wider than its picture. */
-static void fit_title(const sheet *p, char title[TITLE], double room) {
-    size_t length = strlen(title);
-    while (length && iso_font_width(title) * p->font / ISO_FONT_SIZE > room) {
-        do length--;
-        while (length && ((unsigned char)title[length] & 0xC0) == 0x80);
-        snprintf(title + length, TITLE - length, length < TITLE - 4 ? "\u2026" : "");
-    }
-}
-
-/* Draws the letter and the title above a panel. */
-static void add_title(const sheet *p, cell *c, int number, double x, double y, iso_drawing *over) {
-    const isorender_settings *s = p->settings;
-    const iso_rgb ink =
-        iso_is_dark(s->background, s->transparent != 0) ? (iso_rgb){255, 255, 255} : (iso_rgb){0, 0, 0};
-    const char letter[2] = {(char)('a' + number), 0};
-    const double indent = (iso_font_width(letter) / ISO_FONT_SIZE + 0.5) * p->font;
-    iso_mark *mark = iso_drawing_text(over, letter, x, y, p->font, ink);
-    if (mark) mark->bold = true;
-    fit_title(p, c->title, s->width - indent);
-    iso_drawing_text(over, c->title, x + indent, y, p->font, ink);
+    p->grid =
+        (iso_picture_grid){.count = p->count,
+                           .columns = s->panel_columns,
+                           .panel = {s->width, s->height},
+                           .font = iso_annotation_font_size(isorender_font_pixels(s), s->width, s->height),
+                           .background = s->background,
+                           .transparent = s->transparent != 0};
+    return iso_picture_grid_lay_out(&p->grid, "--panels", iso_memory_limit(s->common.input.max_memory),
+                                    error);
 }
 
 static void place_cell(const sheet *p, cell *c, int number, iso_image *image, iso_drawing *over) {
-    const int left = (int)(margin_of(p) + number % p->columns * (p->settings->width + margin_of(p))),
-              top = (int)(band_of(p) + number / p->columns * (p->settings->height + band_of(p)));
-    const iso_image *from = &c->panel.image;
-    for (int y = 0; y < from->height; y++)
-        memcpy(image->rgba + 4 * ((size_t)(top + y) * (size_t)image->width + (size_t)left),
-               from->rgba + 4 * (size_t)y * (size_t)from->width, 4 * (size_t)from->width);
-    iso_drawing_append(over, &c->panel.drawing, left, top);
-    add_title(p, c, number, left, top - 0.6 * p->text, over);
+    int corner[2];
+    iso_picture_grid_corner(&p->grid, number, corner);
+    iso_picture_grid_place(&p->grid, number, &c->panel.image, image);
+    iso_drawing_append(over, &c->panel.drawing, corner[0], corner[1]);
+    iso_picture_grid_title(&p->grid, number, (char)('a' + number), c->title, NULL, over);
 }
 
 /* Moves what stands beside the panels to where they end, and *right behind it. */
@@ -441,17 +404,8 @@ static void place_beside(const sheet *p, iso_drawing *beside, int *right, iso_dr
     double low, high;
     iso_drawing_width(beside, &low, &high);
     if (!(low <= high)) return;
-    iso_drawing_append(over, beside, *right - floor(low), band_of(p));
-    *right += (int)ceil(high - low + 1.5 * margin_of(p));
-}
-
-static void fill(iso_image *image, const isorender_settings *s) {
-    const uint8_t color[4] = {s->background.r, s->background.g, s->background.b, 255};
-    for (size_t i = 0; i < (size_t)image->width * (size_t)image->height; i++)
-        if (s->transparent)
-            memset(image->rgba + 4 * i, 0, 4);
-        else
-            memcpy(image->rgba + 4 * i, color, 4);
+    iso_drawing_append(over, beside, *right - floor(low), p->grid.band);
+    *right += (int)ceil(high - low + 1.5 * p->grid.margin);
 }
 
 /* The sheet's scene and the texts of its file are those of the whole command. */
@@ -487,12 +441,12 @@ static iso_status make_sheet(sheet *p, const means *m, iso_error *error) {
     ISO_TRY(share_ranges(p, error));
     ISO_TRY(run_cells(p, m, false, error));
     isorender_panel *last = &p->cells[p->count - 1]->panel;
-    int width = p->width;
+    int width = p->grid.width;
     place_beside(p, &last->legend, &width, &over);
     place_beside(p, &last->bars, &width, &over);
-    iso_status status = iso_image_create(width, p->height, &image, error);
+    iso_status status = iso_image_create(width, p->grid.height, &image, error);
     if (status == ISO_OK) {
-        fill(&image, p->settings);
+        iso_picture_grid_fill(&p->grid, &image);
         for (int i = 0; i < p->count; i++) place_cell(p, p->cells[i], i, &image, &over);
         status = write_sheet(p, m->pool, &image, &over, error);
     }
@@ -524,6 +478,7 @@ iso_status isorender_panels_run(const isorender_settings *settings, const isoren
     if (status == ISO_OK && strcmp(plan->image, "-") != 0 && !settings->common.quiet)
         iso_program_log(isorender_program(), "%s: wrote %s: %d panels", plan->input, plan->image, p.count);
     for (int i = 0; i < p.count; i++) free_cell(p.cells[i]);
+    iso_loader_shelf_free(&p.shelf);
     free(p.ranges);
     free(p.names);
     return status;

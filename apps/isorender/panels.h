@@ -9,6 +9,8 @@
 
 /* Whether --panels or --panel-file is given. */
 bool isorender_has_panels(const isorender_settings *settings);
+/* The first option given that a sheet of several pictures cannot have; NULL: none is. */
+const char *isorender_panels_unfit(const isorender_settings *settings);
 /* Checks their options. ISO_ERR_USAGE. */
 iso_status isorender_panels_check(isorender_settings *settings, iso_error *error);
 

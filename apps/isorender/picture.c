@@ -107,7 +107,8 @@ double isorender_pixels_per_metre(const isorender_job *job) {
     if (job->settings->dpi > 0) return job->settings->dpi / 0.0254;
     const double millimetres = iso_camera_mm_per_pixel(&job->camera, job->settings->height) *
                                iso_world_unit_millimetres(isorender_unit(job));
-    return millimetres > 0 ? 1000 / millimetres : 0;
+    const double density = millimetres > 0 ? 1000 / millimetres : 0;
+    return density < 2e8 ? density : 0; /* (molecules: no file can state it) */
 }
 
 iso_status isorender_write_picture(isorender_job *job, iso_image *image, const iso_drawing *over,
@@ -250,9 +251,10 @@ static bool may_be_empty(const isorender_job *job, int frame) {
            (film->covered > 0 || film->first + frame + 1 < film->count);
 }
 
-/* Draws a frame without what is over it, in `factor` times as many pixels on each side. */
-static iso_status draw_frame(isorender_job *job, int frame, int factor, iso_image *image, iso_aov *aov,
-                             isorender_frame *counts, iso_error *error) {
+/* Draws a frame without what is over it, in `factor` times as many pixels on each side. rows: as in
+ * iso_picture_opts. */
+static iso_status draw_frame(isorender_job *job, int frame, int factor, const int rows[2], iso_image *image,
+                             iso_aov *aov, isorender_frame *counts, iso_error *error) {
     const isorender_settings *settings = job->settings;
     iso_camera camera = isorender_camera_of_frame(job, frame);
     iso_rgb colors[ISORENDER_SURFACES + ISORENDER_OBJECTS];
@@ -263,6 +265,7 @@ static iso_status draw_frame(isorender_job *job, int frame, int factor, iso_imag
     iso_picture_opts opts = {.camera = &camera,
                              .width = settings->width * factor,
                              .height = settings->height * factor,
+                             .rows = {rows[0], rows[1]},
                              .samples = job->samples,
                              .strip_bytes = (size_t)strip_bytes(settings),
                              .shading = {colors, count, settings->background, settings->transparent,
@@ -277,11 +280,11 @@ static iso_status draw_frame(isorender_job *job, int frame, int factor, iso_imag
 }
 
 /* isorender_enlarged: of an inset. */
-static iso_status draw_enlarged(isorender_job *job, int frame, int factor, iso_image *image,
-                                iso_error *error) {
+static iso_status draw_enlarged(isorender_job *job, int frame, int factor, const int rows[2],
+                                iso_image *image, iso_error *error) {
     isorender_frame counts = {0};
     ISO_TRY(iso_image_create(job->settings->width * factor, job->settings->height * factor, image, error));
-    return draw_frame(job, frame, factor, image, NULL, &counts, error);
+    return draw_frame(job, frame, factor, rows, image, NULL, &counts, error);
 }
 
 /* Whether annotations stay marks: of a sheet, or of a panel. */
@@ -303,7 +306,7 @@ static iso_status render_frame(isorender_job *job, int frame, canvas *c, iso_err
     const isorender_settings *settings = job->settings;
     const iso_selection_counts before = isorender_selection(job);
     double start = iso_clock_seconds();
-    ISO_TRY(draw_frame(job, frame, 1, &c->image, &c->aov, &job->frames[frame], error));
+    ISO_TRY(draw_frame(job, frame, 1, (int[2]){0, 0}, &c->image, &c->aov, &job->frames[frame], error));
     job->frames[frame].instances = iso_placed_counts(&job->instances.placed);
     number_elements(job, &c->aov);
     isorender_detail_note(job, &before, &job->frames[frame]);
@@ -354,6 +357,12 @@ static iso_status film_picture(isorender_job *job, int frame, const iso_image *i
 
 static iso_status save_image(isorender_job *job, int frame, canvas *c, iso_error *error) {
     isorender_panel *panel = job->settings->panel;
+    isorender_tile *tile = job->settings->sheet.tile;
+    if (tile) {
+        tile->image = c->image;
+        c->image = (iso_image){.rgba = NULL};
+        return ISO_OK;
+    }
     if (panel) { /* it becomes a part of a sheet */
         panel->image = c->image, panel->drawing = c->over;
         c->image = (iso_image){.rgba = NULL}, c->over = (iso_drawing){.marks = NULL};
@@ -521,6 +530,7 @@ iso_status isorender_render(isorender_job *job, iso_error *error) {
     ISO_TRY(isorender_colorings_see(job, error));
     ISO_TRY(isorender_chunks_check(job, error));
     if (settings->panel && settings->panel->is_survey) return survey(job, error);
+    if (settings->sheet.tile && settings->sheet.tile->is_survey) return ISO_OK;
     if (settings->parts) {
         ISO_TRY(isorender_cuts_make(job, 0, error));
         return isorender_chunks_write_part(job, error);

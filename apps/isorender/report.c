@@ -47,7 +47,8 @@ static void put_volume(iso_json *json, const isorender_job *job) {
         iso_json_bool(json, "level_set", info->level_set);
         iso_json_bool(json, "sparse", info->sparse);
         iso_json_bool(json, "anatomical", info->anatomical);
-        iso_json_string(json, "unit", info->unitless ? NULL : "mm"); /* of all lengths below and above */
+        const iso_world_unit unit = isorender_volume_unit(info); /* of all lengths below and above */
+        iso_json_string(json, "unit", unit == ISO_WORLD_UNIT_NONE ? NULL : iso_world_unit_suffix(unit) + 1);
         iso_json_begin_array(json, "items");
         for (int i = 0; i < info->item_count; i++) iso_json_string(json, NULL, info->items[i]);
         iso_json_end_array(json);

@@ -12,8 +12,10 @@
 #include "apps/isorender/scene_file.h"
 #include "apps/isorender/segmentation.h"
 #include "apps/isorender/series.h"
+#include "apps/isorender/sheet.h"
 #include "base/clock.h"
 #include "base/file.h"
+#include "base/memory.h"
 #include "base/text.h"
 #include "image/video.h"
 
@@ -180,7 +182,8 @@ static iso_status run_steps(isorender_job *job, iso_error *error) {
     ISO_TRY(isorender_ranks_memory(ranks, job->rank_bytes, error));
     job->seconds.total = iso_clock_seconds() - start;
     if (job->settings->common.json && !job->settings->ranks.rank) ISO_TRY(isorender_report_json(job, error));
-    if (job->settings->panel) return ISO_OK;
+    if (job->settings->sheet.tile) ISO_TRY(isorender_tile_measure(job, error));
+    if (job->settings->panel || job->settings->sheet.tile) return ISO_OK;
     if (!job->settings->ranks.rank) ISO_TRY(isorender_scene_save(job, error));
     if (!job->settings->info) isorender_engines_log(job);
     if (!job->settings->info) log_outputs(job);
@@ -251,4 +254,23 @@ iso_status isorender_run(const isorender_settings *settings, const isorender_pla
     for (int i = 0; i < job->volume_count; i++) iso_loader_close(&job->volumes[i]);
     free(job);
     return status;
+}
+
+iso_status isorender_environment_open(const isorender_settings *settings, iso_pool *pool,
+                                      iso_environment **environment, iso_error *error) {
+    int size[2];
+    if (!(settings->ior > 0)) return ISO_OK;
+    if (settings->environment)
+        ISO_TRY(iso_environment_read(settings->environment,
+                                     iso_memory_limit(settings->common.input.max_memory), pool, environment,
+                                     error));
+    else
+        ISO_TRY(iso_environment_studio(environment, error));
+    iso_environment_set_up(*environment, settings->up);
+    iso_environment_size(*environment, size);
+    if (size[0] != 2 * size[1] && !settings->common.quiet)
+        fprintf(stderr,
+                "%s: note: %s: %dx%d pixels, not twice as wide as high: stretched over all directions\n",
+                isorender_program()->name, settings->environment, size[0], size[1]);
+    return ISO_OK;
 }

@@ -148,8 +148,8 @@ static iso_status add(builder *b, char *text, iso_error *error) {
 static iso_status add_input(builder *b, const char *input, iso_error *error) {
     char *found = iso_scene_json_find(b->path, input), *operand = NULL;
     const bool is_plain = found && !strchr(found, '/') && strcmp(found, "-") != 0,
-               is_word =
-                   is_plain && (found[0] == '-' || strcmp(found, "merge") == 0 || strcmp(found, "help") == 0);
+               is_word = is_plain && (found[0] == '-' || strcmp(found, "merge") == 0 ||
+                                      strcmp(found, "sheet") == 0 || strcmp(found, "help") == 0);
     if (!is_word) return add(b, found, error);
     if (asprintf(&operand, "./%s", found) < 0) operand = NULL;
     free(found);
@@ -281,7 +281,7 @@ iso_status isorender_commands_make(int argc, char **argv, isorender_commands *co
     iso_texts scenes = {.count = 0};
     bool replaces_input = false;
     *commands = (isorender_commands){.items = NULL};
-    if (argc > 1 && strcmp(argv[1], "merge") == 0) return ISO_OK;
+    if (argc > 1 && (strcmp(argv[1], "merge") == 0 || strcmp(argv[1], "sheet") == 0)) return ISO_OK;
     ISO_TRY(list_scenes(argc, argv, &scenes, &replaces_input, error));
     if (!scenes.count) return ISO_OK;
     if (scenes.count > 1 && iso_ranks_are_several())

@@ -5,6 +5,7 @@
 #include "apps/common/cap_style.h"
 #include "apps/common/settings.h"
 #include "apps/isorender/object_settings.h"
+#include "apps/isorender/sheet_settings.h"
 #include "apps/isorender/volume_settings.h"
 #include "base/geometry.h"
 #include "base/mpi_ranks.h"
@@ -98,6 +99,7 @@ typedef struct isorender_panel {
     int range_count; /* set by a survey: the ranges of everything that is coloured by numbers; owned */
     double (*ranges)[2];
     struct isorender_legend_list *names; /* of the legend, which panels share; borrowed */
+    struct iso_loader_shelf *shelf;      /* the volume that was read last; borrowed */
     iso_image image;                     /* drawn: the picture, and what is over it; owned */
     iso_drawing drawing;
     iso_drawing legend, bars; /* of the last panel: what stands beside all panels; owned */
@@ -124,7 +126,8 @@ typedef struct isorender_settings {
     isorender_noted noted[ISORENDER_NOTED];
     int noted_count; /* of options that were given, also of those beyond ISORENDER_NOTED */
 
-    double isovalues[ISORENDER_SURFACES]; /* until channels are taken NaN stands for auto */
+    double isovalues[ISORENDER_SURFACES];     /* until channels are taken NaN stands for auto */
+    bool isovalue_sigmas[ISORENDER_SURFACES]; /* isorender_isovalue.sigma of each */
     int isovalue_count, isovalue_auto;
     iso_rgb colors[ISORENDER_SURFACES];
     int color_count;
@@ -252,6 +255,7 @@ typedef struct isorender_settings {
     int chunk_size;  /* voxels along the side of a chunk; 0: not given */
     int no_index;    /* NAME.isoindex is neither read nor written */
     int merge;       /* the command merge: `inputs` are files of keys */
+    isorender_sheet_settings sheet; /* of the command sheet, and --watch */
 
     iso_ranks ranks; /* the processes of mpirun */
     /* Of every option, by its index in the table: a hash of the values given; 0: not given. */

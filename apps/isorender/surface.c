@@ -57,10 +57,21 @@ static void warn_of_band_end(const isorender_job *job, const isorender_surface *
         isovalue, iso_grid_physical(grid, (double)grid->hgrid->band));
 }
 
-/* given: the isovalue; NAN: it is to be chosen. */
-static iso_status choose_isovalue(isorender_job *job, isorender_surface *surface, double given,
+/* The physical value of an isovalue that is given in standard deviations. */
+static iso_status find_sigma(isorender_job *job, iso_loader *loader, double sigmas, double *isovalue,
+                             iso_error *error) {
+    ISO_TRY(iso_loader_moments(loader, NULL, error));
+    *isovalue = loader->moments.mean + sigmas * loader->moments.deviation;
+    isorender_log(job, "isovalue %g (%g sigma: mean %g, standard deviation %g)", *isovalue, sigmas,
+                  loader->moments.mean, loader->moments.deviation);
+    return ISO_OK;
+}
+
+static iso_status choose_isovalue(isorender_job *job, isorender_surface *surface, isorender_isovalue chosen,
                                   iso_error *error) {
-    const iso_loader *loader = surface->loader;
+    iso_loader *loader = surface->loader;
+    double given = chosen.value;
+    if (chosen.sigma && !loader->has_points) ISO_TRY(find_sigma(job, loader, chosen.value, &given, error));
     surface->scene.isovalue = isnan(given) ? loader->scene_isovalue : given;
     if (loader->has_points) return ISO_OK;
     if (isnan(surface->scene.isovalue)) return suggest_isovalue(job, surface, error);
@@ -79,7 +90,8 @@ static iso_status make_workspace(isorender_job *job, iso_error *error) {
 }
 
 /* Adds a surface; errors as choose_isovalue. */
-static iso_status add_surface(isorender_job *job, iso_loader *loader, double isovalue, iso_error *error) {
+static iso_status add_surface(isorender_job *job, iso_loader *loader, isorender_isovalue isovalue,
+                              iso_error *error) {
     isorender_surface *surface = &job->surfaces[job->surface_count++];
     surface->loader = loader;
     surface->scene = (iso_scene_surface){.pool = job->pool,
@@ -92,13 +104,17 @@ static iso_status add_surface(isorender_job *job, iso_loader *loader, double iso
     return choose_isovalue(job, surface, isovalue, error);
 }
 
+static isorender_isovalue given_isovalue(const isorender_settings *settings, int i) {
+    return (isorender_isovalue){settings->isovalues[i], settings->isovalue_sigmas[i]};
+}
+
 static iso_status add_surfaces(isorender_job *job, iso_error *error) {
     const isorender_settings *settings = job->settings;
     for (int i = 0; i < settings->isovalue_count; i++)
-        ISO_TRY(isorender_volume_named(job, -1, add_surface(job, &job->loader, settings->isovalues[i], error),
-                                       error));
+        ISO_TRY(isorender_volume_named(
+            job, -1, add_surface(job, &job->loader, given_isovalue(settings, i), error), error));
     const isorender_same_view *first = settings->first;
-    const double isovalue = first && first->has_isovalue ? first->isovalue : NAN;
+    const isorender_isovalue isovalue = {first && first->has_isovalue ? first->isovalue : NAN, false};
     if (!settings->isovalue_count && !settings->no_input)
         ISO_TRY(isorender_volume_named(job, -1, add_surface(job, &job->loader, isovalue, error), error));
     job->input_surface_count = job->surface_count;

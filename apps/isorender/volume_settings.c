@@ -7,10 +7,19 @@
 
 #include "apps/isorender/object_settings.h"
 
+bool isorender_parse_isovalue(const char *text, isorender_isovalue *isovalue) {
+    const char *end = text;
+    *isovalue = (isorender_isovalue){NAN, false};
+    if (strcmp(text, "auto") == 0) return true;
+    if (!iso_parse_real_prefix(text, &isovalue->value, &end)) return false;
+    isovalue->sigma = strcmp(end, "sigma") == 0;
+    return isovalue->sigma || !*end;
+}
+
 static iso_status set_isovalue(const char *value, isorender_volume_settings *volume, iso_error *error) {
-    volume->isovalue = NAN;
-    if (!value || strcmp(value, "auto") == 0 || iso_parse_real(value, &volume->isovalue)) return ISO_OK;
-    return iso_fail(error, ISO_ERR_USAGE, "--volume-isovalue: '%s' is neither a number nor 'auto'", value);
+    if (isorender_parse_isovalue(value ? value : "auto", &volume->isovalue)) return ISO_OK;
+    return iso_fail(error, ISO_ERR_USAGE,
+                    "--volume-isovalue: '%s' is neither a number, such as 3sigma, nor 'auto'", value);
 }
 
 static iso_status set_component(const char *value, isorender_volume_settings *volume, iso_error *error) {

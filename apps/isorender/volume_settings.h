@@ -8,11 +8,20 @@
 
 enum { ISORENDER_VOLUMES = 16 }; /* in a picture, beside the input */
 
+/* An isovalue as it is given. */
+typedef struct isorender_isovalue {
+    double value; /* physical, or standard deviations above the mean of the voxels; NaN: auto */
+    bool sigma;   /* standard deviations */
+} isorender_isovalue;
+
+/* Parses a number, a number with "sigma" behind it, or "auto". */
+bool isorender_parse_isovalue(const char *text, isorender_isovalue *isovalue);
+
 /* What the options say of one volume. Strings are borrowed from argv. */
 typedef struct isorender_volume_settings {
     const char *path;    /* NULL: that of the input */
     const char *channel; /* of the input (--channel), which is read as the input is; NULL: not a channel */
-    double isovalue;     /* physical; NAN: it is chosen as that of the input */
+    isorender_isovalue isovalue; /* auto: it is chosen as that of the input */
     bool colored;
     iso_rgb color; /* if colored */
     double opacity;

@@ -44,7 +44,7 @@ iso_status isorender_volumes_open(isorender_job *job, iso_error *error) {
                                .files = job->plan->files,
                                .pool = job->pool,
                                .is_further = true,
-                               .wants_histogram = settings->info || isnan(volume->isovalue)};
+                               .wants_histogram = settings->info || isnan(volume->isovalue.value)};
         ISO_TRY(isorender_volume_named(job, i, open_volume(job, i, error), error));
     }
     return ISO_OK;

@@ -213,7 +213,7 @@ static bool has_solid(const iso_hgrid *grid) {
     return false;
 }
 
-/* Writes the label of a field into a copy of the segmentation, beside the field that the session began with. */
+/* Writes the label of a field into a copy of the segmentation. */
 static iso_status write_label(const isosculpt_saver *saver, const iso_hgrid *now, FILE *stream,
                               const iso_progress *progress, iso_error *error) {
     const iso_progress making = iso_progress_part(progress, 0, 0.6),

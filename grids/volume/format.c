@@ -28,6 +28,14 @@ iso_status iso_format_dims(const char *path, const uint64_t dims[3], iso_volume_
     return ISO_OK;
 }
 
+iso_status iso_format_not_image(const char *path, const char *kind, iso_error *error) {
+    return iso_fail(error, ISO_ERR_FORMAT, "%s: holds a %.80s, not an image%s", path, kind,
+                    strcasestr(kind, "grid")
+                        ? ": resample it in ParaView (Filters, Resample To Image) or VTK "
+                          "(vtkResampleToImage), and save it as .vti"
+                        : "");
+}
+
 iso_status iso_format_component(const char *path, const iso_volume_opts *opts, int components,
                                 iso_volume_info *info, iso_error *error) {
     if (components < 1) return iso_fail(error, ISO_ERR_FORMAT, "%s: has no components", path);

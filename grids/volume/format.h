@@ -52,6 +52,10 @@ typedef struct iso_format {
 #include "base/file_types.inc"
 extern const iso_format iso_format_png, iso_format_raw;
 
+/* ISO_ERR_FORMAT: "path: holds a KIND, not an image", and how to make one of it. `kind` is as VTK's files
+ * have it. */
+iso_status iso_format_not_image(const char *path, const char *kind, iso_error *error);
+
 /* Sets info's dims. ISO_ERR_FORMAT unless each is 1 .. 2^31-1. */
 iso_status iso_format_dims(const char *path, const uint64_t dims[3], iso_volume_info *info, iso_error *error);
 
@@ -167,16 +171,17 @@ typedef struct iso_format_place {
     bool separate;     /* each component is a volume behind the one before it; false: interleaved */
     bool gzip;         /* the whole file is compressed, and `position` is in the unpacked one */
     bool text;         /* numbers between white space, stored as `scalar` */
+    bool bits;         /* uint8 0 or 1, eight of them in a byte, the first one the highest bit */
     iso_scalar scalar; /* of each of info->components components */
     uint64_t position; /* of the first byte in the file, or behind `plain` in the unpacked one */
     uint64_t plain;    /* with gzip: bytes of the file in front of what is compressed */
-    bool told;         /* not known, since `read` does more than reading what lies there; the rest is set
-                                   for iso_volume_rewrite */
+    bool told;         /* not known, for `read` does more than reading what lies there; the rest is for
+                  iso_volume_rewrite */
     char file[ISO_FORMAT_PATH]; /* where the voxels are; empty: in the file with the header */
 } iso_format_place;
 
-/* iso_volume_read_info that also finds where the voxels are: neither known nor told if they are not in one piece.
- * `place` may be NULL. */
+/* iso_volume_read_info that also finds where the voxels are: neither known nor told if they are not in one
+ * piece. `place` may be NULL. */
 iso_status iso_volume_find_place(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
                                  iso_format_place *place, iso_error *error);
 

@@ -82,8 +82,7 @@ static iso_status describe(iso_cube_file *f, const iso_volume_opts *opts, iso_vo
     ISO_TRY(iso_format_dims(f->path, header.dims, info, error));
     ISO_TRY(iso_format_component(f->path, opts, (int)values, info, error));
     iso_format_transform(header.steps, &header.origin, header.unit, info);
-    info->unitless = true;
-    iso_volume_note(info, "lengths are in angstrom, as those of molecules");
+    info->unitless = info->angstrom = true;
     return iso_format_text_voxels(f->path, f->stream, opts, info, error);
 }
 

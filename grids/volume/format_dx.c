@@ -1,9 +1,11 @@
-/* format_dx: regular grids in OpenDX's text format, in which APBS and others write potentials and maps.
+/* format_dx: regular grids in OpenDX's format, with values as text or binary, in which APBS and others write
+ * potentials and maps.
  *
  * The format: OpenDX User's Guide, appendix B: "object 1 class gridpositions counts NX NY NZ", "origin",
- * three times "delta", "object 2 class gridconnections", "object 3 class array .. items N data follows", and
- * the values, the last axis fastest. # begins a line of comment. The world is the file's own; APBS means
- * angstrom. */
+ * three times "delta", "object 2 class gridconnections", "object 3 class array .. items N data follows",
+ * and the values, the last axis fastest. # begins a line of comment. The world is the file's own; APBS
+ * means angstrom. */
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -19,7 +21,8 @@ typedef struct dx_header {
     bool has_counts;
     int deltas;
     unsigned long long items;
-    bool has_data;
+    bool has_data, is_binary;
+    iso_format_place place; /* if it is binary: of the voxels */
 } dx_header;
 
 static iso_status bad(const char *path, const char *what, iso_error *error) {
@@ -29,8 +32,26 @@ static iso_status bad(const char *path, const char *what, iso_error *error) {
 /* The array begins behind this line. */
 static iso_status take_array(const char *path, const char *line, dx_header *header, iso_error *error) {
     const char *items = strstr(line, "items"), *rank = strstr(line, "rank");
-    if (strstr(line, "ieee") || strstr(line, "binary"))
-        return bad(path, "its values are binary: write them as text", error);
+    header->place = (iso_format_place){.known = true, .scalar = ISO_SCALAR_FLOAT};
+    if (strstr(line, "ieee") || strstr(line, "binary")) {
+        static const struct {
+            const char *name;
+            iso_scalar scalar;
+        } types[] = {{"float", ISO_SCALAR_FLOAT},
+                     {"double", ISO_SCALAR_DOUBLE},
+                     {"int", ISO_SCALAR_INT32},
+                     {"short", ISO_SCALAR_INT16},
+                     {"byte", ISO_SCALAR_UINT8}};
+        const char *type = strstr(line, "type");
+        bool known = false;
+        for (size_t i = 0; type && i < sizeof types / sizeof *types && !known; i++) {
+            known = strncmp(type + 4 + strspn(type + 4, " "), types[i].name, strlen(types[i].name)) == 0;
+            header->place.scalar = types[i].scalar;
+        }
+        if (!known) return bad(path, "binary values of a type that is not read: write them as text", error);
+        header->place.swap = (strstr(line, "msb") != NULL) == (__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__);
+        header->is_binary = true;
+    }
     if (!strstr(line, "follows")) return bad(path, "its values are in another file", error);
     if (rank && strtol(rank + 4, NULL, 10) != 0) return bad(path, "its values are vectors", error);
     if (!items || sscanf(items + 5, "%llu", &header->items) != 1)
@@ -81,8 +102,13 @@ static iso_status describe(const char *path, FILE *file, const iso_volume_opts *
     ISO_TRY(read_header(path, file, &header, error));
     ISO_TRY(iso_format_dims(path, header.dims, info, error));
     iso_format_transform(header.steps, &header.origin, 1, info);
-    info->unitless = true;
-    return iso_format_text_voxels(path, file, opts, info, error);
+    info->unitless = info->angstrom = true;
+    if (!header.is_binary) return iso_format_text_voxels(path, file, opts, info, error);
+    const off_t position = ftello(file);
+    if (position < 0) return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
+    header.place.position = (uint64_t)position;
+    iso_format_set_place(&header.place, opts, info);
+    return ISO_OK;
 }
 
 static iso_status dx_info(const char *path, const iso_volume_opts *opts, iso_volume_info *info,

@@ -115,6 +115,10 @@ static iso_status read_header(const char *path, mif_header *header, bool *gzip, 
     return status;
 }
 
+static bool is_mask(const mif_header *header) {
+    return strcasecmp(header->type, "Bit") == 0;
+}
+
 static iso_status find_scalar(const mif_header *header, iso_scalar *scalar, bool *swap, iso_error *error) {
     static const struct {
         const char *name;
@@ -133,8 +137,9 @@ static iso_status find_scalar(const mif_header *header, iso_scalar *scalar, bool
         *swap = *order && (strcasecmp(order, "LE") == 0) != little_here;
         return ISO_OK;
     }
-    if (strcasecmp(header->type, "Bit") == 0)
-        return bad(header, "a mask of single bits: convert it (mrconvert -datatype uint8)", error);
+    *scalar = ISO_SCALAR_UINT8;
+    *swap = false;
+    if (is_mask(header)) return ISO_OK;
     char what[80];
     snprintf(what, sizeof what, "values of type \"%.30s\"", header->type);
     return bad(header, what, error);
@@ -226,8 +231,11 @@ static iso_status mif_info(const char *path, const iso_volume_opts *opts, iso_vo
     uint64_t dims[3];
     ISO_TRY(read_header(path, &header, &place.gzip, error));
     ISO_TRY(find_scalar(&header, &place.scalar, &place.swap, error));
+    place.bits = is_mask(&header);
     ISO_TRY(order_axes(&header, spatial, &components, &place.separate, error));
     ISO_TRY(find_voxels(&header, opts, &place, error));
+    if (place.bits && components > 1 && !place.separate)
+        return bad(&header, "a mask whose volumes lie within its voxels (mrconvert -strides 1,2,3,4)", error);
     for (int i = 0; i < 3; i++) dims[i] = spatial[i] < header.axes ? (uint64_t)header.sizes[spatial[i]] : 1;
     ISO_TRY(iso_format_dims(path, dims, info, error));
     ISO_TRY(iso_format_component(path, opts, components, info, error));

@@ -156,10 +156,8 @@ static iso_status take_transform(const char *path, const mrc_header *header, iso
     const bool has_origin = iso_vec3_is_finite(origin) && iso_vec3_length(origin) > 0;
     iso_format_transform(steps, has_origin ? &origin : &start, 1, info);
     info->unitless = true;
-    if (stated)
-        iso_volume_note(info, "lengths are in angstrom, as those of molecules");
-    else
-        iso_volume_note(info, "no voxel size is stated: 1 is assumed (--spacing)");
+    info->angstrom = stated;
+    if (!stated) iso_volume_note(info, "no voxel size is stated: 1 is assumed (--spacing)");
     return ISO_OK;
 }
 

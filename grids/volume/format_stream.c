@@ -138,27 +138,47 @@ typedef struct open_file {
     const char *path;
     FILE *stream;
     iso_inflater *inflater; /* NULL: the file is not compressed */
-    bool text;
+    bool text, bits;
     iso_scalar scalar;
+    unsigned char held; /* of bits: the byte that is being taken apart, and how many of it are left */
+    unsigned left;
 } open_file;
 
-static iso_status read_bytes(void *context, void *target, size_t bytes, iso_error *error) {
-    const open_file *file = context;
+static iso_status read_stored(const open_file *file, void *target, size_t bytes, iso_error *error) {
     if (file->inflater) return iso_inflater_fill(file->inflater, target, bytes, error);
-    if (file->text) {
-        const size_t count = bytes / iso_scalar_size(file->scalar);
-        if (iso_format_read_numbers(file->stream, "", file->scalar, count, target)) return ISO_OK;
-        return iso_fail(error, ISO_ERR_IO, "%s: truncated: a number is missing, or is none", file->path);
-    }
     if (fread(target, 1, bytes, file->stream) == bytes) return ISO_OK;
     return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", file->path,
                     ferror(file->stream) ? strerror(errno) : "the file ends too early");
 }
 
+/* Takes bits apart. The bytes that hold them lie at the end of the target first, where each is taken before a
+ * voxel takes its place. */
+static iso_status read_bits(open_file *file, unsigned char *target, size_t count, iso_error *error) {
+    const size_t packed = count > file->left ? (count - file->left + 7) / 8 : 0;
+    const unsigned char *next = target + count - packed;
+    ISO_TRY(read_stored(file, target + count - packed, packed, error));
+    for (size_t i = 0; i < count; i++) {
+        if (!file->left) file->held = *next++, file->left = 8;
+        target[i] = file->held >> --file->left & 1;
+    }
+    return ISO_OK;
+}
+
+static iso_status read_bytes(void *context, void *target, size_t bytes, iso_error *error) {
+    open_file *file = context;
+    if (file->bits) return read_bits(file, target, bytes, error);
+    if (file->text) {
+        const size_t count = bytes / iso_scalar_size(file->scalar);
+        if (iso_format_read_numbers(file->stream, "", file->scalar, count, target)) return ISO_OK;
+        return iso_fail(error, ISO_ERR_IO, "%s: truncated: a number is missing, or is none", file->path);
+    }
+    return read_stored(file, target, bytes, error);
+}
+
 static FILE *plain_file(void *context, uint64_t bytes) {
     const open_file *file = context;
     (void)bytes;
-    return file->inflater || file->text ? NULL : file->stream;
+    return file->inflater || file->text || file->bits ? NULL : file->stream;
 }
 
 static iso_format_stream stream_of(const iso_format_place *place, const iso_volume_info *info) {
@@ -178,7 +198,9 @@ void iso_format_place_room(const iso_format_place *place, iso_volume_info *info)
 void iso_format_set_place(const iso_format_place *place, const iso_volume_opts *opts, iso_volume_info *info) {
     info->type = iso_scalar_stored_type(place->scalar);
     snprintf(info->file_type, sizeof info->file_type, "%s",
-             place->text ? "text" : iso_scalar_name(place->scalar));
+             place->text   ? "text"
+             : place->bits ? "bit"
+                           : iso_scalar_name(place->scalar));
     *opts->place = *place;
     iso_format_place_room(place, info);
 }
@@ -214,17 +236,27 @@ static iso_status go_to_voxels(open_file *file, uint64_t bytes, uint64_t start, 
 iso_status iso_format_read_place(const char *path, const iso_volume_opts *opts, const iso_volume_info *info,
                                  const iso_format_place *place, iso_grid *grid, iso_error *error) {
     iso_format_stream stream = stream_of(place, info);
-    open_file file = {
-        .path = *place->file ? place->file : path, .text = place->text, .scalar = place->scalar};
+    open_file file = {.path = *place->file ? place->file : path,
+                      .text = place->text,
+                      .bits = place->bits,
+                      .scalar = place->scalar};
     const uint64_t volume = iso_format_size(info->dims, voxel_bytes(&stream));
     uint64_t bytes, start = 0, end;
     if (place->separate && __builtin_mul_overflow(volume, (uint64_t)info->component, &start))
         start = UINT64_MAX;
-    if (__builtin_add_overflow(start, place->position, &start) || __builtin_add_overflow(start, volume, &end))
+    uint64_t size = volume, first = 0; /* in the file: bytes, and of bits those before the first one */
+    if (place->bits && start != UINT64_MAX) {
+        first = start % 8;
+        size = (first + volume) / 8 + ((first + volume) % 8 > 0);
+        start /= 8;
+    }
+    if (__builtin_add_overflow(start, place->position, &start) || __builtin_add_overflow(start, size, &end))
         end = UINT64_MAX;
     ISO_TRY(iso_file_open(file.path, &file.stream, &bytes, error));
     stream.context = &file;
     iso_status status = go_to_voxels(&file, bytes, start, end, place->gzip, error);
+    if (status == ISO_OK && first) status = read_stored(&file, &file.held, 1, error);
+    file.left = first ? 8 - (unsigned)first : 0;
     if (status == ISO_OK) status = iso_format_read_stream(path, opts, info, &stream, grid, error);
     if (status == ISO_OK && file.inflater) {
         status = iso_inflater_finish(file.inflater, NULL, error);

@@ -281,8 +281,7 @@ iso_status check_kind(const char *path, iso_error *error) {
     char quote = element[type + 5];
     std::string kind = element.substr(type + 6, element.find(quote, type + 6) - type - 6);
     if (kind == "ImageData") return ISO_OK;
-    return iso_fail(error, ISO_ERR_FORMAT, "%s: holds a %.80s, not an image", path,
-                    iso::one_line(kind).c_str());
+    return iso_format_not_image(path, iso::one_line(kind).c_str(), error);
 }
 
 /* Checks that the file ends with the closing tag: VTK does not notice that raw appended data ends early. */

@@ -1,4 +1,5 @@
-/* format_vtk_legacy: structured points in VTK's legacy format ("# vtk DataFile Version ..."), text or binary.
+/* format_vtk_legacy: structured points and rectilinear grids in VTK's legacy format ("# vtk DataFile Version
+ * ..."), text or binary.
  *
  * Not read by VTK, whose reader returns a full-sized array also when the data ends early, and whose pass over
  * the header does not find FIELD arrays. A first pass over the file lists every array with its position
@@ -13,9 +14,10 @@
 #include <string.h>
 #include <strings.h>
 
-#include "grids/volume/format.h"
-
 #include "base/file.h"
+#include "base/memory.h"
+#include "grids/volume/format.h"
+#include "grids/volume/rectilinear.h"
 
 enum { MAX_ARRAYS = ISO_VOLUME_ITEMS, MAX_NAME = ISO_VOLUME_TEXT };
 
@@ -26,6 +28,9 @@ typedef struct vtk_file {
     bool binary;
     uint64_t dims[3]; /* points */
     double origin[3], spacing[3];
+    bool rectilinear, even; /* the axes have coordinates; their steps are all alike */
+    iso_rectilinear axes;
+    iso_type stored; /* of the array, before it is resampled */
     iso_format_array arrays[MAX_ARRAYS];
     uint64_t positions[MAX_ARRAYS]; /* positions of their first numbers in the file */
     int array_count;
@@ -124,6 +129,39 @@ static iso_status read_type(vtk_file *f, iso_scalar *scalar) {
     if (iso_scalar_of_vtk(word, scalar)) return ISO_OK;
     snprintf(text, sizeof text, "values of type %.80s", word);
     return bad(f, text);
+}
+
+/* Reads "X_COORDINATES count type" and the coordinates of an axis. */
+static iso_status take_coordinates(vtk_file *f, int axis) {
+    uint64_t count = 0;
+    iso_scalar scalar;
+    ISO_TRY(read_size(f, &count));
+    ISO_TRY(read_type(f, &scalar));
+    if (!f->rectilinear || f->axes.axis[axis]) return bad(f, "coordinates that are not expected");
+    if (scalar != ISO_SCALAR_FLOAT && scalar != ISO_SCALAR_DOUBLE)
+        return bad(f, "coordinates that are neither float nor double");
+    if (count < 1 || count > INT_MAX || count > f->bytes) return ends(f, "its coordinates");
+    if (f->binary) iso_format_skip_line(f->stream);
+    double *at = f->axes.axis[axis] = iso_alloc((size_t)count * sizeof *at);
+    if (!at) return iso_fail_memory(&f->problem, f->path);
+    f->axes.count[axis] = (int)count;
+    if (!f->binary)
+        return iso_format_read_numbers(f->stream, "", ISO_SCALAR_DOUBLE, (size_t)count, at)
+                   ? ISO_OK
+                   : ends(f, "its coordinates");
+    for (uint64_t i = 0; i < count; i++) {
+        const size_t size = iso_scalar_size(scalar);
+        unsigned char bytes[8];
+        uint64_t bits = 0;
+        if (fread(bytes, size, 1, f->stream) != 1) return ends(f, "its coordinates");
+        for (size_t k = 0; k < size; k++) bits = bits << 8 | bytes[k];
+        const uint32_t half = (uint32_t)bits;
+        float number;
+        memcpy(&number, &half, sizeof number);
+        memcpy(&at[i], &bits, sizeof at[i]);
+        if (size == 4) at[i] = (double)number;
+    }
+    return ISO_OK;
 }
 
 /* ---- arrays ---- */
@@ -243,8 +281,9 @@ static iso_status skip_metadata(vtk_file *f) {
 static iso_status take_dataset(vtk_file *f) {
     char word[MAX_NAME];
     if (!next_word(f->stream, word)) return ends(f, "its header");
-    if (word_is(word, "STRUCTURED_POINTS")) return ISO_OK;
-    return iso_fail(&f->problem, ISO_ERR_FORMAT, "%s: holds a %.80s, not an image", f->path, word);
+    f->rectilinear = word_is(word, "RECTILINEAR_GRID");
+    if (f->rectilinear || word_is(word, "STRUCTURED_POINTS")) return ISO_OK;
+    return iso_format_not_image(f->path, word, &f->problem);
 }
 
 static iso_status take_extent(vtk_file *f) {
@@ -273,6 +312,9 @@ static iso_status take_keyword(vtk_file *f, const char *word) {
     if (word_is(word, "EXTENT")) return take_extent(f);
     if (word_is(word, "ORIGIN")) return read_doubles(f, f->origin);
     if (word_is(word, "SPACING") || word_is(word, "ASPECT_RATIO")) return read_doubles(f, f->spacing);
+    if (word_is(word, "X_COORDINATES")) return take_coordinates(f, 0);
+    if (word_is(word, "Y_COORDINATES")) return take_coordinates(f, 1);
+    if (word_is(word, "Z_COORDINATES")) return take_coordinates(f, 2);
     if (word_is(word, "POINT_DATA")) return take_section(f, false);
     if (word_is(word, "CELL_DATA")) return take_section(f, true);
     if (word_is(word, "FIELD")) return take_field(f);
@@ -304,6 +346,11 @@ static iso_status scan_arrays(vtk_file *f) {
     return f->array_count ? ISO_OK : ends(f, "its header");
 }
 
+static void close_vtk(vtk_file *f) {
+    fclose(f->stream);
+    iso_rectilinear_free(&f->axes);
+}
+
 /* Opens a file and reads its header; the stream stays open for read_array. An error after the first arrays is
  * only recorded, so that the header of a truncated file can be shown. */
 static iso_status open_vtk(const char *path, const iso_volume_opts *opts, vtk_file *f, iso_error *error) {
@@ -311,11 +358,23 @@ static iso_status open_vtk(const char *path, const iso_volume_opts *opts, vtk_fi
     ISO_TRY(iso_file_open(path, &f->stream, &f->bytes, error));
     f->complete = scan_arrays(f);
     if (f->complete == ISO_OK || f->array_count) return ISO_OK;
-    fclose(f->stream);
+    close_vtk(f);
     return iso_fail(error, f->complete, "%s", f->problem.text);
 }
 
-static iso_status describe(const vtk_file *f, const iso_volume_opts *opts, iso_volume_info *info, int *chosen,
+/* What the coordinates of a rectilinear grid change. */
+static iso_status describe_axes(vtk_file *f, bool cells, iso_volume_info *info, iso_error *error) {
+    for (int i = 0; i < 3; i++)
+        if ((uint64_t)f->axes.count[i] != f->dims[i])
+            return iso_fail(error, ISO_ERR_FORMAT,
+                            "%s: not a readable VTK file: %d coordinates for %llu points on axis %d", f->path,
+                            f->axes.count[i], (unsigned long long)f->dims[i], i);
+    if (cells) iso_rectilinear_take_cells(&f->axes);
+    f->stored = info->type;
+    return iso_rectilinear_describe(f->path, &f->axes, info, &f->even, error);
+}
+
+static iso_status describe(vtk_file *f, const iso_volume_opts *opts, iso_volume_info *info, int *chosen,
                            iso_error *error) {
     for (int i = 0; i < 3; i++) {
         double step = f->spacing[i];
@@ -325,7 +384,20 @@ static iso_status describe(const vtk_file *f, const iso_volume_opts *opts, iso_v
     }
     iso_format_image image = {{f->dims[0], f->dims[1], f->dims[2]}, f->arrays, f->array_count};
     ISO_TRY(iso_format_dims(f->path, f->dims, info, error));
-    return iso_format_take_array(f->path, opts, &image, info, chosen, error);
+    ISO_TRY(iso_format_take_array(f->path, opts, &image, info, chosen, error));
+    return f->rectilinear ? describe_axes(f, f->arrays[*chosen].cells, info, error) : ISO_OK;
+}
+
+static bool is_resampled(const vtk_file *f) {
+    return f->rectilinear && !f->even;
+}
+
+/* The voxels as they are in the file, of the grid that `info` describes. */
+static iso_volume_info info_in_file(const vtk_file *f, const iso_volume_info *info) {
+    iso_volume_info stored = *info;
+    stored.type = f->stored;
+    for (int i = 0; i < 3; i++) stored.dims[i] = f->axes.count[i];
+    return stored;
 }
 
 static iso_format_stream stream_of(const vtk_file *f, int chosen, int component) {
@@ -341,11 +413,18 @@ static iso_status vtk_info(const char *path, const iso_volume_opts *opts, iso_vo
     ISO_TRY(open_vtk(path, opts, &f, error));
     int chosen = 0;
     iso_status status = describe(&f, opts, info, &chosen, error);
-    fclose(f.stream);
-    ISO_TRY(status);
     iso_format_stream stream = stream_of(&f, chosen, info->component);
-    iso_format_stream_room(&stream, info);
-    return ISO_OK;
+    if (status == ISO_OK && is_resampled(&f)) {
+        iso_volume_info stored = info_in_file(&f, info);
+        iso_format_stream_room(&stream, &stored);
+        const uint64_t bytes = iso_format_size(info->dims, sizeof(float));
+        if (__builtin_add_overflow(stored.read_bytes, bytes, &info->read_bytes))
+            info->read_bytes = UINT64_MAX;
+    } else if (status == ISO_OK) {
+        iso_format_stream_room(&stream, info);
+    }
+    close_vtk(&f);
+    return status;
 }
 
 /* ---- voxels ---- */
@@ -387,7 +466,17 @@ static iso_status read_array(vtk_file *f, const iso_volume_opts *opts, const iso
     stream.fill = read_bytes;
     stream.context = &from;
     stream.plain = plain_file;
-    return iso_format_read_stream(f->path, opts, info, &stream, grid, error);
+    if (!is_resampled(f)) return iso_format_read_stream(f->path, opts, info, &stream, grid, error);
+    const iso_volume_info stored = info_in_file(f, info);
+    iso_volume_opts in_memory = *opts; /* voxels that are resampled cannot stay in the file */
+    iso_grid before = {0};
+    in_memory.mapped = false;
+    if (opts->mapped) ISO_TRY(iso_volume_check_memory(f->path, opts, info, error));
+    ISO_TRY(iso_format_read_stream(f->path, &in_memory, &stored, &stream, &before, error));
+    const iso_status status =
+        iso_rectilinear_resample(f->path, &f->axes, &before, info, opts->pool, grid, error);
+    iso_grid_destroy(&before);
+    return status;
 }
 
 static iso_status vtk_read(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
@@ -399,7 +488,7 @@ static iso_status vtk_read(const char *path, const iso_volume_opts *opts, iso_vo
         iso_fail(error, status, "%s", f.problem.text);
     else
         status = read_array(&f, opts, info, grid, error);
-    fclose(f.stream);
+    close_vtk(&f);
     return status;
 }
 

@@ -1,5 +1,5 @@
-/* rewrite: passes a volume file from a reader to a writer, both of which may be compressed, and changes voxels on
- * the way. */
+/* rewrite: passes a volume file from a reader to a writer, both of which may be compressed, and changes
+ * voxels on the way. */
 #include "grids/volume/rewrite.h"
 
 #include <errno.h>
@@ -23,7 +23,8 @@ static iso_status find_place(const char *path, const iso_volume_opts *opts, iso_
     ISO_TRY(iso_volume_find_place(path, &asked, info, place, error));
     const bool scaled = info->scale != 1 || info->offset != 0 ||
                         (place->told && iso_scalar_stored_type(place->scalar) != info->type);
-    if ((place->known || place->told) && !place->text && !place->file[0] && !scaled) return ISO_OK;
+    if ((place->known || place->told) && !place->text && !place->bits && !place->file[0] && !scaled)
+        return ISO_OK;
     return iso_fail(
         error, ISO_ERR_USAGE,
         "%s: %s: voxels go back into .nii, .nii.gz, .nrrd, .mha, .mgh, .mgz, .mif and .npy that have "

@@ -149,7 +149,7 @@ static const iso_format *format_of_file(const char *path, const head *h) {
 /* Whether a format is also read where gzip has compressed a whole file. */
 static bool reads_gzip(const iso_format *format) {
     return format == &iso_format_nifti || format == &iso_format_mrc || format == &iso_format_mgh ||
-           format == &iso_format_mif;
+           format == &iso_format_mif || format == &iso_format_afni;
 }
 
 /* If no reader knows the file or it is called .raw, looks for a layout in its name; the file's size must
@@ -438,10 +438,11 @@ static void note_guess(const iso_raw_layout *raw, iso_volume_info *info) {
                     raw->big_endian ? "big" : "little");
 }
 
-/* Whether a format never states a unit of length; of the others the reader says of a file that it does
- * not. A spacing that is given is in mm. */
+/* Whether lengths are not in mm: in angstrom, or in a unit that the format never states; of other formats the
+ * reader says of a file that it does not. A spacing that is given is in the file's unit, or else in mm. */
 static bool is_unitless(const iso_volume_opts *opts, const iso_volume_info *info) {
     static const char *const formats[] = {"raw", "vtk", "vti", "vdb", "npy"};
+    if (info->angstrom) return true;
     if (opts->spacing[0] > 0 && opts->spacing[1] > 0 && opts->spacing[2] > 0) return false;
     bool unitless = info->unitless;
     for (size_t i = 0; i < sizeof formats / sizeof *formats; i++)

@@ -9,6 +9,7 @@
  *   Zarr, OME-Zarr (folders)    our own                 PNG (folders)          libpng
  *   .mrc .map                   our own                 .mgh .mgz              our own
  *   .mif .mih                   our own                 .cube, .dx             our own
+ *   AFNI's .HEAD .BRIK          our own                 VASP's CHGCAR          our own
  *
  * The format is found from the content, and from the name if the content does not tell.
  *

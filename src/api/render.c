@@ -419,6 +419,8 @@ static iso_status set_up_cuts(rendering *r, iso_error *error) {
     if (!(r->renderer->can & ISO_CAN_CLIP))
         return iso_fail(error, ISO_ERR_USAGE, "the method %s draws no cuts: %s do", r->renderer->name,
                         iso_methods_that_can(ISO_CAN_CLIP, (char[ISO_METHODS_TEXT]){0}));
+    if (r->translucent && iso_method_is_splats(r->renderer->method))
+        return iso_fail(error, ISO_ERR_USAGE, "translucent discs are not cut");
     if (o->glass || o->instances || o->absorption_length > 0)
         return iso_fail(error, ISO_ERR_USAGE, "glass, instances and what absorbs light are not cut");
     for (int i = 0; i < o->clip_count; i++) {
@@ -531,6 +533,7 @@ static iso_status draw_picture(rendering *r, iso_image *image, size_t *covered, 
                        .transparency = opts->transparency};
     if (r->gaussians) {
         gaussians = iso_api_cloud_gaussians(r->surfaces[0]->cloud, r->colors[0]);
+        gaussians.clip = r->surfaces[0]->scene.clip;
         scene.gaussians = &gaussians;
     }
     const iso_status status = iso_scene_render(&scene, &r->picture, image, covered, error);

@@ -19,4 +19,7 @@ uint64_t iso_file_set_identity(const iso_file_set *set);
  * for copies in other folders and on other machines. It reads the files. */
 uint64_t iso_file_set_content(const iso_file_set *set);
 
+/* Goes on with the hash of some bytes (Fowler, Noll and Vo's FNV-1a); begin with any number. */
+uint64_t iso_hash(uint64_t hash, const void *bytes, size_t count);
+
 #endif

@@ -208,3 +208,9 @@ void iso_file_set_free(iso_file_set *set) {
     free(set->entries);
     *set = (iso_file_set){0};
 }
+
+uint64_t iso_hash(uint64_t hash, const void *bytes, size_t count) {
+    const unsigned char *byte = bytes;
+    for (size_t i = 0; i < count; i++) hash = (hash ^ byte[i]) * 0x100000001b3u;
+    return hash;
+}

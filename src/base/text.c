@@ -169,7 +169,8 @@ bool iso_text_ends_with(const char *text, const char *suffix) {
 
 bool iso_text_has_extension(const char *name, const char *extension) {
     size_t length = strlen(name), tail = strlen(extension);
-    return length > tail && strcasecmp(name + length - tail, extension) == 0;
+    return (length > tail || (length == tail && *extension != '.')) &&
+           strcasecmp(name + length - tail, extension) == 0;
 }
 
 bool iso_text_has_word(const char *words, const char *word, size_t length) {

@@ -47,7 +47,8 @@ void iso_text_put(FILE *stream, const char *text);
 /* Whether `text` ends in `suffix`; case matters. */
 bool iso_text_ends_with(const char *text, const char *suffix);
 
-/* Whether a file's name ends in `extension` (".gz"), in either case, and has characters before it. */
+/* Whether a file's name ends in `extension` (".gz"), in either case, and has characters before it, or is the
+ * extension, if this has no dot ("CHGCAR"). */
 bool iso_text_has_extension(const char *name, const char *extension);
 
 /* Whether one of `words`, which are separated by blanks, equals the first `length` characters of `word`.

@@ -96,7 +96,37 @@ static void open_row(const iso_exact_frame *frame, const uint64_t *keys, uint64_
         row[x / 64] |= (uint64_t)(keys[x] > least) << x % 64;
 }
 
-/* Makes all pixels of the band free, and empties the lists. */
+/* If a single plane cuts the surface, nothing that is left of it is nearer than the plane: pixels of a row
+ * that show something in front of the plane, as its cap, are not free. */
+static void close_row(const iso_exact_projection *projection, int y, uint64_t *row) {
+    const iso_target *target = projection->target;
+    const iso_clip_body *body = &projection->clip->body[0];
+    const double side = body->keeps ? -1 : 1, *face = body->face[0], slack = 1 + 2e-7; /* depths are floats */
+    const iso_vec3 normal = {side * face[0], side * face[1], side * face[2]};
+    double slope[2],
+        depth[2]; /* towards what is left, in columns 0 and 1; the ray is there at depth / slope */
+    for (int x = 0; x < 2; x++) {
+        iso_vec3 origin, direction;
+        iso_view_ray(target->view, x + 0.5, y + 0.5, &origin, &direction);
+        slope[x] = iso_vec3_dot(normal, direction);
+        depth[x] = slack * (side * face[3] - iso_vec3_dot(normal, origin));
+    }
+    const int width = target->gbuffer->width;
+    const float *front = target->gbuffer->depth + (ptrdiff_t)y * width;
+    for (int x = 0; x < width; x += 64) {
+        uint64_t hidden = 0;
+        const int count = width - x < 64 ? width - x : 64;
+        for (int i = 0; i < count; i++) {
+            if (front[x + i] == INFINITY) continue;
+            const double toward = slope[0] + (x + i) * (slope[1] - slope[0]),
+                         at = depth[0] + (x + i) * (depth[1] - depth[0]);
+            hidden |= (uint64_t)((toward > 0) & (front[x + i] * toward <= at)) << i;
+        }
+        row[x / 64] &= ~hidden;
+    }
+}
+
+/* Makes all pixels of the band free, but for those where nothing can be seen, and empties the lists. */
 static void start_band(const iso_exact_frame *frame, iso_rows rows, iso_exact_scratch *scratch) {
     const int width = frame->projection.target->gbuffer->width;
     const iso_exact_paint *paint = frame->projection.paint;
@@ -113,6 +143,8 @@ static void start_band(const iso_exact_frame *frame, iso_rows rows, iso_exact_sc
         }
         for (int word = 0; word < scratch->words; word++) row[word] = word < width / 64 ? ~(uint64_t)0 : 0;
         if (width % 64) row[width / 64] = ((uint64_t)1 << width % 64) - 1;
+        if (!paint && iso_clip_is_plane(frame->projection.clip))
+            close_row(&frame->projection, rows.first + y, row);
     }
 }
 

@@ -85,7 +85,7 @@ static const iso_rgb NEUTRAL = {128, 128, 128};
 
 iso_rgb iso_colormap_at(iso_colormap map, double at) {
     if (isnan(at)) return NEUTRAL;
-    const uint8_t gray = (uint8_t)(clamp(at) * 255 + 0.5);
+    const uint8_t gray = iso_gray_at(at);
     if (map == ISO_COLORMAP_GRAY) return (iso_rgb){gray, gray, gray};
     return table_at(tables[map], STEPS, clamp(at));
 }

@@ -34,6 +34,11 @@ const char *iso_colormap_name(iso_colormap map);
 /* ISO_ERR_USAGE: there is no map of this name; the message has the nearest name. */
 iso_status iso_colormap_find(const char *name, iso_colormap *map, iso_error *error);
 
+/* The gray of `at`, 0 (black) .. 1 (white); values outside are clamped. Not for NaN. */
+static inline uint8_t iso_gray_at(double at) {
+    return (uint8_t)((at < 0 ? 0 : at > 1 ? 1 : at) * 255 + 0.5);
+}
+
 /* Returns the colour of `at`, 0 (lowest) .. 1 (highest). Values outside are clamped; NaN is middle gray. */
 iso_rgb iso_colormap_at(iso_colormap map, double at);
 

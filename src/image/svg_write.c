@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/html.h"
 #include "base/text.h"
 #include "image/drawing_write.h"
 #include "image/font.h"
@@ -19,17 +20,6 @@ static void put_escaped(FILE *f, const char *text) {
             fputc(*text, f);
 }
 
-static void put_base64(FILE *f, const uint8_t *bytes, size_t size) {
-    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    for (size_t i = 0; i < size; i += 3) {
-        const unsigned a = bytes[i], b = i + 1 < size ? bytes[i + 1] : 0, c = i + 2 < size ? bytes[i + 2] : 0;
-        fputc(digits[a >> 2], f);
-        fputc(digits[(a & 3) << 4 | b >> 4], f);
-        fputc(i + 1 < size ? digits[(b & 15) << 2 | c >> 6] : '=', f);
-        fputc(i + 2 < size ? digits[c & 63] : '=', f);
-    }
-}
-
 static void put_color(FILE *f, const char *name, iso_rgb c) {
     fprintf(f, " %s=\"#%02x%02x%02x\"", name, c.r, c.g, c.b);
 }
@@ -43,7 +33,7 @@ static iso_status put_picture(FILE *f, const iso_mark *mark, iso_pool *pool, iso
     fprintf(f, "<image x=\"%.7g\" y=\"%.7g\" width=\"%.7g\" height=\"%.7g\" preserveAspectRatio=\"none\" ",
             mark->left, mark->top, width, height);
     fputs("xlink:href=\"data:image/png;base64,", f);
-    put_base64(f, bytes, size);
+    iso_html_base64(f, bytes, size);
     fputs("\"/>\n", f);
     free(bytes);
     return ISO_OK;

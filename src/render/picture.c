@@ -174,8 +174,9 @@ iso_status iso_picture_render(const iso_picture_opts *opts, iso_image *image, si
     else if (needs_gbuffer(opts))
         ISO_TRY(iso_gbuffer_create(opts->width * factor, (rows + more) * factor, &p.gbuffer, error));
     iso_status status = set_planes(&p, error);
-    for (int y0 = 0; y0 < opts->height && status == ISO_OK; y0 += rows) {
-        const int count = opts->height - y0 < rows ? opts->height - y0 : rows;
+    const int end = opts->rows[1] ? opts->rows[1] : opts->height;
+    for (int y0 = opts->rows[0]; y0 < end && status == ISO_OK; y0 += rows) {
+        const int count = end - y0 < rows ? end - y0 : rows;
         if (opts->begin_strip)
             opts->begin_strip(opts->draw_context, (double)y0 / opts->height,
                               (double)(y0 + count) / opts->height);

@@ -36,6 +36,7 @@ typedef struct iso_picture_opts {
     const iso_camera *camera;
     const iso_view *view; /* NULL, or a view of width x height pixels that is used instead of the camera */
     int width, height;
+    int rows[2];        /* only the pixel rows rows[0] .. rows[1] - 1 are drawn; 0, 0: all */
     int samples;        /* per pixel: a square number 1, 4, 9 .. 64; 0 means 1 */
     size_t strip_bytes; /* of the gbuffer, at most; 0 means ISO_PICTURE_STRIP_BYTES */
     iso_shading shading;

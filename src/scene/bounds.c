@@ -97,8 +97,10 @@ iso_box iso_bounds_of_each_disc(const iso_point_view *view, const iso_affine *al
     const double *s = view->transform.spacing;
     discs d = {.view = view, .world = iso_transform_affine(&view->transform), .vectors = vectors};
     for (size_t span = 0; span < view->span_count; span++)
-        for (uint32_t i = 0; i < view->spans[span].count; i++)
-            d.most = fmax(d.most, reach_of(&d, view->spans[span].first + i));
+        for (uint32_t i = 0; i < view->spans[span].count; i++) {
+            const double reach = reach_of(&d, view->spans[span].first + i);
+            if (reach > d.most) d.most = reach; /* (fmax is an internal error of gcc 12 for ARM) */
+        }
     d.most /= fmin(s[0], fmin(s[1], s[2]));
     const iso_box_items spans = {&d, view->span_count, knows_boxes(view) ? around_discs : NULL, add_discs};
     return iso_box_of_items(&spans, along);

@@ -1,11 +1,14 @@
 /* caps: where the pieces of rays that a clip leaves begin in a solid there is a cap. All in double
- * precision. */
+ * precision, with a kernel for solids that one plane cuts. */
 #include "scene/caps.h"
 
 #include <math.h>
 #include <string.h>
 
+#include "base/kernel_units.h"
 #include "base/memory.h"
+#include "grids/brick_index.h"
+#include "scene/caps_kernel.h"
 
 enum { ROWS_PER_TASK = 4 };
 
@@ -19,80 +22,39 @@ typedef struct solid {
     double last[3];  /* index of the last voxel */
     double isovalue; /* stored */
     bool level_set;
-    bool same_clip; /* as the solid before it */
-    bool by_plane;  /* its clip is one plane */
+    bool same_clip;       /* as the solid before it */
+    bool by_plane;        /* its clip is one plane */
+    bool same_plane;      /* as the solid before it, in the same volume */
+    float normal[3];      /* of the cap that a plane makes, in view space */
+    bool shows;           /* its caps show the volume */
+    double scale, offset; /* physical = stored * scale + offset */
 } solid;
-
-/* A number that depends linearly on the column: first + x * next. */
-typedef struct linear {
-    double first, next;
-} linear;
-
-/* A solid that one plane cuts, for a row of samples. With the slope of a ray towards what is left, the ray
- * meets the plane at depth / slope, at the index coordinates place / slope. */
-typedef struct plane_row {
-    linear slope, depth, place[3];
-    int begin, end; /* columns in which that can be in the volume */
-} plane_row;
 
 typedef struct caps_draw {
     const iso_cut_caps *caps;
     const iso_view *view;
     iso_gbuffer *gbuffer;
+    iso_cap_kernel_fn *kernel;
     solid *solids;
-    plane_row *rows; /* by worker and solid */
-    bool others;     /* some solids get caps that are not cut by one plane */
+    iso_cap_row *rows; /* by worker and solid */
+    bool others;       /* some solids get caps that are not cut by one plane */
 } caps_draw;
 
 /* What a sample shows. */
 typedef struct found {
     double depth;
     const solid *solid;
-    iso_vec3 normal; /* world; 0: not lit */
-    iso_rgb color;
+    float normal[3]; /* view space; 0: not lit */
+    uint32_t color;  /* as in the gbuffer, without the surface's number */
 } found;
-
-/* Interpolates between the eight corners of a cell, whose first is `v`; y, z: to the next row and layer. */
-#define BLEND(v)                                                                                             \
-    do {                                                                                                     \
-        const double a = (v)[0], b = (v)[y], c = (v)[z], d = (v)[y + z];                                     \
-        const double low = a + part[0] * ((v)[1] - a), high = b + part[0] * ((v)[y + 1] - b),                \
-                     low2 = c + part[0] * ((v)[z + 1] - c), high2 = d + part[0] * ((v)[y + z + 1] - d);      \
-        const double near = low + part[1] * (high - low), far = low2 + part[1] * (high2 - low2);             \
-        return near + part[2] * (far - near);                                                                \
-    } while (0)
-
-/* iso_grid_sample of a dense grid, in a cell that lies in it; NAN or infinite: a corner is not finite. */
-static double sample_dense(const iso_rgrid *grid, const int cell[3], const double part[3]) {
-    const ptrdiff_t y = grid->stride_y, z = grid->stride_z, first = cell[0] + cell[1] * y + cell[2] * z;
-    switch (grid->type) {
-    case ISO_UINT8:
-        BLEND((const uint8_t *)grid->data + first);
-    case ISO_INT16:
-        BLEND((const int16_t *)grid->data + first);
-    case ISO_UINT16:
-        BLEND((const uint16_t *)grid->data + first);
-    default:
-        BLEND((const float *)grid->data + first);
-    }
-}
 
 /* The stored value at a place in index coordinates; NAN outside the volume, and beside a voxel that is not
  * finite. */
 static double value_at_index(const solid *s, iso_vec3 place) {
-    const double p[3] = {place.x, place.y, place.z},
-                 slack = 1e-9; /* a plane along the border lies in the volume */
-    double part[3];
-    int cell[3];
-    for (int axis = 0; axis < 3; axis++) {
-        if (!(p[axis] >= -slack && p[axis] <= s->last[axis] + slack)) return NAN;
-        cell[axis] = (int)p[axis];
-        part[axis] = p[axis] - cell[axis];
-    }
-    const bool within = cell[0] < s->last[0] && cell[1] < s->last[1] && cell[2] < s->last[2];
-    if (!s->input->grid->rgrid || !within) return iso_grid_sample(s->input->grid, place);
-    const double value = sample_dense(s->input->grid->rgrid, cell, part);
-    return isfinite(value) ? value : NAN;
+    const double p[3] = {place.x, place.y, place.z};
+    for (int axis = 0; axis < 3; axis++)
+        if (!(p[axis] >= -ISO_CAP_SLACK && p[axis] <= s->last[axis] + ISO_CAP_SLACK)) return NAN;
+    return iso_grid_sample(s->input->grid, place);
 }
 
 /* The same at a point in the world. */
@@ -104,28 +66,32 @@ static bool is_inside(const solid *s, double value) {
     return !isnan(value) && (value >= s->isovalue) != s->level_set;
 }
 
+static bool share_volume(const iso_capped *a, const iso_capped *b) {
+    return a->grid->rgrid == b->grid->rgrid && a->grid->hgrid == b->grid->hgrid;
+}
+
 /* Whether solid `a` is drawn where `b` has a cap as well, which comes before it. */
 static bool is_inner(const solid *a, const solid *b) {
-    if (a->input->grid->rgrid != b->input->grid->rgrid || a->input->grid->hgrid != b->input->grid->hgrid)
-        return true;
-    return (a->isovalue > b->isovalue) != a->level_set;
+    return !share_volume(a->input, b->input) || (a->isovalue > b->isovalue) != a->level_set;
 }
 
-static iso_rgb color_of(const iso_slice_look *look, const solid *s, double value) {
-    const double width = look->high - look->low, physical = iso_grid_physical(s->input->grid, value);
-    return iso_colormap_at(look->map, isnan(value) ? NAN : (physical - look->low) / width);
+static uint32_t pack(iso_rgb c) {
+    return (uint32_t)c.r | (uint32_t)c.g << 8 | (uint32_t)c.b << 16;
 }
 
-static linear between(double first, double second) {
-    return (linear){first, second - first};
+static uint32_t color_of(const iso_slice_look *look, const solid *s, double value) {
+    const double physical = value * s->scale + s->offset,
+                 at = (physical - look->low) / (look->high - look->low);
+    if (look->map == ISO_COLORMAP_GRAY && !isnan(at)) return iso_gray_at(at) * 0x010101u;
+    return pack(iso_colormap_at(look->map, at));
 }
 
-static double at_column(const linear *l, int x) {
-    return l->first + x * l->next;
+static iso_cap_linear between(double first, double second) {
+    return (iso_cap_linear){first, second - first};
 }
 
 /* Leaves only columns in which l is not below 0, and a column more on both sides for rounding. */
-static void limit_columns(linear l, plane_row *row) {
+static void limit_columns(iso_cap_linear l, iso_cap_row *row) {
     const double zero = -l.first / l.next;
     if (l.next > 0 && zero - 1 > row->begin) row->begin = zero - 1 < row->end ? (int)(zero - 1) : row->end;
     if (l.next < 0 && zero + 2 < row->end) row->end = zero + 2 > row->begin ? (int)(zero + 2) : row->begin;
@@ -134,11 +100,12 @@ static void limit_columns(linear l, plane_row *row) {
 
 /* In perspective all rays of a row have one origin, and else one direction: so that what row->place stands
  * for is linear. */
-static plane_row make_plane_row(const solid *s, const iso_view *view, int y) {
+static iso_cap_row make_plane_row(const solid *s, const iso_view *view, int y) {
     const iso_clip_body *body = &s->input->clip->body[0];
     const double side = body->keeps ? -1 : 1, *f = body->face[0];
     const iso_vec3 normal = {side * f[0], side * f[1], side * f[2]};
-    plane_row row = {.begin = 0, .end = view->width};
+    iso_cap_row row = {.begin = 0, .end = view->width, .near = view->near};
+    if (s->last[0] >= 1 && s->last[1] >= 1 && s->last[2] >= 1) row.grid = s->input->grid->rgrid;
     double slope[2], depth[2], place[2][3];
     for (int x = 0; x < 2; x++) {
         iso_vec3 origin, direction;
@@ -153,7 +120,7 @@ static plane_row make_plane_row(const solid *s, const iso_view *view, int y) {
     row.depth = between(depth[0], depth[1]);
     limit_columns(row.slope, &row);
     for (int axis = 0; axis < 3; axis++) {
-        const double last = s->last[axis];
+        const double last = row.last[axis] = s->last[axis];
         row.place[axis] = between(place[0][axis], place[1][axis]);
         limit_columns(row.place[axis], &row);
         limit_columns(between(last * slope[0] - place[0][axis], last * slope[1] - place[1][axis]), &row);
@@ -161,27 +128,67 @@ static plane_row make_plane_row(const solid *s, const iso_view *view, int y) {
     return row;
 }
 
-static void take_cap(const caps_draw *draw, const solid *s, const iso_clip_piece *piece, iso_vec3 point,
-                     double value, found *f) {
-    const bool shows = draw->caps->shows && !s->input->plain;
-    f->depth = piece->begin;
-    f->solid = s;
-    f->normal = shows ? iso_vec3_make(0, 0, 0) : iso_clip_normal(s->input->clip, piece, point);
-    f->color = shows ? color_of(&draw->caps->look, s, value) : s->input->color;
+static void store_normal(const iso_view *view, iso_vec3 normal, float to[3]) {
+    const iso_vec3 v = iso_view_vector(view, normal);
+    to[0] = (float)v.x, to[1] = (float)v.y, to[2] = (float)v.z;
 }
 
-/* The cap of a solid that one plane cuts, in column x, if it is not behind *f. */
-static void find_plane_cap(const caps_draw *draw, const solid *s, const plane_row *row, int x, found *f) {
-    if (x < row->begin || x >= row->end) return;
-    const double slope = at_column(&row->slope, x), inverse = 1 / slope,
-                 t = at_column(&row->depth, x) * inverse;
-    if (!(slope > 0 && t > draw->view->near && t <= f->depth)) return;
-    const iso_vec3 place = {at_column(&row->place[0], x) * inverse, at_column(&row->place[1], x) * inverse,
-                            at_column(&row->place[2], x) * inverse};
-    const double value = value_at_index(s, place);
-    if (!is_inside(s, value) || (t == f->depth && f->solid && !is_inner(s, f->solid))) return;
-    const iso_clip_piece piece = {t, INFINITY, 0, 0};
-    take_cap(draw, s, &piece, s->input->clip->body[0].centre, value, f);
+/* Makes the sample show the cap of a solid. normal: view space; of caps that do not show the volume. */
+static void take_cap(const caps_draw *draw, const solid *s, double depth, const float normal[3], double value,
+                     found *f) {
+    f->depth = depth;
+    f->solid = s;
+    f->color = s->shows ? color_of(&draw->caps->look, s, value) : pack(s->input->color);
+    for (int k = 0; k < 3; k++) f->normal[k] = s->shows ? 0 : normal[k];
+}
+
+/* Whether some brick that the plane crosses in `count` samples from column x on has a value inside; true
+ * where that is not known. */
+static bool may_be_inside(const solid *s, const iso_cap_row *row, int x, int count) {
+    int first[3], last[3];
+    if (row->begin >= x + count || row->end <= x) return false;
+    const iso_brick_index *index = row->grid ? row->grid->index : NULL;
+    if (!index || !iso_brick_index_current(index)) return true;
+    const double from = row->slope.first + x * row->slope.next,
+                 to = row->slope.first + (x + count - 1) * row->slope.next, slack = 1e-6;
+    if (!(from > 0 && to > 0)) return true;
+    for (int axis = 0; axis < 3; axis++) { /* the places lie on the line between the two ends */
+        const iso_cap_linear *p = &row->place[axis];
+        const double a = (p->first + x * p->next) / from, b = (p->first + (x + count - 1) * p->next) / to,
+                     low = (a < b ? a : b) - slack, high = (a < b ? b : a) + slack;
+        if (!(high >= 0 && low <= s->last[axis])) return false;
+        first[axis] = low > 0 ? (int)low / ISO_BRICK : 0;
+        last[axis] = (int)(high < s->last[axis] ? high : s->last[axis]) / ISO_BRICK;
+    }
+    for (int z = first[2]; z <= last[2]; z++)
+        for (int y = first[1]; y <= last[1]; y++)
+            for (int b = first[0]; b <= last[0]; b++) {
+                const uint32_t brick = iso_brick_index_number(index, (int[3]){b, y, z});
+                const iso_brick_range range = iso_brick_index_range(index, brick);
+                if (s->level_set ? range.lo < s->isovalue : range.hi >= s->isovalue) return true;
+            }
+    return false;
+}
+
+/* Computes where the plane that cuts a solid is met, in `count` samples from column x on. */
+static void fill_block(const caps_draw *draw, const solid *s, const iso_cap_row *row, int x, int count,
+                       iso_cap_block *block) {
+    draw->kernel(row, x, count, block);
+    for (int i = 0; i < count && !row->grid; i++) {
+        const iso_vec3 place = {block->place[0][i], block->place[1][i], block->place[2][i]};
+        block->value[i] = block->depth[i] < INFINITY ? value_at_index(s, place) : NAN;
+    }
+}
+
+/* The caps of a solid that one plane cuts, where they are not behind f. */
+static void find_plane_caps(const caps_draw *draw, const solid *s, int count, const iso_cap_block *block,
+                            found *f) {
+    for (int i = 0; i < count; i++) {
+        const double depth = block->depth[i], value = block->value[i];
+        if (!is_inside(s, value) || depth > f[i].depth) continue;
+        if (depth < f[i].depth || !f[i].solid || is_inner(s, f[i].solid))
+            take_cap(draw, s, depth, s->normal, value, &f[i]);
+    }
 }
 
 /* The nearest cap of the solids that are not cut by one plane, if it is not behind *f. */
@@ -199,8 +206,11 @@ static void find_cap(const caps_draw *draw, iso_vec3 origin, iso_vec3 direction,
             const iso_vec3 point = iso_vec3_add(origin, iso_vec3_scale(direction, pieces[k].begin));
             const double value = value_at(s, point);
             if (!is_inside(s, value)) continue;
-            if (pieces[k].begin < f->depth || !f->solid || is_inner(s, f->solid))
-                take_cap(draw, s, &pieces[k], point, value, f);
+            if (pieces[k].begin < f->depth || !f->solid || is_inner(s, f->solid)) {
+                float normal[3];
+                store_normal(draw->view, iso_clip_normal(s->input->clip, &pieces[k], point), normal);
+                take_cap(draw, s, pieces[k].begin, normal, value, f);
+            }
             break;
         }
     }
@@ -234,16 +244,15 @@ static void find_slice(const caps_draw *draw, const iso_slice *slice, int x, int
     if (!meet_plane(draw->view, slice->plane, x + 0.5, y + 0.5, &t, &point) || !(t <= f->depth)) return;
     const double value = value_at(first, point);
     if (isnan(value)) return;
-    *f = (found){t, first, {0, 0, 0}, color_of(&draw->caps->look, first, value)};
+    *f = (found){t, first, {0}, color_of(&draw->caps->look, first, value)};
     const double across =
         meet_plane(draw->view, slice->plane, x + 1.5, y + 0.5, &unused, &next) ? value_at(first, next) : NAN;
     const double down =
         meet_plane(draw->view, slice->plane, x + 0.5, y + 1.5, &unused, &next) ? value_at(first, next) : NAN;
     for (int i = 0; i < draw->caps->count; i++) {
         const solid *s = &draw->solids[i];
-        const bool same = s->input->grid->rgrid == first->input->grid->rgrid &&
-                          s->input->grid->hgrid == first->input->grid->hgrid;
-        if (same && is_outline(draw, s, value, across, down)) f->color = s->input->color;
+        if (share_volume(s->input, first->input) && is_outline(draw, s, value, across, down))
+            f->color = pack(s->input->color);
     }
 }
 
@@ -251,33 +260,44 @@ static void find_slice(const caps_draw *draw, const iso_slice *slice, int x, int
 
 static void write_sample(const caps_draw *draw, size_t at, const found *f) {
     iso_gbuffer *gbuffer = draw->gbuffer;
-    const iso_vec3 normal = iso_view_vector(draw->view, f->normal);
-    const iso_rgb c = f->color;
     gbuffer->depth[at] = (float)f->depth;
-    gbuffer->normal[0][at] = (float)normal.x;
-    gbuffer->normal[1][at] = (float)normal.y;
-    gbuffer->normal[2][at] = (float)normal.z;
+    for (int k = 0; k < 3; k++) gbuffer->normal[k][at] = f->normal[k];
     gbuffer->surface[at] = f->solid->input->surface;
-    gbuffer->color[at] = (uint32_t)c.r | (uint32_t)c.g << 8 | (uint32_t)c.b << 16 |
-                         ((uint32_t)f->solid->input->surface + 1) << 24;
+    gbuffer->color[at] = f->color | ((uint32_t)f->solid->input->surface + 1) << 24;
 }
 
-static void draw_sample(const caps_draw *draw, const plane_row *rows, int x, int y) {
+/* Draws `count` samples of a row (at most ISO_CAP_BLOCK) from column x on. */
+static void draw_samples(const caps_draw *draw, const iso_cap_row *rows, int x, int y, int count) {
     const size_t at = (size_t)y * (size_t)draw->gbuffer->width + (size_t)x;
-    found f = {.depth = (double)draw->gbuffer->depth[at]};
-    for (int i = 0; i < draw->caps->count && draw->caps->caps; i++)
-        if (draw->solids[i].by_plane) find_plane_cap(draw, &draw->solids[i], &rows[i], x, &f);
-    if (draw->others) {
-        iso_vec3 origin, direction;
-        iso_view_ray(draw->view, x + 0.5, y + 0.5, &origin, &direction);
-        find_cap(draw, origin, direction, &f);
+    iso_cap_block block;
+    found f[ISO_CAP_BLOCK];
+    bool filled = false, any = draw->others || draw->caps->slice_count;
+    for (int i = 0; i < count; i++) {
+        f[i].depth = (double)draw->gbuffer->depth[at + (size_t)i];
+        f[i].solid = NULL;
     }
-    for (int i = 0; i < draw->caps->slice_count; i++) find_slice(draw, &draw->caps->slices[i], x, y, &f);
-    if (f.solid) write_sample(draw, at, &f);
+    for (int i = 0; i < draw->caps->count && draw->caps->caps; i++) {
+        const solid *s = &draw->solids[i];
+        filled &= s->same_plane;
+        if (!s->by_plane || !may_be_inside(s, &rows[i], x, count)) continue;
+        if (!filled) fill_block(draw, s, &rows[i], x, count, &block);
+        find_plane_caps(draw, s, count, &block, f);
+        filled = any = true;
+    }
+    for (int i = 0; i < count && any; i++) {
+        if (draw->others) {
+            iso_vec3 origin, direction;
+            iso_view_ray(draw->view, x + i + 0.5, y + 0.5, &origin, &direction);
+            find_cap(draw, origin, direction, &f[i]);
+        }
+        for (int k = 0; k < draw->caps->slice_count; k++)
+            find_slice(draw, &draw->caps->slices[k], x + i, y, &f[i]);
+        if (f[i].solid) write_sample(draw, at + (size_t)i, &f[i]);
+    }
 }
 
 /* The columns in which there can be a cap of a solid that one plane cuts. */
-static void limit_row(const caps_draw *draw, const plane_row *rows, int *begin, int *end) {
+static void limit_row(const caps_draw *draw, const iso_cap_row *rows, int *begin, int *end) {
     *begin = draw->gbuffer->width;
     *end = 0;
     for (int i = 0; i < draw->caps->count; i++) {
@@ -289,14 +309,17 @@ static void limit_row(const caps_draw *draw, const plane_row *rows, int *begin, 
 
 static void draw_rows(void *context, size_t index, int worker) {
     const caps_draw *draw = context;
-    plane_row *rows = draw->rows + (size_t)worker * (size_t)draw->caps->count;
+    iso_cap_row *rows = draw->rows + (size_t)worker * (size_t)draw->caps->count;
     const int first = (int)index * ROWS_PER_TASK;
     for (int y = first; y < first + ROWS_PER_TASK && y < draw->gbuffer->height; y++) {
         for (int i = 0; i < draw->caps->count; i++)
-            if (draw->solids[i].by_plane) rows[i] = make_plane_row(&draw->solids[i], draw->view, y);
+            if (draw->solids[i].by_plane)
+                rows[i] = draw->solids[i].same_plane ? rows[i - 1]
+                                                     : make_plane_row(&draw->solids[i], draw->view, y);
         int begin = 0, end = draw->gbuffer->width;
         if (!draw->others && !draw->caps->slice_count) limit_row(draw, rows, &begin, &end);
-        for (int x = begin; x < end; x++) draw_sample(draw, rows, x, y);
+        for (int x = begin; x < end; x += ISO_CAP_BLOCK)
+            draw_samples(draw, rows, x, y, end - x < ISO_CAP_BLOCK ? end - x : ISO_CAP_BLOCK);
     }
 }
 
@@ -306,11 +329,32 @@ static bool are_equal(const iso_clip *a, const iso_clip *b) {
             (a->count == b->count && memcmp(a->body, b->body, (size_t)a->count * sizeof *a->body) == 0));
 }
 
-static void prepare_solid(const iso_capped *input, solid *s) {
+static void prepare_solid(const caps_draw *draw, int i) {
+    const iso_capped *input = &draw->caps->solids[i];
+    solid *s = &draw->solids[i];
     *s = (solid){.input = input, .level_set = iso_grid_is_level_set(input->grid)};
     s->affine = iso_transform_affine(iso_grid_transform(input->grid));
     s->isovalue = iso_grid_stored(input->grid, input->isovalue);
     for (int axis = 0; axis < 3; axis++) s->last[axis] = iso_grid_dims(input->grid)[axis] - 1;
+    s->shows = draw->caps->shows && !input->plain;
+    s->offset = iso_grid_physical(input->grid, 0);
+    s->scale = iso_grid_scale(input->grid);
+    s->by_plane = iso_clip_is_plane(input->clip);
+    const bool same = i && are_equal(input->clip, draw->caps->solids[i - 1].clip);
+    s->same_plane = same && s->by_plane && share_volume(input, &draw->caps->solids[i - 1]);
+    s->same_clip = same && !s->by_plane;
+    if (!s->by_plane) return;
+    const iso_clip_piece piece = {0, INFINITY, 0, 0};
+    store_normal(draw->view, iso_clip_normal(input->clip, &piece, input->clip->body[0].centre), s->normal);
+}
+
+bool iso_caps_are_in_front(const iso_cut_caps *caps) {
+    bool planes = caps->caps && !caps->slice_count;
+    for (int i = 0; i < caps->count; i++) {
+        const iso_clip *clip = caps->solids[i].clip;
+        planes &= !clip || !clip->count || iso_clip_is_plane(clip);
+    }
+    return planes;
 }
 
 iso_status iso_caps_draw(const iso_cut_caps *caps, const iso_view *view, iso_gbuffer *gbuffer, iso_pool *pool,
@@ -319,17 +363,14 @@ iso_status iso_caps_draw(const iso_cut_caps *caps, const iso_view *view, iso_gbu
     ISO_TRY(iso_gbuffer_add_color(gbuffer, error));
     const size_t count = (size_t)caps->count, workers = (size_t)iso_pool_threads(pool);
     caps_draw draw = {.caps = caps, .view = view, .gbuffer = gbuffer};
+    draw.kernel = ISO_KERNEL_UNIT(iso_cap_kernel, iso_cpu_best());
     draw.solids = iso_alloc(count * (sizeof *draw.solids + workers * sizeof *draw.rows));
     if (!draw.solids) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for caps");
-    draw.rows = (plane_row *)(draw.solids + count);
+    draw.rows = (iso_cap_row *)(draw.solids + count);
     for (int i = 0; i < caps->count; i++) {
-        prepare_solid(&caps->solids[i], &draw.solids[i]);
-        const bool cut = caps->solids[i].clip && caps->solids[i].clip->count;
-        draw.solids[i].by_plane =
-            cut && caps->solids[i].clip->count == 1 && caps->solids[i].clip->body[0].faces == 1;
-        draw.others |= caps->caps && cut && !draw.solids[i].by_plane;
-        draw.solids[i].same_clip =
-            i && !draw.solids[i - 1].by_plane && are_equal(caps->solids[i].clip, caps->solids[i - 1].clip);
+        prepare_solid(&draw, i);
+        const iso_clip *clip = caps->solids[i].clip;
+        draw.others |= caps->caps && clip && clip->count && !draw.solids[i].by_plane;
     }
     const size_t tasks = ((size_t)gbuffer->height + ROWS_PER_TASK - 1) / ROWS_PER_TASK;
     iso_parallel_for(pool, tasks, draw_rows, &draw);

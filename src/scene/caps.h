@@ -45,6 +45,10 @@ typedef struct iso_cut_caps {
     int factor; /* samples along a pixel's side: outlines are 1.5 pixels wide */
 } iso_cut_caps;
 
+/* Whether no cap can hide behind what is left of its own solid: a single plane cuts each solid that is cut.
+ * Such caps may also be drawn before the surfaces, of which the method exact then draws only what is seen. */
+bool iso_caps_are_in_front(const iso_cut_caps *caps);
+
 /* Replaces the samples that are farther than a cap or a slice. Where several solids are cut in one place the
  * cap is that of the innermost: of solids of one volume that of the innermost surface, of others that of the
  * last. The same bytes with every number of threads. `pool` may be NULL. ISO_ERR_NOMEM. */

@@ -31,14 +31,19 @@ static iso_point_workspace *workspace_of(const iso_scene_surface *surface) {
 static iso_status draw_pyramid(const iso_scene_surface *surface, const iso_target *target,
                                iso_reconstruction reconstruction, iso_error *error) {
     iso_point_view view = iso_scene_surface_points(surface);
+    const iso_target to = clipped(surface, target);
     const iso_point_surface_opts opts = {.reconstruction = reconstruction,
                                          .workspace = workspace_of(surface),
                                          .selection = surface->selection};
-    if (!iso_scene_surface_uses_levels(surface)) return iso_draw_point_surface(target, &view, &opts, error);
-    iso_lod_cut *cut = surface->cut;
-    ISO_TRY(iso_lod_cut_make(cut, &surface->lod, target->view, surface->lod_pixels, target->pool, error));
-    for (int k = 0; k < cut->levels; k++)
-        if (cut->view[k].span_count) ISO_TRY(iso_draw_point_surface(target, &cut->view[k], &opts, error));
+    const bool cut = to.clip && to.clip->count; /* one sees what faces away, too */
+    view.closed &= !cut;
+    if (!iso_scene_surface_uses_levels(surface)) return iso_draw_point_surface(&to, &view, &opts, error);
+    iso_lod_cut *levels = surface->cut;
+    ISO_TRY(iso_lod_cut_make(levels, &surface->lod, target->view, surface->lod_pixels, target->pool, error));
+    for (int k = 0; k < levels->levels; k++) {
+        levels->view[k].closed &= !cut;
+        if (levels->view[k].span_count) ISO_TRY(iso_draw_point_surface(&to, &levels->view[k], &opts, error));
+    }
     return ISO_OK;
 }
 
@@ -106,7 +111,7 @@ enum {
 enum {
     GBUFFER = ISO_CAN_OCCLUSION | ISO_CAN_COLORS, /* of all methods that draw into a gbuffer */
     PYRAMID = GBUFFER | ISO_CAN_PYRAMID | ISO_CAN_LEVELS | ISO_CAN_CHUNKS | ISO_CAN_GL,
-    DISCS = GBUFFER | ISO_CAN_LEVELS | ISO_CAN_SELECTION | ISO_CAN_INSTANCES,
+    DISCS = GBUFFER | ISO_CAN_LEVELS | ISO_CAN_SELECTION | ISO_CAN_INSTANCES | ISO_CAN_CLIP,
     LAYERS = GBUFFER | ISO_CAN_LAYERS | ISO_CAN_GLASS,
     SOLIDS = LAYERS | ISO_CAN_ABSORPTION | ISO_CAN_COLOR_LAYERS
 };

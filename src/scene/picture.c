@@ -150,9 +150,13 @@ static iso_status draw_things(const drawing *d, const iso_view *view, iso_gbuffe
 
 /* iso_picture_opts.draw. */
 static iso_status draw_all(void *context, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
+    const iso_scene *scene = ((const drawing *)context)->scene;
+    const bool caps_first = scene->caps && iso_caps_are_in_front(scene->caps) && !scene->engine &&
+                            scene->renderer->method == ISO_METHOD_EXACT && !has_colorings(scene);
+    if (caps_first) ISO_TRY(draw_caps(context, view, gbuffer, error));
     ISO_TRY(draw_things(context, view, gbuffer, error));
     ISO_TRY(paint_colorings(context, view, gbuffer, error));
-    ISO_TRY(draw_caps(context, view, gbuffer, error));
+    if (!caps_first) ISO_TRY(draw_caps(context, view, gbuffer, error));
     return paint_labels(context, view, gbuffer, error);
 }
 
@@ -290,7 +294,7 @@ static bool is_painted(const iso_scene *scene, const iso_picture_opts *opts) {
     return scene->renderer->method == ISO_METHOD_EXACT && !scene->engine && !scene->caps &&
            iso_scene_colors(scene) == 1 && scene->count == 1 && !has_labels(scene) && !has_colorings(scene) &&
            opts->samples <= 1 && !opts->aov && opts->lighting == ISO_LIGHTING_PHONG && !opts->occlusion &&
-           !(opts->outline > 0) && !opts->gbuffer;
+           !(opts->outline > 0) && !opts->gbuffer && !opts->rows[1];
 }
 
 static iso_status paint(const iso_scene *scene, const iso_picture_opts *opts, iso_image *image,

@@ -1,4 +1,5 @@
-/* label: names of labels, their level sets, and the comparison of two fields at the voxels of a segmentation. */
+/* label: names of labels, their level sets, and the comparison of two fields at the voxels of a
+ * segmentation. */
 #include "source/label.h"
 
 #include <fnmatch.h>
@@ -155,8 +156,8 @@ static bool cell_differs(const comparing *c, size_t cell) {
                   ISO_BRICK_VOXELS * sizeof(float)) != 0;
 }
 
-/* Marks the cells that differ, and those before them along each axis: a place in these is interpolated between
- * voxels of both. */
+/* Marks the cells that differ, and those before them along each axis: a place in these is interpolated
+ * between voxels of both. */
 static void mark_changed(const comparing *c) {
     const iso_hgrid *grid = c->now.hgrid;
     const size_t count = iso_hgrid_cell_count(grid);

@@ -28,6 +28,7 @@ typedef struct sculpting {
     int place_count, stroke, step;
     double *times, *cpu; /* of each touch: by the clock, and what it took of the processor */
     int time_count;
+    double end_cpu; /* of all strokes' ends */
 } sculpting;
 
 typedef enum sculpt_kind { KEEPS_DISTANCES, SET_ONLY, PEER_WHOLE, PEER_CLIPPED } sculpt_kind;
@@ -83,7 +84,7 @@ static iso_status run_peer(const sculpt_plan *plan, sculpting *work, bench_sampl
     return ISO_OK;
 }
 
-/* A touch and the extraction of what it changed; the stroke's undo is not timed. */
+/* A touch and the extraction of what it changed. The stroke's end is timed apart, its undo is not. */
 static iso_status run_touch(const sculpt_plan *plan, sculpting *work, bench_sample *sample,
                             iso_error *error) {
     const iso_affine affine = iso_transform_affine(&work->grid->transform);
@@ -107,6 +108,11 @@ static iso_status run_touch(const sculpt_plan *plan, sculpting *work, bench_samp
     if (++work->step < STROKE) return ISO_OK;
     work->step = 0;
     work->stroke++;
+    bench_sample end = {0};
+    clock = bench_clock_start();
+    ISO_TRY(iso_editor_finalize(work->editor, error));
+    bench_clock_stop(&clock, &end);
+    work->end_cpu += end.cpu;
     ISO_TRY(iso_history_end(work->history, error));
     ISO_TRY(iso_history_undo(work->history, error));
     ISO_TRY(iso_history_clear(work->history, error));
@@ -142,6 +148,9 @@ static iso_status run_sculpt(bench_row *row, bench_sample *sample, iso_error *er
 static void finish_sculpt(bench_row *row) {
     sculpting *work = row->context;
     if (!work->time_count) return;
+    double touches = 0;
+    for (int i = 0; i < work->time_count; i++) touches += work->cpu[i];
+    bench_count(row, "stroke_end_share", work->end_cpu / (work->end_cpu + touches), 0, 0);
     qsort(work->times, (size_t)work->time_count, sizeof *work->times, iso_compare_doubles);
     qsort(work->cpu, (size_t)work->time_count, sizeof *work->cpu, iso_compare_doubles);
     double p50 = work->times[work->time_count / 2], p99 = work->times[work->time_count * 99 / 100];

@@ -71,6 +71,42 @@ for way in ("one", "two"):
     expect(min(other) > 500, way, "is not cut:", other)
     expect(both < 0.1 * min(other), way, "looks different in both halves in", both, "pixels of", other)
 P
+# points: what is left and what is taken away are together the whole, pixel by pixel, also where discs cross the plane
+python3 - <<'P'
+import math, random
+random.seed(4)
+with open("in/cloud.xyz", "w") as f:
+    for _ in range(3000):
+        v = [random.gauss(0, 1) for _ in range(3)]
+        length = math.sqrt(sum(x * x for x in v))
+        print(*(10 * x / length for x in v), file=f)
+P
+for way in flat ewa mean large; do
+    how="--method discs"
+    [ $way = large ] && how="--method discs --radius 4"
+    [ $way = ewa ] || [ $way = mean ] && how="--method splats --reconstruction $way"
+    how="in/cloud.xyz --quiet --camera-position 15,-90,20 --camera-focal-point 0,0,0 --resolution 160x150 $how"
+    isorender $how cloud_${way}_whole.png
+    isorender $how cloud_${way}_left.png --clip 1,0,0:1,.3,.2
+    isorender $how cloud_${way}_right.png --clip keep:1,0,0:1,.3,.2 --threads 1
+    isorender $how cloud_${way}_ball.png --clip sphere:0,-10,0,5
+    for cpu in generic avx2 avx512; do
+        ISO_CPU=$cpu isorender $how $cpu.png --clip sphere:0,-10,0,5 --threads ${#cpu}
+        cmp cloud_${way}_ball.png $cpu.png
+    done
+done
+python3 - <<'P'
+from check import Png, expect
+for way in ("flat", "ewa", "mean", "large"):
+    whole, left, right, ball = (Png("cloud_%s_%s.png" % (way, end)).pixels() for end in ("whole", "left", "right", "ball"))
+    other = [sum(p != q for p, q in zip(whole, part)) for part in (left, right, ball)]
+    both = sum(p not in (q, r) for p, q, r in zip(whole, left, right))
+    expect(min(other) > 100, way, "is not cut:", other)
+    expect(both < 0.04 * min(other), way, "looks different in both halves in", both, "pixels of", other)
+P
+refuses 2 "cuts no pull-push" isorender in/cloud.xyz bad.png --method pullpush --clip 'x<3'
+refuses 2 "cuts no translucent discs" isorender in/cloud.xyz bad.png --opacity .5 --clip 'x<3'
+refuses 6 "leaves nothing" isorender in/cloud.xyz bad.png --clip 'x<30'
 for where in 'x<3mm' 'x<' 'w<3' '1,2:0,0,1' '1,2,3:0,0,x' camera:near box:1,2,3,4,5 sphere:1,2,3 keep: @1 'x<3@' 'x<3@0' 'x<nan'; do
     refuses 2 "is not" isorender scene:head:32 bad.png --clip "$where"
 done
@@ -80,7 +116,7 @@ refuses 2 "is not above 0" isorender scene:head:32 bad.png --clip sphere:1,5,3,0
 refuses 2 "there is no @2" isorender scene:head:32 bad.png --clip 'x<3@2'
 refuses 2 "there is no @3" isorender scene:head:32 bad.png --quiet --glyphs in/points.xyz --clip 'x<3@3'
 refuses 2 "needs the cpu" isorender scene:head:32 bad.png --clip 'x<3' --backend egl --method mesh
-refuses 2 "exact, mesh and raycast do" isorender scene:head:32 bad.png --clip 'x<3' --method points
+refuses 2 "exact, discs, splats, mesh and raycast do" isorender scene:head:32 bad.png --clip 'x<3' --method points
 refuses 2 "more than 16 cuts" isorender scene:head:32 bad.png $(for i in $(seq 17); do echo "--clip x<$i"; done)
 refuses 6 "along 1,0,0 the plane is at 900 mm, and the surface reaches from" isorender scene:head:32 bad.png --clip 'x<900'
 refuses 6 "leaves nothing: along 0,1,0" isorender scene:head:32 bad.png --clip camera:900

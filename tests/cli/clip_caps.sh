@@ -15,6 +15,9 @@ for zoom in 1 3 16; do
 done
 isorender in/v.mha --quiet --resolution 120x100 --isovalue 300,600,850 --color red,lime,blue --clip 'y<2' --cap surface nested.png
 isorender in/v.mha --quiet --resolution 120x100 --isovalue 300,850 --color red,blue --clip 'y<2@1' --cap surface whole.png
+two="${options/ --isovalue 300/} --isovalue 300,600 --color red,lime --clip 21,4,19:-.3,-.7,.4@1 --clip y<-1@2"
+isorender $two --cap slice two.png
+isorender $two --cap slice twotruth.png --method raycast
 isorender $options --slice y=2 --opacity 0 --color red slice.png --orthographic
 isorender $options --slice y=2 --opacity 0 --color red slicetruth.png --orthographic --method raycast
 for cpu in generic avx2 avx512; do
@@ -48,6 +51,11 @@ def trilinear(p):
         sum += weight * value(*at)
     return sum
 
+def same(one, other):
+    p, q = Png(one).pixels(), Png(other).pixels()
+    off = sum(max(abs(i - j) for i, j in zip(m, n)) > 2 for m, n in zip(p, q))
+    expect(off <= 2, one, "differs in", off, "pixels")
+
 normal, point = unit([-.3, -.7, .4]), [21, 2, 19]
 for zoom in (1, 3, 16):
     a, camera = Png("cap%d.png" % zoom), report("cap%d.json" % zoom)["camera"]
@@ -67,10 +75,9 @@ for zoom in (1, 3, 16):
             gray = min(max((here - 50) / 900, 0), 1) * 255
             bad += any(abs(a.rows[y][x][k] - gray) > 1 for k in range(3))
     expect(caps > 1000 and bad == 0, zoom, bad, "of", caps, "pixels of the cap are wrong")
-    for one, other in (("cap", "truth"), ("layers", "layerstruth")):
-        p, q = Png("%s%d.png" % (one, zoom)).pixels(), Png("%s%d.png" % (other, zoom)).pixels()
-        off = sum(max(abs(i - j) for i, j in zip(m, n)) > 2 for m, n in zip(p, q))
-        expect(off <= 2, one, zoom, "differs in", off, "pixels")
+    same("cap%d.png" % zoom, "truth%d.png" % zoom)
+    same("layers%d.png" % zoom, "layerstruth%d.png" % zoom)
+same("two.png", "twotruth.png")
 seen = [max(range(3), key=lambda k: p[k]) for p in Png("nested.png").rows[55] if p[:3] != (255, 255, 255)]
 order = [c for i, c in enumerate(seen) if i == 0 or seen[i - 1] != c]
 expect(order == [0, 1, 2, 1, 0], order)

@@ -89,7 +89,7 @@ matrix = [(0.8, -0.6, 0.0, 7.0), (0.6, 0.8, 0.0, -2.0), (0.0, 0.0, 1.0, 3.0)]
 nrrd("mif.nrrd", "right-anterior-superior", [[matrix[i][a] * SPACING[a] for i in range(3)] for a in range(3)],
      [matrix[i][3] for i in range(3)])
 
-def mif(name, layout=("+0", "+1", "+2"), kind="Float32LE", code="<f", copies=1, more="", beside=None):
+def mif(name, layout=("+0", "+1", "+2"), kind="Float32LE", code="<f", copies=1, more="", beside=None, what=value):
     ranks, signs = [int(l[1:]) for l in layout], [l[0] for l in layout]
     sizes = (list(N) + [copies])[:len(layout)]
     strides, step = [0] * len(layout), 1
@@ -102,7 +102,7 @@ def mif(name, layout=("+0", "+1", "+2"), kind="Float32LE", code="<f", copies=1, 
             for x in range(N[0]):
                 at = [x, y, z] + [copies - 1] * (len(layout) - 3)
                 place = sum(s * (n - 1 - i if sign == "-" else i) for s, n, i, sign in zip(strides, sizes, at, signs))
-                values[place] = value(x, y, z)
+                values[place] = what(x, y, z)
     head = "mrtrix image\ndim: %s\nvox: %s\nlayout: %s\ndatatype: %s\n" % (
         ",".join(map(str, sizes)), ",".join(map(repr, SPACING)), ",".join(layout), kind)
     head += "".join("transform: %r,%r,%r,%r\n" % row for row in matrix) + more
@@ -120,8 +120,46 @@ mif("turned.mif", layout=("-2", "+0", "-1"))
 mif("apart.mif", layout=("+0", "-1", "+2", "+3"), copies=3)
 mif("together.mif.gz", layout=("+2", "+1", "-3", "+0"), copies=3)
 mif("header.mih", beside="voxels.dat")
-mif("bits.mif", kind="Bit")
+def bits(name, layout=("+0", "+1", "+2"), copies=1, of=lambda x, y, z: value(x, y, z) > 50):
+    mif("tmp.mif", layout, "UInt8", "<B", copies, what=of)
+    whole = open("in/tmp.mif", "rb").read()
+    head, data = whole[:whole.index(b"END\n")], whole[512:]
+    packed = bytes(sum((data[i + k] > 0) << 7 - k for k in range(8) if i + k < len(data)) for i in range(0, len(data), 8))
+    write(name, (head.replace(b"UInt8", b"Bit") + b"END\n").ljust(512, b"\0") + packed)
+
+bits("bits.mif")
+bits("bits_apart.mif.gz", ("+0", "-1", "+2", "+3"), 3)
+mif("mask.mif", kind="UInt8", code="<B", what=lambda x, y, z: value(x, y, z) > 50)
+bits("bits_together.mif", ("+1", "+2", "+3", "+0"), 2)
 mif("between.mif", layout=("+0", "+1", "+3", "+2"), copies=3)
+
+# AFNI: attributes beside the voxels; oblique, or with an orientation, origin and steps alone; sub-bricks with factors
+rows = [(1.2, -0.6, 0.0, 7.0), (0.9, 0.8, 0.0, -2.0), (0.0, 0.0, 2.0, 3.0)]
+nrrd("afni.nrrd", "left-posterior-superior", [[rows[i][a] for i in range(3)] for a in range(3)], [r[3] for r in rows])
+nrrd("asl.nrrd", "left-posterior-superior", [(0, 0, -1.5), (1.0, 0, 0), (0, -2.0, 0)], (-20.0, 5.0, 10.0))
+
+def afni(name, kind=1, code="<h", bricks=1, factor=0, oblique=True, brik=".BRIK", swap=None):
+    attribute = lambda kind, name, *v: "\ntype = %s-attribute\nname = %s\ncount = %d\n %s\n" % (kind, name, len(v), " ".join(map(str, v)))
+    head = "\ntype = string-attribute\nname = BYTEORDER_STRING\ncount = 10\n'%s_FIRST~\n" % ("MSB" if code[0] == ">" else "LSB")
+    head += attribute("integer", "DATASET_RANK", 3, bricks, 0, 0) + attribute("integer", "DATASET_DIMENSIONS", *N, 0, 0)
+    head += attribute("integer", "BRICK_TYPES", *[kind] * bricks) + attribute("float", "BRICK_FLOAT_FACS", *[0] * (bricks - 1), factor)
+    if oblique:
+        head += attribute("float", "IJK_TO_DICOM_REAL", *[v for r in rows for v in r])
+    else:
+        head += attribute("integer", "ORIENT_SPECIFIC", 5, 1, 2) + attribute("float", "ORIGIN", 10, -20, 5) + attribute("float", "DELTA", -1.5, 1, -2)
+    values = [value(x, y, z) / (factor or 1) for z in range(N[2]) for y in range(N[1]) for x in range(N[0])]
+    if code[1] in "hBi":
+        values = list(map(round, values))
+    open("in/%s.HEAD" % name, "w").write(head)
+    data = struct.pack("%s%d%s" % (code[0], len(values) * bricks, code[1]), *[0] * len(values) * (bricks - 1), *values)
+    open("in/" + name + brik, "wb").write(gzip.compress(data) if brik.endswith("gz") else data)
+
+afni("short+orig")
+afni("big+orig", code=">h", brik=".BRIK.gz")
+afni("float+tlrc", 3, "<f", bricks=3)
+afni("scaled+orig", 3, "<f", bricks=2, factor=0.25)
+afni("bytes", 0, "<B", oblique=False)
+afni("complex", 5, "<f")
 
 # cubes and OpenDX: the last axis is the fastest; two atoms of carbon
 bohr = 0.529177210903
@@ -144,12 +182,34 @@ def cube(name, unit=bohr, orbitals=0):
 cube("bohr.cube")
 cube("angstrom.cub", unit=1)
 cube("orbitals.cube", orbitals=3)
+# VASP: values times the volume of the cell, the first axis the fastest; two atoms of carbon, 1 and 3.5 along z
+nrrd("vasp.nrrd", "3D-right-handed", steps, (0, 0, 0))
+def vasp(name, scale=1.0, names=True, dynamics=False, cartesian=False, factor=None):
+    cell = [tuple(c * n / scale for c in s) for s, n in zip(steps, N)]
+    (a, b, c), (d, e, f), (g, h, i) = steps
+    volume = factor or abs(a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)) * N[0] * N[1] * N[2]
+    rows = ["density", "%r" % scale] + ["%.15f %.15f %.15f" % e for e in cell] + (["C_pv  H"] if names else []) + ["2 1"]
+    rows += (["Selective dynamics"] if dynamics else []) + (["Cartesian"] if cartesian else ["Direct"])
+    direct = [(0.0, 0.0, 0.0), (0.0, 0.5, 0.5), (0.5, 0.5, 0.5)]
+    for p in direct:
+        at = [sum(p[k] * cell[k][i] for k in range(3)) for i in range(3)] if cartesian else p
+        rows.append("%.12f %.12f %.12f" % tuple(at) + (" T T F" if dynamics else ""))
+    values = [value(x, y, z) * volume for z in range(N[2]) for y in range(N[1]) for x in range(N[0])]
+    rows += ["", "%d %d %d" % N] + [" ".join("%.11E" % v for v in values[i:i + 5]) for i in range(0, len(values), 5)]
+    open("in/" + name, "w").write("\n".join(rows + ["augmentation occupancies 1 2", "0.1 0.2"]) + "\n")
+
+vasp("CHGCAR")
+vasp("old.vasp", scale=2.5, names=False, dynamics=True, cartesian=True)
+vasp("LOCPOT", factor=1)
 head = "# from APBS\nobject 1 class gridpositions counts %d %d %d\norigin %r %r %r\n" % (*N, *ORIGIN)
 head += "".join("delta %r %r %r\n" % s for s in steps) + "object 2 class gridconnections counts %d %d %d\n" % N
 items = N[0] * N[1] * N[2]
 open("in/apbs.dx", "w").write(head + "object 3 class array type double rank 0 items %d data follows\n" % items + text() +
                               'attribute "dep" string "positions"\n')
-open("in/binary.dx", "w").write(head + "object 3 class array type float rank 0 items %d lsb ieee data follows\n" % items)
+last_fastest = [value(x, y, z) for x in range(N[0]) for y in range(N[1]) for z in range(N[2])]
+for name, kind, order, code in (("lsb.dx", "float", "lsb", "<%df"), ("msb.dx", "double", "msb", ">%dd")):
+    line = "object 3 class array type %s rank 0 items %d %s ieee data follows\n" % (kind, items, order)
+    open("in/" + name, "wb").write((head + line).encode() + struct.pack(code % items, *last_fastest))
 open("in/few.dx", "w").write(head + "object 3 class array type float rank 0 items %d data follows\n1 2 3\n" % (items - 1))
 P
 same() { # REFERENCE FILE [OPTION..]: both give one picture, from one place
@@ -174,13 +234,59 @@ same mgh.nrrd frames.mgz --component 2
 same unplaced.nrrd unplaced.mgh
 for file in plain.mif big.mif.gz doubles.mif turned.mif header.mih; do same mif.nrrd $file; done
 for file in apart.mif together.mif.gz; do same mif.nrrd $file --component 2; done
-for file in bohr.cube angstrom.cub apbs.dx; do same cube.nrrd $file; done
+for file in short+orig.HEAD short+orig.BRIK big+orig.HEAD big+orig.BRIK.gz; do same afni.nrrd $file; done
+same afni.nrrd float+tlrc.HEAD --component 2
+same afni.nrrd scaled+orig.HEAD --component 1
+same asl.nrrd bytes.HEAD
+if python3 -c 'import nibabel' 2>/dev/null; then # the same matrix and values
+    for file in short+orig big+orig float+tlrc scaled+orig bytes; do
+        isorender in/$file.HEAD --info --json=a.json >/dev/null 2>&1
+        python3 -c 'from check import *
+import nibabel, numpy
+image, info = nibabel.load(sys.argv[1]), report("a.json")["volume"]
+ours = numpy.array(info["direction"]).reshape(3, 3) * info["spacing"]
+expect(numpy.allclose(image.affine[:3, :3] * [[-1], [-1], [1]], ours, atol=1e-5), image.affine, ours)
+expect(numpy.allclose(image.affine[:3, 3] * [-1, -1, 1], info["origin"], atol=1e-5), image.affine, info["origin"])
+data = numpy.asarray(image.dataobj).reshape(*info["dims"], -1)[..., info["component"]]
+expect(numpy.allclose([data.min(), data.max()], report("a.json")["value_range"]), report("a.json")["value_range"])' in/$file.HEAD
+    done
+fi
+mask() { isorender "in/$1" "$2" --isovalue 0.5 --resolution 90x90 --azimuth 30 --elevation 20 --quiet "${@:3}"; }
+mask mask.mif a.png
+mask bits.mif b.png
+mask bits_apart.mif.gz c.png --component 2
+python3 -c 'from check import *
+expect(Png("a.png").rows == Png("b.png").rows == Png("c.png").rows, "bits, also of a later volume")'
+for file in bohr.cube angstrom.cub apbs.dx lsb.dx msb.dx; do same cube.nrrd $file; done
 same cube.nrrd orbitals.cube --component 2
-isorender in/bohr.cube --info 2>&1 | grep -q 'lengths are in angstrom'
+for file in CHGCAR old.vasp LOCPOT; do same vasp.nrrd $file; done
+(cd in && isorender CHGCAR --info 2>&1 | grep -q 'chgcar')
+isorender in/bohr.cube --info >info.txt 2>&1
+grep -q 'spacing .* A$' info.txt
+! grep -q 'the file states none' info.txt || false
+# scale bars, too: an angstrom is a tenth of a nanometre; what --unit says is converted
+for file in bohr.cube apbs.dx float.mrc; do
+    isorender in/$file a.png --isovalue 50.5 --resolution 90x90 --orthographic --scale-bar --quiet --json=a.json
+    isorender in/$file b.png --isovalue 50.5 --resolution 90x90 --orthographic --scale-bar --quiet --json=b.json --unit nm
+    python3 -c 'from check import *
+a, b = report("a.json"), report("b.json")
+expect(a["volume"]["unit"] == "A" and "scale_bar_mm" not in a["camera"], a)
+expect(Png("a.png").rows != Png("b.png").rows, "the bar is in angstrom")'
+done
 
-isorender_refuses 3 'in/bits.mif: not a readable MRtrix image: a mask of single bits: convert it (mrconvert' in/bits.mif
+isorender_refuses 3 'in/bits_together.mif: not a readable MRtrix image: a mask whose volumes lie within' in/bits_together.mif
 isorender_refuses 3 'in/between.mif: not a readable MRtrix image: an order of its axes that is not read' in/between.mif
-isorender_refuses 3 'in/binary.dx: not a readable OpenDX grid: its values are binary' in/binary.dx
+head -c 1500 in/lsb.dx >in/cut.dx
+isorender_refuses 3 'in/cut.dx: truncated: 1500 of ' in/cut.dx
+sed 's/type float/type string/' in/lsb.dx >in/string.dx
+isorender_refuses 3 'in/string.dx: not a readable OpenDX grid: binary values of a type that is not read' in/string.dx
+isorender_refuses 3 'in/complex.HEAD: not a readable AFNI dataset: complex values' in/complex.HEAD
+mv in/bytes.BRIK in/lost.BRIK
+isorender_refuses 3 'in/bytes.HEAD: its voxels, in/bytes.BRIK or .gz, are missing' in/bytes.HEAD
+isorender_refuses 3 'in/lost.BRIK: in/lost.HEAD: cannot read' in/lost.BRIK
+head -c 500 in/short+orig.BRIK >in/cut+orig.BRIK
+cp in/short+orig.HEAD in/cut+orig.HEAD
+isorender_refuses 3 'in/cut+orig.HEAD: .*cut+orig.BRIK: truncated: 500 of 1008 bytes' in/cut+orig.HEAD
 isorender_refuses 3 'in/few.dx: not a readable OpenDX grid: it has not as many values as points' in/few.dx
 for file in float.mrc plain.mgh plain.mif; do
     head -c 1500 in/$file >in/cut_$file
@@ -201,6 +307,12 @@ sed '3s/^2/-9223372036854775808/' in/bohr.cube >in/many.cube
 isorender_refuses 3 'in/many.cube: not a readable cube file: the number of its atoms' in/many.cube
 sed 's/layout: +0/layout: +4294967295/' in/plain.mif >in/rank.mif
 isorender_refuses 3 'in/rank.mif: not a readable MRtrix image: a layout in which' in/rank.mif
+sed '2s/.*/-100/' in/CHGCAR >in/scale.vasp
+isorender_refuses 3 'in/scale.vasp: not a readable file of VASP: its second line is no scale above 0' in/scale.vasp
+head -n 11 in/CHGCAR >in/poscar.vasp
+isorender_refuses 3 'in/poscar.vasp: truncated: the file ends in its header' in/poscar.vasp
+sed '7s/.*/-1 999999999999/' in/CHGCAR >in/many.vasp
+isorender_refuses 3 'in/many.vasp: not a readable file of VASP: the number of its atoms' in/many.vasp
 gzip -k in/mrc.nrrd
 isorender_refuses 3 'in/mrc.nrrd.gz: is a file of type nrrd that gzip has compressed: unpack it' in/mrc.nrrd.gz
 # the atoms of a cube lie where its voxels say
@@ -210,3 +322,11 @@ r = report("atoms.json"); box = r["bounds_world"]
 expect(r["objects"][0]["glyphs"] == 2, r["objects"])
 # two atoms of carbon, of radius 1.7, 2.5 bohr apart
 expect(abs(box[5] - box[4] - 2.5 * 0.529177210903 - 3.4) < 0.01, box)'
+for file in CHGCAR old.vasp; do
+    isorender --glyphs in/$file atoms.png --resolution 60x60 --quiet --json=atoms.json
+    python3 -c 'from check import *
+r = report("atoms.json"); box = r["bounds_world"]
+expect(r["objects"][0]["glyphs"] == 3, r["objects"])
+# carbon at 0 and (0, 2.25, 7), and one (of unknown elements: three) at (6.75, 3.375, 7)
+expect(abs(box[4] + 1.7) < 0.5 and abs(box[5] - 7) < 2.1 and box[1] > 7, box)' $file
+done

@@ -34,6 +34,8 @@ same discs in/ball.ply --method discs
 same one in/one.ply --mm-per-pixel 0.2 --background 0000FF
 same turned in/turned.ply --mm-per-pixel 0.2 --background 0000FF
 same none in/one.ply --mm-per-pixel 0.2 --background none
+same cut in/ball.ply --clip 1,0,0:1,.3,.2
+same rest in/ball.ply --clip keep:1,0,0:1,.3,.2
 cat >in/bar.swc <<'P'
 1 1 -8 -40 0 3 -1
 2 1 8 -40 0 3 1
@@ -62,6 +64,9 @@ for name, size in (("one", (1, 2)), ("turned", (1, 2))):
             expect(all(abs(g - w) < 1.6 for g, w in zip(rows[y][x], wanted)), name, x, y, rows[y][x], wanted)
 middle = Png("none.png").rows[75][75]
 expect(abs(middle[3] - 0.75 * 255) < 3 and middle[0] > 250, middle)
+whole, cut, rest = ([p[:3] != (255, 255, 255) for p in Png(n + ".png").pixels()] for n in ("a", "cut", "rest"))
+expect(sum(cut) < 0.9 * sum(whole) and sum(rest) < 0.9 * sum(whole), sum(whole), sum(cut), sum(rest))
+expect(sum(w != (c or r) for w, c, r in zip(whole, cut, rest)) < 20, "what --clip leaves and takes is not the whole")
 info = open("info").read()
 expect("as 3-D Gaussians" in info and "opacity     0.1" in info and "points      800" in info, info)
 expect("f_rest" not in info, info)

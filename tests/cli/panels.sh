@@ -63,3 +63,31 @@ refuses 3 "panel b (missing): in/missing.mha" isorender in/a.mha bad.png --panel
 refuses 6 "panel b (isovalue 5000): in/a.mha: no surface" isorender in/a.mha bad.png --panels isovalue=500,5000 || exit 1
 refuses 5 "at most 16384 a side\|--max-memory" isorender in/a.mha bad.png --panels isovalue=100,200 --resolution 16000x16000 || exit 1
 rm -f said
+# a volume that several panels show is read once, whatever they do with its surface
+python3 - <<'P'
+import os, subprocess
+from check import *
+ball("in/large.mha", side=128, radius=40.0)
+def read_by(*options):
+    """Bytes that a run reads."""
+    count = lambda: int(next(line for line in open("/proc/self/io") if line.startswith("rchar")).split()[1])
+    before = count()
+    subprocess.run(["isorender", *options, "--quiet", "--resolution", "60x50"], check=True)
+    return count() - before
+size = os.path.getsize("in/large.mha")
+one = read_by("in/large.mha", "one.png", "--isovalue", "500")
+many = read_by("in/large.mha", "many.png", "--panels", "isovalue=200,500,800")
+changed = read_by("in/large.mha", "changed.png", "--panels", "isovalue=200,500", "--largest=1")
+expect(one > size, one, size)
+expect(many < one + 0.5 * size and changed < one + 4 * size, many, changed, one, size)
+P
+isorender in/large.mha part200.png --isovalue 200 --largest=1 --resolution 120x100 $eye --quiet
+isorender in/large.mha part500.png --isovalue 500 --largest=1 --resolution 120x100 $eye --quiet
+isorender in/large.mha parts.png --panels isovalue=200,500 --largest=1 --resolution 120x100 $eye --quiet
+python3 - <<'P'
+from check import *
+parts = Png("parts.png")
+for i, value in enumerate((200, 500)):
+    left = 8 + 128 * i
+    expect([line[left:left + 120] for line in parts.rows[19:119]] == Png("part%d.png" % value).rows, value)
+P

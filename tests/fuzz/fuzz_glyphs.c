@@ -38,16 +38,16 @@ static void check_glyphs(const iso_glyphs *glyphs) {
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
-    static const char *const suffixes[] = {"xyz", "pdb", "csv", "off", "pts", "pwn", "obj"};
+    static const char *const suffixes[] = {"xyz", "pdb", "csv", "off", "pts", "pwn", "obj", "ptx"};
     if (size < 1) return 0;
     char memory[64], path[64];
     int descriptor = memfd_create("fuzz_glyphs", 0);
     if (descriptor < 0 || write(descriptor, data + 1, size - 1) != (ssize_t)(size - 1)) abort();
     snprintf(memory, sizeof memory, "/proc/self/fd/%d", descriptor);
-    snprintf(path, sizeof path, "/tmp/fuzz_glyphs_%d.%s", (int)getpid(), suffixes[data[0] % 7]);
+    snprintf(path, sizeof path, "/tmp/fuzz_glyphs_%d.%s", (int)getpid(), suffixes[data[0] % 8]);
     unlink(path);
     if (symlink(memory, path)) abort(); /* (the name says what it is) */
-    const int choice = data[0] / 7;
+    const int choice = data[0] / 8;
     iso_read_report report;
     const iso_read_opts opts = {.max_memory = 1 << 26,
                                 .every = choice % 3,

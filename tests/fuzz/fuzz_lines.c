@@ -44,16 +44,16 @@ static void check_lines(const iso_lines *lines) {
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
-    static const char *const suffixes[] = {"tck", "trk", "vtk", "ply", "swc", "obj"};
+    static const char *const suffixes[] = {"tck", "trk", "vtk", "ply", "swc", "obj", "trx"};
     if (size < 1) return 0;
     char memory[64], path[64];
     int descriptor = memfd_create("fuzz_lines", 0);
     if (descriptor < 0 || write(descriptor, data + 1, size - 1) != (ssize_t)(size - 1)) abort();
     snprintf(memory, sizeof memory, "/proc/self/fd/%d", descriptor);
-    snprintf(path, sizeof path, "/tmp/fuzz_lines_%d.%s", (int)getpid(), suffixes[data[0] % 6]);
+    snprintf(path, sizeof path, "/tmp/fuzz_lines_%d.%s", (int)getpid(), suffixes[data[0] % 7]);
     unlink(path);
     if (symlink(memory, path)) abort(); /* (the name says what it is) */
-    const int choice = data[0] / 6;
+    const int choice = data[0] / 7;
     iso_read_report report;
     const iso_read_opts opts = {
         .max_memory = 1 << 26, .every = choice % 4, .space = choice / 4 % 3, .report = &report};

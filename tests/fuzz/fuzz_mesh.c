@@ -1,6 +1,6 @@
-/* fuzz: any bytes as a mesh: STL, OBJ or PLY, by the first byte. What the reader accepts must be sound and
- * come back the same when it is written and read again; what it refuses must be refused in one line that
- * names the file. */
+/* fuzz: any bytes as a mesh: STL, OBJ, PLY, GIFTI or FreeSurfer's, by the first byte. What the reader
+ * accepts must be sound and come back the same when it is written and read again; what it refuses must be
+ * refused in one line that names the file. */
 #include <math.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -57,13 +57,13 @@ static int refuse_later(void *context, double fraction) {
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
-    static const char *const suffixes[] = {"stl", "obj", "ply"};
+    static const char *const suffixes[] = {"stl", "obj", "ply", "gii", "pial"};
     if (size < 1) return 0;
     char memory[64], path[64];
     int descriptor = memfd_create("fuzz_mesh", 0);
     if (descriptor < 0 || write(descriptor, data + 1, size - 1) != (ssize_t)(size - 1)) abort();
     snprintf(memory, sizeof memory, "/proc/self/fd/%d", descriptor);
-    snprintf(path, sizeof path, "/tmp/fuzz_mesh_%d.%s", (int)getpid(), suffixes[data[0] % 3]);
+    snprintf(path, sizeof path, "/tmp/fuzz_mesh_%d.%s", (int)getpid(), suffixes[data[0] % 5]);
     unlink(path);
     if (symlink(memory, path)) abort(); /* (the name says what it is) */
     int left = data[0] / 3;

@@ -2,6 +2,7 @@
 page in its order, in a folder that is made anew, and draws each picture of the gallery again from itself to the same bytes. gallery.py BIN ROOT OUT: the folders of the programs and of the
 project, and the one for what is made; the tutorials' folders are beside it."""
 import glob
+import json
 import os
 import re
 import shutil
@@ -18,8 +19,27 @@ def run(command, folder, programs):
         sys.exit("exit %d: %s\n%s" % (done.returncode, command, done.stdout))
 
 
+def missing_file(command, root, out):
+    """Links what the scene of a command reads and does not ship, if it is beside the project; returns the name of a file that is not."""
+    for name in re.findall(r"\bfig_\w+\.json\b", command):
+        with open(os.path.join(out, name), encoding="utf-8") as text:
+            scene = json.load(text)
+        reads = [scene.get("input", "")] + [value for option in scene["options"] for key, value in option.items()
+                                            if key in ("lines", "glyphs", "surface", "volume")]
+        for file in reads:
+            here = os.path.join(out, os.path.basename(file))
+            if not file or file.startswith("scene:") or os.path.exists(here):
+                continue
+            found = glob.glob(os.path.join(root, "..", "shared", "*", "*", os.path.basename(file)))
+            if not found:
+                return os.path.basename(file)
+            os.symlink(os.path.abspath(found[0]), here)
+    return None
+
+
 def run_pages(pages, programs, root, out):
-    """Runs the commands of pages in the folder `out` with what ships in volumes/ and docs/gallery, and returns them."""
+    """Runs the commands of pages in the folder `out` with what ships in volumes/ and docs/gallery, and returns them, but for those
+    whose scenes read what is not there."""
     commands = []
     for page in pages:
         with open(page, encoding="utf-8") as text:
@@ -30,9 +50,15 @@ def run_pages(pages, programs, root, out):
         for name in os.listdir(os.path.join(root, folder)):
             if not name.endswith(".md"):
                 shutil.copy(os.path.join(root, folder, name), out)
+    done = []
     for command in commands:
+        missing = missing_file(command, root, out)
+        if missing:
+            print("skipped: there is no %s for: %s" % (missing, command))
+            continue
         run(command, out, programs)
-    return commands
+        done.append(command)
+    return done
 
 
 def main():
@@ -51,8 +77,11 @@ def main():
     pages = [os.path.join(root, "docs", name) for name in ("gallery.md", "gallery-figures.md")]
     commands = run_pages(pages, programs, root, out)
     for scene in scenes:
-        if not any(os.path.basename(scene) in command for command in commands):
-            sys.exit("%s is on no page" % scene)
+        with open(pages[1], encoding="utf-8") as text:
+            if "isorender %s " % os.path.basename(scene) not in text.read():
+                sys.exit("%s is on no page" % scene)
+        if "../../volumes/" in open(scene, encoding="utf-8").read(): # from where it lies in the project, too
+            run("isorender %s -o checkout.png --quiet --resolution 64x64" % scene, out, programs)
     pictures = sorted(set(re.findall(r"\b\w+\.png\b", "\n".join(commands))))
     if len(pictures) < 20:
         sys.exit("%d pictures were found in the gallery: nothing was checked" % len(pictures))

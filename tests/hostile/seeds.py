@@ -177,8 +177,14 @@ def field_files():
           b"transform: 0,1,0,5\ntransform: 0,0,1,6\n"
     yield "mif", {"a.mif": (mif + b"file: . 256\nEND\n").ljust(256, b"\0") + voxels}
     yield "mih", {"a.mih": mif + b"file: b.dat\nEND\n", "b.dat": voxels}
+    attribute = lambda name, *v: b"\ntype = float-attribute\nname = %s\ncount = %d\n %s\n" % (
+        name, len(v), b" ".join(b"%g" % n for n in v))
+    yield "afni", {"a+orig.HEAD": attribute(b"DATASET_RANK", 3, 1) + attribute(b"DATASET_DIMENSIONS", *DIMS) + attribute(b"BRICK_TYPES", 0)
+                   + attribute(b"BRICK_FLOAT_FACS", 0.5) + attribute(b"IJK_TO_DICOM_REAL", 1, 0, 0, 4, 0, 1, 0, 5, 0, 0, 1, 6)
+                   + b"\ntype = string-attribute\nname = BYTEORDER_STRING\ncount = 10\n'LSB_FIRST~\n", "a+orig.BRIK": voxels}
     numbers = ("\n".join(" ".join("%.4e" % v for v in VOXELS[i:i + 6]) for i in range(0, len(VOXELS), 6)) + "\n").encode()
     yield "cube", {"a.cube": b"an orbital\n\n-1 1 2 3\n9 1 0 0\n11 0 1 0\n10 0 0.5 1\n6 6 1 2 3\n1 7\n" + numbers}
+    yield "chgcar", {"a.vasp": b"density\n1.0\n10 0 0\n0 11 0\n0 0.5 9\nC H\n1 1\nDirect\n0 0 0\n0.5 0.5 0.5\n\n10 11 9\n" + numbers}
     yield "dx", {"a.dx": b"object 1 class gridpositions counts 9 11 10\norigin 1 2 3\ndelta 1 0 0\ndelta 0 1 0\ndelta 0 0.5 1\n"
                          b"object 2 class gridconnections counts 9 11 10\n"
                          b"object 3 class array type double rank 0 items 990 data follows\n" + numbers}
@@ -277,6 +283,9 @@ def make(programs, source, folder):
     seeds += object_seeds(source, "lines", "--lines", picture)
     seeds += object_seeds(source, "glyphs", "--glyphs", picture)
     seeds += point_seeds(source, picture)
+    for name in ("zlib.gii", "base64.gii", "freesurfer.pial"):
+        with open(os.path.join(source, "tests/fuzz/corpus/mesh", name), "rb") as file:
+            seeds.append(Seed("isorender mesh " + name, {"a." + name.rsplit(".", 1)[1]: file.read()[1:]}, "isorender --surface", picture))
     for kind in ("stl", "ply", "obj"):
         mesh = written(programs, folder, "m." + kind, "isorender", "scene:sphere:16", "--no-image", "--mesh")
         seeds.append(Seed("isosculpt " + kind, {"a." + kind: mesh}, "isosculpt",

@@ -118,6 +118,20 @@ if command -v valgrind >/dev/null; then
     valgrind --quiet --undef-value-errors=no --leak-check=full --error-exitcode=9 "$work/tools/readme" "$work/small.mha" 100 "$work/leaks.png" >/dev/null 2>"$work/err" ||
         fail "the README's program leaks: $(cat "$work/err")"
 fi
+# ---- the program of docs/insitu.md: the same bytes by any number of ranks
+if command -v mpicc >/dev/null && command -v mpirun >/dev/null; then
+    sed -n '/^```c$/,/^```$/p' "$here/../../docs/insitu.md" | sed '/^```/d' >"$work/heat.c"
+    # shellcheck disable=SC2086
+    OMPI_CC=${CC:-cc} mpicc -std=c17 -O2 -Wall -Wextra -o "$work/tools/heat" "$work/heat.c" $flags -Wl,-rpath,"$(dirname "$library")" ||
+        fail "the program of docs/insitu.md does not compile"
+    export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_btl_vader_single_copy_mechanism=none
+    for ranks in 1 2 4; do
+        mpirun --oversubscribe -n $ranks "$work/tools/heat" 64 20 "$work/heat$ranks.png" >"$work/out" 2>"$work/err" ||
+            fail "docs/insitu.md by $ranks ranks: $(cat "$work/err")"
+        cmp "$work/heat1.png" "$work/heat$ranks.png" || fail "docs/insitu.md: $ranks ranks make another picture"
+        grep -q '^a step .* s, a picture .* s$' "$work/out" || fail "docs/insitu.md said: $(cat "$work/out")"
+    done
+fi
 unset ISO_MODULE_PATH
 
 # ---- a module is taken away

@@ -543,6 +543,95 @@ iso_status iso_histogram_compute(const iso_grid *grid, iso_pool *pool, iso_histo
     return iso_histogram_compute_together(grid, &alone, pool, histogram, error);
 }
 
+/* ---- mean and standard deviation */
+
+/* Sums over finite voxels of whole numbers, (value - low) * per_value, and of their squares. */
+typedef struct power_sums {
+    double low, per_value;
+    uint64_t count;
+    __extension__ unsigned __int128 sum, squares;
+} power_sums;
+
+static void add_powers(power_sums *sums, uint64_t number, uint64_t count) {
+    sums->count += count;
+    sums->sum += (unsigned __int128)number * count;
+    sums->squares += (unsigned __int128)number * number * count;
+}
+
+static void add_run_powers(void *state, const run *voxels) {
+    power_sums *sums = state;
+    int count;
+    uint64_t each;
+    const float *values = floats_of(voxels, &count, &each);
+    for (int i = 0; i < count; i++)
+        if (isfinite(values[i]))
+            add_powers(sums, (uint64_t)(((double)values[i] - sums->low) * sums->per_value + 0.5), each);
+}
+
+/* Adds the sums of the other processes. */
+static iso_status sum_powers(const iso_ranks *ranks, power_sums *sums, iso_error *error) {
+    uint64_t limbs[9] = {sums->count};
+    for (int i = 0; i < 4; i++) {
+        limbs[1 + i] = (uint32_t)(sums->sum >> 32 * i);
+        limbs[5 + i] = (uint32_t)(sums->squares >> 32 * i);
+    }
+    ISO_TRY(iso_ranks_sum(ranks, limbs, 9, error));
+    sums->count = limbs[0];
+    sums->sum = sums->squares = 0;
+    for (int i = 0; i < 4; i++) {
+        sums->sum += (unsigned __int128)limbs[1 + i] << 32 * i;
+        sums->squares += (unsigned __int128)limbs[5 + i] << 32 * i;
+    }
+    return ISO_OK;
+}
+
+static iso_status float_powers(const reading *what, power_sums *sums, iso_error *error) {
+    float_range range;
+    char *states;
+    ISO_TRY(measure_range(what, &range, error));
+    if (!range.finite) return iso_fail(error, ISO_ERR_EMPTY, "the volume holds no usable value");
+    const double span = (double)range.high - range.low;
+    *sums = (power_sums){.low = range.low, .per_value = span > 0 ? 0x1p32 / span : 1};
+    ISO_TRY(walk_with(what, add_run_powers, sums, sizeof *sums, &states, error));
+    for (int w = 0; w < iso_pool_threads(what->pool); w++) {
+        const power_sums *found = (const power_sums *)states + w;
+        sums->count += found->count;
+        sums->sum += found->sum;
+        sums->squares += found->squares;
+    }
+    iso_free(states);
+    return sum_powers(what->ranks, sums, error);
+}
+
+static iso_status integer_powers(const reading *what, power_sums *sums, iso_error *error) {
+    iso_value_counts *counts = NULL;
+    *sums = (power_sums){.low = what->grid->rgrid->type == ISO_INT16 ? -LEVELS / 2 : 0, .per_value = 1};
+    ISO_TRY(count_values(what, &counts, error));
+    for (int level = 0; level < LEVELS; level++) add_powers(sums, (uint64_t)level, counts->all[level]);
+    iso_free(counts);
+    return ISO_OK;
+}
+
+iso_status iso_moments_compute(const iso_grid *grid, const iso_chunk_source *source, int side,
+                               const iso_ranks *ranks, iso_pool *pool, iso_moments *moments,
+                               iso_error *error) {
+    reading what = reading_of(grid, ranks, pool);
+    what.source = source;
+    what.side = side;
+    power_sums sums;
+    ISO_TRY((has_integer_levels(grid) ? integer_powers : float_powers)(&what, &sums, error));
+    /* About the whole number next to the mean, which takes nothing away from small deviations. */
+    const uint64_t middle = (uint64_t)(sums.sum / sums.count), rest = (uint64_t)(sums.sum % sums.count);
+    const double offset = (double)rest / (double)sums.count;
+    const unsigned __int128 about =
+        sums.squares - 2 * middle * sums.sum + (unsigned __int128)middle * middle * sums.count;
+    const double variance = (double)about / (double)sums.count - offset * offset;
+    const double mean = sums.low + ((double)middle + offset) / sums.per_value;
+    moments->mean = iso_grid_physical(grid, mean);
+    moments->deviation = sqrt(fmax(0, variance)) / sums.per_value * iso_grid_scale(grid);
+    return ISO_OK;
+}
+
 /* ---- thresholds */
 
 /* Sums over the bins 0 .. i - 1, by i: of their counts, and of their counts times bin numbers. Bin numbers

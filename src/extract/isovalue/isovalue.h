@@ -32,6 +32,17 @@ iso_status iso_histogram_compute_together(const iso_grid *grid, const iso_ranks 
 iso_status iso_histogram_of_source(const iso_chunk_source *source, int side, const iso_ranks *ranks,
                                    iso_pool *pool, iso_histogram *histogram, iso_error *error);
 
+/* The mean and the standard deviation (physical; of the population) of all finite voxels, padding too, as
+ * levels of maps are stated. Stored values are taken as whole multiples of 2^-32 of their range and added as
+ * integers: the same bits in any order. `source`: as iso_histogram_of_source, of a volume that `grid` does
+ * not hold; NULL: it is in memory. Called by all processes together. ISO_ERR_EMPTY: no voxel is finite. */
+typedef struct iso_moments {
+    double mean, deviation;
+} iso_moments;
+iso_status iso_moments_compute(const iso_grid *grid, const iso_chunk_source *source, int side,
+                               const iso_ranks *ranks, iso_pool *pool, iso_moments *moments,
+                               iso_error *error);
+
 /* Suggests isovalues (physical), best first: 0 for level sets; otherwise Otsu's threshold (1979), then the
  * two thresholds of three-class Otsu (Liao, Chen and Chung 2001). Returns how many there are (1 .. 3), 0
  * for a constant volume. */

@@ -18,16 +18,12 @@
 #include "base/memory.h"
 #include "io/common/rows.h"
 #include "io/common/scalar_load.h"
+#include "io/common/xml.h"
 #include "io/polydata/faces.h"
 
-enum { ARRAYS = 512, NAME = ISO_COLUMN_NAME, TEXT = 256 };
+enum { ARRAYS = 512, NAME = ISO_COLUMN_NAME };
 
 typedef enum section { OTHER, POINT_DATA, CELL_DATA, POINTS, LINES, POLYGONS, STRIPS } section;
-
-/* A start tag; `text` .. `end` is the text between < and >. */
-typedef struct tag {
-    const char *text, *end;
-} tag;
 
 /* Where and how the values of an array are stored. */
 typedef struct array {
@@ -43,7 +39,7 @@ typedef struct array {
 typedef struct vtp {
     iso_polydata *data;
     iso_buffer text;
-    const char *at, *end; /* the rest of the markup */
+    iso_xml markup;       /* the rest of it */
     const char *appended; /* where offsets into the appended data count from; NULL: there is no such data */
     const char *end_of_data; /* the end of the file */
     bool appended_raw, big_endian, compressed;
@@ -70,61 +66,12 @@ static iso_status ends(const vtp *v, iso_error *error) {
 
 /* ---- markup */
 
-/* Finds the next tag, and moves behind it; false at the end. */
-static bool next_tag(vtp *v, tag *t) {
-    for (;;) {
-        const char *open = memchr(v->at, '<', (size_t)(v->end - v->at));
-        if (!open) return false;
-        const bool comment = v->end - open > 4 && memcmp(open, "<!--", 4) == 0;
-        const char *close = comment ? memmem(open, (size_t)(v->end - open), "-->", 3)
-                                    : memchr(open, '>', (size_t)(v->end - open));
-        if (!close) return false;
-        v->at = close + (comment ? 3 : 1);
-        *t = (tag){open + 1, close};
-        if (!comment) return true;
-    }
-}
-
-static bool tag_is(const tag *t, const char *name) {
-    const size_t length = strlen(name);
-    if ((size_t)(t->end - t->text) < length || memcmp(t->text, name, length) != 0) return false;
-    return t->text + length == t->end || isspace((unsigned char)t->text[length]) || t->text[length] == '/';
-}
-
-/* Copies the value of an attribute, cut to TEXT - 1 characters; false: the tag has none. */
-static bool attribute(const tag *t, const char *name, char value[TEXT]) {
-    const size_t length = strlen(name);
-    for (const char *at = t->text; at < t->end; at++) {
-        at = memmem(at, (size_t)(t->end - at), name, length);
-        if (!at) return false;
-        const char *rest = at + length;
-        if (at == t->text || !isspace((unsigned char)at[-1])) continue;
-        while (rest < t->end && isspace((unsigned char)*rest)) rest++;
-        if (rest == t->end || *rest != '=') continue;
-        do rest++;
-        while (rest < t->end && isspace((unsigned char)*rest));
-        if (rest == t->end || (*rest != '"' && *rest != '\'')) continue;
-        const char *close = memchr(rest + 1, *rest, (size_t)(t->end - rest - 1));
-        if (!close) return false;
-        const size_t count = (size_t)(close - rest - 1) < TEXT ? (size_t)(close - rest - 1) : TEXT - 1;
-        memcpy(value, rest + 1, count);
-        value[count] = 0;
-        return true;
-    }
-    return false;
-}
-
-static bool attribute_is(const tag *t, const char *name, const char *wanted) {
-    char value[TEXT];
-    return attribute(t, name, value) && strcmp(value, wanted) == 0;
-}
-
 /* Reads a count; returns `missing` if the attribute is missing. */
-static iso_status read_count(const vtp *v, const tag *t, const char *name, uint64_t missing, uint64_t *count,
-                             iso_error *error) {
-    char value[TEXT];
+static iso_status read_count(const vtp *v, const iso_xml_tag *t, const char *name, uint64_t missing,
+                             uint64_t *count, iso_error *error) {
+    char value[ISO_XML_TEXT];
     *count = missing;
-    if (!attribute(t, name, value)) return ISO_OK;
+    if (!iso_xml_attribute(t, name, value)) return ISO_OK;
     char *digits = value + strspn(value, " ");
     if (digits[strspn(digits, "0123456789 ")] || !*digits || strlen(digits) > 15)
         return bad(v, "a count is not possible", error);
@@ -133,13 +80,6 @@ static iso_status read_count(const vtp *v, const tag *t, const char *name, uint6
 }
 
 /* ---- bytes of arrays */
-
-static int digit_value(char c) {
-    if (c >= 'A' && c <= 'Z') return c - 'A';
-    if (c >= 'a' && c <= 'z') return c - 'a' + 26;
-    if (c >= '0' && c <= '9') return c - '0' + 52;
-    return c == '+' ? 62 : c == '/' ? 63 : c == '=' ? 0 : -1;
-}
 
 /* The part of an array's data that has not been read yet. */
 typedef struct source {
@@ -164,17 +104,7 @@ static bool take_bytes(source *s, uint64_t bytes, unsigned char *to) {
         s->at += bytes;
         return true;
     }
-    for (uint64_t done = 0; done < bytes; done += 3, s->at += 4) {
-        uint32_t bits = 0;
-        for (int i = 0; i < 4; i++) {
-            const int value = digit_value(s->at[i]);
-            if (value < 0) return false;
-            bits = bits << 6 | (uint32_t)value;
-        }
-        for (uint64_t i = 0; i < 3 && done + i < bytes; i++)
-            to[done + i] = (unsigned char)(bits >> (16 - 8 * i));
-    }
-    return true;
+    return iso_base64_take(&s->at, bytes, to);
 }
 
 /* Reads a number of an array's header, as an integer because lengths must not be rounded. */
@@ -461,7 +391,7 @@ static iso_status take_piece(vtp *v, iso_error *error) {
 
 /* ---- elements */
 
-static iso_status begin_piece(vtp *v, const tag *t, iso_error *error) {
+static iso_status begin_piece(vtp *v, const iso_xml_tag *t, iso_error *error) {
     ISO_TRY(read_count(v, t, "NumberOfPoints", 0, &v->points, error));
     ISO_TRY(read_count(v, t, "NumberOfVerts", 0, &v->cells_before, error));
     ISO_TRY(read_count(v, t, "NumberOfLines", 0, &v->lines, error));
@@ -493,10 +423,10 @@ static iso_role role_of(const vtp *v, const array *a) {
 }
 
 /* Finds where the values of an array begin: after its tag, or at an offset in the appended data. */
-static iso_status locate(vtp *v, const tag *t, array *a, iso_error *error) {
-    char format[TEXT] = "ascii";
+static iso_status locate(vtp *v, const iso_xml_tag *t, array *a, iso_error *error) {
+    char format[ISO_XML_TEXT] = "ascii";
     uint64_t offset;
-    attribute(t, "format", format);
+    iso_xml_attribute(t, "format", format);
     a->begin = t->end + 1;
     a->encoding = strcmp(format, "ascii") == 0 ? ASCII : BASE64;
     if (strcmp(format, "appended") == 0) {
@@ -512,13 +442,14 @@ static iso_status locate(vtp *v, const tag *t, array *a, iso_error *error) {
     return ISO_OK;
 }
 
-static iso_status take_array(vtp *v, const tag *t, iso_error *error) {
-    char text[TEXT] = "";
+static iso_status take_array(vtp *v, const iso_xml_tag *t, iso_error *error) {
+    char text[ISO_XML_TEXT] = "";
     array a = {.in = v->in};
     if (v->in == OTHER) return ISO_OK;
     if (v->array_count == ARRAYS) return bad(v, "more than 512 arrays", error);
-    if (!attribute(t, "type", text) || !scalar_of(text, &a.scalar)) return ISO_OK; /* bits and strings */
-    if (attribute(t, "Name", text)) memcpy(a.name, text, sizeof a.name - 1);
+    if (!iso_xml_attribute(t, "type", text) || !scalar_of(text, &a.scalar))
+        return ISO_OK; /* bits and strings */
+    if (iso_xml_attribute(t, "Name", text)) memcpy(a.name, text, sizeof a.name - 1);
     ISO_TRY(read_count(v, t, "NumberOfComponents", 1, &a.components, error));
     a.role = role_of(v, &a);
     ISO_TRY(locate(v, t, &a, error));
@@ -526,29 +457,29 @@ static iso_status take_array(vtp *v, const tag *t, iso_error *error) {
     return ISO_OK;
 }
 
-static void begin_point_data(vtp *v, const tag *t) {
+static void begin_point_data(vtp *v, const iso_xml_tag *t) {
     static const char *const names[] = {"Normals", "Vectors", "Tensors"};
-    char text[TEXT];
+    char text[ISO_XML_TEXT];
     v->in = POINT_DATA;
     for (int i = 0; i < 3; i++) {
         v->roles[i][0] = 0;
-        if (attribute(t, names[i], text)) memcpy(v->roles[i], text, NAME - 1);
+        if (iso_xml_attribute(t, names[i], text)) memcpy(v->roles[i], text, NAME - 1);
     }
 }
 
-static iso_status take_tag(vtp *v, const tag *t, iso_error *error) {
-    if (tag_is(t, "Piece")) return begin_piece(v, t, error);
-    if (tag_is(t, "/Piece")) return take_piece(v, error);
-    if (tag_is(t, "DataArray")) return take_array(v, t, error);
-    if (tag_is(t, "PointData")) begin_point_data(v, t);
-    if (tag_is(t, "CellData")) v->in = CELL_DATA;
-    if (tag_is(t, "Points")) v->in = POINTS;
-    if (tag_is(t, "Lines")) v->in = LINES;
-    if (tag_is(t, "Polys")) v->in = POLYGONS;
-    if (tag_is(t, "Strips")) v->in = STRIPS;
+static iso_status take_tag(vtp *v, const iso_xml_tag *t, iso_error *error) {
+    if (iso_xml_is(t, "Piece")) return begin_piece(v, t, error);
+    if (iso_xml_is(t, "/Piece")) return take_piece(v, error);
+    if (iso_xml_is(t, "DataArray")) return take_array(v, t, error);
+    if (iso_xml_is(t, "PointData")) begin_point_data(v, t);
+    if (iso_xml_is(t, "CellData")) v->in = CELL_DATA;
+    if (iso_xml_is(t, "Points")) v->in = POINTS;
+    if (iso_xml_is(t, "Lines")) v->in = LINES;
+    if (iso_xml_is(t, "Polys")) v->in = POLYGONS;
+    if (iso_xml_is(t, "Strips")) v->in = STRIPS;
     static const char *const others[] = {"/PointData", "/CellData", "/Points", "/Lines", "/Polys", "/Strips"};
     for (int i = 0; i < 6; i++)
-        if (tag_is(t, others[i])) v->in = OTHER;
+        if (iso_xml_is(t, others[i])) v->in = OTHER;
     return ISO_OK;
 }
 
@@ -556,28 +487,28 @@ static iso_status take_tag(vtp *v, const tag *t, iso_error *error) {
 
 /* Finds the appended data, where the markup ends. */
 static void find_appended(vtp *v) {
-    const char *open = memmem(v->at, (size_t)(v->end - v->at), "<AppendedData", 13);
-    const char *close = open ? memchr(open, '>', (size_t)(v->end - open)) : NULL;
-    const char *mark = close ? memchr(close, '_', (size_t)(v->end - close)) : NULL;
+    const char *open = memmem(v->markup.at, (size_t)(v->markup.end - v->markup.at), "<AppendedData", 13);
+    const char *close = open ? memchr(open, '>', (size_t)(v->markup.end - open)) : NULL;
+    const char *mark = close ? memchr(close, '_', (size_t)(v->markup.end - close)) : NULL;
     if (!mark) return;
-    const tag t = {open + 1, close};
+    const iso_xml_tag t = {open + 1, close};
     v->appended = mark + 1;
-    v->appended_raw = attribute_is(&t, "encoding", "raw");
-    v->end = open;
+    v->appended_raw = iso_xml_attribute_is(&t, "encoding", "raw");
+    v->markup.end = open;
 }
 
 static iso_status read_header(vtp *v, iso_error *error) {
-    char text[TEXT] = "";
-    tag t;
+    char text[ISO_XML_TEXT] = "";
+    iso_xml_tag t;
     do
-        if (!next_tag(v, &t)) return bad(v, "it has no element VTKFile", error);
-    while (!tag_is(&t, "VTKFile"));
-    if (!attribute(&t, "type", text) || strcmp(text, "PolyData") != 0)
+        if (!iso_xml_next(&v->markup, &t)) return bad(v, "it has no element VTKFile", error);
+    while (!iso_xml_is(&t, "VTKFile"));
+    if (!iso_xml_attribute(&t, "type", text) || strcmp(text, "PolyData") != 0)
         return iso_fail(error, ISO_ERR_FORMAT, "%s: holds a %.80s, not polygonal data",
                         v->data->reading->path, *text ? text : "VTKFile without a type");
-    v->big_endian = attribute_is(&t, "byte_order", "BigEndian");
-    v->header = attribute_is(&t, "header_type", "UInt64") ? 8 : 4;
-    v->compressed = attribute(&t, "compressor", text) && *text;
+    v->big_endian = iso_xml_attribute_is(&t, "byte_order", "BigEndian");
+    v->header = iso_xml_attribute_is(&t, "header_type", "UInt64") ? 8 : 4;
+    v->compressed = iso_xml_attribute(&t, "compressor", text) && *text;
     if (v->compressed && strcmp(text, "vtkZLibDataCompressor") != 0)
         return iso_fail(error, ISO_ERR_UNSUPPORTED, "%s: compressed by %.80s: only zlib is supported",
                         v->data->reading->path, text);
@@ -586,16 +517,16 @@ static iso_status read_header(vtp *v, iso_error *error) {
 
 static iso_status read_file(vtp *v, iso_error *error) {
     size_t bytes;
-    tag t;
+    iso_xml_tag t;
     bool ended = false;
     ISO_TRY(iso_reading_load(v->data->reading, &v->text, &bytes, error));
-    v->at = v->text.data;
-    v->end = v->end_of_data = v->at + bytes;
+    v->markup.at = v->text.data;
+    v->markup.end = v->end_of_data = v->markup.at + bytes;
     ISO_TRY(read_header(v, error));
     find_appended(v);
-    while (!ended && next_tag(v, &t)) {
+    while (!ended && iso_xml_next(&v->markup, &t)) {
         ISO_TRY(take_tag(v, &t, error));
-        ended = tag_is(&t, "/PolyData");
+        ended = iso_xml_is(&t, "/PolyData");
     }
     return ended ? ISO_OK : ends(v, error);
 }

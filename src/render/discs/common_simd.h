@@ -258,6 +258,7 @@ ISO_INLINE void make_batch(const iso_discs_params *params, const bool curved, co
     for (int k = 0; k < 3 && params->colored; k++)
         batch->discs.value[ISO_DISC_RED + k] = v_load(batch->lanes.color[k]);
     set_boxes(params, curved, &batch->lanes, &batch->points, &batch->discs);
+    if (params->cuts) cut_discs(params, params->centres, &batch->discs);
 }
 
 /* select_points and make_batch for each kind of disc: functions of their own, which all ways of adding discs

@@ -65,7 +65,7 @@ typedef struct rf_points {
 typedef struct rf_disc {
     vf value[ISO_DISC_VALUES];
     vm live;    /* lanes with a disc that may be visible */
-    vm clipped; /* discs whose boxes clip them */
+    vm clipped; /* discs that their boxes or bodies (params->cut) may clip */
 } rf_disc;
 
 /* ---- reading points */
@@ -467,6 +467,38 @@ ISO_INLINE void set_boxes(const iso_discs_params *params, const bool curved, con
     }
 }
 
+/* ---- bodies that cut discs */
+
+/* Whether balls around `at` (view space, mm) lie in a body: all of them where `radius` is above 0, some part
+ * where it is below 0. */
+ISO_INLINE vm in_body(const iso_discs_cut *body, const vf at[3], vf radius) {
+    if (!body->faces) {
+        const vf x = at[0] - body->centre[0], y = at[1] - body->centre[1], z = at[2] - body->centre[2];
+        const vf most = v_max(body->radius - radius, v_set(0));
+        return v_lt(x * x + y * y + z * z, most * most);
+    }
+    vm in = v_eqi(v_seti(0), v_seti(0));
+    for (int i = 0; i < body->faces; i++) {
+        const float *f = body->face[i];
+        in = v_and(in, v_lt(f[0] * at[0] + f[1] * at[1] + f[2] * at[2] + radius, v_set(f[3])));
+    }
+    return in;
+}
+
+/* Leaves out discs that bodies cut away, of `centres` all whose centres they cut away, and marks those that
+ * bodies may cut. */
+ISO_INLINE void cut_discs(const iso_discs_params *params, const bool centres, rf_disc *discs) {
+    const vf *at = discs->value + ISO_DISC_X;
+    const vf reach =
+        centres ? v_set(0) : discs->value[ISO_DISC_RADIUS] * 1.01f + 4 * discs->value[ISO_DISC_PIXEL];
+    for (int i = 0; i < params->cuts; i++) {
+        const bool keeps = params->cut[i].keeps;
+        const vm all = in_body(&params->cut[i], at, reach), some = in_body(&params->cut[i], at, -reach);
+        discs->live = keeps ? v_and(discs->live, some) : v_andnot(discs->live, all);
+        discs->clipped = v_or(discs->clipped, v_andnot(some, all));
+    }
+}
+
 /* ---- rays */
 
 /* Where the ray through a pixel hits a disc. */
@@ -577,6 +609,16 @@ ISO_INLINE void clip_to_boxes(const iso_discs_params *params, const vf *disc, rf
         const vf at = m[k] * hit->q[0] + m[3 + k] * hit->q[1] + m[6 + k] * hit->q[2];
         const vm outside = v_or(v_lt(at, disc[ISO_DISC_LOW_X + k]), v_lt(disc[ISO_DISC_HIGH_X + k], at));
         hit->far = v_select(outside, v_set(1), hit->far);
+    }
+}
+
+/* Removes hits that bodies cut away. */
+ISO_INLINE void cut_hits(const iso_discs_params *params, const vf *disc, rf_hit *hit) {
+    vf at[3];
+    for (int k = 0; k < 3; k++) at[k] = disc[ISO_DISC_X + k] + hit->q[k];
+    for (int i = 0; i < params->cuts; i++) {
+        const vm in = in_body(&params->cut[i], at, v_set(0));
+        hit->far = params->cut[i].keeps ? v_select(in, hit->far, v_set(1)) : v_select(in, v_set(1), hit->far);
     }
 }
 

@@ -82,6 +82,28 @@ static void set_up_metric(iso_discs_params *params, const double spacing[3]) {
         }
 }
 
+/* Sets the bodies that cut discs, in view space. */
+static void set_up_cuts(iso_discs_params *params) {
+    const iso_clip *clip = params->target->clip;
+    const iso_view *view = params->target->view;
+    params->cuts = clip ? clip->count : 0;
+    for (int i = 0; i < params->cuts; i++) {
+        const iso_clip_body *body = &clip->body[i];
+        const iso_vec3 centre = iso_view_point(view, body->centre);
+        iso_discs_cut *cut = &params->cut[i];
+        *cut = (iso_discs_cut){.faces = body->faces, .keeps = body->keeps};
+        cut->centre[0] = (float)centre.x, cut->centre[1] = (float)centre.y, cut->centre[2] = (float)centre.z;
+        cut->radius = (float)body->radius;
+        for (int k = 0; k < body->faces; k++) {
+            const double *f = body->face[k];
+            const iso_vec3 normal = {f[0], f[1], f[2]}, turned = iso_view_vector(view, normal);
+            cut->face[k][0] = (float)turned.x, cut->face[k][1] = (float)turned.y;
+            cut->face[k][2] = (float)turned.z;
+            cut->face[k][3] = (float)(f[3] - iso_vec3_dot(normal, view->eye));
+        }
+    }
+}
+
 static void set_up_params(discs_call *call, const iso_projector *projector) {
     iso_discs_params *params = &call->params;
     const iso_view *view = params->target->view;
@@ -109,6 +131,7 @@ static void set_up_params(discs_call *call, const iso_projector *projector) {
     params->radii_scale = iso_point_view_radii_scale(params->points);
     params->colored = params->points->colors != NULL;
     set_up_border(params);
+    set_up_cuts(params);
 }
 
 /* `color` NULL: there is no colour of all discs. */

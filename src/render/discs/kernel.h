@@ -110,6 +110,15 @@ enum {
  * front of each pixel, the second adds the discs near it. */
 typedef enum iso_discs_pass { ISO_DISCS_ONE_PASS, ISO_DISCS_FRONT_PASS, ISO_DISCS_SUM_PASS } iso_discs_pass;
 
+/* A body that cuts discs (render/view/clip.h), in view space: a point p lies in it if x * p.x + y * p.y + z *
+ * p.z < offset for each face; without faces, in the ball. mm. */
+typedef struct iso_discs_cut {
+    int faces;
+    float face[ISO_CLIP_FACES][4];
+    float centre[3], radius;
+    bool keeps;
+} iso_discs_cut;
+
 /* Parameters of one picture or strip. Positions are counted in steps: quantisation steps for packed points,
  * voxels for surfels. */
 typedef struct iso_discs_params {
@@ -148,6 +157,8 @@ typedef struct iso_discs_params {
     float voxels_per_mm; /* voxels per mm, at most */
     bool has_border;     /* discs are clipped at the grid's border: */
     float border[3];     /* index coordinates of its high corner; those of the low corner are 0 */
+    int cuts;            /* hits in these bodies, or outside of those that are kept, are left out */
+    iso_discs_cut cut[ISO_CLIP_BODIES];
 } iso_discs_params;
 
 enum {

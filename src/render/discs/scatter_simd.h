@@ -106,9 +106,11 @@ ISO_INLINE void intersect_row(const iso_discs_params *params, const iso_discs_pa
         if (v_mask(cut)) clip_to_boxes(params, disc, &hit);
         if (filtered) {
             const vm covered = filter_hits(params, disc, dx, dy, &hit);
+            if (params->cuts && v_mask(cut)) cut_hits(params, disc, &hit);
             const vf weight = gaussian(hit.far) * disc[ISO_DISC_SHARE];
             v_store(out->weight + step * ISO_LANES, v_select(covered, weight, -weight));
         } else {
+            if (params->cuts && v_mask(cut)) cut_hits(params, disc, &hit);
             v_store(out->weight + step * ISO_LANES, gaussian(hit.far));
         }
         v_store(out->depth + step * ISO_LANES, disc[ISO_DISC_Z] + hit.q[2]);

@@ -184,6 +184,7 @@ ISO_INLINE void splat_disc(const iso_discs_params *params, const iso_discs_patch
             rf_hit hit = intersect(params, disc, curved, &row, dx, ray_slope(params, 0, column), how);
             if (cut) clip_to_boxes(params, disc, &hit);
             if (filtered) shares.covers[shares.count] = filter_hits(params, disc, dx, dy, &hit);
+            if (cut && params->cuts) cut_hits(params, disc, &hit);
             if (exact || !curved) { /* the other discs have no hits outside their bounds */
                 const vi out = (columns - box[0]) | (box[2] - columns) | (rows - box[1]) | (box[3] - rows);
                 hit.far = v_select(v_lti(out, v_seti(0)), v_set(1), hit.far);

@@ -132,7 +132,8 @@ static void project(const frame *f, size_t i) {
     iso_gaussian_ellipse *e = &f->ellipses[i];
     const iso_vec3 world = iso_vec3_add(g->origin, iso_vec3_make((double)p[0], (double)p[1], (double)p[2]));
     const iso_vec3 at = iso_view_point(f->view, world);
-    const bool near = at.z >= f->nearest && at.z < 1e30 && g->opacities[i] >= ISO_GAUSSIAN_LEAST;
+    const bool cut = g->clip && !iso_clip_shows(g->clip, world);
+    const bool near = !cut && at.z >= f->nearest && at.z < 1e30 && g->opacities[i] >= ISO_GAUSSIAN_LEAST;
     if (near && make_ellipse(f, i, at, e)) return;
     e->first_y = 1;
     e->last_y = 0;

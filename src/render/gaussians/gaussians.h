@@ -12,6 +12,7 @@
 #define ISO_RENDER_GAUSSIANS_GAUSSIANS_H
 
 #include "render/layers/compose.h"
+#include "render/view/clip.h"
 
 #define ISO_GAUSSIAN_LOW_PASS 0.3f      /* square samples, added to the variances in the picture */
 #define ISO_GAUSSIAN_LEAST (1.0f / 255) /* opacity of a contribution that counts */
@@ -29,6 +30,7 @@ typedef struct iso_gaussians {
     const uint8_t (*colors)[3]; /* display values; NULL: `color` for all */
     iso_rgb color;
     size_t count;
+    const iso_clip *clip; /* NULL, or what is cut away: the Gaussians whose centres lie there */
 } iso_gaussians;
 
 /* The median standard deviation of Gaussians, mm, of some thousands of them; 1 if they have no size. */

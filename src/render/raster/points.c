@@ -150,8 +150,10 @@ static void place_block(void *context, size_t index, int worker) {
     block *b = &draw->blocks[index];
     double radius = 0;
     if (!draw->points->radii) radius = point_radius(draw->points, 0);
-    for (size_t i = b->first; draw->points->radii && i < b->first + b->count; i++)
-        radius = fmax(radius, point_radius(draw->points, i));
+    for (size_t i = b->first; draw->points->radii && i < b->first + b->count; i++) {
+        double own = point_radius(draw->points, i);
+        if (own > radius) radius = own; /* (fmax is an internal error of gcc 12 for ARM) */
+    }
     iso_box box = block_box(draw, b);
     b->rows = iso_projector_rows(&draw->projector, &box, radius);
 }

@@ -34,6 +34,11 @@ iso_clip_body iso_clip_half_space(iso_vec3 point, iso_vec3 normal);
 iso_clip_body iso_clip_box(const iso_box *box);
 iso_clip_body iso_clip_ball(iso_vec3 centre, double radius);
 
+/* Whether it is a single half-space that is cut away, or left. `clip` may be NULL. */
+static inline bool iso_clip_is_plane(const iso_clip *clip) {
+    return clip && clip->count == 1 && clip->body[0].faces == 1;
+}
+
 /* Whether a point is left. */
 bool iso_clip_shows(const iso_clip *clip, iso_vec3 point);
 

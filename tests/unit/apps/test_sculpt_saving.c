@@ -136,8 +136,8 @@ static void write_segmentation(const char *path) {
     fclose(file);
 }
 
-/* A label goes back into a copy of its file, also after its session was opened again from the journal; what the
- * session began with is not replaced, and neither is a file of another type written. */
+/* A label goes back into a copy of its file, also after its session was opened again from the journal; what
+ * the session began with is not replaced, and neither is a file of another type written. */
 static void labels_go_back(void **state) {
     (void)state;
     char source[512], copy[512], journal[ISOSCULPT_PATH];

@@ -1,0 +1,16 @@
+# isorender in a container:  docker build -t isopoint .
+#                            docker run --rm -v "$PWD:/data" isopoint volumes/stent.nrrd stent.png --isovalue 600
+# Nobody has built this image yet; what it runs is tested elsewhere: ./run packages, ./run test packages.
+FROM debian:12 AS build
+RUN apt-get update && apt-get install -y --no-install-recommends git
+COPY . /isopoint
+WORKDIR /isopoint
+RUN git config --global --add safe.directory /isopoint && ./run packages
+
+FROM debian:12
+COPY --from=build /isopoint/build/packages/*.deb /packages/
+RUN apt-get update && \
+    apt-get install -y --no-install-recommends /packages/isopoint_*.deb /packages/isopoint-formats_*.deb && \
+    rm -rf /packages /var/lib/apt/lists/*
+WORKDIR /data
+ENTRYPOINT ["isorender"]

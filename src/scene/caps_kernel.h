@@ -1,0 +1,43 @@
+/* caps_kernel: where the rays of a row of samples meet a plane that cuts a solid, and the volume's values
+ * there. Internal to scene. */
+#ifndef ISO_SCENE_CAPS_KERNEL_H
+#define ISO_SCENE_CAPS_KERNEL_H
+
+#include <stddef.h>
+
+#include "base/cpu.h"
+#include "base/primitives.h"
+#include "grids/rgrid.h"
+
+enum { ISO_CAP_BLOCK = 64 }; /* samples that are computed at a time */
+
+/* A number that depends linearly on the column: first + x * next. */
+typedef struct iso_cap_linear {
+    double first, next;
+} iso_cap_linear;
+
+/* A solid that one plane cuts, for a row of samples. With the slope of a ray towards what is left, the ray
+ * meets the plane at depth / slope, at the index coordinates place / slope. */
+typedef struct iso_cap_row {
+    iso_cap_linear slope, depth, place[3];
+    int begin, end;        /* columns in which that can be in the volume */
+    double near, last[3];  /* of the view; the index of the last voxel */
+    const iso_rgrid *grid; /* with at least two voxels on each axis; NULL: values are not asked for */
+} iso_cap_row;
+
+/* Where the rays meet the plane: by sample, in the order of columns. */
+typedef struct iso_cap_block {
+    double depth[ISO_CAP_BLOCK];    /* INFINITY: nowhere, or not behind the near plane */
+    double place[3][ISO_CAP_BLOCK]; /* in index coordinates */
+    double value[ISO_CAP_BLOCK];    /* stored; NAN: outside of the volume, or beside a voxel without one */
+} iso_cap_block;
+
+/* A plane along the border lies in the volume, voxels. */
+#define ISO_CAP_SLACK 1e-9
+
+/* Computes `count` samples (at most ISO_CAP_BLOCK) from column x on; what is beyond them in the block is
+ * undefined. All in double precision. */
+typedef void iso_cap_kernel_fn(const iso_cap_row *row, int x, int count, iso_cap_block *block);
+ISO_KERNEL_UNITS(iso_cap_kernel_fn, iso_cap_kernel);
+
+#endif

@@ -1,0 +1,98 @@
+# Rectilinear grids of legacy .vtk: with even steps the voxels as they are, else resampled to the smallest step, as linear
+# interpolation has them; unstructured grids are refused with what resamples them.
+python3 - <<'P'
+import struct
+from check import *
+value = lambda x, y, z: 100 - 3 * (x - 4) ** 2 - 2 * (y - 3) ** 2 - 4 * (z - 5) ** 2
+even = ([0.5 + i for i in range(8)], [-1 + 0.75 * i for i in range(11)], [1 + 2.0 * i for i in range(5)])
+uneven = ([0, 1, 2, 3, 4.5, 6, 8], [-1 + 0.75 * i for i in range(11)], [0, 1, 3, 4, 7, 9, 9.5])
+
+def vtk(name, axes, binary=False, kind="float", cells=False, of=value):
+    code = {"float": "f", "double": "d"}[kind]
+    put = lambda v, code: struct.pack(">%d%s" % (len(v), code), *v) if binary else (" ".join(map(repr, v))).encode()
+    middles = [[(a + b) / 2 for a, b in zip(x, x[1:])] for x in axes] if cells else axes
+    values = [float(of(x, y, z)) for z in middles[2] for y in middles[1] for x in middles[0]]
+    data = b"# vtk DataFile Version 3.0\ntitle\n%s\nDATASET RECTILINEAR_GRID\nDIMENSIONS %d %d %d\n" % (
+        b"BINARY" if binary else b"ASCII", *map(len, axes))
+    for letter, x in zip(b"XYZ", axes):
+        data += b"%c_COORDINATES %d %s\n" % (letter, len(x), kind.encode()) + put(x, code) + b"\n"
+    data += b"%s_DATA %d\nSCALARS v float 1\nLOOKUP_TABLE default\n" % (b"CELL" if cells else b"POINT", len(values)) + put(values, "f") + b"\n"
+    open("in/" + name, "wb").write(data)
+
+def nrrd(name, axes, of=value):
+    step = [x[1] - x[0] for x in axes]
+    head = "NRRD0004\ntype: float\ndimension: 3\nsizes: %d %d %d\nencoding: raw\nendian: little\nspace: 3D-right-handed\n" % tuple(map(len, axes))
+    head += "space directions: (%r,0,0) (0,%r,0) (0,0,%r)\nspace origin: (%r,%r,%r)\n\n" % (*step, *[x[0] for x in axes])
+    data = [of(x, y, z) for z in axes[2] for y in axes[1] for x in axes[0]]
+    open("in/" + name, "wb").write(head.encode() + struct.pack("<%df" % len(data), *data))
+
+def between(axes): # `value` is a sum of functions of one coordinate: interpolating each interpolates it
+    def along(x, at):
+        i = max(k for k in range(len(x) - 1) if x[k] <= at)
+        return i, (at - x[i]) / (x[i + 1] - x[i])
+    def of(*p):
+        total = 0
+        for axis in range(3):
+            i, part = along(axes[axis], p[axis])
+            term = lambda v: value(*[v if k == axis else (4, 3, 5)[k] for k in range(3)]) - 100
+            total += (1 - part) * term(axes[axis][i]) + part * term(axes[axis][i + 1])
+        return 100 + total
+    return of
+
+def resampled(axes):
+    steps = [min(b - a for a, b in zip(x, x[1:])) for x in axes]
+    counts = [int(-(-(x[-1] - x[0]) * (1 - 1e-6) // s)) + 1 for x, s in zip(axes, steps)]
+    return [[x[0] + (x[-1] - x[0]) * i / (n - 1) for i in range(n)] for x, n in zip(axes, counts)]
+
+nrrd("even.nrrd", even)
+vtk("text.vtk", even)
+vtk("binary.vtk", even, binary=True)
+vtk("double.vtk", even, binary=True, kind="double")
+nrrd("cells.nrrd", [[(a + b) / 2 for a, b in zip(x, x[1:])] for x in even])
+vtk("cells.vtk", even, cells=True)
+nrrd("uneven.nrrd", resampled(uneven), between(uneven))
+vtk("uneven.vtk", uneven)
+vtk("uneven_binary.vtk", uneven, binary=True, kind="double")
+middles = [[(a + b) / 2 for a, b in zip(x, x[1:])] for x in uneven]
+nrrd("uneven_cells.nrrd", resampled(middles), between(middles))
+vtk("uneven_cells.vtk", uneven, cells=True)
+vtk("falling.vtk", (uneven[0][::-1], *uneven[1:]))
+vtk("vast.vtk", ([0, 1e-9] + uneven[0][1:], *uneven[1:]))
+vtk("large.vtk", [[0, 1e-3] + uneven[0][1:]] * 3)
+P
+same() { # REFERENCE FILE [OPTION..]
+    isorender "in/$1" a.png --isovalue 50.5 --resolution 90x90 --azimuth 30 --elevation 20 --quiet --json=a.json
+    isorender "in/$2" b.png --isovalue 50.5 --resolution 90x90 --azimuth 30 --elevation 20 --quiet --json=b.json "${@:3}"
+    python3 -c 'from check import *
+a, b = report("a.json"), report("b.json")
+expect(a["volume"]["dims"] == b["volume"]["dims"], sys.argv, a["volume"], b["volume"])
+difference = max(abs(p - q) for row, other in zip(Png("a.png").rows, Png("b.png").rows) for s, t in zip(row, other) for p, q in zip(s, t))
+expect(difference <= 1, sys.argv, difference)
+expect(max(abs(p - q) for p, q in zip(a["bounds_world"], b["bounds_world"])) < 1e-4, sys.argv)' "$@"
+}
+for file in text binary double; do same even.nrrd $file.vtk; done
+same cells.nrrd cells.vtk
+for file in uneven uneven_binary; do same uneven.nrrd $file.vtk; done
+for threads in 1 3; do same uneven.nrrd uneven.vtk --threads $threads; done
+isorender in/uneven.nrrd a.png --isovalue 50.5 --resolution 90x90 --chunk-size 16 --quiet
+isorender in/uneven.vtk b.png --isovalue 50.5 --resolution 90x90 --chunk-size 16 --quiet
+python3 -c 'from check import *
+difference = max(abs(p - q) for row, other in zip(Png("a.png").rows, Png("b.png").rows) for s, t in zip(row, other) for p, q in zip(s, t))
+expect(difference <= 1, difference)'
+same uneven_cells.nrrd uneven_cells.vtk
+isorender in/uneven.vtk --info 2>&1 | grep -q 'resampled from 7 x 11 x 7 voxels to the smallest step on each axis'
+! isorender in/text.vtk --info 2>&1 | grep -q 'resampled' || false
+
+isorender_refuses 3 'in/falling.vtk: its coordinates on axis 0 do not rise' in/falling.vtk
+isorender_refuses 3 'in/vast.vtk: its steps on axis 0, of 1e-09 to 2, are too uneven' in/vast.vtk
+isorender_refuses 5 'in/large.vtk: needs .* to read' in/large.vtk
+sed 's/X_COORDINATES 8/X_COORDINATES 7/' in/text.vtk >in/few.vtk
+isorender_refuses 3 'in/few.vtk: not a readable VTK file' in/few.vtk
+sed 's/X_COORDINATES 8/X_COORDINATES 2000000000/' in/text.vtk >in/many.vtk
+isorender_refuses 3 'in/many.vtk: truncated: the file ends in its coordinates' in/many.vtk
+head -c 150 in/double.vtk >in/cut.vtk
+isorender_refuses 3 'in/cut.vtk: truncated: the file ends in its coordinates' in/cut.vtk
+printf '# vtk DataFile Version 3.0\nt\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 0 float\n' >in/cells_of_any_kind.vtk
+isorender_refuses 3 'in/cells_of_any_kind.vtk: holds a UNSTRUCTURED_GRID, not an image: resample it in ParaView' in/cells_of_any_kind.vtk
+printf '<VTKFile type="UnstructuredGrid" version="0.1"><UnstructuredGrid/></VTKFile>' >in/a.vtu
+isorender_refuses 3 'in/a.vtu: holds a UnstructuredGrid, not an image: resample it in ParaView (Filters, Resample To Image) or VTK' in/a.vtu
