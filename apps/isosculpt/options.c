@@ -53,8 +53,7 @@ static const iso_option options[] = {
      .group = SESSION, .kind = ISO_OPTION_REAL, AT(isovalue), .low = -1e300, .high = 1e300},
     {"label", NULL, "WHICH",
      "open one label of a segmentation: its number, or its name in a .seg.nrrd or --label-table; it goes "
-     "back into a "
-     "copy of its own file",
+     "back into a copy of its own file",
      .group = SESSION, .kind = ISO_OPTION_TEXT, AT(common.input.label)},
     {"label-table", NULL, "FILE", "names of labels (FreeSurfer, 3D Slicer or ITK-SNAP), for --label",
      .group = SESSION, .kind = ISO_OPTION_TEXT, AT(common.input.label_table)},
@@ -77,8 +76,7 @@ static const iso_option options[] = {
 
     {"output", "o", "FILE",
      "write the result: .vdb level set, .ply points, .stl or .obj mesh; of --label also the segmentation "
-     "with the "
-     "label as it is now, under a name that ends as its own",
+     "with the label as it is now, under a name that ends as its own",
      .group = OUTPUT, .kind = ISO_OPTION_TEXT, AT(output)},
     {"mesh", NULL, "FILE", "write a mesh: {meshes written}", .group = OUTPUT, .kind = ISO_OPTION_TEXT,
      AT(mesh)},

@@ -294,6 +294,12 @@ static const char *input_name(const isosculpt_settings *settings) {
     return settings->replay ? settings->replay : settings->open;
 }
 
+/* Whether the output is the segmentation that the session began with. */
+static bool writes_label(const isosculpt_settings *settings) {
+    const unsigned others = ISO_WRITES_VOLUME | ISO_WRITES_POINTS | ISO_WRITES_MESH;
+    return settings->output && iso_file_type_of_name(settings->output, others) == ISO_FILE_UNKNOWN;
+}
+
 static iso_status write_points(player *p, const char *path, iso_error *error) {
     iso_grid grid = {.hgrid = iso_session_grid(p->session)};
     iso_points_opts opts = {.floats = true, .pool = p->pool};
@@ -302,7 +308,8 @@ static iso_status write_points(player *p, const char *path, iso_error *error) {
     iso_status status = iso_point_set_update(set, error);
     iso_point_view view = iso_point_set_view(set);
     p->report->points = iso_point_view_count(&view);
-    if (status == ISO_OK && p->report->points == 0)
+    if (status == ISO_OK && p->report->points == 0 &&
+        !writes_label(p->settings)) /* (a label may be removed) */
         status = iso_fail(error, ISO_ERR_EMPTY, "%s: nothing is left of the solid", input_name(p->settings));
     if (status == ISO_OK && path) status = iso_points_write_ply(path, &view, "isosculpt", error);
     iso_point_set_destroy(set);
@@ -313,12 +320,6 @@ static iso_status write_mesh(player *p, const char *path, iso_error *error) {
     const isosculpt_mesh_opts opts = {.closed = p->settings->closed != 0, .pool = p->pool};
     p->report->mesh_path = path;
     return isosculpt_mesh_write(path, iso_session_grid(p->session), &opts, &p->report->mesh, error);
-}
-
-/* Whether the output is the segmentation that the session began with. */
-static bool writes_label(const isosculpt_settings *settings) {
-    const unsigned others = ISO_WRITES_VOLUME | ISO_WRITES_POINTS | ISO_WRITES_MESH;
-    return settings->output && iso_file_type_of_name(settings->output, others) == ISO_FILE_UNKNOWN;
 }
 
 /* The stroke file that the session's source is sought beside. */
@@ -343,8 +344,7 @@ static iso_status write_outputs(player *p, iso_error *error) {
     const isosculpt_settings *settings = p->settings;
     const char *output = settings->output;
     bool points = output && iso_file_type_of_name(output, ISO_WRITES_POINTS) != ISO_FILE_UNKNOWN;
-    if (!writes_label(settings)) /* (of a label nothing may be left) */
-        ISO_TRY(write_points(p, points ? output : NULL, error));
+    ISO_TRY(write_points(p, points ? output : NULL, error));
     if (writes_label(settings))
         ISO_TRY(write_label(p, output, error));
     else if (output && iso_file_type_of_name(output, ISO_WRITES_VOLUME) != ISO_FILE_UNKNOWN)
@@ -441,9 +441,8 @@ static void log_outputs(const player *p) {
         else if (path && iso_file_type_of_name(path, ISO_WRITES_POINTS) != ISO_FILE_UNKNOWN)
             iso_program_log(program, "%s: wrote %s: %zu points", input, path, p->report->points);
         else if (path && path == p->settings->output && p->report->label)
-            iso_program_log(program,
-                            "%s: wrote %s: label %d has %" PRIu64 " voxels more and %" PRIu64 " less", input,
-                            path, iso_source_label(&p->report->start), p->report->label->added,
+            iso_program_log(program, "%s: wrote %s: label %d gained %" PRIu64 " voxels and lost %" PRIu64,
+                            input, path, iso_source_label(&p->report->start), p->report->label->added,
                             p->report->label->removed);
         else if (path)
             iso_program_log(program, "%s: wrote %s", input, path);

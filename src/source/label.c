@@ -58,10 +58,10 @@ iso_status iso_source_label_find(const char *path, iso_input *input, char number
 static iso_status fail_missing(const iso_source *source, const iso_labels *labels, iso_error *error) {
     char known[160] = "";
     size_t used = 0;
-    for (int i = 1; i < labels->count && used + 24 < sizeof known; i++)
-        used += (size_t)snprintf(known + used, sizeof known - used,
-                                 i + 1 < labels->count && used + 34 > sizeof known ? ", .." : "%s%d",
-                                 i > 1 ? ", " : "", labels->label[i].value);
+    for (int i = 1; i < labels->count && used + 16 < sizeof known; i++)
+        used += (size_t)snprintf(known + used, sizeof known - used, "%s%d", i > 1 ? ", " : "",
+                                 labels->label[i].value);
+    if (used + 16 >= sizeof known) snprintf(known + used, sizeof known - used, ", ..");
     return iso_fail(error, ISO_ERR_USAGE, "%s: there is no label %s: there are %s", source->path,
                     source->input->label, *known ? known : "none");
 }
