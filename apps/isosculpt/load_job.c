@@ -75,7 +75,8 @@ static iso_status open_volume(isosculpt_load_job *load_job, const iso_progress *
 
 static iso_status open_path(isosculpt_load_job *load_job, const iso_progress *progress, iso_error *error) {
     const isosculpt_load_request *request = &load_job->request;
-    const bool converts = !request->input.has_raw && iso_source_kind(load_job->path) != ISO_HOLDS_VOLUME;
+    const bool converts = request->input.label ||
+                          (!request->input.has_raw && iso_source_kind(load_job->path) != ISO_HOLDS_VOLUME);
     if (request->volume || isosculpt_is_strokes(load_job->path) || converts)
         return open_document(load_job, request->volume, progress, error);
     return open_volume(load_job, progress, error);

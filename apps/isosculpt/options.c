@@ -51,6 +51,12 @@ static const iso_option options[] = {
     {"isovalue", NULL, "V",
      "of the volume that is opened (of a level set: mm from its surface); a window can change it",
      .group = SESSION, .kind = ISO_OPTION_REAL, AT(isovalue), .low = -1e300, .high = 1e300},
+    {"label", NULL, "WHICH",
+     "open one label of a segmentation: its number, or its name in a .seg.nrrd or --label-table; it goes "
+     "back into a copy of its own file",
+     .group = SESSION, .kind = ISO_OPTION_TEXT, AT(common.input.label)},
+    {"label-table", NULL, "FILE", "names of labels (FreeSurfer, 3D Slicer or ITK-SNAP), for --label",
+     .group = SESSION, .kind = ISO_OPTION_TEXT, AT(common.input.label_table)},
 #define SOLID SESSION
 #include "apps/common/solid_options.inc"
 #undef SOLID
@@ -68,7 +74,9 @@ static const iso_option options[] = {
 
 #include "apps/common/input_options.inc"
 
-    {"output", "o", "FILE", "write the result: .vdb level set, .ply points, .stl or .obj mesh",
+    {"output", "o", "FILE",
+     "write the result: .vdb level set, .ply points, .stl or .obj mesh; of --label also the segmentation "
+     "with the label as it is now, under a name that ends as its own",
      .group = OUTPUT, .kind = ISO_OPTION_TEXT, AT(output)},
     {"mesh", NULL, "FILE", "write a mesh: {meshes written}", .group = OUTPUT, .kind = ISO_OPTION_TEXT,
      AT(mesh)},
@@ -178,6 +186,9 @@ static iso_status check_opened(const isosculpt_settings *settings, iso_error *er
     ISO_TRY(iso_input_check(&settings->common.input, error));
     if (!settings->open && !isnan(settings->isovalue))
         return iso_fail(error, ISO_ERR_USAGE, "--isovalue needs a file to open");
+    if (settings->common.input.label && !isnan(settings->isovalue))
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "--label and --isovalue cannot be combined: a label is a solid");
     if (!option && iso_input_drops_parts(&settings->common.input))
         option = settings->common.input.largest ? "--largest" : "--min-size";
     if (!settings->open && option) return iso_fail(error, ISO_ERR_USAGE, "%s needs a file to open", option);
@@ -248,7 +259,10 @@ iso_status isosculpt_settings_parse(int argc, char *const *argv, isosculpt_setti
     const unsigned results = ISO_WRITES_VOLUME | ISO_WRITES_POINTS | ISO_WRITES_MESH;
     char known[64];
     iso_file_type_extensions(results, 0, "or", known, sizeof known);
-    if (settings->output && !is_type(settings->output, results))
+    /* (Whether strokes began with a label is known when they are opened.) */
+    const bool labels = (settings->common.input.label || (settings->replay && !settings->open)) &&
+                        is_type(settings->output ? settings->output : "", ISO_HOLDS_VOLUME);
+    if (settings->output && !labels && !is_type(settings->output, results))
         return iso_fail(error, ISO_ERR_USAGE, "%s: the result is written as %s", settings->output, known);
     if (settings->mesh) ISO_TRY(iso_mesh_write_check(settings->mesh, error));
     const bool writes_mesh =

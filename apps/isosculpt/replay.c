@@ -1,4 +1,5 @@
 /* Headless: makes a field, plays a stroke file on it, writes the outputs and the report. */
+#include <inttypes.h>
 #include <math.h>
 #include <stdatomic.h>
 #include <stdio.h>
@@ -19,7 +20,7 @@
 #include "base/numbers.h"
 #include "grids/level_set.h"
 #include "io/points_write.h"
-#include "source/source.h"
+#include "source/label.h"
 
 /* The durations of all samples. */
 typedef struct times {
@@ -40,6 +41,7 @@ typedef struct report {
     const char *mesh_path;       /* of the mesh that was written; NULL: none */
     iso_mesh_measures mesh;      /* of that mesh */
     int resolution[2];           /* pixels, of --draw */
+    iso_label_changes *label;    /* owned; of the segmentation that was written; NULL: none */
 } report;
 
 static iso_status add_time(times *list, double seconds, iso_error *error) {
@@ -59,6 +61,7 @@ static void free_times(report *r) {
     free(r->extract.seconds);
     free(r->draw.seconds);
     free(r->step.seconds);
+    free(r->label);
 }
 
 /* ---- the field that the session began with */
@@ -142,6 +145,7 @@ typedef struct player {
     iso_point_set *points;
     isosculpt_viewport *viewport; /* NULL: nothing is drawn */
     const char *written[2];       /* outputs written so far */
+    iso_grid first;               /* owned; the field before any stroke, if the output is a segmentation */
 } player;
 
 static iso_status extract_timed(player *p, iso_error *error) {
@@ -224,6 +228,23 @@ static void put_opened_mesh(iso_json *json, const iso_mesh_report *mesh) {
     iso_json_end_object(json);
 }
 
+/* Writes what the label has gained and lost in the segmentation. */
+static void put_label(iso_json *json, const report *r) {
+    if (!r->label) return;
+    iso_json_begin_object(json, "label");
+    iso_json_integer(json, "value", (uint64_t)iso_source_label(&r->start));
+    iso_json_integer(json, "added", r->label->added);
+    iso_json_integer(json, "removed", r->label->removed);
+    iso_json_begin_object(json, "taken_from");
+    for (int value = 0; value <= ISO_LABEL_VALUE_MAX; value++) {
+        char key[16];
+        snprintf(key, sizeof key, "%d", value);
+        if (r->label->taken[value]) iso_json_integer(json, key, r->label->taken[value]);
+    }
+    iso_json_end_object(json);
+    iso_json_end_object(json);
+}
+
 static void put_report(iso_json *json, const isosculpt_settings *settings, const report *r) {
     iso_json_begin_object(json, NULL);
     iso_json_string(json, "schema", "isosculpt/1");
@@ -235,6 +256,7 @@ static void put_report(iso_json *json, const isosculpt_settings *settings, const
     put_opened_mesh(json, &r->opened_mesh);
     if (r->parts.kept) iso_put_components(json, "solid_parts", &r->parts);
     if (r->mesh_path) iso_put_mesh_measures(json, "mesh", &r->mesh);
+    put_label(json, r);
     iso_json_integer(json, "strokes", r->strokes);
     iso_json_integer(json, "samples", r->samples);
     iso_json_integer(json, "undone", r->undone);
@@ -272,6 +294,12 @@ static const char *input_name(const isosculpt_settings *settings) {
     return settings->replay ? settings->replay : settings->open;
 }
 
+/* Whether the output is the segmentation that the session began with. */
+static bool writes_label(const isosculpt_settings *settings) {
+    const unsigned others = ISO_WRITES_VOLUME | ISO_WRITES_POINTS | ISO_WRITES_MESH;
+    return settings->output && iso_file_type_of_name(settings->output, others) == ISO_FILE_UNKNOWN;
+}
+
 static iso_status write_points(player *p, const char *path, iso_error *error) {
     iso_grid grid = {.hgrid = iso_session_grid(p->session)};
     iso_points_opts opts = {.floats = true, .pool = p->pool};
@@ -280,7 +308,8 @@ static iso_status write_points(player *p, const char *path, iso_error *error) {
     iso_status status = iso_point_set_update(set, error);
     iso_point_view view = iso_point_set_view(set);
     p->report->points = iso_point_view_count(&view);
-    if (status == ISO_OK && p->report->points == 0)
+    if (status == ISO_OK && p->report->points == 0 &&
+        !writes_label(p->settings)) /* (a label may be removed) */
         status = iso_fail(error, ISO_ERR_EMPTY, "%s: nothing is left of the solid", input_name(p->settings));
     if (status == ISO_OK && path) status = iso_points_write_ply(path, &view, "isosculpt", error);
     iso_point_set_destroy(set);
@@ -293,12 +322,32 @@ static iso_status write_mesh(player *p, const char *path, iso_error *error) {
     return isosculpt_mesh_write(path, iso_session_grid(p->session), &opts, &p->report->mesh, error);
 }
 
+/* The stroke file that the session's source is sought beside. */
+static const char *strokes_of(const isosculpt_settings *settings) {
+    return settings->open ? "" : settings->replay;
+}
+
+static iso_status write_label(player *p, const char *path, iso_error *error) {
+    iso_sink sink;
+    p->report->label = calloc(1, sizeof *p->report->label);
+    if (!p->report->label) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for labels");
+    ISO_TRY(iso_sink_open(path, &sink, error));
+    iso_status status =
+        iso_source_label_write(strokes_of(p->settings), &p->report->start, p->first.hgrid,
+                               iso_session_grid(p->session), sink.stream, NULL, p->report->label, error);
+    if (status == ISO_OK) return iso_sink_commit(&sink, error);
+    iso_sink_abort(&sink);
+    return status;
+}
+
 static iso_status write_outputs(player *p, iso_error *error) {
     const isosculpt_settings *settings = p->settings;
     const char *output = settings->output;
     bool points = output && iso_file_type_of_name(output, ISO_WRITES_POINTS) != ISO_FILE_UNKNOWN;
     ISO_TRY(write_points(p, points ? output : NULL, error));
-    if (output && iso_file_type_of_name(output, ISO_WRITES_VOLUME) != ISO_FILE_UNKNOWN)
+    if (writes_label(settings))
+        ISO_TRY(write_label(p, output, error));
+    else if (output && iso_file_type_of_name(output, ISO_WRITES_VOLUME) != ISO_FILE_UNKNOWN)
         ISO_TRY(iso_level_set_write_vdb(output, iso_session_grid(p->session), "surface", NULL, error));
     else if (output && !points)
         ISO_TRY(write_mesh(p, output, error));
@@ -309,14 +358,17 @@ static iso_status write_outputs(player *p, iso_error *error) {
 }
 
 /* Checks, before the work begins, whether all outputs can be written. */
-static iso_status check_outputs(const isosculpt_settings *settings, iso_file_set *files, iso_error *error) {
+static iso_status check_outputs(const isosculpt_settings *settings, iso_file_set *files,
+                                const iso_journal_start *start, iso_error *error) {
     const char *const outputs[] = {settings->output, settings->mesh, settings->common.json_path};
     for (int i = 0; i < settings->references.count; i++)
         iso_file_set_read(files, settings->references.values[i]);
     for (int i = 0; i < 3; i++) iso_file_set_write(files, outputs[i]);
     ISO_TRY(iso_file_set_check(files, error));
     for (int i = 0; i < 3; i++) ISO_TRY(iso_sink_check(outputs[i], error));
-    return ISO_OK;
+    return writes_label(settings)
+               ? iso_source_label_check(strokes_of(settings), start, settings->output, error)
+               : ISO_OK;
 }
 
 /* Copies the field before any stroke is replayed. */
@@ -357,6 +409,7 @@ static iso_status prepare(player *p, iso_error *error) {
         ISO_TRY(iso_point_set_create(&grid, &opts, &p->points, error));
         ISO_TRY(iso_point_set_update(p->points, error));
     }
+    if (writes_label(p->settings)) ISO_TRY(iso_grid_copy(&grid, p->pool, &p->first, error));
     if (!p->viewport) return ISO_OK;
     ISO_TRY(isosculpt_viewport_init(p->viewport, grid.hgrid, p->pool, error));
     ISO_TRY(add_reference(p, error));
@@ -387,6 +440,10 @@ static void log_outputs(const player *p) {
             iso_program_log(program, "%s: wrote %s: %zu triangles", input, path, p->report->mesh.triangles);
         else if (path && iso_file_type_of_name(path, ISO_WRITES_POINTS) != ISO_FILE_UNKNOWN)
             iso_program_log(program, "%s: wrote %s: %zu points", input, path, p->report->points);
+        else if (path && path == p->settings->output && p->report->label)
+            iso_program_log(program, "%s: wrote %s: label %d gained %" PRIu64 " voxels and lost %" PRIu64,
+                            input, path, iso_source_label(&p->report->start), p->report->label->added,
+                            p->report->label->removed);
         else if (path)
             iso_program_log(program, "%s: wrote %s", input, path);
     }
@@ -427,7 +484,7 @@ iso_status isosculpt_replay(const isosculpt_settings *settings, iso_pool *pool, 
     if (settings->replay) iso_file_set_read(&files, settings->replay);
     iso_status status = make_field(settings, pool, &files, &r, &grid, error);
     iso_progress_bar_clear();
-    if (status == ISO_OK && (status = check_outputs(settings, &files, error)) != ISO_OK)
+    if (status == ISO_OK && (status = check_outputs(settings, &files, &r.start, error)) != ISO_OK)
         iso_hgrid_destroy(grid);
     iso_file_set_free(&files);
     if (status == ISO_OK) log_parts(settings, &r);
@@ -435,6 +492,7 @@ iso_status isosculpt_replay(const isosculpt_settings *settings, iso_pool *pool, 
     if (status == ISO_OK) status = iso_session_create(grid, &r.start, &opts, &p.session, error);
     if (status == ISO_OK) status = play_and_write(&p, reader, error);
     iso_point_set_destroy(p.points);
+    iso_grid_destroy(&p.first);
     isosculpt_viewport_free(&viewport);
     iso_session_destroy(p.session);
     iso_journal_reader_free(reader);

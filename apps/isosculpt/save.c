@@ -13,6 +13,7 @@
 #include "base/file.h"
 #include "base/file_types.h"
 #include "grids/level_set.h"
+#include "source/label.h"
 
 /* ---- names */
 
@@ -28,6 +29,12 @@ static bool is_level_set(const char *path) {
 
 bool isosculpt_can_save_as(const char *path) {
     return iso_file_type_of_name(path, ISO_WRITES_VOLUME | ISO_WRITES_MESH) != ISO_FILE_UNKNOWN;
+}
+
+/* Whether a path is one for the segmentation that a document began with. */
+static bool is_segmentation(const isosculpt_document *document, const char *path) {
+    return iso_source_label(&document->start) && !isosculpt_can_save_as(path) &&
+           iso_file_type_of_name(path, ISO_HOLDS_VOLUME) != ISO_FILE_UNKNOWN;
 }
 
 bool isosculpt_path_with_ending(const char *path, const char *ending, char changed[ISOSCULPT_PATH]) {
@@ -110,7 +117,10 @@ iso_status isosculpt_document_check_target(const isosculpt_document *document, c
                                            bool *replaces, iso_error *error) {
     struct stat about;
     *replaces = false;
-    if (!isosculpt_can_save_as(path)) return fail_name(path, error);
+    if (is_segmentation(document, path))
+        ISO_TRY(iso_source_label_check(document->journal, &document->start, path, error));
+    else if (!isosculpt_can_save_as(path))
+        return fail_name(path, error);
     if (stat(path, &about)) return ISO_OK;
     ISO_TRY(check_existing(document, path, &about, error));
     *replaces = !document->target_is_own || strcmp(path, document->target) != 0;
@@ -129,6 +139,9 @@ struct isosculpt_saver {
     bool closed;                /* cap the mesh at the border of the grid */
     bool nothing_left;          /* the field has no solid; level sets only, for meshes are refused then */
     iso_mesh_measures measures; /* of the mesh; zero for a level set */
+    bool segmentation;          /* the session's label goes back into a copy of its file */
+    iso_journal_start start;    /* the document's: the session goes on */
+    char journal[ISOSCULPT_PATH];
 };
 
 /* ---- the file that is replaced, which is kept as PATH.bak */
@@ -200,6 +213,28 @@ static bool has_solid(const iso_hgrid *grid) {
     return false;
 }
 
+/* Writes the label of a field into a copy of the segmentation. */
+static iso_status write_label(const isosculpt_saver *saver, const iso_hgrid *now, FILE *stream,
+                              const iso_progress *progress, iso_error *error) {
+    const iso_progress making = iso_progress_part(progress, 0, 0.6),
+                       writing = iso_progress_part(progress, 0.6, 1);
+    iso_hgrid *first;
+    iso_label_changes *changes = calloc(1, sizeof *changes);
+    iso_pool *pool = NULL;
+    iso_status status = changes ? iso_pool_create(0, &pool, error)
+                                : iso_fail(error, ISO_ERR_NOMEM, "out of memory for labels");
+    if (status == ISO_OK)
+        status = isosculpt_document_first_field(&saver->start, saver->journal, pool, &making, &first, error);
+    iso_pool_destroy(pool);
+    if (status == ISO_OK) {
+        status = iso_source_label_write(saver->journal, &saver->start, first, now, stream, &writing, changes,
+                                        error);
+        iso_hgrid_destroy(first);
+    }
+    free(changes);
+    return status;
+}
+
 static iso_status write_snapshot(isosculpt_saver *saver, FILE *stream, const iso_progress *progress,
                                  iso_error *error) {
     const iso_progress taking = iso_progress_part(progress, 0, 0.2),
@@ -208,7 +243,8 @@ static iso_status write_snapshot(isosculpt_saver *saver, FILE *stream, const iso
     ISO_TRY(iso_snapshot_copy(saver->snapshot, &taking, &grid, error));
     const isosculpt_mesh_opts mesh = {.closed = saver->closed, .progress = &writing, .stream = stream};
     saver->nothing_left = !has_solid(grid);
-    iso_status status = is_level_set(saver->path)
+    iso_status status = saver->segmentation ? write_label(saver, grid, stream, &writing, error)
+                        : is_level_set(saver->path)
                             ? iso_level_set_put_vdb(stream, saver->path, grid, "surface", &writing, error)
                             : isosculpt_mesh_write(saver->path, grid, &mesh, &saver->measures, error);
     iso_hgrid_destroy(grid);
@@ -246,6 +282,9 @@ static iso_status start_task(isosculpt_document *document, isosculpt_saver *save
     free(whole);
     saver->change_count = document->change_count;
     saver->backup = document->backup;
+    saver->segmentation = is_segmentation(document, document->saved_as);
+    saver->start = document->start;
+    memcpy(saver->journal, document->journal, sizeof saver->journal);
     ISO_TRY(iso_session_snapshot(document->session, &saver->snapshot, error));
     iso_status status = isosculpt_task_start(run_save, saver, wake, &saver->task, error);
     if (status != ISO_OK) iso_session_release_snapshot(document->session, saver->snapshot);

@@ -262,6 +262,7 @@ static iso_status count_components(const char *path, const meta_header *header, 
 }
 
 static void list_data_files(const char *path, const meta_header *header, iso_file_set *files);
+static bool is_local(const char *data);
 
 static iso_status meta_info(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
                             iso_error *error) {
@@ -283,6 +284,13 @@ static iso_status meta_info(const char *path, const iso_volume_opts *opts, iso_v
     }
     iso_format_stream stream = stream_of(&header, info->component);
     iso_format_stream_room(&stream, info);
+    const bool planes = header.channels == 1;
+    if (is_local(header.data) && !header.deflated && !header.text && (planes || header.ndims <= 3))
+        *opts->place = (iso_format_place){.told = true,
+                                          .swap = stream.swap,
+                                          .separate = planes,
+                                          .scalar = header.scalar,
+                                          .position = header.after};
     return ISO_OK;
 }
 

@@ -17,6 +17,7 @@
 
 #include <nifti2_io.h>
 
+#include "base/file.h"
 #include "base/text.h"
 #include "grids/volume/format.h"
 
@@ -361,6 +362,15 @@ static iso_status describe(const char *path, const iso_volume_opts *opts, const 
     take_scale(file->image, info);
     iso_format_stream stream = stream_of(file);
     iso_format_stream_room(&stream, info);
+    unsigned char magic[2];
+    *opts->place = (iso_format_place){
+        .told = true,
+        .swap = file->swap,
+        .separate = true,
+        .gzip = iso_file_head(file->data, magic, 2) == 2 && magic[0] == 0x1f && magic[1] == 0x8b,
+        .scalar = scalar,
+        .position = file->image->iname_offset > 0 ? (uint64_t)file->image->iname_offset : 0};
+    if (strcmp(file->data, path)) snprintf(opts->place->file, sizeof opts->place->file, "%s", file->data);
     return ISO_OK;
 }
 

@@ -197,13 +197,30 @@ static iso_status describe(const char *path, const iso_nrrd_header *nrrd, const 
     return ISO_OK;
 }
 
+/* Where the array is, for rewriting: if it is all behind the header, as it is or compressed by gzip. */
+static void tell_place(const iso_nrrd_header *nrrd, const layout *found, iso_format_place *place) {
+    const bool gzip = nrrd->encoding == ISO_NRRD_GZIP, split = found->interleaved > 1 && found->planar > 1;
+    if (nrrd->place != ISO_NRRD_ATTACHED || nrrd->byte_skip || nrrd->line_skip || split ||
+        (!gzip && nrrd->encoding != ISO_NRRD_RAW))
+        return;
+    *place = (iso_format_place){.told = true,
+                                .swap = nrrd->swap,
+                                .separate = found->interleaved == 1,
+                                .gzip = gzip,
+                                .scalar = nrrd->scalar,
+                                .position = gzip ? 0 : nrrd->after,
+                                .plain = gzip ? nrrd->after : 0};
+}
+
 static iso_status nrrd_info(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
                             iso_error *error) {
     iso_nrrd_header nrrd;
     layout found;
     ISO_TRY(iso_nrrd_header_read(path, &nrrd, error));
     iso_nrrd_data_list(path, &nrrd, opts->files);
-    return describe(path, &nrrd, opts, &found, info, error);
+    ISO_TRY(describe(path, &nrrd, opts, &found, info, error));
+    tell_place(&nrrd, &found, opts->place);
+    return ISO_OK;
 }
 
 /* ---- voxels ---- */

@@ -71,6 +71,8 @@ iso_status iso_input_apply_crop_mm(void *settings, const char *value, iso_error 
 }
 
 iso_status iso_input_check(const iso_input *input, iso_error *error) {
+    if (input->label_table && !input->label)
+        return iso_fail(error, ISO_ERR_USAGE, "--label-table is for --label, which is not given");
     if (!input->cropped || !input->cropped_mm) return ISO_OK;
     return iso_fail(error, ISO_ERR_USAGE, "--crop and --crop-mm cannot be combined");
 }
@@ -81,6 +83,7 @@ const char *iso_input_volume_option(const iso_input *input) {
     if (input->grid) return "--grid";
     if (input->series) return "--series";
     if (input->component) return "--component";
+    if (input->label || input->label_table) return input->label ? "--label" : "--label-table";
     if (input->level) return "--level";
     if (input->cropped) return "--crop";
     return input->cropped_mm ? "--crop-mm" : NULL;
@@ -238,6 +241,7 @@ iso_status iso_input_write(const iso_input *input, char *text, size_t room, iso_
     const int *c = input->crop;
     if (input->cropped) put(&w, "crop=%d,%d,%d,%d,%d,%d\n", c[0], c[1], c[2], c[3], c[4], c[5]);
     if (input->cropped_mm) put_reals(&w, "crop-mm", input->crop_mm, 6);
+    ISO_TRY(put_name(&w, "label", input->label, error));
     if (input->largest) put(&w, "largest=%d\n", input->largest);
     if (input->min_size > 0) put_reals(&w, "min-size", &input->min_size, 1);
     if (w.used >= room)
@@ -269,6 +273,13 @@ static iso_status apply_grid(void *settings, const char *value, iso_error *error
     return ISO_OK;
 }
 
+static iso_status apply_label(void *settings, const char *value, iso_error *error) {
+    int label;
+    ((iso_input *)settings)->label = value;
+    if (iso_parse_int(value, &label) && label > 0) return ISO_OK;
+    return iso_fail(error, ISO_ERR_FORMAT, "'%s' is not the number of a label", value);
+}
+
 static iso_status apply_series(void *settings, const char *value, iso_error *error) {
     (void)error;
     ((iso_input *)settings)->series = value;
@@ -285,6 +296,7 @@ static iso_status apply_line(iso_input *input, const char *name, const char *val
                    {"grid", apply_grid},
                    {"series", apply_series},
                    {"component", apply_component},
+                   {"label", apply_label},
                    {"level", iso_input_apply_level},
                    {"crop", iso_input_apply_crop},
                    {"largest", apply_largest},

@@ -21,7 +21,10 @@ typedef struct iso_input {
     int component, has_raw, cropped, cropped_mm;
     const char
         *channel; /* number or name of the channel that is read instead of `component`; NULL: not given */
-    int level;    /* of a multiscale image; ISO_LEVEL_AUTO: to be chosen by the program for its picture */
+    /* The label of a segmentation that is opened instead of the values: its number, or a name in the file or
+     * in `label_table`, which a stroke file does not keep (src/source/label.h); NULL: not given. */
+    const char *label, *label_table;
+    int level; /* of a multiscale image; ISO_LEVEL_AUTO: to be chosen by the program for its picture */
     iso_raw_layout raw;
     double spacing[3];   /* mm; 0: the file's */
     int crop[6];         /* with `cropped`: x0 x1 y0 y1 z0 z1, voxels, first and last */

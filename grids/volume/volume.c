@@ -498,12 +498,18 @@ static void clean_texts(const iso_volume_opts *opts, iso_volume_info *info) {
 
 iso_status iso_volume_read_info(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
                                 iso_error *error) {
+    return iso_volume_find_place(path, opts, info, NULL, error);
+}
+
+iso_status iso_volume_find_place(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
+                                 iso_format_place *place, iso_error *error) {
     request r = {.opts = opts ? *opts : (iso_volume_opts){0}};
     const iso_format *format = NULL;
     iso_volume_info found;
     ISO_TRY(read_header(path, &r, &format, &found, error));
     clean_texts(&r.opts, &found);
     *info = found;
+    if (place) *place = r.place;
     return ISO_OK;
 }
 

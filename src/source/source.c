@@ -25,6 +25,7 @@
 #include "io/lines/lines_read.h"
 #include "io/mesh/mesh_read.h"
 #include "sculpt/edit/field.h"
+#include "source/label.h"
 
 /* The longest side of a mesh or of lines in voxels, unless the voxel size is given. */
 enum { LONGEST_VOXELS = 256 };
@@ -233,6 +234,7 @@ static iso_status convert_grid(const iso_source *source, iso_grid *from, iso_hgr
         .resampling = {.voxel = source->voxel, .pool = source->pool, .progress = &progress}};
     if (!isnan(source->isovalue) || iso_grid_is_level_set(from))
         ISO_TRY(drop_parts(source, physical_isovalue(source, from), from, &how.damaged, error));
+    how.damaged |= source->input && source->input->label; /* (values that are no distances yet) */
     ISO_TRY(convert_isovalue(source, from, &how.resampling.isovalue, error));
     return iso_field_from_grid(source->path, from, &how, grid, error);
 }
@@ -259,7 +261,14 @@ static iso_status convert_volume(const iso_source *source, iso_hgrid **grid, iso
     ISO_TRY(
         iso_input_read(source->path, source->input ? source->input : &default_input, &opts, &volume, error));
     for (int i = 0; i < volume.info.note_count; i++) tell(source, "%s", volume.info.notes[i]);
-    iso_status status = convert_grid(source, &volume.grid, grid, error);
+    iso_status status = ISO_OK;
+    if (source->input && source->input->label) {
+        iso_grid label = {NULL, NULL};
+        status = iso_source_label_solid(source, &volume.grid, &label, error);
+        iso_grid_destroy(&volume.grid);
+        volume.grid = label;
+    }
+    if (status == ISO_OK) status = convert_grid(source, &volume.grid, grid, error);
     iso_volume_free(&volume);
     return status;
 }
@@ -392,8 +401,8 @@ static void describe_grid(const iso_source *source, const iso_hgrid *grid, iso_j
     for (int axis = 0; axis < 3; axis++) start->dims[axis] = grid->dims[axis];
 }
 
-iso_status iso_source_open(const iso_source *source, iso_journal_start *start, iso_hgrid **grid,
-                           iso_error *error) {
+static iso_status open_source(const iso_source *source, iso_journal_start *start, iso_hgrid **grid,
+                              iso_error *error) {
     memset(start, 0, sizeof *start);
     char *path = realpath(source->path, NULL);
     if (!path) return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", source->path, strerror(errno));
@@ -416,32 +425,48 @@ iso_status iso_source_open(const iso_source *source, iso_journal_start *start, i
     return ISO_OK;
 }
 
+iso_status iso_source_open(const iso_source *source, iso_journal_start *start, iso_hgrid **grid,
+                           iso_error *error) {
+    if (!source->input || !source->input->label) return open_source(source, start, grid, error);
+    char number[16];
+    iso_input input = *source->input;
+    iso_source with_number = *source;
+    with_number.input = &input;
+    ISO_TRY(iso_source_label_find(source->path, &input, number, error));
+    return open_source(&with_number, start, grid, error);
+}
+
 /* Finds the file: at the path in the journal, or with the same name beside the stroke file. */
-static iso_status find_file(const char *path, const char *strokes, char found[2 * ISO_JOURNAL_TEXT],
+static iso_status find_file(const char *path, const char *strokes, char found[ISO_SOURCE_PATH],
                             iso_error *error) {
     const char *slash = strrchr(strokes, '/'), *name = strrchr(path, '/');
-    snprintf(found, 2 * ISO_JOURNAL_TEXT, "%s", path);
+    snprintf(found, ISO_SOURCE_PATH, "%s", path);
     if (access(found, R_OK) == 0) return ISO_OK;
     const int missing = errno;
-    snprintf(found, 2 * ISO_JOURNAL_TEXT, "%.*s%s", slash ? (int)(slash + 1 - strokes) : 0, strokes,
+    snprintf(found, ISO_SOURCE_PATH, "%.*s%s", slash ? (int)(slash + 1 - strokes) : 0, strokes,
              name ? name + 1 : path);
     if (access(found, R_OK) == 0) return ISO_OK;
     return iso_fail(error, ISO_ERR_IO, "'%s' cannot be read (%s) and is not beside it", path,
                     strerror(missing));
 }
 
-static iso_status reopen(const char *strokes, const iso_source *how, iso_journal_start *start,
-                         iso_hgrid **grid, iso_error *error) {
-    char found[2 * ISO_JOURNAL_TEXT];
+iso_status iso_source_find(const char *strokes, const iso_journal_start *start, const iso_progress *progress,
+                           char found[ISO_SOURCE_PATH], iso_error *error) {
     uint32_t crc;
     ISO_TRY(find_file(start->source, strokes, found, error));
+    ISO_TRY(compute_checksum(found, progress, &crc, error));
+    if (crc == start->source_crc) return ISO_OK;
+    return iso_fail(error, ISO_ERR_FORMAT,
+                    "'%s' is not what it was when the session began (checksum %08x, then %08x)", found, crc,
+                    start->source_crc);
+}
+
+static iso_status reopen(const char *strokes, const iso_source *how, iso_journal_start *start,
+                         iso_hgrid **grid, iso_error *error) {
+    char found[ISO_SOURCE_PATH];
     const iso_progress summing = iso_progress_part(how->progress, 0, 0.05);
+    ISO_TRY(iso_source_find(strokes, start, &summing, found, error));
     iso_file_set_read(how->files, found);
-    ISO_TRY(compute_checksum(found, &summing, &crc, error));
-    if (crc != start->source_crc)
-        return iso_fail(error, ISO_ERR_FORMAT,
-                        "'%s' is not what it was when the session began (checksum %08x, then %08x)", found,
-                        crc, start->source_crc);
     char reading[ISO_JOURNAL_TEXT];
     iso_input input;
     iso_error reason = {0};

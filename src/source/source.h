@@ -77,6 +77,12 @@ iso_status iso_source_open(const iso_source *source, iso_journal_start *start, i
 iso_status iso_source_reopen(const char *strokes, const iso_source *how, iso_journal_start *start,
                              iso_hgrid **grid, iso_error *error);
 
+/* Finds the file that a session began with, as iso_source_reopen does, and compares its content. strokes: ""
+ * if the session has no stroke file. The same errors. */
+enum { ISO_SOURCE_PATH = 2 * ISO_JOURNAL_TEXT };
+iso_status iso_source_find(const char *strokes, const iso_journal_start *start, const iso_progress *progress,
+                           char found[ISO_SOURCE_PATH], iso_error *error);
+
 /* What a file is taken for, judged by its type and content (io/file_contents.h): ISO_HOLDS_MESH, _POINTS,
  * _LINES, or otherwise _VOLUME. */
 unsigned iso_source_kind(const char *path);

@@ -105,6 +105,77 @@ static void files_of_the_user_stay(void **state) {
     count_files("", true);
 }
 
+/* A file's bytes; *size: how many. */
+static char *read_bytes(const char *path, size_t *size) {
+    static char bytes[2][1 << 14];
+    static int turn;
+    FILE *file = fopen(path, "rb");
+    assert_non_null(file);
+    turn = 1 - turn;
+    *size = fread(bytes[turn], 1, sizeof bytes[turn], file);
+    fclose(file);
+    return bytes[turn];
+}
+
+static bool same_bytes(const char *a, const char *b) {
+    size_t sizes[2];
+    const char *first = read_bytes(a, &sizes[0]), *second = read_bytes(b, &sizes[1]);
+    return sizes[0] == sizes[1] && memcmp(first, second, sizes[0]) == 0;
+}
+
+/* A segmentation of 20 x 20 x 20 voxels: a box of label 3 in one of label 9. */
+static void write_segmentation(const char *path) {
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    fputs("NDims = 3\nDimSize = 20 20 20\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n", file);
+    for (int i = 0; i < 8000; i++) {
+        const int x = i % 20, y = i / 20 % 20, z = i / 400;
+        const bool in = x > 2 && x < 17 && y > 2 && y < 17 && z > 2 && z < 17;
+        putc(in ? x < 10 ? 3 : 9 : 0, file);
+    }
+    fclose(file);
+}
+
+/* A label goes back into a copy of its file, also after its session was opened again from the journal; what
+ * the session began with is not replaced, and neither is a file of another type written. */
+static void labels_go_back(void **state) {
+    (void)state;
+    char source[512], copy[512], journal[ISOSCULPT_PATH];
+    snprintf(source, sizeof source, "%s", in_folder("seg.mha"));
+    snprintf(copy, sizeof copy, "%s", in_folder("copy.mha"));
+    write_segmentation(source);
+    isosculpt_document document = {0};
+    const iso_input input = {.label = "3"};
+    const iso_source opened = {.path = source, .isovalue = NAN, .input = &input};
+    assert_int_equal(isosculpt_document_new(&document, folder, &opened, NULL), ISO_OK);
+    assert_int_equal(save(&document, copy), ISO_OK);
+    assert_true(same_bytes(source, copy));
+    assert_int_equal(save(&document, source), ISO_ERR_USAGE);
+    assert_int_equal(save(&document, in_folder("copy.nrrd")), ISO_ERR_USAGE);
+    const iso_brush brush = {.tool = ISO_TOOL_ADD, .radius = 3, .strength = 1};
+    const iso_sample sample = {.position = {10, 10, 10}, .normal = {1, 0, 0}, .pressure = 1};
+    assert_int_equal(iso_session_begin(document.session, &brush, &sample, NULL, NULL), ISO_OK);
+    assert_int_equal(iso_session_end(document.session, NULL), ISO_OK);
+    assert_int_equal(save(&document, copy), ISO_OK);
+    size_t size, changed = 0;
+    const char *before = read_bytes(source, &size), *after = read_bytes(copy, &size);
+    for (size_t i = 0; i < size; i++) {
+        if (before[i] == after[i]) continue;
+        assert_true(before[i] == 9 && after[i] == 3);
+        changed++;
+    }
+    assert_in_range(changed, 20, 80); /* (of a ball of 113 voxels, of which half lies in the other box) */
+    memcpy(journal, document.journal, sizeof journal);
+    document.change_count = 1; /* the journal stays */
+    isosculpt_document_close(&document);
+    document = (isosculpt_document){0};
+    assert_int_equal(isosculpt_document_open(&document, journal, NULL, NULL), ISO_OK);
+    assert_int_equal(save(&document, in_folder("again.mha")), ISO_OK);
+    isosculpt_document_close(&document);
+    assert_true(same_bytes(copy, in_folder("again.mha")));
+    count_files("", true);
+}
+
 /* Nothing is kept when a save fails. */
 static void failed_saves_keep_nothing(void **state) {
     (void)state;
@@ -238,9 +309,9 @@ static void journals_are_open_once(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(files_of_the_user_stay),     cmocka_unit_test(failed_saves_keep_nothing),
-        cmocka_unit_test(killed_saves_leave_nothing), cmocka_unit_test(lock_files_are_no_links),
-        cmocka_unit_test(journals_are_open_once),
+        cmocka_unit_test(files_of_the_user_stay),    cmocka_unit_test(labels_go_back),
+        cmocka_unit_test(failed_saves_keep_nothing), cmocka_unit_test(killed_saves_leave_nothing),
+        cmocka_unit_test(lock_files_are_no_links),   cmocka_unit_test(journals_are_open_once),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }
