@@ -22,7 +22,6 @@
 #endif
 
 enum group { INPUT, SURFACE, POINTS, OBJECTS, PICTURE, CAMERA, OUTPUT, RUNNING, PAPERS };
-
 static const char *const groups[] = {
     "Input",  "Surface", "Points",  "Lines, glyphs and meshes",          "Picture",
     "Camera", "Output",  "Running", "Papers: variants, to compare with", NULL};
@@ -729,7 +728,6 @@ const char *isorender_reconstruction_name(const isorender_settings *settings, bo
     const bool usual = splats && settings->reconstruction < (int)ISO_RECONSTRUCTION_FLAT;
     return reconstructions[usual ? (int)ISO_RECONSTRUCTION_FLAT : settings->reconstruction];
 }
-
 _Static_assert(sizeof options / sizeof *options <= ISORENDER_MOST_OPTIONS, "isorender_settings.given");
 
 static void note_option(void *target, const iso_option *option, const char *value) {

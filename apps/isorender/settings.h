@@ -260,7 +260,6 @@ typedef struct isorender_settings {
     iso_ranks ranks; /* the processes of mpirun */
     /* Of every option, by its index in the table: a hash of the values given; 0: not given. */
     uint64_t given[ISORENDER_MOST_OPTIONS];
-
     int progress, verbose, info;
 } isorender_settings;
 
@@ -282,7 +281,6 @@ bool isorender_method_can(const isorender_settings *settings, iso_capability cap
 /* Chooses the reconstruction when none is given, and checks that it is one of the method's and that the
  * options of splats are for splats. Replaces an older name of discs. ISO_ERR_USAGE. */
 iso_status isorender_splats_check(isorender_settings *settings, iso_error *error);
-
 /* Chooses the method for --lod if none is given, and checks that it has levels of detail. ISO_ERR_USAGE. */
 iso_status isorender_detail_check(isorender_settings *settings, iso_error *error);
 
