@@ -161,7 +161,7 @@ static void the_browser_shows_what_can_be_chosen(void **state) {
 static void volumes_can_be_chosen(void **state) {
     (void)state;
     const unsigned everything = isosculpt_browser_types(ISOSCULPT_BROWSE_OPEN)[0].holds;
-    char extensions[256];
+    char extensions[1024];
     iso_file_type_extensions(ISO_HOLDS_VOLUME, 0, NULL, extensions, sizeof extensions);
     size_t count = 0;
     for (char *save, *word = strtok_r(extensions, " ", &save); word; word = strtok_r(NULL, " ", &save)) {
