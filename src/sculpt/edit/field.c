@@ -26,7 +26,7 @@ static iso_status copy_level_set(const iso_hgrid *from, iso_hgrid **grid, iso_er
 
 iso_status iso_field_redistance(iso_hgrid *grid, iso_pool *pool, const iso_progress *progress,
                                 iso_error *error) {
-    iso_editor *editor;
+    iso_editor *editor = NULL;
     const iso_editor_opts opts = {.pool = pool};
     iso_status status = iso_editor_create(grid, &opts, &editor, error);
     if (status == ISO_OK) {
