@@ -147,7 +147,7 @@ refuses 2 "a contact sheet is a .html" isorender sheet in/b0.mha -o bad.mp4 || e
 refuses 2 "sheet cannot be combined with --mesh" isorender sheet in/b0.mha -o bad.html --mesh bad.stl || exit 1
 refuses 2 "overwrite the input" isorender sheet in/b0.mha -o in/b0.mha || exit 1
 refuses 2 "--layers" isorender sheet in/b0.mha -o bad.html --layers 1 || exit 1
-OMPI_COMM_WORLD_SIZE=2 refuses 2 "without mpirun" isorender sheet in/b0.mha -o bad.html || exit 1
+OMPI_MCA_orte_tmpdir_base="$PWD/in" OMPI_COMM_WORLD_SIZE=2 refuses 2 "without mpirun" isorender sheet in/b0.mha -o bad.html || exit 1
 refuses 2 "jobs is for sheets" isorender in/b0.mha bad.png --jobs 2 || exit 1
 refuses 2 "measure is for sheets" isorender in/b0.mha bad.png --measure area || exit 1
 refuses 7 "nowhere" isorender sheet in/b0.mha -o nowhere/bad.html || exit 1
