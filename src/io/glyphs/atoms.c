@@ -1,5 +1,6 @@
 #include "io/glyphs/atoms.h"
 
+#include "base/file.h"
 #include "io/glyphs/elements.h"
 
 iso_status iso_atoms_begin(iso_polydata *data, size_t count, iso_atoms *atoms, iso_error *error) {
@@ -29,4 +30,17 @@ void iso_atoms_end(const iso_atoms *atoms) {
         iso_reading_note(reading, "%llu atoms are of unknown elements", (unsigned long long)atoms->unknown);
     reading->opts.every = 1;
     reading->report->unit = ISO_WORLD_UNIT_ANGSTROM;
+}
+
+iso_status iso_atoms_read(iso_reading *reading,
+                          iso_status (*read)(iso_cube_file *file, iso_polydata *data, iso_error *error),
+                          iso_glyphs *glyphs, iso_error *error) {
+    iso_polydata data = {.reading = reading};
+    iso_cube_file file = {.path = reading->path};
+    ISO_TRY(iso_file_open(reading->path, &file.stream, NULL, error));
+    iso_status status = read(&file, &data, error);
+    if (status == ISO_OK) status = iso_polydata_to_glyphs(&data, glyphs, error);
+    fclose(file.stream);
+    iso_polydata_free(&data);
+    return status;
 }

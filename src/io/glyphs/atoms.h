@@ -3,6 +3,7 @@
 #ifndef ISO_IO_GLYPHS_ATOMS_H
 #define ISO_IO_GLYPHS_ATOMS_H
 
+#include "grids/volume/cube_header.h"
 #include "io/polydata/polydata.h"
 
 typedef struct iso_atoms {
@@ -18,5 +19,10 @@ iso_status iso_atoms_begin(iso_polydata *data, size_t count, iso_atoms *atoms, i
 void iso_atoms_add(iso_atoms *atoms, int element, const double position[3]);
 /* Notes what is unknown, and states the unit. */
 void iso_atoms_end(const iso_atoms *atoms);
+
+/* Reads a file of a volume whose header has atoms: `read` takes them from its lines. */
+iso_status iso_atoms_read(iso_reading *reading,
+                          iso_status (*read)(iso_cube_file *file, iso_polydata *data, iso_error *error),
+                          iso_glyphs *glyphs, iso_error *error);
 
 #endif

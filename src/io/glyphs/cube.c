@@ -3,7 +3,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "base/file.h"
 #include "grids/volume/cube_header.h"
 #include "io/glyphs/atoms.h"
 #include "io/glyphs/elements.h"
@@ -28,12 +27,5 @@ static iso_status read_atoms(iso_cube_file *f, iso_polydata *data, iso_error *er
 }
 
 iso_status iso_glyphs_read_cube(iso_reading *reading, iso_glyphs *glyphs, iso_error *error) {
-    iso_polydata data = {.reading = reading};
-    iso_cube_file file = {.path = reading->path};
-    ISO_TRY(iso_file_open(reading->path, &file.stream, NULL, error));
-    iso_status status = read_atoms(&file, &data, error);
-    if (status == ISO_OK) status = iso_polydata_to_glyphs(&data, glyphs, error);
-    fclose(file.stream);
-    iso_polydata_free(&data);
-    return status;
+    return iso_atoms_read(reading, read_atoms, glyphs, error);
 }
