@@ -99,6 +99,7 @@ static iso_status add_surface(isorender_job *job, iso_loader *loader, isorender_
                                          .transparency = (iso_transparency)job->settings->transparency,
                                          .bins = job->settings->group_bins,
                                          .selection = (iso_point_selection)job->settings->selection,
+                                         .filter = (iso_filter)job->settings->filter,
                                          .lod_pixels = isorender_detail_pixels(job->settings),
                                          .workspace = job->point_workspace};
     return choose_isovalue(job, surface, isovalue, error);

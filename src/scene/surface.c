@@ -32,19 +32,73 @@ static iso_status update_mesh(iso_scene_surface *surface, iso_error *error) {
     return iso_mesh_set_update(surface->mesh, error);
 }
 
+static void free_refined(iso_scene_surface *surface) {
+    if (!surface->refined) return;
+    iso_exact_destroy(surface->exact);
+    surface->exact = NULL;
+    iso_hgrid_destroy(surface->refined);
+    surface->refined = NULL;
+}
+
+static void free_caster(iso_scene_surface *surface) {
+    iso_raycaster_destroy(surface->caster);
+    surface->caster = NULL;
+}
+
+static void free_spline(iso_scene_surface *surface) {
+    if (!surface->spline) return;
+    free_refined(surface);
+    free_caster(surface);
+    iso_spline_destroy(surface->spline);
+    surface->spline = NULL;
+}
+
+/* Makes the spline of the grid as it is, or frees it where the surface is trilinear. */
+static iso_status update_spline(iso_scene_surface *surface, iso_error *error) {
+    const uint64_t now = iso_change_log_now(iso_grid_log(&surface->grid));
+    if (surface->splined != surface->filter) {
+        free_spline(surface);
+        free_caster(surface);
+        iso_exact_destroy(surface->exact);
+        surface->exact = NULL;
+        surface->splined = surface->filter;
+    }
+    if (surface->spline && surface->spline_edit != now) free_spline(surface);
+    if (surface->filter == ISO_FILTER_LINEAR || surface->spline) return ISO_OK;
+    surface->spline_edit = now;
+    return iso_spline_create(&surface->grid, surface->filter, surface->pool, &surface->spline, error);
+}
+
 static iso_status update_cells(iso_scene_surface *surface, iso_error *error) {
     iso_exact_opts opts = {.isovalue = surface->isovalue, .pool = surface->pool};
-    if (!surface->exact) ISO_TRY(iso_exact_create(&surface->grid, &opts, &surface->exact, error));
+    ISO_TRY(update_spline(surface, error));
+    if (!surface->spline) {
+        if (!surface->exact) ISO_TRY(iso_exact_create(&surface->grid, &opts, &surface->exact, error));
+        return iso_exact_update(surface->exact, error);
+    }
+    if (surface->refined && surface->refined_for != surface->isovalue) free_refined(surface);
+    if (surface->refined && surface->exact) return ISO_OK;
+    free_refined(surface);
+    surface->refined_for = surface->isovalue;
+    ISO_TRY(iso_spline_refine(surface->spline, iso_grid_stored(&surface->grid, surface->isovalue),
+                              surface->pool, &surface->refined, error));
+    opts.isovalue = 0;
+    opts.cell_side = 0.5;
+    const iso_grid grid = {NULL, surface->refined};
+    ISO_TRY(iso_exact_create(&grid, &opts, &surface->exact, error));
     return iso_exact_update(surface->exact, error);
 }
 
 /* Creates the ray caster again, because it does not follow edits. */
 static iso_status update_caster(iso_scene_surface *surface, iso_error *error) {
     const uint64_t now = iso_change_log_now(iso_grid_log(&surface->grid));
+    ISO_TRY(update_spline(surface, error));
     if (surface->caster && surface->caster_edit == now) return ISO_OK;
-    iso_raycaster_destroy(surface->caster);
-    surface->caster = NULL;
+    free_caster(surface);
     surface->caster_edit = now;
+    if (surface->spline)
+        return iso_raycaster_create_spline(surface->spline, surface->isovalue, surface->pool,
+                                           &surface->caster, error);
     return iso_raycaster_create(&surface->grid, surface->isovalue, surface->pool, &surface->caster, error);
 }
 
@@ -89,11 +143,10 @@ static iso_status update_part(iso_scene_surface *surface, iso_part part, iso_err
 static void set_isovalue(iso_scene_surface *surface, iso_part part, double isovalue) {
     if (part == ISO_PART_POINTS && surface->points) iso_point_set_isovalue(surface->points, isovalue);
     if (part == ISO_PART_MESH && surface->mesh) iso_mesh_set_isovalue(surface->mesh, isovalue);
-    if (part == ISO_PART_CELLS && surface->exact) iso_exact_set_isovalue(surface->exact, isovalue);
+    if (part == ISO_PART_CELLS && surface->exact && !surface->refined)
+        iso_exact_set_isovalue(surface->exact, isovalue);
     if (part == ISO_PART_GROUPS) iso_groups_free(&surface->groups);
-    if (part != ISO_PART_CASTER) return;
-    iso_raycaster_destroy(surface->caster);
-    surface->caster = NULL;
+    if (part == ISO_PART_CASTER) free_caster(surface);
 }
 
 iso_status iso_scene_surface_update(iso_scene_surface *surface, iso_part part, iso_error *error) {
@@ -130,8 +183,9 @@ void iso_scene_surface_free(iso_scene_surface *surface) {
     iso_point_set_destroy(surface->points);
     iso_point_workspace_destroy(surface->own_workspace);
     iso_mesh_set_destroy(surface->mesh);
+    free_spline(surface);
     iso_exact_destroy(surface->exact);
-    iso_raycaster_destroy(surface->caster);
+    free_caster(surface);
     iso_groups_free(&surface->groups);
     iso_lod_free(&surface->lod);
     if (surface->cut) iso_lod_cut_free(surface->cut);
@@ -140,7 +194,6 @@ void iso_scene_surface_free(iso_scene_surface *surface) {
     surface->own_workspace = NULL;
     surface->mesh = NULL;
     surface->exact = NULL;
-    surface->caster = NULL;
     surface->cut = NULL;
 }
 
