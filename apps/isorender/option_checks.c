@@ -472,9 +472,7 @@ static iso_status check_lighting(const isorender_settings *settings, iso_error *
 
 /* Smooth surfaces. */
 static iso_status check_filter(const isorender_settings *settings, iso_error *error) {
-    const char *option = settings->mesh                 ? "--mesh"
-                         : settings->points             ? "--points"
-                         : settings->ior > 0            ? "--ior"
+    const char *option = settings->ior > 0              ? "--ior"
                          : isorender_has_caps(settings) ? "--cap or --slice"
                                                         : NULL;
     const char *name = iso_filter_names[settings->filter];

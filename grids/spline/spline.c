@@ -335,6 +335,42 @@ double iso_spline_value(const double c[ISO_SPLINE_COEFFICIENTS], const double lo
     return value;
 }
 
+/* The cell of a position, and the position in it. */
+static void locate(const iso_spline *spline, const double p[3], int cell[3], double local[3]) {
+    const int *dims = iso_grid_dims(&spline->grid);
+    for (int i = 0; i < 3; i++) {
+        cell[i] = (int)fmin(fmax(floor(p[i]), 0), dims[i] > 1 ? dims[i] - 2 : 0);
+        local[i] = p[i] - cell[i];
+    }
+}
+
+iso_vec3 iso_spline_project(const iso_spline *spline, double isovalue, double p[3]) {
+    double q[3] = {p[0], p[1], p[2]}, c[ISO_SPLINE_COEFFICIENTS], local[3], g[3] = {0, 0, 0}, moved = 0;
+    int cell[3];
+    for (int step = 0; step < 10; step++) {
+        locate(spline, q, cell, local);
+        if (!iso_spline_cell(spline, cell, false, c)) break;
+        const double off = iso_spline_value(c, local, g) - isovalue,
+                     square = g[0] * g[0] + g[1] * g[1] + g[2] * g[2];
+        if (!(square > 0)) break;
+        moved = 0;
+        for (int i = 0; i < 3; i++) {
+            q[i] -= off / square * g[i];
+            moved += (q[i] - p[i]) * (q[i] - p[i]);
+        }
+        if (moved > 0.75 * 0.75) break;
+        if (off * off < 1e-14 * square) {
+            memcpy(p, q, sizeof q);
+            break;
+        }
+    }
+    locate(spline, p, cell, local);
+    if (!iso_spline_cell(spline, cell, iso_spline_has_smoothed_normals(spline), c))
+        return (iso_vec3){0, 0, 0};
+    iso_spline_value(c, local, g);
+    return (iso_vec3){g[0], g[1], g[2]};
+}
+
 /* ---- blocks */
 
 void iso_spline_sample(const iso_spline *spline, const int block[3], iso_spline_samples samples) {

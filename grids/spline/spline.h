@@ -60,6 +60,11 @@ bool iso_spline_cell_values(const iso_spline *spline, const int cell[3], float v
 /* The value and gradient, in stored values per voxel, at `local` (0 .. 1) of a cell with these coefficients. */
 double iso_spline_value(const double c[ISO_SPLINE_COEFFICIENTS], const double local[3], double gradient[3]);
 
+/* Moves a position (index coordinates) along the gradient onto the isosurface, by Newton's method. Returns the
+ * gradient there (iso_spline_has_smoothed_normals), stored values per voxel. Where the method does not arrive
+ * within 3/4 voxel, or the cell is empty, the position stays as it is; in an empty cell the gradient is 0. */
+iso_vec3 iso_spline_project(const iso_spline *spline, double isovalue, double p[3]);
+
 /* The samples of the spline at half the voxel spacing around a block of 8^3 cells: 20^3 from 1 voxel before
  * the block's first voxel on, x fastest. */
 enum { ISO_SPLINE_BLOCK = 8, ISO_SPLINE_SAMPLES = 20 };

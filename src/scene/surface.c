@@ -158,6 +158,51 @@ iso_status iso_scene_surface_update(iso_scene_surface *surface, iso_part part, i
     return ISO_OK;
 }
 
+typedef struct smoothing {
+    const iso_scene_surface *surface;
+    double isovalue; /* stored */
+    double outward;
+    iso_surfel *surfels; /* of the set, which nobody else has while they are moved */
+    const iso_mesh_span *mesh;
+    const iso_point_span *points;
+} smoothing;
+
+static void smooth_span(void *context, size_t index, int worker) {
+    (void)worker;
+    const smoothing *s = context;
+    const int32_t *brick = s->mesh ? s->mesh[index].brick : s->points[index].brick;
+    const size_t first = s->mesh ? s->mesh[index].first_vertex : s->points[index].first,
+                 count = s->mesh ? s->mesh[index].vertex_count : s->points[index].count;
+    for (size_t k = first; k < first + count; k++) {
+        iso_surfel *surfel = &s->surfels[k];
+        const iso_vec3 at = iso_brick_position(brick, surfel->position);
+        double p[3] = {at.x, at.y, at.z};
+        const iso_vec3 n =
+            iso_vec3_unit(iso_vec3_scale(iso_spline_project(s->surface->spline, s->isovalue, p), s->outward));
+        for (int i = 0; i < 3; i++) surfel->position[i] = (float)(p[i] - (double)ISO_BRICK * brick[i]);
+        if (!(iso_vec3_dot(n, n) > 0)) continue;
+        surfel->normal[0] = (float)n.x;
+        surfel->normal[1] = (float)n.y;
+        surfel->normal[2] = (float)n.z;
+    }
+}
+
+iso_status iso_scene_surface_smooth(iso_scene_surface *surface, iso_part part, iso_error *error) {
+    ISO_TRY(update_spline(surface, error));
+    smoothing s = {.surface = surface,
+                   .isovalue = iso_grid_stored(&surface->grid, surface->isovalue),
+                   .outward = iso_grid_is_level_set(&surface->grid) ? 1 : -1};
+    const iso_mesh_view mesh = part == ISO_PART_MESH ? iso_mesh_set_view(surface->mesh) : (iso_mesh_view){0};
+    const iso_point_view points =
+        part == ISO_PART_MESH ? (iso_point_view){0} : iso_point_set_view(surface->points);
+    s.mesh = mesh.spans;
+    s.points = points.spans;
+    s.surfels = (iso_surfel *)(part == ISO_PART_MESH ? mesh.vertices : points.surfels);
+    iso_parallel_until(surface->pool, part == ISO_PART_MESH ? mesh.span_count : points.span_count,
+                       smooth_span, &s);
+    return iso_pool_check(surface->pool, "the smooth surface", error);
+}
+
 bool iso_scene_surface_is_at(const iso_scene_surface *surface, iso_part part, double isovalue) {
     return iso_scene_surface_has(surface, part) && surface->isovalues[part] == isovalue;
 }

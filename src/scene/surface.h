@@ -80,6 +80,9 @@ iso_status iso_scene_surface_prepare(iso_scene_surface *surface, iso_part part, 
 /* Computes a part, or brings an existing one up to date with the isovalue and the grid's edits. Errors as
  * iso_scene_surface_prepare. */
 iso_status iso_scene_surface_update(iso_scene_surface *surface, iso_part part, iso_error *error);
+/* Moves the vertices of the part MESH, or the points of POINTS, which are floats, onto the smooth surface of
+ * `filter`, with its normals. Once after each update. ISO_ERR_NOMEM, and the errors of iso_spline_create. */
+iso_status iso_scene_surface_smooth(iso_scene_surface *surface, iso_part part, iso_error *error);
 /* Makes levels of detail of the points, or brings them up to date. ISO_ERR_NOMEM; ISO_ERR_LIMIT as
  * iso_lod_update. */
 iso_status iso_scene_surface_make_levels(iso_scene_surface *surface, iso_error *error);

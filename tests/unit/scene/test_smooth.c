@@ -344,6 +344,49 @@ static void a_voxel_that_is_not_finite_empties_cells(void **state) {
     iso_rgrid_destroy(grid);
 }
 
+static void add_distance(const int32_t brick[3], const iso_surfel *surfel, double *squares, double *normals) {
+    double p[3], length = 0, n[3];
+    for (int i = 0; i < 3; i++) {
+        p[i] = (double)surfel->position[i] + 16.0 * brick[i] - CENTRE[i];
+        n[i] = (double)surfel->normal[i];
+        length += p[i] * p[i];
+    }
+    const double d = ball_of_8(p), dot = (p[0] * n[0] + p[1] * n[1] + p[2] * n[2]) / sqrt(length);
+    *squares += d * d;
+    *normals += fabs(1 - dot);
+}
+
+static void vertices_and_points_are_moved_to_the_surface(void **state) {
+    (void)state;
+    iso_rgrid *grid = make_grid(&SOLIDS[0]);
+    iso_scene_surface surface = {.grid = {.rgrid = grid}, .filter = ISO_FILTER_CUBIC, .floats = true};
+    iso_error error = {0};
+    double squares[2] = {0}, normals[2] = {0};
+    size_t count[2] = {0};
+    for (int part = 0; part < 2; part++) {
+        test_ok(iso_scene_surface_update(&surface, part ? ISO_PART_POINTS : ISO_PART_MESH, &error), &error);
+        test_ok(iso_scene_surface_smooth(&surface, part ? ISO_PART_POINTS : ISO_PART_MESH, &error), &error);
+    }
+    const iso_mesh_view mesh = iso_mesh_set_view(surface.mesh);
+    for (size_t s = 0; s < mesh.span_count; s++)
+        for (uint32_t k = 0; k < mesh.spans[s].vertex_count; k++, count[0]++)
+            add_distance(mesh.spans[s].brick, &mesh.vertices[mesh.spans[s].first_vertex + k], &squares[0],
+                         &normals[0]);
+    const iso_point_view points = iso_scene_surface_points(&surface);
+    for (size_t s = 0; s < points.span_count; s++)
+        for (uint32_t k = 0; k < points.spans[s].count; k++, count[1]++)
+            add_distance(points.spans[s].brick, &points.surfels[points.spans[s].first + k], &squares[1],
+                         &normals[1]);
+    for (int part = 0; part < 2; part++) {
+        printf("%zu vertices or points: %.5f voxel, cosines of normals off by %.2g\n", count[part],
+               sqrt(squares[part] / (double)count[part]), normals[part] / (double)count[part]);
+        assert_true(count[part] > 900 && squares[part] / (double)count[part] < 1e-6 &&
+                    normals[part] / (double)count[part] < 1e-6);
+    }
+    iso_scene_surface_free(&surface);
+    iso_rgrid_destroy(grid);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(cubic_polynomials_are_reproduced),
@@ -351,6 +394,7 @@ int main(void) {
         cmocka_unit_test(surfaces_are_near_analytic_ones),
         cmocka_unit_test(exact_draws_what_the_ray_caster_draws),
         cmocka_unit_test(bytes_are_the_same_everywhere),
+        cmocka_unit_test(vertices_and_points_are_moved_to_the_surface),
         cmocka_unit_test(a_voxel_that_is_not_finite_empties_cells),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
