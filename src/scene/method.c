@@ -80,7 +80,9 @@ static iso_status draw_mean(const iso_scene_surface *surface, const iso_target *
 static iso_status draw_splats(const iso_scene_surface *surface, const iso_target *target, iso_error *error) {
     iso_point_view view = iso_scene_surface_points(surface);
     iso_draw_groups_opts opts = {&surface->groups, surface->bins};
-    return iso_draw_groups(target, &view, &opts, error);
+    const iso_target to = clipped(surface, target);
+    view.closed &= !(to.clip && to.clip->count); /* one sees what faces away, too */
+    return iso_draw_groups(&to, &view, &opts, error);
 }
 
 static iso_status draw_hybrid(const iso_scene_surface *surface, const iso_target *target, iso_error *error) {
@@ -130,7 +132,7 @@ static const iso_renderer METHODS[] = {
     {ISO_METHOD_DISCS, "discs", "points as curved discs", ISO_METHOD_DISCS, "curved",
      ISO_RECONSTRUCTION_CURVED, POINTS, DISCS | ISO_CAN_GL, draw_discs},
     {ISO_METHOD_SPLATS, "splats", "splats in groups, one pass (2006)", ISO_METHOD_SPLATS, "groups",
-     ISO_RECONSTRUCTION_CURVED, POINTS | GROUPS, LAYERS | ISO_CAN_GL, draw_splats},
+     ISO_RECONSTRUCTION_CURVED, POINTS | GROUPS, LAYERS | ISO_CAN_GL | ISO_CAN_CLIP, draw_splats},
     {ISO_METHOD_MESH, "mesh", "Marching Cubes mesh", ISO_METHOD_MESH, NULL, ISO_RECONSTRUCTION_CURVED, MESH,
      GBUFFER | ISO_CAN_GL | ISO_CAN_CLIP, draw_mesh},
     {ISO_METHOD_EXACT, "exact", "the trilinear surface, cell by cell", ISO_METHOD_EXACT, NULL,
