@@ -133,7 +133,7 @@ static iso_status read_format(copier *c, size_t *count, const char **format, iso
     else if (!*format && c->opts->points && points != ISO_FILE_UNKNOWN)
         *format = iso_file_type_name(points);
     if (*format) return ISO_OK;
-    return iso_fail(error, ISO_ERR_FORMAT, "%s: not a volume that isopoint can read", c->name);
+    return iso_fail(error, ISO_ERR_FORMAT, "%s: not a volume that can be read", c->name);
 }
 
 /* Returns the largest possible size of a file with this header; numbers written as text take the most

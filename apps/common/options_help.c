@@ -8,6 +8,7 @@
 
 #include "apps/common/options.h"
 #include "apps/common/progress_bar.h"
+#include "apps/common/synonyms.h"
 #include "base/file_types.h"
 #include "base/text.h"
 
@@ -362,6 +363,9 @@ iso_status iso_options_help(const iso_program *program, const char *topic, FILE 
     const char *word = topic + strspn(topic, "-");
     if (print_topic(program, word, stream) || (*word && print_options_with(program, word, stream)))
         return ISO_OK;
+    char meant[256];
+    if (iso_synonym_explain(program, word, meant, sizeof meant))
+        return iso_fail(error, ISO_ERR_USAGE, "--help: there is no option '%s': %s", word, meant);
     write_topics(program, topics, sizeof topics);
     return iso_fail(error, ISO_ERR_USAGE, "--help: no option speaks of '%s'; topics are %s, all", topic,
                     topics);

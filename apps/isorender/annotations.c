@@ -119,6 +119,13 @@ iso_status isorender_apply_legend(void *target, const char *value, iso_error *er
     return value ? iso_font_check(value, error) : ISO_OK;
 }
 
+iso_status isorender_apply_color_bar(void *target, const char *value, iso_error *error) {
+    isorender_settings *settings = target;
+    settings->color_bar = 1;
+    settings->bar_titles = value;
+    return value ? iso_font_check(value, error) : ISO_OK;
+}
+
 iso_status isorender_annotations_check(const isorender_settings *settings, iso_error *error) {
     const char *option = settings->has_inset    ? "--inset"
                          : settings->note_count ? "--text, --arrow and --ruler"
@@ -195,21 +202,44 @@ static void add_surface(const isorender_job *job, const isorender_surface *surfa
         add_file(l, surface->loader->input, surface->color);
 }
 
+/* Names in a list, between semicolons, or between commas if there are none. */
+static char separator_of(const char *list) {
+    return strchr(list, ';') ? ';' : ',';
+}
+
+static int name_count(const char *list) {
+    int count = 1;
+    for (const char *c = list; *c; c++) count += *c == separator_of(list);
+    return count;
+}
+
+/* Takes the next name of a list. */
+static void take_name(const char **at, char separator, char *name, size_t size) {
+    const size_t length = strcspn(*at, (const char[]){separator, 0});
+    snprintf(name, size, "%.*s", (int)length, *at);
+    *at += length + ((*at)[length] != 0);
+}
+
 /* Replaces the names by those of the list, which are as many. */
 static iso_status rename_entries(const char *list, legend *l, iso_error *error) {
-    const char separator = strchr(list, ';') ? ';' : ',', *at = list;
-    int count = 1;
-    for (const char *c = list; *c; c++) count += *c == separator;
-    if (count != l->count)
-        return iso_fail(error, ISO_ERR_USAGE, "--legend: %d names for %d surfaces, labels and objects", count,
-                        l->count);
-    for (int i = 0; i < count; i++) {
-        const char *end = strchr(at, separator);
-        const int length = (int)(end ? end - at : (long)strlen(at));
-        snprintf(l->names[i], NAME, "%.*s", length, at);
+    const char *at = list;
+    if (name_count(list) != l->count)
+        return iso_fail(error, ISO_ERR_USAGE, "--legend: %d names for %d surfaces, labels and objects",
+                        name_count(list), l->count);
+    for (int i = 0; i < l->count; i++) {
+        take_name(&at, separator_of(list), l->names[i], NAME);
         l->entries[i].name = l->names[i];
-        at += length + (end != NULL);
     }
+    return ISO_OK;
+}
+
+static iso_status rename_bars(const char *list, iso_color_bar *bars, int count, iso_error *error) {
+    const char *at = list;
+    if (name_count(list) != count)
+        return iso_fail(error, ISO_ERR_USAGE, "--color-bar: %d titles for %d colour bars", name_count(list),
+                        count);
+    for (int i = 0; i < count; i++)
+        take_name(&at, separator_of(list), bars[i].title, sizeof bars[i].title);
     return ISO_OK;
 }
 
@@ -289,6 +319,8 @@ iso_status isorender_annotate(isorender_job *job, int frame, const iso_camera *c
     if (settings->legend) add_to_legend(job, l);
     iso_status status =
         settings->legend_names && last ? rename_entries(settings->legend_names, l, error) : ISO_OK;
+    if (status == ISO_OK && settings->bar_titles && last)
+        status = rename_bars(settings->bar_titles, bars, bar_count, error);
     if (status == ISO_OK && settings->has_inset) status = make_inset(job, frame, enlarge, &inset, error);
     if (status == ISO_OK && frame == 0) tell_outside(job, camera);
     iso_annotation annotation = {.camera = camera,
@@ -318,5 +350,7 @@ int isorender_color_bars(const isorender_job *job, iso_color_bar bars[ISORENDER_
     if (job->cloud_colors.has_bar) bars[count++] = job->cloud_colors.bar;
     for (int i = 0; i < job->object_count; i++)
         if (job->objects[i].has_bar) bars[count++] = job->objects[i].bar;
-    return count + isorender_colorings_bars(job, bars + count);
+    count += isorender_colorings_bars(job, bars + count);
+    if (isorender_slice_bar(job, &bars[count])) count++;
+    return count;
 }

@@ -15,6 +15,7 @@ iso_status isorender_apply_arrow(void *settings, const char *value, iso_error *e
 iso_status isorender_apply_ruler(void *settings, const char *value, iso_error *error);
 iso_status isorender_apply_inset(void *settings, const char *value, iso_error *error);
 iso_status isorender_apply_legend(void *settings, const char *value, iso_error *error);
+iso_status isorender_apply_color_bar(void *settings, const char *value, iso_error *error);
 /* ISO_ERR_USAGE: an option that does not go with them. */
 iso_status isorender_annotations_check(const isorender_settings *settings, iso_error *error);
 
@@ -32,7 +33,7 @@ typedef struct isorender_legend_list {
 
 /* What colours stand for which numbers: bars of all that is coloured by numbers, of points, objects and
  * surfaces in this order, up to ISORENDER_BARS. Returns their number. */
-enum { ISORENDER_BARS = ISORENDER_OBJECTS + 1 + ISORENDER_COLORINGS };
+enum { ISORENDER_BARS = ISORENDER_OBJECTS + 1 + ISORENDER_COLORINGS + 1 };
 int isorender_color_bars(const struct isorender_job *job, iso_color_bar bars[ISORENDER_BARS]);
 
 /* Draws rows rows[0] .. rows[1] - 1 of the picture of `factor` times as many pixels on each side, without

@@ -347,7 +347,10 @@ static void log_source(const isorender_job *job, const color_source *source) {
             "note: --surface-color-by %s: %.3g %% of the surface lies outside the volume, or where it "
             "is not finite: gray",
             text, 100 - 100.0 * (double)source->found / (double)source->points);
-    if (isnan(source->settings->range[0]) && source->ranged)
+    if (isnan(source->settings->range[0]) && source->ranged && !(source->bar.high > source->bar.low))
+        isorender_log(job, "note: --surface-color-by %s: it is %g everywhere on the surface", text,
+                      source->bar.low);
+    else if (isnan(source->settings->range[0]) && source->ranged)
         isorender_log(job, "--surface-color-by %s: --range %.6g,%.6g (2nd to 98th percentile%s)", text,
                       source->bar.low, source->bar.high,
                       iso_color_source_is_signed(source->settings->source) ? ", on both sides of 0" : "");

@@ -32,9 +32,13 @@ bool isorender_has_caps(const isorender_settings *settings) {
     return settings->cap.kind != ISO_CAP_NONE || settings->slice_count;
 }
 
+bool isorender_shows_slices(const isorender_settings *settings) {
+    return settings->cap.kind == ISO_CAP_SLICE || settings->slice_count;
+}
+
 /* Options of caps and slices without what they are for. */
 static iso_status check_caps(const isorender_settings *settings, iso_error *error) {
-    const bool shows = settings->cap.kind == ISO_CAP_SLICE || settings->slice_count;
+    const bool shows = isorender_shows_slices(settings);
     if (settings->cap.kind != ISO_CAP_NONE && !settings->cut_count)
         return iso_fail(error, ISO_ERR_USAGE, "--cap closes what --clip cuts: it needs --clip");
     if (!isnan(settings->window[0]) && !shows)
@@ -215,4 +219,12 @@ iso_status isorender_cuts_fail_empty(isorender_job *job, iso_error *error) {
         error, ISO_ERR_EMPTY,
         "nothing of what --clip leaves is in view: the surface reaches from %g,%g,%g to %g,%g,%g mm",
         all->lo.x, all->lo.y, all->lo.z, all->hi.x, all->hi.y, all->hi.z);
+}
+
+bool isorender_slice_bar(const isorender_job *job, iso_color_bar *bar) {
+    if (!isorender_shows_slices(job->settings)) return false;
+    const iso_slice_look *look = &job->slice_look;
+    *bar = (iso_color_bar){.map = look->map, .low = look->low, .high = look->high};
+    snprintf(bar->title, sizeof bar->title, "%.*s", (int)sizeof bar->title - 1, job->loader.volume.info.name);
+    return true;
 }

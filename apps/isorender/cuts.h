@@ -18,6 +18,10 @@ iso_status isorender_cuts_check_points(const struct isorender_job *job, iso_erro
 
 /* Whether caps or slices are drawn. */
 bool isorender_has_caps(const isorender_settings *settings);
+/* Whether some of them show the volume. */
+bool isorender_shows_slices(const isorender_settings *settings);
+/* Which colours stand for its values there; false: nothing shows it. */
+bool isorender_slice_bar(const struct isorender_job *job, iso_color_bar *bar);
 /* What they are. Borrows `solids`, which is filled. */
 iso_cut_caps isorender_caps(const struct isorender_job *job, iso_capped solids[ISORENDER_SURFACES]);
 

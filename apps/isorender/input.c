@@ -193,12 +193,14 @@ static void log_object(const isorender_job *job, const isorender_object *object)
 }
 
 static iso_status check_color_bar(const isorender_job *job, iso_error *error) {
-    bool has_bar = !job->settings->color_bar || job->cloud_colors.has_bar || job->settings->coloring_count;
+    bool has_bar = !job->settings->color_bar || job->cloud_colors.has_bar || job->settings->coloring_count ||
+                   isorender_shows_slices(job->settings);
     for (int i = 0; i < job->object_count; i++)
         has_bar |= job->objects[i].has_bar || isorender_gradients_have_bar(job->objects[i].settings);
     if (has_bar) return ISO_OK;
     return iso_fail(error, ISO_ERR_USAGE,
-                    "--color-bar shows what --color-by and --surface-color-by colour: give both");
+                    "--color-bar shows which colours --color-by, --surface-color-by, --slice and --cap slice "
+                    "use: none of them is given");
 }
 
 /* Reads the files of --lines and --glyphs. */

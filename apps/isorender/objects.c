@@ -22,13 +22,43 @@ static const iso_attribute *attributes_of(const isorender_object *object, int *c
     return lines ? object->lines.attributes : object->glyphs.attributes;
 }
 
-/* The attribute of a name that an option gives. ISO_ERR_USAGE lists the names that there are. */
-static iso_status find_attribute(const isorender_object *object, const char *name,
-                                 const iso_attribute **attribute, iso_error *error) {
+/* Adds a column "x", "y" or "z" with this coordinate of points, in mm. */
+static iso_status add_coordinate(iso_glyphs *points, char name, iso_error *error) {
+    const size_t count = (size_t)points->attribute_count;
+    iso_attribute *attributes = iso_alloc_zero(count + 1, sizeof *attributes);
+    iso_attribute added = {.name = iso_alloc_zero(2, 1), .components = 1};
+    added.values = iso_alloc_zero(points->count, sizeof *added.values);
+    if (!attributes || !added.name || !added.values) {
+        iso_free(attributes);
+        iso_free(added.name);
+        iso_free(added.values);
+        return iso_fail_memory(error, "a column of coordinates");
+    }
+    if (count) memcpy(attributes, points->attributes, count * sizeof *attributes);
+    iso_free(points->attributes);
+    points->attributes = attributes;
+    added.name[0] = name;
+    for (size_t i = 0; i < points->count; i++) {
+        const iso_vec3 p = iso_glyph_position(points, i);
+        added.values[i] = (float)(name == 'x' ? p.x : name == 'y' ? p.y : p.z);
+    }
+    points->attributes[points->attribute_count++] = added;
+    return ISO_OK;
+}
+
+/* The attribute of a name that an option gives; the coordinates of points are attributes, too. ISO_ERR_USAGE
+ * lists the names that there are. */
+static iso_status find_attribute(isorender_object *object, const char *name, const iso_attribute **attribute,
+                                 iso_error *error) {
     int count;
     const iso_attribute *attributes = attributes_of(object, &count);
     *attribute = isorender_attribute_find(attributes, count, name);
     if (*attribute) return ISO_OK;
+    if (!has_lines(object) && strlen(name) == 1 && strchr("xyz", name[0])) {
+        ISO_TRY(add_coordinate(&object->glyphs, name[0], error));
+        *attribute = &object->glyphs.attributes[count];
+        return ISO_OK;
+    }
     char names[256] = "none";
     for (int i = 0, used = 0; i < count && used < (int)sizeof names; i++)
         used +=
@@ -41,7 +71,7 @@ static iso_status find_attribute(const isorender_object *object, const char *nam
 /* ---- radii */
 
 /* Radii of an attribute; what is no usable number becomes 0, as in the readers. */
-static iso_status take_radii(const isorender_object *object, float **radii, iso_error *error) {
+static iso_status take_radii(isorender_object *object, float **radii, iso_error *error) {
     const iso_attribute *attribute;
     const iso_lines *lines = &object->lines;
     const size_t count = has_lines(object) ? lines->vertex_count : object->glyphs.count;

@@ -645,7 +645,7 @@ static const iso_option options[] = {
      "again; every PNG holds it too (--again)",
      .group = OUTPUT, TEXT(save_scene), UNRECORDED},
     {"again", NULL, "FILE",
-     "draw the picture of a .png or scene again, to the same bytes; options and inputs behind it change it",
+     "draw the picture of a .png or scene again, of the files beside it; options and inputs change it",
      .group = OUTPUT, .kind = ISO_OPTION_TEXTS, FIELD(again),
      .flags = ISO_OPTION_REPEATABLE | ISO_OPTION_UNRECORDED},
     {"schema", NULL, NULL, "print the JSON schema of scenes", .group = OUTPUT, CALL(apply_schema),

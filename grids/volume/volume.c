@@ -229,7 +229,7 @@ static iso_status fail_unknown(const char *path, const head *h, iso_error *error
                              others, sizeof others);
     return iso_fail(
         error, ISO_ERR_FORMAT,
-        "%s: not a volume that isopoint can read: it reads %s, folders of PNG slices, Zarr and DICOM "
+        "%s: not a volume that can be read: it reads %s, folders of PNG slices, Zarr and DICOM "
         "folders, and raw data with --raw; points and shapes are %s",
         path, volumes, others);
 }

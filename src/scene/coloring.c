@@ -119,7 +119,7 @@ static size_t set_range(double *numbers, size_t count, bool both_sides, iso_colo
     bar->high = numbers[high];
     bar->low = both_sides ? -bar->high : numbers[low];
     /* numbers that differ by rounding alone have one colour */
-    if (bar->high - bar->low <= 1e-6 * fmax(fabs(bar->low), fabs(bar->high))) bar->low = bar->high;
+    if (bar->high - bar->low <= 1e-5 * fmax(fabs(bar->low), fabs(bar->high))) bar->low = bar->high;
     return good;
 }
 

@@ -57,7 +57,7 @@ isorender_refuses 2 "option --color: 'rgb(1,0,0)' is neither RRGGBB in hexadecim
 isorender_refuses 2 "option --threads: 'auto' is not a whole number from 1 to 1024 (default: one a processor)" in/ball.mha --threads auto
 isorender_refuses 4 "there is no backend 'gpu': auto, cpu, egl or osmesa" in/ball.mha --backend gpu
 head -c 3000 /dev/zero >in/what.zzz
-isorender_refuses 3 'in/what.zzz: not a volume that isopoint can read: it reads .nrrd, .*DICOM folders, and raw data .*.swc, .*.ply, .*.off' in/what.zzz
+isorender_refuses 3 'in/what.zzz: not a volume that can be read: it reads .nrrd, .*DICOM folders, and raw data .*.swc, .*.ply, .*.off' in/what.zzz
 python3 - <<'P'
 import gzip
 import zipfile

@@ -31,7 +31,7 @@ iso_status iso_reading_find_type(iso_reading *reading, unsigned holds, const cha
     if (*type == ISO_FILE_UNKNOWN) {
         char known[256];
         iso_file_type_extensions(holds, 0, "and", known, sizeof known);
-        return iso_fail(error, ISO_ERR_FORMAT, "%s: not a file of %s that isopoint can read: they are %s",
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: not a file of %s that can be read: they are %s",
                         reading->path, what, known);
     }
     snprintf(reading->report->format, sizeof reading->report->format, "%s", iso_file_type_name(*type));

@@ -197,7 +197,7 @@ static void unreadable_things_are_named(void **state) {
     }
     const char *text = vol_path(folder, "letter.txt", 0);
     vol_write_text(text, "Dear reader,\nthis is not a volume.\n");
-    check_refused(text, NULL, ISO_ERR_FORMAT, "not a volume that isopoint can read");
+    check_refused(text, NULL, ISO_ERR_FORMAT, "not a volume that can be read");
     const char *fifo = vol_path(folder, "pipe.nrrd", 0);
     remove(fifo);
     if (mkfifo(fifo, 0600) == 0) check_refused(fifo, NULL, ISO_ERR_IO, "not a file");
