@@ -13,8 +13,8 @@
 #include "sculpt/session/event_limits.h"
 
 static const char FORMAT[] = "isopoint strokes";
-static const char *const KINDS[] = {"begin", "sample", "end", "cancel", "undo", "redo", "snapshot", "stamp",
-                                    "edit",  "delete", "mute", "unmute", "move", "group"};
+static const char *const KINDS[] = {"begin", "sample", "end",    "cancel", "undo",   "redo", "snapshot",
+                                    "stamp", "edit",   "delete", "mute",   "unmute", "move", "group"};
 enum { KIND_COUNT = sizeof KINDS / sizeof *KINDS };
 
 /* The number of characters of the end of a line: `,"crc":"xxxxxxxx"}`. */
@@ -44,12 +44,14 @@ static json_t *vector_json(iso_vec3 v) {
 
 char *iso_event_header_text(const iso_journal_start *start) {
     const bool plain = !start->reading[0] && (start->isovalue == 0 || start->voxel_isovalue);
-    json_t *header = json_pack(
-        "{ss si ss si sf s[iii] so sf sf}", "format", FORMAT, "version",
-        start->has_edits ? ISO_JOURNAL_VERSION : plain ? 1 : 2,
-        "source", start->source, "source_crc", (int)start->source_crc, "voxel_size", start->voxel_size,
-        "dims", start->dims[0], start->dims[1], start->dims[2], "origin", vector_json(start->origin),
-        "radius", start->radius, "isovalue", start->isovalue);
+    json_t *header =
+        json_pack("{ss si ss si sf s[iii] so sf sf}", "format", FORMAT, "version",
+                  start->has_edits ? ISO_JOURNAL_VERSION
+                  : plain          ? 1
+                                   : 2,
+                  "source", start->source, "source_crc", (int)start->source_crc, "voxel_size",
+                  start->voxel_size, "dims", start->dims[0], start->dims[1], start->dims[2], "origin",
+                  vector_json(start->origin), "radius", start->radius, "isovalue", start->isovalue);
     if (header && start->reading[0] &&
         json_object_set_new(header, "reading", json_string_nocheck(start->reading))) {
         json_decref(header);
@@ -83,7 +85,8 @@ char *iso_event_text(const iso_event *event, unsigned long long number) {
     if (!failed && edit) failed |= json_object_set_new(object, "stroke", json_integer(event->first));
     if (!failed && edit && event->last != event->first)
         failed |= json_object_set_new(object, "last", json_integer(event->last));
-    if (!failed && event->before) failed |= json_object_set_new(object, "before", json_integer(event->before));
+    if (!failed && event->before)
+        failed |= json_object_set_new(object, "before", json_integer(event->before));
     if (!failed && event->kind == ISO_EVENT_GROUP)
         failed |= json_object_set_new(object, "group", json_string(event->text));
     if (!failed && (event->kind == ISO_EVENT_BEGIN || event->kind == ISO_EVENT_EDIT))

@@ -41,7 +41,7 @@ struct iso_session {
     iso_stroke_list list;   /* the last one that an edit resolved */
     iso_versions *versions; /* NULL: no edit has needed them yet */
     bool partial;           /* the session began with a checkpoint: strokes before it are not in the log */
-    bool inserting;         /* the stroke that is being drawn belongs before another one, and is drawn at its end */
+    bool inserting; /* the stroke that is being drawn belongs before another one, and is drawn at its end */
     iso_snapshot *snapshots[ISO_SESSION_SNAPSHOTS];
     iso_checkpoint *checkpoint;      /* being written; NULL: none */
     iso_snapshot *checkpoint_source; /* the snapshot that it is written from */
@@ -273,7 +273,8 @@ static iso_status check_total(const iso_session *session, double edits, iso_erro
 }
 
 static iso_status check_cost(const iso_session *session, iso_error *error) {
-    return check_total(session, session->versions ? iso_versions_get_stats(session->versions).cost : 0, error);
+    return check_total(session, session->versions ? iso_versions_get_stats(session->versions).cost : 0,
+                       error);
 }
 
 /* iso_pen.touch. */
@@ -377,7 +378,8 @@ iso_status iso_session_journal_status(iso_session *session, iso_error *error) {
 /* ---- edits of strokes */
 
 static iso_status no_strokes(iso_error *error) {
-    return iso_fail(error, ISO_ERR_USAGE, "the session began with a snapshot, and holds no strokes before it");
+    return iso_fail(error, ISO_ERR_USAGE,
+                    "the session began with a snapshot, and holds no strokes before it");
 }
 
 /* Resolves the log with what was added to it last. */
@@ -398,7 +400,8 @@ static iso_status copy_first_field(iso_session *session, iso_hgrid **first, iso_
               hi[3] = {session->grid->dims[0] - 1, session->grid->dims[1] - 1, session->grid->dims[2] - 1};
     iso_status status = ISO_OK;
     while (status == ISO_OK && iso_history_position(session->history)) {
-        session->undo_cost += 2 * iso_history_cost(session->history, iso_history_position(session->history) - 1);
+        session->undo_cost +=
+            2 * iso_history_cost(session->history, iso_history_position(session->history) - 1);
         status = iso_history_undo(session->history, error);
     }
     if (status == ISO_OK) status = iso_hgrid_crop(session->grid, lo, hi, first, error);
@@ -417,7 +420,8 @@ static iso_status update_versions(iso_session *session, iso_error *error) {
     if (!session->versions) {
         iso_hgrid *first = NULL;
         ISO_TRY(copy_first_field(session, &first, error));
-        ISO_TRY(iso_versions_create(first, session->pool, check_versions, session, &session->versions, error));
+        ISO_TRY(
+            iso_versions_create(first, session->pool, check_versions, session, &session->versions, error));
     }
     iso_status status = iso_stroke_log_resolve(&before, &list, error);
     if (status == ISO_OK) status = iso_versions_update(session->versions, &list, NULL, error);

@@ -50,8 +50,7 @@ iso_status iso_stroke_log_add(iso_stroke_log *log, const iso_event *event, iso_s
                              .last = event->last,
                              .before = event->before,
                              .brush = event->brush};
-    iso_status status =
-        iso_buffer_reserve(&log->entries, bytes + sizeof(iso_stroke_entry), bytes, error);
+    iso_status status = iso_buffer_reserve(&log->entries, bytes + sizeof(iso_stroke_entry), bytes, error);
     if (status == ISO_OK && stroke) status = add_sample(&made, &event->sample, error);
     if (status == ISO_OK && event->kind == ISO_EVENT_GROUP) {
         const size_t size = strlen(event->text) + 1;

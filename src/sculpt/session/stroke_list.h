@@ -14,8 +14,8 @@ extern "C" {
 
 /* A stroke of the list. Pointers are valid until the log changes. */
 typedef struct iso_stroke {
-    unsigned number;  /* the strokes of a session are numbered from 1 as they begin, cancelled ones too */
-    bool muted;       /* it is not drawn */
+    unsigned number; /* the strokes of a session are numbered from 1 as they begin, cancelled ones too */
+    bool muted;      /* it is not drawn */
     iso_brush brush;
     const iso_sample *samples; /* at least one */
     size_t count;
@@ -38,9 +38,9 @@ void iso_stroke_list_free(iso_stroke_list *list);
 /* What was done, in order. Zero-initialise; iso_stroke_log_free when done. */
 typedef struct iso_stroke_entry iso_stroke_entry;
 typedef struct iso_stroke_log {
-    iso_buffer entries;     /* iso_stroke_entry; those from `position` on are undone */
+    iso_buffer entries; /* iso_stroke_entry; those from `position` on are undone */
     size_t count, position;
-    unsigned numbers;       /* number of the last stroke that was begun */
+    unsigned numbers; /* number of the last stroke that was begun */
 } iso_stroke_log;
 
 void iso_stroke_log_free(iso_stroke_log *log);

@@ -38,8 +38,8 @@ struct iso_versions {
     iso_versions_check *check;
     void *context;
     size_t keys;
-    version **first; /* by key: the content before all strokes; NULL: never written */
-    uint64_t *held;  /* by key: the serial of the version in the work grid */
+    version **first;                 /* by key: the content before all strokes; NULL: never written */
+    uint64_t *held;                  /* by key: the serial of the version in the work grid */
     const version **before, **after; /* by key: at this place of the old and of the new list; NULL: `first` */
     cell_key *dirty;                 /* the keys whose contents differ */
     uint32_t *dirty_at;              /* by key: 1 + its index in `dirty`; 0: clean */
@@ -109,7 +109,8 @@ static iso_status set_up(iso_versions *v, iso_pool *pool, iso_error *error) {
     v->after = iso_alloc_zero(v->keys, sizeof *v->after);
     v->dirty = iso_alloc_zero(v->keys, sizeof *v->dirty);
     v->dirty_at = iso_alloc_zero(v->keys, sizeof *v->dirty_at);
-    return v->first && v->held && v->before && v->after && v->dirty && v->dirty_at ? ISO_OK : no_memory(error);
+    return v->first && v->held && v->before && v->after && v->dirty && v->dirty_at ? ISO_OK
+                                                                                   : no_memory(error);
 }
 
 iso_status iso_versions_create(iso_hgrid *first, iso_pool *pool, iso_versions_check *check, void *context,
@@ -159,7 +160,8 @@ static iso_status pack(iso_versions *v, cell_key key, uint64_t serial, version *
 static bool is_same(const version *a, const version *b) {
     if (a == b) return true;
     if (!a || !b) return false; /* (`first` is there for every key that a stroke wrote) */
-    return a->state == b->state && a->size == b->size && (!a->size || memcmp(a->bytes, b->bytes, a->size) == 0);
+    return a->state == b->state && a->size == b->size &&
+           (!a->size || memcmp(a->bytes, b->bytes, a->size) == 0);
 }
 
 static const version *or_first(const iso_versions *v, cell_key key, const version *at) {
@@ -322,7 +324,8 @@ static iso_status restore_ranges(iso_versions *v, bool whole_mask, iso_error *er
 
 /* Draws the stroke on the work grid, which is at its place. */
 static iso_status draw_touches(iso_versions *v, const iso_stroke *stroke, iso_error *error) {
-    iso_step_opts step = {.observer = {note_cell, note_mask, v}, .original = original, .stamp = stroke->stamp};
+    iso_step_opts step = {
+        .observer = {note_cell, note_mask, v}, .original = original, .stamp = stroke->stamp};
     v->written_count = 0;
     ISO_TRY(iso_history_begin(v->history, "", error));
     iso_editor_begin_step(v->editor, &step);

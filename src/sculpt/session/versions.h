@@ -42,7 +42,8 @@ iso_status iso_versions_update(iso_versions *versions, const iso_stroke_list *li
 typedef struct iso_cell_change {
     uint32_t cell;
     bool mask;
-    int32_t state; /* of the field: 0, ISO_CELL_OUTSIDE or ISO_CELL_INSIDE; of the mask: 0, or ISO_CELL_OUTSIDE
+    int32_t
+        state; /* of the field: 0, ISO_CELL_OUTSIDE or ISO_CELL_INSIDE; of the mask: 0, or ISO_CELL_OUTSIDE
                       for a cell without frozen voxels */
 } iso_cell_change;
 size_t iso_versions_change_count(const iso_versions *versions);
