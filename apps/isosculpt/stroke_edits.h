@@ -23,8 +23,8 @@ typedef struct isosculpt_edits {
 iso_status isosculpt_edits_add(isosculpt_edits *edits, iso_event_kind kind, const char *text,
                                iso_error *error);
 
-/* Makes the event of an edit of stroke `number` (of --edit; else of all strokes that it names). ISO_ERR_USAGE:
- * the list has no such stroke. */
+/* Makes the event of an edit of stroke `number` (of --edit; else of all strokes that it names).
+ * ISO_ERR_USAGE: the list has no such stroke. */
 iso_status isosculpt_edit_event(const isosculpt_edit *edit, const iso_stroke *stroke, iso_event *event,
                                 iso_error *error);
 

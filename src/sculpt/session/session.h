@@ -56,14 +56,16 @@ iso_status iso_session_cancel(iso_session *session, iso_error *error);
 iso_status iso_session_undo(iso_session *session, iso_error *error);
 iso_status iso_session_redo(iso_session *session, iso_error *error);
 
-/* Edits strokes (an event of the kinds ISO_EVENT_EDIT to ISO_EVENT_GROUP) as one step of the undo history: the
- * field becomes that of a fresh session in which the edited list of strokes is drawn. The first edit of a
- * session draws all strokes once more to find what each of them made of its cells; later ones draw only the
- * strokes that can come out differently. ISO_ERR_USAGE: there is no such stroke, a bad brush, or the session
- * began with a checkpoint; also the errors of iso_editor_touch. The field is unchanged then. */
+/* Edits strokes (an event of the kinds ISO_EVENT_EDIT to ISO_EVENT_GROUP) as one step of the undo
+ * history: the field becomes that of a fresh session in which the edited list of strokes is drawn. The
+ * first edit of a session draws all strokes once more to find what each of them made of its cells;
+ * later ones draw only the strokes that can come out differently. ISO_ERR_USAGE: there is no such
+ * stroke, a bad brush, or the session began with a checkpoint; also the errors of iso_editor_touch. The
+ * field is unchanged then. */
 iso_status iso_session_edit(iso_session *session, const iso_event *event, iso_error *error);
-/* Lists the strokes that the field is made of (zero-initialise `list`; iso_stroke_list_free). Its pointers are
- * valid until the session changes. ISO_ERR_USAGE: the session began with a checkpoint; ISO_ERR_NOMEM. */
+/* Lists the strokes that the field is made of (zero-initialise `list`; iso_stroke_list_free). Its
+ * pointers are valid until the session changes. ISO_ERR_USAGE: the session began with a checkpoint;
+ * ISO_ERR_NOMEM. */
 iso_status iso_session_strokes(const iso_session *session, iso_stroke_list *list, iso_error *error);
 iso_versions_stats iso_session_edit_stats(const iso_session *session); /* all 0 before the first edit */
 
