@@ -70,7 +70,10 @@ static void draw(iso_session *session, uint32_t *seed, unsigned before) {
     assert_int_equal(iso_session_play(session, &event, NULL, NULL), ISO_OK);
     event.kind = ISO_EVENT_SAMPLE;
     for (int i = 0; i < 3; i++) {
-        const iso_vec3 step = iso_vec3_make(uniform(seed) - 0.5, uniform(seed) - 0.5, uniform(seed) - 0.5);
+        iso_vec3 step; /* (one after the other: compilers evaluate arguments in different orders) */
+        step.x = uniform(seed) - 0.5;
+        step.y = uniform(seed) - 0.5;
+        step.z = uniform(seed) - 0.5;
         event.sample.position = iso_vec3_add(event.sample.position, iso_vec3_scale(step, 3));
         assert_int_equal(iso_session_play(session, &event, NULL, NULL), ISO_OK);
     }
