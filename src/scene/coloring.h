@@ -27,8 +27,8 @@ typedef struct iso_coloring {
 void iso_coloring_set_grid(iso_coloring *coloring, const iso_grid *grid);
 
 /* The number at a point. NaN, which is coloured in the neutral gray of iso_color_bar_at: BY_NORMAL; where
- * the volume is not finite, a vertex has no number, and outside of it, which is beyond half a voxel from its outermost voxels'
- * centres. near: as iso_surface_colors.at. Thread-safe. */
+ * the volume is not finite or a vertex has no number, and outside of the volume, which is beyond half a
+ * voxel from its outermost voxels' centres. near: as iso_surface_colors.at. Thread-safe. */
 double iso_coloring_number(const iso_coloring *coloring, const iso_colored_point *point, size_t *near);
 
 /* The colours of all points; borrows the coloring. */

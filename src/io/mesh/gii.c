@@ -1,8 +1,8 @@
-/* Meshes and data of their vertices in GIFTI, the surface format of neuroimaging ("GIFTI Surface Data Format", version 1.0, 2011):
- * XML with arrays in text or in base64, as they are or compressed by zlib. Of a mesh the first array of points
- * and the first one of triangles are read, of data the first one, or the one that is asked for; labels have
- * the colours of the file's table. Coordinates are RAS, as GIFTI's coordinate systems are, and turned
- * to LPS; matrices in the file are not applied, as other readers do. */
+/* Meshes and data of their vertices in GIFTI, the surface format of neuroimaging ("GIFTI Surface Data
+ * Format", version 1.0, 2011): XML with arrays in text or in base64, as they are or compressed by zlib. Of a
+ * mesh the first array of points and the first one of triangles are read, of data the first one, or the one
+ * that is asked for; labels have the colours of the file's table. Coordinates are RAS, as GIFTI's coordinate
+ * systems are, and turned to LPS; matrices in the file are not applied, as other readers do. */
 #include <ctype.h>
 #include <math.h>
 #include <stdlib.h>
