@@ -555,6 +555,10 @@ enum { ISO_METHODS = 13 };
 ISO_API const char *iso_method_name(iso_method method);
 ISO_API iso_status iso_method_find(const char *name, iso_method *method, iso_error *error);
 
+/* The field whose isosurface is drawn: trilinear between the voxels, or a smooth one, by EXACT and RAYCAST:
+ * the tricubic B-spline, prefiltered; or the one that passes through the voxels, for clean simulations. */
+typedef enum iso_filter { ISO_FILTER_LINEAR, ISO_FILTER_CUBIC, ISO_FILTER_INTERPOLATING } iso_filter;
+
 /* A camera; the members have the names that VTK and F3D use. */
 typedef struct iso_camera {
     iso_vec3 position, focal_point, view_up; /* mm; view_up need not be unit or orthogonal */
@@ -704,6 +708,7 @@ typedef struct iso_render_opts {
     double occlusion;
     bool shadow;
     double outline;
+    iso_filter filter;            /* of all surfaces; not with glass and caps */
     const iso_color_by *color_by; /* translucent surfaces are coloured by EXACT and RAYCAST only */
     int color_by_count;
     iso_camera *camera_used;   /* receives the picture's camera; NULL: not wanted */

@@ -39,6 +39,7 @@ static const char *find_obstacle(const isorender_job *job, const char **reason) 
         {settings->primitive != ISO_PRIMITIVE_AUTO && settings->primitive != ISO_PRIMITIVE_EDGE,
          "--primitive", "only edge points are made chunk by chunk"},
         {isorender_is_translucent(settings), "--opacity", "the layers of a pixel are blended in order"},
+        {settings->filter != ISO_FILTER_LINEAR, "--reconstruction-filter", "it samples the whole surface"},
         {settings->ior > 0, "--ior", "rays pass through the whole solid"},
         {settings->isovalue_count > 1, "--isovalue", "one surface is drawn at a time"},
         {settings->volume_options.count > 0, "--volume", "one surface is drawn at a time"},

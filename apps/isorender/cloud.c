@@ -117,6 +117,9 @@ static iso_status make_cloud(isorender_job *job, iso_error *error) {
 }
 
 static iso_status read_cloud(isorender_job *job, iso_error *error) {
+    if (job->settings->filter != ISO_FILTER_LINEAR)
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "--reconstruction-filter is of volumes: between points there is no field");
     ISO_TRY(iso_loader_read(&job->loader, error));
     isorender_log_report(job, "", &job->loader.report);
     if (!job->loader.points.count) return iso_fail(error, ISO_ERR_EMPTY, "holds no usable point");

@@ -61,10 +61,12 @@ iso_status isorender_cuts_check(const isorender_settings *settings, iso_error *e
         return iso_fail(error, ISO_ERR_USAGE, "--method %s draws no cuts: %s do (--clip)",
                         iso_method_name((iso_method)settings->method),
                         iso_methods_that_can(ISO_CAN_CLIP, (char[ISO_METHODS_TEXT]){0}));
-    const char *unfit = settings->ior > 0                 ? "--ior"
-                        : settings->absorption_length > 0 ? "--absorption"
-                        : settings->instances             ? "--instances"
-                                                          : NULL;
+    const bool discs = settings->method == ISO_METHOD_SPLATS && !settings->gaussians;
+    const char *unfit = settings->ior > 0                             ? "--ior"
+                        : discs && isorender_is_translucent(settings) ? "translucent discs"
+                        : settings->absorption_length > 0             ? "--absorption"
+                        : settings->instances                         ? "--instances"
+                                                                      : NULL;
     if (unfit) return iso_fail(error, ISO_ERR_USAGE, "--clip cannot be combined with %s", unfit);
     return ISO_OK;
 }

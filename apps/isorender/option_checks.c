@@ -470,6 +470,24 @@ static iso_status check_lighting(const isorender_settings *settings, iso_error *
     return ISO_OK;
 }
 
+/* Smooth surfaces. */
+static iso_status check_filter(const isorender_settings *settings, iso_error *error) {
+    const char *option = settings->ior > 0              ? "--ior"
+                         : isorender_has_caps(settings) ? "--cap or --slice"
+                                                        : NULL;
+    const char *name = iso_filter_names[settings->filter];
+    if (settings->filter == ISO_FILTER_LINEAR) return ISO_OK;
+    if (!isorender_method_can(settings, ISO_CAN_SMOOTH))
+        return iso_fail(error, ISO_ERR_USAGE, "--method %s has no --reconstruction-filter %s: %s have",
+                        settings->gaussians ? "gaussians" : iso_method_name((iso_method)settings->method),
+                        name, iso_methods_that_can(ISO_CAN_SMOOTH, (char[ISO_METHODS_TEXT]){0}));
+    if (option)
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "%s is of trilinear surfaces: it cannot be combined with --reconstruction-filter %s",
+                        option, name);
+    return ISO_OK;
+}
+
 /* Gaussians have opacities of their own, and only the cpu engine draws them. */
 static iso_status check_gaussians(const isorender_settings *settings, iso_error *error) {
     const bool gl = strcmp(settings->backend, "egl") == 0 || strcmp(settings->backend, "osmesa") == 0;
@@ -677,6 +695,7 @@ static iso_status check_keyframes(isorender_settings *settings, iso_error *error
         if (status == ISO_OK) status = isorender_cuts_check(now, &reason);
         if (status == ISO_OK && isorender_is_translucent(now)) status = check_opacity(now, &reason);
         if (status == ISO_OK) status = check_lighting(now, &reason);
+        if (status == ISO_OK) status = check_filter(now, &reason);
         if (status != ISO_OK) return iso_fail(error, status, "%s: %s", settings->keyframe_file, reason.text);
     }
     return ISO_OK;
@@ -711,6 +730,7 @@ iso_status isorender_settings_check(isorender_settings *settings, const iso_oper
     ISO_TRY(check_glass(settings, error));
     ISO_TRY(check_objects(settings, error));
     ISO_TRY(check_lighting(settings, error));
+    ISO_TRY(check_filter(settings, error));
     ISO_TRY(check_one_pyramid(settings, error));
     ISO_TRY(isorender_cuts_check(settings, error));
     ISO_TRY(isorender_segmentation_check(settings, error));

@@ -451,20 +451,21 @@ static const iso_option options[] = {
     {"reconstruction", NULL, "NAME",
      "of pullpush: gaussian or box (Gaussian or equal weights in ellipses; Marroquim 2008); of discs: "
      "curved (second-order discs; flat ones for points that have colours, and for files of points) or flat "
-     "(as of "
-     "splats); of splats: flat (Gaussian discs with a low-pass "
-     "filter, so that many small points do not flicker), onepass (without the filter, front to back: "
-     "Baerentzen and Christensen 2003), ewa (the filter also widens outlines: Zwicker 2001), mean (of the "
-     "points with centres in a pixel, near the nearest: for scans with several points a pixel, with holes "
-     "where there are none; Schuetz 2021) or groups (deferred blending of groups of discs that do not "
-     "overlap: Zhang and Pajarola 2006)",
+     "(as of splats); of splats: flat (Gaussian discs with a low-pass filter, so that many small points do "
+     "not flicker), onepass (without the filter, front to back: Baerentzen and Christensen 2003), ewa (the "
+     "filter also widens outlines: Zwicker 2001), mean (of the points with centres in a pixel, near the "
+     "nearest: for scans with several points a pixel, with holes where there are none; Schuetz 2021) or "
+     "groups (deferred blending of groups of discs that do not overlap: Zhang and Pajarola 2006)",
      .group = PICTURE,
      .standard = "gaussian; of discs curved; of splats flat, or groups with options of groups",
      CHOICE(reconstruction, reconstructions), .hint = "what was called refined is curved"},
+    {"reconstruction-filter", NULL, "NAME",
+     "of exact and raycast, the field between the voxels: linear (trilinear), cubic (a smooth B-spline: less "
+     "stepped, more exact, slower) or interpolating (one through the voxels: for clean simulated fields)",
+     .group = PICTURE, .standard = "linear", CHOICE(filter, iso_filter_names)},
     {"one-pyramid", NULL, NULL,
-     "pullpush and hybrid draw the input's surfaces, meshes and ribbons in one image "
-     "pyramid (2008, section 5.1: to compare it) instead of each alone with the nearer one kept, which loses "
-     "less around outlines",
+     "pullpush and hybrid draw the input's surfaces, meshes and ribbons in one image pyramid (2008, section "
+     "5.1: to compare it) instead of each alone with the nearer one kept, which loses less around outlines",
      .group = PAPERS, FLAG(one_pyramid)},
     {"groups", NULL, "N",
      "most groups of splats; 64: as many as it takes so that no discs of a group overlap", .group = PAPERS,
@@ -503,9 +504,8 @@ static const iso_option options[] = {
      .group = PAPERS, .standard = "0: they may not", REAL(group_coplanar, 0, 45)},
     {"shading", NULL, "NAME",
      "phong (by normals, with two lights) or edl (eye-dome lighting: samples are darker the more the "
-     "surfaces "
-     "around them stand out before them, which needs no normals; for files of points whose normals say "
-     "little)",
+     "surfaces around them stand out before them, which needs no normals; for files of points whose normals "
+     "say little)",
      .group = PICTURE, .standard = "phong", CHOICE(lighting, lightings)},
     {"occlusion", NULL, "MM",
      "ambient occlusion: what is surrounded by surfaces within MM, as hollows and clefts, is darker; of "

@@ -289,6 +289,8 @@ static void put_method(iso_json *json, const isorender_job *job) {
     if (isorender_has_reconstructions(job->method) && !job->gaussians)
         iso_json_string(json, "reconstruction",
                         isorender_reconstruction_name(job->settings, job->method == ISO_METHOD_SPLATS));
+    if (job->settings->filter != ISO_FILTER_LINEAR)
+        iso_json_string(json, "reconstruction_filter", iso_filter_names[job->settings->filter]);
 }
 
 static iso_status put_report(iso_json *json, const isorender_job *job, iso_error *error) {

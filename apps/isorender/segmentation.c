@@ -148,7 +148,7 @@ static iso_status read_layers(isorender_job *job, isorender_segmentation *s, iso
 /* Reads what the file states of its labels; of segments in layers the other layers, unless one is chosen. */
 static iso_status read_stated(isorender_job *job, isorender_segmentation *s, iso_error *error) {
     if (iso_loader_is_scene(s->loader.input)) return ISO_OK;
-    ISO_TRY(iso_label_names_of_nrrd(s->loader.path, &s->stated, error));
+    ISO_TRY(iso_label_names_of_file(s->loader.path, &s->stated, error));
     const bool chosen = s->input.component > 0 || s->input.channel || s->input.cropped || s->input.cropped_mm;
     if (s->loader.volume.info.components < 2 || !s->stated.count || chosen) return ISO_OK;
     return read_layers(job, s, error);
@@ -248,6 +248,7 @@ static void add_surface(isorender_job *job, isorender_segmentation *s, int group
                                          .transparency = (iso_transparency)job->settings->transparency,
                                          .bins = job->settings->group_bins,
                                          .selection = (iso_point_selection)job->settings->selection,
+                                         .filter = (iso_filter)job->settings->filter,
                                          .lod_pixels = isorender_detail_pixels(job->settings),
                                          .workspace = job->point_workspace};
     surface->color = s->items[only].color;

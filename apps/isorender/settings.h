@@ -183,16 +183,16 @@ typedef struct isorender_settings {
     /* ISO_METHOD_EXACT, _POINTS, _PULLPUSH, _DISCS, _SPLATS, _MESH, _RAYCAST, _HYBRID or
      * ISORENDER_METHOD_UNCHOSEN */
     int method;
-    int gaussians;      /* --method gaussians: the points of the file are drawn as 3-D Gaussians; `method` is
-                           ISORENDER_METHOD_UNCHOSEN then */
-    int lighting;       /* iso_lighting */
-    double occlusion;   /* range of ambient occlusion, mm; 0: none; NaN: the usual one */
-    int shadow;         /* a soft shadow of the key light */
-    double outline;     /* width of lines along outlines, pixels; 0: none */
-    int look;           /* the place in iso_look_names */
+    int gaussians;    /* --method gaussians: of points of files; `method` is ISORENDER_METHOD_UNCHOSEN then */
+    int lighting;     /* iso_lighting */
+    double occlusion; /* range of ambient occlusion, mm; 0: none; NaN: the usual one */
+    int shadow;       /* a soft shadow of the key light */
+    double outline;   /* width of lines along outlines, pixels; 0: none */
+    int look;         /* the place in iso_look_names */
     int reconstruction; /* iso_reconstruction; of pullpush GAUSSIAN or BOX, of discs CURVED or FLAT, of
                            splats from FLAT on, or _GROUPS; for files of points without --method CURVED,
                            which is then FLAT */
+    int filter;         /* iso_filter */
     bool old_discs;     /* discs were chosen by an older name: --method pullpush --reconstruction curved */
     int one_pyramid;    /* of pullpush and hybrid */
     /* Of splats: iso_groups_opts, and iso_draw_groups_opts.bins. 0: not given. */

@@ -99,6 +99,7 @@ static iso_status add_surface(isorender_job *job, iso_loader *loader, isorender_
                                          .transparency = (iso_transparency)job->settings->transparency,
                                          .bins = job->settings->group_bins,
                                          .selection = (iso_point_selection)job->settings->selection,
+                                         .filter = (iso_filter)job->settings->filter,
                                          .lod_pixels = isorender_detail_pixels(job->settings),
                                          .workspace = job->point_workspace};
     return choose_isovalue(job, surface, isovalue, error);
@@ -227,6 +228,8 @@ static iso_status extract_points(isorender_job *job, isorender_surface *surface,
     /* Bounds tell whether the surface is closed: of closed ones, pyramids leave out points that face away. */
     scene->bounded = isorender_has_reconstructions(job->method) || job->method == ISO_METHOD_HYBRID;
     ISO_TRY(iso_scene_surface_update(scene, ISO_PART_POINTS, error));
+    if (scene->filter != ISO_FILTER_LINEAR)
+        ISO_TRY(iso_scene_surface_smooth(scene, ISO_PART_POINTS, error));
     const iso_points_stats stats = iso_point_set_stats(scene->points);
     job->point_count += stats.points;
     job->rejected += stats.rejected;
@@ -237,6 +240,8 @@ static iso_status extract_points(isorender_job *job, isorender_surface *surface,
 
 static iso_status extract_mesh(isorender_job *job, isorender_surface *surface, iso_error *error) {
     ISO_TRY(iso_scene_surface_update(&surface->scene, ISO_PART_MESH, error));
+    if (surface->scene.filter != ISO_FILTER_LINEAR)
+        ISO_TRY(iso_scene_surface_smooth(&surface->scene, ISO_PART_MESH, error));
     iso_mesh_view view = iso_mesh_set_view(surface->scene.mesh);
     size_t triangles = iso_mesh_view_triangle_count(&view), vertices = iso_mesh_view_vertex_count(&view);
     job->triangle_count += triangles;

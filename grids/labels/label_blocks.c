@@ -22,8 +22,9 @@ enum {
     FIELD_VOXELS = FIELD * FIELD * FIELD,
     DISTANCE_VOXELS = DISTANCES * DISTANCES * DISTANCES,
     WINDOW_VOXELS = WINDOW * WINDOW * WINDOW,
-    BRICKS = 8,      /* of a block */
-    NEIGHBOURS = 27, /* a voxel and those around it */
+    BRICKS = 8,               /* of a block */
+    KEPT = 16 * FIELD_VOXELS, /* of the fields of a block's labels, for where things are thin */
+    NEIGHBOURS = 27,          /* a voxel and those around it */
     FAR = ISO_LABEL_FAR_SQUARE
 };
 /* By how much a voxel's own label leads, voxels, and by how much more where things are thin, so that sheets
@@ -61,6 +62,8 @@ typedef struct box {
 typedef struct near_label {
     int label;
     extent box;
+    extent kept_box;   /* of its field by the wide filter */
+    const float *kept; /* NULL: not kept */
 } near_label;
 
 /* Working memory of a worker. */
@@ -68,6 +71,9 @@ typedef struct scratch {
     uint16_t *window; /* labels; those that are not drawn are 0 */
     uint8_t *mask, *work8, *to_inside, *to_outside;
     float *distance, *work, *field, *second, *third;
+    float *kept; /* fields of labels */
+    size_t kept_count;
+    int margin;         /* of the distances around the field */
     float *own, *other; /* at every voxel: its own label's field, and the greatest other one */
     float *loss;        /* what its own label's field is less than the distance */
     float *best;        /* the greatest field of each group, group 0 first */
@@ -166,7 +172,7 @@ static inline const uint16_t *window_row(const block *b, int y, int z) {
 static void add_near(scratch *s, int label, int x, int end, int y, int z) {
     if (s->place[label] < 0) {
         s->place[label] = s->near_count;
-        s->near[s->near_count++] = (near_label){label, {{x, y, z}, {end, y + 1, z + 1}}};
+        s->near[s->near_count++] = (near_label){.label = label, .box = {{x, y, z}, {end, y + 1, z + 1}}};
     }
     extent *box = &s->near[s->place[label]].box;
     const int lo[3] = {x, y, z}, hi[3] = {end, y + 1, z + 1};
@@ -180,6 +186,7 @@ static void add_near(scratch *s, int label, int x, int end, int y, int z) {
 static void list_near(block *b) {
     scratch *s = b->s;
     s->near_count = 0;
+    s->kept_count = 0;
     for (int z = 0; z < b->size[2]; z++)
         for (int y = 0; y < b->size[1]; y++) {
             const uint16_t *row = window_row(b, y, z);
@@ -208,7 +215,9 @@ static bool clip_box(const extent *of_label, const extent *zone, extent *clipped
 static void make_mask(const block *b, int label, const extent *box, const int size[3], bool inside) {
     for (int z = 0; z < size[2]; z++)
         for (int y = 0; y < size[1]; y++) {
-            const size_t row = index_in(b->window, box->lo[0], box->lo[1] + y, box->lo[2] + z);
+            const int skipped = FILTER - b->s->margin;
+            const size_t row =
+                index_in(b->window, box->lo[0] + skipped, box->lo[1] + y + skipped, box->lo[2] + z + skipped);
             b->all->kernel->mask(b->s->window + row, size[0], (uint16_t)label, inside,
                                  b->s->mask + index_in(size, 0, y, z));
         }
@@ -219,9 +228,9 @@ static void filter_twiced(const block *b, const gaussian g[2], const int n[3], f
     scratch *s = b->s;
     const size_t count = (size_t)n[0] * (size_t)n[1] * (size_t)n[2];
     const iso_smooth_kernel *kernel = b->all->kernel;
-    kernel->filter(s->distance, n, FILTER, g[0].radius, g[0].w, s->work, out);
+    kernel->filter(s->distance, n, s->margin, g[0].radius, g[0].w, s->work, out);
     float *second = s->second;
-    kernel->filter(s->distance, n, FILTER, g[1].radius, g[1].w, s->work, second);
+    kernel->filter(s->distance, n, s->margin, g[1].radius, g[1].w, s->work, second);
     for (size_t i = 0; i < count; i++) out[i] = (1 + g->back) * out[i] - g->back * second[i];
 }
 
@@ -239,15 +248,41 @@ static void blend(const block *b, const extent *box, const int n[3]) {
         }
 }
 
-/* Computes `field` of a label in a box. */
-static void make_field(const block *b, int label, const extent *box, bool blends) {
+/* Keeps the field of a label, if there is room. */
+static void keep_wide(scratch *s, near_label *near, const extent *box, size_t count) {
+    near->kept = NULL;
+    if (s->kept_count + count > KEPT) return;
+    memcpy(s->kept + s->kept_count, s->field, count * sizeof *s->field);
+    near->kept = s->kept + s->kept_count;
+    near->kept_box = *box;
+    s->kept_count += count;
+}
+
+/* Sets `field` in a box from what is kept of it. */
+static void load_kept(scratch *s, const near_label *near, const extent *box, const int n[3]) {
+    const extent *from = &near->kept_box;
+    const int size[3] = {from->hi[0] - from->lo[0], from->hi[1] - from->lo[1], from->hi[2] - from->lo[2]};
+    for (int z = 0; z < n[2]; z++)
+        for (int y = 0; y < n[1]; y++)
+            memcpy(s->field + index_in(n, 0, y, z),
+                   near->kept + index_in(size, box->lo[0] - from->lo[0], box->lo[1] + y - from->lo[1],
+                                         box->lo[2] + z - from->lo[2]),
+                   (size_t)n[0] * sizeof *s->field);
+}
+
+/* Computes `field` of a label in a box; after the first time, with `blends`, only what the narrow filter
+ * needs if the field is kept. */
+static void make_field(const block *b, near_label *near, const extent *box, bool blends) {
     scratch *s = b->s;
+    const int label = near->label;
+    const bool kept = blends && near->kept;
+    s->margin = kept ? narrow[1].radius : FILTER;
     const iso_smooth_kernel *kernel = b->all->kernel;
     int n[3], far[3], masked[3];
     size_t count = 1;
     for (int k = 0; k < 3; k++) {
         n[k] = box->hi[k] - box->lo[k];
-        far[k] = n[k] + 2 * FILTER;
+        far[k] = n[k] + 2 * s->margin;
         masked[k] = far[k] + 2 * ISO_LABEL_REACH;
         count *= (size_t)far[k];
     }
@@ -256,8 +291,14 @@ static void make_field(const block *b, int label, const extent *box, bool blends
     make_mask(b, label, box, masked, false);
     kernel->squares(s->mask, far, s->work8, s->to_outside);
     kernel->signed_distance(s->to_outside, s->to_inside, count, s->distance);
-    filter_twiced(b, wide, n, s->field);
-    if (blends) blend(b, box, n);
+    if (kept)
+        load_kept(s, near, box, n);
+    else
+        filter_twiced(b, wide, n, s->field);
+    if (blends)
+        blend(b, box, n);
+    else
+        keep_wide(s, near, box, (size_t)n[0] * (size_t)n[1] * (size_t)n[2]);
 }
 
 /* ---- what is kept of it */
@@ -305,14 +346,14 @@ static void keep_field(const block *b, int label, const extent *box, float sign)
     scratch *s = b->s;
     float *best = s->best + (size_t)b->all->fields->group[label] * FIELD_VOXELS;
     size_t from = 0;
-    const int far[3] = {box->hi[0] - box->lo[0] + 2 * FILTER, box->hi[1] - box->lo[1] + 2 * FILTER,
-                        box->hi[2] - box->lo[2] + 2 * FILTER};
+    const int m = s->margin, far[3] = {box->hi[0] - box->lo[0] + 2 * m, box->hi[1] - box->lo[1] + 2 * m,
+                                       box->hi[2] - box->lo[2] + 2 * m};
     for (int z = box->lo[2]; z < box->hi[2]; z++)
         for (int y = box->lo[1]; y < box->hi[1]; y++) {
             const uint16_t *row = window_row(b, y, z);
             const size_t at = index_in(b->size, 0, y, z);
-            const float *distance = s->distance - box->lo[0] +
-                                    index_in(far, FILTER, y - box->lo[1] + FILTER, z - box->lo[2] + FILTER);
+            const float *distance =
+                s->distance - box->lo[0] + index_in(far, m, y - box->lo[1] + m, z - box->lo[2] + m);
             for (int x = box->lo[0]; x < box->hi[0]; x++) {
                 const float value = sign * s->field[from++];
                 const size_t i = at + (size_t)x;
@@ -345,10 +386,10 @@ static void make_all(const block *b, const extent *zone, bool pair, bool blends)
             for (int g = 0; g <= groups; g++) clear_row(s->best + (size_t)g * FIELD_VOXELS + row, zone);
         }
     for (int i = 0; i < s->near_count; i++) {
-        const near_label *near = &s->near[i];
+        near_label *near = &s->near[i];
         extent part = *zone;
         if (!pair && !clip_box(&near->box, zone, &part)) continue;
-        make_field(b, near->label, &part, blends);
+        make_field(b, near, &part, blends);
         keep_field(b, near->label, &part, 1);
         if (!pair) continue;
         keep_field(b, s->near[1].label, &part, -1);
@@ -618,6 +659,7 @@ static iso_status make_scratch(scratch *s, const iso_label_fields *f, iso_error 
     s->field = alloc_floats(FIELD_VOXELS);
     s->second = alloc_floats(FIELD_VOXELS);
     s->third = alloc_floats(FIELD_VOXELS);
+    s->kept = alloc_floats(KEPT);
     s->loss = iso_alloc(FIELD_VOXELS * sizeof(float));
     s->own = iso_alloc(FIELD_VOXELS * sizeof(float));
     s->other = iso_alloc(FIELD_VOXELS * sizeof(float));
@@ -628,16 +670,16 @@ static iso_status make_scratch(scratch *s, const iso_label_fields *f, iso_error 
     s->entries = iso_alloc((size_t)ISO_BRICK_VOXELS * NEIGHBOURS * sizeof *s->entries);
     if (!s->window || !s->mask || !s->work8 || !s->to_inside || !s->to_outside || !s->distance || !s->work ||
         !s->field || !s->second || !s->third || !s->loss || !s->own || !s->other || !s->weight || !s->best ||
-        !s->near || !s->place || !s->entries)
+        !s->near || !s->place || !s->entries || !s->kept)
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory for labels");
     memset(s->place, -1, count * sizeof *s->place);
     return ISO_OK;
 }
 
 static void free_scratch(scratch *s) {
-    void *const all[] = {s->window, s->mask,  s->work8,  s->to_inside, s->to_outside, s->distance,
-                         s->work,   s->field, s->second, s->third,     s->own,        s->other,
-                         s->weight, s->best,  s->near,   s->place,     s->entries,    s->loss};
+    void *const all[] = {s->window, s->mask,   s->work8,   s->to_inside, s->to_outside, s->distance, s->work,
+                         s->field,  s->second, s->third,   s->own,       s->other,      s->weight,   s->best,
+                         s->near,   s->place,  s->entries, s->loss,      s->kept};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) iso_free(all[i]);
 }
 

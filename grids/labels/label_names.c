@@ -9,7 +9,9 @@
 #include "base/file.h"
 #include "base/memory.h"
 #include "base/parse.h"
+#include "base/srgb.h"
 #include "base/text.h"
+#include "grids/volume/dicom/dicom.h"
 
 enum {
     LINE = 4096,        /* longest line of a table */
@@ -194,11 +196,8 @@ static iso_status read_segments(FILE *stream, iso_label_names *names, int *numbe
     return status;
 }
 
-iso_status iso_label_names_of_nrrd(const char *path, iso_label_names *names, iso_error *error) {
+static iso_status read_nrrd(const char *path, iso_label_names *names, iso_error *error) {
     FILE *stream;
-    char magic[4];
-    *names = (iso_label_names){NULL, 0};
-    if (iso_file_head(path, magic, 4) < 4 || memcmp(magic, "NRRD", 4) != 0) return ISO_OK;
     ISO_TRY(iso_file_open(path, &stream, NULL, error));
     int *numbers = iso_alloc(65536 * sizeof *numbers);
     iso_status status =
@@ -206,6 +205,52 @@ iso_status iso_label_names_of_nrrd(const char *path, iso_label_names *names, iso
     if (status == ISO_OK) status = read_segments(stream, names, numbers, error);
     iso_free(numbers);
     fclose(stream);
+    return status;
+}
+
+/* The display colour of a CIELab colour of DICOM, relative to white (D65, as 3D Slicer and dcmqi take it). */
+static iso_rgb rgb_of_lab(const uint16_t lab[3]) {
+    static const double white[3] = {0.950456, 1, 1.088754};
+    static const double rows[3][3] = {{3.2404542, -1.5371385, -0.4985314},
+                                      {-0.9692660, 1.8760108, 0.0415560},
+                                      {0.0556434, -0.2040259, 1.0572252}};
+    const double y = (lab[0] * 100.0 / 65535 + 16) / 116, a = lab[1] * 255.0 / 65535 - 128,
+                 b = lab[2] * 255.0 / 65535 - 128, f[3] = {y + a / 500, y, y - b / 200};
+    double xyz[3];
+    uint8_t bytes[3];
+    for (int i = 0; i < 3; i++)
+        xyz[i] = white[i] * (f[i] > 6.0 / 29 ? f[i] * f[i] * f[i] : (f[i] - 4.0 / 29) * 108 / 841);
+    for (int i = 0; i < 3; i++) {
+        const double light = rows[i][0] * xyz[0] + rows[i][1] * xyz[1] + rows[i][2] * xyz[2];
+        bytes[i] = (uint8_t)(255 * iso_srgb_encode(light) + 0.5);
+    }
+    return (iso_rgb){bytes[0], bytes[1], bytes[2]};
+}
+
+static iso_status read_dicom(const char *path, iso_label_names *names, iso_error *error) {
+    iso_dicom_file file;
+    iso_dicom_kind kind;
+    iso_status status = iso_dicom_file_read(path, &file, &kind, error);
+    for (size_t i = 0; i < file.segment_count && status == ISO_OK; i++) {
+        const iso_dicom_segment *segment = &file.segments[i];
+        iso_label_name name = {.value = segment->number, .colored = segment->colored};
+        if (segment->colored) name.color = rgb_of_lab(segment->lab);
+        set_name(&name, segment->name);
+        status = add(names, &name, error);
+    }
+    iso_dicom_file_free(&file);
+    return status;
+}
+
+iso_status iso_label_names_of_file(const char *path, iso_label_names *names, iso_error *error) {
+    char head[132];
+    const size_t length = iso_file_head(path, head, sizeof head);
+    const bool nrrd = length >= 4 && memcmp(head, "NRRD", 4) == 0;
+    const bool dicom = length == sizeof head && memcmp(head + 128, "DICM", 4) == 0;
+    *names = (iso_label_names){NULL, 0};
+    const iso_status status = nrrd    ? read_nrrd(path, names, error)
+                              : dicom ? read_dicom(path, names, error)
+                                      : ISO_OK;
     if (status != ISO_OK) iso_label_names_free(names);
     return status;
 }

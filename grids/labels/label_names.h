@@ -4,6 +4,7 @@
  *   3D Slicer's colour tables       7 kidney 185 102 83 255
  *   ITK-SNAP's label descriptions   2 0 255 0 1 1 1 "left lung"
  *   .seg.nrrd                       Segment0_LabelValue:=7, Segment0_Name:=kidney, Segment0_Color:=1 0 0
+ *   DICOM SEG                       the sequence of segments: number, label, recommended CIELab colour
  *
  * Lines that begin with # are comments; in rows of a table, opacities are not used. */
 #ifndef ISO_GRIDS_LABELS_LABEL_NAMES_H
@@ -32,8 +33,9 @@ typedef struct iso_label_names {
 
 /* Reads a table of rows. ISO_ERR_IO; ISO_ERR_FORMAT names the line; ISO_ERR_NOMEM. */
 iso_status iso_label_names_read(const char *path, iso_label_names *names, iso_error *error);
-/* Reads the segments that the header of an .nrrd or .nhdr file states; none in other files. ISO_ERR_NOMEM. */
-iso_status iso_label_names_of_nrrd(const char *path, iso_label_names *names, iso_error *error);
+/* Reads the segments that the header of an .nrrd, .nhdr or DICOM file states; none in other files.
+ * ISO_ERR_NOMEM, and for DICOM errors of iso_dicom_file_read. */
+iso_status iso_label_names_of_file(const char *path, iso_label_names *names, iso_error *error);
 void iso_label_names_free(iso_label_names *names);
 
 /* The last entry of a value; NULL: there is none. */

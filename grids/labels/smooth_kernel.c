@@ -50,13 +50,19 @@ ISO_INLINE void squares_row(const uint8_t *in, ptrdiff_t step, int n, uint8_t *o
     }
 }
 
+/* How many rows of a pass are one long row: rows that are as long before and after it follow each other. */
+ISO_INLINE int joined_rows(const int m[3], const int n[3]) {
+    return m[0] == n[0] ? n[1] : 1;
+}
+
 /* `from` has the size m; what is at `first` is that much away from its ends along the axis of `step`. */
 static void squares_pass(const uint8_t *from, const int m[3], const int n[3], const int first[3],
                          ptrdiff_t step, uint8_t *to) {
+    const int joined = joined_rows(m, n);
     for (int z = 0; z < n[2]; z++)
-        for (int y = 0; y < n[1]; y++) {
+        for (int y = 0; y < n[1]; y += joined) {
             const ptrdiff_t row = ((ptrdiff_t)(z + first[2]) * m[1] + y + first[1]) * m[0] + first[0];
-            squares_row(from + row, step, n[0], to + ((ptrdiff_t)z * n[1] + y) * n[0]);
+            squares_row(from + row, step, joined * n[0], to + ((ptrdiff_t)z * n[1] + y) * n[0]);
         }
 }
 
@@ -93,10 +99,11 @@ ISO_INLINE void filter_row(const float *row, ptrdiff_t step, int n, int radius, 
 
 ISO_INLINE void filter_pass(const float *from, const int m[3], const int n[3], const int first[3],
                             ptrdiff_t step, int radius, const float *w, float *to) {
+    const int joined = joined_rows(m, n);
     for (int z = 0; z < n[2]; z++)
-        for (int y = 0; y < n[1]; y++) {
+        for (int y = 0; y < n[1]; y += joined) {
             const ptrdiff_t row = ((ptrdiff_t)(z + first[2]) * m[1] + y + first[1]) * m[0] + first[0];
-            filter_row(from + row, step, n[0], radius, w, to + ((ptrdiff_t)z * n[1] + y) * n[0]);
+            filter_row(from + row, step, joined * n[0], radius, w, to + ((ptrdiff_t)z * n[1] + y) * n[0]);
         }
 }
 

@@ -21,6 +21,7 @@
 #include <math.h>
 
 #include "base/memory.h"
+#include "grids/ray/spline_ray.h"
 #include "grids/threshold.h"
 
 struct iso_ray_tracer {
@@ -32,6 +33,8 @@ struct iso_ray_tracer {
     uint64_t *blocks;  /* NULL, or by brick the crossed ones of its 64 blocks of 4^3 cells, x fastest */
     iso_affine affine; /* index to world */
     double outward;    /* sign from gradient to outward normal: 1 for a level set, else -1 */
+    const iso_ray_field *field; /* of `spline`; NULL: the field is trilinear */
+    const iso_spline *spline;
 };
 
 /* ---- the index over bricks */
@@ -43,7 +46,9 @@ static void mark_row(void *context, size_t index, int worker) {
     int brick[3] = {0, (int)(index % (size_t)tracer->bricks[1]), (int)(index / (size_t)tracer->bricks[1])};
     for (; brick[0] < tracer->bricks[0]; brick[0]++)
         tracer->crossed[index * row + (size_t)brick[0]] =
-            iso_grid_brick_may_cross(&tracer->grid, brick, tracer->surface.isovalue_ceil) != 0;
+            tracer->field
+                ? tracer->field->may_cross_brick(tracer->spline, brick, tracer->isovalue)
+                : iso_grid_brick_may_cross(&tracer->grid, brick, tracer->surface.isovalue_ceil) != 0;
 }
 
 iso_status iso_ray_tracer_create_with(const iso_grid *grid, double isovalue, uint8_t *crossed,
@@ -64,8 +69,9 @@ iso_status iso_ray_tracer_create_with(const iso_grid *grid, double isovalue, uin
     return ISO_OK;
 }
 
-iso_status iso_ray_tracer_create(const iso_grid *grid, double isovalue, iso_pool *pool,
-                                 iso_ray_tracer **tracer, iso_error *error) {
+iso_status iso_ray_tracer_create_field(const iso_grid *grid, const iso_ray_field *field,
+                                       const iso_spline *spline, double isovalue, iso_pool *pool,
+                                       iso_ray_tracer **tracer, iso_error *error) {
     int bricks[3];
     iso_grid_bricks(grid, bricks);
     const size_t rows = (size_t)bricks[1] * (size_t)bricks[2];
@@ -74,6 +80,8 @@ iso_status iso_ray_tracer_create(const iso_grid *grid, double isovalue, iso_pool
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the index of %zu brick rows", rows);
     iso_ray_tracer *made = NULL;
     ISO_TRY(iso_ray_tracer_create_with(grid, isovalue, crossed, &made, error));
+    made->field = field;
+    made->spline = spline;
     iso_parallel_until(pool, rows, mark_row, made);
     const iso_status status = iso_pool_check(pool, "the rays' index", error);
     if (status == ISO_OK)
@@ -81,6 +89,11 @@ iso_status iso_ray_tracer_create(const iso_grid *grid, double isovalue, iso_pool
     else
         iso_ray_tracer_destroy(made);
     return status;
+}
+
+iso_status iso_ray_tracer_create(const iso_grid *grid, double isovalue, iso_pool *pool,
+                                 iso_ray_tracer **tracer, iso_error *error) {
+    return iso_ray_tracer_create_field(grid, NULL, NULL, isovalue, pool, tracer, error);
 }
 
 void iso_ray_tracer_destroy(iso_ray_tracer *tracer) {
@@ -108,7 +121,21 @@ static bool is_block_crossed(const float *first, float isovalue_ceil) {
     return false;
 }
 
+/* The blocks whose cells a spline may cross. */
+static uint64_t crossed_by_spline(const iso_ray_tracer *tracer, const int brick[3]) {
+    uint64_t blocks = 0;
+    for (int i = 0; i < BLOCKS * BLOCKS * BLOCKS; i++) {
+        const int at[3] = {i % BLOCKS, i / BLOCKS % BLOCKS, i / (BLOCKS * BLOCKS)};
+        const int cell[3] = {brick[0] * ISO_BRICK + at[0] * BLOCK, brick[1] * ISO_BRICK + at[1] * BLOCK,
+                             brick[2] * ISO_BRICK + at[2] * BLOCK};
+        blocks |= (uint64_t)tracer->field->may_cross_cells(tracer->spline, cell, BLOCK, tracer->isovalue)
+                  << i;
+    }
+    return blocks;
+}
+
 static uint64_t crossed_blocks(const iso_ray_tracer *tracer, const int brick[3]) {
+    if (tracer->field) return crossed_by_spline(tracer, brick);
     float window[ISO_WINDOW_VOXELS];
     uint64_t blocks = 0;
     iso_grid_window(&tracer->grid, brick, window);
@@ -361,6 +388,25 @@ static void leave_box(iso_ray *ray, const int low[3], const int high[3], int axi
     ray->t = t;
 }
 
+/* Finds the crossings of a spline in the cell that the ray has just left. */
+static void cross_spline(const iso_ray_tracer *tracer, iso_ray *ray) {
+    iso_spline_crossings found;
+    if (!tracer->field->cross(tracer->spline, tracer->isovalue, ray->current, ray->segment.from,
+                              ray->segment.to, &found)) {
+        ray->chained = false;
+        return;
+    }
+    if (!ray->chained) ray->state = found.first;
+    /* where rounding has moved a crossing over the face between two cells, it is on the face */
+    bool state = ray->state;
+    ray->pieces = ray->piece = 0;
+    if (state != found.first) ray->split[ray->pieces++] = 0;
+    for (int i = 0; i < found.count; i++) ray->split[ray->pieces++] = found.root[i];
+    state ^= ray->pieces & 1;
+    if (state != found.last && ray->pieces < ISO_SPLINE_ROOTS + 1) ray->split[ray->pieces++] = 1;
+    ray->chained = true;
+}
+
 /* Sets the segment's corners; false when the cell is not crossed or has a corner that is not finite. */
 static bool load_cell(const iso_ray_tracer *tracer, const int cell[3], iso_ray_segment *segment) {
     float corner[8];
@@ -392,7 +438,7 @@ static bool enter_cell(const iso_ray_tracer *tracer, iso_ray *ray) {
         ray->done = true;
         return false;
     }
-    const bool crossed = side == 1 && load_cell(tracer, ray->cell, &ray->segment);
+    const bool crossed = side == 1 && (tracer->field || load_cell(tracer, ray->cell, &ray->segment));
     for (int i = 0; i < 3; i++) {
         ray->current[i] = ray->cell[i];
         ray->segment.from[i] = ray->local[i];
@@ -401,11 +447,16 @@ static bool enter_cell(const iso_ray_tracer *tracer, iso_ray *ray) {
     for (int i = 0; i < 3; i++) ray->segment.to[i] = ray->local[i];
     ray->segment.to[axis] = 1 - ray->local[axis]; /* the exit face, in the coordinates of the old cell */
     ray->done = ray->cell[axis] < 0 || ray->cell[axis] > dims[axis] - 2;
+    if (!crossed) ray->chained = false;
     return crossed;
 }
 
 /* Splits the field along the ray in the current cell into monotone pieces. */
-static void start_pieces(iso_ray *ray) {
+static void start_pieces(const iso_ray_tracer *tracer, iso_ray *ray) {
+    if (tracer->field) {
+        cross_spline(tracer, ray);
+        return;
+    }
     segment_cubic(&ray->segment, ray->cubic);
     ray->pieces = split_points(ray->cubic, ray->split) - 1;
     ray->piece = 0;
@@ -413,13 +464,13 @@ static void start_pieces(iso_ray *ray) {
 }
 
 /* Finds the next crossing in the current cell. */
-static bool next_in_cell(iso_ray *ray, iso_ray_hit *hit) {
+static bool next_in_cell(const iso_ray_tracer *tracer, iso_ray *ray, iso_ray_hit *hit) {
     while (ray->piece < ray->pieces) {
         const double low = ray->split[ray->piece], high = ray->split[++ray->piece];
         const bool before = ray->state;
-        ray->state = segment_value(&ray->segment, high) >= 0;
+        ray->state = tracer->field ? !before : segment_value(&ray->segment, high) >= 0;
         if (ray->state == before) continue;
-        const double s = refine_root(&ray->segment, ray->cubic, low, high);
+        const double s = tracer->field ? low : refine_root(&ray->segment, ray->cubic, low, high);
         hit->t = ray->enter + s * (ray->leave - ray->enter);
         hit->falls = before;
         for (int i = 0; i < 3; i++) {
@@ -432,10 +483,10 @@ static bool next_in_cell(iso_ray *ray, iso_ray_hit *hit) {
 }
 
 bool iso_ray_next(const iso_ray_tracer *tracer, iso_ray *ray, iso_ray_hit *hit) {
-    while (!next_in_cell(ray, hit)) {
+    while (!next_in_cell(tracer, ray, hit)) {
         if (ray->done) return false;
         ray->pieces = ray->piece = 0;
-        if (enter_cell(tracer, ray)) start_pieces(ray);
+        if (enter_cell(tracer, ray)) start_pieces(tracer, ray);
     }
     return true;
 }
@@ -456,6 +507,8 @@ bool iso_ray_start(const iso_ray_tracer *tracer, iso_vec3 origin, iso_vec3 direc
 bool iso_ray_starts_above(const iso_ray_tracer *tracer, const iso_ray *ray) {
     float corner[8];
     iso_ray_segment segment;
+    if (tracer->field)
+        return tracer->field->is_above(tracer->spline, tracer->isovalue, ray->cell, ray->local);
     read_corners(&tracer->grid, ray->cell, corner);
     for (int i = 0; i < 8; i++) {
         if (!isfinite(corner[i])) return false;
@@ -473,9 +526,11 @@ double iso_ray_end(const iso_ray_tracer *tracer, const iso_ray *ray) {
     return t;
 }
 
-/* The trilinear interpolation of the gradients at the corners of the hit's cell. */
-static iso_vec3 hit_gradient(const iso_grid *grid, const iso_ray_hit *hit) {
+/* The trilinear interpolation of the gradients at the corners of the hit's cell, or the spline's gradient. */
+static iso_vec3 hit_gradient(const iso_ray_tracer *tracer, const iso_ray_hit *hit) {
     iso_vec3 sum = {0, 0, 0};
+    const iso_grid *grid = &tracer->grid;
+    if (tracer->field) return tracer->field->gradient(tracer->spline, hit->cell, hit->local);
     for (int i = 0; i < 8; i++) {
         int x = i & 1, y = i >> 1 & 1, z = i >> 2;
         double weight = (x ? hit->local[0] : 1 - hit->local[0]) * (y ? hit->local[1] : 1 - hit->local[1]) *
@@ -488,7 +543,7 @@ static iso_vec3 hit_gradient(const iso_grid *grid, const iso_ray_hit *hit) {
 }
 
 iso_vec3 iso_ray_hit_normal(const iso_ray_tracer *tracer, const iso_ray *ray, const iso_ray_hit *hit) {
-    const iso_vec3 gradient = hit_gradient(&tracer->grid, hit),
+    const iso_vec3 gradient = hit_gradient(tracer, hit),
                    normal = iso_affine_normal(&tracer->affine, iso_vec3_scale(gradient, tracer->outward));
     if (iso_vec3_dot(normal, normal) > 0) return normal;
     return iso_vec3_unit(iso_vec3_scale(ray->along, -1));

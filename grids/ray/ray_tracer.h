@@ -1,5 +1,5 @@
-/* ray_tracer: where rays cross an isosurface of a grid's trilinear field: every crossing, in order, in double
- * precision, to 1e-4 voxel.
+/* ray_tracer: where rays cross an isosurface of a grid's trilinear field, or of its spline: every crossing, in
+ * order, in double precision, to 1e-4 voxel.
  *
  * A crossing is a change between "at or above the isovalue" and "below" (grids/threshold.h). Cells with a NaN
  * or infinite corner are empty. The code is simple rather than fast: the ray caster, which judges other
@@ -11,6 +11,7 @@
 #include "base/geometry.h"
 #include "base/parallel.h"
 #include "grids/grid.h"
+#include "grids/spline/spline.h"
 
 /* Knows which bricks of a grid the surface may cross, so that rays can skip the others. Borrows the grid. It
  * does not follow edits: after an edit, destroy it and create another one. Any number of threads may trace
@@ -26,6 +27,10 @@ iso_status iso_ray_tracer_create(const iso_grid *grid, double isovalue, iso_pool
  * fails. */
 iso_status iso_ray_tracer_create_with(const iso_grid *grid, double isovalue, uint8_t *crossed,
                                       iso_ray_tracer **tracer, iso_error *error);
+/* The same for a spline, which is borrowed, with its grid: every crossing, but for pairs that are nearer to
+ * each other than 1e-9 of a cell. */
+iso_status iso_ray_tracer_create_spline(const iso_spline *spline, double isovalue, iso_pool *pool,
+                                        iso_ray_tracer **tracer, iso_error *error);
 void iso_ray_tracer_destroy(iso_ray_tracer *tracer);
 
 /* Looks at the voxels of the bricks that the surface may cross, so that rays skip parts of them too: worth it
@@ -50,9 +55,12 @@ typedef struct iso_ray {
     /* The cell whose crossings are being returned: the field along the ray is a cubic, monotone between the
      * parameters split[0 .. pieces]; `piece` is the next interval. */
     iso_ray_segment segment;
-    double cubic[4], split[4], enter, leave; /* t where the ray enters and leaves the cell */
+    double cubic[4], split[10], enter, leave; /* t where the ray enters and leaves the cell */
     int current[3], piece, pieces;
     bool state; /* the field is at or above the isovalue where `piece` begins */
+    /* Of splines: `split` has the crossings themselves; `chained`: the cell before was crossed, too, so that
+     * `state` is that of its end. */
+    bool chained;
 } iso_ray;
 
 typedef struct iso_ray_hit {
@@ -78,7 +86,8 @@ bool iso_ray_starts_above(const iso_ray_tracer *tracer, const iso_ray *ray);
 double iso_ray_end(const iso_ray_tracer *tracer, const iso_ray *ray);
 
 /* The unit normal at a hit of the ray, in world space, pointing out of the solid: from the trilinear
- * interpolation of the gradients at the cell's corners (iso_grid_voxel_gradient). Where that vanishes, the
+ * interpolation of the gradients at the cell's corners (iso_grid_voxel_gradient); of a spline, from its
+ * gradient or, of scans, that of the smoothed one (iso_spline_has_smoothed_normals). Where that vanishes, the
  * direction back along the ray. */
 iso_vec3 iso_ray_hit_normal(const iso_ray_tracer *tracer, const iso_ray *ray, const iso_ray_hit *hit);
 

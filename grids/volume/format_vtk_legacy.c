@@ -413,7 +413,8 @@ static iso_status vtk_info(const char *path, const iso_volume_opts *opts, iso_vo
     ISO_TRY(open_vtk(path, opts, &f, error));
     int chosen = 0;
     iso_status status = describe(&f, opts, info, &chosen, error);
-    iso_format_stream stream = stream_of(&f, chosen, info->component);
+    iso_format_stream stream = {0};
+    if (status == ISO_OK) stream = stream_of(&f, chosen, info->component);
     if (status == ISO_OK && is_resampled(&f)) {
         iso_volume_info stored = info_in_file(&f, info);
         iso_format_stream_room(&stream, &stored);

@@ -16,6 +16,8 @@ from ._volume import Volume
 _SIDES = {"front": lib.ISO_FRONT, "back": lib.ISO_BACK, "left": lib.ISO_LEFT, "right": lib.ISO_RIGHT,
           "top": lib.ISO_TOP, "bottom": lib.ISO_BOTTOM, "iso": lib.ISO_ISOMETRIC}
 _CAPS = {"none": lib.ISO_CUT_CAP_NONE, "surface": lib.ISO_CUT_CAP_SURFACE, "slice": lib.ISO_CUT_CAP_SLICE}
+_FILTERS = {"linear": lib.ISO_FILTER_LINEAR, "cubic": lib.ISO_FILTER_CUBIC,
+            "interpolating": lib.ISO_FILTER_INTERPOLATING}
 _TRANSPARENCIES = {"sorted": lib.ISO_TRANSPARENCY_SORTED, "groups": lib.ISO_TRANSPARENCY_GROUPS,
                    "nearest": lib.ISO_TRANSPARENCY_NEAREST}
 _REFRACTIONS = {"auto": lib.ISO_REFRACTION_AUTO, "none": lib.ISO_REFRACTION_NONE,
@@ -202,13 +204,14 @@ def render(things: Union[Thing, Iterable[Thing]], *, size: Tuple[int, int] = (10
            look: Optional[Look] = None, clip: Union[str, Sequence[str]] = (), cap: str = "none",
            cap_values: Tuple[float, float] = (0.0, 0.0), occlusion: Union[bool, float] = False,
            background: Optional[Color] = None, transparent: bool = False, marks: Sequence[str] = (),
-           lod: float = 0.0, aov: bool = False, threads: int = 0, progress: Optional[Progress] = None) -> Picture:
+           filter: str = "linear", lod: float = 0.0, aov: bool = False, threads: int = 0, progress: Optional[Progress] = None) -> Picture:
     """A picture of surfaces, clouds, lines, glyphs and meshes; the same bytes as isorender's.
 
     `camera`: a Camera, or a side: "front", "back", "left", "right", "top", "bottom", "iso". `samples` of a pixel: 1, 4,
     9 .. 64; 0: the method's. `method`: "exact", "mesh", "pullpush", "splats", "raycast" .. `clip`: what is cut away, as
     isorender's --clip says it ("x<12", "keep:sphere:X,Y,Z,R"), closed by `cap`: "none", "surface" or "slice" (in greys
-    of `cap_values`). `occlusion`: mm, or True for a usual range. `marks`: "scale" (of orthographic cameras),
+    of `cap_values`). `occlusion`: mm, or True for a usual range. `filter`: "linear", or of smooth surfaces by
+    "exact" and "raycast" "cubic" or "interpolating". `marks`: "scale" (of orthographic cameras),
     "orientation", "anatomical". `lod`: pixels that levels of detail may err. `threads`: of pictures without surfaces.
     `progress` is called with 0 .. 1, and cancels by returning True."""
     things = [things] if isinstance(things, Thing) else list(things)
@@ -235,6 +238,7 @@ def render(things: Union[Thing, Iterable[Thing]], *, size: Tuple[int, int] = (10
         "shadow": look.shadow, "outline": look.outline, "shapes": sets, "shapes_count": len(shapes), "lod": lod,
         "aov": planes if planes is not None else ffi.NULL, "clips": texts, "clip_count": len(clips),
         "cap": one_of(_CAPS, cap, "cap"), "cap_values": list(cap_values),
+        "filter": one_of(_FILTERS, filter, "filter"),
         "occlusion": -1.0 if occlusion is True else float(occlusion), "color_by": by,
         "color_by_count": len(colorings), "camera_used": used, "threads": threads}
     locks: "List[Locked]" = [s.volume if s.volume is not None else s for s in surfaces]

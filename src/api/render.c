@@ -167,6 +167,7 @@ static iso_status prepare(rendering *r, iso_box *box, iso_error *error) {
             continue;
         }
         if (r->surfaces[i]->volume) iso_api_watch_part(watch_of(r, i), 0, EXTRACTION);
+        r->surfaces[i]->scene.filter = r->opts->filter;
         ISO_TRY(iso_api_surface_part(r->surfaces[i], framed, error));
         for (int part = 0; part < ISO_PART_COUNT; part++)
             if (part != (int)framed && needs_of(r) & 1u << part)
@@ -267,6 +268,14 @@ static iso_status check(iso_surface *const *surfaces, int count, const iso_rende
         return iso_fail(error, ISO_ERR_USAGE, "the method %s has no levels of detail: %s have",
                         iso_renderer_get(opts->method)->name,
                         iso_methods_that_can(ISO_CAN_LEVELS, (char[ISO_METHODS_TEXT]){0}));
+    if ((int)opts->filter < 0 || opts->filter > ISO_FILTER_INTERPOLATING)
+        return iso_fail(error, ISO_ERR_USAGE, "there is no filter %d", (int)opts->filter);
+    if (opts->filter && !iso_method_can(opts->method, ISO_CAN_SMOOTH))
+        return iso_fail(error, ISO_ERR_USAGE, "the method %s draws no smooth surfaces: %s do",
+                        iso_renderer_get(opts->method)->name,
+                        iso_methods_that_can(ISO_CAN_SMOOTH, (char[ISO_METHODS_TEXT]){0}));
+    if (opts->filter && (opts->glass || opts->cap))
+        return iso_fail(error, ISO_ERR_USAGE, "glass and caps are of trilinear surfaces");
     ISO_TRY(check_clouds(surfaces, count, opts, error));
     return opts->camera ? iso_camera_check(opts->camera, error) : ISO_OK;
 }

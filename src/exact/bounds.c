@@ -94,5 +94,13 @@ static void add_span(const void *context, size_t item, const iso_affine *affine,
 
 iso_box iso_exact_bounds(const iso_exact *exact, const iso_affine *affine) {
     const iso_box_items spans = {exact, exact->set.span_count, around_span, add_span};
-    return iso_box_of_items(&spans, affine);
+    const double side = exact->opts.cell_side > 0 ? exact->opts.cell_side : 1;
+    if (affine && side != 1) {
+        iso_affine scaled = *affine;
+        for (int i = 0; i < 9; i++) scaled.m[i] *= side;
+        return iso_box_of_items(&spans, &scaled);
+    }
+    iso_box box = iso_box_of_items(&spans, affine);
+    if (side == 1 || iso_box_is_empty(&box)) return box;
+    return (iso_box){iso_vec3_scale(box.lo, side), iso_vec3_scale(box.hi, side)};
 }

@@ -30,6 +30,9 @@ typedef struct iso_exact_opts {
     /* The grid is that of this chunk: the cells are those of the chunk's bricks, numbered and drawn as in the
      * whole. Copied. Edits are not followed. NULL: the grid is the whole. */
     const iso_grid_chunk *chunk;
+    /* The side of a cell in the index coordinates of iso_exact_bounds: 1/2 of a refined spline
+     * (grids/spline/spline.h). 0: 1. */
+    double cell_side;
 } iso_exact_opts;
 
 /* Owns the crossed cells of one isovalue, and follows the grid's change log. Not thread-safe; different

@@ -10,7 +10,7 @@
 #include "image/camera.h"
 #include "image/exr.h"
 #include "image/image.h"
-#include "image/srgb.h"
+#include "base/srgb.h"
 
 struct iso_environment {
     iso_float_image picture;

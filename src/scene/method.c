@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "exact/spline_hits.h"
 #include "render/pullpush/hybrid.h"
 
 static iso_status draw_points(const iso_scene_surface *surface, const iso_target *target, iso_error *error) {
@@ -79,7 +80,9 @@ static iso_status draw_mean(const iso_scene_surface *surface, const iso_target *
 static iso_status draw_splats(const iso_scene_surface *surface, const iso_target *target, iso_error *error) {
     iso_point_view view = iso_scene_surface_points(surface);
     iso_draw_groups_opts opts = {&surface->groups, surface->bins};
-    return iso_draw_groups(target, &view, &opts, error);
+    const iso_target to = clipped(surface, target);
+    view.closed &= !(to.clip && to.clip->count); /* one sees what faces away, too */
+    return iso_draw_groups(&to, &view, &opts, error);
 }
 
 static iso_status draw_hybrid(const iso_scene_surface *surface, const iso_target *target, iso_error *error) {
@@ -91,7 +94,10 @@ static iso_status draw_hybrid(const iso_scene_surface *surface, const iso_target
 
 static iso_status draw_exact(const iso_scene_surface *surface, const iso_target *target, iso_error *error) {
     const iso_target to = clipped(surface, target);
-    return iso_draw_exact(&to, surface->exact, error);
+    ISO_TRY(iso_draw_exact(&to, surface->exact, error));
+    if (surface->spline)
+        iso_exact_move_to_spline(&to, surface->spline, iso_grid_stored(&surface->grid, surface->isovalue));
+    return ISO_OK;
 }
 
 static iso_status draw_raycast(const iso_scene_surface *surface, const iso_target *target, iso_error *error) {
@@ -113,7 +119,7 @@ enum {
     PYRAMID = GBUFFER | ISO_CAN_PYRAMID | ISO_CAN_LEVELS | ISO_CAN_CHUNKS | ISO_CAN_GL,
     DISCS = GBUFFER | ISO_CAN_LEVELS | ISO_CAN_SELECTION | ISO_CAN_INSTANCES | ISO_CAN_CLIP,
     LAYERS = GBUFFER | ISO_CAN_LAYERS | ISO_CAN_GLASS,
-    SOLIDS = LAYERS | ISO_CAN_ABSORPTION | ISO_CAN_COLOR_LAYERS
+    SMOOTH = LAYERS | ISO_CAN_ABSORPTION | ISO_CAN_COLOR_LAYERS | ISO_CAN_CLIP | ISO_CAN_SMOOTH
 };
 
 static const iso_renderer METHODS[] = {
@@ -126,12 +132,11 @@ static const iso_renderer METHODS[] = {
     {ISO_METHOD_DISCS, "discs", "points as curved discs", ISO_METHOD_DISCS, "curved",
      ISO_RECONSTRUCTION_CURVED, POINTS, DISCS | ISO_CAN_GL, draw_discs},
     {ISO_METHOD_SPLATS, "splats", "splats in groups, one pass (2006)", ISO_METHOD_SPLATS, "groups",
-     ISO_RECONSTRUCTION_CURVED, POINTS | GROUPS, LAYERS | ISO_CAN_GL, draw_splats},
+     ISO_RECONSTRUCTION_CURVED, POINTS | GROUPS, LAYERS | ISO_CAN_GL | ISO_CAN_CLIP, draw_splats},
     {ISO_METHOD_MESH, "mesh", "Marching Cubes mesh", ISO_METHOD_MESH, NULL, ISO_RECONSTRUCTION_CURVED, MESH,
      GBUFFER | ISO_CAN_GL | ISO_CAN_CLIP, draw_mesh},
     {ISO_METHOD_EXACT, "exact", "the trilinear surface, cell by cell", ISO_METHOD_EXACT, NULL,
-     ISO_RECONSTRUCTION_CURVED, CELLS, SOLIDS | ISO_CAN_OBJECT_LAYERS | ISO_CAN_CHUNKS | ISO_CAN_CLIP,
-     draw_exact},
+     ISO_RECONSTRUCTION_CURVED, CELLS, SMOOTH | ISO_CAN_OBJECT_LAYERS | ISO_CAN_CHUNKS, draw_exact},
 };
 
 /* Not in the list of what is compared. Where cells are small hybrid is pullpush, where they are large it is
@@ -161,7 +166,7 @@ static const iso_renderer TRUTH = {ISO_METHOD_RAYCAST,
                                    NULL,
                                    ISO_RECONSTRUCTION_CURVED,
                                    CASTER,
-                                   SOLIDS | ISO_CAN_CLIP,
+                                   SMOOTH,
                                    draw_raycast};
 
 const iso_renderer *iso_renderer_list(size_t *count) {
@@ -245,6 +250,8 @@ const char *iso_method_reconstructions(iso_method family, char text[ISO_METHODS_
 }
 
 /* ---- names */
+
+const char *const iso_filter_names[] = {"linear", "cubic", "interpolating", NULL};
 
 int iso_method_samples(iso_method method) {
     return method == ISO_METHOD_EXACT ? 4 : 1;

@@ -19,9 +19,10 @@ typedef enum iso_capability {
     ISO_CAN_CHUNKS = 1 << 8,  /* draws volumes that are larger than memory, and parts of a picture */
     ISO_CAN_GL = 1 << 9,      /* the gl engine has it, too */
     ISO_CAN_CLIP = 1 << 10,   /* draws what is left of a surface that bodies cut (render/clip.h), and caps */
-    ISO_CAN_OCCLUSION = 1 << 11,   /* occlusion, shadows and outlines of opaque surfaces */
-    ISO_CAN_COLORS = 1 << 12,      /* colours opaque surfaces by data (coloring.h) */
-    ISO_CAN_COLOR_LAYERS = 1 << 13 /* the same of translucent surfaces */
+    ISO_CAN_OCCLUSION = 1 << 11,    /* occlusion, shadows and outlines of opaque surfaces */
+    ISO_CAN_COLORS = 1 << 12,       /* colours opaque surfaces by data (coloring.h) */
+    ISO_CAN_COLOR_LAYERS = 1 << 13, /* the same of translucent surfaces */
+    ISO_CAN_SMOOTH = 1 << 14        /* draws the isosurface of a spline (iso_filter) */
 } iso_capability;
 
 typedef struct iso_renderer {
@@ -36,6 +37,8 @@ typedef struct iso_renderer {
      */
     iso_status (*draw)(const iso_scene_surface *surface, const iso_target *target, iso_error *error);
 } iso_renderer;
+
+extern const char *const iso_filter_names[]; /* by iso_filter; then NULL */
 
 /* Returns the list of all methods except the reference renderer. The second function returns the reference
  * renderer, with which they are compared. */

@@ -32,19 +32,73 @@ static iso_status update_mesh(iso_scene_surface *surface, iso_error *error) {
     return iso_mesh_set_update(surface->mesh, error);
 }
 
+static void free_refined(iso_scene_surface *surface) {
+    if (!surface->refined) return;
+    iso_exact_destroy(surface->exact);
+    surface->exact = NULL;
+    iso_hgrid_destroy(surface->refined);
+    surface->refined = NULL;
+}
+
+static void free_caster(iso_scene_surface *surface) {
+    iso_raycaster_destroy(surface->caster);
+    surface->caster = NULL;
+}
+
+static void free_spline(iso_scene_surface *surface) {
+    if (!surface->spline) return;
+    free_refined(surface);
+    free_caster(surface);
+    iso_spline_destroy(surface->spline);
+    surface->spline = NULL;
+}
+
+/* Makes the spline of the grid as it is, or frees it where the surface is trilinear. */
+static iso_status update_spline(iso_scene_surface *surface, iso_error *error) {
+    const uint64_t now = iso_change_log_now(iso_grid_log(&surface->grid));
+    if (surface->splined != surface->filter) {
+        free_spline(surface);
+        free_caster(surface);
+        iso_exact_destroy(surface->exact);
+        surface->exact = NULL;
+        surface->splined = surface->filter;
+    }
+    if (surface->spline && surface->spline_edit != now) free_spline(surface);
+    if (surface->filter == ISO_FILTER_LINEAR || surface->spline) return ISO_OK;
+    surface->spline_edit = now;
+    return iso_spline_create(&surface->grid, surface->filter, surface->pool, &surface->spline, error);
+}
+
 static iso_status update_cells(iso_scene_surface *surface, iso_error *error) {
     iso_exact_opts opts = {.isovalue = surface->isovalue, .pool = surface->pool};
-    if (!surface->exact) ISO_TRY(iso_exact_create(&surface->grid, &opts, &surface->exact, error));
+    ISO_TRY(update_spline(surface, error));
+    if (!surface->spline) {
+        if (!surface->exact) ISO_TRY(iso_exact_create(&surface->grid, &opts, &surface->exact, error));
+        return iso_exact_update(surface->exact, error);
+    }
+    if (surface->refined && surface->refined_for != surface->isovalue) free_refined(surface);
+    if (surface->refined && surface->exact) return ISO_OK;
+    free_refined(surface);
+    surface->refined_for = surface->isovalue;
+    ISO_TRY(iso_spline_refine(surface->spline, iso_grid_stored(&surface->grid, surface->isovalue),
+                              surface->pool, &surface->refined, error));
+    opts.isovalue = 0;
+    opts.cell_side = 0.5;
+    const iso_grid grid = {NULL, surface->refined};
+    ISO_TRY(iso_exact_create(&grid, &opts, &surface->exact, error));
     return iso_exact_update(surface->exact, error);
 }
 
 /* Creates the ray caster again, because it does not follow edits. */
 static iso_status update_caster(iso_scene_surface *surface, iso_error *error) {
     const uint64_t now = iso_change_log_now(iso_grid_log(&surface->grid));
+    ISO_TRY(update_spline(surface, error));
     if (surface->caster && surface->caster_edit == now) return ISO_OK;
-    iso_raycaster_destroy(surface->caster);
-    surface->caster = NULL;
+    free_caster(surface);
     surface->caster_edit = now;
+    if (surface->spline)
+        return iso_raycaster_create_spline(surface->spline, surface->isovalue, surface->pool,
+                                           &surface->caster, error);
     return iso_raycaster_create(&surface->grid, surface->isovalue, surface->pool, &surface->caster, error);
 }
 
@@ -89,11 +143,10 @@ static iso_status update_part(iso_scene_surface *surface, iso_part part, iso_err
 static void set_isovalue(iso_scene_surface *surface, iso_part part, double isovalue) {
     if (part == ISO_PART_POINTS && surface->points) iso_point_set_isovalue(surface->points, isovalue);
     if (part == ISO_PART_MESH && surface->mesh) iso_mesh_set_isovalue(surface->mesh, isovalue);
-    if (part == ISO_PART_CELLS && surface->exact) iso_exact_set_isovalue(surface->exact, isovalue);
+    if (part == ISO_PART_CELLS && surface->exact && !surface->refined)
+        iso_exact_set_isovalue(surface->exact, isovalue);
     if (part == ISO_PART_GROUPS) iso_groups_free(&surface->groups);
-    if (part != ISO_PART_CASTER) return;
-    iso_raycaster_destroy(surface->caster);
-    surface->caster = NULL;
+    if (part == ISO_PART_CASTER) free_caster(surface);
 }
 
 iso_status iso_scene_surface_update(iso_scene_surface *surface, iso_part part, iso_error *error) {
@@ -103,6 +156,51 @@ iso_status iso_scene_surface_update(iso_scene_surface *surface, iso_part part, i
     ISO_TRY(update_part(surface, part, error));
     surface->isovalues[part] = isovalue;
     return ISO_OK;
+}
+
+typedef struct smoothing {
+    const iso_scene_surface *surface;
+    double isovalue; /* stored */
+    double outward;
+    iso_surfel *surfels; /* of the set, which nobody else has while they are moved */
+    const iso_mesh_span *mesh;
+    const iso_point_span *points;
+} smoothing;
+
+static void smooth_span(void *context, size_t index, int worker) {
+    (void)worker;
+    const smoothing *s = context;
+    const int32_t *brick = s->mesh ? s->mesh[index].brick : s->points[index].brick;
+    const size_t first = s->mesh ? s->mesh[index].first_vertex : s->points[index].first,
+                 count = s->mesh ? s->mesh[index].vertex_count : s->points[index].count;
+    for (size_t k = first; k < first + count; k++) {
+        iso_surfel *surfel = &s->surfels[k];
+        const iso_vec3 at = iso_brick_position(brick, surfel->position);
+        double p[3] = {at.x, at.y, at.z};
+        const iso_vec3 n =
+            iso_vec3_unit(iso_vec3_scale(iso_spline_project(s->surface->spline, s->isovalue, p), s->outward));
+        for (int i = 0; i < 3; i++) surfel->position[i] = (float)(p[i] - (double)ISO_BRICK * brick[i]);
+        if (!(iso_vec3_dot(n, n) > 0)) continue;
+        surfel->normal[0] = (float)n.x;
+        surfel->normal[1] = (float)n.y;
+        surfel->normal[2] = (float)n.z;
+    }
+}
+
+iso_status iso_scene_surface_smooth(iso_scene_surface *surface, iso_part part, iso_error *error) {
+    ISO_TRY(update_spline(surface, error));
+    smoothing s = {.surface = surface,
+                   .isovalue = iso_grid_stored(&surface->grid, surface->isovalue),
+                   .outward = iso_grid_is_level_set(&surface->grid) ? 1 : -1};
+    const iso_mesh_view mesh = part == ISO_PART_MESH ? iso_mesh_set_view(surface->mesh) : (iso_mesh_view){0};
+    const iso_point_view points =
+        part == ISO_PART_MESH ? (iso_point_view){0} : iso_point_set_view(surface->points);
+    s.mesh = mesh.spans;
+    s.points = points.spans;
+    s.surfels = (iso_surfel *)(part == ISO_PART_MESH ? mesh.vertices : points.surfels);
+    iso_parallel_until(surface->pool, part == ISO_PART_MESH ? mesh.span_count : points.span_count,
+                       smooth_span, &s);
+    return iso_pool_check(surface->pool, "the smooth surface", error);
 }
 
 bool iso_scene_surface_is_at(const iso_scene_surface *surface, iso_part part, double isovalue) {
@@ -130,8 +228,9 @@ void iso_scene_surface_free(iso_scene_surface *surface) {
     iso_point_set_destroy(surface->points);
     iso_point_workspace_destroy(surface->own_workspace);
     iso_mesh_set_destroy(surface->mesh);
+    free_spline(surface);
     iso_exact_destroy(surface->exact);
-    iso_raycaster_destroy(surface->caster);
+    free_caster(surface);
     iso_groups_free(&surface->groups);
     iso_lod_free(&surface->lod);
     if (surface->cut) iso_lod_cut_free(surface->cut);
@@ -140,7 +239,6 @@ void iso_scene_surface_free(iso_scene_surface *surface) {
     surface->own_workspace = NULL;
     surface->mesh = NULL;
     surface->exact = NULL;
-    surface->caster = NULL;
     surface->cut = NULL;
 }
 

@@ -9,6 +9,7 @@
 #include "extract/mesh/mesh.h"
 #include "extract/points/points.h"
 #include "grids/grid.h"
+#include "grids/spline/spline.h"
 #include "render/groups/groups.h"
 #include "render/point_surface.h"
 #include "render/raster/raster.h"
@@ -48,6 +49,7 @@ typedef struct iso_scene_surface {
     const struct iso_label_colors *labels; /* the colours of its labels; borrowed; NULL: it has one colour */
     /* How it is coloured by data in pictures (ISO_CAN_COLORS); borrowed; NULL: in one colour. */
     const struct iso_coloring *coloring;
+    iso_filter filter; /* of the parts CELLS and CASTER; may be changed; the other parts are trilinear */
     double lod_pixels; /* the most that levels of detail are wrong by; 0: all points are drawn */
     /* Of the methods that draw points. NULL: one is made with the points, and owned. */
     iso_point_workspace *workspace;
@@ -57,6 +59,12 @@ typedef struct iso_scene_surface {
     iso_mesh_set *mesh;
     iso_exact *exact;
     iso_raycaster *caster;
+    /* Smooth surfaces: the spline, and its samples, whose cells `exact` has; NULL: none is needed yet. */
+    iso_spline *spline;
+    iso_hgrid *refined;
+    iso_filter splined;   /* what filter the spline has, */
+    uint64_t spline_edit; /* after which of the grid's edits it was computed, */
+    double refined_for;   /* and the isovalue of its samples */
     iso_groups groups;
     iso_transparency grouped_for;     /* what the groups were made for */
     double isovalues[ISO_PART_COUNT]; /* with which each part was computed last; NAN: not yet as a whole */
@@ -72,6 +80,9 @@ iso_status iso_scene_surface_prepare(iso_scene_surface *surface, iso_part part, 
 /* Computes a part, or brings an existing one up to date with the isovalue and the grid's edits. Errors as
  * iso_scene_surface_prepare. */
 iso_status iso_scene_surface_update(iso_scene_surface *surface, iso_part part, iso_error *error);
+/* Moves the vertices of the part MESH, or the points of POINTS, which are floats, onto the smooth surface of
+ * `filter`, with its normals. Once after each update. ISO_ERR_NOMEM, and the errors of iso_spline_create. */
+iso_status iso_scene_surface_smooth(iso_scene_surface *surface, iso_part part, iso_error *error);
 /* Makes levels of detail of the points, or brings them up to date. ISO_ERR_NOMEM; ISO_ERR_LIMIT as
  * iso_lod_update. */
 iso_status iso_scene_surface_make_levels(iso_scene_surface *surface, iso_error *error);

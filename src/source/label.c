@@ -37,7 +37,7 @@ iso_status iso_source_label_find(const char *path, iso_input *input, char number
     bool several = false;
     if (!iso_parse_int(input->label, &value)) {
         ISO_TRY(input->label_table ? iso_label_names_read(input->label_table, &names, error)
-                                   : iso_label_names_of_nrrd(path, &names, error));
+                                   : iso_label_names_of_file(path, &names, error));
         const iso_label_name *name = find_name(&names, input, &several);
         value = name ? name->value : 0;
         if (name && !input->label_table) input->component = name->layer;

@@ -9,20 +9,31 @@
 
 enum { ROWS_PER_TASK = 8 };
 
-iso_status iso_raycaster_create(const iso_grid *grid, double isovalue, iso_pool *pool, iso_raycaster **out,
-                                iso_error *error) {
+static iso_status create(const iso_grid *grid, const iso_spline *spline, double isovalue, iso_pool *pool,
+                         iso_raycaster **out, iso_error *error) {
     iso_raycaster *caster = iso_alloc_zero(1, sizeof *caster);
     if (!caster) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the ray caster");
     const double *spacing = iso_grid_transform(grid)->spacing;
     caster->level_set = iso_grid_is_level_set(grid);
     caster->voxel = fmin(spacing[0], fmin(spacing[1], spacing[2]));
-    iso_status status = iso_ray_tracer_create(grid, isovalue, pool, &caster->tracer, error);
+    iso_status status = spline ? iso_ray_tracer_create_spline(spline, isovalue, pool, &caster->tracer, error)
+                               : iso_ray_tracer_create(grid, isovalue, pool, &caster->tracer, error);
     if (status == ISO_OK) status = iso_ray_tracer_refine(caster->tracer, pool, error);
     if (status == ISO_OK)
         *out = caster;
     else
         iso_raycaster_destroy(caster);
     return status;
+}
+
+iso_status iso_raycaster_create(const iso_grid *grid, double isovalue, iso_pool *pool, iso_raycaster **caster,
+                                iso_error *error) {
+    return create(grid, NULL, isovalue, pool, caster, error);
+}
+
+iso_status iso_raycaster_create_spline(const iso_spline *spline, double isovalue, iso_pool *pool,
+                                       iso_raycaster **caster, iso_error *error) {
+    return create(iso_spline_grid(spline), spline, isovalue, pool, caster, error);
 }
 
 void iso_raycaster_destroy(iso_raycaster *caster) {

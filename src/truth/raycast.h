@@ -8,6 +8,7 @@
 #define ISO_TRUTH_RAYCAST_H
 
 #include "grids/grid.h"
+#include "grids/spline/spline.h"
 #include "render/raster/raster.h"
 
 #ifdef __cplusplus
@@ -21,6 +22,10 @@ typedef struct iso_raycaster iso_raycaster;
 /* isovalue is physical (grids/grid.h). `pool` may be NULL. ISO_ERR_NOMEM. */
 iso_status iso_raycaster_create(const iso_grid *grid, double isovalue, iso_pool *pool, iso_raycaster **caster,
                                 iso_error *error);
+/* The same of a spline, which is borrowed, with its grid: the truth of smooth surfaces. The normals are those of
+ * the spline, or of scans those of the smoothed one (iso_spline_has_smoothed_normals). */
+iso_status iso_raycaster_create_spline(const iso_spline *spline, double isovalue, iso_pool *pool,
+                                       iso_raycaster **caster, iso_error *error);
 void iso_raycaster_destroy(iso_raycaster *caster);
 
 /* Draws into a gbuffer: replaces the samples that are farther than the surface. Cannot fail. */

@@ -81,10 +81,10 @@ with open("in/cloud.xyz", "w") as f:
         length = math.sqrt(sum(x * x for x in v))
         print(*(10 * x / length for x in v), file=f)
 P
-for way in flat ewa mean large; do
+for way in flat ewa mean large groups; do
     how="--method discs"
     [ $way = large ] && how="--method discs --radius 4"
-    [ $way = ewa ] || [ $way = mean ] && how="--method splats --reconstruction $way"
+    [[ $way =~ ewa|mean|groups ]] && how="--method splats --reconstruction $way"
     how="in/cloud.xyz --quiet --camera-position 15,-90,20 --camera-focal-point 0,0,0 --resolution 160x150 $how"
     isorender $how cloud_${way}_whole.png
     isorender $how cloud_${way}_left.png --clip 1,0,0:1,.3,.2
@@ -97,7 +97,7 @@ for way in flat ewa mean large; do
 done
 python3 - <<'P'
 from check import Png, expect
-for way in ("flat", "ewa", "mean", "large"):
+for way in ("flat", "ewa", "mean", "large", "groups"):
     whole, left, right, ball = (Png("cloud_%s_%s.png" % (way, end)).pixels() for end in ("whole", "left", "right", "ball"))
     other = [sum(p != q for p, q in zip(whole, part)) for part in (left, right, ball)]
     both = sum(p not in (q, r) for p, q, r in zip(whole, left, right))
@@ -106,6 +106,7 @@ for way in ("flat", "ewa", "mean", "large"):
 P
 refuses 2 "cuts no pull-push" isorender in/cloud.xyz bad.png --method pullpush --clip 'x<3'
 refuses 2 "cuts no translucent discs" isorender in/cloud.xyz bad.png --opacity .5 --clip 'x<3'
+refuses 2 "combined with translucent discs" isorender scene:head:32 bad.png --method splats --opacity .5 --clip 'x<3'
 refuses 6 "leaves nothing" isorender in/cloud.xyz bad.png --clip 'x<30'
 for where in 'x<3mm' 'x<' 'w<3' '1,2:0,0,1' '1,2,3:0,0,x' camera:near box:1,2,3,4,5 sphere:1,2,3 keep: @1 'x<3@' 'x<3@0' 'x<nan'; do
     refuses 2 "is not" isorender scene:head:32 bad.png --clip "$where"

@@ -215,11 +215,33 @@ def volume_seeds():
     for label, files in zarr_files():
         yield "zarr-" + label, {"a.zarr/" + name: data for name, data in files.items()}
     yield "dicom", {"a.dcm": dicom_file(0, 9)}
+    yield "dicom-seg", {"a.dcm": dicom_segmentation()}
     yield "dicom-folder", {"a/%d.dcm" % z: dicom_file(z) for z in range(4)}
     yield "dicom-times", {"a/%d-%d.dcm" % (time, z): dicom_file(z, time=time) for time in range(2) for z in range(4)}
     kind = dicom_element(2, 2, b"UI", b"1.2.840.10008.1.3.10") + dicom_element(2, 0x10, b"UI", b"1.2.840.10008.1.2.1")
     yield "dicom-cd", {"a/DICOMDIR": b"\0" * 128 + b"DICM" + dicom_element(2, 0, b"UL", struct.pack("<I", len(kind))) + kind,
                        **{"a/b/%d" % z: dicom_file(z) for z in range(4)}}
+
+
+def dicom_segmentation():
+    """A BINARY segmentation of two segments of 10 x 11 x 4 voxels."""
+    number = lambda value: struct.pack("<H", value)
+    items = lambda *sets: b"".join(struct.pack("<HHI", 0xFFFE, 0xE000, len(s)) + s for s in sets)
+    nested = lambda group, tag, *sets: dicom_element(group, tag, b"SQ", items(*sets))
+    segments = [dicom_element(0x62, 4, b"US", number(i)) + dicom_element(0x62, 5, b"LO", b"part %d" % i)
+                + dicom_element(0x62, 0xD, b"US", number(40000) + number(50000) + number(30000)) for i in (1, 2)]
+    frames = [nested(0x20, 0x9113, dicom_element(0x20, 0x32, b"DS", b"0\\0\\%d" % (2 * z)))
+              + nested(0x62, 0xA, dicom_element(0x62, 0xB, b"US", number(i))) for i in (1, 2) for z in range(4)]
+    shared = (nested(0x20, 0x9116, dicom_element(0x20, 0x37, b"DS", b"1\\0\\0\\0\\1\\0"))
+              + nested(0x28, 0x9110, dicom_element(0x18, 0x88, b"DS", b"2") + dicom_element(0x28, 0x30, b"DS", b"1\\1")))
+    meta = dicom_element(2, 0x10, b"UI", b"1.2.840.10008.1.2.1")
+    data = (dicom_element(8, 0x60, b"CS", b"SEG") + dicom_element(0x28, 2, b"US", number(1))
+            + dicom_element(0x28, 8, b"IS", b"8") + dicom_element(0x28, 0x10, b"US", number(11))
+            + dicom_element(0x28, 0x11, b"US", number(10))
+            + b"".join(dicom_element(0x28, 0x100 + i, b"US", number(v)) for i, v in enumerate((1, 1, 0, 0)))
+            + dicom_element(0x62, 1, b"CS", b"BINARY") + nested(0x62, 2, *segments) + nested(0x5200, 0x9229, shared)
+            + nested(0x5200, 0x9230, *frames) + dicom_element(0x7FE0, 0x10, b"OB", bytes(i * 37 % 256 for i in range(110))))
+    return b"\0" * 128 + b"DICM" + dicom_element(2, 0, b"UL", struct.pack("<I", len(meta))) + meta + data
 
 
 def corpus_seeds(corpus):

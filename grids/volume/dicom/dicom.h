@@ -1,8 +1,8 @@
 /* dicom: the types and functions of the DICOM reader.
  *
  * header.c reads the header of a file, folder.c those of a folder, stack.c orders image planes into a volume,
- * codestream.c checks compressed pixels, decode.cc (a module) decodes them with GDCM, and format_dicom.c is
- * the reader. Headers are not parsed by GDCM because it asserts on truncated or corrupt files, which would
+ * pixels.c reads pixels, codestream.c checks compressed ones, decode.cc (a module) decodes them with GDCM,
+ * segmentation.c makes labels of segmentations (SEG), and format_dicom.c is the reader. Headers are not parsed by GDCM because it asserts on truncated or corrupt files, which would
  * end the program. */
 #ifndef ISO_GRIDS_VOLUME_DICOM_DICOM_H
 #define ISO_GRIDS_VOLUME_DICOM_DICOM_H
@@ -31,8 +31,17 @@ typedef struct iso_dicom_frame {
     long phase[3]; /* temporal position, acquisition, echo: several planes at one place differ in these; -1 */
     double at;     /* position along the normal; set by stack.c, as what follows */
     size_t place;  /* number of this position, from 0 */
+    int segment;   /* of segmentations: the number of what the frame is a mask of; 0: not stated */
     size_t acquisition; /* which of several planes at its place, from 0 */
 } iso_dicom_frame;
+
+/* What a segmentation states of one of its segments. */
+typedef struct iso_dicom_segment {
+    int number;
+    char name[65];
+    bool colored;
+    uint16_t lab[3]; /* CIELab, 0 .. 65535: L 0 .. 100, a and b -128 .. 127 */
+} iso_dicom_segment;
 
 typedef struct iso_dicom_file {
     char *path;
@@ -47,6 +56,11 @@ typedef struct iso_dicom_file {
     double position[3];                 /* the same; mm, LPS */
     int frame_count;
     iso_dicom_frame *frames;
+    char segmentation[17]; /* BINARY, FRACTIONAL or LABELMAP; empty: it is no segmentation */
+    int whole_fraction;    /* FRACTIONAL: the value of a pixel that is in the segment as a whole */
+    int padding;           /* LABELMAP: the value of the background beside 0; -1: not stated */
+    iso_dicom_segment *segments;
+    size_t segment_count, segment_room;
 } iso_dicom_file;
 
 /* Whether a file is no DICOM file, one without an image, an image, or a DICOMDIR: the list of the files on a
@@ -65,7 +79,7 @@ iso_status iso_dicom_file_read(const char *path, iso_dicom_file *file, iso_dicom
                                iso_error *error);
 void iso_dicom_file_free(iso_dicom_file *file);
 
-/* The size of one frame in bytes, uncompressed. */
+/* The size of one frame in bytes, uncompressed; a byte a pixel where the file has a bit. */
 uint64_t iso_dicom_frame_bytes(const iso_dicom_file *file);
 
 /* A DICOM file that cannot be read. */
@@ -122,6 +136,16 @@ typedef struct iso_dicom_wanted {
  * is missing, duplicate or out of line; ISO_ERR_USAGE: no such acquisition. */
 iso_status iso_dicom_stack(const iso_dicom_wanted *wanted, iso_dicom_frame *frames, size_t *count,
                            iso_volume_info *info, iso_error *error);
+
+/* Finds the places of the frames of a segmentation, which may leave out slices in which there is nothing of a
+ * segment, and sorts the frames by place and segment. Sets info's dims, transform, type, sizes and notes.
+ * ISO_ERR_FORMAT: a frame states no place or no segment, or places are not evenly spaced. */
+iso_status iso_dicom_segmentation_order(const char *path, iso_dicom_file *file, iso_volume_info *info,
+                                        iso_error *error);
+/* Makes a volume of its segments' numbers, 0: background; where segments overlap, of the greatest one. */
+iso_status iso_dicom_segmentation_read(const char *path, const iso_volume_opts *opts,
+                                       const iso_dicom_file *file, iso_volume_info *info, iso_rgrid *grid,
+                                       iso_error *error);
 
 /* How many acquisitions lie at the same places; *slices: how many planes the largest has. 1: one, or they
  * cannot be told apart. Reorders the planes. */

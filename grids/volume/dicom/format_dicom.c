@@ -13,8 +13,7 @@
 
 #include "base/file.h"
 #include "base/memory.h"
-#include "grids/volume/dicom/dicom.h"
-#include "grids/volume/module.h"
+#include "grids/volume/dicom/pixels.h"
 
 /* ---- series ---- */
 
@@ -72,12 +71,21 @@ static iso_status list_series(const iso_dicom_folder *f, series_list *all, iso_e
     return ISO_OK;
 }
 
+static bool is_segmentation(const iso_dicom_file *file) {
+    return *file->segmentation;
+}
+
+/* Volumes of values come before segmentations, and these before colours. */
+static int rank_of(const iso_dicom_file *file) {
+    return is_segmentation(file) ? 1 : is_grey(file) ? 2 : 0;
+}
+
 static const series *largest(const series_list *all) {
     const series *best = &all->list[0];
     for (size_t i = 1; i < all->count; i++) {
         const series *one = &all->list[i];
-        bool grey = is_grey(one->first), best_grey = is_grey(best->first);
-        if (grey != best_grey ? grey : one->images > best->images) best = one;
+        const int rank = rank_of(one->first), best_rank = rank_of(best->first);
+        if (rank != best_rank ? rank > best_rank : one->images > best->images) best = one;
     }
     return best;
 }
@@ -127,7 +135,10 @@ static iso_status choose_series(const iso_dicom_folder *f, const iso_volume_opts
                         "%s: no series \"%s\", there %s %zu (by number from 1, or UID; --info lists them)",
                         f->path, name, all->count == 1 ? "is" : "are", all->count);
     const iso_dicom_file *file = (*chosen)->first;
-    if (!is_grey(file))
+    if (is_segmentation(file) && (*chosen)->file_count > 1)
+        return iso_fail(error, ISO_ERR_USAGE, "%s: the series has %zu segmentations: name one of the files",
+                        f->path, (*chosen)->file_count);
+    if (!rank_of(file))
         return iso_fail(error, ISO_ERR_FORMAT, "%s: holds colour images (%s), not a volume of values",
                         file->path, file->photometric);
     return ISO_OK;
@@ -139,7 +150,8 @@ typedef struct planes {
     iso_dicom_frame *frames; /* sorted by their position along the normal */
     size_t count;
     iso_scalar scalar;
-    bool physical; /* each slice has a rescale of its own: values are rescaled to floats */
+    bool physical;                /* each slice has a rescale of its own: values are rescaled to floats */
+    iso_dicom_file *segmentation; /* is read instead of frames; NULL: there is none */
 } planes;
 
 static bool near(const double *a, const double *b, int count, double tolerance) {
@@ -328,7 +340,7 @@ static iso_status read_named_file(const char *path, source *s, iso_error *error)
     if (status == ISO_OK && kind == ISO_DICOM_IMAGE) s->own_series = strdup(file.series);
     if (status == ISO_OK && (!s->folder_path || (kind == ISO_DICOM_IMAGE && !s->own_series)))
         status = iso_fail_memory(error, path);
-    const bool single = file.frame_count > 1 || !*file.series;
+    const bool single = file.frame_count > 1 || !*file.series || is_segmentation(&file);
     iso_dicom_file_free(&file);
     ISO_TRY(status);
     return kind == ISO_DICOM_IMAGE ? read_neighbours(path, single, s, error)
@@ -374,7 +386,9 @@ static iso_status list_items(const iso_dicom_folder *f, const series_list *all, 
         const iso_dicom_file *file = one->first;
         char acquisitions[112], within[ISO_VOLUME_TEXT], line[3 * ISO_VOLUME_TEXT];
         size_t slices;
-        ISO_TRY(list_acquisitions(f, one, i + 1, acquisitions, &slices, error));
+        slices = one->images;
+        *acquisitions = 0;
+        if (!is_segmentation(file)) ISO_TRY(list_acquisitions(f, one, i + 1, acquisitions, &slices, error));
         folder_within(f->path, file->path, within);
         snprintf(line, sizeof line, "%zu  %s  %dx%dx%zu  %s  (%zu image%s%s)  %s%s%s", i + 1, file->modality,
                  file->columns, file->rows, slices, *file->description ? file->description : "-", one->images,
@@ -394,9 +408,12 @@ static void note_choice(const iso_dicom_folder *f, const series_list *all, const
         folder_within(f->path, chosen->first->path, text);
         iso_volume_note(info, "the images are in subfolders: %s", text);
     }
+    bool most = true;
+    for (size_t i = 0; i < all->count; i++) most &= all->list[i].images <= chosen->images;
     if (by_default && all->count > 1)
-        iso_volume_note(info, "several series: using %td of %zu, \"%s\", which has most images (--series)",
-                        chosen - all->list + 1, all->count, chosen->first->description);
+        iso_volume_note(info, "several series: using %td of %zu, \"%s\", which has most images%s (--series)",
+                        chosen - all->list + 1, all->count, chosen->first->description,
+                        most ? "" : " of values");
     if (iso_dicom_folder_left_out(f, text)) iso_volume_note(info, "%s", text);
 }
 
@@ -442,6 +459,10 @@ static iso_status order_series(const char *path, const iso_volume_opts *opts, so
     note_choice(f, all, chosen, by_default, info);
     const iso_dicom_wanted wanted = {
         path, f->path, f->files, s->named, (size_t)(chosen - all->list) + 1, acquisition};
+    if (is_segmentation(chosen->first)) {
+        p->segmentation = &s->folder.files[chosen->files[0]];
+        return iso_dicom_segmentation_order(path, p->segmentation, info, error);
+    }
     ISO_TRY(collect_frames(f, chosen, s->named, p, error));
     ISO_TRY(keep_largest_fit(f, s->named, p, info, error));
     const iso_dicom_damaged *lost = find_lost_slice(f, chosen, p);
@@ -458,9 +479,10 @@ static iso_status order(const char *path, const iso_volume_opts *opts, source *s
     if (status == ISO_OK) status = order_series(path, opts, s, &all, info, error);
     free_list(&all);
     ISO_TRY(status);
-    fill_header(&s->folder, &s->planes, info);
+    const bool segmentation = s->planes.segmentation;
+    if (!segmentation) fill_header(&s->folder, &s->planes, info);
     ISO_TRY(iso_format_component(path, opts, 1, info, error));
-    fill_sizes(&s->folder, &s->planes, info);
+    if (!segmentation) fill_sizes(&s->folder, &s->planes, info);
     return ISO_OK;
 }
 
@@ -481,143 +503,7 @@ static iso_status dicom_info(const char *path, const iso_volume_opts *opts, iso_
     return ISO_OK;
 }
 
-/* ---- pixels ---- */
-
-/* The file that slices are being read from. */
-typedef struct pixel_file {
-    const iso_dicom_file *file;
-    FILE *stream;
-    uint8_t *bytes; /* encapsulated pixels; items as iso_dicom_items has them */
-    size_t *offset, *length;
-    size_t items;
-} pixel_file;
-
-static void close_pixels(pixel_file *f) {
-    if (f->stream) fclose(f->stream);
-    iso_free(f->bytes);
-    free(f->offset);
-    free(f->length);
-    *f = (pixel_file){0};
-}
-
-static uint32_t little32(const uint8_t *b) {
-    return (uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
-}
-
-/* Finds the items, or only counts them when f->offset is NULL. header.c has checked them already: false only
- * if the file has changed since. */
-static bool find_items(pixel_file *f) {
-    size_t at = 0, end = (size_t)f->file->pixel_bytes;
-    for (f->items = 0; end - at >= 8; f->items++) {
-        uint32_t tag = little32(f->bytes + at), length = little32(f->bytes + at + 4);
-        if (tag == 0xe0ddfffe) return f->items > 0;
-        if (tag != 0xe000fffe || length > end - at - 8) return false;
-        if (f->offset) {
-            f->offset[f->items] = at + 8;
-            f->length[f->items] = length;
-        }
-        at += 8 + (size_t)length;
-    }
-    return false;
-}
-
-static iso_status load_items(pixel_file *f, iso_error *error) {
-    const iso_dicom_file *file = f->file;
-    f->bytes = iso_alloc((size_t)file->pixel_bytes);
-    if (!f->bytes) return iso_fail_memory(error, file->path);
-    if (fread(f->bytes, 1, (size_t)file->pixel_bytes, f->stream) != file->pixel_bytes || !find_items(f))
-        return iso_fail(error, ISO_ERR_IO, "%s: changed while it was read", file->path);
-    f->offset = malloc(f->items * sizeof *f->offset);
-    f->length = malloc(f->items * sizeof *f->length);
-    if (!f->offset || !f->length) return iso_fail_memory(error, file->path);
-    find_items(f);
-    return ISO_OK;
-}
-
-static iso_status open_pixels(const iso_dicom_file *file, pixel_file *f, iso_error *error) {
-    close_pixels(f);
-    f->file = file;
-    ISO_TRY(iso_file_open(file->path, &f->stream, NULL, error));
-    if (fseeko(f->stream, (off_t)file->pixel_offset, SEEK_SET) != 0)
-        return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", file->path, strerror(errno));
-    return file->encapsulated ? load_items(f, error) : ISO_OK;
-}
-
-/* Finds the items of a frame: all when there is one frame, one for each when there are as many as frames,
- * else by the offset table, which is item 0 (PS3.5, A.4). */
-static bool items_of(const pixel_file *f, int frame, size_t *first, size_t *count) {
-    size_t fragments = f->items - 1, frames = (size_t)f->file->frame_count;
-    *first = 1;
-    *count = fragments;
-    if (frames == 1) return fragments > 0;
-    *first = 1 + (size_t)frame;
-    *count = 1;
-    if (fragments == frames) return true;
-    if (f->length[0] != 4 * frames) return false;
-    const uint8_t *table = f->bytes + f->offset[0];
-    size_t base = f->offset[0] + f->length[0], begin = base + little32(table + 4 * (size_t)frame), end = 0;
-    end = (size_t)frame + 1 < frames ? base + little32(table + 4 * ((size_t)frame + 1)) : SIZE_MAX;
-    *first = *count = 0;
-    for (size_t i = 1; i < f->items; i++) {
-        size_t tag_at = f->offset[i] - 8;
-        if (tag_at < begin || tag_at >= end) continue;
-        if (*count == 0) *first = i;
-        ++*count;
-    }
-    return *count > 0;
-}
-
-static iso_status read_encapsulated(const pixel_file *f, int frame, void *pixels,
-                                    char warning[ISO_DICOM_WARNING], iso_error *error) {
-    size_t first, count;
-    if (!items_of(f, frame, &first, &count))
-        return iso_fail(error, ISO_ERR_IO, "%s: corrupt: the pixels of frame %d cannot be found",
-                        f->file->path, frame + 1);
-    /* GDCM gets the items of the frame, without the offset table */
-    const iso_dicom_items items = {f->bytes, f->offset + first, f->length + first, count};
-    const iso_module *gdcm = NULL; /* once it is loaded, this takes microseconds */
-    ISO_TRY(iso_module_load(f->file->path, "dicom", "GDCM", &gdcm, error));
-    return gdcm->dicom_decode(f->file, &items, pixels, warning, error);
-}
-
-static iso_status read_native(const pixel_file *f, int frame, void *pixels, iso_error *error) {
-    uint64_t bytes = iso_dicom_frame_bytes(f->file);
-    off_t at = (off_t)(f->file->pixel_offset + bytes * (uint64_t)frame);
-    if (fseeko(f->stream, at, SEEK_SET) != 0 || fread(pixels, 1, (size_t)bytes, f->stream) != bytes)
-        return iso_fail(error, ISO_ERR_IO, "%s: cannot read: the file ends too early", f->file->path);
-    return ISO_OK;
-}
-
 /* ---- values ---- */
-
-static bool host_is_big(void) {
-    return __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__;
-}
-
-static uint32_t pixel_at(const void *pixels, size_t i, int bytes, bool swap) {
-    uint16_t half;
-    uint32_t word;
-    switch (bytes) {
-    case 1:
-        return ((const uint8_t *)pixels)[i];
-    case 2:
-        memcpy(&half, (const uint8_t *)pixels + 2 * i, 2);
-        return swap ? __builtin_bswap16(half) : half;
-    default:
-        memcpy(&word, (const uint8_t *)pixels + 4 * i, 4);
-        return swap ? __builtin_bswap32(word) : word;
-    }
-}
-
-/* The value of a pixel. Bits outside the stored ones may hold overlays or anything (PS3.5, 8.1.1). Decoders
- * return the value in the low bits, without sign extension. */
-static double stored_value(const iso_dicom_file *file, uint32_t bits) {
-    uint32_t mask = file->bits_stored == 32 ? UINT32_MAX : (UINT32_C(1) << file->bits_stored) - 1;
-    if (!file->encapsulated) bits >>= file->high_bit + 1 - file->bits_stored;
-    if (!file->encapsulated || file->is_signed) bits &= mask;
-    bool negative = file->is_signed && (bits >> (file->bits_stored - 1) & 1);
-    return negative ? (double)bits - (double)mask - 1 : (double)bits;
-}
 
 static void store(iso_type type, void *target, size_t i, double value) {
     switch (type) {
@@ -638,15 +524,13 @@ static void store(iso_type type, void *target, size_t i, double value) {
 static void convert_plane(const planes *p, const iso_dicom_file *file, const iso_dicom_frame *frame,
                           const void *pixels, iso_type type, void *target) {
     size_t count = (size_t)file->rows * (size_t)file->columns;
-    bool swap =
-        !file->encapsulated && file->big_endian != host_is_big(); /* decoders return the host's order */
     if (file->bits_stored == file->bits_allocated && !p->physical) {
-        const iso_scalar_source raw = {pixels, p->scalar, 1, 0, swap};
+        const iso_scalar_source raw = {pixels, p->scalar, 1, 0, iso_dicom_is_swapped(file)};
         iso_scalar_convert(&raw, count, type, target);
         return;
     }
     for (size_t i = 0; i < count; i++) {
-        double value = stored_value(file, pixel_at(pixels, i, file->bits_allocated / 8, swap));
+        double value = iso_dicom_value(file, pixels, i);
         store(type, target, i, p->physical ? value * frame->slope + frame->intercept : value);
     }
 }
@@ -657,7 +541,7 @@ typedef struct reading {
     const char *path;
     const iso_volume_opts *opts;
     const source *source;
-    pixel_file open;
+    iso_dicom_pixels open;
     void *pixels;  /* of one frame */
     size_t warned; /* slices that a codec complained of; the first of them, and what it said */
     const iso_dicom_file *first_warned;
@@ -665,9 +549,8 @@ typedef struct reading {
 } reading;
 
 static iso_status read_frame(reading *r, const iso_dicom_frame *frame, iso_error *error) {
-    char warning[ISO_DICOM_WARNING] = "";
-    if (!r->open.file->encapsulated) return read_native(&r->open, frame->index, r->pixels, error);
-    ISO_TRY(read_encapsulated(&r->open, frame->index, r->pixels, warning, error));
+    char warning[ISO_DICOM_WARNING];
+    ISO_TRY(iso_dicom_pixels_read(&r->open, frame->index, r->pixels, warning, error));
     if (*warning && r->warned++ == 0) {
         r->first_warned = r->open.file;
         memcpy(r->warning, warning, sizeof warning);
@@ -679,7 +562,7 @@ static iso_status read_plane(reading *r, size_t z, iso_rgrid *grid, iso_error *e
     const planes *p = &r->source->planes;
     const iso_dicom_frame *frame = &p->frames[z];
     const iso_dicom_file *file = &r->source->folder.files[frame->file];
-    if (r->open.file != file) ISO_TRY(open_pixels(file, &r->open, error));
+    if (r->open.file != file) ISO_TRY(iso_dicom_pixels_open(file, &r->open, error));
     ISO_TRY(read_frame(r, frame, error));
     char *target = (char *)grid->data + z * (size_t)grid->stride_z * iso_type_size(grid->type);
     convert_plane(p, file, frame, r->pixels, grid->type, target);
@@ -697,7 +580,7 @@ static iso_status read_planes(const char *path, const iso_volume_opts *opts, con
         iso_volume_note(info, "the pixels of %zu slice%s may be damaged, the first: %s: %s", r.warned,
                         r.warned == 1 ? "" : "s", iso_dicom_folder_name(s->folder.path, r.first_warned->path),
                         r.warning);
-    close_pixels(&r.open);
+    iso_dicom_pixels_close(&r.open);
     iso_free(r.pixels);
     return status;
 }
@@ -713,7 +596,11 @@ static iso_status dicom_read(const char *path, const iso_volume_opts *opts, iso_
     if (memcmp(again.dims, info->dims, sizeof again.dims) != 0 || again.type != info->type)
         status = iso_fail(error, ISO_ERR_IO, "%s: changed while it was read", path);
     if (status == ISO_OK) status = iso_format_create(path, info, NULL, &result, error);
-    if (status == ISO_OK) status = read_planes(path, opts, &s, info, result.rgrid, error);
+    const iso_dicom_file *segmentation = s.planes.segmentation;
+    if (status == ISO_OK)
+        status = segmentation
+                     ? iso_dicom_segmentation_read(path, opts, segmentation, info, result.rgrid, error)
+                     : read_planes(path, opts, &s, info, result.rgrid, error);
     free_source(&s);
     if (status == ISO_OK)
         *grid = result;

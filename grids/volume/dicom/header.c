@@ -27,10 +27,11 @@ enum { UNDEFINED = -1, MAX_DEPTH = 32, MAX_VALUE = 1 << 20, MAX_FRAMES = 1 << 16
 #define SHARED_GROUPS TAG(0x5200, 0x9229)
 #define PER_FRAME_GROUPS TAG(0x5200, 0x9230)
 #define DETECTORS TAG(0x0054, 0x0022)
+#define SEGMENTS TAG(0x0062, 0x0002)
 
-/* What the elements that are being parsed describe: the file, all frames, one frame, or nothing that is used.
- */
-typedef enum scope { FILE_SCOPE, SHARED_SCOPE, FRAME_SCOPE, OTHER_SCOPE } scope;
+/* What the elements that are being parsed describe: the file, all frames, one frame, a segment of a
+ * segmentation, or nothing that is used. */
+typedef enum scope { FILE_SCOPE, SHARED_SCOPE, FRAME_SCOPE, SEGMENT_SCOPE, OTHER_SCOPE } scope;
 
 typedef struct parser {
     FILE *stream;
@@ -55,8 +56,8 @@ typedef struct element {
 /* The position of an element in the structure of the data set. */
 typedef struct place {
     scope scope;
-    int frame, depth;
-    int64_t end; /* of the enclosing item or sequence; UNDEFINED: a delimiter ends it */
+    int item, depth; /* the number of the frame or segment */
+    int64_t end;     /* of the enclosing item or sequence; UNDEFINED: a delimiter ends it */
 } place;
 
 static bool parse_set(parser *p, place here);
@@ -312,6 +313,9 @@ static void use_file_text(parser *p, uint32_t tag, const char *text) {
     case TAG(0x3004, 0x000c):
         use_frame_offsets(p, text);
         break;
+    case TAG(0x0062, 0x0001):
+        copy_text(file->segmentation, sizeof file->segmentation, text);
+        break;
     default:
         use_frame_text(p, tag, text, &p->common);
     }
@@ -341,6 +345,12 @@ static void use_number(parser *p, uint32_t tag, uint32_t value) {
     case TAG(0x0028, 0x0103):
         file->is_signed = value != 0;
         break;
+    case TAG(0x0028, 0x0120):
+        file->padding = (int)value;
+        break;
+    case TAG(0x0062, 0x000e):
+        file->whole_fraction = (int)value;
+        break;
     default:
         break;
     }
@@ -348,7 +358,8 @@ static void use_number(parser *p, uint32_t tag, uint32_t value) {
 
 static bool is_number(uint32_t tag) {
     return tag == TAG(0x0028, 0x0002) || tag == TAG(0x0028, 0x0010) || tag == TAG(0x0028, 0x0011) ||
-           (tag >= TAG(0x0028, 0x0100) && tag <= TAG(0x0028, 0x0103));
+           (tag >= TAG(0x0028, 0x0100) && tag <= TAG(0x0028, 0x0103)) || tag == TAG(0x0028, 0x0120) ||
+           tag == TAG(0x0062, 0x000e);
 }
 
 static bool is_file_text(uint32_t tag) {
@@ -356,7 +367,7 @@ static bool is_file_text(uint32_t tag) {
                                     TAG(0x0008, 0x103e), TAG(0x0008, 0x0060), TAG(0x0028, 0x0004),
                                     TAG(0x0020, 0x0011), TAG(0x0028, 0x0008), TAG(0x0020, 0x0013),
                                     TAG(0x0020, 0x0100), TAG(0x0020, 0x0012), TAG(0x0018, 0x0086),
-                                    TAG(0x3004, 0x000c), TAG(0x0008, 0x0018)};
+                                    TAG(0x3004, 0x000c), TAG(0x0008, 0x0018), TAG(0x0062, 0x0001)};
     for (size_t i = 0; i < sizeof tags / sizeof *tags; i++)
         if (tags[i] == tag) return true;
     return false;
@@ -381,13 +392,55 @@ static iso_dicom_frame *frame_of(parser *p, int index) {
     return file->frames && index < file->frame_count ? &file->frames[index] : NULL;
 }
 
-/* Uses the temporal position index of a frame, the only binary number of the functional groups that is
- * needed. */
-static bool use_frame_number(parser *p, const element *e, int frame) {
+/* Uses the temporal position index of a frame, and the number of its segment. */
+static bool use_frame_number(parser *p, const element *e, place here) {
     uint8_t b[4];
-    if (!take_bytes(p, b, 4)) return false;
-    iso_dicom_frame *target = frame_of(p, frame);
+    if (!take_bytes(p, b, (size_t)e->length)) return false;
+    iso_dicom_frame *target = here.scope == FRAME_SCOPE ? frame_of(p, here.item) : &p->common;
     if (target && e->tag == TAG(0x0020, 0x9128)) target->phase[0] = 1 + (long)number32(p, b);
+    if (target && e->tag == TAG(0x0062, 0x000b)) target->segment = (int)number16(p, b);
+    return true;
+}
+
+static bool is_frame_number(const element *e, place here) {
+    return (e->tag == TAG(0x0020, 0x9128) && e->length == 4 && here.scope == FRAME_SCOPE) ||
+           (e->tag == TAG(0x0062, 0x000b) && e->length == 2 &&
+            (here.scope == FRAME_SCOPE || here.scope == SHARED_SCOPE));
+}
+
+/* The segment whose item is parsed, which is added if it is new. NULL: no memory. */
+static iso_dicom_segment *segment_of(parser *p, int item) {
+    iso_dicom_file *file = p->file;
+    if ((size_t)item < file->segment_count) return &file->segments[item];
+    if (file->segment_count == file->segment_room) {
+        const size_t room = file->segment_room ? 2 * file->segment_room : 16;
+        iso_dicom_segment *grown = realloc(file->segments, room * sizeof *grown);
+        if (!grown) {
+            p->no_memory = true;
+            return NULL;
+        }
+        file->segments = grown;
+        file->segment_room = room;
+    }
+    file->segments[file->segment_count] = (iso_dicom_segment){.number = 0};
+    return &file->segments[file->segment_count++];
+}
+
+/* Uses the number, name or colour of a segment. */
+static bool use_segment(parser *p, const element *e, place here) {
+    const bool number = e->tag == TAG(0x0062, 0x0004) && e->length == 2;
+    const bool color = e->tag == TAG(0x0062, 0x000d) && e->length == 6;
+    const bool name = e->tag == TAG(0x0062, 0x0005) && e->length <= MAX_VALUE;
+    iso_dicom_segment *segment = number || color || name ? segment_of(p, here.item) : NULL;
+    if (!segment) return !p->no_memory;
+    uint8_t b[6];
+    char *text = name ? take_text(p, e->length) : NULL;
+    if (name ? !text : !take_bytes(p, b, (size_t)e->length)) return false;
+    if (number) segment->number = (int)number16(p, b);
+    for (int i = 0; color && i < 3; i++) segment->lab[i] = (uint16_t)number16(p, b + 2 * i);
+    segment->colored |= color;
+    if (name) copy_text(segment->name, sizeof segment->name, text);
+    free(text);
     return true;
 }
 
@@ -395,7 +448,7 @@ static bool use_text(parser *p, const element *e, place here) {
     char *text = take_text(p, e->length);
     if (!text) return false;
     if (here.scope == FRAME_SCOPE) {
-        iso_dicom_frame *frame = frame_of(p, here.frame);
+        iso_dicom_frame *frame = frame_of(p, here.item);
         if (frame) use_frame_text(p, e->tag, text, frame);
     } else if (here.scope == SHARED_SCOPE) {
         use_frame_text(p, e->tag, text, &p->common);
@@ -411,6 +464,7 @@ static bool use_value(parser *p, const element *e, place here) {
     int64_t end = p->at + e->length;
     if (e->length > p->size - p->at) return cut_off(p);
     bool file_scope = here.scope == FILE_SCOPE && here.depth == 0;
+    if (here.scope == SEGMENT_SCOPE) return use_segment(p, e, here) && skip_to(p, end);
     bool text = e->length <= MAX_VALUE && here.scope != OTHER_SCOPE &&
                 (is_frame_text(e->tag) || (file_scope && is_file_text(e->tag)));
     if (text && !use_text(p, e, here)) return false;
@@ -419,9 +473,7 @@ static bool use_value(parser *p, const element *e, place here) {
         if (!take_bytes(p, b, 2)) return false;
         use_number(p, e->tag, number16(p, b));
     }
-    if (here.scope == FRAME_SCOPE && e->tag == TAG(0x0020, 0x9128) && e->length == 4 &&
-        !use_frame_number(p, e, here.frame))
-        return false;
+    if (is_frame_number(e, here) && !use_frame_number(p, e, here)) return false;
     return skip_to(p, end);
 }
 
@@ -429,9 +481,11 @@ static bool use_value(parser *p, const element *e, place here) {
 
 /* Whether an element is a sequence that is parsed. Files with implicit value representations do not tell. */
 static bool is_known_sequence(uint32_t tag) {
-    static const uint32_t tags[] = {SHARED_GROUPS,       PER_FRAME_GROUPS,    DETECTORS,
-                                    TAG(0x0020, 0x9111), TAG(0x0020, 0x9113), TAG(0x0020, 0x9116),
-                                    TAG(0x0028, 0x9110), TAG(0x0028, 0x9145)};
+    static const uint32_t tags[] = {SHARED_GROUPS,       PER_FRAME_GROUPS,
+                                    DETECTORS,           TAG(0x0020, 0x9111),
+                                    TAG(0x0020, 0x9113), TAG(0x0020, 0x9116),
+                                    TAG(0x0028, 0x9110), TAG(0x0028, 0x9145),
+                                    TAG(0x0062, 0x000a), SEGMENTS};
     for (size_t i = 0; i < sizeof tags / sizeof *tags; i++)
         if (tags[i] == tag) return true;
     return false;
@@ -443,6 +497,7 @@ static scope scope_inside(const element *e, place here) {
         if (e->tag == SHARED_GROUPS) return SHARED_SCOPE;
         if (e->tag == PER_FRAME_GROUPS) return FRAME_SCOPE;
         if (e->tag == DETECTORS) return SHARED_SCOPE;
+        if (e->tag == SEGMENTS) return SEGMENT_SCOPE;
     }
     return OTHER_SCOPE;
 }
@@ -451,7 +506,7 @@ static bool parse_sequence(parser *p, const element *e, place here) {
     if (here.depth >= MAX_DEPTH) return is_corrupt(p);
     int64_t end = e->length == UNDEFINED ? UNDEFINED : p->at + e->length;
     if (end > p->size) return cut_off(p);
-    bool counts_frames = e->tag == PER_FRAME_GROUPS && here.depth == 0;
+    bool counts = (e->tag == PER_FRAME_GROUPS || e->tag == SEGMENTS) && here.depth == 0;
     bool was_explicit = p->explicit_vr;
     if (strcmp(e->vr, "UN") == 0) p->explicit_vr = false; /* PS3.5, 6.2.2 */
     for (int item = 0; end == UNDEFINED || p->at < end; item++) {
@@ -459,7 +514,7 @@ static bool parse_sequence(parser *p, const element *e, place here) {
         if (!read_element_head(p, &head)) return false;
         if (head.tag == SEQUENCE_END) break;
         if (head.tag != ITEM) return is_corrupt(p);
-        place inside = {scope_inside(e, here), counts_frames ? item : here.frame, here.depth + 1,
+        place inside = {scope_inside(e, here), counts ? item : here.item, here.depth + 1,
                         head.length == UNDEFINED ? UNDEFINED : p->at + head.length};
         if (inside.end > p->size) return cut_off(p);
         if (!parse_set(p, inside)) return false;
@@ -486,7 +541,7 @@ static bool parse_pixels(parser *p, const element *e) {
     file->pixel_offset = (uint64_t)p->at;
     file->encapsulated = e->length == UNDEFINED;
     /* 8-bit pixels in big-endian 16-bit words would have to be swapped; such files are no longer written */
-    if (p->big_endian && file->bits_allocated == 8 && strcmp(e->vr, "OW") == 0) return is_corrupt(p);
+    if (p->big_endian && file->bits_allocated <= 8 && strcmp(e->vr, "OW") == 0) return is_corrupt(p);
     if (!(file->encapsulated ? parse_fragments(p) : skip_to(p, p->at + e->length))) return false;
     file->pixel_bytes = (uint64_t)p->at - file->pixel_offset;
     return true;
@@ -585,6 +640,7 @@ static void complete_frame(const parser *p, int index, iso_dicom_frame *frame) {
     if (frame->thickness > 0) whole.thickness = frame->thickness;
     if (frame->slope != 0) whole.slope = frame->slope, whole.intercept = frame->intercept;
     if (frame->phase[0] > 0) whole.phase[0] = frame->phase[0] - 1;
+    if (frame->segment) whole.segment = frame->segment;
     *frame = whole;
 }
 
@@ -607,13 +663,15 @@ static iso_status check_image(const iso_dicom_file *file, iso_error *error) {
         return iso_fail(error, ISO_ERR_FORMAT, "%s: an image of %d x %d pixels", file->path, file->columns,
                         file->rows);
     int allocated = file->bits_allocated;
-    if ((allocated != 8 && allocated != 16 && allocated != 32) || file->bits_stored < 1 ||
+    const bool bits = allocated == 1 && *file->segmentation && !file->encapsulated && file->samples == 1;
+    if ((allocated != 8 && allocated != 16 && allocated != 32 && !bits) || file->bits_stored < 1 ||
         file->bits_stored > allocated || file->high_bit >= allocated ||
         file->high_bit + 1 < file->bits_stored)
         return iso_fail(error, ISO_ERR_FORMAT, "%s: cannot read pixels of %d bits of which %d are used",
                         file->path, allocated, file->bits_stored);
     uint64_t wanted = iso_dicom_frame_bytes(file);
     if (__builtin_mul_overflow(wanted, (uint64_t)file->frame_count, &wanted)) wanted = UINT64_MAX;
+    if (bits) wanted = wanted / 8 + (wanted % 8 != 0);
     if (!file->encapsulated && file->pixel_bytes < wanted)
         return iso_fail(error, ISO_ERR_IO, "%s: truncated: %llu of %llu bytes of pixels", file->path,
                         (unsigned long long)file->pixel_bytes, (unsigned long long)wanted);
@@ -677,7 +735,8 @@ static iso_status open_parser(parser *p, iso_error *error) {
 
 iso_status iso_dicom_file_read(const char *path, iso_dicom_file *file, iso_dicom_kind *kind,
                                iso_error *error) {
-    *file = (iso_dicom_file){.path = strdup(path), .frame_count = 1, .samples = 1, .series_number = -1};
+    *file = (iso_dicom_file){
+        .path = strdup(path), .frame_count = 1, .samples = 1, .series_number = -1, .padding = -1};
     if (!file->path) return iso_fail_memory(error, path);
     parser p = {.file = file,
                 .common = {.slope = 1, .phase = {-1, -1, -1}, .orientation = {1, 0, 0, 0, 1, 0}}};
@@ -695,10 +754,11 @@ iso_status iso_dicom_file_read(const char *path, iso_dicom_file *file, iso_dicom
 void iso_dicom_file_free(iso_dicom_file *file) {
     free(file->path);
     iso_free(file->frames);
+    free(file->segments);
     *file = (iso_dicom_file){0};
 }
 
 uint64_t iso_dicom_frame_bytes(const iso_dicom_file *file) {
     return (uint64_t)file->rows * (uint64_t)file->columns * (uint64_t)file->samples *
-           (uint64_t)(file->bits_allocated / 8);
+           (uint64_t)(file->bits_allocated < 8 ? 1 : file->bits_allocated / 8);
 }

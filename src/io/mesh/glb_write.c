@@ -10,7 +10,7 @@
 
 #include "base/decimal_point.h"
 #include "base/text.h"
-#include "image/srgb.h"
+#include "base/srgb.h"
 #include "io/common/encode.h"
 #include "io/mesh/mesh_source.h"
 

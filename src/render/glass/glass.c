@@ -6,7 +6,7 @@
 #include <stdatomic.h>
 
 #include "base/memory.h"
-#include "image/srgb.h"
+#include "base/srgb.h"
 
 const char *iso_refraction_name(iso_refraction refraction) {
     static const char *const names[ISO_REFRACTIONS] = {"auto",   "none",      "single",

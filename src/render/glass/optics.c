@@ -1,7 +1,7 @@
 /* optics: absorption (Beer and Lambert), with an exponential that has the same bits on every machine. */
 #include "render/glass/optics.h"
 
-#include "image/srgb.h"
+#include "base/srgb.h"
 
 void iso_glass_set_absorption(iso_glass *glass, iso_rgb color, double distance) {
     const uint8_t display[3] = {color.r, color.g, color.b};

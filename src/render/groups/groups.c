@@ -90,9 +90,12 @@ static iso_status draw_bands(splats_call *call, iso_error *error) {
 static iso_status draw_groups(const iso_target *target, const iso_point_view *points,
                               const iso_groups *groups, int bins, iso_error *error) {
     iso_point_view opaque = *points;
-    splats_call call = {
-        .target = target,
-        .slots = {.points = &opaque, .groups = groups, .width = target->gbuffer->width, .bins = bins}};
+    splats_call call = {.target = target,
+                        .slots = {.points = &opaque,
+                                  .groups = groups,
+                                  .width = target->gbuffer->width,
+                                  .bins = bins,
+                                  .cut = target->clip && target->clip->count ? target : NULL}};
     opaque.opacities = NULL; /* colours are not weighted by them */
     call.slots.discs = &call.discs;
     if (groups->count == 0) return ISO_OK;

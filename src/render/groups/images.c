@@ -161,8 +161,8 @@ static void list_nearest(const images *im, const iso_slots *slots) {
 }
 
 bool iso_groups_list_images(const iso_splat_surface *surface, const iso_splat_band *band, bool nearest) {
-    const iso_slots slots = {&surface->input->points, surface->input->groups, &surface->discs, band->width,
-                             0};
+    const iso_slots slots = {
+        &surface->input->points, surface->input->groups, &surface->discs, band->width, 0, NULL};
     images im;
     if (!set_up(surface, band, &im)) return false;
     if (nearest) {

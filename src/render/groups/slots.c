@@ -42,12 +42,33 @@ void iso_slots_clear(const iso_slots_band *band) {
     memset(band->keys, 0xff, pixels * (size_t)band->slots->groups->count * sizeof *band->keys); /* NO_DISC */
 }
 
+/* What the clip leaves of a disc. */
+static iso_clip_rest rest_of(const iso_slots *slots, const iso_disc *disc) {
+    if (!slots->cut) return ISO_CLIP_ALL;
+    const iso_view *view = slots->cut->view;
+    iso_vec3 origin, direction;
+    iso_view_ray(view, view->cx + (double)disc->x, view->cy + (double)disc->y, &origin, &direction);
+    const double r = (double)disc->radius;
+    const iso_vec3 centre = iso_vec3_add(origin, iso_vec3_scale(direction, (double)disc->z)),
+                   half[3] = {{r, 0, 0}, {0, r, 0}, {0, 0, r}};
+    return iso_clip_of_box(slots->cut->clip, centre, half, &(unsigned){0});
+}
+
+/* Whether the clip leaves what is seen at this depth in the middle of a pixel of the whole picture. */
+static bool is_left(const iso_slots *slots, int x, int y, float depth) {
+    iso_vec3 origin, direction;
+    iso_view_ray(slots->cut->view, x + 0.5, y + 0.5, &origin, &direction);
+    return iso_clip_shows(slots->cut->clip, iso_vec3_add(origin, iso_vec3_scale(direction, (double)depth)));
+}
+
 void iso_slots_draw(const iso_slots_band *band, uint32_t number) {
     const iso_slots *slots = band->slots;
     const iso_disc_view *view = &slots->discs->view;
     const iso_disc *disc = (const iso_disc *)slots->discs->disc.data + number;
     const iso_disc_box within = {{0, slots->width - 1}, band->rows},
                        box = iso_disc_bounds(view, disc, &within);
+    const iso_clip_rest rest = rest_of(slots, disc);
+    if (rest == ISO_CLIP_NOTHING) return;
     uint64_t *slot = band->keys + slots->groups->group[disc->point];
     for (int y = box.rows.first; y <= box.rows.last; y++)
         for (int x = box.columns.first; x <= box.columns.last; x++) {
@@ -55,7 +76,8 @@ void iso_slots_draw(const iso_slots_band *band, uint32_t number) {
             uint64_t *to = slot + pixel * (size_t)slots->groups->count;
             iso_disc_hit hit;
             if (!iso_disc_intersect(view, disc, iso_disc_column(view, x), iso_disc_row(view, y), &hit) ||
-                (band->limit && !(hit.depth < band->limit[pixel])))
+                (band->limit && !(hit.depth < band->limit[pixel])) ||
+                (rest == ISO_CLIP_SOME && !is_left(slots, x, y, hit.depth)))
                 continue;
             const uint64_t key = key_of(slots, disc, number, &hit);
             *to = key < *to ? key : *to;

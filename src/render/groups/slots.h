@@ -5,14 +5,16 @@
 #define ISO_RENDER_GROUPS_SLOTS_H
 
 #include "render/groups/blend.h"
+#include "render/raster/raster.h"
 
 /* The discs of a view and the way they are compared. All pointers are borrowed. */
 typedef struct iso_slots {
     const iso_point_view *points;
     const iso_groups *groups;
     const iso_banded_discs *discs;
-    int width;   /* pixels of a row */
-    double bins; /* see iso_draw_groups_opts.bins */
+    int width;             /* pixels of a row */
+    double bins;           /* see iso_draw_groups_opts.bins */
+    const iso_target *cut; /* hits that its clip cuts away are left out; NULL: nothing is cut */
 } iso_slots;
 
 /* The slots of a band of rows: those of pixel (x, y) are keys[((y - rows.first) * width + x) * groups->count

@@ -17,7 +17,7 @@
 #include "image/camera.h"
 #include "image/environment.h"
 #include "image/image.h"
-#include "image/srgb.h"
+#include "base/srgb.h"
 
 static const char *const EXR_PATH = ISO_TEST_TMP "/environment_test.exr";
 static const char *const PNG_PATH = ISO_TEST_TMP "/environment_test.png";

@@ -16,7 +16,7 @@
 #include "exact_support.h"
 #include "extract_support.h"
 #include "grids/scenes/scenes.h"
-#include "image/srgb.h"
+#include "base/srgb.h"
 #include "truth/traced_glass.h"
 #include "view_support.h"
 

@@ -1,7 +1,7 @@
 /* srgb: the transfer function between display values, as in PNG files, and linear light (IEC 61966-2-1), with
  * the same bits on every machine. */
-#ifndef ISO_IMAGE_SRGB_H
-#define ISO_IMAGE_SRGB_H
+#ifndef ISO_BASE_SRGB_H
+#define ISO_BASE_SRGB_H
 
 #include "base/exponential.h"
 

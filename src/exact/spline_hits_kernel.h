@@ -1,0 +1,25 @@
+/* spline_hits_kernel: Newton's method for the hits in one cell. Internal to exact. */
+#ifndef ISO_EXACT_SPLINE_HITS_KERNEL_H
+#define ISO_EXACT_SPLINE_HITS_KERNEL_H
+
+#include "base/cpu.h"
+#include "grids/spline/spline.h"
+
+enum { ISO_SPLINE_HITS = 16 };
+
+/* Up to 16 hits in one cell. */
+typedef struct iso_spline_hits {
+    bool prefilter, smooths; /* values: 6^3 voxels, else 4^3 coefficients; `smoothed` is set, for normals */
+    int count;
+    float isovalue, values[ISO_SPLINE_VOXELS], smoothed[ISO_SPLINE_COEFFICIENTS];
+    /* Positions in the cell's coordinates, and how they change for each mm of depth. Of hits from `count` on
+     * both are 0. */
+    float at[3][ISO_SPLINE_HITS], step[3][ISO_SPLINE_HITS];
+    float shift[ISO_SPLINE_HITS], gradient[3][ISO_SPLINE_HITS]; /* results: mm of depth; stored values */
+} iso_spline_hits;
+
+typedef void iso_spline_hits_fn(iso_spline_hits *hits);
+/* Every instruction set gives the same bytes. */
+ISO_KERNEL_UNITS(iso_spline_hits_fn, iso_spline_hits_units);
+
+#endif
